@@ -1,0 +1,188 @@
+//! The OpenGL API as the Khronos registry describes it → a typed table of pointers,
+//! the enums, and the map of aliases (`glDrawArraysEXT` → `glDrawArrays`).
+
+use std::collections::BTreeSet;
+use std::fmt::Write;
+
+/// Commands outside the core versions that we call ourselves when a driver has them.
+const EXTRA: &[&str] = &["glMatrixLoadfEXT", "glMatrixLoaddEXT", "glPrimitiveRestartIndexNV"];
+
+/// Rust source: `Gl` (table and one method per command), constants, `ALIASES`.
+pub fn generate() -> String {
+    let text = std::str::from_utf8(khronos_api::GL_XML).expect("the registry is UTF-8");
+    let document = roxmltree::Document::parse(text).expect("the registry is well-formed XML");
+    let root = document.root_element();
+    let wanted = wanted_commands(root);
+    let mut out = String::new();
+    enums(root, &mut out);
+    commands(root, &wanted, &mut out);
+    aliases(root, &mut out);
+    out
+}
+
+fn wanted_commands<'a>(root: roxmltree::Node<'a, '_>) -> BTreeSet<&'a str> {
+    let mut wanted = BTreeSet::new();
+    for feature in root.children().filter(|n| n.has_tag_name("feature")) {
+        if !matches!(feature.attribute("api"), Some("gl" | "gles2")) {
+            continue;
+        }
+        for require in feature.children().filter(|n| n.has_tag_name("require")) {
+            for command in require.children().filter(|n| n.has_tag_name("command")) {
+                wanted.insert(command.attribute("name").expect("a command has a name"));
+            }
+        }
+    }
+    wanted
+}
+
+fn enums(root: roxmltree::Node, out: &mut String) {
+    let mut seen = BTreeSet::new();
+    for group in root.children().filter(|n| n.has_tag_name("enums")) {
+        for item in group.children().filter(|n| n.has_tag_name("enum")) {
+            if matches!(item.attribute("api"), Some(api) if api != "gl") {
+                continue;
+            }
+            let (Some(name), Some(value)) = (item.attribute("name"), item.attribute("value")) else { continue };
+            let parsed = match value.strip_prefix("0x") {
+                Some(hex) => u64::from_str_radix(hex, 16).ok(),
+                None => value.parse::<u64>().ok(),
+            };
+            if let Some(number) = parsed.filter(|v| *v <= u64::from(u32::MAX))
+                && seen.insert(name)
+            {
+                writeln!(out, "pub const {name}: u32 = {number};").expect("writing to a String");
+            }
+        }
+    }
+}
+
+fn commands(root: roxmltree::Node, wanted: &BTreeSet<&str>, out: &mut String) {
+    let mut fields = String::new();
+    let mut loads = String::new();
+    let mut methods = String::new();
+    let list = root.children().find(|n| n.has_tag_name("commands")).expect("the registry lists commands");
+    for command in list.children().filter(|n| n.has_tag_name("command")) {
+        let proto = command.children().find(|n| n.has_tag_name("proto")).expect("a command has a prototype");
+        let name = child_text(proto, "name");
+        if !wanted.contains(name.as_str()) && !EXTRA.contains(&name.as_str()) {
+            continue;
+        }
+        let result = rust_type(&declaration(proto));
+        let parameters: Vec<(String, String)> = command
+            .children()
+            .filter(|n| n.has_tag_name("param"))
+            .map(|p| (format!("p_{}", child_text(p, "name")), rust_type(&declaration(p))))
+            .collect();
+        let method = snake_case(name.strip_prefix("gl").expect("a GL command begins with gl"));
+        let types = parameters.iter().map(|p| p.1.as_str()).collect::<Vec<_>>().join(", ");
+        let typed = parameters.iter().map(|p| format!("{}: {}", p.0, p.1)).collect::<Vec<_>>().join(", ");
+        let names = parameters.iter().map(|p| p.0.as_str()).collect::<Vec<_>>().join(", ");
+        let arrow = if result == "()" { String::new() } else { format!(" -> {result}") };
+        let absent = match result.as_str() {
+            "()" => "()".to_owned(),
+            r if r.starts_with('*') => "std::ptr::null_mut::<c_void>().cast()".to_owned(),
+            _ => "0".to_owned(),
+        };
+        writeln!(fields, "    {method}: *const c_void,").expect("writing to a String");
+        writeln!(loads, "            {method}: load(c\"{name}\"),").expect("writing to a String");
+        writeln!(
+            methods,
+            "    #[inline] pub unsafe fn {method}(&self, {typed}){arrow} {{\n        \
+             if self.{method}.is_null() {{ return {absent}; }}\n        \
+             let f: unsafe extern \"system\" fn({types}){arrow} = unsafe {{ std::mem::transmute(self.{method}) }};\n        \
+             unsafe {{ f({names}) }}\n    }}\n    \
+             #[inline] pub fn has_{method}(&self) -> bool {{ !self.{method}.is_null() }}"
+        )
+        .expect("writing to a String");
+    }
+    write!(
+        out,
+        "pub struct Gl {{\n{fields}}}\nimpl Gl {{\n    \
+         pub fn load(mut load: impl FnMut(&std::ffi::CStr) -> *const c_void) -> Self {{\n        Self {{\n{loads}        }}\n    }}\n{methods}}}\n"
+    )
+    .expect("writing to a String");
+}
+
+fn aliases(root: roxmltree::Node, out: &mut String) {
+    let list = root.children().find(|n| n.has_tag_name("commands")).expect("the registry lists commands");
+    let mut pairs = Vec::new();
+    for command in list.children().filter(|n| n.has_tag_name("command")) {
+        let proto = command.children().find(|n| n.has_tag_name("proto")).expect("a command has a prototype");
+        if let Some(alias) = command.children().find(|n| n.has_tag_name("alias")) {
+            let target = alias.attribute("name").expect("an alias has a name").to_owned();
+            pairs.push((child_text(proto, "name"), target));
+        }
+    }
+    pairs.sort();
+    writeln!(out, "pub static ALIASES: [(&str, &str); {}] = [", pairs.len()).expect("writing to a String");
+    for (alias, target) in &pairs {
+        writeln!(out, "    ({alias:?}, {target:?}),").expect("writing to a String");
+    }
+    out.push_str("];\n");
+}
+
+fn child_text(node: roxmltree::Node, tag: &str) -> String {
+    let child = node.children().find(|n| n.has_tag_name(tag)).expect("the registry names everything");
+    child.text().unwrap_or_default().trim().to_owned()
+}
+
+/// The C declaration without the declared name.
+fn declaration(node: roxmltree::Node) -> String {
+    let mut text = String::new();
+    for part in node.children() {
+        if !part.has_tag_name("name") {
+            text.push_str(part.text().unwrap_or_default());
+            text.push(' ');
+        }
+    }
+    text
+}
+
+fn rust_type(declaration: &str) -> String {
+    let constant = declaration.contains("const");
+    let stars = declaration.matches('*').count();
+    let base = declaration.replace(['*', ','], " ");
+    let base = base.split_whitespace().find(|w| !matches!(*w, "const" | "struct")).unwrap_or("void");
+    let scalar = match base {
+        "void" | "GLvoid" => "c_void",
+        "GLenum" | "GLbitfield" | "GLuint" => "u32",
+        "GLint" | "GLsizei" | "GLfixed" | "GLclampx" => "i32",
+        "GLboolean" | "GLubyte" => "u8",
+        "GLchar" | "GLcharARB" => "c_char",
+        "GLbyte" => "i8",
+        "GLshort" => "i16",
+        "GLushort" | "GLhalfNV" | "GLhalf" => "u16",
+        "GLfloat" | "GLclampf" => "f32",
+        "GLdouble" | "GLclampd" => "f64",
+        "GLintptr" | "GLsizeiptr" | "GLintptrARB" | "GLsizeiptrARB" => "isize",
+        "GLint64" | "GLint64EXT" => "i64",
+        "GLuint64" | "GLuint64EXT" => "u64",
+        "GLsync" | "GLeglImageOES" | "GLDEBUGPROC" | "GLDEBUGPROCARB" | "GLDEBUGPROCKHR" | "GLDEBUGPROCAMD" => {
+            return "*const c_void".to_owned();
+        }
+        other => panic!("the registry has a type that this build script does not know: {other}"),
+    };
+    match (stars, scalar) {
+        (0, "c_void") => "()".to_owned(),
+        (0, _) => scalar.to_owned(),
+        (1, _) if constant => format!("*const {scalar}"),
+        (1, _) => format!("*mut {scalar}"),
+        _ if constant => format!("*const *const {scalar}"),
+        _ => format!("*mut *mut {scalar}"),
+    }
+}
+
+/// `DrawElementsBaseVertex` → `draw_elements_base_vertex`, `Uniform4fv` → `uniform4fv`.
+fn snake_case(name: &str) -> String {
+    let letters: Vec<char> = name.chars().collect();
+    let mut out = String::new();
+    for (i, c) in letters.iter().enumerate() {
+        let after_lower = i > 0 && (letters[i - 1].is_lowercase() || letters[i - 1].is_ascii_digit());
+        let before_lower = i > 0 && letters[i - 1].is_uppercase() && letters.get(i + 1).is_some_and(|n| n.is_lowercase());
+        if c.is_uppercase() && (after_lower || before_lower) {
+            out.push('_');
+        }
+        out.extend(c.to_lowercase());
+    }
+    out
+}

@@ -1,0 +1,3 @@
+//! OpenGL and OpenGL ES.
+
+pub mod api;

@@ -1,0 +1,3 @@
+//! The APIs that run a plan.
+
+pub mod gl;

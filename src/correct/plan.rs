@@ -1,0 +1,119 @@
+//! The passes of a frame.
+
+use crate::geom::QuadraticForm;
+use crate::views::ViewPlan;
+use glam::{DMat3, DVec3};
+
+/// Everything a backend needs to correct a frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plan {
+    /// The views and the atlas.
+    pub views: ViewPlan,
+    /// A pass for each output, in the rig's order.
+    pub passes: Vec<OutputPass>,
+}
+
+/// A rectangle of an output in pixels, from the top left.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PixelRect {
+    /// Left edge.
+    pub x: u32,
+    /// Top edge.
+    pub y: u32,
+    /// Width.
+    pub width: u32,
+    /// Height.
+    pub height: u32,
+}
+
+/// One output's correction. Pixels in no batch are black.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OutputPass {
+    /// The output's name.
+    pub name: String,
+    /// The output's resolution in pixels.
+    pub size: (u32, u32),
+    /// Output pixel (normalised, see [`Batch`]) → ray.
+    pub source: Source,
+    /// Rectangles that share a shader.
+    pub batches: Vec<Batch>,
+    /// Weight image at the output's resolution or any other; linear light, 0…1, row 0 at the top.
+    pub mask: Option<Mask>,
+    /// Exponent of the display's response.
+    pub gamma: f64,
+    /// Linear light added to black (`out = level + (1 − level)·x`).
+    pub black_level: f64,
+}
+
+/// A weight image.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mask {
+    /// Width in pixels.
+    pub width: u32,
+    /// Height in pixels.
+    pub height: u32,
+    /// Weights, 16 bit, row by row from the top.
+    pub weights: Vec<u16>,
+}
+
+/// How a pixel of an output becomes a direction. `(x, y)` are the pixel's normalised
+/// coordinates: −1…1 from left to right and from bottom to top, at pixel centres, scaled so for
+/// [`Source::Fisheye`] that the inscribed circle is the unit circle.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Source {
+    /// `v = rotation·(q·S(|q|²), −C(|q|²)) + offset` with `q = (x, y)·aperture/2`, in viewer axes (metres per dome radius).
+    Fisheye {
+        /// Whole opening angle, radians.
+        aperture: f64,
+        /// Lens axes → viewer axes.
+        rotation: DMat3,
+        /// Minus the viewer's position over the dome's radius, in viewer axes.
+        offset: DVec3,
+    },
+    /// Viewer direction by the closed form, in viewer axes.
+    Projector(Box<ProjectorSource>),
+    /// `v = matrix·(x, y, 1)`, in viewer axes.
+    Perspective {
+        /// Homogeneous pixel → direction.
+        matrix: DMat3,
+    },
+}
+
+/// The forms of a projector.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ProjectorSource {
+    /// Viewer direction, viewer axes.
+    pub direction: QuadraticForm,
+    /// Whether the hit is on the screen: `≥ 0` inside the dome's cap (first row of `q` and `l`); `None` = the whole sphere is screen.
+    pub cap: Option<([f64; 6], [f64; 3])>,
+    /// Hit point over the radius times a positive factor, dome axes turned so that the pole is +y and the front −z; for ramps in dome angles.
+    pub dome_direction: QuadraticForm,
+    /// For every projector that can overlap this one: its homogeneous picture coordinates (`x/z`, `y/z` in −1…1, `z > 0` in front) of this pixel's hit, and its ramp.
+    pub neighbours: Vec<Neighbour>,
+    /// This projector's own ramp width, as a part of width or height.
+    pub ramp: f64,
+}
+
+/// Another projector, as seen from a pixel's hit on the screen.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Neighbour {
+    /// Index of the output.
+    pub output: usize,
+    /// Its homogeneous picture coordinates.
+    pub picture: QuadraticForm,
+    /// Its ramp width.
+    pub ramp: f64,
+}
+
+/// Rectangles of one output that the same specialised shader draws.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Batch {
+    /// Indices of the views that its pixels sample, in order of precedence.
+    pub views: Vec<usize>,
+    /// Indices into the output's neighbours whose pictures overlap here; empty = no blending from overlap.
+    pub neighbours: Vec<usize>,
+    /// Some pixels show nothing (rim of a circle, off the screen): the shader must test.
+    pub edge: bool,
+    /// Where.
+    pub rects: Vec<PixelRect>,
+}

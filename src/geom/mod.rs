@@ -1,0 +1,16 @@
+//! Pure geometry in f64: poses, frusta, lenses, spheres, cubes, clip-space re-projection.
+//! Knows nothing of files, rigs or graphics APIs.
+
+pub mod cube;
+pub mod fisheye;
+pub mod frustum;
+pub mod pose;
+pub mod quadratic;
+pub mod reprojection;
+pub mod sphere;
+
+pub use fisheye::Fisheye;
+pub use frustum::Frustum;
+pub use pose::Pose;
+pub use quadratic::QuadraticForm;
+pub use sphere::Sphere;

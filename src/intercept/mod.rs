@@ -1,0 +1,1 @@
+//! Between an unmodified program and its driver.

@@ -1,0 +1,184 @@
+//! What stands where: the dome, the viewer, the program's camera, the outputs.
+//!
+//! Types here are validated and in radians where they are angles; [`load`] reads them from TOML.
+
+use crate::error::Result;
+use glam::DVec3;
+use std::path::{Path, PathBuf};
+
+/// Everything a rig file says.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Rig {
+    /// Name: the preset's, or the file's.
+    pub name: String,
+    /// The program's own framebuffer is left alone (preset `identity`); `outputs` is empty then.
+    pub passthrough: bool,
+    /// The screen.
+    pub dome: Dome,
+    /// The correct point of view.
+    pub viewer: Viewer,
+    /// How the program's own camera is adapted.
+    pub camera: Camera,
+    /// How views are chosen.
+    pub views: Views,
+    /// Where flat (orthographic) drawing appears.
+    pub overlay: Overlay,
+    /// What is presented.
+    pub outputs: Vec<Output>,
+}
+
+/// A spherical dome, centred at the origin.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Dome {
+    /// Radius, metres, > 0.
+    pub radius: f64,
+    /// Angle from straight up to the dome's pole, towards the front, radians: 0 = zenith up, π/2 = pole straight ahead.
+    pub tilt: f64,
+    /// Opening angle of the cap that is screen, radians, 0 < coverage ≤ 2π.
+    pub coverage: f64,
+}
+
+/// The correct point of view.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Viewer {
+    /// Metres from the dome's centre.
+    pub position: DVec3,
+    /// Right-positive, radians.
+    pub yaw: f64,
+    /// Up-positive, radians.
+    pub pitch: f64,
+    /// Clockwise-positive as the viewer sees it, radians.
+    pub roll: f64,
+}
+
+/// How the program's own camera is adapted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera {
+    /// Factor on the tangents of every direction that the program draws, > 0.
+    pub zoom: f64,
+    /// How far the eye is moved along the program's camera axes, in the program's units.
+    pub shift: DVec3,
+    /// The camera is turned right by this, radians.
+    pub yaw: f64,
+    /// The camera is turned up by this, radians.
+    pub pitch: f64,
+    /// The camera is rolled clockwise by this, radians.
+    pub roll: f64,
+}
+
+/// How the planner chooses views for outputs that do not say so themselves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ViewMethod {
+    /// The cheaper of the others.
+    Auto,
+    /// Faces of one rotated cube, shared by all outputs.
+    Cube,
+    /// One tight off-axis view for each output.
+    Single,
+}
+
+/// How views are chosen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Views {
+    /// Which family of views.
+    pub method: ViewMethod,
+    /// Factor on the resolution of the views in each direction, 0.1…8; 1 = as many texels as output pixels.
+    pub quality: f64,
+}
+
+/// Where flat drawing appears: a window in front of the viewer, as wide as `width` says and with the window's aspect.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Overlay {
+    /// Direction of its centre, right-positive, radians from the viewer's forward direction.
+    pub yaw: f64,
+    /// Direction of its centre, up-positive, radians.
+    pub pitch: f64,
+    /// Angle that its width fills, radians, 0 < width < π.
+    pub width: f64,
+}
+
+/// One picture that is presented.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Output {
+    /// Name, unique in the rig; letters, digits, `-`, `_`, `.`.
+    pub name: String,
+    /// What it is.
+    pub kind: OutputKind,
+    /// Its own resolution (width, height in pixels), used off screen; `None` = that of its place in the window.
+    pub size: Option<(u32, u32)>,
+    /// Its place in the window: x, y, width, height in pixels, from the top left. `None` = the planner's grid.
+    pub window: Option<[u32; 4]>,
+    /// How it blends into its neighbours.
+    pub blend: Blend,
+    /// A grey image that is multiplied in, absolute path.
+    pub mask: Option<PathBuf>,
+}
+
+/// What an output is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum OutputKind {
+    /// An equidistant fisheye picture, circle inscribed and centred.
+    Domemaster {
+        /// Opening angle, radians, 0 < aperture ≤ 2π.
+        aperture: f64,
+        /// Angle from straight up to the circle's centre, towards the front, radians (π/2: the centre is straight ahead).
+        tilt: f64,
+    },
+    /// A pinhole projector, anywhere inside or outside the dome.
+    Projector {
+        /// Where its lens is, metres from the dome's centre.
+        position: DVec3,
+        /// Aim, radians: right-positive, up-positive, clockwise-positive.
+        angles: [f64; 3],
+        /// Its opening, lens shift included (tangents).
+        frustum: crate::geom::Frustum,
+    },
+    /// A flat perspective picture as the viewer would see it through a window.
+    Perspective {
+        /// Aim relative to the viewer, radians: right-positive, up-positive, clockwise-positive.
+        angles: [f64; 3],
+        /// Its opening; `None` = the program's own lens, whatever it is (preset `identity-captured`).
+        frustum: Option<crate::geom::Frustum>,
+    },
+}
+
+/// How the weight of an output's pixels is found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Blend {
+    /// Weight from the overlap of all projectors (partition of unity).
+    pub overlap: bool,
+    /// Width of the ramp at a projector's borders, as a part of the picture's width or height, 0 < ramp ≤ 0.5.
+    pub ramp: f64,
+    /// Procedural ramps in dome angles, multiplied in.
+    pub ramps: Vec<AngleRamp>,
+    /// Exponent of the display's response, 1…4.
+    pub gamma: f64,
+    /// Light added so that blacks match where projectors overlap, 0 ≤ level < 1, linear.
+    pub black_level: f64,
+}
+
+/// A smoothstep in an angle of the dome: 0 at `zero`, 1 at `full`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AngleRamp {
+    /// Which angle.
+    pub angle: DomeAngle,
+    /// Where the weight is 0, radians.
+    pub zero: f64,
+    /// Where the weight is 1, radians; less or greater than `zero`.
+    pub full: f64,
+}
+
+/// An angle on the dome.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DomeAngle {
+    /// From the dome's pole, 0…π.
+    Polar,
+    /// Around the dome's pole, 0 = front, right-positive, −π…π.
+    Azimuth,
+}
+
+/// Reads a rig from a preset's name or a file.
+pub fn load(name_or_path: &str) -> Result<Rig> {
+    let _ = Path::new(name_or_path);
+    Err(crate::Error::new(crate::ErrorKind::InvalidRig, "not written yet"))
+}

@@ -1,0 +1,1 @@
+//! One window's Cupola: rig, plan and backend.
