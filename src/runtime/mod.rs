@@ -1,1 +1,3 @@
 //! One window's Cupola: rig, plan and backend.
+
+pub mod process;
