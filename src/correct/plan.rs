@@ -1,6 +1,7 @@
 //! The passes of a frame.
 
 use crate::geom::QuadraticForm;
+use crate::rig::AngleRamp;
 use crate::views::ViewPlan;
 use glam::{DMat3, DVec3};
 
@@ -39,6 +40,11 @@ pub struct OutputPass {
     pub batches: Vec<Batch>,
     /// Weight image at the output's resolution or any other; linear light, 0…1, row 0 at the top.
     pub mask: Option<Mask>,
+    /// Ramps in dome angles, multiplied in.
+    pub ramps: Vec<AngleRamp>,
+    /// Viewer axes → dome axes turned so that the pole is +y and the front −z; for ramps in dome
+    /// angles of outputs other than projectors (those have [`ProjectorSource::dome_direction`]).
+    pub dome_rotation: DMat3,
     /// Exponent of the display's response.
     pub gamma: f64,
     /// Linear light added to black (`out = level + (1 − level)·x`).
