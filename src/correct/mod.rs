@@ -2,4 +2,4 @@
 
 pub mod plan;
 
-pub use plan::{Batch, OutputPass, Plan, PixelRect};
+pub use plan::{Batch, OutputPass, PixelRect, Plan};
