@@ -165,7 +165,13 @@ fn mixed(rig: &Rig, seen: &[Seen], alone: impl Fn(usize) -> bool) -> Arrangement
             sharing.iter().map(|&index| &seen[index].fine).collect::<Vec<_>>(),
         );
         let pixel = finest_pixel(&coarse);
-        let cube = cube::best(&frames(rig, &sharing, &coarse), &[coarse, middle, fine], rig.views.quality, pixel);
+        let cube = cube::best(
+            &frames(rig, &sharing, &coarse),
+            &[coarse, middle, fine],
+            rig.views.quality,
+            pixel,
+            TEXELS_PER_VIEW,
+        );
         add_faces(&mut arrangement, cube, &sharing);
     }
     arrangement

@@ -84,18 +84,19 @@ pub(crate) fn sampled(turned: DMat3, outputs: &[&Samples], quality: f64, pixel: 
     cube
 }
 
-/// The cube with the fewest faces, and among those the fewest texels. `levels` are the outputs'
-/// samples, from the coarsest to the finest; each level halves the field at least.
-pub(crate) fn best(frames: &[DMat3], levels: &[Vec<&Samples>], quality: f64, pixel: f64) -> Cube {
+/// The cube that costs least: texels of its faces, and `face_cost` for each face. `levels` are the
+/// outputs' samples, from the coarsest to the finest; each level but the last picks two cubes for the next.
+pub(crate) fn best(frames: &[DMat3], levels: &[Vec<&Samples>], quality: f64, pixel: f64, face_cost: f64) -> Cube {
     let mut turned = candidates(frames);
     let mut found = Cube::default();
     for (level, outputs) in levels.iter().enumerate() {
         let last = level + 1 == levels.len();
+        let cost = |cube: &Cube| cube.texels() + face_cost * cube.faces.len() as f64;
         let mut ranked: Vec<(Cube, DMat3)> =
             turned.iter().map(|&turn| (sampled(turn, outputs, quality, pixel, last), turn)).collect();
-        // Stable: of equals, the first candidate wins. Texels are compared to a thousandth, so
-        // that rounding does not choose.
-        ranked.sort_by_key(|(cube, _)| (cube.faces.len(), (cube.texels().ln() * 1e3).round() as i64));
+        // Stable, and costs are compared to a thousandth: of equals, the first candidate wins,
+        // whatever the rounding.
+        ranked.sort_by_key(|(cube, _)| (cost(cube).ln() * 1e3).round() as i64);
         turned = ranked.iter().take(2).map(|(_, turn)| *turn).collect();
         if let Some((cube, _)) = ranked.into_iter().next() {
             found = cube;

@@ -123,4 +123,4 @@ fn check(outputs: usize, passthrough: bool, request: &Request) -> Result<()> {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

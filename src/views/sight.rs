@@ -3,7 +3,7 @@
 //! The planner's own map. It is written as plain ray tracing, so that it is independent of the
 //! closed forms that the passes use; the tests compare the two.
 
-use crate::geom::{Frustum, pose};
+use crate::geom::{Fisheye, Frustum, pose};
 use crate::rig::{Output, OutputKind, Rig};
 use glam::{DMat3, DVec2, DVec3};
 
@@ -45,15 +45,6 @@ struct ProjectorMap {
     to_viewer: DMat3,
 }
 
-/// Normalised picture coordinates `(x, y, 1)` → ray in the axes of a camera with this opening.
-pub(crate) fn picture_rays(frustum: &Frustum) -> DMat3 {
-    DMat3::from_cols(
-        DVec3::new(0.5 * frustum.width(), 0.0, 0.0),
-        DVec3::new(0.0, 0.5 * frustum.height(), 0.0),
-        DVec3::new(0.5 * (frustum.left + frustum.right), 0.5 * (frustum.bottom + frustum.top), -1.0),
-    )
-}
-
 /// The opening whose picture coordinates are the tangents themselves; it stands for the program's
 /// own lens, which is known only when the program draws.
 pub(crate) const UNIT_FRUSTUM: Frustum = Frustum { left: -1.0, right: 1.0, bottom: -1.0, top: 1.0 };
@@ -76,8 +67,8 @@ pub(crate) fn lens_rotation(tilt: f64) -> DMat3 {
 /// Normalised picture coordinates → ray in viewer axes, for a perspective output.
 pub(crate) fn perspective_rays(angles: [f64; 3], frustum: Option<&Frustum>) -> DMat3 {
     match frustum {
-        Some(frustum) => pose::rotation(angles[0], angles[1], angles[2]) * picture_rays(frustum),
-        None => picture_rays(&UNIT_FRUSTUM),
+        Some(frustum) => pose::rotation(angles[0], angles[1], angles[2]) * frustum.rays(),
+        None => UNIT_FRUSTUM.rays(),
     }
 }
 
@@ -93,7 +84,7 @@ impl Sight {
             },
             OutputKind::Projector { position, angles, frustum } => Map::Projector(Box::new(ProjectorMap {
                 origin: *position,
-                rays: pose::rotation(angles[0], angles[1], angles[2]) * picture_rays(frustum),
+                rays: pose::rotation(angles[0], angles[1], angles[2]) * frustum.rays(),
                 radius: rig.dome.radius,
                 pole: pole(rig),
                 least_cosine: (rig.dome.coverage < std::f64::consts::TAU).then(|| (0.5 * rig.dome.coverage).cos()),
@@ -131,7 +122,7 @@ impl Sight {
         let at = self.normalised(pixel);
         match &self.map {
             Map::Fisheye { aperture, rotation, offset } => {
-                (at.length_squared() <= 1.0).then(|| *rotation * equidistant(at, *aperture) + *offset)
+                Fisheye { aperture: *aperture }.direction(at.x, at.y).map(|lens| *rotation * lens + *offset)
             }
             Map::Projector(map) => map.hit(at).map(|hit| map.to_viewer * (hit.point - map.eye)),
             Map::Perspective { rays } => Some(*rays * at.extend(1.0)),
@@ -148,10 +139,7 @@ impl Sight {
         let per_pixel = DVec2::new(2.0 / f64::from(self.size.0), -2.0 / f64::from(self.size.1));
         let (direction, spread) = match &self.map {
             Map::Fisheye { aperture, rotation, offset } => {
-                if at.length_squared() > 1.0 + 1e-9 {
-                    return None;
-                }
-                let lens = *rotation * equidistant(at, *aperture);
+                let lens = *rotation * Fisheye { aperture: *aperture }.direction(at.x, at.y)?;
                 let pitch = aperture / f64::from(self.size.0.min(self.size.1));
                 (lens + *offset, (DMat3::IDENTITY - outer(lens, lens)) * (pitch * pitch))
             }
@@ -170,16 +158,6 @@ impl Sight {
         let usable = squared > 0.0 && squared.is_finite() && spread.is_finite();
         usable.then(|| Sample { direction: direction / squared.sqrt(), spread: spread * (1.0 / squared) })
     }
-}
-
-/// The equidistant lens: `at` in the unit disc → unit direction, lens axes.
-fn equidistant(at: DVec2, aperture: f64) -> DVec3 {
-    let q = at * (0.5 * aperture);
-    let angle = q.length();
-    let (sine, cosine) = angle.sin_cos();
-    // sin(x)/x is 1 to double precision below 1e-8, and 0/0 at 0.
-    let ratio = if angle > 1e-8 { sine / angle } else { 1.0 };
-    DVec3::new(q.x * ratio, q.y * ratio, -cosine)
 }
 
 /// `a·bᵀ`.
