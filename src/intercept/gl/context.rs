@@ -349,7 +349,7 @@ fn profile(gl: &Gl) -> Profile {
     // SAFETY: the context is current; the string is the driver's and lives as long as it.
     let text = unsafe {
         let version = gl.get_string(api::GL_VERSION);
-        if version.is_null() { "" } else { CStr::from_ptr(version.cast_const().cast()).to_str().unwrap_or_default() }
+        if version.is_null() { "" } else { CStr::from_ptr(version.cast()).to_str().unwrap_or_default() }
     };
     let (es, numbers) = match text.strip_prefix("OpenGL ES") {
         Some(rest) => (true, rest.trim_start_matches(|c: char| !c.is_ascii_digit())),

@@ -100,6 +100,7 @@ fn own_picture(ctx: &Context, plan: &Plan, size: (u32, u32)) -> Option<Plan> {
         gamma: 1.0,
         black_level: 0.0,
         ramps: Vec::new(),
+        dome_rotation: DMat3::IDENTITY,
     };
     Some(Plan { views: plan.views.clone(), passes: vec![pass] })
 }

@@ -129,7 +129,7 @@ fn statistics(ctx: &Context, settings: &settings::Settings) -> Statistics {
     // SAFETY: strings of the driver, which live as long as it.
     let text = |name: u32| unsafe {
         let text = ctx.gl.get_string(name);
-        if text.is_null() { String::new() } else { CStr::from_ptr(text.cast_const().cast()).to_string_lossy().into_owned() }
+        if text.is_null() { String::new() } else { CStr::from_ptr(text.cast()).to_string_lossy().into_owned() }
     };
     let mut statistics = Statistics {
         frames: ctx.counts.frames,
