@@ -173,12 +173,8 @@ pub fn place(ctx: &mut Context) -> Place {
 
 /// Whether the viewport is the program's main one; pictures within the picture are flat.
 pub fn main_viewport(ctx: &Context) -> bool {
-    let Some(target) = &ctx.target else { return false };
-    let (width, height) = target.size();
-    let reference = match ctx.viewport_area {
-        [_, 0] => i64::from(width) * i64::from(height),
-        [_, last] => last,
-    };
+    // In the first frame the first viewport counts: the window may just have got another size.
+    let reference = if ctx.viewport_area[1] > 0 { ctx.viewport_area[1] } else { ctx.viewport_area[0] };
     let [_, _, width, height] = ctx.believed.viewport.map(i64::from);
     // More than half, so that side-by-side pictures stay what they are.
     width * height * 2 > reference
