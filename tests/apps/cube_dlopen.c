@@ -44,7 +44,7 @@ static void ask(void *function, const char *name)
 int main(int argc, char **argv)
 {
     double fov = 75.0, yaw = 0.0, pitch = 0.0;
-    int frames = 0, width = 320, height = 320;
+    int frames = 0, x = 0, y = 0, width = 320, height = 320;
     for (int i = 1; i + 1 < argc; i += 2) {
         if (strcmp(argv[i], "--fov") == 0)
             fov = atof(argv[i + 1]);
@@ -54,8 +54,10 @@ int main(int argc, char **argv)
             pitch = atof(argv[i + 1]);
         else if (strcmp(argv[i], "--frames") == 0)
             frames = atoi(argv[i + 1]);
+        else if (strcmp(argv[i], "--at") == 0 && sscanf(argv[i + 1], "%d,%d", &x, &y) == 2)
+            continue;
         else if (strcmp(argv[i], "--size") != 0 || sscanf(argv[i + 1], "%dx%d", &width, &height) != 2)
-            fail("usage: cube_dlopen [--fov DEG] [--yaw DEG] [--pitch DEG] [--frames N] [--size WxH]");
+            fail("usage: cube_dlopen [--fov DEG] [--yaw DEG] [--pitch DEG] [--frames N] [--at X,Y] [--size WxH]");
     }
 
     library = dlopen("libGL.so.1", RTLD_LAZY | RTLD_LOCAL);
@@ -84,7 +86,7 @@ int main(int argc, char **argv)
     memset(&attributes, 0, sizeof attributes);
     attributes.colormap = XCreateColormap(display, root, visual->visual, AllocNone);
     attributes.event_mask = StructureNotifyMask;
-    Window window = XCreateWindow(display, root, 0, 0, (unsigned)width, (unsigned)height, 0, visual->depth, InputOutput,
+    Window window = XCreateWindow(display, root, x, y, (unsigned)width, (unsigned)height, 0, visual->depth, InputOutput,
                                   visual->visual, CWColormap | CWEventMask | CWBorderPixel, &attributes);
     XMapWindow(display, window);
     XEvent event;

@@ -23,6 +23,7 @@ static void draw(app *a)
         other = *a;
         other.complaints = 0;
         other.yaw = a->yaw + 120.0;
+        other.request.x += 300;
         other.request.width = 200;
         other.request.height = 150;
         other.window = window_open_beside(&a->window, &other.request);

@@ -3,13 +3,49 @@
 use std::io::{BufRead, BufReader, Read, Write};
 use std::os::unix::net::UnixStream;
 use std::process::{Command, Stdio};
-use std::sync::OnceLock;
+use std::sync::{Condvar, Mutex, OnceLock};
 
 /// A private X server, its display's name, and the connection that keeps it alive.
 pub struct Display {
     /// Value for the variable `DISPLAY`.
     pub name: String,
     _connection: UnixStream,
+}
+
+/// Width and height of a place: no window of the suite is larger.
+const PLACE: (usize, usize) = (600, 400);
+/// Columns and rows of places on the screen; more than tests run at the same time on a usual machine.
+const PLACES: (usize, usize) = (4, 4);
+
+/// A part of the screen for one program alone: the X server hands out the picture of what lies on top.
+pub struct Place {
+    index: usize,
+    /// Its left upper corner.
+    pub corner: (usize, usize),
+}
+
+static TAKEN: Mutex<[bool; PLACES.0 * PLACES.1]> = Mutex::new([false; PLACES.0 * PLACES.1]);
+static GIVEN_BACK: Condvar = Condvar::new();
+
+/// Waits for a free place on the screen.
+pub fn place() -> Place {
+    let mut taken = TAKEN.lock().expect("no holder of the lock can panic");
+    loop {
+        if let Some(index) = taken.iter().position(|taken| !taken) {
+            taken[index] = true;
+            return Place { index, corner: (index % PLACES.0 * PLACE.0, index / PLACES.0 * PLACE.1) };
+        }
+        taken = GIVEN_BACK.wait(taken).expect("no holder of the lock can panic");
+    }
+}
+
+impl Drop for Place {
+    fn drop(&mut self) {
+        if let Ok(mut taken) = TAKEN.lock() {
+            taken[self.index] = false;
+        }
+        GIVEN_BACK.notify_one();
+    }
 }
 
 /// Starts the server at the first call. `None`, with a visible line on stderr, where there is no Xvfb; with
@@ -32,7 +68,8 @@ pub fn get() -> Option<&'static Display> {
 /// The server ends by itself (`-terminate`) when its last client has gone: ours goes with this process.
 fn start() -> Result<Display, String> {
     let mut server = Command::new("Xvfb")
-        .args(["-displayfd", "1", "-screen", "0", "1600x1200x24", "-nolisten", "tcp", "-terminate"])
+        .args(["-displayfd", "1", "-nolisten", "tcp", "-terminate", "-screen", "0"])
+        .arg(format!("{}x{}x24", PLACES.0 * PLACE.0, PLACES.1 * PLACE.1))
         .stdout(Stdio::piped())
         .stderr(Stdio::null())
         .spawn()

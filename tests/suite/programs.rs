@@ -1,6 +1,6 @@
 //! Builds the C programs and runs them, plainly and under `cupola run`.
 
-use crate::display;
+use crate::display::{self, Place};
 use crate::picture::Picture;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
@@ -61,13 +61,14 @@ impl<'a> Run<'a> {
         Self { program, size, fov: 75.0, yaw: 20.0, pitch: -10.0, frames, cupola_frames: frames, extra: &[], cupola: &[] }
     }
 
-    fn arguments(&self) -> Vec<String> {
+    fn arguments(&self, place: &Place) -> Vec<String> {
         let mut arguments: Vec<String> = [
             ("--size", format!("{}x{}", self.size.0, self.size.1)),
             ("--fov", self.fov.to_string()),
             ("--yaw", self.yaw.to_string()),
             ("--pitch", self.pitch.to_string()),
             ("--frames", self.frames.to_string()),
+            ("--at", format!("{},{}", place.corner.0, place.corner.1)),
         ]
         .into_iter()
         .flat_map(|(option, value)| [option.to_owned(), value])
@@ -79,16 +80,18 @@ impl<'a> Run<'a> {
     /// Runs the program without Cupola. `None` where there is no display.
     pub fn plain(&self) -> Option<Finished> {
         let mut command = Command::new(built().join(self.program));
-        command.args(self.arguments());
+        let place = display::place();
+        command.args(self.arguments(&place));
         Finished::of(command, self.program, "without Cupola")
     }
 
     /// Runs the program under `cupola run`, which captures and counts. `None` where there is no display.
     pub fn under(&self, rig: &str) -> Option<Finished> {
         let mut command = Command::new(env!("CARGO_BIN_EXE_cupola"));
+        let place = display::place();
         command.args(["run", "--rig", rig, "--frames", &self.cupola_frames.to_string()]);
         command.args(["--capture", "capture.png", "--stats", "stats.json"]);
-        command.args(self.cupola).arg("--").arg(built().join(self.program)).args(self.arguments());
+        command.args(self.cupola).arg("--").arg(built().join(self.program)).args(self.arguments(&place));
         Finished::of(command, self.program, rig)
     }
 }

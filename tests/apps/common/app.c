@@ -13,7 +13,7 @@ static const double degree = 3.14159265358979323846 / 180.0;
 static void usage(const char *name)
 {
     fprintf(stderr,
-            "usage: %s [--fov DEG] [--yaw DEG] [--pitch DEG] [--frames N] [--size WxH] [--samples N] [--egl]\n"
+            "usage: %s [--fov DEG] [--yaw DEG] [--pitch DEG] [--frames N] [--size WxH] [--at X,Y] [--samples N] [--egl]\n"
             "       [--fbo] [--dump FILE.ppm] [--shot FILE.ppm]\n",
             name);
     exit(2);
@@ -44,6 +44,8 @@ static void parse(app *a, int argc, char **argv)
             a->frames = atoi(value);
         else if (strcmp(option, "--samples") == 0)
             a->request.samples = atoi(value);
+        else if (strcmp(option, "--at") == 0 && sscanf(value, "%d,%d", &a->request.x, &a->request.y) == 2)
+            continue;
         else if (strcmp(option, "--dump") == 0)
             a->dump = value;
         else if (strcmp(option, "--shot") == 0)

@@ -33,9 +33,9 @@ void window_create_x11(window *w, const window_request *request, void *visual_in
     memset(&attributes, 0, sizeof attributes);
     attributes.colormap = XCreateColormap(w->display, root, visual->visual, AllocNone);
     attributes.event_mask = StructureNotifyMask | ExposureMask | KeyPressMask;
-    w->window = XCreateWindow(w->display, root, 0, 0, (unsigned)request->width, (unsigned)request->height, 0,
-                              visual->depth, InputOutput, visual->visual, CWColormap | CWEventMask | CWBorderPixel,
-                              &attributes);
+    w->window = XCreateWindow(w->display, root, request->x, request->y, (unsigned)request->width,
+                              (unsigned)request->height, 0, visual->depth, InputOutput, visual->visual,
+                              CWColormap | CWEventMask | CWBorderPixel, &attributes);
     w->width = request->width;
     w->height = request->height;
     XStoreName(w->display, w->window, "cupola test");

@@ -16,7 +16,7 @@ typedef enum {
 typedef struct {
     window_api api;
     int major, minor; /* version asked for; compatibility contexts ignore it */
-    int width, height;
+    int x, y, width, height; /* x, y: place on the screen; XGetImage sees windows that lie above */
     int samples; /* 0: no multisampling */
     bool egl;    /* EGL instead of GLX; always so for API_GLES */
 } window_request;
