@@ -36,7 +36,7 @@ pub(crate) fn projector(position: DVec3, yaw: f64, pitch: f64, fov: (f64, f64)) 
 
 /// Two projectors that overlap in front of the viewer, on a dome whose pole is straight ahead.
 pub(crate) fn two_projectors(position: DVec3) -> Rig {
-    let left = projector(DVec3::new(-1.0, -0.5, 2.0), -25.0, 10.0, (70.0, 50.0));
-    let right = projector(DVec3::new(1.2, -0.4, 1.8), 25.0, 8.0, (70.0, 50.0));
+    let left = projector(DVec3::new(-1.0, -0.5, 2.0), -14.0, 10.0, (70.0, 50.0));
+    let right = projector(DVec3::new(1.2, -0.4, 1.8), 14.0, 8.0, (70.0, 50.0));
     rig(FRAC_PI_2, position, &[left, right])
 }
