@@ -1,5 +1,11 @@
 //! From rig and views to passes, independent of the graphics API.
 
+mod blocks;
+pub mod mask;
 pub mod plan;
+mod rectangles;
+mod source;
+#[cfg(test)]
+mod tests;
 
-pub use plan::{Batch, OutputPass, Plan, PixelRect};
+pub use plan::{Batch, OutputPass, PixelRect, Plan};
