@@ -16,9 +16,6 @@ mod reader;
 mod schema;
 mod validate;
 
-#[cfg(test)]
-mod tests;
-
 use crate::error::{Error, ErrorKind, Result};
 use glam::DVec3;
 use std::path::{Path, PathBuf};
