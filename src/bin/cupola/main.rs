@@ -6,6 +6,7 @@
 #![forbid(unsafe_code)]
 
 mod arguments;
+mod check;
 mod run;
 
 use clap::Parser;
@@ -22,6 +23,7 @@ struct Arguments {
 #[derive(clap::Subcommand)]
 enum Command {
     Run(run::Arguments),
+    Check(check::Arguments),
 }
 
 /// A message for people and the exit code that goes with it.
@@ -55,6 +57,7 @@ impl From<cupola::Error> for Failure {
 fn main() -> ExitCode {
     let result = match Arguments::parse().command {
         Command::Run(arguments) => run::run(arguments),
+        Command::Check(arguments) => check::run(&arguments),
     };
     match result {
         Ok(code) => code,
