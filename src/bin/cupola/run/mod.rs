@@ -23,7 +23,7 @@ pub struct Arguments {
     /// Rig file, or a preset's name [default: $CUPOLA_RIG, or fisheye]
     #[arg(long, short, value_name = "FILE|PRESET")]
     rig: Option<String>,
-    /// Size of the picture in pixels, in place of the window's own
+    /// Give the program's window this size in pixels
     #[arg(long, value_name = "WxH", value_parser = crate::arguments::size)]
     size: Option<(u32, u32)>,
     /// Run on a private X server without a screen (Xvfb)
@@ -32,10 +32,10 @@ pub struct Arguments {
     /// End the program after this many frames, with exit code 0
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     frames: Option<u64>,
-    /// Write the last presented picture to this PNG file
+    /// Write the last frame of each output to this PNG file (several outputs: FILE-NAME.png)
     #[arg(long, value_name = "FILE.png")]
     capture: Option<PathBuf>,
-    /// Write the views that the program was drawn into, as PNG files, to this folder
+    /// Write every view of the last frame to this folder, as PNG files
     #[arg(long, value_name = "DIR")]
     capture_views: Option<PathBuf>,
     /// Write statistics (times, draws, views) to this JSON file
@@ -44,7 +44,7 @@ pub struct Arguments {
     /// Adapt the program's camera: zoom=4,move=0,0,-20,yaw=90,pitch=0,roll=0
     #[arg(long, value_name = "KEY=NUMBER,…", allow_hyphen_values = true)]
     camera: Option<String>,
-    /// Give each output its own resolution, whatever the window's size is; nothing but captures shows it
+    /// Give each output its own resolution, whatever the window's size is; only captures show it
     #[arg(long)]
     offscreen: bool,
     /// Write Cupola's log of the program to this file
