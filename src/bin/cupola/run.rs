@@ -1,18 +1,12 @@
 //! `cupola run`: starts a program with Cupola between it and its OpenGL driver.
 
-mod display;
-mod library;
-mod loader;
-
 use crate::Failure;
+use crate::launch::{Environment, apply, display, loader};
 use cupola::runtime::process;
 use std::ffi::OsString;
 use std::os::unix::process::ExitStatusExt;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
-
-/// Variables for the program: name and value, or `None` to remove it.
-type Environment = Vec<(&'static str, Option<OsString>)>;
 
 /// Run an OpenGL program on a dome.
 #[derive(clap::Args)]
@@ -96,16 +90,6 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
     let status = process::run_in_foreground(&mut command).map_err(|error| cannot_start(program, &error))?;
     let code = status.code().or_else(|| status.signal().map(|signal| 128 + signal)).unwrap_or(1);
     Ok(ExitCode::from(u8::try_from(code).unwrap_or(1)))
-}
-
-/// Sets and removes the variables for `command`.
-fn apply(command: &mut Command, environment: &Environment) {
-    for (name, value) in environment {
-        match value {
-            Some(value) => command.env(name, value),
-            None => command.env_remove(name),
-        };
-    }
 }
 
 /// The library's own variables.
