@@ -1,5 +1,13 @@
 //! From rig and views to passes, independent of the graphics API.
 
+mod blocks;
+pub mod mask;
 pub mod plan;
+mod rectangles;
+pub mod shaders;
+mod source;
+#[cfg(test)]
+mod tests;
+pub mod uniforms;
 
-pub use plan::{Batch, OutputPass, Plan, PixelRect};
+pub use plan::{Batch, OutputPass, PixelRect, Plan, Source, build};

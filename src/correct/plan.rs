@@ -1,7 +1,10 @@
-//! The passes of a frame.
+//! The passes of a frame: their types, and how they are built from a rig.
 
+use super::{blocks, mask, source};
+use crate::error::Result;
 use crate::geom::QuadraticForm;
-use crate::views::ViewPlan;
+use crate::rig::{AngleRamp, Rig};
+use crate::views::{self, Request, ViewPlan};
 use glam::{DMat3, DVec3};
 
 /// Everything a backend needs to correct a frame.
@@ -39,6 +42,11 @@ pub struct OutputPass {
     pub batches: Vec<Batch>,
     /// Weight image at the output's resolution or any other; linear light, 0…1, row 0 at the top.
     pub mask: Option<Mask>,
+    /// Ramps in dome angles, multiplied in.
+    pub ramps: Vec<AngleRamp>,
+    /// Viewer axes → dome axes turned so that the pole is +y and the front −z; for ramps in dome
+    /// angles of outputs other than projectors (those have [`ProjectorSource::dome_direction`]).
+    pub dome_rotation: DMat3,
     /// Exponent of the display's response.
     pub gamma: f64,
     /// Linear light added to black (`out = level + (1 − level)·x`).
@@ -116,4 +124,34 @@ pub struct Batch {
     pub edge: bool,
     /// Where.
     pub rects: Vec<PixelRect>,
+}
+
+/// Plans the views and the passes of `rig`: deterministic, and without a graphics API; it reads the masks' files.
+///
+/// A rig with `passthrough` has no passes. Every pixel whose centre shows something is in exactly
+/// one batch, and the batch's views contain the one that answers for the pixel.
+///
+/// # Errors
+///
+/// Those of [`views::plan`]; [`Io`](crate::ErrorKind::Io) or [`InvalidRig`](crate::ErrorKind::InvalidRig) if a mask cannot be read.
+pub fn build(rig: &Rig, request: &Request) -> Result<Plan> {
+    let views = views::plan(rig, request)?;
+    let mut passes = Vec::new();
+    if !rig.passthrough {
+        for (index, (output, &size)) in rig.outputs.iter().zip(&request.output_sizes).enumerate() {
+            let source = source::of(rig, index);
+            passes.push(OutputPass {
+                name: output.name.clone(),
+                size,
+                batches: blocks::batches(rig, index, &source, size, &views),
+                source,
+                mask: output.mask.as_deref().map(mask::load).transpose()?,
+                ramps: output.blend.ramps.clone(),
+                dome_rotation: source::dome_axes(rig),
+                gamma: output.blend.gamma,
+                black_level: output.blend.black_level,
+            });
+        }
+    }
+    Ok(Plan { views, passes })
 }

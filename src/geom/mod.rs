@@ -8,7 +8,10 @@ pub mod pose;
 pub mod quadratic;
 pub mod reprojection;
 pub mod sphere;
+#[cfg(test)]
+pub(crate) mod testing;
 
+pub use cube::Face;
 pub use fisheye::Fisheye;
 pub use frustum::Frustum;
 pub use pose::Pose;

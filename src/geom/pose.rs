@@ -22,4 +22,51 @@ impl Pose {
     pub fn new(position: DVec3, yaw: f64, pitch: f64, roll: f64) -> Self {
         Self { position, rotation: rotation(yaw, pitch, roll) }
     }
+
+    /// A point of the posed frame in the parent frame.
+    pub fn point_to_parent(&self, local: DVec3) -> DVec3 {
+        self.rotation * local + self.position
+    }
+
+    /// A point of the parent frame in the posed frame.
+    pub fn point_to_local(&self, parent: DVec3) -> DVec3 {
+        self.rotation.transpose() * (parent - self.position)
+    }
+
+    /// A direction (or difference of points) of the posed frame in the parent frame; lengths are kept.
+    pub fn direction_to_parent(&self, local: DVec3) -> DVec3 {
+        self.rotation * local
+    }
+
+    /// A direction (or difference of points) of the parent frame in the posed frame; lengths are kept.
+    pub fn direction_to_local(&self, parent: DVec3) -> DVec3 {
+        self.rotation.transpose() * parent
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::FRAC_PI_2;
+
+    #[test]
+    fn angles_turn_as_documented() {
+        let forward = DVec3::NEG_Z;
+        assert!((rotation(FRAC_PI_2, 0.0, 0.0) * forward).distance(DVec3::X) < 1e-15, "yaw turns to the right");
+        assert!((rotation(0.0, FRAC_PI_2, 0.0) * forward).distance(DVec3::Y) < 1e-15, "pitch turns up");
+        assert!((rotation(0.0, 0.0, FRAC_PI_2) * DVec3::Y).distance(DVec3::X) < 1e-15, "roll is clockwise");
+        // Pitch is applied after yaw, about the yawed x axis: the heading stays.
+        let aimed = rotation(FRAC_PI_2, 0.5, 0.3) * forward;
+        assert!(aimed.distance(DVec3::new(0.5f64.cos(), 0.5f64.sin(), 0.0)) < 1e-15);
+    }
+
+    #[test]
+    fn local_and_parent_are_inverse() {
+        let pose = Pose::new(DVec3::new(1.0, -2.0, 3.0), 0.4, -1.1, 2.2);
+        let point = DVec3::new(-7.0, 0.5, 11.0);
+        assert!(pose.point_to_local(pose.point_to_parent(point)).distance(point) < 1e-14);
+        assert!(pose.direction_to_local(pose.direction_to_parent(point)).distance(point) < 1e-14);
+        assert_eq!(pose.point_to_parent(DVec3::ZERO), pose.position);
+        assert!((pose.direction_to_parent(point).length() - point.length()).abs() < 1e-14);
+    }
 }

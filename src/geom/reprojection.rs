@@ -3,6 +3,12 @@
 use super::Frustum;
 use glam::{DMat3, DVec3};
 
+mod classification;
+#[cfg(test)]
+mod tests;
+
+pub use classification::{classify, classify_transposed};
+
 /// The part of a program's perspective matrix that re-projection needs:
 /// `P = [A 0 B 0; 0 C D 0; 0 0 E F; 0 0 −1 0]`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,21 +64,91 @@ pub struct ClipRows {
     pub e: f64,
 }
 
-/// What `matrix` (column-major, as OpenGL takes it) is.
-pub fn classify(matrix: &[f64; 16]) -> MatrixClass {
-    let _ = matrix;
-    MatrixClass::Other
+impl Intrinsics {
+    /// The program's own lens as tangents of its sides.
+    pub fn frustum(&self) -> Frustum {
+        Frustum {
+            left: (self.b - 1.0) / self.a,
+            right: (self.b + 1.0) / self.a,
+            bottom: (self.d - 1.0) / self.c,
+            top: (self.d + 1.0) / self.c,
+        }
+    }
+}
+
+impl CameraAdjustment {
+    /// The program's camera as it is.
+    pub const NONE: Self = Self { zoom: 1.0, shift: DVec3::ZERO, rotation: DMat3::IDENTITY };
+}
+
+impl Default for CameraAdjustment {
+    fn default() -> Self {
+        Self::NONE
+    }
 }
 
 /// The rows for a view with axes `rotation` (viewer → view) and opening `frustum`.
+///
+/// The program's eye coordinates follow from its clip coordinates as `x = (cx + B·cw)/A`, `y = (cy + D·cw)/C`,
+/// `z = −cw`. The eye is moved by `camera.shift` (only if F is known and not 0: `w = q/F`), the
+/// tangents are multiplied by `camera.zoom`, `camera.rotation` and `rotation` are applied, and the view's
+/// own lens with the program's E and F gives `c'`. Depth needs neither F nor a division:
+/// `E·z' + F·w = cz + E·(z' − z)`.
+///
+/// Scales appear only as ratios of the two lenses, so a view with [`Intrinsics::frustum`], no rotation and
+/// [`CameraAdjustment::NONE`] has exactly the rows (1,0,0,0), (0,1,0,0), (0,0,1,0).
 pub fn clip_rows(p: &Intrinsics, camera: &CameraAdjustment, rotation: DMat3, frustum: &Frustum) -> ClipRows {
-    let _ = (p, camera, rotation, frustum);
-    ClipRows { x: [0.0; 4], y: [0.0; 4], w: [0.0; 4], e: 0.0 }
+    let own = p.frustum();
+    let ((own_half_x, own_half_y), (own_middle_x, own_middle_y)) = (own.half_size(), own.middle());
+    let ((half_x, half_y), (middle_x, middle_y)) = (frustum.half_size(), frustum.middle());
+    let turned = rotation * camera.rotation * DMat3::from_diagonal(DVec3::new(camera.zoom, camera.zoom, 1.0));
+    let unit_shift = match p.f {
+        Some(f) if f != 0.0 && camera.shift != DVec3::ZERO => turned * (camera.shift / -f),
+        _ => DVec3::ZERO,
+    };
+    let rows = turned.transpose();
+    let [right, up, back] = [rows.x_axis, rows.y_axis, rows.z_axis];
+    // A component of the turned eye position, plus `middle` times its z component, as a row over
+    // (cx, cy, cw, q), over the half size of the view: `own` enters as a ratio to it.
+    let row = |axis: DVec3, shift: f64, middle: f64, half: f64| {
+        let mixed = axis + middle * back;
+        // In this order the two middles cancel exactly where they are equal.
+        let off_centre = own_middle_x * mixed.x + own_middle_y * mixed.y - mixed.z;
+        let entries = [
+            mixed.x * (own_half_x / half),
+            mixed.y * (own_half_y / half),
+            off_centre / half,
+            (shift + middle * unit_shift.z) / half,
+        ];
+        entries.map(positive_zero)
+    };
+    let w = [
+        -back.x * own_half_x,
+        -back.y * own_half_y,
+        back.z - (back.x * own_middle_x + back.y * own_middle_y),
+        -unit_shift.z,
+    ];
+    ClipRows {
+        x: row(right, unit_shift.x, middle_x, half_x),
+        y: row(up, unit_shift.y, middle_y, half_y),
+        w: w.map(positive_zero),
+        e: p.e,
+    }
+}
+
+/// Zero without its sign; every other number as it is.
+fn positive_zero(x: f64) -> f64 {
+    x + 0.0
 }
 
 impl ClipRows {
     /// The same as one 4×4 matrix (column-major) to be multiplied from the left to the program's projection.
+    /// It lacks the rule `z' = w'` where `cz = cw`, which is not linear.
     pub fn matrix(&self) -> [f64; 16] {
-        [0.0; 16]
+        let e = self.e;
+        let linear = |r: &[f64; 4]| [r[0], r[1], r[3], r[2] + e * r[3]];
+        let [x, y, w] = [linear(&self.x), linear(&self.y), linear(&self.w)];
+        let z = [-e * w[0], -e * w[1], 1.0 - e * w[2], e * (1.0 - w[3])];
+        std::array::from_fn(|i| positive_zero([x, y, z, w][i % 4][i / 4]))
     }
 }

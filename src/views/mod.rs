@@ -1,6 +1,23 @@
 //! The planner: which directions the outputs sample, and the fewest, tightest views that show them.
+//!
+//! `sight` maps the pixels of each output to directions, `samples` gathers them along lines, `fit`
+//! finds the opening and the resolution that a view with given axes needs, `single` and `cube`
+//! choose axes, `choose` compares the families of views, `layout` and `atlas` size and place them.
+//!
+//! Resolution at quality 1: a projector or a perspective output gets at least one texel per pixel
+//! in every direction, everywhere; a domemaster gets its nominal resolution (diameter over aperture)
+//! in every direction, everywhere.
 
-use crate::error::Result;
+mod atlas;
+mod choose;
+mod cube;
+mod fit;
+mod layout;
+mod samples;
+pub(crate) mod sight;
+mod single;
+
+use crate::error::{Error, ErrorKind, Result};
 use crate::geom::Frustum;
 use crate::rig::Rig;
 use glam::DMat3;
@@ -63,12 +80,47 @@ pub struct ViewPlan {
     pub panel: Option<View>,
     /// The program's own picture.
     pub primary: Option<Tile>,
-    /// Texels around the sampled part of each tile.
+    /// Texels around the sampled part of each tile (none around those with `program_lens`).
     pub guard: u32,
+    /// Remarks for people: what was left out or scaled down, and why.
+    pub notes: Vec<String>,
 }
 
-/// Plans the views of `rig`.
+/// Plans the views of `rig`: deterministic, and without a graphics API.
+///
+/// A rig with `passthrough` has no views. Every direction that an output shows at a pixel's
+/// centre lies in `owned` of at least one view of `output_views[output]`, by a quarter of a texel
+/// where views meet or end, and the bilinear footprint of every sample stays inside the tile.
+///
+/// # Errors
+///
+/// [`ErrorKind::InvalidArgument`] if a size is 0 or the list of sizes has the wrong length;
+/// [`ErrorKind::InvalidRig`] if `method` is [`Single`](crate::rig::ViewMethod::Single) and an output sees
+/// too much for one perspective view; [`ErrorKind::Graphics`] if nothing fits into the atlas.
+/// Where only the resolution must be reduced to fit, the plan says so in `notes`.
 pub fn plan(rig: &Rig, request: &Request) -> Result<ViewPlan> {
-    let _ = (rig, request);
-    Err(crate::Error::new(crate::ErrorKind::Internal, "not written yet"))
+    let outputs: &[_] = if rig.passthrough { &[] } else { &rig.outputs };
+    check(outputs.len(), rig.passthrough, request)?;
+    let sights: Vec<sight::Sight> =
+        outputs.iter().zip(&request.output_sizes).map(|(output, &size)| sight::Sight::new(rig, output, size)).collect();
+    let arrangement = choose::arrange(rig, &sights)?;
+    layout::place(rig, request, &arrangement.views, arrangement.notes)
 }
+
+/// Whether the request makes sense for so many outputs.
+fn check(outputs: usize, passthrough: bool, request: &Request) -> Result<()> {
+    let invalid = |message: String| Err(Error::new(ErrorKind::InvalidArgument, message));
+    if !passthrough && request.output_sizes.len() != outputs {
+        return invalid(format!("{} output sizes were given for {outputs} outputs", request.output_sizes.len()));
+    }
+    if let Some(index) = request.output_sizes.iter().position(|size| size.0 == 0 || size.1 == 0) {
+        return invalid(format!("output {index} has no pixels"));
+    }
+    if (request.panel || request.primary) && (request.window.0 == 0 || request.window.1 == 0) {
+        return invalid("the window has no pixels".to_owned());
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+pub(crate) mod tests;

@@ -1,0 +1,396 @@
+//! Which rectangles of an output can be drawn by which shader.
+//!
+//! An output is cut into blocks. What a block needs is read off its corners where that is safe, and
+//! found pixel by pixel where it is not. A view's part of the directions, and a neighbour's picture,
+//! are convex cones with four sides. A block's picture is a small curved patch: it departs from the
+//! flat quadrilateral of its corners by at most about its diameter squared, so that a block
+//! whose corners all lie deeper than that inside (or all beyond one side) lies inside (beyond) entirely.
+
+use super::plan::{Batch, Source};
+use super::rectangles::{self, BLOCK};
+use crate::geom::{Frustum, QuadraticForm};
+use crate::rig::Rig;
+use crate::views::ViewPlan;
+use glam::{DMat3, DVec3};
+
+/// Blocks wider than this (radians) are always examined pixel by pixel.
+const WIDEST_BLOCK: f64 = 0.2;
+
+/// At most so many batches of an output differ only in their neighbours.
+const MOST_OVERLAPS: usize = 3;
+
+/// What a block needs. Views and neighbours are sets of bits; bit 63 or 127 stands for all from there on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Needs {
+    views: u64,
+    neighbours: u128,
+    /// Some pixel shows nothing.
+    dark: bool,
+    /// Some pixel shows something.
+    lit: bool,
+}
+
+/// A class of blocks that share a shader.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Class {
+    /// One view everywhere.
+    Plain(u32),
+    /// Several views.
+    Mixed,
+    /// These neighbours overlap.
+    Overlap(u128),
+    /// Some pixels show nothing.
+    Edge,
+    /// Both.
+    EdgeOverlap,
+}
+
+/// The batches of output `index` of `rig`, of `size` pixels.
+///
+/// Conservative: a batch lists every view that answers for one of its pixels' centres, and every
+/// neighbour whose picture reaches into it (up to a part of a pixel, where its weight is nil);
+/// blocks that show nothing are in none.
+pub(super) fn batches(rig: &Rig, index: usize, source: &Source, size: (u32, u32), plan: &ViewPlan) -> Vec<Batch> {
+    let output_views = &plan.output_views[index];
+    let examiner = Examiner::new(rig, source, size, plan, output_views);
+    let needs = examiner.all();
+    let classes: Vec<Option<Class>> = needs.iter().map(classify).collect();
+    let classes = with_fewer_overlaps(classes);
+
+    let mut distinct: Vec<Class> = Vec::new();
+    let mut united: Vec<Needs> = Vec::new();
+    let numbered: Vec<Option<usize>> = needs
+        .iter()
+        .zip(&classes)
+        .map(|(needs, class)| {
+            let class = (*class)?;
+            let index = distinct.iter().position(|other| *other == class).unwrap_or_else(|| {
+                distinct.push(class);
+                united.push(Needs::default());
+                distinct.len() - 1
+            });
+            united[index] = united[index].and(needs);
+            Some(index)
+        })
+        .collect();
+    let rects = rectangles::merge(&numbered, size.0.div_ceil(BLOCK), size, distinct.len());
+    let neighbours = examiner.neighbours.len();
+    united
+        .into_iter()
+        .zip(rects)
+        .map(|(needs, rects)| Batch {
+            views: (0..output_views.len())
+                .filter(|&bit| needs.views >> bit.min(63) & 1 == 1)
+                .map(|bit| output_views[bit])
+                .collect(),
+            neighbours: (0..neighbours).filter(|&bit| needs.neighbours >> bit.min(127) & 1 == 1).collect(),
+            edge: needs.dark,
+            rects,
+        })
+        .collect()
+}
+
+fn classify(needs: &Needs) -> Option<Class> {
+    needs.lit.then(|| match (needs.dark, needs.neighbours != 0) {
+        (true, true) => Class::EdgeOverlap,
+        (true, false) => Class::Edge,
+        (false, true) => Class::Overlap(needs.neighbours),
+        (false, false) if needs.views.count_ones() == 1 => Class::Plain(needs.views.trailing_zeros()),
+        (false, false) => Class::Mixed,
+    })
+}
+
+/// Keeps the most frequent sets of neighbours apart, since each neighbour costs time in every
+/// pixel, and unites the others, since each shader costs time to compile.
+fn with_fewer_overlaps(mut classes: Vec<Option<Class>>) -> Vec<Option<Class>> {
+    let mut sets: Vec<(u128, usize)> = Vec::new();
+    for class in &classes {
+        if let Some(Class::Overlap(set)) = class {
+            match sets.iter_mut().find(|entry| entry.0 == *set) {
+                Some(entry) => entry.1 += 1,
+                None => sets.push((*set, 1)),
+            }
+        }
+    }
+    if sets.len() > MOST_OVERLAPS {
+        sets.sort_by_key(|&(set, count)| (std::cmp::Reverse(count), set));
+        let rare = &sets[MOST_OVERLAPS - 1..];
+        let union = rare.iter().fold(0, |union, (set, _)| union | set);
+        for class in &mut classes {
+            if let Some(Class::Overlap(set)) = class
+                && rare.iter().any(|(other, _)| other == set)
+            {
+                *set = union;
+            }
+        }
+    }
+    classes
+}
+
+impl Needs {
+    fn and(self, other: &Self) -> Self {
+        Self {
+            views: self.views | other.views,
+            neighbours: self.neighbours | other.neighbours,
+            dark: self.dark | other.dark,
+            lit: self.lit | other.lit,
+        }
+    }
+}
+
+/// A convex cone with four sides.
+#[derive(Clone, Copy, Debug)]
+struct Cone {
+    /// Any axes → the cone's, in which it looks along −z.
+    axes: DMat3,
+    /// Inward normals of the left, right, bottom and top side, in the cone's axes.
+    normals: [DVec3; 4],
+}
+
+impl Cone {
+    fn new(axes: DMat3, opening: &Frustum) -> Self {
+        let normals = [
+            DVec3::new(1.0, 0.0, opening.left),
+            DVec3::new(-1.0, 0.0, -opening.right),
+            DVec3::new(0.0, 1.0, opening.bottom),
+            DVec3::new(0.0, -1.0, -opening.top),
+        ];
+        Self { axes, normals: normals.map(DVec3::normalize_or_zero) }
+    }
+
+    /// How far a direction lies inside each side.
+    fn depths(&self, direction: DVec3) -> [f64; 4] {
+        let local = self.axes * direction;
+        self.normals.map(|normal| normal.dot(local))
+    }
+
+    fn contains(&self, direction: DVec3) -> bool {
+        self.depths(direction).iter().all(|&depth| depth >= 0.0)
+    }
+}
+
+/// How a block lies to a cone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Relation {
+    Inside,
+    Outside,
+    Unclear,
+}
+
+/// How the patch with these corners, all of unit length, lies to a cone.
+fn relation(cone: &Cone, corners: &[DVec3; 4], margin: f64) -> Relation {
+    let mut inside = true;
+    let depths = corners.map(|corner| cone.depths(corner));
+    for side in 0..4 {
+        let (low, high) = depths.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), depths| {
+            (low.min(depths[side]), high.max(depths[side]))
+        });
+        if high < -margin {
+            return Relation::Outside;
+        }
+        inside &= low > margin;
+    }
+    if inside { Relation::Inside } else { Relation::Unclear }
+}
+
+/// The distance across a patch.
+fn diameter(corners: &[DVec3; 4]) -> f64 {
+    corners[0].distance(corners[3]).max(corners[1].distance(corners[2]))
+}
+
+/// Examines the blocks of one output.
+struct Examiner<'a> {
+    source: &'a Source,
+    size: (u32, u32),
+    /// Half the opening of the dome's cap, radians.
+    half_coverage: f64,
+    views: Vec<Cone>,
+    neighbours: Vec<(QuadraticForm, Cone)>,
+}
+
+/// What is seen at a corner of blocks.
+#[derive(Clone, Copy, Debug, Default)]
+struct Corner {
+    /// Direction from the viewer, unit length, where something is shown.
+    direction: Option<DVec3>,
+    /// Direction of a projector's hit from the dome's centre, unit length, the pole on +y, on the screen or not.
+    on_dome: Option<DVec3>,
+}
+
+/// A rectangle of pixels: left, top, right and bottom, the latter two excluded.
+type Block = [u32; 4];
+
+impl<'a> Examiner<'a> {
+    fn new(rig: &Rig, source: &'a Source, size: (u32, u32), plan: &ViewPlan, output_views: &[usize]) -> Self {
+        let cone = |&index: &usize| Cone::new(plan.views[index].rotation, &plan.views[index].owned);
+        let neighbours = match source {
+            Source::Projector(projector) => projector.neighbours.as_slice(),
+            _ => &[],
+        };
+        // Picture coordinates have z > 0 in front; a cone looks along −z.
+        let in_front = DMat3::from_diagonal(DVec3::new(1.0, 1.0, -1.0));
+        let picture = Frustum { left: -1.0, right: 1.0, bottom: -1.0, top: 1.0 };
+        Self {
+            source,
+            size,
+            half_coverage: 0.5 * rig.dome.coverage,
+            views: output_views.iter().map(cone).collect(),
+            neighbours: neighbours.iter().map(|neighbour| (neighbour.picture, Cone::new(in_front, &picture))).collect(),
+        }
+    }
+
+    /// What every block needs, row by row.
+    fn all(&self) -> Vec<Needs> {
+        let (columns, rows) = (self.size.0.div_ceil(BLOCK), self.size.1.div_ceil(BLOCK));
+        let position = |index: u32, end: u32| (index * BLOCK).min(end);
+        let corner_row = |row: u32| -> Vec<Corner> {
+            (0..=columns).map(|column| self.corner(position(column, self.size.0), position(row, self.size.1))).collect()
+        };
+        let mut needs = Vec::with_capacity((columns * rows) as usize);
+        let mut above = corner_row(0);
+        for row in 0..rows {
+            let below = corner_row(row + 1);
+            for (column, (upper, lower)) in (0..columns).zip(above.windows(2).zip(below.windows(2))) {
+                let block = [
+                    position(column, self.size.0),
+                    position(row, self.size.1),
+                    position(column + 1, self.size.0),
+                    position(row + 1, self.size.1),
+                ];
+                needs.push(self.block(block, [upper[0], upper[1], lower[0], lower[1]]));
+            }
+            above = below;
+        }
+        needs
+    }
+
+    /// Normalised coordinates of a pixel position.
+    fn normalised(&self, x: f64, y: f64) -> (f64, f64) {
+        self.source.normalised(self.size, x, y)
+    }
+
+    fn corner(&self, x: u32, y: u32) -> Corner {
+        let (x, y) = self.normalised(f64::from(x), f64::from(y));
+        let on_dome = match self.source {
+            Source::Projector(projector) => projector.dome_direction.evaluate(x, y).and_then(DVec3::try_normalize),
+            _ => None,
+        };
+        Corner { direction: self.source.direction(x, y).and_then(DVec3::try_normalize), on_dome }
+    }
+
+    fn block(&self, block: Block, corners: [Corner; 4]) -> Needs {
+        if self.surely_dark(block, &corners) {
+            return Needs { dark: true, ..Needs::default() };
+        }
+        let by_corners = all_of(corners.map(|corner| corner.direction)).and_then(|directions| {
+            let diameter = diameter(&directions);
+            if diameter < WIDEST_BLOCK && self.surely_on_screen(&corners) {
+                self.only_view(&directions, diameter * diameter)
+            } else {
+                None
+            }
+        });
+        let mut needs = match by_corners {
+            Some(view) => Needs { views: 1 << view.min(63), neighbours: 0, dark: false, lit: true },
+            None => self.by_pixels(block),
+        };
+        if needs.lit {
+            needs.neighbours = self.overlapping(block);
+        }
+        needs
+    }
+
+    /// Whether a block shows nothing, told without looking at its pixels.
+    fn surely_dark(&self, block: Block, corners: &[Corner; 4]) -> bool {
+        match self.source {
+            Source::Perspective { .. } => false,
+            Source::Fisheye { .. } => {
+                let centre = (0.5 * f64::from(self.size.0), 0.5 * f64::from(self.size.1));
+                let nearest = |low: u32, high: u32, centre: f64| centre.clamp(f64::from(low), f64::from(high));
+                let (x, y) =
+                    self.normalised(nearest(block[0], block[2], centre.0), nearest(block[1], block[3], centre.1));
+                x * x + y * y > 1.0
+            }
+            Source::Projector(_) => all_of(corners.map(|corner| corner.on_dome)).is_some_and(|hits| {
+                let nearest = hits.iter().map(|hit| hit.angle_between(DVec3::Y)).fold(f64::INFINITY, f64::min);
+                let diameter = diameter(&hits);
+                diameter < WIDEST_BLOCK && nearest - diameter > self.half_coverage
+            }),
+        }
+    }
+
+    /// Whether no pixel of a block whose corners show something can miss the screen.
+    fn surely_on_screen(&self, corners: &[Corner; 4]) -> bool {
+        if !matches!(self.source, Source::Projector(_)) || self.half_coverage >= std::f64::consts::PI {
+            return true;
+        }
+        // No point of the patch is farther than its diameter from a corner.
+        all_of(corners.map(|corner| corner.on_dome)).is_some_and(|hits| {
+            let farthest = hits.iter().map(|hit| hit.angle_between(DVec3::Y)).fold(0.0, f64::max);
+            farthest + diameter(&hits) < self.half_coverage
+        })
+    }
+
+    /// The one view that answers for all of a patch, if the corners tell.
+    fn only_view(&self, directions: &[DVec3; 4], margin: f64) -> Option<usize> {
+        for (index, view) in self.views.iter().enumerate() {
+            match relation(view, directions, margin) {
+                Relation::Inside => return Some(index),
+                Relation::Outside => {}
+                Relation::Unclear => return None,
+            }
+        }
+        None
+    }
+
+    /// What the centres of a block's pixels need.
+    fn by_pixels(&self, block: Block) -> Needs {
+        let mut needs = Needs::default();
+        for row in block[1]..block[3] {
+            for column in block[0]..block[2] {
+                let (x, y) = self.normalised(f64::from(column) + 0.5, f64::from(row) + 0.5);
+                match self.source.direction(x, y) {
+                    Some(direction) => {
+                        needs.lit = true;
+                        needs.views |= 1 << self.answering(direction).min(63);
+                    }
+                    None => needs.dark = true,
+                }
+            }
+        }
+        needs
+    }
+
+    /// The view that answers for a direction: the first that contains it. The planner leaves no gap;
+    /// should rounding make one, the nearest view answers.
+    fn answering(&self, direction: DVec3) -> usize {
+        let shallowest = |view: &Cone| view.depths(direction).into_iter().fold(f64::INFINITY, f64::min);
+        self.views.iter().position(|view| view.contains(direction)).unwrap_or_else(|| {
+            let nearest = (0..self.views.len())
+                .max_by(|&a, &b| shallowest(&self.views[a]).total_cmp(&shallowest(&self.views[b])));
+            nearest.unwrap_or(0)
+        })
+    }
+
+    /// The neighbours whose pictures reach into a block.
+    fn overlapping(&self, block: Block) -> u128 {
+        let places = [(block[0], block[1]), (block[2], block[1]), (block[0], block[3]), (block[2], block[3])];
+        let places = places.map(|(x, y)| self.normalised(f64::from(x), f64::from(y)));
+        self.neighbours.iter().enumerate().fold(0, |set, (index, (picture, cone))| {
+            let corners = places.map(|(x, y)| picture.evaluate(x, y).and_then(DVec3::try_normalize));
+            let apart = all_of(corners).is_some_and(|corners| {
+                let diameter = diameter(&corners);
+                diameter < WIDEST_BLOCK && relation(cone, &corners, diameter * diameter) == Relation::Outside
+            });
+            if apart { set } else { set | 1 << index.min(127) }
+        })
+    }
+}
+
+/// The values, if there are all four.
+fn all_of(values: [Option<DVec3>; 4]) -> Option<[DVec3; 4]> {
+    match values {
+        [Some(a), Some(b), Some(c), Some(d)] => Some([a, b, c, d]),
+        _ => None,
+    }
+}

@@ -1,0 +1,94 @@
+//! What a matrix that a program gives is, and its lens.
+
+use super::{Intrinsics, MatrixClass};
+use glam::DVec3;
+
+/// Greatest cosine between two rows that ought to be perpendicular, for matrices whose products
+/// were formed in f32 (measured: ≤ 3e-7). A non-uniform scale of 1 % shows 1.7e-3 or more.
+const SKEW_TOLERANCE: f64 = 2e-6;
+
+/// F is given if it is at least this part of the numbers whose difference it is; its relative
+/// error is then below about 1e-3 for a matrix formed in f32.
+const OFFSET_SIGNIFICANCE: f64 = 3e-4;
+
+/// What `matrix` (column-major, as OpenGL takes it) is.
+///
+/// A bare projection, with zeros where one has zeros, is taken as it is: its entries are returned bit for bit
+/// (apart from the signs below). A projection times model and view matrices, `P·[sR|t]`, is
+/// separated by the RQ decomposition; from f32 products A and C have a relative error ≤ 4e-7, B, D and E an
+/// absolute one of the same size. F is lost where `t` is large against it and is then `None`.
+///
+/// Signs: the lens is returned as the window shows it. A and C are positive and w grows in front of
+/// the eye; a mirrored (negative determinant), upside-down or left-handed (`w = +z`) program has the
+/// mirror in its eye axes then, and re-projected directions still agree with its own picture.
+///
+/// `Other`: non-finite entries, singular, non-uniform scale or skew (unless it is along the
+/// camera's own axes, where it cannot be told from another lens), or a depth row that is not
+/// parallel to the w row (oblique near plane).
+pub fn classify(matrix: &[f64; 16]) -> MatrixClass {
+    classify_rows(std::array::from_fn(|row| std::array::from_fn(|column| matrix[4 * column + row])))
+}
+
+/// What the transpose of `matrix` is, for programs that keep matrices row by row and multiply row vectors.
+pub fn classify_transposed(matrix: &[f64; 16]) -> MatrixClass {
+    classify_rows(std::array::from_fn(|row| std::array::from_fn(|column| matrix[4 * row + column])))
+}
+
+/// [`classify`] of a matrix given by its rows.
+fn classify_rows(m: [[f64; 4]; 4]) -> MatrixClass {
+    if !m.iter().flatten().all(|entry| entry.is_finite()) {
+        return MatrixClass::Other;
+    }
+    if m[3][..3] == [0.0; 3] {
+        return if m[3][3] != 0.0 { MatrixClass::Affine } else { MatrixClass::Other };
+    }
+    match projection(&m).or_else(|| separated(&m)) {
+        Some(intrinsics) => MatrixClass::Perspective(intrinsics),
+        None => MatrixClass::Other,
+    }
+}
+
+/// A bare projection matrix, `[A 0 B 0; 0 C D 0; 0 0 E F; 0 0 ∓1 0]`.
+fn projection(m: &[[f64; 4]; 4]) -> Option<Intrinsics> {
+    let [[a, x1, b, x3], [y0, c, d, y3], [z0, z1, e, f], [w0, w1, w, w3]] = *m;
+    let zeros = [x1, x3, y0, y3, z0, z1, w0, w1, w3];
+    if zeros.iter().any(|&entry| entry != 0.0) || w.abs() != 1.0 || a == 0.0 || c == 0.0 {
+        return None;
+    }
+    // In axes with w = −z; exact, since w is 1 or −1.
+    Some(Intrinsics { a: a.abs(), b: b * -w, c: c.abs(), d: d * -w, e: e * -w, f: Some(f) })
+}
+
+/// A projection times a similarity, by the RQ decomposition of the 3×3 parts of the rows x, y and w.
+fn separated(m: &[[f64; 4]; 4]) -> Option<Intrinsics> {
+    let [x, y, z, w] = m.map(|row| DVec3::new(row[0], row[1], row[2]));
+    let scale = w.length();
+    let axis = w / scale;
+    // B, D and E times the scale.
+    let [b, d, e] = [-x.dot(axis), -y.dot(axis), -z.dot(axis)];
+    let (right, up, depth) = (x + b * axis, y + d * axis, z + e * axis);
+    let (a, c) = (right.length(), up.length());
+    // What rounding of the given rows can do to their parts perpendicular to the axis.
+    let noise = |row: DVec3, part: f64| SKEW_TOLERANCE * row.length() / part;
+    let tolerance = noise(x, a) + noise(y, c);
+    let skew = right.dot(up).abs() / (a * c);
+    // Written so that NaN (a row parallel to w, an overflow) is refused.
+    let uniform = skew <= tolerance && tolerance < 1e-2;
+    let parallel = depth.length() <= 10.0 * SKEW_TOLERANCE * z.length();
+    if !(uniform && parallel) {
+        return None;
+    }
+    let (offset, moved) = (m[2][3], e / scale * m[3][3]);
+    let f = offset + moved;
+    let significant = f.abs() >= OFFSET_SIGNIFICANCE * (offset.abs() + moved.abs()) && f != 0.0;
+    let intrinsics = Intrinsics {
+        a: a / scale,
+        b: b / scale,
+        c: c / scale,
+        d: d / scale,
+        e: e / scale,
+        f: significant.then_some(f),
+    };
+    let finite = [intrinsics.a, intrinsics.b, intrinsics.c, intrinsics.d, intrinsics.e].iter().all(|n| n.is_finite());
+    finite.then_some(intrinsics)
+}

@@ -1,0 +1,263 @@
+//! Tests of matrix classification and of re-projection, among them emulations of an f32 pipeline.
+
+use super::*;
+use crate::geom::pose::rotation;
+use crate::geom::testing::Random;
+use glam::{DMat4, DVec4};
+
+/// Kinds of depth mapping that programs use: (E, F) for near 1 and a ratio far/near.
+fn depth_mappings() -> Vec<(&'static str, f64, f64)> {
+    let mut all = vec![("infinite", -1.0, -2.0), ("reversed infinite", 0.0, 1.0)];
+    for far in [1e2f64, 1e4, 1e6, 1e9] {
+        all.push(("finite", -(far + 1.0) / (far - 1.0), -2.0 * far / (far - 1.0)));
+        all.push(("zero to one", -far / (far - 1.0), -far / (far - 1.0)));
+        all.push(("reversed", 1.0 / (far - 1.0), far / (far - 1.0)));
+    }
+    all
+}
+
+fn lens(random: &mut Random, e: f64, f: f64) -> Intrinsics {
+    let (a, c) = (random.range(0.5, 4.0), random.range(0.5, 4.0));
+    Intrinsics { a, b: random.range(-0.5, 0.5), c, d: random.range(-0.5, 0.5), e, f: Some(f) }
+}
+
+fn matrix_of(p: &Intrinsics) -> DMat4 {
+    DMat4::from_cols(
+        DVec4::new(p.a, 0.0, 0.0, 0.0),
+        DVec4::new(0.0, p.c, 0.0, 0.0),
+        DVec4::new(p.b, p.d, p.e, -1.0),
+        DVec4::new(0.0, 0.0, p.f.unwrap_or(0.0), 0.0),
+    )
+}
+
+/// The matrix of a view: its own lens, the program's depth.
+fn view_matrix(frustum: &Frustum, p: &Intrinsics) -> DMat4 {
+    let mut matrix = frustum.projection_matrix(1.0, 2.0);
+    matrix.z_axis.z = p.e;
+    matrix.w_axis.z = p.f.unwrap_or(0.0);
+    matrix
+}
+
+fn rounded(m: DMat4) -> DMat4 {
+    DMat4::from_cols_array(&m.to_cols_array().map(|x| f64::from(x as f32)))
+}
+
+/// A product as a program forms it: every operation in f32.
+fn product_f32(a: DMat4, b: DMat4) -> DMat4 {
+    let (a, b) = (a.to_cols_array().map(|x| x as f32), b.to_cols_array().map(|x| x as f32));
+    let entry = |i: usize| (0..4).map(|k| a[4 * k + i % 4] * b[4 * (i / 4) + k]).sum::<f32>();
+    DMat4::from_cols_array(&std::array::from_fn(|i| f64::from(entry(i))))
+}
+
+fn perspective(class: MatrixClass) -> Intrinsics {
+    match class {
+        MatrixClass::Perspective(p) => p,
+        other => panic!("not taken for a perspective: {other:?}"),
+    }
+}
+
+#[test]
+fn the_unrotated_view_is_the_identity_to_the_bit() {
+    let mut random = Random::new(10);
+    for _ in 0..5_000 {
+        let p = lens(&mut random, -1.001, -0.2);
+        let rows = clip_rows(&p, &CameraAdjustment::NONE, DMat3::IDENTITY, &p.frustum());
+        let bits = [rows.x, rows.y, rows.w].map(|row| row.map(f64::to_bits));
+        let one_at = |index: usize| std::array::from_fn(|i| if i == index { 1.0f64.to_bits() } else { 0 });
+        assert_eq!(bits, [one_at(0), one_at(1), one_at(2)]);
+        assert_eq!(rows.matrix(), DMat4::IDENTITY.to_cols_array());
+    }
+    // Negative control: a lens that is different by 1e-9 is not the identity.
+    let p = lens(&mut random, -1.0, -0.2);
+    let other = Intrinsics { a: p.a * (1.0 + 1e-9), ..p };
+    assert_ne!(clip_rows(&p, &CameraAdjustment::NONE, DMat3::IDENTITY, &other.frustum()).x, [1.0, 0.0, 0.0, 0.0]);
+}
+
+#[test]
+fn agrees_with_unprojecting_turning_and_projecting() {
+    let mut random = Random::new(11);
+    for round in 0..3_000 {
+        // Depths whose matrix a general inverse still handles.
+        let p = lens(&mut random, -1.2, -2.1);
+        let own = lens(&mut random, 0.0, 0.0).frustum();
+        let camera = if round % 3 == 0 {
+            CameraAdjustment::NONE
+        } else {
+            CameraAdjustment {
+                zoom: random.range(0.3, 3.0),
+                shift: random.vector(-2.0, 2.0),
+                rotation: random.rotation(),
+            }
+        };
+        let turn = random.rotation();
+        let rows = clip_rows(&p, &camera, turn, &own);
+        let adjusted = DMat4::from_mat3(turn * camera.rotation)
+            * DMat4::from_scale(DVec3::new(camera.zoom, camera.zoom, 1.0))
+            * DMat4::from_translation(-camera.shift);
+        let expected = view_matrix(&own, &p) * adjusted * matrix_of(&p).inverse();
+        let found = DMat4::from_cols_array(&rows.matrix());
+        assert!(found.abs_diff_eq(expected, 1e-12), "{found}\n{expected}");
+        // The row form says the same as the matrix.
+        let c = DVec4::new(random.unit(), random.unit(), random.unit(), random.unit());
+        let q = c.z + rows.e * c.w;
+        let dot = |r: &[f64; 4]| r[0] * c.x + r[1] * c.y + r[2] * c.w + r[3] * q;
+        let w = dot(&rows.w);
+        assert!(DVec4::new(dot(&rows.x), dot(&rows.y), q - rows.e * w, w).distance(found * c) < 1e-12);
+    }
+}
+
+#[test]
+fn the_camera_adjustment_does_what_it_says() {
+    let p = Intrinsics { a: 1.5, b: 0.1, c: 2.0, d: -0.2, e: -1.0, f: Some(-0.2) };
+    let view = Frustum::symmetric(1.5, 1.5);
+    let seen = |camera: &CameraAdjustment, p: &Intrinsics, eye: DVec3| {
+        let clip = matrix_of(p) * eye.extend(1.0);
+        let result = DMat4::from_cols_array(&clip_rows(p, camera, DMat3::IDENTITY, &view).matrix()) * clip;
+        // Back to a direction in the view's axes.
+        view.rays() * DVec3::new(result.x / result.w, result.y / result.w, 1.0)
+    };
+    let eye = DVec3::new(0.3, -0.2, -2.0);
+    let zoomed = seen(&CameraAdjustment { zoom: 3.0, ..CameraAdjustment::NONE }, &p, eye);
+    assert!(zoomed.distance(DVec3::new(0.45, -0.3, -1.0)) < 1e-14, "tangents are multiplied");
+    let shift = DVec3::new(0.0, 0.0, -1.0);
+    let moved = CameraAdjustment { shift, ..CameraAdjustment::NONE };
+    assert!(seen(&moved, &p, eye).distance(DVec3::new(0.3, -0.2, -1.0)) < 1e-14, "the eye is one unit nearer");
+    let unknown = Intrinsics { f: None, ..p };
+    let without = DMat4::from_cols_array(&clip_rows(&unknown, &moved, DMat3::IDENTITY, &view).matrix());
+    let plain = clip_rows(&p, &CameraAdjustment::NONE, DMat3::IDENTITY, &view).matrix();
+    assert_eq!(without.to_cols_array(), plain, "without F the shift is ignored");
+    // The camera is yawed to the right: what it sees ahead is to the right of the viewer.
+    let turned = CameraAdjustment { rotation: rotation(0.4, 0.0, 0.0), ..CameraAdjustment::NONE };
+    let ahead = seen(&turned, &p, DVec3::new(0.0, 0.0, -1.0));
+    assert!(ahead.distance(DVec3::new(0.4f64.tan(), 0.0, -1.0)) < 1e-14);
+}
+
+#[test]
+fn f32_depth_and_position_are_as_accurate_as_a_program_s_own() {
+    let mut random = Random::new(12);
+    for (name, e, f) in depth_mappings() {
+        let (mut worst_depth, mut worst_position, mut lost) = (0.0f64, 0.0f64, 0);
+        for face in crate::geom::Face::ALL {
+            // The program's matrix, as it reaches the driver: f32.
+            let frustum = Frustum::symmetric(1.2, 0.8);
+            let given = rounded(view_matrix(&frustum, &Intrinsics { a: 0.0, b: 0.0, c: 0.0, d: 0.0, e, f: Some(f) }));
+            let p = perspective(classify(&given.to_cols_array()));
+            let target = Frustum::symmetric(1.6, 1.6);
+            let rows = clip_rows(&p, &CameraAdjustment::NONE, face.rotation(), &target);
+            let round = |row: [f64; 4]| row.map(|x| x as f32);
+            let (rx, ry, rw, e32) = (round(rows.x), round(rows.y), round(rows.w), rows.e as f32);
+            for _ in 0..3_000 {
+                let (x, y) = (random.range(-0.95, 0.95), random.range(-0.95, 0.95));
+                let direction = face.rotation().transpose() * (target.rays() * DVec3::new(x, y, 1.0));
+                let eye = direction * 10f64.powf(random.range(0.1, 5.0));
+                let c = (given * eye.extend(1.0)).as_vec4();
+                let q = c.z + e32 * c.w;
+                let dot = |r: &[f32; 4]| r[0] * c.x + r[1] * c.y + r[2] * c.w;
+                let (x2, y2, w2) = (dot(&rx), dot(&ry), dot(&rw));
+                let z2 = q - e32 * w2;
+                // The reference starts from the same rounded clip coordinates' exact eye point.
+                let exact = view_matrix(&target, &p) * (face.rotation() * eye).extend(1.0);
+                worst_depth = worst_depth.max((f64::from(z2 / w2) - exact.z / exact.w).abs());
+                let off = (f64::from(x2 / w2) - exact.x / exact.w).hypot(f64::from(y2 / w2) - exact.y / exact.w);
+                worst_position = worst_position.max(off * 1024.0);
+                // A sky vertex: z = w.
+                let z_sky = if c.w == c.z { w2 } else { (c.w + e32 * c.w) - e32 * w2 };
+                if name == "infinite" && z_sky > w2 {
+                    lost += 1;
+                }
+            }
+        }
+        assert!(worst_depth <= 5e-7, "{name} {e}: depth {worst_depth:e}");
+        assert!(worst_position <= 5e-4, "{name} {e}: {worst_position:e} px at 2048");
+        assert_eq!(lost, 0, "{name}: sky vertices beyond the far plane");
+    }
+}
+
+#[test]
+fn bare_projections_are_taken_bit_for_bit() {
+    let mut random = Random::new(13);
+    for (_, e, f) in depth_mappings() {
+        for _ in 0..200 {
+            let p = lens(&mut random, e, f);
+            for mut given in [p, perspective(classify(&rounded(matrix_of(&p)).to_cols_array()))] {
+                assert_eq!(classify(&matrix_of(&given).to_cols_array()), MatrixClass::Perspective(given));
+                let transposed = matrix_of(&given).transpose().to_cols_array();
+                assert_eq!(classify_transposed(&transposed), MatrixClass::Perspective(given));
+                // Left-handed: z and w grow forward; the window shows the same.
+                let mut left_handed = matrix_of(&given);
+                left_handed.z_axis = -left_handed.z_axis;
+                assert_eq!(classify(&left_handed.to_cols_array()), MatrixClass::Perspective(given));
+                // Upside down: the lens of what the window shows.
+                let mut upside_down = matrix_of(&given);
+                upside_down.y_axis = -upside_down.y_axis;
+                given.f = Some(given.f.unwrap_or(0.0));
+                assert_eq!(classify(&upside_down.to_cols_array()), MatrixClass::Perspective(given));
+            }
+        }
+    }
+}
+
+#[test]
+fn lenses_are_recovered_from_f32_products() {
+    let mut random = Random::new(14);
+    for exponent in [0.0, 2.0, 4.0, 6.0] {
+        let (mut worst, mut worst_offset, mut with_offset) = (0.0f64, 0.0f64, 0);
+        for round in 0..4_000 {
+            let p = perspective(classify(&rounded(matrix_of(&lens(&mut random, -1.0002, -0.20002))).to_cols_array()));
+            let mirror = if round % 4 == 0 { DVec3::new(-1.0, 1.0, 1.0) } else { DVec3::ONE };
+            let scale = 10f64.powf(random.range(-3.0, 3.0));
+            let model = DMat4::from_translation(random.direction() * 10f64.powf(exponent))
+                * DMat4::from_mat3(random.rotation() * DMat3::from_diagonal(mirror * scale));
+            let found = perspective(classify(&product_f32(matrix_of(&p), model).to_cols_array()));
+            let relative = ((found.a - p.a) / p.a).abs().max(((found.c - p.c) / p.c).abs());
+            let absolute = (found.b - p.b).abs().max((found.d - p.d).abs()).max((found.e - p.e).abs());
+            worst = worst.max(relative).max(absolute);
+            if let (Some(found), Some(f)) = (found.f, p.f) {
+                with_offset += 1;
+                worst_offset = worst_offset.max(((found - f) / f).abs());
+            }
+        }
+        assert!(worst <= 5.5e-7, "|t| = 1e{exponent}: {worst:e}");
+        assert!(worst_offset <= 3e-3, "|t| = 1e{exponent}: F {worst_offset:e}");
+        match exponent as i32 {
+            0 => assert_eq!(with_offset, 4_000, "F is well determined near the origin"),
+            6 => assert!(with_offset < 100, "F is not determined far away"),
+            _ => {}
+        }
+    }
+}
+
+#[test]
+fn everything_else_is_refused() {
+    let mut random = Random::new(15);
+    let mut accepted = [0, 0];
+    for _ in 0..4_000 {
+        let p = rounded(matrix_of(&lens(&mut random, -1.002, -0.2)));
+        for (index, excess) in [1e-2, 1e-4].into_iter().enumerate() {
+            let scale = DMat3::from_diagonal(DVec3::new(1.0 + excess, 1.0, 1.0));
+            let model = DMat4::from_mat3(random.rotation() * scale * random.rotation());
+            if classify(&product_f32(p, model).to_cols_array()) != MatrixClass::Other {
+                accepted[index] += 1;
+            }
+        }
+        let affine = DMat4::from_mat3(random.rotation() * 3.0);
+        assert_eq!(classify(&affine.to_cols_array()), MatrixClass::Affine);
+    }
+    // A scale along the camera's own axes is another lens, not a fault: a few are such by chance.
+    assert!(accepted[0] <= 20 && accepted[1] <= 400, "{accepted:?} of 4000 non-uniform scales accepted");
+    let p = matrix_of(&lens(&mut random, -1.002, -0.2));
+    let with = |index: usize, value: f64| {
+        let mut matrix = p.to_cols_array();
+        matrix[index] = value;
+        classify(&matrix)
+    };
+    assert_eq!(with(0, f64::NAN), MatrixClass::Other);
+    assert_eq!(with(5, f64::INFINITY), MatrixClass::Other);
+    assert_eq!(with(0, 0.0), MatrixClass::Other, "singular");
+    assert_eq!(with(4, 0.3), MatrixClass::Other, "skewed");
+    assert_eq!(with(2, 0.3), MatrixClass::Other, "oblique near plane");
+    assert_eq!(classify(&[0.0; 16]), MatrixClass::Other);
+    assert_eq!(classify_transposed(&p.to_cols_array()), MatrixClass::Other, "a projection is not its transpose");
+    let orthographic = DMat4::from_scale(DVec3::new(0.1, 0.2, -0.01)).to_cols_array();
+    assert_eq!(classify(&orthographic), MatrixClass::Affine);
+}

@@ -1,0 +1,46 @@
+//! Deterministic random inputs for the tests of the mathematical modules.
+
+use glam::{DMat3, DVec3};
+
+/// A SplitMix64 generator (Steele, Lea, Flood 2014): small, and the same everywhere.
+pub(crate) struct Random(u64);
+
+impl Random {
+    /// A generator that always gives the same numbers for the same seed.
+    pub(crate) fn new(seed: u64) -> Self {
+        Self(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15))
+    }
+
+    /// Uniform in 0…1.
+    pub(crate) fn unit(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    /// Uniform in `low`…`high`.
+    pub(crate) fn range(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.unit()
+    }
+
+    /// Each component uniform in `low`…`high`.
+    pub(crate) fn vector(&mut self, low: f64, high: f64) -> DVec3 {
+        DVec3::new(self.range(low, high), self.range(low, high), self.range(low, high))
+    }
+
+    /// Uniform on the unit sphere (z and azimuth uniform: Archimedes).
+    pub(crate) fn direction(&mut self) -> DVec3 {
+        let z = self.range(-1.0, 1.0);
+        let (sine, cosine) = self.range(0.0, std::f64::consts::TAU).sin_cos();
+        let h = (1.0 - z * z).sqrt();
+        DVec3::new(h * cosine, h * sine, z)
+    }
+
+    /// A rotation of any angle about any axis.
+    pub(crate) fn rotation(&mut self) -> DMat3 {
+        let axis = self.direction();
+        DMat3::from_axis_angle(axis, self.range(0.0, std::f64::consts::TAU))
+    }
+}

@@ -1,0 +1,279 @@
+//! Which outputs get a view of their own, and which share a cube.
+
+use super::cube::{self, Cube};
+use super::fit::Fit;
+use super::samples::{COARSE, FINE, MIDDLE, Samples};
+use super::sight::{Sight, UNIT_FRUSTUM, lens_rotation};
+use super::single::{self, Single, facing};
+use crate::error::{Error, ErrorKind, Result};
+use crate::geom::pose;
+use crate::rig::{OutputKind, Rig, ViewMethod};
+use glam::{DMat3, DVec2, DVec3};
+
+/// What a view costs beside its texels, in texels: submitting the program's draws once more.
+///
+/// A thousand draws at 1–2 µs are 1–2 ms. In that time a graphics card shades 5–10 million texels
+/// with an overdraw of 2, and a software rasteriser about 0.3 million: 2²⁰ lies between.
+const TEXELS_PER_VIEW: f64 = 1_048_576.0;
+
+/// A view before it has a place and its final size.
+#[derive(Clone, Debug)]
+pub(crate) struct Wanted {
+    /// Name for people.
+    pub name: String,
+    /// Viewer axes → view axes.
+    pub rotation: DMat3,
+    /// The sampled part and the resolution it needs.
+    pub fit: Fit,
+    /// The sampled part is exactly so many pixels, one texel each at quality 1.
+    pub exact: Option<(u32, u32)>,
+    /// Drawn with the program's own projection.
+    pub program_lens: bool,
+    /// The outputs that sample it.
+    pub outputs: Vec<usize>,
+}
+
+impl Wanted {
+    fn cost(&self) -> f64 {
+        self.fit.texels() + TEXELS_PER_VIEW
+    }
+}
+
+/// The views of a rig, and remarks for people.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Arrangement {
+    /// In order of precedence.
+    pub views: Vec<Wanted>,
+    /// What was left out, and why.
+    pub notes: Vec<String>,
+}
+
+impl Arrangement {
+    fn cost(&self) -> f64 {
+        self.views.iter().map(Wanted::cost).sum()
+    }
+}
+
+/// An output, sampled at three levels.
+struct Seen {
+    coarse: Samples,
+    middle: Samples,
+    fine: Samples,
+    single: Option<Wanted>,
+}
+
+/// Chooses the views for outputs of the given sizes.
+pub(crate) fn arrange(rig: &Rig, sights: &[Sight]) -> Result<Arrangement> {
+    let quality = rig.views.quality;
+    let method = rig.views.method;
+    let mut notes = Vec::new();
+    let mut seen = Vec::new();
+    for (index, (output, sight)) in rig.outputs.iter().zip(sights).enumerate() {
+        let mut this = Seen {
+            coarse: Samples::new(sight, COARSE),
+            middle: Samples::new(sight, MIDDLE),
+            fine: Samples::new(sight, FINE),
+            single: None,
+        };
+        if this.fine.is_empty() {
+            notes.push(format!("output {} shows nothing: no ray of it meets the dome's screen", output.name));
+        } else {
+            this.single = own_view(&output.kind, index, sight, method).or_else(|| {
+                let needed = method != ViewMethod::Cube;
+                needed.then(|| single::tightest(&this.coarse, &this.fine, quality)).flatten().map(Wanted::from_single)
+            });
+            if let Some(single) = &mut this.single {
+                single.name.clone_from(&output.name);
+                single.outputs = vec![index];
+            } else if method == ViewMethod::Single {
+                return Err(no_single_view(&output.name, &this.fine));
+            }
+        }
+        seen.push(this);
+    }
+
+    // Always alone: what is drawn with the program's own lens.
+    let alone = |index: usize| seen[index].single.as_ref().is_some_and(|single| single.program_lens);
+    let is_circle = |index: usize| sights[index].is_circular();
+    let arrangements: Vec<Arrangement> = match method {
+        ViewMethod::Cube => vec![mixed(rig, &seen, alone)],
+        ViewMethod::Single => vec![mixed(rig, &seen, |_| true)],
+        ViewMethod::Auto => vec![
+            mixed(rig, &seen, |_| true),
+            mixed(rig, &seen, |index| alone(index) || !is_circle(index)),
+            mixed(rig, &seen, alone),
+        ],
+    };
+    let mut chosen = arrangements.into_iter().min_by(|a, b| a.cost().total_cmp(&b.cost())).unwrap_or_default();
+    notes.append(&mut chosen.notes);
+    chosen.notes = notes;
+    Ok(chosen)
+}
+
+impl Wanted {
+    fn from_single(single: Single) -> Self {
+        Self {
+            name: String::new(),
+            rotation: single.rotation,
+            fit: single.fit,
+            exact: None,
+            program_lens: false,
+            outputs: Vec::new(),
+        }
+    }
+}
+
+/// The view of a perspective output: its own picture, texel for pixel.
+fn own_view(kind: &OutputKind, index: usize, sight: &Sight, method: ViewMethod) -> Option<Wanted> {
+    let OutputKind::Perspective { angles, frustum } = kind else { return None };
+    if method == ViewMethod::Cube && frustum.is_some() {
+        return None;
+    }
+    let (width, height) = sight.size;
+    let extent = frustum.unwrap_or(UNIT_FRUSTUM);
+    let rotation = match frustum {
+        Some(_) => pose::rotation(angles[0], angles[1], angles[2]).transpose(),
+        None => DMat3::IDENTITY,
+    };
+    let density = DVec2::new(f64::from(width) / extent.width(), f64::from(height) / extent.height());
+    Some(Wanted {
+        name: String::new(),
+        rotation,
+        fit: Fit { extent, density },
+        exact: Some((width, height)),
+        program_lens: frustum.is_none(),
+        outputs: vec![index],
+    })
+}
+
+/// Views of their own for the outputs that `alone` names and that can have one; a cube for the others.
+fn mixed(rig: &Rig, seen: &[Seen], alone: impl Fn(usize) -> bool) -> Arrangement {
+    let mut arrangement = Arrangement::default();
+    let mut sharing = Vec::new();
+    for (index, this) in seen.iter().enumerate() {
+        match &this.single {
+            Some(single) if alone(index) => arrangement.views.push(single.clone()),
+            _ if !this.fine.is_empty() => sharing.push(index),
+            _ => {}
+        }
+    }
+    share_equals(&mut arrangement.views);
+    if !sharing.is_empty() {
+        let (coarse, middle, fine) = (
+            sharing.iter().map(|&index| &seen[index].coarse).collect::<Vec<_>>(),
+            sharing.iter().map(|&index| &seen[index].middle).collect::<Vec<_>>(),
+            sharing.iter().map(|&index| &seen[index].fine).collect::<Vec<_>>(),
+        );
+        let pixel = finest_pixel(&coarse);
+        let cube = cube::best(
+            &frames(rig, &sharing, &coarse),
+            &[coarse, middle, fine],
+            rig.views.quality,
+            pixel,
+            TEXELS_PER_VIEW,
+        );
+        add_faces(&mut arrangement, cube, &sharing);
+    }
+    arrangement
+}
+
+/// Merges views that are the same in everything but the outputs.
+fn share_equals(views: &mut Vec<Wanted>) {
+    let mut kept: Vec<Wanted> = Vec::with_capacity(views.len());
+    for view in views.drain(..) {
+        let same = |other: &&mut Wanted| {
+            other.rotation == view.rotation
+                && other.fit.extent == view.fit.extent
+                && other.fit.density == view.fit.density
+                && other.exact == view.exact
+                && other.program_lens == view.program_lens
+        };
+        match kept.iter_mut().find(same) {
+            Some(other) => other.outputs.extend(view.outputs),
+            None => kept.push(view),
+        }
+    }
+    *views = kept;
+}
+
+/// Frames (local → viewer axes) around which cubes are tried: the viewer's, the domemasters', and
+/// one that looks at the middle of everything seen.
+fn frames(rig: &Rig, sharing: &[usize], samples: &[&Samples]) -> Vec<DMat3> {
+    let middle: DVec3 = samples.iter().map(|samples| samples.mean_direction()).sum();
+    let lenses = sharing.iter().filter_map(|&index| match rig.outputs[index].kind {
+        OutputKind::Domemaster { tilt, .. } => Some(lens_rotation(tilt)),
+        _ => None,
+    });
+    let mut frames: Vec<DMat3> = Vec::new();
+    for frame in lenses.chain([DMat3::IDENTITY, facing(middle)]) {
+        if !frames.iter().any(|other| other.abs_diff_eq(frame, 1e-6)) {
+            frames.push(frame);
+        }
+    }
+    frames
+}
+
+/// The size of the finest pixel in radians.
+fn finest_pixel(samples: &[&Samples]) -> f64 {
+    samples
+        .iter()
+        .flat_map(|samples| samples.iter())
+        .map(|sample| {
+            let spread = &sample.spread;
+            (0.5 * (spread.x_axis.x + spread.y_axis.y + spread.z_axis.z)).sqrt()
+        })
+        .fold(f64::INFINITY, f64::min)
+}
+
+fn add_faces(arrangement: &mut Arrangement, cube: Cube, sharing: &[usize]) {
+    for face in cube.faces {
+        let name = free_name(&direction_name(face.rotation.transpose() * DVec3::NEG_Z), &arrangement.views);
+        arrangement.views.push(Wanted {
+            name,
+            rotation: face.rotation,
+            fit: face.fit,
+            exact: None,
+            program_lens: false,
+            outputs: face.outputs.iter().map(|&index| sharing[index]).collect(),
+        });
+    }
+    for direction in cube.skipped {
+        arrangement
+            .notes
+            .push(format!("no view {}: nothing that the outputs show lies there", direction_name(direction)));
+    }
+}
+
+/// A direction in words: `front`, `up`, `front-left` …
+fn direction_name(direction: DVec3) -> String {
+    // A third of the way to the next axis counts as between the two.
+    const SHARE: f64 = 0.38;
+    let word = |part: f64, positive: &'static str, negative: &'static str| {
+        (part.abs() > SHARE).then_some(if part > 0.0 { positive } else { negative })
+    };
+    let words =
+        [word(direction.y, "up", "down"), word(-direction.z, "front", "back"), word(direction.x, "right", "left")];
+    words.into_iter().flatten().collect::<Vec<_>>().join("-")
+}
+
+fn free_name(name: &str, views: &[Wanted]) -> String {
+    let taken = |candidate: &str| views.iter().any(|view| view.name == candidate);
+    if !taken(name) {
+        return name.to_owned();
+    }
+    let numbered = |number: usize| format!("{name}-{number}");
+    (2..=views.len() + 2).map(numbered).find(|candidate| !taken(candidate)).unwrap_or_else(|| numbered(views.len() + 3))
+}
+
+fn no_single_view(name: &str, samples: &Samples) -> Error {
+    let middle = samples.mean_direction();
+    let widest = samples.iter().map(|sample| sample.direction.angle_between(middle)).fold(0.0, f64::max);
+    Error::new(
+        ErrorKind::InvalidRig,
+        format!(
+            "[views] method = \"single\": output {name} sees directions up to {:.0}° from their middle, and one \
+             perspective view can show 83° at most; use method = \"auto\" or \"cube\", or a narrower output",
+            widest.to_degrees(),
+        ),
+    )
+}

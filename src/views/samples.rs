@@ -1,0 +1,123 @@
+//! The directions that an output shows, sampled along lines.
+//!
+//! Lines rather than points: where a line crosses the side of a view it can be cut exactly there,
+//! so that the openings and resolutions of cropped views do not depend on where samples happen to lie.
+
+use super::sight::{Sample, Sight};
+use glam::{DVec2, DVec3};
+
+/// How finely an output is sampled.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Fineness {
+    /// Cells of the grid in each direction.
+    pub cells: u32,
+    /// Steps along each side of a picture, or a quarter of a circle.
+    pub border: u32,
+}
+
+/// For searching: a few per cent of accuracy.
+pub(crate) const COARSE: Fineness = Fineness { cells: 6, border: 12 };
+/// For choosing among arrangements.
+pub(crate) const MIDDLE: Fineness = Fineness { cells: 16, border: 48 };
+/// For the result: the sagitta of a border step is below a hundredth of a pixel at 16384 pixels.
+pub(crate) const FINE: Fineness = Fineness { cells: 40, border: 768 };
+
+/// The directions that one output shows.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Samples {
+    /// Lines: consecutive samples are neighbours in the picture.
+    pub lines: Vec<Vec<Sample>>,
+}
+
+impl Samples {
+    /// Samples `sight`: the outermost pixel centres (or the rim of the circle), and a grid inside.
+    pub fn new(sight: &Sight, fineness: Fineness) -> Self {
+        let mut samples = Self::default();
+        if sight.is_circular() {
+            samples.add_disc(sight, fineness)
+        } else {
+            samples.add_rectangle(sight, fineness)
+        }
+        samples
+    }
+
+    /// Every sample.
+    pub fn iter(&self) -> impl Iterator<Item = &Sample> {
+        self.lines.iter().flatten()
+    }
+
+    /// Whether the output shows nothing at all.
+    pub fn is_empty(&self) -> bool {
+        self.lines.is_empty()
+    }
+
+    /// The mean direction, or straight ahead where there is none.
+    pub fn mean_direction(&self) -> DVec3 {
+        self.iter().map(|sample| sample.direction).sum::<DVec3>().normalize_or(DVec3::NEG_Z)
+    }
+
+    fn add_rectangle(&mut self, sight: &Sight, fineness: Fineness) {
+        let low = DVec2::splat(0.5);
+        let high = DVec2::new(f64::from(sight.size.0) - 0.5, f64::from(sight.size.1) - 0.5);
+        let at = |x: f64, y: f64| low + (high - low) * DVec2::new(x, y);
+        for index in 1..fineness.cells {
+            let part = f64::from(index) / f64::from(fineness.cells);
+            self.add_line(sight, fineness.cells, |t| at(t, part));
+            self.add_line(sight, fineness.cells, |t| at(part, t));
+        }
+        for side in [0.0, 1.0] {
+            self.add_line(sight, fineness.border, |t| at(t, side));
+            self.add_line(sight, fineness.border, |t| at(side, t));
+        }
+    }
+
+    fn add_disc(&mut self, sight: &Sight, fineness: Fineness) {
+        let polar = |radius: f64, turn: f64| sight.pixel(DVec2::from_angle(turn * std::f64::consts::TAU) * radius);
+        let spokes = 4 * fineness.cells;
+        for index in 0..spokes {
+            self.add_line(sight, fineness.cells, |t| polar(t, f64::from(index) / f64::from(spokes)));
+        }
+        for index in 1..fineness.cells {
+            self.add_line(sight, spokes, |t| polar(f64::from(index) / f64::from(fineness.cells), t));
+        }
+        // Just within the circle: rounding must not push the rim out of it.
+        self.add_line(sight, 4 * fineness.border, |t| polar(1.0 - 1e-12, t));
+    }
+
+    /// Adds the line `at(0…1)` in `steps` steps, broken and ended exactly where nothing is shown.
+    fn add_line(&mut self, sight: &Sight, steps: u32, at: impl Fn(f64) -> DVec2) {
+        let mut line: Vec<Sample> = Vec::new();
+        let mut previous: Option<f64> = None;
+        for step in 0..=steps {
+            let here = f64::from(step) / f64::from(steps);
+            let sample = sight.sample(at(here));
+            if let Some(before) = previous {
+                if line.is_empty() && sample.is_some() {
+                    line.extend(border(sight, &at, here, before));
+                } else if !line.is_empty() && sample.is_none() {
+                    line.extend(border(sight, &at, before, here));
+                    self.lines.push(std::mem::take(&mut line));
+                }
+            }
+            line.extend(sample);
+            previous = Some(here);
+        }
+        if !line.is_empty() {
+            self.lines.push(line);
+        }
+    }
+}
+
+/// The last sample on the way from `shown` to `dark` that shows something.
+fn border(sight: &Sight, at: &impl Fn(f64) -> DVec2, shown: f64, dark: f64) -> Option<Sample> {
+    let (mut inside, mut outside, mut last) = (shown, dark, None);
+    // 40 halvings of a grid cell end far below a thousandth of a pixel.
+    for _ in 0..40 {
+        let middle = 0.5 * (inside + outside);
+        match sight.sample(at(middle)) {
+            Some(sample) => (inside, last) = (middle, Some(sample)),
+            None => outside = middle,
+        }
+    }
+    last
+}
