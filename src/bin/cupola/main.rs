@@ -7,6 +7,8 @@
 
 mod arguments;
 mod check;
+mod doctor;
+mod launch;
 mod run;
 
 use clap::Parser;
@@ -24,6 +26,9 @@ struct Arguments {
 enum Command {
     Run(run::Arguments),
     Check(check::Arguments),
+    Doctor(doctor::Arguments),
+    #[command(hide = true)]
+    Probe(launch::probe::Arguments),
 }
 
 /// A message for people and the exit code that goes with it.
@@ -58,6 +63,8 @@ fn main() -> ExitCode {
     let result = match Arguments::parse().command {
         Command::Run(arguments) => run::run(arguments),
         Command::Check(arguments) => check::run(&arguments),
+        Command::Doctor(arguments) => doctor::run(&arguments),
+        Command::Probe(arguments) => launch::probe::run(&arguments),
     };
     match result {
         Ok(code) => code,
