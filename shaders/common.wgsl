@@ -35,8 +35,8 @@ struct Shared {
     // Angle (0 polar, 1 azimuth), its value where the weight is 0, 1/(full − zero).
     ramps: array<vec4<f32>, 8>,
     ramp_count: u32,
-    // One over the exponent of the display's response.
-    encoding: f32,
+    // The display's response: w^(1/γ) = t·(1 + (t − 1)·h(t)), t = ⁴√w; h with the constant first.
+    encoding: array<vec4<f32>, 2>,
     // Black level, encoded.
     black: f32,
 }
@@ -188,6 +188,17 @@ fn weight_of(ray: Ray, place: vec2<f32>) -> f32 {
     return weight;
 }
 
+// The factor on encoded values that multiplies light by `weight`, 0…1; exact at both ends.
+fn encode(weight: f32) -> f32 {
+    let t = sqrt(sqrt(weight));
+    let low = constants.shared_part.encoding[0];
+    let high = constants.shared_part.encoding[1];
+    // Paired off, not nested: processors wait for the longest chain.
+    let t2 = t * t;
+    let h = (low.x + low.y * t) + t2 * ((low.z + low.w * t) + t2 * (high.x + high.y * t));
+    return t * (1.0 + (t - 1.0) * h);
+}
+
 // The panel's premultiplied colour over the scene.
 fn with_panel(ray: Ray, scene: vec3<f32>) -> vec3<f32> {
     let s = constants.shared_part.panel.transform * ray.base;
@@ -207,7 +218,7 @@ fn present(corner: Corner) -> @location(0) vec4<f32> {
     }
     if constants.shared_part.weighted != 0u {
         let weight = weight_of(ray, corner.place);
-        color *= select(0.0, pow(max(weight, 1e-30), constants.shared_part.encoding), weight > 0.0);
+        color *= encode(weight);
     }
     if constants.shared_part.black > 0.0 {
         color = constants.shared_part.black + (1.0 - constants.shared_part.black) * color;

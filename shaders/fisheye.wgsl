@@ -14,8 +14,10 @@ struct Constants {
 }
 
 fn polynomial(low: vec4<f32>, high: vec4<f32>, s: f32) -> f32 {
-    return low.x + s * (low.y + s * (low.z + s * (low.w
-        + s * (high.x + s * (high.y + s * (high.z + s * high.w))))));
+    // Paired off, not nested: processors wait for the longest chain.
+    let s2 = s * s;
+    return ((low.x + low.y * s) + s2 * (low.z + low.w * s))
+        + (s2 * s2) * ((high.x + high.y * s) + s2 * (high.z + high.w * s));
 }
 
 fn trace(source: vec2<f32>) -> Ray {

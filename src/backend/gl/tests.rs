@@ -1,7 +1,9 @@
 //! Tests that draw, on whatever driver EGL finds without a window.
 
 mod accuracy;
+mod canvas;
 mod plans;
+mod present;
 
 use super::headless::{Api, Headless};
 
