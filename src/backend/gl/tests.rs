@@ -4,6 +4,8 @@ mod accuracy;
 mod canvas;
 mod plans;
 mod present;
+mod sharing;
+mod state;
 
 use super::headless::{Api, Headless};
 
