@@ -11,4 +11,4 @@ mod source;
 mod tests;
 pub mod uniforms;
 
-pub use plan::{Batch, OutputPass, PixelRect, Plan};
+pub use plan::{Batch, OutputPass, PixelRect, Plan, Source, build};

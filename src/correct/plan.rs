@@ -147,7 +147,7 @@ pub fn build(rig: &Rig, request: &Request) -> Result<Plan> {
                 source,
                 mask: output.mask.as_deref().map(mask::load).transpose()?,
                 ramps: output.blend.ramps.clone(),
-                dome_rotation: DMat3::from_rotation_x(rig.dome.tilt) * views::sight::viewer_rotation(rig),
+                dome_rotation: source::dome_axes(rig),
                 gamma: output.blend.gamma,
                 black_level: output.blend.black_level,
             });

@@ -6,6 +6,7 @@ use super::response::encoding_polynomial;
 use super::shaders::{Pass, text_of};
 use crate::error::{Error, ErrorKind, Result};
 use crate::geom::fisheye::sine_cosine_polynomials;
+use crate::geom::reprojection::ClipRows;
 use crate::geom::{Frustum, QuadraticForm};
 use crate::rig::DomeAngle;
 use crate::views::View;
@@ -23,6 +24,17 @@ const MAX_COEFFICIENTS: usize = 8;
 /// How far, in texels, a view also answers for beyond its own part: nothing falls between two
 /// views by rounding, and the guard of at least one texel still feeds the bilinear filter.
 const OVERHANG: f64 = 0.125;
+
+/// The rows of a re-projection as patched shaders take them: x, y, w, and (E, 0, 0, 0).
+pub fn clip_rows(rows: &ClipRows) -> [f32; 16] {
+    let mut out = [0.0; 16];
+    for (four, row) in out.chunks_exact_mut(4).zip([&rows.x, &rows.y, &rows.w, &[rows.e, 0.0, 0.0, 0.0]]) {
+        for (value, exact) in four.iter_mut().zip(row) {
+            *value = *exact as f32;
+        }
+    }
+    out
+}
 
 /// The values that specialise a pass's shader.
 #[derive(Clone, Debug, PartialEq)]
