@@ -123,6 +123,14 @@ fn locate(ray: Ray) -> vec3<f32> {
     return vec3<f32>(found.xy / found.z, found.w);
 }
 
+// Eight coefficients, lowest power first.
+fn polynomial(low: vec4<f32>, high: vec4<f32>, s: f32) -> f32 {
+    // Paired off, not nested: processors wait for the longest chain.
+    let s2 = s * s;
+    return ((low.x + low.y * s) + s2 * (low.z + low.w * s))
+        + (s2 * s2) * ((high.x + high.y * s) + s2 * (high.z + high.w * s));
+}
+
 // t²(3 − 2t) between 0 and 1, clamped outside.
 fn smooth_ramp(t: f32) -> f32 {
     let c = clamp(t, 0.0, 1.0);
@@ -191,11 +199,7 @@ fn weight_of(ray: Ray, place: vec2<f32>) -> f32 {
 // The factor on encoded values that multiplies light by `weight`, 0…1; exact at both ends.
 fn encode(weight: f32) -> f32 {
     let t = sqrt(sqrt(weight));
-    let low = constants.shared_part.encoding[0];
-    let high = constants.shared_part.encoding[1];
-    // Paired off, not nested: processors wait for the longest chain.
-    let t2 = t * t;
-    let h = (low.x + low.y * t) + t2 * ((low.z + low.w * t) + t2 * (high.x + high.y * t));
+    let h = polynomial(constants.shared_part.encoding[0], constants.shared_part.encoding[1], t);
     return t * (1.0 + (t - 1.0) * h);
 }
 

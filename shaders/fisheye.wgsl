@@ -13,13 +13,6 @@ struct Constants {
     dome: mat3x3<f32>,
 }
 
-fn polynomial(low: vec4<f32>, high: vec4<f32>, s: f32) -> f32 {
-    // Paired off, not nested: processors wait for the longest chain.
-    let s2 = s * s;
-    return ((low.x + low.y * s) + s2 * (low.z + low.w * s))
-        + (s2 * s2) * ((high.x + high.y * s) + s2 * (high.z + high.w * s));
-}
-
 fn trace(source: vec2<f32>) -> Ray {
     let s = dot(source, source);
     let sine = polynomial(constants.sine[0], constants.sine[1], s);

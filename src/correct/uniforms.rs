@@ -279,9 +279,9 @@ fn shared(out: &mut Constants, pass: &OutputPass, batch: &Batch) -> Result<()> {
     out.set_flag("shared_part.with_mask", pass.mask.is_some())?;
     let weighted = !pass.ramps.is_empty() || pass.mask.is_some() || !batch.neighbours.is_empty();
     out.set_flag("shared_part.weighted", weighted)?;
-    let [a, b, c, d, e, f] = encoding_polynomial(pass.gamma);
-    out.set("shared_part.encoding[0]", &[a, b, c, d])?;
-    out.set("shared_part.encoding[1]", &[e, f, 0.0, 0.0])?;
+    let encoding = encoding_polynomial(pass.gamma);
+    out.set("shared_part.encoding[0]", &encoding[..4])?;
+    out.set("shared_part.encoding[1]", &encoding[4..])?;
     out.set("shared_part.black", &[pass.black_level.powf(1.0 / pass.gamma)])
 }
 

@@ -4,6 +4,7 @@ mod accuracy;
 mod canvas;
 mod plans;
 mod present;
+mod presets;
 mod sharing;
 mod state;
 
