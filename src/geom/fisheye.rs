@@ -14,8 +14,7 @@ impl Fisheye {
     /// `None` outside the disc and for NaN. Total on the disc: the centre is exactly −z.
     pub fn direction(&self, x: f64, y: f64) -> Option<DVec3> {
         let radius_squared = x * x + y * y;
-        // Written so that NaN is outside.
-        if !(radius_squared <= 1.0) {
+        if radius_squared.is_nan() || radius_squared > 1.0 {
             return None;
         }
         let angle = 0.5 * self.aperture * radius_squared.sqrt();

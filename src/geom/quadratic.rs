@@ -82,7 +82,7 @@ impl QuadraticForm {
     /// [`super::Frustum::picture`] times a rotation).
     ///
     /// From outside the sphere the form does not tell rays that meet it from rays whose backward
-    /// extension meets it: the pinhole must be aimed so that the sphere is not behind any pixel.
+    /// extension meets it: [`sphere_is_ahead`] must hold.
     pub fn new(origin: DVec3, rays: DMat3, sphere: &Sphere, eye: DVec3, target: DMat3) -> Self {
         let (foot, direction, moment) = foot(origin - sphere.center, rays);
         let scale = length_squared(&direction);
@@ -126,6 +126,16 @@ impl QuadraticForm {
         let component = |i: usize| quadratic_at(&self.q[i], x, y) + linear_at(&self.l[i], x, y) * root;
         Some(DVec3::new(component(0), component(1), component(2)))
     }
+}
+
+/// Whether no pixel (x and y in −1…1) of a pinhole has the sphere behind it: the condition under which
+/// [`QuadraticForm`] has no ghosts. True for every pinhole inside the sphere or on it, and for one outside
+/// whose whole picture looks less than 90° away from the centre.
+pub fn sphere_is_ahead(origin: DVec3, rays: DMat3, sphere: &Sphere) -> bool {
+    let corners = [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)];
+    let ahead = |(x, y)| (rays * DVec3::new(x, y, 1.0)).dot(origin - sphere.center) < 0.0;
+    // The product is linear in the pixel: the corners speak for all.
+    sphere.contains(origin) || corners.into_iter().all(ahead)
 }
 
 /// Coefficients `(q, l)` of a row whose value `Q + L·√D`, with the D of the same pinhole and sphere,
@@ -218,6 +228,9 @@ mod tests {
         let silhouette = (1.0f64 / 3.0).sqrt();
         assert!(form.evaluate(silhouette - 1e-9, 0.0).is_some() && form.evaluate(silhouette + 1e-9, 0.0).is_none());
         assert!(form.evaluate(f64::NAN, 0.0).is_none());
+        assert!(sphere_is_ahead(DVec3::new(0.0, 0.0, 2.0), rays, &sphere));
+        assert!(!sphere_is_ahead(DVec3::new(0.0, 0.0, -2.0), rays, &sphere), "aimed away");
+        assert!(sphere_is_ahead(DVec3::new(0.0, 0.0, -0.9), rays, &sphere), "from inside there is no behind");
     }
 
     #[test]

@@ -16,9 +16,6 @@ mod reader;
 mod schema;
 mod validate;
 
-#[cfg(test)]
-mod tests;
-
 use crate::error::{Error, ErrorKind, Result};
 use glam::DVec3;
 use std::path::{Path, PathBuf};
@@ -226,7 +223,8 @@ pub fn load(name_or_path: &str) -> Result<Rig> {
 pub fn parse(text: &str, file_name: &str, directory: &Path) -> Result<Rig> {
     let mut problems = problems::Problems::new(text);
     let rig = schema::read(text, file_name, directory, &mut problems);
-    if let Some(rig) = &rig {
+    // Values that are missing because they were refused would only raise further, misleading problems.
+    if let Some(rig) = rig.as_ref().filter(|_| problems.is_empty()) {
         validate::check(rig, &mut problems);
     }
     match rig {

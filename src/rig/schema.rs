@@ -170,23 +170,28 @@ fn output(
         }
         Kind::Perspective => {
             let angles = angles(&mut section, problems);
-            let program_lens = section.choice("lens", &[("program", ())], problems).is_some();
-            if program_lens && ["fov", "angles"].iter().any(|key| section.has(key)) {
-                let path = section.path("lens");
-                problems.add(
-                    &path,
-                    "the program's lens has its own opening; leave out either `lens` or `fov` and `angles`",
-                );
-            }
-            let given = ["fov", "angles", "shift"].iter().any(|key| section.has(key));
-            let frustum = if program_lens && !given { Some(None) } else { frustum(&mut section, problems).map(Some) };
-            frustum.map(|frustum| OutputKind::Perspective { angles, frustum })
+            perspective_frustum(&mut section, problems).map(|frustum| OutputKind::Perspective { angles, frustum })
         }
     };
     let blend = blend(section.section("blend", problems), kind, problems);
     let mask = mask(section.section("mask", problems), directory, problems);
     section.finish(&KINDS_OF_KEYS, problems);
     output_kind.map(|kind| Output { name, kind, size, window, blend, mask })
+}
+
+/// The opening of a perspective output; `Some(None)` = the program's own.
+fn perspective_frustum(section: &mut Section, problems: &mut Problems) -> Option<Option<Frustum>> {
+    if !section.has("lens") {
+        return frustum(section, problems).map(Some);
+    }
+    section.choice("lens", &[("program", ())], problems)?;
+    let own: Vec<&str> = ["fov", "angles", "shift"].into_iter().filter(|key| section.has(key)).collect();
+    if own.is_empty() {
+        return Some(None);
+    }
+    let why = format!("the program's lens has its own opening; leave out either `lens` or {}", own.join(", "));
+    problems.add(&section.path("lens"), why);
+    frustum(section, problems).map(Some)
 }
 
 /// The opening of a pinhole, from `fov` and `shift` or from `angles`.
@@ -205,7 +210,7 @@ fn frustum(section: &mut Section, problems: &mut Problems) -> Option<Frustum> {
             None
         }
         (true, Some(_)) => {
-            problems.add(&path, "says the opening twice, beside `angles`; leave out one of them");
+            problems.add(&section.path("angles"), "say the opening a second time, after `fov`; leave out one of them");
             None
         }
         (true, None) => {

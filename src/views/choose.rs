@@ -1,10 +1,10 @@
 //! Which outputs get a view of their own, and which share a cube.
 
-use super::cube::{self, Cube};
+use super::axes::{self, Aimed, facing, mean_direction};
 use super::fit::Fit;
-use super::samples::{COARSE, FINE, MIDDLE, Samples};
-use super::sight::{Sight, UNIT_FRUSTUM, lens_rotation};
-use super::single::{self, Single, facing};
+use super::partition::{Partition, Task};
+use super::samples::{COARSE, FINE, Samples};
+use super::sight::{Sample, Sight, UNIT_FRUSTUM, lens_rotation};
 use crate::error::{Error, ErrorKind, Result};
 use crate::geom::pose;
 use crate::rig::{OutputKind, Rig, ViewMethod};
@@ -54,10 +54,9 @@ impl Arrangement {
     }
 }
 
-/// An output, sampled at three levels.
+/// An output, sampled at two levels.
 struct Seen {
     coarse: Samples,
-    middle: Samples,
     fine: Samples,
     single: Option<Wanted>,
 }
@@ -69,18 +68,16 @@ pub(crate) fn arrange(rig: &Rig, sights: &[Sight]) -> Result<Arrangement> {
     let mut notes = Vec::new();
     let mut seen = Vec::new();
     for (index, (output, sight)) in rig.outputs.iter().zip(sights).enumerate() {
-        let mut this = Seen {
-            coarse: Samples::new(sight, COARSE),
-            middle: Samples::new(sight, MIDDLE),
-            fine: Samples::new(sight, FINE),
-            single: None,
-        };
+        let mut this = Seen { coarse: Samples::new(sight, COARSE), fine: Samples::new(sight, FINE), single: None };
         if this.fine.is_empty() {
             notes.push(format!("output {} shows nothing: no ray of it meets the dome's screen", output.name));
         } else {
             this.single = own_view(&output.kind, index, sight, method).or_else(|| {
                 let needed = method != ViewMethod::Cube;
-                needed.then(|| single::tightest(&this.coarse, &this.fine, quality)).flatten().map(Wanted::from_single)
+                needed
+                    .then(|| axes::tightest(&all(&this.coarse), &all(&this.fine), quality))
+                    .flatten()
+                    .map(Wanted::from)
             });
             if let Some(single) = &mut this.single {
                 single.name.clone_from(&output.name);
@@ -110,12 +107,12 @@ pub(crate) fn arrange(rig: &Rig, sights: &[Sight]) -> Result<Arrangement> {
     Ok(chosen)
 }
 
-impl Wanted {
-    fn from_single(single: Single) -> Self {
+impl From<Aimed> for Wanted {
+    fn from(aimed: Aimed) -> Self {
         Self {
             name: String::new(),
-            rotation: single.rotation,
-            fit: single.fit,
+            rotation: aimed.rotation,
+            fit: aimed.fit,
             exact: None,
             program_lens: false,
             outputs: Vec::new(),
@@ -159,22 +156,23 @@ fn mixed(rig: &Rig, seen: &[Seen], alone: impl Fn(usize) -> bool) -> Arrangement
     }
     share_equals(&mut arrangement.views);
     if !sharing.is_empty() {
-        let (coarse, middle, fine) = (
-            sharing.iter().map(|&index| &seen[index].coarse).collect::<Vec<_>>(),
-            sharing.iter().map(|&index| &seen[index].middle).collect::<Vec<_>>(),
-            sharing.iter().map(|&index| &seen[index].fine).collect::<Vec<_>>(),
-        );
-        let pixel = finest_pixel(&coarse);
-        let cube = cube::best(
-            &frames(rig, &sharing, &coarse),
-            &[coarse, middle, fine],
-            rig.views.quality,
-            pixel,
-            TEXELS_PER_VIEW,
-        );
-        add_faces(&mut arrangement, cube, &sharing);
+        let coarse: Vec<&Samples> = sharing.iter().map(|&index| &seen[index].coarse).collect();
+        let fine: Vec<&Samples> = sharing.iter().map(|&index| &seen[index].fine).collect();
+        let task = Task {
+            coarse: &coarse,
+            fine: &fine,
+            quality: rig.views.quality,
+            pixel: finest_pixel(&coarse),
+            view_cost: TEXELS_PER_VIEW,
+        };
+        add_parts(&mut arrangement, task.best(&frames(rig, &sharing, &coarse)), &sharing);
     }
     arrangement
+}
+
+/// Every sample of an output.
+fn all(samples: &Samples) -> Vec<Sample> {
+    samples.iter().copied().collect()
 }
 
 /// Merges views that are the same in everything but the outputs.
@@ -199,7 +197,7 @@ fn share_equals(views: &mut Vec<Wanted>) {
 /// Frames (local → viewer axes) around which cubes are tried: the viewer's, the domemasters', and
 /// one that looks at the middle of everything seen.
 fn frames(rig: &Rig, sharing: &[usize], samples: &[&Samples]) -> Vec<DMat3> {
-    let middle: DVec3 = samples.iter().map(|samples| samples.mean_direction()).sum();
+    let middle: DVec3 = samples.iter().map(|samples| mean_direction(&all(samples))).sum();
     let lenses = sharing.iter().filter_map(|&index| match rig.outputs[index].kind {
         OutputKind::Domemaster { tilt, .. } => Some(lens_rotation(tilt)),
         _ => None,
@@ -225,19 +223,13 @@ fn finest_pixel(samples: &[&Samples]) -> f64 {
         .fold(f64::INFINITY, f64::min)
 }
 
-fn add_faces(arrangement: &mut Arrangement, cube: Cube, sharing: &[usize]) {
-    for face in cube.faces {
-        let name = free_name(&direction_name(face.rotation.transpose() * DVec3::NEG_Z), &arrangement.views);
-        arrangement.views.push(Wanted {
-            name,
-            rotation: face.rotation,
-            fit: face.fit,
-            exact: None,
-            program_lens: false,
-            outputs: face.outputs.iter().map(|&index| sharing[index]).collect(),
-        });
+fn add_parts(arrangement: &mut Arrangement, partition: Partition, sharing: &[usize]) {
+    for part in partition.parts {
+        let name = free_name(&direction_name(part.towards), &arrangement.views);
+        let outputs = part.outputs.iter().map(|&index| sharing[index]).collect();
+        arrangement.views.push(Wanted { name, outputs, ..Wanted::from(part.aimed) });
     }
-    for direction in cube.skipped {
+    for direction in partition.skipped {
         arrangement
             .notes
             .push(format!("no view {}: nothing that the outputs show lies there", direction_name(direction)));
@@ -266,7 +258,7 @@ fn free_name(name: &str, views: &[Wanted]) -> String {
 }
 
 fn no_single_view(name: &str, samples: &Samples) -> Error {
-    let middle = samples.mean_direction();
+    let middle = mean_direction(&all(samples));
     let widest = samples.iter().map(|sample| sample.direction.angle_between(middle)).fold(0.0, f64::max);
     Error::new(
         ErrorKind::InvalidRig,

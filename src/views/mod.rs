@@ -1,7 +1,7 @@
 //! The planner: which directions the outputs sample, and the fewest, tightest views that show them.
 //!
 //! `sight` maps the pixels of each output to directions, `samples` gathers them along lines, `fit`
-//! finds the opening and the resolution that a view with given axes needs, `single` and `cube`
+//! finds the opening and the resolution that a view with given axes needs, `axes` and `partition`
 //! choose axes, `choose` compares the families of views, `layout` and `atlas` size and place them.
 //!
 //! Resolution at quality 1: a projector or a perspective output gets at least one texel per pixel
@@ -9,13 +9,13 @@
 //! in every direction, everywhere.
 
 mod atlas;
+mod axes;
 mod choose;
-mod cube;
 mod fit;
 mod layout;
+mod partition;
 mod samples;
 pub(crate) mod sight;
-mod single;
 
 use crate::error::{Error, ErrorKind, Result};
 use crate::geom::Frustum;

@@ -17,8 +17,6 @@ pub(crate) struct Fineness {
 
 /// For searching: a few per cent of accuracy.
 pub(crate) const COARSE: Fineness = Fineness { cells: 6, border: 12 };
-/// For choosing among arrangements.
-pub(crate) const MIDDLE: Fineness = Fineness { cells: 16, border: 48 };
 /// For the result: the sagitta of a border step is below a hundredth of a pixel at 16384 pixels.
 pub(crate) const FINE: Fineness = Fineness { cells: 40, border: 768 };
 
@@ -46,14 +44,33 @@ impl Samples {
         self.lines.iter().flatten()
     }
 
+    /// The samples within a convex cone, given by the inward unit normals of its sides and widened
+    /// by `slack` (radians; negative = narrowed). Lines are cut at its sides.
+    pub fn within(&self, normals: &[DVec3], slack: f64) -> Vec<Sample> {
+        let mut found = Vec::new();
+        for line in &self.lines {
+            let single = if line.len() == 1 { &line[..] } else { &[] };
+            let pairs = line.windows(2).map(|pair| (&pair[0], &pair[1]));
+            for (from, to) in pairs.chain(single.iter().map(|only| (only, only))) {
+                let Some((start, end)) = cut(from.direction, to.direction, normals, slack) else { continue };
+                found.push(between(from, to, start));
+                // The end of this piece is the start of the next, unless the line leaves the cone here.
+                if end < 1.0 {
+                    found.push(between(from, to, end));
+                }
+            }
+            if let Some(last) = line.last()
+                && normals.iter().all(|normal| normal.dot(last.direction) >= -slack)
+            {
+                found.push(*last);
+            }
+        }
+        found
+    }
+
     /// Whether the output shows nothing at all.
     pub fn is_empty(&self) -> bool {
         self.lines.is_empty()
-    }
-
-    /// The mean direction, or straight ahead where there is none.
-    pub fn mean_direction(&self) -> DVec3 {
-        self.iter().map(|sample| sample.direction).sum::<DVec3>().normalize_or(DVec3::NEG_Z)
     }
 
     fn add_rectangle(&mut self, sight: &Sight, fineness: Fineness) {
@@ -120,4 +137,30 @@ fn border(sight: &Sight, at: &impl Fn(f64) -> DVec2, shown: f64, dark: f64) -> O
         }
     }
     last
+}
+
+/// The sample at `part` of the way between two neighbours: right to the square of their distance.
+fn between(from: &Sample, to: &Sample, part: f64) -> Sample {
+    if part == 0.0 {
+        return *from;
+    }
+    let direction = from.direction.lerp(to.direction, part);
+    Sample { direction: direction.normalize_or(from.direction), spread: from.spread * (1.0 - part) + to.spread * part }
+}
+
+/// The part of the segment from `a` to `b` on the inner side of all planes.
+fn cut(a: DVec3, b: DVec3, normals: &[DVec3], slack: f64) -> Option<(f64, f64)> {
+    let (mut start, mut end) = (0.0f64, 1.0f64);
+    for normal in normals {
+        let (from, to) = (normal.dot(a) + slack, normal.dot(b) + slack);
+        if from < 0.0 && to < 0.0 {
+            return None;
+        }
+        if from < 0.0 {
+            start = start.max(from / (from - to));
+        } else if to < 0.0 {
+            end = end.min(from / (from - to));
+        }
+    }
+    (start <= end).then_some((start, end))
 }

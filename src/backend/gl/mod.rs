@@ -2,6 +2,7 @@
 
 pub mod api;
 mod cover;
+pub mod glx;
 pub mod headless;
 mod map;
 mod passes;

@@ -6,6 +6,9 @@
 #![forbid(unsafe_code)]
 
 mod arguments;
+mod check;
+mod doctor;
+mod launch;
 mod run;
 
 use clap::Parser;
@@ -22,6 +25,10 @@ struct Arguments {
 #[derive(clap::Subcommand)]
 enum Command {
     Run(run::Arguments),
+    Check(check::Arguments),
+    Doctor(doctor::Arguments),
+    #[command(hide = true)]
+    Probe(launch::probe::Arguments),
 }
 
 /// A message for people and the exit code that goes with it.
@@ -55,6 +62,9 @@ impl From<cupola::Error> for Failure {
 fn main() -> ExitCode {
     let result = match Arguments::parse().command {
         Command::Run(arguments) => run::run(arguments),
+        Command::Check(arguments) => check::run(&arguments),
+        Command::Doctor(arguments) => doctor::run(&arguments),
+        Command::Probe(arguments) => launch::probe::run(&arguments),
     };
     match result {
         Ok(code) => code,

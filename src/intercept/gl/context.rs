@@ -139,6 +139,8 @@ pub struct Context {
     pub share: Arc<ShareGroup>,
     /// Counts for `--stats`.
     pub counts: Counts,
+    /// Something was drawn since the last swap.
+    pub frame_begun: bool,
     /// The lens of the last draw of the scene.
     pub lens: Option<crate::runtime::session::Intrinsics>,
     /// Largest viewport (area) that a scene was drawn to: in this frame, and in the last one.
@@ -255,6 +257,7 @@ impl Context {
             feedback: false,
             share,
             counts: Counts::default(),
+            frame_begun: false,
             lens: None,
             viewport_area: [0; 2],
         }

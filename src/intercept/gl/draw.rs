@@ -46,6 +46,7 @@ pub fn draw(ctx: &mut Context, changes: Changes, mut issue: impl FnMut(&mut Cont
         return;
     }
     ctx.counts.draws_seen += 1;
+    ctx.frame_begun = true;
     let place = place(ctx);
     if place == Place::Flat {
         flat(ctx, changes, issue);

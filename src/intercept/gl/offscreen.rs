@@ -9,6 +9,7 @@ use crate::correct::{Batch, OutputPass, PixelRect, Plan, Source};
 use crate::error::Result;
 use crate::intercept::log;
 use crate::runtime::report::Picture;
+use crate::runtime::session::Frustum;
 use glam::DMat3;
 
 /// A framebuffer with one texture.
@@ -102,13 +103,25 @@ fn own_picture(ctx: &Context, plan: &Plan, size: (u32, u32)) -> Option<Plan> {
         ramps: Vec::new(),
         dome_rotation: DMat3::IDENTITY,
     };
-    Some(Plan { views: plan.views.clone(), passes: vec![pass] })
+    let mut views = plan.views.clone();
+    if let Some(panel) = &mut views.panel {
+        // In the program's own picture the panel fills the whole window.
+        panel.rotation = rotation.transpose();
+        panel.frustum = Frustum {
+            left: zoom * (lens.b - 1.0) / lens.a,
+            right: zoom * (lens.b + 1.0) / lens.a,
+            bottom: zoom * (lens.d - 1.0) / lens.c,
+            top: zoom * (lens.d + 1.0) / lens.c,
+        };
+        panel.owned = panel.frustum;
+    }
+    Some(Plan { views, passes: vec![pass] })
 }
 
 fn copy(ctx: &Context, plan: &Plan, atlas: u32, framebuffer: u32, tile: [i32; 4]) -> Result<()> {
     let gl = ctx.gl;
     let mut backend = GlBackend::new(gl, ctx.profile.es)?;
-    backend.prepare(gl, plan, false)?;
+    backend.prepare(gl, plan, plan.views.panel.is_some())?;
     let [x, y, width, height] = tile;
     let canvas = Canvas::new(gl, width, height);
     backend.present(gl, atlas, &[Target { framebuffer: canvas.framebuffer, viewport: [0, 0, width, height] }]);

@@ -57,6 +57,12 @@ fn frame(ctx: &mut Context) {
 fn next_frame(ctx: &mut Context) {
     ctx.cameras.end_frame();
     ctx.viewport_area = [0, ctx.viewport_area[0]];
+    ctx.frame_begun = false;
+    follow_size(ctx);
+}
+
+/// Plans anew where the window has another size than the plan. Only between frames.
+pub fn follow_size(ctx: &mut Context) {
     let Some(window) = ctx.window.clone() else { return };
     if ctx.target.as_ref().is_some_and(|t| t.size() != window.size()) {
         if let Some(old) = ctx.target.take() {

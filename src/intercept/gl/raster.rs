@@ -90,9 +90,7 @@ pub fn draw_at_raster(ctx: &mut Context, issue: impl Fn(&Gl)) -> bool {
     }
     ctx.counts.draws_seen += 1;
     let Some(position) = ctx.raster.scene.clone() else {
-        flat_window_space(ctx);
-        ctx.counts.panel_draws += 1;
-        issue(gl);
+        draw_flat(ctx, issue);
         return true;
     };
     let Some(mut target) = ctx.target.take() else { return false };
@@ -108,11 +106,9 @@ pub fn draw_at_raster(ctx: &mut Context, issue: impl Fn(&Gl)) -> bool {
     }
     let set = |moved: [f32; 2]| {
         let [x, y, z, w] = position.object;
-        // SAFETY: an empty bitmap only moves the raster position.
-        unsafe {
-            gl.raster_pos4d(x, y, z, w);
-            gl.bitmap(0, 0, 0.0, 0.0, moved[0], moved[1], std::ptr::null());
-        }
+        // SAFETY: the program's own position.
+        unsafe { gl.raster_pos4d(x, y, z, w) };
+        move_by(gl, moved[0], moved[1]);
     };
     for (index, projection) in position.projections.iter().enumerate().take(target.session.views().len()) {
         let (tile, own_lens) = target.session.tile(index);
@@ -128,6 +124,12 @@ pub fn draw_at_raster(ctx: &mut Context, issue: impl Fn(&Gl)) -> bool {
         target.issued(index);
     }
     load_projection(ctx, &ctx.projection.matrix);
+    if let Some(tile) = target.primary() {
+        own_window_space(ctx, tile);
+        set(position.moved);
+        issue(gl);
+        ctx.counts.primary_draws += 1;
+    }
     // Once more where the program's window would be, out of sight, to learn how far it moved.
     ctx.set_viewport(ctx.believed.viewport);
     ctx.set_scissor(Some([0, 0, 0, 0]));
@@ -145,6 +147,36 @@ pub fn draw_at_raster(ctx: &mut Context, issue: impl Fn(&Gl)) -> bool {
     }
     ctx.target = Some(target);
     true
+}
+
+/// Draws at a raster position on the flat panel, and in the other pictures that show it.
+fn draw_flat(ctx: &mut Context, issue: impl Fn(&Gl)) {
+    let gl = ctx.gl;
+    super::default_framebuffer::want_panel(ctx);
+    ctx.counts.panel_draws += 1;
+    let Some(tiles) = ctx.target.as_ref().map(|t| t.flat_tiles()) else { return };
+    let before = raster_position(gl);
+    let mut first: Option<[i32; 4]> = None;
+    for (tile, _) in tiles.into_iter().flatten() {
+        own_window_space(ctx, tile);
+        let Some(origin) = first else {
+            first = Some(tile);
+            issue(gl);
+            continue;
+        };
+        // The position is where the first tile's drawing left it; here it begins where that one began.
+        let after = raster_position(gl);
+        let [x, y] = [(tile[0] - origin[0]) as f32, (tile[1] - origin[1]) as f32];
+        move_by(gl, x + before[0] - after[0], y + before[1] - after[1]);
+        issue(gl);
+        move_by(gl, -x, -y);
+    }
+}
+
+/// Moves the raster position by pixels.
+fn move_by(gl: &Gl, x: f32, y: f32) {
+    // SAFETY: an empty bitmap only moves the raster position.
+    unsafe { gl.bitmap(0, 0, 0.0, 0.0, x, y, std::ptr::null()) };
 }
 
 fn raster_position(gl: &Gl) -> [f32; 2] {

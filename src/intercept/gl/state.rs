@@ -113,6 +113,11 @@ hooks! {
             super::lists::record(ctx, Command::Viewport([x, y, width, height]));
         } else {
             ctx.believed.viewport = [x, y, width, height];
+            let new_size = ctx.target.as_ref().is_some_and(|t| t.size() != (width as u32, height as u32));
+            if new_size && !ctx.frame_begun && ctx.redirected() {
+                // Perhaps the window has it already.
+                super::present::follow_size(ctx);
+            }
             if !ctx.redirected() {
                 ctx.set_viewport([x, y, width, height]);
             }

@@ -31,6 +31,7 @@ fn clear_with(ctx: &mut Context, color: bool, issue: impl Fn(&crate::backend::gl
         issue(gl);
         return;
     }
+    ctx.frame_begun = true;
     let Some(target) = &ctx.target else { return };
     let (width, height) = target.size();
     let window = [0, 0, width as i32, height as i32];
@@ -43,7 +44,8 @@ fn clear_with(ctx: &mut Context, color: bool, issue: impl Fn(&crate::backend::gl
         issue(gl);
         if let Some(panel) = panel.filter(|_| color) {
             // The panel is a pane of glass: what is cleared away is seen through.
-            ctx.set_scissor(Some(panel));
+            // The gutter goes with it, or the filter would mix the clear colour into its borders.
+            ctx.set_scissor(Some([panel[0] - 1, panel[1] - 1, panel[2] + 2, panel[3] + 2]));
             super::default_framebuffer::clear_transparent(gl);
         }
         return;

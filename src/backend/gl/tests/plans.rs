@@ -18,7 +18,7 @@ pub fn view(name: &str, rotation: DMat3, owned: Frustum, tile: Tile) -> View {
 
 pub fn view_plan(views: Vec<View>, atlas: (u32, u32)) -> ViewPlan {
     let all = (0..views.len()).collect();
-    ViewPlan { views, output_views: vec![all], atlas, panel: None, primary: None, guard: GUARD }
+    ViewPlan { views, output_views: vec![all], atlas, panel: None, primary: None, guard: GUARD, notes: Vec::new() }
 }
 
 /// Front, right, left, up, down, back of a cube, `side` texels each, three in a row.

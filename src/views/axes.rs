@@ -1,13 +1,15 @@
-//! One tight off-axis view for an output: where its axis points and how it is rolled.
+//! Where the axis of a view points and how it is rolled, so that it needs the fewest texels.
+//!
+//! The axis only chooses the plane of the picture: the opening is off-centre as needed.
 
-use super::fit::{Fit, Fitter};
-use super::samples::Samples;
+use super::fit::{Fit, fit};
+use super::sight::Sample;
 use crate::geom::pose;
 use glam::{DMat3, DVec3};
 
-/// A view of its own for an output.
+/// A view's axes, opening and resolution.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Single {
+pub(crate) struct Aimed {
     /// Viewer axes → view axes.
     pub rotation: DMat3,
     /// Opening and resolution.
@@ -15,48 +17,45 @@ pub(crate) struct Single {
 }
 
 /// The single view with the fewest texels that shows `fine` (searched on `coarse`, the same
-/// output's), or `None` where some direction would lie more than 83° from any axis tried.
+/// directions), or `None` where some direction would lie more than 83° from any axis tried.
 ///
-/// The axis only chooses the plane of the picture: the opening is off-centre as needed. The search
-/// is a grid of 3×3 axes and 4 rolls around the mean direction, then Nelder and Mead (1965) from
-/// the best two. Deterministic.
-pub(crate) fn tightest(coarse: &Samples, fine: &Samples, quality: f64) -> Option<Single> {
-    if fine.is_empty() {
-        return None;
-    }
-    let base = facing(coarse.mean_direction());
-    let cost = |at: [f64; 3]| {
-        let rotation = (base * pose::rotation(at[0], at[1], at[2])).transpose();
-        fit(coarse, rotation, quality, false).map_or(f64::INFINITY, |fit| fit.texels().ln())
-    };
-    let mut starts: Vec<(f64, [f64; 3])> = Vec::new();
+/// A grid of 3×3 axes and 4 rolls around the mean direction, then [`refined`] from the best two. Deterministic.
+pub(crate) fn tightest(coarse: &[Sample], fine: &[Sample], quality: f64) -> Option<Aimed> {
+    let base = facing(mean_direction(coarse));
+    let mut starts: Vec<(f64, DMat3)> = Vec::new();
     for yaw in [0.0, -0.2, 0.2] {
         for pitch in [0.0, -0.2, 0.2] {
             for roll in [0.0, 0.4, -0.4, 0.8] {
-                starts.push((cost([yaw, pitch, roll]), [yaw, pitch, roll]));
+                let axes = base * pose::rotation(yaw, pitch, roll);
+                starts.push((texels(coarse, axes, quality), axes));
             }
         }
     }
     starts.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut best: Option<Single> = None;
-    for (start_cost, start) in starts.into_iter().take(2).filter(|start| start.0.is_finite()) {
-        let found = nelder_mead(cost, start, start_cost, 0.1, 90);
-        let rotation = (base * pose::rotation(found[0], found[1], found[2])).transpose();
-        if let Some(fit) = fit(fine, rotation, quality, true)
-            && best.is_none_or(|best| fit.texels() < best.fit.texels())
-        {
-            best = Some(Single { rotation, fit });
-        }
-    }
-    best
+    let best = starts.iter().take(2).filter(|start| start.0.is_finite());
+    best.map(|start| refined(coarse, start.1, quality))
+        .filter_map(|axes| {
+            let rotation = axes.transpose();
+            Some(Aimed { rotation, fit: fit(rotation, fine, quality, true)? })
+        })
+        .min_by(|a, b| a.fit.texels().total_cmp(&b.fit.texels()))
 }
 
-fn fit(samples: &Samples, rotation: DMat3, quality: f64, fine: bool) -> Option<Fit> {
-    let mut fitter = Fitter::new(rotation);
-    if !fitter.add_all(samples) {
-        return None;
-    }
-    fitter.fit(quality, fine)
+/// Better axes near `axes` (local → viewer), by the simplex of Nelder and Mead (1965).
+pub(crate) fn refined(samples: &[Sample], axes: DMat3, quality: f64) -> DMat3 {
+    let turned = |at: [f64; 3]| axes * pose::rotation(at[0], at[1], at[2]);
+    let cost = |at: [f64; 3]| texels(samples, turned(at), quality).ln();
+    turned(nelder_mead(cost, [0.0; 3], 0.1, 90))
+}
+
+/// Texels that a view with `axes` (local → viewer) needs for `samples`; infinite where it cannot show them.
+pub(crate) fn texels(samples: &[Sample], axes: DMat3, quality: f64) -> f64 {
+    fit(axes.transpose(), samples, quality, false).map_or(f64::INFINITY, |fit| fit.texels())
+}
+
+/// The mean direction, or straight ahead where there is none.
+pub(crate) fn mean_direction(samples: &[Sample]) -> DVec3 {
+    samples.iter().map(|sample| sample.direction).sum::<DVec3>().normalize_or(DVec3::NEG_Z)
 }
 
 /// Axes (local → parent) of a camera that looks along `direction`, upright where that means something.
@@ -68,8 +67,8 @@ pub(crate) fn facing(direction: DVec3) -> DMat3 {
 }
 
 /// Minimises `cost` from `start` by the simplex of Nelder and Mead (1965), in at most `steps` steps.
-fn nelder_mead(cost: impl Fn([f64; 3]) -> f64, start: [f64; 3], start_cost: f64, size: f64, steps: usize) -> [f64; 3] {
-    let mut simplex = vec![(start_cost, start)];
+fn nelder_mead(cost: impl Fn([f64; 3]) -> f64, start: [f64; 3], size: f64, steps: usize) -> [f64; 3] {
+    let mut simplex = vec![(cost(start), start)];
     for axis in 0..3 {
         let mut corner = start;
         corner[axis] += size;

@@ -1,18 +1,12 @@
 //! `cupola run`: starts a program with Cupola between it and its OpenGL driver.
 
-mod display;
-mod library;
-mod loader;
-
 use crate::Failure;
+use crate::launch::{Environment, apply, display, loader};
 use cupola::runtime::process;
 use std::ffi::OsString;
 use std::os::unix::process::ExitStatusExt;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
-
-/// Variables for the program: name and value, or `None` to remove it.
-type Environment = Vec<(&'static str, Option<OsString>)>;
 
 /// Run an OpenGL program on a dome.
 #[derive(clap::Args)]
@@ -23,7 +17,7 @@ pub struct Arguments {
     /// Rig file, or a preset's name [default: $CUPOLA_RIG, or fisheye]
     #[arg(long, short, value_name = "FILE|PRESET")]
     rig: Option<String>,
-    /// Size of the picture in pixels, in place of the window's own
+    /// Give the program's window this size in pixels
     #[arg(long, value_name = "WxH", value_parser = crate::arguments::size)]
     size: Option<(u32, u32)>,
     /// Run on a private X server without a screen (Xvfb)
@@ -32,10 +26,10 @@ pub struct Arguments {
     /// End the program after this many frames, with exit code 0
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     frames: Option<u64>,
-    /// Write the last presented picture to this PNG file
+    /// Write the last frame of each output to this PNG file (several outputs: FILE-NAME.png)
     #[arg(long, value_name = "FILE.png")]
     capture: Option<PathBuf>,
-    /// Write the views that the program was drawn into, as PNG files, to this folder
+    /// Write every view of the last frame to this folder, as PNG files
     #[arg(long, value_name = "DIR")]
     capture_views: Option<PathBuf>,
     /// Write statistics (times, draws, views) to this JSON file
@@ -44,7 +38,7 @@ pub struct Arguments {
     /// Adapt the program's camera: zoom=4,move=0,0,-20,yaw=90,pitch=0,roll=0
     #[arg(long, value_name = "KEY=NUMBER,…", allow_hyphen_values = true)]
     camera: Option<String>,
-    /// Give each output its own resolution, whatever the window's size is; nothing but captures shows it
+    /// Give each output its own resolution, whatever the window's size is; only captures show it
     #[arg(long)]
     offscreen: bool,
     /// Write Cupola's log of the program to this file
@@ -96,16 +90,6 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
     let status = process::run_in_foreground(&mut command).map_err(|error| cannot_start(program, &error))?;
     let code = status.code().or_else(|| status.signal().map(|signal| 128 + signal)).unwrap_or(1);
     Ok(ExitCode::from(u8::try_from(code).unwrap_or(1)))
-}
-
-/// Sets and removes the variables for `command`.
-fn apply(command: &mut Command, environment: &Environment) {
-    for (name, value) in environment {
-        match value {
-            Some(value) => command.env(name, value),
-            None => command.env_remove(name),
-        };
-    }
 }
 
 /// The library's own variables.

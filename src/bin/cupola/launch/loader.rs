@@ -1,7 +1,7 @@
 //! What leads libglvnd to Cupola: a folder with the library under the names that libglvnd asks for, and
 //! the variables that point there.
 
-use super::{Environment, library};
+use super::{Environment, library, probe};
 use crate::Failure;
 use std::ffi::OsString;
 use std::os::unix::fs::{DirBuilderExt, symlink};
@@ -82,14 +82,12 @@ impl Loader {
         Ok(environment)
     }
 
-    fn glx(&self, _display: &Environment) -> Environment {
+    fn glx(&self, display: &Environment) -> Environment {
         if let Some(why) = library::refusal(&self.library, "__glx_Main") {
             eprintln!("cupola: programs that use GLX will not be corrected: {}: {why}", self.library.display());
             return Vec::new();
         }
-        let previous =
-            std::env::var_os("__GLX_VENDOR_LIBRARY_NAME").filter(|name| !name.is_empty() && name != "cupola");
-        let real = std::env::var_os("CUPOLA_GLX_REAL").or(previous).unwrap_or_else(|| "mesa".into());
+        let real = real_glx_vendor(display);
         let mut path: OsString = self.folder.clone().into();
         if let Some(rest) = std::env::var_os("LD_LIBRARY_PATH").filter(|rest| !rest.is_empty()) {
             path.push(":");
@@ -139,6 +137,35 @@ impl Loader {
             ("CUPOLA_EGL_REAL", Some(vendors.join(":".as_ref()))),
         ])
     }
+}
+
+/// The GLX vendor that the program would get without us: what the environment says, or the only one
+/// there is, or the one that a program on that display gets.
+fn real_glx_vendor(display: &Environment) -> OsString {
+    let named = |name: &str| std::env::var_os(name).filter(|vendor| !vendor.is_empty() && vendor != "cupola");
+    if let Some(vendor) = named("CUPOLA_GLX_REAL").or_else(|| named("__GLX_VENDOR_LIBRARY_NAME")) {
+        return vendor;
+    }
+    if let [only] = &installed_glx_vendors()[..] {
+        return only.into();
+    }
+    let answer = probe::ask(probe::Way::Glx, display).ok();
+    answer.as_ref().and_then(|answer| answer.glx_vendor()).unwrap_or("mesa").into()
+}
+
+/// Names of the GLX vendors in the usual library folders. Starting a driver to ask which one is in use
+/// takes a while, and mostly there is only one.
+fn installed_glx_vendors() -> Vec<String> {
+    let architecture = format!("/usr/lib/{}-linux-gnu", std::env::consts::ARCH);
+    let folders = [architecture.as_str(), "/usr/lib64", "/usr/lib", "/usr/local/lib"];
+    let entries = folders.iter().filter_map(|folder| std::fs::read_dir(folder).ok()).flatten().flatten();
+    let names = entries.filter_map(|entry| entry.file_name().into_string().ok());
+    let vendor = |name: String| name.strip_prefix("libGLX_")?.strip_suffix(".so.0").map(str::to_owned);
+    let mut vendors: Vec<String> =
+        names.filter_map(vendor).filter(|name| name != "indirect" && name != "cupola").collect();
+    vendors.sort();
+    vendors.dedup();
+    vendors
 }
 
 /// The libraries of the system's EGL vendors in libglvnd's order, as its icd_enumeration.md describes it.

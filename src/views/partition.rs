@@ -1,0 +1,218 @@
+//! Views that several outputs share: the sphere of directions cut into six cells, a view for each that is sampled.
+//!
+//! The cells are those of a cube, turned in various ways, whose front face may be narrower or
+//! wider than 90°. A cell that is sampled only in part gets axes of its own: the view that shows a half
+//! face is tighter when it is tilted towards that half, and a triangle needs another roll than a square.
+
+use super::axes::{Aimed, facing, mean_direction, refined, texels};
+use super::fit::{fit, golden_section};
+use super::samples::Samples;
+use super::sight::Sample;
+use glam::{DMat3, DVec3};
+use std::f64::consts::FRAC_PI_4;
+
+/// A view of a partition.
+#[derive(Clone, Debug)]
+pub(crate) struct Part {
+    /// The middle of its cell, viewer axes.
+    pub towards: DVec3,
+    /// Axes, opening and resolution.
+    pub aimed: Aimed,
+    /// Which of the outputs given sample it.
+    pub outputs: Vec<usize>,
+}
+
+/// The views of a partition, and what became of the other cells.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Partition {
+    /// The views, in order of precedence.
+    pub parts: Vec<Part>,
+    /// Centres of the cells that nothing samples, viewer axes.
+    pub skipped: Vec<DVec3>,
+}
+
+/// What the search for a partition is given.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Task<'a> {
+    /// The outputs' samples for the search.
+    pub coarse: &'a [&'a Samples],
+    /// The outputs' samples for the result.
+    pub fine: &'a [&'a Samples],
+    /// Texels per pixel.
+    pub quality: f64,
+    /// Size of the finest pixel, radians.
+    pub pixel: f64,
+    /// What a view costs beside its texels.
+    pub view_cost: f64,
+}
+
+/// A cell: a convex cone.
+#[derive(Clone, Debug)]
+struct Cell {
+    /// Axes of the view that fits the whole cell (local → viewer).
+    axes: DMat3,
+    /// Inward unit normals, viewer axes.
+    normals: [DVec3; 4],
+}
+
+/// The cells of a cube (`turned`: cube → viewer axes) whose front face reaches to the tangent `front`
+/// on all sides: front, right, left, up, down, back.
+fn cells(turned: DMat3, front: f64) -> [Cell; 6] {
+    let cell = |direction: DVec3, normals: [DVec3; 4]| Cell {
+        axes: turned * facing(direction),
+        normals: normals.map(|normal| (turned * normal).normalize_or_zero()),
+    };
+    let (x, y, z) = (DVec3::X, DVec3::Y, DVec3::Z);
+    // Beyond the front face's side, before the back face's side, between the diagonals.
+    let side = |out: DVec3, across: DVec3| cell(out, [out + z * front, out - z, out - across, out + across]);
+    [
+        cell(-z, [x - z * front, -x - z * front, y - z * front, -y - z * front]),
+        side(x, y),
+        side(-x, y),
+        side(y, x),
+        side(-y, x),
+        cell(z, [z - x, z + x, z - y, z + y]),
+    ]
+}
+
+/// The cubes that are tried (cube → viewer axes): for each of `frames` aligned with it, an edge
+/// forward (upright, lying, and rolled by 45°), and both corners forward.
+fn turns(frames: &[DMat3]) -> Vec<DMat3> {
+    // The angle between an edge's middle and the corner of a cube.
+    let corner = (1.0 / 2f64.sqrt()).atan();
+    let turns = [
+        DMat3::IDENTITY,
+        DMat3::from_rotation_y(FRAC_PI_4),
+        DMat3::from_rotation_x(FRAC_PI_4),
+        DMat3::from_rotation_z(FRAC_PI_4),
+        DMat3::from_rotation_x(corner) * DMat3::from_rotation_y(FRAC_PI_4),
+        DMat3::from_rotation_x(-corner) * DMat3::from_rotation_y(FRAC_PI_4),
+    ];
+    frames.iter().flat_map(|frame| turns.map(|turn| *frame * turn)).collect()
+}
+
+impl Task<'_> {
+    /// The cheapest partition found: every turn of the cube with its views along the faces, then
+    /// the best few with the front face's width and the views' axes searched. Deterministic.
+    pub fn best(&self, frames: &[DMat3]) -> Partition {
+        let mut ranked: Vec<(i64, DMat3)> =
+            turns(frames).into_iter().map(|turned| (rounded(self.estimate(turned, 1.0)), turned)).collect();
+        // Stable, and compared to a thousandth: of equals, the first wins whatever the rounding.
+        ranked.sort_by_key(|(cost, _)| *cost);
+        let best = ranked
+            .iter()
+            .take(3)
+            .map(|&(_, turned)| {
+                let front = self.best_front(turned);
+                (rounded(self.estimate(turned, front)), turned, front)
+            })
+            .min_by_key(|(cost, _, _)| *cost);
+        best.map(|(_, turned, front)| self.partition(turned, front)).unwrap_or_default()
+    }
+
+    /// The reach of the front face: a cube's, or less or more where that is cheaper.
+    fn best_front(&self, turned: DMat3) -> f64 {
+        let front = golden_section(|front| self.estimate(turned, front), 0.7, 1.2, 0.03);
+        if self.estimate(turned, front) < 0.995 * self.estimate(turned, 1.0) { front } else { 1.0 }
+    }
+
+    /// Directions within so many radians beyond a cell's side are left to the neighbour.
+    ///
+    /// A fifth of a pixel: less is shown by the margin of the neighbour, and a dome that ends exactly at a
+    /// side (180° and a cube with an edge forward) must not make views beyond it.
+    fn ignored(&self) -> f64 {
+        (0.2 * self.pixel).clamp(1e-9, 0.02)
+    }
+
+    /// What the outputs sample of a cell, and which of them.
+    fn sampled(&self, outputs: &[&Samples], cell: &Cell) -> (Vec<Sample>, Vec<usize>) {
+        let users: Vec<usize> = (0..outputs.len())
+            .filter(|&index| !outputs[index].within(&cell.normals, -self.ignored()).is_empty())
+            .collect();
+        let samples =
+            users.iter().flat_map(|&index| outputs[index].within(&cell.normals, 2.0 * self.ignored())).collect();
+        (samples, users)
+    }
+
+    /// The cost of a partition, with axes only tilted and rolled in steps.
+    fn estimate(&self, turned: DMat3, front: f64) -> f64 {
+        let cost = |cell: &Cell| {
+            let (samples, users) = self.sampled(self.coarse, cell);
+            if users.is_empty() { 0.0 } else { tilted(cell, &samples, self.quality).0 + self.view_cost }
+        };
+        cells(turned, front).iter().map(cost).sum()
+    }
+
+    /// The partition with its views' axes refined, and their openings and resolutions from the finest samples.
+    fn partition(&self, turned: DMat3, front: f64) -> Partition {
+        let mut found = Partition::default();
+        for cell in cells(turned, front) {
+            let (fine, users) = self.sampled(self.fine, &cell);
+            let (coarse, _) = self.sampled(self.coarse, &cell);
+            let (cost, axes) = tilted(&cell, &coarse, self.quality);
+            let better = refined(&coarse, axes, self.quality);
+            // Plain axes are kept where others gain nothing.
+            let gains = texels(&coarse, better, self.quality) < 0.995 * cost;
+            let choices = [if gains { better } else { axes }, axes, cell.axes];
+            let aimed = choices.into_iter().find_map(|axes| {
+                let rotation = axes.transpose();
+                Some(Aimed { rotation, fit: fit(rotation, &fine, self.quality, true)? })
+            });
+            match aimed {
+                Some(aimed) if !users.is_empty() => {
+                    found.parts.push(Part { towards: -cell.axes.z_axis, aimed, outputs: users })
+                }
+                _ => found.skipped.push(-cell.axes.z_axis),
+            }
+        }
+        self.raise(&mut found);
+        found
+    }
+
+    /// Raises the resolution of views to what lies outside their cells but inside their openings.
+    fn raise(&self, partition: &mut Partition) {
+        for index in 0..partition.parts.len() {
+            let (earlier, rest) = partition.parts.split_at_mut(index);
+            let Some(part) = rest.first_mut() else { continue };
+            let others: Vec<Sample> = part
+                .outputs
+                .iter()
+                .flat_map(|&output| self.fine[output].iter().map(move |sample| (output, sample)))
+                .filter(|(output, sample)| {
+                    part.aimed.fit.shows(part.aimed.rotation, sample.direction)
+                        && !earlier.iter().any(|other| {
+                            other.outputs.contains(output)
+                                && other.aimed.fit.shows(other.aimed.rotation, sample.direction)
+                        })
+                })
+                .map(|(_, sample)| *sample)
+                .collect();
+            part.aimed.fit.raise(part.aimed.rotation, &others, self.quality);
+        }
+    }
+}
+
+/// Costs to a thousandth.
+fn rounded(cost: f64) -> i64 {
+    (cost.ln() * 1e3).round() as i64
+}
+
+/// The texels and the axes (local → viewer) of a view for `samples`, the part of a cell that is
+/// seen: the cell's axes tilted towards the middle of the samples, rolled by 0° or 45°.
+fn tilted(cell: &Cell, samples: &[Sample], quality: f64) -> (f64, DMat3) {
+    let straight = (texels(samples, cell.axes, quality), cell.axes);
+    let (axis, middle) = (-cell.axes.z_axis, mean_direction(samples));
+    let (hinge, angle) = (axis.cross(middle), axis.angle_between(middle));
+    let Some(hinge) = hinge.try_normalize().filter(|_| angle > 0.05) else { return straight };
+    [0.0, FRAC_PI_4]
+        .into_iter()
+        .map(|roll| {
+            let turned =
+                |tilt: f64| DMat3::from_axis_angle(hinge, tilt * angle) * cell.axes * DMat3::from_rotation_z(roll);
+            let tilt = golden_section(|tilt| texels(samples, turned(tilt), quality).ln(), 0.0, 1.4, 0.08);
+            (texels(samples, turned(tilt), quality), turned(tilt))
+        })
+        .chain([straight])
+        .min_by(|a, b| a.0.total_cmp(&b.0))
+        .unwrap_or(straight)
+}

@@ -1,0 +1,105 @@
+//! The error of any map against the exact one, in output pixels.
+
+use super::WarpMap;
+use glam::{DVec2, DVec3};
+
+/// How far around a pixel the exact map is asked whether the pixel is at an edge of what is shown, pixels.
+const EDGE: f64 = 0.01;
+
+/// How wrong a map is.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MapError {
+    /// Pixels that both maps show, and whose errors are counted below.
+    pub compared: u64,
+    /// Greatest error, output pixels.
+    pub max: f64,
+    /// Root mean square error, output pixels.
+    pub rms: f64,
+    /// Where the greatest error is: column and row, from the top left.
+    pub worst: (u32, u32),
+    /// Pixels whose direction is zero or not finite.
+    pub non_finite: u64,
+    /// Pixels that ought to show something and do not.
+    pub uncovered: u64,
+    /// Pixels that ought to show nothing and do, or show what is more than 90° away (behind).
+    pub ghosts: u64,
+    /// Pixels within 0.01 pixel of an edge of what is shown, where one map may show something and the
+    /// other nothing: no fault, and not compared.
+    pub edge: u64,
+}
+
+impl MapError {
+    /// No pixel is missing, false or not finite.
+    pub fn is_sound(&self) -> bool {
+        self.non_finite == 0 && self.uncovered == 0 && self.ghosts == 0
+    }
+}
+
+/// Compares `map` (column, row → direction in viewer axes, any length; `None` where it shows nothing) with `exact`
+/// at every `step`-th pixel (from 1) in both directions.
+///
+/// The error of a pixel is the angle between the two directions over the local angular size of a
+/// pixel: the root mean square of the exact map's two steps, horizontal and vertical.
+/// Near a singular point of a map (the rim of a 360° fisheye) this stays meaningful where a single step shrinks to 0.
+pub fn compare(exact: &WarpMap, step: u32, mut map: impl FnMut(u32, u32) -> Option<DVec3>) -> MapError {
+    let mut result = MapError::default();
+    let mut sum_of_squares = 0.0;
+    let step = step.max(1) as usize;
+    let (width, height) = exact.size();
+    for y in (0..height).step_by(step) {
+        for x in (0..width).step_by(step) {
+            let pixel = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
+            let (expected, found) = (exact.direction(pixel), map(x, y));
+            match (expected, found) {
+                (_, Some(found)) if !found.is_finite() || found == DVec3::ZERO => result.non_finite += 1,
+                (None, None) => {}
+                (Some(_), None) | (None, Some(_)) if is_edge(exact, pixel) => result.edge += 1,
+                (Some(_), None) => result.uncovered += 1,
+                (None, Some(_)) => result.ghosts += 1,
+                (Some(expected), Some(found)) if expected.dot(found) <= 0.0 => result.ghosts += 1,
+                (Some(expected), Some(found)) => {
+                    let Some(size) = pixel_angle(exact, pixel) else {
+                        result.edge += 1;
+                        continue;
+                    };
+                    // First scaled: the square of a length must neither overflow nor underflow.
+                    let found = (found / found.abs().max_element()).normalize();
+                    let error = found.cross(expected).length().atan2(found.dot(expected)) / size;
+                    result.compared += 1;
+                    sum_of_squares += error * error;
+                    if error > result.max {
+                        (result.max, result.worst) = (error, (x, y));
+                    }
+                }
+            }
+        }
+    }
+    if result.compared > 0 {
+        result.rms = (sum_of_squares / result.compared as f64).sqrt();
+    }
+    result
+}
+
+/// Whether what the exact map shows begins or ends within [`EDGE`] of a pixel.
+fn is_edge(exact: &WarpMap, pixel: DVec2) -> bool {
+    let here = exact.direction(pixel).is_some();
+    let around = [(EDGE, 0.0), (-EDGE, 0.0), (0.0, EDGE), (0.0, -EDGE)];
+    around.into_iter().any(|(x, y)| exact.direction(pixel + DVec2::new(x, y)).is_some() != here)
+}
+
+/// The root mean square of the angles between horizontal and vertical neighbours, radians for each
+/// pixel; `None` where the map shows too little around to tell.
+pub fn pixel_angle(exact: &WarpMap, pixel: DVec2) -> Option<f64> {
+    let span = |axis: DVec2| {
+        let middle = (exact.direction(pixel)?, 0.0);
+        let end = |offset: f64| exact.direction(pixel + axis * offset).map_or(middle, |direction| (direction, offset));
+        let ((a, from), (b, to)) = (end(-0.5), end(0.5));
+        (to > from).then(|| a.cross(b).length().atan2(a.dot(b)) / (to - from))
+    };
+    let (x, y) = (span(DVec2::X)?, span(DVec2::Y)?);
+    let size = (0.5 * (x * x + y * y)).sqrt();
+    (size > 0.0).then_some(size)
+}
+
+#[cfg(test)]
+mod tests;

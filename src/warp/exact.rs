@@ -1,0 +1,197 @@
+//! The exact map of an output, ray by ray.
+
+use crate::error::{Error, ErrorKind, Result};
+use crate::geom::{Fisheye, Frustum, Pose, Sphere, pose};
+use crate::rig::{OutputKind, Rig};
+use glam::{DMat3, DVec2, DVec3};
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+/// The exact map between the pixels of one output, the dome and the directions of the viewer.
+///
+/// Pixels are measured from the top left corner of the output, so the centre of the first one is
+/// (½, ½); positions between centres are as good. Everything is f64, without approximations.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WarpMap {
+    size: (u32, u32),
+    optics: Optics,
+    viewer: Pose,
+    dome: Sphere,
+    pole: DVec3,
+    coverage: f64,
+}
+
+/// How an output makes rays of its pixels.
+#[derive(Clone, Debug, PartialEq)]
+enum Optics {
+    /// A fisheye picture; the rotation takes lens axes to dome axes.
+    Domemaster { lens: Fisheye, rotation: DMat3 },
+    /// A pinhole in the dome's axes.
+    Projector { pose: Pose, frustum: Frustum },
+    /// A window in front of the viewer; the rotation takes its axes to viewer axes.
+    Perspective { rotation: DMat3, frustum: Frustum },
+}
+
+impl WarpMap {
+    /// The map of output number `output` of `rig` at `size` (width, height in pixels).
+    ///
+    /// `lens` is the program's own opening, used by a perspective output that has none of its own.
+    /// Fails with [`ErrorKind::InvalidArgument`] if there is no such output, the size is zero, or that
+    /// lens is needed and not given.
+    pub fn new(rig: &Rig, output: usize, size: (u32, u32), lens: Option<Frustum>) -> Result<Self> {
+        let invalid = |message: String| Error::new(ErrorKind::InvalidArgument, message);
+        let described = rig.outputs.get(output).ok_or_else(|| {
+            invalid(format!(
+                "rig \"{}\" has {} outputs, number {output} is not one of them",
+                rig.name,
+                rig.outputs.len()
+            ))
+        })?;
+        if size.0 == 0 || size.1 == 0 {
+            return Err(invalid(format!("output \"{}\" cannot be {} × {} pixels", described.name, size.0, size.1)));
+        }
+        let viewer = Pose::new(rig.viewer.position, rig.viewer.yaw, rig.viewer.pitch, rig.viewer.roll);
+        let optics = match described.kind {
+            OutputKind::Domemaster { aperture, tilt } => Optics::Domemaster {
+                lens: Fisheye { aperture },
+                rotation: viewer.rotation * pose::rotation(0.0, FRAC_PI_2 - tilt, 0.0),
+            },
+            OutputKind::Projector { position, angles: [yaw, pitch, roll], frustum } => {
+                Optics::Projector { pose: Pose::new(position, yaw, pitch, roll), frustum }
+            }
+            OutputKind::Perspective { angles: [yaw, pitch, roll], frustum } => Optics::Perspective {
+                rotation: pose::rotation(yaw, pitch, roll),
+                frustum: frustum.or(lens).ok_or_else(|| {
+                    invalid(format!(
+                        "output \"{}\" has the program's own lens, which is not known here",
+                        described.name
+                    ))
+                })?,
+            },
+        };
+        let (sine, cosine) = rig.dome.tilt.sin_cos();
+        Ok(Self {
+            size,
+            optics,
+            viewer,
+            dome: Sphere { center: DVec3::ZERO, radius: rig.dome.radius },
+            pole: DVec3::new(0.0, cosine, -sine),
+            coverage: rig.dome.coverage,
+        })
+    }
+
+    /// Width and height in pixels.
+    pub fn size(&self) -> (u32, u32) {
+        self.size
+    }
+
+    /// The direction in which the viewer sees a pixel: unit vector in viewer axes. `None` where the
+    /// output shows nothing: outside its picture or its circle, and for projectors where the ray
+    /// misses the dome or the cap that is screen. (A domemaster is a picture of directions and is
+    /// not cut at the cap.)
+    pub fn direction(&self, pixel: DVec2) -> Option<DVec3> {
+        match &self.optics {
+            Optics::Perspective { rotation, frustum } => {
+                Some((*rotation * tangents(frustum, self.picture(pixel)?).extend(-1.0)).normalize())
+            }
+            _ => self.viewer.point_to_local(self.hit(pixel)?).try_normalize(),
+        }
+    }
+
+    /// The point of the dome (metres, dome axes) where a pixel appears; `None` as for
+    /// [`Self::direction`], and for perspective outputs, which have no place on the dome.
+    pub fn hit(&self, pixel: DVec2) -> Option<DVec3> {
+        match &self.optics {
+            Optics::Domemaster { lens, rotation } => {
+                let point = self.disc(pixel)?;
+                Some(*rotation * lens.direction(point.x, point.y)? * self.dome.radius)
+            }
+            Optics::Projector { pose, frustum } => {
+                let ray = tangents(frustum, self.picture(pixel)?).extend(-1.0);
+                let hit = self.dome.far_hit(pose.position, pose.direction_to_parent(ray))?;
+                self.is_screen(hit).then_some(hit)
+            }
+            Optics::Perspective { .. } => None,
+        }
+    }
+
+    /// Where a point of the dome (metres, dome axes) appears in this output: the inverse of
+    /// [`Self::hit`], for perspective outputs of [`Self::direction`]. `None` if it does not.
+    pub fn pixel(&self, point: DVec3) -> Option<DVec2> {
+        match &self.optics {
+            Optics::Domemaster { lens, rotation } => {
+                let disc = lens.point(rotation.transpose() * point);
+                let radius = 0.5 * f64::from(self.size.0.min(self.size.1));
+                (disc.length_squared() <= 1.0).then(|| self.middle() + DVec2::new(disc.x, -disc.y) * radius)
+            }
+            Optics::Projector { pose, frustum } => {
+                let path = point - pose.position;
+                // From outside, only the far side is lit.
+                let lit = self.is_screen(point) && (self.dome.contains(pose.position) || path.dot(point) >= 0.0);
+                if lit { self.pixel_of_ray(frustum, pose.direction_to_local(path)) } else { None }
+            }
+            Optics::Perspective { rotation, frustum } => {
+                self.pixel_of_ray(frustum, rotation.transpose() * self.viewer.point_to_local(point))
+            }
+        }
+    }
+
+    /// Whether a point of the sphere belongs to the cap that is screen.
+    fn is_screen(&self, point: DVec3) -> bool {
+        self.coverage >= TAU || point.dot(self.pole) >= self.dome.radius * (0.5 * self.coverage).cos()
+    }
+
+    /// The middle of the output in pixels.
+    fn middle(&self) -> DVec2 {
+        DVec2::new(0.5 * f64::from(self.size.0), 0.5 * f64::from(self.size.1))
+    }
+
+    /// A pixel as parts of width and height, 0…1 from the left and from the bottom; `None` outside.
+    fn picture(&self, pixel: DVec2) -> Option<DVec2> {
+        let part = pixel / (2.0 * self.middle());
+        let inside = part.cmpge(DVec2::ZERO).all() && part.cmple(DVec2::ONE).all();
+        inside.then(|| DVec2::new(part.x, 1.0 - part.y))
+    }
+
+    /// A pixel in units of the inscribed circle, y up; `None` outside the output.
+    fn disc(&self, pixel: DVec2) -> Option<DVec2> {
+        self.picture(pixel)?;
+        let radius = 0.5 * f64::from(self.size.0.min(self.size.1));
+        let point = (pixel - self.middle()) / radius;
+        Some(DVec2::new(point.x, -point.y))
+    }
+
+    /// The pixel of a ray in the axes of a pinhole; `None` behind it or outside the picture.
+    fn pixel_of_ray(&self, frustum: &Frustum, ray: DVec3) -> Option<DVec2> {
+        let (x, y) = (ray.x / -ray.z, ray.y / -ray.z);
+        let part = DVec2::new((x - frustum.left) / frustum.width(), (frustum.top - y) / frustum.height());
+        (ray.z < 0.0 && frustum.contains(x, y)).then(|| part * 2.0 * self.middle())
+    }
+}
+
+/// The tangents of a picture position (parts of width and height from the bottom left).
+fn tangents(frustum: &Frustum, part: DVec2) -> DVec2 {
+    DVec2::new(frustum.left, frustum.bottom) + part * DVec2::new(frustum.width(), frustum.height())
+}
+
+/// [`WarpMap::direction`] of a single pixel; `None` also where [`WarpMap::new`] fails without the program's lens.
+pub fn exact_direction(rig: &Rig, output: usize, size: (u32, u32), pixel: DVec2) -> Option<DVec3> {
+    WarpMap::new(rig, output, size, None).ok()?.direction(pixel)
+}
+
+/// [`WarpMap::direction`] of all pixel centres, row by row from the top, NaN where the output shows
+/// nothing. Fails as [`WarpMap::new`] does without the program's lens.
+pub fn exact_map(rig: &Rig, output: usize, size: (u32, u32)) -> Result<Vec<[f64; 3]>> {
+    let map = WarpMap::new(rig, output, size, None)?;
+    let centres =
+        (0..size.1).flat_map(|y| (0..size.0).map(move |x| DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5)));
+    Ok(centres.map(|pixel| map.direction(pixel).unwrap_or(DVec3::NAN).to_array()).collect())
+}
+
+/// A viewer direction in the eye axes of the program's camera, which the rig may have turned. The
+/// camera's zoom and shift, which are no rotations, are not undone.
+pub fn camera_direction(rig: &Rig, direction: DVec3) -> DVec3 {
+    pose::rotation(rig.camera.yaw, rig.camera.pitch, rig.camera.roll).transpose() * direction
+}
+
+#[cfg(test)]
+mod tests;
