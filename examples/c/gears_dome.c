@@ -39,10 +39,9 @@ typedef struct {
 static void draw(const cupola_gl_view *view, void *user)
 {
     const moment *now = user;
-    float camera[16], turned[16];
+    float camera[16];
     scene_camera(camera);
-    scene_multiply(turned, view->view_matrix, camera);
-    scene_draw(now->gears, now->seconds, turned, view->projection_matrix);
+    scene_draw(now->gears, now->seconds, camera, view->projection_matrix);
 }
 
 int main(int argc, char **argv)

@@ -181,7 +181,7 @@ void scene_perspective(float projection[16], float field_of_view, float aspect)
 }
 
 /* result = a * b, column-major. */
-void scene_multiply(float result[16], const float a[16], const float b[16])
+static void multiply(float result[16], const float a[16], const float b[16])
 {
     for (int column = 0; column < 4; column++) {
         for (int row = 0; row < 4; row++) {
@@ -208,7 +208,7 @@ void scene_draw(const scene *s, double seconds, const float view[16], const floa
         const float model[16] = {c,    n * ct, n * st, 0.0f, -n,   c * ct, c * st, 0.0f,
                                  0.0f, -st,    ct,     0.0f, p[0], p[1],   p[2],   1.0f};
         float modelview[16];
-        scene_multiply(modelview, view, model);
+        multiply(modelview, view, model);
         glUniformMatrix4fv(s->modelview, 1, GL_FALSE, modelview);
         glUniform3fv(s->colour, 1, gears[i].colour);
         glBindVertexArray(s->arrays[i]);

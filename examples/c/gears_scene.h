@@ -18,9 +18,6 @@ bool scene_create(scene *s);
 /* The camera: world to eye axes, column-major. */
 void scene_camera(float view[16]);
 
-/* The product of two 4x4 matrices, column-major. */
-void scene_multiply(float result[16], const float a[16], const float b[16]);
-
 /* A symmetric perspective, column-major; the vertical field of view is in degrees. */
 void scene_perspective(float projection[16], float field_of_view, float aspect);
 

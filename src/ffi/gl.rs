@@ -3,6 +3,7 @@
 use super::rig::cupola_rig;
 use super::status::{call, check_size, cupola_status, null};
 use crate::backend::gl::api::Gl;
+use crate::correct::uniforms;
 use crate::runtime::embedded::Embedded;
 use std::ffi::{c_char, c_void};
 
@@ -50,14 +51,20 @@ pub struct cupola_gl_view {
     pub width: i32,
     /// Height of its tile, pixels.
     pub height: i32,
-    /// Camera axes → view axes, column by column: multiply it from the left to the view matrix.
-    pub view_matrix: [f32; 16],
-    /// Projection in OpenGL's clip space, column by column: use it in place of the program's own.
+    /// The program's camera axes → clip space of this view, column by column: use it in place of the
+    /// program's own projection. The program's view matrix, and so its lighting, stays as it is.
+    /// It is `frustum_matrix` · `rotation_matrix`.
     pub projection_matrix: [f32; 16],
-    /// `view_matrix` in double precision.
-    pub view_matrix_f64: [f64; 16],
+    /// The program's camera axes → axes of the view, for programs that cull or draw a sky by view.
+    pub rotation_matrix: [f32; 16],
+    /// Axes of the view → its clip space: a perspective matrix of the usual form, off-centre.
+    pub frustum_matrix: [f32; 16],
     /// `projection_matrix` in double precision.
     pub projection_matrix_f64: [f64; 16],
+    /// `rotation_matrix` in double precision.
+    pub rotation_matrix_f64: [f64; 16],
+    /// `frustum_matrix` in double precision.
+    pub frustum_matrix_f64: [f64; 16],
     /// Its name (`front`, `left`, …), NUL-terminated, cut to 31 bytes.
     pub name: [c_char; 32],
 }
@@ -171,6 +178,7 @@ pub unsafe extern "C" fn cupola_gl_get_view(
 fn describe(gl: &cupola_gl, index: u32, near: f64, far: f64) -> crate::Result<cupola_gl_view> {
     let view = gl.embedded.view(index as usize, near, far)?;
     let [x, y, width, height] = view.tile;
+    let projection = view.frustum * view.rotation;
     let mut name = [0; 32];
     for (to, from) in name.iter_mut().zip(view.name.bytes().take(31)) {
         *to = from as c_char;
@@ -182,10 +190,12 @@ fn describe(gl: &cupola_gl, index: u32, near: f64, far: f64) -> crate::Result<cu
         y,
         width,
         height,
-        view_matrix: crate::correct::uniforms::matrix(&view.view),
-        projection_matrix: crate::correct::uniforms::matrix(&view.projection),
-        view_matrix_f64: view.view.to_cols_array(),
-        projection_matrix_f64: view.projection.to_cols_array(),
+        projection_matrix: uniforms::matrix(&projection),
+        rotation_matrix: uniforms::matrix(&view.rotation),
+        frustum_matrix: uniforms::matrix(&view.frustum),
+        projection_matrix_f64: projection.to_cols_array(),
+        rotation_matrix_f64: view.rotation.to_cols_array(),
+        frustum_matrix_f64: view.frustum.to_cols_array(),
         name,
     })
 }

@@ -13,10 +13,10 @@ use glam::{DMat4, DVec4};
 pub struct EmbeddedView {
     /// Name: `front`, `left`, `projector-3` …
     pub name: String,
-    /// Camera axes of the program → axes of the view: multiply it from the left to the program's view matrix.
-    pub view: DMat4,
-    /// Projection in OpenGL's clip space.
-    pub projection: DMat4,
+    /// Camera axes of the program → axes of the view.
+    pub rotation: DMat4,
+    /// Axes of the view → OpenGL's clip space.
+    pub frustum: DMat4,
     /// Place in the atlas: x, y, width, height in texels from the bottom left.
     pub tile: [i32; 4],
 }
@@ -125,8 +125,8 @@ impl Embedded {
         let camera = super::session::camera_rotation(&self.rig.camera);
         Ok(EmbeddedView {
             name: view.name.clone(),
-            view: DMat4::from_mat3(view.rotation * camera),
-            projection: projection(&view.frustum, near, far),
+            rotation: DMat4::from_mat3(view.rotation * camera),
+            frustum: projection(&view.frustum, near, far),
             tile: self.session.tile(index).0,
         })
     }
