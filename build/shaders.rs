@@ -1,7 +1,164 @@
 //! WGSL → GLSL 330 / ESSL 300, at build time, so that nothing that compiles shaders from
 //! source is linked into the injected library.
+//!
+//! Of each text the uniform block is cut out: at run time its values are put in as a constant
+//! (see `src/correct/shaders.rs`).
+
+use naga::back::glsl;
+use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
+use naga::{Module, ScalarKind, ShaderStage, TypeInner};
+use std::fmt::Write;
+
+/// Name, sources, fragment entry points.
+const PASSES: &[(&str, &[&str], &[&str])] = &[
+    ("Fisheye", &["common.wgsl", "fisheye.wgsl"], &["present", "map"]),
+    ("Projector", &["common.wgsl", "projector.wgsl"], &["present", "map"]),
+    ("Perspective", &["common.wgsl", "perspective.wgsl"], &["present", "map"]),
+    ("Black", &["black.wgsl"], &["present"]),
+];
 
 /// Rust source with the generated shader texts.
 pub fn generate() -> String {
-    String::new()
+    let mut out = String::from("static PASSES: &[PassText] = &[\n");
+    for (name, files, entries) in PASSES {
+        let source: String = files.iter().map(|file| read(file)).collect();
+        let module = naga::front::wgsl::parse_str(&source)
+            .unwrap_or_else(|e| panic!("shaders: {name}: {}", e.emit_to_string(&source)));
+        let info = Validator::new(ValidationFlags::all(), Capabilities::default())
+            .validate(&module)
+            .unwrap_or_else(|e| panic!("shaders: {name}: {}", e.emit_to_string(&source)));
+        pass(name, entries, &module, &info, &mut out);
+    }
+    out.push_str("];\n");
+    out
+}
+
+fn read(file: &str) -> String {
+    std::fs::read_to_string(format!("shaders/{file}")).unwrap_or_else(|e| panic!("shaders/{file}: {e}"))
+}
+
+fn pass(name: &str, entries: &[&str], module: &Module, info: &ModuleInfo, out: &mut String) {
+    let constants = module.global_variables.iter().find(|(_, v)| v.name.as_deref() == Some("constants"));
+    let mut members = Vec::new();
+    let mut constructor = String::new();
+    if let Some((_, variable)) = constants {
+        walk(module, variable.ty, "", &mut members, &mut constructor);
+    }
+    writeln!(out, "PassText {{ pass: Pass::{name}, constructor: {constructor:?}, members: &[")
+        .expect("writing to a String");
+    let mut first = 0;
+    for (path, count) in &members {
+        writeln!(out, "({path:?}, {first}, {count}),").expect("writing to a String");
+        first += count;
+    }
+    out.push_str("], texts: &[\n");
+    for (language, version) in [
+        ("Glsl330", glsl::Version::Desktop(330)),
+        ("Essl300", glsl::Version::Embedded { version: 300, is_webgl: false }),
+    ] {
+        let (vertex, _) = emit(module, info, ShaderStage::Vertex, "rectangle", version);
+        for entry in entries {
+            let (fragment, samplers) = emit(module, info, ShaderStage::Fragment, entry, version);
+            let stage = if *entry == "map" { "Map" } else { "Present" };
+            writeln!(
+                out,
+                "StageText {{ language: Language::{language}, stage: Stage::{stage}, vertex: {vertex:?}, fragment: {:?}, samplers: &{samplers:?} }},",
+                cut(&fragment)
+            )
+            .expect("writing to a String");
+        }
+    }
+    out.push_str("]},\n");
+}
+
+/// The text and its combined samplers: uniform name and texture name.
+fn emit(
+    module: &Module,
+    info: &ModuleInfo,
+    stage: ShaderStage,
+    entry: &str,
+    version: glsl::Version,
+) -> (String, Vec<(String, String)>) {
+    // No coordinate adjustment: we own the Y direction.
+    let options = glsl::Options { version, writer_flags: glsl::WriterFlags::empty(), ..Default::default() };
+    let pipeline = glsl::PipelineOptions { shader_stage: stage, entry_point: entry.to_owned(), multiview: None };
+    let mut text = String::new();
+    let policies = naga::proc::BoundsCheckPolicies::default();
+    let mut writer = glsl::Writer::new(&mut text, module, info, &options, &pipeline, policies)
+        .unwrap_or_else(|e| panic!("shaders: {entry}: {e}"));
+    let reflection = writer.write().unwrap_or_else(|e| panic!("shaders: {entry}: {e}"));
+    let mut samplers: Vec<(String, String)> = reflection
+        .texture_mapping
+        .iter()
+        .map(|(uniform, mapping)| {
+            (uniform.clone(), module.global_variables[mapping.texture].name.clone().unwrap_or_default())
+        })
+        .collect();
+    samplers.sort();
+    (text, samplers)
+}
+
+/// The text before the uniform block, the constant's type and name, the text after the block.
+fn cut(text: &str) -> (String, String, String) {
+    let Some(start) = text.find("layout(std140) uniform ") else {
+        return (text.to_owned(), String::new(), String::new());
+    };
+    let open = start + text[start..].find('{').expect("a block opens");
+    let close = open + text[open..].find("};").expect("a block closes");
+    let declaration = text[open + 1..close].trim().trim_end_matches(';');
+    (text[..start].to_owned(), declaration.to_owned(), text[close + 2..].to_owned())
+}
+
+/// Lists the scalars of a type in the order of a GLSL constructor, and the constructor itself
+/// with `%` for a float and `#` for an unsigned number.
+fn walk(
+    module: &Module,
+    handle: naga::Handle<naga::Type>,
+    path: &str,
+    members: &mut Vec<(String, usize)>,
+    out: &mut String,
+) {
+    let ty = &module.types[handle];
+    match ty.inner {
+        TypeInner::Scalar(scalar) => {
+            members.push((path.to_owned(), 1));
+            out.push(if scalar.kind == ScalarKind::Uint { '#' } else { '%' });
+        }
+        TypeInner::Vector { size, .. } => {
+            members.push((path.to_owned(), size as usize));
+            write!(out, "vec{}({})", size as usize, vec!["%"; size as usize].join(",")).expect("writing to a String");
+        }
+        TypeInner::Matrix { columns, rows, .. } => {
+            let count = columns as usize * rows as usize;
+            members.push((path.to_owned(), count));
+            write!(out, "mat{}x{}({})", columns as usize, rows as usize, vec!["%"; count].join(","))
+                .expect("writing to a String");
+        }
+        TypeInner::Array { base, size: naga::ArraySize::Constant(count), .. } => {
+            let mut elements = Vec::new();
+            for i in 0..count.get() {
+                let mut element = String::new();
+                walk(module, base, &format!("{path}[{i}]"), members, &mut element);
+                elements.push(element);
+            }
+            let name = match &module.types[base].inner {
+                TypeInner::Vector { size, .. } => format!("vec{}", *size as usize),
+                _ => module.types[base].name.clone().expect("a structure has a name"),
+            };
+            write!(out, "{name}[{}]({})", count, elements.join(",")).expect("writing to a String");
+        }
+        TypeInner::Struct { members: ref list, .. } => {
+            let mut parts = Vec::new();
+            for member in list {
+                let name = member.name.as_deref().expect("a member has a name");
+                let inner = if path.is_empty() { name.to_owned() } else { format!("{path}.{name}") };
+                let mut part = String::new();
+                walk(module, member.ty, &inner, members, &mut part);
+                parts.push(part);
+            }
+            write!(out, "{}({})", ty.name.as_deref().expect("a structure has a name"), parts.join(","))
+                .expect("writing to a String");
+        }
+        ref other => panic!("shaders: {path}: a type that constants cannot have: {other:?}"),
+    }
 }

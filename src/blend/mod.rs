@@ -3,7 +3,8 @@
 //! Weights are parts of **linear light**; a display's response is undone before and applied after
 //! (`encoded = linear^(1/gamma)`). Where several projectors light a point of the dome, the weight of each is
 //! `w_k = e_k / Σ e_j`, with `e` the product over the four sides of its picture of
-//! `smoothstep(distance / ramp)`: every pixel's weights add up to 1 wherever there is light, whoever evaluates them.
+//! `smoothstep(distance / ramp)`: the weights of a point add up to 1 wherever there is light, and each projector finds
+//! its own from the shared geometry.
 
 mod simulation;
 mod weight;

@@ -4,7 +4,7 @@ use crate::error::Result;
 use crate::geom::pose;
 use crate::rig::{AngleRamp, DomeAngle, OutputKind, Rig};
 use crate::warp::WarpMap;
-use glam::{DVec2, DVec3};
+use glam::{DMat3, DVec2, DVec3};
 
 /// The least width of a ramp: below it, it is a step of this width (a smoothstep of width 0 is undefined in shading languages).
 const LEAST_RAMP: f64 = 1e-6;
@@ -30,8 +30,10 @@ pub struct Weights<'rig> {
     rig: &'rig Rig,
     /// For each output its map; `None` where the output needs the program's own lens (its weight is 1).
     maps: Vec<Option<WarpMap>>,
-    /// Dome axes → axes in which the pole is +y and the front −z, transposed.
-    pole_axes: glam::DMat3,
+    /// Axes in which the pole is +y and the front −z → dome axes.
+    pole_axes: DMat3,
+    /// Viewer axes → dome axes.
+    viewer_axes: DMat3,
 }
 
 impl<'rig> Weights<'rig> {
@@ -43,7 +45,8 @@ impl<'rig> Weights<'rig> {
             _ => WarpMap::new(rig, index, sizes.get(index).copied().unwrap_or_default(), None).map(Some),
         };
         let maps = rig.outputs.iter().enumerate().map(map).collect::<Result<_>>()?;
-        Ok(Self { rig, maps, pole_axes: pose::rotation(0.0, -rig.dome.tilt, 0.0) })
+        let viewer_axes = pose::rotation(rig.viewer.yaw, rig.viewer.pitch, rig.viewer.roll);
+        Ok(Self { rig, maps, pole_axes: pose::rotation(0.0, -rig.dome.tilt, 0.0), viewer_axes })
     }
 
     /// The weight of a pixel (from the top left, centres at +½): 0…1, and `None` where the output shows nothing.
@@ -51,32 +54,31 @@ impl<'rig> Weights<'rig> {
         let Some(map) = self.maps.get(output)? else { return Some(1.0) };
         match map.hit(pixel) {
             Some(hit) => Some(self.weight_at(output, hit)),
-            // A window has no place on the dome, and nothing to blend with.
-            None => map.direction(pixel).map(|_| 1.0),
+            // A window has no place on the dome: nothing to share with, and angles are those of its directions.
+            None => map.direction(pixel).map(|direction| self.ramps_at(output, self.viewer_axes * direction)),
         }
     }
 
     /// The weight of an output at a point of the dome (metres, dome axes) which it lights.
     ///
-    /// Only projectors whose rig asks for blending from overlap share; a point that a single one of them lights
-    /// is its own, to the very edge of its picture. Ramps in dome angles are multiplied in.
+    /// A projector whose rig asks for blending from overlap shares the point with every other projector that
+    /// lights it; alone, it has all of it, to the very edge of its picture. Ramps in dome angles are multiplied in.
     pub fn weight_at(&self, output: usize, point: DVec3) -> f64 {
         let Some(described) = self.rig.outputs.get(output) else { return 0.0 };
-        let ramps = described.blend.ramps.iter().map(|ramp| self.ramp_at(ramp, point)).product::<f64>();
-        ramps * if self.shares(output) { self.share_at(output, point) } else { 1.0 }
+        let shares = described.blend.overlap && self.is_projector(output);
+        self.ramps_at(output, point) * if shares { self.share_at(output, point) } else { 1.0 }
     }
 
-    /// Whether an output takes part in the blending from overlap.
-    fn shares(&self, output: usize) -> bool {
-        let described = &self.rig.outputs[output];
-        described.blend.overlap && matches!(described.kind, OutputKind::Projector { .. })
+    /// Whether an output lights the dome.
+    fn is_projector(&self, output: usize) -> bool {
+        matches!(self.rig.outputs[output].kind, OutputKind::Projector { .. })
     }
 
     /// `e_k / Σ e_j` at a point.
     fn share_at(&self, output: usize, point: DVec3) -> f64 {
         let (mut own, mut sum, mut count) = (0.0, 0.0, 0);
         for (index, map) in self.maps.iter().enumerate() {
-            let Some(map) = map.as_ref().filter(|_| self.shares(index)) else { continue };
+            let Some(map) = map.as_ref().filter(|_| self.is_projector(index)) else { continue };
             // The output asked about lights the point, even if rounding puts it just outside its picture.
             let pixel = map.pixel(point);
             if pixel.is_none() && index != output {
@@ -99,7 +101,12 @@ impl<'rig> Weights<'rig> {
         }
     }
 
-    /// The value of a procedural ramp at a point of the dome.
+    /// The product of an output's procedural ramps at a point of the dome (any length).
+    fn ramps_at(&self, output: usize, point: DVec3) -> f64 {
+        self.rig.outputs[output].blend.ramps.iter().map(|ramp| self.ramp_at(ramp, point)).product()
+    }
+
+    /// The value of a procedural ramp at a point of the dome (any length).
     fn ramp_at(&self, ramp: &AngleRamp, point: DVec3) -> f64 {
         let local = self.pole_axes.transpose() * point;
         let angle = match ramp.angle {
@@ -120,6 +127,7 @@ pub fn weight(rig: &Rig, output: usize, sizes: &[(u32, u32)], pixel: DVec2) -> O
 mod tests {
     use super::*;
     use crate::geom::testing::Random;
+    use crate::geom::{QuadraticForm, Sphere};
     use crate::warp::testing::{output, projector, rig, two_projectors};
     use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
@@ -188,14 +196,88 @@ mod tests {
     }
 
     #[test]
-    fn outputs_without_overlap_do_not_share() {
+    fn an_output_without_overlap_keeps_its_light() {
         let mut rig = two_projectors(DVec3::ZERO);
         let point = DVec3::new(0.0, 0.3, -1.0).normalize() * 5.0;
         let share = Weights::new(&rig, &[(100, 60); 2]).expect("valid").weight_at(0, point);
         assert!(share > 0.0 && share < 1.0, "{share}");
         rig.outputs[1].blend.overlap = false;
         let weights = Weights::new(&rig, &[(100, 60); 2]).expect("valid");
-        assert_eq!((weights.weight_at(0, point), weights.weight_at(1, point)), (1.0, 1.0));
+        assert_eq!((weights.weight_at(0, point), weights.weight_at(1, point)), (share, 1.0));
+    }
+
+    /// A quadratic form as a shader evaluates it.
+    fn evaluate_f32(form: &QuadraticForm, x: f32, y: f32) -> glam::Vec3 {
+        let quadratic = |c: &[f64; 6]| {
+            let [xx, yy, xy, x1, y1, one] = c.map(|c| c as f32);
+            (xx * x + (xy * y + x1)) * x + ((yy * y + y1) * y + one)
+        };
+        let root = quadratic(&form.d).max(0.0).sqrt();
+        let linear = |c: &[f64; 3]| c[0] as f32 * x + (c[1] as f32 * y + c[2] as f32);
+        glam::Vec3::from_array(std::array::from_fn(|i| quadratic(&form.q[i]) + linear(&form.l[i]) * root))
+    }
+
+    #[test]
+    fn weights_in_f32_add_up_too() {
+        // As in goal G12, but each projector finds its own share of a point, from its own rounded pixel
+        // position (1/16,000 of a pixel), not all of them at the same one.
+        let rig = crate::rig::load("planetarium-6").expect("an embedded preset");
+        let sphere = Sphere { center: DVec3::ZERO, radius: rig.dome.radius };
+        let pinhole = |k: usize| match rig.outputs[k].kind {
+            OutputKind::Projector { position, angles: [yaw, pitch, roll], frustum } => {
+                (position, pose::rotation(yaw, pitch, roll), frustum)
+            }
+            _ => panic!("all are projectors"),
+        };
+        let count = rig.outputs.len();
+        // The picture of j as seen along the rays of k.
+        let forms: Vec<Vec<QuadraticForm>> = (0..count)
+            .map(|k| {
+                let (origin, rotation, frustum) = pinhole(k);
+                let seen = |j: usize| {
+                    let (eye, axes, lens) = pinhole(j);
+                    QuadraticForm::new(
+                        origin,
+                        rotation * frustum.rays(),
+                        &sphere,
+                        eye,
+                        lens.picture() * axes.transpose(),
+                    )
+                };
+                (0..count).map(seen).collect()
+            })
+            .collect();
+        let smooth = |t: f32| t.clamp(0.0, 1.0) * t.clamp(0.0, 1.0) * (3.0 - 2.0 * t.clamp(0.0, 1.0));
+        let edge = |x: f32, y: f32, ramp: f64| {
+            let steepness = (0.5 / ramp) as f32;
+            smooth((1.0 - x.abs()) * steepness) * smooth((1.0 - y.abs()) * steepness)
+        };
+        let sizes = vec![(1920, 1080); count];
+        let weights = Weights::new(&rig, &sizes).expect("valid");
+        let mut random = Random::new(31);
+        let (mut worst_sum, mut worst, mut shared) = (0.0f64, 0.0f64, 0);
+        for _ in 0..30_000 {
+            let point = random.direction() * rig.dome.radius;
+            let (mut sum, mut lit) = (0.0, 0);
+            for (k, seen) in forms.iter().enumerate() {
+                let Some(pixel) = weights.maps[k].as_ref().and_then(|map| map.pixel(point)) else { continue };
+                let (x, y) = ((pixel.x / 960.0 - 1.0) as f32, (1.0 - pixel.y / 540.0) as f32);
+                let other = |j: usize| {
+                    let s = evaluate_f32(&seen[j], x, y);
+                    if s.z > 0.0 { edge(s.x / s.z, s.y / s.z, rig.outputs[j].blend.ramp) } else { 0.0 }
+                };
+                let others: f32 = (0..count).filter(|j| *j != k).map(other).sum();
+                let own = edge(x, y, rig.outputs[k].blend.ramp);
+                let found = f64::from(if others > 0.0 { own / (own + others).max(1e-37) } else { 1.0 });
+                worst = worst.max((found - weights.weight_at(k, point)).abs());
+                (sum, lit) = (sum + found, lit + 1);
+            }
+            if lit > 1 {
+                worst_sum = worst_sum.max((sum - 1.0f64).abs());
+                shared += 1;
+            }
+        }
+        assert!(shared > 5_000 && worst_sum < 4e-6 && worst < 4e-6, "{worst_sum:e} {worst:e} {shared}");
     }
 
     #[test]

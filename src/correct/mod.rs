@@ -4,8 +4,11 @@ mod blocks;
 pub mod mask;
 pub mod plan;
 mod rectangles;
+pub mod response;
+pub mod shaders;
 mod source;
 #[cfg(test)]
 mod tests;
+pub mod uniforms;
 
-pub use plan::{Batch, OutputPass, PixelRect, Plan};
+pub use plan::{Batch, OutputPass, PixelRect, Plan, Source, build};

@@ -3,7 +3,7 @@
 use super::{blocks, mask, source};
 use crate::error::Result;
 use crate::geom::QuadraticForm;
-use crate::rig::Rig;
+use crate::rig::{AngleRamp, Rig};
 use crate::views::{self, Request, ViewPlan};
 use glam::{DMat3, DVec3};
 
@@ -42,6 +42,11 @@ pub struct OutputPass {
     pub batches: Vec<Batch>,
     /// Weight image at the output's resolution or any other; linear light, 0…1, row 0 at the top.
     pub mask: Option<Mask>,
+    /// Ramps in dome angles, multiplied in.
+    pub ramps: Vec<AngleRamp>,
+    /// Viewer axes → dome axes turned so that the pole is +y and the front −z; for ramps in dome
+    /// angles of outputs other than projectors (those have [`ProjectorSource::dome_direction`]).
+    pub dome_rotation: DMat3,
     /// Exponent of the display's response.
     pub gamma: f64,
     /// Linear light added to black (`out = level + (1 − level)·x`).
@@ -141,6 +146,8 @@ pub fn build(rig: &Rig, request: &Request) -> Result<Plan> {
                 batches: blocks::batches(rig, index, &source, size, &views),
                 source,
                 mask: output.mask.as_deref().map(mask::load).transpose()?,
+                ramps: output.blend.ramps.clone(),
+                dome_rotation: source::dome_axes(rig),
                 gamma: output.blend.gamma,
                 black_level: output.blend.black_level,
             });

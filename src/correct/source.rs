@@ -81,3 +81,8 @@ impl Source {
         ((2.0 * column - width) / across, (height - 2.0 * row) / up)
     }
 }
+/// Viewer axes → dome axes turned so that the pole is +y and the front −z.
+pub fn dome_axes(rig: &Rig) -> DMat3 {
+    let viewer = &rig.viewer;
+    DMat3::from_rotation_x(rig.dome.tilt) * crate::geom::pose::rotation(viewer.yaw, viewer.pitch, viewer.roll)
+}

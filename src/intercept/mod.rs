@@ -1,1 +1,8 @@
-//! Between an unmodified program and its driver.
+//! Between an unmodified program and its driver: which calls, which views.
+//!
+//! Interception fails open: whatever goes wrong, the program keeps running with its own
+//! picture, and the log says why, once.
+
+pub mod gl;
+pub mod log;
+pub mod settings;

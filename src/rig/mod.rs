@@ -1,10 +1,26 @@
 //! What stands where: the dome, the viewer, the program's camera, the outputs.
 //!
-//! Types here are validated and in radians where they are angles; [`load`] reads them from TOML.
+//! Types here are validated and in radians where they are angles. [`load`] and [`parse`] read
+//! them from TOML in metres and degrees; `docs/rig-file.md` describes the file key by key.
+//!
+//! The way of a rig: `reader` takes typed values out of the parsed TOML and remembers
+//! their lines, `schema` knows the keys and single values' ranges, `validate` knows what
+//! values must satisfy together. All of them add to one list of problems, so that one look at
+//! the message mends the whole file.
 
-use crate::error::Result;
+mod camera;
+mod layout;
+mod presets;
+mod problems;
+mod reader;
+mod schema;
+mod validate;
+
+use crate::error::{Error, ErrorKind, Result};
 use glam::DVec3;
 use std::path::{Path, PathBuf};
+
+pub use presets::{Preset, presets};
 
 /// Everything a rig file says.
 #[derive(Clone, Debug, PartialEq)]
@@ -177,8 +193,52 @@ pub enum DomeAngle {
     Azimuth,
 }
 
-/// Reads a rig from a preset's name or a file.
+/// Reads a rig: `name_or_path` is a preset's name (see [`presets`]) or else the path of a TOML file.
+///
+/// A name that is also a file in the working directory means the preset; write `./name` for the file.
+///
+/// # Errors
+/// [`ErrorKind::Io`] if there is no such preset and no readable file, [`ErrorKind::InvalidRig`] with
+/// every problem of the file (file, line, key, reason, remedy; one per line) if it is no valid rig.
 pub fn load(name_or_path: &str) -> Result<Rig> {
-    let _ = Path::new(name_or_path);
-    Err(crate::Error::new(crate::ErrorKind::InvalidRig, "not written yet"))
+    if let Some(preset) = presets::find(name_or_path) {
+        return parse(preset.text, preset.name, Path::new(""));
+    }
+    let path = Path::new(name_or_path);
+    let text = std::fs::read(path).map_err(|error| Error::new(ErrorKind::Io, unreadable(name_or_path, &error)))?;
+    let text = String::from_utf8(text).map_err(|error| {
+        let line = 1 + error.as_bytes()[..error.utf8_error().valid_up_to()].iter().filter(|&&b| b == b'\n').count();
+        let message = format!("{name_or_path}:{line}: the file is not UTF-8 text; save it as UTF-8");
+        Error::new(ErrorKind::InvalidRig, message)
+    })?;
+    parse(&text, name_or_path, path.parent().unwrap_or(Path::new("")))
+}
+
+/// Reads a rig from TOML text. `file_name` stands in messages and, without directory and extension, is
+/// the rig's name where the text gives none; paths in the text are relative to `directory` (empty: the
+/// working directory).
+///
+/// # Errors
+/// [`ErrorKind::InvalidRig`] with every problem of the text, as [`load`].
+pub fn parse(text: &str, file_name: &str, directory: &Path) -> Result<Rig> {
+    let mut problems = problems::Problems::new(text);
+    let rig = schema::read(text, file_name, directory, &mut problems);
+    // Values that are missing because they were refused would only raise further, misleading problems.
+    if let Some(rig) = rig.as_ref().filter(|_| problems.is_empty()) {
+        validate::check(rig, &mut problems);
+    }
+    match rig {
+        Some(rig) if problems.is_empty() => Ok(rig),
+        _ => Err(Error::new(ErrorKind::InvalidRig, problems.message(file_name))),
+    }
+}
+
+/// Why `name_or_path` is neither a preset nor a readable file, and what was perhaps meant.
+fn unreadable(name_or_path: &str, error: &std::io::Error) -> String {
+    let names: Vec<&str> = presets().iter().map(|preset| preset.name).collect();
+    let file = format!("the rig {name_or_path:?} is no preset, and reading it as a file failed: {error}");
+    match problems::closest(name_or_path, &names) {
+        Some(name) => format!("{file}; did you mean the preset `{name}`?"),
+        None => format!("{file}; presets are {}", names.join(", ")),
+    }
 }

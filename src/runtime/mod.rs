@@ -1,1 +1,7 @@
-//! One window's Cupola: rig, plan and backend.
+//! One window's Cupola: rig and plan, what a frame looked like, and what was counted.
+
+pub mod process;
+pub mod report;
+pub mod session;
+
+pub use session::Session;

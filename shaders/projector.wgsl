@@ -1,0 +1,113 @@
+// A pinhole projector that lights a sphere: pixel → what the viewer sees there, in closed form:
+// a quadratic form, and a linear one times the root of the discriminant.
+
+struct Form {
+    q_xx: vec3<f32>,
+    q_yy: vec3<f32>,
+    q_xy: vec3<f32>,
+    q_x: vec3<f32>,
+    q_y: vec3<f32>,
+    q_one: vec3<f32>,
+    l_x: vec3<f32>,
+    l_y: vec3<f32>,
+    l_one: vec3<f32>,
+}
+
+struct Neighbour {
+    // → its picture coordinates, homogeneous.
+    picture: Form,
+    // 1/(2·ramp)
+    steepness: f32,
+}
+
+struct Constants {
+    shared_part: Shared,
+    direction: Form,
+    dome: Form,
+    // Discriminant over x², y², xy, x; y, 1.
+    discriminant: array<vec4<f32>, 2>,
+    with_cap: u32,
+    // x: ≥ 0 inside the cap of the sphere that is screen; y, z unused.
+    cap: Form,
+    neighbours: array<Neighbour, 12>,
+    neighbour_count: u32,
+    // 1/(2·ramp) of this projector.
+    steepness: f32,
+}
+
+// Sums of monomials, which all forms of a pixel share, paired off: Horner's scheme needs as many
+// operations, but each would wait for the one before it.
+fn evaluate(form: Form, p: vec2<f32>, root: f32) -> vec3<f32> {
+    let quadratic = (form.q_xx * (p.x * p.x) + form.q_yy * (p.y * p.y)) + (form.q_xy * (p.x * p.y) + form.q_x * p.x);
+    let rest = form.q_y * p.y + form.q_one;
+    return (quadratic + rest) + ((form.l_x * p.x + form.l_y * p.y) + form.l_one) * root;
+}
+
+// Weight of a picture's point before it is shared out: a ramp along each border.
+fn border_weight(p: vec2<f32>, steepness: f32) -> f32 {
+    return smooth_ramp((1.0 - abs(p.x)) * steepness) * smooth_ramp((1.0 - abs(p.y)) * steepness);
+}
+
+fn neighbour_weight(neighbour: Neighbour, p: vec2<f32>, root: f32) -> f32 {
+    let s = evaluate(neighbour.picture, p, root);
+    // Behind it the quotient means nothing, and is not taken.
+    return select(0.0, border_weight(s.xy * (1.0 / s.z), neighbour.steepness), s.z > 0.0);
+}
+
+// This projector's share of the light of a point: all shares of a point add up to 1.
+fn share(p: vec2<f32>, root: f32) -> f32 {
+    var others = neighbour_weight(constants.neighbours[0], p, root);
+    if constants.neighbour_count > 1u {
+        others += neighbour_weight(constants.neighbours[1], p, root);
+    }
+    if constants.neighbour_count > 2u {
+        others += neighbour_weight(constants.neighbours[2], p, root);
+    }
+    if constants.neighbour_count > 3u {
+        others += neighbour_weight(constants.neighbours[3], p, root);
+    }
+    if constants.neighbour_count > 4u {
+        others += neighbour_weight(constants.neighbours[4], p, root);
+    }
+    if constants.neighbour_count > 5u {
+        others += neighbour_weight(constants.neighbours[5], p, root);
+    }
+    if constants.neighbour_count > 6u {
+        others += neighbour_weight(constants.neighbours[6], p, root);
+    }
+    if constants.neighbour_count > 7u {
+        others += neighbour_weight(constants.neighbours[7], p, root);
+    }
+    if constants.neighbour_count > 8u {
+        others += neighbour_weight(constants.neighbours[8], p, root);
+    }
+    if constants.neighbour_count > 9u {
+        others += neighbour_weight(constants.neighbours[9], p, root);
+    }
+    if constants.neighbour_count > 10u {
+        others += neighbour_weight(constants.neighbours[10], p, root);
+    }
+    if constants.neighbour_count > 11u {
+        others += neighbour_weight(constants.neighbours[11], p, root);
+    }
+    let own = border_weight(p, constants.steepness);
+    // Nobody else lights the point: all of it is ours, at our very border too.
+    return select(1.0, own / (own + others), others > 0.0);
+}
+
+fn trace(source: vec2<f32>) -> Ray {
+    let low = constants.discriminant[0];
+    let high = constants.discriminant[1];
+    let discriminant = ((low.x * (source.x * source.x) + low.y * (source.y * source.y))
+        + (low.z * (source.x * source.y) + low.w * source.x)) + (high.x * source.y + high.y);
+    let root = sqrt(max(discriminant, 0.0));
+    var on_screen = discriminant >= 0.0;
+    if constants.with_cap != 0u {
+        on_screen = on_screen & (evaluate(constants.cap, source, root).x >= 0.0);
+    }
+    var weight = 1.0;
+    if constants.neighbour_count > 0u {
+        weight = share(source, root);
+    }
+    return Ray(evaluate(constants.direction, source, root), on_screen, evaluate(constants.dome, source, root), weight);
+}

@@ -1,0 +1,375 @@
+//! Runs a plan on the current context: one draw for each batch of rectangles, one for what is black.
+
+use super::api::*;
+use super::cover::uncovered;
+use super::program::{self, ATLAS_UNIT, MASK_UNIT};
+use super::state::{self, Capabilities};
+use crate::correct::Plan;
+use crate::correct::plan::{Mask, OutputPass, PixelRect};
+use crate::correct::shaders::{Language, Specialised, Stage, specialise};
+use crate::correct::uniforms::{Constants, constants, copies_texels, rectangle};
+use crate::error::{Error, ErrorKind, Result};
+use std::cell::Cell;
+use std::collections::HashMap;
+use std::mem::take;
+
+/// Where an output is shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Target {
+    /// The framebuffer object; 0 is the window. Its first draw buffer is written.
+    pub framebuffer: u32,
+    /// x, y, width, height in pixels from the framebuffer's bottom left. Another size than the
+    /// output's own scales it, without filtering anew: the map is evaluated where the pixels are.
+    pub viewport: [i32; 4],
+}
+
+/// One draw call.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Draw {
+    program: u32,
+    first: i32,
+    count: i32,
+    /// The batch shows its view 1:1: texels are taken as they are, where the target is as large as the output.
+    nearest: bool,
+}
+
+/// What one output needs.
+#[derive(Debug, Default)]
+struct Output {
+    size: (u32, u32),
+    draws: Vec<Draw>,
+    /// 0 = none.
+    mask: u32,
+}
+
+/// Names of the objects that we made in the context.
+#[derive(Debug, Default)]
+struct Names {
+    vertex_array: u32,
+    buffer: u32,
+    /// Linear, nearest.
+    samplers: [u32; 2],
+    programs: HashMap<Specialised, u32>,
+    masks: Vec<u32>,
+}
+
+/// The correction on one context. Vertex arrays are not shared between contexts: one backend each.
+///
+/// It is used with the context current on which it was made, and ended by [`GlBackend::destroy`]:
+/// dropping it cannot delete anything, since no context may be current then.
+pub struct GlBackend {
+    caps: Capabilities,
+    stage: Stage,
+    names: Names,
+    outputs: Vec<Output>,
+    errors: Cell<u64>,
+}
+
+/// Floats per vertex: clip coordinates, source coordinates.
+const FLOATS: usize = 4;
+
+impl GlBackend {
+    /// A backend on the current context, with nothing prepared. `is_gles`: it is OpenGL ES.
+    ///
+    /// # Errors
+    /// [`ErrorKind::Graphics`] where the context is older than OpenGL 3.3 or OpenGL ES 3.0.
+    pub fn new(gl: &Gl, is_gles: bool) -> Result<Self> {
+        Self::for_stage(gl, is_gles, Stage::Present)
+    }
+
+    /// As [`GlBackend::new`], with another last stage.
+    pub(super) fn for_stage(gl: &Gl, is_gles: bool, stage: Stage) -> Result<Self> {
+        let pending = drain(gl);
+        let caps = Capabilities::of(gl, is_gles);
+        let (needed, name) = if is_gles { (30, "OpenGL ES 3.0") } else { (33, "OpenGL 3.3") };
+        if caps.version < needed {
+            let (major, minor) = (caps.version / 10, caps.version % 10);
+            let message = format!("Correcting needs {name}; the program's context is version {major}.{minor}.");
+            return Err(Error::new(ErrorKind::Graphics, message));
+        }
+        let backend = Self { caps, stage, names: Names::default(), outputs: Vec::new(), errors: Cell::new(0) };
+        backend.count_errors(gl);
+        // What the program did before is not our error; it is lost here, once, at start-up.
+        _ = pending;
+        Ok(backend)
+    }
+
+    /// How many errors our own calls have caused. None of them is left for the program to find.
+    pub fn errors(&self) -> u64 {
+        self.errors.get()
+    }
+
+    /// Compiles all shaders of `plan` and uploads rectangles and masks. `panel`: the flat panel is
+    /// shown where the plan has one. Takes milliseconds per batch: for changes of rig, size or
+    /// panel only. What was prepared before stays in use where it is the same, also on an error.
+    ///
+    /// # Errors
+    /// [`ErrorKind::Graphics`] where the driver refuses a shader or runs out of memory;
+    /// [`ErrorKind::Internal`] where the plan exceeds what shaders take.
+    pub fn prepare(&mut self, gl: &Gl, plan: &Plan, panel: bool) -> Result<()> {
+        self.prepare_passes(gl, plan, &plan.passes, panel)
+    }
+
+    /// As [`GlBackend::prepare`] for some of the plan's outputs.
+    pub(super) fn prepare_passes(&mut self, gl: &Gl, plan: &Plan, passes: &[OutputPass], panel: bool) -> Result<()> {
+        drain(gl);
+        let saved = state::save_upload(gl, &self.caps);
+        let result = self.build(gl, plan, passes, panel);
+        state::restore_upload(gl, &self.caps, &saved);
+        let before = self.errors();
+        self.count_errors(gl);
+        result?;
+        if self.errors() != before {
+            return Err(Error::new(
+                ErrorKind::Graphics,
+                "The driver reports an error while the correction is prepared.",
+            ));
+        }
+        Ok(())
+    }
+
+    fn build(&mut self, gl: &Gl, plan: &Plan, passes: &[OutputPass], panel: bool) -> Result<()> {
+        self.make_objects(gl);
+        let mut old = take(&mut self.names.programs);
+        let result = self.build_draws(gl, plan, passes, panel, &mut old);
+        // Kept programs have moved; on an error nothing is deleted that may still be drawn with.
+        match result {
+            Ok((outputs, vertices)) => {
+                for program in old.into_values() {
+                    // SAFETY: a context is current; the name is one that it gave.
+                    unsafe { gl.delete_program(program) };
+                }
+                self.upload_masks(gl, passes, outputs);
+                // SAFETY: as above; the array is as long as said.
+                unsafe {
+                    gl.bind_buffer(GL_ARRAY_BUFFER, self.names.buffer);
+                    let size = std::mem::size_of_val(vertices.as_slice()) as isize;
+                    gl.buffer_data(GL_ARRAY_BUFFER, size, vertices.as_ptr().cast(), GL_STATIC_DRAW);
+                }
+                Ok(())
+            }
+            Err(error) => {
+                self.names.programs.extend(old);
+                Err(error)
+            }
+        }
+    }
+
+    fn make_objects(&mut self, gl: &Gl) {
+        if self.names.vertex_array != 0 {
+            return;
+        }
+        let stride = (FLOATS * size_of::<f32>()) as i32;
+        // SAFETY: a context is current; one name is written to each place; the attributes lie in the buffer.
+        unsafe {
+            gl.gen_vertex_arrays(1, &mut self.names.vertex_array);
+            gl.gen_buffers(1, &mut self.names.buffer);
+            gl.bind_vertex_array(self.names.vertex_array);
+            gl.bind_buffer(GL_ARRAY_BUFFER, self.names.buffer);
+            for (attribute, offset) in [(0, 0), (1, 2 * size_of::<f32>())] {
+                gl.enable_vertex_attrib_array(attribute);
+                gl.vertex_attrib_pointer(attribute, 2, GL_FLOAT, 0, stride, offset as *const _);
+            }
+            gl.gen_samplers(2, self.names.samplers.as_mut_ptr());
+            for (sampler, filter) in self.names.samplers.into_iter().zip([GL_LINEAR, GL_NEAREST]) {
+                gl.sampler_parameteri(sampler, GL_TEXTURE_MIN_FILTER, filter as i32);
+                gl.sampler_parameteri(sampler, GL_TEXTURE_MAG_FILTER, filter as i32);
+                gl.sampler_parameteri(sampler, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE as i32);
+                gl.sampler_parameteri(sampler, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE as i32);
+                if self.caps.srgb_decode {
+                    gl.sampler_parameteri(sampler, GL_TEXTURE_SRGB_DECODE_EXT, GL_SKIP_DECODE_EXT as i32);
+                }
+            }
+        }
+    }
+
+    fn build_draws(
+        &mut self,
+        gl: &Gl,
+        plan: &Plan,
+        passes: &[OutputPass],
+        panel: bool,
+        old: &mut HashMap<Specialised, u32>,
+    ) -> Result<(Vec<Output>, Vec<f32>)> {
+        let mut vertices = Vec::new();
+        let mut outputs = Vec::with_capacity(passes.len());
+        for pass in passes {
+            let mut output = Output { size: pass.size, ..Output::default() };
+            for batch in &pass.batches {
+                let constants = constants(plan, pass, batch, panel)?;
+                let nearest = copies_texels(plan, pass, batch);
+                output.draws.push(self.draw(gl, &constants, pass, &batch.rects, nearest, old, &mut vertices)?);
+            }
+            let covered: Vec<PixelRect> = pass.batches.iter().flat_map(|b| b.rects.iter().copied()).collect();
+            let black = uncovered(pass.size, &covered);
+            if !black.is_empty() {
+                output.draws.push(self.draw(gl, &Constants::black(), pass, &black, false, old, &mut vertices)?);
+            }
+            outputs.push(output);
+        }
+        Ok((outputs, vertices))
+    }
+
+    #[allow(clippy::too_many_arguments)]
+    fn draw(
+        &mut self,
+        gl: &Gl,
+        constants: &Constants,
+        pass: &OutputPass,
+        rects: &[PixelRect],
+        nearest: bool,
+        old: &mut HashMap<Specialised, u32>,
+        vertices: &mut Vec<f32>,
+    ) -> Result<Draw> {
+        let language = if self.caps.gles { Language::Essl300 } else { Language::Glsl330 };
+        let text = specialise(constants, language, self.stage);
+        let known = self.names.programs.get(&text).copied().or_else(|| old.remove(&text));
+        let program = match known {
+            Some(program) => program,
+            None => program::build(gl, &text)?,
+        };
+        self.names.programs.insert(text, program);
+        let first = (vertices.len() / FLOATS) as i32;
+        for rect in rects {
+            vertices.extend(rectangle(pass, rect).as_flattened());
+        }
+        let count = (vertices.len() / FLOATS) as i32 - first;
+        Ok(Draw { program, first, count, nearest })
+    }
+
+    fn upload_masks(&mut self, gl: &Gl, passes: &[OutputPass], outputs: Vec<Output>) {
+        self.outputs = outputs;
+        for mask in take(&mut self.names.masks) {
+            // SAFETY: a context is current; the name is one that it gave.
+            unsafe { gl.delete_textures(1, &mask) };
+        }
+        for (pass, output) in passes.iter().zip(&mut self.outputs) {
+            if let Some(mask) = &pass.mask {
+                output.mask = upload_mask(gl, &self.caps, mask);
+                self.names.masks.push(output.mask);
+            }
+        }
+    }
+
+    /// Corrects the picture in `atlas_texture` (a 2D texture with encoded values, as large as the plan's
+    /// atlas) into `targets`, one for each output of the plan, in its order. Allocates and compiles nothing,
+    /// puts back all state, and leaves no error of its own.
+    ///
+    /// Does nothing before [`GlBackend::prepare`], and while the program compiles a display list or picks.
+    /// Conditional rendering and running queries must be off. Gives the error that the program itself had
+    /// pending (`GL_NO_ERROR` mostly): OpenGL forgets an error once it is asked for, so the caller has to
+    /// hand it to the program's next `glGetError`.
+    pub fn present(&self, gl: &Gl, atlas_texture: u32, targets: &[Target]) -> u32 {
+        let pending = drain(gl);
+        if self.names.vertex_array != 0 && state::can_draw(gl, &self.caps) {
+            let saved = state::save_and_set(gl, &self.caps);
+            self.draw_outputs(gl, atlas_texture, targets);
+            state::restore(gl, &self.caps, &saved);
+        }
+        self.count_errors(gl);
+        pending
+    }
+
+    fn draw_outputs(&self, gl: &Gl, atlas_texture: u32, targets: &[Target]) {
+        let [linear, nearest] = self.names.samplers;
+        // SAFETY: a context is current; all names are ones that it gave, or the caller's.
+        unsafe {
+            gl.bind_vertex_array(self.names.vertex_array);
+            gl.active_texture(GL_TEXTURE0 + ATLAS_UNIT);
+            gl.bind_texture(GL_TEXTURE_2D, atlas_texture);
+            gl.active_texture(GL_TEXTURE0 + MASK_UNIT);
+            gl.bind_sampler(MASK_UNIT, linear);
+            for (output, target) in self.outputs.iter().zip(targets) {
+                gl.bind_framebuffer(GL_DRAW_FRAMEBUFFER, target.framebuffer);
+                gl.bind_texture(GL_TEXTURE_2D, output.mask);
+                state::set_viewport(gl, &self.caps, target.viewport);
+                let [_, _, width, height] = target.viewport;
+                let unscaled = (i64::from(width), i64::from(height)) == (output.size.0.into(), output.size.1.into());
+                for draw in &output.draws {
+                    gl.bind_sampler(ATLAS_UNIT, if draw.nearest && unscaled { nearest } else { linear });
+                    gl.use_program(draw.program);
+                    gl.draw_arrays(GL_TRIANGLES, draw.first, draw.count);
+                }
+            }
+        }
+    }
+
+    /// Deletes everything in the context, which must be current.
+    pub fn destroy(&mut self, gl: &Gl) {
+        self.outputs.clear();
+        let names = take(&mut self.names);
+        // SAFETY: the context is current and gave these names; 0 is ignored.
+        unsafe {
+            for program in names.programs.values() {
+                gl.delete_program(*program);
+            }
+            gl.delete_textures(names.masks.len() as i32, names.masks.as_ptr());
+            gl.delete_samplers(2, names.samplers.as_ptr());
+            gl.delete_buffers(1, &names.buffer);
+            gl.delete_vertex_arrays(1, &names.vertex_array);
+        }
+        self.count_errors(gl);
+    }
+
+    /// The programs in the context, sorted.
+    #[cfg(test)]
+    pub(super) fn programs(&self) -> Vec<u32> {
+        let mut programs: Vec<u32> = self.names.programs.values().copied().collect();
+        programs.sort_unstable();
+        programs
+    }
+
+    fn count_errors(&self, gl: &Gl) {
+        // SAFETY: a context is current. A lost context may report errors for ever.
+        while unsafe { gl.get_error() } != GL_NO_ERROR {
+            self.errors.set(self.errors.get() + 1);
+            if self.errors.get() % MOST_ERRORS == 0 {
+                break;
+            }
+        }
+    }
+}
+
+/// A texture of the mask's weights.
+fn upload_mask(gl: &Gl, caps: &Capabilities, mask: &Mask) -> u32 {
+    let mut texture = 0;
+    let (width, height) = (mask.width as i32, mask.height as i32);
+    if mask.weights.len() != mask.width as usize * mask.height as usize {
+        return 0;
+    }
+    // SAFETY: a context is current, rows are tightly packed, and the array holds width · height values.
+    unsafe {
+        gl.gen_textures(1, &mut texture);
+        gl.bind_texture(GL_TEXTURE_2D, texture);
+        gl.tex_parameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
+        if caps.norm16 {
+            let data = mask.weights.as_ptr().cast();
+            gl.tex_image2_d(GL_TEXTURE_2D, 0, GL_R16 as i32, width, height, 0, GL_RED, GL_UNSIGNED_SHORT, data);
+        } else {
+            // Half floats: 11 bits, 0.05 % of a weight near 1.
+            let weights: Vec<f32> = mask.weights.iter().map(|w| f32::from(*w) / 65535.0).collect();
+            let data = weights.as_ptr().cast();
+            gl.tex_image2_d(GL_TEXTURE_2D, 0, GL_R16F as i32, width, height, 0, GL_RED, GL_FLOAT, data);
+        }
+    }
+    texture
+}
+
+/// Errors that are asked for at once, at most.
+const MOST_ERRORS: u64 = 64;
+
+/// Takes the errors that are pending; gives the first.
+fn drain(gl: &Gl) -> u32 {
+    let mut first = GL_NO_ERROR;
+    for _ in 0..MOST_ERRORS {
+        // SAFETY: a context is current.
+        let error = unsafe { gl.get_error() };
+        if error == GL_NO_ERROR {
+            break;
+        }
+        if first == GL_NO_ERROR {
+            first = error;
+        }
+    }
+    first
+}

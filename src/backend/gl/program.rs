@@ -1,0 +1,87 @@
+//! Compiling the correction shaders.
+
+use super::api::*;
+use crate::correct::shaders::Specialised;
+use crate::error::{Error, ErrorKind, Result};
+use std::ffi::CString;
+
+/// Texture unit of the atlas.
+pub(super) const ATLAS_UNIT: u32 = 0;
+/// Texture unit of the mask.
+pub(super) const MASK_UNIT: u32 = 1;
+
+/// Compiles and links; leaves the program current. The caller deletes it.
+///
+/// # Errors
+/// [`ErrorKind::Graphics`] with the driver's log.
+pub(super) fn build(gl: &Gl, text: &Specialised) -> Result<u32> {
+    let vertex = compile(gl, GL_VERTEX_SHADER, text.vertex)?;
+    let fragment = compile(gl, GL_FRAGMENT_SHADER, &text.fragment).inspect_err(|_| delete(gl, vertex))?;
+    // SAFETY: a context is current; the names are those it gave.
+    let program = unsafe {
+        let program = gl.create_program();
+        gl.attach_shader(program, vertex);
+        gl.attach_shader(program, fragment);
+        gl.link_program(program);
+        program
+    };
+    delete(gl, vertex);
+    delete(gl, fragment);
+    let mut linked = 0;
+    // SAFETY: as above; one value.
+    unsafe { gl.get_programiv(program, GL_LINK_STATUS, &mut linked) };
+    if linked == 0 {
+        let log = log(|size, length, buffer| {
+            // SAFETY: the buffer has `size` bytes.
+            unsafe { gl.get_program_info_log(program, size, length, buffer) }
+        });
+        // SAFETY: as above.
+        unsafe { gl.delete_program(program) };
+        return Err(Error::new(ErrorKind::Graphics, format!("The driver cannot link a correction shader: {log}")));
+    }
+    // SAFETY: as above; a uniform that the compiler dropped has location −1, which is ignored.
+    unsafe { gl.use_program(program) };
+    for (uniform, texture) in text.samplers {
+        let unit = if *texture == "mask" { MASK_UNIT } else { ATLAS_UNIT };
+        let Ok(name) = CString::new(*uniform) else { continue };
+        // SAFETY: the program is current; the name ends with a zero.
+        unsafe { gl.uniform1i(gl.get_uniform_location(program, name.as_ptr()), unit as i32) };
+    }
+    Ok(program)
+}
+
+fn compile(gl: &Gl, kind: u32, text: &str) -> Result<u32> {
+    let length = text.len() as i32;
+    let start = text.as_ptr().cast();
+    let mut compiled = 0;
+    // SAFETY: a context is current; one string of the given length.
+    let shader = unsafe {
+        let shader = gl.create_shader(kind);
+        gl.shader_source(shader, 1, &start, &length);
+        gl.compile_shader(shader);
+        gl.get_shaderiv(shader, GL_COMPILE_STATUS, &mut compiled);
+        shader
+    };
+    if compiled != 0 {
+        return Ok(shader);
+    }
+    let log = log(|size, length, buffer| {
+        // SAFETY: the buffer has `size` bytes.
+        unsafe { gl.get_shader_info_log(shader, size, length, buffer) }
+    });
+    delete(gl, shader);
+    Err(Error::new(ErrorKind::Graphics, format!("The driver cannot compile a correction shader: {log}")))
+}
+
+fn delete(gl: &Gl, shader: u32) {
+    // SAFETY: a context is current; the name is one that it gave.
+    unsafe { gl.delete_shader(shader) };
+}
+
+fn log(fetch: impl FnOnce(i32, &mut i32, *mut std::ffi::c_char)) -> String {
+    let mut buffer = [0u8; 2048];
+    let mut length = 0;
+    fetch(buffer.len() as i32, &mut length, buffer.as_mut_ptr().cast());
+    let length = length.clamp(0, buffer.len() as i32) as usize;
+    String::from_utf8_lossy(&buffer[..length]).trim().to_owned()
+}

@@ -1,0 +1,410 @@
+//! The state of the program's context that correcting touches: read, set, put back.
+//!
+//! Nothing here allocates. What is not in [`Saved`] is not touched. Two things of OpenGL cannot be
+//! asked for and are left to the caller: conditional rendering and queries that count samples or primitives.
+
+use super::api::*;
+use std::ffi::CStr;
+
+/// What a context can do, found once.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Capabilities {
+    /// OpenGL ES.
+    pub gles: bool,
+    /// Version: 10·major + minor.
+    pub version: i32,
+    /// The fixed-function state exists.
+    compatibility: bool,
+    clip_control: bool,
+    framebuffer_srgb: bool,
+    /// A sampler can be told not to decode sRGB textures.
+    pub srgb_decode: bool,
+    /// 16-bit normalised textures.
+    pub norm16: bool,
+    depth_bounds: bool,
+    clip_distances: bool,
+    indexed_blend: bool,
+    viewport_array: bool,
+    draw_buffers: u32,
+}
+
+/// Most colour buffers whose masks are kept.
+const MOST_DRAW_BUFFERS: usize = 16;
+
+impl Capabilities {
+    /// Those of the current context.
+    pub fn of(gl: &Gl, gles: bool) -> Self {
+        let version = 10 * integer(gl, GL_MAJOR_VERSION) + integer(gl, GL_MINOR_VERSION);
+        // GL_CONTEXT_PROFILE_MASK exists from 3.2 on; older contexts have all of the old state.
+        let compatibility = !gles
+            && (version < 32
+                || integer(gl, GL_CONTEXT_PROFILE_MASK) & GL_CONTEXT_COMPATIBILITY_PROFILE_BIT as i32 != 0);
+        let mut found = Self {
+            gles,
+            version,
+            compatibility,
+            clip_control: !gles && version >= 45,
+            framebuffer_srgb: !gles,
+            srgb_decode: false,
+            norm16: !gles,
+            depth_bounds: false,
+            clip_distances: !gles,
+            indexed_blend: if gles { version >= 32 } else { version >= 30 },
+            viewport_array: !gles && version >= 41,
+            draw_buffers: integer(gl, GL_MAX_DRAW_BUFFERS).clamp(1, MOST_DRAW_BUFFERS as i32) as u32,
+        };
+        for i in 0..integer(gl, GL_NUM_EXTENSIONS).max(0) as u32 {
+            // SAFETY: the index is below the number of extensions.
+            let name = unsafe { gl.get_stringi(GL_EXTENSIONS, i) };
+            if name.is_null() {
+                continue;
+            }
+            // SAFETY: GL strings end with a zero.
+            match unsafe { CStr::from_ptr(name.cast()) }.to_bytes() {
+                b"GL_ARB_clip_control" | b"GL_EXT_clip_control" => found.clip_control = true,
+                b"GL_EXT_sRGB_write_control" => found.framebuffer_srgb = true,
+                b"GL_EXT_texture_sRGB_decode" => found.srgb_decode = true,
+                b"GL_EXT_texture_norm16" => found.norm16 = true,
+                b"GL_EXT_depth_bounds_test" => found.depth_bounds = true,
+                b"GL_EXT_clip_cull_distance" | b"GL_APPLE_clip_distance" => found.clip_distances = true,
+                _ => {}
+            }
+        }
+        found
+    }
+
+    /// Whether the context knows the switch.
+    fn knows(&self, switch: u32) -> bool {
+        let (desktop, version) = (!self.gles, self.version);
+        match switch {
+            GL_SAMPLE_MASK => version >= if desktop { 32 } else { 31 },
+            GL_SAMPLE_SHADING => version >= if desktop { 40 } else { 32 },
+            GL_COLOR_LOGIC_OP | GL_POLYGON_SMOOTH => desktop,
+            GL_ALPHA_TEST | GL_POLYGON_STIPPLE => self.compatibility,
+            GL_FRAMEBUFFER_SRGB => self.framebuffer_srgb,
+            GL_DEPTH_BOUNDS_TEST_EXT => self.depth_bounds,
+            GL_CLIP_DISTANCE0..=GL_CLIP_DISTANCE7 => self.clip_distances,
+            _ => true,
+        }
+    }
+}
+
+/// Switches that are off while we draw, blending and scissor apart.
+const SWITCHES: [u32; 24] = [
+    GL_DEPTH_TEST,
+    GL_STENCIL_TEST,
+    GL_CULL_FACE,
+    GL_DITHER,
+    GL_RASTERIZER_DISCARD,
+    GL_SAMPLE_ALPHA_TO_COVERAGE,
+    GL_SAMPLE_COVERAGE,
+    GL_SAMPLE_MASK,
+    GL_SAMPLE_SHADING,
+    GL_COLOR_LOGIC_OP,
+    GL_POLYGON_SMOOTH,
+    GL_ALPHA_TEST,
+    GL_POLYGON_STIPPLE,
+    GL_FRAMEBUFFER_SRGB,
+    GL_DEPTH_BOUNDS_TEST_EXT,
+    GL_CLIP_DISTANCE0,
+    GL_CLIP_DISTANCE1,
+    GL_CLIP_DISTANCE2,
+    GL_CLIP_DISTANCE3,
+    GL_CLIP_DISTANCE4,
+    GL_CLIP_DISTANCE5,
+    GL_CLIP_DISTANCE6,
+    GL_CLIP_DISTANCE7,
+    // As a switch of all buffers where it is not indexed.
+    GL_BLEND,
+];
+
+/// Units whose bindings are kept: the atlas, the mask.
+const UNITS: usize = 2;
+
+/// What was found before drawing.
+pub(super) struct Saved {
+    /// Bit i: `SWITCHES[i]` was on.
+    switches: u32,
+    scissor: bool,
+    program: u32,
+    vertex_array: u32,
+    draw_framebuffer: u32,
+    active_texture: u32,
+    textures: [u32; UNITS],
+    samplers: [u32; UNITS],
+    viewport: [f32; 4],
+    color_masks: [[u8; 4]; MOST_DRAW_BUFFERS],
+    polygon_mode: [i32; 2],
+    clip_control: [u32; 2],
+    feedback: bool,
+}
+
+/// Whether anything can be drawn: not while a display list is compiled or picking is under way,
+/// both of which would swallow our calls.
+pub(super) fn can_draw(gl: &Gl, caps: &Capabilities) -> bool {
+    !caps.compatibility || (integer(gl, GL_LIST_INDEX) == 0 && integer(gl, GL_RENDER_MODE) == GL_RENDER as i32)
+}
+
+/// Reads the state and sets what drawing needs; a program, a vertex array, textures and a viewport
+/// are for the caller to set.
+pub(super) fn save_and_set(gl: &Gl, caps: &Capabilities) -> Saved {
+    let mut saved = Saved {
+        switches: 0,
+        scissor: false,
+        program: integer(gl, GL_CURRENT_PROGRAM) as u32,
+        vertex_array: integer(gl, GL_VERTEX_ARRAY_BINDING) as u32,
+        draw_framebuffer: integer(gl, GL_DRAW_FRAMEBUFFER_BINDING) as u32,
+        active_texture: integer(gl, GL_ACTIVE_TEXTURE) as u32,
+        textures: [0; UNITS],
+        samplers: [0; UNITS],
+        viewport: [0.0; 4],
+        color_masks: [[0; 4]; MOST_DRAW_BUFFERS],
+        polygon_mode: [GL_FILL as i32; 2],
+        clip_control: [GL_LOWER_LEFT, GL_NEGATIVE_ONE_TO_ONE],
+        feedback: false,
+    };
+    // SAFETY: a context is current; every name is one that it knows, every array as long as asked for.
+    unsafe {
+        for (bit, &switch) in SWITCHES.iter().enumerate() {
+            if !caps.knows(switch) {
+                continue;
+            }
+            let on = match switch {
+                GL_BLEND if caps.indexed_blend => gl.is_enabledi(GL_BLEND, 0),
+                _ => gl.is_enabled(switch),
+            };
+            if on != 0 {
+                saved.switches |= 1 << bit;
+                set_switch(gl, caps, switch, false);
+            }
+        }
+        saved.scissor =
+            if caps.viewport_array { gl.is_enabledi(GL_SCISSOR_TEST, 0) } else { gl.is_enabled(GL_SCISSOR_TEST) } != 0;
+        if saved.scissor {
+            set_scissor(gl, caps, false);
+        }
+        save_masks(gl, caps, &mut saved.color_masks);
+        if caps.viewport_array {
+            gl.get_floati_v(GL_VIEWPORT, 0, saved.viewport.as_mut_ptr());
+        } else {
+            gl.get_floatv(GL_VIEWPORT, saved.viewport.as_mut_ptr());
+        }
+        for unit in 0..UNITS {
+            gl.active_texture(GL_TEXTURE0 + unit as u32);
+            saved.textures[unit] = integer(gl, GL_TEXTURE_BINDING_2D) as u32;
+            saved.samplers[unit] = integer(gl, GL_SAMPLER_BINDING) as u32;
+        }
+        if !caps.gles {
+            gl.get_integerv(GL_POLYGON_MODE, saved.polygon_mode.as_mut_ptr());
+            if saved.polygon_mode != [GL_FILL as i32; 2] {
+                gl.polygon_mode(GL_FRONT_AND_BACK, GL_FILL);
+            }
+        }
+        if caps.clip_control {
+            saved.clip_control = [integer(gl, GL_CLIP_ORIGIN) as u32, integer(gl, GL_CLIP_DEPTH_MODE) as u32];
+            if saved.clip_control != [GL_LOWER_LEFT, GL_NEGATIVE_ONE_TO_ONE] {
+                gl.clip_control(GL_LOWER_LEFT, GL_NEGATIVE_ONE_TO_ONE);
+            }
+        }
+        if caps.gles || caps.version >= 40 {
+            saved.feedback = boolean(gl, GL_TRANSFORM_FEEDBACK_ACTIVE) && !boolean(gl, GL_TRANSFORM_FEEDBACK_PAUSED);
+            if saved.feedback {
+                gl.pause_transform_feedback();
+            }
+        }
+    }
+    saved
+}
+
+/// Puts everything back.
+pub(super) fn restore(gl: &Gl, caps: &Capabilities, saved: &Saved) {
+    // SAFETY: as in `save_and_set`; the values are those that the context gave.
+    unsafe {
+        for (bit, &switch) in SWITCHES.iter().enumerate() {
+            if saved.switches >> bit & 1 != 0 {
+                set_switch(gl, caps, switch, true);
+            }
+        }
+        if saved.scissor {
+            set_scissor(gl, caps, true);
+        }
+        restore_masks(gl, caps, &saved.color_masks);
+        let [x, y, width, height] = saved.viewport;
+        if caps.viewport_array {
+            gl.viewport_indexedf(0, x, y, width, height);
+        } else {
+            gl.viewport(x as i32, y as i32, width as i32, height as i32);
+        }
+        for unit in 0..UNITS {
+            gl.active_texture(GL_TEXTURE0 + unit as u32);
+            gl.bind_texture(GL_TEXTURE_2D, saved.textures[unit]);
+            gl.bind_sampler(unit as u32, saved.samplers[unit]);
+        }
+        gl.active_texture(saved.active_texture);
+        gl.use_program(saved.program);
+        gl.bind_vertex_array(saved.vertex_array);
+        gl.bind_framebuffer(GL_DRAW_FRAMEBUFFER, saved.draw_framebuffer);
+        let [front, back] = saved.polygon_mode;
+        if caps.compatibility && front != back {
+            gl.polygon_mode(GL_FRONT, front as u32);
+            gl.polygon_mode(GL_BACK, back as u32);
+        } else if front != GL_FILL as i32 {
+            gl.polygon_mode(GL_FRONT_AND_BACK, front as u32);
+        }
+        if saved.clip_control != [GL_LOWER_LEFT, GL_NEGATIVE_ONE_TO_ONE] {
+            gl.clip_control(saved.clip_control[0], saved.clip_control[1]);
+        }
+        if saved.feedback {
+            gl.resume_transform_feedback();
+        }
+    }
+}
+
+/// Sets the viewport that we draw with.
+pub(super) fn set_viewport(gl: &Gl, caps: &Capabilities, [x, y, width, height]: [i32; 4]) {
+    // SAFETY: a context is current.
+    unsafe {
+        if caps.viewport_array {
+            gl.viewport_indexedf(0, x as f32, y as f32, width as f32, height as f32);
+        } else {
+            gl.viewport(x, y, width, height);
+        }
+    }
+}
+
+unsafe fn set_switch(gl: &Gl, caps: &Capabilities, switch: u32, on: bool) {
+    // SAFETY: the caller's context is current and knows the switch.
+    unsafe {
+        match (switch, on) {
+            (GL_BLEND, true) if caps.indexed_blend => gl.enablei(GL_BLEND, 0),
+            (GL_BLEND, false) if caps.indexed_blend => gl.disablei(GL_BLEND, 0),
+            (_, true) => gl.enable(switch),
+            (_, false) => gl.disable(switch),
+        }
+    }
+}
+
+unsafe fn set_scissor(gl: &Gl, caps: &Capabilities, on: bool) {
+    // SAFETY: the caller's context is current.
+    unsafe {
+        match (caps.viewport_array, on) {
+            (true, true) => gl.enablei(GL_SCISSOR_TEST, 0),
+            (true, false) => gl.disablei(GL_SCISSOR_TEST, 0),
+            (false, true) => gl.enable(GL_SCISSOR_TEST),
+            (false, false) => gl.disable(GL_SCISSOR_TEST),
+        }
+    }
+}
+
+/// Keeps the masks; only the first colour buffer stays writable.
+unsafe fn save_masks(gl: &Gl, caps: &Capabilities, masks: &mut [[u8; 4]; MOST_DRAW_BUFFERS]) {
+    // SAFETY: the caller's context is current; a mask has four parts.
+    unsafe {
+        if caps.indexed_blend {
+            for (i, mask) in masks.iter_mut().enumerate().take(caps.draw_buffers as usize) {
+                gl.get_booleani_v(GL_COLOR_WRITEMASK, i as u32, mask.as_mut_ptr());
+                let write = u8::from(i == 0);
+                if *mask != [write; 4] {
+                    gl.color_maski(i as u32, write, write, write, write);
+                }
+            }
+        } else {
+            gl.get_booleanv(GL_COLOR_WRITEMASK, masks[0].as_mut_ptr());
+            gl.color_mask(1, 1, 1, 1);
+        }
+    }
+}
+
+unsafe fn restore_masks(gl: &Gl, caps: &Capabilities, masks: &[[u8; 4]; MOST_DRAW_BUFFERS]) {
+    // SAFETY: the caller's context is current.
+    unsafe {
+        if caps.indexed_blend {
+            for (i, mask) in masks.iter().enumerate().take(caps.draw_buffers as usize) {
+                let [r, g, b, a] = *mask;
+                if *mask != [u8::from(i == 0); 4] {
+                    gl.color_maski(i as u32, r, g, b, a);
+                }
+            }
+        } else {
+            let [r, g, b, a] = masks[0];
+            gl.color_mask(r, g, b, a);
+        }
+    }
+}
+
+/// What uploading textures and vertices touches.
+pub(super) struct SavedUpload {
+    program: u32,
+    vertex_array: u32,
+    array_buffer: u32,
+    unpack_buffer: u32,
+    texture: u32,
+    /// Values of `UNPACK`.
+    unpack: [i32; 6],
+}
+
+const UNPACK: [u32; 6] = [
+    GL_UNPACK_ALIGNMENT,
+    GL_UNPACK_ROW_LENGTH,
+    GL_UNPACK_SKIP_ROWS,
+    GL_UNPACK_SKIP_PIXELS,
+    GL_UNPACK_SWAP_BYTES,
+    GL_UNPACK_LSB_FIRST,
+];
+
+/// Of `UNPACK`, how many a context knows: OpenGL ES has no swapping of bytes.
+fn unpack_count(caps: &Capabilities) -> usize {
+    if caps.gles { 4 } else { 6 }
+}
+
+/// Reads what uploading touches and sets tightly packed rows.
+pub(super) fn save_upload(gl: &Gl, caps: &Capabilities) -> SavedUpload {
+    let mut saved = SavedUpload {
+        program: integer(gl, GL_CURRENT_PROGRAM) as u32,
+        vertex_array: integer(gl, GL_VERTEX_ARRAY_BINDING) as u32,
+        array_buffer: integer(gl, GL_ARRAY_BUFFER_BINDING) as u32,
+        unpack_buffer: integer(gl, GL_PIXEL_UNPACK_BUFFER_BINDING) as u32,
+        texture: integer(gl, GL_TEXTURE_BINDING_2D) as u32,
+        unpack: [0; 6],
+    };
+    // SAFETY: a context is current and knows the names.
+    unsafe {
+        for (i, &name) in UNPACK.iter().enumerate().take(unpack_count(caps)) {
+            saved.unpack[i] = integer(gl, name);
+            gl.pixel_storei(name, if name == GL_UNPACK_ALIGNMENT { 1 } else { 0 });
+        }
+        gl.bind_buffer(GL_PIXEL_UNPACK_BUFFER, 0);
+    }
+    saved
+}
+
+/// Puts back what uploading touched.
+pub(super) fn restore_upload(gl: &Gl, caps: &Capabilities, saved: &SavedUpload) {
+    // SAFETY: a context is current; the values are those that it gave.
+    unsafe {
+        for (i, &name) in UNPACK.iter().enumerate().take(unpack_count(caps)) {
+            gl.pixel_storei(name, saved.unpack[i]);
+        }
+        gl.bind_buffer(GL_PIXEL_UNPACK_BUFFER, saved.unpack_buffer);
+        gl.bind_texture(GL_TEXTURE_2D, saved.texture);
+        gl.bind_vertex_array(saved.vertex_array);
+        gl.bind_buffer(GL_ARRAY_BUFFER, saved.array_buffer);
+        gl.use_program(saved.program);
+    }
+}
+
+/// One integer of the context; 0 where it knows no such name.
+pub(super) fn integer(gl: &Gl, name: u32) -> i32 {
+    // Some names answer with more than one number in some profiles.
+    let mut values = [0; 4];
+    // SAFETY: a context is current; no name used here has more than four values.
+    unsafe { gl.get_integerv(name, values.as_mut_ptr()) };
+    values[0]
+}
+
+fn boolean(gl: &Gl, name: u32) -> bool {
+    let mut value = 0;
+    // SAFETY: a context is current; the name has one value.
+    unsafe { gl.get_booleanv(name, &mut value) };
+    value != 0
+}

@@ -1,0 +1,251 @@
+//! A rig in words, and as JSON.
+
+use cupola::geom::Frustum;
+use cupola::rig::{Blend, Camera, DomeAngle, Output, OutputKind, Rig, ViewMethod};
+use cupola::views::{View, ViewPlan};
+use serde_json::{Value, json};
+use std::fmt::Write;
+
+/// The rig in words, a line per part.
+pub fn words(rig: &Rig, window: (u32, u32), plan: &ViewPlan) -> String {
+    let mut text = String::new();
+    // Writing to a string cannot fail.
+    let _ = describe(&mut text, rig, window, plan);
+    text
+}
+
+fn describe(text: &mut String, rig: &Rig, window: (u32, u32), plan: &ViewPlan) -> std::fmt::Result {
+    writeln!(text, "{} is a valid rig.", rig.name)?;
+    if rig.passthrough {
+        return writeln!(text, "The program's own picture is left alone.");
+    }
+    let dome = &rig.dome;
+    writeln!(
+        text,
+        "dome      radius {} m, pole {}, {} of it is screen",
+        number(dome.radius),
+        upwards(dome.tilt),
+        degrees(dome.coverage)
+    )?;
+    let viewer = &rig.viewer;
+    let place = match viewer.position.to_array() {
+        [0.0, 0.0, 0.0] => "in the dome's centre".to_owned(),
+        [x, y, z] => format!("{} m from the dome's centre {}", number(viewer.position.length()), meters([x, y, z])),
+    };
+    writeln!(text, "viewer    {place}{}", aim([viewer.yaw, viewer.pitch, viewer.roll]))?;
+    writeln!(text, "camera    {}", camera(&rig.camera))?;
+    let overlay = &rig.overlay;
+    writeln!(
+        text,
+        "overlay   flat drawing fills {}{}",
+        degrees(overlay.width),
+        aim([overlay.yaw, overlay.pitch, 0.0])
+    )?;
+    writeln!(text, "outputs   {} in a window of {} × {} pixels", rig.outputs.len(), window.0, window.1)?;
+    for (output, [x, y, width, height]) in rig.outputs.iter().zip(rig.layout(window)) {
+        writeln!(text, "  {:14} {}", output.name, kind(&output.kind))?;
+        let native = output.size.map_or(String::new(), |(w, h)| format!("; {w} × {h} off screen"));
+        writeln!(text, "  {:14} {width} × {height} pixels at ({x}, {y}) in the window{native}", "")?;
+        let extras = extras(output);
+        if !extras.is_empty() {
+            writeln!(text, "  {:14} {extras}", "")?;
+        }
+    }
+    let method = match rig.views.method {
+        ViewMethod::Auto => "whatever is cheapest",
+        ViewMethod::Cube => "faces of one cube",
+        ViewMethod::Single => "one for each output",
+    };
+    writeln!(
+        text,
+        "views     {} ({method}, quality {}) in an atlas of {} × {} texels",
+        plan.views.len(),
+        number(rig.views.quality),
+        plan.atlas.0,
+        plan.atlas.1
+    )?;
+    for view in &plan.views {
+        writeln!(text, "  {:14} {}", view.name, view_words(view))?;
+    }
+    let drawn: u64 = plan.views.iter().map(texels).sum();
+    let shown: u64 = rig.layout(window).iter().map(|[_, _, w, h]| u64::from(*w) * u64::from(*h)).sum();
+    if shown > 0 {
+        let ratio = drawn as f64 / shown as f64;
+        writeln!(text, "cost      {drawn} texels drawn for {shown} pixels shown, {ratio:.2} each")?;
+    }
+    for note in &plan.notes {
+        writeln!(text, "note      {note}")?;
+    }
+    Ok(())
+}
+
+fn texels(view: &View) -> u64 {
+    u64::from(view.tile.width) * u64::from(view.tile.height)
+}
+
+fn view_words(view: &View) -> String {
+    let tile = format!("{} × {} texels", view.tile.width, view.tile.height);
+    if view.program_lens {
+        format!("the program's own lens, {tile}")
+    } else {
+        format!("{}, {tile}", opening(&view.owned))
+    }
+}
+
+fn kind(kind: &OutputKind) -> String {
+    match kind {
+        OutputKind::Domemaster { aperture, tilt } => {
+            format!("domemaster of {}, its centre {}", degrees(*aperture), upwards(*tilt))
+        }
+        OutputKind::Projector { position, angles, frustum } => {
+            format!("projector {}{}, {}", meters(position.to_array()), aim(*angles), opening(frustum))
+        }
+        OutputKind::Perspective { angles, frustum: Some(frustum) } => {
+            format!("perspective picture{}, {}", aim(*angles), opening(frustum))
+        }
+        OutputKind::Perspective { angles, frustum: None } => {
+            format!("perspective picture{}, through the program's own lens", aim(*angles))
+        }
+    }
+}
+
+/// How an output is weighted, where it is.
+fn extras(output: &Output) -> String {
+    let Blend { overlap, ramp, ramps, gamma, black_level } = &output.blend;
+    let mut parts = Vec::new();
+    if *overlap {
+        parts.push(format!("blended where projectors overlap (ramp {} %)", number(ramp * 100.0)));
+    }
+    for ramp in ramps {
+        let angle = match ramp.angle {
+            DomeAngle::Polar => "from the pole",
+            DomeAngle::Azimuth => "around the pole",
+        };
+        parts.push(format!("fades from {} to {} {angle}", degrees(ramp.full), degrees(ramp.zero)));
+    }
+    if let Some(mask) = &output.mask {
+        parts.push(format!("masked by {}", mask.display()));
+    }
+    if *black_level > 0.0 {
+        parts.push(format!("black raised by {} %", number(black_level * 100.0)));
+    }
+    if !parts.is_empty() {
+        parts.push(format!("gamma {}", number(*gamma)));
+    }
+    parts.join(", ")
+}
+
+fn camera(camera: &Camera) -> String {
+    if *camera == Camera::default() {
+        return "as the program has it".to_owned();
+    }
+    let mut parts = Vec::new();
+    if camera.zoom != 1.0 {
+        parts.push(format!("everything {} times as large", number(camera.zoom)));
+    }
+    let [x, y, z] = camera.shift.to_array();
+    if [x, y, z] != [0.0; 3] {
+        parts.push(format!("moved by ({}, {}, {}) in the program's units", number(x), number(y), number(z)));
+    }
+    let aim = aim([camera.yaw, camera.pitch, camera.roll]);
+    if !aim.is_empty() {
+        parts.push(format!("turned{aim}"));
+    }
+    parts.join(", ")
+}
+
+/// `, 10° to the right, 5° up` and so on; empty for straight ahead.
+fn aim([yaw, pitch, roll]: [f64; 3]) -> String {
+    let word = |angle: f64, positive, negative| match angle {
+        0.0 => String::new(),
+        _ => format!(", {} {}", degrees(angle.abs()), if angle > 0.0 { positive } else { negative }),
+    };
+    word(yaw, "to the right", "to the left") + &word(pitch, "up", "down") + &word(roll, "clockwise", "counterclockwise")
+}
+
+/// An angle from the zenith to the front.
+fn upwards(tilt: f64) -> String {
+    match tilt.to_degrees().round() as i64 {
+        _ if tilt == 0.0 => "straight up".to_owned(),
+        90 if (tilt.to_degrees() - 90.0).abs() < 1e-9 => "straight ahead".to_owned(),
+        _ => {
+            format!("{} from the zenith towards the {}", degrees(tilt.abs()), if tilt > 0.0 { "front" } else { "back" })
+        }
+    }
+}
+
+fn opening(frustum: &Frustum) -> String {
+    let [left, right, bottom, top] =
+        [frustum.left, frustum.right, frustum.bottom, frustum.top].map(|side| degrees(side.atan()));
+    format!("from {left} to {right} across and {bottom} to {top} upwards")
+}
+
+fn meters([x, y, z]: [f64; 3]) -> String {
+    format!("at ({}, {}, {}) m", number(x), number(y), number(z))
+}
+
+fn degrees(radians: f64) -> String {
+    format!("{}°", number(radians.to_degrees()))
+}
+
+/// At most three digits after the point, none that are zero.
+fn number(value: f64) -> String {
+    let text = format!("{value:.3}");
+    let text = text.trim_end_matches('0').trim_end_matches('.');
+    if text == "-0" { "0".to_owned() } else { text.to_owned() }
+}
+
+/// The rig and its views for machines: metres, degrees, pixels from the top left, texels from the bottom left.
+pub fn json(rig: &Rig, window: (u32, u32), plan: &ViewPlan) -> Value {
+    let angles = |[yaw, pitch, roll]: [f64; 3]| json!({ "yaw": yaw.to_degrees(), "pitch": pitch.to_degrees(), "roll": roll.to_degrees() });
+    let (viewer, camera) = (&rig.viewer, &rig.camera);
+    let outputs: Vec<Value> = rig
+        .outputs
+        .iter()
+        .zip(rig.layout(window))
+        .zip(&plan.output_views)
+        .map(|((output, place), views)| {
+            let kind = match &output.kind {
+                OutputKind::Domemaster { .. } => "domemaster",
+                OutputKind::Projector { .. } => "projector",
+                OutputKind::Perspective { .. } => "perspective",
+            };
+            let views: Vec<&str> = views.iter().map(|view| plan.views[*view].name.as_str()).collect();
+            json!({ "name": output.name, "kind": kind, "size": output.size, "window": place, "views": views })
+        })
+        .collect();
+    let views: Vec<Value> = plan
+        .views
+        .iter()
+        .map(|view| {
+            json!({
+                "name": view.name,
+                "axes": view.rotation.transpose().to_cols_array_2d(),
+                "tangents": [view.frustum.left, view.frustum.right, view.frustum.bottom, view.frustum.top],
+                "tile": [view.tile.x, view.tile.y, view.tile.width, view.tile.height],
+                "program_lens": view.program_lens,
+            })
+        })
+        .collect();
+    json!({
+        "valid": true,
+        "name": rig.name,
+        "passthrough": rig.passthrough,
+        "window": [window.0, window.1],
+        "dome": {
+            "radius": rig.dome.radius,
+            "tilt": rig.dome.tilt.to_degrees(),
+            "coverage": rig.dome.coverage.to_degrees(),
+        },
+        "viewer": { "position": viewer.position.to_array(), "angles": angles([viewer.yaw, viewer.pitch, viewer.roll]) },
+        "camera": {
+            "zoom": camera.zoom,
+            "move": camera.shift.to_array(),
+            "angles": angles([camera.yaw, camera.pitch, camera.roll]),
+        },
+        "outputs": outputs,
+        "atlas": [plan.atlas.0, plan.atlas.1],
+        "views": views,
+        "notes": plan.notes,
+    })
+}

@@ -1,0 +1,170 @@
+//! `cupola doctor`: what would work here, what would not, and why.
+
+use crate::Failure;
+use crate::launch::probe::{self, Answer, Way};
+use crate::launch::{Environment, display, library, loader};
+use serde_json::{Map, Value, json};
+use std::path::Path;
+use std::process::ExitCode;
+
+/// Variables of others that change what `cupola run` does.
+const TELLING: [&str; 12] = [
+    "CUPOLA",
+    "CUPOLA_RIG",
+    "CUPOLA_CAMERA",
+    "CUPOLA_LIBRARY",
+    "CUPOLA_GLX_REAL",
+    "CUPOLA_EGL_REAL",
+    "__GLX_VENDOR_LIBRARY_NAME",
+    "__EGL_VENDOR_LIBRARY_FILENAMES",
+    "__EGL_VENDOR_LIBRARY_DIRS",
+    "LD_PRELOAD",
+    "LD_LIBRARY_PATH",
+    "LIBGL_ALWAYS_INDIRECT",
+];
+
+/// Say what works here, what does not, and why.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Answer in JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// One finding.
+struct Finding {
+    /// A word for machines.
+    key: &'static str,
+    /// As it should be; `None` where it is only told.
+    good: Option<bool>,
+    /// What was found, and what to do about it.
+    words: String,
+}
+
+/// Runs the subcommand; the exit code is 0 if programs can be corrected by GLX or by EGL.
+pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
+    let mut findings = Vec::new();
+    let mut tell = |key, good, words: String| findings.push(Finding { key, good, words });
+    tell("version", None, format!("cupola {} for {}", env!("CARGO_PKG_VERSION"), std::env::consts::ARCH));
+    for name in TELLING {
+        if let Some(value) = std::env::var_os(name) {
+            tell("environment", None, format!("{name}={}", value.to_string_lossy()));
+        }
+    }
+    let on = std::env::var_os("CUPOLA").is_none_or(|value| value != "0");
+    if !on {
+        tell("switch", Some(false), "CUPOLA=0 switches Cupola off; unset it".to_owned());
+    }
+    let xvfb = find_command("Xvfb");
+    let xvfb_words = match &xvfb {
+        Some(path) => format!("{path}, for `run --headless`"),
+        None => "Xvfb is not installed; `run --headless` needs it (Debian and Ubuntu: package xvfb)".to_owned(),
+    };
+    tell("xvfb", Some(xvfb.is_some()), xvfb_words);
+
+    let scratch = loader::Scratch::new()?;
+    let own_display = std::env::var_os("DISPLAY").is_none() && xvfb.is_some();
+    let server = if own_display { display::Server::start((640, 480), scratch.path()).ok() } else { None };
+    let display = server.as_ref().map_or_else(Vec::new, display::Server::environment);
+    let place = match (&server, std::env::var("DISPLAY")) {
+        (Some(_), _) => "no display here; the following holds on a private Xvfb".to_owned(),
+        (None, Ok(name)) => format!("the X display is {name}"),
+        (None, Err(_)) => "there is no X display, and none could be started".to_owned(),
+    };
+    tell("display", None, place);
+
+    let hooked = match library::find().and_then(|library| {
+        let loader = loader::Loader::temporary(scratch.path())?;
+        Ok((library, loader.environment(&display)?))
+    }) {
+        Ok((library, mut environment)) => {
+            let refusals: Vec<String> =
+                ["__glx_Main", "__egl_Main"].iter().filter_map(|entry| library::refusal(&library, entry)).collect();
+            let words = match refusals.first() {
+                None => library.display().to_string(),
+                Some(why) => format!("{} cannot be used: {why}", library.display()),
+            };
+            tell("library", Some(refusals.is_empty()), words);
+            environment.extend(display.clone());
+            Some(environment)
+        }
+        Err(failure) => {
+            tell("library", Some(false), failure.message);
+            None
+        }
+    };
+    let works = [("glx", Way::Glx), ("egl", Way::Egl)].map(|(key, way)| {
+        let (good, words) = route(way, &display, hooked.as_ref());
+        tell(key, Some(good), words);
+        good
+    });
+    let usable = on && works.contains(&true);
+    if arguments.json {
+        println!("{:#}", as_json(usable, &findings));
+    } else {
+        for finding in &findings {
+            let mark = match finding.good {
+                Some(true) => "good",
+                Some(false) => "BAD ",
+                None => "    ",
+            };
+            println!("{mark} {:12} {}", finding.key, finding.words);
+        }
+        println!("{}", if usable { "Programs can be corrected here." } else { "Programs cannot be corrected here." });
+    }
+    Ok(if usable { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}
+
+/// Whether programs that go this way to the driver can be corrected, with the reason.
+fn route(way: Way, plain: &Environment, hooked: Option<&Environment>) -> (bool, String) {
+    let without = match probe::ask(way, plain) {
+        Ok(answer) => answer,
+        Err(why) => return (false, format!("no driver: {why}")),
+    };
+    let driver = &without.driver;
+    if !without.has_libglvnd() {
+        let words =
+            "the driver is not reached through libglvnd; start programs with libcupola_preload.so in LD_PRELOAD";
+        return (false, format!("{driver}: {words}"));
+    }
+    if !without.direct {
+        return (
+            false,
+            format!("{driver}: drawn by the X server and not by the program (indirect); nothing to intercept"),
+        );
+    }
+    let vendor =
+        without.glx_vendor().filter(|_| way == Way::Glx).map_or(String::new(), |name| format!(" (vendor {name})"));
+    let Some(hooked) = hooked else { return (false, format!("{driver}{vendor}: the library is missing")) };
+    match probe::ask(way, hooked) {
+        Ok(Answer { driver: same, .. }) if same != *driver => {
+            (false, format!("{driver}{vendor}, but with Cupola {same}: set CUPOLA_GLX_REAL to the vendor's name"))
+        }
+        Ok(answer) if answer.has_cupola() => (true, format!("{driver}{vendor}; programs can be corrected")),
+        Ok(_) => (false, format!("{driver}{vendor}: libglvnd did not load Cupola's library")),
+        Err(why) => (false, format!("{driver}{vendor}, but with Cupola there is no driver: {why}")),
+    }
+}
+
+/// The first executable of this name in `PATH`.
+fn find_command(name: &str) -> Option<String> {
+    let folders = std::env::var_os("PATH")?;
+    let paths = std::env::split_paths(&folders).map(|folder| folder.join(name));
+    paths.into_iter().find(|path| Path::is_file(path)).map(|path| path.display().to_string())
+}
+
+fn as_json(usable: bool, findings: &[Finding]) -> Value {
+    let list: Vec<Value> = findings
+        .iter()
+        .map(|finding| {
+            let mut entry = Map::new();
+            entry.insert("key".to_owned(), json!(finding.key));
+            if let Some(good) = finding.good {
+                entry.insert("good".to_owned(), json!(good));
+            }
+            entry.insert("words".to_owned(), json!(finding.words));
+            Value::Object(entry)
+        })
+        .collect();
+    json!({ "usable": usable, "findings": list })
+}

@@ -1,0 +1,58 @@
+//! The library that goes between a program and its driver: where it is, and whether it can be used.
+
+use crate::Failure;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+/// Finds `libcupola.so`: `CUPOLA_LIBRARY`, next to this command, or in the `lib` folder beside its own.
+pub fn find() -> Result<PathBuf, Failure> {
+    if let Some(path) = std::env::var_os("CUPOLA_LIBRARY") {
+        let path = PathBuf::from(path);
+        return match path.canonicalize() {
+            Ok(path) => Ok(path),
+            Err(error) => Err(Failure::new(format!("CUPOLA_LIBRARY={}: {error}", path.display()))),
+        };
+    }
+    let command = std::env::current_exe().map_err(|error| Failure::new(format!("where am I? {error}")))?;
+    let folder = command.parent().unwrap_or(Path::new("/"));
+    let places =
+        [folder.join("libcupola.so"), folder.join("../lib/libcupola.so"), folder.join("../lib/cupola/libcupola.so")];
+    places.iter().find_map(|place| place.canonicalize().ok()).ok_or_else(|| {
+        let listed = places.map(|place| format!("  {}", place.display())).join("\n");
+        Failure::new(format!(
+            "libcupola.so was not found; set CUPOLA_LIBRARY to its path, or put it in one of\n{listed}"
+        ))
+    })
+}
+
+/// Why the dynamic linker or libglvnd would refuse `library` as a vendor with the entry point `entry`, if so.
+pub fn refusal(library: &Path, entry: &str) -> Option<String> {
+    let bytes = match std::fs::read(library) {
+        Ok(bytes) => bytes,
+        Err(error) => return Some(error.to_string()),
+    };
+    // Exported names stand in the file's string table, each between two zero bytes.
+    let name = format!("\0{entry}\0");
+    if !bytes.windows(name.len()).any(|window| window == name.as_bytes()) {
+        return Some(format!("it does not export {entry}"));
+    }
+    // In another process, since a broken library can end the one that loads it. The dynamic linker
+    // preloads with all symbols bound, complains where it cannot, and goes on.
+    let Ok(command) = std::env::current_exe() else { return None };
+    let trial = Command::new(command)
+        .arg("--version")
+        .env("LD_PRELOAD", library)
+        .env("LD_BIND_NOW", "1")
+        .stdin(Stdio::null())
+        .output();
+    match trial {
+        Ok(output) if output.status.success() && !String::from_utf8_lossy(&output.stderr).contains("LD_PRELOAD") => {
+            None
+        }
+        Ok(output) => {
+            let words = String::from_utf8_lossy(&output.stderr).trim().to_owned();
+            Some(if words.is_empty() { format!("loading it ended with {}", output.status) } else { words })
+        }
+        Err(error) => Some(error.to_string()),
+    }
+}

@@ -1,0 +1,136 @@
+//! A process that asks for the OpenGL driver: drivers can end the process that loads them, and only a
+//! fresh one sees a changed environment.
+
+use super::{Environment, apply};
+use crate::Failure;
+use cupola::backend::gl::{glx, headless};
+use serde_json::{Value, json};
+use std::process::{Command, ExitCode, Stdio};
+use std::time::{Duration, Instant};
+
+/// How long a driver may take to start.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// Which way to the driver.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Way {
+    /// GLX, on the display that `DISPLAY` names.
+    Glx,
+    /// EGL, without a surface.
+    Egl,
+}
+
+/// Ask for the OpenGL driver (for `cupola run` and `cupola doctor`).
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Which way to the driver
+    way: Way,
+}
+
+/// What the process found.
+#[derive(Clone, Debug)]
+pub struct Answer {
+    /// What the driver calls itself.
+    pub driver: String,
+    /// The driver draws in the program's process.
+    pub direct: bool,
+    /// File names of the OpenGL libraries that were loaded.
+    pub libraries: Vec<String>,
+}
+
+impl Answer {
+    /// The name of the GLX vendor behind libglvnd, as `__GLX_VENDOR_LIBRARY_NAME` has it.
+    pub fn glx_vendor(&self) -> Option<&str> {
+        let names =
+            self.libraries.iter().filter_map(|name| name.strip_prefix("libGLX_")?.split_once(".so").map(|n| n.0));
+        names.into_iter().find(|name| *name != "cupola")
+    }
+
+    /// Cupola's library was loaded.
+    pub fn has_cupola(&self) -> bool {
+        self.libraries.iter().any(|name| name.contains("cupola"))
+    }
+
+    /// libglvnd led to the driver.
+    pub fn has_libglvnd(&self) -> bool {
+        self.libraries.iter().any(|name| name.starts_with("libGLdispatch."))
+    }
+}
+
+/// Runs the subcommand: prints what [`ask`] reads.
+pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
+    let (driver, direct, libraries);
+    match arguments.way {
+        Way::Glx => {
+            let found = glx::driver()?;
+            driver = format!("{}, {}, {}", found.vendor, found.renderer, found.version);
+            direct = found.direct;
+            libraries = loaded();
+        }
+        Way::Egl => {
+            let context = headless::Headless::new(headless::Api::Compatibility)
+                .or_else(|_| headless::Headless::new(headless::Api::Core))
+                .or_else(|_| headless::Headless::new(headless::Api::Es3))?;
+            driver = context.driver();
+            direct = true;
+            libraries = loaded();
+        }
+    }
+    println!("{}", json!({ "driver": driver, "direct": direct, "libraries": libraries }));
+    Ok(ExitCode::SUCCESS)
+}
+
+/// File names of the OpenGL libraries in this process.
+fn loaded() -> Vec<String> {
+    let maps = std::fs::read_to_string("/proc/self/maps").unwrap_or_default();
+    let files = maps.lines().filter_map(|line| line.split_once('/')).filter_map(|(_, path)| path.rsplit('/').next());
+    let mut names: Vec<String> = files
+        .filter(|name| ["libGL", "libEGL", "libOpenGL", "libcupola"].iter().any(|start| name.starts_with(start)))
+        .map(str::to_owned)
+        .collect();
+    names.sort();
+    names.dedup();
+    names
+}
+
+/// Asks in a process of its own, with `environment`.
+///
+/// # Errors
+/// Why there is no driver, in the process's own words.
+pub fn ask(way: Way, environment: &Environment) -> Result<Answer, String> {
+    let name = match way {
+        Way::Glx => "glx",
+        Way::Egl => "egl",
+    };
+    let executable = std::env::current_exe().map_err(|error| error.to_string())?;
+    let mut command = Command::new(executable);
+    apply(&mut command, environment);
+    command.args(["probe", name]).stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut child = command.spawn().map_err(|error| error.to_string())?;
+    let start = Instant::now();
+    while child.try_wait().map_err(|error| error.to_string())?.is_none() {
+        if start.elapsed() > PATIENCE {
+            // It may end by itself just now.
+            let _ = child.kill();
+            let _ = child.wait();
+            return Err(format!("the driver does not answer within {} s", PATIENCE.as_secs()));
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    let output = child.wait_with_output().map_err(|error| error.to_string())?;
+    let words = String::from_utf8_lossy(&output.stderr).trim().trim_start_matches("cupola: ").to_owned();
+    if !output.status.success() {
+        return Err(if words.is_empty() {
+            format!("the process that asked ended with {}", output.status)
+        } else {
+            words
+        });
+    }
+    let answer: Value = serde_json::from_slice(&output.stdout).map_err(|error| error.to_string())?;
+    let libraries = answer["libraries"].as_array().into_iter().flatten();
+    Ok(Answer {
+        driver: answer["driver"].as_str().unwrap_or_default().to_owned(),
+        direct: answer["direct"].as_bool().unwrap_or_default(),
+        libraries: libraries.filter_map(|name| name.as_str().map(str::to_owned)).collect(),
+    })
+}

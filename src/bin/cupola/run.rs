@@ -1,0 +1,149 @@
+//! `cupola run`: starts a program with Cupola between it and its OpenGL driver.
+
+use crate::Failure;
+use crate::launch::{Environment, apply, display, loader};
+use cupola::runtime::process;
+use std::ffi::OsString;
+use std::os::unix::process::ExitStatusExt;
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitCode};
+
+/// Run an OpenGL program on a dome.
+#[derive(clap::Args)]
+#[command(
+    after_help = "CUPOLA=0 in the environment runs the program plainly. Everything after PROGRAM is the program's."
+)]
+pub struct Arguments {
+    /// Rig file, or a preset's name [default: $CUPOLA_RIG, or fisheye]
+    #[arg(long, short, value_name = "FILE|PRESET")]
+    rig: Option<String>,
+    /// Give the program's window this size in pixels
+    #[arg(long, value_name = "WxH", value_parser = crate::arguments::size)]
+    size: Option<(u32, u32)>,
+    /// Run on a private X server without a screen (Xvfb)
+    #[arg(long)]
+    headless: bool,
+    /// End the program after this many frames, with exit code 0
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    frames: Option<u64>,
+    /// Write the last frame of each output to this PNG file (several outputs: FILE-NAME.png)
+    #[arg(long, value_name = "FILE.png")]
+    capture: Option<PathBuf>,
+    /// Write every view of the last frame to this folder, as PNG files
+    #[arg(long, value_name = "DIR")]
+    capture_views: Option<PathBuf>,
+    /// Write statistics (times, draws, views) to this JSON file
+    #[arg(long, value_name = "FILE.json")]
+    stats: Option<PathBuf>,
+    /// Adapt the program's camera: zoom=4,move=0,0,-20,yaw=90,pitch=0,roll=0
+    #[arg(long, value_name = "KEY=NUMBER,…", allow_hyphen_values = true)]
+    camera: Option<String>,
+    /// Give each output its own resolution, whatever the window's size is; only captures show it
+    #[arg(long)]
+    offscreen: bool,
+    /// Write Cupola's log of the program to this file
+    #[arg(long, value_name = "FILE")]
+    log: Option<PathBuf>,
+    /// Start nothing: print the environment as commands for a shell
+    #[arg(long)]
+    print_environment: bool,
+    /// The program and its arguments
+    #[arg(trailing_var_arg = true, required_unless_present = "print_environment")]
+    program: Vec<OsString>,
+}
+
+/// Runs the subcommand; the exit code is the program's.
+pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
+    let switched_off = std::env::var_os("CUPOLA").is_some_and(|value| value == "0");
+    let name = arguments.rig.clone().or_else(|| std::env::var("CUPOLA_RIG").ok()).unwrap_or_else(|| "fisheye".into());
+    let rig = cupola::rig::load(&name)?;
+    if let Some(camera) = &arguments.camera {
+        rig.camera.apply_override(camera)?;
+    }
+    let mut environment = settings(&arguments, &name)?;
+    if arguments.print_environment {
+        let loader = loader::Loader::persistent()?;
+        environment.extend(loader.environment(&Vec::new())?);
+        print_environment(&environment);
+        return Ok(ExitCode::SUCCESS);
+    }
+
+    let scratch = loader::Scratch::new()?;
+    let server = if arguments.headless {
+        let size = arguments.size.or_else(|| rig.extent()).unwrap_or((1920, 1200));
+        Some(display::Server::start(size, scratch.path())?)
+    } else {
+        None
+    };
+    let display = server.as_ref().map_or_else(Vec::new, display::Server::environment);
+    if switched_off {
+        environment.clear();
+    } else {
+        environment.extend(loader::Loader::temporary(scratch.path())?.environment(&display)?);
+    }
+    environment.extend(display);
+
+    let (program, rest) = arguments.program.split_first().ok_or_else(|| Failure::usage("no program was given"))?;
+    let mut command = Command::new(program);
+    command.args(rest);
+    apply(&mut command, &environment);
+    let status = process::run_in_foreground(&mut command).map_err(|error| cannot_start(program, &error))?;
+    let code = status.code().or_else(|| status.signal().map(|signal| 128 + signal)).unwrap_or(1);
+    Ok(ExitCode::from(u8::try_from(code).unwrap_or(1)))
+}
+
+/// The library's own variables.
+fn settings(arguments: &Arguments, rig: &str) -> Result<Environment, Failure> {
+    let is_preset = cupola::rig::presets().iter().any(|preset| preset.name == rig);
+    let rig = if is_preset { rig.into() } else { absolute(Path::new(rig))? };
+    let mut environment: Environment = vec![("CUPOLA_RIG", Some(rig))];
+    let mut set = |name, value: Option<OsString>| environment.extend(value.map(|value| (name, Some(value))));
+    set("CUPOLA_CAMERA", arguments.camera.as_ref().map(Into::into));
+    set("CUPOLA_SIZE", arguments.size.map(|(width, height)| format!("{width}x{height}").into()));
+    set("CUPOLA_FRAMES", arguments.frames.map(|frames| frames.to_string().into()));
+    set("CUPOLA_OFFSCREEN", arguments.offscreen.then(|| "1".into()));
+    let files =
+        [("CUPOLA_CAPTURE", &arguments.capture), ("CUPOLA_STATS", &arguments.stats), ("CUPOLA_LOG", &arguments.log)];
+    for (name, file) in files {
+        set(name, file.as_deref().map(writable_file).transpose()?);
+    }
+    if let Some(folder) = &arguments.capture_views {
+        std::fs::create_dir_all(folder)
+            .map_err(|error| Failure::usage(format!("the folder {} cannot be made: {error}", folder.display())))?;
+        set("CUPOLA_CAPTURE_VIEWS", Some(absolute(folder)?));
+    }
+    Ok(environment)
+}
+
+/// The absolute path of a file to be written; its folder has to exist.
+fn writable_file(file: &Path) -> Result<OsString, Failure> {
+    let path = PathBuf::from(absolute(file)?);
+    match path.parent().filter(|folder| folder.is_dir()) {
+        Some(_) => Ok(path.into()),
+        None => Err(Failure::usage(format!("{}: there is no such folder to write the file into", file.display()))),
+    }
+}
+
+fn absolute(path: &Path) -> Result<OsString, Failure> {
+    let absolute = std::path::absolute(path).map_err(|error| Failure::usage(format!("{}: {error}", path.display())))?;
+    Ok(absolute.into())
+}
+
+/// What a shell would say of a program that cannot be started.
+fn cannot_start(program: &OsString, error: &std::io::Error) -> Failure {
+    let name = program.to_string_lossy();
+    match error.kind() {
+        std::io::ErrorKind::NotFound => Failure { message: format!("{name}: command not found"), code: 127 },
+        _ => Failure { message: format!("{name}: cannot be started: {error}"), code: 126 },
+    }
+}
+
+/// Prints commands for a POSIX shell.
+fn print_environment(environment: &Environment) {
+    for (name, value) in environment {
+        match value {
+            Some(value) => println!("export {name}='{}'", value.to_string_lossy().replace('\'', r"'\''")),
+            None => println!("unset {name}"),
+        }
+    }
+}

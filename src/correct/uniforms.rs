@@ -1,0 +1,361 @@
+//! The constants of a pass. The only place where f64 becomes f32: every coefficient is folded
+//! in f64 and rounded once.
+
+use super::plan::{Batch, OutputPass, PixelRect, Plan, ProjectorSource, Source};
+use super::response::encoding_polynomial;
+use super::shaders::{Pass, text_of};
+use crate::error::{Error, ErrorKind, Result};
+use crate::geom::fisheye::sine_cosine_polynomials;
+use crate::geom::reprojection::ClipRows;
+use crate::geom::{Frustum, QuadraticForm};
+use crate::rig::DomeAngle;
+use crate::views::View;
+use glam::{DMat3, DVec2, DVec3};
+
+/// Most views that one batch may sample.
+pub const MAX_VIEWS: usize = 8;
+/// Most other projectors that may overlap one batch.
+pub const MAX_NEIGHBOURS: usize = 12;
+/// Most ramps in dome angles of one output.
+pub const MAX_RAMPS: usize = 8;
+/// Most coefficients of a fisheye polynomial.
+const MAX_COEFFICIENTS: usize = 8;
+
+/// How far, in texels, a view also answers for beyond its own part: nothing falls between two
+/// views by rounding, and the guard of at least one texel still feeds the bilinear filter.
+const OVERHANG: f64 = 0.125;
+
+/// The rows of a re-projection as patched shaders take them: x, y, w, and (E, 0, 0, 0).
+pub fn clip_rows(rows: &ClipRows) -> [f32; 16] {
+    let mut out = [0.0; 16];
+    for (four, row) in out.chunks_exact_mut(4).zip([&rows.x, &rows.y, &rows.w, &[rows.e, 0.0, 0.0, 0.0]]) {
+        for (value, exact) in four.iter_mut().zip(row) {
+            *value = *exact as f32;
+        }
+    }
+    out
+}
+
+/// The values that specialise a pass's shader.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Constants {
+    pass: Pass,
+    values: Vec<f32>,
+}
+
+impl Constants {
+    fn new(pass: Pass) -> Self {
+        let count = text_of(pass).members.iter().map(|m| m.2).sum();
+        Self { pass, values: vec![0.0; count] }
+    }
+
+    /// The constants of the pass that shows nothing.
+    pub fn black() -> Self {
+        Self::new(Pass::Black)
+    }
+
+    /// Which pass they are for.
+    pub fn pass(&self) -> Pass {
+        self.pass
+    }
+
+    /// The scalars in the order of the shader's constant.
+    pub fn values(&self) -> &[f32] {
+        &self.values
+    }
+
+    /// The scalars of the member at `path` (`shared_part.views[0].scale`); empty where there is none.
+    pub fn member(&self, path: &str) -> &[f32] {
+        match text_of(self.pass).members.iter().find(|m| m.0 == path) {
+            Some(&(_, first, count)) => &self.values[first..first + count],
+            None => &[],
+        }
+    }
+
+    fn set(&mut self, path: &str, values: &[f64]) -> Result<()> {
+        let member = text_of(self.pass).members.iter().find(|m| m.0 == path && m.2 == values.len());
+        let Some(&(_, first, count)) = member else {
+            return Err(Error::new(
+                ErrorKind::Internal,
+                format!("The {:?} shader has no constant {path} of {} numbers.", self.pass, values.len()),
+            ));
+        };
+        for (to, from) in self.values[first..first + count].iter_mut().zip(values) {
+            *to = *from as f32;
+            if !to.is_finite() {
+                return Err(Error::new(
+                    ErrorKind::Internal,
+                    format!("The {:?} shader's constant {path} is {from:e}, which no f32 holds.", self.pass),
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    fn set_flag(&mut self, path: &str, flag: bool) -> Result<()> {
+        self.set(path, &[f64::from(u8::from(flag))])
+    }
+
+    fn set_matrix(&mut self, path: &str, matrix: DMat3) -> Result<()> {
+        self.set(path, &matrix.to_cols_array())
+    }
+}
+
+/// A view as the shaders take it.
+struct Placement {
+    /// View axes → (x, y, z) with `max(|x|, |y|) ≤ z` where the view answers.
+    transform: DMat3,
+    /// Atlas coordinates (0…1) = scale·(x, y)/z + offset.
+    scale: DVec2,
+    offset: DVec2,
+}
+
+impl Placement {
+    /// `part` of the opening of `view` answers; texels beyond it, too, up to `overhang`.
+    fn new(view: &View, part: &Frustum, overhang: f64, atlas: (u32, u32)) -> Self {
+        let tile = DVec2::new(f64::from(view.tile.width), f64::from(view.tile.height));
+        let origin = DVec2::new(f64::from(view.tile.x), f64::from(view.tile.y));
+        let atlas = DVec2::new(f64::from(atlas.0), f64::from(atlas.1));
+        let opening = DVec2::new(view.frustum.width(), view.frustum.height());
+        let corner = DVec2::new(view.frustum.left, view.frustum.bottom);
+        let centre = DVec2::new(part.left + part.right, part.bottom + part.top) / 2.0;
+        let half = DVec2::new(part.width(), part.height()) / 2.0 + overhang * opening / tile;
+        let transform = DMat3::from_cols(
+            DVec3::new(1.0 / half.x, 0.0, 0.0),
+            DVec3::new(0.0, 1.0 / half.y, 0.0),
+            DVec3::new(centre.x / half.x, centre.y / half.y, -1.0),
+        );
+        let texels = tile / opening;
+        Self { transform, scale: half * texels / atlas, offset: (origin + (centre - corner) * texels) / atlas }
+    }
+
+    /// The same as one homogeneous map: view axes → (atlas x, atlas y, 1) times a positive factor in front.
+    fn homogeneous(&self) -> DMat3 {
+        DMat3::from_cols(
+            DVec3::new(self.scale.x, 0.0, 0.0),
+            DVec3::new(0.0, self.scale.y, 0.0),
+            DVec3::new(self.offset.x, self.offset.y, 1.0),
+        ) * self.transform
+    }
+}
+
+/// The constants of one batch of an output; `panel`: the flat panel is shown where the plan has one.
+///
+/// # Errors
+/// [`ErrorKind::Internal`] where the plan has more views, neighbours or ramps in one batch than
+/// [`MAX_VIEWS`], [`MAX_NEIGHBOURS`], [`MAX_RAMPS`], an index that is out of range, or a value that is not finite.
+pub fn constants(plan: &Plan, pass: &OutputPass, batch: &Batch, panel: bool) -> Result<Constants> {
+    let mut out = Constants::new(match pass.source {
+        Source::Fisheye { .. } => Pass::Fisheye,
+        Source::Projector(_) => Pass::Projector,
+        Source::Perspective { .. } => Pass::Perspective,
+    });
+    let panel = plan.views.panel.as_ref().filter(|_| panel);
+    let base = views(&mut out, plan, batch, panel)?;
+    shared(&mut out, pass, batch)?;
+    match &pass.source {
+        Source::Fisheye { aperture, rotation, offset } => {
+            fisheye(&mut out, *aperture)?;
+            out.set_matrix("rotation", base * *rotation)?;
+            out.set("shift", &(base * *offset).to_array())?;
+            out.set_matrix("dome", pass.dome_rotation * *rotation)?;
+        }
+        Source::Projector(source) => projector(&mut out, source, batch, base)?,
+        Source::Perspective { matrix } => {
+            out.set_matrix("matrix", base * *matrix)?;
+            out.set_matrix("dome", pass.dome_rotation * *matrix)?;
+        }
+    }
+    Ok(out)
+}
+
+/// Whether a batch shows one view 1:1: each pixel's centre is exactly a texel's centre, so that the
+/// nearest texel is what a perfect bilinear filter would give.
+pub fn copies_texels(plan: &Plan, pass: &OutputPass, batch: &Batch) -> bool {
+    let (Source::Perspective { matrix }, [index]) = (&pass.source, batch.views.as_slice()) else { return false };
+    let Some(view) = plan.views.views.get(*index) else { return false };
+    let placement = Placement::new(view, &view.owned, OVERHANG, plan.views.atlas);
+    let map = placement.homogeneous() * view.rotation * *matrix;
+    let (width, height) = (f64::from(pass.size.0), f64::from(pass.size.1));
+    let atlas = DVec2::new(f64::from(plan.views.atlas.0), f64::from(plan.views.atlas.1));
+    // Where the centres of the bottom left pixel and of the others in the corners are in the atlas, in texels.
+    let place = |column: f64, row: f64| {
+        let at = map * DVec3::new((2.0 * column + 1.0) / width - 1.0, (2.0 * row + 1.0) / height - 1.0, 1.0);
+        at.truncate() / at.z * atlas
+    };
+    let first = place(0.0, 0.0);
+    let whole = (first - DVec2::splat(0.5) - (first - DVec2::splat(0.5)).round()).abs().max_element() < EXACT;
+    let corners = [(width - 1.0, 0.0), (0.0, height - 1.0), (width - 1.0, height - 1.0)];
+    whole && corners.iter().all(|&(x, y)| (place(x, y) - first - DVec2::new(x, y)).abs().max_element() < EXACT)
+}
+
+/// Texels by which a copy may miss a texel's centre.
+const EXACT: f64 = 1e-3;
+
+/// A rectangle of an output as two counter-clockwise triangles: clip coordinates (x, y), then the
+/// source's coordinates (x, y).
+pub fn rectangle(pass: &OutputPass, rect: &PixelRect) -> [[f32; 4]; 6] {
+    let (width, height) = (f64::from(pass.size.0), f64::from(pass.size.1));
+    // A fisheye's circle is inscribed: the unit of its coordinates is half the shorter side.
+    let (scale_x, scale_y) = match pass.source {
+        Source::Fisheye { .. } => (width / width.min(height), height / width.min(height)),
+        _ => (1.0, 1.0),
+    };
+    let left = 2.0 * f64::from(rect.x) / width - 1.0;
+    let right = 2.0 * (f64::from(rect.x) + f64::from(rect.width)) / width - 1.0;
+    let top = 1.0 - 2.0 * f64::from(rect.y) / height;
+    let bottom = 1.0 - 2.0 * (f64::from(rect.y) + f64::from(rect.height)) / height;
+    [(left, bottom), (right, bottom), (right, top), (left, bottom), (right, top), (left, top)]
+        .map(|(x, y)| [x as f32, y as f32, (x * scale_x) as f32, (y * scale_y) as f32])
+}
+
+/// The unit direction (viewer axes) that `view` shows at a point of the atlas (0…1): the inverse of what the shaders do.
+pub fn direction_at(view: &View, atlas: (u32, u32), point: DVec2) -> [f32; 3] {
+    let texel = point * DVec2::new(f64::from(atlas.0), f64::from(atlas.1));
+    let inside = texel - DVec2::new(f64::from(view.tile.x), f64::from(view.tile.y));
+    let part = inside / DVec2::new(f64::from(view.tile.width), f64::from(view.tile.height));
+    let tangent = DVec2::new(view.frustum.left, view.frustum.bottom)
+        + part * DVec2::new(view.frustum.width(), view.frustum.height());
+    (view.rotation.transpose() * tangent.extend(-1.0)).normalize().as_vec3().to_array()
+}
+
+/// Sets what has to do with views; returns viewer axes → base.
+fn views(out: &mut Constants, plan: &Plan, batch: &Batch, panel: Option<&View>) -> Result<DMat3> {
+    limit("views", batch.views.len(), MAX_VIEWS)?;
+    let atlas = plan.views.atlas;
+    let mut placements = Vec::with_capacity(batch.views.len());
+    for &index in &batch.views {
+        let view = plan.views.views.get(index).ok_or_else(|| {
+            Error::new(ErrorKind::Internal, format!("A batch samples view {index}, which the plan does not have."))
+        })?;
+        let placement = Placement::new(view, &view.owned, OVERHANG, atlas);
+        placements.push((index, view.rotation, placement));
+    }
+    let base = match placements.as_slice() {
+        [(index, rotation, placement)] if !batch.edge && panel.is_none() => {
+            out.set("shared_part.sole_number", &[*index as f64 + 1.0])?;
+            return Ok(placement.homogeneous() * *rotation);
+        }
+        [(_, rotation, placement)] => placement.transform * *rotation,
+        _ => DMat3::IDENTITY,
+    };
+    let back = base.inverse();
+    out.set("shared_part.view_count", &[placements.len() as f64])?;
+    for (i, (index, rotation, placement)) in placements.iter().enumerate() {
+        // A product with its own inverse is the identity only up to rounding.
+        let sole = placements.len() == 1;
+        let transform = if sole { DMat3::IDENTITY } else { placement.transform * *rotation };
+        view(out, &format!("shared_part.views[{i}]"), transform, placement, index + 1)?;
+        let last = i + 1 == placements.len() && !batch.edge;
+        out.set_flag(&format!("shared_part.views[{i}].last_resort"), last)?;
+    }
+    if let Some(panel) = panel {
+        let placement = Placement::new(panel, &panel.frustum, 0.0, atlas);
+        view(out, "shared_part.panel", placement.transform * panel.rotation * back, &placement, 0)?;
+        out.set_flag("shared_part.with_panel", true)?;
+    }
+    Ok(base)
+}
+
+fn view(out: &mut Constants, path: &str, transform: DMat3, placement: &Placement, number: usize) -> Result<()> {
+    out.set_matrix(&format!("{path}.transform"), transform)?;
+    out.set(&format!("{path}.scale"), &placement.scale.to_array())?;
+    out.set(&format!("{path}.offset"), &placement.offset.to_array())?;
+    out.set(&format!("{path}.number"), &[number as f64])
+}
+
+/// Sets what every source has: edge, ramps, mask, response, black level.
+fn shared(out: &mut Constants, pass: &OutputPass, batch: &Batch) -> Result<()> {
+    limit("ramps", pass.ramps.len(), MAX_RAMPS)?;
+    out.set_flag("shared_part.edge", batch.edge)?;
+    for (i, ramp) in pass.ramps.iter().enumerate() {
+        let span = ramp.full - ramp.zero;
+        // Equal ends are a step.
+        let span = if span.abs() < 1e-6 { 1e-6f64.copysign(span) } else { span };
+        let angle = if ramp.angle == DomeAngle::Azimuth { 1.0 } else { 0.0 };
+        out.set(&format!("shared_part.ramps[{i}]"), &[angle, ramp.zero, 1.0 / span, 0.0])?;
+    }
+    out.set("shared_part.ramp_count", &[pass.ramps.len() as f64])?;
+    out.set_flag("shared_part.with_mask", pass.mask.is_some())?;
+    let weighted = !pass.ramps.is_empty() || pass.mask.is_some() || !batch.neighbours.is_empty();
+    out.set_flag("shared_part.weighted", weighted)?;
+    let encoding = encoding_polynomial(pass.gamma);
+    out.set("shared_part.encoding[0]", &encoding[..4])?;
+    out.set("shared_part.encoding[1]", &encoding[4..])?;
+    out.set("shared_part.black", &[pass.black_level.powf(1.0 / pass.gamma)])
+}
+
+/// The polynomials, taken from `q = p·aperture/2` to `p`.
+fn fisheye(out: &mut Constants, aperture: f64) -> Result<()> {
+    let half = aperture / 2.0;
+    let fitted = sine_cosine_polynomials(aperture);
+    for (name, coefficients, factor) in [("sine", &fitted.sine, half), ("cosine", &fitted.cosine, 1.0)] {
+        limit("polynomial coefficients", coefficients.len(), MAX_COEFFICIENTS)?;
+        let mut scaled = [0.0; MAX_COEFFICIENTS];
+        let mut power = factor;
+        for (to, from) in scaled.iter_mut().zip(coefficients) {
+            *to = from * power;
+            power *= half * half;
+        }
+        out.set(&format!("{name}[0]"), &scaled[..4])?;
+        out.set(&format!("{name}[1]"), &scaled[4..])?;
+    }
+    Ok(())
+}
+
+fn projector(out: &mut Constants, source: &ProjectorSource, batch: &Batch, base: DMat3) -> Result<()> {
+    let d = source.direction.d;
+    form(out, "direction", &source.direction.transformed(base), d)?;
+    form(out, "dome", &source.dome_direction, d)?;
+    out.set("discriminant[0]", &d[..4])?;
+    out.set("discriminant[1]", &[d[4], d[5], 0.0, 0.0])?;
+    if let Some((q, l)) = source.cap {
+        form(out, "cap", &QuadraticForm { q: [q, [0.0; 6], [0.0; 6]], l: [l, [0.0; 3], [0.0; 3]], d }, d)?;
+        out.set_flag("with_cap", batch.edge)?;
+    }
+    limit("neighbours", batch.neighbours.len(), MAX_NEIGHBOURS)?;
+    for (i, &index) in batch.neighbours.iter().enumerate() {
+        let neighbour = source.neighbours.get(index).ok_or_else(|| {
+            Error::new(ErrorKind::Internal, format!("A batch blends into neighbour {index}, which is not there."))
+        })?;
+        form(out, &format!("neighbours[{i}].picture"), &neighbour.picture, d)?;
+        out.set(&format!("neighbours[{i}].steepness"), &[0.5 / neighbour.ramp])?;
+    }
+    out.set("neighbour_count", &[batch.neighbours.len() as f64])?;
+    out.set("steepness", &[0.5 / source.ramp])
+}
+
+/// Sets a form, expressed over the root of the discriminant `d` that all forms of a pixel share.
+fn form(out: &mut Constants, path: &str, form: &QuadraticForm, d: [f64; 6]) -> Result<()> {
+    let root = shared_root(form.d, d)?;
+    let q = |k: usize| [form.q[0][k], form.q[1][k], form.q[2][k]];
+    let l = |k: usize| [form.l[0][k] * root, form.l[1][k] * root, form.l[2][k] * root];
+    // The order of a form's coefficients: x², y², xy, x, y, 1.
+    for (k, name) in ["q_xx", "q_yy", "q_xy", "q_x", "q_y", "q_one"].into_iter().enumerate() {
+        out.set(&format!("{path}.{name}"), &q(k))?;
+    }
+    for (k, name) in ["l_x", "l_y", "l_one"].into_iter().enumerate() {
+        out.set(&format!("{path}.{name}"), &l(k))?;
+    }
+    Ok(())
+}
+
+/// √(own/shared) of two discriminants, which must be in proportion.
+fn shared_root(own: [f64; 6], shared: [f64; 6]) -> Result<f64> {
+    let largest = (0..6).max_by(|a, b| shared[*a].abs().total_cmp(&shared[*b].abs())).unwrap_or(0);
+    let factor = if shared[largest] == 0.0 { 1.0 } else { own[largest] / shared[largest] };
+    let size = own[largest].abs();
+    let alike = own.iter().zip(&shared).all(|(a, b)| (a - factor * b).abs() <= 1e-9 * size);
+    if alike && factor >= 0.0 {
+        Ok(factor.sqrt())
+    } else {
+        Err(Error::new(ErrorKind::Internal, "The forms of one projector's pixel differ in their discriminants."))
+    }
+}
+
+fn limit(what: &str, count: usize, most: usize) -> Result<()> {
+    if count <= most {
+        return Ok(());
+    }
+    Err(Error::new(ErrorKind::Internal, format!("A batch has {count} {what}; the shaders take {most}.")))
+}

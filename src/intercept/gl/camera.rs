@@ -1,0 +1,66 @@
+//! The program's cameras: which lenses it draws with, and each view's transform for them.
+
+use crate::correct::uniforms;
+use crate::runtime::Session;
+use crate::runtime::session::Intrinsics;
+
+/// A lens of the program and the rows that take it to each view.
+pub struct Camera {
+    /// The lens.
+    pub intrinsics: Intrinsics,
+    /// Rows for every view, as the patched shaders take them.
+    pub rows: Vec<[f32; 16]>,
+    used: bool,
+}
+
+/// The lenses seen lately. Draws with the same lens share bit-identical rows, or equal depths
+/// of two passes would fight.
+#[derive(Default)]
+pub struct Cameras {
+    list: Vec<Camera>,
+}
+
+/// Lenses that differ by less are one: matrices recovered from 32-bit products scatter by 4e-7.
+const TOLERANCE: f64 = 1e-5;
+
+/// More lenses in a frame than this are not told apart from noise.
+const GREATEST: usize = 16;
+
+impl Cameras {
+    /// Index of the camera with `intrinsics`, made if new.
+    pub fn index(&mut self, intrinsics: &Intrinsics, session: &Session) -> usize {
+        if let Some(found) = self.list.iter().position(|c| close(&c.intrinsics, intrinsics)) {
+            self.list[found].used = true;
+            return found;
+        }
+        if self.list.len() >= GREATEST {
+            self.list.clear();
+        }
+        let rows = session.rows(intrinsics).iter().map(uniforms::clip_rows).collect();
+        self.list.push(Camera { intrinsics: *intrinsics, rows, used: true });
+        self.list.len() - 1
+    }
+
+    /// The camera at `index`.
+    pub fn get(&self, index: usize) -> Option<&Camera> {
+        self.list.get(index)
+    }
+
+    /// A frame ended: lenses that it did not use are forgotten.
+    pub fn end_frame(&mut self) {
+        self.list.retain(|c| c.used);
+        for camera in &mut self.list {
+            camera.used = false;
+        }
+    }
+
+    /// The views changed: nothing is valid any more.
+    pub fn clear(&mut self) {
+        self.list.clear();
+    }
+}
+
+fn close(a: &Intrinsics, b: &Intrinsics) -> bool {
+    let near = |x: f64, y: f64| (x - y).abs() <= TOLERANCE * x.abs().max(y.abs()).max(1.0);
+    near(a.a, b.a) && near(a.b, b.b) && near(a.c, b.c) && near(a.d, b.d) && near(a.e, b.e)
+}

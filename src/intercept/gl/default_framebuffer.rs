@@ -1,0 +1,540 @@
+//! What stands in for a window's framebuffer: one atlas of the rig's views.
+
+use super::context::{Context, Profile};
+use super::window::Window;
+use crate::backend::gl::GlBackend;
+use crate::backend::gl::api::{self, Gl};
+use crate::error::{Error, ErrorKind, Result};
+use crate::intercept::{log, settings};
+use crate::runtime::Session;
+
+/// The window's own framebuffer, as the program's configuration made it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Config {
+    /// It has a back buffer.
+    pub double_buffered: bool,
+    /// Samples per pixel; 0 = not multisampled.
+    pub samples: i32,
+    /// It converts to sRGB where the program asks for it.
+    pub srgb: bool,
+    /// Bits of alpha.
+    pub alpha_bits: i32,
+    /// Bits of depth.
+    pub depth_bits: i32,
+    /// Bits of stencil.
+    pub stencil_bits: i32,
+}
+
+/// The atlas and what corrects it.
+pub struct DefaultFramebuffer {
+    /// Rig and plan for the window's size.
+    pub session: Session,
+    config: Config,
+    surface: Surface,
+    /// The surface's picture with one sample per pixel, where it has several.
+    resolved: Option<Surface>,
+    backend: GlBackend,
+    issued: Vec<u64>,
+    panel_in_use: bool,
+}
+
+/// A framebuffer with colour and depth/stencil.
+struct Surface {
+    framebuffer: u32,
+    /// A texture, or a renderbuffer where it is multisampled.
+    color: u32,
+    depth: u32,
+    samples: i32,
+    size: (i32, i32),
+}
+
+/// Puts our framebuffer in place of the window's. Where that fails the program keeps its own.
+pub fn attach(ctx: &mut Context) {
+    let Some(settings) = settings::settings() else { return };
+    let Some(window) = ctx.window.clone() else { return };
+    if settings.rig.passthrough {
+        return;
+    }
+    take_error(ctx);
+    match DefaultFramebuffer::new(ctx, &window, settings) {
+        Ok(target) => {
+            ctx.target = Some(Box::new(target));
+            adopt(ctx);
+            let gl = ctx.gl;
+            // SAFETY: state of ours and of our framebuffer.
+            unsafe {
+                ctx.set_scissor(None);
+                clear_everything(gl);
+            }
+        }
+        Err(error) => log::once(&format!("this window keeps its own picture: {error}")),
+    }
+    take_own_errors(ctx);
+}
+
+/// Makes the rest of the context fit a new target.
+fn adopt(ctx: &mut Context) {
+    ctx.actual = super::context::Actual::default();
+    ctx.projection.clear();
+    ctx.cameras.clear();
+    let Some(target) = &ctx.target else { return };
+    let framebuffer = target.framebuffer();
+    // SAFETY: binds our framebuffer where the program's window is bound.
+    unsafe {
+        if ctx.believed.read_framebuffer == 0 {
+            ctx.gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, framebuffer);
+        }
+        if ctx.believed.draw_framebuffer == 0 {
+            ctx.gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, framebuffer);
+            if ctx.believed.draw_buffer == api::GL_NONE {
+                ctx.gl.draw_buffers(1, &api::GL_NONE);
+            }
+        }
+    }
+}
+
+/// Keeps an error of the program's, so that those that follow are ours.
+pub fn take_error(ctx: &mut Context) {
+    // SAFETY: asks for the error flag; there are a handful of them at most.
+    for _ in 0..8 {
+        let error = unsafe { ctx.gl.get_error() };
+        if error == api::GL_NO_ERROR {
+            break;
+        }
+        if ctx.pending_error == api::GL_NO_ERROR {
+            ctx.pending_error = error;
+        }
+    }
+}
+
+/// Counts the errors since [`take_error`] as ours.
+pub fn take_own_errors(ctx: &mut Context) {
+    // SAFETY: as above.
+    for _ in 0..8 {
+        let error = unsafe { ctx.gl.get_error() };
+        if error == api::GL_NO_ERROR {
+            break;
+        }
+        ctx.counts.errors += 1;
+        log::once(&format!("an OpenGL call of ours failed with error 0x{error:04X}"));
+    }
+}
+
+/// Reserves the flat panel, from its first use on.
+pub fn want_panel(ctx: &mut Context) {
+    let needed = ctx
+        .target
+        .as_ref()
+        .is_some_and(|t| t.session.panel().is_none() && t.session.views().iter().any(|v| !v.program_lens));
+    if needed {
+        let primary = ctx.target.as_ref().is_some_and(|t| t.primary().is_some());
+        enlarge(ctx, true, primary);
+    }
+    if let Some(target) = &mut ctx.target {
+        target.panel_in_use = true;
+    }
+}
+
+/// Plans anew with more tiles; what is drawn already moves to its new place.
+fn enlarge(ctx: &mut Context, panel: bool, primary: bool) {
+    let Some(old) = ctx.target.take() else { return };
+    take_error(ctx);
+    match old.enlarged(ctx, panel, primary) {
+        Ok(new) => {
+            ctx.target = Some(Box::new(new));
+            let gl = ctx.gl;
+            adopt(ctx);
+            ctx.set_scissor(None);
+            if let Some(new) = &ctx.target {
+                // SAFETY: copies between two framebuffers of ours; the bindings are put back by `adopt`.
+                unsafe {
+                    gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, new.surface.framebuffer);
+                    clear_everything(gl);
+                    copy_tiles(gl, &old, new);
+                    gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, ctx.believed.read_framebuffer);
+                    gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, ctx.believed.draw_framebuffer);
+                }
+            }
+            adopt(ctx);
+            old.destroy(gl);
+        }
+        Err(error) => {
+            log::once(&format!("flat drawing is left out: {error}"));
+            ctx.target = Some(old);
+        }
+    }
+    take_own_errors(ctx);
+}
+
+/// # Safety
+/// Both framebuffers must live; the caller puts the bindings back.
+unsafe fn copy_tiles(gl: &Gl, old: &DefaultFramebuffer, new: &DefaultFramebuffer) {
+    if old.surface.samples > 0 {
+        // Multisampled pictures cannot be copied to another place; the next frame draws them.
+        return;
+    }
+    let tiles = |t: &DefaultFramebuffer| {
+        let views = (0..t.session.views().len()).map(|i| Some(t.session.tile(i).0));
+        views.chain([t.session.panel(), t.session.primary()]).collect::<Vec<_>>()
+    };
+    let (from, mut to) = (tiles(old), tiles(new));
+    if from.len() > 2 && new.session.primary().is_some() && old.session.primary().is_none() {
+        // A new primary picture begins with the flat one, which it contains.
+        let last = to.len() - 1;
+        to[last] = None;
+    }
+    let mask = api::GL_COLOR_BUFFER_BIT | api::GL_DEPTH_BUFFER_BIT | api::GL_STENCIL_BUFFER_BIT;
+    // SAFETY: as promised.
+    unsafe { gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, old.surface.framebuffer) };
+    for (from, to) in from.into_iter().zip(to) {
+        if let (Some([x, y, w, h]), Some([u, v, _, _])) = (from, to) {
+            // SAFETY: both rectangles lie in their framebuffers.
+            unsafe { gl.blit_framebuffer(x, y, x + w, y + h, u, v, u + w, v + h, mask, api::GL_NEAREST) };
+        }
+    }
+    if let (Some([x, y, w, h]), Some([u, v, _, _]), None) =
+        (old.session.panel(), new.session.primary(), old.session.primary())
+    {
+        // SAFETY: as above.
+        unsafe { gl.blit_framebuffer(x, y, x + w, y + h, u, v, u + w, v + h, mask, api::GL_NEAREST) };
+    }
+}
+
+/// Binds what the program's reads of its window come from; the origin of its picture there.
+pub fn bind_for_reading(ctx: &mut Context) -> [i32; 2] {
+    let own_picture = |t: &DefaultFramebuffer| {
+        t.primary().or_else(|| t.flat_tiles().into_iter().flatten().find(|(_, panel)| !panel).map(|tile| tile.0))
+    };
+    if ctx.target.as_ref().is_some_and(|t| own_picture(t).is_none()) {
+        let panel = ctx.target.as_ref().is_some_and(|t| t.session.panel().is_some());
+        enlarge(ctx, panel, true);
+        super::offscreen::fill_primary(ctx);
+    }
+    let Some(target) = &ctx.target else { return [0, 0] };
+    let Some(tile) = own_picture(target) else { return [0, 0] };
+    target.resolve(ctx, Some(tile));
+    // SAFETY: a framebuffer of ours; `end_reading` puts the program's back.
+    unsafe { ctx.gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, target.readable().framebuffer) };
+    [tile[0], tile[1]]
+}
+
+/// The pair of [`bind_for_reading`].
+pub fn end_reading(ctx: &mut Context) {
+    if ctx.reads_redirected()
+        && let Some(target) = &ctx.target
+    {
+        // SAFETY: what the program's window stands for.
+        unsafe { ctx.gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, target.framebuffer()) };
+    }
+}
+
+/// Clears the bound framebuffer's colour within the scissor to transparent black.
+pub fn clear_transparent(gl: &Gl) {
+    let mut mask = [0u8; 4];
+    // SAFETY: the colour mask is put back.
+    unsafe {
+        gl.get_booleanv(api::GL_COLOR_WRITEMASK, mask.as_mut_ptr());
+        gl.color_mask(1, 1, 1, 1);
+        gl.clear_bufferfv(api::GL_COLOR, 0, [0.0f32; 4].as_ptr());
+        gl.color_mask(mask[0], mask[1], mask[2], mask[3]);
+    }
+}
+
+/// # Safety
+/// Our framebuffer must be bound for drawing, with the scissor test off.
+unsafe fn clear_everything(gl: &Gl) {
+    clear_transparent(gl);
+    let mut depth = 0u8;
+    let mut stencil = 0;
+    // SAFETY: the masks are put back.
+    unsafe {
+        gl.get_booleanv(api::GL_DEPTH_WRITEMASK, &mut depth);
+        gl.get_integerv(api::GL_STENCIL_WRITEMASK, &mut stencil);
+        gl.depth_mask(1);
+        gl.stencil_mask(u32::MAX);
+        gl.clear_bufferfi(api::GL_DEPTH_STENCIL, 0, 1.0, 0);
+        gl.depth_mask(depth);
+        gl.stencil_mask(stencil as u32);
+    }
+}
+
+impl DefaultFramebuffer {
+    fn new(ctx: &Context, window: &Window, settings: &settings::Settings) -> Result<Self> {
+        let gl = ctx.gl;
+        let mut greatest = 0;
+        // SAFETY: writes one integer.
+        unsafe { gl.get_integerv(api::GL_MAX_TEXTURE_SIZE, &mut greatest) };
+        let size = window.size();
+        let session = Session::new(&settings.rig, size, settings.offscreen, greatest.max(1024) as u32)?;
+        let config = Config::of_window(gl, &ctx.profile, window.double_buffered(gl, &ctx.profile));
+        Self::with_session(ctx, session, config)
+    }
+
+    fn with_session(ctx: &Context, session: Session, config: Config) -> Result<Self> {
+        let gl = ctx.gl;
+        let size = (session.plan().views.atlas.0 as i32, session.plan().views.atlas.1 as i32);
+        let surface = Surface::new(gl, size, config.samples, config.srgb)?;
+        let resolved = if config.samples > 0 { Some(Surface::new(gl, size, 0, config.srgb)?) } else { None };
+        let mut backend = GlBackend::new(gl, ctx.profile.es)?;
+        let panel = session.panel().is_some();
+        backend.prepare(gl, session.plan(), panel)?;
+        let issued = vec![0; session.views().len()];
+        Ok(Self { session, config, surface, resolved, backend, issued, panel_in_use: panel })
+    }
+
+    /// The same with more tiles.
+    fn enlarged(&self, ctx: &Context, panel: bool, primary: bool) -> Result<Self> {
+        let mut new = Self::with_session(ctx, self.session.with(panel, primary)?, self.config)?;
+        new.issued.clone_from(&self.issued);
+        Ok(new)
+    }
+
+    /// Size of the window that it stands for.
+    pub fn size(&self) -> (u32, u32) {
+        self.session.window()
+    }
+
+    /// The window's own configuration.
+    pub fn config(&self) -> &Config {
+        &self.config
+    }
+
+    /// What the program's framebuffer 0 really is.
+    pub fn framebuffer(&self) -> u32 {
+        self.surface.framebuffer
+    }
+
+    /// Whether `name` is a framebuffer of ours.
+    pub fn is_ours(&self, name: u32) -> bool {
+        name == self.surface.framebuffer || self.resolved.as_ref().is_some_and(|r| r.framebuffer == name)
+    }
+
+    /// The tile of the flat panel.
+    pub fn panel(&self) -> Option<[i32; 4]> {
+        self.session.panel()
+    }
+
+    /// The tile of the program's own picture.
+    pub fn primary(&self) -> Option<[i32; 4]> {
+        self.session.primary()
+    }
+
+    /// Where flat drawing goes, and whether each is the panel (whose alpha counts).
+    pub fn flat_tiles(&self) -> [Option<([i32; 4], bool)>; 3] {
+        let own = (0..self.session.views().len()).map(|i| self.session.tile(i)).find(|(_, own_lens)| *own_lens);
+        [own.map(|(tile, _)| (tile, false)), self.panel().map(|t| (t, true)), self.primary().map(|t| (t, false))]
+    }
+
+    /// A draw went to a view.
+    pub fn issued(&mut self, view: usize) {
+        if let Some(count) = self.issued.get_mut(view) {
+            *count += 1;
+        }
+    }
+
+    /// Draws issued to each view so far.
+    pub fn issued_counts(&self) -> &[u64] {
+        &self.issued
+    }
+
+    /// The correction.
+    pub fn backend(&self) -> &GlBackend {
+        &self.backend
+    }
+
+    /// The texture with the atlas, one sample per pixel.
+    pub fn texture(&self) -> u32 {
+        self.readable().color
+    }
+
+    fn readable(&self) -> &Surface {
+        self.resolved.as_ref().unwrap_or(&self.surface)
+    }
+
+    /// The framebuffer that can be read from, once [`DefaultFramebuffer::resolve`] has run.
+    pub fn readable_framebuffer(&self) -> u32 {
+        self.readable().framebuffer
+    }
+
+    /// Resolves the samples of `part`, or of everything. The program's bindings are put back.
+    pub fn resolve(&self, ctx: &Context, part: Option<[i32; 4]>) {
+        let Some(resolved) = &self.resolved else { return };
+        let gl = ctx.gl;
+        let [x, y, w, h] = part.unwrap_or([0, 0, self.surface.size.0, self.surface.size.1]);
+        let real = |name: u32| if name == 0 { self.framebuffer() } else { name };
+        // SAFETY: copies between framebuffers of ours; scissor and bindings are put back.
+        unsafe {
+            let scissor = gl.is_enabled(api::GL_SCISSOR_TEST) != 0;
+            if scissor {
+                gl.disable(api::GL_SCISSOR_TEST);
+            }
+            gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, self.surface.framebuffer);
+            gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, resolved.framebuffer);
+            gl.blit_framebuffer(x, y, x + w, y + h, x, y, x + w, y + h, api::GL_COLOR_BUFFER_BIT, api::GL_NEAREST);
+            if part.is_some() {
+                let depth = api::GL_DEPTH_BUFFER_BIT | api::GL_STENCIL_BUFFER_BIT;
+                gl.blit_framebuffer(x, y, x + w, y + h, x, y, x + w, y + h, depth, api::GL_NEAREST);
+            }
+            gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, real(ctx.believed.read_framebuffer));
+            gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, real(ctx.believed.draw_framebuffer));
+            if scissor {
+                gl.enable(api::GL_SCISSOR_TEST);
+            }
+        }
+    }
+
+    /// Deletes everything in the context, which must be current.
+    pub fn destroy(mut self, gl: &Gl) {
+        self.backend.destroy(gl);
+        self.surface.destroy(gl);
+        if let Some(resolved) = self.resolved.take() {
+            resolved.destroy(gl);
+        }
+    }
+}
+
+impl Config {
+    /// Asks the driver about the window's framebuffer. The program's binding is put back.
+    fn of_window(gl: &Gl, profile: &Profile, double_buffered: bool) -> Self {
+        let back = match (profile.es, double_buffered) {
+            (true, _) => api::GL_BACK,
+            (false, true) => api::GL_BACK_LEFT,
+            (false, false) => api::GL_FRONT_LEFT,
+        };
+        // SAFETY: queries about the window's framebuffer; the binding is put back.
+        unsafe {
+            let mut bound = 0;
+            gl.get_integerv(api::GL_DRAW_FRAMEBUFFER_BINDING, &mut bound);
+            gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, 0);
+            let ask = |attachment: u32, what: u32| {
+                let mut answer = 0;
+                gl.get_framebuffer_attachment_parameteriv(api::GL_DRAW_FRAMEBUFFER, attachment, what, &mut answer);
+                answer
+            };
+            let mut samples = 0;
+            gl.get_integerv(api::GL_SAMPLES, &mut samples);
+            let config = Self {
+                double_buffered,
+                samples,
+                srgb: ask(back, api::GL_FRAMEBUFFER_ATTACHMENT_COLOR_ENCODING) as u32 == api::GL_SRGB,
+                alpha_bits: ask(back, api::GL_FRAMEBUFFER_ATTACHMENT_ALPHA_SIZE),
+                depth_bits: ask(api::GL_DEPTH, api::GL_FRAMEBUFFER_ATTACHMENT_DEPTH_SIZE),
+                stencil_bits: ask(api::GL_STENCIL, api::GL_FRAMEBUFFER_ATTACHMENT_STENCIL_SIZE),
+            };
+            // A window without depth or stencil makes the driver say an error for the question.
+            while gl.get_error() != api::GL_NO_ERROR {}
+            gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, bound as u32);
+            config
+        }
+    }
+}
+
+impl Surface {
+    fn new(gl: &Gl, size: (i32, i32), samples: i32, srgb: bool) -> Result<Self> {
+        let (width, height) = size;
+        let color_format = if srgb { api::GL_SRGB8_ALPHA8 } else { api::GL_RGBA8 };
+        let mut surface = Self { framebuffer: 0, color: 0, depth: 0, samples, size };
+        // SAFETY: makes objects of ours; every binding that is touched is put back.
+        let status = unsafe {
+            let bindings = Bindings::save(gl);
+            gl.gen_framebuffers(1, &mut surface.framebuffer);
+            gl.bind_framebuffer(api::GL_FRAMEBUFFER, surface.framebuffer);
+            if samples > 0 {
+                gl.gen_renderbuffers(1, &mut surface.color);
+                gl.bind_renderbuffer(api::GL_RENDERBUFFER, surface.color);
+                gl.renderbuffer_storage_multisample(api::GL_RENDERBUFFER, samples, color_format, width, height);
+                gl.framebuffer_renderbuffer(
+                    api::GL_FRAMEBUFFER,
+                    api::GL_COLOR_ATTACHMENT0,
+                    api::GL_RENDERBUFFER,
+                    surface.color,
+                );
+            } else {
+                gl.gen_textures(1, &mut surface.color);
+                gl.bind_texture(api::GL_TEXTURE_2D, surface.color);
+                gl.tex_storage2_d(api::GL_TEXTURE_2D, 1, color_format, width, height);
+                if srgb {
+                    gl.tex_parameteri(
+                        api::GL_TEXTURE_2D,
+                        api::GL_TEXTURE_SRGB_DECODE_EXT,
+                        api::GL_SKIP_DECODE_EXT as i32,
+                    );
+                }
+                gl.framebuffer_texture2_d(
+                    api::GL_FRAMEBUFFER,
+                    api::GL_COLOR_ATTACHMENT0,
+                    api::GL_TEXTURE_2D,
+                    surface.color,
+                    0,
+                );
+            }
+            gl.gen_renderbuffers(1, &mut surface.depth);
+            gl.bind_renderbuffer(api::GL_RENDERBUFFER, surface.depth);
+            gl.renderbuffer_storage_multisample(api::GL_RENDERBUFFER, samples, api::GL_DEPTH24_STENCIL8, width, height);
+            gl.framebuffer_renderbuffer(
+                api::GL_FRAMEBUFFER,
+                api::GL_DEPTH_STENCIL_ATTACHMENT,
+                api::GL_RENDERBUFFER,
+                surface.depth,
+            );
+            let status = gl.check_framebuffer_status(api::GL_FRAMEBUFFER);
+            bindings.restore(gl);
+            status
+        };
+        if status == api::GL_FRAMEBUFFER_COMPLETE {
+            return Ok(surface);
+        }
+        surface.destroy(gl);
+        Err(Error::new(
+            ErrorKind::Graphics,
+            format!(
+                "the driver gives no framebuffer of {width} × {height} pixels with {samples} samples (status 0x{status:04X}); a lower quality in [views] makes it smaller"
+            ),
+        ))
+    }
+
+    fn destroy(&self, gl: &Gl) {
+        // SAFETY: objects of ours.
+        unsafe {
+            gl.delete_framebuffers(1, &self.framebuffer);
+            gl.delete_renderbuffers(1, &self.depth);
+            if self.samples > 0 {
+                gl.delete_renderbuffers(1, &self.color);
+            } else {
+                gl.delete_textures(1, &self.color);
+            }
+        }
+    }
+}
+
+/// Bindings that making a surface disturbs.
+struct Bindings([i32; 4]);
+
+impl Bindings {
+    const NAMES: [u32; 4] = [
+        api::GL_DRAW_FRAMEBUFFER_BINDING,
+        api::GL_READ_FRAMEBUFFER_BINDING,
+        api::GL_RENDERBUFFER_BINDING,
+        api::GL_TEXTURE_BINDING_2D,
+    ];
+
+    unsafe fn save(gl: &Gl) -> Self {
+        let mut values = [0; 4];
+        for (value, name) in values.iter_mut().zip(Self::NAMES) {
+            // SAFETY: writes one integer.
+            unsafe { gl.get_integerv(name, value) };
+        }
+        Self(values)
+    }
+
+    unsafe fn restore(&self, gl: &Gl) {
+        let [draw, read, renderbuffer, texture] = self.0.map(|v| v as u32);
+        // SAFETY: puts back what was bound.
+        unsafe {
+            gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, draw);
+            gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, read);
+            gl.bind_renderbuffer(api::GL_RENDERBUFFER, renderbuffer);
+            gl.bind_texture(api::GL_TEXTURE_2D, texture);
+        }
+    }
+}

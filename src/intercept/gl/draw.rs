@@ -1,0 +1,326 @@
+//! A draw of the program → one draw per view.
+
+use super::context::Context;
+use super::hook::hooks;
+use super::matrices::{load_projection, refresh};
+use super::programs::Lens;
+use crate::backend::gl::api::{self, Gl};
+use crate::runtime::session::MatrixClass;
+use std::ffi::c_void;
+
+/// What of the program's state a draw changes that the next view's draw must see unchanged.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Changes {
+    /// Nothing.
+    Nothing,
+    /// Current vertex attributes and material (Begin/End).
+    Attributes,
+    /// Anything that a display list may set.
+    Anything,
+}
+
+/// Where a draw belongs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// The scene, with the fixed-function projection.
+    FixedScene,
+    /// The scene, with the camera of this index.
+    Scene(usize),
+    /// The flat panel.
+    Flat,
+}
+
+/// Issues a draw of the program: once per view that shows it.
+pub fn draw(ctx: &mut Context, changes: Changes, mut issue: impl FnMut(&mut Context, &Gl)) {
+    let gl = ctx.gl;
+    if !ctx.redirected() {
+        plain_program(ctx);
+        issue(ctx, gl);
+        return;
+    }
+    if ctx.picking || ctx.believed.draw_buffer == api::GL_NONE {
+        // Picking and feedback answer in the program's own window coordinates and draw nothing.
+        ctx.set_viewport(ctx.believed.viewport);
+        plain_program(ctx);
+        issue(ctx, gl);
+        return;
+    }
+    ctx.counts.draws_seen += 1;
+    ctx.frame_begun = true;
+    let place = place(ctx);
+    if place == Place::Flat {
+        flat(ctx, changes, issue);
+        return;
+    }
+    let Some(mut target) = ctx.target.take() else { return };
+    let area = i64::from(ctx.believed.viewport[2]) * i64::from(ctx.believed.viewport[3]);
+    ctx.viewport_area[0] = ctx.viewport_area[0].max(area);
+    let views = target.session.views().len();
+    let primary = target.primary();
+    let attributes = AttributeGuard::new(changes, &ctx.profile);
+    let mut projection_loaded = false;
+    for index in 0..views {
+        let last = index + 1 == views && primary.is_none();
+        let (tile, own_lens) = target.session.tile(index);
+        if own_lens {
+            own_window_space(ctx, tile);
+            plain_program(ctx);
+            restore_projection(ctx, &mut projection_loaded);
+        } else {
+            ctx.set_scissor(None);
+            ctx.set_viewport([tile[0], tile[1], tile[2], tile[3]]);
+            match place {
+                Place::FixedScene => {
+                    plain_program(ctx);
+                    if let Some(matrix) = ctx.projection.per_view.get(index) {
+                        load_projection(ctx, matrix);
+                        projection_loaded = true;
+                    }
+                }
+                Place::Scene(camera) => {
+                    if let Some(rows) = ctx.cameras.get(camera).and_then(|c| c.rows.get(index)) {
+                        super::programs::upload(ctx, rows);
+                    }
+                }
+                Place::Flat => {}
+            }
+        }
+        attributes.around(gl, last, || issue(ctx, gl));
+        target.issued(index);
+    }
+    restore_projection(ctx, &mut projection_loaded);
+    if let Some(tile) = primary {
+        own_window_space(ctx, tile);
+        plain_program(ctx);
+        issue(ctx, gl);
+        ctx.counts.primary_draws += 1;
+    }
+    ctx.target = Some(target);
+}
+
+/// A draw that belongs to the flat panel, with the program's own matrices and window space.
+fn flat(ctx: &mut Context, changes: Changes, mut issue: impl FnMut(&mut Context, &Gl)) {
+    let gl = ctx.gl;
+    super::default_framebuffer::want_panel(ctx);
+    let Some(target) = &ctx.target else { return };
+    let tiles = target.flat_tiles();
+    let attributes = AttributeGuard::new(changes, &ctx.profile);
+    plain_program(ctx);
+    for (number, (tile, panel)) in tiles.iter().flatten().enumerate() {
+        own_window_space(ctx, *tile);
+        let last = tiles.iter().flatten().count() == number + 1;
+        let blending = panel.then(|| PanelBlend::begin(gl));
+        attributes.around(gl, last, || issue(ctx, gl));
+        if let Some(blending) = blending.flatten() {
+            blending.end(gl);
+        }
+    }
+    ctx.counts.panel_draws += 1;
+}
+
+/// The program's own viewport and scissor, moved to a tile of the window's size and kept inside it.
+pub fn own_window_space(ctx: &mut Context, tile: [i32; 4]) {
+    let [x, y, width, height] = ctx.believed.viewport;
+    ctx.set_viewport([tile[0] + x, tile[1] + y, width, height]);
+    let inside = x >= 0 && y >= 0 && x + width <= tile[2] && y + height <= tile[3];
+    let scissor = if ctx.believed.scissor_test {
+        Some(intersect(ctx.believed.scissor, tile))
+    } else if inside {
+        None
+    } else {
+        Some(tile)
+    };
+    ctx.set_scissor(scissor);
+}
+
+/// A rectangle of the window, moved to `tile` and cut at its borders.
+pub fn intersect(rect: [i32; 4], tile: [i32; 4]) -> [i32; 4] {
+    let x0 = rect[0].max(0);
+    let y0 = rect[1].max(0);
+    let x1 = rect[0].saturating_add(rect[2]).min(tile[2]);
+    let y1 = rect[1].saturating_add(rect[3]).min(tile[3]);
+    [tile[0] + x0, tile[1] + y0, (x1 - x0).max(0), (y1 - y0).max(0)]
+}
+
+/// Where a draw with the present state belongs.
+pub fn place(ctx: &mut Context) -> Place {
+    if !main_viewport(ctx) {
+        return Place::Flat;
+    }
+    if let Some(program) = ctx.program.clone().filter(|p| p.draws_vertices()) {
+        return match program.lens(ctx) {
+            Lens::Perspective(intrinsics, how) => {
+                *ctx.counts.found.entry(how).or_default() += 1;
+                ctx.lens = Some(intrinsics);
+                let Some(target) = &ctx.target else { return Place::Flat };
+                Place::Scene(ctx.cameras.index(&intrinsics, &target.session))
+            }
+            Lens::Flat => Place::Flat,
+        };
+    }
+    if !ctx.profile.compatibility() {
+        return Place::Flat;
+    }
+    refresh(ctx);
+    match ctx.projection.class {
+        MatrixClass::Perspective(intrinsics) => {
+            ctx.lens = Some(intrinsics);
+            *ctx.counts.found.entry("fixed-function matrix").or_default() += 1;
+            Place::FixedScene
+        }
+        _ => Place::Flat,
+    }
+}
+
+/// Whether the viewport is the program's main one; pictures within the picture are flat.
+pub fn main_viewport(ctx: &Context) -> bool {
+    // In the first frame the first viewport counts: the window may just have got another size.
+    let reference = if ctx.viewport_area[1] > 0 { ctx.viewport_area[1] } else { ctx.viewport_area[0] };
+    let [_, _, width, height] = ctx.believed.viewport.map(i64::from);
+    // More than half, so that side-by-side pictures stay what they are.
+    width * height * 2 > reference
+}
+
+/// Puts the program's own projection back, if a view's was loaded.
+fn restore_projection(ctx: &Context, loaded: &mut bool) {
+    if std::mem::take(loaded) {
+        load_projection(ctx, &ctx.projection.matrix);
+    }
+}
+
+/// Programs that we patched draw untouched where the picture is the program's own.
+pub fn plain_program(ctx: &mut Context) {
+    super::programs::upload(ctx, &super::programs::IDENTITY);
+}
+
+/// Puts vertex attributes (and what else a draw may set) back between views.
+struct AttributeGuard {
+    mask: u32,
+}
+
+impl AttributeGuard {
+    fn new(changes: Changes, profile: &super::context::Profile) -> Self {
+        let mask = match changes {
+            _ if !profile.compatibility() => 0,
+            Changes::Nothing => 0,
+            Changes::Attributes => api::GL_CURRENT_BIT | api::GL_LIGHTING_BIT,
+            Changes::Anything => api::GL_ALL_ATTRIB_BITS,
+        };
+        Self { mask }
+    }
+
+    /// Runs `issue`; unless it is the `last` view's, what it changes is put back.
+    fn around(&self, gl: &Gl, last: bool, issue: impl FnOnce()) {
+        if self.mask == 0 || last {
+            issue();
+            return;
+        }
+        // SAFETY: pushed and popped in pairs around one draw.
+        unsafe { gl.push_attrib(self.mask) };
+        issue();
+        // SAFETY: as above.
+        unsafe { gl.pop_attrib() };
+    }
+}
+
+/// While the panel is drawn, its alpha collects how much of it is covered, for the composition.
+struct PanelBlend {
+    factors: [i32; 4],
+}
+
+impl PanelBlend {
+    fn begin(gl: &Gl) -> Option<Self> {
+        // SAFETY: queries and sets plain state; put back in `end`.
+        unsafe {
+            if gl.is_enabled(api::GL_BLEND) == 0 {
+                return None;
+            }
+            let mut factors = [0; 4];
+            let names =
+                [api::GL_BLEND_SRC_RGB, api::GL_BLEND_DST_RGB, api::GL_BLEND_SRC_ALPHA, api::GL_BLEND_DST_ALPHA];
+            for (factor, name) in factors.iter_mut().zip(names) {
+                gl.get_integerv(name, factor);
+            }
+            let covers = factors[1] as u32 == api::GL_ONE_MINUS_SRC_ALPHA;
+            let (source, destination) =
+                if covers { (api::GL_ONE, api::GL_ONE_MINUS_SRC_ALPHA) } else { (api::GL_ZERO, api::GL_ONE) };
+            gl.blend_func_separate(factors[0] as u32, factors[1] as u32, source, destination);
+            Some(Self { factors })
+        }
+    }
+
+    fn end(self, gl: &Gl) {
+        let [source, destination, source_alpha, destination_alpha] = self.factors.map(|f| f as u32);
+        // SAFETY: puts back what `begin` found.
+        unsafe { gl.blend_func_separate(source, destination, source_alpha, destination_alpha) };
+    }
+}
+
+/// A draw command: passed on while a list is compiled (it becomes part of it), else issued per view.
+macro_rules! draw_hooks {
+    ($( $name:literal $method:ident ( $($p:ident : $t:ty),* ); )*) => {
+        hooks! {
+            $( $name $method($($p: $t),*) = |ctx, gl| {
+                if let Some(recording) = &mut ctx.recording {
+                    recording.draws = true;
+                    gl.$method($($p),*);
+                } else if ctx.in_begin {
+                    gl.$method($($p),*);
+                } else {
+                    draw(ctx, Changes::Nothing, |_, gl| gl.$method($($p),*));
+                }
+            }; )*
+        }
+    };
+}
+
+draw_hooks! {
+    "glDrawArrays" draw_arrays(mode: u32, first: i32, count: i32);
+    "glDrawArraysIndirect" draw_arrays_indirect(mode: u32, indirect: *const c_void);
+    "glDrawArraysInstanced" draw_arrays_instanced(mode: u32, first: i32, count: i32, instances: i32);
+    "glDrawArraysInstancedBaseInstance" draw_arrays_instanced_base_instance(mode: u32, first: i32, count: i32, instances: i32, base: u32);
+    "glDrawElements" draw_elements(mode: u32, count: i32, kind: u32, indices: *const c_void);
+    "glDrawElementsBaseVertex" draw_elements_base_vertex(mode: u32, count: i32, kind: u32, indices: *const c_void, base: i32);
+    "glDrawElementsIndirect" draw_elements_indirect(mode: u32, kind: u32, indirect: *const c_void);
+    "glDrawElementsInstanced" draw_elements_instanced(mode: u32, count: i32, kind: u32, indices: *const c_void, instances: i32);
+    "glDrawElementsInstancedBaseInstance" draw_elements_instanced_base_instance(mode: u32, count: i32, kind: u32, indices: *const c_void, instances: i32, base: u32);
+    "glDrawElementsInstancedBaseVertex" draw_elements_instanced_base_vertex(mode: u32, count: i32, kind: u32, indices: *const c_void, instances: i32, base: i32);
+    "glDrawElementsInstancedBaseVertexBaseInstance" draw_elements_instanced_base_vertex_base_instance(mode: u32, count: i32, kind: u32, indices: *const c_void, instances: i32, vertex: i32, instance: u32);
+    "glDrawRangeElements" draw_range_elements(mode: u32, start: u32, end: u32, count: i32, kind: u32, indices: *const c_void);
+    "glDrawRangeElementsBaseVertex" draw_range_elements_base_vertex(mode: u32, start: u32, end: u32, count: i32, kind: u32, indices: *const c_void, base: i32);
+    "glDrawTransformFeedback" draw_transform_feedback(mode: u32, id: u32);
+    "glDrawTransformFeedbackInstanced" draw_transform_feedback_instanced(mode: u32, id: u32, instances: i32);
+    "glDrawTransformFeedbackStream" draw_transform_feedback_stream(mode: u32, id: u32, stream: u32);
+    "glDrawTransformFeedbackStreamInstanced" draw_transform_feedback_stream_instanced(mode: u32, id: u32, stream: u32, instances: i32);
+    "glMultiDrawArrays" multi_draw_arrays(mode: u32, first: *const i32, count: *const i32, draws: i32);
+    "glMultiDrawArraysIndirect" multi_draw_arrays_indirect(mode: u32, indirect: *const c_void, draws: i32, stride: i32);
+    "glMultiDrawArraysIndirectCount" multi_draw_arrays_indirect_count(mode: u32, indirect: *const c_void, draws: isize, greatest: i32, stride: i32);
+    "glMultiDrawElements" multi_draw_elements(mode: u32, count: *const i32, kind: u32, indices: *const *const c_void, draws: i32);
+    "glMultiDrawElementsBaseVertex" multi_draw_elements_base_vertex(mode: u32, count: *const i32, kind: u32, indices: *const *const c_void, draws: i32, base: *const i32);
+    "glMultiDrawElementsIndirect" multi_draw_elements_indirect(mode: u32, kind: u32, indirect: *const c_void, draws: i32, stride: i32);
+    "glMultiDrawElementsIndirectCount" multi_draw_elements_indirect_count(mode: u32, kind: u32, indirect: *const c_void, draws: isize, greatest: i32, stride: i32);
+    "glRectd" rectd(x1: f64, y1: f64, x2: f64, y2: f64);
+    "glRectf" rectf(x1: f32, y1: f32, x2: f32, y2: f32);
+    "glRecti" recti(x1: i32, y1: i32, x2: i32, y2: i32);
+    "glRects" rects(x1: i16, y1: i16, x2: i16, y2: i16);
+    "glRectdv" rectdv(v1: *const f64, v2: *const f64);
+    "glRectfv" rectfv(v1: *const f32, v2: *const f32);
+    "glRectiv" rectiv(v1: *const i32, v2: *const i32);
+    "glRectsv" rectsv(v1: *const i16, v2: *const i16);
+    "glEvalMesh1" eval_mesh1(mode: u32, i1: i32, i2: i32);
+    "glEvalMesh2" eval_mesh2(mode: u32, i1: i32, i2: i32, j1: i32, j2: i32);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::intersect;
+
+    #[test]
+    fn rectangles_stay_in_their_tile() {
+        assert_eq!(intersect([10, 20, 30, 40], [100, 200, 300, 300]), [110, 220, 30, 40]);
+        assert_eq!(intersect([-10, -20, 30, 40], [100, 200, 300, 300]), [100, 200, 20, 20]);
+        assert_eq!(intersect([290, 290, 30, 40], [100, 200, 300, 300]), [390, 490, 10, 10]);
+        assert_eq!(intersect([400, 400, 30, 40], [100, 200, 300, 300])[2..], [0, 0]);
+        assert_eq!(intersect([i32::MAX, 0, i32::MAX, 1], [0, 0, 300, 300])[2], 0);
+    }
+}

@@ -1,0 +1,81 @@
+//! How a hook is written, and how a name finds its hook.
+
+use std::collections::HashMap;
+use std::sync::OnceLock;
+
+/// A name of the API and the function of ours that answers it.
+pub struct Hook {
+    /// The entry point's core name.
+    pub name: &'static str,
+    /// Our function, with the entry point's own signature.
+    pub address: *const (),
+}
+
+// SAFETY: an address of a function never changes and may be read from any thread.
+unsafe impl Sync for Hook {}
+
+/// Defines hooks and the table `HOOKS` of them.
+///
+/// Each body gets the current context (`$ctx`) and the driver's table (`$gl`). Without a context
+/// of ours the call goes straight to the driver; so it does after a panic, which switches the
+/// context off: interception fails open.
+macro_rules! hooks {
+    ($( $name:literal $method:ident ( $($p:ident : $t:ty),* ) $(-> $r:ty)? = |$ctx:ident, $gl:ident| $body:expr; )*) => {
+        $(
+            unsafe extern "system" fn $method($($p: $t),*) $(-> $r)? {
+                let Some($ctx) = $crate::intercept::gl::context::current() else {
+                    // SAFETY: the program's own call, passed on with its own arguments.
+                    return unsafe { $crate::intercept::gl::context::driver().$method($($p),*) };
+                };
+                let $gl = $ctx.gl;
+                if $ctx.switched_off {
+                    // SAFETY: as above.
+                    return unsafe { $gl.$method($($p),*) };
+                }
+                // SAFETY: what the bodies call are the driver's functions, with the program's
+                // arguments or with our own objects, on the thread whose context this is.
+                match $crate::fence::guard(|| unsafe { $body }) {
+                    Some(answer) => answer,
+                    None => {
+                        $crate::intercept::gl::context::after_panic($name);
+                        // SAFETY: as above.
+                        unsafe { $gl.$method($($p),*) }
+                    }
+                }
+            }
+        )*
+        /// The hooks of this file.
+        pub static HOOKS: &[$crate::intercept::gl::hook::Hook] = &[
+            $( $crate::intercept::gl::hook::Hook { name: $name, address: $method as *const () }, )*
+        ];
+    };
+}
+pub(crate) use hooks;
+
+/// Our function for an entry point, by its core name.
+pub fn find(name: &str) -> Option<*const ()> {
+    static TABLE: OnceLock<HashMap<&'static str, usize>> = OnceLock::new();
+    let table = TABLE.get_or_init(|| {
+        let files = [
+            super::draw::HOOKS,
+            super::immediate::HOOKS,
+            super::lists::HOOKS,
+            super::matrices::HOOKS,
+            super::programs::HOOKS,
+            super::uniforms::HOOKS,
+            super::queries::HOOKS,
+            super::raster::HOOKS,
+            super::state::HOOKS,
+            super::targets::HOOKS,
+            super::reads::HOOKS,
+        ];
+        files.iter().flat_map(|hooks| hooks.iter()).map(|hook| (hook.name, hook.address as usize)).collect()
+    });
+    let core = match name {
+        // Not aliases in the registry (their error rules differ), but the same call for us.
+        "glBindFramebufferEXT" | "glBindFramebufferOES" => "glBindFramebuffer",
+        "glBlitFramebufferANGLE" => "glBlitFramebuffer",
+        _ => crate::backend::gl::api::core_name(name),
+    };
+    table.get(core).map(|address| *address as *const ())
+}

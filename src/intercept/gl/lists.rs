@@ -1,0 +1,322 @@
+//! Display lists: real lists between the commands that must not run once per view.
+//!
+//! A list of the program becomes a sequence of items. What only draws or sets plain state stays
+//! in real lists of the driver (the first under the program's own name); commands that we follow
+//! (matrices, viewport, clears, nested lists …) are kept beside them and run through our hooks.
+
+use super::context::Context;
+use super::draw::{Changes, draw};
+use super::hook::hooks;
+use crate::backend::gl::api::{self, Gl};
+use std::collections::HashMap;
+use std::ffi::c_void;
+use std::sync::{Arc, PoisonError};
+
+/// A command that runs once, not once per view.
+#[derive(Clone, Debug, PartialEq)]
+#[allow(missing_docs)] // Each is the OpenGL command of its name.
+pub enum Command {
+    MatrixMode(u32),
+    LoadIdentity,
+    LoadMatrix([f64; 16]),
+    MultMatrix([f64; 16]),
+    Frustum([f64; 6]),
+    Ortho([f64; 6]),
+    Rotate([f64; 4]),
+    Scale([f64; 3]),
+    Translate([f64; 3]),
+    PushMatrix,
+    PopMatrix,
+    Viewport([i32; 4]),
+    Scissor([i32; 4]),
+    ScissorTest(bool),
+    PushAttributes(u32),
+    PopAttributes,
+    UseProgram(u32),
+    Clear(u32),
+    DrawBuffer(u32),
+    ReadBuffer(u32),
+    RasterPosition([f64; 4]),
+    WindowPosition([f64; 3]),
+    CallList(u32),
+    /// Offsets to be added to `glListBase` when the list runs.
+    CallLists(Vec<u32>),
+    ListBase(u32),
+}
+
+/// A part of a list.
+#[derive(Clone, Debug)]
+enum Item {
+    /// A real list of the driver.
+    Real { list: u32, draws: bool, raster: bool },
+    /// A command of ours.
+    Command(Command),
+}
+
+/// The program's lists that are more than one real list.
+#[derive(Default)]
+pub struct Lists {
+    items: HashMap<u32, Arc<Vec<Item>>>,
+}
+
+/// The list that is being compiled.
+pub struct Recording {
+    list: u32,
+    execute: bool,
+    items: Vec<Item>,
+    real: u32,
+    /// The present real list draws something.
+    pub draws: bool,
+    /// … at the raster position.
+    pub raster: bool,
+}
+
+/// Lists may call lists this deep, as OpenGL says at least.
+const DEEPEST: u32 = 64;
+
+/// Ends the present real list, keeps `command`, and begins another.
+pub fn record(ctx: &mut Context, command: Command) {
+    let gl = ctx.gl;
+    let Some(recording) = &mut ctx.recording else { return };
+    recording.end_part(gl);
+    recording.items.push(Item::Command(command));
+    // SAFETY: a list of our own; the program is compiling, so no list is open now.
+    unsafe {
+        recording.real = gl.gen_lists(1);
+        gl.new_list(recording.real, api::GL_COMPILE);
+    }
+}
+
+impl Recording {
+    fn end_part(&mut self, gl: &Gl) {
+        // SAFETY: ends the list that we, or the program, began.
+        unsafe { gl.end_list() };
+        self.items.push(Item::Real { list: self.real, draws: self.draws, raster: self.raster });
+        self.draws = false;
+        self.raster = false;
+    }
+}
+
+/// Runs a list of the program.
+fn call(ctx: &mut Context, list: u32, depth: u32) {
+    if depth > DEEPEST {
+        return;
+    }
+    let items = {
+        let lists = ctx.share.lists.lock().unwrap_or_else(PoisonError::into_inner);
+        lists.items.get(&list).cloned()
+    };
+    match items {
+        // A list that we did not see compiled (a font of glXUseXFont, say) may do anything.
+        None => run_real(ctx, list, true, true),
+        Some(items) => {
+            for item in items.iter() {
+                match item {
+                    Item::Real { list, draws, raster } => run_real(ctx, *list, *draws, *raster),
+                    Item::Command(command) => run(ctx, command, depth),
+                }
+            }
+        }
+    }
+}
+
+fn run_real(ctx: &mut Context, list: u32, draws: bool, raster: bool) {
+    let gl = ctx.gl;
+    if raster && super::raster::draw_at_raster(ctx, |gl| unsafe { gl.call_list(list) }) {
+        return;
+    }
+    if draws {
+        // SAFETY: a list that exists, or the program's own call.
+        draw(ctx, Changes::Anything, |_, gl| unsafe { gl.call_list(list) });
+    } else {
+        // SAFETY: as above.
+        unsafe { gl.call_list(list) };
+    }
+}
+
+fn run(ctx: &mut Context, command: &Command, depth: u32) {
+    let gl = ctx.gl;
+    let mut matrix = true;
+    // SAFETY: the program's own commands, with the values that it recorded.
+    unsafe {
+        match command {
+            Command::LoadIdentity => gl.load_identity(),
+            Command::LoadMatrix(m) => gl.load_matrixd(m.as_ptr()),
+            Command::MultMatrix(m) => gl.mult_matrixd(m.as_ptr()),
+            Command::Frustum([l, r, b, t, n, f]) => gl.frustum(*l, *r, *b, *t, *n, *f),
+            Command::Ortho([l, r, b, t, n, f]) => gl.ortho(*l, *r, *b, *t, *n, *f),
+            Command::Rotate([a, x, y, z]) => gl.rotated(*a, *x, *y, *z),
+            Command::Scale([x, y, z]) => gl.scaled(*x, *y, *z),
+            Command::Translate([x, y, z]) => gl.translated(*x, *y, *z),
+            Command::PushMatrix => gl.push_matrix(),
+            Command::PopMatrix => gl.pop_matrix(),
+            _ => matrix = false,
+        }
+    }
+    if matrix {
+        if ctx.believed.matrix_mode == api::GL_PROJECTION {
+            ctx.projection.changed = true;
+        }
+        return;
+    }
+    match command {
+        Command::MatrixMode(mode) => {
+            // SAFETY: the program's own command.
+            unsafe { gl.matrix_mode(*mode) };
+            ctx.believed.matrix_mode = *mode;
+        }
+        Command::Viewport(rect) => {
+            ctx.believed.viewport = *rect;
+            if !ctx.redirected() {
+                ctx.set_viewport(*rect);
+            }
+        }
+        Command::Scissor(rect) => {
+            ctx.believed.scissor = *rect;
+            if !ctx.redirected() {
+                ctx.restore_window_space();
+            }
+        }
+        Command::ScissorTest(on) => {
+            ctx.believed.scissor_test = *on;
+            if !ctx.redirected() {
+                ctx.restore_window_space();
+            }
+        }
+        Command::PushAttributes(mask) => super::state::push_attributes(ctx, *mask),
+        Command::PopAttributes => super::state::pop_attributes(ctx),
+        Command::UseProgram(program) => super::programs::use_program(ctx, *program),
+        Command::Clear(mask) => super::targets::clear_window(ctx, *mask),
+        Command::DrawBuffer(buffer) => super::targets::select_draw_buffer(ctx, *buffer),
+        Command::ReadBuffer(buffer) => super::targets::select_read_buffer(ctx, *buffer),
+        Command::RasterPosition(position) => super::raster::set_position(ctx, *position),
+        Command::WindowPosition(position) => super::raster::set_window_position(ctx, *position),
+        Command::CallList(list) => call(ctx, *list, depth + 1),
+        Command::CallLists(offsets) => {
+            for offset in offsets {
+                call(ctx, ctx.list_base.wrapping_add(*offset), depth + 1);
+            }
+        }
+        Command::ListBase(base) => set_list_base(ctx, *base),
+        _ => {}
+    }
+}
+
+fn set_list_base(ctx: &mut Context, base: u32) {
+    ctx.list_base = base;
+    // SAFETY: the program's own command.
+    unsafe { ctx.gl.list_base(base) };
+}
+
+/// The offsets in the array of `glCallLists`.
+///
+/// # Safety
+/// `lists` must hold `count` elements of the type `kind`, as the program promises OpenGL.
+unsafe fn offsets(count: i32, kind: u32, lists: *const c_void) -> Vec<u32> {
+    let count = usize::try_from(count).unwrap_or(0);
+    if lists.is_null() {
+        return Vec::new();
+    }
+    let bytes = |width: usize, i: usize| -> u32 {
+        // SAFETY: inside the program's array of `count` elements of `width` bytes.
+        (0..width).fold(0, |sum, k| sum << 8 | u32::from(unsafe { *lists.cast::<u8>().add(i * width + k) }))
+    };
+    (0..count)
+        .map(|i| {
+            // SAFETY: inside the program's array; unaligned reads are allowed here.
+            unsafe {
+                match kind {
+                    api::GL_BYTE => i32::from(lists.cast::<i8>().add(i).read_unaligned()) as u32,
+                    api::GL_UNSIGNED_BYTE => u32::from(lists.cast::<u8>().add(i).read_unaligned()),
+                    api::GL_SHORT => i32::from(lists.cast::<i16>().add(i).read_unaligned()) as u32,
+                    api::GL_UNSIGNED_SHORT => u32::from(lists.cast::<u16>().add(i).read_unaligned()),
+                    api::GL_INT | api::GL_UNSIGNED_INT => lists.cast::<u32>().add(i).read_unaligned(),
+                    api::GL_FLOAT => lists.cast::<f32>().add(i).read_unaligned() as i64 as u32,
+                    api::GL_2_BYTES => bytes(2, i),
+                    api::GL_3_BYTES => bytes(3, i),
+                    api::GL_4_BYTES => bytes(4, i),
+                    _ => 0,
+                }
+            }
+        })
+        .collect()
+}
+
+fn begin_recording(ctx: &mut Context, list: u32, mode: u32) {
+    // SAFETY: the program's own command; execution comes when the list ends.
+    unsafe { ctx.gl.new_list(list, if mode == api::GL_COMPILE_AND_EXECUTE { api::GL_COMPILE } else { mode }) };
+    if list != 0 && matches!(mode, api::GL_COMPILE | api::GL_COMPILE_AND_EXECUTE) && !ctx.compiling() {
+        let execute = mode == api::GL_COMPILE_AND_EXECUTE;
+        ctx.recording = Some(Recording { list, execute, items: Vec::new(), real: list, draws: false, raster: false });
+    }
+}
+
+fn finish_recording(ctx: &mut Context) {
+    let gl = ctx.gl;
+    let Some(mut recording) = ctx.recording.take() else {
+        // SAFETY: an error of the program's, for the driver to say.
+        unsafe { gl.end_list() };
+        return;
+    };
+    recording.end_part(gl);
+    forget(ctx, recording.list);
+    let list = recording.list;
+    let mut lists = ctx.share.lists.lock().unwrap_or_else(PoisonError::into_inner);
+    lists.items.insert(list, Arc::new(recording.items));
+    drop(lists);
+    if recording.execute {
+        call(ctx, list, 0);
+    }
+}
+
+/// Forgets what `list` was, and deletes our parts of it.
+fn forget(ctx: &Context, list: u32) {
+    let mut lists = ctx.share.lists.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(items) = lists.items.remove(&list) {
+        for item in items.iter() {
+            if let Item::Real { list: part, .. } = item
+                && *part != list
+            {
+                // SAFETY: a list of our own that nothing else names.
+                unsafe { ctx.gl.delete_lists(*part, 1) };
+            }
+        }
+    }
+}
+
+hooks! {
+    "glNewList" new_list(list: u32, mode: u32) = |ctx, _gl| begin_recording(ctx, list, mode);
+    "glEndList" end_list() = |ctx, _gl| finish_recording(ctx);
+    "glCallList" call_list(list: u32) = |ctx, gl| {
+        if ctx.in_begin {
+            gl.call_list(list);
+        } else if ctx.compiling() {
+            record(ctx, Command::CallList(list));
+        } else {
+            call(ctx, list, 0);
+        }
+    };
+    "glCallLists" call_lists(count: i32, kind: u32, names: *const c_void) = |ctx, gl| {
+        if ctx.in_begin {
+            gl.call_lists(count, kind, names);
+        } else {
+            let offsets = offsets(count, kind, names);
+            if ctx.compiling() {
+                record(ctx, Command::CallLists(offsets));
+            } else {
+                for offset in offsets {
+                    call(ctx, ctx.list_base.wrapping_add(offset), 0);
+                }
+            }
+        }
+    };
+    "glListBase" list_base(base: u32) = |ctx, _gl| {
+        if ctx.compiling() { record(ctx, Command::ListBase(base)) } else { set_list_base(ctx, base) }
+    };
+    "glDeleteLists" delete_lists(list: u32, range: i32) = |ctx, gl| {
+        for i in 0..u32::try_from(range).unwrap_or(0) {
+            forget(ctx, list.wrapping_add(i));
+        }
+        gl.delete_lists(list, range);
+    };
+}

@@ -1,0 +1,158 @@
+//! The fixed-function projection: what the program has in `GL_PROJECTION`, and each view's.
+
+use super::context::Context;
+use super::hook::hooks;
+use super::lists::Command;
+use crate::backend::gl::api;
+use crate::runtime::Session;
+use crate::runtime::session::{MatrixClass, classify};
+
+/// The program's `GL_PROJECTION` and what follows from it.
+pub struct Projection {
+    /// The matrix may have changed since it was read.
+    pub changed: bool,
+    /// As the program set it, column by column.
+    pub matrix: [f64; 16],
+    /// What it is.
+    pub class: MatrixClass,
+    /// Each view's projection in its place.
+    pub per_view: Vec<[f64; 16]>,
+}
+
+impl Default for Projection {
+    fn default() -> Self {
+        Self { changed: true, matrix: [0.0; 16], class: MatrixClass::Other, per_view: Vec::new() }
+    }
+}
+
+impl Projection {
+    fn update(&mut self, matrix: [f64; 16], session: &Session) {
+        self.changed = false;
+        if matrix == self.matrix && !self.per_view.is_empty() {
+            return;
+        }
+        self.matrix = matrix;
+        self.class = classify(&matrix);
+        self.per_view.clear();
+        if let MatrixClass::Perspective(intrinsics) = &self.class {
+            let rows = session.rows(intrinsics);
+            self.per_view.extend(rows.iter().map(|rows| multiply(&rows.matrix(), &matrix)));
+        }
+    }
+
+    /// The views changed: nothing is valid any more.
+    pub fn clear(&mut self) {
+        self.changed = true;
+        self.per_view.clear();
+    }
+}
+
+/// Brings the shadow of `GL_PROJECTION` up to date; asks the driver only after a change.
+pub fn refresh(ctx: &mut Context) {
+    if !ctx.projection.changed {
+        return;
+    }
+    let Some(target) = &ctx.target else { return };
+    let mut matrix = [0.0; 16];
+    // SAFETY: writes sixteen doubles; the context has a fixed-function pipeline.
+    unsafe { ctx.gl.get_doublev(api::GL_PROJECTION_MATRIX, matrix.as_mut_ptr()) };
+    ctx.projection.update(matrix, &target.session);
+}
+
+/// Loads `matrix` into `GL_PROJECTION`, whatever the matrix mode is.
+pub fn load_projection(ctx: &Context, matrix: &[f64; 16]) {
+    let mode = ctx.believed.matrix_mode;
+    // SAFETY: reads sixteen doubles; the matrix mode is put back.
+    unsafe {
+        if mode != api::GL_PROJECTION {
+            ctx.gl.matrix_mode(api::GL_PROJECTION);
+        }
+        ctx.gl.load_matrixd(matrix.as_ptr());
+        if mode != api::GL_PROJECTION {
+            ctx.gl.matrix_mode(mode);
+        }
+    }
+}
+
+fn multiply(a: &[f64; 16], b: &[f64; 16]) -> [f64; 16] {
+    std::array::from_fn(|i| (0..4).map(|k| a[k * 4 + i % 4] * b[i / 4 * 4 + k]).sum())
+}
+
+/// Runs a matrix command of the program, or records it into the list that is being compiled.
+fn matrix_command(ctx: &mut Context, command: Command, run: impl FnOnce()) {
+    if ctx.compiling() {
+        super::lists::record(ctx, command);
+        return;
+    }
+    run();
+    if ctx.believed.matrix_mode == api::GL_PROJECTION {
+        ctx.projection.changed = true;
+    }
+}
+
+fn array<T: Copy + Into<f64>>(pointer: *const T) -> [f64; 16] {
+    // SAFETY: the program passes sixteen numbers to a matrix command.
+    std::array::from_fn(|i| unsafe { (*pointer.add(i)).into() })
+}
+
+fn transposed(m: [f64; 16]) -> [f64; 16] {
+    std::array::from_fn(|i| m[i % 4 * 4 + i / 4])
+}
+
+hooks! {
+    "glMatrixMode" matrix_mode(mode: u32) = |ctx, gl| {
+        if ctx.compiling() {
+            super::lists::record(ctx, Command::MatrixMode(mode));
+        } else {
+            gl.matrix_mode(mode);
+            ctx.believed.matrix_mode = mode;
+        }
+    };
+    "glLoadIdentity" load_identity() = |ctx, gl| matrix_command(ctx, Command::LoadIdentity, || gl.load_identity());
+    "glLoadMatrixf" load_matrixf(m: *const f32) = |ctx, gl| matrix_command(ctx, Command::LoadMatrix(array(m)), || gl.load_matrixf(m));
+    "glLoadMatrixd" load_matrixd(m: *const f64) = |ctx, gl| matrix_command(ctx, Command::LoadMatrix(array(m)), || gl.load_matrixd(m));
+    "glMultMatrixf" mult_matrixf(m: *const f32) = |ctx, gl| matrix_command(ctx, Command::MultMatrix(array(m)), || gl.mult_matrixf(m));
+    "glMultMatrixd" mult_matrixd(m: *const f64) = |ctx, gl| matrix_command(ctx, Command::MultMatrix(array(m)), || gl.mult_matrixd(m));
+    "glLoadTransposeMatrixf" load_transpose_matrixf(m: *const f32) = |ctx, gl|
+        matrix_command(ctx, Command::LoadMatrix(transposed(array(m))), || gl.load_transpose_matrixf(m));
+    "glLoadTransposeMatrixd" load_transpose_matrixd(m: *const f64) = |ctx, gl|
+        matrix_command(ctx, Command::LoadMatrix(transposed(array(m))), || gl.load_transpose_matrixd(m));
+    "glMultTransposeMatrixf" mult_transpose_matrixf(m: *const f32) = |ctx, gl|
+        matrix_command(ctx, Command::MultMatrix(transposed(array(m))), || gl.mult_transpose_matrixf(m));
+    "glMultTransposeMatrixd" mult_transpose_matrixd(m: *const f64) = |ctx, gl|
+        matrix_command(ctx, Command::MultMatrix(transposed(array(m))), || gl.mult_transpose_matrixd(m));
+    "glFrustum" frustum(l: f64, r: f64, b: f64, t: f64, n: f64, f: f64) = |ctx, gl|
+        matrix_command(ctx, Command::Frustum([l, r, b, t, n, f]), || gl.frustum(l, r, b, t, n, f));
+    "glOrtho" ortho(l: f64, r: f64, b: f64, t: f64, n: f64, f: f64) = |ctx, gl|
+        matrix_command(ctx, Command::Ortho([l, r, b, t, n, f]), || gl.ortho(l, r, b, t, n, f));
+    "glRotatef" rotatef(a: f32, x: f32, y: f32, z: f32) = |ctx, gl|
+        matrix_command(ctx, Command::Rotate([a.into(), x.into(), y.into(), z.into()]), || gl.rotatef(a, x, y, z));
+    "glRotated" rotated(a: f64, x: f64, y: f64, z: f64) = |ctx, gl|
+        matrix_command(ctx, Command::Rotate([a, x, y, z]), || gl.rotated(a, x, y, z));
+    "glScalef" scalef(x: f32, y: f32, z: f32) = |ctx, gl|
+        matrix_command(ctx, Command::Scale([x.into(), y.into(), z.into()]), || gl.scalef(x, y, z));
+    "glScaled" scaled(x: f64, y: f64, z: f64) = |ctx, gl|
+        matrix_command(ctx, Command::Scale([x, y, z]), || gl.scaled(x, y, z));
+    "glTranslatef" translatef(x: f32, y: f32, z: f32) = |ctx, gl|
+        matrix_command(ctx, Command::Translate([x.into(), y.into(), z.into()]), || gl.translatef(x, y, z));
+    "glTranslated" translated(x: f64, y: f64, z: f64) = |ctx, gl|
+        matrix_command(ctx, Command::Translate([x, y, z]), || gl.translated(x, y, z));
+    "glPushMatrix" push_matrix() = |ctx, gl| matrix_command(ctx, Command::PushMatrix, || gl.push_matrix());
+    "glPopMatrix" pop_matrix() = |ctx, gl| matrix_command(ctx, Command::PopMatrix, || gl.pop_matrix());
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{multiply, transposed};
+
+    #[test]
+    fn products_are_column_by_column() {
+        let a: [f64; 16] = std::array::from_fn(|i| i as f64);
+        let identity: [f64; 16] = std::array::from_fn(|i| f64::from(u8::from(i % 5 == 0)));
+        assert_eq!(multiply(&a, &identity), a);
+        assert_eq!(multiply(&identity, &a), a);
+        // (A B)ᵀ = Bᵀ Aᵀ tells the order of the factors.
+        let b: [f64; 16] = std::array::from_fn(|i| (i * i) as f64);
+        assert_eq!(transposed(multiply(&a, &b)), multiply(&transposed(b), &transposed(a)));
+    }
+}

@@ -1,0 +1,28 @@
+//! OpenGL and OpenGL ES, through GLX and EGL.
+//!
+//! The vendor wrappers ([`vendor_glx`], [`vendor_egl`]) give libglvnd our functions in place of
+//! the driver's ([`hook`]). A [`context`] remembers what the program believes; its window's
+//! framebuffer is ours ([`default_framebuffer`]), and each draw to it is issued once per view
+//! ([`draw`]).
+
+pub mod camera;
+pub mod context;
+pub mod default_framebuffer;
+pub mod draw;
+pub mod glsl;
+pub mod hook;
+pub mod immediate;
+pub mod lists;
+pub mod matrices;
+pub mod offscreen;
+pub mod present;
+pub mod programs;
+pub mod queries;
+pub mod raster;
+pub mod reads;
+pub mod state;
+pub mod targets;
+pub mod uniforms;
+pub mod vendor_egl;
+pub mod vendor_glx;
+pub mod window;

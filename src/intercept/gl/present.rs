@@ -1,0 +1,229 @@
+//! The end of a frame: correct it into the window, count, capture.
+
+use super::context::{Context, after_panic, current};
+use super::default_framebuffer::{self, take_error, take_own_errors};
+use crate::backend::gl::Target;
+use crate::backend::gl::api::{self, Gl};
+use crate::intercept::{log, settings};
+use crate::runtime::report::{self, Picture, Statistics, ViewStatistics};
+use std::ffi::CStr;
+use std::path::Path;
+use std::sync::{Mutex, Once, PoisonError};
+
+/// Before the window is swapped: its back buffer gets the corrected picture.
+pub fn before_swap() {
+    let Some(ctx) = current().filter(|c| !c.switched_off) else { return };
+    if crate::fence::guard(|| frame(ctx)).is_none() {
+        after_panic("presenting a frame");
+    }
+}
+
+/// After the window was swapped: the next frame begins.
+pub fn after_swap() {
+    let Some(ctx) = current().filter(|c| !c.switched_off) else { return };
+    if crate::fence::guard(|| next_frame(ctx)).is_none() {
+        after_panic("beginning a frame");
+    }
+}
+
+fn frame(ctx: &mut Context) {
+    ctx.counts.frames += 1;
+    if let Some(target) = ctx.target.take() {
+        target.resolve(ctx, None);
+        let targets: Vec<Target> =
+            target.session.viewports().into_iter().map(|viewport| Target { framebuffer: 0, viewport }).collect();
+        let pending = target.backend().present(ctx.gl, target.texture(), &targets);
+        if ctx.pending_error == api::GL_NO_ERROR {
+            ctx.pending_error = pending;
+        }
+        ctx.target = Some(target);
+    }
+    let Some(settings) = settings::settings() else { return };
+    let last = settings.frames == Some(ctx.counts.frames);
+    if last || settings.frames.is_none() {
+        keep_report(ctx, settings);
+    }
+    if last {
+        write_report();
+        // SAFETY: flushes the program's own output; `_exit` runs none of its handlers, which may
+        // wait for a window system that is in the middle of this call.
+        unsafe {
+            libc::fflush(std::ptr::null_mut());
+            libc::_exit(0);
+        }
+    }
+}
+
+fn next_frame(ctx: &mut Context) {
+    ctx.cameras.end_frame();
+    ctx.viewport_area = [0, ctx.viewport_area[0]];
+    ctx.frame_begun = false;
+    follow_size(ctx);
+}
+
+/// Plans anew where the window has another size than the plan. Only between frames.
+pub fn follow_size(ctx: &mut Context) {
+    let Some(window) = ctx.window.clone() else { return };
+    if ctx.target.as_ref().is_some_and(|t| t.size() != window.size()) {
+        if let Some(old) = ctx.target.take() {
+            old.destroy(ctx.gl);
+        }
+        ctx.viewport_area = [0; 2];
+        default_framebuffer::attach(ctx);
+    }
+}
+
+/// What is written when the program ends.
+struct Kept {
+    statistics: Option<Statistics>,
+    pictures: Vec<Picture>,
+    views: Vec<Picture>,
+}
+
+static KEPT: Mutex<Option<Kept>> = Mutex::new(None);
+
+fn keep_report(ctx: &mut Context, settings: &settings::Settings) {
+    if settings.stats.is_none() && settings.capture.is_none() && settings.capture_views.is_none() {
+        return;
+    }
+    static AT_EXIT: Once = Once::new();
+    AT_EXIT.call_once(|| {
+        // SAFETY: registers a function of a library that is never unloaded.
+        unsafe { libc::atexit(at_exit) };
+    });
+    take_error(ctx);
+    let statistics = settings.stats.is_some().then(|| statistics(ctx, settings));
+    let pictures = if settings.capture.is_some() { output_pictures(ctx, settings) } else { Vec::new() };
+    let views = if settings.capture_views.is_some() { view_pictures(ctx) } else { Vec::new() };
+    take_own_errors(ctx);
+    *KEPT.lock().unwrap_or_else(PoisonError::into_inner) = Some(Kept { statistics, pictures, views });
+}
+
+extern "C" fn at_exit() {
+    // A panic while the process ends has nobody left to tell.
+    let _ = crate::fence::guard(write_report);
+}
+
+fn write_report() {
+    let Some(settings) = settings::settings() else { return };
+    let Some(kept) = KEPT.lock().unwrap_or_else(PoisonError::into_inner).take() else { return };
+    let say = |result: crate::Result<()>| {
+        if let Err(error) = result {
+            log::once(&error.message);
+        }
+    };
+    if let (Some(path), Some(statistics)) = (&settings.stats, &kept.statistics) {
+        say(report::write_statistics(path, statistics));
+    }
+    if let Some(path) = &settings.capture {
+        let several = kept.pictures.len() > 1;
+        for picture in &kept.pictures {
+            say(report::write_picture(&report::capture_path(path, &picture.name, several), picture));
+        }
+    }
+    if let Some(directory) = &settings.capture_views {
+        if let Err(error) = std::fs::create_dir_all(directory) {
+            log::once(&format!("{}: {error}", directory.display()));
+        }
+        for picture in &kept.views {
+            say(report::write_picture(&Path::new(directory).join(format!("{}.png", picture.name)), picture));
+        }
+    }
+}
+
+fn statistics(ctx: &Context, settings: &settings::Settings) -> Statistics {
+    // SAFETY: strings of the driver, which live as long as it.
+    let text = |name: u32| unsafe {
+        let text = ctx.gl.get_string(name);
+        if text.is_null() { String::new() } else { CStr::from_ptr(text.cast()).to_string_lossy().into_owned() }
+    };
+    let mut statistics = Statistics {
+        frames: ctx.counts.frames,
+        rig: settings.rig.name.clone(),
+        driver: format!("{}, {}", text(api::GL_VERSION), text(api::GL_RENDERER)),
+        draws_seen: ctx.counts.draws_seen,
+        panel_draws: ctx.counts.panel_draws,
+        primary_draws: ctx.counts.primary_draws,
+        projection_found: ctx.counts.found.iter().map(|(how, n)| ((*how).to_owned(), *n)).collect(),
+        own_errors: ctx.counts.errors,
+        ..Statistics::default()
+    };
+    if let Some(target) = &ctx.target {
+        statistics.own_errors += target.backend().errors();
+        statistics.notes.clone_from(&target.session.plan().views.notes);
+        let issued = target.issued_counts();
+        statistics.views = target
+            .session
+            .views()
+            .iter()
+            .enumerate()
+            .map(|(i, view)| ViewStatistics {
+                name: view.name.clone(),
+                width: view.tile.width,
+                height: view.tile.height,
+                draws_issued: issued.get(i).copied().unwrap_or(0),
+                draws_culled: 0,
+            })
+            .collect();
+    }
+    statistics
+}
+
+/// The outputs of the frame that was just corrected.
+fn output_pictures(ctx: &mut Context, settings: &settings::Settings) -> Vec<Picture> {
+    let gl = ctx.gl;
+    let Some(target) = &ctx.target else {
+        let Some(window) = &ctx.window else { return Vec::new() };
+        let (width, height) = window.size();
+        return vec![read_back(gl, 0, "window", [0, 0, width as i32, height as i32])];
+    };
+    let names = settings.rig.outputs.iter().map(|o| o.name.as_str());
+    if settings.offscreen {
+        return names.enumerate().filter_map(|(i, name)| super::offscreen::picture(ctx, i, name)).collect();
+    }
+    names.zip(target.session.viewports()).map(|(name, rect)| read_back(gl, 0, name, rect)).collect()
+}
+
+/// Every view, the panel and the program's own picture.
+fn view_pictures(ctx: &Context) -> Vec<Picture> {
+    let Some(target) = &ctx.target else { return Vec::new() };
+    let session = &target.session;
+    let mut pictures = Vec::new();
+    for (i, view) in session.views().iter().enumerate() {
+        pictures.push(read_back(ctx.gl, target.readable_framebuffer(), &view.name, session.tile(i).0));
+    }
+    for (name, tile) in [("panel", session.panel()), ("primary", session.primary())] {
+        if let Some(tile) = tile {
+            pictures.push(read_back(ctx.gl, target.readable_framebuffer(), name, tile));
+        }
+    }
+    pictures
+}
+
+/// Reads a rectangle of a framebuffer. Bindings and pixel storage are put back.
+pub fn read_back(gl: &Gl, framebuffer: u32, name: &str, rect: [i32; 4]) -> Picture {
+    let [x, y, width, height] = rect.map(|v| v.max(0));
+    let mut rgba = vec![0; width as usize * height as usize * 4];
+    const STORE: [u32; 4] =
+        [api::GL_PACK_ALIGNMENT, api::GL_PACK_ROW_LENGTH, api::GL_PACK_SKIP_ROWS, api::GL_PACK_SKIP_PIXELS];
+    // SAFETY: reads exactly the bytes that `rgba` has room for; all state is put back.
+    unsafe {
+        let (mut bound, mut buffer) = (0, 0);
+        let mut store = [0; 4];
+        gl.get_integerv(api::GL_READ_FRAMEBUFFER_BINDING, &mut bound);
+        gl.get_integerv(api::GL_PIXEL_PACK_BUFFER_BINDING, &mut buffer);
+        for (value, name) in store.iter_mut().zip(STORE) {
+            gl.get_integerv(name, value);
+            gl.pixel_storei(name, i32::from(name == api::GL_PACK_ALIGNMENT));
+        }
+        gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, framebuffer);
+        gl.bind_buffer(api::GL_PIXEL_PACK_BUFFER, 0);
+        gl.read_pixels(x, y, width, height, api::GL_RGBA, api::GL_UNSIGNED_BYTE, rgba.as_mut_ptr().cast());
+        gl.bind_buffer(api::GL_PIXEL_PACK_BUFFER, buffer as u32);
+        gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, bound as u32);
+        for (value, name) in store.iter().zip(STORE) {
+            gl.pixel_storei(name, *value);
+        }
+    }
+    Picture { name: name.to_owned(), width: width as u32, height: height as u32, rgba }
+}

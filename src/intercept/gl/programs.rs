@@ -1,0 +1,310 @@
+//! The program's shaders: patched when they are linked, and which lens they draw with.
+
+use super::context::{Context, Profile};
+use super::glsl::{self, Stage};
+use super::hook::hooks;
+use super::uniforms::{self, Uniforms};
+use crate::backend::gl::api::{self, Gl};
+use crate::intercept::log;
+use crate::runtime::session::{Intrinsics, MatrixClass};
+use std::collections::HashMap;
+use std::ffi::{CStr, CString, c_char};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// Rows that change nothing: the program's own picture.
+pub const IDENTITY: [f32; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+
+/// Shaders and programs of a group of contexts.
+#[derive(Default)]
+pub struct Programs {
+    sources: HashMap<u32, Arc<str>>,
+    programs: HashMap<u32, Arc<Program>>,
+}
+
+/// A linked program.
+pub struct Program {
+    /// Its OpenGL name.
+    pub name: u32,
+    /// Where the rows of the re-projection go; −1 = it is not patched.
+    location: i32,
+    /// Index of our uniform among the active ones, to be hidden.
+    pub hidden: Option<u32>,
+    /// It has a stage of its own before rasterisation.
+    vertices: bool,
+    /// It uses the fixed-function matrices.
+    fixed_matrices: bool,
+    /// Its 4×4 matrices.
+    pub uniforms: Mutex<Uniforms>,
+    uploaded: Mutex<Option<[f32; 16]>>,
+}
+
+/// What a program draws with.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Lens {
+    /// A perspective, and how it was found.
+    Perspective(Intrinsics, &'static str),
+    /// No perspective.
+    Flat,
+}
+
+impl Program {
+    /// Whether vertices go through its own shaders rather than the fixed-function pipeline.
+    pub fn draws_vertices(&self) -> bool {
+        self.vertices
+    }
+
+    /// The lens that its matrices hold now.
+    pub fn lens(&self, ctx: &mut Context) -> Lens {
+        if self.location < 0 {
+            return Lens::Flat;
+        }
+        if self.fixed_matrices {
+            super::matrices::refresh(ctx);
+            if let MatrixClass::Perspective(intrinsics) = ctx.projection.class {
+                return Lens::Perspective(intrinsics, "fixed-function matrix in a shader");
+            }
+        }
+        let mut uniforms = self.uniforms.lock().unwrap_or_else(PoisonError::into_inner);
+        uniforms.lens(ctx.gl, self.name, ctx.buffer_generation)
+    }
+}
+
+/// Sends `rows` to the program in use, unless it has them.
+pub fn upload(ctx: &Context, rows: &[f32; 16]) {
+    let Some(program) = &ctx.program else { return };
+    if program.location < 0 {
+        return;
+    }
+    let mut uploaded = program.uploaded.lock().unwrap_or_else(PoisonError::into_inner);
+    if uploaded.as_ref() != Some(rows) {
+        // SAFETY: the program is in use and the location is that of our array of four vectors.
+        unsafe { ctx.gl.uniform4fv(program.location, 4, rows.as_ptr()) };
+        *uploaded = Some(*rows);
+    }
+}
+
+/// `glUseProgram`.
+pub fn use_program(ctx: &mut Context, name: u32) {
+    // SAFETY: the program's own call.
+    unsafe { ctx.gl.use_program(name) };
+    let programs = ctx.share.programs.lock().unwrap_or_else(PoisonError::into_inner);
+    ctx.program = programs.programs.get(&name).cloned();
+}
+
+/// The record of a program, for queries about it.
+pub fn record(ctx: &Context, name: u32) -> Option<Arc<Program>> {
+    ctx.share.programs.lock().unwrap_or_else(PoisonError::into_inner).programs.get(&name).cloned()
+}
+
+/// A block of `name` was bound elsewhere: its matrices are found anew.
+pub fn read_again(ctx: &mut Context, name: u32) {
+    let Some(old) = record(ctx, name) else { return };
+    let (uniforms, _) = uniforms::read(ctx.gl, &ctx.profile, name, glsl::UNIFORM);
+    *old.uniforms.lock().unwrap_or_else(PoisonError::into_inner) = uniforms;
+}
+
+fn source_text(count: i32, strings: *const *const c_char, lengths: *const i32) -> Option<Arc<str>> {
+    let mut bytes = Vec::new();
+    for i in 0..usize::try_from(count).ok()? {
+        // SAFETY: the program passes `count` strings, and lengths or null for NUL-terminated ones.
+        unsafe {
+            let string = *strings.add(i);
+            if string.is_null() {
+                return None;
+            }
+            let length = if lengths.is_null() { -1 } else { *lengths.add(i) };
+            match usize::try_from(length) {
+                Ok(length) => bytes.extend_from_slice(std::slice::from_raw_parts(string.cast::<u8>(), length)),
+                Err(_) => bytes.extend_from_slice(CStr::from_ptr(string).to_bytes()),
+            }
+        }
+    }
+    // Some programs count the NUL in the length.
+    while bytes.last() == Some(&0) {
+        bytes.pop();
+    }
+    Some(String::from_utf8_lossy(&bytes).into())
+}
+
+fn set_source(gl: &Gl, shader: u32, text: &str) {
+    let pointer = text.as_ptr().cast::<c_char>();
+    let length = text.len() as i32;
+    // SAFETY: one string with its length.
+    unsafe { gl.shader_source(shader, 1, &pointer, &length) };
+}
+
+fn attached(gl: &Gl, program: u32) -> Vec<(u32, u32)> {
+    let mut names = [0; 64];
+    let mut count = 0;
+    // SAFETY: writes at most 64 names and, for each, one integer.
+    unsafe {
+        gl.get_attached_shaders(program, 64, &mut count, names.as_mut_ptr());
+        let names = &names[..usize::try_from(count).unwrap_or(0).min(64)];
+        names
+            .iter()
+            .map(|name| {
+                let mut kind = 0;
+                gl.get_shaderiv(*name, api::GL_SHADER_TYPE, &mut kind);
+                (*name, kind as u32)
+            })
+            .collect()
+    }
+}
+
+fn status(gl: &Gl, program: u32) -> bool {
+    let mut ok = 0;
+    // SAFETY: writes one integer.
+    unsafe { gl.get_programiv(program, api::GL_LINK_STATUS, &mut ok) };
+    ok != 0
+}
+
+/// The last stage before rasterisation, with the object that holds its `main`, patched.
+fn patched_stage(sources: &HashMap<u32, Arc<str>>, shaders: &[(u32, u32)]) -> Option<(u32, Arc<str>, String)> {
+    let stages = [
+        (api::GL_GEOMETRY_SHADER, Stage::Geometry),
+        (api::GL_TESS_EVALUATION_SHADER, Stage::TessellationEvaluation),
+        (api::GL_VERTEX_SHADER, Stage::Vertex),
+    ];
+    let (kind, stage) = stages.into_iter().find(|(kind, _)| shaders.iter().any(|s| s.1 == *kind))?;
+    shaders.iter().filter(|s| s.1 == kind).find_map(|(shader, _)| {
+        let source = sources.get(shader)?;
+        glsl::patch(source, stage).map(|patched| (*shader, source.clone(), patched))
+    })
+}
+
+/// Links with the patched stage; leaves the program as it would be without us where that fails.
+fn link(ctx: &mut Context, program: u32) {
+    let gl = ctx.gl;
+    let shaders = attached(gl, program);
+    let mut programs = ctx.share.programs.lock().unwrap_or_else(PoisonError::into_inner);
+    programs.programs.remove(&program);
+    let patched = patched_stage(&programs.sources, &shaders);
+    let mut linked = false;
+    if let Some((shader, original, text)) = &patched {
+        linked = link_patched(gl, program, *shader, original, text);
+    }
+    if !linked {
+        // SAFETY: the program's own call.
+        unsafe { gl.link_program(program) };
+    }
+    if !status(gl, program) {
+        return;
+    }
+    let vertices = shaders.iter().any(|s| s.1 == api::GL_VERTEX_SHADER);
+    if vertices && !linked {
+        log::once("a program's shaders could not be patched; what it draws appears flat");
+    }
+    let words = ["gl_ModelViewProjectionMatrix", "gl_ProjectionMatrix", "ftransform"];
+    let fixed_matrices = shaders
+        .iter()
+        .filter(|s| s.1 != api::GL_FRAGMENT_SHADER)
+        .filter_map(|s| programs.sources.get(&s.0))
+        .any(|source| words.iter().any(|word| glsl::mentions(source, word)));
+    let record = Arc::new(read_program(gl, &ctx.profile, program, linked, vertices, fixed_matrices));
+    programs.programs.insert(program, record.clone());
+    // Linking a program that is in use puts the new one into use.
+    if ctx.program.as_ref().is_some_and(|p| p.name == program) {
+        ctx.program = Some(record);
+    }
+}
+
+fn link_patched(gl: &Gl, program: u32, shader: u32, original: &str, text: &str) -> bool {
+    let compiles = |text: &str| {
+        set_source(gl, shader, text);
+        let mut ok = 0;
+        // SAFETY: compiles the program's own shader object; writes one integer.
+        unsafe {
+            gl.compile_shader(shader);
+            gl.get_shaderiv(shader, api::GL_COMPILE_STATUS, &mut ok);
+        }
+        ok != 0
+    };
+    let mut linked = false;
+    if compiles(text) {
+        // SAFETY: the program's own call.
+        unsafe { gl.link_program(program) };
+        linked = status(gl, program) && !captures_position(gl, program);
+    }
+    if linked {
+        // What the program asks for is its own text.
+        set_source(gl, shader, original);
+    } else {
+        compiles(original);
+    }
+    linked
+}
+
+/// Transform feedback of `gl_Position` must see the program's own values.
+fn captures_position(gl: &Gl, program: u32) -> bool {
+    let mut count = 0;
+    // SAFETY: writes one integer; absent commands answer nothing.
+    unsafe { gl.get_programiv(program, api::GL_TRANSFORM_FEEDBACK_VARYINGS, &mut count) };
+    (0..u32::try_from(count).unwrap_or(0)).any(|index| {
+        let mut name: [c_char; 64] = [0; 64];
+        let (mut length, mut size, mut kind) = (0, 0, 0);
+        // SAFETY: writes at most 64 characters with their NUL.
+        unsafe {
+            gl.get_transform_feedback_varying(program, index, 64, &mut length, &mut size, &mut kind, name.as_mut_ptr());
+            CStr::from_ptr(name.as_ptr()) == c"gl_Position"
+        }
+    })
+}
+
+fn read_program(gl: &Gl, profile: &Profile, name: u32, patched: bool, vertices: bool, fixed_matrices: bool) -> Program {
+    let ours = CString::new(glsl::UNIFORM).unwrap_or_default();
+    // SAFETY: a NUL-terminated name.
+    let location = if patched { unsafe { gl.get_uniform_location(name, ours.as_ptr()) } } else { -1 };
+    let (uniforms, hidden) = uniforms::read(gl, profile, name, glsl::UNIFORM);
+    Program {
+        name,
+        location,
+        hidden,
+        vertices,
+        fixed_matrices,
+        uniforms: Mutex::new(uniforms),
+        uploaded: Mutex::new(None),
+    }
+}
+
+hooks! {
+    "glShaderSource" shader_source(shader: u32, count: i32, strings: *const *const c_char, lengths: *const i32) = |ctx, gl| {
+        gl.shader_source(shader, count, strings, lengths);
+        if let Some(text) = source_text(count, strings, lengths) {
+            ctx.share.programs.lock().unwrap_or_else(PoisonError::into_inner).sources.insert(shader, text);
+        }
+    };
+    "glDeleteShader" delete_shader(shader: u32) = |_ctx, gl| {
+        // Its source stays known: it may still be attached, and its name comes back only with a new source.
+        gl.delete_shader(shader)
+    };
+    "glLinkProgram" link_program(program: u32) = |ctx, _gl| link(ctx, program);
+    "glDeleteProgram" delete_program(program: u32) = |ctx, gl| {
+        gl.delete_program(program);
+        ctx.share.programs.lock().unwrap_or_else(PoisonError::into_inner).programs.remove(&program);
+    };
+    "glCreateShaderProgramv" create_shader_programv(kind: u32, count: i32, strings: *const *const c_char) -> u32 = |ctx, gl| {
+        // As OpenGL describes it in terms of the other commands.
+        let shader = gl.create_shader(kind);
+        if shader == 0 {
+            return 0;
+        }
+        gl.shader_source(shader, count, strings, std::ptr::null());
+        if let Some(text) = source_text(count, strings, std::ptr::null()) {
+            ctx.share.programs.lock().unwrap_or_else(PoisonError::into_inner).sources.insert(shader, text);
+        }
+        gl.compile_shader(shader);
+        let program = gl.create_program();
+        if program != 0 {
+            let mut compiled = 0;
+            gl.get_shaderiv(shader, api::GL_COMPILE_STATUS, &mut compiled);
+            gl.program_parameteri(program, api::GL_PROGRAM_SEPARABLE, 1);
+            if compiled != 0 {
+                gl.attach_shader(program, shader);
+                link(ctx, program);
+                gl.detach_shader(program, shader);
+            }
+        }
+        gl.delete_shader(shader);
+        program
+    };
+}

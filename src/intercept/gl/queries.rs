@@ -1,0 +1,146 @@
+//! What a program asks about its state: what it set, not what a view needs.
+
+use super::context::Context;
+use super::hook::hooks;
+use crate::backend::gl::api;
+use std::ffi::c_char;
+
+/// Up to four numbers that answer `glGet` for state that we follow.
+fn believed(ctx: &mut Context, name: u32) -> Option<([f64; 4], usize)> {
+    let four = |v: [i32; 4]| Some((v.map(f64::from), 4));
+    let one = |v: f64| Some(([v, 0.0, 0.0, 0.0], 1));
+    ctx.target.as_ref()?;
+    match name {
+        api::GL_VIEWPORT => four(ctx.believed.viewport),
+        api::GL_SCISSOR_BOX => four(ctx.believed.scissor),
+        api::GL_SCISSOR_TEST => one(f64::from(u8::from(ctx.believed.scissor_test))),
+        api::GL_DRAW_FRAMEBUFFER_BINDING => one(ctx.believed.draw_framebuffer.into()),
+        api::GL_READ_FRAMEBUFFER_BINDING => one(ctx.believed.read_framebuffer.into()),
+        api::GL_DRAW_BUFFER | api::GL_DRAW_BUFFER0 if ctx.redirected() => one(ctx.believed.draw_buffer.into()),
+        api::GL_READ_BUFFER if ctx.reads_redirected() => one(ctx.believed.read_buffer.into()),
+        api::GL_NUM_PROGRAM_BINARY_FORMATS => one(0.0),
+        _ if ctx.believed.draw_framebuffer == 0 => {
+            let config = ctx.target.as_ref()?.config();
+            match name {
+                api::GL_DOUBLEBUFFER => one(f64::from(u8::from(config.double_buffered))),
+                api::GL_STEREO => one(0.0),
+                api::GL_SAMPLES => one(config.samples.into()),
+                api::GL_SAMPLE_BUFFERS => one(f64::from(u8::from(config.samples > 0))),
+                api::GL_ALPHA_BITS => one(config.alpha_bits.into()),
+                api::GL_DEPTH_BITS => one(config.depth_bits.into()),
+                api::GL_STENCIL_BITS => one(config.stencil_bits.into()),
+                _ => None,
+            }
+        }
+        _ => None,
+    }
+}
+
+/// The raster position as in the program's window.
+fn raster_position(ctx: &Context, values: &mut [f64; 4]) {
+    if let Some(tile) = ctx.target.as_ref().and_then(|t| t.panel())
+        && ctx.redirected()
+        && !ctx.raster.in_scene()
+    {
+        values[0] -= f64::from(tile[0]);
+        values[1] -= f64::from(tile[1]);
+    }
+}
+
+macro_rules! getters {
+    ($( $name:literal $method:ident $t:ty, $convert:expr; )*) => {
+        hooks! {
+            $( $name $method(name: u32, values: *mut $t) = |ctx, gl| {
+                if values.is_null() {
+                    gl.$method(name, values);
+                } else if name == api::GL_CURRENT_RASTER_POSITION && ctx.target.is_some() {
+                    let mut position = [0.0; 4];
+                    gl.get_doublev(name, position.as_mut_ptr());
+                    raster_position(ctx, &mut position);
+                    for (i, value) in position.into_iter().enumerate() {
+                        *values.add(i) = $convert(value);
+                    }
+                } else if let Some((answer, count)) = believed(ctx, name) {
+                    for (i, value) in answer.into_iter().take(count).enumerate() {
+                        *values.add(i) = $convert(value);
+                    }
+                } else {
+                    gl.$method(name, values);
+                }
+            }; )*
+            "glIsEnabled" is_enabled(cap: u32) -> u8 = |ctx, gl| {
+                if cap == api::GL_SCISSOR_TEST && ctx.target.is_some() { u8::from(ctx.believed.scissor_test) } else { gl.is_enabled(cap) }
+            };
+            "glGetError" get_error() -> u32 = |ctx, gl| {
+                match std::mem::take(&mut ctx.pending_error) {
+                    api::GL_NO_ERROR => gl.get_error(),
+                    error => error,
+                }
+            };
+            "glGetFramebufferAttachmentParameteriv" get_framebuffer_attachment_parameteriv(target: u32, attachment: u32, name: u32, values: *mut i32) = |ctx, gl| {
+                let window = if target == api::GL_READ_FRAMEBUFFER { ctx.reads_redirected() } else { ctx.redirected() };
+                if window && name == api::GL_FRAMEBUFFER_ATTACHMENT_OBJECT_TYPE && !values.is_null() {
+                    *values = api::GL_FRAMEBUFFER_DEFAULT as i32;
+                } else {
+                    let attachment = match attachment {
+                        _ if !window => attachment,
+                        api::GL_DEPTH => api::GL_DEPTH_ATTACHMENT,
+                        api::GL_STENCIL => api::GL_STENCIL_ATTACHMENT,
+                        _ => api::GL_COLOR_ATTACHMENT0,
+                    };
+                    gl.get_framebuffer_attachment_parameteriv(target, attachment, name, values);
+                }
+            };
+            "glGetProgramiv" get_programiv(program: u32, name: u32, value: *mut i32) = |ctx, gl| {
+                gl.get_programiv(program, name, value);
+                if name == api::GL_ACTIVE_UNIFORMS && !value.is_null() && hidden(ctx, program).is_some() {
+                    *value -= 1;
+                }
+            };
+            "glGetActiveUniform" get_active_uniform(program: u32, index: u32, room: i32, length: *mut i32, size: *mut i32, kind: *mut u32, name: *mut c_char) = |ctx, gl|
+                gl.get_active_uniform(program, shifted(ctx, program, index), room, length, size, kind, name);
+            "glGetActiveUniformName" get_active_uniform_name(program: u32, index: u32, room: i32, length: *mut i32, name: *mut c_char) = |ctx, gl|
+                gl.get_active_uniform_name(program, shifted(ctx, program, index), room, length, name);
+            "glGetActiveUniformsiv" get_active_uniformsiv(program: u32, count: i32, indices: *const u32, what: u32, values: *mut i32) = |ctx, gl| {
+                if hidden(ctx, program).is_none() || indices.is_null() {
+                    gl.get_active_uniformsiv(program, count, indices, what, values);
+                } else {
+                    let given = std::slice::from_raw_parts(indices, usize::try_from(count).unwrap_or(0));
+                    let moved: Vec<u32> = given.iter().map(|i| shifted(ctx, program, *i)).collect();
+                    gl.get_active_uniformsiv(program, count, moved.as_ptr(), what, values);
+                }
+            };
+            "glGetUniformIndices" get_uniform_indices(program: u32, count: i32, names: *const *const c_char, indices: *mut u32) = |ctx, gl| {
+                gl.get_uniform_indices(program, count, names, indices);
+                if let (Some(ours), false) = (hidden(ctx, program), indices.is_null()) {
+                    for index in std::slice::from_raw_parts_mut(indices, usize::try_from(count).unwrap_or(0)) {
+                        if *index != api::GL_INVALID_INDEX && *index > ours {
+                            *index -= 1;
+                        }
+                    }
+                }
+            };
+        }
+    };
+}
+
+/// Index of our uniform among the program's active ones.
+fn hidden(ctx: &Context, program: u32) -> Option<u32> {
+    super::programs::record(ctx, program)?.hidden
+}
+
+/// The driver's index for the program's, which does not count ours.
+fn shifted(ctx: &Context, program: u32, index: u32) -> u32 {
+    match hidden(ctx, program) {
+        Some(ours) if index >= ours => index + 1,
+        _ => index,
+    }
+}
+
+getters! {
+    "glGetIntegerv" get_integerv i32, |v: f64| v as i32;
+    "glGetInteger64v" get_integer64v i64, |v: f64| v as i64;
+    "glGetFloatv" get_floatv f32, |v: f64| v as f32;
+    "glGetDoublev" get_doublev f64, |v: f64| v;
+    "glGetBooleanv" get_booleanv u8, |v: f64| u8::from(v != 0.0);
+}

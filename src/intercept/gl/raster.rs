@@ -1,0 +1,263 @@
+//! The raster position, and what is drawn at it: bitmaps and pixel rectangles.
+//!
+//! The driver transforms a raster position once, when it is set. On the flat panel that is right.
+//! A position in the scene has another place in every view, so it is kept with its model-view
+//! matrix and set again in each view before something is drawn there.
+
+use super::context::Context;
+use super::draw::{Place, own_window_space, place};
+use super::hook::hooks;
+use super::lists::Command;
+use super::matrices::load_projection;
+use crate::backend::gl::api::{self, Gl};
+use std::ffi::c_void;
+
+/// Where the raster position belongs.
+#[derive(Default)]
+pub struct Raster {
+    scene: Option<ScenePosition>,
+}
+
+impl Raster {
+    /// Whether it lies in the scene rather than on the flat panel.
+    pub fn in_scene(&self) -> bool {
+        self.scene.is_some()
+    }
+}
+
+/// A raster position in the scene.
+#[derive(Clone)]
+struct ScenePosition {
+    object: [f64; 4],
+    model_view: [f64; 16],
+    projections: Vec<[f64; 16]>,
+    /// How far bitmaps moved it since, in pixels.
+    moved: [f32; 2],
+}
+
+/// `glRasterPos`.
+pub fn set_position(ctx: &mut Context, object: [f64; 4]) {
+    let gl = ctx.gl;
+    ctx.raster.scene = None;
+    if ctx.redirected() && !ctx.picking {
+        let place = place(ctx);
+        if place == Place::FixedScene {
+            let mut model_view = [0.0; 16];
+            // SAFETY: writes sixteen doubles; a raster position implies a fixed-function pipeline.
+            unsafe { gl.get_doublev(api::GL_MODELVIEW_MATRIX, model_view.as_mut_ptr()) };
+            let projections = ctx.projection.per_view.clone();
+            ctx.raster.scene = Some(ScenePosition { object, model_view, projections, moved: [0.0; 2] });
+            // The driver's own state too, for queries: as in the program's window.
+            ctx.set_viewport(ctx.believed.viewport);
+        } else {
+            flat_window_space(ctx);
+        }
+    }
+    // SAFETY: the program's own call.
+    unsafe { gl.raster_pos4d(object[0], object[1], object[2], object[3]) };
+}
+
+/// `glWindowPos`.
+pub fn set_window_position(ctx: &mut Context, position: [f64; 3]) {
+    ctx.raster.scene = None;
+    let mut offset = [0, 0];
+    if ctx.redirected() && !ctx.picking {
+        offset = flat_window_space(ctx);
+    }
+    let [x, y, z] = position;
+    // SAFETY: the program's own call, moved to the panel.
+    unsafe { ctx.gl.window_pos3d(x + f64::from(offset[0]), y + f64::from(offset[1]), z) };
+}
+
+/// Prepares the flat tile; its origin in the atlas.
+fn flat_window_space(ctx: &mut Context) -> [i32; 2] {
+    super::default_framebuffer::want_panel(ctx);
+    let tile = ctx.target.as_ref().and_then(|t| t.flat_tiles().into_iter().flatten().next());
+    match tile {
+        Some((tile, _)) => {
+            own_window_space(ctx, tile);
+            [tile[0], tile[1]]
+        }
+        None => [0, 0],
+    }
+}
+
+/// Draws at the raster position. `false` if the caller should treat it as any other draw.
+pub fn draw_at_raster(ctx: &mut Context, issue: impl Fn(&Gl)) -> bool {
+    let gl = ctx.gl;
+    if !ctx.redirected() || ctx.picking {
+        return false;
+    }
+    ctx.counts.draws_seen += 1;
+    let Some(position) = ctx.raster.scene.clone() else {
+        draw_flat(ctx, issue);
+        return true;
+    };
+    let Some(mut target) = ctx.target.take() else { return false };
+    let before = raster_position(gl);
+    let mode = ctx.believed.matrix_mode;
+    super::matrices::refresh(ctx);
+    // SAFETY: the model-view matrix is pushed and popped, the projection is put back below.
+    unsafe {
+        gl.matrix_mode(api::GL_MODELVIEW);
+        gl.push_matrix();
+        gl.load_matrixd(position.model_view.as_ptr());
+        gl.matrix_mode(mode);
+    }
+    let set = |moved: [f32; 2]| {
+        let [x, y, z, w] = position.object;
+        // SAFETY: the program's own position.
+        unsafe { gl.raster_pos4d(x, y, z, w) };
+        move_by(gl, moved[0], moved[1]);
+    };
+    for (index, projection) in position.projections.iter().enumerate().take(target.session.views().len()) {
+        let (tile, own_lens) = target.session.tile(index);
+        if own_lens {
+            own_window_space(ctx, tile);
+        } else {
+            ctx.set_scissor(None);
+            ctx.set_viewport(tile);
+            load_projection(ctx, projection);
+        }
+        set(position.moved);
+        issue(gl);
+        target.issued(index);
+    }
+    load_projection(ctx, &ctx.projection.matrix);
+    if let Some(tile) = target.primary() {
+        own_window_space(ctx, tile);
+        set(position.moved);
+        issue(gl);
+        ctx.counts.primary_draws += 1;
+    }
+    // Once more where the program's window would be, out of sight, to learn how far it moved.
+    ctx.set_viewport(ctx.believed.viewport);
+    ctx.set_scissor(Some([0, 0, 0, 0]));
+    set(position.moved);
+    issue(gl);
+    let after = raster_position(gl);
+    // SAFETY: the pair of the push above.
+    unsafe {
+        gl.matrix_mode(api::GL_MODELVIEW);
+        gl.pop_matrix();
+        gl.matrix_mode(mode);
+    }
+    if let Some(scene) = &mut ctx.raster.scene {
+        scene.moved = [scene.moved[0] + after[0] - before[0], scene.moved[1] + after[1] - before[1]];
+    }
+    ctx.target = Some(target);
+    true
+}
+
+/// Draws at a raster position on the flat panel, and in the other pictures that show it.
+fn draw_flat(ctx: &mut Context, issue: impl Fn(&Gl)) {
+    let gl = ctx.gl;
+    super::default_framebuffer::want_panel(ctx);
+    ctx.counts.panel_draws += 1;
+    let Some(tiles) = ctx.target.as_ref().map(|t| t.flat_tiles()) else { return };
+    let before = raster_position(gl);
+    let mut first: Option<[i32; 4]> = None;
+    for (tile, _) in tiles.into_iter().flatten() {
+        own_window_space(ctx, tile);
+        let Some(origin) = first else {
+            first = Some(tile);
+            issue(gl);
+            continue;
+        };
+        // The position is where the first tile's drawing left it; here it begins where that one began.
+        let after = raster_position(gl);
+        let [x, y] = [(tile[0] - origin[0]) as f32, (tile[1] - origin[1]) as f32];
+        move_by(gl, x + before[0] - after[0], y + before[1] - after[1]);
+        issue(gl);
+        move_by(gl, -x, -y);
+    }
+}
+
+/// Moves the raster position by pixels.
+fn move_by(gl: &Gl, x: f32, y: f32) {
+    // SAFETY: an empty bitmap only moves the raster position.
+    unsafe { gl.bitmap(0, 0, 0.0, 0.0, x, y, std::ptr::null()) };
+}
+
+fn raster_position(gl: &Gl) -> [f32; 2] {
+    let mut position = [0f32; 4];
+    // SAFETY: writes four floats.
+    unsafe { gl.get_floatv(api::GL_CURRENT_RASTER_POSITION, position.as_mut_ptr()) };
+    [position[0], position[1]]
+}
+
+/// A command that draws at the raster position.
+pub fn raster_command(ctx: &mut Context, issue: impl Fn(&Gl)) {
+    let gl = ctx.gl;
+    if let Some(recording) = &mut ctx.recording {
+        recording.draws = true;
+        recording.raster = true;
+        issue(gl);
+    } else if !draw_at_raster(ctx, &issue) {
+        issue(gl);
+    }
+}
+
+fn raster_position_command(ctx: &mut Context, position: [f64; 4]) {
+    if ctx.compiling() {
+        super::lists::record(ctx, Command::RasterPosition(position));
+    } else {
+        set_position(ctx, position);
+    }
+}
+
+fn window_position_command(ctx: &mut Context, position: [f64; 3]) {
+    if ctx.compiling() {
+        super::lists::record(ctx, Command::WindowPosition(position));
+    } else {
+        set_window_position(ctx, position);
+    }
+}
+
+/// The program's array of N numbers, padded like OpenGL pads positions.
+///
+/// # Safety
+/// `v` must point at `N` numbers.
+unsafe fn padded<T: Copy + Into<f64>, const N: usize>(v: *const T) -> [f64; 4] {
+    // SAFETY: as promised above.
+    std::array::from_fn(|i| if i < N { unsafe { (*v.add(i)).into() } } else { f64::from(u8::from(i == 3)) })
+}
+
+macro_rules! raster_hooks {
+    ($( $t:ty: $p2:literal $m2:ident $p2v:literal $m2v:ident $p3:literal $m3:ident $p3v:literal $m3v:ident
+        $p4:literal $m4:ident $p4v:literal $m4v:ident $w2:literal $n2:ident $w2v:literal $n2v:ident $w3:literal $n3:ident $w3v:literal $n3v:ident; )*) => {
+        hooks! {
+            $(
+                $p2 $m2(x: $t, y: $t) = |ctx, _gl| raster_position_command(ctx, [x.into(), y.into(), 0.0, 1.0]);
+                $p2v $m2v(v: *const $t) = |ctx, _gl| raster_position_command(ctx, padded::<_, 2>(v));
+                $p3 $m3(x: $t, y: $t, z: $t) = |ctx, _gl| raster_position_command(ctx, [x.into(), y.into(), z.into(), 1.0]);
+                $p3v $m3v(v: *const $t) = |ctx, _gl| raster_position_command(ctx, padded::<_, 3>(v));
+                $p4 $m4(x: $t, y: $t, z: $t, w: $t) = |ctx, _gl| raster_position_command(ctx, [x.into(), y.into(), z.into(), w.into()]);
+                $p4v $m4v(v: *const $t) = |ctx, _gl| raster_position_command(ctx, padded::<_, 4>(v));
+                $w2 $n2(x: $t, y: $t) = |ctx, _gl| window_position_command(ctx, [x.into(), y.into(), 0.0]);
+                $w2v $n2v(v: *const $t) = |ctx, _gl| { let [x, y, z, _] = padded::<_, 2>(v); window_position_command(ctx, [x, y, z]) };
+                $w3 $n3(x: $t, y: $t, z: $t) = |ctx, _gl| window_position_command(ctx, [x.into(), y.into(), z.into()]);
+                $w3v $n3v(v: *const $t) = |ctx, _gl| { let [x, y, z, _] = padded::<_, 3>(v); window_position_command(ctx, [x, y, z]) };
+            )*
+            "glBitmap" bitmap(w: i32, h: i32, x: f32, y: f32, dx: f32, dy: f32, bits: *const u8) = |ctx, _gl|
+                raster_command(ctx, |gl| gl.bitmap(w, h, x, y, dx, dy, bits));
+            "glDrawPixels" draw_pixels(w: i32, h: i32, format: u32, kind: u32, pixels: *const c_void) = |ctx, _gl|
+                raster_command(ctx, |gl| gl.draw_pixels(w, h, format, kind, pixels));
+        }
+    };
+}
+
+raster_hooks! {
+    f64: "glRasterPos2d" raster_pos2d "glRasterPos2dv" raster_pos2dv "glRasterPos3d" raster_pos3d "glRasterPos3dv" raster_pos3dv
+        "glRasterPos4d" raster_pos4d "glRasterPos4dv" raster_pos4dv "glWindowPos2d" window_pos2d "glWindowPos2dv" window_pos2dv
+        "glWindowPos3d" window_pos3d "glWindowPos3dv" window_pos3dv;
+    f32: "glRasterPos2f" raster_pos2f "glRasterPos2fv" raster_pos2fv "glRasterPos3f" raster_pos3f "glRasterPos3fv" raster_pos3fv
+        "glRasterPos4f" raster_pos4f "glRasterPos4fv" raster_pos4fv "glWindowPos2f" window_pos2f "glWindowPos2fv" window_pos2fv
+        "glWindowPos3f" window_pos3f "glWindowPos3fv" window_pos3fv;
+    i32: "glRasterPos2i" raster_pos2i "glRasterPos2iv" raster_pos2iv "glRasterPos3i" raster_pos3i "glRasterPos3iv" raster_pos3iv
+        "glRasterPos4i" raster_pos4i "glRasterPos4iv" raster_pos4iv "glWindowPos2i" window_pos2i "glWindowPos2iv" window_pos2iv
+        "glWindowPos3i" window_pos3i "glWindowPos3iv" window_pos3iv;
+    i16: "glRasterPos2s" raster_pos2s "glRasterPos2sv" raster_pos2sv "glRasterPos3s" raster_pos3s "glRasterPos3sv" raster_pos3sv
+        "glRasterPos4s" raster_pos4s "glRasterPos4sv" raster_pos4sv "glWindowPos2s" window_pos2s "glWindowPos2sv" window_pos2sv
+        "glWindowPos3s" window_pos3s "glWindowPos3sv" window_pos3sv;
+}

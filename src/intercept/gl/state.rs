@@ -1,0 +1,151 @@
+//! Window-space state: what the program set, and what the driver has while a view is drawn.
+
+use super::context::Context;
+use super::hook::hooks;
+use super::lists::Command;
+use crate::backend::gl::api;
+
+impl Context {
+    /// Sets the real viewport.
+    pub fn set_viewport(&mut self, rect: [i32; 4]) {
+        if self.actual.viewport != Some(rect) {
+            // SAFETY: a plain state command.
+            unsafe { self.gl.viewport(rect[0], rect[1], rect[2], rect[3]) };
+            self.actual.viewport = Some(rect);
+        }
+    }
+
+    /// Sets the real scissor test and, if on, its rectangle.
+    pub fn set_scissor(&mut self, rect: Option<[i32; 4]>) {
+        if self.actual.scissor_test != Some(rect.is_some()) {
+            // SAFETY: a plain state command.
+            unsafe {
+                if rect.is_some() {
+                    self.gl.enable(api::GL_SCISSOR_TEST);
+                } else {
+                    self.gl.disable(api::GL_SCISSOR_TEST);
+                }
+            }
+            self.actual.scissor_test = Some(rect.is_some());
+        }
+        if let Some(rect) = rect
+            && self.actual.scissor != Some(rect)
+        {
+            // SAFETY: a plain state command.
+            unsafe { self.gl.scissor(rect[0], rect[1], rect[2].max(0), rect[3].max(0)) };
+            self.actual.scissor = Some(rect);
+        }
+    }
+
+    /// Puts the program's own viewport and scissor into the driver, for its own framebuffers.
+    pub fn restore_window_space(&mut self) {
+        self.set_viewport(self.believed.viewport);
+        let (test, rect) = (self.believed.scissor_test, self.believed.scissor);
+        if self.actual.scissor != Some(rect) {
+            // SAFETY: a plain state command.
+            unsafe { self.gl.scissor(rect[0], rect[1], rect[2].max(0), rect[3].max(0)) };
+            self.actual.scissor = Some(rect);
+        }
+        self.set_scissor(test.then_some(rect));
+    }
+}
+
+/// `glPushAttrib`.
+pub fn push_attributes(ctx: &mut Context, mask: u32) {
+    // SAFETY: the program's own call.
+    unsafe { ctx.gl.push_attrib(mask) };
+    if ctx.attribute_stack.len() < 64 {
+        ctx.attribute_stack.push((mask, ctx.believed.clone()));
+    }
+}
+
+/// `glPopAttrib`: what comes back in the driver are tiles of ours, so what the program believes
+/// comes back from our own stack.
+pub fn pop_attributes(ctx: &mut Context) {
+    // SAFETY: the program's own call.
+    unsafe { ctx.gl.pop_attrib() };
+    let Some((mask, saved)) = ctx.attribute_stack.pop() else { return };
+    if mask & api::GL_VIEWPORT_BIT != 0 {
+        ctx.believed.viewport = saved.viewport;
+        ctx.actual.viewport = None;
+    }
+    if mask & api::GL_SCISSOR_BIT != 0 {
+        ctx.believed.scissor = saved.scissor;
+        ctx.actual.scissor = None;
+    }
+    if mask & (api::GL_SCISSOR_BIT | api::GL_ENABLE_BIT) != 0 {
+        ctx.believed.scissor_test = saved.scissor_test;
+        ctx.actual.scissor_test = None;
+    }
+    if mask & api::GL_TRANSFORM_BIT != 0 {
+        ctx.believed.matrix_mode = saved.matrix_mode;
+    }
+    if mask & api::GL_COLOR_BUFFER_BIT != 0 {
+        ctx.believed.draw_buffer = saved.draw_buffer;
+    }
+    if mask & api::GL_PIXEL_MODE_BIT != 0 {
+        ctx.believed.read_buffer = saved.read_buffer;
+    }
+    if ctx.target.is_some() && !ctx.redirected() {
+        ctx.restore_window_space();
+    }
+}
+
+fn set_scissor_test(ctx: &mut Context, on: bool) {
+    if ctx.compiling() {
+        super::lists::record(ctx, Command::ScissorTest(on));
+    } else {
+        ctx.believed.scissor_test = on;
+        if !ctx.redirected() {
+            ctx.actual.scissor_test = Some(on);
+            // SAFETY: the program's own command.
+            unsafe { if on { ctx.gl.enable(api::GL_SCISSOR_TEST) } else { ctx.gl.disable(api::GL_SCISSOR_TEST) } };
+        }
+    }
+}
+
+hooks! {
+    "glViewport" viewport(x: i32, y: i32, width: i32, height: i32) = |ctx, gl| {
+        if width < 0 || height < 0 {
+            // The driver says the error.
+            gl.viewport(x, y, width, height);
+        } else if ctx.compiling() {
+            super::lists::record(ctx, Command::Viewport([x, y, width, height]));
+        } else {
+            ctx.believed.viewport = [x, y, width, height];
+            let new_size = ctx.target.as_ref().is_some_and(|t| t.size() != (width as u32, height as u32));
+            if new_size && !ctx.frame_begun && ctx.redirected() {
+                // Perhaps the window has it already.
+                super::present::follow_size(ctx);
+            }
+            if !ctx.redirected() {
+                ctx.set_viewport([x, y, width, height]);
+            }
+        }
+    };
+    "glScissor" scissor(x: i32, y: i32, width: i32, height: i32) = |ctx, gl| {
+        if width < 0 || height < 0 {
+            gl.scissor(x, y, width, height);
+        } else if ctx.compiling() {
+            super::lists::record(ctx, Command::Scissor([x, y, width, height]));
+        } else {
+            ctx.believed.scissor = [x, y, width, height];
+            if !ctx.redirected() {
+                ctx.actual.scissor = Some(ctx.believed.scissor);
+                gl.scissor(x, y, width, height);
+            }
+        }
+    };
+    "glEnable" enable(cap: u32) = |ctx, gl| {
+        if cap == api::GL_SCISSOR_TEST { set_scissor_test(ctx, true) } else { gl.enable(cap) }
+    };
+    "glDisable" disable(cap: u32) = |ctx, gl| {
+        if cap == api::GL_SCISSOR_TEST { set_scissor_test(ctx, false) } else { gl.disable(cap) }
+    };
+    "glPushAttrib" push_attrib(mask: u32) = |ctx, _gl| {
+        if ctx.compiling() { super::lists::record(ctx, Command::PushAttributes(mask)) } else { push_attributes(ctx, mask) }
+    };
+    "glPopAttrib" pop_attrib() = |ctx, _gl| {
+        if ctx.compiling() { super::lists::record(ctx, Command::PopAttributes) } else { pop_attributes(ctx) }
+    };
+}

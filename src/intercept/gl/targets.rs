@@ -1,0 +1,220 @@
+//! Framebuffers: the program's 0 is ours; clears, draw and read buffers, copies into the window.
+
+use super::context::Context;
+use super::draw::{intersect, own_window_space};
+use super::hook::hooks;
+use super::lists::Command;
+use crate::backend::gl::api;
+
+/// Binds what the program's framebuffer `name` stands for.
+fn bind(ctx: &mut Context, target: u32, name: u32) {
+    let was_redirected = ctx.redirected();
+    let ours = ctx.target.as_ref().map_or(0, |t| t.framebuffer());
+    let real = if name == 0 { ours } else { name };
+    // SAFETY: the program's own call, with our framebuffer in place of its window's.
+    unsafe { ctx.gl.bind_framebuffer(target, real) };
+    if matches!(target, api::GL_FRAMEBUFFER | api::GL_DRAW_FRAMEBUFFER) {
+        ctx.believed.draw_framebuffer = name;
+    }
+    if matches!(target, api::GL_FRAMEBUFFER | api::GL_READ_FRAMEBUFFER) {
+        ctx.believed.read_framebuffer = name;
+    }
+    if was_redirected && !ctx.redirected() {
+        ctx.restore_window_space();
+    }
+}
+
+/// A clear of the program: of everything that is its picture.
+fn clear_with(ctx: &mut Context, color: bool, issue: impl Fn(&crate::backend::gl::api::Gl)) {
+    let gl = ctx.gl;
+    if !ctx.redirected() || ctx.picking {
+        issue(gl);
+        return;
+    }
+    ctx.frame_begun = true;
+    let Some(target) = &ctx.target else { return };
+    let (width, height) = target.size();
+    let window = [0, 0, width as i32, height as i32];
+    let part = ctx.believed.scissor_test.then(|| intersect(ctx.believed.scissor, window));
+    // A scissor around (most of) the window is how many programs say "my viewport".
+    let whole = part.is_none_or(|[_, _, w, h]| 2 * i64::from(w) * i64::from(h) > i64::from(width) * i64::from(height));
+    if whole {
+        let panel = target.panel();
+        ctx.set_scissor(None);
+        issue(gl);
+        if let Some(panel) = panel.filter(|_| color) {
+            // The panel is a pane of glass: what is cleared away is seen through.
+            // The gutter goes with it, or the filter would mix the clear colour into its borders.
+            ctx.set_scissor(Some([panel[0] - 1, panel[1] - 1, panel[2] + 2, panel[3] + 2]));
+            super::default_framebuffer::clear_transparent(gl);
+        }
+        return;
+    }
+    super::default_framebuffer::want_panel(ctx);
+    let Some(target) = &ctx.target else { return };
+    let tiles: Vec<[i32; 4]> = target.flat_tiles().into_iter().flatten().map(|t| t.0).collect();
+    for tile in tiles {
+        own_window_space(ctx, tile);
+        issue(gl);
+    }
+}
+
+/// `glClear`.
+pub fn clear_window(ctx: &mut Context, mask: u32) {
+    // SAFETY: the program's own call.
+    clear_with(ctx, mask & api::GL_COLOR_BUFFER_BIT != 0, |gl| unsafe { gl.clear(mask) });
+}
+
+/// Whether `buffer` is a name of the window's colour buffers.
+fn is_window_buffer(buffer: u32) -> bool {
+    matches!(
+        buffer,
+        api::GL_FRONT
+            | api::GL_BACK
+            | api::GL_LEFT
+            | api::GL_RIGHT
+            | api::GL_FRONT_LEFT
+            | api::GL_FRONT_RIGHT
+            | api::GL_BACK_LEFT
+            | api::GL_BACK_RIGHT
+            | api::GL_FRONT_AND_BACK
+    )
+}
+
+/// What stands for a buffer of the window in our framebuffer; names that are wrong stay wrong.
+fn attachment(buffer: u32) -> u32 {
+    if is_window_buffer(buffer) {
+        api::GL_COLOR_ATTACHMENT0
+    } else if buffer == api::GL_NONE {
+        buffer
+    } else {
+        // An attachment is no buffer of a window: let the driver say the error of an unknown name.
+        u32::MAX
+    }
+}
+
+/// `glDrawBuffer`.
+pub fn select_draw_buffer(ctx: &mut Context, buffer: u32) {
+    let gl = ctx.gl;
+    // SAFETY: the program's own call, translated.
+    unsafe {
+        if ctx.redirected() {
+            gl.draw_buffer(attachment(buffer));
+            if is_window_buffer(buffer) || buffer == api::GL_NONE {
+                ctx.believed.draw_buffer = buffer;
+            }
+        } else {
+            gl.draw_buffer(buffer);
+        }
+    }
+}
+
+/// `glReadBuffer`.
+pub fn select_read_buffer(ctx: &mut Context, buffer: u32) {
+    let gl = ctx.gl;
+    // SAFETY: the program's own call, translated.
+    unsafe {
+        if ctx.reads_redirected() {
+            gl.read_buffer(attachment(buffer));
+            if is_window_buffer(buffer) || buffer == api::GL_NONE {
+                ctx.believed.read_buffer = buffer;
+            }
+        } else {
+            gl.read_buffer(buffer);
+        }
+    }
+}
+
+fn select_draw_buffers(ctx: &mut Context, count: i32, buffers: *const u32) {
+    let gl = ctx.gl;
+    if !ctx.redirected() || buffers.is_null() || !(1..=16).contains(&count) {
+        // SAFETY: the program's own call.
+        unsafe { gl.draw_buffers(count, buffers) };
+        return;
+    }
+    // SAFETY: the program passes `count` names.
+    let names = unsafe { std::slice::from_raw_parts(buffers, count as usize) };
+    let translated: Vec<u32> = names.iter().map(|name| attachment(*name)).collect();
+    if is_window_buffer(names[0]) || names[0] == api::GL_NONE {
+        ctx.believed.draw_buffer = names[0];
+    }
+    // SAFETY: as many names as it says.
+    unsafe { gl.draw_buffers(count, translated.as_ptr()) };
+}
+
+/// A copy of a rectangle into the window: onto the flat panel and the program's own picture.
+#[allow(clippy::too_many_arguments)] // glBlitFramebuffer's own.
+fn blit(ctx: &mut Context, mut source: [i32; 4], destination: [i32; 4], mask: u32, filter: u32) {
+    let gl = ctx.gl;
+    if ctx.reads_redirected() {
+        let origin = super::reads::prepare(ctx);
+        source = [source[0] + origin[0], source[1] + origin[1], source[2] + origin[0], source[3] + origin[1]];
+    }
+    let issue = |d: [i32; 4]| {
+        // SAFETY: the program's own call, moved to a tile.
+        unsafe {
+            gl.blit_framebuffer(source[0], source[1], source[2], source[3], d[0], d[1], d[2], d[3], mask, filter)
+        };
+    };
+    if !ctx.redirected() {
+        issue(destination);
+        super::reads::finish(ctx);
+        return;
+    }
+    super::default_framebuffer::want_panel(ctx);
+    let Some(target) = &ctx.target else { return };
+    let tiles: Vec<[i32; 4]> = target.flat_tiles().into_iter().flatten().map(|t| t.0).collect();
+    for tile in tiles {
+        own_window_space(ctx, tile);
+        let [x0, y0, x1, y1] = destination;
+        issue([x0 + tile[0], y0 + tile[1], x1 + tile[0], y1 + tile[1]]);
+    }
+    super::reads::finish(ctx);
+}
+
+hooks! {
+    "glBindFramebuffer" bind_framebuffer(target: u32, name: u32) = |ctx, _gl| bind(ctx, target, name);
+    "glDeleteFramebuffers" delete_framebuffers(count: i32, names: *const u32) = |ctx, gl| {
+        let deleted: Vec<u32> = if names.is_null() { Vec::new() } else {
+            std::slice::from_raw_parts(names, usize::try_from(count).unwrap_or(0)).to_vec()
+        };
+        gl.delete_framebuffers(count, names);
+        // Deleting the bound framebuffer binds the window's, which is ours.
+        if ctx.believed.draw_framebuffer != 0 && deleted.contains(&ctx.believed.draw_framebuffer) {
+            bind(ctx, api::GL_DRAW_FRAMEBUFFER, 0);
+        }
+        if ctx.believed.read_framebuffer != 0 && deleted.contains(&ctx.believed.read_framebuffer) {
+            bind(ctx, api::GL_READ_FRAMEBUFFER, 0);
+        }
+    };
+    "glIsFramebuffer" is_framebuffer(name: u32) -> u8 = |ctx, gl| {
+        if ctx.target.as_ref().is_some_and(|t| t.is_ours(name)) { 0 } else { gl.is_framebuffer(name) }
+    };
+    "glClear" clear(mask: u32) = |ctx, _gl| {
+        if ctx.compiling() { super::lists::record(ctx, Command::Clear(mask)) } else { clear_window(ctx, mask) }
+    };
+    "glClearBufferfv" clear_bufferfv(buffer: u32, index: i32, value: *const f32) = |ctx, _gl|
+        clear_with(ctx, buffer == api::GL_COLOR, |gl| gl.clear_bufferfv(buffer, index, value));
+    "glClearBufferiv" clear_bufferiv(buffer: u32, index: i32, value: *const i32) = |ctx, _gl|
+        clear_with(ctx, buffer == api::GL_COLOR, |gl| gl.clear_bufferiv(buffer, index, value));
+    "glClearBufferuiv" clear_bufferuiv(buffer: u32, index: i32, value: *const u32) = |ctx, _gl|
+        clear_with(ctx, buffer == api::GL_COLOR, |gl| gl.clear_bufferuiv(buffer, index, value));
+    "glClearBufferfi" clear_bufferfi(buffer: u32, index: i32, depth: f32, stencil: i32) = |ctx, _gl|
+        clear_with(ctx, false, |gl| gl.clear_bufferfi(buffer, index, depth, stencil));
+    "glDrawBuffer" draw_buffer(buffer: u32) = |ctx, _gl| {
+        if ctx.compiling() { super::lists::record(ctx, Command::DrawBuffer(buffer)) } else { select_draw_buffer(ctx, buffer) }
+    };
+    "glReadBuffer" read_buffer(buffer: u32) = |ctx, _gl| {
+        if ctx.compiling() { super::lists::record(ctx, Command::ReadBuffer(buffer)) } else { select_read_buffer(ctx, buffer) }
+    };
+    "glDrawBuffers" draw_buffers(count: i32, buffers: *const u32) = |ctx, _gl| select_draw_buffers(ctx, count, buffers);
+    "glBlitFramebuffer" blit_framebuffer(x0: i32, y0: i32, x1: i32, y1: i32, u0: i32, v0: i32, u1: i32, v1: i32, mask: u32, filter: u32) =
+        |ctx, _gl| blit(ctx, [x0, y0, x1, y1], [u0, v0, u1, v1], mask, filter);
+    "glInvalidateFramebuffer" invalidate_framebuffer(target: u32, count: i32, attachments: *const u32) = |ctx, gl| {
+        // A hint; for the window it would have to be translated for nothing.
+        if !ctx.redirected() { gl.invalidate_framebuffer(target, count, attachments) }
+    };
+    "glInvalidateSubFramebuffer" invalidate_sub_framebuffer(target: u32, count: i32, attachments: *const u32, x: i32, y: i32, w: i32, h: i32) = |ctx, gl| {
+        if !ctx.redirected() { gl.invalidate_sub_framebuffer(target, count, attachments, x, y, w, h) }
+    };
+}

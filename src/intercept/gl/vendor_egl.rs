@@ -1,0 +1,297 @@
+//! The EGL vendor wrapper: libEGL loads us from a JSON file, we load the real vendor.
+
+use super::context;
+use super::hook;
+use super::present;
+use super::window::Window;
+use crate::backend::gl::api::Gl;
+use crate::intercept::{log, settings};
+use std::collections::HashMap;
+use std::ffi::{CStr, c_char, c_int, c_uint, c_ulong, c_void};
+use std::sync::{Mutex, OnceLock, PoisonError};
+
+type Pointer = *mut c_void;
+type GetProcAddress = unsafe extern "C" fn(*const c_char) -> Pointer;
+type GetPlatformDisplay = unsafe extern "C" fn(c_uint, Pointer, *const isize) -> Pointer;
+
+/// libglvnd's `__EGLapiImports`: what a vendor gives to libEGL.
+#[repr(C)]
+pub struct Imports {
+    get_platform_display: Option<GetPlatformDisplay>,
+    get_supports_api: Pointer,
+    get_vendor_string: Pointer,
+    get_proc_address: Option<GetProcAddress>,
+    get_dispatch_address: Pointer,
+    set_dispatch_index: Pointer,
+    is_patch_supported: Pointer,
+    initiate_patch: Pointer,
+    release_patch: Pointer,
+    patch_thread_attach: Pointer,
+    find_native_display_platform: Pointer,
+}
+
+type Main = unsafe extern "C" fn(u32, *const c_void, Pointer, *mut Imports) -> c_uint;
+
+static REAL: OnceLock<GetProcAddress> = OnceLock::new();
+static REAL_DISPLAY: OnceLock<GetPlatformDisplay> = OnceLock::new();
+static DRIVER: OnceLock<Gl> = OnceLock::new();
+static KNOWN: Mutex<Option<Known>> = Mutex::new(None);
+
+/// X11 displays below EGL's, and X11 windows below surfaces.
+#[derive(Default)]
+struct Known {
+    displays: HashMap<usize, usize>,
+    surfaces: HashMap<usize, c_ulong>,
+}
+
+const PLATFORM_X11: c_uint = 0x31D5;
+
+/// libEGL's entry: loads the real vendor and puts ourselves before it.
+///
+/// # Safety
+/// Called by libEGL with the pointers that its vendor interface describes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn __egl_Main(
+    version: u32,
+    exports: *const c_void,
+    vendor: Pointer,
+    imports: *mut Imports,
+) -> c_uint {
+    crate::fence::guard(|| {
+        let file = std::env::var("CUPOLA_EGL_REAL").ok().filter(|n| !n.is_empty());
+        let file = file.as_deref().unwrap_or("libEGL_mesa.so.0");
+        // SAFETY: the vendor library is what libEGL itself would have loaded; it stays loaded.
+        let main = unsafe {
+            let Ok(library) = libloading::Library::new(file) else {
+                log::once(&format!("{file} cannot be loaded; set CUPOLA_EGL_REAL to your EGL vendor library"));
+                return 0;
+            };
+            let library = Box::leak(Box::new(library));
+            let Ok(main) = library.get::<Main>(b"__egl_Main\0") else {
+                log::once(&format!("{file} has no __egl_Main: it is not a vendor library of libglvnd"));
+                return 0;
+            };
+            *main
+        };
+        // SAFETY: the same arguments that libEGL gave us; `imports` is filled by the vendor.
+        let ok = unsafe { main(version, exports, vendor, imports) };
+        // SAFETY: a pointer of libEGL to its own structure.
+        let imports = unsafe { imports.as_mut() };
+        if let (true, Some(imports)) = (ok != 0 && !settings::switched_off() && settings::settings().is_some(), imports)
+            && let Some(real) = imports.get_proc_address
+        {
+            let real = *REAL.get_or_init(|| real);
+            // SAFETY: the vendor answers any NUL-terminated name.
+            let gl = DRIVER.get_or_init(|| Gl::load(|name| unsafe { real(name.as_ptr()) }));
+            context::set_driver(gl);
+            imports.get_proc_address = Some(get_proc_address);
+            if let Some(display) = imports.get_platform_display {
+                REAL_DISPLAY.get_or_init(|| display);
+                imports.get_platform_display = Some(get_platform_display);
+            }
+            // A vendor that rewrites libglvnd's stubs would go past us.
+            imports.is_patch_supported = std::ptr::null_mut();
+            imports.initiate_patch = std::ptr::null_mut();
+            imports.release_patch = std::ptr::null_mut();
+            imports.patch_thread_attach = std::ptr::null_mut();
+        }
+        ok
+    })
+    .unwrap_or(0)
+}
+
+unsafe extern "C" fn get_platform_display(platform: c_uint, native: Pointer, attributes: *const isize) -> Pointer {
+    let Some(real) = REAL_DISPLAY.get() else { return std::ptr::null_mut() };
+    // SAFETY: libEGL's own call, passed on.
+    let display = unsafe { real(platform, native, attributes) };
+    if platform == PLATFORM_X11 && !native.is_null() {
+        known(|k| k.displays.insert(display as usize, native as usize));
+    }
+    display
+}
+
+fn known<R>(use_it: impl FnOnce(&mut Known) -> R) -> R {
+    use_it(KNOWN.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert_with(Known::default))
+}
+
+/// The driver's function of this name.
+fn real(name: &CStr) -> Pointer {
+    // SAFETY: the vendor answers any NUL-terminated name.
+    REAL.get().map_or(std::ptr::null_mut(), |real| unsafe { real(name.as_ptr()) })
+}
+
+unsafe extern "C" fn get_proc_address(name: *const c_char) -> Pointer {
+    // SAFETY: libEGL passes NUL-terminated names.
+    let name = unsafe { CStr::from_ptr(name) };
+    let real = real(name);
+    let Ok(text) = name.to_str() else { return real };
+    if real.is_null() {
+        return real;
+    }
+    let ours = match text {
+        "eglMakeCurrent" => make_current as *const (),
+        "eglSwapBuffers" => swap_buffers as *const (),
+        "eglSwapBuffersWithDamageKHR" => swap_buffers_with_damage_khr as *const (),
+        "eglSwapBuffersWithDamageEXT" => swap_buffers_with_damage_ext as *const (),
+        "eglCreateContext" => create_context as *const (),
+        "eglDestroyContext" => destroy_context as *const (),
+        "eglCreateWindowSurface" => create_window_surface as *const (),
+        "eglCreatePlatformWindowSurface" => create_platform_window_surface as *const (),
+        "eglCreatePlatformWindowSurfaceEXT" => create_platform_window_surface_ext as *const (),
+        "eglDestroySurface" => destroy_surface as *const (),
+        _ if settings::settings().is_none_or(|s| s.rig.passthrough) => return real,
+        _ => match hook::find(text) {
+            Some(hook) => hook,
+            None => return real,
+        },
+    };
+    ours.cast_mut().cast()
+}
+
+/// Calls the driver's function `$name` with `$arguments`.
+macro_rules! real_call {
+    ($name:literal, ($($t:ty),*) -> $r:ty, $($a:expr),*) => {{
+        // SAFETY: the driver's function of this name has this signature; the arguments are the program's.
+        unsafe {
+            let function: unsafe extern "C" fn($($t),*) -> $r = std::mem::transmute(real($name));
+            function($($a),*)
+        }
+    }};
+}
+
+fn window(display: Pointer, surface: Pointer) -> Option<Window> {
+    let (native_display, native_window) = known(|k| {
+        let window = k.surfaces.get(&(surface as usize)).copied();
+        (k.displays.get(&(display as usize)).copied(), window)
+    });
+    let native_window = native_window?;
+    let x11 = native_display.filter(|_| native_window != 0).map(|display| (display, native_window));
+    Some(Window::Egl {
+        display: display as usize,
+        surface: surface as usize,
+        x11,
+        query: real(c"eglQuerySurface") as usize,
+    })
+}
+
+unsafe extern "C" fn make_current(display: Pointer, draw: Pointer, read: Pointer, context: Pointer) -> c_uint {
+    let ok =
+        real_call!(c"eglMakeCurrent", (Pointer, Pointer, Pointer, Pointer) -> c_uint, display, draw, read, context);
+    if let (true, Some(gl)) = (ok != 0, DRIVER.get()) {
+        context::make_current(context as usize, gl, window(display, draw));
+    }
+    ok
+}
+
+/// Runs a swap, presenting before it where the surface is that of the current context.
+fn swap(surface: Pointer, swap: impl FnOnce() -> c_uint) -> c_uint {
+    let ours = context::current()
+        .is_some_and(|c| matches!(c.window, Some(Window::Egl { surface: s, .. }) if s == surface as usize));
+    if ours {
+        present::before_swap();
+    }
+    let ok = swap();
+    if ours {
+        present::after_swap();
+    }
+    ok
+}
+
+unsafe extern "C" fn swap_buffers(display: Pointer, surface: Pointer) -> c_uint {
+    swap(surface, || real_call!(c"eglSwapBuffers", (Pointer, Pointer) -> c_uint, display, surface))
+}
+
+// The whole window changes with any part of the program's picture, so the damage is dropped.
+unsafe extern "C" fn swap_buffers_with_damage_khr(
+    display: Pointer,
+    surface: Pointer,
+    rects: *const c_int,
+    count: c_int,
+) -> c_uint {
+    swap(surface, || {
+        let (rects, count) =
+            if context::current().is_some_and(|c| c.target.is_some()) { (std::ptr::null(), 0) } else { (rects, count) };
+        real_call!(c"eglSwapBuffersWithDamageKHR", (Pointer, Pointer, *const c_int, c_int) -> c_uint, display, surface, rects, count)
+    })
+}
+
+unsafe extern "C" fn swap_buffers_with_damage_ext(
+    display: Pointer,
+    surface: Pointer,
+    rects: *const c_int,
+    count: c_int,
+) -> c_uint {
+    swap(surface, || {
+        let (rects, count) =
+            if context::current().is_some_and(|c| c.target.is_some()) { (std::ptr::null(), 0) } else { (rects, count) };
+        real_call!(c"eglSwapBuffersWithDamageEXT", (Pointer, Pointer, *const c_int, c_int) -> c_uint, display, surface, rects, count)
+    })
+}
+
+unsafe extern "C" fn create_context(
+    display: Pointer,
+    config: Pointer,
+    share: Pointer,
+    attributes: *const c_int,
+) -> Pointer {
+    let context = real_call!(c"eglCreateContext", (Pointer, Pointer, Pointer, *const c_int) -> Pointer, display, config, share, attributes);
+    context::created(context as usize, share as usize);
+    context
+}
+
+unsafe extern "C" fn destroy_context(display: Pointer, context: Pointer) -> c_uint {
+    let ok = real_call!(c"eglDestroyContext", (Pointer, Pointer) -> c_uint, display, context);
+    context::destroyed(context as usize);
+    ok
+}
+
+fn note_surface(surface: Pointer, native: c_ulong) -> Pointer {
+    if !surface.is_null() {
+        known(|k| k.surfaces.insert(surface as usize, native));
+    }
+    surface
+}
+
+unsafe extern "C" fn create_window_surface(
+    display: Pointer,
+    config: Pointer,
+    native: c_ulong,
+    attributes: *const c_int,
+) -> Pointer {
+    let surface = real_call!(c"eglCreateWindowSurface", (Pointer, Pointer, c_ulong, *const c_int) -> Pointer, display, config, native, attributes);
+    note_surface(surface, native)
+}
+
+/// The X11 window that a platform's native window points at; 0 where the platform is another.
+fn x11_window(display: Pointer, native: Pointer) -> c_ulong {
+    if native.is_null() || !known(|k| k.displays.contains_key(&(display as usize))) {
+        return 0;
+    }
+    // SAFETY: on X11 the native window is a pointer to the window's id.
+    unsafe { *native.cast::<c_ulong>() }
+}
+
+unsafe extern "C" fn create_platform_window_surface(
+    display: Pointer,
+    config: Pointer,
+    native: Pointer,
+    attributes: *const isize,
+) -> Pointer {
+    let surface = real_call!(c"eglCreatePlatformWindowSurface", (Pointer, Pointer, Pointer, *const isize) -> Pointer, display, config, native, attributes);
+    note_surface(surface, x11_window(display, native))
+}
+
+unsafe extern "C" fn create_platform_window_surface_ext(
+    display: Pointer,
+    config: Pointer,
+    native: Pointer,
+    attributes: *const c_int,
+) -> Pointer {
+    let surface = real_call!(c"eglCreatePlatformWindowSurfaceEXT", (Pointer, Pointer, Pointer, *const c_int) -> Pointer, display, config, native, attributes);
+    note_surface(surface, x11_window(display, native))
+}
+
+unsafe extern "C" fn destroy_surface(display: Pointer, surface: Pointer) -> c_uint {
+    known(|k| k.surfaces.remove(&(surface as usize)));
+    real_call!(c"eglDestroySurface", (Pointer, Pointer) -> c_uint, display, surface)
+}

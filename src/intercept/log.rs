@@ -1,0 +1,29 @@
+//! What went wrong, once: to standard error and to the file that `CUPOLA_LOG` names.
+
+use std::collections::HashSet;
+use std::io::Write;
+use std::sync::Mutex;
+
+static SEEN: Mutex<Option<HashSet<String>>> = Mutex::new(None);
+
+/// Says `message` the first time it comes; later repetitions are silent.
+pub fn once(message: &str) {
+    let fresh = match SEEN.lock() {
+        Ok(mut seen) => seen.get_or_insert_with(HashSet::new).insert(message.to_owned()),
+        Err(_) => false,
+    };
+    if fresh {
+        write(message);
+    }
+}
+
+fn write(message: &str) {
+    // A program whose standard error is closed must not notice us.
+    let _ = writeln!(std::io::stderr(), "cupola: {message}");
+    if let Some(path) = std::env::var_os("CUPOLA_LOG") {
+        let file = std::fs::OpenOptions::new().create(true).append(true).open(path);
+        if let Ok(mut file) = file {
+            let _ = writeln!(file, "cupola[{}]: {message}", std::process::id());
+        }
+    }
+}

@@ -1,0 +1,98 @@
+//! What the environment asks of the injected library.
+
+use super::log;
+use crate::rig::{self, Rig};
+use std::path::PathBuf;
+use std::sync::OnceLock;
+
+/// The settings of this process.
+#[derive(Clone, Debug)]
+pub struct Settings {
+    /// The rig (`CUPOLA_RIG`, preset or file; `fisheye` if unset) with `CUPOLA_CAMERA` applied.
+    pub rig: Rig,
+    /// `CUPOLA_SIZE=WxH`: the program's window is given this size.
+    pub window_size: Option<(u32, u32)>,
+    /// `CUPOLA_FRAMES=N`: the program ends after its N-th presented frame.
+    pub frames: Option<u64>,
+    /// `CUPOLA_CAPTURE=FILE.png`: the last corrected frame of each output.
+    pub capture: Option<PathBuf>,
+    /// `CUPOLA_CAPTURE_VIEWS=DIR`: every view of the last frame.
+    pub capture_views: Option<PathBuf>,
+    /// `CUPOLA_STATS=FILE.json`.
+    pub stats: Option<PathBuf>,
+    /// `CUPOLA_OFFSCREEN=1`: outputs at their own resolution, for captures only.
+    pub offscreen: bool,
+}
+
+/// The kill switch: `CUPOLA=0` leaves every call alone.
+pub fn switched_off() -> bool {
+    std::env::var_os("CUPOLA").is_some_and(|v| v == "0")
+}
+
+/// The settings; `None` if they are wrong (said in the log), which means: leave the program alone.
+pub fn settings() -> Option<&'static Settings> {
+    static SETTINGS: OnceLock<Option<Settings>> = OnceLock::new();
+    SETTINGS
+        .get_or_init(|| match read() {
+            Ok(settings) => Some(settings),
+            Err(error) => {
+                log::once(&format!("switched off: {error}"));
+                None
+            }
+        })
+        .as_ref()
+}
+
+fn read() -> crate::Result<Settings> {
+    let text = |name: &str| std::env::var(name).ok().filter(|v| !v.is_empty());
+    let path = |name: &str| std::env::var_os(name).filter(|v| !v.is_empty()).map(PathBuf::from);
+    let mut rig = rig::load(text("CUPOLA_RIG").as_deref().unwrap_or("fisheye"))?;
+    if let Some(camera) = text("CUPOLA_CAMERA") {
+        rig.camera = rig.camera.apply_override(&camera)?;
+    }
+    let window_size = match text("CUPOLA_SIZE") {
+        Some(size) => Some(parse_size(&size).ok_or_else(|| wrong("CUPOLA_SIZE", &size, "1024x768"))?),
+        None => None,
+    };
+    let frames = match text("CUPOLA_FRAMES") {
+        Some(n) => Some(n.parse().ok().filter(|n| *n > 0).ok_or_else(|| wrong("CUPOLA_FRAMES", &n, "100"))?),
+        None => None,
+    };
+    Ok(Settings {
+        rig,
+        window_size,
+        frames,
+        capture: path("CUPOLA_CAPTURE"),
+        capture_views: path("CUPOLA_CAPTURE_VIEWS"),
+        stats: path("CUPOLA_STATS"),
+        offscreen: text("CUPOLA_OFFSCREEN").is_some_and(|v| v == "1"),
+    })
+}
+
+fn wrong(name: &str, value: &str, example: &str) -> crate::Error {
+    crate::Error::new(
+        crate::ErrorKind::InvalidArgument,
+        format!("{name}={value}: not understood; right would be, for example, {name}={example}"),
+    )
+}
+
+/// `1024x768` → (1024, 768); each 1…16384.
+fn parse_size(text: &str) -> Option<(u32, u32)> {
+    let (width, height) = text.split_once('x')?;
+    let (width, height) = (width.parse().ok()?, height.parse().ok()?);
+    let fits = |n: u32| (1..=16384).contains(&n);
+    (fits(width) && fits(height)).then_some((width, height))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::parse_size;
+
+    #[test]
+    fn sizes() {
+        assert_eq!(parse_size("1024x768"), Some((1024, 768)));
+        for wrong in ["", "1024", "0x5", "5x-1", "axb", "99999x1"] {
+            assert_eq!(parse_size(wrong), None, "{wrong}");
+        }
+    }
+}

@@ -1,0 +1,52 @@
+//! Where the outputs of a rig are in a window.
+
+use super::Rig;
+
+impl Rig {
+    /// The rectangles (x, y, width, height in pixels from the top left) of the outputs, in their order, in
+    /// a window of `window` pixels. Outputs with a `window` of their own have that, cropped to the window;
+    /// otherwise a single output has the whole window, and several share it in a near-square grid, row by
+    /// row from the top left. A rectangle without pixels has width or height 0.
+    pub fn layout(&self, window: (u32, u32)) -> Vec<[u32; 4]> {
+        let columns = self.columns();
+        let rows = (self.outputs.len() as u32).div_ceil(columns);
+        // Cells share their borders exactly: the end of one is computed as the start of the next.
+        let cut =
+            |extent: u32, index: u32, parts: u32| (u64::from(extent) * u64::from(index) / u64::from(parts)) as u32;
+        let cell = |index: u32| {
+            let (column, row) = (index % columns, index / columns);
+            let (x, y) = (cut(window.0, column, columns), cut(window.1, row, rows));
+            [x, y, cut(window.0, column + 1, columns) - x, cut(window.1, row + 1, rows) - y]
+        };
+        let crop = |[x, y, width, height]: [u32; 4]| {
+            let (x, y) = (x.min(window.0), y.min(window.1));
+            [x, y, width.min(window.0 - x), height.min(window.1 - y)]
+        };
+        let places = (0..).zip(&self.outputs);
+        places.map(|(index, output)| output.window.map_or_else(|| cell(index), crop)).collect()
+    }
+
+    /// The size in pixels of a window in which every output has its own resolution: the hull of the
+    /// outputs' `window` rectangles, or the grid of their `size`. `None` where an output says neither.
+    pub fn extent(&self) -> Option<(u32, u32)> {
+        if self.outputs.is_empty() {
+            return None;
+        }
+        if let Some(places) = self.outputs.iter().map(|output| output.window).collect::<Option<Vec<_>>>() {
+            let right = places.iter().map(|[x, _, width, _]| x.saturating_add(*width)).max();
+            let bottom = places.iter().map(|[_, y, _, height]| y.saturating_add(*height)).max();
+            return right.zip(bottom);
+        }
+        let sizes = self.outputs.iter().map(|output| output.size).collect::<Option<Vec<_>>>()?;
+        let columns = self.columns();
+        let rows = (sizes.len() as u32).div_ceil(columns);
+        let width = sizes.iter().map(|size| size.0).max()?;
+        let height = sizes.iter().map(|size| size.1).max()?;
+        Some((width.saturating_mul(columns), height.saturating_mul(rows)))
+    }
+
+    /// Columns of the grid of outputs, at least one.
+    fn columns(&self) -> u32 {
+        (1..).find(|columns| columns * columns >= self.outputs.len() as u32).unwrap_or(1)
+    }
+}

@@ -1,0 +1,50 @@
+//! Rigs that need no file.
+
+/// A rig that is part of the library.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Preset {
+    /// What [`load`](super::load) knows it as.
+    pub name: &'static str,
+    /// What it is, in one line.
+    pub summary: &'static str,
+    /// Its TOML text, to be read and adapted.
+    pub text: &'static str,
+}
+
+const PRESETS: [Preset; 5] = [
+    Preset {
+        name: "fisheye",
+        summary: "180° fisheye picture, its centre straight ahead (the default)",
+        text: include_str!("presets/fisheye.toml"),
+    },
+    Preset {
+        name: "fisheye-210",
+        summary: "210° domemaster of a planetarium: zenith in the centre, front at the bottom",
+        text: include_str!("presets/fisheye-210.toml"),
+    },
+    Preset {
+        name: "planetarium-6",
+        summary: "six overlapping projectors in a tilted dome, blended",
+        text: include_str!("presets/planetarium-6.toml"),
+    },
+    Preset {
+        name: "identity",
+        summary: "nothing is corrected: the program's own picture, byte for byte",
+        text: include_str!("presets/identity.toml"),
+    },
+    Preset {
+        name: "identity-captured",
+        summary: "the program's own picture by way of Cupola's framebuffer and correction, for tests",
+        text: include_str!("presets/identity-captured.toml"),
+    },
+];
+
+/// All presets, the default first.
+pub fn presets() -> &'static [Preset] {
+    &PRESETS
+}
+
+/// The preset called `name`.
+pub(super) fn find(name: &str) -> Option<&'static Preset> {
+    PRESETS.iter().find(|preset| preset.name == name)
+}

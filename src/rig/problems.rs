@@ -1,0 +1,117 @@
+//! What is wrong with a rig file: the list of problems, and guesses at what was meant.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+/// Greatest number of problems that a message lists.
+const SHOWN: usize = 20;
+
+/// The problems found so far, and the line of every key that was read.
+pub(super) struct Problems {
+    /// Byte offset at which each line starts.
+    line_starts: Vec<usize>,
+    /// Key path → line.
+    lines: BTreeMap<String, usize>,
+    /// (line, key path, reason and remedy).
+    found: Vec<(usize, String, String)>,
+}
+
+impl Problems {
+    /// No problems in `text` yet.
+    pub(super) fn new(text: &str) -> Self {
+        let newlines = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n').map(|(at, _)| at + 1);
+        Self { line_starts: std::iter::once(0).chain(newlines).collect(), lines: BTreeMap::new(), found: Vec::new() }
+    }
+
+    /// Remembers where the key `path` stands.
+    pub(super) fn place(&mut self, path: &str, span: &Range<usize>) {
+        let line = self.line_at(span.start);
+        self.lines.insert(path.to_owned(), line);
+    }
+
+    /// Adds a problem of the key `path`; where that was not in the file, its nearest parent's line stands.
+    pub(super) fn add(&mut self, path: &str, why: impl Into<String>) {
+        let mut parent = path;
+        let line = loop {
+            if let Some(line) = self.lines.get(parent) {
+                break *line;
+            }
+            match parent.rfind(['.', '[']) {
+                Some(cut) => parent = &parent[..cut],
+                None => break 1,
+            }
+        };
+        self.found.push((line, path.to_owned(), why.into()));
+    }
+
+    /// Adds a problem of the text at `span`, which belongs to no key.
+    pub(super) fn add_at(&mut self, span: Option<Range<usize>>, why: impl Into<String>) {
+        let line = span.map_or(1, |span| self.line_at(span.start));
+        self.found.push((line, String::new(), why.into()));
+    }
+
+    /// Nothing was found.
+    pub(super) fn is_empty(&self) -> bool {
+        self.found.is_empty()
+    }
+
+    /// The message for people: one `file:line: key: reason` per problem, in the file's order.
+    pub(super) fn message(&self, file_name: &str) -> String {
+        let mut found: Vec<_> = self.found.iter().collect();
+        found.sort_by_key(|(line, _, _)| *line);
+        let mut lines: Vec<String> = found
+            .iter()
+            .take(SHOWN)
+            .map(|(line, path, why)| {
+                let separator = if path.is_empty() { "" } else { ": " };
+                format!("{file_name}:{line}: {path}{separator}{why}")
+            })
+            .collect();
+        if found.len() > SHOWN {
+            lines.push(format!("… and {} more problems", found.len() - SHOWN));
+        }
+        lines.join("\n")
+    }
+
+    /// The 1-based line of a byte.
+    fn line_at(&self, offset: usize) -> usize {
+        self.line_starts.partition_point(|start| *start <= offset).max(1)
+    }
+}
+
+/// The one of `known` that `word` most likely is a misspelling of, if any is near enough.
+pub(super) fn closest<'a>(word: &str, known: &[&'a str]) -> Option<&'a str> {
+    let word = word.to_lowercase();
+    let allowed = (word.chars().count() / 3).max(1);
+    known
+        .iter()
+        .map(|candidate| (edit_distance(&word, candidate), *candidate))
+        .filter(|(distance, candidate)| {
+            let extends = word.len() >= 3 && (candidate.starts_with(&word) || word.starts_with(candidate));
+            *distance <= allowed || extends
+        })
+        .min_by_key(|(distance, _)| *distance)
+        .map(|(_, candidate)| candidate)
+}
+
+/// The number of single-character insertions, deletions, replacements and swaps of neighbours that turn
+/// `a` into `b` (optimal string alignment distance).
+fn edit_distance(a: &str, b: &str) -> usize {
+    let (a, b): (Vec<char>, Vec<char>) = (a.chars().take(64).collect(), b.chars().take(64).collect());
+    let mut rows = vec![vec![0; b.len() + 1]; a.len() + 1];
+    rows[0] = (0..=b.len()).collect();
+    for (i, row) in rows.iter_mut().enumerate() {
+        row[0] = i;
+    }
+    for i in 1..=a.len() {
+        for j in 1..=b.len() {
+            let replaced = rows[i - 1][j - 1] + usize::from(a[i - 1] != b[j - 1]);
+            let mut best = replaced.min(rows[i - 1][j] + 1).min(rows[i][j - 1] + 1);
+            if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
+                best = best.min(rows[i - 2][j - 2] + 1);
+            }
+            rows[i][j] = best;
+        }
+    }
+    rows[a.len()][b.len()]
+}

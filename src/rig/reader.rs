@@ -1,0 +1,319 @@
+//! Typed values out of a parsed TOML table, each with its key path and line.
+//!
+//! Tables are walked by hand and not deserialised with serde, because serde stops at the first problem
+//! and knows neither the key path nor which keys were possible when something is misspelt.
+
+use super::problems::{Problems, closest};
+use glam::DVec3;
+use std::collections::BTreeSet;
+use toml::de::{DeArray, DeTable, DeValue};
+
+/// The numbers that a key may have.
+pub(super) struct Allowed {
+    /// Least value.
+    least: f64,
+    /// Greatest value.
+    greatest: f64,
+    /// The ends are excluded: (least, greatest).
+    open: (bool, bool),
+    /// What the number is, with its unit: "a radius in metres".
+    what: &'static str,
+}
+
+impl Allowed {
+    /// From `least` to `greatest`, both included.
+    pub(super) const fn closed(least: f64, greatest: f64, what: &'static str) -> Self {
+        Self { least, greatest, open: (false, false), what }
+    }
+
+    /// Greater than `least`, up to and including `greatest`.
+    pub(super) const fn above(least: f64, greatest: f64, what: &'static str) -> Self {
+        Self { least, greatest, open: (true, false), what }
+    }
+
+    /// Between `least` and `greatest`, both excluded.
+    pub(super) const fn between(least: f64, greatest: f64, what: &'static str) -> Self {
+        Self { least, greatest, open: (true, true), what }
+    }
+
+    /// From and including `least`, less than `greatest`.
+    pub(super) const fn below(least: f64, greatest: f64, what: &'static str) -> Self {
+        Self { least, greatest, open: (false, true), what }
+    }
+
+    /// Why `value` is not allowed, if so.
+    pub(super) fn refuse(&self, value: f64) -> Option<String> {
+        if !value.is_finite() {
+            return Some(format!("{value} is no number that can be used; expected {}, {}", self.what, self.words()));
+        }
+        let low = if self.open.0 { value > self.least } else { value >= self.least };
+        let high = if self.open.1 { value < self.greatest } else { value <= self.greatest };
+        (!(low && high)).then(|| format!("{value} is out of range; expected {}, {}", self.what, self.words()))
+    }
+
+    /// The range in words.
+    fn words(&self) -> String {
+        let low = if self.open.0 { "greater than" } else { "at least" };
+        let high = if self.open.1 { "less than" } else { "at most" };
+        format!("{low} {} and {high} {}", self.least, self.greatest)
+    }
+}
+
+/// A table of the file that is being read.
+pub(super) struct Section<'a> {
+    table: &'a DeTable<'a>,
+    path: String,
+    asked: BTreeSet<&'static str>,
+}
+
+impl<'a> Section<'a> {
+    /// The table `table` at the key path `path` (empty for the file itself).
+    pub(super) fn new(table: &'a DeTable<'a>, path: String) -> Self {
+        Self { table, path, asked: BTreeSet::new() }
+    }
+
+    /// The key path of `key` in this table.
+    pub(super) fn path(&self, key: &str) -> String {
+        if self.path.is_empty() { key.to_owned() } else { format!("{}.{key}", self.path) }
+    }
+
+    /// The key is in the file.
+    pub(super) fn has(&self, key: &str) -> bool {
+        self.table.contains_key(key)
+    }
+
+    fn value(&mut self, key: &'static str, problems: &mut Problems) -> Option<&'a DeValue<'a>> {
+        self.asked.insert(key);
+        let (name, value) = self.table.get_key_value(key)?;
+        problems.place(&self.path(key), &name.span());
+        Some(value.get_ref())
+    }
+
+    /// A number; `default` if the key is absent (or wrong, after adding the problem).
+    pub(super) fn number(
+        &mut self,
+        key: &'static str,
+        allowed: &Allowed,
+        default: f64,
+        problems: &mut Problems,
+    ) -> f64 {
+        self.optional_number(key, allowed, problems).unwrap_or(default)
+    }
+
+    /// A number that may be absent.
+    pub(super) fn optional_number(
+        &mut self,
+        key: &'static str,
+        allowed: &Allowed,
+        problems: &mut Problems,
+    ) -> Option<f64> {
+        let value = self.value(key, problems)?;
+        checked_number(value, allowed, &self.path(key), problems)
+    }
+
+    /// A number that must be there.
+    pub(super) fn required_number(&mut self, key: &'static str, allowed: &Allowed, problems: &mut Problems) -> f64 {
+        if !self.has(key) {
+            self.asked.insert(key);
+            problems.add(&self.path(key), format!("is missing; expected {}, {}", allowed.what, allowed.words()));
+        }
+        self.number(key, allowed, allowed.least, problems)
+    }
+
+    /// `count` numbers in an array; `None` if the key is absent or wrong.
+    pub(super) fn numbers<const COUNT: usize>(
+        &mut self,
+        key: &'static str,
+        allowed: &Allowed,
+        problems: &mut Problems,
+    ) -> Option<[f64; COUNT]> {
+        let value = self.value(key, problems)?;
+        let path = self.path(key);
+        let array = sized_array(value, COUNT, allowed.what, &path, problems)?;
+        let mut numbers = [0.0; COUNT];
+        let mut good = true;
+        for (index, item) in array.iter().enumerate() {
+            let item_path = format!("{path}[{index}]");
+            problems.place(&item_path, &item.span());
+            match checked_number(item.get_ref(), allowed, &item_path, problems) {
+                Some(number) => numbers[index] = number,
+                None => good = false,
+            }
+        }
+        good.then_some(numbers)
+    }
+
+    /// Three numbers; zero if the key is absent or wrong.
+    pub(super) fn vector(&mut self, key: &'static str, allowed: &Allowed, problems: &mut Problems) -> DVec3 {
+        self.numbers::<3>(key, allowed, problems).map_or(DVec3::ZERO, DVec3::from_array)
+    }
+
+    /// `COUNT` whole numbers of pixels, each within its own range.
+    pub(super) fn pixels<const COUNT: usize>(
+        &mut self,
+        key: &'static str,
+        ranges: [(u32, u32); COUNT],
+        what: &'static str,
+        problems: &mut Problems,
+    ) -> Option<[u32; COUNT]> {
+        let value = self.value(key, problems)?;
+        let path = self.path(key);
+        let array = sized_array(value, COUNT, what, &path, problems)?;
+        let mut pixels = [0; COUNT];
+        let mut good = true;
+        for (index, item) in array.iter().enumerate() {
+            let item_path = format!("{path}[{index}]");
+            problems.place(&item_path, &item.span());
+            let (least, greatest) = ranges[index];
+            let number = item.get_ref().as_integer().and_then(|i| i64::from_str_radix(i.as_str(), i.radix()).ok());
+            match number.and_then(|number| u32::try_from(number).ok()).filter(|n| (least..=greatest).contains(n)) {
+                Some(number) => pixels[index] = number,
+                None => {
+                    let is = describe(item.get_ref());
+                    problems.add(
+                        &item_path,
+                        format!("{is} is not possible; expected {what}, each a whole number: this one from {least} to {greatest}"),
+                    );
+                    good = false;
+                }
+            }
+        }
+        good.then_some(pixels)
+    }
+
+    /// A truth value; `default` if the key is absent or wrong.
+    pub(super) fn boolean(&mut self, key: &'static str, default: bool, problems: &mut Problems) -> bool {
+        let Some(value) = self.value(key, problems) else { return default };
+        value.as_bool().unwrap_or_else(|| {
+            problems.add(&self.path(key), format!("{} is neither true nor false (without quotes)", describe(value)));
+            default
+        })
+    }
+
+    /// Text that may be absent.
+    pub(super) fn text(&mut self, key: &'static str, what: &str, problems: &mut Problems) -> Option<&'a str> {
+        let value = self.value(key, problems)?;
+        if value.as_str().is_none() {
+            problems.add(&self.path(key), format!("{} is not text; expected {what} in quotes", describe(value)));
+        }
+        value.as_str()
+    }
+
+    /// One of a few words.
+    pub(super) fn choice<T: Copy>(
+        &mut self,
+        key: &'static str,
+        choices: &[(&'static str, T)],
+        problems: &mut Problems,
+    ) -> Option<T> {
+        let value = self.value(key, problems)?;
+        let words: Vec<&str> = choices.iter().map(|(word, _)| *word).collect();
+        let listed = words.iter().map(|word| format!("\"{word}\"")).collect::<Vec<_>>().join(", ");
+        let word = value.as_str().unwrap_or_default();
+        let found = choices.iter().find(|(known, _)| *known == word).map(|(_, choice)| *choice);
+        if found.is_none() {
+            let hint = closest(word, &words).map_or(String::new(), |meant| format!("; did you mean \"{meant}\"?"));
+            problems.add(&self.path(key), format!("{} is not one of {listed}{hint}", describe(value)));
+        }
+        found
+    }
+
+    /// A table in this one; an empty one if the key is absent or wrong.
+    pub(super) fn section(&mut self, key: &'static str, problems: &mut Problems) -> Option<Section<'a>> {
+        let value = self.value(key, problems)?;
+        let table = value.as_table();
+        if table.is_none() {
+            problems.add(&self.path(key), format!("{} is not a table; expected [{}]", describe(value), self.path(key)));
+        }
+        table.map(|table| Section::new(table, self.path(key)))
+    }
+
+    /// The tables of an array of tables; empty if the key is absent or wrong.
+    pub(super) fn sections(&mut self, key: &'static str, example: &str, problems: &mut Problems) -> Vec<Section<'a>> {
+        let Some(value) = self.value(key, problems) else { return Vec::new() };
+        let path = self.path(key);
+        let Some(array) = value.as_array() else {
+            problems.add(&path, format!("{} is not a list of tables; expected {example}", describe(value)));
+            return Vec::new();
+        };
+        let mut sections = Vec::new();
+        for (index, item) in array.iter().enumerate() {
+            let item_path = format!("{path}[{index}]");
+            problems.place(&item_path, &item.span());
+            match item.get_ref().as_table() {
+                Some(table) => sections.push(Section::new(table, item_path)),
+                None => {
+                    problems.add(&item_path, format!("{} is not a table; expected {example}", describe(item.get_ref())))
+                }
+            }
+        }
+        sections
+    }
+
+    /// Adds a problem for every key that nobody asked for. `elsewhere` says of keys where they belong.
+    pub(super) fn finish(self, elsewhere: &[(&str, &str)], problems: &mut Problems) {
+        let known: Vec<&str> = self.asked.iter().copied().collect();
+        for (key, _) in self.table.iter().filter(|(key, _)| !self.asked.contains(key.get_ref().as_ref())) {
+            let name = key.get_ref().as_ref();
+            let path = self.path(name);
+            problems.place(&path, &key.span());
+            let hint = match (elsewhere.iter().find(|(other, _)| *other == name), closest(name, &known)) {
+                (Some((_, place)), _) => format!("it belongs to {place}"),
+                (None, Some(meant)) => format!("did you mean `{meant}`?"),
+                (None, None) => format!("possible here: {}", known.join(", ")),
+            };
+            problems.add(&path, format!("unknown key; {hint}"));
+        }
+    }
+}
+
+/// `value` as a number in `allowed`; otherwise the problem is added.
+fn checked_number(value: &DeValue, allowed: &Allowed, path: &str, problems: &mut Problems) -> Option<f64> {
+    let number = match value {
+        DeValue::Integer(integer) => i64::from_str_radix(integer.as_str(), integer.radix()).ok().map(|i| i as f64),
+        DeValue::Float(float) => float.as_str().parse().ok(),
+        _ => None,
+    };
+    let Some(number) = number else {
+        let quotes = if value.is_str() { " without quotes or unit" } else { "" };
+        problems.add(
+            path,
+            format!("{} is not a number; expected {}{quotes}, {}", describe(value), allowed.what, allowed.words()),
+        );
+        return None;
+    };
+    if let Some(why) = allowed.refuse(number) {
+        problems.add(path, why);
+        return None;
+    }
+    Some(number)
+}
+
+/// `value` as an array of `count` items; otherwise the problem is added.
+fn sized_array<'a>(
+    value: &'a DeValue<'a>,
+    count: usize,
+    what: &str,
+    path: &str,
+    problems: &mut Problems,
+) -> Option<&'a DeArray<'a>> {
+    let array = value.as_array().filter(|array| array.len() == count);
+    if array.is_none() {
+        let example = vec!["…"; count].join(", ");
+        problems.add(path, format!("{} does not fit; expected {count} numbers, [{example}]: {what}", describe(value)));
+    }
+    array
+}
+
+/// `value` as the file's author would call it.
+fn describe(value: &DeValue) -> String {
+    match value {
+        DeValue::String(text) => format!("{:?}", text.chars().take(60).collect::<String>()),
+        DeValue::Integer(integer) => integer.to_string(),
+        DeValue::Float(float) => float.to_string(),
+        DeValue::Boolean(boolean) => boolean.to_string(),
+        DeValue::Datetime(_) => "a date".to_owned(),
+        DeValue::Array(array) => format!("a list of {}", array.len()),
+        DeValue::Table(_) => "a table".to_owned(),
+    }
+}

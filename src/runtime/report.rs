@@ -1,0 +1,109 @@
+//! What a run leaves behind: captures and statistics.
+
+use crate::error::{Error, ErrorKind, Result};
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// A picture read back from the driver: 8 bits, RGB, rows from the bottom.
+pub struct Picture {
+    /// Name of the output or view.
+    pub name: String,
+    /// Width in pixels.
+    pub width: u32,
+    /// Height in pixels.
+    pub height: u32,
+    /// RGBA, row by row from the bottom.
+    pub rgba: Vec<u8>,
+}
+
+/// What `--stats` writes.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Statistics {
+    /// Presented frames.
+    pub frames: u64,
+    /// Name of the rig.
+    pub rig: String,
+    /// OpenGL version and driver of the program's context.
+    pub driver: String,
+    /// The views, in order.
+    pub views: Vec<ViewStatistics>,
+    /// Faces of the cube that no output samples.
+    pub skipped_views: Vec<String>,
+    /// Draws of the program to its window.
+    pub draws_seen: u64,
+    /// Flat draws that went to the panel.
+    pub panel_draws: u64,
+    /// Draws that went to the program's own picture.
+    pub primary_draws: u64,
+    /// How the projection was found, with the number of draws.
+    pub projection_found: BTreeMap<String, u64>,
+    /// OpenGL errors of ours; must be 0.
+    pub own_errors: u64,
+    /// Notes of the planner.
+    pub notes: Vec<String>,
+}
+
+/// A view's part of [`Statistics`].
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct ViewStatistics {
+    /// Name.
+    pub name: String,
+    /// Width in texels.
+    pub width: u32,
+    /// Height in texels.
+    pub height: u32,
+    /// Draws issued to it.
+    pub draws_issued: u64,
+    /// Draws that were seen not to reach it, and left out.
+    pub draws_culled: u64,
+}
+
+/// Writes `statistics` as JSON.
+///
+/// # Errors
+/// When the file cannot be written.
+pub fn write_statistics(path: &Path, statistics: &Statistics) -> Result<()> {
+    let text = serde_json::to_string_pretty(statistics)
+        .map_err(|error| Error::new(ErrorKind::Internal, format!("statistics: {error}")))?;
+    std::fs::write(path, text + "\n").map_err(|error| Error::new(ErrorKind::Io, format!("{}: {error}", path.display())))
+}
+
+/// `FILE.png` for a single picture, `FILE-NAME.png` for one of several.
+pub fn capture_path(path: &Path, name: &str, several: bool) -> PathBuf {
+    if !several {
+        return path.to_owned();
+    }
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let extension = path.extension().map_or("png".into(), |e| e.to_string_lossy());
+    path.with_file_name(format!("{stem}-{name}.{extension}"))
+}
+
+/// Writes a picture as an RGB PNG, turned so that its first row is the top one.
+///
+/// # Errors
+/// When the file cannot be written.
+pub fn write_picture(path: &Path, picture: &Picture) -> Result<()> {
+    let row = picture.width as usize * 4;
+    let rgb: Vec<u8> = picture
+        .rgba
+        .chunks_exact(row.max(1))
+        .rev()
+        .flat_map(|line| line.chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]))
+        .collect();
+    image::save_buffer(path, &rgb, picture.width, picture.height, image::ExtendedColorType::Rgb8)
+        .map_err(|error| Error::new(ErrorKind::Io, format!("{}: {error}", path.display())))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::capture_path;
+    use std::path::Path;
+
+    #[test]
+    fn several_outputs_get_several_files() {
+        let path = Path::new("out/dome.png");
+        assert_eq!(capture_path(path, "left", false), path);
+        assert_eq!(capture_path(path, "left", true), Path::new("out/dome-left.png"));
+    }
+}

@@ -1,0 +1,110 @@
+//! A rig at work in a window of a given size.
+
+use crate::correct::{self, Plan};
+use crate::error::Result;
+pub use crate::geom::Frustum;
+use crate::geom::pose;
+use crate::geom::reprojection::{CameraAdjustment, ClipRows, clip_rows};
+pub use crate::geom::reprojection::{Intrinsics, MatrixClass, classify};
+use crate::rig::{Camera, Rig};
+use crate::views::{Request, Tile, View};
+use glam::DMat3;
+
+/// A rig, planned for a window.
+pub struct Session {
+    rig: Rig,
+    request: Request,
+    plan: Plan,
+    rects: Vec<[u32; 4]>,
+}
+
+impl Session {
+    /// Plans `rig` for a `window` (width, height in pixels).
+    ///
+    /// `off_screen`: outputs have their own resolution (`size`), not that of their place in the
+    /// window. `max_atlas`: greatest width and height of a texture.
+    ///
+    /// # Errors
+    /// What the planner says: a rig that no set of views can serve, or an atlas that is too small.
+    pub fn new(rig: &Rig, window: (u32, u32), off_screen: bool, max_atlas: u32) -> Result<Self> {
+        let rects = rig.layout(window);
+        let output_sizes = rig
+            .outputs
+            .iter()
+            .zip(&rects)
+            .map(|(output, rect)| output.size.filter(|_| off_screen).unwrap_or((rect[2].max(1), rect[3].max(1))))
+            .collect();
+        let request = Request { output_sizes, window, panel: false, primary: false, max_atlas };
+        let plan = correct::build(rig, &request)?;
+        Ok(Self { rig: rig.clone(), request, plan, rects })
+    }
+
+    /// The same rig and window, with a tile for the flat panel or for the program's own picture.
+    ///
+    /// # Errors
+    /// As for [`Session::new`].
+    pub fn with(&self, panel: bool, primary: bool) -> Result<Self> {
+        let request = Request { panel, primary, ..self.request.clone() };
+        let plan = correct::build(&self.rig, &request)?;
+        Ok(Self { rig: self.rig.clone(), request, plan, rects: self.rects.clone() })
+    }
+
+    /// The rig.
+    pub fn rig(&self) -> &Rig {
+        &self.rig
+    }
+
+    /// The plan.
+    pub fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    /// Size of the window in pixels.
+    pub fn window(&self) -> (u32, u32) {
+        self.request.window
+    }
+
+    /// The views.
+    pub fn views(&self) -> &[View] {
+        &self.plan.views.views
+    }
+
+    /// A view's tile (x, y, width, height, from the bottom left of the atlas), and whether it is
+    /// drawn with the program's own lens.
+    pub fn tile(&self, index: usize) -> ([i32; 4], bool) {
+        self.views().get(index).map_or(([0, 0, 1, 1], true), |view| (rect(&view.tile), view.program_lens))
+    }
+
+    /// The tile of the flat panel.
+    pub fn panel(&self) -> Option<[i32; 4]> {
+        self.plan.views.panel.as_ref().map(|panel| rect(&panel.tile))
+    }
+
+    /// The tile of the program's own picture.
+    pub fn primary(&self) -> Option<[i32; 4]> {
+        self.plan.views.primary.as_ref().map(rect)
+    }
+
+    /// Where each output is in the window: x, y, width, height from the bottom left.
+    pub fn viewports(&self) -> Vec<[i32; 4]> {
+        let height = self.request.window.1 as i32;
+        let from_top = |r: &[u32; 4]| [r[0] as i32, height - r[1] as i32 - r[3] as i32, r[2] as i32, r[3] as i32];
+        self.rects.iter().map(from_top).collect()
+    }
+
+    /// The rows that take the program's clip coordinates to each view's.
+    pub fn rows(&self, lens: &Intrinsics) -> Vec<ClipRows> {
+        let camera = &self.rig.camera;
+        let camera = CameraAdjustment { zoom: camera.zoom, shift: camera.shift, rotation: camera_rotation(camera) };
+        self.views().iter().map(|view| clip_rows(lens, &camera, view.rotation, &view.frustum)).collect()
+    }
+}
+
+/// Axes of the program's camera → axes of the viewer.
+pub fn camera_rotation(camera: &Camera) -> DMat3 {
+    pose::rotation(camera.yaw, camera.pitch, camera.roll)
+}
+
+fn rect(tile: &Tile) -> [i32; 4] {
+    [tile.x as i32, tile.y as i32, tile.width as i32, tile.height as i32]
+}

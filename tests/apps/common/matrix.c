@@ -1,0 +1,69 @@
+#include "matrix.h"
+
+#include <math.h>
+
+static const double degree = 3.14159265358979323846 / 180.0;
+
+matrix4 matrix_identity(void)
+{
+    return matrix_scale(1.0);
+}
+
+matrix4 matrix_multiply(matrix4 a, matrix4 b)
+{
+    matrix4 r;
+    for (int column = 0; column < 4; column++) {
+        for (int row = 0; row < 4; row++) {
+            double sum = 0.0;
+            for (int k = 0; k < 4; k++)
+                sum += (double)a.m[4 * k + row] * b.m[4 * column + k];
+            r.m[4 * column + row] = (float)sum;
+        }
+    }
+    return r;
+}
+
+matrix4 matrix_perspective(double fov, double aspect, double near, double far)
+{
+    double f = 1.0 / tan(0.5 * fov * degree);
+    matrix4 r = {{0}};
+    r.m[0] = (float)(f / aspect);
+    r.m[5] = (float)f;
+    r.m[10] = (float)((far + near) / (near - far));
+    r.m[11] = -1.0f;
+    r.m[14] = (float)(2.0 * far * near / (near - far));
+    return r;
+}
+
+matrix4 matrix_camera(double yaw, double pitch)
+{
+    double cy = cos(yaw * degree), sy = sin(yaw * degree);
+    double cp = cos(pitch * degree), sp = sin(pitch * degree);
+    matrix4 turn_yaw = matrix_identity(), turn_pitch = matrix_identity();
+    turn_yaw.m[0] = (float)cy;
+    turn_yaw.m[2] = (float)-sy;
+    turn_yaw.m[8] = (float)sy;
+    turn_yaw.m[10] = (float)cy;
+    turn_pitch.m[5] = (float)cp;
+    turn_pitch.m[6] = (float)-sp;
+    turn_pitch.m[9] = (float)sp;
+    turn_pitch.m[10] = (float)cp;
+    return matrix_multiply(turn_pitch, turn_yaw);
+}
+
+matrix4 matrix_scale(double factor)
+{
+    matrix4 r = {{0}};
+    r.m[0] = r.m[5] = r.m[10] = (float)factor;
+    r.m[15] = 1.0f;
+    return r;
+}
+
+matrix4 matrix_translate(double x, double y, double z)
+{
+    matrix4 r = matrix_identity();
+    r.m[12] = (float)x;
+    r.m[13] = (float)y;
+    r.m[14] = (float)z;
+    return r;
+}

@@ -1,0 +1,25 @@
+/* 4x4 matrices of floats, column-major as OpenGL reads them. Angles are in degrees. */
+#ifndef APPS_MATRIX_H
+#define APPS_MATRIX_H
+
+typedef struct {
+    float m[16];
+} matrix4;
+
+matrix4 matrix_identity(void);
+
+/* a * b: b is applied first. */
+matrix4 matrix_multiply(matrix4 a, matrix4 b);
+
+/* A symmetric perspective with vertical field of view `fov`. */
+matrix4 matrix_perspective(double fov, double aspect, double near, double far);
+
+/* World -> eye for a camera at the origin turned right by `yaw`, then up by `pitch`. */
+matrix4 matrix_camera(double yaw, double pitch);
+
+/* Uniform scale. */
+matrix4 matrix_scale(double factor);
+
+matrix4 matrix_translate(double x, double y, double z);
+
+#endif

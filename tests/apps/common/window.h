@@ -1,0 +1,62 @@
+/* An X11 window with a GL context, by GLX or by EGL. Failures end the program with a message. */
+#ifndef APPS_WINDOW_H
+#define APPS_WINDOW_H
+
+#include "image.h"
+
+#include <X11/Xlib.h>
+#include <stdbool.h>
+
+typedef enum {
+    API_GL_COMPATIBILITY,
+    API_GL_CORE,
+    API_GLES
+} window_api;
+
+typedef struct {
+    window_api api;
+    int major, minor; /* version asked for; compatibility contexts ignore it */
+    int x, y, width, height; /* x, y: place on the screen; XGetImage sees windows that lie above */
+    int samples; /* 0: no multisampling */
+    bool egl;    /* EGL instead of GLX; always so for API_GLES */
+} window_request;
+
+typedef struct {
+    Display *display;
+    Window window;
+    int width, height;
+    bool egl;
+    void *config;  /* GLXFBConfig or EGLConfig */
+    void *context; /* GLXContext or EGLContext */
+    void *egl_display, *egl_surface;
+} window;
+
+/* Opens and maps a window and makes its context current. */
+window window_open(const window_request *request);
+
+/* A second window on the same display with a context of its own. */
+window window_open_beside(const window *first, const window_request *request);
+
+void window_make_current(const window *w);
+void window_swap(const window *w);
+
+/* Asks for another size and waits until the server has given it. */
+void window_resize(window *w, int width, int height);
+
+/* What the X server shows in the window: the picture that was presented last. */
+image window_shot(const window *w);
+
+void window_close(window *w);
+
+/* Used between the window files only. */
+void window_create_x11(window *w, const window_request *request, void *visual_info);
+void window_open_glx(window *w, const window_request *request);
+void window_open_egl(window *w, const window_request *request);
+void window_make_current_glx(const window *w);
+void window_make_current_egl(const window *w);
+void window_swap_glx(const window *w);
+void window_swap_egl(const window *w);
+void window_close_glx(window *w);
+void window_close_egl(window *w);
+
+#endif

@@ -1,0 +1,72 @@
+/* Direction test whose last stage before rasterisation is a geometry shader, which projects. */
+#include "common/app.h"
+#include "common/mesh.h"
+#include "common/program.h"
+
+static const char vertex[] =
+    "#version 330 core\n"
+    "layout(location = 0) in vec3 position;\n"
+    "uniform mat4 MV;\n"
+    "out vec3 corner;\n"
+    "void main() {\n"
+    "    corner = position;\n"
+    "    gl_Position = MV * vec4(position, 1.0);\n"
+    "}\n";
+/* Splits each triangle at the middle of its first side, so that it emits two primitives. */
+static const char geometry[] =
+    "#version 330 core\n"
+    "layout(triangles) in;\n"
+    "layout(triangle_strip, max_vertices = 6) out;\n"
+    "uniform mat4 P;\n"
+    "in vec3 corner[];\n"
+    "out vec3 shade;\n"
+    "void emit(vec3 place, vec4 eye) {\n"
+    "    shade = 0.5 + 0.5 * place;\n"
+    "    gl_Position = P * eye;\n"
+    "    EmitVertex();\n"
+    "}\n"
+    "void main() {\n"
+    "    vec3 middle = 0.5 * (corner[0] + corner[1]);\n"
+    "    vec4 eye = 0.5 * (gl_in[0].gl_Position + gl_in[1].gl_Position);\n"
+    "    emit(corner[0], gl_in[0].gl_Position);\n"
+    "    emit(middle, eye);\n"
+    "    emit(corner[2], gl_in[2].gl_Position);\n"
+    "    EndPrimitive();\n"
+    "    emit(middle, eye);\n"
+    "    emit(corner[1], gl_in[1].gl_Position);\n"
+    "    emit(corner[2], gl_in[2].gl_Position);\n"
+    "    EndPrimitive();\n"
+    "}\n";
+static const char fragment[] =
+    "#version 330 core\nin vec3 shade;\nout vec4 result;\nvoid main() { result = vec4(shade, 1.0); }\n";
+
+static mesh cube;
+static GLuint program;
+static GLint projection, modelview;
+
+static void setup(app *a)
+{
+    (void)a;
+    const shader_source stages[] = {
+        {GL_VERTEX_SHADER, vertex}, {GL_GEOMETRY_SHADER, geometry}, {GL_FRAGMENT_SHADER, fragment}};
+    program = program_build(stages, 3);
+    projection = glGetUniformLocation(program, "P");
+    modelview = glGetUniformLocation(program, "MV");
+    cube = mesh_cube();
+}
+
+static void draw(app *a)
+{
+    app_clear();
+    glUseProgram(program);
+    glUniformMatrix4fv(projection, 1, GL_FALSE, a->projection.m);
+    glUniformMatrix4fv(modelview, 1, GL_FALSE, a->modelview.m);
+    mesh_bind(&cube);
+    glDrawElements(GL_TRIANGLES, CUBE_INDICES, GL_UNSIGNED_SHORT, NULL);
+}
+
+int main(int argc, char **argv)
+{
+    static const app_program self = {"geometry", API_GL_CORE, 3, 3, setup, draw, NULL};
+    return app_main(argc, argv, &self);
+}

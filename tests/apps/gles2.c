@@ -1,0 +1,47 @@
+/* Direction test in GLES 2 through EGL: ESSL 100, attributes, one matrix for view and one for projection. */
+#include "common/app.h"
+#include "common/mesh.h"
+#include "common/program.h"
+
+static const char vertex[] =
+    "attribute vec3 position;\n"
+    "attribute vec3 colour;\n"
+    "uniform mat4 modelview;\n"
+    "uniform mat4 projection;\n"
+    "varying vec3 shade;\n"
+    "void main() {\n"
+    "    shade = colour;\n"
+    "    gl_Position = projection * modelview * vec4(position, 1.0);\n"
+    "}\n";
+static const char fragment[] =
+    "precision highp float;\nvarying vec3 shade;\nvoid main() { gl_FragColor = vec4(shade, 1.0); }\n";
+
+static mesh cube;
+static GLuint program;
+static GLint projection, modelview;
+
+static void setup(app *a)
+{
+    (void)a;
+    const shader_source stages[] = {{GL_VERTEX_SHADER, vertex}, {GL_FRAGMENT_SHADER, fragment}};
+    program = program_build(stages, 2);
+    projection = glGetUniformLocation(program, "projection");
+    modelview = glGetUniformLocation(program, "modelview");
+    cube = mesh_cube();
+}
+
+static void draw(app *a)
+{
+    app_clear();
+    glUseProgram(program);
+    glUniformMatrix4fv(projection, 1, GL_FALSE, a->projection.m);
+    glUniformMatrix4fv(modelview, 1, GL_FALSE, a->modelview.m);
+    mesh_bind(&cube);
+    glDrawElements(GL_TRIANGLES, CUBE_INDICES, GL_UNSIGNED_SHORT, 0);
+}
+
+int main(int argc, char **argv)
+{
+    static const app_program self = {"gles2", API_GLES, 2, 0, setup, draw, NULL};
+    return app_main(argc, argv, &self);
+}

@@ -1,0 +1,49 @@
+/* A window with four samples: the program must see them, and what is presented has smooth edges. */
+#include "common/fixed.h"
+
+static void draw(app *a)
+{
+    GLint samples = 0, buffers = 0;
+    glGetIntegerv(GL_SAMPLES, &samples);
+    glGetIntegerv(GL_SAMPLE_BUFFERS, &buffers);
+    app_check(a, samples == a->request.samples && buffers == 1, "GL_SAMPLES is %d and GL_SAMPLE_BUFFERS %d", samples,
+              buffers);
+    fixed_cube(a);
+    /* A black triangle in front of the camera, its edges slanted. */
+    glColor3f(0, 0, 0);
+    glLoadIdentity();
+    glBegin(GL_TRIANGLES);
+    glVertex3f(-0.5f, -0.5f, -2.0f);
+    glVertex3f(0.5f, -0.37f, -2.0f);
+    glVertex3f(0.11f, 0.5f, -2.0f);
+    glEnd();
+}
+
+/* Looks at the X server's picture: llvmpipe's glReadPixels of a multisampled window reads one sample. */
+static void after(app *a)
+{
+    image picture = window_shot(&a->window);
+    int intermediate = 0;
+    for (int y = 0; y < picture.height; y++) {
+        for (int x = 1; x + 1 < picture.width; x++) {
+            int left = image_at(&picture, x - 1, y)[0], right = image_at(&picture, x + 1, y)[0];
+            int bright = left > right ? left : right, dark = left > right ? right : left;
+            int value = image_at(&picture, x, y)[0];
+            intermediate += dark == 0 && bright > 64 && value * 10 > bright && value * 10 < bright * 9;
+        }
+    }
+    app_check(a, intermediate > 20, "only %d pixels are between black and the cube", intermediate);
+    image_free(&picture);
+}
+
+int main(int argc, char **argv)
+{
+    char *with_samples[64];
+    int count = 0;
+    for (; count < argc && count < 60; count++)
+        with_samples[count] = argv[count];
+    with_samples[count++] = "--samples";
+    with_samples[count++] = "4";
+    static const app_program self = {"multisample", API_GL_COMPATIBILITY, 0, 0, NULL, draw, after};
+    return app_main(count, with_samples, &self);
+}

@@ -1,0 +1,293 @@
+//! The rules of `docs/architecture.md` that a machine can check: who may use what, where `unsafe` and
+//! OpenGL may be, how long a file may be, what the library exports.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+const ROOT: &str = env!("CARGO_MANIFEST_DIR");
+
+/// What each module of the library may name of the others. `error` is everybody's.
+const MAY_USE: [(&str, &[&str]); 13] = [
+    ("error", &[]),
+    ("fence", &[]),
+    ("geom", &[]),
+    ("rig", &["geom"]),
+    ("views", &["geom", "rig"]),
+    ("warp", &["geom", "rig", "views"]),
+    ("blend", &["geom", "rig", "warp"]),
+    ("correct", &["geom", "rig", "views", "warp", "blend"]),
+    ("backend", &["correct"]),
+    ("runtime", &["fence", "geom", "rig", "views", "warp", "blend", "correct", "backend"]),
+    ("intercept", &["fence", "rig", "views", "correct", "backend", "runtime"]),
+    ("ffi", &["fence", "geom", "rig", "views", "warp", "correct", "backend", "runtime"]),
+    ("preload", &["intercept"]),
+];
+
+/// Where `unsafe` may be. `process.rs` wraps the few system calls that the standard library lacks.
+const MAY_BE_UNSAFE: [&str; 5] =
+    ["src/ffi/", "src/intercept/", "src/backend/gl/", "src/preload/", "src/runtime/process.rs"];
+
+/// Where OpenGL may be named: the backend, the interception, and the C interface that hands it over.
+const MAY_KNOW_GL: [&str; 4] = ["src/backend/gl/", "src/intercept/", "src/ffi/", "src/runtime/"];
+
+/// Crates for the command alone.
+const COMMAND_ONLY: [&str; 2] = ["clap", "indicatif"];
+
+/// The geometry's only way to f32.
+const MAY_ROUND: &str = "src/correct/uniforms.rs";
+
+const LONGEST_FILE: usize = 600;
+
+/// Names that `libcupola.so` may export, besides `cupola_*`.
+const ENTRY_POINTS: [&str; 3] = ["__glx_Main", "__egl_Main", "vkNegotiateLoaderLayerInterfaceVersion"];
+
+struct Source {
+    /// Relative to the package.
+    path: String,
+    text: String,
+}
+
+fn walk(directory: &Path, found: &mut Vec<PathBuf>) {
+    let Ok(entries) = std::fs::read_dir(directory) else { return };
+    for entry in entries.flatten() {
+        let path = entry.path();
+        if path.is_dir() {
+            walk(&path, found);
+        } else {
+            found.push(path);
+        }
+    }
+}
+
+/// The text files below the given folders.
+fn sources(folders: &[&str], extensions: &[&str]) -> Vec<Source> {
+    let mut paths = Vec::new();
+    for folder in folders {
+        walk(&Path::new(ROOT).join(folder), &mut paths);
+    }
+    paths.sort();
+    let wanted = |path: &PathBuf| path.extension().and_then(|e| e.to_str()).is_some_and(|e| extensions.contains(&e));
+    let sources: Vec<Source> = paths
+        .iter()
+        .filter(|path| wanted(path))
+        .map(|path| Source {
+            path: path.strip_prefix(ROOT).expect("below the package").to_string_lossy().into_owned(),
+            text: std::fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display())),
+        })
+        .collect();
+    assert!(!sources.is_empty(), "no files below {folders:?}");
+    sources
+}
+
+/// The text without comments and without the content of strings and characters, so that words are code.
+fn code_of(text: &str) -> String {
+    let mut code = String::with_capacity(text.len());
+    let mut rest = text;
+    while let Some(first) = rest.chars().next() {
+        let skip = if rest.starts_with("//") {
+            rest.find('\n').unwrap_or(rest.len())
+        } else if rest.starts_with("/*") {
+            rest.find("*/").map_or(rest.len(), |end| end + 2)
+        } else if let Some(hashes) = raw_string(rest) {
+            let end = format!("\"{}", "#".repeat(hashes));
+            let start = hashes + 2;
+            rest[start..].find(&end).map_or(rest.len(), |found| start + found + end.len())
+        } else if first == '"' {
+            let mut escaped = false;
+            let end = rest[1..].find(|c: char| {
+                let closes = c == '"' && !escaped;
+                escaped = c == '\\' && !escaped;
+                closes
+            });
+            end.map_or(rest.len(), |end| end + 2)
+        } else if rest.starts_with("'\"'") {
+            3
+        } else {
+            code.push(first);
+            first.len_utf8()
+        };
+        rest = &rest[skip..];
+    }
+    code
+}
+
+/// How many hashes a raw string that starts here has.
+fn raw_string(text: &str) -> Option<usize> {
+    let after = text.strip_prefix('r')?;
+    let hashes = after.len() - after.trim_start_matches('#').len();
+    after[hashes..].starts_with('"').then_some(hashes)
+}
+
+/// Whether `word` stands alone in the code.
+fn has_word(code: &str, word: &str) -> bool {
+    let part = |c: char| c.is_alphanumeric() || c == '_';
+    code.match_indices(word).any(|(start, _)| {
+        !code[..start].chars().next_back().is_some_and(part)
+            && !code[start + word.len()..].chars().next().is_some_and(part)
+    })
+}
+
+/// The modules of the library that the code names by `crate::…` or `cupola::…`, lists in braces included.
+fn named_modules(code: &str, prefix: &str) -> BTreeSet<String> {
+    let mut modules = BTreeSet::new();
+    let word = |text: &str| text.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect::<String>();
+    for (start, _) in code.match_indices(prefix) {
+        let boundary =
+            code[..start].chars().next_back().is_none_or(|c| !c.is_alphanumeric() && c != '_' && c != ':' && c != '$');
+        if !boundary {
+            continue;
+        }
+        let rest = &code[start + prefix.len()..];
+        let Some(list) = rest.strip_prefix('{') else {
+            modules.insert(word(rest));
+            continue;
+        };
+        let (mut depth, mut item) = (1, String::new());
+        for c in list.chars() {
+            match c {
+                '{' => depth += 1,
+                '}' => depth -= 1,
+                _ => {}
+            }
+            if depth == 0 || (depth == 1 && c == ',') {
+                modules.insert(word(item.trim()));
+                item.clear();
+            } else {
+                item.push(c);
+            }
+            if depth == 0 {
+                break;
+            }
+        }
+    }
+    modules
+}
+
+fn report(findings: &[String]) {
+    assert!(findings.is_empty(), "\n{}\n", findings.join("\n"));
+}
+
+#[test]
+fn modules_use_only_what_they_may() {
+    let all: BTreeSet<&str> = MAY_USE.iter().map(|(module, _)| *module).collect();
+    let mut findings = Vec::new();
+    for source in sources(&["src"], &["rs"]) {
+        let inner = source.path.trim_start_matches("src/");
+        let own = inner.split(['/', '.']).next().unwrap_or_default();
+        let code = code_of(&source.text);
+        if own == "lib" {
+            continue;
+        }
+        let mut named = named_modules(&code, "crate::");
+        let allowed: Vec<&str> = if own == "bin" {
+            named = named_modules(&code, "cupola::");
+            all.iter().copied().filter(|module| !["intercept", "ffi", "preload", "fence"].contains(module)).collect()
+        } else {
+            named.extend(named_modules(&code, "cupola::"));
+            let Some((_, allowed)) = MAY_USE.iter().find(|(module, _)| *module == own) else {
+                findings.push(format!("{}: the table of this test does not know the module {own}", source.path));
+                continue;
+            };
+            [&allowed[..], &[own, "error"]].concat()
+        };
+        for module in named.iter().filter(|module| all.contains(module.as_str())) {
+            if !allowed.contains(&module.as_str()) {
+                findings.push(format!("{} uses {module}, which {own} may not", source.path));
+            }
+        }
+    }
+    report(&findings);
+}
+
+#[test]
+fn words_stand_only_where_they_may() {
+    let mut findings = Vec::new();
+    let mut complain = |path: &str, what: &str| findings.push(format!("{path}: {what}"));
+    for source in sources(&["src", "build", "tests"], &["rs"]) {
+        let code = code_of(&source.text);
+        let path = source.path.as_str();
+        let within = |places: &[&str]| places.iter().any(|place| path.starts_with(place));
+        for word in ["todo", "unimplemented", "dbg"] {
+            if code.contains(&format!("{word}!")) && has_word(&code, word) {
+                complain(path, &format!("{word}! is not for a finished file"));
+            }
+        }
+        if has_word(&code, "unsafe") && !within(&MAY_BE_UNSAFE) {
+            complain(path, "unsafe code outside the folders that may have it");
+        }
+        if !path.starts_with("src/") {
+            continue;
+        }
+        if ["glow", "gl_api", "GlApi"].iter().any(|word| has_word(&code, word)) && !within(&MAY_KNOW_GL) {
+            complain(path, "OpenGL is named outside the folders that may know it");
+        }
+        if COMMAND_ONLY.iter().any(|name| code.contains(&format!("{name}::"))) && !path.starts_with("src/bin/") {
+            complain(path, "a crate of the command is named in the library");
+        }
+        let exact = ["src/geom/", "src/rig/", "src/views/", "src/warp/", "src/blend/", "src/correct/"];
+        if within(&exact) && path != MAY_ROUND && code.contains(" as f32") {
+            complain(path, &format!("f64 becomes f32 outside {MAY_ROUND}"));
+        }
+    }
+    report(&findings);
+}
+
+#[test]
+fn files_are_short() {
+    let folders = ["src", "build", "tests", "shaders", "examples", "scripts", "docs"];
+    let findings: Vec<String> = sources(&folders, &["rs", "c", "h", "wgsl", "toml", "md", "sh"])
+        .iter()
+        .map(|source| (source.text.lines().count(), &source.path))
+        .filter(|(lines, _)| *lines > LONGEST_FILE)
+        .map(|(lines, path)| format!("{path} has {lines} lines, more than {LONGEST_FILE}"))
+        .collect();
+    report(&findings);
+}
+
+#[test]
+fn the_library_exports_its_interface_only() {
+    let library = Path::new(env!("CARGO_BIN_EXE_cupola")).with_file_name("libcupola.so");
+    if !library.exists() {
+        let mut build = Command::new(env!("CARGO"));
+        build.args(["build", "--lib"]).current_dir(ROOT);
+        assert!(build.status().expect("cargo can be started").success());
+    }
+    let names = exported_names(&library);
+    for name in ["__glx_Main", "__egl_Main"] {
+        assert!(names.contains(name), "{} does not export {name}", library.display());
+    }
+    report(&unwanted(&names));
+
+    let preload = library.with_file_name("examples/libcupola_preload.so");
+    if preload.exists() {
+        report(&unwanted(&exported_names(&preload)));
+    }
+}
+
+fn exported_names(library: &Path) -> BTreeSet<String> {
+    let output = Command::new("nm").args(["-D", "--defined-only"]).arg(library).output().expect("nm can be started");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    text.lines().filter_map(|line| line.split_whitespace().last()).map(str::to_owned).collect()
+}
+
+fn unwanted(names: &BTreeSet<String>) -> Vec<String> {
+    let wanted = |name: &str| name.starts_with("cupola_") || ENTRY_POINTS.contains(&name);
+    names.iter().filter(|name| !wanted(name)).map(|name| format!("{name} is exported")).collect()
+}
+
+/// The rules above rest on these: each finds what it should, and nothing else.
+#[test]
+fn the_checks_find_violations() {
+    let code = code_of("a // unsafe\n/* todo!() */ \"unsafe \\\" glow\" r#\"unsafe \"x\" \"# '\"' b");
+    assert!(!has_word(&code, "unsafe") && !has_word(&code, "glow") && !has_word(&code, "todo"));
+    assert!(code.starts_with('a') && code.ends_with('b'));
+    assert!(has_word("x = unsafe {", "unsafe") && !has_word("#![forbid(unsafe_code)]", "unsafe"));
+    let modules = named_modules(
+        "use crate::{geom::{Pose, Frustum}, rig, views::Plan}; crate::error::Error; x::crate::no",
+        "crate::",
+    );
+    assert_eq!(modules.into_iter().collect::<Vec<_>>(), ["error", "geom", "rig", "views"]);
+    assert_eq!(unwanted(&BTreeSet::from(["cupola_x".into(), "__egl_Main".into(), "dlsym".into()])).len(), 1);
+}

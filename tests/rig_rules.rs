@@ -1,0 +1,448 @@
+//! Every rule of the rig file: what breaks it is refused, at its line, by its key, with its remedy.
+
+use cupola::rig::{Rig, parse};
+use std::path::Path;
+
+/// A rig in which every key of the format is used, and which is valid.
+const COMPLETE: &str = r#"
+name = "complete"
+passthrough = false
+
+[dome]
+radius = 5
+tilt = 20.0
+coverage = 200
+
+[viewer]
+position = [0.5, -0.2, 1]
+yaw = 10
+pitch = -5
+roll = 1
+
+[camera]
+zoom = 2
+move = [0, 0, -20]
+yaw = 90
+pitch = 10
+roll = -10
+
+[views]
+method = "cube"
+quality = 1.5
+
+[overlay]
+yaw = 10
+pitch = 20
+width = 70
+
+[[output]]
+name = "left"
+kind = "projector"
+size = [1920, 1080]
+window = [0, 0, 1920, 1080]
+position = [1, 0, 2]
+yaw = -30
+pitch = 15
+roll = 2
+fov = [60, 40]
+shift = [0, 0.5]
+[output.blend]
+overlap = true
+ramp = 0.2
+gamma = 2.4
+black_level = 0.01
+ramps = [{ angle = "polar", zero = 100, full = 90 }, { angle = "azimuth", zero = -90, full = -80 }]
+
+[[output]]
+name = "right"
+kind = "projector"
+window = [1920, 0, 1920, 1080]
+yaw = 30
+angles = { left = -30, right = 20, bottom = -10, top = 30 }
+
+[[output]]
+name = "master"
+kind = "domemaster"
+window = [0, 1080, 1080, 1080]
+aperture = 180
+tilt = 90
+
+[[output]]
+name = "monitor"
+kind = "perspective"
+window = [1080, 1080, 1080, 1080]
+yaw = 10
+fov = [90, 60]
+
+[[output]]
+name = "as-is"
+kind = "perspective"
+window = [2160, 1080, 1080, 1080]
+lens = "program"
+"#;
+
+fn read(text: &str) -> Result<Rig, String> {
+    parse(text, "some/dome.toml", Path::new("")).map_err(|error| error.message)
+}
+
+/// `COMPLETE` with the one occurrence of `line` replaced by `by`, and the number of the line on which that stands.
+fn with(line: &str, by: &str) -> (String, usize) {
+    let marked = format!("\n{line}\n");
+    assert_eq!(COMPLETE.matches(&marked).count(), 1, "{line:?} does not stand alone in the text");
+    let at = COMPLETE.find(&marked).unwrap();
+    (COMPLETE.replace(&marked, &format!("\n{by}\n")), COMPLETE[..=at].matches('\n').count() + 1)
+}
+
+/// Expects that `by` in place of `line` is refused with one problem that says the last line of `by`, `key` and `words`.
+#[track_caller]
+fn refused(line: &str, by: &str, key: &str, words: &[&str]) {
+    let (text, number) = with(line, by);
+    refused_text(&text, number + by.matches('\n').count(), key, words);
+}
+
+#[track_caller]
+fn refused_text(text: &str, number: usize, key: &str, words: &[&str]) {
+    let message = read(text).expect_err("this rig should have been refused");
+    let start = format!("some/dome.toml:{number}: {key}");
+    assert!(message.starts_with(&start), "{message:?} does not start with {start:?}");
+    for word in words {
+        assert!(message.contains(word), "{message:?} does not say {word:?}");
+    }
+    assert!(!message.contains('\n'), "one problem was expected, not these:\n{message}");
+}
+
+#[test]
+fn the_complete_rig_is_valid() {
+    read(COMPLETE).unwrap();
+    // The comparer can fail: replacing a line by itself is not refused.
+    assert!(read(&with("radius = 5", "radius = 5").0).is_ok());
+}
+
+#[test]
+fn text_that_is_no_toml() {
+    refused("radius = 5", "radius = = 5", "this is not TOML", &[]);
+    refused("radius = 5", "radius = 5\nradius = 6", "this is not TOML", &["duplicate"]);
+}
+
+#[test]
+fn unknown_keys() {
+    refused("radius = 5", "radios = 5", "dome.radios: unknown key", &["did you mean `radius`?"]);
+    refused("radius = 5", "diameter = 5", "dome.diameter: unknown key", &["possible here: coverage, radius, tilt"]);
+    refused("name = \"complete\"", "nmae = \"complete\"", "nmae: unknown key", &["did you mean `name`?"]);
+    refused("zoom = 2", "zom = 2", "camera.zom: unknown key", &["`zoom`"]);
+    refused("roll = 1", "rol = 1", "viewer.rol: unknown key", &["`roll`"]);
+    refused("quality = 1.5", "qualty = 1.5", "views.qualty: unknown key", &["`quality`"]);
+    refused("width = 70", "widht = 70", "overlay.widht: unknown key", &["`width`"]);
+    refused("gamma = 2.4", "gama = 2.4", "output[0].blend.gama: unknown key", &["`gamma`"]);
+    refused("fov = [90, 60]", "fov = [90, 60]\nfow = 3", "output[3].fow: unknown key", &["did you mean `fov`?"]);
+}
+
+#[test]
+fn keys_of_another_kind_of_output() {
+    let expected = ["it belongs to kind = \"domemaster\""];
+    let (text, number) = with("fov = [90, 60]", "fov = [90, 60]\naperture = 180");
+    refused_text(&text, number + 1, "output[3].aperture: unknown key", &expected);
+    let (text, number) = with("aperture = 180", "aperture = 180\nfov = [60, 40]");
+    refused_text(&text, number + 1, "output[2].fov: unknown key", &["kind = \"projector\" or \"perspective\""]);
+    refused_text(
+        "[[outputs]]\nkind = \"domemaster\"\n[[output]]\nkind = \"domemaster\"",
+        1,
+        "outputs",
+        &["[[output]]"],
+    );
+}
+
+#[test]
+fn wrong_types_and_units() {
+    refused("radius = 5", "radius = \"5 m\"", "dome.radius", &["\"5 m\"", "without quotes", "metres"]);
+    refused("radius = 5", "radius = [5]", "dome.radius", &["not a number"]);
+    refused("radius = 5", "radius = true", "dome.radius", &["not a number"]);
+    refused("radius = 5", "radius = 1979-05-27", "dome.radius", &["a date is not a number"]);
+    refused("passthrough = false", "passthrough = \"no\"", "passthrough", &["neither true nor false"]);
+    refused("name = \"complete\"", "name = 3", "name", &["3 is not text", "in quotes"]);
+    refused(
+        "position = [0.5, -0.2, 1]",
+        "position = [0.5, -0.2]",
+        "viewer.position",
+        &["expected 3 numbers", "metres"],
+    );
+    refused(
+        "position = [0.5, -0.2, 1]",
+        "position = [0.5, \"a\", 1]",
+        "viewer.position[1]",
+        &["\"a\" is not a number"],
+    );
+    refused("fov = [60, 40]", "fov = 60", "output[0].fov", &["expected 2 numbers", "degrees"]);
+    refused(
+        "method = \"cube\"",
+        "method = \"cub\"",
+        "views.method",
+        &["\"auto\", \"cube\", \"single\"", "did you mean \"cube\"?"],
+    );
+    refused(
+        "kind = \"domemaster\"",
+        "kind = \"fisheye\"",
+        "output[2].kind",
+        &["\"domemaster\", \"projector\", \"perspective\""],
+    );
+    refused("lens = \"program\"", "lens = \"programm\"", "output[4].lens", &["did you mean \"program\"?"]);
+    refused_text("dome = 3\n[[output]]\nkind = \"domemaster\"", 1, "dome", &["3 is not a table", "[dome]"]);
+    refused_text("[output]\nkind = \"domemaster\"", 1, "output", &["[[output]] with double brackets"]);
+    refused_text("output = [3]", 1, "output[0]", &["3 is not a table"]);
+}
+
+#[test]
+fn numbers_that_are_none() {
+    for number in ["nan", "inf", "-inf", "+nan"] {
+        refused("radius = 5", &format!("radius = {number}"), "dome.radius", &["no number that can be used", "metres"]);
+    }
+    refused("move = [0, 0, -20]", "move = [0, nan, -20]", "camera.move[1]", &["NaN"]);
+    // Beyond what the type holds.
+    refused("radius = 5", "radius = 1e999", "dome.radius", &[]);
+    refused("radius = 5", "radius = 99999999999999999999", "dome.radius", &[]);
+}
+
+#[test]
+fn ranges_of_the_dome() {
+    refused("radius = 5", "radius = 0", "dome.radius", &["greater than 0", "metres"]);
+    refused("radius = 5", "radius = -5", "dome.radius", &["-5", "greater than 0"]);
+    refused("tilt = 20.0", "tilt = 181", "dome.tilt", &["at most 180"]);
+    refused("coverage = 200", "coverage = 0", "dome.coverage", &["greater than 0", "degrees"]);
+    refused("coverage = 200", "coverage = 361", "dome.coverage", &["at most 360"]);
+}
+
+#[test]
+fn ranges_of_viewer_and_camera() {
+    refused("yaw = 90", "yaw = 361", "camera.yaw", &["at most 360", "to the right"]);
+    refused("pitch = -5", "pitch = -181", "viewer.pitch", &["at least -180", "upwards"]);
+    refused("roll = 1", "roll = 400", "viewer.roll", &["at most 360", "clockwise"]);
+    refused("zoom = 2", "zoom = 0", "camera.zoom", &["at least 0.001"]);
+    refused("zoom = 2", "zoom = -1", "camera.zoom", &["at least 0.001"]);
+    refused("move = [0, 0, -20]", "move = [0, 0, 1e10]", "camera.move[2]", &["program's own units"]);
+}
+
+#[test]
+fn ranges_of_views_and_overlay() {
+    refused("quality = 1.5", "quality = 0.05", "views.quality", &["at least 0.1 and at most 8"]);
+    refused("quality = 1.5", "quality = 9", "views.quality", &["at least 0.1 and at most 8"]);
+    refused("width = 70", "width = 0", "overlay.width", &["greater than 0 and less than 180"]);
+    refused("width = 70", "width = 180", "overlay.width", &["greater than 0 and less than 180"]);
+}
+
+#[test]
+fn the_viewer_is_inside_the_dome() {
+    refused(
+        "position = [0.5, -0.2, 1]",
+        "position = [3, 4, 0]",
+        "viewer.position",
+        &["5 m", "radius 5 m", "at most 4.95 m"],
+    );
+    refused("position = [0.5, -0.2, 1]", "position = [0, 10, 0]", "viewer.position", &["10 m", "not inside the dome"]);
+    // Without a screen that depends on it, the viewer's place is free.
+    read("[viewer]\nposition = [0, 10, 0]\n[[output]]\nkind = \"perspective\"\nfov = [60, 40]").unwrap();
+}
+
+#[test]
+fn openings_of_pinholes() {
+    refused(
+        "fov = [60, 40]",
+        "fov = [180, 40]",
+        "output[0].fov[0]",
+        &["180 is out of range", "at most 179", "domemaster"],
+    );
+    refused("fov = [60, 40]", "fov = [60, 0]", "output[0].fov[1]", &["at least 0.01"]);
+    refused("fov = [90, 60]", "fov = [-90, 60]", "output[3].fov[0]", &["at least 0.01"]);
+    let (text, _) = with("fov = [60, 40]\nshift = [0, 0.5]", "");
+    refused_text(&text, 32, "output[0].fov", &["is missing", "angles = { left, right, bottom, top }"]);
+}
+
+#[test]
+fn an_opening_is_said_once() {
+    let angles = "angles = { left = -30, right = 20, bottom = -10, top = 30 }";
+    refused(
+        "shift = [0, 0.5]",
+        &format!("shift = [0, 0.5]\n{angles}"),
+        "output[0].angles",
+        &["a second time", "leave out"],
+    );
+    let (text, number) = with(angles, &format!("shift = [0, 1]\n{angles}"));
+    refused_text(&text, number, "output[1].shift", &["goes with `fov`"]);
+    refused("lens = \"program\"", "fov = [60, 40]\nlens = \"program\"", "output[4].lens", &["leave out"]);
+}
+
+#[test]
+fn sides_of_pinholes() {
+    let angles = "angles = { left = -30, right = 20, bottom = -10, top = 30 }";
+    let right = "angles = { left = 30, right = 20, bottom = -10, top = 30 }";
+    refused(angles, right, "output[1].angles.right", &["20 is not above left = 30", "left is negative"]);
+    let top = "angles = { left = -30, right = 20, bottom = -10, top = -10 }";
+    refused(angles, top, "output[1].angles.top", &["-10 is not above bottom = -10"]);
+    let wide = "angles = { left = -90, right = 20, bottom = -10, top = 30 }";
+    refused(angles, wide, "output[1].angles.left", &["at least -89.5"]);
+    let missing = "angles = { left = -30, right = 20, bottom = -10 }";
+    refused(angles, missing, "output[1].angles.top", &["is missing"]);
+    let unknown = "angles = { left = -30, right = 20, bottom = -10, top = 30, topp = 3 }";
+    refused(angles, unknown, "output[1].angles.topp", &["`top`"]);
+}
+
+#[test]
+fn lens_shifts() {
+    refused("shift = [0, 0.5]", "shift = [0, 2.5]", "output[0].shift[1]", &["at most 2", "0.5 = half a picture"]);
+    refused("shift = [0, 0.5]", "shift = [-3, 0]", "output[0].shift[0]", &["at least -2"]);
+}
+
+#[test]
+fn apertures() {
+    refused("aperture = 180", "aperture = 0", "output[2].aperture", &["greater than 0", "at most 360"]);
+    refused("aperture = 180", "aperture = 361", "output[2].aperture", &["at most 360", "degrees"]);
+    read(&with("aperture = 180", "aperture = 360").0).unwrap();
+}
+
+#[test]
+fn projectors_see_the_screen() {
+    // Below the tilted dome, aimed further down.
+    let why = ["sees no part of the screen", "position", "yaw", "fov"];
+    let text = "[dome]\ncoverage = 90\n[[output]]\nkind = \"projector\"\npitch = -90\nfov = [60, 40]";
+    refused_text(text, 3, "output[0]", &why);
+    // Outside, turned away from the dome altogether.
+    let text = "[[output]]\nkind = \"projector\"\nposition = [0, 0, 20]\nyaw = 180\nfov = [60, 40]";
+    refused_text(text, 1, "output[0]", &why);
+    // The same, turned to it.
+    read(&text.replace("180", "0")).unwrap();
+    let text = "[[output]]\nkind = \"projector\"\nposition = [0, 0, 1e6]\nfov = [1, 1]\n[dome]\nradius = 0.5";
+    refused_text(text, 3, "output[0].position", &["at most 500000 m"]);
+}
+
+#[test]
+fn names_of_outputs() {
+    refused("name = \"right\"", "name = \"left\"", "output[1].name", &["another output", "of its own"]);
+    refused("name = \"right\"", "name = \"Left\"", "output[1].name", &["another output"]);
+    for name in ["", "a b", "a/b", "..", "-o", "é", &"n".repeat(65)] {
+        refused(
+            "name = \"right\"",
+            &format!("name = {name:?}"),
+            "output[1].name",
+            &["cannot be used", "letters", "digits"],
+        );
+    }
+    read(&with("name = \"right\"", &format!("name = \"{}\"", "n".repeat(64))).0).unwrap();
+}
+
+#[test]
+fn sizes() {
+    for (size, which) in
+        [("[0, 1080]", 0), ("[1920, 0]", 1), ("[16385, 1080]", 0), ("[-1, 1080]", 0), ("[1920.5, 1080]", 0)]
+    {
+        let key = format!("output[0].size[{which}]");
+        refused(
+            "size = [1920, 1080]",
+            &format!("size = {size}"),
+            &key,
+            &["[width, height] in pixels", "from 1 to 16384"],
+        );
+    }
+    refused("size = [1920, 1080]", "size = [1920]", "output[0].size", &["expected 2 numbers"]);
+    refused("size = [1920, 1080]", "size = \"1920x1080\"", "output[0].size", &["expected 2 numbers"]);
+    read(&with("size = [1920, 1080]", "size = [16384, 16384]").0).unwrap();
+}
+
+#[test]
+fn windows() {
+    let line = "window = [1920, 0, 1920, 1080]";
+    refused(line, "window = [1919, 0, 1920, 1080]", "output[1].window", &["overlaps the window of \"left\""]);
+    refused(line, "window = [1920, 0, 0, 1080]", "output[1].window[2]", &["from 1 to 16384"]);
+    refused(line, "window = [-1, 0, 1920, 1080]", "output[1].window[0]", &["from 0 to 32767"]);
+    refused(line, "window = [32000, 0, 1920, 1080]", "output[1].window", &["(33920, 1080)", "32767"]);
+    refused(line, "window = [1920, 0, 1920]", "output[1].window", &["expected 4 numbers"]);
+    let (text, number) = with(line, "");
+    refused_text(&text, number - 3, "output[1].window", &["is missing", "for none"]);
+}
+
+#[test]
+fn blending() {
+    refused("ramp = 0.2", "ramp = 0", "output[0].blend.ramp", &["greater than 0 and at most 0.5"]);
+    refused("ramp = 0.2", "ramp = 0.6", "output[0].blend.ramp", &["greater than 0 and at most 0.5"]);
+    refused("gamma = 2.4", "gamma = 0.45", "output[0].blend.gamma", &["at least 1 and at most 4"]);
+    refused("black_level = 0.01", "black_level = 1", "output[0].blend.black_level", &["less than 1"]);
+    refused("black_level = 0.01", "black_level = -0.1", "output[0].blend.black_level", &["at least 0"]);
+    refused("overlap = true", "overlap = 1", "output[0].blend.overlap", &["neither true nor false"]);
+    refused(
+        "aperture = 180",
+        "aperture = 180\nblend = { overlap = true }",
+        "output[2].blend.overlap",
+        &["only projectors"],
+    );
+}
+
+#[test]
+fn ramps_of_dome_angles() {
+    let line = r#"ramps = [{ angle = "polar", zero = 100, full = 90 }, { angle = "azimuth", zero = -90, full = -80 }]"#;
+    let cases = [
+        (r#"ramps = [{ angle = "polar", zero = 100, full = 100 }]"#, "ramps[0].full", "needs a width"),
+        (r#"ramps = [{ angle = "polar", zero = 181, full = 100 }]"#, "ramps[0].zero", "at most 180"),
+        (r#"ramps = [{ angle = "polar", zero = -1, full = 100 }]"#, "ramps[0].zero", "at least 0"),
+        (r#"ramps = [{ angle = "azimuth", zero = -181, full = 100 }]"#, "ramps[0].zero", "at least -180"),
+        (r#"ramps = [{ angle = "azimut", zero = 0, full = 100 }]"#, "ramps[0].angle", "did you mean \"azimuth\"?"),
+        (r#"ramps = [{ zero = 0, full = 100 }]"#, "ramps[0].angle", "is missing"),
+        (r#"ramps = [{ angle = "polar", full = 100 }]"#, "ramps[0].zero", "is missing"),
+        (r#"ramps = [{ angle = "polar", zero = 100 }]"#, "ramps[0].full", "is missing"),
+        (r#"ramps = [{ angle = "polar", zero = 100, fill = 3, full = 4 }]"#, "ramps[0].fill", "unknown key"),
+        (r#"ramps = 3"#, "ramps", "not a list of tables"),
+    ];
+    for (by, key, words) in cases {
+        refused(line, by, &format!("output[0].blend.{key}"), &[words]);
+    }
+}
+
+#[test]
+fn masks() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
+    std::fs::write(folder.join("not-a.png"), "text").unwrap();
+    let png = b"\x89PNG\r\n\x1a\n and so on";
+    std::fs::write(folder.join("a.png"), png).unwrap();
+    let read = |mask: &str| {
+        let text = format!("[[output]]\nkind = \"domemaster\"\n{mask}");
+        parse(&text, "rig.toml", folder).map_err(|error| error.message)
+    };
+    let rig = read("mask = { image = \"a.png\" }").unwrap();
+    assert_eq!(rig.outputs[0].mask.as_deref(), Some(folder.join("a.png").as_path()));
+    let cases = [
+        ("mask = { image = \"none.png\" }", "rig.toml:3: output[0].mask.image", "cannot be read"),
+        ("mask = { image = \"not-a.png\" }", "rig.toml:3: output[0].mask.image", "no PNG file"),
+        ("mask = { image = \"\" }", "rig.toml:3: output[0].mask.image", "the name is empty"),
+        ("mask = {}", "rig.toml:3: output[0].mask.image", "is missing"),
+        ("mask = { file = \"a.png\", image = \"a.png\" }", "rig.toml:3: output[0].mask.file", "unknown key"),
+        ("mask = \"a.png\"", "rig.toml:3: output[0].mask", "not a table"),
+    ];
+    for (mask, start, words) in cases {
+        let message = read(mask).unwrap_err();
+        assert!(message.starts_with(start) && message.contains(words), "{message}");
+    }
+}
+
+#[test]
+fn numbers_of_outputs() {
+    refused_text("name = \"empty\"", 1, "output", &["at least one [[output]]", "passthrough = true"]);
+    refused_text("[[output]]\nname = \"n\"", 1, "output[0].kind", &["is missing", "\"domemaster\""]);
+    let text = "passthrough = true\n[[output]]\nkind = \"domemaster\"";
+    refused_text(text, 1, "passthrough", &["leave out one of them"]);
+    let many = |count| "[[output]]\nkind = \"domemaster\"\n".repeat(count);
+    read(&many(64)).unwrap();
+    refused_text(&many(65), 129, "output[64]", &["at most 64 outputs"]);
+    read("passthrough = true").unwrap();
+}
+
+#[test]
+fn one_message_lists_every_problem_in_the_files_order() {
+    let text = COMPLETE
+        .replace("radius = 5", "radius = -5")
+        .replace("gamma = 2.4", "gamma = 9")
+        .replace("zoom = 2", "zom = 2");
+    let message = read(&text).unwrap_err();
+    let keys: Vec<&str> = message.lines().filter_map(|line| line.split(": ").nth(1)).collect();
+    assert_eq!(keys, ["dome.radius", "camera.zom", "output[0].blend.gamma"]);
+    // A flood is cut short.
+    let many = read(&"[[output]]\nkind = \"x\"\n".repeat(1000)).unwrap_err();
+    assert_eq!(many.lines().count(), 21);
+    assert!(many.ends_with("more problems"), "{many}");
+}

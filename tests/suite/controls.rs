@@ -1,0 +1,139 @@
+//! The judges judged: each comparer passes a right picture and fails wrong ones.
+
+use crate::compare::{Shown, compare};
+use crate::dialects::{shown_by_fisheye, shown_by_projector, shown_by_window};
+use crate::picture::Picture;
+use crate::reference::{
+    Dome, Fisheye, Opening, ProgramCamera, Projector, Turn, add_scaled, cube_colour, dot, normalised,
+};
+use std::panic::catch_unwind;
+
+const CAMERA: ProgramCamera = ProgramCamera { yaw: 33.0, pitch: -17.0 };
+
+/// The ideal picture of what is shown.
+fn ideal(size: (usize, usize), shown: impl Fn(f64, f64) -> Shown) -> Picture {
+    Picture::from_fn(size.0, size.1, |x, y| match shown(x as f64 + 0.5, y as f64 + 0.5) {
+        Shown::Direction(direction) => cube_colour(direction).map(|channel| (255.0 * channel).round() as u8),
+        _ => [0; 3],
+    })
+}
+
+fn turned(yaw: f64, pitch: f64) -> ProgramCamera {
+    ProgramCamera { yaw: CAMERA.yaw + yaw, pitch: CAMERA.pitch + pitch }
+}
+
+#[test]
+fn the_domemaster_comparer_fails_wrong_pictures() {
+    let right = Fisheye { width: 256.0, height: 256.0, aperture: 180.0, tilt: 90.0 };
+    let judge = |picture: &Picture| compare(picture, shown_by_fisheye(right, CAMERA));
+    let picture = ideal((256, 256), shown_by_fisheye(right, CAMERA));
+    let report = judge(&picture);
+    assert!(report.good() && report.worst <= 0.5 + 1e-9 && report.black > 1000);
+
+    let wrong = [
+        ("yaw", right, turned(2.0, 0.0)),
+        ("pitch", right, turned(0.0, 2.0)),
+        ("aperture", Fisheye { aperture: 184.0, ..right }, CAMERA),
+        ("tilt", Fisheye { tilt: 88.0, ..right }, CAMERA),
+        ("mirror", Fisheye { tilt: -90.0, ..right }, CAMERA),
+    ];
+    for (name, fisheye, camera) in wrong {
+        assert!(!judge(&ideal((256, 256), shown_by_fisheye(fisheye, camera))).good(), "{name} is not noticed");
+    }
+    let upside_down = Picture::from_fn(256, 256, |x, y| picture.at(x, 255 - y));
+    assert!(!judge(&upside_down).good(), "a picture upside down is not noticed");
+    let shifted = Picture::from_fn(256, 256, |x, y| picture.at((x + 2).min(255), y));
+    assert!(!judge(&shifted).good(), "two pixels to the left are not noticed");
+    let mut lit = picture.clone();
+    lit.pixels[3] = [1, 0, 0];
+    assert!(!judge(&lit).good(), "light outside the circle is not noticed");
+    let mut spot = picture.clone();
+    spot.pixels[100 * 256 + 77][2] ^= 0x20;
+    assert!(!judge(&spot).good(), "one wrong pixel is not noticed");
+    assert!(!judge(&Picture::from_fn(256, 256, |_, _| [0; 3])).good(), "a black picture is not noticed");
+    // Nothing to compare is no success.
+    assert!(!compare(&picture, |_, _| Shown::Unknown).good());
+}
+
+#[test]
+fn the_perspective_comparer_fails_wrong_pictures() {
+    let size = (256, 192);
+    let judge = |picture: &Picture| compare(picture, shown_by_window(size, 75.0, CAMERA));
+    assert!(judge(&ideal(size, shown_by_window(size, 75.0, CAMERA))).good());
+    assert!(!judge(&ideal(size, shown_by_window(size, 77.0, CAMERA))).good());
+    assert!(!judge(&ideal(size, shown_by_window(size, 75.0, turned(0.0, -1.5)))).good());
+}
+
+fn projector() -> (Projector, Dome) {
+    let (width, height) = (200.0, 150.0);
+    let turn = Turn { yaw: 40.0, pitch: 25.0, roll: 10.0 };
+    let opening = Opening { left: -0.6, right: 0.5, bottom: -0.2, top: 0.7 };
+    let name = "p".to_owned();
+    let projector = Projector { name, width, height, position: [1.0, -2.0, 0.5], turn, opening };
+    let still = Turn::default();
+    let viewer_turn = Turn { yaw: 10.0, ..still };
+    let viewer = [0.2, -0.5, 0.3];
+    (projector, Dome { radius: 5.0, tilt: 20.0, coverage: 190.0, viewer, viewer_turn, camera_turn: still })
+}
+
+#[test]
+fn the_projector_comparer_fails_wrong_pictures() {
+    let (right, dome) = projector();
+    let picture_of =
+        |projector: &Projector, dome: &Dome| ideal((200, 150), shown_by_projector(projector, dome, CAMERA));
+    let judge = |picture: &Picture| compare(picture, shown_by_projector(&right, &dome, CAMERA)).good();
+    assert!(judge(&picture_of(&right, &dome)));
+    let moved = Projector { position: add_scaled(right.position, [1.0, 0.0, 0.0], 0.4), ..right.clone() };
+    assert!(!judge(&picture_of(&moved, &dome)), "a moved projector is not noticed");
+    let rolled = Projector { turn: Turn { roll: 12.0, ..right.turn }, ..right.clone() };
+    assert!(!judge(&picture_of(&rolled, &dome)), "a rolled projector is not noticed");
+    assert!(!judge(&picture_of(&right, &Dome { viewer: [0.2, 0.1, 0.3], ..dome })), "a moved viewer is not noticed");
+    assert!(!judge(&picture_of(&right, &Dome { coverage: 130.0, ..dome })), "a smaller screen is not noticed");
+}
+
+/// The reference against itself: what it projects, it hits; what it turns, it turns back.
+#[test]
+fn the_reference_is_consistent() {
+    let (projector, dome) = projector();
+    for (x, y) in [(0.5, 0.5), (100.0, 75.0), (13.25, 140.5), (199.5, 3.0)] {
+        let point = projector.hit(&dome, x, y).expect("a projector inside the dome hits it");
+        assert!((dot(point, point).sqrt() - dome.radius).abs() < 1e-12);
+        let [back_x, back_y] = projector.place(point).expect("the projector sees what it lights");
+        assert!((back_x - x).abs() < 1e-9 && (back_y - y).abs() < 1e-9);
+    }
+    let turn = Turn { yaw: 123.0, pitch: -45.0, roll: 67.0 };
+    let direction = normalised([0.3, -0.8, 0.4]);
+    let back = turn.inward(turn.outward(direction));
+    assert!((0..3).all(|axis| (back[axis] - direction[axis]).abs() < 1e-15));
+
+    let close = |found: [f64; 3], expected: [f64; 3]| (0..3).all(|axis| (found[axis] - expected[axis]).abs() < 1e-12);
+    let forward = [0.0, 0.0, -1.0];
+    let up = [0.0, 1.0, 0.0];
+    assert!(
+        close(Turn { yaw: 90.0, pitch: 0.0, roll: 0.0 }.outward(forward), [1.0, 0.0, 0.0]),
+        "yaw is right-positive"
+    );
+    assert!(close(Turn { yaw: 0.0, pitch: 90.0, roll: 0.0 }.outward(forward), up), "pitch is up-positive");
+    assert!(close(Turn { yaw: 0.0, pitch: 0.0, roll: 90.0 }.outward(up), [1.0, 0.0, 0.0]), "roll is clockwise");
+    // The fulldome convention: the zenith in the centre, the front at the bottom edge, right at the right.
+    let master = Fisheye { width: 100.0, height: 100.0, aperture: 180.0, tilt: 0.0 };
+    assert!(close(master.direction(50.0, 50.0), up));
+    assert!(close(master.direction(50.0, 100.0), forward));
+    assert!(close(master.direction(100.0, 50.0), [1.0, 0.0, 0.0]));
+}
+
+#[test]
+fn the_picture_comparers_fail_wrong_pictures() {
+    use crate::compare::{expect_identical, expect_similar};
+    let right = Picture::from_fn(40, 30, |x, y| [x as u8, y as u8, 7]);
+    let mut wrong = right.clone();
+    wrong.pixels[17][1] += 1;
+    expect_identical(&right, &right, "control");
+    expect_similar(&wrong, &right, 1, 1e-3, "control");
+    assert!(catch_unwind(|| expect_identical(&wrong, &right, "control")).is_err());
+    wrong.pixels[99][0] += 1;
+    assert!(catch_unwind(|| expect_similar(&wrong, &right, 1, 1e-3, "control")).is_err(), "2 of 1200 are too many");
+    wrong = right.clone();
+    wrong.pixels[17][1] += 2;
+    assert!(catch_unwind(|| expect_similar(&wrong, &right, 1, 1e-3, "control")).is_err(), "2/255 are too many");
+}

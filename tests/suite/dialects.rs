@@ -1,0 +1,245 @@
+//! The direction test: each dialect, unmodified, shows in every pixel what the reference predicts.
+
+use crate::compare::{Report, Shown, compare, compare_with, expect_good, expect_identical, expect_similar};
+use crate::picture::Picture;
+use crate::programs::{Run, scratch};
+use crate::reference::{Dome, Fisheye, Opening, ProgramCamera, Projector, Vector, cube_colour, cube_face, cube_point};
+use crate::rigs;
+
+/// Lenses and turns of the camera; all views, and the seams between them, are seen by some of them.
+const CAMERAS: [(f64, f64, f64); 3] = [(60.0, 0.0, 0.0), (90.0, 33.0, -17.0), (110.0, -128.0, 41.0)];
+
+/// What a domemaster shows for the program's camera.
+pub fn shown_by_fisheye(fisheye: Fisheye, camera: ProgramCamera) -> impl Fn(f64, f64) -> Shown {
+    move |x, y| {
+        if fisheye.inside_by(x, y) < 0.0 {
+            // Half a pixel at the rim may be lit in part.
+            return if fisheye.inside_by(x, y) < -1.0 { Shown::Black } else { Shown::Unknown };
+        }
+        Shown::Direction(camera.to_world(fisheye.direction(x, y)))
+    }
+}
+
+/// What the program itself shows.
+pub fn shown_by_window(size: (usize, usize), fov: f64, camera: ProgramCamera) -> impl Fn(f64, f64) -> Shown {
+    let opening = Opening::vertical(fov, size.0 as f64 / size.1 as f64);
+    move |x, y| Shown::Direction(camera.to_world(opening.direction(x / size.0 as f64, y / size.1 as f64)))
+}
+
+/// What a projector shows.
+pub fn shown_by_projector(projector: &Projector, dome: &Dome, camera: ProgramCamera) -> impl Fn(f64, f64) -> Shown {
+    move |x, y| match projector.hit(dome, x, y) {
+        Some(point) if dome.within_screen(point) > 0.0 => Shown::Direction(camera.to_world(dome.eye_direction(point))),
+        _ => Shown::Black,
+    }
+}
+
+fn camera_of(run: &Run) -> ProgramCamera {
+    ProgramCamera { yaw: run.yaw, pitch: run.pitch }
+}
+
+/// The programs of this suite draw a cube whose colour is that of the point; `rectangles` tiles two faces.
+fn compare_program(program: &str, picture: &Picture, shown: impl Fn(f64, f64) -> Shown) -> Report {
+    if program != "rectangles" {
+        return compare(picture, shown);
+    }
+    let tile = |component: f64| ((component + 1.0) * 4.0).floor().clamp(0.0, 7.0);
+    let tiled = |direction: Vector| cube_face(direction) >= 4;
+    let colour = |direction: Vector| {
+        if !tiled(direction) {
+            return cube_colour(direction);
+        }
+        let [x, y, z] = cube_point(direction);
+        [(tile(x) + 0.5) / 8.0, (tile(y) + 0.5) / 8.0, 0.5 + 0.5 * z]
+    };
+    let cell = |direction: Vector| {
+        if !tiled(direction) {
+            return cube_face(direction);
+        }
+        let [x, y, _] = cube_point(direction);
+        100 * cube_face(direction) + 10 * tile(x) as usize + tile(y) as usize
+    };
+    compare_with(picture, shown, colour, cell)
+}
+
+/// Without Cupola: the programs draw what the reference says that they draw.
+pub fn plain(program: &str) {
+    for (fov, yaw, pitch) in CAMERAS {
+        let run = Run { fov, yaw, pitch, size: (256, 192), extra: &["--shot", "shot.ppm"], ..Run::new(program) };
+        let Some(finished) = run.plain() else { return };
+        let picture = finished.expect_success().picture("shot.ppm");
+        let report = compare_program(program, &picture, shown_by_window(run.size, fov, camera_of(&run)));
+        expect_good(&report, &picture, &format!("{program} without Cupola, fov {fov}"));
+    }
+}
+
+/// The default rig, with every lens and turn.
+pub fn fisheye(program: &str, extra: &[&str]) {
+    for (fov, yaw, pitch) in CAMERAS {
+        let run = Run { fov, yaw, pitch, extra, ..Run::new(program) };
+        let Some(finished) = run.under("fisheye") else { return };
+        let picture = finished.expect_success().expect_no_gl_errors().picture("capture.png");
+        assert_eq!((picture.width, picture.height), run.size, "the capture is as large as the window");
+        let circle = Fisheye { width: 256.0, height: 256.0, aperture: 180.0, tilt: 90.0 };
+        let report = compare_program(program, &picture, shown_by_fisheye(circle, camera_of(&run)));
+        expect_good(&report, &picture, &format!("{program} {extra:?} fisheye fov {fov}"));
+    }
+}
+
+/// What the X server shows is what Cupola captures.
+pub fn presented(program: &str) {
+    let run = Run { extra: &["--shot", "shot.ppm"], frames: 4, ..Run::new(program) };
+    let Some(finished) = run.under("fisheye") else { return };
+    let finished = finished.expect_success();
+    let what = format!("{program} fisheye, window against capture");
+    expect_identical(&finished.picture("shot.ppm"), &finished.picture("capture.png"), &what);
+}
+
+/// Every projector of a planetarium, without blending.
+pub fn planetarium(program: &str) {
+    let (size, columns) = ((128, 96), 3);
+    let rig = rigs::projectors("planetarium-6", size, columns);
+    let rows = rig.projectors.len().div_ceil(columns);
+    let run = Run { size: (columns * size.0, rows * size.1), fov: 70.0, yaw: -50.0, pitch: 20.0, ..Run::new(program) };
+    let file = scratch("rig").join("planetarium-6-unblended.toml");
+    std::fs::write(&file, &rig.unblended).expect("a rig can be written");
+    let Some(finished) = run.under(file.to_str().expect("a UTF-8 path")) else { return };
+    let finished = finished.expect_success().expect_no_gl_errors();
+    for projector in &rig.projectors {
+        let picture = finished.picture(&format!("capture-{}.png", projector.name));
+        assert_eq!((picture.width, picture.height), size, "the capture is as large as its place in the window");
+        let report = compare_program(program, &picture, shown_by_projector(projector, &rig.dome, camera_of(&run)));
+        expect_good(&report, &picture, &format!("{program} planetarium-6 {}", projector.name));
+    }
+}
+
+/// Rig `identity`: what is presented and what is read are byte for byte what they are without Cupola.
+pub fn identity(program: &str) {
+    let extra: &[&str] = &["--shot", "shot.ppm", "--dump", "dump.ppm"];
+    let run = Run { extra, frames: 4, ..Run::new(program) };
+    let (Some(plain), Some(under)) = (run.plain(), run.under("identity")) else { return };
+    let (plain, under) = (plain.expect_success(), under.expect_success());
+    for file in ["shot.ppm", "dump.ppm"] {
+        expect_identical(&under.picture(file), &plain.picture(file), &format!("{program} identity {file}"));
+    }
+}
+
+/// Rig `identity-captured`: as the window but for the rounding of a turned raster; as an FBO to the byte.
+pub fn identity_captured(program: &str) {
+    let run = Run { extra: &["--shot", "shot.ppm"], frames: 4, ..Run::new(program) };
+    let into_fbo = Run { extra: &["--shot", "shot.ppm", "--fbo"], ..run.clone() };
+    let (Some(plain), Some(fbo), Some(under)) = (run.plain(), into_fbo.plain(), run.under("identity-captured")) else {
+        return;
+    };
+    let under = under.expect_success().expect_no_gl_errors();
+    let shot = under.picture("shot.ppm");
+    expect_similar(
+        &shot,
+        &plain.expect_success().picture("shot.ppm"),
+        1,
+        1e-3,
+        &format!("{program} identity-captured"),
+    );
+    let own = fbo.expect_success().picture("shot.ppm");
+    expect_identical(&shot, &own, &format!("{program} identity-captured against its own FBO"));
+}
+
+/// The tests of one dialect, each a test of its own so that a failure names both.
+macro_rules! dialect {
+    ($name:ident) => {
+        mod $name {
+            #[test]
+            fn plain() {
+                super::plain(stringify!($name));
+            }
+            #[test]
+            fn fisheye() {
+                super::fisheye(stringify!($name), &[]);
+            }
+            #[test]
+            fn presented() {
+                super::presented(stringify!($name));
+            }
+            #[test]
+            fn planetarium() {
+                super::planetarium(stringify!($name));
+            }
+            #[test]
+            fn identity() {
+                super::identity(stringify!($name));
+            }
+            #[test]
+            fn identity_captured() {
+                super::identity_captured(stringify!($name));
+            }
+        }
+    };
+}
+
+dialect!(immediate);
+dialect!(display_list);
+dialect!(client_arrays);
+dialect!(glsl120);
+dialect!(core330_p_mv);
+dialect!(core330_mvp);
+dialect!(core330_block);
+dialect!(geometry);
+dialect!(tessellation);
+dialect!(gles2);
+dialect!(gles3);
+dialect!(draws);
+dialect!(rectangles);
+
+#[test]
+fn a_program_that_loads_gl_by_dlopen() {
+    fisheye("cube_dlopen", &[]);
+}
+
+#[test]
+fn desktop_gl_through_egl() {
+    fisheye("immediate", &["--egl"]);
+    fisheye("core330_mvp", &["--egl"]);
+}
+
+#[test]
+fn a_multisampled_window() {
+    fisheye("core330_p_mv", &["--samples", "4"]);
+    fisheye("display_list", &["--samples", "4"]);
+}
+
+/// What a program draws into an FBO of its own and copies to the window is flat: it goes to the panel or to
+/// all views, but it must neither fail nor raise GL errors.
+#[test]
+fn a_program_with_its_own_fbo() {
+    for program in ["immediate", "core330_mvp", "gles2", "gles3"] {
+        let run = Run { extra: &["--fbo"], ..Run::new(program) };
+        let Some(finished) = run.under("fisheye") else { return };
+        finished.expect_success().expect_no_gl_errors();
+    }
+}
+
+/// `--camera zoom` scales the tangents of what the program draws.
+#[test]
+fn a_zoomed_camera() {
+    let run = Run { cupola: &["--camera", "zoom=2"], ..Run::new("core330_p_mv") };
+    let Some(finished) = run.under("fisheye") else { return };
+    let picture = finished.expect_success().picture("capture.png");
+    let circle = Fisheye { width: 256.0, height: 256.0, aperture: 180.0, tilt: 90.0 };
+    let camera = camera_of(&run);
+    let shown = move |x: f64, y: f64| match shown_by_fisheye(circle, ProgramCamera::default())(x, y) {
+        Shown::Direction([dx, dy, dz]) => Shown::Direction(camera.to_world([dx / 2.0, dy / 2.0, dz])),
+        other => other,
+    };
+    expect_good(&compare(&picture, shown), &picture, "core330_p_mv fisheye zoom 2");
+}
+
+/// A planetarium's domemaster: the zenith in the middle, the front at the bottom.
+#[test]
+fn a_domemaster_of_210_degrees() {
+    let run = Run::new("core330_mvp");
+    let Some(finished) = run.under("fisheye-210") else { return };
+    let picture = finished.expect_success().expect_no_gl_errors().picture("capture.png");
+    let circle = Fisheye { width: 256.0, height: 256.0, aperture: 210.0, tilt: 0.0 };
+    let report = compare(&picture, shown_by_fisheye(circle, camera_of(&run)));
+    expect_good(&report, &picture, "core330_mvp fisheye-210");
+}

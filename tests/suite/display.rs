@@ -1,0 +1,98 @@
+//! The one X server of the whole suite.
+
+use std::io::{BufRead, BufReader, Read, Write};
+use std::os::unix::net::UnixStream;
+use std::process::{Command, Stdio};
+use std::sync::{Condvar, Mutex, OnceLock};
+
+/// A private X server, its display's name, and the connection that keeps it alive.
+pub struct Display {
+    /// Value for the variable `DISPLAY`.
+    pub name: String,
+    _connection: UnixStream,
+}
+
+/// Width and height of a place: no window of the suite is larger.
+const PLACE: (usize, usize) = (600, 400);
+/// Columns and rows of places on the screen; more than tests run at the same time on a usual machine.
+const PLACES: (usize, usize) = (4, 4);
+
+/// A part of the screen for one program alone: the X server hands out the picture of what lies on top.
+pub struct Place {
+    index: usize,
+    /// Its left upper corner.
+    pub corner: (usize, usize),
+}
+
+static TAKEN: Mutex<[bool; PLACES.0 * PLACES.1]> = Mutex::new([false; PLACES.0 * PLACES.1]);
+static GIVEN_BACK: Condvar = Condvar::new();
+
+/// Waits for a free place on the screen.
+pub fn place() -> Place {
+    let mut taken = TAKEN.lock().expect("no holder of the lock can panic");
+    loop {
+        if let Some(index) = taken.iter().position(|taken| !taken) {
+            taken[index] = true;
+            return Place { index, corner: (index % PLACES.0 * PLACE.0, index / PLACES.0 * PLACE.1) };
+        }
+        taken = GIVEN_BACK.wait(taken).expect("no holder of the lock can panic");
+    }
+}
+
+impl Drop for Place {
+    fn drop(&mut self) {
+        if let Ok(mut taken) = TAKEN.lock() {
+            taken[self.index] = false;
+        }
+        GIVEN_BACK.notify_one();
+    }
+}
+
+/// Starts the server at the first call. `None`, with a visible line on stderr, where there is no Xvfb; with
+/// `CUPOLA_REQUIRE_GL` in the environment that is a failure.
+pub fn get() -> Option<&'static Display> {
+    static DISPLAY: OnceLock<Option<Display>> = OnceLock::new();
+    DISPLAY
+        .get_or_init(|| match start() {
+            Ok(display) => Some(display),
+            Err(reason) if std::env::var_os("CUPOLA_REQUIRE_GL").is_some() => panic!("no X server: {reason}"),
+            Err(reason) => {
+                // Past the test harness, which would swallow a print of a passing test.
+                let _ = writeln!(std::io::stderr(), "SKIP: every end-to-end test, there is no X server: {reason}");
+                None
+            }
+        })
+        .as_ref()
+}
+
+/// The server ends by itself (`-terminate`) when its last client has gone: ours goes with this process.
+fn start() -> Result<Display, String> {
+    let mut server = Command::new("Xvfb")
+        .args(["-displayfd", "1", "-nolisten", "tcp", "-terminate", "-screen", "0"])
+        .arg(format!("{}x{}x24", PLACES.0 * PLACE.0, PLACES.1 * PLACE.1))
+        .stdout(Stdio::piped())
+        .stderr(Stdio::null())
+        .spawn()
+        .map_err(|error| format!("cannot start Xvfb: {error}"))?;
+    let mut number = String::new();
+    let output = server.stdout.take().ok_or("Xvfb has no output")?;
+    BufReader::new(output).read_line(&mut number).map_err(|error| error.to_string())?;
+    let number = number.trim();
+    if number.is_empty() {
+        return Err("Xvfb ended at once".into());
+    }
+    let connection = connect(number).map_err(|error| format!("cannot connect to Xvfb: {error}"))?;
+    Ok(Display { name: format!(":{number}"), _connection: connection })
+}
+
+/// Opens a client connection (X11 protocol, "Connection Setup"): little-endian, version 11.0, no authorisation.
+fn connect(number: &str) -> std::io::Result<UnixStream> {
+    let mut stream = UnixStream::connect(format!("/tmp/.X11-unix/X{number}"))?;
+    stream.write_all(&[b'l', 0, 11, 0, 0, 0, 0, 0, 0, 0, 0, 0])?;
+    let mut answer = [0_u8; 8];
+    stream.read_exact(&mut answer)?;
+    if answer[0] != 1 {
+        return Err(std::io::Error::other("the server refuses the connection"));
+    }
+    Ok(stream)
+}

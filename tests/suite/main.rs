@@ -1,0 +1,15 @@
+//! End to end: little C programs, unmodified, under `cupola run`, against pictures predicted in f64.
+//!
+//! Nothing here uses Cupola's own geometry: [`reference`] computes from a rig's numbers which
+//! direction a pixel shows, on its own. See `docs/testing.md`.
+
+mod behaviour;
+mod blending;
+mod compare;
+mod controls;
+mod dialects;
+mod display;
+mod picture;
+mod programs;
+mod reference;
+mod rigs;

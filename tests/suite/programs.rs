@@ -1,0 +1,203 @@
+//! Builds the C programs and runs them, plainly and under `cupola run`.
+
+use crate::display::{self, Place};
+use crate::picture::Picture;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::{Duration, Instant};
+
+/// No program of the suite needs a tenth of this.
+const TIME_LIMIT: Duration = Duration::from_secs(120);
+
+/// The folder of the built programs; builds them at the first call.
+fn built() -> &'static Path {
+    static BUILT: OnceLock<PathBuf> = OnceLock::new();
+    BUILT.get_or_init(|| {
+        let directory = Path::new(env!("CARGO_TARGET_TMPDIR")).join("apps");
+        let output = Command::new("make")
+            .args(["-s", "-C", concat!(env!("CARGO_MANIFEST_DIR"), "/tests/apps")])
+            .arg(format!("OUT={}", directory.display()))
+            .output()
+            .expect("make can be started");
+        assert!(output.status.success(), "the C programs do not build:\n{}", String::from_utf8_lossy(&output.stderr));
+        directory
+    })
+}
+
+/// A fresh folder for the files of one run.
+pub fn scratch(what: &str) -> PathBuf {
+    static COUNT: AtomicUsize = AtomicUsize::new(0);
+    let index = COUNT.fetch_add(1, Ordering::Relaxed);
+    let directory = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("suite-{}/{what}-{index}", std::process::id()));
+    std::fs::create_dir_all(&directory).expect("a scratch folder can be made");
+    directory
+}
+
+/// One run of a test program.
+#[derive(Clone, Debug)]
+pub struct Run<'a> {
+    pub program: &'a str,
+    pub size: (usize, usize),
+    /// Degrees.
+    pub fov: f64,
+    pub yaw: f64,
+    pub pitch: f64,
+    pub frames: usize,
+    /// Cupola ends the program in this frame; the program itself ends after `frames`.
+    pub cupola_frames: usize,
+    /// More options of the program.
+    pub extra: &'a [&'a str],
+    /// Options of `cupola run` besides the rig.
+    pub cupola: &'a [&'a str],
+}
+
+impl<'a> Run<'a> {
+    /// A small window, a usual lens, a turned camera.
+    pub fn new(program: &'a str) -> Self {
+        let (size, frames) = ((256, 256), 3);
+        Self {
+            program,
+            size,
+            fov: 75.0,
+            yaw: 20.0,
+            pitch: -10.0,
+            frames,
+            cupola_frames: frames,
+            extra: &[],
+            cupola: &[],
+        }
+    }
+
+    fn arguments(&self, place: &Place) -> Vec<String> {
+        let mut arguments: Vec<String> = [
+            ("--size", format!("{}x{}", self.size.0, self.size.1)),
+            ("--fov", self.fov.to_string()),
+            ("--yaw", self.yaw.to_string()),
+            ("--pitch", self.pitch.to_string()),
+            ("--frames", self.frames.to_string()),
+            ("--at", format!("{},{}", place.corner.0, place.corner.1)),
+        ]
+        .into_iter()
+        .flat_map(|(option, value)| [option.to_owned(), value])
+        .collect();
+        arguments.extend(self.extra.iter().map(|&option| option.to_owned()));
+        arguments
+    }
+
+    /// Runs the program without Cupola. `None` where there is no display.
+    pub fn plain(&self) -> Option<Finished> {
+        let mut command = Command::new(built().join(self.program));
+        let place = display::place();
+        command.args(self.arguments(&place));
+        Finished::of(command, self.program, "without Cupola")
+    }
+
+    /// Runs the program under `cupola run`, which captures and counts. `None` where there is no display.
+    pub fn under(&self, rig: &str) -> Option<Finished> {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_cupola"));
+        let place = display::place();
+        command.args(["run", "--rig", rig, "--frames", &self.cupola_frames.to_string()]);
+        command.args(["--capture", "capture.png", "--stats", "stats.json"]);
+        command.args(self.cupola).arg("--").arg(built().join(self.program)).args(self.arguments(&place));
+        Finished::of(command, self.program, rig)
+    }
+}
+
+/// What a run left behind.
+pub struct Finished {
+    /// The folder it ran in; relative file names of its options are there.
+    pub directory: PathBuf,
+    what: String,
+    output: Output,
+}
+
+impl Finished {
+    fn of(mut command: Command, program: &str, rig: &str) -> Option<Self> {
+        let display = display::get()?;
+        let what = format!("{program} ({rig})");
+        let directory = scratch(program);
+        let log = |name: &str| std::fs::File::create(directory.join(name)).expect("a log file can be made");
+        let mut child = command
+            .current_dir(&directory)
+            .env("DISPLAY", &display.name)
+            .env("LIBGL_ALWAYS_SOFTWARE", "1")
+            .stdin(Stdio::null())
+            .stdout(log("stdout.log"))
+            .stderr(log("stderr.log"))
+            .spawn()
+            .unwrap_or_else(|error| panic!("{what} does not start: {error}"));
+        let started = Instant::now();
+        let status = loop {
+            if let Some(status) = child.try_wait().expect("a child can be waited for") {
+                break status;
+            }
+            if started.elapsed() > TIME_LIMIT {
+                let _ = child.kill();
+                let _ = child.wait();
+                panic!("{what} hangs; its files are in {}", directory.display());
+            }
+            std::thread::sleep(Duration::from_millis(5));
+        };
+        let read = |name: &str| std::fs::read(directory.join(name)).unwrap_or_default();
+        let output = Output { status, stdout: read("stdout.log"), stderr: read("stderr.log") };
+        Some(Self { directory, what, output })
+    }
+
+    /// Panics, with what the program printed, unless it ended with exit status 0.
+    pub fn expect_success(self) -> Self {
+        assert!(
+            self.output.status.success(),
+            "{}: {}\n{}{}\nfiles in {}",
+            self.what,
+            self.output.status,
+            String::from_utf8_lossy(&self.output.stdout),
+            String::from_utf8_lossy(&self.output.stderr),
+            self.directory.display()
+        );
+        self
+    }
+
+    /// A picture that the run wrote.
+    pub fn picture(&self, name: &str) -> Picture {
+        let path = self.directory.join(name);
+        assert!(
+            path.exists(),
+            "{}: there is no {}\n{}",
+            self.what,
+            path.display(),
+            String::from_utf8_lossy(&self.output.stderr)
+        );
+        Picture::load(&path)
+    }
+
+    /// The statistics that `cupola run` wrote.
+    pub fn statistics(&self) -> serde_json::Value {
+        let path = self.directory.join("stats.json");
+        let text =
+            std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {}: {error}", self.what, path.display()));
+        serde_json::from_str(&text).unwrap_or_else(|error| panic!("{}: {}: {error}", self.what, path.display()))
+    }
+
+    /// Panics unless Cupola says that it made no GL error of its own.
+    pub fn expect_no_gl_errors(self) -> Self {
+        let statistics = self.statistics();
+        assert_eq!(
+            statistics["gl_errors"].as_u64(),
+            Some(0),
+            "{}: GL errors of Cupola's own: {statistics:#}",
+            self.what
+        );
+        self
+    }
+}
+
+impl Drop for Finished {
+    /// Keeps the files of a failing test only.
+    fn drop(&mut self) {
+        if !std::thread::panicking() {
+            let _ = std::fs::remove_dir_all(&self.directory);
+        }
+    }
+}
