@@ -14,7 +14,7 @@ pub(crate) const GUARD: u32 = 1;
 
 /// Texels by which the sampled part is widened to each side, so that a direction on the border of
 /// two views belongs to at least one of them in 32-bit arithmetic too.
-const MARGIN: f64 = 0.25;
+pub(crate) const MARGIN: f64 = 0.25;
 
 /// Free texels between tiles.
 const GUTTER: u32 = 1;

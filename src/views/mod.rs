@@ -17,8 +17,11 @@ mod fit;
 mod idle;
 mod layout;
 mod partition;
+mod report;
 mod samples;
 pub(crate) mod sight;
+
+pub use report::{OutputShare, Report, ViewReport, report};
 
 use crate::error::{Error, ErrorKind, Result};
 use crate::geom::Frustum;

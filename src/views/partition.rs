@@ -7,6 +7,7 @@
 use super::axes::{Aimed, facing, mean_direction, refined, texels};
 use super::cone::Cone;
 use super::fit::{fit, golden_section};
+use super::layout::MARGIN;
 use super::samples::Samples;
 use super::sight::Sample;
 use glam::{DMat3, DVec3};
@@ -184,11 +185,13 @@ impl Task<'_> {
                     outputs.contains(&output) && other.depths(sample.direction).iter().all(|&depth| depth > DEPTH)
                 })
             };
+            // The margin that `layout` adds is answered for too.
+            let margin = MARGIN / part.aimed.fit.density.min_element();
             let others: Vec<Sample> = part
                 .outputs
                 .iter()
                 .flat_map(|&output| {
-                    self.fine[output].within(&cone.sides(), 0.0).into_iter().map(move |sample| (output, sample))
+                    self.fine[output].within(&cone.sides(), margin).into_iter().map(move |sample| (output, sample))
                 })
                 .filter(|(output, sample)| left(*output, sample))
                 .map(|(_, sample)| sample)

@@ -4,7 +4,7 @@
 //! so that the openings and resolutions of cropped views do not depend on where samples happen to lie.
 
 use super::sight::{Sample, Sight};
-use glam::{DVec2, DVec3};
+use glam::{DMat3, DVec2, DVec3};
 
 /// How finely an output is sampled.
 #[derive(Clone, Copy, Debug)]
@@ -19,6 +19,12 @@ pub(crate) struct Fineness {
 pub(crate) const COARSE: Fineness = Fineness { cells: 6, border: 12 };
 /// For the result: the sagitta of a border step is below a hundredth of a pixel at 16384 pixels.
 pub(crate) const FINE: Fineness = Fineness { cells: 40, border: 768 };
+
+/// Between two samples, the spread may differ from the mean of theirs by this part.
+const UNEVEN: f64 = 0.01;
+
+/// A cell is divided at most so many times.
+const REFINEMENTS: u32 = 5;
 
 /// The directions that one output shows.
 #[derive(Clone, Debug)]
@@ -131,12 +137,35 @@ impl Samples {
                 line.extend(border(&at, before, here));
                 self.lines.push(std::mem::take(&mut line));
             }
+            if let (Some(last), Some(sample)) = (line.last().copied(), &sample) {
+                refine(&at, (before, &last), (here, sample), REFINEMENTS, &mut line);
+            }
             line.extend(sample);
             before = here;
         }
         if !line.is_empty() {
             self.lines.push(line);
         }
+    }
+}
+
+/// Adds samples between two neighbours where their spread does not vary evenly, as it does near the
+/// outline of a dome seen from outside and close to the viewer.
+fn refine(
+    at: &impl Fn(f64) -> Option<Sample>,
+    from: (f64, &Sample),
+    to: (f64, &Sample),
+    depth: u32,
+    line: &mut Vec<Sample>,
+) {
+    let middle = 0.5 * (from.0 + to.0);
+    let Some(sample) = at(middle).filter(|_| depth > 0) else { return };
+    let expected = between(from.1, to.1, 0.5).spread;
+    let size = |matrix: DMat3| matrix.to_cols_array().iter().map(|value| value * value).sum::<f64>();
+    if size(sample.spread - expected) > UNEVEN * UNEVEN * size(sample.spread) {
+        refine(at, from, (middle, &sample), depth - 1, line);
+        line.push(sample);
+        refine(at, (middle, &sample), to, depth - 1, line);
     }
 }
 

@@ -41,10 +41,6 @@ pub(crate) fn request(sizes: &[(u32, u32)]) -> Request {
     Request { output_sizes: sizes.to_vec(), window: (800, 600), panel: false, primary: false, max_atlas: 16384 }
 }
 
-fn texels(plan: &ViewPlan) -> f64 {
-    plan.views.iter().map(|view| f64::from(view.tile.width) * f64::from(view.tile.height)).sum()
-}
-
 /// Where a view shows a direction, in its tangents.
 fn tangents(view: &View, direction: DVec3) -> Option<DVec2> {
     let local = view.rotation * direction;
@@ -126,7 +122,7 @@ fn verify(rig: &Rig, request: &Request, plan: &ViewPlan) -> std::result::Result<
 }
 
 /// A rig of up to four outputs, with everything that the planner depends on.
-fn random_rig(random: &mut Random) -> (Rig, Request) {
+pub(crate) fn random_rig(random: &mut Random) -> (Rig, Request) {
     let count = 1 + (random.unit() * 4.0) as usize;
     let mut rig = rig(Vec::new());
     rig.dome.radius = random.range(1.0, 20.0);
@@ -167,8 +163,7 @@ fn random_rig(random: &mut Random) -> (Rig, Request) {
 fn random_rigs_are_shown_completely_sharply_and_without_idle_views() {
     let mut random = Random::new(11);
     let mut measured = 0;
-    let rounds = std::env::var("ROUNDS").ok().and_then(|r| r.parse().ok()).unwrap_or(40);
-    for round in 0..rounds {
+    for round in 0..60 {
         let (rig, request) = random_rig(&mut random);
         let plan = plan(&rig, &request).unwrap_or_else(|error| panic!("{round}: {error}"));
         measured += verify(&rig, &request, &plan).unwrap_or_else(|error| panic!("{round}: {error}"));
@@ -201,33 +196,147 @@ fn the_check_of_plans_notices_what_is_wrong() {
 }
 
 #[test]
-fn the_fisheye_preset_needs_four_views_and_little_more_than_its_disc() {
-    for size in [512, 1024, 2048, 4096] {
-        let start = std::time::Instant::now();
-        let plan = plan(&rig(vec![fisheye(180.0, 90.0)]), &request(&[(size, size)])).unwrap();
-        println!("planned in {:?}", start.elapsed());
-        let ratio = texels(&plan) / (0.25 * PI * f64::from(size) * f64::from(size));
-        println!("{size}: {} views, {ratio:.4} of the disc, atlas {:?}", plan.views.len(), plan.atlas);
-        for view in &plan.views {
-            println!("   {} {:?} {:?}", view.name, view.tile, view.frustum);
-        }
-        assert!(plan.views.len() <= 5);
-        assert!(ratio <= 2.15, "{ratio}");
+fn the_dome_needs_little_more_than_its_disc() {
+    // Cropped faces of a cube: 1.548 with five views, 2.06 with four.
+    for (size, views, most) in [(512, 4, 1.95), (1024, 4, 1.92), (2048, 5, 1.45), (4096, 5, 1.45)] {
+        let rig = rig(vec![fisheye(180.0, 90.0)]);
+        let request = request(&[(size, size)]);
+        let plan = plan(&rig, &request).unwrap();
+        let report = report(&plan, &rig, &request.output_sizes);
+        assert!(plan.views.len() <= views, "{report}");
+        assert!(report.texels_per_pixel <= most, "{report}");
+        let shown: f64 = report.views.iter().map(|view| view.coverage[0].share).sum();
+        assert!((shown - 1.0).abs() < 1e-9, "{report}");
+        println!("{report}");
     }
 }
 
 #[test]
 fn a_projector_off_the_centre_needs_one_tight_view() {
-    for (position, degrees) in [
-        (DVec3::new(0.0, 0.0, 3.0), [0.0; 3]),
-        (DVec3::new(0.0, 0.0, -3.0), [0.0; 3]),
-        (DVec3::new(3.0, 0.0, 0.0), [0.0; 3]),
-    ] {
-        let rig = rig(vec![projector("p", position, degrees, lens(60.0, 40.0))]);
-        let plan = plan(&rig, &request(&[(1920, 1080)])).unwrap();
-        let ratio = texels(&plan) / (1920.0 * 1080.0);
-        println!("{position}: {ratio:.4} {:?}", plan.views);
+    // Along its offset, against it, and across: 1.60, 1.27 and 1.58.
+    for position in [DVec3::new(0.0, 0.0, 3.0), DVec3::new(0.0, 0.0, -3.0), DVec3::new(3.0, 0.0, 0.0)] {
+        let rig = rig(vec![projector("p", position, [0.0; 3], lens(60.0, 40.0))]);
+        let request = request(&[(1920, 1080)]);
+        let plan = plan(&rig, &request).unwrap();
+        let report = report(&plan, &rig, &request.output_sizes);
         assert_eq!(plan.views.len(), 1);
-        assert!(ratio <= 1.7, "{ratio}");
+        assert!(report.texels_per_pixel <= 1.62, "{report}");
+        println!("{report}");
     }
+}
+
+#[test]
+fn plans_are_the_same_every_time() {
+    let mut random = Random::new(5);
+    for _ in 0..6 {
+        let (rig, request) = random_rig(&mut random);
+        assert_eq!(plan(&rig, &request).unwrap(), plan(&rig, &request).unwrap());
+    }
+}
+
+#[test]
+fn one_view_cannot_show_a_whole_dome() {
+    let mut wide = rig(vec![fisheye(180.0, 90.0)]);
+    wide.views.method = ViewMethod::Single;
+    let error = plan(&wide, &request(&[(512, 512)])).unwrap_err();
+    assert_eq!(error.kind, ErrorKind::InvalidRig);
+    assert!(error.message.contains("dome") && error.message.contains("cube"), "{error}");
+
+    let mut narrow = rig(vec![fisheye(120.0, 90.0)]);
+    narrow.views.method = ViewMethod::Single;
+    let request = request(&[(200, 200)]);
+    let plan = plan(&narrow, &request).unwrap();
+    assert_eq!(plan.views.len(), 1);
+    verify(&narrow, &request, &plan).unwrap();
+}
+
+#[test]
+fn perspective_outputs_get_their_own_picture_texel_for_pixel() {
+    let frustum = lens(70.0, 50.0).shifted(0.2, -0.1);
+    let own = output("own", OutputKind::Perspective { angles: [0.4, 0.2, 0.1], frustum: Some(frustum) });
+    let captured = output("captured", OutputKind::Perspective { angles: [0.0; 3], frustum: None });
+    let rig = rig(vec![own, captured]);
+    let request = request(&[(320, 200), (300, 100)]);
+    let plan = plan(&rig, &request).unwrap();
+    verify(&rig, &request, &plan).unwrap();
+    assert_eq!(plan.output_views, [[0], [1]]);
+    let [own, captured] = plan.views.as_slice() else { panic!("{plan:?}") };
+    assert_eq!((own.tile.width, own.tile.height), (322, 202));
+    assert_eq!(own.owned, frustum);
+    // Each pixel's centre is a texel's centre.
+    let direction = exact_direction(&rig, 0, (320, 200), DVec2::new(17.5, 3.5)).unwrap();
+    assert!(texel(own, direction).unwrap().distance(DVec2::new(1.0 + 17.5, 1.0 + 196.5)) < 1e-9);
+    assert!(captured.program_lens);
+    assert_eq!((captured.tile.width, captured.tile.height), (300, 100));
+    assert_eq!(captured.rotation, DMat3::IDENTITY);
+    assert_eq!(captured.frustum, captured.owned);
+}
+
+#[test]
+fn primary_and_panel_have_the_windows_size_and_no_tiles_touch() {
+    let mut random = Random::new(9);
+    for round in 0..6 {
+        let (rig, mut request) = random_rig(&mut random);
+        (request.primary, request.panel) = (round % 2 == 0, round % 3 != 0);
+        let plan = plan(&rig, &request).unwrap();
+        let panel = plan.panel.as_ref().map(|panel| panel.tile);
+        assert_eq!((plan.primary.is_some(), panel.is_some()), (request.primary, request.panel));
+        for tile in plan.primary.iter().chain(&panel) {
+            assert_eq!((tile.width, tile.height), request.window);
+        }
+        assert!(plan.primary.is_none_or(|tile| (tile.x, tile.y) == (0, 0)));
+        let tiles: Vec<Tile> =
+            plan.primary.into_iter().chain(panel).chain(plan.views.iter().map(|view| view.tile)).collect();
+        for (index, a) in tiles.iter().enumerate() {
+            assert!(a.x + a.width <= plan.atlas.0 && a.y + a.height <= plan.atlas.1);
+            for b in &tiles[index + 1..] {
+                let apart = a.x + a.width < b.x || b.x + b.width < a.x || a.y + a.height < b.y || b.y + b.height < a.y;
+                assert!(apart, "{a:?} and {b:?} touch");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_small_atlas_makes_views_coarser_and_says_so() {
+    let rig = rig(vec![fisheye(180.0, 90.0)]);
+    let mut request = request(&[(400, 400)]);
+    request.max_atlas = 256;
+    request.window = (100, 80);
+    request.primary = true;
+    let plan = plan(&rig, &request).unwrap();
+    assert!(plan.atlas.0 <= 256 && plan.atlas.1 <= 256);
+    assert!(plan.notes.iter().any(|note| note.contains("% of the resolution")), "{:?}", plan.notes);
+    verify(&rig, &request, &plan).unwrap();
+    request.window = (300, 80);
+    assert_eq!(super::plan(&rig, &request).unwrap_err().kind, ErrorKind::Graphics);
+}
+
+#[test]
+fn senseless_requests_are_refused_and_passthrough_has_no_views() {
+    let mut rig = rig(vec![fisheye(180.0, 90.0)]);
+    for sizes in [&[][..], &[(0, 5)], &[(5, 5), (5, 5)]] {
+        assert_eq!(plan(&rig, &request(sizes)).unwrap_err().kind, ErrorKind::InvalidArgument);
+    }
+    rig.outputs.clear();
+    rig.passthrough = true;
+    let plan = plan(&rig, &request(&[])).unwrap();
+    assert!(plan.views.is_empty() && plan.output_views.is_empty());
+}
+
+#[test]
+fn degenerate_outputs_are_planned() {
+    // One pixel; a projector from outside; one that misses the screen; the viewer at a projector's place.
+    let mut rig = rig(vec![
+        fisheye(360.0, 0.0),
+        projector("outside", DVec3::new(0.0, 1.0, 30.0), [0.0, -2.0, 0.0], lens(30.0, 25.0)),
+        projector("astray", DVec3::new(0.0, 1.0, 0.0), [0.0, -85.0, 0.0], lens(30.0, 25.0)),
+        projector("beside", DVec3::ZERO, [40.0, 20.0, 0.0], lens(60.0, 45.0)),
+    ]);
+    rig.dome.coverage = PI;
+    let request = request(&[(1, 1), (160, 120), (90, 60), (100, 75)]);
+    let plan = plan(&rig, &request).unwrap();
+    assert!(plan.notes.iter().any(|note| note.contains("astray shows nothing")), "{:?}", plan.notes);
+    assert!(plan.output_views[2].is_empty());
+    verify(&rig, &request, &plan).unwrap();
 }
