@@ -35,8 +35,8 @@ struct Shared {
     // Angle (0 polar, 1 azimuth), its value where the weight is 0, 1/(full − zero).
     ramps: array<vec4<f32>, 8>,
     ramp_count: u32,
-    // One over the exponent of the display's response.
-    encoding: f32,
+    // The display's response: w^(1/γ) = t·(1 + (t − 1)·h(t)), t = ⁴√w; h with the constant first.
+    encoding: array<vec4<f32>, 2>,
     // Black level, encoded.
     black: f32,
 }
@@ -123,6 +123,14 @@ fn locate(ray: Ray) -> vec3<f32> {
     return vec3<f32>(found.xy / found.z, found.w);
 }
 
+// Eight coefficients, lowest power first.
+fn polynomial(low: vec4<f32>, high: vec4<f32>, s: f32) -> f32 {
+    // Paired off, not nested: processors wait for the longest chain.
+    let s2 = s * s;
+    return ((low.x + low.y * s) + s2 * (low.z + low.w * s))
+        + (s2 * s2) * ((high.x + high.y * s) + s2 * (high.z + high.w * s));
+}
+
 // t²(3 − 2t) between 0 and 1, clamped outside.
 fn smooth_ramp(t: f32) -> f32 {
     let c = clamp(t, 0.0, 1.0);
@@ -188,6 +196,13 @@ fn weight_of(ray: Ray, place: vec2<f32>) -> f32 {
     return weight;
 }
 
+// The factor on encoded values that multiplies light by `weight`, 0…1; exact at both ends.
+fn encode(weight: f32) -> f32 {
+    let t = sqrt(sqrt(weight));
+    let h = polynomial(constants.shared_part.encoding[0], constants.shared_part.encoding[1], t);
+    return t * (1.0 + (t - 1.0) * h);
+}
+
 // The panel's premultiplied colour over the scene.
 fn with_panel(ray: Ray, scene: vec3<f32>) -> vec3<f32> {
     let s = constants.shared_part.panel.transform * ray.base;
@@ -207,7 +222,7 @@ fn present(corner: Corner) -> @location(0) vec4<f32> {
     }
     if constants.shared_part.weighted != 0u {
         let weight = weight_of(ray, corner.place);
-        color *= select(0.0, pow(max(weight, 1e-30), constants.shared_part.encoding), weight > 0.0);
+        color *= encode(weight);
     }
     if constants.shared_part.black > 0.0 {
         color = constants.shared_part.black + (1.0 - constants.shared_part.black) * color;

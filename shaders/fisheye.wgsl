@@ -13,11 +13,6 @@ struct Constants {
     dome: mat3x3<f32>,
 }
 
-fn polynomial(low: vec4<f32>, high: vec4<f32>, s: f32) -> f32 {
-    return low.x + s * (low.y + s * (low.z + s * (low.w
-        + s * (high.x + s * (high.y + s * (high.z + s * high.w))))));
-}
-
 fn trace(source: vec2<f32>) -> Ray {
     let s = dot(source, source);
     let sine = polynomial(constants.sine[0], constants.sine[1], s);

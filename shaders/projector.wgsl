@@ -35,9 +35,12 @@ struct Constants {
     steepness: f32,
 }
 
+// Sums of monomials, which all forms of a pixel share, paired off: Horner's scheme needs as many
+// operations, but each would wait for the one before it.
 fn evaluate(form: Form, p: vec2<f32>, root: f32) -> vec3<f32> {
-    return (form.q_xx * p.x + (form.q_xy * p.y + form.q_x)) * p.x + ((form.q_yy * p.y + form.q_y) * p.y + form.q_one)
-        + (form.l_x * p.x + (form.l_y * p.y + form.l_one)) * root;
+    let quadratic = (form.q_xx * (p.x * p.x) + form.q_yy * (p.y * p.y)) + (form.q_xy * (p.x * p.y) + form.q_x * p.x);
+    let rest = form.q_y * p.y + form.q_one;
+    return (quadratic + rest) + ((form.l_x * p.x + form.l_y * p.y) + form.l_one) * root;
 }
 
 // Weight of a picture's point before it is shared out: a ramp along each border.
@@ -47,9 +50,8 @@ fn border_weight(p: vec2<f32>, steepness: f32) -> f32 {
 
 fn neighbour_weight(neighbour: Neighbour, p: vec2<f32>, root: f32) -> f32 {
     let s = evaluate(neighbour.picture, p, root);
-    let front = s.z > 0.0;
-    let weight = border_weight(s.xy / select(1.0, s.z, front), neighbour.steepness);
-    return select(0.0, weight, front);
+    // Behind it the quotient means nothing, and is not taken.
+    return select(0.0, border_weight(s.xy * (1.0 / s.z), neighbour.steepness), s.z > 0.0);
 }
 
 // This projector's share of the light of a point: all shares of a point add up to 1.
@@ -90,14 +92,14 @@ fn share(p: vec2<f32>, root: f32) -> f32 {
     }
     let own = border_weight(p, constants.steepness);
     // Nobody else lights the point: all of it is ours, at our very border too.
-    return select(1.0, own / max(own + others, 1e-37), others > 0.0);
+    return select(1.0, own / (own + others), others > 0.0);
 }
 
 fn trace(source: vec2<f32>) -> Ray {
     let low = constants.discriminant[0];
     let high = constants.discriminant[1];
-    let discriminant = (low.x * source.x + (low.z * source.y + low.w)) * source.x
-        + ((low.y * source.y + high.x) * source.y + high.y);
+    let discriminant = ((low.x * (source.x * source.x) + low.y * (source.y * source.y))
+        + (low.z * (source.x * source.y) + low.w * source.x)) + (high.x * source.y + high.y);
     let root = sqrt(max(discriminant, 0.0));
     var on_screen = discriminant >= 0.0;
     if constants.with_cap != 0u {

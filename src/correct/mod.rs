@@ -4,6 +4,7 @@ mod blocks;
 pub mod mask;
 pub mod plan;
 mod rectangles;
+pub mod response;
 pub mod shaders;
 mod source;
 #[cfg(test)]

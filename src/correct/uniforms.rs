@@ -2,6 +2,7 @@
 //! in f64 and rounded once.
 
 use super::plan::{Batch, OutputPass, PixelRect, Plan, ProjectorSource, Source};
+use super::response::encoding_polynomial;
 use super::shaders::{Pass, text_of};
 use crate::error::{Error, ErrorKind, Result};
 use crate::geom::fisheye::sine_cosine_polynomials;
@@ -278,7 +279,9 @@ fn shared(out: &mut Constants, pass: &OutputPass, batch: &Batch) -> Result<()> {
     out.set_flag("shared_part.with_mask", pass.mask.is_some())?;
     let weighted = !pass.ramps.is_empty() || pass.mask.is_some() || !batch.neighbours.is_empty();
     out.set_flag("shared_part.weighted", weighted)?;
-    out.set("shared_part.encoding", &[1.0 / pass.gamma])?;
+    let encoding = encoding_polynomial(pass.gamma);
+    out.set("shared_part.encoding[0]", &encoding[..4])?;
+    out.set("shared_part.encoding[1]", &encoding[4..])?;
     out.set("shared_part.black", &[pass.black_level.powf(1.0 / pass.gamma)])
 }
 

@@ -2,9 +2,9 @@
 
 use crate::correct::{self, Plan};
 use crate::error::Result;
+pub use crate::geom::Frustum;
 use crate::geom::pose;
 use crate::geom::reprojection::{CameraAdjustment, ClipRows, clip_rows};
-pub use crate::geom::Frustum;
 pub use crate::geom::reprojection::{Intrinsics, MatrixClass, classify};
 use crate::rig::{Camera, Rig};
 use crate::views::{Request, Tile, View};

@@ -9,7 +9,7 @@
 
 use super::sight::Sample;
 use crate::geom::Frustum;
-use glam::{DMat3, DVec2, DVec3};
+use glam::{DMat3, DVec2};
 
 /// The shortage of resolution between samples that is made good in advance.
 const RESERVE: f64 = 1.001;
@@ -65,12 +65,6 @@ impl Fit {
         if let Some(needed) = density(&metrics, true) {
             self.density = self.density.max(needed * (quality * RESERVE));
         }
-    }
-
-    /// Whether the sampled part of the view with axes `rotation` shows `direction`.
-    pub fn shows(&self, rotation: DMat3, direction: DVec3) -> bool {
-        let local = rotation * direction;
-        local.z < 0.0 && self.extent.contains(local.x / -local.z, local.y / -local.z)
     }
 }
 

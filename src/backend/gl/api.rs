@@ -4,7 +4,13 @@
 //! Generated at build time from the Khronos registry. A command that the driver lacks does
 //! nothing and answers zero; ask `has_…` first where that matters.
 
-#![allow(missing_docs, non_upper_case_globals, clippy::missing_safety_doc, clippy::too_many_arguments, clippy::unnecessary_cast)]
+#![allow(
+    missing_docs,
+    non_upper_case_globals,
+    clippy::missing_safety_doc,
+    clippy::too_many_arguments,
+    clippy::unnecessary_cast
+)]
 
 use std::ffi::{c_char, c_void};
 

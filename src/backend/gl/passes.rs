@@ -311,6 +311,14 @@ impl GlBackend {
         self.count_errors(gl);
     }
 
+    /// The programs in the context, sorted.
+    #[cfg(test)]
+    pub(super) fn programs(&self) -> Vec<u32> {
+        let mut programs: Vec<u32> = self.names.programs.values().copied().collect();
+        programs.sort_unstable();
+        programs
+    }
+
     fn count_errors(&self, gl: &Gl) {
         // SAFETY: a context is current. A lost context may report errors for ever.
         while unsafe { gl.get_error() } != GL_NO_ERROR {

@@ -1,7 +1,12 @@
 //! Tests that draw, on whatever driver EGL finds without a window.
 
 mod accuracy;
+mod canvas;
 mod plans;
+mod present;
+mod presets;
+mod sharing;
+mod state;
 
 use super::headless::{Api, Headless};
 

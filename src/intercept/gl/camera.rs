@@ -1,8 +1,8 @@
 //! The program's cameras: which lenses it draws with, and each view's transform for them.
 
 use crate::correct::uniforms;
-use crate::runtime::session::Intrinsics;
 use crate::runtime::Session;
+use crate::runtime::session::Intrinsics;
 
 /// A lens of the program and the rows that take it to each view.
 pub struct Camera {

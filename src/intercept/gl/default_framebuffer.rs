@@ -192,7 +192,9 @@ unsafe fn copy_tiles(gl: &Gl, old: &DefaultFramebuffer, new: &DefaultFramebuffer
             unsafe { gl.blit_framebuffer(x, y, x + w, y + h, u, v, u + w, v + h, mask, api::GL_NEAREST) };
         }
     }
-    if let (Some([x, y, w, h]), Some([u, v, _, _]), None) = (old.session.panel(), new.session.primary(), old.session.primary()) {
+    if let (Some([x, y, w, h]), Some([u, v, _, _]), None) =
+        (old.session.panel(), new.session.primary(), old.session.primary())
+    {
         // SAFETY: as above.
         unsafe { gl.blit_framebuffer(x, y, x + w, y + h, u, v, u + w, v + h, mask, api::GL_NEAREST) };
     }
@@ -441,20 +443,40 @@ impl Surface {
                 gl.gen_renderbuffers(1, &mut surface.color);
                 gl.bind_renderbuffer(api::GL_RENDERBUFFER, surface.color);
                 gl.renderbuffer_storage_multisample(api::GL_RENDERBUFFER, samples, color_format, width, height);
-                gl.framebuffer_renderbuffer(api::GL_FRAMEBUFFER, api::GL_COLOR_ATTACHMENT0, api::GL_RENDERBUFFER, surface.color);
+                gl.framebuffer_renderbuffer(
+                    api::GL_FRAMEBUFFER,
+                    api::GL_COLOR_ATTACHMENT0,
+                    api::GL_RENDERBUFFER,
+                    surface.color,
+                );
             } else {
                 gl.gen_textures(1, &mut surface.color);
                 gl.bind_texture(api::GL_TEXTURE_2D, surface.color);
                 gl.tex_storage2_d(api::GL_TEXTURE_2D, 1, color_format, width, height);
                 if srgb {
-                    gl.tex_parameteri(api::GL_TEXTURE_2D, api::GL_TEXTURE_SRGB_DECODE_EXT, api::GL_SKIP_DECODE_EXT as i32);
+                    gl.tex_parameteri(
+                        api::GL_TEXTURE_2D,
+                        api::GL_TEXTURE_SRGB_DECODE_EXT,
+                        api::GL_SKIP_DECODE_EXT as i32,
+                    );
                 }
-                gl.framebuffer_texture2_d(api::GL_FRAMEBUFFER, api::GL_COLOR_ATTACHMENT0, api::GL_TEXTURE_2D, surface.color, 0);
+                gl.framebuffer_texture2_d(
+                    api::GL_FRAMEBUFFER,
+                    api::GL_COLOR_ATTACHMENT0,
+                    api::GL_TEXTURE_2D,
+                    surface.color,
+                    0,
+                );
             }
             gl.gen_renderbuffers(1, &mut surface.depth);
             gl.bind_renderbuffer(api::GL_RENDERBUFFER, surface.depth);
             gl.renderbuffer_storage_multisample(api::GL_RENDERBUFFER, samples, api::GL_DEPTH24_STENCIL8, width, height);
-            gl.framebuffer_renderbuffer(api::GL_FRAMEBUFFER, api::GL_DEPTH_STENCIL_ATTACHMENT, api::GL_RENDERBUFFER, surface.depth);
+            gl.framebuffer_renderbuffer(
+                api::GL_FRAMEBUFFER,
+                api::GL_DEPTH_STENCIL_ATTACHMENT,
+                api::GL_RENDERBUFFER,
+                surface.depth,
+            );
             let status = gl.check_framebuffer_status(api::GL_FRAMEBUFFER);
             bindings.restore(gl);
             status
@@ -465,7 +487,9 @@ impl Surface {
         surface.destroy(gl);
         Err(Error::new(
             ErrorKind::Graphics,
-            format!("the driver gives no framebuffer of {width} × {height} pixels with {samples} samples (status 0x{status:04X}); a lower quality in [views] makes it smaller"),
+            format!(
+                "the driver gives no framebuffer of {width} × {height} pixels with {samples} samples (status 0x{status:04X}); a lower quality in [views] makes it smaller"
+            ),
         ))
     }
 
@@ -487,8 +511,12 @@ impl Surface {
 struct Bindings([i32; 4]);
 
 impl Bindings {
-    const NAMES: [u32; 4] =
-        [api::GL_DRAW_FRAMEBUFFER_BINDING, api::GL_READ_FRAMEBUFFER_BINDING, api::GL_RENDERBUFFER_BINDING, api::GL_TEXTURE_BINDING_2D];
+    const NAMES: [u32; 4] = [
+        api::GL_DRAW_FRAMEBUFFER_BINDING,
+        api::GL_READ_FRAMEBUFFER_BINDING,
+        api::GL_RENDERBUFFER_BINDING,
+        api::GL_TEXTURE_BINDING_2D,
+    ];
 
     unsafe fn save(gl: &Gl) -> Self {
         let mut values = [0; 4];

@@ -236,12 +236,14 @@ impl PanelBlend {
                 return None;
             }
             let mut factors = [0; 4];
-            let names = [api::GL_BLEND_SRC_RGB, api::GL_BLEND_DST_RGB, api::GL_BLEND_SRC_ALPHA, api::GL_BLEND_DST_ALPHA];
+            let names =
+                [api::GL_BLEND_SRC_RGB, api::GL_BLEND_DST_RGB, api::GL_BLEND_SRC_ALPHA, api::GL_BLEND_DST_ALPHA];
             for (factor, name) in factors.iter_mut().zip(names) {
                 gl.get_integerv(name, factor);
             }
             let covers = factors[1] as u32 == api::GL_ONE_MINUS_SRC_ALPHA;
-            let (source, destination) = if covers { (api::GL_ONE, api::GL_ONE_MINUS_SRC_ALPHA) } else { (api::GL_ZERO, api::GL_ONE) };
+            let (source, destination) =
+                if covers { (api::GL_ONE, api::GL_ONE_MINUS_SRC_ALPHA) } else { (api::GL_ZERO, api::GL_ONE) };
             gl.blend_func_separate(factors[0] as u32, factors[1] as u32, source, destination);
             Some(Self { factors })
         }

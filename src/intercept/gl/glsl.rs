@@ -158,7 +158,8 @@ mod tests {
 
     #[test]
     fn epilogue_follows_the_program_s_own_text() {
-        let source = "#version 330 core\n#extension GL_ARB_foo : enable\nin vec4 p;\nvoid main() { gl_Position = p; }\n";
+        let source =
+            "#version 330 core\n#extension GL_ARB_foo : enable\nin vec4 p;\nvoid main() { gl_Position = p; }\n";
         let patched = patch(source, Stage::Vertex).expect("has a main");
         assert!(patched.starts_with("#version 330 core\n#define main cupola_main\n#line 2\n#extension"));
         assert!(patched.contains("void main() { cupola_main(); gl_Position = cupola_fix(gl_Position); }"));
@@ -175,7 +176,11 @@ mod tests {
 
     #[test]
     fn es_texts_get_precisions() {
-        for source in ["#version 300 es\nvoid main() {}", "#version 100\nvoid main() {}", "attribute highp vec4 a;\nvoid main() {}"] {
+        for source in [
+            "#version 300 es\nvoid main() {}",
+            "#version 100\nvoid main() {}",
+            "attribute highp vec4 a;\nvoid main() {}",
+        ] {
             assert!(patch(source, Stage::Vertex).expect("has a main").contains("uniform highp vec4 cupola_view[4];"));
         }
     }
@@ -185,7 +190,9 @@ mod tests {
         let source = "#version 330\n#extension GL_x : enable\nlayout(points) in;\nvoid main() { gl_Position = vec4(0); EmitVertex(); }";
         let patched = patch(source, Stage::Geometry).expect("has a main");
         let declared = patched.find("void cupola_emit();").expect("declared");
-        assert!(declared > patched.find("#extension").expect("kept") && declared < patched.find("layout").expect("kept"));
+        assert!(
+            declared > patched.find("#extension").expect("kept") && declared < patched.find("layout").expect("kept")
+        );
     }
 
     #[test]

@@ -4,8 +4,8 @@ use super::context::Context;
 use super::hook::hooks;
 use super::lists::Command;
 use crate::backend::gl::api;
-use crate::runtime::session::{MatrixClass, classify};
 use crate::runtime::Session;
+use crate::runtime::session::{MatrixClass, classify};
 
 /// The program's `GL_PROJECTION` and what follows from it.
 pub struct Projection {

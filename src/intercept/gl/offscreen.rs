@@ -3,8 +3,8 @@
 
 use super::context::Context;
 use super::default_framebuffer::{take_error, take_own_errors};
-use crate::backend::gl::{GlBackend, Target};
 use crate::backend::gl::api::{self, Gl};
+use crate::backend::gl::{GlBackend, Target};
 use crate::correct::{Batch, OutputPass, PixelRect, Plan, Source};
 use crate::error::Result;
 use crate::intercept::log;
@@ -31,7 +31,13 @@ impl Canvas {
             gl.bind_texture(api::GL_TEXTURE_2D, canvas.texture);
             gl.tex_storage2_d(api::GL_TEXTURE_2D, 1, api::GL_RGBA8, width, height);
             gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, canvas.framebuffer);
-            gl.framebuffer_texture2_d(api::GL_DRAW_FRAMEBUFFER, api::GL_COLOR_ATTACHMENT0, api::GL_TEXTURE_2D, canvas.texture, 0);
+            gl.framebuffer_texture2_d(
+                api::GL_DRAW_FRAMEBUFFER,
+                api::GL_COLOR_ATTACHMENT0,
+                api::GL_TEXTURE_2D,
+                canvas.texture,
+                0,
+            );
             gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, bound as u32);
             gl.bind_texture(api::GL_TEXTURE_2D, texture as u32);
         }
@@ -86,9 +92,15 @@ fn own_picture(ctx: &Context, plan: &Plan, size: (u32, u32)) -> Option<Plan> {
     let rotation = crate::runtime::session::camera_rotation(camera);
     let zoom = camera.zoom;
     let tangents = DMat3::from_cols_array(&[
-        zoom / lens.a, 0.0, 0.0,
-        0.0, zoom / lens.c, 0.0,
-        zoom * lens.b / lens.a, zoom * lens.d / lens.c, -1.0,
+        zoom / lens.a,
+        0.0,
+        0.0,
+        0.0,
+        zoom / lens.c,
+        0.0,
+        zoom * lens.b / lens.a,
+        zoom * lens.d / lens.c,
+        -1.0,
     ]);
     let rect = PixelRect { x: 0, y: 0, width: size.0, height: size.1 };
     let views = (0..plan.views.views.len()).collect();
@@ -134,7 +146,18 @@ fn copy(ctx: &Context, plan: &Plan, atlas: u32, framebuffer: u32, tile: [i32; 4]
         gl.get_integerv(api::GL_DRAW_FRAMEBUFFER_BINDING, &mut draw);
         gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, canvas.framebuffer);
         gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, framebuffer);
-        gl.blit_framebuffer(0, 0, width, height, x, y, x + width, y + height, api::GL_COLOR_BUFFER_BIT, api::GL_NEAREST);
+        gl.blit_framebuffer(
+            0,
+            0,
+            width,
+            height,
+            x,
+            y,
+            x + width,
+            y + height,
+            api::GL_COLOR_BUFFER_BIT,
+            api::GL_NEAREST,
+        );
         gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, read as u32);
         gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, draw as u32);
         if scissor {

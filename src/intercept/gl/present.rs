@@ -204,7 +204,8 @@ fn view_pictures(ctx: &Context) -> Vec<Picture> {
 pub fn read_back(gl: &Gl, framebuffer: u32, name: &str, rect: [i32; 4]) -> Picture {
     let [x, y, width, height] = rect.map(|v| v.max(0));
     let mut rgba = vec![0; width as usize * height as usize * 4];
-    const STORE: [u32; 4] = [api::GL_PACK_ALIGNMENT, api::GL_PACK_ROW_LENGTH, api::GL_PACK_SKIP_ROWS, api::GL_PACK_SKIP_PIXELS];
+    const STORE: [u32; 4] =
+        [api::GL_PACK_ALIGNMENT, api::GL_PACK_ROW_LENGTH, api::GL_PACK_SKIP_ROWS, api::GL_PACK_SKIP_PIXELS];
     // SAFETY: reads exactly the bytes that `rgba` has room for; all state is put back.
     unsafe {
         let (mut bound, mut buffer) = (0, 0);

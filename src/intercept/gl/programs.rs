@@ -5,8 +5,8 @@ use super::glsl::{self, Stage};
 use super::hook::hooks;
 use super::uniforms::{self, Uniforms};
 use crate::backend::gl::api::{self, Gl};
-use crate::runtime::session::{Intrinsics, MatrixClass};
 use crate::intercept::log;
+use crate::runtime::session::{Intrinsics, MatrixClass};
 use std::collections::HashMap;
 use std::ffi::{CStr, CString, c_char};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -255,7 +255,15 @@ fn read_program(gl: &Gl, profile: &Profile, name: u32, patched: bool, vertices: 
     // SAFETY: a NUL-terminated name.
     let location = if patched { unsafe { gl.get_uniform_location(name, ours.as_ptr()) } } else { -1 };
     let (uniforms, hidden) = uniforms::read(gl, profile, name, glsl::UNIFORM);
-    Program { name, location, hidden, vertices, fixed_matrices, uniforms: Mutex::new(uniforms), uploaded: Mutex::new(None) }
+    Program {
+        name,
+        location,
+        hidden,
+        vertices,
+        fixed_matrices,
+        uniforms: Mutex::new(uniforms),
+        uploaded: Mutex::new(None),
+    }
 }
 
 hooks! {

@@ -152,7 +152,9 @@ fn blit(ctx: &mut Context, mut source: [i32; 4], destination: [i32; 4], mask: u3
     }
     let issue = |d: [i32; 4]| {
         // SAFETY: the program's own call, moved to a tile.
-        unsafe { gl.blit_framebuffer(source[0], source[1], source[2], source[3], d[0], d[1], d[2], d[3], mask, filter) };
+        unsafe {
+            gl.blit_framebuffer(source[0], source[1], source[2], source[3], d[0], d[1], d[2], d[3], mask, filter)
+        };
     };
     if !ctx.redirected() {
         issue(destination);

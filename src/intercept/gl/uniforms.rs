@@ -137,7 +137,8 @@ fn block_matrix(gl: &Gl, binding: u32, offset: usize, stride: usize) -> Option<[
         let length = 3 * stride + 16;
         let mut result = None;
         if mapped == 0 && first + length <= usize::try_from(size).unwrap_or(0) {
-            let pointer = gl.map_buffer_range(api::GL_COPY_READ_BUFFER, first as isize, length as isize, api::GL_MAP_READ_BIT);
+            let pointer =
+                gl.map_buffer_range(api::GL_COPY_READ_BUFFER, first as isize, length as isize, api::GL_MAP_READ_BIT);
             if !pointer.is_null() {
                 let bytes = std::slice::from_raw_parts(pointer.cast::<u8>().cast_const(), length);
                 let float = |at: usize| bytes[at..at + 4].try_into().map_or(0.0, f32::from_ne_bytes);
@@ -215,7 +216,13 @@ fn block_place(gl: &Gl, program: u32, index: u32) -> Option<Place> {
 ///
 /// # Safety
 /// `value` must point at `count` matrices, as the program promises OpenGL.
-unsafe fn note<T: Copy + Into<f64>>(program: Option<&super::programs::Program>, location: i32, count: i32, transpose: u8, value: *const T) {
+unsafe fn note<T: Copy + Into<f64>>(
+    program: Option<&super::programs::Program>,
+    location: i32,
+    count: i32,
+    transpose: u8,
+    value: *const T,
+) {
     let Some(program) = program else { return };
     if location < 0 || count < 1 || value.is_null() {
         return;

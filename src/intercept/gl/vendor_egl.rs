@@ -51,7 +51,12 @@ const PLATFORM_X11: c_uint = 0x31D5;
 /// # Safety
 /// Called by libEGL with the pointers that its vendor interface describes.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn __egl_Main(version: u32, exports: *const c_void, vendor: Pointer, imports: *mut Imports) -> c_uint {
+pub unsafe extern "C" fn __egl_Main(
+    version: u32,
+    exports: *const c_void,
+    vendor: Pointer,
+    imports: *mut Imports,
+) -> c_uint {
     crate::fence::guard(|| {
         let vendors = std::env::var("CUPOLA_EGL_REAL").unwrap_or_default();
         let file = real_vendor(&vendors, &own_file());
@@ -182,11 +187,17 @@ fn window(display: Pointer, surface: Pointer) -> Option<Window> {
     });
     let native_window = native_window?;
     let x11 = native_display.filter(|_| native_window != 0).map(|display| (display, native_window));
-    Some(Window::Egl { display: display as usize, surface: surface as usize, x11, query: real(c"eglQuerySurface") as usize })
+    Some(Window::Egl {
+        display: display as usize,
+        surface: surface as usize,
+        x11,
+        query: real(c"eglQuerySurface") as usize,
+    })
 }
 
 unsafe extern "C" fn make_current(display: Pointer, draw: Pointer, read: Pointer, context: Pointer) -> c_uint {
-    let ok = real_call!(c"eglMakeCurrent", (Pointer, Pointer, Pointer, Pointer) -> c_uint, display, draw, read, context);
+    let ok =
+        real_call!(c"eglMakeCurrent", (Pointer, Pointer, Pointer, Pointer) -> c_uint, display, draw, read, context);
     if let (true, Some(gl)) = (ok != 0, DRIVER.get()) {
         context::make_current(context as usize, gl, window(display, draw));
     }
@@ -212,21 +223,38 @@ unsafe extern "C" fn swap_buffers(display: Pointer, surface: Pointer) -> c_uint 
 }
 
 // The whole window changes with any part of the program's picture, so the damage is dropped.
-unsafe extern "C" fn swap_buffers_with_damage_khr(display: Pointer, surface: Pointer, rects: *const c_int, count: c_int) -> c_uint {
+unsafe extern "C" fn swap_buffers_with_damage_khr(
+    display: Pointer,
+    surface: Pointer,
+    rects: *const c_int,
+    count: c_int,
+) -> c_uint {
     swap(surface, || {
-        let (rects, count) = if context::current().is_some_and(|c| c.target.is_some()) { (std::ptr::null(), 0) } else { (rects, count) };
+        let (rects, count) =
+            if context::current().is_some_and(|c| c.target.is_some()) { (std::ptr::null(), 0) } else { (rects, count) };
         real_call!(c"eglSwapBuffersWithDamageKHR", (Pointer, Pointer, *const c_int, c_int) -> c_uint, display, surface, rects, count)
     })
 }
 
-unsafe extern "C" fn swap_buffers_with_damage_ext(display: Pointer, surface: Pointer, rects: *const c_int, count: c_int) -> c_uint {
+unsafe extern "C" fn swap_buffers_with_damage_ext(
+    display: Pointer,
+    surface: Pointer,
+    rects: *const c_int,
+    count: c_int,
+) -> c_uint {
     swap(surface, || {
-        let (rects, count) = if context::current().is_some_and(|c| c.target.is_some()) { (std::ptr::null(), 0) } else { (rects, count) };
+        let (rects, count) =
+            if context::current().is_some_and(|c| c.target.is_some()) { (std::ptr::null(), 0) } else { (rects, count) };
         real_call!(c"eglSwapBuffersWithDamageEXT", (Pointer, Pointer, *const c_int, c_int) -> c_uint, display, surface, rects, count)
     })
 }
 
-unsafe extern "C" fn create_context(display: Pointer, config: Pointer, share: Pointer, attributes: *const c_int) -> Pointer {
+unsafe extern "C" fn create_context(
+    display: Pointer,
+    config: Pointer,
+    share: Pointer,
+    attributes: *const c_int,
+) -> Pointer {
     let context = real_call!(c"eglCreateContext", (Pointer, Pointer, Pointer, *const c_int) -> Pointer, display, config, share, attributes);
     context::created(context as usize, share as usize);
     context
@@ -245,9 +273,13 @@ fn note_surface(surface: Pointer, native: c_ulong) -> Pointer {
     surface
 }
 
-unsafe extern "C" fn create_window_surface(display: Pointer, config: Pointer, native: c_ulong, attributes: *const c_int) -> Pointer {
-    let surface =
-        real_call!(c"eglCreateWindowSurface", (Pointer, Pointer, c_ulong, *const c_int) -> Pointer, display, config, native, attributes);
+unsafe extern "C" fn create_window_surface(
+    display: Pointer,
+    config: Pointer,
+    native: c_ulong,
+    attributes: *const c_int,
+) -> Pointer {
+    let surface = real_call!(c"eglCreateWindowSurface", (Pointer, Pointer, c_ulong, *const c_int) -> Pointer, display, config, native, attributes);
     note_surface(surface, native)
 }
 
@@ -260,15 +292,23 @@ fn x11_window(display: Pointer, native: Pointer) -> c_ulong {
     unsafe { *native.cast::<c_ulong>() }
 }
 
-unsafe extern "C" fn create_platform_window_surface(display: Pointer, config: Pointer, native: Pointer, attributes: *const isize) -> Pointer {
-    let surface =
-        real_call!(c"eglCreatePlatformWindowSurface", (Pointer, Pointer, Pointer, *const isize) -> Pointer, display, config, native, attributes);
+unsafe extern "C" fn create_platform_window_surface(
+    display: Pointer,
+    config: Pointer,
+    native: Pointer,
+    attributes: *const isize,
+) -> Pointer {
+    let surface = real_call!(c"eglCreatePlatformWindowSurface", (Pointer, Pointer, Pointer, *const isize) -> Pointer, display, config, native, attributes);
     note_surface(surface, x11_window(display, native))
 }
 
-unsafe extern "C" fn create_platform_window_surface_ext(display: Pointer, config: Pointer, native: Pointer, attributes: *const c_int) -> Pointer {
-    let surface =
-        real_call!(c"eglCreatePlatformWindowSurfaceEXT", (Pointer, Pointer, Pointer, *const c_int) -> Pointer, display, config, native, attributes);
+unsafe extern "C" fn create_platform_window_surface_ext(
+    display: Pointer,
+    config: Pointer,
+    native: Pointer,
+    attributes: *const c_int,
+) -> Pointer {
+    let surface = real_call!(c"eglCreatePlatformWindowSurfaceEXT", (Pointer, Pointer, Pointer, *const c_int) -> Pointer, display, config, native, attributes);
     note_surface(surface, x11_window(display, native))
 }
 

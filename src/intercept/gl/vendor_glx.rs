@@ -44,7 +44,12 @@ enum Drawable {
 /// # Safety
 /// Called by libGLX with the pointers that its vendor interface describes.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn __glx_Main(version: u32, exports: *const c_void, vendor: *mut c_void, imports: *mut Imports) -> c_int {
+pub unsafe extern "C" fn __glx_Main(
+    version: u32,
+    exports: *const c_void,
+    vendor: *mut c_void,
+    imports: *mut Imports,
+) -> c_int {
     crate::fence::guard(|| {
         let name = std::env::var("CUPOLA_GLX_REAL").ok().filter(|n| !n.is_empty() && n != "cupola");
         let file = format!("libGLX_{}.so.0", name.as_deref().unwrap_or("mesa"));
@@ -194,7 +199,13 @@ unsafe extern "C" fn swap_buffers(display: Pointer, drawable: c_ulong) {
     }
 }
 
-unsafe extern "C" fn swap_buffers_msc(display: Pointer, drawable: c_ulong, target: i64, divisor: i64, remainder: i64) -> i64 {
+unsafe extern "C" fn swap_buffers_msc(
+    display: Pointer,
+    drawable: c_ulong,
+    target: i64,
+    divisor: i64,
+    remainder: i64,
+) -> i64 {
     let ours = is_current(drawable);
     if ours {
         present::before_swap();
@@ -207,25 +218,43 @@ unsafe extern "C" fn swap_buffers_msc(display: Pointer, drawable: c_ulong, targe
 }
 
 unsafe extern "C" fn create_context(display: Pointer, visual: Pointer, share: Pointer, direct: c_int) -> Pointer {
-    let context = real_call!(c"glXCreateContext", (Pointer, Pointer, Pointer, c_int) -> Pointer, display, visual, share, direct);
+    let context =
+        real_call!(c"glXCreateContext", (Pointer, Pointer, Pointer, c_int) -> Pointer, display, visual, share, direct);
     context::created(context as usize, share as usize);
     context
 }
 
-unsafe extern "C" fn create_new_context(display: Pointer, config: Pointer, kind: c_int, share: Pointer, direct: c_int) -> Pointer {
+unsafe extern "C" fn create_new_context(
+    display: Pointer,
+    config: Pointer,
+    kind: c_int,
+    share: Pointer,
+    direct: c_int,
+) -> Pointer {
     let context = real_call!(c"glXCreateNewContext", (Pointer, Pointer, c_int, Pointer, c_int) -> Pointer, display, config, kind, share, direct);
     context::created(context as usize, share as usize);
     context
 }
 
-unsafe extern "C" fn create_context_with_config(display: Pointer, config: Pointer, kind: c_int, share: Pointer, direct: c_int) -> Pointer {
-    let context =
-        real_call!(c"glXCreateContextWithConfigSGIX", (Pointer, Pointer, c_int, Pointer, c_int) -> Pointer, display, config, kind, share, direct);
+unsafe extern "C" fn create_context_with_config(
+    display: Pointer,
+    config: Pointer,
+    kind: c_int,
+    share: Pointer,
+    direct: c_int,
+) -> Pointer {
+    let context = real_call!(c"glXCreateContextWithConfigSGIX", (Pointer, Pointer, c_int, Pointer, c_int) -> Pointer, display, config, kind, share, direct);
     context::created(context as usize, share as usize);
     context
 }
 
-unsafe extern "C" fn create_context_attribs(display: Pointer, config: Pointer, share: Pointer, direct: c_int, attributes: *const c_int) -> Pointer {
+unsafe extern "C" fn create_context_attribs(
+    display: Pointer,
+    config: Pointer,
+    share: Pointer,
+    direct: c_int,
+    attributes: *const c_int,
+) -> Pointer {
     let context = real_call!(c"glXCreateContextAttribsARB", (Pointer, Pointer, Pointer, c_int, *const c_int) -> Pointer, display, config, share, direct, attributes);
     context::created(context as usize, share as usize);
     context
@@ -236,13 +265,23 @@ unsafe extern "C" fn destroy_context(display: Pointer, context: Pointer) {
     context::destroyed(context as usize);
 }
 
-unsafe extern "C" fn create_window(display: Pointer, config: Pointer, x11: c_ulong, attributes: *const c_int) -> c_ulong {
+unsafe extern "C" fn create_window(
+    display: Pointer,
+    config: Pointer,
+    x11: c_ulong,
+    attributes: *const c_int,
+) -> c_ulong {
     let drawable = real_call!(c"glXCreateWindow", (Pointer, Pointer, c_ulong, *const c_int) -> c_ulong, display, config, x11, attributes);
     note_drawable(drawable, Drawable::Window(x11));
     drawable
 }
 
-unsafe extern "C" fn create_pixmap(display: Pointer, config: Pointer, pixmap: c_ulong, attributes: *const c_int) -> c_ulong {
+unsafe extern "C" fn create_pixmap(
+    display: Pointer,
+    config: Pointer,
+    pixmap: c_ulong,
+    attributes: *const c_int,
+) -> c_ulong {
     let drawable = real_call!(c"glXCreatePixmap", (Pointer, Pointer, c_ulong, *const c_int) -> c_ulong, display, config, pixmap, attributes);
     note_drawable(drawable, Drawable::OffScreen);
     drawable
@@ -255,7 +294,8 @@ unsafe extern "C" fn create_glx_pixmap(display: Pointer, visual: Pointer, pixmap
 }
 
 unsafe extern "C" fn create_pbuffer(display: Pointer, config: Pointer, attributes: *const c_int) -> c_ulong {
-    let drawable = real_call!(c"glXCreatePbuffer", (Pointer, Pointer, *const c_int) -> c_ulong, display, config, attributes);
+    let drawable =
+        real_call!(c"glXCreatePbuffer", (Pointer, Pointer, *const c_int) -> c_ulong, display, config, attributes);
     note_drawable(drawable, Drawable::OffScreen);
     drawable
 }

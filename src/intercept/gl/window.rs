@@ -100,7 +100,8 @@ impl Window {
 
 /// The few calls of Xlib that place a window. The program has it loaded; we link nothing.
 struct X11 {
-    query_tree: unsafe extern "C" fn(*mut c_void, c_ulong, *mut c_ulong, *mut c_ulong, *mut *mut c_ulong, *mut c_uint) -> c_int,
+    query_tree:
+        unsafe extern "C" fn(*mut c_void, c_ulong, *mut c_ulong, *mut c_ulong, *mut *mut c_ulong, *mut c_uint) -> c_int,
     move_resize: unsafe extern "C" fn(*mut c_void, c_ulong, c_int, c_int, c_uint, c_uint) -> c_int,
     sync: unsafe extern "C" fn(*mut c_void, c_int) -> c_int,
     free: unsafe extern "C" fn(*mut c_void) -> c_int,

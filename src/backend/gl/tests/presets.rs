@@ -1,0 +1,44 @@
+//! Every preset, planned, prepared and compared with the exact source of each output.
+
+use super::headless;
+use crate::backend::gl::gpu_map;
+use crate::backend::gl::headless::Api;
+use crate::correct::plan::build;
+use crate::rig;
+use crate::views::Request;
+use glam::DVec3;
+
+#[test]
+fn every_preset_shows_every_pixel() {
+    let context = headless(Api::Core);
+    for preset in rig::presets() {
+        let name = preset.name;
+        let rig = rig::load(name).expect("a preset loads");
+        let sizes: Vec<(u32, u32)> = rig.outputs.iter().map(|_| (320, 240)).collect();
+        let request =
+            Request { output_sizes: sizes, window: (320, 240), panel: false, primary: false, max_atlas: 8192 };
+        let plan = build(&rig, &request).expect("a preset can be planned");
+        for (index, pass) in plan.passes.iter().enumerate() {
+            let map = gpu_map(&context.gl, false, &plan, index).expect("the map");
+            let (mut worst, mut holes, mut ghosts) = (0.0f64, 0, 0);
+            for (at, pixel) in map.iter().enumerate() {
+                let (column, row) = (at as u32 % pass.size.0, at as u32 / pass.size.0);
+                let (x, y) = pass.source.normalised(pass.size, f64::from(column) + 0.5, f64::from(row) + 0.5);
+                match (pass.source.direction(x, y), pixel.view) {
+                    (Some(exact), Some(_)) => {
+                        let found = DVec3::from_array(pixel.direction.map(f64::from));
+                        worst = worst.max(found.distance(exact.normalize()));
+                    }
+                    (Some(_), None) => holes += 1,
+                    (None, Some(_)) => ghosts += 1,
+                    (None, None) => {}
+                }
+            }
+            println!("{name} {}: error {worst:.2e} rad, {} views", pass.name, plan.views.views.len());
+            // Half a thousandth of the widest pixel of 320.
+            assert!(worst < 5e-6, "{name} {}: {worst:e}", pass.name);
+            // On a rim f32 may decide otherwise.
+            assert!(holes + ghosts <= 2, "{name} {}: {holes} holes, {ghosts} ghosts", pass.name);
+        }
+    }
+}
