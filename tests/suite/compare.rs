@@ -157,6 +157,7 @@ pub fn expect_similar(found: &Picture, expected: &Picture, step: u8, part: f64, 
 fn failure_path(what: &str, kind: &str) -> PathBuf {
     let directory = Path::new(env!("CARGO_TARGET_TMPDIR")).join("suite-failures");
     std::fs::create_dir_all(&directory).expect("the folder for failures can be made");
-    let name: String = what.chars().map(|c| if c.is_ascii_alphanumeric() || "-_.".contains(c) { c } else { '_' }).collect();
+    let name: String =
+        what.chars().map(|c| if c.is_ascii_alphanumeric() || "-_.".contains(c) { c } else { '_' }).collect();
     directory.join(format!("{name}-{kind}.png"))
 }

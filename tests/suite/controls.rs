@@ -79,7 +79,8 @@ fn projector() -> (Projector, Dome) {
 #[test]
 fn the_projector_comparer_fails_wrong_pictures() {
     let (right, dome) = projector();
-    let picture_of = |projector: &Projector, dome: &Dome| ideal((200, 150), shown_by_projector(projector, dome, CAMERA));
+    let picture_of =
+        |projector: &Projector, dome: &Dome| ideal((200, 150), shown_by_projector(projector, dome, CAMERA));
     let judge = |picture: &Picture| compare(picture, shown_by_projector(&right, &dome, CAMERA)).good();
     assert!(judge(&picture_of(&right, &dome)));
     let moved = Projector { position: add_scaled(right.position, [1.0, 0.0, 0.0], 0.4), ..right.clone() };
@@ -108,7 +109,10 @@ fn the_reference_is_consistent() {
     let close = |found: [f64; 3], expected: [f64; 3]| (0..3).all(|axis| (found[axis] - expected[axis]).abs() < 1e-12);
     let forward = [0.0, 0.0, -1.0];
     let up = [0.0, 1.0, 0.0];
-    assert!(close(Turn { yaw: 90.0, pitch: 0.0, roll: 0.0 }.outward(forward), [1.0, 0.0, 0.0]), "yaw is right-positive");
+    assert!(
+        close(Turn { yaw: 90.0, pitch: 0.0, roll: 0.0 }.outward(forward), [1.0, 0.0, 0.0]),
+        "yaw is right-positive"
+    );
     assert!(close(Turn { yaw: 0.0, pitch: 90.0, roll: 0.0 }.outward(forward), up), "pitch is up-positive");
     assert!(close(Turn { yaw: 0.0, pitch: 0.0, roll: 90.0 }.outward(up), [1.0, 0.0, 0.0]), "roll is clockwise");
     // The fulldome convention: the zenith in the centre, the front at the bottom edge, right at the right.

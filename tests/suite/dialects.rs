@@ -29,9 +29,7 @@ pub fn shown_by_window(size: (usize, usize), fov: f64, camera: ProgramCamera) ->
 /// What a projector shows.
 pub fn shown_by_projector(projector: &Projector, dome: &Dome, camera: ProgramCamera) -> impl Fn(f64, f64) -> Shown {
     move |x, y| match projector.hit(dome, x, y) {
-        Some(point) if dome.within_screen(point) > 0.0 => {
-            Shown::Direction(camera.to_world(dome.eye_direction(point)))
-        }
+        Some(point) if dome.within_screen(point) > 0.0 => Shown::Direction(camera.to_world(dome.eye_direction(point))),
         _ => Shown::Black,
     }
 }
@@ -136,7 +134,13 @@ pub fn identity_captured(program: &str) {
     };
     let under = under.expect_success().expect_no_gl_errors();
     let shot = under.picture("shot.ppm");
-    expect_similar(&shot, &plain.expect_success().picture("shot.ppm"), 1, 1e-3, &format!("{program} identity-captured"));
+    expect_similar(
+        &shot,
+        &plain.expect_success().picture("shot.ppm"),
+        1,
+        1e-3,
+        &format!("{program} identity-captured"),
+    );
     let own = fbo.expect_success().picture("shot.ppm");
     expect_identical(&shot, &own, &format!("{program} identity-captured against its own FBO"));
 }

@@ -54,9 +54,11 @@ impl Picture {
     /// How many pixels differ, and the greatest difference of a channel. Panics where the sizes differ.
     pub fn difference(&self, other: &Self) -> (usize, u8) {
         assert_eq!((self.width, self.height), (other.width, other.height), "the pictures' sizes differ");
-        let differences = self.pixels.iter().zip(&other.pixels).map(|(a, b)| {
-            a.iter().zip(b).map(|(a, b)| a.abs_diff(*b)).max().unwrap_or(0)
-        });
+        let differences = self
+            .pixels
+            .iter()
+            .zip(&other.pixels)
+            .map(|(a, b)| a.iter().zip(b).map(|(a, b)| a.abs_diff(*b)).max().unwrap_or(0));
         differences.fold((0, 0), |(count, worst), step| (count + usize::from(step > 0), worst.max(step)))
     }
 }

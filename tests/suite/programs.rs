@@ -36,8 +36,7 @@ fn library() -> PathBuf {
 pub fn scratch(what: &str) -> PathBuf {
     static COUNT: AtomicUsize = AtomicUsize::new(0);
     let index = COUNT.fetch_add(1, Ordering::Relaxed);
-    let directory =
-        Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("suite-{}/{what}-{index}", std::process::id()));
+    let directory = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("suite-{}/{what}-{index}", std::process::id()));
     std::fs::create_dir_all(&directory).expect("a scratch folder can be made");
     directory
 }
@@ -64,7 +63,17 @@ impl<'a> Run<'a> {
     /// A small window, a usual lens, a turned camera.
     pub fn new(program: &'a str) -> Self {
         let (size, frames) = ((256, 256), 3);
-        Self { program, size, fov: 75.0, yaw: 20.0, pitch: -10.0, frames, cupola_frames: frames, extra: &[], cupola: &[] }
+        Self {
+            program,
+            size,
+            fov: 75.0,
+            yaw: 20.0,
+            pitch: -10.0,
+            frames,
+            cupola_frames: frames,
+            extra: &[],
+            cupola: &[],
+        }
     }
 
     fn arguments(&self, place: &Place) -> Vec<String> {
@@ -179,14 +188,20 @@ impl Finished {
     /// The statistics that `cupola run` wrote.
     pub fn statistics(&self) -> serde_json::Value {
         let path = self.directory.join("stats.json");
-        let text = std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {}: {error}", self.what, path.display()));
+        let text =
+            std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {}: {error}", self.what, path.display()));
         serde_json::from_str(&text).unwrap_or_else(|error| panic!("{}: {}: {error}", self.what, path.display()))
     }
 
     /// Panics unless Cupola says that it made no GL error of its own.
     pub fn expect_no_gl_errors(self) -> Self {
         let statistics = self.statistics();
-        assert_eq!(statistics["own_errors"].as_u64(), Some(0), "{}: GL errors of Cupola's own: {statistics:#}", self.what);
+        assert_eq!(
+            statistics["own_errors"].as_u64(),
+            Some(0),
+            "{}: GL errors of Cupola's own: {statistics:#}",
+            self.what
+        );
         self
     }
 }

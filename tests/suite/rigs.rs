@@ -80,7 +80,8 @@ pub fn projectors(preset: &str, size: (usize, usize), columns: usize) -> Project
         });
         output.remove("size");
         let place = [index % columns * size.0, index / columns * size.1, size.0, size.1];
-        output.insert("window".into(), Value::Array(place.iter().map(|&pixels| Value::Integer(pixels as i64)).collect()));
+        output
+            .insert("window".into(), Value::Array(place.iter().map(|&pixels| Value::Integer(pixels as i64)).collect()));
     }
     let blended = rig.to_string();
     let outputs = rig.get_mut("output").and_then(Value::as_array_mut).into_iter().flatten();
