@@ -47,8 +47,12 @@ fn main() -> Result<(), Failure> {
     let framebuffer = framebuffer(gl, size);
     let quad = quad(gl)?;
 
-    let mut contestants =
-        vec![Contestant { name: "bilinear quad".into(), backend: None, atlas: texture(gl, size), seconds: Vec::new() }];
+    let mut contestants = vec![Contestant {
+        name: "bilinear quad".into(),
+        backend: None,
+        atlas: texture(gl, size),
+        seconds: Vec::new(),
+    }];
     for (name, rig) in rigs() {
         let plan = plan(&rig, size)?;
         let started = Instant::now();
@@ -125,7 +129,8 @@ fn rigs() -> Vec<(String, Rig)> {
         output(name, kind, overlap)
     };
     let dome = |degrees: f64| {
-        let kind = OutputKind::Domemaster { aperture: degrees.to_radians(), tilt: std::f64::consts::FRAC_PI_2 };
+        let kind =
+            OutputKind::Domemaster { aperture: degrees.to_radians(), tilt: std::f64::consts::FRAC_PI_2 };
         output("dome", kind, false)
     };
     vec![

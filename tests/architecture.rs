@@ -21,7 +21,7 @@ const MAY_USE: [(&str, &[&str]); 13] = [
     ("runtime", &["fence", "geom", "rig", "views", "warp", "blend", "correct", "backend"]),
     ("intercept", &["fence", "rig", "views", "correct", "backend", "runtime"]),
     ("ffi", &["fence", "geom", "rig", "views", "warp", "correct", "backend", "runtime"]),
-    ("preload", &["intercept"]),
+    ("preload", &["fence", "intercept"]),
 ];
 
 /// Where `unsafe` may be. `process.rs` wraps the few system calls that the standard library lacks.
