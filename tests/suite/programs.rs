@@ -196,7 +196,12 @@ impl Finished {
     /// Panics unless Cupola says that it made no GL error of its own.
     pub fn expect_no_gl_errors(self) -> Self {
         let statistics = self.statistics();
-        assert_eq!(statistics["own_errors"].as_u64(), Some(0), "{}: GL errors of Cupola's own: {statistics:#}", self.what);
+        assert_eq!(
+            statistics["own_errors"].as_u64(),
+            Some(0),
+            "{}: GL errors of Cupola's own: {statistics:#}",
+            self.what
+        );
         self
     }
 }
