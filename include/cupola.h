@@ -122,21 +122,31 @@ typedef struct cupola_gl_view {
    */
   int32_t height;
   /*
-   Camera axes → view axes, column by column: multiply it from the left to the view matrix.
-   */
-  float view_matrix[16];
-  /*
-   Projection in OpenGL's clip space, column by column: use it in place of the program's own.
+   The program's camera axes → clip space of this view, column by column: use it in place of the
+   program's own projection. The program's view matrix, and so its lighting, stays as it is.
+   It is `frustum_matrix` · `rotation_matrix`.
    */
   float projection_matrix[16];
   /*
-   `view_matrix` in double precision.
+   The program's camera axes → axes of the view, for programs that cull or draw a sky by view.
    */
-  double view_matrix_f64[16];
+  float rotation_matrix[16];
+  /*
+   Axes of the view → its clip space: a perspective matrix of the usual form, off-centre.
+   */
+  float frustum_matrix[16];
   /*
    `projection_matrix` in double precision.
    */
   double projection_matrix_f64[16];
+  /*
+   `rotation_matrix` in double precision.
+   */
+  double rotation_matrix_f64[16];
+  /*
+   `frustum_matrix` in double precision.
+   */
+  double frustum_matrix_f64[16];
   /*
    Its name (`front`, `left`, …), NUL-terminated, cut to 31 bytes.
    */

@@ -1,6 +1,6 @@
 //! Cupola in a program that draws its own views: begin a frame, draw each view, end the frame.
 
-use super::Session;
+use super::session::{Extras, Session};
 use crate::backend::gl::api::Gl;
 use crate::backend::gl::surface::{Saved, Surface, greatest_texture};
 use crate::backend::gl::{GlBackend, Target};
@@ -75,7 +75,7 @@ impl Embedded {
         if size.0 == 0 || size.1 == 0 {
             return Err(Error::new(ErrorKind::InvalidArgument, "a picture has at least 1 × 1 pixels"));
         }
-        let session = Session::new(rig, size, false, greatest_texture(gl))?;
+        let session = Session::new(rig, size, false, greatest_texture(gl), Extras::default())?;
         let mut backend = GlBackend::new(gl, es)?;
         if let Err(error) = backend.prepare(gl, session.plan(), false) {
             backend.destroy(gl);
@@ -148,7 +148,10 @@ impl Embedded {
     /// index that does not exist.
     pub fn begin_view(&mut self, index: usize) -> Result<()> {
         if !matches!(self.state, State::Frame) {
-            return Err(Error::new(ErrorKind::InvalidState, "a view begins between the begin and the end of a frame, after the end of the view before"));
+            return Err(Error::new(
+                ErrorKind::InvalidState,
+                "a view begins between the begin and the end of a frame, after the end of the view before",
+            ));
         }
         if index >= self.view_count() {
             return Err(self.no_view(index));
@@ -184,7 +187,10 @@ impl Embedded {
     /// [`ErrorKind::InvalidState`] outside a frame or inside a view.
     pub fn end_frame(&mut self, framebuffer: u32, x: i32, y: i32) -> Result<u32> {
         if !matches!(self.state, State::Frame) {
-            return Err(Error::new(ErrorKind::InvalidState, "a frame ends after its begin and after the end of its last view"));
+            return Err(Error::new(
+                ErrorKind::InvalidState,
+                "a frame ends after its begin and after the end of its last view",
+            ));
         }
         self.state = State::Idle;
         let place = |[left, bottom, width, height]: [i32; 4]| [left + x, bottom + y, width, height];
@@ -215,7 +221,10 @@ impl Embedded {
     }
 
     fn no_view(&self, index: usize) -> Error {
-        Error::new(ErrorKind::InvalidArgument, format!("there is no view {index}; there are {}, counted from 0", self.view_count()))
+        Error::new(
+            ErrorKind::InvalidArgument,
+            format!("there is no view {index}; there are {}, counted from 0", self.view_count()),
+        )
     }
 }
 

@@ -10,6 +10,15 @@ use crate::rig::{Camera, Rig};
 use crate::views::{Request, Tile, View};
 use glam::DMat3;
 
+/// Tiles beside the views that a program has been seen to need.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Extras {
+    /// The flat panel.
+    pub panel: bool,
+    /// The program's own picture.
+    pub primary: bool,
+}
+
 /// A rig, planned for a window.
 pub struct Session {
     rig: Rig,
@@ -26,7 +35,7 @@ impl Session {
     ///
     /// # Errors
     /// What the planner says: a rig that no set of views can serve, or an atlas that is too small.
-    pub fn new(rig: &Rig, window: (u32, u32), off_screen: bool, max_atlas: u32) -> Result<Self> {
+    pub fn new(rig: &Rig, window: (u32, u32), off_screen: bool, max_atlas: u32, extras: Extras) -> Result<Self> {
         let rects = rig.layout(window);
         let output_sizes = rig
             .outputs
@@ -34,16 +43,18 @@ impl Session {
             .zip(&rects)
             .map(|(output, rect)| output.size.filter(|_| off_screen).unwrap_or((rect[2].max(1), rect[3].max(1))))
             .collect();
-        let request = Request { output_sizes, window, panel: false, primary: false, max_atlas };
+        let Extras { panel, primary } = extras;
+        let request = Request { output_sizes, window, panel, primary, max_atlas };
         let plan = correct::build(rig, &request)?;
         Ok(Self { rig: rig.clone(), request, plan, rects })
     }
 
-    /// The same rig and window, with a tile for the flat panel or for the program's own picture.
+    /// The same rig and window with other tiles beside the views.
     ///
     /// # Errors
     /// As for [`Session::new`].
-    pub fn with(&self, panel: bool, primary: bool) -> Result<Self> {
+    pub fn with(&self, extras: Extras) -> Result<Self> {
+        let Extras { panel, primary } = extras;
         let request = Request { panel, primary, ..self.request.clone() };
         let plan = correct::build(&self.rig, &request)?;
         Ok(Self { rig: self.rig.clone(), request, plan, rects: self.rects.clone() })
@@ -57,6 +68,11 @@ impl Session {
     /// The plan.
     pub fn plan(&self) -> &Plan {
         &self.plan
+    }
+
+    /// The tiles beside the views.
+    pub fn extras(&self) -> Extras {
+        Extras { panel: self.request.panel, primary: self.request.primary }
     }
 
     /// Size of the window in pixels.

@@ -9,6 +9,7 @@ use super::raster::Raster;
 use super::window::Window;
 use crate::backend::gl::api::{self, Gl};
 use crate::intercept::log;
+use crate::runtime::session::Extras;
 use std::cell::Cell;
 use std::collections::HashMap;
 use std::ffi::CStr;
@@ -301,7 +302,7 @@ impl Context {
             }
         }
         if self.target.is_none() {
-            super::default_framebuffer::attach(self);
+            super::default_framebuffer::attach(self, Extras::default());
         }
     }
 

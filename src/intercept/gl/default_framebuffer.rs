@@ -7,7 +7,7 @@ use crate::backend::gl::api::{self, Gl};
 use crate::backend::gl::surface::{Surface, greatest_texture};
 use crate::error::Result;
 use crate::intercept::{log, settings};
-use crate::runtime::Session;
+use crate::runtime::session::{Extras, Session};
 
 /// The window's own framebuffer, as the program's configuration made it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,18 +36,17 @@ pub struct DefaultFramebuffer {
     resolved: Option<Surface>,
     backend: GlBackend,
     issued: Vec<u64>,
-    panel_in_use: bool,
 }
 
 /// Puts our framebuffer in place of the window's. Where that fails the program keeps its own.
-pub fn attach(ctx: &mut Context) {
+pub fn attach(ctx: &mut Context, extras: Extras) {
     let Some(settings) = settings::settings() else { return };
     let Some(window) = ctx.window.clone() else { return };
     if settings.rig.passthrough {
         return;
     }
     take_error(ctx);
-    match DefaultFramebuffer::new(ctx, &window, settings) {
+    match DefaultFramebuffer::new(ctx, &window, settings, extras) {
         Ok(target) => {
             ctx.target = Some(Box::new(target));
             adopt(ctx);
@@ -118,19 +117,17 @@ pub fn want_panel(ctx: &mut Context) {
         .as_ref()
         .is_some_and(|t| t.session.panel().is_none() && t.session.views().iter().any(|v| !v.program_lens));
     if needed {
-        let primary = ctx.target.as_ref().is_some_and(|t| t.primary().is_some());
-        enlarge(ctx, true, primary);
-    }
-    if let Some(target) = &mut ctx.target {
-        target.panel_in_use = true;
+        enlarge(ctx, |extras| extras.panel = true);
     }
 }
 
 /// Plans anew with more tiles; what is drawn already moves to its new place.
-fn enlarge(ctx: &mut Context, panel: bool, primary: bool) {
+fn enlarge(ctx: &mut Context, add: impl FnOnce(&mut Extras)) {
     let Some(old) = ctx.target.take() else { return };
     take_error(ctx);
-    match old.enlarged(ctx, panel, primary) {
+    let mut extras = old.extras();
+    add(&mut extras);
+    match old.enlarged(ctx, extras) {
         Ok(new) => {
             ctx.target = Some(Box::new(new));
             let gl = ctx.gl;
@@ -197,8 +194,7 @@ pub fn bind_for_reading(ctx: &mut Context) -> [i32; 2] {
         t.primary().or_else(|| t.flat_tiles().into_iter().flatten().find(|(_, panel)| !panel).map(|tile| tile.0))
     };
     if ctx.target.as_ref().is_some_and(|t| own_picture(t).is_none()) {
-        let panel = ctx.target.as_ref().is_some_and(|t| t.session.panel().is_some());
-        enlarge(ctx, panel, true);
+        enlarge(ctx, |extras| extras.primary = true);
         super::offscreen::fill_primary(ctx);
     }
     let Some(target) = &ctx.target else { return [0, 0] };
@@ -250,10 +246,10 @@ unsafe fn clear_everything(gl: &Gl) {
 }
 
 impl DefaultFramebuffer {
-    fn new(ctx: &Context, window: &Window, settings: &settings::Settings) -> Result<Self> {
+    fn new(ctx: &Context, window: &Window, settings: &settings::Settings, extras: Extras) -> Result<Self> {
         let gl = ctx.gl;
         let size = window.size();
-        let session = Session::new(&settings.rig, size, settings.offscreen, greatest_texture(gl))?;
+        let session = Session::new(&settings.rig, size, settings.offscreen, greatest_texture(gl), extras)?;
         let config = Config::of_window(gl, &ctx.profile, window.double_buffered(gl, &ctx.profile));
         Self::with_session(ctx, session, config)
     }
@@ -267,14 +263,19 @@ impl DefaultFramebuffer {
         let panel = session.panel().is_some();
         backend.prepare(gl, session.plan(), panel)?;
         let issued = vec![0; session.views().len()];
-        Ok(Self { session, config, surface, resolved, backend, issued, panel_in_use: panel })
+        Ok(Self { session, config, surface, resolved, backend, issued })
     }
 
     /// The same with more tiles.
-    fn enlarged(&self, ctx: &Context, panel: bool, primary: bool) -> Result<Self> {
-        let mut new = Self::with_session(ctx, self.session.with(panel, primary)?, self.config)?;
+    fn enlarged(&self, ctx: &Context, extras: Extras) -> Result<Self> {
+        let mut new = Self::with_session(ctx, self.session.with(extras)?, self.config)?;
         new.issued.clone_from(&self.issued);
         Ok(new)
+    }
+
+    /// The tiles that the program has been seen to need.
+    pub fn extras(&self) -> Extras {
+        self.session.extras()
     }
 
     /// Size of the window that it stands for.

@@ -6,6 +6,7 @@ use crate::backend::gl::Target;
 use crate::backend::gl::api::{self, Gl};
 use crate::intercept::{log, settings};
 use crate::runtime::report::{self, Picture, Statistics, ViewStatistics};
+use crate::runtime::session::Extras;
 use std::ffi::CStr;
 use std::path::Path;
 use std::sync::{Mutex, Once, PoisonError};
@@ -65,11 +66,13 @@ fn next_frame(ctx: &mut Context) {
 pub fn follow_size(ctx: &mut Context) {
     let Some(window) = ctx.window.clone() else { return };
     if ctx.target.as_ref().is_some_and(|t| t.size() != window.size()) {
+        let mut extras = Extras::default();
         if let Some(old) = ctx.target.take() {
+            extras = old.extras();
             old.destroy(ctx.gl);
         }
         ctx.viewport_area = [0; 2];
-        default_framebuffer::attach(ctx);
+        default_framebuffer::attach(ctx, extras);
     }
 }
 
