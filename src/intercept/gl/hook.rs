@@ -22,6 +22,8 @@ unsafe impl Sync for Hook {}
 macro_rules! hooks {
     ($( $name:literal $method:ident ( $($p:ident : $t:ty),* ) $(-> $r:ty)? = |$ctx:ident, $gl:ident| $body:expr; )*) => {
         $(
+            // Some bodies need no unsafe call; the block below serves them all.
+            #[allow(unused_unsafe)]
             unsafe extern "system" fn $method($($p: $t),*) $(-> $r)? {
                 let Some($ctx) = $crate::intercept::gl::context::current() else {
                     // SAFETY: the program's own call, passed on with its own arguments.
