@@ -96,6 +96,8 @@ pub struct ProjectorSource {
     pub cap: Option<([f64; 6], [f64; 3])>,
     /// Hit point over the radius times a positive factor, dome axes turned so that the pole is +y and the front −z; for ramps in dome angles.
     pub dome_direction: QuadraticForm,
+    /// Where the lens is, in the axes and units of `dome_direction`.
+    pub position: DVec3,
     /// For every projector that can overlap this one: its homogeneous picture coordinates (`x/z`, `y/z` in −1…1, `z > 0` in front) of this pixel's hit, and its ramp.
     pub neighbours: Vec<Neighbour>,
     /// This projector's own ramp width, as a part of width or height.

@@ -32,6 +32,7 @@ pub(super) fn of(rig: &Rig, index: usize) -> Source {
                     .then(|| cap_row(*position, rays, &sphere, pole(rig), rig.dome.coverage)),
                 // Turned about x by the tilt, the pole comes to lie on +y and the front on −z.
                 dome_direction: seen_from(DVec3::ZERO, DMat3::from_rotation_x(rig.dome.tilt)),
+                position: DMat3::from_rotation_x(rig.dome.tilt) * *position,
                 neighbours: neighbours
                     .filter_map(|(other, neighbour)| neighbour_of(other, neighbour, &seen_from))
                     .collect(),

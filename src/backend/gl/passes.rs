@@ -323,7 +323,7 @@ impl GlBackend {
         // SAFETY: a context is current. A lost context may report errors for ever.
         while unsafe { gl.get_error() } != GL_NO_ERROR {
             self.errors.set(self.errors.get() + 1);
-            if self.errors.get() % MOST_ERRORS == 0 {
+            if self.errors.get().is_multiple_of(MOST_ERRORS) {
                 break;
             }
         }

@@ -33,7 +33,7 @@ fn compare(
             found.not_finite += 1;
         }
         let (column, row) = (i as u32 % width, i as u32 / width);
-        if (column as usize + 7 * row as usize) % step != 0 {
+        if !(column as usize + 7 * row as usize).is_multiple_of(step) {
             continue;
         }
         match (exact(column, row), shown.view) {
@@ -122,6 +122,25 @@ fn projectors_from_near_the_centre_to_near_the_screen() {
             moved.pose.position.x += 1e-4;
             assert!(compare_projector(&map, &moved, size, 997).worst > 2.0 * bound);
         }
+    }
+}
+
+#[test]
+fn projectors_outside_however_far() {
+    let context = headless(Api::Core);
+    let size = (1920, 1080);
+    for distance in [0.97, 2.0, 10.0, 1e3, 1e6] {
+        let half = 0.5 / f64::max(distance, 1.0);
+        let projector = Projector {
+            pose: crate::geom::Pose::new(DVec3::new(0.0, 0.0, distance), 0.0, 0.0, 0.1),
+            frustum: Frustum { left: -half, right: half, bottom: -half, top: 0.8 * half },
+            ramp: 0.2,
+        };
+        let plan = projector_plan(&projector, &[], size);
+        let map = gpu_map(&context.gl, false, &plan, 0).expect("the map");
+        let found = compare_projector(&map, &projector, size, 7);
+        println!("projector at {distance} R: {found:?}");
+        assert!(found.worst <= 0.004 && found.not_finite == 0 && found.disagreements == 0, "{distance}: {found:?}");
     }
 }
 

@@ -88,6 +88,10 @@ impl Projector {
         // The textbook quadratic, on purpose another form than the one under test.
         let (o, d) = (self.pose.position, self.rays() * DVec3::new(x, y, 1.0));
         let (a, b, c) = (d.dot(d), o.dot(d), o.dot(o) - 1.0);
+        if c > 1e3 {
+            // From afar it cancels, in f64 too.
+            return Sphere { center: DVec3::ZERO, radius: 1.0 }.far_hit(o, d);
+        }
         let discriminant = b * b - a * c;
         (discriminant >= 0.0).then(|| o + d * ((-b + discriminant.sqrt()) / a))
     }
@@ -119,6 +123,7 @@ impl Projector {
             direction: form(viewer.position, viewer.rotation.transpose()),
             cap: None,
             dome_direction: form(DVec3::ZERO, DMat3::IDENTITY),
+            position: self.pose.position,
             neighbours,
             ramp: self.ramp,
         }
