@@ -124,6 +124,19 @@ fn every_pixel_of_random_rigs_is_in_one_right_batch() {
 }
 
 #[test]
+fn every_pixel_of_the_presets_is_in_one_right_batch() {
+    for preset in crate::rig::presets() {
+        let rig = crate::rig::load(preset.name).unwrap();
+        let sizes = vec![(160, 100); rig.outputs.len()];
+        let mut request = request(&sizes);
+        (request.primary, request.panel) = (true, true);
+        let plan = build(&rig, &request).unwrap();
+        check(&rig, &plan).unwrap_or_else(|error| panic!("{}: {error}", preset.name));
+        println!("{}\n{}", preset.name, crate::views::report(&plan.views, &rig, &sizes));
+    }
+}
+
+#[test]
 fn the_check_of_batches_notices_what_is_wrong() {
     let (rig, request) = planetarium((200, 150));
     let good = build(&rig, &request).unwrap();
