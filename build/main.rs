@@ -15,10 +15,13 @@ fn main() {
     let out = PathBuf::from(std::env::var_os("OUT_DIR").expect("cargo sets OUT_DIR"));
     std::fs::write(out.join("gl_api.rs"), gl_registry::generate()).expect("OUT_DIR is writable");
     std::fs::write(out.join("shaders.rs"), shaders::generate()).expect("OUT_DIR is writable");
-    // The same file answers libGLX's request for a vendor called "cupola", stays loaded for
-    // good (libEGL unloads its vendors while threads may still hold our thread-locals), and
-    // binds its own names to itself whatever the program exports.
-    for argument in ["-Wl,-soname,libcupola.so.0", "-Wl,-z,nodelete", "-Wl,-Bsymbolic"] {
-        println!("cargo::rustc-cdylib-link-arg={argument}");
-    }
+    // Both libraries stay loaded for good (libEGL unloads its vendors while threads may still hold
+    // our thread-locals), and bind their own names to themselves whatever the program exports.
+    println!("cargo::rustc-link-arg=-Wl,-z,nodelete");
+    println!("cargo::rustc-link-arg=-Wl,-Bsymbolic");
+    // The SONAME answers libGLX's request for a vendor called "cupola" when the preload library is
+    // loaded already. Cargo has no flags for a library among the examples alone; executables
+    // ignore the flag, and for libcupola.so the last one counts.
+    println!("cargo::rustc-link-arg=-Wl,-soname,libGLX_cupola.so.0");
+    println!("cargo::rustc-cdylib-link-arg=-Wl,-soname,libcupola.so");
 }

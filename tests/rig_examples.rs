@@ -322,3 +322,40 @@ fn nothing_in_a_file_makes_the_reader_panic() {
     let deep = format!("x = {}", "[".repeat(100_000));
     assert!(parse(&deep, "rig.toml", Path::new("")).is_err());
 }
+
+#[test]
+fn the_documents_examples_are_valid() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let document = std::fs::read_to_string(root.join("docs/rig-file.md")).unwrap();
+    let blocks: Vec<&str> = document.split("```toml\n").skip(1).filter_map(|rest| rest.split("```").next()).collect();
+    assert!(blocks.len() >= 6, "examples are missing");
+    for block in blocks {
+        // Parts of a file are completed to a whole one.
+        let projector = "[[output]]\nkind = \"projector\"\nfov = [60, 40]\n";
+        let text = match block {
+            _ if block.contains("[[output]]") => block.to_owned(),
+            _ if block.starts_with("[output.") || block.starts_with("mask") => format!("{projector}{block}"),
+            _ => format!("{block}{projector}"),
+        };
+        parse(&text, "rig-file.md", &root.join("examples/rigs")).unwrap_or_else(|error| panic!("{error}\n{text}"));
+    }
+    // Every key that a message lists as possible is described.
+    let unknown =
+        ["dome", "viewer", "camera", "views", "overlay"].map(|section| format!("[{section}]\nqqq = 1\n")).concat();
+    let outputs = ["domemaster", "projector", "perspective"].map(|kind| {
+        let rest = if kind == "domemaster" { "" } else { "fov = [60, 40]\n" };
+        let angle = "ramps = [{ angle = \"polar\", zero = 1, full = 2, qqq = 1 }]";
+        format!("[[output]]\nkind = \"{kind}\"\nqqq = 1\n{rest}[output.blend]\nqqq = 1\n{angle}\n[output.mask]\nimage = \"x\"\nqqq = 1\n")
+    });
+    let message = parse(&format!("qqq = 1\n{unknown}{}", outputs.concat()), "x", Path::new("")).unwrap_err().message;
+    let mut keys = 0;
+    for key in message.lines().filter_map(|line| line.split("possible here: ").nth(1)).flat_map(|list| list.split(", "))
+    {
+        assert!(
+            document.contains(&format!("`{key}`")) || document.contains(&format!("[{key}")),
+            "{key} is not described"
+        );
+        keys += 1;
+    }
+    assert!(keys > 60, "only {keys} keys were listed in\n{message}");
+}

@@ -259,11 +259,11 @@ mod tests {
         for _ in 0..30_000 {
             let point = random.direction() * rig.dome.radius;
             let (mut sum, mut lit) = (0.0, 0);
-            for k in 0..count {
+            for (k, seen) in forms.iter().enumerate() {
                 let Some(pixel) = weights.maps[k].as_ref().and_then(|map| map.pixel(point)) else { continue };
                 let (x, y) = ((pixel.x / 960.0 - 1.0) as f32, (1.0 - pixel.y / 540.0) as f32);
                 let other = |j: usize| {
-                    let s = evaluate_f32(&forms[k][j], x, y);
+                    let s = evaluate_f32(&seen[j], x, y);
                     if s.z > 0.0 { edge(s.x / s.z, s.y / s.z, rig.outputs[j].blend.ramp) } else { 0.0 }
                 };
                 let others: f32 = (0..count).filter(|j| *j != k).map(other).sum();

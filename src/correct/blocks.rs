@@ -1,20 +1,15 @@
 //! Which rectangles of an output can be drawn by which shader.
 //!
 //! An output is cut into blocks. What a block needs is read off its corners where that is safe, and
-//! found pixel by pixel where it is not. A view's part of the directions, and a neighbour's picture,
-//! are convex cones with four sides. A block's picture is a small curved patch: it departs from the
-//! flat quadrilateral of its corners by at most about its diameter squared, so that a block
-//! whose corners all lie deeper than that inside (or all beyond one side) lies inside (beyond) entirely.
+//! found pixel by pixel where it is not.
 
 use super::plan::{Batch, Source};
 use super::rectangles::{self, BLOCK};
 use crate::geom::{Frustum, QuadraticForm};
 use crate::rig::Rig;
 use crate::views::ViewPlan;
+use crate::views::cone::{Cone, Relation, WIDEST, diameter};
 use glam::{DMat3, DVec3};
-
-/// Blocks wider than this (radians) are always examined pixel by pixel.
-const WIDEST_BLOCK: f64 = 0.2;
 
 /// At most so many batches of an output differ only in their neighbours.
 const MOST_OVERLAPS: usize = 3;
@@ -138,66 +133,6 @@ impl Needs {
     }
 }
 
-/// A convex cone with four sides.
-#[derive(Clone, Copy, Debug)]
-struct Cone {
-    /// Any axes → the cone's, in which it looks along −z.
-    axes: DMat3,
-    /// Inward normals of the left, right, bottom and top side, in the cone's axes.
-    normals: [DVec3; 4],
-}
-
-impl Cone {
-    fn new(axes: DMat3, opening: &Frustum) -> Self {
-        let normals = [
-            DVec3::new(1.0, 0.0, opening.left),
-            DVec3::new(-1.0, 0.0, -opening.right),
-            DVec3::new(0.0, 1.0, opening.bottom),
-            DVec3::new(0.0, -1.0, -opening.top),
-        ];
-        Self { axes, normals: normals.map(DVec3::normalize_or_zero) }
-    }
-
-    /// How far a direction lies inside each side.
-    fn depths(&self, direction: DVec3) -> [f64; 4] {
-        let local = self.axes * direction;
-        self.normals.map(|normal| normal.dot(local))
-    }
-
-    fn contains(&self, direction: DVec3) -> bool {
-        self.depths(direction).iter().all(|&depth| depth >= 0.0)
-    }
-}
-
-/// How a block lies to a cone.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Relation {
-    Inside,
-    Outside,
-    Unclear,
-}
-
-/// How the patch with these corners, all of unit length, lies to a cone.
-fn relation(cone: &Cone, corners: &[DVec3; 4], margin: f64) -> Relation {
-    let mut inside = true;
-    let depths = corners.map(|corner| cone.depths(corner));
-    for side in 0..4 {
-        let (low, high) = depths.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), depths| {
-            (low.min(depths[side]), high.max(depths[side]))
-        });
-        if high < -margin {
-            return Relation::Outside;
-        }
-        inside &= low > margin;
-    }
-    if inside { Relation::Inside } else { Relation::Unclear }
-}
-
-/// The distance across a patch.
-fn diameter(corners: &[DVec3; 4]) -> f64 {
-    corners[0].distance(corners[3]).max(corners[1].distance(corners[2]))
-}
-
 /// Examines the blocks of one output.
 struct Examiner<'a> {
     source: &'a Source,
@@ -222,7 +157,7 @@ type Block = [u32; 4];
 
 impl<'a> Examiner<'a> {
     fn new(rig: &Rig, source: &'a Source, size: (u32, u32), plan: &ViewPlan, output_views: &[usize]) -> Self {
-        let cone = |&index: &usize| Cone::new(plan.views[index].rotation, &plan.views[index].owned);
+        let cone = |&index: &usize| Cone::of(&plan.views[index]);
         let neighbours = match source {
             Source::Projector(projector) => projector.neighbours.as_slice(),
             _ => &[],
@@ -284,7 +219,7 @@ impl<'a> Examiner<'a> {
         }
         let by_corners = all_of(corners.map(|corner| corner.direction)).and_then(|directions| {
             let diameter = diameter(&directions);
-            if diameter < WIDEST_BLOCK && self.surely_on_screen(&corners) {
+            if diameter < WIDEST && self.surely_on_screen(&corners) {
                 self.only_view(&directions, diameter * diameter)
             } else {
                 None
@@ -314,7 +249,7 @@ impl<'a> Examiner<'a> {
             Source::Projector(_) => all_of(corners.map(|corner| corner.on_dome)).is_some_and(|hits| {
                 let nearest = hits.iter().map(|hit| hit.angle_between(DVec3::Y)).fold(f64::INFINITY, f64::min);
                 let diameter = diameter(&hits);
-                diameter < WIDEST_BLOCK && nearest - diameter > self.half_coverage
+                diameter < WIDEST && nearest - diameter > self.half_coverage
             }),
         }
     }
@@ -334,7 +269,7 @@ impl<'a> Examiner<'a> {
     /// The one view that answers for all of a patch, if the corners tell.
     fn only_view(&self, directions: &[DVec3; 4], margin: f64) -> Option<usize> {
         for (index, view) in self.views.iter().enumerate() {
-            match relation(view, directions, margin) {
+            match view.relation(directions, margin) {
                 Relation::Inside => return Some(index),
                 Relation::Outside => {}
                 Relation::Unclear => return None,
@@ -380,7 +315,7 @@ impl<'a> Examiner<'a> {
             let corners = places.map(|(x, y)| picture.evaluate(x, y).and_then(DVec3::try_normalize));
             let apart = all_of(corners).is_some_and(|corners| {
                 let diameter = diameter(&corners);
-                diameter < WIDEST_BLOCK && relation(cone, &corners, diameter * diameter) == Relation::Outside
+                diameter < WIDEST && cone.relation(&corners, diameter * diameter) == Relation::Outside
             });
             if apart { set } else { set | 1 << index.min(127) }
         })

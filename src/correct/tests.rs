@@ -1,9 +1,14 @@
 //! The passes against brute force: every pixel of several rigs.
 
-use super::plan::{Plan, Source, build};
-use crate::rig::*;
-use crate::views::tests::{fisheye, lens, projector, request, rig};
-use glam::DVec3;
+use super::plan::{Batch, Plan, Source, build};
+use crate::ErrorKind;
+use crate::geom::testing::Random;
+use crate::rig::Rig;
+use crate::views::Request;
+use crate::views::sight::UNIT_FRUSTUM;
+use crate::views::tests::{fisheye, lens, projector, random_rig, request, rig};
+use crate::warp::WarpMap;
+use glam::{DVec2, DVec3};
 
 /// The batch of each pixel, row by row; panics where two claim one.
 fn painted(plan: &Plan, output: usize) -> Vec<Option<usize>> {
@@ -23,58 +28,53 @@ fn painted(plan: &Plan, output: usize) -> Vec<Option<usize>> {
     painted
 }
 
-/// Checks every pixel of every output against `plan`; returns how many show something.
-pub(crate) fn check(rig: &Rig, plan: &Plan) -> usize {
+/// Checks every pixel of every output against the exact map; returns how many show something, or what is wrong.
+fn check(rig: &Rig, plan: &Plan) -> Result<usize, String> {
     let mut lit = 0;
     for (index, pass) in plan.passes.iter().enumerate() {
+        let map = WarpMap::new(rig, index, pass.size, Some(UNIT_FRUSTUM)).unwrap();
         let painted = painted(plan, index);
-        for y in 0..pass.size.1 {
-            for x in 0..pass.size.0 {
-                let (u, v) = pass.source.normalised(pass.size, f64::from(x) + 0.5, f64::from(y) + 0.5);
-                let direction = pass.source.direction(u, v);
-                let batch = painted[(y * pass.size.0 + x) as usize].map(|batch| &pass.batches[batch]);
-                let Some(direction) = direction else {
-                    assert!(batch.is_none_or(|batch| batch.edge), "dark pixel {x}, {y} in a batch without edge");
-                    continue;
-                };
-                lit += 1;
-                let batch = batch.unwrap_or_else(|| panic!("pixel {x}, {y} of {} is in no batch", pass.name));
-                let answering = plan.views.output_views[index].iter().copied().find(|&view| {
-                    let view = &plan.views.views[view];
-                    let local = view.rotation * direction;
-                    local.z < 0.0 && view.owned.contains(local.x / -local.z, local.y / -local.z)
-                });
-                let answering = answering.unwrap_or_else(|| panic!("no view shows pixel {x}, {y} of {}", pass.name));
-                assert!(batch.views.contains(&answering), "pixel {x}, {y} of {} needs view {answering}", pass.name);
-                // In the batch's own order of precedence the same view must answer.
-                assert!(batch.views.is_sorted());
-                if let Source::Projector(projector) = &pass.source {
-                    for (number, neighbour) in projector.neighbours.iter().enumerate() {
-                        let Some(at) = neighbour.picture.evaluate(u, v) else { continue };
-                        let deep = at.z > 0.0 && at.x.abs() < 0.999 * at.z && at.y.abs() < 0.999 * at.z;
-                        assert!(!deep || batch.neighbours.contains(&number), "pixel {x}, {y}: neighbour {number}");
+        for (x, y) in (0..pass.size.1).flat_map(|y| (0..pass.size.0).map(move |x| (x, y))) {
+            let wrong = |what: String| Err(format!("{what} at pixel {x}, {y} of {}: {rig:?} {plan:?}", pass.name));
+            let direction = map.direction(DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5));
+            let batch = painted[(y * pass.size.0 + x) as usize].map(|batch| &pass.batches[batch]);
+            let (u, v) = pass.source.normalised(pass.size, f64::from(x) + 0.5, f64::from(y) + 0.5);
+            let (direction, batch) = match (direction, batch) {
+                (None, None) => continue,
+                (None, Some(batch)) if batch.edge => continue,
+                (None, Some(_)) => return wrong("dark, but in a batch without edge".into()),
+                (Some(_), None) => return wrong("lit, but in no batch".into()),
+                (Some(direction), Some(batch)) => (direction, batch),
+            };
+            lit += 1;
+            let own = pass.source.direction(u, v).map_or(f64::INFINITY, |own| own.normalize().distance(direction));
+            if own > 1e-9 {
+                return wrong(format!("the pass sees {own:e} beside the exact direction"));
+            }
+            let answering = plan.views.output_views[index].iter().copied().find(|&view| {
+                let view = &plan.views.views[view];
+                let local = view.rotation * direction;
+                local.z < 0.0 && view.owned.contains(local.x / -local.z, local.y / -local.z)
+            });
+            if !answering.is_some_and(|view| batch.views.contains(&view)) || !batch.views.is_sorted() {
+                return wrong(format!("view {answering:?} answers, but the batch has {:?}", batch.views));
+            }
+            if let Source::Projector(projector) = &pass.source {
+                for (number, neighbour) in projector.neighbours.iter().enumerate() {
+                    let Some(at) = neighbour.picture.evaluate(u, v) else { continue };
+                    let deep = at.z > 0.0 && at.x.abs() < 0.999 * at.z && at.y.abs() < 0.999 * at.z;
+                    if deep && !batch.neighbours.contains(&number) {
+                        return wrong(format!("neighbour {number} overlaps unnoticed"));
                     }
                 }
             }
         }
     }
-    let _ = rig;
-    lit
+    Ok(lit)
 }
 
-#[test]
-fn every_pixel_of_the_fisheye_is_in_one_right_batch() {
-    let rig = rig(vec![fisheye(180.0, 90.0)]);
-    let plan = build(&rig, &request(&[(512, 512)])).unwrap();
-    let lit = check(&rig, &plan);
-    assert!((lit as f64 / 205887.0 - 1.0).abs() < 0.01, "{lit}");
-    for batch in &plan.passes[0].batches {
-        println!("views {:?} edge {} {} rects", batch.views, batch.edge, batch.rects.len());
-    }
-}
-
-#[test]
-fn every_pixel_of_overlapping_projectors_is_in_one_right_batch() {
+/// Six projectors around a tilted dome, overlapping.
+fn planetarium(size: (u32, u32)) -> (Rig, Request) {
     let mut rig = rig((0..6)
         .map(|index| {
             let yaw = 60.0 * f64::from(index);
@@ -85,19 +85,83 @@ fn every_pixel_of_overlapping_projectors_is_in_one_right_batch() {
     for output in &mut rig.outputs {
         output.blend.overlap = true;
     }
-    rig.dome.coverage = 200f64.to_radians();
-    let plan = build(&rig, &request(&[(640, 400); 6])).unwrap();
-    check(&rig, &plan);
+    rig.dome.coverage = 170f64.to_radians();
+    (rig, request(&[size; 6]))
+}
+
+#[test]
+fn every_pixel_of_the_fisheye_is_in_one_right_batch() {
+    let rig = rig(vec![fisheye(180.0, 90.0)]);
+    let plan = build(&rig, &request(&[(512, 512)])).unwrap();
+    let lit = check(&rig, &plan).unwrap();
+    assert!((lit as f64 / 205_887.0 - 1.0).abs() < 0.01, "{lit}");
+    // A batch per view, one where views meet, one at the rim.
+    assert_eq!(plan.passes[0].batches.len(), plan.views.views.len() + 2);
+}
+
+#[test]
+fn every_pixel_of_overlapping_projectors_is_in_one_right_batch() {
+    let (rig, request) = planetarium((640, 400));
+    let plan = build(&rig, &request).unwrap();
+    assert!(check(&rig, &plan).unwrap() > 600_000);
     for pass in &plan.passes {
-        println!("{}", pass.name);
-        for batch in &pass.batches {
-            println!(
-                "  views {:?} neighbours {:?} edge {} {} rects",
-                batch.views,
-                batch.neighbours,
-                batch.edge,
-                batch.rects.len()
-            );
+        assert!(pass.batches.len() <= 8, "{} batches", pass.batches.len());
+        assert!(pass.batches.iter().any(|batch| batch.edge), "some rays leave the dome");
+    }
+}
+
+#[test]
+fn every_pixel_of_random_rigs_is_in_one_right_batch() {
+    let mut random = Random::new(3);
+    for round in 0..40 {
+        let (mut rig, request) = random_rig(&mut random);
+        for output in &mut rig.outputs {
+            output.blend.overlap = random.unit() < 0.7;
         }
+        let plan = build(&rig, &request).unwrap();
+        check(&rig, &plan).unwrap_or_else(|error| panic!("{round}: {error}"));
+    }
+}
+
+#[test]
+fn the_check_of_batches_notices_what_is_wrong() {
+    let (rig, request) = planetarium((200, 150));
+    let good = build(&rig, &request).unwrap();
+    check(&rig, &good).unwrap();
+    let fails = |change: &dyn Fn(&mut Vec<Batch>)| {
+        let mut bad = good.clone();
+        change(&mut bad.passes[0].batches);
+        check(&rig, &bad).is_err()
+    };
+    assert!(fails(&|batches| drop(batches.pop())), "pixels are missing");
+    assert!(fails(&|batches| batches.iter_mut().for_each(|batch| batch.edge = false)), "dark pixels are not told");
+    assert!(fails(&|batches| batches.iter_mut().for_each(|batch| batch.views.clear())), "a view is missing");
+    assert!(fails(&|batches| batches.iter_mut().for_each(|batch| batch.neighbours.clear())), "a neighbour is missing");
+}
+
+#[test]
+fn passthrough_has_no_passes_and_a_missing_mask_is_an_error() {
+    let mut rig = rig(vec![fisheye(180.0, 90.0)]);
+    rig.outputs[0].mask = Some("no/such/mask.png".into());
+    assert_eq!(build(&rig, &request(&[(64, 64)])).unwrap_err().kind, ErrorKind::Io);
+    rig.outputs.clear();
+    rig.passthrough = true;
+    assert!(build(&rig, &request(&[])).unwrap().passes.is_empty());
+}
+
+#[test]
+#[ignore = "prints times, for people"]
+fn times() {
+    let dome = (rig(vec![fisheye(180.0, 90.0)]), request(&[(4096, 4096)]));
+    for (name, (rig, request)) in [("fisheye at 4096²", dome), ("six projectors at 1080p", planetarium((1920, 1080)))]
+    {
+        let start = std::time::Instant::now();
+        let views = crate::views::plan(&rig, &request).unwrap();
+        let planned = start.elapsed();
+        let plan = build(&rig, &request).unwrap();
+        let rects: Vec<usize> =
+            plan.passes.iter().flat_map(|pass| pass.batches.iter().map(|batch| batch.rects.len())).collect();
+        println!("{name}: views {planned:?}, views and passes {:?}", start.elapsed() - planned);
+        println!("rectangles {rects:?}\n{}", crate::views::report(&views, &rig, &request.output_sizes));
     }
 }

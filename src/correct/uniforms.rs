@@ -12,7 +12,7 @@ use crate::geom::fisheye::sine_cosine_polynomials;
 use crate::geom::reprojection::ClipRows;
 use crate::rig::DomeAngle;
 use crate::views::View;
-use glam::{DMat3, DVec2, DVec3};
+use glam::{DMat3, DMat4, DVec2, DVec3};
 
 /// Most views that one batch may sample.
 pub const MAX_VIEWS: usize = 8;
@@ -36,6 +36,11 @@ pub fn clip_rows(rows: &ClipRows) -> [f32; 16] {
         }
     }
     out
+}
+
+/// A matrix column by column, rounded once.
+pub fn matrix(exact: &DMat4) -> [f32; 16] {
+    exact.to_cols_array().map(|value| value as f32)
 }
 
 /// The values that specialise a pass's shader.

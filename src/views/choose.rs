@@ -89,8 +89,8 @@ pub(crate) fn arrange(rig: &Rig, sights: &[Sight]) -> Result<Arrangement> {
         seen.push(this);
     }
 
-    // Always alone: what is drawn with the program's own lens.
-    let alone = |index: usize| seen[index].single.as_ref().is_some_and(|single| single.program_lens);
+    // Always alone: what needs no resampling then, or is drawn with the program's own lens.
+    let alone = |index: usize| seen[index].single.as_ref().is_some_and(|single| single.exact.is_some());
     let is_circle = |index: usize| sights[index].is_circular();
     let arrangements: Vec<Arrangement> = match method {
         ViewMethod::Cube => vec![mixed(rig, &seen, alone)],

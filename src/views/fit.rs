@@ -9,7 +9,7 @@
 
 use super::sight::Sample;
 use crate::geom::Frustum;
-use glam::{DMat3, DVec2, DVec3};
+use glam::{DMat3, DVec2};
 
 /// The shortage of resolution between samples that is made good in advance.
 const RESERVE: f64 = 1.001;
@@ -66,12 +66,6 @@ impl Fit {
             self.density = self.density.max(needed * (quality * RESERVE));
         }
     }
-
-    /// Whether the sampled part of the view with axes `rotation` shows `direction`.
-    pub fn shows(&self, rotation: DMat3, direction: DVec3) -> bool {
-        let local = rotation * direction;
-        local.z < 0.0 && self.extent.contains(local.x / -local.z, local.y / -local.z)
-    }
 }
 
 /// Where a sample lies in a view, and its metric there; `None` if it is too far from the axis.
@@ -100,6 +94,7 @@ fn density(metrics: &[Metric], fine: bool) -> Option<DVec2> {
     if !(across > 0.0 && up > 0.0 && across.is_finite() && up.is_finite()) {
         return None;
     }
+    let metrics = &undominated(metrics);
     let centre = (across / up).ln();
     // log of the squared product, halved
     let cost = |log_ratio: f64| least_squared_up(metrics, log_ratio).ln() + 0.5 * log_ratio;
@@ -113,6 +108,23 @@ fn density(metrics: &[Metric], fine: bool) -> Option<DVec2> {
     let log_ratio = golden_section(cost, start - step, start + step, if fine { 1e-4 } else { 6e-2 });
     let squared = least_squared_up(metrics, log_ratio);
     Some(DVec2::new((squared * log_ratio.exp()).sqrt(), squared.sqrt()))
+}
+
+/// The metrics but for those that others imply (`G ⪯ G'`), as far as the few greatest ones tell.
+fn undominated(metrics: &[Metric]) -> Vec<Metric> {
+    let greatest = |size: fn(&Metric) -> f64| metrics.iter().max_by(|a, b| size(a).total_cmp(&size(b)));
+    let pivots: Vec<Metric> =
+        [greatest(|m| m.across), greatest(|m| m.up), greatest(|m| m.across + m.up), greatest(|m| m.across * m.up)]
+            .into_iter()
+            .flatten()
+            .copied()
+            .collect();
+    let implied = |metric: &Metric, by: &Metric| {
+        let (across, mixed, up) = (by.across - metric.across, by.mixed - metric.mixed, by.up - metric.up);
+        across >= 0.0 && up >= 0.0 && across * up > mixed * mixed
+    };
+    let rest = metrics.iter().filter(|metric| !pivots.iter().any(|pivot| implied(metric, pivot)));
+    pivots.iter().chain(rest).copied().collect()
 }
 
 /// The least `f_y²` for `f_x²/f_y² = exp(log_ratio)`.

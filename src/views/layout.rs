@@ -14,7 +14,7 @@ pub(crate) const GUARD: u32 = 1;
 
 /// Texels by which the sampled part is widened to each side, so that a direction on the border of
 /// two views belongs to at least one of them in 32-bit arithmetic too.
-const MARGIN: f64 = 0.25;
+pub(crate) const MARGIN: f64 = 0.25;
 
 /// Free texels between tiles.
 const GUTTER: u32 = 1;
@@ -23,7 +23,8 @@ const GUTTER: u32 = 1;
 const LEAST_SCALE: f64 = 0.02;
 
 /// Sizes the views, scales them down until the atlas holds them, and places them.
-pub(crate) fn place(rig: &Rig, request: &Request, wanted: &[Wanted], mut notes: Vec<String>) -> Result<ViewPlan> {
+pub(crate) fn place(rig: &Rig, request: &Request, wanted: &[Wanted], notes: &[String]) -> Result<ViewPlan> {
+    let mut notes = notes.to_vec();
     let limit = request.max_atlas;
     let quality = rig.views.quality;
     let mut scale = 1.0;

@@ -2,7 +2,8 @@
 //!
 //! `sight` maps the pixels of each output to directions, `samples` gathers them along lines, `fit`
 //! finds the opening and the resolution that a view with given axes needs, `axes` and `partition`
-//! choose axes, `choose` compares the families of views, `layout` and `atlas` size and place them.
+//! choose axes, `choose` compares the families of views, `layout` and `atlas` size and place them,
+//! `idle` finds those that would be drawn for nothing.
 //!
 //! Resolution at quality 1: a projector or a perspective output gets at least one texel per pixel
 //! in every direction, everywhere; a domemaster gets its nominal resolution (diameter over aperture)
@@ -11,11 +12,16 @@
 mod atlas;
 mod axes;
 mod choose;
+pub(crate) mod cone;
 mod fit;
+mod idle;
 mod layout;
 mod partition;
+mod report;
 mod samples;
 pub(crate) mod sight;
+
+pub use report::{OutputShare, Report, ViewReport, report};
 
 use crate::error::{Error, ErrorKind, Result};
 use crate::geom::Frustum;
@@ -103,8 +109,13 @@ pub fn plan(rig: &Rig, request: &Request) -> Result<ViewPlan> {
     check(outputs.len(), rig.passthrough, request)?;
     let sights: Vec<sight::Sight> =
         outputs.iter().zip(&request.output_sizes).map(|(output, &size)| sight::Sight::new(rig, output, size)).collect();
-    let arrangement = choose::arrange(rig, &sights)?;
-    layout::place(rig, request, &arrangement.views, arrangement.notes)
+    let mut arrangement = choose::arrange(rig, &sights)?;
+    loop {
+        let plan = layout::place(rig, request, &arrangement.views, &arrangement.notes)?;
+        let Some(idle) = idle::find(&plan, &sights) else { return Ok(plan) };
+        let view = arrangement.views.remove(idle);
+        arrangement.notes.push(format!("no view {}: the centre of no pixel lies there", view.name));
+    }
 }
 
 /// Whether the request makes sense for so many outputs.

@@ -5,7 +5,9 @@
 //! face is tighter when it is tilted towards that half, and a triangle needs another roll than a square.
 
 use super::axes::{Aimed, facing, mean_direction, refined, texels};
+use super::cone::Cone;
 use super::fit::{fit, golden_section};
+use super::layout::MARGIN;
 use super::samples::Samples;
 use super::sight::Sample;
 use glam::{DMat3, DVec3};
@@ -169,25 +171,33 @@ impl Task<'_> {
         found
     }
 
-    /// Raises the resolution of views to what lies outside their cells but inside their openings.
+    /// Raises the resolution of views to what lies outside their cells but inside their openings,
+    /// as far as no earlier view answers for it.
     fn raise(&self, partition: &mut Partition) {
-        for index in 0..partition.parts.len() {
-            let (earlier, rest) = partition.parts.split_at_mut(index);
-            let Some(part) = rest.first_mut() else { continue };
+        // What lies deeper than this in an earlier view (radians) is left to that; what lies at its
+        // border may be between two samples, so more is counted than needed.
+        const DEPTH: f64 = 0.04;
+        let mut earlier: Vec<(Cone, Vec<usize>)> = Vec::new();
+        for part in &mut partition.parts {
+            let cone = Cone::new(part.aimed.rotation, &part.aimed.fit.extent);
+            let left = |output: usize, sample: &Sample| {
+                !earlier.iter().any(|(other, outputs)| {
+                    outputs.contains(&output) && other.depths(sample.direction).iter().all(|&depth| depth > DEPTH)
+                })
+            };
+            // The margin that `layout` adds is answered for too.
+            let margin = MARGIN / part.aimed.fit.density.min_element();
             let others: Vec<Sample> = part
                 .outputs
                 .iter()
-                .flat_map(|&output| self.fine[output].iter().map(move |sample| (output, sample)))
-                .filter(|(output, sample)| {
-                    part.aimed.fit.shows(part.aimed.rotation, sample.direction)
-                        && !earlier.iter().any(|other| {
-                            other.outputs.contains(output)
-                                && other.aimed.fit.shows(other.aimed.rotation, sample.direction)
-                        })
+                .flat_map(|&output| {
+                    self.fine[output].within(&cone.sides(), margin).into_iter().map(move |sample| (output, sample))
                 })
-                .map(|(_, sample)| *sample)
+                .filter(|(output, sample)| left(*output, sample))
+                .map(|(_, sample)| sample)
                 .collect();
             part.aimed.fit.raise(part.aimed.rotation, &others, self.quality);
+            earlier.push((cone, part.outputs.clone()));
         }
     }
 }

@@ -4,7 +4,7 @@
 //! so that the openings and resolutions of cropped views do not depend on where samples happen to lie.
 
 use super::sight::{Sample, Sight};
-use glam::{DVec2, DVec3};
+use glam::{DMat3, DVec2, DVec3};
 
 /// How finely an output is sampled.
 #[derive(Clone, Copy, Debug)]
@@ -20,9 +20,16 @@ pub(crate) const COARSE: Fineness = Fineness { cells: 6, border: 12 };
 /// For the result: the sagitta of a border step is below a hundredth of a pixel at 16384 pixels.
 pub(crate) const FINE: Fineness = Fineness { cells: 40, border: 768 };
 
+/// Between two samples, the spread may differ from the mean of theirs by this part.
+const UNEVEN: f64 = 0.01;
+
+/// A cell is divided at most so many times.
+const REFINEMENTS: u32 = 5;
+
 /// The directions that one output shows.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(crate) struct Samples {
+    sight: Sight,
     /// Lines: consecutive samples are neighbours in the picture.
     pub lines: Vec<Vec<Sample>>,
 }
@@ -30,7 +37,7 @@ pub(crate) struct Samples {
 impl Samples {
     /// Samples `sight`: the outermost pixel centres (or the rim of the circle), and a grid inside.
     pub fn new(sight: &Sight, fineness: Fineness) -> Self {
-        let mut samples = Self::default();
+        let mut samples = Self { sight: sight.clone(), lines: Vec::new() };
         if sight.is_circular() {
             samples.add_disc(sight, fineness)
         } else {
@@ -44,9 +51,10 @@ impl Samples {
         self.lines.iter().flatten()
     }
 
-    /// The samples within a convex cone, given by the inward unit normals of its sides and widened
-    /// by `slack` (radians; negative = narrowed). Lines are cut at its sides.
-    pub fn within(&self, normals: &[DVec3], slack: f64) -> Vec<Sample> {
+    /// The samples within a convex cone, given by the inward unit normals of its sides (two pairs of
+    /// opposite ones) and widened by `slack` (radians; negative = narrowed). Lines are cut at the
+    /// sides, and the cone's own edges are sampled too: together these are all the corners of the part shown.
+    pub fn within(&self, normals: &[DVec3; 4], slack: f64) -> Vec<Sample> {
         let mut found = Vec::new();
         for line in &self.lines {
             let single = if line.len() == 1 { &line[..] } else { &[] };
@@ -65,6 +73,16 @@ impl Samples {
                 found.push(*last);
             }
         }
+        for (first, second) in [(0, 2), (0, 3), (1, 2), (1, 3)].map(|(a, b)| (normals[a], normals[b])) {
+            let edge = first.cross(second).normalize_or_zero();
+            let ahead = normals.iter().map(|normal| normal.dot(edge)).sum::<f64>();
+            let edge = edge * ahead.signum();
+            if let Some(sample) = self.sight.sample_towards(edge) {
+                // The point by `slack` beyond both sides.
+                let direction = edge - (first + second) * (slack / (1.0 + first.dot(second)));
+                found.push(Sample { direction: direction.normalize_or(edge), ..sample });
+            }
+        }
         found
     }
 
@@ -79,45 +97,51 @@ impl Samples {
         let at = |x: f64, y: f64| low + (high - low) * DVec2::new(x, y);
         for index in 1..fineness.cells {
             let part = f64::from(index) / f64::from(fineness.cells);
-            self.add_line(sight, fineness.cells, |t| at(t, part));
-            self.add_line(sight, fineness.cells, |t| at(part, t));
+            self.add_line(fineness.cells, |t| sight.sample(at(t, part)));
+            self.add_line(fineness.cells, |t| sight.sample(at(part, t)));
         }
         for side in [0.0, 1.0] {
-            self.add_line(sight, fineness.border, |t| at(t, side));
-            self.add_line(sight, fineness.border, |t| at(side, t));
+            self.add_line(fineness.border, |t| sight.sample(at(t, side)));
+            self.add_line(fineness.border, |t| sight.sample(at(side, t)));
+        }
+        for rim in sight.rims() {
+            self.add_line(4 * fineness.border, |t| sight.rim_sample(&rim, t));
         }
     }
 
     fn add_disc(&mut self, sight: &Sight, fineness: Fineness) {
-        let polar = |radius: f64, turn: f64| sight.pixel(DVec2::from_angle(turn * std::f64::consts::TAU) * radius);
+        let polar = |radius: f64, turn: f64| {
+            sight.sample(sight.pixel(DVec2::from_angle(turn * std::f64::consts::TAU) * radius))
+        };
         let spokes = 4 * fineness.cells;
         for index in 0..spokes {
-            self.add_line(sight, fineness.cells, |t| polar(t, f64::from(index) / f64::from(spokes)));
+            self.add_line(fineness.cells, |t| polar(t, f64::from(index) / f64::from(spokes)));
         }
         for index in 1..fineness.cells {
-            self.add_line(sight, spokes, |t| polar(f64::from(index) / f64::from(fineness.cells), t));
+            self.add_line(spokes, |t| polar(f64::from(index) / f64::from(fineness.cells), t));
         }
         // Just within the circle: rounding must not push the rim out of it.
-        self.add_line(sight, 4 * fineness.border, |t| polar(1.0 - 1e-12, t));
+        self.add_line(4 * fineness.border, |t| polar(1.0 - 1e-12, t));
     }
 
     /// Adds the line `at(0…1)` in `steps` steps, broken and ended exactly where nothing is shown.
-    fn add_line(&mut self, sight: &Sight, steps: u32, at: impl Fn(f64) -> DVec2) {
+    fn add_line(&mut self, steps: u32, at: impl Fn(f64) -> Option<Sample>) {
         let mut line: Vec<Sample> = Vec::new();
-        let mut previous: Option<f64> = None;
+        let mut before = 0.0;
         for step in 0..=steps {
             let here = f64::from(step) / f64::from(steps);
-            let sample = sight.sample(at(here));
-            if let Some(before) = previous {
-                if line.is_empty() && sample.is_some() {
-                    line.extend(border(sight, &at, here, before));
-                } else if !line.is_empty() && sample.is_none() {
-                    line.extend(border(sight, &at, before, here));
-                    self.lines.push(std::mem::take(&mut line));
-                }
+            let sample = at(here);
+            if step > 0 && line.is_empty() && sample.is_some() {
+                line.extend(border(&at, here, before));
+            } else if !line.is_empty() && sample.is_none() {
+                line.extend(border(&at, before, here));
+                self.lines.push(std::mem::take(&mut line));
+            }
+            if let (Some(last), Some(sample)) = (line.last().copied(), &sample) {
+                refine(&at, (before, &last), (here, sample), REFINEMENTS, &mut line);
             }
             line.extend(sample);
-            previous = Some(here);
+            before = here;
         }
         if !line.is_empty() {
             self.lines.push(line);
@@ -125,13 +149,33 @@ impl Samples {
     }
 }
 
+/// Adds samples between two neighbours where their spread does not vary evenly, as it does near the
+/// outline of a dome seen from outside and close to the viewer.
+fn refine(
+    at: &impl Fn(f64) -> Option<Sample>,
+    from: (f64, &Sample),
+    to: (f64, &Sample),
+    depth: u32,
+    line: &mut Vec<Sample>,
+) {
+    let middle = 0.5 * (from.0 + to.0);
+    let Some(sample) = at(middle).filter(|_| depth > 0) else { return };
+    let expected = between(from.1, to.1, 0.5).spread;
+    let size = |matrix: DMat3| matrix.to_cols_array().iter().map(|value| value * value).sum::<f64>();
+    if size(sample.spread - expected) > UNEVEN * UNEVEN * size(sample.spread) {
+        refine(at, from, (middle, &sample), depth - 1, line);
+        line.push(sample);
+        refine(at, (middle, &sample), to, depth - 1, line);
+    }
+}
+
 /// The last sample on the way from `shown` to `dark` that shows something.
-fn border(sight: &Sight, at: &impl Fn(f64) -> DVec2, shown: f64, dark: f64) -> Option<Sample> {
+fn border(at: &impl Fn(f64) -> Option<Sample>, shown: f64, dark: f64) -> Option<Sample> {
     let (mut inside, mut outside, mut last) = (shown, dark, None);
     // 40 halvings of a grid cell end far below a thousandth of a pixel.
     for _ in 0..40 {
         let middle = 0.5 * (inside + outside);
-        match sight.sample(at(middle)) {
+        match at(middle) {
             Some(sample) => (inside, last) = (middle, Some(sample)),
             None => outside = middle,
         }
@@ -149,7 +193,7 @@ fn between(from: &Sample, to: &Sample, part: f64) -> Sample {
 }
 
 /// The part of the segment from `a` to `b` on the inner side of all planes.
-fn cut(a: DVec3, b: DVec3, normals: &[DVec3], slack: f64) -> Option<(f64, f64)> {
+fn cut(a: DVec3, b: DVec3, normals: &[DVec3; 4], slack: f64) -> Option<(f64, f64)> {
     let (mut start, mut end) = (0.0f64, 1.0f64);
     for normal in normals {
         let (from, to) = (normal.dot(a) + slack, normal.dot(b) + slack);

@@ -3,7 +3,7 @@
 //! The planner's own map. It is written as plain ray tracing, so that it is independent of the
 //! closed forms that the passes use; the tests compare the two.
 
-use crate::geom::{Fisheye, Frustum, pose};
+use crate::geom::{Fisheye, Frustum, Sphere, pose};
 use crate::rig::{Output, OutputKind, Rig};
 use glam::{DMat3, DVec2, DVec3};
 
@@ -29,7 +29,7 @@ pub(crate) struct Sight {
 enum Map {
     Fisheye { aperture: f64, rotation: DMat3, offset: DVec3 },
     Projector(Box<ProjectorMap>),
-    Perspective { rays: DMat3 },
+    Perspective { rays: DMat3, picture: DMat3 },
 }
 
 /// Everything in dome axes, but for `to_viewer`.
@@ -37,6 +37,8 @@ enum Map {
 struct ProjectorMap {
     origin: DVec3,
     rays: DMat3,
+    /// The inverse of `rays`.
+    picture: DMat3,
     radius: f64,
     pole: DVec3,
     /// Least cosine of the angle from the pole; `None` = the whole sphere is screen.
@@ -85,6 +87,7 @@ impl Sight {
             OutputKind::Projector { position, angles, frustum } => Map::Projector(Box::new(ProjectorMap {
                 origin: *position,
                 rays: pose::rotation(angles[0], angles[1], angles[2]) * frustum.rays(),
+                picture: frustum.picture() * pose::rotation(angles[0], angles[1], angles[2]).transpose(),
                 radius: rig.dome.radius,
                 pole: pole(rig),
                 least_cosine: (rig.dome.coverage < std::f64::consts::TAU).then(|| (0.5 * rig.dome.coverage).cos()),
@@ -92,7 +95,8 @@ impl Sight {
                 to_viewer,
             })),
             OutputKind::Perspective { angles, frustum } => {
-                Map::Perspective { rays: perspective_rays(*angles, frustum.as_ref()) }
+                let rays = perspective_rays(*angles, frustum.as_ref());
+                Map::Perspective { rays, picture: rays.inverse() }
             }
         };
         Self { size, map }
@@ -117,18 +121,6 @@ impl Sight {
         DVec2::new(0.5 * (normalised.x * across + width), 0.5 * (height - normalised.y * down))
     }
 
-    /// The direction seen at a pixel position, viewer axes, any length; `None` where the output shows nothing.
-    pub fn direction(&self, pixel: DVec2) -> Option<DVec3> {
-        let at = self.normalised(pixel);
-        match &self.map {
-            Map::Fisheye { aperture, rotation, offset } => {
-                Fisheye { aperture: *aperture }.direction(at.x, at.y).map(|lens| *rotation * lens + *offset)
-            }
-            Map::Projector(map) => map.hit(at).map(|hit| map.to_viewer * (hit.point - map.eye)),
-            Map::Perspective { rays } => Some(*rays * at.extend(1.0)),
-        }
-    }
-
     /// The direction seen at a pixel position and the spread of a pixel there; `None` where the
     /// output shows nothing or the viewer stands in the very point that is seen.
     ///
@@ -136,28 +128,94 @@ impl Sight {
     /// its own tangential resolution beyond that is an artefact of the lens and shows no more detail.
     pub fn sample(&self, pixel: DVec2) -> Option<Sample> {
         let at = self.normalised(pixel);
-        let per_pixel = DVec2::new(2.0 / f64::from(self.size.0), -2.0 / f64::from(self.size.1));
-        let (direction, spread) = match &self.map {
+        match &self.map {
             Map::Fisheye { aperture, rotation, offset } => {
                 let lens = *rotation * Fisheye { aperture: *aperture }.direction(at.x, at.y)?;
                 let pitch = aperture / f64::from(self.size.0.min(self.size.1));
-                (lens + *offset, (DMat3::IDENTITY - outer(lens, lens)) * (pitch * pitch))
+                let spread = (DMat3::IDENTITY - outer(lens, lens)) * (pitch * pitch);
+                of_unit_length(lens + *offset, spread)
+            }
+            Map::Projector(map) => map.sample(&map.hit(at)?, self.per_pixel()),
+            Map::Perspective { rays, .. } => {
+                let per_pixel = self.per_pixel();
+                let (across, down) = (rays.x_axis * per_pixel.x, rays.y_axis * per_pixel.y);
+                of_unit_length(*rays * at.extend(1.0), outer(across, across) + outer(down, down))
+            }
+        }
+    }
+
+    /// Where what a projector shows may end inside its picture: the rim of the dome's cap, and from
+    /// outside the dome its outline.
+    pub fn rims(&self) -> Vec<Rim> {
+        let Map::Projector(map) = &self.map else { return Vec::new() };
+        let distance = map.origin.length();
+        // The outline itself is seen edge-on, where no resolution is enough: just within it.
+        let outline =
+            (distance > map.radius).then(|| Rim { axis: map.origin / distance, cosine: map.radius / distance - 1e-6 });
+        let cap = map.least_cosine.map(|cosine| Rim { axis: map.pole, cosine });
+        cap.into_iter().chain(outline).collect()
+    }
+
+    /// The sample at `turn` (0…1) around a rim, if it lies within the outermost pixel centres.
+    pub fn rim_sample(&self, rim: &Rim, turn: f64) -> Option<Sample> {
+        let Map::Projector(map) = &self.map else { return None };
+        let (first, second) = rim.axis.any_orthonormal_pair();
+        let (sine, cosine) = (turn * std::f64::consts::TAU).sin_cos();
+        let radius = (1.0 - rim.cosine * rim.cosine).max(0.0).sqrt();
+        let point = (rim.axis * rim.cosine + (first * cosine + second * sine) * radius) * map.radius;
+        let picture = map.picture * (point - map.origin);
+        let at = self.within_picture(picture)?;
+        let hit = Hit { point, ray: map.rays * at.extend(1.0), distance: picture.z };
+        // On the rim of the cap, rounding decides on which side the point lies.
+        let on_screen = map.least_cosine.is_none_or(|least| point.dot(map.pole) >= (least - 1e-9) * map.radius);
+        let far = hit.point.dot(hit.ray) > 0.0;
+        (on_screen && far).then(|| map.sample(&hit, self.per_pixel())).flatten()
+    }
+
+    /// The sample in a direction from the viewer (viewer axes, any length), if the output shows it.
+    pub fn sample_towards(&self, direction: DVec3) -> Option<Sample> {
+        let at = match &self.map {
+            Map::Fisheye { aperture, rotation, offset } => {
+                let point = Sphere { center: DVec3::ZERO, radius: 1.0 }.far_hit(-*offset, direction)?;
+                Fisheye { aperture: *aperture }.point(rotation.transpose() * point)
             }
             Map::Projector(map) => {
-                let hit = map.hit(at)?;
-                let across = map.to_viewer * hit.moved_by(map.rays.x_axis * per_pixel.x);
-                let down = map.to_viewer * hit.moved_by(map.rays.y_axis * per_pixel.y);
-                (map.to_viewer * (hit.point - map.eye), outer(across, across) + outer(down, down))
+                let towards = map.to_viewer.transpose() * direction;
+                let point = Sphere { center: DVec3::ZERO, radius: map.radius }.far_hit(map.eye, towards)?;
+                let at = self.within_picture(map.picture * (point - map.origin))?;
+                // From outside, the near side of the dome is in the picture too, but not lit.
+                (map.hit(at)?.point.distance_squared(point) < 1e-6 * map.radius * map.radius).then_some(at)?
             }
-            Map::Perspective { rays } => {
-                let (across, down) = (rays.x_axis * per_pixel.x, rays.y_axis * per_pixel.y);
-                (*rays * at.extend(1.0), outer(across, across) + outer(down, down))
-            }
+            Map::Perspective { picture, .. } => self.within_picture(*picture * direction)?,
         };
-        let squared = direction.length_squared();
-        let usable = squared > 0.0 && squared.is_finite() && spread.is_finite();
-        usable.then(|| Sample { direction: direction / squared.sqrt(), spread: spread * (1.0 / squared) })
+        self.sample(self.pixel(at))
     }
+
+    /// Homogeneous → normalised picture coordinates, if they lie within the outermost pixel centres.
+    fn within_picture(&self, picture: DVec3) -> Option<DVec2> {
+        let at = picture.truncate() / picture.z;
+        let low = self.normalised(DVec2::new(0.5, f64::from(self.size.1) - 0.5));
+        (picture.z > 0.0 && at.cmpge(low).all() && at.cmple(-low).all()).then_some(at)
+    }
+
+    /// Normalised picture coordinates per pixel to the right and down.
+    fn per_pixel(&self) -> DVec2 {
+        DVec2::new(2.0 / f64::from(self.size.0), -2.0 / f64::from(self.size.1))
+    }
+}
+
+/// A circle on the dome around `axis`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Rim {
+    axis: DVec3,
+    cosine: f64,
+}
+
+/// A sample from a direction and a spread of any common scale; `None` where they are degenerate.
+fn of_unit_length(direction: DVec3, spread: DMat3) -> Option<Sample> {
+    let squared = direction.length_squared();
+    let usable = squared > 0.0 && squared.is_finite() && spread.is_finite();
+    usable.then(|| Sample { direction: direction / squared.sqrt(), spread: spread * (1.0 / squared) })
 }
 
 /// `a·bᵀ`.
@@ -182,6 +240,13 @@ impl Hit {
 }
 
 impl ProjectorMap {
+    /// The sample of a hit, for so many picture coordinates per pixel.
+    fn sample(&self, hit: &Hit, per_pixel: DVec2) -> Option<Sample> {
+        let across = self.to_viewer * hit.moved_by(self.rays.x_axis * per_pixel.x);
+        let down = self.to_viewer * hit.moved_by(self.rays.y_axis * per_pixel.y);
+        of_unit_length(self.to_viewer * (hit.point - self.eye), outer(across, across) + outer(down, down))
+    }
+
     /// The far meeting of the ray with the sphere, if it lies ahead and on the screen.
     fn hit(&self, at: DVec2) -> Option<Hit> {
         let ray = self.rays * at.extend(1.0);

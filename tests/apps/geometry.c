@@ -12,11 +12,11 @@ static const char vertex[] =
     "    corner = position;\n"
     "    gl_Position = MV * vec4(position, 1.0);\n"
     "}\n";
-/* Splits each triangle at the middle of its first side, so that it emits two primitives. */
+/* Splits each triangle at its centre. No side is split: a vertex within a neighbour's side would leave gaps. */
 static const char geometry[] =
     "#version 330 core\n"
     "layout(triangles) in;\n"
-    "layout(triangle_strip, max_vertices = 6) out;\n"
+    "layout(triangle_strip, max_vertices = 9) out;\n"
     "uniform mat4 P;\n"
     "in vec3 corner[];\n"
     "out vec3 shade;\n"
@@ -26,16 +26,15 @@ static const char geometry[] =
     "    EmitVertex();\n"
     "}\n"
     "void main() {\n"
-    "    vec3 middle = 0.5 * (corner[0] + corner[1]);\n"
-    "    vec4 eye = 0.5 * (gl_in[0].gl_Position + gl_in[1].gl_Position);\n"
-    "    emit(corner[0], gl_in[0].gl_Position);\n"
-    "    emit(middle, eye);\n"
-    "    emit(corner[2], gl_in[2].gl_Position);\n"
-    "    EndPrimitive();\n"
-    "    emit(middle, eye);\n"
-    "    emit(corner[1], gl_in[1].gl_Position);\n"
-    "    emit(corner[2], gl_in[2].gl_Position);\n"
-    "    EndPrimitive();\n"
+    "    vec3 centre = (corner[0] + corner[1] + corner[2]) / 3.0;\n"
+    "    vec4 eye = (gl_in[0].gl_Position + gl_in[1].gl_Position + gl_in[2].gl_Position) / 3.0;\n"
+    "    for (int i = 0; i < 3; i++) {\n"
+    "        int next = i == 2 ? 0 : i + 1;\n"
+    "        emit(corner[i], gl_in[i].gl_Position);\n"
+    "        emit(corner[next], gl_in[next].gl_Position);\n"
+    "        emit(centre, eye);\n"
+    "        EndPrimitive();\n"
+    "    }\n"
     "}\n";
 static const char fragment[] =
     "#version 330 core\nin vec3 shade;\nout vec4 result;\nvoid main() { result = vec4(shade, 1.0); }\n";

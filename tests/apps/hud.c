@@ -77,7 +77,7 @@ static void draw(app *a)
     glUseProgram(0);
     glEnable(GL_DEPTH_TEST);
     glDisable(GL_BLEND);
-    if (a->frame >= 1)
+    if (!app_is_first_read(a))
         check(a);
 }
 

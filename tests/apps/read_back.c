@@ -59,6 +59,8 @@ static void draw(app *a)
 {
     fixed_cube(a);
     check_bindings(a);
+    if (app_is_first_read(a))
+        return;
     image picture = image_read_framebuffer(a->window.width, a->window.height);
     app_check_cube_picture(a, &picture, "glReadPixels");
 

@@ -4,6 +4,8 @@
 static void draw(app *a)
 {
     fixed_cube(a);
+    if (app_is_first_read(a))
+        return;
     image picture = image_read_framebuffer(a->window.width, a->window.height);
     app_check_cube_picture(a, &picture, "after a resize");
     image_free(&picture);

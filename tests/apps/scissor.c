@@ -51,6 +51,8 @@ static void draw(app *a)
     glEnd();
     glViewport(0, 0, width, height);
 
+    if (app_is_first_read(a))
+        return;
     image picture = image_read_framebuffer(width, height);
     check_pixel(a, &picture, width * 3 / 4, height * 3 / 4, 255, 0, 0);
     check_pixel(a, &picture, width * 3 / 4, height / 4, 0, 0, 255);

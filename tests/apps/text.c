@@ -50,7 +50,7 @@ static void draw(app *a)
               "a label straight ahead is at %g %g", (double)place[0], (double)place[1]);
     glBitmap(8, 8, 4, 4, 0, 0, letter);
 
-    if (a->frame == 0)
+    if (app_is_first_read(a))
         return;
     image picture = image_read_framebuffer(a->window.width, a->window.height);
     for (int i = 0; i < 3; i++) {

@@ -46,9 +46,10 @@ impl Report {
 }
 
 /// Compares every pixel with the colour that `colour` gives to the direction that `shown` gives to the
-/// pixel's centre (in pixels from the top left).
+/// pixel's centre (in pixels from the top left), unless there is another `cell` within `edge` pixels.
 pub fn compare_with(
     picture: &Picture,
+    edge: f64,
     shown: impl Fn(f64, f64) -> Shown,
     colour: impl Fn(Vector) -> Vector,
     cell: impl Fn(Vector) -> usize,
@@ -65,7 +66,7 @@ pub fn compare_with(
     // Places around a pixel's centre at which it must still be the same kind of thing.
     let ring: Vec<(f64, f64)> = (0..16)
         .map(|index| (f64::from(index) * std::f64::consts::TAU / 16.0).sin_cos())
-        .flat_map(|(sin, cos)| [(EDGE * cos, EDGE * sin), (0.5 * EDGE * cos, 0.5 * EDGE * sin)])
+        .flat_map(|(sin, cos)| [(edge * cos, edge * sin), (0.5 * edge * cos, 0.5 * edge * sin)])
         .collect();
     for y in 0..picture.height {
         for x in 0..picture.width {
@@ -104,7 +105,7 @@ pub fn compare_with(
 
 /// [`compare_with`] for the plain colour cube.
 pub fn compare(picture: &Picture, shown: impl Fn(f64, f64) -> Shown) -> Report {
-    compare_with(picture, shown, cube_colour, cube_face)
+    compare_with(picture, EDGE, shown, cube_colour, cube_face)
 }
 
 /// Panics where the report is not good, and leaves the wrong picture and the differences under target/.

@@ -59,7 +59,8 @@ fn compare_program(program: &str, picture: &Picture, shown: impl Fn(f64, f64) ->
         let [x, y, _] = cube_point(direction);
         100 * cube_face(direction) + 10 * tile(x) as usize + tile(y) as usize
     };
-    compare_with(picture, shown, colour, cell)
+    // Tiles differ where they meet, and a view's texels there may be wider than the picture's pixels.
+    compare_with(picture, 2.5, shown, colour, cell)
 }
 
 /// Without Cupola: the programs draw what the reference says that they draw.

@@ -2,6 +2,7 @@
 
 use crate::display::{self, Place};
 use crate::picture::Picture;
+use std::os::unix::process::CommandExt;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::sync::OnceLock;
@@ -24,6 +25,11 @@ fn built() -> &'static Path {
         assert!(output.status.success(), "the C programs do not build:\n{}", String::from_utf8_lossy(&output.stderr));
         directory
     })
+}
+
+/// The library as it was built for these tests: cargo puts it beside the command only for `cargo build`.
+fn library() -> PathBuf {
+    Path::new(env!("CARGO_BIN_EXE_cupola")).with_file_name("deps/libcupola.so")
 }
 
 /// A fresh folder for the files of one run.
@@ -94,14 +100,19 @@ impl<'a> Run<'a> {
         Finished::of(command, self.program, "without Cupola")
     }
 
-    /// Runs the program under `cupola run`, which captures and counts. `None` where there is no display.
+    /// Runs the program under `cupola run`, which captures and counts. Panics where Cupola says that it could
+    /// not get between the program and its driver. `None` where there is no display.
     pub fn under(&self, rig: &str) -> Option<Finished> {
         let mut command = Command::new(env!("CARGO_BIN_EXE_cupola"));
+        command.env("CUPOLA_LIBRARY", library());
         let place = display::place();
         command.args(["run", "--rig", rig, "--frames", &self.cupola_frames.to_string()]);
         command.args(["--capture", "capture.png", "--stats", "stats.json"]);
         command.args(self.cupola).arg("--").arg(built().join(self.program)).args(self.arguments(&place));
-        Finished::of(command, self.program, rig)
+        let finished = Finished::of(command, self.program, rig)?;
+        let words = String::from_utf8_lossy(&finished.output.stderr);
+        assert!(!words.contains("will not be corrected"), "{}: {words}", finished.what);
+        Some(finished)
     }
 }
 
@@ -123,6 +134,7 @@ impl Finished {
             .current_dir(&directory)
             .env("DISPLAY", &display.name)
             .env("LIBGL_ALWAYS_SOFTWARE", "1")
+            .process_group(0)
             .stdin(Stdio::null())
             .stdout(log("stdout.log"))
             .stderr(log("stderr.log"))
@@ -134,7 +146,8 @@ impl Finished {
                 break status;
             }
             if started.elapsed() > TIME_LIMIT {
-                let _ = child.kill();
+                // The whole group: the program is a child of `cupola run`.
+                let _ = Command::new("kill").args(["-KILL", "--", &format!("-{}", child.id())]).status();
                 let _ = child.wait();
                 panic!("{what} hangs; its files are in {}", directory.display());
             }
@@ -184,7 +197,7 @@ impl Finished {
     pub fn expect_no_gl_errors(self) -> Self {
         let statistics = self.statistics();
         assert_eq!(
-            statistics["gl_errors"].as_u64(),
+            statistics["own_errors"].as_u64(),
             Some(0),
             "{}: GL errors of Cupola's own: {statistics:#}",
             self.what

@@ -30,3 +30,14 @@ pub fn core_name(name: &str) -> &str {
     }
     name
 }
+
+impl Gl {
+    /// Whether the current context is OpenGL ES.
+    pub fn is_es(&self) -> bool {
+        // SAFETY: the string is the driver's and lives as long as it.
+        unsafe {
+            let version = self.get_string(GL_VERSION);
+            !version.is_null() && std::ffi::CStr::from_ptr(version.cast()).to_bytes().starts_with(b"OpenGL ES")
+        }
+    }
+}

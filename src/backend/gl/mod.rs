@@ -8,6 +8,7 @@ mod map;
 mod passes;
 mod program;
 mod state;
+pub mod surface;
 
 pub use map::{MapPixel, gpu_map};
 pub use passes::{GlBackend, Target};

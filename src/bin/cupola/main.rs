@@ -9,7 +9,10 @@ mod arguments;
 mod check;
 mod doctor;
 mod launch;
+mod map;
 mod run;
+mod simulate;
+mod terminal;
 
 use clap::Parser;
 use std::process::ExitCode;
@@ -27,6 +30,8 @@ enum Command {
     Run(run::Arguments),
     Check(check::Arguments),
     Doctor(doctor::Arguments),
+    Map(map::Arguments),
+    Simulate(simulate::Arguments),
     #[command(hide = true)]
     Probe(launch::probe::Arguments),
 }
@@ -63,6 +68,8 @@ fn main() -> ExitCode {
     let result = match Arguments::parse().command {
         Command::Run(arguments) => run::run(arguments),
         Command::Check(arguments) => check::run(&arguments),
+        Command::Map(arguments) => map::run(&arguments),
+        Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Doctor(arguments) => doctor::run(&arguments),
         Command::Probe(arguments) => launch::probe::run(&arguments),
     };

@@ -48,7 +48,7 @@ pub struct Arguments {
     #[arg(long)]
     print_environment: bool,
     /// The program and its arguments
-    #[arg(trailing_var_arg = true, allow_hyphen_values = true, required_unless_present = "print_environment")]
+    #[arg(trailing_var_arg = true, required_unless_present = "print_environment")]
     program: Vec<OsString>,
 }
 

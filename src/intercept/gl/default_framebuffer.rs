@@ -4,7 +4,8 @@ use super::context::{Context, Profile};
 use super::window::Window;
 use crate::backend::gl::GlBackend;
 use crate::backend::gl::api::{self, Gl};
-use crate::error::{Error, ErrorKind, Result};
+use crate::backend::gl::surface::{Surface, greatest_texture};
+use crate::error::Result;
 use crate::intercept::{log, settings};
 use crate::runtime::Session;
 
@@ -36,16 +37,6 @@ pub struct DefaultFramebuffer {
     backend: GlBackend,
     issued: Vec<u64>,
     panel_in_use: bool,
-}
-
-/// A framebuffer with colour and depth/stencil.
-struct Surface {
-    framebuffer: u32,
-    /// A texture, or a renderbuffer where it is multisampled.
-    color: u32,
-    depth: u32,
-    samples: i32,
-    size: (i32, i32),
 }
 
 /// Puts our framebuffer in place of the window's. Where that fails the program keeps its own.
@@ -148,7 +139,7 @@ fn enlarge(ctx: &mut Context, panel: bool, primary: bool) {
             if let Some(new) = &ctx.target {
                 // SAFETY: copies between two framebuffers of ours; the bindings are put back by `adopt`.
                 unsafe {
-                    gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, new.surface.framebuffer);
+                    gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, new.surface.framebuffer());
                     clear_everything(gl);
                     copy_tiles(gl, &old, new);
                     gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, ctx.believed.read_framebuffer);
@@ -169,7 +160,7 @@ fn enlarge(ctx: &mut Context, panel: bool, primary: bool) {
 /// # Safety
 /// Both framebuffers must live; the caller puts the bindings back.
 unsafe fn copy_tiles(gl: &Gl, old: &DefaultFramebuffer, new: &DefaultFramebuffer) {
-    if old.surface.samples > 0 {
+    if old.surface.samples() > 0 {
         // Multisampled pictures cannot be copied to another place; the next frame draws them.
         return;
     }
@@ -185,7 +176,7 @@ unsafe fn copy_tiles(gl: &Gl, old: &DefaultFramebuffer, new: &DefaultFramebuffer
     }
     let mask = api::GL_COLOR_BUFFER_BIT | api::GL_DEPTH_BUFFER_BIT | api::GL_STENCIL_BUFFER_BIT;
     // SAFETY: as promised.
-    unsafe { gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, old.surface.framebuffer) };
+    unsafe { gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, old.surface.framebuffer()) };
     for (from, to) in from.into_iter().zip(to) {
         if let (Some([x, y, w, h]), Some([u, v, _, _])) = (from, to) {
             // SAFETY: both rectangles lie in their framebuffers.
@@ -214,7 +205,7 @@ pub fn bind_for_reading(ctx: &mut Context) -> [i32; 2] {
     let Some(tile) = own_picture(target) else { return [0, 0] };
     target.resolve(ctx, Some(tile));
     // SAFETY: a framebuffer of ours; `end_reading` puts the program's back.
-    unsafe { ctx.gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, target.readable().framebuffer) };
+    unsafe { ctx.gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, target.readable().framebuffer()) };
     [tile[0], tile[1]]
 }
 
@@ -261,11 +252,8 @@ unsafe fn clear_everything(gl: &Gl) {
 impl DefaultFramebuffer {
     fn new(ctx: &Context, window: &Window, settings: &settings::Settings) -> Result<Self> {
         let gl = ctx.gl;
-        let mut greatest = 0;
-        // SAFETY: writes one integer.
-        unsafe { gl.get_integerv(api::GL_MAX_TEXTURE_SIZE, &mut greatest) };
         let size = window.size();
-        let session = Session::new(&settings.rig, size, settings.offscreen, greatest.max(1024) as u32)?;
+        let session = Session::new(&settings.rig, size, settings.offscreen, greatest_texture(gl))?;
         let config = Config::of_window(gl, &ctx.profile, window.double_buffered(gl, &ctx.profile));
         Self::with_session(ctx, session, config)
     }
@@ -301,12 +289,12 @@ impl DefaultFramebuffer {
 
     /// What the program's framebuffer 0 really is.
     pub fn framebuffer(&self) -> u32 {
-        self.surface.framebuffer
+        self.surface.framebuffer()
     }
 
     /// Whether `name` is a framebuffer of ours.
     pub fn is_ours(&self, name: u32) -> bool {
-        name == self.surface.framebuffer || self.resolved.as_ref().is_some_and(|r| r.framebuffer == name)
+        name == self.surface.framebuffer() || self.resolved.as_ref().is_some_and(|r| r.framebuffer() == name)
     }
 
     /// The tile of the flat panel.
@@ -344,7 +332,7 @@ impl DefaultFramebuffer {
 
     /// The texture with the atlas, one sample per pixel.
     pub fn texture(&self) -> u32 {
-        self.readable().color
+        self.readable().texture()
     }
 
     fn readable(&self) -> &Surface {
@@ -353,14 +341,14 @@ impl DefaultFramebuffer {
 
     /// The framebuffer that can be read from, once [`DefaultFramebuffer::resolve`] has run.
     pub fn readable_framebuffer(&self) -> u32 {
-        self.readable().framebuffer
+        self.readable().framebuffer()
     }
 
     /// Resolves the samples of `part`, or of everything. The program's bindings are put back.
     pub fn resolve(&self, ctx: &Context, part: Option<[i32; 4]>) {
         let Some(resolved) = &self.resolved else { return };
         let gl = ctx.gl;
-        let [x, y, w, h] = part.unwrap_or([0, 0, self.surface.size.0, self.surface.size.1]);
+        let [x, y, w, h] = part.unwrap_or([0, 0, self.surface.size().0, self.surface.size().1]);
         let real = |name: u32| if name == 0 { self.framebuffer() } else { name };
         // SAFETY: copies between framebuffers of ours; scissor and bindings are put back.
         unsafe {
@@ -368,8 +356,8 @@ impl DefaultFramebuffer {
             if scissor {
                 gl.disable(api::GL_SCISSOR_TEST);
             }
-            gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, self.surface.framebuffer);
-            gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, resolved.framebuffer);
+            gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, self.surface.framebuffer());
+            gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, resolved.framebuffer());
             gl.blit_framebuffer(x, y, x + w, y + h, x, y, x + w, y + h, api::GL_COLOR_BUFFER_BIT, api::GL_NEAREST);
             if part.is_some() {
                 let depth = api::GL_DEPTH_BUFFER_BIT | api::GL_STENCIL_BUFFER_BIT;
@@ -425,116 +413,6 @@ impl Config {
             while gl.get_error() != api::GL_NO_ERROR {}
             gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, bound as u32);
             config
-        }
-    }
-}
-
-impl Surface {
-    fn new(gl: &Gl, size: (i32, i32), samples: i32, srgb: bool) -> Result<Self> {
-        let (width, height) = size;
-        let color_format = if srgb { api::GL_SRGB8_ALPHA8 } else { api::GL_RGBA8 };
-        let mut surface = Self { framebuffer: 0, color: 0, depth: 0, samples, size };
-        // SAFETY: makes objects of ours; every binding that is touched is put back.
-        let status = unsafe {
-            let bindings = Bindings::save(gl);
-            gl.gen_framebuffers(1, &mut surface.framebuffer);
-            gl.bind_framebuffer(api::GL_FRAMEBUFFER, surface.framebuffer);
-            if samples > 0 {
-                gl.gen_renderbuffers(1, &mut surface.color);
-                gl.bind_renderbuffer(api::GL_RENDERBUFFER, surface.color);
-                gl.renderbuffer_storage_multisample(api::GL_RENDERBUFFER, samples, color_format, width, height);
-                gl.framebuffer_renderbuffer(
-                    api::GL_FRAMEBUFFER,
-                    api::GL_COLOR_ATTACHMENT0,
-                    api::GL_RENDERBUFFER,
-                    surface.color,
-                );
-            } else {
-                gl.gen_textures(1, &mut surface.color);
-                gl.bind_texture(api::GL_TEXTURE_2D, surface.color);
-                gl.tex_storage2_d(api::GL_TEXTURE_2D, 1, color_format, width, height);
-                if srgb {
-                    gl.tex_parameteri(
-                        api::GL_TEXTURE_2D,
-                        api::GL_TEXTURE_SRGB_DECODE_EXT,
-                        api::GL_SKIP_DECODE_EXT as i32,
-                    );
-                }
-                gl.framebuffer_texture2_d(
-                    api::GL_FRAMEBUFFER,
-                    api::GL_COLOR_ATTACHMENT0,
-                    api::GL_TEXTURE_2D,
-                    surface.color,
-                    0,
-                );
-            }
-            gl.gen_renderbuffers(1, &mut surface.depth);
-            gl.bind_renderbuffer(api::GL_RENDERBUFFER, surface.depth);
-            gl.renderbuffer_storage_multisample(api::GL_RENDERBUFFER, samples, api::GL_DEPTH24_STENCIL8, width, height);
-            gl.framebuffer_renderbuffer(
-                api::GL_FRAMEBUFFER,
-                api::GL_DEPTH_STENCIL_ATTACHMENT,
-                api::GL_RENDERBUFFER,
-                surface.depth,
-            );
-            let status = gl.check_framebuffer_status(api::GL_FRAMEBUFFER);
-            bindings.restore(gl);
-            status
-        };
-        if status == api::GL_FRAMEBUFFER_COMPLETE {
-            return Ok(surface);
-        }
-        surface.destroy(gl);
-        Err(Error::new(
-            ErrorKind::Graphics,
-            format!(
-                "the driver gives no framebuffer of {width} × {height} pixels with {samples} samples (status 0x{status:04X}); a lower quality in [views] makes it smaller"
-            ),
-        ))
-    }
-
-    fn destroy(&self, gl: &Gl) {
-        // SAFETY: objects of ours.
-        unsafe {
-            gl.delete_framebuffers(1, &self.framebuffer);
-            gl.delete_renderbuffers(1, &self.depth);
-            if self.samples > 0 {
-                gl.delete_renderbuffers(1, &self.color);
-            } else {
-                gl.delete_textures(1, &self.color);
-            }
-        }
-    }
-}
-
-/// Bindings that making a surface disturbs.
-struct Bindings([i32; 4]);
-
-impl Bindings {
-    const NAMES: [u32; 4] = [
-        api::GL_DRAW_FRAMEBUFFER_BINDING,
-        api::GL_READ_FRAMEBUFFER_BINDING,
-        api::GL_RENDERBUFFER_BINDING,
-        api::GL_TEXTURE_BINDING_2D,
-    ];
-
-    unsafe fn save(gl: &Gl) -> Self {
-        let mut values = [0; 4];
-        for (value, name) in values.iter_mut().zip(Self::NAMES) {
-            // SAFETY: writes one integer.
-            unsafe { gl.get_integerv(name, value) };
-        }
-        Self(values)
-    }
-
-    unsafe fn restore(&self, gl: &Gl) {
-        let [draw, read, renderbuffer, texture] = self.0.map(|v| v as u32);
-        // SAFETY: puts back what was bound.
-        unsafe {
-            gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, draw);
-            gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, read);
-            gl.bind_renderbuffer(api::GL_RENDERBUFFER, renderbuffer);
-            gl.bind_texture(api::GL_TEXTURE_2D, texture);
         }
     }
 }

@@ -58,8 +58,8 @@ pub unsafe extern "C" fn __egl_Main(
     imports: *mut Imports,
 ) -> c_uint {
     crate::fence::guard(|| {
-        let file = std::env::var("CUPOLA_EGL_REAL").ok().filter(|n| !n.is_empty());
-        let file = file.as_deref().unwrap_or("libEGL_mesa.so.0");
+        let vendors = std::env::var("CUPOLA_EGL_REAL").unwrap_or_default();
+        let file = real_vendor(&vendors, &own_file());
         // SAFETY: the vendor library is what libEGL itself would have loaded; it stays loaded.
         let main = unsafe {
             let Ok(library) = libloading::Library::new(file) else {
@@ -98,6 +98,27 @@ pub unsafe extern "C" fn __egl_Main(
         ok
     })
     .unwrap_or(0)
+}
+
+/// The one of `vendors` (separated by colons) that stands behind the copy of this library called `own_file`:
+/// libEGL wants a library per vendor, and the copy for the n-th is called `libEGL_cupola_n.so`, from 0.
+fn real_vendor<'a>(vendors: &'a str, own_file: &str) -> &'a str {
+    let number = own_file.strip_prefix("libEGL_cupola_").and_then(|rest| rest.strip_suffix(".so")?.parse().ok());
+    vendors.split(':').nth(number.unwrap_or(0)).filter(|name| !name.is_empty()).unwrap_or("libEGL_mesa.so.0")
+}
+
+/// The file name under which this library was loaded; empty if unknown.
+fn own_file() -> String {
+    // SAFETY: all zeroes is a valid Dl_info: null pointers.
+    let mut info: libc::Dl_info = unsafe { std::mem::zeroed() };
+    // SAFETY: any address may be asked for; `info` is written.
+    let found = unsafe { libc::dladdr(__egl_Main as *const c_void, &mut info) } != 0;
+    if !found || info.dli_fname.is_null() {
+        return String::new();
+    }
+    // SAFETY: the dynamic linker's name of a loaded library ends with a zero and lives as long as that.
+    let path = unsafe { CStr::from_ptr(info.dli_fname) }.to_string_lossy();
+    path.rsplit('/').next().unwrap_or_default().to_owned()
 }
 
 unsafe extern "C" fn get_platform_display(platform: c_uint, native: Pointer, attributes: *const isize) -> Pointer {
@@ -294,4 +315,18 @@ unsafe extern "C" fn create_platform_window_surface_ext(
 unsafe extern "C" fn destroy_surface(display: Pointer, surface: Pointer) -> c_uint {
     known(|k| k.surfaces.remove(&(surface as usize)));
     real_call!(c"eglDestroySurface", (Pointer, Pointer) -> c_uint, display, surface)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::real_vendor;
+
+    #[test]
+    fn each_copy_has_its_vendor() {
+        assert_eq!(real_vendor("libEGL_a.so.0:/b/libEGL_b.so", "libEGL_cupola_1.so"), "/b/libEGL_b.so");
+        assert_eq!(real_vendor("libEGL_a.so.0:/b/libEGL_b.so", "libEGL_cupola_0.so"), "libEGL_a.so.0");
+        assert_eq!(real_vendor("libEGL_a.so.0", "libcupola.so"), "libEGL_a.so.0");
+        assert_eq!(real_vendor("", "libcupola.so"), "libEGL_mesa.so.0");
+        assert_eq!(real_vendor("libEGL_a.so.0", "libEGL_cupola_7.so"), "libEGL_mesa.so.0");
+    }
 }

@@ -1,7 +1,8 @@
 //! The comparer is tried with maps whose errors are known, and with the f32 arithmetic of the shaders.
 
 use super::*;
-use crate::geom::{Frustum, Pose, QuadraticForm, Sphere, fisheye, pose};
+use crate::geom::testing::Random;
+use crate::geom::{Frustum, Pose, QuadraticForm, Sphere, fisheye, pose, quadratic};
 use crate::rig::{OutputKind, Rig};
 use crate::warp::testing::{projector, rig};
 use glam::DMat3;
@@ -138,4 +139,45 @@ fn a_pixel_has_the_size_that_the_lens_gives_it() {
     );
     let window = WarpMap::new(&narrow, 0, (100, 100), None).expect("valid");
     assert!((pixel_angle(&window, DVec2::splat(50.0)).expect("shown") / 2e-4 - 1.0).abs() < 1e-3);
+}
+
+#[test]
+fn projectors_anywhere_are_sound_in_f32() {
+    // Goals G1 and G2 at 2160p, over random rigs: projector and viewer anywhere, a cap of any size.
+    let mut random = Random::new(40);
+    let size = (3840u32, 2160u32);
+    let (mut compared, mut dark) = (0, 0);
+    for round in 0..120 {
+        let outside = round % 3 == 2;
+        let distance = 5.0 * if outside { 10f64.powf(random.range(0.3, 6.0)) } else { random.range(0.0, 0.95) };
+        let position = random.direction() * distance;
+        // Aimed at a point in the dome, however far away that is.
+        let forward = (random.direction() * random.range(0.0, 2.0) - position).normalize();
+        let angles = [forward.x.atan2(-forward.z), forward.y.asin(), random.range(-PI, PI)];
+        let half = if outside { random.range(0.3, 1.1) * 5.0 / distance } else { random.range(0.1, 1.5) };
+        let shift = (random.range(-0.3, 0.3), random.range(-0.3, 0.3));
+        let frustum =
+            Frustum { left: -half, right: half, bottom: -0.6 * half, top: 0.6 * half }.shifted(shift.0, shift.1);
+        let viewer = random.direction() * random.range(0.0, 4.5);
+        let mut rig = rig(random.range(0.0, PI), viewer, &[OutputKind::Projector { position, angles, frustum }]);
+        rig.dome.coverage = random.range(1.0, TAU + 1.0).min(TAU);
+        (rig.viewer.yaw, rig.viewer.roll) = (random.range(-PI, PI), random.range(-PI, PI));
+        let exact = WarpMap::new(&rig, 0, size, None).expect("valid");
+        let sphere = Sphere { center: DVec3::ZERO, radius: rig.dome.radius };
+        let rays = pose::rotation(angles[0], angles[1], angles[2]) * frustum.rays();
+        let to_viewer = pose::rotation(rig.viewer.yaw, 0.0, rig.viewer.roll).transpose();
+        let form = QuadraticForm::new(position, rays, &sphere, viewer, to_viewer);
+        let pole = DVec3::new(0.0, rig.dome.tilt.cos(), -rig.dome.tilt.sin());
+        let (q, l) = quadratic::cap_row(position, rays, &sphere, pole, rig.dome.coverage);
+        let cap = QuadraticForm { q: [q; 3], l: [l; 3], d: form.d };
+        let error = compare(&exact, 47, |x, y| {
+            let (x, y) = ((x as f32 + 0.5) / 1920.0 - 1.0, 1.0 - (y as f32 + 0.5) / 1080.0);
+            let on_screen = rig.dome.coverage >= TAU || evaluate_f32(&cap, x, y)?.x >= 0.0;
+            if on_screen { evaluate_f32(&form, x, y) } else { None }
+        });
+        assert!(error.is_sound() && error.max <= 2e-3 && error.rms <= 8e-4, "{round}: {distance} m, {error:?}");
+        compared += error.compared;
+        dark += 82 * 46 - error.compared;
+    }
+    assert!(compared > 200_000 && dark > 100_000, "both lit and dark pixels occur: {compared}, {dark}");
 }

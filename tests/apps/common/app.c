@@ -73,6 +73,15 @@ void app_clear(void)
     glDisable(GL_CULL_FACE);
 }
 
+bool app_is_first_read(const app *a)
+{
+    if (a->frame > 0)
+        return false;
+    unsigned char pixel[4];
+    glReadPixels(0, 0, 1, 1, GL_RGBA, GL_UNSIGNED_BYTE, pixel);
+    return true;
+}
+
 void app_check(app *a, bool good, const char *format, ...)
 {
     if (good)

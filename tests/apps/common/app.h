@@ -42,6 +42,13 @@ int app_main(int argc, char **argv, const app_program *program);
 /* Computes projection, view and modelview for the window's size. app_main calls it before setup. */
 void app_update_matrices(app *a);
 
+/*
+ * Reads a pixel of the window in the first frame. Cupola may answer a program's first read-back from other
+ * pictures than its own, and says so; from the next frame on the answers are judged.
+ * Returns whether this is the first frame.
+ */
+bool app_is_first_read(const app *a);
+
 /* The clears that every direction test begins a frame with. The colour is one the cube never has. */
 void app_clear(void);
 

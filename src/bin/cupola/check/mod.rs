@@ -8,6 +8,9 @@ use cupola::views::{Request, ViewPlan};
 use serde_json::json;
 use std::process::ExitCode;
 
+/// Greatest texture of today's graphics hardware, for plans that are made without asking one.
+pub const LARGEST_ATLAS: u32 = 16384;
+
 /// Check a rig and describe it in words.
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -60,7 +63,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
 /// Plans the views for a window of `window` pixels.
 fn plan(rig: &Rig, window: (u32, u32)) -> Result<ViewPlan, Failure> {
     let output_sizes = rig.layout(window).iter().map(|[_, _, width, height]| (*width, *height)).collect();
-    let request = Request { output_sizes, window, panel: false, primary: false, max_atlas: 16384 };
+    let request = Request { output_sizes, window, panel: false, primary: false, max_atlas: LARGEST_ATLAS };
     Ok(cupola::views::plan(rig, &request)?)
 }
 

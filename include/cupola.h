@@ -1,0 +1,374 @@
+/* Cupola: existing OpenGL programs on domes.
+ *
+ * Grammar: every function is cupola_<type>_<verb> and returns a cupola_status; handles come first,
+ * outputs last, and outputs are written only on success. _free and _destroy accept NULL. Structs that
+ * may grow begin with struct_size. Strings are UTF-8. A handle may be used by one thread at a time.
+ *
+ * Generated from src/ffi; do not edit.
+ */
+
+#ifndef CUPOLA_H
+#define CUPOLA_H
+
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+
+/*
+ What became of a call. The numbers never change.
+ */
+typedef enum cupola_status {
+  /*
+   Done.
+   */
+  CUPOLA_OK = 0,
+  /*
+   An argument is null, out of range or of the wrong size.
+   */
+  CUPOLA_INVALID_ARGUMENT = 1,
+  /*
+   A rig says something impossible, unknown or misspelt.
+   */
+  CUPOLA_INVALID_RIG = 2,
+  /*
+   A file could not be read or written.
+   */
+  CUPOLA_IO = 3,
+  /*
+   The graphics driver lacks something that is needed, or refused a request.
+   */
+  CUPOLA_GRAPHICS = 4,
+  /*
+   A call came in the wrong order.
+   */
+  CUPOLA_INVALID_STATE = 5,
+  /*
+   A defect of Cupola itself.
+   */
+  CUPOLA_INTERNAL = 6,
+} cupola_status;
+
+/*
+ Cupola on an OpenGL context. Free it with `cupola_gl_destroy`, with the same context current.
+ */
+typedef struct cupola_gl cupola_gl;
+
+/*
+ A rig: what stands where. Immutable; free it with `cupola_rig_free`.
+ */
+typedef struct cupola_rig cupola_rig;
+
+/*
+ A function of OpenGL, to be cast to its own type.
+ */
+typedef void (*cupola_gl_function)(void);
+
+/*
+ Finds an OpenGL function by its name, like `glXGetProcAddressARB`, `eglGetProcAddress` or
+ `glfwGetProcAddress`; must find core functions too.
+ */
+typedef cupola_gl_function (*cupola_gl_get_proc_address)(const char *name);
+
+/*
+ What to make a `cupola_gl` from.
+ */
+typedef struct cupola_gl_options {
+  /*
+   `sizeof(cupola_gl_options)`.
+   */
+  size_t struct_size;
+  /*
+   Finds the OpenGL functions of the current context.
+   */
+  cupola_gl_get_proc_address get_proc_address;
+  /*
+   Width of the picture that all outputs share (the window's), pixels, 1…16384.
+   */
+  uint32_t width;
+  /*
+   Height of the picture, pixels, 1…16384.
+   */
+  uint32_t height;
+} cupola_gl_options;
+
+/*
+ A view: what to draw, and where.
+ */
+typedef struct cupola_gl_view {
+  /*
+   `sizeof(cupola_gl_view)`.
+   */
+  size_t struct_size;
+  /*
+   Its number, from 0.
+   */
+  uint32_t index;
+  /*
+   Left edge of its tile in the atlas, pixels from the left.
+   */
+  int32_t x;
+  /*
+   Bottom edge of its tile, pixels from the bottom.
+   */
+  int32_t y;
+  /*
+   Width of its tile, pixels.
+   */
+  int32_t width;
+  /*
+   Height of its tile, pixels.
+   */
+  int32_t height;
+  /*
+   Camera axes → view axes, column by column: multiply it from the left to the view matrix.
+   */
+  float view_matrix[16];
+  /*
+   Projection in OpenGL's clip space, column by column: use it in place of the program's own.
+   */
+  float projection_matrix[16];
+  /*
+   `view_matrix` in double precision.
+   */
+  double view_matrix_f64[16];
+  /*
+   `projection_matrix` in double precision.
+   */
+  double projection_matrix_f64[16];
+  /*
+   Its name (`front`, `left`, …), NUL-terminated, cut to 31 bytes.
+   */
+  char name[32];
+} cupola_gl_view;
+
+/*
+ Draws the program's scene into the view that is begun. `user` is the program's own.
+ */
+typedef void (*cupola_gl_draw)(const struct cupola_gl_view *view, void *user);
+
+/*
+ Counts since a `cupola_gl` was made.
+ */
+typedef struct cupola_gl_statistics {
+  /*
+   `sizeof(cupola_gl_statistics)`.
+   */
+  size_t struct_size;
+  /*
+   Frames ended.
+   */
+  uint64_t frames;
+  /*
+   Views begun.
+   */
+  uint64_t views;
+  /*
+   OpenGL errors that Cupola's own calls caused; 0 unless something is wrong.
+   */
+  uint64_t errors;
+} cupola_gl_statistics;
+
+#ifdef __cplusplus
+extern "C" {
+#endif // __cplusplus
+
+/*
+ Copies the detail of the last error of this thread, cut to `size` bytes with its NUL.
+
+ `buffer`: room for `size` bytes, or null to ask only for the length. `length` (may be null): the
+ whole detail's length in bytes without the NUL. Before any error the detail is empty. The detail
+ stays until the next error.
+
+ # Safety
+ `buffer` has room for `size` bytes or is null; `length` is null or writable.
+ */
+enum cupola_status cupola_last_error(char *buffer, size_t size, size_t *length);
+
+/*
+ The version of the library, major, minor and patch; each pointer may be null.
+
+ # Safety
+ Each pointer is null or writable.
+ */
+enum cupola_status cupola_version(uint32_t *major, uint32_t *minor, uint32_t *patch);
+
+/*
+ Loads a rig from a preset's name or a file.
+
+ # Safety
+ `name_or_path` is NUL-terminated; `rig` is writable.
+ */
+enum cupola_status cupola_rig_load(const char *name_or_path, struct cupola_rig **rig);
+
+/*
+ Reads a rig from the text of a rig file. Mask images are looked up in `directory`.
+
+ # Safety
+ `toml` and `directory` are NUL-terminated; `rig` is writable.
+ */
+enum cupola_status cupola_rig_parse(const char *toml,
+                                    const char *directory,
+                                    struct cupola_rig **rig);
+
+/*
+ How many outputs a rig has.
+
+ # Safety
+ `rig` is a live handle or null; `count` is writable or null.
+ */
+enum cupola_status cupola_rig_output_count(const struct cupola_rig *rig, uint32_t *count);
+
+/*
+ Frees a rig; null is allowed. What was made from it lives on.
+
+ # Safety
+ `rig` is a live handle or null; it must not be used again.
+ */
+enum cupola_status cupola_rig_free(struct cupola_rig *rig);
+
+/*
+ The direction that a pixel of an output shows, exactly: a unit vector in the eye axes of the
+ program's camera (x right, y up, -z forward), or three NaN where the pixel shows nothing.
+
+ `output`: counted from 0. `width`, `height`: the output's size in pixels. `column`, `row`: the
+ point in pixels from the top left; pixel centres are at + 0.5.
+
+ # Safety
+ `rig` is a live handle; `direction` has room for three doubles.
+ */
+enum cupola_status cupola_map_direction(const struct cupola_rig *rig,
+                                        uint32_t output,
+                                        uint32_t width,
+                                        uint32_t height,
+                                        double column,
+                                        double row,
+                                        double *direction);
+
+/*
+ Plans `rig` and makes what it needs on the current context: OpenGL 3.3 or OpenGL ES 3.0 at least,
+ with a window or without (surfaceless). The rig may be freed afterwards.
+
+ # Safety
+ `rig` is a live handle; `options` points at a struct of `struct_size` bytes; `gl` is writable; a
+ context is current whose functions `get_proc_address` finds.
+ */
+enum cupola_status cupola_gl_create(const struct cupola_rig *rig,
+                                    const struct cupola_gl_options *options,
+                                    struct cupola_gl **gl);
+
+/*
+ Plans anew for pictures of another size; between frames. On an error the old size stays.
+
+ # Safety
+ `gl` is a live handle whose context is current.
+ */
+enum cupola_status cupola_gl_resize(struct cupola_gl *gl, uint32_t width, uint32_t height);
+
+/*
+ How many views there are. It changes only with `cupola_gl_resize`.
+
+ # Safety
+ `gl` is a live handle; `count` is writable.
+ */
+enum cupola_status cupola_gl_view_count(struct cupola_gl *gl, uint32_t *count);
+
+/*
+ Describes a view for a camera with these planes (0 < near < far; far may be infinite), in the
+ program's own units. Set `view->struct_size` before.
+
+ # Safety
+ `gl` is a live handle; `view` points at a struct of `view->struct_size` bytes.
+ */
+enum cupola_status cupola_gl_get_view(struct cupola_gl *gl,
+                                      uint32_t index,
+                                      double near,
+                                      double far,
+                                      struct cupola_gl_view *view);
+
+/*
+ Begins a frame.
+
+ # Safety
+ `gl` is a live handle whose context is current.
+ */
+enum cupola_status cupola_gl_begin_frame(struct cupola_gl *gl);
+
+/*
+ Begins a view: its tile is bound for drawing, with viewport and scissor on it. Clear it and draw
+ the scene with the view's matrices; to draw into a framebuffer of your own in between, bind what
+ was bound again.
+
+ # Safety
+ `gl` is a live handle whose context is current.
+ */
+enum cupola_status cupola_gl_begin_view(struct cupola_gl *gl, uint32_t index);
+
+/*
+ Ends a view: framebuffer bindings, viewport and scissor are as before it.
+
+ # Safety
+ `gl` is a live handle whose context is current.
+ */
+enum cupola_status cupola_gl_end_view(struct cupola_gl *gl);
+
+/*
+ Ends a frame: corrects the views into `framebuffer` (0 = the window) with its lower left corner at
+ (x, y). All other state of the context is left as it was; an error that was pending before is kept
+ for `cupola_gl_take_error`, since asking OpenGL for errors takes them away.
+
+ # Safety
+ `gl` is a live handle whose context is current; `framebuffer` is complete.
+ */
+enum cupola_status cupola_gl_end_frame(struct cupola_gl *gl,
+                                       uint32_t framebuffer,
+                                       int32_t x,
+                                       int32_t y);
+
+/*
+ A whole frame: begins it, begins each view, has the program draw it, ends it.
+
+ # Safety
+ As for the functions that it stands for; `draw` may use the pointer to the view only while it runs,
+ and must not call functions of the same `cupola_gl`.
+ */
+enum cupola_status cupola_gl_draw_frame(struct cupola_gl *gl,
+                                        double near,
+                                        double far,
+                                        cupola_gl_draw draw,
+                                        void *user,
+                                        uint32_t framebuffer,
+                                        int32_t x,
+                                        int32_t y);
+
+/*
+ The OpenGL error that the program had pending at the end of a frame (0 = none), once.
+
+ # Safety
+ `gl` is a live handle; `error` is writable.
+ */
+enum cupola_status cupola_gl_take_error(struct cupola_gl *gl, uint32_t *error);
+
+/*
+ Counts so far. Set `statistics->struct_size` before.
+
+ # Safety
+ `gl` is a live handle; `statistics` points at a struct of its `struct_size` bytes.
+ */
+enum cupola_status cupola_gl_get_statistics(struct cupola_gl *gl,
+                                            struct cupola_gl_statistics *statistics);
+
+/*
+ Deletes everything, on the context and off it; null is allowed.
+
+ # Safety
+ `gl` is a live handle whose context is current, or null; it must not be used again.
+ */
+enum cupola_status cupola_gl_destroy(struct cupola_gl *gl);
+
+#ifdef __cplusplus
+}  // extern "C"
+#endif  // __cplusplus
+
+#endif  /* CUPOLA_H */

@@ -1,0 +1,205 @@
+//! An atlas to draw views into: a framebuffer with colour, depth and stencil.
+
+use super::api::{self, Gl};
+use crate::error::{Error, ErrorKind, Result};
+
+/// A framebuffer of ours. The methods take the context that it was made on as current.
+#[derive(Debug)]
+pub struct Surface {
+    framebuffer: u32,
+    /// A texture, or a renderbuffer where it is multisampled.
+    color: u32,
+    depth: u32,
+    samples: i32,
+    size: (i32, i32),
+}
+
+/// What [`Surface::begin_tile`] changed.
+#[derive(Clone, Copy, Debug)]
+pub struct Saved {
+    draw: i32,
+    read: i32,
+    viewport: [i32; 4],
+    scissor: [i32; 4],
+    scissor_test: bool,
+}
+
+impl Surface {
+    /// A surface of `size` (width, height in pixels) with RGBA8 colour and 24 + 8 bits of depth and
+    /// stencil. `samples`: 0 = one sample per pixel, in a texture. `srgb`: the program may ask for
+    /// conversion to sRGB when it draws; the texture's values are taken as they are all the same.
+    /// Every binding that is touched is put back.
+    ///
+    /// # Errors
+    /// [`ErrorKind::Graphics`] where the driver refuses the framebuffer.
+    pub fn new(gl: &Gl, size: (i32, i32), samples: i32, srgb: bool) -> Result<Self> {
+        let (width, height) = size;
+        let color_format = if srgb { api::GL_SRGB8_ALPHA8 } else { api::GL_RGBA8 };
+        let mut surface = Self { framebuffer: 0, color: 0, depth: 0, samples, size };
+        // SAFETY: makes objects of ours on the current context; bindings are put back.
+        let status = unsafe {
+            let bindings = Bindings::save(gl);
+            gl.gen_framebuffers(1, &mut surface.framebuffer);
+            gl.bind_framebuffer(api::GL_FRAMEBUFFER, surface.framebuffer);
+            if samples > 0 {
+                gl.gen_renderbuffers(1, &mut surface.color);
+                gl.bind_renderbuffer(api::GL_RENDERBUFFER, surface.color);
+                gl.renderbuffer_storage_multisample(api::GL_RENDERBUFFER, samples, color_format, width, height);
+                gl.framebuffer_renderbuffer(
+                    api::GL_FRAMEBUFFER,
+                    api::GL_COLOR_ATTACHMENT0,
+                    api::GL_RENDERBUFFER,
+                    surface.color,
+                );
+            } else {
+                gl.gen_textures(1, &mut surface.color);
+                gl.bind_texture(api::GL_TEXTURE_2D, surface.color);
+                gl.tex_storage2_d(api::GL_TEXTURE_2D, 1, color_format, width, height);
+                if srgb {
+                    let skip = api::GL_SKIP_DECODE_EXT as i32;
+                    gl.tex_parameteri(api::GL_TEXTURE_2D, api::GL_TEXTURE_SRGB_DECODE_EXT, skip);
+                }
+                gl.framebuffer_texture2_d(
+                    api::GL_FRAMEBUFFER,
+                    api::GL_COLOR_ATTACHMENT0,
+                    api::GL_TEXTURE_2D,
+                    surface.color,
+                    0,
+                );
+            }
+            gl.gen_renderbuffers(1, &mut surface.depth);
+            gl.bind_renderbuffer(api::GL_RENDERBUFFER, surface.depth);
+            let depth_format = api::GL_DEPTH24_STENCIL8;
+            gl.renderbuffer_storage_multisample(api::GL_RENDERBUFFER, samples, depth_format, width, height);
+            let attachment = api::GL_DEPTH_STENCIL_ATTACHMENT;
+            gl.framebuffer_renderbuffer(api::GL_FRAMEBUFFER, attachment, api::GL_RENDERBUFFER, surface.depth);
+            let status = gl.check_framebuffer_status(api::GL_FRAMEBUFFER);
+            bindings.restore(gl);
+            status
+        };
+        if status == api::GL_FRAMEBUFFER_COMPLETE {
+            return Ok(surface);
+        }
+        surface.destroy(gl);
+        Err(Error::new(
+            ErrorKind::Graphics,
+            format!(
+                "the driver gives no framebuffer of {width} × {height} pixels with {samples} samples \
+                 (status 0x{status:04X}); a lower quality in [views] makes it smaller"
+            ),
+        ))
+    }
+
+    /// Its OpenGL name.
+    pub fn framebuffer(&self) -> u32 {
+        self.framebuffer
+    }
+
+    /// The texture of a surface with one sample per pixel; 0 for others.
+    pub fn texture(&self) -> u32 {
+        if self.samples > 0 { 0 } else { self.color }
+    }
+
+    /// Samples per pixel; 0 = not multisampled.
+    pub fn samples(&self) -> i32 {
+        self.samples
+    }
+
+    /// Width and height in pixels.
+    pub fn size(&self) -> (i32, i32) {
+        self.size
+    }
+
+    /// Binds it for drawing, with viewport and scissor on `tile` (x, y, width, height from the bottom left).
+    pub fn begin_tile(&self, gl: &Gl, tile: [i32; 4]) -> Saved {
+        let mut saved = Saved { draw: 0, read: 0, viewport: [0; 4], scissor: [0; 4], scissor_test: false };
+        let [x, y, width, height] = tile;
+        // SAFETY: queries and sets plain state of the current context; put back by `end_tile`.
+        unsafe {
+            gl.get_integerv(api::GL_DRAW_FRAMEBUFFER_BINDING, &mut saved.draw);
+            gl.get_integerv(api::GL_READ_FRAMEBUFFER_BINDING, &mut saved.read);
+            gl.get_integerv(api::GL_VIEWPORT, saved.viewport.as_mut_ptr());
+            gl.get_integerv(api::GL_SCISSOR_BOX, saved.scissor.as_mut_ptr());
+            saved.scissor_test = gl.is_enabled(api::GL_SCISSOR_TEST) != 0;
+            gl.bind_framebuffer(api::GL_FRAMEBUFFER, self.framebuffer);
+            gl.viewport(x, y, width, height);
+            gl.scissor(x, y, width, height);
+            gl.enable(api::GL_SCISSOR_TEST);
+        }
+        saved
+    }
+
+    /// Puts back what [`Surface::begin_tile`] changed.
+    pub fn end_tile(&self, gl: &Gl, saved: &Saved) {
+        let [x, y, width, height] = saved.viewport;
+        let [left, bottom, across, up] = saved.scissor;
+        // SAFETY: plain state commands with values that the driver gave.
+        unsafe {
+            gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, saved.draw as u32);
+            gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, saved.read as u32);
+            gl.viewport(x, y, width, height);
+            gl.scissor(left, bottom, across, up);
+            if !saved.scissor_test {
+                gl.disable(api::GL_SCISSOR_TEST);
+            }
+        }
+    }
+
+    /// Deletes it.
+    pub fn destroy(&self, gl: &Gl) {
+        // SAFETY: objects of ours; the name 0 is ignored.
+        unsafe {
+            gl.delete_framebuffers(1, &self.framebuffer);
+            gl.delete_renderbuffers(1, &self.depth);
+            if self.samples > 0 {
+                gl.delete_renderbuffers(1, &self.color);
+            } else {
+                gl.delete_textures(1, &self.color);
+            }
+        }
+    }
+}
+
+/// Greatest width and height of a texture on the current context, at least 1024.
+pub fn greatest_texture(gl: &Gl) -> u32 {
+    let mut greatest = 0;
+    // SAFETY: writes one integer.
+    unsafe { gl.get_integerv(api::GL_MAX_TEXTURE_SIZE, &mut greatest) };
+    greatest.max(1024) as u32
+}
+
+/// Bindings that making a surface disturbs.
+struct Bindings([i32; 4]);
+
+impl Bindings {
+    const NAMES: [u32; 4] = [
+        api::GL_DRAW_FRAMEBUFFER_BINDING,
+        api::GL_READ_FRAMEBUFFER_BINDING,
+        api::GL_RENDERBUFFER_BINDING,
+        api::GL_TEXTURE_BINDING_2D,
+    ];
+
+    /// # Safety
+    /// A context must be current.
+    unsafe fn save(gl: &Gl) -> Self {
+        let mut values = [0; 4];
+        for (value, name) in values.iter_mut().zip(Self::NAMES) {
+            // SAFETY: writes one integer.
+            unsafe { gl.get_integerv(name, value) };
+        }
+        Self(values)
+    }
+
+    /// # Safety
+    /// The context of `save` must be current.
+    unsafe fn restore(&self, gl: &Gl) {
+        let [draw, read, renderbuffer, texture] = self.0.map(|v| v as u32);
+        // SAFETY: puts back what was bound.
+        unsafe {
+            gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, draw);
+            gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, read);
+            gl.bind_renderbuffer(api::GL_RENDERBUFFER, renderbuffer);
+            gl.bind_texture(api::GL_TEXTURE_2D, texture);
+        }
+    }
+}

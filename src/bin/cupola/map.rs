@@ -1,0 +1,192 @@
+//! `cupola map`: where each pixel of an output looks, as a file for other programs.
+
+use crate::Failure;
+use crate::terminal;
+use cupola::backend::gl::{gpu_map, headless};
+use cupola::rig::Rig;
+use cupola::views::Request;
+use cupola::warp::{MapError, WarpMap, camera_direction, compare};
+use glam::{DVec2, DVec3};
+use serde_json::json;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+/// Write where each pixel of an output looks, as a PFM file.
+///
+/// The file has three floats for each pixel: a unit vector in the axes of the program's camera, x right,
+/// y up, z backward; three NaN where the output shows nothing. Rows go from the bottom to the top.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Rig file, or a preset's name
+    #[arg(value_name = "FILE|PRESET")]
+    rig: String,
+    /// The output's name [default: the only one]
+    #[arg(long, value_name = "NAME")]
+    output: Option<String>,
+    /// The file to write
+    #[arg(short = 'o', long = "out", value_name = "FILE.pfm")]
+    file: PathBuf,
+    /// The exact map, ray by ray in double precision (the default)
+    #[arg(long, conflicts_with = "gpu")]
+    exact: bool,
+    /// The map that the graphics driver computes, and its error against the exact one
+    #[arg(long)]
+    gpu: bool,
+    /// Size of the output in pixels [default: what the rig says, or its place in 1920x1200]
+    #[arg(long, value_name = "WxH", value_parser = crate::arguments::size)]
+    size: Option<(u32, u32)>,
+    /// Answer in JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// Runs the subcommand.
+pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
+    let rig = cupola::rig::load(&arguments.rig)?;
+    let output = find_output(&rig, arguments.output.as_deref())?;
+    let size = arguments.size.unwrap_or_else(|| native_size(&rig, output));
+    let exact = WarpMap::new(&rig, output, size, None)?;
+    let (directions, driver, error) = if arguments.gpu {
+        let (directions, driver) = computed(&rig, output, size)?;
+        let look = |x: u32, y: u32| directions[(y * size.0 + x) as usize];
+        let error = compare(&exact, 1, look);
+        (directions, Some(driver), Some(error))
+    } else {
+        (traced(&exact), None, None)
+    };
+    let shown = directions.iter().flatten().count();
+    let camera = directions.iter().map(|direction| direction.map(|direction| camera_direction(&rig, direction)));
+    write_pfm(&arguments.file, size, camera.collect())?;
+    if arguments.json {
+        println!("{:#}", summary(&rig, output, size, shown, driver.as_deref(), error.as_ref()));
+    } else {
+        let name = &rig.outputs[output].name;
+        println!("{name}: {} × {} pixels, {shown} of them show something", size.0, size.1);
+        if let (Some(driver), Some(error)) = (driver, error) {
+            println!("computed by {driver}");
+            println!(
+                "greatest error {:.6} pixels at column {}, row {}; root mean square {:.6}",
+                error.max, error.worst.0, error.worst.1, error.rms
+            );
+            println!("{} pixels missing, {} false, {} not finite", error.uncovered, error.ghosts, error.non_finite);
+        }
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The index of the output called `name`; without a name, of the only one.
+fn find_output(rig: &Rig, name: Option<&str>) -> Result<usize, Failure> {
+    let names: Vec<&str> = rig.outputs.iter().map(|output| output.name.as_str()).collect();
+    let found = match (name, names.len()) {
+        (_, 0) => return Err(Failure::usage(format!("the rig {} has no outputs", rig.name))),
+        (None, 1) => Some(0),
+        (None, _) => None,
+        (Some(name), _) => names.iter().position(|known| *known == name),
+    };
+    found.ok_or_else(|| match name {
+        Some(name) => {
+            Failure::usage(format!("the rig {} has no output {name:?}; it has {}", rig.name, names.join(", ")))
+        }
+        None => Failure::usage(format!("which output? --output takes one of {}", names.join(", "))),
+    })
+}
+
+/// The output's own resolution, or that of its place in the window.
+pub fn native_size(rig: &Rig, output: usize) -> (u32, u32) {
+    let place = |window| {
+        let [_, _, width, height] = rig.layout(window)[output];
+        (width.max(1), height.max(1))
+    };
+    rig.outputs[output].size.unwrap_or_else(|| place(rig.extent().unwrap_or((1920, 1200))))
+}
+
+/// The exact direction of every pixel centre, row by row from the top, on all processors.
+fn traced(map: &WarpMap) -> Vec<Option<DVec3>> {
+    let (width, height) = (map.size().0 as usize, map.size().1 as usize);
+    let mut directions = vec![None; width * height];
+    let bar = terminal::progress(height as u64, "rows");
+    let workers = std::thread::available_parallelism().map_or(1, usize::from);
+    let rows = height.div_ceil(workers);
+    std::thread::scope(|scope| {
+        for (part, band) in directions.chunks_mut(rows * width).enumerate() {
+            let bar = &bar;
+            scope.spawn(move || {
+                for (row, line) in band.chunks_mut(width).enumerate() {
+                    let y = (part * rows + row) as f64 + 0.5;
+                    for (column, direction) in line.iter_mut().enumerate() {
+                        *direction = map.direction(DVec2::new(column as f64 + 0.5, y));
+                    }
+                    bar.inc(1);
+                }
+            });
+        }
+    });
+    bar.finish_and_clear();
+    directions
+}
+
+/// What the shaders compute on a context without a window, and who ran them.
+fn computed(rig: &Rig, output: usize, size: (u32, u32)) -> Result<(Vec<Option<DVec3>>, String), Failure> {
+    let spinner = terminal::spinner("the graphics driver computes");
+    let mut output_sizes: Vec<(u32, u32)> = (0..rig.outputs.len()).map(|index| native_size(rig, index)).collect();
+    output_sizes[output] = size;
+    let request = Request {
+        output_sizes,
+        window: (1920, 1200),
+        panel: false,
+        primary: false,
+        max_atlas: crate::check::LARGEST_ATLAS,
+    };
+    let plan = cupola::correct::build(rig, &request)?;
+    let context = headless::Headless::new(headless::Api::Core)?;
+    let pixels = gpu_map(&context.gl, context.is_gles, &plan, output)?;
+    spinner.finish_and_clear();
+    let direction =
+        |pixel: &cupola::backend::gl::MapPixel| pixel.view.map(|_| DVec3::from_array(pixel.direction.map(f64::from)));
+    Ok((pixels.iter().map(direction).collect(), context.driver()))
+}
+
+/// Writes a colour PFM: a header in text, then little-endian floats from the bottom row to the top one.
+fn write_pfm(path: &Path, size: (u32, u32), directions: Vec<Option<DVec3>>) -> Result<(), Failure> {
+    let mut bytes = format!("PF\n{} {}\n-1.0\n", size.0, size.1).into_bytes();
+    bytes.reserve(directions.len() * 12);
+    for row in directions.chunks(size.0 as usize).rev() {
+        for direction in row {
+            let values = direction.unwrap_or(DVec3::NAN).as_vec3().to_array();
+            bytes.extend(values.iter().flat_map(|value| value.to_le_bytes()));
+        }
+    }
+    let written = std::fs::File::create(path).and_then(|mut file| file.write_all(&bytes));
+    written.map_err(|error| Failure::new(format!("{} cannot be written: {error}", path.display())))
+}
+
+fn summary(
+    rig: &Rig,
+    output: usize,
+    size: (u32, u32),
+    shown: usize,
+    driver: Option<&str>,
+    error: Option<&MapError>,
+) -> serde_json::Value {
+    let error = error.map(|error| {
+        json!({
+            "max": error.max,
+            "rms": error.rms,
+            "worst": [error.worst.0, error.worst.1],
+            "compared": error.compared,
+            "edge": error.edge,
+            "uncovered": error.uncovered,
+            "ghosts": error.ghosts,
+            "non_finite": error.non_finite,
+        })
+    });
+    json!({
+        "rig": rig.name,
+        "output": rig.outputs[output].name,
+        "size": [size.0, size.1],
+        "shown": shown,
+        "driver": driver,
+        "error_pixels": error,
+    })
+}

@@ -1,0 +1,246 @@
+//! Cupola in a program that draws its own views: begin a frame, draw each view, end the frame.
+
+use super::Session;
+use crate::backend::gl::api::Gl;
+use crate::backend::gl::surface::{Saved, Surface, greatest_texture};
+use crate::backend::gl::{GlBackend, Target};
+use crate::error::{Error, ErrorKind, Result};
+use crate::rig::Rig;
+use glam::{DMat4, DVec4};
+
+/// What a program needs to draw one view.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EmbeddedView {
+    /// Name: `front`, `left`, `projector-3` …
+    pub name: String,
+    /// Camera axes of the program → axes of the view.
+    pub rotation: DMat4,
+    /// Axes of the view → OpenGL's clip space.
+    pub frustum: DMat4,
+    /// Place in the atlas: x, y, width, height in texels from the bottom left.
+    pub tile: [i32; 4],
+}
+
+/// Counts of an [`Embedded`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct EmbeddedCounts {
+    /// Frames ended.
+    pub frames: u64,
+    /// Views drawn.
+    pub views: u64,
+    /// OpenGL errors that calls of ours caused; none is left for the program.
+    pub errors: u64,
+}
+
+enum State {
+    Idle,
+    Frame,
+    View(Saved),
+}
+
+/// A rig at work on a program's OpenGL context.
+///
+/// All methods need the context current on which it was made. Nothing of the program's state
+/// changes but, between the begin and the end of a view, the framebuffer bindings, the viewport
+/// and the scissor; they are put back.
+pub struct Embedded {
+    gl: Gl,
+    rig: Rig,
+    session: Session,
+    surface: Surface,
+    backend: GlBackend,
+    state: State,
+    counts: EmbeddedCounts,
+    es: bool,
+}
+
+impl Embedded {
+    /// Plans `rig` for pictures of `size` (width, height in pixels, at least 1) and makes what it
+    /// needs on the current context, which must be OpenGL 3.3 or OpenGL ES 3.0 at least.
+    ///
+    /// # Errors
+    /// What the planner or the driver says; [`ErrorKind::InvalidArgument`] for a size of 0 or a rig that corrects nothing.
+    pub fn new(gl: Gl, rig: &Rig, size: (u32, u32)) -> Result<Self> {
+        if rig.passthrough {
+            let message = format!("the rig `{}` corrects nothing; without Cupola the program shows the same", rig.name);
+            return Err(Error::new(ErrorKind::InvalidArgument, message));
+        }
+        let es = gl.is_es();
+        let (session, surface, backend) = Self::prepare(&gl, rig, size, es)?;
+        let counts = EmbeddedCounts::default();
+        Ok(Self { gl, rig: rig.clone(), session, surface, backend, state: State::Idle, counts, es })
+    }
+
+    fn prepare(gl: &Gl, rig: &Rig, size: (u32, u32), es: bool) -> Result<(Session, Surface, GlBackend)> {
+        if size.0 == 0 || size.1 == 0 {
+            return Err(Error::new(ErrorKind::InvalidArgument, "a picture has at least 1 × 1 pixels"));
+        }
+        let session = Session::new(rig, size, false, greatest_texture(gl))?;
+        let mut backend = GlBackend::new(gl, es)?;
+        if let Err(error) = backend.prepare(gl, session.plan(), false) {
+            backend.destroy(gl);
+            return Err(error);
+        }
+        let atlas = session.plan().views.atlas;
+        match Surface::new(gl, (atlas.0 as i32, atlas.1 as i32), 0, false) {
+            Ok(surface) => Ok((session, surface, backend)),
+            Err(error) => {
+                backend.destroy(gl);
+                Err(error)
+            }
+        }
+    }
+
+    /// Plans anew for pictures of another size; between frames. On an error the old size stays.
+    ///
+    /// # Errors
+    /// As for [`Embedded::new`]; [`ErrorKind::InvalidState`] inside a frame.
+    pub fn resize(&mut self, size: (u32, u32)) -> Result<()> {
+        self.expect_idle()?;
+        if size == self.session.window() {
+            return Ok(());
+        }
+        let (session, surface, backend) = Self::prepare(&self.gl, &self.rig, size, self.es)?;
+        self.backend.destroy(&self.gl);
+        self.surface.destroy(&self.gl);
+        (self.session, self.surface, self.backend) = (session, surface, backend);
+        Ok(())
+    }
+
+    /// How many views there are; changes only with [`Embedded::resize`].
+    pub fn view_count(&self) -> usize {
+        self.session.views().len()
+    }
+
+    /// A view, for a program whose camera has `near` and `far` planes (0 < near < far, far may be infinite).
+    ///
+    /// # Errors
+    /// [`ErrorKind::InvalidArgument`] for an index that does not exist or planes that are no planes.
+    pub fn view(&self, index: usize, near: f64, far: f64) -> Result<EmbeddedView> {
+        let view = self.session.views().get(index).ok_or_else(|| self.no_view(index))?;
+        if !(near > 0.0 && near.is_finite() && far > near) {
+            let message = format!("near = {near}, far = {far}: right would be 0 < near < far");
+            return Err(Error::new(ErrorKind::InvalidArgument, message));
+        }
+        let camera = super::session::camera_rotation(&self.rig.camera);
+        Ok(EmbeddedView {
+            name: view.name.clone(),
+            rotation: DMat4::from_mat3(view.rotation * camera),
+            frustum: projection(&view.frustum, near, far),
+            tile: self.session.tile(index).0,
+        })
+    }
+
+    /// Begins a frame.
+    ///
+    /// # Errors
+    /// [`ErrorKind::InvalidState`] inside another frame.
+    pub fn begin_frame(&mut self) -> Result<()> {
+        self.expect_idle()?;
+        self.state = State::Frame;
+        Ok(())
+    }
+
+    /// Begins a view: its tile is bound for drawing, with viewport and scissor on it.
+    ///
+    /// # Errors
+    /// [`ErrorKind::InvalidState`] outside a frame or inside another view; [`ErrorKind::InvalidArgument`] for an
+    /// index that does not exist.
+    pub fn begin_view(&mut self, index: usize) -> Result<()> {
+        if !matches!(self.state, State::Frame) {
+            return Err(Error::new(ErrorKind::InvalidState, "a view begins between the begin and the end of a frame, after the end of the view before"));
+        }
+        if index >= self.view_count() {
+            return Err(self.no_view(index));
+        }
+        self.state = State::View(self.surface.begin_tile(&self.gl, self.session.tile(index).0));
+        self.counts.views += 1;
+        Ok(())
+    }
+
+    /// Ends a view: framebuffer bindings, viewport and scissor are as before it.
+    ///
+    /// # Errors
+    /// [`ErrorKind::InvalidState`] outside a view.
+    pub fn end_view(&mut self) -> Result<()> {
+        match std::mem::replace(&mut self.state, State::Frame) {
+            State::View(saved) => {
+                self.surface.end_tile(&self.gl, &saved);
+                Ok(())
+            }
+            state => {
+                self.state = state;
+                Err(Error::new(ErrorKind::InvalidState, "no view was begun"))
+            }
+        }
+    }
+
+    /// Ends a frame: the views are corrected into `framebuffer` (0 = the window), each output at its
+    /// place in the rectangle (x, y from the bottom left; as large as the pictures are).
+    ///
+    /// Gives the OpenGL error that the program itself had pending, which this takes out of the driver.
+    ///
+    /// # Errors
+    /// [`ErrorKind::InvalidState`] outside a frame or inside a view.
+    pub fn end_frame(&mut self, framebuffer: u32, x: i32, y: i32) -> Result<u32> {
+        if !matches!(self.state, State::Frame) {
+            return Err(Error::new(ErrorKind::InvalidState, "a frame ends after its begin and after the end of its last view"));
+        }
+        self.state = State::Idle;
+        let place = |[left, bottom, width, height]: [i32; 4]| [left + x, bottom + y, width, height];
+        let targets: Vec<Target> =
+            self.session.viewports().into_iter().map(|v| Target { framebuffer, viewport: place(v) }).collect();
+        let pending = self.backend.present(&self.gl, self.surface.texture(), &targets);
+        self.counts.frames += 1;
+        Ok(pending)
+    }
+
+    /// Counts so far.
+    pub fn counts(&self) -> EmbeddedCounts {
+        EmbeddedCounts { errors: self.backend.errors(), ..self.counts }
+    }
+
+    /// Deletes everything on the context, which must be current.
+    pub fn destroy(mut self) {
+        self.backend.destroy(&self.gl);
+        self.surface.destroy(&self.gl);
+    }
+
+    fn expect_idle(&self) -> Result<()> {
+        if matches!(self.state, State::Idle) {
+            Ok(())
+        } else {
+            Err(Error::new(ErrorKind::InvalidState, "a frame has begun and not ended"))
+        }
+    }
+
+    fn no_view(&self, index: usize) -> Error {
+        Error::new(ErrorKind::InvalidArgument, format!("there is no view {index}; there are {}, counted from 0", self.view_count()))
+    }
+}
+
+/// OpenGL's perspective matrix for a frustum; `far` may be infinite.
+fn projection(frustum: &crate::geom::Frustum, near: f64, far: f64) -> DMat4 {
+    if far.is_finite() {
+        return frustum.projection_matrix(near, far);
+    }
+    let mut matrix = frustum.projection_matrix(near, 2.0 * near);
+    matrix.z_axis.z = -1.0;
+    matrix.w_axis = DVec4::new(0.0, 0.0, -2.0 * near, 0.0);
+    matrix
+}
+
+#[cfg(test)]
+mod tests {
+    use super::projection;
+    use crate::geom::Frustum;
+
+    #[test]
+    fn an_infinite_far_plane_is_the_limit_of_distant_ones() {
+        let frustum = Frustum { left: -1.0, right: 1.2, bottom: -0.7, top: 0.6 };
+        let distant = frustum.projection_matrix(0.1, 1e9).to_cols_array();
+        for (limit, distant) in projection(&frustum, 0.1, f64::INFINITY).to_cols_array().into_iter().zip(distant) {
+            assert!((limit - distant).abs() < 1e-8, "{limit} {distant}");
+        }
+    }
+}
