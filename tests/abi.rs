@@ -7,7 +7,8 @@ const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 
 fn header() -> String {
     let root = Path::new(ROOT);
-    let config = cbindgen::Config::from_file(root.join("include/cbindgen.toml")).expect("include/cbindgen.toml is readable");
+    let config =
+        cbindgen::Config::from_file(root.join("include/cbindgen.toml")).expect("include/cbindgen.toml is readable");
     let mut builder = cbindgen::Builder::new().with_config(config);
     for file in ["status", "rig", "map", "gl"] {
         builder = builder.with_src(root.join(format!("src/ffi/{file}.rs")));

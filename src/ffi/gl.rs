@@ -307,7 +307,10 @@ pub unsafe extern "C" fn cupola_gl_take_error(gl: *mut cupola_gl, error: *mut u3
 /// # Safety
 /// `gl` is a live handle; `statistics` points at a struct of its `struct_size` bytes.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn cupola_gl_get_statistics(gl: *mut cupola_gl, statistics: *mut cupola_gl_statistics) -> cupola_status {
+pub unsafe extern "C" fn cupola_gl_get_statistics(
+    gl: *mut cupola_gl,
+    statistics: *mut cupola_gl_statistics,
+) -> cupola_status {
     call(|| {
         // SAFETY: as promised above.
         let gl = unsafe { handle(gl) }?;
@@ -320,8 +323,12 @@ pub unsafe extern "C" fn cupola_gl_get_statistics(gl: *mut cupola_gl, statistics
         let counts = gl.embedded.counts();
         // SAFETY: as large as it must be.
         unsafe {
-            *statistics =
-                cupola_gl_statistics { struct_size: size, frames: counts.frames, views: counts.views, errors: counts.errors };
+            *statistics = cupola_gl_statistics {
+                struct_size: size,
+                frames: counts.frames,
+                views: counts.views,
+                errors: counts.errors,
+            };
         }
         Ok(())
     })

@@ -30,7 +30,8 @@ pub unsafe extern "C" fn cupola_map_direction(
         if direction.is_null() {
             return Err(null("direction"));
         }
-        if output as usize >= rig.outputs.len() || width == 0 || height == 0 || !column.is_finite() || !row.is_finite() {
+        if output as usize >= rig.outputs.len() || width == 0 || height == 0 || !column.is_finite() || !row.is_finite()
+        {
             let message = format!(
                 "output {output} at {width} × {height} pixels, point ({column}, {row}): right would be an output below {}, a size of at least 1 × 1 and a finite point",
                 rig.outputs.len()

@@ -59,7 +59,8 @@ pub unsafe extern "C" fn cupola_rig_parse(
 pub unsafe extern "C" fn cupola_rig_output_count(rig: *const cupola_rig, count: *mut u32) -> cupola_status {
     call(|| {
         // SAFETY: as promised above.
-        let (rig, count) = unsafe { (rig.as_ref().ok_or_else(|| null("rig"))?, count.as_mut().ok_or_else(|| null("count"))?) };
+        let (rig, count) =
+            unsafe { (rig.as_ref().ok_or_else(|| null("rig"))?, count.as_mut().ok_or_else(|| null("count"))?) };
         *count = rig.rig.outputs.len() as u32;
         Ok(())
     })

@@ -148,7 +148,10 @@ impl Embedded {
     /// index that does not exist.
     pub fn begin_view(&mut self, index: usize) -> Result<()> {
         if !matches!(self.state, State::Frame) {
-            return Err(Error::new(ErrorKind::InvalidState, "a view begins between the begin and the end of a frame, after the end of the view before"));
+            return Err(Error::new(
+                ErrorKind::InvalidState,
+                "a view begins between the begin and the end of a frame, after the end of the view before",
+            ));
         }
         if index >= self.view_count() {
             return Err(self.no_view(index));
@@ -184,7 +187,10 @@ impl Embedded {
     /// [`ErrorKind::InvalidState`] outside a frame or inside a view.
     pub fn end_frame(&mut self, framebuffer: u32, x: i32, y: i32) -> Result<u32> {
         if !matches!(self.state, State::Frame) {
-            return Err(Error::new(ErrorKind::InvalidState, "a frame ends after its begin and after the end of its last view"));
+            return Err(Error::new(
+                ErrorKind::InvalidState,
+                "a frame ends after its begin and after the end of its last view",
+            ));
         }
         self.state = State::Idle;
         let place = |[left, bottom, width, height]: [i32; 4]| [left + x, bottom + y, width, height];
@@ -215,7 +221,10 @@ impl Embedded {
     }
 
     fn no_view(&self, index: usize) -> Error {
-        Error::new(ErrorKind::InvalidArgument, format!("there is no view {index}; there are {}, counted from 0", self.view_count()))
+        Error::new(
+            ErrorKind::InvalidArgument,
+            format!("there is no view {index}; there are {}, counted from 0", self.view_count()),
+        )
     }
 }
 
