@@ -197,7 +197,8 @@ impl GlBackend {
             let mut output = Output { size: pass.size, ..Output::default() };
             for batch in &pass.batches {
                 let constants = constants(plan, pass, batch, panel)?;
-                let nearest = copies_texels(plan, pass, batch);
+                // The panel is seldom 1:1 and shares the sampler.
+                let nearest = copies_texels(plan, pass, batch) && !(panel && plan.views.panel.is_some());
                 output.draws.push(self.draw(gl, &constants, pass, &batch.rects, nearest, old, &mut vertices)?);
             }
             let covered: Vec<PixelRect> = pass.batches.iter().flat_map(|b| b.rects.iter().copied()).collect();
