@@ -65,7 +65,7 @@ fn main() -> Result<(), Failure> {
         let pass = &plan.passes[0];
         let part = |wanted: &dyn Fn(&cupola::correct::Batch) -> bool| {
             let rects = pass.batches.iter().filter(|b| wanted(b)).flat_map(|b| &b.rects);
-            let pixels: f64 = rects.map(|r| f64::from(r.width) * f64::from(r.height)).sum();
+            let pixels: f64 = rects.fold(0.0, |sum, r| sum + f64::from(r.width) * f64::from(r.height));
             100.0 * pixels / f64::from(size.0) / f64::from(size.1)
         };
         println!(
@@ -159,7 +159,15 @@ fn rigs() -> Vec<(String, Rig)> {
     vec![
         ("projector 60×40° at 0.6 R".into(), rig(vec![beamer("one", 0.0, false)])),
         (
-            "the same, blended on both sides".into(),
+            "blended on both sides".into(),
+            with_own_views(rig(vec![
+                beamer("one", 0.0, true),
+                beamer("two", 40.0, true),
+                beamer("three", -40.0, true),
+            ])),
+        ),
+        (
+            "the same, views shared by all".into(),
             rig(vec![beamer("one", 0.0, true), beamer("two", 40.0, true), beamer("three", -40.0, true)]),
         ),
         ("fisheye 180°".into(), rig(vec![dome(180.0)])),
@@ -183,6 +191,12 @@ fn rig(outputs: Vec<Output>) -> Rig {
         overlay: Overlay { yaw: 0.0, pitch: 0.0, width: 1.0 },
         outputs,
     }
+}
+
+/// One tight view for each output.
+fn with_own_views(mut rig: Rig) -> Rig {
+    rig.views.method = ViewMethod::Single;
+    rig
 }
 
 fn plan(rig: &Rig, size: (u32, u32)) -> Result<Plan, Failure> {

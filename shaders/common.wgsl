@@ -131,10 +131,14 @@ fn polynomial(low: vec4<f32>, high: vec4<f32>, s: f32) -> f32 {
         + (s2 * s2) * ((high.x + high.y * s) + s2 * (high.z + high.w * s));
 }
 
-// t²(3 − 2t) between 0 and 1, clamped outside.
+// t²(3 − 2t)
+fn smooth_step(t: f32) -> f32 {
+    return (t * t) * (3.0 - 2.0 * t);
+}
+
+// The same, clamped outside 0…1.
 fn smooth_ramp(t: f32) -> f32 {
-    let c = clamp(t, 0.0, 1.0);
-    return c * c * (3.0 - 2.0 * c);
+    return smooth_step(clamp(t, 0.0, 1.0));
 }
 
 // The angle of (x, y) from the x axis, −π…π; 0 at the origin. Error 1.7e-8 of the angle plus

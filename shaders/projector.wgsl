@@ -116,7 +116,9 @@ fn share(p: vec2<f32>, beam: Beam) -> f32 {
     if constants.neighbour_count > 11u {
         others += neighbour_weight(constants.neighbours[11], p, beam);
     }
-    let own = border_weight(p, constants.steepness);
+    // Our own pixels are inside our picture: only the upper bound is needed.
+    let steps = min((1.0 - abs(p)) * constants.steepness, vec2<f32>(1.0));
+    let own = smooth_step(steps.x) * smooth_step(steps.y);
     // Nobody else lights the point: all of it is ours, at our very border too.
     return select(1.0, own / (own + others), others > 0.0);
 }

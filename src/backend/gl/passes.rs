@@ -63,6 +63,8 @@ pub struct GlBackend {
     names: Names,
     outputs: Vec<Output>,
     errors: Cell<u64>,
+    /// An error of the program's that was taken while preparing.
+    pending: Cell<u32>,
 }
 
 /// Floats per vertex: clip coordinates, source coordinates.
@@ -79,7 +81,7 @@ impl GlBackend {
 
     /// As [`GlBackend::new`], with another last stage.
     pub(super) fn for_stage(gl: &Gl, is_gles: bool, stage: Stage) -> Result<Self> {
-        let pending = drain(gl);
+        let pending = Cell::new(drain(gl));
         let caps = Capabilities::of(gl, is_gles);
         let (needed, name) = if is_gles { (30, "OpenGL ES 3.0") } else { (33, "OpenGL 3.3") };
         if caps.version < needed {
@@ -87,10 +89,8 @@ impl GlBackend {
             let message = format!("Correcting needs {name}; the program's context is version {major}.{minor}.");
             return Err(Error::new(ErrorKind::Graphics, message));
         }
-        let backend = Self { caps, stage, names: Names::default(), outputs: Vec::new(), errors: Cell::new(0) };
+        let backend = Self { caps, stage, names: Names::default(), outputs: Vec::new(), errors: Cell::new(0), pending };
         backend.count_errors(gl);
-        // What the program did before is not our error; it is lost here, once, at start-up.
-        _ = pending;
         Ok(backend)
     }
 
@@ -112,7 +112,7 @@ impl GlBackend {
 
     /// As [`GlBackend::prepare`] for some of the plan's outputs.
     pub(super) fn prepare_passes(&mut self, gl: &Gl, plan: &Plan, passes: &[OutputPass], panel: bool) -> Result<()> {
-        drain(gl);
+        self.take_pending(gl);
         let saved = state::save_upload(gl, &self.caps);
         let result = self.build(gl, plan, passes, panel);
         state::restore_upload(gl, &self.caps, &saved);
@@ -197,7 +197,8 @@ impl GlBackend {
             let mut output = Output { size: pass.size, ..Output::default() };
             for batch in &pass.batches {
                 let constants = constants(plan, pass, batch, panel)?;
-                let nearest = copies_texels(plan, pass, batch);
+                // The panel is seldom 1:1 and shares the sampler.
+                let nearest = copies_texels(plan, pass, batch) && !(panel && plan.views.panel.is_some());
                 output.draws.push(self.draw(gl, &constants, pass, &batch.rects, nearest, old, &mut vertices)?);
             }
             let covered: Vec<PixelRect> = pass.batches.iter().flat_map(|b| b.rects.iter().copied()).collect();
@@ -258,16 +259,17 @@ impl GlBackend {
     /// Does nothing before [`GlBackend::prepare`], and while the program compiles a display list or picks.
     /// Conditional rendering and running queries must be off. Gives the error that the program itself had
     /// pending (`GL_NO_ERROR` mostly): OpenGL forgets an error once it is asked for, so the caller has to
-    /// hand it to the program's next `glGetError`.
+    /// hand it to the program's next `glGetError`. One that was pending at [`GlBackend::new`] or
+    /// [`GlBackend::prepare`] is given by the next call of this.
     pub fn present(&self, gl: &Gl, atlas_texture: u32, targets: &[Target]) -> u32 {
-        let pending = drain(gl);
+        self.take_pending(gl);
         if self.names.vertex_array != 0 && state::can_draw(gl, &self.caps) {
             let saved = state::save_and_set(gl, &self.caps);
             self.draw_outputs(gl, atlas_texture, targets);
             state::restore(gl, &self.caps, &saved);
         }
         self.count_errors(gl);
-        pending
+        self.pending.replace(GL_NO_ERROR)
     }
 
     fn draw_outputs(&self, gl: &Gl, atlas_texture: u32, targets: &[Target]) {
@@ -317,6 +319,14 @@ impl GlBackend {
         let mut programs: Vec<u32> = self.names.programs.values().copied().collect();
         programs.sort_unstable();
         programs
+    }
+
+    /// Keeps the first error that the program has pending.
+    fn take_pending(&self, gl: &Gl) {
+        let found = drain(gl);
+        if self.pending.get() == GL_NO_ERROR {
+            self.pending.set(found);
+        }
     }
 
     fn count_errors(&self, gl: &Gl) {

@@ -270,10 +270,14 @@ fn errors_of_the_program_are_handed_over_and_ours_do_not_arise() {
         let target = Target { framebuffer: canvas.framebuffer, viewport: canvas.viewport() };
         backend.present(gl, texture, &[target]);
         assert_eq!(canvas.read(gl).at(0, 0), [255, 0, 255, 77], "drawn before anything was prepared");
+        // SAFETY: a context is current; the calls are wrong on purpose.
+        unsafe { gl.line_width(-1.0) };
         backend.prepare(gl, &plan, false).expect("shaders");
-        // SAFETY: a context is current; the call is wrong on purpose.
+        assert_eq!(backend.present(gl, texture, &[target]), GL_INVALID_VALUE, "taken by prepare, given by present");
+        // SAFETY: as above.
         unsafe { gl.enable(0xdead) };
         assert_eq!(backend.present(gl, texture, &[target]), GL_INVALID_ENUM);
+        assert_eq!(backend.present(gl, texture, &[target]), GL_NO_ERROR);
         assert_eq!(backend.errors(), 0);
         // SAFETY: a context is current.
         assert_eq!(unsafe { gl.get_error() }, GL_NO_ERROR);
