@@ -20,8 +20,12 @@ fn main() {
     println!("cargo::rustc-link-arg=-Wl,-z,nodelete");
     println!("cargo::rustc-link-arg=-Wl,-Bsymbolic");
     // The SONAME answers libGLX's request for a vendor called "cupola" when the preload library is
-    // loaded already. Cargo has no flags for a library among the examples alone; executables
-    // ignore the flag, and for libcupola.so the last one counts.
+    // loaded already. Cargo has no flags for a library among the examples alone, so each other kind of
+    // target gets a name of its own after it, and the last one counts. Executables too: libGLX would
+    // take one of that name for the vendor.
     println!("cargo::rustc-link-arg=-Wl,-soname,libGLX_cupola.so.0");
     println!("cargo::rustc-cdylib-link-arg=-Wl,-soname,libcupola.so");
+    for kind in ["bins", "tests", "benches"] {
+        println!("cargo::rustc-link-arg-{kind}=-Wl,-soname,cupola-executable");
+    }
 }

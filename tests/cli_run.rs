@@ -17,8 +17,15 @@ fn cupola(folder: &Path) -> Command {
     }) {
         command.env_remove(name);
     }
-    command.env("TMPDIR", folder).arg("run").stdin(Stdio::null());
+    command.env("CUPOLA_LIBRARY", library()).env("TMPDIR", folder).arg("run").stdin(Stdio::null());
     command
+}
+
+/// The library of this build: `cargo test` leaves it beside the tests, not beside the command.
+fn library() -> PathBuf {
+    let command = Path::new(env!("CARGO_BIN_EXE_cupola"));
+    let built = command.with_file_name("deps").join("libcupola.so");
+    if built.exists() { built } else { command.with_file_name("libcupola.so") }
 }
 
 /// An empty folder for one test.
@@ -234,7 +241,8 @@ fn the_kill_switch_runs_the_program_plainly() {
     let output = cupola(&folder).env("CUPOLA", "0").args(["--frames", "3", "--", "env"]).output().unwrap();
     let environment = words(&output.stdout);
     assert!(environment.contains("CUPOLA=0\n"));
-    assert!(!environment.contains("CUPOLA_") && !environment.contains("VENDOR_LIBRARY"), "{environment}");
+    let settings = environment.replace("CUPOLA_LIBRARY", "");
+    assert!(!settings.contains("CUPOLA_") && !environment.contains("VENDOR_LIBRARY"), "{environment}");
 }
 
 #[test]
