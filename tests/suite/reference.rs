@@ -184,6 +184,6 @@ impl Projector {
         let [x, y, z] = self.turn.inward(add_scaled(point, self.position, -1.0));
         let Opening { left, right, bottom, top } = self.opening;
         let (x, y) = ((x / -z - left) / (right - left), (top - y / -z) / (top - bottom));
-        (z < 0.0 && (0.0..=1.0).contains(&x) && (0.0..=1.0).contains(&y)).then(|| [x * self.width, y * self.height])
+        (z < 0.0 && (0.0..=1.0).contains(&x) && (0.0..=1.0).contains(&y)).then_some([x * self.width, y * self.height])
     }
 }
