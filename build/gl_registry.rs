@@ -71,7 +71,7 @@ fn commands(root: roxmltree::Node, wanted: &BTreeSet<&str>, out: &mut String) {
         let parameters: Vec<(String, String)> = command
             .children()
             .filter(|n| n.has_tag_name("param"))
-            .map(|p| (format!("p_{}", child_text(p, "name")), rust_type(&declaration(p))))
+            .map(|p| (format!("p_{}", snake_case(&child_text(p, "name"))), rust_type(&declaration(p))))
             .collect();
         let method = snake_case(name.strip_prefix("gl").expect("a GL command begins with gl"));
         let types = parameters.iter().map(|p| p.1.as_str()).collect::<Vec<_>>().join(", ");

@@ -27,10 +27,10 @@ const MAX_COEFFICIENTS: usize = 8;
 /// views by rounding, and the guard of at least one texel still feeds the bilinear filter.
 const OVERHANG: f64 = 0.125;
 
-/// The rows of a re-projection as patched shaders take them: x, y, w, and (E, 0, 0, 0).
+/// The rows of a re-projection as patched shaders take them: x, y, w, and (E, depth factor, depth offset, 0).
 pub fn clip_rows(rows: &ClipRows) -> [f32; 16] {
     let mut out = [0.0; 16];
-    for (four, row) in out.chunks_exact_mut(4).zip([&rows.x, &rows.y, &rows.w, &[rows.e, 0.0, 0.0, 0.0]]) {
+    for (four, row) in out.chunks_exact_mut(4).zip([&rows.x, &rows.y, &rows.w, &[rows.e, rows.depth[0], rows.depth[1], 0.0]]) {
         for (value, exact) in four.iter_mut().zip(row) {
             *value = *exact as f32;
         }

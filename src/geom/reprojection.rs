@@ -50,8 +50,8 @@ pub enum MatrixClass {
 }
 
 /// The rows that take a program's clip coordinates to a view's, in ratio form
-/// (`x' = rx·(cx, cy, cw) + rx[3]·q` and so on for y and w, `q = cz + E·cw`, `z' = q − E·w'`;
-/// `z' = w'` where `cz = cw`).
+/// (`x' = rx·(cx, cy, cw) + rx[3]·q` and so on for y and w, `q = cz + E·cw`,
+/// `z' = depth[0]·(q − E·w') + depth[1]·w'`; `z' = w'` where `cz = cw`).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClipRows {
     /// Row for x'.
@@ -62,6 +62,9 @@ pub struct ClipRows {
     pub w: [f64; 4],
     /// E of the program's matrix.
     pub e: f64,
+    /// Depth of the view from the program's depth measured along the view's axis: factor and offset in
+    /// normalised device coordinates; (1, 0) = the program's own planes.
+    pub depth: [f64; 2],
 }
 
 impl Intrinsics {
@@ -133,8 +136,12 @@ pub fn clip_rows(p: &Intrinsics, camera: &CameraAdjustment, rotation: DMat3, fru
         y: row(up, unit_shift.y, middle_y, half_y),
         w: w.map(positive_zero),
         e: p.e,
+        depth: [1.0, 0.0],
     }
 }
+
+/// A moved eye brings the near plane no nearer than this part of the program's distance.
+const LEAST_NEAR: f64 = 0.05;
 
 /// Zero without its sign; every other number as it is.
 fn positive_zero(x: f64) -> f64 {
@@ -142,6 +149,44 @@ fn positive_zero(x: f64) -> f64 {
 }
 
 impl ClipRows {
+    /// The same rows for a view that is `frustum` wide, with planes so far apart that nothing which the
+    /// program's own planes let through is lost.
+    ///
+    /// Many programs fit their near and far planes tightly around what they draw. A view that is turned
+    /// measures depth along its own axis: what lies at the near distance straight ahead of the program
+    /// is nearer by the cosine of the angle to the view's axis. So the view's near plane is the
+    /// program's times the cosine of the view's corner, the far plane the program's times the secant of
+    /// the lens's corner (√3, a cube's, at least). Both follow from E alone: depth in normalised device
+    /// coordinates is `−E + F/d` with `F/near = E − 1`, `F/far = E + 1` in OpenGL's default clip range
+    /// (for a range of 0…1 the planes come out wider still); E ≥ 0 is a reversed depth, from 1 to 0 where
+    /// E < 1, from 1 to −1 else. The view's depth is the image of that under `depth[0]·z + depth[1]`, exactly the
+    /// depth of a lens with the wider planes.
+    pub fn widened(self, p: &Intrinsics, camera: &CameraAdjustment, frustum: &Frustum) -> Self {
+        let corner = |f: &Frustum, zoom: f64| {
+            let (x, y) = (f.left.abs().max(f.right.abs()), f.bottom.abs().max(f.top.abs()));
+            (1.0 + zoom * zoom * (x * x + y * y)).sqrt()
+        };
+        let (at_near, at_far) = match p.e {
+            e if e < 0.0 => (-1.0, 1.0),
+            e if e < 1.0 => (1.0, 0.0),
+            _ => (1.0, -1.0),
+        };
+        let mut near = 1.0 / corner(frustum, 1.0);
+        if let (Some(f), true) = (p.f, camera.shift != DVec3::ZERO) {
+            // The eye may have come this much nearer to everything.
+            let distance = f / (at_near + p.e);
+            near *= ((distance - camera.shift.length()) / distance).clamp(LEAST_NEAR, 1.0);
+        }
+        let far = corner(&p.frustum(), camera.zoom).max(3f64.sqrt());
+        let nearest = -p.e + (at_near + p.e) / near;
+        let farthest = -p.e + (at_far + p.e) / far;
+        let scale = (at_near - at_far) / (nearest - farthest);
+        if !scale.is_finite() || scale <= 0.0 {
+            return self;
+        }
+        Self { depth: [scale, at_near - scale * nearest], ..self }
+    }
+
     /// The same as one 4×4 matrix (column-major) to be multiplied from the left to the program's projection.
     /// It lacks the rule `z' = w'` where `cz = cw`, which is not linear.
     pub fn matrix(&self) -> [f64; 16] {
@@ -149,6 +194,7 @@ impl ClipRows {
         let linear = |r: &[f64; 4]| [r[0], r[1], r[3], r[2] + e * r[3]];
         let [x, y, w] = [linear(&self.x), linear(&self.y), linear(&self.w)];
         let z = [-e * w[0], -e * w[1], 1.0 - e * w[2], e * (1.0 - w[3])];
+        let z: [f64; 4] = std::array::from_fn(|i| self.depth[0] * z[i] + self.depth[1] * w[i]);
         std::array::from_fn(|i| positive_zero([x, y, z, w][i % 4][i / 4]))
     }
 }

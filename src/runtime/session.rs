@@ -112,7 +112,10 @@ impl Session {
     pub fn rows(&self, lens: &Intrinsics) -> Vec<ClipRows> {
         let camera = &self.rig.camera;
         let camera = CameraAdjustment { zoom: camera.zoom, shift: camera.shift, rotation: camera_rotation(camera) };
-        self.views().iter().map(|view| clip_rows(lens, &camera, view.rotation, &view.frustum)).collect()
+        let rows = |view: &View| {
+            clip_rows(lens, &camera, view.rotation, &view.frustum).widened(lens, &camera, &view.frustum)
+        };
+        self.views().iter().map(rows).collect()
     }
 }
 

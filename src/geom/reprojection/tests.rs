@@ -265,3 +265,54 @@ fn everything_else_is_refused() {
     let orthographic = DMat4::from_scale(DVec3::new(0.1, 0.2, -0.01)).to_cols_array();
     assert_eq!(classify(&orthographic), MatrixClass::Affine);
 }
+
+/// A view's depth with wider planes is that of a lens which has those planes.
+#[test]
+fn widened_planes_are_those_of_a_wider_lens() {
+    let frustum = Frustum { left: -1.0, right: 0.8, bottom: -0.5, top: 1.0 };
+    let turn = rotation(0.7, -0.3, 0.2);
+    let camera = CameraAdjustment::NONE;
+    for (near, far) in [(1.0, 1.5), (0.1, 100.0), (0.01, 1e6)] {
+        let matrix = Frustum { left: -0.4, right: 0.4, bottom: -0.3, top: 0.3 }.projection_matrix(near, far);
+        let MatrixClass::Perspective(p) = classify(&matrix.to_cols_array()) else { panic!("a projection") };
+        let rows = clip_rows(&p, &camera, turn, &frustum).widened(&p, &camera, &frustum);
+        let wider = frustum.projection_matrix(near / 3f64.sqrt(), far * 3f64.sqrt());
+        let expected = wider * glam::DMat4::from_mat3(turn);
+        let got = glam::DMat4::from_cols_array(&rows.matrix()) * matrix;
+        for (got, expected) in got.to_cols_array().into_iter().zip(expected.to_cols_array()) {
+            assert!((got - expected).abs() <= 1e-9 * far.max(1.0), "{near} {far}: {got} {expected}");
+        }
+    }
+}
+
+/// What a tight near plane lets through straight ahead is not cut in a turned view (it was, before).
+#[test]
+fn a_turned_view_loses_nothing_to_a_tight_near_plane() {
+    let frustum = Frustum { left: -1.0, right: 1.0, bottom: -1.0, top: 1.0 };
+    let turn = rotation(45f64.to_radians(), 0.0, 0.0);
+    let camera = CameraAdjustment::NONE;
+    let matrix = Frustum { left: -0.3, right: 0.3, bottom: -0.3, top: 0.3 }.projection_matrix(10.0, 12.0);
+    let MatrixClass::Perspective(p) = classify(&matrix.to_cols_array()) else { panic!("a projection") };
+    let tight = clip_rows(&p, &camera, turn, &frustum);
+    let clip = |rows: &ClipRows, depth: f64| {
+        let c = matrix * glam::DVec4::new(0.1, 0.0, -depth, 1.0);
+        glam::DMat4::from_cols_array(&rows.matrix()) * c
+    };
+    let lost = |c: glam::DVec4| c.z.abs() > c.w;
+    assert!(lost(clip(&tight, 10.5)), "the negative control");
+    let rows = tight.widened(&p, &camera, &frustum);
+    for depth in [10.0, 10.5, 11.0, 12.0] {
+        assert!(!lost(clip(&rows, depth)), "{depth}");
+    }
+}
+
+/// A reversed infinite depth (1 at the near plane, 0 at infinity) stays one.
+#[test]
+fn widening_keeps_a_reversed_infinite_depth_in_its_range() {
+    let p = Intrinsics { a: 2.0, b: 0.0, c: 2.0, d: 0.0, e: 0.0, f: Some(0.1) };
+    let frustum = Frustum { left: -1.0, right: 1.0, bottom: -1.0, top: 1.0 };
+    let rows = clip_rows(&p, &CameraAdjustment::NONE, DMat3::IDENTITY, &frustum).widened(&p, &CameraAdjustment::NONE, &frustum);
+    let [scale, offset] = rows.depth;
+    assert!(scale > 0.0 && scale < 1.0, "nearer things get the depths that the program's near plane had: {scale}");
+    assert!(offset.abs() < 1e-15, "infinity stays at depth 0: {offset}");
+}

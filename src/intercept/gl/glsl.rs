@@ -20,12 +20,12 @@ pub enum Stage {
     Geometry,
 }
 
-/// The functions that re-project; `cupola_view` holds the rows for x, y, w and (E, 0, 0, 0).
+/// The functions that re-project; `cupola_view` holds the rows for x, y, w and (E, depth factor, depth offset, 0).
 const FIX: &str = "uniform PRECISION vec4 cupola_view[4];
 PRECISION vec4 cupola_fix(PRECISION vec4 c) {
 PRECISION float q = c.z + cupola_view[3].x * c.w;
 PRECISION float w = dot(cupola_view[2].xyz, c.xyw) + cupola_view[2].w * q;
-PRECISION vec4 r = vec4(dot(cupola_view[0].xyz, c.xyw) + cupola_view[0].w * q, dot(cupola_view[1].xyz, c.xyw) + cupola_view[1].w * q, q - cupola_view[3].x * w, w);
+PRECISION vec4 r = vec4(dot(cupola_view[0].xyz, c.xyw) + cupola_view[0].w * q, dot(cupola_view[1].xyz, c.xyw) + cupola_view[1].w * q, cupola_view[3].y * (q - cupola_view[3].x * w) + cupola_view[3].z * w, w);
 if (c.z == c.w) r.z = w;
 return r;
 }
