@@ -91,7 +91,25 @@ pub struct Counts {
     /// OpenGL errors of ours.
     pub errors: u64,
     /// Draws by the way their projection was found.
-    pub found: HashMap<&'static str, u64>,
+    pub found: Found,
+}
+
+/// How often each way of finding a projection was taken. Counting allocates nothing.
+#[derive(Clone, Debug, Default)]
+pub struct Found([(&'static str, u64); 8]);
+
+impl Found {
+    /// Counts one draw whose projection was found in this way; more than eight ways are not told apart.
+    pub fn count(&mut self, how: &'static str) {
+        if let Some(entry) = self.0.iter_mut().find(|e| e.1 == 0 || e.0 == how) {
+            *entry = (how, entry.1 + 1);
+        }
+    }
+
+    /// The ways that were taken, with their numbers of draws.
+    pub fn iter(&self) -> impl Iterator<Item = (&'static str, u64)> + '_ {
+        self.0.iter().copied().filter(|e| e.1 > 0)
+    }
 }
 
 /// One context of the program.
@@ -108,8 +126,8 @@ pub struct Context {
     pub target: Option<Box<DefaultFramebuffer>>,
     /// What the program believes.
     pub believed: Believed,
-    /// `glPushAttrib`: the mask and what was believed.
-    pub attribute_stack: Vec<(u32, Believed)>,
+    /// `glPushAttrib`: the mask, what was believed, and `glListBase`.
+    pub attribute_stack: Vec<(u32, Believed, u32)>,
     /// What the driver has.
     pub actual: Actual,
     /// The fixed-function projection.
@@ -136,6 +154,10 @@ pub struct Context {
     pub buffer_generation: u64,
     /// Transform feedback is recording.
     pub feedback: bool,
+    /// `GL_RASTERIZER_DISCARD`.
+    pub discard: bool,
+    /// How often flushes of the front buffer are answered.
+    pub pace: super::front::Pace,
     /// Objects shared with other contexts.
     pub share: Arc<ShareGroup>,
     /// Counts for `--stats`.
@@ -256,6 +278,8 @@ impl Context {
             pending_error: 0,
             buffer_generation: 0,
             feedback: false,
+            discard: false,
+            pace: Default::default(),
             share,
             counts: Counts::default(),
             frame_begun: false,

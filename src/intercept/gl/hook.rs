@@ -60,6 +60,8 @@ pub fn find(name: &str) -> Option<*const ()> {
     let table = TABLE.get_or_init(|| {
         let files = [
             super::draw::HOOKS,
+            super::feedback::HOOKS,
+            super::front::HOOKS,
             super::immediate::HOOKS,
             super::lists::HOOKS,
             super::matrices::HOOKS,

@@ -9,6 +9,8 @@ pub mod camera;
 pub mod context;
 pub mod default_framebuffer;
 pub mod draw;
+pub mod feedback;
+pub mod front;
 pub mod glsl;
 pub mod hook;
 pub mod immediate;

@@ -50,12 +50,16 @@ impl Context {
     }
 }
 
+/// `GL_MAX_ATTRIB_STACK_DEPTH` of every driver that is known.
+const ATTRIBUTE_DEPTH: usize = 16;
+
 /// `glPushAttrib`.
 pub fn push_attributes(ctx: &mut Context, mask: u32) {
     // SAFETY: the program's own call.
     unsafe { ctx.gl.push_attrib(mask) };
-    if ctx.attribute_stack.len() < 64 {
-        ctx.attribute_stack.push((mask, ctx.believed.clone()));
+    // As deep as OpenGL's own, which ignores what exceeds it.
+    if ctx.attribute_stack.len() < ATTRIBUTE_DEPTH {
+        ctx.attribute_stack.push((mask, ctx.believed.clone(), ctx.list_base));
     }
 }
 
@@ -64,7 +68,7 @@ pub fn push_attributes(ctx: &mut Context, mask: u32) {
 pub fn pop_attributes(ctx: &mut Context) {
     // SAFETY: the program's own call.
     unsafe { ctx.gl.pop_attrib() };
-    let Some((mask, saved)) = ctx.attribute_stack.pop() else { return };
+    let Some((mask, saved, list_base)) = ctx.attribute_stack.pop() else { return };
     if mask & api::GL_VIEWPORT_BIT != 0 {
         ctx.believed.viewport = saved.viewport;
         ctx.actual.viewport = None;
@@ -77,8 +81,15 @@ pub fn pop_attributes(ctx: &mut Context) {
         ctx.believed.scissor_test = saved.scissor_test;
         ctx.actual.scissor_test = None;
     }
+    if mask & api::GL_ENABLE_BIT != 0 && ctx.profile.version >= 30 {
+        // SAFETY: asks for a switch that OpenGL 3.0 has.
+        ctx.discard = unsafe { ctx.gl.is_enabled(api::GL_RASTERIZER_DISCARD) } != 0;
+    }
     if mask & api::GL_TRANSFORM_BIT != 0 {
         ctx.believed.matrix_mode = saved.matrix_mode;
+    }
+    if mask & api::GL_LIST_BIT != 0 {
+        ctx.list_base = list_base;
     }
     if mask & api::GL_COLOR_BUFFER_BIT != 0 {
         ctx.believed.draw_buffer = saved.draw_buffer;
@@ -137,10 +148,22 @@ hooks! {
         }
     };
     "glEnable" enable(cap: u32) = |ctx, gl| {
-        if cap == api::GL_SCISSOR_TEST { set_scissor_test(ctx, true) } else { gl.enable(cap) }
+        match cap {
+            api::GL_SCISSOR_TEST => set_scissor_test(ctx, true),
+            _ => {
+                ctx.discard |= cap == api::GL_RASTERIZER_DISCARD;
+                gl.enable(cap);
+            }
+        }
     };
     "glDisable" disable(cap: u32) = |ctx, gl| {
-        if cap == api::GL_SCISSOR_TEST { set_scissor_test(ctx, false) } else { gl.disable(cap) }
+        match cap {
+            api::GL_SCISSOR_TEST => set_scissor_test(ctx, false),
+            _ => {
+                ctx.discard &= cap != api::GL_RASTERIZER_DISCARD;
+                gl.disable(cap);
+            }
+        }
     };
     "glPushAttrib" push_attrib(mask: u32) = |ctx, _gl| {
         if ctx.compiling() { super::lists::record(ctx, Command::PushAttributes(mask)) } else { push_attributes(ctx, mask) }

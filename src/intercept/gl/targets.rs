@@ -52,8 +52,7 @@ fn clear_with(ctx: &mut Context, color: bool, issue: impl Fn(&crate::backend::gl
     }
     super::default_framebuffer::want_panel(ctx);
     let Some(target) = &ctx.target else { return };
-    let tiles: Vec<[i32; 4]> = target.flat_tiles().into_iter().flatten().map(|t| t.0).collect();
-    for tile in tiles {
+    for (tile, _) in target.flat_tiles().into_iter().flatten() {
         own_window_space(ctx, tile);
         issue(gl);
     }
@@ -134,7 +133,10 @@ fn select_draw_buffers(ctx: &mut Context, count: i32, buffers: *const u32) {
     }
     // SAFETY: the program passes `count` names.
     let names = unsafe { std::slice::from_raw_parts(buffers, count as usize) };
-    let translated: Vec<u32> = names.iter().map(|name| attachment(*name)).collect();
+    let mut translated = [api::GL_NONE; 16];
+    for (real, name) in translated.iter_mut().zip(names) {
+        *real = attachment(*name);
+    }
     if is_window_buffer(names[0]) || names[0] == api::GL_NONE {
         ctx.believed.draw_buffer = names[0];
     }
@@ -161,10 +163,10 @@ fn blit(ctx: &mut Context, mut source: [i32; 4], destination: [i32; 4], mask: u3
         super::reads::finish(ctx);
         return;
     }
+    ctx.frame_begun = true;
     super::default_framebuffer::want_panel(ctx);
     let Some(target) = &ctx.target else { return };
-    let tiles: Vec<[i32; 4]> = target.flat_tiles().into_iter().flatten().map(|t| t.0).collect();
-    for tile in tiles {
+    for (tile, _) in target.flat_tiles().into_iter().flatten() {
         own_window_space(ctx, tile);
         let [x0, y0, x1, y1] = destination;
         issue([x0 + tile[0], y0 + tile[1], x1 + tile[0], y1 + tile[1]]);
