@@ -13,7 +13,14 @@ use std::sync::{Mutex, Once, PoisonError};
 /// Before the window is swapped: its back buffer gets the corrected picture.
 pub fn before_swap() {
     let Some(ctx) = current().filter(|c| !c.switched_off) else { return };
-    if crate::fence::guard(|| frame(ctx)).is_none() {
+    let show = || {
+        frame(ctx);
+        if ctx.target.as_ref().is_some_and(|t| !t.config().double_buffered) {
+            // SAFETY: a swap of a window with one buffer is a flush.
+            in_window(ctx, |gl| unsafe { gl.flush() });
+        }
+    };
+    if crate::fence::guard(show).is_none() {
         after_panic("presenting a frame");
     }
 }
@@ -30,25 +37,31 @@ pub fn after_swap() {
 pub fn show_front(ctx: &mut Context) {
     let double = ctx.target.as_ref().is_some_and(|t| t.config().double_buffered);
     if double {
-        window_draw_buffer(ctx, api::GL_FRONT_AND_BACK);
+        // SAFETY: state of the window's own framebuffer, which the program never sees.
+        in_window(ctx, |gl| unsafe { gl.draw_buffer(api::GL_FRONT_AND_BACK) });
     }
     frame(ctx);
-    if double {
-        window_draw_buffer(ctx, api::GL_BACK);
-    }
+    in_window(ctx, |gl| {
+        // SAFETY: as above. Drivers show the front buffer in a flush while it is bound, and only then.
+        unsafe {
+            gl.flush();
+            if double {
+                gl.draw_buffer(api::GL_BACK);
+            }
+        }
+    });
     next_frame(ctx);
 }
 
-/// Which buffer of the window itself the correction is drawn to.
-fn window_draw_buffer(ctx: &Context, buffer: u32) {
+/// Runs `run` with the window's own framebuffer bound for drawing.
+fn in_window(ctx: &Context, run: impl FnOnce(&Gl)) {
     let Some(target) = &ctx.target else { return };
     let bound = if ctx.believed.draw_framebuffer == 0 { target.framebuffer() } else { ctx.believed.draw_framebuffer };
-    // SAFETY: state of the window's own framebuffer, which the program never sees; the binding is put back.
-    unsafe {
-        ctx.gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, 0);
-        ctx.gl.draw_buffer(buffer);
-        ctx.gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, bound);
-    }
+    // SAFETY: the binding is put back.
+    unsafe { ctx.gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, 0) };
+    run(ctx.gl);
+    // SAFETY: as above.
+    unsafe { ctx.gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, bound) };
 }
 
 /// Corrects the views into the window. Allocates nothing.
