@@ -36,3 +36,8 @@ fn a_window_with_one_buffer_shows_what_one_with_two_shows() {
     let [Some(double), Some(single)] = shots else { return };
     assert_eq!(double.difference(&single), (0, 0));
 }
+
+#[test]
+fn the_window_by_its_name_and_our_uniform_by_none() {
+    judges_itself("direct_state");
+}

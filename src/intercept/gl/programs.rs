@@ -8,7 +8,7 @@ use crate::backend::gl::api::{self, Gl};
 use crate::intercept::log;
 use crate::runtime::session::{Intrinsics, MatrixClass};
 use std::collections::HashMap;
-use std::ffi::{CStr, CString, c_char};
+use std::ffi::{CStr, CString, c_char, c_void};
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// Rows that change nothing: the program's own picture.
@@ -176,9 +176,13 @@ fn patched_stage(sources: &HashMap<u32, Arc<str>>, shaders: &[(u32, u32)]) -> Op
 fn link(ctx: &mut Context, program: u32) {
     let gl = ctx.gl;
     let shaders = attached(gl, program);
-    let mut programs = ctx.share.programs.lock().unwrap_or_else(PoisonError::into_inner);
-    programs.programs.remove(&program);
-    let patched = patched_stage(&programs.sources, &shaders);
+    // Compiling takes long; other threads' contexts use the table meanwhile.
+    let sources: HashMap<u32, Arc<str>> = {
+        let mut programs = ctx.share.programs.lock().unwrap_or_else(PoisonError::into_inner);
+        programs.programs.remove(&program);
+        shaders.iter().filter_map(|s| Some((s.0, programs.sources.get(&s.0)?.clone()))).collect()
+    };
+    let patched = patched_stage(&sources, &shaders);
     let mut linked = false;
     if let Some((shader, original, text)) = &patched {
         linked = link_patched(gl, program, *shader, original, text);
@@ -198,10 +202,12 @@ fn link(ctx: &mut Context, program: u32) {
     let fixed_matrices = shaders
         .iter()
         .filter(|s| s.1 != api::GL_FRAGMENT_SHADER)
-        .filter_map(|s| programs.sources.get(&s.0))
+        .filter_map(|s| sources.get(&s.0))
         .any(|source| words.iter().any(|word| glsl::mentions(source, word)));
     let record = Arc::new(read_program(gl, &ctx.profile, program, linked, vertices, fixed_matrices));
+    let mut programs = ctx.share.programs.lock().unwrap_or_else(PoisonError::into_inner);
     programs.programs.insert(program, record.clone());
+    drop(programs);
     // Linking a program that is in use puts the new one into use.
     if ctx.program.as_ref().is_some_and(|p| p.name == program) {
         ctx.program = Some(record);
@@ -278,6 +284,16 @@ hooks! {
         gl.delete_shader(shader)
     };
     "glLinkProgram" link_program(program: u32) = |ctx, _gl| link(ctx, program);
+    "glDeleteObjectARB" delete_object_arb(object: u32) = |ctx, gl| {
+        // Programs and shaders have names of one space.
+        gl.delete_object_arb(object);
+        ctx.share.programs.lock().unwrap_or_else(PoisonError::into_inner).programs.remove(&object);
+    };
+    "glProgramBinary" program_binary(program: u32, format: u32, binary: *const c_void, length: i32) = |ctx, gl| {
+        // What it was linked to is gone; what it is now was never patched.
+        gl.program_binary(program, format, binary, length);
+        ctx.share.programs.lock().unwrap_or_else(PoisonError::into_inner).programs.remove(&program);
+    };
     "glDeleteProgram" delete_program(program: u32) = |ctx, gl| {
         gl.delete_program(program);
         ctx.share.programs.lock().unwrap_or_else(PoisonError::into_inner).programs.remove(&program);

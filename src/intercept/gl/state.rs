@@ -102,7 +102,31 @@ pub fn pop_attributes(ctx: &mut Context) {
     }
 }
 
-fn set_scissor_test(ctx: &mut Context, on: bool) {
+/// A viewport of the program.
+pub fn set_program_viewport(ctx: &mut Context, rect: [i32; 4]) {
+    ctx.believed.viewport = rect;
+    let new_size = ctx.target.as_ref().is_some_and(|t| t.size() != (rect[2] as u32, rect[3] as u32));
+    if new_size && !ctx.frame_begun && ctx.redirected() {
+        // Perhaps the window has it already.
+        super::present::follow_size(ctx);
+    }
+    if !ctx.redirected() {
+        ctx.set_viewport(rect);
+    }
+}
+
+/// A scissor rectangle of the program.
+pub fn set_program_scissor(ctx: &mut Context, rect: [i32; 4]) {
+    ctx.believed.scissor = rect;
+    if !ctx.redirected() {
+        ctx.actual.scissor = Some(rect);
+        // SAFETY: the program's own command.
+        unsafe { ctx.gl.scissor(rect[0], rect[1], rect[2], rect[3]) };
+    }
+}
+
+/// The program's scissor test.
+pub fn set_scissor_test(ctx: &mut Context, on: bool) {
     if ctx.compiling() {
         super::lists::record(ctx, Command::ScissorTest(on));
     } else {
@@ -123,15 +147,7 @@ hooks! {
         } else if ctx.compiling() {
             super::lists::record(ctx, Command::Viewport([x, y, width, height]));
         } else {
-            ctx.believed.viewport = [x, y, width, height];
-            let new_size = ctx.target.as_ref().is_some_and(|t| t.size() != (width as u32, height as u32));
-            if new_size && !ctx.frame_begun && ctx.redirected() {
-                // Perhaps the window has it already.
-                super::present::follow_size(ctx);
-            }
-            if !ctx.redirected() {
-                ctx.set_viewport([x, y, width, height]);
-            }
+            set_program_viewport(ctx, [x, y, width, height]);
         }
     };
     "glScissor" scissor(x: i32, y: i32, width: i32, height: i32) = |ctx, gl| {
@@ -140,11 +156,7 @@ hooks! {
         } else if ctx.compiling() {
             super::lists::record(ctx, Command::Scissor([x, y, width, height]));
         } else {
-            ctx.believed.scissor = [x, y, width, height];
-            if !ctx.redirected() {
-                ctx.actual.scissor = Some(ctx.believed.scissor);
-                gl.scissor(x, y, width, height);
-            }
+            set_program_scissor(ctx, [x, y, width, height]);
         }
     };
     "glEnable" enable(cap: u32) = |ctx, gl| {

@@ -7,7 +7,7 @@ use super::lists::Command;
 use crate::backend::gl::api;
 
 /// Binds what the program's framebuffer `name` stands for.
-fn bind(ctx: &mut Context, target: u32, name: u32) {
+pub fn bind(ctx: &mut Context, target: u32, name: u32) {
     let was_redirected = ctx.redirected();
     let ours = ctx.target.as_ref().map_or(0, |t| t.framebuffer());
     let real = if name == 0 { ours } else { name };
@@ -25,7 +25,7 @@ fn bind(ctx: &mut Context, target: u32, name: u32) {
 }
 
 /// A clear of the program: of everything that is its picture.
-fn clear_with(ctx: &mut Context, color: bool, issue: impl Fn(&crate::backend::gl::api::Gl)) {
+pub fn clear_with(ctx: &mut Context, color: bool, issue: impl Fn(&crate::backend::gl::api::Gl)) {
     let gl = ctx.gl;
     if !ctx.redirected() || ctx.picking {
         issue(gl);
@@ -124,7 +124,8 @@ pub fn select_read_buffer(ctx: &mut Context, buffer: u32) {
     }
 }
 
-fn select_draw_buffers(ctx: &mut Context, count: i32, buffers: *const u32) {
+/// `glDrawBuffers`.
+pub fn select_draw_buffers(ctx: &mut Context, count: i32, buffers: *const u32) {
     let gl = ctx.gl;
     if !ctx.redirected() || buffers.is_null() || !(1..=16).contains(&count) {
         // SAFETY: the program's own call.
@@ -146,7 +147,7 @@ fn select_draw_buffers(ctx: &mut Context, count: i32, buffers: *const u32) {
 
 /// A copy of a rectangle into the window: onto the flat panel and the program's own picture.
 #[allow(clippy::too_many_arguments)] // glBlitFramebuffer's own.
-fn blit(ctx: &mut Context, mut source: [i32; 4], destination: [i32; 4], mask: u32, filter: u32) {
+pub fn blit(ctx: &mut Context, mut source: [i32; 4], destination: [i32; 4], mask: u32, filter: u32) {
     let gl = ctx.gl;
     if ctx.reads_redirected() {
         let origin = super::reads::prepare(ctx);
@@ -215,6 +216,9 @@ hooks! {
     "glInvalidateFramebuffer" invalidate_framebuffer(target: u32, count: i32, attachments: *const u32) = |ctx, gl| {
         // A hint; for the window it would have to be translated for nothing.
         if !ctx.redirected() { gl.invalidate_framebuffer(target, count, attachments) }
+    };
+    "glDiscardFramebufferEXT" discard_framebuffer_ext(target: u32, count: i32, attachments: *const u32) = |ctx, gl| {
+        if !ctx.redirected() { gl.discard_framebuffer_ext(target, count, attachments) }
     };
     "glInvalidateSubFramebuffer" invalidate_sub_framebuffer(target: u32, count: i32, attachments: *const u32, x: i32, y: i32, w: i32, h: i32) = |ctx, gl| {
         if !ctx.redirected() { gl.invalidate_sub_framebuffer(target, count, attachments, x, y, w, h) }
