@@ -22,6 +22,12 @@ fn transform_feedback_records_a_draw_once() {
 }
 
 #[test]
+fn a_pipeline_of_separable_programs() {
+    judges_itself("separable");
+    crate::dialects::fisheye("separable", &[]);
+}
+
+#[test]
 fn names_that_a_program_never_asked_for_are_free() {
     judges_itself("own_names");
 }

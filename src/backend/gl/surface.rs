@@ -170,7 +170,9 @@ pub fn new_texture(gl: &Gl) -> u32 {
     // SAFETY: writes as many names as there is room for, and gives back all but the last.
     unsafe {
         let mut profile = 0;
-        gl.get_integerv(api::GL_CONTEXT_PROFILE_MASK, &mut profile);
+        if !gl.is_es() {
+            gl.get_integerv(api::GL_CONTEXT_PROFILE_MASK, &mut profile);
+        }
         if profile as u32 & api::GL_CONTEXT_COMPATIBILITY_PROFILE_BIT == 0 {
             gl.gen_textures(1, names.as_mut_ptr());
             return names[0];

@@ -134,8 +134,10 @@ pub struct Context {
     pub projection: Projection,
     /// The cameras of the frame.
     pub cameras: Cameras,
-    /// The program object in use.
+    /// The program object that draws: the one in use, or a pipeline's.
     pub program: Option<Arc<Program>>,
+    /// Program pipelines, and which program is in use.
+    pub pipelines: super::pipelines::Pipelines,
     /// Between `glBegin` and `glEnd`.
     pub in_begin: bool,
     /// Our list that records a Begin/End; 0 = not made yet.
@@ -269,6 +271,7 @@ impl Context {
             projection: Projection::default(),
             cameras: Cameras::default(),
             program: None,
+            pipelines: Default::default(),
             in_begin: false,
             begin_list: 0,
             picking: false,

@@ -155,7 +155,7 @@ pub fn place(ctx: &mut Context) -> Place {
         return Place::Flat;
     }
     if let Some(program) = ctx.program.clone().filter(|p| p.draws_vertices()) {
-        return match program.lens(ctx) {
+        return match super::pipelines::lens(ctx, &program) {
             Lens::Perspective(intrinsics, how) => {
                 ctx.counts.found.count(how);
                 ctx.lens = Some(intrinsics);

@@ -67,6 +67,7 @@ pub fn find(name: &str) -> Option<*const ()> {
             super::lists::HOOKS,
             super::matrices::HOOKS,
             super::named::HOOKS,
+            super::pipelines::HOOKS,
             super::programs::HOOKS,
             super::reflection::HOOKS,
             super::uniforms::HOOKS,

@@ -19,6 +19,7 @@ pub mod lists;
 pub mod matrices;
 pub mod named;
 pub mod offscreen;
+pub mod pipelines;
 pub mod present;
 pub mod programs;
 pub mod queries;
