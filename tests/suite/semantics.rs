@@ -47,3 +47,8 @@ fn a_window_with_one_buffer_shows_what_one_with_two_shows() {
 fn the_window_by_its_name_and_our_uniform_by_none() {
     judges_itself("direct_state");
 }
+
+#[test]
+fn a_window_that_is_swapped_while_another_is_current() {
+    judges_itself("one_context");
+}

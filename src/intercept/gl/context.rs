@@ -124,6 +124,8 @@ pub struct Context {
     pub window: Option<Window>,
     /// What stands in for the window's framebuffer; `None` = the window's own.
     pub target: Option<Box<DefaultFramebuffer>>,
+    /// What stands in for other windows that it drew to lately.
+    pub parked: Vec<(Window, Box<DefaultFramebuffer>)>,
     /// What the program believes.
     pub believed: Believed,
     /// `glPushAttrib`: the mask, what was believed, and `glListBase`.
@@ -172,19 +174,67 @@ pub struct Context {
     pub viewport_area: [i64; 2],
 }
 
+/// Windows that a context has left keep what stands in for them, but not more than these.
+const MOST_PARKED: usize = 4;
+
 thread_local! {
     static CURRENT: Cell<*mut Context> = const { Cell::new(std::ptr::null_mut()) };
+    /// The window system's handle of the current context.
+    static HANDLE: Cell<usize> = const { Cell::new(0) };
 }
 
 static DRIVER: AtomicPtr<Gl> = AtomicPtr::new(std::ptr::null_mut());
 
-/// Contexts by their window system's handle, and the group that each shares with.
-static CONTEXTS: Mutex<Option<HashMap<usize, Entry>>> = Mutex::new(None);
+static CONTEXTS: Mutex<Option<Contexts>> = Mutex::new(None);
+
+/// All contexts of the process.
+#[derive(Default)]
+struct Contexts {
+    /// By their window system's handle.
+    known: HashMap<usize, Entry>,
+    /// Addresses of contexts that the program destroyed while a thread had them current: they live until it
+    /// has another.
+    dying: Vec<usize>,
+}
 
 struct Entry {
     share: Arc<ShareGroup>,
     // The address of a leaked Context; 0 = not current yet. Freed when the program destroys it.
     context: usize,
+    /// A thread has it current.
+    current: bool,
+}
+
+impl Contexts {
+    /// The thread that had a context current has it no longer.
+    fn release(&mut self, handle: usize, address: usize) {
+        if let Some(index) = self.dying.iter().position(|dying| *dying == address) {
+            self.dying.swap_remove(index);
+            free(address);
+        } else if let Some(entry) = self.known.get_mut(&handle).filter(|e| e.context == address) {
+            entry.current = false;
+        }
+    }
+
+    /// The program destroyed a context, or its handle came back without that.
+    fn forget(&mut self, entry: Entry) {
+        if entry.current {
+            self.dying.push(entry.context);
+        } else if entry.context != 0 {
+            free(entry.context);
+        }
+    }
+}
+
+/// Frees a context that is current nowhere; its OpenGL objects went with it.
+fn free(address: usize) {
+    // SAFETY: the address came from Box::into_raw, and was just taken out of the only table that holds it;
+    // no thread has the context current, so that no reference to it is left.
+    drop(unsafe { Box::from_raw(address as *mut Context) });
+}
+
+fn contexts<R>(use_them: impl FnOnce(&mut Contexts) -> R) -> R {
+    use_them(CONTEXTS.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert_with(Contexts::default))
 }
 
 /// The context that is current on this thread.
@@ -217,27 +267,45 @@ pub fn after_panic(name: &str) {
 
 /// Notes that `handle` was created, sharing objects with `shared` (0 = with none).
 pub fn created(handle: usize, shared: usize) {
-    let mut contexts = CONTEXTS.lock().unwrap_or_else(PoisonError::into_inner);
-    let contexts = contexts.get_or_insert_with(HashMap::new);
-    let share = contexts.get(&shared).map(|e| e.share.clone()).unwrap_or_default();
-    contexts.insert(handle, Entry { share, context: 0 });
+    contexts(|contexts| {
+        let share = contexts.known.get(&shared).map(|e| e.share.clone()).unwrap_or_default();
+        if let Some(old) = contexts.known.insert(handle, Entry { share, context: 0, current: false }) {
+            contexts.forget(old);
+        }
+    });
+}
+
+/// The program is about to make another context or window current: what it drew is shown to the window that it
+/// leaves, whose buffers it may swap when another is current.
+pub fn leaving(handle: usize, window: Option<&Window>) {
+    let Some(ctx) = current().filter(|c| !c.switched_off && c.frame_begun) else { return };
+    if HANDLE.get() == handle && ctx.window.as_ref() == window {
+        return;
+    }
+    if crate::fence::guard(|| super::present::leave(ctx)).is_none() {
+        after_panic("leaving a window");
+    }
 }
 
 /// The context `handle` was made current with `window` (`None`: no window of the program's).
 pub fn make_current(handle: usize, gl: &'static Gl, window: Option<Window>) {
-    CURRENT.set(std::ptr::null_mut());
-    if handle == 0 {
-        return;
-    }
-    let pointer = {
-        let mut contexts = CONTEXTS.lock().unwrap_or_else(PoisonError::into_inner);
-        let contexts = contexts.get_or_insert_with(HashMap::new);
-        let entry = contexts.entry(handle).or_insert_with(|| Entry { share: Arc::default(), context: 0 });
+    let left = CURRENT.replace(std::ptr::null_mut());
+    let left_handle = HANDLE.replace(handle);
+    let pointer = contexts(|contexts| {
+        if !left.is_null() {
+            contexts.release(left_handle, left as usize);
+        }
+        if handle == 0 {
+            return std::ptr::null_mut();
+        }
+        let new = || Entry { share: Arc::default(), context: 0, current: false };
+        let entry = contexts.known.entry(handle).or_insert_with(new);
         if entry.context == 0 {
             entry.context = Box::into_raw(Box::new(Context::new(gl, entry.share.clone()))) as usize;
         }
+        entry.current = true;
         entry.context as *mut Context
-    };
+    });
     CURRENT.set(pointer);
     if let Some(ctx) = current()
         && !ctx.switched_off
@@ -265,6 +333,7 @@ impl Context {
             switched_off: false,
             window: None,
             target: None,
+            parked: Vec::new(),
             believed,
             attribute_stack: Vec::new(),
             actual: Actual::default(),
@@ -308,12 +377,8 @@ impl Context {
 
     fn attach(&mut self, window: Option<Window>) {
         let first = self.window.is_none() && window.is_some() && self.believed.viewport == [0; 4];
-        let changed = self.window != window;
-        if changed {
-            if let Some(target) = self.target.take() {
-                target.destroy(self.gl);
-            }
-            self.window = window;
+        if self.window != window {
+            self.change_window(window);
         }
         let Some(window) = self.window.clone() else { return };
         if let Some(size) = crate::intercept::settings::settings().and_then(|s| s.window_size) {
@@ -330,6 +395,33 @@ impl Context {
         }
         if self.target.is_none() {
             super::default_framebuffer::attach(self, Extras::default());
+        }
+    }
+
+    /// Another window, or none: what stood for the old one is kept for when the program comes back to it.
+    fn change_window(&mut self, window: Option<Window>) {
+        let old = std::mem::replace(&mut self.window, window);
+        if let (Some(old), Some(target)) = (old, self.target.take()) {
+            if self.parked.len() >= MOST_PARKED {
+                self.parked.remove(0).1.destroy(self.gl);
+            }
+            self.parked.push((old, target));
+            // SAFETY: the program's window is bound in place of ours.
+            unsafe {
+                if self.believed.draw_framebuffer == 0 {
+                    self.gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, 0);
+                }
+                if self.believed.read_framebuffer == 0 {
+                    self.gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, 0);
+                }
+            }
+            self.restore_window_space();
+        }
+        self.frame_begun = false;
+        if let Some(index) = self.parked.iter().position(|(parked, _)| Some(parked) == self.window.as_ref()) {
+            let (window, target) = self.parked.remove(index);
+            super::default_framebuffer::resume(self, &window, target);
+            super::present::follow_size(self);
         }
     }
 
@@ -359,21 +451,13 @@ impl Context {
     }
 }
 
-/// The program destroyed `handle`. A context that is current on a thread lives on until it is not.
+/// The program destroyed `handle`. A context that is current on any thread lives on until it is not.
 pub fn destroyed(handle: usize) {
-    let entry = {
-        let mut contexts = CONTEXTS.lock().unwrap_or_else(PoisonError::into_inner);
-        contexts.as_mut().and_then(|c| c.remove(&handle))
-    };
-    if let Some(entry) = entry
-        && entry.context != 0
-        && CURRENT.get() as usize != entry.context
-    {
-        // SAFETY: the address came from Box::into_raw and was just taken out of the only table that
-        // holds it; the program may not use a destroyed context that is current nowhere. Its GL
-        // objects went with it.
-        drop(unsafe { Box::from_raw(entry.context as *mut Context) });
-    }
+    contexts(|contexts| {
+        if let Some(entry) = contexts.known.remove(&handle) {
+            contexts.forget(entry);
+        }
+    });
 }
 
 fn profile(gl: &Gl) -> Profile {

@@ -64,6 +64,18 @@ pub fn attach(ctx: &mut Context, extras: Extras) {
     take_own_errors(ctx);
 }
 
+/// Puts what stood for a window earlier in its place again, if the window is still of that kind.
+pub fn resume(ctx: &mut Context, window: &Window, target: Box<DefaultFramebuffer>) {
+    take_error(ctx);
+    if target.config == Config::of_window(ctx.gl, &ctx.profile, window) {
+        ctx.target = Some(target);
+        adopt(ctx);
+    } else {
+        target.destroy(ctx.gl);
+    }
+    take_own_errors(ctx);
+}
+
 /// Makes the rest of the context fit a new target.
 fn adopt(ctx: &mut Context) {
     ctx.actual = super::context::Actual::default();

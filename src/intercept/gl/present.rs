@@ -53,6 +53,15 @@ pub fn show_front(ctx: &mut Context) {
     next_frame(ctx);
 }
 
+/// The program turns to another window before it swaps this one.
+pub fn leave(ctx: &mut Context) {
+    if super::front::draws_to_front(ctx) {
+        super::front::show(ctx, true);
+    } else {
+        correct(ctx);
+    }
+}
+
 /// Runs `run` with the window's own framebuffer bound for drawing.
 fn in_window(ctx: &Context, run: impl FnOnce(&Gl)) {
     let Some(target) = &ctx.target else { return };

@@ -159,6 +159,7 @@ unsafe extern "C" fn get_proc_address(name: *const c_char) -> Pointer {
         "eglCreateWindowSurface" => create_window_surface as *const (),
         "eglCreatePlatformWindowSurface" => create_platform_window_surface as *const (),
         "eglCreatePlatformWindowSurfaceEXT" => create_platform_window_surface_ext as *const (),
+        "eglReleaseThread" => release_thread as *const (),
         "eglWaitGL" => wait_gl as *const (),
         "eglWaitClient" => wait_client as *const (),
         "eglDestroySurface" => destroy_surface as *const (),
@@ -198,6 +199,7 @@ fn window(display: Pointer, surface: Pointer) -> Option<Window> {
 }
 
 unsafe extern "C" fn make_current(display: Pointer, draw: Pointer, read: Pointer, context: Pointer) -> c_uint {
+    context::leaving(context as usize, window(display, draw).as_ref());
     let ok =
         real_call!(c"eglMakeCurrent", (Pointer, Pointer, Pointer, Pointer) -> c_uint, display, draw, read, context);
     if let (true, Some(gl)) = (ok != 0, DRIVER.get()) {
@@ -222,6 +224,15 @@ fn swap(surface: Pointer, swap: impl FnOnce() -> c_uint) -> c_uint {
 
 unsafe extern "C" fn swap_buffers(display: Pointer, surface: Pointer) -> c_uint {
     swap(surface, || real_call!(c"eglSwapBuffers", (Pointer, Pointer) -> c_uint, display, surface))
+}
+
+unsafe extern "C" fn release_thread() -> c_uint {
+    context::leaving(0, None);
+    let ok = real_call!(c"eglReleaseThread", () -> c_uint,);
+    if let (true, Some(gl)) = (ok != 0, DRIVER.get()) {
+        context::make_current(0, gl, None);
+    }
+    ok
 }
 
 unsafe extern "C" fn wait_gl() -> c_uint {
@@ -274,7 +285,9 @@ unsafe extern "C" fn create_context(
 
 unsafe extern "C" fn destroy_context(display: Pointer, context: Pointer) -> c_uint {
     let ok = real_call!(c"eglDestroyContext", (Pointer, Pointer) -> c_uint, display, context);
-    context::destroyed(context as usize);
+    if ok != 0 {
+        context::destroyed(context as usize);
+    }
     ok
 }
 

@@ -117,6 +117,11 @@ unsafe extern "C" fn get_proc_address(name: *const u8) -> *mut c_void {
         "glXCreatePixmap" => create_pixmap as *const (),
         "glXCreateGLXPixmap" => create_glx_pixmap as *const (),
         "glXCreatePbuffer" => create_pbuffer as *const (),
+        "glXDestroyWindow" => destroy_window as *const (),
+        "glXDestroyPixmap" => destroy_pixmap as *const (),
+        "glXDestroyGLXPixmap" => destroy_glx_pixmap as *const (),
+        "glXDestroyPbuffer" => destroy_pbuffer as *const (),
+        "glXCopySubBufferMESA" => copy_sub_buffer as *const (),
         "glXWaitGL" => wait_gl as *const (),
         "glXUseXFont" => return real,
         _ if passthrough() => return real,
@@ -173,12 +178,14 @@ fn now_current(ok: c_int, display: Pointer, drawable: c_ulong, context: Pointer)
 }
 
 unsafe extern "C" fn make_current(display: Pointer, drawable: c_ulong, context: Pointer) -> c_int {
+    context::leaving(context as usize, window(display, drawable).as_ref());
     let ok = real_call!(c"glXMakeCurrent", (Pointer, c_ulong, Pointer) -> c_int, display, drawable, context);
     now_current(ok, display, drawable, context);
     ok
 }
 
 unsafe extern "C" fn make_context_current(display: Pointer, draw: c_ulong, read: c_ulong, context: Pointer) -> c_int {
+    context::leaving(context as usize, window(display, draw).as_ref());
     let ok = real_call!(c"glXMakeContextCurrent", (Pointer, c_ulong, c_ulong, Pointer) -> c_int, display, draw, read, context);
     now_current(ok, display, draw, context);
     ok
@@ -195,6 +202,21 @@ unsafe extern "C" fn swap_buffers(display: Pointer, drawable: c_ulong) {
         present::before_swap();
     }
     real_call!(c"glXSwapBuffers", (Pointer, c_ulong) -> (), display, drawable);
+    if ours {
+        present::after_swap();
+    }
+}
+
+unsafe extern "C" fn copy_sub_buffer(display: Pointer, drawable: c_ulong, x: c_int, y: c_int, w: c_int, h: c_int) {
+    let ours = is_current(drawable);
+    let size =
+        context::current().filter(|c| ours && c.target.is_some()).and_then(|c| c.window.as_ref()).map(Window::size);
+    if ours {
+        present::before_swap();
+    }
+    // The whole window changes with any part of the program's picture.
+    let [x, y, w, h] = size.map_or([x, y, w, h], |(width, height)| [0, 0, width as c_int, height as c_int]);
+    real_call!(c"glXCopySubBufferMESA", (Pointer, c_ulong, c_int, c_int, c_int, c_int) -> (), display, drawable, x, y, w, h);
     if ours {
         present::after_swap();
     }
@@ -304,4 +326,30 @@ unsafe extern "C" fn create_pbuffer(display: Pointer, config: Pointer, attribute
         real_call!(c"glXCreatePbuffer", (Pointer, Pointer, *const c_int) -> c_ulong, display, config, attributes);
     note_drawable(drawable, Drawable::OffScreen);
     drawable
+}
+
+/// The drawable is gone; its number may come back as something else.
+fn forget_drawable(drawable: c_ulong) {
+    let mut drawables = DRAWABLES.lock().unwrap_or_else(PoisonError::into_inner);
+    drawables.get_or_insert_with(HashMap::new).remove(&drawable);
+}
+
+unsafe extern "C" fn destroy_window(display: Pointer, drawable: c_ulong) {
+    real_call!(c"glXDestroyWindow", (Pointer, c_ulong) -> (), display, drawable);
+    forget_drawable(drawable);
+}
+
+unsafe extern "C" fn destroy_pixmap(display: Pointer, drawable: c_ulong) {
+    real_call!(c"glXDestroyPixmap", (Pointer, c_ulong) -> (), display, drawable);
+    forget_drawable(drawable);
+}
+
+unsafe extern "C" fn destroy_glx_pixmap(display: Pointer, drawable: c_ulong) {
+    real_call!(c"glXDestroyGLXPixmap", (Pointer, c_ulong) -> (), display, drawable);
+    forget_drawable(drawable);
+}
+
+unsafe extern "C" fn destroy_pbuffer(display: Pointer, drawable: c_ulong) {
+    real_call!(c"glXDestroyPbuffer", (Pointer, c_ulong) -> (), display, drawable);
+    forget_drawable(drawable);
 }
