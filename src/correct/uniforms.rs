@@ -30,7 +30,9 @@ const OVERHANG: f64 = 0.125;
 /// The rows of a re-projection as patched shaders take them: x, y, w, and (E, depth factor, depth offset, 0).
 pub fn clip_rows(rows: &ClipRows) -> [f32; 16] {
     let mut out = [0.0; 16];
-    for (four, row) in out.chunks_exact_mut(4).zip([&rows.x, &rows.y, &rows.w, &[rows.e, rows.depth[0], rows.depth[1], 0.0]]) {
+    for (four, row) in
+        out.chunks_exact_mut(4).zip([&rows.x, &rows.y, &rows.w, &[rows.e, rows.depth[0], rows.depth[1], 0.0]])
+    {
         for (value, exact) in four.iter_mut().zip(row) {
             *value = *exact as f32;
         }

@@ -112,9 +112,8 @@ impl Session {
     pub fn rows(&self, lens: &Intrinsics) -> Vec<ClipRows> {
         let camera = &self.rig.camera;
         let camera = CameraAdjustment { zoom: camera.zoom, shift: camera.shift, rotation: camera_rotation(camera) };
-        let rows = |view: &View| {
-            clip_rows(lens, &camera, view.rotation, &view.frustum).widened(lens, &camera, &view.frustum)
-        };
+        let rows =
+            |view: &View| clip_rows(lens, &camera, view.rotation, &view.frustum).widened(lens, &camera, &view.frustum);
         self.views().iter().map(rows).collect()
     }
 }

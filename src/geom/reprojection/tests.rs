@@ -311,7 +311,11 @@ fn a_turned_view_loses_nothing_to_a_tight_near_plane() {
 fn widening_keeps_a_reversed_infinite_depth_in_its_range() {
     let p = Intrinsics { a: 2.0, b: 0.0, c: 2.0, d: 0.0, e: 0.0, f: Some(0.1) };
     let frustum = Frustum { left: -1.0, right: 1.0, bottom: -1.0, top: 1.0 };
-    let rows = clip_rows(&p, &CameraAdjustment::NONE, DMat3::IDENTITY, &frustum).widened(&p, &CameraAdjustment::NONE, &frustum);
+    let rows = clip_rows(&p, &CameraAdjustment::NONE, DMat3::IDENTITY, &frustum).widened(
+        &p,
+        &CameraAdjustment::NONE,
+        &frustum,
+    );
     let [scale, offset] = rows.depth;
     assert!(scale > 0.0 && scale < 1.0, "nearer things get the depths that the program's near plane had: {scale}");
     assert!(offset.abs() < 1e-15, "infinity stays at depth 0: {offset}");
