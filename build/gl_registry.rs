@@ -5,7 +5,27 @@ use std::collections::BTreeSet;
 use std::fmt::Write;
 
 /// Commands outside the core versions that we call ourselves when a driver has them.
-const EXTRA: &[&str] = &["glMatrixLoadfEXT", "glMatrixLoaddEXT", "glPrimitiveRestartIndexNV"];
+const EXTRA: &[&str] = &[
+    "glDeleteObjectARB",
+    "glDiscardFramebufferEXT",
+    "glGetObjectParameterivARB",
+    "glMatrixFrustumEXT",
+    "glMatrixLoadIdentityEXT",
+    "glMatrixLoaddEXT",
+    "glMatrixLoadfEXT",
+    "glMatrixMultdEXT",
+    "glMatrixMultfEXT",
+    "glMatrixOrthoEXT",
+    "glMatrixPopEXT",
+    "glMatrixPushEXT",
+    "glMatrixRotatedEXT",
+    "glMatrixRotatefEXT",
+    "glMatrixScaledEXT",
+    "glMatrixScalefEXT",
+    "glMatrixTranslatedEXT",
+    "glMatrixTranslatefEXT",
+    "glPrimitiveRestartIndexNV",
+];
 
 /// Rust source: `Gl` (table and one method per command), constants, `ALIASES`.
 pub fn generate() -> String {
@@ -145,7 +165,7 @@ fn rust_type(declaration: &str) -> String {
     let base = base.split_whitespace().find(|w| !matches!(*w, "const" | "struct")).unwrap_or("void");
     let scalar = match base {
         "void" | "GLvoid" => "c_void",
-        "GLenum" | "GLbitfield" | "GLuint" => "u32",
+        "GLenum" | "GLbitfield" | "GLuint" | "GLhandleARB" => "u32",
         "GLint" | "GLsizei" | "GLfixed" | "GLclampx" => "i32",
         "GLboolean" | "GLubyte" => "u8",
         "GLchar" | "GLcharARB" => "c_char",

@@ -13,3 +13,4 @@ mod picture;
 mod programs;
 mod reference;
 mod rigs;
+mod semantics;

@@ -342,14 +342,14 @@ impl GlBackend {
 
 /// A texture of the mask's weights.
 fn upload_mask(gl: &Gl, caps: &Capabilities, mask: &Mask) -> u32 {
-    let mut texture = 0;
+    let texture;
     let (width, height) = (mask.width as i32, mask.height as i32);
     if mask.weights.len() != mask.width as usize * mask.height as usize {
         return 0;
     }
     // SAFETY: a context is current, rows are tightly packed, and the array holds width · height values.
     unsafe {
-        gl.gen_textures(1, &mut texture);
+        texture = super::surface::new_texture(gl);
         gl.bind_texture(GL_TEXTURE_2D, texture);
         gl.tex_parameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
         if caps.norm16 {

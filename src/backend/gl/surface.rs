@@ -52,7 +52,7 @@ impl Surface {
                     surface.color,
                 );
             } else {
-                gl.gen_textures(1, &mut surface.color);
+                surface.color = new_texture(gl);
                 gl.bind_texture(api::GL_TEXTURE_2D, surface.color);
                 gl.tex_storage2_d(api::GL_TEXTURE_2D, 1, color_format, width, height);
                 if srgb {
@@ -158,6 +158,29 @@ impl Surface {
             }
         }
     }
+}
+
+/// So many names of textures are left to programs that use some without having asked for them.
+const PROGRAM_NAMES: usize = 4096;
+
+/// A name for a texture of our own. Programs of the old profile may use names that they never asked
+/// for, mostly from 1 on; ours is far from those there. The caller deletes it.
+pub fn new_texture(gl: &Gl) -> u32 {
+    let mut names = [0; PROGRAM_NAMES];
+    // SAFETY: writes as many names as there is room for, and gives back all but the last.
+    unsafe {
+        let mut profile = 0;
+        if !gl.is_es() {
+            gl.get_integerv(api::GL_CONTEXT_PROFILE_MASK, &mut profile);
+        }
+        if profile as u32 & api::GL_CONTEXT_COMPATIBILITY_PROFILE_BIT == 0 {
+            gl.gen_textures(1, names.as_mut_ptr());
+            return names[0];
+        }
+        gl.gen_textures(PROGRAM_NAMES as i32, names.as_mut_ptr());
+        gl.delete_textures(PROGRAM_NAMES as i32 - 1, names.as_ptr());
+    }
+    names[PROGRAM_NAMES - 1]
 }
 
 /// Greatest width and height of a texture on the current context, at least 1024.

@@ -92,7 +92,25 @@ pub struct Counts {
     /// OpenGL errors of ours.
     pub errors: u64,
     /// Draws by the way their projection was found.
-    pub found: HashMap<&'static str, u64>,
+    pub found: Found,
+}
+
+/// How often each way of finding a projection was taken. Counting allocates nothing.
+#[derive(Clone, Debug, Default)]
+pub struct Found([(&'static str, u64); 8]);
+
+impl Found {
+    /// Counts one draw whose projection was found in this way; more than eight ways are not told apart.
+    pub fn count(&mut self, how: &'static str) {
+        if let Some(entry) = self.0.iter_mut().find(|e| e.1 == 0 || e.0 == how) {
+            *entry = (how, entry.1 + 1);
+        }
+    }
+
+    /// The ways that were taken, with their numbers of draws.
+    pub fn iter(&self) -> impl Iterator<Item = (&'static str, u64)> + '_ {
+        self.0.iter().copied().filter(|e| e.1 > 0)
+    }
 }
 
 /// One context of the program.
@@ -109,8 +127,8 @@ pub struct Context {
     pub target: Option<Box<DefaultFramebuffer>>,
     /// What the program believes.
     pub believed: Believed,
-    /// `glPushAttrib`: the mask and what was believed.
-    pub attribute_stack: Vec<(u32, Believed)>,
+    /// `glPushAttrib`: the mask, what was believed, and `glListBase`.
+    pub attribute_stack: Vec<(u32, Believed, u32)>,
     /// What the driver has.
     pub actual: Actual,
     /// The fixed-function projection.
@@ -119,8 +137,10 @@ pub struct Context {
     pub background: Background,
     /// The cameras of the frame.
     pub cameras: Cameras,
-    /// The program object in use.
+    /// The program object that draws: the one in use, or a pipeline's.
     pub program: Option<Arc<Program>>,
+    /// Program pipelines, and which program is in use.
+    pub pipelines: super::pipelines::Pipelines,
     /// Between `glBegin` and `glEnd`.
     pub in_begin: bool,
     /// Our list that records a Begin/End; 0 = not made yet.
@@ -139,6 +159,10 @@ pub struct Context {
     pub buffer_generation: u64,
     /// Transform feedback is recording.
     pub feedback: bool,
+    /// `GL_RASTERIZER_DISCARD`.
+    pub discard: bool,
+    /// How often flushes of the front buffer are answered.
+    pub pace: super::front::Pace,
     /// Objects shared with other contexts.
     pub share: Arc<ShareGroup>,
     /// Counts for `--stats`.
@@ -251,6 +275,7 @@ impl Context {
             background: Background::default(),
             cameras: Cameras::default(),
             program: None,
+            pipelines: Default::default(),
             in_begin: false,
             begin_list: 0,
             picking: false,
@@ -260,6 +285,8 @@ impl Context {
             pending_error: 0,
             buffer_generation: 0,
             feedback: false,
+            discard: false,
+            pace: Default::default(),
             share,
             counts: Counts::default(),
             frame_begun: false,

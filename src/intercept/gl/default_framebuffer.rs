@@ -2,9 +2,9 @@
 
 use super::context::{Context, Profile};
 use super::window::Window;
-use crate::backend::gl::GlBackend;
 use crate::backend::gl::api::{self, Gl};
 use crate::backend::gl::surface::{Surface, greatest_texture};
+use crate::backend::gl::{GlBackend, Target};
 use crate::error::Result;
 use crate::intercept::{log, settings};
 use crate::runtime::session::{Extras, Session};
@@ -36,6 +36,8 @@ pub struct DefaultFramebuffer {
     resolved: Option<Surface>,
     backend: GlBackend,
     issued: Vec<u64>,
+    /// Where each output is in the window.
+    outputs: Vec<Target>,
 }
 
 /// Puts our framebuffer in place of the window's. Where that fails the program keeps its own.
@@ -251,7 +253,7 @@ impl DefaultFramebuffer {
         let gl = ctx.gl;
         let size = window.size();
         let session = Session::new(&settings.rig, size, settings.offscreen, greatest_texture(gl), extras)?;
-        let config = Config::of_window(gl, &ctx.profile, window.double_buffered(gl, &ctx.profile));
+        let config = Config::of_window(gl, &ctx.profile, window);
         Self::with_session(ctx, session, config)
     }
 
@@ -264,7 +266,8 @@ impl DefaultFramebuffer {
         let panel = session.panel().is_some();
         backend.prepare(gl, session.plan(), panel)?;
         let issued = vec![0; session.views().len()];
-        Ok(Self { session, config, surface, resolved, backend, issued })
+        let outputs = session.viewports().into_iter().map(|viewport| Target { framebuffer: 0, viewport }).collect();
+        Ok(Self { session, config, surface, resolved, backend, issued, outputs })
     }
 
     /// The same with more tiles.
@@ -327,6 +330,11 @@ impl DefaultFramebuffer {
         &self.issued
     }
 
+    /// Where the correction of each output goes.
+    pub fn outputs(&self) -> &[Target] {
+        &self.outputs
+    }
+
     /// The correction.
     pub fn backend(&self) -> &GlBackend {
         &self.backend
@@ -385,17 +393,18 @@ impl DefaultFramebuffer {
 
 impl Config {
     /// Asks the driver about the window's framebuffer. The program's binding is put back.
-    fn of_window(gl: &Gl, profile: &Profile, double_buffered: bool) -> Self {
-        let back = match (profile.es, double_buffered) {
-            (true, _) => api::GL_BACK,
-            (false, true) => api::GL_BACK_LEFT,
-            (false, false) => api::GL_FRONT_LEFT,
-        };
+    fn of_window(gl: &Gl, profile: &Profile, window: &Window) -> Self {
         // SAFETY: queries about the window's framebuffer; the binding is put back.
         unsafe {
             let mut bound = 0;
             gl.get_integerv(api::GL_DRAW_FRAMEBUFFER_BINDING, &mut bound);
             gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, 0);
+            let double_buffered = window.double_buffered(gl, profile);
+            let back = match (profile.es, double_buffered) {
+                (true, _) => api::GL_BACK,
+                (false, true) => api::GL_BACK_LEFT,
+                (false, false) => api::GL_FRONT_LEFT,
+            };
             let ask = |attachment: u32, what: u32| {
                 let mut answer = 0;
                 gl.get_framebuffer_attachment_parameteriv(api::GL_DRAW_FRAMEBUFFER, attachment, what, &mut answer);

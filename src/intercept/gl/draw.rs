@@ -48,6 +48,13 @@ pub fn draw(ctx: &mut Context, changes: Changes, mut issue: impl FnMut(&mut Cont
         return;
     }
     ctx.counts.draws_seen += 1;
+    if ctx.discard {
+        // Nothing reaches the window; what the draw computes (transform feedback, say) it computes once.
+        ctx.set_viewport(ctx.believed.viewport);
+        plain_program(ctx);
+        issue(ctx, gl);
+        return;
+    }
     ctx.frame_begun = true;
     let mut place = place(ctx);
     if place == Place::Flat {
@@ -67,7 +74,7 @@ pub fn draw(ctx: &mut Context, changes: Changes, mut issue: impl FnMut(&mut Cont
     }
     let views = target.session.views().len();
     let primary = target.primary();
-    let attributes = AttributeGuard::new(changes, &ctx.profile);
+    let repeats = Repeats::new(changes, ctx);
     let mut projection_loaded = false;
     for index in 0..views {
         let last = index + 1 == views && primary.is_none();
@@ -107,14 +114,14 @@ pub fn draw(ctx: &mut Context, changes: Changes, mut issue: impl FnMut(&mut Cont
                 Place::Flat => {}
             }
         }
-        attributes.around(gl, last, || issue(ctx, gl));
+        repeats.around(gl, index, last, || issue(ctx, gl));
         target.issued(index);
     }
     restore_projection(ctx, &mut projection_loaded);
     if let Some(tile) = primary {
         own_window_space(ctx, tile);
         plain_program(ctx);
-        issue(ctx, gl);
+        repeats.around(gl, views, true, || issue(ctx, gl));
         ctx.counts.primary_draws += 1;
     }
     ctx.target = Some(target);
@@ -126,13 +133,13 @@ fn flat(ctx: &mut Context, changes: Changes, mut issue: impl FnMut(&mut Context,
     super::default_framebuffer::want_panel(ctx);
     let Some(target) = &ctx.target else { return };
     let tiles = target.flat_tiles();
-    let attributes = AttributeGuard::new(changes, &ctx.profile);
+    let repeats = Repeats::new(changes, ctx);
     plain_program(ctx);
     for (number, (tile, panel)) in tiles.iter().flatten().enumerate() {
         own_window_space(ctx, *tile);
         let last = tiles.iter().flatten().count() == number + 1;
         let blending = panel.then(|| PanelBlend::begin(gl));
-        attributes.around(gl, last, || issue(ctx, gl));
+        repeats.around(gl, number, last, || issue(ctx, gl));
         if let Some(blending) = blending.flatten() {
             blending.end(gl);
         }
@@ -170,9 +177,9 @@ pub fn place(ctx: &mut Context) -> Place {
         return Place::Flat;
     }
     if let Some(program) = ctx.program.clone().filter(|p| p.draws_vertices()) {
-        return match program.lens(ctx) {
+        return match super::pipelines::lens(ctx, &program) {
             Lens::Perspective(intrinsics, how) => {
-                *ctx.counts.found.entry(how).or_default() += 1;
+                ctx.counts.found.count(how);
                 ctx.lens = Some(intrinsics);
                 let Some(target) = &ctx.target else { return Place::Flat };
                 Place::Scene(ctx.cameras.index(&intrinsics, &target.session))
@@ -187,7 +194,7 @@ pub fn place(ctx: &mut Context) -> Place {
     match ctx.projection.class {
         MatrixClass::Perspective(intrinsics) => {
             ctx.lens = Some(intrinsics);
-            *ctx.counts.found.entry("fixed-function matrix").or_default() += 1;
+            ctx.counts.found.count("fixed-function matrix");
             Place::FixedScene
         }
         _ => Place::Flat,
@@ -215,24 +222,39 @@ pub fn plain_program(ctx: &mut Context) {
     super::programs::upload(ctx, &super::programs::IDENTITY);
 }
 
-/// Puts vertex attributes (and what else a draw may set) back between views.
-struct AttributeGuard {
+/// Keeps a draw that is issued several times one draw for the program: vertex attributes (and what
+/// else it may set) are put back in between, and transform feedback records it once.
+struct Repeats {
     mask: u32,
+    feedback: bool,
 }
 
-impl AttributeGuard {
-    fn new(changes: Changes, profile: &super::context::Profile) -> Self {
+impl Repeats {
+    fn new(changes: Changes, ctx: &Context) -> Self {
         let mask = match changes {
-            _ if !profile.compatibility() => 0,
+            _ if !ctx.profile.compatibility() => 0,
             Changes::Nothing => 0,
             Changes::Attributes => api::GL_CURRENT_BIT | api::GL_LIGHTING_BIT,
             Changes::Anything => api::GL_ALL_ATTRIB_BITS,
         };
-        Self { mask }
+        // Without a pause (OpenGL before 4.0) there is no drawing without recording.
+        Self { mask, feedback: ctx.feedback && ctx.gl.has_pause_transform_feedback() }
     }
 
-    /// Runs `issue`; unless it is the `last` view's, what it changes is put back.
-    fn around(&self, gl: &Gl, last: bool, issue: impl FnOnce()) {
+    /// Runs `issue` for the `number`-th time; unless it is the `last`, what it changes is put back.
+    fn around(&self, gl: &Gl, number: usize, last: bool, issue: impl FnOnce()) {
+        if self.feedback && number == 1 {
+            // SAFETY: transform feedback is active and not paused.
+            unsafe { gl.pause_transform_feedback() };
+        }
+        self.unchanged(gl, last, issue);
+        if self.feedback && last && number > 0 {
+            // SAFETY: paused above.
+            unsafe { gl.resume_transform_feedback() };
+        }
+    }
+
+    fn unchanged(&self, gl: &Gl, last: bool, issue: impl FnOnce()) {
         if self.mask == 0 || last {
             issue();
             return;

@@ -60,10 +60,16 @@ pub fn find(name: &str) -> Option<*const ()> {
     let table = TABLE.get_or_init(|| {
         let files = [
             super::draw::HOOKS,
+            super::feedback::HOOKS,
+            super::front::HOOKS,
             super::immediate::HOOKS,
+            super::indexed::HOOKS,
             super::lists::HOOKS,
             super::matrices::HOOKS,
+            super::named::HOOKS,
+            super::pipelines::HOOKS,
             super::programs::HOOKS,
+            super::reflection::HOOKS,
             super::uniforms::HOOKS,
             super::queries::HOOKS,
             super::raster::HOOKS,

@@ -11,7 +11,7 @@ hooks! {
             recording.draws = true;
         } else if ctx.redirected() && !ctx.picking {
             if ctx.begin_list == 0 {
-                ctx.begin_list = gl.gen_lists(1);
+                ctx.begin_list = super::lists::own_name(ctx);
             }
             gl.new_list(ctx.begin_list, api::GL_COMPILE);
             ctx.in_begin = true;

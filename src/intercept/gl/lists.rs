@@ -57,6 +57,30 @@ enum Item {
 #[derive(Default)]
 pub struct Lists {
     items: HashMap<u32, Arc<Vec<Item>>>,
+    /// Names of ours that are in no use.
+    own: Vec<u32>,
+}
+
+/// So many names are taken from OpenGL for ours at once.
+const OWN_NAMES: u32 = 1024;
+
+/// Old programs use names from 1 on that they never asked for. Ours are this far from them.
+const PROGRAM_NAMES: u32 = 8192;
+
+/// A name for a list of our own, which no program takes by itself.
+pub fn own_name(ctx: &Context) -> u32 {
+    let gl = ctx.gl;
+    let mut lists = ctx.share.lists.lock().unwrap_or_else(PoisonError::into_inner);
+    if lists.own.is_empty() {
+        // SAFETY: takes names, and gives those back that are not for us.
+        let first = unsafe {
+            let first = gl.gen_lists((PROGRAM_NAMES + OWN_NAMES) as i32);
+            gl.delete_lists(first, PROGRAM_NAMES as i32);
+            first + PROGRAM_NAMES
+        };
+        lists.own.extend((first..first + OWN_NAMES).rev());
+    }
+    lists.own.pop().unwrap_or_default()
 }
 
 /// The list that is being compiled.
@@ -77,14 +101,15 @@ const DEEPEST: u32 = 64;
 /// Ends the present real list, keeps `command`, and begins another.
 pub fn record(ctx: &mut Context, command: Command) {
     let gl = ctx.gl;
-    let Some(recording) = &mut ctx.recording else { return };
-    recording.end_part(gl);
-    recording.items.push(Item::Command(command));
-    // SAFETY: a list of our own; the program is compiling, so no list is open now.
-    unsafe {
-        recording.real = gl.gen_lists(1);
-        gl.new_list(recording.real, api::GL_COMPILE);
+    if let Some(recording) = &mut ctx.recording {
+        recording.end_part(gl);
     }
+    let real = own_name(ctx);
+    let Some(recording) = &mut ctx.recording else { return };
+    recording.items.push(Item::Command(command));
+    recording.real = real;
+    // SAFETY: a list of our own; the program is compiling, and the list that was open has just ended.
+    unsafe { gl.new_list(real, api::GL_COMPILE) };
 }
 
 impl Recording {
@@ -259,7 +284,7 @@ fn finish_recording(ctx: &mut Context) {
         return;
     };
     recording.end_part(gl);
-    forget(ctx, recording.list);
+    forget(ctx, recording.list, 1);
     let list = recording.list;
     let mut lists = ctx.share.lists.lock().unwrap_or_else(PoisonError::into_inner);
     lists.items.insert(list, Arc::new(recording.items));
@@ -269,16 +294,37 @@ fn finish_recording(ctx: &mut Context) {
     }
 }
 
-/// Forgets what `list` was, and deletes our parts of it.
-fn forget(ctx: &Context, list: u32) {
+/// Forgets what the lists were, and empties our parts of them.
+fn forget(ctx: &Context, first: u32, count: u32) {
     let mut lists = ctx.share.lists.lock().unwrap_or_else(PoisonError::into_inner);
-    if let Some(items) = lists.items.remove(&list) {
+    if (count as usize) < lists.items.len() {
+        for list in first..first.saturating_add(count) {
+            lists.forget(ctx, list);
+        }
+    } else {
+        let known: Vec<u32> = lists.items.keys().copied().filter(|list| list.wrapping_sub(first) < count).collect();
+        for list in known {
+            lists.forget(ctx, list);
+        }
+    }
+}
+
+impl Lists {
+    fn forget(&mut self, ctx: &Context, list: u32) {
+        let Some(items) = self.items.remove(&list) else { return };
         for item in items.iter() {
             if let Item::Real { list: part, .. } = item
                 && *part != list
             {
-                // SAFETY: a list of our own that nothing else names.
-                unsafe { ctx.gl.delete_lists(*part, 1) };
+                // The name stays ours, or the driver might give it to the program.
+                self.own.push(*part);
+                if !ctx.compiling() {
+                    // SAFETY: a list of our own that nothing else names; an empty one takes its place.
+                    unsafe {
+                        ctx.gl.new_list(*part, api::GL_COMPILE);
+                        ctx.gl.end_list();
+                    }
+                }
             }
         }
     }
@@ -314,9 +360,7 @@ hooks! {
         if ctx.compiling() { record(ctx, Command::ListBase(base)) } else { set_list_base(ctx, base) }
     };
     "glDeleteLists" delete_lists(list: u32, range: i32) = |ctx, gl| {
-        for i in 0..u32::try_from(range).unwrap_or(0) {
-            forget(ctx, list.wrapping_add(i));
-        }
+        forget(ctx, list, u32::try_from(range).unwrap_or(0));
         gl.delete_lists(list, range);
     };
 }

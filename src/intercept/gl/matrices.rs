@@ -101,6 +101,34 @@ fn transposed(m: [f64; 16]) -> [f64; 16] {
 }
 
 hooks! {
+    // The extension GL_EXT_direct_state_access; in display lists these are not kept apart.
+    "glMatrixLoadIdentityEXT" matrix_load_identity_ext(mode: u32) = |ctx, gl| { gl.matrix_load_identity_ext(mode); ctx.projection.changed = true };
+    "glMatrixLoadfEXT" matrix_loadf_ext(mode: u32, m: *const f32) = |ctx, gl| { gl.matrix_loadf_ext(mode, m); ctx.projection.changed = true };
+    "glMatrixLoaddEXT" matrix_loadd_ext(mode: u32, m: *const f64) = |ctx, gl| { gl.matrix_loadd_ext(mode, m); ctx.projection.changed = true };
+    "glMatrixMultfEXT" matrix_multf_ext(mode: u32, m: *const f32) = |ctx, gl| { gl.matrix_multf_ext(mode, m); ctx.projection.changed = true };
+    "glMatrixMultdEXT" matrix_multd_ext(mode: u32, m: *const f64) = |ctx, gl| { gl.matrix_multd_ext(mode, m); ctx.projection.changed = true };
+    "glMatrixFrustumEXT" matrix_frustum_ext(mode: u32, l: f64, r: f64, b: f64, t: f64, n: f64, f: f64) = |ctx, gl| {
+        gl.matrix_frustum_ext(mode, l, r, b, t, n, f);
+        ctx.projection.changed = true;
+    };
+    "glMatrixOrthoEXT" matrix_ortho_ext(mode: u32, l: f64, r: f64, b: f64, t: f64, n: f64, f: f64) = |ctx, gl| {
+        gl.matrix_ortho_ext(mode, l, r, b, t, n, f);
+        ctx.projection.changed = true;
+    };
+    "glMatrixRotatefEXT" matrix_rotatef_ext(mode: u32, a: f32, x: f32, y: f32, z: f32) = |ctx, gl| {
+        gl.matrix_rotatef_ext(mode, a, x, y, z);
+        ctx.projection.changed = true;
+    };
+    "glMatrixRotatedEXT" matrix_rotated_ext(mode: u32, a: f64, x: f64, y: f64, z: f64) = |ctx, gl| {
+        gl.matrix_rotated_ext(mode, a, x, y, z);
+        ctx.projection.changed = true;
+    };
+    "glMatrixScalefEXT" matrix_scalef_ext(mode: u32, x: f32, y: f32, z: f32) = |ctx, gl| { gl.matrix_scalef_ext(mode, x, y, z); ctx.projection.changed = true };
+    "glMatrixScaledEXT" matrix_scaled_ext(mode: u32, x: f64, y: f64, z: f64) = |ctx, gl| { gl.matrix_scaled_ext(mode, x, y, z); ctx.projection.changed = true };
+    "glMatrixTranslatefEXT" matrix_translatef_ext(mode: u32, x: f32, y: f32, z: f32) = |ctx, gl| { gl.matrix_translatef_ext(mode, x, y, z); ctx.projection.changed = true };
+    "glMatrixTranslatedEXT" matrix_translated_ext(mode: u32, x: f64, y: f64, z: f64) = |ctx, gl| { gl.matrix_translated_ext(mode, x, y, z); ctx.projection.changed = true };
+    "glMatrixPushEXT" matrix_push_ext(mode: u32) = |ctx, gl| { gl.matrix_push_ext(mode); ctx.projection.changed = true };
+    "glMatrixPopEXT" matrix_pop_ext(mode: u32) = |ctx, gl| { gl.matrix_pop_ext(mode); ctx.projection.changed = true };
     "glMatrixMode" matrix_mode(mode: u32) = |ctx, gl| {
         if ctx.compiling() {
             super::lists::record(ctx, Command::MatrixMode(mode));

@@ -2,7 +2,6 @@
 
 use super::context::{Context, after_panic, current};
 use super::default_framebuffer::{self, take_error, take_own_errors};
-use crate::backend::gl::Target;
 use crate::backend::gl::api::{self, Gl};
 use crate::intercept::{log, settings};
 use crate::runtime::report::{self, Picture, Statistics, ViewStatistics};
@@ -14,7 +13,14 @@ use std::sync::{Mutex, Once, PoisonError};
 /// Before the window is swapped: its back buffer gets the corrected picture.
 pub fn before_swap() {
     let Some(ctx) = current().filter(|c| !c.switched_off) else { return };
-    if crate::fence::guard(|| frame(ctx)).is_none() {
+    let show = || {
+        frame(ctx);
+        if ctx.target.as_ref().is_some_and(|t| !t.config().double_buffered) {
+            // SAFETY: a swap of a window with one buffer is a flush.
+            in_window(ctx, |gl| unsafe { gl.flush() });
+        }
+    };
+    if crate::fence::guard(show).is_none() {
         after_panic("presenting a frame");
     }
 }
@@ -27,18 +33,51 @@ pub fn after_swap() {
     }
 }
 
+/// A program that draws to the front buffer wants to see it: that is a frame, without a swap.
+pub fn show_front(ctx: &mut Context) {
+    let double = ctx.target.as_ref().is_some_and(|t| t.config().double_buffered);
+    if double {
+        // SAFETY: state of the window's own framebuffer, which the program never sees.
+        in_window(ctx, |gl| unsafe { gl.draw_buffer(api::GL_FRONT_AND_BACK) });
+    }
+    frame(ctx);
+    in_window(ctx, |gl| {
+        // SAFETY: as above. Drivers show the front buffer in a flush while it is bound, and only then.
+        unsafe {
+            gl.flush();
+            if double {
+                gl.draw_buffer(api::GL_BACK);
+            }
+        }
+    });
+    next_frame(ctx);
+}
+
+/// Runs `run` with the window's own framebuffer bound for drawing.
+fn in_window(ctx: &Context, run: impl FnOnce(&Gl)) {
+    let Some(target) = &ctx.target else { return };
+    let bound = if ctx.believed.draw_framebuffer == 0 { target.framebuffer() } else { ctx.believed.draw_framebuffer };
+    // SAFETY: the binding is put back.
+    unsafe { ctx.gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, 0) };
+    run(ctx.gl);
+    // SAFETY: as above.
+    unsafe { ctx.gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, bound) };
+}
+
+/// Corrects the views into the window. Allocates nothing.
+fn correct(ctx: &mut Context) {
+    let Some(target) = ctx.target.take() else { return };
+    target.resolve(ctx, None);
+    let pending = target.backend().present(ctx.gl, target.texture(), target.outputs());
+    if ctx.pending_error == api::GL_NO_ERROR {
+        ctx.pending_error = pending;
+    }
+    ctx.target = Some(target);
+}
+
 fn frame(ctx: &mut Context) {
     ctx.counts.frames += 1;
-    if let Some(target) = ctx.target.take() {
-        target.resolve(ctx, None);
-        let targets: Vec<Target> =
-            target.session.viewports().into_iter().map(|viewport| Target { framebuffer: 0, viewport }).collect();
-        let pending = target.backend().present(ctx.gl, target.texture(), &targets);
-        if ctx.pending_error == api::GL_NO_ERROR {
-            ctx.pending_error = pending;
-        }
-        ctx.target = Some(target);
-    }
+    correct(ctx);
     let Some(settings) = settings::settings() else { return };
     let last = settings.frames == Some(ctx.counts.frames);
     if last || settings.frames.is_none() {
@@ -148,7 +187,7 @@ fn statistics(ctx: &Context, settings: &settings::Settings) -> Statistics {
         draws_seen: ctx.counts.draws_seen,
         panel_draws: ctx.counts.panel_draws,
         primary_draws: ctx.counts.primary_draws,
-        projection_found: ctx.counts.found.iter().map(|(how, n)| ((*how).to_owned(), *n)).collect(),
+        projection_found: ctx.counts.found.iter().map(|(how, n)| (how.to_owned(), n)).collect(),
         own_errors: ctx.counts.errors,
         ..Statistics::default()
     };

@@ -8,7 +8,7 @@ use crate::backend::gl::api::{self, Gl};
 use crate::intercept::log;
 use crate::runtime::session::{Intrinsics, MatrixClass};
 use std::collections::HashMap;
-use std::ffi::{CStr, CString, c_char};
+use std::ffi::{CStr, CString, c_char, c_void};
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// Rows that change nothing: the program's own picture.
@@ -29,8 +29,8 @@ pub struct Program {
     location: i32,
     /// Index of our uniform among the active ones, to be hidden.
     pub hidden: Option<u32>,
-    /// It has a stage of its own before rasterisation.
-    vertices: bool,
+    /// The bits of its stages that lie before rasterisation, as for `glUseProgramStages`.
+    stages: u32,
     /// It uses the fixed-function matrices.
     fixed_matrices: bool,
     /// Its 4×4 matrices.
@@ -50,7 +50,12 @@ pub enum Lens {
 impl Program {
     /// Whether vertices go through its own shaders rather than the fixed-function pipeline.
     pub fn draws_vertices(&self) -> bool {
-        self.vertices
+        self.stages != 0
+    }
+
+    /// The bits of its stages before rasterisation.
+    pub fn stages(&self) -> u32 {
+        self.stages
     }
 
     /// The lens that its matrices hold now.
@@ -69,16 +74,29 @@ impl Program {
     }
 }
 
-/// Sends `rows` to the program in use, unless it has them.
+/// Sends `rows` to the program that draws, unless it has them.
 pub fn upload(ctx: &Context, rows: &[f32; 16]) {
-    let Some(program) = &ctx.program else { return };
+    if let Some(program) = &ctx.program {
+        send(ctx, program, rows);
+    }
+}
+
+/// Sends `rows` to a program, which is the one in use or belongs to a pipeline.
+pub fn send(ctx: &Context, program: &Program, rows: &[f32; 16]) {
     if program.location < 0 {
         return;
     }
     let mut uploaded = program.uploaded.lock().unwrap_or_else(PoisonError::into_inner);
     if uploaded.as_ref() != Some(rows) {
-        // SAFETY: the program is in use and the location is that of our array of four vectors.
-        unsafe { ctx.gl.uniform4fv(program.location, 4, rows.as_ptr()) };
+        // SAFETY: the location is that of our array of four vectors; where no program is in use, there
+        // are pipelines and with them the command that takes a name.
+        unsafe {
+            if ctx.pipelines.used == program.name {
+                ctx.gl.uniform4fv(program.location, 4, rows.as_ptr());
+            } else {
+                ctx.gl.program_uniform4fv(program.name, program.location, 4, rows.as_ptr());
+            }
+        }
         *uploaded = Some(*rows);
     }
 }
@@ -87,8 +105,8 @@ pub fn upload(ctx: &Context, rows: &[f32; 16]) {
 pub fn use_program(ctx: &mut Context, name: u32) {
     // SAFETY: the program's own call.
     unsafe { ctx.gl.use_program(name) };
-    let programs = ctx.share.programs.lock().unwrap_or_else(PoisonError::into_inner);
-    ctx.program = programs.programs.get(&name).cloned();
+    ctx.pipelines.used = name;
+    super::pipelines::choose(ctx);
 }
 
 /// The record of a program, for queries about it.
@@ -180,9 +198,13 @@ fn patched_stage(
 fn link(ctx: &mut Context, program: u32) {
     let gl = ctx.gl;
     let shaders = attached(gl, program);
-    let mut programs = ctx.share.programs.lock().unwrap_or_else(PoisonError::into_inner);
-    programs.programs.remove(&program);
-    let patched = patched_stage(&programs.sources, &shaders, ctx.profile.es);
+    // Compiling takes long; other threads' contexts use the table meanwhile.
+    let sources: HashMap<u32, Arc<str>> = {
+        let mut programs = ctx.share.programs.lock().unwrap_or_else(PoisonError::into_inner);
+        programs.programs.remove(&program);
+        shaders.iter().filter_map(|s| Some((s.0, programs.sources.get(&s.0)?.clone()))).collect()
+    };
+    let patched = patched_stage(&sources, &shaders, ctx.profile.es);
     let mut linked = false;
     if let Some((shader, original, text)) = &patched {
         linked = link_patched(gl, program, *shader, original, text);
@@ -194,21 +216,33 @@ fn link(ctx: &mut Context, program: u32) {
     if !status(gl, program) {
         return;
     }
-    let vertices = shaders.iter().any(|s| s.1 == api::GL_VERTEX_SHADER);
-    if vertices && !linked {
+    let stages = shaders.iter().fold(0, |bits, shader| bits | stage_bit(shader.1));
+    if stages != 0 && !linked {
         log::once("a program's shaders could not be patched; what it draws appears flat");
     }
     let words = ["gl_ModelViewProjectionMatrix", "gl_ProjectionMatrix", "ftransform"];
     let fixed_matrices = shaders
         .iter()
         .filter(|s| s.1 != api::GL_FRAGMENT_SHADER)
-        .filter_map(|s| programs.sources.get(&s.0))
+        .filter_map(|s| sources.get(&s.0))
         .any(|source| words.iter().any(|word| glsl::mentions(source, word)));
-    let record = Arc::new(read_program(gl, &ctx.profile, program, linked, vertices, fixed_matrices));
+    let record = Arc::new(read_program(gl, &ctx.profile, program, linked, stages, fixed_matrices));
+    let mut programs = ctx.share.programs.lock().unwrap_or_else(PoisonError::into_inner);
     programs.programs.insert(program, record.clone());
+    drop(programs);
     // Linking a program that is in use puts the new one into use.
     if ctx.program.as_ref().is_some_and(|p| p.name == program) {
         ctx.program = Some(record);
+    }
+}
+
+/// The bit of a stage before rasterisation; 0 for others.
+fn stage_bit(kind: u32) -> u32 {
+    match kind {
+        api::GL_VERTEX_SHADER => api::GL_VERTEX_SHADER_BIT,
+        api::GL_TESS_EVALUATION_SHADER => api::GL_TESS_EVALUATION_SHADER_BIT,
+        api::GL_GEOMETRY_SHADER => api::GL_GEOMETRY_SHADER_BIT,
+        _ => 0,
     }
 }
 
@@ -254,7 +288,7 @@ fn captures_position(gl: &Gl, program: u32) -> bool {
     })
 }
 
-fn read_program(gl: &Gl, profile: &Profile, name: u32, patched: bool, vertices: bool, fixed_matrices: bool) -> Program {
+fn read_program(gl: &Gl, profile: &Profile, name: u32, patched: bool, stages: u32, fixed_matrices: bool) -> Program {
     let ours = CString::new(glsl::UNIFORM).unwrap_or_default();
     // SAFETY: a NUL-terminated name.
     let location = if patched { unsafe { gl.get_uniform_location(name, ours.as_ptr()) } } else { -1 };
@@ -263,7 +297,7 @@ fn read_program(gl: &Gl, profile: &Profile, name: u32, patched: bool, vertices: 
         name,
         location,
         hidden,
-        vertices,
+        stages,
         fixed_matrices,
         uniforms: Mutex::new(uniforms),
         uploaded: Mutex::new(None),
@@ -282,6 +316,16 @@ hooks! {
         gl.delete_shader(shader)
     };
     "glLinkProgram" link_program(program: u32) = |ctx, _gl| link(ctx, program);
+    "glDeleteObjectARB" delete_object_arb(object: u32) = |ctx, gl| {
+        // Programs and shaders have names of one space.
+        gl.delete_object_arb(object);
+        ctx.share.programs.lock().unwrap_or_else(PoisonError::into_inner).programs.remove(&object);
+    };
+    "glProgramBinary" program_binary(program: u32, format: u32, binary: *const c_void, length: i32) = |ctx, gl| {
+        // What it was linked to is gone; what it is now was never patched.
+        gl.program_binary(program, format, binary, length);
+        ctx.share.programs.lock().unwrap_or_else(PoisonError::into_inner).programs.remove(&program);
+    };
     "glDeleteProgram" delete_program(program: u32) = |ctx, gl| {
         gl.delete_program(program);
         ctx.share.programs.lock().unwrap_or_else(PoisonError::into_inner).programs.remove(&program);

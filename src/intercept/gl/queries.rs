@@ -3,7 +3,6 @@
 use super::context::Context;
 use super::hook::hooks;
 use crate::backend::gl::api;
-use std::ffi::c_char;
 
 /// Up to four numbers that answer `glGet` for state that we follow.
 fn believed(ctx: &mut Context, name: u32) -> Option<([f64; 4], usize)> {
@@ -77,63 +76,28 @@ macro_rules! getters {
                     error => error,
                 }
             };
-            "glGetFramebufferAttachmentParameteriv" get_framebuffer_attachment_parameteriv(target: u32, attachment: u32, name: u32, values: *mut i32) = |ctx, gl| {
-                let window = if target == api::GL_READ_FRAMEBUFFER { ctx.reads_redirected() } else { ctx.redirected() };
-                if window && name == api::GL_FRAMEBUFFER_ATTACHMENT_OBJECT_TYPE && !values.is_null() {
-                    *values = api::GL_FRAMEBUFFER_DEFAULT as i32;
-                } else {
-                    let attachment = match attachment {
-                        _ if !window => attachment,
-                        api::GL_DEPTH => api::GL_DEPTH_ATTACHMENT,
-                        api::GL_STENCIL => api::GL_STENCIL_ATTACHMENT,
-                        _ => api::GL_COLOR_ATTACHMENT0,
-                    };
-                    gl.get_framebuffer_attachment_parameteriv(target, attachment, name, values);
-                }
-            };
-            "glGetProgramiv" get_programiv(program: u32, name: u32, value: *mut i32) = |ctx, gl| {
-                gl.get_programiv(program, name, value);
-                if name == api::GL_ACTIVE_UNIFORMS && !value.is_null() && hidden(ctx, program).is_some() {
-                    *value -= 1;
-                }
-            };
-            "glGetActiveUniform" get_active_uniform(program: u32, index: u32, room: i32, length: *mut i32, size: *mut i32, kind: *mut u32, name: *mut c_char) = |ctx, gl|
-                gl.get_active_uniform(program, shifted(ctx, program, index), room, length, size, kind, name);
-            "glGetActiveUniformName" get_active_uniform_name(program: u32, index: u32, room: i32, length: *mut i32, name: *mut c_char) = |ctx, gl|
-                gl.get_active_uniform_name(program, shifted(ctx, program, index), room, length, name);
-            "glGetActiveUniformsiv" get_active_uniformsiv(program: u32, count: i32, indices: *const u32, what: u32, values: *mut i32) = |ctx, gl| {
-                if hidden(ctx, program).is_none() || indices.is_null() {
-                    gl.get_active_uniformsiv(program, count, indices, what, values);
-                } else {
-                    let given = std::slice::from_raw_parts(indices, usize::try_from(count).unwrap_or(0));
-                    let moved: Vec<u32> = given.iter().map(|i| shifted(ctx, program, *i)).collect();
-                    gl.get_active_uniformsiv(program, count, moved.as_ptr(), what, values);
-                }
-            };
-            "glGetUniformIndices" get_uniform_indices(program: u32, count: i32, names: *const *const c_char, indices: *mut u32) = |ctx, gl| {
-                gl.get_uniform_indices(program, count, names, indices);
-                if let (Some(ours), false) = (hidden(ctx, program), indices.is_null()) {
-                    for index in std::slice::from_raw_parts_mut(indices, usize::try_from(count).unwrap_or(0)) {
-                        if *index != api::GL_INVALID_INDEX && *index > ours {
-                            *index -= 1;
-                        }
-                    }
-                }
-            };
+            "glGetFramebufferAttachmentParameteriv" get_framebuffer_attachment_parameteriv(target: u32, attachment: u32, name: u32, values: *mut i32) = |ctx, _gl|
+                attachment_parameter(ctx, target, attachment, name, values);
         }
     };
 }
 
-/// Index of our uniform among the program's active ones.
-fn hidden(ctx: &Context, program: u32) -> Option<u32> {
-    super::programs::record(ctx, program)?.hidden
-}
-
-/// The driver's index for the program's, which does not count ours.
-fn shifted(ctx: &Context, program: u32, index: u32) -> u32 {
-    match hidden(ctx, program) {
-        Some(ours) if index >= ours => index + 1,
-        _ => index,
+/// `glGetFramebufferAttachmentParameteriv`: the window's buffers are our attachments.
+pub fn attachment_parameter(ctx: &mut Context, target: u32, attachment: u32, name: u32, values: *mut i32) {
+    let window = if target == api::GL_READ_FRAMEBUFFER { ctx.reads_redirected() } else { ctx.redirected() };
+    // SAFETY: the program's own call, with a place for one number.
+    unsafe {
+        if window && name == api::GL_FRAMEBUFFER_ATTACHMENT_OBJECT_TYPE && !values.is_null() {
+            *values = api::GL_FRAMEBUFFER_DEFAULT as i32;
+        } else {
+            let attachment = match attachment {
+                _ if !window => attachment,
+                api::GL_DEPTH => api::GL_DEPTH_ATTACHMENT,
+                api::GL_STENCIL => api::GL_STENCIL_ATTACHMENT,
+                _ => api::GL_COLOR_ATTACHMENT0,
+            };
+            ctx.gl.get_framebuffer_attachment_parameteriv(target, attachment, name, values);
+        }
     }
 }
 

@@ -89,6 +89,7 @@ pub fn draw_at_raster(ctx: &mut Context, issue: impl Fn(&Gl)) -> bool {
         return false;
     }
     ctx.counts.draws_seen += 1;
+    ctx.frame_begun = true;
     let Some(position) = ctx.raster.scene.clone() else {
         draw_flat(ctx, issue);
         return true;

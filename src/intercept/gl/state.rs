@@ -50,12 +50,16 @@ impl Context {
     }
 }
 
+/// `GL_MAX_ATTRIB_STACK_DEPTH` of every driver that is known.
+const ATTRIBUTE_DEPTH: usize = 16;
+
 /// `glPushAttrib`.
 pub fn push_attributes(ctx: &mut Context, mask: u32) {
     // SAFETY: the program's own call.
     unsafe { ctx.gl.push_attrib(mask) };
-    if ctx.attribute_stack.len() < 64 {
-        ctx.attribute_stack.push((mask, ctx.believed.clone()));
+    // As deep as OpenGL's own, which ignores what exceeds it.
+    if ctx.attribute_stack.len() < ATTRIBUTE_DEPTH {
+        ctx.attribute_stack.push((mask, ctx.believed.clone(), ctx.list_base));
     }
 }
 
@@ -64,7 +68,7 @@ pub fn push_attributes(ctx: &mut Context, mask: u32) {
 pub fn pop_attributes(ctx: &mut Context) {
     // SAFETY: the program's own call.
     unsafe { ctx.gl.pop_attrib() };
-    let Some((mask, saved)) = ctx.attribute_stack.pop() else { return };
+    let Some((mask, saved, list_base)) = ctx.attribute_stack.pop() else { return };
     if mask & api::GL_VIEWPORT_BIT != 0 {
         ctx.believed.viewport = saved.viewport;
         ctx.actual.viewport = None;
@@ -77,8 +81,15 @@ pub fn pop_attributes(ctx: &mut Context) {
         ctx.believed.scissor_test = saved.scissor_test;
         ctx.actual.scissor_test = None;
     }
+    if mask & api::GL_ENABLE_BIT != 0 && ctx.profile.version >= 30 {
+        // SAFETY: asks for a switch that OpenGL 3.0 has.
+        ctx.discard = unsafe { ctx.gl.is_enabled(api::GL_RASTERIZER_DISCARD) } != 0;
+    }
     if mask & api::GL_TRANSFORM_BIT != 0 {
         ctx.believed.matrix_mode = saved.matrix_mode;
+    }
+    if mask & api::GL_LIST_BIT != 0 {
+        ctx.list_base = list_base;
     }
     if mask & api::GL_COLOR_BUFFER_BIT != 0 {
         ctx.believed.draw_buffer = saved.draw_buffer;
@@ -91,7 +102,31 @@ pub fn pop_attributes(ctx: &mut Context) {
     }
 }
 
-fn set_scissor_test(ctx: &mut Context, on: bool) {
+/// A viewport of the program.
+pub fn set_program_viewport(ctx: &mut Context, rect: [i32; 4]) {
+    ctx.believed.viewport = rect;
+    let new_size = ctx.target.as_ref().is_some_and(|t| t.size() != (rect[2] as u32, rect[3] as u32));
+    if new_size && !ctx.frame_begun && ctx.redirected() {
+        // Perhaps the window has it already.
+        super::present::follow_size(ctx);
+    }
+    if !ctx.redirected() {
+        ctx.set_viewport(rect);
+    }
+}
+
+/// A scissor rectangle of the program.
+pub fn set_program_scissor(ctx: &mut Context, rect: [i32; 4]) {
+    ctx.believed.scissor = rect;
+    if !ctx.redirected() {
+        ctx.actual.scissor = Some(rect);
+        // SAFETY: the program's own command.
+        unsafe { ctx.gl.scissor(rect[0], rect[1], rect[2], rect[3]) };
+    }
+}
+
+/// The program's scissor test.
+pub fn set_scissor_test(ctx: &mut Context, on: bool) {
     if ctx.compiling() {
         super::lists::record(ctx, Command::ScissorTest(on));
     } else {
@@ -112,15 +147,7 @@ hooks! {
         } else if ctx.compiling() {
             super::lists::record(ctx, Command::Viewport([x, y, width, height]));
         } else {
-            ctx.believed.viewport = [x, y, width, height];
-            let new_size = ctx.target.as_ref().is_some_and(|t| t.size() != (width as u32, height as u32));
-            if new_size && !ctx.frame_begun && ctx.redirected() {
-                // Perhaps the window has it already.
-                super::present::follow_size(ctx);
-            }
-            if !ctx.redirected() {
-                ctx.set_viewport([x, y, width, height]);
-            }
+            set_program_viewport(ctx, [x, y, width, height]);
         }
     };
     "glScissor" scissor(x: i32, y: i32, width: i32, height: i32) = |ctx, gl| {
@@ -129,18 +156,26 @@ hooks! {
         } else if ctx.compiling() {
             super::lists::record(ctx, Command::Scissor([x, y, width, height]));
         } else {
-            ctx.believed.scissor = [x, y, width, height];
-            if !ctx.redirected() {
-                ctx.actual.scissor = Some(ctx.believed.scissor);
-                gl.scissor(x, y, width, height);
-            }
+            set_program_scissor(ctx, [x, y, width, height]);
         }
     };
     "glEnable" enable(cap: u32) = |ctx, gl| {
-        if cap == api::GL_SCISSOR_TEST { set_scissor_test(ctx, true) } else { gl.enable(cap) }
+        match cap {
+            api::GL_SCISSOR_TEST => set_scissor_test(ctx, true),
+            _ => {
+                ctx.discard |= cap == api::GL_RASTERIZER_DISCARD;
+                gl.enable(cap);
+            }
+        }
     };
     "glDisable" disable(cap: u32) = |ctx, gl| {
-        if cap == api::GL_SCISSOR_TEST { set_scissor_test(ctx, false) } else { gl.disable(cap) }
+        match cap {
+            api::GL_SCISSOR_TEST => set_scissor_test(ctx, false),
+            _ => {
+                ctx.discard &= cap != api::GL_RASTERIZER_DISCARD;
+                gl.disable(cap);
+            }
+        }
     };
     "glPushAttrib" push_attrib(mask: u32) = |ctx, _gl| {
         if ctx.compiling() { super::lists::record(ctx, Command::PushAttributes(mask)) } else { push_attributes(ctx, mask) }

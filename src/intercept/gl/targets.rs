@@ -7,7 +7,7 @@ use super::lists::Command;
 use crate::backend::gl::api;
 
 /// Binds what the program's framebuffer `name` stands for.
-fn bind(ctx: &mut Context, target: u32, name: u32) {
+pub fn bind(ctx: &mut Context, target: u32, name: u32) {
     let was_redirected = ctx.redirected();
     let ours = ctx.target.as_ref().map_or(0, |t| t.framebuffer());
     let real = if name == 0 { ours } else { name };
@@ -25,7 +25,7 @@ fn bind(ctx: &mut Context, target: u32, name: u32) {
 }
 
 /// A clear of the program: of everything that is its picture.
-fn clear_with(ctx: &mut Context, color: bool, issue: impl Fn(&crate::backend::gl::api::Gl)) {
+pub fn clear_with(ctx: &mut Context, color: bool, issue: impl Fn(&crate::backend::gl::api::Gl)) {
     let gl = ctx.gl;
     if !ctx.redirected() || ctx.picking {
         issue(gl);
@@ -52,8 +52,7 @@ fn clear_with(ctx: &mut Context, color: bool, issue: impl Fn(&crate::backend::gl
     }
     super::default_framebuffer::want_panel(ctx);
     let Some(target) = &ctx.target else { return };
-    let tiles: Vec<[i32; 4]> = target.flat_tiles().into_iter().flatten().map(|t| t.0).collect();
-    for tile in tiles {
+    for (tile, _) in target.flat_tiles().into_iter().flatten() {
         own_window_space(ctx, tile);
         issue(gl);
     }
@@ -125,7 +124,8 @@ pub fn select_read_buffer(ctx: &mut Context, buffer: u32) {
     }
 }
 
-fn select_draw_buffers(ctx: &mut Context, count: i32, buffers: *const u32) {
+/// `glDrawBuffers`.
+pub fn select_draw_buffers(ctx: &mut Context, count: i32, buffers: *const u32) {
     let gl = ctx.gl;
     if !ctx.redirected() || buffers.is_null() || !(1..=16).contains(&count) {
         // SAFETY: the program's own call.
@@ -134,7 +134,10 @@ fn select_draw_buffers(ctx: &mut Context, count: i32, buffers: *const u32) {
     }
     // SAFETY: the program passes `count` names.
     let names = unsafe { std::slice::from_raw_parts(buffers, count as usize) };
-    let translated: Vec<u32> = names.iter().map(|name| attachment(*name)).collect();
+    let mut translated = [api::GL_NONE; 16];
+    for (real, name) in translated.iter_mut().zip(names) {
+        *real = attachment(*name);
+    }
     if is_window_buffer(names[0]) || names[0] == api::GL_NONE {
         ctx.believed.draw_buffer = names[0];
     }
@@ -144,7 +147,7 @@ fn select_draw_buffers(ctx: &mut Context, count: i32, buffers: *const u32) {
 
 /// A copy of a rectangle into the window: onto the flat panel and the program's own picture.
 #[allow(clippy::too_many_arguments)] // glBlitFramebuffer's own.
-fn blit(ctx: &mut Context, mut source: [i32; 4], destination: [i32; 4], mask: u32, filter: u32) {
+pub fn blit(ctx: &mut Context, mut source: [i32; 4], destination: [i32; 4], mask: u32, filter: u32) {
     let gl = ctx.gl;
     if ctx.reads_redirected() {
         let origin = super::reads::prepare(ctx);
@@ -161,10 +164,10 @@ fn blit(ctx: &mut Context, mut source: [i32; 4], destination: [i32; 4], mask: u3
         super::reads::finish(ctx);
         return;
     }
+    ctx.frame_begun = true;
     super::default_framebuffer::want_panel(ctx);
     let Some(target) = &ctx.target else { return };
-    let tiles: Vec<[i32; 4]> = target.flat_tiles().into_iter().flatten().map(|t| t.0).collect();
-    for tile in tiles {
+    for (tile, _) in target.flat_tiles().into_iter().flatten() {
         own_window_space(ctx, tile);
         let [x0, y0, x1, y1] = destination;
         issue([x0 + tile[0], y0 + tile[1], x1 + tile[0], y1 + tile[1]]);
@@ -213,6 +216,9 @@ hooks! {
     "glInvalidateFramebuffer" invalidate_framebuffer(target: u32, count: i32, attachments: *const u32) = |ctx, gl| {
         // A hint; for the window it would have to be translated for nothing.
         if !ctx.redirected() { gl.invalidate_framebuffer(target, count, attachments) }
+    };
+    "glDiscardFramebufferEXT" discard_framebuffer_ext(target: u32, count: i32, attachments: *const u32) = |ctx, gl| {
+        if !ctx.redirected() { gl.discard_framebuffer_ext(target, count, attachments) }
     };
     "glInvalidateSubFramebuffer" invalidate_sub_framebuffer(target: u32, count: i32, attachments: *const u32, x: i32, y: i32, w: i32, h: i32) = |ctx, gl| {
         if !ctx.redirected() { gl.invalidate_sub_framebuffer(target, count, attachments, x, y, w, h) }

@@ -151,6 +151,9 @@ fn block_matrix(gl: &Gl, binding: u32, offset: usize, stride: usize) -> Option<[
     }
 }
 
+/// Of longer arrays of matrices, which are bones or instances, only the first is looked at.
+const LONGEST: i32 = 8;
+
 /// The 4×4 matrices of a linked program, and the index of the uniform called `ours`.
 pub fn read(gl: &Gl, profile: &Profile, program: u32, ours: &str) -> (Uniforms, Option<u32>) {
     let mut uniforms = Uniforms { generation: u64::MAX, ..Uniforms::default() };
@@ -183,12 +186,18 @@ pub fn read(gl: &Gl, profile: &Profile, program: u32, ours: &str) -> (Uniforms, 
             None
         };
         let Some(place) = place else { continue };
-        let mut value = [0f32; 16];
-        if location >= 0 {
-            // SAFETY: a 4×4 matrix is sixteen floats.
-            unsafe { gl.get_uniformfv(program, location, value.as_mut_ptr()) };
+        // The elements of an array have locations that follow each other.
+        let elements = if location >= 0 && size <= LONGEST { size.max(1) } else { 1 };
+        let mut place = Some(place);
+        for element in 0..elements {
+            let mut value = [0f32; 16];
+            if location >= 0 {
+                // SAFETY: a 4×4 matrix is sixteen floats.
+                unsafe { gl.get_uniformfv(program, location + element, value.as_mut_ptr()) };
+            }
+            let place = place.take().unwrap_or(Place::Uniform(location + element));
+            uniforms.matrices.push(Matrix { place, rank: rank(&shown), value: value.map(f64::from) });
         }
-        uniforms.matrices.push(Matrix { place, rank: rank(&shown), value: value.map(f64::from) });
     }
     (uniforms, hidden)
 }
@@ -227,16 +236,23 @@ unsafe fn note<T: Copy + Into<f64>>(
     if location < 0 || count < 1 || value.is_null() {
         return;
     }
-    // SAFETY: as promised above.
-    let matrix = std::array::from_fn(|i| unsafe { (*value.add(i)).into() });
-    let matrix = if transpose != 0 { transposed(&matrix) } else { matrix };
-    program.uniforms.lock().unwrap_or_else(PoisonError::into_inner).set(location, &matrix);
+    let mut uniforms = program.uniforms.lock().unwrap_or_else(PoisonError::into_inner);
+    for element in 0..count.min(LONGEST) {
+        // SAFETY: as promised above.
+        let matrix = std::array::from_fn(|i| unsafe { (*value.add(16 * element as usize + i)).into() });
+        let matrix = if transpose != 0 { transposed(&matrix) } else { matrix };
+        uniforms.set(location + element, &matrix);
+    }
 }
 
 hooks! {
     "glUniformMatrix4fv" uniform_matrix4fv(location: i32, count: i32, transpose: u8, value: *const f32) = |ctx, gl| {
         gl.uniform_matrix4fv(location, count, transpose, value);
-        note(ctx.program.as_deref(), location, count, transpose, value);
+        if ctx.pipelines.used != 0 {
+            note(ctx.program.as_deref(), location, count, transpose, value);
+        } else {
+            note(super::pipelines::active(ctx).as_deref(), location, count, transpose, value);
+        }
     };
     "glProgramUniformMatrix4fv" program_uniform_matrix4fv(program: u32, location: i32, count: i32, transpose: u8, value: *const f32) = |ctx, gl| {
         gl.program_uniform_matrix4fv(program, location, count, transpose, value);

@@ -159,6 +159,8 @@ unsafe extern "C" fn get_proc_address(name: *const c_char) -> Pointer {
         "eglCreateWindowSurface" => create_window_surface as *const (),
         "eglCreatePlatformWindowSurface" => create_platform_window_surface as *const (),
         "eglCreatePlatformWindowSurfaceEXT" => create_platform_window_surface_ext as *const (),
+        "eglWaitGL" => wait_gl as *const (),
+        "eglWaitClient" => wait_client as *const (),
         "eglDestroySurface" => destroy_surface as *const (),
         _ if settings::settings().is_none_or(|s| s.rig.passthrough) => return real,
         _ => match hook::find(text) {
@@ -171,7 +173,7 @@ unsafe extern "C" fn get_proc_address(name: *const c_char) -> Pointer {
 
 /// Calls the driver's function `$name` with `$arguments`.
 macro_rules! real_call {
-    ($name:literal, ($($t:ty),*) -> $r:ty, $($a:expr),*) => {{
+    ($name:literal, ($($t:ty),*) -> $r:ty, $($a:expr),* $(,)?) => {{
         // SAFETY: the driver's function of this name has this signature; the arguments are the program's.
         unsafe {
             let function: unsafe extern "C" fn($($t),*) -> $r = std::mem::transmute(real($name));
@@ -220,6 +222,16 @@ fn swap(surface: Pointer, swap: impl FnOnce() -> c_uint) -> c_uint {
 
 unsafe extern "C" fn swap_buffers(display: Pointer, surface: Pointer) -> c_uint {
     swap(surface, || real_call!(c"eglSwapBuffers", (Pointer, Pointer) -> c_uint, display, surface))
+}
+
+unsafe extern "C" fn wait_gl() -> c_uint {
+    super::front::show_current();
+    real_call!(c"eglWaitGL", () -> c_uint,)
+}
+
+unsafe extern "C" fn wait_client() -> c_uint {
+    super::front::show_current();
+    real_call!(c"eglWaitClient", () -> c_uint,)
 }
 
 // The whole window changes with any part of the program's picture, so the damage is dropped.

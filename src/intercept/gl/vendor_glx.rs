@@ -117,6 +117,7 @@ unsafe extern "C" fn get_proc_address(name: *const u8) -> *mut c_void {
         "glXCreatePixmap" => create_pixmap as *const (),
         "glXCreateGLXPixmap" => create_glx_pixmap as *const (),
         "glXCreatePbuffer" => create_pbuffer as *const (),
+        "glXWaitGL" => wait_gl as *const (),
         "glXUseXFont" => return real,
         _ if passthrough() => return real,
         _ => match hook::find(text) {
@@ -134,7 +135,7 @@ fn passthrough() -> bool {
 
 /// Calls the driver's function `$name` with `$arguments`.
 macro_rules! real_call {
-    ($name:literal, ($($t:ty),*) -> $r:ty, $($a:expr),*) => {{
+    ($name:literal, ($($t:ty),*) -> $r:ty, $($a:expr),* $(,)?) => {{
         // SAFETY: the driver's function of this name has this signature; the arguments are the program's.
         unsafe {
             let function: unsafe extern "C" fn($($t),*) -> $r = std::mem::transmute(real($name));
@@ -197,6 +198,11 @@ unsafe extern "C" fn swap_buffers(display: Pointer, drawable: c_ulong) {
     if ours {
         present::after_swap();
     }
+}
+
+unsafe extern "C" fn wait_gl() {
+    super::front::show_current();
+    real_call!(c"glXWaitGL", () -> (),);
 }
 
 unsafe extern "C" fn swap_buffers_msc(

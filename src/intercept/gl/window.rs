@@ -71,13 +71,13 @@ impl Window {
         (width.clamp(1, 16384), height.clamp(1, 16384))
     }
 
-    /// Whether it has a back buffer.
+    /// Whether it has a back buffer; its own framebuffer must be bound for drawing.
     pub fn double_buffered(&self, gl: &Gl, profile: &Profile) -> bool {
         if profile.es {
             return true;
         }
         let mut double = 1;
-        // SAFETY: writes one integer about the window, whose framebuffer is bound or not.
+        // SAFETY: writes one integer about the framebuffer that is bound.
         unsafe { gl.get_integerv(api::GL_DOUBLEBUFFER, &mut double) };
         double != 0
     }

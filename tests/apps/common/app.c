@@ -14,7 +14,7 @@ static void usage(const char *name)
 {
     fprintf(stderr,
             "usage: %s [--fov DEG] [--yaw DEG] [--pitch DEG] [--frames N] [--size WxH] [--at X,Y] [--samples N] [--egl]\n"
-            "       [--fbo] [--dump FILE.ppm] [--shot FILE.ppm]\n",
+            "       [--single] [--fbo] [--dump FILE.ppm] [--shot FILE.ppm]\n",
             name);
     exit(2);
 }
@@ -25,6 +25,10 @@ static void parse(app *a, int argc, char **argv)
         const char *option = argv[i];
         if (strcmp(option, "--fbo") == 0) {
             a->fbo = true;
+            continue;
+        }
+        if (strcmp(option, "--single") == 0) {
+            a->request.single = true;
             continue;
         }
         if (strcmp(option, "--egl") == 0) {
@@ -169,7 +173,10 @@ int app_main(int argc, char **argv, const app_program *program)
         }
         if (a.fbo)
             target_present(&own);
-        window_swap(&a.window);
+        if (a.request.single)
+            glFlush();
+        else
+            window_swap(&a.window);
         app_check_error(&a, "after the swap");
         if (a.shot != NULL) {
             image picture = window_shot(&a.window);

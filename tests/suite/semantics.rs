@@ -1,0 +1,49 @@
+//! What OpenGL promises a program beyond pictures with a swap, where drawing each view might break it.
+
+use crate::programs::Run;
+
+/// Runs a program that judges itself, plainly and under several rigs.
+fn judges_itself(program: &str) {
+    let run = Run::new(program);
+    let Some(plain) = run.plain() else { return };
+    plain.expect_success();
+    for rig in ["fisheye", "planetarium-6"] {
+        // One frame more than the program draws, so that it comes to its own end and verdict.
+        let run = Run { cupola_frames: run.frames + 1, ..run.clone() };
+        if let Some(finished) = run.under(rig) {
+            finished.expect_success();
+        }
+    }
+}
+
+#[test]
+fn transform_feedback_records_a_draw_once() {
+    judges_itself("feedback");
+}
+
+#[test]
+fn a_pipeline_of_separable_programs() {
+    judges_itself("separable");
+    crate::dialects::fisheye("separable", &[]);
+}
+
+#[test]
+fn names_that_a_program_never_asked_for_are_free() {
+    judges_itself("own_names");
+}
+
+#[test]
+fn a_window_with_one_buffer_shows_what_one_with_two_shows() {
+    let shots = [&["--shot", "shot.ppm"][..], &["--shot", "shot.ppm", "--single"]].map(|extra| {
+        // The program itself ends, after its shot; Cupola would end it before.
+        let run = Run { extra, cupola_frames: 9, ..Run::new("immediate") };
+        run.under("fisheye").map(|finished| finished.expect_success().picture("shot.ppm"))
+    });
+    let [Some(double), Some(single)] = shots else { return };
+    assert_eq!(double.difference(&single), (0, 0));
+}
+
+#[test]
+fn the_window_by_its_name_and_our_uniform_by_none() {
+    judges_itself("direct_state");
+}
