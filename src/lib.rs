@@ -27,7 +27,7 @@
 //! ```
 //!
 //! - [`runtime::embedded`]: a program draws its views itself and has them corrected.
-//! - [`warp::exact`]: where a pixel looks, in f64, without a graphics card.
+//! - [`warp::WarpMap`]: where a pixel looks, in f64, without a graphics card.
 //! - [`blend`]: what the light of all projectors adds up to on the dome.
 //!
 //! Units and conventions, everywhere: metres and degrees in files, radians in code; right-handed
