@@ -99,16 +99,16 @@ fn commands(root: roxmltree::Node, wanted: &BTreeSet<&str>, out: &mut String) {
         let names = parameters.iter().map(|p| p.0.as_str()).collect::<Vec<_>>().join(", ");
         let arrow = if result == "()" { String::new() } else { format!(" -> {result}") };
         let absent = match result.as_str() {
-            "()" => "()".to_owned(),
-            r if r.starts_with('*') => "std::ptr::null_mut::<c_void>().cast()".to_owned(),
-            _ => "0".to_owned(),
+            "()" => "",
+            r if r.starts_with('*') => " std::ptr::null_mut::<c_void>().cast()",
+            _ => " 0",
         };
         writeln!(fields, "    {method}: *const c_void,").expect("writing to a String");
         writeln!(loads, "            {method}: load(c\"{name}\"),").expect("writing to a String");
         writeln!(
             methods,
             "    #[inline] pub unsafe fn {method}(&self, {typed}){arrow} {{\n        \
-             if self.{method}.is_null() {{ return {absent}; }}\n        \
+             if self.{method}.is_null() {{ return{absent}; }}\n        \
              let f: unsafe extern \"system\" fn({types}){arrow} = unsafe {{ std::mem::transmute(self.{method}) }};\n        \
              unsafe {{ f({names}) }}\n    }}\n    \
              #[inline] pub fn has_{method}(&self) -> bool {{ !self.{method}.is_null() }}"

@@ -3,9 +3,32 @@
 //! Data flow: a [`rig`] says what stands where. [`views`] computes which directions the rig's
 //! outputs sample and the fewest, tightest perspective views that show them, packed into one
 //! atlas. The program is drawn into those views (by [`intercept`], or by itself through
-//! [`ffi`]). [`correct`] turns rig and views into passes, which a [`backend`] runs: each output
-//! pixel is traced to the dome and to the viewer ([`warp`]), sampled once, weighted ([`blend`])
-//! and presented.
+//! [`ffi`] or [`runtime::embedded`]). [`correct`] turns rig and views into passes, which a
+//! [`backend`] runs: each output pixel is traced to the dome and to the viewer ([`warp`] does so
+//! exactly), sampled once, weighted ([`blend`]) and presented.
+//!
+//! Most programs need the command `cupola` and no line of code. To use the library:
+//!
+//! ```
+//! use cupola::{rig, views};
+//!
+//! let rig = rig::load("fisheye")?; // a preset or a file
+//! let request = views::Request {
+//!     output_sizes: vec![(2048, 2048)],
+//!     window: (2048, 2048),
+//!     panel: false,
+//!     primary: false,
+//!     max_atlas: 16384,
+//! };
+//! let plan = views::plan(&rig, &request)?;
+//! assert!(plan.views.len() <= 5);
+//! println!("{}", views::report(&plan, &rig, &request.output_sizes));
+//! # Ok::<(), cupola::Error>(())
+//! ```
+//!
+//! - [`runtime::embedded`]: a program draws its views itself and has them corrected.
+//! - [`warp::WarpMap`]: where a pixel looks, in f64, without a graphics card.
+//! - [`blend`]: what the light of all projectors adds up to on the dome.
 //!
 //! Units and conventions, everywhere: metres and degrees in files, radians in code; right-handed
 //! axes, x right, y up, −z forward; column vectors; f64 on the CPU, f32 only in

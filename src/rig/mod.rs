@@ -193,7 +193,7 @@ pub enum DomeAngle {
     Azimuth,
 }
 
-/// Reads a rig: `name_or_path` is a preset's name (see [`presets`]) or else the path of a TOML file.
+/// Reads a rig: `name_or_path` is a preset's name (see [`presets()`]) or else the path of a TOML file.
 ///
 /// A name that is also a file in the working directory means the preset; write `./name` for the file.
 ///

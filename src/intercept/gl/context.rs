@@ -1,5 +1,6 @@
 //! What a program believes about one of its contexts, and which context is current.
 
+use super::background::Background;
 use super::camera::Cameras;
 use super::default_framebuffer::DefaultFramebuffer;
 use super::lists::{Lists, Recording};
@@ -134,6 +135,8 @@ pub struct Context {
     pub actual: Actual,
     /// The fixed-function projection.
     pub projection: Projection,
+    /// Flat drawing behind the scene.
+    pub background: Background,
     /// The cameras of the frame.
     pub cameras: Cameras,
     /// The program object that draws: the one in use, or a pipeline's.
@@ -338,6 +341,7 @@ impl Context {
             attribute_stack: Vec::new(),
             actual: Actual::default(),
             projection: Projection::default(),
+            background: Background::default(),
             cameras: Cameras::default(),
             program: None,
             pipelines: Default::default(),
