@@ -83,7 +83,10 @@ macro_rules! getters {
 }
 
 /// `glGetFramebufferAttachmentParameteriv`: the window's buffers are our attachments.
-pub fn attachment_parameter(ctx: &mut Context, target: u32, attachment: u32, name: u32, values: *mut i32) {
+///
+/// # Safety
+/// `values` must be null or a place for one number, as the program promises OpenGL.
+pub unsafe fn attachment_parameter(ctx: &mut Context, target: u32, attachment: u32, name: u32, values: *mut i32) {
     let window = if target == api::GL_READ_FRAMEBUFFER { ctx.reads_redirected() } else { ctx.redirected() };
     // SAFETY: the program's own call, with a place for one number.
     unsafe {

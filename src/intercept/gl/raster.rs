@@ -26,7 +26,6 @@ impl Raster {
 }
 
 /// A raster position in the scene.
-#[derive(Clone)]
 struct ScenePosition {
     object: [f64; 4],
     model_view: [f64; 16],
@@ -90,7 +89,7 @@ pub fn draw_at_raster(ctx: &mut Context, issue: impl Fn(&Gl)) -> bool {
     }
     ctx.counts.draws_seen += 1;
     ctx.frame_begun = true;
-    let Some(position) = ctx.raster.scene.clone() else {
+    let Some(mut position) = ctx.raster.scene.take() else {
         draw_flat(ctx, issue);
         return true;
     };
@@ -143,9 +142,8 @@ pub fn draw_at_raster(ctx: &mut Context, issue: impl Fn(&Gl)) -> bool {
         gl.pop_matrix();
         gl.matrix_mode(mode);
     }
-    if let Some(scene) = &mut ctx.raster.scene {
-        scene.moved = [scene.moved[0] + after[0] - before[0], scene.moved[1] + after[1] - before[1]];
-    }
+    position.moved = [position.moved[0] + after[0] - before[0], position.moved[1] + after[1] - before[1]];
+    ctx.raster.scene = Some(position);
     ctx.target = Some(target);
     true
 }

@@ -245,6 +245,23 @@ unsafe fn note<T: Copy + Into<f64>>(
     }
 }
 
+/// 1 where what changes at `target` may be a uniform block, whose matrices are then read back: a wait for
+/// the driver, which a program that streams vertices must not have.
+fn may_hold_blocks(target: u32) -> u64 {
+    u64::from(!matches!(
+        target,
+        api::GL_ELEMENT_ARRAY_BUFFER
+            | api::GL_PIXEL_PACK_BUFFER
+            | api::GL_PIXEL_UNPACK_BUFFER
+            | api::GL_TEXTURE_BUFFER
+            | api::GL_TRANSFORM_FEEDBACK_BUFFER
+            | api::GL_SHADER_STORAGE_BUFFER
+            | api::GL_ATOMIC_COUNTER_BUFFER
+            | api::GL_DRAW_INDIRECT_BUFFER
+            | api::GL_DISPATCH_INDIRECT_BUFFER
+    ))
+}
+
 hooks! {
     "glUniformMatrix4fv" uniform_matrix4fv(location: i32, count: i32, transpose: u8, value: *const f32) = |ctx, gl| {
         gl.uniform_matrix4fv(location, count, transpose, value);
@@ -264,11 +281,11 @@ hooks! {
     };
     "glBufferData" buffer_data(target: u32, size: isize, data: *const c_void, usage: u32) = |ctx, gl| {
         gl.buffer_data(target, size, data, usage);
-        ctx.buffer_generation += 1;
+        ctx.buffer_generation += may_hold_blocks(target);
     };
     "glBufferSubData" buffer_sub_data(target: u32, offset: isize, size: isize, data: *const c_void) = |ctx, gl| {
         gl.buffer_sub_data(target, offset, size, data);
-        ctx.buffer_generation += 1;
+        ctx.buffer_generation += may_hold_blocks(target);
     };
     "glNamedBufferData" named_buffer_data(buffer: u32, size: isize, data: *const c_void, usage: u32) = |ctx, gl| {
         gl.named_buffer_data(buffer, size, data, usage);
@@ -279,16 +296,16 @@ hooks! {
         ctx.buffer_generation += 1;
     };
     "glUnmapBuffer" unmap_buffer(target: u32) -> u8 = |ctx, gl| {
-        ctx.buffer_generation += 1;
+        ctx.buffer_generation += may_hold_blocks(target);
         gl.unmap_buffer(target)
     };
     "glBindBufferBase" bind_buffer_base(target: u32, index: u32, buffer: u32) = |ctx, gl| {
         gl.bind_buffer_base(target, index, buffer);
-        ctx.buffer_generation += 1;
+        ctx.buffer_generation += may_hold_blocks(target);
     };
     "glBindBufferRange" bind_buffer_range(target: u32, index: u32, buffer: u32, offset: isize, size: isize) = |ctx, gl| {
         gl.bind_buffer_range(target, index, buffer, offset, size);
-        ctx.buffer_generation += 1;
+        ctx.buffer_generation += may_hold_blocks(target);
     };
 }
 
