@@ -12,7 +12,7 @@ use crate::backend::gl::api::{self, Gl};
 use crate::intercept::log;
 use crate::runtime::session::Extras;
 use std::cell::Cell;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::ffi::CStr;
 use std::sync::atomic::{AtomicPtr, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -157,6 +157,8 @@ pub struct Context {
     pub list_base: u32,
     /// An error of the program's that we had to take out of the driver.
     pub pending_error: u32,
+    /// Buffers that were bound for uniform blocks.
+    pub block_buffers: HashSet<u32>,
     /// Grows with every change of a buffer that may hold uniform blocks.
     pub buffer_generation: u64,
     /// Transform feedback is recording.
@@ -352,6 +354,7 @@ impl Context {
             recording: None,
             list_base: 0,
             pending_error: 0,
+            block_buffers: HashSet::new(),
             buffer_generation: 0,
             feedback: false,
             discard: false,

@@ -1,6 +1,6 @@
 //! Finds the projection among a program's 4×4 matrices.
 
-use super::context::Profile;
+use super::context::{Context, Profile};
 use super::hook::hooks;
 use super::programs::Lens;
 use crate::backend::gl::api::{self, Gl};
@@ -245,21 +245,35 @@ unsafe fn note<T: Copy + Into<f64>>(
     }
 }
 
-/// 1 where what changes at `target` may be a uniform block, whose matrices are then read back: a wait for
-/// the driver, which a program that streams vertices must not have.
-fn may_hold_blocks(target: u32) -> u64 {
-    u64::from(!matches!(
-        target,
-        api::GL_ELEMENT_ARRAY_BUFFER
-            | api::GL_PIXEL_PACK_BUFFER
-            | api::GL_PIXEL_UNPACK_BUFFER
-            | api::GL_TEXTURE_BUFFER
-            | api::GL_TRANSFORM_FEEDBACK_BUFFER
-            | api::GL_SHADER_STORAGE_BUFFER
-            | api::GL_ATOMIC_COUNTER_BUFFER
-            | api::GL_DRAW_INDIRECT_BUFFER
-            | api::GL_DISPATCH_INDIRECT_BUFFER
-    ))
+/// What is bound at `target` changed. Where it may be a uniform block its matrices are read back, which is
+/// a wait for the driver; a program that streams vertices must not have it.
+fn changed(ctx: &mut Context, target: u32) {
+    let binding = match target {
+        api::GL_UNIFORM_BUFFER => api::GL_UNIFORM_BUFFER_BINDING,
+        api::GL_ARRAY_BUFFER => api::GL_ARRAY_BUFFER_BINDING,
+        api::GL_COPY_READ_BUFFER => api::GL_COPY_READ_BUFFER_BINDING,
+        api::GL_COPY_WRITE_BUFFER => api::GL_COPY_WRITE_BUFFER_BINDING,
+        _ => return,
+    };
+    if !ctx.block_buffers.is_empty() {
+        let mut buffer = 0;
+        // SAFETY: writes one integer; a program with uniform blocks has OpenGL 3.1 and with it these names.
+        unsafe { ctx.gl.get_integerv(binding, &mut buffer) };
+        named_changed(ctx, buffer as u32);
+    }
+}
+
+/// A buffer changed.
+fn named_changed(ctx: &mut Context, buffer: u32) {
+    ctx.buffer_generation += u64::from(ctx.block_buffers.contains(&buffer));
+}
+
+/// A buffer was bound to an indexed binding point.
+fn bound(ctx: &mut Context, target: u32, buffer: u32) {
+    if target == api::GL_UNIFORM_BUFFER {
+        ctx.buffer_generation += 1;
+        ctx.block_buffers.insert(buffer);
+    }
 }
 
 hooks! {
@@ -281,31 +295,55 @@ hooks! {
     };
     "glBufferData" buffer_data(target: u32, size: isize, data: *const c_void, usage: u32) = |ctx, gl| {
         gl.buffer_data(target, size, data, usage);
-        ctx.buffer_generation += may_hold_blocks(target);
+        changed(ctx, target);
     };
     "glBufferSubData" buffer_sub_data(target: u32, offset: isize, size: isize, data: *const c_void) = |ctx, gl| {
         gl.buffer_sub_data(target, offset, size, data);
-        ctx.buffer_generation += may_hold_blocks(target);
+        changed(ctx, target);
     };
     "glNamedBufferData" named_buffer_data(buffer: u32, size: isize, data: *const c_void, usage: u32) = |ctx, gl| {
         gl.named_buffer_data(buffer, size, data, usage);
-        ctx.buffer_generation += 1;
+        named_changed(ctx, buffer);
     };
     "glNamedBufferSubData" named_buffer_sub_data(buffer: u32, offset: isize, size: isize, data: *const c_void) = |ctx, gl| {
         gl.named_buffer_sub_data(buffer, offset, size, data);
-        ctx.buffer_generation += 1;
+        named_changed(ctx, buffer);
     };
     "glUnmapBuffer" unmap_buffer(target: u32) -> u8 = |ctx, gl| {
-        ctx.buffer_generation += may_hold_blocks(target);
+        changed(ctx, target);
         gl.unmap_buffer(target)
+    };
+    "glUnmapNamedBuffer" unmap_named_buffer(buffer: u32) -> u8 = |ctx, gl| {
+        named_changed(ctx, buffer);
+        gl.unmap_named_buffer(buffer)
+    };
+    "glCopyBufferSubData" copy_buffer_sub_data(read: u32, write: u32, from: isize, to: isize, size: isize) = |ctx, gl| {
+        gl.copy_buffer_sub_data(read, write, from, to, size);
+        changed(ctx, write);
+    };
+    "glCopyNamedBufferSubData" copy_named_buffer_sub_data(read: u32, write: u32, from: isize, to: isize, size: isize) = |ctx, gl| {
+        gl.copy_named_buffer_sub_data(read, write, from, to, size);
+        named_changed(ctx, write);
+    };
+    "glBindBuffersBase" bind_buffers_base(target: u32, first: u32, count: i32, buffers: *const u32) = |ctx, gl| {
+        gl.bind_buffers_base(target, first, count, buffers);
+        for i in 0..usize::try_from(count).unwrap_or(0) {
+            bound(ctx, target, if buffers.is_null() { 0 } else { *buffers.add(i) });
+        }
+    };
+    "glBindBuffersRange" bind_buffers_range(target: u32, first: u32, count: i32, buffers: *const u32, offsets: *const isize, sizes: *const isize) = |ctx, gl| {
+        gl.bind_buffers_range(target, first, count, buffers, offsets, sizes);
+        for i in 0..usize::try_from(count).unwrap_or(0) {
+            bound(ctx, target, if buffers.is_null() { 0 } else { *buffers.add(i) });
+        }
     };
     "glBindBufferBase" bind_buffer_base(target: u32, index: u32, buffer: u32) = |ctx, gl| {
         gl.bind_buffer_base(target, index, buffer);
-        ctx.buffer_generation += may_hold_blocks(target);
+        bound(ctx, target, buffer);
     };
     "glBindBufferRange" bind_buffer_range(target: u32, index: u32, buffer: u32, offset: isize, size: isize) = |ctx, gl| {
         gl.bind_buffer_range(target, index, buffer, offset, size);
-        ctx.buffer_generation += may_hold_blocks(target);
+        bound(ctx, target, buffer);
     };
 }
 
