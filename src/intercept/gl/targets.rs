@@ -24,6 +24,15 @@ pub fn bind(ctx: &mut Context, target: u32, name: u32) {
     }
 }
 
+/// Whether `target` is the window, to which nothing can be attached; the program then has its error.
+fn refuses_attachments(ctx: &mut Context, target: u32) -> bool {
+    let window = if target == api::GL_READ_FRAMEBUFFER { ctx.reads_redirected() } else { ctx.redirected() };
+    if window && ctx.pending_error == api::GL_NO_ERROR {
+        ctx.pending_error = api::GL_INVALID_OPERATION;
+    }
+    window
+}
+
 /// A clear of the program: of everything that is its picture.
 pub fn clear_with(ctx: &mut Context, color: bool, issue: impl Fn(&crate::backend::gl::api::Gl)) {
     let gl = ctx.gl;
@@ -180,6 +189,26 @@ pub fn blit(ctx: &mut Context, mut source: [i32; 4], destination: [i32; 4], mask
 
 hooks! {
     "glBindFramebuffer" bind_framebuffer(target: u32, name: u32) = |ctx, _gl| bind(ctx, target, name);
+    // A window's buffers cannot be replaced; without us the driver would say so.
+    "glFramebufferTexture" framebuffer_texture(target: u32, attachment: u32, texture: u32, level: i32) = |ctx, gl| {
+        if !refuses_attachments(ctx, target) { gl.framebuffer_texture(target, attachment, texture, level) }
+    };
+    "glFramebufferTexture2D" framebuffer_texture2_d(target: u32, attachment: u32, kind: u32, texture: u32, level: i32) = |ctx, gl| {
+        if !refuses_attachments(ctx, target) { gl.framebuffer_texture2_d(target, attachment, kind, texture, level) }
+    };
+    "glFramebufferTextureLayer" framebuffer_texture_layer(target: u32, attachment: u32, texture: u32, level: i32, layer: i32) = |ctx, gl| {
+        if !refuses_attachments(ctx, target) { gl.framebuffer_texture_layer(target, attachment, texture, level, layer) }
+    };
+    "glFramebufferRenderbuffer" framebuffer_renderbuffer(target: u32, attachment: u32, kind: u32, name: u32) = |ctx, gl| {
+        if !refuses_attachments(ctx, target) { gl.framebuffer_renderbuffer(target, attachment, kind, name) }
+    };
+    "glAccum" accum(operation: u32, value: f32) = |ctx, gl| {
+        if ctx.redirected() && !ctx.compiling() {
+            crate::intercept::log::once("the accumulation buffer is not corrected; what was drawn last is shown");
+        } else {
+            gl.accum(operation, value);
+        }
+    };
     "glDeleteFramebuffers" delete_framebuffers(count: i32, names: *const u32) = |ctx, gl| {
         let deleted: Vec<u32> = if names.is_null() { Vec::new() } else {
             std::slice::from_raw_parts(names, usize::try_from(count).unwrap_or(0)).to_vec()
