@@ -9,6 +9,7 @@ mod compare;
 mod controls;
 mod dialects;
 mod display;
+mod injection;
 mod picture;
 mod programs;
 mod reference;

@@ -57,6 +57,8 @@ pub struct Run<'a> {
     pub extra: &'a [&'a str],
     /// Options of `cupola run` besides the rig.
     pub cupola: &'a [&'a str],
+    /// More variables of the environment.
+    pub environment: &'a [(&'a str, &'a str)],
 }
 
 impl<'a> Run<'a> {
@@ -73,6 +75,7 @@ impl<'a> Run<'a> {
             cupola_frames: frames,
             extra: &[],
             cupola: &[],
+            environment: &[],
         }
     }
 
@@ -97,7 +100,22 @@ impl<'a> Run<'a> {
         let mut command = Command::new(built().join(self.program));
         let place = display::place();
         command.args(self.arguments(&place));
+        command.envs(self.environment.iter().copied());
         Finished::of(command, self.program, "without Cupola")
+    }
+
+    /// Runs the program with the preload library and no launcher; the rig is in the environment.
+    /// `None` where there is no display.
+    pub fn preloaded(&self, rig: &str) -> Option<Finished> {
+        let library = Path::new(env!("CARGO_BIN_EXE_cupola")).with_file_name("examples/libcupola_preload.so");
+        assert!(library.exists(), "{}: build it by cargo build --example cupola_preload", library.display());
+        let mut command = Command::new(built().join(self.program));
+        let place = display::place();
+        command.args(self.arguments(&place)).env("LD_PRELOAD", library).env("CUPOLA_RIG", rig);
+        command.env("CUPOLA_FRAMES", self.cupola_frames.to_string());
+        command.env("CUPOLA_CAPTURE", "capture.png").env("CUPOLA_STATS", "stats.json");
+        command.envs(self.environment.iter().copied());
+        Finished::of(command, self.program, &format!("{rig}, preloaded"))
     }
 
     /// Runs the program under `cupola run`, which captures and counts. Panics where Cupola says that it could
@@ -109,6 +127,7 @@ impl<'a> Run<'a> {
         command.args(["run", "--rig", rig, "--frames", &self.cupola_frames.to_string()]);
         command.args(["--capture", "capture.png", "--stats", "stats.json"]);
         command.args(self.cupola).arg("--").arg(built().join(self.program)).args(self.arguments(&place));
+        command.envs(self.environment.iter().copied());
         let finished = Finished::of(command, self.program, rig)?;
         let words = String::from_utf8_lossy(&finished.output.stderr);
         assert!(!words.contains("will not be corrected"), "{}: {words}", finished.what);
@@ -170,6 +189,16 @@ impl Finished {
             self.directory.display()
         );
         self
+    }
+
+    /// Whether the run wrote this file.
+    pub fn wrote(&self, name: &str) -> bool {
+        self.directory.join(name).exists()
+    }
+
+    /// What it printed on stderr.
+    pub fn words(&self) -> std::borrow::Cow<'_, str> {
+        String::from_utf8_lossy(&self.output.stderr)
     }
 
     /// A picture that the run wrote.

@@ -18,6 +18,7 @@ typedef struct {
     int major, minor; /* version asked for; compatibility contexts ignore it */
     int x, y, width, height; /* x, y: place on the screen; XGetImage sees windows that lie above */
     int samples; /* 0: no multisampling */
+    bool srgb;   /* what is written is encoded as sRGB; GLX only */
     bool egl;    /* EGL instead of GLX; always so for API_GLES */
 } window_request;
 
