@@ -214,6 +214,17 @@ impl Finished {
         Picture::load(&path)
     }
 
+    /// What `cupola simulate` says of the captured pictures, on a dome of `size` × `size` pixels.
+    pub fn simulate(&self, rig: &str, size: u32) -> serde_json::Value {
+        let output = Command::new(env!("CARGO_BIN_EXE_cupola"))
+            .current_dir(&self.directory)
+            .args(["simulate", rig, "--captures", ".", "-o", "dome.png", "--json", "--size", &size.to_string()])
+            .output()
+            .unwrap_or_else(|error| panic!("{}: {error}", self.what));
+        assert!(output.status.success(), "{}: {}", self.what, String::from_utf8_lossy(&output.stderr));
+        serde_json::from_slice(&output.stdout).unwrap_or_else(|error| panic!("{}: {error}", self.what))
+    }
+
     /// The statistics that `cupola run` wrote.
     pub fn statistics(&self) -> serde_json::Value {
         let path = self.directory.join("stats.json");
