@@ -9,6 +9,7 @@ mod compare;
 mod controls;
 mod dialects;
 mod display;
+mod embedding;
 mod injection;
 mod picture;
 mod programs;

@@ -20,6 +20,7 @@ fn built() -> &'static Path {
         let output = Command::new("make")
             .args(["-s", "-C", concat!(env!("CARGO_MANIFEST_DIR"), "/tests/apps")])
             .arg(format!("OUT={}", directory.display()))
+            .arg(format!("CUPOLA={}", library().with_file_name("").display()))
             .output()
             .expect("make can be started");
         assert!(output.status.success(), "the C programs do not build:\n{}", String::from_utf8_lossy(&output.stderr));
@@ -133,6 +134,13 @@ impl<'a> Run<'a> {
         assert!(!words.contains("will not be corrected"), "{}: {words}", finished.what);
         Some(finished)
     }
+}
+
+/// Runs a program that uses the C interface. `None` where there is no display.
+pub fn embedding(program: &str, arguments: &[&str]) -> Option<Finished> {
+    let mut command = Command::new(built().join(program));
+    command.args(arguments).env("LD_LIBRARY_PATH", library().with_file_name(""));
+    Finished::of(command, program, "embedding")
 }
 
 /// What a run left behind.
