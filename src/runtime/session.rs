@@ -4,7 +4,8 @@ use crate::correct::{self, Plan};
 use crate::error::Result;
 pub use crate::geom::Frustum;
 use crate::geom::pose;
-use crate::geom::reprojection::{CameraAdjustment, ClipRows, clip_rows};
+pub use crate::geom::reprojection::ClipRows;
+use crate::geom::reprojection::{CameraAdjustment, clip_rows};
 pub use crate::geom::reprojection::{Intrinsics, MatrixClass, classify};
 use crate::rig::{Camera, Rig};
 use crate::views::{Request, Tile, View};
@@ -114,6 +115,26 @@ impl Session {
         let camera = CameraAdjustment { zoom: camera.zoom, shift: camera.shift, rotation: camera_rotation(camera) };
         let rows =
             |view: &View| clip_rows(lens, &camera, view.rotation, &view.frustum).widened(lens, &camera, &view.frustum);
+        self.views().iter().map(rows).collect()
+    }
+
+    /// The rows that take flat clip coordinates to each view, as points of the panel; empty without one.
+    ///
+    /// Their depth is half the program's: on the panel it stays between the planes of every view that
+    /// shows a part of it (the distance along a view's axis is half the panel's at least up to 60° off it).
+    pub fn panel_rows(&self) -> Vec<ClipRows> {
+        let Some(panel) = &self.plan.views.panel else { return Vec::new() };
+        let frustum = &panel.frustum;
+        let lens = Intrinsics {
+            a: 2.0 / frustum.width(),
+            b: (frustum.right + frustum.left) / frustum.width(),
+            c: 2.0 / frustum.height(),
+            d: (frustum.top + frustum.bottom) / frustum.height(),
+            e: 0.0,
+            f: None,
+        };
+        let camera = CameraAdjustment { rotation: panel.rotation.transpose(), ..CameraAdjustment::NONE };
+        let rows = |view: &View| ClipRows { depth: [0.5, 0.0], ..clip_rows(&lens, &camera, view.rotation, &view.frustum) };
         self.views().iter().map(rows).collect()
     }
 }

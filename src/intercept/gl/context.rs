@@ -1,5 +1,6 @@
 //! What a program believes about one of its contexts, and which context is current.
 
+use super::background::Background;
 use super::camera::Cameras;
 use super::default_framebuffer::DefaultFramebuffer;
 use super::lists::{Lists, Recording};
@@ -114,6 +115,8 @@ pub struct Context {
     pub actual: Actual,
     /// The fixed-function projection.
     pub projection: Projection,
+    /// Flat drawing behind the scene.
+    pub background: Background,
     /// The cameras of the frame.
     pub cameras: Cameras,
     /// The program object in use.
@@ -245,6 +248,7 @@ impl Context {
             attribute_stack: Vec::new(),
             actual: Actual::default(),
             projection: Projection::default(),
+            background: Background::default(),
             cameras: Cameras::default(),
             program: None,
             in_begin: false,

@@ -67,6 +67,7 @@ fn adopt(ctx: &mut Context) {
     ctx.actual = super::context::Actual::default();
     ctx.projection.clear();
     ctx.cameras.clear();
+    ctx.background.clear();
     let Some(target) = &ctx.target else { return };
     let framebuffer = target.framebuffer();
     // SAFETY: binds our framebuffer where the program's window is bound.

@@ -28,6 +28,8 @@ pub enum Place {
     Scene(usize),
     /// The flat panel.
     Flat,
+    /// Flat, behind the scene.
+    Background,
 }
 
 /// Issues a draw of the program: once per view that shows it.
@@ -47,14 +49,22 @@ pub fn draw(ctx: &mut Context, changes: Changes, mut issue: impl FnMut(&mut Cont
     }
     ctx.counts.draws_seen += 1;
     ctx.frame_begun = true;
-    let place = place(ctx);
+    let mut place = place(ctx);
     if place == Place::Flat {
-        flat(ctx, changes, issue);
-        return;
+        ctx.background.note_flat();
+        if !super::background::is_behind(ctx) {
+            flat(ctx, changes, issue);
+            return;
+        }
+        place = Place::Background;
+    } else {
+        ctx.background.note_scene();
     }
     let Some(mut target) = ctx.target.take() else { return };
-    let area = i64::from(ctx.believed.viewport[2]) * i64::from(ctx.believed.viewport[3]);
-    ctx.viewport_area[0] = ctx.viewport_area[0].max(area);
+    if place != Place::Background {
+        let area = i64::from(ctx.believed.viewport[2]) * i64::from(ctx.believed.viewport[3]);
+        ctx.viewport_area[0] = ctx.viewport_area[0].max(area);
+    }
     let views = target.session.views().len();
     let primary = target.primary();
     let attributes = AttributeGuard::new(changes, &ctx.profile);
@@ -80,6 +90,18 @@ pub fn draw(ctx: &mut Context, changes: Changes, mut issue: impl FnMut(&mut Cont
                 Place::Scene(camera) => {
                     if let Some(rows) = ctx.cameras.get(camera).and_then(|c| c.rows.get(index)) {
                         super::programs::upload(ctx, rows);
+                    }
+                }
+                Place::Background if ctx.program.as_ref().is_some_and(|p| p.draws_vertices()) => {
+                    if let Some(rows) = ctx.background.shader_rows(index) {
+                        super::programs::upload(ctx, rows);
+                    }
+                }
+                Place::Background => {
+                    plain_program(ctx);
+                    if let Some(matrix) = ctx.background.projection(index) {
+                        load_projection(ctx, matrix);
+                        projection_loaded = true;
                     }
                 }
                 Place::Flat => {}

@@ -31,13 +31,14 @@ return r;
 }
 ";
 
-/// `source` with the epilogue, or `None` where it cannot be patched (no `main` in it).
-pub fn patch(source: &str, stage: Stage) -> Option<String> {
+/// `source` with the epilogue, or `None` where it cannot be patched (no `main` in it). `es_context`: the
+/// context is OpenGL ES, which says what a text without `#version` is.
+pub fn patch(source: &str, stage: Stage, es_context: bool) -> Option<String> {
     let bare = strip_comments(source);
     if !defines_main(&bare) {
         return None;
     }
-    let (version, es) = version(&bare);
+    let (version, es) = version(&bare, es_context);
     // The macro must come after `#version` and may come before `#extension`.
     let head_end = end_of_version_line(source, &bare);
     let (head, body) = source.split_at(head_end);
@@ -102,8 +103,9 @@ fn strip_comments(source: &str) -> Cow<'_, str> {
     String::from_utf8(out).map_or(Cow::Borrowed(source), Cow::Owned)
 }
 
-/// Version number and whether it is ESSL; no `#version` means GLSL 110, which on an ES context is ESSL 100.
-fn version(bare: &str) -> (u32, bool) {
+/// Version number and whether it is ESSL; no `#version` means GLSL 110, or ESSL 100
+/// on an ES context (many desktop texts name precisions too, for `#ifdef GL_ES`).
+fn version(bare: &str, es_context: bool) -> (u32, bool) {
     for line in bare.lines() {
         let Some(rest) = line.trim_start().strip_prefix('#').map(str::trim_start) else { continue };
         if let Some(rest) = rest.strip_prefix("version") {
@@ -112,12 +114,7 @@ fn version(bare: &str) -> (u32, bool) {
             return (number, number == 100 || words.next() == Some("es"));
         }
     }
-    (110, mentions_precision(bare))
-}
-
-/// A text without `#version` that uses precision qualifiers is ESSL 100.
-fn mentions_precision(bare: &str) -> bool {
-    ["highp", "mediump", "lowp"].iter().any(|word| bare.contains(word))
+    if es_context { (100, true) } else { (110, false) }
 }
 
 fn end_of_version_line(source: &str, bare: &str) -> usize {
@@ -160,7 +157,7 @@ mod tests {
     fn epilogue_follows_the_program_s_own_text() {
         let source =
             "#version 330 core\n#extension GL_ARB_foo : enable\nin vec4 p;\nvoid main() { gl_Position = p; }\n";
-        let patched = patch(source, Stage::Vertex).expect("has a main");
+        let patched = patch(source, Stage::Vertex, false).expect("has a main");
         assert!(patched.starts_with("#version 330 core\n#define main cupola_main\n#line 2\n#extension"));
         assert!(patched.contains("void main() { cupola_main(); gl_Position = cupola_fix(gl_Position); }"));
         assert!(!patched.contains("highp"));
@@ -168,27 +165,30 @@ mod tests {
 
     #[test]
     fn old_dialects_count_lines_from_the_one_before() {
-        let patched = patch("#version 120\nvoid main() {}\n", Stage::Vertex).expect("has a main");
+        let patched = patch("#version 120\nvoid main() {}\n", Stage::Vertex, false).expect("has a main");
         assert!(patched.contains("#line 1\n"), "{patched}");
-        let patched = patch("void main() {}\n", Stage::Vertex).expect("has a main");
+        let patched = patch("void main() {}\n", Stage::Vertex, false).expect("has a main");
         assert!(patched.starts_with("#define main cupola_main\n#line 0\n"), "{patched}");
     }
 
     #[test]
     fn es_texts_get_precisions() {
-        for source in [
-            "#version 300 es\nvoid main() {}",
-            "#version 100\nvoid main() {}",
-            "attribute highp vec4 a;\nvoid main() {}",
-        ] {
-            assert!(patch(source, Stage::Vertex).expect("has a main").contains("uniform highp vec4 cupola_view[4];"));
+        let qualified = |source: &str, es_context: bool| {
+            let patched = patch(source, Stage::Vertex, es_context).expect("has a main");
+            patched.contains("uniform highp vec4 cupola_view[4];")
+        };
+        for source in ["#version 300 es\nvoid main() {}", "#version 100\nvoid main() {}"] {
+            assert!(qualified(source, false) && qualified(source, true), "{source}");
         }
+        // Many programs give both kinds of context the same text.
+        let both = "#ifdef GL_ES\nprecision mediump float;\n#endif\nvoid main() {}";
+        assert!(qualified(both, true) && !qualified(both, false));
     }
 
     #[test]
     fn geometry_shaders_fix_each_vertex() {
         let source = "#version 330\n#extension GL_x : enable\nlayout(points) in;\nvoid main() { gl_Position = vec4(0); EmitVertex(); }";
-        let patched = patch(source, Stage::Geometry).expect("has a main");
+        let patched = patch(source, Stage::Geometry, false).expect("has a main");
         let declared = patched.find("void cupola_emit();").expect("declared");
         assert!(
             declared > patched.find("#extension").expect("kept") && declared < patched.find("layout").expect("kept")
@@ -197,9 +197,9 @@ mod tests {
 
     #[test]
     fn a_main_in_a_comment_is_none() {
-        assert_eq!(patch("/* void main() {} */ float f() { return 1.0; } // main()", Stage::Vertex), None);
-        assert_eq!(patch("float domain(float x) { return x; }", Stage::Vertex), None);
-        assert!(patch("// é\nvoid main ( ) {}", Stage::Vertex).is_some());
+        assert_eq!(patch("/* void main() {} */ float f() { return 1.0; } // main()", Stage::Vertex, false), None);
+        assert_eq!(patch("float domain(float x) { return x; }", Stage::Vertex, false), None);
+        assert!(patch("// é\nvoid main ( ) {}", Stage::Vertex, false).is_some());
     }
 
     #[test]

@@ -74,7 +74,8 @@ pub fn load_projection(ctx: &Context, matrix: &[f64; 16]) {
     }
 }
 
-fn multiply(a: &[f64; 16], b: &[f64; 16]) -> [f64; 16] {
+/// The product of two matrices, column by column.
+pub fn multiply(a: &[f64; 16], b: &[f64; 16]) -> [f64; 16] {
     std::array::from_fn(|i| (0..4).map(|k| a[k * 4 + i % 4] * b[i / 4 * 4 + k]).sum())
 }
 

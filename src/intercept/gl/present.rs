@@ -57,6 +57,7 @@ fn frame(ctx: &mut Context) {
 
 fn next_frame(ctx: &mut Context) {
     ctx.cameras.end_frame();
+    ctx.background.end_frame();
     ctx.viewport_area = [0, ctx.viewport_area[0]];
     ctx.frame_begun = false;
     follow_size(ctx);

@@ -159,7 +159,11 @@ fn status(gl: &Gl, program: u32) -> bool {
 }
 
 /// The last stage before rasterisation, with the object that holds its `main`, patched.
-fn patched_stage(sources: &HashMap<u32, Arc<str>>, shaders: &[(u32, u32)]) -> Option<(u32, Arc<str>, String)> {
+fn patched_stage(
+    sources: &HashMap<u32, Arc<str>>,
+    shaders: &[(u32, u32)],
+    es_context: bool,
+) -> Option<(u32, Arc<str>, String)> {
     let stages = [
         (api::GL_GEOMETRY_SHADER, Stage::Geometry),
         (api::GL_TESS_EVALUATION_SHADER, Stage::TessellationEvaluation),
@@ -168,7 +172,7 @@ fn patched_stage(sources: &HashMap<u32, Arc<str>>, shaders: &[(u32, u32)]) -> Op
     let (kind, stage) = stages.into_iter().find(|(kind, _)| shaders.iter().any(|s| s.1 == *kind))?;
     shaders.iter().filter(|s| s.1 == kind).find_map(|(shader, _)| {
         let source = sources.get(shader)?;
-        glsl::patch(source, stage).map(|patched| (*shader, source.clone(), patched))
+        glsl::patch(source, stage, es_context).map(|patched| (*shader, source.clone(), patched))
     })
 }
 
@@ -178,7 +182,7 @@ fn link(ctx: &mut Context, program: u32) {
     let shaders = attached(gl, program);
     let mut programs = ctx.share.programs.lock().unwrap_or_else(PoisonError::into_inner);
     programs.programs.remove(&program);
-    let patched = patched_stage(&programs.sources, &shaders);
+    let patched = patched_stage(&programs.sources, &shaders, ctx.profile.es);
     let mut linked = false;
     if let Some((shader, original, text)) = &patched {
         linked = link_patched(gl, program, *shader, original, text);
