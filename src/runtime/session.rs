@@ -134,7 +134,8 @@ impl Session {
             f: None,
         };
         let camera = CameraAdjustment { rotation: panel.rotation.transpose(), ..CameraAdjustment::NONE };
-        let rows = |view: &View| ClipRows { depth: [0.5, 0.0], ..clip_rows(&lens, &camera, view.rotation, &view.frustum) };
+        let rows =
+            |view: &View| ClipRows { depth: [0.5, 0.0], ..clip_rows(&lens, &camera, view.rotation, &view.frustum) };
         self.views().iter().map(rows).collect()
     }
 }
