@@ -74,6 +74,7 @@ int main(int argc, char **argv)
         glfwTerminate();
         return 1;
     }
+    int status = 0;
     for (long frame = 0; !glfwWindowShouldClose(window) && (frames == 0 || frame < frames); frame++) {
         int width, height;
         glfwGetFramebufferSize(window, &width, &height);
@@ -81,8 +82,10 @@ int main(int argc, char **argv)
         /* Cupola: in place of the camera, the viewport and the call of scene_draw. */
         moment now = {&gears, glfwGetTime()};
         if (width > 0 && height > 0 && !(good(cupola_gl_resize(dome, (uint32_t)width, (uint32_t)height)) &&
-                                         good(cupola_gl_draw_frame(dome, 1.0, 100.0, draw, &now, 0, 0, 0))))
+                                         good(cupola_gl_draw_frame(dome, 1.0, 100.0, draw, &now, 0, 0, 0)))) {
+            status = 1;
             break;
+        }
         glfwSwapBuffers(window);
         glfwPollEvents();
     }
@@ -90,5 +93,5 @@ int main(int argc, char **argv)
     scene_destroy(&gears);
     glfwDestroyWindow(window);
     glfwTerminate();
-    return 0;
+    return status;
 }

@@ -8,6 +8,9 @@ use crate::error::{Error, ErrorKind, Result};
 use crate::rig::Rig;
 use glam::{DMat4, DVec4};
 
+/// Greatest width and height of the pictures, pixels.
+const LARGEST_PICTURE: u32 = 16384;
+
 /// What a program needs to draw one view.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EmbeddedView {
@@ -55,11 +58,12 @@ pub struct Embedded {
 }
 
 impl Embedded {
-    /// Plans `rig` for pictures of `size` (width, height in pixels, at least 1) and makes what it
+    /// Plans `rig` for pictures of `size` (width, height in pixels, 1…16384) and makes what it
     /// needs on the current context, which must be OpenGL 3.3 or OpenGL ES 3.0 at least.
     ///
     /// # Errors
-    /// What the planner or the driver says; [`ErrorKind::InvalidArgument`] for a size of 0 or a rig that corrects nothing.
+    /// What the planner or the driver says; [`ErrorKind::InvalidArgument`] for a size out of range or a
+    /// rig that corrects nothing.
     pub fn new(gl: Gl, rig: &Rig, size: (u32, u32)) -> Result<Self> {
         if rig.passthrough {
             let message = format!("the rig `{}` corrects nothing; without Cupola the program shows the same", rig.name);
@@ -72,8 +76,12 @@ impl Embedded {
     }
 
     fn prepare(gl: &Gl, rig: &Rig, size: (u32, u32), es: bool) -> Result<(Session, Surface, GlBackend)> {
-        if size.0 == 0 || size.1 == 0 {
-            return Err(Error::new(ErrorKind::InvalidArgument, "a picture has at least 1 × 1 pixels"));
+        if [size.0, size.1].iter().any(|length| !(1..=LARGEST_PICTURE).contains(length)) {
+            let (width, height) = size;
+            let message = format!(
+                "a picture of {width} × {height} pixels; right would be 1 × 1 to {LARGEST_PICTURE} × {LARGEST_PICTURE}"
+            );
+            return Err(Error::new(ErrorKind::InvalidArgument, message));
         }
         let session = Session::new(rig, size, false, greatest_texture(gl), Extras::default())?;
         let mut backend = GlBackend::new(gl, es)?;

@@ -1,6 +1,6 @@
 //! The direction test: each dialect, unmodified, shows in every pixel what the reference predicts.
 
-use crate::compare::{Report, Shown, compare, compare_with, expect_good, expect_identical, expect_similar};
+use crate::compare::{EDGE, Report, Shown, compare, compare_with, expect_good, expect_identical, expect_similar};
 use crate::picture::Picture;
 use crate::programs::{Run, scratch};
 use crate::reference::{Dome, Fisheye, Opening, ProgramCamera, Projector, Vector, cube_colour, cube_face, cube_point};
@@ -206,6 +206,45 @@ fn desktop_gl_through_egl() {
 fn a_multisampled_window() {
     fisheye("core330_p_mv", &["--samples", "4"]);
     fisheye("display_list", &["--samples", "4"]);
+}
+
+/// The program's planes just hold the cube. Turned views see its corners, which are farther than the far plane
+/// is along their axes, and its faces at a slant, nearer than the near plane: nothing may be cut.
+#[test]
+fn tight_planes() {
+    for program in ["immediate", "core330_mvp"] {
+        for yaw in [0.0, 45.0] {
+            let run = Run { fov: 30.0, yaw, pitch: 0.0, extra: &["--near", "9.5", "--far", "18"], ..Run::new(program) };
+            let Some(finished) = run.under("fisheye") else { return };
+            let picture = finished.expect_success().expect_no_gl_errors().picture("capture.png");
+            let circle = Fisheye { width: 256.0, height: 256.0, aperture: 180.0, tilt: 90.0 };
+            let report = compare(&picture, shown_by_fisheye(circle, camera_of(&run)));
+            expect_good(&report, &picture, &format!("{program} fisheye, tight planes, yaw {yaw}"));
+        }
+    }
+}
+
+/// A window that encodes what is written to it as sRGB.
+#[test]
+fn an_srgb_window() {
+    let encoded = |direction: Vector| {
+        cube_colour(direction).map(|c| if c <= 0.0031308 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 })
+    };
+    for program in ["immediate", "core330_mvp"] {
+        let run = Run { extra: &["--srgb", "--shot", "shot.ppm"], ..Run::new(program) };
+        let (Some(plain), Some(under)) = (run.plain(), run.under("fisheye")) else { return };
+        let picture = plain.expect_success().picture("shot.ppm");
+        let report =
+            compare_with(&picture, EDGE, shown_by_window(run.size, run.fov, camera_of(&run)), encoded, cube_face);
+        expect_good(&report, &picture, &format!("{program} sRGB without Cupola"));
+        let under = under.expect_success().expect_no_gl_errors();
+        let circle = Fisheye { width: 256.0, height: 256.0, aperture: 180.0, tilt: 90.0 };
+        for file in ["capture.png", "shot.ppm"] {
+            let picture = under.picture(file);
+            let report = compare_with(&picture, EDGE, shown_by_fisheye(circle, camera_of(&run)), encoded, cube_face);
+            expect_good(&report, &picture, &format!("{program} sRGB fisheye {file}"));
+        }
+    }
 }
 
 /// What a program draws into an FBO of its own and copies to the window is flat: it goes to the panel or to

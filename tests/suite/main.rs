@@ -9,6 +9,8 @@ mod compare;
 mod controls;
 mod dialects;
 mod display;
+mod embedding;
+mod injection;
 mod picture;
 mod programs;
 mod reference;

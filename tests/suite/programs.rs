@@ -20,6 +20,7 @@ fn built() -> &'static Path {
         let output = Command::new("make")
             .args(["-s", "-C", concat!(env!("CARGO_MANIFEST_DIR"), "/tests/apps")])
             .arg(format!("OUT={}", directory.display()))
+            .arg(format!("CUPOLA={}", library().with_file_name("").display()))
             .output()
             .expect("make can be started");
         assert!(output.status.success(), "the C programs do not build:\n{}", String::from_utf8_lossy(&output.stderr));
@@ -57,6 +58,8 @@ pub struct Run<'a> {
     pub extra: &'a [&'a str],
     /// Options of `cupola run` besides the rig.
     pub cupola: &'a [&'a str],
+    /// More variables of the environment.
+    pub environment: &'a [(&'a str, &'a str)],
 }
 
 impl<'a> Run<'a> {
@@ -73,6 +76,7 @@ impl<'a> Run<'a> {
             cupola_frames: frames,
             extra: &[],
             cupola: &[],
+            environment: &[],
         }
     }
 
@@ -97,7 +101,22 @@ impl<'a> Run<'a> {
         let mut command = Command::new(built().join(self.program));
         let place = display::place();
         command.args(self.arguments(&place));
+        command.envs(self.environment.iter().copied());
         Finished::of(command, self.program, "without Cupola")
+    }
+
+    /// Runs the program with the preload library and no launcher; the rig is in the environment.
+    /// `None` where there is no display.
+    pub fn preloaded(&self, rig: &str) -> Option<Finished> {
+        let library = Path::new(env!("CARGO_BIN_EXE_cupola")).with_file_name("examples/libcupola_preload.so");
+        assert!(library.exists(), "{}: build it by cargo build --example cupola_preload", library.display());
+        let mut command = Command::new(built().join(self.program));
+        let place = display::place();
+        command.args(self.arguments(&place)).env("LD_PRELOAD", library).env("CUPOLA_RIG", rig);
+        command.env("CUPOLA_FRAMES", self.cupola_frames.to_string());
+        command.env("CUPOLA_CAPTURE", "capture.png").env("CUPOLA_STATS", "stats.json");
+        command.envs(self.environment.iter().copied());
+        Finished::of(command, self.program, &format!("{rig}, preloaded"))
     }
 
     /// Runs the program under `cupola run`, which captures and counts. Panics where Cupola says that it could
@@ -109,11 +128,19 @@ impl<'a> Run<'a> {
         command.args(["run", "--rig", rig, "--frames", &self.cupola_frames.to_string()]);
         command.args(["--capture", "capture.png", "--stats", "stats.json"]);
         command.args(self.cupola).arg("--").arg(built().join(self.program)).args(self.arguments(&place));
+        command.envs(self.environment.iter().copied());
         let finished = Finished::of(command, self.program, rig)?;
         let words = String::from_utf8_lossy(&finished.output.stderr);
         assert!(!words.contains("will not be corrected"), "{}: {words}", finished.what);
         Some(finished)
     }
+}
+
+/// Runs a program that uses the C interface. `None` where there is no display.
+pub fn embedding(program: &str, arguments: &[&str]) -> Option<Finished> {
+    let mut command = Command::new(built().join(program));
+    command.args(arguments).env("LD_LIBRARY_PATH", library().with_file_name(""));
+    Finished::of(command, program, "embedding")
 }
 
 /// What a run left behind.
@@ -172,6 +199,16 @@ impl Finished {
         self
     }
 
+    /// Whether the run wrote this file.
+    pub fn wrote(&self, name: &str) -> bool {
+        self.directory.join(name).exists()
+    }
+
+    /// What it printed on stderr.
+    pub fn words(&self) -> std::borrow::Cow<'_, str> {
+        String::from_utf8_lossy(&self.output.stderr)
+    }
+
     /// A picture that the run wrote.
     pub fn picture(&self, name: &str) -> Picture {
         let path = self.directory.join(name);
@@ -183,6 +220,17 @@ impl Finished {
             String::from_utf8_lossy(&self.output.stderr)
         );
         Picture::load(&path)
+    }
+
+    /// What `cupola simulate` says of the captured pictures, on a dome of `size` × `size` pixels.
+    pub fn simulate(&self, rig: &str, size: u32) -> serde_json::Value {
+        let output = Command::new(env!("CARGO_BIN_EXE_cupola"))
+            .current_dir(&self.directory)
+            .args(["simulate", rig, "--captures", ".", "-o", "dome.png", "--json", "--size", &size.to_string()])
+            .output()
+            .unwrap_or_else(|error| panic!("{}: {error}", self.what));
+        assert!(output.status.success(), "{}: {}", self.what, String::from_utf8_lossy(&output.stderr));
+        serde_json::from_slice(&output.stdout).unwrap_or_else(|error| panic!("{}: {error}", self.what))
     }
 
     /// The statistics that `cupola run` wrote.

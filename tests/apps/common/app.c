@@ -14,7 +14,7 @@ static void usage(const char *name)
 {
     fprintf(stderr,
             "usage: %s [--fov DEG] [--yaw DEG] [--pitch DEG] [--frames N] [--size WxH] [--at X,Y] [--samples N] [--egl]\n"
-            "       [--single] [--fbo] [--dump FILE.ppm] [--shot FILE.ppm]\n",
+            "       [--near N] [--far N] [--srgb] [--single] [--fbo] [--dump FILE.ppm] [--shot FILE.ppm]\n",
             name);
     exit(2);
 }
@@ -35,6 +35,10 @@ static void parse(app *a, int argc, char **argv)
             a->request.egl = true;
             continue;
         }
+        if (strcmp(option, "--srgb") == 0) {
+            a->request.srgb = true;
+            continue;
+        }
         const char *value = i + 1 < argc ? argv[++i] : NULL;
         if (value == NULL)
             usage(argv[0]);
@@ -44,6 +48,10 @@ static void parse(app *a, int argc, char **argv)
             a->yaw = atof(value);
         else if (strcmp(option, "--pitch") == 0)
             a->pitch = atof(value);
+        else if (strcmp(option, "--near") == 0)
+            a->near = atof(value);
+        else if (strcmp(option, "--far") == 0)
+            a->far = atof(value);
         else if (strcmp(option, "--frames") == 0)
             a->frames = atoi(value);
         else if (strcmp(option, "--samples") == 0)
@@ -64,7 +72,7 @@ static void parse(app *a, int argc, char **argv)
 void app_update_matrices(app *a)
 {
     double aspect = (double)a->window.width / a->window.height;
-    a->projection = matrix_perspective(a->fov, aspect, CUBE_NEAR, CUBE_FAR);
+    a->projection = matrix_perspective(a->fov, aspect, a->near, a->far);
     a->view = matrix_camera(a->yaw, a->pitch);
     a->modelview = matrix_multiply(a->view, matrix_scale(CUBE_SCALE));
 }
@@ -145,6 +153,8 @@ int app_main(int argc, char **argv, const app_program *program)
     app a;
     memset(&a, 0, sizeof a);
     a.fov = 75.0;
+    a.near = CUBE_NEAR;
+    a.far = CUBE_FAR;
     a.request.api = program->api;
     a.request.major = program->major;
     a.request.minor = program->minor;
@@ -152,6 +162,10 @@ int app_main(int argc, char **argv, const app_program *program)
     parse(&a, argc, argv);
 
     a.window = window_open(&a.request);
+#if !defined(APP_GLES)
+    if (a.request.srgb)
+        glEnable(GL_FRAMEBUFFER_SRGB);
+#endif
     app_update_matrices(&a);
     glViewport(0, 0, a.window.width, a.window.height);
     if (program->setup != NULL)

@@ -13,6 +13,7 @@ typedef struct app {
     /* Options. */
     double fov;        /* vertical field of view, degrees */
     double yaw, pitch; /* camera turn, degrees, right- and up-positive */
+    double near, far;  /* planes of the camera; the cube is 10 away, its corners 17.3 */
     int frames;        /* frames to present; 0: until killed */
     bool fbo;          /* draw into an FBO of our own, then copy it to the window */
     const char *dump;  /* PPM of glReadPixels before each swap */
