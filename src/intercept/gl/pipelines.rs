@@ -28,7 +28,7 @@ struct Stages {
 
 impl Stages {
     /// The programs before rasterisation, the last one first.
-    fn from_last(&self) -> [u32; 3] {
+    fn last_first(&self) -> [u32; 3] {
         [self.geometry, self.evaluation, self.vertex]
     }
 
@@ -59,7 +59,7 @@ pub fn choose(ctx: &mut Context) {
         ctx.program = programs::record(ctx, ctx.pipelines.used);
         return;
     }
-    let names = ctx.pipelines.stages().from_last();
+    let names = ctx.pipelines.stages().last_first();
     let last = names.into_iter().find(|name| *name != 0).unwrap_or(0);
     ctx.program = programs::record(ctx, last);
     for earlier in names.into_iter().filter(|name| *name != 0 && *name != last) {
@@ -80,7 +80,7 @@ pub fn lens(ctx: &mut Context, program: &Program) -> Lens {
     if ctx.pipelines.used != 0 || lens != Lens::Flat {
         return lens;
     }
-    for name in ctx.pipelines.stages().from_last() {
+    for name in ctx.pipelines.stages().last_first() {
         let lens = programs::record(ctx, name).filter(|p| p.name != program.name).map(|p| p.lens(ctx));
         if let Some(lens) = lens.filter(|lens| *lens != Lens::Flat) {
             return lens;
@@ -128,8 +128,8 @@ mod tests {
         let mut stages = Stages::default();
         stages.set(api::GL_GEOMETRY_SHADER_BIT, 7, api::GL_GEOMETRY_SHADER_BIT);
         stages.set(api::GL_VERTEX_SHADER_BIT | api::GL_FRAGMENT_SHADER_BIT, 3, api::GL_VERTEX_SHADER_BIT);
-        assert_eq!(stages.from_last(), [7, 0, 3]);
+        assert_eq!(stages.last_first(), [7, 0, 3]);
         stages.set(api::GL_ALL_SHADER_BITS, 5, api::GL_VERTEX_SHADER_BIT);
-        assert_eq!(stages.from_last(), [0, 0, 5]);
+        assert_eq!(stages.last_first(), [0, 0, 5]);
     }
 }

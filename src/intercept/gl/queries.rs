@@ -83,7 +83,7 @@ macro_rules! getters {
 }
 
 /// `glGetFramebufferAttachmentParameteriv`: the window's buffers are our attachments.
-pub fn attachment_parameter(ctx: &mut Context, target: u32, attachment: u32, name: u32, values: *mut i32) {
+pub(super) fn attachment_parameter(ctx: &mut Context, target: u32, attachment: u32, name: u32, values: *mut i32) {
     let window = if target == api::GL_READ_FRAMEBUFFER { ctx.reads_redirected() } else { ctx.redirected() };
     // SAFETY: the program's own call, with a place for one number.
     unsafe {

@@ -125,7 +125,7 @@ pub fn select_read_buffer(ctx: &mut Context, buffer: u32) {
 }
 
 /// `glDrawBuffers`.
-pub fn select_draw_buffers(ctx: &mut Context, count: i32, buffers: *const u32) {
+pub(super) fn select_draw_buffers(ctx: &mut Context, count: i32, buffers: *const u32) {
     let gl = ctx.gl;
     if !ctx.redirected() || buffers.is_null() || !(1..=16).contains(&count) {
         // SAFETY: the program's own call.
