@@ -2,7 +2,7 @@
 
 use cupola::geom::Frustum;
 use cupola::rig::{Blend, Camera, DomeAngle, Output, OutputKind, Rig, ViewMethod};
-use cupola::views::{View, ViewPlan};
+use cupola::views::{self, View, ViewPlan};
 use serde_json::{Value, json};
 use std::fmt::Write;
 
@@ -67,20 +67,16 @@ fn describe(text: &mut String, rig: &Rig, window: (u32, u32), plan: &ViewPlan) -
     for view in &plan.views {
         writeln!(text, "  {:14} {}", view.name, view_words(view))?;
     }
-    let drawn: u64 = plan.views.iter().map(texels).sum();
-    let shown: u64 = rig.layout(window).iter().map(|[_, _, w, h]| u64::from(*w) * u64::from(*h)).sum();
+    let sizes: Vec<(u32, u32)> = rig.layout(window).iter().map(|[_, _, width, height]| (*width, *height)).collect();
+    let report = views::report(plan, rig, &sizes);
+    let (drawn, shown, ratio) = (report.view_texels, report.output_pixels, report.texels_per_pixel);
     if shown > 0 {
-        let ratio = drawn as f64 / shown as f64;
         writeln!(text, "cost      {drawn} texels drawn for {shown} pixels shown, {ratio:.2} each")?;
     }
     for note in &plan.notes {
         writeln!(text, "note      {note}")?;
     }
     Ok(())
-}
-
-fn texels(view: &View) -> u64 {
-    u64::from(view.tile.width) * u64::from(view.tile.height)
 }
 
 fn view_words(view: &View) -> String {
