@@ -52,3 +52,8 @@ fn the_window_by_its_name_and_our_uniform_by_none() {
 fn a_window_that_is_swapped_while_another_is_current() {
     judges_itself("one_context");
 }
+
+#[test]
+fn attributes_after_the_last_vertex() {
+    judges_itself("trailing_attribute");
+}

@@ -145,6 +145,8 @@ pub struct Context {
     pub pipelines: super::pipelines::Pipelines,
     /// Between `glBegin` and `glEnd`.
     pub in_begin: bool,
+    /// What the program set last since `glBegin`.
+    pub last_attributes: super::attributes::Last,
     /// Our list that records a Begin/End; 0 = not made yet.
     pub begin_list: u32,
     /// `glRenderMode` is not `GL_RENDER`.
@@ -348,6 +350,7 @@ impl Context {
             program: None,
             pipelines: Default::default(),
             in_begin: false,
+            last_attributes: [None; 3],
             begin_list: 0,
             picking: false,
             raster: Raster::default(),

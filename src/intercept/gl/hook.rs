@@ -59,6 +59,7 @@ pub fn find(name: &str) -> Option<*const ()> {
     static TABLE: OnceLock<HashMap<&'static str, usize>> = OnceLock::new();
     let table = TABLE.get_or_init(|| {
         let files = [
+            super::attributes::HOOKS,
             super::draw::HOOKS,
             super::feedback::HOOKS,
             super::front::HOOKS,
