@@ -68,8 +68,8 @@ macro_rules! attribute_hooks {
     };
 }
 
-// Signed integers become colours and normals by (2c + 1)/(2ⁿ − 1), unsigned ones by c/(2ⁿ − 1); Mesa's
-// compatibility contexts of any version do so.
+// Signed integers become colours and normals by (2c + 1)/(2ⁿ − 1), unsigned ones by c/(2ⁿ − 1): what Mesa
+// does in compatibility contexts, which `tests/apps/trailing_attribute.c` checks.
 attribute_hooks! {
     COLOR f32, |c: f32| c;
         "glColor3f" color3f(r, g, b) "glColor3fv" color3fv 3; "glColor4f" color4f(r, g, b, a) "glColor4fv" color4fv 4;
