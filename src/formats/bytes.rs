@@ -50,18 +50,8 @@ impl<'a> Bytes<'a> {
         Ok(array)
     }
 
-    /// A 16-bit number.
-    pub(super) fn u16(&mut self, what: &str) -> Result<u16> {
-        Ok(u16::from_le_bytes(self.array(what)?))
-    }
-
     /// A 32-bit number.
     pub(super) fn u32(&mut self, what: &str) -> Result<u32> {
         Ok(u32::from_le_bytes(self.array(what)?))
-    }
-
-    /// A float.
-    pub(super) fn f32(&mut self, what: &str) -> Result<f32> {
-        Ok(f32::from_le_bytes(self.array(what)?))
     }
 }

@@ -17,7 +17,9 @@ mod input;
 mod text;
 
 pub mod bourke;
+pub mod mpcdi;
 pub mod pfm;
+pub mod vwf;
 
 pub use grid::{Grid, Mesh, Node, Raster, Sample};
 pub use input::{Noted, read_file};

@@ -7,6 +7,7 @@
 
 mod arguments;
 mod check;
+mod convert;
 mod doctor;
 mod launch;
 mod map;
@@ -30,6 +31,7 @@ enum Command {
     Run(run::Arguments),
     Check(check::Arguments),
     Doctor(doctor::Arguments),
+    Convert(convert::Arguments),
     Map(map::Arguments),
     Simulate(simulate::Arguments),
     #[command(hide = true)]
@@ -68,6 +70,7 @@ fn main() -> ExitCode {
     let result = match Arguments::parse().command {
         Command::Run(arguments) => run::run(arguments),
         Command::Check(arguments) => check::run(&arguments),
+        Command::Convert(arguments) => convert::run(&arguments),
         Command::Map(arguments) => map::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Doctor(arguments) => doctor::run(&arguments),
