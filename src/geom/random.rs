@@ -1,18 +1,19 @@
-//! Deterministic random inputs for the tests of the mathematical modules.
+//! Deterministic random inputs, for tests and stress runs.
 
 use glam::{DMat3, DVec3};
 
 /// A SplitMix64 generator (Steele, Lea, Flood 2014): small, and the same everywhere.
-pub(crate) struct Random(u64);
+#[derive(Clone, Debug)]
+pub struct Random(u64);
 
 impl Random {
     /// A generator that always gives the same numbers for the same seed.
-    pub(crate) fn new(seed: u64) -> Self {
+    pub fn new(seed: u64) -> Self {
         Self(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15))
     }
 
     /// Uniform in 0…1.
-    pub(crate) fn unit(&mut self) -> f64 {
+    pub fn unit(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
         z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -21,17 +22,17 @@ impl Random {
     }
 
     /// Uniform in `low`…`high`.
-    pub(crate) fn range(&mut self, low: f64, high: f64) -> f64 {
+    pub fn range(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.unit()
     }
 
     /// Each component uniform in `low`…`high`.
-    pub(crate) fn vector(&mut self, low: f64, high: f64) -> DVec3 {
+    pub fn vector(&mut self, low: f64, high: f64) -> DVec3 {
         DVec3::new(self.range(low, high), self.range(low, high), self.range(low, high))
     }
 
     /// Uniform on the unit sphere (z and azimuth uniform: Archimedes).
-    pub(crate) fn direction(&mut self) -> DVec3 {
+    pub fn direction(&mut self) -> DVec3 {
         let z = self.range(-1.0, 1.0);
         let (sine, cosine) = self.range(0.0, std::f64::consts::TAU).sin_cos();
         let h = (1.0 - z * z).sqrt();
@@ -39,7 +40,7 @@ impl Random {
     }
 
     /// A rotation of any angle about any axis.
-    pub(crate) fn rotation(&mut self) -> DMat3 {
+    pub fn rotation(&mut self) -> DMat3 {
         let axis = self.direction();
         DMat3::from_axis_angle(axis, self.range(0.0, std::f64::consts::TAU))
     }
