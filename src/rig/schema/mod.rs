@@ -1,0 +1,55 @@
+//! The keys of a rig file: what each is called, its range and its default. Degrees become radians here.
+
+mod blend;
+mod lens;
+mod output;
+mod screen;
+mod viewer;
+mod views;
+
+use super::Rig;
+use super::problems::Problems;
+use super::reader::{Allowed, Section};
+use std::path::Path;
+use toml::de::DeTable;
+
+const YAW: Allowed = Allowed::closed(-360.0, 360.0, "an angle in degrees, to the right");
+const PITCH: Allowed = Allowed::closed(-180.0, 180.0, "an angle in degrees, upwards");
+const ROLL: Allowed = Allowed::closed(-360.0, 360.0, "an angle in degrees, clockwise");
+const TILT: Allowed = Allowed::closed(-180.0, 180.0, "an angle in degrees, 0 = zenith up, 90 = pole straight ahead");
+const OPENING: Allowed = Allowed::above(0.0, 360.0, "a whole opening angle in degrees");
+const METRES: Allowed = Allowed::closed(-1e6, 1e6, "[x right, y up, z backward] in metres from the dome's centre");
+
+/// Reads the rig in `text`. `None` if it is no TOML at all; otherwise it is usable only if no problem was added.
+pub(in crate::rig) fn read(text: &str, file_name: &str, directory: &Path, problems: &mut Problems) -> Option<Rig> {
+    let table = match DeTable::parse(text) {
+        Ok(table) => table,
+        Err(error) => {
+            problems.add_at(error.span(), format!("this is not TOML: {}", error.message().replace('\n', ", ")));
+            return None;
+        }
+    };
+    let mut root = Section::new(table.get_ref(), String::new());
+    let stem = Path::new(file_name).file_stem().map_or_else(|| file_name.into(), |stem| stem.to_string_lossy());
+    let name = root.text("name", "the rig's name", problems).unwrap_or(&stem).to_owned();
+    let passthrough = root.boolean("passthrough", false, problems);
+    let dome = screen::dome(root.section("dome", problems), problems);
+    let viewer = viewer::viewer(root.section("viewer", problems), problems);
+    let camera = viewer::camera(root.section("camera", problems), problems);
+    let views = views::views(root.section("views", problems), problems);
+    let overlay = views::overlay(root.section("overlay", problems), problems);
+    let outputs = root
+        .sections("output", "[[output]] with double brackets", problems)
+        .into_iter()
+        .enumerate()
+        .filter_map(|(index, section)| output::output(section, index, &dome, directory, problems))
+        .collect();
+    root.finish(&[("outputs", "the file as [[output]], one for each output")], problems);
+    Some(Rig { name, passthrough, dome, viewer, camera, views, overlay, outputs })
+}
+
+/// Reads yaw, pitch and roll into radians.
+fn angles(section: &mut Section, problems: &mut Problems) -> [f64; 3] {
+    [("yaw", &YAW), ("pitch", &PITCH), ("roll", &ROLL)]
+        .map(|(key, allowed)| section.number(key, allowed, 0.0, problems).to_radians())
+}

@@ -1,0 +1,26 @@
+//! `[viewer]` and `[camera]`: where the right point of view is, and how the program's camera sits in it.
+
+use super::{METRES, angles};
+use crate::rig::problems::Problems;
+use crate::rig::reader::Section;
+use crate::rig::{Camera, Viewer};
+use glam::DVec3;
+
+pub(super) fn viewer(section: Option<Section>, problems: &mut Problems) -> Viewer {
+    let mut viewer = Viewer { position: DVec3::ZERO, yaw: 0.0, pitch: 0.0, roll: 0.0 };
+    let Some(mut section) = section else { return viewer };
+    viewer.position = section.vector("position", &METRES, problems);
+    [viewer.yaw, viewer.pitch, viewer.roll] = angles(&mut section, problems);
+    section.finish(&[], problems);
+    viewer
+}
+
+pub(super) fn camera(section: Option<Section>, problems: &mut Problems) -> Camera {
+    let mut camera = Camera::default();
+    let Some(mut section) = section else { return camera };
+    camera.zoom = section.number("zoom", &crate::rig::camera::ZOOM, 1.0, problems);
+    camera.shift = section.vector("move", &crate::rig::camera::MOVE, problems);
+    [camera.yaw, camera.pitch, camera.roll] = angles(&mut section, problems);
+    section.finish(&[("position", "[viewer]; the program's camera has `move`")], problems);
+    camera
+}

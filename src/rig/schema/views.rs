@@ -1,0 +1,28 @@
+//! `[views]` and `[overlay]`: what is drawn, before it is corrected.
+
+use super::{PITCH, YAW};
+use crate::rig::problems::Problems;
+use crate::rig::reader::{Allowed, Section};
+use crate::rig::{Overlay, ViewMethod, Views};
+
+pub(super) fn views(section: Option<Section>, problems: &mut Problems) -> Views {
+    let mut views = Views { method: ViewMethod::Auto, quality: 1.0 };
+    let Some(mut section) = section else { return views };
+    let methods = [("auto", ViewMethod::Auto), ("cube", ViewMethod::Cube), ("single", ViewMethod::Single)];
+    views.method = section.choice("method", &methods, problems).unwrap_or(ViewMethod::Auto);
+    let allowed = Allowed::closed(0.1, 8.0, "a factor on the views' resolution");
+    views.quality = section.number("quality", &allowed, 1.0, problems);
+    section.finish(&[], problems);
+    views
+}
+
+pub(super) fn overlay(section: Option<Section>, problems: &mut Problems) -> Overlay {
+    let mut overlay = Overlay { yaw: 0.0, pitch: 0.0, width: 60_f64.to_radians() };
+    let Some(mut section) = section else { return overlay };
+    overlay.yaw = section.number("yaw", &YAW, 0.0, problems).to_radians();
+    overlay.pitch = section.number("pitch", &PITCH, 0.0, problems).to_radians();
+    let allowed = Allowed::between(0.0, 180.0, "the angle in degrees that a window's width fills");
+    overlay.width = section.number("width", &allowed, 60.0, problems).to_radians();
+    section.finish(&[], problems);
+    overlay
+}
