@@ -8,17 +8,17 @@ pub struct Random(u64);
 
 impl Random {
     /// A generator that always gives the same numbers for the same seed.
+    ///
+    /// The seed is mixed: were it the state itself, or a multiple of the step, neighbouring seeds could give the
+    /// same numbers, one after the other.
     pub fn new(seed: u64) -> Self {
-        Self(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15))
+        Self(mixed(seed))
     }
 
     /// Uniform in 0…1.
     pub fn unit(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+        (mixed(self.0) >> 11) as f64 / (1u64 << 53) as f64
     }
 
     /// Uniform in `low`…`high`.
@@ -43,5 +43,28 @@ impl Random {
     pub fn rotation(&mut self) -> DMat3 {
         let axis = self.direction();
         DMat3::from_axis_angle(axis, self.range(0.0, std::f64::consts::TAU))
+    }
+}
+
+/// Every bit of the result depends on every bit of `z`.
+fn mixed(mut z: u64) -> u64 {
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    z ^ (z >> 31)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn neighbouring_seeds_share_no_numbers() {
+        let numbers = |seed| {
+            let mut random = Random::new(seed);
+            (0..100).map(|_| random.unit().to_bits()).collect::<std::collections::BTreeSet<_>>()
+        };
+        for seed in 0..20 {
+            assert!(numbers(seed).is_disjoint(&numbers(seed + 1)), "{seed}");
+        }
     }
 }

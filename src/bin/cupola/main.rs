@@ -12,6 +12,7 @@ mod launch;
 mod map;
 mod run;
 mod simulate;
+mod stress;
 mod terminal;
 
 use clap::Parser;
@@ -32,6 +33,7 @@ enum Command {
     Doctor(doctor::Arguments),
     Map(map::Arguments),
     Simulate(simulate::Arguments),
+    Stress(stress::Arguments),
     #[command(hide = true)]
     Probe(launch::probe::Arguments),
 }
@@ -70,6 +72,7 @@ fn main() -> ExitCode {
         Command::Check(arguments) => check::run(&arguments),
         Command::Map(arguments) => map::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
+        Command::Stress(arguments) => stress::run(&arguments),
         Command::Doctor(arguments) => doctor::run(&arguments),
         Command::Probe(arguments) => launch::probe::run(&arguments),
     };
