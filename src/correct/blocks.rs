@@ -214,6 +214,10 @@ impl<'a> Examiner<'a> {
     }
 
     fn block(&self, block: Block, corners: [Corner; 4]) -> Needs {
+        if matches!(self.source, Source::Table(_)) {
+            // Nothing is known between its pixels.
+            return self.by_pixels(block);
+        }
         if self.surely_dark(block, &corners) {
             return Needs { dark: true, ..Needs::default() };
         }
@@ -238,7 +242,7 @@ impl<'a> Examiner<'a> {
     /// Whether a block shows nothing, told without looking at its pixels.
     fn surely_dark(&self, block: Block, corners: &[Corner; 4]) -> bool {
         match self.source {
-            Source::Perspective { .. } => false,
+            Source::Perspective { .. } | Source::Table(_) => false,
             Source::Fisheye { .. } => {
                 let centre = (0.5 * f64::from(self.size.0), 0.5 * f64::from(self.size.1));
                 let nearest = |low: u32, high: u32, centre: f64| centre.clamp(f64::from(low), f64::from(high));
