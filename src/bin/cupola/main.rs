@@ -10,6 +10,7 @@ mod check;
 mod doctor;
 mod launch;
 mod map;
+mod plan;
 mod run;
 mod simulate;
 mod stress;
@@ -31,6 +32,7 @@ enum Command {
     Run(run::Arguments),
     Check(check::Arguments),
     Doctor(doctor::Arguments),
+    Plan(plan::Arguments),
     Map(map::Arguments),
     Simulate(simulate::Arguments),
     Stress(stress::Arguments),
@@ -70,6 +72,7 @@ fn main() -> ExitCode {
     let result = match Arguments::parse().command {
         Command::Run(arguments) => run::run(arguments),
         Command::Check(arguments) => check::run(&arguments),
+        Command::Plan(arguments) => plan::run(&arguments),
         Command::Map(arguments) => map::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Stress(arguments) => stress::run(&arguments),
