@@ -8,9 +8,11 @@ mod rectangles;
 pub mod response;
 pub mod shaders;
 mod source;
+pub mod table;
 #[cfg(test)]
 mod tests;
 pub mod uniforms;
 
 pub use hidden::hidden_areas;
 pub use plan::{Batch, OutputPass, PixelRect, Plan, Source, build};
+pub use table::{Table, TablePixel};

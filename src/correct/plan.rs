@@ -1,11 +1,13 @@
 //! The passes of a frame: their types, and how they are built from a rig.
 
+use super::table::Table;
 use super::{blocks, mask, source};
 use crate::error::Result;
 use crate::geom::QuadraticForm;
 use crate::rig::{AngleRamp, Rig};
 use crate::views::{self, Request, ViewPlan};
 use glam::{DMat3, DVec3};
+use std::sync::Arc;
 
 /// Everything a backend needs to correct a frame.
 #[derive(Clone, Debug, PartialEq)]
@@ -85,6 +87,9 @@ pub enum Source {
         /// Homogeneous pixel → direction.
         matrix: DMat3,
     },
+    /// Viewer direction and weight of each pixel, computed beforehand. The weight has everything in it but
+    /// the mask: a pass with a table has no ramps and no neighbours of its own.
+    Table(Arc<Table>),
 }
 
 /// The forms of a projector.

@@ -10,7 +10,7 @@
 //! in every direction, everywhere.
 
 mod atlas;
-mod axes;
+pub(crate) mod axes;
 mod choose;
 pub(crate) mod cone;
 mod fit;
