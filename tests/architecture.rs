@@ -32,7 +32,7 @@ const MAY_BE_UNSAFE: [&str; 5] =
 const MAY_KNOW_GL: [&str; 4] = ["src/backend/gl/", "src/intercept/", "src/ffi/", "src/runtime/"];
 
 /// Crates for the command alone.
-const COMMAND_ONLY: [&str; 2] = ["clap", "indicatif"];
+const COMMAND_ONLY: [&str; 3] = ["clap", "indicatif", "noto_sans_mono_bitmap"];
 
 /// Where f64 becomes f32: what shaders get, and the pixels of the picture that the simulation writes.
 const MAY_ROUND: [&str; 2] = ["src/correct/uniforms.rs", "src/blend/simulation.rs"];

@@ -1,14 +1,18 @@
 //! From rig and views to passes, independent of the graphics API.
 
 mod blocks;
+mod hidden;
 pub mod mask;
 pub mod plan;
 mod rectangles;
 pub mod response;
 pub mod shaders;
 mod source;
+pub mod table;
 #[cfg(test)]
 mod tests;
 pub mod uniforms;
 
+pub use hidden::hidden_areas;
 pub use plan::{Batch, OutputPass, PixelRect, Plan, Source, build};
+pub use table::{Table, TablePixel};

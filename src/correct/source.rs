@@ -55,7 +55,7 @@ fn neighbour_of(
 
 impl Source {
     /// The direction from the viewer at normalised coordinates, viewer axes, any length; `None`
-    /// where the output shows nothing: what the shaders compute, in f64.
+    /// where the output shows nothing: what the shaders compute, in f64 (of a table, what the nearest pixel shows).
     pub fn direction(&self, x: f64, y: f64) -> Option<DVec3> {
         match self {
             Self::Fisheye { aperture, rotation, offset } => {
@@ -68,6 +68,7 @@ impl Source {
                 on_screen.then_some(direction)
             }
             Self::Perspective { matrix } => Some(*matrix * DVec3::new(x, y, 1.0)),
+            Self::Table(table) => table.nearest(0.5 * (1.0 + x), 0.5 * (1.0 - y)).map(|pixel| pixel.direction),
         }
     }
 

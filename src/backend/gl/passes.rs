@@ -2,12 +2,12 @@
 
 use super::api::*;
 use super::cover::uncovered;
-use super::program::{self, ATLAS_UNIT, MASK_UNIT};
+use super::program::{self, ATLAS_UNIT, MASK_UNIT, TABLE_UNIT};
 use super::state::{self, Capabilities};
-use crate::correct::Plan;
 use crate::correct::plan::{Mask, OutputPass, PixelRect};
 use crate::correct::shaders::{Language, Specialised, Stage, specialise};
 use crate::correct::uniforms::{Constants, constants, copies_texels, rectangle};
+use crate::correct::{Plan, Source, Table};
 use crate::error::{Error, ErrorKind, Result};
 use std::cell::Cell;
 use std::collections::HashMap;
@@ -40,6 +40,8 @@ struct Output {
     draws: Vec<Draw>,
     /// 0 = none.
     mask: u32,
+    /// 0 = none.
+    table: u32,
 }
 
 /// Names of the objects that we made in the context.
@@ -50,7 +52,8 @@ struct Names {
     /// Linear, nearest.
     samplers: [u32; 2],
     programs: HashMap<Specialised, u32>,
-    masks: Vec<u32>,
+    /// Masks and tables.
+    textures: Vec<u32>,
 }
 
 /// The correction on one context. Vertex arrays are not shared between contexts: one backend each.
@@ -139,7 +142,7 @@ impl GlBackend {
                     // SAFETY: a context is current; the name is one that it gave.
                     unsafe { gl.delete_program(program) };
                 }
-                self.upload_masks(gl, passes, outputs);
+                self.upload_textures(gl, passes, outputs);
                 // SAFETY: as above; the array is as long as said.
                 unsafe {
                     gl.bind_buffer(GL_ARRAY_BUFFER, self.names.buffer);
@@ -238,16 +241,20 @@ impl GlBackend {
         Ok(Draw { program, first, count, nearest })
     }
 
-    fn upload_masks(&mut self, gl: &Gl, passes: &[OutputPass], outputs: Vec<Output>) {
+    fn upload_textures(&mut self, gl: &Gl, passes: &[OutputPass], outputs: Vec<Output>) {
         self.outputs = outputs;
-        for mask in take(&mut self.names.masks) {
+        for texture in take(&mut self.names.textures) {
             // SAFETY: a context is current; the name is one that it gave.
-            unsafe { gl.delete_textures(1, &mask) };
+            unsafe { gl.delete_textures(1, &texture) };
         }
         for (pass, output) in passes.iter().zip(&mut self.outputs) {
             if let Some(mask) = &pass.mask {
                 output.mask = upload_mask(gl, &self.caps, mask);
-                self.names.masks.push(output.mask);
+                self.names.textures.push(output.mask);
+            }
+            if let Source::Table(table) = &pass.source {
+                output.table = upload_table(gl, table);
+                self.names.textures.push(output.table);
             }
         }
     }
@@ -281,8 +288,13 @@ impl GlBackend {
             gl.bind_texture(GL_TEXTURE_2D, atlas_texture);
             gl.active_texture(GL_TEXTURE0 + MASK_UNIT);
             gl.bind_sampler(MASK_UNIT, linear);
+            // Textures of 32-bit floats cannot be filtered everywhere, and a table must not be.
+            gl.bind_sampler(TABLE_UNIT, nearest);
             for (output, target) in self.outputs.iter().zip(targets) {
                 gl.bind_framebuffer(GL_DRAW_FRAMEBUFFER, target.framebuffer);
+                gl.active_texture(GL_TEXTURE0 + TABLE_UNIT);
+                gl.bind_texture(GL_TEXTURE_2D, output.table);
+                gl.active_texture(GL_TEXTURE0 + MASK_UNIT);
                 gl.bind_texture(GL_TEXTURE_2D, output.mask);
                 state::set_viewport(gl, &self.caps, target.viewport);
                 let [_, _, width, height] = target.viewport;
@@ -305,7 +317,7 @@ impl GlBackend {
             for program in names.programs.values() {
                 gl.delete_program(*program);
             }
-            gl.delete_textures(names.masks.len() as i32, names.masks.as_ptr());
+            gl.delete_textures(names.textures.len() as i32, names.textures.as_ptr());
             gl.delete_samplers(2, names.samplers.as_ptr());
             gl.delete_buffers(1, &names.buffer);
             gl.delete_vertex_arrays(1, &names.vertex_array);
@@ -363,6 +375,20 @@ fn upload_mask(gl: &Gl, caps: &Capabilities, mask: &Mask) -> u32 {
         }
     }
     texture
+}
+
+/// A texture of the table's directions and weights.
+fn upload_table(gl: &Gl, table: &Table) -> u32 {
+    let (width, height) = (table.size().0 as i32, table.size().1 as i32);
+    let texels = table.texels().as_flattened().as_ptr().cast();
+    // SAFETY: a context is current, rows are tightly packed, and a table has width · height texels of four floats.
+    unsafe {
+        let texture = super::surface::new_texture(gl);
+        gl.bind_texture(GL_TEXTURE_2D, texture);
+        gl.tex_parameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
+        gl.tex_image2_d(GL_TEXTURE_2D, 0, GL_RGBA32F as i32, width, height, 0, GL_RGBA, GL_FLOAT, texels);
+        texture
+    }
 }
 
 /// Errors that are asked for at once, at most.

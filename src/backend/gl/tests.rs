@@ -7,6 +7,7 @@ mod present;
 mod presets;
 mod sharing;
 mod state;
+mod tables;
 
 use super::headless::{Api, Headless};
 
