@@ -8,13 +8,14 @@ use std::process::Command;
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 
 /// What each module of the library may name of the others. `error` is everybody's.
-const MAY_USE: [(&str, &[&str]); 13] = [
+const MAY_USE: [(&str, &[&str]); 14] = [
     ("error", &[]),
     ("fence", &[]),
     ("geom", &[]),
-    ("rig", &["geom"]),
+    ("formats", &["geom"]),
+    ("rig", &["geom", "formats"]),
     ("views", &["geom", "rig"]),
-    ("warp", &["geom", "rig", "views"]),
+    ("warp", &["geom", "formats", "rig", "views"]),
     ("blend", &["geom", "rig", "warp"]),
     ("correct", &["geom", "rig", "views", "warp", "blend"]),
     ("backend", &["correct"]),

@@ -7,6 +7,7 @@
 
 mod arguments;
 mod check;
+mod convert;
 mod doctor;
 mod launch;
 mod map;
@@ -33,6 +34,7 @@ enum Command {
     Check(check::Arguments),
     Doctor(doctor::Arguments),
     Plan(plan::Arguments),
+    Convert(convert::Arguments),
     Map(map::Arguments),
     Simulate(simulate::Arguments),
     Stress(stress::Arguments),
@@ -73,6 +75,7 @@ fn main() -> ExitCode {
         Command::Run(arguments) => run::run(arguments),
         Command::Check(arguments) => check::run(&arguments),
         Command::Plan(arguments) => plan::run(&arguments),
+        Command::Convert(arguments) => convert::run(&arguments),
         Command::Map(arguments) => map::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Stress(arguments) => stress::run(&arguments),
