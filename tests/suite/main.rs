@@ -16,3 +16,4 @@ mod programs;
 mod reference;
 mod rigs;
 mod semantics;
+mod vulkan;
