@@ -9,6 +9,7 @@ pub mod attributes;
 pub mod background;
 pub mod camera;
 pub mod context;
+pub mod culling;
 pub mod default_framebuffer;
 pub mod draw;
 pub mod feedback;
