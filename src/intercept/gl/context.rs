@@ -170,6 +170,8 @@ pub struct Context {
     pub block_buffers: HashSet<u32>,
     /// Grows with every change of a buffer that may hold uniform blocks.
     pub buffer_generation: u64,
+    /// Conditional rendering.
+    pub condition: super::conditional::Condition,
     /// Transform feedback is recording.
     pub feedback: bool,
     /// `GL_RASTERIZER_DISCARD`.
@@ -369,6 +371,7 @@ impl Context {
             pending_error: 0,
             block_buffers: HashSet::new(),
             buffer_generation: 0,
+            condition: None,
             feedback: false,
             discard: false,
             pace: Default::default(),

@@ -139,6 +139,10 @@ pub fn want_panel(ctx: &mut Context) {
 
 /// Plans anew with more tiles; what is drawn already moves to its new place.
 fn enlarge(ctx: &mut Context, add: impl FnOnce(&mut Extras)) {
+    super::conditional::unconditionally(ctx, |ctx| enlarge_now(ctx, add));
+}
+
+fn enlarge_now(ctx: &mut Context, add: impl FnOnce(&mut Extras)) {
     let Some(old) = ctx.target.take() else { return };
     take_error(ctx);
     let mut extras = old.extras();

@@ -242,6 +242,8 @@ impl Repeats {
     fn new(changes: Changes, ctx: &Context) -> Self {
         let mask = match changes {
             _ if !ctx.profile.compatibility() => 0,
+            // No place is left on the stack; a pop would take what is the program's.
+            _ if ctx.attribute_stack.len() >= super::state::ATTRIBUTE_DEPTH => 0,
             Changes::Nothing => 0,
             Changes::Attributes => api::GL_CURRENT_BIT | api::GL_LIGHTING_BIT,
             Changes::Anything => api::GL_ALL_ATTRIB_BITS,

@@ -60,6 +60,7 @@ pub fn find(name: &str) -> Option<*const ()> {
     let table = TABLE.get_or_init(|| {
         let files = [
             super::attributes::HOOKS,
+            super::conditional::HOOKS,
             super::culling::vertices::HOOKS,
             super::draw::HOOKS,
             super::feedback::HOOKS,

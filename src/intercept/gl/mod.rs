@@ -8,6 +8,7 @@
 pub mod attributes;
 pub mod background;
 pub mod camera;
+pub mod conditional;
 pub mod context;
 pub mod culling;
 pub mod default_framebuffer;

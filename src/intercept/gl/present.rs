@@ -75,6 +75,10 @@ fn in_window(ctx: &Context, run: impl FnOnce(&Gl)) {
 
 /// Corrects the views into the window. Allocates nothing.
 fn correct(ctx: &mut Context) {
+    super::conditional::unconditionally(ctx, correct_now);
+}
+
+fn correct_now(ctx: &mut Context) {
     let Some(target) = ctx.target.take() else { return };
     target.resolve(ctx, None);
     let pending = target.backend().present(ctx.gl, target.texture(), target.outputs());

@@ -51,7 +51,7 @@ impl Context {
 }
 
 /// `GL_MAX_ATTRIB_STACK_DEPTH` of every driver that is known.
-const ATTRIBUTE_DEPTH: usize = 16;
+pub const ATTRIBUTE_DEPTH: usize = 16;
 
 /// `glPushAttrib`.
 pub fn push_attributes(ctx: &mut Context, mask: u32) {
