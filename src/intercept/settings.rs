@@ -22,6 +22,8 @@ pub struct Settings {
     pub stats: Option<PathBuf>,
     /// `CUPOLA_OFFSCREEN=1`: outputs at their own resolution, for captures only.
     pub offscreen: bool,
+    /// Draws are left out of views that cannot show them; `CUPOLA_CULL=0` switches that off.
+    pub cull: bool,
 }
 
 /// The kill switch: `CUPOLA=0` leaves every call alone.
@@ -66,6 +68,7 @@ fn read() -> crate::Result<Settings> {
         capture_views: path("CUPOLA_CAPTURE_VIEWS"),
         stats: path("CUPOLA_STATS"),
         offscreen: text("CUPOLA_OFFSCREEN").is_some_and(|v| v == "1"),
+        cull: text("CUPOLA_CULL").is_none_or(|v| v != "0"),
     })
 }
 

@@ -7,6 +7,7 @@ mod behaviour;
 mod blending;
 mod compare;
 mod controls;
+mod culling;
 mod dialects;
 mod display;
 mod embedding;

@@ -1,6 +1,7 @@
 //! A draw of the program → one draw per view.
 
 use super::context::Context;
+use super::culling::{self, bounds::Bounds};
 use super::hook::hooks;
 use super::matrices::{load_projection, refresh};
 use super::programs::Lens;
@@ -32,8 +33,8 @@ pub enum Place {
     Background,
 }
 
-/// Issues a draw of the program: once per view that shows it.
-pub fn draw(ctx: &mut Context, changes: Changes, mut issue: impl FnMut(&mut Context, &Gl)) {
+/// Issues a draw of the program: once per view that shows it. `bounds`: around its vertices.
+pub fn draw(ctx: &mut Context, changes: Changes, bounds: &Bounds, mut issue: impl FnMut(&mut Context, &Gl)) {
     let gl = ctx.gl;
     if !ctx.redirected() {
         plain_program(ctx);
@@ -67,6 +68,7 @@ pub fn draw(ctx: &mut Context, changes: Changes, mut issue: impl FnMut(&mut Cont
     } else {
         ctx.background.note_scene();
     }
+    let shown = culling::views(ctx, place, bounds, changes);
     let Some(mut target) = ctx.target.take() else { return };
     if place != Place::Background {
         let area = i64::from(ctx.believed.viewport[2]) * i64::from(ctx.believed.viewport[3]);
@@ -76,8 +78,14 @@ pub fn draw(ctx: &mut Context, changes: Changes, mut issue: impl FnMut(&mut Cont
     let primary = target.primary();
     let repeats = Repeats::new(changes, ctx);
     let mut projection_loaded = false;
+    let mut number = 0;
+    let last_shown = shown.last(views);
     for index in 0..views {
-        let last = index + 1 == views && primary.is_none();
+        if !shown.contain(index) {
+            target.culled(index);
+            continue;
+        }
+        let last = Some(index) == last_shown && primary.is_none();
         let (tile, own_lens) = target.session.tile(index);
         if own_lens {
             own_window_space(ctx, tile);
@@ -114,14 +122,15 @@ pub fn draw(ctx: &mut Context, changes: Changes, mut issue: impl FnMut(&mut Cont
                 Place::Flat => {}
             }
         }
-        repeats.around(gl, index, last, || issue(ctx, gl));
+        repeats.around(gl, number, last, || issue(ctx, gl));
         target.issued(index);
+        number += 1;
     }
     restore_projection(ctx, &mut projection_loaded);
     if let Some(tile) = primary {
         own_window_space(ctx, tile);
         plain_program(ctx);
-        repeats.around(gl, views, true, || issue(ctx, gl));
+        repeats.around(gl, number, true, || issue(ctx, gl));
         ctx.counts.primary_draws += 1;
     }
     ctx.target = Some(target);
@@ -233,6 +242,8 @@ impl Repeats {
     fn new(changes: Changes, ctx: &Context) -> Self {
         let mask = match changes {
             _ if !ctx.profile.compatibility() => 0,
+            // No place is left on the stack; a pop would take what is the program's.
+            _ if ctx.attribute_stack.len() >= super::state::ATTRIBUTE_DEPTH => 0,
             Changes::Nothing => 0,
             Changes::Attributes => api::GL_CURRENT_BIT | api::GL_LIGHTING_BIT,
             Changes::Anything => api::GL_ALL_ATTRIB_BITS,
@@ -307,11 +318,12 @@ macro_rules! draw_hooks {
             $( $name $method($($p: $t),*) = |ctx, gl| {
                 if let Some(recording) = &mut ctx.recording {
                     recording.draws = true;
+                    recording.bounds.add_unknown();
                     gl.$method($($p),*);
                 } else if ctx.in_begin {
                     gl.$method($($p),*);
                 } else {
-                    draw(ctx, Changes::Nothing, |_, gl| gl.$method($($p),*));
+                    draw(ctx, Changes::Nothing, &Bounds::UNKNOWN, |_, gl| gl.$method($($p),*));
                 }
             }; )*
         }

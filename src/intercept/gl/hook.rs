@@ -60,6 +60,8 @@ pub fn find(name: &str) -> Option<*const ()> {
     let table = TABLE.get_or_init(|| {
         let files = [
             super::attributes::HOOKS,
+            super::conditional::HOOKS,
+            super::culling::vertices::HOOKS,
             super::draw::HOOKS,
             super::feedback::HOOKS,
             super::front::HOOKS,

@@ -8,7 +8,9 @@
 pub mod attributes;
 pub mod background;
 pub mod camera;
+pub mod conditional;
 pub mod context;
+pub mod culling;
 pub mod default_framebuffer;
 pub mod draw;
 pub mod feedback;

@@ -74,6 +74,10 @@ fn in_window(ctx: &Context, run: impl FnOnce(&Gl)) {
 
 /// Corrects the views into the window. Allocates nothing.
 fn correct(ctx: &mut Context) {
+    super::conditional::unconditionally(ctx, correct_now);
+}
+
+fn correct_now(ctx: &mut Context) {
     let Some(target) = ctx.target.take() else { return };
     target.resolve(ctx, None);
     let pending = target.backend().present(ctx.gl, target.texture(), target.outputs());
@@ -150,18 +154,17 @@ fn statistics(ctx: &Context, settings: &settings::Settings) -> Statistics {
     if let Some(target) = &ctx.target {
         statistics.own_errors += target.backend().errors();
         statistics.notes.clone_from(&target.session.plan().views.notes);
-        let issued = target.issued_counts();
         statistics.views = target
             .session
             .views()
             .iter()
-            .enumerate()
-            .map(|(i, view)| ViewStatistics {
+            .zip(target.counts())
+            .map(|(view, (draws_issued, draws_culled))| ViewStatistics {
                 name: view.name.clone(),
                 width: view.tile.width,
                 height: view.tile.height,
-                draws_issued: issued.get(i).copied().unwrap_or(0),
-                draws_culled: 0,
+                draws_issued,
+                draws_culled,
             })
             .collect();
     }
