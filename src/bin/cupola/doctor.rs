@@ -12,6 +12,7 @@ const TELLING: [&str; 12] = [
     "CUPOLA",
     "CUPOLA_RIG",
     "CUPOLA_CAMERA",
+    "CUPOLA_DUPLICATE",
     "CUPOLA_LIBRARY",
     "CUPOLA_GLX_REAL",
     "CUPOLA_EGL_REAL",

@@ -140,6 +140,8 @@ pub struct Context {
     pub background: Background,
     /// The cameras of the frame.
     pub cameras: Cameras,
+    /// Scenes that are drawn off screen.
+    pub duplicates: super::duplicate::Duplicates,
     /// The program object that draws: the one in use, or a pipeline's.
     pub program: Option<Arc<Program>>,
     /// Program pipelines, and which program is in use.
@@ -356,6 +358,7 @@ impl Context {
             projection: Projection::default(),
             background: Background::default(),
             cameras: Cameras::default(),
+            duplicates: Default::default(),
             program: None,
             pipelines: Default::default(),
             in_begin: false,

@@ -79,6 +79,7 @@ pub fn resume(ctx: &mut Context, window: &Window, target: Box<DefaultFramebuffer
 
 /// Makes the rest of the context fit a new target.
 fn adopt(ctx: &mut Context) {
+    super::duplicate::leave(ctx);
     ctx.actual = super::context::Actual::default();
     ctx.projection.clear();
     ctx.cameras.clear();

@@ -37,8 +37,10 @@ pub enum Place {
 pub fn draw(ctx: &mut Context, changes: Changes, bounds: &Bounds, mut issue: impl FnMut(&mut Context, &Gl)) {
     let gl = ctx.gl;
     if !ctx.redirected() {
-        plain_program(ctx);
-        issue(ctx, gl);
+        if !super::duplicate::draw(ctx, changes, &mut issue) {
+            plain_program(ctx);
+            issue(ctx, gl);
+        }
         return;
     }
     if ctx.picking || ctx.believed.draw_buffer == api::GL_NONE {
@@ -58,6 +60,13 @@ pub fn draw(ctx: &mut Context, changes: Changes, bounds: &Bounds, mut issue: imp
     }
     ctx.frame_begun = true;
     let mut place = place(ctx);
+    if place == Place::Flat && main_viewport(ctx) {
+        let sampled = super::duplicate::sampled(ctx);
+        if super::duplicate::shows(ctx, sampled) {
+            show(ctx, changes, sampled, &mut issue);
+            return;
+        }
+    }
     if place == Place::Flat {
         ctx.background.note_flat();
         if !super::background::is_behind(ctx) {
@@ -136,6 +145,58 @@ pub fn draw(ctx: &mut Context, changes: Changes, bounds: &Bounds, mut issue: imp
     ctx.target = Some(target);
 }
 
+/// A flat draw that shows what was drawn off screen once per view: it fills each view with that view's picture.
+fn show(ctx: &mut Context, changes: Changes, sampled: u64, issue: &mut dyn FnMut(&mut Context, &Gl)) {
+    ctx.background.note_scene();
+    // What was flat until now is covered.
+    super::targets::clear_panel(ctx);
+    let Some(target) = &ctx.target else { return };
+    let views = target.session.views().len();
+    each_view(ctx, changes, views, issue, |ctx, view| {
+        super::duplicate::supply(ctx, sampled, view);
+        if let Some(target) = &mut ctx.target {
+            let (tile, _) = target.session.tile(view);
+            target.issued(view);
+            ctx.set_scissor(None);
+            ctx.set_viewport(tile);
+        }
+        Place::Flat
+    });
+}
+
+/// Issues a draw for each of `views`; `prepare` sets the window space and says where the draw belongs.
+pub fn each_view(
+    ctx: &mut Context,
+    changes: Changes,
+    views: usize,
+    issue: &mut dyn FnMut(&mut Context, &Gl),
+    prepare: impl Fn(&mut Context, usize) -> Place,
+) {
+    let gl = ctx.gl;
+    let repeats = Repeats::new(changes, ctx);
+    let mut projection_loaded = false;
+    for view in 0..views {
+        let place = prepare(ctx, view);
+        match place {
+            Place::FixedScene => {
+                plain_program(ctx);
+                if let Some(matrix) = ctx.projection.per_view.get(view) {
+                    load_projection(ctx, matrix);
+                    projection_loaded = true;
+                }
+            }
+            Place::Scene(camera) => {
+                if let Some(rows) = ctx.cameras.get(camera).and_then(|c| c.rows.get(view)) {
+                    super::programs::upload(ctx, rows);
+                }
+            }
+            Place::Flat | Place::Background => plain_program(ctx),
+        }
+        repeats.around(gl, view, view + 1 == views, || issue(ctx, gl));
+    }
+    restore_projection(ctx, &mut projection_loaded);
+}
+
 /// A draw that belongs to the flat panel, with the program's own matrices and window space.
 fn flat(ctx: &mut Context, changes: Changes, mut issue: impl FnMut(&mut Context, &Gl)) {
     let gl = ctx.gl;
@@ -182,9 +243,11 @@ pub fn intersect(rect: [i32; 4], tile: [i32; 4]) -> [i32; 4] {
 
 /// Where a draw with the present state belongs.
 pub fn place(ctx: &mut Context) -> Place {
-    if !main_viewport(ctx) {
-        return Place::Flat;
-    }
+    if main_viewport(ctx) { place_by_lens(ctx) } else { Place::Flat }
+}
+
+/// Where a draw belongs by its lens alone.
+pub fn place_by_lens(ctx: &mut Context) -> Place {
     if let Some(program) = ctx.program.clone().filter(|p| p.draws_vertices()) {
         return match super::pipelines::lens(ctx, &program) {
             Lens::Perspective(intrinsics, how) => {

@@ -76,6 +76,7 @@ pub fn find(name: &str) -> Option<*const ()> {
             super::uniforms::HOOKS,
             super::queries::HOOKS,
             super::raster::HOOKS,
+            super::samplers::HOOKS,
             super::state::HOOKS,
             super::targets::HOOKS,
             super::reads::HOOKS,

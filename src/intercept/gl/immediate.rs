@@ -33,7 +33,7 @@ hooks! {
     "glBegin" begin(mode: u32) = |ctx, gl| {
         if let Some(recording) = &mut ctx.recording {
             recording.draws = true;
-        } else if ctx.redirected() && !ctx.picking {
+        } else if ctx.target.is_some() && !ctx.picking {
             if ctx.begin_list == 0 {
                 ctx.begin_list = super::lists::own_name(ctx);
             }

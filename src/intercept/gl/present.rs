@@ -105,6 +105,7 @@ fn next_frame(ctx: &mut Context) {
     ctx.background.end_frame();
     ctx.viewport_area = [0, ctx.viewport_area[0]];
     ctx.frame_begun = false;
+    super::duplicate::end_frame(ctx);
     follow_size(ctx);
 }
 
@@ -115,6 +116,7 @@ pub fn follow_size(ctx: &mut Context) {
         let mut extras = Extras::default();
         if let Some(old) = ctx.target.take() {
             extras = old.extras();
+            super::duplicate::clear(ctx);
             old.destroy(ctx.gl);
         }
         ctx.viewport_area = [0; 2];
@@ -147,6 +149,7 @@ fn statistics(ctx: &Context, settings: &settings::Settings) -> Statistics {
         draws_seen: ctx.counts.draws_seen,
         panel_draws: ctx.counts.panel_draws,
         primary_draws: ctx.counts.primary_draws,
+        duplicated_draws: ctx.duplicates.draws,
         projection_found: ctx.counts.found.iter().map(|(how, n)| (how.to_owned(), n)).collect(),
         own_errors: ctx.counts.errors,
         ..Statistics::default()
