@@ -3,6 +3,7 @@
 mod blocks;
 mod cover;
 pub mod draws;
+mod hidden;
 pub mod map;
 pub mod mask;
 pub mod plan;
@@ -16,5 +17,6 @@ pub mod table;
 mod tests;
 pub mod uniforms;
 
+pub use hidden::hidden_areas;
 pub use plan::{Batch, OutputPass, PixelRect, Plan, Source, build};
 pub use table::{Table, TablePixel};

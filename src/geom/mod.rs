@@ -6,10 +6,9 @@ pub mod fisheye;
 pub mod frustum;
 pub mod pose;
 pub mod quadratic;
+pub mod random;
 pub mod reprojection;
 pub mod sphere;
-#[cfg(test)]
-pub(crate) mod testing;
 
 pub use cube::Face;
 pub use fisheye::Fisheye;

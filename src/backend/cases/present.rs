@@ -5,7 +5,7 @@ use super::picture::Picture;
 use super::plans::*;
 use crate::correct::Plan;
 use crate::correct::plan::{Mask, PixelRect, Source};
-use crate::geom::testing::Random;
+use crate::geom::random::Random;
 use crate::geom::{Frustum, Pose};
 use crate::rig::{AngleRamp, DomeAngle};
 use crate::views::{Tile, View};
