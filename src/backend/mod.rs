@@ -1,6 +1,6 @@
 //! The APIs that run a plan.
 
-#[cfg(test)]
-mod cases;
 pub mod gl;
+#[cfg(test)]
+mod tests;
 pub mod vk;

@@ -8,7 +8,7 @@ mod targets;
 use super::api::{GL_NO_ERROR, GL_RGBA8};
 use super::headless::{Api, Headless};
 use super::{GlBackend, MapPixel, Target, gpu_map};
-use crate::backend::cases::{Driver, run_all_cases};
+use crate::backend::tests::{Driver, run_all_cases};
 use crate::correct::Plan;
 use canvas::{Canvas, Picture};
 

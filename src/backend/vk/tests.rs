@@ -5,8 +5,8 @@ mod canvas;
 
 use super::gpu_map;
 use super::headless::Headless;
-use crate::backend::cases::picture::Picture;
-use crate::backend::cases::{Driver, run_all_cases};
+use crate::backend::tests::picture::Picture;
+use crate::backend::tests::{Driver, run_all_cases};
 use crate::correct::Plan;
 use crate::correct::map::MapPixel;
 

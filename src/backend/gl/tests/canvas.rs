@@ -1,7 +1,7 @@
 //! Textures of pictures, and places to draw.
 
-pub use crate::backend::cases::picture::Picture;
 use crate::backend::gl::api::*;
+pub use crate::backend::tests::picture::Picture;
 
 impl Picture {
     pub fn texture(&self, gl: &Gl, format: u32) -> u32 {

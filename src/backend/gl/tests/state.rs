@@ -2,10 +2,10 @@
 
 use super::canvas::{Canvas, Picture};
 use super::{contexts, headless};
-use crate::backend::cases::plans::*;
 use crate::backend::gl::api::*;
 use crate::backend::gl::headless::{Api, Headless};
 use crate::backend::gl::{GlBackend, Target, gpu_map};
+use crate::backend::tests::plans::*;
 use glam::DVec3;
 
 /// Values that any context has.

@@ -2,10 +2,10 @@
 
 use super::canvas::Canvas;
 use super::contexts;
-use crate::backend::cases::plans::*;
-use crate::backend::cases::present::{noise, one_to_one, place, waves};
 use crate::backend::gl::api::*;
 use crate::backend::gl::{GlBackend, Target};
+use crate::backend::tests::plans::*;
+use crate::backend::tests::present::{noise, one_to_one, place, waves};
 use glam::DVec3;
 
 #[test]

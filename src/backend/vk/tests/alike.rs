@@ -1,10 +1,10 @@
 //! Vulkan shows what OpenGL shows.
 
 use super::headless;
-use crate::backend::cases::Driver;
-use crate::backend::cases::picture::Picture;
-use crate::backend::cases::present::waves;
 use crate::backend::gl::headless::{Api, Headless};
+use crate::backend::tests::Driver;
+use crate::backend::tests::picture::Picture;
+use crate::backend::tests::present::waves;
 use crate::correct::plan::build;
 use crate::rig;
 use crate::views::Request;

@@ -1,6 +1,6 @@
 //! Pictures to correct, and what is shown of them.
 
-use crate::backend::cases::picture::Picture;
+use crate::backend::tests::picture::Picture;
 use crate::backend::vk::headless::Headless;
 use crate::backend::vk::images::copy_to;
 use crate::backend::vk::memory::{Buffer, Image};

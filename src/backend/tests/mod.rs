@@ -26,7 +26,7 @@ macro_rules! run_cases {
             $(#[test]
             fn $case() {
                 for driver in $drivers {
-                    $crate::backend::cases::$module::$case(&driver);
+                    $crate::backend::tests::$module::$case(&driver);
                 }
             })+
         })+
@@ -36,7 +36,7 @@ macro_rules! run_cases {
 /// [`run_cases`] with all there are.
 macro_rules! run_all_cases {
     ($drivers:expr) => {
-        $crate::backend::cases::run_cases! { $drivers;
+        $crate::backend::tests::run_cases! { $drivers;
             accuracy:
                 fisheye_180_at_4096,
                 wide_fisheyes_not_square_and_off_centre,
