@@ -1,8 +1,8 @@
 //! Everything that the program had set is as it was.
 
 use super::canvas::{Canvas, Picture};
-use super::plans::*;
 use super::{contexts, headless};
+use crate::backend::cases::plans::*;
 use crate::backend::gl::api::*;
 use crate::backend::gl::headless::{Api, Headless};
 use crate::backend::gl::{GlBackend, Target, gpu_map};

@@ -1,7 +1,7 @@
 //! Maps that come from a texture.
 
 use super::contexts;
-use super::plans::*;
+use crate::backend::cases::plans::*;
 use crate::backend::gl::gpu_map;
 use crate::correct::plan::{Plan, Source};
 use crate::correct::{Table, TablePixel};
