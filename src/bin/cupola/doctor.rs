@@ -8,7 +8,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 /// Variables of others that change what `cupola run` does.
-const TELLING: [&str; 12] = [
+const TELLING: [&str; 13] = [
     "CUPOLA",
     "CUPOLA_RIG",
     "CUPOLA_CAMERA",
