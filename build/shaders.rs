@@ -88,6 +88,11 @@ fn emit(
     let mut writer = glsl::Writer::new(&mut text, module, info, &options, &pipeline, policies)
         .unwrap_or_else(|e| panic!("shaders: {entry}: {e}"));
     let reflection = writer.write().unwrap_or_else(|e| panic!("shaders: {entry}: {e}"));
+    // Our rectangles are flat, so that both are the same, and this one spares a division in each pixel. WGSL can say
+    // it (`linear`), but then naga refuses ESSL 300, which cannot.
+    if !version.is_es() {
+        text = text.replace("smooth in ", "noperspective in ").replace("smooth out ", "noperspective out ");
+    }
     let mut samplers: Vec<(String, String)> = reflection
         .texture_mapping
         .iter()

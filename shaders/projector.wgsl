@@ -11,16 +11,8 @@ struct Form {
     l_x: vec3<f32>,
     l_y: vec3<f32>,
     l_one: vec3<f32>,
-    // Where `inside` is set, the quadratic part is offset·a − linear·b instead.
+    // Where `inside` is set, there is no quadratic part: offset·reach + linear.
     offset: vec3<f32>,
-}
-
-// What all forms of a pixel share: with a ray o + t·d, a = d·d and b = o·d.
-struct Beam {
-    // The root of the discriminant; minus b where `inside` is set.
-    along: f32,
-    // a, where `inside` is set.
-    squared: f32,
 }
 
 struct Neighbour {
@@ -36,13 +28,13 @@ struct Constants {
     dome: Form,
     // Discriminant over x², y², xy, x; y, 1.
     discriminant: array<vec4<f32>, 2>,
-    // The projector stands well inside the sphere: nothing cancels, and forms of fewer operations
-    // are as exact. a over x², y², xy, x; y, 1. b over x, y, 1.
+    // The projector stands inside the sphere. With a ray o + t·d, a = d·d and b = o·d, all forms are then
+    // offset·reach + linear, times a positive factor. 1: reach is the root of the discriminant. 2: it stands
+    // too near to the sphere for that, and reach is 1/t.
     inside: u32,
+    // a over x², y², xy, x; y, 1. b over x, y, 1.
     squared: array<vec4<f32>, 2>,
     along: vec3<f32>,
-    // R² − o·o
-    depth: f32,
     with_cap: u32,
     // x: ≥ 0 inside the cap of the sphere that is screen; y, z unused.
     cap: Form,
@@ -59,14 +51,14 @@ fn quadratic(low: vec4<f32>, high: vec4<f32>, p: vec2<f32>) -> f32 {
         + (high.x * p.y + high.y);
 }
 
-fn evaluate(form: Form, p: vec2<f32>, beam: Beam) -> vec3<f32> {
+fn evaluate(form: Form, p: vec2<f32>, reach: f32) -> vec3<f32> {
     let linear = (form.l_x * p.x + form.l_y * p.y) + form.l_one;
-    var rest = form.offset * beam.squared;
-    if constants.inside == 0u {
-        rest = ((form.q_xx * (p.x * p.x) + form.q_yy * (p.y * p.y)) + (form.q_xy * (p.x * p.y) + form.q_x * p.x))
-            + (form.q_y * p.y + form.q_one);
+    if constants.inside != 0u {
+        return form.offset * reach + linear;
     }
-    return rest + linear * beam.along;
+    let rest = ((form.q_xx * (p.x * p.x) + form.q_yy * (p.y * p.y)) + (form.q_xy * (p.x * p.y) + form.q_x * p.x))
+        + (form.q_y * p.y + form.q_one);
+    return rest + linear * reach;
 }
 
 // Weight of a picture's point before it is shared out: a ramp along each border.
@@ -74,47 +66,47 @@ fn border_weight(p: vec2<f32>, steepness: f32) -> f32 {
     return smooth_ramp((1.0 - abs(p.x)) * steepness) * smooth_ramp((1.0 - abs(p.y)) * steepness);
 }
 
-fn neighbour_weight(neighbour: Neighbour, p: vec2<f32>, beam: Beam) -> f32 {
-    let s = evaluate(neighbour.picture, p, beam);
+fn neighbour_weight(neighbour: Neighbour, p: vec2<f32>, reach: f32) -> f32 {
+    let s = evaluate(neighbour.picture, p, reach);
     // Behind it the quotient means nothing, and is not taken.
     return select(0.0, border_weight(s.xy * (1.0 / s.z), neighbour.steepness), s.z > 0.0);
 }
 
 // This projector's share of the light of a point: all shares of a point add up to 1.
-fn share(p: vec2<f32>, beam: Beam) -> f32 {
-    var others = neighbour_weight(constants.neighbours[0], p, beam);
+fn share(p: vec2<f32>, reach: f32) -> f32 {
+    var others = neighbour_weight(constants.neighbours[0], p, reach);
     if constants.neighbour_count > 1u {
-        others += neighbour_weight(constants.neighbours[1], p, beam);
+        others += neighbour_weight(constants.neighbours[1], p, reach);
     }
     if constants.neighbour_count > 2u {
-        others += neighbour_weight(constants.neighbours[2], p, beam);
+        others += neighbour_weight(constants.neighbours[2], p, reach);
     }
     if constants.neighbour_count > 3u {
-        others += neighbour_weight(constants.neighbours[3], p, beam);
+        others += neighbour_weight(constants.neighbours[3], p, reach);
     }
     if constants.neighbour_count > 4u {
-        others += neighbour_weight(constants.neighbours[4], p, beam);
+        others += neighbour_weight(constants.neighbours[4], p, reach);
     }
     if constants.neighbour_count > 5u {
-        others += neighbour_weight(constants.neighbours[5], p, beam);
+        others += neighbour_weight(constants.neighbours[5], p, reach);
     }
     if constants.neighbour_count > 6u {
-        others += neighbour_weight(constants.neighbours[6], p, beam);
+        others += neighbour_weight(constants.neighbours[6], p, reach);
     }
     if constants.neighbour_count > 7u {
-        others += neighbour_weight(constants.neighbours[7], p, beam);
+        others += neighbour_weight(constants.neighbours[7], p, reach);
     }
     if constants.neighbour_count > 8u {
-        others += neighbour_weight(constants.neighbours[8], p, beam);
+        others += neighbour_weight(constants.neighbours[8], p, reach);
     }
     if constants.neighbour_count > 9u {
-        others += neighbour_weight(constants.neighbours[9], p, beam);
+        others += neighbour_weight(constants.neighbours[9], p, reach);
     }
     if constants.neighbour_count > 10u {
-        others += neighbour_weight(constants.neighbours[10], p, beam);
+        others += neighbour_weight(constants.neighbours[10], p, reach);
     }
     if constants.neighbour_count > 11u {
-        others += neighbour_weight(constants.neighbours[11], p, beam);
+        others += neighbour_weight(constants.neighbours[11], p, reach);
     }
     // Our own pixels are inside our picture: only the upper bound is needed.
     let steps = min((1.0 - abs(p)) * constants.steepness, vec2<f32>(1.0));
@@ -124,23 +116,23 @@ fn share(p: vec2<f32>, beam: Beam) -> f32 {
 }
 
 fn trace(source: vec2<f32>) -> Ray {
-    var beam = Beam(0.0, 0.0);
+    let discriminant = quadratic(constants.discriminant[0], constants.discriminant[1], source);
+    var reach = sqrt(discriminant);
     var on_screen = true;
-    if constants.inside != 0u {
-        beam.squared = quadratic(constants.squared[0], constants.squared[1], source);
-        let b = (constants.along.x * source.x + constants.along.y * source.y) + constants.along.z;
-        beam.along = sqrt(b * b + constants.depth * beam.squared) - b;
-    } else {
-        let discriminant = quadratic(constants.discriminant[0], constants.discriminant[1], source);
-        beam.along = sqrt(max(discriminant, 0.0));
+    if constants.inside == 0u {
+        reach = sqrt(max(discriminant, 0.0));
         on_screen = discriminant >= 0.0;
     }
+    if constants.inside == 2u {
+        let b = (constants.along.x * source.x + constants.along.y * source.y) + constants.along.z;
+        reach = quadratic(constants.squared[0], constants.squared[1], source) / (reach - b);
+    }
     if constants.with_cap != 0u {
-        on_screen = on_screen & (evaluate(constants.cap, source, beam).x >= 0.0);
+        on_screen = on_screen & (evaluate(constants.cap, source, reach).x >= 0.0);
     }
     var weight = 1.0;
     if constants.neighbour_count > 0u {
-        weight = share(source, beam);
+        weight = share(source, reach);
     }
-    return Ray(evaluate(constants.direction, source, beam), on_screen, evaluate(constants.dome, source, beam), weight);
+    return Ray(evaluate(constants.direction, source, reach), on_screen, evaluate(constants.dome, source, reach), weight);
 }

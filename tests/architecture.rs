@@ -8,13 +8,14 @@ use std::process::Command;
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 
 /// What each module of the library may name of the others. `error` is everybody's.
-const MAY_USE: [(&str, &[&str]); 13] = [
+const MAY_USE: [(&str, &[&str]); 14] = [
     ("error", &[]),
     ("fence", &[]),
     ("geom", &[]),
-    ("rig", &["geom"]),
+    ("formats", &["geom"]),
+    ("rig", &["geom", "formats"]),
     ("views", &["geom", "rig"]),
-    ("warp", &["geom", "rig", "views"]),
+    ("warp", &["geom", "formats", "rig", "views"]),
     ("blend", &["geom", "rig", "warp"]),
     ("correct", &["geom", "rig", "views", "warp", "blend"]),
     ("backend", &["correct"]),
@@ -32,7 +33,7 @@ const MAY_BE_UNSAFE: [&str; 5] =
 const MAY_KNOW_GL: [&str; 4] = ["src/backend/gl/", "src/intercept/", "src/ffi/", "src/runtime/"];
 
 /// Crates for the command alone.
-const COMMAND_ONLY: [&str; 2] = ["clap", "indicatif"];
+const COMMAND_ONLY: [&str; 3] = ["clap", "indicatif", "noto_sans_mono_bitmap"];
 
 /// Where f64 becomes f32: what shaders get, and the pixels of the picture that the simulation writes.
 const MAY_ROUND: [&str; 2] = ["src/correct/uniforms.rs", "src/blend/simulation.rs"];

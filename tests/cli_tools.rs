@@ -220,3 +220,22 @@ fn doctor_tells_what_it_found() {
     assert_eq!(switched_off.status.code(), Some(1));
     assert!(text.contains("CUPOLA=0 switches Cupola off") && text.contains("cannot be corrected"), "{text}");
 }
+
+#[test]
+fn plan_says_what_views_cost_and_draws_them() {
+    let picture = file("plan.png");
+    let text = answer(&["plan", "fisheye", "--size", "512x512", "--picture", picture.to_str().unwrap()]);
+    for expected in ["% hidden", "sharpness  at least 1.00", "note       no view"] {
+        assert!(text.contains(expected), "{expected} is not in\n{text}");
+    }
+    let drawn = image::open(&picture).unwrap().to_rgb8();
+    let sphere = |x: u32| (200..880).filter(|&y| drawn.get_pixel(x, y).0[2] > 100).count();
+    // The dome fills the front half; nothing of the back half is sampled.
+    assert!(sphere(420) > 600 && sphere(1260) < 100, "{} and {}", sphere(420), sphere(1260));
+
+    let plan = json(&["plan", "planetarium-6", "--json"]);
+    assert!(plan["least_texels_per_pixel"].as_f64().unwrap() >= 0.999);
+    assert!(plan["directions"].as_u64().unwrap() > 100_000);
+    assert!(plan["sampled_texels_per_pixel"].as_f64().unwrap() < plan["texels_per_pixel"].as_f64().unwrap());
+    assert!(json(&["plan", "identity", "--json"])["least_texels_per_pixel"].is_null());
+}

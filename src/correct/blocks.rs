@@ -3,7 +3,7 @@
 //! An output is cut into blocks. What a block needs is read off its corners where that is safe, and
 //! found pixel by pixel where it is not.
 
-use super::plan::{Batch, Source};
+use super::plan::{Batch, Mask, Source};
 use super::rectangles::{self, BLOCK};
 use crate::geom::{Frustum, QuadraticForm};
 use crate::rig::Rig;
@@ -11,8 +11,8 @@ use crate::views::ViewPlan;
 use crate::views::cone::{Cone, Relation, WIDEST, diameter};
 use glam::{DMat3, DVec3};
 
-/// At most so many batches of an output differ only in their neighbours.
-const MOST_OVERLAPS: usize = 3;
+/// At most so many batches of an output differ only in their neighbours and in the view that they sample.
+const MOST_OVERLAPS: usize = 4;
 
 /// What a block needs. Views and neighbours are sets of bits; bit 63 or 127 stands for all from there on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -32,8 +32,8 @@ enum Class {
     Plain(u32),
     /// Several views.
     Mixed,
-    /// These neighbours overlap.
-    Overlap(u128),
+    /// These neighbours overlap; in one view everywhere, or else in several.
+    Overlap { neighbours: u128, view: Option<u32> },
     /// Some pixels show nothing.
     Edge,
     /// Both.
@@ -44,11 +44,22 @@ enum Class {
 ///
 /// Conservative: a batch lists every view that answers for one of its pixels' centres, and every
 /// neighbour whose picture reaches into it (up to a part of a pixel, where its weight is nil);
-/// blocks that show nothing are in none.
-pub(super) fn batches(rig: &Rig, index: usize, source: &Source, size: (u32, u32), plan: &ViewPlan) -> Vec<Batch> {
+/// blocks that show nothing are in none, nor those that `mask` makes black.
+pub(super) fn batches(
+    rig: &Rig,
+    index: usize,
+    source: &Source,
+    size: (u32, u32),
+    plan: &ViewPlan,
+    mask: Option<&Mask>,
+) -> Vec<Batch> {
     let output_views = &plan.output_views[index];
     let examiner = Examiner::new(rig, source, size, plan, output_views);
-    let needs = examiner.all();
+    let mut needs = examiner.all();
+    // With light added to black, what is masked is not black.
+    if let Some(mask) = mask.filter(|_| rig.outputs[index].blend.black_level == 0.0) {
+        needs_of_masked(&mut needs, mask, size);
+    }
     let classes: Vec<Option<Class>> = needs.iter().map(classify).collect();
     let classes = with_fewer_overlaps(classes);
 
@@ -85,37 +96,48 @@ pub(super) fn batches(rig: &Rig, index: usize, source: &Source, size: (u32, u32)
         .collect()
 }
 
+/// Takes away what blocks need whose pixels the mask makes black.
+fn needs_of_masked(needs: &mut [Needs], mask: &Mask, size: (u32, u32)) {
+    let columns = size.0.div_ceil(BLOCK);
+    for (index, needs) in (0u32..).zip(needs) {
+        let (x, y) = (index % columns * BLOCK, index / columns * BLOCK);
+        let black = mask.is_black([x, y, (x + BLOCK).min(size.0), (y + BLOCK).min(size.1)], size);
+        if needs.lit && black {
+            *needs = Needs { dark: true, ..Needs::default() };
+        }
+    }
+}
+
 fn classify(needs: &Needs) -> Option<Class> {
     needs.lit.then(|| match (needs.dark, needs.neighbours != 0) {
         (true, true) => Class::EdgeOverlap,
         (true, false) => Class::Edge,
-        (false, true) => Class::Overlap(needs.neighbours),
-        (false, false) if needs.views.count_ones() == 1 => Class::Plain(needs.views.trailing_zeros()),
-        (false, false) => Class::Mixed,
+        (false, true) => Class::Overlap { neighbours: needs.neighbours, view: needs.only_view() },
+        (false, false) => needs.only_view().map_or(Class::Mixed, Class::Plain),
     })
 }
 
-/// Keeps the most frequent sets of neighbours apart, since each neighbour costs time in every
+/// Keeps the most frequent overlaps apart, since each neighbour and the choice of a view cost time in every
 /// pixel, and unites the others, since each shader costs time to compile.
 fn with_fewer_overlaps(mut classes: Vec<Option<Class>>) -> Vec<Option<Class>> {
-    let mut sets: Vec<(u128, usize)> = Vec::new();
+    let mut overlaps: Vec<(u128, Option<u32>, usize)> = Vec::new();
     for class in &classes {
-        if let Some(Class::Overlap(set)) = class {
-            match sets.iter_mut().find(|entry| entry.0 == *set) {
-                Some(entry) => entry.1 += 1,
-                None => sets.push((*set, 1)),
+        if let Some(Class::Overlap { neighbours, view }) = *class {
+            match overlaps.iter_mut().find(|entry| (entry.0, entry.1) == (neighbours, view)) {
+                Some(entry) => entry.2 += 1,
+                None => overlaps.push((neighbours, view, 1)),
             }
         }
     }
-    if sets.len() > MOST_OVERLAPS {
-        sets.sort_by_key(|&(set, count)| (std::cmp::Reverse(count), set));
-        let rare = &sets[MOST_OVERLAPS - 1..];
-        let union = rare.iter().fold(0, |union, (set, _)| union | set);
+    if overlaps.len() > MOST_OVERLAPS {
+        overlaps.sort_by_key(|&(neighbours, view, count)| (std::cmp::Reverse(count), neighbours, view));
+        let rare = &overlaps[MOST_OVERLAPS - 1..];
+        let union = rare.iter().fold(0, |union, (neighbours, ..)| union | neighbours);
         for class in &mut classes {
-            if let Some(Class::Overlap(set)) = class
-                && rare.iter().any(|(other, _)| other == set)
+            if let Some(Class::Overlap { neighbours, view }) = *class
+                && rare.iter().any(|other| (other.0, other.1) == (neighbours, view))
             {
-                *set = union;
+                *class = Some(Class::Overlap { neighbours: union, view: None });
             }
         }
     }
@@ -123,6 +145,11 @@ fn with_fewer_overlaps(mut classes: Vec<Option<Class>>) -> Vec<Option<Class>> {
 }
 
 impl Needs {
+    /// The view, where there is just one.
+    fn only_view(&self) -> Option<u32> {
+        (self.views.count_ones() == 1).then(|| self.views.trailing_zeros())
+    }
+
     fn and(self, other: &Self) -> Self {
         Self {
             views: self.views | other.views,

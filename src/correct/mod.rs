@@ -1,6 +1,7 @@
 //! From rig and views to passes, independent of the graphics API.
 
 mod blocks;
+mod hidden;
 pub mod mask;
 pub mod plan;
 mod rectangles;
@@ -12,5 +13,6 @@ pub mod table;
 mod tests;
 pub mod uniforms;
 
+pub use hidden::hidden_areas;
 pub use plan::{Batch, OutputPass, PixelRect, Plan, Source, build};
 pub use table::{Table, TablePixel};

@@ -136,7 +136,8 @@ pub struct Batch {
 /// Plans the views and the passes of `rig`: deterministic, and without a graphics API; it reads the masks' files.
 ///
 /// A rig with `passthrough` has no passes. Every pixel whose centre shows something is in exactly
-/// one batch, and the batch's views contain the one that answers for the pixel.
+/// one batch, and the batch's views contain the one that answers for the pixel; but blocks of pixels that a
+/// mask makes black are in none, if the output's black level is 0.
 ///
 /// # Errors
 ///
@@ -149,12 +150,13 @@ pub fn build(rig: &Rig, request: &Request) -> Result<Plan> {
             let source = source::of(rig, index, &request.output_sizes)?;
             // A table has them in its weights.
             let ramps = if matches!(source, Source::Table(_)) { Vec::new() } else { output.blend.ramps.clone() };
+            let mask = output.mask.as_deref().map(mask::load).transpose()?;
             passes.push(OutputPass {
                 name: output.name.clone(),
                 size,
-                batches: blocks::batches(rig, index, &source, size, &views),
+                batches: blocks::batches(rig, index, &source, size, &views, mask.as_ref()),
                 source,
-                mask: output.mask.as_deref().map(mask::load).transpose()?,
+                mask,
                 ramps,
                 dome_rotation: source::dome_axes(rig),
                 gamma: output.blend.gamma,

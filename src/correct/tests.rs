@@ -2,7 +2,7 @@
 
 use super::plan::{Batch, Plan, Source, build};
 use crate::ErrorKind;
-use crate::geom::testing::Random;
+use crate::geom::random::Random;
 use crate::rig::Rig;
 use crate::views::Request;
 use crate::views::sight::UNIT_FRUSTUM;

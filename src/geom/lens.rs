@@ -228,7 +228,7 @@ fn circle_scale(aspect: f64) -> DVec2 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::testing::Random;
+    use crate::geom::random::Random;
 
     const PROJECTIONS: [Projection; 5] = [
         Projection::Equidistant,

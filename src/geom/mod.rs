@@ -8,10 +8,9 @@ pub mod lens;
 pub mod optics;
 pub mod pose;
 pub mod quadratic;
+pub mod random;
 pub mod reprojection;
 pub mod sphere;
-#[cfg(test)]
-pub(crate) mod testing;
 
 pub use cube::Face;
 pub use fisheye::Fisheye;

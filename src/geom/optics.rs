@@ -67,7 +67,7 @@ impl Optics {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::testing::Random;
+    use crate::geom::random::Random;
     use crate::geom::{Frustum, lens::Distortion};
 
     fn before(mirror: Sphere) -> Optics {

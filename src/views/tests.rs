@@ -1,7 +1,7 @@
 //! The planner against brute force: every pixel, random rigs, and the bars of the design.
 
 use super::*;
-use crate::geom::testing::Random;
+use crate::geom::random::Random;
 use crate::rig::*;
 use crate::warp::{WarpMap, exact_direction};
 use glam::{DMat3, DVec2, DVec3};

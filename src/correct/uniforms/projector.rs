@@ -28,30 +28,35 @@ pub(super) fn set(out: &mut Constants, source: &ProjectorSource, batch: &Batch, 
     let beam = Beam::of(source);
     let offsets: Option<Vec<DVec3>> = beam.as_ref().and_then(|b| forms.iter().map(|(_, f)| b.offset(f)).collect());
     if let (Some(beam), Some(offsets)) = (beam, offsets) {
-        out.set_flag("inside", true)?;
-        out.set("squared[0]", &beam.squared[..4])?;
-        out.set("squared[1]", &[beam.squared[4], beam.squared[5], 0.0, 0.0])?;
-        out.set("along", &beam.along)?;
-        out.set("depth", &[beam.depth])?;
+        set_polynomial(out, "discriminant", &beam.discriminant())?;
+        let well = beam.depth >= WELL_INSIDE * (beam.depth + source.position.length_squared());
+        out.set("inside", &[if well { 1.0 } else { 2.0 }])?;
+        if !well {
+            set_polynomial(out, "squared", &beam.squared)?;
+            out.set("along", &beam.along)?;
+        }
         for ((path, form), offset) in forms.iter().zip(offsets) {
             out.set(&format!("{path}.offset"), &offset.to_array())?;
-            linear_part(out, path, form, 1.0)?;
+            let linear = if well { beam.freed(&form.l, offset) } else { form.l };
+            linear_part(out, path, &linear, 1.0)?;
         }
     } else {
-        out.set("discriminant[0]", &d[..4])?;
-        out.set("discriminant[1]", &[d[4], d[5], 0.0, 0.0])?;
+        set_polynomial(out, "discriminant", &d)?;
         for (path, form) in &forms {
             quadratic_part(out, path, form)?;
-            linear_part(out, path, form, shared_root(form.d, d)?)?;
+            linear_part(out, path, &form.l, shared_root(form.d, d)?)?;
         }
     }
     Ok(())
 }
 
-/// The rays `o + t·d` of a projector well inside the sphere, from which its forms follow with fewer operations:
-/// each form's quadratic part is `offset·a − linear·b`.
+/// The rays `o + t·d` of a projector inside the sphere, from which its forms follow with fewer operations. Each
+/// form is `offset·a + linear·(√D − b)`, with `a = d·d`, `b = o·d`, `D = b² + depth·a`. Since
+/// `(√D − b)·(√D + b) = depth·a`, the same direction is `offset·(√D + b) + linear·depth`, and, b being linear in
+/// the pixel, `offset·√D` plus a linear function: one root is all that is not linear.
 ///
-/// Farther out, `b² − c·a` cancels, and only the forms' own coefficients, which are rounded after the cancellation, are exact.
+/// Near the sphere `√D + b` cancels; `offset/t + linear`, with `1/t = a/(√D − b)`, does not. Farther out `D` itself
+/// cancels, and only the forms' own coefficients, which are rounded after the cancellation, are exact.
 struct Beam {
     /// a = d·d over `[x², y², xy, x, y, 1]`.
     squared: [f64; 6],
@@ -61,8 +66,10 @@ struct Beam {
     depth: f64,
 }
 
-/// A projector is well inside the sphere up to this part of its radius.
-const WELL_INSIDE: f64 = 0.95;
+/// Inside the sphere, as the forms take it: up to this part of its radius.
+const INSIDE: f64 = 0.95;
+/// Well inside: `(R² − o²)/R²` is at least this.
+const WELL_INSIDE: f64 = 0.36;
 
 impl Beam {
     fn of(source: &ProjectorSource) -> Option<Self> {
@@ -76,7 +83,7 @@ impl Beam {
         // D = b² + depth·a
         let depth = (source.dome_direction.d[5] - along[2] * along[2]) / squared[5];
         let radius_squared = depth + o.length_squared();
-        let inside = o.length_squared() <= WELL_INSIDE * WELL_INSIDE * radius_squared;
+        let inside = o.length_squared() <= INSIDE * INSIDE * radius_squared;
         let beam = Self { squared, along, depth };
         let alike = differs_by(&beam.discriminant(), &source.dome_direction.d) <= ALIKE;
         (inside && depth > 0.0 && alike).then_some(beam)
@@ -85,6 +92,11 @@ impl Beam {
     fn discriminant(&self) -> [f64; 6] {
         let b = times(&self.along, &self.along);
         std::array::from_fn(|k| b[k] + self.depth * self.squared[k])
+    }
+
+    /// A form's linear part once it is freed of a and b.
+    fn freed(&self, linear: &[[f64; 3]; 3], offset: DVec3) -> [[f64; 3]; 3] {
+        [0, 1, 2].map(|i| std::array::from_fn(|k| linear[i][k] * self.depth + offset[i] * self.along[k]))
     }
 
     /// What multiplies a in a form of this projector; `None` where it is none.
@@ -132,10 +144,16 @@ fn quadratic_part(out: &mut Constants, path: &str, form: &QuadraticForm) -> Resu
     Ok(())
 }
 
-/// Sets a form's linear factor of the root, times `factor`.
-fn linear_part(out: &mut Constants, path: &str, form: &QuadraticForm, factor: f64) -> Result<()> {
+/// Sets a quadratic polynomial of the pixel.
+fn set_polynomial(out: &mut Constants, path: &str, coefficients: &[f64; 6]) -> Result<()> {
+    out.set(&format!("{path}[0]"), &coefficients[..4])?;
+    out.set(&format!("{path}[1]"), &[coefficients[4], coefficients[5], 0.0, 0.0])
+}
+
+/// Sets a form's linear part, times `factor`.
+fn linear_part(out: &mut Constants, path: &str, linear: &[[f64; 3]; 3], factor: f64) -> Result<()> {
     for (k, name) in ["l_x", "l_y", "l_one"].into_iter().enumerate() {
-        out.set(&format!("{path}.{name}"), &[0, 1, 2].map(|i| form.l[i][k] * factor))?;
+        out.set(&format!("{path}.{name}"), &[0, 1, 2].map(|i| linear[i][k] * factor))?;
     }
     Ok(())
 }

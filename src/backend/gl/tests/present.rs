@@ -8,7 +8,7 @@ use crate::backend::gl::headless::Headless;
 use crate::backend::gl::{GlBackend, Target};
 use crate::correct::Plan;
 use crate::correct::plan::{Mask, PixelRect, Source};
-use crate::geom::testing::Random;
+use crate::geom::random::Random;
 use crate::geom::{Frustum, Pose};
 use crate::rig::{AngleRamp, DomeAngle};
 use crate::views::{Tile, View};
