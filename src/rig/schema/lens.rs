@@ -106,6 +106,10 @@ pub(super) fn projector_lens(section: &mut Section, problems: &mut Problems) -> 
         let distortion = distortion_section.map_or(Distortion::default(), |section| distortion(section, problems));
         return frustum(section, problems).map(|frustum| Lens::Pinhole { frustum, distortion });
     };
+    // Asked for, so that they are not called unknown as well.
+    section.numbers::<2>("fov", &FIELD_OF_VIEW, problems);
+    section.numbers::<2>("shift", &SHIFT, problems);
+    section.section("angles", problems);
     for key in ["fov", "angles", "shift", "distortion"] {
         if section.has(key) {
             problems.add(&section.path(key), "belongs to a pinhole; leave it out, or `fisheye`");
