@@ -71,7 +71,7 @@ impl<'rig> Weights<'rig> {
 
     /// Whether an output lights the dome.
     fn is_projector(&self, output: usize) -> bool {
-        matches!(self.rig.outputs[output].kind, OutputKind::Projector { .. })
+        self.rig.outputs[output].kind.is_projector()
     }
 
     /// `e_k / Σ e_j` at a point.

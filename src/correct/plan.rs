@@ -141,13 +141,15 @@ pub struct Batch {
 ///
 /// # Errors
 ///
-/// Those of [`views::plan`]; [`Io`](crate::ErrorKind::Io) or [`InvalidRig`](crate::ErrorKind::InvalidRig) if a mask cannot be read.
+/// Those of [`views::plan`] and [`WarpMap::new`](crate::warp::WarpMap::new); [`Io`](crate::ErrorKind::Io) or [`InvalidRig`](crate::ErrorKind::InvalidRig) if a mask cannot be read.
 pub fn build(rig: &Rig, request: &Request) -> Result<Plan> {
     let views = views::plan(rig, request)?;
     let mut passes = Vec::new();
     if !rig.passthrough {
         for (index, (output, &size)) in rig.outputs.iter().zip(&request.output_sizes).enumerate() {
-            let source = source::of(rig, index);
+            let source = source::of(rig, index, &request.output_sizes)?;
+            // A table has them in its weights.
+            let ramps = if matches!(source, Source::Table(_)) { Vec::new() } else { output.blend.ramps.clone() };
             let mask = output.mask.as_deref().map(mask::load).transpose()?;
             passes.push(OutputPass {
                 name: output.name.clone(),
@@ -155,7 +157,7 @@ pub fn build(rig: &Rig, request: &Request) -> Result<Plan> {
                 batches: blocks::batches(rig, index, &source, size, &views, mask.as_ref()),
                 source,
                 mask,
-                ramps: output.blend.ramps.clone(),
+                ramps,
                 dome_rotation: source::dome_axes(rig),
                 gamma: output.blend.gamma,
                 black_level: output.blend.black_level,

@@ -162,6 +162,13 @@ pub enum OutputKind {
         /// Its opening, lens shift included (tangents).
         frustum: crate::geom::Frustum,
     },
+    /// A projector with a lens that is no ideal pinhole, or before a mirror.
+    Optics {
+        /// Place, lens and mirror, in metres from the dome's centre.
+        optics: crate::geom::Optics,
+        /// How far the pixels' different sizes on the screen are evened out by dimming the small ones, 0…1.
+        even_light: f64,
+    },
     /// A flat perspective picture as the viewer would see it through a window.
     Perspective {
         /// Aim relative to the viewer, radians: right-positive, up-positive, clockwise-positive.
@@ -169,6 +176,13 @@ pub enum OutputKind {
         /// Its opening; `None` = the program's own lens, whatever it is (preset `identity-captured`).
         frustum: Option<crate::geom::Frustum>,
     },
+}
+
+impl OutputKind {
+    /// Whether the output lights the screen from a place of its own.
+    pub fn is_projector(&self) -> bool {
+        matches!(self, Self::Projector { .. } | Self::Optics { .. })
+    }
 }
 
 /// How the weight of an output's pixels is found.
