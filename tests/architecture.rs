@@ -26,11 +26,14 @@ const MAY_USE: [(&str, &[&str]); 14] = [
 ];
 
 /// Where `unsafe` may be. `process.rs` wraps the few system calls that the standard library lacks.
-const MAY_BE_UNSAFE: [&str; 5] =
-    ["src/ffi/", "src/intercept/", "src/backend/gl/", "src/preload/", "src/runtime/process.rs"];
+const MAY_BE_UNSAFE: [&str; 6] =
+    ["src/ffi/", "src/intercept/", "src/backend/gl/", "src/backend/vk/", "src/preload/", "src/runtime/process.rs"];
 
 /// Where OpenGL may be named: the backend, the interception, and the C interface that hands it over.
 const MAY_KNOW_GL: [&str; 4] = ["src/backend/gl/", "src/intercept/", "src/ffi/", "src/runtime/"];
+
+/// Where Vulkan may be named: the backend, the interception, and the C interface.
+const MAY_KNOW_VULKAN: [&str; 4] = ["src/backend/vk/", "src/intercept/vk/", "src/ffi/", "src/runtime/"];
 
 /// Crates for the command alone.
 const COMMAND_ONLY: [&str; 3] = ["clap", "indicatif", "noto_sans_mono_bitmap"];
@@ -231,6 +234,9 @@ fn words_stand_only_where_they_may() {
         }
         if ["glow", "gl_api", "GlApi"].iter().any(|word| has_word(&code, word)) && !within(&MAY_KNOW_GL) {
             complain(path, "OpenGL is named outside the folders that may know it");
+        }
+        if has_word(&code, "ash") && !within(&MAY_KNOW_VULKAN) {
+            complain(path, "Vulkan is named outside the folders that may know it");
         }
         if COMMAND_ONLY.iter().any(|name| code.contains(&format!("{name}::"))) && !path.starts_with("src/bin/") {
             complain(path, "a crate of the command is named in the library");

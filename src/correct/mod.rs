@@ -1,13 +1,17 @@
 //! From rig and views to passes, independent of the graphics API.
 
 mod blocks;
+mod cover;
+pub mod draws;
 mod hidden;
+pub mod map;
 pub mod mask;
 pub mod plan;
 mod rectangles;
 pub mod response;
 pub mod shaders;
 mod source;
+pub mod spirv;
 pub mod table;
 #[cfg(test)]
 mod tests;

@@ -45,6 +45,11 @@ pub(super) fn texel(direction: DVec3, weight: f64) -> [f32; 4] {
     [direction.x as f32, direction.y as f32, direction.z as f32, weight as f32]
 }
 
+/// A length in pixels as viewports take it; exact below 2^24.
+pub fn pixels(length: i32) -> f32 {
+    length as f32
+}
+
 /// A matrix column by column, rounded once.
 pub fn matrix(exact: &DMat4) -> [f32; 16] {
     exact.to_cols_array().map(|value| value as f32)

@@ -21,5 +21,5 @@ pub mod mpcdi;
 pub mod pfm;
 pub mod vwf;
 
-pub use grid::{Grid, Mesh, Node, Raster, Sample};
-pub use input::{Noted, read_file};
+pub use grid::{Grid, MOST_NODES, Mesh, Node, Raster, Sample};
+pub use input::{LONGEST_FILE, MOST_PIXELS, Noted, read_file};

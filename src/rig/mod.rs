@@ -100,6 +100,19 @@ pub struct Views {
     pub method: ViewMethod,
     /// Factor on the resolution of the views in each direction, 0.1…8; 1 = as many texels as output pixels.
     pub quality: f64,
+    /// What the planner saves where it cannot save both.
+    pub favour: Favour,
+}
+
+/// What the planner saves: each view costs the program's draws once more, each texel costs shading.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Favour {
+    /// As for a program of about a thousand draws in a frame.
+    Balanced,
+    /// Fewer views: for programs of many draws.
+    Processor,
+    /// Fewer texels: for programs of few draws and costly shading.
+    Graphics,
 }
 
 /// Where flat drawing appears: a window in front of the viewer, as wide as `width` says and with the window's aspect.

@@ -1,12 +1,12 @@
 //! Runs a plan on the current context: one draw for each batch of rectangles, one for what is black.
 
 use super::api::*;
-use super::cover::uncovered;
 use super::program::{self, ATLAS_UNIT, MASK_UNIT, TABLE_UNIT};
 use super::state::{self, Capabilities};
-use crate::correct::plan::{Mask, OutputPass, PixelRect};
+use crate::correct::draws::{self, FLOATS, Rows};
+use crate::correct::plan::{Mask, OutputPass};
 use crate::correct::shaders::{Language, Specialised, Stage, specialise};
-use crate::correct::uniforms::{Constants, constants, copies_texels, rectangle};
+use crate::correct::uniforms::Constants;
 use crate::correct::{Plan, Source, Table};
 use crate::error::{Error, ErrorKind, Result};
 use std::cell::Cell;
@@ -69,9 +69,6 @@ pub struct GlBackend {
     /// An error of the program's that was taken while preparing.
     pending: Cell<u32>,
 }
-
-/// Floats per vertex: clip coordinates, source coordinates.
-const FLOATS: usize = 4;
 
 impl GlBackend {
     /// A backend on the current context, with nothing prepared. `is_gles`: it is OpenGL ES.
@@ -194,37 +191,21 @@ impl GlBackend {
         panel: bool,
         old: &mut HashMap<Specialised, u32>,
     ) -> Result<(Vec<Output>, Vec<f32>)> {
-        let mut vertices = Vec::new();
+        let list = draws::draws(plan, passes, panel, Rows::FromBottom)?;
         let mut outputs = Vec::with_capacity(passes.len());
-        for pass in passes {
+        for (pass, draws) in passes.iter().zip(&list.outputs) {
             let mut output = Output { size: pass.size, ..Output::default() };
-            for batch in &pass.batches {
-                let constants = constants(plan, pass, batch, panel)?;
-                // The panel is seldom 1:1 and shares the sampler.
-                let nearest = copies_texels(plan, pass, batch) && !(panel && plan.views.panel.is_some());
-                output.draws.push(self.draw(gl, &constants, pass, &batch.rects, nearest, old, &mut vertices)?);
-            }
-            let covered: Vec<PixelRect> = pass.batches.iter().flat_map(|b| b.rects.iter().copied()).collect();
-            let black = uncovered(pass.size, &covered);
-            if !black.is_empty() {
-                output.draws.push(self.draw(gl, &Constants::black(), pass, &black, false, old, &mut vertices)?);
+            for draw in draws {
+                let program = self.program(gl, &draw.constants, old)?;
+                let (first, count) = (draw.first as i32, draw.count as i32);
+                output.draws.push(Draw { program, first, count, nearest: draw.nearest });
             }
             outputs.push(output);
         }
-        Ok((outputs, vertices))
+        Ok((outputs, list.vertices))
     }
 
-    #[allow(clippy::too_many_arguments)]
-    fn draw(
-        &mut self,
-        gl: &Gl,
-        constants: &Constants,
-        pass: &OutputPass,
-        rects: &[PixelRect],
-        nearest: bool,
-        old: &mut HashMap<Specialised, u32>,
-        vertices: &mut Vec<f32>,
-    ) -> Result<Draw> {
+    fn program(&mut self, gl: &Gl, constants: &Constants, old: &mut HashMap<Specialised, u32>) -> Result<u32> {
         let language = if self.caps.gles { Language::Essl300 } else { Language::Glsl330 };
         let text = specialise(constants, language, self.stage);
         let known = self.names.programs.get(&text).copied().or_else(|| old.remove(&text));
@@ -233,12 +214,7 @@ impl GlBackend {
             None => program::build(gl, &text)?,
         };
         self.names.programs.insert(text, program);
-        let first = (vertices.len() / FLOATS) as i32;
-        for rect in rects {
-            vertices.extend(rectangle(pass, rect).as_flattened());
-        }
-        let count = (vertices.len() / FLOATS) as i32 - first;
-        Ok(Draw { program, first, count, nearest })
+        Ok(program)
     }
 
     fn upload_textures(&mut self, gl: &Gl, passes: &[OutputPass], outputs: Vec<Output>) {

@@ -3,7 +3,7 @@
 mod mesh;
 mod raster;
 
-pub use mesh::{Mesh, Node};
+pub use mesh::{MOST_NODES, Mesh, Node};
 pub use raster::Raster;
 
 use glam::{DVec2, DVec3};

@@ -56,7 +56,7 @@ pub(super) fn read(name: &str, text: &str) -> Result<Description> {
         return Err(reader.wrong(root, why));
     }
     let mut notes = Vec::new();
-    for (element, what) in [("betaMap", "black levels"), ("extensionSet", "extensions")] {
+    for (element, what) in [("betaMap", "black levels"), ("frustum", "frusta"), ("extensionSet", "extensions")] {
         if named(root, element).next().is_some() {
             notes.push(format!("{name}: {what} ({element}) were not taken over"));
         }

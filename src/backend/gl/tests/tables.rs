@@ -1,8 +1,8 @@
 //! Maps that come from a texture.
 
 use super::contexts;
-use super::plans::*;
 use crate::backend::gl::gpu_map;
+use crate::backend::tests::plans::*;
 use crate::correct::plan::{Plan, Source};
 use crate::correct::{Table, TablePixel};
 use crate::warp::{WarpMap, compare};

@@ -6,6 +6,7 @@ mod picture;
 
 use crate::Failure;
 use cupola::correct;
+use cupola::rig::Favour;
 use cupola::views::Request;
 use figures::Figures;
 use std::path::PathBuf;
@@ -21,6 +22,9 @@ pub struct Arguments {
     /// Size of the window to plan for in pixels [default: what the rig says, or 1920x1200]
     #[arg(long, value_name = "WxH", value_parser = crate::arguments::size)]
     size: Option<(u32, u32)>,
+    /// Save the processor's work (fewer views) or the graphics card's (fewer texels) [default: what the rig says]
+    #[arg(long, value_name = "cpu|gpu", value_parser = favour)]
+    favour: Option<Favour>,
     /// Draw the views on the sphere of directions, as a PNG file
     #[arg(long, value_name = "PLAN.png")]
     picture: Option<PathBuf>,
@@ -31,7 +35,8 @@ pub struct Arguments {
 
 /// Runs the subcommand.
 pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
-    let rig = cupola::rig::load(&arguments.rig)?;
+    let mut rig = cupola::rig::load(&arguments.rig)?;
+    rig.views.favour = arguments.favour.unwrap_or(rig.views.favour);
     let window = arguments.size.or_else(|| rig.extent()).unwrap_or((1920, 1200));
     let output_sizes = rig.layout(window).iter().map(|[_, _, width, height]| (*width, *height)).collect();
     let max_atlas = crate::check::LARGEST_ATLAS;
@@ -49,4 +54,12 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         picture::write(file, &rig, &request, &plan.views, &figures)?;
     }
     Ok(ExitCode::SUCCESS)
+}
+
+fn favour(text: &str) -> Result<Favour, String> {
+    match text {
+        "cpu" => Ok(Favour::Processor),
+        "gpu" => Ok(Favour::Graphics),
+        _ => Err("expected cpu or gpu".to_owned()),
+    }
 }

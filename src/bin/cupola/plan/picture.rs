@@ -130,25 +130,35 @@ fn for_disc(half: &Half, mut visit: impl FnMut(i64, i64, f64)) {
 
 /// Colours what outputs sample by how sharp it is; the least where several sample it.
 fn shade(canvas: &mut Canvas, half: &Half, seen: &[(DVec3, f32)]) {
-    // Twice as fine as the picture, so that borders are smooth.
-    let side = 2 * (2 * RADIUS as usize + 4);
-    let origin = half.centre - 0.25 * side as f64;
+    // Up to twice as fine as the picture, so that borders are smooth; coarser where few pixels were looked at,
+    // so that four fall into a cell of a whole half on average.
+    let scale = (seen.len() as f64 / (4.0 * std::f64::consts::PI * RADIUS * RADIUS)).sqrt().clamp(0.02, 2.0);
+    let side = (scale * (2.0 * RADIUS + 4.0)).ceil() as usize;
+    let origin = half.centre - RADIUS - 2.0;
+    let cell_at = |place: DVec2| {
+        let at = ((place - origin) * scale).clamp(DVec2::ZERO, DVec2::splat(side as f64 - 1.0));
+        at.y as usize * side + at.x as usize
+    };
     let mut sharpness = vec![f32::INFINITY; side * side];
     for (direction, texels) in seen {
-        let Some(place) = half.place(*direction) else { continue };
-        let at = ((place - origin) * 2.0).clamp(DVec2::ZERO, DVec2::splat(side as f64 - 1.0));
-        let cell = &mut sharpness[at.y as usize * side + at.x as usize];
-        *cell = cell.min(*texels);
-    }
-    let filled: Vec<f32> = (0..side * side).map(|cell| filled(&sharpness, side, cell)).collect();
-    for (row, column) in (0..side).flat_map(|row| (0..side).map(move |column| (row, column))) {
-        let texels = filled[row * side + column];
-        if texels.is_finite() {
-            let place = origin + DVec2::new(column as f64 + 0.5, row as f64 + 0.5) * 0.5;
-            // Four of these are a pixel; each lays a part over what is left.
-            canvas.blend(place.x as i64, place.y as i64, color_of(f64::from(texels)), 0.75);
+        if let Some(place) = half.place(*direction) {
+            let cell = &mut sharpness[cell_at(place)];
+            *cell = cell.min(*texels);
         }
     }
+    let filled: Vec<f32> = (0..side * side).map(|cell| filled(&sharpness, side, cell)).collect();
+    for_disc(half, |x, y, distance| {
+        if distance > RADIUS {
+            return;
+        }
+        for (u, v) in [(0.25, 0.25), (0.75, 0.25), (0.25, 0.75), (0.75, 0.75)] {
+            let texels = filled[cell_at(DVec2::new(x as f64 + u, y as f64 + v))];
+            if texels.is_finite() {
+                // Each of the four lays a part over what is left.
+                canvas.blend(x, y, color_of(f64::from(texels)), 0.75);
+            }
+        }
+    });
 }
 
 /// The value of a cell, or of its neighbours where no direction fell into it.
