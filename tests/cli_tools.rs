@@ -1,4 +1,4 @@
-//! `cupola check`, `map`, `simulate` and `doctor`.
+//! `cupola check`, `map`, `simulate`, `plan`, `stress` and `doctor`.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -238,4 +238,20 @@ fn plan_says_what_views_cost_and_draws_them() {
     assert!(plan["directions"].as_u64().unwrap() > 100_000);
     assert!(plan["sampled_texels_per_pixel"].as_f64().unwrap() < plan["texels_per_pixel"].as_f64().unwrap());
     assert!(json(&["plan", "identity", "--json"])["least_texels_per_pixel"].is_null());
+}
+
+#[test]
+fn stress_finds_nothing_over_its_bounds() {
+    let report = json(&["stress", "--seed", "9", "--cases", "6", "--json"]);
+    assert_eq!((report["failed"].as_bool(), report["cases"].as_u64()), (Some(false), Some(6)), "{report:#}");
+    let compared = |name: &str| {
+        let quantities = report["quantities"].as_array().unwrap();
+        let found = quantities.iter().find(|quantity| quantity["quantity"].as_str().unwrap().starts_with(name));
+        found.map_or(0, |quantity| quantity["compared"].as_u64().unwrap())
+    };
+    for (name, least) in
+        [("map: ghosts", 50_000), ("light: greatest", 50_000), ("clip: depth", 10_000), ("lens: error", 1_000)]
+    {
+        assert!(compared(name) >= least, "{name}: {} compared", compared(name));
+    }
 }
