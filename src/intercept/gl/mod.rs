@@ -7,7 +7,6 @@
 
 pub mod attributes;
 pub mod background;
-pub mod camera;
 pub mod conditional;
 pub mod context;
 pub mod culling;
