@@ -24,7 +24,7 @@ pub unsafe fn clear_panel(device: &Device, buffer: vk::CommandBuffer, layout: &L
         clear_value: vk::ClearValue::default(),
     };
     let clears: Vec<_> = attachments.iter().map(clear).collect();
-    let rect = vk::ClearRect { rect: rectangle(layout.panel), base_array_layer: 0, layer_count: 1 };
+    let rect = vk::ClearRect { rect: rectangle(layout.glass()), base_array_layer: 0, layer_count: 1 };
     // SAFETY: as promised; the panel lies in the atlas.
     unsafe { device.functions.cmd_clear_attachments(buffer, &clears, &[rect]) };
 }

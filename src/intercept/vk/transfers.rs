@@ -20,7 +20,7 @@ fn cleared(layout: &Layout, rect: &vk::Rect2D) -> (Vec<Rect>, Rect) {
         let [x, y, ..] = *tile;
         if *own { [x + rect.offset.x, y + rect.offset.y, panel[2], panel[3]] } else { *tile }
     });
-    (if whole { views.collect() } else { Vec::new() }, panel)
+    if whole { (views.collect(), layout.glass()) } else { (Vec::new(), panel) }
 }
 
 /// Clears parts of the window in a pass that is drawn for each view.
@@ -217,7 +217,7 @@ mod tests {
         let layout = Layout::new(&rig, (200, 200), 16384).expect("a plan");
         let whole = vk::Rect2D { offset: vk::Offset2D::default(), extent: vk::Extent2D { width: 200, height: 200 } };
         let (views, panel) = cleared(&layout, &whole);
-        assert_eq!((views.len(), panel), (layout.views.len(), layout.panel));
+        assert_eq!((views.len(), panel), (layout.views.len(), layout.glass()));
         let part = vk::Rect2D { offset: vk::Offset2D { x: 20, y: 30 }, ..whole };
         let (views, panel) = cleared(&layout, &part);
         assert!(views.is_empty());
