@@ -1,6 +1,6 @@
 //! Calibration files: hostile ones, and what `cupola convert` writes.
 
-use cupola::formats::{Raster, bourke, mpcdi, pfm, vwf};
+use cupola::formats::{Raster, bourke, domeprojection, easyblend, mpcdi, pfm, vwf};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
@@ -94,6 +94,43 @@ fn damaged_warp_meshes_do_no_harm() {
 #[test]
 fn damaged_float_maps_do_no_harm() {
     survives(&pfm::write(4, raster().values()), |bytes| pfm::read("some.file", bytes).map(drop));
+}
+
+/// The mesh of a camera that looks up by 30°.
+const EASYBLEND: &str = "OPENMESH Version 1.1\nVERTICES 4\nFACES 2\nMAPPING NORMALIZED\nNATIVEXRES 40\nNATIVEYRES 20\n\
+    PERSPECTIVE_LEFT -45\nPERSPECTIVE_RIGHT 45\nPERSPECTIVE_BOTTOM -30\nPERSPECTIVE_TOP 30\nPERSPECTIVE_PITCH 30\n\
+    0 0 255 0 1\n40 0 255 1 1\n40 20 255 1 0\n0 20 255 0 0\n[ 0 1 2 ]\n[ 0 2 3 ]\n";
+
+/// A mesh over the whole output and the whole picture.
+const DOMEPROJECTION: &str = "x;y;u;v;column;row\n0;0;0;0;0;0\n1;0;1;0;1;0\n0;1;0;1;0;1\n1;1;1;1;1;1\n";
+
+#[test]
+fn damaged_easyblend_meshes_do_no_harm() {
+    survives(EASYBLEND.as_bytes(), |bytes| easyblend::read("some.file", bytes).map(drop));
+}
+
+#[test]
+fn damaged_domeprojection_meshes_do_no_harm() {
+    survives(DOMEPROJECTION.as_bytes(), |bytes| domeprojection::read("some.file", bytes).map(drop));
+}
+
+#[test]
+fn meshes_of_other_tools_become_maps() {
+    let (mesh, out) = (file("camera.ol"), file("camera.pfm"));
+    std::fs::write(&mesh, EASYBLEND).unwrap();
+    let written = convert(mesh.to_str().unwrap(), &out, &[]);
+    assert_eq!(written["files"][0]["values"], "directions");
+    let directions = map(&out);
+    assert_eq!(directions.size(), (40, 20));
+    // The middle of the picture looks up by 30°, its pixels left and right of it at equal heights.
+    let [x, y, z] = directions.values()[10 * 40 + 20].map(f64::from);
+    let ahead = |x: f64, y: f64| glam::DMat3::from_rotation_x(30f64.to_radians()) * glam::DVec3::new(x, y, -1.0);
+    let expected = ahead(0.025, -0.05 * 30f64.to_radians().tan()).normalize();
+    assert!(glam::DVec3::new(x, y, z).distance(expected) < 1e-6, "{x} {y} {z}");
+    let (mesh, out) = (file("dome.csv"), file("dome.pfm"));
+    std::fs::write(&mesh, DOMEPROJECTION).unwrap();
+    convert(mesh.to_str().unwrap(), &out, &["--size", "8x4"]);
+    assert_eq!(map(&out).values()[0], [1.0 / 16.0, 7.0 / 8.0, 0.0]);
 }
 
 #[test]

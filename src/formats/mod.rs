@@ -17,6 +17,8 @@ mod input;
 mod text;
 
 pub mod bourke;
+pub mod domeprojection;
+pub mod easyblend;
 pub mod mpcdi;
 pub mod pfm;
 pub mod vwf;

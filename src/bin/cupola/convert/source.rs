@@ -4,7 +4,7 @@ use super::Arguments;
 use crate::Failure;
 use crate::map::native_size;
 use cupola::blend::{Weights, encode};
-use cupola::formats::{Grid, Sample, bourke, mpcdi, pfm, read_file, vwf};
+use cupola::formats::{Grid, Sample, bourke, domeprojection, easyblend, mpcdi, pfm, read_file, vwf};
 use cupola::geom::{Sphere, pose};
 use cupola::rig::{OutputKind, Rig};
 use cupola::warp::WarpMap;
@@ -18,6 +18,8 @@ pub enum Values {
     Picture,
     /// Points on the dome, metres from its centre: x right, y up, z backward
     Points,
+    /// Directions from the viewer: x right, y up, z backward
+    Directions,
 }
 
 impl Values {
@@ -26,6 +28,7 @@ impl Values {
         match self {
             Self::Picture => "picture",
             Self::Points => "points",
+            Self::Directions => "directions",
         }
     }
 }
@@ -45,6 +48,8 @@ pub struct Map {
     grid: Grid,
     values: Values,
     alpha: Option<mpcdi::Alpha>,
+    /// The camera whose picture the grid's values lie in; they become directions.
+    camera: Option<easyblend::Camera>,
 }
 
 /// One output that is converted.
@@ -69,8 +74,9 @@ enum Kind<'source> {
 pub fn open(arguments: &Arguments) -> Result<Source, Failure> {
     let ending = ending(Path::new(&arguments.from));
     let name = arguments.from.as_str();
-    let single =
-        |grid: Grid, size| vec![Map { name: String::new(), size, grid, values: arguments.values, alpha: None }];
+    let single = |grid: Grid, size| {
+        vec![Map { name: String::new(), size, grid, values: arguments.values, alpha: None, camera: None }]
+    };
     let read = || read_file(Path::new(name));
     Ok(match ending.as_str() {
         "data" | "map" => {
@@ -81,6 +87,25 @@ pub fn open(arguments: &Arguments) -> Result<Source, Failure> {
             let raster = pfm::read(name, &read()?)?;
             Source::Maps { maps: single(Grid::Raster(raster.clone()), Some(raster.size())), notes: Vec::new() }
         }
+        "csv" => {
+            let mesh = domeprojection::read(name, &read()?)?;
+            Source::Maps { maps: single(mesh.value, None), notes: mesh.notes }
+        }
+        "ol" => {
+            let mesh = easyblend::read(name, &read()?)?;
+            let mut maps = single(mesh.value.grid, Some(mesh.value.size));
+            let mut notes = mesh.notes;
+            if let Some(camera) = mesh.value.camera {
+                (maps[0].values, maps[0].camera) = (Values::Directions, Some(camera));
+                if camera.offset != DVec3::ZERO {
+                    notes.push(format!(
+                        "{name}: the eye point is off the origin by {}; put the viewer there",
+                        camera.offset
+                    ));
+                }
+            }
+            Source::Maps { maps, notes }
+        }
         "vwf" => {
             let set = vwf::read(name, &read()?)?;
             let map = |map: vwf::VwfMap| Map {
@@ -89,6 +114,7 @@ pub fn open(arguments: &Arguments) -> Result<Source, Failure> {
                 grid: Grid::Raster(map.raster),
                 values: if map.points { Values::Points } else { Values::Picture },
                 alpha: None,
+                camera: None,
             };
             Source::Maps { maps: set.value.into_iter().map(map).collect(), notes: set.notes }
         }
@@ -101,6 +127,7 @@ pub fn open(arguments: &Arguments) -> Result<Source, Failure> {
                 grid: Grid::Raster(region.warp),
                 values,
                 alpha: region.alpha,
+                camera: None,
             };
             Source::Maps { maps: archive.value.regions.into_iter().map(map).collect(), notes: archive.notes }
         }
@@ -189,6 +216,9 @@ impl Channel<'_> {
                     sample.intensity *=
                         weight(alpha, pixel / DVec2::new(f64::from(self.size.0), f64::from(self.size.1)));
                 }
+                if let Some(camera) = &map.camera {
+                    sample.value = camera.ray(sample.value.truncate()).normalize();
+                }
                 Some(sample)
             }
             Kind::Output { index, map, rig, content, weights } => {
@@ -206,6 +236,7 @@ impl Channel<'_> {
         let direction = move |value: DVec3| match values {
             Values::Picture => content.direction(DVec2::new(value.x, 1.0 - value.y)),
             Values::Points => viewer(rig).point_to_local(value).try_normalize(),
+            Values::Directions => value.try_normalize(),
         };
         Some((map, direction))
     }
@@ -217,6 +248,9 @@ fn viewer(rig: &Rig) -> cupola::geom::Pose {
 
 /// The value of a pixel. A picture that has no place on the dome is put where the viewer sees it there.
 fn value(rig: &Rig, content: &WarpMap, map: &WarpMap, values: Values, pixel: DVec2) -> Option<DVec3> {
+    if values == Values::Directions {
+        return map.direction(pixel);
+    }
     let point = match map.hit(pixel) {
         Some(point) => point,
         None => {
@@ -225,7 +259,7 @@ fn value(rig: &Rig, content: &WarpMap, map: &WarpMap, values: Values, pixel: DVe
         }
     };
     match values {
-        Values::Points => Some(point),
+        Values::Points | Values::Directions => Some(point),
         Values::Picture => content.pixel(point).map(|part| DVec3::new(part.x, 1.0 - part.y, 0.0)),
     }
 }

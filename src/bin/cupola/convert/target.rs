@@ -78,8 +78,12 @@ pub fn write(arguments: &Arguments, format: Format, channels: &[Channel]) -> Res
         Ok(vec![Written { path: path.clone(), outputs: channels.len(), values, error: None }])
     };
     match format {
-        Format::Bourke if values == Values::Points => {
-            Err(Failure::usage("a warp mesh has positions in a picture; use --values picture"))
+        Format::Bourke if values != Values::Picture => Err(Failure::usage(format!(
+            "a warp mesh has positions in a picture, not {}; use --values picture",
+            values.words()
+        ))),
+        Format::Vwf | Format::Mpcdi if values == Values::Directions => {
+            Err(Failure::usage("this format has positions in a picture or points, not directions; write a .pfm file"))
         }
         Format::Bourke => each(path, channels, |channel| mesh(channel, arguments.nodes)),
         Format::Pfm => {
