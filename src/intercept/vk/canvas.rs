@@ -11,6 +11,16 @@ use ash::vk;
 use std::sync::atomic::Ordering;
 use std::sync::{Arc, PoisonError};
 
+/// What an atlas is made with.
+pub const ATLAS_FLAGS: vk::ImageCreateFlags = vk::ImageCreateFlags::MUTABLE_FORMAT;
+/// What it can be used for.
+pub const ATLAS_USAGE: vk::ImageUsageFlags = vk::ImageUsageFlags::from_raw(
+    vk::ImageUsageFlags::COLOR_ATTACHMENT.as_raw()
+        | vk::ImageUsageFlags::SAMPLED.as_raw()
+        | vk::ImageUsageFlags::TRANSFER_DST.as_raw()
+        | vk::ImageUsageFlags::TRANSFER_SRC.as_raw(),
+);
+
 /// What a frame is made of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Show {
@@ -441,10 +451,7 @@ unsafe fn atlas_image(
     info: &vk::SwapchainCreateInfoKHR<'_>,
     size: (u32, u32),
 ) -> ash::prelude::VkResult<OwnImage> {
-    use vk::ImageUsageFlags as U;
-    let image = like(info, size)
-        .flags(vk::ImageCreateFlags::MUTABLE_FORMAT)
-        .usage(U::COLOR_ATTACHMENT | U::SAMPLED | U::TRANSFER_DST | U::TRANSFER_SRC);
+    let image = like(info, size).flags(ATLAS_FLAGS).usage(ATLAS_USAGE);
     // SAFETY: as promised.
     unsafe { OwnImage::new(device, &image) }
 }

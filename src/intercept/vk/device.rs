@@ -103,7 +103,26 @@ impl Device {
     /// # Safety
     /// The pool must be one of ours, in use by no other thread.
     pub unsafe fn command_buffer(&self, pool: vk::CommandPool) -> VkResult<vk::CommandBuffer> {
-        let info = vk::CommandBufferAllocateInfo::default().command_pool(pool).command_buffer_count(1);
+        // SAFETY: as promised.
+        unsafe { self.allocate(pool, vk::CommandBufferLevel::PRIMARY) }
+    }
+
+    /// A secondary one.
+    ///
+    /// # Errors
+    /// The driver's.
+    ///
+    /// # Safety
+    /// The pool must be in use by no other thread.
+    pub unsafe fn secondary_command_buffer(&self, pool: vk::CommandPool) -> VkResult<vk::CommandBuffer> {
+        // SAFETY: as promised.
+        unsafe { self.allocate(pool, vk::CommandBufferLevel::SECONDARY) }
+    }
+
+    /// # Safety
+    /// The pool must be in use by no other thread.
+    unsafe fn allocate(&self, pool: vk::CommandPool, level: vk::CommandBufferLevel) -> VkResult<vk::CommandBuffer> {
+        let info = vk::CommandBufferAllocateInfo::default().command_pool(pool).level(level).command_buffer_count(1);
         // SAFETY: as promised; the loader's own function, for an object of its device.
         unsafe {
             let buffer = self.functions.allocate_command_buffers(&info)?.first().copied().unwrap_or_default();

@@ -1,5 +1,6 @@
 //! Render passes and framebuffers: which of them draw to a swapchain's image, and their twins.
 
+use super::canvas::{ATLAS_FLAGS, ATLAS_USAGE};
 use super::device::Device;
 use super::hook::hooks;
 use super::images::Shown;
@@ -69,11 +70,18 @@ impl Framebuffers {
 }
 
 impl Framebuffer {
-    /// The framebuffer over the atlas of `shown`, for a render pass like its own.
+    /// The framebuffer over the atlas of `shown`, for a render pass like its own. `given`: the attachments of the pass that
+    /// begins, where they are given with it.
     ///
     /// # Errors
     /// Why there is none.
-    pub fn twin(&self, device: &Device, shown: &Shown, pass: vk::RenderPass) -> Result<vk::Framebuffer, String> {
+    pub fn twin(
+        &self,
+        device: &Device,
+        shown: &Shown,
+        pass: vk::RenderPass,
+        given: &[vk::ImageView],
+    ) -> Result<vk::Framebuffer, String> {
         let size = shown.layout.atlas;
         let known = self.twins.lock().unwrap_or_else(PoisonError::into_inner).iter().find(|t| t.0 == size).map(|t| t.1);
         if let Some(known) = known {
@@ -93,15 +101,14 @@ impl Framebuffer {
                 info = info.attachments(&views);
             }
             None => {
-                let image = |later: &'_ Later| {
-                    vk::FramebufferAttachmentImageInfo::default()
-                        .flags(later.flags)
-                        .usage(later.usage)
-                        .width(size.0)
-                        .height(size.1)
-                        .layer_count(1)
+                let image = |(index, later): (usize, &'_ Later)| {
+                    let atlas = given.get(index).is_some_and(|view| device.images.shown(*view).is_some());
+                    let (flags, usage) = if atlas { (ATLAS_FLAGS, ATLAS_USAGE) } else { (later.flags, later.usage) };
+                    let info = vk::FramebufferAttachmentImageInfo::default().flags(flags).usage(usage);
+                    info.width(size.0).height(size.1).layer_count(1)
                 };
-                images = self.given_later.iter().map(|later| image(later).view_formats(&later.formats)).collect();
+                let all = self.given_later.iter().enumerate();
+                images = all.map(|(index, later)| image((index, later)).view_formats(&later.formats)).collect();
                 later = vk::FramebufferAttachmentsCreateInfo::default().attachment_image_infos(&images);
                 info = info.flags(vk::FramebufferCreateFlags::IMAGELESS).push_next(&mut later);
                 info.attachment_count = images.len() as u32;
@@ -241,7 +248,7 @@ hooks! { framebuffers;
             let new = Arc::new(framebuffer(&state, &*info));
             // Made now, while its render pass is there; it need not be later.
             if let (true, Some(shown)) = (state.draws_views(), &new.shown)
-                && let Err(why) = new.twin(&state, shown, new.pass)
+                && let Err(why) = new.twin(&state, shown, new.pass, &[])
             {
                 state.give_up(&why);
             }

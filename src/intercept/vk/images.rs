@@ -92,7 +92,8 @@ impl Images {
         self.images.lock().unwrap_or_else(PoisonError::into_inner).get(&image)?.shown.clone()
     }
 
-    /// The program has `image` in the place of a swapchain's.
+    /// The program has `image` in the place of a swapchain's. It is brought into the layout in which passes leave it:
+    /// those that draw to the atlas do not change it.
     pub fn show(&self, image: vk::Image, format: vk::Format, shown: Arc<Shown>) {
         let new = Image {
             flags: vk::ImageCreateFlags::empty(),
@@ -108,11 +109,24 @@ impl Images {
             twins: Vec::new(),
         };
         self.images.lock().unwrap_or_else(PoisonError::into_inner).insert(image, new);
+        let layout = vk::ImageLayout::PRESENT_SRC_KHR;
+        let pending = Pending { image, layout, aspects: vk::ImageAspectFlags::COLOR };
+        self.pending.lock().unwrap_or_else(PoisonError::into_inner).push(pending);
     }
 
     /// An image of a swapchain is gone.
     pub fn hide(&self, image: vk::Image) {
         self.images.lock().unwrap_or_else(PoisonError::into_inner).remove(&image);
+        self.pending.lock().unwrap_or_else(PoisonError::into_inner).retain(|pending| pending.image != image);
+    }
+
+    /// Format and samples of what a view shows.
+    pub fn kind(&self, view: vk::ImageView) -> Option<(vk::Format, vk::SampleCountFlags)> {
+        let (image, format) = {
+            let views = self.views.lock().unwrap_or_else(PoisonError::into_inner);
+            views.get(&view).map(|view| (view.image, view.format))?
+        };
+        self.images.lock().unwrap_or_else(PoisonError::into_inner).get(&image).map(|image| (format, image.samples))
     }
 
     /// A shader can read the image of a view: what it shows must not be drawn to a twin in its place.

@@ -6,8 +6,8 @@ use super::hook::hooks;
 use super::images::Shown;
 use super::layout::Layout;
 use super::pipelines::in_chain;
-use super::recording::{Event, Pass, Recording};
-use ash::vk;
+use super::recording::{Event, Pass, Recording, Within};
+use ash::{prelude::VkResult, vk};
 use std::sync::Arc;
 
 /// Clears the panel of colour attachments: a pane of glass through which everything is seen.
@@ -29,11 +29,46 @@ pub unsafe fn clear_panel(device: &Device, buffer: vk::CommandBuffer, layout: &L
     unsafe { device.functions.cmd_clear_attachments(buffer, &clears, &[rect]) };
 }
 
-/// In a pass that has secondary command buffers only, one of them has to clear the panel.
-pub fn clear_by_secondary(device: &Device, _buffer: vk::CommandBuffer, recording: &mut Recording) {
-    if recording.pass.as_ref().is_some_and(|pass| !pass.unclear.is_empty()) {
-        recording.pass.iter_mut().for_each(|pass| pass.unclear.clear());
-        device.give_up("its passes are made of secondary command buffers");
+/// In a pass that has secondary command buffers only, one of ours has to clear the panel.
+///
+/// # Safety
+/// The command buffer is being recorded; the program uses its pool on this thread.
+pub unsafe fn clear_by_secondary(device: &Device, buffer: vk::CommandBuffer, recording: &mut Recording) {
+    let Recording { pass, clearers, pool, .. } = recording;
+    let Some(pass) = pass.as_mut().filter(|pass| !pass.unclear.is_empty()) else { return };
+    let unclear = std::mem::take(&mut pass.unclear);
+    let functions = &device.functions;
+    let mut record = || -> VkResult<vk::CommandBuffer> {
+        let mut rendering = vk::CommandBufferInheritanceRenderingInfo::default();
+        let mut inheritance = vk::CommandBufferInheritanceInfo::default();
+        match &pass.within {
+            Within::Pass(pass) => inheritance.render_pass = *pass,
+            Within::Rendering { colors, depth, stencil, samples } => {
+                rendering = rendering
+                    .color_attachment_formats(colors)
+                    .depth_attachment_format(*depth)
+                    .stencil_attachment_format(*stencil)
+                    .rasterization_samples(*samples);
+                inheritance = inheritance.push_next(&mut rendering);
+            }
+            Within::Inherited => return Err(vk::Result::ERROR_INITIALIZATION_FAILED),
+        }
+        let usage = vk::CommandBufferUsageFlags::RENDER_PASS_CONTINUE | vk::CommandBufferUsageFlags::SIMULTANEOUS_USE;
+        let info = vk::CommandBufferBeginInfo::default().flags(usage).inheritance_info(&inheritance);
+        // SAFETY: as promised; the pass has these attachments.
+        unsafe {
+            let clearer = device.secondary_command_buffer(*pool)?;
+            clearers.push(clearer);
+            functions.begin_command_buffer(clearer, &info)?;
+            clear_panel(device, clearer, &pass.shown.layout, &unclear);
+            functions.end_command_buffer(clearer)?;
+            Ok(clearer)
+        }
+    };
+    match record() {
+        // SAFETY: as promised.
+        Ok(clearer) => unsafe { functions.cmd_execute_commands(buffer, &[clearer]) },
+        Err(error) => device.give_up(&format!("the driver refuses a command buffer: {error}")),
     }
 }
 
@@ -65,7 +100,7 @@ unsafe fn replace(device: &Device, begin: &vk::RenderPassBeginInfo<'_>) -> Optio
         if !is_whole(&begin.render_area, &shown.layout) {
             return Err("it draws a part of the window at a time".to_owned());
         }
-        let twin = framebuffer.twin(device, &shown, begin.render_pass)?;
+        let twin = framebuffer.twin(device, &shown, begin.render_pass, given.unwrap_or_default())?;
         let attachments = match given.filter(|given| !given.is_empty()) {
             Some(given) => {
                 let twins = given.iter().map(|view| device.images.twin(device, *view, &shown.layout));
@@ -75,7 +110,11 @@ unsafe fn replace(device: &Device, begin: &vk::RenderPassBeginInfo<'_>) -> Optio
         };
         let anew = |(_, attachment): &&(u32, u32)| pass.begins_anew.get(*attachment as usize).copied().unwrap_or(true);
         let unclear = pass.colors.iter().filter(anew).map(|(number, _)| *number).collect();
-        Ok(Replaced { framebuffer: twin, attachments, pass: Pass { shown: Arc::clone(&shown), scene: false, unclear } })
+        Ok(Replaced {
+            framebuffer: twin,
+            attachments,
+            pass: Pass::new(Arc::clone(&shown), Within::Pass(begin.render_pass), unclear),
+        })
     };
     if !device.draws_views() {
         return Some(Err(String::new()));
@@ -191,7 +230,7 @@ unsafe fn begin_rendering(
     next: impl Fn(&vk::RenderingInfo<'_>),
 ) {
     // SAFETY: the program's structure.
-    let (colors, depth, stencil) = unsafe {
+    let (colors, given_depth, given_stencil) = unsafe {
         let colors = super::slice(info.p_color_attachments, info.color_attachment_count);
         (colors, info.p_depth_attachment.as_ref(), info.p_stencil_attachment.as_ref())
     };
@@ -214,8 +253,8 @@ unsafe fn begin_rendering(
             return Err("it draws a part of the window at a time".to_owned());
         }
         let colors = colors.iter().map(|color| attachment(color, &twin)).collect::<Result<Vec<_>, _>>()?;
-        let depth = depth.map(|depth| attachment(depth, &twin)).transpose()?;
-        Ok((colors, depth, stencil.map(|stencil| attachment(stencil, &twin)).transpose()?))
+        let depth = given_depth.map(|depth| attachment(depth, &twin)).transpose()?;
+        Ok((colors, depth, given_stencil.map(|stencil| attachment(stencil, &twin)).transpose()?))
     };
     let replaced = if device.draws_views() { replaced() } else { Err(String::new()) };
     let (twins, depth, stencil) = match replaced {
@@ -241,7 +280,15 @@ unsafe fn begin_rendering(
         !resumed && color.image_view != vk::ImageView::null() && color.load_op != vk::AttachmentLoadOp::LOAD
     };
     let unclear = (0..).zip(colors).filter(anew).map(|(number, _)| number).collect();
-    served(device, buffer, Pass { shown: Arc::clone(&shown), scene: false, unclear });
+    let kind = |attachment: &vk::RenderingAttachmentInfo<'_>| device.images.kind(attachment.image_view);
+    let format = |attachment: Option<&vk::RenderingAttachmentInfo<'_>>| attachment.and_then(kind).unwrap_or_default().0;
+    let within = Within::Rendering {
+        colors: colors.iter().map(|color| format(Some(color))).collect(),
+        depth: format(given_depth),
+        stencil: format(given_stencil),
+        samples: colors.iter().find_map(kind).unwrap_or_default().1,
+    };
+    served(device, buffer, Pass::new(Arc::clone(&shown), within, unclear));
 }
 
 hooks! { passes;

@@ -45,11 +45,40 @@ pub struct Pass {
     pub scene: bool,
     /// Colour attachments whose panel has to be cleared by the first commands.
     pub unclear: Vec<u32>,
+    /// How the pass was begun.
+    pub within: Within,
+}
+
+/// How a pass was begun: what a secondary command buffer in it has to be told.
+pub enum Within {
+    /// By a render pass.
+    Pass(vk::RenderPass),
+    /// By dynamic rendering, with attachments of these formats.
+    Rendering {
+        /// Colours.
+        colors: Vec<vk::Format>,
+        /// Depth.
+        depth: vk::Format,
+        /// Stencil.
+        stencil: vk::Format,
+        /// Samples of a pixel.
+        samples: vk::SampleCountFlags,
+    },
+    /// By the command buffer that executes this one.
+    Inherited,
+}
+
+impl Pass {
+    /// A pass that begins.
+    pub fn new(shown: Arc<Shown>, within: Within, unclear: Vec<u32>) -> Self {
+        Self { shown, scene: false, unclear, within }
+    }
 }
 
 /// A command buffer.
 pub struct Recording {
-    pool: vk::CommandPool,
+    /// The pool that it is from.
+    pub pool: vk::CommandPool,
     /// The bound graphics pipeline.
     pub pipeline: Option<Arc<Pipeline>>,
     /// The pipeline that is bound on the device: it, or a variant of it.
@@ -76,8 +105,8 @@ pub struct Recording {
     pub runs: Vec<Run>,
     /// Memory of their rows.
     pub rows: Taken,
-    /// A command buffer of ours that clears the panel where the program's pass has none but secondary ones.
-    pub clearer: vk::CommandBuffer,
+    /// Command buffers of ours that clear the panel where the program's pass has none but secondary ones.
+    pub clearers: Vec<vk::CommandBuffer>,
 }
 
 impl Recording {
@@ -97,15 +126,18 @@ impl Recording {
             events: Vec::new(),
             runs: Vec::new(),
             rows: Taken::default(),
-            clearer: vk::CommandBuffer::null(),
+            clearers: Vec::new(),
         }
     }
 
     /// It is recorded anew: nothing is bound, and no rows are needed.
     fn begin(&mut self, device: &Device) {
         device.rows.give_back(&mut self.rows);
-        let (rows, clearer) = (std::mem::take(&mut self.rows), self.clearer);
-        *self = Self { rows, clearer, ..Self::new(self.pool) };
+        if !self.clearers.is_empty() {
+            // SAFETY: of the pool that the program uses now; nothing runs that executes them.
+            unsafe { device.functions.free_command_buffers(self.pool, &self.clearers) };
+        }
+        *self = Self::new(self.pool);
     }
 
     /// Other commands than the recorded ones ran: nothing of the state is known any more.
@@ -116,11 +148,6 @@ impl Recording {
         self.displaced = None;
         self.disturbed = false;
         (self.viewport, self.scissor) = (None, None);
-    }
-
-    /// The pool that it is from.
-    pub fn pool(&self) -> vk::CommandPool {
-        self.pool
     }
 }
 
@@ -200,11 +227,8 @@ hooks! { recording;
         device: vk::Device, pool: vk::CommandPool, count: u32, buffers: *const vk::CommandBuffer
     ) { |state, next| {
         let gone = super::slice(buffers, count);
-        let mut clearers = Vec::new();
-        for buffer in gone {
-            state.recordings.with(*buffer, |recording| clearers.push(recording.clearer));
-        }
-        clearers.retain(|clearer| *clearer != vk::CommandBuffer::null());
+        let of = |buffer: &vk::CommandBuffer| state.recordings.with(*buffer, |r| std::mem::take(&mut r.clearers));
+        let clearers: Vec<_> = gone.iter().filter_map(of).flatten().collect();
         if !clearers.is_empty() {
             next(device, pool, clearers.len() as u32, clearers.as_ptr());
         }
@@ -223,7 +247,7 @@ hooks! { recording;
         let shown = inherited(&state, &*info);
         state.recordings.with(buffer, |recording| {
             recording.begin(&state);
-            recording.pass = shown.map(|shown| Pass { shown, scene: false, unclear: Vec::new() });
+            recording.pass = shown.map(|shown| Pass::new(shown, Within::Inherited, Vec::new()));
         });
         next(buffer, info)
     } }
