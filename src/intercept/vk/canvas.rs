@@ -402,6 +402,7 @@ impl Canvas {
                 functions.destroy_fence(slot.done, None);
                 slot.views.iter().for_each(|view| functions.destroy_image_view(*view, None));
                 device.images.hide(slot.given.image);
+                device.forget_shown(&slot.shown);
                 slot.atlas.destroy(device);
                 slot.given.destroy(device);
             }
