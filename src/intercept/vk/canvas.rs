@@ -147,6 +147,7 @@ impl Canvas {
                 let layout = Arc::clone(&self.layout);
                 let shown = Arc::new(Shown { layout, atlas: atlas.image, in_views: false.into() });
                 device.images.show(given.image, info.image_format, Arc::clone(&shown));
+                device.images.declare(given.image, info.image_usage);
                 *device.latest.lock().unwrap_or_else(PoisonError::into_inner) =
                     Some((info.image_format, Arc::clone(&shown)));
                 self.slots.push(Slot {
