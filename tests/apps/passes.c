@@ -100,7 +100,8 @@ static void specify(int i, GLenum target, GLenum format, int width, int height)
 
 static void attach(int i, GLenum target, int width, int height)
 {
-    specify(i, target, GL_RGBA8, width, height);
+    /* Passes that build on each other would add up what 8 bits round. */
+    specify(i, target, is("bloom") || is("mipmap") ? GL_RGBA16F : GL_RGBA8, width, height);
     glNamedFramebufferTexture(framebuffers[i], GL_COLOR_ATTACHMENT0, textures[i], 0);
 }
 
