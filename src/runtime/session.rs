@@ -9,7 +9,7 @@ use crate::geom::reprojection::{CameraAdjustment, clip_rows};
 pub use crate::geom::reprojection::{Intrinsics, MatrixClass, classify};
 use crate::rig::{Camera, Rig};
 use crate::views::{Request, Tile, View};
-use glam::DMat3;
+use glam::{DMat3, DVec3};
 
 /// Tiles beside the views that a program has been seen to need.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -90,6 +90,14 @@ impl Session {
     /// drawn with the program's own lens.
     pub fn tile(&self, index: usize) -> ([i32; 4], bool) {
         self.views().get(index).map_or(([0, 0, 1, 1], true), |view| (rect(&view.tile), view.program_lens))
+    }
+
+    /// The view that shows best what is ahead of the program's camera.
+    pub fn ahead(&self) -> usize {
+        let forward = camera_rotation(&self.rig.camera) * DVec3::NEG_Z;
+        let slant = |view: &View| (view.rotation * forward).z;
+        let views = self.views().iter().enumerate();
+        views.min_by(|a, b| slant(a.1).total_cmp(&slant(b.1))).map_or(0, |(index, _)| index)
     }
 
     /// The tile of the flat panel.
