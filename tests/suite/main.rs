@@ -17,4 +17,5 @@ mod programs;
 mod reference;
 mod rigs;
 mod semantics;
+mod steady;
 mod vulkan;

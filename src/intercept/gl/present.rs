@@ -151,6 +151,7 @@ fn statistics(ctx: &Context, settings: &settings::Settings) -> Statistics {
         primary_draws: ctx.counts.primary_draws,
         duplicated_draws: ctx.duplicates.draws,
         projection_found: ctx.counts.found.iter().map(|(how, n)| (how.to_owned(), n)).collect(),
+        shaders_linked: ctx.counts.linked,
         own_errors: ctx.counts.errors,
         ..Statistics::default()
     };
