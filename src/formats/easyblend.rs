@@ -4,6 +4,7 @@
 //! t in the picture of a perspective camera that the file describes. The picture's orientation is not said and readers
 //! differ in it; both ways that are in use are told apart by which of s and t follows x.
 
+use super::camera::Camera;
 use super::grid::{Grid, MOST_NODES, Mesh, Node};
 use super::input::{Noted, checked_size, invalid};
 use super::text::{Lines, shown};
@@ -36,27 +37,6 @@ pub struct EasyBlend {
     pub camera: Option<Camera>,
     /// The mesh; values are (u, v, 0), parts of the camera's picture from the bottom left.
     pub grid: Grid,
-}
-
-/// The camera of a mesh, in the axes of the program: x right, y up, z backward.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Camera {
-    /// Its place relative to the eye point, in the file's units.
-    pub offset: DVec3,
-    /// Camera axes → the program's axes.
-    pub rotation: DMat3,
-    /// Its opening.
-    pub frustum: Frustum,
-}
-
-impl Camera {
-    /// The ray of a place in the camera's picture (parts from the bottom left); not of unit length, so that
-    /// rays between two places lie on a line.
-    pub fn ray(&self, place: DVec2) -> DVec3 {
-        let frustum = &self.frustum;
-        let (x, y) = (frustum.left + place.x * frustum.width(), frustum.bottom + place.y * frustum.height());
-        self.rotation * DVec3::new(x, y, -1.0)
-    }
 }
 
 /// What the keys of a file say.

@@ -4,7 +4,7 @@ use super::Arguments;
 use crate::Failure;
 use crate::map::native_size;
 use cupola::blend::{Weights, encode};
-use cupola::formats::{Grid, Sample, bourke, domeprojection, easyblend, mpcdi, pfm, read_file, vwf};
+use cupola::formats::{Camera, Grid, Sample, bourke, domeprojection, easyblend, mpcdi, pfm, read_file, vwf};
 use cupola::geom::{Sphere, pose};
 use cupola::rig::{OutputKind, Rig};
 use cupola::warp::WarpMap;
@@ -49,7 +49,7 @@ pub struct Map {
     values: Values,
     alpha: Option<mpcdi::Alpha>,
     /// The camera whose picture the grid's values lie in; they become directions.
-    camera: Option<easyblend::Camera>,
+    camera: Option<Camera>,
 }
 
 /// One output that is converted.
@@ -62,6 +62,10 @@ pub struct Channel<'source> {
     pub values: Values,
     /// Exponent of the display's response, which turns factors on displayed values into parts of light.
     pub gamma: f64,
+    /// Light added to black, as a part of white.
+    pub black_level: f64,
+    /// The projector, if it is a pinhole, in dome axes.
+    pub lamp: Option<Camera>,
     kind: Kind<'source>,
 }
 
@@ -75,7 +79,7 @@ pub fn open(arguments: &Arguments) -> Result<Source, Failure> {
     let ending = ending(Path::new(&arguments.from));
     let name = arguments.from.as_str();
     let single = |grid: Grid, size| {
-        vec![Map { name: String::new(), size, grid, values: arguments.values, alpha: None, camera: None }]
+        vec![Map { name: String::new(), size, grid, values: arguments.values(), alpha: None, camera: None }]
     };
     let read = || read_file(Path::new(name));
     Ok(match ending.as_str() {
@@ -120,16 +124,25 @@ pub fn open(arguments: &Arguments) -> Result<Source, Failure> {
         }
         "mpcdi" => {
             let archive = mpcdi::read(name, &read()?)?;
-            let values = if archive.value.profile.has_points() { Values::Points } else { Values::Picture };
+            let profile = archive.value.profile;
+            let values = match profile {
+                mpcdi::Profile::Flat => Values::Picture,
+                mpcdi::Profile::Perspective => Values::Directions,
+                mpcdi::Profile::Screen | mpcdi::Profile::ShaderLamps => Values::Points,
+            };
+            let mut notes = archive.notes;
+            if archive.value.regions.iter().any(|region| region.beta.is_some()) {
+                notes.push(format!("{name}: black levels (betaMap) are not taken over; say them in the rig"));
+            }
             let map = |region: mpcdi::Region| Map {
                 name: region.id,
                 size: Some(region.size),
                 grid: Grid::Raster(region.warp),
                 values,
                 alpha: region.alpha,
-                camera: None,
+                camera: region.camera.filter(|_| profile == mpcdi::Profile::Perspective),
             };
-            Source::Maps { maps: archive.value.regions.into_iter().map(map).collect(), notes: archive.notes }
+            Source::Maps { maps: archive.value.regions.into_iter().map(map).collect(), notes }
         }
         _ => {
             let rig = cupola::rig::load(name)?;
@@ -155,6 +168,13 @@ fn domemaster(rig: &Rig) -> Result<WarpMap, Failure> {
     Ok(WarpMap::new(&rig, 0, (1, 1), None)?)
 }
 
+impl Arguments {
+    /// What the values of maps are to be: the profile of an archive decides it too.
+    fn values(&self) -> Values {
+        self.profile.map_or(self.values, super::target::ArchiveProfile::values)
+    }
+}
+
 impl Source {
     /// What was assumed about the file.
     pub fn notes(&self) -> &[String] {
@@ -178,8 +198,15 @@ impl Source {
                     let weights = Weights::new(rig, &with(sizes, index, size))?;
                     let kind = Kind::Output { index, map, rig, content, weights };
                     let output = &rig.outputs[index];
-                    let (name, gamma) = (output.name.clone(), output.blend.gamma);
-                    channels.push(Channel { name, size, values: arguments.values, gamma, kind });
+                    channels.push(Channel {
+                        name: output.name.clone(),
+                        size,
+                        values: arguments.values(),
+                        gamma: output.blend.gamma,
+                        black_level: output.blend.black_level,
+                        lamp: lamp(&output.kind),
+                        kind,
+                    });
                 }
             }
             Self::Maps { maps, .. } => {
@@ -189,7 +216,8 @@ impl Source {
                     })?;
                     let kind = Kind::Map(map);
                     let gamma = map.alpha.as_ref().map_or(1.0, |alpha| alpha.gamma);
-                    channels.push(Channel { name: map.name.clone(), size, values: map.values, gamma, kind });
+                    let (name, values) = (map.name.clone(), map.values);
+                    channels.push(Channel { name, size, values, gamma, black_level: 0.0, lamp: None, kind });
                 }
             }
         }
@@ -198,6 +226,12 @@ impl Source {
             _ => Ok(channels),
         }
     }
+}
+
+/// A pinhole projector as a camera.
+fn lamp(kind: &OutputKind) -> Option<Camera> {
+    let OutputKind::Projector { position, angles: [yaw, pitch, roll], frustum } = kind else { return None };
+    Some(Camera { offset: *position, rotation: pose::rotation(*yaw, *pitch, *roll), frustum: *frustum })
 }
 
 /// `sizes` with the one of `index` replaced.
