@@ -126,12 +126,13 @@ impl Session {
     }
 
     /// The rows that take the program's clip coordinates to each view's.
-    pub fn rows(&self, lens: &Intrinsics) -> Vec<ClipRows> {
+    pub fn rows(&self, lens: &Intrinsics) -> impl Iterator<Item = ClipRows> + '_ {
         let camera = &self.rig.camera;
         let camera = CameraAdjustment { zoom: camera.zoom, shift: camera.shift, rotation: camera_rotation(camera) };
-        let rows =
-            |view: &View| clip_rows(lens, &camera, view.rotation, &view.frustum).widened(lens, &camera, &view.frustum);
-        self.views().iter().map(rows).collect()
+        let lens = *lens;
+        self.views().iter().map(move |view| {
+            clip_rows(&lens, &camera, view.rotation, &view.frustum).widened(&lens, &camera, &view.frustum)
+        })
     }
 
     /// The rows that take flat clip coordinates to each view, as points of the panel; empty without one.

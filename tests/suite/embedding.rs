@@ -10,7 +10,7 @@ use crate::reference::{Fisheye, ProgramCamera};
 #[test]
 fn the_c_interface_without_a_window() {
     let camera = ProgramCamera { yaw: 33.0, pitch: -17.0 };
-    let Some(finished) = embedding("embed", &["256", "33", "-17"]) else { return };
+    let Some(finished) = embedding("embed", &["256", "33", "-17"], &[]) else { return };
     let finished = finished.expect_success();
     for (file, size) in [("views.ppm", 256), ("callback.ppm", 192)] {
         let picture = finished.picture(file);
