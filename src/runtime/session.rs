@@ -9,7 +9,7 @@ use crate::geom::reprojection::{CameraAdjustment, clip_rows};
 pub use crate::geom::reprojection::{Intrinsics, MatrixClass, classify};
 use crate::rig::{Camera, Rig};
 use crate::views::{Request, Tile, View};
-use glam::DMat3;
+use glam::{DMat3, DVec3};
 
 /// Tiles beside the views that a program has been seen to need.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -111,11 +111,19 @@ impl Session {
 
     /// The rows that take the program's clip coordinates to each view's.
     pub fn rows(&self, lens: &Intrinsics) -> Vec<ClipRows> {
-        let camera = &self.rig.camera;
-        let camera = CameraAdjustment { zoom: camera.zoom, shift: camera.shift, rotation: camera_rotation(camera) };
-        let rows =
-            |view: &View| clip_rows(lens, &camera, view.rotation, &view.frustum).widened(lens, &camera, &view.frustum);
+        let rows = |view: &View| {
+            let camera = self.camera(view);
+            clip_rows(lens, &camera, view.rotation, &view.frustum).widened(lens, &camera, &view.frustum)
+        };
         self.views().iter().map(rows).collect()
+    }
+
+    /// How the program's camera is adapted for a view: as the rig says, from the view's eye.
+    pub fn camera(&self, view: &View) -> CameraAdjustment {
+        let camera = &self.rig.camera;
+        let rotation = camera_rotation(camera);
+        let eye = rotation.transpose() * (DVec3::X * (view.eye * camera.units_per_meter));
+        CameraAdjustment { zoom: camera.zoom, shift: camera.shift + eye, rotation }
     }
 
     /// The rows that take flat clip coordinates to each view, as points of the panel; empty without one.

@@ -5,6 +5,7 @@
 
 #![forbid(unsafe_code)]
 
+mod accuracy;
 mod arguments;
 mod check;
 mod convert;
@@ -37,6 +38,7 @@ enum Command {
     Convert(convert::Arguments),
     Map(map::Arguments),
     Simulate(simulate::Arguments),
+    Accuracy(accuracy::Arguments),
     Stress(stress::Arguments),
     #[command(hide = true)]
     Probe(launch::probe::Arguments),
@@ -78,6 +80,7 @@ fn main() -> ExitCode {
         Command::Convert(arguments) => convert::run(&arguments),
         Command::Map(arguments) => map::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
+        Command::Accuracy(arguments) => accuracy::run(&arguments),
         Command::Stress(arguments) => stress::run(&arguments),
         Command::Doctor(arguments) => doctor::run(&arguments),
         Command::Probe(arguments) => launch::probe::run(&arguments),
