@@ -7,6 +7,7 @@
 
 mod accuracy;
 mod arguments;
+mod bench;
 mod check;
 mod convert;
 mod doctor;
@@ -40,6 +41,7 @@ enum Command {
     Simulate(simulate::Arguments),
     Accuracy(accuracy::Arguments),
     Stress(stress::Arguments),
+    Bench(bench::Arguments),
     #[command(hide = true)]
     Probe(launch::probe::Arguments),
 }
@@ -82,6 +84,7 @@ fn main() -> ExitCode {
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Accuracy(arguments) => accuracy::run(&arguments),
         Command::Stress(arguments) => stress::run(&arguments),
+        Command::Bench(arguments) => bench::run(&arguments),
         Command::Doctor(arguments) => doctor::run(&arguments),
         Command::Probe(arguments) => launch::probe::run(&arguments),
     };

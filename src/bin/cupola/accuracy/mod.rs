@@ -52,6 +52,10 @@ pub fn run(arguments: &Arguments) -> std::result::Result<ExitCode, Failure> {
     let folder = cases::Folder::new()?;
     let rows = cases::rows();
     let bar = terminal::progress(rows.len() as u64, "rows");
+    if !arguments.json {
+        println!("| screen | lens or picture | cases | up to 0.9 R, px | 2 R … 10⁶ R, px | rms, px | pixels | wrong |");
+        println!("|---|---|---|---|---|---|---|---|");
+    }
     let mut number = 0u32;
     let mut results = Vec::with_capacity(rows.len());
     for row in rows {
@@ -65,23 +69,16 @@ pub fn run(arguments: &Arguments) -> std::result::Result<ExitCode, Failure> {
                 result.add(&case, &error, REFERENCE_WIDTH / f64::from(arguments.size.0));
             }
         }
+        if result.cases > 0 && !arguments.json {
+            println!("{}", result.line());
+        }
         results.push(result);
         bar.inc(1);
     }
     bar.finish_and_clear();
-    let compared = results.iter().filter(|result| result.cases > 0);
-    match arguments.json {
-        true => println!(
-            "{:#}",
-            json!({ "driver": context.driver(), "rows": compared.map(Result::json).collect::<Vec<_>>() })
-        ),
-        false => {
-            println!(
-                "| screen | lens or picture | cases | up to 0.9 R, px | 2 R … 10⁶ R, px | rms, px | pixels | wrong |"
-            );
-            println!("|---|---|---|---|---|---|---|---|");
-            compared.for_each(|result| println!("{}", result.line()));
-        }
+    if arguments.json {
+        let compared: Vec<_> = results.iter().filter(|result| result.cases > 0).map(Result::json).collect();
+        println!("{:#}", json!({ "driver": context.driver(), "rows": compared }));
     }
     Ok(if results.iter().all(Result::is_good) { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
