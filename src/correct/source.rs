@@ -83,7 +83,8 @@ fn tabulated(rig: &Rig, index: usize, sizes: &[(u32, u32)]) -> Result<Source> {
         let pixel = DVec2::new(f64::from(column) + 0.5, f64::from(row) + 0.5);
         let hit = map.hit(pixel)?;
         let even = evenness.as_ref().map_or(1.0, |evenness| evenness.weight(&map, pixel));
-        Some(TablePixel { direction: map.direction(pixel)?, weight: weights.weight_at(index, hit) * even })
+        let weight = weights.weight_at(index, hit) * weights.calibrated(index, pixel) * even;
+        Some(TablePixel { direction: map.direction(pixel)?, weight })
     };
     Ok(Source::Table(Arc::new(Table::new(size, at))))
 }
@@ -126,6 +127,7 @@ fn closed_form(rig: &Rig, index: usize) -> Option<Source> {
     let to_viewer = viewer_rotation(rig).transpose();
     let eye = rig.eye(output).position;
     Some(match &output.kind {
+        OutputKind::Mesh(_) => return None,
         OutputKind::Domemaster { aperture, tilt } => Source::Fisheye {
             aperture: *aperture,
             rotation: lens_rotation(*tilt),

@@ -8,6 +8,7 @@
 //! values must satisfy together. All of them add to one list of problems, so that one look at
 //! the message mends the whole file.
 
+mod calibration;
 mod camera;
 mod layout;
 mod presets;
@@ -22,6 +23,7 @@ use crate::error::{Error, ErrorKind, Result};
 use glam::DVec3;
 use std::path::{Path, PathBuf};
 
+pub use calibration::{Calibration, CalibrationValues};
 pub use presets::{Preset, presets};
 
 /// Everything a rig file says.
@@ -197,6 +199,8 @@ pub enum OutputKind {
         /// How far the pixels' different sizes on the screen are evened out by dimming the small ones, 0…1.
         even_light: f64,
     },
+    /// Whatever a file says about each pixel.
+    Mesh(std::sync::Arc<Calibration>),
     /// A flat perspective picture as the viewer would see it through a window.
     Perspective {
         /// Aim relative to the viewer, radians: right-positive, up-positive, clockwise-positive.

@@ -114,7 +114,7 @@ impl Sight {
                 eye,
                 to_viewer,
             })),
-            OutputKind::Optics { .. } | OutputKind::Panorama { .. } => traced(output)?,
+            OutputKind::Optics { .. } | OutputKind::Panorama { .. } | OutputKind::Mesh(_) => traced(output)?,
         };
         Ok(Self { size, map })
     }

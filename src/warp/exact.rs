@@ -1,8 +1,11 @@
 //! The exact map of an output, ray by ray.
 
+mod calibrated;
+
 use crate::error::{Error, ErrorKind, Result};
 use crate::geom::{self, Circle, Fisheye, Frustum, Lens, Panorama, Pose, Screen, pose};
 use crate::rig::{OutputKind, Rig};
+use calibrated::Calibrated;
 use glam::{DMat3, DVec2, DVec3};
 use std::f64::consts::FRAC_PI_2;
 
@@ -29,6 +32,8 @@ enum Optics {
     Projector { pose: Pose, frustum: Frustum },
     /// A projector with another lens, or before a mirror, in the dome's axes.
     Special(geom::Optics),
+    /// What a file says.
+    Calibrated(Box<Calibrated>),
     /// A window in front of the viewer; the rotation takes its axes to viewer axes.
     Perspective { rotation: DMat3, frustum: Frustum },
 }
@@ -69,6 +74,9 @@ impl WarpMap {
                 Optics::Projector { pose: Pose::new(*position, *yaw, *pitch, *roll), frustum: *frustum }
             }
             OutputKind::Optics { optics, .. } => Optics::Special(optics.clone()),
+            OutputKind::Mesh(calibration) => {
+                Optics::Calibrated(Box::new(Calibrated::new(calibration, viewer, &rig.surface(), size)))
+            }
             OutputKind::Perspective { angles: [yaw, pitch, roll], frustum } => Optics::Perspective {
                 rotation: pose::rotation(*yaw, *pitch, *roll),
                 frustum: frustum.or(lens).ok_or_else(|| {
@@ -119,7 +127,16 @@ impl WarpMap {
                 let (origin, direction) = optics.ray(self.normalised(pixel)?, self.aspect())?;
                 Some(self.screen.hit(origin, direction)?.point)
             }
+            Optics::Calibrated(map) => map.hit(pixel, self.size, &self.screen),
             Optics::Perspective { .. } => None,
+        }
+    }
+
+    /// A factor on the displayed value of a pixel that a calibration's file gives; 1 for other outputs, 0 where nothing is shown.
+    pub fn intensity(&self, pixel: DVec2) -> f64 {
+        match &self.optics {
+            Optics::Calibrated(map) => map.sample(pixel, self.size).map_or(0.0, |sample| sample.intensity),
+            _ => 1.0,
         }
     }
 
@@ -141,6 +158,10 @@ impl WarpMap {
             }
             Optics::Special(optics) => {
                 let pixel = self.at(optics.picture(point, self.aspect())?);
+                self.lights(pixel, point).then_some(pixel)
+            }
+            Optics::Calibrated(map) => {
+                let pixel = map.pixel(point, self.size, &self.screen)?;
                 self.lights(pixel, point).then_some(pixel)
             }
             Optics::Perspective { rotation, frustum } => {

@@ -1,6 +1,7 @@
 //! The keys of a rig file: what each is called, its range and its default. Degrees become radians here.
 
 mod blend;
+mod calibration;
 mod lens;
 mod output;
 mod screen;

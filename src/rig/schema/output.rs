@@ -1,6 +1,6 @@
 //! `[[output]]`: what every output has, and what each kind has of its own.
 
-use super::{METRES, TILT, angles, blend, lens};
+use super::{METRES, TILT, angles, blend, calibration, lens};
 use crate::geom::panorama::{Panorama, Span};
 use crate::geom::{Lens, Optics, Pose, Sphere};
 use crate::rig::problems::Problems;
@@ -15,7 +15,10 @@ const LARGEST_PICTURE: u32 = 16384;
 const LARGEST_WINDOW: u32 = 32767;
 
 /// Where the keys of one kind of output belong, for those who give them to another kind.
-const KINDS_OF_KEYS: [(&str, &str); 16] = [
+const KINDS_OF_KEYS: [(&str, &str); 19] = [
+    ("file", "kind = \"mesh\""),
+    ("values", "kind = \"mesh\""),
+    ("picture", "kind = \"mesh\""),
     ("aperture", "kind = \"domemaster\""),
     ("projection", "kind = \"domemaster\", or to the table `fisheye` of a projector"),
     ("coefficients", "kind = \"domemaster\", or to the table `fisheye` of a projector"),
@@ -43,15 +46,17 @@ pub(super) enum Kind {
     Equirectangular,
     Cylindrical,
     Cubemap,
+    Mesh,
 }
 
-const KINDS: [(&str, Kind); 6] = [
+const KINDS: [(&str, Kind); 7] = [
     ("domemaster", Kind::Domemaster),
     ("projector", Kind::Projector),
     ("perspective", Kind::Perspective),
     ("equirectangular", Kind::Equirectangular),
     ("cylindrical", Kind::Cylindrical),
     ("cubemap", Kind::Cubemap),
+    ("mesh", Kind::Mesh),
 ];
 
 const WIDTH: Allowed = Allowed::above(0.0, 360.0, "the angle from side to side in degrees");
@@ -90,6 +95,7 @@ pub(super) fn output(
             let angles = angles(&mut section, problems);
             lens::perspective_frustum(&mut section, problems).map(|frustum| OutputKind::Perspective { angles, frustum })
         }
+        Kind::Mesh => calibration::mesh(&mut section, dome, directory, problems),
         Kind::Equirectangular | Kind::Cylindrical | Kind::Cubemap => {
             let angles = angles(&mut section, problems);
             let panorama = match kind {

@@ -102,6 +102,7 @@ fn kind(kind: &OutputKind) -> String {
             format!("projector {}{}, {}", meters(position.to_array()), aim(*angles), opening(frustum))
         }
         OutputKind::Optics { optics, .. } => special(optics),
+        OutputKind::Mesh(calibration) => words::calibration(calibration),
         OutputKind::Perspective { angles, frustum: Some(frustum) } => {
             format!("perspective picture{}, {}", aim(*angles), opening(frustum))
         }
@@ -233,6 +234,7 @@ pub fn json(rig: &Rig, window: (u32, u32), plan: &ViewPlan) -> Value {
             let kind = match &output.kind {
                 OutputKind::Domemaster { .. } => "domemaster",
                 OutputKind::Projector { .. } | OutputKind::Optics { .. } => "projector",
+                OutputKind::Mesh(_) => "mesh",
                 OutputKind::Perspective { .. } => "perspective",
                 OutputKind::Panorama { panorama, .. } => words::kind(panorama),
             };

@@ -3,6 +3,7 @@
 use super::describe::{degrees, number};
 use cupola::geom::screen::{Screen, Shape};
 use cupola::geom::{FisheyeLens, Panorama, Projection};
+use cupola::rig::{Calibration, CalibrationValues};
 
 /// A screen's shape and size.
 pub fn screen(screen: &Screen) -> String {
@@ -31,6 +32,19 @@ pub fn screen(screen: &Screen) -> String {
         Shape::Plane(plane) => format!("plane of {} × {} m", number(plane.size.x), number(plane.size.y)),
         Shape::Mesh(mesh) => format!("{} triangles", mesh.triangles().len()),
     }
+}
+
+/// A calibration's file, and what its values are.
+pub fn calibration(calibration: &Calibration) -> String {
+    let values = match calibration.values {
+        CalibrationValues::Domemaster { aperture, .. } => {
+            format!("places in a domemaster of {}", degrees(aperture))
+        }
+        CalibrationValues::Perspective { .. } => "places in a flat picture".to_owned(),
+        CalibrationValues::Points => "points of the screen".to_owned(),
+        CalibrationValues::Directions => "directions".to_owned(),
+    };
+    format!("as {} says: {values}", calibration.file.display())
 }
 
 /// How a fisheye's radius grows with the angle.
