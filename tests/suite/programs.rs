@@ -29,6 +29,11 @@ fn built() -> &'static Path {
     })
 }
 
+/// A library for `LD_PRELOAD`, `tests/apps/preload/NAME.c`.
+pub fn preload(name: &str) -> String {
+    built().join(format!("{name}.so")).to_str().expect("a UTF-8 path").to_owned()
+}
+
 /// The library as it was built for these tests: cargo puts it beside the command only for `cargo build`.
 fn library() -> PathBuf {
     Path::new(env!("CARGO_BIN_EXE_cupola")).with_file_name("deps/libcupola.so")
@@ -178,9 +183,10 @@ pub fn installed(program: &str, arguments: &[&str], rig: &str, cupola: &[&str]) 
 }
 
 /// Runs a program that uses the C interface. `None` where there is no display.
-pub fn embedding(program: &str, arguments: &[&str]) -> Option<Finished> {
+pub fn embedding(program: &str, arguments: &[&str], environment: &[(&str, &str)]) -> Option<Finished> {
     let mut command = Command::new(built().join(program));
     command.args(arguments).env("LD_LIBRARY_PATH", library().with_file_name(""));
+    command.envs(environment.iter().copied());
     Finished::of(command, program, "embedding")
 }
 
@@ -309,6 +315,12 @@ impl Finished {
     /// What it printed on stderr.
     pub fn words(&self) -> std::borrow::Cow<'_, str> {
         String::from_utf8_lossy(&self.output.stderr)
+    }
+
+    /// A text that the run wrote.
+    pub fn text(&self, name: &str) -> String {
+        let path = self.directory.join(name);
+        std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {}: {error}", self.what, path.display()))
     }
 
     /// A picture that the run wrote.
