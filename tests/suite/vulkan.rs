@@ -166,7 +166,8 @@ fn the_window_is_resized() {
 const SIZE: &str = "300";
 
 fn cube(rig: &str, more: &[&str]) -> Option<Finished> {
-    let options = [&["--frames", "12", "--capture", "capture.png", "--stats", "stats.json"], more].concat();
+    let options =
+        [&["--headless", "--frames", "12", "--capture", "capture.png", "--stats", "stats.json"], more].concat();
     installed("vkcube", &["--width", SIZE, "--height", SIZE], rig, &options).map(Finished::expect_success)
 }
 

@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 void expect(VkResult result, const char *what)
 {
@@ -165,12 +166,34 @@ void window_close(vulkan_window *w)
     XCloseDisplay(w->display);
 }
 
+static bool is_black(XImage *shot)
+{
+    for (int y = 0; y < shot->height; y++)
+        for (int x = 0; x < shot->width; x++)
+            if ((XGetPixel(shot, x, y) & 0xffffff) != 0)
+                return false;
+    return true;
+}
+
+/* A picture that was presented reaches the window a little later: nothing tells when. */
+static XImage *wait_for_picture(const vulkan_window *w)
+{
+    const struct timespec moment = {0, 10000000};
+    for (int tries = 0;; tries++) {
+        XSync(w->display, False);
+        XImage *shot =
+            XGetImage(w->display, w->window, 0, 0, w->extent.width, w->extent.height, AllPlanes, ZPixmap);
+        if (shot == NULL || tries == 1000 || !is_black(shot))
+            return shot;
+        XDestroyImage(shot);
+        nanosleep(&moment, NULL);
+    }
+}
+
 void window_shot(const vulkan_window *w, const char *path)
 {
     expect(vkDeviceWaitIdle(w->device), "vkDeviceWaitIdle");
-    XSync(w->display, False);
-    XImage *shot =
-        XGetImage(w->display, w->window, 0, 0, w->extent.width, w->extent.height, AllPlanes, ZPixmap);
+    XImage *shot = wait_for_picture(w);
     FILE *file = shot != NULL ? fopen(path, "wb") : NULL;
     if (file == NULL) {
         fprintf(stderr, "cannot write %s\n", path);
