@@ -1,5 +1,4 @@
-// What every correction pass shares: which view answers for a direction, the one bilinear fetch
-// from the atlas, the flat panel, weights in linear light, black level.
+// What every correction pass shares: which view answers for a direction, how the atlas is sampled, the flat panel, weights in linear light, black level.
 //
 // The passes are specialised before they are compiled: `constants` becomes a constant of the
 // program text, so that each `if` on its counts and switches is decided by the compiler and no
@@ -39,6 +38,10 @@ struct Shared {
     encoding: array<vec4<f32>, 2>,
     // Black level, encoded.
     black: f32,
+    // The kernel is Catmull-Rom's, not bilinear.
+    cubic: u32,
+    // Four places of a pixel are sampled, not its middle.
+    four_places: u32,
 }
 
 // What a pass knows of a pixel.
@@ -216,11 +219,68 @@ fn with_panel(ray: Ray, scene: vec3<f32>) -> vec3<f32> {
     return select(scene, flat_part.rgb + (1.0 - flat_part.a) * scene, inside);
 }
 
+// The atlas by Catmull and Rom's cubic kernel: its 16 texels by nine bilinear fetches, since the two
+// in the middle of each direction have weights of the same sign.
+fn cubic_fetch(at: vec2<f32>) -> vec3<f32> {
+    let size = vec2<f32>(textureDimensions(atlas));
+    let texel = at * size;
+    let first = floor(texel - 0.5) + 0.5;
+    let f = texel - first;
+    let w0 = f * (-0.5 + f * (1.0 - 0.5 * f));
+    let w1 = 1.0 + f * f * (-2.5 + 1.5 * f);
+    let w2 = f * (0.5 + f * (2.0 - 1.5 * f));
+    let w3 = f * f * (-0.5 + 0.5 * f);
+    let w12 = w1 + w2;
+    let before = (first - 1.0) / size;
+    let middle = (first + w2 / w12) / size;
+    let after = (first + 2.0) / size;
+    let upper = fetch(vec2<f32>(before.x, before.y)) * w0.x + fetch(vec2<f32>(middle.x, before.y)) * w12.x
+        + fetch(vec2<f32>(after.x, before.y)) * w3.x;
+    let centre = fetch(vec2<f32>(before.x, middle.y)) * w0.x + fetch(middle) * w12.x
+        + fetch(vec2<f32>(after.x, middle.y)) * w3.x;
+    let lower = fetch(vec2<f32>(before.x, after.y)) * w0.x + fetch(vec2<f32>(middle.x, after.y)) * w12.x
+        + fetch(after) * w3.x;
+    return clamp(upper * w0.y + centre * w12.y + lower * w3.y, vec3<f32>(0.0), vec3<f32>(1.0));
+}
+
+fn fetch(at: vec2<f32>) -> vec3<f32> {
+    return textureSampleLevel(atlas, atlas_sampler, at, 0.0).rgb;
+}
+
+fn sample(at: vec2<f32>) -> vec3<f32> {
+    if constants.shared_part.cubic != 0u {
+        return cubic_fetch(at);
+    }
+    return fetch(at);
+}
+
+// A place beside the pixel's centre, which is taken where that place shows nothing.
+fn sample_beside(source: vec2<f32>, centre: vec3<f32>) -> vec3<f32> {
+    let at = locate(trace(source));
+    return sample(select(centre.xy, at.xy, at.z > 0.0));
+}
+
+// The mean of four places on a rotated grid. The source's coordinates are linear in the pixel, so that their
+// derivatives are right where those of the atlas' coordinates jump from view to view.
+fn sample_four(source: vec2<f32>, centre: vec3<f32>) -> vec3<f32> {
+    let across = dpdx(source);
+    let up = dpdy(source);
+    return 0.25 * ((sample_beside(source + 0.125 * across + 0.375 * up, centre)
+        + sample_beside(source - 0.375 * across + 0.125 * up, centre))
+        + (sample_beside(source - 0.125 * across - 0.375 * up, centre)
+        + sample_beside(source + 0.375 * across - 0.125 * up, centre)));
+}
+
 @fragment
 fn present(corner: Corner) -> @location(0) vec4<f32> {
     let ray = trace(corner.source);
     let at = locate(ray);
-    var color = textureSampleLevel(atlas, atlas_sampler, at.xy, 0.0).rgb;
+    var color = vec3<f32>(0.0);
+    if constants.shared_part.four_places != 0u {
+        color = sample_four(corner.source, at);
+    } else {
+        color = sample(at.xy);
+    }
     if constants.shared_part.with_panel != 0u {
         color = with_panel(ray, color);
     }

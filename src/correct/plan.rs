@@ -3,7 +3,7 @@
 use super::{blocks, mask, source};
 use crate::error::Result;
 use crate::geom::QuadraticForm;
-use crate::rig::{AngleRamp, Rig};
+use crate::rig::{AngleRamp, Filter, Rig};
 use crate::views::{self, Request, ViewPlan};
 use glam::{DMat3, DVec3};
 
@@ -47,6 +47,8 @@ pub struct OutputPass {
     /// Viewer axes → dome axes turned so that the pole is +y and the front −z; for ramps in dome
     /// angles of outputs other than projectors (those have [`ProjectorSource::dome_direction`]).
     pub dome_rotation: DMat3,
+    /// How the views are sampled; a view with the program's own lens has no guard and is sampled bilinearly.
+    pub filter: Filter,
     /// Exponent of the display's response.
     pub gamma: f64,
     /// Linear light added to black (`out = level + (1 − level)·x`).
@@ -150,6 +152,7 @@ pub fn build(rig: &Rig, request: &Request) -> Result<Plan> {
                 mask: output.mask.as_deref().map(mask::load).transpose()?,
                 ramps: output.blend.ramps.clone(),
                 dome_rotation: source::dome_axes(rig),
+                filter: rig.views.filter,
                 gamma: output.blend.gamma,
                 black_level: output.blend.black_level,
             });

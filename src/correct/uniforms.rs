@@ -10,7 +10,7 @@ use crate::error::{Error, ErrorKind, Result};
 use crate::geom::Frustum;
 use crate::geom::fisheye::sine_cosine_polynomials;
 use crate::geom::reprojection::ClipRows;
-use crate::rig::DomeAngle;
+use crate::rig::{DomeAngle, Filter};
 use crate::views::View;
 use glam::{DMat3, DMat4, DVec2, DVec3};
 
@@ -162,6 +162,9 @@ pub fn constants(plan: &Plan, pass: &OutputPass, batch: &Batch, panel: bool) -> 
     let panel = plan.views.panel.as_ref().filter(|_| panel);
     let base = views(&mut out, plan, batch, panel)?;
     shared(&mut out, pass, batch)?;
+    let filter = if samples_program_lens(plan, batch) { Filter::Bilinear } else { pass.filter };
+    out.set_flag("shared_part.cubic", filter.is_cubic())?;
+    out.set_flag("shared_part.four_places", filter.has_four_places())?;
     match &pass.source {
         Source::Fisheye { aperture, rotation, offset } => {
             fisheye(&mut out, *aperture)?;
@@ -178,11 +181,19 @@ pub fn constants(plan: &Plan, pass: &OutputPass, batch: &Batch, panel: bool) -> 
     Ok(out)
 }
 
+/// Whether a batch samples a view with the program's own lens.
+fn samples_program_lens(plan: &Plan, batch: &Batch) -> bool {
+    batch.views.iter().filter_map(|&index| plan.views.views.get(index)).any(|view| view.program_lens)
+}
+
 /// Whether a batch shows one view 1:1: each pixel's centre is exactly a texel's centre, so that the
 /// nearest texel is what a perfect bilinear filter would give.
 pub fn copies_texels(plan: &Plan, pass: &OutputPass, batch: &Batch) -> bool {
     let (Source::Perspective { matrix }, [index]) = (&pass.source, batch.views.as_slice()) else { return false };
     let Some(view) = plan.views.views.get(*index) else { return false };
+    if pass.filter != Filter::Bilinear && !samples_program_lens(plan, batch) {
+        return false;
+    }
     let placement = Placement::new(view, &view.owned, OVERHANG, plan.views.atlas);
     let map = placement.homogeneous() * view.rotation * *matrix;
     let (width, height) = (f64::from(pass.size.0), f64::from(pass.size.1));

@@ -14,7 +14,7 @@ pub(crate) fn rig(outputs: Vec<Output>) -> Rig {
         dome: Dome { radius: 5.0, tilt: 0.0, coverage: 2.0 * PI },
         viewer: Viewer { position: DVec3::ZERO, yaw: 0.0, pitch: 0.0, roll: 0.0 },
         camera: Camera { zoom: 1.0, shift: DVec3::ZERO, yaw: 0.0, pitch: 0.0, roll: 0.0 },
-        views: Views { method: ViewMethod::Auto, quality: 1.0 },
+        views: Views { method: ViewMethod::Auto, quality: 1.0, filter: Filter::Bilinear },
         overlay: Overlay { yaw: 0.0, pitch: 0.0, width: 1.0 },
         outputs,
     }

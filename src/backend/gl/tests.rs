@@ -5,6 +5,7 @@ mod canvas;
 mod plans;
 mod present;
 mod presets;
+mod quality;
 mod sharing;
 mod state;
 

@@ -3,15 +3,22 @@
 use super::{PITCH, YAW};
 use crate::rig::problems::Problems;
 use crate::rig::reader::{Allowed, Section};
-use crate::rig::{Overlay, ViewMethod, Views};
+use crate::rig::{Filter, Overlay, ViewMethod, Views};
 
 pub(super) fn views(section: Option<Section>, problems: &mut Problems) -> Views {
-    let mut views = Views { method: ViewMethod::Auto, quality: 1.0 };
+    let mut views = Views { method: ViewMethod::Auto, quality: 1.0, filter: Filter::Bilinear };
     let Some(mut section) = section else { return views };
     let methods = [("auto", ViewMethod::Auto), ("cube", ViewMethod::Cube), ("single", ViewMethod::Single)];
     views.method = section.choice("method", &methods, problems).unwrap_or(ViewMethod::Auto);
     let allowed = Allowed::closed(0.1, 8.0, "a factor on the views' resolution");
     views.quality = section.number("quality", &allowed, 1.0, problems);
+    let filters = [
+        ("bilinear", Filter::Bilinear),
+        ("catmull-rom", Filter::CatmullRom),
+        ("bilinear-4", Filter::Bilinear4),
+        ("catmull-rom-4", Filter::CatmullRom4),
+    ];
+    views.filter = section.choice("filter", &filters, problems).unwrap_or(Filter::Bilinear);
     section.finish(&[], problems);
     views
 }

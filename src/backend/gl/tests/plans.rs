@@ -49,6 +49,7 @@ pub fn pass(size: (u32, u32), source: Source, views: Vec<usize>, edge: bool) -> 
         mask: None,
         ramps: Vec::new(),
         dome_rotation: DMat3::IDENTITY,
+        filter: crate::rig::Filter::Bilinear,
         gamma: 2.2,
         black_level: 0.0,
     }

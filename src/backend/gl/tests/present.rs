@@ -28,7 +28,7 @@ fn noise(size: (u32, u32)) -> Picture {
 }
 
 /// Prepares, presents once and gives what is shown.
-fn show(context: &Headless, plan: &Plan, panel: bool, atlas: &Picture) -> Picture {
+pub fn show(context: &Headless, plan: &Plan, panel: bool, atlas: &Picture) -> Picture {
     let gl = &context.gl;
     let mut backend = GlBackend::new(gl, context.is_gles).expect("a backend");
     backend.prepare(gl, plan, panel).expect("shaders");
