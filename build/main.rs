@@ -1,11 +1,12 @@
 //! Build script: the OpenGL function table from the Khronos registry, and the
 //! correction shaders from WGSL.
 //!
-//! Both end as Rust source under `OUT_DIR`, included by `src/backend/gl/api.rs`
-//! and `src/correct/shaders.rs`.
+//! Both end as Rust source under `OUT_DIR`, included by `src/backend/gl/api.rs`,
+//! `src/correct/shaders.rs` and `src/correct/spirv.rs`.
 
 mod gl_registry;
 mod shaders;
+mod spirv;
 
 use std::path::PathBuf;
 
@@ -14,7 +15,9 @@ fn main() {
     println!("cargo::rerun-if-changed=shaders");
     let out = PathBuf::from(std::env::var_os("OUT_DIR").expect("cargo sets OUT_DIR"));
     std::fs::write(out.join("gl_api.rs"), gl_registry::generate()).expect("OUT_DIR is writable");
-    std::fs::write(out.join("shaders.rs"), shaders::generate()).expect("OUT_DIR is writable");
+    let (texts, modules) = shaders::generate();
+    std::fs::write(out.join("shaders.rs"), texts).expect("OUT_DIR is writable");
+    std::fs::write(out.join("spirv.rs"), modules).expect("OUT_DIR is writable");
     // Both libraries stay loaded for good (libEGL unloads its vendors while threads may still hold
     // our thread-locals), and bind their own names to themselves whatever the program exports.
     println!("cargo::rustc-link-arg=-Wl,-z,nodelete");

@@ -1,4 +1,4 @@
-//! WGSL → GLSL 330 / ESSL 300, at build time, so that nothing that compiles shaders from
+//! WGSL → GLSL 330 / ESSL 300 (and, by `spirv.rs`, SPIR-V), at build time, so that nothing that compiles shaders from
 //! source is linked into the injected library.
 //!
 //! Of each text the uniform block is cut out: at run time its values are put in as a constant
@@ -14,12 +14,14 @@ const PASSES: &[(&str, &[&str], &[&str])] = &[
     ("Fisheye", &["common.wgsl", "fisheye.wgsl"], &["present", "map"]),
     ("Projector", &["common.wgsl", "projector.wgsl"], &["present", "map"]),
     ("Perspective", &["common.wgsl", "perspective.wgsl"], &["present", "map"]),
+    ("Table", &["common.wgsl", "table.wgsl"], &["present", "map"]),
     ("Black", &["black.wgsl"], &["present"]),
 ];
 
-/// Rust source with the generated shader texts.
-pub fn generate() -> String {
+/// Rust source with the generated shader texts, and with the SPIR-V modules.
+pub fn generate() -> (String, String) {
     let mut out = String::from("static PASSES: &[PassText] = &[\n");
+    let mut modules = String::from("static MODULES: &[PassModules] = &[\n");
     for (name, files, entries) in PASSES {
         let source: String = files.iter().map(|file| read(file)).collect();
         let module = naga::front::wgsl::parse_str(&source)
@@ -28,9 +30,11 @@ pub fn generate() -> String {
             .validate(&module)
             .unwrap_or_else(|e| panic!("shaders: {name}: {}", e.emit_to_string(&source)));
         pass(name, entries, &module, &info, &mut out);
+        crate::spirv::pass(name, entries, &module, &mut modules);
     }
     out.push_str("];\n");
-    out
+    modules.push_str("];\n");
+    (out, modules)
 }
 
 fn read(file: &str) -> String {

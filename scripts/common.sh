@@ -49,4 +49,5 @@ gl_packages=(
     gcc g++ make binutils pkg-config
     libgl-dev libegl-dev libgles-dev libx11-dev libglfw3-dev
     libgl1-mesa-dri libglx-mesa0 libegl-mesa0 xvfb
+    libvulkan1 mesa-vulkan-drivers vulkan-tools
 )

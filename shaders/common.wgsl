@@ -70,9 +70,19 @@ struct Corner {
     @location(1) place: vec2<f32>,
 }
 
+fn corner_at(position: vec2<f32>, clip: vec2<f32>, source: vec2<f32>) -> Corner {
+    return Corner(vec4<f32>(position, 0.0, 1.0), source, vec2<f32>(0.5 + 0.5 * clip.x, 0.5 - 0.5 * clip.y));
+}
+
 @vertex
 fn rectangle(@location(0) clip: vec2<f32>, @location(1) source: vec2<f32>) -> Corner {
-    return Corner(vec4<f32>(clip, 0.0, 1.0), source, vec2<f32>(0.5 + 0.5 * clip.x, 0.5 - 0.5 * clip.y));
+    return corner_at(clip, clip, source);
+}
+
+// The same where clip coordinates have y down, as in Vulkan.
+@vertex
+fn rectangle_down(@location(0) clip: vec2<f32>, @location(1) source: vec2<f32>) -> Corner {
+    return corner_at(vec2<f32>(clip.x, -clip.y), clip, source);
 }
 
 // Atlas coordinates times z, z, number.

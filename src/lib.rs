@@ -41,6 +41,7 @@ pub mod correct;
 pub mod error;
 pub mod fence;
 pub mod ffi;
+pub mod formats;
 pub mod geom;
 pub mod intercept;
 pub mod rig;

@@ -8,13 +8,14 @@ use std::process::Command;
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 
 /// What each module of the library may name of the others. `error` is everybody's.
-const MAY_USE: [(&str, &[&str]); 13] = [
+const MAY_USE: [(&str, &[&str]); 14] = [
     ("error", &[]),
     ("fence", &[]),
     ("geom", &[]),
-    ("rig", &["geom"]),
+    ("formats", &["geom"]),
+    ("rig", &["geom", "formats"]),
     ("views", &["geom", "rig"]),
-    ("warp", &["geom", "rig", "views"]),
+    ("warp", &["geom", "formats", "rig", "views"]),
     ("blend", &["geom", "rig", "warp"]),
     ("correct", &["geom", "rig", "views", "warp", "blend"]),
     ("backend", &["correct"]),
@@ -25,14 +26,17 @@ const MAY_USE: [(&str, &[&str]); 13] = [
 ];
 
 /// Where `unsafe` may be. `process.rs` wraps the few system calls that the standard library lacks.
-const MAY_BE_UNSAFE: [&str; 5] =
-    ["src/ffi/", "src/intercept/", "src/backend/gl/", "src/preload/", "src/runtime/process.rs"];
+const MAY_BE_UNSAFE: [&str; 6] =
+    ["src/ffi/", "src/intercept/", "src/backend/gl/", "src/backend/vk/", "src/preload/", "src/runtime/process.rs"];
 
 /// Where OpenGL may be named: the backend, the interception, and the C interface that hands it over.
 const MAY_KNOW_GL: [&str; 4] = ["src/backend/gl/", "src/intercept/", "src/ffi/", "src/runtime/"];
 
+/// Where Vulkan may be named: the backend, the interception, and the C interface.
+const MAY_KNOW_VULKAN: [&str; 4] = ["src/backend/vk/", "src/intercept/vk/", "src/ffi/", "src/runtime/"];
+
 /// Crates for the command alone.
-const COMMAND_ONLY: [&str; 2] = ["clap", "indicatif"];
+const COMMAND_ONLY: [&str; 3] = ["clap", "indicatif", "noto_sans_mono_bitmap"];
 
 /// Where f64 becomes f32: what shaders get, and the pixels of the picture that the simulation writes.
 const MAY_ROUND: [&str; 2] = ["src/correct/uniforms.rs", "src/blend/simulation.rs"];
@@ -230,6 +234,9 @@ fn words_stand_only_where_they_may() {
         }
         if ["glow", "gl_api", "GlApi"].iter().any(|word| has_word(&code, word)) && !within(&MAY_KNOW_GL) {
             complain(path, "OpenGL is named outside the folders that may know it");
+        }
+        if has_word(&code, "ash") && !within(&MAY_KNOW_VULKAN) {
+            complain(path, "Vulkan is named outside the folders that may know it");
         }
         if COMMAND_ONLY.iter().any(|name| code.contains(&format!("{name}::"))) && !path.starts_with("src/bin/") {
             complain(path, "a crate of the command is named in the library");

@@ -1,4 +1,4 @@
-//! `cupola check`, `map`, `simulate` and `doctor`.
+//! `cupola check`, `map`, `simulate`, `plan`, `stress` and `doctor`.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -78,7 +78,7 @@ fn check_answers_machines() {
 fn check_lists_and_prints_presets() {
     let list = answer(&["check", "--presets"]);
     let names: Vec<&str> = list.lines().filter_map(|line| line.split_whitespace().next()).collect();
-    assert_eq!(names, ["fisheye", "fisheye-210", "planetarium-6", "identity", "identity-captured"]);
+    assert_eq!(names, ["fisheye", "fisheye-210", "planetarium-6", "idome", "identity", "identity-captured"]);
     assert_eq!(json(&["check", "--presets", "--json"])[0]["name"], "fisheye");
     // What is printed is a rig file.
     let copy = file("copy.toml");
@@ -219,4 +219,39 @@ fn doctor_tells_what_it_found() {
     let text = String::from_utf8(switched_off.stdout).unwrap();
     assert_eq!(switched_off.status.code(), Some(1));
     assert!(text.contains("CUPOLA=0 switches Cupola off") && text.contains("cannot be corrected"), "{text}");
+}
+
+#[test]
+fn plan_says_what_views_cost_and_draws_them() {
+    let picture = file("plan.png");
+    let text = answer(&["plan", "fisheye", "--size", "512x512", "--picture", picture.to_str().unwrap()]);
+    for expected in ["% hidden", "sharpness  at least 1.00", "note       no view"] {
+        assert!(text.contains(expected), "{expected} is not in\n{text}");
+    }
+    let drawn = image::open(&picture).unwrap().to_rgb8();
+    let sphere = |x: u32| (200..880).filter(|&y| drawn.get_pixel(x, y).0[2] > 100).count();
+    // The dome fills the front half (a column beside the border of views); nothing of the back half is sampled.
+    assert!(sphere(330) > 600 && sphere(1260) < 100, "{} and {}", sphere(330), sphere(1260));
+
+    let plan = json(&["plan", "planetarium-6", "--json"]);
+    assert!(plan["least_texels_per_pixel"].as_f64().unwrap() >= 0.999);
+    assert!(plan["directions"].as_u64().unwrap() > 100_000);
+    assert!(plan["sampled_texels_per_pixel"].as_f64().unwrap() < plan["texels_per_pixel"].as_f64().unwrap());
+    assert!(json(&["plan", "identity", "--json"])["least_texels_per_pixel"].is_null());
+}
+
+#[test]
+fn stress_finds_nothing_over_its_bounds() {
+    let report = json(&["stress", "--seed", "9", "--cases", "6", "--json"]);
+    assert_eq!((report["failed"].as_bool(), report["cases"].as_u64()), (Some(false), Some(6)), "{report:#}");
+    let compared = |name: &str| {
+        let quantities = report["quantities"].as_array().unwrap();
+        let found = quantities.iter().find(|quantity| quantity["quantity"].as_str().unwrap().starts_with(name));
+        found.map_or(0, |quantity| quantity["compared"].as_u64().unwrap())
+    };
+    for (name, least) in
+        [("map: ghosts", 50_000), ("light: greatest", 50_000), ("clip: depth", 10_000), ("lens: error", 1_000)]
+    {
+        assert!(compared(name) >= least, "{name}: {} compared", compared(name));
+    }
 }

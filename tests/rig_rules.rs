@@ -446,3 +446,44 @@ fn one_message_lists_every_problem_in_the_files_order() {
     assert_eq!(many.lines().count(), 21);
     assert!(many.ends_with("more problems"), "{many}");
 }
+
+/// A projector with these lines, on a dome of 3 m.
+fn special(lines: &str) -> String {
+    format!("[dome]\nradius = 3\n[[output]]\nkind = \"projector\"\nposition = [0, -1, 0]\npitch = 60\n{lines}\n")
+}
+
+#[test]
+fn lenses_and_mirrors_that_cannot_be_are_refused() {
+    let good = [
+        "fisheye = { projection = \"stereographic\", aperture = 200 }",
+        "fisheye = { projection = \"polynomial\", coefficients = [1, 0, 0, 0] }",
+        "fov = [60, 40]\ndistortion = { radial = [-0.1, 0, 0] }",
+        "fov = [20, 15]\nmirror = { center = [0, 0.3, -0.75], radius = 0.3 }\neven_light = 1",
+    ];
+    for lines in good {
+        assert!(read(&special(lines)).is_ok(), "{lines}: {:?}", read(&special(lines)));
+    }
+    let bad = [
+        ("fisheye = { projection = \"flat\" }", "output[0].fisheye.projection", "equidistant"),
+        ("fisheye = { projection = \"orthographic\", aperture = 200 }", "output[0].fisheye.aperture", "at most 180"),
+        ("fisheye = { projection = \"polynomial\" }", "output[0].fisheye.coefficients", "f1"),
+        (
+            "fisheye = { projection = \"polynomial\", coefficients = [1, -1, 0, 0] }",
+            "output[0].fisheye.coefficients",
+            "rises",
+        ),
+        ("fisheye = { coefficients = [1, 0, 0, 0] }", "output[0].fisheye.coefficients", "polynomial"),
+        ("fisheye = {}\nfov = [60, 40]", "output[0].fov", "pinhole"),
+        ("fov = [100, 80]\ndistortion = { radial = [-0.5, 0, 0] }", "output[0].distortion", "folds"),
+        ("fov = [60, 40]\nmirror = { center = [0, 0, -2.9], radius = 0.3 }", "output[0].mirror", "through the dome"),
+        ("fov = [60, 40]\nmirror = { center = [0, -1, 0.1], radius = 0.3 }", "output[0].mirror", "encloses"),
+        ("fov = [9, 9]\nmirror = { center = [0, -1, 1.5], radius = 0.3 }", "output[0]", "aim at it"),
+        ("fov = [60, 40]\nmirror = { center = [0, 0, 0] }", "output[0].mirror.radius", "is missing"),
+        ("fov = [60, 40]\neven_light = 2", "output[0].even_light", "at most 1"),
+    ];
+    for (lines, key, word) in bad {
+        let message = read(&special(lines)).expect_err(lines);
+        assert!(message.contains(&format!(": {key}: ")) && message.contains(word), "{lines}: {message}");
+        assert_eq!(message.lines().count(), 1, "{message}");
+    }
+}

@@ -71,7 +71,7 @@ impl<'rig> Weights<'rig> {
 
     /// Whether an output lights the dome.
     fn is_projector(&self, output: usize) -> bool {
-        matches!(self.rig.outputs[output].kind, OutputKind::Projector { .. })
+        self.rig.outputs[output].kind.is_projector()
     }
 
     /// `e_k / Σ e_j` at a point.
@@ -126,7 +126,7 @@ pub fn weight(rig: &Rig, output: usize, sizes: &[(u32, u32)], pixel: DVec2) -> O
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::testing::Random;
+    use crate::geom::random::Random;
     use crate::geom::{QuadraticForm, Sphere};
     use crate::warp::testing::{output, projector, rig, two_projectors};
     use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};

@@ -3,7 +3,7 @@
 //! An output is cut into blocks. What a block needs is read off its corners where that is safe, and
 //! found pixel by pixel where it is not.
 
-use super::plan::{Batch, Source};
+use super::plan::{Batch, Mask, Source};
 use super::rectangles::{self, BLOCK};
 use crate::geom::{Frustum, QuadraticForm};
 use crate::rig::Rig;
@@ -44,11 +44,22 @@ enum Class {
 ///
 /// Conservative: a batch lists every view that answers for one of its pixels' centres, and every
 /// neighbour whose picture reaches into it (up to a part of a pixel, where its weight is nil);
-/// blocks that show nothing are in none.
-pub(super) fn batches(rig: &Rig, index: usize, source: &Source, size: (u32, u32), plan: &ViewPlan) -> Vec<Batch> {
+/// blocks that show nothing are in none, nor those that `mask` makes black.
+pub(super) fn batches(
+    rig: &Rig,
+    index: usize,
+    source: &Source,
+    size: (u32, u32),
+    plan: &ViewPlan,
+    mask: Option<&Mask>,
+) -> Vec<Batch> {
     let output_views = &plan.output_views[index];
     let examiner = Examiner::new(rig, source, size, plan, output_views);
-    let needs = examiner.all();
+    let mut needs = examiner.all();
+    // With light added to black, what is masked is not black.
+    if let Some(mask) = mask.filter(|_| rig.outputs[index].blend.black_level == 0.0) {
+        needs_of_masked(&mut needs, mask, size);
+    }
     let classes: Vec<Option<Class>> = needs.iter().map(classify).collect();
     let classes = with_fewer_overlaps(classes);
 
@@ -83,6 +94,18 @@ pub(super) fn batches(rig: &Rig, index: usize, source: &Source, size: (u32, u32)
             rects,
         })
         .collect()
+}
+
+/// Takes away what blocks need whose pixels the mask makes black.
+fn needs_of_masked(needs: &mut [Needs], mask: &Mask, size: (u32, u32)) {
+    let columns = size.0.div_ceil(BLOCK);
+    for (index, needs) in (0u32..).zip(needs) {
+        let (x, y) = (index % columns * BLOCK, index / columns * BLOCK);
+        let black = mask.is_black([x, y, (x + BLOCK).min(size.0), (y + BLOCK).min(size.1)], size);
+        if needs.lit && black {
+            *needs = Needs { dark: true, ..Needs::default() };
+        }
+    }
 }
 
 fn classify(needs: &Needs) -> Option<Class> {
@@ -218,6 +241,10 @@ impl<'a> Examiner<'a> {
     }
 
     fn block(&self, block: Block, corners: [Corner; 4]) -> Needs {
+        if matches!(self.source, Source::Table(_)) {
+            // Nothing is known between its pixels.
+            return self.by_pixels(block);
+        }
         if self.surely_dark(block, &corners) {
             return Needs { dark: true, ..Needs::default() };
         }
@@ -242,7 +269,7 @@ impl<'a> Examiner<'a> {
     /// Whether a block shows nothing, told without looking at its pixels.
     fn surely_dark(&self, block: Block, corners: &[Corner; 4]) -> bool {
         match self.source {
-            Source::Perspective { .. } => false,
+            Source::Perspective { .. } | Source::Table(_) => false,
             Source::Fisheye { .. } => {
                 let centre = (0.5 * f64::from(self.size.0), 0.5 * f64::from(self.size.1));
                 let nearest = |low: u32, high: u32, centre: f64| centre.clamp(f64::from(low), f64::from(high));

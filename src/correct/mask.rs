@@ -25,9 +25,49 @@ pub fn load(path: &Path) -> Result<Mask> {
     Ok(Mask { width, height, weights: grey.into_raw() })
 }
 
+impl Mask {
+    /// Whether the weight is 0 everywhere in a block (left, top, right, bottom in pixels, the latter two
+    /// excluded) of an output of `size` pixels, over which the mask is stretched with bilinear filtering.
+    pub fn is_black(&self, block: [u32; 4], size: (u32, u32)) -> bool {
+        // From the texel before the one that a pixel's edge lies in to the one after it: the filter reads no others.
+        let range = |low: u32, high: u32, pixels: u32, texels: u32| {
+            let at = |pixel: u32| u64::from(pixel) * u64::from(texels) / u64::from(pixels.max(1));
+            let end = (at(high) + 2).min(u64::from(texels));
+            at(low).saturating_sub(1) as usize..end as usize
+        };
+        let (columns, rows) =
+            (range(block[0], block[2], size.0, self.width), range(block[1], block[3], size.1, self.height));
+        rows.into_iter().all(|row| {
+            let start = row * self.width as usize;
+            let line = self.weights.get(start + columns.start..start + columns.end);
+            line.is_some_and(|weights| weights.iter().all(|weight| *weight == 0))
+        })
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn blocks_are_black_only_where_the_filter_reads_nothing_else() {
+        let lit = |x: u32, y: u32| u16::from(x == 10 && y == 7);
+        let weights = (0..12).flat_map(|y| (0..20).map(move |x| lit(x, y))).collect();
+        let mask = Mask { width: 20, height: 12, weights };
+        for size in [(20, 12), (40, 24), (333, 100), (7, 5), (1, 1)] {
+            // Bilinear weights of the texel at every pixel, centres and borders alike.
+            let touched = |x: f64, texels: u32, pixels: u32, texel: f64| {
+                (x * f64::from(texels) / f64::from(pixels) - 0.5 - texel).abs() < 1.0
+            };
+            for (y, x) in (0..size.1).flat_map(|y| (0..size.0).map(move |x| (y, x))) {
+                let sees = [0.0, 0.5, 1.0].iter().any(|u| touched(f64::from(x) + u, 20, size.0, 10.0))
+                    && [0.0, 0.5, 1.0].iter().any(|v| touched(f64::from(y) + v, 12, size.1, 7.0));
+                let black = mask.is_black([x, y, x + 1, y + 1], size);
+                assert!(!(sees && black), "pixel {x}, {y} of {size:?}");
+            }
+        }
+        assert!(mask.is_black([0, 0, 8, 12], (20, 12)) && !mask.is_black([0, 0, 12, 12], (20, 12)));
+    }
     use image::{DynamicImage, GrayImage, ImageBuffer, Luma, Rgb, RgbImage};
 
     /// Saves `picture` under a name of its own, loads it, and removes it.

@@ -1,14 +1,22 @@
 //! From rig and views to passes, independent of the graphics API.
 
 mod blocks;
+mod cover;
+pub mod draws;
+mod hidden;
+pub mod map;
 pub mod mask;
 pub mod plan;
 mod rectangles;
 pub mod response;
 pub mod shaders;
 mod source;
+pub mod spirv;
+pub mod table;
 #[cfg(test)]
 mod tests;
 pub mod uniforms;
 
+pub use hidden::hidden_areas;
 pub use plan::{Batch, OutputPass, PixelRect, Plan, Source, build};
+pub use table::{Table, TablePixel};

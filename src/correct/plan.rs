@@ -1,11 +1,13 @@
 //! The passes of a frame: their types, and how they are built from a rig.
 
+use super::table::Table;
 use super::{blocks, mask, source};
 use crate::error::Result;
 use crate::geom::QuadraticForm;
 use crate::rig::{AngleRamp, Filter, Rig};
 use crate::views::{self, Request, ViewPlan};
 use glam::{DMat3, DVec3};
+use std::sync::Arc;
 
 /// Everything a backend needs to correct a frame.
 #[derive(Clone, Debug, PartialEq)]
@@ -87,6 +89,9 @@ pub enum Source {
         /// Homogeneous pixel → direction.
         matrix: DMat3,
     },
+    /// Viewer direction and weight of each pixel, computed beforehand. The weight has everything in it but
+    /// the mask: a pass with a table has no ramps and no neighbours of its own.
+    Table(Arc<Table>),
 }
 
 /// The forms of a projector.
@@ -133,24 +138,28 @@ pub struct Batch {
 /// Plans the views and the passes of `rig`: deterministic, and without a graphics API; it reads the masks' files.
 ///
 /// A rig with `passthrough` has no passes. Every pixel whose centre shows something is in exactly
-/// one batch, and the batch's views contain the one that answers for the pixel.
+/// one batch, and the batch's views contain the one that answers for the pixel; but blocks of pixels that a
+/// mask makes black are in none, if the output's black level is 0.
 ///
 /// # Errors
 ///
-/// Those of [`views::plan`]; [`Io`](crate::ErrorKind::Io) or [`InvalidRig`](crate::ErrorKind::InvalidRig) if a mask cannot be read.
+/// Those of [`views::plan`] and [`WarpMap::new`](crate::warp::WarpMap::new); [`Io`](crate::ErrorKind::Io) or [`InvalidRig`](crate::ErrorKind::InvalidRig) if a mask cannot be read.
 pub fn build(rig: &Rig, request: &Request) -> Result<Plan> {
     let views = views::plan(rig, request)?;
     let mut passes = Vec::new();
     if !rig.passthrough {
         for (index, (output, &size)) in rig.outputs.iter().zip(&request.output_sizes).enumerate() {
-            let source = source::of(rig, index);
+            let source = source::of(rig, index, &request.output_sizes)?;
+            // A table has them in its weights.
+            let ramps = if matches!(source, Source::Table(_)) { Vec::new() } else { output.blend.ramps.clone() };
+            let mask = output.mask.as_deref().map(mask::load).transpose()?;
             passes.push(OutputPass {
                 name: output.name.clone(),
                 size,
-                batches: blocks::batches(rig, index, &source, size, &views),
+                batches: blocks::batches(rig, index, &source, size, &views, mask.as_ref()),
                 source,
-                mask: output.mask.as_deref().map(mask::load).transpose()?,
-                ramps: output.blend.ramps.clone(),
+                mask,
+                ramps,
                 dome_rotation: source::dome_axes(rig),
                 filter: rig.views.filter,
                 gamma: output.blend.gamma,

@@ -17,6 +17,8 @@ pub enum Pass {
     Projector,
     /// A flat perspective picture.
     Perspective,
+    /// A direction and a weight for each pixel, from a texture.
+    Table,
     /// Nothing: black.
     Black,
 }
@@ -46,7 +48,7 @@ pub struct Specialised {
     pub vertex: &'static str,
     /// The fragment stage.
     pub fragment: String,
-    /// Uniform name and texture (`atlas` or `mask`) of each sampler.
+    /// Uniform name and texture (`atlas`, `mask` or `table`) of each sampler.
     pub samplers: &'static [(&'static str, &'static str)],
 }
 
@@ -118,7 +120,7 @@ mod tests {
 
     #[test]
     fn every_pass_has_its_texts_in_both_languages() {
-        for pass in [Pass::Fisheye, Pass::Projector, Pass::Perspective, Pass::Black] {
+        for pass in [Pass::Fisheye, Pass::Projector, Pass::Perspective, Pass::Table, Pass::Black] {
             let text = text_of(pass);
             assert_eq!(text.pass, pass);
             let placeholders = text.constructor.matches(['%', '#']).count();

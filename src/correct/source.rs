@@ -1,17 +1,103 @@
 //! From an output of a rig to the coefficients of its map.
 
 use super::plan::{Neighbour, ProjectorSource, Source};
-use crate::geom::quadratic::{cap_row, row_at};
+use super::table::{Table, TablePixel};
+use crate::blend::Weights;
+use crate::error::Result;
+use crate::geom::quadratic::{cap_row, row_at, sphere_is_ahead};
 use crate::geom::{Fisheye, QuadraticForm, Sphere, pose};
 use crate::rig::{Output, OutputKind, Rig};
 use crate::views::sight::{lens_rotation, perspective_rays, pole, viewer_rotation};
-use glam::{DMat3, DVec3};
+use crate::warp::WarpMap;
+use glam::{DMat3, DVec2, DVec3};
+use std::sync::Arc;
 
-/// The map of output `index` of `rig`, with every other projector as a neighbour if the output blends by overlap.
-pub(super) fn of(rig: &Rig, index: usize) -> Source {
+/// The map of output `index` of `rig`, whose outputs have `sizes` pixels: the closed form where there is one,
+/// otherwise a table.
+///
+/// # Errors
+/// Those of [`WarpMap::new`].
+pub(super) fn of(rig: &Rig, index: usize, sizes: &[(u32, u32)]) -> Result<Source> {
+    match closed_form(rig, index).filter(|_| is_exact(rig, index)) {
+        Some(source) => Ok(source),
+        None => tabulated(rig, index, sizes),
+    }
+}
+
+/// Whether the formula of an output is right everywhere, and knows all that its weights depend on.
+///
+/// It is not in two cases outside the dome: for a projector that looks partly away from it, whose rays would meet
+/// it backwards, and beside a neighbour there, of whose light the near side of the dome keeps its share
+/// although none arrives. Nor does it know a neighbour's lens that is no pinhole, or its mirror.
+fn is_exact(rig: &Rig, index: usize) -> bool {
+    let output = &rig.outputs[index];
+    let OutputKind::Projector { position, angles, frustum } = &output.kind else { return true };
+    let sphere = Sphere { center: DVec3::ZERO, radius: rig.dome.radius };
+    let rays = pose::rotation(angles[0], angles[1], angles[2]) * frustum.rays();
+    let mut others = rig.outputs.iter().enumerate().filter(|(other, _)| *other != index).map(|(_, other)| &other.kind);
+    let known = |other: &OutputKind| match other {
+        OutputKind::Optics { .. } => false,
+        OutputKind::Projector { position, .. } => sphere.contains(*position),
+        _ => true,
+    };
+    sphere_is_ahead(*position, rays, &sphere) && (!output.blend.overlap || others.all(known))
+}
+
+/// The exact map and weight of every pixel of an output.
+fn tabulated(rig: &Rig, index: usize, sizes: &[(u32, u32)]) -> Result<Source> {
+    let weights = Weights::new(rig, sizes)?;
+    let size = sizes.get(index).copied().unwrap_or_default();
+    let map = WarpMap::new(rig, index, size, None)?;
+    let evenness = match rig.outputs[index].kind {
+        OutputKind::Optics { even_light, .. } if even_light > 0.0 => Some(Evenness::of(&map, even_light)),
+        _ => None,
+    };
+    let at = |column: u32, row: u32| {
+        let pixel = DVec2::new(f64::from(column) + 0.5, f64::from(row) + 0.5);
+        let hit = map.hit(pixel)?;
+        let even = evenness.as_ref().map_or(1.0, |evenness| evenness.weight(&map, pixel));
+        Some(TablePixel { direction: map.direction(pixel)?, weight: weights.weight_at(index, hit) * even })
+    };
+    Ok(Source::Table(Arc::new(Table::new(size, at))))
+}
+
+/// Dimming that evens out the light of pixels of different size on a screen that scatters light evenly: the same
+/// light on a smaller area is brighter by the ratio of the areas, the determinant of the map's Jacobian.
+struct Evenness {
+    /// Area of the pixels that are not dimmed.
+    reference: f64,
+    strength: f64,
+}
+
+/// Pixels in each direction that are looked at for the reference.
+const REFERENCE_GRID: u32 = 64;
+/// The part of the pixels that are dimmed; the rest, stretched pixels near grazing light, would darken all others.
+const DIMMED: f64 = 0.9;
+
+impl Evenness {
+    fn of(map: &WarpMap, strength: f64) -> Self {
+        let size = DVec2::new(f64::from(map.size().0), f64::from(map.size().1));
+        let place = |i: u32| (f64::from(i) + 0.5) / f64::from(REFERENCE_GRID);
+        let grid = (0..REFERENCE_GRID).flat_map(|y| (0..REFERENCE_GRID).map(move |x| DVec2::new(place(x), place(y))));
+        let mut areas: Vec<f64> = grid.filter_map(|part| map.area(part * size)).collect();
+        areas.sort_by(f64::total_cmp);
+        let reference = areas.get((areas.len() as f64 * DIMMED) as usize).copied().unwrap_or_default();
+        Self { reference, strength }
+    }
+
+    /// The weight of a pixel, linear light; 1 where its area is not known.
+    fn weight(&self, map: &WarpMap, pixel: DVec2) -> f64 {
+        let ratio = map.area(pixel).filter(|_| self.reference > 0.0).map_or(1.0, |area| area / self.reference);
+        ratio.min(1.0).powf(self.strength)
+    }
+}
+
+/// The formula of an output, with every other projector as a neighbour if the output blends by overlap; `None`
+/// for lenses that are no pinholes, and for mirrors.
+fn closed_form(rig: &Rig, index: usize) -> Option<Source> {
     let output = &rig.outputs[index];
     let to_viewer = viewer_rotation(rig).transpose();
-    match &output.kind {
+    Some(match &output.kind {
         OutputKind::Domemaster { aperture, tilt } => Source::Fisheye {
             aperture: *aperture,
             rotation: lens_rotation(*tilt),
@@ -20,6 +106,7 @@ pub(super) fn of(rig: &Rig, index: usize) -> Source {
         OutputKind::Perspective { angles, frustum } => {
             Source::Perspective { matrix: perspective_rays(*angles, frustum.as_ref()) }
         }
+        OutputKind::Optics { .. } => return None,
         OutputKind::Projector { position, angles, frustum } => {
             let sphere = Sphere { center: DVec3::ZERO, radius: rig.dome.radius };
             let rays = pose::rotation(angles[0], angles[1], angles[2]) * frustum.rays();
@@ -39,7 +126,7 @@ pub(super) fn of(rig: &Rig, index: usize) -> Source {
                 ramp: output.blend.ramp,
             }))
         }
-    }
+    })
 }
 
 /// `output` as a neighbour, if it is a projector.
@@ -55,7 +142,7 @@ fn neighbour_of(
 
 impl Source {
     /// The direction from the viewer at normalised coordinates, viewer axes, any length; `None`
-    /// where the output shows nothing: what the shaders compute, in f64.
+    /// where the output shows nothing: what the shaders compute, in f64 (of a table, what the nearest pixel shows).
     pub fn direction(&self, x: f64, y: f64) -> Option<DVec3> {
         match self {
             Self::Fisheye { aperture, rotation, offset } => {
@@ -68,6 +155,7 @@ impl Source {
                 on_screen.then_some(direction)
             }
             Self::Perspective { matrix } => Some(*matrix * DVec3::new(x, y, 1.0)),
+            Self::Table(table) => table.nearest(0.5 * (1.0 + x), 0.5 * (1.0 - y)).map(|pixel| pixel.direction),
         }
     }
 

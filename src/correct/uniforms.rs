@@ -40,6 +40,16 @@ pub fn clip_rows(rows: &ClipRows) -> [f32; 16] {
     out
 }
 
+/// A pixel of a table: unit direction and weight, rounded once.
+pub(super) fn texel(direction: DVec3, weight: f64) -> [f32; 4] {
+    [direction.x as f32, direction.y as f32, direction.z as f32, weight as f32]
+}
+
+/// A length in pixels as viewports take it; exact below 2^24.
+pub fn pixels(length: i32) -> f32 {
+    length as f32
+}
+
 /// A matrix column by column, rounded once.
 pub fn matrix(exact: &DMat4) -> [f32; 16] {
     exact.to_cols_array().map(|value| value as f32)
@@ -154,10 +164,11 @@ impl Placement {
 /// [`ErrorKind::Internal`] where the plan has more views, neighbours or ramps in one batch than
 /// [`MAX_VIEWS`], [`MAX_NEIGHBOURS`], [`MAX_RAMPS`], an index that is out of range, or a value that is not finite.
 pub fn constants(plan: &Plan, pass: &OutputPass, batch: &Batch, panel: bool) -> Result<Constants> {
-    let mut out = Constants::new(match pass.source {
+    let mut out = Constants::new(match &pass.source {
         Source::Fisheye { .. } => Pass::Fisheye,
         Source::Projector(_) => Pass::Projector,
         Source::Perspective { .. } => Pass::Perspective,
+        Source::Table(_) => Pass::Table,
     });
     let panel = plan.views.panel.as_ref().filter(|_| panel);
     let base = views(&mut out, plan, batch, panel)?;
@@ -176,6 +187,10 @@ pub fn constants(plan: &Plan, pass: &OutputPass, batch: &Batch, panel: bool) -> 
         Source::Perspective { matrix } => {
             out.set_matrix("matrix", base * *matrix)?;
             out.set_matrix("dome", pass.dome_rotation * *matrix)?;
+        }
+        Source::Table(table) => {
+            out.set_matrix("rotation", base * table.axes())?;
+            out.set("half_size", &[0.5 * f64::from(pass.size.0), 0.5 * f64::from(pass.size.1)])?;
         }
     }
     Ok(out)
@@ -217,7 +232,9 @@ const EXACT: f64 = 1e-3;
 pub fn rectangle(pass: &OutputPass, rect: &PixelRect) -> [[f32; 4]; 6] {
     let (width, height) = (f64::from(pass.size.0), f64::from(pass.size.1));
     // A fisheye's circle is inscribed: the unit of its coordinates is half the shorter side.
-    let (scale_x, scale_y) = match pass.source {
+    let (scale_x, scale_y) = match &pass.source {
+        // Pixels from the middle.
+        Source::Table(_) => (0.5 * width, 0.5 * height),
         Source::Fisheye { .. } => (width / width.min(height), height / width.min(height)),
         _ => (1.0, 1.0),
     };
@@ -297,7 +314,8 @@ fn shared(out: &mut Constants, pass: &OutputPass, batch: &Batch) -> Result<()> {
     }
     out.set("shared_part.ramp_count", &[pass.ramps.len() as f64])?;
     out.set_flag("shared_part.with_mask", pass.mask.is_some())?;
-    let weighted = !pass.ramps.is_empty() || pass.mask.is_some() || !batch.neighbours.is_empty();
+    let in_table = matches!(&pass.source, Source::Table(table) if table.is_weighted());
+    let weighted = in_table || !pass.ramps.is_empty() || pass.mask.is_some() || !batch.neighbours.is_empty();
     out.set_flag("shared_part.weighted", weighted)?;
     let encoding = encoding_polynomial(pass.gamma);
     out.set("shared_part.encoding[0]", &encoding[..4])?;

@@ -151,7 +151,7 @@ pub fn polynomial_at(coefficients: &[f64], x: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::testing::Random;
+    use crate::geom::random::Random;
     use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
     const APERTURES: [f64; 8] = [0.01, 0.5, FRAC_PI_2, PI, 210.0 / 180.0 * PI, 4.0 / 3.0 * PI, 6.0, TAU];

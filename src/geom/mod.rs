@@ -4,16 +4,19 @@
 pub mod cube;
 pub mod fisheye;
 pub mod frustum;
+pub mod lens;
+pub mod optics;
 pub mod pose;
 pub mod quadratic;
+pub mod random;
 pub mod reprojection;
 pub mod sphere;
-#[cfg(test)]
-pub(crate) mod testing;
 
 pub use cube::Face;
 pub use fisheye::Fisheye;
 pub use frustum::Frustum;
+pub use lens::Lens;
+pub use optics::Optics;
 pub use pose::Pose;
 pub use quadratic::QuadraticForm;
 pub use sphere::Sphere;

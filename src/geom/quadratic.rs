@@ -158,7 +158,7 @@ pub fn row_at(row: &([f64; 6], [f64; 3]), d: f64, x: f64, y: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::testing::Random;
+    use crate::geom::random::Random;
     use crate::geom::{Frustum, Pose};
 
     /// A pinhole somewhere, aimed at a random point near the centre, with an opening that the sphere fills.

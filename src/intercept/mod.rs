@@ -4,5 +4,7 @@
 //! picture, and the log says why, once.
 
 pub mod gl;
+pub mod kept;
 pub mod log;
 pub mod settings;
+pub mod vk;

@@ -20,8 +20,13 @@ pub struct Settings {
     pub capture_views: Option<PathBuf>,
     /// `CUPOLA_STATS=FILE.json`.
     pub stats: Option<PathBuf>,
+    /// `CUPOLA_DUPLICATE`: `auto` (default) draws scenes that a program draws off screen and then shows once per
+    /// view; `never` leaves them as they are.
+    pub duplicate: bool,
     /// `CUPOLA_OFFSCREEN=1`: outputs at their own resolution, for captures only.
     pub offscreen: bool,
+    /// Draws are left out of views that cannot show them; `CUPOLA_CULL=0` switches that off.
+    pub cull: bool,
 }
 
 /// The kill switch: `CUPOLA=0` leaves every call alone.
@@ -58,14 +63,21 @@ fn read() -> crate::Result<Settings> {
         Some(n) => Some(n.parse().ok().filter(|n| *n > 0).ok_or_else(|| wrong("CUPOLA_FRAMES", &n, "100"))?),
         None => None,
     };
+    let duplicate = match text("CUPOLA_DUPLICATE").as_deref() {
+        None | Some("auto") => true,
+        Some("never") => false,
+        Some(other) => return Err(wrong("CUPOLA_DUPLICATE", other, "never")),
+    };
     Ok(Settings {
         rig,
+        duplicate,
         window_size,
         frames,
         capture: path("CUPOLA_CAPTURE"),
         capture_views: path("CUPOLA_CAPTURE_VIEWS"),
         stats: path("CUPOLA_STATS"),
         offscreen: text("CUPOLA_OFFSCREEN").is_some_and(|v| v == "1"),
+        cull: text("CUPOLA_CULL").is_none_or(|v| v != "0"),
     })
 }
 

@@ -102,6 +102,8 @@ pub struct Views {
     pub quality: f64,
     /// How the correction samples the views.
     pub filter: Filter,
+    /// What the planner saves where it cannot save both.
+    pub favour: Favour,
 }
 
 /// How the correction samples the views: a kernel, at the middle of an output's pixel or at four places of it
@@ -131,6 +133,17 @@ impl Filter {
     pub fn has_four_places(self) -> bool {
         matches!(self, Self::Bilinear4 | Self::CatmullRom4)
     }
+}
+
+/// What the planner saves: each view costs the program's draws once more, each texel costs shading.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Favour {
+    /// As for a program of about a thousand draws in a frame.
+    Balanced,
+    /// Fewer views: for programs of many draws.
+    Processor,
+    /// Fewer texels: for programs of few draws and costly shading.
+    Graphics,
 }
 
 /// Where flat drawing appears: a window in front of the viewer, as wide as `width` says and with the window's aspect.
@@ -180,6 +193,13 @@ pub enum OutputKind {
         /// Its opening, lens shift included (tangents).
         frustum: crate::geom::Frustum,
     },
+    /// A projector with a lens that is no ideal pinhole, or before a mirror.
+    Optics {
+        /// Place, lens and mirror, in metres from the dome's centre.
+        optics: crate::geom::Optics,
+        /// How far the pixels' different sizes on the screen are evened out by dimming the small ones, 0…1.
+        even_light: f64,
+    },
     /// A flat perspective picture as the viewer would see it through a window.
     Perspective {
         /// Aim relative to the viewer, radians: right-positive, up-positive, clockwise-positive.
@@ -187,6 +207,13 @@ pub enum OutputKind {
         /// Its opening; `None` = the program's own lens, whatever it is (preset `identity-captured`).
         frustum: Option<crate::geom::Frustum>,
     },
+}
+
+impl OutputKind {
+    /// Whether the output lights the screen from a place of its own.
+    pub fn is_projector(&self) -> bool {
+        matches!(self, Self::Projector { .. } | Self::Optics { .. })
+    }
 }
 
 /// How the weight of an output's pixels is found.

@@ -11,7 +11,7 @@ pub struct Preset {
     pub text: &'static str,
 }
 
-const PRESETS: [Preset; 5] = [
+const PRESETS: [Preset; 6] = [
     Preset {
         name: "fisheye",
         summary: "180° fisheye picture, its centre straight ahead (the default)",
@@ -26,6 +26,11 @@ const PRESETS: [Preset; 5] = [
         name: "planetarium-6",
         summary: "six overlapping projectors in a tilted dome, blended",
         text: include_str!("presets/planetarium-6.toml"),
+    },
+    Preset {
+        name: "idome",
+        summary: "a dome before the viewer, lit by one projector by way of a spherical mirror",
+        text: include_str!("presets/idome.toml"),
     },
     Preset {
         name: "identity",

@@ -2,8 +2,8 @@
 
 use super::problems::Problems;
 use super::{Dome, Output, OutputKind, Rig};
-use crate::geom::{Frustum, Pose};
-use glam::DVec3;
+use crate::geom::{Frustum, Lens, Optics, Pose};
+use glam::{DVec2, DVec3};
 use std::io::Read;
 use std::path::Path;
 
@@ -46,6 +46,9 @@ pub(super) fn check(rig: &Rig, problems: &mut Problems) {
         if let OutputKind::Projector { position, angles, frustum } = output.kind {
             let pose = Pose::new(position, angles[0], angles[1], angles[2]);
             projector(index, &rig.dome, &pose, &frustum, problems);
+        }
+        if let OutputKind::Optics { optics, .. } = &output.kind {
+            optics_problems(index, &rig.dome, optics, output.size, problems);
         }
         if let Some(why) = output.mask.as_deref().and_then(unusable_mask) {
             problems.add(&path(index, ".mask.image"), why);
@@ -136,6 +139,48 @@ fn projector(index: usize, dome: &Dome, pose: &Pose, frustum: &Frustum, problems
             "the projector sees no part of the screen; expected position (metres from the dome's centre, x right, y up, \
              z backward), yaw (to the right), pitch (up) and fov that reach the dome",
         );
+    }
+}
+
+/// What is wrong with a projector with a lens or a mirror of its own.
+fn optics_problems(index: usize, dome: &Dome, optics: &Optics, size: Option<(u32, u32)>, problems: &mut Problems) {
+    let distance = optics.pose.position.length();
+    if distance > PROJECTOR_LIMIT * dome.radius {
+        let limit = PROJECTOR_LIMIT * dome.radius;
+        let why = format!("is {distance} m from the dome's centre; expected at most {limit} m");
+        problems.add(&path(index, ".position"), why);
+        return;
+    }
+    if let Some(mirror) = &optics.mirror {
+        if mirror.center.length() + mirror.radius >= dome.radius {
+            problems.add(&path(index, ".mirror"), "reaches through the dome; expected a mirror inside of it");
+            return;
+        }
+        if mirror.contains(optics.pose.position) {
+            problems.add(&path(index, ".mirror"), "encloses the projector; expected a mirror before its lens");
+            return;
+        }
+    }
+    let aspect = size.map_or(1.0, |(width, height)| f64::from(width) / f64::from(height));
+    let at = |step: usize| 2.0 * step as f64 / (RAYS - 1) as f64 - 1.0;
+    let grid = || (0..RAYS * RAYS).map(|ray| DVec2::new(at(ray % RAYS), at(ray / RAYS)));
+    if matches!(optics.lens, Lens::Pinhole { .. }) && grid().any(|point| optics.lens.ray(point, aspect).is_none()) {
+        let why = "folds the picture over itself before its border; expected smaller coefficients, or a smaller fov";
+        problems.add(&path(index, ".distortion"), why);
+        return;
+    }
+    let lights = |point: DVec2| {
+        let (origin, direction) = optics.ray(point, aspect)?;
+        screen_hit(dome, origin, direction.try_normalize()?)
+    };
+    if !grid().any(|point| lights(point).is_some()) {
+        let why = match optics.mirror {
+            Some(_) => {
+                "no light of the projector reaches the screen by way of the mirror; expected position, yaw and pitch that aim at it"
+            }
+            None => "the projector sees no part of the screen; expected position, yaw and pitch that reach the dome",
+        };
+        problems.add(&path(index, ""), why);
     }
 }
 

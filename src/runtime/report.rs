@@ -36,6 +36,8 @@ pub struct Statistics {
     pub panel_draws: u64,
     /// Draws that went to the program's own picture.
     pub primary_draws: u64,
+    /// Draws to the program's own framebuffers that were issued once per view.
+    pub duplicated_draws: u64,
     /// How the projection was found, with the number of draws.
     pub projection_found: BTreeMap<String, u64>,
     /// OpenGL errors of ours; must be 0.

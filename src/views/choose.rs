@@ -7,7 +7,7 @@ use super::samples::{COARSE, FINE, Samples};
 use super::sight::{Sample, Sight, UNIT_FRUSTUM, lens_rotation};
 use crate::error::{Error, ErrorKind, Result};
 use crate::geom::pose;
-use crate::rig::{OutputKind, Rig, ViewMethod};
+use crate::rig::{Favour, OutputKind, Rig, ViewMethod};
 use glam::{DMat3, DVec2, DVec3};
 
 /// What a view costs beside its texels, in texels: submitting the program's draws once more.
@@ -15,6 +15,15 @@ use glam::{DMat3, DVec2, DVec3};
 /// A thousand draws at 1–2 µs are 1–2 ms. In that time a graphics card shades 5–10 million texels
 /// with an overdraw of 2, and a software rasteriser about 0.3 million: 2²⁰ lies between.
 const TEXELS_PER_VIEW: f64 = 1_048_576.0;
+
+/// The same for a rig that favours one or the other: 16 times as many draws, or as few.
+fn view_cost(favour: Favour) -> f64 {
+    match favour {
+        Favour::Balanced => TEXELS_PER_VIEW,
+        Favour::Processor => 16.0 * TEXELS_PER_VIEW,
+        Favour::Graphics => TEXELS_PER_VIEW / 16.0,
+    }
+}
 
 /// A view before it has a place and its final size.
 #[derive(Clone, Debug)]
@@ -33,12 +42,6 @@ pub(crate) struct Wanted {
     pub outputs: Vec<usize>,
 }
 
-impl Wanted {
-    fn cost(&self) -> f64 {
-        self.fit.texels() + TEXELS_PER_VIEW
-    }
-}
-
 /// The views of a rig, and remarks for people.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Arrangement {
@@ -49,8 +52,9 @@ pub(crate) struct Arrangement {
 }
 
 impl Arrangement {
-    fn cost(&self) -> f64 {
-        self.views.iter().map(Wanted::cost).sum()
+    /// In texels, if a view costs `per_view` beside its own.
+    fn cost(&self, per_view: f64) -> f64 {
+        self.views.iter().map(|view| view.fit.texels() + per_view).sum()
     }
 }
 
@@ -101,7 +105,8 @@ pub(crate) fn arrange(rig: &Rig, sights: &[Sight]) -> Result<Arrangement> {
             mixed(rig, &seen, alone),
         ],
     };
-    let mut chosen = arrangements.into_iter().min_by(|a, b| a.cost().total_cmp(&b.cost())).unwrap_or_default();
+    let cost = |arrangement: &Arrangement| arrangement.cost(view_cost(rig.views.favour));
+    let mut chosen = arrangements.into_iter().min_by(|a, b| cost(a).total_cmp(&cost(b))).unwrap_or_default();
     notes.append(&mut chosen.notes);
     chosen.notes = notes;
     Ok(chosen)
@@ -163,7 +168,7 @@ fn mixed(rig: &Rig, seen: &[Seen], alone: impl Fn(usize) -> bool) -> Arrangement
             fine: &fine,
             quality: rig.views.quality,
             pixel: finest_pixel(&coarse),
-            view_cost: TEXELS_PER_VIEW,
+            view_cost: view_cost(rig.views.favour),
         };
         add_parts(&mut arrangement, task.best(&frames(rig, &sharing, &coarse)), &sharing);
     }

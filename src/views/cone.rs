@@ -60,6 +60,11 @@ impl Cone {
         self.normals.map(|normal| normal.dot(local))
     }
 
+    /// Directions in the cone's own axes.
+    pub fn localized(&self, directions: &[DVec3; 4]) -> [DVec3; 4] {
+        directions.map(|direction| self.axes * direction)
+    }
+
     /// Whether a direction lies inside.
     pub fn contains(&self, direction: DVec3) -> bool {
         self.depths(direction).iter().all(|&depth| depth >= 0.0)

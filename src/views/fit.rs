@@ -68,6 +68,19 @@ impl Fit {
     }
 }
 
+/// Texels per pixel around a sample in the direction in which there are fewest, in a view with axes `rotation`
+/// (viewer → view) and `density` texels per unit of tangent; `None` too far from its axis.
+pub(crate) fn sharpness(rotation: DMat3, density: DVec2, sample: &Sample) -> Option<f64> {
+    let (_, metric) = project(rotation, sample)?;
+    let squared = density * density;
+    let scaled = Metric {
+        across: metric.across / squared.x,
+        mixed: metric.mixed / (density.x * density.y),
+        up: metric.up / squared.y,
+    };
+    Some(1.0 / least_squared_up(&[scaled], 0.0).sqrt())
+}
+
 /// Where a sample lies in a view, and its metric there; `None` if it is too far from the axis.
 fn project(rotation: DMat3, sample: &Sample) -> Option<(DVec2, Metric)> {
     let local = rotation * sample.direction;

@@ -3,14 +3,14 @@
 //! `sight` maps the pixels of each output to directions, `samples` gathers them along lines, `fit`
 //! finds the opening and the resolution that a view with given axes needs, `axes` and `partition`
 //! choose axes, `choose` compares the families of views, `layout` and `atlas` size and place them,
-//! `idle` finds those that would be drawn for nothing.
+//! `idle` finds those that would be drawn for nothing, `survey` and `report` look at the result.
 //!
 //! Resolution at quality 1: a projector or a perspective output gets at least one texel per pixel
 //! in every direction, everywhere; a domemaster gets its nominal resolution (diameter over aperture)
 //! in every direction, everywhere.
 
 mod atlas;
-mod axes;
+pub(crate) mod axes;
 mod choose;
 pub(crate) mod cone;
 mod fit;
@@ -20,8 +20,10 @@ mod partition;
 mod report;
 mod samples;
 pub(crate) mod sight;
+mod survey;
 
 pub use report::{OutputShare, Report, ViewReport, report};
+pub use survey::{Surveyed, survey};
 
 use crate::error::{Error, ErrorKind, Result};
 use crate::geom::Frustum;

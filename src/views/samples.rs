@@ -43,6 +43,9 @@ impl Samples {
         } else {
             samples.add_rectangle(sight, fineness)
         }
+        for rim in sight.rims() {
+            samples.add_line(4 * fineness.border, |t| sight.rim_sample(&rim, t));
+        }
         samples
     }
 
@@ -103,9 +106,6 @@ impl Samples {
         for side in [0.0, 1.0] {
             self.add_line(fineness.border, |t| sight.sample(at(t, side)));
             self.add_line(fineness.border, |t| sight.sample(at(side, t)));
-        }
-        for rim in sight.rims() {
-            self.add_line(4 * fineness.border, |t| sight.rim_sample(&rim, t));
         }
     }
 

@@ -3,7 +3,7 @@
 //! The planner's own map. It is written as plain ray tracing, so that it is independent of the
 //! closed forms that the passes use; the tests compare the two.
 
-use crate::geom::{Fisheye, Frustum, Sphere, pose};
+use crate::geom::{Fisheye, Frustum, Lens, Optics, Sphere, pose};
 use crate::rig::{Output, OutputKind, Rig};
 use glam::{DMat3, DVec2, DVec3};
 
@@ -29,6 +29,7 @@ pub(crate) struct Sight {
 enum Map {
     Fisheye { aperture: f64, rotation: DMat3, offset: DVec3 },
     Projector(Box<ProjectorMap>),
+    Optics(Box<OpticsMap>),
     Perspective { rays: DMat3, picture: DMat3 },
 }
 
@@ -45,6 +46,19 @@ struct ProjectorMap {
     least_cosine: Option<f64>,
     eye: DVec3,
     to_viewer: DMat3,
+}
+
+/// A projector with a lens or a mirror of its own; everything in dome axes, but for `to_viewer`.
+#[derive(Clone, Debug)]
+struct OpticsMap {
+    optics: Optics,
+    dome: Sphere,
+    pole: DVec3,
+    /// Least cosine of the angle from the pole; `None` = the whole sphere is screen.
+    least_cosine: Option<f64>,
+    eye: DVec3,
+    to_viewer: DMat3,
+    size: (u32, u32),
 }
 
 /// The opening whose picture coordinates are the tangents themselves; it stands for the program's
@@ -94,6 +108,15 @@ impl Sight {
                 eye: rig.viewer.position,
                 to_viewer,
             })),
+            OutputKind::Optics { optics, .. } => Map::Optics(Box::new(OpticsMap {
+                optics: *optics,
+                dome: Sphere { center: DVec3::ZERO, radius: rig.dome.radius },
+                pole: pole(rig),
+                least_cosine: (rig.dome.coverage < std::f64::consts::TAU).then(|| (0.5 * rig.dome.coverage).cos()),
+                eye: rig.viewer.position,
+                to_viewer,
+                size,
+            })),
             OutputKind::Perspective { angles, frustum } => {
                 let rays = perspective_rays(*angles, frustum.as_ref());
                 Map::Perspective { rays, picture: rays.inverse() }
@@ -104,7 +127,11 @@ impl Sight {
 
     /// Whether the picture is a circle inscribed in the output.
     pub fn is_circular(&self) -> bool {
-        matches!(self.map, Map::Fisheye { .. })
+        match &self.map {
+            Map::Fisheye { .. } => true,
+            Map::Optics(map) => matches!(map.optics.lens, Lens::Fisheye(_)),
+            _ => false,
+        }
     }
 
     /// Pixel position (from the top left, centres at +½) → normalised picture coordinates.
@@ -136,6 +163,7 @@ impl Sight {
                 of_unit_length(lens + *offset, spread)
             }
             Map::Projector(map) => map.sample(&map.hit(at)?, self.per_pixel()),
+            Map::Optics(map) => map.sample(pixel),
             Map::Perspective { rays, .. } => {
                 let per_pixel = self.per_pixel();
                 let (across, down) = (rays.x_axis * per_pixel.x, rays.y_axis * per_pixel.y);
@@ -147,7 +175,15 @@ impl Sight {
     /// Where what a projector shows may end inside its picture: the rim of the dome's cap, and from
     /// outside the dome its outline.
     pub fn rims(&self) -> Vec<Rim> {
-        let Map::Projector(map) = &self.map else { return Vec::new() };
+        let map = match &self.map {
+            Map::Projector(map) => map,
+            // Just within the rim: found again from its picture, the point must not fall off the screen.
+            Map::Optics(map) => {
+                let within = |cosine: f64| Rim { axis: map.pole, cosine: cosine + 1e-9 };
+                return map.least_cosine.map(within).into_iter().collect();
+            }
+            _ => return Vec::new(),
+        };
         let distance = map.origin.length();
         // The outline itself is seen edge-on, where no resolution is enough: just within it.
         let outline =
@@ -158,11 +194,16 @@ impl Sight {
 
     /// The sample at `turn` (0…1) around a rim, if it lies within the outermost pixel centres.
     pub fn rim_sample(&self, rim: &Rim, turn: f64) -> Option<Sample> {
-        let Map::Projector(map) = &self.map else { return None };
         let (first, second) = rim.axis.any_orthonormal_pair();
         let (sine, cosine) = (turn * std::f64::consts::TAU).sin_cos();
         let radius = (1.0 - rim.cosine * rim.cosine).max(0.0).sqrt();
-        let point = (rim.axis * rim.cosine + (first * cosine + second * sine) * radius) * map.radius;
+        let unit = rim.axis * rim.cosine + (first * cosine + second * sine) * radius;
+        let map = match &self.map {
+            Map::Projector(map) => map,
+            Map::Optics(map) => return self.sample(map.pixel(unit * map.dome.radius)?),
+            _ => return None,
+        };
+        let point = unit * map.radius;
         let picture = map.picture * (point - map.origin);
         let at = self.within_picture(picture)?;
         let hit = Hit { point, ray: map.rays * at.extend(1.0), distance: picture.z };
@@ -185,6 +226,10 @@ impl Sight {
                 let at = self.within_picture(map.picture * (point - map.origin))?;
                 // From outside, the near side of the dome is in the picture too, but not lit.
                 (map.hit(at)?.point.distance_squared(point) < 1e-6 * map.radius * map.radius).then_some(at)?
+            }
+            Map::Optics(map) => {
+                let point = map.dome.far_hit(map.eye, map.to_viewer.transpose() * direction)?;
+                return self.sample(map.pixel(point)?);
             }
             Map::Perspective { picture, .. } => self.within_picture(*picture * direction)?,
         };
@@ -261,5 +306,57 @@ impl ProjectorMap {
         let point = self.origin + ray * distance;
         let on_screen = self.least_cosine.is_none_or(|least| point.dot(self.pole) >= least * self.radius);
         (distance > 0.0 && on_screen).then_some(Hit { point, ray, distance })
+    }
+}
+
+impl OpticsMap {
+    /// Where the light of a pixel position meets the screen.
+    fn hit(&self, pixel: DVec2) -> Option<DVec3> {
+        let size = self.extent();
+        let picture = DVec2::new(2.0 * pixel.x / size.x - 1.0, 1.0 - 2.0 * pixel.y / size.y);
+        let (origin, direction) = self.optics.ray(picture, size.x / size.y)?;
+        let point = self.dome.far_hit(origin, direction)?;
+        let least = self.least_cosine.map(|cosine| cosine * self.dome.radius);
+        least.is_none_or(|least| point.dot(self.pole) >= least).then_some(point)
+    }
+
+    /// Direction from the viewer to a point of the screen, viewer axes.
+    fn towards(&self, point: DVec3) -> Option<DVec3> {
+        (self.to_viewer * (point - self.eye)).try_normalize()
+    }
+
+    /// The sample of a pixel; its spread by differences, over what is shown of the pixel's surroundings.
+    fn sample(&self, pixel: DVec2) -> Option<Sample> {
+        let direction = self.towards(self.hit(pixel)?)?;
+        let along = |axis: DVec2| {
+            let end = |offset: f64| {
+                let there = self.hit(pixel + axis * offset).and_then(|point| self.towards(point));
+                there.map_or((direction, 0.0), |there| (there, offset))
+            };
+            let ((from, start), (to, stop)) = (end(-0.5), end(0.5));
+            if stop > start { (to - from) / (stop - start) } else { DVec3::ZERO }
+        };
+        let (mut across, mut down) = (along(DVec2::X), along(DVec2::Y));
+        // Where a rim leaves a pixel no neighbours on one axis, it is taken to be as wide as on the other.
+        if across == DVec3::ZERO {
+            across = direction.cross(down);
+        } else if down == DVec3::ZERO {
+            down = direction.cross(across);
+        }
+        (across != DVec3::ZERO).then(|| of_unit_length(direction, outer(across, across) + outer(down, down)))?
+    }
+
+    /// The pixel position, within the outermost pixel centres, whose light meets a point of the screen.
+    fn pixel(&self, point: DVec3) -> Option<DVec2> {
+        let size = self.extent();
+        let picture = self.optics.picture(point, size.x / size.y)?;
+        let pixel = 0.5 * DVec2::new(1.0 + picture.x, 1.0 - picture.y) * size;
+        let within = pixel.cmpge(DVec2::splat(0.5)).all() && pixel.cmple(size - 0.5).all();
+        let same = |hit: DVec3| hit.distance_squared(point) < 1e-6 * self.dome.radius * self.dome.radius;
+        (within && self.hit(pixel).is_some_and(same)).then_some(pixel)
+    }
+
+    fn extent(&self) -> DVec2 {
+        DVec2::new(f64::from(self.size.0), f64::from(self.size.1))
     }
 }

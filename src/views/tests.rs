@@ -1,7 +1,7 @@
 //! The planner against brute force: every pixel, random rigs, and the bars of the design.
 
 use super::*;
-use crate::geom::testing::Random;
+use crate::geom::random::Random;
 use crate::rig::*;
 use crate::warp::{WarpMap, exact_direction};
 use glam::{DMat3, DVec2, DVec3};
@@ -14,7 +14,7 @@ pub(crate) fn rig(outputs: Vec<Output>) -> Rig {
         dome: Dome { radius: 5.0, tilt: 0.0, coverage: 2.0 * PI },
         viewer: Viewer { position: DVec3::ZERO, yaw: 0.0, pitch: 0.0, roll: 0.0 },
         camera: Camera { zoom: 1.0, shift: DVec3::ZERO, yaw: 0.0, pitch: 0.0, roll: 0.0 },
-        views: Views { method: ViewMethod::Auto, quality: 1.0, filter: Filter::Bilinear },
+        views: Views { method: ViewMethod::Auto, quality: 1.0, filter: Filter::Bilinear, favour: Favour::Balanced },
         overlay: Overlay { yaw: 0.0, pitch: 0.0, width: 1.0 },
         outputs,
     }
@@ -209,6 +209,20 @@ fn the_dome_needs_little_more_than_its_disc() {
         assert!((shown - 1.0).abs() < 1e-9, "{report}");
         println!("{report}");
     }
+}
+
+#[test]
+fn few_views_or_few_texels_as_the_rig_favours() {
+    let planned = |favour: Favour| {
+        let mut rig = rig(vec![fisheye(180.0, 90.0)]);
+        rig.views.favour = favour;
+        let request = request(&[(1024, 1024)]);
+        let plan = plan(&rig, &request).unwrap();
+        verify(&rig, &request, &plan).unwrap();
+        (plan.views.len(), report(&plan, &rig, &request.output_sizes).texels_per_pixel)
+    };
+    let (many, few) = (planned(Favour::Graphics), planned(Favour::Processor));
+    assert!(few.0 < many.0 && few.1 > many.1, "{few:?} and {many:?}");
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! The exact map of an output, ray by ray.
 
 use crate::error::{Error, ErrorKind, Result};
-use crate::geom::{Fisheye, Frustum, Pose, Sphere, pose};
+use crate::geom::{self, Fisheye, Frustum, Pose, Sphere, pose};
 use crate::rig::{OutputKind, Rig};
 use glam::{DMat3, DVec2, DVec3};
 use std::f64::consts::{FRAC_PI_2, TAU};
@@ -27,9 +27,15 @@ enum Optics {
     Domemaster { lens: Fisheye, rotation: DMat3 },
     /// A pinhole in the dome's axes.
     Projector { pose: Pose, frustum: Frustum },
+    /// A projector with another lens, or before a mirror, in the dome's axes.
+    Special(geom::Optics),
     /// A window in front of the viewer; the rotation takes its axes to viewer axes.
     Perspective { rotation: DMat3, frustum: Frustum },
 }
+
+/// Points of the dome nearer than this part of its radius are the same: grazing light is found again to the
+/// square root of rounding only.
+const ALIKE: f64 = 1e-6;
 
 impl WarpMap {
     /// The map of output number `output` of `rig` at `size` (width, height in pixels).
@@ -58,6 +64,7 @@ impl WarpMap {
             OutputKind::Projector { position, angles: [yaw, pitch, roll], frustum } => {
                 Optics::Projector { pose: Pose::new(position, yaw, pitch, roll), frustum }
             }
+            OutputKind::Optics { optics, .. } => Optics::Special(optics),
             OutputKind::Perspective { angles: [yaw, pitch, roll], frustum } => Optics::Perspective {
                 rotation: pose::rotation(yaw, pitch, roll),
                 frustum: frustum.or(lens).ok_or_else(|| {
@@ -110,6 +117,11 @@ impl WarpMap {
                 let hit = self.dome.far_hit(pose.position, pose.direction_to_parent(ray))?;
                 self.is_screen(hit).then_some(hit)
             }
+            Optics::Special(optics) => {
+                let (origin, direction) = optics.ray(2.0 * self.picture(pixel)? - 1.0, self.aspect())?;
+                let hit = self.dome.far_hit(origin, direction)?;
+                self.is_screen(hit).then_some(hit)
+            }
             Optics::Perspective { .. } => None,
         }
     }
@@ -129,6 +141,13 @@ impl WarpMap {
                 let lit = self.is_screen(point) && (self.dome.contains(pose.position) || path.dot(point) >= 0.0);
                 if lit { self.pixel_of_ray(frustum, pose.direction_to_local(path)) } else { None }
             }
+            Optics::Special(optics) => {
+                let at = 0.5 * (optics.picture(point, self.aspect())? + 1.0);
+                let pixel = DVec2::new(at.x, 1.0 - at.y) * 2.0 * self.middle();
+                // What does not light the point itself lights another one on the way there.
+                let there = self.is_screen(point) && self.hit(pixel)?.distance(point) <= ALIKE * self.dome.radius;
+                there.then_some(pixel)
+            }
             Optics::Perspective { rotation, frustum } => {
                 self.pixel_of_ray(frustum, rotation.transpose() * self.viewer.point_to_local(point))
             }
@@ -138,6 +157,18 @@ impl WarpMap {
     /// Whether a point of the sphere belongs to the cap that is screen.
     fn is_screen(&self, point: DVec3) -> bool {
         self.coverage >= TAU || point.dot(self.pole) >= self.dome.radius * (0.5 * self.coverage).cos()
+    }
+
+    /// The area of the screen that a pixel lights, square metres, by differences over half a pixel to each side; `None`
+    /// where the output shows nothing, at the edge of what it shows, or has no place on the dome.
+    pub fn area(&self, pixel: DVec2) -> Option<f64> {
+        let step = |axis: DVec2| Some(self.hit(pixel + 0.5 * axis)? - self.hit(pixel - 0.5 * axis)?);
+        Some(step(DVec2::X)?.cross(step(DVec2::Y)?).length())
+    }
+
+    /// Width over height.
+    fn aspect(&self) -> f64 {
+        f64::from(self.size.0) / f64::from(self.size.1)
     }
 
     /// The middle of the output in pixels.

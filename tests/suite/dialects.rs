@@ -247,15 +247,39 @@ fn an_srgb_window() {
     }
 }
 
-/// What a program draws into an FBO of its own and copies to the window is flat: it goes to the panel or to
-/// all views, but it must neither fail nor raise GL errors.
+/// What a program draws into an FBO of its own and then shows, by a copy or by a textured quad, is a scene for every view.
 #[test]
 fn a_program_with_its_own_fbo() {
-    for program in ["immediate", "core330_mvp", "gles2", "gles3"] {
-        let run = Run { extra: &["--fbo"], ..Run::new(program) };
-        let Some(finished) = run.under("fisheye") else { return };
-        finished.expect_success().expect_no_gl_errors();
+    for program in ["immediate", "client_arrays", "glsl120", "core330_mvp", "core330_block", "gles3"] {
+        fisheye(program, &["--fbo"]);
     }
+    // It shows its texture by a quad without filtering, which moves colours by half a texel: no bound for those.
+    let run = Run { extra: &["--fbo"], ..Run::new("gles2") };
+    let Some(finished) = run.under("fisheye") else { return };
+    let statistics = finished.expect_success().expect_no_gl_errors().statistics();
+    assert_eq!(statistics["duplicated_draws"].as_u64(), Some(2), "{statistics:#}");
+    // What a program reads back is its own picture, which stays flat.
+    let run = Run { extra: &["--fbo", "--dump", "dump.ppm"], ..Run::new("core330_mvp") };
+    let Some(finished) = run.under("fisheye") else { return };
+    let finished = finished.expect_success().expect_no_gl_errors();
+    let report = compare(&finished.picture("dump.ppm"), shown_by_window(run.size, run.fov, camera_of(&run)));
+    expect_good(&report, &finished.picture("dump.ppm"), "core330_mvp, its own FBO read back");
+}
+
+/// A chain of passes: the scene, a change of its colours, and the window; a shadow map besides stays single.
+#[test]
+fn a_program_with_post_processing() {
+    plain("post_process");
+    fisheye("post_process", &[]);
+    planetarium("post_process");
+    identity("post_process");
+    let Some(finished) = Run::new("post_process").under("fisheye") else { return };
+    let statistics = finished.expect_success().statistics();
+    // Of three frames the first is seen only; the scene and the first pass are duplicated, the shadow map is not.
+    assert_eq!(statistics["duplicated_draws"].as_u64(), Some(4), "{statistics:#}");
+    let run = Run { environment: &[("CUPOLA_DUPLICATE", "never")], ..Run::new("post_process") };
+    let Some(finished) = run.under("fisheye") else { return };
+    assert_eq!(finished.expect_success().statistics()["duplicated_draws"].as_u64(), Some(0));
 }
 
 /// `--camera zoom` scales the tangents of what the program draws.

@@ -2,6 +2,7 @@
 
 use crate::display::{self, Place};
 use crate::picture::Picture;
+use std::io::Write;
 use std::os::unix::process::CommandExt;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
@@ -134,6 +135,21 @@ impl<'a> Run<'a> {
         assert!(!words.contains("will not be corrected"), "{}: {words}", finished.what);
         Some(finished)
     }
+}
+
+/// Runs a program of the system under `cupola run`. `None`, with a visible line, where it is not installed, and
+/// where there is no display.
+pub fn installed(program: &str, arguments: &[&str], rig: &str, cupola: &[&str]) -> Option<Finished> {
+    let folders = std::env::var_os("PATH").unwrap_or_default();
+    if !std::env::split_paths(&folders).any(|folder| folder.join(program).is_file()) {
+        // Past the test harness, which would swallow a print of a passing test.
+        let _ = writeln!(std::io::stderr(), "SKIP: {program} is not installed");
+        return None;
+    }
+    let mut command = Command::new(env!("CARGO_BIN_EXE_cupola"));
+    command.env("CUPOLA_LIBRARY", library()).args(["run", "--rig", rig]).args(cupola);
+    command.arg("--").arg(program).args(arguments);
+    Finished::of(command, program, rig)
 }
 
 /// Runs a program that uses the C interface. `None` where there is no display.

@@ -57,3 +57,14 @@ fn a_window_that_is_swapped_while_another_is_current() {
 fn attributes_after_the_last_vertex() {
     judges_itself("trailing_attribute");
 }
+
+#[test]
+fn a_condition_that_is_open_across_a_swap_holds_for_the_program_only() {
+    crate::dialects::fisheye("conditional", &[]);
+    judges_itself("conditional");
+}
+
+#[test]
+fn a_full_stack_of_attributes_stays_full() {
+    judges_itself("attribute_stack");
+}

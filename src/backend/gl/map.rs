@@ -4,23 +4,9 @@ use super::api::*;
 use super::passes::{GlBackend, Target};
 use super::state::integer;
 use crate::correct::Plan;
+use crate::correct::map::MapPixel;
 use crate::correct::shaders::Stage;
-use crate::correct::uniforms::direction_at;
 use crate::error::{Error, ErrorKind, Result};
-use glam::DVec2;
-
-/// What the shaders compute for one pixel of an output.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MapPixel {
-    /// Unit direction in viewer axes of the atlas point that is sampled; NaN where nothing is shown.
-    pub direction: [f32; 3],
-    /// Where in the atlas, 0…1 from its bottom left.
-    pub atlas: [f32; 2],
-    /// Index of the view that answers; `None` where nothing is shown.
-    pub view: Option<usize>,
-    /// Product of all weights, linear light, 0…1.
-    pub weight: f32,
-}
 
 /// Runs the map of output `output` of `plan` on the current context, which is left as it was. Row 0 is
 /// at the top. The direction is that of the atlas coordinates as the sampler gets them, so the error of every
@@ -43,19 +29,9 @@ pub fn gpu_map(gl: &Gl, is_gles: bool, plan: &Plan, output: usize) -> Result<Vec
     let width = pass.size.0 as usize;
     let mut pixels = Vec::with_capacity(texels.len());
     for row in texels.chunks_exact(width).rev() {
-        pixels.extend(row.iter().map(|texel| pixel(plan, *texel)));
+        pixels.extend(row.iter().map(|texel| MapPixel::new(plan, *texel)));
     }
     Ok(pixels)
-}
-
-fn pixel(plan: &Plan, [x, y, number, weight]: [f32; 4]) -> MapPixel {
-    // Whole numbers far below 2^24 are exact.
-    let index = (number as usize).checked_sub(1);
-    let direction = index.and_then(|i| plan.views.views.get(i)).map(|view| {
-        let point = DVec2::new(f64::from(x), f64::from(y));
-        direction_at(view, plan.views.atlas, point)
-    });
-    MapPixel { direction: direction.unwrap_or([f32::NAN; 3]), atlas: [x, y], view: index, weight }
 }
 
 /// Draws into a texture of 32-bit floats and reads it, bottom row first.

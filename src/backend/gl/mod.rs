@@ -1,7 +1,6 @@
 //! OpenGL and OpenGL ES.
 
 pub mod api;
-mod cover;
 pub mod glx;
 pub mod headless;
 mod map;
@@ -10,7 +9,8 @@ mod program;
 mod state;
 pub mod surface;
 
-pub use map::{MapPixel, gpu_map};
+pub use crate::correct::map::MapPixel;
+pub use map::gpu_map;
 pub use passes::{GlBackend, Target};
 
 #[cfg(test)]

@@ -1,13 +1,13 @@
 //! Runs a plan on the current context: one draw for each batch of rectangles, one for what is black.
 
 use super::api::*;
-use super::cover::uncovered;
-use super::program::{self, ATLAS_UNIT, MASK_UNIT};
+use super::program::{self, ATLAS_UNIT, MASK_UNIT, TABLE_UNIT};
 use super::state::{self, Capabilities};
-use crate::correct::Plan;
-use crate::correct::plan::{Mask, OutputPass, PixelRect};
+use crate::correct::draws::{self, FLOATS, Rows};
+use crate::correct::plan::{Mask, OutputPass};
 use crate::correct::shaders::{Language, Specialised, Stage, specialise};
-use crate::correct::uniforms::{Constants, constants, copies_texels, rectangle};
+use crate::correct::uniforms::Constants;
+use crate::correct::{Plan, Source, Table};
 use crate::error::{Error, ErrorKind, Result};
 use std::cell::Cell;
 use std::collections::HashMap;
@@ -40,6 +40,8 @@ struct Output {
     draws: Vec<Draw>,
     /// 0 = none.
     mask: u32,
+    /// 0 = none.
+    table: u32,
 }
 
 /// Names of the objects that we made in the context.
@@ -50,7 +52,8 @@ struct Names {
     /// Linear, nearest.
     samplers: [u32; 2],
     programs: HashMap<Specialised, u32>,
-    masks: Vec<u32>,
+    /// Masks and tables.
+    textures: Vec<u32>,
 }
 
 /// The correction on one context. Vertex arrays are not shared between contexts: one backend each.
@@ -66,9 +69,6 @@ pub struct GlBackend {
     /// An error of the program's that was taken while preparing.
     pending: Cell<u32>,
 }
-
-/// Floats per vertex: clip coordinates, source coordinates.
-const FLOATS: usize = 4;
 
 impl GlBackend {
     /// A backend on the current context, with nothing prepared. `is_gles`: it is OpenGL ES.
@@ -139,7 +139,7 @@ impl GlBackend {
                     // SAFETY: a context is current; the name is one that it gave.
                     unsafe { gl.delete_program(program) };
                 }
-                self.upload_masks(gl, passes, outputs);
+                self.upload_textures(gl, passes, outputs);
                 // SAFETY: as above; the array is as long as said.
                 unsafe {
                     gl.bind_buffer(GL_ARRAY_BUFFER, self.names.buffer);
@@ -191,37 +191,21 @@ impl GlBackend {
         panel: bool,
         old: &mut HashMap<Specialised, u32>,
     ) -> Result<(Vec<Output>, Vec<f32>)> {
-        let mut vertices = Vec::new();
+        let list = draws::draws(plan, passes, panel, Rows::FromBottom)?;
         let mut outputs = Vec::with_capacity(passes.len());
-        for pass in passes {
+        for (pass, draws) in passes.iter().zip(&list.outputs) {
             let mut output = Output { size: pass.size, ..Output::default() };
-            for batch in &pass.batches {
-                let constants = constants(plan, pass, batch, panel)?;
-                // The panel is seldom 1:1 and shares the sampler.
-                let nearest = copies_texels(plan, pass, batch) && !(panel && plan.views.panel.is_some());
-                output.draws.push(self.draw(gl, &constants, pass, &batch.rects, nearest, old, &mut vertices)?);
-            }
-            let covered: Vec<PixelRect> = pass.batches.iter().flat_map(|b| b.rects.iter().copied()).collect();
-            let black = uncovered(pass.size, &covered);
-            if !black.is_empty() {
-                output.draws.push(self.draw(gl, &Constants::black(), pass, &black, false, old, &mut vertices)?);
+            for draw in draws {
+                let program = self.program(gl, &draw.constants, old)?;
+                let (first, count) = (draw.first as i32, draw.count as i32);
+                output.draws.push(Draw { program, first, count, nearest: draw.nearest });
             }
             outputs.push(output);
         }
-        Ok((outputs, vertices))
+        Ok((outputs, list.vertices))
     }
 
-    #[allow(clippy::too_many_arguments)]
-    fn draw(
-        &mut self,
-        gl: &Gl,
-        constants: &Constants,
-        pass: &OutputPass,
-        rects: &[PixelRect],
-        nearest: bool,
-        old: &mut HashMap<Specialised, u32>,
-        vertices: &mut Vec<f32>,
-    ) -> Result<Draw> {
+    fn program(&mut self, gl: &Gl, constants: &Constants, old: &mut HashMap<Specialised, u32>) -> Result<u32> {
         let language = if self.caps.gles { Language::Essl300 } else { Language::Glsl330 };
         let text = specialise(constants, language, self.stage);
         let known = self.names.programs.get(&text).copied().or_else(|| old.remove(&text));
@@ -230,24 +214,23 @@ impl GlBackend {
             None => program::build(gl, &text)?,
         };
         self.names.programs.insert(text, program);
-        let first = (vertices.len() / FLOATS) as i32;
-        for rect in rects {
-            vertices.extend(rectangle(pass, rect).as_flattened());
-        }
-        let count = (vertices.len() / FLOATS) as i32 - first;
-        Ok(Draw { program, first, count, nearest })
+        Ok(program)
     }
 
-    fn upload_masks(&mut self, gl: &Gl, passes: &[OutputPass], outputs: Vec<Output>) {
+    fn upload_textures(&mut self, gl: &Gl, passes: &[OutputPass], outputs: Vec<Output>) {
         self.outputs = outputs;
-        for mask in take(&mut self.names.masks) {
+        for texture in take(&mut self.names.textures) {
             // SAFETY: a context is current; the name is one that it gave.
-            unsafe { gl.delete_textures(1, &mask) };
+            unsafe { gl.delete_textures(1, &texture) };
         }
         for (pass, output) in passes.iter().zip(&mut self.outputs) {
             if let Some(mask) = &pass.mask {
                 output.mask = upload_mask(gl, &self.caps, mask);
-                self.names.masks.push(output.mask);
+                self.names.textures.push(output.mask);
+            }
+            if let Source::Table(table) = &pass.source {
+                output.table = upload_table(gl, table);
+                self.names.textures.push(output.table);
             }
         }
     }
@@ -281,8 +264,13 @@ impl GlBackend {
             gl.bind_texture(GL_TEXTURE_2D, atlas_texture);
             gl.active_texture(GL_TEXTURE0 + MASK_UNIT);
             gl.bind_sampler(MASK_UNIT, linear);
+            // Textures of 32-bit floats cannot be filtered everywhere, and a table must not be.
+            gl.bind_sampler(TABLE_UNIT, nearest);
             for (output, target) in self.outputs.iter().zip(targets) {
                 gl.bind_framebuffer(GL_DRAW_FRAMEBUFFER, target.framebuffer);
+                gl.active_texture(GL_TEXTURE0 + TABLE_UNIT);
+                gl.bind_texture(GL_TEXTURE_2D, output.table);
+                gl.active_texture(GL_TEXTURE0 + MASK_UNIT);
                 gl.bind_texture(GL_TEXTURE_2D, output.mask);
                 state::set_viewport(gl, &self.caps, target.viewport);
                 let [_, _, width, height] = target.viewport;
@@ -305,7 +293,7 @@ impl GlBackend {
             for program in names.programs.values() {
                 gl.delete_program(*program);
             }
-            gl.delete_textures(names.masks.len() as i32, names.masks.as_ptr());
+            gl.delete_textures(names.textures.len() as i32, names.textures.as_ptr());
             gl.delete_samplers(2, names.samplers.as_ptr());
             gl.delete_buffers(1, &names.buffer);
             gl.delete_vertex_arrays(1, &names.vertex_array);
@@ -363,6 +351,20 @@ fn upload_mask(gl: &Gl, caps: &Capabilities, mask: &Mask) -> u32 {
         }
     }
     texture
+}
+
+/// A texture of the table's directions and weights.
+fn upload_table(gl: &Gl, table: &Table) -> u32 {
+    let (width, height) = (table.size().0 as i32, table.size().1 as i32);
+    let texels = table.texels().as_flattened().as_ptr().cast();
+    // SAFETY: a context is current, rows are tightly packed, and a table has width · height texels of four floats.
+    unsafe {
+        let texture = super::surface::new_texture(gl);
+        gl.bind_texture(GL_TEXTURE_2D, texture);
+        gl.tex_parameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
+        gl.tex_image2_d(GL_TEXTURE_2D, 0, GL_RGBA32F as i32, width, height, 0, GL_RGBA, GL_FLOAT, texels);
+        texture
+    }
 }
 
 /// Errors that are asked for at once, at most.

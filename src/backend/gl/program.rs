@@ -9,6 +9,8 @@ use std::ffi::CString;
 pub(super) const ATLAS_UNIT: u32 = 0;
 /// Texture unit of the mask.
 pub(super) const MASK_UNIT: u32 = 1;
+/// Texture unit of a table.
+pub(super) const TABLE_UNIT: u32 = 2;
 
 /// Compiles and links; leaves the program current. The caller deletes it.
 ///
@@ -42,7 +44,11 @@ pub(super) fn build(gl: &Gl, text: &Specialised) -> Result<u32> {
     // SAFETY: as above; a uniform that the compiler dropped has location −1, which is ignored.
     unsafe { gl.use_program(program) };
     for (uniform, texture) in text.samplers {
-        let unit = if *texture == "mask" { MASK_UNIT } else { ATLAS_UNIT };
+        let unit = match *texture {
+            "mask" => MASK_UNIT,
+            "table" => TABLE_UNIT,
+            _ => ATLAS_UNIT,
+        };
         let Ok(name) = CString::new(*uniform) else { continue };
         // SAFETY: the program is current; the name ends with a zero.
         unsafe { gl.uniform1i(gl.get_uniform_location(program, name.as_ptr()), unit as i32) };

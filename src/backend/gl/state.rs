@@ -118,8 +118,8 @@ const SWITCHES: [u32; 24] = [
     GL_BLEND,
 ];
 
-/// Units whose bindings are kept: the atlas, the mask.
-const UNITS: usize = 2;
+/// Units whose bindings are kept: the atlas, the mask, a table.
+const UNITS: usize = 3;
 
 /// What was found before drawing.
 pub(super) struct Saved {

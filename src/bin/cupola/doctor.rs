@@ -8,10 +8,11 @@ use std::path::Path;
 use std::process::ExitCode;
 
 /// Variables of others that change what `cupola run` does.
-const TELLING: [&str; 12] = [
+const TELLING: [&str; 13] = [
     "CUPOLA",
     "CUPOLA_RIG",
     "CUPOLA_CAMERA",
+    "CUPOLA_DUPLICATE",
     "CUPOLA_LIBRARY",
     "CUPOLA_GLX_REAL",
     "CUPOLA_EGL_REAL",
@@ -98,6 +99,11 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         tell(key, Some(good), words);
         good
     });
+    let vulkan = match cupola::backend::vk::headless::Headless::new(&[]) {
+        Ok(device) => format!("{}; programs that correct through the crate can use it", device.driver),
+        Err(error) => error.message,
+    };
+    tell("vulkan", None, vulkan);
     let usable = on && works.contains(&true);
     if arguments.json {
         println!("{:#}", as_json(usable, &findings));

@@ -7,11 +7,14 @@
 
 mod arguments;
 mod check;
+mod convert;
 mod doctor;
 mod launch;
 mod map;
+mod plan;
 mod run;
 mod simulate;
+mod stress;
 mod terminal;
 
 use clap::Parser;
@@ -30,8 +33,11 @@ enum Command {
     Run(run::Arguments),
     Check(check::Arguments),
     Doctor(doctor::Arguments),
+    Plan(plan::Arguments),
+    Convert(convert::Arguments),
     Map(map::Arguments),
     Simulate(simulate::Arguments),
+    Stress(stress::Arguments),
     #[command(hide = true)]
     Probe(launch::probe::Arguments),
 }
@@ -68,8 +74,11 @@ fn main() -> ExitCode {
     let result = match Arguments::parse().command {
         Command::Run(arguments) => run::run(arguments),
         Command::Check(arguments) => check::run(&arguments),
+        Command::Plan(arguments) => plan::run(&arguments),
+        Command::Convert(arguments) => convert::run(&arguments),
         Command::Map(arguments) => map::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
+        Command::Stress(arguments) => stress::run(&arguments),
         Command::Doctor(arguments) => doctor::run(&arguments),
         Command::Probe(arguments) => launch::probe::run(&arguments),
     };

@@ -2,7 +2,8 @@
 
 use crate::Failure;
 use crate::terminal;
-use cupola::backend::gl::{gpu_map, headless};
+use cupola::backend::{gl, vk};
+use cupola::correct::map::MapPixel;
 use cupola::rig::Rig;
 use cupola::views::Request;
 use cupola::warp::{MapError, WarpMap, camera_direction, compare};
@@ -33,12 +34,24 @@ pub struct Arguments {
     /// The map that the graphics driver computes, and its error against the exact one
     #[arg(long)]
     gpu: bool,
+    /// The graphics API that computes it
+    #[arg(long, value_enum, default_value_t = Backend::Gl, requires = "gpu")]
+    backend: Backend,
     /// Size of the output in pixels [default: what the rig says, or its place in 1920x1200]
     #[arg(long, value_name = "WxH", value_parser = crate::arguments::size)]
     size: Option<(u32, u32)>,
     /// Answer in JSON
     #[arg(long)]
     json: bool,
+}
+
+/// A graphics API.
+#[derive(Clone, Copy, clap::ValueEnum)]
+enum Backend {
+    /// OpenGL
+    Gl,
+    /// Vulkan
+    Vk,
 }
 
 /// Runs the subcommand.
@@ -48,7 +61,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let size = arguments.size.unwrap_or_else(|| native_size(&rig, output));
     let exact = WarpMap::new(&rig, output, size, None)?;
     let (directions, driver, error) = if arguments.gpu {
-        let (directions, driver) = computed(&rig, output, size)?;
+        let (directions, driver) = computed(&rig, output, size, arguments.backend)?;
         let look = |x: u32, y: u32| directions[(y * size.0 + x) as usize];
         let error = compare(&exact, 1, look);
         (directions, Some(driver), Some(error))
@@ -126,8 +139,13 @@ fn traced(map: &WarpMap) -> Vec<Option<DVec3>> {
     directions
 }
 
-/// What the shaders compute on a context without a window, and who ran them.
-fn computed(rig: &Rig, output: usize, size: (u32, u32)) -> Result<(Vec<Option<DVec3>>, String), Failure> {
+/// What the shaders compute without a window, and who ran them.
+fn computed(
+    rig: &Rig,
+    output: usize,
+    size: (u32, u32),
+    backend: Backend,
+) -> Result<(Vec<Option<DVec3>>, String), Failure> {
     let spinner = terminal::spinner("the graphics driver computes");
     let mut output_sizes: Vec<(u32, u32)> = (0..rig.outputs.len()).map(|index| native_size(rig, index)).collect();
     output_sizes[output] = size;
@@ -139,12 +157,19 @@ fn computed(rig: &Rig, output: usize, size: (u32, u32)) -> Result<(Vec<Option<DV
         max_atlas: crate::check::LARGEST_ATLAS,
     };
     let plan = cupola::correct::build(rig, &request)?;
-    let context = headless::Headless::new(headless::Api::Core)?;
-    let pixels = gpu_map(&context.gl, context.is_gles, &plan, output)?;
+    let (pixels, driver) = match backend {
+        Backend::Gl => {
+            let context = gl::headless::Headless::new(gl::headless::Api::Core)?;
+            (gl::gpu_map(&context.gl, context.is_gles, &plan, output)?, context.driver())
+        }
+        Backend::Vk => {
+            let device = vk::headless::Headless::new(&[])?;
+            (vk::gpu_map(&device, &plan, output)?, device.driver.clone())
+        }
+    };
     spinner.finish_and_clear();
-    let direction =
-        |pixel: &cupola::backend::gl::MapPixel| pixel.view.map(|_| DVec3::from_array(pixel.direction.map(f64::from)));
-    Ok((pixels.iter().map(direction).collect(), context.driver()))
+    let direction = |pixel: &MapPixel| pixel.view.map(|_| DVec3::from_array(pixel.direction.map(f64::from)));
+    Ok((pixels.iter().map(direction).collect(), driver))
 }
 
 /// Writes a colour PFM: a header in text, then little-endian floats from the bottom row to the top one.

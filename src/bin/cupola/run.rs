@@ -41,6 +41,9 @@ pub struct Arguments {
     /// Give each output its own resolution, whatever the window's size is; only captures show it
     #[arg(long)]
     offscreen: bool,
+    /// Issue every draw to every view, also where a view cannot show it
+    #[arg(long)]
+    no_cull: bool,
     /// Write Cupola's log of the program to this file
     #[arg(long, value_name = "FILE")]
     log: Option<PathBuf>,
@@ -102,6 +105,7 @@ fn settings(arguments: &Arguments, rig: &str) -> Result<Environment, Failure> {
     set("CUPOLA_SIZE", arguments.size.map(|(width, height)| format!("{width}x{height}").into()));
     set("CUPOLA_FRAMES", arguments.frames.map(|frames| frames.to_string().into()));
     set("CUPOLA_OFFSCREEN", arguments.offscreen.then(|| "1".into()));
+    set("CUPOLA_CULL", arguments.no_cull.then(|| "0".into()));
     let files =
         [("CUPOLA_CAPTURE", &arguments.capture), ("CUPOLA_STATS", &arguments.stats), ("CUPOLA_LOG", &arguments.log)];
     for (name, file) in files {

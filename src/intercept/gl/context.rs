@@ -2,6 +2,7 @@
 
 use super::background::Background;
 use super::camera::Cameras;
+use super::culling::{Widest, bounds::Bounds};
 use super::default_framebuffer::DefaultFramebuffer;
 use super::lists::{Lists, Recording};
 use super::matrices::Projection;
@@ -139,6 +140,8 @@ pub struct Context {
     pub background: Background,
     /// The cameras of the frame.
     pub cameras: Cameras,
+    /// Scenes that are drawn off screen.
+    pub duplicates: super::duplicate::Duplicates,
     /// The program object that draws: the one in use, or a pipeline's.
     pub program: Option<Arc<Program>>,
     /// Program pipelines, and which program is in use.
@@ -147,6 +150,12 @@ pub struct Context {
     pub in_begin: bool,
     /// What the program set last since `glBegin`.
     pub last_attributes: super::attributes::Last,
+    /// Around the vertices since `glBegin`.
+    pub begin_bounds: Bounds,
+    /// The greatest width of points and lines so far.
+    pub widest: Widest,
+    /// A vertex program in assembly language was switched on: the fixed-function matrices may say nothing.
+    pub assembly: bool,
     /// Our list that records a Begin/End; 0 = not made yet.
     pub begin_list: u32,
     /// `glRenderMode` is not `GL_RENDER`.
@@ -163,6 +172,8 @@ pub struct Context {
     pub block_buffers: HashSet<u32>,
     /// Grows with every change of a buffer that may hold uniform blocks.
     pub buffer_generation: u64,
+    /// Conditional rendering.
+    pub condition: super::conditional::Condition,
     /// Transform feedback is recording.
     pub feedback: bool,
     /// `GL_RASTERIZER_DISCARD`.
@@ -347,10 +358,14 @@ impl Context {
             projection: Projection::default(),
             background: Background::default(),
             cameras: Cameras::default(),
+            duplicates: Default::default(),
             program: None,
             pipelines: Default::default(),
             in_begin: false,
             last_attributes: [None; 3],
+            begin_bounds: Bounds::EMPTY,
+            widest: Widest::default(),
+            assembly: false,
             begin_list: 0,
             picking: false,
             raster: Raster::default(),
@@ -359,6 +374,7 @@ impl Context {
             pending_error: 0,
             block_buffers: HashSet::new(),
             buffer_generation: 0,
+            condition: None,
             feedback: false,
             discard: false,
             pace: Default::default(),

@@ -36,6 +36,7 @@ pub struct DefaultFramebuffer {
     resolved: Option<Surface>,
     backend: GlBackend,
     issued: Vec<u64>,
+    culled: Vec<u64>,
     /// Where each output is in the window.
     outputs: Vec<Target>,
 }
@@ -78,6 +79,7 @@ pub fn resume(ctx: &mut Context, window: &Window, target: Box<DefaultFramebuffer
 
 /// Makes the rest of the context fit a new target.
 fn adopt(ctx: &mut Context) {
+    super::duplicate::leave(ctx);
     ctx.actual = super::context::Actual::default();
     ctx.projection.clear();
     ctx.cameras.clear();
@@ -138,6 +140,10 @@ pub fn want_panel(ctx: &mut Context) {
 
 /// Plans anew with more tiles; what is drawn already moves to its new place.
 fn enlarge(ctx: &mut Context, add: impl FnOnce(&mut Extras)) {
+    super::conditional::unconditionally(ctx, |ctx| enlarge_now(ctx, add));
+}
+
+fn enlarge_now(ctx: &mut Context, add: impl FnOnce(&mut Extras)) {
     let Some(old) = ctx.target.take() else { return };
     take_error(ctx);
     let mut extras = old.extras();
@@ -277,15 +283,16 @@ impl DefaultFramebuffer {
         let mut backend = GlBackend::new(gl, ctx.profile.es)?;
         let panel = session.panel().is_some();
         backend.prepare(gl, session.plan(), panel)?;
-        let issued = vec![0; session.views().len()];
+        let (issued, culled) = (vec![0; session.views().len()], vec![0; session.views().len()]);
         let outputs = session.viewports().into_iter().map(|viewport| Target { framebuffer: 0, viewport }).collect();
-        Ok(Self { session, config, surface, resolved, backend, issued, outputs })
+        Ok(Self { session, config, surface, resolved, backend, issued, culled, outputs })
     }
 
     /// The same with more tiles.
     fn enlarged(&self, ctx: &Context, extras: Extras) -> Result<Self> {
         let mut new = Self::with_session(ctx, self.session.with(extras)?, self.config)?;
         new.issued.clone_from(&self.issued);
+        new.culled.clone_from(&self.culled);
         Ok(new)
     }
 
@@ -337,9 +344,16 @@ impl DefaultFramebuffer {
         }
     }
 
-    /// Draws issued to each view so far.
-    pub fn issued_counts(&self) -> &[u64] {
-        &self.issued
+    /// A draw was left out of a view that cannot show it.
+    pub fn culled(&mut self, view: usize) {
+        if let Some(count) = self.culled.get_mut(view) {
+            *count += 1;
+        }
+    }
+
+    /// Draws issued to each view so far, and draws left out.
+    pub fn counts(&self) -> impl Iterator<Item = (u64, u64)> + '_ {
+        self.issued.iter().copied().zip(self.culled.iter().copied())
     }
 
     /// Where the correction of each output goes.

@@ -1,6 +1,7 @@
 //! A draw of the program → one draw per view.
 
 use super::context::Context;
+use super::culling::{self, bounds::Bounds};
 use super::hook::hooks;
 use super::matrices::{load_projection, refresh};
 use super::programs::Lens;
@@ -32,12 +33,14 @@ pub enum Place {
     Background,
 }
 
-/// Issues a draw of the program: once per view that shows it.
-pub fn draw(ctx: &mut Context, changes: Changes, mut issue: impl FnMut(&mut Context, &Gl)) {
+/// Issues a draw of the program: once per view that shows it. `bounds`: around its vertices.
+pub fn draw(ctx: &mut Context, changes: Changes, bounds: &Bounds, mut issue: impl FnMut(&mut Context, &Gl)) {
     let gl = ctx.gl;
     if !ctx.redirected() {
-        plain_program(ctx);
-        issue(ctx, gl);
+        if !super::duplicate::draw(ctx, changes, &mut issue) {
+            plain_program(ctx);
+            issue(ctx, gl);
+        }
         return;
     }
     if ctx.picking || ctx.believed.draw_buffer == api::GL_NONE {
@@ -57,6 +60,13 @@ pub fn draw(ctx: &mut Context, changes: Changes, mut issue: impl FnMut(&mut Cont
     }
     ctx.frame_begun = true;
     let mut place = place(ctx);
+    if place == Place::Flat && main_viewport(ctx) {
+        let sampled = super::duplicate::sampled(ctx);
+        if super::duplicate::shows(ctx, sampled) {
+            show(ctx, changes, sampled, &mut issue);
+            return;
+        }
+    }
     if place == Place::Flat {
         ctx.background.note_flat();
         if !super::background::is_behind(ctx) {
@@ -67,6 +77,7 @@ pub fn draw(ctx: &mut Context, changes: Changes, mut issue: impl FnMut(&mut Cont
     } else {
         ctx.background.note_scene();
     }
+    let shown = culling::views(ctx, place, bounds, changes);
     let Some(mut target) = ctx.target.take() else { return };
     if place != Place::Background {
         let area = i64::from(ctx.believed.viewport[2]) * i64::from(ctx.believed.viewport[3]);
@@ -76,8 +87,14 @@ pub fn draw(ctx: &mut Context, changes: Changes, mut issue: impl FnMut(&mut Cont
     let primary = target.primary();
     let repeats = Repeats::new(changes, ctx);
     let mut projection_loaded = false;
+    let mut number = 0;
+    let last_shown = shown.last(views);
     for index in 0..views {
-        let last = index + 1 == views && primary.is_none();
+        if !shown.contain(index) {
+            target.culled(index);
+            continue;
+        }
+        let last = Some(index) == last_shown && primary.is_none();
         let (tile, own_lens) = target.session.tile(index);
         if own_lens {
             own_window_space(ctx, tile);
@@ -114,17 +131,70 @@ pub fn draw(ctx: &mut Context, changes: Changes, mut issue: impl FnMut(&mut Cont
                 Place::Flat => {}
             }
         }
-        repeats.around(gl, index, last, || issue(ctx, gl));
+        repeats.around(gl, number, last, || issue(ctx, gl));
         target.issued(index);
+        number += 1;
     }
     restore_projection(ctx, &mut projection_loaded);
     if let Some(tile) = primary {
         own_window_space(ctx, tile);
         plain_program(ctx);
-        repeats.around(gl, views, true, || issue(ctx, gl));
+        repeats.around(gl, number, true, || issue(ctx, gl));
         ctx.counts.primary_draws += 1;
     }
     ctx.target = Some(target);
+}
+
+/// A flat draw that shows what was drawn off screen once per view: it fills each view with that view's picture.
+fn show(ctx: &mut Context, changes: Changes, sampled: u64, issue: &mut dyn FnMut(&mut Context, &Gl)) {
+    ctx.background.note_scene();
+    // What was flat until now is covered.
+    super::targets::clear_panel(ctx);
+    let Some(target) = &ctx.target else { return };
+    let views = target.session.views().len();
+    each_view(ctx, changes, views, issue, |ctx, view| {
+        super::duplicate::supply(ctx, sampled, view);
+        if let Some(target) = &mut ctx.target {
+            let (tile, _) = target.session.tile(view);
+            target.issued(view);
+            ctx.set_scissor(None);
+            ctx.set_viewport(tile);
+        }
+        Place::Flat
+    });
+}
+
+/// Issues a draw for each of `views`; `prepare` sets the window space and says where the draw belongs.
+pub fn each_view(
+    ctx: &mut Context,
+    changes: Changes,
+    views: usize,
+    issue: &mut dyn FnMut(&mut Context, &Gl),
+    prepare: impl Fn(&mut Context, usize) -> Place,
+) {
+    let gl = ctx.gl;
+    let repeats = Repeats::new(changes, ctx);
+    let mut projection_loaded = false;
+    for view in 0..views {
+        let place = prepare(ctx, view);
+        match place {
+            Place::FixedScene => {
+                plain_program(ctx);
+                if let Some(matrix) = ctx.projection.per_view.get(view) {
+                    load_projection(ctx, matrix);
+                    projection_loaded = true;
+                }
+            }
+            Place::Scene(camera) => {
+                if let Some(rows) = ctx.cameras.get(camera).and_then(|c| c.rows.get(view)) {
+                    super::programs::upload(ctx, rows);
+                }
+            }
+            Place::Flat | Place::Background => plain_program(ctx),
+        }
+        repeats.around(gl, view, view + 1 == views, || issue(ctx, gl));
+    }
+    restore_projection(ctx, &mut projection_loaded);
 }
 
 /// A draw that belongs to the flat panel, with the program's own matrices and window space.
@@ -173,9 +243,11 @@ pub fn intersect(rect: [i32; 4], tile: [i32; 4]) -> [i32; 4] {
 
 /// Where a draw with the present state belongs.
 pub fn place(ctx: &mut Context) -> Place {
-    if !main_viewport(ctx) {
-        return Place::Flat;
-    }
+    if main_viewport(ctx) { place_by_lens(ctx) } else { Place::Flat }
+}
+
+/// Where a draw belongs by its lens alone.
+pub fn place_by_lens(ctx: &mut Context) -> Place {
     if let Some(program) = ctx.program.clone().filter(|p| p.draws_vertices()) {
         return match super::pipelines::lens(ctx, &program) {
             Lens::Perspective(intrinsics, how) => {
@@ -233,6 +305,8 @@ impl Repeats {
     fn new(changes: Changes, ctx: &Context) -> Self {
         let mask = match changes {
             _ if !ctx.profile.compatibility() => 0,
+            // No place is left on the stack; a pop would take what is the program's.
+            _ if ctx.attribute_stack.len() >= super::state::ATTRIBUTE_DEPTH => 0,
             Changes::Nothing => 0,
             Changes::Attributes => api::GL_CURRENT_BIT | api::GL_LIGHTING_BIT,
             Changes::Anything => api::GL_ALL_ATTRIB_BITS,
@@ -307,11 +381,12 @@ macro_rules! draw_hooks {
             $( $name $method($($p: $t),*) = |ctx, gl| {
                 if let Some(recording) = &mut ctx.recording {
                     recording.draws = true;
+                    recording.bounds.add_unknown();
                     gl.$method($($p),*);
                 } else if ctx.in_begin {
                     gl.$method($($p),*);
                 } else {
-                    draw(ctx, Changes::Nothing, |_, gl| gl.$method($($p),*));
+                    draw(ctx, Changes::Nothing, &Bounds::UNKNOWN, |_, gl| gl.$method($($p),*));
                 }
             }; )*
         }

@@ -60,6 +60,8 @@ pub fn find(name: &str) -> Option<*const ()> {
     let table = TABLE.get_or_init(|| {
         let files = [
             super::attributes::HOOKS,
+            super::conditional::HOOKS,
+            super::culling::vertices::HOOKS,
             super::draw::HOOKS,
             super::feedback::HOOKS,
             super::front::HOOKS,
@@ -74,6 +76,7 @@ pub fn find(name: &str) -> Option<*const ()> {
             super::uniforms::HOOKS,
             super::queries::HOOKS,
             super::raster::HOOKS,
+            super::samplers::HOOKS,
             super::state::HOOKS,
             super::targets::HOOKS,
             super::reads::HOOKS,

@@ -1,5 +1,6 @@
 //! Begin/End: recorded into a list of ours, which is then drawn like any other draw.
 
+use super::culling::bounds::Bounds;
 use super::draw::{Changes, draw};
 use super::hook::hooks;
 use super::lists::Command;
@@ -32,7 +33,7 @@ hooks! {
     "glBegin" begin(mode: u32) = |ctx, gl| {
         if let Some(recording) = &mut ctx.recording {
             recording.draws = true;
-        } else if ctx.redirected() && !ctx.picking {
+        } else if ctx.target.is_some() && !ctx.picking {
             if ctx.begin_list == 0 {
                 ctx.begin_list = super::lists::own_name(ctx);
             }
@@ -40,6 +41,7 @@ hooks! {
             gl.new_list(ctx.begin_list, api::GL_COMPILE);
             set_attributes(gl, &attributes);
             ctx.in_begin = true;
+            ctx.begin_bounds = Bounds::EMPTY;
         } else {
             super::draw::plain_program(ctx);
         }
@@ -51,7 +53,8 @@ hooks! {
             gl.end_list();
             ctx.in_begin = false;
             let list = ctx.begin_list;
-            draw(ctx, Changes::Attributes, |_, gl| gl.call_list(list));
+            let bounds = ctx.begin_bounds;
+            draw(ctx, Changes::Attributes, &bounds, |_, gl| gl.call_list(list));
             super::attributes::restore(gl, &mut ctx.last_attributes);
         }
     };

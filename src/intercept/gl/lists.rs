@@ -5,6 +5,7 @@
 //! (matrices, viewport, clears, nested lists …) are kept beside them and run through our hooks.
 
 use super::context::Context;
+use super::culling::bounds::Bounds;
 use super::draw::{Changes, draw};
 use super::hook::hooks;
 use crate::backend::gl::api::{self, Gl};
@@ -48,7 +49,7 @@ pub enum Command {
 #[derive(Clone, Debug)]
 enum Item {
     /// A real list of the driver.
-    Real { list: u32, draws: bool, raster: bool },
+    Real { list: u32, draws: bool, raster: bool, bounds: Bounds },
     /// A command of ours.
     Command(Command),
 }
@@ -93,6 +94,8 @@ pub struct Recording {
     pub draws: bool,
     /// … at the raster position.
     pub raster: bool,
+    /// Around the vertices of the present real list.
+    pub bounds: Bounds,
 }
 
 /// Lists may call lists this deep, as OpenGL says at least.
@@ -116,9 +119,11 @@ impl Recording {
     fn end_part(&mut self, gl: &Gl) {
         // SAFETY: ends the list that we, or the program, began.
         unsafe { gl.end_list() };
-        self.items.push(Item::Real { list: self.real, draws: self.draws, raster: self.raster });
+        let Self { real: list, draws, raster, bounds, .. } = *self;
+        self.items.push(Item::Real { list, draws, raster, bounds });
         self.draws = false;
         self.raster = false;
+        self.bounds = Bounds::EMPTY;
     }
 }
 
@@ -133,11 +138,15 @@ fn call(ctx: &mut Context, list: u32, depth: u32) {
     };
     match items {
         // A list that we did not see compiled (a font of glXUseXFont, say) may do anything.
-        None => run_real(ctx, list, true, true),
+        None => {
+            run_real(ctx, list, true, true, &Bounds::UNKNOWN);
+            ctx.projection.touch(api::GL_PROJECTION);
+            ctx.projection.touch(api::GL_MODELVIEW);
+        }
         Some(items) => {
             for item in items.iter() {
                 match item {
-                    Item::Real { list, draws, raster } => run_real(ctx, *list, *draws, *raster),
+                    Item::Real { list, draws, raster, bounds } => run_real(ctx, *list, *draws, *raster, bounds),
                     Item::Command(command) => run(ctx, command, depth),
                 }
             }
@@ -145,14 +154,14 @@ fn call(ctx: &mut Context, list: u32, depth: u32) {
     }
 }
 
-fn run_real(ctx: &mut Context, list: u32, draws: bool, raster: bool) {
+fn run_real(ctx: &mut Context, list: u32, draws: bool, raster: bool, bounds: &Bounds) {
     let gl = ctx.gl;
     if raster && super::raster::draw_at_raster(ctx, |gl| unsafe { gl.call_list(list) }) {
         return;
     }
     if draws {
         // SAFETY: a list that exists, or the program's own call.
-        draw(ctx, Changes::Anything, |_, gl| unsafe { gl.call_list(list) });
+        draw(ctx, Changes::Anything, bounds, |_, gl| unsafe { gl.call_list(list) });
     } else {
         // SAFETY: as above.
         unsafe { gl.call_list(list) };
@@ -179,9 +188,7 @@ fn run(ctx: &mut Context, command: &Command, depth: u32) {
         }
     }
     if matrix {
-        if ctx.believed.matrix_mode == api::GL_PROJECTION {
-            ctx.projection.changed = true;
-        }
+        ctx.projection.touch(ctx.believed.matrix_mode);
         return;
     }
     match command {
@@ -272,7 +279,8 @@ fn begin_recording(ctx: &mut Context, list: u32, mode: u32) {
     unsafe { ctx.gl.new_list(list, if mode == api::GL_COMPILE_AND_EXECUTE { api::GL_COMPILE } else { mode }) };
     if list != 0 && matches!(mode, api::GL_COMPILE | api::GL_COMPILE_AND_EXECUTE) && !ctx.compiling() {
         let execute = mode == api::GL_COMPILE_AND_EXECUTE;
-        ctx.recording = Some(Recording { list, execute, items: Vec::new(), real: list, draws: false, raster: false });
+        let (items, bounds) = (Vec::new(), Bounds::EMPTY);
+        ctx.recording = Some(Recording { list, execute, items, real: list, draws: false, raster: false, bounds });
     }
 }
 
@@ -335,6 +343,7 @@ hooks! {
     "glEndList" end_list() = |ctx, _gl| finish_recording(ctx);
     "glCallList" call_list(list: u32) = |ctx, gl| {
         if ctx.in_begin {
+            super::culling::vertices::note_unknown(ctx);
             gl.call_list(list);
         } else if ctx.compiling() {
             record(ctx, Command::CallList(list));
@@ -344,6 +353,7 @@ hooks! {
     };
     "glCallLists" call_lists(count: i32, kind: u32, names: *const c_void) = |ctx, gl| {
         if ctx.in_begin {
+            super::culling::vertices::note_unknown(ctx);
             gl.call_lists(count, kind, names);
         } else {
             let offsets = offsets(count, kind, names);

@@ -17,11 +17,13 @@ pub struct Projection {
     pub class: MatrixClass,
     /// Each view's projection in its place.
     pub per_view: Vec<[f64; 16]>,
+    /// `GL_MODELVIEW`, unless it may have changed since it was read.
+    model_view: Option<[f64; 16]>,
 }
 
 impl Default for Projection {
     fn default() -> Self {
-        Self { changed: true, matrix: [0.0; 16], class: MatrixClass::Other, per_view: Vec::new() }
+        Self { changed: true, matrix: [0.0; 16], class: MatrixClass::Other, per_view: Vec::new(), model_view: None }
     }
 }
 
@@ -37,6 +39,15 @@ impl Projection {
         if let MatrixClass::Perspective(intrinsics) = &self.class {
             let rows = session.rows(intrinsics);
             self.per_view.extend(rows.iter().map(|rows| multiply(&rows.matrix(), &matrix)));
+        }
+    }
+
+    /// The program may have changed the matrix of `mode`.
+    pub fn touch(&mut self, mode: u32) {
+        match mode {
+            api::GL_PROJECTION => self.changed = true,
+            api::GL_MODELVIEW => self.model_view = None,
+            _ => {}
         }
     }
 
@@ -57,6 +68,17 @@ pub fn refresh(ctx: &mut Context) {
     // SAFETY: writes sixteen doubles; the context has a fixed-function pipeline.
     unsafe { ctx.gl.get_doublev(api::GL_PROJECTION_MATRIX, matrix.as_mut_ptr()) };
     ctx.projection.update(matrix, &target.session);
+}
+
+/// `GL_MODELVIEW`; asks the driver only after a change.
+pub fn model_view(ctx: &mut Context) -> [f64; 16] {
+    let gl = ctx.gl;
+    *ctx.projection.model_view.get_or_insert_with(|| {
+        let mut matrix = [0.0; 16];
+        // SAFETY: writes sixteen doubles; the context has a fixed-function pipeline.
+        unsafe { gl.get_doublev(api::GL_MODELVIEW_MATRIX, matrix.as_mut_ptr()) };
+        matrix
+    })
 }
 
 /// Loads `matrix` into `GL_PROJECTION`, whatever the matrix mode is.
@@ -86,9 +108,7 @@ fn matrix_command(ctx: &mut Context, command: Command, run: impl FnOnce()) {
         return;
     }
     run();
-    if ctx.believed.matrix_mode == api::GL_PROJECTION {
-        ctx.projection.changed = true;
-    }
+    ctx.projection.touch(ctx.believed.matrix_mode);
 }
 
 fn array<T: Copy + Into<f64>>(pointer: *const T) -> [f64; 16] {
@@ -102,33 +122,33 @@ fn transposed(m: [f64; 16]) -> [f64; 16] {
 
 hooks! {
     // The extension GL_EXT_direct_state_access; in display lists these are not kept apart.
-    "glMatrixLoadIdentityEXT" matrix_load_identity_ext(mode: u32) = |ctx, gl| { gl.matrix_load_identity_ext(mode); ctx.projection.changed = true };
-    "glMatrixLoadfEXT" matrix_loadf_ext(mode: u32, m: *const f32) = |ctx, gl| { gl.matrix_loadf_ext(mode, m); ctx.projection.changed = true };
-    "glMatrixLoaddEXT" matrix_loadd_ext(mode: u32, m: *const f64) = |ctx, gl| { gl.matrix_loadd_ext(mode, m); ctx.projection.changed = true };
-    "glMatrixMultfEXT" matrix_multf_ext(mode: u32, m: *const f32) = |ctx, gl| { gl.matrix_multf_ext(mode, m); ctx.projection.changed = true };
-    "glMatrixMultdEXT" matrix_multd_ext(mode: u32, m: *const f64) = |ctx, gl| { gl.matrix_multd_ext(mode, m); ctx.projection.changed = true };
+    "glMatrixLoadIdentityEXT" matrix_load_identity_ext(mode: u32) = |ctx, gl| { gl.matrix_load_identity_ext(mode); ctx.projection.touch(mode) };
+    "glMatrixLoadfEXT" matrix_loadf_ext(mode: u32, m: *const f32) = |ctx, gl| { gl.matrix_loadf_ext(mode, m); ctx.projection.touch(mode) };
+    "glMatrixLoaddEXT" matrix_loadd_ext(mode: u32, m: *const f64) = |ctx, gl| { gl.matrix_loadd_ext(mode, m); ctx.projection.touch(mode) };
+    "glMatrixMultfEXT" matrix_multf_ext(mode: u32, m: *const f32) = |ctx, gl| { gl.matrix_multf_ext(mode, m); ctx.projection.touch(mode) };
+    "glMatrixMultdEXT" matrix_multd_ext(mode: u32, m: *const f64) = |ctx, gl| { gl.matrix_multd_ext(mode, m); ctx.projection.touch(mode) };
     "glMatrixFrustumEXT" matrix_frustum_ext(mode: u32, l: f64, r: f64, b: f64, t: f64, n: f64, f: f64) = |ctx, gl| {
         gl.matrix_frustum_ext(mode, l, r, b, t, n, f);
-        ctx.projection.changed = true;
+        ctx.projection.touch(mode);
     };
     "glMatrixOrthoEXT" matrix_ortho_ext(mode: u32, l: f64, r: f64, b: f64, t: f64, n: f64, f: f64) = |ctx, gl| {
         gl.matrix_ortho_ext(mode, l, r, b, t, n, f);
-        ctx.projection.changed = true;
+        ctx.projection.touch(mode);
     };
     "glMatrixRotatefEXT" matrix_rotatef_ext(mode: u32, a: f32, x: f32, y: f32, z: f32) = |ctx, gl| {
         gl.matrix_rotatef_ext(mode, a, x, y, z);
-        ctx.projection.changed = true;
+        ctx.projection.touch(mode);
     };
     "glMatrixRotatedEXT" matrix_rotated_ext(mode: u32, a: f64, x: f64, y: f64, z: f64) = |ctx, gl| {
         gl.matrix_rotated_ext(mode, a, x, y, z);
-        ctx.projection.changed = true;
+        ctx.projection.touch(mode);
     };
-    "glMatrixScalefEXT" matrix_scalef_ext(mode: u32, x: f32, y: f32, z: f32) = |ctx, gl| { gl.matrix_scalef_ext(mode, x, y, z); ctx.projection.changed = true };
-    "glMatrixScaledEXT" matrix_scaled_ext(mode: u32, x: f64, y: f64, z: f64) = |ctx, gl| { gl.matrix_scaled_ext(mode, x, y, z); ctx.projection.changed = true };
-    "glMatrixTranslatefEXT" matrix_translatef_ext(mode: u32, x: f32, y: f32, z: f32) = |ctx, gl| { gl.matrix_translatef_ext(mode, x, y, z); ctx.projection.changed = true };
-    "glMatrixTranslatedEXT" matrix_translated_ext(mode: u32, x: f64, y: f64, z: f64) = |ctx, gl| { gl.matrix_translated_ext(mode, x, y, z); ctx.projection.changed = true };
-    "glMatrixPushEXT" matrix_push_ext(mode: u32) = |ctx, gl| { gl.matrix_push_ext(mode); ctx.projection.changed = true };
-    "glMatrixPopEXT" matrix_pop_ext(mode: u32) = |ctx, gl| { gl.matrix_pop_ext(mode); ctx.projection.changed = true };
+    "glMatrixScalefEXT" matrix_scalef_ext(mode: u32, x: f32, y: f32, z: f32) = |ctx, gl| { gl.matrix_scalef_ext(mode, x, y, z); ctx.projection.touch(mode) };
+    "glMatrixScaledEXT" matrix_scaled_ext(mode: u32, x: f64, y: f64, z: f64) = |ctx, gl| { gl.matrix_scaled_ext(mode, x, y, z); ctx.projection.touch(mode) };
+    "glMatrixTranslatefEXT" matrix_translatef_ext(mode: u32, x: f32, y: f32, z: f32) = |ctx, gl| { gl.matrix_translatef_ext(mode, x, y, z); ctx.projection.touch(mode) };
+    "glMatrixTranslatedEXT" matrix_translated_ext(mode: u32, x: f64, y: f64, z: f64) = |ctx, gl| { gl.matrix_translated_ext(mode, x, y, z); ctx.projection.touch(mode) };
+    "glMatrixPushEXT" matrix_push_ext(mode: u32) = |ctx, gl| { gl.matrix_push_ext(mode); ctx.projection.touch(mode) };
+    "glMatrixPopEXT" matrix_pop_ext(mode: u32) = |ctx, gl| { gl.matrix_pop_ext(mode); ctx.projection.touch(mode) };
     "glMatrixMode" matrix_mode(mode: u32) = |ctx, gl| {
         if ctx.compiling() {
             super::lists::record(ctx, Command::MatrixMode(mode));

@@ -3,12 +3,11 @@
 use super::context::{Context, after_panic, current};
 use super::default_framebuffer::{self, take_error, take_own_errors};
 use crate::backend::gl::api::{self, Gl};
-use crate::intercept::{log, settings};
-use crate::runtime::report::{self, Picture, Statistics, ViewStatistics};
+use crate::intercept::kept::{self, Kept};
+use crate::intercept::settings;
+use crate::runtime::report::{Picture, Statistics, ViewStatistics};
 use crate::runtime::session::Extras;
 use std::ffi::CStr;
-use std::path::Path;
-use std::sync::{Mutex, Once, PoisonError};
 
 /// Before the window is swapped: its back buffer gets the corrected picture.
 pub fn before_swap() {
@@ -75,6 +74,10 @@ fn in_window(ctx: &Context, run: impl FnOnce(&Gl)) {
 
 /// Corrects the views into the window. Allocates nothing.
 fn correct(ctx: &mut Context) {
+    super::conditional::unconditionally(ctx, correct_now);
+}
+
+fn correct_now(ctx: &mut Context) {
     let Some(target) = ctx.target.take() else { return };
     target.resolve(ctx, None);
     let pending = target.backend().present(ctx.gl, target.texture(), target.outputs());
@@ -93,13 +96,7 @@ fn frame(ctx: &mut Context) {
         keep_report(ctx, settings);
     }
     if last {
-        write_report();
-        // SAFETY: flushes the program's own output; `_exit` runs none of its handlers, which may
-        // wait for a window system that is in the middle of this call.
-        unsafe {
-            libc::fflush(std::ptr::null_mut());
-            libc::_exit(0);
-        }
+        kept::end_program();
     }
 }
 
@@ -108,6 +105,7 @@ fn next_frame(ctx: &mut Context) {
     ctx.background.end_frame();
     ctx.viewport_area = [0, ctx.viewport_area[0]];
     ctx.frame_begun = false;
+    super::duplicate::end_frame(ctx);
     follow_size(ctx);
 }
 
@@ -118,6 +116,7 @@ pub fn follow_size(ctx: &mut Context) {
         let mut extras = Extras::default();
         if let Some(old) = ctx.target.take() {
             extras = old.extras();
+            super::duplicate::clear(ctx);
             old.destroy(ctx.gl);
         }
         ctx.viewport_area = [0; 2];
@@ -125,62 +124,16 @@ pub fn follow_size(ctx: &mut Context) {
     }
 }
 
-/// What is written when the program ends.
-struct Kept {
-    statistics: Option<Statistics>,
-    pictures: Vec<Picture>,
-    views: Vec<Picture>,
-}
-
-static KEPT: Mutex<Option<Kept>> = Mutex::new(None);
-
 fn keep_report(ctx: &mut Context, settings: &settings::Settings) {
     if settings.stats.is_none() && settings.capture.is_none() && settings.capture_views.is_none() {
         return;
     }
-    static AT_EXIT: Once = Once::new();
-    AT_EXIT.call_once(|| {
-        // SAFETY: registers a function of a library that is never unloaded.
-        unsafe { libc::atexit(at_exit) };
-    });
     take_error(ctx);
     let statistics = settings.stats.is_some().then(|| statistics(ctx, settings));
     let pictures = if settings.capture.is_some() { output_pictures(ctx, settings) } else { Vec::new() };
     let views = if settings.capture_views.is_some() { view_pictures(ctx) } else { Vec::new() };
     take_own_errors(ctx);
-    *KEPT.lock().unwrap_or_else(PoisonError::into_inner) = Some(Kept { statistics, pictures, views });
-}
-
-extern "C" fn at_exit() {
-    // A panic while the process ends has nobody left to tell.
-    let _ = crate::fence::guard(write_report);
-}
-
-fn write_report() {
-    let Some(settings) = settings::settings() else { return };
-    let Some(kept) = KEPT.lock().unwrap_or_else(PoisonError::into_inner).take() else { return };
-    let say = |result: crate::Result<()>| {
-        if let Err(error) = result {
-            log::once(&error.message);
-        }
-    };
-    if let (Some(path), Some(statistics)) = (&settings.stats, &kept.statistics) {
-        say(report::write_statistics(path, statistics));
-    }
-    if let Some(path) = &settings.capture {
-        let several = kept.pictures.len() > 1;
-        for picture in &kept.pictures {
-            say(report::write_picture(&report::capture_path(path, &picture.name, several), picture));
-        }
-    }
-    if let Some(directory) = &settings.capture_views {
-        if let Err(error) = std::fs::create_dir_all(directory) {
-            log::once(&format!("{}: {error}", directory.display()));
-        }
-        for picture in &kept.views {
-            say(report::write_picture(&Path::new(directory).join(format!("{}.png", picture.name)), picture));
-        }
-    }
+    kept::keep(Kept { statistics, pictures, views });
 }
 
 fn statistics(ctx: &Context, settings: &settings::Settings) -> Statistics {
@@ -196,6 +149,7 @@ fn statistics(ctx: &Context, settings: &settings::Settings) -> Statistics {
         draws_seen: ctx.counts.draws_seen,
         panel_draws: ctx.counts.panel_draws,
         primary_draws: ctx.counts.primary_draws,
+        duplicated_draws: ctx.duplicates.draws,
         projection_found: ctx.counts.found.iter().map(|(how, n)| (how.to_owned(), n)).collect(),
         own_errors: ctx.counts.errors,
         ..Statistics::default()
@@ -203,18 +157,17 @@ fn statistics(ctx: &Context, settings: &settings::Settings) -> Statistics {
     if let Some(target) = &ctx.target {
         statistics.own_errors += target.backend().errors();
         statistics.notes.clone_from(&target.session.plan().views.notes);
-        let issued = target.issued_counts();
         statistics.views = target
             .session
             .views()
             .iter()
-            .enumerate()
-            .map(|(i, view)| ViewStatistics {
+            .zip(target.counts())
+            .map(|(view, (draws_issued, draws_culled))| ViewStatistics {
                 name: view.name.clone(),
                 width: view.tile.width,
                 height: view.tile.height,
-                draws_issued: issued.get(i).copied().unwrap_or(0),
-                draws_culled: 0,
+                draws_issued,
+                draws_culled,
             })
             .collect();
     }

@@ -33,6 +33,8 @@ pub struct Program {
     stages: u32,
     /// It uses the fixed-function matrices.
     fixed_matrices: bool,
+    /// Locations of its samplers of two-dimensional textures.
+    pub samplers: Vec<i32>,
     /// Its 4×4 matrices.
     pub uniforms: Mutex<Uniforms>,
     uploaded: Mutex<Option<[f32; 16]>>,
@@ -299,6 +301,7 @@ fn read_program(gl: &Gl, profile: &Profile, name: u32, patched: bool, stages: u3
         hidden,
         stages,
         fixed_matrices,
+        samplers: super::samplers::locations(gl, name),
         uniforms: Mutex::new(uniforms),
         uploaded: Mutex::new(None),
     }

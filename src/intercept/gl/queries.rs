@@ -99,6 +99,7 @@ pub unsafe fn attachment_parameter(ctx: &mut Context, target: u32, attachment: u
                 api::GL_STENCIL => api::GL_STENCIL_ATTACHMENT,
                 _ => api::GL_COLOR_ATTACHMENT0,
             };
+            super::duplicate::leave(ctx);
             ctx.gl.get_framebuffer_attachment_parameteriv(target, attachment, name, values);
         }
     }

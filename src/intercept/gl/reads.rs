@@ -17,6 +17,7 @@ pub fn finish(ctx: &mut Context) {
 /// Runs a read of the program, with its rectangle's origin moved to where its picture is.
 fn read<R>(ctx: &mut Context, x: i32, y: i32, issue: impl FnOnce(i32, i32) -> R) -> R {
     if !ctx.reads_redirected() || ctx.compiling() {
+        super::duplicate::refuse(ctx, ctx.believed.read_framebuffer, "it reads it back");
         return issue(x, y);
     }
     let origin = prepare(ctx);

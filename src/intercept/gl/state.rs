@@ -51,7 +51,7 @@ impl Context {
 }
 
 /// `GL_MAX_ATTRIB_STACK_DEPTH` of every driver that is known.
-const ATTRIBUTE_DEPTH: usize = 16;
+pub const ATTRIBUTE_DEPTH: usize = 16;
 
 /// `glPushAttrib`.
 pub fn push_attributes(ctx: &mut Context, mask: u32) {
@@ -164,6 +164,10 @@ hooks! {
             api::GL_SCISSOR_TEST => set_scissor_test(ctx, true),
             _ => {
                 ctx.discard |= cap == api::GL_RASTERIZER_DISCARD;
+                ctx.assembly |= cap == api::GL_VERTEX_PROGRAM_ARB;
+                if matches!(cap, api::GL_POINT_SPRITE | api::GL_VERTEX_PROGRAM_POINT_SIZE) {
+                    ctx.widest.note_unknown();
+                }
                 gl.enable(cap);
             }
         }

@@ -11,9 +11,11 @@ pub fn bind(ctx: &mut Context, target: u32, name: u32) {
     let was_redirected = ctx.redirected();
     let ours = ctx.target.as_ref().map_or(0, |t| t.framebuffer());
     let real = if name == 0 { ours } else { name };
+    let draws = matches!(target, api::GL_FRAMEBUFFER | api::GL_DRAW_FRAMEBUFFER);
+    let was_redirected = was_redirected || (draws && super::duplicate::rebound(ctx));
     // SAFETY: the program's own call, with our framebuffer in place of its window's.
     unsafe { ctx.gl.bind_framebuffer(target, real) };
-    if matches!(target, api::GL_FRAMEBUFFER | api::GL_DRAW_FRAMEBUFFER) {
+    if draws {
         ctx.believed.draw_framebuffer = name;
     }
     if matches!(target, api::GL_FRAMEBUFFER | api::GL_READ_FRAMEBUFFER) {
@@ -26,7 +28,10 @@ pub fn bind(ctx: &mut Context, target: u32, name: u32) {
 
 /// Whether `target` is the window, to which nothing can be attached; the program then has its error.
 fn refuses_attachments(ctx: &mut Context, target: u32) -> bool {
-    let window = if target == api::GL_READ_FRAMEBUFFER { ctx.reads_redirected() } else { ctx.redirected() };
+    let reads = target == api::GL_READ_FRAMEBUFFER;
+    let window = if reads { ctx.reads_redirected() } else { ctx.redirected() };
+    let changed = if reads { ctx.believed.read_framebuffer } else { ctx.believed.draw_framebuffer };
+    super::duplicate::forget(ctx, changed);
     if window && ctx.pending_error == api::GL_NO_ERROR {
         ctx.pending_error = api::GL_INVALID_OPERATION;
     }
@@ -37,7 +42,9 @@ fn refuses_attachments(ctx: &mut Context, target: u32) -> bool {
 pub fn clear_with(ctx: &mut Context, color: bool, issue: impl Fn(&crate::backend::gl::api::Gl)) {
     let gl = ctx.gl;
     if !ctx.redirected() || ctx.picking {
-        issue(gl);
+        if !super::duplicate::clear_with(ctx, &issue) {
+            issue(gl);
+        }
         return;
     }
     ctx.frame_begun = true;
@@ -48,14 +55,10 @@ pub fn clear_with(ctx: &mut Context, color: bool, issue: impl Fn(&crate::backend
     // A scissor around (most of) the window is how many programs say "my viewport".
     let whole = part.is_none_or(|[_, _, w, h]| 2 * i64::from(w) * i64::from(h) > i64::from(width) * i64::from(height));
     if whole {
-        let panel = target.panel();
         ctx.set_scissor(None);
         issue(gl);
-        if let Some(panel) = panel.filter(|_| color) {
-            // The panel is a pane of glass: what is cleared away is seen through.
-            // The gutter goes with it, or the filter would mix the clear colour into its borders.
-            ctx.set_scissor(Some([panel[0] - 1, panel[1] - 1, panel[2] + 2, panel[3] + 2]));
-            super::default_framebuffer::clear_transparent(gl);
+        if color {
+            clear_panel(ctx);
         }
         return;
     }
@@ -64,6 +67,15 @@ pub fn clear_with(ctx: &mut Context, color: bool, issue: impl Fn(&crate::backend
     for (tile, _) in target.flat_tiles().into_iter().flatten() {
         own_window_space(ctx, tile);
         issue(gl);
+    }
+}
+
+/// The panel is a pane of glass: what is cleared away is seen through.
+pub fn clear_panel(ctx: &mut Context) {
+    if let Some(panel) = ctx.target.as_ref().and_then(|t| t.panel()) {
+        // The gutter goes with it, or the filter would mix the clear colour into its borders.
+        ctx.set_scissor(Some([panel[0] - 1, panel[1] - 1, panel[2] + 2, panel[3] + 2]));
+        super::default_framebuffer::clear_transparent(ctx.gl);
     }
 }
 
@@ -112,6 +124,7 @@ pub fn select_draw_buffer(ctx: &mut Context, buffer: u32) {
                 ctx.believed.draw_buffer = buffer;
             }
         } else {
+            super::duplicate::forget(ctx, ctx.believed.draw_framebuffer);
             gl.draw_buffer(buffer);
         }
     }
@@ -140,6 +153,7 @@ pub fn select_read_buffer(ctx: &mut Context, buffer: u32) {
 pub unsafe fn select_draw_buffers(ctx: &mut Context, count: i32, buffers: *const u32) {
     let gl = ctx.gl;
     if !ctx.redirected() || buffers.is_null() || !(1..=16).contains(&count) {
+        super::duplicate::forget(ctx, ctx.believed.draw_framebuffer);
         // SAFETY: the program's own call.
         unsafe { gl.draw_buffers(count, buffers) };
         return;
@@ -172,11 +186,19 @@ pub fn blit(ctx: &mut Context, mut source: [i32; 4], destination: [i32; 4], mask
         };
     };
     if !ctx.redirected() {
+        super::duplicate::refuse(ctx, ctx.believed.read_framebuffer, "it copies it to another framebuffer");
+        super::duplicate::leave(ctx);
         issue(destination);
         super::reads::finish(ctx);
         return;
     }
     ctx.frame_begun = true;
+    if super::duplicate::show_by_copy(ctx, source, destination, mask) {
+        ctx.background.note_scene();
+        clear_panel(ctx);
+        return;
+    }
+    super::duplicate::refuse(ctx, ctx.believed.read_framebuffer, "it shows only a part of it");
     super::default_framebuffer::want_panel(ctx);
     let Some(target) = &ctx.target else { return };
     for (tile, _) in target.flat_tiles().into_iter().flatten() {
@@ -213,6 +235,9 @@ hooks! {
         let deleted: Vec<u32> = if names.is_null() { Vec::new() } else {
             std::slice::from_raw_parts(names, usize::try_from(count).unwrap_or(0)).to_vec()
         };
+        for name in &deleted {
+            super::duplicate::forget(ctx, *name);
+        }
         gl.delete_framebuffers(count, names);
         // Deleting the bound framebuffer binds the window's, which is ours.
         if ctx.believed.draw_framebuffer != 0 && deleted.contains(&ctx.believed.draw_framebuffer) {

@@ -1,6 +1,9 @@
-//! The opening of a pinhole: `fov` and `shift`, `angles`, or the program's own `lens`.
+//! Lenses: the opening of a pinhole (`fov` and `shift`, `angles`, or the program's own `lens`), its
+//! `distortion`, and `fisheye`.
 
-use crate::geom::Frustum;
+use super::OPENING;
+use crate::geom::lens::{Distortion, FisheyeLens, Projection};
+use crate::geom::{Frustum, Lens};
 use crate::rig::problems::Problems;
 use crate::rig::reader::{Allowed, Section};
 
@@ -93,4 +96,68 @@ fn sides(mut section: Section, problems: &mut Problems) -> Option<Frustum> {
     let tangent = |degrees: f64| degrees.to_radians().tan();
     let frustum = Frustum { left: tangent(left), right: tangent(right), bottom: tangent(bottom), top: tangent(top) };
     (complete && ordered).then_some(frustum)
+}
+
+/// The lens of a projector.
+pub(super) fn projector_lens(section: &mut Section, problems: &mut Problems) -> Option<Lens> {
+    let fisheye_section = section.section("fisheye", problems);
+    let distortion_section = section.section("distortion", problems);
+    let Some(fisheye_section) = fisheye_section else {
+        let distortion = distortion_section.map_or(Distortion::default(), |section| distortion(section, problems));
+        return frustum(section, problems).map(|frustum| Lens::Pinhole { frustum, distortion });
+    };
+    // Asked for, so that they are not called unknown as well.
+    section.numbers::<2>("fov", &FIELD_OF_VIEW, problems);
+    section.numbers::<2>("shift", &SHIFT, problems);
+    section.section("angles", problems);
+    for key in ["fov", "angles", "shift", "distortion"] {
+        if section.has(key) {
+            problems.add(&section.path(key), "belongs to a pinhole; leave it out, or `fisheye`");
+        }
+    }
+    fisheye(fisheye_section, problems).map(Lens::Fisheye)
+}
+
+fn distortion(mut section: Section, problems: &mut Problems) -> Distortion {
+    let allowed = Allowed::closed(-100.0, 100.0, "coefficients of Brown and Conrady over tangents");
+    let radial = section.numbers::<3>("radial", &allowed, problems).unwrap_or_default();
+    let tangential = section.numbers::<2>("tangential", &allowed, problems).unwrap_or_default();
+    section.finish(&[], problems);
+    Distortion { radial, tangential }
+}
+
+fn fisheye(mut section: Section, problems: &mut Problems) -> Option<FisheyeLens> {
+    let projections = [
+        ("equidistant", Projection::Equidistant),
+        ("equisolid", Projection::Equisolid),
+        ("stereographic", Projection::Stereographic),
+        ("orthographic", Projection::Orthographic),
+        ("polynomial", Projection::Polynomial([0.0; 4])),
+    ];
+    let given = section.has("projection");
+    let chosen = section.choice("projection", &projections, problems);
+    let mut projection = if given { chosen? } else { Projection::Equidistant };
+    let allowed = Allowed::closed(-1e6, 1e6, "[f1, f3, f5, f7], factors of the angle's powers in radians");
+    let coefficients = section.numbers::<4>("coefficients", &allowed, problems);
+    match (&mut projection, coefficients) {
+        (Projection::Polynomial(own), Some(coefficients)) => *own = coefficients,
+        (Projection::Polynomial(_), None) => {
+            problems
+                .add(&section.path("coefficients"), "is missing; expected [f1, f3, f5, f7] of the angle in radians");
+        }
+        (_, Some(_)) => problems.add(&section.path("coefficients"), "goes with projection = \"polynomial\""),
+        (_, None) => {}
+    }
+    let aperture = section.number("aperture", &OPENING, 180.0, problems).to_radians();
+    let lens = FisheyeLens { projection, aperture };
+    let widest = projection.widest();
+    if aperture > widest {
+        let why = format!("is more than this projection can show; expected at most {}", widest.to_degrees().round());
+        problems.add(&section.path("aperture"), why);
+    } else if coefficients.is_some() && !lens.is_monotone() {
+        let why = "the radius does not grow over the whole aperture; expected coefficients of a curve that rises";
+        problems.add(&section.path("coefficients"), why);
+    }
+    section.finish(&[], problems);
+    Some(lens)
 }

@@ -1,9 +1,11 @@
 //! `[[output]]`: what every output has, and what each kind has of its own.
 
 use super::{METRES, OPENING, TILT, angles, blend, lens};
+use crate::geom::{Lens, Optics, Pose, Sphere};
 use crate::rig::problems::Problems;
-use crate::rig::reader::Section;
+use crate::rig::reader::{Allowed, Section};
 use crate::rig::{Dome, Output, OutputKind};
+use glam::DVec3;
 use std::path::Path;
 
 /// Greatest width and height of a picture in pixels: the greatest texture of today's graphics hardware.
@@ -12,11 +14,15 @@ const LARGEST_PICTURE: u32 = 16384;
 const LARGEST_WINDOW: u32 = 32767;
 
 /// Where the keys of one kind of output belong, for those who give them to another kind.
-const KINDS_OF_KEYS: [(&str, &str); 6] = [
+const KINDS_OF_KEYS: [(&str, &str); 10] = [
     ("aperture", "kind = \"domemaster\""),
     ("tilt", "kind = \"domemaster\" (and to [dome])"),
     ("position", "kind = \"projector\" (and to [viewer])"),
     ("shift", "kind = \"projector\" or \"perspective\", beside fov"),
+    ("fisheye", "kind = \"projector\""),
+    ("distortion", "kind = \"projector\""),
+    ("mirror", "kind = \"projector\""),
+    ("even_light", "kind = \"projector\""),
     ("fov", "kind = \"projector\" or \"perspective\""),
     ("lens", "kind = \"perspective\""),
 ];
@@ -58,7 +64,7 @@ pub(super) fn output(
         Kind::Projector => {
             let position = section.vector("position", &METRES, problems);
             let angles = angles(&mut section, problems);
-            lens::frustum(&mut section, problems).map(|frustum| OutputKind::Projector { position, angles, frustum })
+            projector(&mut section, position, angles, problems)
         }
         Kind::Perspective => {
             let angles = angles(&mut section, problems);
@@ -69,4 +75,28 @@ pub(super) fn output(
     let mask = blend::mask(section.section("mask", problems), directory, problems);
     section.finish(&KINDS_OF_KEYS, problems);
     output_kind.map(|kind| Output { name, kind, size, window, blend, mask })
+}
+
+/// A projector: the plain pinhole where the file says no more than its opening.
+fn projector(section: &mut Section, position: DVec3, angles: [f64; 3], problems: &mut Problems) -> Option<OutputKind> {
+    let special = ["fisheye", "distortion", "mirror", "even_light"].iter().any(|key| section.has(key));
+    let lens = lens::projector_lens(section, problems);
+    let mirror = section.section("mirror", problems).map(|section| mirror(section, problems));
+    let allowed = Allowed::closed(0.0, 1.0, "how far the light is evened out");
+    let even_light = section.number("even_light", &allowed, 0.0, problems);
+    let plain = match lens? {
+        Lens::Pinhole { frustum, .. } if !special => return Some(OutputKind::Projector { position, angles, frustum }),
+        lens => lens,
+    };
+    let [yaw, pitch, roll] = angles;
+    let optics = Optics { pose: Pose::new(position, yaw, pitch, roll), lens: plain, mirror };
+    Some(OutputKind::Optics { optics, even_light })
+}
+
+/// A convex spherical mirror.
+fn mirror(mut section: Section, problems: &mut Problems) -> Sphere {
+    let center = section.vector("center", &METRES, problems);
+    let radius = section.required_number("radius", &Allowed::above(0.0, 1e6, "a radius in metres"), problems);
+    section.finish(&[], problems);
+    Sphere { center, radius }
 }

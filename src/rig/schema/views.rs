@@ -3,10 +3,10 @@
 use super::{PITCH, YAW};
 use crate::rig::problems::Problems;
 use crate::rig::reader::{Allowed, Section};
-use crate::rig::{Filter, Overlay, ViewMethod, Views};
+use crate::rig::{Favour, Filter, Overlay, ViewMethod, Views};
 
 pub(super) fn views(section: Option<Section>, problems: &mut Problems) -> Views {
-    let mut views = Views { method: ViewMethod::Auto, quality: 1.0, filter: Filter::Bilinear };
+    let mut views = Views { method: ViewMethod::Auto, quality: 1.0, filter: Filter::Bilinear, favour: Favour::Balanced };
     let Some(mut section) = section else { return views };
     let methods = [("auto", ViewMethod::Auto), ("cube", ViewMethod::Cube), ("single", ViewMethod::Single)];
     views.method = section.choice("method", &methods, problems).unwrap_or(ViewMethod::Auto);
@@ -19,6 +19,8 @@ pub(super) fn views(section: Option<Section>, problems: &mut Problems) -> Views 
         ("catmull-rom-4", Filter::CatmullRom4),
     ];
     views.filter = section.choice("filter", &filters, problems).unwrap_or(Filter::Bilinear);
+    let favours = [("balanced", Favour::Balanced), ("cpu", Favour::Processor), ("gpu", Favour::Graphics)];
+    views.favour = section.choice("favour", &favours, problems).unwrap_or(Favour::Balanced);
     section.finish(&[], problems);
     views
 }

@@ -1,7 +1,7 @@
 //! The comparer is tried with maps whose errors are known, and with the f32 arithmetic of the shaders.
 
 use super::*;
-use crate::geom::testing::Random;
+use crate::geom::random::Random;
 use crate::geom::{Frustum, Pose, QuadraticForm, Sphere, fisheye, pose, quadratic};
 use crate::rig::{OutputKind, Rig};
 use crate::warp::testing::{projector, rig};

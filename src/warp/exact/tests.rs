@@ -1,7 +1,7 @@
 //! Tests of the exact map against directions that are known.
 
 use super::*;
-use crate::geom::testing::Random;
+use crate::geom::random::Random;
 use crate::warp::testing::{projector, rig, two_projectors};
 use std::f64::consts::PI;
 

@@ -1,11 +1,11 @@
 //! Everything that the program had set is as it was.
 
 use super::canvas::{Canvas, Picture};
-use super::plans::*;
 use super::{contexts, headless};
 use crate::backend::gl::api::*;
 use crate::backend::gl::headless::{Api, Headless};
 use crate::backend::gl::{GlBackend, Target, gpu_map};
+use crate::backend::tests::plans::*;
 use glam::DVec3;
 
 /// Values that any context has.

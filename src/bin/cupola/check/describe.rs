@@ -1,6 +1,6 @@
 //! A rig in words, and as JSON.
 
-use cupola::geom::Frustum;
+use cupola::geom::{Frustum, Lens, Optics};
 use cupola::rig::{Blend, Camera, DomeAngle, Output, OutputKind, Rig, ViewMethod};
 use cupola::views::{self, View, ViewPlan};
 use serde_json::{Value, json};
@@ -96,6 +96,7 @@ fn kind(kind: &OutputKind) -> String {
         OutputKind::Projector { position, angles, frustum } => {
             format!("projector {}{}, {}", meters(position.to_array()), aim(*angles), opening(frustum))
         }
+        OutputKind::Optics { optics, .. } => special(optics),
         OutputKind::Perspective { angles, frustum: Some(frustum) } => {
             format!("perspective picture{}, {}", aim(*angles), opening(frustum))
         }
@@ -103,6 +104,19 @@ fn kind(kind: &OutputKind) -> String {
             format!("perspective picture{}, through the program's own lens", aim(*angles))
         }
     }
+}
+
+/// A projector with a lens or a mirror of its own.
+fn special(optics: &Optics) -> String {
+    let lens = match &optics.lens {
+        Lens::Pinhole { frustum, distortion } if distortion.is_none() => opening(frustum),
+        Lens::Pinhole { frustum, .. } => format!("{}, a lens that distorts", opening(frustum)),
+        Lens::Fisheye(lens) => format!("a fisheye lens of {}", degrees(lens.aperture)),
+    };
+    let mirror = optics.mirror.map_or(String::new(), |mirror| {
+        format!(", before a mirror of radius {} m {}", number(mirror.radius), meters(mirror.center.to_array()))
+    });
+    format!("projector {}, {lens}{mirror}", meters(optics.pose.position.to_array()))
 }
 
 /// How an output is weighted, where it is.
@@ -203,7 +217,7 @@ pub fn json(rig: &Rig, window: (u32, u32), plan: &ViewPlan) -> Value {
         .map(|((output, place), views)| {
             let kind = match &output.kind {
                 OutputKind::Domemaster { .. } => "domemaster",
-                OutputKind::Projector { .. } => "projector",
+                OutputKind::Projector { .. } | OutputKind::Optics { .. } => "projector",
                 OutputKind::Perspective { .. } => "perspective",
             };
             let views: Vec<&str> = views.iter().map(|view| plan.views[*view].name.as_str()).collect();

@@ -1,5 +1,5 @@
-//! What leads libglvnd to Cupola: a folder with the library under the names that libglvnd asks for, and
-//! the variables that point there.
+//! What leads libglvnd and the Vulkan loader to Cupola: a folder with the library under the names that they ask
+//! for, and the variables that point there.
 
 use super::{Environment, library, probe};
 use crate::Failure;
@@ -9,6 +9,9 @@ use std::path::{Path, PathBuf};
 
 /// Where libglvnd looks for the list of EGL vendors.
 const EGL_VENDOR_FOLDERS: [&str; 2] = ["/etc/glvnd/egl_vendor.d", "/usr/share/glvnd/egl_vendor.d"];
+
+/// The layer's name, by which the Vulkan loader is asked for it.
+pub const VULKAN_LAYER: &str = "VK_LAYER_CUPOLA_dome";
 
 /// A private folder that is removed in the end.
 pub struct Scratch(PathBuf);
@@ -75,10 +78,11 @@ impl Loader {
         Self::temporary(&folder)
     }
 
-    /// The variables that make libglvnd use Cupola, for a program whose display `display` describes.
+    /// The variables that make libglvnd and the Vulkan loader use Cupola, for a program whose display `display` describes.
     pub fn environment(&self, display: &Environment) -> Result<Environment, Failure> {
         let mut environment = self.glx(display);
         environment.extend(self.egl()?);
+        environment.extend(self.vulkan()?);
         Ok(environment)
     }
 
@@ -135,6 +139,42 @@ impl Loader {
         Ok(vec![
             ("__EGL_VENDOR_LIBRARY_FILENAMES", Some(files.join(":".as_ref()))),
             ("CUPOLA_EGL_REAL", Some(vendors.join(":".as_ref()))),
+        ])
+    }
+
+    /// The Vulkan loader finds the layer's description in the folder; a layer that it cannot load it leaves out.
+    fn vulkan(&self) -> Result<Environment, Failure> {
+        if let Some(why) = library::refusal(&self.library, "vkNegotiateLoaderLayerInterfaceVersion") {
+            eprintln!("cupola: programs that use Vulkan will not be corrected: {}: {why}", self.library.display());
+            return Ok(Vec::new());
+        }
+        let file = self.folder.join("VkLayer_cupola.json");
+        let json = serde_json::json!({
+            "file_format_version": "1.1.2",
+            "layer": {
+                "name": VULKAN_LAYER,
+                "type": "GLOBAL",
+                "library_path": self.library.to_string_lossy(),
+                // Above every version that a program may ask for: loaders leave out layers that are older.
+                "api_version": "1.4.999",
+                "implementation_version": "1",
+                "description": "Puts the program on a dome",
+            },
+        });
+        std::fs::write(&file, json.to_string()).map_err(|error| cannot_write(&file, &error))?;
+        // Behind layers that the user asked for, such as the validation layer: nearer to the driver.
+        let list = |name: &str, own: OsString, own_first: bool| {
+            let rest = std::env::var_os(name).filter(|rest| !rest.is_empty());
+            let parts: Vec<OsString> = match rest {
+                Some(rest) if own_first => vec![own, rest],
+                Some(rest) => vec![rest, own],
+                None => vec![own],
+            };
+            Some(parts.join(":".as_ref()))
+        };
+        Ok(vec![
+            ("VK_ADD_LAYER_PATH", list("VK_ADD_LAYER_PATH", self.folder.clone().into(), true)),
+            ("VK_INSTANCE_LAYERS", list("VK_INSTANCE_LAYERS", VULKAN_LAYER.into(), false)),
         ])
     }
 }

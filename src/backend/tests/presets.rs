@@ -1,16 +1,12 @@
 //! Every preset, planned, prepared and compared with the exact source of each output.
 
-use super::headless;
-use crate::backend::gl::gpu_map;
-use crate::backend::gl::headless::Api;
+use super::Driver;
 use crate::correct::plan::build;
 use crate::rig;
 use crate::views::Request;
 use glam::DVec3;
 
-#[test]
-fn every_preset_shows_every_pixel() {
-    let context = headless(Api::Core);
+pub fn every_preset_shows_every_pixel(driver: &dyn Driver) {
     for preset in rig::presets() {
         let name = preset.name;
         let rig = rig::load(name).expect("a preset loads");
@@ -19,7 +15,7 @@ fn every_preset_shows_every_pixel() {
             Request { output_sizes: sizes, window: (320, 240), panel: false, primary: false, max_atlas: 8192 };
         let plan = build(&rig, &request).expect("a preset can be planned");
         for (index, pass) in plan.passes.iter().enumerate() {
-            let map = gpu_map(&context.gl, false, &plan, index).expect("the map");
+            let map = driver.map(&plan, index);
             let (mut worst, mut holes, mut ghosts) = (0.0f64, 0, 0);
             for (at, pixel) in map.iter().enumerate() {
                 let (column, row) = (at as u32 % pass.size.0, at as u32 / pass.size.0);

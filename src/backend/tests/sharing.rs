@@ -1,11 +1,8 @@
 //! Overlapping projectors share the light of each point: all of it, and no more.
 
-use super::canvas::{Canvas, Picture};
+use super::Driver;
+use super::picture::Picture;
 use super::plans::*;
-use super::{contexts, headless};
-use crate::backend::gl::api::GL_RGBA8;
-use crate::backend::gl::headless::Api;
-use crate::backend::gl::{GlBackend, Target, gpu_map};
 use crate::geom::{Frustum, Pose};
 use glam::DVec3;
 
@@ -48,15 +45,13 @@ fn others(projectors: &[Projector], index: usize) -> Vec<Projector> {
 /// there, and f32 cannot follow them closely. It is a hair's breadth.
 const MEAGRE: f64 = 0.05;
 
-#[test]
-fn shares_are_those_of_f64_and_add_up_to_1() {
+pub fn shares_are_those_of_f64_and_add_up_to_1(driver: &dyn Driver) {
     let projectors = projectors();
     // Where claims are ample, and everywhere.
     let (mut worst, mut overlapped, mut meagre) = ([0.0f64; 2], 0, 0);
-    let context = headless(Api::Core);
     for i in 0..3 {
         let plan = projector_plan(&projectors[i], &others(&projectors, i), SIZE);
-        let map = gpu_map(&context.gl, false, &plan, 0).expect("the map");
+        let map = driver.map(&plan, 0);
         for (at, pixel) in map.iter().enumerate() {
             let (x, y) = normalised(SIZE, at as u32 % SIZE.0, at as u32 / SIZE.0);
             let point = projectors[i].hit(x, y).expect("from inside every ray hits");
@@ -85,62 +80,48 @@ fn shares_are_those_of_f64_and_add_up_to_1() {
 
 /// Three projectors at one place with one opening: their pixels coincide, so that what the shaders
 /// compute can be added as light adds.
-#[test]
-fn what_the_shaders_compute_for_one_point_adds_up_to_1() {
-    for context in contexts() {
-        let frustum = Frustum::symmetric(60f64.to_radians(), 40f64.to_radians());
-        let base = Projector { pose: Pose::new(DVec3::new(0.1, 0.2, 0.6), 0.2, 0.1, 0.0), frustum, ramp: 0.3 };
-        let projectors = [base, Projector { ramp: 0.17, ..base }, Projector { ramp: 0.5, ..base }];
-        let maps: Vec<_> = (0..3)
-            .map(|i| {
-                let plan = projector_plan(&projectors[i], &others(&projectors, i), SIZE);
-                gpu_map(&context.gl, context.is_gles, &plan, 0).expect("the map")
-            })
-            .collect();
-        let sum = |i: usize| maps.iter().map(|map| f64::from(map[i].weight)).sum::<f64>();
-        let mut worst = [0.0f64; 2];
-        for i in 0..maps[0].len() {
-            let (x, y) = normalised(SIZE, i as u32 % SIZE.0, i as u32 / SIZE.0);
-            let claims = claims(&projectors, projectors[0].hit(x, y).expect("a hit"));
-            let error = (sum(i) - 1.0).abs();
-            worst[1] = worst[1].max(error);
-            // All ramps have reached 1.
-            if claims.iter().all(|c| *c >= 1.0) {
-                worst[0] = worst[0].max(error);
-            }
+pub fn what_the_shaders_compute_for_one_point_adds_up_to_1(driver: &dyn Driver) {
+    let frustum = Frustum::symmetric(60f64.to_radians(), 40f64.to_radians());
+    let base = Projector { pose: Pose::new(DVec3::new(0.1, 0.2, 0.6), 0.2, 0.1, 0.0), frustum, ramp: 0.3 };
+    let projectors = [base, Projector { ramp: 0.17, ..base }, Projector { ramp: 0.5, ..base }];
+    let maps: Vec<_> = (0..3)
+        .map(|i| {
+            let plan = projector_plan(&projectors[i], &others(&projectors, i), SIZE);
+            driver.map(&plan, 0)
+        })
+        .collect();
+    let sum = |i: usize| maps.iter().map(|map| f64::from(map[i].weight)).sum::<f64>();
+    let mut worst = [0.0f64; 2];
+    for i in 0..maps[0].len() {
+        let (x, y) = normalised(SIZE, i as u32 % SIZE.0, i as u32 / SIZE.0);
+        let claims = claims(&projectors, projectors[0].hit(x, y).expect("a hit"));
+        let error = (sum(i) - 1.0).abs();
+        worst[1] = worst[1].max(error);
+        // All ramps have reached 1.
+        if claims.iter().all(|c| *c >= 1.0) {
+            worst[0] = worst[0].max(error);
         }
-        println!("|sum of weights - 1|: {worst:?}");
-        assert!(worst[0] <= 2.5e-7 && worst[1] <= 5e-4, "{worst:?}");
-        // Negative control: two of the three are not all.
-        assert!((0..maps[0].len()).any(|i| sum(i) - f64::from(maps[2][i].weight) < 0.9));
     }
+    println!("|sum of weights - 1|: {worst:?}");
+    assert!(worst[0] <= 2.5e-7 && worst[1] <= 5e-4, "{worst:?}");
+    // Negative control: two of the three are not all.
+    assert!((0..maps[0].len()).any(|i| sum(i) - f64::from(maps[2][i].weight) < 0.9));
 }
 
-#[test]
-fn in_8_bits_the_sum_of_two_stays_within_the_quantisation() {
-    for context in contexts() {
-        let gl = &context.gl;
-        let frustum = Frustum::symmetric(60f64.to_radians(), 40f64.to_radians());
-        let base = Projector { pose: Pose::new(DVec3::new(0.1, 0.2, 0.6), 0.2, 0.1, 0.0), frustum, ramp: 0.3 };
-        let projectors = [base, Projector { ramp: 0.5, ..base }];
-        let pictures: Vec<Picture> = (0..2)
-            .map(|i| {
-                let plan = projector_plan(&projectors[i], &others(&projectors, i), SIZE);
-                let texture = Picture::new(plan.views.atlas, |_, _| [255; 4]).texture(gl, GL_RGBA8);
-                let mut backend = GlBackend::new(gl, context.is_gles).expect("a backend");
-                backend.prepare(gl, &plan, false).expect("shaders");
-                let canvas = Canvas::new(gl, SIZE);
-                let target = Target { framebuffer: canvas.framebuffer, viewport: canvas.viewport() };
-                backend.present(gl, texture, &[target]);
-                backend.destroy(gl);
-                canvas.read(gl)
-            })
-            .collect();
-        let light = |i: usize| pictures.iter().map(|p| (f64::from(p.pixels[i][0]) / 255.0).powf(2.2)).sum::<f64>();
-        let errors: Vec<f64> = (0..pictures[0].pixels.len()).map(|i| (light(i) - 1.0).abs()).collect();
-        let worst = errors.iter().copied().fold(0.0, f64::max);
-        let rms = (errors.iter().map(|e| e * e).sum::<f64>() / errors.len() as f64).sqrt();
-        println!("8 bits: max {worst:.5}, rms {rms:.5}");
-        assert!(worst <= 0.006 && rms <= 0.0025, "{worst} {rms}");
-    }
+pub fn in_8_bits_the_sum_of_two_stays_within_the_quantisation(driver: &dyn Driver) {
+    let frustum = Frustum::symmetric(60f64.to_radians(), 40f64.to_radians());
+    let base = Projector { pose: Pose::new(DVec3::new(0.1, 0.2, 0.6), 0.2, 0.1, 0.0), frustum, ramp: 0.3 };
+    let projectors = [base, Projector { ramp: 0.5, ..base }];
+    let pictures: Vec<Picture> = (0..2)
+        .map(|i| {
+            let plan = projector_plan(&projectors[i], &others(&projectors, i), SIZE);
+            driver.show(&plan, false, &Picture::new(plan.views.atlas, |_, _| [255; 4]))
+        })
+        .collect();
+    let light = |i: usize| pictures.iter().map(|p| (f64::from(p.pixels[i][0]) / 255.0).powf(2.2)).sum::<f64>();
+    let errors: Vec<f64> = (0..pictures[0].pixels.len()).map(|i| (light(i) - 1.0).abs()).collect();
+    let worst = errors.iter().copied().fold(0.0, f64::max);
+    let rms = (errors.iter().map(|e| e * e).sum::<f64>() / errors.len() as f64).sqrt();
+    println!("8 bits: max {worst:.5}, rms {rms:.5}");
+    assert!(worst <= 0.006 && rms <= 0.0025, "{worst} {rms}");
 }

@@ -1,10 +1,9 @@
 //! What the shaders compute, against f64.
 
+use super::Driver;
 use super::plans::*;
-use super::{contexts, headless};
-use crate::backend::gl::headless::Api;
-use crate::backend::gl::{MapPixel, gpu_map};
 use crate::correct::Plan;
+use crate::correct::map::MapPixel;
 use crate::geom::Frustum;
 use glam::DVec3;
 
@@ -52,13 +51,11 @@ fn compare(
     found
 }
 
-#[test]
-fn fisheye_180_at_4096() {
+pub fn fisheye_180_at_4096(driver: &dyn Driver) {
     let size = (4096, 4096);
     let aperture = std::f64::consts::PI;
     let plan = fisheye_plan(size, aperture, DVec3::ZERO);
-    let context = headless(Api::Core);
-    let map = gpu_map(&context.gl, false, &plan, 0).expect("the map");
+    let map = driver.map(&plan, 0);
     let pixel = aperture / 4096.0;
     let found = compare(&map, size.0, 3, |c, r| fisheye_direction(&plan, size, c, r), |_, _| pixel);
     println!("fisheye 180° at 4096²: {found:?}");
@@ -71,20 +68,17 @@ fn fisheye_180_at_4096() {
     assert!(compare(&map, size.0, 997, aside, |_, _| pixel).worst > 0.2);
 }
 
-#[test]
-fn wide_fisheyes_not_square_and_off_centre() {
-    for context in contexts() {
-        for (degrees, offset) in [(210.0f64, DVec3::ZERO), (240.0, DVec3::new(0.3, -0.4, 0.2)), (360.0, DVec3::ZERO)] {
-            let size = (640, 512);
-            let aperture = degrees.to_radians();
-            let plan = fisheye_plan(size, aperture, offset);
-            let map = gpu_map(&context.gl, context.is_gles, &plan, 0).expect("the map");
-            // Off the centre a pixel spans as little as 1/(1 + |offset|) of its angle.
-            let pixel = aperture / 512.0 / (1.0 + offset.length());
-            let found = compare(&map, size.0, 1, |c, r| fisheye_direction(&plan, size, c, r), |_, _| pixel);
-            println!("fisheye {degrees}°: {found:?}");
-            assert!(found.worst <= 0.002 && found.not_finite == 0 && found.disagreements < 4, "{degrees}°: {found:?}");
-        }
+pub fn wide_fisheyes_not_square_and_off_centre(driver: &dyn Driver) {
+    for (degrees, offset) in [(210.0f64, DVec3::ZERO), (240.0, DVec3::new(0.3, -0.4, 0.2)), (360.0, DVec3::ZERO)] {
+        let size = (640, 512);
+        let aperture = degrees.to_radians();
+        let plan = fisheye_plan(size, aperture, offset);
+        let map = driver.map(&plan, 0);
+        // Off the centre a pixel spans as little as 1/(1 + |offset|) of its angle.
+        let pixel = aperture / 512.0 / (1.0 + offset.length());
+        let found = compare(&map, size.0, 1, |c, r| fisheye_direction(&plan, size, c, r), |_, _| pixel);
+        println!("fisheye {degrees}°: {found:?}");
+        assert!(found.worst <= 0.002 && found.not_finite == 0 && found.disagreements < 4, "{degrees}°: {found:?}");
     }
 }
 
@@ -106,14 +100,12 @@ fn compare_projector(map: &[MapPixel], projector: &Projector, size: (u32, u32), 
     compare(map, size.0, step, exact, pixel)
 }
 
-#[test]
-fn projectors_from_near_the_centre_to_near_the_screen() {
-    let context = headless(Api::Core);
+pub fn projectors_from_near_the_centre_to_near_the_screen(driver: &dyn Driver) {
     for (size, bound) in [((1920, 1080), 0.001), ((3840, 2160), 0.002)] {
         for distance in [0.3, 0.6, 0.9] {
             let projector = Projector::at(distance);
             let plan = projector_plan(&projector, &[], size);
-            let map = gpu_map(&context.gl, false, &plan, 0).expect("the map");
+            let map = driver.map(&plan, 0);
             let found = compare_projector(&map, &projector, size, 3);
             println!("projector at {distance} R, {size:?}: {found:?}");
             assert!(found.worst <= bound && found.not_finite == 0 && found.disagreements == 0, "{distance}: {found:?}");
@@ -125,9 +117,7 @@ fn projectors_from_near_the_centre_to_near_the_screen() {
     }
 }
 
-#[test]
-fn projectors_outside_however_far() {
-    let context = headless(Api::Core);
+pub fn projectors_outside_however_far(driver: &dyn Driver) {
     let size = (1920, 1080);
     for distance in [0.97, 2.0, 10.0, 1e3, 1e6] {
         let half = 0.5 / f64::max(distance, 1.0);
@@ -137,34 +127,30 @@ fn projectors_outside_however_far() {
             ramp: 0.2,
         };
         let plan = projector_plan(&projector, &[], size);
-        let map = gpu_map(&context.gl, false, &plan, 0).expect("the map");
+        let map = driver.map(&plan, 0);
         let found = compare_projector(&map, &projector, size, 7);
         println!("projector at {distance} R: {found:?}");
         assert!(found.worst <= 0.004 && found.not_finite == 0 && found.disagreements == 0, "{distance}: {found:?}");
     }
 }
 
-#[test]
-fn several_views_and_one_agree() {
-    for context in contexts() {
-        let size = (640, 480);
-        let projector = Projector::at(0.6);
-        let mut plan = projector_plan(&projector, &[], size);
-        plan.views = cube_views(700, viewer().rotation);
-        plan.passes[0].batches[0].views = (0..6).collect();
-        for edge in [false, true] {
-            plan.passes[0].batches[0].edge = edge;
-            let map = gpu_map(&context.gl, context.is_gles, &plan, 0).expect("the map");
-            let found = compare_projector(&map, &projector, size, 1);
-            assert!(found.worst <= 0.001 && found.not_finite == 0 && found.disagreements == 0, "{found:?}");
-            let used: std::collections::BTreeSet<_> = map.iter().map(|p| p.view).collect();
-            assert!(used.len() >= 2, "only {used:?}");
-        }
+pub fn several_views_and_one_agree(driver: &dyn Driver) {
+    let size = (640, 480);
+    let projector = Projector::at(0.6);
+    let mut plan = projector_plan(&projector, &[], size);
+    plan.views = cube_views(700, viewer().rotation);
+    plan.passes[0].batches[0].views = (0..6).collect();
+    for edge in [false, true] {
+        plan.passes[0].batches[0].edge = edge;
+        let map = driver.map(&plan, 0);
+        let found = compare_projector(&map, &projector, size, 1);
+        assert!(found.worst <= 0.001 && found.not_finite == 0 && found.disagreements == 0, "{found:?}");
+        let used: std::collections::BTreeSet<_> = map.iter().map(|p| p.view).collect();
+        assert!(used.len() >= 2, "only {used:?}");
     }
 }
 
-#[test]
-fn a_projector_outside_misses_around_the_sphere() {
+pub fn a_projector_outside_misses_around_the_sphere(driver: &dyn Driver) {
     let size = (640, 480);
     let mut projector = Projector::at(3.0);
     projector.pose = crate::geom::Pose::new(DVec3::new(0.0, 0.0, 3.0), 0.0, 0.0, 0.0);
@@ -173,18 +159,15 @@ fn a_projector_outside_misses_around_the_sphere() {
     plan.views = cube_views(700, viewer().rotation);
     plan.passes[0].batches[0].views = (0..6).collect();
     plan.passes[0].batches[0].edge = true;
-    for context in contexts() {
-        let map = gpu_map(&context.gl, context.is_gles, &plan, 0).expect("the map");
-        let found = compare(&map, size.0, 1, |c, r| projector_direction(&projector, size, c, r), |_, _| 1e-3);
-        assert!(map[0].view.is_none() && map[size.0 as usize * 240 + 320].view.is_some());
-        // Within f32's rounding of the silhouette.
-        assert!(found.disagreements < 4 && found.not_finite == 0, "{found:?}");
-        assert!(map.iter().all(|p| p.view.is_none() == p.direction[0].is_nan()));
-    }
+    let map = driver.map(&plan, 0);
+    let found = compare(&map, size.0, 1, |c, r| projector_direction(&projector, size, c, r), |_, _| 1e-3);
+    assert!(map[0].view.is_none() && map[size.0 as usize * 240 + 320].view.is_some());
+    // Within f32's rounding of the silhouette.
+    assert!(found.disagreements < 4 && found.not_finite == 0, "{found:?}");
+    assert!(map.iter().all(|p| p.view.is_none() == p.direction[0].is_nan()));
 }
 
-#[test]
-fn a_perspective_picture() {
+pub fn a_perspective_picture(driver: &dyn Driver) {
     let size = (300, 200);
     let frustum = Frustum { left: -0.7, right: 1.1, bottom: -0.6, top: 0.3 };
     let turn = crate::geom::Pose::new(DVec3::ZERO, 0.4, 0.2, 0.1).rotation;
@@ -194,9 +177,7 @@ fn a_perspective_picture() {
         let (x, y) = normalised(size, c, r);
         Some((turn * frustum.rays() * DVec3::new(x, y, 1.0)).normalize())
     };
-    for context in contexts() {
-        let map = gpu_map(&context.gl, context.is_gles, &plan, 0).expect("the map");
-        let found = compare(&map, size.0, 1, exact, |_, _| 1.8 / 300.0);
-        assert!(found.worst < 0.001 && found.disagreements == 0, "{found:?}");
-    }
+    let map = driver.map(&plan, 0);
+    let found = compare(&map, size.0, 1, exact, |_, _| 1.8 / 300.0);
+    assert!(found.worst < 0.001 && found.disagreements == 0, "{found:?}");
 }

@@ -1,0 +1,107 @@
+//! WGSL → SPIR-V for Vulkan, at build time.
+//!
+//! The uniform block of a pass becomes a private variable with a constant initialiser. Each of its
+//! scalars is built as a marker, a number that nothing else in the module has; the places of the markers
+//! are written down, and the values are put in there at run time (see `src/correct/spirv.rs`).
+
+use naga::back::spv;
+use naga::valid::{Capabilities, ValidationFlags, Validator};
+use naga::{AddressSpace, ArraySize, Expression, Handle, Literal, Module, ScalarKind, Span, Type, TypeInner};
+use std::fmt::Write;
+
+/// Bits of the first marker of either kind: odd numbers that no shader contains.
+const FLOAT_MARKER: u32 = 0x7134_5000;
+const UINT_MARKER: u32 = 0x9a34_5000;
+
+/// SPIR-V's instructions that define a 32-bit constant, in one word: length 4, opcode 43.
+const OP_CONSTANT: u32 = 4 << 16 | 43;
+
+/// Appends the modules of one pass as Rust source.
+pub fn pass(name: &str, entries: &[&str], module: &Module, out: &mut String) {
+    write!(out, "PassModules {{ pass: Pass::{name}, vertex: &{:?}, fragments: &[", emit(module, "rectangle_down").0)
+        .expect("writing to a String");
+    for entry in entries {
+        let (words, slots) = emit(module, entry);
+        let stage = if *entry == "map" { "Map" } else { "Present" };
+        write!(out, "FragmentModule {{ stage: Stage::{stage}, words: &{words:?}, slots: &{slots:?} }},")
+            .expect("writing to a String");
+    }
+    out.push_str("]},\n");
+}
+
+/// The words of one entry point, and for each scalar of the constants its place and whether it is unsigned.
+fn emit(module: &Module, entry: &str) -> (Vec<u32>, Vec<(usize, bool)>) {
+    let mut module = module.clone();
+    module.entry_points.retain(|point| point.name == entry);
+    let mut markers = Vec::new();
+    fill_constants(&mut module, &mut markers);
+    naga::compact::compact(&mut module, naga::compact::KeepUnused::No);
+    let info = Validator::new(ValidationFlags::all(), Capabilities::default())
+        .validate(&module)
+        .unwrap_or_else(|e| panic!("shaders: {entry} as SPIR-V: {e:?}"));
+    // No coordinate adjustment: we own the Y direction.
+    let options = spv::Options { lang_version: (1, 0), flags: spv::WriterFlags::empty(), ..Default::default() };
+    let words = spv::write_vec(&module, &info, &options, None).unwrap_or_else(|e| panic!("shaders: {entry}: {e}"));
+    let slots = if module.global_variables.iter().any(|(_, v)| v.space == AddressSpace::Private) {
+        markers.into_iter().map(|(bits, unsigned)| (place(&words, bits, entry), unsigned)).collect()
+    } else {
+        Vec::new()
+    };
+    (words, slots)
+}
+
+/// Makes the uniform `constants`, if there is one, a private variable whose initialiser has a marker for each scalar.
+fn fill_constants(module: &mut Module, markers: &mut Vec<(u32, bool)>) {
+    let found = module.global_variables.iter().find(|(_, v)| v.name.as_deref() == Some("constants"));
+    let Some((variable, ty)) = found.map(|(handle, v)| (handle, v.ty)) else { return };
+    let initialiser = marked(module, ty, markers);
+    let variable = module.global_variables.get_mut(variable);
+    variable.space = AddressSpace::Private;
+    variable.binding = None;
+    variable.init = Some(initialiser);
+}
+
+/// A constant of type `ty` made of new markers, in the order of a GLSL constructor.
+fn marked(module: &mut Module, ty: Handle<Type>, markers: &mut Vec<(u32, bool)>) -> Handle<Expression> {
+    let number = markers.len() as u32;
+    let parts: Vec<Handle<Expression>> = match module.types[ty].inner.clone() {
+        TypeInner::Scalar(scalar) => {
+            let unsigned = scalar.kind == ScalarKind::Uint;
+            let bits = if unsigned { UINT_MARKER } else { FLOAT_MARKER } + number;
+            markers.push((bits, unsigned));
+            let literal = if unsigned { Literal::U32(bits) } else { Literal::F32(f32::from_bits(bits)) };
+            return module.global_expressions.append(Expression::Literal(literal), Span::UNDEFINED);
+        }
+        TypeInner::Vector { size, scalar } => {
+            let scalar = anonymous(module, TypeInner::Scalar(scalar));
+            (0..size as usize).map(|_| marked(module, scalar, markers)).collect()
+        }
+        TypeInner::Matrix { columns, rows, scalar } => {
+            let column = anonymous(module, TypeInner::Vector { size: rows, scalar });
+            (0..columns as usize).map(|_| marked(module, column, markers)).collect()
+        }
+        TypeInner::Array { base, size: ArraySize::Constant(count), .. } => {
+            (0..count.get()).map(|_| marked(module, base, markers)).collect()
+        }
+        TypeInner::Struct { members, .. } => members.iter().map(|member| marked(module, member.ty, markers)).collect(),
+        other => panic!("shaders: a type that constants cannot have: {other:?}"),
+    };
+    module.global_expressions.append(Expression::Compose { ty, components: parts }, Span::UNDEFINED)
+}
+
+fn anonymous(module: &mut Module, inner: TypeInner) -> Handle<Type> {
+    module.types.insert(Type { name: None, inner }, Span::UNDEFINED)
+}
+
+/// Where the value of the one constant with these bits is.
+fn place(words: &[u32], bits: u32, entry: &str) -> usize {
+    let mut found = None;
+    let mut at = 5;
+    while at < words.len() {
+        if words[at] == OP_CONSTANT && words[at + 3] == bits {
+            assert!(found.replace(at + 3).is_none(), "shaders: {entry}: two constants {bits:#x}");
+        }
+        at += (words[at] >> 16) as usize;
+    }
+    found.unwrap_or_else(|| panic!("shaders: {entry}: no constant {bits:#x}"))
+}

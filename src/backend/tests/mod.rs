@@ -1,0 +1,63 @@
+//! What every backend is tested with: the same plans, pictures and bounds, whatever the graphics API.
+
+pub mod accuracy;
+pub mod picture;
+pub mod plans;
+pub mod present;
+pub mod presets;
+pub mod quality;
+pub mod sharing;
+
+use crate::correct::Plan;
+use crate::correct::map::MapPixel;
+use picture::Picture;
+
+/// A backend on a driver.
+pub trait Driver {
+    /// The map of an output, row 0 at the top.
+    fn map(&self, plan: &Plan, output: usize) -> Vec<MapPixel>;
+    /// Prepares, presents once into a target of the first output's size, and gives what is shown. Nothing may go wrong.
+    fn show(&self, plan: &Plan, panel: bool, atlas: &Picture) -> Picture;
+}
+
+/// A module of tests for each file of cases: all of them on each of `$drivers`, an expression that gives an iterator.
+macro_rules! run_cases {
+    ($drivers:expr; $($module:ident: $($case:ident),+;)+) => {
+        $(mod $module {
+            $(#[test]
+            fn $case() {
+                for driver in $drivers {
+                    $crate::backend::tests::$module::$case(&driver);
+                }
+            })+
+        })+
+    };
+}
+
+/// [`run_cases`] with all there are.
+macro_rules! run_all_cases {
+    ($drivers:expr) => {
+        $crate::backend::tests::run_cases! { $drivers;
+            accuracy:
+                fisheye_180_at_4096,
+                wide_fisheyes_not_square_and_off_centre,
+                projectors_from_near_the_centre_to_near_the_screen,
+                projectors_outside_however_far,
+                several_views_and_one_agree,
+                a_projector_outside_misses_around_the_sphere,
+                a_perspective_picture;
+            present:
+                a_picture_1_to_1_is_copied_exactly,
+                a_fisheye_shows_the_world_and_black_around_it,
+                mask_ramps_black_level_and_response,
+                the_panel_lies_over_the_scene;
+            presets: every_preset_shows_every_pixel;
+            sharing:
+                shares_are_those_of_f64_and_add_up_to_1,
+                what_the_shaders_compute_for_one_point_adds_up_to_1,
+                in_8_bits_the_sum_of_two_stays_within_the_quantisation;
+        }
+    };
+}
+
+pub(super) use {run_all_cases, run_cases};

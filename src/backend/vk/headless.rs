@@ -1,0 +1,138 @@
+//! A device of our own, without a window: for tests, measurements and `cupola doctor`.
+
+use super::api::{Api, refused};
+use crate::error::{Error, ErrorKind, Result};
+use ash::vk;
+use libloading::Library;
+use std::ffi::CStr;
+
+/// A device with one queue and one command buffer, until it is dropped.
+pub struct Headless {
+    /// The device's functions.
+    pub api: Api,
+    /// What the driver calls itself.
+    pub driver: String,
+    queue: vk::Queue,
+    pool: vk::CommandPool,
+    commands: vk::CommandBuffer,
+    instance: ash::Instance,
+    // Keeps the functions above valid; last, so that it goes last.
+    _library: Library,
+}
+
+impl Headless {
+    /// Opens the first device that can draw. `layers`: layers to enable.
+    ///
+    /// # Errors
+    /// [`ErrorKind::Graphics`] where there is no Vulkan, no device, or not these layers; the message says which.
+    pub fn new(layers: &[&CStr]) -> Result<Self> {
+        // SAFETY: the loader's initialisers are those that every Vulkan program runs.
+        let library = unsafe { Library::new("libvulkan.so.1") }.map_err(|error| {
+            graphics(format!("There is no Vulkan here: libvulkan.so.1 cannot be loaded ({error})."))
+        })?;
+        // SAFETY: the name's type is that of the Vulkan specification; the library stays loaded.
+        let entry = unsafe {
+            let get_instance_proc_addr = *library
+                .get(b"vkGetInstanceProcAddr\0")
+                .map_err(|error| graphics(format!("libvulkan.so.1 is incomplete: {error}.")))?;
+            ash::Entry::from_static_fn(ash::StaticFn { get_instance_proc_addr })
+        };
+        let names: Vec<_> = layers.iter().map(|name| name.as_ptr()).collect();
+        let application = vk::ApplicationInfo::default().api_version(vk::API_VERSION_1_0);
+        let info = vk::InstanceCreateInfo::default().application_info(&application).enabled_layer_names(&names);
+        // SAFETY: the structures are complete and live during the call.
+        let instance = unsafe { entry.create_instance(&info, None) }.map_err(refused("an instance"))?;
+        match Self::open(&instance) {
+            Ok((api, driver, queue, pool, commands)) => {
+                Ok(Self { api, driver, queue, pool, commands, instance, _library: library })
+            }
+            Err(error) => {
+                // SAFETY: ours, and without children.
+                unsafe { instance.destroy_instance(None) };
+                Err(error)
+            }
+        }
+    }
+
+    fn open(instance: &ash::Instance) -> Result<(Api, String, vk::Queue, vk::CommandPool, vk::CommandBuffer)> {
+        // SAFETY: the instance is live.
+        let devices = unsafe { instance.enumerate_physical_devices() }.map_err(refused("to list devices"))?;
+        let drawing = |device: &vk::PhysicalDevice| {
+            // SAFETY: the device is one of the instance's.
+            let families = unsafe { instance.get_physical_device_queue_family_properties(*device) };
+            families.iter().position(|family| family.queue_flags.contains(vk::QueueFlags::GRAPHICS))
+        };
+        let (physical, family) = devices
+            .iter()
+            .find_map(|device| Some((*device, drawing(device)? as u32)))
+            .ok_or_else(|| graphics("Vulkan lists no device that can draw: no driver is installed.".into()))?;
+        let queues = [vk::DeviceQueueCreateInfo::default().queue_family_index(family).queue_priorities(&[1.0])];
+        let info = vk::DeviceCreateInfo::default().queue_create_infos(&queues);
+        // SAFETY: the structures are complete; the names are those of the specification.
+        unsafe {
+            let properties = instance.get_physical_device_properties(physical);
+            let version = properties.api_version;
+            let (major, minor) = (vk::api_version_major(version), vk::api_version_minor(version));
+            let name = properties.device_name_as_c_str().unwrap_or_default().to_string_lossy().into_owned();
+            let device = instance.create_device(physical, &info, None).map_err(refused("a device"))?;
+            let queue = device.get_device_queue(family, 0);
+            let commands = Self::commands(&device, family).inspect_err(|_| device.destroy_device(None))?;
+            let api = Api::new(instance, physical, &device);
+            Ok((api, format!("{name}, Vulkan {major}.{minor}"), queue, commands.0, commands.1))
+        }
+    }
+
+    fn commands(device: &ash::Device, family: u32) -> Result<(vk::CommandPool, vk::CommandBuffer)> {
+        let flags = vk::CommandPoolCreateFlags::RESET_COMMAND_BUFFER;
+        let info = vk::CommandPoolCreateInfo::default().queue_family_index(family).flags(flags);
+        // SAFETY: the device is live.
+        let pool = unsafe { device.create_command_pool(&info, None) }.map_err(refused("a command pool"))?;
+        let info = vk::CommandBufferAllocateInfo::default().command_pool(pool).command_buffer_count(1);
+        // SAFETY: as above.
+        match unsafe { device.allocate_command_buffers(&info) } {
+            Ok(buffers) => Ok((pool, buffers[0])),
+            Err(result) => {
+                // SAFETY: ours.
+                unsafe { device.destroy_command_pool(pool, None) };
+                Err(refused("a command buffer")(result))
+            }
+        }
+    }
+
+    /// Records commands, submits them, and waits until they are done.
+    ///
+    /// # Errors
+    /// What `record` or the device says.
+    pub fn run(&self, record: impl FnOnce(vk::CommandBuffer) -> Result<()>) -> Result<()> {
+        let device = &self.api.device;
+        let once = vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT;
+        let buffers = [self.commands];
+        let submits = [vk::SubmitInfo::default().command_buffers(&buffers)];
+        // SAFETY: the command buffer is ours and not pending, since every run is waited for.
+        unsafe {
+            device
+                .begin_command_buffer(self.commands, &vk::CommandBufferBeginInfo::default().flags(once))
+                .map_err(refused("to record"))?;
+            let recorded = record(self.commands);
+            device.end_command_buffer(self.commands).map_err(refused("to end recording"))?;
+            recorded?;
+            device.queue_submit(self.queue, &submits, vk::Fence::null()).map_err(refused("to submit"))?;
+            device.queue_wait_idle(self.queue).map_err(refused("to wait"))
+        }
+    }
+}
+
+impl Drop for Headless {
+    fn drop(&mut self) {
+        // SAFETY: all are ours; nothing is pending.
+        unsafe {
+            self.api.device.destroy_command_pool(self.pool, None);
+            self.api.device.destroy_device(None);
+            self.instance.destroy_instance(None);
+        }
+    }
+}
+
+fn graphics(message: String) -> Error {
+    Error::new(ErrorKind::Graphics, message)
+}

@@ -1,0 +1,21 @@
+//! Vulkan.
+//!
+//! Only functions of Vulkan 1.0 are called and no feature or extension has to be enabled: the device is
+//! the program's, which may have enabled little.
+
+pub mod api;
+pub mod headless;
+mod images;
+mod map;
+mod memory;
+mod passes;
+mod program;
+
+pub use api::Api;
+pub use ash;
+pub use images::{SourceImage, TargetImage};
+pub use map::gpu_map;
+pub use passes::VkBackend;
+
+#[cfg(test)]
+mod tests;

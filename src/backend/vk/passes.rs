@@ -1,0 +1,444 @@
+//! Runs a plan in the program's command buffers: one draw for each batch of rectangles, one for what is black.
+
+use super::api::{Api, refused};
+use super::images::{SourceImage, TargetImage, barrier};
+use super::memory::{Buffer, Image};
+use super::program::Common;
+use crate::correct::draws::{Rows, draws};
+use crate::correct::plan::OutputPass;
+use crate::correct::shaders::Stage;
+use crate::correct::spirv::{Modules, binding, specialise};
+use crate::correct::{Plan, Source};
+use crate::error::{Error, ErrorKind, Result};
+use ash::vk;
+use std::collections::HashMap;
+use std::mem::take;
+
+/// One draw call.
+#[derive(Clone, Copy, Debug)]
+struct Draw {
+    pipeline: vk::Pipeline,
+    first: u32,
+    count: u32,
+    nearest: bool,
+}
+
+/// What one output needs.
+#[derive(Debug, Default)]
+struct Output {
+    size: (u32, u32),
+    draws: Vec<Draw>,
+    /// Index into the textures.
+    mask: Option<usize>,
+    table: Option<usize>,
+}
+
+/// A mask or a table, and where its values wait in the staging buffer.
+struct Texture {
+    image: Image,
+    size: (u32, u32),
+    offset: u64,
+}
+
+/// A picture with views, and its descriptors.
+struct Bound {
+    image: SourceImage,
+    /// For each output: linear, nearest.
+    sets: Vec<[vk::DescriptorSet; 2]>,
+}
+
+/// The correction on one device.
+///
+/// Everything but [`VkBackend::record`] needs that no command buffer that it recorded is pending. Dropping it
+/// destroys nothing: [`VkBackend::destroy`] does, as long as the device lives.
+pub struct VkBackend {
+    api: Api,
+    stage: Stage,
+    format: vk::Format,
+    common: Common,
+    pipelines: HashMap<Modules, vk::Pipeline>,
+    vertices: Buffer,
+    staging: Buffer,
+    textures: Vec<Texture>,
+    /// The textures have to be filled by the next command buffer.
+    upload: bool,
+    outputs: Vec<Output>,
+    atlas: (u32, u32),
+    pool: vk::DescriptorPool,
+    sources: Vec<Bound>,
+    targets: Vec<(TargetImage, vk::Framebuffer)>,
+}
+
+impl VkBackend {
+    /// A backend with nothing prepared.
+    pub fn new(api: &Api) -> Self {
+        Self::for_stage(api, Stage::Present)
+    }
+
+    /// As [`VkBackend::new`], with another last stage.
+    pub(super) fn for_stage(api: &Api, stage: Stage) -> Self {
+        Self {
+            api: api.clone(),
+            stage,
+            format: vk::Format::UNDEFINED,
+            common: Common::default(),
+            pipelines: HashMap::new(),
+            vertices: Buffer::default(),
+            staging: Buffer::default(),
+            textures: Vec::new(),
+            upload: false,
+            outputs: Vec::new(),
+            atlas: (0, 0),
+            pool: vk::DescriptorPool::null(),
+            sources: Vec::new(),
+            targets: Vec::new(),
+        }
+    }
+
+    /// Makes all pipelines of `plan` for targets of `format`, and its vertices, masks and tables. `panel`: the flat
+    /// panel is shown where the plan has one. Sources and targets have to be set anew. Takes milliseconds per
+    /// batch: for changes of rig or size only. After an error nothing is prepared.
+    ///
+    /// The command buffer that is recorded next fills masks and tables: it has to be submitted before later ones.
+    ///
+    /// # Errors
+    /// [`ErrorKind::Graphics`] where the device refuses something; [`ErrorKind::Internal`] where the plan exceeds
+    /// what shaders take.
+    pub fn prepare(&mut self, plan: &Plan, panel: bool, format: vk::Format) -> Result<()> {
+        self.prepare_passes(plan, &plan.passes, panel, format)
+    }
+
+    /// As [`VkBackend::prepare`] for some of the plan's outputs.
+    pub(super) fn prepare_passes(
+        &mut self,
+        plan: &Plan,
+        passes: &[OutputPass],
+        panel: bool,
+        format: vk::Format,
+    ) -> Result<()> {
+        self.forget();
+        if format != self.format {
+            self.destroy();
+        }
+        let result = self.build(plan, passes, panel, format);
+        if result.is_err() {
+            self.destroy();
+        }
+        result
+    }
+
+    fn build(&mut self, plan: &Plan, passes: &[OutputPass], panel: bool, format: vk::Format) -> Result<()> {
+        let list = draws(plan, passes, panel, Rows::FromTop)?;
+        if self.format != format {
+            self.common = Common::new(&self.api, format)?;
+            self.format = format;
+        }
+        self.atlas = plan.views.atlas;
+        let bytes: Vec<u8> = list.vertices.iter().flat_map(|v| v.to_ne_bytes()).collect();
+        self.vertices = Buffer::new(&self.api, bytes.len(), vk::BufferUsageFlags::VERTEX_BUFFER)?;
+        self.vertices.write(&self.api, 0, &bytes)?;
+        let mut old = take(&mut self.pipelines);
+        let result = passes.iter().zip(&list.outputs).try_for_each(|(pass, draws)| {
+            let mut output = Output { size: pass.size, ..Output::default() };
+            for draw in draws {
+                let modules = specialise(&draw.constants, self.stage);
+                let known = self.pipelines.get(&modules).copied().or_else(|| old.remove(&modules));
+                let pipeline = known.map_or_else(|| self.common.pipeline(&self.api, &modules), Ok)?;
+                self.pipelines.insert(modules, pipeline);
+                output.draws.push(Draw { pipeline, first: draw.first, count: draw.count, nearest: draw.nearest });
+            }
+            self.outputs.push(output);
+            Ok(())
+        });
+        for pipeline in old.into_values() {
+            // SAFETY: ours, and nothing is pending.
+            unsafe { self.api.device.destroy_pipeline(pipeline, None) };
+        }
+        result?;
+        self.stage_textures(passes)
+    }
+
+    /// Makes masks and tables, and puts their values where the next command buffer takes them from.
+    fn stage_textures(&mut self, passes: &[OutputPass]) -> Result<()> {
+        let mut bytes: Vec<u8> = Vec::new();
+        for (pass, output) in passes.iter().zip(&mut self.outputs) {
+            let mut add = |format, size, values: Vec<u8>| -> Result<usize> {
+                let usage = vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST;
+                // A table's texel has 16 bytes, which copies need to be aligned to.
+                bytes.resize(bytes.len().next_multiple_of(16), 0);
+                let image = Image::new(&self.api, format, size, usage)?;
+                self.textures.push(Texture { image, size, offset: bytes.len() as u64 });
+                bytes.extend(values);
+                Ok(self.textures.len() - 1)
+            };
+            if let Some(mask) = &pass.mask {
+                let filtered = vk::FormatFeatureFlags::SAMPLED_IMAGE_FILTER_LINEAR;
+                let size = (mask.width, mask.height);
+                output.mask = Some(if self.api.features(vk::Format::R16_UNORM).contains(filtered) {
+                    let values = mask.weights.iter().flat_map(|w| w.to_ne_bytes()).collect();
+                    add(vk::Format::R16_UNORM, size, values)?
+                } else {
+                    // Every device has 8 bits; half a code of a weight is lost.
+                    let values = mask.weights.iter().map(|w| ((u32::from(*w) + 128) / 257) as u8).collect();
+                    add(vk::Format::R8_UNORM, size, values)?
+                });
+            }
+            if let Source::Table(table) = &pass.source {
+                let values = table.texels().as_flattened().iter().flat_map(|v| v.to_ne_bytes()).collect();
+                output.table = Some(add(vk::Format::R32G32B32A32_SFLOAT, table.size(), values)?);
+            }
+        }
+        self.upload = !self.textures.is_empty();
+        if self.upload {
+            self.staging = Buffer::new(&self.api, bytes.len(), vk::BufferUsageFlags::TRANSFER_SRC)?;
+            self.staging.write(&self.api, 0, &bytes)?;
+        }
+        Ok(())
+    }
+
+    /// Says which pictures with views there are, for [`VkBackend::record`] to choose from. Former ones are forgotten.
+    ///
+    /// # Errors
+    /// [`ErrorKind::InvalidArgument`] for an image that is not as [`SourceImage`] says; [`ErrorKind::Graphics`]
+    /// where the device cannot filter its format, or refuses something.
+    pub fn set_sources(&mut self, images: &[SourceImage]) -> Result<()> {
+        self.expect_prepared()?;
+        images.iter().try_for_each(|image| image.check(&self.api, self.atlas))?;
+        self.forget_sources();
+        let count = (images.len() * self.outputs.len() * 2) as u32;
+        if count == 0 {
+            return Ok(());
+        }
+        let of = |ty, each| vk::DescriptorPoolSize { ty, descriptor_count: each * count };
+        let sizes = [of(vk::DescriptorType::SAMPLED_IMAGE, 3), of(vk::DescriptorType::SAMPLER, 2)];
+        let info = vk::DescriptorPoolCreateInfo::default().max_sets(count).pool_sizes(&sizes);
+        let layouts = vec![self.common.set_layout; count as usize];
+        // SAFETY: the device is live; the structures are complete.
+        let sets = unsafe {
+            self.pool = self.api.device.create_descriptor_pool(&info, None).map_err(refused("descriptors"))?;
+            let info = vk::DescriptorSetAllocateInfo::default().descriptor_pool(self.pool).set_layouts(&layouts);
+            self.api.device.allocate_descriptor_sets(&info).map_err(refused("descriptors"))?
+        };
+        let (pairs, _) = sets.as_chunks::<2>();
+        let sets_of = pairs.chunks_exact(self.outputs.len());
+        self.sources = images.iter().zip(sets_of).map(|(&image, sets)| Bound { image, sets: sets.to_vec() }).collect();
+        for source in &self.sources {
+            for (output, sets) in self.outputs.iter().zip(&source.sets) {
+                for (set, sampler) in sets.iter().zip(self.common.samplers) {
+                    self.write_set(*set, &source.image, output, sampler);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn write_set(&self, set: vk::DescriptorSet, atlas: &SourceImage, output: &Output, sampler: vk::Sampler) {
+        let seen = [vk::DescriptorImageInfo::default().image_view(atlas.view).image_layout(atlas.sampled_layout())];
+        // A shader that does not look at a texture needs a valid one all the same.
+        let texture = |index: Option<usize>| match index.and_then(|i| self.textures.get(i)) {
+            None => seen,
+            Some(texture) => [vk::DescriptorImageInfo::default()
+                .image_view(texture.image.view)
+                .image_layout(vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL)],
+        };
+        let (mask, table) = (texture(output.mask), texture(output.table));
+        let filters = [sampler, self.common.samplers[0]].map(|s| [vk::DescriptorImageInfo::default().sampler(s)]);
+        let write = |binding, kind, info| {
+            vk::WriteDescriptorSet::default().dst_set(set).dst_binding(binding).descriptor_type(kind).image_info(info)
+        };
+        let (image, filter) = (vk::DescriptorType::SAMPLED_IMAGE, vk::DescriptorType::SAMPLER);
+        let writes = [
+            write(binding::ATLAS, image, &seen),
+            write(binding::ATLAS_SAMPLER, filter, &filters[0]),
+            write(binding::MASK, image, &mask),
+            write(binding::MASK_SAMPLER, filter, &filters[1]),
+            write(binding::TABLE, image, &table),
+        ];
+        // SAFETY: the set is ours and not in use; the views are live.
+        unsafe { self.api.device.update_descriptor_sets(&writes, &[]) };
+    }
+
+    /// Says which images are corrected into, for [`VkBackend::record`] to choose from. Former ones are forgotten.
+    ///
+    /// # Errors
+    /// [`ErrorKind::InvalidArgument`] for an image that is not as [`TargetImage`] says; [`ErrorKind::Graphics`]
+    /// where the device cannot draw to its format, or refuses something.
+    pub fn set_targets(&mut self, images: &[TargetImage]) -> Result<()> {
+        self.expect_prepared()?;
+        images.iter().try_for_each(|image| image.check(&self.api, self.format))?;
+        self.forget_targets();
+        for &image in images {
+            let views = [image.view];
+            let info = vk::FramebufferCreateInfo::default()
+                .render_pass(self.common.render_passes[0])
+                .attachments(&views)
+                .width(image.extent.0)
+                .height(image.extent.1)
+                .layers(1);
+            // SAFETY: the device and the view are live; the structure is complete.
+            let made = unsafe { self.api.device.create_framebuffer(&info, None) };
+            self.targets.push((image, made.map_err(refused("a framebuffer"))?));
+        }
+        Ok(())
+    }
+
+    /// Records the correction of source `source` into target `target`: barriers, one render pass, barriers.
+    /// `viewports`: where each output is, x, y, width, height in pixels from the top left, one for each output of
+    /// the plan, in its order. Another size than the output's own scales it, without filtering anew: the map
+    /// is evaluated where the pixels are. Allocates nothing and makes no object.
+    ///
+    /// # Errors
+    /// [`ErrorKind::InvalidArgument`] for an index that was not set; nothing is recorded then.
+    ///
+    /// # Safety
+    /// The command buffer is being recorded, outside a render pass, for a queue that can draw; the images that
+    /// were set are live and in the layouts that were said.
+    pub unsafe fn record(
+        &mut self,
+        command_buffer: vk::CommandBuffer,
+        source: usize,
+        target: usize,
+        viewports: &[[i32; 4]],
+    ) -> Result<()> {
+        let missing = |what: &str, index: usize, count: usize| {
+            Error::new(ErrorKind::InvalidArgument, format!("there is no {what} {index}; {count} were set"))
+        };
+        let bound = self.sources.get(source).ok_or_else(|| missing("source", source, self.sources.len()))?;
+        let (image, framebuffer) =
+            self.targets.get(target).ok_or_else(|| missing("target", target, self.targets.len()))?;
+        if take(&mut self.upload) {
+            self.fill_textures(command_buffer);
+        }
+        bound.image.acquire(&self.api, command_buffer);
+        image.acquire(&self.api, command_buffer);
+        let clear = usize::from(image.initial_layout == vk::ImageLayout::UNDEFINED);
+        let black = [vk::ClearValue { color: vk::ClearColorValue { float32: [0.0, 0.0, 0.0, 1.0] } }];
+        let extent = vk::Extent2D { width: image.extent.0, height: image.extent.1 };
+        let begin = vk::RenderPassBeginInfo::default()
+            .render_pass(self.common.render_passes[clear])
+            .framebuffer(*framebuffer)
+            .render_area(extent.into())
+            .clear_values(&black);
+        let device = &self.api.device;
+        // SAFETY: as promised above; all other objects are ours and live.
+        unsafe {
+            device.cmd_begin_render_pass(command_buffer, &begin, vk::SubpassContents::INLINE);
+            device.cmd_bind_vertex_buffers(command_buffer, 0, &[self.vertices.handle], &[0]);
+            for ((output, sets), viewport) in self.outputs.iter().zip(&bound.sets).zip(viewports) {
+                self.draw_output(command_buffer, output, sets, *viewport, extent);
+            }
+            device.cmd_end_render_pass(command_buffer);
+        }
+        image.release(&self.api, command_buffer);
+        bound.image.release(&self.api, command_buffer);
+        Ok(())
+    }
+
+    /// # Safety
+    /// As for [`VkBackend::record`], inside the render pass.
+    unsafe fn draw_output(
+        &self,
+        command_buffer: vk::CommandBuffer,
+        output: &Output,
+        sets: &[vk::DescriptorSet; 2],
+        [x, y, width, height]: [i32; 4],
+        extent: vk::Extent2D,
+    ) {
+        // A scissor must not be negative; what a viewport has outside the target is cut off anyway.
+        let (left, top) = (x.clamp(0, extent.width as i32), y.clamp(0, extent.height as i32));
+        let (right, bottom) = (x.saturating_add(width), y.saturating_add(height));
+        let (right, bottom) = (right.clamp(left, extent.width as i32), bottom.clamp(top, extent.height as i32));
+        if right == left || bottom == top {
+            return;
+        }
+        let [x, y, across, down] = [x, y, width, height].map(crate::correct::uniforms::pixels);
+        let viewport = vk::Viewport { x, y, width: across, height: down, min_depth: 0.0, max_depth: 1.0 };
+        let scissor = vk::Rect2D {
+            offset: vk::Offset2D { x: left, y: top },
+            extent: vk::Extent2D { width: (right - left) as u32, height: (bottom - top) as u32 },
+        };
+        let unscaled = (i64::from(width), i64::from(height)) == (output.size.0.into(), output.size.1.into());
+        let (device, graphics) = (&self.api.device, vk::PipelineBindPoint::GRAPHICS);
+        // SAFETY: as promised above.
+        unsafe {
+            device.cmd_set_viewport(command_buffer, 0, &[viewport]);
+            device.cmd_set_scissor(command_buffer, 0, &[scissor]);
+            for draw in &output.draws {
+                let set = sets[usize::from(draw.nearest && unscaled)];
+                device.cmd_bind_descriptor_sets(command_buffer, graphics, self.common.layout, 0, &[set], &[]);
+                device.cmd_bind_pipeline(command_buffer, graphics, draw.pipeline);
+                device.cmd_draw(command_buffer, draw.count, 1, draw.first, 0);
+            }
+        }
+    }
+
+    /// Records the copies of masks and tables.
+    fn fill_textures(&self, command_buffer: vk::CommandBuffer) {
+        let none = (vk::PipelineStageFlags::empty(), vk::AccessFlags::empty());
+        let copied = (vk::PipelineStageFlags::TRANSFER, vk::AccessFlags::TRANSFER_WRITE);
+        let read = (vk::PipelineStageFlags::FRAGMENT_SHADER, vk::AccessFlags::SHADER_READ);
+        let layout = vk::ImageLayout::TRANSFER_DST_OPTIMAL;
+        for texture in &self.textures {
+            let image = texture.image.handle;
+            barrier(&self.api, command_buffer, image, (vk::ImageLayout::UNDEFINED, layout), none, copied);
+            let region = vk::BufferImageCopy::default()
+                .buffer_offset(texture.offset)
+                .image_subresource(vk::ImageSubresourceLayers {
+                    aspect_mask: vk::ImageAspectFlags::COLOR,
+                    layer_count: 1,
+                    ..Default::default()
+                })
+                .image_extent(vk::Extent3D { width: texture.size.0, height: texture.size.1, depth: 1 });
+            // SAFETY: the command buffer is being recorded; buffer and image are ours, and the values lie in the buffer.
+            unsafe {
+                self.api.device.cmd_copy_buffer_to_image(command_buffer, self.staging.handle, image, layout, &[region]);
+            }
+            let layouts = (layout, vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL);
+            barrier(&self.api, command_buffer, image, layouts, copied, read);
+        }
+    }
+
+    fn expect_prepared(&self) -> Result<()> {
+        if self.outputs.is_empty() {
+            return Err(Error::new(ErrorKind::InvalidState, "nothing is prepared yet"));
+        }
+        Ok(())
+    }
+
+    fn forget_sources(&mut self) {
+        self.sources.clear();
+        // SAFETY: ours or null, and nothing is pending.
+        unsafe { self.api.device.destroy_descriptor_pool(take(&mut self.pool), None) };
+    }
+
+    fn forget_targets(&mut self) {
+        for (_, framebuffer) in take(&mut self.targets) {
+            // SAFETY: ours, and nothing is pending.
+            unsafe { self.api.device.destroy_framebuffer(framebuffer, None) };
+        }
+    }
+
+    /// Destroys everything but the pipelines and what they share.
+    fn forget(&mut self) {
+        self.forget_sources();
+        self.forget_targets();
+        self.outputs.clear();
+        for mut texture in take(&mut self.textures) {
+            texture.image.destroy(&self.api);
+        }
+        self.staging.destroy(&self.api);
+        self.vertices.destroy(&self.api);
+        self.upload = false;
+    }
+
+    /// Destroys everything.
+    pub fn destroy(&mut self) {
+        self.forget();
+        for pipeline in take(&mut self.pipelines).into_values() {
+            // SAFETY: ours, and nothing is pending.
+            unsafe { self.api.device.destroy_pipeline(pipeline, None) };
+        }
+        self.common.destroy(&self.api);
+        self.format = vk::Format::UNDEFINED;
+    }
+}

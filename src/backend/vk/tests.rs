@@ -1,0 +1,27 @@
+//! Tests that draw, on whatever driver Vulkan finds.
+
+mod alike;
+mod canvas;
+
+use super::gpu_map;
+use super::headless::Headless;
+use crate::backend::tests::picture::Picture;
+use crate::backend::tests::{Driver, run_all_cases};
+use crate::correct::Plan;
+use crate::correct::map::MapPixel;
+
+run_all_cases!([crate::backend::vk::tests::headless()]);
+
+fn headless() -> Headless {
+    Headless::new(&[]).expect("a Vulkan driver (Mesa's lavapipe will do)")
+}
+
+impl Driver for Headless {
+    fn map(&self, plan: &Plan, output: usize) -> Vec<MapPixel> {
+        gpu_map(self, plan, output).expect("the map")
+    }
+
+    fn show(&self, plan: &Plan, panel: bool, atlas: &Picture) -> Picture {
+        canvas::show(self, plan, panel, atlas)
+    }
+}

@@ -1,0 +1,86 @@
+//! Pictures to correct, and what is shown of them.
+
+use crate::backend::tests::picture::Picture;
+use crate::backend::vk::headless::Headless;
+use crate::backend::vk::images::copy_to;
+use crate::backend::vk::memory::{Buffer, Image};
+use crate::backend::vk::{SourceImage, TargetImage, VkBackend};
+use crate::correct::Plan;
+use ash::vk;
+
+const FORMAT: vk::Format = vk::Format::R8G8B8A8_UNORM;
+
+/// Prepares, presents once into a target of the first output's size, and gives what is shown. Pictures have row 0 at
+/// the bottom.
+pub fn show(headless: &Headless, plan: &Plan, panel: bool, atlas: &Picture) -> Picture {
+    let api = &headless.api;
+    let size = plan.passes[0].size;
+    let mut backend = VkBackend::new(api);
+    backend.prepare(plan, panel, FORMAT).expect("pipelines");
+    let usage = vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST;
+    let mut source = Image::new(api, FORMAT, atlas.size, usage).expect("an image");
+    let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_SRC;
+    let mut target = Image::new(api, FORMAT, size, usage).expect("an image");
+    // From the top.
+    let rows = atlas.pixels.chunks_exact(atlas.size.0 as usize).rev();
+    let bytes: Vec<u8> = rows.flat_map(|row| row.as_flattened().to_vec()).collect();
+    let mut upload = Buffer::new(api, bytes.len(), vk::BufferUsageFlags::TRANSFER_SRC).expect("a buffer");
+    upload.write(api, 0, &bytes).expect("mapped");
+    let mut shown = vec![0; (size.0 * size.1 * 4) as usize];
+    let mut download = Buffer::new(api, shown.len(), vk::BufferUsageFlags::TRANSFER_DST).expect("a buffer");
+    let transfer = (vk::PipelineStageFlags::TRANSFER, vk::AccessFlags::TRANSFER_WRITE);
+    backend
+        .set_sources(&[SourceImage {
+            image: source.handle,
+            view: source.view,
+            format: FORMAT,
+            extent: atlas.size,
+            layout: vk::ImageLayout::TRANSFER_DST_OPTIMAL,
+            stages: transfer.0,
+            access: transfer.1,
+        }])
+        .expect("a source");
+    backend
+        .set_targets(&[TargetImage {
+            image: target.handle,
+            view: target.view,
+            format: FORMAT,
+            extent: size,
+            initial_layout: vk::ImageLayout::UNDEFINED,
+            final_layout: vk::ImageLayout::TRANSFER_SRC_OPTIMAL,
+            before: (vk::PipelineStageFlags::empty(), vk::AccessFlags::empty()),
+            after: (vk::PipelineStageFlags::TRANSFER, vk::AccessFlags::TRANSFER_READ),
+        }])
+        .expect("a target");
+    let run = headless.run(|commands| {
+        let region = vk::BufferImageCopy::default()
+            .image_subresource(vk::ImageSubresourceLayers {
+                aspect_mask: vk::ImageAspectFlags::COLOR,
+                layer_count: 1,
+                ..Default::default()
+            })
+            .image_extent(vk::Extent3D { width: atlas.size.0, height: atlas.size.1, depth: 1 });
+        let layouts = (vk::ImageLayout::UNDEFINED, vk::ImageLayout::TRANSFER_DST_OPTIMAL);
+        let none = (vk::PipelineStageFlags::empty(), vk::AccessFlags::empty());
+        super::super::images::barrier(api, commands, source.handle, layouts, none, transfer);
+        // SAFETY: the command buffer is being recorded; all objects are live, and the sizes are the images' own.
+        unsafe {
+            api.device.cmd_copy_buffer_to_image(commands, upload.handle, source.handle, layouts.1, &[region]);
+            backend.record(commands, 0, 0, &[[0, 0, size.0 as i32, size.1 as i32]])?;
+        }
+        copy_to(api, commands, target.handle, size, &download);
+        Ok(())
+    });
+    run.expect("a frame");
+    download.read(api, &mut shown).expect("mapped");
+    backend.destroy();
+    upload.destroy(api);
+    download.destroy(api);
+    source.destroy(api);
+    target.destroy(api);
+    let pixel = |x: u32, y: u32| {
+        let at = 4 * ((size.1 - 1 - y) * size.0 + x) as usize;
+        [shown[at], shown[at + 1], shown[at + 2], shown[at + 3]]
+    };
+    Picture::new(size, pixel)
+}

@@ -1,0 +1,57 @@
+//! `cupola convert`: rigs and calibration files into the formats of other programs.
+
+mod source;
+mod target;
+
+use crate::Failure;
+use serde_json::json;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Convert a rig or a calibration file into a format of another program.
+///
+/// The name's ending says the format: .data or .map (Bourke's warp mesh), .pfm, .vwf (VIOSO), .mpcdi.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// A rig file, a preset's name, or a calibration file
+    #[arg(value_name = "FROM")]
+    from: String,
+    /// The file to write
+    #[arg(value_name = "TO")]
+    to: PathBuf,
+    /// The output's name [default: all of them, each in a file TO-NAME where the format holds one]
+    #[arg(long, value_name = "NAME")]
+    output: Option<String>,
+    /// Size of an output in pixels [default: what the rig says, or its place in 1920x1200]
+    #[arg(long, value_name = "WxH", value_parser = crate::arguments::size)]
+    size: Option<(u32, u32)>,
+    /// What the values of a map are: positions in a domemaster, or points on the dome in metres
+    #[arg(long, value_enum, default_value_t = source::Values::Picture)]
+    values: source::Values,
+    /// Columns and rows of a warp mesh
+    #[arg(long, value_name = "WxH", value_parser = crate::arguments::size, default_value = "129x129")]
+    nodes: (u32, u32),
+    /// Answer in JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// Runs the subcommand.
+pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
+    let format = target::Format::of(&arguments.to)?;
+    let source = source::open(arguments)?;
+    let channels = source.channels(arguments)?;
+    let written = target::write(arguments, format, &channels)?;
+    if arguments.json {
+        let files: Vec<_> = written.iter().map(target::Written::json).collect();
+        println!("{:#}", json!({ "files": files, "notes": source.notes() }));
+        return Ok(ExitCode::SUCCESS);
+    }
+    for note in source.notes() {
+        eprintln!("cupola: {note}");
+    }
+    for file in &written {
+        println!("{}", file.words());
+    }
+    Ok(ExitCode::SUCCESS)
+}

@@ -1,0 +1,238 @@
+//! What is converted: the outputs of a rig, or what a calibration file says.
+
+use super::Arguments;
+use crate::Failure;
+use crate::map::native_size;
+use cupola::blend::{Weights, encode};
+use cupola::formats::{Grid, Sample, bourke, mpcdi, pfm, read_file, vwf};
+use cupola::geom::{Sphere, pose};
+use cupola::rig::{OutputKind, Rig};
+use cupola::warp::WarpMap;
+use glam::{DVec2, DVec3};
+use std::path::Path;
+
+/// What the values of a map are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Values {
+    /// Positions in a domemaster of the rig's dome, 0…1 from the bottom left
+    Picture,
+    /// Points on the dome, metres from its centre: x right, y up, z backward
+    Points,
+}
+
+impl Values {
+    /// In words, for people and machines.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Picture => "picture",
+            Self::Points => "points",
+        }
+    }
+}
+
+/// What was opened.
+pub enum Source {
+    /// A rig, and what a domemaster of its dome shows.
+    Rig(Box<(Rig, WarpMap)>),
+    /// The maps of a calibration file.
+    Maps { maps: Vec<Map>, notes: Vec<String> },
+}
+
+/// A map of a calibration file.
+pub struct Map {
+    name: String,
+    size: Option<(u32, u32)>,
+    grid: Grid,
+    values: Values,
+    alpha: Option<mpcdi::Alpha>,
+}
+
+/// One output that is converted.
+pub struct Channel<'source> {
+    /// Its name; may be empty where a file has only one.
+    pub name: String,
+    /// Its resolution in pixels.
+    pub size: (u32, u32),
+    /// What the values are.
+    pub values: Values,
+    /// Exponent of the display's response, which turns factors on displayed values into parts of light.
+    pub gamma: f64,
+    kind: Kind<'source>,
+}
+
+enum Kind<'source> {
+    Output { index: usize, map: Box<WarpMap>, rig: &'source Rig, content: &'source WarpMap, weights: Weights<'source> },
+    Map(&'source Map),
+}
+
+/// Opens what is to be converted; a calibration file is known by how it begins or by its name's ending.
+pub fn open(arguments: &Arguments) -> Result<Source, Failure> {
+    let ending = ending(Path::new(&arguments.from));
+    let name = arguments.from.as_str();
+    let single =
+        |grid: Grid, size| vec![Map { name: String::new(), size, grid, values: arguments.values, alpha: None }];
+    let read = || read_file(Path::new(name));
+    Ok(match ending.as_str() {
+        "data" | "map" => {
+            let mesh = bourke::read(name, &read()?)?;
+            Source::Maps { maps: single(Grid::Mesh(mesh.value.mesh(name)?), None), notes: mesh.notes }
+        }
+        "pfm" => {
+            let raster = pfm::read(name, &read()?)?;
+            Source::Maps { maps: single(Grid::Raster(raster.clone()), Some(raster.size())), notes: Vec::new() }
+        }
+        "vwf" => {
+            let set = vwf::read(name, &read()?)?;
+            let map = |map: vwf::VwfMap| Map {
+                name: map.name,
+                size: Some(map.raster.size()),
+                grid: Grid::Raster(map.raster),
+                values: if map.points { Values::Points } else { Values::Picture },
+                alpha: None,
+            };
+            Source::Maps { maps: set.value.into_iter().map(map).collect(), notes: set.notes }
+        }
+        "mpcdi" => {
+            let archive = mpcdi::read(name, &read()?)?;
+            let values = if archive.value.profile.has_points() { Values::Points } else { Values::Picture };
+            let map = |region: mpcdi::Region| Map {
+                name: region.id,
+                size: Some(region.size),
+                grid: Grid::Raster(region.warp),
+                values,
+                alpha: region.alpha,
+            };
+            Source::Maps { maps: archive.value.regions.into_iter().map(map).collect(), notes: archive.notes }
+        }
+        _ => {
+            let rig = cupola::rig::load(name)?;
+            if rig.outputs.is_empty() {
+                return Err(Failure::usage(format!("the rig {} has no outputs", rig.name)));
+            }
+            let content = domemaster(&rig)?;
+            Source::Rig(Box::new((rig, content)))
+        }
+    })
+}
+
+/// The ending of a file's name, in lower case.
+pub fn ending(path: &Path) -> String {
+    path.extension().unwrap_or_default().to_string_lossy().to_lowercase()
+}
+
+/// A domemaster of the rig's dome, 1 × 1 so that its pixel positions are parts of the picture.
+fn domemaster(rig: &Rig) -> Result<WarpMap, Failure> {
+    let mut rig = rig.clone();
+    rig.outputs.truncate(1);
+    rig.outputs[0].kind = OutputKind::Domemaster { aperture: rig.dome.coverage, tilt: rig.dome.tilt };
+    Ok(WarpMap::new(&rig, 0, (1, 1), None)?)
+}
+
+impl Source {
+    /// What was assumed about the file.
+    pub fn notes(&self) -> &[String] {
+        match self {
+            Self::Rig(_) => &[],
+            Self::Maps { notes, .. } => notes,
+        }
+    }
+
+    /// The outputs that are converted, of the wanted sizes.
+    pub fn channels(&self, arguments: &Arguments) -> Result<Vec<Channel<'_>>, Failure> {
+        let wanted = |name: &str| arguments.output.as_deref().is_none_or(|wanted| wanted == name);
+        let mut channels = Vec::new();
+        match self {
+            Self::Rig(opened) => {
+                let (rig, content) = &**opened;
+                for index in (0..rig.outputs.len()).filter(|index| wanted(&rig.outputs[*index].name)) {
+                    let size = arguments.size.unwrap_or_else(|| native_size(rig, index));
+                    let map = Box::new(WarpMap::new(rig, index, size, None)?);
+                    let sizes: Vec<_> = (0..rig.outputs.len()).map(|output| native_size(rig, output)).collect();
+                    let weights = Weights::new(rig, &with(sizes, index, size))?;
+                    let kind = Kind::Output { index, map, rig, content, weights };
+                    let output = &rig.outputs[index];
+                    let (name, gamma) = (output.name.clone(), output.blend.gamma);
+                    channels.push(Channel { name, size, values: arguments.values, gamma, kind });
+                }
+            }
+            Self::Maps { maps, .. } => {
+                for map in maps.iter().filter(|map| wanted(&map.name)) {
+                    let size = arguments.size.or(map.size).ok_or_else(|| {
+                        Failure::usage("the file does not say the output's size in pixels; give it with --size WxH")
+                    })?;
+                    let kind = Kind::Map(map);
+                    let gamma = map.alpha.as_ref().map_or(1.0, |alpha| alpha.gamma);
+                    channels.push(Channel { name: map.name.clone(), size, values: map.values, gamma, kind });
+                }
+            }
+        }
+        match (channels.is_empty(), &arguments.output) {
+            (true, Some(name)) => Err(Failure::usage(format!("{} has no output {name:?}", arguments.from))),
+            _ => Ok(channels),
+        }
+    }
+}
+
+/// `sizes` with the one of `index` replaced.
+fn with(mut sizes: Vec<(u32, u32)>, index: usize, size: (u32, u32)) -> Vec<(u32, u32)> {
+    sizes[index] = size;
+    sizes
+}
+
+impl Channel<'_> {
+    /// What is shown at a pixel (from the top left, centres at +½): the value, and the factor on the displayed value.
+    pub fn sample(&self, pixel: DVec2) -> Option<Sample> {
+        match &self.kind {
+            Kind::Map(map) => {
+                let mut sample = map.grid.sample(pixel, self.size)?;
+                if let Some(alpha) = &map.alpha {
+                    sample.intensity *=
+                        weight(alpha, pixel / DVec2::new(f64::from(self.size.0), f64::from(self.size.1)));
+                }
+                Some(sample)
+            }
+            Kind::Output { index, map, rig, content, weights } => {
+                let value = value(rig, content, map, self.values, pixel)?;
+                let intensity = encode(weights.weight(*index, pixel)?, rig.outputs[*index].blend.gamma);
+                Some(Sample { value, intensity })
+            }
+        }
+    }
+
+    /// The exact map, and the direction that the viewer sees at a value, where a rig tells them.
+    pub fn exact(&self) -> Option<(&WarpMap, impl Fn(DVec3) -> Option<DVec3>)> {
+        let Kind::Output { map, rig, content, .. } = &self.kind else { return None };
+        let values = self.values;
+        let direction = move |value: DVec3| match values {
+            Values::Picture => content.direction(DVec2::new(value.x, 1.0 - value.y)),
+            Values::Points => viewer(rig).point_to_local(value).try_normalize(),
+        };
+        Some((map, direction))
+    }
+}
+
+fn viewer(rig: &Rig) -> cupola::geom::Pose {
+    cupola::geom::Pose::new(rig.viewer.position, rig.viewer.yaw, rig.viewer.pitch, rig.viewer.roll)
+}
+
+/// The value of a pixel. A picture that has no place on the dome is put where the viewer sees it there.
+fn value(rig: &Rig, content: &WarpMap, map: &WarpMap, values: Values, pixel: DVec2) -> Option<DVec3> {
+    let point = match map.hit(pixel) {
+        Some(point) => point,
+        None => {
+            let turned = pose::rotation(rig.viewer.yaw, rig.viewer.pitch, rig.viewer.roll) * map.direction(pixel)?;
+            Sphere { center: DVec3::ZERO, radius: rig.dome.radius }.far_hit(rig.viewer.position, turned)?
+        }
+    };
+    match values {
+        Values::Points => Some(point),
+        Values::Picture => content.pixel(point).map(|part| DVec3::new(part.x, 1.0 - part.y, 0.0)),
+    }
+}
+
+/// The weight of the pixel that holds a place (0…1 from the top left).
+fn weight(alpha: &mpcdi::Alpha, part: DVec2) -> f64 {
+    let cell = |part: f64, count: u32| ((part * f64::from(count)) as usize).min(count.saturating_sub(1) as usize);
+    let index = cell(part.y, alpha.size.1) * alpha.size.0 as usize + cell(part.x, alpha.size.0);
+    alpha.weights.get(index).map_or(1.0, |weight| f64::from(*weight))
+}

@@ -1,0 +1,96 @@
+//! A picture to draw on: colours, lines and letters.
+
+use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_width};
+
+/// Red, green and blue, 0…1, as they are written.
+pub type Color = [f32; 3];
+
+/// The size of letters.
+#[derive(Clone, Copy)]
+pub enum Letters {
+    /// 16 pixels high.
+    Small,
+    /// 24 pixels high.
+    Large,
+}
+
+impl Letters {
+    fn height(self) -> RasterHeight {
+        match self {
+            Self::Small => RasterHeight::Size16,
+            Self::Large => RasterHeight::Size24,
+        }
+    }
+}
+
+/// A picture.
+pub struct Canvas {
+    /// Width in pixels.
+    pub width: usize,
+    /// Height in pixels.
+    pub height: usize,
+    pixels: Vec<Color>,
+}
+
+impl Canvas {
+    /// A picture of one colour.
+    pub fn new(width: usize, height: usize, color: Color) -> Self {
+        Self { width, height, pixels: vec![color; width * height] }
+    }
+
+    /// Lays a colour over a pixel, as opaque as `part` (0…1); nothing outside the picture.
+    pub fn blend(&mut self, x: i64, y: i64, color: Color, part: f32) {
+        let inside = x >= 0 && y >= 0 && (x as usize) < self.width && (y as usize) < self.height;
+        if let Some(pixel) = self.pixels.get_mut(y as usize * self.width + x as usize).filter(|_| inside) {
+            for (old, new) in pixel.iter_mut().zip(color) {
+                *old += part * (new - *old);
+            }
+        }
+    }
+
+    /// A smooth line between two places in pixels, `width` pixels wide.
+    pub fn line(&mut self, from: [f64; 2], to: [f64; 2], width: f64, color: Color) {
+        let (along, half) = ([to[0] - from[0], to[1] - from[1]], 0.5 * width);
+        let squared = along[0] * along[0] + along[1] * along[1];
+        let range = |axis: usize| {
+            ((from[axis].min(to[axis]) - half - 1.0) as i64, (from[axis].max(to[axis]) + half + 1.0) as i64)
+        };
+        let ((left, right), (top, bottom)) = (range(0), range(1));
+        for (y, x) in (top..=bottom).flat_map(|y| (left..=right).map(move |x| (y, x))) {
+            let offset = [x as f64 + 0.5 - from[0], y as f64 + 0.5 - from[1]];
+            let part = (offset[0] * along[0] + offset[1] * along[1]) / squared.max(1e-12);
+            let part = part.clamp(0.0, 1.0);
+            let distance = (offset[0] - part * along[0]).hypot(offset[1] - part * along[1]);
+            self.blend(x, y, color, (half + 0.5 - distance).clamp(0.0, 1.0) as f32);
+        }
+    }
+
+    /// Writes text with its upper left corner at (x, y); letters that the font lacks are left out.
+    pub fn text(&mut self, text: &str, x: i64, y: i64, letters: Letters, color: Color) {
+        let advance = get_raster_width(FontWeight::Regular, letters.height()) as i64;
+        for (letter, left) in text.chars().zip((0..).map(|index| x + index * advance)) {
+            let Some(glyph) = get_raster(letter, FontWeight::Regular, letters.height()) else { continue };
+            for (row, line) in (0..).zip(glyph.rows()) {
+                for (column, cover) in (0..).zip(line) {
+                    self.blend(left + column, y + row, color, f32::from(*cover) / 255.0);
+                }
+            }
+        }
+    }
+
+    /// Writes text around a centre, with a shadow so that it can be read on any ground.
+    pub fn label(&mut self, text: &str, centre: [f64; 2], color: Color) {
+        let letters = Letters::Small;
+        let width = text.chars().count() * get_raster_width(FontWeight::Regular, letters.height());
+        let (x, y) = (centre[0] as i64 - width as i64 / 2, centre[1] as i64 - letters.height().val() as i64 / 2);
+        for (across, down) in [(-1, 0), (1, 0), (0, -1), (0, 1), (1, 1), (2, 1)] {
+            self.text(text, x + across, y + down, letters, [0.02, 0.02, 0.04]);
+        }
+        self.text(text, x, y, letters, color);
+    }
+
+    /// The picture with 8 bits per channel, row by row from the top.
+    pub fn bytes(&self) -> Vec<u8> {
+        self.pixels.iter().flatten().map(|value| (value.clamp(0.0, 1.0) * 255.0 + 0.5) as u8).collect()
+    }
+}

@@ -1,0 +1,124 @@
+//! A plan in numbers, for people and for machines.
+
+use cupola::correct::{self, Plan};
+use cupola::rig::Rig;
+use cupola::views::{self, Report, Request, ViewPlan};
+use serde_json::{Value, json};
+use std::fmt;
+
+/// Pixels that are looked at in each output for the least resolution.
+const SURVEYED: u32 = 1 << 18;
+
+/// What a plan costs and gives.
+pub struct Figures {
+    /// The rig's name.
+    pub rig: String,
+    window: (u32, u32),
+    /// What the library reports.
+    pub report: Report,
+    /// Texels of each view that no output samples.
+    pub hidden: Vec<u64>,
+    /// Fewest texels per pixel found; `None` where only the program's own lens is used.
+    pub least: Option<f64>,
+    /// In so many directions.
+    pub directions: u64,
+    seconds: f64,
+}
+
+impl Figures {
+    /// Those of `plan`, which was made for `rig` and `request` in `seconds`.
+    pub fn of(rig: &Rig, request: &Request, plan: &Plan, seconds: f64) -> Self {
+        let report = views::report(&plan.views, rig, &request.output_sizes);
+        let area = |tile: &views::Tile| u64::from(tile.width) * u64::from(tile.height);
+        let hidden = correct::hidden_areas(plan).iter().map(|tiles| tiles.iter().map(area).sum()).collect();
+        let (mut least, mut directions) = (f64::INFINITY, 0);
+        views::survey(&plan.views, rig, &request.output_sizes, SURVEYED, |seen| {
+            if let Some(density) = seen.texels_per_pixel {
+                least = least.min(density);
+                directions += 1;
+            }
+        });
+        let least = (directions > 0).then_some(least);
+        Self { rig: rig.name.clone(), window: request.window, report, hidden, least, directions, seconds }
+    }
+
+    /// Texels that have to be drawn for each pixel, without those that no output samples.
+    pub fn sampled_per_pixel(&self) -> f64 {
+        let sampled = self.report.view_texels - self.hidden.iter().sum::<u64>();
+        if self.report.output_pixels > 0 { sampled as f64 / self.report.output_pixels as f64 } else { 0.0 }
+    }
+
+    /// For machines.
+    pub fn json(&self, plan: &ViewPlan) -> Value {
+        let views: Vec<Value> = plan
+            .views
+            .iter()
+            .zip(&self.report.views)
+            .zip(&self.hidden)
+            .map(|((view, report), hidden)| {
+                json!({
+                    "name": view.name,
+                    "axes": view.rotation.transpose().to_cols_array_2d(),
+                    "tangents": [view.frustum.left, view.frustum.right, view.frustum.bottom, view.frustum.top],
+                    "tile": [view.tile.x, view.tile.y, view.tile.width, view.tile.height],
+                    "program_lens": view.program_lens,
+                    "hidden_texels": hidden,
+                    "coverage": report.coverage,
+                })
+            })
+            .collect();
+        json!({
+            "rig": self.rig,
+            "window": [self.window.0, self.window.1],
+            "views": views,
+            "view_texels": self.report.view_texels,
+            "hidden_texels": self.hidden.iter().sum::<u64>(),
+            "output_pixels": self.report.output_pixels,
+            "texels_per_pixel": self.report.texels_per_pixel,
+            "sampled_texels_per_pixel": self.sampled_per_pixel(),
+            "least_texels_per_pixel": self.least,
+            "directions": self.directions,
+            "atlas": [self.report.atlas.0, self.report.atlas.1],
+            "atlas_use": self.report.atlas_use,
+            "milliseconds": 1e3 * self.seconds,
+            "notes": self.report.notes,
+        })
+    }
+}
+
+impl fmt::Display for Figures {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let report = &self.report;
+        let millions = |texels: u64| texels as f64 / 1e6;
+        let (width, height) = self.window;
+        writeln!(f, "{} in a window of {width} × {height} pixels", self.rig)?;
+        for (view, hidden) in report.views.iter().zip(&self.hidden) {
+            write!(f, "  {:<16} {:>5} × {:<5} ", view.name, view.width, view.height)?;
+            if view.program_lens {
+                write!(f, "the program's lens")?;
+            } else {
+                let part = 100.0 * *hidden as f64 / (f64::from(view.width) * f64::from(view.height));
+                write!(f, "{:5.1}° × {:5.1}°, {part:4.1} % hidden", view.horizontal_degrees, view.vertical_degrees)?;
+            }
+            for share in &view.coverage {
+                write!(f, "  {} {:.1} %", share.output, 100.0 * share.share)?;
+            }
+            writeln!(f)?;
+        }
+        writeln!(
+            f,
+            "drawn      {:.2} million texels for {:.2} million pixels: {:.3} each, {:.3} without the hidden ones",
+            millions(report.view_texels),
+            millions(report.output_pixels),
+            report.texels_per_pixel,
+            self.sampled_per_pixel()
+        )?;
+        if let Some(least) = self.least {
+            writeln!(f, "sharpness  at least {least:.3} texels per pixel, in {} directions", self.directions)?;
+        }
+        let (width, height) = report.atlas;
+        writeln!(f, "atlas      {width} × {height} texels, {:.0} % used", 100.0 * report.atlas_use)?;
+        writeln!(f, "planned    in {:.0} ms", 1e3 * self.seconds)?;
+        report.notes.iter().try_for_each(|note| writeln!(f, "note       {note}"))
+    }
+}

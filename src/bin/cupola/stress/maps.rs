@@ -1,0 +1,89 @@
+//! The shaders' map of a random rig against the exact one.
+
+use super::Finding;
+use super::rigs::{self, Place, pick};
+use crate::Failure;
+use cupola::backend::gl::headless::Headless;
+use cupola::backend::gl::{MapPixel, gpu_map};
+use cupola::geom::random::Random;
+use cupola::rig::Rig;
+use cupola::views::Request;
+use cupola::warp::accuracy::pixel_angle;
+use cupola::warp::{WarpMap, compare};
+use glam::{DVec2, DVec3};
+
+/// Errors are given in pixels of a picture so wide: what a small picture shows is then held to what a large one needs.
+const REFERENCE_WIDTH: f64 = 4096.0;
+
+/// Greatest error, in pixels of [`REFERENCE_WIDTH`], with viewer and projector within 0.9 radii of the centre.
+const INSIDE: f64 = 0.002;
+/// Elsewhere: near the screen, and outside up to the silhouette.
+const FAR: f64 = 0.004;
+/// From 10⁻⁶ radii a ray meets the screen where it starts: the hit moves by the square root of what rounding does.
+const TOUCHING: f64 = 10.0;
+/// An angle that is right whatever the pixels' size, radians: directions in f32 have steps of 6e-8, and narrow pictures
+/// have pixels of not much more.
+const ANGLE: f64 = 6e-7;
+
+/// What the driver's map of one rig is like.
+pub fn case(random: &mut Random, context: &Headless) -> Result<Vec<Finding>, Failure> {
+    let case = rigs::any(random)?;
+    let size = size(random);
+    let refused =
+        |failure: Failure| Failure::new(format!("{}\nsize {}x{}\n{}", failure.message, size.0, size.1, case.text));
+    let map = gpu(context, &case.rig, 0, &[size]).map_err(refused)?;
+    let exact = WarpMap::new(&case.rig, 0, size, None)?;
+    let look = |x: u32, y: u32| {
+        let pixel = &map[(y * size.0 + x) as usize];
+        pixel.view.map(|_| DVec3::from_array(pixel.direction.map(f64::from)))
+    };
+    let error = compare(&exact, 1, look);
+    let scale = REFERENCE_WIDTH / f64::from(size.0.max(size.1));
+    let input = format!("size {}x{}, pixel {:?}\n{}", size.0, size.1, error.worst, case.text);
+    let finding = |quantity, value, bound, compared, pixels| Finding {
+        quantity,
+        value,
+        bound,
+        compared,
+        pixels,
+        input: input.clone(),
+    };
+    let worst = DVec2::new(f64::from(error.worst.0) + 0.5, f64::from(error.worst.1) + 0.5);
+    // Angle of a pixel of the reference's width.
+    let pixel = pixel_angle(&exact, worst).unwrap_or(f64::NAN) / scale;
+    let (quantity, pixels) = match case.place {
+        Place::Inside => ("map, within 0.9 radii: error / (0.002 px of 4096 or 6e-7 rad)", INSIDE),
+        Place::Far => ("map, near the screen, outside: error / (0.004 px or 6e-7 rad)", FAR),
+        Place::Touching => ("map, projector touches the screen: error / (10 px or 6e-7 rad)", TOUCHING),
+    };
+    let allowed = (pixels * pixel).max(ANGLE);
+    let greatest = if error.compared == 0 { 0.0 } else { error.max * scale * pixel / allowed };
+    Ok(vec![
+        finding(quantity, greatest, 1.0, error.compared, true),
+        finding("map: pixels not finite", error.non_finite as f64, 0.0, error.compared, false),
+        finding("map: ghosts", error.ghosts as f64, 0.0, error.compared, false),
+        finding("map: pixels uncovered", error.uncovered as f64, 0.0, error.compared, false),
+    ])
+}
+
+/// A picture of 64…512 pixels in each direction, some odd, some extreme.
+pub fn size(random: &mut Random) -> (u32, u32) {
+    let side = |random: &mut Random| {
+        let odd = 64 + (random.unit() * 448.0) as u32;
+        pick(random, &[64, 128, 256, 512, odd])
+    };
+    (side(random), side(random))
+}
+
+/// The driver's map of output `output` at `sizes`.
+pub fn gpu(context: &Headless, rig: &Rig, output: usize, sizes: &[(u32, u32)]) -> Result<Vec<MapPixel>, Failure> {
+    let request = Request {
+        output_sizes: sizes.to_vec(),
+        window: (512, 512),
+        panel: false,
+        primary: false,
+        max_atlas: crate::check::LARGEST_ATLAS,
+    };
+    let plan = cupola::correct::build(rig, &request)?;
+    Ok(gpu_map(&context.gl, context.is_gles, &plan, output)?)
+}

@@ -1,0 +1,87 @@
+//! `cupola stress`: random and adversarial rigs, matrices and overlaps against f64, until something breaks.
+
+mod clip;
+mod lens;
+mod light;
+mod maps;
+mod report;
+mod rigs;
+
+use crate::{Failure, terminal};
+use cupola::backend::gl::headless::{Api, Headless};
+use cupola::geom::random::Random;
+use report::{Finding, Report};
+use std::process::ExitCode;
+
+/// Look for inputs on which the mathematics or the graphics driver fails.
+///
+/// Every case has a seed of its own, which repeats it: `cupola stress --seed SEED --cases 1`. The exit code
+/// is 1 where a bound is exceeded.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Go on until so many output pixels were compared
+    #[arg(long, value_name = "N", default_value_t = 1_000_000)]
+    pixels: u64,
+    /// Seed of the first case; the following cases have the following numbers
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    seed: u64,
+    /// Stop after so many cases, however few pixels they have
+    #[arg(long, value_name = "N")]
+    cases: Option<u64>,
+    /// Only these parts [default: all]
+    #[arg(long, value_delimiter = ',', value_name = "PART")]
+    only: Vec<Part>,
+    /// Answer in JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// What is put to the test.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Part {
+    /// The shaders' maps of random rigs, on the graphics driver.
+    Maps,
+    /// Re-projection of clip coordinates in f32.
+    Clip,
+    /// Lenses recovered from products of matrices.
+    Lens,
+    /// Weights of overlapping projectors, on the graphics driver.
+    Light,
+}
+
+const PARTS: [Part; 4] = [Part::Maps, Part::Clip, Part::Lens, Part::Light];
+
+/// Runs the subcommand.
+pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
+    let parts = if arguments.only.is_empty() { PARTS.to_vec() } else { arguments.only.clone() };
+    let on_driver = parts.contains(&Part::Maps) || parts.contains(&Part::Light);
+    let mut report = Report::new(arguments.seed);
+    let bar = terminal::progress(arguments.pixels, "pixels");
+    let mut case = 0;
+    while report.compared() < arguments.pixels && arguments.cases.is_none_or(|most| case < most) {
+        let seed = arguments.seed.wrapping_add(case);
+        // Turns are taken, so that one context of each kind is current at a time.
+        let api = if seed.is_multiple_of(2) { Api::Core } else { Api::Es3 };
+        let context = on_driver.then(|| Headless::new(api)).transpose()?;
+        for &part in &parts {
+            let mut random = Random::new(seed);
+            let findings = match (part, &context) {
+                (Part::Maps, Some(context)) => maps::case(&mut random, context),
+                (Part::Light, Some(context)) => light::case(&mut random, context),
+                (Part::Clip, _) => Ok(clip::case(&mut random)),
+                (Part::Lens, _) => Ok(lens::case(&mut random)),
+                (Part::Maps | Part::Light, None) => Ok(Vec::new()),
+            };
+            report.add(seed, findings.unwrap_or_else(|failure| vec![Finding::refusal(failure.message)]));
+        }
+        case += 1;
+        bar.set_position(report.compared().min(arguments.pixels));
+    }
+    bar.finish_and_clear();
+    if arguments.json {
+        println!("{:#}", report.json(case));
+    } else {
+        print!("{}", report.text(case));
+    }
+    Ok(if report.failed() { ExitCode::FAILURE } else { ExitCode::SUCCESS })
+}

@@ -1,0 +1,171 @@
+//! What a stress run found: for every quantity its worst value, its bound, and the seed that repeats it.
+
+use serde_json::json;
+use std::fmt::Write;
+
+/// One quantity of one case.
+pub struct Finding {
+    /// What was measured, with its unit.
+    pub quantity: &'static str,
+    /// The worst value of the case.
+    pub value: f64,
+    /// The greatest value that is right.
+    pub bound: f64,
+    /// How many pixels, vertices or matrices were compared.
+    pub compared: u64,
+    /// Whether these count towards `--pixels`.
+    pub pixels: bool,
+    /// The case in words, or the rig.
+    pub input: String,
+}
+
+impl Finding {
+    /// A valid rig that was refused further on, which must not be.
+    pub fn refusal(message: String) -> Self {
+        Self { quantity: "valid rigs refused", value: 1.0, bound: 0.0, compared: 1, pixels: false, input: message }
+    }
+}
+
+/// The worst of all cases.
+struct Worst {
+    quantity: &'static str,
+    bound: f64,
+    value: f64,
+    compared: u64,
+    seed: u64,
+    input: String,
+    failures: u64,
+}
+
+/// All that was found so far.
+pub struct Report {
+    first_seed: u64,
+    worst: Vec<Worst>,
+    pixels: u64,
+}
+
+impl Report {
+    /// Nothing found yet.
+    pub fn new(first_seed: u64) -> Self {
+        Self { first_seed, worst: Vec::new(), pixels: 0 }
+    }
+
+    /// Pixels compared so far.
+    pub fn compared(&self) -> u64 {
+        self.pixels
+    }
+
+    /// Whether any bound was exceeded.
+    pub fn failed(&self) -> bool {
+        self.worst.iter().any(|worst| worst.failures > 0)
+    }
+
+    /// Adds what case `seed` found.
+    pub fn add(&mut self, seed: u64, findings: Vec<Finding>) {
+        for found in findings {
+            if found.pixels {
+                self.pixels += found.compared;
+            }
+            let index = self.worst.iter().position(|worst| worst.quantity == found.quantity).unwrap_or_else(|| {
+                self.worst.push(Worst {
+                    quantity: found.quantity,
+                    bound: found.bound,
+                    value: f64::NEG_INFINITY,
+                    compared: 0,
+                    seed,
+                    input: String::new(),
+                    failures: 0,
+                });
+                self.worst.len() - 1
+            });
+            let worst = &mut self.worst[index];
+            worst.compared += found.compared;
+            // Written so that NaN counts as a failure, and as the worst of all.
+            let within = found.value <= found.bound;
+            worst.failures += u64::from(!within);
+            let worse = found.value.is_nan() || found.value > worst.value;
+            if worse && !worst.value.is_nan() {
+                (worst.value, worst.seed, worst.input) = (found.value, seed, found.input);
+            }
+        }
+    }
+
+    /// The report for people.
+    pub fn text(&self, cases: u64) -> String {
+        let mut text = format!("{cases} cases from seed {}, {} pixels\n\n", self.first_seed, self.pixels);
+        // Writing to a String cannot fail.
+        _ = writeln!(
+            text,
+            "{:<66} {:>12} {:>11} {:>11}  {:<8} cases over it",
+            "quantity", "compared", "worst", "bound", "seed"
+        );
+        for worst in &self.worst {
+            _ = writeln!(
+                text,
+                "{:<66} {:>12} {:>11.3e} {:>11.3e}  {:<8} {}",
+                worst.quantity, worst.compared, worst.value, worst.bound, worst.seed, worst.failures
+            );
+        }
+        for worst in self.worst.iter().filter(|worst| worst.failures > 0) {
+            _ = write!(text, "\nOVER THE BOUND: {} (seed {})\n{}\n", worst.quantity, worst.seed, worst.input);
+        }
+        text
+    }
+
+    /// The report for machines.
+    pub fn json(&self, cases: u64) -> serde_json::Value {
+        let quantities: Vec<_> = self
+            .worst
+            .iter()
+            .map(|worst| {
+                json!({
+                    "quantity": worst.quantity,
+                    "compared": worst.compared,
+                    "worst": worst.value,
+                    "bound": worst.bound,
+                    "seed": worst.seed,
+                    "failures": worst.failures,
+                    "input": worst.input,
+                })
+            })
+            .collect();
+        json!({
+            "cases": cases,
+            "first_seed": self.first_seed,
+            "pixels": self.pixels,
+            "failed": self.failed(),
+            "quantities": quantities,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn finding(value: f64) -> Finding {
+        Finding { quantity: "error", value, bound: 1.0, compared: 10, pixels: true, input: format!("{value}") }
+    }
+
+    #[test]
+    fn the_worst_case_is_kept_with_its_seed() {
+        let mut report = Report::new(7);
+        report.add(7, vec![finding(0.2)]);
+        report.add(8, vec![finding(0.9)]);
+        report.add(9, vec![finding(0.5)]);
+        assert!(!report.failed());
+        assert_eq!((report.worst[0].seed, report.worst[0].value, report.compared()), (8, 0.9, 30));
+    }
+
+    #[test]
+    fn what_is_over_the_bound_and_what_is_not_a_number_fail() {
+        for value in [1.1, f64::NAN, f64::INFINITY] {
+            let mut report = Report::new(1);
+            report.add(1, vec![finding(value)]);
+            report.add(2, vec![finding(0.5)]);
+            assert!(report.failed(), "{value}");
+            assert_eq!(report.worst[0].seed, 1, "{value} stays the worst");
+            assert!(report.text(2).contains("OVER THE BOUND"));
+        }
+    }
+}

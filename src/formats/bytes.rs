@@ -1,0 +1,57 @@
+//! Binary files, value by value.
+
+use super::input::invalid;
+use crate::error::{Error, Result};
+
+/// Little-endian values out of a binary file, with the offset for messages.
+pub(super) struct Bytes<'a> {
+    name: &'a str,
+    all: &'a [u8],
+    at: usize,
+}
+
+impl<'a> Bytes<'a> {
+    /// The bytes of the file `name`, from its start.
+    pub(super) fn new(name: &'a str, all: &'a [u8]) -> Self {
+        Self { name, all, at: 0 }
+    }
+
+    /// The offset of the next value.
+    pub(super) fn offset(&self) -> usize {
+        self.at
+    }
+
+    /// How many bytes are left.
+    pub(super) fn left(&self) -> usize {
+        self.all.len() - self.at
+    }
+
+    /// An error at the next value.
+    pub(super) fn wrong(&self, why: impl std::fmt::Display) -> Error {
+        invalid(self.name, format!("at byte {}: {why}", self.at))
+    }
+
+    /// The next `length` bytes, which are `what`.
+    pub(super) fn take(&mut self, length: usize, what: &str) -> Result<&'a [u8]> {
+        if length > self.left() {
+            return Err(
+                self.wrong(format!("the file ends; expected {length} bytes of {what}, {} are there", self.left()))
+            );
+        }
+        let taken = &self.all[self.at..self.at + length];
+        self.at += length;
+        Ok(taken)
+    }
+
+    /// The next `COUNT` bytes.
+    pub(super) fn array<const COUNT: usize>(&mut self, what: &str) -> Result<[u8; COUNT]> {
+        let mut array = [0; COUNT];
+        array.copy_from_slice(self.take(COUNT, what)?);
+        Ok(array)
+    }
+
+    /// A 32-bit number.
+    pub(super) fn u32(&mut self, what: &str) -> Result<u32> {
+        Ok(u32::from_le_bytes(self.array(what)?))
+    }
+}

@@ -1,0 +1,40 @@
+//! What a calibration says about the pixels of an output: nodes with triangles, or pixel by pixel.
+
+mod mesh;
+mod raster;
+
+pub use mesh::{MOST_NODES, Mesh, Node};
+pub use raster::Raster;
+
+use glam::{DVec2, DVec3};
+
+/// What a calibration says about one place of an output.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    /// A position in a picture (x, y in 0…1 from the bottom left), a point or a direction: what it is, the rig says.
+    pub value: DVec3,
+    /// Factor on the displayed (encoded) value, 0…1.
+    pub intensity: f64,
+}
+
+/// A calibration of one output.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Grid {
+    /// Nodes with triangles.
+    Mesh(Mesh),
+    /// A value for each pixel.
+    Raster(Raster),
+}
+
+impl Grid {
+    /// What is shown at a pixel (from the top left, centres at +½) of an output of `size` pixels;
+    /// `None` outside the grid and where it shows nothing.
+    pub fn sample(&self, pixel: DVec2, size: (u32, u32)) -> Option<Sample> {
+        let (width, height) = (f64::from(size.0), f64::from(size.1));
+        match self {
+            // Half heights from the middle, as in the file: a window of another aspect shows more or less at the sides.
+            Self::Mesh(mesh) => mesh.sample(DVec2::new(2.0 * pixel.x - width, height - 2.0 * pixel.y) / height),
+            Self::Raster(raster) => raster.sample(DVec2::new(pixel.x / width, pixel.y / height)),
+        }
+    }
+}

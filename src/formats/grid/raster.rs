@@ -1,0 +1,103 @@
+//! A value for each pixel.
+
+use super::Sample;
+use glam::{DVec2, DVec3};
+
+/// A value for each pixel of an output, or for each of a coarser or finer raster over it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Raster {
+    size: (u32, u32),
+    values: Vec<[f32; 3]>,
+}
+
+impl Raster {
+    /// A raster of `size` (width, height) from its values, row by row from the top; three NaN (or one of
+    /// them NaN) where nothing is shown. `None` if the size is zero or not that of the values.
+    pub fn new(size: (u32, u32), values: Vec<[f32; 3]>) -> Option<Self> {
+        let fits = u64::from(size.0) * u64::from(size.1) == values.len() as u64 && !values.is_empty();
+        fits.then_some(Self { size, values })
+    }
+
+    /// Width and height.
+    pub fn size(&self) -> (u32, u32) {
+        self.size
+    }
+
+    /// The values, row by row from the top.
+    pub fn values(&self) -> &[[f32; 3]] {
+        &self.values
+    }
+
+    /// The value at a place of the output, in parts of its width and height from the top left.
+    ///
+    /// Linear between the centres of the raster's pixels, and continued linearly over the outer half of
+    /// the outermost. Nothing is shown where the nearest pixel shows nothing; beside such pixels the
+    /// nearest one's value stands alone.
+    pub fn sample(&self, part: DVec2) -> Option<Sample> {
+        if !(part.cmpge(DVec2::ZERO).all() && part.cmple(DVec2::ONE).all()) {
+            return None;
+        }
+        let (left, across) = cell(part.x, self.size.0);
+        let (top, down) = cell(part.y, self.size.1);
+        let at = |x: u32, y: u32| {
+            let index = y.min(self.size.1 - 1) as usize * self.size.0 as usize + x.min(self.size.0 - 1) as usize;
+            let value = DVec3::from_array(self.values[index].map(f64::from));
+            (!value.is_nan()).then_some(value)
+        };
+        let nearest = at(left + u32::from(across > 0.5), top + u32::from(down > 0.5))?;
+        let corners = [at(left, top), at(left + 1, top), at(left, top + 1), at(left + 1, top + 1)];
+        let value = match corners {
+            [Some(a), Some(b), Some(c), Some(d)] => a.lerp(b, across).lerp(c.lerp(d, across), down),
+            _ => nearest,
+        };
+        Some(Sample { value, intensity: 1.0 })
+    }
+}
+
+/// The pixel whose centre is the last before `part` (0…1) of `count`, and how far behind it that is, in
+/// pixels: 0…1, and −½…1½ at the ends.
+fn cell(part: f64, count: u32) -> (u32, f64) {
+    let at = part * f64::from(count) - 0.5;
+    let first = at.floor().clamp(0.0, f64::from(count.saturating_sub(2)));
+    (first as u32, at - first)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sample(raster: &Raster, x: f64, y: f64) -> Option<DVec3> {
+        raster.sample(DVec2::new(x, y)).map(|sample| sample.value)
+    }
+
+    #[test]
+    fn a_linear_raster_is_linear_to_its_rim() {
+        let (width, height) = (7, 5);
+        let value = |x: f64, y: f64| [3.0 * x - y, 1.0 + x + 10.0 * y, 4.0];
+        let centre = |index: usize, count: u32| (index as f64 + 0.5) / f64::from(count);
+        let values = (0..35).map(|i| value(centre(i % 7, width), centre(i / 7, height)).map(|v| v as f32)).collect();
+        let raster = Raster::new((width, height), values).unwrap();
+        for (x, y) in [(0.0, 0.0), (1.0, 1.0), (0.5, 0.5), (0.031, 0.97), (0.999, 0.001)] {
+            let (found, expected) = (sample(&raster, x, y).unwrap(), DVec3::from_array(value(x, y)));
+            assert!(found.distance(expected) < 1e-5, "({x}, {y}): {found} is not {expected}");
+        }
+        assert_eq!(sample(&raster, 1.001, 0.5), None);
+        assert_eq!(sample(&raster, f64::NAN, 0.5), None);
+    }
+
+    #[test]
+    fn what_shows_nothing_does_not_touch_its_neighbours() {
+        let mut values = vec![[1.0, 2.0, 3.0]; 9];
+        values[4] = [f32::NAN; 3];
+        let raster = Raster::new((3, 3), values).unwrap();
+        assert_eq!(sample(&raster, 0.5, 0.5), None);
+        assert_eq!(sample(&raster, 0.32, 0.5), Some(DVec3::new(1.0, 2.0, 3.0)));
+    }
+
+    #[test]
+    fn a_single_pixel_is_everywhere() {
+        let raster = Raster::new((1, 1), vec![[1.0, 2.0, 3.0]]).unwrap();
+        assert_eq!(sample(&raster, 1.0, 0.0), Some(DVec3::new(1.0, 2.0, 3.0)));
+        assert!(Raster::new((0, 1), Vec::new()).is_none() && Raster::new((2, 2), vec![[0.0; 3]; 3]).is_none());
+    }
+}

@@ -1,0 +1,55 @@
+//! What all readers share: limits, and the form of their errors.
+
+use crate::error::{Error, ErrorKind, Result};
+use std::io::Read;
+use std::path::Path;
+
+/// Longest file that is read, bytes: a map of 8192 × 8192 pixels with four floats each.
+pub const LONGEST_FILE: u64 = 1 << 30;
+/// Greatest number of pixels of a map or a picture: 8192 × 8192.
+pub const MOST_PIXELS: u64 = 1 << 26;
+
+/// What a reader found, and what it had to assume.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Noted<T> {
+    /// What the file says.
+    pub value: T,
+    /// What the file leaves open or says in a way that readers disagree about, and how it was taken; for people.
+    pub notes: Vec<String>,
+}
+
+/// Reads a whole file of at most [`LONGEST_FILE`] bytes.
+///
+/// # Errors
+/// [`ErrorKind::Io`] if it cannot be read, [`ErrorKind::InvalidRig`] if it is longer.
+pub fn read_file(path: &Path) -> Result<Vec<u8>> {
+    let name = path.display();
+    let unreadable = |error| Error::new(ErrorKind::Io, format!("{name} cannot be read: {error}"));
+    let file = std::fs::File::open(path).map_err(unreadable)?;
+    let mut bytes = Vec::new();
+    file.take(LONGEST_FILE + 1).read_to_end(&mut bytes).map_err(unreadable)?;
+    if bytes.len() as u64 > LONGEST_FILE {
+        return Err(invalid(&name.to_string(), format!("is longer than {LONGEST_FILE} bytes; no calibration is")));
+    }
+    Ok(bytes)
+}
+
+/// An error of the file `name`.
+pub(super) fn invalid(name: &str, why: impl std::fmt::Display) -> Error {
+    Error::new(ErrorKind::InvalidRig, format!("{name}: {why}"))
+}
+
+/// Width and height from a header, if a picture of that size can be held.
+///
+/// # Errors
+/// [`ErrorKind::InvalidRig`] if one of them is 0 or there are more than [`MOST_PIXELS`].
+pub(super) fn checked_size(name: &str, width: u64, height: u64) -> Result<(u32, u32)> {
+    let pixels = width.checked_mul(height).filter(|pixels| (1..=MOST_PIXELS).contains(pixels));
+    match (u32::try_from(width), u32::try_from(height), pixels) {
+        (Ok(width), Ok(height), Some(_)) => Ok((width, height)),
+        _ => Err(invalid(
+            name,
+            format!("says that it has {width} × {height} pixels; expected 1 to {MOST_PIXELS} pixels altogether"),
+        )),
+    }
+}

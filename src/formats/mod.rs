@@ -1,0 +1,25 @@
+//! Calibration files of other tools, read and written.
+//!
+//! A reader takes bytes and the file's name, and gives what the file says or an error with the
+//! file, the line or offset, the reason and what would be right. Files come from anywhere: sizes in
+//! headers are compared with what is there before anything is allocated, archives are unpacked
+//! within limits, numbers that are none are refused. Where other readers of a format disagree, ours
+//! takes what can be told apart and says in its `notes` what it assumed.
+//!
+//! The way of a calibration: a format's module makes a [`Grid`] (nodes with triangles, or a value for
+//! each pixel) of it; a rig's output gives the grid's values their meaning (a position in a picture, a
+//! point, a direction). At run time only [`bourke`] and [`pfm`] are read; `cupola convert` turns all
+//! other formats into these, so that the injected library carries no archive and no XML.
+
+mod bytes;
+mod grid;
+mod input;
+mod text;
+
+pub mod bourke;
+pub mod mpcdi;
+pub mod pfm;
+pub mod vwf;
+
+pub use grid::{Grid, MOST_NODES, Mesh, Node, Raster, Sample};
+pub use input::{LONGEST_FILE, MOST_PIXELS, Noted, read_file};

@@ -1,0 +1,70 @@
+//! Files out of the zip archive, within limits.
+
+use super::Alpha;
+use crate::error::Result;
+use crate::formats::input::{LONGEST_FILE, MOST_PIXELS, invalid};
+use std::io::{Cursor, Read};
+use zip::ZipArchive;
+
+/// Longest description, bytes.
+const LONGEST_DESCRIPTION: u64 = 1 << 24;
+
+/// An open archive.
+pub(super) struct Files<'a> {
+    name: &'a str,
+    zip: ZipArchive<Cursor<&'a [u8]>>,
+}
+
+impl<'a> Files<'a> {
+    /// Reads the archive's directory.
+    pub(super) fn open(name: &'a str, bytes: &'a [u8]) -> Result<Self> {
+        let zip = ZipArchive::new(Cursor::new(bytes))
+            .map_err(|error| invalid(name, format!("is no zip archive that can be read: {error}")))?;
+        Ok(Self { name, zip })
+    }
+
+    /// The description: `mpcdi.xml`, in old archives `mpacs.xml`, else the only XML file.
+    pub(super) fn description(&mut self) -> Result<String> {
+        let names: Vec<String> = self.zip.file_names().flatten().map(|name| name.into_owned()).collect();
+        let called = |wanted: &str| names.iter().find(|name| name.eq_ignore_ascii_case(wanted));
+        let mut others = names.iter().filter(|name| name.to_lowercase().ends_with(".xml"));
+        let found = called("mpcdi.xml").or_else(|| called("mpacs.xml")).or_else(|| others.next());
+        let found = found.ok_or_else(|| invalid(self.name, "has no mpcdi.xml"))?;
+        let bytes = self.take(found, LONGEST_DESCRIPTION)?;
+        String::from_utf8(bytes).map_err(|_| invalid(&format!("{}/{found}", self.name), "is not UTF-8 text"))
+    }
+
+    /// A file of at most `longest` bytes.
+    pub(super) fn take(&mut self, path: &str, longest: u64) -> Result<Vec<u8>> {
+        let longest = longest.min(LONGEST_FILE);
+        let wrong = |why: String| invalid(&format!("{}/{path}", self.name), why);
+        if path.starts_with('/') || path.contains(['\\', ':']) || path.split('/').any(|part| part == "..") {
+            return Err(wrong("leads out of the archive; expected the name of a file in it".into()));
+        }
+        let file = self.zip.by_name(path).map_err(|error| wrong(format!("cannot be unpacked: {error}")))?;
+        let mut bytes = Vec::new();
+        // What the directory says about the length may be a lie: counted is what comes out.
+        let read = file.take(longest + 1).read_to_end(&mut bytes);
+        read.map_err(|error| wrong(format!("cannot be unpacked: {error}")))?;
+        if bytes.len() as u64 > longest {
+            return Err(wrong(format!(
+                "unpacks to more than {longest} bytes; expected no more for a region of its size"
+            )));
+        }
+        Ok(bytes)
+    }
+}
+
+/// Weights out of a PNG picture, by its luma.
+pub(super) fn alpha(name: &str, bytes: &[u8], gamma: f64) -> Result<Alpha> {
+    let wrong = |error: image::ImageError| invalid(name, format!("is no PNG picture that can be read: {error}"));
+    let mut reader = image::ImageReader::with_format(Cursor::new(bytes), image::ImageFormat::Png);
+    let mut limits = image::Limits::default();
+    limits.max_image_width = Some(MOST_PIXELS as u32);
+    limits.max_alloc = Some(LONGEST_FILE / 2);
+    reader.limits(limits);
+    let grey = reader.decode().map_err(wrong)?.into_luma16();
+    let size = grey.dimensions();
+    let weights = grey.into_raw().iter().map(|weight| f32::from(*weight) / 65535.0).collect();
+    Ok(Alpha { size, weights, gamma })
+}

@@ -1,0 +1,130 @@
+//! The description: which regions there are, and which files belong to each.
+
+use super::Profile;
+use crate::error::{Error, Result};
+use crate::formats::input::{checked_size, invalid};
+use crate::formats::text::shown;
+use roxmltree::{Document, Node, ParsingOptions};
+
+/// Greatest number of nodes of the description.
+const MOST_NODES: u32 = 100_000;
+/// Greatest number of regions.
+const MOST_REGIONS: usize = 256;
+
+/// What the description says.
+pub(super) struct Description {
+    pub(super) profile: Profile,
+    pub(super) regions: Vec<DescribedRegion>,
+    pub(super) notes: Vec<String>,
+}
+
+/// A region and the names of its files.
+pub(super) struct DescribedRegion {
+    pub(super) id: String,
+    pub(super) size: (u32, u32),
+    /// x, y, width and height in the whole picture, 0…1 from the bottom left.
+    pub(super) place: [f64; 4],
+    pub(super) warp: String,
+    /// Name and gamma.
+    pub(super) alpha: Option<(String, f64)>,
+}
+
+/// Reads the description `text` in the archive `name`.
+pub(super) fn read(name: &str, text: &str) -> Result<Description> {
+    let options = ParsingOptions { nodes_limit: MOST_NODES, ..ParsingOptions::default() };
+    let document = Document::parse_with_options(text.trim_start_matches('\u{feff}'), options)
+        .map_err(|error| invalid(name, format!("the description is not XML: {error}")))?;
+    let reader = Reader { name, document: &document };
+    let root = document.root_element();
+    if root.tag_name().name() != "MPCDI" {
+        return Err(reader.wrong(root, "is no description; expected <MPCDI>"));
+    }
+    let word = reader.attribute(root, "profile")?;
+    let profile = Profile::ALL.into_iter().find(|profile| profile.word().eq_ignore_ascii_case(word));
+    let profile =
+        profile.ok_or_else(|| reader.wrong(root, format!("profile {} is not one of 2d, 3d, a3, sl", shown(word))))?;
+    let version = reader.attribute(root, "version")?;
+    if !["1", "2"].contains(&version.split('.').next().unwrap_or_default()) {
+        return Err(reader.wrong(root, format!("version {}; expected 1.0 or 2.0", shown(version))));
+    }
+    let mut regions = Vec::new();
+    for region in named(root, "region").filter(|region| region.ancestors().any(|a| a.tag_name().name() == "display")) {
+        regions.push(reader.region(root, region)?);
+    }
+    if regions.is_empty() || regions.len() > MOST_REGIONS {
+        let why = format!("has {} regions; expected 1 to {MOST_REGIONS}", regions.len());
+        return Err(reader.wrong(root, why));
+    }
+    let mut notes = Vec::new();
+    for (element, what) in [("betaMap", "black levels"), ("frustum", "frusta"), ("extensionSet", "extensions")] {
+        if named(root, element).next().is_some() {
+            notes.push(format!("{name}: {what} ({element}) were not taken over"));
+        }
+    }
+    Ok(Description { profile, regions, notes })
+}
+
+/// All elements called `name` below `node`.
+fn named<'a, 'input>(node: Node<'a, 'input>, name: &'static str) -> impl Iterator<Item = Node<'a, 'input>> {
+    node.descendants().filter(move |node| node.is_element() && node.tag_name().name().eq_ignore_ascii_case(name))
+}
+
+struct Reader<'a, 'input> {
+    name: &'a str,
+    document: &'a Document<'input>,
+}
+
+impl Reader<'_, '_> {
+    /// An error of an element, with its line.
+    fn wrong(&self, node: Node, why: impl std::fmt::Display) -> Error {
+        let line = self.document.text_pos_at(node.range().start).row;
+        invalid(&format!("{}/mpcdi.xml:{line}", self.name), format!("<{}> {why}", node.tag_name().name()))
+    }
+
+    /// An attribute, whatever its case.
+    fn attribute<'n>(&self, node: Node<'n, '_>, name: &str) -> Result<&'n str> {
+        let found = node.attributes().find(|attribute| attribute.name().eq_ignore_ascii_case(name));
+        found.map(|attribute| attribute.value().trim()).ok_or_else(|| self.wrong(node, format!("has no {name}")))
+    }
+
+    /// A number in an attribute.
+    fn number(&self, node: Node, name: &str) -> Result<f64> {
+        let word = self.attribute(node, name)?;
+        let number = word.parse::<f64>().ok().filter(|number| number.is_finite());
+        number.ok_or_else(|| self.wrong(node, format!("{name} = {} is no number", shown(word))))
+    }
+
+    /// The text of the first element called `name` below `node`.
+    fn text<'n>(&self, node: Node<'n, '_>, name: &'static str) -> Option<&'n str> {
+        named(node, name).next().and_then(|node| node.text()).map(str::trim).filter(|text| !text.is_empty())
+    }
+
+    fn region(&self, root: Node, region: Node) -> Result<DescribedRegion> {
+        let id = self.attribute(region, "id")?;
+        let pixels = |name: &str| {
+            let word = self.attribute(region, name)?;
+            word.parse::<u64>()
+                .map_err(|_| self.wrong(region, format!("{name} = {} is no width in pixels", shown(word))))
+        };
+        let size = checked_size(self.name, pixels("Xresolution")?, pixels("Yresolution")?)?;
+        let mut place = [0.0; 4];
+        for (value, name) in place.iter_mut().zip(["x", "y", "xsize", "ysize"]) {
+            *value = self.number(region, name)?;
+        }
+        let files = named(root, "fileset").find(|set| self.attribute(*set, "region").is_ok_and(|of| of == id));
+        let files = files.ok_or_else(|| self.wrong(region, format!("{} has no fileset", shown(id))))?;
+        let warp = named(files, "geometryWarpFile").next();
+        let warp = warp.and_then(|warp| self.text(warp, "path"));
+        let warp = warp.ok_or_else(|| self.wrong(files, "has no geometryWarpFile with a path"))?.to_owned();
+        let alpha = match named(files, "alphaMap").next() {
+            Some(map) => {
+                let path = self.text(map, "path").ok_or_else(|| self.wrong(map, "has no path"))?.to_owned();
+                let gamma = self.text(map, "gammaEmbedded").map_or(Ok(1.0), str::parse::<f64>);
+                let gamma = gamma.ok().filter(|gamma| (0.1..=10.0).contains(gamma));
+                Some((path, gamma.ok_or_else(|| self.wrong(map, "gammaEmbedded is not within 0.1 to 10"))?))
+            }
+            None => None,
+        };
+        Ok(DescribedRegion { id: id.to_owned(), size, place, warp, alpha })
+    }
+}

@@ -1,0 +1,124 @@
+//! MPCDI, VESA's exchange format for calibrated displays, versions 1.0 and 2.0: a zip archive with a description in
+//! XML, a PFM for each region, and PNG pictures of weights.
+//!
+//! Attributes are read whatever their case, since writers differ. Files are taken out of the archive by the names
+//! that the description gives, into memory, within limits that follow from the regions' sizes.
+
+mod archive;
+mod document;
+mod write;
+
+pub use write::write;
+
+use super::grid::Raster;
+use super::input::{Noted, invalid};
+use super::pfm;
+use crate::error::Result;
+use archive::Files;
+
+/// What the values of the maps mean.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Profile {
+    /// `2d`: positions in one flat picture.
+    Flat,
+    /// `3d`: positions in a perspective picture of each region's own.
+    Perspective,
+    /// `a3`: points of the screen.
+    Screen,
+    /// `sl`: points of the screen, which each region's projector lights from a known place.
+    ShaderLamps,
+}
+
+impl Profile {
+    /// All of them.
+    const ALL: [Self; 4] = [Self::Flat, Self::Perspective, Self::Screen, Self::ShaderLamps];
+
+    /// As the description has it.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Flat => "2d",
+            Self::Perspective => "3d",
+            Self::Screen => "a3",
+            Self::ShaderLamps => "sl",
+        }
+    }
+
+    /// The values are points, not positions in a picture.
+    pub fn has_points(self) -> bool {
+        matches!(self, Self::Screen | Self::ShaderLamps)
+    }
+}
+
+/// What an archive says.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Archive {
+    /// What the values mean.
+    pub profile: Profile,
+    /// The regions, one for each projector.
+    pub regions: Vec<Region>,
+}
+
+/// What one projector shows.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Region {
+    /// Its name.
+    pub id: String,
+    /// Its resolution in pixels.
+    pub size: (u32, u32),
+    /// Position in the picture (0…1 from the bottom left) or point of the screen, NaN where nothing is shown; of any resolution.
+    pub warp: Raster,
+    /// Weights, if there are any.
+    pub alpha: Option<Alpha>,
+}
+
+/// Weights of a region.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Alpha {
+    /// Width and height.
+    pub size: (u32, u32),
+    /// Weights 0…1, row by row from the top; weight^gamma is the part of linear light.
+    pub weights: Vec<f32>,
+    /// The exponent.
+    pub gamma: f64,
+}
+
+/// Reads an archive. `name` is the file's, for messages.
+///
+/// # Errors
+/// [`InvalidRig`](crate::ErrorKind::InvalidRig) with the file in the archive and the reason.
+pub fn read(name: &str, bytes: &[u8]) -> Result<Noted<Archive>> {
+    let mut files = Files::open(name, bytes)?;
+    let text = files.description()?;
+    let document::Description { profile, regions: described, mut notes } = document::read(name, &text)?;
+    let mut regions = Vec::new();
+    for region in described {
+        // A map may be finer than the region, but not without bound: four values for each pixel.
+        let longest = 48 * u64::from(region.size.0) * u64::from(region.size.1) + (1 << 16);
+        let inner = format!("{name}/{}", region.warp);
+        let mut warp = pfm::read(&inner, &files.take(&region.warp, longest)?)?;
+        if !profile.has_points() {
+            warp = placed(&inner, &warp, region.place)?;
+        }
+        let alpha = match &region.alpha {
+            Some((path, gamma)) => {
+                Some(archive::alpha(&format!("{name}/{path}"), &files.take(path, longest)?, *gamma)?)
+            }
+            None => None,
+        };
+        regions.push(Region { id: region.id, size: region.size, warp, alpha });
+    }
+    if profile == Profile::Perspective {
+        notes.push(format!("{name}: positions are in a perspective picture of each region's own (profile 3d)"));
+    }
+    Ok(Noted { value: Archive { profile, regions }, notes })
+}
+
+/// Positions in a region's part (x, y, width, height) of the whole picture.
+fn placed(name: &str, warp: &Raster, [x, y, width, height]: [f64; 4]) -> Result<Raster> {
+    let part = |start: f64, extent: f64, at: f32| (start + extent * f64::from(at)) as f32;
+    let values = warp.values().iter().map(|value| [part(x, width, value[0]), part(y, height, value[1]), 0.0]);
+    Raster::new(warp.size(), values.collect()).ok_or_else(|| invalid(name, "has no pixels"))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,160 @@
+//! Boxes around vertices, and whether a view can show any point of one.
+
+use super::super::matrices::multiply;
+
+/// A box around positions in object coordinates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds {
+    low: [f64; 3],
+    high: [f64; 3],
+    /// Something joined whose place is not known.
+    unknown: bool,
+}
+
+impl Bounds {
+    /// Around nothing.
+    pub const EMPTY: Self = Self { low: [f64::INFINITY; 3], high: [f64::NEG_INFINITY; 3], unknown: false };
+    /// Around something somewhere.
+    pub const UNKNOWN: Self = Self { unknown: true, ..Self::EMPTY };
+
+    /// Grows to hold a vertex. One that is not finite, or has a fourth coordinate other than 1, is nowhere.
+    pub fn add(&mut self, [x, y, z, w]: [f64; 4]) {
+        if w != 1.0 || !(x + y + z).is_finite() {
+            self.unknown = true;
+            return;
+        }
+        for (axis, value) in [x, y, z].into_iter().enumerate() {
+            self.low[axis] = self.low[axis].min(value);
+            self.high[axis] = self.high[axis].max(value);
+        }
+    }
+
+    /// Something joined whose place is not known.
+    pub fn add_unknown(&mut self) {
+        self.unknown = true;
+    }
+
+    /// Lowest and highest corner. `None`: not known; so it is without any vertex, which may have come
+    /// by a way that is not seen.
+    pub fn known(&self) -> Option<([f64; 3], [f64; 3])> {
+        (!self.unknown && self.low[0] <= self.high[0]).then_some((self.low, self.high))
+    }
+}
+
+/// How far the driver's products of 32-bit numbers may be off, as a part of the sum of the terms' sizes:
+/// ten roundings of 2⁻²⁴ and some.
+const ROUNDING: f64 = 1e-5;
+
+/// Whether no point of the box `low`…`high` comes into the picture of `projection · model_view` (column by
+/// column), nor `beside` it (in parts of half the picture's width and height).
+///
+/// The box is outside if it is wholly on the other side of one of the four planes `±x = (1 + beside)·w`.
+/// These are linear, so that holds for points behind the eye as well. Near and far planes are not looked at:
+/// the program may have switched their clipping off. `false` in all cases of doubt, such as numbers that are
+/// not finite.
+pub fn outside(
+    projection: &[f64; 16],
+    model_view: &[f64; 16],
+    low: [f64; 3],
+    high: [f64; 3],
+    beside: [f64; 2],
+) -> bool {
+    let matrix = multiply(projection, model_view);
+    let sizes = multiply(&projection.map(f64::abs), &model_view.map(f64::abs));
+    let row = |m: &[f64; 16], row: usize| -> [f64; 4] { std::array::from_fn(|column| m[4 * column + row]) };
+    let (w, w_size) = (row(&matrix, 3), row(&sizes, 3));
+    (0..2).any(|axis| {
+        let (side, side_size) = (row(&matrix, axis), row(&sizes, axis));
+        let out = 1.0 + beside[axis];
+        [1.0, -1.0].into_iter().any(|sign| {
+            let mut least = sign * side[3] - out * w[3];
+            let mut size = side_size[3] + out * w_size[3];
+            for k in 0..3 {
+                let factor = sign * side[k] - out * w[k];
+                least += (factor * low[k]).min(factor * high[k]);
+                size += (side_size[k] + out * w_size[k]) * low[k].abs().max(high[k].abs());
+            }
+            least > ROUNDING * size
+        })
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Bounds, outside};
+
+    const IDENTITY: [f64; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
+    /// 90° in both directions, looking along −z.
+    const RIGHT_ANGLE: [f64; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, -1.0, -1.0, 0.0, 0.0, -0.2, 0.0];
+
+    /// Numbers that repeat from run to run, −1…1.
+    fn numbers() -> impl FnMut() -> f64 {
+        let mut state = 0x9e37_79b9_7f4a_7c15u64;
+        move || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+        }
+    }
+
+    #[test]
+    fn boxes_beside_and_behind_are_outside_and_those_ahead_are_not() {
+        let gone = |low, high| outside(&RIGHT_ANGLE, &IDENTITY, low, high, [0.0; 2]);
+        assert!(!gone([-1.0, -1.0, -3.0], [1.0, 1.0, -2.0]));
+        assert!(gone([-1.0, -1.0, 2.0], [1.0, 1.0, 3.0]));
+        assert!(gone([9.0, -1.0, -3.0], [10.0, 1.0, -2.0]));
+        // Around the eye, and across a border.
+        assert!(!gone([-1.0; 3], [1.0; 3]));
+        assert!(!gone([1.0, -1.0, -2.0], [9.0, 1.0, -1.5]));
+    }
+
+    #[test]
+    fn a_margin_keeps_what_touches_the_picture_from_beside() {
+        let gone = |beside| outside(&RIGHT_ANGLE, &IDENTITY, [2.1, 0.0, -2.0], [2.2, 0.0, -2.0], beside);
+        assert!(gone([0.0; 2]));
+        assert!(!gone([0.1, 0.0]));
+    }
+
+    /// No vertex of a box that is left out is in the picture; and boxes are left out at all.
+    #[test]
+    fn nothing_visible_is_left_out() {
+        let mut number = numbers();
+        let mut left_out = 0;
+        for _ in 0..20_000 {
+            let model_view: [f64; 16] =
+                std::array::from_fn(|i| if i % 4 == 3 { f64::from(u8::from(i == 15)) } else { 3.0 * number() });
+            let corner: [f64; 3] = std::array::from_fn(|_| 2.0 * number());
+            let mut bounds = Bounds::EMPTY;
+            let points: Vec<[f64; 4]> = (0..8)
+                .map(|_| [corner[0] + 0.5 * number(), corner[1] + 0.5 * number(), corner[2] + 0.5 * number(), 1.0])
+                .collect();
+            points.iter().for_each(|p| bounds.add(*p));
+            let (low, high) = bounds.known().expect("finite points");
+            if !outside(&RIGHT_ANGLE, &model_view, low, high, [0.0; 2]) {
+                continue;
+            }
+            left_out += 1;
+            for p in points {
+                let apply = |m: &[f64; 16], v: [f64; 4]| -> [f64; 4] {
+                    std::array::from_fn(|row| (0..4).map(|k| m[4 * k + row] * v[k]).sum())
+                };
+                let [x, y, _, w] = apply(&RIGHT_ANGLE, apply(&model_view, p));
+                assert!(w < 0.0 || x.abs() > w || y.abs() > w, "{p:?} is in the picture");
+            }
+        }
+        assert!(left_out > 5_000, "{left_out}");
+    }
+
+    #[test]
+    fn doubt_is_not_outside() {
+        let mut bounds = Bounds::EMPTY;
+        assert_eq!(bounds.known(), None);
+        bounds.add([1.0, 2.0, 3.0, 1.0]);
+        assert_eq!(bounds.known(), Some(([1.0, 2.0, 3.0], [1.0, 2.0, 3.0])));
+        let mut other = bounds;
+        other.add([1.0, 2.0, 3.0, 0.5]);
+        assert_eq!(other.known(), None);
+        bounds.add([f64::NAN, 0.0, 0.0, 1.0]);
+        assert_eq!(bounds.known(), None);
+        assert!(!outside(&[f64::NAN; 16], &IDENTITY, [0.0; 3], [1.0; 3], [0.0; 2]));
+    }
+}

@@ -1,0 +1,196 @@
+//! Devices: the next layer's functions for each, its queues and swapchains.
+
+use super::instance::{self, address, dispatch_key};
+use super::negotiate::{self, SetDeviceLoaderData};
+use super::swapchain::Swapchain;
+use crate::intercept::{log, settings};
+use ash::{khr, vk};
+use std::collections::HashMap;
+use std::ffi::CStr;
+use std::sync::{Arc, Mutex, PoisonError, RwLock};
+
+/// A device of the program.
+pub struct Device {
+    /// The next layer's `vkGetDeviceProcAddr`.
+    pub get_device_proc_addr: vk::PFN_vkGetDeviceProcAddr,
+    /// The next layer's functions.
+    pub functions: ash::Device,
+    /// Those of `VK_KHR_swapchain`; they may be called only where the program enabled it.
+    pub swapchain: khr::swapchain::DeviceFn,
+    /// Kinds of memory.
+    pub memory: vk::PhysicalDeviceMemoryProperties,
+    /// Name of the driver's device and its version, for the statistics.
+    pub driver: String,
+    /// Cupola has something to do here.
+    pub active: bool,
+    /// What each queue family can do.
+    pub families: Vec<vk::QueueFlags>,
+    /// The family of each queue that the program asked for.
+    pub queues: Mutex<HashMap<vk::Queue, u32>>,
+    /// The swapchains that Cupola looks after.
+    pub swapchains: Mutex<HashMap<vk::SwapchainKHR, Arc<Mutex<Swapchain>>>>,
+    /// Frames presented.
+    pub frames: std::sync::atomic::AtomicU64,
+    set_loader_data: Option<SetDeviceLoaderData>,
+}
+
+static DEVICES: RwLock<Option<HashMap<usize, Arc<Device>>>> = RwLock::new(None);
+
+/// The device that a device, queue or command buffer belongs to.
+pub fn get(handle: impl vk::Handle) -> Option<Arc<Device>> {
+    let object = handle.as_raw();
+    if object == 0 {
+        return None;
+    }
+    // SAFETY: the program passed a live handle to Vulkan.
+    let key = unsafe { dispatch_key(object) };
+    DEVICES.read().unwrap_or_else(PoisonError::into_inner).as_ref()?.get(&key).cloned()
+}
+
+impl Device {
+    /// Makes a command buffer of ours one that layers below can dispatch.
+    ///
+    /// # Safety
+    /// `buffer` must have just been allocated.
+    pub unsafe fn adopt(&self, buffer: vk::CommandBuffer) -> vk::Result {
+        match self.set_loader_data {
+            // SAFETY: the loader's own function, for an object of its device.
+            Some(set) => unsafe { set(self.functions.handle(), vk::Handle::as_raw(buffer) as *mut _) },
+            None => vk::Result::ERROR_INITIALIZATION_FAILED,
+        }
+    }
+
+    /// The swapchain, if Cupola looks after it.
+    pub fn managed(&self, handle: vk::SwapchainKHR) -> Option<Arc<Mutex<Swapchain>>> {
+        self.swapchains.lock().unwrap_or_else(PoisonError::into_inner).get(&handle).cloned()
+    }
+
+    /// The kind of memory among `allowed` with all of `wanted`.
+    pub fn memory_type(&self, allowed: u32, wanted: vk::MemoryPropertyFlags) -> Option<u32> {
+        let kinds = self.memory.memory_types_as_slice().iter().enumerate();
+        let mut fitting =
+            kinds.filter(|(index, kind)| allowed & (1 << index) != 0 && kind.property_flags.contains(wanted));
+        fitting.next().map(|(index, _)| index as u32)
+    }
+}
+
+/// `vkCreateDevice`. Nothing is enabled that the program did not ask for.
+///
+/// # Safety
+/// Called by the Vulkan loader with the program's arguments.
+pub unsafe extern "system" fn create(
+    physical: vk::PhysicalDevice,
+    info: *const vk::DeviceCreateInfo<'_>,
+    allocator: *const vk::AllocationCallbacks<'_>,
+    handle: *mut vk::Device,
+) -> vk::Result {
+    // SAFETY: the loader's chain, and the program's own call with its arguments.
+    unsafe {
+        let failed = vk::Result::ERROR_INITIALIZATION_FAILED;
+        let Some(given) = info.as_ref() else { return failed };
+        let (Some((link, callback)), Some(parent)) =
+            (negotiate::take_device_link(given.p_next), instance::get(physical))
+        else {
+            return failed;
+        };
+        let create = (link.get_instance_proc_addr)(parent.functions.handle(), c"vkCreateDevice".as_ptr());
+        let Some(create) = create else { return failed };
+        let create: vk::PFN_vkCreateDevice = std::mem::transmute(create);
+        let result = create(physical, info, allocator, handle);
+        if result == vk::Result::SUCCESS {
+            let made = *handle;
+            let next = link.get_device_proc_addr;
+            let find = |name: &CStr| address(next(made, name.as_ptr()));
+            let properties = parent.functions.get_physical_device_properties(physical);
+            let version = properties.api_version;
+            let families = parent.functions.get_physical_device_queue_family_properties(physical);
+            let state = Device {
+                get_device_proc_addr: next,
+                functions: ash::Device::load_with(find, made),
+                swapchain: khr::swapchain::DeviceFn::load(find),
+                memory: parent.functions.get_physical_device_memory_properties(physical),
+                driver: format!(
+                    "Vulkan {}.{}.{}, {}",
+                    vk::api_version_major(version),
+                    vk::api_version_minor(version),
+                    vk::api_version_patch(version),
+                    properties.device_name_as_c_str().unwrap_or_default().to_string_lossy()
+                ),
+                active: wanted(given),
+                families: families.iter().map(|family| family.queue_flags).collect(),
+                queues: Mutex::default(),
+                swapchains: Mutex::default(),
+                frames: 0.into(),
+                set_loader_data: callback,
+            };
+            let key = dispatch_key(vk::Handle::as_raw(made));
+            let mut devices = DEVICES.write().unwrap_or_else(PoisonError::into_inner);
+            devices.get_or_insert_with(HashMap::new).insert(key, Arc::new(state));
+        }
+        result
+    }
+}
+
+/// Whether there is anything to do on a device.
+///
+/// # Safety
+/// `info` must be the program's.
+unsafe fn wanted(info: &vk::DeviceCreateInfo<'_>) -> bool {
+    // SAFETY: the program's list of names.
+    let presents = (0..info.enabled_extension_count as usize)
+        .any(|i| unsafe { CStr::from_ptr(*info.pp_enabled_extension_names.add(i)) } == khr::swapchain::NAME);
+    if settings::switched_off() || !presents {
+        return false;
+    }
+    let Some(settings) = settings::settings() else { return false };
+    if settings.offscreen {
+        log::once("Vulkan: outputs have the resolution of their place in the window; CUPOLA_OFFSCREEN is for OpenGL");
+    }
+    !settings.rig.passthrough || settings.frames.is_some() || settings.capture.is_some() || settings.stats.is_some()
+}
+
+/// `vkDestroyDevice`.
+///
+/// # Safety
+/// Called by the program.
+pub unsafe extern "system" fn destroy(handle: vk::Device, allocator: *const vk::AllocationCallbacks<'_>) {
+    if handle == vk::Device::null() {
+        return;
+    }
+    // SAFETY: a live handle.
+    let key = unsafe { dispatch_key(vk::Handle::as_raw(handle)) };
+    let state = DEVICES.write().unwrap_or_else(PoisonError::into_inner).as_mut().and_then(|all| all.remove(&key));
+    if let Some(state) = state {
+        // SAFETY: the program's own call with its arguments.
+        unsafe { (state.functions.fp_v1_0().destroy_device)(handle, allocator) };
+    }
+}
+
+/// `vkGetDeviceQueue`.
+///
+/// # Safety
+/// Called by the program.
+pub unsafe extern "system" fn queue(handle: vk::Device, family: u32, index: u32, queue: *mut vk::Queue) {
+    let Some(state) = get(handle) else { return };
+    // SAFETY: the program's own call with its arguments.
+    unsafe {
+        (state.functions.fp_v1_0().get_device_queue)(handle, family, index, queue);
+        state.queues.lock().unwrap_or_else(PoisonError::into_inner).insert(*queue, family);
+    }
+}
+
+/// `vkGetDeviceQueue2`.
+///
+/// # Safety
+/// Called by the program.
+pub unsafe extern "system" fn queue2(handle: vk::Device, info: *const vk::DeviceQueueInfo2<'_>, queue: *mut vk::Queue) {
+    let Some(state) = get(handle) else { return };
+    // SAFETY: the program's own call with its arguments.
+    unsafe {
+        (state.functions.fp_v1_1().get_device_queue2)(handle, info, queue);
+        if *queue != vk::Queue::null() {
+            let family = (*info).queue_family_index;
+            state.queues.lock().unwrap_or_else(PoisonError::into_inner).insert(*queue, family);
+        }
+    }
+}

@@ -1,0 +1,207 @@
+//! Calibration files: hostile ones, and what `cupola convert` writes.
+
+use cupola::formats::{Raster, bourke, mpcdi, pfm, vwf};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+/// A SplitMix64 generator: the same damage in every run.
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    fn below(&mut self, end: usize) -> usize {
+        (self.next() % end.max(1) as u64) as usize
+    }
+}
+
+/// One to four changes: a byte, a bit, a large number, a piece cut out, doubled or replaced, the end cut off.
+fn damaged(good: &[u8], random: &mut Random) -> Vec<u8> {
+    let mut bytes = good.to_vec();
+    for _ in 0..=random.below(4) {
+        if bytes.is_empty() {
+            break;
+        }
+        // Headers are short and matter most.
+        let reach = if random.below(2) == 0 { bytes.len().min(64) } else { bytes.len() };
+        let at = random.below(reach);
+        let end = (at + 1 + random.below(16)).min(bytes.len());
+        match random.below(7) {
+            0 => bytes[at] = random.next() as u8,
+            1 => bytes[at] ^= 1 << random.below(8),
+            2 => bytes[at..end].fill([0xff, 0x7f, 0, b'9', b'-'][random.below(5)]),
+            3 => drop(bytes.drain(at..end)),
+            4 => drop(bytes.splice(at..at, bytes[at..end].to_vec())),
+            5 => drop(
+                bytes.splice(at..end, [&b"nan"[..], b"1e999", b"4294967296", b"-1", b"\n"][random.below(5)].to_vec()),
+            ),
+            _ => bytes.truncate(at),
+        }
+    }
+    bytes
+}
+
+fn raster() -> Raster {
+    let value = |i: usize| if i == 5 { [f32::NAN; 3] } else { [0.1 * i as f32, 0.5, 0.25] };
+    Raster::new((4, 3), (0..12).map(value).collect()).unwrap()
+}
+
+fn warp_mesh() -> bourke::WarpMesh {
+    let node = |i: usize| {
+        let (x, y) = ((i % 4) as f64 / 3.0, (i / 4) as f64 / 2.0);
+        [2.0 * x - 1.0, 2.0 * y - 1.0, x, y, if i == 11 { -1.0 } else { 1.0 }]
+    };
+    bourke::WarpMesh {
+        arrangement: bourke::Arrangement::Rectangular,
+        columns: 4,
+        rows: 3,
+        nodes: (0..12).map(node).collect(),
+    }
+}
+
+fn archive() -> mpcdi::Archive {
+    let alpha = mpcdi::Alpha { size: (4, 3), weights: vec![0.5; 12], gamma: 2.2 };
+    let region = mpcdi::Region { id: "one".into(), size: (4, 3), warp: raster(), alpha: Some(alpha) };
+    mpcdi::Archive { profile: mpcdi::Profile::Screen, regions: vec![region] }
+}
+
+/// Damages `good` in many ways. Nothing may panic; what is refused names the file.
+fn survives(good: &[u8], read: impl Fn(&[u8]) -> cupola::Result<()>) {
+    read(good).expect("the undamaged file is good");
+    let (mut random, mut refused) = (Random(7), 0);
+    for _ in 0..4000 {
+        if let Err(error) = read(&damaged(good, &mut random)) {
+            assert!(error.message.starts_with("some.file") && error.message.len() < 600, "{}", error.message);
+            refused += 1;
+        }
+    }
+    // Most damage is seen; what is not, changed a number into another.
+    assert!(refused > 1000, "only {refused} of 4000 were refused");
+}
+
+#[test]
+fn damaged_warp_meshes_do_no_harm() {
+    let read = |bytes: &[u8]| bourke::read("some.file", bytes)?.value.mesh("some.file").map(drop);
+    survives(bourke::write(&warp_mesh()).as_bytes(), read);
+}
+
+#[test]
+fn damaged_float_maps_do_no_harm() {
+    survives(&pfm::write(4, raster().values()), |bytes| pfm::read("some.file", bytes).map(drop));
+}
+
+#[test]
+fn damaged_vioso_files_do_no_harm() {
+    let map = vwf::VwfMap { name: "one".into(), points: false, raster: raster() };
+    survives(&vwf::write(&[map]).unwrap(), |bytes| vwf::read("some.file", bytes).map(drop));
+}
+
+#[test]
+fn damaged_archives_do_no_harm() {
+    survives(&mpcdi::write(&archive()).unwrap(), |bytes| mpcdi::read("some.file", bytes).map(drop));
+}
+
+fn cupola(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_cupola")).args(arguments).output().unwrap()
+}
+
+#[track_caller]
+fn convert(from: &str, to: &Path, more: &[&str]) -> serde_json::Value {
+    let output = cupola(&[&["convert", from, to.to_str().unwrap(), "--json"], more].concat());
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+fn file(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("formats_files");
+    std::fs::create_dir_all(&folder).unwrap();
+    folder.join(name)
+}
+
+fn map(path: &Path) -> Raster {
+    pfm::read("the map", &std::fs::read(path).unwrap()).unwrap()
+}
+
+/// Greatest difference of two maps; what one shows the other has to show too.
+#[track_caller]
+fn difference(a: &Raster, b: &Raster) -> f32 {
+    assert_eq!(a.size(), b.size());
+    a.values().iter().zip(b.values()).fold(0.0, |greatest: f32, (a, b)| {
+        assert_eq!(a[0].is_nan(), b[0].is_nan());
+        (0..3).map(|i| (a[i] - b[i]).abs()).filter(|d| !d.is_nan()).fold(greatest, f32::max)
+    })
+}
+
+#[test]
+fn a_projector_is_the_same_map_after_a_way_through_every_format() {
+    let size = ["--size", "96x54", "--output", "front"];
+    for (values, formats) in [("picture", &["mpcdi", "vwf"][..]), ("points", &["mpcdi", "vwf"][..])] {
+        let values = ["--values", values];
+        let direct = file(&format!("direct-{}.pfm", values[1]));
+        convert("planetarium-6", &direct, &[&size[..], &values[..]].concat());
+        let direct = map(&direct);
+        assert!(direct.values().iter().any(|value| value[0].is_finite()));
+        for format in formats {
+            let (middle, back) =
+                (file(&format!("{}.{format}", values[1])), file(&format!("{}-{format}.pfm", values[1])));
+            convert("planetarium-6", &middle, &[&size[..], &values[..]].concat());
+            convert(middle.to_str().unwrap(), &back, &[]);
+            // A 2D VIOSO map counts v from the top: one rounding.
+            assert!(difference(&direct, &map(&back)) <= 1.2e-7, "{format}");
+        }
+        // Negative control: another projector is another map.
+        let other = file("other.pfm");
+        convert("planetarium-6", &other, &[&["--size", "96x54", "--output", "zenith"][..], &values[..]].concat());
+        let other = map(&other);
+        let differ = |(a, b): (&[f32; 3], &[f32; 3])| (a[0] - b[0]).abs() > 0.01;
+        assert!(direct.values().iter().zip(other.values()).any(differ));
+    }
+}
+
+#[test]
+fn points_lie_on_the_dome() {
+    let path = file("points.pfm");
+    convert("planetarium-6", &path, &["--size", "64x36", "--output", "left", "--values", "points"]);
+    for point in map(&path).values().iter().filter(|point| point[0].is_finite()) {
+        let distance = point.iter().map(|value| value * value).sum::<f32>().sqrt();
+        assert!((distance - 5.0).abs() < 1e-5, "{point:?}");
+    }
+}
+
+#[test]
+fn a_finer_warp_mesh_is_nearer_to_the_exact_map() {
+    let error = |nodes: &str| {
+        let more = ["--size", "960x540", "--output", "zenith", "--nodes", nodes];
+        convert("planetarium-6", &file("mesh.data"), &more)["files"][0]["error_pixels"]["max"].as_f64().unwrap()
+    };
+    let (coarse, fine) = (error("17x17"), error("65x65"));
+    // The error of linear interpolation falls with the square of the distance of the nodes: sixteenfold.
+    assert!(fine > 0.0 && (10.0..24.0).contains(&(coarse / fine)), "{coarse} {fine}");
+}
+
+#[test]
+fn what_cannot_be_converted_is_refused() {
+    let broken = file("broken.data");
+    std::fs::write(&broken, "2\n2 2\n0 0 0 0 1\nx\n").unwrap();
+    let (broken, mesh) = (broken.to_str().unwrap(), file("out.data"));
+    let out = mesh.to_str().unwrap();
+    for (arguments, why) in [
+        (&["convert", broken, out][..], "broken.data:4"),
+        (&["convert", "fisheye", "out.xyz"], "expected a name that ends in"),
+        (&["convert", "fisheye", out, "--output", "x"], "no output \"x\""),
+        (&["convert", "fisheye", out, "--values", "points"], "--values picture"),
+        (&["convert", "identity", out], "has no outputs"),
+        (&["convert", "missing.mpcdi", out], "missing.mpcdi cannot be read"),
+    ] {
+        let output = cupola(arguments);
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{said}");
+        assert!(said.contains(why), "{said}");
+    }
+}
