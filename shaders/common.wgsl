@@ -1,4 +1,5 @@
-// What every correction pass shares: which view answers for a direction, how the atlas is sampled, the flat panel, weights in linear light, black level.
+// What every correction pass shares: which view answers for a direction, how the atlas is sampled, the flat panel,
+// weights in linear light, black level.
 //
 // The passes are specialised before they are compiled: `constants` becomes a constant of the
 // program text, so that each `if` on its counts and switches is decided by the compiler and no

@@ -124,6 +124,10 @@ pub enum Filter {
 }
 
 impl Filter {
+    /// The four places of a pixel, in pixels from its middle: a grid that is rotated so that edges along rows and
+    /// columns meet four different distances.
+    pub const FOUR_PLACES: [[f64; 2]; 4] = [[0.125, 0.375], [-0.375, 0.125], [-0.125, -0.375], [0.375, -0.125]];
+
     /// Whether the kernel is Catmull-Rom's.
     pub fn is_cubic(self) -> bool {
         matches!(self, Self::CatmullRom | Self::CatmullRom4)

@@ -4,18 +4,15 @@ use super::choose::Wanted;
 use super::{Request, Tile, View, ViewPlan, atlas};
 use crate::error::{Error, ErrorKind, Result};
 use crate::geom::{Frustum, pose};
-use crate::rig::{Rig, Views};
+use crate::rig::{Filter, Rig};
 
 /// Texels around the sampled part of a tile.
 ///
 /// Bilinear filtering at the very border of the sampled part reads half a texel beyond it, a cubic
-/// kernel one and a half; a whole texel leaves another half for the rounding of 32-bit shaders and drivers.
-/// Places beside a pixel's centre are up to 3/8 pixel away from it, which is seldom above a texel and a half
-/// where the view has a texel per pixel at least.
-fn guard(views: &Views) -> u32 {
-    let kernel = if views.filter.is_cubic() { 2 } else { 1 };
-    let beside = if views.filter.has_four_places() { (1.5 * views.quality.max(1.0)).ceil() as u32 } else { 0 };
-    kernel + beside
+/// kernel one and a half; half a texel is left for the overhang of views and the rounding of 32-bit shaders.
+/// Places beside a pixel's centre need no more: each is looked up in the view that answers for it.
+fn guard(filter: Filter) -> u32 {
+    if filter.is_cubic() { 2 } else { 1 }
 }
 
 /// Texels by which the sampled part is widened to each side, so that a direction on the border of
@@ -33,7 +30,7 @@ pub(crate) fn place(rig: &Rig, request: &Request, wanted: &[Wanted], notes: &[St
     let mut notes = notes.to_vec();
     let limit = request.max_atlas;
     let quality = rig.views.quality;
-    let guard = guard(&rig.views);
+    let guard = guard(rig.views.filter);
     let mut scale = 1.0;
     let (mut views, tiles, size) = loop {
         let views: Vec<View> = wanted.iter().map(|wanted| sized(wanted, quality, scale, guard)).collect();

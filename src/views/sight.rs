@@ -22,6 +22,8 @@ pub(crate) struct Sample {
 pub(crate) struct Sight {
     /// Resolution in pixels.
     pub size: (u32, u32),
+    /// How far from the picture's sides the outermost places are that are sampled, in pixels.
+    pub inset: f64,
     map: Map,
 }
 
@@ -122,7 +124,9 @@ impl Sight {
                 Map::Perspective { rays, picture: rays.inverse() }
             }
         };
-        Self { size, map }
+        // The pixels' centres, or the outermost of four places in each.
+        let inset = if rig.views.filter.has_four_places() { 0.125 } else { 0.5 };
+        Self { size, inset, map }
     }
 
     /// Whether the picture is a circle inscribed in the output.

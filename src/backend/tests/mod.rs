@@ -52,6 +52,10 @@ macro_rules! run_all_cases {
                 mask_ramps_black_level_and_response,
                 the_panel_lies_over_the_scene;
             presets: every_preset_shows_every_pixel;
+            quality:
+                filters_are_as_good_as_they_should_be,
+                one_resampling_is_better_than_two,
+                filters_read_nothing_beyond_their_tiles;
             sharing:
                 shares_are_those_of_f64_and_add_up_to_1,
                 what_the_shaders_compute_for_one_point_adds_up_to_1,

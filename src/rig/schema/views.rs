@@ -6,7 +6,8 @@ use crate::rig::reader::{Allowed, Section};
 use crate::rig::{Favour, Filter, Overlay, ViewMethod, Views};
 
 pub(super) fn views(section: Option<Section>, problems: &mut Problems) -> Views {
-    let mut views = Views { method: ViewMethod::Auto, quality: 1.0, filter: Filter::Bilinear, favour: Favour::Balanced };
+    let mut views =
+        Views { method: ViewMethod::Auto, quality: 1.0, filter: Filter::Bilinear, favour: Favour::Balanced };
     let Some(mut section) = section else { return views };
     let methods = [("auto", ViewMethod::Auto), ("cube", ViewMethod::Cube), ("single", ViewMethod::Single)];
     views.method = section.choice("method", &methods, problems).unwrap_or(ViewMethod::Auto);
