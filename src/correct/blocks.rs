@@ -12,7 +12,7 @@ use crate::views::cone::{Cone, Relation, WIDEST, diameter};
 use glam::{DMat3, DVec3};
 
 /// At most so many batches of an output differ only in their neighbours and in the view that they sample.
-const MOST_OVERLAPS: usize = 12;
+const MOST_OVERLAPS: usize = 6;
 /// Of these, each has at least this part of the blocks where pictures overlap: a shader for fewer costs more time
 /// to compile than it saves.
 const LEAST_PART: f64 = 0.02;
