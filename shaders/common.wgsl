@@ -1,10 +1,11 @@
-// What every correction pass shares: which view answers for a direction, how the atlas is sampled, the flat panel,
+// What every correction pass shares: which view answers for a direction, how its picture is sampled, the flat panel,
 // weights in linear light, black level.
 //
 // The passes are specialised before they are compiled: `constants` becomes a constant of the
 // program text, so that each `if` on its counts and switches is decided by the compiler and no
 // uniform is loaded per pixel. A file of a pass gives `Constants` (its first member is
-// `shared_part: Shared`) and `trace`.
+// `shared_part: Shared`) and `trace`; a file of an arrangement of the views' pictures gives `atlas`, `texel`
+// and `picture_size`.
 
 // A perspective view in the atlas (or the flat panel).
 struct View {
@@ -58,7 +59,6 @@ struct Ray {
 }
 
 @group(0) @binding(0) var<uniform> constants: Constants;
-@group(0) @binding(1) var atlas: texture_2d<f32>;
 @group(0) @binding(2) var atlas_sampler: sampler;
 @group(0) @binding(3) var mask: texture_2d<f32>;
 @group(0) @binding(4) var mask_sampler: sampler;
@@ -226,17 +226,17 @@ fn with_panel(ray: Ray, scene: vec3<f32>) -> vec3<f32> {
     let s = constants.shared_part.panel.transform * ray.base;
     let inside = covers(s);
     let at = select(vec3<f32>(0.0, 0.0, 1.0), place_in(constants.shared_part.panel, s).xyz, inside);
-    let flat_part = textureSampleLevel(atlas, atlas_sampler, at.xy / at.z, 0.0);
+    let flat_part = texel(vec3<f32>(at.xy / at.z, constants.shared_part.panel.number));
     return select(scene, flat_part.rgb + (1.0 - flat_part.a) * scene, inside);
 }
 
-// The atlas by Catmull and Rom's cubic kernel: its 16 texels by nine bilinear fetches, since the two
+// A view's picture by Catmull and Rom's cubic kernel: its 16 texels by nine bilinear fetches, since the two
 // in the middle of each direction have weights of the same sign.
-fn cubic_fetch(at: vec2<f32>) -> vec3<f32> {
-    let size = vec2<f32>(textureDimensions(atlas));
-    let texel = at * size;
-    let first = floor(texel - 0.5) + 0.5;
-    let f = texel - first;
+fn cubic(at: vec3<f32>) -> vec3<f32> {
+    let size = picture_size(at.z);
+    let place = at.xy * size;
+    let first = floor(place - 0.5) + 0.5;
+    let f = place - first;
     let w0 = f * (-0.5 + f * (1.0 - 0.5 * f));
     let w1 = 1.0 + f * f * (-2.5 + 1.5 * f);
     let w2 = f * (0.5 + f * (2.0 - 1.5 * f));
@@ -245,30 +245,29 @@ fn cubic_fetch(at: vec2<f32>) -> vec3<f32> {
     let before = (first - 1.0) / size;
     let middle = (first + w2 / w12) / size;
     let after = (first + 2.0) / size;
-    let upper = fetch(vec2<f32>(before.x, before.y)) * w0.x + fetch(vec2<f32>(middle.x, before.y)) * w12.x
-        + fetch(vec2<f32>(after.x, before.y)) * w3.x;
-    let centre = fetch(vec2<f32>(before.x, middle.y)) * w0.x + fetch(middle) * w12.x
-        + fetch(vec2<f32>(after.x, middle.y)) * w3.x;
-    let lower = fetch(vec2<f32>(before.x, after.y)) * w0.x + fetch(vec2<f32>(middle.x, after.y)) * w12.x
-        + fetch(after) * w3.x;
-    return clamp(upper * w0.y + centre * w12.y + lower * w3.y, vec3<f32>(0.0), vec3<f32>(1.0));
+    let columns = vec3<f32>(w0.x, w12.x, w3.x);
+    let x = vec3<f32>(before.x, middle.x, after.x);
+    let sum = cubic_row(x, before.y, at.z, columns) * w0.y + cubic_row(x, middle.y, at.z, columns) * w12.y
+        + cubic_row(x, after.y, at.z, columns) * w3.y;
+    return clamp(sum, vec3<f32>(0.0), vec3<f32>(1.0));
 }
 
-fn fetch(at: vec2<f32>) -> vec3<f32> {
-    return textureSampleLevel(atlas, atlas_sampler, at, 0.0).rgb;
+fn cubic_row(x: vec3<f32>, y: f32, number: f32, weights: vec3<f32>) -> vec3<f32> {
+    return texel(vec3<f32>(x.x, y, number)).rgb * weights.x + texel(vec3<f32>(x.y, y, number)).rgb * weights.y
+        + texel(vec3<f32>(x.z, y, number)).rgb * weights.z;
 }
 
-fn sample(at: vec2<f32>) -> vec3<f32> {
+fn sample(at: vec3<f32>) -> vec3<f32> {
     if constants.shared_part.cubic != 0u {
-        return cubic_fetch(at);
+        return cubic(at);
     }
-    return fetch(at);
+    return texel(at).rgb;
 }
 
 // A place beside the pixel's centre, which is taken where that place shows nothing.
 fn sample_beside(source: vec2<f32>, centre: vec3<f32>) -> vec3<f32> {
     let at = locate(trace(source));
-    return sample(select(centre.xy, at.xy, at.z > 0.0));
+    return sample(select(centre, at, at.z > 0.0));
 }
 
 // The mean of four places on a rotated grid. The source's coordinates are linear in the pixel, so that their
@@ -290,7 +289,7 @@ fn present(corner: Corner) -> @location(0) vec4<f32> {
     if constants.shared_part.four_places != 0u {
         color = sample_four(corner.source, at);
     } else {
-        color = sample(at.xy);
+        color = sample(at);
     }
     if constants.shared_part.with_panel != 0u {
         color = with_panel(ray, color);

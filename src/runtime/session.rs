@@ -102,6 +102,14 @@ impl Session {
         self.plan.views.primary.as_ref().map(rect)
     }
 
+    /// Where each output is in the window: x, y, width, height from the top left, `place` added.
+    pub fn viewports_from_top(&self, place: (i32, i32)) -> Vec<[i32; 4]> {
+        let from_top = |r: &[u32; 4]| {
+            [place.0.saturating_add(r[0] as i32), place.1.saturating_add(r[1] as i32), r[2] as i32, r[3] as i32]
+        };
+        self.rects.iter().map(from_top).collect()
+    }
+
     /// Where each output is in the window: x, y, width, height from the bottom left.
     pub fn viewports(&self) -> Vec<[i32; 4]> {
         let height = self.request.window.1 as i32;

@@ -159,6 +159,50 @@ pub fn embedding(program: &str, arguments: &[&str]) -> Option<Finished> {
     Finished::of(command, program, "embedding")
 }
 
+/// The folder of the built Vulkan examples; `None`, with a visible line, where they cannot be built or watched over.
+fn vulkan_examples() -> Option<&'static Path> {
+    static BUILT: OnceLock<Option<PathBuf>> = OnceLock::new();
+    BUILT
+        .get_or_init(|| {
+            let directory = Path::new(env!("CARGO_TARGET_TMPDIR")).join("c-examples");
+            let layers = Path::new("/usr/share/vulkan/explicit_layer.d/VkLayer_khronos_validation.json");
+            let missing = [
+                (!layers.exists(), "the validation layer (Debian: vulkan-validationlayers)"),
+                (Command::new("glslangValidator").arg("-v").output().is_err(), "glslangValidator (glslang-tools)"),
+                (!Path::new("/usr/include/vulkan/vulkan.h").exists(), "Vulkan's headers (libvulkan-dev)"),
+            ];
+            if let Some((_, what)) = missing.iter().find(|(missing, _)| *missing) {
+                assert!(std::env::var_os("CUPOLA_REQUIRE_GL").is_none(), "there is no {what}");
+                let _ = writeln!(std::io::stderr(), "SKIP: Vulkan's C examples, there is no {what}");
+                return None;
+            }
+            let output = Command::new("make")
+                .args(["-s", "-C", concat!(env!("CARGO_MANIFEST_DIR"), "/examples/c"), "vulkan"])
+                .arg(format!("OUT={}", directory.display()))
+                .arg(format!("CUPOLA={}", library().with_file_name("").display()))
+                .output()
+                .expect("make can be started");
+            let words = String::from_utf8_lossy(&output.stderr);
+            assert!(output.status.success(), "the Vulkan examples do not build:\n{words}");
+            Some(directory)
+        })
+        .as_deref()
+}
+
+/// Runs a Vulkan example under the validation layer, which watches over synchronisation too: it has to end well and
+/// without a message. `None` where that cannot be done.
+pub fn validated(program: &str, arguments: &[&str]) -> Option<Finished> {
+    let mut command = Command::new(vulkan_examples()?.join(program));
+    command.args(arguments).env("LD_LIBRARY_PATH", library().with_file_name(""));
+    command.env("VK_INSTANCE_LAYERS", "VK_LAYER_KHRONOS_validation").env("VK_LOADER_DEBUG", "layer");
+    command.env("VK_LAYER_ENABLES", "VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT");
+    let finished = Finished::of(command, program, "validated")?.expect_success();
+    assert!(finished.words().contains("VK_LAYER_KHRONOS_validation"), "the layer is not loaded:\n{}", finished.words());
+    let messages = String::from_utf8_lossy(&finished.output.stdout);
+    assert!(messages.is_empty(), "{}: the validation layer says:\n{messages}", finished.what);
+    Some(finished)
+}
+
 /// What a run left behind.
 pub struct Finished {
     /// The folder it ran in; relative file names of its options are there.

@@ -14,6 +14,8 @@ use std::ffi::c_void;
 pub enum Changes {
     /// Nothing.
     Nothing,
+    /// State, in the same way each time and before the first vertex: nothing has to be put back.
+    Alike,
     /// Current vertex attributes and material (Begin/End).
     Attributes,
     /// Anything that a display list may set.
@@ -307,7 +309,7 @@ impl Repeats {
             _ if !ctx.profile.compatibility() => 0,
             // No place is left on the stack; a pop would take what is the program's.
             _ if ctx.attribute_stack.len() >= super::state::ATTRIBUTE_DEPTH => 0,
-            Changes::Nothing => 0,
+            Changes::Nothing | Changes::Alike => 0,
             Changes::Attributes => api::GL_CURRENT_BIT | api::GL_LIGHTING_BIT,
             Changes::Anything => api::GL_ALL_ATTRIB_BITS,
         };
@@ -382,8 +384,6 @@ macro_rules! draw_hooks {
                 if let Some(recording) = &mut ctx.recording {
                     recording.draws = true;
                     recording.bounds.add_unknown();
-                    gl.$method($($p),*);
-                } else if ctx.in_begin {
                     gl.$method($($p),*);
                 } else {
                     draw(ctx, Changes::Nothing, &Bounds::UNKNOWN, |_, gl| gl.$method($($p),*));

@@ -217,7 +217,7 @@ fn run(ctx: &mut Context, command: &Command, depth: u32) {
         }
         Command::PushAttributes(mask) => super::state::push_attributes(ctx, *mask),
         Command::PopAttributes => super::state::pop_attributes(ctx),
-        Command::UseProgram(program) => super::programs::use_program(ctx, *program),
+        Command::UseProgram(program) => super::programs::select(ctx, *program),
         Command::Clear(mask) => super::targets::clear_window(ctx, *mask),
         Command::DrawBuffer(buffer) => super::targets::select_draw_buffer(ctx, *buffer),
         Command::ReadBuffer(buffer) => super::targets::select_read_buffer(ctx, *buffer),
@@ -338,34 +338,30 @@ impl Lists {
     }
 }
 
+/// `glCallList`.
+pub fn call_list(ctx: &mut Context, list: u32) {
+    if ctx.compiling() { record(ctx, Command::CallList(list)) } else { call(ctx, list, 0) }
+}
+
+/// `glCallLists`.
+///
+/// # Safety
+/// `names` must hold `count` elements of the type `kind`, as the program promises OpenGL.
+pub unsafe fn call_lists(ctx: &mut Context, count: i32, kind: u32, names: *const c_void) {
+    // SAFETY: as promised.
+    let offsets = unsafe { offsets(count, kind, names) };
+    if ctx.compiling() {
+        record(ctx, Command::CallLists(offsets));
+    } else {
+        for offset in offsets {
+            call(ctx, ctx.list_base.wrapping_add(offset), 0);
+        }
+    }
+}
+
 hooks! {
     "glNewList" new_list(list: u32, mode: u32) = |ctx, _gl| begin_recording(ctx, list, mode);
     "glEndList" end_list() = |ctx, _gl| finish_recording(ctx);
-    "glCallList" call_list(list: u32) = |ctx, gl| {
-        if ctx.in_begin {
-            super::culling::vertices::note_unknown(ctx);
-            gl.call_list(list);
-        } else if ctx.compiling() {
-            record(ctx, Command::CallList(list));
-        } else {
-            call(ctx, list, 0);
-        }
-    };
-    "glCallLists" call_lists(count: i32, kind: u32, names: *const c_void) = |ctx, gl| {
-        if ctx.in_begin {
-            super::culling::vertices::note_unknown(ctx);
-            gl.call_lists(count, kind, names);
-        } else {
-            let offsets = offsets(count, kind, names);
-            if ctx.compiling() {
-                record(ctx, Command::CallLists(offsets));
-            } else {
-                for offset in offsets {
-                    call(ctx, ctx.list_base.wrapping_add(offset), 0);
-                }
-            }
-        }
-    };
     "glListBase" list_base(base: u32) = |ctx, _gl| {
         if ctx.compiling() { record(ctx, Command::ListBase(base)) } else { set_list_base(ctx, base) }
     };

@@ -5,7 +5,6 @@
 //! framebuffer is ours ([`default_framebuffer`]), and each draw to it is issued once per view
 //! ([`draw`]).
 
-pub mod attributes;
 pub mod background;
 pub mod camera;
 pub mod conditional;

@@ -3,6 +3,7 @@
 use super::context::{Context, Profile};
 use super::glsl::{self, Stage};
 use super::hook::hooks;
+use super::lists::Command;
 use super::uniforms::{self, Uniforms};
 use crate::backend::gl::api::{self, Gl};
 use crate::intercept::log;
@@ -104,7 +105,7 @@ pub fn send(ctx: &Context, program: &Program, rows: &[f32; 16]) {
 }
 
 /// `glUseProgram`.
-pub fn use_program(ctx: &mut Context, name: u32) {
+pub fn select(ctx: &mut Context, name: u32) {
     // SAFETY: the program's own call.
     unsafe { ctx.gl.use_program(name) };
     ctx.pipelines.used = name;
@@ -317,6 +318,9 @@ hooks! {
     "glDeleteShader" delete_shader(shader: u32) = |_ctx, gl| {
         // Its source stays known: it may still be attached, and its name comes back only with a new source.
         gl.delete_shader(shader)
+    };
+    "glUseProgram" use_program(program: u32) = |ctx, _gl| {
+        if ctx.compiling() { super::lists::record(ctx, Command::UseProgram(program)) } else { select(ctx, program) }
     };
     "glLinkProgram" link_program(program: u32) = |ctx, _gl| link(ctx, program);
     "glDeleteObjectARB" delete_object_arb(object: u32) = |ctx, gl| {

@@ -181,6 +181,13 @@ hooks! {
             }
         }
     };
+    "glRenderMode" render_mode(mode: u32) -> i32 = |ctx, gl| {
+        ctx.picking = mode != api::GL_RENDER;
+        if ctx.picking && ctx.redirected() {
+            ctx.set_viewport(ctx.believed.viewport);
+        }
+        gl.render_mode(mode)
+    };
     "glPushAttrib" push_attrib(mask: u32) = |ctx, _gl| {
         if ctx.compiling() { super::lists::record(ctx, Command::PushAttributes(mask)) } else { push_attributes(ctx, mask) }
     };

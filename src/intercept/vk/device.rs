@@ -1,10 +1,11 @@
 //! Devices: the next layer's functions for each, its queues and swapchains.
 
-use super::instance::{self, address, dispatch_key};
+use super::instance::{self, Instance, address, dispatch_key};
 use super::negotiate::{self, SetDeviceLoaderData};
 use super::swapchain::Swapchain;
+use crate::backend::vk::Api;
 use crate::intercept::{log, settings};
-use ash::{khr, vk};
+use ash::{khr, prelude::VkResult, vk};
 use std::collections::HashMap;
 use std::ffi::CStr;
 use std::sync::{Arc, Mutex, PoisonError, RwLock};
@@ -17,6 +18,14 @@ pub struct Device {
     pub functions: ash::Device,
     /// Those of `VK_KHR_swapchain`; they may be called only where the program enabled it.
     pub swapchain: khr::swapchain::DeviceFn,
+    /// The same for the correction.
+    pub api: Api,
+    /// The instance, for questions about surfaces.
+    pub instance: Arc<Instance>,
+    /// The device that it was made from.
+    pub physical: vk::PhysicalDevice,
+    /// Greatest width and height of an image.
+    pub greatest_image: u32,
     /// Kinds of memory.
     pub memory: vk::PhysicalDeviceMemoryProperties,
     /// Name of the driver's device and its version, for the statistics.
@@ -48,15 +57,21 @@ pub fn get(handle: impl vk::Handle) -> Option<Arc<Device>> {
 }
 
 impl Device {
-    /// Makes a command buffer of ours one that layers below can dispatch.
+    /// A primary command buffer of ours, one that layers below can dispatch.
+    ///
+    /// # Errors
+    /// The driver's.
     ///
     /// # Safety
-    /// `buffer` must have just been allocated.
-    pub unsafe fn adopt(&self, buffer: vk::CommandBuffer) -> vk::Result {
-        match self.set_loader_data {
-            // SAFETY: the loader's own function, for an object of its device.
-            Some(set) => unsafe { set(self.functions.handle(), vk::Handle::as_raw(buffer) as *mut _) },
-            None => vk::Result::ERROR_INITIALIZATION_FAILED,
+    /// The pool must be one of ours, in use by no other thread.
+    pub unsafe fn command_buffer(&self, pool: vk::CommandPool) -> VkResult<vk::CommandBuffer> {
+        let info = vk::CommandBufferAllocateInfo::default().command_pool(pool).command_buffer_count(1);
+        // SAFETY: as promised; the loader's own function, for an object of its device.
+        unsafe {
+            let buffer = self.functions.allocate_command_buffers(&info)?.first().copied().unwrap_or_default();
+            let set = self.set_loader_data.ok_or(vk::Result::ERROR_INITIALIZATION_FAILED)?;
+            set(self.functions.handle(), vk::Handle::as_raw(buffer) as *mut _).result()?;
+            Ok(buffer)
         }
     }
 
@@ -104,9 +119,16 @@ pub unsafe extern "system" fn create(
             let properties = parent.functions.get_physical_device_properties(physical);
             let version = properties.api_version;
             let families = parent.functions.get_physical_device_queue_family_properties(physical);
+            let functions = ash::Device::load_with(find, made);
+            let limits = &properties.limits;
+            let frame = limits.max_framebuffer_width.min(limits.max_framebuffer_height);
             let state = Device {
                 get_device_proc_addr: next,
-                functions: ash::Device::load_with(find, made),
+                api: Api::new(&parent.functions, physical, &functions),
+                functions,
+                instance: Arc::clone(&parent),
+                physical,
+                greatest_image: limits.max_image_dimension2_d.min(frame),
                 swapchain: khr::swapchain::DeviceFn::load(find),
                 memory: parent.functions.get_physical_device_memory_properties(physical),
                 driver: format!(

@@ -3,11 +3,14 @@
 //! The loader asks [`negotiate`] for our two `Get…ProcAddr`. [`instance`] and [`device`] remember the next
 //! layer's functions; a [`swapchain`]'s images are ours, and [`present`] makes of the program's picture
 //! what the outputs show. With nothing to do the loader gets the next layer's own addresses.
+pub mod canvas;
 pub mod device;
-pub mod frame;
+pub mod image;
 pub mod instance;
+pub mod layout;
 pub mod negotiate;
 pub mod present;
+pub mod readback;
 pub mod swapchain;
 
 /// Our function for a device's function of this name.
