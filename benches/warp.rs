@@ -176,7 +176,7 @@ fn rigs() -> Vec<(String, Rig)> {
 }
 
 fn output(name: &str, kind: OutputKind, overlap: bool) -> Output {
-    let blend = Blend { overlap, ramp: 0.3, ramps: Vec::new(), gamma: 2.2, black_level: 0.0 };
+    let blend = Blend { overlap, ramp: 0.3, ..Blend::default() };
     Output { name: name.into(), kind, size: None, window: None, blend, mask: None }
 }
 

@@ -33,13 +33,22 @@ struct Shared {
     with_mask: u32,
     // Any weight differs from 1.
     weighted: u32,
-    // Angle (0 polar, 1 azimuth), its value where the weight is 0, 1/(full − zero).
+    // Angle (0 polar, 1 azimuth), its value where the weight is 0, 1/(full − zero), shape.
     ramps: array<vec4<f32>, 8>,
     ramp_count: u32,
     // The display's response: w^(1/γ) = t·(1 + (t − 1)·h(t)), t = ⁴√w; h with the constant first.
     encoding: array<vec4<f32>, 2>,
     // Black level, encoded.
     black: f32,
+    // Values are weighted as light, not as codes.
+    in_light: u32,
+    // The display's response is that of sRGB, not a power.
+    srgb: u32,
+    gamma: f32,
+    // The most light of all projectors' blacks at a point; 0: it is not evened out.
+    lift: f32,
+    // A step of the display's codes, if it is to be dithered.
+    dither: f32,
     // The kernel is Catmull-Rom's, not bilinear.
     cubic: u32,
     // Four places of a pixel are sampled, not its middle.
@@ -56,6 +65,8 @@ struct Ray {
     dome: vec3<f32>,
     // Weight from the overlap with other outputs, linear light.
     weight: f32,
+    // Light of all outputs' blacks there.
+    dark: f32,
 }
 
 @group(0) @binding(0) var<uniform> constants: Constants;
@@ -150,9 +161,20 @@ fn smooth_step(t: f32) -> f32 {
     return (t * t) * (3.0 - 2.0 * t);
 }
 
-// The same, clamped outside 0…1.
-fn smooth_ramp(t: f32) -> f32 {
-    return smooth_step(clamp(t, 0.0, 1.0));
+// A ramp at t, 0…1. Shape 0: smoothstep. Negative: ½ + ½·sin π(t − ½), by its series, exact to 6e-8. Else the power
+// of two halves that are turned about the middle.
+fn ramp_at(t: f32, shape: f32) -> f32 {
+    if shape == 0.0 {
+        return smooth_step(t);
+    }
+    if shape < 0.0 {
+        let u = t - 0.5;
+        let s = u * u;
+        return 0.5 + 0.5 * u * (3.14159265 + s * (-5.16771278 + s * (2.55016404 + s * (-0.59926453
+            + s * (0.08214589 - s * 0.00737043)))));
+    }
+    let half_part = 0.5 * pow(2.0 * min(t, 1.0 - t), shape);
+    return select(1.0 - half_part, half_part, t < 0.5);
 }
 
 // The angle of (x, y) from the x axis, −π…π; 0 at the origin. Error 1.7e-8 of the angle plus
@@ -171,7 +193,7 @@ fn angle_of(y: f32, x: f32) -> f32 {
 }
 
 fn ramp_weight(ramp: vec4<f32>, polar: f32, azimuth: f32) -> f32 {
-    return smooth_ramp((select(polar, azimuth, ramp.x > 0.5) - ramp.y) * ramp.z);
+    return ramp_at(clamp((select(polar, azimuth, ramp.x > 0.5) - ramp.y) * ramp.z, 0.0, 1.0), ramp.w);
 }
 
 fn ramps_weight(dome: vec3<f32>) -> f32 {
@@ -219,6 +241,36 @@ fn encode(weight: f32) -> f32 {
     let t = sqrt(sqrt(weight));
     let h = polynomial(constants.shared_part.encoding[0], constants.shared_part.encoding[1], t);
     return t * (1.0 + (t - 1.0) * h);
+}
+
+// The light that the display makes of codes.
+fn to_light(code: vec3<f32>) -> vec3<f32> {
+    if constants.shared_part.srgb != 0u {
+        let curve = pow((code + 0.055) / 1.055, vec3<f32>(2.4));
+        return select(curve, code / 12.92, code <= vec3<f32>(0.04045));
+    }
+    return pow(code, vec3<f32>(constants.shared_part.gamma));
+}
+
+// The codes that the display makes light of.
+fn to_code(light: vec3<f32>) -> vec3<f32> {
+    if constants.shared_part.srgb != 0u {
+        let curve = 1.055 * pow(light, vec3<f32>(1.0 / 2.4)) - 0.055;
+        return select(curve, light * 12.92, light <= vec3<f32>(0.0031308));
+    }
+    return pow(light, vec3<f32>(1.0 / constants.shared_part.gamma));
+}
+
+// The picture's share, and of what this point's black has less than the brightest.
+fn weighted_light(code: vec3<f32>, weight: f32, dark: f32) -> vec3<f32> {
+    let share = (1.0 - constants.shared_part.lift) * to_light(code) + max(constants.shared_part.lift - dark, 0.0);
+    return to_code(weight * share);
+}
+
+// Between −½ and ½, evenly distributed, different from pixel to pixel and the same in each frame: interleaved gradient
+// noise (Jimenez 2014).
+fn noise_at(position: vec2<f32>) -> f32 {
+    return fract(52.9829189 * fract(dot(position, vec2<f32>(0.06711056, 0.00583715)))) - 0.5;
 }
 
 // The panel's premultiplied colour over the scene.
@@ -296,10 +348,17 @@ fn present(corner: Corner) -> @location(0) vec4<f32> {
     }
     if constants.shared_part.weighted != 0u {
         let weight = weight_of(ray, corner.place);
-        color *= encode(weight);
+        if constants.shared_part.in_light != 0u {
+            color = weighted_light(color, weight, ray.dark);
+        } else {
+            color *= encode(weight);
+        }
     }
     if constants.shared_part.black > 0.0 {
         color = constants.shared_part.black + (1.0 - constants.shared_part.black) * color;
+    }
+    if constants.shared_part.dither > 0.0 {
+        color += constants.shared_part.dither * noise_at(corner.position.xy);
     }
     if constants.shared_part.edge != 0u {
         color = select(vec3<f32>(0.0), color, at.z > 0.0);

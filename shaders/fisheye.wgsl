@@ -18,5 +18,5 @@ fn trace(source: vec2<f32>) -> Ray {
     let sine = polynomial(constants.sine[0], constants.sine[1], s);
     let cosine = polynomial(constants.cosine[0], constants.cosine[1], s);
     let lens = vec3<f32>(source * sine, -cosine);
-    return Ray(constants.rotation * lens + constants.shift, s <= 1.0, constants.dome * lens, 1.0);
+    return Ray(constants.rotation * lens + constants.shift, s <= 1.0, constants.dome * lens, 1.0, 0.0);
 }

@@ -37,5 +37,5 @@ fn trace(source: vec2<f32>) -> Ray {
     let shows = dot(texel.xyz, texel.xyz) > 0.5;
     // Where nothing is shown any direction does; it is not looked at.
     let direction = select(vec3<f32>(0.0, 0.0, -1.0), texel.xyz, shows);
-    return Ray(constants.rotation * direction, shows, vec3<f32>(0.0, 1.0, 0.0), texel.w);
+    return Ray(constants.rotation * direction, shows, vec3<f32>(0.0, 1.0, 0.0), texel.w, 0.0);
 }

@@ -2,7 +2,7 @@
 
 use super::plan::{Neighbour, ProjectorSource, Source};
 use super::table::{Table, TablePixel};
-use crate::blend::Weights;
+use crate::blend::{Border, Weights};
 use crate::error::Result;
 use crate::geom::quadratic::{cap_row, row_at, sphere_is_ahead};
 use crate::geom::{Fisheye, QuadraticForm, Sphere, pose};
@@ -123,7 +123,7 @@ fn closed_form(rig: &Rig, index: usize) -> Option<Source> {
                 neighbours: neighbours
                     .filter_map(|(other, neighbour)| neighbour_of(other, neighbour, &seen_from))
                     .collect(),
-                ramp: output.blend.ramp,
+                border: Border::of(&output.blend),
             }))
         }
     })
@@ -137,7 +137,7 @@ fn neighbour_of(
 ) -> Option<Neighbour> {
     let OutputKind::Projector { position, angles, frustum } = &output.kind else { return None };
     let picture = frustum.picture() * pose::rotation(angles[0], angles[1], angles[2]).transpose();
-    Some(Neighbour { output: index, picture: seen_from(*position, picture), ramp: output.blend.ramp })
+    Some(Neighbour { output: index, picture: seen_from(*position, picture), border: Border::of(&output.blend) })
 }
 
 impl Source {

@@ -8,6 +8,7 @@
 //! values must satisfy together. All of them add to one list of problems, so that one look at
 //! the message mends the whole file.
 
+mod blend;
 mod camera;
 mod layout;
 mod presets;
@@ -20,6 +21,7 @@ use crate::error::{Error, ErrorKind, Result};
 use glam::DVec3;
 use std::path::{Path, PathBuf};
 
+pub use blend::{AngleRamp, Blend, DomeAngle, RampShape, Transfer};
 pub use presets::{Preset, presets};
 
 /// Everything a rig file says.
@@ -218,41 +220,6 @@ impl OutputKind {
     pub fn is_projector(&self) -> bool {
         matches!(self, Self::Projector { .. } | Self::Optics { .. })
     }
-}
-
-/// How the weight of an output's pixels is found.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Blend {
-    /// Weight from the overlap of all projectors (partition of unity).
-    pub overlap: bool,
-    /// Width of the ramp at a projector's borders, as a part of the picture's width or height, 0 < ramp ≤ 0.5.
-    pub ramp: f64,
-    /// Procedural ramps in dome angles, multiplied in.
-    pub ramps: Vec<AngleRamp>,
-    /// Exponent of the display's response, 1…4.
-    pub gamma: f64,
-    /// Light added so that blacks match where projectors overlap, 0 ≤ level < 1, linear.
-    pub black_level: f64,
-}
-
-/// A smoothstep in an angle of the dome: 0 at `zero`, 1 at `full`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct AngleRamp {
-    /// Which angle.
-    pub angle: DomeAngle,
-    /// Where the weight is 0, radians.
-    pub zero: f64,
-    /// Where the weight is 1, radians; less or greater than `zero`.
-    pub full: f64,
-}
-
-/// An angle on the dome.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum DomeAngle {
-    /// From the dome's pole, 0…π.
-    Polar,
-    /// Around the dome's pole, 0 = front, right-positive, −π…π.
-    Azimuth,
 }
 
 /// Reads a rig: `name_or_path` is a preset's name (see [`presets()`]) or else the path of a TOML file.

@@ -21,7 +21,7 @@ pub(crate) fn rig(outputs: Vec<Output>) -> Rig {
 }
 
 pub(crate) fn output(name: &str, kind: OutputKind) -> Output {
-    let blend = Blend { overlap: false, ramp: 0.2, ramps: Vec::new(), gamma: 2.2, black_level: 0.0 };
+    let blend = Blend { ramp: 0.2, ..Blend::default() };
     Output { name: name.into(), kind, size: None, window: None, blend, mask: None }
 }
 

@@ -7,7 +7,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 /// An output of a kind, with overlap blending and a ramp of a tenth of the picture.
 pub(crate) fn output(name: &str, kind: OutputKind) -> Output {
-    let blend = Blend { overlap: true, ramp: 0.1, ramps: Vec::new(), gamma: 2.2, black_level: 0.0 };
+    let blend = Blend { overlap: true, ramp: 0.1, ..Blend::default() };
     Output { name: name.into(), kind, size: None, window: None, blend, mask: None }
 }
 

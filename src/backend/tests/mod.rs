@@ -59,7 +59,10 @@ macro_rules! run_all_cases {
             sharing:
                 shares_are_those_of_f64_and_add_up_to_1,
                 what_the_shaders_compute_for_one_point_adds_up_to_1,
-                in_8_bits_the_sum_of_two_stays_within_the_quantisation;
+                in_8_bits_the_sum_of_two_stays_within_the_quantisation,
+                shapes_and_exponents_are_those_of_f64,
+                blacks_are_evened_out,
+                dithering_keeps_the_mean_light;
         }
     };
 }

@@ -1,7 +1,7 @@
 //! A rig in words, and as JSON.
 
 use cupola::geom::{Frustum, Lens, Optics};
-use cupola::rig::{Blend, Camera, DomeAngle, Output, OutputKind, Rig, ViewMethod};
+use cupola::rig::{Blend, Camera, DomeAngle, Output, OutputKind, Rig, Transfer, ViewMethod};
 use cupola::views::{self, View, ViewPlan};
 use serde_json::{Value, json};
 use std::fmt::Write;
@@ -121,7 +121,7 @@ fn special(optics: &Optics) -> String {
 
 /// How an output is weighted, where it is.
 fn extras(output: &Output) -> String {
-    let Blend { overlap, ramp, ramps, gamma, black_level } = &output.blend;
+    let Blend { overlap, ramp, ramps, gamma, transfer, black_level, contrast, dither, .. } = &output.blend;
     let mut parts = Vec::new();
     if *overlap {
         parts.push(format!("blended where projectors overlap (ramp {} %)", number(ramp * 100.0)));
@@ -139,7 +139,15 @@ fn extras(output: &Output) -> String {
     if *black_level > 0.0 {
         parts.push(format!("black raised by {} %", number(black_level * 100.0)));
     }
-    if !parts.is_empty() {
+    if let Some(contrast) = contrast {
+        parts.push(format!("black evened out for a contrast of {}", number(*contrast)));
+    }
+    if let Some(bits) = dither {
+        parts.push(format!("dithered for {bits} bits"));
+    }
+    if !parts.is_empty() && *transfer == Transfer::Srgb {
+        parts.push("response of sRGB".to_owned());
+    } else if !parts.is_empty() {
         parts.push(format!("gamma {}", number(*gamma)));
     }
     parts.join(", ")
