@@ -35,7 +35,7 @@ pub(crate) struct Samples {
 }
 
 impl Samples {
-    /// Samples `sight`: the outermost pixel centres (or the rim of the circle), and a grid inside.
+    /// Samples `sight`: the outermost places of pixels (or the rim of the circle), and a grid inside.
     pub fn new(sight: &Sight, fineness: Fineness) -> Self {
         let mut samples = Self { sight: sight.clone(), lines: Vec::new() };
         if sight.is_circular() {
@@ -97,8 +97,8 @@ impl Samples {
     }
 
     fn add_rectangle(&mut self, sight: &Sight, fineness: Fineness) {
-        let low = DVec2::splat(0.5);
-        let high = DVec2::new(f64::from(sight.size.0) - 0.5, f64::from(sight.size.1) - 0.5);
+        let low = DVec2::splat(sight.inset);
+        let high = DVec2::new(f64::from(sight.size.0), f64::from(sight.size.1)) - low;
         let at = |x: f64, y: f64| low + (high - low) * DVec2::new(x, y);
         // What stands out of a mesh may be small.
         let cells = if sight.is_smooth() { fineness.cells } else { 4 * fineness.cells };

@@ -24,6 +24,8 @@ pub(crate) struct Sample {
 pub(crate) struct Sight {
     /// Resolution in pixels.
     pub size: (u32, u32),
+    /// How far from the picture's sides the outermost places are that are sampled, in pixels.
+    pub inset: f64,
     map: Map,
 }
 
@@ -116,7 +118,9 @@ impl Sight {
             })),
             OutputKind::Optics { .. } | OutputKind::Panorama { .. } | OutputKind::Mesh(_) => traced(output)?,
         };
-        Ok(Self { size, map })
+        // The pixels' centres, or the outermost of four places in each.
+        let inset = if rig.views.filter.has_four_places() { 0.125 } else { 0.5 };
+        Ok(Self { size, inset, map })
     }
 
     /// Whether the picture is a circle.
