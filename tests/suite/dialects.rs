@@ -2,12 +2,12 @@
 
 use crate::compare::{EDGE, Report, Shown, compare, compare_with, expect_good, expect_identical, expect_similar};
 use crate::picture::Picture;
-use crate::programs::{Run, scratch};
+use crate::programs::{Finished, Run, scratch};
 use crate::reference::{Dome, Fisheye, Opening, ProgramCamera, Projector, Vector, cube_colour, cube_face, cube_point};
 use crate::rigs;
 
 /// Lenses and turns of the camera; all views, and the seams between them, are seen by some of them.
-const CAMERAS: [(f64, f64, f64); 3] = [(60.0, 0.0, 0.0), (90.0, 33.0, -17.0), (110.0, -128.0, 41.0)];
+pub const CAMERAS: [(f64, f64, f64); 3] = [(60.0, 0.0, 0.0), (90.0, 33.0, -17.0), (110.0, -128.0, 41.0)];
 
 /// What a domemaster shows for the program's camera.
 pub fn shown_by_fisheye(fisheye: Fisheye, camera: ProgramCamera) -> impl Fn(f64, f64) -> Shown {
@@ -34,6 +34,7 @@ pub fn shown_by_projector(projector: &Projector, dome: &Dome, camera: ProgramCam
     }
 }
 
+/// The camera of a run.
 pub fn camera_of(run: &Run) -> ProgramCamera {
     ProgramCamera { yaw: run.yaw, pitch: run.pitch }
 }
@@ -98,19 +99,28 @@ pub fn presented(program: &str) {
 
 /// Every projector of a planetarium, without blending.
 pub fn planetarium(program: &str) {
+    planetarium_of(program, &[], |run, rig| Some(run.under(rig)?.expect_success().expect_no_gl_errors()));
+}
+
+/// The same for a program with options that is started by `start`.
+pub fn planetarium_of<'a>(
+    program: &'a str,
+    extra: &'a [&'a str],
+    start: impl FnOnce(&Run<'a>, &str) -> Option<Finished>,
+) {
     let (size, columns) = ((128, 96), 3);
     let rig = rigs::projectors("planetarium-6", size, columns);
     let rows = rig.projectors.len().div_ceil(columns);
-    let run = Run { size: (columns * size.0, rows * size.1), fov: 70.0, yaw: -50.0, pitch: 20.0, ..Run::new(program) };
+    let size_of_all = (columns * size.0, rows * size.1);
+    let run = Run { size: size_of_all, fov: 70.0, yaw: -50.0, pitch: 20.0, extra, ..Run::new(program) };
     let file = scratch("rig").join("planetarium-6-unblended.toml");
     std::fs::write(&file, &rig.unblended).expect("a rig can be written");
-    let Some(finished) = run.under(file.to_str().expect("a UTF-8 path")) else { return };
-    let finished = finished.expect_success().expect_no_gl_errors();
+    let Some(finished) = start(&run, file.to_str().expect("a UTF-8 path")) else { return };
     for projector in &rig.projectors {
         let picture = finished.picture(&format!("capture-{}.png", projector.name));
         assert_eq!((picture.width, picture.height), size, "the capture is as large as its place in the window");
         let report = compare_program(program, &picture, shown_by_projector(projector, &rig.dome, camera_of(&run)));
-        expect_good(&report, &picture, &format!("{program} planetarium-6 {}", projector.name));
+        expect_good(&report, &picture, &format!("{program} {extra:?} planetarium-6 {}", projector.name));
     }
 }
 

@@ -18,4 +18,5 @@ mod programs;
 mod reference;
 mod rigs;
 mod semantics;
+mod steady;
 mod vulkan;

@@ -51,6 +51,7 @@ pub fn attach(ctx: &mut Context, extras: Extras) {
     take_error(ctx);
     match DefaultFramebuffer::new(ctx, &window, settings, extras) {
         Ok(target) => {
+            ctx.counts.linked += target.backend.linked();
             ctx.target = Some(Box::new(target));
             adopt(ctx);
             let gl = ctx.gl;
@@ -160,6 +161,7 @@ fn enlarge_now(ctx: &mut Context, add: impl FnOnce(&mut Extras)) {
     add(&mut extras);
     match old.enlarged(ctx, extras) {
         Ok(new) => {
+            ctx.counts.linked += new.backend.linked();
             ctx.target = Some(Box::new(new));
             let gl = ctx.gl;
             adopt(ctx);

@@ -154,6 +154,7 @@ fn statistics(ctx: &Context, settings: &settings::Settings) -> Statistics {
         duplicated_framebuffers,
         single_framebuffers,
         projection_found: ctx.counts.found.iter().map(|(how, n)| (how.to_owned(), n)).collect(),
+        shaders_linked: ctx.counts.linked,
         own_errors: ctx.counts.errors,
         ..Statistics::default()
     };

@@ -213,6 +213,7 @@ fn link(ctx: &mut Context, program: u32) {
     let mut linked = false;
     if let Some((shader, original, text)) = &patched {
         linked = link_patched(gl, program, *shader, original, text);
+        ctx.counts.linked += 1;
     }
     if !linked {
         // SAFETY: the program's own call.
