@@ -68,7 +68,7 @@ impl WarpMap {
             OutputKind::Projector { position, angles: [yaw, pitch, roll], frustum } => {
                 Optics::Projector { pose: Pose::new(*position, *yaw, *pitch, *roll), frustum: *frustum }
             }
-            OutputKind::Optics { optics, .. } => Optics::Special(optics.clone()),
+            OutputKind::Optics { optics, .. } => Optics::Special(optics.as_ref().clone()),
             OutputKind::Perspective { angles: [yaw, pitch, roll], frustum } => Optics::Perspective {
                 rotation: pose::rotation(*yaw, *pitch, *roll),
                 frustum: frustum.or(lens).ok_or_else(|| {
