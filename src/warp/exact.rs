@@ -1,6 +1,7 @@
 //! The exact map of an output, ray by ray.
 
 use crate::error::{Error, ErrorKind, Result};
+use crate::geom::panorama::STRIP_FACES;
 use crate::geom::{self, Circle, Fisheye, Frustum, Lens, Panorama, Pose, Screen, pose};
 use crate::rig::{OutputKind, Rig};
 use glam::{DMat3, DVec2, DVec3};
@@ -178,6 +179,14 @@ impl WarpMap {
             _ => return None,
         };
         Some(0.5 * extent.min_element())
+    }
+
+    /// How many pictures stand side by side in the output, each of the same width; between them what is shown leaps.
+    pub fn strips(&self) -> u32 {
+        match &self.optics {
+            Optics::Panorama { panorama: Panorama::CubeStrip, .. } => STRIP_FACES.len() as u32,
+            _ => 1,
+        }
     }
 
     /// Where the circle of a circular picture is: its centre and half its width and height, pixels.
