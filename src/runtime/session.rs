@@ -92,6 +92,14 @@ impl Session {
         self.views().get(index).map_or(([0, 0, 1, 1], true), |view| (rect(&view.tile), view.program_lens))
     }
 
+    /// The view that shows best what is ahead of the program's camera.
+    pub fn ahead(&self) -> usize {
+        let forward = camera_rotation(&self.rig.camera) * DVec3::NEG_Z;
+        let slant = |view: &View| (view.rotation * forward).z;
+        let views = self.views().iter().enumerate();
+        views.min_by(|a, b| slant(a.1).total_cmp(&slant(b.1))).map_or(0, |(index, _)| index)
+    }
+
     /// The tile of the flat panel.
     pub fn panel(&self) -> Option<[i32; 4]> {
         self.plan.views.panel.as_ref().map(|panel| rect(&panel.tile))
@@ -118,12 +126,12 @@ impl Session {
     }
 
     /// The rows that take the program's clip coordinates to each view's.
-    pub fn rows(&self, lens: &Intrinsics) -> Vec<ClipRows> {
-        let rows = |view: &View| {
+    pub fn rows(&self, lens: &Intrinsics) -> impl Iterator<Item = ClipRows> + '_ {
+        let lens = *lens;
+        self.views().iter().map(move |view| {
             let camera = self.camera(view);
-            clip_rows(lens, &camera, view.rotation, &view.frustum).widened(lens, &camera, &view.frustum)
-        };
-        self.views().iter().map(rows).collect()
+            clip_rows(&lens, &camera, view.rotation, &view.frustum).widened(&lens, &camera, &view.frustum)
+        })
     }
 
     /// How the program's camera is adapted for a view: as the rig says, from the view's eye.

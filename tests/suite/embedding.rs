@@ -10,7 +10,7 @@ use crate::reference::{Fisheye, ProgramCamera};
 #[test]
 fn the_c_interface_without_a_window() {
     let camera = ProgramCamera { yaw: 33.0, pitch: -17.0 };
-    let Some(finished) = embedding("embed", &["256", "33", "-17"]) else { return };
+    let Some(finished) = embedding("embed", &["256", "33", "-17"], &[]) else { return };
     let finished = finished.expect_success();
     for (file, size) in [("views.ppm", 256), ("callback.ppm", 192)] {
         let picture = finished.picture(file);
@@ -66,7 +66,7 @@ fn the_vulkan_example_in_every_arrangement() {
         &["--views", "images"],
         &["--views", "images", "--own-images"],
     ];
-    let opengl = embedding("embed", &["256", "33", "-17"]).map(|run| run.expect_success().picture("views.ppm"));
+    let opengl = embedding("embed", &["256", "33", "-17"], &[]).map(|run| run.expect_success().picture("views.ppm"));
     for form in forms {
         let Some(picture) = vulkan(form) else { return };
         expect_good(&compare(&picture, shown_by_fisheye(circle, CAMERA)), &picture, &format!("vk_dome {form:?}"));
