@@ -10,6 +10,7 @@
 
 mod camera;
 mod layout;
+mod one_line;
 mod presets;
 mod problems;
 mod reader;

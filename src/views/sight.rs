@@ -334,6 +334,8 @@ impl ProjectorMap {
     }
 }
 
+/// How far around a pixel its surroundings are looked for, pixels, in this order.
+const STEPS: [f64; 4] = [0.5, 0.05, 0.005, 0.0005];
 /// Cosine of the least angle between what pictures side by side show at their common border (60°), and a little more.
 const LEAP: f64 = 0.6;
 
@@ -346,9 +348,10 @@ fn traced_sample(map: &WarpMap, pixel: DVec2) -> Option<Sample> {
     // What lies across a leap is no neighbour.
     let smooth = |there: &DVec3| map.strips() == 1 || there.dot(direction) > LEAP;
     let along = |axis: DVec2| {
-        let there = |offset: f64| map.direction(pixel + axis * offset).filter(smooth);
-        let end = |offset: f64| there(offset).map_or((direction, 0.0), |there| (there, offset));
-        let ((from, start), (to, stop)) = (end(-0.5), end(0.5));
+        let there = |offset: f64| Some((map.direction(pixel + axis * offset).filter(smooth)?, offset));
+        // What is shown may be narrower than a pixel.
+        let end = |side: f64| STEPS.iter().find_map(|step| there(side * step)).unwrap_or((direction, 0.0));
+        let ((from, start), (to, stop)) = (end(-1.0), end(1.0));
         if stop > start { (to - from) / (stop - start) } else { DVec3::ZERO }
     };
     if let Some(nominal) = map.nominal_pitch() {
