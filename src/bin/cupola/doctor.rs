@@ -8,10 +8,11 @@ use std::path::Path;
 use std::process::ExitCode;
 
 /// Variables of others that change what `cupola run` does.
-const TELLING: [&str; 13] = [
+const TELLING: [&str; 14] = [
     "CUPOLA",
     "CUPOLA_RIG",
     "CUPOLA_CAMERA",
+    "CUPOLA_VIEWER",
     "CUPOLA_DUPLICATE",
     "CUPOLA_LIBRARY",
     "CUPOLA_GLX_REAL",
