@@ -189,16 +189,22 @@ fn vulkan_examples() -> Option<&'static Path> {
         .as_deref()
 }
 
-/// Runs a Vulkan example under the validation layer, which watches over synchronisation too: it has to end well and
-/// without a message. `None` where that cannot be done.
-pub fn validated(program: &str, arguments: &[&str]) -> Option<Finished> {
+/// Runs a Vulkan example under the validation layer, which watches over synchronisation too. `None` where that cannot be
+/// done.
+pub fn watched(program: &str, arguments: &[&str]) -> Option<Finished> {
     let mut command = Command::new(vulkan_examples()?.join(program));
     command.args(arguments).env("LD_LIBRARY_PATH", library().with_file_name(""));
     command.env("VK_INSTANCE_LAYERS", "VK_LAYER_KHRONOS_validation").env("VK_LOADER_DEBUG", "layer");
     command.env("VK_LAYER_ENABLES", "VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT");
-    let finished = Finished::of(command, program, "validated")?.expect_success();
+    let finished = Finished::of(command, program, "watched")?;
     assert!(finished.words().contains("VK_LAYER_KHRONOS_validation"), "the layer is not loaded:\n{}", finished.words());
-    let messages = String::from_utf8_lossy(&finished.output.stdout);
+    Some(finished)
+}
+
+/// As [`watched`]; the program has to end well, and the layer to say nothing.
+pub fn validated(program: &str, arguments: &[&str]) -> Option<Finished> {
+    let finished = watched(program, arguments)?.expect_success();
+    let messages = finished.messages();
     assert!(messages.is_empty(), "{}: the validation layer says:\n{messages}", finished.what);
     Some(finished)
 }
@@ -267,6 +273,11 @@ impl Finished {
     /// What it printed on stderr.
     pub fn words(&self) -> std::borrow::Cow<'_, str> {
         String::from_utf8_lossy(&self.output.stderr)
+    }
+
+    /// What it printed on stdout, as the validation layer does.
+    pub fn messages(&self) -> std::borrow::Cow<'_, str> {
+        String::from_utf8_lossy(&self.output.stdout)
     }
 
     /// A picture that the run wrote.

@@ -6,6 +6,7 @@ pub mod plans;
 pub mod present;
 pub mod presets;
 pub mod sharing;
+pub mod tables;
 
 use crate::correct::Plan;
 use crate::correct::map::MapPixel;
@@ -55,6 +56,10 @@ macro_rules! run_all_cases {
                 shares_are_those_of_f64_and_add_up_to_1,
                 what_the_shaders_compute_for_one_point_adds_up_to_1,
                 in_8_bits_the_sum_of_two_stays_within_the_quantisation;
+            tables:
+                a_table_is_shown_as_it_was_computed,
+                mirrors_and_lenses_show_what_the_exact_map_says,
+                a_projector_that_looks_away_makes_no_ghosts;
         }
     };
 }
