@@ -24,6 +24,8 @@ pub struct Config {
     pub depth_bits: i32,
     /// Bits of stencil.
     pub stencil_bits: i32,
+    /// Bits of each colour in the accumulation buffer; 0 = it has none.
+    pub accumulation_bits: i32,
 }
 
 /// The atlas and what corrects it.
@@ -48,8 +50,12 @@ pub fn attach(ctx: &mut Context, extras: Extras) {
     if settings.rig.passthrough {
         return;
     }
+    super::quiet::quietly(ctx, |ctx| attach_now(ctx, &window, settings, extras));
+}
+
+fn attach_now(ctx: &mut Context, window: &Window, settings: &settings::Settings, extras: Extras) {
     take_error(ctx);
-    match DefaultFramebuffer::new(ctx, &window, settings, extras) {
+    match DefaultFramebuffer::new(ctx, window, settings, extras) {
         Ok(target) => {
             ctx.target = Some(Box::new(target));
             adopt(ctx);
@@ -77,11 +83,30 @@ pub fn resume(ctx: &mut Context, window: &Window, target: Box<DefaultFramebuffer
     take_own_errors(ctx);
 }
 
+/// Goes on with a picture that another context of the group began.
+pub fn take_over(ctx: &mut Context, mut target: Box<DefaultFramebuffer>) {
+    take_error(ctx);
+    match target.rehome(ctx.gl) {
+        Ok(()) => {
+            ctx.target = Some(target);
+            adopt(ctx);
+            ctx.frame_begun = true;
+        }
+        Err(error) => {
+            log::once(&format!("what another context drew to this window is lost: {error}"));
+            target.destroy(ctx.gl);
+            attach(ctx, Extras::default());
+        }
+    }
+    take_own_errors(ctx);
+}
+
 /// Makes the rest of the context fit a new target.
 fn adopt(ctx: &mut Context) {
     super::duplicate::leave(ctx);
     ctx.actual = super::context::Actual::default();
     ctx.projection.clear();
+    ctx.counting.forget_views();
     ctx.cameras.clear();
     ctx.background.clear();
     let Some(target) = &ctx.target else { return };
@@ -89,7 +114,7 @@ fn adopt(ctx: &mut Context) {
     // SAFETY: binds our framebuffer where the program's window is bound.
     unsafe {
         if ctx.believed.read_framebuffer == 0 {
-            ctx.gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, framebuffer);
+            ctx.gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, ctx.window_for_reading());
         }
         if ctx.believed.draw_framebuffer == 0 {
             ctx.gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, framebuffer);
@@ -140,7 +165,7 @@ pub fn want_panel(ctx: &mut Context) {
 
 /// Plans anew with more tiles; what is drawn already moves to its new place.
 fn enlarge(ctx: &mut Context, add: impl FnOnce(&mut Extras)) {
-    super::conditional::unconditionally(ctx, |ctx| enlarge_now(ctx, add));
+    super::counting::aside(ctx, |ctx| enlarge_now(ctx, add));
 }
 
 fn enlarge_now(ctx: &mut Context, add: impl FnOnce(&mut Extras)) {
@@ -216,14 +241,43 @@ pub fn bind_for_reading(ctx: &mut Context) -> [i32; 2] {
     };
     if ctx.target.as_ref().is_some_and(|t| own_picture(t).is_none()) {
         enlarge(ctx, |extras| extras.primary = true);
-        super::offscreen::fill_primary(ctx);
+        super::counting::aside(ctx, super::offscreen::fill_primary);
     }
+    let Some(tile) = ctx.target.as_ref().and_then(|t| own_picture(t)) else { return [0, 0] };
+    super::counting::aside(ctx, |ctx| {
+        if let Some(target) = &ctx.target {
+            target.resolve(ctx, Some(tile));
+        }
+        make_opaque(ctx, tile);
+    });
     let Some(target) = &ctx.target else { return [0, 0] };
-    let Some(tile) = own_picture(target) else { return [0, 0] };
-    target.resolve(ctx, Some(tile));
     // SAFETY: a framebuffer of ours; `end_reading` puts the program's back.
     unsafe { ctx.gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, target.readable().framebuffer()) };
     [tile[0], tile[1]]
+}
+
+/// A window without alpha has alpha 1 wherever it is read; ours has what the program drew. Of the program's own picture
+/// the correction takes the colours only.
+fn make_opaque(ctx: &mut Context, tile: [i32; 4]) {
+    let gl = ctx.gl;
+    let Some(target) = ctx.target.as_ref().filter(|t| t.config.alpha_bits == 0) else { return };
+    let framebuffer = target.readable().framebuffer();
+    ctx.set_scissor(Some(tile));
+    let mut bound = 0;
+    let mut mask = [0u8; 4];
+    // SAFETY: clears a part of a framebuffer of ours; binding and mask are put back.
+    unsafe {
+        gl.get_integerv(api::GL_DRAW_FRAMEBUFFER_BINDING, &mut bound);
+        gl.get_booleanv(api::GL_COLOR_WRITEMASK, mask.as_mut_ptr());
+        gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, framebuffer);
+        gl.color_mask(0, 0, 0, 1);
+        gl.clear_bufferfv(api::GL_COLOR, 0, [0.0f32, 0.0, 0.0, 1.0].as_ptr());
+        gl.color_mask(mask[0], mask[1], mask[2], mask[3]);
+        gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, bound as u32);
+    }
+    if !ctx.redirected() {
+        ctx.restore_window_space();
+    }
 }
 
 /// The pair of [`bind_for_reading`].
@@ -386,6 +440,8 @@ impl DefaultFramebuffer {
         let gl = ctx.gl;
         let [x, y, w, h] = part.unwrap_or([0, 0, self.surface.size().0, self.surface.size().1]);
         let real = |name: u32| if name == 0 { self.framebuffer() } else { name };
+        let reads =
+            if ctx.reads_elsewhere { ctx.believed.read_framebuffer } else { real(ctx.believed.read_framebuffer) };
         // SAFETY: copies between framebuffers of ours; scissor and bindings are put back.
         unsafe {
             let scissor = gl.is_enabled(api::GL_SCISSOR_TEST) != 0;
@@ -399,12 +455,28 @@ impl DefaultFramebuffer {
                 let depth = api::GL_DEPTH_BUFFER_BIT | api::GL_STENCIL_BUFFER_BIT;
                 gl.blit_framebuffer(x, y, x + w, y + h, x, y, x + w, y + h, depth, api::GL_NEAREST);
             }
-            gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, real(ctx.believed.read_framebuffer));
+            gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, reads);
             gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, real(ctx.believed.draw_framebuffer));
             if scissor {
                 gl.enable(api::GL_SCISSOR_TEST);
             }
         }
+    }
+
+    /// The objects that contexts do not share.
+    pub fn own_objects(&self) -> OwnObjects {
+        let resolved = self.resolved.as_ref().map_or(0, Surface::framebuffer);
+        OwnObjects { framebuffers: [self.surface.framebuffer(), resolved], vertex_array: self.backend.vertex_array() }
+    }
+
+    /// Makes those anew, in the current context, around the shared ones.
+    fn rehome(&mut self, gl: &Gl) -> Result<()> {
+        self.surface.rehome(gl)?;
+        if let Some(resolved) = &mut self.resolved {
+            resolved.rehome(gl)?;
+        }
+        self.backend.rehome(gl);
+        Ok(())
     }
 
     /// Deletes everything in the context, which must be current.
@@ -413,6 +485,23 @@ impl DefaultFramebuffer {
         self.surface.destroy(gl);
         if let Some(resolved) = self.resolved.take() {
             resolved.destroy(gl);
+        }
+    }
+}
+
+/// Names of a picture's objects in the context that drew it before.
+pub struct OwnObjects {
+    framebuffers: [u32; 2],
+    vertex_array: u32,
+}
+
+impl OwnObjects {
+    /// Deletes them in their context, which must be current.
+    pub fn destroy(&self, gl: &Gl) {
+        // SAFETY: objects of ours; the name 0 is ignored.
+        unsafe {
+            gl.delete_framebuffers(2, self.framebuffers.as_ptr());
+            gl.delete_vertex_arrays(1, &self.vertex_array);
         }
     }
 }
@@ -438,7 +527,12 @@ impl Config {
             };
             let mut samples = 0;
             gl.get_integerv(api::GL_SAMPLES, &mut samples);
+            let mut accumulation_bits = 0;
+            if profile.compatibility() {
+                gl.get_integerv(api::GL_ACCUM_RED_BITS, &mut accumulation_bits);
+            }
             let config = Self {
+                accumulation_bits,
                 double_buffered,
                 samples,
                 srgb: ask(back, api::GL_FRAMEBUFFER_ATTACHMENT_COLOR_ENCODING) as u32 == api::GL_SRGB,

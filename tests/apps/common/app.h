@@ -18,6 +18,8 @@ typedef struct app {
     bool fbo;          /* draw into an FBO of our own, then copy it to the window */
     const char *dump;  /* PPM of glReadPixels before each swap */
     const char *shot;  /* PPM of what the X server shows after each swap */
+    const char *answers; /* a text file, for programs that write down what OpenGL answers */
+    unsigned seed;       /* of what such programs do */
     window_request request;
 
     /* State. */
