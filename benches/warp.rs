@@ -187,7 +187,7 @@ fn rig(outputs: Vec<Output>) -> Rig {
         dome: Dome { radius: 5.0, tilt: 0.0, coverage: std::f64::consts::TAU },
         viewer: Viewer { position: DVec3::ZERO, yaw: 0.0, pitch: 0.0, roll: 0.0 },
         camera: Camera { zoom: 1.0, shift: DVec3::ZERO, yaw: 0.0, pitch: 0.0, roll: 0.0 },
-        views: Views { method: ViewMethod::Auto, quality: 1.0, favour: Favour::Balanced },
+        views: Views { method: ViewMethod::Auto, quality: 1.0, favour: Favour::Balanced, duplicate: Duplicate::Auto },
         overlay: Overlay { yaw: 0.0, pitch: 0.0, width: 1.0 },
         outputs,
     }

@@ -1,6 +1,7 @@
 //! The OpenGL API as the Khronos registry describes it → a typed table of pointers,
 //! the enums, and the map of aliases (`glDrawArraysEXT` → `glDrawArrays`).
 
+use super::gl_attributes::{self, Declaration};
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
@@ -27,17 +28,20 @@ const EXTRA: &[&str] = &[
     "glPrimitiveRestartIndexNV",
 ];
 
-/// Rust source: `Gl` (table and one method per command), constants, `ALIASES`.
-pub fn generate() -> String {
+/// Rust sources: `Gl` (table and one method per command), constants, `ALIASES`; and the commands between
+/// `glBegin` and `glEnd`.
+pub fn generate() -> (String, String) {
     let text = std::str::from_utf8(khronos_api::GL_XML).expect("the registry is UTF-8");
     let document = roxmltree::Document::parse(text).expect("the registry is well-formed XML");
     let root = document.root_element();
     let wanted = wanted_commands(root);
     let mut out = String::new();
     enums(root, &mut out);
-    commands(root, &wanted, &mut out);
+    let commands = declarations(root, &wanted);
+    table(&commands, &mut out);
     aliases(root, &mut out);
-    out
+    let declarations: Vec<Declaration> = commands.into_iter().map(|(declaration, _)| declaration).collect();
+    (out, gl_attributes::generate(&declarations))
 }
 
 fn wanted_commands<'a>(root: roxmltree::Node<'a, '_>) -> BTreeSet<&'a str> {
@@ -76,15 +80,16 @@ fn enums(root: roxmltree::Node, out: &mut String) {
     }
 }
 
-fn commands(root: roxmltree::Node, wanted: &BTreeSet<&str>, out: &mut String) {
-    let mut fields = String::new();
-    let mut loads = String::new();
-    let mut methods = String::new();
+/// The commands of the table, each with what it answers.
+fn declarations(root: roxmltree::Node, wanted: &BTreeSet<&str>) -> Vec<(Declaration, String)> {
     let list = root.children().find(|n| n.has_tag_name("commands")).expect("the registry lists commands");
+    let mut found = Vec::new();
     for command in list.children().filter(|n| n.has_tag_name("command")) {
         let proto = command.children().find(|n| n.has_tag_name("proto")).expect("a command has a prototype");
         let name = child_text(proto, "name");
-        if !wanted.contains(name.as_str()) && !EXTRA.contains(&name.as_str()) {
+        let alias = command.children().any(|n| n.has_tag_name("alias"));
+        let extra = EXTRA.contains(&name.as_str()) || (!alias && gl_attributes::is_attribute(&name));
+        if !wanted.contains(name.as_str()) && !extra {
             continue;
         }
         let result = rust_type(&declaration(proto));
@@ -94,6 +99,16 @@ fn commands(root: roxmltree::Node, wanted: &BTreeSet<&str>, out: &mut String) {
             .map(|p| (format!("p_{}", snake_case(&child_text(p, "name"))), rust_type(&declaration(p))))
             .collect();
         let method = snake_case(name.strip_prefix("gl").expect("a GL command begins with gl"));
+        found.push((Declaration { name, method, parameters }, result));
+    }
+    found
+}
+
+fn table(commands: &[(Declaration, String)], out: &mut String) {
+    let mut fields = String::new();
+    let mut loads = String::new();
+    let mut methods = String::new();
+    for (Declaration { name, method, parameters }, result) in commands {
         let types = parameters.iter().map(|p| p.1.as_str()).collect::<Vec<_>>().join(", ");
         let typed = parameters.iter().map(|p| format!("{}: {}", p.0, p.1)).collect::<Vec<_>>().join(", ");
         let names = parameters.iter().map(|p| p.0.as_str()).collect::<Vec<_>>().join(", ");

@@ -1,9 +1,10 @@
 //! Build script: the OpenGL function table from the Khronos registry, and the
 //! correction shaders from WGSL.
 //!
-//! Both end as Rust source under `OUT_DIR`, included by `src/backend/gl/api.rs`,
-//! `src/correct/shaders.rs` and `src/correct/spirv.rs`.
+//! All end as Rust source under `OUT_DIR`, included by `src/backend/gl/api.rs`,
+//! `src/intercept/gl/immediate/commands.rs`, `src/correct/shaders.rs` and `src/correct/spirv.rs`.
 
+mod gl_attributes;
 mod gl_registry;
 mod shaders;
 mod spirv;
@@ -14,7 +15,9 @@ fn main() {
     println!("cargo::rerun-if-changed=build");
     println!("cargo::rerun-if-changed=shaders");
     let out = PathBuf::from(std::env::var_os("OUT_DIR").expect("cargo sets OUT_DIR"));
-    std::fs::write(out.join("gl_api.rs"), gl_registry::generate()).expect("OUT_DIR is writable");
+    let (table, attributes) = gl_registry::generate();
+    std::fs::write(out.join("gl_api.rs"), table).expect("OUT_DIR is writable");
+    std::fs::write(out.join("gl_attributes.rs"), attributes).expect("OUT_DIR is writable");
     let (texts, modules) = shaders::generate();
     std::fs::write(out.join("shaders.rs"), texts).expect("OUT_DIR is writable");
     std::fs::write(out.join("spirv.rs"), modules).expect("OUT_DIR is writable");

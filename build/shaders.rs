@@ -18,19 +18,34 @@ const PASSES: &[(&str, &[&str], &[&str])] = &[
     ("Black", &["black.wgsl"], &["present"]),
 ];
 
+/// Name and source of the arrangements of the views' pictures. OpenGL has only the first.
+const ARRANGEMENTS: [(&str, &str); 3] = [("Atlas", "atlas.wgsl"), ("Layers", "layers.wgsl"), ("Images", "images.wgsl")];
+
 /// Rust source with the generated shader texts, and with the SPIR-V modules.
 pub fn generate() -> (String, String) {
     let mut out = String::from("static PASSES: &[PassText] = &[\n");
     let mut modules = String::from("static MODULES: &[PassModules] = &[\n");
     for (name, files, entries) in PASSES {
-        let source: String = files.iter().map(|file| read(file)).collect();
-        let module = naga::front::wgsl::parse_str(&source)
-            .unwrap_or_else(|e| panic!("shaders: {name}: {}", e.emit_to_string(&source)));
-        let info = Validator::new(ValidationFlags::all(), Capabilities::default())
-            .validate(&module)
-            .unwrap_or_else(|e| panic!("shaders: {name}: {}", e.emit_to_string(&source)));
-        pass(name, entries, &module, &info, &mut out);
-        crate::spirv::pass(name, entries, &module, &mut modules);
+        for (arrangement, file) in ARRANGEMENTS {
+            // What shows nothing looks at no picture.
+            let with_pictures = files.len() > 1;
+            let files = files.iter().copied().chain(with_pictures.then_some(file));
+            let source: String = files.map(read).collect();
+            let module = naga::front::wgsl::parse_str(&source)
+                .unwrap_or_else(|e| panic!("shaders: {name}, {file}: {}", e.emit_to_string(&source)));
+            let info = Validator::new(ValidationFlags::all(), Capabilities::default())
+                .validate(&module)
+                .unwrap_or_else(|e| panic!("shaders: {name}, {file}: {}", e.emit_to_string(&source)));
+            let first = arrangement == ARRANGEMENTS[0].0;
+            if first {
+                pass(name, entries, &module, &info, &mut out);
+            }
+            // The map is that of the first.
+            let entries: Vec<&str> = entries.iter().copied().filter(|entry| first || *entry == "present").collect();
+            if first || with_pictures {
+                crate::spirv::pass(name, arrangement, &entries, &module, &mut modules);
+            }
+        }
     }
     out.push_str("];\n");
     modules.push_str("];\n");

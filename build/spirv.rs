@@ -16,10 +16,14 @@ const UINT_MARKER: u32 = 0x9a34_5000;
 /// SPIR-V's instructions that define a 32-bit constant, in one word: length 4, opcode 43.
 const OP_CONSTANT: u32 = 4 << 16 | 43;
 
-/// Appends the modules of one pass as Rust source.
-pub fn pass(name: &str, entries: &[&str], module: &Module, out: &mut String) {
-    write!(out, "PassModules {{ pass: Pass::{name}, vertex: &{:?}, fragments: &[", emit(module, "rectangle_down").0)
-        .expect("writing to a String");
+/// Appends the modules of one pass over one arrangement of the views' pictures as Rust source.
+pub fn pass(name: &str, arrangement: &str, entries: &[&str], module: &Module, out: &mut String) {
+    let vertex = emit(module, "rectangle_down").0;
+    write!(
+        out,
+        "PassModules {{ pass: Pass::{name}, arrangement: Arrangement::{arrangement}, vertex: &{vertex:?}, fragments: &["
+    )
+    .expect("writing to a String");
     for entry in entries {
         let (words, slots) = emit(module, entry);
         let stage = if *entry == "map" { "Map" } else { "Present" };

@@ -49,5 +49,5 @@ gl_packages=(
     gcc g++ make binutils pkg-config
     libgl-dev libegl-dev libgles-dev libx11-dev libglfw3-dev
     libgl1-mesa-dri libglx-mesa0 libegl-mesa0 xvfb
-    libvulkan1 mesa-vulkan-drivers vulkan-tools
+    libvulkan1 libvulkan-dev mesa-vulkan-drivers vulkan-tools vulkan-validationlayers glslang-tools
 )

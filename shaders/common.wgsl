@@ -1,10 +1,10 @@
 // What every correction pass shares: which view answers for a direction, the one bilinear fetch
-// from the atlas, the flat panel, weights in linear light, black level.
+// from its picture, the flat panel, weights in linear light, black level.
 //
 // The passes are specialised before they are compiled: `constants` becomes a constant of the
 // program text, so that each `if` on its counts and switches is decided by the compiler and no
 // uniform is loaded per pixel. A file of a pass gives `Constants` (its first member is
-// `shared_part: Shared`) and `trace`.
+// `shared_part: Shared`) and `trace`; a file of an arrangement of the views' pictures gives `atlas` and `texel`.
 
 // A perspective view in the atlas (or the flat panel).
 struct View {
@@ -54,7 +54,6 @@ struct Ray {
 }
 
 @group(0) @binding(0) var<uniform> constants: Constants;
-@group(0) @binding(1) var atlas: texture_2d<f32>;
 @group(0) @binding(2) var atlas_sampler: sampler;
 @group(0) @binding(3) var mask: texture_2d<f32>;
 @group(0) @binding(4) var mask_sampler: sampler;
@@ -222,7 +221,7 @@ fn with_panel(ray: Ray, scene: vec3<f32>) -> vec3<f32> {
     let s = constants.shared_part.panel.transform * ray.base;
     let inside = covers(s);
     let at = select(vec3<f32>(0.0, 0.0, 1.0), place_in(constants.shared_part.panel, s).xyz, inside);
-    let flat_part = textureSampleLevel(atlas, atlas_sampler, at.xy / at.z, 0.0);
+    let flat_part = texel(vec3<f32>(at.xy / at.z, constants.shared_part.panel.number));
     return select(scene, flat_part.rgb + (1.0 - flat_part.a) * scene, inside);
 }
 
@@ -230,7 +229,7 @@ fn with_panel(ray: Ray, scene: vec3<f32>) -> vec3<f32> {
 fn present(corner: Corner) -> @location(0) vec4<f32> {
     let ray = trace(corner.source);
     let at = locate(ray);
-    var color = textureSampleLevel(atlas, atlas_sampler, at.xy, 0.0).rgb;
+    var color = texel(at).rgb;
     if constants.shared_part.with_panel != 0u {
         color = with_panel(ray, color);
     }

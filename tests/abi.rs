@@ -5,12 +5,16 @@ use std::process::Command;
 
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 
-fn header() -> String {
+/// A header, its configuration, and the files that it is made from.
+const HEADERS: [(&str, &str, &[&str]); 2] =
+    [("cupola.h", "cbindgen.toml", &["status", "rig", "map", "gl"]), ("cupola_vk.h", "cbindgen_vk.toml", &["vk"])];
+
+fn header(config: &str, files: &[&str]) -> String {
     let root = Path::new(ROOT);
-    let config =
-        cbindgen::Config::from_file(root.join("include/cbindgen.toml")).expect("include/cbindgen.toml is readable");
+    let path = root.join("include").join(config);
+    let config = cbindgen::Config::from_file(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
     let mut builder = cbindgen::Builder::new().with_config(config);
-    for file in ["status", "rig", "map", "gl"] {
+    for file in files {
         builder = builder.with_src(root.join(format!("src/ffi/{file}.rs")));
     }
     let mut text = Vec::new();
@@ -18,19 +22,21 @@ fn header() -> String {
     String::from_utf8(text).expect("the header is UTF-8")
 }
 
-/// `CUPOLA_WRITE_HEADER=1 cargo test --test abi` writes the header anew.
+/// `CUPOLA_WRITE_HEADER=1 cargo test --test abi` writes the headers anew.
 #[test]
-fn the_committed_header_is_in_sync() {
-    let path = Path::new(ROOT).join("include/cupola.h");
-    let generated = header();
-    if std::env::var_os("CUPOLA_WRITE_HEADER").is_some() {
-        std::fs::write(&path, &generated).expect("include/ is writable");
+fn the_committed_headers_are_in_sync() {
+    for (name, config, files) in HEADERS {
+        let path = Path::new(ROOT).join("include").join(name);
+        let generated = header(config, files);
+        if std::env::var_os("CUPOLA_WRITE_HEADER").is_some() {
+            std::fs::write(&path, &generated).expect("include/ is writable");
+        }
+        let committed = std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("include/{name}: {error}"));
+        assert!(
+            committed == generated,
+            "include/{name} is not what src/ffi says; write it anew with CUPOLA_WRITE_HEADER=1 cargo test --test abi"
+        );
     }
-    let committed = std::fs::read_to_string(&path).expect("include/cupola.h exists");
-    assert!(
-        committed == generated,
-        "include/cupola.h is not what src/ffi says; write it anew with CUPOLA_WRITE_HEADER=1 cargo test --test abi"
-    );
 }
 
 /// Compiles `text`; the compiler's messages if it fails.

@@ -1,6 +1,6 @@
 //! Calibration files: hostile ones, and what `cupola convert` writes.
 
-use cupola::formats::{Raster, bourke, mpcdi, pfm, vwf};
+use cupola::formats::{Raster, bourke, domeprojection, easyblend, mpcdi, pfm, vwf};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
@@ -67,8 +67,18 @@ fn warp_mesh() -> bourke::WarpMesh {
 
 fn archive() -> mpcdi::Archive {
     let alpha = mpcdi::Alpha { size: (4, 3), weights: vec![0.5; 12], gamma: 2.2 };
-    let region = mpcdi::Region { id: "one".into(), size: (4, 3), warp: raster(), alpha: Some(alpha) };
-    mpcdi::Archive { profile: mpcdi::Profile::Screen, regions: vec![region] }
+    let beta = mpcdi::Levels { size: (2, 2), levels: vec![0.125; 4] };
+    let frustum = cupola::geom::Frustum { left: -1.0, right: 1.0, bottom: -1.0, top: 1.0 };
+    let camera = cupola::formats::Camera { offset: glam::DVec3::X, rotation: glam::DMat3::IDENTITY, frustum };
+    let region = mpcdi::Region {
+        id: "one".into(),
+        size: (4, 3),
+        warp: raster(),
+        alpha: Some(alpha),
+        beta: Some(beta),
+        camera: Some(camera),
+    };
+    mpcdi::Archive { profile: mpcdi::Profile::ShaderLamps, regions: vec![region] }
 }
 
 /// Damages `good` in many ways. Nothing may panic; what is refused names the file.
@@ -96,6 +106,43 @@ fn damaged_float_maps_do_no_harm() {
     survives(&pfm::write(4, raster().values()), |bytes| pfm::read("some.file", bytes).map(drop));
 }
 
+/// The mesh of a camera that looks up by 30°.
+const EASYBLEND: &str = "OPENMESH Version 1.1\nVERTICES 4\nFACES 2\nMAPPING NORMALIZED\nNATIVEXRES 40\nNATIVEYRES 20\n\
+    PERSPECTIVE_LEFT -45\nPERSPECTIVE_RIGHT 45\nPERSPECTIVE_BOTTOM -30\nPERSPECTIVE_TOP 30\nPERSPECTIVE_PITCH 30\n\
+    0 0 255 0 1\n40 0 255 1 1\n40 20 255 1 0\n0 20 255 0 0\n[ 0 1 2 ]\n[ 0 2 3 ]\n";
+
+/// A mesh over the whole output and the whole picture.
+const DOMEPROJECTION: &str = "x;y;u;v;column;row\n0;0;0;0;0;0\n1;0;1;0;1;0\n0;1;0;1;0;1\n1;1;1;1;1;1\n";
+
+#[test]
+fn damaged_easyblend_meshes_do_no_harm() {
+    survives(EASYBLEND.as_bytes(), |bytes| easyblend::read("some.file", bytes).map(drop));
+}
+
+#[test]
+fn damaged_domeprojection_meshes_do_no_harm() {
+    survives(DOMEPROJECTION.as_bytes(), |bytes| domeprojection::read("some.file", bytes).map(drop));
+}
+
+#[test]
+fn meshes_of_other_tools_become_maps() {
+    let (mesh, out) = (file("camera.ol"), file("camera.pfm"));
+    std::fs::write(&mesh, EASYBLEND).unwrap();
+    let written = convert(mesh.to_str().unwrap(), &out, &[]);
+    assert_eq!(written["files"][0]["values"], "directions");
+    let directions = map(&out);
+    assert_eq!(directions.size(), (40, 20));
+    // The middle of the picture looks up by 30°, its pixels left and right of it at equal heights.
+    let [x, y, z] = directions.values()[10 * 40 + 20].map(f64::from);
+    let ahead = |x: f64, y: f64| glam::DMat3::from_rotation_x(30f64.to_radians()) * glam::DVec3::new(x, y, -1.0);
+    let expected = ahead(0.025, -0.05 * 30f64.to_radians().tan()).normalize();
+    assert!(glam::DVec3::new(x, y, z).distance(expected) < 1e-6, "{x} {y} {z}");
+    let (mesh, out) = (file("dome.csv"), file("dome.pfm"));
+    std::fs::write(&mesh, DOMEPROJECTION).unwrap();
+    convert(mesh.to_str().unwrap(), &out, &["--size", "8x4"]);
+    assert_eq!(map(&out).values()[0], [1.0 / 16.0, 7.0 / 8.0, 0.0]);
+}
+
 #[test]
 fn damaged_vioso_files_do_no_harm() {
     let map = vwf::VwfMap { name: "one".into(), points: false, raster: raster() };
@@ -104,7 +151,9 @@ fn damaged_vioso_files_do_no_harm() {
 
 #[test]
 fn damaged_archives_do_no_harm() {
-    survives(&mpcdi::write(&archive()).unwrap(), |bytes| mpcdi::read("some.file", bytes).map(drop));
+    survives(&mpcdi::write(&archive(), mpcdi::Version::Two).unwrap(), |bytes| {
+        mpcdi::read("some.file", bytes).map(drop)
+    });
 }
 
 fn cupola(arguments: &[&str]) -> Output {
@@ -165,6 +214,42 @@ fn a_projector_is_the_same_map_after_a_way_through_every_format() {
 }
 
 #[test]
+fn archives_of_every_profile_and_version_are_the_same_map() {
+    let size = ["--size", "96x54", "--output", "zenith"];
+    for (profile, values, bound) in
+        [("2d", "picture", 1e-7), ("a3", "points", 1e-7), ("sl", "points", 1e-7), ("3d", "directions", 3e-7)]
+    {
+        let direct = file(&format!("direct-{profile}.pfm"));
+        convert("planetarium-6", &direct, &[&size[..], &["--values", values]].concat());
+        for version in ["1", "2"] {
+            let (middle, back) =
+                (file(&format!("{profile}-{version}.mpcdi")), file(&format!("{profile}-{version}.pfm")));
+            convert(
+                "planetarium-6",
+                &middle,
+                &[&size[..], &["--profile", profile, "--archive-version", version]].concat(),
+            );
+            let written = convert(middle.to_str().unwrap(), &back, &[]);
+            assert_eq!(written["files"][0]["values"], values);
+            let found = difference(&map(&direct), &map(&back));
+            assert!(found <= bound, "{profile} {version}: {found}");
+        }
+    }
+    // The projector of profile sl is where the rig has it.
+    let bytes = std::fs::read(file("sl-2.mpcdi")).unwrap();
+    let archive = mpcdi::read("sl-2.mpcdi", &bytes).unwrap().value;
+    let camera = archive.regions[0].camera.unwrap();
+    let rig = cupola::rig::load("planetarium-6").unwrap();
+    let zenith = rig.outputs.iter().find(|output| output.name == "zenith").unwrap();
+    let cupola::rig::OutputKind::Projector { position, .. } = zenith.kind else { panic!("a projector") };
+    assert_eq!(camera.offset, position);
+    // And it lights the points of the map: the middle of the picture lies on its axis.
+    let [x, y, z] = archive.regions[0].warp.values()[27 * 96 + 48].map(f64::from);
+    let place = camera.place(glam::DVec3::new(x, y, z) - position).unwrap();
+    assert!(place.distance(glam::DVec2::new(48.5 / 96.0, 26.5 / 54.0)) < 1e-6, "{place}");
+}
+
+#[test]
 fn points_lie_on_the_dome() {
     let path = file("points.pfm");
     convert("planetarium-6", &path, &["--size", "64x36", "--output", "left", "--values", "points"]);
@@ -191,12 +276,16 @@ fn what_cannot_be_converted_is_refused() {
     std::fs::write(&broken, "2\n2 2\n0 0 0 0 1\nx\n").unwrap();
     let (broken, mesh) = (broken.to_str().unwrap(), file("out.data"));
     let out = mesh.to_str().unwrap();
+    let archive = file("out.mpcdi");
+    let archive = archive.to_str().unwrap();
     for (arguments, why) in [
         (&["convert", broken, out][..], "broken.data:4"),
         (&["convert", "fisheye", "out.xyz"], "expected a name that ends in"),
         (&["convert", "fisheye", out, "--output", "x"], "no output \"x\""),
         (&["convert", "fisheye", out, "--values", "points"], "--values picture"),
         (&["convert", "identity", out], "has no outputs"),
+        (&["convert", "fisheye", archive, "--profile", "3d"], "shows too much"),
+        (&["convert", "fisheye", archive, "--profile", "sl"], "no pinhole projector"),
         (&["convert", "missing.mpcdi", out], "missing.mpcdi cannot be read"),
     ] {
         let output = cupola(arguments);

@@ -20,6 +20,8 @@ pub struct Draw {
     pub first: u32,
     /// Number of vertices.
     pub count: u32,
+    /// The views that it samples, as numbers in the plan; empty for black.
+    pub views: Vec<usize>,
     /// The batch shows its view 1:1: texels are taken as they are, where the target is as large as the output.
     pub nearest: bool,
 }
@@ -59,34 +61,39 @@ pub fn draws(plan: &Plan, passes: &[OutputPass], panel: bool, rows: Rows) -> Res
             let constants = constants(&shown, pass, batch, panel)?;
             // The panel is seldom 1:1 and shares the sampler.
             let nearest = copies_texels(plan, pass, batch) && !(panel && plan.views.panel.is_some());
-            draws.push(draw(constants, pass, &batch.rects, nearest, &mut list.vertices));
+            draws.push(Draw {
+                views: batch.views.clone(),
+                nearest,
+                ..draw(constants, pass, &batch.rects, &mut list.vertices)
+            });
         }
         let covered: Vec<PixelRect> = pass.batches.iter().flat_map(|b| b.rects.iter().copied()).collect();
         let black = uncovered(pass.size, &covered);
         if !black.is_empty() {
-            draws.push(draw(Constants::black(), pass, &black, false, &mut list.vertices));
+            draws.push(draw(Constants::black(), pass, &black, &mut list.vertices));
         }
         list.outputs.push(draws);
     }
     Ok(list)
 }
 
-fn draw(constants: Constants, pass: &OutputPass, rects: &[PixelRect], nearest: bool, vertices: &mut Vec<f32>) -> Draw {
+fn draw(constants: Constants, pass: &OutputPass, rects: &[PixelRect], vertices: &mut Vec<f32>) -> Draw {
     let first = (vertices.len() / FLOATS) as u32;
     for rect in rects {
         vertices.extend(rectangle(pass, rect).as_flattened());
     }
-    Draw { constants, first, count: (vertices.len() / FLOATS) as u32 - first, nearest }
+    Draw { constants, first, count: (vertices.len() / FLOATS) as u32 - first, views: Vec::new(), nearest: false }
 }
 
 /// The same plan over a picture whose first row is the top one: a view from whose picture the rows are
 /// taken in the other order is the mirrored view.
 pub fn from_top(plan: &Plan) -> Plan {
     let mut plan = plan.clone();
-    let height = plan.views.atlas.1;
+    let heights: Vec<u32> =
+        plan.views.views.iter().chain(&plan.views.panel).map(|view| plan.views.picture_size(view).1).collect();
     let mirror = DMat3::from_diagonal(DVec3::new(1.0, -1.0, 1.0));
     let upside_down = |f: Frustum| Frustum { bottom: -f.top, top: -f.bottom, ..f };
-    for view in plan.views.views.iter_mut().chain(&mut plan.views.panel) {
+    for (view, height) in plan.views.views.iter_mut().chain(&mut plan.views.panel).zip(heights) {
         let tile = Tile { y: height - view.tile.y - view.tile.height, ..view.tile };
         *view = View {
             rotation: mirror * view.rotation,

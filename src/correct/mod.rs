@@ -1,5 +1,6 @@
 //! From rig and views to passes, independent of the graphics API.
 
+mod arrangement;
 mod blocks;
 mod cover;
 pub mod draws;
@@ -17,6 +18,7 @@ pub mod table;
 mod tests;
 pub mod uniforms;
 
+pub use arrangement::{Arrangement, ImageSize};
 pub use hidden::hidden_areas;
 pub use plan::{Batch, OutputPass, PixelRect, Plan, Source, build};
 pub use table::{Table, TablePixel};

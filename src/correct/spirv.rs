@@ -4,8 +4,9 @@
 //! constants of a module, not given as specialisation constants: naga does not write those, and drivers
 //! fold plain ones at the latest when they fold the others.
 
+use super::Arrangement;
 use super::shaders::{Pass, Stage};
-use super::uniforms::Constants;
+use super::uniforms::{Constants, MAX_VIEWS};
 
 /// A program in two modules, ready for a pipeline.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
@@ -23,7 +24,7 @@ pub const VERTEX_ENTRY: &std::ffi::CStr = c"rectangle_down";
 
 /// Where the shaders' resources are bound, all in descriptor set 0.
 pub mod binding {
-    /// The picture with the views, a 2D image.
+    /// The atlas, a 2D image; the layers, a 2D array; or the image of the batch's first view.
     pub const ATLAS: u32 = 1;
     /// Its sampler.
     pub const ATLAS_SAMPLER: u32 = 2;
@@ -33,10 +34,13 @@ pub mod binding {
     pub const MASK_SAMPLER: u32 = 4;
     /// The table of directions and weights, a 2D image that is not filtered.
     pub const TABLE: u32 = 5;
+    /// The images of the batch's other views, 2D, one after another: only of [`Arrangement::Images`](super::Arrangement).
+    pub const IMAGES: std::ops::Range<u32> = 6..5 + super::MAX_VIEWS as u32;
 }
 
 struct PassModules {
     pass: Pass,
+    arrangement: Arrangement,
     vertex: &'static [u32],
     fragments: &'static [FragmentModule],
 }
@@ -50,13 +54,17 @@ struct FragmentModule {
 
 include!(concat!(env!("OUT_DIR"), "/spirv.rs"));
 
-/// The program of `constants`.
+/// The program of `constants` over pictures that lie in `arrangement`.
 ///
-/// [`Pass::Black`] has only the stage [`Stage::Present`], which is what any stage gives there.
-pub fn specialise(constants: &Constants, stage: Stage) -> Modules {
-    let stage = if constants.pass() == Pass::Black { Stage::Present } else { stage };
+/// [`Pass::Black`] has only the stage [`Stage::Present`], which is what any stage gives there, and looks at no
+/// picture; [`Stage::Map`] is that of an atlas.
+pub fn specialise(constants: &Constants, arrangement: Arrangement, stage: Stage) -> Modules {
+    let black = constants.pass() == Pass::Black;
+    let stage = if black { Stage::Present } else { stage };
+    let arrangement = if black || stage == Stage::Map { Arrangement::Atlas } else { arrangement };
+    let wanted = |modules: &&PassModules| modules.pass == constants.pass() && modules.arrangement == arrangement;
     // MODULES has an entry for each: the build script and a test see to it.
-    let pass = MODULES.iter().find(|modules| modules.pass == constants.pass()).unwrap_or(&MODULES[0]);
+    let pass = MODULES.iter().find(wanted).unwrap_or(&MODULES[0]);
     let module = pass.fragments.iter().find(|module| module.stage == stage).unwrap_or(&pass.fragments[0]);
     let mut fragment = module.words.to_vec();
     for (&(at, unsigned), &value) in module.slots.iter().zip(constants.values()) {
@@ -74,10 +82,11 @@ mod tests {
     #[test]
     fn every_pass_has_its_modules_and_a_place_for_each_constant() {
         for pass in [Pass::Fisheye, Pass::Projector, Pass::Perspective, Pass::Table, Pass::Black] {
-            let modules = MODULES.iter().find(|modules| modules.pass == pass).expect("modules");
             let scalars: usize = text_of(pass).members.iter().map(|member| member.2).sum();
-            assert_eq!(modules.fragments.len(), if pass == Pass::Black { 1 } else { 2 });
-            for module in modules.fragments {
+            let found: Vec<&PassModules> = MODULES.iter().filter(|modules| modules.pass == pass).collect();
+            assert_eq!(found.len(), if pass == Pass::Black { 1 } else { 3 });
+            assert_eq!(found[0].fragments.len(), if pass == Pass::Black { 1 } else { 2 });
+            for module in found.iter().flat_map(|modules| modules.fragments) {
                 assert_eq!(module.slots.len(), scalars, "{pass:?}");
                 let distinct: std::collections::BTreeSet<usize> = module.slots.iter().map(|slot| slot.0).collect();
                 assert_eq!(distinct.len(), scalars);
@@ -89,7 +98,7 @@ mod tests {
 
     #[test]
     fn values_are_put_in_bit_by_bit() {
-        let black = specialise(&Constants::black(), Stage::Map);
+        let black = specialise(&Constants::black(), Arrangement::Layers, Stage::Map);
         assert_eq!(black.fragment_entry, c"present");
         let module = &MODULES[0].fragments[0];
         let (at, unsigned) = module.slots[0];

@@ -11,7 +11,7 @@ use crate::geom::Frustum;
 use crate::geom::fisheye::sine_cosine_polynomials;
 use crate::geom::reprojection::ClipRows;
 use crate::rig::DomeAngle;
-use crate::views::View;
+use crate::views::{View, ViewPlan};
 use glam::{DMat3, DMat4, DVec2, DVec3};
 
 /// Most views that one batch may sample.
@@ -131,7 +131,8 @@ struct Placement {
 
 impl Placement {
     /// `part` of the opening of `view` answers; texels beyond it, too, up to `overhang`.
-    fn new(view: &View, part: &Frustum, overhang: f64, atlas: (u32, u32)) -> Self {
+    fn new(view: &View, part: &Frustum, overhang: f64, views: &ViewPlan) -> Self {
+        let atlas = views.picture_size(view);
         let tile = DVec2::new(f64::from(view.tile.width), f64::from(view.tile.height));
         let origin = DVec2::new(f64::from(view.tile.x), f64::from(view.tile.y));
         let atlas = DVec2::new(f64::from(atlas.0), f64::from(atlas.1));
@@ -198,10 +199,11 @@ pub fn constants(plan: &Plan, pass: &OutputPass, batch: &Batch, panel: bool) -> 
 pub fn copies_texels(plan: &Plan, pass: &OutputPass, batch: &Batch) -> bool {
     let (Source::Perspective { matrix }, [index]) = (&pass.source, batch.views.as_slice()) else { return false };
     let Some(view) = plan.views.views.get(*index) else { return false };
-    let placement = Placement::new(view, &view.owned, OVERHANG, plan.views.atlas);
+    let placement = Placement::new(view, &view.owned, OVERHANG, &plan.views);
     let map = placement.homogeneous() * view.rotation * *matrix;
     let (width, height) = (f64::from(pass.size.0), f64::from(pass.size.1));
-    let atlas = DVec2::new(f64::from(plan.views.atlas.0), f64::from(plan.views.atlas.1));
+    let atlas = plan.views.picture_size(view);
+    let atlas = DVec2::new(f64::from(atlas.0), f64::from(atlas.1));
     // Where the centres of the bottom left pixel and of the others in the corners are in the atlas, in texels.
     let place = |column: f64, row: f64| {
         let at = map * DVec3::new((2.0 * column + 1.0) / width - 1.0, (2.0 * row + 1.0) / height - 1.0, 1.0);
@@ -248,13 +250,12 @@ pub fn direction_at(view: &View, atlas: (u32, u32), point: DVec2) -> [f32; 3] {
 /// Sets what has to do with views; returns viewer axes → base.
 fn views(out: &mut Constants, plan: &Plan, batch: &Batch, panel: Option<&View>) -> Result<DMat3> {
     limit("views", batch.views.len(), MAX_VIEWS)?;
-    let atlas = plan.views.atlas;
     let mut placements = Vec::with_capacity(batch.views.len());
     for &index in &batch.views {
         let view = plan.views.views.get(index).ok_or_else(|| {
             Error::new(ErrorKind::Internal, format!("A batch samples view {index}, which the plan does not have."))
         })?;
-        let placement = Placement::new(view, &view.owned, OVERHANG, atlas);
+        let placement = Placement::new(view, &view.owned, OVERHANG, &plan.views);
         placements.push((index, view.rotation, placement));
     }
     let base = match placements.as_slice() {
@@ -276,7 +277,7 @@ fn views(out: &mut Constants, plan: &Plan, batch: &Batch, panel: Option<&View>) 
         out.set_flag(&format!("shared_part.views[{i}].last_resort"), last)?;
     }
     if let Some(panel) = panel {
-        let placement = Placement::new(panel, &panel.frustum, 0.0, atlas);
+        let placement = Placement::new(panel, &panel.frustum, 0.0, &plan.views);
         view(out, "shared_part.panel", placement.transform * panel.rotation * back, &placement, 0)?;
         out.set_flag("shared_part.with_panel", true)?;
     }

@@ -1,7 +1,7 @@
 //! OpenGL: a program draws each view itself, between calls of ours.
 
 use super::rig::cupola_rig;
-use super::status::{call, check_size, cupola_status, null};
+use super::status::{call, check_size, cupola_status, name_of, null};
 use crate::backend::gl::api::Gl;
 use crate::correct::uniforms;
 use crate::runtime::embedded::Embedded;
@@ -179,10 +179,6 @@ fn describe(gl: &cupola_gl, index: u32, near: f64, far: f64) -> crate::Result<cu
     let view = gl.embedded.view(index as usize, near, far)?;
     let [x, y, width, height] = view.tile;
     let projection = view.frustum * view.rotation;
-    let mut name = [0; 32];
-    for (to, from) in name.iter_mut().zip(view.name.bytes().take(31)) {
-        *to = from as c_char;
-    }
     Ok(cupola_gl_view {
         struct_size: size_of::<cupola_gl_view>(),
         index,
@@ -196,7 +192,7 @@ fn describe(gl: &cupola_gl, index: u32, near: f64, far: f64) -> crate::Result<cu
         projection_matrix_f64: projection.to_cols_array(),
         rotation_matrix_f64: view.rotation.to_cols_array(),
         frustum_matrix_f64: view.frustum.to_cols_array(),
-        name,
+        name: name_of(&view.name),
     })
 }
 

@@ -11,5 +11,6 @@ pub mod gl;
 pub mod map;
 pub mod rig;
 mod status;
+pub mod vk;
 
 pub use status::{cupola_last_error, cupola_status, cupola_version};

@@ -82,6 +82,15 @@ pub(super) fn check_size(given: usize, known: usize, name: &str) -> Result<()> {
     Ok(())
 }
 
+/// A name as structs hold it: NUL-terminated, cut to 31 bytes.
+pub(super) fn name_of(name: &str) -> [c_char; 32] {
+    let mut held = [0; 32];
+    for (to, from) in held.iter_mut().zip(name.bytes().take(31)) {
+        *to = from as c_char;
+    }
+    held
+}
+
 /// Copies the detail of the last error of this thread, cut to `size` bytes with its NUL.
 ///
 /// `buffer`: room for `size` bytes, or null to ask only for the length. `length` (may be null): the

@@ -12,14 +12,19 @@
 //! other formats into these, so that the injected library carries no archive and no XML.
 
 mod bytes;
+mod camera;
 mod grid;
 mod input;
 mod text;
 
 pub mod bourke;
+pub mod domeprojection;
+pub mod easyblend;
 pub mod mpcdi;
 pub mod pfm;
+pub mod sgct;
 pub mod vwf;
 
+pub use camera::Camera;
 pub use grid::{Grid, MOST_NODES, Mesh, Node, Raster, Sample};
 pub use input::{LONGEST_FILE, MOST_PIXELS, Noted, read_file};

@@ -17,6 +17,17 @@ pub fn rotation(yaw: f64, pitch: f64, roll: f64) -> DMat3 {
     DMat3::from_rotation_y(-yaw) * DMat3::from_rotation_x(pitch) * DMat3::from_rotation_z(-roll)
 }
 
+/// Yaw, pitch and roll (radians) of a rotation: the inverse of [`rotation`], with yaw and roll in −π…π and pitch in
+/// −π/2…π/2. Straight up and down, where yaw and roll turn about the same axis, yaw is 0.
+pub fn angles(rotation: &DMat3) -> [f64; 3] {
+    let forward = -rotation.z_axis;
+    let level = forward.x.hypot(forward.z);
+    let yaw = if level > 1e-12 { forward.x.atan2(-forward.z) } else { 0.0 };
+    let pitch = forward.y.atan2(level);
+    let rolled = self::rotation(yaw, pitch, 0.0).transpose() * rotation.x_axis;
+    [yaw, pitch, (-rolled.y).atan2(rolled.x)]
+}
+
 impl Pose {
     /// A pose from a position and the angles of [`rotation`], in radians.
     pub fn new(position: DVec3, yaw: f64, pitch: f64, roll: f64) -> Self {
@@ -58,6 +69,20 @@ mod tests {
         // Pitch is applied after yaw, about the yawed x axis: the heading stays.
         let aimed = rotation(FRAC_PI_2, 0.5, 0.3) * forward;
         assert!(aimed.distance(DVec3::new(0.5f64.cos(), 0.5f64.sin(), 0.0)) < 1e-15);
+    }
+
+    #[test]
+    fn angles_are_found_again() {
+        let mut random = crate::geom::random::Random::new(5);
+        for _ in 0..1000 {
+            let [yaw, pitch, roll] = std::array::from_fn(|_| random.range(-3.1, 3.1));
+            for turned in [rotation(yaw, pitch, roll), rotation(yaw, FRAC_PI_2, roll), rotation(yaw, -FRAC_PI_2, roll)]
+            {
+                let [yaw, pitch, roll] = angles(&turned);
+                assert!(rotation(yaw, pitch, roll).abs_diff_eq(turned, 1e-12), "{turned}");
+            }
+        }
+        assert_eq!(angles(&DMat3::IDENTITY), [0.0; 3]);
     }
 
     #[test]

@@ -102,6 +102,19 @@ pub struct Views {
     pub quality: f64,
     /// What the planner saves where it cannot save both.
     pub favour: Favour,
+    /// Which pictures that a program draws off screen are drawn once per view.
+    pub duplicate: Duplicate,
+}
+
+/// Which pictures that a program draws off screen are drawn once per view.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Duplicate {
+    /// Those that are seen to be the scene's, on their way to the window.
+    Auto,
+    /// None: what is shown of them is flat.
+    Never,
+    /// All that perspective draws reach, whatever their shape and use.
+    Always,
 }
 
 /// What the planner saves: each view costs the program's draws once more, each texel costs shading.

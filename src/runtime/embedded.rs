@@ -1,4 +1,6 @@
-//! Cupola in a program that draws its own views: begin a frame, draw each view, end the frame.
+//! Cupola in a program that draws its own views: begin a frame, draw each view, end the frame. Here on OpenGL.
+
+pub mod vulkan;
 
 use super::session::{Extras, Session};
 use crate::backend::gl::api::Gl;
@@ -6,6 +8,7 @@ use crate::backend::gl::surface::{Saved, Surface, greatest_texture};
 use crate::backend::gl::{GlBackend, Target};
 use crate::error::{Error, ErrorKind, Result};
 use crate::rig::Rig;
+use crate::views::View;
 use glam::{DMat4, DVec4};
 
 /// Greatest width and height of the pictures, pixels.
@@ -65,10 +68,6 @@ impl Embedded {
     /// What the planner or the driver says; [`ErrorKind::InvalidArgument`] for a size out of range or a
     /// rig that corrects nothing.
     pub fn new(gl: Gl, rig: &Rig, size: (u32, u32)) -> Result<Self> {
-        if rig.passthrough {
-            let message = format!("the rig `{}` corrects nothing; without Cupola the program shows the same", rig.name);
-            return Err(Error::new(ErrorKind::InvalidArgument, message));
-        }
         let es = gl.is_es();
         let (session, surface, backend) = Self::prepare(&gl, rig, size, es)?;
         let counts = EmbeddedCounts::default();
@@ -76,13 +75,7 @@ impl Embedded {
     }
 
     fn prepare(gl: &Gl, rig: &Rig, size: (u32, u32), es: bool) -> Result<(Session, Surface, GlBackend)> {
-        if [size.0, size.1].iter().any(|length| !(1..=LARGEST_PICTURE).contains(length)) {
-            let (width, height) = size;
-            let message = format!(
-                "a picture of {width} × {height} pixels; right would be 1 × 1 to {LARGEST_PICTURE} × {LARGEST_PICTURE}"
-            );
-            return Err(Error::new(ErrorKind::InvalidArgument, message));
-        }
+        check_request(rig, size)?;
         let session = Session::new(rig, size, false, greatest_texture(gl), Extras::default())?;
         let mut backend = GlBackend::new(gl, es)?;
         if let Err(error) = backend.prepare(gl, session.plan(), false) {
@@ -125,15 +118,11 @@ impl Embedded {
     /// # Errors
     /// [`ErrorKind::InvalidArgument`] for an index that does not exist or planes that are no planes.
     pub fn view(&self, index: usize, near: f64, far: f64) -> Result<EmbeddedView> {
-        let view = self.session.views().get(index).ok_or_else(|| self.no_view(index))?;
-        if !(near > 0.0 && near.is_finite() && far > near) {
-            let message = format!("near = {near}, far = {far}: right would be 0 < near < far");
-            return Err(Error::new(ErrorKind::InvalidArgument, message));
-        }
-        let camera = super::session::camera_rotation(&self.rig.camera);
+        let view = self.session.views().get(index).ok_or_else(|| no_view(index, self.view_count()))?;
+        check_planes(near, far)?;
         Ok(EmbeddedView {
             name: view.name.clone(),
-            rotation: DMat4::from_mat3(view.rotation * camera),
+            rotation: rotation(&self.rig, view),
             frustum: projection(&view.frustum, near, far),
             tile: self.session.tile(index).0,
         })
@@ -162,7 +151,7 @@ impl Embedded {
             ));
         }
         if index >= self.view_count() {
-            return Err(self.no_view(index));
+            return Err(no_view(index, self.view_count()));
         }
         self.state = State::View(self.surface.begin_tile(&self.gl, self.session.tile(index).0));
         self.counts.views += 1;
@@ -227,13 +216,36 @@ impl Embedded {
             Err(Error::new(ErrorKind::InvalidState, "a frame has begun and not ended"))
         }
     }
+}
 
-    fn no_view(&self, index: usize) -> Error {
-        Error::new(
-            ErrorKind::InvalidArgument,
-            format!("there is no view {index}; there are {}, counted from 0", self.view_count()),
-        )
+fn no_view(index: usize, count: usize) -> Error {
+    Error::new(ErrorKind::InvalidArgument, format!("there is no view {index}; there are {count}, counted from 0"))
+}
+
+fn check_planes(near: f64, far: f64) -> Result<()> {
+    if near > 0.0 && near.is_finite() && far > near {
+        return Ok(());
     }
+    let message = format!("near = {near}, far = {far}: right would be 0 < near < far");
+    Err(Error::new(ErrorKind::InvalidArgument, message))
+}
+
+/// Checks what every API has to be asked for.
+fn check_request(rig: &Rig, size: (u32, u32)) -> Result<()> {
+    let message = if rig.passthrough {
+        format!("the rig `{}` corrects nothing; without Cupola the program shows the same", rig.name)
+    } else if [size.0, size.1].iter().any(|length| !(1..=LARGEST_PICTURE).contains(length)) {
+        let (width, height) = size;
+        format!("a picture of {width} × {height} pixels; right would be 1 × 1 to {LARGEST_PICTURE} × {LARGEST_PICTURE}")
+    } else {
+        return Ok(());
+    };
+    Err(Error::new(ErrorKind::InvalidArgument, message))
+}
+
+/// Camera axes of the program → axes of a view.
+fn rotation(rig: &Rig, view: &View) -> DMat4 {
+    DMat4::from_mat3(view.rotation * super::session::camera_rotation(&rig.camera))
 }
 
 /// OpenGL's perspective matrix for a frustum; `far` may be infinite.

@@ -1,7 +1,6 @@
 //! One window's Cupola: rig and plan, what a frame looked like, and what was counted.
 
 pub mod embedded;
-pub mod flat;
 pub mod process;
 pub mod report;
 pub mod session;

@@ -92,6 +92,14 @@ impl Session {
         self.views().get(index).map_or(([0, 0, 1, 1], true), |view| (rect(&view.tile), view.program_lens))
     }
 
+    /// The view that shows best what is ahead of the program's camera.
+    pub fn ahead(&self) -> usize {
+        let forward = camera_rotation(&self.rig.camera) * DVec3::NEG_Z;
+        let slant = |view: &View| (view.rotation * forward).z;
+        let views = self.views().iter().enumerate();
+        views.min_by(|a, b| slant(a.1).total_cmp(&slant(b.1))).map_or(0, |(index, _)| index)
+    }
+
     /// The tile of the flat panel.
     pub fn panel(&self) -> Option<[i32; 4]> {
         self.plan.views.panel.as_ref().map(|panel| rect(&panel.tile))
@@ -102,6 +110,14 @@ impl Session {
         self.plan.views.primary.as_ref().map(rect)
     }
 
+    /// Where each output is in the window: x, y, width, height from the top left, `place` added.
+    pub fn viewports_from_top(&self, place: (i32, i32)) -> Vec<[i32; 4]> {
+        let from_top = |r: &[u32; 4]| {
+            [place.0.saturating_add(r[0] as i32), place.1.saturating_add(r[1] as i32), r[2] as i32, r[3] as i32]
+        };
+        self.rects.iter().map(from_top).collect()
+    }
+
     /// Where each output is in the window: x, y, width, height from the bottom left.
     pub fn viewports(&self) -> Vec<[i32; 4]> {
         let height = self.request.window.1 as i32;
@@ -110,12 +126,13 @@ impl Session {
     }
 
     /// The rows that take the program's clip coordinates to each view's.
-    pub fn rows(&self, lens: &Intrinsics) -> Vec<ClipRows> {
+    pub fn rows(&self, lens: &Intrinsics) -> impl Iterator<Item = ClipRows> + '_ {
         let camera = &self.rig.camera;
         let camera = CameraAdjustment { zoom: camera.zoom, shift: camera.shift, rotation: camera_rotation(camera) };
-        let rows =
-            |view: &View| clip_rows(lens, &camera, view.rotation, &view.frustum).widened(lens, &camera, &view.frustum);
-        self.views().iter().map(rows).collect()
+        let lens = *lens;
+        self.views().iter().map(move |view| {
+            clip_rows(&lens, &camera, view.rotation, &view.frustum).widened(&lens, &camera, &view.frustum)
+        })
     }
 
     /// How many samples of all views show what the program sees through `lens`, to a few per cent. `own`: how many the

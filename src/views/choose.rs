@@ -25,6 +25,13 @@ fn view_cost(favour: Favour) -> f64 {
     }
 }
 
+/// At quality 1 no view gets more texels than this for each pixel of the outputs that it serves.
+///
+/// Where a projector's light grazes the screen close to its lens, or a lens crams a large part of its picture into a
+/// point, pixels shrink without bound, and a view as fine as the finest of them would fit into no atlas. The bar leaves
+/// alone what is merely oblique: a 90° × 60° lens at 0.9 radii needs 7.
+const MOST_TEXELS_PER_PIXEL: f64 = 64.0;
+
 /// A view before it has a place and its final size.
 #[derive(Clone, Debug)]
 pub(crate) struct Wanted {
@@ -108,6 +115,7 @@ pub(crate) fn arrange(rig: &Rig, sights: &[Sight]) -> Result<Arrangement> {
     let cost = |arrangement: &Arrangement| arrangement.cost(view_cost(rig.views.favour));
     let mut chosen = arrangements.into_iter().min_by(|a, b| cost(a).total_cmp(&cost(b))).unwrap_or_default();
     notes.append(&mut chosen.notes);
+    notes.extend(chosen.views.iter_mut().filter_map(|view| limit(view, sights, quality)));
     chosen.notes = notes;
     Ok(chosen)
 }
@@ -173,6 +181,23 @@ fn mixed(rig: &Rig, seen: &[Seen], alone: impl Fn(usize) -> bool) -> Arrangement
         add_parts(&mut arrangement, task.best(&frames(rig, &sharing, &coarse)), &sharing);
     }
     arrangement
+}
+
+/// Makes a view coarser that is finer than [`MOST_TEXELS_PER_PIXEL`] allows; what to tell people then.
+fn limit(view: &mut Wanted, sights: &[Sight], quality: f64) -> Option<String> {
+    let pixels = |&output: &usize| f64::from(sights[output].size.0) * f64::from(sights[output].size.1);
+    let asked = view.fit.texels() / (quality * quality) / view.outputs.iter().map(pixels).sum::<f64>();
+    if view.exact.is_some() || asked <= MOST_TEXELS_PER_PIXEL {
+        return None;
+    }
+    let scale = (MOST_TEXELS_PER_PIXEL / asked).sqrt();
+    view.fit.density *= scale;
+    Some(format!(
+        "view {} has {:.1} % of the resolution asked for, in each direction: the smallest of its outputs' pixels \
+         would take {asked:.0} texels for each pixel",
+        view.name,
+        100.0 * scale,
+    ))
 }
 
 /// Every sample of an output.

@@ -19,8 +19,8 @@ pub(crate) const MARGIN: f64 = 0.25;
 /// Free texels between tiles.
 const GUTTER: u32 = 1;
 
-/// Below this part of the resolution asked for, the plan fails.
-const LEAST_SCALE: f64 = 0.02;
+/// Below this part of the resolution asked for the views are a texel each, and what does not fit is the window.
+const LEAST_SCALE: f64 = 1e-5;
 
 /// Sizes the views, scales them down until the atlas holds them, and places them.
 pub(crate) fn place(rig: &Rig, request: &Request, wanted: &[Wanted], notes: &[String]) -> Result<ViewPlan> {
@@ -34,14 +34,14 @@ pub(crate) fn place(rig: &Rig, request: &Request, wanted: &[Wanted], notes: &[St
             break (views, tiles, size);
         }
         let largest = views.iter().map(|view| view.tile.width.max(view.tile.height)).max().unwrap_or(0);
-        scale *= if largest > limit { (f64::from(limit) / f64::from(largest)).min(0.98) } else { 0.98 };
         if scale < LEAST_SCALE {
             return Err(too_small(request));
         }
+        scale *= if largest > limit { (f64::from(limit) / f64::from(largest)).min(0.98) } else { 0.98 };
     };
     if scale < 1.0 {
         notes.push(format!(
-            "the views have {:.0} % of the resolution asked for, in each direction: an atlas of {limit}×{limit} texels holds no more",
+            "the views have {:.1} % of the resolution asked for, in each direction: an atlas of {limit}×{limit} texels holds no more",
             100.0 * scale
         ));
     }
@@ -78,7 +78,7 @@ fn too_small(request: &Request) -> Error {
     Error::new(
         ErrorKind::Graphics,
         format!(
-            "the views do not fit into an atlas of {limit}×{limit} texels, however coarse (the program's window has {width}×{height} pixels)",
+            "an atlas of {limit}×{limit} texels is too small for {width}×{height} pixels of the program's window beside the views; a smaller window would fit",
             limit = request.max_atlas
         ),
     )

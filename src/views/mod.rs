@@ -82,7 +82,7 @@ pub struct ViewPlan {
     pub views: Vec<View>,
     /// For each output the indices of the views that it samples.
     pub output_views: Vec<Vec<usize>>,
-    /// Width and height of the atlas in texels.
+    /// Width and height of the atlas in texels; [`ViewPlan::NO_ATLAS`]: each view has a picture of its own.
     pub atlas: (u32, u32),
     /// The flat panel: tile, and its rotation and opening as a view (`program_lens` is true).
     pub panel: Option<View>,
@@ -92,6 +92,16 @@ pub struct ViewPlan {
     pub guard: u32,
     /// Remarks for people: what was left out or scaled down, and why.
     pub notes: Vec<String>,
+}
+
+impl ViewPlan {
+    /// The size of an atlas that is none.
+    pub const NO_ATLAS: (u32, u32) = (0, 0);
+
+    /// Width and height in texels of the picture in which `view` has its tile.
+    pub fn picture_size(&self, view: &View) -> (u32, u32) {
+        if self.atlas == Self::NO_ATLAS { (view.tile.width, view.tile.height) } else { self.atlas }
+    }
 }
 
 /// Plans the views of `rig`: deterministic, and without a graphics API.

@@ -14,7 +14,7 @@ pub(crate) fn rig(outputs: Vec<Output>) -> Rig {
         dome: Dome { radius: 5.0, tilt: 0.0, coverage: 2.0 * PI },
         viewer: Viewer { position: DVec3::ZERO, yaw: 0.0, pitch: 0.0, roll: 0.0 },
         camera: Camera { zoom: 1.0, shift: DVec3::ZERO, yaw: 0.0, pitch: 0.0, roll: 0.0 },
-        views: Views { method: ViewMethod::Auto, quality: 1.0, favour: Favour::Balanced },
+        views: Views { method: ViewMethod::Auto, quality: 1.0, favour: Favour::Balanced, duplicate: Duplicate::Auto },
         overlay: Overlay { yaw: 0.0, pitch: 0.0, width: 1.0 },
         outputs,
     }
@@ -88,7 +88,7 @@ fn least_density(rig: &Rig, output: usize, size: (u32, u32), pixel: DVec2, view:
 fn verify(rig: &Rig, request: &Request, plan: &ViewPlan) -> std::result::Result<usize, String> {
     let mut measured = 0;
     let mut used = vec![false; plan.views.len()];
-    let scaled_down = plan.notes.iter().any(|note| note.contains("holds no more"));
+    let scaled_down = plan.notes.iter().any(|note| note.contains("of the resolution asked for"));
     for (output, &size) in request.output_sizes.iter().enumerate() {
         let map = WarpMap::new(rig, output, size, Some(sight::UNIT_FRUSTUM)).unwrap();
         for (x, y) in (0..size.1).flat_map(|y| (0..size.0).map(move |x| (x, y))) {
@@ -324,6 +324,24 @@ fn a_small_atlas_makes_views_coarser_and_says_so() {
     verify(&rig, &request, &plan).unwrap();
     request.window = (300, 80);
     assert_eq!(super::plan(&rig, &request).unwrap_err().kind, ErrorKind::Graphics);
+}
+
+#[test]
+fn light_that_grazes_the_screen_at_the_lens_makes_a_view_coarser_and_the_plan_says_so() {
+    let mut rig = rig(vec![projector(
+        "grazing",
+        DVec3::new(0.965_038_988_6, 4.905_972_436, 0.009_176_565_28),
+        [-95.224_204_72, -23.772_315_12, 107.555_861_3],
+        lens(76.557_867_9, 29.681_829_5),
+    )]);
+    rig.dome.coverage = 357.0f64.to_radians();
+    rig.viewer.position = DVec3::new(-0.15, 0.36, 0.46);
+    let request = request(&[(64, 256)]);
+    let plan = plan(&rig, &request).unwrap();
+    assert!(plan.notes.iter().any(|note| note.contains("of the resolution asked for")), "{:?}", plan.notes);
+    let report = report(&plan, &rig, &request.output_sizes);
+    assert!(report.texels_per_pixel < 130.0, "{report}");
+    verify(&rig, &request, &plan).unwrap();
 }
 
 #[test]

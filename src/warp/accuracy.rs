@@ -41,7 +41,28 @@ impl MapError {
 /// The error of a pixel is the angle between the two directions over the local angular size of a
 /// pixel: the root mean square of the exact map's two steps, horizontal and vertical.
 /// Near a singular point of a map (the rim of a 360° fisheye) this stays meaningful where a single step shrinks to 0.
-pub fn compare(exact: &WarpMap, step: u32, mut map: impl FnMut(u32, u32) -> Option<DVec3>) -> MapError {
+pub fn compare(exact: &WarpMap, step: u32, map: impl FnMut(u32, u32) -> Option<DVec3>) -> MapError {
+    compare_each(exact, step, map, |_| {})
+}
+
+/// The error of one pixel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PixelError {
+    /// Column and row, from the top left.
+    pub pixel: (u32, u32),
+    /// In output pixels.
+    pub pixels: f64,
+    /// The angle between the two directions, radians.
+    pub angle: f64,
+}
+
+/// As [`compare`]; `each` gets the error of every pixel that is counted.
+pub fn compare_each(
+    exact: &WarpMap,
+    step: u32,
+    mut map: impl FnMut(u32, u32) -> Option<DVec3>,
+    mut each: impl FnMut(PixelError),
+) -> MapError {
     let mut result = MapError::default();
     let mut sum_of_squares = 0.0;
     let step = step.max(1) as usize;
@@ -64,7 +85,9 @@ pub fn compare(exact: &WarpMap, step: u32, mut map: impl FnMut(u32, u32) -> Opti
                     };
                     // First scaled: the square of a length must neither overflow nor underflow.
                     let found = (found / found.abs().max_element()).normalize();
-                    let error = found.cross(expected).length().atan2(found.dot(expected)) / size;
+                    let angle = found.cross(expected).length().atan2(found.dot(expected));
+                    let error = angle / size;
+                    each(PixelError { pixel: (x, y), pixels: error, angle });
                     result.compared += 1;
                     sum_of_squares += error * error;
                     if error > result.max {

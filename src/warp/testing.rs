@@ -19,7 +19,7 @@ pub(crate) fn rig(tilt: f64, position: DVec3, kinds: &[OutputKind]) -> Rig {
         dome: Dome { radius: 5.0, tilt, coverage: PI },
         viewer: Viewer { position, yaw: 0.0, pitch: 0.0, roll: 0.0 },
         camera: Camera { zoom: 1.0, shift: DVec3::ZERO, yaw: 0.0, pitch: 0.0, roll: 0.0 },
-        views: Views { method: ViewMethod::Auto, quality: 1.0, favour: Favour::Balanced },
+        views: Views { method: ViewMethod::Auto, quality: 1.0, favour: Favour::Balanced, duplicate: Duplicate::Auto },
         overlay: Overlay { yaw: 0.0, pitch: 0.0, width: 1.0 },
         outputs: kinds.iter().enumerate().map(|(index, kind)| output(&format!("output-{index}"), *kind)).collect(),
     }

@@ -310,10 +310,13 @@ static void frame_by_views(cupola_gl *dome, int size)
     write_picture(&t, size, "views.ppm");
 }
 
+/* Of preload/allocations.c, where that is loaded. */
+extern void steady_frame(void) __attribute__((weak));
+
 int main(int argc, char **argv)
 {
-    if (argc != 4) {
-        fprintf(stderr, "usage: %s SIZE YAW PITCH\n", argv[0]);
+    if (argc != 4 && argc != 5) {
+        fprintf(stderr, "usage: %s SIZE YAW PITCH [FRAMES]\n", argv[0]);
         return 2;
     }
     int size = atoi(argv[1]);
@@ -340,6 +343,11 @@ int main(int argc, char **argv)
     check_idle(dome);
     frame_by_callback(dome, (int)smaller);
     frame_by_views(dome, size);
+    for (int frame = 0; argc == 5 && frame < atoi(argv[4]); frame++) {
+        CHECK(cupola_gl_draw_frame(dome, CUBE_NEAR, CUBE_FAR, draw, NULL, 0, 0, 0) == CUPOLA_OK);
+        if (steady_frame != NULL)
+            steady_frame();
+    }
     CHECK(cupola_gl_destroy(dome) == CUPOLA_OK);
     CHECK(glGetError() == GL_NO_ERROR);
     return complaints == 0 ? 0 : 1;

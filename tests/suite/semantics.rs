@@ -59,6 +59,13 @@ fn a_window_that_is_swapped_while_another_is_current() {
 }
 
 #[test]
+fn ways_to_set_colours_and_corners() {
+    crate::dialects::plain("immediate_ways");
+    crate::dialects::fisheye("immediate_ways", &[]);
+    judges_itself("immediate_ways");
+}
+
+#[test]
 fn attributes_after_the_last_vertex() {
     judges_itself("trailing_attribute");
 }

@@ -4,6 +4,7 @@ use super::api::Gl;
 use crate::error::{Error, ErrorKind, Result};
 use libloading::Library;
 use std::ffi::{CStr, c_char, c_void};
+use std::mem::ManuallyDrop;
 use std::ptr::null_mut;
 
 /// Which kind of context.
@@ -40,8 +41,9 @@ struct Egl {
     make_current: unsafe extern "C" fn(Handle, Handle, Handle, Handle) -> u32,
     destroy_context: unsafe extern "C" fn(Handle, Handle) -> u32,
     get_error: unsafe extern "C" fn() -> i32,
-    // Keeps the functions above valid; last, so that it goes last.
-    _library: Library,
+    // Keeps the functions above valid. Never unloaded: displays stay initialised, and a library that is loaded again
+    // knows nothing of them and makes new ones, each with threads of its own.
+    _library: ManuallyDrop<Library>,
 }
 
 /// A context that is current on the thread that made it, until it is dropped.
@@ -75,7 +77,7 @@ impl Egl {
             make_current: function!(b"eglMakeCurrent\0"),
             destroy_context: function!(b"eglDestroyContext\0"),
             get_error: function!(b"eglGetError\0"),
-            _library: library,
+            _library: ManuallyDrop::new(library),
         })
     }
 

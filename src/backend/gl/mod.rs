@@ -9,6 +9,7 @@ mod passes;
 mod program;
 mod state;
 pub mod surface;
+pub mod trial;
 
 pub use crate::correct::map::MapPixel;
 pub use map::gpu_map;

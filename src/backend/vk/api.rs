@@ -2,6 +2,7 @@
 
 use crate::error::{Error, ErrorKind, Result};
 use ash::vk;
+use std::ffi::{CStr, c_void};
 
 /// A device and its functions; cloning copies tables of pointers.
 #[derive(Clone)]
@@ -36,7 +37,8 @@ impl Api {
     /// handles are live and belong together, and stay live as long as what is returned is used.
     ///
     /// # Errors
-    /// [`ErrorKind::InvalidArgument`] where a handle is null.
+    /// [`ErrorKind::InvalidArgument`] where a handle is null; [`ErrorKind::Graphics`] where a function of
+    /// Vulkan 1.0 is not found, as when the handles are not of one instance.
     pub unsafe fn from_handles(
         get_instance_proc_addr: vk::PFN_vkGetInstanceProcAddr,
         instance: vk::Instance,
@@ -53,12 +55,39 @@ impl Api {
             return Err(Error::new(ErrorKind::InvalidArgument, format!("`{name}` is VK_NULL_HANDLE")));
         }
         // SAFETY: as promised above.
-        let (instance, device) = unsafe {
-            let instance = ash::Instance::load(&ash::StaticFn { get_instance_proc_addr }, instance);
-            let device = ash::Device::load(instance.fp_v1_0(), device);
-            (instance, device)
-        };
+        let found = |name: &CStr| unsafe { get_instance_proc_addr(instance, name.as_ptr()) };
+        // What ash calls for a function that was not found ends the process.
+        require(|find| _ = ash::InstanceFnV1_0::load(find), |name| address(found(name)))?;
+        // SAFETY: as promised above.
+        let instance = unsafe { ash::Instance::load(&ash::StaticFn { get_instance_proc_addr }, instance) };
+        // SAFETY: as promised above.
+        let found = |name: &CStr| unsafe { instance.get_device_proc_addr(device, name.as_ptr()) };
+        require(|find| _ = ash::DeviceFnV1_0::load(find), |name| address(found(name)))?;
+        // SAFETY: as promised above.
+        let device = unsafe { ash::Device::load(instance.fp_v1_0(), device) };
         Ok(Self::new(&instance, physical_device, &device))
+    }
+
+    /// Greatest width and height of an image.
+    pub fn largest_image(&self) -> u32 {
+        self.limits.max_image_dimension2_d
+    }
+
+    /// Checks that queues of `family` can draw.
+    ///
+    /// # Errors
+    /// [`ErrorKind::InvalidArgument`] where there is no such family, or it cannot draw.
+    pub fn check_queue_family(&self, family: u32) -> Result<()> {
+        // SAFETY: the physical device is one of the instance's.
+        let families = unsafe { self.instance.get_physical_device_queue_family_properties(self.physical_device) };
+        let drawing: Vec<usize> = (0..families.len())
+            .filter(|&index| families[index].queue_flags.contains(vk::QueueFlags::GRAPHICS))
+            .collect();
+        if drawing.contains(&(family as usize)) {
+            return Ok(());
+        }
+        let message = format!("queue family {family} cannot draw; of the device's {}, {drawing:?} can", families.len());
+        Err(Error::new(ErrorKind::InvalidArgument, message))
     }
 
     /// What images of `format` with optimal tiling can be used for.
@@ -67,6 +96,29 @@ impl Api {
         unsafe { self.instance.get_physical_device_format_properties(self.physical_device, format) }
             .optimal_tiling_features
     }
+}
+
+fn address(function: vk::PFN_vkVoidFunction) -> *const c_void {
+    function.map_or(std::ptr::null(), |function| function as *const c_void)
+}
+
+/// Checks that `find` finds every function of a table.
+fn require(
+    load: impl FnOnce(&mut dyn FnMut(&CStr) -> *const c_void),
+    find: impl Fn(&CStr) -> *const c_void,
+) -> Result<()> {
+    let mut missing = None;
+    load(&mut |name: &CStr| {
+        let function = find(name);
+        if function.is_null() {
+            missing.get_or_insert_with(|| name.to_string_lossy().into_owned());
+        }
+        function
+    });
+    missing.map_or(Ok(()), |name| {
+        let message = format!("vkGetInstanceProcAddr finds no {name}: is the instance the one that it belongs to?");
+        Err(Error::new(ErrorKind::Graphics, message))
+    })
 }
 
 /// An error that says that Vulkan refused `what`.

@@ -2,17 +2,19 @@
 
 use super::api::Api;
 use super::memory::{Buffer, COLOR};
+use crate::correct::ImageSize;
 use crate::error::{Error, ErrorKind, Result};
 use ash::vk;
 use ash::vk::Handle;
 
-/// The image that holds the views: the plan's atlas, whose first row is the top one (a tile's first row is
-/// `atlas height − y − height`). Its values are encoded, as a display takes them.
+/// An image that holds views: the plan's atlas, whose first row is the top one (a tile's first row is
+/// `atlas height − y − height`), or what [`Arrangement`](crate::correct::Arrangement) has in its place. Its values are
+/// encoded, as a display takes them.
 #[derive(Clone, Copy, Debug)]
 pub struct SourceImage {
     /// The image; null: no barrier is recorded, and it can be read in `layout` as it is.
     pub image: vk::Image,
-    /// A 2D view of its first level and layer.
+    /// A view of its first level, 2D, of its first layer; of layers a 2D array, of the first and as many as there are views.
     pub view: vk::ImageView,
     /// The view's format: normalised or floating numbers, filtered, not sRGB.
     pub format: vk::Format,
@@ -48,13 +50,15 @@ pub struct TargetImage {
 }
 
 impl SourceImage {
-    pub(super) fn check(&self, api: &Api, atlas: (u32, u32)) -> Result<()> {
+    pub(super) fn check(&self, api: &Api, size: ImageSize) -> Result<()> {
         let what = "an image with views";
         let needed = vk::FormatFeatureFlags::SAMPLED_IMAGE | vk::FormatFeatureFlags::SAMPLED_IMAGE_FILTER_LINEAR;
         check(api, what, self.view, self.format, needed)?;
-        if self.extent != atlas {
-            let ((width, height), (right, down)) = (self.extent, atlas);
-            return Err(wrong(format!("{what} is {width} × {height} pixels; right would be {right} × {down}")));
+        if self.extent != (size.width, size.height) {
+            let (width, height) = self.extent;
+            let message =
+                format!("{what} is {width} × {height} pixels; right would be {} × {}", size.width, size.height);
+            return Err(wrong(message));
         }
         if matches!(self.layout, vk::ImageLayout::UNDEFINED | vk::ImageLayout::PREINITIALIZED) {
             return Err(wrong(format!("{what} is in the layout {:?}, in which nothing can be left", self.layout)));
@@ -71,18 +75,18 @@ impl SourceImage {
         }
     }
 
-    /// Records that it can be read by our shader.
-    pub(super) fn acquire(&self, api: &Api, command_buffer: vk::CommandBuffer) {
+    /// Records that its first `layers` layers can be read by our shader.
+    pub(super) fn acquire(&self, api: &Api, command_buffer: vk::CommandBuffer, layers: u32) {
         let read = (vk::PipelineStageFlags::FRAGMENT_SHADER, vk::AccessFlags::SHADER_READ);
         let layouts = (self.layout, self.sampled_layout());
-        barrier(api, command_buffer, self.image, layouts, (self.stages, self.access), read);
+        barrier(api, command_buffer, (self.image, layers), layouts, (self.stages, self.access), read);
     }
 
-    /// Records that the program can write it again.
-    pub(super) fn release(&self, api: &Api, command_buffer: vk::CommandBuffer) {
+    /// Records that the program can write them again.
+    pub(super) fn release(&self, api: &Api, command_buffer: vk::CommandBuffer, layers: u32) {
         let read = (vk::PipelineStageFlags::FRAGMENT_SHADER, vk::AccessFlags::empty());
         let layouts = (self.sampled_layout(), self.layout);
-        barrier(api, command_buffer, self.image, layouts, read, (self.stages, self.access));
+        barrier(api, command_buffer, (self.image, layers), layouts, read, (self.stages, self.access));
     }
 }
 
@@ -105,13 +109,13 @@ impl TargetImage {
     /// Records that our render pass can write it.
     pub(super) fn acquire(&self, api: &Api, command_buffer: vk::CommandBuffer) {
         let layouts = (self.initial_layout, vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL);
-        barrier(api, command_buffer, self.image, layouts, self.before, WRITE);
+        barrier(api, command_buffer, (self.image, 1), layouts, self.before, WRITE);
     }
 
     /// Records that what comes after can use it.
     pub(super) fn release(&self, api: &Api, command_buffer: vk::CommandBuffer) {
         let layouts = (vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL, self.final_layout);
-        barrier(api, command_buffer, self.image, layouts, WRITE, self.after);
+        barrier(api, command_buffer, (self.image, 1), layouts, WRITE, self.after);
     }
 }
 
@@ -149,12 +153,12 @@ fn wrong(message: String) -> Error {
     Error::new(ErrorKind::InvalidArgument, message)
 }
 
-/// Records a barrier for a whole image of one level and layer; none for a null image. An empty set of
+/// Records a barrier for the first level and `layers` layers of an image; none for a null image. An empty set of
 /// stages means that there is nothing to wait for.
 pub(super) fn barrier(
     api: &Api,
     command_buffer: vk::CommandBuffer,
-    image: vk::Image,
+    (image, layers): (vk::Image, u32),
     layouts: (vk::ImageLayout, vk::ImageLayout),
     before: (vk::PipelineStageFlags, vk::AccessFlags),
     after: (vk::PipelineStageFlags, vk::AccessFlags),
@@ -171,7 +175,7 @@ pub(super) fn barrier(
         .dst_access_mask(after.1)
         .src_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
         .dst_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
-        .subresource_range(COLOR);
+        .subresource_range(vk::ImageSubresourceRange { layer_count: layers, ..COLOR });
     // SAFETY: the command buffer is being recorded, outside a render pass, and the image is live.
     unsafe {
         api.device.cmd_pipeline_barrier(

@@ -84,7 +84,7 @@ fn draw(
         super::images::barrier(
             api,
             commands,
-            blank.handle,
+            (blank.handle, 1),
             (vk::ImageLayout::UNDEFINED, vk::ImageLayout::GENERAL),
             none,
             (vk::PipelineStageFlags::FRAGMENT_SHADER, vk::AccessFlags::SHADER_READ),

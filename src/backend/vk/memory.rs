@@ -12,7 +12,7 @@ pub(super) struct Buffer {
     pub memory: vk::DeviceMemory,
 }
 
-/// A 2D image with one level, and a view of it.
+/// A 2D image with one level, and a view of all its layers.
 #[derive(Debug, Default)]
 pub(super) struct Image {
     pub handle: vk::Image,
@@ -82,23 +82,46 @@ impl Buffer {
 impl Image {
     /// An image of `size` (width, height in pixels).
     pub fn new(api: &Api, format: vk::Format, size: (u32, u32), usage: vk::ImageUsageFlags) -> Result<Self> {
+        Self::layered(api, format, size, None, usage)
+    }
+
+    /// As [`Image::new`]; `layers`: so many, and the view is that of an array.
+    pub fn layered(
+        api: &Api,
+        format: vk::Format,
+        size: (u32, u32),
+        layers: Option<u32>,
+        usage: vk::ImageUsageFlags,
+    ) -> Result<Self> {
         let most = api.limits.max_image_dimension2_d;
         if size.0 == 0 || size.1 == 0 || size.0.max(size.1) > most {
             let message = format!("An image of {} × {} pixels; the device takes 1 to {most}.", size.0, size.1);
             return Err(Error::new(ErrorKind::Graphics, message));
         }
+        let most = api.limits.max_image_array_layers;
+        if let Some(layers) = layers.filter(|&layers| layers == 0 || layers > most) {
+            let message = format!("An image of {layers} layers; the device takes 1 to {most}.");
+            return Err(Error::new(ErrorKind::Graphics, message));
+        }
         let mut image = Self::default();
-        image.make(api, format, size, usage).inspect_err(|_| image.destroy(api))?;
+        image.make(api, format, size, layers, usage).inspect_err(|_| image.destroy(api))?;
         Ok(image)
     }
 
-    fn make(&mut self, api: &Api, format: vk::Format, size: (u32, u32), usage: vk::ImageUsageFlags) -> Result<()> {
+    fn make(
+        &mut self,
+        api: &Api,
+        format: vk::Format,
+        size: (u32, u32),
+        layers: Option<u32>,
+        usage: vk::ImageUsageFlags,
+    ) -> Result<()> {
         let info = vk::ImageCreateInfo::default()
             .image_type(vk::ImageType::TYPE_2D)
             .format(format)
             .extent(vk::Extent3D { width: size.0, height: size.1, depth: 1 })
             .mip_levels(1)
-            .array_layers(1)
+            .array_layers(layers.unwrap_or(1))
             .samples(vk::SampleCountFlags::TYPE_1)
             .usage(usage);
         // SAFETY: the device is live; the structures are complete; the memory fits the image's requirements.
@@ -109,9 +132,9 @@ impl Image {
             api.device.bind_image_memory(self.handle, self.memory, 0).map_err(refused("memory of an image"))?;
             let info = vk::ImageViewCreateInfo::default()
                 .image(self.handle)
-                .view_type(vk::ImageViewType::TYPE_2D)
+                .view_type(layers.map_or(vk::ImageViewType::TYPE_2D, |_| vk::ImageViewType::TYPE_2D_ARRAY))
                 .format(format)
-                .subresource_range(COLOR);
+                .subresource_range(vk::ImageSubresourceRange { layer_count: layers.unwrap_or(1), ..COLOR });
             self.view = api.device.create_image_view(&info, None).map_err(refused("a view of an image"))?;
         }
         Ok(())

@@ -4,18 +4,21 @@
 //! the program's, which may have enabled little.
 
 pub mod api;
+mod descriptors;
 pub mod headless;
 mod images;
 mod map;
 mod memory;
 mod passes;
 mod program;
+mod surface;
 
 pub use api::Api;
 pub use ash;
 pub use images::{SourceImage, TargetImage};
 pub use map::gpu_map;
-pub use passes::VkBackend;
+pub use passes::{Recording, VkBackend};
+pub use surface::Surface;
 
 #[cfg(test)]
 mod tests;

@@ -1,25 +1,27 @@
 //! Runs a plan in the program's command buffers: one draw for each batch of rectangles, one for what is black.
 
 use super::api::{Api, refused};
+use super::descriptors::{Descriptors, Reads};
 use super::images::{SourceImage, TargetImage, barrier};
 use super::memory::{Buffer, Image};
 use super::program::Common;
 use crate::correct::draws::{Rows, draws};
 use crate::correct::plan::OutputPass;
 use crate::correct::shaders::Stage;
-use crate::correct::spirv::{Modules, binding, specialise};
-use crate::correct::{Plan, Source};
+use crate::correct::spirv::{Modules, specialise};
+use crate::correct::{Arrangement, ImageSize, Plan, Source};
 use crate::error::{Error, ErrorKind, Result};
 use ash::vk;
 use std::collections::HashMap;
 use std::mem::take;
 
 /// One draw call.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 struct Draw {
     pipeline: vk::Pipeline,
     first: u32,
     count: u32,
+    views: Vec<usize>,
     nearest: bool,
 }
 
@@ -40,11 +42,19 @@ struct Texture {
     offset: u64,
 }
 
-/// A picture with views, and its descriptors.
-struct Bound {
-    image: SourceImage,
-    /// For each output: linear, nearest.
-    sets: Vec<[vk::DescriptorSet; 2]>,
+/// A command buffer of the program's that is being recorded.
+pub struct Recording(vk::CommandBuffer);
+
+impl Recording {
+    /// Takes the caller's word for it.
+    ///
+    /// # Safety
+    /// While this lives the command buffer is being recorded, outside a render pass, for a queue that can draw, on the
+    /// device of the [`VkBackend`] that it is given to; the images that the backend knows are live, and in the layouts
+    /// that were said when the commands are executed.
+    pub unsafe fn new(command_buffer: vk::CommandBuffer) -> Self {
+        Self(command_buffer)
+    }
 }
 
 /// The correction on one device.
@@ -62,10 +72,13 @@ pub struct VkBackend {
     textures: Vec<Texture>,
     /// The textures have to be filled by the next command buffer.
     upload: bool,
+    /// A texture for shaders that look at none, where pictures do not serve.
+    blank: Option<usize>,
     outputs: Vec<Output>,
-    atlas: (u32, u32),
-    pool: vk::DescriptorPool,
-    sources: Vec<Bound>,
+    arrangement: Arrangement,
+    /// Of the images of a source.
+    sizes: Vec<ImageSize>,
+    descriptors: Descriptors,
     targets: Vec<(TargetImage, vk::Framebuffer)>,
 }
 
@@ -87,10 +100,11 @@ impl VkBackend {
             staging: Buffer::default(),
             textures: Vec::new(),
             upload: false,
+            blank: None,
             outputs: Vec::new(),
-            atlas: (0, 0),
-            pool: vk::DescriptorPool::null(),
-            sources: Vec::new(),
+            arrangement: Arrangement::Atlas,
+            sizes: Vec::new(),
+            descriptors: Descriptors::default(),
             targets: Vec::new(),
         }
     }
@@ -105,7 +119,25 @@ impl VkBackend {
     /// [`ErrorKind::Graphics`] where the device refuses something; [`ErrorKind::Internal`] where the plan exceeds
     /// what shaders take.
     pub fn prepare(&mut self, plan: &Plan, panel: bool, format: vk::Format) -> Result<()> {
+        self.arrange(Arrangement::Atlas);
         self.prepare_passes(plan, &plan.passes, panel, format)
+    }
+
+    /// As [`VkBackend::prepare`] for a plan that was arranged as `arrangement`.
+    ///
+    /// # Errors
+    /// As for [`VkBackend::prepare`].
+    pub fn prepare_arranged(&mut self, plan: &Plan, arrangement: Arrangement, format: vk::Format) -> Result<()> {
+        self.arrange(arrangement);
+        self.prepare_passes(plan, &plan.passes, false, format)
+    }
+
+    /// Forgets what is made for another arrangement.
+    fn arrange(&mut self, arrangement: Arrangement) {
+        if arrangement != self.arrangement {
+            self.destroy();
+            self.arrangement = arrangement;
+        }
     }
 
     /// As [`VkBackend::prepare`] for some of the plan's outputs.
@@ -130,10 +162,10 @@ impl VkBackend {
     fn build(&mut self, plan: &Plan, passes: &[OutputPass], panel: bool, format: vk::Format) -> Result<()> {
         let list = draws(plan, passes, panel, Rows::FromTop)?;
         if self.format != format {
-            self.common = Common::new(&self.api, format)?;
+            self.common = Common::new(&self.api, format, self.arrangement)?;
             self.format = format;
         }
-        self.atlas = plan.views.atlas;
+        self.sizes = self.arrangement.images(plan);
         let bytes: Vec<u8> = list.vertices.iter().flat_map(|v| v.to_ne_bytes()).collect();
         self.vertices = Buffer::new(&self.api, bytes.len(), vk::BufferUsageFlags::VERTEX_BUFFER)?;
         self.vertices.write(&self.api, 0, &bytes)?;
@@ -141,11 +173,17 @@ impl VkBackend {
         let result = passes.iter().zip(&list.outputs).try_for_each(|(pass, draws)| {
             let mut output = Output { size: pass.size, ..Output::default() };
             for draw in draws {
-                let modules = specialise(&draw.constants, self.stage);
+                let modules = specialise(&draw.constants, self.arrangement, self.stage);
                 let known = self.pipelines.get(&modules).copied().or_else(|| old.remove(&modules));
                 let pipeline = known.map_or_else(|| self.common.pipeline(&self.api, &modules), Ok)?;
                 self.pipelines.insert(modules, pipeline);
-                output.draws.push(Draw { pipeline, first: draw.first, count: draw.count, nearest: draw.nearest });
+                output.draws.push(Draw {
+                    pipeline,
+                    first: draw.first,
+                    count: draw.count,
+                    views: draw.views.clone(),
+                    nearest: draw.nearest,
+                });
             }
             self.outputs.push(output);
             Ok(())
@@ -161,16 +199,20 @@ impl VkBackend {
     /// Makes masks and tables, and puts their values where the next command buffer takes them from.
     fn stage_textures(&mut self, passes: &[OutputPass]) -> Result<()> {
         let mut bytes: Vec<u8> = Vec::new();
+        let mut add = |format, size, values: Vec<u8>| -> Result<usize> {
+            let usage = vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST;
+            // A table's texel has 16 bytes, which copies need to be aligned to.
+            bytes.resize(bytes.len().next_multiple_of(16), 0);
+            let image = Image::new(&self.api, format, size, usage)?;
+            self.textures.push(Texture { image, size, offset: bytes.len() as u64 });
+            bytes.extend(values);
+            Ok(self.textures.len() - 1)
+        };
+        if self.arrangement == Arrangement::Layers {
+            // Masks and tables are 2D images, which layers are not.
+            self.blank = Some(add(vk::Format::R8_UNORM, (1, 1), vec![u8::MAX])?);
+        }
         for (pass, output) in passes.iter().zip(&mut self.outputs) {
-            let mut add = |format, size, values: Vec<u8>| -> Result<usize> {
-                let usage = vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST;
-                // A table's texel has 16 bytes, which copies need to be aligned to.
-                bytes.resize(bytes.len().next_multiple_of(16), 0);
-                let image = Image::new(&self.api, format, size, usage)?;
-                self.textures.push(Texture { image, size, offset: bytes.len() as u64 });
-                bytes.extend(values);
-                Ok(self.textures.len() - 1)
-            };
             if let Some(mask) = &pass.mask {
                 let filtered = vk::FormatFeatureFlags::SAMPLED_IMAGE_FILTER_LINEAR;
                 let size = (mask.width, mask.height);
@@ -196,66 +238,30 @@ impl VkBackend {
         Ok(())
     }
 
-    /// Says which pictures with views there are, for [`VkBackend::record`] to choose from. Former ones are forgotten.
+    /// Says which pictures with views there are, for [`VkBackend::record`] to choose from: one image for each source, and
+    /// with [`Arrangement::Images`] as many as there are views. Former ones are forgotten.
     ///
     /// # Errors
-    /// [`ErrorKind::InvalidArgument`] for an image that is not as [`SourceImage`] says; [`ErrorKind::Graphics`]
-    /// where the device cannot filter its format, or refuses something.
+    /// [`ErrorKind::InvalidArgument`] for an image that is not as [`SourceImage`] says, or another number of them;
+    /// [`ErrorKind::Graphics`] where the device cannot filter its format, or refuses something.
     pub fn set_sources(&mut self, images: &[SourceImage]) -> Result<()> {
         self.expect_prepared()?;
-        images.iter().try_for_each(|image| image.check(&self.api, self.atlas))?;
-        self.forget_sources();
-        let count = (images.len() * self.outputs.len() * 2) as u32;
-        if count == 0 {
-            return Ok(());
-        }
-        let of = |ty, each| vk::DescriptorPoolSize { ty, descriptor_count: each * count };
-        let sizes = [of(vk::DescriptorType::SAMPLED_IMAGE, 3), of(vk::DescriptorType::SAMPLER, 2)];
-        let info = vk::DescriptorPoolCreateInfo::default().max_sets(count).pool_sizes(&sizes);
-        let layouts = vec![self.common.set_layout; count as usize];
-        // SAFETY: the device is live; the structures are complete.
-        let sets = unsafe {
-            self.pool = self.api.device.create_descriptor_pool(&info, None).map_err(refused("descriptors"))?;
-            let info = vk::DescriptorSetAllocateInfo::default().descriptor_pool(self.pool).set_layouts(&layouts);
-            self.api.device.allocate_descriptor_sets(&info).map_err(refused("descriptors"))?
-        };
-        let (pairs, _) = sets.as_chunks::<2>();
-        let sets_of = pairs.chunks_exact(self.outputs.len());
-        self.sources = images.iter().zip(sets_of).map(|(&image, sets)| Bound { image, sets: sets.to_vec() }).collect();
-        for source in &self.sources {
-            for (output, sets) in self.outputs.iter().zip(&source.sets) {
-                for (set, sampler) in sets.iter().zip(self.common.samplers) {
-                    self.write_set(*set, &source.image, output, sampler);
-                }
-            }
-        }
+        let view =
+            |texture: Option<usize>| texture.and_then(|i| self.textures.get(i)).map(|texture| texture.image.view);
+        let reads: Vec<Reads> = self
+            .outputs
+            .iter()
+            .flat_map(|output| output.draws.iter().map(move |draw| (output, draw)))
+            .map(|(output, draw)| Reads {
+                views: draw.views.clone(),
+                mask: view(output.mask.or(self.blank)),
+                table: view(output.table.or(self.blank)),
+            })
+            .collect();
+        let new = Descriptors::new(&self.api, &self.common, self.arrangement, &reads, &self.sizes, images)?;
+        self.descriptors.destroy(&self.api);
+        self.descriptors = new;
         Ok(())
-    }
-
-    fn write_set(&self, set: vk::DescriptorSet, atlas: &SourceImage, output: &Output, sampler: vk::Sampler) {
-        let seen = [vk::DescriptorImageInfo::default().image_view(atlas.view).image_layout(atlas.sampled_layout())];
-        // A shader that does not look at a texture needs a valid one all the same.
-        let texture = |index: Option<usize>| match index.and_then(|i| self.textures.get(i)) {
-            None => seen,
-            Some(texture) => [vk::DescriptorImageInfo::default()
-                .image_view(texture.image.view)
-                .image_layout(vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL)],
-        };
-        let (mask, table) = (texture(output.mask), texture(output.table));
-        let filters = [sampler, self.common.samplers[0]].map(|s| [vk::DescriptorImageInfo::default().sampler(s)]);
-        let write = |binding, kind, info| {
-            vk::WriteDescriptorSet::default().dst_set(set).dst_binding(binding).descriptor_type(kind).image_info(info)
-        };
-        let (image, filter) = (vk::DescriptorType::SAMPLED_IMAGE, vk::DescriptorType::SAMPLER);
-        let writes = [
-            write(binding::ATLAS, image, &seen),
-            write(binding::ATLAS_SAMPLER, filter, &filters[0]),
-            write(binding::MASK, image, &mask),
-            write(binding::MASK_SAMPLER, filter, &filters[1]),
-            write(binding::TABLE, image, &table),
-        ];
-        // SAFETY: the set is ours and not in use; the views are live.
-        unsafe { self.api.device.update_descriptor_sets(&writes, &[]) };
     }
 
     /// Says which images are corrected into, for [`VkBackend::record`] to choose from. Former ones are forgotten.
@@ -282,6 +288,21 @@ impl VkBackend {
         Ok(())
     }
 
+    /// [`VkBackend::record`] for a command buffer that was vouched for.
+    ///
+    /// # Errors
+    /// As for [`VkBackend::record`].
+    pub fn correct(
+        &mut self,
+        recording: &Recording,
+        source: usize,
+        target: usize,
+        viewports: &[[i32; 4]],
+    ) -> Result<()> {
+        // SAFETY: as was promised to `Recording::new`.
+        unsafe { self.record(recording.0, source, target, viewports) }
+    }
+
     /// Records the correction of source `source` into target `target`: barriers, one render pass, barriers.
     /// `viewports`: where each output is, x, y, width, height in pixels from the top left, one for each output of
     /// the plan, in its order. Another size than the output's own scales it, without filtering anew: the map
@@ -303,13 +324,16 @@ impl VkBackend {
         let missing = |what: &str, index: usize, count: usize| {
             Error::new(ErrorKind::InvalidArgument, format!("there is no {what} {index}; {count} were set"))
         };
-        let bound = self.sources.get(source).ok_or_else(|| missing("source", source, self.sources.len()))?;
+        let sources = &self.descriptors.sources;
+        let source = sources.get(source).ok_or_else(|| missing("source", source, sources.len()))?;
         let (image, framebuffer) =
             self.targets.get(target).ok_or_else(|| missing("target", target, self.targets.len()))?;
         if take(&mut self.upload) {
             self.fill_textures(command_buffer);
         }
-        bound.image.acquire(&self.api, command_buffer);
+        for (image, layers) in &source.images {
+            image.acquire(&self.api, command_buffer, *layers);
+        }
         image.acquire(&self.api, command_buffer);
         let clear = usize::from(image.initial_layout == vk::ImageLayout::UNDEFINED);
         let black = [vk::ClearValue { color: vk::ClearColorValue { float32: [0.0, 0.0, 0.0, 1.0] } }];
@@ -324,13 +348,18 @@ impl VkBackend {
         unsafe {
             device.cmd_begin_render_pass(command_buffer, &begin, vk::SubpassContents::INLINE);
             device.cmd_bind_vertex_buffers(command_buffer, 0, &[self.vertices.handle], &[0]);
-            for ((output, sets), viewport) in self.outputs.iter().zip(&bound.sets).zip(viewports) {
-                self.draw_output(command_buffer, output, sets, *viewport, extent);
+            let mut sets = source.sets.as_slice();
+            for (output, viewport) in self.outputs.iter().zip(viewports) {
+                let (own, others) = sets.split_at(output.draws.len().min(sets.len()));
+                self.draw_output(command_buffer, output, own, *viewport, extent);
+                sets = others;
             }
             device.cmd_end_render_pass(command_buffer);
         }
         image.release(&self.api, command_buffer);
-        bound.image.release(&self.api, command_buffer);
+        for (image, layers) in &source.images {
+            image.release(&self.api, command_buffer, *layers);
+        }
         Ok(())
     }
 
@@ -340,7 +369,7 @@ impl VkBackend {
         &self,
         command_buffer: vk::CommandBuffer,
         output: &Output,
-        sets: &[vk::DescriptorSet; 2],
+        sets: &[[vk::DescriptorSet; 2]],
         [x, y, width, height]: [i32; 4],
         extent: vk::Extent2D,
     ) {
@@ -363,7 +392,7 @@ impl VkBackend {
         unsafe {
             device.cmd_set_viewport(command_buffer, 0, &[viewport]);
             device.cmd_set_scissor(command_buffer, 0, &[scissor]);
-            for draw in &output.draws {
+            for (draw, sets) in output.draws.iter().zip(sets) {
                 let set = sets[usize::from(draw.nearest && unscaled)];
                 device.cmd_bind_descriptor_sets(command_buffer, graphics, self.common.layout, 0, &[set], &[]);
                 device.cmd_bind_pipeline(command_buffer, graphics, draw.pipeline);
@@ -380,7 +409,7 @@ impl VkBackend {
         let layout = vk::ImageLayout::TRANSFER_DST_OPTIMAL;
         for texture in &self.textures {
             let image = texture.image.handle;
-            barrier(&self.api, command_buffer, image, (vk::ImageLayout::UNDEFINED, layout), none, copied);
+            barrier(&self.api, command_buffer, (image, 1), (vk::ImageLayout::UNDEFINED, layout), none, copied);
             let region = vk::BufferImageCopy::default()
                 .buffer_offset(texture.offset)
                 .image_subresource(vk::ImageSubresourceLayers {
@@ -394,7 +423,7 @@ impl VkBackend {
                 self.api.device.cmd_copy_buffer_to_image(command_buffer, self.staging.handle, image, layout, &[region]);
             }
             let layouts = (layout, vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL);
-            barrier(&self.api, command_buffer, image, layouts, copied, read);
+            barrier(&self.api, command_buffer, (image, 1), layouts, copied, read);
         }
     }
 
@@ -403,12 +432,6 @@ impl VkBackend {
             return Err(Error::new(ErrorKind::InvalidState, "nothing is prepared yet"));
         }
         Ok(())
-    }
-
-    fn forget_sources(&mut self) {
-        self.sources.clear();
-        // SAFETY: ours or null, and nothing is pending.
-        unsafe { self.api.device.destroy_descriptor_pool(take(&mut self.pool), None) };
     }
 
     fn forget_targets(&mut self) {
@@ -420,9 +443,10 @@ impl VkBackend {
 
     /// Destroys everything but the pipelines and what they share.
     fn forget(&mut self) {
-        self.forget_sources();
+        self.descriptors.destroy(&self.api);
         self.forget_targets();
         self.outputs.clear();
+        self.blank = None;
         for mut texture in take(&mut self.textures) {
             texture.image.destroy(&self.api);
         }

@@ -1,6 +1,7 @@
 //! The fixed objects of the correction: render passes, layouts, samplers, and a pipeline per shader.
 
 use super::api::{Api, refused};
+use crate::correct::Arrangement;
 use crate::correct::draws::FLOATS;
 use crate::correct::spirv::{Modules, VERTEX_ENTRY, binding};
 use crate::error::Result;
@@ -17,14 +18,20 @@ pub(super) struct Common {
     pub render_passes: [vk::RenderPass; 2],
 }
 
+/// Where a shader's pictures are bound, in the order of the batch's views.
+pub(super) fn picture_bindings(arrangement: Arrangement) -> impl Iterator<Item = u32> {
+    let others = if arrangement == Arrangement::Images { binding::IMAGES } else { 0..0 };
+    std::iter::once(binding::ATLAS).chain(others)
+}
+
 impl Common {
-    pub fn new(api: &Api, format: vk::Format) -> Result<Self> {
+    pub fn new(api: &Api, format: vk::Format, arrangement: Arrangement) -> Result<Self> {
         let mut common = Self::default();
-        common.make(api, format).inspect_err(|_| common.destroy(api))?;
+        common.make(api, format, arrangement).inspect_err(|_| common.destroy(api))?;
         Ok(common)
     }
 
-    fn make(&mut self, api: &Api, format: vk::Format) -> Result<()> {
+    fn make(&mut self, api: &Api, format: vk::Format, arrangement: Arrangement) -> Result<()> {
         let bound = |binding, kind| {
             vk::DescriptorSetLayoutBinding::default()
                 .binding(binding)
@@ -32,13 +39,13 @@ impl Common {
                 .descriptor_count(1)
                 .stage_flags(vk::ShaderStageFlags::FRAGMENT)
         };
-        let bindings = [
-            bound(binding::ATLAS, vk::DescriptorType::SAMPLED_IMAGE),
+        let mut bindings = vec![
             bound(binding::ATLAS_SAMPLER, vk::DescriptorType::SAMPLER),
             bound(binding::MASK, vk::DescriptorType::SAMPLED_IMAGE),
             bound(binding::MASK_SAMPLER, vk::DescriptorType::SAMPLER),
             bound(binding::TABLE, vk::DescriptorType::SAMPLED_IMAGE),
         ];
+        bindings.extend(picture_bindings(arrangement).map(|at| bound(at, vk::DescriptorType::SAMPLED_IMAGE)));
         // SAFETY: the device is live, and every structure is complete and lives during its call.
         unsafe {
             let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);

@@ -6,6 +6,7 @@
 #![forbid(unsafe_code)]
 
 mod arguments;
+mod bench;
 mod check;
 mod convert;
 mod doctor;
@@ -38,6 +39,7 @@ enum Command {
     Map(map::Arguments),
     Simulate(simulate::Arguments),
     Stress(stress::Arguments),
+    Bench(bench::Arguments),
     #[command(hide = true)]
     Probe(launch::probe::Arguments),
 }
@@ -79,6 +81,7 @@ fn main() -> ExitCode {
         Command::Map(arguments) => map::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Stress(arguments) => stress::run(&arguments),
+        Command::Bench(arguments) => bench::run(&arguments),
         Command::Doctor(arguments) => doctor::run(&arguments),
         Command::Probe(arguments) => launch::probe::run(&arguments),
     };

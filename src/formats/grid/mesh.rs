@@ -20,7 +20,8 @@ const SLACK: f64 = 1e-9;
 /// A node of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Node {
-    /// Where it is in the output: half heights from the middle, x to the right, y up.
+    /// Where it is in the output: from the middle, x to the right, y up, in the units of the
+    /// [`Grid`](super::Grid) that the mesh is in.
     pub position: DVec2,
     /// What is shown there, see [`Sample::value`].
     pub value: DVec3,
@@ -108,7 +109,7 @@ impl Mesh {
         &self.triangles
     }
 
-    /// What is shown at a place of the output (half heights from the middle, x right, y up); `None` outside all triangles.
+    /// What is shown at a place of the output, in the units of the nodes' positions; `None` outside all triangles.
     pub fn sample(&self, position: DVec2) -> Option<Sample> {
         let candidates = self.index.candidates(position)?;
         candidates.iter().rev().find_map(|triangle| {

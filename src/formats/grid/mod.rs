@@ -20,8 +20,10 @@ pub struct Sample {
 /// A calibration of one output.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Grid {
-    /// Nodes with triangles.
+    /// Nodes with triangles; an output of another aspect than the mesh's shows more or less at the sides.
     Mesh(Mesh),
+    /// Nodes with triangles whose positions are −1…1 over the width and over the height of any output.
+    Stretched(Mesh),
     /// A value for each pixel.
     Raster(Raster),
 }
@@ -32,8 +34,8 @@ impl Grid {
     pub fn sample(&self, pixel: DVec2, size: (u32, u32)) -> Option<Sample> {
         let (width, height) = (f64::from(size.0), f64::from(size.1));
         match self {
-            // Half heights from the middle, as in the file: a window of another aspect shows more or less at the sides.
             Self::Mesh(mesh) => mesh.sample(DVec2::new(2.0 * pixel.x - width, height - 2.0 * pixel.y) / height),
+            Self::Stretched(mesh) => mesh.sample(DVec2::new(2.0 * pixel.x / width - 1.0, 1.0 - 2.0 * pixel.y / height)),
             Self::Raster(raster) => raster.sample(DVec2::new(pixel.x / width, pixel.y / height)),
         }
     }

@@ -1,6 +1,5 @@
 //! Files out of the zip archive, within limits.
 
-use super::Alpha;
 use crate::error::Result;
 use crate::formats::input::{LONGEST_FILE, MOST_PIXELS, invalid};
 use std::io::{Cursor, Read};
@@ -55,8 +54,8 @@ impl<'a> Files<'a> {
     }
 }
 
-/// Weights out of a PNG picture, by its luma.
-pub(super) fn alpha(name: &str, bytes: &[u8], gamma: f64) -> Result<Alpha> {
+/// Size and values (0…1, row by row from the top) of a PNG picture, by its luma.
+pub(super) fn picture(name: &str, bytes: &[u8]) -> Result<((u32, u32), Vec<f32>)> {
     let wrong = |error: image::ImageError| invalid(name, format!("is no PNG picture that can be read: {error}"));
     let mut reader = image::ImageReader::with_format(Cursor::new(bytes), image::ImageFormat::Png);
     let mut limits = image::Limits::default();
@@ -65,6 +64,5 @@ pub(super) fn alpha(name: &str, bytes: &[u8], gamma: f64) -> Result<Alpha> {
     reader.limits(limits);
     let grey = reader.decode().map_err(wrong)?.into_luma16();
     let size = grey.dimensions();
-    let weights = grey.into_raw().iter().map(|weight| f32::from(*weight) / 65535.0).collect();
-    Ok(Alpha { size, weights, gamma })
+    Ok((size, grey.into_raw().iter().map(|value| f32::from(*value) / 65535.0).collect()))
 }

@@ -2,8 +2,11 @@
 
 use super::Profile;
 use crate::error::{Error, Result};
+use crate::formats::camera::Camera;
 use crate::formats::input::{checked_size, invalid};
 use crate::formats::text::shown;
+use crate::geom::{Frustum, pose};
+use glam::{DMat3, DVec3};
 use roxmltree::{Document, Node, ParsingOptions};
 
 /// Greatest number of nodes of the description.
@@ -27,7 +30,13 @@ pub(super) struct DescribedRegion {
     pub(super) warp: String,
     /// Name and gamma.
     pub(super) alpha: Option<(String, f64)>,
+    /// The name of the black levels.
+    pub(super) beta: Option<String>,
+    pub(super) camera: Option<Camera>,
 }
+
+/// Greatest angle of a side of a frustum, degrees.
+const WIDEST: f64 = 89.5;
 
 /// Reads the description `text` in the archive `name`.
 pub(super) fn read(name: &str, text: &str) -> Result<Description> {
@@ -56,16 +65,17 @@ pub(super) fn read(name: &str, text: &str) -> Result<Description> {
         return Err(reader.wrong(root, why));
     }
     let mut notes = Vec::new();
-    for (element, what) in [("betaMap", "black levels"), ("frustum", "frusta"), ("extensionSet", "extensions")] {
-        if named(root, element).next().is_some() {
-            notes.push(format!("{name}: {what} ({element}) were not taken over"));
-        }
+    if named(root, "extensionSet").next().is_some() {
+        notes.push(format!("{name}: extensions (extensionSet) were not taken over"));
     }
     Ok(Description { profile, regions, notes })
 }
 
 /// All elements called `name` below `node`.
-fn named<'a, 'input>(node: Node<'a, 'input>, name: &'static str) -> impl Iterator<Item = Node<'a, 'input>> {
+fn named<'a, 'input, 'n>(
+    node: Node<'a, 'input>,
+    name: &'n str,
+) -> impl Iterator<Item = Node<'a, 'input>> + use<'a, 'input, 'n> {
     node.descendants().filter(move |node| node.is_element() && node.tag_name().name().eq_ignore_ascii_case(name))
 }
 
@@ -95,7 +105,7 @@ impl Reader<'_, '_> {
     }
 
     /// The text of the first element called `name` below `node`.
-    fn text<'n>(&self, node: Node<'n, '_>, name: &'static str) -> Option<&'n str> {
+    fn text<'n>(&self, node: Node<'n, '_>, name: &str) -> Option<&'n str> {
         named(node, name).next().and_then(|node| node.text()).map(str::trim).filter(|text| !text.is_empty())
     }
 
@@ -125,6 +135,55 @@ impl Reader<'_, '_> {
             }
             None => None,
         };
-        Ok(DescribedRegion { id: id.to_owned(), size, place, warp, alpha })
+        let beta = match named(files, "betaMap").next() {
+            Some(map) => Some(self.text(map, "path").ok_or_else(|| self.wrong(map, "has no path"))?.to_owned()),
+            None => None,
+        };
+        let frame = named(region, "coordinateFrame").next().or_else(|| named(files, "coordinateFrame").next());
+        let frustum = named(region, "frustum").next().map(|frustum| self.camera(frustum, frame)).transpose()?;
+        Ok(DescribedRegion { id: id.to_owned(), size, place, warp, alpha, beta, camera: frustum })
+    }
+
+    /// The camera of a frustum; its angles are turns of the frame that is given, or of the axes of the file.
+    fn camera(&self, element: Node, frame: Option<Node>) -> Result<Camera> {
+        let value = |name: &'static str| match self.text(element, name) {
+            Some(word) => {
+                let number = word.parse::<f64>().ok().filter(|number| number.abs() <= 360.0);
+                number.ok_or_else(|| self.wrong(element, format!("{name} = {} is no angle", shown(word))))
+            }
+            None => Err(self.wrong(element, format!("has no {name}"))),
+        };
+        let sides = [value("leftAngle")?, value("rightAngle")?, value("downAngle")?, value("upAngle")?];
+        let [left, right, bottom, top] = sides;
+        if !(left < right && bottom < top && sides.iter().all(|side| side.abs() <= WIDEST)) {
+            return Err(self.wrong(
+                element,
+                format!("opens from {left}° to {right}° and from {bottom}° to {top}°; expected angles within ±{WIDEST}, left and down below right and up"),
+            ));
+        }
+        let [left, right, bottom, top] = sides.map(|side| side.to_radians().tan());
+        let turned =
+            pose::rotation(value("yaw")?.to_radians(), value("pitch")?.to_radians(), value("roll")?.to_radians());
+        let (offset, axes) = frame.map_or(Ok((DVec3::ZERO, DMat3::IDENTITY)), |frame| self.frame(frame))?;
+        Ok(Camera { offset, rotation: axes * turned, frustum: Frustum { left, right, bottom, top } })
+    }
+
+    /// Place and axes of a frame: its pitch axis points to the right, its yaw axis down, its roll axis forward.
+    fn frame(&self, element: Node) -> Result<(DVec3, DMat3)> {
+        let vector = |prefix: &str| {
+            let part = |axis: &str| {
+                let name = format!("{prefix}{axis}");
+                let word = self.text(element, &name).unwrap_or_default();
+                let number = word.parse::<f64>().ok().filter(|number| number.abs() <= 1e9);
+                number.ok_or_else(|| self.wrong(element, format!("{name} = {} is no number", shown(word))))
+            };
+            Ok::<_, Error>(DVec3::new(part("x")?, part("y")?, part("z")?))
+        };
+        let (right, down, forward) = (vector("pitch")?, vector("yaw")?, vector("roll")?);
+        let axes = DMat3::from_cols(right, -down, -forward);
+        if !(axes.transpose() * axes).abs_diff_eq(DMat3::IDENTITY, 1e-3) || axes.determinant() < 0.0 {
+            return Err(self.wrong(element, "its axes are not of length 1 and at right angles to each other"));
+        }
+        Ok((vector("pos")?, axes))
     }
 }

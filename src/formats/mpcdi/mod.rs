@@ -10,6 +10,7 @@ mod write;
 
 pub use write::write;
 
+use super::camera::Camera;
 use super::grid::Raster;
 use super::input::{Noted, invalid};
 use super::pfm;
@@ -43,10 +44,24 @@ impl Profile {
         }
     }
 
+    /// Each region needs a camera.
+    fn has_cameras(self) -> bool {
+        matches!(self, Self::Perspective | Self::ShaderLamps)
+    }
+
     /// The values are points, not positions in a picture.
     pub fn has_points(self) -> bool {
         matches!(self, Self::Screen | Self::ShaderLamps)
     }
+}
+
+/// A version of the format, for writing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Version {
+    /// 1.0, which all readers know.
+    One,
+    /// 2.0.
+    Two,
 }
 
 /// What an archive says.
@@ -69,6 +84,19 @@ pub struct Region {
     pub warp: Raster,
     /// Weights, if there are any.
     pub alpha: Option<Alpha>,
+    /// Black levels, if there are any.
+    pub beta: Option<Levels>,
+    /// In profile 3d the camera whose picture the positions lie in, in profile sl the projector.
+    pub camera: Option<Camera>,
+}
+
+/// Black levels of a region: displayed values that are added, `x·(1 − level) + level`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Levels {
+    /// Width and height.
+    pub size: (u32, u32),
+    /// Levels 0…1, row by row from the top.
+    pub levels: Vec<f32>,
 }
 
 /// Weights of a region.
@@ -89,26 +117,36 @@ pub struct Alpha {
 pub fn read(name: &str, bytes: &[u8]) -> Result<Noted<Archive>> {
     let mut files = Files::open(name, bytes)?;
     let text = files.description()?;
-    let document::Description { profile, regions: described, mut notes } = document::read(name, &text)?;
+    let document::Description { profile, regions: described, notes } = document::read(name, &text)?;
     let mut regions = Vec::new();
     for region in described {
         // A map may be finer than the region, but not without bound: four values for each pixel.
         let longest = 48 * u64::from(region.size.0) * u64::from(region.size.1) + (1 << 16);
         let inner = format!("{name}/{}", region.warp);
         let mut warp = pfm::read(&inner, &files.take(&region.warp, longest)?)?;
-        if !profile.has_points() {
+        if profile == Profile::Flat {
             warp = placed(&inner, &warp, region.place)?;
         }
         let alpha = match &region.alpha {
             Some((path, gamma)) => {
-                Some(archive::alpha(&format!("{name}/{path}"), &files.take(path, longest)?, *gamma)?)
+                let (size, weights) = archive::picture(&format!("{name}/{path}"), &files.take(path, longest)?)?;
+                Some(Alpha { size, weights, gamma: *gamma })
             }
             None => None,
         };
-        regions.push(Region { id: region.id, size: region.size, warp, alpha });
-    }
-    if profile == Profile::Perspective {
-        notes.push(format!("{name}: positions are in a perspective picture of each region's own (profile 3d)"));
+        let beta = match &region.beta {
+            Some(path) => {
+                let (size, levels) = archive::picture(&format!("{name}/{path}"), &files.take(path, longest)?)?;
+                Some(Levels { size, levels })
+            }
+            None => None,
+        };
+        let camera = region.camera;
+        if camera.is_none() && profile.has_cameras() {
+            let why = format!("region {} has no frustum, which profile {} needs", region.id, profile.word());
+            return Err(invalid(name, why));
+        }
+        regions.push(Region { id: region.id, size: region.size, warp, alpha, beta, camera });
     }
     Ok(Noted { value: Archive { profile, regions }, notes })
 }

@@ -1,40 +1,46 @@
-//! Archives of our own: version 1.0, a buffer and a region for each projector.
+//! Archives of our own: a buffer and a region for each projector.
 
-use super::{Alpha, Archive, Region};
+use super::{Archive, Profile, Region, Version};
 use crate::error::{Error, ErrorKind, Result};
+use crate::formats::camera::Camera;
 use crate::formats::pfm;
+use crate::geom::{Frustum, pose};
+use glam::DVec3;
 use std::fmt::Write as _;
 use std::io::{Cursor, Write as _};
 use zip::write::SimpleFileOptions;
 
-/// The bytes of an archive. Each region has a buffer of its own that it fills; weights are PNG of 16 bits.
+/// The bytes of an archive. Each region has a buffer of its own that it fills; weights and levels are PNG of 16 bits.
 ///
 /// # Errors
-/// [`InvalidRig`](ErrorKind::InvalidRig) if the weights of a region are not as many as its alpha's size says,
-/// [`Internal`](ErrorKind::Internal) if packing fails.
-pub fn write(archive: &Archive) -> Result<Vec<u8>> {
+/// [`InvalidRig`](ErrorKind::InvalidRig) if the weights or levels of a region are not as many as their size says, or a
+/// region has no camera in a profile that needs one, [`Internal`](ErrorKind::Internal) if packing fails.
+pub fn write(archive: &Archive, version: Version) -> Result<Vec<u8>> {
     let failed = |error: &dyn std::fmt::Display| Error::new(ErrorKind::Internal, format!("packing MPCDI: {error}"));
     let mut zip = zip::ZipWriter::new(Cursor::new(Vec::new()));
     let mut put = |name: &str, bytes: &[u8]| {
         zip.start_file(name, SimpleFileOptions::default()).map_err(|error| failed(&error))?;
         zip.write_all(bytes).map_err(|error| failed(&error))
     };
-    put("mpcdi.xml", description(archive).as_bytes())?;
+    put("mpcdi.xml", description(archive, version)?.as_bytes())?;
     for (number, region) in archive.regions.iter().enumerate() {
         put(&format!("warp-{number}.pfm"), &pfm::write(region.warp.size().0, region.warp.values()))?;
-        put(&format!("alpha-{number}.png"), &picture(region)?)?;
+        // White where there are no weights, since the format asks for a map.
+        let (size, weights) = region.alpha.as_ref().map_or(((1, 1), &[1.0][..]), |alpha| (alpha.size, &alpha.weights));
+        put(&format!("alpha-{number}.png"), &picture(region, size, weights)?)?;
+        if let Some(beta) = &region.beta {
+            put(&format!("beta-{number}.png"), &picture(region, beta.size, &beta.levels)?)?;
+        }
     }
     Ok(zip.finish().map_err(|error| failed(&error))?.into_inner())
 }
 
-/// The weights of a region as PNG; white where it has none, since the format asks for a map.
-fn picture(region: &Region) -> Result<Vec<u8>> {
-    let white = || Alpha { size: (1, 1), weights: vec![1.0], gamma: 1.0 };
-    let alpha = region.alpha.clone().unwrap_or_else(white);
-    let values = alpha.weights.iter().map(|weight| (weight.clamp(0.0, 1.0) * 65535.0).round() as u16).collect();
-    let picture = image::ImageBuffer::<image::Luma<u16>, Vec<u16>>::from_raw(alpha.size.0, alpha.size.1, values);
+/// Values 0…1 as PNG.
+fn picture(region: &Region, size: (u32, u32), values: &[f32]) -> Result<Vec<u8>> {
+    let values = values.iter().map(|value| (value.clamp(0.0, 1.0) * 65535.0).round() as u16).collect();
+    let picture = image::ImageBuffer::<image::Luma<u16>, Vec<u16>>::from_raw(size.0, size.1, values);
     let picture = picture.ok_or_else(|| {
-        Error::new(ErrorKind::InvalidRig, format!("region {}: the weights do not fit their size", region.id))
+        Error::new(ErrorKind::InvalidRig, format!("region {}: weights or levels do not fit their size", region.id))
     })?;
     let mut bytes = Cursor::new(Vec::new());
     let written = picture.write_to(&mut bytes, image::ImageFormat::Png);
@@ -42,17 +48,32 @@ fn picture(region: &Region) -> Result<Vec<u8>> {
     Ok(bytes.into_inner())
 }
 
-fn description(archive: &Archive) -> String {
+fn description(archive: &Archive, version: Version) -> Result<String> {
     let mut text = String::from("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n");
     let (profile, points) = (archive.profile.word(), archive.profile.has_points());
+    // Level 3 and colour 2 are those with black levels.
+    let levels = archive.regions.iter().any(|region| region.beta.is_some());
+    let attributes = match version {
+        Version::One => format!("level=\"{}\" version=\"1.0\"", if levels { 3 } else { 1 }),
+        Version::Two => format!("geometry=\"1\" color=\"{}\" version=\"2.0\"", if levels { 2 } else { 1 }),
+    };
     // Writing into a string cannot fail.
-    let _ = writeln!(text, "<MPCDI profile=\"{profile}\" level=\"1\" version=\"1.0\">\n  <display>");
+    let _ = writeln!(text, "<MPCDI profile=\"{profile}\" {attributes}>\n  <display>");
     for (number, region) in archive.regions.iter().enumerate() {
         let (width, height) = region.size;
         let size = format!("Xresolution=\"{width}\" Yresolution=\"{height}\"");
+        let camera = match (archive.profile, &region.camera) {
+            (Profile::Perspective, Some(camera)) => frustum(camera),
+            (Profile::ShaderLamps, Some(camera)) => format!("{}{}", frustum(camera), frame(camera)),
+            (profile, None) if profile.has_cameras() => {
+                let message = format!("region {}: profile {} needs its camera", region.id, profile.word());
+                return Err(Error::new(ErrorKind::InvalidRig, message));
+            }
+            _ => String::new(),
+        };
         let _ = writeln!(
             text,
-            "    <buffer id=\"buffer-{number}\" {size}>\n      <region id=\"{}\" {size} x=\"0\" y=\"0\" xsize=\"1\" ysize=\"1\"/>\n    </buffer>",
+            "    <buffer id=\"buffer-{number}\" {size}>\n      <region id=\"{}\" {size} x=\"0\" y=\"0\" xsize=\"1\" ysize=\"1\">{camera}</region>\n    </buffer>",
             escaped(&region.id)
         );
     }
@@ -64,12 +85,48 @@ fn description(archive: &Archive) -> String {
         let _ = writeln!(
             text,
             "    <fileset region=\"{}\">\n      <geometryWarpFile><path>warp-{number}.pfm</path><interpolation>linear</interpolation>{unit}</geometryWarpFile>\n      \
-             <alphaMap><path>alpha-{number}.png</path><componentDepth>1</componentDepth><bitDepth>16</bitDepth><gammaEmbedded>{gamma}</gammaEmbedded></alphaMap>\n    </fileset>",
-            escaped(&region.id)
+             <alphaMap><path>alpha-{number}.png</path><componentDepth>1</componentDepth><bitDepth>16</bitDepth><gammaEmbedded>{gamma}</gammaEmbedded></alphaMap>{}\n    </fileset>",
+            escaped(&region.id),
+            if region.beta.is_some() {
+                format!(
+                    "\n      <betaMap><path>beta-{number}.png</path><componentDepth>1</componentDepth><bitDepth>16</bitDepth></betaMap>"
+                )
+            } else {
+                String::new()
+            }
         );
     }
     text.push_str("  </files>\n</MPCDI>\n");
-    text
+    Ok(text)
+}
+
+/// A camera's opening and its turn, which a frame that follows takes over where there is one.
+fn frustum(camera: &Camera) -> String {
+    let [yaw, pitch, roll] = pose::angles(&camera.rotation).map(f64::to_degrees);
+    let degrees = |tangent: f64| tangent.atan().to_degrees();
+    let Frustum { left, right, bottom, top } = camera.frustum;
+    format!(
+        "<frustum><yaw>{yaw}</yaw><pitch>{pitch}</pitch><roll>{roll}</roll><rightAngle>{}</rightAngle><leftAngle>{}</leftAngle>\
+         <upAngle>{}</upAngle><downAngle>{}</downAngle></frustum>",
+        degrees(right),
+        degrees(left),
+        degrees(top),
+        degrees(bottom)
+    )
+}
+
+/// Where a camera stands, with the axes of the file: the pitch axis to the right, the yaw axis down, the roll axis forward.
+fn frame(camera: &Camera) -> String {
+    let DVec3 { x, y, z } = camera.offset;
+    let vector =
+        |name: &str, [x, y, z]: [f64; 3]| format!("<{name}x>{x}</{name}x><{name}y>{y}</{name}y><{name}z>{z}</{name}z>");
+    format!(
+        "<coordinateFrame>{}{}{}{}</coordinateFrame>",
+        vector("pos", [x, y, z]),
+        vector("yaw", [0.0, -1.0, 0.0]),
+        vector("pitch", [1.0, 0.0, 0.0]),
+        vector("roll", [0.0, 0.0, -1.0])
+    )
 }
 
 /// Text in an attribute.

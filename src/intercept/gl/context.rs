@@ -1,9 +1,8 @@
 //! What a program believes about one of its contexts.
 
 use super::background::Background;
-use super::camera::Cameras;
 use super::counts::Counts;
-use super::culling::{Widest, bounds::Bounds};
+use super::culling::widths::Widest;
 use super::default_framebuffer::{DefaultFramebuffer, OwnObjects};
 use super::lists::{Lists, Recording};
 use super::matrices::Projection;
@@ -11,6 +10,7 @@ use super::programs::{Program, Programs};
 use super::raster::Raster;
 use super::window::Window;
 use crate::backend::gl::api::{self, Gl};
+use crate::intercept::camera::Cameras;
 use crate::runtime::session::Extras;
 use std::collections::HashSet;
 use std::ffi::CStr;
@@ -111,20 +111,14 @@ pub struct Context {
     pub program: Option<Arc<Program>>,
     /// Program pipelines, and which program is in use.
     pub pipelines: super::pipelines::Pipelines,
-    /// Between `glBegin` and `glEnd`.
-    pub in_begin: bool,
-    /// What the program set last since `glBegin`.
-    pub last_attributes: super::attributes::Last,
-    /// Around the vertices since `glBegin`.
-    pub begin_bounds: Bounds,
+    /// The Begin/End that the program is in.
+    pub immediate: super::immediate::Immediate,
     /// The greatest width of points and lines so far.
     pub widest: Widest,
     /// Points and lines that may leave their tile.
     pub outlines: super::outlines::Outlines,
     /// A vertex program in assembly language was switched on: the fixed-function matrices may say nothing.
     pub assembly: bool,
-    /// Our list that records a Begin/End; 0 = not made yet.
-    pub begin_list: u32,
     /// `glRenderMode` is not `GL_RENDER`.
     pub picking: bool,
     /// The raster position.
@@ -197,13 +191,10 @@ impl Context {
             duplicates: Default::default(),
             program: None,
             pipelines: Default::default(),
-            in_begin: false,
-            last_attributes: [None; 3],
-            begin_bounds: Bounds::EMPTY,
+            immediate: Default::default(),
             widest: Widest::default(),
             outlines: Default::default(),
             assembly: false,
-            begin_list: 0,
             picking: false,
             raster: Raster::default(),
             recording: None,

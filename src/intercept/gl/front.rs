@@ -48,7 +48,7 @@ pub fn draws_to_front(ctx: &Context) -> bool {
 
 /// The program wants to see what it drew. `finally`: it waits for it, so the picture is never left out.
 pub fn show(ctx: &mut Context, finally: bool) {
-    let drawing = ctx.compiling() || ctx.in_begin || ctx.picking;
+    let drawing = ctx.compiling() || ctx.immediate.under_way() || ctx.picking;
     if ctx.frame_begun && !drawing && draws_to_front(ctx) && (ctx.pace.allows(Instant::now()) || finally) {
         super::present::show_front(ctx);
     }

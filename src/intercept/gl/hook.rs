@@ -18,9 +18,13 @@ unsafe impl Sync for Hook {}
 ///
 /// Each body gets the current context (`$ctx`) and the driver's table (`$gl`). Without a context
 /// of ours the call goes straight to the driver; so it does after a panic, which switches the
-/// context off: interception fails open.
+/// context off: interception fails open. Between Begin and End of a draw of ours it goes to the driver,
+/// too, which says that it is not allowed there; hooks of what is allowed say so by `between;`.
 macro_rules! hooks {
-    ($( $name:literal $method:ident ( $($p:ident : $t:ty),* ) $(-> $r:ty)? = |$ctx:ident, $gl:ident| $body:expr; )*) => {
+    (between; $($hooks:tt)*) => {
+        $crate::intercept::gl::hook::hooks! { @between true; $($hooks)* }
+    };
+    (@between $between:literal; $( $name:literal $method:ident ( $($p:ident : $t:ty),* ) $(-> $r:ty)? = |$ctx:ident, $gl:ident| $body:expr; )*) => {
         $(
             // Some bodies need no unsafe call; the block below serves them all.
             #[allow(unused_unsafe)]
@@ -30,7 +34,7 @@ macro_rules! hooks {
                     return unsafe { $crate::intercept::gl::registry::driver().$method($($p),*) };
                 };
                 let $gl = $ctx.gl;
-                if $ctx.switched_off {
+                if $ctx.switched_off || (!$between && $ctx.immediate.under_way()) {
                     // SAFETY: as above.
                     return unsafe { $gl.$method($($p),*) };
                 }
@@ -51,6 +55,9 @@ macro_rules! hooks {
             $( $crate::intercept::gl::hook::Hook { name: $name, address: $method as *const () }, )*
         ];
     };
+    ($($hooks:tt)*) => {
+        $crate::intercept::gl::hook::hooks! { @between false; $($hooks)* }
+    };
 }
 pub(crate) use hooks;
 
@@ -60,14 +67,14 @@ pub fn find(name: &str) -> Option<*const ()> {
     let table = TABLE.get_or_init(|| {
         let files = [
             super::accumulation::HOOKS,
-            super::attributes::HOOKS,
             super::conditional::HOOKS,
             super::counting::HOOKS,
-            super::culling::vertices::HOOKS,
+            super::culling::widths::HOOKS,
             super::draw::HOOKS,
             super::feedback::HOOKS,
             super::front::HOOKS,
             super::immediate::HOOKS,
+            super::immediate::commands::HOOKS,
             super::indexed::HOOKS,
             super::lists::HOOKS,
             super::matrices::HOOKS,

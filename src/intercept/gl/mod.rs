@@ -6,9 +6,7 @@
 //! ([`draw`]).
 
 pub mod accumulation;
-pub mod attributes;
 pub mod background;
-pub mod camera;
 pub mod conditional;
 pub mod context;
 pub mod counting;

@@ -3,6 +3,7 @@
 use super::context::{Context, Profile};
 use super::glsl::{self, Stage};
 use super::hook::hooks;
+use super::lists::Command;
 use super::uniforms::{self, Uniforms};
 use crate::backend::gl::api::{self, Gl};
 use crate::intercept::log;
@@ -33,8 +34,10 @@ pub struct Program {
     stages: u32,
     /// It uses the fixed-function matrices.
     fixed_matrices: bool,
-    /// Locations of its samplers of two-dimensional textures.
-    pub samplers: Vec<i32>,
+    /// Its samplers of textures that can be drawn into.
+    pub samplers: Vec<super::samplers::Sampler>,
+    /// Its fragments ask where on the screen they are.
+    pub asks_place: bool,
     /// Its 4×4 matrices.
     pub uniforms: Mutex<Uniforms>,
     uploaded: Mutex<Option<[f32; 16]>>,
@@ -104,7 +107,7 @@ pub fn send(ctx: &Context, program: &Program, rows: &[f32; 16]) {
 }
 
 /// `glUseProgram`.
-pub fn use_program(ctx: &mut Context, name: u32) {
+pub fn select(ctx: &mut Context, name: u32) {
     // SAFETY: the program's own call.
     unsafe { ctx.gl.use_program(name) };
     ctx.pipelines.used = name;
@@ -210,6 +213,7 @@ fn link(ctx: &mut Context, program: u32) {
     let mut linked = false;
     if let Some((shader, original, text)) = &patched {
         linked = link_patched(gl, program, *shader, original, text);
+        ctx.counts.linked += 1;
     }
     if !linked {
         // SAFETY: the program's own call.
@@ -228,7 +232,11 @@ fn link(ctx: &mut Context, program: u32) {
         .filter(|s| s.1 != api::GL_FRAGMENT_SHADER)
         .filter_map(|s| sources.get(&s.0))
         .any(|source| words.iter().any(|word| glsl::mentions(source, word)));
-    let record = Arc::new(read_program(gl, &ctx.profile, program, linked, stages, fixed_matrices));
+    let mut fragments = shaders.iter().filter(|s| s.1 == api::GL_FRAGMENT_SHADER).filter_map(|s| sources.get(&s.0));
+    let record = Arc::new(Program {
+        asks_place: fragments.any(|source| glsl::mentions(source, "gl_FragCoord")),
+        ..read_program(gl, &ctx.profile, program, linked, stages, fixed_matrices)
+    });
     let mut programs = ctx.share.programs.lock().unwrap_or_else(PoisonError::into_inner);
     programs.programs.insert(program, record.clone());
     drop(programs);
@@ -301,7 +309,8 @@ fn read_program(gl: &Gl, profile: &Profile, name: u32, patched: bool, stages: u3
         hidden,
         stages,
         fixed_matrices,
-        samplers: super::samplers::locations(gl, name),
+        samplers: super::samplers::of_program(gl, name),
+        asks_place: false,
         uniforms: Mutex::new(uniforms),
         uploaded: Mutex::new(None),
     }
@@ -317,6 +326,9 @@ hooks! {
     "glDeleteShader" delete_shader(shader: u32) = |_ctx, gl| {
         // Its source stays known: it may still be attached, and its name comes back only with a new source.
         gl.delete_shader(shader)
+    };
+    "glUseProgram" use_program(program: u32) = |ctx, _gl| {
+        if ctx.compiling() { super::lists::record(ctx, Command::UseProgram(program)) } else { select(ctx, program) }
     };
     "glLinkProgram" link_program(program: u32) = |ctx, _gl| link(ctx, program);
     "glDeleteObjectARB" delete_object_arb(object: u32) = |ctx, gl| {

@@ -19,12 +19,25 @@ pub struct Raster {
     scene: Option<ScenePosition>,
     /// The origin of the tile in whose pixels the driver has it; the program has it in its window's.
     origin: [i32; 2],
+    /// Each view's projection when the position was set.
+    projections: Vec<[f64; 16]>,
 }
 
 impl Raster {
     /// The origin of the window in the driver's raster position.
     pub fn origin(&self) -> [i32; 2] {
         self.origin
+    }
+
+    /// A new position is set; the origin of the old one. The place for projections is used again.
+    fn forget(&mut self) -> [i32; 2] {
+        self.scene = None;
+        std::mem::take(&mut self.origin)
+    }
+
+    /// What is put back with this position.
+    pub fn saved(&self) -> Self {
+        if self.scene.is_some() { self.clone() } else { Self { origin: self.origin, ..Self::default() } }
     }
 }
 
@@ -33,7 +46,6 @@ impl Raster {
 struct ScenePosition {
     object: [f64; 4],
     model_view: [f64; 16],
-    projections: Vec<[f64; 16]>,
     /// What the position took with it: colour and texture coordinate.
     color: [f32; 4],
     texture: [f32; 4],
@@ -44,7 +56,7 @@ struct ScenePosition {
 /// `glRasterPos`.
 pub fn set_position(ctx: &mut Context, object: [f64; 4]) {
     let gl = ctx.gl;
-    let old = std::mem::take(&mut ctx.raster);
+    let old = ctx.raster.forget();
     if ctx.redirected() && !ctx.picking {
         let place = place(ctx);
         if place == Place::FixedScene {
@@ -56,8 +68,8 @@ pub fn set_position(ctx: &mut Context, object: [f64; 4]) {
                 gl.get_floatv(api::GL_CURRENT_COLOR, color.as_mut_ptr());
                 gl.get_floatv(api::GL_CURRENT_TEXTURE_COORDS, texture.as_mut_ptr());
             }
-            let projections = ctx.projection.per_view.clone();
-            ctx.raster.scene = Some(ScenePosition { object, model_view, projections, color, texture, moved: [0.0; 2] });
+            ctx.raster.projections.clone_from(&ctx.projection.per_view);
+            ctx.raster.scene = Some(ScenePosition { object, model_view, color, texture, moved: [0.0; 2] });
             // The driver's own state too, for queries: as in the program's window.
             ctx.set_viewport(ctx.believed.viewport);
         } else {
@@ -72,13 +84,13 @@ pub fn set_position(ctx: &mut Context, object: [f64; 4]) {
     }
     if valid == 0 {
         // What is clipped leaves its numbers where they were.
-        ctx.raster.origin = old.origin;
+        ctx.raster.origin = old;
     }
 }
 
 /// `glWindowPos`.
 pub fn set_window_position(ctx: &mut Context, position: [f64; 3]) {
-    ctx.raster = Raster::default();
+    ctx.raster.forget();
     if ctx.redirected() && !ctx.picking {
         ctx.raster.origin = flat_window_space(ctx);
     }
@@ -155,14 +167,15 @@ fn draw_in_scene(ctx: &mut Context, mut position: ScenePosition, issue: &dyn Fn(
         move_by(gl, position.moved[0], position.moved[1]);
     };
     counting::weigh(ctx, Weights::ONCE);
-    for (index, projection) in position.projections.iter().enumerate().take(target.session.views().len()) {
+    for index in 0..target.session.views().len() {
+        let Some(projection) = ctx.raster.projections.get(index).copied() else { break };
         let (tile, own_lens) = target.session.tile(index);
         if own_lens {
             own_window_space(ctx, tile);
         } else {
             ctx.set_scissor(Some(tile));
             ctx.set_viewport(tile);
-            load_projection(ctx, projection);
+            load_projection(ctx, &projection);
         }
         set();
         issue(gl);

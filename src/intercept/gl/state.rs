@@ -78,7 +78,7 @@ pub fn push_attributes(ctx: &mut Context, mask: u32) {
     unsafe { ctx.gl.push_attrib(mask) };
     // As deep as OpenGL's own, which ignores what exceeds it.
     if ctx.attribute_stack.len() < ATTRIBUTE_DEPTH {
-        let raster = (mask & api::GL_CURRENT_BIT != 0).then(|| ctx.raster.clone());
+        let raster = (mask & api::GL_CURRENT_BIT != 0).then(|| ctx.raster.saved());
         let (believed, list_base) = (ctx.believed.clone(), ctx.list_base);
         ctx.attribute_stack.push(Pushed { mask, believed, list_base, raster });
     }
@@ -204,6 +204,13 @@ hooks! {
                 gl.disable(cap);
             }
         }
+    };
+    "glRenderMode" render_mode(mode: u32) -> i32 = |ctx, gl| {
+        ctx.picking = mode != api::GL_RENDER;
+        if ctx.picking && ctx.redirected() {
+            ctx.set_viewport(ctx.believed.viewport);
+        }
+        gl.render_mode(mode)
     };
     "glPushAttrib" push_attrib(mask: u32) = |ctx, _gl| {
         if ctx.compiling() { super::lists::record(ctx, Command::PushAttributes(mask)) } else { push_attributes(ctx, mask) }

@@ -54,6 +54,7 @@ pub fn clear_with(ctx: &mut Context, color: bool, issue: impl Fn(&Gl)) {
         return;
     }
     ctx.frame_begun = true;
+    super::duplicate::shown::window_changed(ctx);
     let Some(target) = &ctx.target else { return };
     let (width, height) = target.size();
     let window = [0, 0, width as i32, height as i32];
@@ -225,6 +226,14 @@ pub unsafe fn select_draw_buffers(ctx: &mut Context, count: i32, buffers: *const
 #[allow(clippy::too_many_arguments)] // glBlitFramebuffer's own.
 pub fn blit(ctx: &mut Context, mut source: [i32; 4], destination: [i32; 4], mask: u32, filter: u32) {
     let gl = ctx.gl;
+    if super::duplicate::copies::blit(ctx, source, destination, mask, filter) {
+        if ctx.redirected() {
+            ctx.frame_begun = true;
+            ctx.background.note_scene();
+            clear_panel(ctx);
+        }
+        return;
+    }
     if ctx.reads_redirected() {
         let origin = super::reads::prepare(ctx);
         source = [source[0] + origin[0], source[1] + origin[1], source[2] + origin[0], source[3] + origin[1]];
@@ -236,19 +245,12 @@ pub fn blit(ctx: &mut Context, mut source: [i32; 4], destination: [i32; 4], mask
         };
     };
     if !ctx.redirected() {
-        super::duplicate::refuse(ctx, ctx.believed.read_framebuffer, "it copies it to another framebuffer");
         super::duplicate::leave(ctx);
         issue(destination);
         super::reads::finish(ctx);
         return;
     }
     ctx.frame_begun = true;
-    if super::duplicate::show_by_copy(ctx, source, destination, mask) {
-        ctx.background.note_scene();
-        clear_panel(ctx);
-        return;
-    }
-    super::duplicate::refuse(ctx, ctx.believed.read_framebuffer, "it shows only a part of it");
     super::default_framebuffer::want_panel(ctx);
     let Some(target) = &ctx.target else { return };
     for (tile, _) in target.flat_tiles().into_iter().flatten() {
@@ -279,7 +281,7 @@ hooks! {
             std::slice::from_raw_parts(names, usize::try_from(count).unwrap_or(0)).to_vec()
         };
         for name in &deleted {
-            super::duplicate::forget(ctx, *name);
+            super::duplicate::delete(ctx, *name);
         }
         gl.delete_framebuffers(count, names);
         // Deleting the bound framebuffer binds the window's, which is ours.
@@ -317,9 +319,10 @@ hooks! {
         if buffers.is_null() || !(1..=16).contains(&count) {
             select_draw_buffers(ctx, count, buffers);
         } else {
-            let buffers = std::slice::from_raw_parts(buffers, count as usize).to_vec();
+            let mut names = [api::GL_NONE; 16];
+            names[..count as usize].copy_from_slice(std::slice::from_raw_parts(buffers, count as usize));
             // SAFETY: as many names as it says.
-            super::lists::now_or_later(ctx, move |ctx| unsafe { select_draw_buffers(ctx, count, buffers.as_ptr()) });
+            super::lists::now_or_later(ctx, move |ctx| unsafe { select_draw_buffers(ctx, count, names.as_ptr()) });
         }
     };
     "glBlitFramebuffer" blit_framebuffer(x0: i32, y0: i32, x1: i32, y1: i32, u0: i32, v0: i32, u1: i32, v1: i32, mask: u32, filter: u32) =

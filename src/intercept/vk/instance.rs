@@ -12,6 +12,8 @@ pub struct Instance {
     pub get_instance_proc_addr: vk::PFN_vkGetInstanceProcAddr,
     /// The next layer's functions.
     pub functions: ash::Instance,
+    /// Those of `VK_KHR_surface`; they may be called only where the program enabled it.
+    pub surface: ash::khr::surface::InstanceFn,
 }
 
 static INSTANCES: RwLock<Option<HashMap<usize, Arc<Instance>>>> = RwLock::new(None);
@@ -58,7 +60,11 @@ pub unsafe extern "system" fn create(
         if result == vk::Result::SUCCESS {
             let made = *handle;
             let find = |name: &std::ffi::CStr| address(next(made, name.as_ptr()));
-            let state = Instance { get_instance_proc_addr: next, functions: ash::Instance::load_with(find, made) };
+            let state = Instance {
+                get_instance_proc_addr: next,
+                functions: ash::Instance::load_with(find, made),
+                surface: ash::khr::surface::InstanceFn::load(find),
+            };
             let key = dispatch_key(vk::Handle::as_raw(made));
             let mut instances = INSTANCES.write().unwrap_or_else(PoisonError::into_inner);
             instances.get_or_insert_with(HashMap::new).insert(key, Arc::new(state));

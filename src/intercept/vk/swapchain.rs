@@ -1,9 +1,11 @@
 //! Swapchains: the program draws into images of ours; the real ones get the corrected picture.
 
+use super::canvas::{Canvas, Show};
 use super::device::{self, Device};
-use super::frame::Frame;
+use super::layout::Layout;
+use crate::error::{Error, ErrorKind, Result};
 use crate::intercept::{log, settings};
-use crate::runtime::flat::FlatPicture;
+use crate::rig::Rig;
 use ash::{prelude::VkResult, vk};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -15,33 +17,30 @@ pub struct Swapchain {
     pub blue_first: bool,
     /// The real images.
     pub real: Vec<vk::Image>,
-    /// The images that the program has in their place; empty where it has the real ones.
-    own: Vec<(vk::Image, vk::DeviceMemory)>,
-    /// What becomes of the program's picture; `None`: it is shown as it is.
-    pub flat: Option<FlatPicture>,
-    /// For copies; made at the first one.
-    pub frame: Option<Frame>,
+    /// What stands before them; `None`: the program has the real images.
+    pub canvas: Option<Canvas>,
+    /// After a failure: the program's own picture.
+    pub failed: bool,
 }
 
 impl Swapchain {
     /// The image that the program has as number `index`.
     pub fn given(&self, index: usize) -> Option<vk::Image> {
-        if self.own.is_empty() { self.real.get(index).copied() } else { self.own.get(index).map(|own| own.0) }
+        match &self.canvas {
+            Some(canvas) => canvas.given(index),
+            None => self.real.get(index).copied(),
+        }
     }
 
-    /// # Safety
-    /// The device must have finished with everything.
-    unsafe fn destroy(&mut self, device: &Device) {
-        // SAFETY: as promised.
-        unsafe {
-            for (image, memory) in self.own.drain(..) {
-                device.functions.destroy_image(image, None);
-                device.functions.free_memory(memory, None);
-            }
-            if let Some(frame) = self.frame.take() {
-                frame.destroy(device);
-            }
-        }
+    /// What the next picture of image `index` is made of; `None`: it is presented as it is.
+    pub fn show(&self, index: usize) -> Option<Show> {
+        let in_views = self.canvas.as_ref()?.in_views(index);
+        Some(match (self.failed, in_views) {
+            (true, true) => Show::Tile,
+            (true, false) => Show::Own,
+            (false, true) => Show::Views,
+            (false, false) => Show::Panel,
+        })
     }
 }
 
@@ -93,11 +92,20 @@ pub unsafe extern "system" fn create(
     }
     let passthrough = settings.rig.passthrough;
     let mut changed = *given;
-    changed.image_usage |= match passthrough {
-        true if settings.capture.is_some() => vk::ImageUsageFlags::TRANSFER_SRC,
-        true => vk::ImageUsageFlags::empty(),
-        false => vk::ImageUsageFlags::TRANSFER_DST,
+    let wanted = if passthrough {
+        vk::ImageUsageFlags::empty()
+    } else {
+        vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_DST
     };
+    let read = settings.capture.as_ref().map_or(vk::ImageUsageFlags::empty(), |_| vk::ImageUsageFlags::TRANSFER_SRC);
+    // SAFETY: the program's surface.
+    match unsafe { supported_usage(&device, given.surface) } {
+        Ok(supported) if !supported.contains(wanted | read) => {
+            log::once("Vulkan: a window keeps the program's own picture: its images cannot be drawn to or copied");
+            return next(given);
+        }
+        _ => changed.image_usage |= wanted | read,
+    }
     let result = next(&changed);
     if result != vk::Result::SUCCESS {
         return result;
@@ -106,19 +114,13 @@ pub unsafe extern "system" fn create(
     let made = unsafe { *swapchain };
     let size = (given.image_extent.width, given.image_extent.height);
     let built = crate::fence::guard(|| {
-        let flat = if passthrough { None } else { Some(FlatPicture::new(&settings.rig, size)?) };
         // SAFETY: objects of a live device.
-        unsafe { build(&device, made, given, flat) }.map_err(|error| {
-            crate::Error::new(crate::ErrorKind::Graphics, format!("the driver refuses images in its place: {error}"))
-        })
+        unsafe { build(&device, made, given, (!passthrough).then_some((&settings.rig, size))) }
     });
     match built {
         Some(Ok(built)) => {
             let mut all = device.swapchains.lock().unwrap_or_else(PoisonError::into_inner);
             all.insert(made, Arc::new(Mutex::new(built)));
-            if !passthrough {
-                log::once(FLAT);
-            }
         }
         Some(Err(error)) => log::once(&format!("Vulkan: a window keeps the program's own picture: {}", error.message)),
         None => log::once("Vulkan: a window keeps the program's own picture after a failure"),
@@ -126,9 +128,17 @@ pub unsafe extern "system" fn create(
     vk::Result::SUCCESS
 }
 
-/// What the log and the statistics say of a Vulkan program.
-pub const FLAT: &str =
-    "Vulkan: the program's picture is shown flat, on the panel; its draws are not issued for each view";
+/// What images of a surface can be used for.
+///
+/// # Safety
+/// The surface must be one that the device can present to.
+unsafe fn supported_usage(device: &Device, surface: vk::SurfaceKHR) -> VkResult<vk::ImageUsageFlags> {
+    let mut capabilities = vk::SurfaceCapabilitiesKHR::default();
+    let ask = device.instance.surface.get_physical_device_surface_capabilities_khr;
+    // SAFETY: as promised.
+    unsafe { ask(device.physical, surface, &mut capabilities) }.result()?;
+    Ok(capabilities.supported_usage_flags)
+}
 
 /// # Safety
 /// The swapchain must have just been made on the device.
@@ -136,31 +146,21 @@ unsafe fn build(
     device: &Device,
     swapchain: vk::SwapchainKHR,
     info: &vk::SwapchainCreateInfoKHR<'_>,
-    flat: Option<FlatPicture>,
-) -> VkResult<Swapchain> {
+    corrected: Option<(&Rig, (u32, u32))>,
+) -> Result<Swapchain> {
     // SAFETY: as promised.
-    unsafe {
-        let mut built = Swapchain {
-            extent: info.image_extent,
-            blue_first: blue_first(info.image_format).unwrap_or_default(),
-            real: real_images(device, swapchain)?,
-            own: Vec::new(),
-            flat,
-            frame: None,
-        };
-        if built.flat.is_some() {
-            for _ in 0..built.real.len() {
-                match own_image(device, info) {
-                    Ok(own) => built.own.push(own),
-                    Err(error) => {
-                        built.destroy(device);
-                        return Err(error);
-                    }
-                }
-            }
+    let real = unsafe { real_images(device, swapchain) }
+        .map_err(|error| Error::new(ErrorKind::Graphics, format!("the driver does not tell its images: {error}")))?;
+    let canvas = match corrected {
+        None => None,
+        Some((rig, size)) => {
+            let layout = Arc::new(Layout::new(rig, size, device.greatest_image())?);
+            // SAFETY: as promised.
+            Some(unsafe { Canvas::new(device, info, &real, layout)? })
         }
-        Ok(built)
-    }
+    };
+    let blue_first = blue_first(info.image_format).unwrap_or_default();
+    Ok(Swapchain { extent: info.image_extent, blue_first, real, canvas, failed: false })
 }
 
 /// # Safety
@@ -174,50 +174,6 @@ unsafe fn real_images(device: &Device, swapchain: vk::SwapchainKHR) -> VkResult<
         let mut images = vec![vk::Image::null(); count as usize];
         ask(handle, swapchain, &mut count, images.as_mut_ptr()).result()?;
         Ok(images)
-    }
-}
-
-/// An image for the program in the place of a real one.
-///
-/// # Safety
-/// The device must be live.
-unsafe fn own_image(device: &Device, info: &vk::SwapchainCreateInfoKHR<'_>) -> VkResult<(vk::Image, vk::DeviceMemory)> {
-    let functions = &device.functions;
-    let flags = if info.flags.contains(vk::SwapchainCreateFlagsKHR::MUTABLE_FORMAT) {
-        vk::ImageCreateFlags::MUTABLE_FORMAT | vk::ImageCreateFlags::EXTENDED_USAGE
-    } else {
-        vk::ImageCreateFlags::empty()
-    };
-    let vk::Extent2D { width, height } = info.image_extent;
-    let mut image = vk::ImageCreateInfo::default()
-        .flags(flags)
-        .image_type(vk::ImageType::TYPE_2D)
-        .format(info.image_format)
-        .extent(vk::Extent3D { width, height, depth: 1 })
-        .mip_levels(1)
-        .array_layers(1)
-        .samples(vk::SampleCountFlags::TYPE_1)
-        .tiling(vk::ImageTiling::OPTIMAL)
-        .usage(info.image_usage | vk::ImageUsageFlags::TRANSFER_SRC)
-        .sharing_mode(info.image_sharing_mode);
-    image.queue_family_index_count = info.queue_family_index_count;
-    image.p_queue_family_indices = info.p_queue_family_indices;
-    // SAFETY: makes objects of ours; what was made before a failure is destroyed.
-    unsafe {
-        let image = functions.create_image(&image, None)?;
-        let needs = functions.get_image_memory_requirements(image);
-        let kind = device.memory_type(needs.memory_type_bits, vk::MemoryPropertyFlags::DEVICE_LOCAL).unwrap_or(0);
-        let allocation = vk::MemoryAllocateInfo::default().allocation_size(needs.size).memory_type_index(kind);
-        let memory =
-            functions.allocate_memory(&allocation, None).inspect_err(|_| functions.destroy_image(image, None))?;
-        match functions.bind_image_memory(image, memory, 0) {
-            Ok(()) => Ok((image, memory)),
-            Err(error) => {
-                functions.destroy_image(image, None);
-                functions.free_memory(memory, None);
-                Err(error)
-            }
-        }
     }
 }
 
@@ -262,11 +218,13 @@ pub unsafe extern "system" fn destroy(
 ) {
     let Some(device) = device::get(handle) else { return };
     let managed = device.swapchains.lock().unwrap_or_else(PoisonError::into_inner).remove(&swapchain);
-    // SAFETY: the program has finished with the swapchain, and each copy of ours was waited for.
+    // SAFETY: the program has finished with the swapchain; our own commands are waited for.
     unsafe {
         (device.swapchain.destroy_swapchain_khr)(handle, swapchain, allocator);
-        if let Some(managed) = managed {
-            managed.lock().unwrap_or_else(PoisonError::into_inner).destroy(&device);
+        if let Some(managed) = managed
+            && let Some(mut canvas) = managed.lock().unwrap_or_else(PoisonError::into_inner).canvas.take()
+        {
+            canvas.destroy(&device);
         }
     }
 }

@@ -62,7 +62,7 @@ pub fn show(headless: &Headless, plan: &Plan, panel: bool, atlas: &Picture) -> P
             .image_extent(vk::Extent3D { width: atlas.size.0, height: atlas.size.1, depth: 1 });
         let layouts = (vk::ImageLayout::UNDEFINED, vk::ImageLayout::TRANSFER_DST_OPTIMAL);
         let none = (vk::PipelineStageFlags::empty(), vk::AccessFlags::empty());
-        super::super::images::barrier(api, commands, source.handle, layouts, none, transfer);
+        super::super::images::barrier(api, commands, (source.handle, 1), layouts, none, transfer);
         // SAFETY: the command buffer is being recorded; all objects are live, and the sizes are the images' own.
         unsafe {
             api.device.cmd_copy_buffer_to_image(commands, upload.handle, source.handle, layouts.1, &[region]);

@@ -224,19 +224,6 @@ pub fn json(rig: &Rig, window: (u32, u32), plan: &ViewPlan) -> Value {
             json!({ "name": output.name, "kind": kind, "size": output.size, "window": place, "views": views })
         })
         .collect();
-    let views: Vec<Value> = plan
-        .views
-        .iter()
-        .map(|view| {
-            json!({
-                "name": view.name,
-                "axes": view.rotation.transpose().to_cols_array_2d(),
-                "tangents": [view.frustum.left, view.frustum.right, view.frustum.bottom, view.frustum.top],
-                "tile": [view.tile.x, view.tile.y, view.tile.width, view.tile.height],
-                "program_lens": view.program_lens,
-            })
-        })
-        .collect();
     json!({
         "valid": true,
         "name": rig.name,
@@ -255,7 +242,18 @@ pub fn json(rig: &Rig, window: (u32, u32), plan: &ViewPlan) -> Value {
         },
         "outputs": outputs,
         "atlas": [plan.atlas.0, plan.atlas.1],
-        "views": views,
+        "views": plan.views.iter().map(view).collect::<Vec<_>>(),
         "notes": plan.notes,
+    })
+}
+
+/// A view for machines: axes as rows, tangents, texels of the atlas from the bottom left.
+pub fn view(view: &View) -> Value {
+    json!({
+        "name": view.name,
+        "axes": view.rotation.transpose().to_cols_array_2d(),
+        "tangents": [view.frustum.left, view.frustum.right, view.frustum.bottom, view.frustum.top],
+        "tile": [view.tile.x, view.tile.y, view.tile.width, view.tile.height],
+        "program_lens": view.program_lens,
     })
 }

@@ -1,6 +1,6 @@
 //! `cupola check`: is a rig valid, and what does it say?
 
-mod describe;
+pub mod describe;
 
 use crate::Failure;
 use cupola::rig::{Rig, presets};

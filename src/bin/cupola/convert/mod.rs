@@ -10,7 +10,8 @@ use std::process::ExitCode;
 
 /// Convert a rig or a calibration file into a format of another program.
 ///
-/// The name's ending says the format: .data or .map (Bourke's warp mesh), .pfm, .vwf (VIOSO), .mpcdi.
+/// The name's ending says the format: .data or .map (Bourke's warp mesh), .pfm, .vwf (VIOSO), .mpcdi; read only: .ol
+/// (EasyBlend), .csv (domeprojection).
 #[derive(clap::Args)]
 pub struct Arguments {
     /// A rig file, a preset's name, or a calibration file
@@ -25,9 +26,15 @@ pub struct Arguments {
     /// Size of an output in pixels [default: what the rig says, or its place in 1920x1200]
     #[arg(long, value_name = "WxH", value_parser = crate::arguments::size)]
     size: Option<(u32, u32)>,
-    /// What the values of a map are: positions in a domemaster, or points on the dome in metres
+    /// What the values of a map are
     #[arg(long, value_enum, default_value_t = source::Values::Picture)]
     values: source::Values,
+    /// Profile of an MPCDI archive [default: 2d, a3 or 3d, as the values are pictures, points or directions]
+    #[arg(long, value_enum)]
+    profile: Option<target::ArchiveProfile>,
+    /// Version of an MPCDI archive
+    #[arg(long, value_enum, default_value_t = target::ArchiveVersion::One)]
+    archive_version: target::ArchiveVersion,
     /// Columns and rows of a warp mesh
     #[arg(long, value_name = "WxH", value_parser = crate::arguments::size, default_value = "129x129")]
     nodes: (u32, u32),

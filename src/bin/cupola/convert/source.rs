@@ -4,7 +4,7 @@ use super::Arguments;
 use crate::Failure;
 use crate::map::native_size;
 use cupola::blend::{Weights, encode};
-use cupola::formats::{Grid, Sample, bourke, mpcdi, pfm, read_file, vwf};
+use cupola::formats::{Camera, Grid, Sample, bourke, domeprojection, easyblend, mpcdi, pfm, read_file, vwf};
 use cupola::geom::{Sphere, pose};
 use cupola::rig::{OutputKind, Rig};
 use cupola::warp::WarpMap;
@@ -18,6 +18,8 @@ pub enum Values {
     Picture,
     /// Points on the dome, metres from its centre: x right, y up, z backward
     Points,
+    /// Directions from the viewer: x right, y up, z backward
+    Directions,
 }
 
 impl Values {
@@ -26,6 +28,7 @@ impl Values {
         match self {
             Self::Picture => "picture",
             Self::Points => "points",
+            Self::Directions => "directions",
         }
     }
 }
@@ -45,6 +48,8 @@ pub struct Map {
     grid: Grid,
     values: Values,
     alpha: Option<mpcdi::Alpha>,
+    /// The camera whose picture the grid's values lie in; they become directions.
+    camera: Option<Camera>,
 }
 
 /// One output that is converted.
@@ -57,6 +62,10 @@ pub struct Channel<'source> {
     pub values: Values,
     /// Exponent of the display's response, which turns factors on displayed values into parts of light.
     pub gamma: f64,
+    /// Light added to black, as a part of white.
+    pub black_level: f64,
+    /// The projector, if it is a pinhole, in dome axes.
+    pub lamp: Option<Camera>,
     kind: Kind<'source>,
 }
 
@@ -69,8 +78,9 @@ enum Kind<'source> {
 pub fn open(arguments: &Arguments) -> Result<Source, Failure> {
     let ending = ending(Path::new(&arguments.from));
     let name = arguments.from.as_str();
-    let single =
-        |grid: Grid, size| vec![Map { name: String::new(), size, grid, values: arguments.values, alpha: None }];
+    let single = |grid: Grid, size| {
+        vec![Map { name: String::new(), size, grid, values: arguments.values(), alpha: None, camera: None }]
+    };
     let read = || read_file(Path::new(name));
     Ok(match ending.as_str() {
         "data" | "map" => {
@@ -81,6 +91,25 @@ pub fn open(arguments: &Arguments) -> Result<Source, Failure> {
             let raster = pfm::read(name, &read()?)?;
             Source::Maps { maps: single(Grid::Raster(raster.clone()), Some(raster.size())), notes: Vec::new() }
         }
+        "csv" => {
+            let mesh = domeprojection::read(name, &read()?)?;
+            Source::Maps { maps: single(mesh.value, None), notes: mesh.notes }
+        }
+        "ol" => {
+            let mesh = easyblend::read(name, &read()?)?;
+            let mut maps = single(mesh.value.grid, Some(mesh.value.size));
+            let mut notes = mesh.notes;
+            if let Some(camera) = mesh.value.camera {
+                (maps[0].values, maps[0].camera) = (Values::Directions, Some(camera));
+                if camera.offset != DVec3::ZERO {
+                    notes.push(format!(
+                        "{name}: the eye point is off the origin by {}; put the viewer there",
+                        camera.offset
+                    ));
+                }
+            }
+            Source::Maps { maps, notes }
+        }
         "vwf" => {
             let set = vwf::read(name, &read()?)?;
             let map = |map: vwf::VwfMap| Map {
@@ -89,20 +118,31 @@ pub fn open(arguments: &Arguments) -> Result<Source, Failure> {
                 grid: Grid::Raster(map.raster),
                 values: if map.points { Values::Points } else { Values::Picture },
                 alpha: None,
+                camera: None,
             };
             Source::Maps { maps: set.value.into_iter().map(map).collect(), notes: set.notes }
         }
         "mpcdi" => {
             let archive = mpcdi::read(name, &read()?)?;
-            let values = if archive.value.profile.has_points() { Values::Points } else { Values::Picture };
+            let profile = archive.value.profile;
+            let values = match profile {
+                mpcdi::Profile::Flat => Values::Picture,
+                mpcdi::Profile::Perspective => Values::Directions,
+                mpcdi::Profile::Screen | mpcdi::Profile::ShaderLamps => Values::Points,
+            };
+            let mut notes = archive.notes;
+            if archive.value.regions.iter().any(|region| region.beta.is_some()) {
+                notes.push(format!("{name}: black levels (betaMap) are not taken over; say them in the rig"));
+            }
             let map = |region: mpcdi::Region| Map {
                 name: region.id,
                 size: Some(region.size),
                 grid: Grid::Raster(region.warp),
                 values,
                 alpha: region.alpha,
+                camera: region.camera.filter(|_| profile == mpcdi::Profile::Perspective),
             };
-            Source::Maps { maps: archive.value.regions.into_iter().map(map).collect(), notes: archive.notes }
+            Source::Maps { maps: archive.value.regions.into_iter().map(map).collect(), notes }
         }
         _ => {
             let rig = cupola::rig::load(name)?;
@@ -128,6 +168,13 @@ fn domemaster(rig: &Rig) -> Result<WarpMap, Failure> {
     Ok(WarpMap::new(&rig, 0, (1, 1), None)?)
 }
 
+impl Arguments {
+    /// What the values of maps are to be: the profile of an archive decides it too.
+    fn values(&self) -> Values {
+        self.profile.map_or(self.values, super::target::ArchiveProfile::values)
+    }
+}
+
 impl Source {
     /// What was assumed about the file.
     pub fn notes(&self) -> &[String] {
@@ -151,8 +198,15 @@ impl Source {
                     let weights = Weights::new(rig, &with(sizes, index, size))?;
                     let kind = Kind::Output { index, map, rig, content, weights };
                     let output = &rig.outputs[index];
-                    let (name, gamma) = (output.name.clone(), output.blend.gamma);
-                    channels.push(Channel { name, size, values: arguments.values, gamma, kind });
+                    channels.push(Channel {
+                        name: output.name.clone(),
+                        size,
+                        values: arguments.values(),
+                        gamma: output.blend.gamma,
+                        black_level: output.blend.black_level,
+                        lamp: lamp(&output.kind),
+                        kind,
+                    });
                 }
             }
             Self::Maps { maps, .. } => {
@@ -162,7 +216,8 @@ impl Source {
                     })?;
                     let kind = Kind::Map(map);
                     let gamma = map.alpha.as_ref().map_or(1.0, |alpha| alpha.gamma);
-                    channels.push(Channel { name: map.name.clone(), size, values: map.values, gamma, kind });
+                    let (name, values) = (map.name.clone(), map.values);
+                    channels.push(Channel { name, size, values, gamma, black_level: 0.0, lamp: None, kind });
                 }
             }
         }
@@ -171,6 +226,12 @@ impl Source {
             _ => Ok(channels),
         }
     }
+}
+
+/// A pinhole projector as a camera.
+fn lamp(kind: &OutputKind) -> Option<Camera> {
+    let OutputKind::Projector { position, angles: [yaw, pitch, roll], frustum } = kind else { return None };
+    Some(Camera { offset: *position, rotation: pose::rotation(*yaw, *pitch, *roll), frustum: *frustum })
 }
 
 /// `sizes` with the one of `index` replaced.
@@ -189,6 +250,9 @@ impl Channel<'_> {
                     sample.intensity *=
                         weight(alpha, pixel / DVec2::new(f64::from(self.size.0), f64::from(self.size.1)));
                 }
+                if let Some(camera) = &map.camera {
+                    sample.value = camera.ray(sample.value.truncate()).normalize();
+                }
                 Some(sample)
             }
             Kind::Output { index, map, rig, content, weights } => {
@@ -206,6 +270,7 @@ impl Channel<'_> {
         let direction = move |value: DVec3| match values {
             Values::Picture => content.direction(DVec2::new(value.x, 1.0 - value.y)),
             Values::Points => viewer(rig).point_to_local(value).try_normalize(),
+            Values::Directions => value.try_normalize(),
         };
         Some((map, direction))
     }
@@ -217,6 +282,9 @@ fn viewer(rig: &Rig) -> cupola::geom::Pose {
 
 /// The value of a pixel. A picture that has no place on the dome is put where the viewer sees it there.
 fn value(rig: &Rig, content: &WarpMap, map: &WarpMap, values: Values, pixel: DVec2) -> Option<DVec3> {
+    if values == Values::Directions {
+        return map.direction(pixel);
+    }
     let point = match map.hit(pixel) {
         Some(point) => point,
         None => {
@@ -225,7 +293,7 @@ fn value(rig: &Rig, content: &WarpMap, map: &WarpMap, values: Values, pixel: DVe
         }
     };
     match values {
-        Values::Points => Some(point),
+        Values::Points | Values::Directions => Some(point),
         Values::Picture => content.pixel(point).map(|part| DVec3::new(part.x, 1.0 - part.y, 0.0)),
     }
 }

@@ -3,11 +3,17 @@
 use super::Arguments;
 use super::source::{Channel, Values, ending};
 use crate::{Failure, terminal};
-use cupola::formats::{Grid, Raster, bourke, mpcdi, pfm, vwf};
+use cupola::blend::encode;
+use cupola::formats::{Camera, Grid, Raster, bourke, mpcdi, pfm, vwf};
+use cupola::geom::Frustum;
+use cupola::geom::pose;
 use cupola::warp::{MapError, compare};
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 use serde_json::json;
 use std::path::{Path, PathBuf};
+
+/// Greatest angle of a side of a camera's picture, degrees.
+const WIDEST_CAMERA: f64 = 85.0;
 
 /// The formats that can be written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -32,6 +38,45 @@ impl Format {
             ))),
         }
     }
+}
+
+/// The profiles of MPCDI archives.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum ArchiveProfile {
+    /// Positions in one picture
+    #[value(name = "2d")]
+    Flat,
+    /// Positions in a perspective picture of each output's own
+    #[value(name = "3d")]
+    Perspective,
+    /// Points of the screen
+    #[value(name = "a3")]
+    Screen,
+    /// Points of the screen, with the place of each projector
+    #[value(name = "sl")]
+    ShaderLamps,
+}
+
+impl ArchiveProfile {
+    /// What its maps are made of.
+    pub fn values(self) -> Values {
+        match self {
+            Self::Flat => Values::Picture,
+            Self::Perspective => Values::Directions,
+            Self::Screen | Self::ShaderLamps => Values::Points,
+        }
+    }
+}
+
+/// The versions of MPCDI archives.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum ArchiveVersion {
+    /// 1.0
+    #[value(name = "1")]
+    One,
+    /// 2.0
+    #[value(name = "2")]
+    Two,
 }
 
 /// A file that was written.
@@ -78,9 +123,13 @@ pub fn write(arguments: &Arguments, format: Format, channels: &[Channel]) -> Res
         Ok(vec![Written { path: path.clone(), outputs: channels.len(), values, error: None }])
     };
     match format {
-        Format::Bourke if values == Values::Points => {
-            Err(Failure::usage("a warp mesh has positions in a picture; use --values picture"))
-        }
+        Format::Bourke if values != Values::Picture => Err(Failure::usage(format!(
+            "a warp mesh has positions in a picture, not {}; use --values picture",
+            values.words()
+        ))),
+        Format::Vwf if values == Values::Directions => Err(Failure::usage(
+            "this format has positions in a picture or points, not directions; write a .pfm or .mpcdi file",
+        )),
         Format::Bourke => each(path, channels, |channel| mesh(channel, arguments.nodes)),
         Format::Pfm => {
             each(path, channels, |channel| Ok((pfm::write(channel.size.0, raster(channel)?.0.values()), None)))
@@ -94,16 +143,75 @@ pub fn write(arguments: &Arguments, format: Format, channels: &[Channel]) -> Res
             together(vwf::write(&maps)?)
         }
         Format::Mpcdi => {
-            let profile = if values == Values::Points { mpcdi::Profile::Screen } else { mpcdi::Profile::Flat };
-            let region = |channel: &Channel| {
-                let (warp, weights) = raster(channel)?;
-                let alpha = Some(mpcdi::Alpha { size: channel.size, weights, gamma: channel.gamma });
-                Ok(mpcdi::Region { id: channel.name.clone(), size: channel.size, warp, alpha })
+            let version = match arguments.archive_version {
+                ArchiveVersion::One => mpcdi::Version::One,
+                ArchiveVersion::Two => mpcdi::Version::Two,
             };
-            let regions = channels.iter().map(region).collect::<Result<_, Failure>>()?;
-            together(mpcdi::write(&mpcdi::Archive { profile, regions })?)
+            let profile = match (values, arguments.profile) {
+                (Values::Picture, _) => mpcdi::Profile::Flat,
+                (Values::Directions, _) => mpcdi::Profile::Perspective,
+                (Values::Points, Some(ArchiveProfile::ShaderLamps)) => mpcdi::Profile::ShaderLamps,
+                (Values::Points, _) => mpcdi::Profile::Screen,
+            };
+            let regions = channels.iter().map(|channel| region(channel, profile)).collect::<Result<_, Failure>>()?;
+            together(mpcdi::write(&mpcdi::Archive { profile, regions }, version)?)
         }
     }
+}
+
+/// A channel as a region of an archive.
+fn region(channel: &Channel, profile: mpcdi::Profile) -> Result<mpcdi::Region, Failure> {
+    let (mut warp, weights) = raster(channel)?;
+    let camera = match profile {
+        mpcdi::Profile::Perspective => Some(looking_at(&channel.name, &warp)?),
+        mpcdi::Profile::ShaderLamps if channel.lamp.is_none() => {
+            let why = format!("output {:?} is no pinhole projector, which profile sl needs", channel.name);
+            return Err(Failure::usage(why));
+        }
+        mpcdi::Profile::ShaderLamps => channel.lamp,
+        mpcdi::Profile::Flat | mpcdi::Profile::Screen => None,
+    };
+    if let (mpcdi::Profile::Perspective, Some(camera)) = (profile, &camera) {
+        let place = |value: &[f32; 3]| match camera.place(DVec3::from_array(value.map(f64::from))) {
+            Some(place) => [place.x as f32, place.y as f32, 0.0],
+            None => [f32::NAN; 3],
+        };
+        let values = warp.values().iter().map(place).collect();
+        warp = Raster::new(channel.size, values).ok_or_else(|| Failure::new("an output has no pixels"))?;
+    }
+    let level = encode(channel.black_level, channel.gamma) as f32;
+    Ok(mpcdi::Region {
+        id: channel.name.clone(),
+        size: channel.size,
+        warp,
+        alpha: Some(mpcdi::Alpha { size: channel.size, weights, gamma: channel.gamma }),
+        beta: (level > 0.0).then(|| mpcdi::Levels { size: (1, 1), levels: vec![level] }),
+        camera,
+    })
+}
+
+/// A camera whose picture has all of the directions, upright and centred on their mean.
+fn looking_at(name: &str, directions: &Raster) -> Result<Camera, Failure> {
+    let shown =
+        || directions.values().iter().map(|value| DVec3::from_array(value.map(f64::from))).filter(|v| v.is_finite());
+    let mean: DVec3 = shown().sum();
+    let rotation = pose::rotation(mean.x.atan2(-mean.z), mean.y.atan2(mean.x.hypot(mean.z)), 0.0);
+    let plain = Frustum { left: 0.0, right: 1.0, bottom: 0.0, top: 1.0 };
+    let camera = Camera { offset: DVec3::ZERO, rotation, frustum: plain };
+    let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+    for direction in shown() {
+        // Behind the camera: as far out as can be, to be refused below.
+        let place = camera.place(direction).unwrap_or(DVec2::INFINITY);
+        (low, high) = (low.min(place), high.max(place));
+    }
+    let widest = WIDEST_CAMERA.to_radians().tan();
+    if !(low.cmpge(DVec2::splat(-widest)).all() && high.cmple(DVec2::splat(widest)).all() && low.cmplt(high).all()) {
+        return Err(Failure::usage(format!(
+            "output {name:?} shows too much, or nothing, for one perspective picture; write profile 2d or a3"
+        )));
+    }
+    let frustum = Frustum { left: low.x, right: high.x, bottom: low.y, top: high.y };
+    Ok(Camera { frustum, ..camera })
 }
 
 /// Writes a file for each channel: the path itself for the only one, else PATH-NAME.

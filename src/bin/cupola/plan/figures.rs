@@ -1,5 +1,6 @@
 //! A plan in numbers, for people and for machines.
 
+use crate::check::describe;
 use cupola::correct::{self, Plan};
 use cupola::rig::Rig;
 use cupola::views::{self, Report, Request, ViewPlan};
@@ -56,15 +57,10 @@ impl Figures {
             .zip(&self.report.views)
             .zip(&self.hidden)
             .map(|((view, report), hidden)| {
-                json!({
-                    "name": view.name,
-                    "axes": view.rotation.transpose().to_cols_array_2d(),
-                    "tangents": [view.frustum.left, view.frustum.right, view.frustum.bottom, view.frustum.top],
-                    "tile": [view.tile.x, view.tile.y, view.tile.width, view.tile.height],
-                    "program_lens": view.program_lens,
-                    "hidden_texels": hidden,
-                    "coverage": report.coverage,
-                })
+                let mut view = describe::view(view);
+                view["hidden_texels"] = json!(hidden);
+                view["coverage"] = json!(report.coverage);
+                view
             })
             .collect();
         json!({

@@ -3,6 +3,7 @@
 use super::canvas::{Canvas, Color, Letters};
 use super::figures::Figures;
 use crate::Failure;
+use cupola::geom::Frustum;
 use cupola::geom::cube::Face;
 use cupola::rig::Rig;
 use cupola::views::{Request, View, ViewPlan, survey};
@@ -14,6 +15,8 @@ const TOP: f64 = 120.0;
 const SIZE: (usize, usize) = (1680, 1040);
 /// Pixels of each output that are looked at, for the colours.
 const SURVEYED: u32 = 3 << 20;
+/// Half the width of an outline and a little more, in radians around a half's centre.
+const INSET: f64 = 0.0065;
 /// Texels per pixel from which on the colour stays.
 const SHARPEST: f64 = 3.0;
 
@@ -209,12 +212,13 @@ fn grid(canvas: &mut Canvas, half: &Half) {
     });
 }
 
-/// The four sides of a view's sampled part: parts of great circles.
+/// The four sides of a view's sampled part: parts of great circles, moved inwards by half a line's width so that
+/// those of neighbours lie side by side.
 fn outline(canvas: &mut Canvas, half: &Half, view: &View, color: Color) {
     if view.program_lens {
         return;
     }
-    let owned = &view.owned;
+    let owned = moved_inwards(&view.owned);
     let corner = |index: usize| {
         let (x, y) = [
             (owned.left, owned.bottom),
@@ -230,6 +234,16 @@ fn outline(canvas: &mut Canvas, half: &Half, view: &View, color: Color) {
             (to_viewer * corner(side).lerp(corner(side + 1), t).extend(-1.0)).normalize()
         });
     }
+}
+
+/// An opening whose sides lie [`INSET`] radians further inside, as far as it is wide enough for that.
+fn moved_inwards(opening: &Frustum) -> Frustum {
+    let side = |low: f64, high: f64| {
+        let by = |at: f64| (INSET * (1.0 + at * at)).min(0.25 * (high - low));
+        (low + by(low), high - by(high))
+    };
+    let ((left, right), (bottom, top)) = (side(opening.left, opening.right), side(opening.bottom, opening.top));
+    Frustum { left, right, bottom, top }
 }
 
 /// A curve of directions, `at(0…1)`, where it lies in this half.

@@ -1,10 +1,10 @@
 //! Leaves out draws from the views that cannot show them.
 //!
 //! Only where that is proven: the fixed-function pipeline, whose matrices are known, and vertices whose
-//! places are known ([`vertices`]). Everything else goes to every view.
+//! places are known. Everything else goes to every view.
 
 pub mod bounds;
-pub mod vertices;
+pub mod widths;
 
 use super::context::Context;
 use super::draw::{Changes, Place};
@@ -26,41 +26,6 @@ impl Views {
     /// The last of `count` views that the draw goes to.
     pub fn last(self, count: usize) -> Option<usize> {
         (0..count).rev().find(|index| self.contain(*index))
-    }
-}
-
-/// What is wider than a pixel reaches into views that do not show its middle.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Widest(f32);
-
-impl Default for Widest {
-    fn default() -> Self {
-        Self(1.0)
-    }
-}
-
-impl Widest {
-    /// The program set a point's or a line's width. It counts for good: a display list, or a pop of
-    /// attributes, may bring it back at any time.
-    pub fn note(&mut self, width: f32) {
-        self.0 = if width.is_nan() { f32::INFINITY } else { self.0.max(width) };
-    }
-
-    /// Points have sizes that nobody here knows.
-    pub fn note_unknown(&mut self) {
-        self.0 = f32::INFINITY;
-    }
-
-    /// Whether something may reach over the border of its tile into the next one, which the gutter
-    /// keeps a pixel away.
-    pub fn exceeds_gutter(self) -> bool {
-        self.0 > 2.0
-    }
-
-    /// How many pixels beside a view still matter to it: half the width, and what smoothing and the
-    /// rasteriser's own grid add.
-    fn margin(self) -> f64 {
-        0.5 * f64::from(self.0) + 2.0
     }
 }
 

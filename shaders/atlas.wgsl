@@ -1,0 +1,8 @@
+// The views' pictures are tiles of one.
+
+@group(0) @binding(1) var atlas: texture_2d<f32>;
+
+// `at`: coordinates in the atlas, number of the view.
+fn texel(at: vec3<f32>) -> vec4<f32> {
+    return textureSampleLevel(atlas, atlas_sampler, at.xy, 0.0);
+}

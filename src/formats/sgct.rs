@@ -1,0 +1,362 @@
+//! Configurations of SGCT (JSON): the computers of a cluster, their windows, and what each viewport shows.
+//!
+//! What is read are the geometry and the names of the files beside it; how SGCT synchronises, buffers and tracks is not.
+//! Its axes are ours: x right, y up, z backward; yaw to the right, pitch up, roll clockwise.
+
+use super::input::{Noted, invalid};
+use crate::error::Result;
+use crate::geom::{Frustum, pose};
+use glam::{DMat3, DQuat, DVec3};
+use serde_json::Value;
+
+/// Greatest numbers of computers, windows and viewports.
+const MOST: usize = 64;
+/// Greatest angle of a side of a viewport's opening, degrees.
+const WIDEST: f64 = 89.5;
+
+/// A configuration.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Config {
+    /// Place of the eye point, metres.
+    pub viewer: DVec3,
+    /// Each computer's viewports.
+    pub nodes: Vec<Node>,
+}
+
+/// A computer.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Node {
+    /// Its address.
+    pub address: String,
+    /// Its viewports, window by window.
+    pub viewports: Vec<Viewport>,
+}
+
+/// A part of a window.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Viewport {
+    /// Place on the desktop: x, y, width, height in pixels from the top left.
+    pub place: [i64; 4],
+    /// What is shown.
+    pub projection: Projection,
+    /// The file of its warp mesh.
+    pub mesh: Option<String>,
+    /// The file of its blend mask.
+    pub mask: Option<String>,
+    /// The eye that it is for, where it is for one.
+    pub eye: Option<Eye>,
+}
+
+/// An eye.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Eye {
+    /// The left one.
+    Left,
+    /// The right one.
+    Right,
+}
+
+/// What a viewport shows.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Projection {
+    /// A flat picture seen from the eye point.
+    Planar {
+        /// Its axes → the axes of the configuration.
+        rotation: DMat3,
+        /// Its opening.
+        frustum: Frustum,
+    },
+    /// An equidistant fisheye picture around the eye point.
+    Fisheye {
+        /// From rim to rim, radians.
+        aperture: f64,
+        /// From straight up to the circle's centre, towards the front, radians.
+        tilt: f64,
+    },
+    /// Another kind, by SGCT's name.
+    Other(String),
+}
+
+/// Reads a configuration. `name` is the file's, for messages.
+///
+/// # Errors
+/// [`InvalidRig`](crate::ErrorKind::InvalidRig) with the key and the reason.
+pub fn read(name: &str, bytes: &[u8]) -> Result<Noted<Config>> {
+    let root: Value =
+        serde_json::from_slice(bytes).map_err(|error| invalid(name, format!("this is no JSON: {error}")))?;
+    let root = Key { name, path: String::new(), value: &root };
+    let mut notes = Vec::new();
+    let users = root.list("users")?;
+    if users.len() > 1 {
+        notes.push(format!("{name}: only the first of {} users is taken", users.len()));
+    }
+    let viewer = match users.first().map(|user| user.optional("pos")) {
+        Some(Some(position)) => position.vector()?,
+        _ => DVec3::ZERO,
+    };
+    let mut nodes = Vec::new();
+    for node in root.list("nodes")? {
+        let address = node.optional("address").map(|address| address.text()).transpose()?.unwrap_or_default();
+        let mut viewports = Vec::new();
+        for window in node.list("windows")? {
+            for flag in ["mirrorx", "mirrory"] {
+                if window.value.get(flag) == Some(&Value::Bool(true)) {
+                    notes.push(format!("{name}: {} is not taken over", window.path_of(flag)));
+                }
+            }
+            let position = window.optional("pos").map_or(Ok([0.0; 2]), |position| position.pair())?;
+            let size = window.required("size")?.pair()?;
+            for viewport in window.list("viewports")? {
+                viewports.push(self::viewport(&viewport, position, size, viewer)?);
+            }
+        }
+        nodes.push(Node { address, viewports });
+    }
+    if nodes.iter().all(|node| node.viewports.is_empty()) {
+        return Err(invalid(name, "has no viewports; expected nodes[].windows[].viewports[]"));
+    }
+    Ok(Noted { value: Config { viewer, nodes }, notes })
+}
+
+/// A viewport of a window at `position` and of `size` pixels.
+fn viewport(key: &Key, position: [f64; 2], size: [f64; 2], viewer: DVec3) -> Result<Viewport> {
+    let low = key.optional("pos").map_or(Ok([0.0; 2]), |key| key.pair())?;
+    let part = key.optional("size").map_or(Ok([1.0; 2]), |key| key.pair())?;
+    let width = (part[0] * size[0]).round();
+    let height = (part[1] * size[1]).round();
+    let left = position[0] + (low[0] * size[0]).round();
+    // Parts of a window count from its bottom, windows from the desktop's top.
+    let top = position[1] + size[1] - (low[1] * size[1]).round() - height;
+    let pixels = [left, top, width, height];
+    if !(width >= 1.0 && height >= 1.0 && pixels.iter().all(|number| number.abs() <= 1e6)) {
+        return Err(key.wrong("has a place that no screen has"));
+    }
+    let file = |what| key.optional(what).map(|file| file.text()).transpose();
+    let eye = match file("eye")?.as_deref() {
+        Some("left") => Some(Eye::Left),
+        Some("right") => Some(Eye::Right),
+        _ => None,
+    };
+    Ok(Viewport {
+        place: pixels.map(|number| number as i64),
+        projection: projection(&key.required("projection")?, viewer)?,
+        mesh: file("mesh")?,
+        mask: file("blendmask")?,
+        eye,
+    })
+}
+
+fn projection(key: &Key, viewer: DVec3) -> Result<Projection> {
+    let kind = key.required("type")?.text()?;
+    Ok(match kind.as_str() {
+        "PlanarProjection" => {
+            let frustum = frustum(&key.required("fov")?)?;
+            let rotation = key.optional("orientation").map_or(Ok(DMat3::IDENTITY), |key| orientation(&key))?;
+            if key.optional("offset").map_or(Ok(DVec3::ZERO), |key| key.vector())? == DVec3::ZERO {
+                Projection::Planar { rotation, frustum }
+            } else {
+                // The plane is moved, the eye stays: another opening.
+                let distance = key.optional("distance").map_or(Ok(10.0), |key| key.number(1e-6, 1e6))?;
+                let offset = key.required("offset")?.vector()?;
+                let corner = |x: f64, y: f64| rotation * (DVec3::new(x, y, -1.0) * distance) + offset;
+                let (low, high) = ((frustum.left, frustum.bottom), (frustum.right, frustum.top));
+                plane(key, [corner(low.0, low.1), corner(low.0, high.1), corner(high.0, high.1)])?
+            }
+        }
+        "ProjectionPlane" => {
+            let corner = |name| key.required(name).and_then(|key| key.vector()).map(|corner: DVec3| corner - viewer);
+            plane(key, [corner("lowerleft")?, corner("upperleft")?, corner("upperright")?])?
+        }
+        "FisheyeProjection" => Projection::Fisheye {
+            aperture: key.optional("fov").map_or(Ok(180.0), |key| key.number(1e-3, 360.0))?.to_radians(),
+            tilt: key.optional("tilt").map_or(Ok(0.0), |key| key.number(-180.0, 180.0))?.to_radians(),
+        },
+        _ => Projection::Other(kind),
+    })
+}
+
+/// The flat picture in a rectangle, given by its lower left, upper left and upper right corner as seen from the eye.
+fn plane(key: &Key, [low, upper, right]: [DVec3; 3]) -> Result<Projection> {
+    let flat = || key.wrong("its plane has no area or goes through the eye point");
+    let x = (right - upper).try_normalize().ok_or_else(flat)?;
+    let y = (upper - low).try_normalize().ok_or_else(flat)?;
+    let z = x.cross(y).try_normalize().ok_or_else(flat)?;
+    if x.dot(y).abs() > 1e-4 {
+        return Err(key.wrong("its plane is no rectangle"));
+    }
+    let rotation = DMat3::from_cols(x, z.cross(x), z);
+    let distance = -low.dot(z);
+    if distance.is_nan() || distance <= 0.0 {
+        return Err(flat());
+    }
+    let picture = |point: DVec3| rotation.transpose() * point / distance;
+    let (low, high) = (picture(low), picture(right));
+    let frustum = Frustum { left: low.x, right: high.x, bottom: low.y, top: high.y };
+    Ok(Projection::Planar { rotation, frustum })
+}
+
+/// An opening: whole angles, or the angles of the four sides.
+fn frustum(key: &Key) -> Result<Frustum> {
+    let angle = |name| key.required(name)?.number(-WIDEST, WIDEST);
+    let whole = |name| Ok(0.5 * key.required(name)?.number(1e-3, 2.0 * WIDEST)?);
+    let [left, right, bottom, top] = if key.optional("hfov").is_some() {
+        let (across, up) = (whole("hfov")?, whole("vfov")?);
+        [-across, across, -up, up]
+    } else {
+        [angle("left")?, angle("right")?, angle("down")?, angle("up")?]
+    };
+    if !(left < right && bottom < top) {
+        return Err(
+            key.wrong("left is not less than right, or down not less than up; left and down are normally negative")
+        );
+    }
+    let tangent = |degrees: f64| degrees.to_radians().tan();
+    Ok(Frustum { left: tangent(left), right: tangent(right), bottom: tangent(bottom), top: tangent(top) })
+}
+
+/// A turn: three angles in degrees, or a quaternion.
+fn orientation(key: &Key) -> Result<DMat3> {
+    if key.optional("w").is_some() {
+        let part = |name| key.required(name)?.number(-1e6, 1e6);
+        let quaternion = DQuat::from_xyzw(part("x")?, part("y")?, part("z")?, part("w")?);
+        if quaternion.length() < 1e-6 {
+            return Err(key.wrong("is no turn: the quaternion's length is 0"));
+        }
+        return Ok(DMat3::from_quat(quaternion.normalize()));
+    }
+    let angle = |name| Ok::<_, crate::Error>(key.required(name)?.number(-360.0, 360.0)?.to_radians());
+    Ok(pose::rotation(angle("yaw")?, angle("pitch")?, angle("roll")?))
+}
+
+/// A value of the file and its way there.
+struct Key<'a> {
+    name: &'a str,
+    path: String,
+    value: &'a Value,
+}
+
+impl<'a> Key<'a> {
+    fn path_of(&self, key: &str) -> String {
+        if self.path.is_empty() { key.to_owned() } else { format!("{}.{key}", self.path) }
+    }
+
+    fn wrong(&self, why: impl std::fmt::Display) -> crate::Error {
+        invalid(&format!("{}: {}", self.name, self.path), why)
+    }
+
+    fn optional(&self, key: &str) -> Option<Self> {
+        self.value.get(key).map(|value| Self { name: self.name, path: self.path_of(key), value })
+    }
+
+    fn required(&self, key: &str) -> Result<Self> {
+        let missing = || invalid(self.name, format!("{} is missing", self.path_of(key)));
+        self.optional(key).ok_or_else(missing)
+    }
+
+    /// The items of a list; none if it is absent.
+    fn list(&self, key: &str) -> Result<Vec<Self>> {
+        let Some(list) = self.optional(key) else { return Ok(Vec::new()) };
+        let items = list.value.as_array().filter(|items| items.len() <= MOST);
+        let items = items.ok_or_else(|| list.wrong(format!("is no list of at most {MOST} items")))?;
+        let item = |(index, value)| Self { name: self.name, path: format!("{}[{index}]", list.path), value };
+        Ok(items.iter().enumerate().map(item).collect())
+    }
+
+    fn text(&self) -> Result<String> {
+        self.value.as_str().map(str::to_owned).ok_or_else(|| self.wrong("is no text"))
+    }
+
+    fn number(&self, least: f64, greatest: f64) -> Result<f64> {
+        let number = self.value.as_f64().filter(|number| (least..=greatest).contains(number));
+        number.ok_or_else(|| self.wrong(format!("is no number from {least} to {greatest}")))
+    }
+
+    fn pair(&self) -> Result<[f64; 2]> {
+        let part = |name| self.required(name)?.number(-1e6, 1e6);
+        Ok([part("x")?, part("y")?])
+    }
+
+    fn vector(&self) -> Result<DVec3> {
+        let part = |name| self.required(name)?.number(-1e6, 1e6);
+        Ok(DVec3::new(part("x")?, part("y")?, part("z")?))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A configuration with one viewport.
+    fn text(viewport: &str) -> String {
+        format!(
+            r#"{{ "version": 1, "nodes": [{{ "address": "here", "windows": [{{ "pos": {{ "x": 10, "y": 20 }},
+            "size": {{ "x": 400, "y": 200 }}, "viewports": [{viewport}] }}] }}],
+            "users": [{{ "pos": {{ "x": 0, "y": 0, "z": 4 }} }}] }}"#
+        )
+    }
+
+    fn only(viewport: &str) -> Viewport {
+        read("a.json", text(viewport).as_bytes()).unwrap().value.nodes.remove(0).viewports.remove(0)
+    }
+
+    #[test]
+    fn parts_of_windows_are_counted_from_the_bottom() {
+        let viewport = only(
+            r#"{ "pos": { "x": 0.5, "y": 0.75 }, "size": { "x": 0.5, "y": 0.25 }, "mesh": "a.data", "eye": "left",
+            "projection": { "type": "FisheyeProjection", "tilt": 27 } }"#,
+        );
+        assert_eq!(viewport.place, [210, 20, 200, 50]);
+        assert_eq!((viewport.mesh.as_deref(), viewport.eye), (Some("a.data"), Some(Eye::Left)));
+        let expected = Projection::Fisheye { aperture: 180f64.to_radians(), tilt: 27f64.to_radians() };
+        assert_eq!(viewport.projection, expected);
+    }
+
+    #[test]
+    fn yaw_turns_right_and_angles_become_tangents() {
+        let viewport = only(
+            r#"{ "projection": { "type": "PlanarProjection", "fov": { "left": -45, "right": 30, "down": -10, "up": 20 },
+            "orientation": { "yaw": 90, "pitch": 0, "roll": 0 } } }"#,
+        );
+        let Projection::Planar { rotation, frustum } = viewport.projection else { panic!("{viewport:?}") };
+        assert!((rotation * DVec3::NEG_Z).distance(DVec3::X) < 1e-12);
+        assert!((frustum.left + 1.0).abs() < 1e-12 && (frustum.top - 20f64.to_radians().tan()).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_plane_is_seen_from_the_user() {
+        // 2 m wide and 1 m high, 2 m before the user, who stands at z = 4, with its left edge straight ahead.
+        let viewport = only(
+            r#"{ "projection": { "type": "ProjectionPlane", "lowerleft": { "x": 0, "y": 0, "z": 2 },
+            "upperleft": { "x": 0, "y": 1, "z": 2 }, "upperright": { "x": 2, "y": 1, "z": 2 } } }"#,
+        );
+        let Projection::Planar { rotation, frustum } = viewport.projection else { panic!("{viewport:?}") };
+        assert!(rotation.abs_diff_eq(DMat3::IDENTITY, 1e-12));
+        assert_eq!(frustum, Frustum { left: 0.0, right: 1.0, bottom: 0.0, top: 0.5 });
+    }
+
+    #[test]
+    fn a_moved_plane_is_a_plane() {
+        let viewport = only(
+            r#"{ "projection": { "type": "PlanarProjection", "fov": { "hfov": 90, "vfov": 90 }, "distance": 2,
+            "offset": { "x": 1, "y": 0, "z": 0 } } }"#,
+        );
+        let Projection::Planar { frustum, .. } = viewport.projection else { panic!("{viewport:?}") };
+        assert!((frustum.left + 0.5).abs() < 1e-12 && (frustum.right - 1.5).abs() < 1e-12, "{frustum:?}");
+    }
+
+    #[test]
+    fn damaged_files_are_refused_with_the_key() {
+        let planar = r#"{ "projection": { "type": "PlanarProjection", "fov": { "hfov": 200, "vfov": 50 } } }"#;
+        for (text, why) in [
+            ("{".to_owned(), "no JSON"),
+            ("{}".to_owned(), "no viewports"),
+            (text("{}"), "nodes[0].windows[0].viewports[0].projection is missing"),
+            (text(planar), "projection.fov.hfov: is no number from"),
+            (text(&planar.replace("200", "\"wide\"")), "hfov: is no number"),
+            (text(r#"{ "size": { "x": 0, "y": 1 }, "projection": { "type": "x" } }"#), "no screen has"),
+        ] {
+            let message = read("a.json", text.as_bytes()).unwrap_err().message;
+            assert!(message.starts_with("a.json: ") && message.contains(why), "{message}");
+        }
+    }
+}

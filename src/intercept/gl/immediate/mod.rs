@@ -1,0 +1,203 @@
+//! Begin/End: recorded, and then issued like any other draw.
+//!
+//! While the program is between Begin and End the driver is, too, but gets no vertices: so it says the
+//! program's errors as it would without us. What cannot be played back (elements of arrays, display lists
+//! in between) is compiled into a list of the driver's instead.
+
+pub mod commands;
+pub mod recorder;
+
+use super::context::Context;
+use super::culling::bounds::Bounds;
+use super::draw::{Changes, draw};
+use super::hook::hooks;
+use super::outlines::Shape;
+use crate::backend::gl::api::{self, Gl};
+use recorder::Recorder;
+use std::ffi::c_void;
+
+/// Where the program is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Phase {
+    /// Outside of Begin/End, or in one that is passed on as it comes.
+    #[default]
+    Outside,
+    /// Commands are recorded.
+    Recording,
+    /// Commands go into a list of ours, and are recorded besides.
+    IntoList,
+}
+
+/// The Begin/End that the program is in.
+pub struct Immediate {
+    /// Where the program is.
+    pub phase: Phase,
+    mode: u32,
+    recorder: Recorder,
+    /// Around the vertices since `glBegin`.
+    bounds: Bounds,
+    /// Our list for what cannot be played back; 0 = not made yet.
+    list: u32,
+    /// Attributes that were recorded from here on hold after the list.
+    trailing: usize,
+}
+
+impl Default for Immediate {
+    fn default() -> Self {
+        let (phase, recorder, bounds) = (Phase::Outside, Recorder::default(), Bounds::EMPTY);
+        Self { phase, mode: 0, recorder, bounds, list: 0, trailing: 0 }
+    }
+}
+
+impl Immediate {
+    /// Between `glBegin` and `glEnd` of a draw of ours.
+    pub fn under_way(&self) -> bool {
+        self.phase != Phase::Outside
+    }
+
+    fn begin(&mut self, mode: u32) {
+        self.phase = Phase::Recording;
+        self.mode = mode;
+        self.recorder.clear();
+        self.bounds = Bounds::EMPTY;
+        self.trailing = 0;
+    }
+}
+
+/// What cannot be played back is coming: from here on, and with what came already, a list is compiled.
+pub fn into_list(ctx: &mut Context) {
+    if ctx.immediate.phase == Phase::Recording {
+        // SAFETY: the driver is between Begin and End, where it can neither be asked nor compile.
+        unsafe { ctx.gl.end() };
+        if ctx.immediate.list == 0 {
+            ctx.immediate.list = super::lists::own_name(ctx);
+        }
+        let (gl, immediate) = (ctx.gl, &mut ctx.immediate);
+        // SAFETY: the list is ours, and ends with the program's End.
+        unsafe {
+            let current = Current::get(gl, [true; 3]);
+            gl.new_list(immediate.list, api::GL_COMPILE);
+            current.set(gl);
+            gl.begin(immediate.mode);
+            immediate.recorder.play(gl);
+        }
+        immediate.phase = Phase::IntoList;
+    }
+    if ctx.immediate.under_way() {
+        ctx.immediate.bounds.add_unknown();
+        // An element, or a list, may set attributes itself: those that came before no longer hold.
+        ctx.immediate.trailing = ctx.immediate.recorder.place();
+    }
+}
+
+/// Colour, normal and texture coordinate, those that are wanted.
+struct Current([Option<[f32; 4]>; 3]);
+
+impl Current {
+    fn get(gl: &Gl, wanted: [bool; 3]) -> Self {
+        let names = [api::GL_CURRENT_COLOR, api::GL_CURRENT_NORMAL, api::GL_CURRENT_TEXTURE_COORDS];
+        Self(std::array::from_fn(|i| {
+            wanted[i].then(|| {
+                let mut value = [0.0; 4];
+                // SAFETY: writes four floats at most.
+                unsafe { gl.get_floatv(names[i], value.as_mut_ptr()) };
+                value
+            })
+        }))
+    }
+
+    /// Sets them to what they were. Before the first vertex also what is so already: Mesa gives vertices
+    /// a wrong value of an attribute that comes only after them, unless it was set before them.
+    fn set(&self, gl: &Gl) {
+        let [color, normal, texture] = &self.0;
+        // SAFETY: reads three or four floats.
+        unsafe {
+            if let Some(color) = color {
+                gl.color4fv(color.as_ptr());
+            }
+            if let Some(normal) = normal {
+                gl.normal3fv(normal.as_ptr());
+            }
+            if let Some(texture) = texture {
+                gl.tex_coord4fv(texture.as_ptr());
+            }
+        }
+    }
+}
+
+/// Issues what was recorded.
+fn issue_recorded(ctx: &mut Context) {
+    let (mode, bounds) = (ctx.immediate.mode, ctx.immediate.bounds);
+    ctx.outlines.shape = Shape::of_mode(mode);
+    let recorder = std::mem::take(&mut ctx.immediate.recorder);
+    let current = Current::get(ctx.gl, recorder.sets_late());
+    let changes = if recorder.sets_others_late() {
+        Changes::Attributes
+    } else if recorder.sets_anything() {
+        Changes::Alike
+    } else {
+        Changes::Nothing
+    };
+    draw(ctx, changes, &bounds, |_, gl| {
+        // SAFETY: the program's own commands, outside of its Begin/End.
+        unsafe {
+            gl.begin(mode);
+            current.set(gl);
+            recorder.play(gl);
+            gl.end();
+        }
+    });
+    ctx.immediate.recorder = recorder;
+}
+
+/// Issues the list that stands for a Begin/End. What is current afterwards is what the program set last, but a
+/// list that ends with an attribute after its last vertex leaves something else on Mesa: it is set again.
+fn issue_list(ctx: &mut Context) {
+    let (list, bounds, trailing) = (ctx.immediate.list, ctx.immediate.bounds, ctx.immediate.trailing);
+    ctx.outlines.shape = Shape::of_mode(ctx.immediate.mode);
+    // SAFETY: a list of ours.
+    draw(ctx, Changes::Attributes, &bounds, |_, gl| unsafe { gl.call_list(list) });
+    // SAFETY: attributes of the program's.
+    unsafe { ctx.immediate.recorder.play_attributes(ctx.gl, trailing) };
+}
+
+hooks! {
+    between;
+    "glBegin" begin(mode: u32) = |ctx, gl| {
+        if let Some(recording) = &mut ctx.recording {
+            recording.draws = true;
+        } else if ctx.target.is_none() || ctx.picking {
+            super::draw::plain_program(ctx);
+        } else if !ctx.immediate.under_way() && mode <= api::GL_PATCHES {
+            ctx.immediate.begin(mode);
+        }
+        gl.begin(mode);
+    };
+    "glEnd" end() = |ctx, gl| {
+        gl.end();
+        match std::mem::take(&mut ctx.immediate.phase) {
+            Phase::Outside => {}
+            Phase::Recording => issue_recorded(ctx),
+            Phase::IntoList => {
+                gl.end_list();
+                issue_list(ctx);
+            }
+        }
+    };
+    "glCallList" call_list(list: u32) = |ctx, gl| {
+        if ctx.immediate.under_way() {
+            into_list(ctx);
+            gl.call_list(list);
+        } else {
+            super::lists::call_list(ctx, list);
+        }
+    };
+    "glCallLists" call_lists(count: i32, kind: u32, names: *const c_void) = |ctx, gl| {
+        if ctx.immediate.under_way() {
+            into_list(ctx);
+            gl.call_lists(count, kind, names);
+        } else {
+            super::lists::call_lists(ctx, count, kind, names);
+        }
+    };
+}
