@@ -127,10 +127,9 @@ impl Session {
 
     /// The rows that take the program's clip coordinates to each view's.
     pub fn rows(&self, lens: &Intrinsics) -> impl Iterator<Item = ClipRows> + '_ {
-        let camera = &self.rig.camera;
-        let camera = CameraAdjustment { zoom: camera.zoom, shift: camera.shift, rotation: camera_rotation(camera) };
         let lens = *lens;
         self.views().iter().map(move |view| {
+            let camera = self.camera(view);
             clip_rows(&lens, &camera, view.rotation, &view.frustum).widened(&lens, &camera, &view.frustum)
         })
     }
@@ -169,6 +168,14 @@ impl Session {
             }
         }
         sum
+    }
+
+    /// How the program's camera is adapted for a view: as the rig says, from the view's eye.
+    pub fn camera(&self, view: &View) -> CameraAdjustment {
+        let camera = &self.rig.camera;
+        let rotation = camera_rotation(camera);
+        let eye = rotation.transpose() * (DVec3::X * (view.eye * camera.units_per_meter));
+        CameraAdjustment { zoom: camera.zoom, shift: camera.shift + eye, rotation }
     }
 
     /// The rows that take flat clip coordinates to each view, as points of the panel; empty without one.

@@ -5,7 +5,7 @@ use crate::Failure;
 use crate::map::native_size;
 use cupola::blend::{Weights, encode};
 use cupola::formats::{Camera, Grid, Sample, bourke, domeprojection, easyblend, mpcdi, pfm, read_file, vwf};
-use cupola::geom::{Sphere, pose};
+use cupola::geom::pose;
 use cupola::rig::{OutputKind, Rig};
 use cupola::warp::WarpMap;
 use glam::{DVec2, DVec3};
@@ -269,15 +269,11 @@ impl Channel<'_> {
         let values = self.values;
         let direction = move |value: DVec3| match values {
             Values::Picture => content.direction(DVec2::new(value.x, 1.0 - value.y)),
-            Values::Points => viewer(rig).point_to_local(value).try_normalize(),
+            Values::Points => rig.viewer_pose().point_to_local(value).try_normalize(),
             Values::Directions => value.try_normalize(),
         };
         Some((map, direction))
     }
-}
-
-fn viewer(rig: &Rig) -> cupola::geom::Pose {
-    cupola::geom::Pose::new(rig.viewer.position, rig.viewer.yaw, rig.viewer.pitch, rig.viewer.roll)
 }
 
 /// The value of a pixel. A picture that has no place on the dome is put where the viewer sees it there.
@@ -288,8 +284,8 @@ fn value(rig: &Rig, content: &WarpMap, map: &WarpMap, values: Values, pixel: DVe
     let point = match map.hit(pixel) {
         Some(point) => point,
         None => {
-            let turned = pose::rotation(rig.viewer.yaw, rig.viewer.pitch, rig.viewer.roll) * map.direction(pixel)?;
-            Sphere { center: DVec3::ZERO, radius: rig.dome.radius }.far_hit(rig.viewer.position, turned)?
+            let viewer = rig.viewer_pose();
+            map.screen().unbounded_hit(viewer.position, viewer.direction_to_parent(map.direction(pixel)?))?.point
         }
     };
     match values {

@@ -2,6 +2,7 @@
 
 use super::module::{Declarations, instructions};
 use super::{Memory, matrices, splice};
+use crate::correct::Arrangement;
 use crate::correct::shaders::Stage;
 use crate::correct::spirv::{VERTEX_ENTRY, specialise};
 use crate::correct::uniforms::Constants;
@@ -9,7 +10,7 @@ use spirv::{Decoration, ExecutionModel, Op, StorageClass};
 use std::collections::HashSet;
 
 fn vertex_shader() -> &'static [u32] {
-    specialise(&Constants::black(), Stage::Present).vertex
+    specialise(&Constants::black(), Arrangement::Atlas, Stage::Present).vertex
 }
 
 fn spliced(set: u32) -> Vec<u32> {
