@@ -117,6 +117,8 @@ pub struct Context {
     pub widest: Widest,
     /// Points and lines that may leave their tile.
     pub outlines: super::outlines::Outlines,
+    /// The driver's anisotropic filtering may never end.
+    pub endless_anisotropy: bool,
     /// A vertex program in assembly language was switched on: the fixed-function matrices may say nothing.
     pub assembly: bool,
     /// `glRenderMode` is not `GL_RENDER`.
@@ -194,6 +196,7 @@ impl Context {
             immediate: Default::default(),
             widest: Widest::default(),
             outlines: Default::default(),
+            endless_anisotropy: super::filtering::is_endless(gl),
             assembly: false,
             picking: false,
             raster: Raster::default(),

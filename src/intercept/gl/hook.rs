@@ -72,6 +72,7 @@ pub fn find(name: &str) -> Option<*const ()> {
             super::culling::widths::HOOKS,
             super::draw::HOOKS,
             super::feedback::HOOKS,
+            super::filtering::HOOKS,
             super::front::HOOKS,
             super::immediate::HOOKS,
             super::immediate::commands::HOOKS,

@@ -16,6 +16,7 @@ pub mod default_framebuffer;
 pub mod draw;
 pub mod duplicate;
 pub mod feedback;
+pub mod filtering;
 pub mod frames;
 pub mod front;
 pub mod glsl;
