@@ -68,7 +68,7 @@ pub fn find(name: &str) -> Option<*const ()> {
         let files = [
             super::accumulation::HOOKS,
             super::conditional::HOOKS,
-            super::counting::HOOKS,
+            super::counting::told::HOOKS,
             super::culling::widths::HOOKS,
             super::draw::HOOKS,
             super::feedback::HOOKS,

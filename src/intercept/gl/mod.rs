@@ -8,6 +8,7 @@
 pub mod accumulation;
 pub mod background;
 pub mod conditional;
+pub mod config;
 pub mod context;
 pub mod counting;
 pub mod counts;
