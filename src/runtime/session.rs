@@ -134,6 +134,42 @@ impl Session {
         })
     }
 
+    /// How many samples of all views show what the program sees through `lens`, to a few per cent. `own`: how many the
+    /// program's own picture has, which are those of a view with its lens.
+    ///
+    /// Added up over a grid on the program's picture: a view has `D / cos³ θ` samples per steradian at θ off its
+    /// axis, where D is how many it has per unit of tangents squared.
+    pub fn samples(&self, lens: &Intrinsics, own: f64) -> f64 {
+        const GRID: u32 = 16;
+        let camera = &self.rig.camera;
+        let rotation = camera_rotation(camera);
+        // A cell of the grid, in tangents of the program's own axis.
+        let cell = (camera.zoom * 2.0 / f64::from(GRID)).powi(2) / (lens.a * lens.c).abs();
+        let mut sum = 0.0;
+        for index in 0..GRID * GRID {
+            let place = |i: u32| (f64::from(i) + 0.5) * 2.0 / f64::from(GRID) - 1.0;
+            let (x, y) = (place(index % GRID), place(index / GRID));
+            let tangents = DVec3::new(camera.zoom * (x + lens.b) / lens.a, camera.zoom * (y + lens.d) / lens.c, -1.0);
+            let direction = rotation * tangents;
+            for view in self.views() {
+                let samples = f64::from(view.tile.width) * f64::from(view.tile.height);
+                let seen = view.rotation * direction;
+                let (right, up) = (seen.x / -seen.z, seen.y / -seen.z);
+                let owned = &view.owned;
+                if view.program_lens {
+                    sum += own / f64::from(GRID * GRID);
+                } else if seen.z < 0.0
+                    && (owned.left..=owned.right).contains(&right)
+                    && (owned.bottom..=owned.top).contains(&up)
+                {
+                    // cos³ of the angle to the program's axis over that to the view's.
+                    sum += samples / (view.frustum.width() * view.frustum.height()) * cell / (-seen.z).powi(3);
+                }
+            }
+        }
+        sum
+    }
+
     /// How the program's camera is adapted for a view: as the rig says, from the view's eye.
     pub fn camera(&self, view: &View) -> CameraAdjustment {
         let camera = &self.rig.camera;

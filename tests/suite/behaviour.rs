@@ -33,6 +33,7 @@ behaviour! {
     scissor: 3,
     text: 3,
     occlusion: 3,
+    counting: 4,
     picking: 3,
     state: 4,
 }

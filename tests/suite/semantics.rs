@@ -4,7 +4,12 @@ use crate::programs::Run;
 
 /// Runs a program that judges itself, plainly and under several rigs.
 fn judges_itself(program: &str) {
-    let run = Run::new(program);
+    judges_itself_with(program, &[]);
+}
+
+/// [`judges_itself`] with more options of the program.
+fn judges_itself_with(program: &str, extra: &[&str]) {
+    let run = Run { extra, ..Run::new(program) };
     let Some(plain) = run.plain() else { return };
     plain.expect_success();
     for rig in ["fisheye", "planetarium-6"] {
@@ -74,4 +79,38 @@ fn a_condition_that_is_open_across_a_swap_holds_for_the_program_only() {
 #[test]
 fn a_full_stack_of_attributes_stays_full() {
     judges_itself("attribute_stack");
+}
+
+#[test]
+fn the_accumulation_buffer_is_that_of_every_view() {
+    crate::dialects::fisheye("accumulate", &["--accumulation"]);
+    judges_itself_with("accumulate", &["--accumulation"]);
+}
+
+#[test]
+fn a_lens_in_memory_that_stays_mapped() {
+    crate::dialects::fisheye("core440_mapped", &[]);
+}
+
+#[test]
+fn two_contexts_draw_one_picture() {
+    crate::dialects::fisheye("two_contexts", &[]);
+}
+
+#[test]
+fn a_swap_without_a_current_context_is_a_frame() {
+    crate::dialects::fisheye("no_context", &[]);
+}
+
+/// The greatest number of requests to the X server that the program saw in a swap.
+fn requests(words: &str) -> Option<u32> {
+    words.lines().filter_map(|line| line.strip_prefix("requests ")?.parse().ok()).max()
+}
+
+#[test]
+fn a_frame_asks_the_x_server_once() {
+    let run = Run { frames: 5, cupola_frames: 6, ..Run::new("requests") };
+    let (Some(plain), Some(under)) = (run.plain(), run.under("fisheye")) else { return };
+    let [plain, under] = [plain, under].map(|f| requests(&f.expect_success().words()).expect("it counts"));
+    assert!(under <= plain + 1, "a swap sends {under} requests instead of {plain}");
 }

@@ -1,5 +1,6 @@
 //! OpenGL and OpenGL ES.
 
+pub mod accumulation;
 pub mod api;
 pub mod glx;
 pub mod headless;

@@ -173,17 +173,10 @@ impl GlBackend {
         if self.names.vertex_array != 0 {
             return;
         }
-        let stride = (FLOATS * size_of::<f32>()) as i32;
-        // SAFETY: a context is current; one name is written to each place; the attributes lie in the buffer.
+        // SAFETY: a context is current; one name is written to each place.
         unsafe {
-            gl.gen_vertex_arrays(1, &mut self.names.vertex_array);
             gl.gen_buffers(1, &mut self.names.buffer);
-            gl.bind_vertex_array(self.names.vertex_array);
-            gl.bind_buffer(GL_ARRAY_BUFFER, self.names.buffer);
-            for (attribute, offset) in [(0, 0), (1, 2 * size_of::<f32>())] {
-                gl.enable_vertex_attrib_array(attribute);
-                gl.vertex_attrib_pointer(attribute, 2, GL_FLOAT, 0, stride, offset as *const _);
-            }
+            self.make_vertex_array(gl);
             gl.gen_samplers(2, self.names.samplers.as_mut_ptr());
             for (sampler, filter) in self.names.samplers.into_iter().zip([GL_LINEAR, GL_NEAREST]) {
                 gl.sampler_parameteri(sampler, GL_TEXTURE_MIN_FILTER, filter as i32);
@@ -194,6 +187,34 @@ impl GlBackend {
                     gl.sampler_parameteri(sampler, GL_TEXTURE_SRGB_DECODE_EXT, GL_SKIP_DECODE_EXT as i32);
                 }
             }
+        }
+    }
+
+    fn make_vertex_array(&mut self, gl: &Gl) {
+        let stride = (FLOATS * size_of::<f32>()) as i32;
+        // SAFETY: a context is current; one name is written; the attributes lie in the buffer.
+        unsafe {
+            gl.gen_vertex_arrays(1, &mut self.names.vertex_array);
+            gl.bind_vertex_array(self.names.vertex_array);
+            gl.bind_buffer(GL_ARRAY_BUFFER, self.names.buffer);
+            for (attribute, offset) in [(0, 0), (1, 2 * size_of::<f32>())] {
+                gl.enable_vertex_attrib_array(attribute);
+                gl.vertex_attrib_pointer(attribute, 2, GL_FLOAT, 0, stride, offset as *const _);
+            }
+        }
+    }
+
+    /// Its vertex array, which contexts do not share.
+    pub fn vertex_array(&self) -> u32 {
+        self.names.vertex_array
+    }
+
+    /// Goes on in the current context, which shares objects with the one before. All bindings are put back.
+    pub fn rehome(&mut self, gl: &Gl) {
+        if self.names.vertex_array != 0 {
+            let saved = state::save_upload(gl, &self.caps);
+            self.make_vertex_array(gl);
+            state::restore_upload(gl, &self.caps, &saved);
         }
     }
 

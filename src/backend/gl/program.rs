@@ -17,8 +17,24 @@ pub(super) const TABLE_UNIT: u32 = 2;
 /// # Errors
 /// [`ErrorKind::Graphics`] with the driver's log.
 pub(super) fn build(gl: &Gl, text: &Specialised) -> Result<u32> {
-    let vertex = compile(gl, GL_VERTEX_SHADER, text.vertex)?;
-    let fragment = compile(gl, GL_FRAGMENT_SHADER, &text.fragment).inspect_err(|_| delete(gl, vertex))?;
+    let program = link(gl, text.vertex, &text.fragment)?;
+    for (uniform, texture) in text.samplers {
+        let unit = match *texture {
+            "mask" => MASK_UNIT,
+            "table" => TABLE_UNIT,
+            _ => ATLAS_UNIT,
+        };
+        let Ok(name) = CString::new(*uniform) else { continue };
+        // SAFETY: the program is current; the name ends with a zero.
+        unsafe { gl.uniform1i(gl.get_uniform_location(program, name.as_ptr()), unit as i32) };
+    }
+    Ok(program)
+}
+
+/// [`build`] from the texts of its two stages.
+pub(super) fn link(gl: &Gl, vertex: &str, fragment: &str) -> Result<u32> {
+    let vertex = compile(gl, GL_VERTEX_SHADER, vertex)?;
+    let fragment = compile(gl, GL_FRAGMENT_SHADER, fragment).inspect_err(|_| delete(gl, vertex))?;
     // SAFETY: a context is current; the names are those it gave.
     let program = unsafe {
         let program = gl.create_program();
@@ -43,16 +59,6 @@ pub(super) fn build(gl: &Gl, text: &Specialised) -> Result<u32> {
     }
     // SAFETY: as above; a uniform that the compiler dropped has location −1, which is ignored.
     unsafe { gl.use_program(program) };
-    for (uniform, texture) in text.samplers {
-        let unit = match *texture {
-            "mask" => MASK_UNIT,
-            "table" => TABLE_UNIT,
-            _ => ATLAS_UNIT,
-        };
-        let Ok(name) = CString::new(*uniform) else { continue };
-        // SAFETY: the program is current; the name ends with a zero.
-        unsafe { gl.uniform1i(gl.get_uniform_location(program, name.as_ptr()), unit as i32) };
-    }
     Ok(program)
 }
 

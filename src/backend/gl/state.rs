@@ -216,6 +216,13 @@ pub(super) fn save_and_set(gl: &Gl, caps: &Capabilities) -> Saved {
     saved
 }
 
+impl Saved {
+    /// The program's mask of the first colour buffer.
+    pub(super) fn color_mask(&self) -> [u8; 4] {
+        self.color_masks[0]
+    }
+}
+
 /// Puts everything back.
 pub(super) fn restore(gl: &Gl, caps: &Capabilities, saved: &Saved) {
     // SAFETY: as in `save_and_set`; the values are those that the context gave.

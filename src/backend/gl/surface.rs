@@ -37,20 +37,12 @@ impl Surface {
         let color_format = if srgb { api::GL_SRGB8_ALPHA8 } else { api::GL_RGBA8 };
         let mut surface = Self { framebuffer: 0, color: 0, depth: 0, samples, size };
         // SAFETY: makes objects of ours on the current context; bindings are put back.
-        let status = unsafe {
+        unsafe {
             let bindings = Bindings::save(gl);
-            gl.gen_framebuffers(1, &mut surface.framebuffer);
-            gl.bind_framebuffer(api::GL_FRAMEBUFFER, surface.framebuffer);
             if samples > 0 {
                 gl.gen_renderbuffers(1, &mut surface.color);
                 gl.bind_renderbuffer(api::GL_RENDERBUFFER, surface.color);
                 gl.renderbuffer_storage_multisample(api::GL_RENDERBUFFER, samples, color_format, width, height);
-                gl.framebuffer_renderbuffer(
-                    api::GL_FRAMEBUFFER,
-                    api::GL_COLOR_ATTACHMENT0,
-                    api::GL_RENDERBUFFER,
-                    surface.color,
-                );
             } else {
                 surface.color = new_texture(gl);
                 gl.bind_texture(api::GL_TEXTURE_2D, surface.color);
@@ -59,28 +51,48 @@ impl Surface {
                     let skip = api::GL_SKIP_DECODE_EXT as i32;
                     gl.tex_parameteri(api::GL_TEXTURE_2D, api::GL_TEXTURE_SRGB_DECODE_EXT, skip);
                 }
-                gl.framebuffer_texture2_d(
-                    api::GL_FRAMEBUFFER,
-                    api::GL_COLOR_ATTACHMENT0,
-                    api::GL_TEXTURE_2D,
-                    surface.color,
-                    0,
-                );
             }
             gl.gen_renderbuffers(1, &mut surface.depth);
             gl.bind_renderbuffer(api::GL_RENDERBUFFER, surface.depth);
             let depth_format = api::GL_DEPTH24_STENCIL8;
             gl.renderbuffer_storage_multisample(api::GL_RENDERBUFFER, samples, depth_format, width, height);
-            let attachment = api::GL_DEPTH_STENCIL_ATTACHMENT;
-            gl.framebuffer_renderbuffer(api::GL_FRAMEBUFFER, attachment, api::GL_RENDERBUFFER, surface.depth);
+            bindings.restore(gl);
+        }
+        match surface.rehome(gl) {
+            Ok(()) => Ok(surface),
+            Err(error) => {
+                surface.destroy(gl);
+                Err(error)
+            }
+        }
+    }
+
+    /// Makes its framebuffer anew, in the current context, which shares objects with the one before; contexts do not
+    /// share framebuffers. Every binding that is touched is put back.
+    ///
+    /// # Errors
+    /// [`ErrorKind::Graphics`] where the driver refuses the framebuffer.
+    pub fn rehome(&mut self, gl: &Gl) -> Result<()> {
+        // SAFETY: makes an object of ours on the current context; bindings are put back.
+        let status = unsafe {
+            let bindings = Bindings::save(gl);
+            gl.gen_framebuffers(1, &mut self.framebuffer);
+            gl.bind_framebuffer(api::GL_FRAMEBUFFER, self.framebuffer);
+            let (target, point) = (api::GL_FRAMEBUFFER, api::GL_COLOR_ATTACHMENT0);
+            if self.samples > 0 {
+                gl.framebuffer_renderbuffer(target, point, api::GL_RENDERBUFFER, self.color);
+            } else {
+                gl.framebuffer_texture2_d(target, point, api::GL_TEXTURE_2D, self.color, 0);
+            }
+            gl.framebuffer_renderbuffer(target, api::GL_DEPTH_STENCIL_ATTACHMENT, api::GL_RENDERBUFFER, self.depth);
             let status = gl.check_framebuffer_status(api::GL_FRAMEBUFFER);
             bindings.restore(gl);
             status
         };
         if status == api::GL_FRAMEBUFFER_COMPLETE {
-            return Ok(surface);
+            return Ok(());
         }
-        surface.destroy(gl);
+        let ((width, height), samples) = (self.size, self.samples);
         Err(Error::new(
             ErrorKind::Graphics,
             format!(

@@ -5,7 +5,7 @@ use super::default_framebuffer::take_error;
 use super::hook::hooks;
 use crate::backend::gl::api;
 
-/// The query and the mode of `glBeginConditionalRender`, while it is in force.
+/// The object and the mode that `glBeginConditionalRender` stands for, while it is in force.
 pub type Condition = Option<(u32, u32)>;
 
 /// Runs work of ours, which is done whatever the program's condition says.
@@ -14,24 +14,35 @@ pub fn unconditionally<R>(ctx: &mut Context, work: impl FnOnce(&mut Context) -> 
     // SAFETY: conditional rendering is in force, as its hook saw; it is put back.
     unsafe { ctx.gl.end_conditional_render() };
     let answer = work(ctx);
-    // SAFETY: the program's own query and mode.
+    // SAFETY: the object and mode that were in force.
     unsafe { ctx.gl.begin_conditional_render(query, mode) };
     answer
 }
 
+fn begin(ctx: &mut Context, query: u32, mode: u32) {
+    let object = super::counting::condition(ctx, query);
+    // Whether the driver takes it is told by its error only.
+    take_error(ctx);
+    // SAFETY: the program's own call; an object of ours in place of its query saw the same.
+    let error = unsafe {
+        ctx.gl.begin_conditional_render(object, mode);
+        ctx.gl.get_error()
+    };
+    match error {
+        api::GL_NO_ERROR => ctx.condition = Some((object, mode)),
+        error if ctx.pending_error == api::GL_NO_ERROR => ctx.pending_error = error,
+        _ => {}
+    }
+}
+
+fn end(ctx: &mut Context) {
+    // SAFETY: the program's own call.
+    unsafe { ctx.gl.end_conditional_render() };
+    ctx.condition = None;
+}
+
 hooks! {
-    "glBeginConditionalRender" begin_conditional_render(query: u32, mode: u32) = |ctx, gl| {
-        // Whether the driver takes it is told by its error only.
-        take_error(ctx);
-        gl.begin_conditional_render(query, mode);
-        match gl.get_error() {
-            api::GL_NO_ERROR => ctx.condition = Some((query, mode)),
-            error if ctx.pending_error == api::GL_NO_ERROR => ctx.pending_error = error,
-            _ => {}
-        }
-    };
-    "glEndConditionalRender" end_conditional_render() = |ctx, gl| {
-        gl.end_conditional_render();
-        ctx.condition = None;
-    };
+    "glBeginConditionalRender" begin_conditional_render(query: u32, mode: u32) = |ctx, _gl|
+        super::lists::now_or_later(ctx, move |ctx| begin(ctx, query, mode));
+    "glEndConditionalRender" end_conditional_render() = |ctx, _gl| super::lists::now_or_later(ctx, end);
 }

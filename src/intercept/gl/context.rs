@@ -1,8 +1,9 @@
-//! What a program believes about one of its contexts, and which context is current.
+//! What a program believes about one of its contexts.
 
 use super::background::Background;
+use super::counts::Counts;
 use super::culling::widths::Widest;
-use super::default_framebuffer::DefaultFramebuffer;
+use super::default_framebuffer::{DefaultFramebuffer, OwnObjects};
 use super::lists::{Lists, Recording};
 use super::matrices::Projection;
 use super::programs::{Program, Programs};
@@ -10,13 +11,10 @@ use super::raster::Raster;
 use super::window::Window;
 use crate::backend::gl::api::{self, Gl};
 use crate::intercept::camera::Cameras;
-use crate::intercept::log;
 use crate::runtime::session::Extras;
-use std::cell::Cell;
-use std::collections::{HashMap, HashSet};
+use std::collections::HashSet;
 use std::ffi::CStr;
-use std::sync::atomic::{AtomicPtr, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 
 /// Which OpenGL a context speaks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -77,45 +75,6 @@ pub struct Actual {
     pub scissor_test: Option<bool>,
 }
 
-/// Counts for `--stats`.
-#[derive(Clone, Debug, Default)]
-pub struct Counts {
-    /// Presented frames.
-    pub frames: u64,
-    /// Draws of the program to its window.
-    pub draws_seen: u64,
-    /// Draws issued to each view.
-    pub draws_issued: Vec<u64>,
-    /// Flat draws issued to the panel.
-    pub panel_draws: u64,
-    /// Draws issued to the primary picture.
-    pub primary_draws: u64,
-    /// Programs of shaders that were linked for us.
-    pub linked: u64,
-    /// OpenGL errors of ours.
-    pub errors: u64,
-    /// Draws by the way their projection was found.
-    pub found: Found,
-}
-
-/// How often each way of finding a projection was taken. Counting allocates nothing.
-#[derive(Clone, Debug, Default)]
-pub struct Found([(&'static str, u64); 8]);
-
-impl Found {
-    /// Counts one draw whose projection was found in this way; more than eight ways are not told apart.
-    pub fn count(&mut self, how: &'static str) {
-        if let Some(entry) = self.0.iter_mut().find(|e| e.1 == 0 || e.0 == how) {
-            *entry = (how, entry.1 + 1);
-        }
-    }
-
-    /// The ways that were taken, with their numbers of draws.
-    pub fn iter(&self) -> impl Iterator<Item = (&'static str, u64)> + '_ {
-        self.0.iter().copied().filter(|e| e.1 > 0)
-    }
-}
-
 /// One context of the program.
 pub struct Context {
     /// The driver.
@@ -130,10 +89,14 @@ pub struct Context {
     pub target: Option<Box<DefaultFramebuffer>>,
     /// What stands in for other windows that it drew to lately.
     pub parked: Vec<(Window, Box<DefaultFramebuffer>)>,
+    /// The program reads from another drawable than it draws to.
+    pub reads_elsewhere: bool,
+    /// Objects of pictures that were given to other contexts.
+    pub left_behind: Vec<OwnObjects>,
     /// What the program believes.
     pub believed: Believed,
-    /// `glPushAttrib`: the mask, what was believed, and `glListBase`.
-    pub attribute_stack: Vec<(u32, Believed, u32)>,
+    /// `glPushAttrib`.
+    pub attribute_stack: Vec<super::state::Pushed>,
     /// What the driver has.
     pub actual: Actual,
     /// The fixed-function projection.
@@ -152,6 +115,10 @@ pub struct Context {
     pub immediate: super::immediate::Immediate,
     /// The greatest width of points and lines so far.
     pub widest: Widest,
+    /// Points and lines that may leave their tile.
+    pub outlines: super::outlines::Outlines,
+    /// The driver's anisotropic filtering may never end.
+    pub endless_anisotropy: bool,
     /// A vertex program in assembly language was switched on: the fixed-function matrices may say nothing.
     pub assembly: bool,
     /// `glRenderMode` is not `GL_RENDER`.
@@ -170,6 +137,10 @@ pub struct Context {
     pub buffer_generation: u64,
     /// Conditional rendering.
     pub condition: super::conditional::Condition,
+    /// The accumulation buffer, once the program used it.
+    pub accumulation: Option<crate::backend::gl::accumulation::Accumulation>,
+    /// Queries that count what is drawn.
+    pub counting: super::counting::Counting,
     /// Transform feedback is recording.
     pub feedback: bool,
     /// `GL_RASTERIZER_DISCARD`.
@@ -191,146 +162,9 @@ pub struct Context {
 /// Windows that a context has left keep what stands in for them, but not more than these.
 const MOST_PARKED: usize = 4;
 
-thread_local! {
-    static CURRENT: Cell<*mut Context> = const { Cell::new(std::ptr::null_mut()) };
-    /// The window system's handle of the current context.
-    static HANDLE: Cell<usize> = const { Cell::new(0) };
-}
-
-static DRIVER: AtomicPtr<Gl> = AtomicPtr::new(std::ptr::null_mut());
-
-static CONTEXTS: Mutex<Option<Contexts>> = Mutex::new(None);
-
-/// All contexts of the process.
-#[derive(Default)]
-struct Contexts {
-    /// By their window system's handle.
-    known: HashMap<usize, Entry>,
-    /// Addresses of contexts that the program destroyed while a thread had them current: they live until it
-    /// has another.
-    dying: Vec<usize>,
-}
-
-struct Entry {
-    share: Arc<ShareGroup>,
-    // The address of a leaked Context; 0 = not current yet. Freed when the program destroys it.
-    context: usize,
-    /// A thread has it current.
-    current: bool,
-}
-
-impl Contexts {
-    /// The thread that had a context current has it no longer.
-    fn release(&mut self, handle: usize, address: usize) {
-        if let Some(index) = self.dying.iter().position(|dying| *dying == address) {
-            self.dying.swap_remove(index);
-            free(address);
-        } else if let Some(entry) = self.known.get_mut(&handle).filter(|e| e.context == address) {
-            entry.current = false;
-        }
-    }
-
-    /// The program destroyed a context, or its handle came back without that.
-    fn forget(&mut self, entry: Entry) {
-        if entry.current {
-            self.dying.push(entry.context);
-        } else if entry.context != 0 {
-            free(entry.context);
-        }
-    }
-}
-
-/// Frees a context that is current nowhere; its OpenGL objects went with it.
-fn free(address: usize) {
-    // SAFETY: the address came from Box::into_raw, and was just taken out of the only table that holds it;
-    // no thread has the context current, so that no reference to it is left.
-    drop(unsafe { Box::from_raw(address as *mut Context) });
-}
-
-fn contexts<R>(use_them: impl FnOnce(&mut Contexts) -> R) -> R {
-    use_them(CONTEXTS.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert_with(Contexts::default))
-}
-
-/// The context that is current on this thread.
-pub fn current() -> Option<&'static mut Context> {
-    let pointer = CURRENT.get();
-    // SAFETY: set only by `make_current` to a live, leaked Context; OpenGL lets a context be
-    // current on one thread at a time, so the reference is unique while a hook runs.
-    unsafe { pointer.as_mut() }
-}
-
-/// The driver's table for calls without a context of ours.
-pub fn driver() -> &'static Gl {
-    // SAFETY: set once, from a leaked table, before libglvnd can dispatch any GL call to us.
-    unsafe { DRIVER.load(Ordering::Acquire).as_ref() }.expect("a vendor was loaded before any call")
-}
-
-/// Sets the table for calls without a context of ours.
-pub fn set_driver(gl: &'static Gl) {
-    DRIVER.store(std::ptr::from_ref(gl).cast_mut(), Ordering::Release);
-}
-
-/// A hook panicked: its context passes everything through from now on.
-pub fn after_panic(name: &str) {
-    log::once(&format!("a defect in {name}; this context is left alone from now on"));
-    if let Some(ctx) = current() {
-        ctx.switched_off = true;
-        ctx.leave_alone();
-    }
-}
-
-/// Notes that `handle` was created, sharing objects with `shared` (0 = with none).
-pub fn created(handle: usize, shared: usize) {
-    contexts(|contexts| {
-        let share = contexts.known.get(&shared).map(|e| e.share.clone()).unwrap_or_default();
-        if let Some(old) = contexts.known.insert(handle, Entry { share, context: 0, current: false }) {
-            contexts.forget(old);
-        }
-    });
-}
-
-/// The program is about to make another context or window current: what it drew is shown to the window that it
-/// leaves, whose buffers it may swap when another is current.
-pub fn leaving(handle: usize, window: Option<&Window>) {
-    let Some(ctx) = current().filter(|c| !c.switched_off && c.frame_begun) else { return };
-    if HANDLE.get() == handle && ctx.window.as_ref() == window {
-        return;
-    }
-    if crate::fence::guard(|| super::present::leave(ctx)).is_none() {
-        after_panic("leaving a window");
-    }
-}
-
-/// The context `handle` was made current with `window` (`None`: no window of the program's).
-pub fn make_current(handle: usize, gl: &'static Gl, window: Option<Window>) {
-    let left = CURRENT.replace(std::ptr::null_mut());
-    let left_handle = HANDLE.replace(handle);
-    let pointer = contexts(|contexts| {
-        if !left.is_null() {
-            contexts.release(left_handle, left as usize);
-        }
-        if handle == 0 {
-            return std::ptr::null_mut();
-        }
-        let new = || Entry { share: Arc::default(), context: 0, current: false };
-        let entry = contexts.known.entry(handle).or_insert_with(new);
-        if entry.context == 0 {
-            entry.context = Box::into_raw(Box::new(Context::new(gl, entry.share.clone()))) as usize;
-        }
-        entry.current = true;
-        entry.context as *mut Context
-    });
-    CURRENT.set(pointer);
-    if let Some(ctx) = current()
-        && !ctx.switched_off
-        && crate::fence::guard(|| ctx.attach(window)).is_none()
-    {
-        after_panic("make current");
-    }
-}
-
 impl Context {
-    fn new(gl: &'static Gl, share: Arc<ShareGroup>) -> Self {
+    /// A context that has just become current for the first time.
+    pub fn new(gl: &'static Gl, share: Arc<ShareGroup>) -> Self {
         let believed = Believed {
             draw_framebuffer: 0,
             read_framebuffer: 0,
@@ -348,6 +182,8 @@ impl Context {
             window: None,
             target: None,
             parked: Vec::new(),
+            left_behind: Vec::new(),
+            reads_elsewhere: false,
             believed,
             attribute_stack: Vec::new(),
             actual: Actual::default(),
@@ -359,6 +195,8 @@ impl Context {
             pipelines: Default::default(),
             immediate: Default::default(),
             widest: Widest::default(),
+            outlines: Default::default(),
+            endless_anisotropy: super::filtering::is_endless(gl),
             assembly: false,
             picking: false,
             raster: Raster::default(),
@@ -368,6 +206,8 @@ impl Context {
             block_buffers: HashSet::new(),
             buffer_generation: 0,
             condition: None,
+            accumulation: None,
+            counting: Default::default(),
             feedback: false,
             discard: false,
             pace: Default::default(),
@@ -386,7 +226,12 @@ impl Context {
 
     /// The program's reads come from its window, which is ours.
     pub fn reads_redirected(&self) -> bool {
-        self.target.is_some() && self.believed.read_framebuffer == 0
+        self.target.is_some() && self.believed.read_framebuffer == 0 && !self.reads_elsewhere
+    }
+
+    /// What reads of the program's framebuffer 0 are bound to.
+    pub fn window_for_reading(&self) -> u32 {
+        self.target.as_ref().filter(|_| !self.reads_elsewhere).map_or(0, |target| target.framebuffer())
     }
 
     /// A display list is being compiled: commands are not executed now.
@@ -394,7 +239,12 @@ impl Context {
         self.recording.is_some()
     }
 
-    fn attach(&mut self, window: Option<Window>) {
+    /// The context became current with `window`.
+    pub fn attach(&mut self, window: Option<Window>, reads_elsewhere: bool) {
+        self.reads_elsewhere = reads_elsewhere;
+        for objects in std::mem::take(&mut self.left_behind) {
+            objects.destroy(self.gl);
+        }
         let first = self.window.is_none() && window.is_some() && self.believed.viewport == [0; 4];
         if self.window != window {
             self.change_window(window);
@@ -413,8 +263,27 @@ impl Context {
             }
         }
         if self.target.is_none() {
-            super::default_framebuffer::attach(self, Extras::default());
+            match super::registry::take_picture(self, &window) {
+                Some(picture) => super::default_framebuffer::take_over(self, picture),
+                None => super::default_framebuffer::attach(self, Extras::default()),
+            }
+        } else if self.believed.read_framebuffer == 0 {
+            // SAFETY: what the program's reads come from, which may be another drawable now.
+            unsafe { self.gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, self.window_for_reading()) };
         }
+    }
+
+    /// Gives away what stands for `window`. Its objects that belong to this context alone are deleted when it is
+    /// current again.
+    pub fn give_picture(&mut self, window: &Window) -> Option<Box<DefaultFramebuffer>> {
+        let parked = self.parked.iter().position(|(parked, _)| parked == window);
+        let target = match parked {
+            Some(index) => Some(self.parked.remove(index).1),
+            None if self.window.as_ref() == Some(window) => self.target.take(),
+            None => None,
+        }?;
+        self.left_behind.push(target.own_objects());
+        Some(target)
     }
 
     /// Another window, or none: what stood for the old one is kept for when the program comes back to it.
@@ -470,15 +339,6 @@ impl Context {
     }
 }
 
-/// The program destroyed `handle`. A context that is current on any thread lives on until it is not.
-pub fn destroyed(handle: usize) {
-    contexts(|contexts| {
-        if let Some(entry) = contexts.known.remove(&handle) {
-            contexts.forget(entry);
-        }
-    });
-}
-
 fn profile(gl: &Gl) -> Profile {
     // SAFETY: the context is current; the string is the driver's and lives as long as it.
     let text = unsafe {
@@ -491,10 +351,15 @@ fn profile(gl: &Gl) -> Profile {
     };
     let mut parts = numbers.split(|c: char| !c.is_ascii_digit()).map(|n| n.parse::<u32>().unwrap_or(0));
     let version = parts.next().unwrap_or(0) * 10 + parts.next().unwrap_or(0);
-    let mut mask = 0;
+    let (mut mask, mut flags) = (0, 0);
+    if !es && version >= 30 {
+        // SAFETY: the query exists since OpenGL 3.0 and writes one integer.
+        unsafe { gl.get_integerv(api::GL_CONTEXT_FLAGS, &mut flags) };
+    }
+    let forward = flags as u32 & api::GL_CONTEXT_FLAG_FORWARD_COMPATIBLE_BIT != 0;
     if !es && version >= 32 {
         // SAFETY: the query exists since OpenGL 3.2 and writes one integer.
         unsafe { gl.get_integerv(api::GL_CONTEXT_PROFILE_MASK, &mut mask) };
     }
-    Profile { es, core: mask as u32 & api::GL_CONTEXT_CORE_PROFILE_BIT != 0, version }
+    Profile { es, core: forward || mask as u32 & api::GL_CONTEXT_CORE_PROFILE_BIT != 0, version }
 }

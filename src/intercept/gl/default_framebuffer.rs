@@ -1,6 +1,7 @@
 //! What stands in for a window's framebuffer: one atlas of the rig's views.
 
-use super::context::{Context, Profile};
+use super::config::Config;
+use super::context::Context;
 use super::window::Window;
 use crate::backend::gl::api::{self, Gl};
 use crate::backend::gl::surface::{Surface, greatest_texture};
@@ -8,23 +9,6 @@ use crate::backend::gl::{GlBackend, Target};
 use crate::error::Result;
 use crate::intercept::{log, settings};
 use crate::runtime::session::{Extras, Session};
-
-/// The window's own framebuffer, as the program's configuration made it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Config {
-    /// It has a back buffer.
-    pub double_buffered: bool,
-    /// Samples per pixel; 0 = not multisampled.
-    pub samples: i32,
-    /// It converts to sRGB where the program asks for it.
-    pub srgb: bool,
-    /// Bits of alpha.
-    pub alpha_bits: i32,
-    /// Bits of depth.
-    pub depth_bits: i32,
-    /// Bits of stencil.
-    pub stencil_bits: i32,
-}
 
 /// The atlas and what corrects it.
 pub struct DefaultFramebuffer {
@@ -48,8 +32,12 @@ pub fn attach(ctx: &mut Context, extras: Extras) {
     if settings.rig.passthrough {
         return;
     }
+    super::quiet::quietly(ctx, |ctx| attach_now(ctx, &window, settings, extras));
+}
+
+fn attach_now(ctx: &mut Context, window: &Window, settings: &settings::Settings, extras: Extras) {
     take_error(ctx);
-    match DefaultFramebuffer::new(ctx, &window, settings, extras) {
+    match DefaultFramebuffer::new(ctx, window, settings, extras) {
         Ok(target) => {
             ctx.counts.linked += target.backend.linked();
             ctx.target = Some(Box::new(target));
@@ -78,11 +66,30 @@ pub fn resume(ctx: &mut Context, window: &Window, target: Box<DefaultFramebuffer
     take_own_errors(ctx);
 }
 
+/// Goes on with a picture that another context of the group began.
+pub fn take_over(ctx: &mut Context, mut target: Box<DefaultFramebuffer>) {
+    take_error(ctx);
+    match target.rehome(ctx.gl) {
+        Ok(()) => {
+            ctx.target = Some(target);
+            adopt(ctx);
+            ctx.frame_begun = true;
+        }
+        Err(error) => {
+            log::once(&format!("what another context drew to this window is lost: {error}"));
+            target.destroy(ctx.gl);
+            attach(ctx, Extras::default());
+        }
+    }
+    take_own_errors(ctx);
+}
+
 /// Makes the rest of the context fit a new target.
 fn adopt(ctx: &mut Context) {
     super::duplicate::leave(ctx);
     ctx.actual = super::context::Actual::default();
     ctx.projection.clear();
+    ctx.counting.forget_views();
     ctx.cameras.clear();
     ctx.background.clear();
     let Some(target) = &ctx.target else { return };
@@ -90,7 +97,7 @@ fn adopt(ctx: &mut Context) {
     // SAFETY: binds our framebuffer where the program's window is bound.
     unsafe {
         if ctx.believed.read_framebuffer == 0 {
-            ctx.gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, framebuffer);
+            ctx.gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, ctx.window_for_reading());
         }
         if ctx.believed.draw_framebuffer == 0 {
             ctx.gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, framebuffer);
@@ -151,7 +158,7 @@ pub fn want_panel(ctx: &mut Context) {
 
 /// Plans anew with more tiles; what is drawn already moves to its new place.
 fn enlarge(ctx: &mut Context, add: impl FnOnce(&mut Extras)) {
-    super::conditional::unconditionally(ctx, |ctx| enlarge_now(ctx, add));
+    super::counting::aside(ctx, |ctx| enlarge_now(ctx, add));
 }
 
 fn enlarge_now(ctx: &mut Context, add: impl FnOnce(&mut Extras)) {
@@ -228,14 +235,43 @@ pub fn bind_for_reading(ctx: &mut Context) -> [i32; 2] {
     };
     if ctx.target.as_ref().is_some_and(|t| own_picture(t).is_none()) {
         enlarge(ctx, |extras| extras.primary = true);
-        super::offscreen::fill_primary(ctx);
+        super::counting::aside(ctx, super::offscreen::fill_primary);
     }
+    let Some(tile) = ctx.target.as_ref().and_then(|t| own_picture(t)) else { return [0, 0] };
+    super::counting::aside(ctx, |ctx| {
+        if let Some(target) = &ctx.target {
+            target.resolve(ctx, Some(tile));
+        }
+        make_opaque(ctx, tile);
+    });
     let Some(target) = &ctx.target else { return [0, 0] };
-    let Some(tile) = own_picture(target) else { return [0, 0] };
-    target.resolve(ctx, Some(tile));
     // SAFETY: a framebuffer of ours; `end_reading` puts the program's back.
     unsafe { ctx.gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, target.readable().framebuffer()) };
     [tile[0], tile[1]]
+}
+
+/// A window without alpha has alpha 1 wherever it is read; ours has what the program drew. Of the program's own picture
+/// the correction takes the colours only.
+fn make_opaque(ctx: &mut Context, tile: [i32; 4]) {
+    let gl = ctx.gl;
+    let Some(target) = ctx.target.as_ref().filter(|t| t.config.alpha_bits == 0) else { return };
+    let framebuffer = target.readable().framebuffer();
+    ctx.set_scissor(Some(tile));
+    let mut bound = 0;
+    let mut mask = [0u8; 4];
+    // SAFETY: clears a part of a framebuffer of ours; binding and mask are put back.
+    unsafe {
+        gl.get_integerv(api::GL_DRAW_FRAMEBUFFER_BINDING, &mut bound);
+        gl.get_booleanv(api::GL_COLOR_WRITEMASK, mask.as_mut_ptr());
+        gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, framebuffer);
+        gl.color_mask(0, 0, 0, 1);
+        gl.clear_bufferfv(api::GL_COLOR, 0, [0.0f32, 0.0, 0.0, 1.0].as_ptr());
+        gl.color_mask(mask[0], mask[1], mask[2], mask[3]);
+        gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, bound as u32);
+    }
+    if !ctx.redirected() {
+        ctx.restore_window_space();
+    }
 }
 
 /// The pair of [`bind_for_reading`].
@@ -398,6 +434,8 @@ impl DefaultFramebuffer {
         let gl = ctx.gl;
         let [x, y, w, h] = part.unwrap_or([0, 0, self.surface.size().0, self.surface.size().1]);
         let real = |name: u32| if name == 0 { self.framebuffer() } else { name };
+        let reads =
+            if ctx.reads_elsewhere { ctx.believed.read_framebuffer } else { real(ctx.believed.read_framebuffer) };
         // SAFETY: copies between framebuffers of ours; scissor and bindings are put back.
         unsafe {
             let scissor = gl.is_enabled(api::GL_SCISSOR_TEST) != 0;
@@ -411,12 +449,28 @@ impl DefaultFramebuffer {
                 let depth = api::GL_DEPTH_BUFFER_BIT | api::GL_STENCIL_BUFFER_BIT;
                 gl.blit_framebuffer(x, y, x + w, y + h, x, y, x + w, y + h, depth, api::GL_NEAREST);
             }
-            gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, real(ctx.believed.read_framebuffer));
+            gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, reads);
             gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, real(ctx.believed.draw_framebuffer));
             if scissor {
                 gl.enable(api::GL_SCISSOR_TEST);
             }
         }
+    }
+
+    /// The objects that contexts do not share.
+    pub fn own_objects(&self) -> OwnObjects {
+        let resolved = self.resolved.as_ref().map_or(0, Surface::framebuffer);
+        OwnObjects { framebuffers: [self.surface.framebuffer(), resolved], vertex_array: self.backend.vertex_array() }
+    }
+
+    /// Makes those anew, in the current context, around the shared ones.
+    fn rehome(&mut self, gl: &Gl) -> Result<()> {
+        self.surface.rehome(gl)?;
+        if let Some(resolved) = &mut self.resolved {
+            resolved.rehome(gl)?;
+        }
+        self.backend.rehome(gl);
+        Ok(())
     }
 
     /// Deletes everything in the context, which must be current.
@@ -429,39 +483,19 @@ impl DefaultFramebuffer {
     }
 }
 
-impl Config {
-    /// Asks the driver about the window's framebuffer. The program's binding is put back.
-    fn of_window(gl: &Gl, profile: &Profile, window: &Window) -> Self {
-        // SAFETY: queries about the window's framebuffer; the binding is put back.
+/// Names of a picture's objects in the context that drew it before.
+pub struct OwnObjects {
+    framebuffers: [u32; 2],
+    vertex_array: u32,
+}
+
+impl OwnObjects {
+    /// Deletes them in their context, which must be current.
+    pub fn destroy(&self, gl: &Gl) {
+        // SAFETY: objects of ours; the name 0 is ignored.
         unsafe {
-            let mut bound = 0;
-            gl.get_integerv(api::GL_DRAW_FRAMEBUFFER_BINDING, &mut bound);
-            gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, 0);
-            let double_buffered = window.double_buffered(gl, profile);
-            let back = match (profile.es, double_buffered) {
-                (true, _) => api::GL_BACK,
-                (false, true) => api::GL_BACK_LEFT,
-                (false, false) => api::GL_FRONT_LEFT,
-            };
-            let ask = |attachment: u32, what: u32| {
-                let mut answer = 0;
-                gl.get_framebuffer_attachment_parameteriv(api::GL_DRAW_FRAMEBUFFER, attachment, what, &mut answer);
-                answer
-            };
-            let mut samples = 0;
-            gl.get_integerv(api::GL_SAMPLES, &mut samples);
-            let config = Self {
-                double_buffered,
-                samples,
-                srgb: ask(back, api::GL_FRAMEBUFFER_ATTACHMENT_COLOR_ENCODING) as u32 == api::GL_SRGB,
-                alpha_bits: ask(back, api::GL_FRAMEBUFFER_ATTACHMENT_ALPHA_SIZE),
-                depth_bits: ask(api::GL_DEPTH, api::GL_FRAMEBUFFER_ATTACHMENT_DEPTH_SIZE),
-                stencil_bits: ask(api::GL_STENCIL, api::GL_FRAMEBUFFER_ATTACHMENT_STENCIL_SIZE),
-            };
-            // A window without depth or stencil makes the driver say an error for the question.
-            while gl.get_error() != api::GL_NO_ERROR {}
-            gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, bound as u32);
-            config
+            gl.delete_framebuffers(2, self.framebuffers.as_ptr());
+            gl.delete_vertex_arrays(1, &self.vertex_array);
         }
     }
 }

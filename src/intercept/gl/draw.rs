@@ -1,10 +1,12 @@
 //! A draw of the program → one draw per view.
 
 use super::context::Context;
+use super::counting::{self, Weights};
 use super::culling::{self, bounds::Bounds};
 use super::duplicate::shown::{self, Shows};
 use super::hook::hooks;
 use super::matrices::{load_projection, refresh};
+use super::outlines::Shape;
 use super::programs::Lens;
 use crate::backend::gl::api::{self, Gl};
 use crate::runtime::session::MatrixClass;
@@ -39,23 +41,20 @@ pub enum Place {
 /// Issues a draw of the program: once per view that shows it. `bounds`: around its vertices.
 pub fn draw(ctx: &mut Context, changes: Changes, bounds: &Bounds, mut issue: impl FnMut(&mut Context, &Gl)) {
     let gl = ctx.gl;
+    super::outlines::look(ctx);
     if !ctx.redirected() {
         if !super::duplicate::draw(ctx, changes, &mut issue) {
+            counting::weigh(ctx, Weights::ONCE);
             plain_program(ctx);
             issue(ctx, gl);
         }
         return;
     }
-    if ctx.picking || ctx.believed.draw_buffer == api::GL_NONE {
-        // Picking and feedback answer in the program's own window coordinates and draw nothing.
-        ctx.set_viewport(ctx.believed.viewport);
-        plain_program(ctx);
-        issue(ctx, gl);
-        return;
-    }
-    ctx.counts.draws_seen += 1;
-    if ctx.discard {
-        // Nothing reaches the window; what the draw computes (transform feedback, say) it computes once.
+    ctx.counts.draws_seen += u64::from(!ctx.picking);
+    if ctx.picking || ctx.discard {
+        // Picking and feedback answer in the program's own window coordinates and draw nothing. Where nothing reaches
+        // the window, what the draw computes (transform feedback, say) it computes once.
+        counting::weigh(ctx, Weights::ONCE);
         ctx.set_viewport(ctx.believed.viewport);
         plain_program(ctx);
         issue(ctx, gl);
@@ -82,7 +81,10 @@ pub fn draw(ctx: &mut Context, changes: Changes, bounds: &Bounds, mut issue: imp
     } else {
         ctx.background.note_scene();
     }
-    let shown = culling::views(ctx, place, bounds, changes);
+    let shown = match ctx.counting.primitives() {
+        true => culling::Views::ALL,
+        false => culling::views(ctx, place, bounds, changes),
+    };
     let Some(mut target) = ctx.target.take() else { return };
     if place != Place::Background {
         let area = i64::from(ctx.believed.viewport[2]) * i64::from(ctx.believed.viewport[3]);
@@ -90,6 +92,11 @@ pub fn draw(ctx: &mut Context, changes: Changes, bounds: &Bounds, mut issue: imp
     }
     let views = target.session.views().len();
     let primary = target.primary();
+    if ctx.counting.any() {
+        let primitives = 1.0 / (views + usize::from(primary.is_some())) as f64;
+        let samples = counting::scene_samples(ctx, &target.session);
+        counting::weigh(ctx, Weights { samples, primitives });
+    }
     let repeats = Repeats::new(changes, ctx);
     let mut projection_loaded = false;
     let mut number = 0;
@@ -106,8 +113,8 @@ pub fn draw(ctx: &mut Context, changes: Changes, bounds: &Bounds, mut issue: imp
             plain_program(ctx);
             restore_projection(ctx, &mut projection_loaded);
         } else {
-            ctx.set_scissor(None);
-            ctx.set_viewport([tile[0], tile[1], tile[2], tile[3]]);
+            ctx.set_scissor(ctx.outlines.cut.then_some(tile));
+            ctx.set_viewport(tile);
             match place {
                 Place::FixedScene => {
                     plain_program(ctx);
@@ -142,6 +149,9 @@ pub fn draw(ctx: &mut Context, changes: Changes, bounds: &Bounds, mut issue: imp
     }
     restore_projection(ctx, &mut projection_loaded);
     if let Some(tile) = primary {
+        if ctx.counting.any() {
+            counting::weigh(ctx, Weights { samples: 0.0, primitives: 1.0 / (views + 1) as f64 });
+        }
         own_window_space(ctx, tile);
         plain_program(ctx);
         repeats.around(gl, number, true, || issue(ctx, gl));
@@ -160,6 +170,8 @@ pub fn each_view(
     prepare: impl Fn(&mut Context, usize) -> Place,
 ) {
     let gl = ctx.gl;
+    let share = 1.0 / views.max(1) as f64;
+    counting::weigh(ctx, Weights { samples: share, primitives: share });
     let repeats = Repeats::new(changes, ctx);
     let mut projection_loaded = false;
     let own = ctx.target.as_ref().map_or(0, |target| target.session.views().len());
@@ -202,9 +214,12 @@ fn flat(
     let tiles = target.flat_tiles();
     let repeats = Repeats::new(changes, ctx);
     plain_program(ctx);
+    let pictures = tiles.iter().flatten().count();
     for (number, (tile, panel)) in tiles.iter().flatten().enumerate() {
         own_window_space(ctx, *tile);
-        let last = tiles.iter().flatten().count() == number + 1;
+        let last = pictures == number + 1;
+        let samples = if number == 0 { 1.0 } else { 0.0 };
+        counting::weigh(ctx, Weights { samples, primitives: 1.0 / pictures as f64 });
         let blending = panel.then(|| PanelBlend::begin(gl));
         repeats.around(gl, number, last, || match &measure {
             Some(measure) if number == 0 => super::duplicate::measure(ctx, measure, |ctx| issue(ctx, gl)),
@@ -224,7 +239,7 @@ pub fn own_window_space(ctx: &mut Context, tile: [i32; 4]) {
     let inside = x >= 0 && y >= 0 && x + width <= tile[2] && y + height <= tile[3];
     let scissor = if ctx.believed.scissor_test {
         Some(intersect(ctx.believed.scissor, tile))
-    } else if inside {
+    } else if inside && !ctx.outlines.cut {
         None
     } else {
         Some(tile)
@@ -376,7 +391,7 @@ impl PanelBlend {
 
 /// A draw command: passed on while a list is compiled (it becomes part of it), else issued per view.
 macro_rules! draw_hooks {
-    ($( $name:literal $method:ident ( $($p:ident : $t:ty),* ); )*) => {
+    ($( $name:literal $method:ident ( $($p:ident : $t:ty),* ) $shape:expr; )*) => {
         hooks! {
             $( $name $method($($p: $t),*) = |ctx, gl| {
                 if let Some(recording) = &mut ctx.recording {
@@ -384,6 +399,7 @@ macro_rules! draw_hooks {
                     recording.bounds.add_unknown();
                     gl.$method($($p),*);
                 } else {
+                    ctx.outlines.shape = $shape;
                     draw(ctx, Changes::Nothing, &Bounds::UNKNOWN, |_, gl| gl.$method($($p),*));
                 }
             }; )*
@@ -392,40 +408,40 @@ macro_rules! draw_hooks {
 }
 
 draw_hooks! {
-    "glDrawArrays" draw_arrays(mode: u32, first: i32, count: i32);
-    "glDrawArraysIndirect" draw_arrays_indirect(mode: u32, indirect: *const c_void);
-    "glDrawArraysInstanced" draw_arrays_instanced(mode: u32, first: i32, count: i32, instances: i32);
-    "glDrawArraysInstancedBaseInstance" draw_arrays_instanced_base_instance(mode: u32, first: i32, count: i32, instances: i32, base: u32);
-    "glDrawElements" draw_elements(mode: u32, count: i32, kind: u32, indices: *const c_void);
-    "glDrawElementsBaseVertex" draw_elements_base_vertex(mode: u32, count: i32, kind: u32, indices: *const c_void, base: i32);
-    "glDrawElementsIndirect" draw_elements_indirect(mode: u32, kind: u32, indirect: *const c_void);
-    "glDrawElementsInstanced" draw_elements_instanced(mode: u32, count: i32, kind: u32, indices: *const c_void, instances: i32);
-    "glDrawElementsInstancedBaseInstance" draw_elements_instanced_base_instance(mode: u32, count: i32, kind: u32, indices: *const c_void, instances: i32, base: u32);
-    "glDrawElementsInstancedBaseVertex" draw_elements_instanced_base_vertex(mode: u32, count: i32, kind: u32, indices: *const c_void, instances: i32, base: i32);
-    "glDrawElementsInstancedBaseVertexBaseInstance" draw_elements_instanced_base_vertex_base_instance(mode: u32, count: i32, kind: u32, indices: *const c_void, instances: i32, vertex: i32, instance: u32);
-    "glDrawRangeElements" draw_range_elements(mode: u32, start: u32, end: u32, count: i32, kind: u32, indices: *const c_void);
-    "glDrawRangeElementsBaseVertex" draw_range_elements_base_vertex(mode: u32, start: u32, end: u32, count: i32, kind: u32, indices: *const c_void, base: i32);
-    "glDrawTransformFeedback" draw_transform_feedback(mode: u32, id: u32);
-    "glDrawTransformFeedbackInstanced" draw_transform_feedback_instanced(mode: u32, id: u32, instances: i32);
-    "glDrawTransformFeedbackStream" draw_transform_feedback_stream(mode: u32, id: u32, stream: u32);
-    "glDrawTransformFeedbackStreamInstanced" draw_transform_feedback_stream_instanced(mode: u32, id: u32, stream: u32, instances: i32);
-    "glMultiDrawArrays" multi_draw_arrays(mode: u32, first: *const i32, count: *const i32, draws: i32);
-    "glMultiDrawArraysIndirect" multi_draw_arrays_indirect(mode: u32, indirect: *const c_void, draws: i32, stride: i32);
-    "glMultiDrawArraysIndirectCount" multi_draw_arrays_indirect_count(mode: u32, indirect: *const c_void, draws: isize, greatest: i32, stride: i32);
-    "glMultiDrawElements" multi_draw_elements(mode: u32, count: *const i32, kind: u32, indices: *const *const c_void, draws: i32);
-    "glMultiDrawElementsBaseVertex" multi_draw_elements_base_vertex(mode: u32, count: *const i32, kind: u32, indices: *const *const c_void, draws: i32, base: *const i32);
-    "glMultiDrawElementsIndirect" multi_draw_elements_indirect(mode: u32, kind: u32, indirect: *const c_void, draws: i32, stride: i32);
-    "glMultiDrawElementsIndirectCount" multi_draw_elements_indirect_count(mode: u32, kind: u32, indirect: *const c_void, draws: isize, greatest: i32, stride: i32);
-    "glRectd" rectd(x1: f64, y1: f64, x2: f64, y2: f64);
-    "glRectf" rectf(x1: f32, y1: f32, x2: f32, y2: f32);
-    "glRecti" recti(x1: i32, y1: i32, x2: i32, y2: i32);
-    "glRects" rects(x1: i16, y1: i16, x2: i16, y2: i16);
-    "glRectdv" rectdv(v1: *const f64, v2: *const f64);
-    "glRectfv" rectfv(v1: *const f32, v2: *const f32);
-    "glRectiv" rectiv(v1: *const i32, v2: *const i32);
-    "glRectsv" rectsv(v1: *const i16, v2: *const i16);
-    "glEvalMesh1" eval_mesh1(mode: u32, i1: i32, i2: i32);
-    "glEvalMesh2" eval_mesh2(mode: u32, i1: i32, i2: i32, j1: i32, j2: i32);
+    "glDrawArrays" draw_arrays(mode: u32, first: i32, count: i32) Shape::of_mode(mode);
+    "glDrawArraysIndirect" draw_arrays_indirect(mode: u32, indirect: *const c_void) Shape::of_mode(mode);
+    "glDrawArraysInstanced" draw_arrays_instanced(mode: u32, first: i32, count: i32, instances: i32) Shape::of_mode(mode);
+    "glDrawArraysInstancedBaseInstance" draw_arrays_instanced_base_instance(mode: u32, first: i32, count: i32, instances: i32, base: u32) Shape::of_mode(mode);
+    "glDrawElements" draw_elements(mode: u32, count: i32, kind: u32, indices: *const c_void) Shape::of_mode(mode);
+    "glDrawElementsBaseVertex" draw_elements_base_vertex(mode: u32, count: i32, kind: u32, indices: *const c_void, base: i32) Shape::of_mode(mode);
+    "glDrawElementsIndirect" draw_elements_indirect(mode: u32, kind: u32, indirect: *const c_void) Shape::of_mode(mode);
+    "glDrawElementsInstanced" draw_elements_instanced(mode: u32, count: i32, kind: u32, indices: *const c_void, instances: i32) Shape::of_mode(mode);
+    "glDrawElementsInstancedBaseInstance" draw_elements_instanced_base_instance(mode: u32, count: i32, kind: u32, indices: *const c_void, instances: i32, base: u32) Shape::of_mode(mode);
+    "glDrawElementsInstancedBaseVertex" draw_elements_instanced_base_vertex(mode: u32, count: i32, kind: u32, indices: *const c_void, instances: i32, base: i32) Shape::of_mode(mode);
+    "glDrawElementsInstancedBaseVertexBaseInstance" draw_elements_instanced_base_vertex_base_instance(mode: u32, count: i32, kind: u32, indices: *const c_void, instances: i32, vertex: i32, instance: u32) Shape::of_mode(mode);
+    "glDrawRangeElements" draw_range_elements(mode: u32, start: u32, end: u32, count: i32, kind: u32, indices: *const c_void) Shape::of_mode(mode);
+    "glDrawRangeElementsBaseVertex" draw_range_elements_base_vertex(mode: u32, start: u32, end: u32, count: i32, kind: u32, indices: *const c_void, base: i32) Shape::of_mode(mode);
+    "glDrawTransformFeedback" draw_transform_feedback(mode: u32, id: u32) Shape::of_mode(mode);
+    "glDrawTransformFeedbackInstanced" draw_transform_feedback_instanced(mode: u32, id: u32, instances: i32) Shape::of_mode(mode);
+    "glDrawTransformFeedbackStream" draw_transform_feedback_stream(mode: u32, id: u32, stream: u32) Shape::of_mode(mode);
+    "glDrawTransformFeedbackStreamInstanced" draw_transform_feedback_stream_instanced(mode: u32, id: u32, stream: u32, instances: i32) Shape::of_mode(mode);
+    "glMultiDrawArrays" multi_draw_arrays(mode: u32, first: *const i32, count: *const i32, draws: i32) Shape::of_mode(mode);
+    "glMultiDrawArraysIndirect" multi_draw_arrays_indirect(mode: u32, indirect: *const c_void, draws: i32, stride: i32) Shape::of_mode(mode);
+    "glMultiDrawArraysIndirectCount" multi_draw_arrays_indirect_count(mode: u32, indirect: *const c_void, draws: isize, greatest: i32, stride: i32) Shape::of_mode(mode);
+    "glMultiDrawElements" multi_draw_elements(mode: u32, count: *const i32, kind: u32, indices: *const *const c_void, draws: i32) Shape::of_mode(mode);
+    "glMultiDrawElementsBaseVertex" multi_draw_elements_base_vertex(mode: u32, count: *const i32, kind: u32, indices: *const *const c_void, draws: i32, base: *const i32) Shape::of_mode(mode);
+    "glMultiDrawElementsIndirect" multi_draw_elements_indirect(mode: u32, kind: u32, indirect: *const c_void, draws: i32, stride: i32) Shape::of_mode(mode);
+    "glMultiDrawElementsIndirectCount" multi_draw_elements_indirect_count(mode: u32, kind: u32, indirect: *const c_void, draws: isize, greatest: i32, stride: i32) Shape::of_mode(mode);
+    "glRectd" rectd(x1: f64, y1: f64, x2: f64, y2: f64) Shape::Filled;
+    "glRectf" rectf(x1: f32, y1: f32, x2: f32, y2: f32) Shape::Filled;
+    "glRecti" recti(x1: i32, y1: i32, x2: i32, y2: i32) Shape::Filled;
+    "glRects" rects(x1: i16, y1: i16, x2: i16, y2: i16) Shape::Filled;
+    "glRectdv" rectdv(v1: *const f64, v2: *const f64) Shape::Filled;
+    "glRectfv" rectfv(v1: *const f32, v2: *const f32) Shape::Filled;
+    "glRectiv" rectiv(v1: *const i32, v2: *const i32) Shape::Filled;
+    "glRectsv" rectsv(v1: *const i16, v2: *const i16) Shape::Filled;
+    "glEvalMesh1" eval_mesh1(mode: u32, i1: i32, i2: i32) Shape::Unknown;
+    "glEvalMesh2" eval_mesh2(mode: u32, i1: i32, i2: i32, j1: i32, j2: i32) Shape::Unknown;
 }
 
 #[cfg(test)]

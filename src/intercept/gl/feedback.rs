@@ -2,7 +2,7 @@
 
 use super::context::Context;
 use super::hook::hooks;
-use crate::backend::gl::api;
+use crate::backend::gl::api::{self, Gl};
 
 /// Asks the driver where it knows (OpenGL 4.0, OpenGL ES 3.0); elsewhere `recording` is what it is.
 fn follow(ctx: &mut Context, recording: bool) {
@@ -19,25 +19,20 @@ fn follow(ctx: &mut Context, recording: bool) {
     }
 }
 
+/// Runs a command of the program, which may be a part of a display list; `recording`: whether it records after it.
+fn command(ctx: &mut Context, recording: bool, issue: impl Fn(&Gl) + Send + Sync + 'static) {
+    super::lists::now_or_later(ctx, move |ctx| {
+        issue(ctx.gl);
+        follow(ctx, recording);
+    });
+}
+
 hooks! {
-    "glBeginTransformFeedback" begin_transform_feedback(mode: u32) = |ctx, gl| {
-        gl.begin_transform_feedback(mode);
-        follow(ctx, true);
-    };
-    "glEndTransformFeedback" end_transform_feedback() = |ctx, gl| {
-        gl.end_transform_feedback();
-        follow(ctx, false);
-    };
-    "glPauseTransformFeedback" pause_transform_feedback() = |ctx, gl| {
-        gl.pause_transform_feedback();
-        follow(ctx, false);
-    };
-    "glResumeTransformFeedback" resume_transform_feedback() = |ctx, gl| {
-        gl.resume_transform_feedback();
-        follow(ctx, true);
-    };
-    "glBindTransformFeedback" bind_transform_feedback(target: u32, name: u32) = |ctx, gl| {
-        gl.bind_transform_feedback(target, name);
-        follow(ctx, false);
-    };
+    "glBeginTransformFeedback" begin_transform_feedback(mode: u32) = |ctx, _gl|
+        command(ctx, true, move |gl| gl.begin_transform_feedback(mode));
+    "glEndTransformFeedback" end_transform_feedback() = |ctx, _gl| command(ctx, false, |gl| gl.end_transform_feedback());
+    "glPauseTransformFeedback" pause_transform_feedback() = |ctx, _gl| command(ctx, false, |gl| gl.pause_transform_feedback());
+    "glResumeTransformFeedback" resume_transform_feedback() = |ctx, _gl| command(ctx, true, |gl| gl.resume_transform_feedback());
+    "glBindTransformFeedback" bind_transform_feedback(target: u32, name: u32) = |ctx, _gl|
+        command(ctx, false, move |gl| gl.bind_transform_feedback(target, name));
 }

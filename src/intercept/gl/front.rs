@@ -56,9 +56,9 @@ pub fn show(ctx: &mut Context, finally: bool) {
 
 /// As [`show`], for the window systems' calls that wait for OpenGL.
 pub fn show_current() {
-    let Some(ctx) = super::context::current().filter(|c| !c.switched_off) else { return };
+    let Some(ctx) = super::registry::current().filter(|c| !c.switched_off) else { return };
     if crate::fence::guard(|| show(ctx, true)).is_none() {
-        super::context::after_panic("showing the front buffer");
+        super::registry::after_panic("showing the front buffer");
     }
 }
 

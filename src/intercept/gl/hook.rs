@@ -29,9 +29,9 @@ macro_rules! hooks {
             // Some bodies need no unsafe call; the block below serves them all.
             #[allow(unused_unsafe)]
             unsafe extern "system" fn $method($($p: $t),*) $(-> $r)? {
-                let Some($ctx) = $crate::intercept::gl::context::current() else {
+                let Some($ctx) = $crate::intercept::gl::registry::current() else {
                     // SAFETY: the program's own call, passed on with its own arguments.
-                    return unsafe { $crate::intercept::gl::context::driver().$method($($p),*) };
+                    return unsafe { $crate::intercept::gl::registry::driver().$method($($p),*) };
                 };
                 let $gl = $ctx.gl;
                 if $ctx.switched_off || (!$between && $ctx.immediate.under_way()) {
@@ -43,7 +43,7 @@ macro_rules! hooks {
                 match $crate::fence::guard(|| unsafe { $body }) {
                     Some(answer) => answer,
                     None => {
-                        $crate::intercept::gl::context::after_panic($name);
+                        $crate::intercept::gl::registry::after_panic($name);
                         // SAFETY: as above.
                         unsafe { $gl.$method($($p),*) }
                     }
@@ -66,10 +66,13 @@ pub fn find(name: &str) -> Option<*const ()> {
     static TABLE: OnceLock<HashMap<&'static str, usize>> = OnceLock::new();
     let table = TABLE.get_or_init(|| {
         let files = [
+            super::accumulation::HOOKS,
             super::conditional::HOOKS,
+            super::counting::told::HOOKS,
             super::culling::widths::HOOKS,
             super::draw::HOOKS,
             super::feedback::HOOKS,
+            super::filtering::HOOKS,
             super::front::HOOKS,
             super::immediate::HOOKS,
             super::immediate::commands::HOOKS,
@@ -77,6 +80,7 @@ pub fn find(name: &str) -> Option<*const ()> {
             super::lists::HOOKS,
             super::matrices::HOOKS,
             super::named::HOOKS,
+            super::outlines::HOOKS,
             super::pipelines::HOOKS,
             super::programs::HOOKS,
             super::reflection::HOOKS,
@@ -94,6 +98,30 @@ pub fn find(name: &str) -> Option<*const ()> {
         // Not aliases in the registry (their error rules differ), but the same call for us.
         "glBindFramebufferEXT" | "glBindFramebufferOES" => "glBindFramebuffer",
         "glBlitFramebufferANGLE" => "glBlitFramebuffer",
+        "glActiveShaderProgramEXT"
+        | "glBeginQueryEXT"
+        | "glBindProgramPipelineEXT"
+        | "glCheckNamedFramebufferStatusEXT"
+        | "glCreateShaderProgramvEXT"
+        | "glDeleteProgramPipelinesEXT"
+        | "glDeleteQueriesEXT"
+        | "glDeleteTexturesEXT"
+        | "glEndQueryEXT"
+        | "glGetIntegeri_vEXT"
+        | "glGetNamedFramebufferAttachmentParameterivEXT"
+        | "glGetQueryivEXT"
+        | "glIsQueryEXT"
+        | "glNamedBufferDataEXT"
+        | "glUnmapNamedBufferEXT"
+        | "glUseProgramStagesEXT"
+        | "glCopyTexSubImage3DOES"
+        | "glDeleteFramebuffersOES"
+        | "glFramebufferRenderbufferOES"
+        | "glFramebufferTexture2DOES"
+        | "glGenerateMipmapOES"
+        | "glGetFramebufferAttachmentParameterivOES"
+        | "glIsFramebufferOES" => &name[..name.len() - 3],
+        "glDrawBuffersNV" | "glReadBufferNV" => &name[..name.len() - 2],
         _ => crate::backend::gl::api::core_name(name),
     };
     table.get(core).map(|address| *address as *const ())

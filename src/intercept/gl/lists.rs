@@ -43,6 +43,28 @@ pub enum Command {
     /// Offsets to be added to `glListBase` when the list runs.
     CallLists(Vec<u32>),
     ListBase(u32),
+    Later(Later),
+}
+
+/// Any other command, as what it does when the list runs.
+#[derive(Clone)]
+pub struct Later(Arc<dyn Fn(&mut Context) + Send + Sync>);
+
+impl std::fmt::Debug for Later {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("Later")
+    }
+}
+
+impl PartialEq for Later {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
+}
+
+/// Does what a command of the program does: now, or whenever the list runs that is being compiled.
+pub fn now_or_later(ctx: &mut Context, run: impl Fn(&mut Context) + Send + Sync + 'static) {
+    if ctx.compiling() { record(ctx, Command::Later(Later(Arc::new(run)))) } else { run(ctx) }
 }
 
 /// A part of a list.
@@ -168,7 +190,8 @@ fn run_real(ctx: &mut Context, list: u32, draws: bool, raster: bool, bounds: &Bo
     }
 }
 
-fn run(ctx: &mut Context, command: &Command, depth: u32) {
+/// Runs a command of a list.
+pub fn run(ctx: &mut Context, command: &Command, depth: u32) {
     let gl = ctx.gl;
     let mut matrix = true;
     // SAFETY: the program's own commands, with the values that it recorded.
@@ -230,6 +253,7 @@ fn run(ctx: &mut Context, command: &Command, depth: u32) {
             }
         }
         Command::ListBase(base) => set_list_base(ctx, *base),
+        Command::Later(later) => (later.0)(ctx),
         _ => {}
     }
 }
@@ -284,6 +308,10 @@ fn finish_recording(ctx: &mut Context) {
         return;
     };
     recording.end_part(gl);
+    if ctx.target.is_some() && !ctx.redirected() {
+        // What could not be set while the list was compiled.
+        ctx.restore_window_space();
+    }
     forget(ctx, recording.list, 1);
     let list = recording.list;
     let mut lists = ctx.share.lists.lock().unwrap_or_else(PoisonError::into_inner);

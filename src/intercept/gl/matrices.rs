@@ -110,6 +110,25 @@ fn matrix_command(ctx: &mut Context, command: Command, run: impl FnOnce()) {
     ctx.projection.touch(ctx.believed.matrix_mode);
 }
 
+/// Runs a command on the matrix of `mode` (GL_EXT_direct_state_access), or records it like [`matrix_command`].
+fn named(ctx: &mut Context, mode: u32, command: Command, run: impl FnOnce()) {
+    let followed = matches!(mode, api::GL_PROJECTION | api::GL_MODELVIEW);
+    if !ctx.compiling() || !followed {
+        run();
+        ctx.projection.touch(mode);
+        return;
+    }
+    super::lists::now_or_later(ctx, move |ctx| {
+        let before = std::mem::replace(&mut ctx.believed.matrix_mode, mode);
+        // SAFETY: one of the two matrices that every context with lists has; the mode is put back.
+        unsafe { ctx.gl.matrix_mode(mode) };
+        super::lists::run(ctx, &command, 0);
+        ctx.believed.matrix_mode = before;
+        // SAFETY: as above.
+        unsafe { ctx.gl.matrix_mode(before) };
+    });
+}
+
 fn array<T: Copy + Into<f64>>(pointer: *const T) -> [f64; 16] {
     // SAFETY: the program passes sixteen numbers to a matrix command.
     std::array::from_fn(|i| unsafe { (*pointer.add(i)).into() })
@@ -120,34 +139,34 @@ fn transposed(m: [f64; 16]) -> [f64; 16] {
 }
 
 hooks! {
-    // The extension GL_EXT_direct_state_access; in display lists these are not kept apart.
-    "glMatrixLoadIdentityEXT" matrix_load_identity_ext(mode: u32) = |ctx, gl| { gl.matrix_load_identity_ext(mode); ctx.projection.touch(mode) };
-    "glMatrixLoadfEXT" matrix_loadf_ext(mode: u32, m: *const f32) = |ctx, gl| { gl.matrix_loadf_ext(mode, m); ctx.projection.touch(mode) };
-    "glMatrixLoaddEXT" matrix_loadd_ext(mode: u32, m: *const f64) = |ctx, gl| { gl.matrix_loadd_ext(mode, m); ctx.projection.touch(mode) };
-    "glMatrixMultfEXT" matrix_multf_ext(mode: u32, m: *const f32) = |ctx, gl| { gl.matrix_multf_ext(mode, m); ctx.projection.touch(mode) };
-    "glMatrixMultdEXT" matrix_multd_ext(mode: u32, m: *const f64) = |ctx, gl| { gl.matrix_multd_ext(mode, m); ctx.projection.touch(mode) };
-    "glMatrixFrustumEXT" matrix_frustum_ext(mode: u32, l: f64, r: f64, b: f64, t: f64, n: f64, f: f64) = |ctx, gl| {
-        gl.matrix_frustum_ext(mode, l, r, b, t, n, f);
-        ctx.projection.touch(mode);
-    };
-    "glMatrixOrthoEXT" matrix_ortho_ext(mode: u32, l: f64, r: f64, b: f64, t: f64, n: f64, f: f64) = |ctx, gl| {
-        gl.matrix_ortho_ext(mode, l, r, b, t, n, f);
-        ctx.projection.touch(mode);
-    };
-    "glMatrixRotatefEXT" matrix_rotatef_ext(mode: u32, a: f32, x: f32, y: f32, z: f32) = |ctx, gl| {
-        gl.matrix_rotatef_ext(mode, a, x, y, z);
-        ctx.projection.touch(mode);
-    };
-    "glMatrixRotatedEXT" matrix_rotated_ext(mode: u32, a: f64, x: f64, y: f64, z: f64) = |ctx, gl| {
-        gl.matrix_rotated_ext(mode, a, x, y, z);
-        ctx.projection.touch(mode);
-    };
-    "glMatrixScalefEXT" matrix_scalef_ext(mode: u32, x: f32, y: f32, z: f32) = |ctx, gl| { gl.matrix_scalef_ext(mode, x, y, z); ctx.projection.touch(mode) };
-    "glMatrixScaledEXT" matrix_scaled_ext(mode: u32, x: f64, y: f64, z: f64) = |ctx, gl| { gl.matrix_scaled_ext(mode, x, y, z); ctx.projection.touch(mode) };
-    "glMatrixTranslatefEXT" matrix_translatef_ext(mode: u32, x: f32, y: f32, z: f32) = |ctx, gl| { gl.matrix_translatef_ext(mode, x, y, z); ctx.projection.touch(mode) };
-    "glMatrixTranslatedEXT" matrix_translated_ext(mode: u32, x: f64, y: f64, z: f64) = |ctx, gl| { gl.matrix_translated_ext(mode, x, y, z); ctx.projection.touch(mode) };
-    "glMatrixPushEXT" matrix_push_ext(mode: u32) = |ctx, gl| { gl.matrix_push_ext(mode); ctx.projection.touch(mode) };
-    "glMatrixPopEXT" matrix_pop_ext(mode: u32) = |ctx, gl| { gl.matrix_pop_ext(mode); ctx.projection.touch(mode) };
+    "glMatrixLoadIdentityEXT" matrix_load_identity_ext(mode: u32) = |ctx, gl|
+        named(ctx, mode, Command::LoadIdentity, || gl.matrix_load_identity_ext(mode));
+    "glMatrixLoadfEXT" matrix_loadf_ext(mode: u32, m: *const f32) = |ctx, gl|
+        named(ctx, mode, Command::LoadMatrix(array(m)), || gl.matrix_loadf_ext(mode, m));
+    "glMatrixLoaddEXT" matrix_loadd_ext(mode: u32, m: *const f64) = |ctx, gl|
+        named(ctx, mode, Command::LoadMatrix(array(m)), || gl.matrix_loadd_ext(mode, m));
+    "glMatrixMultfEXT" matrix_multf_ext(mode: u32, m: *const f32) = |ctx, gl|
+        named(ctx, mode, Command::MultMatrix(array(m)), || gl.matrix_multf_ext(mode, m));
+    "glMatrixMultdEXT" matrix_multd_ext(mode: u32, m: *const f64) = |ctx, gl|
+        named(ctx, mode, Command::MultMatrix(array(m)), || gl.matrix_multd_ext(mode, m));
+    "glMatrixFrustumEXT" matrix_frustum_ext(mode: u32, l: f64, r: f64, b: f64, t: f64, n: f64, f: f64) = |ctx, gl|
+        named(ctx, mode, Command::Frustum([l, r, b, t, n, f]), || gl.matrix_frustum_ext(mode, l, r, b, t, n, f));
+    "glMatrixOrthoEXT" matrix_ortho_ext(mode: u32, l: f64, r: f64, b: f64, t: f64, n: f64, f: f64) = |ctx, gl|
+        named(ctx, mode, Command::Ortho([l, r, b, t, n, f]), || gl.matrix_ortho_ext(mode, l, r, b, t, n, f));
+    "glMatrixRotatefEXT" matrix_rotatef_ext(mode: u32, a: f32, x: f32, y: f32, z: f32) = |ctx, gl|
+        named(ctx, mode, Command::Rotate([a, x, y, z].map(f64::from)), || gl.matrix_rotatef_ext(mode, a, x, y, z));
+    "glMatrixRotatedEXT" matrix_rotated_ext(mode: u32, a: f64, x: f64, y: f64, z: f64) = |ctx, gl|
+        named(ctx, mode, Command::Rotate([a, x, y, z]), || gl.matrix_rotated_ext(mode, a, x, y, z));
+    "glMatrixScalefEXT" matrix_scalef_ext(mode: u32, x: f32, y: f32, z: f32) = |ctx, gl|
+        named(ctx, mode, Command::Scale([x, y, z].map(f64::from)), || gl.matrix_scalef_ext(mode, x, y, z));
+    "glMatrixScaledEXT" matrix_scaled_ext(mode: u32, x: f64, y: f64, z: f64) = |ctx, gl|
+        named(ctx, mode, Command::Scale([x, y, z]), || gl.matrix_scaled_ext(mode, x, y, z));
+    "glMatrixTranslatefEXT" matrix_translatef_ext(mode: u32, x: f32, y: f32, z: f32) = |ctx, gl|
+        named(ctx, mode, Command::Translate([x, y, z].map(f64::from)), || gl.matrix_translatef_ext(mode, x, y, z));
+    "glMatrixTranslatedEXT" matrix_translated_ext(mode: u32, x: f64, y: f64, z: f64) = |ctx, gl|
+        named(ctx, mode, Command::Translate([x, y, z]), || gl.matrix_translated_ext(mode, x, y, z));
+    "glMatrixPushEXT" matrix_push_ext(mode: u32) = |ctx, gl| named(ctx, mode, Command::PushMatrix, || gl.matrix_push_ext(mode));
+    "glMatrixPopEXT" matrix_pop_ext(mode: u32) = |ctx, gl| named(ctx, mode, Command::PopMatrix, || gl.matrix_pop_ext(mode));
     "glMatrixMode" matrix_mode(mode: u32) = |ctx, gl| {
         if ctx.compiling() {
             super::lists::record(ctx, Command::MatrixMode(mode));

@@ -5,14 +5,20 @@
 //! framebuffer is ours ([`default_framebuffer`]), and each draw to it is issued once per view
 //! ([`draw`]).
 
+pub mod accumulation;
 pub mod background;
 pub mod conditional;
+pub mod config;
 pub mod context;
+pub mod counting;
+pub mod counts;
 pub mod culling;
 pub mod default_framebuffer;
 pub mod draw;
 pub mod duplicate;
 pub mod feedback;
+pub mod filtering;
+pub mod frames;
 pub mod front;
 pub mod glsl;
 pub mod hook;
@@ -22,17 +28,21 @@ pub mod lists;
 pub mod matrices;
 pub mod named;
 pub mod offscreen;
+pub mod outlines;
 pub mod pipelines;
 pub mod present;
 pub mod programs;
 pub mod queries;
+pub mod quiet;
 pub mod raster;
 pub mod reads;
 pub mod reflection;
+pub mod registry;
 pub mod samplers;
 pub mod state;
 pub mod targets;
 pub mod uniforms;
+pub mod vendor;
 pub mod vendor_egl;
 pub mod vendor_glx;
 pub mod window;

@@ -1,7 +1,10 @@
 //! The end of a frame: correct it into the window, count, capture.
 
-use super::context::{Context, after_panic, current};
+use super::context::Context;
 use super::default_framebuffer::{self, take_error, take_own_errors};
+use super::frames;
+use super::registry::{after_panic, current};
+use super::window::Window;
 use crate::backend::gl::api::{self, Gl};
 use crate::intercept::kept::{self, Kept};
 use crate::intercept::settings;
@@ -9,8 +12,33 @@ use crate::runtime::report::{Picture, Statistics, ViewStatistics};
 use crate::runtime::session::Extras;
 use std::ffi::CStr;
 
+/// Whether the current context draws to `window`.
+fn is_current(window: &Window) -> bool {
+    current().and_then(|c| c.window.as_ref()).is_some_and(|current| current.handle() == window.handle())
+}
+
+/// Whether the current context draws to `window` and corrects what it draws.
+pub fn corrects(window: &Window) -> bool {
+    is_current(window) && current().is_some_and(|c| !c.switched_off && c.target.is_some())
+}
+
+/// Runs a swap of `window` (`None`: a drawable that is none), with the corrected picture in its back buffer.
+pub fn swap<R>(window: Option<Window>, swap: impl FnOnce() -> R) -> R {
+    let ours = window.as_ref().is_some_and(is_current);
+    if ours {
+        before_swap();
+    }
+    let answer = swap();
+    if ours {
+        after_swap();
+    } else if let Some(window) = window {
+        frames::swapped_elsewhere(&window);
+    }
+    answer
+}
+
 /// Before the window is swapped: its back buffer gets the corrected picture.
-pub fn before_swap() {
+fn before_swap() {
     let Some(ctx) = current().filter(|c| !c.switched_off) else { return };
     let show = || {
         frame(ctx);
@@ -25,7 +53,7 @@ pub fn before_swap() {
 }
 
 /// After the window was swapped: the next frame begins.
-pub fn after_swap() {
+fn after_swap() {
     let Some(ctx) = current().filter(|c| !c.switched_off) else { return };
     if crate::fence::guard(|| next_frame(ctx)).is_none() {
         after_panic("beginning a frame");
@@ -58,6 +86,12 @@ pub fn leave(ctx: &mut Context) {
         super::front::show(ctx, true);
     } else {
         correct(ctx);
+        // The frame may be swapped by a thread without a context, which can read nothing.
+        if let (Some(settings), Some(window)) = (settings::settings(), &ctx.window)
+            && settings.frames == Some(frames::next(window.handle()))
+        {
+            keep_report(ctx, settings);
+        }
     }
 }
 
@@ -74,7 +108,7 @@ fn in_window(ctx: &Context, run: impl FnOnce(&Gl)) {
 
 /// Corrects the views into the window. Allocates nothing.
 fn correct(ctx: &mut Context) {
-    super::conditional::unconditionally(ctx, correct_now);
+    super::counting::aside(ctx, correct_now);
 }
 
 fn correct_now(ctx: &mut Context) {
@@ -91,7 +125,8 @@ fn frame(ctx: &mut Context) {
     ctx.counts.frames += 1;
     correct(ctx);
     let Some(settings) = settings::settings() else { return };
-    let last = settings.frames == Some(ctx.counts.frames);
+    let number = ctx.window.as_ref().map_or(ctx.counts.frames, |window| frames::count(window.handle()));
+    let last = settings.frames == Some(number);
     if last || settings.frames.is_none() {
         keep_report(ctx, settings);
     }

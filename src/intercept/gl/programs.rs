@@ -75,7 +75,7 @@ impl Program {
             }
         }
         let mut uniforms = self.uniforms.lock().unwrap_or_else(PoisonError::into_inner);
-        uniforms.lens(ctx.gl, self.name, ctx.buffer_generation)
+        uniforms.lens(ctx.gl, ctx.buffer_generation)
     }
 }
 

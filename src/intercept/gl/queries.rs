@@ -28,6 +28,10 @@ fn believed(ctx: &mut Context, name: u32) -> Option<([f64; 4], usize)> {
                 api::GL_ALPHA_BITS => one(config.alpha_bits.into()),
                 api::GL_DEPTH_BITS => one(config.depth_bits.into()),
                 api::GL_STENCIL_BITS => one(config.stencil_bits.into()),
+                api::GL_ACCUM_RED_BITS
+                | api::GL_ACCUM_GREEN_BITS
+                | api::GL_ACCUM_BLUE_BITS
+                | api::GL_ACCUM_ALPHA_BITS => one(config.accumulation_bits.into()),
                 _ => None,
             }
         }
@@ -37,13 +41,9 @@ fn believed(ctx: &mut Context, name: u32) -> Option<([f64; 4], usize)> {
 
 /// The raster position as in the program's window.
 fn raster_position(ctx: &Context, values: &mut [f64; 4]) {
-    if let Some(tile) = ctx.target.as_ref().and_then(|t| t.panel())
-        && ctx.redirected()
-        && !ctx.raster.in_scene()
-    {
-        values[0] -= f64::from(tile[0]);
-        values[1] -= f64::from(tile[1]);
-    }
+    let [x, y] = ctx.raster.origin();
+    values[0] -= f64::from(x);
+    values[1] -= f64::from(y);
 }
 
 macro_rules! getters {

@@ -5,6 +5,7 @@
 //! matrix and set again in each view before something is drawn there.
 
 use super::context::Context;
+use super::counting::{self, Weights};
 use super::draw::{Place, own_window_space, place};
 use super::hook::hooks;
 use super::lists::Command;
@@ -13,24 +14,41 @@ use crate::backend::gl::api::{self, Gl};
 use std::ffi::c_void;
 
 /// Where the raster position belongs.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub struct Raster {
     scene: Option<ScenePosition>,
+    /// The origin of the tile in whose pixels the driver has it; the program has it in its window's.
+    origin: [i32; 2],
     /// Each view's projection when the position was set.
     projections: Vec<[f64; 16]>,
 }
 
 impl Raster {
-    /// Whether it lies in the scene rather than on the flat panel.
-    pub fn in_scene(&self) -> bool {
-        self.scene.is_some()
+    /// The origin of the window in the driver's raster position.
+    pub fn origin(&self) -> [i32; 2] {
+        self.origin
+    }
+
+    /// A new position is set; the origin of the old one. The place for projections is used again.
+    fn forget(&mut self) -> [i32; 2] {
+        self.scene = None;
+        std::mem::take(&mut self.origin)
+    }
+
+    /// What is put back with this position.
+    pub fn saved(&self) -> Self {
+        if self.scene.is_some() { self.clone() } else { Self { origin: self.origin, ..Self::default() } }
     }
 }
 
 /// A raster position in the scene.
+#[derive(Clone)]
 struct ScenePosition {
     object: [f64; 4],
     model_view: [f64; 16],
+    /// What the position took with it: colour and texture coordinate.
+    color: [f32; 4],
+    texture: [f32; 4],
     /// How far bitmaps moved it since, in pixels.
     moved: [f32; 2],
 }
@@ -38,35 +56,48 @@ struct ScenePosition {
 /// `glRasterPos`.
 pub fn set_position(ctx: &mut Context, object: [f64; 4]) {
     let gl = ctx.gl;
-    ctx.raster.scene = None;
+    let old = ctx.raster.forget();
     if ctx.redirected() && !ctx.picking {
         let place = place(ctx);
         if place == Place::FixedScene {
             let mut model_view = [0.0; 16];
-            // SAFETY: writes sixteen doubles; a raster position implies a fixed-function pipeline.
-            unsafe { gl.get_doublev(api::GL_MODELVIEW_MATRIX, model_view.as_mut_ptr()) };
+            let (mut color, mut texture) = ([0.0; 4], [0.0; 4]);
+            // SAFETY: writes sixteen doubles and four floats; a raster position implies a fixed-function pipeline.
+            unsafe {
+                gl.get_doublev(api::GL_MODELVIEW_MATRIX, model_view.as_mut_ptr());
+                gl.get_floatv(api::GL_CURRENT_COLOR, color.as_mut_ptr());
+                gl.get_floatv(api::GL_CURRENT_TEXTURE_COORDS, texture.as_mut_ptr());
+            }
             ctx.raster.projections.clone_from(&ctx.projection.per_view);
-            ctx.raster.scene = Some(ScenePosition { object, model_view, moved: [0.0; 2] });
+            ctx.raster.scene = Some(ScenePosition { object, model_view, color, texture, moved: [0.0; 2] });
             // The driver's own state too, for queries: as in the program's window.
             ctx.set_viewport(ctx.believed.viewport);
         } else {
-            flat_window_space(ctx);
+            ctx.raster.origin = flat_window_space(ctx);
         }
     }
-    // SAFETY: the program's own call.
-    unsafe { gl.raster_pos4d(object[0], object[1], object[2], object[3]) };
+    let mut valid = 0;
+    // SAFETY: the program's own call; writes one boolean.
+    unsafe {
+        gl.raster_pos4d(object[0], object[1], object[2], object[3]);
+        gl.get_booleanv(api::GL_CURRENT_RASTER_POSITION_VALID, &mut valid);
+    }
+    if valid == 0 {
+        // What is clipped leaves its numbers where they were.
+        ctx.raster.origin = old;
+    }
 }
 
 /// `glWindowPos`.
 pub fn set_window_position(ctx: &mut Context, position: [f64; 3]) {
-    ctx.raster.scene = None;
-    let mut offset = [0, 0];
+    ctx.raster.forget();
     if ctx.redirected() && !ctx.picking {
-        offset = flat_window_space(ctx);
+        ctx.raster.origin = flat_window_space(ctx);
     }
     let [x, y, z] = position;
+    let [left, bottom] = ctx.raster.origin.map(f64::from);
     // SAFETY: the program's own call, moved to the panel.
-    unsafe { ctx.gl.window_pos3d(x + f64::from(offset[0]), y + f64::from(offset[1]), z) };
+    unsafe { ctx.gl.window_pos3d(x + left, y + bottom, z) };
 }
 
 /// Prepares the flat tile; its origin in the atlas.
@@ -84,100 +115,138 @@ fn flat_window_space(ctx: &mut Context) -> [i32; 2] {
 
 /// Draws at the raster position. `false` if the caller should treat it as any other draw.
 pub fn draw_at_raster(ctx: &mut Context, issue: impl Fn(&Gl)) -> bool {
-    let gl = ctx.gl;
-    if !ctx.redirected() || ctx.picking {
+    if ctx.picking || (!ctx.redirected() && ctx.raster.origin == [0, 0]) {
         return false;
+    }
+    // Bitmaps reach over the border of their tile.
+    ctx.outlines.cut = true;
+    if !ctx.redirected() {
+        counting::weigh(ctx, Weights::ONCE);
+        move_origin(ctx, [0, 0]);
+        issue(ctx.gl);
+        return true;
     }
     ctx.counts.draws_seen += 1;
     ctx.frame_begun = true;
-    let Some(mut position) = ctx.raster.scene.take() else {
-        draw_flat(ctx, issue);
-        return true;
-    };
-    let Some(mut target) = ctx.target.take() else { return false };
+    match ctx.raster.scene.take() {
+        Some(position) => draw_in_scene(ctx, position, &issue),
+        None => draw_flat(ctx, &issue),
+    }
+    true
+}
+
+/// Draws at a raster position in the scene.
+fn draw_in_scene(ctx: &mut Context, mut position: ScenePosition, issue: &dyn Fn(&Gl)) {
+    let gl = ctx.gl;
+    super::matrices::refresh(ctx);
+    let Some(mut target) = ctx.target.take() else { return };
     let before = raster_position(gl);
     let mode = ctx.believed.matrix_mode;
-    super::matrices::refresh(ctx);
-    // SAFETY: the model-view matrix is pushed and popped, the projection is put back below.
+    // What is current, the raster position with it, is put back; a full stack has no place left for it.
+    let keeps = ctx.attribute_stack.len() < super::state::ATTRIBUTE_DEPTH;
+    // SAFETY: attributes and the model-view matrix are pushed and popped, the projection is put back below.
     unsafe {
+        if keeps {
+            gl.push_attrib(api::GL_CURRENT_BIT);
+        }
         gl.matrix_mode(api::GL_MODELVIEW);
         gl.push_matrix();
         gl.load_matrixd(position.model_view.as_ptr());
         gl.matrix_mode(mode);
     }
-    let set = |moved: [f32; 2]| {
+    let set = || {
         let [x, y, z, w] = position.object;
-        // SAFETY: the program's own position.
-        unsafe { gl.raster_pos4d(x, y, z, w) };
-        move_by(gl, moved[0], moved[1]);
+        // SAFETY: the program's own position, with what was current then.
+        unsafe {
+            if keeps {
+                gl.color4fv(position.color.as_ptr());
+                gl.tex_coord4fv(position.texture.as_ptr());
+            }
+            gl.raster_pos4d(x, y, z, w);
+        }
+        move_by(gl, position.moved[0], position.moved[1]);
     };
+    counting::weigh(ctx, Weights::ONCE);
     for index in 0..target.session.views().len() {
         let Some(projection) = ctx.raster.projections.get(index).copied() else { break };
         let (tile, own_lens) = target.session.tile(index);
         if own_lens {
             own_window_space(ctx, tile);
         } else {
-            ctx.set_scissor(None);
+            ctx.set_scissor(Some(tile));
             ctx.set_viewport(tile);
             load_projection(ctx, &projection);
         }
-        set(position.moved);
+        set();
         issue(gl);
         target.issued(index);
     }
     load_projection(ctx, &ctx.projection.matrix);
     if let Some(tile) = target.primary() {
+        counting::weigh(ctx, Weights { samples: 0.0, ..Weights::ONCE });
         own_window_space(ctx, tile);
-        set(position.moved);
+        set();
         issue(gl);
         ctx.counts.primary_draws += 1;
     }
-    // Once more where the program's window would be, out of sight, to learn how far it moved.
-    ctx.set_viewport(ctx.believed.viewport);
-    ctx.set_scissor(Some([0, 0, 0, 0]));
-    set(position.moved);
-    issue(gl);
-    let after = raster_position(gl);
-    // SAFETY: the pair of the push above.
+    if !keeps {
+        ctx.set_viewport(ctx.believed.viewport);
+        set();
+    }
+    // SAFETY: the pairs of the pushes above.
     unsafe {
         gl.matrix_mode(api::GL_MODELVIEW);
         gl.pop_matrix();
         gl.matrix_mode(mode);
+        if keeps {
+            gl.pop_attrib();
+        }
     }
+    // Once more where the program's window would be, out of sight: it moves the position as it should.
+    ctx.set_viewport(ctx.believed.viewport);
+    ctx.set_scissor(Some([0, 0, 0, 0]));
+    issue(gl);
+    let after = raster_position(gl);
     position.moved = [position.moved[0] + after[0] - before[0], position.moved[1] + after[1] - before[1]];
     ctx.raster.scene = Some(position);
     ctx.target = Some(target);
-    true
 }
 
 /// Draws at a raster position on the flat panel, and in the other pictures that show it.
-fn draw_flat(ctx: &mut Context, issue: impl Fn(&Gl)) {
+fn draw_flat(ctx: &mut Context, issue: &dyn Fn(&Gl)) {
     let gl = ctx.gl;
     super::default_framebuffer::want_panel(ctx);
     ctx.counts.panel_draws += 1;
     let Some(tiles) = ctx.target.as_ref().map(|t| t.flat_tiles()) else { return };
-    let before = raster_position(gl);
-    let mut first: Option<[i32; 4]> = None;
-    for (tile, _) in tiles.into_iter().flatten() {
+    let mut before = None;
+    for (number, (tile, _)) in tiles.into_iter().flatten().enumerate() {
+        let samples = if number == 0 { 1.0 } else { 0.0 };
+        counting::weigh(ctx, Weights { samples, ..Weights::ONCE });
         own_window_space(ctx, tile);
-        let Some(origin) = first else {
-            first = Some(tile);
-            issue(gl);
-            continue;
-        };
-        // The position is where the first tile's drawing left it; here it begins where that one began.
-        let after = raster_position(gl);
-        let [x, y] = [(tile[0] - origin[0]) as f32, (tile[1] - origin[1]) as f32];
-        move_by(gl, x + before[0] - after[0], y + before[1] - after[1]);
+        move_origin(ctx, [tile[0], tile[1]]);
+        let begin = raster_position(gl);
+        // Each picture's drawing begins where the first one's began.
+        let [x, y] = [begin[0] - tile[0] as f32, begin[1] - tile[1] as f32];
+        let [first_x, first_y] = *before.get_or_insert([x, y]);
+        move_by(gl, first_x - x, first_y - y);
         issue(gl);
-        move_by(gl, -x, -y);
+    }
+}
+
+/// The driver's raster position gets another tile's origin.
+fn move_origin(ctx: &mut Context, origin: [i32; 2]) {
+    let [x, y] = std::mem::replace(&mut ctx.raster.origin, origin);
+    if [x, y] != origin {
+        move_by(ctx.gl, (origin[0] - x) as f32, (origin[1] - y) as f32);
     }
 }
 
 /// Moves the raster position by pixels.
 fn move_by(gl: &Gl, x: f32, y: f32) {
-    // SAFETY: an empty bitmap only moves the raster position.
-    unsafe { gl.bitmap(0, 0, 0.0, 0.0, x, y, std::ptr::null()) };
+    if x != 0.0 || y != 0.0 {
+        // SAFETY: an empty bitmap only moves the raster position.
+        unsafe { gl.bitmap(0, 0, 0.0, 0.0, x, y, std::ptr::null()) };
+    }
 }
 
 fn raster_position(gl: &Gl) -> [f32; 2] {

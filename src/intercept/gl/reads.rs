@@ -2,6 +2,7 @@
 
 use super::context::Context;
 use super::hook::hooks;
+use crate::backend::gl::api::Gl;
 use std::ffi::c_void;
 
 /// Binds what reads of the window come from; the origin of the window's picture in it.
@@ -16,10 +17,8 @@ pub fn finish(ctx: &mut Context) {
 
 /// Runs a read of the program, with its rectangle's origin moved to where its picture is.
 pub fn read<R>(ctx: &mut Context, x: i32, y: i32, issue: impl FnOnce(i32, i32) -> R) -> R {
-    if !ctx.reads_redirected() || ctx.compiling() {
-        if !ctx.compiling() {
-            super::duplicate::before_reading_framebuffer(ctx);
-        }
+    if !ctx.reads_redirected() {
+        super::duplicate::before_reading_framebuffer(ctx);
         return issue(x, y);
     }
     let origin = prepare(ctx);
@@ -28,21 +27,31 @@ pub fn read<R>(ctx: &mut Context, x: i32, y: i32, issue: impl FnOnce(i32, i32) -
     answer
 }
 
+/// Runs a copy into a texture, which may be a part of a display list.
+fn copy(ctx: &mut Context, [x, y]: [i32; 2], issue: impl Fn(&Gl, i32, i32) + Send + Sync + 'static) {
+    super::lists::now_or_later(ctx, move |ctx| {
+        let gl = ctx.gl;
+        read(ctx, x, y, |x, y| issue(gl, x, y));
+    });
+}
+
 hooks! {
     "glReadPixels" read_pixels(x: i32, y: i32, w: i32, h: i32, format: u32, kind: u32, pixels: *mut c_void) = |ctx, gl|
         read(ctx, x, y, |x, y| gl.read_pixels(x, y, w, h, format, kind, pixels));
     "glReadnPixels" readn_pixels(x: i32, y: i32, w: i32, h: i32, format: u32, kind: u32, size: i32, pixels: *mut c_void) = |ctx, gl|
         read(ctx, x, y, |x, y| gl.readn_pixels(x, y, w, h, format, kind, size, pixels));
-    "glCopyTexImage1D" copy_tex_image1_d(target: u32, level: i32, format: u32, x: i32, y: i32, w: i32, border: i32) = |ctx, gl|
-        read(ctx, x, y, |x, y| gl.copy_tex_image1_d(target, level, format, x, y, w, border));
-    "glCopyTexSubImage1D" copy_tex_sub_image1_d(target: u32, level: i32, dx: i32, x: i32, y: i32, w: i32) = |ctx, gl|
-        read(ctx, x, y, |x, y| gl.copy_tex_sub_image1_d(target, level, dx, x, y, w));
-    "glCopyTexSubImage3D" copy_tex_sub_image3_d(target: u32, level: i32, dx: i32, dy: i32, dz: i32, x: i32, y: i32, w: i32, h: i32) = |ctx, gl|
-        read(ctx, x, y, |x, y| gl.copy_tex_sub_image3_d(target, level, dx, dy, dz, x, y, w, h));
-    "glCopyPixels" copy_pixels(x: i32, y: i32, w: i32, h: i32, kind: u32) = |ctx, _gl| {
-        let origin = if ctx.reads_redirected() && !ctx.compiling() { prepare(ctx) } else { [0, 0] };
-        let (x, y) = (x + origin[0], y + origin[1]);
-        super::raster::raster_command(ctx, |gl| gl.copy_pixels(x, y, w, h, kind));
-        finish(ctx);
-    };
+    "glCopyTexImage1D" copy_tex_image1_d(target: u32, level: i32, format: u32, x: i32, y: i32, w: i32, border: i32) = |ctx, _gl|
+        copy(ctx, [x, y], move |gl, x, y| gl.copy_tex_image1_d(target, level, format, x, y, w, border));
+    "glCopyTexSubImage1D" copy_tex_sub_image1_d(target: u32, level: i32, dx: i32, x: i32, y: i32, w: i32) = |ctx, _gl|
+        copy(ctx, [x, y], move |gl, x, y| gl.copy_tex_sub_image1_d(target, level, dx, x, y, w));
+    "glCopyTexSubImage3D" copy_tex_sub_image3_d(target: u32, level: i32, dx: i32, dy: i32, dz: i32, x: i32, y: i32, w: i32, h: i32) = |ctx, _gl|
+        copy(ctx, [x, y], move |gl, x, y| gl.copy_tex_sub_image3_d(target, level, dx, dy, dz, x, y, w, h));
+    "glCopyPixels" copy_pixels(x: i32, y: i32, w: i32, h: i32, kind: u32) = |ctx, _gl|
+        super::lists::now_or_later(ctx, move |ctx| {
+            let origin = if ctx.reads_redirected() { prepare(ctx) } else { [0, 0] };
+            let (x, y) = (x + origin[0], y + origin[1]);
+            // SAFETY: the program's own call, moved to where its picture is.
+            super::raster::raster_command(ctx, |gl| unsafe { gl.copy_pixels(x, y, w, h, kind) });
+            finish(ctx);
+        });
 }

@@ -97,11 +97,11 @@ fn copied(
     source: [i32; 4],
     issue: impl FnOnce(&mut Context),
 ) {
-    if texture != 0 && !ctx.compiling() && copies::into_texture(ctx, texture, level, offset, source) {
+    if texture != 0 && copies::into_texture(ctx, texture, level, offset, source) {
         return;
     }
     issue(ctx);
-    if texture != 0 && !ctx.compiling() {
+    if texture != 0 {
         copies::noted_into_texture(ctx, texture, level, source);
     }
 }
@@ -165,26 +165,35 @@ hooks! {
         duplicate::before_reading_texture(ctx, texture);
         gl.get_texture_image(texture, level, format, kind, size, pixels);
     };
-    "glCopyTexImage2D" copy_tex_image2_d(target: u32, level: i32, format: u32, x: i32, y: i32, w: i32, h: i32, border: i32) = |ctx, gl| {
-        let texture = duplicate::bound_texture(gl, target);
-        if texture != 0 && !ctx.compiling() && !duplicate::is_alike(ctx, texture, level, [w, h]) {
-            duplicate::forget_texture(ctx, texture);
-        }
-        copied(ctx, texture, level, [0, 0], [x, y, w, h], |ctx| {
-            super::reads::read(ctx, x, y, |x, y| gl.copy_tex_image2_d(target, level, format, x, y, w, h, border));
+    "glCopyTexImage2D" copy_tex_image2_d(target: u32, level: i32, format: u32, x: i32, y: i32, w: i32, h: i32, border: i32) = |ctx, _gl|
+        super::lists::now_or_later(ctx, move |ctx| {
+            let gl = ctx.gl;
+            let texture = duplicate::bound_texture(gl, target);
+            if texture != 0 && !duplicate::is_alike(ctx, texture, level, [w, h]) {
+                duplicate::forget_texture(ctx, texture);
+            }
+            copied(ctx, texture, level, [0, 0], [x, y, w, h], |ctx| {
+                // SAFETY: the program's own call, moved to where its picture is.
+                super::reads::read(ctx, x, y, |x, y| unsafe { gl.copy_tex_image2_d(target, level, format, x, y, w, h, border) });
+            });
         });
-    };
-    "glCopyTexSubImage2D" copy_tex_sub_image2_d(target: u32, level: i32, dx: i32, dy: i32, x: i32, y: i32, w: i32, h: i32) = |ctx, gl| {
-        let texture = duplicate::bound_texture(gl, target);
-        copied(ctx, texture, level, [dx, dy], [x, y, w, h], |ctx| {
-            super::reads::read(ctx, x, y, |x, y| gl.copy_tex_sub_image2_d(target, level, dx, dy, x, y, w, h));
+    "glCopyTexSubImage2D" copy_tex_sub_image2_d(target: u32, level: i32, dx: i32, dy: i32, x: i32, y: i32, w: i32, h: i32) = |ctx, _gl|
+        super::lists::now_or_later(ctx, move |ctx| {
+            let gl = ctx.gl;
+            let texture = duplicate::bound_texture(gl, target);
+            copied(ctx, texture, level, [dx, dy], [x, y, w, h], |ctx| {
+                // SAFETY: as above.
+                super::reads::read(ctx, x, y, |x, y| unsafe { gl.copy_tex_sub_image2_d(target, level, dx, dy, x, y, w, h) });
+            });
         });
-    };
-    "glCopyTextureSubImage2D" copy_texture_sub_image2_d(texture: u32, level: i32, dx: i32, dy: i32, x: i32, y: i32, w: i32, h: i32) = |ctx, gl| {
-        copied(ctx, texture, level, [dx, dy], [x, y, w, h], |ctx| {
-            super::reads::read(ctx, x, y, |x, y| gl.copy_texture_sub_image2_d(texture, level, dx, dy, x, y, w, h));
+    "glCopyTextureSubImage2D" copy_texture_sub_image2_d(texture: u32, level: i32, dx: i32, dy: i32, x: i32, y: i32, w: i32, h: i32) = |ctx, _gl|
+        super::lists::now_or_later(ctx, move |ctx| {
+            let gl = ctx.gl;
+            copied(ctx, texture, level, [dx, dy], [x, y, w, h], |ctx| {
+                // SAFETY: as above.
+                super::reads::read(ctx, x, y, |x, y| unsafe { gl.copy_texture_sub_image2_d(texture, level, dx, dy, x, y, w, h) });
+            });
         });
-    };
     "glDeleteTextures" delete_textures(count: i32, names: *const u32) = |ctx, gl| {
         if ctx.duplicates.any() && !names.is_null() {
             for name in std::slice::from_raw_parts(names, usize::try_from(count).unwrap_or(0)) {

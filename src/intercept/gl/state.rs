@@ -1,13 +1,19 @@
 //! Window-space state: what the program set, and what the driver has while a view is drawn.
 
-use super::context::Context;
+use super::context::{Actual, Believed, Context};
 use super::hook::hooks;
 use super::lists::Command;
+use super::raster::Raster;
 use crate::backend::gl::api;
 
 impl Context {
     /// Sets the real viewport.
     pub fn set_viewport(&mut self, rect: [i32; 4]) {
+        if self.compiling() {
+            // It would become a part of the program's list.
+            self.actual.viewport = None;
+            return;
+        }
         if self.actual.viewport != Some(rect) {
             // SAFETY: a plain state command.
             unsafe { self.gl.viewport(rect[0], rect[1], rect[2], rect[3]) };
@@ -17,6 +23,10 @@ impl Context {
 
     /// Sets the real scissor test and, if on, its rectangle.
     pub fn set_scissor(&mut self, rect: Option<[i32; 4]>) {
+        if self.compiling() {
+            self.actual = Actual { viewport: self.actual.viewport, ..Actual::default() };
+            return;
+        }
         if self.actual.scissor_test != Some(rect.is_some()) {
             // SAFETY: a plain state command.
             unsafe {
@@ -41,7 +51,7 @@ impl Context {
     pub fn restore_window_space(&mut self) {
         self.set_viewport(self.believed.viewport);
         let (test, rect) = (self.believed.scissor_test, self.believed.scissor);
-        if self.actual.scissor != Some(rect) {
+        if !self.compiling() && self.actual.scissor != Some(rect) {
             // SAFETY: a plain state command.
             unsafe { self.gl.scissor(rect[0], rect[1], rect[2].max(0), rect[3].max(0)) };
             self.actual.scissor = Some(rect);
@@ -53,13 +63,24 @@ impl Context {
 /// `GL_MAX_ATTRIB_STACK_DEPTH` of every driver that is known.
 pub const ATTRIBUTE_DEPTH: usize = 16;
 
+/// What `glPushAttrib` keeps of what we follow.
+pub struct Pushed {
+    mask: u32,
+    believed: Believed,
+    list_base: u32,
+    /// Where current attributes are kept.
+    raster: Option<Raster>,
+}
+
 /// `glPushAttrib`.
 pub fn push_attributes(ctx: &mut Context, mask: u32) {
     // SAFETY: the program's own call.
     unsafe { ctx.gl.push_attrib(mask) };
     // As deep as OpenGL's own, which ignores what exceeds it.
     if ctx.attribute_stack.len() < ATTRIBUTE_DEPTH {
-        ctx.attribute_stack.push((mask, ctx.believed.clone(), ctx.list_base));
+        let raster = (mask & api::GL_CURRENT_BIT != 0).then(|| ctx.raster.saved());
+        let (believed, list_base) = (ctx.believed.clone(), ctx.list_base);
+        ctx.attribute_stack.push(Pushed { mask, believed, list_base, raster });
     }
 }
 
@@ -68,7 +89,10 @@ pub fn push_attributes(ctx: &mut Context, mask: u32) {
 pub fn pop_attributes(ctx: &mut Context) {
     // SAFETY: the program's own call.
     unsafe { ctx.gl.pop_attrib() };
-    let Some((mask, saved, list_base)) = ctx.attribute_stack.pop() else { return };
+    let Some(Pushed { mask, believed: saved, list_base, raster }) = ctx.attribute_stack.pop() else { return };
+    if let Some(raster) = raster {
+        ctx.raster = raster;
+    }
     if mask & api::GL_VIEWPORT_BIT != 0 {
         ctx.believed.viewport = saved.viewport;
         ctx.actual.viewport = None;

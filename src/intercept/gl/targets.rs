@@ -4,7 +4,7 @@ use super::context::Context;
 use super::draw::{intersect, own_window_space};
 use super::hook::hooks;
 use super::lists::Command;
-use crate::backend::gl::api;
+use crate::backend::gl::api::{self, Gl};
 
 /// Binds what the program's framebuffer `name` stands for.
 pub fn bind(ctx: &mut Context, target: u32, name: u32) {
@@ -13,12 +13,18 @@ pub fn bind(ctx: &mut Context, target: u32, name: u32) {
     let real = if name == 0 { ours } else { name };
     let draws = matches!(target, api::GL_FRAMEBUFFER | api::GL_DRAW_FRAMEBUFFER);
     let was_redirected = was_redirected || (draws && super::duplicate::rebound(ctx));
+    let reads = matches!(target, api::GL_FRAMEBUFFER | api::GL_READ_FRAMEBUFFER);
     // SAFETY: the program's own call, with our framebuffer in place of its window's.
-    unsafe { ctx.gl.bind_framebuffer(target, real) };
+    unsafe {
+        ctx.gl.bind_framebuffer(target, real);
+        if reads && name == 0 && ctx.reads_elsewhere {
+            ctx.gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, 0);
+        }
+    }
     if draws {
         ctx.believed.draw_framebuffer = name;
     }
-    if matches!(target, api::GL_FRAMEBUFFER | api::GL_READ_FRAMEBUFFER) {
+    if reads {
         ctx.believed.read_framebuffer = name;
     }
     if was_redirected && !ctx.redirected() {
@@ -39,7 +45,7 @@ fn refuses_attachments(ctx: &mut Context, target: u32) -> bool {
 }
 
 /// A clear of the program: of everything that is its picture.
-pub fn clear_with(ctx: &mut Context, color: bool, issue: impl Fn(&crate::backend::gl::api::Gl)) {
+pub fn clear_with(ctx: &mut Context, color: bool, issue: impl Fn(&Gl)) {
     let gl = ctx.gl;
     if !ctx.redirected() || ctx.picking {
         if !super::duplicate::clear_with(ctx, &issue) {
@@ -55,7 +61,8 @@ pub fn clear_with(ctx: &mut Context, color: bool, issue: impl Fn(&crate::backend
     let part = ctx.believed.scissor_test.then(|| intersect(ctx.believed.scissor, window));
     // A scissor around (most of) the window is how many programs say "my viewport".
     let whole = part.is_none_or(|[_, _, w, h]| 2 * i64::from(w) * i64::from(h) > i64::from(width) * i64::from(height));
-    if whole {
+    let own_pictures = target.flat_tiles().into_iter().flatten().any(|(_, panel)| !panel);
+    if whole && (part.is_none() || !own_pictures) {
         ctx.set_scissor(None);
         issue(gl);
         if color {
@@ -63,11 +70,55 @@ pub fn clear_with(ctx: &mut Context, color: bool, issue: impl Fn(&crate::backend
         }
         return;
     }
-    super::default_framebuffer::want_panel(ctx);
+    if whole {
+        // The views as a whole, the program's own pictures to the pixel.
+        clear_views(ctx, gl, &issue);
+        if color {
+            clear_panel(ctx);
+        }
+    }
+    if !whole {
+        super::default_framebuffer::want_panel(ctx);
+    }
     let Some(target) = &ctx.target else { return };
-    for (tile, _) in target.flat_tiles().into_iter().flatten() {
-        own_window_space(ctx, tile);
-        issue(gl);
+    for (tile, panel) in target.flat_tiles().into_iter().flatten() {
+        if !(panel && whole) {
+            own_window_space(ctx, tile);
+            issue(gl);
+        }
+    }
+}
+
+/// `glClearBuffer`, which may be a part of a display list.
+///
+/// # Safety
+/// `value` must be null or point at as many numbers as the buffer has, as the program promises OpenGL.
+unsafe fn clear_by<T: Copy + Default + Send + Sync + 'static>(
+    ctx: &mut Context,
+    buffer: u32,
+    value: *const T,
+    issue: impl Fn(&Gl, *const T) + Send + Sync + 'static,
+) {
+    if value.is_null() {
+        return;
+    }
+    let count = if buffer == api::GL_COLOR { 4 } else { 1 };
+    // SAFETY: as promised.
+    let value: [T; 4] = std::array::from_fn(|i| if i < count { unsafe { *value.add(i) } } else { T::default() });
+    super::lists::now_or_later(ctx, move |ctx| {
+        clear_with(ctx, buffer == api::GL_COLOR, |gl| issue(gl, value.as_ptr()));
+    });
+}
+
+/// A clear of all views but those with the program's own lens.
+fn clear_views(ctx: &mut Context, gl: &Gl, issue: impl Fn(&Gl)) {
+    let views = ctx.target.as_ref().map_or(0, |t| t.session.views().len());
+    for view in 0..views {
+        let Some((tile, own_lens)) = ctx.target.as_ref().map(|t| t.session.tile(view)) else { return };
+        if !own_lens {
+            ctx.set_scissor(Some(tile));
+            issue(gl);
+        }
     }
 }
 
@@ -82,6 +133,9 @@ pub fn clear_panel(ctx: &mut Context) {
 
 /// `glClear`.
 pub fn clear_window(ctx: &mut Context, mask: u32) {
+    if mask & api::GL_ACCUM_BUFFER_BIT != 0 {
+        super::accumulation::clear(ctx);
+    }
     // SAFETY: the program's own call.
     clear_with(ctx, mask & api::GL_COLOR_BUFFER_BIT != 0, |gl| unsafe { gl.clear(mask) });
 }
@@ -90,27 +144,23 @@ pub fn clear_window(ctx: &mut Context, mask: u32) {
 fn is_window_buffer(buffer: u32) -> bool {
     matches!(
         buffer,
-        api::GL_FRONT
-            | api::GL_BACK
-            | api::GL_LEFT
-            | api::GL_RIGHT
-            | api::GL_FRONT_LEFT
-            | api::GL_FRONT_RIGHT
-            | api::GL_BACK_LEFT
-            | api::GL_BACK_RIGHT
-            | api::GL_FRONT_AND_BACK
+        api::GL_FRONT | api::GL_BACK | api::GL_LEFT | api::GL_FRONT_LEFT | api::GL_BACK_LEFT | api::GL_FRONT_AND_BACK
     )
 }
 
 /// What stands for a buffer of the window in our framebuffer; names that are wrong stay wrong.
 fn attachment(buffer: u32) -> u32 {
-    if is_window_buffer(buffer) {
-        api::GL_COLOR_ATTACHMENT0
-    } else if buffer == api::GL_NONE {
-        buffer
-    } else {
-        // An attachment is no buffer of a window: let the driver say the error of an unknown name.
-        u32::MAX
+    match buffer {
+        api::GL_NONE => buffer,
+        _ if is_window_buffer(buffer) => api::GL_COLOR_ATTACHMENT0,
+        // Names of buffers that this window has not: a window's buffer is none of ours, with the same error.
+        api::GL_RIGHT
+        | api::GL_FRONT_RIGHT
+        | api::GL_BACK_RIGHT
+        | api::GL_AUX0..=api::GL_AUX3
+        | api::GL_COLOR_ATTACHMENT0..=api::GL_COLOR_ATTACHMENT31 => api::GL_BACK,
+        // Let the driver say the error of an unknown name.
+        _ => u32::MAX,
     }
 }
 
@@ -226,13 +276,6 @@ hooks! {
     "glFramebufferRenderbuffer" framebuffer_renderbuffer(target: u32, attachment: u32, kind: u32, name: u32) = |ctx, gl| {
         if !refuses_attachments(ctx, target) { gl.framebuffer_renderbuffer(target, attachment, kind, name) }
     };
-    "glAccum" accum(operation: u32, value: f32) = |ctx, gl| {
-        if ctx.redirected() && !ctx.compiling() {
-            crate::intercept::log::once("the accumulation buffer is not corrected; what was drawn last is shown");
-        } else {
-            gl.accum(operation, value);
-        }
-    };
     "glDeleteFramebuffers" delete_framebuffers(count: i32, names: *const u32) = |ctx, gl| {
         let deleted: Vec<u32> = if names.is_null() { Vec::new() } else {
             std::slice::from_raw_parts(names, usize::try_from(count).unwrap_or(0)).to_vec()
@@ -256,22 +299,34 @@ hooks! {
         if ctx.compiling() { super::lists::record(ctx, Command::Clear(mask)) } else { clear_window(ctx, mask) }
     };
     "glClearBufferfv" clear_bufferfv(buffer: u32, index: i32, value: *const f32) = |ctx, _gl|
-        clear_with(ctx, buffer == api::GL_COLOR, |gl| gl.clear_bufferfv(buffer, index, value));
+        clear_by(ctx, buffer, value, move |gl, value| gl.clear_bufferfv(buffer, index, value));
     "glClearBufferiv" clear_bufferiv(buffer: u32, index: i32, value: *const i32) = |ctx, _gl|
-        clear_with(ctx, buffer == api::GL_COLOR, |gl| gl.clear_bufferiv(buffer, index, value));
+        clear_by(ctx, buffer, value, move |gl, value| gl.clear_bufferiv(buffer, index, value));
     "glClearBufferuiv" clear_bufferuiv(buffer: u32, index: i32, value: *const u32) = |ctx, _gl|
-        clear_with(ctx, buffer == api::GL_COLOR, |gl| gl.clear_bufferuiv(buffer, index, value));
+        clear_by(ctx, buffer, value, move |gl, value| gl.clear_bufferuiv(buffer, index, value));
     "glClearBufferfi" clear_bufferfi(buffer: u32, index: i32, depth: f32, stencil: i32) = |ctx, _gl|
-        clear_with(ctx, false, |gl| gl.clear_bufferfi(buffer, index, depth, stencil));
+        super::lists::now_or_later(ctx, move |ctx| {
+            // SAFETY: the program's own call.
+            clear_with(ctx, false, |gl| unsafe { gl.clear_bufferfi(buffer, index, depth, stencil) });
+        });
     "glDrawBuffer" draw_buffer(buffer: u32) = |ctx, _gl| {
         if ctx.compiling() { super::lists::record(ctx, Command::DrawBuffer(buffer)) } else { select_draw_buffer(ctx, buffer) }
     };
     "glReadBuffer" read_buffer(buffer: u32) = |ctx, _gl| {
         if ctx.compiling() { super::lists::record(ctx, Command::ReadBuffer(buffer)) } else { select_read_buffer(ctx, buffer) }
     };
-    "glDrawBuffers" draw_buffers(count: i32, buffers: *const u32) = |ctx, _gl| select_draw_buffers(ctx, count, buffers);
+    "glDrawBuffers" draw_buffers(count: i32, buffers: *const u32) = |ctx, _gl| {
+        if buffers.is_null() || !(1..=16).contains(&count) {
+            select_draw_buffers(ctx, count, buffers);
+        } else {
+            let mut names = [api::GL_NONE; 16];
+            names[..count as usize].copy_from_slice(std::slice::from_raw_parts(buffers, count as usize));
+            // SAFETY: as many names as it says.
+            super::lists::now_or_later(ctx, move |ctx| unsafe { select_draw_buffers(ctx, count, names.as_ptr()) });
+        }
+    };
     "glBlitFramebuffer" blit_framebuffer(x0: i32, y0: i32, x1: i32, y1: i32, u0: i32, v0: i32, u1: i32, v1: i32, mask: u32, filter: u32) =
-        |ctx, _gl| blit(ctx, [x0, y0, x1, y1], [u0, v0, u1, v1], mask, filter);
+        |ctx, _gl| super::lists::now_or_later(ctx, move |ctx| blit(ctx, [x0, y0, x1, y1], [u0, v0, u1, v1], mask, filter));
     "glInvalidateFramebuffer" invalidate_framebuffer(target: u32, count: i32, attachments: *const u32) = |ctx, gl| {
         // A hint; for the window it would have to be translated for nothing.
         if !ctx.redirected() { gl.invalidate_framebuffer(target, count, attachments) }

@@ -14,6 +14,8 @@ pub struct Uniforms {
     matrices: Vec<Matrix>,
     lens: Option<Lens>,
     generation: u64,
+    /// A block's buffer is mapped for good: the program may write to it at any time, and no call tells.
+    live: bool,
 }
 
 struct Matrix {
@@ -32,10 +34,10 @@ enum Place {
 
 impl Uniforms {
     /// The lens that the matrices hold now.
-    pub fn lens(&mut self, gl: &Gl, program: u32, generation: u64) -> Lens {
-        if self.generation != generation {
+    pub fn lens(&mut self, gl: &Gl, generation: u64) -> Lens {
+        if self.generation != generation || self.live {
             self.generation = generation;
-            if self.read_blocks(gl, program) {
+            if self.read_blocks(gl) {
                 self.lens = None;
             }
         }
@@ -53,12 +55,14 @@ impl Uniforms {
     }
 
     /// Reads the matrices in uniform blocks again; whether any changed.
-    fn read_blocks(&mut self, gl: &Gl, _program: u32) -> bool {
+    fn read_blocks(&mut self, gl: &Gl) -> bool {
         let mut changed = false;
+        self.live = false;
         for matrix in &mut self.matrices {
             if let Place::Block { binding, offset, stride, row_major } = matrix.place
-                && let Some(value) = block_matrix(gl, binding, offset, stride)
+                && let Some((value, mapped)) = block_matrix(gl, binding, offset, stride)
             {
+                self.live |= mapped;
                 let value = if row_major { transposed(&value) } else { value };
                 changed |= value != matrix.value;
                 matrix.value = value;
@@ -78,10 +82,10 @@ impl Uniforms {
     }
 }
 
-/// Sixteen floats at `offset` of the buffer bound to a uniform block's binding point.
-fn block_matrix(gl: &Gl, binding: u32, offset: usize, stride: usize) -> Option<[f64; 16]> {
-    // SAFETY: maps only bytes that lie in the buffer, for reading, and unmaps them; the binding
-    // that is borrowed for it is put back.
+/// Sixteen floats at `offset` of the buffer bound to a uniform block's binding point, and whether it is mapped for good.
+fn block_matrix(gl: &Gl, binding: u32, offset: usize, stride: usize) -> Option<([f64; 16], bool)> {
+    // SAFETY: maps or copies only bytes that lie in the buffer, and unmaps them; the binding that is borrowed
+    // for it is put back.
     unsafe {
         let mut buffer = 0;
         gl.get_integeri_v(api::GL_UNIFORM_BUFFER_BINDING, binding, &mut buffer);
@@ -98,14 +102,32 @@ fn block_matrix(gl: &Gl, binding: u32, offset: usize, stride: usize) -> Option<[
         gl.get_buffer_parameteriv(api::GL_COPY_READ_BUFFER, api::GL_BUFFER_MAPPED, &mut mapped);
         let first = usize::try_from(start).ok()? + offset;
         let length = 3 * stride + 16;
+        let mut flags = 0;
+        if mapped != 0 {
+            gl.get_buffer_parameteriv(api::GL_COPY_READ_BUFFER, api::GL_BUFFER_ACCESS_FLAGS, &mut flags);
+        }
+        let for_good = flags as u32 & api::GL_MAP_PERSISTENT_BIT != 0;
         let mut result = None;
-        if mapped == 0 && first + length <= usize::try_from(size).unwrap_or(0) {
+        let inside = first + length <= usize::try_from(size).unwrap_or(0);
+        let matrix = |bytes: &[u8]| {
+            let float = |at: usize| bytes[at..at + 4].try_into().map_or(0.0, f32::from_ne_bytes);
+            std::array::from_fn(|i| f64::from(float(i / 4 * stride + i % 4 * 4)))
+        };
+        if for_good && inside && length <= MOST_BYTES {
+            let mut bytes = [0; MOST_BYTES];
+            gl.get_buffer_sub_data(
+                api::GL_COPY_READ_BUFFER,
+                first as isize,
+                length as isize,
+                bytes.as_mut_ptr().cast(),
+            );
+            result = Some((matrix(&bytes), true));
+        } else if mapped == 0 && inside {
             let pointer =
                 gl.map_buffer_range(api::GL_COPY_READ_BUFFER, first as isize, length as isize, api::GL_MAP_READ_BIT);
             if !pointer.is_null() {
                 let bytes = std::slice::from_raw_parts(pointer.cast::<u8>().cast_const(), length);
-                let float = |at: usize| bytes[at..at + 4].try_into().map_or(0.0, f32::from_ne_bytes);
-                result = Some(std::array::from_fn(|i| f64::from(float(i / 4 * stride + i % 4 * 4))));
+                result = Some((matrix(bytes), false));
                 gl.unmap_buffer(api::GL_COPY_READ_BUFFER);
             }
         }
@@ -113,6 +135,9 @@ fn block_matrix(gl: &Gl, binding: u32, offset: usize, stride: usize) -> Option<[
         result
     }
 }
+
+/// A matrix with gaps between its columns is not longer than this in bytes.
+const MOST_BYTES: usize = 256;
 
 /// Of longer arrays of matrices, which are bones or instances, only the first is looked at.
 const LONGEST: i32 = 8;
@@ -271,6 +296,14 @@ hooks! {
     "glNamedBufferSubData" named_buffer_sub_data(buffer: u32, offset: isize, size: isize, data: *const c_void) = |ctx, gl| {
         gl.named_buffer_sub_data(buffer, offset, size, data);
         named_changed(ctx, buffer);
+    };
+    "glMapBufferRange" map_buffer_range(target: u32, offset: isize, length: isize, access: u32) -> *mut c_void = |ctx, gl| {
+        changed(ctx, target);
+        gl.map_buffer_range(target, offset, length, access)
+    };
+    "glMapNamedBufferRange" map_named_buffer_range(buffer: u32, offset: isize, length: isize, access: u32) -> *mut c_void = |ctx, gl| {
+        named_changed(ctx, buffer);
+        gl.map_named_buffer_range(buffer, offset, length, access)
     };
     "glUnmapBuffer" unmap_buffer(target: u32) -> u8 = |ctx, gl| {
         changed(ctx, target);

@@ -1,11 +1,10 @@
 //! The EGL vendor wrapper: libEGL loads us from a JSON file, we load the real vendor.
 
-use super::context;
-use super::hook;
 use super::present;
+use super::registry;
+use super::vendor::{self, noted_calls, real_call};
 use super::window::Window;
 use crate::backend::gl::api::Gl;
-use crate::intercept::{log, settings};
 use std::collections::HashMap;
 use std::ffi::{CStr, c_char, c_int, c_uint, c_ulong, c_void};
 use std::sync::{Mutex, OnceLock, PoisonError};
@@ -60,30 +59,19 @@ pub unsafe extern "C" fn __egl_Main(
     crate::fence::guard(|| {
         let vendors = std::env::var("CUPOLA_EGL_REAL").unwrap_or_default();
         let file = real_vendor(&vendors, &own_file());
-        // SAFETY: the vendor library is what libEGL itself would have loaded; it stays loaded.
-        let main = unsafe {
-            let Ok(library) = libloading::Library::new(file) else {
-                log::once(&format!("{file} cannot be loaded; set CUPOLA_EGL_REAL to your EGL vendor library"));
-                return 0;
-            };
-            let library = Box::leak(Box::new(library));
-            let Ok(main) = library.get::<Main>(b"__egl_Main\0") else {
-                log::once(&format!("{file} has no __egl_Main: it is not a vendor library of libglvnd"));
-                return 0;
-            };
-            *main
-        };
+        // SAFETY: the type is that of libEGL's entry.
+        let Some(main) = (unsafe { vendor::entry::<Main>(file, c"__egl_Main", "CUPOLA_EGL_REAL") }) else { return 0 };
         // SAFETY: the same arguments that libEGL gave us; `imports` is filled by the vendor.
         let ok = unsafe { main(version, exports, vendor, imports) };
         // SAFETY: a pointer of libEGL to its own structure.
         let imports = unsafe { imports.as_mut() };
-        if let (true, Some(imports)) = (ok != 0 && !settings::switched_off() && settings::settings().is_some(), imports)
+        if let (true, Some(imports)) = (ok != 0 && vendor::wanted(), imports)
             && let Some(real) = imports.get_proc_address
         {
             let real = *REAL.get_or_init(|| real);
             // SAFETY: the vendor answers any NUL-terminated name.
             let gl = DRIVER.get_or_init(|| Gl::load(|name| unsafe { real(name.as_ptr()) }));
-            context::set_driver(gl);
+            registry::set_driver(gl);
             imports.get_proc_address = Some(get_proc_address);
             if let Some(display) = imports.get_platform_display {
                 REAL_DISPLAY.get_or_init(|| display);
@@ -163,24 +151,14 @@ unsafe extern "C" fn get_proc_address(name: *const c_char) -> Pointer {
         "eglWaitGL" => wait_gl as *const (),
         "eglWaitClient" => wait_client as *const (),
         "eglDestroySurface" => destroy_surface as *const (),
-        _ if settings::settings().is_none_or(|s| s.rig.passthrough) => return real,
-        _ => match hook::find(text) {
+        "eglSetDamageRegionKHR" => set_damage_region as *const (),
+        "eglPostSubBufferNV" => post_sub_buffer as *const (),
+        _ => match vendor::hook(text) {
             Some(hook) => hook,
             None => return real,
         },
     };
     ours.cast_mut().cast()
-}
-
-/// Calls the driver's function `$name` with `$arguments`.
-macro_rules! real_call {
-    ($name:literal, ($($t:ty),*) -> $r:ty, $($a:expr),* $(,)?) => {{
-        // SAFETY: the driver's function of this name has this signature; the arguments are the program's.
-        unsafe {
-            let function: unsafe extern "C" fn($($t),*) -> $r = std::mem::transmute(real($name));
-            function($($a),*)
-        }
-    }};
 }
 
 fn window(display: Pointer, surface: Pointer) -> Option<Window> {
@@ -199,38 +177,27 @@ fn window(display: Pointer, surface: Pointer) -> Option<Window> {
 }
 
 unsafe extern "C" fn make_current(display: Pointer, draw: Pointer, read: Pointer, context: Pointer) -> c_uint {
-    context::leaving(context as usize, window(display, draw).as_ref());
+    registry::leaving(context as usize, window(display, draw).as_ref());
     let ok =
         real_call!(c"eglMakeCurrent", (Pointer, Pointer, Pointer, Pointer) -> c_uint, display, draw, read, context);
     if let (true, Some(gl)) = (ok != 0, DRIVER.get()) {
-        context::make_current(context as usize, gl, window(display, draw));
-    }
-    ok
-}
-
-/// Runs a swap, presenting before it where the surface is that of the current context.
-fn swap(surface: Pointer, swap: impl FnOnce() -> c_uint) -> c_uint {
-    let ours = context::current()
-        .is_some_and(|c| matches!(c.window, Some(Window::Egl { surface: s, .. }) if s == surface as usize));
-    if ours {
-        present::before_swap();
-    }
-    let ok = swap();
-    if ours {
-        present::after_swap();
+        registry::make_current(context as usize, gl, window(display, draw), read != draw);
     }
     ok
 }
 
 unsafe extern "C" fn swap_buffers(display: Pointer, surface: Pointer) -> c_uint {
-    swap(surface, || real_call!(c"eglSwapBuffers", (Pointer, Pointer) -> c_uint, display, surface))
+    present::swap(
+        window(display, surface),
+        || real_call!(c"eglSwapBuffers", (Pointer, Pointer) -> c_uint, display, surface),
+    )
 }
 
 unsafe extern "C" fn release_thread() -> c_uint {
-    context::leaving(0, None);
+    registry::leaving(0, None);
     let ok = real_call!(c"eglReleaseThread", () -> c_uint,);
     if let (true, Some(gl)) = (ok != 0, DRIVER.get()) {
-        context::make_current(0, gl, None);
+        registry::make_current(0, gl, None, false);
     }
     ok
 }
@@ -245,18 +212,50 @@ unsafe extern "C" fn wait_client() -> c_uint {
     real_call!(c"eglWaitClient", () -> c_uint,)
 }
 
-// The whole window changes with any part of the program's picture, so the damage is dropped.
+unsafe extern "C" fn post_sub_buffer(
+    display: Pointer,
+    surface: Pointer,
+    x: c_int,
+    y: c_int,
+    w: c_int,
+    h: c_int,
+) -> c_uint {
+    let window = window(display, surface);
+    // The whole window changes with any part of the program's picture.
+    let size = window.as_ref().filter(|window| present::corrects(window)).map(Window::size);
+    let [x, y, w, h] = size.map_or([x, y, w, h], |(width, height)| [0, 0, width as c_int, height as c_int]);
+    present::swap(
+        window,
+        || real_call!(c"eglPostSubBufferNV", (Pointer, Pointer, c_int, c_int, c_int, c_int) -> c_uint, display, surface, x, y, w, h),
+    )
+}
+
+unsafe extern "C" fn set_damage_region(display: Pointer, surface: Pointer, rects: *mut c_int, count: c_int) -> c_uint {
+    // We draw to all of the window, whatever part of its picture the program draws anew.
+    if window(display, surface).as_ref().is_some_and(present::corrects) {
+        return 1;
+    }
+    real_call!(c"eglSetDamageRegionKHR", (Pointer, Pointer, *mut c_int, c_int) -> c_uint, display, surface, rects, count)
+}
+
+/// The program's damage, for a window that keeps the program's own picture; for others none, which is all: the whole
+/// window changes with any part of that picture.
+fn damage(window: Option<&Window>, rects: *const c_int, count: c_int) -> (*const c_int, c_int) {
+    if window.is_some_and(present::corrects) { (std::ptr::null(), 0) } else { (rects, count) }
+}
+
 unsafe extern "C" fn swap_buffers_with_damage_khr(
     display: Pointer,
     surface: Pointer,
     rects: *const c_int,
     count: c_int,
 ) -> c_uint {
-    swap(surface, || {
-        let (rects, count) =
-            if context::current().is_some_and(|c| c.target.is_some()) { (std::ptr::null(), 0) } else { (rects, count) };
-        real_call!(c"eglSwapBuffersWithDamageKHR", (Pointer, Pointer, *const c_int, c_int) -> c_uint, display, surface, rects, count)
-    })
+    let window = window(display, surface);
+    let (rects, count) = damage(window.as_ref(), rects, count);
+    present::swap(
+        window,
+        || real_call!(c"eglSwapBuffersWithDamageKHR", (Pointer, Pointer, *const c_int, c_int) -> c_uint, display, surface, rects, count),
+    )
 }
 
 unsafe extern "C" fn swap_buffers_with_damage_ext(
@@ -265,47 +264,18 @@ unsafe extern "C" fn swap_buffers_with_damage_ext(
     rects: *const c_int,
     count: c_int,
 ) -> c_uint {
-    swap(surface, || {
-        let (rects, count) =
-            if context::current().is_some_and(|c| c.target.is_some()) { (std::ptr::null(), 0) } else { (rects, count) };
-        real_call!(c"eglSwapBuffersWithDamageEXT", (Pointer, Pointer, *const c_int, c_int) -> c_uint, display, surface, rects, count)
-    })
+    let window = window(display, surface);
+    let (rects, count) = damage(window.as_ref(), rects, count);
+    present::swap(
+        window,
+        || real_call!(c"eglSwapBuffersWithDamageEXT", (Pointer, Pointer, *const c_int, c_int) -> c_uint, display, surface, rects, count),
+    )
 }
 
-unsafe extern "C" fn create_context(
-    display: Pointer,
-    config: Pointer,
-    share: Pointer,
-    attributes: *const c_int,
-) -> Pointer {
-    let context = real_call!(c"eglCreateContext", (Pointer, Pointer, Pointer, *const c_int) -> Pointer, display, config, share, attributes);
-    context::created(context as usize, share as usize);
-    context
-}
-
-unsafe extern "C" fn destroy_context(display: Pointer, context: Pointer) -> c_uint {
-    let ok = real_call!(c"eglDestroyContext", (Pointer, Pointer) -> c_uint, display, context);
-    if ok != 0 {
-        context::destroyed(context as usize);
-    }
-    ok
-}
-
-fn note_surface(surface: Pointer, native: c_ulong) -> Pointer {
+fn note_surface(surface: Pointer, native: c_ulong) {
     if !surface.is_null() {
         known(|k| k.surfaces.insert(surface as usize, native));
     }
-    surface
-}
-
-unsafe extern "C" fn create_window_surface(
-    display: Pointer,
-    config: Pointer,
-    native: c_ulong,
-    attributes: *const c_int,
-) -> Pointer {
-    let surface = real_call!(c"eglCreateWindowSurface", (Pointer, Pointer, c_ulong, *const c_int) -> Pointer, display, config, native, attributes);
-    note_surface(surface, native)
 }
 
 /// The X11 window that a platform's native window points at; 0 where the platform is another.
@@ -317,29 +287,20 @@ fn x11_window(display: Pointer, native: Pointer) -> c_ulong {
     unsafe { *native.cast::<c_ulong>() }
 }
 
-unsafe extern "C" fn create_platform_window_surface(
-    display: Pointer,
-    config: Pointer,
-    native: Pointer,
-    attributes: *const isize,
-) -> Pointer {
-    let surface = real_call!(c"eglCreatePlatformWindowSurface", (Pointer, Pointer, Pointer, *const isize) -> Pointer, display, config, native, attributes);
-    note_surface(surface, x11_window(display, native))
-}
-
-unsafe extern "C" fn create_platform_window_surface_ext(
-    display: Pointer,
-    config: Pointer,
-    native: Pointer,
-    attributes: *const c_int,
-) -> Pointer {
-    let surface = real_call!(c"eglCreatePlatformWindowSurfaceEXT", (Pointer, Pointer, Pointer, *const c_int) -> Pointer, display, config, native, attributes);
-    note_surface(surface, x11_window(display, native))
-}
-
-unsafe extern "C" fn destroy_surface(display: Pointer, surface: Pointer) -> c_uint {
-    known(|k| k.surfaces.remove(&(surface as usize)));
-    real_call!(c"eglDestroySurface", (Pointer, Pointer) -> c_uint, display, surface)
+noted_calls! {
+    c"eglCreateContext" create_context(display: Pointer, config: Pointer, share: Pointer, attributes: *const c_int) -> Pointer,
+        |context| registry::created(context as usize, share as usize);
+    c"eglDestroyContext" destroy_context(display: Pointer, context: Pointer) -> c_uint, |ok| if ok != 0 {
+        registry::destroyed(context as usize);
+    };
+    c"eglCreateWindowSurface" create_window_surface(display: Pointer, config: Pointer, native: c_ulong, attributes: *const c_int) -> Pointer,
+        |surface| note_surface(surface, native);
+    c"eglCreatePlatformWindowSurface" create_platform_window_surface(display: Pointer, config: Pointer, native: Pointer, attributes: *const isize) -> Pointer,
+        |surface| note_surface(surface, x11_window(display, native));
+    c"eglCreatePlatformWindowSurfaceEXT" create_platform_window_surface_ext(display: Pointer, config: Pointer, native: Pointer, attributes: *const c_int) -> Pointer,
+        |surface| note_surface(surface, x11_window(display, native));
+    c"eglDestroySurface" destroy_surface(display: Pointer, surface: Pointer) -> c_uint,
+        |ok| known(|k| k.surfaces.remove(&(surface as usize)));
 }
 
 #[cfg(test)]

@@ -1,11 +1,10 @@
 //! The GLX vendor wrapper: libGLX loads us as the vendor "cupola", we load the real one.
 
-use super::context;
-use super::hook;
 use super::present;
+use super::registry;
+use super::vendor::{self, noted_calls, real_call};
 use super::window::Window;
 use crate::backend::gl::api::Gl;
-use crate::intercept::{log, settings};
 use std::collections::HashMap;
 use std::ffi::{CStr, c_char, c_int, c_ulong, c_void};
 use std::sync::{Mutex, OnceLock, PoisonError};
@@ -53,30 +52,19 @@ pub unsafe extern "C" fn __glx_Main(
     crate::fence::guard(|| {
         let name = std::env::var("CUPOLA_GLX_REAL").ok().filter(|n| !n.is_empty() && n != "cupola");
         let file = format!("libGLX_{}.so.0", name.as_deref().unwrap_or("mesa"));
-        // SAFETY: the vendor library is what libGLX itself would have loaded; it stays loaded.
-        let main = unsafe {
-            let Ok(library) = libloading::Library::new(&file) else {
-                log::once(&format!("{file} cannot be loaded; set CUPOLA_GLX_REAL to the name of your GLX vendor"));
-                return 0;
-            };
-            let library = Box::leak(Box::new(library));
-            let Ok(main) = library.get::<Main>(b"__glx_Main\0") else {
-                log::once(&format!("{file} has no __glx_Main: it is not a vendor library of libglvnd"));
-                return 0;
-            };
-            *main
-        };
+        // SAFETY: the type is that of libGLX's entry.
+        let Some(main) = (unsafe { vendor::entry::<Main>(&file, c"__glx_Main", "CUPOLA_GLX_REAL") }) else { return 0 };
         // SAFETY: the same arguments that libGLX gave us; `imports` is filled by the vendor.
         let ok = unsafe { main(version, exports, vendor, imports) };
         // SAFETY: a pointer of libGLX to its own structure.
         let imports = unsafe { imports.as_mut() };
-        if let (true, Some(imports)) = (ok != 0 && !settings::switched_off() && settings::settings().is_some(), imports)
+        if let (true, Some(imports)) = (ok != 0 && vendor::wanted(), imports)
             && let Some(real) = imports.get_proc_address
         {
             let real = *REAL.get_or_init(|| real);
             // SAFETY: the vendor answers any NUL-terminated name.
             let gl = DRIVER.get_or_init(|| Gl::load(|name| unsafe { real(name.as_ptr().cast()) }));
-            context::set_driver(gl);
+            registry::set_driver(gl);
             imports.get_proc_address = Some(get_proc_address);
             // A vendor that rewrites libglvnd's stubs would go past us.
             imports.is_patch_supported = std::ptr::null_mut();
@@ -124,29 +112,12 @@ unsafe extern "C" fn get_proc_address(name: *const u8) -> *mut c_void {
         "glXCopySubBufferMESA" => copy_sub_buffer as *const (),
         "glXWaitGL" => wait_gl as *const (),
         "glXUseXFont" => return real,
-        _ if passthrough() => return real,
-        _ => match hook::find(text) {
+        _ => match vendor::hook(text) {
             Some(hook) => hook,
             None => return real,
         },
     };
     ours.cast_mut().cast()
-}
-
-/// The rig corrects nothing: only frames are counted.
-fn passthrough() -> bool {
-    settings::settings().is_none_or(|s| s.rig.passthrough)
-}
-
-/// Calls the driver's function `$name` with `$arguments`.
-macro_rules! real_call {
-    ($name:literal, ($($t:ty),*) -> $r:ty, $($a:expr),* $(,)?) => {{
-        // SAFETY: the driver's function of this name has this signature; the arguments are the program's.
-        unsafe {
-            let function: unsafe extern "C" fn($($t),*) -> $r = std::mem::transmute(real($name));
-            function($($a),*)
-        }
-    }};
 }
 
 type Pointer = *mut c_void;
@@ -171,55 +142,42 @@ fn note_drawable(drawable: c_ulong, kind: Drawable) {
     }
 }
 
-fn now_current(ok: c_int, display: Pointer, drawable: c_ulong, context: Pointer) {
+fn now_current(ok: c_int, display: Pointer, drawable: c_ulong, read: c_ulong, context: Pointer) {
     if let (true, Some(gl)) = (ok != 0, DRIVER.get()) {
-        context::make_current(context as usize, gl, window(display, drawable));
+        registry::make_current(context as usize, gl, window(display, drawable), read != drawable);
     }
 }
 
 unsafe extern "C" fn make_current(display: Pointer, drawable: c_ulong, context: Pointer) -> c_int {
-    context::leaving(context as usize, window(display, drawable).as_ref());
+    registry::leaving(context as usize, window(display, drawable).as_ref());
     let ok = real_call!(c"glXMakeCurrent", (Pointer, c_ulong, Pointer) -> c_int, display, drawable, context);
-    now_current(ok, display, drawable, context);
+    now_current(ok, display, drawable, drawable, context);
     ok
 }
 
 unsafe extern "C" fn make_context_current(display: Pointer, draw: c_ulong, read: c_ulong, context: Pointer) -> c_int {
-    context::leaving(context as usize, window(display, draw).as_ref());
+    registry::leaving(context as usize, window(display, draw).as_ref());
     let ok = real_call!(c"glXMakeContextCurrent", (Pointer, c_ulong, c_ulong, Pointer) -> c_int, display, draw, read, context);
-    now_current(ok, display, draw, context);
+    now_current(ok, display, draw, read, context);
     ok
 }
 
-/// Whether the current context draws to `drawable`.
-fn is_current(drawable: c_ulong) -> bool {
-    context::current().is_some_and(|c| matches!(c.window, Some(Window::Glx { drawable: d, .. }) if d == drawable))
-}
-
 unsafe extern "C" fn swap_buffers(display: Pointer, drawable: c_ulong) {
-    let ours = is_current(drawable);
-    if ours {
-        present::before_swap();
-    }
-    real_call!(c"glXSwapBuffers", (Pointer, c_ulong) -> (), display, drawable);
-    if ours {
-        present::after_swap();
-    }
+    present::swap(
+        window(display, drawable),
+        || real_call!(c"glXSwapBuffers", (Pointer, c_ulong) -> (), display, drawable),
+    );
 }
 
 unsafe extern "C" fn copy_sub_buffer(display: Pointer, drawable: c_ulong, x: c_int, y: c_int, w: c_int, h: c_int) {
-    let ours = is_current(drawable);
-    let size =
-        context::current().filter(|c| ours && c.target.is_some()).and_then(|c| c.window.as_ref()).map(Window::size);
-    if ours {
-        present::before_swap();
-    }
+    let window = window(display, drawable);
     // The whole window changes with any part of the program's picture.
+    let size = window.as_ref().filter(|window| present::corrects(window)).map(Window::size);
     let [x, y, w, h] = size.map_or([x, y, w, h], |(width, height)| [0, 0, width as c_int, height as c_int]);
-    real_call!(c"glXCopySubBufferMESA", (Pointer, c_ulong, c_int, c_int, c_int, c_int) -> (), display, drawable, x, y, w, h);
-    if ours {
-        present::after_swap();
-    }
+    present::swap(
+        window,
+        || real_call!(c"glXCopySubBufferMESA", (Pointer, c_ulong, c_int, c_int, c_int, c_int) -> (), display, drawable, x, y, w, h),
+    );
 }
 
 unsafe extern "C" fn wait_gl() {
@@ -234,98 +192,10 @@ unsafe extern "C" fn swap_buffers_msc(
     divisor: i64,
     remainder: i64,
 ) -> i64 {
-    let ours = is_current(drawable);
-    if ours {
-        present::before_swap();
-    }
-    let count = real_call!(c"glXSwapBuffersMscOML", (Pointer, c_ulong, i64, i64, i64) -> i64, display, drawable, target, divisor, remainder);
-    if ours {
-        present::after_swap();
-    }
-    count
-}
-
-unsafe extern "C" fn create_context(display: Pointer, visual: Pointer, share: Pointer, direct: c_int) -> Pointer {
-    let context =
-        real_call!(c"glXCreateContext", (Pointer, Pointer, Pointer, c_int) -> Pointer, display, visual, share, direct);
-    context::created(context as usize, share as usize);
-    context
-}
-
-unsafe extern "C" fn create_new_context(
-    display: Pointer,
-    config: Pointer,
-    kind: c_int,
-    share: Pointer,
-    direct: c_int,
-) -> Pointer {
-    let context = real_call!(c"glXCreateNewContext", (Pointer, Pointer, c_int, Pointer, c_int) -> Pointer, display, config, kind, share, direct);
-    context::created(context as usize, share as usize);
-    context
-}
-
-unsafe extern "C" fn create_context_with_config(
-    display: Pointer,
-    config: Pointer,
-    kind: c_int,
-    share: Pointer,
-    direct: c_int,
-) -> Pointer {
-    let context = real_call!(c"glXCreateContextWithConfigSGIX", (Pointer, Pointer, c_int, Pointer, c_int) -> Pointer, display, config, kind, share, direct);
-    context::created(context as usize, share as usize);
-    context
-}
-
-unsafe extern "C" fn create_context_attribs(
-    display: Pointer,
-    config: Pointer,
-    share: Pointer,
-    direct: c_int,
-    attributes: *const c_int,
-) -> Pointer {
-    let context = real_call!(c"glXCreateContextAttribsARB", (Pointer, Pointer, Pointer, c_int, *const c_int) -> Pointer, display, config, share, direct, attributes);
-    context::created(context as usize, share as usize);
-    context
-}
-
-unsafe extern "C" fn destroy_context(display: Pointer, context: Pointer) {
-    real_call!(c"glXDestroyContext", (Pointer, Pointer) -> (), display, context);
-    context::destroyed(context as usize);
-}
-
-unsafe extern "C" fn create_window(
-    display: Pointer,
-    config: Pointer,
-    x11: c_ulong,
-    attributes: *const c_int,
-) -> c_ulong {
-    let drawable = real_call!(c"glXCreateWindow", (Pointer, Pointer, c_ulong, *const c_int) -> c_ulong, display, config, x11, attributes);
-    note_drawable(drawable, Drawable::Window(x11));
-    drawable
-}
-
-unsafe extern "C" fn create_pixmap(
-    display: Pointer,
-    config: Pointer,
-    pixmap: c_ulong,
-    attributes: *const c_int,
-) -> c_ulong {
-    let drawable = real_call!(c"glXCreatePixmap", (Pointer, Pointer, c_ulong, *const c_int) -> c_ulong, display, config, pixmap, attributes);
-    note_drawable(drawable, Drawable::OffScreen);
-    drawable
-}
-
-unsafe extern "C" fn create_glx_pixmap(display: Pointer, visual: Pointer, pixmap: c_ulong) -> c_ulong {
-    let drawable = real_call!(c"glXCreateGLXPixmap", (Pointer, Pointer, c_ulong) -> c_ulong, display, visual, pixmap);
-    note_drawable(drawable, Drawable::OffScreen);
-    drawable
-}
-
-unsafe extern "C" fn create_pbuffer(display: Pointer, config: Pointer, attributes: *const c_int) -> c_ulong {
-    let drawable =
-        real_call!(c"glXCreatePbuffer", (Pointer, Pointer, *const c_int) -> c_ulong, display, config, attributes);
-    note_drawable(drawable, Drawable::OffScreen);
-    drawable
+    present::swap(
+        window(display, drawable),
+        || real_call!(c"glXSwapBuffersMscOML", (Pointer, c_ulong, i64, i64, i64) -> i64, display, drawable, target, divisor, remainder),
+    )
 }
 
 /// The drawable is gone; its number may come back as something else.
@@ -334,22 +204,26 @@ fn forget_drawable(drawable: c_ulong) {
     drawables.get_or_insert_with(HashMap::new).remove(&drawable);
 }
 
-unsafe extern "C" fn destroy_window(display: Pointer, drawable: c_ulong) {
-    real_call!(c"glXDestroyWindow", (Pointer, c_ulong) -> (), display, drawable);
-    forget_drawable(drawable);
-}
-
-unsafe extern "C" fn destroy_pixmap(display: Pointer, drawable: c_ulong) {
-    real_call!(c"glXDestroyPixmap", (Pointer, c_ulong) -> (), display, drawable);
-    forget_drawable(drawable);
-}
-
-unsafe extern "C" fn destroy_glx_pixmap(display: Pointer, drawable: c_ulong) {
-    real_call!(c"glXDestroyGLXPixmap", (Pointer, c_ulong) -> (), display, drawable);
-    forget_drawable(drawable);
-}
-
-unsafe extern "C" fn destroy_pbuffer(display: Pointer, drawable: c_ulong) {
-    real_call!(c"glXDestroyPbuffer", (Pointer, c_ulong) -> (), display, drawable);
-    forget_drawable(drawable);
+noted_calls! {
+    c"glXCreateContext" create_context(display: Pointer, visual: Pointer, share: Pointer, direct: c_int) -> Pointer,
+        |context| registry::created(context as usize, share as usize);
+    c"glXCreateNewContext" create_new_context(display: Pointer, config: Pointer, kind: c_int, share: Pointer, direct: c_int) -> Pointer,
+        |context| registry::created(context as usize, share as usize);
+    c"glXCreateContextWithConfigSGIX" create_context_with_config(display: Pointer, config: Pointer, kind: c_int, share: Pointer, direct: c_int) -> Pointer,
+        |context| registry::created(context as usize, share as usize);
+    c"glXCreateContextAttribsARB" create_context_attribs(display: Pointer, config: Pointer, share: Pointer, direct: c_int, attributes: *const c_int) -> Pointer,
+        |context| registry::created(context as usize, share as usize);
+    c"glXDestroyContext" destroy_context(display: Pointer, context: Pointer) -> (), |done| registry::destroyed(context as usize);
+    c"glXCreateWindow" create_window(display: Pointer, config: Pointer, x11: c_ulong, attributes: *const c_int) -> c_ulong,
+        |drawable| note_drawable(drawable, Drawable::Window(x11));
+    c"glXCreatePixmap" create_pixmap(display: Pointer, config: Pointer, pixmap: c_ulong, attributes: *const c_int) -> c_ulong,
+        |drawable| note_drawable(drawable, Drawable::OffScreen);
+    c"glXCreateGLXPixmap" create_glx_pixmap(display: Pointer, visual: Pointer, pixmap: c_ulong) -> c_ulong,
+        |drawable| note_drawable(drawable, Drawable::OffScreen);
+    c"glXCreatePbuffer" create_pbuffer(display: Pointer, config: Pointer, attributes: *const c_int) -> c_ulong,
+        |drawable| note_drawable(drawable, Drawable::OffScreen);
+    c"glXDestroyWindow" destroy_window(display: Pointer, drawable: c_ulong) -> (), |done| forget_drawable(drawable);
+    c"glXDestroyPixmap" destroy_pixmap(display: Pointer, drawable: c_ulong) -> (), |done| forget_drawable(drawable);
+    c"glXDestroyGLXPixmap" destroy_glx_pixmap(display: Pointer, drawable: c_ulong) -> (), |done| forget_drawable(drawable);
+    c"glXDestroyPbuffer" destroy_pbuffer(display: Pointer, drawable: c_ulong) -> (), |done| forget_drawable(drawable);
 }

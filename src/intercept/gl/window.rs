@@ -43,9 +43,29 @@ const EGL_HEIGHT: i32 = 0x3056;
 const EGL_WIDTH: i32 = 0x3057;
 
 impl Window {
-    /// Its size in pixels, at least 1 × 1.
+    /// What its window system calls it.
+    pub fn handle(&self) -> usize {
+        match *self {
+            Self::Glx { drawable, .. } => drawable as usize,
+            Self::Egl { surface, .. } => surface,
+        }
+    }
+
+    /// Its size in pixels, at least 1 × 1. One question to the X server where there is one: the window
+    /// systems' own would be two.
     pub fn size(&self) -> (u32, u32) {
-        let (width, height) = match *self {
+        let x11_size = match *self {
+            Self::Glx { display, x11, .. } => x11_size(display, x11),
+            Self::Egl { x11: Some((display, window)), .. } => x11_size(display, window),
+            Self::Egl { .. } => None,
+        };
+        let (width, height) = x11_size.unwrap_or_else(|| self.asked_size());
+        (width.clamp(1, 16384), height.clamp(1, 16384))
+    }
+
+    /// Its size as GLX or EGL have it.
+    fn asked_size(&self) -> (u32, u32) {
+        match *self {
             Self::Glx { display, drawable, query, .. } => {
                 let (mut width, mut height) = (0, 0);
                 // SAFETY: the address is the driver's glXQueryDrawable; display and drawable are those
@@ -67,8 +87,7 @@ impl Window {
                 }
                 (width.max(0) as u32, height.max(0) as u32)
             }
-        };
-        (width.clamp(1, 16384), height.clamp(1, 16384))
+        }
     }
 
     /// Whether it has a back buffer; its own framebuffer must be bound for drawing.
@@ -98,10 +117,46 @@ impl Window {
     }
 }
 
+/// The size of an X11 window; `None` where Xlib is missing or the server does not say.
+fn x11_size(display: usize, window: c_ulong) -> Option<(u32, u32)> {
+    if display == 0 || window == 0 {
+        return None;
+    }
+    let (mut root, mut x, mut y, mut width, mut height, mut border, mut depth) = (0, 0, 0, 0, 0, 0, 0);
+    let geometry = x11()?.get_geometry;
+    // SAFETY: display and window are live objects of the program; each answer has its place.
+    let ok = unsafe {
+        geometry(
+            display as *mut c_void,
+            window,
+            &mut root,
+            &mut x,
+            &mut y,
+            &mut width,
+            &mut height,
+            &mut border,
+            &mut depth,
+        )
+    };
+    (ok != 0).then_some((width, height))
+}
+
 /// The few calls of Xlib that place a window. The program has it loaded; we link nothing.
 struct X11 {
     query_tree:
         unsafe extern "C" fn(*mut c_void, c_ulong, *mut c_ulong, *mut c_ulong, *mut *mut c_ulong, *mut c_uint) -> c_int,
+    #[allow(clippy::type_complexity)] // Xlib's own.
+    get_geometry: unsafe extern "C" fn(
+        *mut c_void,
+        c_ulong,
+        *mut c_ulong,
+        *mut c_int,
+        *mut c_int,
+        *mut c_uint,
+        *mut c_uint,
+        *mut c_uint,
+        *mut c_uint,
+    ) -> c_int,
     move_resize: unsafe extern "C" fn(*mut c_void, c_ulong, c_int, c_int, c_uint, c_uint) -> c_int,
     sync: unsafe extern "C" fn(*mut c_void, c_int) -> c_int,
     free: unsafe extern "C" fn(*mut c_void) -> c_int,
@@ -116,6 +171,7 @@ fn x11() -> Option<&'static X11> {
                 let library = Box::leak(Box::new(libloading::Library::new("libX11.so.6").ok()?));
                 Some(X11 {
                     query_tree: *library.get(b"XQueryTree\0").ok()?,
+                    get_geometry: *library.get(b"XGetGeometry\0").ok()?,
                     move_resize: *library.get(b"XMoveResizeWindow\0").ok()?,
                     sync: *library.get(b"XSync\0").ok()?,
                     free: *library.get(b"XFree\0").ok()?,

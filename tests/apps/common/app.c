@@ -15,7 +15,7 @@ static void usage(const char *name)
     fprintf(stderr,
             "usage: %s [--fov DEG] [--yaw DEG] [--pitch DEG] [--frames N] [--size WxH] [--at X,Y] [--samples N] [--egl]\n"
             "       [--near N] [--far N] [--srgb] [--single] [--fbo] [--mode NAME] [--dump FILE.ppm]\n"
-            "       [--shot FILE.ppm]\n",
+            "       [--shot FILE.ppm] [--answers FILE] [--seed N] [--accumulation]\n",
             name);
     exit(2);
 }
@@ -30,6 +30,10 @@ static void parse(app *a, int argc, char **argv)
         }
         if (strcmp(option, "--single") == 0) {
             a->request.single = true;
+            continue;
+        }
+        if (strcmp(option, "--accumulation") == 0) {
+            a->request.accumulation = true;
             continue;
         }
         if (strcmp(option, "--egl") == 0) {
@@ -55,6 +59,10 @@ static void parse(app *a, int argc, char **argv)
             a->far = atof(value);
         else if (strcmp(option, "--frames") == 0)
             a->frames = atoi(value);
+        else if (strcmp(option, "--answers") == 0)
+            a->answers = value;
+        else if (strcmp(option, "--seed") == 0)
+            a->seed = (unsigned)strtoul(value, NULL, 10);
         else if (strcmp(option, "--samples") == 0)
             a->request.samples = atoi(value);
         else if (strcmp(option, "--at") == 0 && sscanf(value, "%d,%d", &a->request.x, &a->request.y) == 2)

@@ -19,6 +19,8 @@ typedef struct app {
     const char *mode;  /* which of a program's ways; NULL: its first */
     const char *dump;  /* PPM of glReadPixels before each swap */
     const char *shot;  /* PPM of what the X server shows after each swap */
+    const char *answers; /* a text file, for programs that write down what OpenGL answers */
+    unsigned seed;       /* of what such programs do */
     window_request request;
 
     /* State. */

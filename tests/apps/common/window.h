@@ -19,6 +19,7 @@ typedef struct {
     int x, y, width, height; /* x, y: place on the screen; XGetImage sees windows that lie above */
     int samples; /* 0: no multisampling */
     bool single; /* one buffer: what is drawn is seen after a flush; GLX only */
+    bool accumulation; /* with an accumulation buffer; GLX only */
     bool srgb;   /* what is written is encoded as sRGB; GLX only */
     bool egl;    /* EGL instead of GLX; always so for API_GLES */
 } window_request;

@@ -17,6 +17,8 @@ void window_open_glx(window *w, const window_request *request)
         GLX_X_RENDERABLE, True, GLX_DRAWABLE_TYPE, GLX_WINDOW_BIT, GLX_RENDER_TYPE, GLX_RGBA_BIT,
         GLX_X_VISUAL_TYPE, GLX_TRUE_COLOR, GLX_RED_SIZE, 8, GLX_GREEN_SIZE, 8, GLX_BLUE_SIZE, 8,
         GLX_DEPTH_SIZE, 24, GLX_STENCIL_SIZE, 8, GLX_DOUBLEBUFFER, !request->single,
+        GLX_ACCUM_RED_SIZE, request->accumulation ? 8 : 0, GLX_ACCUM_GREEN_SIZE, request->accumulation ? 8 : 0,
+        GLX_ACCUM_BLUE_SIZE, request->accumulation ? 8 : 0,
         GLX_SAMPLE_BUFFERS, request->samples > 0, GLX_SAMPLES, request->samples,
         GLX_FRAMEBUFFER_SRGB_CAPABLE_ARB, request->srgb ? True : (int)GLX_DONT_CARE, None,
     };

@@ -24,6 +24,12 @@ impl Widest {
         self.0 = f32::INFINITY;
     }
 
+    /// Whether something may reach over the border of its tile into the next one, which the gutter
+    /// keeps a pixel away.
+    pub fn exceeds_gutter(self) -> bool {
+        self.0 > 2.0
+    }
+
     /// How many pixels beside a view still matter to it: half the width, and what smoothing and the
     /// rasteriser's own grid add.
     pub fn margin(self) -> f64 {

@@ -105,7 +105,7 @@ pub fn fills(ctx: &mut Context, sampled: Set) -> Result<bool, Measure> {
 
 /// OpenGL counts samples, OpenGL ES does not; and a query of the program's must not be disturbed.
 fn can_measure(ctx: &Context) -> bool {
-    if ctx.profile.es || ctx.profile.version < 15 {
+    if ctx.profile.es || ctx.profile.version < 15 || ctx.counting.any() {
         return false;
     }
     let targets: &[u32] = match ctx.profile.version {

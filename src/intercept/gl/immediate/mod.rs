@@ -11,6 +11,7 @@ use super::context::Context;
 use super::culling::bounds::Bounds;
 use super::draw::{Changes, draw};
 use super::hook::hooks;
+use super::outlines::Shape;
 use crate::backend::gl::api::{self, Gl};
 use recorder::Recorder;
 use std::ffi::c_void;
@@ -127,6 +128,7 @@ impl Current {
 /// Issues what was recorded.
 fn issue_recorded(ctx: &mut Context) {
     let (mode, bounds) = (ctx.immediate.mode, ctx.immediate.bounds);
+    ctx.outlines.shape = Shape::of_mode(mode);
     let recorder = std::mem::take(&mut ctx.immediate.recorder);
     let current = Current::get(ctx.gl, recorder.sets_late());
     let changes = if recorder.sets_others_late() {
@@ -152,6 +154,7 @@ fn issue_recorded(ctx: &mut Context) {
 /// list that ends with an attribute after its last vertex leaves something else on Mesa: it is set again.
 fn issue_list(ctx: &mut Context) {
     let (list, bounds, trailing) = (ctx.immediate.list, ctx.immediate.bounds, ctx.immediate.trailing);
+    ctx.outlines.shape = Shape::of_mode(ctx.immediate.mode);
     // SAFETY: a list of ours.
     draw(ctx, Changes::Attributes, &bounds, |_, gl| unsafe { gl.call_list(list) });
     // SAFETY: attributes of the program's.

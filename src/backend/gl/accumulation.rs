@@ -1,0 +1,217 @@
+//! The accumulation buffer of old OpenGL, which framebuffer objects have not.
+//!
+//! 32-bit floats: a sum of many pictures must not lose a step of 1/255, and 16-bit ones have 11 bits.
+
+use super::api::{self, Gl};
+use super::program::{ATLAS_UNIT, link};
+use super::state::{self, Capabilities};
+use crate::error::{Error, ErrorKind, Result};
+
+/// What `glAccum` does with the buffer `A` and the colours `C`, by its value `v`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Operation {
+    /// `A += v C`.
+    Accumulate,
+    /// `A = v C`.
+    Load,
+    /// `A += v`.
+    Add,
+    /// `A *= v`.
+    Multiply,
+    /// `C = v A`, as far as the program's colour mask lets it.
+    Return,
+}
+
+/// An accumulation buffer. The methods take the context that it was made on as current.
+#[derive(Debug)]
+pub struct Accumulation {
+    caps: Capabilities,
+    framebuffer: u32,
+    texture: u32,
+    vertex_array: u32,
+    /// Takes encoded values as they are.
+    sampler: u32,
+    program: u32,
+    scale: i32,
+    offset: i32,
+    size: (i32, i32),
+}
+
+const VERTEX: &str = "#version 130
+void main() {
+    vec2 corner = vec2(gl_VertexID & 1, gl_VertexID >> 1);
+    gl_Position = vec4(4.0 * corner - 1.0, 0.0, 1.0);
+}
+";
+
+const FRAGMENT: &str = "#version 130
+uniform sampler2D source;
+uniform float scale;
+uniform float offset;
+out vec4 result;
+void main() {
+    // Not texelFetch, which decodes sRGB whatever the sampler says.
+    result = scale * texture(source, gl_FragCoord.xy / vec2(textureSize(source, 0))) + offset;
+}
+";
+
+impl Accumulation {
+    /// A buffer of `size` (width, height in pixels), all zero. Every binding that is touched is put back.
+    ///
+    /// # Errors
+    /// [`ErrorKind::Graphics`] where the driver refuses the shader (OpenGL before 3.0) or the framebuffer.
+    pub fn new(gl: &Gl, size: (i32, i32)) -> Result<Self> {
+        let caps = Capabilities::of(gl, false);
+        let (mut framebuffer, mut vertex_array, mut sampler) = (0, 0, 0);
+        let saved = state::save_and_set(gl, &caps);
+        let program = link(gl, VERTEX, FRAGMENT);
+        // SAFETY: makes objects of ours on the current context; `saved` holds what is touched.
+        let (texture, status) = unsafe {
+            let texture = super::surface::new_texture(gl);
+            gl.active_texture(api::GL_TEXTURE0);
+            gl.bind_texture(api::GL_TEXTURE_2D, texture);
+            gl.tex_storage2_d(api::GL_TEXTURE_2D, 1, api::GL_RGBA32F, size.0, size.1);
+            gl.gen_vertex_arrays(1, &mut vertex_array);
+            gl.gen_samplers(1, &mut sampler);
+            gl.sampler_parameteri(sampler, api::GL_TEXTURE_MIN_FILTER, api::GL_NEAREST as i32);
+            gl.sampler_parameteri(sampler, api::GL_TEXTURE_MAG_FILTER, api::GL_NEAREST as i32);
+            if caps.srgb_decode {
+                gl.sampler_parameteri(sampler, api::GL_TEXTURE_SRGB_DECODE_EXT, api::GL_SKIP_DECODE_EXT as i32);
+            }
+            gl.gen_framebuffers(1, &mut framebuffer);
+            gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, framebuffer);
+            let (target, point) = (api::GL_DRAW_FRAMEBUFFER, api::GL_COLOR_ATTACHMENT0);
+            gl.framebuffer_texture2_d(target, point, api::GL_TEXTURE_2D, texture, 0);
+            gl.clear_bufferfv(api::GL_COLOR, 0, [0.0f32; 4].as_ptr());
+            (texture, gl.check_framebuffer_status(api::GL_DRAW_FRAMEBUFFER))
+        };
+        state::restore(gl, &caps, &saved);
+        let mut made =
+            Self { caps, framebuffer, texture, vertex_array, sampler, program: 0, scale: -1, offset: -1, size };
+        match program {
+            Ok(program) if status == api::GL_FRAMEBUFFER_COMPLETE => {
+                made.program = program;
+                // SAFETY: names end with zeroes.
+                unsafe {
+                    made.scale = gl.get_uniform_location(program, c"scale".as_ptr());
+                    made.offset = gl.get_uniform_location(program, c"offset".as_ptr());
+                }
+                Ok(made)
+            }
+            other => {
+                made.program = other.as_ref().copied().unwrap_or(0);
+                made.destroy(gl);
+                Err(other.err().unwrap_or_else(|| {
+                    let message = format!("The driver gives no accumulation buffer of {} × {}.", size.0, size.1);
+                    Error::new(ErrorKind::Graphics, message)
+                }))
+            }
+        }
+    }
+
+    /// Width and height in pixels.
+    pub fn size(&self) -> (i32, i32) {
+        self.size
+    }
+
+    /// Does what `glAccum` does, in `parts` (x, y, width, height from the bottom left). The colours are those of the
+    /// texture `colours`, and go to `framebuffer`; both are as large as the buffer.
+    pub fn operate(
+        &self,
+        gl: &Gl,
+        operation: Operation,
+        value: f32,
+        colours: u32,
+        framebuffer: u32,
+        parts: &[[i32; 4]],
+    ) {
+        let saved = state::save_and_set(gl, &self.caps);
+        let returns = operation == Operation::Return;
+        let (scale, offset) = match operation {
+            Operation::Add | Operation::Multiply => (0.0, value),
+            _ => (value, 0.0),
+        };
+        let blend = match operation {
+            Operation::Accumulate | Operation::Add => Some((api::GL_ONE, api::GL_ONE)),
+            Operation::Multiply => Some((api::GL_ZERO, api::GL_SRC_COLOR)),
+            _ => None,
+        };
+        let (mut functions, mut equations) = ([0; 4], [0; 2]);
+        // SAFETY: a context is current; what `saved` does not hold is put back below.
+        unsafe {
+            gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, if returns { framebuffer } else { self.framebuffer });
+            gl.active_texture(api::GL_TEXTURE0 + ATLAS_UNIT);
+            gl.bind_texture(api::GL_TEXTURE_2D, if returns { self.texture } else { colours });
+            gl.bind_sampler(ATLAS_UNIT, self.sampler);
+            gl.bind_vertex_array(self.vertex_array);
+            gl.use_program(self.program);
+            gl.uniform1f(self.scale, scale);
+            gl.uniform1f(self.offset, offset);
+            if returns {
+                let [red, green, blue, alpha] = saved.color_mask();
+                gl.color_maski(0, red, green, blue, alpha);
+            }
+            if let Some((source, destination)) = blend {
+                for (value, name) in functions.iter_mut().zip(FUNCTIONS) {
+                    gl.get_integerv(name, value);
+                }
+                for (value, name) in equations.iter_mut().zip(EQUATIONS) {
+                    gl.get_integerv(name, value);
+                }
+                gl.enablei(api::GL_BLEND, 0);
+                gl.blend_equation(api::GL_FUNC_ADD);
+                gl.blend_func(source, destination);
+            }
+            for part in parts {
+                state::set_viewport(gl, &self.caps, *part);
+                gl.draw_arrays(api::GL_TRIANGLES, 0, 3);
+            }
+            if blend.is_some() {
+                let [source, destination, source_alpha, destination_alpha] = functions.map(|v: i32| v as u32);
+                gl.blend_func_separate(source, destination, source_alpha, destination_alpha);
+                let [colour, alpha] = equations.map(|v: i32| v as u32);
+                gl.blend_equation_separate(colour, alpha);
+                gl.disablei(api::GL_BLEND, 0);
+            }
+            if returns {
+                gl.color_maski(0, 1, 1, 1, 1);
+            }
+        }
+        state::restore(gl, &self.caps, &saved);
+    }
+
+    /// Fills `parts` with `colour`.
+    pub fn clear(&self, gl: &Gl, colour: [f32; 4], parts: &[[i32; 4]]) {
+        let saved = state::save_and_set(gl, &self.caps);
+        let mut scissor = [0; 4];
+        // SAFETY: a context is current; the scissor is put back.
+        unsafe {
+            gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, self.framebuffer);
+            gl.get_integerv(api::GL_SCISSOR_BOX, scissor.as_mut_ptr());
+            gl.enable(api::GL_SCISSOR_TEST);
+            for [x, y, width, height] in parts {
+                gl.scissor(*x, *y, *width, *height);
+                gl.clear_bufferfv(api::GL_COLOR, 0, colour.as_ptr());
+            }
+            gl.disable(api::GL_SCISSOR_TEST);
+            gl.scissor(scissor[0], scissor[1], scissor[2], scissor[3]);
+        }
+        state::restore(gl, &self.caps, &saved);
+    }
+
+    /// Deletes it.
+    pub fn destroy(&self, gl: &Gl) {
+        // SAFETY: objects of ours; the name 0 is ignored.
+        unsafe {
+            gl.delete_program(self.program);
+            gl.delete_framebuffers(1, &self.framebuffer);
+            gl.delete_textures(1, &self.texture);
+            gl.delete_vertex_arrays(1, &self.vertex_array);
+            gl.delete_samplers(1, &self.sampler);
+        }
+    }
+}
+
+const FUNCTIONS: [u32; 4] =
+    [api::GL_BLEND_SRC_RGB, api::GL_BLEND_DST_RGB, api::GL_BLEND_SRC_ALPHA, api::GL_BLEND_DST_ALPHA];
+const EQUATIONS: [u32; 2] = [api::GL_BLEND_EQUATION_RGB, api::GL_BLEND_EQUATION_ALPHA];

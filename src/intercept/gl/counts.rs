@@ -1,0 +1,40 @@
+//! What is counted for `--stats`.
+
+/// Counts for `--stats`.
+#[derive(Clone, Debug, Default)]
+pub struct Counts {
+    /// Presented frames.
+    pub frames: u64,
+    /// Draws of the program to its window.
+    pub draws_seen: u64,
+    /// Draws issued to each view.
+    pub draws_issued: Vec<u64>,
+    /// Flat draws issued to the panel.
+    pub panel_draws: u64,
+    /// Draws issued to the primary picture.
+    pub primary_draws: u64,
+    /// Programs of shaders that were linked for us.
+    pub linked: u64,
+    /// OpenGL errors of ours.
+    pub errors: u64,
+    /// Draws by the way their projection was found.
+    pub found: Found,
+}
+
+/// How often each way of finding a projection was taken. Counting allocates nothing.
+#[derive(Clone, Debug, Default)]
+pub struct Found([(&'static str, u64); 8]);
+
+impl Found {
+    /// Counts one draw whose projection was found in this way; more than eight ways are not told apart.
+    pub fn count(&mut self, how: &'static str) {
+        if let Some(entry) = self.0.iter_mut().find(|e| e.1 == 0 || e.0 == how) {
+            *entry = (how, entry.1 + 1);
+        }
+    }
+
+    /// The ways that were taken, with their numbers of draws.
+    pub fn iter(&self) -> impl Iterator<Item = (&'static str, u64)> + '_ {
+        self.0.iter().copied().filter(|e| e.1 > 0)
+    }
+}

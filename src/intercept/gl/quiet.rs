@@ -1,0 +1,22 @@
+//! Messages of the driver (KHR_debug) about our own calls are not for the program.
+
+use super::context::Context;
+use crate::backend::gl::api;
+
+/// Runs work of ours without the program's debug callback.
+pub fn quietly<R>(ctx: &mut Context, work: impl FnOnce(&mut Context) -> R) -> R {
+    let gl = ctx.gl;
+    let knows = ctx.profile.version >= if ctx.profile.es { 32 } else { 43 };
+    // SAFETY: a switch that this version has; it is put back.
+    let talks = knows && unsafe { gl.is_enabled(api::GL_DEBUG_OUTPUT) } != 0;
+    if talks {
+        // SAFETY: as above.
+        unsafe { gl.disable(api::GL_DEBUG_OUTPUT) };
+    }
+    let answer = work(ctx);
+    if talks {
+        // SAFETY: as above.
+        unsafe { gl.enable(api::GL_DEBUG_OUTPUT) };
+    }
+    answer
+}

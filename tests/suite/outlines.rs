@@ -1,0 +1,57 @@
+//! Wide points and lines stay in their view: what is lit lies near what was drawn there.
+
+use crate::picture::Picture;
+use crate::programs::Run;
+use crate::reference::{Fisheye, Vector, dot};
+
+/// Number i of `tests/apps/outlines.c`: where it is, and its colour.
+fn marks() -> Vec<(Vector, [f64; 3])> {
+    (0..48_i32)
+        .map(|i| {
+            let (off, around) = (f64::from(10 + 10 * (i % 8)).to_radians(), f64::from(37 * i).to_radians());
+            let direction = [off.sin() * around.cos(), off.sin() * around.sin(), -off.cos()];
+            (direction, [0.3 + 0.1 * f64::from(i % 8), 0.3 + 0.1 * f64::from(i / 8), 0.4].map(|c| 255.0 * c))
+        })
+        .collect()
+}
+
+/// Lit pixels, and those of them that lie more than `apart` degrees from every mark of their colour.
+fn stray(picture: &Picture, apart: f64) -> (usize, usize) {
+    let (width, height) = (picture.width as f64, picture.height as f64);
+    let fisheye = Fisheye { width, height, aperture: 180.0, tilt: 90.0 };
+    let marks = marks();
+    let (mut lit, mut strays) = (0, 0);
+    for y in 0..picture.height {
+        for x in 0..picture.width {
+            let found = picture.at(x, y).map(f64::from);
+            // At the edge of a mark the filter mixes its colour with black; only whole ones tell which it is.
+            if found[2] < 100.0 {
+                continue;
+            }
+            lit += 1;
+            let direction = fisheye.direction(x as f64 + 0.5, y as f64 + 0.5);
+            let near = marks.iter().any(|(at, colour)| {
+                let same = colour.iter().zip(found).all(|(a, b)| (a - b).abs() < 12.0);
+                same && dot(*at, direction) > apart.to_radians().cos()
+            });
+            strays += usize::from(!near);
+        }
+    }
+    (lit, strays)
+}
+
+/// Half a mark's diagonal: 43 texels of a view, of which 100 are a radian at 256 × 256, and some for its distance.
+const APART: f64 = 30.0;
+
+#[test]
+fn what_is_wider_than_the_gutter_is_cut_at_its_tile() {
+    let run = Run { yaw: 0.0, pitch: 0.0, ..Run::new("outlines") };
+    let Some(finished) = run.under("fisheye") else { return };
+    let picture = finished.expect_success().expect_no_gl_errors().picture("capture.png");
+    let (lit, strays) = stray(&picture, APART);
+    assert!(lit > 500, "only {lit} pixels are lit");
+    assert_eq!(strays, 0, "of {lit} lit pixels so many lie where nothing of their colour was drawn");
+    // The judge judged: turned around, the same picture has its marks in wrong places.
+    let turned = Picture::from_fn(256, 256, |x, y| picture.at(255 - x, y));
+    assert!(stray(&turned, APART).1 > lit / 2);
+}
