@@ -116,7 +116,7 @@ mod tests {
         let upper =
             found.iter().map(|crossing| weights.direction(crossing.polar, crossing.azimuth).y).fold(-1.0, f64::max);
         let third = projector(DVec3::ZERO, 15.0, 25.0, (60.0, 40.0));
-        let three = rig(FRAC_PI_2, DVec3::ZERO, &[pair[0], pair[1], third]);
+        let three = rig(FRAC_PI_2, DVec3::ZERO, &[pair[0].clone(), pair[1].clone(), third]);
         let mended = crossings(&three, &[(960, 600); 3]).expect("valid");
         let old = mended.iter().filter(|crossing| crossing.outputs == [0, 1]).count();
         assert_eq!(old, 1, "the crossing at a height of {upper} has a picture beneath: {mended:?}");

@@ -1,5 +1,6 @@
 //! The weight of a pixel.
 
+use super::light_of;
 use super::ramp::{Border, LEAST_RAMP, ramp};
 use crate::error::Result;
 use crate::geom::pose;
@@ -41,9 +42,18 @@ impl<'rig> Weights<'rig> {
     pub fn weight(&self, output: usize, pixel: DVec2) -> Option<f64> {
         let Some(map) = self.maps.get(output)? else { return Some(1.0) };
         match map.hit(pixel) {
-            Some(hit) => Some(self.weight_at(output, hit)),
+            Some(hit) => Some(self.weight_at(output, hit) * self.calibrated(output, pixel)),
             // A window has no place on the dome: nothing to share with, and angles are those of its directions.
             None => map.direction(pixel).map(|direction| self.ramps_at(output, self.viewer_axes * direction)),
+        }
+    }
+
+    /// The part of the light that a calibration's file leaves a pixel of its output; 1 for all other outputs.
+    pub fn calibrated(&self, output: usize, pixel: DVec2) -> f64 {
+        let map = self.maps.get(output).and_then(Option::as_ref);
+        match (map, self.rig.outputs.get(output)) {
+            (Some(map), Some(output)) => light_of(map.intensity(pixel), &output.blend),
+            _ => 1.0,
         }
     }
 

@@ -191,7 +191,9 @@ pub fn filters_read_nothing_beyond_their_tiles(driver: &dyn Driver) {
     let frustum = crate::geom::Frustum::symmetric(1.2, 0.9);
     let (position, degrees) = (DVec3::new(0.5, 0.2, 2.5), [40.0, 17.0, 6.0]);
     let pose = crate::geom::Pose::new(position, 0.7, 0.3, 0.1);
-    let lens = crate::geom::Lens::Pinhole { frustum, distortion: Default::default() };
+    // Not quite a pinhole, so that it is tabulated.
+    let distortion = crate::geom::lens::Distortion { radial: [1e-6, 0.0, 0.0], tangential: [0.0; 2] };
+    let lens = crate::geom::Lens::Pinhole { frustum, distortion, keystone: glam::DMat3::IDENTITY };
     let optics = crate::geom::Optics { pose, lens, mirror: None };
     let tabulated = output("one", OutputKind::Optics { optics, even_light: 0.0 });
     for output in [fisheye(180.0, 90.0), projector("one", position, degrees, frustum), tabulated] {

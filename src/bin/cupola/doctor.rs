@@ -99,11 +99,8 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         tell(key, Some(good), words);
         good
     });
-    let vulkan = match cupola::backend::vk::headless::Headless::new(&[]) {
-        Ok(device) => format!("{}; programs that correct through the crate can use it", device.driver),
-        Err(error) => error.message,
-    };
-    tell("vulkan", None, vulkan);
+    let (good, words) = vulkan(&display, hooked.as_ref());
+    tell("vulkan", good, words);
     let usable = on && works.contains(&true);
     if arguments.json {
         println!("{:#}", as_json(usable, &findings));
@@ -119,6 +116,26 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         println!("{}", if usable { "Programs can be corrected here." } else { "Programs cannot be corrected here." });
     }
     Ok(if usable { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}
+
+/// Whether Vulkan programs can be corrected; `None` where there is no Vulkan, which OpenGL programs do not need.
+fn vulkan(plain: &Environment, hooked: Option<&Environment>) -> (Option<bool>, String) {
+    let driver = match probe::ask(Way::Vulkan, plain) {
+        Ok(answer) => answer.driver,
+        Err(why) => return (None, why),
+    };
+    let Some(hooked) = hooked else { return (Some(false), format!("{driver}: the library is missing")) };
+    match probe::ask(Way::Vulkan, hooked) {
+        Ok(answer) if answer.has_cupola() => {
+            let words = "the layer is loaded and programs can be corrected; what is shown flat says why in its log";
+            (Some(true), format!("{driver}; {words}"))
+        }
+        Ok(_) => {
+            let words = "the Vulkan loader does not load Cupola's layer; it has to be 1.3.234 or newer";
+            (Some(false), format!("{driver}: {words}"))
+        }
+        Err(why) => (Some(false), format!("{driver}, but with Cupola's layer: {why}")),
+    }
 }
 
 /// Whether programs that go this way to the driver can be corrected, with the reason.
