@@ -12,6 +12,7 @@ mod blend;
 mod calibration;
 mod camera;
 mod layout;
+mod one_line;
 mod presets;
 mod problems;
 mod reader;
@@ -232,7 +233,7 @@ pub enum OutputKind {
     /// A projector with a lens that is no ideal pinhole, or before a mirror.
     Optics {
         /// Place, lens and mirror, in metres from the dome's centre.
-        optics: crate::geom::Optics,
+        optics: Box<crate::geom::Optics>,
         /// How far the pixels' different sizes on the screen are evened out by dimming the small ones, 0…1.
         even_light: f64,
     },

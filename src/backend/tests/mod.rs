@@ -7,6 +7,7 @@ pub mod present;
 pub mod presets;
 pub mod quality;
 pub mod sharing;
+pub mod tables;
 
 use crate::correct::Plan;
 use crate::correct::map::MapPixel;
@@ -63,6 +64,10 @@ macro_rules! run_all_cases {
                 shapes_and_exponents_are_those_of_f64,
                 blacks_are_evened_out,
                 dithering_keeps_the_mean_light;
+            tables:
+                a_table_is_shown_as_it_was_computed,
+                mirrors_and_lenses_show_what_the_exact_map_says,
+                a_projector_that_looks_away_makes_no_ghosts;
         }
     };
 }

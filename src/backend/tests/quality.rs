@@ -195,7 +195,7 @@ pub fn filters_read_nothing_beyond_their_tiles(driver: &dyn Driver) {
     let distortion = crate::geom::lens::Distortion { radial: [1e-6, 0.0, 0.0], tangential: [0.0; 2] };
     let lens = crate::geom::Lens::Pinhole { frustum, distortion, keystone: glam::DMat3::IDENTITY };
     let optics = crate::geom::Optics { pose, lens, mirror: None };
-    let tabulated = output("one", OutputKind::Optics { optics, even_light: 0.0 });
+    let tabulated = output("one", OutputKind::Optics { optics: Box::new(optics), even_light: 0.0 });
     for output in [fisheye(180.0, 90.0), projector("one", position, degrees, frustum), tabulated] {
         let mut rig = rig(vec![output]);
         rig.views.method = ViewMethod::Cube;

@@ -3,15 +3,17 @@
 use crate::Failure;
 use crate::launch::probe::{self, Answer, Way};
 use crate::launch::{Environment, display, library, loader};
+use cupola::backend::vk;
 use serde_json::{Map, Value, json};
 use std::path::Path;
 use std::process::ExitCode;
 
 /// Variables of others that change what `cupola run` does.
-const TELLING: [&str; 13] = [
+const TELLING: [&str; 14] = [
     "CUPOLA",
     "CUPOLA_RIG",
     "CUPOLA_CAMERA",
+    "CUPOLA_VIEWER",
     "CUPOLA_DUPLICATE",
     "CUPOLA_LIBRARY",
     "CUPOLA_GLX_REAL",
@@ -101,6 +103,8 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     });
     let (good, words) = vulkan(&display, hooked.as_ref());
     tell("vulkan", good, words);
+    let (good, words) = vulkan_device();
+    tell("vulkan device", good, words);
     let usable = on && works.contains(&true);
     if arguments.json {
         println!("{:#}", as_json(usable, &findings));
@@ -136,6 +140,29 @@ fn vulkan(plain: &Environment, hooked: Option<&Environment>) -> (Option<bool>, S
         }
         Err(why) => (Some(false), format!("{driver}, but with Cupola's layer: {why}")),
     }
+}
+
+/// What programs that correct with Vulkan, through the crate or `cupola_vk.h`, find here.
+fn vulkan_device() -> (Option<bool>, String) {
+    let device = match vk::headless::Headless::new(&[]) {
+        Ok(device) => device,
+        Err(error) => return (None, error.message),
+    };
+    let formats = device.api.usable_formats();
+    if formats.is_empty() {
+        return (
+            Some(false),
+            format!("{}: it can neither filter nor draw to any usual format of images", device.driver),
+        );
+    }
+    let timed = if device.api.has_timestamps(device.queue_family()) { "times them" } else { "cannot time them" };
+    let words = format!(
+        "{}; corrects pictures of up to {2} × {2} in {1}, and {timed}",
+        device.driver,
+        formats.join(", "),
+        device.api.largest_image()
+    );
+    (Some(true), words)
 }
 
 /// Whether programs that go this way to the driver can be corrected, with the reason.
