@@ -17,6 +17,36 @@
 #include <stdlib.h>
 
 /*
+ A ramp `3t² − 2t³`.
+ */
+#define CUPOLA_RAMP_SMOOTHSTEP 0
+
+/*
+ A ramp `½ − ½·cos(πt)`.
+ */
+#define CUPOLA_RAMP_COSINE 1
+
+/*
+ A ramp of two halves of a power.
+ */
+#define CUPOLA_RAMP_POWER 2
+
+/*
+ An angle from the dome's pole.
+ */
+#define CUPOLA_ANGLE_POLAR 0
+
+/*
+ An angle around the dome's pole.
+ */
+#define CUPOLA_ANGLE_AZIMUTH 1
+
+/*
+ Most ramps in angles of the dome.
+ */
+#define CUPOLA_MOST_RAMPS 8
+
+/*
  What became of a call. The numbers never change.
  */
 typedef enum cupola_status {
@@ -180,6 +210,90 @@ typedef struct cupola_gl_statistics {
    */
   uint64_t errors;
 } cupola_gl_statistics;
+
+/*
+ A ramp in an angle of the dome.
+ */
+typedef struct cupola_angle_ramp {
+  /*
+   `CUPOLA_ANGLE_POLAR` or `CUPOLA_ANGLE_AZIMUTH`.
+   */
+  uint32_t angle;
+  /*
+   `CUPOLA_RAMP_SMOOTHSTEP`, `CUPOLA_RAMP_COSINE` or `CUPOLA_RAMP_POWER`.
+   */
+  uint32_t shape;
+  /*
+   The power, 0.5…4, of `CUPOLA_RAMP_POWER`.
+   */
+  double power;
+  /*
+   Where the weight is 0, degrees.
+   */
+  double zero;
+  /*
+   Where the weight is 1, degrees.
+   */
+  double full;
+} cupola_angle_ramp;
+
+/*
+ How an output is blended: the keys of `[output.blend]` in a rig file.
+ */
+typedef struct cupola_blend {
+  /*
+   `sizeof(cupola_blend)`.
+   */
+  size_t struct_size;
+  /*
+   Not 0: the light is shared where projectors overlap.
+   */
+  uint32_t overlap;
+  /*
+   Shape of the ramp at the borders: `CUPOLA_RAMP_SMOOTHSTEP`, `CUPOLA_RAMP_COSINE` or `CUPOLA_RAMP_POWER`.
+   */
+  uint32_t shape;
+  /*
+   The power, 0.5…4, of `CUPOLA_RAMP_POWER`.
+   */
+  double power;
+  /*
+   Width of that ramp as a part of the picture's width and height, 1e-6…0.5.
+   */
+  double ramp;
+  /*
+   Exponent of the picture's claim on a point, 1…2.
+   */
+  double exponent;
+  /*
+   Exponent of the display's response, 1…4.
+   */
+  double gamma;
+  /*
+   Light added to black, 0…1 (excluded).
+   */
+  double black_level;
+  /*
+   White over black, at least 10; 0: not evened out.
+   */
+  double contrast;
+  /*
+   Bits to dither for, 6…16; 0: not dithered.
+   */
+  uint32_t dither;
+  /*
+   Not 0: the display has the response of sRGB.
+   */
+  uint32_t srgb;
+  /*
+   How many of `ramps` there are.
+   */
+  size_t ramp_count;
+  /*
+   Ramps in angles of the dome.
+   */
+  struct cupola_angle_ramp ramps[8];
+} cupola_blend;
 
 #ifdef __cplusplus
 extern "C" {
@@ -392,6 +506,27 @@ enum cupola_status cupola_gl_get_statistics(struct cupola_gl *gl,
  `gl` is a live handle whose context is current, or null; it must not be used again.
  */
 enum cupola_status cupola_gl_destroy(struct cupola_gl *gl);
+
+/*
+ How an output (numbered as in the rig, from 0) is blended now. Set `blend->struct_size` before.
+
+ # Safety
+ `gl` is a live handle; `blend` points at a struct of `blend->struct_size` bytes.
+ */
+enum cupola_status cupola_gl_get_blend(struct cupola_gl *gl,
+                                       uint32_t output,
+                                       struct cupola_blend *blend);
+
+/*
+ Blends an output otherwise from the next frame on; between frames. Shaders are made anew, which takes
+ milliseconds; views stay. On an error everything stays.
+
+ # Safety
+ `gl` is a live handle whose context is current; `blend` points at a struct of `blend->struct_size` bytes.
+ */
+enum cupola_status cupola_gl_set_blend(struct cupola_gl *gl,
+                                       uint32_t output,
+                                       const struct cupola_blend *blend);
 
 #ifdef __cplusplus
 }  // extern "C"

@@ -6,8 +6,10 @@ use std::process::Command;
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 
 /// A header, its configuration, and the files that it is made from.
-const HEADERS: [(&str, &str, &[&str]); 2] =
-    [("cupola.h", "cbindgen.toml", &["status", "rig", "map", "gl"]), ("cupola_vk.h", "cbindgen_vk.toml", &["vk"])];
+const HEADERS: [(&str, &str, &[&str]); 2] = [
+    ("cupola.h", "cbindgen.toml", &["status", "rig", "map", "gl", "blend"]),
+    ("cupola_vk.h", "cbindgen_vk.toml", &["vk"]),
+];
 
 fn header(config: &str, files: &[&str]) -> String {
     let root = Path::new(ROOT);

@@ -78,7 +78,10 @@ fn check_answers_machines() {
 fn check_lists_and_prints_presets() {
     let list = answer(&["check", "--presets"]);
     let names: Vec<&str> = list.lines().filter_map(|line| line.split_whitespace().next()).collect();
-    assert_eq!(names, ["fisheye", "fisheye-210", "planetarium-6", "idome", "identity", "identity-captured"]);
+    assert_eq!(
+        names,
+        ["fisheye", "fisheye-210", "planetarium-6", "planetarium-2", "idome", "identity", "identity-captured"]
+    );
     assert_eq!(json(&["check", "--presets", "--json"])[0]["name"], "fisheye");
     // What is printed is a rig file.
     let copy = file("copy.toml");

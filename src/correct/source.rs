@@ -76,7 +76,9 @@ fn tabulated(rig: &Rig, index: usize, sizes: &[(u32, u32)]) -> Result<Source> {
     let size = sizes.get(index).copied().unwrap_or_default();
     let map = WarpMap::new(rig, index, size, None)?;
     let evenness = match &rig.outputs[index].kind {
-        OutputKind::Optics { even_light, .. } if *even_light > 0.0 => Some(Evenness::of(&map, *even_light)),
+        OutputKind::Optics { even_light, .. } if *even_light > 0.0 => {
+            Some(Evenness::of(rig, sizes, size, *even_light)?)
+        }
         _ => None,
     };
     let at = |column: u32, row: u32| {
@@ -90,7 +92,8 @@ fn tabulated(rig: &Rig, index: usize, sizes: &[(u32, u32)]) -> Result<Source> {
 }
 
 /// Dimming that evens out the light of pixels of different size on a screen that scatters light evenly: the same
-/// light on a smaller area is brighter by the ratio of the areas, the determinant of the map's Jacobian.
+/// light on a smaller area is brighter by the ratio of the areas, the determinant of the map's Jacobian. Distance and
+/// incidence are both in it. Projectors count as equally bright, so that where they overlap their light is the same.
 struct Evenness {
     /// Area of the pixels that are not dimmed.
     reference: f64,
@@ -103,14 +106,27 @@ const REFERENCE_GRID: u32 = 64;
 const DIMMED: f64 = 0.9;
 
 impl Evenness {
-    fn of(map: &WarpMap, strength: f64) -> Self {
+    /// For an output of `size`: dimmed as much as the output needs whose pixels are the largest for their light.
+    fn of(rig: &Rig, sizes: &[(u32, u32)], size: (u32, u32), strength: f64) -> Result<Self> {
+        let pixels = |(width, height): (u32, u32)| f64::from(width) * f64::from(height);
+        let mut reference = 0.0f64;
+        for (index, (output, &size)) in rig.outputs.iter().zip(sizes).enumerate() {
+            if matches!(output.kind, OutputKind::Optics { even_light, .. } if even_light > 0.0) {
+                let map = WarpMap::new(rig, index, size, None)?;
+                reference = reference.max(Self::large_area(&map) * pixels(size));
+            }
+        }
+        Ok(Self { reference: reference / pixels(size), strength })
+    }
+
+    /// The area on the screen that most pixels of a map do not exceed.
+    fn large_area(map: &WarpMap) -> f64 {
         let size = DVec2::new(f64::from(map.size().0), f64::from(map.size().1));
         let place = |i: u32| (f64::from(i) + 0.5) / f64::from(REFERENCE_GRID);
         let grid = (0..REFERENCE_GRID).flat_map(|y| (0..REFERENCE_GRID).map(move |x| DVec2::new(place(x), place(y))));
         let mut areas: Vec<f64> = grid.filter_map(|part| map.area(part * size)).collect();
         areas.sort_by(f64::total_cmp);
-        let reference = areas.get((areas.len() as f64 * DIMMED) as usize).copied().unwrap_or_default();
-        Self { reference, strength }
+        areas.get((areas.len() as f64 * DIMMED) as usize).copied().unwrap_or_default()
     }
 
     /// The weight of a pixel, linear light; 1 where its area is not known.

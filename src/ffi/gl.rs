@@ -21,7 +21,7 @@ pub type cupola_gl_draw = Option<unsafe extern "C" fn(view: *const cupola_gl_vie
 
 /// Cupola on an OpenGL context. Free it with `cupola_gl_destroy`, with the same context current.
 pub struct cupola_gl {
-    embedded: Embedded,
+    pub(super) embedded: Embedded,
     pending_error: u32,
 }
 
@@ -89,7 +89,7 @@ pub struct cupola_gl_statistics {
 ///
 /// # Safety
 /// `gl` is null or a live handle that no other thread uses now.
-unsafe fn handle<'a>(gl: *mut cupola_gl) -> crate::Result<&'a mut cupola_gl> {
+pub(super) unsafe fn handle<'a>(gl: *mut cupola_gl) -> crate::Result<&'a mut cupola_gl> {
     // SAFETY: as promised above.
     unsafe { gl.as_mut() }.ok_or_else(|| null("gl"))
 }

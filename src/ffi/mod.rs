@@ -7,6 +7,7 @@
 
 #![allow(non_camel_case_types)]
 
+pub mod blend;
 pub mod gl;
 pub mod map;
 pub mod rig;

@@ -7,7 +7,7 @@ use crate::backend::gl::api::Gl;
 use crate::backend::gl::surface::{Saved, Surface, greatest_texture};
 use crate::backend::gl::{GlBackend, Target};
 use crate::error::{Error, ErrorKind, Result};
-use crate::rig::{Rig, Viewer};
+use crate::rig::{Blend, Rig, Viewer};
 use crate::views::View;
 use glam::{DMat4, DVec4};
 
@@ -122,6 +122,42 @@ impl Embedded {
         self.surface.destroy(&self.gl);
         (self.session, self.surface, self.backend, self.rig) = (session, surface, backend, rig);
         Ok(())
+    }
+
+    /// How an output is blended.
+    ///
+    /// # Errors
+    /// [`ErrorKind::InvalidArgument`] for an output that does not exist.
+    pub fn blend(&self, output: usize) -> Result<&Blend> {
+        self.rig.outputs.get(output).map(|output| &output.blend).ok_or_else(|| self.no_output(output))
+    }
+
+    /// Blends an output otherwise from the next frame on; between frames. Views stay; shaders that change are
+    /// made anew, which takes milliseconds for each batch. On an error everything stays.
+    ///
+    /// # Errors
+    /// [`ErrorKind::InvalidState`] inside a frame; [`ErrorKind::InvalidArgument`] for an output that does not exist, a
+    /// value out of its range, or overlap of an output that is no projector; what the driver says.
+    pub fn set_blend(&mut self, output: usize, blend: Blend) -> Result<()> {
+        self.expect_idle()?;
+        blend.check()?;
+        let mut rig = self.rig.clone();
+        let Some(described) = rig.outputs.get_mut(output) else { return Err(self.no_output(output)) };
+        if blend.overlap && !described.kind.is_projector() {
+            let message = format!("output {output} is no projector; right would be overlap = 0, and `ramps`");
+            return Err(Error::new(ErrorKind::InvalidArgument, message));
+        }
+        described.blend = blend;
+        let size = self.session.window();
+        let session = Session::new(&rig, size, false, greatest_texture(&self.gl), Extras::default())?;
+        self.backend.prepare(&self.gl, session.plan(), false)?;
+        (self.rig, self.session) = (rig, session);
+        Ok(())
+    }
+
+    fn no_output(&self, index: usize) -> Error {
+        let count = self.rig.outputs.len();
+        Error::new(ErrorKind::InvalidArgument, format!("there is no output {index}; there are {count}, from 0"))
     }
 
     /// How many views there are; changes only with [`Embedded::resize`] and [`Embedded::set_viewer`].

@@ -220,6 +220,31 @@ static void check_creation(const cupola_rig *rig, cupola_gl_options right)
 }
 
 /* Calls that are wrong between frames. */
+static void check_blending(cupola_gl *dome)
+{
+    cupola_blend blend = { .struct_size = sizeof blend }, changed;
+
+    REFUSED(cupola_gl_get_blend(dome, 1000, &blend), CUPOLA_INVALID_ARGUMENT, "output 1000");
+    REFUSED(cupola_gl_get_blend(dome, 0, NULL), CUPOLA_INVALID_ARGUMENT, "blend");
+    CHECK(cupola_gl_get_blend(dome, 0, &blend) == CUPOLA_OK && blend.ramp > 0 && blend.gamma > 0);
+    changed = blend;
+    changed.ramp = 0.7;
+    REFUSED(cupola_gl_set_blend(dome, 0, &changed), CUPOLA_INVALID_ARGUMENT, "0.7");
+    changed = blend;
+    changed.shape = 9;
+    REFUSED(cupola_gl_set_blend(dome, 0, &changed), CUPOLA_INVALID_ARGUMENT, "shape");
+    changed = blend;
+    changed.ramp_count = 9;
+    REFUSED(cupola_gl_set_blend(dome, 0, &changed), CUPOLA_INVALID_ARGUMENT, "ramp_count");
+    changed.ramp_count = 1;
+    changed.ramps[0] = (cupola_angle_ramp){ CUPOLA_ANGLE_POLAR, CUPOLA_RAMP_POWER, 2.0, 80.0, 70.0 };
+    changed.shape = CUPOLA_RAMP_COSINE;
+    CHECK(cupola_gl_set_blend(dome, 0, &changed) == CUPOLA_OK);
+    CHECK(cupola_gl_get_blend(dome, 0, &changed) == CUPOLA_OK && changed.ramp_count == 1);
+    CHECK(changed.shape == CUPOLA_RAMP_COSINE && fabs(changed.ramps[0].zero - 80.0) < 1e-9);
+    CHECK(cupola_gl_set_blend(dome, 0, &blend) == CUPOLA_OK);
+}
+
 static void check_idle(cupola_gl *dome)
 {
     uint32_t count = 0, error = 0;
@@ -243,6 +268,7 @@ static void check_idle(cupola_gl *dome)
     REFUSED(cupola_gl_get_statistics(dome, &statistics), CUPOLA_INVALID_ARGUMENT, "struct_size");
     REFUSED(cupola_gl_draw_frame(dome, 1, 2, NULL, NULL, 0, 0, 0), CUPOLA_INVALID_ARGUMENT, "draw");
     REFUSED(cupola_gl_draw_frame(dome, 2, 1, draw, NULL, 0, 0, 0), CUPOLA_INVALID_ARGUMENT, "near");
+    check_blending(dome);
     REFUSED(cupola_gl_take_error(dome, NULL), CUPOLA_INVALID_ARGUMENT, "error");
     CHECK(cupola_gl_take_error(dome, &error) == CUPOLA_OK && error == GL_NO_ERROR);
 }

@@ -1,6 +1,7 @@
 //! A rig in words, and as JSON.
 
 use super::words;
+use cupola::blend::Crossing;
 use cupola::geom::{Frustum, Lens, Optics};
 use cupola::rig::{Blend, Camera, DomeAngle, Output, OutputKind, Rig, Transfer, ViewMethod};
 use cupola::views::{self, View, ViewPlan};
@@ -71,7 +72,7 @@ fn describe(text: &mut String, rig: &Rig, window: (u32, u32), plan: &ViewPlan) -
     for view in &plan.views {
         writeln!(text, "  {:14} {}", view.name, view_words(view))?;
     }
-    let sizes: Vec<(u32, u32)> = rig.layout(window).iter().map(|[_, _, width, height]| (*width, *height)).collect();
+    let sizes = sizes(rig, window);
     let report = views::report(plan, rig, &sizes);
     let (drawn, shown, ratio) = (report.view_texels, report.output_pixels, report.texels_per_pixel);
     if shown > 0 {
@@ -80,7 +81,29 @@ fn describe(text: &mut String, rig: &Rig, window: (u32, u32), plan: &ViewPlan) -
     for note in &plan.notes {
         writeln!(text, "note      {note}")?;
     }
+    for crossing in jumps(rig, &sizes) {
+        writeln!(text, "note      {crossing}")?;
+    }
     Ok(())
+}
+
+/// The outputs' sizes in a window.
+fn sizes(rig: &Rig, window: (u32, u32)) -> Vec<(u32, u32)> {
+    rig.layout(window).iter().map(|[_, _, width, height]| (*width, *height)).collect()
+}
+
+/// Where blending must jump, in words.
+fn jumps(rig: &Rig, sizes: &[(u32, u32)]) -> Vec<String> {
+    let sentence = |crossing: Crossing| {
+        let [first, second] = crossing.outputs.map(|index| rig.outputs[index].name.as_str());
+        let (polar, azimuth) = (degrees(crossing.polar), degrees(crossing.azimuth));
+        format!(
+            "the light of {first} and {second} meets abruptly {polar} from the pole, {azimuth} around it: their borders \
+             cross there with no third picture beneath"
+        )
+    };
+    // A rig that cannot be followed has no crossings to tell of; the planner has said why.
+    cupola::blend::crossings(rig, sizes).unwrap_or_default().into_iter().map(sentence).collect()
 }
 
 fn view_words(view: &View) -> String {
@@ -273,6 +296,7 @@ pub fn json(rig: &Rig, window: (u32, u32), plan: &ViewPlan) -> Value {
         "atlas": [plan.atlas.0, plan.atlas.1],
         "views": plan.views.iter().map(view).collect::<Vec<_>>(),
         "notes": plan.notes,
+        "jumps": jumps(rig, &sizes(rig, window)),
     })
 }
 
