@@ -15,7 +15,7 @@ fn marks() -> Vec<(Vector, [f64; 3])> {
         .collect()
 }
 
-/// Lit pixels, and those of them that lie more than `apart` degrees from every mark of their colour.
+/// Pixels of marks, and those of them that lie more than `apart` degrees from every mark of their colour.
 fn stray(picture: &Picture, apart: f64) -> (usize, usize) {
     let (width, height) = (picture.width as f64, picture.height as f64);
     let fisheye = Fisheye { width, height, aperture: 180.0, tilt: 90.0 };
@@ -24,17 +24,14 @@ fn stray(picture: &Picture, apart: f64) -> (usize, usize) {
     for y in 0..picture.height {
         for x in 0..picture.width {
             let found = picture.at(x, y).map(f64::from);
-            // At the edge of a mark the filter mixes its colour with black; only whole ones tell which it is.
-            if found[2] < 100.0 {
-                continue;
-            }
-            lit += 1;
             let direction = fisheye.direction(x as f64 + 0.5, y as f64 + 0.5);
-            let near = marks.iter().any(|(at, colour)| {
-                let same = colour.iter().zip(found).all(|(a, b)| (a - b).abs() < 12.0);
-                same && dot(*at, direction) > apart.to_radians().cos()
-            });
-            strays += usize::from(!near);
+            let same = |colour: &[f64; 3]| colour.iter().zip(found).all(|(a, b)| (a - b).abs() < 3.0);
+            let mut alike = marks.iter().filter(|(_, colour)| same(colour)).peekable();
+            // Where marks meet, the filter mixes their colours; only pixels of one mark tell which it is.
+            if alike.peek().is_some() {
+                lit += 1;
+                strays += usize::from(!alike.any(|(at, _)| dot(*at, direction) > apart.to_radians().cos()));
+            }
         }
     }
     (lit, strays)
@@ -49,8 +46,9 @@ fn what_is_wider_than_the_gutter_is_cut_at_its_tile() {
     let Some(finished) = run.under("fisheye") else { return };
     let picture = finished.expect_success().expect_no_gl_errors().picture("capture.png");
     let (lit, strays) = stray(&picture, APART);
-    assert!(lit > 500, "only {lit} pixels are lit");
-    assert_eq!(strays, 0, "of {lit} lit pixels so many lie where nothing of their colour was drawn");
+    assert!(lit > 10_000, "only {lit} pixels are lit");
+    // Where two marks meet a mixture may be a third one's colour: 6 pixels. Without the cut there are 1700.
+    assert!(strays * 1000 <= lit, "of {lit} pixels {strays} lie where nothing of their colour was drawn");
     // The judge judged: turned around, the same picture has its marks in wrong places.
     let turned = Picture::from_fn(256, 256, |x, y| picture.at(255 - x, y));
     assert!(stray(&turned, APART).1 > lit / 2);
