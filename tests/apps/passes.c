@@ -212,12 +212,15 @@ static void draw(app *a)
     if (is("respecified") && a->frame % 3 == 1)
         attach(0, GL_TEXTURE_2D, width, height);
     glViewport(0, 0, twice * width, twice * height);
-    if (!is("copied_window"))
+    if (!is("copied_window") && !is("copied_flat"))
         glBindFramebuffer(GL_FRAMEBUFFER, framebuffers[0]);
     if (is("attached_again"))
         glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, textures[0], 0);
     app_clear();
-    draw_cube(a, is("apart") ? scene_apart : scene);
+    if (is("copied_flat"))
+        fill(0, last, width, height);
+    else
+        draw_cube(a, is("apart") ? scene_apart : scene);
     glBindTextureUnit(0, textures[0]);
     if (is("resolve")) {
         glBlitNamedFramebuffer(framebuffers[0], framebuffers[1], 0, 0, width, height, 0, 0, width, height,
@@ -257,7 +260,7 @@ static void draw(app *a)
         fill(0, rectangle, width, height);
     } else if (is("power")) {
         fill_part(a, (float)width / 1024.0f, (float)height / 512.0f);
-    } else if (is("copied") || is("copied_window")) {
+    } else if (is("copied") || is("copied_window") || is("copied_flat")) {
         glBindTextureUnit(0, textures[1]);
         glCopyTextureSubImage2D(textures[1], 0, 0, 0, 0, 0, width, height);
         fill(framebuffers[2], changes, width, height);

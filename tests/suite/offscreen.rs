@@ -133,6 +133,11 @@ fn smaller_pictures_of_the_scene() {
 fn copies_into_textures() {
     sharp("copied");
     sharp("copied_window");
+    // What is copied of a window without a scene is flat, as all that follows.
+    let run = Run { extra: &["--mode", "copied_flat"], ..Run::new("passes") };
+    let Some(finished) = run.under("fisheye") else { return };
+    let statistics = finished.expect_success().expect_no_gl_errors().statistics();
+    assert_eq!(statistics["duplicated_draws"].as_u64(), Some(0), "{statistics:#}");
 }
 
 /// A texture that is specified anew is learnt anew, which takes a frame; the last of six is beyond it.

@@ -53,6 +53,12 @@ fn fills_window(ctx: &Context, [x0, y0, x1, y1]: Corners) -> bool {
     10 * inside(x0, x1, width) * inside(y0, y1, height) >= 9 * i64::from(width) * i64::from(height)
 }
 
+/// Whether the window's views show anything: a program that draws nothing in perspective has its picture on the panel.
+fn window_has_scene(ctx: &Context) -> bool {
+    let shown = || ctx.duplicates.images.iter().any(|image| image.shown && image.twin.is_some());
+    ctx.viewport_area.iter().any(|area| *area > 0) || shown()
+}
+
 fn read_side(ctx: &Context) -> Side {
     if ctx.reads_redirected() {
         return Side::Window;
@@ -87,7 +93,7 @@ fn note_blit(ctx: &mut Context, destination: Corners, mask: u32) {
         }
         return;
     }
-    let from_window = ctx.reads_redirected();
+    let from_window = ctx.reads_redirected() && window_has_scene(ctx);
     if !from_window && sources.iter().all(Option::is_none) {
         return;
     }
@@ -331,7 +337,8 @@ pub fn into_texture(ctx: &mut Context, texture: u32, level: i32, offset: [i32; 2
 /// The program has copied a rectangle of its read framebuffer into a texture itself.
 pub fn noted_into_texture(ctx: &mut Context, texture: u32, level: i32, source: [i32; 4]) {
     let [x, y, width, height] = source;
-    let from_window = ctx.reads_redirected() && fills_window(ctx, [x, y, x + width, y + height]);
+    let whole = fills_window(ctx, [x, y, x + width, y + height]);
+    let from_window = ctx.reads_redirected() && whole && window_has_scene(ctx);
     let sources = colours_of_read(ctx);
     if !possible(ctx) || (!from_window && sources.iter().all(Option::is_none)) {
         return;
