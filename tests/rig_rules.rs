@@ -365,17 +365,17 @@ fn blending() {
     refused("gamma = 2.4", "gamma = 0.45", "output[0].blend.gamma", &["at least 1 and at most 4"]);
     refused("black_level = 0.01", "black_level = 1", "output[0].blend.black_level", &["less than 1"]);
     refused("black_level = 0.01", "black_level = -0.1", "output[0].blend.black_level", &["at least 0"]);
-    for (given, path, words) in [
+    for (given, key, words) in [
         ("shape = \"cosin\"", "shape", "cosine"),
-        ("shape = \"cosine\", power = 2", "power", "goes with shape"),
-        ("shape = \"power\", power = 9", "power", "at least 0.5 and at most 4"),
+        ("shape = \"cosine\"\npower = 2", "power", "goes with shape"),
+        ("shape = \"power\"\npower = 9", "power", "at least 0.5 and at most 4"),
         ("exponent = 3", "exponent", "at least 1 and at most 2"),
-        ("transfer = \"srgb\"", "gamma", "goes with transfer"),
         ("contrast = 2", "contrast", "at least 10"),
         ("dither = 4", "dither", "at least 6 and at most 16"),
     ] {
-        refused("ramp = 0.2", &format!("ramp = 0.2, {given}"), &format!("output[0].blend.{path}"), &[words]);
+        refused("ramp = 0.2", &format!("ramp = 0.2\n{given}"), &format!("output[0].blend.{key}"), &[words]);
     }
+    refused("gamma = 2.4", "transfer = \"srgb\"\ngamma = 2.4", "output[0].blend.gamma", &["goes with transfer"]);
     refused("overlap = true", "overlap = 1", "output[0].blend.overlap", &["neither true nor false"]);
     refused(
         "aperture = 180",
