@@ -255,3 +255,41 @@ fn stress_finds_nothing_over_its_bounds() {
         assert!(compared(name) >= least, "{name}: {} compared", compared(name));
     }
 }
+
+#[test]
+fn accuracy_is_within_its_bounds_on_every_kind_of_screen() {
+    let report = json(&["accuracy", "--size", "96x54", "--every", "29", "--json"]);
+    let rows = report["rows"].as_array().unwrap();
+    let screens: std::collections::BTreeSet<&str> = rows.iter().filter_map(|row| row["screen"].as_str()).collect();
+    assert!(screens.len() == 8 && rows.len() > 40, "{screens:?} in {} rows", rows.len());
+    for row in rows {
+        assert!(row["good"].as_bool() == Some(true) && row["pixels"].as_u64() > Some(0), "{row:#}");
+    }
+}
+
+#[test]
+fn bench_compares_time_and_error() {
+    let (results, sheet, plots) = (file("bench.json"), file("bench.csv"), file("bench"));
+    let paths = [&results, &sheet, &plots].map(|path| path.to_str().unwrap());
+    let arguments = ["bench", "--quick", "--rounds", "1", "--scene", "at 0.6 R", "--json", paths[0], "--csv", paths[1]];
+    let table = answer(&[&arguments[..], &["--plots", paths[2]]].concat());
+    assert!(table.contains("* fragment (default)"), "{table}");
+    let results: serde_json::Value = serde_json::from_slice(&std::fs::read(results).unwrap()).unwrap();
+    let methods = results["contests"][0]["results"].as_array().unwrap();
+    let error = |name: &str, key: &str| {
+        let method = methods.iter().find(|method| method["method"].as_str().unwrap().contains(name));
+        method.map_or(f64::NAN, |method| method["error_pixels"][key].as_f64().unwrap())
+    };
+    assert!(error("fragment", "max") < 0.001 && error("table", "max") < 0.001, "{results:#}");
+    // Linear interpolation: half the distance of the nodes, a quarter of the error.
+    let ratio = error("directions 32", "max") / error("directions 64", "max");
+    assert!((3.7..4.3).contains(&ratio), "{ratio}");
+    // The recipe of 2014 has pixels without a number, and ours none.
+    assert!(error("2014", "non_finite") > 0.0 && error("fragment", "non_finite") == 0.0);
+    let lines = std::fs::read_to_string(sheet).unwrap();
+    assert_eq!(lines.lines().count(), methods.len() + 1);
+    assert!(lines.lines().all(|line| line.matches(',').count() >= 17), "{lines}");
+    let plot = std::fs::read_to_string(plots.join("projector-at-0-6-R.svg")).unwrap();
+    assert!(plot.contains("fragment (default)") && plot.ends_with("</svg>\n"));
+    assert_eq!(image::open(plots.join("projector-at-0-6-R-01.png")).unwrap().width(), 480);
+}

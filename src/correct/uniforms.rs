@@ -1,16 +1,18 @@
 //! The constants of a pass. The only place where f64 becomes f32: every coefficient is folded
 //! in f64 and rounded once.
 
+mod panorama;
 mod projector;
 
 use super::plan::{Batch, OutputPass, PixelRect, Plan, Source};
 use super::response::encoding_polynomial;
 use super::shaders::{Pass, text_of};
+use crate::blend::code_of;
 use crate::error::{Error, ErrorKind, Result};
 use crate::geom::Frustum;
-use crate::geom::fisheye::sine_cosine_polynomials;
+use crate::geom::fisheye::{MOST_COEFFICIENTS, sine_cosine_polynomials};
 use crate::geom::reprojection::ClipRows;
-use crate::rig::DomeAngle;
+use crate::rig::{Blend, DomeAngle, Filter, RampShape, Transfer};
 use crate::views::{View, ViewPlan};
 use glam::{DMat3, DMat4, DVec2, DVec3};
 
@@ -20,8 +22,6 @@ pub const MAX_VIEWS: usize = 8;
 pub const MAX_NEIGHBOURS: usize = 12;
 /// Most ramps in dome angles of one output.
 pub const MAX_RAMPS: usize = 8;
-/// Most coefficients of a fisheye polynomial.
-const MAX_COEFFICIENTS: usize = 8;
 
 /// How far, in texels, a view also answers for beyond its own part: nothing falls between two
 /// views by rounding, and the guard of at least one texel still feeds the bilinear filter.
@@ -168,15 +168,29 @@ pub fn constants(plan: &Plan, pass: &OutputPass, batch: &Batch, panel: bool) -> 
     let mut out = Constants::new(match &pass.source {
         Source::Fisheye { .. } => Pass::Fisheye,
         Source::Projector(_) => Pass::Projector,
+        Source::Panorama { panorama, .. } if panorama.is_circular() => Pass::Fisheye,
+        Source::Panorama { .. } => Pass::Panorama,
         Source::Perspective { .. } => Pass::Perspective,
         Source::Table(_) => Pass::Table,
     });
     let panel = plan.views.panel.as_ref().filter(|_| panel);
     let base = views(&mut out, plan, batch, panel)?;
     shared(&mut out, pass, batch)?;
+    let filter = if samples_program_lens(plan, batch) { Filter::Bilinear } else { pass.filter };
+    out.set_flag("shared_part.cubic", filter.is_cubic())?;
+    out.set_flag("shared_part.four_places", filter.has_four_places())?;
     match &pass.source {
         Source::Fisheye { aperture, rotation, offset } => {
-            fisheye(&mut out, *aperture)?;
+            circular(&mut out, ["sine", "cosine"], *aperture)?;
+            out.set_matrix("rotation", base * *rotation)?;
+            out.set("shift", &(base * *offset).to_array())?;
+            out.set_matrix("dome", pass.dome_rotation * *rotation)?;
+        }
+        Source::Panorama { panorama, rotation, offset } => {
+            panorama::set(&mut out, panorama)?;
+            if panorama.is_circular() {
+                out.set_flag("off_centre", *offset != DVec3::ZERO)?;
+            }
             out.set_matrix("rotation", base * *rotation)?;
             out.set("shift", &(base * *offset).to_array())?;
             out.set_matrix("dome", pass.dome_rotation * *rotation)?;
@@ -194,11 +208,19 @@ pub fn constants(plan: &Plan, pass: &OutputPass, batch: &Batch, panel: bool) -> 
     Ok(out)
 }
 
+/// Whether a batch samples a view with the program's own lens.
+fn samples_program_lens(plan: &Plan, batch: &Batch) -> bool {
+    batch.views.iter().filter_map(|&index| plan.views.views.get(index)).any(|view| view.program_lens)
+}
+
 /// Whether a batch shows one view 1:1: each pixel's centre is exactly a texel's centre, so that the
 /// nearest texel is what a perfect bilinear filter would give.
 pub fn copies_texels(plan: &Plan, pass: &OutputPass, batch: &Batch) -> bool {
     let (Source::Perspective { matrix }, [index]) = (&pass.source, batch.views.as_slice()) else { return false };
     let Some(view) = plan.views.views.get(*index) else { return false };
+    if pass.filter != Filter::Bilinear && !samples_program_lens(plan, batch) {
+        return false;
+    }
     let placement = Placement::new(view, &view.owned, OVERHANG, &plan.views);
     let map = placement.homogeneous() * view.rotation * *matrix;
     let (width, height) = (f64::from(pass.size.0), f64::from(pass.size.1));
@@ -226,7 +248,7 @@ pub fn rectangle(pass: &OutputPass, rect: &PixelRect) -> [[f32; 4]; 6] {
     let (scale_x, scale_y) = match &pass.source {
         // Pixels from the middle.
         Source::Table(_) => (0.5 * width, 0.5 * height),
-        Source::Fisheye { .. } => (width / width.min(height), height / width.min(height)),
+        source if source.is_circular() => (width / width.min(height), height / width.min(height)),
         _ => (1.0, 1.0),
     };
     let left = 2.0 * f64::from(rect.x) / width - 1.0;
@@ -300,35 +322,57 @@ fn shared(out: &mut Constants, pass: &OutputPass, batch: &Batch) -> Result<()> {
         // Equal ends are a step.
         let span = if span.abs() < 1e-6 { 1e-6f64.copysign(span) } else { span };
         let angle = if ramp.angle == DomeAngle::Azimuth { 1.0 } else { 0.0 };
-        out.set(&format!("shared_part.ramps[{i}]"), &[angle, ramp.zero, 1.0 / span, 0.0])?;
+        out.set(&format!("shared_part.ramps[{i}]"), &[angle, ramp.zero, 1.0 / span, shape(ramp.shape)])?;
     }
     out.set("shared_part.ramp_count", &[pass.ramps.len() as f64])?;
     out.set_flag("shared_part.with_mask", pass.mask.is_some())?;
     let in_table = matches!(&pass.source, Source::Table(table) if table.is_weighted());
-    let weighted = in_table || !pass.ramps.is_empty() || pass.mask.is_some() || !batch.neighbours.is_empty();
+    let weighted =
+        in_table || pass.lift > 0.0 || !pass.ramps.is_empty() || pass.mask.is_some() || !batch.neighbours.is_empty();
     out.set_flag("shared_part.weighted", weighted)?;
+    // Only a power of light is a power of its code.
+    out.set_flag("shared_part.in_light", weighted && (pass.lift > 0.0 || pass.transfer == Transfer::Srgb))?;
+    out.set_flag("shared_part.srgb", pass.transfer == Transfer::Srgb)?;
+    out.set("shared_part.gamma", &[pass.gamma])?;
+    out.set("shared_part.lift", &[pass.lift])?;
+    out.set("shared_part.dither", &[pass.dither])?;
     let encoding = encoding_polynomial(pass.gamma);
     out.set("shared_part.encoding[0]", &encoding[..4])?;
     out.set("shared_part.encoding[1]", &encoding[4..])?;
-    out.set("shared_part.black", &[pass.black_level.powf(1.0 / pass.gamma)])
+    let display = Blend { gamma: pass.gamma, transfer: pass.transfer, ..Blend::default() };
+    out.set("shared_part.black", &[code_of(pass.black_level, &display)])
 }
 
-/// The polynomials, taken from `q = p·aperture/2` to `p`.
-fn fisheye(out: &mut Constants, aperture: f64) -> Result<()> {
+/// A ramp's shape as the shaders take it: 0 = smoothstep, negative = cosine, else the power.
+fn shape(shape: RampShape) -> f64 {
+    match shape {
+        RampShape::Smoothstep => 0.0,
+        RampShape::Cosine => -1.0,
+        RampShape::Power(power) => power,
+    }
+}
+
+/// The polynomials of an angle of `aperture/2` times a coordinate: sin(angle)/coordinate and cos(angle), over the
+/// coordinate's square.
+fn circular(out: &mut Constants, names: [&str; 2], aperture: f64) -> Result<()> {
     let half = aperture / 2.0;
     let fitted = sine_cosine_polynomials(aperture);
-    for (name, coefficients, factor) in [("sine", &fitted.sine, half), ("cosine", &fitted.cosine, 1.0)] {
-        limit("polynomial coefficients", coefficients.len(), MAX_COEFFICIENTS)?;
-        let mut scaled = [0.0; MAX_COEFFICIENTS];
-        let mut power = factor;
-        for (to, from) in scaled.iter_mut().zip(coefficients) {
-            *to = from * power;
-            power *= half * half;
-        }
-        out.set(&format!("{name}[0]"), &scaled[..4])?;
-        out.set(&format!("{name}[1]"), &scaled[4..])?;
+    for (name, coefficients, factor) in [(names[0], &fitted.sine, half), (names[1], &fitted.cosine, 1.0)] {
+        let powers = std::iter::successors(Some(factor), |power| Some(power * half * half));
+        let scaled: Vec<f64> =
+            coefficients.iter().zip(powers).map(|(coefficient, power)| coefficient * power).collect();
+        polynomial(out, name, &scaled)?;
     }
     Ok(())
+}
+
+/// Sets a polynomial, the constant first.
+fn polynomial(out: &mut Constants, name: &str, coefficients: &[f64]) -> Result<()> {
+    limit("polynomial coefficients", coefficients.len(), MOST_COEFFICIENTS)?;
+    let mut padded = [0.0; MOST_COEFFICIENTS];
+    padded[..coefficients.len()].copy_from_slice(coefficients);
+    out.set(&format!("{name}[0]"), &padded[..4])?;
+    out.set(&format!("{name}[1]"), &padded[4..])
 }
 
 fn limit(what: &str, count: usize, most: usize) -> Result<()> {

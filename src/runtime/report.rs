@@ -38,8 +38,14 @@ pub struct Statistics {
     pub primary_draws: u64,
     /// Draws to the program's own framebuffers that were issued once per view.
     pub duplicated_draws: u64,
+    /// Framebuffers of the program's, drawn to until the end, that are drawn once per view.
+    pub duplicated_framebuffers: u64,
+    /// The others, by the reason why they are drawn once only.
+    pub single_framebuffers: BTreeMap<String, u64>,
     /// How the projection was found, with the number of draws.
     pub projection_found: BTreeMap<String, u64>,
+    /// Programs of shaders that were linked: the correction's, and the program's with our epilogue.
+    pub shaders_linked: u64,
     /// OpenGL errors of ours; must be 0.
     pub own_errors: u64,
     /// Notes of the planner.

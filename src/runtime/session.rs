@@ -9,7 +9,7 @@ use crate::geom::reprojection::{CameraAdjustment, clip_rows};
 pub use crate::geom::reprojection::{Intrinsics, MatrixClass, classify};
 use crate::rig::{Camera, Rig};
 use crate::views::{Request, Tile, View};
-use glam::DMat3;
+use glam::{DMat3, DVec3};
 
 /// Tiles beside the views that a program has been seen to need.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -92,6 +92,14 @@ impl Session {
         self.views().get(index).map_or(([0, 0, 1, 1], true), |view| (rect(&view.tile), view.program_lens))
     }
 
+    /// The view that shows best what is ahead of the program's camera.
+    pub fn ahead(&self) -> usize {
+        let forward = camera_rotation(&self.rig.camera) * DVec3::NEG_Z;
+        let slant = |view: &View| (view.rotation * forward).z;
+        let views = self.views().iter().enumerate();
+        views.min_by(|a, b| slant(a.1).total_cmp(&slant(b.1))).map_or(0, |(index, _)| index)
+    }
+
     /// The tile of the flat panel.
     pub fn panel(&self) -> Option<[i32; 4]> {
         self.plan.views.panel.as_ref().map(|panel| rect(&panel.tile))
@@ -118,12 +126,20 @@ impl Session {
     }
 
     /// The rows that take the program's clip coordinates to each view's.
-    pub fn rows(&self, lens: &Intrinsics) -> Vec<ClipRows> {
+    pub fn rows(&self, lens: &Intrinsics) -> impl Iterator<Item = ClipRows> + '_ {
+        let lens = *lens;
+        self.views().iter().map(move |view| {
+            let camera = self.camera(view);
+            clip_rows(&lens, &camera, view.rotation, &view.frustum).widened(&lens, &camera, &view.frustum)
+        })
+    }
+
+    /// How the program's camera is adapted for a view: as the rig says, from the view's eye.
+    pub fn camera(&self, view: &View) -> CameraAdjustment {
         let camera = &self.rig.camera;
-        let camera = CameraAdjustment { zoom: camera.zoom, shift: camera.shift, rotation: camera_rotation(camera) };
-        let rows =
-            |view: &View| clip_rows(lens, &camera, view.rotation, &view.frustum).widened(lens, &camera, &view.frustum);
-        self.views().iter().map(rows).collect()
+        let rotation = camera_rotation(camera);
+        let eye = rotation.transpose() * (DVec3::X * (view.eye * camera.units_per_meter));
+        CameraAdjustment { zoom: camera.zoom, shift: camera.shift + eye, rotation }
     }
 
     /// The rows that take flat clip coordinates to each view, as points of the panel; empty without one.
@@ -155,4 +171,38 @@ pub fn camera_rotation(camera: &Camera) -> DMat3 {
 
 fn rect(tile: &Tile) -> [i32; 4] {
     [tile.x as i32, tile.y as i32, tile.width as i32, tile.height as i32]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    const EYES: &str = "[camera]\nunits_per_meter = 100\nyaw = 40\n\
+        [[output]]\nkind = \"perspective\"\nfov = [60, 40]\neye = -0.03\n\
+        [[output]]\nkind = \"perspective\"\nfov = [60, 40]\neye = 0.03\n\
+        [[output]]\nkind = \"perspective\"\nfov = [60, 40]\n";
+
+    #[test]
+    fn each_eye_has_its_own_views_from_its_own_place() {
+        let rig = crate::rig::parse(EYES, "eyes.toml", Path::new("")).expect("valid");
+        let session = Session::new(&rig, (900, 300), false, 8192, Extras::default()).expect("can be planned");
+        assert_eq!(session.views().iter().map(|view| view.eye).collect::<Vec<_>>(), [-0.03, 0.03, 0.0]);
+        assert_eq!(session.plan().views.output_views, [vec![0], vec![1], vec![2]]);
+        // A point of the program's eye space, through the program's lens into each view.
+        let frustum = Frustum { left: -0.8, right: 0.7, bottom: -0.5, top: 0.6 };
+        let program = frustum.projection_matrix(1.0, 1000.0);
+        let MatrixClass::Perspective(lens) = classify(&program.to_cols_array()) else { panic!("it is one") };
+        let point = DVec3::new(3.0, 2.0, -20.0);
+        let clip = program * point.extend(1.0);
+        for (view, rows) in session.views().iter().zip(session.rows(&lens)) {
+            // 3 cm are 3 units of the program's, along the viewer's axes, which its camera is turned against.
+            let seen = view.rotation * (camera_rotation(&rig.camera) * point - DVec3::X * (view.eye * 100.0));
+            let q = clip.z + rows.e * clip.w;
+            let row = |r: [f64; 4]| r[0] * clip.x + r[1] * clip.y + r[2] * clip.w + r[3] * q;
+            let (x, y) = (row(rows.x) / row(rows.w), row(rows.y) / row(rows.w));
+            let at = view.frustum.picture() * seen;
+            assert!((x - at.x / at.z).abs() < 1e-12 && (y - at.y / at.z).abs() < 1e-12, "{}: {x} {y} {at}", view.name);
+        }
+    }
 }

@@ -1,4 +1,4 @@
-/* Changes the size of its window between frames; the last size is kept from the fourth frame on. */
+/* Changes the size of its window after each of the first three frames, and then after every fiftieth. */
 #include "common/fixed.h"
 
 static void draw(app *a)
@@ -14,11 +14,11 @@ static void draw(app *a)
 static void after(app *a)
 {
     static const int sizes[3][2] = {{200, 260}, {333, 177}, {300, 300}};
-    if (a->frame >= 3)
+    if (a->frame >= 3 && a->frame % 50 != 49)
         return;
     GLint old[4], now[4];
     glGetIntegerv(GL_VIEWPORT, old);
-    window_resize(&a->window, sizes[a->frame][0], sizes[a->frame][1]);
+    window_resize(&a->window, sizes[a->frame % 3][0], sizes[a->frame % 3][1]);
     glGetIntegerv(GL_VIEWPORT, now);
     app_check(a, now[0] == old[0] && now[1] == old[1] && now[2] == old[2] && now[3] == old[3],
               "a resize changed the program's viewport to %d %d %d %d", now[0], now[1], now[2], now[3]);

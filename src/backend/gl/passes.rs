@@ -66,6 +66,7 @@ pub struct GlBackend {
     names: Names,
     outputs: Vec<Output>,
     errors: Cell<u64>,
+    linked: u64,
     /// An error of the program's that was taken while preparing.
     pending: Cell<u32>,
 }
@@ -89,7 +90,15 @@ impl GlBackend {
             let message = format!("Correcting needs {name}; the program's context is version {major}.{minor}.");
             return Err(Error::new(ErrorKind::Graphics, message));
         }
-        let backend = Self { caps, stage, names: Names::default(), outputs: Vec::new(), errors: Cell::new(0), pending };
+        let backend = Self {
+            caps,
+            stage,
+            names: Names::default(),
+            outputs: Vec::new(),
+            errors: Cell::new(0),
+            linked: 0,
+            pending,
+        };
         backend.count_errors(gl);
         Ok(backend)
     }
@@ -97,6 +106,11 @@ impl GlBackend {
     /// How many errors our own calls have caused. None of them is left for the program to find.
     pub fn errors(&self) -> u64 {
         self.errors.get()
+    }
+
+    /// How many programs of shaders were linked so far.
+    pub fn linked(&self) -> u64 {
+        self.linked
     }
 
     /// Compiles all shaders of `plan` and uploads rectangles and masks. `panel`: the flat panel is
@@ -211,7 +225,10 @@ impl GlBackend {
         let known = self.names.programs.get(&text).copied().or_else(|| old.remove(&text));
         let program = match known {
             Some(program) => program,
-            None => program::build(gl, &text)?,
+            None => {
+                self.linked += 1;
+                program::build(gl, &text)?
+            }
         };
         self.names.programs.insert(text, program);
         Ok(program)

@@ -7,7 +7,7 @@ use crate::correct::Plan;
 use crate::correct::plan::{Mask, PixelRect, Source};
 use crate::geom::random::Random;
 use crate::geom::{Frustum, Pose};
-use crate::rig::{AngleRamp, DomeAngle};
+use crate::rig::{AngleRamp, DomeAngle, RampShape};
 use crate::views::{Tile, View};
 use glam::{DMat3, DVec3};
 
@@ -62,8 +62,15 @@ fn rgb([r, g, b, _]: [f64; 4]) -> [f64; 3] {
 pub fn one_to_one(size: (u32, u32)) -> Plan {
     let frustum = Frustum { left: -0.9, right: 0.8, bottom: -0.5, top: 0.7 };
     let tile = Tile { x: 13, y: 29, width: size.0, height: size.1 };
-    let view =
-        View { name: "program".into(), rotation: DMat3::IDENTITY, frustum, owned: frustum, tile, program_lens: true };
+    let view = View {
+        name: "program".into(),
+        rotation: DMat3::IDENTITY,
+        frustum,
+        owned: frustum,
+        tile,
+        program_lens: true,
+        eye: 0.0,
+    };
     let source = Source::Perspective { matrix: frustum.rays() };
     let views = view_plan(vec![view], (size.0 + 40, size.1 + 50));
     Plan { views, passes: vec![pass(size, source, vec![0], false)] }
@@ -132,8 +139,8 @@ pub fn mask_ramps_black_level_and_response(driver: &dyn Driver) {
     pass.black_level = 0.02;
     pass.dome_rotation = pole;
     pass.ramps = vec![
-        AngleRamp { angle: DomeAngle::Polar, zero: 1.9, full: 0.6 },
-        AngleRamp { angle: DomeAngle::Azimuth, zero: -2.0, full: 0.5 },
+        AngleRamp { angle: DomeAngle::Polar, zero: 1.9, full: 0.6, shape: RampShape::Smoothstep },
+        AngleRamp { angle: DomeAngle::Azimuth, zero: -2.0, full: 0.5, shape: RampShape::Smoothstep },
     ];
     let weights: Vec<u16> = (0..size.0 * size.1).map(|i| (i * 2_011 % 65_536) as u16).collect();
     pass.mask = Some(Mask { width: size.0, height: size.1, weights: weights.clone() });
@@ -167,7 +174,8 @@ pub fn the_panel_lies_over_the_scene(driver: &dyn Driver) {
         let tile = Tile { x: 0, y: plan.views.atlas.1, width: 128, height: 96 };
         plan.views.atlas.1 += 100;
         let rotation = Pose::new(DVec3::ZERO, 0.3, 0.1, 0.1).rotation.transpose();
-        let panel = View { name: "panel".into(), rotation, frustum, owned: frustum, tile, program_lens: true };
+        let panel =
+            View { name: "panel".into(), rotation, frustum, owned: frustum, tile, program_lens: true, eye: 0.0 };
         plan.views.panel = Some(panel.clone());
         let scene_height = plan.views.atlas.1 - 100;
         let scene = waves(plan.views.atlas);

@@ -9,10 +9,11 @@ use std::path::Path;
 use std::process::ExitCode;
 
 /// Variables of others that change what `cupola run` does.
-const TELLING: [&str; 13] = [
+const TELLING: [&str; 14] = [
     "CUPOLA",
     "CUPOLA_RIG",
     "CUPOLA_CAMERA",
+    "CUPOLA_VIEWER",
     "CUPOLA_DUPLICATE",
     "CUPOLA_LIBRARY",
     "CUPOLA_GLX_REAL",
@@ -100,8 +101,10 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         tell(key, Some(good), words);
         good
     });
-    let (good, words) = vulkan();
+    let (good, words) = vulkan(&display, hooked.as_ref());
     tell("vulkan", good, words);
+    let (good, words) = vulkan_device();
+    tell("vulkan device", good, words);
     let usable = on && works.contains(&true);
     if arguments.json {
         println!("{:#}", as_json(usable, &findings));
@@ -119,8 +122,28 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     Ok(if usable { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
+/// Whether Vulkan programs can be corrected; `None` where there is no Vulkan, which OpenGL programs do not need.
+fn vulkan(plain: &Environment, hooked: Option<&Environment>) -> (Option<bool>, String) {
+    let driver = match probe::ask(Way::Vulkan, plain) {
+        Ok(answer) => answer.driver,
+        Err(why) => return (None, why),
+    };
+    let Some(hooked) = hooked else { return (Some(false), format!("{driver}: the library is missing")) };
+    match probe::ask(Way::Vulkan, hooked) {
+        Ok(answer) if answer.has_cupola() => {
+            let words = "the layer is loaded and programs can be corrected; what is shown flat says why in its log";
+            (Some(true), format!("{driver}; {words}"))
+        }
+        Ok(_) => {
+            let words = "the Vulkan loader does not load Cupola's layer; it has to be 1.3.234 or newer";
+            (Some(false), format!("{driver}: {words}"))
+        }
+        Err(why) => (Some(false), format!("{driver}, but with Cupola's layer: {why}")),
+    }
+}
+
 /// What programs that correct with Vulkan, through the crate or `cupola_vk.h`, find here.
-fn vulkan() -> (Option<bool>, String) {
+fn vulkan_device() -> (Option<bool>, String) {
     let device = match vk::headless::Headless::new(&[]) {
         Ok(device) => device,
         Err(error) => return (None, error.message),

@@ -38,12 +38,18 @@ pub struct Arguments {
     /// Adapt the program's camera: zoom=4,move=0,0,-20,yaw=90,pitch=0,roll=0
     #[arg(long, value_name = "KEY=NUMBER,…", allow_hyphen_values = true)]
     camera: Option<String>,
+    /// Seat the viewer elsewhere: position=0,-0.5,1,yaw=90,pitch=0,roll=0
+    #[arg(long, value_name = "KEY=NUMBER,…", allow_hyphen_values = true)]
+    viewer: Option<String>,
     /// Give each output its own resolution, whatever the window's size is; only captures show it
     #[arg(long)]
     offscreen: bool,
     /// Issue every draw to every view, also where a view cannot show it
     #[arg(long)]
     no_cull: bool,
+    /// Which pictures that the program draws off screen are drawn once per view [default: the rig's]
+    #[arg(long, value_name = "auto|never|always", value_parser = ["auto", "never", "always"])]
+    duplicate: Option<String>,
     /// Write Cupola's log of the program to this file
     #[arg(long, value_name = "FILE")]
     log: Option<PathBuf>,
@@ -62,6 +68,9 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
     let rig = cupola::rig::load(&name)?;
     if let Some(camera) = &arguments.camera {
         rig.camera.apply_override(camera)?;
+    }
+    if let Some(viewer) = &arguments.viewer {
+        rig.with_viewer_override(viewer)?;
     }
     let mut environment = settings(&arguments, &name)?;
     if arguments.print_environment {
@@ -102,9 +111,11 @@ fn settings(arguments: &Arguments, rig: &str) -> Result<Environment, Failure> {
     let mut environment: Environment = vec![("CUPOLA_RIG", Some(rig))];
     let mut set = |name, value: Option<OsString>| environment.extend(value.map(|value| (name, Some(value))));
     set("CUPOLA_CAMERA", arguments.camera.as_ref().map(Into::into));
+    set("CUPOLA_VIEWER", arguments.viewer.as_ref().map(Into::into));
     set("CUPOLA_SIZE", arguments.size.map(|(width, height)| format!("{width}x{height}").into()));
     set("CUPOLA_FRAMES", arguments.frames.map(|frames| frames.to_string().into()));
     set("CUPOLA_OFFSCREEN", arguments.offscreen.then(|| "1".into()));
+    set("CUPOLA_DUPLICATE", arguments.duplicate.as_ref().map(Into::into));
     set("CUPOLA_CULL", arguments.no_cull.then(|| "0".into()));
     let files =
         [("CUPOLA_CAPTURE", &arguments.capture), ("CUPOLA_STATS", &arguments.stats), ("CUPOLA_LOG", &arguments.log)];

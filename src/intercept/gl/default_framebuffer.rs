@@ -51,6 +51,7 @@ pub fn attach(ctx: &mut Context, extras: Extras) {
     take_error(ctx);
     match DefaultFramebuffer::new(ctx, &window, settings, extras) {
         Ok(target) => {
+            ctx.counts.linked += target.backend.linked();
             ctx.target = Some(Box::new(target));
             adopt(ctx);
             let gl = ctx.gl;
@@ -114,6 +115,16 @@ pub fn take_error(ctx: &mut Context) {
     }
 }
 
+/// Takes errors out of the driver that are nobody's: answers to questions that it need not know.
+pub fn drop_errors(gl: &Gl) {
+    // SAFETY: asks for the error flag; there are a handful of them at most.
+    for _ in 0..8 {
+        if unsafe { gl.get_error() } == api::GL_NO_ERROR {
+            break;
+        }
+    }
+}
+
 /// Counts the errors since [`take_error`] as ours.
 pub fn take_own_errors(ctx: &mut Context) {
     // SAFETY: as above.
@@ -150,6 +161,7 @@ fn enlarge_now(ctx: &mut Context, add: impl FnOnce(&mut Extras)) {
     add(&mut extras);
     match old.enlarged(ctx, extras) {
         Ok(new) => {
+            ctx.counts.linked += new.backend.linked();
             ctx.target = Some(Box::new(new));
             let gl = ctx.gl;
             adopt(ctx);

@@ -240,38 +240,30 @@ fn set_list_base(ctx: &mut Context, base: u32) {
     unsafe { ctx.gl.list_base(base) };
 }
 
-/// The offsets in the array of `glCallLists`.
+/// The offset at `index` of the array of `glCallLists`.
 ///
 /// # Safety
-/// `lists` must hold `count` elements of the type `kind`, as the program promises OpenGL.
-unsafe fn offsets(count: i32, kind: u32, lists: *const c_void) -> Vec<u32> {
-    let count = usize::try_from(count).unwrap_or(0);
-    if lists.is_null() {
-        return Vec::new();
-    }
-    let bytes = |width: usize, i: usize| -> u32 {
-        // SAFETY: inside the program's array of `count` elements of `width` bytes.
-        (0..width).fold(0, |sum, k| sum << 8 | u32::from(unsafe { *lists.cast::<u8>().add(i * width + k) }))
+/// `lists` must hold more than `index` elements of the type `kind`, as the program promises OpenGL.
+unsafe fn offset(kind: u32, lists: *const c_void, index: usize) -> u32 {
+    let bytes = |width: usize| -> u32 {
+        // SAFETY: inside the program's array of elements of `width` bytes.
+        (0..width).fold(0, |sum, k| sum << 8 | u32::from(unsafe { *lists.cast::<u8>().add(index * width + k) }))
     };
-    (0..count)
-        .map(|i| {
-            // SAFETY: inside the program's array; unaligned reads are allowed here.
-            unsafe {
-                match kind {
-                    api::GL_BYTE => i32::from(lists.cast::<i8>().add(i).read_unaligned()) as u32,
-                    api::GL_UNSIGNED_BYTE => u32::from(lists.cast::<u8>().add(i).read_unaligned()),
-                    api::GL_SHORT => i32::from(lists.cast::<i16>().add(i).read_unaligned()) as u32,
-                    api::GL_UNSIGNED_SHORT => u32::from(lists.cast::<u16>().add(i).read_unaligned()),
-                    api::GL_INT | api::GL_UNSIGNED_INT => lists.cast::<u32>().add(i).read_unaligned(),
-                    api::GL_FLOAT => lists.cast::<f32>().add(i).read_unaligned() as i64 as u32,
-                    api::GL_2_BYTES => bytes(2, i),
-                    api::GL_3_BYTES => bytes(3, i),
-                    api::GL_4_BYTES => bytes(4, i),
-                    _ => 0,
-                }
-            }
-        })
-        .collect()
+    // SAFETY: inside the program's array; unaligned reads are allowed here.
+    unsafe {
+        match kind {
+            api::GL_BYTE => i32::from(lists.cast::<i8>().add(index).read_unaligned()) as u32,
+            api::GL_UNSIGNED_BYTE => u32::from(lists.cast::<u8>().add(index).read_unaligned()),
+            api::GL_SHORT => i32::from(lists.cast::<i16>().add(index).read_unaligned()) as u32,
+            api::GL_UNSIGNED_SHORT => u32::from(lists.cast::<u16>().add(index).read_unaligned()),
+            api::GL_INT | api::GL_UNSIGNED_INT => lists.cast::<u32>().add(index).read_unaligned(),
+            api::GL_FLOAT => lists.cast::<f32>().add(index).read_unaligned() as i64 as u32,
+            api::GL_2_BYTES => bytes(2),
+            api::GL_3_BYTES => bytes(3),
+            api::GL_4_BYTES => bytes(4),
+            _ => 0,
+        }
+    }
 }
 
 fn begin_recording(ctx: &mut Context, list: u32, mode: u32) {
@@ -348,14 +340,13 @@ pub fn call_list(ctx: &mut Context, list: u32) {
 /// # Safety
 /// `names` must hold `count` elements of the type `kind`, as the program promises OpenGL.
 pub unsafe fn call_lists(ctx: &mut Context, count: i32, kind: u32, names: *const c_void) {
+    let count = if names.is_null() { 0 } else { usize::try_from(count).unwrap_or(0) };
     // SAFETY: as promised.
-    let offsets = unsafe { offsets(count, kind, names) };
+    let offsets = (0..count).map(|index| unsafe { offset(kind, names, index) });
     if ctx.compiling() {
-        record(ctx, Command::CallLists(offsets));
+        record(ctx, Command::CallLists(offsets.collect()));
     } else {
-        for offset in offsets {
-            call(ctx, ctx.list_base.wrapping_add(offset), 0);
-        }
+        offsets.for_each(|offset| call(ctx, ctx.list_base.wrapping_add(offset), 0));
     }
 }
 

@@ -37,8 +37,7 @@ impl Projection {
         self.class = classify(&matrix);
         self.per_view.clear();
         if let MatrixClass::Perspective(intrinsics) = &self.class {
-            let rows = session.rows(intrinsics);
-            self.per_view.extend(rows.iter().map(|rows| multiply(&rows.matrix(), &matrix)));
+            self.per_view.extend(session.rows(intrinsics).map(|rows| multiply(&rows.matrix(), &matrix)));
         }
     }
 

@@ -16,6 +16,8 @@ use std::ffi::c_void;
 #[derive(Default)]
 pub struct Raster {
     scene: Option<ScenePosition>,
+    /// Each view's projection when the position was set.
+    projections: Vec<[f64; 16]>,
 }
 
 impl Raster {
@@ -29,7 +31,6 @@ impl Raster {
 struct ScenePosition {
     object: [f64; 4],
     model_view: [f64; 16],
-    projections: Vec<[f64; 16]>,
     /// How far bitmaps moved it since, in pixels.
     moved: [f32; 2],
 }
@@ -44,8 +45,8 @@ pub fn set_position(ctx: &mut Context, object: [f64; 4]) {
             let mut model_view = [0.0; 16];
             // SAFETY: writes sixteen doubles; a raster position implies a fixed-function pipeline.
             unsafe { gl.get_doublev(api::GL_MODELVIEW_MATRIX, model_view.as_mut_ptr()) };
-            let projections = ctx.projection.per_view.clone();
-            ctx.raster.scene = Some(ScenePosition { object, model_view, projections, moved: [0.0; 2] });
+            ctx.raster.projections.clone_from(&ctx.projection.per_view);
+            ctx.raster.scene = Some(ScenePosition { object, model_view, moved: [0.0; 2] });
             // The driver's own state too, for queries: as in the program's window.
             ctx.set_viewport(ctx.believed.viewport);
         } else {
@@ -110,14 +111,15 @@ pub fn draw_at_raster(ctx: &mut Context, issue: impl Fn(&Gl)) -> bool {
         unsafe { gl.raster_pos4d(x, y, z, w) };
         move_by(gl, moved[0], moved[1]);
     };
-    for (index, projection) in position.projections.iter().enumerate().take(target.session.views().len()) {
+    for index in 0..target.session.views().len() {
+        let Some(projection) = ctx.raster.projections.get(index).copied() else { break };
         let (tile, own_lens) = target.session.tile(index);
         if own_lens {
             own_window_space(ctx, tile);
         } else {
             ctx.set_scissor(None);
             ctx.set_viewport(tile);
-            load_projection(ctx, projection);
+            load_projection(ctx, &projection);
         }
         set(position.moved);
         issue(gl);

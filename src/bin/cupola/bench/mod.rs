@@ -23,6 +23,9 @@ pub struct Arguments {
     /// Rounds [default: 15, or 7 if quick]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..10_000))]
     rounds: Option<u32>,
+    /// Only the scenes with this in their names
+    #[arg(long, value_name = "NAME", default_value = "")]
+    scene: String,
     /// Write the results as JSON
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -38,7 +41,17 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let rounds = arguments.rounds.unwrap_or(if arguments.quick { 7 } else { 15 });
     let mut contests = Vec::new();
-    for scene in scenes::all(arguments.quick)? {
+    let mut scenes = scenes::all(arguments.quick)?;
+    let names: Vec<_> = scenes.iter().map(|scene| scene.name).collect();
+    scenes.retain(|scene| scene.name.contains(&arguments.scene));
+    if scenes.is_empty() {
+        return Err(Failure::usage(format!(
+            "no scene is called {:?}; there are {}",
+            arguments.scene,
+            names.join(", ")
+        )));
+    }
+    for scene in scenes {
         let spinner = terminal::spinner(&format!("{}: preparing", scene.name));
         let contest = contest::run(scene, rounds, |phase| spinner.set_message(phase))?;
         spinner.finish_and_clear();

@@ -136,17 +136,17 @@ fn flattened_cube(level: u32) -> Mesh {
         };
         for (x, y) in (0..cells).flat_map(|y| (0..cells).map(move |x| (x, y))) {
             let corners = [corner(x, y), corner(x + 1, y), corner(x + 1, y + 1), corner(x, y + 1)];
-            for triangle in [[0, 1, 2], [0, 2, 3]] {
-                let triangle = triangle.map(|index: usize| corners[index]);
-                // Triangles are in the picture as a whole or not at all.
-                if triangle.iter().any(|direction| -direction.z < -1e-9 * direction.length()) {
-                    continue;
-                }
-                let first = nodes.len() as u32;
-                for value in triangle {
+            // Triangles are in the picture as a whole or not at all; where the picture's rim goes through a cell, along
+            // the diagonal that keeps one.
+            let ahead = |triangle: &[usize; 3]| triangle.iter().all(|&i| -corners[i].z >= -1e-9);
+            let kept = [[[0, 1, 2], [0, 2, 3]], [[0, 1, 3], [1, 2, 3]]].map(|split| split.into_iter().filter(ahead));
+            let [first, second] = kept.map(Iterator::collect::<Vec<_>>);
+            for triangle in if first.len() >= second.len() { first } else { second } {
+                let start = nodes.len() as u32;
+                for value in triangle.map(|index: usize| corners[index]) {
                     nodes.push(Node { position: lens.point(value), value, intensity: 1.0 });
                 }
-                triangles.push([first, first + 1, first + 2]);
+                triangles.push([start, start + 1, start + 2]);
             }
         }
     }

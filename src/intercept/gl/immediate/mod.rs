@@ -66,13 +66,14 @@ impl Immediate {
 /// What cannot be played back is coming: from here on, and with what came already, a list is compiled.
 pub fn into_list(ctx: &mut Context) {
     if ctx.immediate.phase == Phase::Recording {
+        // SAFETY: the driver is between Begin and End, where it can neither be asked nor compile.
+        unsafe { ctx.gl.end() };
         if ctx.immediate.list == 0 {
             ctx.immediate.list = super::lists::own_name(ctx);
         }
         let (gl, immediate) = (ctx.gl, &mut ctx.immediate);
-        // SAFETY: the driver is between Begin and End; the list is ours, and ends with the program's End.
+        // SAFETY: the list is ours, and ends with the program's End.
         unsafe {
-            gl.end();
             let current = Current::get(gl, [true; 3]);
             gl.new_list(immediate.list, api::GL_COMPILE);
             current.set(gl);

@@ -18,6 +18,8 @@ pub struct Camera {
 #[derive(Default)]
 pub struct Cameras {
     list: Vec<Camera>,
+    /// Memory of cameras that were forgotten, for new ones: a lens that changes in every frame allocates nothing.
+    spare: Vec<Vec<[f32; 16]>>,
 }
 
 /// Lenses that differ by less are one: matrices recovered from 32-bit products scatter by 4e-7.
@@ -34,9 +36,10 @@ impl Cameras {
             return found;
         }
         if self.list.len() >= GREATEST {
-            self.list.clear();
+            self.clear();
         }
-        let rows = session.rows(intrinsics).iter().map(uniforms::clip_rows).collect();
+        let mut rows = self.spare.pop().unwrap_or_default();
+        rows.extend(session.rows(intrinsics).map(|rows| uniforms::clip_rows(&rows)));
         self.list.push(Camera { intrinsics: *intrinsics, rows, used: true });
         self.list.len() - 1
     }
@@ -48,16 +51,28 @@ impl Cameras {
 
     /// A frame ended: lenses that it did not use are forgotten.
     pub fn end_frame(&mut self) {
-        self.list.retain(|c| c.used);
-        for camera in &mut self.list {
-            camera.used = false;
-        }
+        let spare = &mut self.spare;
+        self.list.retain_mut(|camera| {
+            let used = std::mem::take(&mut camera.used);
+            if !used {
+                forget(camera, spare);
+            }
+            used
+        });
     }
 
     /// The views changed: nothing is valid any more.
     pub fn clear(&mut self) {
-        self.list.clear();
+        for mut camera in self.list.drain(..) {
+            forget(&mut camera, &mut self.spare);
+        }
     }
+}
+
+fn forget(camera: &mut Camera, spare: &mut Vec<Vec<[f32; 16]>>) {
+    let mut rows = std::mem::take(&mut camera.rows);
+    rows.clear();
+    spare.push(rows);
 }
 
 fn close(a: &Intrinsics, b: &Intrinsics) -> bool {
