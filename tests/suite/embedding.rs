@@ -49,7 +49,7 @@ fn the_vulkan_example_in_every_arrangement() {
         &["--views", "images"],
         &["--views", "images", "--own-images"],
     ];
-    let opengl = embedding("embed", &["256", "33", "-17"]).map(|run| run.expect_success().picture("views.ppm"));
+    let opengl = embedding("embed", &["256", "33", "-17"], &[]).map(|run| run.expect_success().picture("views.ppm"));
     for form in forms {
         let Some(picture) = vulkan(form) else { return };
         expect_good(&compare(&picture, shown_by_fisheye(circle, CAMERA)), &picture, &format!("vk_dome {form:?}"));

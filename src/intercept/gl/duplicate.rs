@@ -566,6 +566,9 @@ pub fn show_by_copy(ctx: &mut Context, source: [i32; 4], destination: [i32; 4], 
     let framebuffer = twin.framebuffer;
     let views = target.session.views().len();
     let pairs: [([i32; 4], [i32; 4]); 32] = std::array::from_fn(|i| (twin.cell(i), target.session.tile(i).0));
+    if let Some(target) = &mut ctx.target {
+        target.content.forget();
+    }
     ctx.set_scissor(None);
     let mut buffer = 0;
     // SAFETY: copies from a framebuffer of ours to the window's, which is ours; the binding is put back.

@@ -67,6 +67,7 @@ pub fn find(name: &str) -> Option<*const ()> {
     let table = TABLE.get_or_init(|| {
         let files = [
             super::conditional::HOOKS,
+            super::culling::arrays::HOOKS,
             super::culling::widths::HOOKS,
             super::draw::HOOKS,
             super::feedback::HOOKS,

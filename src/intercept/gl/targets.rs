@@ -38,17 +38,20 @@ fn refuses_attachments(ctx: &mut Context, target: u32) -> bool {
     window
 }
 
-/// A clear of the program: of everything that is its picture.
-pub fn clear_with(ctx: &mut Context, color: bool, issue: impl Fn(&crate::backend::gl::api::Gl)) {
+/// A clear of the program: of everything that is its picture. `true`: of every view.
+pub fn clear_with(ctx: &mut Context, color: bool, issue: impl Fn(&crate::backend::gl::api::Gl)) -> bool {
     let gl = ctx.gl;
+    if let Some(target) = ctx.target.as_mut().filter(|_| color) {
+        target.content.forget();
+    }
     if !ctx.redirected() || ctx.picking {
         if !super::duplicate::clear_with(ctx, &issue) {
             issue(gl);
         }
-        return;
+        return false;
     }
     ctx.frame_begun = true;
-    let Some(target) = &ctx.target else { return };
+    let Some(target) = &ctx.target else { return false };
     let (width, height) = target.size();
     let window = [0, 0, width as i32, height as i32];
     let part = ctx.believed.scissor_test.then(|| intersect(ctx.believed.scissor, window));
@@ -60,14 +63,15 @@ pub fn clear_with(ctx: &mut Context, color: bool, issue: impl Fn(&crate::backend
         if color {
             clear_panel(ctx);
         }
-        return;
+        return true;
     }
     super::default_framebuffer::want_panel(ctx);
-    let Some(target) = &ctx.target else { return };
+    let Some(target) = &ctx.target else { return false };
     for (tile, _) in target.flat_tiles().into_iter().flatten() {
         own_window_space(ctx, tile);
         issue(gl);
     }
+    false
 }
 
 /// The panel is a pane of glass: what is cleared away is seen through.
@@ -81,8 +85,11 @@ pub fn clear_panel(ctx: &mut Context) {
 
 /// `glClear`.
 pub fn clear_window(ctx: &mut Context, mask: u32) {
+    let color = mask & api::GL_COLOR_BUFFER_BIT != 0;
     // SAFETY: the program's own call.
-    clear_with(ctx, mask & api::GL_COLOR_BUFFER_BIT != 0, |gl| unsafe { gl.clear(mask) });
+    if clear_with(ctx, color, |gl| unsafe { gl.clear(mask) }) && color {
+        super::culling::blank::note_clear(ctx);
+    }
 }
 
 /// Whether `buffer` is a name of the window's colour buffers.
@@ -254,13 +261,13 @@ hooks! {
         if ctx.compiling() { super::lists::record(ctx, Command::Clear(mask)) } else { clear_window(ctx, mask) }
     };
     "glClearBufferfv" clear_bufferfv(buffer: u32, index: i32, value: *const f32) = |ctx, _gl|
-        clear_with(ctx, buffer == api::GL_COLOR, |gl| gl.clear_bufferfv(buffer, index, value));
+        { clear_with(ctx, buffer == api::GL_COLOR, |gl| gl.clear_bufferfv(buffer, index, value)); };
     "glClearBufferiv" clear_bufferiv(buffer: u32, index: i32, value: *const i32) = |ctx, _gl|
-        clear_with(ctx, buffer == api::GL_COLOR, |gl| gl.clear_bufferiv(buffer, index, value));
+        { clear_with(ctx, buffer == api::GL_COLOR, |gl| gl.clear_bufferiv(buffer, index, value)); };
     "glClearBufferuiv" clear_bufferuiv(buffer: u32, index: i32, value: *const u32) = |ctx, _gl|
-        clear_with(ctx, buffer == api::GL_COLOR, |gl| gl.clear_bufferuiv(buffer, index, value));
+        { clear_with(ctx, buffer == api::GL_COLOR, |gl| gl.clear_bufferuiv(buffer, index, value)); };
     "glClearBufferfi" clear_bufferfi(buffer: u32, index: i32, depth: f32, stencil: i32) = |ctx, _gl|
-        clear_with(ctx, false, |gl| gl.clear_bufferfi(buffer, index, depth, stencil));
+        { clear_with(ctx, false, |gl| gl.clear_bufferfi(buffer, index, depth, stencil)); };
     "glDrawBuffer" draw_buffer(buffer: u32) = |ctx, _gl| {
         if ctx.compiling() { super::lists::record(ctx, Command::DrawBuffer(buffer)) } else { select_draw_buffer(ctx, buffer) }
     };
