@@ -177,7 +177,7 @@ fn rigs() -> Vec<(String, Rig)> {
 
 fn output(name: &str, kind: OutputKind, overlap: bool) -> Output {
     let blend = Blend { overlap, ramp: 0.3, ramps: Vec::new(), gamma: 2.2, black_level: 0.0 };
-    Output { name: name.into(), kind, size: None, window: None, blend, mask: None }
+    Output { name: name.into(), kind, size: None, window: None, blend, mask: None, eye: 0.0 }
 }
 
 fn rig(outputs: Vec<Output>) -> Rig {
@@ -185,9 +185,10 @@ fn rig(outputs: Vec<Output>) -> Rig {
         name: "bench".into(),
         passthrough: false,
         dome: Dome { radius: 5.0, tilt: 0.0, coverage: std::f64::consts::TAU },
+        screen: None,
         viewer: Viewer { position: DVec3::ZERO, yaw: 0.0, pitch: 0.0, roll: 0.0 },
-        camera: Camera { zoom: 1.0, shift: DVec3::ZERO, yaw: 0.0, pitch: 0.0, roll: 0.0 },
-        views: Views { method: ViewMethod::Auto, quality: 1.0, favour: Favour::Balanced },
+        camera: Camera::default(),
+        views: Views { method: ViewMethod::Auto, quality: 1.0, favour: Favour::Balanced, duplicate: Duplicate::Auto },
         overlay: Overlay { yaw: 0.0, pitch: 0.0, width: 1.0 },
         outputs,
     }

@@ -14,6 +14,7 @@ const PASSES: &[(&str, &[&str], &[&str])] = &[
     ("Fisheye", &["common.wgsl", "fisheye.wgsl"], &["present", "map"]),
     ("Projector", &["common.wgsl", "projector.wgsl"], &["present", "map"]),
     ("Perspective", &["common.wgsl", "perspective.wgsl"], &["present", "map"]),
+    ("Panorama", &["common.wgsl", "panorama.wgsl"], &["present", "map"]),
     ("Table", &["common.wgsl", "table.wgsl"], &["present", "map"]),
     ("Black", &["black.wgsl"], &["present"]),
 ];

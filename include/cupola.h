@@ -128,7 +128,8 @@ typedef struct cupola_gl_view {
    */
   float projection_matrix[16];
   /*
-   The program's camera axes → axes of the view, for programs that cull or draw a sky by view.
+   The program's camera axes → axes of the view, for programs that cull or draw a sky by view. It moves, too, where
+   the rig moves the camera or the view is for one of two eyes.
    */
   float rotation_matrix[16];
   /*
@@ -277,7 +278,22 @@ enum cupola_status cupola_gl_create(const struct cupola_rig *rig,
 enum cupola_status cupola_gl_resize(struct cupola_gl *gl, uint32_t width, uint32_t height);
 
 /*
- How many views there are. It changes only with `cupola_gl_resize`.
+ Moves and turns the viewer, whose correct point of view the pictures have; between frames. `position`: metres
+ from the dome's centre, x right, y up, z backward; degrees, to the right, up, clockwise. As `cupola_gl_resize` this
+ plans anew and may change number and place of views; it takes about as long as making a `cupola_gl`, so
+ that it is for a viewer who sits down elsewhere, not for one who is tracked. On an error the old viewer stays.
+
+ # Safety
+ `gl` is a live handle whose context is current; `position` points at three numbers.
+ */
+enum cupola_status cupola_gl_set_viewer(struct cupola_gl *gl,
+                                        const double *position,
+                                        double yaw,
+                                        double pitch,
+                                        double roll);
+
+/*
+ How many views there are. It changes only with `cupola_gl_resize` and `cupola_gl_set_viewer`.
 
  # Safety
  `gl` is a live handle; `count` is writable.

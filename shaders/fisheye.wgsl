@@ -1,11 +1,15 @@
-// An equidistant fisheye picture: pixel → direction by polynomials in the squared distance from
-// the circle's centre. No square root, no division, no singular axis.
+// A fisheye picture: pixel → direction by polynomials in the squared distance from the circle's centre, and a root
+// for the lenses that need one. No division, no singular axis.
 
 struct Constants {
     shared_part: Shared,
-    // sin(r·α)/r and cos(r·α) as polynomials in r², r = 1 at the rim, lowest power first.
+    // The parts across and along the axis as polynomials in r², r = 1 at the rim, lowest power first.
     sine: array<vec4<f32>, 2>,
     cosine: array<vec4<f32>, 2>,
+    // √(1 − x·r²) times y is added across, times z along the axis.
+    root: vec3<f32>,
+    // The screen is seen from another place than the lens: directions need unit length.
+    off_centre: u32,
     // Lens axes → base, and what the viewer's place adds.
     rotation: mat3x3<f32>,
     shift: vec3<f32>,
@@ -15,8 +19,16 @@ struct Constants {
 
 fn trace(source: vec2<f32>) -> Ray {
     let s = dot(source, source);
-    let sine = polynomial(constants.sine[0], constants.sine[1], s);
-    let cosine = polynomial(constants.cosine[0], constants.cosine[1], s);
-    let lens = vec3<f32>(source * sine, -cosine);
+    var sine = polynomial(constants.sine[0], constants.sine[1], s);
+    var cosine = polynomial(constants.cosine[0], constants.cosine[1], s);
+    if constants.root.x != 0.0 {
+        let root = sqrt(max(1.0 - constants.root.x * s, 0.0));
+        sine += constants.root.y * root;
+        cosine += constants.root.z * root;
+    }
+    var lens = vec3<f32>(source * sine, -cosine);
+    if constants.off_centre != 0u {
+        lens = lens / sqrt(dot(lens, lens));
+    }
     return Ray(constants.rotation * lens + constants.shift, s <= 1.0, constants.dome * lens, 1.0);
 }

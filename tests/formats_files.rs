@@ -1,6 +1,6 @@
 //! Calibration files: hostile ones, and what `cupola convert` writes.
 
-use cupola::formats::{Raster, bourke, domeprojection, easyblend, mpcdi, pfm, vwf};
+use cupola::formats::{Raster, bourke, domeprojection, easyblend, mpcdi, pfm, sgct, vwf};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
@@ -247,6 +247,100 @@ fn archives_of_every_profile_and_version_are_the_same_map() {
     let [x, y, z] = archive.regions[0].warp.values()[27 * 96 + 48].map(f64::from);
     let place = camera.place(glam::DVec3::new(x, y, z) - position).unwrap();
     assert!(place.distance(glam::DVec2::new(48.5 / 96.0, 26.5 / 54.0)) < 1e-6, "{place}");
+}
+
+/// The exact map of an output of a rig, and what of its light is left, at each pixel.
+fn exact(rig: &str, output: &str, size: (u32, u32)) -> Vec<Option<(glam::DVec3, f64)>> {
+    let rig = cupola::rig::load(rig).unwrap();
+    let index = rig.outputs.iter().position(|known| known.name == output).unwrap();
+    let map = cupola::warp::WarpMap::new(&rig, index, size, None).unwrap();
+    let weights = cupola::blend::Weights::new(&rig, &vec![size; rig.outputs.len()]).unwrap();
+    let pixel = |i: u32| glam::DVec2::new(f64::from(i % size.0) + 0.5, f64::from(i / size.0) + 0.5);
+    (0..size.0 * size.1).map(|i| Some((map.direction(pixel(i))?, weights.weight(index, pixel(i))?))).collect()
+}
+
+#[test]
+fn a_rig_made_of_a_calibration_shows_what_the_calibrated_rig_shows() {
+    let size = (96, 54);
+    let source = exact("planetarium-6", "front", size);
+    let calibrations =
+        [("2d", "mpcdi"), ("a3", "mpcdi"), ("3d", "mpcdi"), ("2d", "vwf"), ("a3", "pfm"), ("2d", "toml")];
+    for (profile, ending) in calibrations {
+        let (middle, rig) =
+            (file(&format!("calibrated-{profile}.{ending}")), file(&format!("again-{profile}-{ending}.toml")));
+        let more = ["--size", "96x54", "--output", "front", "--profile", profile];
+        convert("planetarium-6", &middle, &more);
+        let values = if ending == "pfm" { &["--values", "points"][..] } else { &[] };
+        // Of a rig, the rig itself is the result.
+        let rig = if ending == "toml" {
+            middle
+        } else {
+            convert(middle.to_str().unwrap(), &rig, values);
+            rig
+        };
+        // The dome of a calibration is not in its file: say which it is.
+        let text = std::fs::read_to_string(&rig).unwrap();
+        let text = text.replace("tilt = 0.0 #", "tilt = 25.0 #");
+        std::fs::write(&rig, text).unwrap();
+        let loaded = cupola::rig::load(rig.to_str().unwrap()).unwrap();
+        let found = exact(rig.to_str().unwrap(), &loaded.outputs[0].name, size);
+        for (found, expected) in found.iter().zip(&source) {
+            assert_eq!(found.is_some(), expected.is_some(), "{profile} {ending}");
+            if let (Some(found), Some(expected)) = (found, expected) {
+                assert!(found.0.distance(expected.0) < 1e-6, "{profile} {ending}: {} is not {}", found.0, expected.0);
+            }
+        }
+        // And it can be planned and drawn: what the shaders will use is the same again.
+        let request = cupola::views::Request {
+            output_sizes: vec![size],
+            window: size,
+            panel: false,
+            primary: false,
+            max_atlas: 16384,
+        };
+        let plan = cupola::correct::build(&loaded, &request).unwrap();
+        assert!(
+            matches!(plan.passes[0].source, cupola::correct::Source::Table(_)) && !plan.passes[0].batches.is_empty()
+        );
+        // A point of the screen is found again where it came from.
+        let map = cupola::warp::WarpMap::new(&loaded, 0, size, None).unwrap();
+        for pixel in [glam::DVec2::new(20.3, 30.1), glam::DVec2::new(70.0, 40.0)] {
+            let Some(point) = map.hit(pixel) else { continue };
+            assert!(map.pixel(point).is_some_and(|found| found.distance(pixel) < 1e-3), "{profile} {ending} {pixel}");
+        }
+    }
+    // The light of an archive's alpha map is kept too.
+    let weighted = file("again-2d-mpcdi.png");
+    let picture = weighted.with_file_name("again-2d-mpcdi-front.png");
+    let mask = image::open(picture).unwrap().into_luma16();
+    let worst = mask
+        .pixels()
+        .zip(&source)
+        .filter_map(|(found, expected)| Some((f64::from(found.0[0]) / 65535.0 - (*expected)?.1).abs()));
+    assert!(worst.fold(0.0, f64::max) < 1e-4);
+}
+
+#[test]
+fn a_configuration_of_sgct_becomes_a_rig() {
+    let text = r#"{ "nodes": [{ "address": "a", "windows": [{ "pos": { "x": 5, "y": 7 }, "size": { "x": 200, "y": 100 }, "viewports": [
+        { "size": { "x": 0.5, "y": 1 }, "projection": { "type": "FisheyeProjection", "fov": 170, "tilt": 30 } },
+        { "pos": { "x": 0.5, "y": 0 }, "size": { "x": 0.5, "y": 1 }, "eye": "right", "mesh": "some.sgc", "projection": {
+            "type": "PlanarProjection", "fov": { "hfov": 90, "vfov": 60 }, "orientation": { "yaw": 20, "pitch": 5, "roll": -3 } } }
+        ] }] }], "users": [{ "pos": { "x": 0, "y": 0, "z": 4 } }] }"#;
+    let (config, rig) = (file("config.json"), file("config.toml"));
+    std::fs::write(&config, text).unwrap();
+    let answer = convert(config.to_str().unwrap(), &rig, &[]);
+    assert!(answer["notes"][0].as_str().unwrap().contains("some.sgc"), "{answer}");
+    let rig = cupola::rig::load(rig.to_str().unwrap()).unwrap();
+    assert_eq!((rig.outputs[0].window, rig.outputs[1].window), (Some([0, 0, 100, 100]), Some([100, 0, 100, 100])));
+    let cupola::rig::OutputKind::Perspective { angles: [yaw, pitch, roll], frustum: Some(frustum) } =
+        rig.outputs[1].kind
+    else {
+        panic!("{:?}", rig.outputs[1].kind)
+    };
+    assert!((yaw.to_degrees() - 20.0).abs() < 1e-6 && (pitch.to_degrees() - 5.0).abs() < 1e-6);
+    assert!((roll.to_degrees() + 3.0).abs() < 1e-6 && (frustum.right - 1.0).abs() < 1e-6 && rig.outputs[1].eye > 0.0);
+    survives(text.as_bytes(), |bytes| sgct::read("some.file", bytes).map(drop));
 }
 
 #[test]

@@ -114,7 +114,7 @@ fn degrees_become_radians_and_defaults_hold() {
     assert_eq!(rig.overlay.width, 60_f64.to_radians());
     // A domemaster shows the dome that there is.
     let kind = OutputKind::Domemaster { aperture: 160_f64.to_radians(), tilt: 30_f64.to_radians() };
-    assert_eq!((rig.outputs[0].name.as_str(), rig.outputs[0].kind), ("output-1", kind));
+    assert_eq!((rig.outputs[0].name.as_str(), rig.outputs[0].kind.clone()), ("output-1", kind));
     assert_eq!((rig.outputs[0].blend.overlap, rig.outputs[0].blend.gamma), (false, 2.2));
 }
 
@@ -204,7 +204,7 @@ fn the_camera_is_overridden_in_one_line() {
     let changed = camera.apply_override("zoom=4, move=0,-1.5,-20 ,yaw=90").unwrap();
     assert_eq!(
         changed,
-        Camera { zoom: 4.0, shift: DVec3::new(0.0, -1.5, -20.0), yaw: PI / 2.0, pitch: 1.0, roll: 0.0 }
+        Camera { zoom: 4.0, shift: DVec3::new(0.0, -1.5, -20.0), yaw: PI / 2.0, pitch: 1.0, ..Camera::default() }
     );
     assert_eq!(camera.apply_override("").unwrap(), camera);
     assert_eq!(camera.apply_override("pitch=0,roll=180").unwrap().roll, PI);

@@ -2,7 +2,7 @@
 
 use super::{decode, encode};
 use crate::error::{Error, ErrorKind, Result};
-use crate::geom::{Fisheye, Pose, Sphere, pose};
+use crate::geom::{Fisheye, pose};
 use crate::rig::Rig;
 use crate::warp::WarpMap;
 use glam::{DVec2, DVec3};
@@ -80,8 +80,8 @@ pub fn simulate(rig: &Rig, pictures: &[Picture], size: u32) -> Result<Simulation
     let sources = sources(rig, pictures)?;
     let lens = Fisheye { aperture: rig.dome.coverage.max(PI) };
     let lens_axes = pose::rotation(0.0, FRAC_PI_2 - rig.dome.tilt, 0.0);
-    let viewer = Pose::new(rig.viewer.position, rig.viewer.yaw, rig.viewer.pitch, rig.viewer.roll);
-    let sphere = Sphere { center: DVec3::ZERO, radius: rig.dome.radius };
+    let viewer = rig.viewer_pose();
+    let screen = rig.surface();
     let gamma = rig.outputs.first().map_or(2.2, |output| output.blend.gamma);
     let count = size as usize * size as usize;
     let mut simulation = Simulation {
@@ -95,7 +95,7 @@ pub fn simulate(rig: &Rig, pictures: &[Picture], size: u32) -> Result<Simulation
         let position = |i: usize| (i as f64 + 0.5) / f64::from(size) * 2.0 - 1.0;
         let direction = lens.direction(position(index % size as usize), -position(index / size as usize));
         let point = direction.and_then(|lens_direction| {
-            sphere.far_hit(viewer.position, viewer.direction_to_parent(lens_axes * lens_direction))
+            Some(screen.unbounded_hit(viewer.position, viewer.direction_to_parent(lens_axes * lens_direction))?.point)
         });
         let light = point.map_or(Light { rgb: [0.0; 3], coverage: 0, whole: false }, |point| light_at(&sources, point));
         if light.coverage > 0 && light.whole {

@@ -1,5 +1,6 @@
 //! The weight of a pixel.
 
+use super::decode;
 use crate::error::Result;
 use crate::geom::pose;
 use crate::rig::{AngleRamp, DomeAngle, OutputKind, Rig};
@@ -53,10 +54,16 @@ impl<'rig> Weights<'rig> {
     pub fn weight(&self, output: usize, pixel: DVec2) -> Option<f64> {
         let Some(map) = self.maps.get(output)? else { return Some(1.0) };
         match map.hit(pixel) {
-            Some(hit) => Some(self.weight_at(output, hit)),
+            Some(hit) => Some(self.weight_at(output, hit) * self.calibrated(output, pixel)),
             // A window has no place on the dome: nothing to share with, and angles are those of its directions.
             None => map.direction(pixel).map(|direction| self.ramps_at(output, self.viewer_axes * direction)),
         }
+    }
+
+    /// The part of the light that a calibration's file leaves a pixel of its output; 1 for all other outputs.
+    pub fn calibrated(&self, output: usize, pixel: DVec2) -> f64 {
+        let intensity = self.maps.get(output).and_then(Option::as_ref).map_or(1.0, |map| map.intensity(pixel));
+        decode(intensity, self.rig.outputs.get(output).map_or(1.0, |output| output.blend.gamma))
     }
 
     /// The weight of an output at a point of the dome (metres, dome axes) which it lights.

@@ -5,7 +5,7 @@
 
 use super::plan::{Batch, Mask, Source};
 use super::rectangles::{self, BLOCK};
-use crate::geom::{Frustum, QuadraticForm};
+use crate::geom::{Frustum, Panorama, QuadraticForm};
 use crate::rig::Rig;
 use crate::views::ViewPlan;
 use crate::views::cone::{Cone, Relation, WIDEST, diameter};
@@ -241,8 +241,9 @@ impl<'a> Examiner<'a> {
     }
 
     fn block(&self, block: Block, corners: [Corner; 4]) -> Needs {
-        if matches!(self.source, Source::Table(_)) {
-            // Nothing is known between its pixels.
+        let torn = matches!(self.source, Source::Panorama { panorama: Panorama::CubeStrip, .. });
+        if torn || matches!(self.source, Source::Table(_)) {
+            // Nothing is known between a table's pixels, nor across the border of two faces.
             return self.by_pixels(block);
         }
         if self.surely_dark(block, &corners) {
@@ -269,14 +270,14 @@ impl<'a> Examiner<'a> {
     /// Whether a block shows nothing, told without looking at its pixels.
     fn surely_dark(&self, block: Block, corners: &[Corner; 4]) -> bool {
         match self.source {
-            Source::Perspective { .. } | Source::Table(_) => false,
-            Source::Fisheye { .. } => {
+            source if source.is_circular() => {
                 let centre = (0.5 * f64::from(self.size.0), 0.5 * f64::from(self.size.1));
                 let nearest = |low: u32, high: u32, centre: f64| centre.clamp(f64::from(low), f64::from(high));
                 let (x, y) =
                     self.normalised(nearest(block[0], block[2], centre.0), nearest(block[1], block[3], centre.1));
                 x * x + y * y > 1.0
             }
+            Source::Fisheye { .. } | Source::Panorama { .. } | Source::Perspective { .. } | Source::Table(_) => false,
             Source::Projector(_) => all_of(corners.map(|corner| corner.on_dome)).is_some_and(|hits| {
                 let nearest = hits.iter().map(|hit| hit.angle_between(DVec3::Y)).fold(f64::INFINITY, f64::min);
                 let diameter = diameter(&hits);

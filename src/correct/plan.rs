@@ -3,7 +3,7 @@
 use super::table::Table;
 use super::{blocks, mask, source};
 use crate::error::Result;
-use crate::geom::QuadraticForm;
+use crate::geom::{Panorama, QuadraticForm};
 use crate::rig::{AngleRamp, Rig};
 use crate::views::{self, Request, ViewPlan};
 use glam::{DMat3, DVec3};
@@ -86,6 +86,16 @@ pub enum Source {
     Perspective {
         /// Homogeneous pixel → direction.
         matrix: DMat3,
+    },
+    /// `v = rotation·u + offset`, in viewer axes (metres per dome radius), with u the panorama's unit direction. `(x, y)`
+    /// are scaled as for [`Source::Fisheye`] if the panorama is a circle.
+    Panorama {
+        /// How the picture shows directions.
+        panorama: Panorama,
+        /// Picture axes → viewer axes.
+        rotation: DMat3,
+        /// As for [`Source::Fisheye`].
+        offset: DVec3,
     },
     /// Viewer direction and weight of each pixel, computed beforehand. The weight has everything in it but
     /// the mask: a pass with a table has no ramps and no neighbours of its own.

@@ -17,6 +17,8 @@ pub enum Pass {
     Projector,
     /// A flat perspective picture.
     Perspective,
+    /// An unrolled picture of all directions.
+    Panorama,
     /// A direction and a weight for each pixel, from a texture.
     Table,
     /// Nothing: black.
@@ -120,7 +122,7 @@ mod tests {
 
     #[test]
     fn every_pass_has_its_texts_in_both_languages() {
-        for pass in [Pass::Fisheye, Pass::Projector, Pass::Perspective, Pass::Table, Pass::Black] {
+        for pass in [Pass::Fisheye, Pass::Projector, Pass::Perspective, Pass::Panorama, Pass::Table, Pass::Black] {
             let text = text_of(pass);
             assert_eq!(text.pass, pass);
             let placeholders = text.constructor.matches(['%', '#']).count();

@@ -4,8 +4,9 @@ use super::plan::{Neighbour, ProjectorSource, Source};
 use super::table::{Table, TablePixel};
 use crate::blend::Weights;
 use crate::error::Result;
+use crate::geom::fisheye::RadialForm;
 use crate::geom::quadratic::{cap_row, row_at, sphere_is_ahead};
-use crate::geom::{Fisheye, QuadraticForm, Sphere, pose};
+use crate::geom::{Fisheye, Panorama, QuadraticForm, Sphere, pose};
 use crate::rig::{Output, OutputKind, Rig};
 use crate::views::sight::{lens_rotation, perspective_rays, pole, viewer_rotation};
 use crate::warp::WarpMap;
@@ -26,21 +27,47 @@ pub(super) fn of(rig: &Rig, index: usize, sizes: &[(u32, u32)]) -> Result<Source
 
 /// Whether the formula of an output is right everywhere, and knows all that its weights depend on.
 ///
-/// It is not in two cases outside the dome: for a projector that looks partly away from it, whose rays would meet
+/// It knows no screen but the dome. It is not right in two cases outside the dome: for a projector that looks partly away from it, whose rays would meet
 /// it backwards, and beside a neighbour there, of whose light the near side of the dome keeps its share
 /// although none arrives. Nor does it know a neighbour's lens that is no pinhole, or its mirror.
 fn is_exact(rig: &Rig, index: usize) -> bool {
     let output = &rig.outputs[index];
-    let OutputKind::Projector { position, angles, frustum } = &output.kind else { return true };
+    if matches!(output.kind, OutputKind::Perspective { .. }) {
+        return true;
+    }
+    if rig.screen.is_some() {
+        return false;
+    }
+    let Some(pinhole) = Pinhole::of(&output.kind) else { return true };
     let sphere = Sphere { center: DVec3::ZERO, radius: rig.dome.radius };
-    let rays = pose::rotation(angles[0], angles[1], angles[2]) * frustum.rays();
     let mut others = rig.outputs.iter().enumerate().filter(|(other, _)| *other != index).map(|(_, other)| &other.kind);
-    let known = |other: &OutputKind| match other {
-        OutputKind::Optics { .. } => false,
-        OutputKind::Projector { position, .. } => sphere.contains(*position),
-        _ => true,
+    let known = |other: &OutputKind| match Pinhole::of(other) {
+        Some(other) => sphere.contains(other.position),
+        None => !other.is_projector(),
     };
-    sphere_is_ahead(*position, rays, &sphere) && (!output.blend.overlap || others.all(known))
+    sphere_is_ahead(pinhole.position, pinhole.rays, &sphere) && (!output.blend.overlap || others.all(known))
+}
+
+/// A projector whose rays are linear in the pixel.
+struct Pinhole {
+    position: DVec3,
+    /// Pixel `(x, y, 1)` → ray in dome axes.
+    rays: DMat3,
+}
+
+impl Pinhole {
+    /// `None` for what is no projector, or has another lens, a mirror or weights by area.
+    fn of(kind: &OutputKind) -> Option<Self> {
+        match kind {
+            OutputKind::Projector { position, angles: [yaw, pitch, roll], frustum } => {
+                Some(Self { position: *position, rays: pose::rotation(*yaw, *pitch, *roll) * frustum.rays() })
+            }
+            OutputKind::Optics { optics, even_light: 0.0 } if optics.mirror.is_none() => {
+                Some(Self { position: optics.pose.position, rays: optics.pose.rotation * optics.lens.linear_rays()? })
+            }
+            _ => None,
+        }
+    }
 }
 
 /// The exact map and weight of every pixel of an output.
@@ -48,15 +75,16 @@ fn tabulated(rig: &Rig, index: usize, sizes: &[(u32, u32)]) -> Result<Source> {
     let weights = Weights::new(rig, sizes)?;
     let size = sizes.get(index).copied().unwrap_or_default();
     let map = WarpMap::new(rig, index, size, None)?;
-    let evenness = match rig.outputs[index].kind {
-        OutputKind::Optics { even_light, .. } if even_light > 0.0 => Some(Evenness::of(&map, even_light)),
+    let evenness = match &rig.outputs[index].kind {
+        OutputKind::Optics { even_light, .. } if *even_light > 0.0 => Some(Evenness::of(&map, *even_light)),
         _ => None,
     };
     let at = |column: u32, row: u32| {
         let pixel = DVec2::new(f64::from(column) + 0.5, f64::from(row) + 0.5);
         let hit = map.hit(pixel)?;
         let even = evenness.as_ref().map_or(1.0, |evenness| evenness.weight(&map, pixel));
-        Some(TablePixel { direction: map.direction(pixel)?, weight: weights.weight_at(index, hit) * even })
+        let weight = weights.weight_at(index, hit) * weights.calibrated(index, pixel) * even;
+        Some(TablePixel { direction: map.direction(pixel)?, weight })
     };
     Ok(Source::Table(Arc::new(Table::new(size, at))))
 }
@@ -97,29 +125,41 @@ impl Evenness {
 fn closed_form(rig: &Rig, index: usize) -> Option<Source> {
     let output = &rig.outputs[index];
     let to_viewer = viewer_rotation(rig).transpose();
+    let eye = rig.eye(output).position;
     Some(match &output.kind {
+        OutputKind::Mesh(_) => return None,
         OutputKind::Domemaster { aperture, tilt } => Source::Fisheye {
             aperture: *aperture,
             rotation: lens_rotation(*tilt),
-            offset: -(to_viewer * rig.viewer.position) / rig.dome.radius,
+            offset: -(to_viewer * eye) / rig.dome.radius,
         },
+        OutputKind::Panorama { panorama, angles: [yaw, pitch, roll] } => {
+            // Some measured curves are too wild for the shaders' polynomials.
+            if matches!(panorama, Panorama::Fisheye(lens) if RadialForm::of(lens).is_none()) {
+                return None;
+            }
+            Source::Panorama {
+                panorama: panorama.clone(),
+                rotation: pose::rotation(*yaw, *pitch, *roll),
+                offset: -(to_viewer * eye) / rig.dome.radius,
+            }
+        }
         OutputKind::Perspective { angles, frustum } => {
             Source::Perspective { matrix: perspective_rays(*angles, frustum.as_ref()) }
         }
-        OutputKind::Optics { .. } => return None,
-        OutputKind::Projector { position, angles, frustum } => {
+        OutputKind::Projector { .. } | OutputKind::Optics { .. } => {
+            let Pinhole { position, rays } = Pinhole::of(&output.kind)?;
             let sphere = Sphere { center: DVec3::ZERO, radius: rig.dome.radius };
-            let rays = pose::rotation(angles[0], angles[1], angles[2]) * frustum.rays();
-            let seen_from = |eye: DVec3, target: DMat3| QuadraticForm::new(*position, rays, &sphere, eye, target);
+            let seen_from = |eye: DVec3, target: DMat3| QuadraticForm::new(position, rays, &sphere, eye, target);
             let neighbours =
                 rig.outputs.iter().enumerate().filter(|(other, _)| output.blend.overlap && *other != index);
             Source::Projector(Box::new(ProjectorSource {
-                direction: seen_from(rig.viewer.position, to_viewer),
+                direction: seen_from(eye, to_viewer),
                 cap: (rig.dome.coverage < std::f64::consts::TAU)
-                    .then(|| cap_row(*position, rays, &sphere, pole(rig), rig.dome.coverage)),
+                    .then(|| cap_row(position, rays, &sphere, pole(rig), rig.dome.coverage)),
                 // Turned about x by the tilt, the pole comes to lie on +y and the front on −z.
                 dome_direction: seen_from(DVec3::ZERO, DMat3::from_rotation_x(rig.dome.tilt)),
-                position: DMat3::from_rotation_x(rig.dome.tilt) * *position,
+                position: DMat3::from_rotation_x(rig.dome.tilt) * position,
                 neighbours: neighbours
                     .filter_map(|(other, neighbour)| neighbour_of(other, neighbour, &seen_from))
                     .collect(),
@@ -135,9 +175,8 @@ fn neighbour_of(
     output: &Output,
     seen_from: &impl Fn(DVec3, DMat3) -> QuadraticForm,
 ) -> Option<Neighbour> {
-    let OutputKind::Projector { position, angles, frustum } = &output.kind else { return None };
-    let picture = frustum.picture() * pose::rotation(angles[0], angles[1], angles[2]).transpose();
-    Some(Neighbour { output: index, picture: seen_from(*position, picture), ramp: output.blend.ramp })
+    let Pinhole { position, rays } = Pinhole::of(&output.kind)?;
+    Some(Neighbour { output: index, picture: seen_from(position, rays.inverse()), ramp: output.blend.ramp })
 }
 
 impl Source {
@@ -154,6 +193,13 @@ impl Source {
                     projector.cap.is_none_or(|row| row_at(&row, projector.direction.discriminant(x, y), x, y) >= 0.0);
                 on_screen.then_some(direction)
             }
+            Self::Panorama { panorama, rotation, offset } => {
+                let direction = match panorama {
+                    Panorama::Fisheye(lens) => lens.direction(DVec2::new(x, y)),
+                    _ => panorama.direction(DVec2::new(x, y), 1.0),
+                };
+                direction.map(|direction| *rotation * direction + *offset)
+            }
             Self::Perspective { matrix } => Some(*matrix * DVec3::new(x, y, 1.0)),
             Self::Table(table) => table.nearest(0.5 * (1.0 + x), 0.5 * (1.0 - y)).map(|pixel| pixel.direction),
         }
@@ -163,11 +209,17 @@ impl Source {
     /// centres at +½, in an output of `size` pixels.
     pub fn normalised(&self, size: (u32, u32), column: f64, row: f64) -> (f64, f64) {
         let (width, height) = (f64::from(size.0), f64::from(size.1));
-        let (across, up) = match self {
-            Self::Fisheye { .. } => (width.min(height), width.min(height)),
-            _ => (width, height),
-        };
+        let (across, up) = if self.is_circular() { (width.min(height), width.min(height)) } else { (width, height) };
         ((2.0 * column - width) / across, (height - 2.0 * row) / up)
+    }
+
+    /// Whether the picture is a circle inscribed in the output, and normalised coordinates are units of its radius.
+    pub fn is_circular(&self) -> bool {
+        match self {
+            Self::Fisheye { .. } => true,
+            Self::Panorama { panorama, .. } => panorama.is_circular(),
+            _ => false,
+        }
     }
 }
 /// Viewer axes → dome axes turned so that the pole is +y and the front −z.

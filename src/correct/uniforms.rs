@@ -1,6 +1,7 @@
 //! The constants of a pass. The only place where f64 becomes f32: every coefficient is folded
 //! in f64 and rounded once.
 
+mod panorama;
 mod projector;
 
 use super::plan::{Batch, OutputPass, PixelRect, Plan, Source};
@@ -8,7 +9,7 @@ use super::response::encoding_polynomial;
 use super::shaders::{Pass, text_of};
 use crate::error::{Error, ErrorKind, Result};
 use crate::geom::Frustum;
-use crate::geom::fisheye::sine_cosine_polynomials;
+use crate::geom::fisheye::{MOST_COEFFICIENTS, sine_cosine_polynomials};
 use crate::geom::reprojection::ClipRows;
 use crate::rig::DomeAngle;
 use crate::views::{View, ViewPlan};
@@ -20,8 +21,6 @@ pub const MAX_VIEWS: usize = 8;
 pub const MAX_NEIGHBOURS: usize = 12;
 /// Most ramps in dome angles of one output.
 pub const MAX_RAMPS: usize = 8;
-/// Most coefficients of a fisheye polynomial.
-const MAX_COEFFICIENTS: usize = 8;
 
 /// How far, in texels, a view also answers for beyond its own part: nothing falls between two
 /// views by rounding, and the guard of at least one texel still feeds the bilinear filter.
@@ -168,6 +167,8 @@ pub fn constants(plan: &Plan, pass: &OutputPass, batch: &Batch, panel: bool) -> 
     let mut out = Constants::new(match &pass.source {
         Source::Fisheye { .. } => Pass::Fisheye,
         Source::Projector(_) => Pass::Projector,
+        Source::Panorama { panorama, .. } if panorama.is_circular() => Pass::Fisheye,
+        Source::Panorama { .. } => Pass::Panorama,
         Source::Perspective { .. } => Pass::Perspective,
         Source::Table(_) => Pass::Table,
     });
@@ -176,7 +177,16 @@ pub fn constants(plan: &Plan, pass: &OutputPass, batch: &Batch, panel: bool) -> 
     shared(&mut out, pass, batch)?;
     match &pass.source {
         Source::Fisheye { aperture, rotation, offset } => {
-            fisheye(&mut out, *aperture)?;
+            circular(&mut out, ["sine", "cosine"], *aperture)?;
+            out.set_matrix("rotation", base * *rotation)?;
+            out.set("shift", &(base * *offset).to_array())?;
+            out.set_matrix("dome", pass.dome_rotation * *rotation)?;
+        }
+        Source::Panorama { panorama, rotation, offset } => {
+            panorama::set(&mut out, panorama)?;
+            if panorama.is_circular() {
+                out.set_flag("off_centre", *offset != DVec3::ZERO)?;
+            }
             out.set_matrix("rotation", base * *rotation)?;
             out.set("shift", &(base * *offset).to_array())?;
             out.set_matrix("dome", pass.dome_rotation * *rotation)?;
@@ -226,7 +236,7 @@ pub fn rectangle(pass: &OutputPass, rect: &PixelRect) -> [[f32; 4]; 6] {
     let (scale_x, scale_y) = match &pass.source {
         // Pixels from the middle.
         Source::Table(_) => (0.5 * width, 0.5 * height),
-        Source::Fisheye { .. } => (width / width.min(height), height / width.min(height)),
+        source if source.is_circular() => (width / width.min(height), height / width.min(height)),
         _ => (1.0, 1.0),
     };
     let left = 2.0 * f64::from(rect.x) / width - 1.0;
@@ -313,22 +323,27 @@ fn shared(out: &mut Constants, pass: &OutputPass, batch: &Batch) -> Result<()> {
     out.set("shared_part.black", &[pass.black_level.powf(1.0 / pass.gamma)])
 }
 
-/// The polynomials, taken from `q = p·aperture/2` to `p`.
-fn fisheye(out: &mut Constants, aperture: f64) -> Result<()> {
+/// The polynomials of an angle of `aperture/2` times a coordinate: sin(angle)/coordinate and cos(angle), over the
+/// coordinate's square.
+fn circular(out: &mut Constants, names: [&str; 2], aperture: f64) -> Result<()> {
     let half = aperture / 2.0;
     let fitted = sine_cosine_polynomials(aperture);
-    for (name, coefficients, factor) in [("sine", &fitted.sine, half), ("cosine", &fitted.cosine, 1.0)] {
-        limit("polynomial coefficients", coefficients.len(), MAX_COEFFICIENTS)?;
-        let mut scaled = [0.0; MAX_COEFFICIENTS];
-        let mut power = factor;
-        for (to, from) in scaled.iter_mut().zip(coefficients) {
-            *to = from * power;
-            power *= half * half;
-        }
-        out.set(&format!("{name}[0]"), &scaled[..4])?;
-        out.set(&format!("{name}[1]"), &scaled[4..])?;
+    for (name, coefficients, factor) in [(names[0], &fitted.sine, half), (names[1], &fitted.cosine, 1.0)] {
+        let powers = std::iter::successors(Some(factor), |power| Some(power * half * half));
+        let scaled: Vec<f64> =
+            coefficients.iter().zip(powers).map(|(coefficient, power)| coefficient * power).collect();
+        polynomial(out, name, &scaled)?;
     }
     Ok(())
+}
+
+/// Sets a polynomial, the constant first.
+fn polynomial(out: &mut Constants, name: &str, coefficients: &[f64]) -> Result<()> {
+    limit("polynomial coefficients", coefficients.len(), MOST_COEFFICIENTS)?;
+    let mut padded = [0.0; MOST_COEFFICIENTS];
+    padded[..coefficients.len()].copy_from_slice(coefficients);
+    out.set(&format!("{name}[0]"), &padded[..4])?;
+    out.set(&format!("{name}[1]"), &padded[4..])
 }
 
 fn limit(what: &str, count: usize, most: usize) -> Result<()> {

@@ -4,7 +4,9 @@ use super::rig::cupola_rig;
 use super::status::{call, check_size, cupola_status, name_of, null};
 use crate::backend::gl::api::Gl;
 use crate::correct::uniforms;
+use crate::rig::Viewer;
 use crate::runtime::embedded::Embedded;
+use glam::DVec3;
 use std::ffi::{c_char, c_void};
 
 /// Finds an OpenGL function by its name, like `glXGetProcAddressARB`, `eglGetProcAddress` or
@@ -55,7 +57,8 @@ pub struct cupola_gl_view {
     /// program's own projection. The program's view matrix, and so its lighting, stays as it is.
     /// It is `frustum_matrix` · `rotation_matrix`.
     pub projection_matrix: [f32; 16],
-    /// The program's camera axes → axes of the view, for programs that cull or draw a sky by view.
+    /// The program's camera axes → axes of the view, for programs that cull or draw a sky by view. It moves, too, where
+    /// the rig moves the camera or the view is for one of two eyes.
     pub rotation_matrix: [f32; 16],
     /// Axes of the view → its clip space: a perspective matrix of the usual form, off-centre.
     pub frustum_matrix: [f32; 16],
@@ -133,7 +136,33 @@ pub unsafe extern "C" fn cupola_gl_resize(gl: *mut cupola_gl, width: u32, height
     call(|| unsafe { handle(gl) }?.embedded.resize((width, height)))
 }
 
-/// How many views there are. It changes only with `cupola_gl_resize`.
+/// Moves and turns the viewer, whose correct point of view the pictures have; between frames. `position`: metres
+/// from the dome's centre, x right, y up, z backward; degrees, to the right, up, clockwise. As `cupola_gl_resize` this
+/// plans anew and may change number and place of views; it takes about as long as making a `cupola_gl`, so
+/// that it is for a viewer who sits down elsewhere, not for one who is tracked. On an error the old viewer stays.
+///
+/// # Safety
+/// `gl` is a live handle whose context is current; `position` points at three numbers.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cupola_gl_set_viewer(
+    gl: *mut cupola_gl,
+    position: *const f64,
+    yaw: f64,
+    pitch: f64,
+    roll: f64,
+) -> cupola_status {
+    call(|| {
+        if position.is_null() {
+            return Err(null("position"));
+        }
+        // SAFETY: as promised above.
+        let (gl, [x, y, z]) = unsafe { (handle(gl)?, *position.cast::<[f64; 3]>()) };
+        let [yaw, pitch, roll] = [yaw, pitch, roll].map(f64::to_radians);
+        gl.embedded.set_viewer(Viewer { position: DVec3::new(x, y, z), yaw, pitch, roll })
+    })
+}
+
+/// How many views there are. It changes only with `cupola_gl_resize` and `cupola_gl_set_viewer`.
 ///
 /// # Safety
 /// `gl` is a live handle; `count` is writable.

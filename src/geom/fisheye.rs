@@ -1,5 +1,6 @@
 //! The ideal fisheye lens, and the polynomials with which shaders evaluate it.
 
+use super::{FisheyeLens, Projection};
 use glam::{DVec2, DVec3};
 
 /// An equidistant fisheye: the distance from the image's centre grows in proportion to the angle from the axis.
@@ -60,6 +61,74 @@ pub const FISHEYE_RESIDUAL_PIXELS: f64 = 1e-4;
 /// For other arguments: `atan2(y, x)` from `min/max` of the absolute values and the octant.
 pub const ATAN_COEFFICIENTS: [f64; 8] =
     [-0.3333315274, 0.1999377284, -0.1421105534, 0.1066600478, -0.0755221462, 0.043211865, -0.0163679307, 0.0029206929];
+
+/// What a shader needs for a fisheye of any projection, with r = 1 at the rim and s = r²:
+/// `v = ((x, y)·(S(s) + sine_root·w), −(C(s) + cosine_root·w))`, `w = √(1 − squeeze·s)`, any length.
+///
+/// Stereographic, equisolid and orthographic lenses have this form exactly; the others are fitted.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RadialForm {
+    /// Coefficients of S, the constant first.
+    pub sine: Vec<f64>,
+    /// Coefficients of C, the constant first.
+    pub cosine: Vec<f64>,
+    /// What is taken off under the root.
+    pub squeeze: f64,
+    /// Factor of the root in the part across the axis.
+    pub sine_root: f64,
+    /// Factor of the root in the part along the axis.
+    pub cosine_root: f64,
+}
+
+/// Most coefficients of each of [`RadialForm`]'s polynomials.
+pub const MOST_COEFFICIENTS: usize = 8;
+
+impl RadialForm {
+    /// The form of a lens; `None` where no polynomials of [`MOST_COEFFICIENTS`] come within [`FISHEYE_RESIDUAL_PIXELS`].
+    pub fn of(lens: &FisheyeLens) -> Option<Self> {
+        let polynomials = |sine, cosine| Self { sine, cosine, squeeze: 0.0, sine_root: 0.0, cosine_root: 0.0 };
+        let half = 0.5 * lens.aperture;
+        match lens.projection {
+            Projection::Stereographic => {
+                let rim = (0.5 * half).tan();
+                Some(polynomials(vec![2.0 * rim], vec![1.0, -rim * rim]))
+            }
+            Projection::Equisolid => {
+                let rim = (0.5 * half).sin();
+                let exact = polynomials(vec![0.0], vec![1.0, -2.0 * rim * rim]);
+                Some(Self { squeeze: rim * rim, sine_root: 2.0 * rim, ..exact })
+            }
+            Projection::Orthographic => {
+                let rim = half.sin();
+                Some(Self { squeeze: rim * rim, cosine_root: 1.0, ..polynomials(vec![rim], vec![0.0]) })
+            }
+            Projection::Equidistant | Projection::Polynomial(_) | Projection::Measured(_) => {
+                // The narrowest pixel decides what is allowed.
+                let pixel = samples(1.0).map(|s| lens.slope(s.sqrt())).fold(f64::INFINITY, f64::min) * 2.0 / 4096.0;
+                let allowed = 0.5 * FISHEYE_RESIDUAL_PIXELS * pixel;
+                let angle = |s: f64| lens.angle(s.sqrt());
+                let quotient = |s: f64| if s > 0.0 { angle(s).sin() / s.sqrt() } else { lens.slope(0.0) };
+                let (sine, cosine) =
+                    (fit(1.0, allowed, quotient, |s| s.sqrt()), fit(1.0, allowed, |s| angle(s).cos(), |_| 1.0));
+                let error = samples(1.0).map(|s| {
+                    let across = s.sqrt() * (polynomial_at(&sine, s) - quotient(s));
+                    across.hypot(polynomial_at(&cosine, s) - angle(s).cos())
+                });
+                let good = error.fold(0.0, f64::max) <= FISHEYE_RESIDUAL_PIXELS * pixel;
+                let short = sine.len().max(cosine.len()) <= MOST_COEFFICIENTS;
+                (good && short).then(|| polynomials(sine, cosine))
+            }
+        }
+    }
+
+    /// The direction at a point of the unit disc, as the shader computes it, any length.
+    pub fn direction(&self, point: DVec2) -> DVec3 {
+        let s = point.length_squared();
+        let root = (1.0 - self.squeeze * s).max(0.0).sqrt();
+        let across = polynomial_at(&self.sine, s) + self.sine_root * root;
+        (point * across).extend(-(polynomial_at(&self.cosine, s) + self.cosine_root * root))
+    }
+}
 
 /// Fits the polynomials for an aperture (radians, 0 < aperture ≤ 2π): interpolation at Chebyshev nodes
 /// in s, of the lowest degrees whose residual stays below [`FISHEYE_RESIDUAL_PIXELS`].

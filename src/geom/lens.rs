@@ -1,15 +1,14 @@
-//! Lenses that are no ideal pinhole: fisheyes of every common projection, and Brown–Conrady distortion.
+//! Lenses: pinholes, perhaps with Brown–Conrady distortion and keystone, and fisheyes.
 //!
 //! Pictures are measured in −1…1 from left to right and from bottom to top, rays in lens axes (x right, y up, −z
 //! ahead). Both directions are f64; where one of them has no closed form it is iterated to rounding, and a
 //! point at which the iteration does not arrive has no ray.
 
-use super::Frustum;
-use glam::{DVec2, DVec3};
-use std::f64::consts::{PI, TAU};
+use super::{FisheyeLens, Frustum, homography};
+use glam::{DMat3, DVec2, DVec3};
 
 /// A lens of a projector.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Lens {
     /// A pinhole, perhaps distorted.
     Pinhole {
@@ -17,9 +16,52 @@ pub enum Lens {
         frustum: Frustum,
         /// What the lens does to tangents.
         distortion: Distortion,
+        /// What the projector does to the picture before the lens: picture as it is sent, `(x, y, 1)`, → picture as it
+        /// fills the opening, homogeneous ([`homography::from_corners`]).
+        keystone: DMat3,
     },
-    /// A fisheye whose circle is inscribed in the picture.
-    Fisheye(FisheyeLens),
+    /// A fisheye.
+    Fisheye {
+        /// The lens.
+        lens: FisheyeLens,
+        /// Where its circle is in the picture.
+        circle: Circle,
+    },
+}
+
+/// Where the circle of a fisheye is in a picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Circle {
+    /// As large as it fits, in the middle.
+    Inscribed,
+    /// Anywhere, of any size; an ellipse for a lens that squeezes (anamorphic).
+    Placed {
+        /// Its centre, picture coordinates (−1…1).
+        center: DVec2,
+        /// Half its width and height, picture coordinates: (1, 1) touches all four sides.
+        half: DVec2,
+    },
+}
+
+impl Circle {
+    /// Picture coordinates → units of the circle's radius.
+    pub fn to_disc(&self, picture: DVec2, aspect: f64) -> DVec2 {
+        let (center, half) = self.placed(aspect);
+        (picture - center) / half
+    }
+
+    /// The inverse of [`Self::to_disc`].
+    pub fn to_picture(&self, disc: DVec2, aspect: f64) -> DVec2 {
+        let (center, half) = self.placed(aspect);
+        disc * half + center
+    }
+
+    fn placed(&self, aspect: f64) -> (DVec2, DVec2) {
+        match *self {
+            Self::Inscribed => (DVec2::ZERO, DVec2::new((1.0 / aspect).min(1.0), aspect.min(1.0))),
+            Self::Placed { center, half } => (center, half),
+        }
+    }
 }
 
 /// Radial and tangential distortion of a pinhole's tangents after Brown (1966) and Conrady (1919):
@@ -30,30 +72,6 @@ pub struct Distortion {
     pub radial: [f64; 3],
     /// p₁, p₂.
     pub tangential: [f64; 2],
-}
-
-/// A fisheye lens.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FisheyeLens {
-    /// How the radius grows with the angle.
-    pub projection: Projection,
-    /// Whole opening angle, radians; the circle's rim lies at half of it.
-    pub aperture: f64,
-}
-
-/// How the radius of a fisheye's picture grows with the angle θ from its axis (scale apart: the rim has radius 1).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Projection {
-    /// θ.
-    Equidistant,
-    /// sin(θ/2): equal areas.
-    Equisolid,
-    /// tan(θ/2): equal angles.
-    Stereographic,
-    /// sin θ.
-    Orthographic,
-    /// f₁θ + f₃θ³ + f₅θ⁵ + f₇θ⁷, growing over the whole aperture.
-    Polynomial([f64; 4]),
 }
 
 /// Steps of an iteration that doubles its digits, with room to spare.
@@ -102,154 +120,81 @@ impl Distortion {
     }
 }
 
-impl Projection {
-    /// The greatest aperture that the projection has a picture for, radians.
-    pub fn widest(&self) -> f64 {
-        match self {
-            Self::Orthographic => PI,
-            // At 360° the rim would be infinitely far away.
-            Self::Stereographic => TAU * 350.0 / 360.0,
-            _ => TAU,
-        }
-    }
-
-    /// The radius at an angle, in the projection's own scale, and its derivative.
-    fn radius(&self, angle: f64) -> (f64, f64) {
-        let half = 0.5 * angle;
-        match self {
-            Self::Equidistant => (angle, 1.0),
-            Self::Equisolid => (half.sin(), 0.5 * half.cos()),
-            Self::Stereographic => (half.tan(), 0.5 / (half.cos() * half.cos())),
-            Self::Orthographic => (angle.sin(), angle.cos()),
-            Self::Polynomial([f1, f3, f5, f7]) => {
-                let s = angle * angle;
-                let value = angle * (f1 + s * (f3 + s * (f5 + s * f7)));
-                (value, f1 + s * (3.0 * f3 + s * (5.0 * f5 + s * 7.0 * f7)))
-            }
-        }
-    }
-
-    /// The angle at a radius in the projection's own scale; `limit` is the greatest angle.
-    fn angle(&self, radius: f64, limit: f64) -> f64 {
-        match self {
-            Self::Equidistant => radius,
-            Self::Equisolid => 2.0 * radius.min(1.0).asin(),
-            Self::Stereographic => 2.0 * radius.atan(),
-            Self::Orthographic => radius.min(1.0).asin(),
-            Self::Polynomial(_) => {
-                // Newton's method within a bracket that halves where it would leave it.
-                let (mut low, mut high) = (0.0, limit);
-                let mut angle = 0.5 * limit;
-                for _ in 0..2 * NEWTON_STEPS {
-                    let (value, slope) = self.radius(angle);
-                    if value < radius {
-                        low = angle
-                    } else {
-                        high = angle
-                    }
-                    let next = angle - (value - radius) / slope;
-                    let next = if next > low && next < high { next } else { 0.5 * (low + high) };
-                    if next == angle {
-                        break;
-                    }
-                    angle = next;
-                }
-                angle
-            }
-        }
-    }
-}
-
-impl FisheyeLens {
-    /// Whether the radius grows over the whole aperture, so that the lens has an inverse.
-    pub fn is_monotone(&self) -> bool {
-        const SAMPLES: u32 = 4096;
-        let slope = |i: u32| self.projection.radius(0.5 * self.aperture * f64::from(i) / f64::from(SAMPLES)).1;
-        (0..SAMPLES).all(|i| slope(i) > 0.0)
-    }
-
-    /// The unit ray at a point of the unit disc; `None` outside of it and for NaN.
-    pub fn direction(&self, point: DVec2) -> Option<DVec3> {
-        let radius = point.length();
-        if radius.is_nan() || radius > 1.0 {
-            return None;
-        }
-        let limit = 0.5 * self.aperture;
-        let angle = self.projection.angle(radius * self.projection.radius(limit).0, limit);
-        let (sine, cosine) = angle.sin_cos();
-        let across = if radius > 0.0 { point * (sine / radius) } else { DVec2::ZERO };
-        Some(across.extend(-cosine))
-    }
-
-    /// The point of the unit disc that shows a direction of any length; `None` beyond the aperture. The
-    /// antipode of the axis is put on the right.
-    pub fn point(&self, direction: DVec3) -> Option<DVec2> {
-        let across = direction.truncate();
-        let angle = across.length().atan2(-direction.z);
-        let limit = 0.5 * self.aperture;
-        let radius = self.projection.radius(angle).0 / self.projection.radius(limit).0;
-        (angle <= limit).then(|| across.try_normalize().unwrap_or(DVec2::X) * radius)
-    }
-}
-
 impl Lens {
+    /// An ideal pinhole.
+    pub fn pinhole(frustum: Frustum) -> Self {
+        Self::Pinhole { frustum, distortion: Distortion::default(), keystone: DMat3::IDENTITY }
+    }
+
+    /// The rays of an ideal pinhole, with keystone or without: `(x, y, 1)` → ray in lens axes; `None` for other lenses.
+    pub fn linear_rays(&self) -> Option<DMat3> {
+        match self {
+            Self::Pinhole { frustum, distortion, keystone } if distortion.is_none() => Some(frustum.rays() * *keystone),
+            _ => None,
+        }
+    }
+
     /// The ray (any length) of a point of a picture whose width is `aspect` times its height; `None` where there is none.
     pub fn ray(&self, picture: DVec2, aspect: f64) -> Option<DVec3> {
         match self {
-            Self::Pinhole { frustum, distortion } => {
-                let ray = frustum.rays() * picture.extend(1.0);
+            Self::Pinhole { frustum, distortion, keystone } => {
+                let ray = frustum.rays() * homography::apply(keystone, picture)?.extend(1.0);
                 if distortion.is_none() { Some(ray) } else { Some(distortion.undo(ray.truncate())?.extend(-1.0)) }
             }
-            Self::Fisheye(lens) => lens.direction(picture * circle_scale(aspect)),
+            Self::Fisheye { lens, circle } => lens.direction(circle.to_disc(picture, aspect)),
         }
     }
 
     /// Where a ray of any length appears: the inverse of [`Self::ray`]; perhaps outside −1…1.
     pub fn picture(&self, ray: DVec3, aspect: f64) -> Option<DVec2> {
         match self {
-            Self::Pinhole { frustum, distortion } => {
+            Self::Pinhole { frustum, distortion, keystone } => {
                 let tangent = ray.truncate() / -ray.z;
                 let image = distortion.apply(tangent).0;
                 // Beyond the fold of the distortion another ray has this place.
                 let own = distortion.is_none() || distortion.undo(image).is_some_and(|t| t.distance(tangent) < 1e-9);
                 let at = frustum.picture() * image.extend(-1.0);
-                (ray.z < 0.0 && own).then(|| at.truncate() / at.z)
+                if ray.z < 0.0 && own { homography::apply(&keystone.inverse(), at.truncate() / at.z) } else { None }
             }
-            Self::Fisheye(lens) => Some(lens.point(ray)? / circle_scale(aspect)),
+            Self::Fisheye { lens, circle } => Some(circle.to_picture(lens.point(ray)?, aspect)),
         }
     }
-}
-
-/// Picture coordinates times this are units of the inscribed circle's radius.
-fn circle_scale(aspect: f64) -> DVec2 {
-    DVec2::new(aspect.max(1.0), (1.0 / aspect).max(1.0))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::geom::random::Random;
+    use crate::geom::{Curve, Projection};
+    use std::f64::consts::PI;
+    use std::sync::Arc;
 
-    const PROJECTIONS: [Projection; 5] = [
-        Projection::Equidistant,
-        Projection::Equisolid,
-        Projection::Stereographic,
-        Projection::Orthographic,
-        Projection::Polynomial([1.0, -0.05, 0.002, -0.0001]),
-    ];
+    fn projections() -> [Projection; 6] {
+        let curve = Curve::new(&[[0.4, 0.41], [0.9, 0.86], [1.3, 1.18], [1.6, 1.35]]).expect("rising");
+        [
+            Projection::Equidistant,
+            Projection::Equisolid,
+            Projection::Stereographic,
+            Projection::Orthographic,
+            Projection::Polynomial([1.0, -0.05, 0.002, -0.0001]),
+            Projection::Measured(Arc::new(curve)),
+        ]
+    }
 
     #[test]
     fn rays_and_pictures_are_inverse() {
         let mut random = Random::new(11);
         let frustum = Frustum { left: -0.9, right: 0.8, bottom: -0.3, top: 0.7 };
         let distortion = Distortion { radial: [-0.12, 0.03, -0.004], tangential: [0.002, -0.003] };
-        let mut lenses =
-            vec![Lens::Pinhole { frustum, distortion }, Lens::Pinhole { frustum, distortion: Distortion::default() }];
-        for projection in PROJECTIONS {
+        let corners = [(-0.9, -1.0), (1.0, -0.8), (0.8, 0.9), (-1.0, 1.0)].map(DVec2::from);
+        let keystone = homography::from_corners(corners).expect("convex");
+        let mut lenses = vec![Lens::pinhole(frustum), Lens::Pinhole { frustum, distortion, keystone }];
+        let ellipse = Circle::Placed { center: DVec2::new(0.1, -0.2), half: DVec2::new(1.1, 0.9) };
+        for (index, projection) in projections().into_iter().enumerate() {
             let aperture = projection.widest().min(PI * 170.0 / 180.0);
             let lens = FisheyeLens { projection, aperture };
-            assert!(lens.is_monotone(), "{projection:?}");
-            lenses.push(Lens::Fisheye(lens));
+            assert!(lens.is_monotone(), "{lens:?}");
+            lenses.push(Lens::Fisheye { lens, circle: if index % 2 == 0 { Circle::Inscribed } else { ellipse } });
         }
         for lens in lenses {
             let mut seen = 0;
@@ -263,6 +208,18 @@ mod tests {
             }
             assert!(seen > 1_000, "{lens:?}");
         }
+    }
+
+    #[test]
+    fn a_squeezed_circle_touches_where_it_says() {
+        let lens = FisheyeLens { projection: Projection::Equidistant, aperture: PI };
+        let circle = Circle::Placed { center: DVec2::new(0.0, -0.1), half: DVec2::new(1.0, 0.5) };
+        let ray = |x, y| Lens::Fisheye { lens: lens.clone(), circle }.ray(DVec2::new(x, y), 2.0);
+        let near = |found: Option<DVec3>, right: DVec3| assert!(found.is_some_and(|f| f.distance(right) < 1e-15));
+        near(ray(1.0, -0.1), DVec3::X);
+        near(ray(0.0, 0.4), DVec3::Y);
+        near(ray(0.0, -0.1), DVec3::NEG_Z);
+        assert_eq!(ray(0.0, 0.401), None);
     }
 
     #[test]

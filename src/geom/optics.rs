@@ -4,7 +4,7 @@ use super::{Lens, Pose, Sphere};
 use glam::{DVec2, DVec3};
 
 /// How light leaves a projector: through its lens, and perhaps by way of a mirror.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Optics {
     /// Where the lens is and how it is turned, in dome axes.
     pub pose: Pose,
@@ -67,13 +67,13 @@ impl Optics {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geom::Frustum;
     use crate::geom::random::Random;
-    use crate::geom::{Frustum, lens::Distortion};
 
     fn before(mirror: Sphere) -> Optics {
         let frustum = Frustum { left: -0.5, right: 0.5, bottom: -0.35, top: 0.35 };
-        let lens = Lens::Pinhole { frustum, distortion: Distortion::default() };
-        Optics { pose: Pose::new(DVec3::new(0.1, -0.4, -1.5), 3.1, 0.05, 0.02), lens, mirror: Some(mirror) }
+        let pose = Pose::new(DVec3::new(0.1, -0.4, -1.5), 3.1, 0.05, 0.02);
+        Optics { pose, lens: Lens::pinhole(frustum), mirror: Some(mirror) }
     }
 
     #[test]

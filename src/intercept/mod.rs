@@ -3,8 +3,10 @@
 //! Interception fails open: whatever goes wrong, the program keeps running with its own
 //! picture, and the log says why, once.
 
+pub mod camera;
 pub mod gl;
 pub mod kept;
+pub mod lens;
 pub mod log;
 pub mod settings;
 pub mod vk;

@@ -1,14 +1,14 @@
 //! What the environment asks of the injected library.
 
 use super::log;
-use crate::rig::{self, Rig};
+use crate::rig::{self, Duplicate, Rig};
 use std::path::PathBuf;
 use std::sync::OnceLock;
 
 /// The settings of this process.
 #[derive(Clone, Debug)]
 pub struct Settings {
-    /// The rig (`CUPOLA_RIG`, preset or file; `fisheye` if unset) with `CUPOLA_CAMERA` applied.
+    /// The rig (`CUPOLA_RIG`, preset or file; `fisheye` if unset) with `CUPOLA_CAMERA` and `CUPOLA_DUPLICATE` applied.
     pub rig: Rig,
     /// `CUPOLA_SIZE=WxH`: the program's window is given this size.
     pub window_size: Option<(u32, u32)>,
@@ -20,9 +20,6 @@ pub struct Settings {
     pub capture_views: Option<PathBuf>,
     /// `CUPOLA_STATS=FILE.json`.
     pub stats: Option<PathBuf>,
-    /// `CUPOLA_DUPLICATE`: `auto` (default) draws scenes that a program draws off screen and then shows once per
-    /// view; `never` leaves them as they are.
-    pub duplicate: bool,
     /// `CUPOLA_OFFSCREEN=1`: outputs at their own resolution, for captures only.
     pub offscreen: bool,
     /// Draws are left out of views that cannot show them; `CUPOLA_CULL=0` switches that off.
@@ -63,14 +60,16 @@ fn read() -> crate::Result<Settings> {
         Some(n) => Some(n.parse().ok().filter(|n| *n > 0).ok_or_else(|| wrong("CUPOLA_FRAMES", &n, "100"))?),
         None => None,
     };
-    let duplicate = match text("CUPOLA_DUPLICATE").as_deref() {
-        None | Some("auto") => true,
-        Some("never") => false,
-        Some(other) => return Err(wrong("CUPOLA_DUPLICATE", other, "never")),
-    };
+    if let Some(duplicate) = text("CUPOLA_DUPLICATE") {
+        rig.views.duplicate = match duplicate.as_str() {
+            "auto" => Duplicate::Auto,
+            "never" => Duplicate::Never,
+            "always" => Duplicate::Always,
+            other => return Err(wrong("CUPOLA_DUPLICATE", other, "never")),
+        };
+    }
     Ok(Settings {
         rig,
-        duplicate,
         window_size,
         frames,
         capture: path("CUPOLA_CAPTURE"),

@@ -8,18 +8,22 @@
 //! values must satisfy together. All of them add to one list of problems, so that one look at
 //! the message mends the whole file.
 
+mod calibration;
 mod camera;
 mod layout;
 mod presets;
 mod problems;
 mod reader;
 mod schema;
+mod surface;
 mod validate;
+mod viewer;
 
 use crate::error::{Error, ErrorKind, Result};
 use glam::DVec3;
 use std::path::{Path, PathBuf};
 
+pub use calibration::{Calibration, CalibrationValues};
 pub use presets::{Preset, presets};
 
 /// Everything a rig file says.
@@ -29,8 +33,10 @@ pub struct Rig {
     pub name: String,
     /// The program's own framebuffer is left alone (preset `identity`); `outputs` is empty then.
     pub passthrough: bool,
-    /// The screen.
+    /// The dome: what domemasters and angles of ramps are measured from, and the screen where `screen` says no other.
     pub dome: Dome,
+    /// What light falls on; `None` = the dome itself. [`Rig::surface`] has either.
+    pub screen: Option<crate::geom::Screen>,
     /// The correct point of view.
     pub viewer: Viewer,
     /// How the program's own camera is adapted.
@@ -74,6 +80,8 @@ pub struct Camera {
     pub zoom: f64,
     /// How far the eye is moved along the program's camera axes, in the program's units.
     pub shift: DVec3,
+    /// The program's units in a metre of the dome, > 0: how far apart the eyes of stereo outputs are for the program.
+    pub units_per_meter: f64,
     /// The camera is turned right by this, radians.
     pub yaw: f64,
     /// The camera is turned up by this, radians.
@@ -102,6 +110,19 @@ pub struct Views {
     pub quality: f64,
     /// What the planner saves where it cannot save both.
     pub favour: Favour,
+    /// Which pictures that a program draws off screen are drawn once per view.
+    pub duplicate: Duplicate,
+}
+
+/// Which pictures that a program draws off screen are drawn once per view.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Duplicate {
+    /// Those that are seen to be the scene's, on their way to the window.
+    Auto,
+    /// None: what is shown of them is flat.
+    Never,
+    /// All that perspective draws reach, whatever their shape and use.
+    Always,
 }
 
 /// What the planner saves: each view costs the program's draws once more, each texel costs shading.
@@ -141,10 +162,12 @@ pub struct Output {
     pub blend: Blend,
     /// A grey image that is multiplied in, absolute path.
     pub mask: Option<PathBuf>,
+    /// How far to the right of the viewer's position the eye is for which the output is made, metres: stereo.
+    pub eye: f64,
 }
 
 /// What an output is.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum OutputKind {
     /// An equidistant fisheye picture, circle inscribed and centred.
     Domemaster {
@@ -152,6 +175,13 @@ pub enum OutputKind {
         aperture: f64,
         /// Angle from straight up to the circle's centre, towards the front, radians (π/2: the centre is straight ahead).
         tilt: f64,
+    },
+    /// A picture of all directions from the dome's centre, in other projections than a domemaster's.
+    Panorama {
+        /// How it shows directions.
+        panorama: crate::geom::Panorama,
+        /// Direction of its middle relative to the viewer, radians: right-positive, up-positive, clockwise-positive.
+        angles: [f64; 3],
     },
     /// A pinhole projector, anywhere inside or outside the dome.
     Projector {
@@ -169,6 +199,8 @@ pub enum OutputKind {
         /// How far the pixels' different sizes on the screen are evened out by dimming the small ones, 0…1.
         even_light: f64,
     },
+    /// Whatever a file says about each pixel.
+    Mesh(std::sync::Arc<Calibration>),
     /// A flat perspective picture as the viewer would see it through a window.
     Perspective {
         /// Aim relative to the viewer, radians: right-positive, up-positive, clockwise-positive.
@@ -182,6 +214,15 @@ impl OutputKind {
     /// Whether the output lights the screen from a place of its own.
     pub fn is_projector(&self) -> bool {
         matches!(self, Self::Projector { .. } | Self::Optics { .. })
+    }
+
+    /// Whether the picture is a circle inscribed in the output, black around it.
+    pub fn is_circular(&self) -> bool {
+        match self {
+            Self::Domemaster { .. } => true,
+            Self::Panorama { panorama, .. } => panorama.is_circular(),
+            _ => false,
+        }
     }
 }
 

@@ -143,6 +143,38 @@ impl<'a> Section<'a> {
         good.then_some(numbers)
     }
 
+    /// A list of pairs of numbers; `None` if the key is absent or wrong.
+    pub(super) fn number_pairs(
+        &mut self,
+        key: &'static str,
+        allowed: &Allowed,
+        problems: &mut Problems,
+    ) -> Option<Vec<[f64; 2]>> {
+        let value = self.value(key, problems)?;
+        let path = self.path(key);
+        let Some(array) = value.as_array() else {
+            problems.add(&path, format!("{} is not a list; expected [[…, …], …]: {}", describe(value), allowed.what));
+            return None;
+        };
+        let mut pairs = Vec::with_capacity(array.len());
+        let mut good = true;
+        for (index, item) in array.iter().enumerate() {
+            let item_path = format!("{path}[{index}]");
+            problems.place(&item_path, &item.span());
+            let pair = sized_array(item.get_ref(), 2, allowed.what, &item_path, problems);
+            let numbers: Vec<f64> = pair
+                .into_iter()
+                .flat_map(|pair| pair.iter())
+                .filter_map(|number| checked_number(number.get_ref(), allowed, &item_path, problems))
+                .collect();
+            match numbers[..] {
+                [first, second] => pairs.push([first, second]),
+                _ => good = false,
+            }
+        }
+        good.then_some(pairs)
+    }
+
     /// Three numbers; zero if the key is absent or wrong.
     pub(super) fn vector(&mut self, key: &'static str, allowed: &Allowed, problems: &mut Problems) -> DVec3 {
         self.numbers::<3>(key, allowed, problems).map_or(DVec3::ZERO, DVec3::from_array)

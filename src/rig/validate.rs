@@ -1,9 +1,10 @@
 //! What the values of a rig must satisfy together.
 
 use super::problems::Problems;
-use super::{Dome, Output, OutputKind, Rig};
-use crate::geom::{Frustum, Lens, Optics, Pose};
-use glam::{DVec2, DVec3};
+use super::{Output, OutputKind, Rig};
+use crate::geom::screen::{Faces, Screen, Shape};
+use crate::geom::{Lens, Optics, Pose};
+use glam::DVec2;
 use std::io::Read;
 use std::path::Path;
 
@@ -43,12 +44,14 @@ pub(super) fn check(rig: &Rig, problems: &mut Problems) {
     windows(&rig.outputs, problems);
     viewer(rig, problems);
     for (index, output) in rig.outputs.iter().enumerate() {
-        if let OutputKind::Projector { position, angles, frustum } = output.kind {
-            let pose = Pose::new(position, angles[0], angles[1], angles[2]);
-            projector(index, &rig.dome, &pose, &frustum, problems);
-        }
-        if let OutputKind::Optics { optics, .. } = &output.kind {
-            optics_problems(index, &rig.dome, optics, output.size, problems);
+        match &output.kind {
+            OutputKind::Projector { position, angles: [yaw, pitch, roll], frustum } => {
+                let pose = Pose::new(*position, *yaw, *pitch, *roll);
+                let optics = Optics { pose, lens: Lens::pinhole(*frustum), mirror: None };
+                projector(index, rig, &optics, problems);
+            }
+            OutputKind::Optics { optics, .. } => projector(index, rig, optics, problems),
+            _ => {}
         }
         if let Some(why) = output.mask.as_deref().and_then(unusable_mask) {
             problems.add(&path(index, ".mask.image"), why);
@@ -114,9 +117,10 @@ fn windows(outputs: &[Output], problems: &mut Problems) {
 
 /// The viewer has to see the screen from inside.
 fn viewer(rig: &Rig, problems: &mut Problems) {
-    let on_screen = |output: &Output| !matches!(output.kind, OutputKind::Perspective { .. });
-    let (distance, radius) = (rig.viewer.position.length(), rig.dome.radius);
-    if rig.outputs.iter().any(on_screen) && distance > VIEWER_LIMIT * radius {
+    let on_screen = |output: &&Output| !matches!(output.kind, OutputKind::Perspective { .. });
+    let farthest = |farthest: f64, output: &Output| rig.eye(output).position.length().max(farthest);
+    let (distance, radius) = (rig.outputs.iter().filter(on_screen).fold(0.0, farthest), rig.dome.radius);
+    if rig.screen.is_none() && distance > VIEWER_LIMIT * radius {
         problems.add(
             "viewer.position",
             format!(
@@ -127,32 +131,18 @@ fn viewer(rig: &Rig, problems: &mut Problems) {
     }
 }
 
-fn projector(index: usize, dome: &Dome, pose: &Pose, frustum: &Frustum, problems: &mut Problems) {
-    let distance = pose.position.length();
-    if distance > PROJECTOR_LIMIT * dome.radius {
-        let limit = PROJECTOR_LIMIT * dome.radius;
-        let why = format!("is {distance} m from the dome's centre; expected at most {limit} m");
-        problems.add(&path(index, ".position"), why);
-    } else if !sees_screen(dome, pose, frustum) {
-        problems.add(
-            &path(index, ""),
-            "the projector sees no part of the screen; expected position (metres from the dome's centre, x right, y up, \
-             z backward), yaw (to the right), pitch (up) and fov that reach the dome",
-        );
-    }
-}
-
-/// What is wrong with a projector with a lens or a mirror of its own.
-fn optics_problems(index: usize, dome: &Dome, optics: &Optics, size: Option<(u32, u32)>, problems: &mut Problems) {
+/// A projector has to reach the screen, with a lens that has one ray for each pixel.
+fn projector(index: usize, rig: &Rig, optics: &Optics, problems: &mut Problems) {
+    let screen = rig.surface();
     let distance = optics.pose.position.length();
-    if distance > PROJECTOR_LIMIT * dome.radius {
-        let limit = PROJECTOR_LIMIT * dome.radius;
+    if distance > PROJECTOR_LIMIT * screen.size() {
+        let limit = PROJECTOR_LIMIT * screen.size();
         let why = format!("is {distance} m from the dome's centre; expected at most {limit} m");
         problems.add(&path(index, ".position"), why);
         return;
     }
     if let Some(mirror) = &optics.mirror {
-        if mirror.center.length() + mirror.radius >= dome.radius {
+        if rig.screen.is_none() && mirror.center.length() + mirror.radius >= rig.dome.radius {
             problems.add(&path(index, ".mirror"), "reaches through the dome; expected a mirror inside of it");
             return;
         }
@@ -161,7 +151,8 @@ fn optics_problems(index: usize, dome: &Dome, optics: &Optics, size: Option<(u32
             return;
         }
     }
-    let aspect = size.map_or(1.0, |(width, height)| f64::from(width) / f64::from(height));
+    let output = &rig.outputs[index];
+    let aspect = output.size.map_or(1.0, |(width, height)| f64::from(width) / f64::from(height));
     let at = |step: usize| 2.0 * step as f64 / (RAYS - 1) as f64 - 1.0;
     let grid = || (0..RAYS * RAYS).map(|ray| DVec2::new(at(ray % RAYS), at(ray / RAYS)));
     if matches!(optics.lens, Lens::Pinhole { .. }) && grid().any(|point| optics.lens.ray(point, aspect).is_none()) {
@@ -169,46 +160,37 @@ fn optics_problems(index: usize, dome: &Dome, optics: &Optics, size: Option<(u32
         problems.add(&path(index, ".distortion"), why);
         return;
     }
-    let lights = |point: DVec2| {
+    let lit = |point: DVec2| {
         let (origin, direction) = optics.ray(point, aspect)?;
-        screen_hit(dome, origin, direction.try_normalize()?)
+        Some(screen.hit(origin, direction)?.point)
     };
-    if !grid().any(|point| lights(point).is_some()) {
-        let why = match optics.mirror {
-            Some(_) => {
-                "no light of the projector reaches the screen by way of the mirror; expected position, yaw and pitch that aim at it"
-            }
-            None => "the projector sees no part of the screen; expected position, yaw and pitch that reach the dome",
-        };
-        problems.add(&path(index, ""), why);
+    let eye = rig.eye(output).position;
+    let nearest = grid().filter_map(lit).map(|point| point.distance(eye)).reduce(f64::min);
+    match nearest {
+        None => problems.add(&path(index, ""), unlit(optics, &screen)),
+        Some(nearest) if rig.screen.is_some() && nearest < (1.0 - VIEWER_LIMIT) * screen.size() => problems.add(
+            "viewer.position",
+            format!("is {nearest} m from the screen; expected at least {} m", (1.0 - VIEWER_LIMIT) * screen.size()),
+        ),
+        Some(_) => {}
     }
 }
 
-/// Whether any of a grid of the projector's rays ends on the screen.
-fn sees_screen(dome: &Dome, pose: &Pose, frustum: &Frustum) -> bool {
-    let at = |low: f64, high: f64, step: usize| low + (high - low) * step as f64 / (RAYS - 1) as f64;
-    (0..RAYS * RAYS).any(|ray| {
-        let (column, row) = (ray % RAYS, ray / RAYS);
-        let direction = DVec3::new(at(frustum.left, frustum.right, column), at(frustum.bottom, frustum.top, row), -1.0);
-        screen_hit(dome, pose.position, pose.rotation * direction.normalize()).is_some()
-    })
-}
-
-/// Where the ray from `origin` along the unit vector `direction` meets the dome's inner surface from
-/// inside, if that is on the screen.
-pub(super) fn screen_hit(dome: &Dome, origin: DVec3, direction: DVec3) -> Option<DVec3> {
-    let along = origin.dot(direction);
-    // |origin × direction| is the line's distance from the centre; this form stays exact for far origins.
-    let discriminant = dome.radius * dome.radius - origin.cross(direction).length_squared();
-    if discriminant < 0.0 {
-        return None;
+/// Why a projector lights nothing.
+fn unlit(optics: &Optics, screen: &Screen) -> &'static str {
+    match (&optics.mirror, &screen.shape) {
+        (Some(_), _) => {
+            "no light of the projector reaches the screen by way of the mirror; expected position, yaw and pitch that aim at it"
+        }
+        (None, Shape::Mesh(mesh)) if mesh.faces() != Faces::Both => {
+            "the projector lights no face of the screen on the side that is screen; expected position, yaw and pitch that \
+             reach it, or the other side in [screen] faces"
+        }
+        (None, _) => {
+            "the projector sees no part of the screen; expected position (metres from the dome's centre, x right, y up, \
+             z backward), yaw (to the right), pitch (up) and fov that reach the screen"
+        }
     }
-    let distance = discriminant.sqrt() - along;
-    let hit = origin + direction * distance;
-    let pole = DVec3::new(0.0, dome.tilt.cos(), -dome.tilt.sin());
-    // In angles and not in cosines: those of a whole sphere's cap would depend on rounding.
-    let on_screen = hit.angle_between(pole) <= dome.coverage / 2.0;
-    (distance > 0.0 && on_screen).then_some(hit)
 }
 
 /// Why the file cannot be a mask, if so.

@@ -7,7 +7,7 @@ use crate::backend::gl::api::Gl;
 use crate::backend::gl::surface::{Saved, Surface, greatest_texture};
 use crate::backend::gl::{GlBackend, Target};
 use crate::error::{Error, ErrorKind, Result};
-use crate::rig::Rig;
+use crate::rig::{Rig, Viewer};
 use crate::views::View;
 use glam::{DMat4, DVec4};
 
@@ -19,7 +19,7 @@ const LARGEST_PICTURE: u32 = 16384;
 pub struct EmbeddedView<'a> {
     /// Name: `front`, `left`, `projector-3` …
     pub name: &'a str,
-    /// Camera axes of the program → axes of the view.
+    /// Camera axes of the program → axes of the view, from the view's eye.
     pub rotation: DMat4,
     /// Axes of the view → OpenGL's clip space.
     pub frustum: DMat4,
@@ -113,14 +113,30 @@ impl Embedded {
         if size == self.session.window() {
             return Ok(());
         }
-        let (session, surface, backend) = Self::prepare(&self.gl, &self.rig, size, self.es)?;
+        self.replan(self.rig.clone(), size)
+    }
+
+    /// Plans anew for a viewer elsewhere; between frames. Views and tiles may change. On an error everything stays.
+    ///
+    /// # Errors
+    /// As for [`Embedded::new`] and [`Rig::with_viewer`]; [`ErrorKind::InvalidState`] inside a frame.
+    pub fn set_viewer(&mut self, viewer: Viewer) -> Result<()> {
+        self.expect_idle()?;
+        if viewer == self.rig.viewer {
+            return Ok(());
+        }
+        self.replan(self.rig.with_viewer(viewer)?, self.session.window())
+    }
+
+    fn replan(&mut self, rig: Rig, size: (u32, u32)) -> Result<()> {
+        let (session, surface, backend) = Self::prepare(&self.gl, &rig, size, self.es)?;
         self.backend.destroy(&self.gl);
         self.surface.destroy(&self.gl);
-        (self.session, self.surface, self.backend) = (session, surface, backend);
+        (self.session, self.surface, self.backend, self.rig) = (session, surface, backend, rig);
         Ok(())
     }
 
-    /// How many views there are; changes only with [`Embedded::resize`].
+    /// How many views there are; changes only with [`Embedded::resize`] and [`Embedded::set_viewer`].
     pub fn view_count(&self) -> usize {
         self.session.views().len()
     }
@@ -134,7 +150,7 @@ impl Embedded {
         check_planes(near, far)?;
         Ok(EmbeddedView {
             name: &view.name,
-            rotation: rotation(&self.rig, view),
+            rotation: rotation(&self.session, view),
             frustum: projection(&view.frustum, near, far),
             tile: self.session.tile(index).0,
         })
@@ -255,9 +271,10 @@ fn check_request(rig: &Rig, size: (u32, u32)) -> Result<()> {
     Err(Error::new(ErrorKind::InvalidArgument, message))
 }
 
-/// Camera axes of the program → axes of a view.
-fn rotation(rig: &Rig, view: &View) -> DMat4 {
-    DMat4::from_mat3(view.rotation * super::session::camera_rotation(&rig.camera))
+/// Camera axes of the program → axes of a view, from the view's eye.
+fn rotation(session: &Session, view: &View) -> DMat4 {
+    let camera = session.camera(view);
+    DMat4::from_mat3(view.rotation * camera.rotation) * DMat4::from_translation(-camera.shift)
 }
 
 /// OpenGL's perspective matrix for a frustum; `far` may be infinite.

@@ -38,6 +38,10 @@ pub struct Statistics {
     pub primary_draws: u64,
     /// Draws to the program's own framebuffers that were issued once per view.
     pub duplicated_draws: u64,
+    /// Framebuffers of the program's, drawn to until the end, that are drawn once per view.
+    pub duplicated_framebuffers: u64,
+    /// The others, by the reason why they are drawn once only.
+    pub single_framebuffers: BTreeMap<String, u64>,
     /// How the projection was found, with the number of draws.
     pub projection_found: BTreeMap<String, u64>,
     /// Batches of the correction that were not drawn, because their views held nothing but the clear colour.

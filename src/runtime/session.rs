@@ -9,7 +9,7 @@ use crate::geom::reprojection::{CameraAdjustment, clip_rows};
 pub use crate::geom::reprojection::{Intrinsics, MatrixClass, classify};
 use crate::rig::{Camera, Rig};
 use crate::views::{Request, Tile, View};
-use glam::DMat3;
+use glam::{DMat3, DVec3};
 
 /// Tiles beside the views that a program has been seen to need.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -92,6 +92,14 @@ impl Session {
         self.views().get(index).map_or(([0, 0, 1, 1], true), |view| (rect(&view.tile), view.program_lens))
     }
 
+    /// The view that shows best what is ahead of the program's camera.
+    pub fn ahead(&self) -> usize {
+        let forward = camera_rotation(&self.rig.camera) * DVec3::NEG_Z;
+        let slant = |view: &View| (view.rotation * forward).z;
+        let views = self.views().iter().enumerate();
+        views.min_by(|a, b| slant(a.1).total_cmp(&slant(b.1))).map_or(0, |(index, _)| index)
+    }
+
     /// The tile of the flat panel.
     pub fn panel(&self) -> Option<[i32; 4]> {
         self.plan.views.panel.as_ref().map(|panel| rect(&panel.tile))
@@ -119,12 +127,19 @@ impl Session {
 
     /// The rows that take the program's clip coordinates to each view's.
     pub fn rows(&self, lens: &Intrinsics) -> impl Iterator<Item = ClipRows> + '_ {
-        let camera = &self.rig.camera;
-        let camera = CameraAdjustment { zoom: camera.zoom, shift: camera.shift, rotation: camera_rotation(camera) };
         let lens = *lens;
         self.views().iter().map(move |view| {
+            let camera = self.camera(view);
             clip_rows(&lens, &camera, view.rotation, &view.frustum).widened(&lens, &camera, &view.frustum)
         })
+    }
+
+    /// How the program's camera is adapted for a view: as the rig says, from the view's eye.
+    pub fn camera(&self, view: &View) -> CameraAdjustment {
+        let camera = &self.rig.camera;
+        let rotation = camera_rotation(camera);
+        let eye = rotation.transpose() * (DVec3::X * (view.eye * camera.units_per_meter));
+        CameraAdjustment { zoom: camera.zoom, shift: camera.shift + eye, rotation }
     }
 
     /// The rows that take flat clip coordinates to each view, as points of the panel; empty without one.

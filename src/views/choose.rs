@@ -45,6 +45,8 @@ pub(crate) struct Wanted {
     pub exact: Option<(u32, u32)>,
     /// Drawn with the program's own projection.
     pub program_lens: bool,
+    /// How far to the right of the viewer's position it is seen from, metres.
+    pub eye: f64,
     /// The outputs that sample it.
     pub outputs: Vec<usize>,
 }
@@ -100,24 +102,46 @@ pub(crate) fn arrange(rig: &Rig, sights: &[Sight]) -> Result<Arrangement> {
         seen.push(this);
     }
 
+    // What an eye sees from another place is another view: only outputs of the same eye share views.
+    let mut eyes: Vec<f64> = Vec::new();
+    for output in &rig.outputs {
+        if !eyes.contains(&output.eye) {
+            eyes.push(output.eye);
+        }
+    }
+    let mut arrangement = Arrangement::default();
+    for eye in eyes {
+        let mut of_eye = best(rig, &seen, sights, eye);
+        for view in &mut of_eye.views {
+            view.eye = eye;
+            view.name = free_name(&view.name, &arrangement.views);
+        }
+        arrangement.views.append(&mut of_eye.views);
+        arrangement.notes.append(&mut of_eye.notes);
+    }
+    notes.append(&mut arrangement.notes);
+    notes.extend(arrangement.views.iter_mut().filter_map(|view| limit(view, sights, quality)));
+    arrangement.notes = notes;
+    Ok(arrangement)
+}
+
+/// The cheapest arrangement for the outputs of one eye.
+fn best(rig: &Rig, seen: &[Seen], sights: &[Sight], eye: f64) -> Arrangement {
+    let of_eye = |index: usize| rig.outputs[index].eye == eye;
     // Always alone: what needs no resampling then, or is drawn with the program's own lens.
     let alone = |index: usize| seen[index].single.as_ref().is_some_and(|single| single.exact.is_some());
     let is_circle = |index: usize| sights[index].is_circular();
-    let arrangements: Vec<Arrangement> = match method {
-        ViewMethod::Cube => vec![mixed(rig, &seen, alone)],
-        ViewMethod::Single => vec![mixed(rig, &seen, |_| true)],
+    let arrangements: Vec<Arrangement> = match rig.views.method {
+        ViewMethod::Cube => vec![mixed(rig, seen, of_eye, alone)],
+        ViewMethod::Single => vec![mixed(rig, seen, of_eye, |_| true)],
         ViewMethod::Auto => vec![
-            mixed(rig, &seen, |_| true),
-            mixed(rig, &seen, |index| alone(index) || !is_circle(index)),
-            mixed(rig, &seen, alone),
+            mixed(rig, seen, of_eye, |_| true),
+            mixed(rig, seen, of_eye, |index| alone(index) || !is_circle(index)),
+            mixed(rig, seen, of_eye, alone),
         ],
     };
     let cost = |arrangement: &Arrangement| arrangement.cost(view_cost(rig.views.favour));
-    let mut chosen = arrangements.into_iter().min_by(|a, b| cost(a).total_cmp(&cost(b))).unwrap_or_default();
-    notes.append(&mut chosen.notes);
-    notes.extend(chosen.views.iter_mut().filter_map(|view| limit(view, sights, quality)));
-    chosen.notes = notes;
-    Ok(chosen)
+    arrangements.into_iter().min_by(|a, b| cost(a).total_cmp(&cost(b))).unwrap_or_default()
 }
 
 impl From<Aimed> for Wanted {
@@ -128,6 +152,7 @@ impl From<Aimed> for Wanted {
             fit: aimed.fit,
             exact: None,
             program_lens: false,
+            eye: 0.0,
             outputs: Vec::new(),
         }
     }
@@ -152,15 +177,17 @@ fn own_view(kind: &OutputKind, index: usize, sight: &Sight, method: ViewMethod) 
         fit: Fit { extent, density },
         exact: Some((width, height)),
         program_lens: frustum.is_none(),
+        eye: 0.0,
         outputs: vec![index],
     })
 }
 
-/// Views of their own for the outputs that `alone` names and that can have one; a cube for the others.
-fn mixed(rig: &Rig, seen: &[Seen], alone: impl Fn(usize) -> bool) -> Arrangement {
+/// Of the outputs that `chosen` names: views of their own for those that `alone` names and that can have one; a cube
+/// for the others.
+fn mixed(rig: &Rig, seen: &[Seen], chosen: impl Fn(usize) -> bool, alone: impl Fn(usize) -> bool) -> Arrangement {
     let mut arrangement = Arrangement::default();
     let mut sharing = Vec::new();
-    for (index, this) in seen.iter().enumerate() {
+    for (index, this) in seen.iter().enumerate().filter(|(index, _)| chosen(*index)) {
         match &this.single {
             Some(single) if alone(index) => arrangement.views.push(single.clone()),
             _ if !this.fine.is_empty() => sharing.push(index),
@@ -230,6 +257,7 @@ fn frames(rig: &Rig, sharing: &[usize], samples: &[&Samples]) -> Vec<DMat3> {
     let middle: DVec3 = samples.iter().map(|samples| mean_direction(&all(samples))).sum();
     let lenses = sharing.iter().filter_map(|&index| match rig.outputs[index].kind {
         OutputKind::Domemaster { tilt, .. } => Some(lens_rotation(tilt)),
+        OutputKind::Panorama { angles: [yaw, pitch, roll], .. } => Some(pose::rotation(yaw, pitch, roll)),
         _ => None,
     });
     let mut frames: Vec<DMat3> = Vec::new();

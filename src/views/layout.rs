@@ -129,6 +129,7 @@ fn sized(wanted: &Wanted, quality: f64, scale: f64) -> View {
         owned,
         tile: Tile { x: 0, y: 0, width, height },
         program_lens: wanted.program_lens,
+        eye: wanted.eye,
     }
 }
 
@@ -144,5 +145,6 @@ fn panel(rig: &Rig, tile: Tile) -> View {
         owned: frustum,
         tile,
         program_lens: true,
+        eye: 0.0,
     }
 }

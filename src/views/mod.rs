@@ -29,6 +29,7 @@ use crate::error::{Error, ErrorKind, Result};
 use crate::geom::Frustum;
 use crate::rig::Rig;
 use glam::DMat3;
+use sight::Sight;
 
 /// A rectangle of the atlas in texels, from the bottom left.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -58,6 +59,8 @@ pub struct View {
     pub tile: Tile,
     /// Drawn with the program's own projection, whatever `frustum` says.
     pub program_lens: bool,
+    /// How far to the right of the viewer's position it is seen from, metres.
+    pub eye: f64,
 }
 
 /// What the planner is asked.
@@ -119,8 +122,8 @@ impl ViewPlan {
 pub fn plan(rig: &Rig, request: &Request) -> Result<ViewPlan> {
     let outputs: &[_] = if rig.passthrough { &[] } else { &rig.outputs };
     check(outputs.len(), rig.passthrough, request)?;
-    let sights: Vec<sight::Sight> =
-        outputs.iter().zip(&request.output_sizes).map(|(output, &size)| sight::Sight::new(rig, output, size)).collect();
+    let sizes = request.output_sizes.iter().take(outputs.len()).enumerate();
+    let sights = sizes.map(|(index, &size)| Sight::new(rig, index, size)).collect::<Result<Vec<_>>>()?;
     let mut arrangement = choose::arrange(rig, &sights)?;
     loop {
         let plan = layout::place(rig, request, &arrangement.views, &arrangement.notes)?;

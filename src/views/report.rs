@@ -3,7 +3,7 @@
 use super::ViewPlan;
 use super::cone::Cone;
 use super::sight::Sight;
-use crate::rig::{OutputKind, Rig};
+use crate::rig::Rig;
 use glam::DVec2;
 use serde::Serialize;
 use std::fmt;
@@ -60,10 +60,12 @@ pub struct Report {
 
 /// What `plan`, made for `rig` with outputs of `sizes` pixels, costs. Sizes beyond the rig's outputs are ignored.
 pub fn report(plan: &ViewPlan, rig: &Rig, sizes: &[(u32, u32)]) -> Report {
-    let outputs: Vec<_> = rig.outputs.iter().zip(sizes).filter(|(_, size)| size.0 > 0 && size.1 > 0).collect();
+    let outputs: Vec<_> =
+        rig.outputs.iter().zip(sizes).enumerate().filter(|(_, (_, size))| size.0 > 0 && size.1 > 0).collect();
     let mut coverage: Vec<Vec<OutputShare>> = vec![Vec::new(); plan.views.len()];
-    for (&(output, &size), sampled) in outputs.iter().zip(&plan.output_views) {
-        let shares = shares(plan, &Sight::new(rig, output, size), sampled);
+    for (&(index, (output, &size)), sampled) in outputs.iter().zip(&plan.output_views) {
+        let Ok(sight) = Sight::new(rig, index, size) else { continue };
+        let shares = shares(plan, &sight, sampled);
         for (&view, share) in sampled.iter().zip(shares) {
             coverage[view].push(OutputShare { output: output.name.clone(), share });
         }
@@ -87,8 +89,8 @@ pub fn report(plan: &ViewPlan, rig: &Rig, sizes: &[(u32, u32)]) -> Report {
     let view_texels: u64 = views.iter().map(|view| area(view.width, view.height)).sum();
     let output_pixels: u64 = outputs
         .iter()
-        .map(|(output, size)| match output.kind {
-            OutputKind::Domemaster { .. } => {
+        .map(|(_, (output, size))| match &output.kind {
+            kind if kind.is_circular() => {
                 let diameter = f64::from(size.0.min(size.1));
                 (0.25 * std::f64::consts::PI * diameter * diameter).round() as u64
             }

@@ -43,8 +43,10 @@ impl Samples {
         } else {
             samples.add_rectangle(sight, fineness)
         }
+        // The rim of a mesh is in many pieces.
+        let steps = if sight.is_smooth() { 4 * fineness.border } else { 2 };
         for rim in sight.rims() {
-            samples.add_line(4 * fineness.border, |t| sight.rim_sample(&rim, t));
+            samples.add_line(steps, rim);
         }
         samples
     }
@@ -98,10 +100,12 @@ impl Samples {
         let low = DVec2::splat(0.5);
         let high = DVec2::new(f64::from(sight.size.0) - 0.5, f64::from(sight.size.1) - 0.5);
         let at = |x: f64, y: f64| low + (high - low) * DVec2::new(x, y);
-        for index in 1..fineness.cells {
-            let part = f64::from(index) / f64::from(fineness.cells);
-            self.add_line(fineness.cells, |t| sight.sample(at(t, part)));
-            self.add_line(fineness.cells, |t| sight.sample(at(part, t)));
+        // What stands out of a mesh may be small.
+        let cells = if sight.is_smooth() { fineness.cells } else { 4 * fineness.cells };
+        for index in 1..cells {
+            let part = f64::from(index) / f64::from(cells);
+            self.add_line(cells, |t| sight.sample(at(t, part)));
+            self.add_line(cells, |t| sight.sample(at(part, t)));
         }
         for side in [0.0, 1.0] {
             self.add_line(fineness.border, |t| sight.sample(at(t, side)));

@@ -1,10 +1,12 @@
 //! What each output looks at: pixel → direction from the viewer, and how far a pixel reaches.
 //!
-//! The planner's own map. It is written as plain ray tracing, so that it is independent of the
-//! closed forms that the passes use; the tests compare the two.
+//! The planner's own map. Where passes use closed forms it is written as plain ray tracing, so that it is independent
+//! of them; the tests compare the two. For everything else it asks the exact map.
 
-use crate::geom::{Fisheye, Frustum, Lens, Optics, Sphere, pose};
+use crate::error::{Error, ErrorKind, Result};
+use crate::geom::{Fisheye, Frustum, Pose, Sphere, pose};
 use crate::rig::{Output, OutputKind, Rig};
+use crate::warp::WarpMap;
 use glam::{DMat3, DVec2, DVec3};
 
 /// A direction that an output shows, and how densely its pixels sample around it.
@@ -29,7 +31,7 @@ pub(crate) struct Sight {
 enum Map {
     Fisheye { aperture: f64, rotation: DMat3, offset: DVec3 },
     Projector(Box<ProjectorMap>),
-    Optics(Box<OpticsMap>),
+    Traced { map: Box<WarpMap>, eye: Pose },
     Perspective { rays: DMat3, picture: DMat3 },
 }
 
@@ -46,19 +48,6 @@ struct ProjectorMap {
     least_cosine: Option<f64>,
     eye: DVec3,
     to_viewer: DMat3,
-}
-
-/// A projector with a lens or a mirror of its own; everything in dome axes, but for `to_viewer`.
-#[derive(Clone, Debug)]
-struct OpticsMap {
-    optics: Optics,
-    dome: Sphere,
-    pole: DVec3,
-    /// Least cosine of the angle from the pole; `None` = the whole sphere is screen.
-    least_cosine: Option<f64>,
-    eye: DVec3,
-    to_viewer: DMat3,
-    size: (u32, u32),
 }
 
 /// The opening whose picture coordinates are the tangents themselves; it stands for the program's
@@ -89,14 +78,31 @@ pub(crate) fn perspective_rays(angles: [f64; 3], frustum: Option<&Frustum>) -> D
 }
 
 impl Sight {
-    /// The map of `output` at `size` pixels.
-    pub fn new(rig: &Rig, output: &Output, size: (u32, u32)) -> Self {
+    /// The map of output `index` of `rig` at `size` pixels.
+    ///
+    /// # Errors
+    /// Those of [`WarpMap::new`].
+    pub fn new(rig: &Rig, index: usize, size: (u32, u32)) -> Result<Self> {
         let to_viewer = viewer_rotation(rig).transpose();
+        let traced = |output: &Output| -> Result<Map> {
+            // A map that needs the program's lens is no traced one: any lens does.
+            let map = WarpMap::new(rig, index, size, Some(UNIT_FRUSTUM))?;
+            Ok(Map::Traced { map: Box::new(map), eye: rig.eye(output) })
+        };
+        let Some(output) = rig.outputs.get(index) else {
+            return Err(Error::new(ErrorKind::InvalidArgument, format!("the rig has no output number {index}")));
+        };
+        let eye = rig.eye(output).position;
         let map = match &output.kind {
+            OutputKind::Perspective { angles, frustum } => {
+                let rays = perspective_rays(*angles, frustum.as_ref());
+                Map::Perspective { rays, picture: rays.inverse() }
+            }
+            _ if rig.screen.is_some() => traced(output)?,
             OutputKind::Domemaster { aperture, tilt } => Map::Fisheye {
                 aperture: *aperture,
                 rotation: lens_rotation(*tilt),
-                offset: -(to_viewer * rig.viewer.position) / rig.dome.radius,
+                offset: -(to_viewer * eye) / rig.dome.radius,
             },
             OutputKind::Projector { position, angles, frustum } => Map::Projector(Box::new(ProjectorMap {
                 origin: *position,
@@ -105,47 +111,48 @@ impl Sight {
                 radius: rig.dome.radius,
                 pole: pole(rig),
                 least_cosine: (rig.dome.coverage < std::f64::consts::TAU).then(|| (0.5 * rig.dome.coverage).cos()),
-                eye: rig.viewer.position,
+                eye,
                 to_viewer,
             })),
-            OutputKind::Optics { optics, .. } => Map::Optics(Box::new(OpticsMap {
-                optics: *optics,
-                dome: Sphere { center: DVec3::ZERO, radius: rig.dome.radius },
-                pole: pole(rig),
-                least_cosine: (rig.dome.coverage < std::f64::consts::TAU).then(|| (0.5 * rig.dome.coverage).cos()),
-                eye: rig.viewer.position,
-                to_viewer,
-                size,
-            })),
-            OutputKind::Perspective { angles, frustum } => {
-                let rays = perspective_rays(*angles, frustum.as_ref());
-                Map::Perspective { rays, picture: rays.inverse() }
-            }
+            OutputKind::Optics { .. } | OutputKind::Panorama { .. } | OutputKind::Mesh(_) => traced(output)?,
         };
-        Self { size, map }
+        Ok(Self { size, map })
     }
 
-    /// Whether the picture is a circle inscribed in the output.
+    /// Whether the picture is a circle.
     pub fn is_circular(&self) -> bool {
         match &self.map {
             Map::Fisheye { .. } => true,
-            Map::Optics(map) => matches!(map.optics.lens, Lens::Fisheye(_)),
+            Map::Traced { map, .. } => map.circle().is_some(),
             _ => false,
+        }
+    }
+
+    /// Whether what is shown changes smoothly over the picture, but for rims.
+    pub fn is_smooth(&self) -> bool {
+        !matches!(&self.map, Map::Traced { map, .. } if !map.screen().is_smooth())
+    }
+
+    /// Centre and half the extent of what normalised coordinates −1…1 span: the circle, or the whole picture.
+    fn frame(&self) -> (DVec2, DVec2) {
+        let half = 0.5 * DVec2::new(f64::from(self.size.0), f64::from(self.size.1));
+        match &self.map {
+            Map::Fisheye { .. } => (half, DVec2::splat(half.min_element())),
+            Map::Traced { map, .. } => map.circle().unwrap_or((half, half)),
+            _ => (half, half),
         }
     }
 
     /// Pixel position (from the top left, centres at +½) → normalised picture coordinates.
     pub fn normalised(&self, pixel: DVec2) -> DVec2 {
-        let (width, height) = (f64::from(self.size.0), f64::from(self.size.1));
-        let (across, down) = if self.is_circular() { (width.min(height), width.min(height)) } else { (width, height) };
-        DVec2::new((2.0 * pixel.x - width) / across, (height - 2.0 * pixel.y) / down)
+        let (center, half) = self.frame();
+        (pixel - center) / half * DVec2::new(1.0, -1.0)
     }
 
     /// Normalised picture coordinates → pixel position: the inverse of [`Sight::normalised`].
     pub fn pixel(&self, normalised: DVec2) -> DVec2 {
-        let (width, height) = (f64::from(self.size.0), f64::from(self.size.1));
-        let (across, down) = if self.is_circular() { (width.min(height), width.min(height)) } else { (width, height) };
-        DVec2::new(0.5 * (normalised.x * across + width), 0.5 * (height - normalised.y * down))
+        let (center, half) = self.frame();
+        center + normalised * half * DVec2::new(1.0, -1.0)
     }
 
     /// The direction seen at a pixel position and the spread of a pixel there; `None` where the
@@ -163,7 +170,7 @@ impl Sight {
                 of_unit_length(lens + *offset, spread)
             }
             Map::Projector(map) => map.sample(&map.hit(at)?, self.per_pixel()),
-            Map::Optics(map) => map.sample(pixel),
+            Map::Traced { map, .. } => traced_sample(map, pixel),
             Map::Perspective { rays, .. } => {
                 let per_pixel = self.per_pixel();
                 let (across, down) = (rays.x_axis * per_pixel.x, rays.y_axis * per_pixel.y);
@@ -172,38 +179,36 @@ impl Sight {
         }
     }
 
-    /// Where what a projector shows may end inside its picture: the rim of the dome's cap, and from
-    /// outside the dome its outline.
-    pub fn rims(&self) -> Vec<Rim> {
-        let map = match &self.map {
-            Map::Projector(map) => map,
-            // Just within the rim: found again from its picture, the point must not fall off the screen.
-            Map::Optics(map) => {
-                let within = |cosine: f64| Rim { axis: map.pole, cosine: cosine + 1e-9 };
-                return map.least_cosine.map(within).into_iter().collect();
+    /// Where what an output shows may end inside its picture: the rims of the screen, and the outline of a dome as a
+    /// projector outside sees it. Each gives the samples along it (0…1) that lie within the outermost pixel centres.
+    pub fn rims(&self) -> Vec<Rim<'_>> {
+        match &self.map {
+            Map::Projector(map) => {
+                let distance = map.origin.length();
+                // The outline itself is seen edge-on, where no resolution is enough: just within it.
+                let outline = (distance > map.radius)
+                    .then(|| Circle { axis: map.origin / distance, cosine: map.radius / distance - 1e-6 });
+                let cap = map.least_cosine.map(|cosine| Circle { axis: map.pole, cosine });
+                let sampled = |circle: Circle| -> Rim<'_> { Box::new(move |turn| self.on_circle(map, &circle, turn)) };
+                cap.into_iter().chain(outline).map(sampled).collect()
             }
-            _ => return Vec::new(),
-        };
-        let distance = map.origin.length();
-        // The outline itself is seen edge-on, where no resolution is enough: just within it.
-        let outline =
-            (distance > map.radius).then(|| Rim { axis: map.origin / distance, cosine: map.radius / distance - 1e-6 });
-        let cap = map.least_cosine.map(|cosine| Rim { axis: map.pole, cosine });
-        cap.into_iter().chain(outline).collect()
+            Map::Traced { map, .. } => {
+                let mut rims: Vec<Rim<'_>> = Vec::new();
+                for rim in map.screen().rims() {
+                    rims.push(Box::new(move |part| self.sample(traced_pixel(map, rim(part))?)));
+                }
+                rims
+            }
+            _ => Vec::new(),
+        }
     }
 
-    /// The sample at `turn` (0…1) around a rim, if it lies within the outermost pixel centres.
-    pub fn rim_sample(&self, rim: &Rim, turn: f64) -> Option<Sample> {
+    /// The sample at `turn` (0…1) around a circle, if it lies within the outermost pixel centres.
+    fn on_circle(&self, map: &ProjectorMap, rim: &Circle, turn: f64) -> Option<Sample> {
         let (first, second) = rim.axis.any_orthonormal_pair();
         let (sine, cosine) = (turn * std::f64::consts::TAU).sin_cos();
         let radius = (1.0 - rim.cosine * rim.cosine).max(0.0).sqrt();
-        let unit = rim.axis * rim.cosine + (first * cosine + second * sine) * radius;
-        let map = match &self.map {
-            Map::Projector(map) => map,
-            Map::Optics(map) => return self.sample(map.pixel(unit * map.dome.radius)?),
-            _ => return None,
-        };
-        let point = unit * map.radius;
+        let point = (rim.axis * rim.cosine + (first * cosine + second * sine) * radius) * map.radius;
         let picture = map.picture * (point - map.origin);
         let at = self.within_picture(picture)?;
         let hit = Hit { point, ray: map.rays * at.extend(1.0), distance: picture.z };
@@ -227,9 +232,10 @@ impl Sight {
                 // From outside, the near side of the dome is in the picture too, but not lit.
                 (map.hit(at)?.point.distance_squared(point) < 1e-6 * map.radius * map.radius).then_some(at)?
             }
-            Map::Optics(map) => {
-                let point = map.dome.far_hit(map.eye, map.to_viewer.transpose() * direction)?;
-                return self.sample(map.pixel(point)?);
+            Map::Traced { map, eye } => {
+                let towards = eye.direction_to_parent(direction);
+                let point = map.screen().unbounded_hit(eye.position, towards)?.point;
+                return self.sample(traced_pixel(map, point)?);
             }
             Map::Perspective { picture, .. } => self.within_picture(*picture * direction)?,
         };
@@ -249,9 +255,12 @@ impl Sight {
     }
 }
 
+/// The samples along a line (0…1), where it is in the picture.
+pub(crate) type Rim<'a> = Box<dyn Fn(f64) -> Option<Sample> + 'a>;
+
 /// A circle on the dome around `axis`.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Rim {
+struct Circle {
     axis: DVec3,
     cosine: f64,
 }
@@ -309,54 +318,36 @@ impl ProjectorMap {
     }
 }
 
-impl OpticsMap {
-    /// Where the light of a pixel position meets the screen.
-    fn hit(&self, pixel: DVec2) -> Option<DVec3> {
-        let size = self.extent();
-        let picture = DVec2::new(2.0 * pixel.x / size.x - 1.0, 1.0 - 2.0 * pixel.y / size.y);
-        let (origin, direction) = self.optics.ray(picture, size.x / size.y)?;
-        let point = self.dome.far_hit(origin, direction)?;
-        let least = self.least_cosine.map(|cosine| cosine * self.dome.radius);
-        least.is_none_or(|least| point.dot(self.pole) >= least).then_some(point)
+/// The spread of a pixel by differences, over what is shown of its surroundings.
+///
+/// Of a picture that shows all directions alike, a pixel is as high as it is (away from the picture's pole), at most
+/// nominally, and as wide.
+fn traced_sample(map: &WarpMap, pixel: DVec2) -> Option<Sample> {
+    let direction = map.direction(pixel)?;
+    let along = |axis: DVec2| {
+        let end = |offset: f64| map.direction(pixel + axis * offset).map_or((direction, 0.0), |there| (there, offset));
+        let ((from, start), (to, stop)) = (end(-0.5), end(0.5));
+        if stop > start { (to - from) / (stop - start) } else { DVec3::ZERO }
+    };
+    if let Some(nominal) = map.nominal_pitch() {
+        let from_pole = map.circle().map_or(DVec2::Y, |(center, _)| (pixel - center).normalize_or(DVec2::Y));
+        let height = along(from_pole).length();
+        let pitch = if height > 0.0 { nominal.min(height) } else { nominal };
+        return of_unit_length(direction, (DMat3::IDENTITY - outer(direction, direction)) * (pitch * pitch));
     }
+    let (mut across, mut down) = (along(DVec2::X), along(DVec2::Y));
+    // Where a rim leaves a pixel no neighbours on one axis, it is taken to be as wide as on the other.
+    if across == DVec3::ZERO {
+        across = direction.cross(down);
+    } else if down == DVec3::ZERO {
+        down = direction.cross(across);
+    }
+    (across != DVec3::ZERO).then(|| of_unit_length(direction, outer(across, across) + outer(down, down)))?
+}
 
-    /// Direction from the viewer to a point of the screen, viewer axes.
-    fn towards(&self, point: DVec3) -> Option<DVec3> {
-        (self.to_viewer * (point - self.eye)).try_normalize()
-    }
-
-    /// The sample of a pixel; its spread by differences, over what is shown of the pixel's surroundings.
-    fn sample(&self, pixel: DVec2) -> Option<Sample> {
-        let direction = self.towards(self.hit(pixel)?)?;
-        let along = |axis: DVec2| {
-            let end = |offset: f64| {
-                let there = self.hit(pixel + axis * offset).and_then(|point| self.towards(point));
-                there.map_or((direction, 0.0), |there| (there, offset))
-            };
-            let ((from, start), (to, stop)) = (end(-0.5), end(0.5));
-            if stop > start { (to - from) / (stop - start) } else { DVec3::ZERO }
-        };
-        let (mut across, mut down) = (along(DVec2::X), along(DVec2::Y));
-        // Where a rim leaves a pixel no neighbours on one axis, it is taken to be as wide as on the other.
-        if across == DVec3::ZERO {
-            across = direction.cross(down);
-        } else if down == DVec3::ZERO {
-            down = direction.cross(across);
-        }
-        (across != DVec3::ZERO).then(|| of_unit_length(direction, outer(across, across) + outer(down, down)))?
-    }
-
-    /// The pixel position, within the outermost pixel centres, whose light meets a point of the screen.
-    fn pixel(&self, point: DVec3) -> Option<DVec2> {
-        let size = self.extent();
-        let picture = self.optics.picture(point, size.x / size.y)?;
-        let pixel = 0.5 * DVec2::new(1.0 + picture.x, 1.0 - picture.y) * size;
-        let within = pixel.cmpge(DVec2::splat(0.5)).all() && pixel.cmple(size - 0.5).all();
-        let same = |hit: DVec3| hit.distance_squared(point) < 1e-6 * self.dome.radius * self.dome.radius;
-        (within && self.hit(pixel).is_some_and(same)).then_some(pixel)
-    }
-
-    fn extent(&self) -> DVec2 {
-        DVec2::new(f64::from(self.size.0), f64::from(self.size.1))
-    }
+/// The pixel position, within the outermost pixel centres, that shows a point of the screen.
+fn traced_pixel(map: &WarpMap, point: DVec3) -> Option<DVec2> {
+    let pixel = map.pixel(point)?;
+    let size = DVec2::new(f64::from(map.size().0), f64::from(map.size().1));
+    (pixel.cmpge(DVec2::splat(0.5)).all() && pixel.cmple(size - 0.5).all()).then_some(pixel)
 }

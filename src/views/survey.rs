@@ -26,11 +26,11 @@ pub struct Surveyed {
 /// pixels.
 pub fn survey(plan: &ViewPlan, rig: &Rig, sizes: &[(u32, u32)], most: u32, mut visit: impl FnMut(&Surveyed)) {
     let outputs = rig.outputs.iter().zip(sizes).zip(&plan.output_views);
-    for (output, ((described, &size), views)) in outputs.enumerate() {
+    for (output, ((_, &size), views)) in outputs.enumerate() {
         if size.0 == 0 || size.1 == 0 {
             continue;
         }
-        let sight = Sight::new(rig, described, size);
+        let Ok(sight) = Sight::new(rig, output, size) else { continue };
         let cones: Vec<(usize, Cone)> = views.iter().map(|&view| (view, Cone::of(&plan.views[view]))).collect();
         let step = (f64::from(size.0) * f64::from(size.1) / f64::from(most.max(1))).sqrt().max(1.0);
         let (columns, rows) = (steps(size.0, step), steps(size.1, step));

@@ -12,9 +12,10 @@ pub(crate) fn rig(outputs: Vec<Output>) -> Rig {
         name: "test".into(),
         passthrough: false,
         dome: Dome { radius: 5.0, tilt: 0.0, coverage: 2.0 * PI },
+        screen: None,
         viewer: Viewer { position: DVec3::ZERO, yaw: 0.0, pitch: 0.0, roll: 0.0 },
-        camera: Camera { zoom: 1.0, shift: DVec3::ZERO, yaw: 0.0, pitch: 0.0, roll: 0.0 },
-        views: Views { method: ViewMethod::Auto, quality: 1.0, favour: Favour::Balanced },
+        camera: Camera::default(),
+        views: Views { method: ViewMethod::Auto, quality: 1.0, favour: Favour::Balanced, duplicate: Duplicate::Auto },
         overlay: Overlay { yaw: 0.0, pitch: 0.0, width: 1.0 },
         outputs,
     }
@@ -22,7 +23,7 @@ pub(crate) fn rig(outputs: Vec<Output>) -> Rig {
 
 pub(crate) fn output(name: &str, kind: OutputKind) -> Output {
     let blend = Blend { overlap: false, ramp: 0.2, ramps: Vec::new(), gamma: 2.2, black_level: 0.0 };
-    Output { name: name.into(), kind, size: None, window: None, blend, mask: None }
+    Output { name: name.into(), kind, size: None, window: None, blend, mask: None, eye: 0.0 }
 }
 
 pub(crate) fn fisheye(aperture_degrees: f64, tilt_degrees: f64) -> Output {

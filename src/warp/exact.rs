@@ -1,12 +1,15 @@
 //! The exact map of an output, ray by ray.
 
-use crate::error::{Error, ErrorKind, Result};
-use crate::geom::{self, Fisheye, Frustum, Pose, Sphere, pose};
-use crate::rig::{OutputKind, Rig};
-use glam::{DMat3, DVec2, DVec3};
-use std::f64::consts::{FRAC_PI_2, TAU};
+mod calibrated;
 
-/// The exact map between the pixels of one output, the dome and the directions of the viewer.
+use crate::error::{Error, ErrorKind, Result};
+use crate::geom::{self, Circle, Fisheye, Frustum, Lens, Panorama, Pose, Screen, pose};
+use crate::rig::{OutputKind, Rig};
+use calibrated::Calibrated;
+use glam::{DMat3, DVec2, DVec3};
+use std::f64::consts::FRAC_PI_2;
+
+/// The exact map between the pixels of one output, the screen and the directions of the viewer.
 ///
 /// Pixels are measured from the top left corner of the output, so the centre of the first one is
 /// (½, ½); positions between centres are as good. Everything is f64, without approximations.
@@ -15,9 +18,7 @@ pub struct WarpMap {
     size: (u32, u32),
     optics: Optics,
     viewer: Pose,
-    dome: Sphere,
-    pole: DVec3,
-    coverage: f64,
+    screen: Screen,
 }
 
 /// How an output makes rays of its pixels.
@@ -25,15 +26,19 @@ pub struct WarpMap {
 enum Optics {
     /// A fisheye picture; the rotation takes lens axes to dome axes.
     Domemaster { lens: Fisheye, rotation: DMat3 },
+    /// Any other picture of directions; the rotation takes its axes to dome axes.
+    Panorama { panorama: Panorama, rotation: DMat3 },
     /// A pinhole in the dome's axes.
     Projector { pose: Pose, frustum: Frustum },
     /// A projector with another lens, or before a mirror, in the dome's axes.
     Special(geom::Optics),
+    /// What a file says.
+    Calibrated(Box<Calibrated>),
     /// A window in front of the viewer; the rotation takes its axes to viewer axes.
     Perspective { rotation: DMat3, frustum: Frustum },
 }
 
-/// Points of the dome nearer than this part of its radius are the same: grazing light is found again to the
+/// Points of the screen nearer than this part of its size are the same: grazing light is found again to the
 /// square root of rounding only.
 const ALIKE: f64 = 1e-6;
 
@@ -55,18 +60,25 @@ impl WarpMap {
         if size.0 == 0 || size.1 == 0 {
             return Err(invalid(format!("output \"{}\" cannot be {} × {} pixels", described.name, size.0, size.1)));
         }
-        let viewer = Pose::new(rig.viewer.position, rig.viewer.yaw, rig.viewer.pitch, rig.viewer.roll);
-        let optics = match described.kind {
+        let viewer = rig.eye(described);
+        let optics = match &described.kind {
             OutputKind::Domemaster { aperture, tilt } => Optics::Domemaster {
-                lens: Fisheye { aperture },
+                lens: Fisheye { aperture: *aperture },
                 rotation: viewer.rotation * pose::rotation(0.0, FRAC_PI_2 - tilt, 0.0),
             },
+            OutputKind::Panorama { panorama, angles: [yaw, pitch, roll] } => Optics::Panorama {
+                panorama: panorama.clone(),
+                rotation: viewer.rotation * pose::rotation(*yaw, *pitch, *roll),
+            },
             OutputKind::Projector { position, angles: [yaw, pitch, roll], frustum } => {
-                Optics::Projector { pose: Pose::new(position, yaw, pitch, roll), frustum }
+                Optics::Projector { pose: Pose::new(*position, *yaw, *pitch, *roll), frustum: *frustum }
             }
-            OutputKind::Optics { optics, .. } => Optics::Special(optics),
+            OutputKind::Optics { optics, .. } => Optics::Special(optics.clone()),
+            OutputKind::Mesh(calibration) => {
+                Optics::Calibrated(Box::new(Calibrated::new(calibration, viewer, &rig.surface(), size)))
+            }
             OutputKind::Perspective { angles: [yaw, pitch, roll], frustum } => Optics::Perspective {
-                rotation: pose::rotation(yaw, pitch, roll),
+                rotation: pose::rotation(*yaw, *pitch, *roll),
                 frustum: frustum.or(lens).ok_or_else(|| {
                     invalid(format!(
                         "output \"{}\" has the program's own lens, which is not known here",
@@ -75,15 +87,7 @@ impl WarpMap {
                 })?,
             },
         };
-        let (sine, cosine) = rig.dome.tilt.sin_cos();
-        Ok(Self {
-            size,
-            optics,
-            viewer,
-            dome: Sphere { center: DVec3::ZERO, radius: rig.dome.radius },
-            pole: DVec3::new(0.0, cosine, -sine),
-            coverage: rig.dome.coverage,
-        })
+        Ok(Self { size, optics, viewer, screen: rig.surface() })
     }
 
     /// Width and height in pixels.
@@ -93,8 +97,8 @@ impl WarpMap {
 
     /// The direction in which the viewer sees a pixel: unit vector in viewer axes. `None` where the
     /// output shows nothing: outside its picture or its circle, and for projectors where the ray
-    /// misses the dome or the cap that is screen. (A domemaster is a picture of directions and is
-    /// not cut at the cap.)
+    /// lights no screen. (Domemasters and panoramas are pictures of directions and are not cut at the screen's
+    /// rim, but show nothing where the surface does not go on.)
     pub fn direction(&self, pixel: DVec2) -> Option<DVec3> {
         match &self.optics {
             Optics::Perspective { rotation, frustum } => {
@@ -104,49 +108,61 @@ impl WarpMap {
         }
     }
 
-    /// The point of the dome (metres, dome axes) where a pixel appears; `None` as for
-    /// [`Self::direction`], and for perspective outputs, which have no place on the dome.
+    /// The point of the screen (metres, dome axes) where a pixel appears; `None` as for
+    /// [`Self::direction`], and for perspective outputs, which have no place on the screen.
     pub fn hit(&self, pixel: DVec2) -> Option<DVec3> {
         match &self.optics {
             Optics::Domemaster { lens, rotation } => {
-                let point = self.disc(pixel)?;
-                Some(*rotation * lens.direction(point.x, point.y)? * self.dome.radius)
+                let point = Circle::Inscribed.to_disc(self.normalised(pixel)?, self.aspect());
+                self.seen_from_the_centre(*rotation * lens.direction(point.x, point.y)?)
+            }
+            Optics::Panorama { panorama, rotation } => {
+                self.seen_from_the_centre(*rotation * panorama.direction(self.normalised(pixel)?, self.aspect())?)
             }
             Optics::Projector { pose, frustum } => {
                 let ray = tangents(frustum, self.picture(pixel)?).extend(-1.0);
-                let hit = self.dome.far_hit(pose.position, pose.direction_to_parent(ray))?;
-                self.is_screen(hit).then_some(hit)
+                Some(self.screen.hit(pose.position, pose.direction_to_parent(ray))?.point)
             }
             Optics::Special(optics) => {
-                let (origin, direction) = optics.ray(2.0 * self.picture(pixel)? - 1.0, self.aspect())?;
-                let hit = self.dome.far_hit(origin, direction)?;
-                self.is_screen(hit).then_some(hit)
+                let (origin, direction) = optics.ray(self.normalised(pixel)?, self.aspect())?;
+                Some(self.screen.hit(origin, direction)?.point)
             }
+            Optics::Calibrated(map) => map.hit(pixel, self.size, &self.screen),
             Optics::Perspective { .. } => None,
         }
     }
 
-    /// Where a point of the dome (metres, dome axes) appears in this output: the inverse of
+    /// A factor on the displayed value of a pixel that a calibration's file gives; 1 for other outputs, 0 where nothing is shown.
+    pub fn intensity(&self, pixel: DVec2) -> f64 {
+        match &self.optics {
+            Optics::Calibrated(map) => map.sample(pixel, self.size).map_or(0.0, |sample| sample.intensity),
+            _ => 1.0,
+        }
+    }
+
+    /// Where a point of the screen (metres, dome axes) appears in this output: the inverse of
     /// [`Self::hit`], for perspective outputs of [`Self::direction`]. `None` if it does not.
     pub fn pixel(&self, point: DVec3) -> Option<DVec2> {
         match &self.optics {
             Optics::Domemaster { lens, rotation } => {
                 let disc = lens.point(rotation.transpose() * point);
-                let radius = 0.5 * f64::from(self.size.0.min(self.size.1));
-                (disc.length_squared() <= 1.0).then(|| self.middle() + DVec2::new(disc.x, -disc.y) * radius)
+                let inside = disc.length_squared() <= 1.0;
+                inside.then(|| self.at(Circle::Inscribed.to_picture(disc, self.aspect())))
+            }
+            Optics::Panorama { panorama, rotation } => {
+                Some(self.at(panorama.picture(rotation.transpose() * point, self.aspect())?))
             }
             Optics::Projector { pose, frustum } => {
-                let path = point - pose.position;
-                // From outside, only the far side is lit.
-                let lit = self.is_screen(point) && (self.dome.contains(pose.position) || path.dot(point) >= 0.0);
-                if lit { self.pixel_of_ray(frustum, pose.direction_to_local(path)) } else { None }
+                let pixel = self.pixel_of_ray(frustum, pose.direction_to_local(point - pose.position))?;
+                self.lights(pixel, point).then_some(pixel)
             }
             Optics::Special(optics) => {
-                let at = 0.5 * (optics.picture(point, self.aspect())? + 1.0);
-                let pixel = DVec2::new(at.x, 1.0 - at.y) * 2.0 * self.middle();
-                // What does not light the point itself lights another one on the way there.
-                let there = self.is_screen(point) && self.hit(pixel)?.distance(point) <= ALIKE * self.dome.radius;
-                there.then_some(pixel)
+                let pixel = self.at(optics.picture(point, self.aspect())?);
+                self.lights(pixel, point).then_some(pixel)
+            }
+            Optics::Calibrated(map) => {
+                let pixel = map.pixel(point, self.size, &self.screen)?;
+                self.lights(pixel, point).then_some(pixel)
             }
             Optics::Perspective { rotation, frustum } => {
                 self.pixel_of_ray(frustum, rotation.transpose() * self.viewer.point_to_local(point))
@@ -154,9 +170,47 @@ impl WarpMap {
         }
     }
 
-    /// Whether a point of the sphere belongs to the cap that is screen.
-    fn is_screen(&self, point: DVec3) -> bool {
-        self.coverage >= TAU || point.dot(self.pole) >= self.dome.radius * (0.5 * self.coverage).cos()
+    /// The screen.
+    pub fn screen(&self) -> &Screen {
+        &self.screen
+    }
+
+    /// The point of the surface in a direction from the dome's centre.
+    fn seen_from_the_centre(&self, direction: DVec3) -> Option<DVec3> {
+        Some(self.screen.unbounded_hit(DVec3::ZERO, direction)?.point)
+    }
+
+    /// Whether the light of a pixel, whose ray goes through `point`, ends there and not at another point on the way.
+    fn lights(&self, pixel: DVec2, point: DVec3) -> bool {
+        self.hit(pixel).is_some_and(|hit| hit.distance(point) <= ALIKE * self.screen.size())
+    }
+
+    /// The nominal angle of a pixel of a picture that shows all directions alike, radians: a domemaster, a fisheye, an
+    /// equirectangular picture. Where such a picture is stretched around a pole it shows no more detail.
+    pub fn nominal_pitch(&self) -> Option<f64> {
+        let extent = match &self.optics {
+            Optics::Domemaster { lens, .. } => DVec2::splat(lens.aperture) / self.circle()?.1,
+            Optics::Panorama { panorama: Panorama::Fisheye(lens), .. } => {
+                DVec2::splat(lens.aperture) / self.circle()?.1
+            }
+            Optics::Panorama { panorama: Panorama::Equirectangular(span), .. } => {
+                DVec2::new(span.width, span.top - span.bottom) / self.middle()
+            }
+            _ => return None,
+        };
+        Some(0.5 * extent.min_element())
+    }
+
+    /// Where the circle of a circular picture is: its centre and half its width and height, pixels.
+    pub fn circle(&self) -> Option<(DVec2, DVec2)> {
+        let circle = match &self.optics {
+            Optics::Domemaster { .. } => Circle::Inscribed,
+            Optics::Panorama { panorama, .. } if panorama.is_circular() => Circle::Inscribed,
+            Optics::Special(geom::Optics { lens: Lens::Fisheye { circle, .. }, .. }) => *circle,
+            _ => return None,
+        };
+        let center = self.at(circle.to_picture(DVec2::ZERO, self.aspect()));
+        Some((center, (self.at(circle.to_picture(DVec2::ONE, self.aspect())) - center).abs()))
     }
 
     /// The area of the screen that a pixel lights, square metres, by differences over half a pixel to each side; `None`
@@ -183,12 +237,14 @@ impl WarpMap {
         inside.then(|| DVec2::new(part.x, 1.0 - part.y))
     }
 
-    /// A pixel in units of the inscribed circle, y up; `None` outside the output.
-    fn disc(&self, pixel: DVec2) -> Option<DVec2> {
-        self.picture(pixel)?;
-        let radius = 0.5 * f64::from(self.size.0.min(self.size.1));
-        let point = (pixel - self.middle()) / radius;
-        Some(DVec2::new(point.x, -point.y))
+    /// A pixel in −1…1 from the left and from the bottom; `None` outside.
+    fn normalised(&self, pixel: DVec2) -> Option<DVec2> {
+        Some(2.0 * self.picture(pixel)? - 1.0)
+    }
+
+    /// The pixel at a place in −1…1.
+    fn at(&self, picture: DVec2) -> DVec2 {
+        (1.0 + picture * DVec2::new(1.0, -1.0)) * self.middle()
     }
 
     /// The pixel of a ray in the axes of a pinhole; `None` behind it or outside the picture.

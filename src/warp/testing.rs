@@ -8,7 +8,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 /// An output of a kind, with overlap blending and a ramp of a tenth of the picture.
 pub(crate) fn output(name: &str, kind: OutputKind) -> Output {
     let blend = Blend { overlap: true, ramp: 0.1, ramps: Vec::new(), gamma: 2.2, black_level: 0.0 };
-    Output { name: name.into(), kind, size: None, window: None, blend, mask: None }
+    Output { name: name.into(), kind, size: None, window: None, blend, mask: None, eye: 0.0 }
 }
 
 /// A rig with a hemispherical dome of 5 m, its pole `tilt` towards the front, and the viewer at `position`.
@@ -17,11 +17,16 @@ pub(crate) fn rig(tilt: f64, position: DVec3, kinds: &[OutputKind]) -> Rig {
         name: "test".into(),
         passthrough: false,
         dome: Dome { radius: 5.0, tilt, coverage: PI },
+        screen: None,
         viewer: Viewer { position, yaw: 0.0, pitch: 0.0, roll: 0.0 },
-        camera: Camera { zoom: 1.0, shift: DVec3::ZERO, yaw: 0.0, pitch: 0.0, roll: 0.0 },
-        views: Views { method: ViewMethod::Auto, quality: 1.0, favour: Favour::Balanced },
+        camera: Camera::default(),
+        views: Views { method: ViewMethod::Auto, quality: 1.0, favour: Favour::Balanced, duplicate: Duplicate::Auto },
         overlay: Overlay { yaw: 0.0, pitch: 0.0, width: 1.0 },
-        outputs: kinds.iter().enumerate().map(|(index, kind)| output(&format!("output-{index}"), *kind)).collect(),
+        outputs: kinds
+            .iter()
+            .enumerate()
+            .map(|(index, kind)| output(&format!("output-{index}"), kind.clone()))
+            .collect(),
     }
 }
 

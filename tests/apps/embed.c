@@ -313,6 +313,24 @@ static void frame_by_views(cupola_gl *dome, int size)
 /* Of preload/allocations.c, where that is loaded. */
 extern void steady_frame(void) __attribute__((weak));
 
+/* The viewer sits down elsewhere. */
+static void frame_of_another_viewer(cupola_gl *dome, int size)
+{
+    const double elsewhere[3] = {2.0, -0.5, 1.0}, outside[3] = {0.0, 6.0, 0.0}, nowhere[3] = {NAN, 0.0, 0.0};
+    REFUSED(cupola_gl_set_viewer(dome, outside, 0, 0, 0), CUPOLA_INVALID_ARGUMENT, "viewer.position");
+    REFUSED(cupola_gl_set_viewer(dome, nowhere, 0, 0, 0), CUPOLA_INVALID_ARGUMENT, "finite");
+    REFUSED(cupola_gl_set_viewer(dome, NULL, 0, 0, 0), CUPOLA_INVALID_ARGUMENT, "position");
+    REFUSED(cupola_gl_set_viewer(NULL, elsewhere, 0, 0, 0), CUPOLA_INVALID_ARGUMENT, "gl");
+    CHECK(cupola_gl_begin_frame(dome) == CUPOLA_OK);
+    REFUSED(cupola_gl_set_viewer(dome, elsewhere, 0, 0, 0), CUPOLA_INVALID_STATE, "frame");
+    target unused = make_target(size);
+    CHECK(cupola_gl_end_frame(dome, unused.framebuffer, LEFT, BELOW) == CUPOLA_OK);
+    CHECK(cupola_gl_set_viewer(dome, elsewhere, 0, 0, 0) == CUPOLA_OK);
+    target t = make_target(size);
+    CHECK(cupola_gl_draw_frame(dome, CUBE_NEAR, CUBE_FAR, draw, NULL, t.framebuffer, LEFT, BELOW) == CUPOLA_OK);
+    write_picture(&t, size, "moved.ppm");
+}
+
 int main(int argc, char **argv)
 {
     if (argc != 4 && argc != 5) {
@@ -343,6 +361,7 @@ int main(int argc, char **argv)
     check_idle(dome);
     frame_by_callback(dome, (int)smaller);
     frame_by_views(dome, size);
+    frame_of_another_viewer(dome, size);
     for (int frame = 0; argc == 5 && frame < atoi(argv[4]); frame++) {
         CHECK(cupola_gl_draw_frame(dome, CUBE_NEAR, CUBE_FAR, draw, NULL, 0, 0, 0) == CUPOLA_OK);
         if (steady_frame != NULL)

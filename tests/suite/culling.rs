@@ -23,7 +23,16 @@ fn same_picture(program: &str, rig: &str) -> Option<serde_json::Value> {
 #[test]
 fn pictures_stay_what_they_are() {
     let programs = ["immediate", "display_list", "client_arrays", "glsl120", "core330_mvp", "draws", "rectangles"];
-    for program in programs.into_iter().chain(["hud", "text", "state", "occlusion", "feedback", "gles3"]) {
+    for program in programs.into_iter().chain([
+        "hud",
+        "text",
+        "state",
+        "occlusion",
+        "feedback",
+        "gles3",
+        "post_process",
+        "immediate_ways",
+    ]) {
         same_picture(program, "fisheye");
     }
 }

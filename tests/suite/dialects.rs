@@ -2,12 +2,12 @@
 
 use crate::compare::{EDGE, Report, Shown, compare, compare_with, expect_good, expect_identical, expect_similar};
 use crate::picture::Picture;
-use crate::programs::{Run, scratch};
+use crate::programs::{Finished, Run, scratch};
 use crate::reference::{Dome, Fisheye, Opening, ProgramCamera, Projector, Vector, cube_colour, cube_face, cube_point};
 use crate::rigs;
 
 /// Lenses and turns of the camera; all views, and the seams between them, are seen by some of them.
-const CAMERAS: [(f64, f64, f64); 3] = [(60.0, 0.0, 0.0), (90.0, 33.0, -17.0), (110.0, -128.0, 41.0)];
+pub const CAMERAS: [(f64, f64, f64); 3] = [(60.0, 0.0, 0.0), (90.0, 33.0, -17.0), (110.0, -128.0, 41.0)];
 
 /// What a domemaster shows for the program's camera.
 pub fn shown_by_fisheye(fisheye: Fisheye, camera: ProgramCamera) -> impl Fn(f64, f64) -> Shown {
@@ -34,7 +34,8 @@ pub fn shown_by_projector(projector: &Projector, dome: &Dome, camera: ProgramCam
     }
 }
 
-fn camera_of(run: &Run) -> ProgramCamera {
+/// The camera of a run.
+pub fn camera_of(run: &Run) -> ProgramCamera {
     ProgramCamera { yaw: run.yaw, pitch: run.pitch }
 }
 
@@ -98,19 +99,28 @@ pub fn presented(program: &str) {
 
 /// Every projector of a planetarium, without blending.
 pub fn planetarium(program: &str) {
+    planetarium_of(program, &[], |run, rig| Some(run.under(rig)?.expect_success().expect_no_gl_errors()));
+}
+
+/// The same for a program with options that is started by `start`.
+pub fn planetarium_of<'a>(
+    program: &'a str,
+    extra: &'a [&'a str],
+    start: impl FnOnce(&Run<'a>, &str) -> Option<Finished>,
+) {
     let (size, columns) = ((128, 96), 3);
     let rig = rigs::projectors("planetarium-6", size, columns);
     let rows = rig.projectors.len().div_ceil(columns);
-    let run = Run { size: (columns * size.0, rows * size.1), fov: 70.0, yaw: -50.0, pitch: 20.0, ..Run::new(program) };
+    let size_of_all = (columns * size.0, rows * size.1);
+    let run = Run { size: size_of_all, fov: 70.0, yaw: -50.0, pitch: 20.0, extra, ..Run::new(program) };
     let file = scratch("rig").join("planetarium-6-unblended.toml");
     std::fs::write(&file, &rig.unblended).expect("a rig can be written");
-    let Some(finished) = run.under(file.to_str().expect("a UTF-8 path")) else { return };
-    let finished = finished.expect_success().expect_no_gl_errors();
+    let Some(finished) = start(&run, file.to_str().expect("a UTF-8 path")) else { return };
     for projector in &rig.projectors {
         let picture = finished.picture(&format!("capture-{}.png", projector.name));
         assert_eq!((picture.width, picture.height), size, "the capture is as large as its place in the window");
         let report = compare_program(program, &picture, shown_by_projector(projector, &rig.dome, camera_of(&run)));
-        expect_good(&report, &picture, &format!("{program} planetarium-6 {}", projector.name));
+        expect_good(&report, &picture, &format!("{program} {extra:?} planetarium-6 {}", projector.name));
     }
 }
 
@@ -245,41 +255,6 @@ fn an_srgb_window() {
             expect_good(&report, &picture, &format!("{program} sRGB fisheye {file}"));
         }
     }
-}
-
-/// What a program draws into an FBO of its own and then shows, by a copy or by a textured quad, is a scene for every view.
-#[test]
-fn a_program_with_its_own_fbo() {
-    for program in ["immediate", "client_arrays", "glsl120", "core330_mvp", "core330_block", "gles3"] {
-        fisheye(program, &["--fbo"]);
-    }
-    // It shows its texture by a quad without filtering, which moves colours by half a texel: no bound for those.
-    let run = Run { extra: &["--fbo"], ..Run::new("gles2") };
-    let Some(finished) = run.under("fisheye") else { return };
-    let statistics = finished.expect_success().expect_no_gl_errors().statistics();
-    assert_eq!(statistics["duplicated_draws"].as_u64(), Some(2), "{statistics:#}");
-    // What a program reads back is its own picture, which stays flat.
-    let run = Run { extra: &["--fbo", "--dump", "dump.ppm"], ..Run::new("core330_mvp") };
-    let Some(finished) = run.under("fisheye") else { return };
-    let finished = finished.expect_success().expect_no_gl_errors();
-    let report = compare(&finished.picture("dump.ppm"), shown_by_window(run.size, run.fov, camera_of(&run)));
-    expect_good(&report, &finished.picture("dump.ppm"), "core330_mvp, its own FBO read back");
-}
-
-/// A chain of passes: the scene, a change of its colours, and the window; a shadow map besides stays single.
-#[test]
-fn a_program_with_post_processing() {
-    plain("post_process");
-    fisheye("post_process", &[]);
-    planetarium("post_process");
-    identity("post_process");
-    let Some(finished) = Run::new("post_process").under("fisheye") else { return };
-    let statistics = finished.expect_success().statistics();
-    // Of three frames the first is seen only; the scene and the first pass are duplicated, the shadow map is not.
-    assert_eq!(statistics["duplicated_draws"].as_u64(), Some(4), "{statistics:#}");
-    let run = Run { environment: &[("CUPOLA_DUPLICATE", "never")], ..Run::new("post_process") };
-    let Some(finished) = run.under("fisheye") else { return };
-    assert_eq!(finished.expect_success().statistics()["duplicated_draws"].as_u64(), Some(0));
 }
 
 /// `--camera zoom` scales the tangents of what the program draws.

@@ -12,6 +12,7 @@ mod dialects;
 mod display;
 mod embedding;
 mod injection;
+mod offscreen;
 mod picture;
 mod programs;
 mod reference;

@@ -142,6 +142,31 @@ impl<'a> Run<'a> {
     }
 }
 
+impl Run<'_> {
+    /// Runs a Vulkan test program without Cupola. `None` where it cannot be built or there is no display.
+    pub fn vulkan_plain(&self) -> Option<Finished> {
+        let mut command = Command::new(vulkan_apps()?.join(self.program));
+        let place = display::place();
+        command.args(self.arguments(&place));
+        Finished::of(command, self.program, "without Cupola")
+    }
+
+    /// Runs a Vulkan test program under `cupola run`, with the validation layer between Cupola and the driver: it has
+    /// to end well, and what Cupola makes of the program's calls without a message.
+    pub fn vulkan_under(&self, rig: &str) -> Option<Finished> {
+        let program = vulkan_apps()?.join(self.program);
+        let mut command = Command::new(env!("CARGO_BIN_EXE_cupola"));
+        command.env("CUPOLA_LIBRARY", library()).env("VK_LOADER_DEBUG", "layer");
+        let place = display::place();
+        command.args(["run", "--rig", rig, "--capture", "capture.png", "--stats", "stats.json"]).args(self.cupola);
+        command.args(["--", "env", "VK_INSTANCE_LAYERS=VK_LAYER_CUPOLA_dome:VK_LAYER_KHRONOS_validation"]);
+        command.arg(format!("{}={}", SYNCHRONISATION.0, SYNCHRONISATION.1)).arg(program).args(self.arguments(&place));
+        let finished = Finished::of(command, self.program, rig)?.expect_success().expect_no_validation_messages();
+        assert!(finished.words().contains("VK_LAYER_CUPOLA_dome"), "Cupola is not loaded:\n{}", finished.words());
+        Some(finished)
+    }
+}
+
 /// Runs a program of the system under `cupola run`. `None`, with a visible line, where it is not installed, and
 /// where there is no display.
 pub fn installed(program: &str, arguments: &[&str], rig: &str, cupola: &[&str]) -> Option<Finished> {
@@ -165,35 +190,47 @@ pub fn embedding(program: &str, arguments: &[&str], environment: &[(&str, &str)]
     Finished::of(command, program, "embedding")
 }
 
-/// The folder of the built Vulkan examples; `None`, with a visible line, where they cannot be built or watched over.
+/// Builds the Vulkan programs of `sources` into `folder`. `None`, with a visible line, where they cannot be built or
+/// watched over.
+fn build_vulkan(sources: &str, folder: &str) -> Option<PathBuf> {
+    let directory = Path::new(env!("CARGO_TARGET_TMPDIR")).join(folder);
+    let layers = Path::new("/usr/share/vulkan/explicit_layer.d/VkLayer_khronos_validation.json");
+    let missing = [
+        (!layers.exists(), "the validation layer (Debian: vulkan-validationlayers)"),
+        (Command::new("glslangValidator").arg("-v").output().is_err(), "glslangValidator (glslang-tools)"),
+        (!Path::new("/usr/include/vulkan/vulkan.h").exists(), "Vulkan's headers (libvulkan-dev)"),
+    ];
+    if let Some((_, what)) = missing.iter().find(|(missing, _)| *missing) {
+        assert!(std::env::var_os("CUPOLA_REQUIRE_GL").is_none(), "there is no {what}");
+        let _ = writeln!(std::io::stderr(), "SKIP: Vulkan's C programs, there is no {what}");
+        return None;
+    }
+    let output = Command::new("make")
+        .args(["-s", "-C", &format!("{}/{sources}", env!("CARGO_MANIFEST_DIR")), "vulkan"])
+        .arg(format!("OUT={}", directory.display()))
+        .arg(format!("CUPOLA={}", library().with_file_name("").display()))
+        .output()
+        .expect("make can be started");
+    let words = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "the Vulkan programs of {sources} do not build:\n{words}");
+    Some(directory)
+}
+
+/// The folder of the built Vulkan examples.
 fn vulkan_examples() -> Option<&'static Path> {
     static BUILT: OnceLock<Option<PathBuf>> = OnceLock::new();
-    BUILT
-        .get_or_init(|| {
-            let directory = Path::new(env!("CARGO_TARGET_TMPDIR")).join("c-examples");
-            let layers = Path::new("/usr/share/vulkan/explicit_layer.d/VkLayer_khronos_validation.json");
-            let missing = [
-                (!layers.exists(), "the validation layer (Debian: vulkan-validationlayers)"),
-                (Command::new("glslangValidator").arg("-v").output().is_err(), "glslangValidator (glslang-tools)"),
-                (!Path::new("/usr/include/vulkan/vulkan.h").exists(), "Vulkan's headers (libvulkan-dev)"),
-            ];
-            if let Some((_, what)) = missing.iter().find(|(missing, _)| *missing) {
-                assert!(std::env::var_os("CUPOLA_REQUIRE_GL").is_none(), "there is no {what}");
-                let _ = writeln!(std::io::stderr(), "SKIP: Vulkan's C examples, there is no {what}");
-                return None;
-            }
-            let output = Command::new("make")
-                .args(["-s", "-C", concat!(env!("CARGO_MANIFEST_DIR"), "/examples/c"), "vulkan"])
-                .arg(format!("OUT={}", directory.display()))
-                .arg(format!("CUPOLA={}", library().with_file_name("").display()))
-                .output()
-                .expect("make can be started");
-            let words = String::from_utf8_lossy(&output.stderr);
-            assert!(output.status.success(), "the Vulkan examples do not build:\n{words}");
-            Some(directory)
-        })
-        .as_deref()
+    BUILT.get_or_init(|| build_vulkan("examples/c", "c-examples")).as_deref()
 }
+
+/// The folder of the built Vulkan test programs.
+fn vulkan_apps() -> Option<&'static Path> {
+    static BUILT: OnceLock<Option<PathBuf>> = OnceLock::new();
+    BUILT.get_or_init(|| build_vulkan("tests/apps/vulkan", "apps-vulkan")).as_deref()
+}
+
+/// The validation layer watches over synchronisation, too.
+const SYNCHRONISATION: (&str, &str) =
+    ("VK_LAYER_ENABLES", "VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT");
 
 /// Runs a Vulkan example under the validation layer, which watches over synchronisation too: it has to end well and
 /// without a message. `None` where that cannot be done.
@@ -201,12 +238,8 @@ pub fn validated(program: &str, arguments: &[&str]) -> Option<Finished> {
     let mut command = Command::new(vulkan_examples()?.join(program));
     command.args(arguments).env("LD_LIBRARY_PATH", library().with_file_name(""));
     command.env("VK_INSTANCE_LAYERS", "VK_LAYER_KHRONOS_validation").env("VK_LOADER_DEBUG", "layer");
-    command.env("VK_LAYER_ENABLES", "VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT");
-    let finished = Finished::of(command, program, "validated")?.expect_success();
-    assert!(finished.words().contains("VK_LAYER_KHRONOS_validation"), "the layer is not loaded:\n{}", finished.words());
-    let messages = String::from_utf8_lossy(&finished.output.stdout);
-    assert!(messages.is_empty(), "{}: the validation layer says:\n{messages}", finished.what);
-    Some(finished)
+    command.env(SYNCHRONISATION.0, SYNCHRONISATION.1);
+    Some(Finished::of(command, program, "validated")?.expect_success().expect_no_validation_messages())
 }
 
 /// What a run left behind.
@@ -262,6 +295,15 @@ impl Finished {
             String::from_utf8_lossy(&self.output.stderr),
             self.directory.display()
         );
+        self
+    }
+
+    /// Panics unless the validation layer was there and said nothing.
+    pub fn expect_no_validation_messages(self) -> Self {
+        let words = self.words();
+        assert!(words.contains("VK_LAYER_KHRONOS_validation"), "{}: the layer is not loaded:\n{words}", self.what);
+        let messages = String::from_utf8_lossy(&self.output.stdout);
+        assert!(messages.is_empty(), "{}: the validation layer says:\n{messages}", self.what);
         self
     }
 

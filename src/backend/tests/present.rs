@@ -62,8 +62,15 @@ fn rgb([r, g, b, _]: [f64; 4]) -> [f64; 3] {
 pub fn one_to_one(size: (u32, u32)) -> Plan {
     let frustum = Frustum { left: -0.9, right: 0.8, bottom: -0.5, top: 0.7 };
     let tile = Tile { x: 13, y: 29, width: size.0, height: size.1 };
-    let view =
-        View { name: "program".into(), rotation: DMat3::IDENTITY, frustum, owned: frustum, tile, program_lens: true };
+    let view = View {
+        name: "program".into(),
+        rotation: DMat3::IDENTITY,
+        frustum,
+        owned: frustum,
+        tile,
+        program_lens: true,
+        eye: 0.0,
+    };
     let source = Source::Perspective { matrix: frustum.rays() };
     let views = view_plan(vec![view], (size.0 + 40, size.1 + 50));
     Plan { views, passes: vec![pass(size, source, vec![0], false)] }
@@ -167,7 +174,8 @@ pub fn the_panel_lies_over_the_scene(driver: &dyn Driver) {
         let tile = Tile { x: 0, y: plan.views.atlas.1, width: 128, height: 96 };
         plan.views.atlas.1 += 100;
         let rotation = Pose::new(DVec3::ZERO, 0.3, 0.1, 0.1).rotation.transpose();
-        let panel = View { name: "panel".into(), rotation, frustum, owned: frustum, tile, program_lens: true };
+        let panel =
+            View { name: "panel".into(), rotation, frustum, owned: frustum, tile, program_lens: true, eye: 0.0 };
         plan.views.panel = Some(panel.clone());
         let scene_height = plan.views.atlas.1 - 100;
         let scene = waves(plan.views.atlas);

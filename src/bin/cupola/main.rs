@@ -5,6 +5,7 @@
 
 #![forbid(unsafe_code)]
 
+mod accuracy;
 mod arguments;
 mod bench;
 mod check;
@@ -38,6 +39,7 @@ enum Command {
     Convert(convert::Arguments),
     Map(map::Arguments),
     Simulate(simulate::Arguments),
+    Accuracy(accuracy::Arguments),
     Stress(stress::Arguments),
     Bench(bench::Arguments),
     #[command(hide = true)]
@@ -80,6 +82,7 @@ fn main() -> ExitCode {
         Command::Convert(arguments) => convert::run(&arguments),
         Command::Map(arguments) => map::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
+        Command::Accuracy(arguments) => accuracy::run(&arguments),
         Command::Stress(arguments) => stress::run(&arguments),
         Command::Bench(arguments) => bench::run(&arguments),
         Command::Doctor(arguments) => doctor::run(&arguments),

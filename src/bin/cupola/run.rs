@@ -44,6 +44,9 @@ pub struct Arguments {
     /// Issue every draw to every view, also where a view cannot show it
     #[arg(long)]
     no_cull: bool,
+    /// Which pictures that the program draws off screen are drawn once per view [default: the rig's]
+    #[arg(long, value_name = "auto|never|always", value_parser = ["auto", "never", "always"])]
+    duplicate: Option<String>,
     /// Write Cupola's log of the program to this file
     #[arg(long, value_name = "FILE")]
     log: Option<PathBuf>,
@@ -105,6 +108,7 @@ fn settings(arguments: &Arguments, rig: &str) -> Result<Environment, Failure> {
     set("CUPOLA_SIZE", arguments.size.map(|(width, height)| format!("{width}x{height}").into()));
     set("CUPOLA_FRAMES", arguments.frames.map(|frames| frames.to_string().into()));
     set("CUPOLA_OFFSCREEN", arguments.offscreen.then(|| "1".into()));
+    set("CUPOLA_DUPLICATE", arguments.duplicate.as_ref().map(Into::into));
     set("CUPOLA_CULL", arguments.no_cull.then(|| "0".into()));
     let files =
         [("CUPOLA_CAPTURE", &arguments.capture), ("CUPOLA_STATS", &arguments.stats), ("CUPOLA_LOG", &arguments.log)];

@@ -1,7 +1,6 @@
 //! What a program believes about one of its contexts, and which context is current.
 
 use super::background::Background;
-use super::camera::Cameras;
 use super::culling::widths::Widest;
 use super::default_framebuffer::DefaultFramebuffer;
 use super::lists::{Lists, Recording};
@@ -10,6 +9,7 @@ use super::programs::{Program, Programs};
 use super::raster::Raster;
 use super::window::Window;
 use crate::backend::gl::api::{self, Gl};
+use crate::intercept::camera::Cameras;
 use crate::intercept::log;
 use crate::runtime::session::Extras;
 use std::cell::Cell;

@@ -118,6 +118,16 @@ pub fn take_error(ctx: &mut Context) {
     }
 }
 
+/// Takes errors out of the driver that are nobody's: answers to questions that it need not know.
+pub fn drop_errors(gl: &Gl) {
+    // SAFETY: asks for the error flag; there are a handful of them at most.
+    for _ in 0..8 {
+        if unsafe { gl.get_error() } == api::GL_NO_ERROR {
+            break;
+        }
+    }
+}
+
 /// Counts the errors since [`take_error`] as ours.
 pub fn take_own_errors(ctx: &mut Context) {
     // SAFETY: as above.

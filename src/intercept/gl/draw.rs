@@ -2,6 +2,7 @@
 
 use super::context::Context;
 use super::culling::{self, bounds::Bounds};
+use super::duplicate::shown::{self, Shows};
 use super::hook::hooks;
 use super::matrices::{load_projection, refresh};
 use super::programs::Lens;
@@ -62,17 +63,19 @@ pub fn draw(ctx: &mut Context, changes: Changes, bounds: &Bounds, mut issue: imp
     }
     ctx.frame_begun = true;
     let mut place = place(ctx);
-    if place == Place::Flat && main_viewport(ctx) {
-        let sampled = super::duplicate::sampled(ctx);
-        if super::duplicate::shows(ctx, sampled) {
-            show(ctx, changes, sampled, &mut issue);
-            return;
-        }
-    }
     if place == Place::Flat {
+        let main = main_viewport(ctx);
+        let measure = match shown::look(ctx, main) {
+            Shows::Pictures(sampled) => {
+                shown::show(ctx, changes, sampled, &mut issue);
+                return;
+            }
+            Shows::Unknown(measure) => Some(measure),
+            Shows::Nothing => None,
+        };
         ctx.background.note_flat();
-        if !super::background::is_behind(ctx) {
-            flat(ctx, changes, issue);
+        if measure.is_some() || !super::background::is_behind(ctx) {
+            flat(ctx, changes, measure, issue);
             return;
         }
         place = Place::Background;
@@ -147,26 +150,8 @@ pub fn draw(ctx: &mut Context, changes: Changes, bounds: &Bounds, mut issue: imp
     ctx.target = Some(target);
 }
 
-/// A flat draw that shows what was drawn off screen once per view: it fills each view with that view's picture.
-fn show(ctx: &mut Context, changes: Changes, sampled: u64, issue: &mut dyn FnMut(&mut Context, &Gl)) {
-    ctx.background.note_scene();
-    // What was flat until now is covered.
-    super::targets::clear_panel(ctx);
-    let Some(target) = &ctx.target else { return };
-    let views = target.session.views().len();
-    each_view(ctx, changes, views, issue, |ctx, view| {
-        super::duplicate::supply(ctx, sampled, view);
-        if let Some(target) = &mut ctx.target {
-            let (tile, _) = target.session.tile(view);
-            target.issued(view);
-            ctx.set_scissor(None);
-            ctx.set_viewport(tile);
-        }
-        Place::Flat
-    });
-}
-
-/// Issues a draw for each of `views`; `prepare` sets the window space and says where the draw belongs.
+/// Issues a draw for each of `views`; `prepare` sets the window space and says where the draw belongs. What is
+/// beyond the number of views is the program's own picture.
 pub fn each_view(
     ctx: &mut Context,
     changes: Changes,
@@ -177,9 +162,14 @@ pub fn each_view(
     let gl = ctx.gl;
     let repeats = Repeats::new(changes, ctx);
     let mut projection_loaded = false;
+    let own = ctx.target.as_ref().map_or(0, |target| target.session.views().len());
     for view in 0..views {
         let place = prepare(ctx, view);
         match place {
+            _ if view >= own => {
+                plain_program(ctx);
+                restore_projection(ctx, &mut projection_loaded);
+            }
             Place::FixedScene => {
                 plain_program(ctx);
                 if let Some(matrix) = ctx.projection.per_view.get(view) {
@@ -200,7 +190,12 @@ pub fn each_view(
 }
 
 /// A draw that belongs to the flat panel, with the program's own matrices and window space.
-fn flat(ctx: &mut Context, changes: Changes, mut issue: impl FnMut(&mut Context, &Gl)) {
+fn flat(
+    ctx: &mut Context,
+    changes: Changes,
+    measure: Option<super::duplicate::Measure>,
+    mut issue: impl FnMut(&mut Context, &Gl),
+) {
     let gl = ctx.gl;
     super::default_framebuffer::want_panel(ctx);
     let Some(target) = &ctx.target else { return };
@@ -211,7 +206,10 @@ fn flat(ctx: &mut Context, changes: Changes, mut issue: impl FnMut(&mut Context,
         own_window_space(ctx, *tile);
         let last = tiles.iter().flatten().count() == number + 1;
         let blending = panel.then(|| PanelBlend::begin(gl));
-        repeats.around(gl, number, last, || issue(ctx, gl));
+        repeats.around(gl, number, last, || match &measure {
+            Some(measure) if number == 0 => super::duplicate::measure(ctx, measure, |ctx| issue(ctx, gl)),
+            _ => issue(ctx, gl),
+        });
         if let Some(blending) = blending.flatten() {
             blending.end(gl);
         }

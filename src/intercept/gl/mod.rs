@@ -6,7 +6,6 @@
 //! ([`draw`]).
 
 pub mod background;
-pub mod camera;
 pub mod conditional;
 pub mod context;
 pub mod culling;

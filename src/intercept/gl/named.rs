@@ -47,6 +47,7 @@ macro_rules! clears {
                 if is_window(ctx, framebuffer) {
                     bound(ctx, Some(0), None, |ctx| targets::select_draw_buffer(ctx, buffer));
                 } else {
+                    super::duplicate::forget(ctx, framebuffer);
                     gl.named_framebuffer_draw_buffer(framebuffer, buffer);
                 }
             };
@@ -54,6 +55,7 @@ macro_rules! clears {
                 if is_window(ctx, framebuffer) {
                     bound(ctx, Some(0), None, |ctx| targets::select_draw_buffers(ctx, count, buffers));
                 } else {
+                    super::duplicate::forget(ctx, framebuffer);
                     gl.named_framebuffer_draw_buffers(framebuffer, count, buffers);
                 }
             };
@@ -70,6 +72,18 @@ macro_rules! clears {
                 } else {
                     bound(ctx, Some(draw), Some(read), |ctx| targets::blit(ctx, [x0, y0, x1, y1], [u0, v0, u1, v1], mask, filter));
                 }
+            };
+            "glNamedFramebufferTexture" named_framebuffer_texture(framebuffer: u32, attachment: u32, texture: u32, level: i32) = |ctx, gl| {
+                super::duplicate::forget(ctx, framebuffer);
+                gl.named_framebuffer_texture(framebuffer, attachment, texture, level);
+            };
+            "glNamedFramebufferTextureLayer" named_framebuffer_texture_layer(framebuffer: u32, attachment: u32, texture: u32, level: i32, layer: i32) = |ctx, gl| {
+                super::duplicate::forget(ctx, framebuffer);
+                gl.named_framebuffer_texture_layer(framebuffer, attachment, texture, level, layer);
+            };
+            "glNamedFramebufferRenderbuffer" named_framebuffer_renderbuffer(framebuffer: u32, attachment: u32, kind: u32, renderbuffer: u32) = |ctx, gl| {
+                super::duplicate::forget(ctx, framebuffer);
+                gl.named_framebuffer_renderbuffer(framebuffer, attachment, kind, renderbuffer);
             };
             "glCheckNamedFramebufferStatus" check_named_framebuffer_status(framebuffer: u32, target: u32) -> u32 = |ctx, gl| {
                 let framebuffer = if framebuffer == 0 { ctx.target.as_ref().map_or(0, |t| t.framebuffer()) } else { framebuffer };

@@ -143,6 +143,7 @@ fn statistics(ctx: &Context, settings: &settings::Settings) -> Statistics {
         let text = ctx.gl.get_string(name);
         if text.is_null() { String::new() } else { CStr::from_ptr(text.cast()).to_string_lossy().into_owned() }
     };
+    let (duplicated_framebuffers, single_framebuffers) = super::duplicate::status(ctx);
     let mut statistics = Statistics {
         frames: ctx.counts.frames,
         rig: settings.rig.name.clone(),
@@ -151,6 +152,8 @@ fn statistics(ctx: &Context, settings: &settings::Settings) -> Statistics {
         panel_draws: ctx.counts.panel_draws,
         primary_draws: ctx.counts.primary_draws,
         duplicated_draws: ctx.duplicates.draws,
+        duplicated_framebuffers,
+        single_framebuffers,
         projection_found: ctx.counts.found.iter().map(|(how, n)| (how.to_owned(), n)).collect(),
         batches_left_out: ctx.target.as_ref().map_or(0, |t| t.backend().left_out()),
         shaders_linked: ctx.counts.linked,

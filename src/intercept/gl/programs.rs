@@ -34,8 +34,10 @@ pub struct Program {
     stages: u32,
     /// It uses the fixed-function matrices.
     fixed_matrices: bool,
-    /// Locations of its samplers of two-dimensional textures.
-    pub samplers: Vec<i32>,
+    /// Its samplers of textures that can be drawn into.
+    pub samplers: Vec<super::samplers::Sampler>,
+    /// Its fragments ask where on the screen they are.
+    pub asks_place: bool,
     /// Its 4×4 matrices.
     pub uniforms: Mutex<Uniforms>,
     uploaded: Mutex<Option<[f32; 16]>>,
@@ -230,7 +232,11 @@ fn link(ctx: &mut Context, program: u32) {
         .filter(|s| s.1 != api::GL_FRAGMENT_SHADER)
         .filter_map(|s| sources.get(&s.0))
         .any(|source| words.iter().any(|word| glsl::mentions(source, word)));
-    let record = Arc::new(read_program(gl, &ctx.profile, program, linked, stages, fixed_matrices));
+    let mut fragments = shaders.iter().filter(|s| s.1 == api::GL_FRAGMENT_SHADER).filter_map(|s| sources.get(&s.0));
+    let record = Arc::new(Program {
+        asks_place: fragments.any(|source| glsl::mentions(source, "gl_FragCoord")),
+        ..read_program(gl, &ctx.profile, program, linked, stages, fixed_matrices)
+    });
     let mut programs = ctx.share.programs.lock().unwrap_or_else(PoisonError::into_inner);
     programs.programs.insert(program, record.clone());
     drop(programs);
@@ -303,7 +309,8 @@ fn read_program(gl: &Gl, profile: &Profile, name: u32, patched: bool, stages: u3
         hidden,
         stages,
         fixed_matrices,
-        samplers: super::samplers::locations(gl, name),
+        samplers: super::samplers::of_program(gl, name),
+        asks_place: false,
         uniforms: Mutex::new(uniforms),
         uploaded: Mutex::new(None),
     }

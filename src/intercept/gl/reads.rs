@@ -15,9 +15,11 @@ pub fn finish(ctx: &mut Context) {
 }
 
 /// Runs a read of the program, with its rectangle's origin moved to where its picture is.
-fn read<R>(ctx: &mut Context, x: i32, y: i32, issue: impl FnOnce(i32, i32) -> R) -> R {
+pub fn read<R>(ctx: &mut Context, x: i32, y: i32, issue: impl FnOnce(i32, i32) -> R) -> R {
     if !ctx.reads_redirected() || ctx.compiling() {
-        super::duplicate::refuse(ctx, ctx.believed.read_framebuffer, "it reads it back");
+        if !ctx.compiling() {
+            super::duplicate::before_reading_framebuffer(ctx);
+        }
         return issue(x, y);
     }
     let origin = prepare(ctx);
@@ -33,16 +35,10 @@ hooks! {
         read(ctx, x, y, |x, y| gl.readn_pixels(x, y, w, h, format, kind, size, pixels));
     "glCopyTexImage1D" copy_tex_image1_d(target: u32, level: i32, format: u32, x: i32, y: i32, w: i32, border: i32) = |ctx, gl|
         read(ctx, x, y, |x, y| gl.copy_tex_image1_d(target, level, format, x, y, w, border));
-    "glCopyTexImage2D" copy_tex_image2_d(target: u32, level: i32, format: u32, x: i32, y: i32, w: i32, h: i32, border: i32) = |ctx, gl|
-        read(ctx, x, y, |x, y| gl.copy_tex_image2_d(target, level, format, x, y, w, h, border));
     "glCopyTexSubImage1D" copy_tex_sub_image1_d(target: u32, level: i32, dx: i32, x: i32, y: i32, w: i32) = |ctx, gl|
         read(ctx, x, y, |x, y| gl.copy_tex_sub_image1_d(target, level, dx, x, y, w));
-    "glCopyTexSubImage2D" copy_tex_sub_image2_d(target: u32, level: i32, dx: i32, dy: i32, x: i32, y: i32, w: i32, h: i32) = |ctx, gl|
-        read(ctx, x, y, |x, y| gl.copy_tex_sub_image2_d(target, level, dx, dy, x, y, w, h));
     "glCopyTexSubImage3D" copy_tex_sub_image3_d(target: u32, level: i32, dx: i32, dy: i32, dz: i32, x: i32, y: i32, w: i32, h: i32) = |ctx, gl|
         read(ctx, x, y, |x, y| gl.copy_tex_sub_image3_d(target, level, dx, dy, dz, x, y, w, h));
-    "glCopyTextureSubImage2D" copy_texture_sub_image2_d(texture: u32, level: i32, dx: i32, dy: i32, x: i32, y: i32, w: i32, h: i32) = |ctx, gl|
-        read(ctx, x, y, |x, y| gl.copy_texture_sub_image2_d(texture, level, dx, dy, x, y, w, h));
     "glCopyPixels" copy_pixels(x: i32, y: i32, w: i32, h: i32, kind: u32) = |ctx, _gl| {
         let origin = if ctx.reads_redirected() && !ctx.compiling() { prepare(ctx) } else { [0, 0] };
         let (x, y) = (x + origin[0], y + origin[1]);

@@ -51,6 +51,7 @@ pub fn clear_with(ctx: &mut Context, color: bool, issue: impl Fn(&crate::backend
         return false;
     }
     ctx.frame_begun = true;
+    super::duplicate::shown::window_changed(ctx);
     let Some(target) = &ctx.target else { return false };
     let (width, height) = target.size();
     let window = [0, 0, width as i32, height as i32];
@@ -182,6 +183,17 @@ pub unsafe fn select_draw_buffers(ctx: &mut Context, count: i32, buffers: *const
 #[allow(clippy::too_many_arguments)] // glBlitFramebuffer's own.
 pub fn blit(ctx: &mut Context, mut source: [i32; 4], destination: [i32; 4], mask: u32, filter: u32) {
     let gl = ctx.gl;
+    if super::duplicate::copies::blit(ctx, source, destination, mask, filter) {
+        if ctx.redirected() {
+            ctx.frame_begun = true;
+            ctx.background.note_scene();
+            if let Some(target) = &mut ctx.target {
+                target.content.forget();
+            }
+            clear_panel(ctx);
+        }
+        return;
+    }
     if ctx.reads_redirected() {
         let origin = super::reads::prepare(ctx);
         source = [source[0] + origin[0], source[1] + origin[1], source[2] + origin[0], source[3] + origin[1]];
@@ -193,19 +205,12 @@ pub fn blit(ctx: &mut Context, mut source: [i32; 4], destination: [i32; 4], mask
         };
     };
     if !ctx.redirected() {
-        super::duplicate::refuse(ctx, ctx.believed.read_framebuffer, "it copies it to another framebuffer");
         super::duplicate::leave(ctx);
         issue(destination);
         super::reads::finish(ctx);
         return;
     }
     ctx.frame_begun = true;
-    if super::duplicate::show_by_copy(ctx, source, destination, mask) {
-        ctx.background.note_scene();
-        clear_panel(ctx);
-        return;
-    }
-    super::duplicate::refuse(ctx, ctx.believed.read_framebuffer, "it shows only a part of it");
     super::default_framebuffer::want_panel(ctx);
     let Some(target) = &ctx.target else { return };
     for (tile, _) in target.flat_tiles().into_iter().flatten() {
@@ -243,7 +248,7 @@ hooks! {
             std::slice::from_raw_parts(names, usize::try_from(count).unwrap_or(0)).to_vec()
         };
         for name in &deleted {
-            super::duplicate::forget(ctx, *name);
+            super::duplicate::delete(ctx, *name);
         }
         gl.delete_framebuffers(count, names);
         // Deleting the bound framebuffer binds the window's, which is ours.

@@ -4,7 +4,7 @@ use super::context::{Context, Profile};
 use super::hook::hooks;
 use super::programs::Lens;
 use crate::backend::gl::api::{self, Gl};
-use crate::runtime::session::{MatrixClass, classify};
+use crate::intercept::lens::{self, rank, transposed};
 use std::ffi::{CStr, c_char, c_void};
 use std::sync::PoisonError;
 
@@ -46,24 +46,10 @@ impl Uniforms {
     }
 
     fn find(&self) -> Lens {
-        let mut best: Option<(u8, Lens)> = None;
-        for matrix in &self.matrices {
-            let pure = is_projection(&matrix.value);
-            let turned = transposed(&matrix.value);
-            let (value, how) = if pure {
-                (matrix.value, "projection matrix uniform")
-            } else if is_projection(&turned) {
-                (turned, "projection matrix uniform")
-            } else {
-                (matrix.value, "model-view-projection matrix uniform")
-            };
-            let MatrixClass::Perspective(intrinsics) = classify(&value) else { continue };
-            let rank = matrix.rank * 2 + u8::from(how.starts_with("model"));
-            if best.as_ref().is_none_or(|b| rank < b.0) {
-                best = Some((rank, Lens::Perspective(intrinsics, how)));
-            }
+        match lens::find(self.matrices.iter().map(|matrix| (matrix.rank, &matrix.value))) {
+            Some((intrinsics, how)) => Lens::Perspective(intrinsics, how),
+            None => Lens::Flat,
         }
-        best.map_or(Lens::Flat, |b| b.1)
     }
 
     /// Reads the matrices in uniform blocks again; whether any changed.
@@ -89,29 +75,6 @@ impl Uniforms {
                 self.lens = None;
             }
         }
-    }
-}
-
-/// `[A 0 B 0; 0 C D 0; 0 0 E F; 0 0 −1 0]`, column by column.
-fn is_projection(m: &[f64; 16]) -> bool {
-    let zero = [1, 2, 3, 4, 6, 7, 12, 13, 15];
-    zero.iter().all(|i| m[*i] == 0.0) && m[11] == -1.0
-}
-
-fn transposed(m: &[f64; 16]) -> [f64; 16] {
-    std::array::from_fn(|i| m[i % 4 * 4 + i / 4])
-}
-
-/// How much a name promises to be the projection.
-fn rank(name: &str) -> u8 {
-    let name = name.to_ascii_lowercase();
-    let has = |words: &[&str]| words.iter().any(|w| name.contains(w));
-    if has(&["shadow", "light", "tex", "bias", "inv", "prev", "last", "normal", "reflect"]) {
-        2
-    } else if has(&["proj", "mvp", "persp", "camera", "frustum"]) {
-        0
-    } else {
-        1
     }
 }
 
@@ -345,25 +308,4 @@ hooks! {
         gl.bind_buffer_range(target, index, buffer, offset, size);
         bound(ctx, target, buffer);
     };
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{is_projection, rank, transposed};
-
-    #[test]
-    fn a_projection_is_told_from_its_transpose_and_from_a_translation() {
-        let p = [1.5, 0.0, 0.0, 0.0, 0.0, 2.0, 0.0, 0.0, 0.1, 0.2, -1.01, -1.0, 0.0, 0.0, -0.2, 0.0];
-        assert!(is_projection(&p));
-        assert!(!is_projection(&transposed(&p)));
-        let translation = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, -1.0, 1.0];
-        assert!(!is_projection(&translation));
-        assert!(!is_projection(&transposed(&translation)));
-    }
-
-    #[test]
-    fn names_promise() {
-        assert!(rank("u_projectionMatrix") < rank("matrix"));
-        assert!(rank("matrix") < rank("shadowProjection"));
-    }
 }

@@ -2,23 +2,43 @@
 //! command buffers that make the window's picture of them.
 
 use super::device::Device;
-use super::image::COLOR;
-use super::image::{ANYTHING, COLOR_LAYER, COPIED_FROM, COPIED_TO, OwnImage, PRESENTED, barrier, color_view};
+use super::image::{ANYTHING, COLOR, COLOR_LAYER, COPIED_FROM, COPIED_TO, OwnImage, PRESENTED, barrier, color_view};
+use super::images::Shown;
 use super::layout::Layout;
 use crate::backend::vk::{SourceImage, TargetImage, VkBackend};
 use crate::error::{Error, ErrorKind, Result};
 use ash::vk;
-use std::sync::Arc;
+use std::sync::atomic::Ordering;
+use std::sync::{Arc, PoisonError};
+
+/// What an atlas is made with.
+pub const ATLAS_FLAGS: vk::ImageCreateFlags = vk::ImageCreateFlags::MUTABLE_FORMAT;
+/// What it can be used for.
+pub const ATLAS_USAGE: vk::ImageUsageFlags = vk::ImageUsageFlags::from_raw(
+    vk::ImageUsageFlags::COLOR_ATTACHMENT.as_raw()
+        | vk::ImageUsageFlags::SAMPLED.as_raw()
+        | vk::ImageUsageFlags::TRANSFER_DST.as_raw()
+        | vk::ImageUsageFlags::TRANSFER_SRC.as_raw(),
+);
 
 /// What a frame is made of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Show {
     /// The program's picture as it is.
     Own,
+    /// What is on the panel's tile, as it is.
+    Tile,
     /// The program's picture on the panel.
     Panel,
     /// The views.
     Views,
+}
+
+impl Show {
+    /// Whether it needs the correction, not only copies.
+    fn corrects(self) -> bool {
+        matches!(self, Self::Panel | Self::Views)
+    }
 }
 
 /// What belongs to one image of the swapchain.
@@ -27,6 +47,8 @@ struct Slot {
     given: OwnImage,
     /// The views and the panel.
     atlas: OwnImage,
+    /// What the layer knows of the program's image.
+    shown: Arc<Shown>,
     /// The atlas as it is, and as if it covered everything behind it.
     views: [vk::ImageView; 2],
     /// Signalled when the real image may be presented.
@@ -34,7 +56,7 @@ struct Slot {
     /// Signalled when the commands of its last picture are done.
     done: vk::Fence,
     /// For each [`Show`]: recorded when first needed, then submitted again and again.
-    commands: [vk::CommandBuffer; 3],
+    commands: [vk::CommandBuffer; 4],
 }
 
 /// See the module.
@@ -122,9 +144,15 @@ impl Canvas {
                 let given = given_image(device, info).map_err(refused("an image for the program"))?;
                 let atlas = atlas_image(device, info, self.layout.atlas).map_err(refused("an image for the views"));
                 let atlas = atlas.inspect_err(|_| given.destroy(device))?;
+                let layout = Arc::clone(&self.layout);
+                let shown = Arc::new(Shown { layout, atlas: atlas.image, in_views: false.into() });
+                device.images.show(given.image, info.image_format, Arc::clone(&shown));
+                *device.latest.lock().unwrap_or_else(PoisonError::into_inner) =
+                    Some((info.image_format, Arc::clone(&shown)));
                 self.slots.push(Slot {
                     given,
                     atlas,
+                    shown,
                     views: Default::default(),
                     ready: vk::Semaphore::null(),
                     done: vk::Fence::null(),
@@ -208,9 +236,9 @@ impl Canvas {
         self.slots.get(index).map(|slot| slot.atlas.image)
     }
 
-    /// The semaphore that the presentation of image `index` waits for.
-    pub fn ready(&self, index: usize) -> Option<vk::Semaphore> {
-        self.slots.get(index).map(|slot| slot.ready)
+    /// Whether the latest frame in image `index` is in the views.
+    pub fn in_views(&self, index: usize) -> bool {
+        self.slots.get(index).is_some_and(|slot| slot.shown.in_views.load(Ordering::Relaxed))
     }
 
     /// Makes the window's picture `index` on a queue of a family, after `waits`. Returns the semaphore that says
@@ -258,7 +286,7 @@ impl Canvas {
     /// No other thread may present this swapchain meanwhile.
     unsafe fn commands(&mut self, device: &Device, family: u32, index: usize, show: Show) -> Result<vk::CommandBuffer> {
         let draws = device.families.get(family as usize).is_some_and(|f| f.contains(vk::QueueFlags::GRAPHICS));
-        if show != Show::Own && !draws {
+        if show.corrects() && !draws {
             return Err(Error::new(ErrorKind::Graphics, "the queue that presents cannot draw"));
         }
         // SAFETY: as promised; a pool is replaced after the device has finished with it.
@@ -280,7 +308,7 @@ impl Canvas {
             let buffer = device.command_buffer(self.pool).map_err(refused("a command buffer"))?;
             let begin = vk::CommandBufferBeginInfo::default();
             device.functions.begin_command_buffer(buffer, &begin).map_err(refused("to record"))?;
-            let fills = show != Show::Own && !self.uploaded;
+            let fills = show.corrects() && !self.uploaded;
             self.record(device, buffer, index, show)?;
             device.functions.end_command_buffer(buffer).map_err(refused("to record"))?;
             if fills {
@@ -306,17 +334,21 @@ impl Canvas {
         unsafe {
             let copy =
                 |from, to, region| functions.cmd_copy_image(buffer, from, COPIED_FROM.0, to, COPIED_TO.0, &[region]);
-            if show != Show::Views {
-                barrier(device, buffer, given, PRESENTED, COPIED_FROM);
-            }
-            if show == Show::Own {
+            if !show.corrects() {
+                let [x, y, ..] = self.layout.panel;
+                let (from, region) = match show {
+                    Show::Tile => (atlas, region.src_offset(vk::Offset3D { x, y, z: 0 })),
+                    _ => (given, region),
+                };
+                barrier(device, buffer, from, PRESENTED, COPIED_FROM);
                 barrier(device, buffer, real, ANYTHING, COPIED_TO);
-                copy(given, real, region);
+                copy(from, real, region);
                 barrier(device, buffer, real, COPIED_TO, PRESENTED);
-                barrier(device, buffer, given, COPIED_FROM, PRESENTED);
+                barrier(device, buffer, from, COPIED_FROM, PRESENTED);
                 return Ok(());
             }
             if show == Show::Panel {
+                barrier(device, buffer, given, PRESENTED, COPIED_FROM);
                 barrier(device, buffer, atlas, ANYTHING, COPIED_TO);
                 let black = vk::ClearColorValue::default();
                 functions.cmd_clear_color_image(buffer, atlas, COPIED_TO.0, &black, &[COLOR]);
@@ -369,6 +401,7 @@ impl Canvas {
                 functions.destroy_semaphore(slot.ready, None);
                 functions.destroy_fence(slot.done, None);
                 slot.views.iter().for_each(|view| functions.destroy_image_view(*view, None));
+                device.images.hide(slot.given.image);
                 slot.atlas.destroy(device);
                 slot.given.destroy(device);
             }
@@ -418,10 +451,7 @@ unsafe fn atlas_image(
     info: &vk::SwapchainCreateInfoKHR<'_>,
     size: (u32, u32),
 ) -> ash::prelude::VkResult<OwnImage> {
-    use vk::ImageUsageFlags as U;
-    let image = like(info, size)
-        .flags(vk::ImageCreateFlags::MUTABLE_FORMAT)
-        .usage(U::COLOR_ATTACHMENT | U::SAMPLED | U::TRANSFER_DST | U::TRANSFER_SRC);
+    let image = like(info, size).flags(ATLAS_FLAGS).usage(ATLAS_USAGE);
     // SAFETY: as promised.
     unsafe { OwnImage::new(device, &image) }
 }

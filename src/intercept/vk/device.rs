@@ -1,14 +1,24 @@
 //! Devices: the next layer's functions for each, its queues and swapchains.
 
+use super::descriptors::Descriptors;
+use super::framebuffers::Framebuffers;
+use super::hook::NextLayer;
+use super::images::{Images, Shown};
 use super::instance::{self, Instance, address, dispatch_key};
+use super::layouts::Layouts;
+use super::memory::Memory;
 use super::negotiate::{self, SetDeviceLoaderData};
+use super::pipelines::Pipelines;
+use super::recording::Recordings;
+use super::rows::{GROUP, Rows};
+use super::runs::Frame;
 use super::swapchain::Swapchain;
 use crate::backend::vk::Api;
 use crate::intercept::{log, settings};
 use ash::{khr, prelude::VkResult, vk};
 use std::collections::HashMap;
 use std::ffi::CStr;
-use std::sync::{Arc, Mutex, PoisonError, RwLock};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError, RwLock};
 
 /// A device of the program.
 pub struct Device {
@@ -24,14 +34,42 @@ pub struct Device {
     pub instance: Arc<Instance>,
     /// The device that it was made from.
     pub physical: vk::PhysicalDevice,
-    /// Greatest width and height of an image.
-    pub greatest_image: u32,
+    /// The device's limits.
+    pub limits: vk::PhysicalDeviceLimits,
     /// Kinds of memory.
     pub memory: vk::PhysicalDeviceMemoryProperties,
     /// Name of the driver's device and its version, for the statistics.
     pub driver: String,
     /// Cupola has something to do here.
     pub active: bool,
+    /// It corrects pictures, and does not only count and capture.
+    pub corrects: bool,
+    /// The next layer's functions that hooks for the views call.
+    pub next: NextLayer,
+    /// Command buffers.
+    pub recordings: Recordings,
+    /// Images.
+    pub images: Images,
+    /// Render passes and framebuffers.
+    pub framebuffers: Framebuffers,
+    /// Shaders and pipeline layouts.
+    pub layouts: Layouts,
+    /// Pipelines.
+    pub pipelines: Pipelines,
+    /// Descriptor sets.
+    pub descriptors: Descriptors,
+    /// Buffers and memory.
+    pub memory_of_program: Memory,
+    /// Memory for rows.
+    pub rows: Rows,
+    /// The frame that is being submitted.
+    pub frame: Mutex<Frame>,
+    /// The image of a swapchain that was made last.
+    pub latest: Mutex<Option<(vk::Format, Arc<Shown>)>>,
+    /// Why draws are not issued for each view; `None` as long as they are.
+    flat: OnceLock<String>,
+    /// Why some pipeline has no variants.
+    pipeline_obstacle: OnceLock<String>,
     /// What each queue family can do.
     pub families: Vec<vk::QueueFlags>,
     /// The family of each queue that the program asked for.
@@ -65,7 +103,26 @@ impl Device {
     /// # Safety
     /// The pool must be one of ours, in use by no other thread.
     pub unsafe fn command_buffer(&self, pool: vk::CommandPool) -> VkResult<vk::CommandBuffer> {
-        let info = vk::CommandBufferAllocateInfo::default().command_pool(pool).command_buffer_count(1);
+        // SAFETY: as promised.
+        unsafe { self.allocate(pool, vk::CommandBufferLevel::PRIMARY) }
+    }
+
+    /// A secondary one.
+    ///
+    /// # Errors
+    /// The driver's.
+    ///
+    /// # Safety
+    /// The pool must be in use by no other thread.
+    pub unsafe fn secondary_command_buffer(&self, pool: vk::CommandPool) -> VkResult<vk::CommandBuffer> {
+        // SAFETY: as promised.
+        unsafe { self.allocate(pool, vk::CommandBufferLevel::SECONDARY) }
+    }
+
+    /// # Safety
+    /// The pool must be in use by no other thread.
+    unsafe fn allocate(&self, pool: vk::CommandPool, level: vk::CommandBufferLevel) -> VkResult<vk::CommandBuffer> {
+        let info = vk::CommandBufferAllocateInfo::default().command_pool(pool).level(level).command_buffer_count(1);
         // SAFETY: as promised; the loader's own function, for an object of its device.
         unsafe {
             let buffer = self.functions.allocate_command_buffers(&info)?.first().copied().unwrap_or_default();
@@ -73,6 +130,53 @@ impl Device {
             set(self.functions.handle(), vk::Handle::as_raw(buffer) as *mut _).result()?;
             Ok(buffer)
         }
+    }
+
+    /// Greatest width and height of an image that can be drawn to.
+    pub fn greatest_image(&self) -> u32 {
+        let limits = &self.limits;
+        limits.max_image_dimension2_d.min(limits.max_framebuffer_width).min(limits.max_framebuffer_height)
+    }
+
+    /// From one group of rows to the next, bytes.
+    pub fn group_stride(&self) -> u32 {
+        (GROUP as u32).max(self.limits.min_uniform_buffer_offset_alignment.min(1 << 12) as u32)
+    }
+
+    /// Whether draws are issued for each view.
+    pub fn draws_views(&self) -> bool {
+        self.flat.get().is_none()
+    }
+
+    /// From now on the program's picture is shown flat; the log says why.
+    pub fn give_up(&self, why: &str) {
+        if self.flat.set(why.to_owned()).is_ok() {
+            log::once(&self.flat_note().unwrap_or_default());
+        }
+    }
+
+    /// What the log and the statistics say of a program that is shown flat.
+    pub fn flat_note(&self) -> Option<String> {
+        let why = self.flat.get()?;
+        Some(format!(
+            "Vulkan: the program's picture is shown flat, on the panel; its draws are not issued for each view: {why}"
+        ))
+    }
+
+    /// A pipeline has no variants; that matters when it draws to a window.
+    pub fn note_pipeline(&self, why: &str) {
+        let _ = self.pipeline_obstacle.set(why.to_owned());
+    }
+
+    /// Why some pipeline has no variants.
+    pub fn pipeline_obstacle(&self) -> String {
+        self.pipeline_obstacle.get().cloned().unwrap_or_else(|| "a pipeline that is not known".to_owned())
+    }
+
+    /// The swapchain's image that was made last, if it has this format.
+    pub fn latest_shown(&self, format: vk::Format) -> Option<Arc<Shown>> {
+        let latest = self.latest.lock().unwrap_or_else(PoisonError::into_inner);
+        latest.as_ref().filter(|(known, _)| *known == format).map(|(_, shown)| Arc::clone(shown))
     }
 
     /// The swapchain, if Cupola looks after it.
@@ -121,14 +225,26 @@ pub unsafe extern "system" fn create(
             let families = parent.functions.get_physical_device_queue_family_properties(physical);
             let functions = ash::Device::load_with(find, made);
             let limits = &properties.limits;
-            let frame = limits.max_framebuffer_width.min(limits.max_framebuffer_height);
             let state = Device {
                 get_device_proc_addr: next,
                 api: Api::new(&parent.functions, physical, &functions),
                 functions,
                 instance: Arc::clone(&parent),
                 physical,
-                greatest_image: limits.max_image_dimension2_d.min(frame),
+                limits: *limits,
+                next: NextLayer::load(&|name| next(made, name.as_ptr())),
+                recordings: Recordings::default(),
+                images: Images::default(),
+                framebuffers: Framebuffers::default(),
+                layouts: Layouts::default(),
+                pipelines: Pipelines::default(),
+                descriptors: Descriptors::default(),
+                memory_of_program: Memory::default(),
+                rows: Rows::default(),
+                frame: Mutex::default(),
+                latest: Mutex::default(),
+                flat: OnceLock::new(),
+                pipeline_obstacle: OnceLock::new(),
                 swapchain: khr::swapchain::DeviceFn::load(find),
                 memory: parent.functions.get_physical_device_memory_properties(physical),
                 driver: format!(
@@ -139,6 +255,7 @@ pub unsafe extern "system" fn create(
                     properties.device_name_as_c_str().unwrap_or_default().to_string_lossy()
                 ),
                 active: wanted(given),
+                corrects: settings::settings().is_some_and(|settings| !settings.rig.passthrough),
                 families: families.iter().map(|family| family.queue_flags).collect(),
                 queues: Mutex::default(),
                 swapchains: Mutex::default(),
@@ -183,6 +300,9 @@ pub unsafe extern "system" fn destroy(handle: vk::Device, allocator: *const vk::
     let key = unsafe { dispatch_key(vk::Handle::as_raw(handle)) };
     let state = DEVICES.write().unwrap_or_else(PoisonError::into_inner).as_mut().and_then(|all| all.remove(&key));
     if let Some(state) = state {
+        state.pipelines.clear(&state);
+        state.layouts.clear();
+        state.rows.destroy(&state);
         // SAFETY: the program's own call with its arguments.
         unsafe { (state.functions.fp_v1_0().destroy_device)(handle, allocator) };
     }

@@ -37,6 +37,21 @@ impl Layout {
         let outputs = session.viewports().map(|rect| from_top(rect, size.1)).collect();
         Ok(Self { window: size, atlas, panel: from_top(panel, atlas.1), views, outputs, session })
     }
+
+    /// The panel and the texels around it, which the filter reaches at its border.
+    pub fn glass(&self) -> Rect {
+        let [x, y, width, height] = self.panel;
+        let (left, top) = ((x - 1).max(0), (y - 1).max(0));
+        let (right, bottom) = (x + width + 1, y + height + 1);
+        [left, top, right.min(self.atlas.0 as i32) - left, bottom.min(self.atlas.1 as i32) - top]
+    }
+
+    /// Names of the views and the panel, and where they are in the atlas.
+    pub fn tiles(&self) -> impl Iterator<Item = (&str, [u32; 4])> {
+        let names = self.session.views().iter().map(|view| view.name.as_str()).chain(["panel"]);
+        let rects = self.views.iter().map(|(rect, _)| *rect).chain([self.panel]);
+        names.zip(rects.map(|rect| rect.map(|length| length.max(0) as u32)))
+    }
 }
 
 /// A rectangle counted from the bottom of a picture, counted from its top.

@@ -1,17 +1,39 @@
 //! Vulkan, as a layer between the loader and the driver.
 //!
 //! The loader asks [`negotiate`] for our two `Get…ProcAddr`. [`instance`] and [`device`] remember the next
-//! layer's functions; a [`swapchain`]'s images are ours, and [`present`] makes of the program's picture
-//! what the outputs show. With nothing to do the loader gets the next layer's own addresses.
+//! layer's functions. A [`swapchain`]'s images are ours: what stands between them and the window is a [`canvas`],
+//! and [`present`] makes the outputs of it. With nothing to do the loader gets the next layer's own addresses.
+//!
+//! While a program draws to a swapchain's image, [`passes`] let it draw to an atlas, and [`draws`] issue each draw to
+//! each tile. What is known of the program's objects is in [`images`], [`framebuffers`], [`pipelines`], [`layouts`],
+//! [`descriptors`] and [`memory`]; of its command buffers in [`recording`]. [`runs`] find its lens when they are
+//! submitted. What cannot be followed is shown flat, on the panel, with the reason in the log.
+
 pub mod canvas;
+pub mod descriptors;
 pub mod device;
+pub mod draws;
+pub mod framebuffers;
+pub mod hook;
 pub mod image;
+pub mod images;
 pub mod instance;
 pub mod layout;
+pub mod layouts;
+pub mod memory;
 pub mod negotiate;
+pub mod passes;
+pub mod pipelines;
 pub mod present;
 pub mod readback;
+pub mod recording;
+pub mod rows;
+pub mod runs;
+pub mod spirv;
+pub mod state;
+pub mod submit;
 pub mod swapchain;
+pub mod transfers;
 
 /// Our function for a device's function of this name.
 fn hook(name: &[u8]) -> Option<*const ()> {
@@ -25,4 +47,16 @@ fn hook(name: &[u8]) -> Option<*const ()> {
         b"vkQueuePresentKHR" => present::present as *const (),
         _ => return None,
     })
+}
+
+/// An array of a program's structure; an empty one may be null.
+///
+/// # Safety
+/// `pointer` must point at `count` elements, or be null.
+unsafe fn slice<'a, T>(pointer: *const T, count: u32) -> &'a [T] {
+    if count == 0 || pointer.is_null() {
+        return &[];
+    }
+    // SAFETY: as promised.
+    unsafe { std::slice::from_raw_parts(pointer, count as usize) }
 }

@@ -179,5 +179,10 @@ unsafe extern "system" fn get_device_proc_addr(
         }
     }
     // SAFETY: as above.
-    own_of_device(unsafe { CStr::from_ptr(name) }).or(Some(real))
+    let name = unsafe { CStr::from_ptr(name) };
+    let of_views = || super::hook::find(name).filter(|_| state.corrects);
+    // SAFETY: the address of a function; who asks for it knows its signature.
+    let of_views =
+        || of_views().map(|address| unsafe { std::mem::transmute::<*const (), unsafe extern "system" fn()>(address) });
+    own_of_device(name).or_else(of_views).or(Some(real))
 }

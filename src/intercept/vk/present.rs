@@ -2,7 +2,7 @@
 
 use super::device::{self, Device};
 use super::readback;
-use super::swapchain::{FLAT, Swapchain};
+use super::swapchain::Swapchain;
 use crate::error::{Error, ErrorKind, Result};
 use crate::intercept::kept::{self, Kept};
 use crate::intercept::{log, settings};
@@ -53,16 +53,16 @@ unsafe fn prepare(
     last: bool,
     ready: &mut Option<Vec<vk::Semaphore>>,
 ) {
+    device.frame.lock().unwrap_or_else(PoisonError::into_inner).end();
     let Some(settings) = settings::settings() else { return };
     let pictures = settings.capture.is_some() || settings.capture_views.is_some();
     let keep = (last || settings.frames.is_none()) && (pictures || settings.stats.is_some());
-    let count = |count: u32| count as usize;
     // SAFETY: the lengths and arrays of the program's structure; empty arrays may be null.
     let (swapchains, indices, mut waits) = unsafe {
         (
-            slice(info.p_swapchains, count(info.swapchain_count)),
-            slice(info.p_image_indices, count(info.swapchain_count)),
-            slice(info.p_wait_semaphores, count(info.wait_semaphore_count)),
+            super::slice(info.p_swapchains, info.swapchain_count),
+            super::slice(info.p_image_indices, info.swapchain_count),
+            super::slice(info.p_wait_semaphores, info.wait_semaphore_count),
         )
     };
     let family = device.queues.lock().unwrap_or_else(PoisonError::into_inner).get(&queue).copied().unwrap_or(0);
@@ -124,16 +124,6 @@ unsafe fn make(
     }
 }
 
-/// # Safety
-/// `pointer` must point at `count` elements, or `count` be 0.
-unsafe fn slice<'a, T>(pointer: *const T, count: usize) -> &'a [T] {
-    if count == 0 || pointer.is_null() {
-        return &[];
-    }
-    // SAFETY: as promised.
-    unsafe { std::slice::from_raw_parts(pointer, count) }
-}
-
 /// The outputs of the frame that was just made, and the pictures that they were made of.
 ///
 /// # Safety
@@ -167,22 +157,50 @@ unsafe fn captured(
         }
         None => vec![cut(&shown, names.into_iter().next().unwrap_or("window"), [0, 0, width, height])],
     };
-    let views = match settings.capture_views {
-        Some(_) => vec![cut(&read(given)?, "program", [0, 0, width, height])],
-        None => Vec::new(),
+    if settings.capture_views.is_none() {
+        return Ok((outputs, Vec::new()));
+    }
+    let views = match &managed.canvas {
+        Some(canvas) if canvas.in_views(index) => {
+            let (layout, atlas) = (&canvas.layout, canvas.atlas(index).unwrap_or_default());
+            let extent = vk::Extent2D { width: layout.atlas.0, height: layout.atlas.1 };
+            // SAFETY: the atlas is as large as its layout says, and ready as an image that is presented.
+            let bytes = unsafe { readback::read(device, queue, atlas, extent, &[]) }.map_err(failed)?;
+            let tiles = layout.tiles();
+            tiles.map(|(name, rect)| readback::cut(&bytes, extent.width, blue_first, name, rect)).collect()
+        }
+        _ => vec![cut(&read(given)?, "program", [0, 0, width, height])],
     };
     Ok((outputs, views))
 }
 
 fn statistics(device: &Device, managed: &Swapchain, rig: &str, frames: u64) -> Statistics {
-    let vk::Extent2D { width, height } = managed.extent;
-    let view = ViewStatistics { name: "program".to_owned(), width, height, ..ViewStatistics::default() };
-    Statistics {
+    let counts = device.frame.lock().unwrap_or_else(PoisonError::into_inner).counts.clone();
+    let mut statistics = Statistics {
         frames,
         rig: rig.to_owned(),
         driver: device.driver.clone(),
-        views: vec![view],
-        notes: managed.canvas.iter().map(|_| FLAT.to_owned()).collect(),
+        notes: device.flat_note().into_iter().collect(),
+        draws_seen: counts.seen,
+        panel_draws: counts.flat,
+        projection_found: counts.found.iter().map(|(how, draws)| ((*how).to_owned(), *draws)).collect(),
         ..Statistics::default()
+    };
+    let view = |name: &str, width, height, draws_issued| ViewStatistics {
+        name: name.to_owned(),
+        width,
+        height,
+        draws_issued,
+        ..ViewStatistics::default()
+    };
+    match &managed.canvas {
+        Some(canvas) if device.draws_views() => {
+            let session = &canvas.layout.session;
+            statistics.notes.extend(session.plan().views.notes.iter().cloned());
+            let views = session.views().iter();
+            statistics.views = views.map(|v| view(&v.name, v.tile.width, v.tile.height, counts.in_views)).collect();
+        }
+        _ => statistics.views = vec![view("program", managed.extent.width, managed.extent.height, 0)],
     }
+    statistics
 }

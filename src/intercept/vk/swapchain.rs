@@ -33,8 +33,14 @@ impl Swapchain {
     }
 
     /// What the next picture of image `index` is made of; `None`: it is presented as it is.
-    pub fn show(&self, _index: usize) -> Option<Show> {
-        self.canvas.as_ref().map(|_| if self.failed { Show::Own } else { Show::Panel })
+    pub fn show(&self, index: usize) -> Option<Show> {
+        let in_views = self.canvas.as_ref()?.in_views(index);
+        Some(match (self.failed, in_views) {
+            (true, true) => Show::Tile,
+            (true, false) => Show::Own,
+            (false, true) => Show::Views,
+            (false, false) => Show::Panel,
+        })
     }
 }
 
@@ -115,19 +121,12 @@ pub unsafe extern "system" fn create(
         Some(Ok(built)) => {
             let mut all = device.swapchains.lock().unwrap_or_else(PoisonError::into_inner);
             all.insert(made, Arc::new(Mutex::new(built)));
-            if !passthrough {
-                log::once(FLAT);
-            }
         }
         Some(Err(error)) => log::once(&format!("Vulkan: a window keeps the program's own picture: {}", error.message)),
         None => log::once("Vulkan: a window keeps the program's own picture after a failure"),
     }
     vk::Result::SUCCESS
 }
-
-/// What the log and the statistics say of a Vulkan program.
-pub const FLAT: &str =
-    "Vulkan: the program's picture is shown flat, on the panel; its draws are not issued for each view";
 
 /// What images of a surface can be used for.
 ///
@@ -155,7 +154,7 @@ unsafe fn build(
     let canvas = match corrected {
         None => None,
         Some((rig, size)) => {
-            let layout = Arc::new(Layout::new(rig, size, device.greatest_image)?);
+            let layout = Arc::new(Layout::new(rig, size, device.greatest_image())?);
             // SAFETY: as promised.
             Some(unsafe { Canvas::new(device, info, &real, layout)? })
         }

@@ -1,11 +1,13 @@
-//! Lenses: the opening of a pinhole (`fov` and `shift`, `angles`, or the program's own `lens`), its
-//! `distortion`, and `fisheye`.
+//! Lenses: the opening of a pinhole (`fov` and `shift`, `angles`, or the program's own `lens`), its `distortion` and
+//! `keystone`, and fisheyes.
 
 use super::OPENING;
-use crate::geom::lens::{Distortion, FisheyeLens, Projection};
-use crate::geom::{Frustum, Lens};
+use crate::geom::lens::Distortion;
+use crate::geom::{Circle, Curve, FisheyeLens, Frustum, Lens, Projection, homography};
 use crate::rig::problems::Problems;
 use crate::rig::reader::{Allowed, Section};
+use glam::{DMat3, DVec2};
+use std::sync::Arc;
 
 /// Widest opening of a pinhole in degrees; at 180° its picture would be infinitely large.
 const WIDEST_PINHOLE: f64 = 179.0;
@@ -104,18 +106,59 @@ pub(super) fn projector_lens(section: &mut Section, problems: &mut Problems) -> 
     let distortion_section = section.section("distortion", problems);
     let Some(fisheye_section) = fisheye_section else {
         let distortion = distortion_section.map_or(Distortion::default(), |section| distortion(section, problems));
-        return frustum(section, problems).map(|frustum| Lens::Pinhole { frustum, distortion });
+        let keystone = keystone(section, problems);
+        return frustum(section, problems).map(|frustum| Lens::Pinhole { frustum, distortion, keystone });
     };
     // Asked for, so that they are not called unknown as well.
     section.numbers::<2>("fov", &FIELD_OF_VIEW, problems);
     section.numbers::<2>("shift", &SHIFT, problems);
     section.section("angles", problems);
-    for key in ["fov", "angles", "shift", "distortion"] {
+    keystone(section, problems);
+    for key in ["fov", "angles", "shift", "distortion", "keystone"] {
         if section.has(key) {
             problems.add(&section.path(key), "belongs to a pinhole; leave it out, or `fisheye`");
         }
     }
-    fisheye(fisheye_section, problems).map(Lens::Fisheye)
+    let mut section = fisheye_section;
+    let lens = fisheye(&mut section, 180.0, problems);
+    let circle = circle(&mut section, problems);
+    section.finish(&[], problems);
+    lens.map(|lens| Lens::Fisheye { lens, circle })
+}
+
+/// Where the circle of a projector's fisheye is.
+fn circle(section: &mut Section, problems: &mut Problems) -> Circle {
+    let center = section.numbers::<2>("center", &SHIFT, problems);
+    let allowed = Allowed::closed(0.01, 100.0, "[width, height] of the circle as parts of the picture's");
+    let size = section.numbers::<2>("size", &allowed, problems);
+    match (center, size) {
+        (None, None) => Circle::Inscribed,
+        (center, Some(size)) => Circle::Placed {
+            center: 2.0 * DVec2::from_array(center.unwrap_or_default()),
+            half: DVec2::from_array(size),
+        },
+        (Some(_), None) => {
+            problems.add(&section.path("center"), "needs `size`, too: [width, height] as parts of the picture's");
+            Circle::Inscribed
+        }
+    }
+}
+
+/// What the projector itself does to the picture, from where it puts the four corners.
+fn keystone(section: &mut Section, problems: &mut Problems) -> DMat3 {
+    let allowed = Allowed::closed(
+        -2.0,
+        2.0,
+        "a corner's x or y in the unbent picture, -1 to 1 from the left and from the bottom",
+    );
+    let Some(corners) = section.number_pairs("keystone", &allowed, problems) else { return DMat3::IDENTITY };
+    let as_points: Option<[DVec2; 4]> = <[[f64; 2]; 4]>::try_from(corners).ok().map(|c| c.map(DVec2::from_array));
+    as_points.and_then(homography::from_corners).unwrap_or_else(|| {
+        let why =
+            "is no convex quadrilateral; expected four corners [x, y]: bottom left, bottom right, top right, top left";
+        problems.add(&section.path("keystone"), why);
+        DMat3::IDENTITY
+    })
 }
 
 fn distortion(mut section: Section, problems: &mut Problems) -> Distortion {
@@ -126,7 +169,8 @@ fn distortion(mut section: Section, problems: &mut Problems) -> Distortion {
     Distortion { radial, tangential }
 }
 
-fn fisheye(mut section: Section, problems: &mut Problems) -> Option<FisheyeLens> {
+/// The lens of a fisheye with `aperture` degrees where the file says no other.
+pub(super) fn fisheye(section: &mut Section, aperture: f64, problems: &mut Problems) -> Option<FisheyeLens> {
     let projections = [
         ("equidistant", Projection::Equidistant),
         ("equisolid", Projection::Equisolid),
@@ -135,8 +179,24 @@ fn fisheye(mut section: Section, problems: &mut Problems) -> Option<FisheyeLens>
         ("polynomial", Projection::Polynomial([0.0; 4])),
     ];
     let given = section.has("projection");
-    let chosen = section.choice("projection", &projections, problems);
-    let mut projection = if given { chosen? } else { Projection::Equidistant };
+    let measured = measured(section, problems);
+    let words: Vec<(&'static str, usize)> = projections
+        .iter()
+        .enumerate()
+        .map(|(index, (word, _))| (*word, index))
+        .chain([("measured", usize::MAX)])
+        .collect();
+    let chosen = section.choice("projection", &words, problems);
+    let mut projection = match (given, chosen) {
+        (true, chosen) => match projections.get(chosen?) {
+            Some((_, projection)) => projection.clone(),
+            None => Projection::Measured(measured.clone()?),
+        },
+        (false, _) => Projection::Equidistant,
+    };
+    if section.has("measured") && !matches!(projection, Projection::Measured(_)) {
+        problems.add(&section.path("measured"), "goes with projection = \"measured\"");
+    }
     let allowed = Allowed::closed(-1e6, 1e6, "[f1, f3, f5, f7], factors of the angle's powers in radians");
     let coefficients = section.numbers::<4>("coefficients", &allowed, problems);
     match (&mut projection, coefficients) {
@@ -148,9 +208,9 @@ fn fisheye(mut section: Section, problems: &mut Problems) -> Option<FisheyeLens>
         (_, Some(_)) => problems.add(&section.path("coefficients"), "goes with projection = \"polynomial\""),
         (_, None) => {}
     }
-    let aperture = section.number("aperture", &OPENING, 180.0, problems).to_radians();
-    let lens = FisheyeLens { projection, aperture };
+    let aperture = section.number("aperture", &OPENING, aperture, problems).to_radians();
     let widest = projection.widest();
+    let lens = FisheyeLens { projection, aperture };
     if aperture > widest {
         let why = format!("is more than this projection can show; expected at most {}", widest.to_degrees().round());
         problems.add(&section.path("aperture"), why);
@@ -158,6 +218,27 @@ fn fisheye(mut section: Section, problems: &mut Problems) -> Option<FisheyeLens>
         let why = "the radius does not grow over the whole aperture; expected coefficients of a curve that rises";
         problems.add(&section.path("coefficients"), why);
     }
-    section.finish(&[], problems);
     Some(lens)
+}
+
+/// A measured curve: angles in degrees, radii in any unit.
+fn measured(section: &mut Section, problems: &mut Problems) -> Option<Arc<Curve>> {
+    let path = section.path("measured");
+    let allowed =
+        Allowed::closed(0.0, 1e6, "an angle in degrees from the axis, or its radius in the picture in any unit");
+    let Some(nodes) = section.number_pairs("measured", &allowed, problems) else {
+        if section.text("projection", "a word", problems) == Some("measured") && !section.has("measured") {
+            problems.add(&path, "is missing; expected [[angle, radius], …], angles in degrees from the axis");
+        }
+        return None;
+    };
+    let nodes: Vec<[f64; 2]> = nodes.into_iter().map(|[angle, radius]| [angle.to_radians(), radius]).collect();
+    let curve = Curve::new(&nodes);
+    if curve.is_none() {
+        problems.add(
+            &path,
+            "does not rise; expected [[angle, radius], …], both growing from node to node, one node at least",
+        );
+    }
+    curve.map(Arc::new)
 }

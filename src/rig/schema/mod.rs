@@ -1,6 +1,7 @@
 //! The keys of a rig file: what each is called, its range and its default. Degrees become radians here.
 
 mod blend;
+mod calibration;
 mod lens;
 mod output;
 mod screen;
@@ -34,6 +35,7 @@ pub(in crate::rig) fn read(text: &str, file_name: &str, directory: &Path, proble
     let name = root.text("name", "the rig's name", problems).unwrap_or(&stem).to_owned();
     let passthrough = root.boolean("passthrough", false, problems);
     let dome = screen::dome(root.section("dome", problems), problems);
+    let surface = screen::screen(root.section("screen", problems), directory, problems);
     let viewer = viewer::viewer(root.section("viewer", problems), problems);
     let camera = viewer::camera(root.section("camera", problems), problems);
     let views = views::views(root.section("views", problems), problems);
@@ -45,7 +47,7 @@ pub(in crate::rig) fn read(text: &str, file_name: &str, directory: &Path, proble
         .filter_map(|(index, section)| output::output(section, index, &dome, directory, problems))
         .collect();
     root.finish(&[("outputs", "the file as [[output]], one for each output")], problems);
-    Some(Rig { name, passthrough, dome, viewer, camera, views, overlay, outputs })
+    Some(Rig { name, passthrough, dome, screen: surface, viewer, camera, views, overlay, outputs })
 }
 
 /// Reads yaw, pitch and roll into radians.

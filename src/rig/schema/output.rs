@@ -1,6 +1,7 @@
 //! `[[output]]`: what every output has, and what each kind has of its own.
 
-use super::{METRES, OPENING, TILT, angles, blend, lens};
+use super::{METRES, TILT, angles, blend, calibration, lens};
+use crate::geom::panorama::{Panorama, Span};
 use crate::geom::{Lens, Optics, Pose, Sphere};
 use crate::rig::problems::Problems;
 use crate::rig::reader::{Allowed, Section};
@@ -14,8 +15,17 @@ const LARGEST_PICTURE: u32 = 16384;
 const LARGEST_WINDOW: u32 = 32767;
 
 /// Where the keys of one kind of output belong, for those who give them to another kind.
-const KINDS_OF_KEYS: [(&str, &str); 10] = [
+const KINDS_OF_KEYS: [(&str, &str); 19] = [
+    ("file", "kind = \"mesh\""),
+    ("values", "kind = \"mesh\""),
+    ("picture", "kind = \"mesh\""),
     ("aperture", "kind = \"domemaster\""),
+    ("projection", "kind = \"domemaster\", or to the table `fisheye` of a projector"),
+    ("coefficients", "kind = \"domemaster\", or to the table `fisheye` of a projector"),
+    ("measured", "kind = \"domemaster\", or to the table `fisheye` of a projector"),
+    ("width", "kind = \"equirectangular\" or \"cylindrical\""),
+    ("latitudes", "kind = \"equirectangular\" or \"cylindrical\""),
+    ("keystone", "kind = \"projector\""),
     ("tilt", "kind = \"domemaster\" (and to [dome])"),
     ("position", "kind = \"projector\" (and to [viewer])"),
     ("shift", "kind = \"projector\" or \"perspective\", beside fov"),
@@ -33,7 +43,24 @@ pub(super) enum Kind {
     Domemaster,
     Projector,
     Perspective,
+    Equirectangular,
+    Cylindrical,
+    Cubemap,
+    Mesh,
 }
+
+const KINDS: [(&str, Kind); 7] = [
+    ("domemaster", Kind::Domemaster),
+    ("projector", Kind::Projector),
+    ("perspective", Kind::Perspective),
+    ("equirectangular", Kind::Equirectangular),
+    ("cylindrical", Kind::Cylindrical),
+    ("cubemap", Kind::Cubemap),
+    ("mesh", Kind::Mesh),
+];
+
+const WIDTH: Allowed = Allowed::above(0.0, 360.0, "the angle from side to side in degrees");
+const EYE: Allowed = Allowed::closed(-1.0, 1.0, "metres to the right of the viewer's position");
 
 pub(super) fn output(
     mut section: Section,
@@ -42,12 +69,12 @@ pub(super) fn output(
     directory: &Path,
     problems: &mut Problems,
 ) -> Option<Output> {
-    let kinds = [("domemaster", Kind::Domemaster), ("projector", Kind::Projector), ("perspective", Kind::Perspective)];
     if !section.has("kind") {
         let path = section.path("kind");
-        problems.add(&path, "is missing; expected kind = \"domemaster\", \"projector\" or \"perspective\"");
+        let words = KINDS.map(|(word, _)| format!("\"{word}\"")).join(", ");
+        problems.add(&path, format!("is missing; expected one of kind = {words}"));
     }
-    let kind = section.choice("kind", &kinds, problems)?;
+    let kind = section.choice("kind", &KINDS, problems)?;
     let name =
         section.text("name", "the output's name", problems).map_or(format!("output-{}", index + 1), str::to_owned);
     let sides = [(1, LARGEST_PICTURE); 2];
@@ -56,11 +83,9 @@ pub(super) fn output(
     let places = [(0, LARGEST_WINDOW), (0, LARGEST_WINDOW), (1, LARGEST_PICTURE), (1, LARGEST_PICTURE)];
     let window =
         section.pixels("window", places, "[x, y, width, height] in pixels from the window's top left", problems);
+    let eye = section.number("eye", &EYE, 0.0, problems);
     let output_kind = match kind {
-        Kind::Domemaster => Some(OutputKind::Domemaster {
-            aperture: section.number("aperture", &OPENING, dome.coverage.to_degrees(), problems).to_radians(),
-            tilt: section.number("tilt", &TILT, dome.tilt.to_degrees(), problems).to_radians(),
-        }),
+        Kind::Domemaster => domemaster(&mut section, dome, problems),
         Kind::Projector => {
             let position = section.vector("position", &METRES, problems);
             let angles = angles(&mut section, problems);
@@ -70,16 +95,55 @@ pub(super) fn output(
             let angles = angles(&mut section, problems);
             lens::perspective_frustum(&mut section, problems).map(|frustum| OutputKind::Perspective { angles, frustum })
         }
+        Kind::Mesh => calibration::mesh(&mut section, dome, directory, problems),
+        Kind::Equirectangular | Kind::Cylindrical | Kind::Cubemap => {
+            let angles = angles(&mut section, problems);
+            let panorama = match kind {
+                Kind::Equirectangular => span(&mut section, 90.0, problems).map(Panorama::Equirectangular),
+                Kind::Cylindrical => span(&mut section, 45.0, problems).map(Panorama::Cylindrical),
+                _ => Some(Panorama::CubeStrip),
+            };
+            panorama.map(|panorama| OutputKind::Panorama { panorama, angles })
+        }
     };
     let blend = blend::blend(section.section("blend", problems), kind, problems);
     let mask = blend::mask(section.section("mask", problems), directory, problems);
     section.finish(&KINDS_OF_KEYS, problems);
-    output_kind.map(|kind| Output { name, kind, size, window, blend, mask })
+    output_kind.map(|kind| Output { name, kind, size, window, blend, mask, eye })
+}
+
+/// A domemaster: the plain one where the file says no other projection.
+fn domemaster(section: &mut Section, dome: &Dome, problems: &mut Problems) -> Option<OutputKind> {
+    let tilt = section.number("tilt", &TILT, dome.tilt.to_degrees(), problems).to_radians();
+    let special = section.has("projection");
+    let lens = lens::fisheye(section, dome.coverage.to_degrees(), problems)?;
+    Some(match special {
+        false => OutputKind::Domemaster { aperture: lens.aperture, tilt },
+        true => {
+            let angles = [0.0, std::f64::consts::FRAC_PI_2 - tilt, 0.0];
+            OutputKind::Panorama { panorama: Panorama::Fisheye(lens), angles }
+        }
+    })
+}
+
+/// What an unrolled picture shows; its latitudes end at most `limit` degrees up and down.
+fn span(section: &mut Section, limit: f64, problems: &mut Problems) -> Option<Span> {
+    let width = section.number("width", &WIDTH, 360.0, problems).to_radians();
+    let allowed = match limit {
+        90.0 => Allowed::closed(-90.0, 90.0, "[bottom, top] latitudes in degrees"),
+        _ => Allowed::closed(-89.0, 89.0, "[bottom, top] latitudes in degrees, on a cylinder's wall"),
+    };
+    let [bottom, top] = section.numbers("latitudes", &allowed, problems).unwrap_or([-limit, limit]);
+    if top - bottom < 0.01 {
+        problems.add(&section.path("latitudes"), format!("end at {top}, not above {bottom}; expected [bottom, top]"));
+        return None;
+    }
+    Some(Span { width, bottom: bottom.to_radians(), top: top.to_radians() })
 }
 
 /// A projector: the plain pinhole where the file says no more than its opening.
 fn projector(section: &mut Section, position: DVec3, angles: [f64; 3], problems: &mut Problems) -> Option<OutputKind> {
-    let special = ["fisheye", "distortion", "mirror", "even_light"].iter().any(|key| section.has(key));
+    let special = ["fisheye", "distortion", "keystone", "mirror", "even_light"].iter().any(|key| section.has(key));
     let lens = lens::projector_lens(section, problems);
     let mirror = section.section("mirror", problems).map(|section| mirror(section, problems));
     let allowed = Allowed::closed(0.0, 1.0, "how far the light is evened out");

@@ -2,7 +2,7 @@
 
 use super::{METRES, angles};
 use crate::rig::problems::Problems;
-use crate::rig::reader::Section;
+use crate::rig::reader::{Allowed, Section};
 use crate::rig::{Camera, Viewer};
 use glam::DVec3;
 
@@ -20,6 +20,8 @@ pub(super) fn camera(section: Option<Section>, problems: &mut Problems) -> Camer
     let Some(mut section) = section else { return camera };
     camera.zoom = section.number("zoom", &crate::rig::camera::ZOOM, 1.0, problems);
     camera.shift = section.vector("move", &crate::rig::camera::MOVE, problems);
+    let units = Allowed::above(0.0, 1e9, "the program's units in a metre");
+    camera.units_per_meter = section.number("units_per_meter", &units, 1.0, problems);
     [camera.yaw, camera.pitch, camera.roll] = angles(&mut section, problems);
     section.finish(&[("position", "[viewer]; the program's camera has `move`")], problems);
     camera

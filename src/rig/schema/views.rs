@@ -3,10 +3,11 @@
 use super::{PITCH, YAW};
 use crate::rig::problems::Problems;
 use crate::rig::reader::{Allowed, Section};
-use crate::rig::{Favour, Overlay, ViewMethod, Views};
+use crate::rig::{Duplicate, Favour, Overlay, ViewMethod, Views};
 
 pub(super) fn views(section: Option<Section>, problems: &mut Problems) -> Views {
-    let mut views = Views { method: ViewMethod::Auto, quality: 1.0, favour: Favour::Balanced };
+    let mut views =
+        Views { method: ViewMethod::Auto, quality: 1.0, favour: Favour::Balanced, duplicate: Duplicate::Auto };
     let Some(mut section) = section else { return views };
     let methods = [("auto", ViewMethod::Auto), ("cube", ViewMethod::Cube), ("single", ViewMethod::Single)];
     views.method = section.choice("method", &methods, problems).unwrap_or(ViewMethod::Auto);
@@ -14,6 +15,8 @@ pub(super) fn views(section: Option<Section>, problems: &mut Problems) -> Views 
     views.quality = section.number("quality", &allowed, 1.0, problems);
     let favours = [("balanced", Favour::Balanced), ("cpu", Favour::Processor), ("gpu", Favour::Graphics)];
     views.favour = section.choice("favour", &favours, problems).unwrap_or(Favour::Balanced);
+    let duplicates = [("auto", Duplicate::Auto), ("never", Duplicate::Never), ("always", Duplicate::Always)];
+    views.duplicate = section.choice("duplicate", &duplicates, problems).unwrap_or(Duplicate::Auto);
     section.finish(&[], problems);
     views
 }

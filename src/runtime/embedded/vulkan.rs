@@ -136,7 +136,7 @@ impl EmbeddedVulkan {
         let top = self.plan.views.picture_size(view).1 - tile.y - tile.height;
         Ok(VulkanView {
             name: view.name.clone(),
-            rotation: rotation(&self.rig, view),
+            rotation: rotation(&self.session, view),
             frustum: clip_space(self.options.reversed_depth) * projection(&view.frustum, near, far),
             image: if arrangement == Arrangement::Images { index } else { 0 },
             layer: if arrangement == Arrangement::Layers { index } else { 0 },

@@ -1,6 +1,7 @@
 //! Tests of the exact map against directions that are known.
 
 use super::*;
+use crate::geom::Sphere;
 use crate::geom::random::Random;
 use crate::warp::testing::{projector, rig, two_projectors};
 use std::f64::consts::PI;

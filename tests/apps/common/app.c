@@ -14,7 +14,8 @@ static void usage(const char *name)
 {
     fprintf(stderr,
             "usage: %s [--fov DEG] [--yaw DEG] [--pitch DEG] [--frames N] [--size WxH] [--at X,Y] [--samples N] [--egl]\n"
-            "       [--near N] [--far N] [--srgb] [--single] [--fbo] [--dump FILE.ppm] [--shot FILE.ppm]\n",
+            "       [--near N] [--far N] [--srgb] [--single] [--fbo] [--mode NAME] [--dump FILE.ppm]\n"
+            "       [--shot FILE.ppm]\n",
             name);
     exit(2);
 }
@@ -58,6 +59,8 @@ static void parse(app *a, int argc, char **argv)
             a->request.samples = atoi(value);
         else if (strcmp(option, "--at") == 0 && sscanf(value, "%d,%d", &a->request.x, &a->request.y) == 2)
             continue;
+        else if (strcmp(option, "--mode") == 0)
+            a->mode = value;
         else if (strcmp(option, "--dump") == 0)
             a->dump = value;
         else if (strcmp(option, "--shot") == 0)

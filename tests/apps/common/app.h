@@ -16,6 +16,7 @@ typedef struct app {
     double near, far;  /* planes of the camera; the cube is 10 away, its corners 17.3 */
     int frames;        /* frames to present; 0: until killed */
     bool fbo;          /* draw into an FBO of our own, then copy it to the window */
+    const char *mode;  /* which of a program's ways; NULL: its first */
     const char *dump;  /* PPM of glReadPixels before each swap */
     const char *shot;  /* PPM of what the X server shows after each swap */
     window_request request;

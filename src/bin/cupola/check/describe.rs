@@ -1,5 +1,6 @@
 //! A rig in words, and as JSON.
 
+use super::words;
 use cupola::geom::{Frustum, Lens, Optics};
 use cupola::rig::{Blend, Camera, DomeAngle, Output, OutputKind, Rig, ViewMethod};
 use cupola::views::{self, View, ViewPlan};
@@ -27,6 +28,9 @@ fn describe(text: &mut String, rig: &Rig, window: (u32, u32), plan: &ViewPlan) -
         upwards(dome.tilt),
         degrees(dome.coverage)
     )?;
+    if let Some(screen) = &rig.screen {
+        writeln!(text, "screen    {}, {}", words::screen(screen), meters(screen.pose.position.to_array()))?;
+    }
     let viewer = &rig.viewer;
     let place = match viewer.position.to_array() {
         [0.0, 0.0, 0.0] => "in the dome's centre".to_owned(),
@@ -93,10 +97,12 @@ fn kind(kind: &OutputKind) -> String {
         OutputKind::Domemaster { aperture, tilt } => {
             format!("domemaster of {}, its centre {}", degrees(*aperture), upwards(*tilt))
         }
+        OutputKind::Panorama { panorama, angles } => format!("{}{}", words::panorama(panorama), aim(*angles)),
         OutputKind::Projector { position, angles, frustum } => {
             format!("projector {}{}, {}", meters(position.to_array()), aim(*angles), opening(frustum))
         }
         OutputKind::Optics { optics, .. } => special(optics),
+        OutputKind::Mesh(calibration) => words::calibration(calibration),
         OutputKind::Perspective { angles, frustum: Some(frustum) } => {
             format!("perspective picture{}, {}", aim(*angles), opening(frustum))
         }
@@ -109,9 +115,14 @@ fn kind(kind: &OutputKind) -> String {
 /// A projector with a lens or a mirror of its own.
 fn special(optics: &Optics) -> String {
     let lens = match &optics.lens {
-        Lens::Pinhole { frustum, distortion } if distortion.is_none() => opening(frustum),
-        Lens::Pinhole { frustum, .. } => format!("{}, a lens that distorts", opening(frustum)),
-        Lens::Fisheye(lens) => format!("a fisheye lens of {}", degrees(lens.aperture)),
+        Lens::Pinhole { frustum, distortion, keystone } => {
+            let bent = if distortion.is_none() { "" } else { ", a lens that distorts" };
+            let keystone = if *keystone == glam::DMat3::IDENTITY { "" } else { ", keystone" };
+            format!("{}{bent}{keystone}", opening(frustum))
+        }
+        Lens::Fisheye { lens, .. } => {
+            format!("a fisheye lens of {}, {}", degrees(lens.aperture), words::projection(lens))
+        }
     };
     let mirror = optics.mirror.map_or(String::new(), |mirror| {
         format!(", before a mirror of radius {} m {}", number(mirror.radius), meters(mirror.center.to_array()))
@@ -123,6 +134,11 @@ fn special(optics: &Optics) -> String {
 fn extras(output: &Output) -> String {
     let Blend { overlap, ramp, ramps, gamma, black_level } = &output.blend;
     let mut parts = Vec::new();
+    if output.eye != 0.0 {
+        let side = if output.eye < 0.0 { "left" } else { "right" };
+        parts.push(format!("for an eye {} mm to the {side} of the viewer's place", number(1e3 * output.eye.abs())));
+    }
+    let plain = parts.len();
     if *overlap {
         parts.push(format!("blended where projectors overlap (ramp {} %)", number(ramp * 100.0)));
     }
@@ -139,7 +155,7 @@ fn extras(output: &Output) -> String {
     if *black_level > 0.0 {
         parts.push(format!("black raised by {} %", number(black_level * 100.0)));
     }
-    if !parts.is_empty() {
+    if parts.len() > plain {
         parts.push(format!("gamma {}", number(*gamma)));
     }
     parts.join(", ")
@@ -190,16 +206,16 @@ fn opening(frustum: &Frustum) -> String {
     format!("from {left} to {right} across and {bottom} to {top} upwards")
 }
 
-fn meters([x, y, z]: [f64; 3]) -> String {
+pub(super) fn meters([x, y, z]: [f64; 3]) -> String {
     format!("at ({}, {}, {}) m", number(x), number(y), number(z))
 }
 
-fn degrees(radians: f64) -> String {
+pub(super) fn degrees(radians: f64) -> String {
     format!("{}°", number(radians.to_degrees()))
 }
 
 /// At most three digits after the point, none that are zero.
-fn number(value: f64) -> String {
+pub(super) fn number(value: f64) -> String {
     let text = format!("{value:.3}");
     let text = text.trim_end_matches('0').trim_end_matches('.');
     if text == "-0" { "0".to_owned() } else { text.to_owned() }
@@ -218,10 +234,14 @@ pub fn json(rig: &Rig, window: (u32, u32), plan: &ViewPlan) -> Value {
             let kind = match &output.kind {
                 OutputKind::Domemaster { .. } => "domemaster",
                 OutputKind::Projector { .. } | OutputKind::Optics { .. } => "projector",
+                OutputKind::Mesh(_) => "mesh",
                 OutputKind::Perspective { .. } => "perspective",
+                OutputKind::Panorama { panorama, .. } => words::kind(panorama),
             };
             let views: Vec<&str> = views.iter().map(|view| plan.views[*view].name.as_str()).collect();
-            json!({ "name": output.name, "kind": kind, "size": output.size, "window": place, "views": views })
+            json!({
+                "name": output.name, "kind": kind, "size": output.size, "window": place, "eye": output.eye, "views": views,
+            })
         })
         .collect();
     json!({
@@ -234,6 +254,7 @@ pub fn json(rig: &Rig, window: (u32, u32), plan: &ViewPlan) -> Value {
             "tilt": rig.dome.tilt.to_degrees(),
             "coverage": rig.dome.coverage.to_degrees(),
         },
+        "screen": rig.screen.as_ref().map(words::screen),
         "viewer": { "position": viewer.position.to_array(), "angles": angles([viewer.yaw, viewer.pitch, viewer.roll]) },
         "camera": {
             "zoom": camera.zoom,

@@ -1,5 +1,6 @@
 //! `cupola convert`: rigs and calibration files into the formats of other programs.
 
+mod rig;
 mod source;
 mod target;
 
@@ -10,8 +11,8 @@ use std::process::ExitCode;
 
 /// Convert a rig or a calibration file into a format of another program.
 ///
-/// The name's ending says the format: .data or .map (Bourke's warp mesh), .pfm, .vwf (VIOSO), .mpcdi; read only: .ol
-/// (EasyBlend), .csv (domeprojection).
+/// The name's ending says the format: .data or .map (Bourke's warp mesh), .pfm, .vwf (VIOSO), .mpcdi, .toml (a rig and
+/// its maps); read only: .ol (EasyBlend), .csv (domeprojection), .json (SGCT, into a rig).
 #[derive(clap::Args)]
 pub struct Arguments {
     /// A rig file, a preset's name, or a calibration file
@@ -47,14 +48,22 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let format = target::Format::of(&arguments.to)?;
     let source = source::open(arguments)?;
-    let channels = source.channels(arguments)?;
-    let written = target::write(arguments, format, &channels)?;
+    let mut notes = source.notes().to_vec();
+    let written = match (&source, format) {
+        (source::Source::Sgct { config, .. }, target::Format::Rig) => {
+            rig::from_sgct(&arguments.to, &arguments.from, config, &mut notes)?
+        }
+        (source::Source::Sgct { .. }, _) => {
+            return Err(Failure::usage("a configuration of SGCT becomes a rig; expected a name that ends in .toml"));
+        }
+        _ => target::write(arguments, format, &source.channels(arguments)?)?,
+    };
     if arguments.json {
         let files: Vec<_> = written.iter().map(target::Written::json).collect();
-        println!("{:#}", json!({ "files": files, "notes": source.notes() }));
+        println!("{:#}", json!({ "files": files, "notes": notes }));
         return Ok(ExitCode::SUCCESS);
     }
-    for note in source.notes() {
+    for note in &notes {
         eprintln!("cupola: {note}");
     }
     for file in &written {

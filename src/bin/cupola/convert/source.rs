@@ -4,9 +4,9 @@ use super::Arguments;
 use crate::Failure;
 use crate::map::native_size;
 use cupola::blend::{Weights, encode};
-use cupola::formats::{Camera, Grid, Sample, bourke, domeprojection, easyblend, mpcdi, pfm, read_file, vwf};
-use cupola::geom::{Sphere, pose};
-use cupola::rig::{OutputKind, Rig};
+use cupola::formats::{Camera, Grid, Sample, bourke, domeprojection, easyblend, mpcdi, pfm, read_file, sgct, vwf};
+use cupola::geom::pose;
+use cupola::rig::{Dome, OutputKind, Rig};
 use cupola::warp::WarpMap;
 use glam::{DVec2, DVec3};
 use std::path::Path;
@@ -37,6 +37,8 @@ impl Values {
 pub enum Source {
     /// A rig, and what a domemaster of its dome shows.
     Rig(Box<(Rig, WarpMap)>),
+    /// A configuration of SGCT.
+    Sgct { config: sgct::Config, notes: Vec<String> },
     /// The maps of a calibration file.
     Maps { maps: Vec<Map>, notes: Vec<String> },
 }
@@ -66,6 +68,8 @@ pub struct Channel<'source> {
     pub black_level: f64,
     /// The projector, if it is a pinhole, in dome axes.
     pub lamp: Option<Camera>,
+    /// The dome, if a rig tells it.
+    pub dome: Option<Dome>,
     kind: Kind<'source>,
 }
 
@@ -94,6 +98,10 @@ pub fn open(arguments: &Arguments) -> Result<Source, Failure> {
         "csv" => {
             let mesh = domeprojection::read(name, &read()?)?;
             Source::Maps { maps: single(mesh.value, None), notes: mesh.notes }
+        }
+        "json" => {
+            let read = sgct::read(name, &read()?)?;
+            Source::Sgct { config: read.value, notes: read.notes }
         }
         "ol" => {
             let mesh = easyblend::read(name, &read()?)?;
@@ -180,7 +188,7 @@ impl Source {
     pub fn notes(&self) -> &[String] {
         match self {
             Self::Rig(_) => &[],
-            Self::Maps { notes, .. } => notes,
+            Self::Sgct { notes, .. } | Self::Maps { notes, .. } => notes,
         }
     }
 
@@ -205,10 +213,12 @@ impl Source {
                         gamma: output.blend.gamma,
                         black_level: output.blend.black_level,
                         lamp: lamp(&output.kind),
+                        dome: Some(rig.dome),
                         kind,
                     });
                 }
             }
+            Self::Sgct { .. } => {}
             Self::Maps { maps, .. } => {
                 for map in maps.iter().filter(|map| wanted(&map.name)) {
                     let size = arguments.size.or(map.size).ok_or_else(|| {
@@ -217,7 +227,16 @@ impl Source {
                     let kind = Kind::Map(map);
                     let gamma = map.alpha.as_ref().map_or(1.0, |alpha| alpha.gamma);
                     let (name, values) = (map.name.clone(), map.values);
-                    channels.push(Channel { name, size, values, gamma, black_level: 0.0, lamp: None, kind });
+                    channels.push(Channel {
+                        name,
+                        size,
+                        values,
+                        gamma,
+                        black_level: 0.0,
+                        lamp: None,
+                        dome: None,
+                        kind,
+                    });
                 }
             }
         }
@@ -269,15 +288,11 @@ impl Channel<'_> {
         let values = self.values;
         let direction = move |value: DVec3| match values {
             Values::Picture => content.direction(DVec2::new(value.x, 1.0 - value.y)),
-            Values::Points => viewer(rig).point_to_local(value).try_normalize(),
+            Values::Points => rig.viewer_pose().point_to_local(value).try_normalize(),
             Values::Directions => value.try_normalize(),
         };
         Some((map, direction))
     }
-}
-
-fn viewer(rig: &Rig) -> cupola::geom::Pose {
-    cupola::geom::Pose::new(rig.viewer.position, rig.viewer.yaw, rig.viewer.pitch, rig.viewer.roll)
 }
 
 /// The value of a pixel. A picture that has no place on the dome is put where the viewer sees it there.
@@ -288,8 +303,8 @@ fn value(rig: &Rig, content: &WarpMap, map: &WarpMap, values: Values, pixel: DVe
     let point = match map.hit(pixel) {
         Some(point) => point,
         None => {
-            let turned = pose::rotation(rig.viewer.yaw, rig.viewer.pitch, rig.viewer.roll) * map.direction(pixel)?;
-            Sphere { center: DVec3::ZERO, radius: rig.dome.radius }.far_hit(rig.viewer.position, turned)?
+            let viewer = rig.viewer_pose();
+            map.screen().unbounded_hit(viewer.position, viewer.direction_to_parent(map.direction(pixel)?))?.point
         }
     };
     match values {

@@ -22,6 +22,7 @@ pub enum Format {
     Pfm,
     Vwf,
     Mpcdi,
+    Rig,
 }
 
 impl Format {
@@ -32,8 +33,9 @@ impl Format {
             "pfm" => Ok(Self::Pfm),
             "vwf" => Ok(Self::Vwf),
             "mpcdi" => Ok(Self::Mpcdi),
+            "toml" => Ok(Self::Rig),
             other => Err(Failure::usage(format!(
-                "{}: nothing is known to write as {other:?}; expected a name that ends in .data, .map, .pfm, .vwf or .mpcdi",
+                "{}: nothing is known to write as {other:?}; expected a name that ends in .data, .map, .pfm, .vwf, .mpcdi or .toml",
                 path.display()
             ))),
         }
@@ -83,12 +85,23 @@ pub enum ArchiveVersion {
 pub struct Written {
     path: PathBuf,
     outputs: usize,
-    values: Values,
+    /// What a map's values are.
+    values: Option<Values>,
     /// The error of interpolation against the exact map, where there is one.
     error: Option<MapError>,
 }
 
 impl Written {
+    /// A map of one output.
+    pub fn map(path: PathBuf, values: Values) -> Self {
+        Self { path, outputs: 1, values: Some(values), error: None }
+    }
+
+    /// A rig.
+    pub fn rig(path: PathBuf, outputs: usize) -> Self {
+        Self { path, outputs, values: None, error: None }
+    }
+
     /// For machines.
     pub fn json(&self) -> serde_json::Value {
         let error = self.error.map(
@@ -97,7 +110,7 @@ impl Written {
         json!({
             "path": self.path.display().to_string(),
             "outputs": self.outputs,
-            "values": self.values.words(),
+            "values": self.values.map(Values::words),
             "error_pixels": error,
         })
     }
@@ -110,7 +123,8 @@ impl Written {
                 error.max, error.rms, error.uncovered
             )
         });
-        format!("{}: outputs: {}, values: {}{error}", self.path.display(), self.outputs, self.values.words())
+        let values = self.values.map_or(String::new(), |values| format!(", values: {}", values.words()));
+        format!("{}: outputs: {}{values}{error}", self.path.display(), self.outputs)
     }
 }
 
@@ -120,9 +134,10 @@ pub fn write(arguments: &Arguments, format: Format, channels: &[Channel]) -> Res
     let Some(values) = channels.first().map(|channel| channel.values) else { return Ok(Vec::new()) };
     let together = |bytes: Vec<u8>| {
         save(path, &bytes)?;
-        Ok(vec![Written { path: path.clone(), outputs: channels.len(), values, error: None }])
+        Ok(vec![Written { path: path.clone(), outputs: channels.len(), values: Some(values), error: None }])
     };
     match format {
+        Format::Rig => super::rig::from_channels(path, &arguments.from, channels),
         Format::Bourke if values != Values::Picture => Err(Failure::usage(format!(
             "a warp mesh has positions in a picture, not {}; use --values picture",
             values.words()
@@ -222,28 +237,30 @@ fn each(
 ) -> Result<Vec<Written>, Failure> {
     let mut written = Vec::new();
     for (index, channel) in channels.iter().enumerate() {
-        let path = if channels.len() == 1 { path.to_owned() } else { named(path, index, &channel.name) };
+        let path =
+            if channels.len() == 1 { path.to_owned() } else { file_beside(path, index, &channel.name, &ending(path)) };
         let (bytes, error) = write(channel)?;
         save(&path, &bytes)?;
-        written.push(Written { path, outputs: 1, values: channel.values, error });
+        written.push(Written { path, outputs: 1, values: Some(channel.values), error });
     }
     Ok(written)
 }
 
-/// `dome.data` → `dome-left.data`. Names out of files become part of a path: only harmless characters stay.
-fn named(path: &Path, index: usize, name: &str) -> PathBuf {
+/// `dome.data` → `dome-left.ENDING`. Names out of files become part of a path: only harmless characters stay.
+pub fn file_beside(path: &Path, index: usize, name: &str, ending: &str) -> PathBuf {
     let harmless: String = name.chars().filter(|c| c.is_ascii_alphanumeric() || "-_".contains(*c)).take(64).collect();
     let name = if harmless.is_empty() { format!("{}", index + 1) } else { harmless };
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-    path.with_file_name(format!("{stem}-{name}.{}", path.extension().unwrap_or_default().to_string_lossy()))
+    path.with_file_name(format!("{stem}-{name}.{ending}"))
 }
 
-fn save(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+/// Writes a file.
+pub fn save(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     std::fs::write(path, bytes).map_err(|error| Failure::new(format!("{} cannot be written: {error}", path.display())))
 }
 
 /// What every pixel shows, and its weight on the displayed value (0 where nothing is shown), on all processors.
-fn raster(channel: &Channel) -> Result<(Raster, Vec<f32>), Failure> {
+pub fn raster(channel: &Channel) -> Result<(Raster, Vec<f32>), Failure> {
     let (width, height) = (channel.size.0 as usize, channel.size.1 as usize);
     let mut pixels = vec![([f32::NAN; 3], 0.0); width * height];
     let bar = terminal::progress(height as u64, "rows");

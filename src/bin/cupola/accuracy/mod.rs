@@ -1,0 +1,151 @@
+//! `cupola accuracy`: the shaders' maps of every screen with every lens, from near and far, against the exact ones.
+
+mod cases;
+
+use crate::{Failure, terminal};
+use cases::{Case, Row};
+use cupola::backend::gl::gpu_map;
+use cupola::backend::gl::headless::{Api, Headless};
+use cupola::views::Request;
+use cupola::warp::{MapError, WarpMap, compare};
+use glam::DVec3;
+use serde_json::json;
+use std::process::ExitCode;
+
+/// Compare what the graphics driver computes with the exact map, screen by screen and lens by lens.
+///
+/// Errors are in pixels of a picture 3840 wide. The exit code is 1 where a bound is exceeded.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Size of the pictures that are compared
+    #[arg(long, value_name = "WxH", value_parser = crate::arguments::size, default_value = "640x360")]
+    size: (u32, u32),
+    /// Only every N-th case
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
+    every: u32,
+    /// Answer in JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// Errors are given in pixels of a picture so wide.
+const REFERENCE_WIDTH: f64 = 3840.0;
+/// Greatest error with viewer and projector within 0.9 radii of the centre.
+const INSIDE: f64 = 0.002;
+/// Greatest error of projectors outside.
+const OUTSIDE: f64 = 0.004;
+
+/// What was found for a screen with a lens.
+struct Result {
+    row: Row,
+    cases: u32,
+    pixels: u64,
+    /// Greatest error of projectors within 0.9 radii, and farther out; `None` where there was no such case.
+    worst: [Option<f64>; 2],
+    wrong: u64,
+    squares: f64,
+}
+
+/// Runs the subcommand.
+pub fn run(arguments: &Arguments) -> std::result::Result<ExitCode, Failure> {
+    let context = Headless::new(Api::Core)?;
+    let folder = cases::Folder::new()?;
+    let rows = cases::rows();
+    let bar = terminal::progress(rows.len() as u64, "rows");
+    if !arguments.json {
+        println!("| screen | lens or picture | cases | up to 0.9 R, px | 2 R … 10⁶ R, px | rms, px | pixels | wrong |");
+        println!("|---|---|---|---|---|---|---|---|");
+    }
+    let mut number = 0u32;
+    let mut results = Vec::with_capacity(rows.len());
+    for row in rows {
+        let mut result = Result { row, cases: 0, pixels: 0, worst: [None; 2], wrong: 0, squares: 0.0 };
+        for case in result.row.cases() {
+            number += 1;
+            // A projector that does not reach the screen from there is no case.
+            if let (true, Some(rig)) = (number.is_multiple_of(arguments.every), folder.rig(&case)) {
+                let error = measured(&context, &rig, arguments.size)
+                    .map_err(|failure| Failure::new(format!("{}\n{}", failure.message, case.text)))?;
+                result.add(&case, &error, REFERENCE_WIDTH / f64::from(arguments.size.0));
+            }
+        }
+        if result.cases > 0 && !arguments.json {
+            println!("{}", result.line());
+        }
+        results.push(result);
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    if arguments.json {
+        let compared: Vec<_> = results.iter().filter(|result| result.cases > 0).map(Result::json).collect();
+        println!("{:#}", json!({ "driver": context.driver(), "rows": compared }));
+    }
+    Ok(if results.iter().all(Result::is_good) { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}
+
+/// The error of the driver's map of a rig's only output.
+fn measured(context: &Headless, rig: &cupola::rig::Rig, size: (u32, u32)) -> std::result::Result<MapError, Failure> {
+    let request = Request {
+        output_sizes: vec![size],
+        window: size,
+        panel: false,
+        primary: false,
+        max_atlas: crate::check::LARGEST_ATLAS,
+    };
+    let plan = cupola::correct::build(rig, &request)?;
+    let map = gpu_map(&context.gl, context.is_gles, &plan, 0)?;
+    let exact = WarpMap::new(rig, 0, size, None)?;
+    Ok(compare(&exact, 1, |x, y| {
+        let pixel = &map[(y * size.0 + x) as usize];
+        pixel.view.map(|_| DVec3::from_array(pixel.direction.map(f64::from)))
+    }))
+}
+
+impl Result {
+    fn add(&mut self, case: &Case, error: &MapError, scale: f64) {
+        self.cases += 1;
+        self.pixels += error.compared;
+        let worst = &mut self.worst[usize::from(case.outside)];
+        *worst = Some(worst.unwrap_or(0.0).max(error.max * scale));
+        self.wrong += error.non_finite + error.ghosts + error.uncovered;
+        self.squares += (error.rms * scale).powi(2) * error.compared as f64;
+    }
+
+    fn rms(&self) -> f64 {
+        (self.squares / self.pixels.max(1) as f64).sqrt()
+    }
+
+    fn is_good(&self) -> bool {
+        let within = |worst: Option<f64>, bound: f64| worst.is_none_or(|worst| worst <= bound);
+        self.wrong == 0 && within(self.worst[0], INSIDE) && within(self.worst[1], OUTSIDE)
+    }
+
+    fn line(&self) -> String {
+        let words = |worst: Option<f64>| worst.map_or("–".to_owned(), |worst| format!("{worst:.5}"));
+        format!(
+            "| {} | {} | {} | {} | {} | {:.5} | {} | {} |",
+            self.row.screen,
+            self.row.lens,
+            self.cases,
+            words(self.worst[0]),
+            words(self.worst[1]),
+            self.rms(),
+            self.pixels,
+            self.wrong
+        )
+    }
+
+    fn json(&self) -> serde_json::Value {
+        json!({
+            "screen": self.row.screen,
+            "lens": self.row.lens,
+            "cases": self.cases,
+            "pixels": self.pixels,
+            "inside": self.worst[0],
+            "outside": self.worst[1],
+            "rms": self.rms(),
+            "wrong": self.wrong,
+            "good": self.is_good(),
+        })
+    }
+}

@@ -1,0 +1,83 @@
+//! Screens and lenses in words.
+
+use super::describe::{degrees, number};
+use cupola::geom::screen::{Screen, Shape};
+use cupola::geom::{FisheyeLens, Panorama, Projection};
+use cupola::rig::{Calibration, CalibrationValues};
+
+/// A screen's shape and size.
+pub fn screen(screen: &Screen) -> String {
+    let around = |azimuth: Option<[f64; 2]>| match azimuth {
+        Some([from, to]) => format!(", from {} to {} around its axis", degrees(from), degrees(to)),
+        None => String::new(),
+    };
+    match &screen.shape {
+        Shape::Ellipsoid(ellipsoid) => {
+            let [x, y, z] = ellipsoid.radii.to_array();
+            let shape = match x == y && y == z {
+                true => format!("sphere of radius {} m", number(x)),
+                false => format!("ellipsoid of radii {}, {} and {} m", number(x), number(y), number(z)),
+            };
+            format!("{shape}, {} of it{}", degrees(2.0 * ellipsoid.region.polar), around(ellipsoid.region.azimuth))
+        }
+        Shape::Cone(cone) => {
+            let [bottom, top] = cone.radii;
+            let shape = match bottom == top {
+                true => format!("cylinder of radius {} m", number(bottom)),
+                false => format!("cone of radius {} m below and {} m above", number(bottom), number(top)),
+            };
+            let [from, to] = cone.heights;
+            format!("{shape}, from {} to {} m along its axis{}", number(from), number(to), around(cone.azimuth))
+        }
+        Shape::Plane(plane) => format!("plane of {} × {} m", number(plane.size.x), number(plane.size.y)),
+        Shape::Mesh(mesh) => format!("{} triangles", mesh.triangles().len()),
+    }
+}
+
+/// A calibration's file, and what its values are.
+pub fn calibration(calibration: &Calibration) -> String {
+    let values = match calibration.values {
+        CalibrationValues::Domemaster { aperture, .. } => {
+            format!("places in a domemaster of {}", degrees(aperture))
+        }
+        CalibrationValues::Perspective { .. } => "places in a flat picture".to_owned(),
+        CalibrationValues::Points => "points of the screen".to_owned(),
+        CalibrationValues::Directions => "directions".to_owned(),
+    };
+    format!("as {} says: {values}", calibration.file.display())
+}
+
+/// How a fisheye's radius grows with the angle.
+pub fn projection(lens: &FisheyeLens) -> &'static str {
+    match lens.projection {
+        Projection::Equidistant => "equidistant",
+        Projection::Equisolid => "equisolid",
+        Projection::Stereographic => "stereographic",
+        Projection::Orthographic => "orthographic",
+        Projection::Polynomial(_) => "a polynomial",
+        Projection::Measured(_) => "measured",
+    }
+}
+
+/// The word for the kind of output that shows a panorama.
+pub fn kind(panorama: &Panorama) -> &'static str {
+    match panorama {
+        Panorama::Fisheye(_) => "domemaster",
+        Panorama::Equirectangular(_) => "equirectangular",
+        Panorama::Cylindrical(_) => "cylindrical",
+        Panorama::CubeStrip => "cubemap",
+    }
+}
+
+/// What a panorama shows.
+pub fn panorama(panorama: &Panorama) -> String {
+    let kind = kind(panorama);
+    match panorama {
+        Panorama::Fisheye(lens) => format!("{kind} of {}, {}", degrees(lens.aperture), projection(lens)),
+        Panorama::Equirectangular(span) | Panorama::Cylindrical(span) => {
+            let (bottom, top) = (degrees(span.bottom), degrees(span.top));
+            format!("{kind} picture, {} across and {bottom} to {top} upwards", degrees(span.width))
+        }
+        Panorama::CubeStrip => "six faces of a cube, side by side".to_owned(),
+    }
+}

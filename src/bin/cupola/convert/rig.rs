@@ -1,0 +1,208 @@
+//! Rigs made of calibrations and of other programs' configurations.
+
+use super::source::{Channel, Values};
+use super::target::{Written, file_beside, raster, save};
+use crate::Failure;
+use cupola::blend::decode;
+use cupola::formats::sgct;
+use cupola::formats::{Raster, pfm};
+use cupola::geom::{Frustum, pose};
+use glam::DVec3;
+use std::fmt::Write;
+use std::path::Path;
+
+/// Writes a rig with an output for each channel, and a map and weights for each beside it.
+pub fn from_channels(path: &Path, from: &str, channels: &[Channel]) -> Result<Vec<Written>, Failure> {
+    let mut text = heading(from);
+    let mut written = Vec::new();
+    let mut outputs = String::new();
+    let mut radius = None;
+    for (index, channel) in channels.iter().enumerate() {
+        let (map, weights) = raster(channel)?;
+        if channel.values == Values::Points {
+            radius = radius.or_else(|| mean_distance(&map));
+        }
+        let name = if channel.name.is_empty() { format!("output-{}", index + 1) } else { harmless(&channel.name) };
+        let file = file_beside(path, index, &channel.name, "pfm");
+        save(&file, &pfm::write(channel.size.0, map.values()))?;
+        let values = channel.values.words();
+        let _ = write!(
+            outputs,
+            "\n[[output]]\nname = {}\nkind = \"mesh\"\nsize = [{}, {}]\nfile = {}\nvalues = \"{values}\"\n",
+            quoted(&name),
+            channel.size.0,
+            channel.size.1,
+            quoted(&file_name(&file)),
+        );
+        if weights.iter().any(|weight| (*weight - 1.0).abs() > 1e-4) {
+            let mask = file_beside(path, index, &channel.name, "png");
+            save(&mask, &mask_picture(channel, &weights)?)?;
+            let _ = writeln!(outputs, "mask = {{ image = {} }}", quoted(&file_name(&mask)));
+        }
+        let mut blend = vec![format!("gamma = {}", if channel.gamma == 1.0 { 2.2 } else { channel.gamma })];
+        if channel.black_level > 0.0 {
+            blend.push(format!("black_level = {}", channel.black_level));
+        }
+        let _ = writeln!(outputs, "blend = {{ {} }}", blend.join(", "));
+        written.push(Written::map(file, channel.values));
+    }
+    text.push_str("\n[dome]\n");
+    match channels.first().and_then(|channel| channel.dome) {
+        Some(dome) => {
+            let _ = writeln!(
+                text,
+                "radius = {}\ntilt = {}\ncoverage = {}",
+                dome.radius,
+                dome.tilt.to_degrees(),
+                dome.coverage.to_degrees()
+            );
+        }
+        None => {
+            let _ = writeln!(
+                text,
+                "radius = {:.4} # metres{}\ntilt = 0.0 # degrees; the file does not say it\ncoverage = 180.0 # degrees; the file does not say it",
+                radius.unwrap_or(5.0),
+                if radius.is_some() {
+                    ": the points' mean distance from the origin"
+                } else {
+                    "; the file does not say it"
+                },
+            );
+        }
+    }
+    text.push_str(&outputs);
+    save(path, text.as_bytes())?;
+    written.push(Written::rig(path.to_owned(), channels.len()));
+    Ok(written)
+}
+
+/// Writes a rig for each computer of a configuration of SGCT, whose pictures are all those of one eye point. What is
+/// said about it, to people, goes to `notes`.
+pub fn from_sgct(
+    path: &Path,
+    from: &str,
+    config: &sgct::Config,
+    notes: &mut Vec<String>,
+) -> Result<Vec<Written>, Failure> {
+    let mut written = Vec::new();
+    for (index, node) in config.nodes.iter().enumerate() {
+        let mut text = heading(from);
+        let left = node.viewports.iter().map(|viewport| viewport.place[0]).min().unwrap_or(0);
+        let top = node.viewports.iter().map(|viewport| viewport.place[1]).min().unwrap_or(0);
+        let mut outputs = 0;
+        for (number, viewport) in node.viewports.iter().enumerate() {
+            let name = format!("viewport-{}", number + 1);
+            let Some(keys) = sgct_output(viewport, &name, notes) else { continue };
+            let [x, y, width, height] = viewport.place;
+            let _ = write!(
+                text,
+                "\n[[output]]\nname = \"{name}\"\nsize = [{width}, {height}]\nwindow = [{}, {}, {width}, {height}]\n{keys}",
+                x - left,
+                y - top
+            );
+            outputs += 1;
+        }
+        if outputs == 0 {
+            notes.push(format!("{from}: nothing of the computer {:?} can be shown", node.address));
+            continue;
+        }
+        let file =
+            if config.nodes.len() == 1 { path.to_owned() } else { file_beside(path, index, &node.address, "toml") };
+        save(&file, text.as_bytes())?;
+        written.push(Written::rig(file, outputs));
+    }
+    match written.is_empty() {
+        true => Err(Failure::usage(format!("{from}: {}", notes.join("; ")))),
+        false => Ok(written),
+    }
+}
+
+/// The keys of a viewport's output; `None` for what has no counterpart.
+fn sgct_output(viewport: &sgct::Viewport, name: &str, notes: &mut Vec<String>) -> Option<String> {
+    let mut keys = match &viewport.projection {
+        sgct::Projection::Fisheye { aperture, tilt } => {
+            format!("kind = \"domemaster\"\naperture = {:?}\ntilt = {:?}\n", aperture.to_degrees(), tilt.to_degrees())
+        }
+        sgct::Projection::Planar { rotation, frustum } => {
+            let [yaw, pitch, roll] = pose::angles(rotation).map(|angle| tidy(angle.to_degrees()));
+            let Frustum { left, right, bottom, top } = *frustum;
+            let [left, right, bottom, top] = [left, right, bottom, top].map(|side| tidy(side.atan().to_degrees()));
+            format!(
+                "kind = \"perspective\"\nyaw = {yaw:?}\npitch = {pitch:?}\nroll = {roll:?}\n\
+                 angles = {{ left = {left:?}, right = {right:?}, bottom = {bottom:?}, top = {top:?} }}\n"
+            )
+        }
+        sgct::Projection::Other(kind) => {
+            notes.push(format!("{name}: {kind} is left out"));
+            return None;
+        }
+    };
+    if let Some(mask) = &viewport.mask {
+        let _ = writeln!(keys, "mask = {{ image = {} }}", quoted(mask));
+    }
+    if let Some(mesh) = &viewport.mesh {
+        notes.push(format!("{name}: the mesh {mesh} is left out; convert it, and make the output kind = \"mesh\""));
+    }
+    match viewport.eye {
+        Some(sgct::Eye::Left) => keys.push_str("eye = -0.0325\n"),
+        Some(sgct::Eye::Right) => keys.push_str("eye = 0.0325\n"),
+        None => {}
+    }
+    Some(keys)
+}
+
+/// Without the last digits, which are rounding.
+fn tidy(number: f64) -> f64 {
+    (number * 1e9).round() / 1e9 + 0.0
+}
+
+fn heading(from: &str) -> String {
+    let name = Path::new(from).file_name().unwrap_or_default().to_string_lossy().replace(char::is_control, "");
+    format!("# Made of {name} by `cupola convert`.\n")
+}
+
+/// Text as TOML has it.
+fn quoted(text: &str) -> String {
+    let mut quoted = String::from("\"");
+    for character in text.chars() {
+        match character {
+            '"' | '\\' => quoted.extend(['\\', character]),
+            _ if character.is_control() => drop(write!(quoted, "\\u{:04X}", u32::from(character))),
+            _ => quoted.push(character),
+        }
+    }
+    quoted.push('"');
+    quoted
+}
+
+/// A name out of a file as rigs allow it.
+fn harmless(name: &str) -> String {
+    let kept: String =
+        name.chars().map(|c| if c.is_ascii_alphanumeric() || "-_.".contains(c) { c } else { '-' }).collect();
+    kept.trim_start_matches(['-', '.']).chars().take(64).collect()
+}
+
+fn file_name(path: &Path) -> String {
+    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+/// The mean distance of a map's points from the origin.
+fn mean_distance(map: &Raster) -> Option<f64> {
+    let distances = map.values().iter().map(|value| DVec3::from_array(value.map(f64::from)).length());
+    let (sum, count) = distances.filter(|distance| distance.is_finite()).fold((0.0, 0.0), |(s, n), d| (s + d, n + 1.0));
+    (count > 0.0 && sum > 0.0).then(|| sum / count)
+}
+
+/// Factors on displayed values as a picture of weights in linear light.
+fn mask_picture(channel: &Channel, weights: &[f32]) -> Result<Vec<u8>, Failure> {
+    let light = |weight: &f32| (decode(f64::from(*weight), channel.gamma).min(1.0) * 65535.0).round() as u16;
+    let (width, height) = channel.size;
+    let picture =
+        image::ImageBuffer::<image::Luma<u16>, _>::from_raw(width, height, weights.iter().map(light).collect());
+    let picture: image::ImageBuffer<image::Luma<u16>, Vec<u16>> =
+        picture.ok_or_else(|| Failure::new("an output has no pixels"))?;
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    let written = picture.write_to(&mut bytes, image::ImageFormat::Png);
+    written.map_err(|error| Failure::new(format!("a mask cannot be packed: {error}")))?;
+    Ok(bytes.into_inner())
+}

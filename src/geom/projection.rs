@@ -1,0 +1,136 @@
+//! How fisheye lenses put angles into a picture: the published projections, polynomials, and measured curves.
+
+use super::Curve;
+use glam::{DVec2, DVec3};
+use std::f64::consts::{PI, TAU};
+use std::sync::Arc;
+
+/// A fisheye lens.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FisheyeLens {
+    /// How the radius grows with the angle.
+    pub projection: Projection,
+    /// Whole opening angle, radians; the circle's rim lies at half of it.
+    pub aperture: f64,
+}
+
+/// How the radius of a fisheye's picture grows with the angle θ from its axis (scale apart: the rim has radius 1).
+#[derive(Clone, Debug, PartialEq)]
+pub enum Projection {
+    /// θ.
+    Equidistant,
+    /// sin(θ/2): equal areas.
+    Equisolid,
+    /// tan(θ/2): equal angles.
+    Stereographic,
+    /// sin θ.
+    Orthographic,
+    /// f₁θ + f₃θ³ + f₅θ⁵ + f₇θ⁷, growing over the whole aperture.
+    Polynomial([f64; 4]),
+    /// A measured curve of radius over angle, from its first node to its last.
+    Measured(Arc<Curve>),
+}
+
+/// Steps of an iteration that doubles its digits, with room to spare, and of one that only halves.
+const STEPS: usize = 60;
+
+impl Projection {
+    /// The greatest aperture that the projection has a picture for, radians.
+    pub fn widest(&self) -> f64 {
+        match self {
+            Self::Orthographic => PI,
+            // At 360° the rim would be infinitely far away.
+            Self::Stereographic => TAU * 350.0 / 360.0,
+            Self::Measured(curve) => (2.0 * curve.end()).min(TAU),
+            _ => TAU,
+        }
+    }
+
+    /// The radius at an angle, in the projection's own scale, and its derivative.
+    fn radius(&self, angle: f64) -> (f64, f64) {
+        let half = 0.5 * angle;
+        match self {
+            Self::Equidistant => (angle, 1.0),
+            Self::Equisolid => (half.sin(), 0.5 * half.cos()),
+            Self::Stereographic => (half.tan(), 0.5 / (half.cos() * half.cos())),
+            Self::Orthographic => (angle.sin(), angle.cos()),
+            Self::Measured(curve) => curve.at(angle),
+            Self::Polynomial([f1, f3, f5, f7]) => {
+                let s = angle * angle;
+                let value = angle * (f1 + s * (f3 + s * (f5 + s * f7)));
+                (value, f1 + s * (3.0 * f3 + s * (5.0 * f5 + s * 7.0 * f7)))
+            }
+        }
+    }
+
+    /// The angle at a radius in the projection's own scale; `limit` is the greatest angle.
+    fn angle(&self, radius: f64, limit: f64) -> f64 {
+        match self {
+            Self::Equidistant => radius,
+            Self::Equisolid => 2.0 * radius.min(1.0).asin(),
+            Self::Stereographic => 2.0 * radius.atan(),
+            Self::Orthographic => radius.min(1.0).asin(),
+            Self::Polynomial(_) | Self::Measured(_) => {
+                // Newton's method within a bracket that halves where it would leave it.
+                let (mut low, mut high) = (0.0, limit);
+                let mut angle = 0.5 * limit;
+                for _ in 0..STEPS {
+                    let (value, slope) = self.radius(angle);
+                    if value < radius {
+                        low = angle
+                    } else {
+                        high = angle
+                    }
+                    let next = angle - (value - radius) / slope;
+                    let next = if next > low && next < high { next } else { 0.5 * (low + high) };
+                    if next == angle {
+                        break;
+                    }
+                    angle = next;
+                }
+                angle
+            }
+        }
+    }
+}
+
+impl FisheyeLens {
+    /// Whether the radius grows over the whole aperture, so that the lens has an inverse.
+    pub fn is_monotone(&self) -> bool {
+        const SAMPLES: u32 = 4096;
+        let slope = |i: u32| self.projection.radius(0.5 * self.aperture * f64::from(i) / f64::from(SAMPLES)).1;
+        (0..SAMPLES).all(|i| slope(i) > 0.0)
+    }
+
+    /// The angle from the axis at a radius (1 = rim), radians.
+    pub fn angle(&self, radius: f64) -> f64 {
+        let limit = 0.5 * self.aperture;
+        self.projection.angle(radius * self.projection.radius(limit).0, limit)
+    }
+
+    /// How fast the angle grows there, radians per radius of the circle.
+    pub fn slope(&self, radius: f64) -> f64 {
+        self.projection.radius(0.5 * self.aperture).0 / self.projection.radius(self.angle(radius)).1
+    }
+
+    /// The unit ray at a point of the unit disc; `None` outside of it and for NaN.
+    pub fn direction(&self, point: DVec2) -> Option<DVec3> {
+        let radius = point.length();
+        if radius.is_nan() || radius > 1.0 {
+            return None;
+        }
+        let (sine, cosine) = self.angle(radius).sin_cos();
+        let across = if radius > 0.0 { point * (sine / radius) } else { DVec2::ZERO };
+        Some(across.extend(-cosine))
+    }
+
+    /// The point of the unit disc that shows a direction of any length; `None` beyond the aperture. The
+    /// antipode of the axis is put on the right.
+    pub fn point(&self, direction: DVec3) -> Option<DVec2> {
+        let across = direction.truncate();
+        let angle = across.length().atan2(-direction.z);
+        let limit = 0.5 * self.aperture;
+        let radius = self.projection.radius(angle).0 / self.projection.radius(limit).0;
+        (angle <= limit).then(|| across.try_normalize().unwrap_or(DVec2::X) * radius)
+    }
+}

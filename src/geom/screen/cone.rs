@@ -1,0 +1,87 @@
+//! Cylinders and cones.
+
+use super::region::within;
+use super::{Hit, Rim, Surface, inset, unit};
+use glam::DVec3;
+use std::f64::consts::TAU;
+
+/// A part of the wall of a cone or cylinder around the y axis, lit from inside.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cone {
+    /// Height (y) of the bottom and of the top rim, metres; bottom < top.
+    pub heights: [f64; 2],
+    /// Radius at the bottom and at the top rim, metres, ≥ 0 and not both 0; equal for a cylinder.
+    pub radii: [f64; 2],
+    /// From … to around the axis, radians, as [`super::Region::azimuth`].
+    pub azimuth: Option<[f64; 2]>,
+}
+
+impl Cone {
+    /// How the radius grows with the height.
+    fn slope(&self) -> f64 {
+        (self.radii[1] - self.radii[0]) / (self.heights[1] - self.heights[0])
+    }
+
+    fn radius_at(&self, height: f64) -> f64 {
+        self.radii[0] + self.slope() * (height - self.heights[0])
+    }
+}
+
+impl Surface for Cone {
+    fn hit(&self, origin: DVec3, direction: DVec3) -> Option<Hit> {
+        self.unbounded_hit(origin, direction).filter(|hit| {
+            let [bottom, top] = self.heights;
+            let between = hit.point.y >= bottom && hit.point.y <= top;
+            between && self.azimuth.is_none_or(|range| within(hit.point, range))
+        })
+    }
+
+    /// Where the ray leaves the cone's inside: with the distance t, `A·t² + 2B·t + C` is the squared distance from
+    /// the axis less the squared radius, and it grows at the root `(−B + √(B² − AC))/A` alone.
+    fn unbounded_hit(&self, origin: DVec3, direction: DVec3) -> Option<Hit> {
+        let direction = unit(direction)?;
+        let slope = self.slope();
+        // From the ray's point next to the middle, so that nothing large cancels.
+        let middle = DVec3::new(0.0, 0.5 * (self.heights[0] + self.heights[1]), 0.0);
+        let skipped = (middle - origin).dot(direction);
+        let start = origin + direction * skipped;
+        let radius = self.radius_at(start.y);
+        let a = direction.x * direction.x + direction.z * direction.z - slope * slope * direction.y * direction.y;
+        let b = start.x * direction.x + start.z * direction.z - slope * radius * direction.y;
+        let c = start.x * start.x + start.z * start.z - radius * radius;
+        let discriminant = b * b - a * c;
+        if discriminant.is_nan() || discriminant < 0.0 {
+            return None;
+        }
+        let root = discriminant.sqrt();
+        // The same root in the form that does not cancel.
+        let distance = if b <= 0.0 { (root - b) / a } else { -c / (b + root) };
+        let point = start + direction * distance;
+        let radius = self.radius_at(point.y);
+        // Of the two halves of a double cone only the one with a positive radius is there.
+        let ahead = distance.is_finite() && distance + skipped > 0.0 && radius >= 0.0;
+        let outward = DVec3::new(point.x, -slope * radius, point.z);
+        ahead.then(|| Hit { point, normal: -outward.normalize_or(DVec3::Y) })
+    }
+
+    fn rims(&self) -> Vec<Rim<'_>> {
+        let at = |height: f64, azimuth: f64| {
+            let radius = self.radius_at(height);
+            DVec3::new(azimuth.sin() * radius, height, -azimuth.cos() * radius)
+        };
+        let (bottom, top) = inset(self.heights[0], self.heights[1]);
+        let (first, last) = self.azimuth.map_or((0.0, TAU), |[from, to]| inset(from, to));
+        let circle = |height: f64| -> Rim<'_> { Box::new(move |part| at(height, first + part * (last - first))) };
+        let side = |azimuth: f64| -> Rim<'_> { Box::new(move |part| at(bottom + part * (top - bottom), azimuth)) };
+        let mut rims = vec![circle(bottom), circle(top)];
+        if self.azimuth.is_some() {
+            rims.extend([side(first), side(last)]);
+        }
+        rims
+    }
+
+    fn size(&self) -> f64 {
+        let half_height = 0.5 * (self.heights[1] - self.heights[0]);
+        self.radii[0].max(self.radii[1]).max(half_height)
+    }
+}

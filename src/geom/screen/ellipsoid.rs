@@ -1,0 +1,43 @@
+//! Spheres and ellipsoids.
+
+use super::{Hit, Region, Rim, Surface};
+use crate::geom::Sphere;
+use glam::DVec3;
+
+/// A part of an ellipsoid around the origin, lit from inside: the far hit of a ray, from outside too (the near wall
+/// is where the light comes in).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ellipsoid {
+    /// Half axes along x, y, z, metres, > 0.
+    pub radii: DVec3,
+    /// The part that is screen.
+    pub region: Region,
+}
+
+impl Surface for Ellipsoid {
+    fn hit(&self, origin: DVec3, direction: DVec3) -> Option<Hit> {
+        self.unbounded_hit(origin, direction).filter(|hit| self.region.contains(hit.point))
+    }
+
+    fn unbounded_hit(&self, origin: DVec3, direction: DVec3) -> Option<Hit> {
+        // Divided by its half axes it is the unit sphere, and a line stays a line.
+        let unit = Sphere { center: DVec3::ZERO, radius: 1.0 };
+        let on_unit = unit.far_hit(origin / self.radii, direction / self.radii)?;
+        Some(Hit { point: on_unit * self.radii, normal: -(on_unit / self.radii).normalize() })
+    }
+
+    fn rims(&self) -> Vec<Rim<'_>> {
+        let mut rims: Vec<Rim<'_>> = Vec::new();
+        for direction in self.region.rims() {
+            rims.push(Box::new(move |part| {
+                let towards = direction(part);
+                towards / (towards / self.radii).length()
+            }));
+        }
+        rims
+    }
+
+    fn size(&self) -> f64 {
+        self.radii.max_element()
+    }
+}

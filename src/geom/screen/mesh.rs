@@ -1,0 +1,239 @@
+//! Screens of triangles, which may hide parts of themselves.
+//!
+//! A tree of boxes finds the first triangle on a ray. It is own code: crates for it either compute in f32 or
+//! bring another linear algebra along, and it is a hundred lines.
+
+use super::{Hit, INSET, Rim, Surface, unit};
+use glam::DVec3;
+use std::collections::HashMap;
+
+/// Greatest number of triangles of a screen.
+pub const MOST_TRIANGLES: usize = 1 << 22;
+
+/// The corners of a triangle, counter-clockwise as seen from its front.
+pub type Triangle = [DVec3; 3];
+
+/// Which side of its triangles is screen. The other side stops light and shows nothing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Faces {
+    /// The side from which corners run counter-clockwise.
+    Front,
+    /// The other side.
+    Back,
+    /// Either.
+    Both,
+}
+
+/// A screen of triangles. Light stops at the first triangle on its way, whichever side that shows.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mesh {
+    triangles: Vec<Triangle>,
+    nodes: Vec<Node>,
+    faces: Faces,
+    size: f64,
+}
+
+/// A box and what is in it: `count` triangles from `first`, or if that is 0 two nodes, the next one and number `first`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Node {
+    low: DVec3,
+    high: DVec3,
+    first: u32,
+    count: u32,
+}
+
+/// Most triangles in a leaf: testing so many costs about what another box does.
+const LEAF: usize = 4;
+/// Boxes are larger than their content by this part of the mesh, more than rounding can move a hit.
+const PADDING: f64 = 1e-12;
+/// Deepest tree: halving [`MOST_TRIANGLES`] takes 22 steps.
+const DEEPEST: usize = 64;
+
+impl Mesh {
+    /// A screen of `triangles`; those without area are left out. `None` without any, with more than
+    /// [`MOST_TRIANGLES`], or with corners that are not finite.
+    pub fn new(triangles: Vec<Triangle>, faces: Faces) -> Option<Self> {
+        let few = triangles.len() <= MOST_TRIANGLES;
+        let finite = triangles.iter().flatten().all(|corner| corner.is_finite());
+        let mut triangles = triangles;
+        triangles.retain(|[a, b, c]| (b - a).cross(c - a) != DVec3::ZERO);
+        if !few || !finite || triangles.is_empty() {
+            return None;
+        }
+        let (low, high) = bounds(&triangles);
+        let size = 0.5 * (high - low).max_element();
+        let mut nodes = Vec::with_capacity(triangles.len());
+        build(&mut triangles, 0, PADDING * size, &mut nodes);
+        Some(Self { triangles, nodes, faces, size })
+    }
+
+    /// The triangles, in no particular order.
+    pub fn triangles(&self) -> &[Triangle] {
+        &self.triangles
+    }
+
+    /// Which side is screen.
+    pub fn faces(&self) -> Faces {
+        self.faces
+    }
+
+    /// The nearest triangle on a ray, the distance and the point.
+    fn first_on(&self, ray: &Ray) -> Option<(&Triangle, DVec3)> {
+        let mut nearest = f64::INFINITY;
+        let mut found = None;
+        let mut stack = [0u32; DEEPEST];
+        let mut waiting = 1;
+        while waiting > 0 {
+            waiting -= 1;
+            let index = stack[waiting];
+            let node = &self.nodes[index as usize];
+            if !ray.meets(node, nearest) {
+                continue;
+            }
+            if node.count == 0 && waiting + 2 <= DEEPEST {
+                (stack[waiting], stack[waiting + 1]) = (node.first, index + 1);
+                waiting += 2;
+            }
+            let first = node.first as usize;
+            for triangle in self.triangles.iter().skip(first).take(node.count as usize) {
+                if let Some((distance, point)) = ray.meet(triangle).filter(|(distance, _)| *distance < nearest) {
+                    nearest = distance;
+                    found = Some((triangle, point));
+                }
+            }
+        }
+        found
+    }
+}
+
+impl Surface for Mesh {
+    fn hit(&self, origin: DVec3, direction: DVec3) -> Option<Hit> {
+        let direction = unit(direction).filter(|_| origin.is_finite())?;
+        let ([a, b, c], point) = self.first_on(&Ray::new(origin, direction))?;
+        let normal = (b - a).cross(c - a).normalize_or(-direction);
+        let front = normal.dot(direction) < 0.0;
+        let lit = match self.faces {
+            Faces::Front => front,
+            Faces::Back => !front,
+            Faces::Both => true,
+        };
+        lit.then_some(Hit { point, normal: if front { normal } else { -normal } })
+    }
+
+    fn unbounded_hit(&self, origin: DVec3, direction: DVec3) -> Option<Hit> {
+        self.hit(origin, direction)
+    }
+
+    /// The edges that belong to one triangle alone.
+    fn rims(&self) -> Vec<Rim<'_>> {
+        let bits = |corner: DVec3| corner.to_array().map(f64::to_bits);
+        let mut edges: HashMap<[[u64; 3]; 2], (u32, [DVec3; 2])> = HashMap::new();
+        for corners in &self.triangles {
+            let center = (corners[0] + corners[1] + corners[2]) / 3.0;
+            for side in 0..3 {
+                let (from, to) = (corners[side], corners[(side + 1) % 3]);
+                let mut key = [bits(from), bits(to)];
+                key.sort_unstable();
+                let within = [from, to].map(|end| end.lerp(center, INSET));
+                edges.entry(key).or_insert((0, within)).0 += 1;
+            }
+        }
+        let alone = edges.into_values().filter(|(triangles, _)| *triangles == 1);
+        alone.map(|(_, [from, to])| -> Rim<'_> { Box::new(move |part| from.lerp(to, part)) }).collect()
+    }
+
+    fn size(&self) -> f64 {
+        self.size
+    }
+}
+
+fn bounds(triangles: &[Triangle]) -> (DVec3, DVec3) {
+    triangles
+        .iter()
+        .flatten()
+        .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), corner| (low.min(*corner), high.max(*corner)))
+}
+
+/// Orders `triangles`, of which the mesh has `before` in front of them, into a tree, halving them along the longest side.
+fn build(triangles: &mut [Triangle], before: usize, padding: f64, nodes: &mut Vec<Node>) {
+    let (low, high) = bounds(triangles);
+    let (low, high) = (low - padding, high + padding);
+    let own = nodes.len();
+    let count = if triangles.len() <= LEAF { triangles.len() as u32 } else { 0 };
+    nodes.push(Node { low, high, first: before as u32, count });
+    if count > 0 {
+        return;
+    }
+    let sides = high - low;
+    let axis = (0..3).max_by(|&a, &b| sides[a].total_cmp(&sides[b])).unwrap_or(0);
+    let place = |triangle: &Triangle| triangle.iter().map(|corner| corner[axis]).sum::<f64>();
+    let half = triangles.len() / 2;
+    triangles.select_nth_unstable_by(half, |a, b| place(a).total_cmp(&place(b)));
+    let (left, right) = triangles.split_at_mut(half);
+    build(left, before, padding, nodes);
+    nodes[own].first = nodes.len() as u32;
+    build(right, before + half, padding, nodes);
+}
+
+/// A ray, prepared for the test of Woop, Benthin and Wald (*Watertight Ray/Triangle Intersection*, 2013): space
+/// is sheared so that the ray is its longest axis, and edges that triangles share are judged by the same numbers.
+struct Ray {
+    origin: DVec3,
+    inverse: DVec3,
+    /// The axes of space in the order in which the ray's longest is last.
+    axes: [usize; 3],
+    shear: DVec3,
+}
+
+impl Ray {
+    fn new(origin: DVec3, direction: DVec3) -> Self {
+        let size = direction.abs();
+        let z = (0..3).max_by(|&a, &b| size[a].total_cmp(&size[b])).unwrap_or(2);
+        let (x, y) = ((z + 1) % 3, (z + 2) % 3);
+        let shear = DVec3::new(direction[x] / direction[z], direction[y] / direction[z], 1.0 / direction[z]);
+        Self { origin, inverse: direction.recip(), axes: [x, y, z], shear }
+    }
+
+    /// Whether the ray goes through a box before the distance `nearest`.
+    fn meets(&self, node: &Node, nearest: f64) -> bool {
+        // An axis along which the ray does not move gives ±∞, or NaN on a side itself, which min and max pass over.
+        let (to_low, to_high) = ((node.low - self.origin) * self.inverse, (node.high - self.origin) * self.inverse);
+        let sides = |axis: usize| (to_low[axis].min(to_high[axis]), to_low[axis].max(to_high[axis]));
+        let (mut enter, mut leave) = (0.0f64, nearest);
+        for axis in 0..3 {
+            let (near, far) = sides(axis);
+            (enter, leave) = (enter.max(near), leave.min(far));
+        }
+        enter <= leave
+    }
+
+    /// Distance and point of the meeting with a triangle.
+    fn meet(&self, triangle: &Triangle) -> Option<(f64, DVec3)> {
+        let [x, y, z] = self.axes;
+        let sheared = triangle.map(|corner| {
+            let p = corner - self.origin;
+            DVec3::new(p[x] - self.shear.x * p[z], p[y] - self.shear.y * p[z], self.shear.z * p[z])
+        });
+        let [a, b, c] = sheared;
+        let parts = [c.x * b.y - c.y * b.x, a.x * c.y - a.y * c.x, b.x * a.y - b.y * a.x];
+        let inside = parts.iter().all(|part| *part >= 0.0) || parts.iter().all(|part| *part <= 0.0);
+        let sum: f64 = parts.iter().sum();
+        if !inside || sum == 0.0 {
+            return None;
+        }
+        let share = parts.map(|part| part / sum);
+        let distance = share[0] * a.z + share[1] * b.z + share[2] * c.z;
+        let [p, q, r] = triangle;
+        (distance > 0.0).then(|| (distance, *p * share[0] + *q * share[1] + *r * share[2]))
+    }
+}
+
+/// What [`Mesh::hit`] ought to find, by trying every triangle.
+#[cfg(test)]
+pub(super) fn by_every_triangle(mesh: &Mesh, origin: DVec3, direction: DVec3) -> Option<DVec3> {
+    let ray = Ray::new(origin, direction);
+    let met = mesh.triangles.iter().filter_map(|triangle| Some((ray.meet(triangle)?, triangle)));
+    let ((_, point), [a, b, c]) = met.min_by(|a, b| a.0.0.total_cmp(&b.0.0))?;
+    let front = (b - a).cross(c - a).dot(direction) < 0.0;
+    (front == (mesh.faces != Faces::Back) || mesh.faces == Faces::Both).then_some(point)
+}

@@ -1,0 +1,137 @@
+//! Screens: what projectors light, and what a viewer looks at.
+//!
+//! Every shape has axes of its own (+y along its pole or axis, −z its front) and answers one question through
+//! [`Surface`]: where does a ray light it? All is f64 and exact but for rounding; hits are off by about 1e-15
+//! times (1 + distance of the origin / size). The one f32 step comes later, when a table of directions is
+//! written: 6e-8 of the distance from the middle of what an output shows.
+
+mod cone;
+mod ellipsoid;
+mod mesh;
+mod plane;
+mod region;
+
+pub use cone::Cone;
+pub use ellipsoid::Ellipsoid;
+pub use mesh::{Faces, MOST_TRIANGLES, Mesh, Triangle};
+pub use plane::Plane;
+pub use region::Region;
+
+use super::Pose;
+use glam::DVec3;
+use std::sync::Arc;
+
+/// Where a ray ends on a screen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// The point.
+    pub point: DVec3,
+    /// Unit normal of the screen there, on the side that is lit.
+    pub normal: DVec3,
+}
+
+/// A line along the rim of a screen: 0…1 → point.
+pub type Rim<'a> = Box<dyn Fn(f64) -> DVec3 + 'a>;
+
+/// How far within the screen a rim's line runs, as a part of the extent: found again along a ray, its points must not
+/// be off the screen by rounding.
+const INSET: f64 = 1e-9;
+
+/// A surface in axes of its own.
+pub trait Surface {
+    /// Where the ray from `origin` along `direction` (any length but 0) lights the screen; `None` where it does not,
+    /// and for directions that are zero or not finite.
+    fn hit(&self, origin: DVec3, direction: DVec3) -> Option<Hit>;
+
+    /// The same on the surface of which the screen is a part: not cut at the screen's rim. Where the shape has no
+    /// such continuation, as [`Self::hit`].
+    fn unbounded_hit(&self, origin: DVec3, direction: DVec3) -> Option<Hit>;
+
+    /// Lines along which the screen ends, just within it.
+    fn rims(&self) -> Vec<Rim<'_>>;
+
+    /// A length for tolerances: about half the greatest extent of the screen, > 0.
+    fn size(&self) -> f64;
+}
+
+/// The shape of a screen.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Shape {
+    /// A part of a sphere or an ellipsoid, lit from inside.
+    Ellipsoid(Ellipsoid),
+    /// A part of a cylinder or a cone, lit from inside.
+    Cone(Cone),
+    /// A flat rectangle, lit from either side.
+    Plane(Plane),
+    /// Triangles.
+    Mesh(Arc<Mesh>),
+}
+
+/// A screen somewhere in the dome's axes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Screen {
+    /// The shape's own axes → dome axes.
+    pub pose: Pose,
+    /// What it is.
+    pub shape: Shape,
+}
+
+impl Screen {
+    fn surface(&self) -> &dyn Surface {
+        match &self.shape {
+            Shape::Ellipsoid(ellipsoid) => ellipsoid,
+            Shape::Cone(cone) => cone,
+            Shape::Plane(plane) => plane,
+            Shape::Mesh(mesh) => mesh.as_ref(),
+        }
+    }
+
+    fn to_dome(&self, hit: Hit) -> Hit {
+        Hit { point: self.pose.point_to_parent(hit.point), normal: self.pose.direction_to_parent(hit.normal) }
+    }
+
+    /// [`Surface::hit`] in dome axes.
+    pub fn hit(&self, origin: DVec3, direction: DVec3) -> Option<Hit> {
+        let (origin, direction) = (self.pose.point_to_local(origin), self.pose.direction_to_local(direction));
+        self.surface().hit(origin, direction).map(|hit| self.to_dome(hit))
+    }
+
+    /// [`Surface::unbounded_hit`] in dome axes.
+    pub fn unbounded_hit(&self, origin: DVec3, direction: DVec3) -> Option<Hit> {
+        let (origin, direction) = (self.pose.point_to_local(origin), self.pose.direction_to_local(direction));
+        self.surface().unbounded_hit(origin, direction).map(|hit| self.to_dome(hit))
+    }
+
+    /// [`Surface::rims`] in dome axes.
+    pub fn rims(&self) -> Vec<Rim<'_>> {
+        let mut rims: Vec<Rim<'_>> = Vec::new();
+        for rim in self.surface().rims() {
+            rims.push(Box::new(move |part| self.pose.point_to_parent(rim(part))));
+        }
+        rims
+    }
+
+    /// [`Surface::size`], metres.
+    pub fn size(&self) -> f64 {
+        self.surface().size()
+    }
+
+    /// Whether the screen is smooth between its rims, so that what it shows changes smoothly across a picture.
+    pub fn is_smooth(&self) -> bool {
+        !matches!(self.shape, Shape::Mesh(_))
+    }
+}
+
+/// `from` and `to`, both moved inwards by the rims' inset.
+fn inset(from: f64, to: f64) -> (f64, f64) {
+    (from + INSET * (to - from), to - INSET * (to - from))
+}
+
+/// `direction` scaled to unit length; `None` for zero and what is not finite.
+fn unit(direction: DVec3) -> Option<DVec3> {
+    let scale = direction.abs().max_element();
+    (scale > 0.0 && scale.is_finite()).then(|| (direction / scale).normalize())
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,511 @@
+//! Scenes that a program draws off screen and then shows: each view gets a picture of its own.
+//!
+//! What the program's framebuffers get, sample and are copied to is remembered by their [`images`]. From the
+//! next frame on each image that lies between a scene and the window ([`passes`]) has a *twin* with a
+//! cell for each view, and framebuffers of ours with twins stand for the program's ([`framebuffers`]),
+//! so that draws of the scene change no framebuffer. Cells have the size of the program's own
+//! images: what it believes about them (size, texel, viewport) stays true. Before a flat draw that samples such an
+//! image ([`sampling`]) is issued to a view, the view's cell is copied into the program's own: filter, wrapping
+//! and sampler objects hold without being followed.
+//!
+//! [`shown`] brings the pictures into the window's views, [`copies`] does for `glBlitFramebuffer` and its
+//! relatives what draws do, [`coverage`] tells the picture from a map in its corner.
+
+mod canvas;
+pub mod copies;
+mod coverage;
+mod framebuffers;
+mod images;
+mod passes;
+mod sampling;
+pub mod shown;
+mod status;
+
+pub use coverage::{Measure, measure};
+pub use sampling::bound as bound_texture;
+pub use status::status;
+
+use super::context::Context;
+use super::default_framebuffer::{drop_errors, take_error, take_own_errors};
+use super::draw::{Changes, Place, own_window_space};
+use crate::backend::gl::api::Gl;
+use crate::intercept::{log, settings};
+use crate::rig::Duplicate;
+use canvas::Canvas;
+use coverage::Coverage;
+use framebuffers::Framebuffer;
+use images::{Image, Name};
+use sampling::Set;
+use std::cell::Cell;
+
+/// What is known of the program's framebuffers.
+#[derive(Default)]
+pub struct Duplicates {
+    images: Vec<Image>,
+    framebuffers: Vec<Framebuffer>,
+    coverage: Coverage,
+    /// The twin of the program's draw framebuffer is bound in its place.
+    bound: bool,
+    /// Something was learnt in this frame.
+    learnt: bool,
+    /// Twins have one more cell, which is drawn with the program's own lens: it reads its pictures back.
+    own_picture: bool,
+    /// Canvases for copies to another size, each of another size or format.
+    canvases: Vec<Canvas>,
+    /// What was shown last.
+    shown: shown::Shown,
+    /// Off-screen draws that were issued once per view.
+    pub draws: u64,
+}
+
+impl Duplicates {
+    /// Whether any image of the program's is followed.
+    pub fn any(&self) -> bool {
+        !self.images.is_empty()
+    }
+
+    fn image(&self, name: Name) -> Option<&Image> {
+        self.images.iter().find(|image| image.name == name)
+    }
+
+    fn image_mut(&mut self, name: Name) -> Option<&mut Image> {
+        self.images.iter_mut().find(|image| image.name == name)
+    }
+
+    fn position(&self, framebuffer: u32) -> Option<usize> {
+        self.framebuffers.iter().position(|f| f.name == framebuffer)
+    }
+
+    /// Any of the colours of a framebuffer is to be drawn once per view.
+    fn is_duplicated(&self, framebuffer: &Framebuffer) -> bool {
+        framebuffer.known
+            && framebuffer.single.is_none()
+            && framebuffer.colours().any(|name| self.image(name).is_some_and(|image| image.twin.is_some()))
+    }
+
+    /// The images of a framebuffer, as a set.
+    fn attached(&self, index: usize) -> Set {
+        let mut set = 0;
+        for (i, image) in self.images.iter().enumerate().take(64) {
+            set |= Set::from(self.framebuffers[index].attachments.contains(&Some(image.name))) << i;
+        }
+        set
+    }
+
+    /// A framebuffer was drawn to.
+    fn changed(&mut self, index: usize) {
+        for name in self.framebuffers[index].attachments.into_iter().flatten() {
+            if let Some(image) = self.images.iter_mut().find(|image| image.name == name) {
+                image.changed();
+            }
+        }
+    }
+}
+
+/// What the user asked for.
+fn wish() -> Duplicate {
+    settings::settings().map_or(Duplicate::Never, |settings| settings.rig.views.duplicate)
+}
+
+/// Whether there is anything to do: views of ours, which are not the program's own picture.
+fn possible(ctx: &Context) -> bool {
+    wish() != Duplicate::Never && ctx.target.as_ref().is_some_and(|t| t.session.views().iter().any(|v| !v.program_lens))
+}
+
+/// How many views there are.
+fn views(ctx: &Context) -> usize {
+    ctx.target.as_ref().map_or(0, |target| target.session.views().len())
+}
+
+/// How many cells twins have.
+fn cells(ctx: &Context) -> usize {
+    views(ctx) + usize::from(ctx.duplicates.own_picture)
+}
+
+/// The cell that is the program's own picture, or nearest to it: that of the view ahead.
+fn own_cell(ctx: &Context) -> usize {
+    let ahead = || ctx.target.as_ref().map_or(0, |target| target.session.ahead());
+    if ctx.duplicates.own_picture { views(ctx) } else { ahead() }
+}
+
+/// The program's draw framebuffer is bound itself again, for calls that name its binding.
+pub fn leave(ctx: &mut Context) {
+    if std::mem::take(&mut ctx.duplicates.bound) {
+        // SAFETY: what the program bound.
+        unsafe { ctx.gl.bind_framebuffer(crate::backend::gl::api::GL_DRAW_FRAMEBUFFER, ctx.believed.draw_framebuffer) };
+        ctx.restore_window_space();
+    }
+}
+
+/// The binding changed: nothing of ours stands in its place.
+pub fn rebound(ctx: &mut Context) -> bool {
+    std::mem::take(&mut ctx.duplicates.bound)
+}
+
+/// Attachments or draw buffers of a framebuffer change: they are asked for again.
+pub fn forget(ctx: &mut Context, name: u32) {
+    let Some(index) = ctx.duplicates.position(name) else { return };
+    if ctx.believed.draw_framebuffer == name {
+        leave(ctx);
+    }
+    let framebuffer = &mut ctx.duplicates.framebuffers[index];
+    framebuffer.known = false;
+    framebuffer.destroy_twin(ctx.gl);
+}
+
+/// A framebuffer was deleted: its name is free.
+pub fn delete(ctx: &mut Context, name: u32) {
+    forget(ctx, name);
+    ctx.duplicates.framebuffers.retain(|framebuffer| framebuffer.name != name);
+}
+
+/// The images for which `which` holds were deleted or got another size or format: they are new ones.
+fn forget_images(ctx: &mut Context, which: impl Fn(&Image) -> bool) {
+    while let Some(index) = ctx.duplicates.images.iter().position(&which) {
+        leave(ctx);
+        let mut image = ctx.duplicates.images.remove(index);
+        image.destroy_twin(ctx.gl);
+        for framebuffer in &mut ctx.duplicates.framebuffers {
+            if framebuffer.attachments.contains(&Some(image.name)) {
+                framebuffer.known = false;
+                framebuffer.destroy_twin(ctx.gl);
+            }
+        }
+        // They are known by their places in the list.
+        ctx.duplicates.coverage.clear(ctx.gl);
+    }
+}
+
+/// [`forget_images`] for a texture.
+pub fn forget_texture(ctx: &mut Context, texture: u32) {
+    forget_images(ctx, |image| image.is_texture(texture));
+}
+
+/// [`forget_images`] for a renderbuffer.
+pub fn forget_renderbuffer(ctx: &mut Context, renderbuffer: u32) {
+    forget_images(ctx, |image| image.name == Name::Renderbuffer(renderbuffer));
+}
+
+/// Whether a texture is followed that has this size and format already, so that nothing changes.
+pub fn is_alike(ctx: &Context, texture: u32, level: i32, size: [i32; 2]) -> bool {
+    let images = ctx.duplicates.images.iter();
+    let mut same = images.filter(|image| matches!(image.name, Name::Texture { level: own, .. } if own == level));
+    same.any(|image| image.is_texture(texture) && image.size == size)
+}
+
+/// The program put texels of its own into a texture: they are in every view.
+pub fn uploaded(ctx: &mut Context, texture: u32) {
+    if !ctx.duplicates.images.iter().any(|image| image.is_texture(texture) && image.twin.is_some()) {
+        return;
+    }
+    let count = cells(ctx);
+    without_scissor(ctx, |ctx| {
+        for image in ctx.duplicates.images.iter_mut().filter(|image| image.is_texture(texture)) {
+            for index in 0..count {
+                image.store(ctx.gl, index);
+            }
+        }
+    });
+}
+
+/// The program makes smaller pictures of a texture. `true`: they are made when it is sampled.
+pub fn mipmaps(ctx: &mut Context, texture: u32) -> bool {
+    let mut twin = false;
+    for image in ctx.duplicates.images.iter_mut().filter(|image| image.is_texture(texture)) {
+        image.mipmapped = true;
+        image.changed();
+        twin |= image.twin.is_some();
+    }
+    twin
+}
+
+/// The program is about to read a texture: it gets its own picture.
+pub fn before_reading_texture(ctx: &mut Context, texture: u32) {
+    before_reading(ctx, |image| image.is_texture(texture));
+}
+
+/// The program is about to read its read framebuffer: it gets its own picture.
+pub fn before_reading_framebuffer(ctx: &mut Context) {
+    let Some(index) = ctx.duplicates.position(ctx.believed.read_framebuffer) else { return };
+    let attachments = ctx.duplicates.framebuffers[index].attachments;
+    before_reading(ctx, |image| attachments.contains(&Some(image.name)));
+}
+
+fn before_reading(ctx: &mut Context, which: impl Fn(&Image) -> bool) {
+    let mut set = 0;
+    for (i, image) in ctx.duplicates.images.iter_mut().enumerate().take(64).filter(|(_, image)| which(image)) {
+        ctx.duplicates.learnt |= !image.read_back;
+        image.read_back = true;
+        set |= 1 << i;
+    }
+    supply(ctx, set, own_cell(ctx));
+}
+
+/// The views changed: all is learnt anew.
+pub fn clear(ctx: &mut Context) {
+    leave(ctx);
+    let gl = ctx.gl;
+    for mut framebuffer in std::mem::take(&mut ctx.duplicates.framebuffers) {
+        framebuffer.destroy_twin(gl);
+    }
+    for mut image in std::mem::take(&mut ctx.duplicates.images) {
+        image.destroy_twin(gl);
+    }
+    ctx.duplicates.coverage.clear(gl);
+    for canvas in std::mem::take(&mut ctx.duplicates.canvases) {
+        canvas.destroy(gl);
+    }
+    std::mem::take(&mut ctx.duplicates.shown).destroy(gl);
+}
+
+/// A frame ended: what was seen to lie between a scene and the window gets its twin.
+pub fn end_frame(ctx: &mut Context) {
+    let gl = ctx.gl;
+    let Duplicates { coverage, images, learnt, .. } = &mut ctx.duplicates;
+    *learnt |= coverage.end_frame(gl, |set| {
+        for image in images.iter_mut().enumerate().take(64).filter(|(i, _)| set >> i & 1 != 0).map(|(_, image)| image) {
+            image.shown = true;
+        }
+    });
+    if !std::mem::take(&mut ctx.duplicates.learnt) || !possible(ctx) {
+        return;
+    }
+    let wanted = passes::wanted(&ctx.duplicates.images, wish() == Duplicate::Always);
+    let mut images = ctx.duplicates.images.iter().zip(&wanted);
+    if !ctx.duplicates.own_picture && images.any(|(image, wanted)| *wanted && image.read_back) {
+        leave(ctx);
+        ctx.duplicates.own_picture = true;
+        for image in &mut ctx.duplicates.images {
+            image.destroy_twin(gl);
+        }
+        for framebuffer in &mut ctx.duplicates.framebuffers {
+            framebuffer.destroy_twin(gl);
+        }
+    }
+    for index in (0..wanted.len()).filter(|index| wanted[*index]) {
+        make_twin(ctx, index);
+    }
+}
+
+/// Makes the twin of the image at `index`, if it has none yet.
+fn make_twin(ctx: &mut Context, index: usize) -> bool {
+    let image = &ctx.duplicates.images[index];
+    if image.twin.is_some() || image.refused {
+        return image.twin.is_some();
+    }
+    leave(ctx);
+    take_error(ctx);
+    let count = cells(ctx);
+    without_scissor(ctx, |ctx| {
+        let image = &mut ctx.duplicates.images[index];
+        image.refused = !image.make_twin(ctx.gl, count);
+    });
+    if ctx.duplicates.images[index].refused {
+        // Whatever the driver said about it is answered by this.
+        drop_errors(ctx.gl);
+        log::once("a scene that the program draws off screen is shown flat: the driver gives no copies of it");
+    }
+    take_own_errors(ctx);
+    !ctx.duplicates.images[index].refused
+}
+
+/// Runs `run`, which copies, with the scissor test off.
+fn without_scissor(ctx: &mut Context, run: impl FnOnce(&mut Context)) {
+    ctx.set_scissor(None);
+    run(ctx);
+    if !ctx.redirected() && !ctx.duplicates.bound {
+        ctx.restore_window_space();
+    }
+}
+
+/// What is known of the program's draw framebuffer, which is asked for where it is not.
+fn look(ctx: &mut Context) -> usize {
+    let name = ctx.believed.draw_framebuffer;
+    let index = ctx.duplicates.position(name).unwrap_or_else(|| {
+        ctx.duplicates.framebuffers.push(Framebuffer::new(name));
+        ctx.duplicates.framebuffers.len() - 1
+    });
+    if !ctx.duplicates.framebuffers[index].known {
+        leave(ctx);
+        take_error(ctx);
+        let Duplicates { framebuffers, images, .. } = &mut ctx.duplicates;
+        framebuffers[index].examine(ctx.gl, images);
+        // Questions that a driver need not know are nobody's errors.
+        drop_errors(ctx.gl);
+    }
+    index
+}
+
+/// Puts the twin of the program's draw framebuffer, which is at `index`, in its place. `false`: it has none.
+fn enter(ctx: &mut Context, index: usize) -> bool {
+    if ctx.duplicates.bound {
+        return true;
+    }
+    if !ctx.duplicates.is_duplicated(&ctx.duplicates.framebuffers[index]) {
+        return false;
+    }
+    if ctx.duplicates.framebuffers[index].twin == 0 && !make_framebuffer(ctx, index) {
+        return false;
+    }
+    ctx.duplicates.bound = true;
+    let twin = ctx.duplicates.framebuffers[index].twin;
+    // SAFETY: a framebuffer of ours; `leave` puts the program's back.
+    unsafe { ctx.gl.bind_framebuffer(crate::backend::gl::api::GL_DRAW_FRAMEBUFFER, twin) };
+    true
+}
+
+/// Makes the framebuffer that stands for the one at `index`, with twins of all that is attached.
+fn make_framebuffer(ctx: &mut Context, index: usize) -> bool {
+    let attached = ctx.duplicates.framebuffers[index].attachments;
+    let places: [Option<usize>; framebuffers::COLOURS + 2] =
+        attached.map(|name| name.and_then(|name| ctx.duplicates.images.iter().position(|image| image.name == name)));
+    let mut complete = places.into_iter().flatten().all(|place| make_twin(ctx, place));
+    take_error(ctx);
+    if complete {
+        let Duplicates { framebuffers, images, .. } = &mut ctx.duplicates;
+        let twin_of = |name| {
+            let image = images.iter().find(|image| image.name == name);
+            image.and_then(|image| image.twin.as_ref()).map(|twin| twin.renderbuffer)
+        };
+        complete = framebuffers[index].make_twin(ctx.gl, twin_of);
+        drop_errors(ctx.gl);
+    }
+    if !complete {
+        ctx.duplicates.framebuffers[index].single = Some("the driver gives no copies of it");
+        log::once("a scene that the program draws off screen is shown flat: the driver gives no copies of it");
+    }
+    complete
+}
+
+/// Copies cell `view` of the images in `set` into the program's own.
+fn supply(ctx: &mut Context, set: Set, view: usize) {
+    let has_twin = |ctx: &Context| {
+        let images = ctx.duplicates.images.iter().enumerate().take(64);
+        images.filter(|(i, _)| set >> i & 1 != 0).any(|(_, image)| image.twin.is_some())
+    };
+    if set == 0 || !has_twin(ctx) {
+        return;
+    }
+    without_scissor(ctx, |ctx| {
+        let images = ctx.duplicates.images.iter_mut().enumerate().take(64);
+        for (_, image) in images.filter(|(i, _)| set >> i & 1 != 0) {
+            image.supply(ctx.gl, view);
+        }
+    });
+}
+
+/// A draw to a framebuffer of the program's. `false`: it is single and is to be drawn as it is.
+pub fn draw(ctx: &mut Context, changes: Changes, issue: &mut dyn FnMut(&mut Context, &Gl)) -> bool {
+    if ctx.believed.draw_framebuffer == 0 || ctx.picking || ctx.discard || ctx.feedback || !possible(ctx) {
+        leave(ctx);
+        return false;
+    }
+    let index = look(ctx);
+    let place = super::draw::place_by_lens(ctx);
+    // What is drawn into the scene samples by places of its own, but for shaders that ask where on the
+    // screen they are.
+    let by_place = ctx.program.as_ref().is_some_and(|program| program.asks_place);
+    let sampled = if place == Place::Flat || by_place { sampling::sampled(ctx) } else { 0 };
+    let attached = ctx.duplicates.attached(index);
+    let sampled = sampled & !attached;
+    note(ctx, index, place, sampled);
+    if !enter(ctx, index) {
+        supply(ctx, sampled, own_cell(ctx));
+        return false;
+    }
+    ctx.duplicates.draws += 1;
+    if by_place && sampled != 0 {
+        draw_through(ctx, attached, place, sampled, changes, issue);
+    } else {
+        ctx.duplicates.changed(index);
+        let first = ctx.duplicates.framebuffers[index].images().next();
+        let Some(grid) = first.and_then(|name| Some(ctx.duplicates.image(name)?.twin.as_ref()?.cells)) else {
+            return false;
+        };
+        super::draw::each_view(ctx, changes, cells(ctx), issue, |ctx, view| {
+            supply(ctx, sampled, view);
+            own_window_space(ctx, grid.cell(view));
+            place
+        });
+    }
+    true
+}
+
+/// A draw whose shader asks where on the screen it is: it goes into the program's own framebuffer, which has each
+/// view's content in turn.
+fn draw_through(
+    ctx: &mut Context,
+    attached: Set,
+    place: Place,
+    sampled: Set,
+    changes: Changes,
+    issue: &mut dyn FnMut(&mut Context, &Gl),
+) {
+    leave(ctx);
+    let view_now = Cell::new(0);
+    let mut through = |ctx: &mut Context, gl: &Gl| {
+        issue(ctx, gl);
+        without_scissor(ctx, |ctx| {
+            let images = ctx.duplicates.images.iter_mut().enumerate().take(64);
+            for (_, image) in images.filter(|(i, _)| attached >> i & 1 != 0) {
+                image.store(gl, view_now.get());
+            }
+        });
+    };
+    super::draw::each_view(ctx, changes, cells(ctx), &mut through, |ctx, view| {
+        view_now.set(view);
+        supply(ctx, sampled | attached, view);
+        ctx.restore_window_space();
+        place
+    });
+}
+
+/// Remembers what a draw says about the framebuffer at `index`.
+fn note(ctx: &mut Context, index: usize, place: Place, sampled: Set) {
+    let Some(window) = ctx.target.as_ref().map(|target| target.size()) else { return };
+    let alike = wish() == Duplicate::Always || passes::like_window(ctx.believed.viewport, window);
+    let Duplicates { framebuffers, images, learnt, .. } = &mut ctx.duplicates;
+    let names: [Option<Name>; 64] = std::array::from_fn(|i| images.get(i).map(|image| image.name));
+    let sources = |set: Set| names.into_iter().enumerate().filter(move |(i, _)| set >> i & 1 != 0).filter_map(|n| n.1);
+    for name in framebuffers[index].colours() {
+        let Some(image) = images.iter_mut().find(|image| image.name == name) else { continue };
+        if place != Place::Flat {
+            *learnt |= alike && !image.scene;
+            image.scene |= alike;
+            image.other_shape |= !alike;
+        }
+        for source in sources(sampled) {
+            if !image.reads.contains(&source) {
+                image.reads.push(source);
+                *learnt = true;
+            }
+        }
+    }
+}
+
+/// A clear of a framebuffer of the program's. `false`: it is single.
+pub fn clear_with(ctx: &mut Context, issue: &dyn Fn(&Gl)) -> bool {
+    if ctx.believed.draw_framebuffer == 0 || ctx.picking || !possible(ctx) {
+        return false;
+    }
+    let index = look(ctx);
+    if !enter(ctx, index) {
+        return false;
+    }
+    ctx.duplicates.changed(index);
+    let gl = ctx.gl;
+    if !ctx.believed.scissor_test {
+        ctx.set_scissor(None);
+        issue(gl);
+        return true;
+    }
+    let first = ctx.duplicates.framebuffers[index].images().next();
+    let grid = first.and_then(|name| Some(ctx.duplicates.image(name)?.twin.as_ref()?.cells));
+    for view in 0..cells(ctx) {
+        if let Some(grid) = grid {
+            own_window_space(ctx, grid.cell(view));
+            issue(gl);
+        }
+    }
+    true
+}

@@ -1,0 +1,244 @@
+//! Descriptor sets of the program: which buffer a binding leads to.
+
+use super::hook::hooks;
+use ash::vk;
+use std::collections::{BTreeMap, HashMap};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// The layout of a descriptor set.
+#[derive(Default)]
+pub struct SetLayout {
+    /// Type and number of each binding.
+    pub bindings: BTreeMap<u32, (vk::DescriptorType, u32)>,
+    /// Its descriptors are pushed, not bound.
+    pub pushed: bool,
+}
+
+/// Buffers whose offset is given when they are bound.
+pub fn is_dynamic(kind: vk::DescriptorType) -> bool {
+    [vk::DescriptorType::UNIFORM_BUFFER_DYNAMIC, vk::DescriptorType::STORAGE_BUFFER_DYNAMIC].contains(&kind)
+}
+
+fn is_buffer(kind: vk::DescriptorType) -> bool {
+    is_dynamic(kind) || [vk::DescriptorType::UNIFORM_BUFFER, vk::DescriptorType::STORAGE_BUFFER].contains(&kind)
+}
+
+impl SetLayout {
+    /// How many dynamic offsets are given when such a set is bound.
+    pub fn dynamic_offsets(&self) -> u32 {
+        self.bindings.values().filter(|(kind, _)| is_dynamic(*kind)).map(|(_, count)| count).sum()
+    }
+
+    /// Which of the dynamic offsets is that of a binding's first descriptor; `None` if it has none.
+    fn dynamic_index(&self, binding: u32) -> Option<usize> {
+        self.bindings.get(&binding).filter(|(kind, _)| is_dynamic(*kind))?;
+        let before = self.bindings.range(..binding).filter(|(_, (kind, _))| is_dynamic(*kind));
+        Some(before.map(|(_, (_, count))| *count as usize).sum())
+    }
+}
+
+/// A descriptor set.
+struct Set {
+    pool: vk::DescriptorPool,
+    layout: Arc<SetLayout>,
+    /// The first buffer of each binding, and where it begins.
+    buffers: HashMap<u32, (vk::Buffer, u64)>,
+}
+
+/// An entry of a template that describes buffers or images.
+struct TemplateEntry {
+    binding: u32,
+    first: u32,
+    kind: vk::DescriptorType,
+    count: u32,
+    offset: usize,
+    stride: usize,
+}
+
+/// Descriptor sets and their layouts.
+#[derive(Default)]
+pub struct Descriptors {
+    layouts: Mutex<HashMap<vk::DescriptorSetLayout, Arc<SetLayout>>>,
+    sets: Mutex<HashMap<vk::DescriptorSet, Set>>,
+    templates: Mutex<HashMap<vk::DescriptorUpdateTemplate, Arc<Vec<TemplateEntry>>>>,
+}
+
+impl Descriptors {
+    /// A layout.
+    pub fn layout(&self, handle: vk::DescriptorSetLayout) -> Option<Arc<SetLayout>> {
+        self.layouts.lock().unwrap_or_else(PoisonError::into_inner).get(&handle).cloned()
+    }
+
+    /// How many dynamic offsets are given when a set is bound.
+    pub fn dynamic_offsets(&self, set: vk::DescriptorSet) -> u32 {
+        let sets = self.sets.lock().unwrap_or_else(PoisonError::into_inner);
+        sets.get(&set).map_or(0, |set| set.layout.dynamic_offsets())
+    }
+
+    /// The buffer of a binding of a set that is bound with `dynamic` offsets, and where it begins.
+    pub fn buffer(&self, set: vk::DescriptorSet, dynamic: &[u32], binding: u32) -> Option<(vk::Buffer, u64)> {
+        let sets = self.sets.lock().unwrap_or_else(PoisonError::into_inner);
+        let state = sets.get(&set)?;
+        let (buffer, offset) = *state.buffers.get(&binding)?;
+        let moved = state.layout.dynamic_index(binding).and_then(|index| dynamic.get(index)).copied();
+        Some((buffer, offset + u64::from(moved.unwrap_or(0))))
+    }
+
+    fn describe(&self, set: vk::DescriptorSet, binding: u32, buffer: &vk::DescriptorBufferInfo) {
+        if let Some(set) = self.sets.lock().unwrap_or_else(PoisonError::into_inner).get_mut(&set) {
+            set.buffers.insert(binding, (buffer.buffer, buffer.offset));
+        }
+    }
+
+    fn forget(&self, gone: impl Fn(&vk::DescriptorSet, &Set) -> bool) {
+        self.sets.lock().unwrap_or_else(PoisonError::into_inner).retain(|handle, set| !gone(handle, set));
+    }
+
+    fn copy(&self, copy: &vk::CopyDescriptorSet<'_>) {
+        if copy.src_array_element != 0 || copy.dst_array_element != 0 {
+            return;
+        }
+        let mut sets = self.sets.lock().unwrap_or_else(PoisonError::into_inner);
+        let from = sets.get(&copy.src_set).and_then(|set| set.buffers.get(&copy.src_binding)).copied();
+        if let (Some(from), Some(to)) = (from, sets.get_mut(&copy.dst_set)) {
+            to.buffers.insert(copy.dst_binding, from);
+        }
+    }
+}
+
+/// What shaders read pictures by.
+fn is_picture(kind: vk::DescriptorType) -> bool {
+    use vk::DescriptorType as T;
+    [T::COMBINED_IMAGE_SAMPLER, T::SAMPLED_IMAGE, T::STORAGE_IMAGE, T::INPUT_ATTACHMENT].contains(&kind)
+}
+
+hooks! { descriptors;
+    [c"vkCreateDescriptorSetLayout"] create_descriptor_set_layout: vk::PFN_vkCreateDescriptorSetLayout = (
+        device: vk::Device, info: *const vk::DescriptorSetLayoutCreateInfo<'_>, allocator: *const vk::AllocationCallbacks<'_>, layout: *mut vk::DescriptorSetLayout
+    ) -> vk::Result { |state, next| {
+        let result = next(device, info, allocator, layout);
+        if result == vk::Result::SUCCESS {
+            let bindings = super::slice((*info).p_bindings, (*info).binding_count);
+            let bindings = bindings.iter().map(|b| (b.binding, (b.descriptor_type, b.descriptor_count))).collect();
+            let pushed = (*info).flags.contains(vk::DescriptorSetLayoutCreateFlags::PUSH_DESCRIPTOR_KHR);
+            let new = Arc::new(SetLayout { bindings, pushed });
+            state.descriptors.layouts.lock().unwrap_or_else(PoisonError::into_inner).insert(*layout, new);
+        }
+        result
+    } }
+    [c"vkDestroyDescriptorSetLayout"] destroy_descriptor_set_layout: vk::PFN_vkDestroyDescriptorSetLayout = (
+        device: vk::Device, layout: vk::DescriptorSetLayout, allocator: *const vk::AllocationCallbacks<'_>
+    ) { |state, next| {
+        state.descriptors.layouts.lock().unwrap_or_else(PoisonError::into_inner).remove(&layout);
+        next(device, layout, allocator)
+    } }
+    [c"vkAllocateDescriptorSets"] allocate_descriptor_sets: vk::PFN_vkAllocateDescriptorSets = (
+        device: vk::Device, info: *const vk::DescriptorSetAllocateInfo<'_>, sets: *mut vk::DescriptorSet
+    ) -> vk::Result { |state, next| {
+        let result = next(device, info, sets);
+        if result == vk::Result::SUCCESS {
+            let layouts = super::slice((*info).p_set_layouts, (*info).descriptor_set_count);
+            for (set, layout) in super::slice(sets, (*info).descriptor_set_count).iter().zip(layouts) {
+                let layout = state.descriptors.layout(*layout).unwrap_or_default();
+                let new = Set { pool: (*info).descriptor_pool, layout, buffers: HashMap::new() };
+                state.descriptors.sets.lock().unwrap_or_else(PoisonError::into_inner).insert(*set, new);
+            }
+        }
+        result
+    } }
+    [c"vkFreeDescriptorSets"] free_descriptor_sets: vk::PFN_vkFreeDescriptorSets = (
+        device: vk::Device, pool: vk::DescriptorPool, count: u32, sets: *const vk::DescriptorSet
+    ) -> vk::Result { |state, next| {
+        let gone = super::slice(sets, count);
+        state.descriptors.forget(|handle, _| gone.contains(handle));
+        next(device, pool, count, sets)
+    } }
+    [c"vkResetDescriptorPool"] reset_descriptor_pool: vk::PFN_vkResetDescriptorPool = (
+        device: vk::Device, pool: vk::DescriptorPool, flags: vk::DescriptorPoolResetFlags
+    ) -> vk::Result { |state, next| {
+        state.descriptors.forget(|_, set| set.pool == pool);
+        next(device, pool, flags)
+    } }
+    [c"vkDestroyDescriptorPool"] destroy_descriptor_pool: vk::PFN_vkDestroyDescriptorPool = (
+        device: vk::Device, pool: vk::DescriptorPool, allocator: *const vk::AllocationCallbacks<'_>
+    ) { |state, next| {
+        state.descriptors.forget(|_, set| set.pool == pool);
+        next(device, pool, allocator)
+    } }
+    [c"vkUpdateDescriptorSets"] update_descriptor_sets: vk::PFN_vkUpdateDescriptorSets = (
+        device: vk::Device, write_count: u32, writes: *const vk::WriteDescriptorSet<'_>, copy_count: u32, copies: *const vk::CopyDescriptorSet<'_>
+    ) { |state, next| {
+        for write in super::slice(writes, write_count) {
+            let count = write.descriptor_count;
+            if is_buffer(write.descriptor_type) && write.dst_array_element == 0 {
+                if let Some(info) = super::slice(write.p_buffer_info, count).first() {
+                    state.descriptors.describe(write.dst_set, write.dst_binding, info);
+                }
+            } else if is_picture(write.descriptor_type) {
+                super::slice(write.p_image_info, count).iter().for_each(|info| state.images.described(&state, info.image_view));
+            }
+        }
+        super::slice(copies, copy_count).iter().for_each(|copy| state.descriptors.copy(copy));
+        next(device, write_count, writes, copy_count, copies)
+    } }
+    [c"vkCreateDescriptorUpdateTemplate", c"vkCreateDescriptorUpdateTemplateKHR"] create_template: vk::PFN_vkCreateDescriptorUpdateTemplate = (
+        device: vk::Device, info: *const vk::DescriptorUpdateTemplateCreateInfo<'_>, allocator: *const vk::AllocationCallbacks<'_>, template: *mut vk::DescriptorUpdateTemplate
+    ) -> vk::Result { |state, next| {
+        let result = next(device, info, allocator, template);
+        if result == vk::Result::SUCCESS {
+            let entries = super::slice((*info).p_descriptor_update_entries, (*info).descriptor_update_entry_count);
+            let entry = |e: &vk::DescriptorUpdateTemplateEntry| TemplateEntry {
+                binding: e.dst_binding,
+                first: e.dst_array_element,
+                kind: e.descriptor_type,
+                count: e.descriptor_count,
+                offset: e.offset,
+                stride: e.stride,
+            };
+            let new = Arc::new(entries.iter().map(entry).collect());
+            state.descriptors.templates.lock().unwrap_or_else(PoisonError::into_inner).insert(*template, new);
+        }
+        result
+    } }
+    [c"vkDestroyDescriptorUpdateTemplate", c"vkDestroyDescriptorUpdateTemplateKHR"] destroy_template: vk::PFN_vkDestroyDescriptorUpdateTemplate = (
+        device: vk::Device, template: vk::DescriptorUpdateTemplate, allocator: *const vk::AllocationCallbacks<'_>
+    ) { |state, next| {
+        state.descriptors.templates.lock().unwrap_or_else(PoisonError::into_inner).remove(&template);
+        next(device, template, allocator)
+    } }
+    [c"vkUpdateDescriptorSetWithTemplate", c"vkUpdateDescriptorSetWithTemplateKHR"] update_with_template: vk::PFN_vkUpdateDescriptorSetWithTemplate = (
+        device: vk::Device, set: vk::DescriptorSet, template: vk::DescriptorUpdateTemplate, data: *const std::ffi::c_void
+    ) { |state, next| {
+        let entries = state.descriptors.templates.lock().unwrap_or_else(PoisonError::into_inner).get(&template).cloned();
+        for entry in entries.iter().flat_map(|entries| entries.iter()) {
+            let place = data.cast::<u8>().add(entry.offset);
+            if is_buffer(entry.kind) && entry.first == 0 && entry.count > 0 {
+                let info = std::ptr::read_unaligned(place.cast::<vk::DescriptorBufferInfo>());
+                state.descriptors.describe(set, entry.binding, &info);
+            } else if is_picture(entry.kind) {
+                for index in 0..entry.count as usize {
+                    let info = std::ptr::read_unaligned(place.add(index * entry.stride).cast::<vk::DescriptorImageInfo>());
+                    state.images.described(&state, info.image_view);
+                }
+            }
+        }
+        next(device, set, template, data)
+    } }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::SetLayout;
+    use ash::vk::DescriptorType as T;
+
+    #[test]
+    fn dynamic_offsets_are_in_the_order_of_bindings() {
+        let bindings =
+            [(5, (T::UNIFORM_BUFFER_DYNAMIC, 1)), (1, (T::STORAGE_BUFFER_DYNAMIC, 2)), (3, (T::UNIFORM_BUFFER, 1))];
+        let layout = SetLayout { bindings: bindings.into_iter().collect(), pushed: false };
+        assert_eq!(layout.dynamic_offsets(), 3);
+        assert_eq!(layout.dynamic_index(1), Some(0));
+        assert_eq!(layout.dynamic_index(5), Some(2));
+        assert_eq!(layout.dynamic_index(3), None);
+    }
+}

@@ -1,0 +1,307 @@
+//! A draw of the program → one draw per view, and one on the panel.
+
+use super::device::Device;
+use super::hook::hooks;
+use super::layout::Rect;
+use super::pipelines::{Pipeline, Variants};
+use super::recording::{Event, Recording};
+use super::rows::Place;
+use super::runs::{self, Run};
+use super::state::set_window;
+use crate::correct::uniforms::pixels;
+use ash::vk;
+use std::sync::Arc;
+
+/// Issues a draw of the program by `issue`.
+///
+/// # Safety
+/// The command buffer is being recorded; `issue` records the program's own draw.
+unsafe fn draw(device: &Device, buffer: vk::CommandBuffer, issue: impl Fn()) {
+    let known = device.recordings.with(buffer, |recording| {
+        // SAFETY: as promised.
+        unsafe {
+            match recording.pipeline.clone() {
+                Some(pipeline) if recording.pass.is_some() => each_view(device, buffer, recording, &pipeline, &issue),
+                Some(_) => {
+                    restore(device, buffer, recording);
+                    issue();
+                }
+                None => issue(),
+            }
+        }
+    });
+    if known.is_none() {
+        issue();
+    }
+}
+
+/// Puts back what the program bound and set, after draws of ours.
+///
+/// # Safety
+/// The command buffer is being recorded.
+unsafe fn restore(device: &Device, buffer: vk::CommandBuffer, recording: &mut Recording) {
+    let Some(pipeline) = recording.pipeline.clone() else { return };
+    // SAFETY: as promised; what is bound and set is the program's own.
+    unsafe {
+        if recording.current != pipeline.own {
+            device.functions.cmd_bind_pipeline(buffer, vk::PipelineBindPoint::GRAPHICS, pipeline.own);
+            recording.current = pipeline.own;
+        }
+        if recording.disturbed {
+            if let (None, Some(viewport)) = (pipeline.viewport, recording.viewport) {
+                device.functions.cmd_set_viewport(buffer, 0, &[viewport]);
+            }
+            if let (None, Some(scissor)) = (pipeline.scissor, recording.scissor) {
+                device.functions.cmd_set_scissor(buffer, 0, &[scissor]);
+            }
+            recording.disturbed = false;
+        }
+        rebind(device, buffer, recording, &pipeline);
+    }
+}
+
+/// Binds the program's descriptor sets again whose place a set of ours took.
+///
+/// # Safety
+/// The command buffer is being recorded.
+unsafe fn rebind(device: &Device, buffer: vk::CommandBuffer, recording: &mut Recording, pipeline: &Pipeline) {
+    let (Some(from), Some(layout)) = (recording.displaced, &pipeline.layout) else { return };
+    if from >= layout.ours {
+        return;
+    }
+    for (number, bound) in (0..layout.ours).zip(&recording.bound).filter(|(number, _)| *number >= from) {
+        if let Some(bound) = bound {
+            // SAFETY: as promised; the program bound the set for this place.
+            unsafe {
+                let point = vk::PipelineBindPoint::GRAPHICS;
+                let functions = &device.functions;
+                functions.cmd_bind_descriptor_sets(buffer, point, layout.handle, number, &[bound.set], &bound.dynamic);
+            }
+        }
+    }
+    recording.displaced = None;
+}
+
+/// Issues a draw to each view and onto the panel.
+///
+/// # Safety
+/// As for [`draw`].
+unsafe fn each_view(
+    device: &Device,
+    buffer: vk::CommandBuffer,
+    recording: &mut Recording,
+    pipeline: &Arc<Pipeline>,
+    issue: &dyn Fn(),
+) {
+    let Some(variants) = &pipeline.variants else {
+        // Its window space is not that of a tile.
+        device.give_up(&device.pipeline_obstacle());
+        return;
+    };
+    // SAFETY: as promised.
+    unsafe {
+        rebind(device, buffer, recording, pipeline);
+        let Some(pass) = &mut recording.pass else { return };
+        let unclear = std::mem::take(&mut pass.unclear);
+        let layout = Arc::clone(&pass.shown.layout);
+        super::passes::clear_panel(device, buffer, &layout, &unclear);
+        let (width, height) = (pixels(layout.window.0 as i32), pixels(layout.window.1 as i32));
+        let whole = vk::Viewport { x: 0.0, y: 0.0, width, height, min_depth: 0.0, max_depth: 1.0 };
+        let viewport = pipeline.viewport.or(recording.viewport).unwrap_or(whole);
+        let scissor = pipeline.scissor.or(recording.scissor).unwrap_or(whole_window(&layout));
+        // Pictures within the picture are flat; more than half, so that side-by-side pictures stay what they are.
+        let main = viewport.width * viewport.height.abs() * 2.0 > width * height;
+        let own_lens = layout.views.iter().any(|(_, own)| *own);
+        let sources: Vec<_> = match variants.view {
+            Some(_) if main => variants.matrices.iter().filter_map(|m| runs::source(device, recording, m)).collect(),
+            _ => Vec::new(),
+        };
+        let Some(pass) = &mut recording.pass else { return };
+        // A flat draw may have to go behind the scene, if none was drawn yet.
+        let in_views = own_lens || variants.view.is_some() && main && (!sources.is_empty() || !pass.scene);
+        pass.scene |= !sources.is_empty();
+        let y_up = viewport.height < 0.0;
+        let last = recording.runs.last_mut().filter(|run| run.takes(&layout, &sources, y_up, in_views));
+        let place = match last {
+            Some(run) => {
+                run.draws += 1;
+                run.place
+            }
+            None => {
+                let groups = 1 + if in_views { layout.views.len() } else { 0 };
+                let stride = device.group_stride();
+                let Ok(place) = device.rows.take(device, &mut recording.rows, groups, stride) else {
+                    device.give_up("there is no memory for its views");
+                    return;
+                };
+                recording.events.push(Event::Run(recording.runs.len()));
+                let mut run = Run::new(place, Arc::clone(&layout), sources, y_up, in_views);
+                run.draws = 1;
+                recording.runs.push(run);
+                place
+            }
+        };
+        let mut tile = Tile { device, buffer, recording, pipeline, variants, place, viewport, scissor };
+        if in_views {
+            for (index, (rect, own_lens)) in layout.views.iter().enumerate() {
+                tile.begin(variants.view.unwrap_or(variants.panel), index, *rect, *own_lens, layout.window);
+                issue();
+            }
+        }
+        // Where the program's own lens shows everything, there is no panel.
+        if !layout.views.iter().all(|(_, own)| *own) {
+            let group = if in_views { layout.views.len() } else { 0 };
+            tile.begin(variants.panel, group, layout.panel, true, layout.window);
+            issue();
+        }
+    }
+}
+
+fn whole_window(layout: &super::layout::Layout) -> vk::Rect2D {
+    vk::Extent2D { width: layout.window.0, height: layout.window.1 }.into()
+}
+
+/// What a draw into a tile needs.
+struct Tile<'a> {
+    device: &'a Device,
+    buffer: vk::CommandBuffer,
+    recording: &'a mut Recording,
+    pipeline: &'a Pipeline,
+    variants: &'a Variants,
+    place: Place,
+    viewport: vk::Viewport,
+    scissor: vk::Rect2D,
+}
+
+impl Tile<'_> {
+    /// Binds and sets what the next draw into `tile` needs. `own`: the tile is in the program's own window space.
+    ///
+    /// # Safety
+    /// The command buffer is being recorded.
+    unsafe fn begin(&mut self, by: vk::Pipeline, group: usize, tile: Rect, own: bool, window: (u32, u32)) {
+        let (device, buffer) = (self.device, self.buffer);
+        let (viewport, scissor) = if own {
+            (moved(&self.viewport, tile), cut(&self.scissor, tile, window))
+        } else {
+            (filling(&self.viewport, tile), rectangle(tile))
+        };
+        // SAFETY: as promised.
+        unsafe {
+            let graphics = vk::PipelineBindPoint::GRAPHICS;
+            if self.recording.current != by {
+                device.functions.cmd_bind_pipeline(buffer, graphics, by);
+                self.recording.current = by;
+            }
+            set_window(device, buffer, &viewport, &scissor, self.variants.with_count);
+            self.recording.disturbed = true;
+            if let (Some(layout), Some(piece)) =
+                (&self.pipeline.layout, self.recording.rows.pieces.get(self.place.piece))
+            {
+                let offset = self.place.offset + group as u32 * device.group_stride();
+                let functions = &device.functions;
+                functions.cmd_bind_descriptor_sets(
+                    buffer,
+                    graphics,
+                    layout.handle,
+                    layout.ours,
+                    &[piece.set],
+                    &[offset],
+                );
+                let from = self.recording.displaced.map_or(layout.ours, |from| from.min(layout.ours));
+                self.recording.displaced = Some(from);
+            }
+        }
+    }
+}
+
+/// A viewport moved to a tile.
+fn moved(viewport: &vk::Viewport, tile: Rect) -> vk::Viewport {
+    vk::Viewport { x: viewport.x + pixels(tile[0]), y: viewport.y + pixels(tile[1]), ..*viewport }
+}
+
+/// A viewport over the whole of a tile, the same way up.
+fn filling(viewport: &vk::Viewport, [x, y, width, height]: Rect) -> vk::Viewport {
+    let (y, height) = if viewport.height < 0.0 { (y + height, -height) } else { (y, height) };
+    vk::Viewport { x: pixels(x), y: pixels(y), width: pixels(width), height: pixels(height), ..*viewport }
+}
+
+/// A scissor moved to a tile and cut at the borders of the window that it stands for.
+fn cut(scissor: &vk::Rect2D, tile: Rect, window: (u32, u32)) -> vk::Rect2D {
+    let axis = |offset: i32, extent: u32, window: u32, tile: i32| {
+        let end = i64::from(offset) + i64::from(extent);
+        let end = end.clamp(0, i64::from(window)) as i32;
+        let start = offset.clamp(0, end);
+        (tile + start, (end - start) as u32)
+    };
+    let (x, width) = axis(scissor.offset.x, scissor.extent.width, window.0, tile[0]);
+    let (y, height) = axis(scissor.offset.y, scissor.extent.height, window.1, tile[1]);
+    vk::Rect2D { offset: vk::Offset2D { x, y }, extent: vk::Extent2D { width, height } }
+}
+
+/// A tile as Vulkan takes rectangles.
+pub fn rectangle([x, y, width, height]: Rect) -> vk::Rect2D {
+    let extent = vk::Extent2D { width: width.max(0) as u32, height: height.max(0) as u32 };
+    vk::Rect2D { offset: vk::Offset2D { x, y }, extent }
+}
+
+hooks! { draws;
+    [c"vkCmdDraw"] cmd_draw: vk::PFN_vkCmdDraw = (
+        buffer: vk::CommandBuffer, vertices: u32, instances: u32, first_vertex: u32, first_instance: u32
+    ) { |state, next| draw(&state, buffer, || next(buffer, vertices, instances, first_vertex, first_instance)) }
+    [c"vkCmdDrawIndexed"] cmd_draw_indexed: vk::PFN_vkCmdDrawIndexed = (
+        buffer: vk::CommandBuffer, indices: u32, instances: u32, first_index: u32, vertex_offset: i32, first_instance: u32
+    ) { |state, next| draw(&state, buffer, || next(buffer, indices, instances, first_index, vertex_offset, first_instance)) }
+    [c"vkCmdDrawIndirect"] cmd_draw_indirect: vk::PFN_vkCmdDrawIndirect = (
+        buffer: vk::CommandBuffer, from: vk::Buffer, offset: vk::DeviceSize, count: u32, stride: u32
+    ) { |state, next| draw(&state, buffer, || next(buffer, from, offset, count, stride)) }
+    [c"vkCmdDrawIndexedIndirect"] cmd_draw_indexed_indirect: vk::PFN_vkCmdDrawIndexedIndirect = (
+        buffer: vk::CommandBuffer, from: vk::Buffer, offset: vk::DeviceSize, count: u32, stride: u32
+    ) { |state, next| draw(&state, buffer, || next(buffer, from, offset, count, stride)) }
+    [c"vkCmdDrawIndirectCount", c"vkCmdDrawIndirectCountKHR", c"vkCmdDrawIndirectCountAMD"] cmd_draw_indirect_count: vk::PFN_vkCmdDrawIndirectCount = (
+        buffer: vk::CommandBuffer, from: vk::Buffer, offset: vk::DeviceSize, counts: vk::Buffer, count_offset: vk::DeviceSize, most: u32, stride: u32
+    ) { |state, next| draw(&state, buffer, || next(buffer, from, offset, counts, count_offset, most, stride)) }
+    [c"vkCmdDrawIndexedIndirectCount", c"vkCmdDrawIndexedIndirectCountKHR", c"vkCmdDrawIndexedIndirectCountAMD"] cmd_draw_indexed_indirect_count: vk::PFN_vkCmdDrawIndexedIndirectCount = (
+        buffer: vk::CommandBuffer, from: vk::Buffer, offset: vk::DeviceSize, counts: vk::Buffer, count_offset: vk::DeviceSize, most: u32, stride: u32
+    ) { |state, next| draw(&state, buffer, || next(buffer, from, offset, counts, count_offset, most, stride)) }
+    [c"vkCmdDrawMultiEXT"] cmd_draw_multi: vk::PFN_vkCmdDrawMultiEXT = (
+        buffer: vk::CommandBuffer, count: u32, infos: *const vk::MultiDrawInfoEXT, instances: u32, first_instance: u32, stride: u32
+    ) { |state, next| draw(&state, buffer, || next(buffer, count, infos, instances, first_instance, stride)) }
+    [c"vkCmdDrawMultiIndexedEXT"] cmd_draw_multi_indexed: vk::PFN_vkCmdDrawMultiIndexedEXT = (
+        buffer: vk::CommandBuffer, count: u32, infos: *const vk::MultiDrawIndexedInfoEXT, instances: u32, first_instance: u32, stride: u32, vertex_offset: *const i32
+    ) { |state, next| draw(&state, buffer, || next(buffer, count, infos, instances, first_instance, stride, vertex_offset)) }
+    [c"vkCmdDrawMeshTasksEXT"] cmd_draw_mesh_tasks: vk::PFN_vkCmdDrawMeshTasksEXT = (
+        buffer: vk::CommandBuffer, x: u32, y: u32, z: u32
+    ) { |state, next| draw(&state, buffer, || next(buffer, x, y, z)) }
+    [c"vkCmdBeginTransformFeedbackEXT"] cmd_begin_transform_feedback: vk::PFN_vkCmdBeginTransformFeedbackEXT = (
+        buffer: vk::CommandBuffer, first: u32, count: u32, buffers: *const vk::Buffer, offsets: *const vk::DeviceSize
+    ) { |state, next| {
+        // Each draw would be captured several times.
+        if state.recordings.with(buffer, |recording| recording.pass.is_some()) == Some(true) {
+            state.give_up("it captures what it draws to the window");
+        }
+        next(buffer, first, count, buffers, offsets)
+    } }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{cut, filling};
+    use ash::vk;
+
+    #[test]
+    fn a_scissor_is_cut_at_the_window_and_moved() {
+        let scissor =
+            |x, y, width, height| vk::Rect2D { offset: vk::Offset2D { x, y }, extent: vk::Extent2D { width, height } };
+        let tile = [1000, 10, 200, 100];
+        assert_eq!(cut(&scissor(20, 30, 50, 40), tile, (200, 100)), scissor(1020, 40, 50, 40));
+        assert_eq!(cut(&scissor(150, 0, 5000, u32::MAX), tile, (200, 100)), scissor(1150, 10, 50, 100));
+        assert_eq!(cut(&scissor(300, 0, 10, 10), tile, (200, 100)).extent.width, 0);
+    }
+
+    #[test]
+    fn an_upside_down_viewport_stays_so() {
+        let given = vk::Viewport { x: 0.0, y: 90.0, width: 50.0, height: -90.0, min_depth: 0.25, max_depth: 1.0 };
+        let filled = filling(&given, [100, 200, 30, 40]);
+        assert_eq!((filled.y, filled.height, filled.min_depth), (240.0, -40.0, 0.25));
+    }
+}

@@ -1,0 +1,270 @@
+//! Render passes and framebuffers: which of them draw to a swapchain's image, and their twins.
+
+use super::canvas::{ATLAS_FLAGS, ATLAS_USAGE};
+use super::device::Device;
+use super::hook::hooks;
+use super::images::Shown;
+use super::pipelines::in_chain;
+use ash::vk;
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// A render pass.
+pub struct RenderPass {
+    /// Colour attachments of the first subpass, as far as they are used: number there, attachment.
+    pub colors: Vec<(u32, u32)>,
+    /// Attachments whose former content is not kept.
+    pub begins_anew: Vec<bool>,
+    /// What keeps it from being drawn for each view.
+    pub obstacle: Option<&'static str>,
+}
+
+/// A framebuffer.
+pub struct Framebuffer {
+    /// The render pass that it was made for.
+    pass: vk::RenderPass,
+    /// Its size.
+    pub size: (u32, u32),
+    /// More than one layer.
+    layered: bool,
+    /// Its attachments, unless they are given when a pass begins.
+    attachments: Option<Vec<vk::ImageView>>,
+    /// What those that are given later will be like.
+    given_later: Vec<Later>,
+    /// Twins, by the atlas' size; with given attachments there is one.
+    twins: Mutex<Vec<((u32, u32), vk::Framebuffer)>>,
+    /// The swapchain's image among the attachments.
+    pub shown: Option<Arc<Shown>>,
+}
+
+/// An attachment that is given when a pass begins.
+struct Later {
+    flags: vk::ImageCreateFlags,
+    usage: vk::ImageUsageFlags,
+    formats: Vec<vk::Format>,
+}
+
+/// Render passes and framebuffers.
+#[derive(Default)]
+pub struct Framebuffers {
+    passes: Mutex<HashMap<vk::RenderPass, Arc<RenderPass>>>,
+    all: Mutex<HashMap<vk::Framebuffer, Arc<Framebuffer>>>,
+}
+
+impl Framebuffers {
+    /// A render pass.
+    pub fn pass(&self, handle: vk::RenderPass) -> Option<Arc<RenderPass>> {
+        self.passes.lock().unwrap_or_else(PoisonError::into_inner).get(&handle).cloned()
+    }
+
+    /// The swapchain's image that some framebuffer for a render pass has.
+    pub fn shown_by(&self, pass: vk::RenderPass) -> Option<Arc<Shown>> {
+        let all = self.all.lock().unwrap_or_else(PoisonError::into_inner);
+        all.values().filter(|framebuffer| framebuffer.pass == pass).find_map(|framebuffer| framebuffer.shown.clone())
+    }
+
+    /// A framebuffer.
+    pub fn get(&self, handle: vk::Framebuffer) -> Option<Arc<Framebuffer>> {
+        self.all.lock().unwrap_or_else(PoisonError::into_inner).get(&handle).cloned()
+    }
+}
+
+impl Framebuffer {
+    /// The framebuffer over the atlas of `shown`, for a render pass like its own. `given`: the attachments of the pass that
+    /// begins, where they are given with it.
+    ///
+    /// # Errors
+    /// Why there is none.
+    pub fn twin(
+        &self,
+        device: &Device,
+        shown: &Shown,
+        pass: vk::RenderPass,
+        given: &[vk::ImageView],
+    ) -> Result<vk::Framebuffer, String> {
+        let size = shown.layout.atlas;
+        let known = self.twins.lock().unwrap_or_else(PoisonError::into_inner).iter().find(|t| t.0 == size).map(|t| t.1);
+        if let Some(known) = known {
+            return Ok(known);
+        }
+        if self.layered || self.size != shown.layout.window {
+            return Err("it draws to layers, or to a part of the window".to_owned());
+        }
+        let mut info = vk::FramebufferCreateInfo::default().render_pass(pass).width(size.0).height(size.1).layers(1);
+        let views: Vec<vk::ImageView>;
+        let images: Vec<vk::FramebufferAttachmentImageInfo<'_>>;
+        let mut later;
+        match &self.attachments {
+            Some(attachments) => {
+                let twin = |view: &vk::ImageView| device.images.twin(device, *view, &shown.layout);
+                views = attachments.iter().map(twin).collect::<Result<_, _>>()?;
+                info = info.attachments(&views);
+            }
+            None => {
+                let image = |(index, later): (usize, &'_ Later)| {
+                    let atlas = given.get(index).is_some_and(|view| device.images.shown(*view).is_some());
+                    let (flags, usage) = if atlas { (ATLAS_FLAGS, ATLAS_USAGE) } else { (later.flags, later.usage) };
+                    let info = vk::FramebufferAttachmentImageInfo::default().flags(flags).usage(usage);
+                    info.width(size.0).height(size.1).layer_count(1)
+                };
+                let all = self.given_later.iter().enumerate();
+                images = all.map(|(index, later)| image((index, later)).view_formats(&later.formats)).collect();
+                later = vk::FramebufferAttachmentsCreateInfo::default().attachment_image_infos(&images);
+                info = info.flags(vk::FramebufferCreateFlags::IMAGELESS).push_next(&mut later);
+                info.attachment_count = images.len() as u32;
+            }
+        }
+        // SAFETY: the structures are complete, the twins are as large as the atlas.
+        let made = unsafe { device.functions.create_framebuffer(&info, None) };
+        let made = made.map_err(|error| format!("the driver refuses a framebuffer: {error}"))?;
+        self.twins.lock().unwrap_or_else(PoisonError::into_inner).push((size, made));
+        Ok(made)
+    }
+}
+
+/// # Safety
+/// `info` must be the program's.
+unsafe fn framebuffer(device: &Device, info: &vk::FramebufferCreateInfo<'_>) -> Framebuffer {
+    // SAFETY: as promised.
+    unsafe {
+        let imageless = info.flags.contains(vk::FramebufferCreateFlags::IMAGELESS);
+        let attachments = (!imageless).then(|| super::slice(info.p_attachments, info.attachment_count).to_vec());
+        let later = vk::StructureType::FRAMEBUFFER_ATTACHMENTS_CREATE_INFO;
+        let later = in_chain::<vk::FramebufferAttachmentsCreateInfo<'_>>(info.p_next, later);
+        let later = later.map_or(&[][..], |l| super::slice(l.p_attachment_image_infos, l.attachment_image_info_count));
+        let formats =
+            |i: &vk::FramebufferAttachmentImageInfo<'_>| super::slice(i.p_view_formats, i.view_format_count).to_vec();
+        let given_later = later.iter().map(|i| Later { flags: i.flags, usage: i.usage, formats: formats(i) }).collect();
+        let shown = attachments.iter().flatten().find_map(|view| device.images.shown(*view));
+        Framebuffer {
+            pass: info.render_pass,
+            size: (info.width, info.height),
+            layered: info.layers != 1,
+            attachments,
+            given_later,
+            twins: Mutex::default(),
+            shown,
+        }
+    }
+}
+
+/// The attachments that begin anew: cleared, or with no content.
+fn anew(load: vk::AttachmentLoadOp) -> bool {
+    load != vk::AttachmentLoadOp::LOAD
+}
+
+/// # Safety
+/// `info` must be the program's.
+unsafe fn render_pass(info: &vk::RenderPassCreateInfo<'_>) -> RenderPass {
+    // SAFETY: as promised.
+    unsafe {
+        let subpasses = super::slice(info.p_subpasses, info.subpass_count);
+        let multiview = vk::StructureType::RENDER_PASS_MULTIVIEW_CREATE_INFO;
+        let multiview = in_chain::<vk::RenderPassMultiviewCreateInfo<'_>>(info.p_next, multiview);
+        let masks = multiview.map_or(&[][..], |m| super::slice(m.p_view_masks, m.subpass_count));
+        let first =
+            subpasses.first().map_or(&[][..], |s| super::slice(s.p_color_attachments, s.color_attachment_count));
+        RenderPass {
+            colors: used(first.iter().map(|reference| reference.attachment)),
+            begins_anew: super::slice(info.p_attachments, info.attachment_count)
+                .iter()
+                .map(|a| anew(a.load_op))
+                .collect(),
+            obstacle: obstacle(subpasses.iter().any(|s| s.input_attachment_count > 0), masks.iter().any(|m| *m != 0)),
+        }
+    }
+}
+
+/// # Safety
+/// `info` must be the program's.
+unsafe fn render_pass2(info: &vk::RenderPassCreateInfo2<'_>) -> RenderPass {
+    // SAFETY: as promised.
+    unsafe {
+        let subpasses = super::slice(info.p_subpasses, info.subpass_count);
+        let first =
+            subpasses.first().map_or(&[][..], |s| super::slice(s.p_color_attachments, s.color_attachment_count));
+        RenderPass {
+            colors: used(first.iter().map(|reference| reference.attachment)),
+            begins_anew: super::slice(info.p_attachments, info.attachment_count)
+                .iter()
+                .map(|a| anew(a.load_op))
+                .collect(),
+            obstacle: obstacle(
+                subpasses.iter().any(|s| s.input_attachment_count > 0),
+                subpasses.iter().any(|s| s.view_mask != 0),
+            ),
+        }
+    }
+}
+
+fn used(attachments: impl Iterator<Item = u32>) -> Vec<(u32, u32)> {
+    (0..).zip(attachments).filter(|(_, attachment)| *attachment != vk::ATTACHMENT_UNUSED).collect()
+}
+
+fn obstacle(input: bool, multiview: bool) -> Option<&'static str> {
+    match (input, multiview) {
+        (true, _) => Some("its render pass reads attachments"),
+        (_, true) => Some("it draws several views itself"),
+        _ => None,
+    }
+}
+
+impl Framebuffers {
+    fn add(&self, handle: vk::RenderPass, pass: RenderPass) {
+        self.passes.lock().unwrap_or_else(PoisonError::into_inner).insert(handle, Arc::new(pass));
+    }
+}
+
+hooks! { framebuffers;
+    [c"vkCreateRenderPass"] create_render_pass: vk::PFN_vkCreateRenderPass = (
+        device: vk::Device, info: *const vk::RenderPassCreateInfo<'_>, allocator: *const vk::AllocationCallbacks<'_>, pass: *mut vk::RenderPass
+    ) -> vk::Result { |state, next| {
+        let result = next(device, info, allocator, pass);
+        if result == vk::Result::SUCCESS {
+            state.framebuffers.add(*pass, render_pass(&*info));
+        }
+        result
+    } }
+    [c"vkCreateRenderPass2", c"vkCreateRenderPass2KHR"] create_render_pass2: vk::PFN_vkCreateRenderPass2 = (
+        device: vk::Device, info: *const vk::RenderPassCreateInfo2<'_>, allocator: *const vk::AllocationCallbacks<'_>, pass: *mut vk::RenderPass
+    ) -> vk::Result { |state, next| {
+        let result = next(device, info, allocator, pass);
+        if result == vk::Result::SUCCESS {
+            state.framebuffers.add(*pass, render_pass2(&*info));
+        }
+        result
+    } }
+    [c"vkDestroyRenderPass"] destroy_render_pass: vk::PFN_vkDestroyRenderPass = (
+        device: vk::Device, pass: vk::RenderPass, allocator: *const vk::AllocationCallbacks<'_>
+    ) { |state, next| {
+        state.framebuffers.passes.lock().unwrap_or_else(PoisonError::into_inner).remove(&pass);
+        next(device, pass, allocator)
+    } }
+    [c"vkCreateFramebuffer"] create_framebuffer: vk::PFN_vkCreateFramebuffer = (
+        device: vk::Device, info: *const vk::FramebufferCreateInfo<'_>, allocator: *const vk::AllocationCallbacks<'_>, made: *mut vk::Framebuffer
+    ) -> vk::Result { |state, next| {
+        let result = next(device, info, allocator, made);
+        if result == vk::Result::SUCCESS {
+            let new = Arc::new(framebuffer(&state, &*info));
+            // Made now, while its render pass is there; it need not be later.
+            if let (true, Some(shown)) = (state.draws_views(), &new.shown)
+                && let Err(why) = new.twin(&state, shown, new.pass, &[])
+            {
+                state.give_up(&why);
+            }
+            state.framebuffers.all.lock().unwrap_or_else(PoisonError::into_inner).insert(*made, new);
+        }
+        result
+    } }
+    [c"vkDestroyFramebuffer"] destroy_framebuffer: vk::PFN_vkDestroyFramebuffer = (
+        device: vk::Device, framebuffer: vk::Framebuffer, allocator: *const vk::AllocationCallbacks<'_>
+    ) { |state, next| {
+        let gone = state.framebuffers.all.lock().unwrap_or_else(PoisonError::into_inner).remove(&framebuffer);
+        if let Some(gone) = gone {
+            for (_, twin) in gone.twins.lock().unwrap_or_else(PoisonError::into_inner).drain(..) {
+                state.functions.destroy_framebuffer(twin, None);
+            }
+        }
+        next(device, framebuffer, allocator)
+    } }
+}

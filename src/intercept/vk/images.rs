@@ -1,0 +1,319 @@
+//! Images of the program, and the twins that stand for them while views are drawn.
+//!
+//! A swapchain's image has an atlas as its twin. What a pass draws to together with it (depth, samples) gets a
+//! twin as large as the atlas.
+
+use super::device::Device;
+use super::hook::hooks;
+use super::image::OwnImage;
+use super::layout::Layout;
+use ash::vk;
+use std::collections::HashMap;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// An image of a swapchain.
+pub struct Shown {
+    /// Where in the atlas everything is.
+    pub layout: Arc<Layout>,
+    /// The atlas.
+    pub atlas: vk::Image,
+    /// The latest frame is in the atlas, not in the program's picture.
+    pub in_views: AtomicBool,
+}
+
+/// What is known of an image.
+struct Image {
+    flags: vk::ImageCreateFlags,
+    kind: vk::ImageType,
+    format: vk::Format,
+    mip_levels: u32,
+    layers: u32,
+    samples: vk::SampleCountFlags,
+    usage: vk::ImageUsageFlags,
+    /// The layout that was recorded last.
+    layout: vk::ImageLayout,
+    /// Shaders read it.
+    described: bool,
+    shown: Option<Arc<Shown>>,
+    twins: Vec<((u32, u32), OwnImage)>,
+}
+
+/// What is known of an image's view.
+struct View {
+    image: vk::Image,
+    kind: vk::ImageViewType,
+    format: vk::Format,
+    components: vk::ComponentMapping,
+    range: vk::ImageSubresourceRange,
+    /// Twins, by the image that they are views of.
+    twins: Vec<(vk::Image, vk::ImageView)>,
+}
+
+/// An image of ours that has to be brought into a layout before anything is submitted.
+#[derive(Clone, Copy)]
+pub struct Pending {
+    /// The image.
+    pub image: vk::Image,
+    /// The layout that the program believes it to be in.
+    pub layout: vk::ImageLayout,
+    /// What it has.
+    pub aspects: vk::ImageAspectFlags,
+}
+
+/// Images and their views.
+#[derive(Default)]
+pub struct Images {
+    images: Mutex<HashMap<vk::Image, Image>>,
+    views: Mutex<HashMap<vk::ImageView, View>>,
+    pending: Mutex<Vec<Pending>>,
+}
+
+/// What a format has.
+pub fn aspects(format: vk::Format) -> vk::ImageAspectFlags {
+    use vk::{Format as F, ImageAspectFlags as A};
+    match format {
+        F::D16_UNORM | F::X8_D24_UNORM_PACK32 | F::D32_SFLOAT => A::DEPTH,
+        F::S8_UINT => A::STENCIL,
+        F::D16_UNORM_S8_UINT | F::D24_UNORM_S8_UINT | F::D32_SFLOAT_S8_UINT => A::DEPTH | A::STENCIL,
+        _ => A::COLOR,
+    }
+}
+
+impl Images {
+    /// The swapchain's image that is seen through a view.
+    pub fn shown(&self, view: vk::ImageView) -> Option<Arc<Shown>> {
+        let image = self.views.lock().unwrap_or_else(PoisonError::into_inner).get(&view)?.image;
+        self.shown_image(image)
+    }
+
+    /// The swapchain's image.
+    pub fn shown_image(&self, image: vk::Image) -> Option<Arc<Shown>> {
+        self.images.lock().unwrap_or_else(PoisonError::into_inner).get(&image)?.shown.clone()
+    }
+
+    /// The program has `image` in the place of a swapchain's. It is brought into the layout in which passes leave it:
+    /// those that draw to the atlas do not change it.
+    pub fn show(&self, image: vk::Image, format: vk::Format, shown: Arc<Shown>) {
+        let new = Image {
+            flags: vk::ImageCreateFlags::empty(),
+            kind: vk::ImageType::TYPE_2D,
+            format,
+            mip_levels: 1,
+            layers: 1,
+            samples: vk::SampleCountFlags::TYPE_1,
+            usage: vk::ImageUsageFlags::empty(),
+            layout: vk::ImageLayout::UNDEFINED,
+            described: false,
+            shown: Some(shown),
+            twins: Vec::new(),
+        };
+        self.images.lock().unwrap_or_else(PoisonError::into_inner).insert(image, new);
+        let layout = vk::ImageLayout::PRESENT_SRC_KHR;
+        let pending = Pending { image, layout, aspects: vk::ImageAspectFlags::COLOR };
+        self.pending.lock().unwrap_or_else(PoisonError::into_inner).push(pending);
+    }
+
+    /// An image of a swapchain is gone.
+    pub fn hide(&self, image: vk::Image) {
+        self.images.lock().unwrap_or_else(PoisonError::into_inner).remove(&image);
+        self.pending.lock().unwrap_or_else(PoisonError::into_inner).retain(|pending| pending.image != image);
+    }
+
+    /// Format and samples of what a view shows.
+    pub fn kind(&self, view: vk::ImageView) -> Option<(vk::Format, vk::SampleCountFlags)> {
+        let (image, format) = {
+            let views = self.views.lock().unwrap_or_else(PoisonError::into_inner);
+            views.get(&view).map(|view| (view.image, view.format))?
+        };
+        self.images.lock().unwrap_or_else(PoisonError::into_inner).get(&image).map(|image| (format, image.samples))
+    }
+
+    /// A shader can read the image of a view: what it shows must not be drawn to a twin in its place.
+    pub fn described(&self, device: &Device, view: vk::ImageView) {
+        let image = self.views.lock().unwrap_or_else(PoisonError::into_inner).get(&view).map(|view| view.image);
+        let Some(image) = image else { return };
+        let mut images = self.images.lock().unwrap_or_else(PoisonError::into_inner);
+        let Some(state) = images.get_mut(&image) else { return };
+        state.described = true;
+        let drawn = state.shown.is_some() || !state.twins.is_empty();
+        drop(images);
+        if drawn {
+            device.give_up("its shaders read what it draws together with the window");
+        }
+    }
+
+    /// The twins of an image, whose layouts follow the image's.
+    pub fn twins(&self, image: vk::Image) -> Vec<vk::Image> {
+        let images = self.images.lock().unwrap_or_else(PoisonError::into_inner);
+        let Some(state) = images.get(&image) else { return Vec::new() };
+        let twins = state.twins.iter().map(|(_, twin)| twin.image);
+        state.shown.iter().map(|shown| shown.atlas).chain(twins).collect()
+    }
+
+    /// The program recorded that an image changes its layout.
+    pub fn moved(&self, image: vk::Image, layout: vk::ImageLayout) {
+        if let Some(state) = self.images.lock().unwrap_or_else(PoisonError::into_inner).get_mut(&image) {
+            state.layout = layout;
+        }
+    }
+
+    /// What has to be done before the next submission.
+    pub fn take_pending(&self) -> Vec<Pending> {
+        std::mem::take(&mut self.pending.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+
+    /// The view of the twin of a view's image, for passes into the atlas of `layout`.
+    ///
+    /// # Errors
+    /// Why there is none.
+    pub fn twin(&self, device: &Device, view: vk::ImageView, layout: &Layout) -> Result<vk::ImageView, String> {
+        let (image, twins) = {
+            let views = self.views.lock().unwrap_or_else(PoisonError::into_inner);
+            let state = views.get(&view).ok_or("it draws to an image view that is not known")?;
+            let single = [vk::ImageViewType::TYPE_2D].contains(&state.kind)
+                && state.range.base_mip_level == 0
+                && state.range.base_array_layer == 0;
+            if !single {
+                return Err("it draws to layers or levels of images together with the window".to_owned());
+            }
+            (state.image, state.twins.clone())
+        };
+        let refused = |error: vk::Result| format!("the driver refuses an image: {error}");
+        let twin = self.twin_image(device, image, layout)?;
+        if let Some((_, known)) = twins.iter().find(|(image, _)| *image == twin) {
+            return Ok(*known);
+        }
+        let info = {
+            let views = self.views.lock().unwrap_or_else(PoisonError::into_inner);
+            let state = views.get(&view).ok_or("an image view is gone")?;
+            vk::ImageViewCreateInfo::default()
+                .image(twin)
+                .view_type(state.kind)
+                .format(state.format)
+                .components(state.components)
+                .subresource_range(state.range)
+        };
+        // SAFETY: the twin is live and has the format and aspects of the program's image.
+        let made = unsafe { device.functions.create_image_view(&info, None) }.map_err(refused)?;
+        if let Some(state) = self.views.lock().unwrap_or_else(PoisonError::into_inner).get_mut(&view) {
+            state.twins.push((twin, made));
+        }
+        Ok(made)
+    }
+
+    fn twin_image(&self, device: &Device, image: vk::Image, layout: &Layout) -> Result<vk::Image, String> {
+        let size = layout.atlas;
+        let (info, format, believed) = {
+            let images = self.images.lock().unwrap_or_else(PoisonError::into_inner);
+            let state = images.get(&image).ok_or("it draws to an image that is not known")?;
+            if let Some(shown) = &state.shown {
+                return Ok(shown.atlas);
+            }
+            if let Some((_, twin)) = state.twins.iter().find(|(of, _)| *of == size) {
+                return Ok(twin.image);
+            }
+            if state.described {
+                return Err("its shaders read what it draws together with the window".to_owned());
+            }
+            if state.kind != vk::ImageType::TYPE_2D || state.mip_levels != 1 || state.layers != 1 {
+                return Err("it draws to layers or levels of images together with the window".to_owned());
+            }
+            let info = vk::ImageCreateInfo::default()
+                .flags(state.flags)
+                .image_type(state.kind)
+                .format(state.format)
+                .extent(vk::Extent3D { width: size.0, height: size.1, depth: 1 })
+                .mip_levels(1)
+                .array_layers(1)
+                .samples(state.samples)
+                .usage(state.usage);
+            (info, state.format, state.layout)
+        };
+        // SAFETY: the device is live; the image differs from one of the program's in its size.
+        let twin = unsafe { OwnImage::new(device, &info) };
+        let twin = twin.map_err(|error| format!("the driver refuses an image of {} × {}: {error}", size.0, size.1))?;
+        if believed != vk::ImageLayout::UNDEFINED {
+            let pending = Pending { image: twin.image, layout: believed, aspects: aspects(format) };
+            self.pending.lock().unwrap_or_else(PoisonError::into_inner).push(pending);
+        }
+        if let Some(state) = self.images.lock().unwrap_or_else(PoisonError::into_inner).get_mut(&image) {
+            state.twins.push((size, twin));
+        }
+        Ok(twin.image)
+    }
+}
+
+/// The first level and layer that an attachment's image needs to have no more of for a twin.
+fn may_be_attachment(info: &vk::ImageCreateInfo<'_>) -> bool {
+    use vk::ImageUsageFlags as U;
+    info.usage.intersects(U::COLOR_ATTACHMENT | U::DEPTH_STENCIL_ATTACHMENT)
+}
+
+hooks! { images;
+    [c"vkCreateImage"] create_image: vk::PFN_vkCreateImage = (
+        device: vk::Device, info: *const vk::ImageCreateInfo<'_>, allocator: *const vk::AllocationCallbacks<'_>, image: *mut vk::Image
+    ) -> vk::Result { |state, next| {
+        let result = next(device, info, allocator, image);
+        let info = &*info;
+        if result == vk::Result::SUCCESS && may_be_attachment(info) {
+            let new = Image {
+                flags: info.flags,
+                kind: info.image_type,
+                format: info.format,
+                mip_levels: info.mip_levels,
+                layers: info.array_layers,
+                samples: info.samples,
+                usage: info.usage,
+                layout: vk::ImageLayout::UNDEFINED,
+                described: false,
+                shown: None,
+                twins: Vec::new(),
+            };
+            state.images.images.lock().unwrap_or_else(PoisonError::into_inner).insert(*image, new);
+        }
+        result
+    } }
+    [c"vkDestroyImage"] destroy_image: vk::PFN_vkDestroyImage = (
+        device: vk::Device, image: vk::Image, allocator: *const vk::AllocationCallbacks<'_>
+    ) { |state, next| {
+        let gone = state.images.images.lock().unwrap_or_else(PoisonError::into_inner).remove(&image);
+        for (_, twin) in gone.iter().flat_map(|image| &image.twins) {
+            state.images.pending.lock().unwrap_or_else(PoisonError::into_inner).retain(|p| p.image != twin.image);
+            twin.destroy(&state);
+        }
+        next(device, image, allocator)
+    } }
+    [c"vkCreateImageView"] create_image_view: vk::PFN_vkCreateImageView = (
+        device: vk::Device, info: *const vk::ImageViewCreateInfo<'_>, allocator: *const vk::AllocationCallbacks<'_>, view: *mut vk::ImageView
+    ) -> vk::Result { |state, next| {
+        let result = next(device, info, allocator, view);
+        let info = &*info;
+        if result == vk::Result::SUCCESS {
+            let new = View {
+                image: info.image,
+                kind: info.view_type,
+                format: info.format,
+                components: info.components,
+                range: info.subresource_range,
+                twins: Vec::new(),
+            };
+            state.images.views.lock().unwrap_or_else(PoisonError::into_inner).insert(*view, new);
+        }
+        result
+    } }
+    [c"vkDestroyImageView"] destroy_image_view: vk::PFN_vkDestroyImageView = (
+        device: vk::Device, view: vk::ImageView, allocator: *const vk::AllocationCallbacks<'_>
+    ) { |state, next| {
+        let gone = state.images.views.lock().unwrap_or_else(PoisonError::into_inner).remove(&view);
+        for (_, twin) in gone.iter().flat_map(|view| &view.twins) {
+            state.functions.destroy_image_view(*twin, None);
+        }
+        next(device, view, allocator)
+    } }
+}
+
+/// Marks what the next picture of a swapchain's image is made of.
+pub fn drawn(shown: &Shown, in_views: bool) {
+    shown.in_views.store(in_views, Ordering::Relaxed);
+}

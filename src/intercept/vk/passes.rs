@@ -1,0 +1,320 @@
+//! Passes: where one draws to a swapchain's image, it draws to the atlas in its place.
+
+use super::device::Device;
+use super::draws::rectangle;
+use super::hook::hooks;
+use super::images::Shown;
+use super::layout::Layout;
+use super::pipelines::in_chain;
+use super::recording::{Event, Pass, Recording, Within};
+use ash::{prelude::VkResult, vk};
+use std::sync::Arc;
+
+/// Clears the panel of colour attachments: a pane of glass through which everything is seen.
+///
+/// # Safety
+/// The command buffer is being recorded, within a pass that has these attachments.
+pub unsafe fn clear_panel(device: &Device, buffer: vk::CommandBuffer, layout: &Layout, attachments: &[u32]) {
+    if attachments.is_empty() {
+        return;
+    }
+    let clear = |attachment: &u32| vk::ClearAttachment {
+        aspect_mask: vk::ImageAspectFlags::COLOR,
+        color_attachment: *attachment,
+        clear_value: vk::ClearValue::default(),
+    };
+    let clears: Vec<_> = attachments.iter().map(clear).collect();
+    let rect = vk::ClearRect { rect: rectangle(layout.glass()), base_array_layer: 0, layer_count: 1 };
+    // SAFETY: as promised; the panel lies in the atlas.
+    unsafe { device.functions.cmd_clear_attachments(buffer, &clears, &[rect]) };
+}
+
+/// In a pass that has secondary command buffers only, one of ours has to clear the panel.
+///
+/// # Safety
+/// The command buffer is being recorded; the program uses its pool on this thread.
+pub unsafe fn clear_by_secondary(device: &Device, buffer: vk::CommandBuffer, recording: &mut Recording) {
+    let Recording { pass, clearers, pool, .. } = recording;
+    let Some(pass) = pass.as_mut().filter(|pass| !pass.unclear.is_empty()) else { return };
+    let unclear = std::mem::take(&mut pass.unclear);
+    let functions = &device.functions;
+    let mut record = || -> VkResult<vk::CommandBuffer> {
+        let mut rendering = vk::CommandBufferInheritanceRenderingInfo::default();
+        let mut inheritance = vk::CommandBufferInheritanceInfo::default();
+        match &pass.within {
+            Within::Pass(pass) => inheritance.render_pass = *pass,
+            Within::Rendering { colors, depth, stencil, samples } => {
+                rendering = rendering
+                    .color_attachment_formats(colors)
+                    .depth_attachment_format(*depth)
+                    .stencil_attachment_format(*stencil)
+                    .rasterization_samples(*samples);
+                inheritance = inheritance.push_next(&mut rendering);
+            }
+            Within::Inherited => return Err(vk::Result::ERROR_INITIALIZATION_FAILED),
+        }
+        let usage = vk::CommandBufferUsageFlags::RENDER_PASS_CONTINUE | vk::CommandBufferUsageFlags::SIMULTANEOUS_USE;
+        let info = vk::CommandBufferBeginInfo::default().flags(usage).inheritance_info(&inheritance);
+        // SAFETY: as promised; the pass has these attachments.
+        unsafe {
+            let clearer = device.secondary_command_buffer(*pool)?;
+            clearers.push(clearer);
+            functions.begin_command_buffer(clearer, &info)?;
+            clear_panel(device, clearer, &pass.shown.layout, &unclear);
+            functions.end_command_buffer(clearer)?;
+            Ok(clearer)
+        }
+    };
+    match record() {
+        // SAFETY: as promised.
+        Ok(clearer) => unsafe { functions.cmd_execute_commands(buffer, &[clearer]) },
+        Err(error) => device.give_up(&format!("the driver refuses a command buffer: {error}")),
+    }
+}
+
+/// What a pass draws to instead.
+struct Replaced {
+    framebuffer: vk::Framebuffer,
+    /// Attachments, where they are given with the pass.
+    attachments: Option<Vec<vk::ImageView>>,
+    pass: Pass,
+}
+
+/// # Safety
+/// `begin` must be the program's.
+unsafe fn replace(device: &Device, begin: &vk::RenderPassBeginInfo<'_>) -> Option<Result<Replaced, String>> {
+    let framebuffer = device.framebuffers.get(begin.framebuffer)?;
+    // SAFETY: as promised.
+    let given = unsafe {
+        let kind = vk::StructureType::RENDER_PASS_ATTACHMENT_BEGIN_INFO;
+        in_chain::<vk::RenderPassAttachmentBeginInfo<'_>>(begin.p_next, kind)
+            .map(|given| super::slice(given.p_attachments, given.attachment_count))
+    };
+    let find = || given?.iter().find_map(|view| device.images.shown(*view));
+    let shown = framebuffer.shown.clone().or_else(find)?;
+    let replaced = || {
+        let pass = device.framebuffers.pass(begin.render_pass).ok_or("a render pass that is not known")?;
+        if let Some(why) = pass.obstacle {
+            return Err(why.to_owned());
+        }
+        if !is_whole(&begin.render_area, &shown.layout) {
+            return Err("it draws a part of the window at a time".to_owned());
+        }
+        let twin = framebuffer.twin(device, &shown, begin.render_pass, given.unwrap_or_default())?;
+        let attachments = match given.filter(|given| !given.is_empty()) {
+            Some(given) => {
+                let twins = given.iter().map(|view| device.images.twin(device, *view, &shown.layout));
+                Some(twins.collect::<Result<Vec<_>, _>>()?)
+            }
+            None => None,
+        };
+        let anew = |(_, attachment): &&(u32, u32)| pass.begins_anew.get(*attachment as usize).copied().unwrap_or(true);
+        let unclear = pass.colors.iter().filter(anew).map(|(number, _)| *number).collect();
+        Ok(Replaced {
+            framebuffer: twin,
+            attachments,
+            pass: Pass::new(Arc::clone(&shown), Within::Pass(begin.render_pass), unclear),
+        })
+    };
+    if !device.draws_views() {
+        return Some(Err(String::new()));
+    }
+    Some(replaced())
+}
+
+fn is_whole(area: &vk::Rect2D, layout: &Layout) -> bool {
+    area.offset == vk::Offset2D::default() && (area.extent.width, area.extent.height) == layout.window
+}
+
+/// The whole atlas.
+fn whole_atlas(layout: &Layout) -> vk::Rect2D {
+    vk::Extent2D { width: layout.atlas.0, height: layout.atlas.1 }.into()
+}
+
+/// Begins a pass by `next`: the program's, or the one that draws to the atlas.
+///
+/// # Safety
+/// `info` must be the program's; `next` begins a pass after the structure that it is given.
+unsafe fn begin(
+    device: &Device,
+    buffer: vk::CommandBuffer,
+    info: &vk::RenderPassBeginInfo<'_>,
+    next: impl Fn(&vk::RenderPassBeginInfo<'_>),
+) {
+    // SAFETY: as promised.
+    let replaced = unsafe { replace(device, info) };
+    let (given_by_pass, framebuffer) = (info.p_next, device.framebuffers.get(info.framebuffer));
+    let replaced = match replaced {
+        Some(Ok(replaced)) => replaced,
+        other => {
+            if let Some(Err(why)) = &other
+                && !why.is_empty()
+            {
+                device.give_up(why);
+            }
+            let shown = framebuffer.and_then(|framebuffer| framebuffer.shown.clone());
+            plain(device, buffer, shown);
+            return next(info);
+        }
+    };
+    let mut changed = *info;
+    changed.framebuffer = replaced.framebuffer;
+    changed.render_area = whole_atlas(&replaced.pass.shown.layout);
+    let mut attachments = vk::RenderPassAttachmentBeginInfo::default();
+    if let Some(twins) = &replaced.attachments {
+        // SAFETY: the chain is the program's.
+        let first = unsafe { given_by_pass.cast::<vk::BaseInStructure<'_>>().as_ref() };
+        let first = first.filter(|first| first.s_type == vk::StructureType::RENDER_PASS_ATTACHMENT_BEGIN_INFO);
+        let Some(first) = first else {
+            device.give_up("structures in a chain that are not known");
+            plain(device, buffer, Some(replaced.pass.shown));
+            return next(info);
+        };
+        attachments = attachments.attachments(twins);
+        attachments.p_next = first.p_next.cast();
+        changed.p_next = std::ptr::from_ref(&attachments).cast();
+    }
+    next(&changed);
+    served(device, buffer, replaced.pass);
+}
+
+/// A pass begins that is drawn for each view.
+fn served(device: &Device, buffer: vk::CommandBuffer, pass: Pass) {
+    device.recordings.with(buffer, |recording| {
+        recording.events.push(Event::Drawn(Arc::clone(&pass.shown), true));
+        recording.pass = Some(pass);
+    });
+}
+
+/// A pass begins that is the program's own.
+fn plain(device: &Device, buffer: vk::CommandBuffer, shown: Option<Arc<Shown>>) {
+    device.recordings.with(buffer, |recording| {
+        recording.in_plain_pass = true;
+        recording.events.extend(shown.map(|shown| Event::Drawn(shown, false)));
+    });
+}
+
+/// A pass ends. What it left undone in a pass without draws is done.
+///
+/// # Safety
+/// The command buffer is being recorded, within the pass.
+unsafe fn end(device: &Device, buffer: vk::CommandBuffer) {
+    device.recordings.with(buffer, |recording| {
+        recording.in_plain_pass = false;
+        if let Some(pass) = recording.pass.take() {
+            // SAFETY: as promised.
+            unsafe { clear_panel(device, buffer, &pass.shown.layout, &pass.unclear) };
+        }
+    });
+}
+
+/// An attachment with `twin`s in the place of its images.
+fn attachment<'a>(
+    given: &vk::RenderingAttachmentInfo<'a>,
+    twin: &dyn Fn(vk::ImageView) -> Result<vk::ImageView, String>,
+) -> Result<vk::RenderingAttachmentInfo<'a>, String> {
+    let mut changed = *given;
+    changed.image_view = twin(given.image_view)?;
+    changed.resolve_image_view = twin(given.resolve_image_view)?;
+    Ok(changed)
+}
+
+/// Begins dynamic rendering by `next`.
+///
+/// # Safety
+/// As for [`begin`].
+unsafe fn begin_rendering(
+    device: &Device,
+    buffer: vk::CommandBuffer,
+    info: &vk::RenderingInfo<'_>,
+    next: impl Fn(&vk::RenderingInfo<'_>),
+) {
+    // SAFETY: the program's structure.
+    let (colors, given_depth, given_stencil) = unsafe {
+        let colors = super::slice(info.p_color_attachments, info.color_attachment_count);
+        (colors, info.p_depth_attachment.as_ref(), info.p_stencil_attachment.as_ref())
+    };
+    let views = colors.iter().flat_map(|color| [color.image_view, color.resolve_image_view]);
+    let Some(shown) = views.filter(|view| *view != vk::ImageView::null()).find_map(|view| device.images.shown(view))
+    else {
+        plain(device, buffer, None);
+        return next(info);
+    };
+    let layout = &shown.layout;
+    let twin = |view: vk::ImageView| match view == vk::ImageView::null() {
+        true => Ok(view),
+        false => device.images.twin(device, view, layout),
+    };
+    let replaced = || -> Result<_, String> {
+        if info.view_mask != 0 || info.layer_count != 1 {
+            return Err("it draws several views itself".to_owned());
+        }
+        if !is_whole(&info.render_area, layout) {
+            return Err("it draws a part of the window at a time".to_owned());
+        }
+        let colors = colors.iter().map(|color| attachment(color, &twin)).collect::<Result<Vec<_>, _>>()?;
+        let depth = given_depth.map(|depth| attachment(depth, &twin)).transpose()?;
+        Ok((colors, depth, given_stencil.map(|stencil| attachment(stencil, &twin)).transpose()?))
+    };
+    let replaced = if device.draws_views() { replaced() } else { Err(String::new()) };
+    let (twins, depth, stencil) = match replaced {
+        Ok(replaced) => replaced,
+        Err(why) => {
+            if !why.is_empty() {
+                device.give_up(&why);
+            }
+            plain(device, buffer, Some(Arc::clone(&shown)));
+            return next(info);
+        }
+    };
+    let mut changed = (*info).render_area(whole_atlas(layout)).color_attachments(&twins);
+    if let Some(depth) = &depth {
+        changed = changed.depth_attachment(depth);
+    }
+    if let Some(stencil) = &stencil {
+        changed = changed.stencil_attachment(stencil);
+    }
+    next(&changed);
+    let resumed = info.flags.contains(vk::RenderingFlags::RESUMING);
+    let anew = |(_, color): &(u32, &vk::RenderingAttachmentInfo<'_>)| {
+        !resumed && color.image_view != vk::ImageView::null() && color.load_op != vk::AttachmentLoadOp::LOAD
+    };
+    let unclear = (0..).zip(colors).filter(anew).map(|(number, _)| number).collect();
+    let kind = |attachment: &vk::RenderingAttachmentInfo<'_>| device.images.kind(attachment.image_view);
+    let format = |attachment: Option<&vk::RenderingAttachmentInfo<'_>>| attachment.and_then(kind).unwrap_or_default().0;
+    let within = Within::Rendering {
+        colors: colors.iter().map(|color| format(Some(color))).collect(),
+        depth: format(given_depth),
+        stencil: format(given_stencil),
+        samples: colors.iter().find_map(kind).unwrap_or_default().1,
+    };
+    served(device, buffer, Pass::new(Arc::clone(&shown), within, unclear));
+}
+
+hooks! { passes;
+    [c"vkCmdBeginRenderPass"] cmd_begin_render_pass: vk::PFN_vkCmdBeginRenderPass = (
+        buffer: vk::CommandBuffer, info: *const vk::RenderPassBeginInfo<'_>, contents: vk::SubpassContents
+    ) { |state, next| begin(&state, buffer, &*info, |info| next(buffer, info, contents)) }
+    [c"vkCmdBeginRenderPass2", c"vkCmdBeginRenderPass2KHR"] cmd_begin_render_pass2: vk::PFN_vkCmdBeginRenderPass2 = (
+        buffer: vk::CommandBuffer, info: *const vk::RenderPassBeginInfo<'_>, subpass: *const vk::SubpassBeginInfo<'_>
+    ) { |state, next| begin(&state, buffer, &*info, |info| next(buffer, info, subpass)) }
+    [c"vkCmdEndRenderPass"] cmd_end_render_pass: vk::PFN_vkCmdEndRenderPass = (buffer: vk::CommandBuffer) { |state, next| {
+        end(&state, buffer);
+        next(buffer)
+    } }
+    [c"vkCmdEndRenderPass2", c"vkCmdEndRenderPass2KHR"] cmd_end_render_pass2: vk::PFN_vkCmdEndRenderPass2 = (
+        buffer: vk::CommandBuffer, info: *const vk::SubpassEndInfo<'_>
+    ) { |state, next| {
+        end(&state, buffer);
+        next(buffer, info)
+    } }
+    [c"vkCmdBeginRendering", c"vkCmdBeginRenderingKHR"] cmd_begin_rendering: vk::PFN_vkCmdBeginRendering = (
+        buffer: vk::CommandBuffer, info: *const vk::RenderingInfo<'_>
+    ) { |state, next| begin_rendering(&state, buffer, &*info, |info| next(buffer, info)) }
+    [c"vkCmdEndRendering", c"vkCmdEndRenderingKHR"] cmd_end_rendering: vk::PFN_vkCmdEndRendering = (
+        buffer: vk::CommandBuffer
+    ) { |state, next| {
+        end(&state, buffer);
+        next(buffer)
+    } }
+}

@@ -1,0 +1,167 @@
+//! Memory for the rows that re-project, one group for each view and the panel, read by shaders when a recorded
+//! command buffer runs. So command buffers stay valid when the program's lens changes.
+
+use super::device::Device;
+use ash::{prelude::VkResult, vk};
+use std::sync::{Mutex, OnceLock, PoisonError};
+
+/// Bytes of one group of rows.
+pub const GROUP: usize = 64;
+
+/// Bytes of a piece of memory.
+const PIECE: u64 = 1 << 16;
+
+/// A piece of memory with its descriptor.
+pub struct Piece {
+    buffer: vk::Buffer,
+    memory: vk::DeviceMemory,
+    pool: vk::DescriptorPool,
+    /// Its descriptor set, whose offset is given when it is bound.
+    pub set: vk::DescriptorSet,
+    address: usize,
+}
+
+/// Where the rows of one run of draws are.
+#[derive(Clone, Copy, Debug)]
+pub struct Place {
+    /// Which piece of the command buffer's.
+    pub piece: usize,
+    /// Offset in it, bytes.
+    pub offset: u32,
+}
+
+/// The device's pieces that no command buffer has.
+#[derive(Default)]
+pub struct Rows {
+    set_layout: OnceLock<Option<vk::DescriptorSetLayout>>,
+    free: Mutex<Vec<Piece>>,
+}
+
+/// Those of a command buffer.
+#[derive(Default)]
+pub struct Taken {
+    /// The pieces.
+    pub pieces: Vec<Piece>,
+    used: u64,
+}
+
+impl Rows {
+    /// The layout of the set that shaders read rows by; `None` where the driver refuses it.
+    pub fn set_layout(&self, device: &Device) -> Option<vk::DescriptorSetLayout> {
+        *self.set_layout.get_or_init(|| {
+            let bindings = [vk::DescriptorSetLayoutBinding::default()
+                .descriptor_type(vk::DescriptorType::UNIFORM_BUFFER_DYNAMIC)
+                .descriptor_count(1)
+                .stage_flags(vk::ShaderStageFlags::ALL_GRAPHICS)];
+            let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
+            // SAFETY: the device is live.
+            unsafe { device.functions.create_descriptor_set_layout(&info, None) }.ok()
+        })
+    }
+
+    /// Room for `groups` groups, each `stride` bytes from the last.
+    ///
+    /// # Errors
+    /// The driver's.
+    pub fn take(&self, device: &Device, taken: &mut Taken, groups: usize, stride: u32) -> VkResult<Place> {
+        let length = groups as u64 * u64::from(stride);
+        if taken.pieces.is_empty() || taken.used + length > PIECE {
+            let free = self.free.lock().unwrap_or_else(PoisonError::into_inner).pop();
+            let piece = match free {
+                Some(piece) => piece,
+                None => self.make(device)?,
+            };
+            taken.pieces.push(piece);
+            taken.used = 0;
+        }
+        let place = Place { piece: taken.pieces.len() - 1, offset: taken.used as u32 };
+        taken.used += length;
+        Ok(place)
+    }
+
+    /// A command buffer needs its pieces no more.
+    pub fn give_back(&self, taken: &mut Taken) {
+        taken.used = 0;
+        self.free.lock().unwrap_or_else(PoisonError::into_inner).append(&mut taken.pieces);
+    }
+
+    fn make(&self, device: &Device) -> VkResult<Piece> {
+        let layout = self.set_layout(device).ok_or(vk::Result::ERROR_INITIALIZATION_FAILED)?;
+        let mut piece = Piece {
+            buffer: vk::Buffer::null(),
+            memory: vk::DeviceMemory::null(),
+            pool: vk::DescriptorPool::null(),
+            set: vk::DescriptorSet::null(),
+            address: 0,
+        };
+        match piece.fill(device, layout) {
+            Ok(()) => Ok(piece),
+            Err(error) => {
+                piece.destroy(device);
+                Err(error)
+            }
+        }
+    }
+
+    /// Destroys what is left, before the device is destroyed.
+    pub fn destroy(&self, device: &Device) {
+        for piece in self.free.lock().unwrap_or_else(PoisonError::into_inner).drain(..) {
+            piece.destroy(device);
+        }
+        if let Some(layout) = self.set_layout.get().copied().flatten() {
+            // SAFETY: ours; nothing uses it any more.
+            unsafe { device.functions.destroy_descriptor_set_layout(layout, None) };
+        }
+    }
+}
+
+impl Piece {
+    fn fill(&mut self, device: &Device, layout: vk::DescriptorSetLayout) -> VkResult<()> {
+        let functions = &device.functions;
+        let info = vk::BufferCreateInfo::default().size(PIECE).usage(vk::BufferUsageFlags::UNIFORM_BUFFER);
+        let visible = vk::MemoryPropertyFlags::HOST_VISIBLE | vk::MemoryPropertyFlags::HOST_COHERENT;
+        let sizes = [vk::DescriptorPoolSize { ty: vk::DescriptorType::UNIFORM_BUFFER_DYNAMIC, descriptor_count: 1 }];
+        let pool = vk::DescriptorPoolCreateInfo::default().max_sets(1).pool_sizes(&sizes);
+        // SAFETY: makes objects of ours on a live device; they are kept in `self` as soon as they are made.
+        unsafe {
+            self.buffer = functions.create_buffer(&info, None)?;
+            let needs = functions.get_buffer_memory_requirements(self.buffer);
+            let kind = device.memory_type(needs.memory_type_bits, visible).unwrap_or(0);
+            let allocation = vk::MemoryAllocateInfo::default().allocation_size(needs.size).memory_type_index(kind);
+            self.memory = functions.allocate_memory(&allocation, None)?;
+            functions.bind_buffer_memory(self.buffer, self.memory, 0)?;
+            let flags = vk::MemoryMapFlags::empty();
+            self.address = functions.map_memory(self.memory, 0, vk::WHOLE_SIZE, flags)? as usize;
+            self.pool = functions.create_descriptor_pool(&pool, None)?;
+            let layouts = [layout];
+            let info = vk::DescriptorSetAllocateInfo::default().descriptor_pool(self.pool).set_layouts(&layouts);
+            self.set = functions.allocate_descriptor_sets(&info)?.first().copied().unwrap_or_default();
+            let buffer = [vk::DescriptorBufferInfo { buffer: self.buffer, offset: 0, range: GROUP as u64 }];
+            let write = vk::WriteDescriptorSet::default()
+                .dst_set(self.set)
+                .descriptor_type(vk::DescriptorType::UNIFORM_BUFFER_DYNAMIC)
+                .buffer_info(&buffer);
+            functions.update_descriptor_sets(&[write], &[]);
+        }
+        Ok(())
+    }
+
+    /// Writes a group; nothing where it would not lie in the piece.
+    pub fn write(&self, offset: u32, rows: &[f32; 16]) {
+        if u64::from(offset) + GROUP as u64 > PIECE {
+            return;
+        }
+        // SAFETY: the piece stays mapped, and the group lies in it; the shaders that read it are not running, since
+        // their command buffer is being submitted.
+        unsafe { std::ptr::copy_nonoverlapping(rows.as_ptr(), (self.address + offset as usize) as *mut f32, 16) };
+    }
+
+    fn destroy(&self, device: &Device) {
+        // SAFETY: ours or null; the device has finished with them.
+        unsafe {
+            device.functions.destroy_descriptor_pool(self.pool, None);
+            device.functions.destroy_buffer(self.buffer, None);
+            device.functions.free_memory(self.memory, None);
+        }
+    }
+}

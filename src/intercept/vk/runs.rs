@@ -1,0 +1,300 @@
+//! Runs of draws that share a lens: where the lens is found, and the rows that it gives each view.
+//!
+//! A command buffer may be recorded long before its uniform blocks are filled, and run many times. So what a draw
+//! is (scene or flat, and with which lens) is decided when the command buffer is submitted, and the rows that
+//! shaders read decide what is seen: a draw that does not belong to a view is moved out of its sight.
+
+use super::device::Device;
+use super::layout::Layout;
+use super::recording::{Event, Recording};
+use super::rows::Place;
+use super::spirv::{Matrix, Memory};
+use crate::correct::uniforms;
+use crate::intercept::camera::Cameras;
+use crate::intercept::lens;
+use crate::runtime::session::Intrinsics;
+use ash::vk;
+use std::collections::BTreeMap;
+use std::sync::{Arc, PoisonError};
+
+/// Rows that change nothing, to the bit.
+const IDENTITY: [f32; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0];
+
+/// Rows that move everything to the right of what is seen: x' = 2w, w' = w.
+const OUT_OF_SIGHT: [f32; 16] = [0.0, 0.0, 2.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0];
+
+/// Where a matrix is, or what it is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Value {
+    /// Its numbers as they are in memory, column by column.
+    Known([f32; 16]),
+    /// In a buffer, at an offset.
+    Buffer(vk::Buffer, u64),
+}
+
+/// A matrix that may be the projection.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Source {
+    /// How a shader sees it.
+    pub matrix: Matrix,
+    /// Where it is.
+    pub value: Value,
+}
+
+/// What a run turned out to be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Outcome {
+    Scene(Intrinsics),
+    Flat,
+    Behind,
+}
+
+/// Draws that share a lens.
+pub struct Run {
+    /// Where their rows are.
+    pub place: Place,
+    /// Where the views are.
+    pub layout: Arc<Layout>,
+    /// Where the lens may be, the likeliest first.
+    pub sources: Vec<Source>,
+    /// Clip coordinates have y up (a viewport of negative height), not down.
+    pub y_up: bool,
+    /// They are issued to the views as well as onto the panel.
+    pub in_views: bool,
+    /// How many draws.
+    pub draws: u64,
+    /// What was written last, and for which matrices.
+    last: Option<Outcome>,
+    matrices: Vec<(u8, [f64; 16])>,
+    lens: Option<(Intrinsics, &'static str)>,
+}
+
+impl Run {
+    /// Draws that are recorded now.
+    pub fn new(place: Place, layout: Arc<Layout>, sources: Vec<Source>, y_up: bool, in_views: bool) -> Self {
+        Self { place, layout, sources, y_up, in_views, draws: 0, last: None, matrices: Vec::new(), lens: None }
+    }
+
+    /// Whether a draw with these properties belongs to it.
+    pub fn takes(&self, layout: &Arc<Layout>, sources: &[Source], y_up: bool, in_views: bool) -> bool {
+        Arc::ptr_eq(&self.layout, layout) && self.sources == sources && (self.y_up, self.in_views) == (y_up, in_views)
+    }
+}
+
+/// What is counted for the statistics.
+#[derive(Clone, Debug, Default)]
+pub struct Counts {
+    /// Draws of the program to its window.
+    pub seen: u64,
+    /// Those that are flat.
+    pub flat: u64,
+    /// Those that were issued to each view.
+    pub in_views: u64,
+    /// How the lens was found.
+    pub found: BTreeMap<&'static str, u64>,
+}
+
+/// The frame that is being submitted.
+#[derive(Default)]
+pub struct Frame {
+    cameras: Cameras,
+    layout: Option<Arc<Layout>>,
+    /// Rows that show the panel in each view, for flat drawing behind the scene.
+    behind: Vec<[f32; 16]>,
+    flat_first: bool,
+    scene: bool,
+    /// The last frame drew flat things before its scene.
+    flat_was_first: bool,
+    /// What was counted.
+    pub counts: Counts,
+}
+
+impl Frame {
+    /// A frame ended.
+    pub fn end(&mut self) {
+        self.flat_was_first = self.flat_first && self.scene;
+        (self.flat_first, self.scene) = (false, false);
+        self.cameras.end_frame();
+    }
+
+    fn follow(&mut self, layout: &Arc<Layout>) {
+        if self.layout.as_ref().is_none_or(|known| !Arc::ptr_eq(known, layout)) {
+            self.layout = Some(Arc::clone(layout));
+            self.cameras.clear();
+            self.behind = layout.session.panel_rows().iter().map(uniforms::clip_rows).collect();
+        }
+    }
+}
+
+/// The same rows for clip coordinates whose y points down.
+fn upside_down(rows: &[f32; 16]) -> [f32; 16] {
+    std::array::from_fn(|i| {
+        let (row, column) = (i / 4, i % 4);
+        let turned = row < 3 && ((row == 1) != (column == 1));
+        if turned { 0.0 - rows[i] } else { rows[i] }
+    })
+}
+
+/// A matrix out of memory.
+fn matrix(device: &Device, source: &Source) -> Option<[f64; 16]> {
+    let raw = match source.value {
+        Value::Known(raw) => raw,
+        Value::Buffer(buffer, offset) => {
+            let stride = source.matrix.stride as usize;
+            let mut bytes = [0; 256];
+            let bytes = bytes.get_mut(..3 * stride + 16)?;
+            if !device.memory_of_program.read(buffer, offset, bytes) {
+                return None;
+            }
+            from_bytes(bytes, stride)?
+        }
+    };
+    let value = raw.map(f64::from);
+    Some(if source.matrix.row_major { lens::transposed(&value) } else { value })
+}
+
+/// Sixteen floats, four by four.
+pub fn from_bytes(bytes: &[u8], stride: usize) -> Option<[f32; 16]> {
+    let mut raw = [0.0; 16];
+    for (i, value) in raw.iter_mut().enumerate() {
+        let at = i / 4 * stride + i % 4 * 4;
+        *value = f32::from_ne_bytes(bytes.get(at..at + 4)?.try_into().ok()?);
+    }
+    Some(raw)
+}
+
+/// A command buffer is submitted: what it draws gets its rows.
+pub fn submitted(device: &Device, recording: &mut Recording) {
+    let mut executed = Vec::new();
+    let Recording { events, runs, rows, .. } = recording;
+    for event in events.iter() {
+        match event {
+            Event::Run(index) => {
+                if let Some(run) = runs.get_mut(*index) {
+                    let piece = rows.pieces.get(run.place.piece);
+                    resolve(device, run, |group, rows| {
+                        if let Some(piece) = piece {
+                            piece.write(group, rows);
+                        }
+                    });
+                }
+            }
+            Event::Copy(from, to, region) => device.memory_of_program.copied(*from, *to, region),
+            Event::Update(buffer, offset, bytes) => device.memory_of_program.written(*buffer, *offset, bytes.clone()),
+            Event::Execute(other) => executed.push(*other),
+            Event::Drawn(shown, in_views) => super::images::drawn(shown, *in_views),
+        }
+    }
+    for other in executed {
+        device.recordings.with(other, |other| submitted(device, other));
+    }
+}
+
+/// Finds out what a run is, and writes its rows by `write`: offset of the group, rows.
+fn resolve(device: &Device, run: &mut Run, write: impl Fn(u32, &[f32; 16])) {
+    let mut frame = device.frame.lock().unwrap_or_else(PoisonError::into_inner);
+    frame.follow(&run.layout);
+    let ranked = |source: &Source| matrix(device, source).map(|value| (source.matrix.rank, value));
+    let matrices: Vec<_> = run.sources.iter().filter_map(ranked).collect();
+    if matrices != run.matrices {
+        run.lens = lens::find(matrices.iter().map(|(rank, value)| (*rank, value)));
+        run.matrices = matrices;
+    }
+    frame.counts.seen += run.draws;
+    let outcome = match run.lens.filter(|_| run.in_views && device.draws_views()) {
+        Some((intrinsics, how)) => {
+            frame.scene = true;
+            *frame.counts.found.entry(how).or_default() += run.draws;
+            Outcome::Scene(intrinsics)
+        }
+        None => {
+            frame.counts.flat += run.draws;
+            frame.flat_first |= !frame.scene;
+            let behind = run.in_views && frame.flat_was_first && !frame.scene && device.draws_views();
+            if behind { Outcome::Behind } else { Outcome::Flat }
+        }
+    };
+    frame.counts.in_views += if outcome == Outcome::Flat { 0 } else { run.draws };
+    if run.last == Some(outcome) {
+        return;
+    }
+    run.last = Some(outcome);
+    let views = &run.layout.views;
+    let camera = match outcome {
+        Outcome::Scene(intrinsics) => {
+            let index = frame.cameras.index(&intrinsics, &run.layout.session);
+            frame.cameras.get(index).map(|camera| &camera.rows)
+        }
+        Outcome::Behind => Some(&frame.behind),
+        Outcome::Flat => None,
+    };
+    let stride = device.group_stride();
+    for (index, (_, own_lens)) in views.iter().enumerate().filter(|_| run.in_views) {
+        let group = run.place.offset + index as u32 * stride;
+        match camera.and_then(|rows| rows.get(index)) {
+            _ if *own_lens => write(group, &IDENTITY),
+            Some(rows) if run.y_up => write(group, rows),
+            Some(rows) => write(group, &upside_down(rows)),
+            None => write(group, &OUT_OF_SIGHT),
+        }
+    }
+    let panel = run.place.offset + if run.in_views { views.len() as u32 * stride } else { 0 };
+    let on_panel = outcome == Outcome::Flat && !views.iter().all(|(_, own_lens)| *own_lens);
+    write(panel, if on_panel { &IDENTITY } else { &OUT_OF_SIGHT });
+}
+
+/// Where a shader's matrix is, with the descriptors and push constants that are bound.
+pub fn source(device: &Device, recording: &Recording, matrix: &Matrix) -> Option<Source> {
+    let value = match matrix.memory {
+        Memory::Push => {
+            Value::Known(from_bytes(recording.push.get(matrix.offset as usize..)?, matrix.stride as usize)?)
+        }
+        Memory::Buffer { set, binding } => {
+            let bound = recording.bound.get(set as usize)?.as_ref()?;
+            let (buffer, offset) = device.descriptors.buffer(bound.set, &bound.dynamic, binding)?;
+            Value::Buffer(buffer, offset + u64::from(matrix.offset))
+        }
+    };
+    Some(Source { matrix: *matrix, value })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{IDENTITY, OUT_OF_SIGHT, from_bytes, upside_down};
+
+    /// The shader's formula.
+    fn apply(rows: &[f32; 16], clip: [f32; 4]) -> [f32; 4] {
+        let [x, y, z, w] = clip;
+        let q = z + rows[12] * w;
+        let dot = |row: usize| rows[row] * x + rows[row + 1] * y + rows[row + 2] * w + rows[row + 3] * q;
+        let (x, y, new_w) = (dot(0), dot(4), dot(8));
+        let depth = rows[13] * (q - rows[12] * new_w) + rows[14] * new_w;
+        [x, y, if z == w { new_w } else { depth }, new_w]
+    }
+
+    #[test]
+    fn the_identity_changes_no_bit_and_the_other_leaves_nothing_in_sight() {
+        for clip in [[0.3, -0.7, 0.1, 2.5], [1e-30, 7.5e8, -3.0, -1.25], [0.0, 0.0, 1.0, 1.0]] {
+            assert_eq!(apply(&IDENTITY, clip), clip);
+            let [x, _, _, w] = apply(&OUT_OF_SIGHT, clip);
+            assert!(x > w || x < -w || w < 0.0, "{clip:?}");
+        }
+    }
+
+    #[test]
+    fn turned_rows_do_with_turned_coordinates_what_the_rows_do() {
+        let rows: [f32; 16] = std::array::from_fn(|i| (i * 7 % 11) as f32 - 4.0);
+        let clip = [0.5, -1.5, 0.25, 2.0];
+        let [x, y, z, w] = apply(&rows, clip);
+        let turned = apply(&upside_down(&rows), [clip[0], -clip[1], clip[2], clip[3]]);
+        assert_eq!(turned, [x, -y, z, w]);
+    }
+
+    #[test]
+    fn numbers_are_read_by_their_stride() {
+        let mut bytes = vec![0; 3 * 32 + 16];
+        bytes[2 * 32 + 4..2 * 32 + 8].copy_from_slice(&7f32.to_ne_bytes());
+        assert_eq!(from_bytes(&bytes, 32).map(|m| m[9]), Some(7.0));
+        assert_eq!(from_bytes(&bytes[..90], 32), None);
+    }
+}

@@ -1,0 +1,11 @@
+//! Shaders of the program: where their matrices are, and the epilogue that re-projects what they draw.
+
+mod module;
+mod reflect;
+mod splice;
+
+pub use reflect::{Matrix, Memory, matrices};
+pub use splice::splice;
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,143 @@
+//! The words of a SPIR-V module, instruction by instruction. Whatever is not understood is skipped.
+
+use spirv::{Decoration, Op};
+use std::collections::HashMap;
+
+/// An instruction.
+#[derive(Clone, Copy, Debug)]
+pub struct Instruction<'a> {
+    /// Where it begins, in words.
+    pub offset: usize,
+    /// Its opcode, known or not.
+    pub opcode: u32,
+    /// The words after the first.
+    pub operands: &'a [u32],
+}
+
+impl Instruction<'_> {
+    /// Whether it is this one.
+    pub fn is(&self, op: Op) -> bool {
+        self.opcode == op as u32
+    }
+
+    /// The operands from `index` on.
+    pub fn rest(&self, index: usize) -> &[u32] {
+        self.operands.get(index..).unwrap_or_default()
+    }
+
+    /// Operand `index`, 0 where there is none: no id is 0.
+    pub fn operand(&self, index: usize) -> u32 {
+        self.operands.get(index).copied().unwrap_or(0)
+    }
+}
+
+/// Words of the header.
+pub const HEADER: usize = 5;
+
+/// The instructions of a module; `None` unless `words` are one, in the order of bytes of this machine.
+pub fn instructions(words: &[u32]) -> Option<Vec<Instruction<'_>>> {
+    if words.len() < HEADER || words[0] != spirv::MAGIC_NUMBER {
+        return None;
+    }
+    let (mut found, mut offset) = (Vec::new(), HEADER);
+    while let Some(&first) = words.get(offset) {
+        let end = offset.checked_add((first >> 16) as usize).filter(|end| *end > offset)?;
+        found.push(Instruction { offset, opcode: first & 0xffff, operands: words.get(offset + 1..end)? });
+        offset = end;
+    }
+    Some(found)
+}
+
+/// A literal string at the start of `words`, and how many words it takes.
+pub fn string(words: &[u32]) -> (String, usize) {
+    let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_le_bytes()).take_while(|byte| *byte != 0).collect();
+    let length = (bytes.len() / 4 + 1).min(words.len());
+    (String::from_utf8_lossy(&bytes).into_owned(), length)
+}
+
+/// What a module declares before its functions.
+#[derive(Default)]
+pub struct Declarations<'a> {
+    /// Types, constants and variables by their id.
+    pub by_id: HashMap<u32, Instruction<'a>>,
+    /// Decorations of ids and of members: id, member.
+    decorations: HashMap<(u32, Option<u32>), Vec<(u32, &'a [u32])>>,
+    /// Names of ids and of members.
+    names: HashMap<(u32, Option<u32>), String>,
+}
+
+impl<'a> Declarations<'a> {
+    /// Reads them.
+    pub fn new(instructions: &[Instruction<'a>]) -> Self {
+        let mut all = Self::default();
+        for instruction in instructions {
+            let operands = instruction.operands;
+            match Op::from_u32(instruction.opcode) {
+                Some(Op::Decorate) if operands.len() >= 2 => {
+                    let to = all.decorations.entry((operands[0], None)).or_default();
+                    to.push((operands[1], &operands[2..]));
+                }
+                Some(Op::MemberDecorate) if operands.len() >= 3 => {
+                    let to = all.decorations.entry((operands[0], Some(operands[1]))).or_default();
+                    to.push((operands[2], &operands[3..]));
+                }
+                Some(Op::Name) if operands.len() >= 2 => {
+                    all.names.insert((operands[0], None), string(&operands[1..]).0);
+                }
+                Some(Op::MemberName) if operands.len() >= 3 => {
+                    all.names.insert((operands[0], Some(operands[1])), string(&operands[2..]).0);
+                }
+                Some(Op::Function) => break,
+                // Constants and variables have their type first.
+                Some(Op::Variable | Op::Constant | Op::SpecConstant) => {
+                    all.by_id.insert(instruction.operand(1), *instruction);
+                }
+                Some(op) if (Op::TypeVoid as u32..=Op::TypeForwardPointer as u32).contains(&(op as u32)) => {
+                    all.by_id.insert(instruction.operand(0), *instruction);
+                }
+                _ => {}
+            }
+        }
+        all
+    }
+
+    /// The operands of a decoration of an id, or of one of its members.
+    pub fn decoration(&self, id: u32, member: Option<u32>, kind: Decoration) -> Option<&'a [u32]> {
+        let list = self.decorations.get(&(id, member))?;
+        list.iter().find(|(decoration, _)| *decoration == kind as u32).map(|(_, operands)| *operands)
+    }
+
+    /// The first operand of a decoration.
+    pub fn number(&self, id: u32, member: Option<u32>, kind: Decoration) -> Option<u32> {
+        self.decoration(id, member, kind)?.first().copied()
+    }
+
+    /// The name of an id, or of one of its members; empty where it was stripped.
+    pub fn name(&self, id: u32, member: Option<u32>) -> &str {
+        self.names.get(&(id, member)).map_or("", String::as_str)
+    }
+
+    /// The declaration of `id`, if it is this one.
+    pub fn get(&self, id: u32, op: Op) -> Option<Instruction<'a>> {
+        self.by_id.get(&id).copied().filter(|instruction| instruction.is(op))
+    }
+
+    /// What a variable's pointer points at: storage class, type.
+    pub fn pointee(&self, variable: u32) -> Option<(u32, u32)> {
+        let pointer = self.get(self.get(variable, Op::Variable)?.operand(0), Op::TypePointer)?;
+        Some((pointer.operand(1), pointer.operand(2)))
+    }
+
+    /// The id of a type with exactly these operands.
+    pub fn find(&self, op: Op, operands: &[u32]) -> Option<u32> {
+        self.by_id.iter().find(|(_, i)| i.is(op) && i.rest(1) == operands).map(|(id, _)| *id)
+    }
+
+    /// Whether the type is a vector of four 32-bit floats.
+    pub fn is_vec4(&self, id: u32) -> bool {
+        self.get(id, Op::TypeVector).is_some_and(|vector| {
+            vector.operand(2) == 4
+                && self.get(vector.operand(1), Op::TypeFloat).is_some_and(|float| float.operand(1) == 32)
+        })
+    }
+}

@@ -1,0 +1,107 @@
+//! Where a shader's 4×4 matrices are.
+
+use super::module::{Declarations, instructions};
+use crate::intercept::lens;
+use spirv::{Decoration, Op, StorageClass};
+
+/// The memory that a matrix is in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Memory {
+    /// Push constants.
+    Push,
+    /// A buffer, by set and binding.
+    Buffer {
+        /// Descriptor set.
+        set: u32,
+        /// Binding in it; of an array of descriptors the first.
+        binding: u32,
+    },
+}
+
+/// A 4×4 matrix of 32-bit floats.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Matrix {
+    /// Where it is.
+    pub memory: Memory,
+    /// Offset in bytes.
+    pub offset: u32,
+    /// From a column to the next, or from a row to the next, bytes.
+    pub stride: u32,
+    /// Rows follow each other, not columns.
+    pub row_major: bool,
+    /// How much its name promises: the lower, the sooner it is believed.
+    pub rank: u8,
+}
+
+/// More matrices of one shader than this are not looked at.
+const MOST: usize = 16;
+
+/// Deeper than this no program nests its blocks.
+const DEEPEST: usize = 4;
+
+/// The matrices in a shader's uniform blocks, storage blocks and push constants, the likeliest first; of arrays
+/// the first element.
+pub fn matrices(words: &[u32]) -> Vec<Matrix> {
+    let Some(all) = instructions(words) else { return Vec::new() };
+    let declared = Declarations::new(&all);
+    let mut found = Vec::new();
+    for instruction in all.iter().take_while(|i| !i.is(Op::Function)).filter(|i| i.is(Op::Variable)) {
+        let variable = instruction.operand(1);
+        let Some((class, mut pointee)) = declared.pointee(variable) else { continue };
+        let memory = if class == StorageClass::PushConstant as u32 {
+            Memory::Push
+        } else if [StorageClass::Uniform as u32, StorageClass::StorageBuffer as u32].contains(&class) {
+            let place = |kind| declared.number(variable, None, kind).unwrap_or(0);
+            Memory::Buffer { set: place(Decoration::DescriptorSet), binding: place(Decoration::Binding) }
+        } else {
+            continue;
+        };
+        if let Some(array) = declared.get(pointee, Op::TypeArray) {
+            pointee = array.operand(1);
+        }
+        let name = declared.name(variable, None);
+        members(&declared, pointee, &Within { memory, offset: 0, name, depth: 0 }, &mut found);
+    }
+    found.sort_by_key(|matrix| matrix.rank);
+    found.truncate(MOST);
+    found
+}
+
+/// Where in a block we are.
+struct Within<'a> {
+    memory: Memory,
+    offset: u32,
+    /// The name around: what members without one go by.
+    name: &'a str,
+    depth: usize,
+}
+
+fn members(declared: &Declarations<'_>, id: u32, within: &Within<'_>, found: &mut Vec<Matrix>) {
+    let Some(block) = declared.get(id, Op::TypeStruct).filter(|_| within.depth < DEEPEST) else { return };
+    for (member, &kind) in block.rest(1).iter().enumerate() {
+        let member = Some(member as u32);
+        let offset = declared.number(id, member, Decoration::Offset).unwrap_or(0);
+        let Some(offset) = within.offset.checked_add(offset) else { continue };
+        let mut kind = kind;
+        for _ in 0..DEEPEST {
+            let array = declared.get(kind, Op::TypeArray).or_else(|| declared.get(kind, Op::TypeRuntimeArray));
+            kind = array.map_or(kind, |array| array.operand(1));
+        }
+        let own = declared.name(id, member);
+        let name = if own.is_empty() { within.name } else { own };
+        if let Some(matrix) = declared.get(kind, Op::TypeMatrix) {
+            if matrix.operand(2) == 4 && declared.is_vec4(matrix.operand(1)) {
+                found.push(Matrix {
+                    memory: within.memory,
+                    offset,
+                    stride: declared.number(id, member, Decoration::MatrixStride).unwrap_or(16),
+                    row_major: declared.decoration(id, member, Decoration::RowMajor).is_some(),
+                    rank: lens::rank(name),
+                });
+            }
+        } else {
+            let inner = Within { memory: within.memory, offset, name, depth: within.depth + 1 };
+            members(declared, kind, &inner, found);
+        }
+    }
+}

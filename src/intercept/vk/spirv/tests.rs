@@ -1,0 +1,138 @@
+//! The splice and the search on modules of our own.
+
+use super::module::{Declarations, instructions};
+use super::{Memory, matrices, splice};
+use crate::correct::Arrangement;
+use crate::correct::shaders::Stage;
+use crate::correct::spirv::{VERTEX_ENTRY, specialise};
+use crate::correct::uniforms::Constants;
+use spirv::{Decoration, ExecutionModel, Op, StorageClass};
+use std::collections::HashSet;
+
+fn vertex_shader() -> &'static [u32] {
+    specialise(&Constants::black(), Arrangement::Atlas, Stage::Present).vertex
+}
+
+fn spliced(set: u32) -> Vec<u32> {
+    let entry = VERTEX_ENTRY.to_str().expect("a name");
+    splice(vertex_shader(), ExecutionModel::Vertex, entry, set).expect("it writes gl_Position")
+}
+
+#[test]
+fn all_words_of_the_program_stay_and_no_id_is_made_twice() {
+    let (before, after) = (vertex_shader(), spliced(3));
+    let all = instructions(&after).expect("a module");
+    let kept: HashSet<Vec<u32>> = all.iter().map(|i| [&[i.opcode], i.operands].concat()).collect();
+    let changed = instructions(before)
+        .expect("a module")
+        .iter()
+        .filter(|i| !kept.contains(&[&[i.opcode], i.operands].concat()))
+        .count();
+    assert_eq!(changed, 1, "the entry point");
+    let mut results = HashSet::new();
+    for i in &all {
+        let types = (Op::TypeVoid as u32..=Op::TypeForwardPointer as u32).contains(&i.opcode);
+        let result = match Op::from_u32(i.opcode) {
+            _ if types => 0,
+            Some(Op::Constant | Op::Variable | Op::Function | Op::Load | Op::FMul | Op::FAdd | Op::Dot) => 1,
+            _ => continue,
+        };
+        let id = i.operand(result);
+        assert!(id < after[3] && results.insert(id), "id {id} of {i:?}");
+    }
+}
+
+#[test]
+fn types_that_must_be_unique_are() {
+    let after = spliced(0);
+    let all = instructions(&after).expect("a module");
+    let unique = [Op::TypeVoid, Op::TypeBool, Op::TypeInt, Op::TypeFloat, Op::TypeVector, Op::TypeFunction];
+    let mut seen = HashSet::new();
+    for i in all.iter().filter(|i| unique.iter().any(|op| i.is(*op))) {
+        assert!(seen.insert((i.opcode, &i.operands[1..])), "{i:?}");
+    }
+}
+
+#[test]
+fn the_rows_are_where_the_layout_has_them() {
+    let after = spliced(5);
+    let all = instructions(&after).expect("a module");
+    let declared = Declarations::new(&all);
+    let ours = all.iter().filter(|i| i.is(Op::Variable)).map(|i| i.operand(1));
+    let mut ours = ours.filter(|id| declared.number(*id, None, Decoration::DescriptorSet) == Some(5));
+    let id = ours.next().expect("the block");
+    assert_eq!(declared.number(id, None, Decoration::Binding), Some(0));
+    assert_eq!(declared.pointee(id).map(|p| p.0), Some(StorageClass::Uniform as u32));
+}
+
+#[test]
+fn what_cannot_be_followed_is_refused() {
+    let words = vertex_shader();
+    let refused = |words: &[u32], entry: &str| splice(words, ExecutionModel::Vertex, entry, 0).is_err();
+    assert!(refused(words, "no such entry"));
+    assert!(refused(&[], "main") && refused(&[1, 2, 3, 4, 5, 6], "main"));
+    assert!(refused(&words[..words.len() - 1], VERTEX_ENTRY.to_str().expect("a name")), "cut off");
+    let mut zero = words.to_vec();
+    zero[5] = 0;
+    assert!(refused(&zero, VERTEX_ENTRY.to_str().expect("a name")), "an instruction without length");
+}
+
+/// Any damage to a module is survived.
+#[test]
+fn damaged_modules_do_no_harm() {
+    let words = vertex_shader();
+    let mut state = 1u64;
+    for _ in 0..3000 {
+        let mut damaged = words.to_vec();
+        for _ in 0..3 {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            let at = (state >> 33) as usize % damaged.len();
+            damaged[at] ^= 1 << (state >> 59);
+        }
+        let _ = splice(&damaged, ExecutionModel::Vertex, "rectangle_down", 1);
+        let _ = matrices(&damaged);
+    }
+}
+
+/// A block with an array of structures with matrices, put together by hand.
+#[test]
+fn matrices_are_found_in_nested_blocks() {
+    let mut words = vec![spirv::MAGIC_NUMBER, 0x0001_0300, 0, 40, 0];
+    let mut put = |op: Op, operands: &[u32]| {
+        words.push((operands.len() as u32 + 1) << 16 | op as u32);
+        words.extend(operands);
+    };
+    let text = |text: &str| -> Vec<u32> {
+        let mut bytes = text.as_bytes().to_vec();
+        bytes.resize((text.len() / 4 + 1) * 4, 0);
+        bytes.chunks(4).map(|four| u32::from_le_bytes(four.try_into().expect("four"))).collect()
+    };
+    let (uniform, push) = (StorageClass::Uniform as u32, StorageClass::PushConstant as u32);
+    put(Op::MemberName, &[&[6, 1], &text("mvp")[..]].concat());
+    put(Op::MemberDecorate, &[6, 0, Decoration::Offset as u32, 0]);
+    put(Op::MemberDecorate, &[6, 1, Decoration::Offset as u32, 64]);
+    put(Op::MemberDecorate, &[6, 1, Decoration::MatrixStride as u32, 16]);
+    put(Op::MemberDecorate, &[6, 1, Decoration::RowMajor as u32]);
+    put(Op::MemberDecorate, &[8, 1, Decoration::Offset as u32, 32]);
+    put(Op::Decorate, &[10, Decoration::DescriptorSet as u32, 2]);
+    put(Op::Decorate, &[10, Decoration::Binding as u32, 7]);
+    put(Op::TypeFloat, &[1, 32]);
+    put(Op::TypeVector, &[2, 1, 4]);
+    put(Op::TypeMatrix, &[3, 2, 4]);
+    put(Op::TypeInt, &[4, 32, 0]);
+    put(Op::Constant, &[4, 5, 9]);
+    put(Op::TypeStruct, &[6, 2, 3]);
+    put(Op::TypeArray, &[7, 6, 5]);
+    put(Op::TypeStruct, &[8, 2, 7]);
+    put(Op::TypePointer, &[9, uniform, 8]);
+    put(Op::Variable, &[9, 10, uniform]);
+    put(Op::TypePointer, &[11, push, 6]);
+    put(Op::Variable, &[11, 12, push]);
+    let found = matrices(&words);
+    let places: Vec<_> = found.iter().map(|m| (m.memory, m.offset, m.row_major, m.rank)).collect();
+    assert_eq!(
+        places,
+        [(Memory::Buffer { set: 2, binding: 7 }, 96, true, 0), (Memory::Push, 64, true, 0)],
+        "the first element of the array, and the push constant"
+    );
+}

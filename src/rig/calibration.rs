@@ -1,0 +1,71 @@
+//! What a file says about the pixels of an output.
+
+use crate::error::{Error, ErrorKind, Result};
+use crate::formats::{Grid, bourke, pfm, read_file};
+use crate::geom::Frustum;
+use std::path::{Path, PathBuf};
+
+/// A calibration that another program made, read from its file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Calibration {
+    /// The file.
+    pub file: PathBuf,
+    /// A value for each place of the output.
+    pub grid: Grid,
+    /// What the values mean.
+    pub values: CalibrationValues,
+}
+
+/// What the values of a calibration mean.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum CalibrationValues {
+    /// Places (0…1 from the bottom left) in an equidistant fisheye picture of the dome.
+    Domemaster {
+        /// Its opening angle, radians.
+        aperture: f64,
+        /// From straight up to its centre, towards the front, radians.
+        tilt: f64,
+    },
+    /// Places (0…1 from the bottom left) in a flat picture as the viewer sees it.
+    Perspective {
+        /// Its aim relative to the viewer, radians: right-positive, up-positive, clockwise-positive.
+        angles: [f64; 3],
+        /// Its opening.
+        frustum: Frustum,
+    },
+    /// Points of the screen, metres, dome axes.
+    Points,
+    /// Directions from the viewer, viewer axes, of any length.
+    Directions,
+}
+
+impl CalibrationValues {
+    /// The values are places in a picture.
+    pub fn are_places(&self) -> bool {
+        matches!(self, Self::Domemaster { .. } | Self::Perspective { .. })
+    }
+}
+
+/// Reads a calibration's file: a warp mesh (`.data`, `.map`) or a float map (`.pfm`).
+///
+/// # Errors
+/// [`ErrorKind::Io`] if the file cannot be read, [`ErrorKind::InvalidRig`] with place and reason if it is damaged, of
+/// another kind, or a warp mesh whose values are not places in a picture.
+pub(super) fn read(file: &Path, values: CalibrationValues) -> Result<Calibration> {
+    let name = file.display().to_string();
+    let invalid = |why: &str| Error::new(ErrorKind::InvalidRig, format!("{name} {why}"));
+    let ending = file.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    let grid = match ending.as_str() {
+        "data" | "map" if !values.are_places() => {
+            return Err(invalid("is a warp mesh, which has places in a picture; expected values = \"picture\""));
+        }
+        "data" | "map" => Grid::Mesh(bourke::read(&name, &read_file(file)?)?.value.mesh(&name)?),
+        "pfm" => Grid::Raster(pfm::read(&name, &read_file(file)?)?),
+        _ => {
+            return Err(invalid(
+                "is not read by programs; expected a file .data, .map or .pfm (`cupola convert` makes one of others)",
+            ));
+        }
+    };
+    Ok(Calibration { file: file.to_owned(), grid, values })
+}

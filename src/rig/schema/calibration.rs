@@ -1,0 +1,72 @@
+//! `kind = "mesh"`: an output whose map is read from a file.
+
+use super::{OPENING, TILT, angles, lens};
+use crate::rig::calibration::{self, CalibrationValues};
+use crate::rig::problems::Problems;
+use crate::rig::reader::Section;
+use crate::rig::{Dome, OutputKind};
+use std::path::Path;
+use std::sync::Arc;
+
+/// The picture that places lie in.
+#[derive(Clone, Copy, PartialEq)]
+enum Picture {
+    Domemaster,
+    Perspective,
+}
+
+/// What the values are.
+#[derive(Clone, Copy, PartialEq)]
+enum Values {
+    Picture,
+    Points,
+    Directions,
+}
+
+/// Reads the keys of a mesh, and its file, whose path is relative to `directory`.
+pub(super) fn mesh(
+    section: &mut Section,
+    dome: &Dome,
+    directory: &Path,
+    problems: &mut Problems,
+) -> Option<OutputKind> {
+    let words = [("picture", Values::Picture), ("points", Values::Points), ("directions", Values::Directions)];
+    let meaning = if section.has("values") { section.choice("values", &words, problems)? } else { Values::Picture };
+    let pictures = [("domemaster", Picture::Domemaster), ("perspective", Picture::Perspective)];
+    let picture = match (section.has("picture"), meaning) {
+        (true, Values::Picture) => section.choice("picture", &pictures, problems)?,
+        (true, _) => {
+            section.choice("picture", &pictures, problems)?;
+            problems.add(&section.path("picture"), "goes with values = \"picture\"");
+            return None;
+        }
+        (false, _) => Picture::Domemaster,
+    };
+    let values = match (meaning, picture) {
+        (Values::Points, _) => CalibrationValues::Points,
+        (Values::Directions, _) => CalibrationValues::Directions,
+        (Values::Picture, Picture::Domemaster) => CalibrationValues::Domemaster {
+            aperture: section.number("aperture", &OPENING, dome.coverage.to_degrees(), problems).to_radians(),
+            tilt: section.number("tilt", &TILT, dome.tilt.to_degrees(), problems).to_radians(),
+        },
+        (Values::Picture, Picture::Perspective) => CalibrationValues::Perspective {
+            angles: angles(section, problems),
+            frustum: lens::frustum(section, problems)?,
+        },
+    };
+    let path = section.path("file");
+    let Some(file) = section.text("file", "the calibration's path", problems) else {
+        problems.add(
+            &path,
+            "is missing; expected a warp mesh (.data, .map) or a float map (.pfm), relative to the rig file",
+        );
+        return None;
+    };
+    match calibration::read(&directory.join(file), values) {
+        Ok(calibration) => Some(OutputKind::Mesh(Arc::new(calibration))),
+        Err(error) => {
+            problems.add(&path, error.message);
+            None
+        }
+    }
+}

@@ -1,0 +1,34 @@
+//! Where the light of a rig falls, and from where it is looked at.
+
+use super::{Dome, Output, Rig};
+use crate::geom::screen::{Ellipsoid, Region, Screen, Shape};
+use crate::geom::{Pose, pose};
+use glam::DVec3;
+
+impl Dome {
+    /// The dome as a screen: a cap of a sphere around the origin, its pole leaning to the front by the tilt.
+    pub fn screen(&self) -> Screen {
+        let region = Region { polar: 0.5 * self.coverage, azimuth: None };
+        let pose = Pose { position: DVec3::ZERO, rotation: pose::rotation(0.0, -self.tilt, 0.0) };
+        Screen { pose, shape: Shape::Ellipsoid(Ellipsoid { radii: DVec3::splat(self.radius), region }) }
+    }
+}
+
+impl Rig {
+    /// What light falls on.
+    pub fn surface(&self) -> Screen {
+        self.screen.clone().unwrap_or_else(|| self.dome.screen())
+    }
+
+    /// Where the viewer looks from, and in which axes.
+    pub fn viewer_pose(&self) -> Pose {
+        let viewer = &self.viewer;
+        Pose::new(viewer.position, viewer.yaw, viewer.pitch, viewer.roll)
+    }
+
+    /// The same for the eye that an output is made for.
+    pub fn eye(&self, output: &Output) -> Pose {
+        let viewer = self.viewer_pose();
+        Pose { position: viewer.point_to_parent(DVec3::X * output.eye), ..viewer }
+    }
+}

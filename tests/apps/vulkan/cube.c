@@ -1,0 +1,589 @@
+/*
+ * The direction test with Vulkan, written in several ways: how a pass begins (--pass), where the matrix is (--matrix),
+ * whether command buffers are recorded once or in each frame (--once), with samples, sRGB, an upside-down viewport,
+ * secondary command buffers, indirect draws, something flat before or after the cube, another size in mid-run.
+ */
+#include "../common/matrix.h"
+#include "options.h"
+#include "window.h"
+
+/* Compiled from cube.vert and cube.frag by glslangValidator. */
+#include "cube_block.h"
+#include "cube_frag.h"
+#include "cube_push.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static vulkan_window w;
+static picture depth, samples;
+static VkRenderPass pass;
+static VkDescriptorSetLayout set_layout;
+static VkDescriptorPool descriptors;
+static VkDescriptorSet sets[MOST_IMAGES];
+static VkPipelineLayout layout;
+static VkPipeline pipeline;
+static VkFramebuffer framebuffers[MOST_IMAGES];
+static VkCommandPool pool;
+static VkCommandBuffer commands[MOST_IMAGES], inner[MOST_IMAGES];
+static VkSemaphore acquired;
+static VkFence done;
+static block blocks[MOST_IMAGES], staging[MOST_IMAGES], indirect;
+
+enum { SLICE = 256 }; /* from one matrix of a block to the next: the largest alignment that a device may ask for */
+
+static bool multisampled(void)
+{
+    return options.samples > 1;
+}
+
+static void make_pass(void)
+{
+    const VkImageLayout color = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
+    const VkImageLayout deep = VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
+    const VkAttachmentLoadOp clear = VK_ATTACHMENT_LOAD_OP_CLEAR, any = VK_ATTACHMENT_LOAD_OP_DONT_CARE;
+    const VkAttachmentStoreOp store = VK_ATTACHMENT_STORE_OP_STORE, drop = VK_ATTACHMENT_STORE_OP_DONT_CARE;
+    const VkSampleCountFlagBits count = (VkSampleCountFlagBits)options.samples;
+    /* The colour that is drawn to, depth, the window's picture where that is another one. */
+    VkAttachmentDescription2 all[3] = {
+        {VK_STRUCTURE_TYPE_ATTACHMENT_DESCRIPTION_2, NULL, 0, w.format, count, clear, store, any, drop,
+         VK_IMAGE_LAYOUT_UNDEFINED, multisampled() ? color : VK_IMAGE_LAYOUT_PRESENT_SRC_KHR},
+        {VK_STRUCTURE_TYPE_ATTACHMENT_DESCRIPTION_2, NULL, 0, DEPTH_FORMAT, count, clear, drop, any, drop,
+         VK_IMAGE_LAYOUT_UNDEFINED, deep},
+        {VK_STRUCTURE_TYPE_ATTACHMENT_DESCRIPTION_2, NULL, 0, w.format, VK_SAMPLE_COUNT_1_BIT, any, store, any, drop,
+         VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_PRESENT_SRC_KHR}};
+    const uint32_t number = multisampled() ? 3 : 2;
+    const VkPipelineStageFlags stages = VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT |
+                                        VK_PIPELINE_STAGE_EARLY_FRAGMENT_TESTS_BIT |
+                                        VK_PIPELINE_STAGE_LATE_FRAGMENT_TESTS_BIT;
+    const VkAccessFlags access =
+        VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT | VK_ACCESS_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT;
+    if (options.pass == PASS_2) {
+        const VkAttachmentReference2 colors = {VK_STRUCTURE_TYPE_ATTACHMENT_REFERENCE_2, NULL, 0, color, 1};
+        const VkAttachmentReference2 depths = {VK_STRUCTURE_TYPE_ATTACHMENT_REFERENCE_2, NULL, 1, deep, 2};
+        const VkAttachmentReference2 resolves = {VK_STRUCTURE_TYPE_ATTACHMENT_REFERENCE_2, NULL, 2, color, 1};
+        const VkSubpassDescription2 subpass = {.sType = VK_STRUCTURE_TYPE_SUBPASS_DESCRIPTION_2,
+                                               .colorAttachmentCount = 1,
+                                               .pColorAttachments = &colors,
+                                               .pDepthStencilAttachment = &depths,
+                                               .pResolveAttachments = multisampled() ? &resolves : NULL};
+        const VkSubpassDependency2 before = {.sType = VK_STRUCTURE_TYPE_SUBPASS_DEPENDENCY_2,
+                                             .srcSubpass = VK_SUBPASS_EXTERNAL,
+                                             .srcStageMask = stages,
+                                             .dstStageMask = stages,
+                                             .srcAccessMask = access,
+                                             .dstAccessMask = access};
+        const VkRenderPassCreateInfo2 info = {.sType = VK_STRUCTURE_TYPE_RENDER_PASS_CREATE_INFO_2,
+                                              .attachmentCount = number,
+                                              .pAttachments = all,
+                                              .subpassCount = 1,
+                                              .pSubpasses = &subpass,
+                                              .dependencyCount = 1,
+                                              .pDependencies = &before};
+        expect(vkCreateRenderPass2(w.device, &info, NULL, &pass), "vkCreateRenderPass2");
+        return;
+    }
+    VkAttachmentDescription plain[3];
+    for (int i = 0; i < 3; i++)
+        plain[i] = (VkAttachmentDescription){all[i].flags, all[i].format, all[i].samples, all[i].loadOp, all[i].storeOp,
+                                             all[i].stencilLoadOp, all[i].stencilStoreOp, all[i].initialLayout,
+                                             all[i].finalLayout};
+    const VkAttachmentReference colors = {0, color}, depths = {1, deep}, resolves = {2, color};
+    const VkSubpassDescription subpass = {.colorAttachmentCount = 1,
+                                          .pColorAttachments = &colors,
+                                          .pDepthStencilAttachment = &depths,
+                                          .pResolveAttachments = multisampled() ? &resolves : NULL};
+    const VkSubpassDependency before = {VK_SUBPASS_EXTERNAL, 0, stages, stages, access, access, 0};
+    const VkRenderPassCreateInfo info = {.sType = VK_STRUCTURE_TYPE_RENDER_PASS_CREATE_INFO,
+                                         .attachmentCount = number,
+                                         .pAttachments = plain,
+                                         .subpassCount = 1,
+                                         .pSubpasses = &subpass,
+                                         .dependencyCount = 1,
+                                         .pDependencies = &before};
+    expect(vkCreateRenderPass(w.device, &info, NULL, &pass), "vkCreateRenderPass");
+}
+
+static VkShaderModule shader(const uint32_t *words, size_t size)
+{
+    const VkShaderModuleCreateInfo info = {
+        .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO, .codeSize = size, .pCode = words};
+    VkShaderModule module;
+    expect(vkCreateShaderModule(w.device, &info, NULL, &module), "vkCreateShaderModule");
+    return module;
+}
+
+static void make_layout(void)
+{
+    const bool dynamic = options.matrix == MATRIX_DYNAMIC_BLOCK;
+    const VkDescriptorType kind =
+        dynamic ? VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER_DYNAMIC : VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
+    const VkDescriptorSetLayoutBinding binding = {0, kind, 1, VK_SHADER_STAGE_VERTEX_BIT, NULL};
+    const VkDescriptorSetLayoutCreateInfo set = {
+        .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO, .bindingCount = 1, .pBindings = &binding};
+    expect(vkCreateDescriptorSetLayout(w.device, &set, NULL, &set_layout), "vkCreateDescriptorSetLayout");
+    const VkDescriptorPoolSize size = {kind, MOST_IMAGES};
+    const VkDescriptorPoolCreateInfo info = {.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
+                                             .maxSets = MOST_IMAGES,
+                                             .poolSizeCount = 1,
+                                             .pPoolSizes = &size};
+    expect(vkCreateDescriptorPool(w.device, &info, NULL, &descriptors), "vkCreateDescriptorPool");
+    const VkPushConstantRange range = {VK_SHADER_STAGE_VERTEX_BIT, 0, sizeof(matrix4)};
+    const bool push = options.matrix == MATRIX_PUSH;
+    const VkPipelineLayoutCreateInfo pipeline_layout = {.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
+                                                        .setLayoutCount = push ? 0 : 1,
+                                                        .pSetLayouts = &set_layout,
+                                                        .pushConstantRangeCount = push ? 1 : 0,
+                                                        .pPushConstantRanges = &range};
+    expect(vkCreatePipelineLayout(w.device, &pipeline_layout, NULL, &layout), "vkCreatePipelineLayout");
+    const bool copied = options.matrix == MATRIX_COPIED;
+    for (uint32_t i = 0; i < MOST_IMAGES; i++) {
+        blocks[i] = make_block(&w, 3 * SLICE, VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT, !copied);
+        staging[i] = make_block(&w, 3 * SLICE, VK_BUFFER_USAGE_TRANSFER_SRC_BIT, true);
+        const VkDescriptorSetAllocateInfo allocate = {.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO,
+                                                      .descriptorPool = descriptors,
+                                                      .descriptorSetCount = 1,
+                                                      .pSetLayouts = &set_layout};
+        expect(vkAllocateDescriptorSets(w.device, &allocate, &sets[i]), "vkAllocateDescriptorSets");
+        const VkDescriptorBufferInfo buffer = {blocks[i].buffer, dynamic ? 0 : SLICE, sizeof(matrix4)};
+        const VkWriteDescriptorSet write = {.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
+                                            .dstSet = sets[i],
+                                            .descriptorCount = 1,
+                                            .descriptorType = kind,
+                                            .pBufferInfo = &buffer};
+        vkUpdateDescriptorSets(w.device, 1, &write, 0, NULL);
+    }
+}
+
+static VkViewport viewport(void)
+{
+    const float width = (float)w.extent.width, height = (float)w.extent.height;
+    return options.flip ? (VkViewport){0, height, width, -height, 0, 1} : (VkViewport){0, 0, width, height, 0, 1};
+}
+
+static void make_pipeline(void)
+{
+    const bool push = options.matrix == MATRIX_PUSH;
+    VkShaderModule vertex = push ? shader(cube_push, sizeof cube_push) : shader(cube_block, sizeof cube_block);
+    VkShaderModule fragment = shader(cube_frag, sizeof cube_frag);
+    const VkPipelineShaderStageCreateInfo stages[] = {
+        {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO, NULL, 0, VK_SHADER_STAGE_VERTEX_BIT, vertex, "main", NULL},
+        {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO, NULL, 0, VK_SHADER_STAGE_FRAGMENT_BIT, fragment, "main",
+         NULL}};
+    const VkPipelineVertexInputStateCreateInfo input = {.sType =
+                                                            VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO};
+    const VkPipelineInputAssemblyStateCreateInfo assembly = {
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO,
+        .topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST};
+    const VkViewport window = viewport();
+    const VkRect2D scissor = {{0, 0}, w.extent};
+    const VkPipelineViewportStateCreateInfo windows = {.sType = VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO,
+                                                       .viewportCount = 1,
+                                                       .pViewports = &window,
+                                                       .scissorCount = 1,
+                                                       .pScissors = &scissor};
+    const VkPipelineRasterizationStateCreateInfo raster = {
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO, .lineWidth = 1.0f};
+    const VkPipelineMultisampleStateCreateInfo multisample = {
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO,
+        .rasterizationSamples = (VkSampleCountFlagBits)options.samples};
+    const VkPipelineDepthStencilStateCreateInfo deep = {
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO,
+        .depthTestEnable = VK_TRUE,
+        .depthWriteEnable = VK_TRUE,
+        .depthCompareOp = VK_COMPARE_OP_LESS_OR_EQUAL};
+    const VkPipelineColorBlendAttachmentState blend = {.colorWriteMask = 0xf};
+    const VkPipelineColorBlendStateCreateInfo blends = {
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO, .attachmentCount = 1, .pAttachments = &blend};
+    const VkDynamicState states[] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR};
+    const VkPipelineDynamicStateCreateInfo dynamic = {
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO, .dynamicStateCount = 2, .pDynamicStates = states};
+    const VkPipelineRenderingCreateInfo rendering = {.sType = VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO,
+                                                     .colorAttachmentCount = 1,
+                                                     .pColorAttachmentFormats = &w.format,
+                                                     .depthAttachmentFormat = DEPTH_FORMAT};
+    const VkGraphicsPipelineCreateInfo info = {.sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,
+                                               .pNext = options.pass == PASS_DYNAMIC ? &rendering : NULL,
+                                               .stageCount = 2,
+                                               .pStages = stages,
+                                               .pVertexInputState = &input,
+                                               .pInputAssemblyState = &assembly,
+                                               .pViewportState = &windows,
+                                               .pRasterizationState = &raster,
+                                               .pMultisampleState = &multisample,
+                                               .pDepthStencilState = &deep,
+                                               .pColorBlendState = &blends,
+                                               .pDynamicState = options.fixed ? NULL : &dynamic,
+                                               .layout = layout,
+                                               .renderPass = pass};
+    expect(vkCreateGraphicsPipelines(w.device, VK_NULL_HANDLE, 1, &info, NULL, &pipeline), "vkCreateGraphicsPipelines");
+    vkDestroyShaderModule(w.device, vertex, NULL);
+    vkDestroyShaderModule(w.device, fragment, NULL);
+}
+
+static void make_framebuffers(void)
+{
+    const VkSampleCountFlagBits count = (VkSampleCountFlagBits)options.samples;
+    depth = make_picture(&w, DEPTH_FORMAT, count, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT);
+    if (multisampled())
+        samples = make_picture(&w, w.format, count, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT);
+    if (options.pass == PASS_DYNAMIC)
+        return;
+    const VkFormat deep = DEPTH_FORMAT;
+    const VkFramebufferAttachmentImageInfo color = {.sType = VK_STRUCTURE_TYPE_FRAMEBUFFER_ATTACHMENT_IMAGE_INFO,
+                                                    .usage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | w.usage,
+                                                    .width = w.extent.width,
+                                                    .height = w.extent.height,
+                                                    .layerCount = 1,
+                                                    .viewFormatCount = 1,
+                                                    .pViewFormats = &w.format};
+    VkFramebufferAttachmentImageInfo later[3] = {color, color, color};
+    later[1].usage = VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT;
+    later[1].pViewFormats = &deep;
+    if (multisampled())
+        later[0].usage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT;
+    const uint32_t number = multisampled() ? 3 : 2;
+    const VkFramebufferAttachmentsCreateInfo imageless = {.sType = VK_STRUCTURE_TYPE_FRAMEBUFFER_ATTACHMENTS_CREATE_INFO,
+                                                          .attachmentImageInfoCount = number,
+                                                          .pAttachmentImageInfos = later};
+    for (uint32_t i = 0; i < w.count; i++) {
+        const VkImageView views[] = {multisampled() ? samples.view : w.views[i], depth.view, w.views[i]};
+        const bool without = options.pass == PASS_IMAGELESS;
+        const VkFramebufferCreateInfo info = {.sType = VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO,
+                                              .pNext = without ? &imageless : NULL,
+                                              .flags = without ? VK_FRAMEBUFFER_CREATE_IMAGELESS_BIT : 0,
+                                              .renderPass = pass,
+                                              .attachmentCount = number,
+                                              .pAttachments = without ? NULL : views,
+                                              .width = w.extent.width,
+                                              .height = w.extent.height,
+                                              .layers = 1};
+        expect(vkCreateFramebuffer(w.device, &info, NULL, &framebuffers[i]), "vkCreateFramebuffer");
+    }
+}
+
+static void free_framebuffers(void)
+{
+    for (uint32_t i = 0; i < MOST_IMAGES; i++) {
+        vkDestroyFramebuffer(w.device, framebuffers[i], NULL);
+        framebuffers[i] = VK_NULL_HANDLE;
+    }
+    free_picture(&w, &depth);
+    if (multisampled())
+        free_picture(&w, &samples);
+}
+
+static void clip_space(matrix4 *m)
+{
+    /* From OpenGL's clip space: y points down, and depth begins at 0. */
+    for (int column = 0; column < 4; column++) {
+        float *c = m->m + 4 * column;
+        c[1] = options.flip ? c[1] : -c[1];
+        c[2] = 0.5f * (c[2] + c[3]);
+    }
+}
+
+static matrix4 scene_matrix(void)
+{
+    matrix4 camera = matrix_multiply(matrix_camera(options.yaw, options.pitch), matrix_scale(10.0));
+    const double aspect = (double)w.extent.width / w.extent.height;
+    matrix4 all = matrix_multiply(matrix_perspective(options.fov, aspect, 0.25, 100.0), camera);
+    clip_space(&all);
+    return all;
+}
+
+/* A square: a small one in the middle, or a whole background. */
+static matrix4 flat_matrix(void)
+{
+    const float half = options.flat == 2 ? 1.0f : 0.25f;
+    return (matrix4){{half, 0, 0, 0, 0, half, 0, 0, 0, 0, 0, 0, 0, 0, options.flat == 2 ? 1.0f : 0.0f, 1}};
+}
+
+static void fill_block(uint32_t index)
+{
+    const matrix4 scene = scene_matrix(), flat = flat_matrix();
+    char *bytes = options.matrix == MATRIX_COPIED ? staging[index].bytes : blocks[index].bytes;
+    memcpy(bytes + SLICE, &scene, sizeof scene);
+    memcpy(bytes + 2 * SLICE, &flat, sizeof flat);
+}
+
+static void draw_one(VkCommandBuffer buffer, uint32_t index, bool flat)
+{
+    const matrix4 matrix = flat ? flat_matrix() : scene_matrix();
+    const uint32_t offset = flat ? 2 * SLICE : SLICE;
+    if (options.matrix == MATRIX_PUSH)
+        vkCmdPushConstants(buffer, layout, VK_SHADER_STAGE_VERTEX_BIT, 0, sizeof matrix, &matrix);
+    else
+        vkCmdBindDescriptorSets(buffer, VK_PIPELINE_BIND_POINT_GRAPHICS, layout, 0, 1, &sets[index],
+                                options.matrix == MATRIX_DYNAMIC_BLOCK ? 1 : 0, &offset);
+    if (options.indirect)
+        vkCmdDrawIndirect(buffer, indirect.buffer, 0, 1, sizeof(VkDrawIndirectCommand));
+    else
+        vkCmdDraw(buffer, 36, 1, 0, 0);
+}
+
+static void draw(VkCommandBuffer buffer, uint32_t index)
+{
+    const VkViewport window = viewport();
+    const VkRect2D scissor = {{0, 0}, w.extent};
+    vkCmdBindPipeline(buffer, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline);
+    if (!options.fixed) {
+        vkCmdSetViewport(buffer, 0, 1, &window);
+        vkCmdSetScissor(buffer, 0, 1, &scissor);
+    }
+    if (options.flat == 2)
+        draw_one(buffer, index, true);
+    draw_one(buffer, index, false);
+    if (options.flat == 1)
+        draw_one(buffer, index, true);
+}
+
+static void barrier(VkCommandBuffer buffer, VkImage image, VkImageAspectFlags aspect, VkImageLayout from, VkImageLayout to)
+{
+    const VkImageMemoryBarrier2 change = {.sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2,
+                                          .srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+                                          .srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT,
+                                          .dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+                                          .dstAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT | VK_ACCESS_2_MEMORY_READ_BIT,
+                                          .oldLayout = from,
+                                          .newLayout = to,
+                                          .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+                                          .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+                                          .image = image,
+                                          .subresourceRange = {aspect, 0, 1, 0, 1}};
+    const VkDependencyInfo info = {
+        .sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO, .imageMemoryBarrierCount = 1, .pImageMemoryBarriers = &change};
+    vkCmdPipelineBarrier2(buffer, &info);
+}
+
+static const VkClearValue grey = {.color = {.float32 = {0.25f, 0.25f, 0.25f, 1.0f}}};
+static const VkClearValue far = {.depthStencil = {1.0f, 0}};
+
+static void record_dynamic(VkCommandBuffer buffer, uint32_t index)
+{
+    const VkImageLayout color = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
+    barrier(buffer, w.images[index], VK_IMAGE_ASPECT_COLOR_BIT, VK_IMAGE_LAYOUT_UNDEFINED, color);
+    if (multisampled())
+        barrier(buffer, samples.image, VK_IMAGE_ASPECT_COLOR_BIT, VK_IMAGE_LAYOUT_UNDEFINED, color);
+    barrier(buffer, depth.image, VK_IMAGE_ASPECT_DEPTH_BIT, VK_IMAGE_LAYOUT_UNDEFINED,
+            VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL);
+    const VkRenderingAttachmentInfo colors = {.sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO,
+                                              .imageView = multisampled() ? samples.view : w.views[index],
+                                              .imageLayout = color,
+                                              .resolveMode = multisampled() ? VK_RESOLVE_MODE_AVERAGE_BIT : VK_RESOLVE_MODE_NONE,
+                                              .resolveImageView = multisampled() ? w.views[index] : VK_NULL_HANDLE,
+                                              .resolveImageLayout = color,
+                                              .loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR,
+                                              .storeOp = VK_ATTACHMENT_STORE_OP_STORE,
+                                              .clearValue = grey};
+    const VkRenderingAttachmentInfo deep = {.sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO,
+                                            .imageView = depth.view,
+                                            .imageLayout = VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL,
+                                            .loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR,
+                                            .clearValue = far};
+    const VkRenderingInfo info = {.sType = VK_STRUCTURE_TYPE_RENDERING_INFO,
+                                  .flags = options.secondary ? VK_RENDERING_CONTENTS_SECONDARY_COMMAND_BUFFERS_BIT : 0,
+                                  .renderArea = {{0, 0}, w.extent},
+                                  .layerCount = 1,
+                                  .colorAttachmentCount = 1,
+                                  .pColorAttachments = &colors,
+                                  .pDepthAttachment = &deep};
+    vkCmdBeginRendering(buffer, &info);
+    if (options.secondary)
+        vkCmdExecuteCommands(buffer, 1, &inner[index]);
+    else
+        draw(buffer, index);
+    vkCmdEndRendering(buffer);
+    barrier(buffer, w.images[index], VK_IMAGE_ASPECT_COLOR_BIT, color, VK_IMAGE_LAYOUT_PRESENT_SRC_KHR);
+}
+
+static void record_pass(VkCommandBuffer buffer, uint32_t index)
+{
+    const VkClearValue clears[] = {grey, far, grey};
+    const VkImageView views[] = {multisampled() ? samples.view : w.views[index], depth.view, w.views[index]};
+    const VkRenderPassAttachmentBeginInfo given = {.sType = VK_STRUCTURE_TYPE_RENDER_PASS_ATTACHMENT_BEGIN_INFO,
+                                                   .attachmentCount = multisampled() ? 3 : 2,
+                                                   .pAttachments = views};
+    const VkRenderPassBeginInfo begin = {.sType = VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO,
+                                         .pNext = options.pass == PASS_IMAGELESS ? &given : NULL,
+                                         .renderPass = pass,
+                                         .framebuffer = framebuffers[index],
+                                         .renderArea = {{0, 0}, w.extent},
+                                         .clearValueCount = 3,
+                                         .pClearValues = clears};
+    const VkSubpassContents contents =
+        options.secondary ? VK_SUBPASS_CONTENTS_SECONDARY_COMMAND_BUFFERS : VK_SUBPASS_CONTENTS_INLINE;
+    const VkSubpassBeginInfo subpass = {.sType = VK_STRUCTURE_TYPE_SUBPASS_BEGIN_INFO, .contents = contents};
+    const VkSubpassEndInfo end = {.sType = VK_STRUCTURE_TYPE_SUBPASS_END_INFO};
+    if (options.pass == PASS_2)
+        vkCmdBeginRenderPass2(buffer, &begin, &subpass);
+    else
+        vkCmdBeginRenderPass(buffer, &begin, contents);
+    if (options.secondary)
+        vkCmdExecuteCommands(buffer, 1, &inner[index]);
+    else
+        draw(buffer, index);
+    if (options.pass == PASS_2)
+        vkCmdEndRenderPass2(buffer, &end);
+    else
+        vkCmdEndRenderPass(buffer);
+}
+
+/* The contents of a pass, which does not say what it will draw to. */
+static void record_inner(uint32_t index)
+{
+    const VkCommandBufferInheritanceRenderingInfo rendering = {
+        .sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_INHERITANCE_RENDERING_INFO,
+        .colorAttachmentCount = 1,
+        .pColorAttachmentFormats = &w.format,
+        .depthAttachmentFormat = DEPTH_FORMAT,
+        .rasterizationSamples = (VkSampleCountFlagBits)options.samples};
+    const VkCommandBufferInheritanceInfo inheritance = {.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_INHERITANCE_INFO,
+                                                        .pNext = options.pass == PASS_DYNAMIC ? &rendering : NULL,
+                                                        .renderPass = pass};
+    const VkCommandBufferBeginInfo begin = {.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
+                                            .flags = VK_COMMAND_BUFFER_USAGE_RENDER_PASS_CONTINUE_BIT,
+                                            .pInheritanceInfo = &inheritance};
+    expect(vkBeginCommandBuffer(inner[index], &begin), "vkBeginCommandBuffer");
+    draw(inner[index], index);
+    expect(vkEndCommandBuffer(inner[index]), "vkEndCommandBuffer");
+}
+
+static void record(uint32_t index)
+{
+    VkCommandBuffer buffer = commands[index];
+    const VkCommandBufferBeginInfo begin = {.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
+    if (options.secondary)
+        record_inner(index);
+    expect(vkBeginCommandBuffer(buffer, &begin), "vkBeginCommandBuffer");
+    if (options.matrix == MATRIX_COPIED) {
+        const VkBufferCopy region = {0, 0, 3 * SLICE};
+        const VkMemoryBarrier copied = {.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER,
+                                        .srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT,
+                                        .dstAccessMask = VK_ACCESS_UNIFORM_READ_BIT};
+        vkCmdCopyBuffer(buffer, staging[index].buffer, blocks[index].buffer, 1, &region);
+        vkCmdPipelineBarrier(buffer, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_VERTEX_SHADER_BIT, 0, 1, &copied, 0,
+                             NULL, 0, NULL);
+    }
+    if (options.pass == PASS_DYNAMIC)
+        record_dynamic(buffer, index);
+    else
+        record_pass(buffer, index);
+    if (options.copy_window) {
+        /* A copy of the window onto itself: a program that reads what it shows. */
+        const VkImageLayout general = VK_IMAGE_LAYOUT_GENERAL, shown = VK_IMAGE_LAYOUT_PRESENT_SRC_KHR;
+        const VkImageSubresourceLayers layer = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
+        const VkImageCopy region = {layer, {0, 0, 0}, layer, {8, 8, 0}, {4, 4, 1}};
+        barrier(buffer, w.images[index], VK_IMAGE_ASPECT_COLOR_BIT, shown, general);
+        vkCmdCopyImage(buffer, w.images[index], general, w.images[index], general, 1, &region);
+        barrier(buffer, w.images[index], VK_IMAGE_ASPECT_COLOR_BIT, general, shown);
+    }
+    expect(vkEndCommandBuffer(buffer), "vkEndCommandBuffer");
+}
+
+/* Everything that depends on the window's size. */
+static void follow_size(void)
+{
+    make_framebuffers();
+    make_pipeline();
+    for (uint32_t i = 0; i < w.count && options.once; i++)
+        record(i);
+}
+
+static void frame(void)
+{
+    uint32_t index;
+    expect(vkAcquireNextImageKHR(w.device, w.swapchain, UINT64_MAX, acquired, VK_NULL_HANDLE, &index), "acquire");
+    fill_block(index);
+    if (!options.once)
+        record(index);
+    const VkPipelineStageFlags stage = VK_PIPELINE_STAGE_ALL_COMMANDS_BIT;
+    const VkSubmitInfo work = {.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO,
+                               .waitSemaphoreCount = 1,
+                               .pWaitSemaphores = &acquired,
+                               .pWaitDstStageMask = &stage,
+                               .commandBufferCount = 1,
+                               .pCommandBuffers = &commands[index],
+                               .signalSemaphoreCount = 1,
+                               .pSignalSemaphores = &w.drawn[index]};
+    expect(vkQueueSubmit(w.queue, 1, &work, done), "vkQueueSubmit");
+    const VkPresentInfoKHR present = {.sType = VK_STRUCTURE_TYPE_PRESENT_INFO_KHR,
+                                      .waitSemaphoreCount = 1,
+                                      .pWaitSemaphores = &w.drawn[index],
+                                      .swapchainCount = 1,
+                                      .pSwapchains = &w.swapchain,
+                                      .pImageIndices = &index};
+    expect(vkQueuePresentKHR(w.queue, &present), "vkQueuePresentKHR");
+    expect(vkWaitForFences(w.device, 1, &done, VK_TRUE, UINT64_MAX), "vkWaitForFences");
+    expect(vkResetFences(w.device, 1, &done), "vkResetFences");
+}
+
+static void open_all(void)
+{
+    window_open(&w, options.x, options.y, options.width, options.height, options.srgb,
+                options.copy_window ? VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT : 0);
+    if (options.pass != PASS_DYNAMIC)
+        make_pass();
+    make_layout();
+    indirect = make_block(&w, sizeof(VkDrawIndirectCommand), VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT, true);
+    *(VkDrawIndirectCommand *)indirect.bytes = (VkDrawIndirectCommand){36, 1, 0, 0};
+    const VkCommandPoolCreateInfo pool_info = {.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
+                                               .flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT,
+                                               .queueFamilyIndex = w.family};
+    expect(vkCreateCommandPool(w.device, &pool_info, NULL, &pool), "vkCreateCommandPool");
+    VkCommandBufferAllocateInfo buffers = {.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
+                                           .commandPool = pool,
+                                           .level = VK_COMMAND_BUFFER_LEVEL_PRIMARY,
+                                           .commandBufferCount = MOST_IMAGES};
+    expect(vkAllocateCommandBuffers(w.device, &buffers, commands), "vkAllocateCommandBuffers");
+    buffers.level = VK_COMMAND_BUFFER_LEVEL_SECONDARY;
+    expect(vkAllocateCommandBuffers(w.device, &buffers, inner), "vkAllocateCommandBuffers");
+    const VkSemaphoreCreateInfo semaphore = {.sType = VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO};
+    const VkFenceCreateInfo fence = {.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
+    expect(vkCreateSemaphore(w.device, &semaphore, NULL, &acquired), "vkCreateSemaphore");
+    expect(vkCreateFence(w.device, &fence, NULL, &done), "vkCreateFence");
+    follow_size();
+}
+
+static void close_all(void)
+{
+    expect(vkDeviceWaitIdle(w.device), "vkDeviceWaitIdle");
+    free_framebuffers();
+    vkDestroyPipeline(w.device, pipeline, NULL);
+    vkDestroyPipelineLayout(w.device, layout, NULL);
+    vkDestroyDescriptorPool(w.device, descriptors, NULL);
+    vkDestroyDescriptorSetLayout(w.device, set_layout, NULL);
+    vkDestroyRenderPass(w.device, pass, NULL);
+    vkDestroyCommandPool(w.device, pool, NULL);
+    vkDestroySemaphore(w.device, acquired, NULL);
+    vkDestroyFence(w.device, done, NULL);
+    for (uint32_t i = 0; i < MOST_IMAGES; i++) {
+        free_block(&w, &blocks[i]);
+        free_block(&w, &staging[i]);
+    }
+    free_block(&w, &indirect);
+    window_close(&w);
+}
+
+int main(int argc, char **argv)
+{
+    parse(argc, argv);
+    open_all();
+    for (int number = 0; options.frames == 0 || number < options.frames; number++) {
+        if (options.resizes > 0 && number > 0 && number % (options.frames / (options.resizes + 1)) == 0) {
+            const uint32_t odd = (uint32_t)(number % 2 == 0 ? 0 : 31);
+            expect(vkDeviceWaitIdle(w.device), "vkDeviceWaitIdle");
+            window_ask_size(&w, options.width + odd + (uint32_t)(number % 7), options.height + odd);
+            free_framebuffers();
+            vkDestroyPipeline(w.device, pipeline, NULL);
+            window_make_swapchain(&w);
+            follow_size();
+        }
+        frame();
+        if (options.shot != NULL)
+            window_shot(&w, options.shot);
+    }
+    close_all();
+    return 0;
+}

@@ -1,0 +1,80 @@
+#include "options.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+vulkan_options options = {.fov = 75.0, .frames = 3, .width = 256, .height = 256, .samples = 1};
+
+static void usage(void)
+{
+    fprintf(stderr, "usage: vk_cube [--fov DEG] [--yaw DEG] [--pitch DEG] [--frames N] [--size WxH] [--at X,Y] [--samples N]\n"
+                    "  [--pass 1|2|dynamic|imageless] [--matrix push|block|dynamic|copied] [--once] [--srgb] [--flip]\n"
+                    "  [--secondary] [--indirect] [--fixed] [--copy-window] [--flat over|before] [--resizes N] [--shot FILE.ppm]\n");
+    exit(2);
+}
+
+static int choice(const char *value, const char *const names[], int count)
+{
+    for (int i = 0; i < count; i++)
+        if (strcmp(value, names[i]) == 0)
+            return i;
+    usage();
+    return 0;
+}
+
+static bool is_flag(const char *option)
+{
+    const struct {
+        const char *name;
+        bool *flag;
+    } flags[] = {{"--once", &options.once},         {"--srgb", &options.srgb},         {"--flip", &options.flip},
+                 {"--secondary", &options.secondary}, {"--indirect", &options.indirect}, {"--fixed", &options.fixed},
+                 {"--copy-window", &options.copy_window}};
+    for (size_t i = 0; i < sizeof flags / sizeof flags[0]; i++) {
+        if (strcmp(option, flags[i].name) == 0) {
+            *flags[i].flag = true;
+            return true;
+        }
+    }
+    return false;
+}
+
+void parse(int argc, char **argv)
+{
+    static const char *const passes[] = {"1", "2", "dynamic", "imageless"};
+    static const char *const matrices[] = {"push", "block", "dynamic", "copied"};
+    static const char *const flats[] = {"none", "over", "before"};
+    for (int i = 1; i < argc; i++) {
+        const char *option = argv[i];
+        if (is_flag(option))
+            continue;
+        const char *value = i + 1 < argc ? argv[++i] : NULL;
+        if (value == NULL)
+            usage();
+        else if (strcmp(option, "--fov") == 0)
+            options.fov = atof(value);
+        else if (strcmp(option, "--yaw") == 0)
+            options.yaw = atof(value);
+        else if (strcmp(option, "--pitch") == 0)
+            options.pitch = atof(value);
+        else if (strcmp(option, "--frames") == 0)
+            options.frames = atoi(value);
+        else if (strcmp(option, "--samples") == 0)
+            options.samples = atoi(value);
+        else if (strcmp(option, "--resizes") == 0)
+            options.resizes = atoi(value);
+        else if (strcmp(option, "--pass") == 0)
+            options.pass = (pass_kind)choice(value, passes, 4);
+        else if (strcmp(option, "--matrix") == 0)
+            options.matrix = (matrix_kind)choice(value, matrices, 4);
+        else if (strcmp(option, "--flat") == 0)
+            options.flat = choice(value, flats, 3);
+        else if (strcmp(option, "--shot") == 0)
+            options.shot = value;
+        else if (strcmp(option, "--at") == 0 && sscanf(value, "%d,%d", &options.x, &options.y) == 2)
+            continue;
+        else if (strcmp(option, "--size") != 0 || sscanf(value, "%ux%u", &options.width, &options.height) != 2)
+            usage();
+    }
+}

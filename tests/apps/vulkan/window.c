@@ -1,0 +1,260 @@
+#include "window.h"
+
+#include <X11/Xutil.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+void expect(VkResult result, const char *what)
+{
+    if (result != VK_SUCCESS) {
+        fprintf(stderr, "%s fails: VkResult %d\n", what, (int)result);
+        exit(1);
+    }
+}
+
+static Bool is_map_of(Display *display, XEvent *event, XPointer wanted)
+{
+    (void)display;
+    return event->type == MapNotify && event->xmap.window == *(Window *)(void *)wanted;
+}
+
+static Bool is_configure_of(Display *display, XEvent *event, XPointer wanted)
+{
+    (void)display;
+    return event->type == ConfigureNotify && event->xconfigure.window == *(Window *)(void *)wanted;
+}
+
+static void open_x11(vulkan_window *w, int x, int y, uint32_t width, uint32_t height)
+{
+    w->display = XOpenDisplay(NULL);
+    if (w->display == NULL) {
+        fprintf(stderr, "cannot open the X display (is DISPLAY set?)\n");
+        exit(1);
+    }
+    w->window = XCreateSimpleWindow(w->display, DefaultRootWindow(w->display), x, y, width, height, 0, 0, 0);
+    XSelectInput(w->display, w->window, StructureNotifyMask);
+    XMapWindow(w->display, w->window);
+    XEvent event;
+    XIfEvent(w->display, &event, is_map_of, (XPointer)&w->window);
+}
+
+static void open_device(vulkan_window *w)
+{
+    const char *const extensions[] = {VK_KHR_SURFACE_EXTENSION_NAME, VK_KHR_XLIB_SURFACE_EXTENSION_NAME};
+    const VkApplicationInfo application = {.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO, .apiVersion = VK_API_VERSION_1_3};
+    const VkInstanceCreateInfo instance = {.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO,
+                                           .pApplicationInfo = &application,
+                                           .enabledExtensionCount = 2,
+                                           .ppEnabledExtensionNames = extensions};
+    expect(vkCreateInstance(&instance, NULL, &w->instance), "vkCreateInstance");
+    uint32_t count = 1;
+    VkResult found = vkEnumeratePhysicalDevices(w->instance, &count, &w->physical);
+    if (count == 0 || (found != VK_SUCCESS && found != VK_INCOMPLETE)) {
+        fprintf(stderr, "there is no Vulkan device\n");
+        exit(1);
+    }
+    const VkXlibSurfaceCreateInfoKHR surface = {
+        .sType = VK_STRUCTURE_TYPE_XLIB_SURFACE_CREATE_INFO_KHR, .dpy = w->display, .window = w->window};
+    expect(vkCreateXlibSurfaceKHR(w->instance, &surface, NULL, &w->surface), "vkCreateXlibSurfaceKHR");
+    VkQueueFamilyProperties families[16];
+    uint32_t family_count = 16;
+    vkGetPhysicalDeviceQueueFamilyProperties(w->physical, &family_count, families);
+    for (w->family = 0; w->family < family_count; w->family++) {
+        VkBool32 presents = VK_FALSE;
+        expect(vkGetPhysicalDeviceSurfaceSupportKHR(w->physical, w->family, w->surface, &presents), "surface support");
+        if (presents && (families[w->family].queueFlags & VK_QUEUE_GRAPHICS_BIT))
+            break;
+    }
+    const float priority = 1.0f;
+    const VkDeviceQueueCreateInfo queue = {.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
+                                           .queueFamilyIndex = w->family,
+                                           .queueCount = 1,
+                                           .pQueuePriorities = &priority};
+    VkPhysicalDeviceVulkan12Features features12 = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES,
+                                                   .imagelessFramebuffer = VK_TRUE};
+    const VkPhysicalDeviceVulkan13Features features = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES,
+                                                       .pNext = &features12,
+                                                       .dynamicRendering = VK_TRUE,
+                                                       .synchronization2 = VK_TRUE};
+    const char *const swapchain[] = {VK_KHR_SWAPCHAIN_EXTENSION_NAME};
+    const VkDeviceCreateInfo device = {.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
+                                       .pNext = &features,
+                                       .queueCreateInfoCount = 1,
+                                       .pQueueCreateInfos = &queue,
+                                       .enabledExtensionCount = 1,
+                                       .ppEnabledExtensionNames = swapchain};
+    expect(vkCreateDevice(w->physical, &device, NULL, &w->device), "vkCreateDevice");
+    vkGetDeviceQueue(w->device, w->family, 0, &w->queue);
+}
+
+void window_open(vulkan_window *w, int x, int y, uint32_t width, uint32_t height, bool srgb, VkImageUsageFlags usage)
+{
+    memset(w, 0, sizeof *w);
+    open_x11(w, x, y, width, height);
+    open_device(w);
+    w->format = srgb ? VK_FORMAT_B8G8R8A8_SRGB : VK_FORMAT_B8G8R8A8_UNORM;
+    w->usage = usage;
+    window_make_swapchain(w);
+}
+
+void window_ask_size(vulkan_window *w, uint32_t width, uint32_t height)
+{
+    XResizeWindow(w->display, w->window, width, height);
+    XEvent event;
+    do {
+        XIfEvent(w->display, &event, is_configure_of, (XPointer)&w->window);
+    } while (event.xconfigure.width != (int)width || event.xconfigure.height != (int)height);
+}
+
+static void free_views(vulkan_window *w)
+{
+    for (uint32_t i = 0; i < w->count; i++) {
+        vkDestroyImageView(w->device, w->views[i], NULL);
+        vkDestroySemaphore(w->device, w->drawn[i], NULL);
+    }
+}
+
+void window_make_swapchain(vulkan_window *w)
+{
+    VkSurfaceCapabilitiesKHR can;
+    expect(vkGetPhysicalDeviceSurfaceCapabilitiesKHR(w->physical, w->surface, &can), "surface capabilities");
+    w->extent = can.currentExtent;
+    VkSwapchainKHR old = w->swapchain;
+    const VkSwapchainCreateInfoKHR info = {.sType = VK_STRUCTURE_TYPE_SWAPCHAIN_CREATE_INFO_KHR,
+                                           .surface = w->surface,
+                                           .minImageCount = can.minImageCount,
+                                           .imageFormat = w->format,
+                                           .imageColorSpace = VK_COLOR_SPACE_SRGB_NONLINEAR_KHR,
+                                           .imageExtent = w->extent,
+                                           .imageArrayLayers = 1,
+                                           .imageUsage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | w->usage,
+                                           .preTransform = VK_SURFACE_TRANSFORM_IDENTITY_BIT_KHR,
+                                           .compositeAlpha = VK_COMPOSITE_ALPHA_OPAQUE_BIT_KHR,
+                                           .presentMode = VK_PRESENT_MODE_FIFO_KHR,
+                                           .clipped = VK_TRUE,
+                                           .oldSwapchain = old};
+    expect(vkCreateSwapchainKHR(w->device, &info, NULL, &w->swapchain), "vkCreateSwapchainKHR");
+    if (old != VK_NULL_HANDLE) {
+        expect(vkDeviceWaitIdle(w->device), "vkDeviceWaitIdle");
+        free_views(w);
+        vkDestroySwapchainKHR(w->device, old, NULL);
+    }
+    w->count = MOST_IMAGES;
+    expect(vkGetSwapchainImagesKHR(w->device, w->swapchain, &w->count, w->images), "vkGetSwapchainImagesKHR");
+    for (uint32_t i = 0; i < w->count; i++) {
+        const VkImageViewCreateInfo view = {.sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
+                                            .image = w->images[i],
+                                            .viewType = VK_IMAGE_VIEW_TYPE_2D,
+                                            .format = w->format,
+                                            .subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1}};
+        const VkSemaphoreCreateInfo semaphore = {.sType = VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO};
+        expect(vkCreateImageView(w->device, &view, NULL, &w->views[i]), "vkCreateImageView");
+        expect(vkCreateSemaphore(w->device, &semaphore, NULL, &w->drawn[i]), "vkCreateSemaphore");
+    }
+}
+
+void window_close(vulkan_window *w)
+{
+    free_views(w);
+    vkDestroySwapchainKHR(w->device, w->swapchain, NULL);
+    vkDestroyDevice(w->device, NULL);
+    vkDestroySurfaceKHR(w->instance, w->surface, NULL);
+    vkDestroyInstance(w->instance, NULL);
+    XDestroyWindow(w->display, w->window);
+    XCloseDisplay(w->display);
+}
+
+void window_shot(const vulkan_window *w, const char *path)
+{
+    expect(vkDeviceWaitIdle(w->device), "vkDeviceWaitIdle");
+    XSync(w->display, False);
+    XImage *shot =
+        XGetImage(w->display, w->window, 0, 0, w->extent.width, w->extent.height, AllPlanes, ZPixmap);
+    FILE *file = shot != NULL ? fopen(path, "wb") : NULL;
+    if (file == NULL) {
+        fprintf(stderr, "cannot write %s\n", path);
+        exit(1);
+    }
+    fprintf(file, "P6\n%d %d\n255\n", shot->width, shot->height);
+    for (int y = 0; y < shot->height; y++) {
+        for (int x = 0; x < shot->width; x++) {
+            unsigned long pixel = XGetPixel(shot, x, y);
+            fputc((int)(pixel >> 16 & 0xff), file);
+            fputc((int)(pixel >> 8 & 0xff), file);
+            fputc((int)(pixel & 0xff), file);
+        }
+    }
+    fclose(file);
+    XDestroyImage(shot);
+}
+
+static VkDeviceMemory allocate(const vulkan_window *w, const VkMemoryRequirements *needs, VkMemoryPropertyFlags wanted)
+{
+    VkPhysicalDeviceMemoryProperties kinds;
+    vkGetPhysicalDeviceMemoryProperties(w->physical, &kinds);
+    uint32_t kind = 0;
+    while (kind + 1 < kinds.memoryTypeCount && ((needs->memoryTypeBits >> kind & 1) == 0 ||
+                                                (kinds.memoryTypes[kind].propertyFlags & wanted) != wanted))
+        kind++;
+    const VkMemoryAllocateInfo info = {
+        .sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, .allocationSize = needs->size, .memoryTypeIndex = kind};
+    VkDeviceMemory memory;
+    expect(vkAllocateMemory(w->device, &info, NULL, &memory), "vkAllocateMemory");
+    return memory;
+}
+
+picture make_picture(const vulkan_window *w, VkFormat format, VkSampleCountFlagBits samples, VkImageUsageFlags usage)
+{
+    picture p;
+    const bool depth = format == DEPTH_FORMAT;
+    const VkImageCreateInfo info = {.sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
+                                    .imageType = VK_IMAGE_TYPE_2D,
+                                    .format = format,
+                                    .extent = {w->extent.width, w->extent.height, 1},
+                                    .mipLevels = 1,
+                                    .arrayLayers = 1,
+                                    .samples = samples,
+                                    .usage = usage};
+    expect(vkCreateImage(w->device, &info, NULL, &p.image), "vkCreateImage");
+    VkMemoryRequirements needs;
+    vkGetImageMemoryRequirements(w->device, p.image, &needs);
+    p.memory = allocate(w, &needs, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT);
+    expect(vkBindImageMemory(w->device, p.image, p.memory, 0), "vkBindImageMemory");
+    const VkImageAspectFlags aspect = depth ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT;
+    const VkImageViewCreateInfo view = {.sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
+                                        .image = p.image,
+                                        .viewType = VK_IMAGE_VIEW_TYPE_2D,
+                                        .format = format,
+                                        .subresourceRange = {aspect, 0, 1, 0, 1}};
+    expect(vkCreateImageView(w->device, &view, NULL, &p.view), "vkCreateImageView");
+    return p;
+}
+
+void free_picture(const vulkan_window *w, picture *p)
+{
+    vkDestroyImageView(w->device, p->view, NULL);
+    vkDestroyImage(w->device, p->image, NULL);
+    vkFreeMemory(w->device, p->memory, NULL);
+}
+
+block make_block(const vulkan_window *w, VkDeviceSize size, VkBufferUsageFlags usage, bool of_host)
+{
+    block b = {VK_NULL_HANDLE, VK_NULL_HANDLE, NULL};
+    const VkBufferCreateInfo info = {.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO, .size = size, .usage = usage};
+    expect(vkCreateBuffer(w->device, &info, NULL, &b.buffer), "vkCreateBuffer");
+    VkMemoryRequirements needs;
+    vkGetBufferMemoryRequirements(w->device, b.buffer, &needs);
+    const VkMemoryPropertyFlags host = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
+    b.memory = allocate(w, &needs, of_host ? host : VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT);
+    expect(vkBindBufferMemory(w->device, b.buffer, b.memory, 0), "vkBindBufferMemory");
+    if (of_host)
+        expect(vkMapMemory(w->device, b.memory, 0, VK_WHOLE_SIZE, 0, &b.bytes), "vkMapMemory");
+    return b;
+}
+
+void free_block(const vulkan_window *w, block *b)
+{
+    vkDestroyBuffer(w->device, b->buffer, NULL);
+    vkFreeMemory(w->device, b->memory, NULL);
+}

@@ -1,0 +1,70 @@
+/* A device, an X11 window and its swapchain. Failures end the program with a message. */
+#ifndef APPS_VULKAN_WINDOW_H
+#define APPS_VULKAN_WINDOW_H
+
+#define VK_USE_PLATFORM_XLIB_KHR
+#include <X11/Xlib.h>
+#include <stdbool.h>
+#include <stdint.h>
+#include <vulkan/vulkan.h>
+
+enum { MOST_IMAGES = 8 };
+#define DEPTH_FORMAT VK_FORMAT_D32_SFLOAT
+
+typedef struct {
+    VkImage image;
+    VkDeviceMemory memory;
+    VkImageView view;
+} picture;
+
+typedef struct {
+    VkBuffer buffer;
+    VkDeviceMemory memory;
+    void *bytes; /* mapped, where it can be */
+} block;
+
+typedef struct {
+    Display *display;
+    Window window;
+    VkInstance instance;
+    VkPhysicalDevice physical;
+    VkDevice device;
+    VkQueue queue;
+    uint32_t family;
+    VkSurfaceKHR surface;
+    VkFormat format;
+    VkImageUsageFlags usage; /* of the swapchain's images, beside drawing */
+    VkSwapchainKHR swapchain;
+    VkExtent2D extent;
+    uint32_t count;
+    VkImage images[MOST_IMAGES];
+    VkImageView views[MOST_IMAGES];
+    VkSemaphore drawn[MOST_IMAGES];
+} vulkan_window;
+
+/* Ends the program unless `result` is VK_SUCCESS. */
+void expect(VkResult result, const char *what);
+
+/* Opens all of it, at a place on the screen. */
+void window_open(vulkan_window *w, int x, int y, uint32_t width, uint32_t height, bool srgb, VkImageUsageFlags usage);
+
+/* Asks for another size, and waits until the server has given it. */
+void window_ask_size(vulkan_window *w, uint32_t width, uint32_t height);
+
+/* A swapchain in the window's present size; the one before, if there is one, is retired and destroyed. */
+void window_make_swapchain(vulkan_window *w);
+
+void window_close(vulkan_window *w);
+
+/* Writes what the X server shows in the window as a binary PPM. */
+void window_shot(const vulkan_window *w, const char *path);
+
+/* An image as large as the window, with a view. */
+picture make_picture(const vulkan_window *w, VkFormat format, VkSampleCountFlagBits samples, VkImageUsageFlags usage);
+void free_picture(const vulkan_window *w, picture *p);
+
+/* A buffer, in memory that the host writes or in the device's own. */
+block make_block(const vulkan_window *w, VkDeviceSize size, VkBufferUsageFlags usage, bool of_host);
+void free_block(const vulkan_window *w, block *b);
+
+#endif

@@ -1,0 +1,159 @@
+//! Programs that draw their scene off screen: each view gets a picture of its own.
+
+use crate::compare::{EDGE, compare, compare_with, expect_good};
+use crate::dialects::{camera_of, fisheye, identity, plain, planetarium, shown_by_fisheye, shown_by_window};
+use crate::programs::{Finished, Run};
+use crate::reference::{Fisheye, cube_colour, cube_face};
+
+const CIRCLE: Fisheye = Fisheye { width: 256.0, height: 256.0, aperture: 180.0, tilt: 90.0 };
+
+/// Passes that blur mix the colours of both sides of the cube's edges.
+const BLURRED_EDGE: f64 = 6.0;
+
+/// A mode of `passes` under the default rig; how far from the cube's edges it is right.
+fn passes(mode: &str, edge: f64, cupola: &[&str]) -> Option<Finished> {
+    let run = Run { extra: &["--mode", mode], frames: 6, cupola_frames: 6, cupola, ..Run::new("passes") };
+    let finished = run.under("fisheye")?.expect_success().expect_no_gl_errors();
+    let picture = finished.picture("capture.png");
+    let report = compare_with(&picture, edge, shown_by_fisheye(CIRCLE, camera_of(&run)), cube_colour, cube_face);
+    expect_good(&report, &picture, &format!("passes {mode}"));
+    Some(finished)
+}
+
+/// As [`passes`] for modes that blur nothing.
+fn sharp(mode: &str) {
+    passes(mode, EDGE, &[]);
+}
+
+/// What a program draws into an FBO of its own and then shows, by a copy or by a textured quad, is a scene for
+/// every view. GLES 2 shows it by a quad without filtering.
+#[test]
+fn a_program_with_its_own_fbo() {
+    for program in ["immediate", "client_arrays", "glsl120", "core330_mvp", "core330_block", "gles2", "gles3"] {
+        fisheye(program, &["--fbo"]);
+    }
+    let run = Run { extra: &["--fbo"], ..Run::new("gles2") };
+    let Some(finished) = run.under("fisheye") else { return };
+    let statistics = finished.expect_success().statistics();
+    assert_eq!(statistics["duplicated_draws"].as_u64(), Some(2), "{statistics:#}");
+    assert_eq!(statistics["duplicated_framebuffers"].as_u64(), Some(1), "{statistics:#}");
+}
+
+/// A multisampled window shows it as well.
+#[test]
+fn a_multisampled_window_of_a_program_with_its_own_fbo() {
+    fisheye("immediate", &["--fbo", "--samples", "4"]);
+    fisheye("post_process", &["--samples", "4"]);
+}
+
+/// What a program reads back is its own picture, also while the dome shows each view's.
+#[test]
+fn an_own_fbo_that_is_read_back() {
+    let run = Run { extra: &["--fbo", "--dump", "dump.ppm"], ..Run::new("core330_mvp") };
+    let Some(finished) = run.under("fisheye") else { return };
+    let finished = finished.expect_success().expect_no_gl_errors();
+    for (file, what) in [("dump.ppm", "read back"), ("capture.png", "shown")] {
+        let picture = finished.picture(file);
+        let report = if file == "dump.ppm" {
+            compare(&picture, shown_by_window(run.size, run.fov, camera_of(&run)))
+        } else {
+            compare(&picture, shown_by_fisheye(CIRCLE, camera_of(&run)))
+        };
+        expect_good(&report, &picture, &format!("core330_mvp, its own FBO {what}"));
+    }
+    sharp("read");
+}
+
+/// A chain of passes: the scene, a change of its colours, and the window; a shadow map besides stays single.
+#[test]
+fn a_program_with_post_processing() {
+    plain("post_process");
+    fisheye("post_process", &[]);
+    planetarium("post_process");
+    identity("post_process");
+    let Some(finished) = Run::new("post_process").under("fisheye") else { return };
+    let statistics = finished.expect_success().statistics();
+    // Of three frames the first is seen only; the scene and the first pass are duplicated, the shadow map is not.
+    assert_eq!(statistics["duplicated_draws"].as_u64(), Some(4), "{statistics:#}");
+    assert_eq!(statistics["duplicated_framebuffers"].as_u64(), Some(2), "{statistics:#}");
+    let single = statistics["single_framebuffers"].as_object().map_or(0, serde_json::Map::len);
+    assert_eq!(single, 1, "{statistics:#}");
+}
+
+/// The user's word goes before what is seen.
+#[test]
+fn duplication_can_be_switched_off_and_forced() {
+    let run = Run { cupola: &["--duplicate", "never"], ..Run::new("post_process") };
+    let Some(finished) = run.under("fisheye") else { return };
+    let statistics = finished.expect_success().statistics();
+    assert_eq!(statistics["duplicated_draws"].as_u64(), Some(0), "{statistics:#}");
+    // The shadow map, too: three passes in each of two frames.
+    let run = Run { environment: &[("CUPOLA_DUPLICATE", "always")], ..Run::new("post_process") };
+    let Some(finished) = run.under("fisheye") else { return };
+    let statistics = finished.expect_success().expect_no_gl_errors().statistics();
+    assert_eq!(statistics["duplicated_draws"].as_u64(), Some(6), "{statistics:#}");
+}
+
+#[test]
+fn samples_that_are_resolved() {
+    sharp("resolve");
+    sharp("resolve_to_window");
+    sharp("samples");
+}
+
+#[test]
+fn depth_and_several_attachments() {
+    sharp("depth");
+    sharp("apart");
+}
+
+/// A pass over the scene that finds what it lights by its place on the screen.
+#[test]
+fn a_pass_that_asks_where_on_the_screen_it_is() {
+    sharp("light");
+}
+
+#[test]
+fn sizes_other_than_the_window_s() {
+    passes("bloom", BLURRED_EDGE, &[]);
+    sharp("twice");
+    sharp("power");
+    sharp("rectangle");
+}
+
+#[test]
+fn smaller_pictures_of_the_scene() {
+    passes("mipmap", BLURRED_EDGE, &[]);
+}
+
+#[test]
+fn copies_into_textures() {
+    sharp("copied");
+    sharp("copied_window");
+}
+
+/// A texture that is specified anew is learnt anew, which takes a frame; the last of six is beyond it.
+#[test]
+fn attachments_and_textures_that_change() {
+    sharp("attached_again");
+    sharp("respecified");
+}
+
+#[test]
+fn old_and_new_entry_points() {
+    fisheye("ext_framebuffer", &[]);
+    sharp("blit");
+    sharp("plain");
+}
+
+/// The comparison sees a scene that is flat, whichever way it is shown.
+#[test]
+fn a_flat_scene_is_found_wrong() {
+    for mode in ["plain", "blit", "copied"] {
+        let run = Run { extra: &["--mode", mode], cupola: &["--duplicate", "never"], ..Run::new("passes") };
+        let Some(finished) = run.under("fisheye") else { return };
+        let picture = finished.expect_success().picture("capture.png");
+        let report = compare(&picture, shown_by_fisheye(CIRCLE, camera_of(&run)));
+        assert!(report.wrong * 2 > report.compared, "{mode}: only {} of {}", report.wrong, report.compared);
+    }
+}
