@@ -279,6 +279,19 @@ typedef struct cupola_vk_statistics {
    Frames recorded.
    */
   uint64_t frames;
+  /*
+   Frames since the last `cupola_vk_resize` of which is known how long the device took to correct them; a frame's
+   time is known when the next one with the same images is recorded. Always 0 on devices without timestamps.
+   */
+  uint64_t measured_frames;
+  /*
+   The time of all of them, nanoseconds.
+   */
+  uint64_t nanoseconds;
+  /*
+   The time of the latest of them, nanoseconds.
+   */
+  uint64_t last_nanoseconds;
 } cupola_vk_statistics;
 
 #ifdef __cplusplus

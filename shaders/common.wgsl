@@ -1,10 +1,11 @@
-// What every correction pass shares: which view answers for a direction, the one bilinear fetch
-// from its picture, the flat panel, weights in linear light, black level.
+// What every correction pass shares: which view answers for a direction, how its picture is sampled, the flat panel,
+// weights in linear light, black level.
 //
 // The passes are specialised before they are compiled: `constants` becomes a constant of the
 // program text, so that each `if` on its counts and switches is decided by the compiler and no
 // uniform is loaded per pixel. A file of a pass gives `Constants` (its first member is
-// `shared_part: Shared`) and `trace`; a file of an arrangement of the views' pictures gives `atlas` and `texel`.
+// `shared_part: Shared`) and `trace`; a file of an arrangement of the views' pictures gives `atlas`, `texel`
+// and `picture_size`.
 
 // A perspective view in the atlas (or the flat panel).
 struct View {
@@ -32,13 +33,26 @@ struct Shared {
     with_mask: u32,
     // Any weight differs from 1.
     weighted: u32,
-    // Angle (0 polar, 1 azimuth), its value where the weight is 0, 1/(full − zero).
+    // Angle (0 polar, 1 azimuth), its value where the weight is 0, 1/(full − zero), shape.
     ramps: array<vec4<f32>, 8>,
     ramp_count: u32,
     // The display's response: w^(1/γ) = t·(1 + (t − 1)·h(t)), t = ⁴√w; h with the constant first.
     encoding: array<vec4<f32>, 2>,
     // Black level, encoded.
     black: f32,
+    // Values are weighted as light, not as codes.
+    in_light: u32,
+    // The display's response is that of sRGB, not a power.
+    srgb: u32,
+    gamma: f32,
+    // The most light of all projectors' blacks at a point; 0: it is not evened out.
+    lift: f32,
+    // A step of the display's codes, if it is to be dithered.
+    dither: f32,
+    // The kernel is Catmull-Rom's, not bilinear.
+    cubic: u32,
+    // Four places of a pixel are sampled, not its middle.
+    four_places: u32,
 }
 
 // What a pass knows of a pixel.
@@ -51,6 +65,8 @@ struct Ray {
     dome: vec3<f32>,
     // Weight from the overlap with other outputs, linear light.
     weight: f32,
+    // Light of all outputs' blacks there.
+    dark: f32,
 }
 
 @group(0) @binding(0) var<uniform> constants: Constants;
@@ -145,9 +161,20 @@ fn smooth_step(t: f32) -> f32 {
     return (t * t) * (3.0 - 2.0 * t);
 }
 
-// The same, clamped outside 0…1.
-fn smooth_ramp(t: f32) -> f32 {
-    return smooth_step(clamp(t, 0.0, 1.0));
+// A ramp at t, 0…1. Shape 0: smoothstep. Negative: ½ + ½·sin π(t − ½), by its series, exact to 6e-8. Else the power
+// of two halves that are turned about the middle.
+fn ramp_at(t: f32, shape: f32) -> f32 {
+    if shape == 0.0 {
+        return smooth_step(t);
+    }
+    if shape < 0.0 {
+        let u = t - 0.5;
+        let s = u * u;
+        return 0.5 + 0.5 * u * (3.14159265 + s * (-5.16771278 + s * (2.55016404 + s * (-0.59926453
+            + s * (0.08214589 - s * 0.00737043)))));
+    }
+    let half_part = 0.5 * pow(2.0 * min(t, 1.0 - t), shape);
+    return select(1.0 - half_part, half_part, t < 0.5);
 }
 
 // The angle of (x, y) from the x axis, −π…π; 0 at the origin. Error 1.7e-8 of the angle plus
@@ -166,7 +193,7 @@ fn angle_of(y: f32, x: f32) -> f32 {
 }
 
 fn ramp_weight(ramp: vec4<f32>, polar: f32, azimuth: f32) -> f32 {
-    return smooth_ramp((select(polar, azimuth, ramp.x > 0.5) - ramp.y) * ramp.z);
+    return ramp_at(clamp((select(polar, azimuth, ramp.x > 0.5) - ramp.y) * ramp.z, 0.0, 1.0), ramp.w);
 }
 
 fn ramps_weight(dome: vec3<f32>) -> f32 {
@@ -216,6 +243,36 @@ fn encode(weight: f32) -> f32 {
     return t * (1.0 + (t - 1.0) * h);
 }
 
+// The light that the display makes of codes.
+fn to_light(code: vec3<f32>) -> vec3<f32> {
+    if constants.shared_part.srgb != 0u {
+        let curve = pow((code + 0.055) / 1.055, vec3<f32>(2.4));
+        return select(curve, code / 12.92, code <= vec3<f32>(0.04045));
+    }
+    return pow(code, vec3<f32>(constants.shared_part.gamma));
+}
+
+// The codes that the display makes light of.
+fn to_code(light: vec3<f32>) -> vec3<f32> {
+    if constants.shared_part.srgb != 0u {
+        let curve = 1.055 * pow(light, vec3<f32>(1.0 / 2.4)) - 0.055;
+        return select(curve, light * 12.92, light <= vec3<f32>(0.0031308));
+    }
+    return pow(light, vec3<f32>(1.0 / constants.shared_part.gamma));
+}
+
+// The picture's share, and of what this point's black has less than the brightest.
+fn weighted_light(code: vec3<f32>, weight: f32, dark: f32) -> vec3<f32> {
+    let share = (1.0 - constants.shared_part.lift) * to_light(code) + max(constants.shared_part.lift - dark, 0.0);
+    return to_code(weight * share);
+}
+
+// Between −½ and ½, evenly distributed, different from pixel to pixel and the same in each frame: interleaved gradient
+// noise (Jimenez 2014).
+fn noise_at(position: vec2<f32>) -> f32 {
+    return fract(52.9829189 * fract(dot(position, vec2<f32>(0.06711056, 0.00583715)))) - 0.5;
+}
+
 // The panel's premultiplied colour over the scene.
 fn with_panel(ray: Ray, scene: vec3<f32>) -> vec3<f32> {
     let s = constants.shared_part.panel.transform * ray.base;
@@ -225,20 +282,83 @@ fn with_panel(ray: Ray, scene: vec3<f32>) -> vec3<f32> {
     return select(scene, flat_part.rgb + (1.0 - flat_part.a) * scene, inside);
 }
 
+// A view's picture by Catmull and Rom's cubic kernel: its 16 texels by nine bilinear fetches, since the two
+// in the middle of each direction have weights of the same sign.
+fn cubic(at: vec3<f32>) -> vec3<f32> {
+    let size = picture_size(at.z);
+    let place = at.xy * size;
+    let first = floor(place - 0.5) + 0.5;
+    let f = place - first;
+    let w0 = f * (-0.5 + f * (1.0 - 0.5 * f));
+    let w1 = 1.0 + f * f * (-2.5 + 1.5 * f);
+    let w2 = f * (0.5 + f * (2.0 - 1.5 * f));
+    let w3 = f * f * (-0.5 + 0.5 * f);
+    let w12 = w1 + w2;
+    let before = (first - 1.0) / size;
+    let middle = (first + w2 / w12) / size;
+    let after = (first + 2.0) / size;
+    let columns = vec3<f32>(w0.x, w12.x, w3.x);
+    let x = vec3<f32>(before.x, middle.x, after.x);
+    let sum = cubic_row(x, before.y, at.z, columns) * w0.y + cubic_row(x, middle.y, at.z, columns) * w12.y
+        + cubic_row(x, after.y, at.z, columns) * w3.y;
+    return clamp(sum, vec3<f32>(0.0), vec3<f32>(1.0));
+}
+
+fn cubic_row(x: vec3<f32>, y: f32, number: f32, weights: vec3<f32>) -> vec3<f32> {
+    return texel(vec3<f32>(x.x, y, number)).rgb * weights.x + texel(vec3<f32>(x.y, y, number)).rgb * weights.y
+        + texel(vec3<f32>(x.z, y, number)).rgb * weights.z;
+}
+
+fn sample(at: vec3<f32>) -> vec3<f32> {
+    if constants.shared_part.cubic != 0u {
+        return cubic(at);
+    }
+    return texel(at).rgb;
+}
+
+// A place beside the pixel's centre, which is taken where that place shows nothing.
+fn sample_beside(source: vec2<f32>, centre: vec3<f32>) -> vec3<f32> {
+    let at = locate(trace(source));
+    return sample(select(centre, at, at.z > 0.0));
+}
+
+// The mean of four places on a rotated grid. The source's coordinates are linear in the pixel, so that their
+// derivatives are right where those of the atlas' coordinates jump from view to view.
+fn sample_four(source: vec2<f32>, centre: vec3<f32>) -> vec3<f32> {
+    let across = dpdx(source);
+    let up = dpdy(source);
+    return 0.25 * ((sample_beside(source + 0.125 * across + 0.375 * up, centre)
+        + sample_beside(source - 0.375 * across + 0.125 * up, centre))
+        + (sample_beside(source - 0.125 * across - 0.375 * up, centre)
+        + sample_beside(source + 0.375 * across - 0.125 * up, centre)));
+}
+
 @fragment
 fn present(corner: Corner) -> @location(0) vec4<f32> {
     let ray = trace(corner.source);
     let at = locate(ray);
-    var color = texel(at).rgb;
+    var color = vec3<f32>(0.0);
+    if constants.shared_part.four_places != 0u {
+        color = sample_four(corner.source, at);
+    } else {
+        color = sample(at);
+    }
     if constants.shared_part.with_panel != 0u {
         color = with_panel(ray, color);
     }
     if constants.shared_part.weighted != 0u {
         let weight = weight_of(ray, corner.place);
-        color *= encode(weight);
+        if constants.shared_part.in_light != 0u {
+            color = weighted_light(color, weight, ray.dark);
+        } else {
+            color *= encode(weight);
+        }
     }
     if constants.shared_part.black > 0.0 {
         color = constants.shared_part.black + (1.0 - constants.shared_part.black) * color;
+    }
+    if constants.shared_part.dither > 0.0 {
+        color += constants.shared_part.dither * noise_at(corner.position.xy);
     }
     if constants.shared_part.edge != 0u {
         color = select(vec3<f32>(0.0), color, at.z > 0.0);

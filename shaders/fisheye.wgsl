@@ -30,5 +30,5 @@ fn trace(source: vec2<f32>) -> Ray {
     if constants.off_centre != 0u {
         lens = lens / sqrt(dot(lens, lens));
     }
-    return Ray(constants.rotation * lens + constants.shift, s <= 1.0, constants.dome * lens, 1.0);
+    return Ray(constants.rotation * lens + constants.shift, s <= 1.0, constants.dome * lens, 1.0, 0.0);
 }

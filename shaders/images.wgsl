@@ -48,3 +48,44 @@ fn texel(at: vec3<f32>) -> vec4<f32> {
     }
     return textureSampleLevel(atlas, atlas_sampler, at.xy, 0.0);
 }
+
+// Width and height in texels of the image that has view `number`.
+fn picture_size(number: f32) -> vec2<f32> {
+    var size = textureDimensions(atlas);
+    if constants.shared_part.view_count > 1u {
+        if number == constants.shared_part.views[1].number {
+            size = textureDimensions(image_1);
+        }
+    }
+    if constants.shared_part.view_count > 2u {
+        if number == constants.shared_part.views[2].number {
+            size = textureDimensions(image_2);
+        }
+    }
+    if constants.shared_part.view_count > 3u {
+        if number == constants.shared_part.views[3].number {
+            size = textureDimensions(image_3);
+        }
+    }
+    if constants.shared_part.view_count > 4u {
+        if number == constants.shared_part.views[4].number {
+            size = textureDimensions(image_4);
+        }
+    }
+    if constants.shared_part.view_count > 5u {
+        if number == constants.shared_part.views[5].number {
+            size = textureDimensions(image_5);
+        }
+    }
+    if constants.shared_part.view_count > 6u {
+        if number == constants.shared_part.views[6].number {
+            size = textureDimensions(image_6);
+        }
+    }
+    if constants.shared_part.view_count > 7u {
+        if number == constants.shared_part.views[7].number {
+            size = textureDimensions(image_7);
+        }
+    }
+    return vec2<f32>(size);
+}

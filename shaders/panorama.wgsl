@@ -53,5 +53,5 @@ fn trace(source: vec2<f32>) -> Ray {
             lens = vec3<f32>(x * level, constants.middle.x * cosine + constants.middle.y * sine, z * level);
         }
     }
-    return Ray(constants.rotation * lens + constants.shift, true, constants.dome * lens, 1.0);
+    return Ray(constants.rotation * lens + constants.shift, true, constants.dome * lens, 1.0, 0.0);
 }

@@ -9,5 +9,5 @@ struct Constants {
 
 fn trace(source: vec2<f32>) -> Ray {
     let pixel = vec3<f32>(source, 1.0);
-    return Ray(constants.matrix * pixel, true, constants.dome * pixel, 1.0);
+    return Ray(constants.matrix * pixel, true, constants.dome * pixel, 1.0, 0.0);
 }

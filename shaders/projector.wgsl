@@ -18,8 +18,7 @@ struct Form {
 struct Neighbour {
     // → its picture coordinates, homogeneous.
     picture: Form,
-    // 1/(2·ramp)
-    steepness: f32,
+    border: vec4<f32>,
 }
 
 struct Constants {
@@ -40,8 +39,7 @@ struct Constants {
     cap: Form,
     neighbours: array<Neighbour, 12>,
     neighbour_count: u32,
-    // 1/(2·ramp) of this projector.
-    steepness: f32,
+    border: vec4<f32>,
 }
 
 // Sums of monomials, which all forms of a pixel share, paired off: Horner's scheme needs as many
@@ -61,58 +59,66 @@ fn evaluate(form: Form, p: vec2<f32>, reach: f32) -> vec3<f32> {
     return rest + linear * reach;
 }
 
-// Weight of a picture's point before it is shared out: a ramp along each border.
-fn border_weight(p: vec2<f32>, steepness: f32) -> f32 {
-    return smooth_ramp((1.0 - abs(p.x)) * steepness) * smooth_ramp((1.0 - abs(p.y)) * steepness);
+// A picture's claim on a point, whose ramps are at `steps` (0…1). A border is 1/(2·width of the ramp), its shape, the claim's
+// exponent, the light of black.
+fn claim(steps: vec2<f32>, border: vec4<f32>) -> f32 {
+    let product = ramp_at(steps.x, border.y) * ramp_at(steps.y, border.y);
+    if border.z == 1.0 {
+        return product;
+    }
+    return pow(product, border.z);
 }
 
-fn neighbour_weight(neighbour: Neighbour, p: vec2<f32>, reach: f32) -> f32 {
+// Its claim on a pixel's point, and the light of its black there.
+fn of_neighbour(neighbour: Neighbour, p: vec2<f32>, reach: f32) -> vec2<f32> {
     let s = evaluate(neighbour.picture, p, reach);
+    let inside = 1.0 - abs(s.xy * (1.0 / s.z));
+    let steps = clamp(inside * neighbour.border.x, vec2<f32>(0.0), vec2<f32>(1.0));
+    let black = select(0.0, neighbour.border.w, min(inside.x, inside.y) >= 0.0);
     // Behind it the quotient means nothing, and is not taken.
-    return select(0.0, border_weight(s.xy * (1.0 / s.z), neighbour.steepness), s.z > 0.0);
+    return select(vec2<f32>(0.0), vec2<f32>(claim(steps, neighbour.border), black), s.z > 0.0);
 }
 
-// This projector's share of the light of a point: all shares of a point add up to 1.
-fn share(p: vec2<f32>, reach: f32) -> f32 {
-    var others = neighbour_weight(constants.neighbours[0], p, reach);
+// This projector's share of the light of a point (all shares of a point add up to 1), and the light of all blacks there.
+fn share(p: vec2<f32>, reach: f32) -> vec2<f32> {
+    var others = of_neighbour(constants.neighbours[0], p, reach);
     if constants.neighbour_count > 1u {
-        others += neighbour_weight(constants.neighbours[1], p, reach);
+        others += of_neighbour(constants.neighbours[1], p, reach);
     }
     if constants.neighbour_count > 2u {
-        others += neighbour_weight(constants.neighbours[2], p, reach);
+        others += of_neighbour(constants.neighbours[2], p, reach);
     }
     if constants.neighbour_count > 3u {
-        others += neighbour_weight(constants.neighbours[3], p, reach);
+        others += of_neighbour(constants.neighbours[3], p, reach);
     }
     if constants.neighbour_count > 4u {
-        others += neighbour_weight(constants.neighbours[4], p, reach);
+        others += of_neighbour(constants.neighbours[4], p, reach);
     }
     if constants.neighbour_count > 5u {
-        others += neighbour_weight(constants.neighbours[5], p, reach);
+        others += of_neighbour(constants.neighbours[5], p, reach);
     }
     if constants.neighbour_count > 6u {
-        others += neighbour_weight(constants.neighbours[6], p, reach);
+        others += of_neighbour(constants.neighbours[6], p, reach);
     }
     if constants.neighbour_count > 7u {
-        others += neighbour_weight(constants.neighbours[7], p, reach);
+        others += of_neighbour(constants.neighbours[7], p, reach);
     }
     if constants.neighbour_count > 8u {
-        others += neighbour_weight(constants.neighbours[8], p, reach);
+        others += of_neighbour(constants.neighbours[8], p, reach);
     }
     if constants.neighbour_count > 9u {
-        others += neighbour_weight(constants.neighbours[9], p, reach);
+        others += of_neighbour(constants.neighbours[9], p, reach);
     }
     if constants.neighbour_count > 10u {
-        others += neighbour_weight(constants.neighbours[10], p, reach);
+        others += of_neighbour(constants.neighbours[10], p, reach);
     }
     if constants.neighbour_count > 11u {
-        others += neighbour_weight(constants.neighbours[11], p, reach);
+        others += of_neighbour(constants.neighbours[11], p, reach);
     }
     // Our own pixels are inside our picture: only the upper bound is needed.
-    let steps = min((1.0 - abs(p)) * constants.steepness, vec2<f32>(1.0));
-    let own = smooth_step(steps.x) * smooth_step(steps.y);
+    let own = claim(min((1.0 - abs(p)) * constants.border.x, vec2<f32>(1.0)), constants.border);
     // Nobody else lights the point: all of it is ours, at our very border too.
-    return select(1.0, own / (own + others), others > 0.0);
+    return vec2<f32>(select(1.0, own / (own + others.x), others.x > 0.0), constants.border.w + others.y);
 }
 
 fn trace(source: vec2<f32>) -> Ray {
@@ -130,9 +136,10 @@ fn trace(source: vec2<f32>) -> Ray {
     if constants.with_cap != 0u {
         on_screen = on_screen & (evaluate(constants.cap, source, reach).x >= 0.0);
     }
-    var weight = 1.0;
+    var own = vec2<f32>(1.0, constants.border.w);
     if constants.neighbour_count > 0u {
-        weight = share(source, reach);
+        own = share(source, reach);
     }
-    return Ray(evaluate(constants.direction, source, reach), on_screen, evaluate(constants.dome, source, reach), weight);
+    let dome = evaluate(constants.dome, source, reach);
+    return Ray(evaluate(constants.direction, source, reach), on_screen, dome, own.x, own.y);
 }

@@ -257,6 +257,17 @@ fn stress_finds_nothing_over_its_bounds() {
 }
 
 #[test]
+fn accuracy_is_within_its_bounds_on_every_kind_of_screen() {
+    let report = json(&["accuracy", "--size", "96x54", "--every", "29", "--json"]);
+    let rows = report["rows"].as_array().unwrap();
+    let screens: std::collections::BTreeSet<&str> = rows.iter().filter_map(|row| row["screen"].as_str()).collect();
+    assert!(screens.len() == 8 && rows.len() > 40, "{screens:?} in {} rows", rows.len());
+    for row in rows {
+        assert!(row["good"].as_bool() == Some(true) && row["pixels"].as_u64() > Some(0), "{row:#}");
+    }
+}
+
+#[test]
 fn bench_compares_time_and_error() {
     let (results, sheet, plots) = (file("bench.json"), file("bench.csv"), file("bench"));
     let paths = [&results, &sheet, &plots].map(|path| path.to_str().unwrap());

@@ -3,14 +3,20 @@
 //! Weights are parts of **linear light**; a display's response is undone before and applied after
 //! (`encoded = linear^(1/gamma)`). Where several projectors light a point of the dome, the weight of each is
 //! `w_k = e_k / Σ e_j`, with `e` the product over the four sides of its picture of
-//! `smoothstep(distance / ramp)`: the weights of a point add up to 1 wherever there is light, and each projector finds
+//! `ramp(distance / width)`: the weights of a point add up to 1 wherever there is light, and each projector finds
 //! its own from the shared geometry.
 
+mod crossings;
+mod ramp;
 mod simulation;
 mod weight;
 
+pub use crossings::{Crossing, crossings};
+pub use ramp::{Border, LEAST_RAMP, ramp, smoothstep};
 pub use simulation::{Picture, Simulation, Uniformity, simulate};
-pub use weight::{Weights, edge_weight, smoothstep, weight};
+pub use weight::{Weights, weight};
+
+use crate::rig::{Blend, Transfer};
 
 /// The linear light (0…1) of an encoded value: `encoded^gamma`. Negative values and NaN are black.
 pub fn decode(encoded: f64, gamma: f64) -> f64 {
@@ -20,4 +26,24 @@ pub fn decode(encoded: f64, gamma: f64) -> f64 {
 /// The encoded value of linear light: `light^(1/gamma)`. Negative values and NaN are black.
 pub fn encode(light: f64, gamma: f64) -> f64 {
     light.max(0.0).powf(1.0 / gamma)
+}
+
+/// The linear light of an encoded value on the display of `blend`. Negative values and NaN are black.
+pub fn light_of(encoded: f64, blend: &Blend) -> f64 {
+    let encoded = encoded.max(0.0);
+    match blend.transfer {
+        Transfer::Power => decode(encoded, blend.gamma),
+        Transfer::Srgb if encoded <= 0.04045 => encoded / 12.92,
+        Transfer::Srgb => ((encoded + 0.055) / 1.055).powf(2.4),
+    }
+}
+
+/// The value that the display of `blend` makes this linear light of: the inverse of [`light_of`].
+pub fn code_of(light: f64, blend: &Blend) -> f64 {
+    let light = light.max(0.0);
+    match blend.transfer {
+        Transfer::Power => encode(light, blend.gamma),
+        Transfer::Srgb if light <= 0.003_130_8 => light * 12.92,
+        Transfer::Srgb => 1.055 * light.powf(1.0 / 2.4) - 0.055,
+    }
 }

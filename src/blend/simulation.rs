@@ -1,9 +1,9 @@
 //! What an audience sees when all outputs light the dome.
 
-use super::{decode, encode};
+use super::{code_of, light_of};
 use crate::error::{Error, ErrorKind, Result};
 use crate::geom::{Fisheye, pose};
-use crate::rig::Rig;
+use crate::rig::{Blend, Rig};
 use crate::warp::WarpMap;
 use glam::{DVec2, DVec3};
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -24,7 +24,7 @@ pub struct Picture {
 pub struct Simulation {
     /// Width and height in pixels.
     pub size: u32,
-    /// Red, green and blue of each pixel, row by row from the top, encoded with the first output's gamma.
+    /// Red, green and blue of each pixel, row by row from the top, encoded for the first output's display.
     /// Not limited to 1: light adds up.
     pub rgb: Vec<f32>,
     /// How many outputs light each pixel.
@@ -64,7 +64,7 @@ struct Light {
 struct Source<'a> {
     map: WarpMap,
     picture: &'a Picture,
-    gamma: f64,
+    blend: &'a Blend,
 }
 
 /// Simulates the dome: an equidistant picture, `size` pixels wide and high, of what the viewer sees when each
@@ -72,7 +72,7 @@ struct Source<'a> {
 ///
 /// The picture's centre is towards the dome's pole, in the viewer's frame, turned as a domemaster of that tilt is;
 /// its aperture is the dome's coverage, at least 180°. For each pixel the viewer's ray is followed to the
-/// dome, and the light of all outputs at that point is summed in linear light (each sampled bilinearly, its gamma undone).
+/// dome, and the light of all outputs at that point is summed in linear light (each sampled bilinearly, its display's response undone, the light of its black added).
 /// Perspective outputs, which are not on the dome, are seen as windows in front of the viewer.
 ///
 /// Fails with [`ErrorKind::InvalidArgument`] if the pictures do not fit the rig, or an output needs the program's lens.
@@ -82,7 +82,7 @@ pub fn simulate(rig: &Rig, pictures: &[Picture], size: u32) -> Result<Simulation
     let lens_axes = pose::rotation(0.0, FRAC_PI_2 - rig.dome.tilt, 0.0);
     let viewer = rig.viewer_pose();
     let screen = rig.surface();
-    let gamma = rig.outputs.first().map_or(2.2, |output| output.blend.gamma);
+    let shown = rig.outputs.first().map(|output| output.blend.clone()).unwrap_or_default();
     let count = size as usize * size as usize;
     let mut simulation = Simulation {
         size,
@@ -101,7 +101,7 @@ pub fn simulate(rig: &Rig, pictures: &[Picture], size: u32) -> Result<Simulation
         if light.coverage > 0 && light.whole {
             evenness.add(light.rgb.iter().sum::<f64>() / 3.0);
         }
-        simulation.rgb.extend(light.rgb.map(|channel| encode(channel, gamma) as f32));
+        simulation.rgb.extend(light.rgb.map(|channel| code_of(channel, &shown) as f32));
         simulation.coverage.push(light.coverage);
     }
     simulation.uniformity = evenness.result();
@@ -109,7 +109,7 @@ pub fn simulate(rig: &Rig, pictures: &[Picture], size: u32) -> Result<Simulation
 }
 
 /// Pairs outputs with their pictures.
-fn sources<'a>(rig: &Rig, pictures: &'a [Picture]) -> Result<Vec<Source<'a>>> {
+fn sources<'a>(rig: &'a Rig, pictures: &'a [Picture]) -> Result<Vec<Source<'a>>> {
     let invalid = |message: String| Error::new(ErrorKind::InvalidArgument, message);
     if pictures.len() != rig.outputs.len() {
         let (given, needed) = (pictures.len(), rig.outputs.len());
@@ -123,7 +123,7 @@ fn sources<'a>(rig: &Rig, pictures: &'a [Picture]) -> Result<Vec<Source<'a>>> {
             return Err(invalid(format!("the picture of \"{}\" has {found} values, not {expected}", output.name)));
         }
         let map = WarpMap::new(rig, index, (picture.width, picture.height), None)?;
-        Ok(Source { map, picture, gamma: output.blend.gamma })
+        Ok(Source { map, picture, blend: &output.blend })
     };
     pictures.iter().enumerate().map(source).collect()
 }
@@ -135,7 +135,7 @@ fn light_at(sources: &[Source<'_>], point: DVec3) -> Light {
         let Some(pixel) = source.map.pixel(point) else { continue };
         let (rgb, whole) = source.sample(pixel);
         for (sum, channel) in light.rgb.iter_mut().zip(rgb) {
-            *sum += channel;
+            *sum += channel + source.blend.black();
         }
         light.coverage = light.coverage.saturating_add(1);
         light.whole &= whole;
@@ -159,7 +159,7 @@ impl Source<'_> {
                 (if dx > 0.0 { part.x } else { 1.0 - part.x }) * (if dy > 0.0 { part.y } else { 1.0 - part.y });
             let index = 3 * (tap.y as usize * self.picture.width as usize + tap.x as usize);
             for (sum, encoded) in rgb.iter_mut().zip(&self.picture.rgb[index..index + 3]) {
-                *sum += weight * decode(f64::from(*encoded), self.gamma);
+                *sum += weight * light_of(f64::from(*encoded), self.blend);
             }
             whole = whole && self.map.direction(tap + 0.5).is_some();
         }

@@ -1,27 +1,15 @@
 //! The weight of a pixel.
 
-use super::decode;
+use super::light_of;
+use super::ramp::{Border, LEAST_RAMP, ramp};
 use crate::error::Result;
 use crate::geom::pose;
 use crate::rig::{AngleRamp, DomeAngle, OutputKind, Rig};
 use crate::warp::WarpMap;
 use glam::{DMat3, DVec2, DVec3};
 
-/// The least width of a ramp: below it, it is a step of this width (a smoothstep of width 0 is undefined in shading languages).
-const LEAST_RAMP: f64 = 1e-6;
-
-/// `3t² − 2t³` for t in 0…1, constant outside: continuous with its first derivative.
-pub fn smoothstep(t: f64) -> f64 {
-    let t = t.clamp(0.0, 1.0);
-    t * t * (3.0 - 2.0 * t)
-}
-
-/// How much of a projector's picture is left at a position (parts of width and height, 0…1 inside):
-/// the product over the four sides of `smoothstep(distance/ramp)`. 0 outside.
-pub fn edge_weight(part: DVec2, ramp: f64) -> f64 {
-    let ramp = ramp.max(LEAST_RAMP);
-    [part.x, 1.0 - part.x, part.y, 1.0 - part.y].into_iter().map(|distance| smoothstep(distance / ramp)).product()
-}
+/// Pixels of each output in each direction that are looked at for the greatest black.
+const BLACK_GRID: u32 = 64;
 
 /// The weights of all outputs of a rig, in f64: the reference for shaders.
 ///
@@ -62,8 +50,11 @@ impl<'rig> Weights<'rig> {
 
     /// The part of the light that a calibration's file leaves a pixel of its output; 1 for all other outputs.
     pub fn calibrated(&self, output: usize, pixel: DVec2) -> f64 {
-        let intensity = self.maps.get(output).and_then(Option::as_ref).map_or(1.0, |map| map.intensity(pixel));
-        decode(intensity, self.rig.outputs.get(output).map_or(1.0, |output| output.blend.gamma))
+        let map = self.maps.get(output).and_then(Option::as_ref);
+        match (map, self.rig.outputs.get(output)) {
+            (Some(map), Some(output)) => light_of(map.intensity(pixel), &output.blend),
+            _ => 1.0,
+        }
     }
 
     /// The weight of an output at a point of the dome (metres, dome axes) which it lights.
@@ -81,6 +72,42 @@ impl<'rig> Weights<'rig> {
         self.rig.outputs[output].kind.is_projector()
     }
 
+    /// The outputs that light the dome, with their maps.
+    pub(super) fn projectors(&self) -> impl Iterator<Item = (usize, &WarpMap)> {
+        let mapped = self.maps.iter().enumerate().filter_map(|(index, map)| map.as_ref().map(|map| (index, map)));
+        mapped.filter(|(index, _)| self.is_projector(*index))
+    }
+
+    /// Angle of a point (any length) from the dome's pole, and around it (0 = front, right-positive); radians.
+    pub(super) fn angles(&self, point: DVec3) -> [f64; 2] {
+        let local = self.pole_axes.transpose() * point;
+        [local.x.hypot(local.z).atan2(local.y), local.x.atan2(-local.z)]
+    }
+
+    /// The unit direction of these angles.
+    #[cfg(test)]
+    pub(super) fn direction(&self, polar: f64, azimuth: f64) -> DVec3 {
+        self.pole_axes * DVec3::new(polar.sin() * azimuth.sin(), polar.cos(), -polar.sin() * azimuth.cos())
+    }
+
+    /// The light that remains at a point when all outputs show black, as a part of white.
+    pub fn black_at(&self, point: DVec3) -> f64 {
+        let covering = self.projectors().filter(|(_, map)| map.pixel(point).is_some());
+        covering.map(|(index, _)| self.rig.outputs[index].blend.black()).sum()
+    }
+
+    /// The most light that remains anywhere on the screen when all outputs show black, as a part of white: found at
+    /// 64 × 64 pixels of each output, so that a smaller corner of an overlap may be missed and stay brighter by one black.
+    pub fn greatest_black(&self) -> f64 {
+        let part = |i: u32| (f64::from(i % BLACK_GRID) + 0.5) / f64::from(BLACK_GRID);
+        let place = |i: u32| DVec2::new(part(i), part(i / BLACK_GRID));
+        let blacks = self.projectors().flat_map(|(_, map)| {
+            let size = DVec2::new(f64::from(map.size().0), f64::from(map.size().1));
+            (0..BLACK_GRID * BLACK_GRID).filter_map(move |i| map.hit(place(i) * size))
+        });
+        blacks.map(|point| self.black_at(point)).fold(0.0, f64::max)
+    }
+
     /// `e_k / Σ e_j` at a point.
     fn share_at(&self, output: usize, point: DVec3) -> f64 {
         let (mut own, mut sum, mut count) = (0.0, 0.0, 0);
@@ -93,7 +120,8 @@ impl<'rig> Weights<'rig> {
             }
             let (width, height) = map.size();
             let part = |pixel: DVec2| pixel / DVec2::new(f64::from(width), f64::from(height));
-            let edge = pixel.map_or(0.0, |pixel| edge_weight(part(pixel), self.rig.outputs[index].blend.ramp));
+            let border = Border::of(&self.rig.outputs[index].blend);
+            let edge = pixel.map_or(0.0, |pixel| border.claim(part(pixel)));
             (sum, count) = (sum + edge, count + 1);
             if index == output {
                 own = edge;
@@ -114,14 +142,15 @@ impl<'rig> Weights<'rig> {
     }
 
     /// The value of a procedural ramp at a point of the dome (any length).
-    fn ramp_at(&self, ramp: &AngleRamp, point: DVec3) -> f64 {
-        let local = self.pole_axes.transpose() * point;
-        let angle = match ramp.angle {
-            DomeAngle::Polar => local.x.hypot(local.z).atan2(local.y),
-            DomeAngle::Azimuth => local.x.atan2(-local.z),
+    fn ramp_at(&self, described: &AngleRamp, point: DVec3) -> f64 {
+        let [polar, azimuth] = self.angles(point);
+        let angle = match described.angle {
+            DomeAngle::Polar => polar,
+            DomeAngle::Azimuth => azimuth,
         };
-        let width = ramp.full - ramp.zero;
-        smoothstep((angle - ramp.zero) / if width.abs() < LEAST_RAMP { LEAST_RAMP.copysign(width) } else { width })
+        let width = described.full - described.zero;
+        let width = if width.abs() < LEAST_RAMP { LEAST_RAMP.copysign(width) } else { width };
+        ramp(described.shape, (angle - described.zero) / width)
     }
 }
 
@@ -133,6 +162,7 @@ pub fn weight(rig: &Rig, output: usize, sizes: &[(u32, u32)], pixel: DVec2) -> O
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::blend::smoothstep;
     use crate::geom::random::Random;
     use crate::geom::{QuadraticForm, Sphere};
     use crate::warp::testing::{output, projector, rig, two_projectors};
@@ -291,7 +321,12 @@ mod tests {
     fn ramps_follow_dome_angles() {
         let fisheye = OutputKind::Domemaster { aperture: PI, tilt: 0.0 };
         let mut rig = rig(0.0, DVec3::ZERO, &[fisheye]);
-        let ramp = |angle, zero: f64, full: f64| AngleRamp { angle, zero: zero.to_radians(), full: full.to_radians() };
+        let ramp = |angle, zero: f64, full: f64| AngleRamp {
+            angle,
+            zero: zero.to_radians(),
+            full: full.to_radians(),
+            shape: crate::rig::RampShape::Smoothstep,
+        };
         rig.outputs[0].blend.ramps = vec![ramp(DomeAngle::Polar, 80.0, 60.0), ramp(DomeAngle::Azimuth, -10.0, 30.0)];
         let at = |rig: &Rig, polar: f64, azimuth: f64| {
             let tilt = rig.dome.tilt;

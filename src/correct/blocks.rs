@@ -6,13 +6,16 @@
 use super::plan::{Batch, Mask, Source};
 use super::rectangles::{self, BLOCK};
 use crate::geom::{Frustum, Panorama, QuadraticForm};
-use crate::rig::Rig;
+use crate::rig::{Filter, Rig};
 use crate::views::ViewPlan;
 use crate::views::cone::{Cone, Relation, WIDEST, diameter};
 use glam::{DMat3, DVec3};
 
 /// At most so many batches of an output differ only in their neighbours and in the view that they sample.
-const MOST_OVERLAPS: usize = 4;
+const MOST_OVERLAPS: usize = 6;
+/// Of these, each has at least this part of the blocks where pictures overlap: a shader for fewer costs more time
+/// to compile than it saves.
+const LEAST_PART: f64 = 0.02;
 
 /// What a block needs. Views and neighbours are sets of bits; bit 63 or 127 stands for all from there on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -129,9 +132,12 @@ fn with_fewer_overlaps(mut classes: Vec<Option<Class>>) -> Vec<Option<Class>> {
             }
         }
     }
-    if overlaps.len() > MOST_OVERLAPS {
-        overlaps.sort_by_key(|&(neighbours, view, count)| (std::cmp::Reverse(count), neighbours, view));
-        let rare = &overlaps[MOST_OVERLAPS - 1..];
+    overlaps.sort_by_key(|&(neighbours, view, count)| (std::cmp::Reverse(count), neighbours, view));
+    let total: usize = overlaps.iter().map(|overlap| overlap.2).sum();
+    let frequent = overlaps.iter().filter(|overlap| overlap.2 as f64 >= LEAST_PART * total as f64).count();
+    let rare = &overlaps[frequent.min(MOST_OVERLAPS - 1)..];
+    // Where there is one, it stays what it is.
+    if rare.len() > 1 {
         let union = rare.iter().fold(0, |union, (neighbours, ..)| union | neighbours);
         for class in &mut classes {
             if let Some(Class::Overlap { neighbours, view }) = *class
@@ -164,6 +170,7 @@ impl Needs {
 struct Examiner<'a> {
     source: &'a Source,
     size: (u32, u32),
+    filter: Filter,
     /// Half the opening of the dome's cap, radians.
     half_coverage: f64,
     views: Vec<Cone>,
@@ -195,6 +202,7 @@ impl<'a> Examiner<'a> {
         Self {
             source,
             size,
+            filter: rig.views.filter,
             half_coverage: 0.5 * rig.dome.coverage,
             views: output_views.iter().map(cone).collect(),
             neighbours: neighbours.iter().map(|neighbour| (neighbour.picture, Cone::new(in_front, &picture))).collect(),
@@ -310,8 +318,29 @@ impl<'a> Examiner<'a> {
         None
     }
 
-    /// What the centres of a block's pixels need.
+    /// What the sampled places of a block's pixels need.
     fn by_pixels(&self, block: Block) -> Needs {
+        let mut needs = self.by_centres(block);
+        if self.filter.has_four_places() && needs.lit {
+            // A table is interpolated between the pixels around a place.
+            let ring = u32::from(matches!(self.source, Source::Table(_)));
+            let columns = block[0].saturating_sub(ring)..(block[2] + ring).min(self.size.0);
+            let rows = block[1].saturating_sub(ring)..(block[3] + ring).min(self.size.1);
+            for (row, column) in rows.flat_map(|row| columns.clone().map(move |column| (row, column))) {
+                for place in Filter::FOUR_PLACES {
+                    let (x, y) = self.normalised(f64::from(column) + 0.5 + place[0], f64::from(row) + 0.5 + place[1]);
+                    match self.source.direction(x, y) {
+                        Some(direction) => needs.views |= 1 << self.answering(direction).min(63),
+                        None => needs.dark = true,
+                    }
+                }
+            }
+        }
+        needs
+    }
+
+    /// What the centres of a block's pixels need.
+    fn by_centres(&self, block: Block) -> Needs {
         let mut needs = Needs::default();
         for row in block[1]..block[3] {
             for column in block[0]..block[2] {

@@ -2,9 +2,10 @@
 
 use super::table::Table;
 use super::{blocks, mask, source};
+use crate::blend::{Border, Weights};
 use crate::error::Result;
 use crate::geom::{Panorama, QuadraticForm};
-use crate::rig::{AngleRamp, Rig};
+use crate::rig::{AngleRamp, Filter, Rig, Transfer};
 use crate::views::{self, Request, ViewPlan};
 use glam::{DMat3, DVec3};
 use std::sync::Arc;
@@ -49,10 +50,19 @@ pub struct OutputPass {
     /// Viewer axes → dome axes turned so that the pole is +y and the front −z; for ramps in dome
     /// angles of outputs other than projectors (those have [`ProjectorSource::dome_direction`]).
     pub dome_rotation: DMat3,
+    /// How the views are sampled; a view with the program's own lens has no guard and is sampled bilinearly.
+    pub filter: Filter,
     /// Exponent of the display's response.
     pub gamma: f64,
+    /// How light follows from encoded values.
+    pub transfer: Transfer,
     /// Linear light added to black (`out = level + (1 − level)·x`).
     pub black_level: f64,
+    /// The most light that remains anywhere when all outputs show black, as a part of white; each output adds its share of
+    /// what a point has less. 0 = nothing is added.
+    pub lift: f64,
+    /// A step of the display's codes, by which values are dithered; 0 = they are not.
+    pub dither: f64,
 }
 
 /// A weight image.
@@ -115,8 +125,8 @@ pub struct ProjectorSource {
     pub position: DVec3,
     /// For every projector that can overlap this one: its homogeneous picture coordinates (`x/z`, `y/z` in −1…1, `z > 0` in front) of this pixel's hit, and its ramp.
     pub neighbours: Vec<Neighbour>,
-    /// This projector's own ramp width, as a part of width or height.
-    pub ramp: f64,
+    /// This projector's own claim on points.
+    pub border: Border,
 }
 
 /// Another projector, as seen from a pixel's hit on the screen.
@@ -126,8 +136,8 @@ pub struct Neighbour {
     pub output: usize,
     /// Its homogeneous picture coordinates.
     pub picture: QuadraticForm,
-    /// Its ramp width.
-    pub ramp: f64,
+    /// Its claim on points.
+    pub border: Border,
 }
 
 /// Rectangles of one output that the same specialised shader draws.
@@ -155,6 +165,10 @@ pub struct Batch {
 pub fn build(rig: &Rig, request: &Request) -> Result<Plan> {
     let views = views::plan(rig, request)?;
     let mut passes = Vec::new();
+    let lift = match rig.outputs.iter().any(|output| output.blend.contrast.is_some()) {
+        true => Weights::new(rig, &request.output_sizes)?.greatest_black(),
+        false => 0.0,
+    };
     if !rig.passthrough {
         for (index, (output, &size)) in rig.outputs.iter().zip(&request.output_sizes).enumerate() {
             let source = source::of(rig, index, &request.output_sizes)?;
@@ -165,12 +179,17 @@ pub fn build(rig: &Rig, request: &Request) -> Result<Plan> {
                 name: output.name.clone(),
                 size,
                 batches: blocks::batches(rig, index, &source, size, &views, mask.as_ref()),
+                // A table does not know how many pictures meet at its pixels.
+                lift: if matches!(source, Source::Projector(_)) && output.blend.overlap { lift } else { 0.0 },
                 source,
                 mask,
                 ramps,
                 dome_rotation: source::dome_axes(rig),
+                filter: rig.views.filter,
                 gamma: output.blend.gamma,
+                transfer: output.blend.transfer,
                 black_level: output.blend.black_level,
+                dither: output.blend.dither.map_or(0.0, |bits| 1.0 / (f64::from(bits).exp2() - 1.0)),
             });
         }
     }

@@ -2,7 +2,7 @@
 
 use super::plan::{Neighbour, ProjectorSource, Source};
 use super::table::{Table, TablePixel};
-use crate::blend::Weights;
+use crate::blend::{Border, Weights};
 use crate::error::Result;
 use crate::geom::fisheye::RadialForm;
 use crate::geom::quadratic::{cap_row, row_at, sphere_is_ahead};
@@ -163,7 +163,7 @@ fn closed_form(rig: &Rig, index: usize) -> Option<Source> {
                 neighbours: neighbours
                     .filter_map(|(other, neighbour)| neighbour_of(other, neighbour, &seen_from))
                     .collect(),
-                ramp: output.blend.ramp,
+                border: Border::of(&output.blend),
             }))
         }
     })
@@ -176,7 +176,8 @@ fn neighbour_of(
     seen_from: &impl Fn(DVec3, DMat3) -> QuadraticForm,
 ) -> Option<Neighbour> {
     let Pinhole { position, rays } = Pinhole::of(&output.kind)?;
-    Some(Neighbour { output: index, picture: seen_from(position, rays.inverse()), ramp: output.blend.ramp })
+    let border = Border::of(&output.blend);
+    Some(Neighbour { output: index, picture: seen_from(position, rays.inverse()), border })
 }
 
 impl Source {

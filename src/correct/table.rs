@@ -121,3 +121,23 @@ fn in_parts(texels: &mut [[f32; 4]], columns: usize, rows: usize, fill: &(impl F
         work();
     });
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_degenerate_shows_nothing() {
+        let bad = [DVec3::ZERO, DVec3::NAN, DVec3::new(f64::INFINITY, 0.0, 0.0)];
+        let table = Table::new((4, 1), |column, _| {
+            let direction = bad.get(column as usize).copied().unwrap_or(DVec3::X * 1e300);
+            Some(TablePixel { direction, weight: f64::NAN })
+        });
+        for column in 0..3 {
+            assert_eq!(table.nearest((f64::from(column) + 0.5) / 4.0, 0.5), None);
+        }
+        let last = table.nearest(0.9, 0.5).expect("shows something");
+        assert!(last.direction.distance(DVec3::X) < 1e-7 && last.weight == 0.0, "{last:?}");
+        assert!(Table::new((0, 0), |_, _| None).nearest(0.0, 0.0).is_none());
+    }
+}

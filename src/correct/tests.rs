@@ -107,7 +107,8 @@ fn every_pixel_of_overlapping_projectors_is_in_one_right_batch() {
     let plan = build(&rig, &request).unwrap();
     assert!(check(&rig, &plan).unwrap() > 600_000);
     for pass in &plan.passes {
-        assert!(pass.batches.len() <= 8, "{} batches", pass.batches.len());
+        // Six of overlaps, one for each of two views, one of both, two at the rim.
+        assert!(pass.batches.len() <= 11, "{} batches", pass.batches.len());
         assert!(pass.batches.iter().any(|batch| batch.edge), "some rays leave the dome");
     }
 }

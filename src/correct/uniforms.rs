@@ -7,11 +7,12 @@ mod projector;
 use super::plan::{Batch, OutputPass, PixelRect, Plan, Source};
 use super::response::encoding_polynomial;
 use super::shaders::{Pass, text_of};
+use crate::blend::code_of;
 use crate::error::{Error, ErrorKind, Result};
 use crate::geom::Frustum;
 use crate::geom::fisheye::{MOST_COEFFICIENTS, sine_cosine_polynomials};
 use crate::geom::reprojection::ClipRows;
-use crate::rig::DomeAngle;
+use crate::rig::{Blend, DomeAngle, Filter, RampShape, Transfer};
 use crate::views::{View, ViewPlan};
 use glam::{DMat3, DMat4, DVec2, DVec3};
 
@@ -175,6 +176,9 @@ pub fn constants(plan: &Plan, pass: &OutputPass, batch: &Batch, panel: bool) -> 
     let panel = plan.views.panel.as_ref().filter(|_| panel);
     let base = views(&mut out, plan, batch, panel)?;
     shared(&mut out, pass, batch)?;
+    let filter = if samples_program_lens(plan, batch) { Filter::Bilinear } else { pass.filter };
+    out.set_flag("shared_part.cubic", filter.is_cubic())?;
+    out.set_flag("shared_part.four_places", filter.has_four_places())?;
     match &pass.source {
         Source::Fisheye { aperture, rotation, offset } => {
             circular(&mut out, ["sine", "cosine"], *aperture)?;
@@ -204,11 +208,19 @@ pub fn constants(plan: &Plan, pass: &OutputPass, batch: &Batch, panel: bool) -> 
     Ok(out)
 }
 
+/// Whether a batch samples a view with the program's own lens.
+fn samples_program_lens(plan: &Plan, batch: &Batch) -> bool {
+    batch.views.iter().filter_map(|&index| plan.views.views.get(index)).any(|view| view.program_lens)
+}
+
 /// Whether a batch shows one view 1:1: each pixel's centre is exactly a texel's centre, so that the
 /// nearest texel is what a perfect bilinear filter would give.
 pub fn copies_texels(plan: &Plan, pass: &OutputPass, batch: &Batch) -> bool {
     let (Source::Perspective { matrix }, [index]) = (&pass.source, batch.views.as_slice()) else { return false };
     let Some(view) = plan.views.views.get(*index) else { return false };
+    if pass.filter != Filter::Bilinear && !samples_program_lens(plan, batch) {
+        return false;
+    }
     let placement = Placement::new(view, &view.owned, OVERHANG, &plan.views);
     let map = placement.homogeneous() * view.rotation * *matrix;
     let (width, height) = (f64::from(pass.size.0), f64::from(pass.size.1));
@@ -310,17 +322,34 @@ fn shared(out: &mut Constants, pass: &OutputPass, batch: &Batch) -> Result<()> {
         // Equal ends are a step.
         let span = if span.abs() < 1e-6 { 1e-6f64.copysign(span) } else { span };
         let angle = if ramp.angle == DomeAngle::Azimuth { 1.0 } else { 0.0 };
-        out.set(&format!("shared_part.ramps[{i}]"), &[angle, ramp.zero, 1.0 / span, 0.0])?;
+        out.set(&format!("shared_part.ramps[{i}]"), &[angle, ramp.zero, 1.0 / span, shape(ramp.shape)])?;
     }
     out.set("shared_part.ramp_count", &[pass.ramps.len() as f64])?;
     out.set_flag("shared_part.with_mask", pass.mask.is_some())?;
     let in_table = matches!(&pass.source, Source::Table(table) if table.is_weighted());
-    let weighted = in_table || !pass.ramps.is_empty() || pass.mask.is_some() || !batch.neighbours.is_empty();
+    let weighted =
+        in_table || pass.lift > 0.0 || !pass.ramps.is_empty() || pass.mask.is_some() || !batch.neighbours.is_empty();
     out.set_flag("shared_part.weighted", weighted)?;
+    // Only a power of light is a power of its code.
+    out.set_flag("shared_part.in_light", weighted && (pass.lift > 0.0 || pass.transfer == Transfer::Srgb))?;
+    out.set_flag("shared_part.srgb", pass.transfer == Transfer::Srgb)?;
+    out.set("shared_part.gamma", &[pass.gamma])?;
+    out.set("shared_part.lift", &[pass.lift])?;
+    out.set("shared_part.dither", &[pass.dither])?;
     let encoding = encoding_polynomial(pass.gamma);
     out.set("shared_part.encoding[0]", &encoding[..4])?;
     out.set("shared_part.encoding[1]", &encoding[4..])?;
-    out.set("shared_part.black", &[pass.black_level.powf(1.0 / pass.gamma)])
+    let display = Blend { gamma: pass.gamma, transfer: pass.transfer, ..Blend::default() };
+    out.set("shared_part.black", &[code_of(pass.black_level, &display)])
+}
+
+/// A ramp's shape as the shaders take it: 0 = smoothstep, negative = cosine, else the power.
+fn shape(shape: RampShape) -> f64 {
+    match shape {
+        RampShape::Smoothstep => 0.0,
+        RampShape::Cosine => -1.0,
+        RampShape::Power(power) => power,
+    }
 }
 
 /// The polynomials of an angle of `aperture/2` times a coordinate: sin(angle)/coordinate and cos(angle), over the

@@ -173,6 +173,13 @@ pub struct cupola_vk_statistics {
     pub struct_size: usize,
     /// Frames recorded.
     pub frames: u64,
+    /// Frames since the last `cupola_vk_resize` of which is known how long the device took to correct them; a frame's
+    /// time is known when the next one with the same images is recorded. Always 0 on devices without timestamps.
+    pub measured_frames: u64,
+    /// The time of all of them, nanoseconds.
+    pub nanoseconds: u64,
+    /// The time of the latest of them, nanoseconds.
+    pub last_nanoseconds: u64,
 }
 
 /// The handle behind a pointer.
@@ -516,8 +523,16 @@ pub unsafe extern "C" fn cupola_vk_get_statistics(
         let size = size_of::<cupola_vk_statistics>();
         // SAFETY: the size comes first; the rest is written only if it is there.
         check_size(unsafe { (*statistics).struct_size }, size, "statistics")?;
+        let timing = vk.embedded.timing();
+        let counts = cupola_vk_statistics {
+            struct_size: size,
+            frames: vk.embedded.frames(),
+            measured_frames: timing.corrections,
+            nanoseconds: timing.total as u64,
+            last_nanoseconds: timing.last as u64,
+        };
         // SAFETY: as large as it must be.
-        unsafe { *statistics = cupola_vk_statistics { struct_size: size, frames: vk.embedded.frames() } };
+        unsafe { *statistics = counts };
         Ok(())
     })
 }
@@ -537,3 +552,6 @@ pub unsafe extern "C" fn cupola_vk_destroy(vk: *mut cupola_vk) -> cupola_status 
         Ok(())
     })
 }
+
+#[cfg(test)]
+mod tests;

@@ -220,10 +220,44 @@ pub fn polynomial_at(coefficients: &[f64], x: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geom::Curve;
     use crate::geom::random::Random;
     use std::f64::consts::{FRAC_PI_2, PI, TAU};
+    use std::sync::Arc;
 
     const APERTURES: [f64; 8] = [0.01, 0.5, FRAC_PI_2, PI, 210.0 / 180.0 * PI, 4.0 / 3.0 * PI, 6.0, TAU];
+
+    #[test]
+    fn radial_forms_are_their_lenses() {
+        let curve = Curve::new(&[[0.5, 0.51], [1.0, 0.98], [1.6, 1.5]]).expect("rising");
+        let lenses = [
+            (Projection::Equidistant, TAU, 1e-4),
+            (Projection::Equisolid, TAU, 1e-9),
+            (Projection::Stereographic, 6.0, 1e-9),
+            (Projection::Orthographic, PI, 1e-9),
+            (Projection::Polynomial([1.0, -0.05, 0.002, 0.0]), 3.5, 1e-4),
+        ];
+        for (projection, aperture, allowed) in lenses {
+            let lens = FisheyeLens { projection, aperture };
+            let form = RadialForm::of(&lens).expect("has one");
+            for step in 0..=1_000 {
+                let radius = f64::from(step) / 1_000.0;
+                let point = DVec2::from_angle(0.7) * radius;
+                let (found, exact) = (form.direction(point).normalize(), lens.direction(point).expect("inside"));
+                // At the rim of 360° and of an orthographic half sphere a pixel has no definite angle.
+                let pixel = lens.slope(radius).min(1e3) * 2.0 / 4096.0;
+                assert!(found.distance(exact) <= allowed * pixel.max(1e-3), "{lens:?} {radius}: {found} {exact}");
+            }
+        }
+        // A curve with corners in its second derivative is left to a table, or fitted as closely.
+        let wild = FisheyeLens { projection: Projection::Measured(Arc::new(curve)), aperture: 3.0 };
+        if let Some(form) = RadialForm::of(&wild) {
+            let error = |r: f64| {
+                form.direction(DVec2::X * r).normalize().distance(wild.direction(DVec2::X * r).expect("inside"))
+            };
+            assert!((0..=1_000).all(|step| error(f64::from(step) / 1_000.0) < 1e-6));
+        }
+    }
 
     #[test]
     fn point_and_direction_are_inverse() {

@@ -8,7 +8,8 @@ use std::sync::OnceLock;
 /// The settings of this process.
 #[derive(Clone, Debug)]
 pub struct Settings {
-    /// The rig (`CUPOLA_RIG`, preset or file; `fisheye` if unset) with `CUPOLA_CAMERA` and `CUPOLA_DUPLICATE` applied.
+    /// The rig (`CUPOLA_RIG`, preset or file; `fisheye` if unset) with `CUPOLA_CAMERA`, `CUPOLA_VIEWER` and
+    /// `CUPOLA_DUPLICATE` applied.
     pub rig: Rig,
     /// `CUPOLA_SIZE=WxH`: the program's window is given this size.
     pub window_size: Option<(u32, u32)>,
@@ -51,6 +52,9 @@ fn read() -> crate::Result<Settings> {
     let mut rig = rig::load(text("CUPOLA_RIG").as_deref().unwrap_or("fisheye"))?;
     if let Some(camera) = text("CUPOLA_CAMERA") {
         rig.camera = rig.camera.apply_override(&camera)?;
+    }
+    if let Some(viewer) = text("CUPOLA_VIEWER") {
+        rig = rig.with_viewer_override(&viewer)?;
     }
     let window_size = match text("CUPOLA_SIZE") {
         Some(size) => Some(parse_size(&size).ok_or_else(|| wrong("CUPOLA_SIZE", &size, "1024x768"))?),

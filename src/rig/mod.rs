@@ -8,9 +8,11 @@
 //! values must satisfy together. All of them add to one list of problems, so that one look at
 //! the message mends the whole file.
 
+mod blend;
 mod calibration;
 mod camera;
 mod layout;
+mod one_line;
 mod presets;
 mod problems;
 mod reader;
@@ -23,6 +25,7 @@ use crate::error::{Error, ErrorKind, Result};
 use glam::DVec3;
 use std::path::{Path, PathBuf};
 
+pub use blend::{AngleRamp, Blend, DomeAngle, RampShape, Transfer};
 pub use calibration::{Calibration, CalibrationValues};
 pub use presets::{Preset, presets};
 
@@ -108,6 +111,8 @@ pub struct Views {
     pub method: ViewMethod,
     /// Factor on the resolution of the views in each direction, 0.1…8; 1 = as many texels as output pixels.
     pub quality: f64,
+    /// How the correction samples the views.
+    pub filter: Filter,
     /// What the planner saves where it cannot save both.
     pub favour: Favour,
     /// Which pictures that a program draws off screen are drawn once per view.
@@ -123,6 +128,39 @@ pub enum Duplicate {
     Never,
     /// All that perspective draws reach, whatever their shape and use.
     Always,
+}
+
+/// How the correction samples the views: a kernel, at the middle of an output's pixel or at four places of it
+/// (rotated grid, a quarter of them at each), whose mean is shown.
+///
+/// Sharper than bilinear is worth its time only with anti-aliased views, four places with `quality` above 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Filter {
+    /// The 2×2 nearest texels.
+    #[default]
+    Bilinear,
+    /// The 4×4 nearest texels, cubic (Catmull & Rom 1974).
+    CatmullRom,
+    /// Bilinear at four places.
+    Bilinear4,
+    /// Catmull-Rom at four places.
+    CatmullRom4,
+}
+
+impl Filter {
+    /// The four places of a pixel, in pixels from its middle: a grid that is rotated so that edges along rows and
+    /// columns meet four different distances.
+    pub const FOUR_PLACES: [[f64; 2]; 4] = [[0.125, 0.375], [-0.375, 0.125], [-0.125, -0.375], [0.375, -0.125]];
+
+    /// Whether the kernel is Catmull-Rom's.
+    pub fn is_cubic(self) -> bool {
+        matches!(self, Self::CatmullRom | Self::CatmullRom4)
+    }
+
+    /// Whether four places of a pixel are sampled.
+    pub fn has_four_places(self) -> bool {
+        matches!(self, Self::Bilinear4 | Self::CatmullRom4)
+    }
 }
 
 /// What the planner saves: each view costs the program's draws once more, each texel costs shading.
@@ -195,7 +233,7 @@ pub enum OutputKind {
     /// A projector with a lens that is no ideal pinhole, or before a mirror.
     Optics {
         /// Place, lens and mirror, in metres from the dome's centre.
-        optics: crate::geom::Optics,
+        optics: Box<crate::geom::Optics>,
         /// How far the pixels' different sizes on the screen are evened out by dimming the small ones, 0…1.
         even_light: f64,
     },
@@ -224,41 +262,6 @@ impl OutputKind {
             _ => false,
         }
     }
-}
-
-/// How the weight of an output's pixels is found.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Blend {
-    /// Weight from the overlap of all projectors (partition of unity).
-    pub overlap: bool,
-    /// Width of the ramp at a projector's borders, as a part of the picture's width or height, 0 < ramp ≤ 0.5.
-    pub ramp: f64,
-    /// Procedural ramps in dome angles, multiplied in.
-    pub ramps: Vec<AngleRamp>,
-    /// Exponent of the display's response, 1…4.
-    pub gamma: f64,
-    /// Light added so that blacks match where projectors overlap, 0 ≤ level < 1, linear.
-    pub black_level: f64,
-}
-
-/// A smoothstep in an angle of the dome: 0 at `zero`, 1 at `full`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct AngleRamp {
-    /// Which angle.
-    pub angle: DomeAngle,
-    /// Where the weight is 0, radians.
-    pub zero: f64,
-    /// Where the weight is 1, radians; less or greater than `zero`.
-    pub full: f64,
-}
-
-/// An angle on the dome.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum DomeAngle {
-    /// From the dome's pole, 0…π.
-    Polar,
-    /// Around the dome's pole, 0 = front, right-positive, −π…π.
-    Azimuth,
 }
 
 /// Reads a rig: `name_or_path` is a preset's name (see [`presets()`]) or else the path of a TOML file.

@@ -11,7 +11,7 @@ pub struct Preset {
     pub text: &'static str,
 }
 
-const PRESETS: [Preset; 6] = [
+const PRESETS: [Preset; 7] = [
     Preset {
         name: "fisheye",
         summary: "180° fisheye picture, its centre straight ahead (the default)",
@@ -26,6 +26,11 @@ const PRESETS: [Preset; 6] = [
         name: "planetarium-6",
         summary: "six overlapping projectors in a tilted dome, blended",
         text: include_str!("presets/planetarium-6.toml"),
+    },
+    Preset {
+        name: "planetarium-2",
+        summary: "two overlapping projectors at the rim of a level dome, blended",
+        text: include_str!("presets/planetarium-2.toml"),
     },
     Preset {
         name: "idome",

@@ -1,10 +1,36 @@
 //! A viewer who moves.
 
+use super::camera::ANGLE;
+use super::one_line::OneLine;
 use super::problems::Problems;
+use super::reader::Allowed;
 use super::{Rig, Viewer, validate};
 use crate::error::{Error, ErrorKind, Result};
 
+const METRES: Allowed = Allowed::closed(-1e6, 1e6, "metres from the dome's centre");
+
 impl Rig {
+    /// The same rig with what `text` says of the viewer replaced, in the form `position=0,-0.5,1,yaw=90`: keys of a rig
+    /// file's `[viewer]` in any order, metres and degrees, each at most once; empty text changes nothing.
+    ///
+    /// # Errors
+    /// [`ErrorKind::InvalidArgument`] for unknown or repeated keys, for numbers missing, unreadable or out of range,
+    /// and as [`Self::with_viewer`].
+    pub fn with_viewer_override(&self, text: &str) -> Result<Self> {
+        let mut viewer = self.viewer;
+        let line = OneLine { what: "viewer", example: "position=0,-0.5,1,yaw=90,pitch=0,roll=0", text };
+        for entry in line.entries()? {
+            match entry.key {
+                "position" => viewer.position = entry.vector(&METRES)?,
+                "yaw" => viewer.yaw = entry.number(&ANGLE)?.to_radians(),
+                "pitch" => viewer.pitch = entry.number(&ANGLE)?.to_radians(),
+                "roll" => viewer.roll = entry.number(&ANGLE)?.to_radians(),
+                key => return Err(line.unknown(key, &["position", "yaw", "pitch", "roll"])),
+            }
+        }
+        self.with_viewer(viewer)
+    }
+
     /// The same rig with the viewer elsewhere.
     ///
     /// # Errors
@@ -39,6 +65,15 @@ mod tests {
         assert_eq!((moved.viewer.position.x, &moved.outputs), (1.0, &rig.outputs));
         let refused = rig.with_viewer(at(10.0 * rig.dome.radius)).expect_err("outside");
         assert!(refused.message.contains("viewer.position"), "{refused}");
+        let line = rig.with_viewer_override("position=1, 0.5,0 ,yaw=90").expect("inside").viewer;
+        assert_eq!((line.position, line.yaw), (DVec3::new(1.0, 0.5, 0.0), std::f64::consts::FRAC_PI_2));
+        assert_eq!(rig.with_viewer_override("").expect("nothing"), rig);
+        for (text, word) in
+            [("positon=0,0,0", "did you mean"), ("position=1", "three numbers"), ("position=0,99,0", "inside")]
+        {
+            let refused = rig.with_viewer_override(text).expect_err(text);
+            assert!(refused.message.contains(word), "{refused}");
+        }
         assert_eq!(rig.with_viewer(at(f64::NAN)).expect_err("no number").kind, ErrorKind::InvalidArgument);
     }
 }

@@ -172,3 +172,37 @@ pub fn camera_rotation(camera: &Camera) -> DMat3 {
 fn rect(tile: &Tile) -> [i32; 4] {
     [tile.x as i32, tile.y as i32, tile.width as i32, tile.height as i32]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    const EYES: &str = "[camera]\nunits_per_meter = 100\nyaw = 40\n\
+        [[output]]\nkind = \"perspective\"\nfov = [60, 40]\neye = -0.03\n\
+        [[output]]\nkind = \"perspective\"\nfov = [60, 40]\neye = 0.03\n\
+        [[output]]\nkind = \"perspective\"\nfov = [60, 40]\n";
+
+    #[test]
+    fn each_eye_has_its_own_views_from_its_own_place() {
+        let rig = crate::rig::parse(EYES, "eyes.toml", Path::new("")).expect("valid");
+        let session = Session::new(&rig, (900, 300), false, 8192, Extras::default()).expect("can be planned");
+        assert_eq!(session.views().iter().map(|view| view.eye).collect::<Vec<_>>(), [-0.03, 0.03, 0.0]);
+        assert_eq!(session.plan().views.output_views, [vec![0], vec![1], vec![2]]);
+        // A point of the program's eye space, through the program's lens into each view.
+        let frustum = Frustum { left: -0.8, right: 0.7, bottom: -0.5, top: 0.6 };
+        let program = frustum.projection_matrix(1.0, 1000.0);
+        let MatrixClass::Perspective(lens) = classify(&program.to_cols_array()) else { panic!("it is one") };
+        let point = DVec3::new(3.0, 2.0, -20.0);
+        let clip = program * point.extend(1.0);
+        for (view, rows) in session.views().iter().zip(session.rows(&lens)) {
+            // 3 cm are 3 units of the program's, along the viewer's axes, which its camera is turned against.
+            let seen = view.rotation * (camera_rotation(&rig.camera) * point - DVec3::X * (view.eye * 100.0));
+            let q = clip.z + rows.e * clip.w;
+            let row = |r: [f64; 4]| r[0] * clip.x + r[1] * clip.y + r[2] * clip.w + r[3] * q;
+            let (x, y) = (row(rows.x) / row(rows.w), row(rows.y) / row(rows.w));
+            let at = view.frustum.picture() * seen;
+            assert!((x - at.x / at.z).abs() < 1e-12 && (y - at.y / at.z).abs() < 1e-12, "{}: {x} {y} {at}", view.name);
+        }
+    }
+}

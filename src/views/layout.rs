@@ -4,13 +4,16 @@ use super::choose::Wanted;
 use super::{Request, Tile, View, ViewPlan, atlas};
 use crate::error::{Error, ErrorKind, Result};
 use crate::geom::{Frustum, pose};
-use crate::rig::Rig;
+use crate::rig::{Filter, Rig};
 
 /// Texels around the sampled part of a tile.
 ///
-/// Bilinear filtering at the very border of the sampled part reads half a texel beyond it; one
-/// texel leaves another half for the rounding of 32-bit shaders and drivers.
-pub(crate) const GUARD: u32 = 1;
+/// Bilinear filtering at the very border of the sampled part reads half a texel beyond it, a cubic
+/// kernel one and a half; half a texel is left for the overhang of views and the rounding of 32-bit shaders.
+/// Places beside a pixel's centre need no more: each is looked up in the view that answers for it.
+fn guard(filter: Filter) -> u32 {
+    if filter.is_cubic() { 2 } else { 1 }
+}
 
 /// Texels by which the sampled part is widened to each side, so that a direction on the border of
 /// two views belongs to at least one of them in 32-bit arithmetic too.
@@ -27,9 +30,10 @@ pub(crate) fn place(rig: &Rig, request: &Request, wanted: &[Wanted], notes: &[St
     let mut notes = notes.to_vec();
     let limit = request.max_atlas;
     let quality = rig.views.quality;
+    let guard = guard(rig.views.filter);
     let mut scale = 1.0;
     let (mut views, tiles, size) = loop {
-        let views: Vec<View> = wanted.iter().map(|wanted| sized(wanted, quality, scale)).collect();
+        let views: Vec<View> = wanted.iter().map(|wanted| sized(wanted, quality, scale, guard)).collect();
         if let Some((tiles, size)) = pack(request, &views, limit) {
             break (views, tiles, size);
         }
@@ -60,7 +64,7 @@ pub(crate) fn place(rig: &Rig, request: &Request, wanted: &[Wanted], notes: &[St
         atlas: size,
         panel,
         primary,
-        guard: GUARD,
+        guard,
         notes,
     })
 }
@@ -85,25 +89,25 @@ fn too_small(request: &Request) -> Error {
 }
 
 /// One direction of a view: the sampled part widened by the margin, the opening of the tile, and its texels.
-fn side(low: f64, high: f64, density: f64) -> ((f64, f64), (f64, f64), u32) {
+fn side(low: f64, high: f64, density: f64, guard: u32) -> ((f64, f64), (f64, f64), u32) {
     let span = high - low;
     // 2^20 is far beyond any atlas: the loop that scales down sees it as too large.
     let texels = (span * density + 2.0 * MARGIN).ceil().clamp(1.0, 1_048_576.0);
     let texel = if span > 0.0 { span / (texels - 2.0 * MARGIN).max(0.5) } else { 1.0 / density };
     let middle = 0.5 * (low + high);
     let half = 0.5 * texel * texels;
-    let whole = half + texel * f64::from(GUARD);
-    ((middle - half, middle + half), (middle - whole, middle + whole), texels as u32 + 2 * GUARD)
+    let whole = half + texel * f64::from(guard);
+    ((middle - half, middle + half), (middle - whole, middle + whole), texels as u32 + 2 * guard)
 }
 
 /// The view in its final size, at no place yet.
-fn sized(wanted: &Wanted, quality: f64, scale: f64) -> View {
+fn sized(wanted: &Wanted, quality: f64, scale: f64, guard: u32) -> View {
     let extent = wanted.fit.extent;
     let (owned, frustum, (width, height)) = match wanted.exact {
         Some((width, height)) => {
             let texels = |pixels: u32| (f64::from(pixels) * quality * scale).ceil().clamp(1.0, 1_048_576.0) as u32;
             let (width, height) = (texels(width), texels(height));
-            let guard = if wanted.program_lens { 0 } else { GUARD };
+            let guard = if wanted.program_lens { 0 } else { guard };
             let across = extent.width() / f64::from(width) * f64::from(guard);
             let up = extent.height() / f64::from(height) * f64::from(guard);
             let whole = Frustum {
@@ -116,8 +120,8 @@ fn sized(wanted: &Wanted, quality: f64, scale: f64) -> View {
         }
         None => {
             let density = wanted.fit.density * scale;
-            let (x, whole_x, width) = side(extent.left, extent.right, density.x);
-            let (y, whole_y, height) = side(extent.bottom, extent.top, density.y);
+            let (x, whole_x, width) = side(extent.left, extent.right, density.x, guard);
+            let (y, whole_y, height) = side(extent.bottom, extent.top, density.y, guard);
             let frustum = |x: (f64, f64), y: (f64, f64)| Frustum { left: x.0, right: x.1, bottom: y.0, top: y.1 };
             (frustum(x, y), frustum(whole_x, whole_y), (width, height))
         }

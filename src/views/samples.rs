@@ -35,13 +35,13 @@ pub(crate) struct Samples {
 }
 
 impl Samples {
-    /// Samples `sight`: the outermost pixel centres (or the rim of the circle), and a grid inside.
+    /// Samples `sight`: the outermost places of pixels (or the rim of the circle), and a grid inside.
     pub fn new(sight: &Sight, fineness: Fineness) -> Self {
         let mut samples = Self { sight: sight.clone(), lines: Vec::new() };
         if sight.is_circular() {
             samples.add_disc(sight, fineness)
         } else {
-            samples.add_rectangle(sight, fineness)
+            sight.pieces().into_iter().for_each(|piece| samples.add_rectangle(sight, piece, fineness))
         }
         // The rim of a mesh is in many pieces.
         let steps = if sight.is_smooth() { 4 * fineness.border } else { 2 };
@@ -96,9 +96,7 @@ impl Samples {
         self.lines.is_empty()
     }
 
-    fn add_rectangle(&mut self, sight: &Sight, fineness: Fineness) {
-        let low = DVec2::splat(0.5);
-        let high = DVec2::new(f64::from(sight.size.0) - 0.5, f64::from(sight.size.1) - 0.5);
+    fn add_rectangle(&mut self, sight: &Sight, [low, high]: [DVec2; 2], fineness: Fineness) {
         let at = |x: f64, y: f64| low + (high - low) * DVec2::new(x, y);
         // What stands out of a mesh may be small.
         let cells = if sight.is_smooth() { fineness.cells } else { 4 * fineness.cells };

@@ -24,6 +24,8 @@ pub(crate) struct Sample {
 pub(crate) struct Sight {
     /// Resolution in pixels.
     pub size: (u32, u32),
+    /// How far from the picture's sides the outermost places are that are sampled, in pixels.
+    pub inset: f64,
     map: Map,
 }
 
@@ -116,7 +118,9 @@ impl Sight {
             })),
             OutputKind::Optics { .. } | OutputKind::Panorama { .. } | OutputKind::Mesh(_) => traced(output)?,
         };
-        Ok(Self { size, map })
+        // The pixels' centres, or the outermost of four places in each.
+        let inset = if rig.views.filter.has_four_places() { 0.125 } else { 0.5 };
+        Ok(Self { size, inset, map })
     }
 
     /// Whether the picture is a circle.
@@ -131,6 +135,24 @@ impl Sight {
     /// Whether what is shown changes smoothly over the picture, but for rims.
     pub fn is_smooth(&self) -> bool {
         !matches!(&self.map, Map::Traced { map, .. } if !map.screen().is_smooth())
+    }
+
+    /// The parts of the picture in which what is shown does not leap: the outermost places of theirs that are sampled,
+    /// top left and bottom right.
+    pub fn pieces(&self) -> Vec<[DVec2; 2]> {
+        let count = match &self.map {
+            Map::Traced { map, .. } => map.strips(),
+            _ => 1,
+        };
+        // The first column whose centre is in a strip.
+        let border = |strip: u32| f64::from(strip) * f64::from(self.size.0) / f64::from(count);
+        let first = |strip: u32| (border(strip) - 0.5).ceil().max(0.0);
+        let bottom = f64::from(self.size.1) - 0.5;
+        let piece =
+            |strip: u32| [DVec2::splat(0.5).with_x(first(strip) + 0.5), DVec2::new(first(strip + 1) - 0.5, bottom)];
+        let beside = 0.5 - self.inset;
+        let pieces = (0..count).map(piece).filter(|[low, high]| high.x >= low.x);
+        pieces.map(|[low, high]| [low - beside, high + beside]).collect()
     }
 
     /// Centre and half the extent of what normalised coordinates −1…1 span: the circle, or the whole picture.
@@ -318,15 +340,24 @@ impl ProjectorMap {
     }
 }
 
+/// How far around a pixel its surroundings are looked for, pixels, in this order.
+const STEPS: [f64; 4] = [0.5, 0.05, 0.005, 0.0005];
+/// Cosine of the least angle between what pictures side by side show at their common border (60°), and a little more.
+const LEAP: f64 = 0.6;
+
 /// The spread of a pixel by differences, over what is shown of its surroundings.
 ///
 /// Of a picture that shows all directions alike, a pixel is as high as it is (away from the picture's pole), at most
 /// nominally, and as wide.
 fn traced_sample(map: &WarpMap, pixel: DVec2) -> Option<Sample> {
     let direction = map.direction(pixel)?;
+    // What lies across a leap is no neighbour.
+    let smooth = |there: &DVec3| map.strips() == 1 || there.dot(direction) > LEAP;
     let along = |axis: DVec2| {
-        let end = |offset: f64| map.direction(pixel + axis * offset).map_or((direction, 0.0), |there| (there, offset));
-        let ((from, start), (to, stop)) = (end(-0.5), end(0.5));
+        let there = |offset: f64| Some((map.direction(pixel + axis * offset).filter(smooth)?, offset));
+        // What is shown may be narrower than a pixel.
+        let end = |side: f64| STEPS.iter().find_map(|step| there(side * step)).unwrap_or((direction, 0.0));
+        let ((from, start), (to, stop)) = (end(-1.0), end(1.0));
         if stop > start { (to - from) / (stop - start) } else { DVec3::ZERO }
     };
     if let Some(nominal) = map.nominal_pitch() {

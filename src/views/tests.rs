@@ -15,14 +15,20 @@ pub(crate) fn rig(outputs: Vec<Output>) -> Rig {
         screen: None,
         viewer: Viewer { position: DVec3::ZERO, yaw: 0.0, pitch: 0.0, roll: 0.0 },
         camera: Camera::default(),
-        views: Views { method: ViewMethod::Auto, quality: 1.0, favour: Favour::Balanced, duplicate: Duplicate::Auto },
+        views: Views {
+            method: ViewMethod::Auto,
+            quality: 1.0,
+            filter: Filter::Bilinear,
+            favour: Favour::Balanced,
+            duplicate: Duplicate::Auto,
+        },
         overlay: Overlay { yaw: 0.0, pitch: 0.0, width: 1.0 },
         outputs,
     }
 }
 
 pub(crate) fn output(name: &str, kind: OutputKind) -> Output {
-    let blend = Blend { overlap: false, ramp: 0.2, ramps: Vec::new(), gamma: 2.2, black_level: 0.0 };
+    let blend = Blend { ramp: 0.2, ..Blend::default() };
     Output { name: name.into(), kind, size: None, window: None, blend, mask: None, eye: 0.0 }
 }
 

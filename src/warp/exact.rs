@@ -3,6 +3,7 @@
 mod calibrated;
 
 use crate::error::{Error, ErrorKind, Result};
+use crate::geom::panorama::STRIP_FACES;
 use crate::geom::{self, Circle, Fisheye, Frustum, Lens, Panorama, Pose, Screen, pose};
 use crate::rig::{OutputKind, Rig};
 use calibrated::Calibrated;
@@ -73,7 +74,7 @@ impl WarpMap {
             OutputKind::Projector { position, angles: [yaw, pitch, roll], frustum } => {
                 Optics::Projector { pose: Pose::new(*position, *yaw, *pitch, *roll), frustum: *frustum }
             }
-            OutputKind::Optics { optics, .. } => Optics::Special(optics.clone()),
+            OutputKind::Optics { optics, .. } => Optics::Special(optics.as_ref().clone()),
             OutputKind::Mesh(calibration) => {
                 Optics::Calibrated(Box::new(Calibrated::new(calibration, viewer, &rig.surface(), size)))
             }
@@ -199,6 +200,14 @@ impl WarpMap {
             _ => return None,
         };
         Some(0.5 * extent.min_element())
+    }
+
+    /// How many pictures stand side by side in the output, each of the same width; between them what is shown leaps.
+    pub fn strips(&self) -> u32 {
+        match &self.optics {
+            Optics::Panorama { panorama: Panorama::CubeStrip, .. } => STRIP_FACES.len() as u32,
+            _ => 1,
+        }
     }
 
     /// Where the circle of a circular picture is: its centre and half its width and height, pixels.

@@ -7,7 +7,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 /// An output of a kind, with overlap blending and a ramp of a tenth of the picture.
 pub(crate) fn output(name: &str, kind: OutputKind) -> Output {
-    let blend = Blend { overlap: true, ramp: 0.1, ramps: Vec::new(), gamma: 2.2, black_level: 0.0 };
+    let blend = Blend { overlap: true, ramp: 0.1, ..Blend::default() };
     Output { name: name.into(), kind, size: None, window: None, blend, mask: None, eye: 0.0 }
 }
 
@@ -20,7 +20,13 @@ pub(crate) fn rig(tilt: f64, position: DVec3, kinds: &[OutputKind]) -> Rig {
         screen: None,
         viewer: Viewer { position, yaw: 0.0, pitch: 0.0, roll: 0.0 },
         camera: Camera::default(),
-        views: Views { method: ViewMethod::Auto, quality: 1.0, favour: Favour::Balanced, duplicate: Duplicate::Auto },
+        views: Views {
+            method: ViewMethod::Auto,
+            quality: 1.0,
+            filter: Filter::Bilinear,
+            favour: Favour::Balanced,
+            duplicate: Duplicate::Auto,
+        },
         overlay: Overlay { yaw: 0.0, pitch: 0.0, width: 1.0 },
         outputs: kinds
             .iter()

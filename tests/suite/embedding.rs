@@ -3,7 +3,7 @@
 use crate::compare::{Shown, compare, expect_good, expect_similar};
 use crate::dialects::{shown_by_fisheye, shown_by_window};
 use crate::picture::Picture;
-use crate::programs::{embedding, validated};
+use crate::programs::{embedding, validated, watched};
 use crate::reference::{Fisheye, ProgramCamera};
 
 /// `embed` judges status codes, error texts, kept state and exact directions itself; its pictures are judged here.
@@ -84,4 +84,27 @@ fn the_vulkan_example_with_multiview() {
     let Some(one_by_one) = vulkan(&["--views", "layers", "--one-by-one"]) else { return };
     let (differing, _) = at_once.difference(&one_by_one);
     assert!(differing * 10 < at_once.pixels.len(), "{differing} pixels differ");
+}
+
+/// Projectors, tables and masks, whose values the first command buffer copies.
+#[test]
+fn the_vulkan_example_with_other_rigs() {
+    let masked = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/rigs/masked-fisheye.toml");
+    for rig in ["planetarium-6", "idome", masked] {
+        let options = |views: &'static str| ["--rig", rig, "--views", views, "--one-by-one"];
+        let Some(atlas) = vulkan(&options("atlas")) else { return };
+        let Some(images) = vulkan(&options("images")) else { return };
+        let Some(layers) = vulkan(&options("layers")) else { return };
+        expect_similar(&images, &atlas, 1, 1.0, &format!("{rig}, images against an atlas"));
+        expect_similar(&layers, &atlas, 3, 1.0, &format!("{rig}, layers against an atlas"));
+        let lit = atlas.pixels.iter().filter(|pixel| **pixel != [0; 3]).count();
+        assert!(lit * 10 > atlas.pixels.len(), "{rig}: {lit} pixels are lit");
+    }
+}
+
+/// Control: when the layer has something to say, it is heard. No device takes so wide an image.
+#[test]
+fn the_validation_layer_is_heard() {
+    let Some(finished) = watched("vk_plain", &["--size", "100000x16"]) else { return };
+    assert!(finished.messages().contains("VUID-VkImageCreateInfo"), "{}", finished.messages());
 }

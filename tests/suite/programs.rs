@@ -232,14 +232,21 @@ fn vulkan_apps() -> Option<&'static Path> {
 const SYNCHRONISATION: (&str, &str) =
     ("VK_LAYER_ENABLES", "VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT");
 
-/// Runs a Vulkan example under the validation layer, which watches over synchronisation too: it has to end well and
-/// without a message. `None` where that cannot be done.
-pub fn validated(program: &str, arguments: &[&str]) -> Option<Finished> {
+/// Runs a Vulkan example under the validation layer, which watches over synchronisation too. `None` where that cannot be
+/// done.
+pub fn watched(program: &str, arguments: &[&str]) -> Option<Finished> {
     let mut command = Command::new(vulkan_examples()?.join(program));
     command.args(arguments).env("LD_LIBRARY_PATH", library().with_file_name(""));
     command.env("VK_INSTANCE_LAYERS", "VK_LAYER_KHRONOS_validation").env("VK_LOADER_DEBUG", "layer");
     command.env(SYNCHRONISATION.0, SYNCHRONISATION.1);
-    Some(Finished::of(command, program, "validated")?.expect_success().expect_no_validation_messages())
+    let finished = Finished::of(command, program, "watched")?;
+    assert!(finished.words().contains("VK_LAYER_KHRONOS_validation"), "the layer is not loaded:\n{}", finished.words());
+    Some(finished)
+}
+
+/// As [`watched`]; the program has to end well, and the layer to say nothing.
+pub fn validated(program: &str, arguments: &[&str]) -> Option<Finished> {
+    Some(watched(program, arguments)?.expect_success().expect_no_validation_messages())
 }
 
 /// What a run left behind.
@@ -321,6 +328,11 @@ impl Finished {
     pub fn text(&self, name: &str) -> String {
         let path = self.directory.join(name);
         std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {}: {error}", self.what, path.display()))
+    }
+
+    /// What it printed on stdout, as the validation layer does.
+    pub fn messages(&self) -> std::borrow::Cow<'_, str> {
+        String::from_utf8_lossy(&self.output.stdout)
     }
 
     /// A picture that the run wrote.

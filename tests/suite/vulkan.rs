@@ -84,13 +84,14 @@ fn identity_changes_no_byte() {
     }
 }
 
-/// The program's own lens through atlas and correction, pixel by pixel.
+/// The program's own lens through atlas and correction, pixel by pixel: as the window but for the rounding of a raster
+/// that begins elsewhere.
 #[test]
-fn identity_captured_changes_no_byte() {
+fn identity_captured_loses_nothing() {
     let run = run(&["--shot", "shot.ppm"], CAMERAS[1]);
     let (Some(plain), Some(under)) = (run.vulkan_plain(), run.vulkan_under("identity-captured")) else { return };
     let plain = plain.expect_success().picture("shot.ppm");
-    expect_identical(&under.picture("shot.ppm"), &plain, "vk_cube identity-captured");
+    expect_similar(&under.picture("shot.ppm"), &plain, 1, 1e-3, "vk_cube identity-captured");
 }
 
 /// Images that encode what is written to them.

@@ -2,7 +2,6 @@
 
 mod canvas;
 mod state;
-mod tables;
 mod targets;
 
 use super::api::{GL_NO_ERROR, GL_RGBA8};

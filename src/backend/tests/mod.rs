@@ -5,7 +5,9 @@ pub mod picture;
 pub mod plans;
 pub mod present;
 pub mod presets;
+pub mod quality;
 pub mod sharing;
+pub mod tables;
 
 use crate::correct::Plan;
 use crate::correct::map::MapPixel;
@@ -51,10 +53,21 @@ macro_rules! run_all_cases {
                 mask_ramps_black_level_and_response,
                 the_panel_lies_over_the_scene;
             presets: every_preset_shows_every_pixel;
+            quality:
+                filters_are_as_good_as_they_should_be,
+                one_resampling_is_better_than_two,
+                filters_read_nothing_beyond_their_tiles;
             sharing:
                 shares_are_those_of_f64_and_add_up_to_1,
                 what_the_shaders_compute_for_one_point_adds_up_to_1,
-                in_8_bits_the_sum_of_two_stays_within_the_quantisation;
+                in_8_bits_the_sum_of_two_stays_within_the_quantisation,
+                shapes_and_exponents_are_those_of_f64,
+                blacks_are_evened_out,
+                dithering_keeps_the_mean_light;
+            tables:
+                a_table_is_shown_as_it_was_computed,
+                mirrors_and_lenses_show_what_the_exact_map_says,
+                a_projector_that_looks_away_makes_no_ghosts;
         }
     };
 }

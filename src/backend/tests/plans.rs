@@ -1,7 +1,9 @@
 //! Plans made by hand, and what they show, computed independently in f64.
 
+use crate::blend::Border;
 use crate::correct::plan::{Batch, Neighbour, OutputPass, PixelRect, Plan, ProjectorSource, Source};
 use crate::geom::{Fisheye, Frustum, Pose, QuadraticForm, Sphere};
+use crate::rig::Blend;
 use crate::views::{Tile, View, ViewPlan};
 use glam::{DMat3, DVec3};
 
@@ -49,8 +51,12 @@ pub fn pass(size: (u32, u32), source: Source, views: Vec<usize>, edge: bool) -> 
         mask: None,
         ramps: Vec::new(),
         dome_rotation: DMat3::IDENTITY,
+        filter: crate::rig::Filter::Bilinear,
         gamma: 2.2,
+        transfer: crate::rig::Transfer::Power,
         black_level: 0.0,
+        lift: 0.0,
+        dither: 0.0,
     }
 }
 
@@ -77,6 +83,10 @@ impl Projector {
         let position = DVec3::new(0.2, -0.1, 0.97).normalize() * distance;
         let frustum = Frustum::symmetric(60f64.to_radians(), 40f64.to_radians()).shifted(0.05, 0.1);
         Self { pose: Pose::new(position, 0.2, 0.3, 0.05), frustum, ramp: 0.2 }
+    }
+
+    pub fn border(&self) -> Border {
+        Border { width: self.ramp, ..Border::of(&Blend::default()) }
     }
 
     pub fn rays(&self) -> DMat3 {
@@ -116,7 +126,7 @@ impl Projector {
             .map(|(output, other)| Neighbour {
                 output,
                 picture: form(other.pose.position, other.frustum.picture() * other.pose.rotation.transpose()),
-                ramp: other.ramp,
+                border: other.border(),
             })
             .collect();
         ProjectorSource {
@@ -125,7 +135,7 @@ impl Projector {
             dome_direction: form(DVec3::ZERO, DMat3::IDENTITY),
             position: self.pose.position,
             neighbours,
-            ramp: self.ramp,
+            border: self.border(),
         }
     }
 }

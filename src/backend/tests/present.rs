@@ -7,7 +7,7 @@ use crate::correct::Plan;
 use crate::correct::plan::{Mask, PixelRect, Source};
 use crate::geom::random::Random;
 use crate::geom::{Frustum, Pose};
-use crate::rig::{AngleRamp, DomeAngle};
+use crate::rig::{AngleRamp, DomeAngle, RampShape};
 use crate::views::{Tile, View};
 use glam::{DMat3, DVec3};
 
@@ -139,8 +139,8 @@ pub fn mask_ramps_black_level_and_response(driver: &dyn Driver) {
     pass.black_level = 0.02;
     pass.dome_rotation = pole;
     pass.ramps = vec![
-        AngleRamp { angle: DomeAngle::Polar, zero: 1.9, full: 0.6 },
-        AngleRamp { angle: DomeAngle::Azimuth, zero: -2.0, full: 0.5 },
+        AngleRamp { angle: DomeAngle::Polar, zero: 1.9, full: 0.6, shape: RampShape::Smoothstep },
+        AngleRamp { angle: DomeAngle::Azimuth, zero: -2.0, full: 0.5, shape: RampShape::Smoothstep },
     ];
     let weights: Vec<u16> = (0..size.0 * size.1).map(|i| (i * 2_011 % 65_536) as u16).collect();
     pass.mask = Some(Mask { width: size.0, height: size.1, weights: weights.clone() });

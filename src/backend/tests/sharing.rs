@@ -3,7 +3,10 @@
 use super::Driver;
 use super::picture::Picture;
 use super::plans::*;
+use crate::blend::Border;
+use crate::correct::plan::{Mask, Plan, Source};
 use crate::geom::{Frustum, Pose};
+use crate::rig::{RampShape, Transfer};
 use glam::DVec3;
 
 const SIZE: (u32, u32) = (480, 320);
@@ -124,4 +127,108 @@ pub fn in_8_bits_the_sum_of_two_stays_within_the_quantisation(driver: &dyn Drive
     let rms = (errors.iter().map(|e| e * e).sum::<f64>() / errors.len() as f64).sqrt();
     println!("8 bits: max {worst:.5}, rms {rms:.5}");
     assert!(worst <= 0.006 && rms <= 0.0025, "{worst} {rms}");
+}
+
+/// The plan of projector `index` with the borders of all as `border` gives them.
+fn with_borders(projectors: &[Projector], index: usize, border: &dyn Fn(usize) -> Border) -> Plan {
+    let mut plan = projector_plan(&projectors[index], &others(projectors, index), SIZE);
+    if let Source::Projector(source) = &mut plan.passes[0].source {
+        source.border = border(index);
+        let rest = (0..projectors.len()).filter(|other| *other != index);
+        source.neighbours.iter_mut().zip(rest).for_each(|(neighbour, other)| neighbour.border = border(other));
+    }
+    plan
+}
+
+/// The places of a point in the pictures that show it, from 0 to 1.
+fn covering(projectors: &[Projector], point: DVec3) -> Vec<(usize, glam::DVec2)> {
+    let place = |(index, projector): (usize, &Projector)| {
+        let (x, y) = projector.picture(point)?;
+        (x.abs() <= 1.0 && y.abs() <= 1.0).then(|| (index, glam::DVec2::new(0.5 + 0.5 * x, 0.5 + 0.5 * y)))
+    };
+    projectors.iter().enumerate().filter_map(place).collect()
+}
+
+pub fn shapes_and_exponents_are_those_of_f64(driver: &dyn Driver) {
+    let projectors = projectors();
+    for (shape, exponent) in [
+        (RampShape::Cosine, 1.0),
+        (RampShape::Power(1.0), 1.0),
+        (RampShape::Power(2.0), 1.5),
+        (RampShape::Smoothstep, 2.0),
+    ] {
+        let border = |index: usize| Border { width: projectors[index].ramp, shape, exponent, black: 0.0 };
+        let (mut worst, mut shared) = (0.0f64, 0);
+        for index in 0..3 {
+            let map = driver.map(&with_borders(&projectors, index, &border), 0);
+            for (at, pixel) in map.iter().enumerate() {
+                let (x, y) = normalised(SIZE, at as u32 % SIZE.0, at as u32 / SIZE.0);
+                let point = projectors[index].hit(x, y).expect("from inside every ray hits");
+                let claims: Vec<(usize, f64)> =
+                    covering(&projectors, point).into_iter().map(|(k, place)| (k, border(k).claim(place))).collect();
+                let sum: f64 = claims.iter().map(|(_, claim)| claim).sum();
+                if claims.len() > 1 && sum >= MEAGRE {
+                    let own: f64 = claims.iter().filter(|(k, _)| *k == index).map(|(_, claim)| claim).sum();
+                    worst = worst.max((f64::from(pixel.weight) - own / sum).abs());
+                    shared += 1;
+                }
+            }
+        }
+        println!("{shape:?}, exponent {exponent}: {worst:.2e}");
+        assert!(worst <= 5e-5 && shared > 50_000, "{shape:?}, exponent {exponent}: {worst:e}");
+    }
+}
+
+/// Black and white pictures, weighted as light on displays with a grey black: sums are the same wherever anything is lit.
+pub fn blacks_are_evened_out(driver: &dyn Driver) {
+    let projectors = projectors();
+    let blacks = [0.01, 0.02, 0.015];
+    let most: f64 = blacks.iter().sum();
+    for transfer in [Transfer::Power, Transfer::Srgb] {
+        let display = crate::rig::Blend { transfer, ..Default::default() };
+        let border = |index: usize| Border { black: blacks[index], ..projectors[index].border() };
+        for white in [0.0, 1.0] {
+            for index in 0..3 {
+                let mut plan = with_borders(&projectors, index, &border);
+                (plan.passes[0].lift, plan.passes[0].transfer) = (most, transfer);
+                let code = (255.0 * white) as u8;
+                let shown = driver.show(&plan, false, &Picture::new(plan.views.atlas, |_, _| [code, code, code, 255]));
+                let mut worst = 0.0f64;
+                for at in 0..SIZE.0 * SIZE.1 {
+                    let (column, row) = (at % SIZE.0, at / SIZE.0);
+                    let (x, y) = normalised(SIZE, column, row);
+                    let point = projectors[index].hit(x, y).expect("from inside every ray hits");
+                    let near = |edge: f64| (edge.abs() - 1.0).abs() < 1e-4;
+                    if claims(&projectors, point).iter().sum::<f64>() < MEAGRE
+                        || projectors.iter().any(|p| p.picture(point).is_some_and(|(x, y)| near(x) || near(y)))
+                    {
+                        continue;
+                    }
+                    let dark: f64 = covering(&projectors, point).iter().map(|(k, _)| blacks[*k]).sum();
+                    let share = exact_share(&projectors, index, point);
+                    let light = share * ((1.0 - most) * white + most - dark);
+                    let exact = 255.0 * crate::blend::code_of(light, &display);
+                    let found = shown.at(column, SIZE.1 - 1 - row)[0];
+                    worst = worst.max((f64::from(found) - exact).abs());
+                }
+                assert!(worst <= 0.6, "{transfer:?}, white {white}, projector {index}: {worst}");
+            }
+        }
+    }
+}
+
+pub fn dithering_keeps_the_mean_light(driver: &dyn Driver) {
+    let mut plan = projector_plan(&Projector::at(0.6), &[], (128, 128));
+    plan.passes[0].mask = Some(Mask { width: 1, height: 1, weights: vec![20_000] });
+    let exact = 255.0 * (20_000f64 / 65_535.0).powf(1.0 / 2.2);
+    let mut found = [0.0, 1.0 / 255.0].map(|step| {
+        plan.passes[0].dither = step;
+        let shown = driver.show(&plan, false, &Picture::new(plan.views.atlas, |_, _| [255; 4]));
+        assert!(shown.pixels.iter().all(|pixel| (f64::from(pixel[0]) - exact).abs() < 1.1));
+        shown.pixels.iter().map(|pixel| f64::from(pixel[0])).sum::<f64>() / shown.pixels.len() as f64
+    });
+    found.iter_mut().for_each(|mean| *mean = (*mean - exact).abs());
+    println!("mean code off by {:.3} without, {:.3} with", found[0], found[1]);
+    // Half floats for masks in OpenGL ES cost a tenth of a code.
+    assert!(found[1] < 0.12 && found[0] > 0.2, "{found:?}");
 }

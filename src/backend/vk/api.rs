@@ -1,5 +1,6 @@
 //! The functions of a program's device.
 
+use super::images::{check_source_format, check_target_format};
 use crate::error::{Error, ErrorKind, Result};
 use ash::vk;
 use std::ffi::{CStr, c_void};
@@ -68,6 +69,21 @@ impl Api {
         Ok(Self::new(&instance, physical_device, &device))
     }
 
+    /// The instance, with its functions.
+    pub fn instance(&self) -> &ash::Instance {
+        &self.instance
+    }
+
+    /// The physical device.
+    pub fn physical_device(&self) -> vk::PhysicalDevice {
+        self.physical_device
+    }
+
+    /// The device, with its functions.
+    pub fn device(&self) -> &ash::Device {
+        &self.device
+    }
+
     /// Greatest width and height of an image.
     pub fn largest_image(&self) -> u32 {
         self.limits.max_image_dimension2_d
@@ -88,6 +104,27 @@ impl Api {
         }
         let message = format!("queue family {family} cannot draw; of the device's {}, {drawing:?} can", families.len());
         Err(Error::new(ErrorKind::InvalidArgument, message))
+    }
+
+    /// Whether corrections in queues of `family` can be timed.
+    pub fn has_timestamps(&self, family: u32) -> bool {
+        self.timestamp_bits(family) > 0
+    }
+
+    /// The names of those usual formats that views can be read from and corrected into.
+    pub fn usable_formats(&self) -> Vec<String> {
+        use vk::Format as F;
+        let usual = [F::B8G8R8A8_UNORM, F::R8G8B8A8_UNORM, F::A2B10G10R10_UNORM_PACK32, F::R16G16B16A16_SFLOAT];
+        let usable =
+            |format: &F| check_source_format(self, *format).is_ok() && check_target_format(self, *format).is_ok();
+        usual.into_iter().filter(usable).map(|format| format!("{format:?}")).collect()
+    }
+
+    /// How many bits the timestamps of queues of `family` have; 0: there are none.
+    pub(super) fn timestamp_bits(&self, family: u32) -> u32 {
+        // SAFETY: the physical device is one of the instance's.
+        let families = unsafe { self.instance.get_physical_device_queue_family_properties(self.physical_device) };
+        families.get(family as usize).map_or(0, |family| family.timestamp_valid_bits)
     }
 
     /// What images of `format` with optimal tiling can be used for.

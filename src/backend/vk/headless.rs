@@ -15,6 +15,8 @@ pub struct Headless {
     queue: vk::Queue,
     pool: vk::CommandPool,
     commands: vk::CommandBuffer,
+    family: u32,
+    get_instance_proc_addr: vk::PFN_vkGetInstanceProcAddr,
     instance: ash::Instance,
     // Keeps the functions above valid; last, so that it goes last.
     _library: Library,
@@ -31,11 +33,11 @@ impl Headless {
             graphics(format!("There is no Vulkan here: libvulkan.so.1 cannot be loaded ({error})."))
         })?;
         // SAFETY: the name's type is that of the Vulkan specification; the library stays loaded.
-        let entry = unsafe {
+        let (get_instance_proc_addr, entry) = unsafe {
             let get_instance_proc_addr = *library
                 .get(b"vkGetInstanceProcAddr\0")
                 .map_err(|error| graphics(format!("libvulkan.so.1 is incomplete: {error}.")))?;
-            ash::Entry::from_static_fn(ash::StaticFn { get_instance_proc_addr })
+            (get_instance_proc_addr, ash::Entry::from_static_fn(ash::StaticFn { get_instance_proc_addr }))
         };
         let names: Vec<_> = layers.iter().map(|name| name.as_ptr()).collect();
         let application = vk::ApplicationInfo::default().api_version(vk::API_VERSION_1_0);
@@ -43,9 +45,17 @@ impl Headless {
         // SAFETY: the structures are complete and live during the call.
         let instance = unsafe { entry.create_instance(&info, None) }.map_err(refused("an instance"))?;
         match Self::open(&instance) {
-            Ok((api, driver, queue, pool, commands)) => {
-                Ok(Self { api, driver, queue, pool, commands, instance, _library: library })
-            }
+            Ok((api, driver, family, queue, pool, commands)) => Ok(Self {
+                api,
+                driver,
+                queue,
+                pool,
+                commands,
+                family,
+                get_instance_proc_addr,
+                instance,
+                _library: library,
+            }),
             Err(error) => {
                 // SAFETY: ours, and without children.
                 unsafe { instance.destroy_instance(None) };
@@ -54,7 +64,7 @@ impl Headless {
         }
     }
 
-    fn open(instance: &ash::Instance) -> Result<(Api, String, vk::Queue, vk::CommandPool, vk::CommandBuffer)> {
+    fn open(instance: &ash::Instance) -> Result<(Api, String, u32, vk::Queue, vk::CommandPool, vk::CommandBuffer)> {
         // SAFETY: the instance is live.
         let devices = unsafe { instance.enumerate_physical_devices() }.map_err(refused("to list devices"))?;
         let drawing = |device: &vk::PhysicalDevice| {
@@ -78,7 +88,7 @@ impl Headless {
             let queue = device.get_device_queue(family, 0);
             let commands = Self::commands(&device, family).inspect_err(|_| device.destroy_device(None))?;
             let api = Api::new(instance, physical, &device);
-            Ok((api, format!("{name}, Vulkan {major}.{minor}"), queue, commands.0, commands.1))
+            Ok((api, format!("{name}, Vulkan {major}.{minor}"), family, queue, commands.0, commands.1))
         }
     }
 
@@ -97,6 +107,16 @@ impl Headless {
                 Err(refused("a command buffer")(result))
             }
         }
+    }
+
+    /// The family of its queue.
+    pub fn queue_family(&self) -> u32 {
+        self.family
+    }
+
+    /// Finds the functions of its instance.
+    pub fn get_instance_proc_addr(&self) -> vk::PFN_vkGetInstanceProcAddr {
+        self.get_instance_proc_addr
     }
 
     /// Records commands, submits them, and waits until they are done.

@@ -1,7 +1,8 @@
 //! Images of the program's: where views are, and where they are corrected into.
 
 use super::api::Api;
-use super::memory::{Buffer, COLOR};
+use super::barrier::{Use, barrier};
+use super::memory::Buffer;
 use crate::correct::ImageSize;
 use crate::error::{Error, ErrorKind, Result};
 use ash::vk;
@@ -52,8 +53,10 @@ pub struct TargetImage {
 impl SourceImage {
     pub(super) fn check(&self, api: &Api, size: ImageSize) -> Result<()> {
         let what = "an image with views";
-        let needed = vk::FormatFeatureFlags::SAMPLED_IMAGE | vk::FormatFeatureFlags::SAMPLED_IMAGE_FILTER_LINEAR;
-        check(api, what, self.view, self.format, needed)?;
+        if self.view.is_null() {
+            return Err(wrong(format!("the view of {what} is VK_NULL_HANDLE")));
+        }
+        check_source_format(api, self.format)?;
         if self.extent != (size.width, size.height) {
             let (width, height) = self.extent;
             let message =
@@ -76,26 +79,36 @@ impl SourceImage {
     }
 
     /// Records that its first `layers` layers can be read by our shader.
-    pub(super) fn acquire(&self, api: &Api, command_buffer: vk::CommandBuffer, layers: u32) {
-        let read = (vk::PipelineStageFlags::FRAGMENT_SHADER, vk::AccessFlags::SHADER_READ);
-        let layouts = (self.layout, self.sampled_layout());
-        barrier(api, command_buffer, (self.image, layers), layouts, (self.stages, self.access), read);
+    ///
+    /// # Safety
+    /// As for [`barrier`].
+    pub(super) unsafe fn acquire(&self, api: &Api, command_buffer: vk::CommandBuffer, layers: u32) {
+        let read = Use::sampled(self.sampled_layout());
+        // SAFETY: as promised above.
+        unsafe { barrier(&api.device, command_buffer, (self.image, layers), self.written(), read) };
     }
 
     /// Records that the program can write them again.
-    pub(super) fn release(&self, api: &Api, command_buffer: vk::CommandBuffer, layers: u32) {
-        let read = (vk::PipelineStageFlags::FRAGMENT_SHADER, vk::AccessFlags::empty());
-        let layouts = (self.sampled_layout(), self.layout);
-        barrier(api, command_buffer, (self.image, layers), layouts, read, (self.stages, self.access));
+    ///
+    /// # Safety
+    /// As for [`barrier`].
+    pub(super) unsafe fn release(&self, api: &Api, command_buffer: vk::CommandBuffer, layers: u32) {
+        let read = Use { access: vk::AccessFlags::empty(), ..Use::sampled(self.sampled_layout()) };
+        // SAFETY: as promised above.
+        unsafe { barrier(&api.device, command_buffer, (self.image, layers), read, self.written()) };
+    }
+
+    fn written(&self) -> Use {
+        Use { layout: self.layout, stages: self.stages, access: self.access }
     }
 }
 
 impl TargetImage {
+    /// Checks it for a backend that was prepared for `format`.
     pub(super) fn check(&self, api: &Api, format: vk::Format) -> Result<()> {
         let what = "an image to correct into";
-        check(api, what, self.view, self.format, vk::FormatFeatureFlags::COLOR_ATTACHMENT)?;
-        if self.image.is_null() {
-            return Err(wrong(format!("{what} is VK_NULL_HANDLE")));
+        if self.image.is_null() || self.view.is_null() {
+            return Err(wrong(format!("{what}, or its view, is VK_NULL_HANDLE")));
         }
         if self.format != format {
             return Err(wrong(format!("{what} has the format {:?}; right would be {format:?}", self.format)));
@@ -103,41 +116,70 @@ impl TargetImage {
         if matches!(self.final_layout, vk::ImageLayout::UNDEFINED | vk::ImageLayout::PREINITIALIZED) {
             return Err(wrong(format!("{what} cannot be left in the layout {:?}", self.final_layout)));
         }
+        let ((width, height), limits) = (self.extent, &api.limits);
+        let (widest, highest) = (limits.max_framebuffer_width, limits.max_framebuffer_height);
+        if !(1..=widest).contains(&width) || !(1..=highest).contains(&height) {
+            let right = format!("1 × 1 to {widest} × {highest}");
+            return Err(wrong(format!("{what} is {width} × {height} pixels; right would be {right}")));
+        }
         Ok(())
     }
 
     /// Records that our render pass can write it.
-    pub(super) fn acquire(&self, api: &Api, command_buffer: vk::CommandBuffer) {
-        let layouts = (self.initial_layout, vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL);
-        barrier(api, command_buffer, (self.image, 1), layouts, self.before, WRITE);
+    ///
+    /// # Safety
+    /// As for [`barrier`].
+    pub(super) unsafe fn acquire(&self, api: &Api, command_buffer: vk::CommandBuffer) {
+        let before = Use { layout: self.initial_layout, stages: self.before.0, access: self.before.1 };
+        // SAFETY: as promised above.
+        unsafe { barrier(&api.device, command_buffer, (self.image, 1), before, DRAWN) };
     }
 
     /// Records that what comes after can use it.
-    pub(super) fn release(&self, api: &Api, command_buffer: vk::CommandBuffer) {
-        let layouts = (vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL, self.final_layout);
-        barrier(api, command_buffer, (self.image, 1), layouts, WRITE, self.after);
+    ///
+    /// # Safety
+    /// As for [`barrier`].
+    pub(super) unsafe fn release(&self, api: &Api, command_buffer: vk::CommandBuffer) {
+        let after = Use { layout: self.final_layout, stages: self.after.0, access: self.after.1 };
+        // SAFETY: as promised above.
+        unsafe { barrier(&api.device, command_buffer, (self.image, 1), DRAWN, after) };
     }
 }
 
-/// How the correction writes.
-const WRITE: (vk::PipelineStageFlags, vk::AccessFlags) = (
-    vk::PipelineStageFlags::COLOR_ATTACHMENT_OUTPUT,
-    vk::AccessFlags::from_raw(
+/// Our render pass draws.
+const DRAWN: Use = Use {
+    layout: vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL,
+    stages: vk::PipelineStageFlags::COLOR_ATTACHMENT_OUTPUT,
+    access: vk::AccessFlags::from_raw(
         vk::AccessFlags::COLOR_ATTACHMENT_READ.as_raw() | vk::AccessFlags::COLOR_ATTACHMENT_WRITE.as_raw(),
     ),
-);
+};
 
-fn check(api: &Api, what: &str, view: vk::ImageView, format: vk::Format, needed: vk::FormatFeatureFlags) -> Result<()> {
-    if view.is_null() {
-        return Err(wrong(format!("the view of {what} is VK_NULL_HANDLE")));
-    }
+/// Checks that views can be read from images of `format`.
+pub(super) fn check_source_format(api: &Api, format: vk::Format) -> Result<()> {
+    let needed = vk::FormatFeatureFlags::SAMPLED_IMAGE | vk::FormatFeatureFlags::SAMPLED_IMAGE_FILTER_LINEAR;
+    check_format(api, "an image with views", format, needed)
+}
+
+/// Checks that encoded values can be drawn to images of `format`.
+pub(super) fn check_target_format(api: &Api, format: vk::Format) -> Result<()> {
+    let what = "an image to correct into";
+    // Integers cannot be blended, by which they are told apart; 32-bit floats need not be.
+    let needed = match format {
+        vk::Format::R32G32B32A32_SFLOAT => vk::FormatFeatureFlags::COLOR_ATTACHMENT,
+        _ => vk::FormatFeatureFlags::COLOR_ATTACHMENT | vk::FormatFeatureFlags::COLOR_ATTACHMENT_BLEND,
+    };
+    check_format(api, what, format, needed)
+}
+
+fn check_format(api: &Api, what: &str, format: vk::Format, needed: vk::FormatFeatureFlags) -> Result<()> {
     if is_srgb(format) {
         return Err(wrong(format!(
             "{what} has the format {format:?}, which converts; right would be a view of the same image with the \
              _UNORM format (VK_IMAGE_CREATE_MUTABLE_FORMAT_BIT)"
         )));
     }
-    if !api.features(format).contains(needed) {
+    if format == vk::Format::UNDEFINED || !api.features(format).contains(needed) {
         let message = format!("The device cannot use {format:?} for {what}: it needs {needed:?}.");
         return Err(Error::new(ErrorKind::Graphics, message));
     }
@@ -151,43 +193,6 @@ fn is_srgb(format: vk::Format) -> bool {
 
 fn wrong(message: String) -> Error {
     Error::new(ErrorKind::InvalidArgument, message)
-}
-
-/// Records a barrier for the first level and `layers` layers of an image; none for a null image. An empty set of
-/// stages means that there is nothing to wait for.
-pub(super) fn barrier(
-    api: &Api,
-    command_buffer: vk::CommandBuffer,
-    (image, layers): (vk::Image, u32),
-    layouts: (vk::ImageLayout, vk::ImageLayout),
-    before: (vk::PipelineStageFlags, vk::AccessFlags),
-    after: (vk::PipelineStageFlags, vk::AccessFlags),
-) {
-    if image.is_null() {
-        return;
-    }
-    let or = |stages: vk::PipelineStageFlags, none| if stages.is_empty() { none } else { stages };
-    let barrier = vk::ImageMemoryBarrier::default()
-        .image(image)
-        .old_layout(layouts.0)
-        .new_layout(layouts.1)
-        .src_access_mask(before.1)
-        .dst_access_mask(after.1)
-        .src_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
-        .dst_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
-        .subresource_range(vk::ImageSubresourceRange { layer_count: layers, ..COLOR });
-    // SAFETY: the command buffer is being recorded, outside a render pass, and the image is live.
-    unsafe {
-        api.device.cmd_pipeline_barrier(
-            command_buffer,
-            or(before.0, vk::PipelineStageFlags::TOP_OF_PIPE),
-            or(after.0, vk::PipelineStageFlags::BOTTOM_OF_PIPE),
-            vk::DependencyFlags::empty(),
-            &[],
-            &[],
-            &[barrier],
-        );
-    }
 }
 
 /// Records the copy of an image of `size`, in `TRANSFER_SRC_OPTIMAL`, into a buffer that the processor reads after it.

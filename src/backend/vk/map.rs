@@ -1,5 +1,6 @@
 //! The map that the shaders compute, read back: the very programs that correct, with another last stage.
 
+use super::barrier::{Use, barrier};
 use super::headless::Headless;
 use super::images::{SourceImage, TargetImage};
 use super::memory::{Buffer, Image};
@@ -81,16 +82,13 @@ fn draw(
     let mut bytes = vec![0u8; width as usize * height as usize * 16];
     *buffer = Buffer::new(api, bytes.len(), vk::BufferUsageFlags::TRANSFER_DST)?;
     headless.run(|commands| {
-        super::images::barrier(
-            api,
-            commands,
-            (blank.handle, 1),
-            (vk::ImageLayout::UNDEFINED, vk::ImageLayout::GENERAL),
-            none,
-            (vk::PipelineStageFlags::FRAGMENT_SHADER, vk::AccessFlags::SHADER_READ),
-        );
+        let general = vk::ImageLayout::GENERAL;
         // SAFETY: the command buffer is being recorded, outside a render pass; both images are live.
-        unsafe { backend.record(commands, 0, 0, &[[0, 0, width as i32, height as i32]])? };
+        unsafe {
+            let (before, after) = (Use::nothing(vk::ImageLayout::UNDEFINED), Use::sampled(general));
+            barrier(&api.device, commands, (blank.handle, 1), before, after);
+            backend.record(commands, 0, 0, &[[0, 0, width as i32, height as i32]])?;
+        }
         super::images::copy_to(api, commands, target.handle, (width, height), buffer);
         Ok(())
     })?;

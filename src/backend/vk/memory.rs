@@ -2,6 +2,7 @@
 //! and table, far from any limit of their number.
 
 use super::api::{Api, refused};
+use super::barrier::COLOR;
 use crate::error::{Error, ErrorKind, Result};
 use ash::vk;
 
@@ -151,15 +152,6 @@ impl Image {
         }
     }
 }
-
-/// The colour of an image with one level and one layer.
-pub(super) const COLOR: vk::ImageSubresourceRange = vk::ImageSubresourceRange {
-    aspect_mask: vk::ImageAspectFlags::COLOR,
-    base_mip_level: 0,
-    level_count: 1,
-    base_array_layer: 0,
-    layer_count: 1,
-};
 
 /// Memory for `needs` with all of `wanted`; in the device's own memory where nothing is wanted and it has some.
 fn allocate(api: &Api, needs: &vk::MemoryRequirements, wanted: vk::MemoryPropertyFlags) -> Result<vk::DeviceMemory> {

@@ -4,6 +4,7 @@
 //! the program's, which may have enabled little.
 
 pub mod api;
+mod barrier;
 mod descriptors;
 pub mod headless;
 mod images;
@@ -12,13 +13,16 @@ mod memory;
 mod passes;
 mod program;
 mod surface;
+mod timers;
 
 pub use api::Api;
 pub use ash;
+pub use barrier::{COLOR, Use, barrier};
 pub use images::{SourceImage, TargetImage};
 pub use map::gpu_map;
 pub use passes::{Recording, VkBackend};
 pub use surface::Surface;
+pub use timers::Timing;
 
 #[cfg(test)]
 mod tests;

@@ -1,10 +1,12 @@
 //! Runs a plan in the program's command buffers: one draw for each batch of rectangles, one for what is black.
 
 use super::api::{Api, refused};
+use super::barrier::{Use, barrier};
 use super::descriptors::{Descriptors, Reads};
-use super::images::{SourceImage, TargetImage, barrier};
+use super::images::{SourceImage, TargetImage, check_target_format};
 use super::memory::{Buffer, Image};
 use super::program::Common;
+use super::timers::{Timers, Timing};
 use crate::correct::draws::{Rows, draws};
 use crate::correct::plan::OutputPass;
 use crate::correct::shaders::Stage;
@@ -80,6 +82,7 @@ pub struct VkBackend {
     sizes: Vec<ImageSize>,
     descriptors: Descriptors,
     targets: Vec<(TargetImage, vk::Framebuffer)>,
+    timers: Timers,
 }
 
 impl VkBackend {
@@ -106,18 +109,19 @@ impl VkBackend {
             sizes: Vec::new(),
             descriptors: Descriptors::default(),
             targets: Vec::new(),
+            timers: Timers::default(),
         }
     }
 
     /// Makes all pipelines of `plan` for targets of `format`, and its vertices, masks and tables. `panel`: the flat
     /// panel is shown where the plan has one. Sources and targets have to be set anew. Takes milliseconds per
-    /// batch: for changes of rig or size only. After an error nothing is prepared.
+    /// batch: for changes of rig or size only. After an error nothing is prepared, or all as before.
     ///
     /// The command buffer that is recorded next fills masks and tables: it has to be submitted before later ones.
     ///
     /// # Errors
-    /// [`ErrorKind::Graphics`] where the device refuses something; [`ErrorKind::Internal`] where the plan exceeds
-    /// what shaders take.
+    /// [`ErrorKind::InvalidArgument`] for an sRGB format; [`ErrorKind::Graphics`] where the device cannot draw to the
+    /// format, or refuses something; [`ErrorKind::Internal`] where the plan exceeds what shaders take.
     pub fn prepare(&mut self, plan: &Plan, panel: bool, format: vk::Format) -> Result<()> {
         self.arrange(Arrangement::Atlas);
         self.prepare_passes(plan, &plan.passes, panel, format)
@@ -148,6 +152,7 @@ impl VkBackend {
         panel: bool,
         format: vk::Format,
     ) -> Result<()> {
+        check_target_format(&self.api, format)?;
         self.forget();
         if format != self.format {
             self.destroy();
@@ -288,6 +293,23 @@ impl VkBackend {
         Ok(())
     }
 
+    /// Measures from now on how long the device takes for corrections, `sources` of which may be on their way at the same
+    /// time, in queues of `family`: a correction of a source is read when the next one of it is recorded. Nothing is
+    /// measured where the device cannot.
+    ///
+    /// # Errors
+    /// [`ErrorKind::Graphics`] where the device refuses the queries.
+    pub fn measure(&mut self, sources: usize, family: u32) -> Result<()> {
+        self.timers.destroy(&self.api);
+        self.timers = Timers::new(&self.api, sources, family)?;
+        Ok(())
+    }
+
+    /// What was measured so far.
+    pub fn timing(&self) -> Timing {
+        self.timers.timing()
+    }
+
     /// [`VkBackend::record`] for a command buffer that was vouched for.
     ///
     /// # Errors
@@ -324,17 +346,10 @@ impl VkBackend {
         let missing = |what: &str, index: usize, count: usize| {
             Error::new(ErrorKind::InvalidArgument, format!("there is no {what} {index}; {count} were set"))
         };
-        let sources = &self.descriptors.sources;
-        let source = sources.get(source).ok_or_else(|| missing("source", source, sources.len()))?;
+        let (sources, index) = (&self.descriptors.sources, source);
+        let source = sources.get(index).ok_or_else(|| missing("source", index, sources.len()))?;
         let (image, framebuffer) =
             self.targets.get(target).ok_or_else(|| missing("target", target, self.targets.len()))?;
-        if take(&mut self.upload) {
-            self.fill_textures(command_buffer);
-        }
-        for (image, layers) in &source.images {
-            image.acquire(&self.api, command_buffer, *layers);
-        }
-        image.acquire(&self.api, command_buffer);
         let clear = usize::from(image.initial_layout == vk::ImageLayout::UNDEFINED);
         let black = [vk::ClearValue { color: vk::ClearColorValue { float32: [0.0, 0.0, 0.0, 1.0] } }];
         let extent = vk::Extent2D { width: image.extent.0, height: image.extent.1 };
@@ -346,6 +361,14 @@ impl VkBackend {
         let device = &self.api.device;
         // SAFETY: as promised above; all other objects are ours and live.
         unsafe {
+            if take(&mut self.upload) {
+                self.fill_textures(command_buffer);
+            }
+            self.timers.start(&self.api, command_buffer, index);
+            for (image, layers) in &source.images {
+                image.acquire(&self.api, command_buffer, *layers);
+            }
+            image.acquire(&self.api, command_buffer);
             device.cmd_begin_render_pass(command_buffer, &begin, vk::SubpassContents::INLINE);
             device.cmd_bind_vertex_buffers(command_buffer, 0, &[self.vertices.handle], &[0]);
             let mut sets = source.sets.as_slice();
@@ -355,10 +378,11 @@ impl VkBackend {
                 sets = others;
             }
             device.cmd_end_render_pass(command_buffer);
-        }
-        image.release(&self.api, command_buffer);
-        for (image, layers) in &source.images {
-            image.release(&self.api, command_buffer, *layers);
+            image.release(&self.api, command_buffer);
+            for (image, layers) in &source.images {
+                image.release(&self.api, command_buffer, *layers);
+            }
+            self.timers.stop(&self.api, command_buffer, index);
         }
         Ok(())
     }
@@ -402,14 +426,15 @@ impl VkBackend {
     }
 
     /// Records the copies of masks and tables.
-    fn fill_textures(&self, command_buffer: vk::CommandBuffer) {
-        let none = (vk::PipelineStageFlags::empty(), vk::AccessFlags::empty());
-        let copied = (vk::PipelineStageFlags::TRANSFER, vk::AccessFlags::TRANSFER_WRITE);
-        let read = (vk::PipelineStageFlags::FRAGMENT_SHADER, vk::AccessFlags::SHADER_READ);
-        let layout = vk::ImageLayout::TRANSFER_DST_OPTIMAL;
+    ///
+    /// # Safety
+    /// As for [`VkBackend::record`].
+    unsafe fn fill_textures(&self, command_buffer: vk::CommandBuffer) {
+        let (nothing, copied) = (Use::nothing(vk::ImageLayout::UNDEFINED), Use::COPIED_TO);
+        let read = Use::sampled(vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL);
+        let (device, values) = (&self.api.device, self.staging.handle);
         for texture in &self.textures {
             let image = texture.image.handle;
-            barrier(&self.api, command_buffer, (image, 1), (vk::ImageLayout::UNDEFINED, layout), none, copied);
             let region = vk::BufferImageCopy::default()
                 .buffer_offset(texture.offset)
                 .image_subresource(vk::ImageSubresourceLayers {
@@ -418,12 +443,12 @@ impl VkBackend {
                     ..Default::default()
                 })
                 .image_extent(vk::Extent3D { width: texture.size.0, height: texture.size.1, depth: 1 });
-            // SAFETY: the command buffer is being recorded; buffer and image are ours, and the values lie in the buffer.
+            // SAFETY: as promised above; buffer and image are ours, and the values lie in the buffer.
             unsafe {
-                self.api.device.cmd_copy_buffer_to_image(command_buffer, self.staging.handle, image, layout, &[region]);
+                barrier(device, command_buffer, (image, 1), nothing, copied);
+                device.cmd_copy_buffer_to_image(command_buffer, values, image, copied.layout, &[region]);
+                barrier(device, command_buffer, (image, 1), copied, read);
             }
-            let layouts = (layout, vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL);
-            barrier(&self.api, command_buffer, (image, 1), layouts, copied, read);
         }
     }
 
@@ -463,6 +488,7 @@ impl VkBackend {
             unsafe { self.api.device.destroy_pipeline(pipeline, None) };
         }
         self.common.destroy(&self.api);
+        self.timers.destroy(&self.api);
         self.format = vk::Format::UNDEFINED;
     }
 }

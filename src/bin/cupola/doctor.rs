@@ -3,15 +3,17 @@
 use crate::Failure;
 use crate::launch::probe::{self, Answer, Way};
 use crate::launch::{Environment, display, library, loader};
+use cupola::backend::vk;
 use serde_json::{Map, Value, json};
 use std::path::Path;
 use std::process::ExitCode;
 
 /// Variables of others that change what `cupola run` does.
-const TELLING: [&str; 13] = [
+const TELLING: [&str; 14] = [
     "CUPOLA",
     "CUPOLA_RIG",
     "CUPOLA_CAMERA",
+    "CUPOLA_VIEWER",
     "CUPOLA_DUPLICATE",
     "CUPOLA_LIBRARY",
     "CUPOLA_GLX_REAL",
@@ -99,11 +101,10 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         tell(key, Some(good), words);
         good
     });
-    let vulkan = match cupola::backend::vk::headless::Headless::new(&[]) {
-        Ok(device) => format!("{}; programs that correct through the crate can use it", device.driver),
-        Err(error) => error.message,
-    };
-    tell("vulkan", None, vulkan);
+    let (good, words) = vulkan(&display, hooked.as_ref());
+    tell("vulkan", good, words);
+    let (good, words) = vulkan_device();
+    tell("vulkan device", good, words);
     let usable = on && works.contains(&true);
     if arguments.json {
         println!("{:#}", as_json(usable, &findings));
@@ -119,6 +120,49 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         println!("{}", if usable { "Programs can be corrected here." } else { "Programs cannot be corrected here." });
     }
     Ok(if usable { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}
+
+/// Whether Vulkan programs can be corrected; `None` where there is no Vulkan, which OpenGL programs do not need.
+fn vulkan(plain: &Environment, hooked: Option<&Environment>) -> (Option<bool>, String) {
+    let driver = match probe::ask(Way::Vulkan, plain) {
+        Ok(answer) => answer.driver,
+        Err(why) => return (None, why),
+    };
+    let Some(hooked) = hooked else { return (Some(false), format!("{driver}: the library is missing")) };
+    match probe::ask(Way::Vulkan, hooked) {
+        Ok(answer) if answer.has_cupola() => {
+            let words = "the layer is loaded and programs can be corrected; what is shown flat says why in its log";
+            (Some(true), format!("{driver}; {words}"))
+        }
+        Ok(_) => {
+            let words = "the Vulkan loader does not load Cupola's layer; it has to be 1.3.234 or newer";
+            (Some(false), format!("{driver}: {words}"))
+        }
+        Err(why) => (Some(false), format!("{driver}, but with Cupola's layer: {why}")),
+    }
+}
+
+/// What programs that correct with Vulkan, through the crate or `cupola_vk.h`, find here.
+fn vulkan_device() -> (Option<bool>, String) {
+    let device = match vk::headless::Headless::new(&[]) {
+        Ok(device) => device,
+        Err(error) => return (None, error.message),
+    };
+    let formats = device.api.usable_formats();
+    if formats.is_empty() {
+        return (
+            Some(false),
+            format!("{}: it can neither filter nor draw to any usual format of images", device.driver),
+        );
+    }
+    let timed = if device.api.has_timestamps(device.queue_family()) { "times them" } else { "cannot time them" };
+    let words = format!(
+        "{}; corrects pictures of up to {2} × {2} in {1}, and {timed}",
+        device.driver,
+        formats.join(", "),
+        device.api.largest_image()
+    );
+    (Some(true), words)
 }
 
 /// Whether programs that go this way to the driver can be corrected, with the reason.

@@ -38,6 +38,9 @@ pub struct Arguments {
     /// Adapt the program's camera: zoom=4,move=0,0,-20,yaw=90,pitch=0,roll=0
     #[arg(long, value_name = "KEY=NUMBER,…", allow_hyphen_values = true)]
     camera: Option<String>,
+    /// Seat the viewer elsewhere: position=0,-0.5,1,yaw=90,pitch=0,roll=0
+    #[arg(long, value_name = "KEY=NUMBER,…", allow_hyphen_values = true)]
+    viewer: Option<String>,
     /// Give each output its own resolution, whatever the window's size is; only captures show it
     #[arg(long)]
     offscreen: bool,
@@ -65,6 +68,9 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
     let rig = cupola::rig::load(&name)?;
     if let Some(camera) = &arguments.camera {
         rig.camera.apply_override(camera)?;
+    }
+    if let Some(viewer) = &arguments.viewer {
+        rig.with_viewer_override(viewer)?;
     }
     let mut environment = settings(&arguments, &name)?;
     if arguments.print_environment {
@@ -105,6 +111,7 @@ fn settings(arguments: &Arguments, rig: &str) -> Result<Environment, Failure> {
     let mut environment: Environment = vec![("CUPOLA_RIG", Some(rig))];
     let mut set = |name, value: Option<OsString>| environment.extend(value.map(|value| (name, Some(value))));
     set("CUPOLA_CAMERA", arguments.camera.as_ref().map(Into::into));
+    set("CUPOLA_VIEWER", arguments.viewer.as_ref().map(Into::into));
     set("CUPOLA_SIZE", arguments.size.map(|(width, height)| format!("{width}x{height}").into()));
     set("CUPOLA_FRAMES", arguments.frames.map(|frames| frames.to_string().into()));
     set("CUPOLA_OFFSCREEN", arguments.offscreen.then(|| "1".into()));

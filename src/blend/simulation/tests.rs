@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::blend::Weights;
+use crate::blend::{decode, encode};
 use crate::rig::OutputKind;
 use crate::warp::testing::{output, projector, rig, two_projectors};
 
@@ -126,4 +127,54 @@ fn pictures_must_fit() {
     let black = Picture { width: 2, height: 2, rgb: vec![0.0; 12] };
     let simulation = simulate(&rig, &[black], 0).expect("an empty picture is a picture");
     assert!(simulation.rgb.is_empty() && simulation.uniformity == Uniformity::default());
+}
+
+/// Greatest and root mean square deviation from 1 of the light at random points of the screen, when all outputs of `rig`
+/// show white in codes of `levels` steps, and the output `moved` shows it one pixel to the right.
+fn evenness_of_codes(rig: &Rig, size: (u32, u32), levels: f64, moved: Option<usize>) -> [f64; 2] {
+    let sizes = vec![size; rig.outputs.len()];
+    let weights = Weights::new(rig, &sizes).expect("valid");
+    let mut random = crate::geom::random::Random::new(17);
+    let (mut worst, mut squares, mut count) = (0.0f64, 0.0, 0);
+    while count < 40_000 {
+        let point = random.direction() * rig.dome.radius;
+        let lights = weights.projectors().filter_map(|(k, map)| {
+            let pixel = map.pixel(point)?;
+            let shown = if moved == Some(k) { pixel + DVec2::X } else { pixel };
+            let code = (encode(weights.weight(k, shown)?, 2.2) * levels).round() / levels;
+            Some(decode(code, 2.2))
+        });
+        let lights: Vec<f64> = lights.collect();
+        if lights.is_empty() {
+            continue;
+        }
+        let deviation = lights.iter().sum::<f64>() - 1.0;
+        (worst, squares, count) = (worst.max(deviation.abs()), squares + deviation * deviation, count + 1);
+    }
+    [worst, (squares / f64::from(count)).sqrt()]
+}
+
+#[test]
+fn codes_of_8_and_10_bits_keep_the_light_even() {
+    let rig = crate::rig::load("planetarium-2").expect("a preset");
+    let [eight, ten] = [255.0, 1023.0].map(|levels| evenness_of_codes(&rig, (2560, 1600), levels, None));
+    println!("8 bits {eight:.5?}, 10 bits {ten:.5?}");
+    assert!(eight[0] <= 0.006 && eight[1] <= 0.0025 && ten[0] <= 0.0015, "{eight:?} {ten:?}");
+    // Negative control: six bits are too few.
+    assert!(evenness_of_codes(&rig, (2560, 1600), 63.0, None)[0] > 0.006);
+}
+
+#[test]
+fn a_pixel_of_misalignment_is_hardly_seen_over_a_wide_ramp() {
+    // Two pictures of 1000 pixels from the centre that overlap by 200 of them.
+    let (half, ramp) = (30f64.to_radians().tan(), 0.2);
+    let turn = 30.0 + (half * (1.0 - 2.0 * ramp)).atan().to_degrees();
+    let lens = (60.0, 40.0);
+    let mut pair =
+        rig(FRAC_PI_2, DVec3::ZERO, &[projector(DVec3::ZERO, 0.0, 0.0, lens), projector(DVec3::ZERO, turn, 0.0, lens)]);
+    pair.outputs.iter_mut().for_each(|output| output.blend.ramp = ramp);
+    let fine = 1e9;
+    let [aligned, moved] = [None, Some(1)].map(|moved| evenness_of_codes(&pair, (1000, 640), fine, moved)[0]);
+    println!("aligned {aligned:.2e}, a pixel aside {moved:.5}");
+    assert!(aligned < 1e-8 && moved <= 0.008 && moved > 0.004, "{aligned} {moved}");
 }

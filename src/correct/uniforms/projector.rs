@@ -1,6 +1,7 @@
 //! The constants of a projector's pass.
 
-use super::{Constants, MAX_NEIGHBOURS, limit};
+use super::{Constants, MAX_NEIGHBOURS, limit, shape};
+use crate::blend::{Border, LEAST_RAMP};
 use crate::correct::plan::{Batch, ProjectorSource};
 use crate::error::{Error, ErrorKind, Result};
 use crate::geom::QuadraticForm;
@@ -21,10 +22,10 @@ pub(super) fn set(out: &mut Constants, source: &ProjectorSource, batch: &Batch, 
             Error::new(ErrorKind::Internal, format!("A batch blends into neighbour {index}, which is not there."))
         })?;
         forms.push((format!("neighbours[{i}].picture"), neighbour.picture));
-        out.set(&format!("neighbours[{i}].steepness"), &[0.5 / neighbour.ramp])?;
+        out.set(&format!("neighbours[{i}].border"), &border(&neighbour.border))?;
     }
     out.set("neighbour_count", &[batch.neighbours.len() as f64])?;
-    out.set("steepness", &[0.5 / source.ramp])?;
+    out.set("border", &border(&source.border))?;
     let beam = Beam::of(source);
     let offsets: Option<Vec<DVec3>> = beam.as_ref().and_then(|b| forms.iter().map(|(_, f)| b.offset(f)).collect());
     if let (Some(beam), Some(offsets)) = (beam, offsets) {
@@ -48,6 +49,11 @@ pub(super) fn set(out: &mut Constants, source: &ProjectorSource, batch: &Batch, 
         }
     }
     Ok(())
+}
+
+/// A picture's border as the shaders take it: 1/(2·width), shape, exponent, black.
+fn border(border: &Border) -> [f64; 4] {
+    [0.5 / border.width.max(LEAST_RAMP), shape(border.shape), border.exponent, border.black]
 }
 
 /// The rays `o + t·d` of a projector inside the sphere, from which its forms follow with fewer operations. Each

@@ -27,7 +27,8 @@ fn hits_lie_on_the_surface_on_the_ray_and_on_its_inside() {
     let ellipsoid = Ellipsoid { radii: DVec3::new(6.0, 4.0, 5.0), region: Region::ALL };
     let cylinder = Cone { heights: [-1.0, 3.0], radii: [5.0, 5.0], azimuth: None };
     let cone = Cone { heights: [-2.0, 4.0], radii: [5.0, 1.0], azimuth: None };
-    let surfaces: [(&dyn Surface, &dyn Fn(DVec3) -> f64); 3] = [
+    type Equation<'a> = &'a dyn Fn(DVec3) -> f64;
+    let surfaces: [(&dyn Surface, Equation); 3] = [
         (&ellipsoid, &|p| (p / DVec3::new(6.0, 4.0, 5.0)).length() - 1.0),
         (&cylinder, &|p| p.x.hypot(p.z) / 5.0 - 1.0),
         (&cone, &|p| p.x.hypot(p.z) / (5.0 - (p.y + 2.0) * 4.0 / 6.0) - 1.0),

@@ -8,6 +8,7 @@ use crate::backend::gl::{GlBackend, Target};
 use crate::correct::{Batch, OutputPass, PixelRect, Plan, Source};
 use crate::error::Result;
 use crate::intercept::log;
+use crate::rig::{Filter, Transfer};
 use crate::runtime::report::Picture;
 use crate::runtime::session::Frustum;
 use glam::DMat3;
@@ -110,8 +111,12 @@ fn own_picture(ctx: &Context, plan: &Plan, size: (u32, u32)) -> Option<Plan> {
         source: Source::Perspective { matrix: rotation * tangents },
         batches: vec![Batch { views, neighbours: Vec::new(), edge: true, rects: vec![rect] }],
         mask: None,
+        filter: Filter::Bilinear,
         gamma: 1.0,
+        transfer: Transfer::Power,
         black_level: 0.0,
+        lift: 0.0,
+        dither: 0.0,
         ramps: Vec::new(),
         dome_rotation: DMat3::IDENTITY,
     };

@@ -147,6 +147,7 @@ impl Canvas {
                 let layout = Arc::clone(&self.layout);
                 let shown = Arc::new(Shown { layout, atlas: atlas.image, in_views: false.into() });
                 device.images.show(given.image, info.image_format, Arc::clone(&shown));
+                device.images.declare(given.image, info.image_usage);
                 *device.latest.lock().unwrap_or_else(PoisonError::into_inner) =
                     Some((info.image_format, Arc::clone(&shown)));
                 self.slots.push(Slot {
@@ -402,6 +403,7 @@ impl Canvas {
                 functions.destroy_fence(slot.done, None);
                 slot.views.iter().for_each(|view| functions.destroy_image_view(*view, None));
                 device.images.hide(slot.given.image);
+                device.forget_shown(&slot.shown);
                 slot.atlas.destroy(device);
                 slot.given.destroy(device);
             }

@@ -10,8 +10,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 pub struct SetLayout {
     /// Type and number of each binding.
     pub bindings: BTreeMap<u32, (vk::DescriptorType, u32)>,
-    /// Its descriptors are pushed, not bound.
-    pub pushed: bool,
+    /// Its descriptors are pushed, or lie in buffers: no set of ours can be bound beside them.
+    pub apart: bool,
 }
 
 /// Buffers whose offset is given when they are bound.
@@ -120,8 +120,9 @@ hooks! { descriptors;
         if result == vk::Result::SUCCESS {
             let bindings = super::slice((*info).p_bindings, (*info).binding_count);
             let bindings = bindings.iter().map(|b| (b.binding, (b.descriptor_type, b.descriptor_count))).collect();
-            let pushed = (*info).flags.contains(vk::DescriptorSetLayoutCreateFlags::PUSH_DESCRIPTOR_KHR);
-            let new = Arc::new(SetLayout { bindings, pushed });
+            use vk::DescriptorSetLayoutCreateFlags as F;
+            let apart = (*info).flags.intersects(F::PUSH_DESCRIPTOR_KHR | F::DESCRIPTOR_BUFFER_EXT);
+            let new = Arc::new(SetLayout { bindings, apart });
             state.descriptors.layouts.lock().unwrap_or_else(PoisonError::into_inner).insert(*layout, new);
         }
         result
@@ -235,7 +236,7 @@ mod tests {
     fn dynamic_offsets_are_in_the_order_of_bindings() {
         let bindings =
             [(5, (T::UNIFORM_BUFFER_DYNAMIC, 1)), (1, (T::STORAGE_BUFFER_DYNAMIC, 2)), (3, (T::UNIFORM_BUFFER, 1))];
-        let layout = SetLayout { bindings: bindings.into_iter().collect(), pushed: false };
+        let layout = SetLayout { bindings: bindings.into_iter().collect(), apart: false };
         assert_eq!(layout.dynamic_offsets(), 3);
         assert_eq!(layout.dynamic_index(1), Some(0));
         assert_eq!(layout.dynamic_index(5), Some(2));

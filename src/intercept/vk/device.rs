@@ -179,6 +179,14 @@ impl Device {
         latest.as_ref().filter(|(known, _)| *known == format).map(|(_, shown)| Arc::clone(shown))
     }
 
+    /// An image of a swapchain is gone.
+    pub fn forget_shown(&self, gone: &Arc<Shown>) {
+        let mut latest = self.latest.lock().unwrap_or_else(PoisonError::into_inner);
+        if latest.as_ref().is_some_and(|(_, shown)| Arc::ptr_eq(shown, gone)) {
+            *latest = None;
+        }
+    }
+
     /// The swapchain, if Cupola looks after it.
     pub fn managed(&self, handle: vk::SwapchainKHR) -> Option<Arc<Mutex<Swapchain>>> {
         self.swapchains.lock().unwrap_or_else(PoisonError::into_inner).get(&handle).cloned()

@@ -215,6 +215,13 @@ impl Framebuffers {
     }
 }
 
+impl Next {
+    /// Whether there may be framebuffers without images, which tell how their images may be used.
+    pub fn compares_usage(&self) -> bool {
+        self.create_render_pass2.is_some()
+    }
+}
+
 hooks! { framebuffers;
     [c"vkCreateRenderPass"] create_render_pass: vk::PFN_vkCreateRenderPass = (
         device: vk::Device, info: *const vk::RenderPassCreateInfo<'_>, allocator: *const vk::AllocationCallbacks<'_>, pass: *mut vk::RenderPass

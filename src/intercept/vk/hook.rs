@@ -116,6 +116,9 @@ impl NextLayer {
     }
 }
 
+/// Hooks that are needed without views, too.
+pub const ALWAYS: [&CStr; 1] = [c"vkCreateImageView"];
+
 /// Our function for a device's function of this name that is needed for views.
 pub fn find(name: &CStr) -> Option<*const ()> {
     static TABLE: OnceLock<HashMap<&'static CStr, usize>> = OnceLock::new();

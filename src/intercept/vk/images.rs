@@ -7,6 +7,7 @@ use super::device::Device;
 use super::hook::hooks;
 use super::image::OwnImage;
 use super::layout::Layout;
+use super::pipelines::in_chain;
 use ash::vk;
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -67,6 +68,8 @@ pub struct Images {
     images: Mutex<HashMap<vk::Image, Image>>,
     views: Mutex<HashMap<vk::ImageView, View>>,
     pending: Mutex<Vec<Pending>>,
+    /// What the program asked for, of images that can be used for more.
+    declared: Mutex<HashMap<vk::Image, vk::ImageUsageFlags>>,
 }
 
 /// What a format has.
@@ -114,8 +117,14 @@ impl Images {
         self.pending.lock().unwrap_or_else(PoisonError::into_inner).push(pending);
     }
 
+    /// The program asked for `usage` only; its views of the image are for no more, as those who compare it expect.
+    pub fn declare(&self, image: vk::Image, usage: vk::ImageUsageFlags) {
+        self.declared.lock().unwrap_or_else(PoisonError::into_inner).insert(image, usage);
+    }
+
     /// An image of a swapchain is gone.
     pub fn hide(&self, image: vk::Image) {
+        self.declared.lock().unwrap_or_else(PoisonError::into_inner).remove(&image);
         self.images.lock().unwrap_or_else(PoisonError::into_inner).remove(&image);
         self.pending.lock().unwrap_or_else(PoisonError::into_inner).retain(|pending| pending.image != image);
     }
@@ -287,9 +296,18 @@ hooks! { images;
     [c"vkCreateImageView"] create_image_view: vk::PFN_vkCreateImageView = (
         device: vk::Device, info: *const vk::ImageViewCreateInfo<'_>, allocator: *const vk::AllocationCallbacks<'_>, view: *mut vk::ImageView
     ) -> vk::Result { |state, next| {
-        let result = next(device, info, allocator, view);
+        let declared = state.images.declared.lock().unwrap_or_else(PoisonError::into_inner).get(&(*info).image).copied();
         let info = &*info;
-        if result == vk::Result::SUCCESS {
+        let said = in_chain::<vk::ImageViewUsageCreateInfo<'_>>(info.p_next, vk::StructureType::IMAGE_VIEW_USAGE_CREATE_INFO);
+        let mut narrowed = vk::ImageViewUsageCreateInfo::default().usage(declared.unwrap_or_default());
+        narrowed.p_next = info.p_next;
+        let mut changed = *info;
+        // Where usages are compared, the structure is known.
+        if declared.is_some() && said.is_none() && state.next.framebuffers.compares_usage() {
+            changed.p_next = std::ptr::from_ref(&narrowed).cast();
+        }
+        let result = next(device, &changed, allocator, view);
+        if result == vk::Result::SUCCESS && state.corrects {
             let new = View {
                 image: info.image,
                 kind: info.view_type,

@@ -68,7 +68,7 @@ unsafe fn room(device: &Device, info: &vk::PipelineLayoutCreateInfo<'_>) -> Opti
     let fits = info.set_layout_count < limits.max_bound_descriptor_sets
         && dynamic < limits.max_descriptor_set_uniform_buffers_dynamic
         && uniform < limits.max_per_stage_descriptor_uniform_buffers
-        && !sets.iter().any(|set| set.pushed);
+        && !sets.iter().any(|set| set.apart);
     fits.then_some(info.set_layout_count)
 }
 

@@ -180,7 +180,7 @@ unsafe extern "system" fn get_device_proc_addr(
     }
     // SAFETY: as above.
     let name = unsafe { CStr::from_ptr(name) };
-    let of_views = || super::hook::find(name).filter(|_| state.corrects);
+    let of_views = || super::hook::find(name).filter(|_| state.corrects || super::hook::ALWAYS.contains(&name));
     // SAFETY: the address of a function; who asks for it knows its signature.
     let of_views =
         || of_views().map(|address| unsafe { std::mem::transmute::<*const (), unsafe extern "system" fn()>(address) });

@@ -152,7 +152,10 @@ unsafe fn build(
     let real = unsafe { real_images(device, swapchain) }
         .map_err(|error| Error::new(ErrorKind::Graphics, format!("the driver does not tell its images: {error}")))?;
     let canvas = match corrected {
-        None => None,
+        None => {
+            real.iter().for_each(|image| device.images.declare(*image, info.image_usage));
+            None
+        }
         Some((rig, size)) => {
             let layout = Arc::new(Layout::new(rig, size, device.greatest_image())?);
             // SAFETY: as promised.
@@ -221,10 +224,12 @@ pub unsafe extern "system" fn destroy(
     // SAFETY: the program has finished with the swapchain; our own commands are waited for.
     unsafe {
         (device.swapchain.destroy_swapchain_khr)(handle, swapchain, allocator);
-        if let Some(managed) = managed
-            && let Some(mut canvas) = managed.lock().unwrap_or_else(PoisonError::into_inner).canvas.take()
-        {
-            canvas.destroy(&device);
+        if let Some(managed) = managed {
+            let mut managed = managed.lock().unwrap_or_else(PoisonError::into_inner);
+            managed.real.iter().for_each(|image| device.images.hide(*image));
+            if let Some(mut canvas) = managed.canvas.take() {
+                canvas.destroy(&device);
+            }
         }
     }
 }

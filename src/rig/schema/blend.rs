@@ -3,12 +3,12 @@
 use super::output::Kind;
 use crate::rig::problems::Problems;
 use crate::rig::reader::{Allowed, Section};
-use crate::rig::{AngleRamp, Blend, DomeAngle};
+use crate::rig::{AngleRamp, Blend, DomeAngle, RampShape, Transfer};
 use std::path::{Path, PathBuf};
 
 pub(super) fn blend(section: Option<Section>, kind: Kind, problems: &mut Problems) -> Blend {
     let overlap = kind == Kind::Projector;
-    let mut blend = Blend { overlap, ramp: 0.25, ramps: Vec::new(), gamma: 2.2, black_level: 0.0 };
+    let mut blend = Blend { overlap, ..Blend::default() };
     let Some(mut section) = section else { return blend };
     blend.overlap = section.boolean("overlap", overlap, problems);
     if blend.overlap && kind != Kind::Projector {
@@ -19,6 +19,22 @@ pub(super) fn blend(section: Option<Section>, kind: Kind, problems: &mut Problem
     blend.ramp = section.number("ramp", &ramp, 0.25, problems);
     blend.gamma =
         section.number("gamma", &Allowed::closed(1.0, 4.0, "the exponent of the display's response"), 2.2, problems);
+    blend.shape = shape(&mut section, problems);
+    let exponent = Allowed::closed(1.0, 2.0, "the exponent of the picture's claim on a point");
+    blend.exponent = section.number("exponent", &exponent, 1.0, problems);
+    let transfers = [("power", Transfer::Power), ("srgb", Transfer::Srgb)];
+    blend.transfer = section.choice("transfer", &transfers, problems).unwrap_or_default();
+    if blend.transfer == Transfer::Srgb && section.has("gamma") {
+        problems
+            .add(&section.path("gamma"), "goes with transfer = \"power\"; the curve of sRGB has no exponent to choose");
+    }
+    let contrast = Allowed::closed(10.0, 1e9, "white over black of the projector");
+    blend.contrast = section.optional_number("contrast", &contrast, problems);
+    if blend.contrast.is_some() && !blend.overlap {
+        problems.add(&section.path("contrast"), "goes with overlap = true; elsewhere no blacks add up");
+    }
+    let bits = Allowed::closed(6.0, 16.0, "bits per channel of the display");
+    blend.dither = section.optional_number("dither", &bits, problems).map(|bits| bits.round() as u32);
     let black = Allowed::below(0.0, 1.0, "light added to black, as a part of white");
     blend.black_level = section.number("black_level", &black, 0.0, problems);
     let example = "ramps = [{ angle = \"polar\", zero = 90, full = 80 }]";
@@ -47,8 +63,25 @@ fn angle_ramp(mut section: Section, problems: &mut Problems) -> Option<AngleRamp
     if section.has("zero") && zero == full {
         problems.add(&section.path("full"), format!("{full} is also `zero`; the ramp needs a width"));
     }
+    let shape = shape(&mut section, problems);
     section.finish(&[], problems);
-    Some(AngleRamp { angle, zero: zero.to_radians(), full: full.to_radians() })
+    Some(AngleRamp { angle, zero: zero.to_radians(), full: full.to_radians(), shape })
+}
+
+/// `shape` and `power` of a ramp.
+fn shape(section: &mut Section, problems: &mut Problems) -> RampShape {
+    let shapes =
+        [("smoothstep", RampShape::Smoothstep), ("cosine", RampShape::Cosine), ("power", RampShape::Power(2.0))];
+    let chosen = section.choice("shape", &shapes, problems).unwrap_or_default();
+    let power = section.optional_number("power", &Allowed::closed(0.5, 4.0, "the ramp's power"), problems);
+    match (chosen, power) {
+        (RampShape::Power(default), power) => RampShape::Power(power.unwrap_or(default)),
+        (_, Some(_)) => {
+            problems.add(&section.path("power"), "goes with shape = \"power\"");
+            chosen
+        }
+        (_, None) => chosen,
+    }
 }
 
 pub(super) fn mask(section: Option<Section>, directory: &Path, problems: &mut Problems) -> Option<PathBuf> {

@@ -154,7 +154,7 @@ fn projector(section: &mut Section, position: DVec3, angles: [f64; 3], problems:
     };
     let [yaw, pitch, roll] = angles;
     let optics = Optics { pose: Pose::new(position, yaw, pitch, roll), lens: plain, mirror };
-    Some(OutputKind::Optics { optics, even_light })
+    Some(OutputKind::Optics { optics: Box::new(optics), even_light })
 }
 
 /// A convex spherical mirror.

@@ -3,16 +3,28 @@
 use super::{PITCH, YAW};
 use crate::rig::problems::Problems;
 use crate::rig::reader::{Allowed, Section};
-use crate::rig::{Duplicate, Favour, Overlay, ViewMethod, Views};
+use crate::rig::{Duplicate, Favour, Filter, Overlay, ViewMethod, Views};
 
 pub(super) fn views(section: Option<Section>, problems: &mut Problems) -> Views {
-    let mut views =
-        Views { method: ViewMethod::Auto, quality: 1.0, favour: Favour::Balanced, duplicate: Duplicate::Auto };
+    let mut views = Views {
+        method: ViewMethod::Auto,
+        quality: 1.0,
+        filter: Filter::Bilinear,
+        favour: Favour::Balanced,
+        duplicate: Duplicate::Auto,
+    };
     let Some(mut section) = section else { return views };
     let methods = [("auto", ViewMethod::Auto), ("cube", ViewMethod::Cube), ("single", ViewMethod::Single)];
     views.method = section.choice("method", &methods, problems).unwrap_or(ViewMethod::Auto);
     let allowed = Allowed::closed(0.1, 8.0, "a factor on the views' resolution");
     views.quality = section.number("quality", &allowed, 1.0, problems);
+    let filters = [
+        ("bilinear", Filter::Bilinear),
+        ("catmull-rom", Filter::CatmullRom),
+        ("bilinear-4", Filter::Bilinear4),
+        ("catmull-rom-4", Filter::CatmullRom4),
+    ];
+    views.filter = section.choice("filter", &filters, problems).unwrap_or(Filter::Bilinear);
     let favours = [("balanced", Favour::Balanced), ("cpu", Favour::Processor), ("gpu", Favour::Graphics)];
     views.favour = section.choice("favour", &favours, problems).unwrap_or(Favour::Balanced);
     let duplicates = [("auto", Duplicate::Auto), ("never", Duplicate::Never), ("always", Duplicate::Always)];

@@ -3,7 +3,7 @@
 
 use super::{check_planes, check_request, no_view, projection, rotation};
 use crate::backend::vk::ash::vk;
-use crate::backend::vk::{Api, Recording, SourceImage, Surface, TargetImage, VkBackend};
+use crate::backend::vk::{Api, Recording, SourceImage, Surface, TargetImage, Timing, VkBackend};
 use crate::correct::{Arrangement, ImageSize, Plan};
 use crate::error::{Error, ErrorKind, Result};
 use crate::rig::Rig;
@@ -94,6 +94,7 @@ impl EmbeddedVulkan {
     fn make(&mut self) -> Result<()> {
         let VulkanOptions { arrangement, target_format, view_format, frames, .. } = self.options;
         self.backend.prepare_arranged(&self.plan, arrangement, target_format)?;
+        self.backend.measure(frames, self.options.queue_family)?;
         if view_format != vk::Format::UNDEFINED {
             let mut surface =
                 Surface::new(&self.api, arrangement, &arrangement.images(&self.plan), view_format, frames)?;
@@ -201,6 +202,12 @@ impl EmbeddedVulkan {
     /// Frames recorded so far.
     pub fn frames(&self) -> u64 {
         self.frames
+    }
+
+    /// How long the device took for the corrections since the last [`EmbeddedVulkan::resize`]; a frame's is known when the
+    /// next one with the same images is recorded.
+    pub fn timing(&self) -> Timing {
+        self.backend.timing()
     }
 
     /// Destroys everything on the device, which must be live.

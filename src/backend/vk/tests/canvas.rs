@@ -4,7 +4,7 @@ use crate::backend::tests::picture::Picture;
 use crate::backend::vk::headless::Headless;
 use crate::backend::vk::images::copy_to;
 use crate::backend::vk::memory::{Buffer, Image};
-use crate::backend::vk::{SourceImage, TargetImage, VkBackend};
+use crate::backend::vk::{SourceImage, TargetImage, Use, VkBackend, barrier};
 use crate::correct::Plan;
 use ash::vk;
 
@@ -28,7 +28,6 @@ pub fn show(headless: &Headless, plan: &Plan, panel: bool, atlas: &Picture) -> P
     upload.write(api, 0, &bytes).expect("mapped");
     let mut shown = vec![0; (size.0 * size.1 * 4) as usize];
     let mut download = Buffer::new(api, shown.len(), vk::BufferUsageFlags::TRANSFER_DST).expect("a buffer");
-    let transfer = (vk::PipelineStageFlags::TRANSFER, vk::AccessFlags::TRANSFER_WRITE);
     backend
         .set_sources(&[SourceImage {
             image: source.handle,
@@ -36,8 +35,8 @@ pub fn show(headless: &Headless, plan: &Plan, panel: bool, atlas: &Picture) -> P
             format: FORMAT,
             extent: atlas.size,
             layout: vk::ImageLayout::TRANSFER_DST_OPTIMAL,
-            stages: transfer.0,
-            access: transfer.1,
+            stages: Use::COPIED_TO.stages,
+            access: Use::COPIED_TO.access,
         }])
         .expect("a source");
     backend
@@ -60,12 +59,12 @@ pub fn show(headless: &Headless, plan: &Plan, panel: bool, atlas: &Picture) -> P
                 ..Default::default()
             })
             .image_extent(vk::Extent3D { width: atlas.size.0, height: atlas.size.1, depth: 1 });
-        let layouts = (vk::ImageLayout::UNDEFINED, vk::ImageLayout::TRANSFER_DST_OPTIMAL);
-        let none = (vk::PipelineStageFlags::empty(), vk::AccessFlags::empty());
-        super::super::images::barrier(api, commands, (source.handle, 1), layouts, none, transfer);
         // SAFETY: the command buffer is being recorded; all objects are live, and the sizes are the images' own.
         unsafe {
-            api.device.cmd_copy_buffer_to_image(commands, upload.handle, source.handle, layouts.1, &[region]);
+            let before = Use::nothing(vk::ImageLayout::UNDEFINED);
+            barrier(&api.device, commands, (source.handle, 1), before, Use::COPIED_TO);
+            let layout = Use::COPIED_TO.layout;
+            api.device.cmd_copy_buffer_to_image(commands, upload.handle, source.handle, layout, &[region]);
             backend.record(commands, 0, 0, &[[0, 0, size.0 as i32, size.1 as i32]])?;
         }
         copy_to(api, commands, target.handle, size, &download);

@@ -2,7 +2,7 @@
 
 use super::words;
 use cupola::geom::{Frustum, Lens, Optics};
-use cupola::rig::{Blend, Camera, DomeAngle, Output, OutputKind, Rig, ViewMethod};
+use cupola::rig::{Blend, Camera, DomeAngle, Output, OutputKind, Rig, Transfer, ViewMethod};
 use cupola::views::{self, View, ViewPlan};
 use serde_json::{Value, json};
 use std::fmt::Write;
@@ -132,7 +132,7 @@ fn special(optics: &Optics) -> String {
 
 /// How an output is weighted, where it is.
 fn extras(output: &Output) -> String {
-    let Blend { overlap, ramp, ramps, gamma, black_level } = &output.blend;
+    let Blend { overlap, ramp, ramps, gamma, transfer, black_level, contrast, dither, .. } = &output.blend;
     let mut parts = Vec::new();
     if output.eye != 0.0 {
         let side = if output.eye < 0.0 { "left" } else { "right" };
@@ -155,7 +155,15 @@ fn extras(output: &Output) -> String {
     if *black_level > 0.0 {
         parts.push(format!("black raised by {} %", number(black_level * 100.0)));
     }
-    if parts.len() > plain {
+    if let Some(contrast) = contrast {
+        parts.push(format!("black evened out for a contrast of {}", number(*contrast)));
+    }
+    if let Some(bits) = dither {
+        parts.push(format!("dithered for {bits} bits"));
+    }
+    if parts.len() > plain && *transfer == Transfer::Srgb {
+        parts.push("response of sRGB".to_owned());
+    } else if parts.len() > plain {
         parts.push(format!("gamma {}", number(*gamma)));
     }
     parts.join(", ")

@@ -1,9 +1,10 @@
-//! A process that asks for the OpenGL driver: drivers can end the process that loads them, and only a
+//! A process that asks for the driver: drivers can end the process that loads them, and only a
 //! fresh one sees a changed environment.
 
 use super::{Environment, apply};
 use crate::Failure;
 use cupola::backend::gl::{glx, headless};
+use cupola::backend::vk;
 use serde_json::{Value, json};
 use std::process::{Command, ExitCode, Stdio};
 use std::time::{Duration, Instant};
@@ -18,9 +19,11 @@ pub enum Way {
     Glx,
     /// EGL, without a surface.
     Egl,
+    /// Vulkan, without a surface.
+    Vulkan,
 }
 
-/// Ask for the OpenGL driver (for `cupola run` and `cupola doctor`).
+/// Ask for the driver (for `cupola run` and `cupola doctor`).
 #[derive(clap::Args)]
 pub struct Arguments {
     /// Which way to the driver
@@ -34,7 +37,7 @@ pub struct Answer {
     pub driver: String,
     /// The driver draws in the program's process.
     pub direct: bool,
-    /// File names of the OpenGL libraries that were loaded.
+    /// File names of the OpenGL libraries and of Cupola's that were loaded.
     pub libraries: Vec<String>,
 }
 
@@ -75,6 +78,12 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
             direct = true;
             libraries = loaded();
         }
+        Way::Vulkan => {
+            let device = vk::headless::Headless::new(&[])?;
+            driver = device.driver.clone();
+            direct = true;
+            libraries = loaded();
+        }
     }
     println!("{}", json!({ "driver": driver, "direct": direct, "libraries": libraries }));
     Ok(ExitCode::SUCCESS)
@@ -101,6 +110,7 @@ pub fn ask(way: Way, environment: &Environment) -> Result<Answer, String> {
     let name = match way {
         Way::Glx => "glx",
         Way::Egl => "egl",
+        Way::Vulkan => "vulkan",
     };
     let executable = std::env::current_exe().map_err(|error| error.to_string())?;
     let mut command = Command::new(executable);

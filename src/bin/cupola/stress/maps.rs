@@ -1,16 +1,16 @@
-//! The shaders' map of a random rig against the exact one.
+//! The shaders' map of a random rig, or that of their formulas, against the exact one.
 
 use super::Finding;
+use super::driver::Driver;
 use super::rigs::{self, Place, pick};
 use crate::Failure;
-use cupola::backend::gl::headless::Headless;
-use cupola::backend::gl::{MapPixel, gpu_map};
+use cupola::correct::Plan;
 use cupola::geom::random::Random;
 use cupola::rig::Rig;
 use cupola::views::Request;
 use cupola::warp::accuracy::pixel_angle;
 use cupola::warp::{WarpMap, compare};
-use glam::{DVec2, DVec3};
+use glam::DVec2;
 
 /// Errors are given in pixels of a picture so wide: what a small picture shows is then held to what a large one needs.
 const REFERENCE_WIDTH: f64 = 4096.0;
@@ -26,17 +26,15 @@ const TOUCHING: f64 = 10.0;
 const ANGLE: f64 = 6e-7;
 
 /// What the driver's map of one rig is like.
-pub fn case(random: &mut Random, context: &Headless) -> Result<Vec<Finding>, Failure> {
+pub fn case(random: &mut Random, driver: &Driver) -> Result<Vec<Finding>, Failure> {
     let case = rigs::any(random)?;
     let size = size(random);
     let refused =
         |failure: Failure| Failure::new(format!("{}\nsize {}x{}\n{}", failure.message, size.0, size.1, case.text));
-    let map = gpu(context, &case.rig, 0, &[size]).map_err(refused)?;
+    let plan = planned(&case.rig, &[size]);
+    let directions = plan.and_then(|plan| driver.directions(&plan, 0)).map_err(refused)?;
     let exact = WarpMap::new(&case.rig, 0, size, None)?;
-    let look = |x: u32, y: u32| {
-        let pixel = &map[(y * size.0 + x) as usize];
-        pixel.view.map(|_| DVec3::from_array(pixel.direction.map(f64::from)))
-    };
+    let look = |x: u32, y: u32| directions[(y * size.0 + x) as usize];
     let error = compare(&exact, 1, look);
     let scale = REFERENCE_WIDTH / f64::from(size.0.max(size.1));
     let input = format!("size {}x{}, pixel {:?}\n{}", size.0, size.1, error.worst, case.text);
@@ -75,8 +73,8 @@ pub fn size(random: &mut Random) -> (u32, u32) {
     (side(random), side(random))
 }
 
-/// The driver's map of output `output` at `sizes`.
-pub fn gpu(context: &Headless, rig: &Rig, output: usize, sizes: &[(u32, u32)]) -> Result<Vec<MapPixel>, Failure> {
+/// The plan of a rig whose outputs have `sizes`.
+pub fn planned(rig: &Rig, sizes: &[(u32, u32)]) -> Result<Plan, Failure> {
     let request = Request {
         output_sizes: sizes.to_vec(),
         window: (512, 512),
@@ -84,6 +82,5 @@ pub fn gpu(context: &Headless, rig: &Rig, output: usize, sizes: &[(u32, u32)]) -
         primary: false,
         max_atlas: crate::check::LARGEST_ATLAS,
     };
-    let plan = cupola::correct::build(rig, &request)?;
-    Ok(gpu_map(&context.gl, context.is_gles, &plan, output)?)
+    Ok(cupola::correct::build(rig, &request)?)
 }

@@ -1,6 +1,7 @@
 //! `cupola stress`: random and adversarial rigs, matrices and overlaps against f64, until something breaks.
 
 mod clip;
+mod driver;
 mod lens;
 mod light;
 mod maps;
@@ -8,8 +9,8 @@ mod report;
 mod rigs;
 
 use crate::{Failure, terminal};
-use cupola::backend::gl::headless::{Api, Headless};
 use cupola::geom::random::Random;
+use driver::{Backend, Driver};
 use report::{Finding, Report};
 use std::process::ExitCode;
 
@@ -31,6 +32,9 @@ pub struct Arguments {
     /// Only these parts [default: all]
     #[arg(long, value_delimiter = ',', value_name = "PART")]
     only: Vec<Part>,
+    /// What computes the maps of the parts maps and light
+    #[arg(long, value_enum, default_value_t = Backend::Gl)]
+    backend: Backend,
     /// Answer in JSON
     #[arg(long)]
     json: bool,
@@ -60,14 +64,12 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let mut case = 0;
     while report.compared() < arguments.pixels && arguments.cases.is_none_or(|most| case < most) {
         let seed = arguments.seed.wrapping_add(case);
-        // Turns are taken, so that one context of each kind is current at a time.
-        let api = if seed.is_multiple_of(2) { Api::Core } else { Api::Es3 };
-        let context = on_driver.then(|| Headless::new(api)).transpose()?;
+        let driver = on_driver.then(|| Driver::new(arguments.backend, seed)).transpose()?;
         for &part in &parts {
             let mut random = Random::new(seed);
-            let findings = match (part, &context) {
-                (Part::Maps, Some(context)) => maps::case(&mut random, context),
-                (Part::Light, Some(context)) => light::case(&mut random, context),
+            let findings = match (part, &driver) {
+                (Part::Maps, Some(driver)) => maps::case(&mut random, driver),
+                (Part::Light, Some(driver)) => light::case(&mut random, driver),
                 (Part::Clip, _) => Ok(clip::case(&mut random)),
                 (Part::Lens, _) => Ok(lens::case(&mut random)),
                 (Part::Maps | Part::Light, None) => Ok(Vec::new()),

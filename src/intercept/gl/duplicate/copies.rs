@@ -254,12 +254,14 @@ pub(super) fn resample(ctx: &mut Context, from: End, to: End, mask: u32, filter:
         // SAFETY: the caller bound both framebuffers.
         unsafe { gl.blit_framebuffer(x0, y0, x1, y1, u0, v0, u1, v1, mask, filter) };
     };
-    if here == there {
+    // Samples are resolved, or given, in their own format only.
+    let alike = from.format == to.format || (from.samples == 0 && to.samples == 0);
+    if here == there && alike {
         issue(from.corners, to.corners, mask, if mask == api::GL_COLOR_BUFFER_BIT { filter } else { api::GL_NEAREST });
         return;
     }
     let depth = mask & !api::GL_COLOR_BUFFER_BIT;
-    if depth != 0 && from.samples == 0 && to.samples == 0 {
+    if depth != 0 && (here == there || (from.samples == 0 && to.samples == 0)) {
         issue(from.corners, to.corners, depth, api::GL_NEAREST);
     }
     let colour = api::GL_COLOR_BUFFER_BIT;

@@ -152,5 +152,7 @@ fn look(gl: &Gl, point: u32) -> Attached {
         }
         _ => return Attached::Nothing,
     };
-    image.map_or(Attached::Other("it is a layer of a texture"), |image| Attached::Image(Box::new(image)))
+    image.map_or(Attached::Other("it is a layer of a texture, or the driver does not tell its size"), |image| {
+        Attached::Image(Box::new(image))
+    })
 }

@@ -54,6 +54,8 @@ pub struct Duplicates {
     canvases: Vec<Canvas>,
     /// What was shown last.
     shown: shown::Shown,
+    /// It was said that scenes of this context stay flat.
+    said: bool,
     /// Off-screen draws that were issued once per view.
     pub draws: u64,
 }
@@ -397,6 +399,7 @@ fn supply(ctx: &mut Context, set: Set, view: usize) {
 /// A draw to a framebuffer of the program's. `false`: it is single and is to be drawn as it is.
 pub fn draw(ctx: &mut Context, changes: Changes, issue: &mut dyn FnMut(&mut Context, &Gl)) -> bool {
     if ctx.believed.draw_framebuffer == 0 || ctx.picking || ctx.discard || ctx.feedback || !possible(ctx) {
+        say_without_window(ctx);
         leave(ctx);
         return false;
     }
@@ -429,6 +432,20 @@ pub fn draw(ctx: &mut Context, changes: Changes, issue: &mut dyn FnMut(&mut Cont
         });
     }
     true
+}
+
+/// A toolkit draws scenes in a context without a window, and composes the window in another.
+fn say_without_window(ctx: &mut Context) {
+    if ctx.target.is_some() || ctx.window.is_some() || ctx.duplicates.said || ctx.believed.draw_framebuffer == 0 {
+        return;
+    }
+    let Some(program) = ctx.program.clone().filter(|program| program.draws_vertices()) else { return };
+    if super::pipelines::lens(ctx, &program) != super::programs::Lens::Flat {
+        ctx.duplicates.said = true;
+        log::once(
+            "a scene is drawn off screen in a context without a window; where another context shows it, it is flat",
+        );
+    }
 }
 
 /// A draw whose shader asks where on the screen it is: it goes into the program's own framebuffer, which has each
@@ -465,6 +482,9 @@ fn note(ctx: &mut Context, index: usize, place: Place, sampled: Set) {
     let Some(window) = ctx.target.as_ref().map(|target| target.size()) else { return };
     let alike = wish() == Duplicate::Always || passes::like_window(ctx.believed.viewport, window);
     let Duplicates { framebuffers, images, learnt, .. } = &mut ctx.duplicates;
+    if place == Place::Flat && sampled == 0 {
+        return;
+    }
     let names: [Option<Name>; 64] = std::array::from_fn(|i| images.get(i).map(|image| image.name));
     let sources = |set: Set| names.into_iter().enumerate().filter(move |(i, _)| set >> i & 1 != 0).filter_map(|n| n.1);
     for name in framebuffers[index].colours() {

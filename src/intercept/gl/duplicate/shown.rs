@@ -102,12 +102,21 @@ fn make_canvases(ctx: &mut Context) -> bool {
         return false;
     }
     let size = [target.size().0 as i32, target.size().1 as i32];
-    let (count, format) = (views(ctx), window_format(ctx));
+    let (count, format) = (views(ctx), canvas_format(ctx));
     while ctx.duplicates.shown.canvases.len() < count {
         let Some(canvas) = Canvas::new(ctx.gl, size, format) else { return false };
         ctx.duplicates.shown.canvases.push(canvas);
     }
     true
+}
+
+/// What is drawn into a canvas is scaled afterwards; more bits than the window's keep that from rounding twice. OpenGL ES
+/// has no such format, and what is encoded as sRGB is so only in 8 bits.
+fn canvas_format(ctx: &Context) -> u32 {
+    match window_format(ctx) {
+        api::GL_RGBA8 if !ctx.profile.es => api::GL_RGBA16,
+        format => format,
+    }
 }
 
 fn show_by_canvas(ctx: &mut Context, changes: Changes, sampled: Set, issue: &mut dyn FnMut(&mut Context, &Gl)) {
@@ -122,7 +131,7 @@ fn show_by_canvas(ctx: &mut Context, changes: Changes, sampled: Set, issue: &mut
         let (Some(canvas), Some(target)) = (ctx.duplicates.shown.canvases.get(view), &ctx.target) else { return };
         let (canvas, [x, y, width, height]) = (canvas.framebuffer(), target.session.tile(view).0);
         let tile = End { corners: [x, y, x + width, y + height], samples, format };
-        let picture = End { corners: whole, samples: 0, format };
+        let picture = End { corners: whole, samples: 0, format: canvas_format(ctx) };
         let (from, to) =
             if to_view { ((canvas, picture), (window, tile)) } else { ((window, tile), (canvas, picture)) };
         // SAFETY: framebuffers of ours; the read binding is put back.

@@ -55,15 +55,18 @@ pub fn string(words: &[u32]) -> (String, usize) {
     (String::from_utf8_lossy(&bytes).into_owned(), length)
 }
 
+/// An id, or a member of one.
+type Place = (u32, Option<u32>);
+
 /// What a module declares before its functions.
 #[derive(Default)]
 pub struct Declarations<'a> {
     /// Types, constants and variables by their id.
     pub by_id: HashMap<u32, Instruction<'a>>,
-    /// Decorations of ids and of members: id, member.
-    decorations: HashMap<(u32, Option<u32>), Vec<(u32, &'a [u32])>>,
-    /// Names of ids and of members.
-    names: HashMap<(u32, Option<u32>), String>,
+    /// Decorations: kind, operands.
+    decorations: HashMap<Place, Vec<(u32, &'a [u32])>>,
+    /// Names.
+    names: HashMap<Place, String>,
 }
 
 impl<'a> Declarations<'a> {

@@ -1,0 +1,217 @@
+//! What the filters make of a scene with hard edges, against 64 samples per pixel, and that none reads beyond its tile.
+
+use super::Driver;
+use super::picture::Picture;
+use crate::correct::Plan;
+use crate::correct::plan::build;
+use crate::geom::random::Random;
+use crate::rig::{Filter, OutputKind, ViewMethod};
+use crate::views::tests::{fisheye, output, projector, request, rig};
+use crate::views::{Tile, View};
+use glam::{DVec2, DVec3};
+use std::f64::consts::PI;
+use std::sync::LazyLock;
+
+const SIZE: u32 = 512;
+
+/// A checker in space, black and white: edges of all directions cross the sphere. It is turned, so that none of them
+/// coincides with a border of pixels, texels or views.
+fn scene(direction: DVec3) -> f64 {
+    let turned = DVec3::new(
+        direction.dot(DVec3::new(0.64, 0.48, 0.6)),
+        direction.dot(DVec3::new(-0.6, 0.8, 0.0)),
+        direction.dot(DVec3::new(-0.48, -0.36, 0.8)),
+    );
+    let cell = turned * (CELLS / direction.length()) + DVec3::new(0.3, 1.1, 2.0);
+    if cell.x.sin() * cell.y.sin() * cell.z.sin() > 0.0 { 1.0 } else { 0.0 }
+}
+
+/// π over a cell's side.
+const CELLS: f64 = 6.0;
+
+/// Samples of a texel with fourfold anti-aliasing.
+const FOUR: [DVec2; 4] =
+    [DVec2::new(0.125, 0.375), DVec2::new(-0.375, 0.125), DVec2::new(-0.125, -0.375), DVec2::new(0.375, -0.125)];
+const ONE: [DVec2; 1] = [DVec2::ZERO];
+
+const FILTERS: [Filter; 4] = [Filter::Bilinear, Filter::CatmullRom, Filter::Bilinear4, Filter::CatmullRom4];
+
+/// The direction that a view shows at a place of its tile, in texels from the bottom left.
+fn direction(view: &View, place: DVec2) -> DVec3 {
+    let (tile, frustum) = (view.tile, view.frustum);
+    let texel = DVec2::new(frustum.width() / f64::from(tile.width), frustum.height() / f64::from(tile.height));
+    view.rotation.transpose() * (DVec2::new(frustum.left, frustum.bottom) + place * texel).extend(-1.0)
+}
+
+/// The views as a program draws them, with as many samples per texel as `places`.
+fn drawn(plan: &Plan, places: &[DVec2]) -> Picture {
+    let mut atlas = Picture::new(plan.views.atlas, |_, _| [0; 4]);
+    for view in &plan.views.views {
+        let tile = view.tile;
+        for (x, y) in (0..tile.height).flat_map(|y| (0..tile.width).map(move |x| (x, y))) {
+            let centre = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
+            let light = |place: &DVec2| scene(direction(view, centre + *place));
+            let mean = places.iter().map(light).sum::<f64>() / places.len() as f64;
+            let code = (255.0 * mean).round() as u8;
+            atlas.pixels[((tile.y + y) * plan.views.atlas.0 + tile.x + x) as usize] = [code, code, code, 255];
+        }
+    }
+    atlas
+}
+
+/// The mean of `side`² samples in each pixel that lies wholly in the picture, row 0 at the bottom.
+fn sampled(plan: &Plan, side: u32) -> Vec<Option<f64>> {
+    let (pass, (width, height)) = (&plan.passes[0], plan.passes[0].size);
+    let mean = |index: u32| {
+        let (column, row) = (index % width, height - 1 - index / width);
+        let mut sum = 0.0;
+        for sample in 0..side * side {
+            let part = |i: u32| (f64::from(i) + 0.5) / f64::from(side);
+            let (x, y) = (f64::from(column) + part(sample % side), f64::from(row) + part(sample / side));
+            let (x, y) = pass.source.normalised(pass.size, x, y);
+            sum += scene(pass.source.direction(x, y)?);
+        }
+        Some(sum / f64::from(side * side))
+    };
+    (0..width * height).map(mean).collect()
+}
+
+/// Signal to noise in dB of a picture's values, where there is an exact one.
+fn signal(values: impl Iterator<Item = f64>, exact: &[Option<f64>]) -> f64 {
+    let errors = values.zip(exact).filter_map(|(value, exact)| Some(value - (*exact)?));
+    let (sum, count) = errors.fold((0.0, 0), |(sum, count), error| (sum + error * error, count + 1));
+    -10.0 * (sum / f64::from(count)).log10()
+}
+
+/// Signal to noise in dB of what a driver shows.
+fn shown(driver: &dyn Driver, plan: &Plan, places: &[DVec2], exact: &[Option<f64>]) -> f64 {
+    let picture = driver.show(plan, false, &drawn(plan, places));
+    signal(picture.pixels.iter().map(|pixel| f64::from(pixel[0]) / 255.0), exact)
+}
+
+/// A fisheye picture of 180° with views of `quality` and `filter`.
+fn planned(size: u32, quality: f64, filter: Filter) -> Plan {
+    let mut rig = rig(vec![fisheye(180.0, 90.0)]);
+    (rig.views.quality, rig.views.filter) = (quality, filter);
+    build(&rig, &request(&[(size, size)])).expect("a plan")
+}
+
+/// What the pixels of a fisheye picture should be. The same for all drivers.
+static EXACT: LazyLock<Vec<Option<f64>>> = LazyLock::new(|| sampled(&planned(SIZE, 1.0, Filter::Bilinear), 8));
+
+/// The bounds are what was found, less 0.2 dB, to notice what gets worse.
+pub fn filters_are_as_good_as_they_should_be(driver: &dyn Driver) {
+    let exact = EXACT.as_slice();
+    let single = sampled(&planned(SIZE, 1.0, Filter::Bilinear), 1);
+    let ideal = signal(single.into_iter().map(|value| value.unwrap_or_default()), exact);
+    println!("no resampling, one sample: {ideal:.2} dB");
+    // As hard a scene as that of the goals.
+    assert!((ideal - 27.2).abs() < 0.3, "{ideal}");
+    let mut failures = Vec::new();
+    for (quality, places, filter, least) in [
+        (1.0, &FOUR[..], Filter::Bilinear, 33.0),
+        (1.25, &FOUR[..], Filter::Bilinear, 35.0),
+        (1.0, &FOUR[..], Filter::CatmullRom, 34.0),
+        (2.0, &ONE[..], Filter::Bilinear4, 36.5),
+        (1.5, &FOUR[..], Filter::CatmullRom4, 38.0),
+    ] {
+        let signal = shown(driver, &planned(SIZE, quality, filter), places, exact);
+        println!("{filter:?}, quality {quality}, {} samples: {signal:.2} dB", places.len());
+        if signal < least {
+            failures.push(format!("{filter:?}, quality {quality}: {signal:.2} of {least} dB"));
+        }
+    }
+    assert!(failures.is_empty(), "{failures:#?}");
+    // Negative control: a source without anti-aliasing is noticed.
+    assert!(shown(driver, &planned(SIZE, 1.0, Filter::Bilinear), &ONE, exact) < 32.0);
+}
+
+/// A projector's picture made directly, and made of a domemaster of the same resolution, as programs do that know
+/// only domemasters.
+pub fn one_resampling_is_better_than_two(driver: &dyn Driver) {
+    let (width, height) = (256, 160);
+    let frustum = crate::geom::Frustum::symmetric(60f64.to_radians(), 39.68f64.to_radians());
+    let output = projector("one", DVec3::new(0.0, 0.4, 3.0), [10.0, 5.0, 3.0], frustum);
+    let plan = build(&rig(vec![output]), &request(&[(width, height)])).expect("a plan");
+    let exact = sampled(&plan, 8);
+    let direct = shown(driver, &plan, &FOUR, &exact);
+
+    // As many pixels per angle as the projector's picture has in its middle.
+    let towards = |x: f64| plan.passes[0].source.direction(x, 0.0).expect("from inside every ray hits");
+    let pixel = towards(0.0).angle_between(towards(2.0 / f64::from(width)));
+    let side = (PI / pixel).round();
+    let dome = planned(side as u32, 1.0, Filter::Bilinear);
+    let master = driver.show(&dome, false, &drawn(&dome, &FOUR));
+    let twice = (0..width * height).map(|index| {
+        let pass = &plan.passes[0];
+        let (column, row) = (f64::from(index % width) + 0.5, f64::from(height - 1 - index / width) + 0.5);
+        let (x, y) = pass.source.normalised(pass.size, column, row);
+        let lens = pass.source.direction(x, y).expect("from inside every ray hits");
+        let at = crate::geom::Fisheye { aperture: PI }.point(lens);
+        master.bilinear(0.5 * side * (1.0 + at.x), 0.5 * side * (1.0 + at.y))[0]
+    });
+    let twice = signal(twice, &exact);
+    println!("domemaster {side}²: resampled once {direct:.2} dB, twice {twice:.2} dB");
+    assert!(direct - twice >= 3.5, "{direct} {twice}");
+}
+
+/// The views farther apart in the atlas, so that there is room beyond each.
+fn spread(plan: &Plan) -> Plan {
+    let mut plan = plan.clone();
+    let mut right = ROOM;
+    for view in &mut plan.views.views {
+        (view.tile.x, view.tile.y) = (right, ROOM);
+        right += view.tile.width + ROOM;
+    }
+    let highest = plan.views.views.iter().map(|view| view.tile.height).max().unwrap_or_default();
+    plan.views.atlas = (right, highest + 2 * ROOM);
+    plan
+}
+
+/// Texels between tiles.
+const ROOM: u32 = 8;
+
+/// What is shown of noise in all tiles but for their outermost `ring` texels, which are `beyond`, as all around them.
+fn within(driver: &dyn Driver, plan: &Plan, ring: u32, beyond: u8) -> Picture {
+    let random = std::cell::RefCell::new(Random::new(5));
+    let atlas = Picture::new(plan.views.atlas, |x, y| {
+        let noise = if random.borrow_mut().unit() < 0.5 { 0 } else { 255 };
+        let inside = |tile: &Tile| {
+            let within = |at: u32, start: u32, length: u32| at >= start + ring && at + ring < start + length;
+            within(x, tile.x, tile.width) && within(y, tile.y, tile.height)
+        };
+        let code = if plan.views.views.iter().any(|view| inside(&view.tile)) { noise } else { beyond };
+        [code, code, code, 255]
+    });
+    driver.show(plan, false, &atlas)
+}
+
+/// A picture near seams is that of views without end, to the last bit: what lies beyond the tiles does not matter.
+pub fn filters_read_nothing_beyond_their_tiles(driver: &dyn Driver) {
+    let frustum = crate::geom::Frustum::symmetric(1.2, 0.9);
+    let (position, degrees) = (DVec3::new(0.5, 0.2, 2.5), [40.0, 17.0, 6.0]);
+    let pose = crate::geom::Pose::new(position, 0.7, 0.3, 0.1);
+    // Not quite a pinhole, so that it is tabulated.
+    let distortion = crate::geom::lens::Distortion { radial: [1e-6, 0.0, 0.0], tangential: [0.0; 2] };
+    let lens = crate::geom::Lens::Pinhole { frustum, distortion, keystone: glam::DMat3::IDENTITY };
+    let optics = crate::geom::Optics { pose, lens, mirror: None };
+    let tabulated = output("one", OutputKind::Optics { optics: Box::new(optics), even_light: 0.0 });
+    for output in [fisheye(180.0, 90.0), projector("one", position, degrees, frustum), tabulated] {
+        let mut rig = rig(vec![output]);
+        rig.views.method = ViewMethod::Cube;
+        for filter in FILTERS {
+            for quality in [1.0, 2.3] {
+                (rig.views.filter, rig.views.quality) = (filter, quality);
+                let plan = spread(&build(&rig, &request(&[(120, 96)])).expect("a plan"));
+                let differing = |ring: u32| {
+                    let pictures = [0, 255].map(|beyond| within(driver, &plan, ring, beyond));
+                    pictures[0].pixels.iter().zip(&pictures[1].pixels).filter(|(a, b)| a != b).count()
+                };
+                let what = format!("{:?}, {filter:?}, quality {quality}", rig.outputs[0].kind);
+                assert_eq!(differing(0), 0, "{what}");
+                // Negative control: a guard that is narrower by one texel does not do.
+                assert!(differing(1) > 0, "{what}: the guard is too wide, or what lies beyond is not noticed");
+            }
+        }
+    }
+}

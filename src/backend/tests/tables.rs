@@ -1,0 +1,131 @@
+//! Maps that come from a texture.
+
+use super::Driver;
+use super::plans::*;
+use crate::correct::plan::{Plan, Source};
+use crate::correct::{Table, TablePixel};
+use crate::warp::{WarpMap, compare};
+use glam::DVec3;
+use std::sync::Arc;
+
+/// What a bent projector shows at a pixel: a narrow picture with a hole, and weights.
+fn shown(size: (u32, u32), opening: f64, column: u32, row: u32) -> Option<TablePixel> {
+    let (x, y) = normalised(size, column, row);
+    let direction = DVec3::new(opening * (x + 0.1 * y * y), opening * (y - 0.2 * x * y), -1.0);
+    let hole = x * x + y * y < 0.01;
+    (!hole).then(|| TablePixel { direction: viewer().rotation * direction * 3.0, weight: 0.25 + 0.25 * (x + 1.0) })
+}
+
+pub fn a_table_is_shown_as_it_was_computed(driver: &dyn Driver) {
+    let size = (640, 400);
+    // From a wide picture to one of two arc minutes: the error in pixels stays the same.
+    for opening in [0.9, 0.01, 3e-4] {
+        let table = Table::new(size, |column, row| shown(size, opening, column, row));
+        assert!(table.is_weighted());
+        let half = 1.5 * opening;
+        let owned = crate::geom::Frustum { left: -half, right: half, bottom: -half, top: half };
+        let tile = crate::views::Tile { x: 8, y: 4, width: 900, height: 900 };
+        let views = view_plan(vec![view("one", viewer().rotation.transpose(), owned, tile)], (920, 910));
+        let source = Source::Table(Arc::new(table));
+        let plan = Plan { views, passes: vec![pass(size, source, vec![0], true)] };
+        let map = driver.map(&plan, 0);
+        let pixel = 2.0 * opening / f64::from(size.0);
+        let mut wrong: f64 = 0.0;
+        for (i, found) in map.iter().enumerate() {
+            let (column, row) = (i as u32 % size.0, i as u32 / size.0);
+            let expected = shown(size, opening, column, row);
+            assert_eq!(expected.is_some(), found.view.is_some(), "{column} {row}");
+            let Some(expected) = expected else { continue };
+            // In view axes, where f64 keeps the angle even of the narrowest picture.
+            let atlas = found.atlas.map(f64::from);
+            let frustum = plan.views.views[0].frustum;
+            let tangent = |atlas: f64, extent: f64, start: f64, low: f64, width: f64| {
+                low + (atlas * extent - start) / 900.0 * width
+            };
+            let (x, y) = (
+                tangent(atlas[0], 920.0, 8.0, frustum.left, frustum.width()),
+                tangent(atlas[1], 910.0, 4.0, frustum.bottom, frustum.height()),
+            );
+            let exact = viewer().rotation.transpose() * expected.direction;
+            let error = (exact.x / -exact.z - x).hypot(exact.y / -exact.z - y) / pixel;
+            assert!(error < 0.002, "{opening}: {error} at {column}, {row}");
+            assert!((f64::from(found.weight) - expected.weight).abs() < 1e-6);
+            let neighbour = shown(size, opening, column ^ 1, row);
+            let mirrored = neighbour.map_or(0.0, |n| (n.weight - f64::from(found.weight)).abs());
+            wrong = wrong.max(mirrored);
+        }
+        assert!(wrong > 5e-4, "the neighbouring pixel is not taken for this one");
+    }
+}
+
+/// A rig file's outputs through plan and shader, against the exact map, pixel by pixel.
+fn check_rig(driver: &dyn Driver, text: &str, size: (u32, u32)) {
+    let rig = crate::rig::parse(text, "test", std::path::Path::new("")).expect("a valid rig");
+    let count = rig.outputs.len();
+    let request = crate::views::Request {
+        output_sizes: vec![size; count],
+        window: size,
+        panel: false,
+        primary: false,
+        max_atlas: 8192,
+    };
+    let plan = crate::correct::build(&rig, &request).expect("a plan");
+    for output in 0..count {
+        assert!(matches!(plan.passes[output].source, Source::Table(_)), "{text}");
+        let exact = WarpMap::new(&rig, output, size, None).expect("a map");
+        let map = driver.map(&plan, output);
+        let at = |x: u32, y: u32| &map[(y * size.0 + x) as usize];
+        let direction = |x, y| at(x, y).view.map(|_| DVec3::from_array(at(x, y).direction.map(f64::from)));
+        let error = compare(&exact, 1, direction);
+        println!("{error:?}");
+        assert!(error.is_sound() && error.compared > 5_000, "{text}: {error:?}");
+        assert!(error.max < 0.002, "{text}: {error:?}");
+        // The neighbouring pixel is not taken for this one.
+        let shifted = compare(&exact, 1, |x, y| direction((x + 1).min(size.0 - 1), y));
+        assert!(shifted.rms > 0.3, "{text}: {shifted:?}");
+        // Every sample lies in the part of the atlas that its view draws.
+        for pixel in &map {
+            let Some(index) = pixel.view else { continue };
+            let tile = &plan.views.views[index].tile;
+            let (x, y) = (
+                f64::from(pixel.atlas[0]) * f64::from(plan.views.atlas.0) - f64::from(tile.x),
+                f64::from(pixel.atlas[1]) * f64::from(plan.views.atlas.1) - f64::from(tile.y),
+            );
+            let inside = x >= 0.5 && y >= 0.5 && x <= f64::from(tile.width) - 0.5 && y <= f64::from(tile.height) - 0.5;
+            assert!(inside, "{text}: ({x}, {y}) of {tile:?}");
+        }
+    }
+}
+
+pub fn mirrors_and_lenses_show_what_the_exact_map_says(driver: &dyn Driver) {
+    check_rig(
+        driver,
+        crate::rig::presets().iter().find(|preset| preset.name == "idome").expect("a preset").text,
+        (640, 360),
+    );
+    let projector = |lens: &str, viewer: &str| {
+        format!(
+            "[dome]\nradius = 4.0\ntilt = 60.0\n[viewer]\nposition = {viewer}\n\
+             [[output]]\nkind = \"projector\"\nposition = [0.3, -0.5, 1.0]\npitch = 30.0\n{lens}\n"
+        )
+    };
+    for viewer in ["[0.0, 0.0, 0.0]", "[0.8, -0.5, 0.7]", "[-2.0, 1.0, -0.8]"] {
+        for projection in ["equidistant", "equisolid", "stereographic", "orthographic"] {
+            let lens = format!("fisheye = {{ projection = \"{projection}\", aperture = 150.0 }}");
+            check_rig(driver, &projector(&lens, viewer), (320, 240));
+        }
+        let lens =
+            "fisheye = { projection = \"polynomial\", aperture = 190.0, coefficients = [1.0, -0.03, 0.001, 0.0] }";
+        check_rig(driver, &projector(lens, viewer), (320, 240));
+        let lens = "fov = [70.0, 50.0]\nshift = [0.0, 0.2]\n\
+                    distortion = { radial = [-0.1, 0.02, 0.0], tangential = [0.002, -0.001] }";
+        check_rig(driver, &projector(lens, viewer), (320, 240));
+    }
+}
+
+pub fn a_projector_that_looks_away_makes_no_ghosts(driver: &dyn Driver) {
+    // From outside, and half of the picture looks the other way: the closed form would take the dome for being there.
+    let text = "[dome]\nradius = 1.0\ncoverage = 360.0\n[[output]]\nkind = \"projector\"\n\
+                position = [0.0, 0.0, 1.2]\nyaw = 70.0\nfov = [120.0, 90.0]\n";
+    check_rig(driver, text, (320, 240));
+}

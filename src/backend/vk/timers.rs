@@ -1,0 +1,103 @@
+//! How long the device takes for corrections.
+
+use super::api::{Api, refused};
+use crate::error::Result;
+use ash::vk;
+
+/// What was measured.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Timing {
+    /// Corrections that were measured.
+    pub corrections: u64,
+    /// The time of all of them, nanoseconds.
+    pub total: f64,
+    /// The time of the one that was read last, nanoseconds.
+    pub last: f64,
+}
+
+/// A pair of timestamps for each source. The default measures nothing.
+#[derive(Default)]
+pub(super) struct Timers {
+    pool: vk::QueryPool,
+    /// Whether timestamps of a source were written.
+    written: Vec<bool>,
+    /// Nanoseconds of a step.
+    period: f64,
+    /// The bits of a timestamp that count.
+    mask: u64,
+    timing: Timing,
+}
+
+impl Timers {
+    /// For `sources` sources whose corrections run in queues of `family`.
+    pub fn new(api: &Api, sources: usize, family: u32) -> Result<Self> {
+        let bits = api.timestamp_bits(family);
+        if bits == 0 || sources == 0 {
+            return Ok(Self::default());
+        }
+        let info =
+            vk::QueryPoolCreateInfo::default().query_type(vk::QueryType::TIMESTAMP).query_count(2 * sources as u32);
+        // SAFETY: the device is live; the structure is complete.
+        let pool = unsafe { api.device.create_query_pool(&info, None) }.map_err(refused("timestamps"))?;
+        Ok(Self {
+            pool,
+            written: vec![false; sources],
+            period: f64::from(api.limits.timestamp_period),
+            mask: u64::MAX >> (64 - bits.min(64)),
+            timing: Timing::default(),
+        })
+    }
+
+    /// What was measured so far.
+    pub fn timing(&self) -> Timing {
+        self.timing
+    }
+
+    /// Takes what the last correction of `source` left, and records the beginning of the next one: when all commands
+    /// before it are done.
+    ///
+    /// # Safety
+    /// The command buffer is being recorded, outside a render pass; no other one that does the same is pending.
+    pub unsafe fn start(&mut self, api: &Api, command_buffer: vk::CommandBuffer, source: usize) {
+        let Some(written) = self.written.get_mut(source) else { return };
+        let first = 2 * source as u32;
+        if std::mem::replace(written, true) {
+            let mut stamps = [0u64; 2];
+            // SAFETY: the queries are ours. Those that are not available, as when nothing was submitted, are not waited for.
+            let read = unsafe {
+                api.device.get_query_pool_results(self.pool, first, &mut stamps, vk::QueryResultFlags::TYPE_64)
+            };
+            if read.is_ok() {
+                let steps = stamps[1].wrapping_sub(stamps[0]) & self.mask;
+                self.timing.last = steps as f64 * self.period;
+                self.timing.total += self.timing.last;
+                self.timing.corrections += 1;
+            }
+        }
+        // SAFETY: as promised above.
+        unsafe {
+            api.device.cmd_reset_query_pool(command_buffer, self.pool, first, 2);
+            let done = vk::PipelineStageFlags::BOTTOM_OF_PIPE;
+            api.device.cmd_write_timestamp(command_buffer, done, self.pool, first);
+        }
+    }
+
+    /// Records the end of a correction.
+    ///
+    /// # Safety
+    /// As for [`Timers::start`], which came before.
+    pub unsafe fn stop(&self, api: &Api, command_buffer: vk::CommandBuffer, source: usize) {
+        if source < self.written.len() {
+            let done = vk::PipelineStageFlags::BOTTOM_OF_PIPE;
+            // SAFETY: as promised above.
+            unsafe { api.device.cmd_write_timestamp(command_buffer, done, self.pool, 2 * source as u32 + 1) };
+        }
+    }
+
+    /// Destroys them; nothing that uses them may be pending. What was measured is forgotten.
+    pub fn destroy(&mut self, api: &Api) {
+        let old = std::mem::take(self);
+        // SAFETY: ours or null.
+        unsafe { api.device.destroy_query_pool(old.pool, None) };
+    }
+}
