@@ -142,7 +142,7 @@ fn read(gl: &Gl, buffer: u32, start: usize, size: usize) -> Option<Vec<u8>> {
 
 /// Whether a box may spare a view something.
 fn useful(ctx: &Context) -> bool {
-    let fixed = ctx.profile.compatibility() && !ctx.assembly;
+    let fixed = ctx.target.is_some() && ctx.profile.compatibility() && !ctx.assembly;
     if !fixed || !crate::intercept::settings::settings().is_some_and(|s| s.cull) {
         return false;
     }
