@@ -221,7 +221,7 @@ fn describe(gl: &cupola_gl, index: u32, near: f64, far: f64) -> crate::Result<cu
         projection_matrix_f64: projection.to_cols_array(),
         rotation_matrix_f64: view.rotation.to_cols_array(),
         frustum_matrix_f64: view.frustum.to_cols_array(),
-        name: name_of(&view.name),
+        name: name_of(view.name),
     })
 }
 
@@ -296,13 +296,17 @@ pub unsafe extern "C" fn cupola_gl_draw_frame(
         // SAFETY: as promised above.
         let gl = unsafe { handle(gl) }?;
         let draw = draw.ok_or_else(|| null("draw"))?;
-        let views: Vec<cupola_gl_view> =
-            (0..gl.embedded.view_count() as u32).map(|i| describe(gl, i, near, far)).collect::<crate::Result<_>>()?;
+        let views = gl.embedded.view_count() as u32;
+        if views > 0 {
+            // Planes that are no planes are refused before anything begins.
+            describe(gl, 0, near, far)?;
+        }
         gl.embedded.begin_frame()?;
-        for view in &views {
-            gl.embedded.begin_view(view.index as usize)?;
+        for index in 0..views {
+            let view = describe(gl, index, near, far)?;
+            gl.embedded.begin_view(index as usize)?;
             // SAFETY: the program's own function; the view lives while it runs.
-            unsafe { draw(view, user) };
+            unsafe { draw(&view, user) };
             gl.embedded.end_view()?;
         }
         let pending = gl.embedded.end_frame(framebuffer, x, y)?;

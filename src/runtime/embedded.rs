@@ -16,9 +16,9 @@ const LARGEST_PICTURE: u32 = 16384;
 
 /// What a program needs to draw one view.
 #[derive(Clone, Debug, PartialEq)]
-pub struct EmbeddedView {
+pub struct EmbeddedView<'a> {
     /// Name: `front`, `left`, `projector-3` …
-    pub name: String,
+    pub name: &'a str,
     /// Camera axes of the program → axes of the view, from the view's eye.
     pub rotation: DMat4,
     /// Axes of the view → OpenGL's clip space.
@@ -57,6 +57,8 @@ pub struct Embedded {
     backend: GlBackend,
     state: State,
     counts: EmbeddedCounts,
+    /// Where the outputs of this frame go; kept so that frames allocate nothing.
+    targets: Vec<Target>,
     es: bool,
 }
 
@@ -71,7 +73,17 @@ impl Embedded {
         let es = gl.is_es();
         let (session, surface, backend) = Self::prepare(&gl, rig, size, es)?;
         let counts = EmbeddedCounts::default();
-        Ok(Self { gl, rig: rig.clone(), session, surface, backend, state: State::Idle, counts, es })
+        Ok(Self {
+            gl,
+            rig: rig.clone(),
+            session,
+            surface,
+            backend,
+            state: State::Idle,
+            counts,
+            targets: Vec::new(),
+            es,
+        })
     }
 
     fn prepare(gl: &Gl, rig: &Rig, size: (u32, u32), es: bool) -> Result<(Session, Surface, GlBackend)> {
@@ -169,11 +181,11 @@ impl Embedded {
     ///
     /// # Errors
     /// [`ErrorKind::InvalidArgument`] for an index that does not exist or planes that are no planes.
-    pub fn view(&self, index: usize, near: f64, far: f64) -> Result<EmbeddedView> {
+    pub fn view(&self, index: usize, near: f64, far: f64) -> Result<EmbeddedView<'_>> {
         let view = self.session.views().get(index).ok_or_else(|| no_view(index, self.view_count()))?;
         check_planes(near, far)?;
         Ok(EmbeddedView {
-            name: view.name.clone(),
+            name: &view.name,
             rotation: rotation(&self.session, view),
             frustum: projection(&view.frustum, near, far),
             tile: self.session.tile(index).0,
@@ -243,9 +255,9 @@ impl Embedded {
         }
         self.state = State::Idle;
         let place = |[left, bottom, width, height]: [i32; 4]| [left + x, bottom + y, width, height];
-        let targets: Vec<Target> =
-            self.session.viewports().into_iter().map(|v| Target { framebuffer, viewport: place(v) }).collect();
-        let pending = self.backend.present(&self.gl, self.surface.texture(), &targets);
+        self.targets.clear();
+        self.targets.extend(self.session.viewports().map(|v| Target { framebuffer, viewport: place(v) }));
+        let pending = self.backend.present(&self.gl, self.surface.texture(), &self.targets);
         self.counts.frames += 1;
         Ok(pending)
     }

@@ -44,6 +44,8 @@ pub struct Statistics {
     pub single_framebuffers: BTreeMap<String, u64>,
     /// How the projection was found, with the number of draws.
     pub projection_found: BTreeMap<String, u64>,
+    /// Batches of the correction that were not drawn, because their views held nothing but the clear colour.
+    pub batches_left_out: u64,
     /// Programs of shaders that were linked: the correction's, and the program's with our epilogue.
     pub shaders_linked: u64,
     /// OpenGL errors of ours; must be 0.

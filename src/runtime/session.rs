@@ -112,17 +112,17 @@ impl Session {
 
     /// Where each output is in the window: x, y, width, height from the top left, `place` added.
     pub fn viewports_from_top(&self, place: (i32, i32)) -> Vec<[i32; 4]> {
-        let from_top = |r: &[u32; 4]| {
+        let from_top = move |r: &[u32; 4]| {
             [place.0.saturating_add(r[0] as i32), place.1.saturating_add(r[1] as i32), r[2] as i32, r[3] as i32]
         };
         self.rects.iter().map(from_top).collect()
     }
 
     /// Where each output is in the window: x, y, width, height from the bottom left.
-    pub fn viewports(&self) -> Vec<[i32; 4]> {
+    pub fn viewports(&self) -> impl Iterator<Item = [i32; 4]> + '_ {
         let height = self.request.window.1 as i32;
-        let from_top = |r: &[u32; 4]| [r[0] as i32, height - r[1] as i32 - r[3] as i32, r[2] as i32, r[3] as i32];
-        self.rects.iter().map(from_top).collect()
+        let from_top = move |r: &[u32; 4]| [r[0] as i32, height - r[1] as i32 - r[3] as i32, r[2] as i32, r[3] as i32];
+        self.rects.iter().map(from_top)
     }
 
     /// The rows that take the program's clip coordinates to each view's.

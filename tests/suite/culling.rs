@@ -9,6 +9,7 @@ fn same_picture(program: &str, rig: &str) -> Option<serde_json::Value> {
     let without = Run { cupola: &["--no-cull"], ..with.clone() };
     let [with, without] = [with.under(rig)?, without.under(rig)?].map(|f| f.expect_success().expect_no_gl_errors());
     let (counts, all) = (with.statistics(), without.statistics());
+    assert_eq!(all["batches_left_out"], 0, "{program}: --no-cull leaves out batches");
     for view in all["views"].as_array().expect("views") {
         assert_eq!(view["draws_culled"], 0, "{program}: --no-cull leaves out draws");
     }
@@ -22,7 +23,16 @@ fn same_picture(program: &str, rig: &str) -> Option<serde_json::Value> {
 #[test]
 fn pictures_stay_what_they_are() {
     let programs = ["immediate", "display_list", "client_arrays", "glsl120", "core330_mvp", "draws", "rectangles"];
-    for program in programs.into_iter().chain(["hud", "text", "state", "occlusion", "feedback", "gles3"]) {
+    for program in programs.into_iter().chain([
+        "hud",
+        "text",
+        "state",
+        "occlusion",
+        "feedback",
+        "gles3",
+        "post_process",
+        "immediate_ways",
+    ]) {
         same_picture(program, "fisheye");
     }
 }
@@ -36,6 +46,8 @@ fn views_to_the_sides_get_nothing_of_what_is_ahead() {
         let number = |view: &serde_json::Value, key: &str| view[key].as_u64().expect("a number");
         let seen = counts["draws_seen"].as_u64().expect("a number");
         assert!(views.iter().any(|v| number(v, "draws_issued") > 0), "{counts:#}");
+        let left_out = counts["batches_left_out"].as_u64().expect("a number");
+        assert!(left_out > 0, "views that hold nothing were corrected: {counts:#}");
         let empty = views.iter().filter(|v| number(v, "draws_issued") == 0);
         assert!(empty.clone().count() >= 1, "{counts:#}");
         for view in empty {

@@ -13,7 +13,7 @@ pub mod trial;
 
 pub use crate::correct::map::MapPixel;
 pub use map::gpu_map;
-pub use passes::{GlBackend, Target};
+pub use passes::{Blank, GlBackend, Target};
 
 #[cfg(test)]
 mod tests;

@@ -5,7 +5,7 @@ use super::program::{self, ATLAS_UNIT, MASK_UNIT, TABLE_UNIT};
 use super::state::{self, Capabilities};
 use crate::correct::draws::{self, FLOATS, Rows};
 use crate::correct::plan::{Mask, OutputPass};
-use crate::correct::shaders::{Language, Specialised, Stage, specialise};
+use crate::correct::shaders::{Language, Pass, Specialised, Stage, specialise};
 use crate::correct::uniforms::Constants;
 use crate::correct::{Plan, Source, Table};
 use crate::error::{Error, ErrorKind, Result};
@@ -23,12 +23,35 @@ pub struct Target {
     pub viewport: [i32; 4],
 }
 
+/// Views that hold one colour in every texel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Blank {
+    /// Bit i: the plan's view i. Views from number 64 on are none of them.
+    pub views: u64,
+    /// Red, green and blue as they are stored: multiples of 1/255.
+    pub color: [f32; 3],
+}
+
+/// What becomes of the colour of views that hold a single one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Shows {
+    /// It is shown as it is.
+    Same,
+    /// Black stays black: other colours are weighted, or have a rim.
+    Black,
+    /// Another one.
+    Other,
+}
+
 /// One draw call.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Draw {
     program: u32,
     first: i32,
     count: i32,
+    /// The views that it samples, a bit each.
+    views: u64,
+    shows: Shows,
     /// The batch shows its view 1:1: texels are taken as they are, where the target is as large as the output.
     nearest: bool,
 }
@@ -66,6 +89,7 @@ pub struct GlBackend {
     names: Names,
     outputs: Vec<Output>,
     errors: Cell<u64>,
+    left_out: Cell<u64>,
     linked: u64,
     /// An error of the program's that was taken while preparing.
     pending: Cell<u32>,
@@ -96,6 +120,7 @@ impl GlBackend {
             names: Names::default(),
             outputs: Vec::new(),
             errors: Cell::new(0),
+            left_out: Cell::new(0),
             linked: 0,
             pending,
         };
@@ -233,7 +258,10 @@ impl GlBackend {
             for draw in draws {
                 let program = self.program(gl, &draw.constants, old)?;
                 let (first, count) = (draw.first as i32, draw.count as i32);
-                output.draws.push(Draw { program, first, count, nearest: draw.nearest });
+                let views = draw.views.iter().fold(0, |bits, view| bits | 1u64.checked_shl(*view as u32).unwrap_or(0));
+                let followed = draw.views.iter().all(|view| *view < 64);
+                let shows = if followed { shows(&draw.constants) } else { Shows::Other };
+                output.draws.push(Draw { program, first, count, views, shows, nearest: draw.nearest });
             }
             outputs.push(output);
         }
@@ -283,17 +311,28 @@ impl GlBackend {
     /// hand it to the program's next `glGetError`. One that was pending at [`GlBackend::new`] or
     /// [`GlBackend::prepare`] is given by the next call of this.
     pub fn present(&self, gl: &Gl, atlas_texture: u32, targets: &[Target]) -> u32 {
+        self.present_but(gl, atlas_texture, targets, None)
+    }
+
+    /// As [`GlBackend::present`], but what shows only `blank` views is cleared to their colour instead of being
+    /// sampled. The picture is the same, if the target stores 8 bits as the atlas does.
+    pub fn present_but(&self, gl: &Gl, atlas_texture: u32, targets: &[Target], blank: Option<&Blank>) -> u32 {
         self.take_pending(gl);
         if self.names.vertex_array != 0 && state::can_draw(gl, &self.caps) {
             let saved = state::save_and_set(gl, &self.caps);
-            self.draw_outputs(gl, atlas_texture, targets);
+            self.draw_outputs(gl, atlas_texture, targets, blank);
             state::restore(gl, &self.caps, &saved);
         }
         self.count_errors(gl);
         self.pending.replace(GL_NO_ERROR)
     }
 
-    fn draw_outputs(&self, gl: &Gl, atlas_texture: u32, targets: &[Target]) {
+    /// How many batches were cleared instead of being drawn, so far.
+    pub fn left_out(&self) -> u64 {
+        self.left_out.get()
+    }
+
+    fn draw_outputs(&self, gl: &Gl, atlas_texture: u32, targets: &[Target], blank: Option<&Blank>) {
         let [linear, nearest] = self.names.samplers;
         // SAFETY: a context is current; all names are ones that it gave, or the caller's.
         unsafe {
@@ -313,7 +352,16 @@ impl GlBackend {
                 state::set_viewport(gl, &self.caps, target.viewport);
                 let [_, _, width, height] = target.viewport;
                 let unscaled = (i64::from(width), i64::from(height)) == (output.size.0.into(), output.size.1.into());
+                let is_blank = |draw: &Draw| blank.is_some_and(|blank| draw.is_blank(blank));
+                let left_out = output.draws.iter().filter(|draw| draw.views != 0 && is_blank(draw)).count();
+                if let Some(blank) = blank.filter(|_| left_out > 0) {
+                    state::clear(gl, &self.caps, target.viewport, blank.color);
+                    self.left_out.set(self.left_out.get() + left_out as u64);
+                }
                 for draw in &output.draws {
+                    if left_out > 0 && is_blank(draw) {
+                        continue;
+                    }
                     gl.bind_sampler(ATLAS_UNIT, if draw.nearest && unscaled { nearest } else { linear });
                     gl.use_program(draw.program);
                     gl.draw_arrays(GL_TRIANGLES, draw.first, draw.count);
@@ -363,6 +411,37 @@ impl GlBackend {
                 break;
             }
         }
+    }
+}
+
+impl Draw {
+    /// Whether it shows the colour of these views and nothing else. What shows nothing at all is black.
+    fn is_blank(&self, blank: &Blank) -> bool {
+        let black = blank.color == [0.0; 3];
+        let same = match self.shows {
+            Shows::Same => true,
+            Shows::Black => black,
+            Shows::Other => false,
+        };
+        same && self.views & !blank.views == 0
+    }
+}
+
+/// What a draw with these constants makes of a single colour.
+fn shows(constants: &Constants) -> Shows {
+    // A shader without the constant may do anything.
+    let set = |name: &str| match constants.member(name) {
+        [] => true,
+        values => values.iter().any(|value| *value != 0.0),
+    };
+    if constants.pass() == Pass::Black {
+        Shows::Black
+    } else if set("shared_part.with_panel") || set("shared_part.black") {
+        Shows::Other
+    } else if set("shared_part.weighted") || set("shared_part.edge") {
+        Shows::Black
+    } else {
+        Shows::Same
     }
 }
 

@@ -267,6 +267,30 @@ pub(super) fn restore(gl: &Gl, caps: &Capabilities, saved: &Saved) {
     }
 }
 
+/// Clears a rectangle of the first colour buffer, between [`save_and_set`] and [`restore`]; opaque.
+pub(super) fn clear(gl: &Gl, caps: &Capabilities, [x, y, width, height]: [i32; 4], [red, green, blue]: [f32; 3]) {
+    let mut scissor = [0; 4];
+    // SAFETY: a context is current; the box has four numbers, the colour too.
+    unsafe {
+        if caps.viewport_array {
+            gl.get_integeri_v(GL_SCISSOR_BOX, 0, scissor.as_mut_ptr());
+            gl.scissor_indexed(0, x, y, width, height);
+        } else {
+            gl.get_integerv(GL_SCISSOR_BOX, scissor.as_mut_ptr());
+            gl.scissor(x, y, width, height);
+        }
+        set_scissor(gl, caps, true);
+        gl.clear_bufferfv(GL_COLOR, 0, [red, green, blue, 1.0].as_ptr());
+        set_scissor(gl, caps, false);
+        let [x, y, width, height] = scissor;
+        if caps.viewport_array {
+            gl.scissor_indexed(0, x, y, width, height);
+        } else {
+            gl.scissor(x, y, width, height);
+        }
+    }
+}
+
 /// Sets the viewport that we draw with.
 pub(super) fn set_viewport(gl: &Gl, caps: &Capabilities, [x, y, width, height]: [i32; 4]) {
     // SAFETY: a context is current.

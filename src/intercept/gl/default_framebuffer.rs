@@ -2,10 +2,11 @@
 
 use super::config::Config;
 use super::context::Context;
+use super::culling::blank::Content;
 use super::window::Window;
 use crate::backend::gl::api::{self, Gl};
 use crate::backend::gl::surface::{Surface, greatest_texture};
-use crate::backend::gl::{GlBackend, Target};
+use crate::backend::gl::{Blank, GlBackend, Target};
 use crate::error::Result;
 use crate::intercept::{log, settings};
 use crate::runtime::session::{Extras, Session};
@@ -19,6 +20,8 @@ pub struct DefaultFramebuffer {
     /// The surface's picture with one sample per pixel, where it has several.
     resolved: Option<Surface>,
     backend: GlBackend,
+    /// What the views hold.
+    pub content: Content,
     issued: Vec<u64>,
     culled: Vec<u64>,
     /// Where each output is in the window.
@@ -332,8 +335,8 @@ impl DefaultFramebuffer {
         let panel = session.panel().is_some();
         backend.prepare(gl, session.plan(), panel)?;
         let (issued, culled) = (vec![0; session.views().len()], vec![0; session.views().len()]);
-        let outputs = session.viewports().into_iter().map(|viewport| Target { framebuffer: 0, viewport }).collect();
-        Ok(Self { session, config, surface, resolved, backend, issued, culled, outputs })
+        let outputs = session.viewports().map(|viewport| Target { framebuffer: 0, viewport }).collect();
+        Ok(Self { session, config, surface, resolved, backend, content: Content::default(), issued, culled, outputs })
     }
 
     /// The same with more tiles.
@@ -387,6 +390,7 @@ impl DefaultFramebuffer {
 
     /// A draw went to a view.
     pub fn issued(&mut self, view: usize) {
+        self.content.draw(view);
         if let Some(count) = self.issued.get_mut(view) {
             *count += 1;
         }
@@ -407,6 +411,14 @@ impl DefaultFramebuffer {
     /// Where the correction of each output goes.
     pub fn outputs(&self) -> &[Target] {
         &self.outputs
+    }
+
+    /// The views that need not be corrected.
+    pub fn blank(&self) -> Option<Blank> {
+        // A view with the program's own lens gets flat drawing, too.
+        let followed =
+            settings::settings().is_some_and(|s| s.cull) && !self.session.views().iter().any(|v| v.program_lens);
+        self.content.blank().filter(|_| followed)
     }
 
     /// The correction.

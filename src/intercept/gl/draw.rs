@@ -389,37 +389,40 @@ impl PanelBlend {
     }
 }
 
-/// A draw command: passed on while a list is compiled (it becomes part of it), else issued per view.
+/// A draw command of outlines of `shape` whose vertices are within `bounds`: a part of the list that is compiled, or issued once per view.
+pub fn draw_command(ctx: &mut Context, shape: Shape, bounds: &Bounds, mut issue: impl FnMut(&mut Context, &Gl)) {
+    if let Some(recording) = &mut ctx.recording {
+        recording.draws = true;
+        recording.bounds.join(bounds);
+        let gl = ctx.gl;
+        issue(ctx, gl);
+    } else {
+        ctx.outlines.shape = shape;
+        draw(ctx, Changes::Nothing, bounds, issue);
+    }
+}
+
+/// Draw commands whose vertices are anywhere.
 macro_rules! draw_hooks {
     ($( $name:literal $method:ident ( $($p:ident : $t:ty),* ) $shape:expr; )*) => {
         hooks! {
-            $( $name $method($($p: $t),*) = |ctx, gl| {
-                if let Some(recording) = &mut ctx.recording {
-                    recording.draws = true;
-                    recording.bounds.add_unknown();
-                    gl.$method($($p),*);
-                } else {
-                    ctx.outlines.shape = $shape;
-                    draw(ctx, Changes::Nothing, &Bounds::UNKNOWN, |_, gl| gl.$method($($p),*));
-                }
+            $( $name $method($($p: $t),*) = |ctx, _gl| {
+                draw_command(ctx, $shape, &Bounds::UNKNOWN, |_, gl| gl.$method($($p),*));
             }; )*
         }
     };
 }
 
 draw_hooks! {
-    "glDrawArrays" draw_arrays(mode: u32, first: i32, count: i32) Shape::of_mode(mode);
     "glDrawArraysIndirect" draw_arrays_indirect(mode: u32, indirect: *const c_void) Shape::of_mode(mode);
     "glDrawArraysInstanced" draw_arrays_instanced(mode: u32, first: i32, count: i32, instances: i32) Shape::of_mode(mode);
     "glDrawArraysInstancedBaseInstance" draw_arrays_instanced_base_instance(mode: u32, first: i32, count: i32, instances: i32, base: u32) Shape::of_mode(mode);
-    "glDrawElements" draw_elements(mode: u32, count: i32, kind: u32, indices: *const c_void) Shape::of_mode(mode);
     "glDrawElementsBaseVertex" draw_elements_base_vertex(mode: u32, count: i32, kind: u32, indices: *const c_void, base: i32) Shape::of_mode(mode);
     "glDrawElementsIndirect" draw_elements_indirect(mode: u32, kind: u32, indirect: *const c_void) Shape::of_mode(mode);
     "glDrawElementsInstanced" draw_elements_instanced(mode: u32, count: i32, kind: u32, indices: *const c_void, instances: i32) Shape::of_mode(mode);
     "glDrawElementsInstancedBaseInstance" draw_elements_instanced_base_instance(mode: u32, count: i32, kind: u32, indices: *const c_void, instances: i32, base: u32) Shape::of_mode(mode);
     "glDrawElementsInstancedBaseVertex" draw_elements_instanced_base_vertex(mode: u32, count: i32, kind: u32, indices: *const c_void, instances: i32, base: i32) Shape::of_mode(mode);
     "glDrawElementsInstancedBaseVertexBaseInstance" draw_elements_instanced_base_vertex_base_instance(mode: u32, count: i32, kind: u32, indices: *const c_void, instances: i32, vertex: i32, instance: u32) Shape::of_mode(mode);
-    "glDrawRangeElements" draw_range_elements(mode: u32, start: u32, end: u32, count: i32, kind: u32, indices: *const c_void) Shape::of_mode(mode);
     "glDrawRangeElementsBaseVertex" draw_range_elements_base_vertex(mode: u32, start: u32, end: u32, count: i32, kind: u32, indices: *const c_void, base: i32) Shape::of_mode(mode);
     "glDrawTransformFeedback" draw_transform_feedback(mode: u32, id: u32) Shape::of_mode(mode);
     "glDrawTransformFeedbackInstanced" draw_transform_feedback_instanced(mode: u32, id: u32, instances: i32) Shape::of_mode(mode);

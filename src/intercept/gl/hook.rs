@@ -69,6 +69,7 @@ pub fn find(name: &str) -> Option<*const ()> {
             super::accumulation::HOOKS,
             super::conditional::HOOKS,
             super::counting::told::HOOKS,
+            super::culling::arrays::HOOKS,
             super::culling::widths::HOOKS,
             super::draw::HOOKS,
             super::feedback::HOOKS,

@@ -39,7 +39,7 @@ macro_rules! clears {
                     gl.$method(framebuffer, buffer, $($p),*);
                 } else {
                     bound(ctx, Some(framebuffer), None, |ctx| {
-                        targets::clear_with(ctx, buffer == api::GL_COLOR, |gl| gl.$bound(buffer, $($p),*));
+                        _ = targets::clear_with(ctx, buffer == api::GL_COLOR, |gl| gl.$bound(buffer, $($p),*));
                     });
                 }
             }; )*

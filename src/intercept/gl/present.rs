@@ -114,7 +114,8 @@ fn correct(ctx: &mut Context) {
 fn correct_now(ctx: &mut Context) {
     let Some(target) = ctx.target.take() else { return };
     target.resolve(ctx, None);
-    let pending = target.backend().present(ctx.gl, target.texture(), target.outputs());
+    let blank = target.blank();
+    let pending = target.backend().present_but(ctx.gl, target.texture(), target.outputs(), blank.as_ref());
     if ctx.pending_error == api::GL_NO_ERROR {
         ctx.pending_error = pending;
     }
@@ -189,6 +190,7 @@ fn statistics(ctx: &Context, settings: &settings::Settings) -> Statistics {
         duplicated_framebuffers,
         single_framebuffers,
         projection_found: ctx.counts.found.iter().map(|(how, n)| (how.to_owned(), n)).collect(),
+        batches_left_out: ctx.target.as_ref().map_or(0, |t| t.backend().left_out()),
         shaders_linked: ctx.counts.linked,
         own_errors: ctx.counts.errors,
         ..Statistics::default()

@@ -44,18 +44,21 @@ fn refuses_attachments(ctx: &mut Context, target: u32) -> bool {
     window
 }
 
-/// A clear of the program: of everything that is its picture.
-pub fn clear_with(ctx: &mut Context, color: bool, issue: impl Fn(&Gl)) {
+/// A clear of the program: of everything that is its picture. `true`: of every view.
+pub fn clear_with(ctx: &mut Context, color: bool, issue: impl Fn(&Gl)) -> bool {
     let gl = ctx.gl;
+    if let Some(target) = ctx.target.as_mut().filter(|_| color) {
+        target.content.forget();
+    }
     if !ctx.redirected() || ctx.picking {
         if !super::duplicate::clear_with(ctx, &issue) {
             issue(gl);
         }
-        return;
+        return false;
     }
     ctx.frame_begun = true;
     super::duplicate::shown::window_changed(ctx);
-    let Some(target) = &ctx.target else { return };
+    let Some(target) = &ctx.target else { return false };
     let (width, height) = target.size();
     let window = [0, 0, width as i32, height as i32];
     let part = ctx.believed.scissor_test.then(|| intersect(ctx.believed.scissor, window));
@@ -68,7 +71,7 @@ pub fn clear_with(ctx: &mut Context, color: bool, issue: impl Fn(&Gl)) {
         if color {
             clear_panel(ctx);
         }
-        return;
+        return true;
     }
     if whole {
         // The views as a whole, the program's own pictures to the pixel.
@@ -80,13 +83,14 @@ pub fn clear_with(ctx: &mut Context, color: bool, issue: impl Fn(&Gl)) {
     if !whole {
         super::default_framebuffer::want_panel(ctx);
     }
-    let Some(target) = &ctx.target else { return };
+    let Some(target) = &ctx.target else { return false };
     for (tile, panel) in target.flat_tiles().into_iter().flatten() {
         if !(panel && whole) {
             own_window_space(ctx, tile);
             issue(gl);
         }
     }
+    false
 }
 
 /// `glClearBuffer`, which may be a part of a display list.
@@ -136,8 +140,11 @@ pub fn clear_window(ctx: &mut Context, mask: u32) {
     if mask & api::GL_ACCUM_BUFFER_BIT != 0 {
         super::accumulation::clear(ctx);
     }
+    let color = mask & api::GL_COLOR_BUFFER_BIT != 0;
     // SAFETY: the program's own call.
-    clear_with(ctx, mask & api::GL_COLOR_BUFFER_BIT != 0, |gl| unsafe { gl.clear(mask) });
+    if clear_with(ctx, color, |gl| unsafe { gl.clear(mask) }) && color {
+        super::culling::blank::note_clear(ctx);
+    }
 }
 
 /// Whether `buffer` is a name of the window's colour buffers.
@@ -230,6 +237,9 @@ pub fn blit(ctx: &mut Context, mut source: [i32; 4], destination: [i32; 4], mask
         if ctx.redirected() {
             ctx.frame_begun = true;
             ctx.background.note_scene();
+            if let Some(target) = &mut ctx.target {
+                target.content.forget();
+            }
             clear_panel(ctx);
         }
         return;

@@ -34,7 +34,7 @@ impl Layout {
         let panel = session.panel().ok_or_else(|| Error::new(ErrorKind::Internal, "the plan has no panel"))?;
         let views = (0..session.views().len()).map(|index| session.tile(index));
         let views = views.map(|(tile, own)| (from_top(tile, atlas.1), own)).collect();
-        let outputs = session.viewports().into_iter().map(|rect| from_top(rect, size.1)).collect();
+        let outputs = session.viewports().map(|rect| from_top(rect, size.1)).collect();
         Ok(Self { window: size, atlas, panel: from_top(panel, atlas.1), views, outputs, session })
     }
 

@@ -29,6 +29,14 @@ impl Bounds {
         }
     }
 
+    /// Grows to hold what `other` holds.
+    pub fn join(&mut self, other: &Self) {
+        match other.known() {
+            Some((low, high)) => [low, high].into_iter().for_each(|[x, y, z]| self.add([x, y, z, 1.0])),
+            None => self.unknown = true,
+        }
+    }
+
     /// Something joined whose place is not known.
     pub fn add_unknown(&mut self) {
         self.unknown = true;
@@ -153,6 +161,11 @@ mod tests {
         let mut other = bounds;
         other.add([1.0, 2.0, 3.0, 0.5]);
         assert_eq!(other.known(), None);
+        let mut joined = Bounds::EMPTY;
+        joined.join(&bounds);
+        assert_eq!(joined, bounds);
+        joined.join(&other);
+        assert_eq!(joined.known(), None);
         bounds.add([f64::NAN, 0.0, 0.0, 1.0]);
         assert_eq!(bounds.known(), None);
         assert!(!outside(&[f64::NAN; 16], &IDENTITY, [0.0; 3], [1.0; 3], [0.0; 2]));

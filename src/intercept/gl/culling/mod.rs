@@ -1,8 +1,10 @@
 //! Leaves out draws from the views that cannot show them.
 //!
 //! Only where that is proven: the fixed-function pipeline, whose matrices are known, and vertices whose
-//! places are known. Everything else goes to every view.
+//! places are known. Everything else goes to every view. Views that got nothing are not corrected either ([`blank`]).
 
+pub mod arrays;
+pub mod blank;
 pub mod bounds;
 pub mod widths;
 

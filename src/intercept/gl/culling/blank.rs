@@ -1,0 +1,90 @@
+//! Views that hold nothing but the colour of the last clear: their part of the correction is that colour.
+
+use super::super::context::Context;
+use crate::backend::gl::Blank;
+use crate::backend::gl::api;
+
+/// What each view holds.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Content {
+    /// The colour that every view was cleared to; `None`: not known.
+    cleared: Option<[f32; 3]>,
+    /// The views that were drawn to since, a bit each.
+    drawn: u64,
+}
+
+impl Content {
+    /// Something came into a view.
+    pub fn draw(&mut self, view: usize) {
+        match 1u64.checked_shl(view as u32) {
+            Some(bit) => self.drawn |= bit,
+            None => self.forget(),
+        }
+    }
+
+    /// Anything may be in any view.
+    pub fn forget(&mut self) {
+        self.cleared = None;
+    }
+
+    fn clear(&mut self, color: Option<[f32; 3]>) {
+        *self = Self { cleared: color, drawn: 0 };
+    }
+
+    /// The views that hold nothing but one colour; `None`: no view is known to.
+    pub fn blank(&self) -> Option<Blank> {
+        self.cleared.map(|color| Blank { views: !self.drawn, color })
+    }
+}
+
+/// The program cleared all views' colours by `glClear`, to what it believes to have set.
+pub fn note_clear(ctx: &mut Context) {
+    let unconditional = ctx.condition.is_none() && !ctx.discard && ctx.believed.draw_buffer != api::GL_NONE;
+    let (mut mask, mut color) = ([0u8; 4], [0.0f32; 4]);
+    let srgb = ctx.target.as_ref().is_some_and(|t| t.config().srgb);
+    // SAFETY: each query writes four values. OpenGL ES converts wherever the window can.
+    let converts = unsafe {
+        ctx.gl.get_booleanv(api::GL_COLOR_WRITEMASK, mask.as_mut_ptr());
+        ctx.gl.get_floatv(api::GL_COLOR_CLEAR_VALUE, color.as_mut_ptr());
+        srgb && (ctx.profile.es || ctx.gl.is_enabled(api::GL_FRAMEBUFFER_SRGB) != 0)
+    };
+    let [red, green, blue, _] = color;
+    let known = unconditional && !converts && mask[..3].iter().all(|on| *on != 0);
+    if let Some(target) = &mut ctx.target {
+        target.content.clear(if known { stored([red, green, blue]) } else { None });
+    }
+}
+
+/// A colour as 8 bits hold it. `None` where the driver may round either way.
+fn stored(color: [f32; 3]) -> Option<[f32; 3]> {
+    let steps = color.map(|c| 255.0 * c.clamp(0.0, 1.0));
+    let certain = steps.iter().all(|s| (s - s.round()).abs() < 0.49);
+    certain.then(|| steps.map(|s| s.round() / 255.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Content, stored};
+
+    #[test]
+    fn only_views_that_nothing_came_into_are_blank() {
+        let mut content = Content::default();
+        assert!(content.blank().is_none(), "nothing is known before the first clear");
+        content.clear(Some([0.0; 3]));
+        content.draw(1);
+        content.draw(63);
+        assert_eq!(content.blank().map(|b| b.views), Some(!(2 | 1 << 63)));
+        content.clear(Some([1.0; 3]));
+        assert_eq!(content.blank().map(|b| b.views), Some(u64::MAX));
+        content.draw(64);
+        assert!(content.blank().is_none(), "views beyond the bits are not followed");
+    }
+
+    #[test]
+    fn colours_that_may_round_either_way_are_not_known() {
+        assert_eq!(stored([0.0, 1.0, 2.0]), Some([0.0, 1.0, 1.0]));
+        assert_eq!(stored([0.3, 0.0, -1.0]), None, "76.5 steps");
+        assert_eq!(stored([100.2 / 255.0, 0.0, 0.0]), Some([100.0 / 255.0, 0.0, 0.0]));
+        assert_eq!(stored([f32::NAN, 0.0, 0.0]), None);
+    }
+}
