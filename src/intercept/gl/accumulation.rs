@@ -79,6 +79,9 @@ fn accumulate(ctx: &mut Context, name: u32, value: f32) {
     ctx.frame_begun = true;
     let parts = parts(ctx);
     with(ctx, |ctx, buffer| {
+        if let Some(target) = ctx.target.as_mut().filter(|_| operation == Operation::Return) {
+            target.content.forget();
+        }
         let Some(target) = &ctx.target else { return };
         if operation != Operation::Return {
             target.resolve(ctx, None);
