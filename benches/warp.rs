@@ -188,13 +188,7 @@ fn rig(outputs: Vec<Output>) -> Rig {
         screen: None,
         viewer: Viewer { position: DVec3::ZERO, yaw: 0.0, pitch: 0.0, roll: 0.0 },
         camera: Camera::default(),
-        views: Views {
-            method: ViewMethod::Auto,
-            quality: 1.0,
-            filter: Filter::Bilinear,
-            favour: Favour::Balanced,
-            duplicate: Duplicate::Auto,
-        },
+        views: Views::default(),
         overlay: Overlay { yaw: 0.0, pitch: 0.0, width: 1.0 },
         outputs,
     }

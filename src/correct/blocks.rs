@@ -82,7 +82,7 @@ pub(super) fn batches(
             Some(index)
         })
         .collect();
-    let rects = rectangles::merge(&numbered, size.0.div_ceil(BLOCK), size, distinct.len());
+    let rects = rectangles::merge(&numbered, BLOCK, size, distinct.len());
     let neighbours = examiner.neighbours.len();
     united
         .into_iter()

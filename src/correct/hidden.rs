@@ -10,11 +10,17 @@ use crate::views::cone::{Cone, Relation, WIDEST, diameter};
 use crate::views::{Tile, View};
 use glam::{DVec2, DVec3};
 
+/// Texels of a sheet's cell, across and up.
+const CELL: u32 = 8;
+
+/// Blocks of pixels that no border crosses are looked at whole; others down to this size in pixels.
+const FINEST: u32 = 4;
+
 /// Directions nearer than this (radians) to the side of a view may be taken for either side in 32-bit arithmetic.
 const ROUNDING: f64 = 1e-5;
 
 /// For each view the rectangles of its tile, in texels of the atlas, that no filter footprint of any output's pixel
-/// touches; disjoint, in cells of 16 texels. Conservative: what is uncertain counts as sampled. Views with the
+/// touches; disjoint, in cells of 8 texels. Conservative: what is uncertain counts as sampled. Views with the
 /// program's own lens have none.
 pub fn hidden_areas(plan: &Plan) -> Vec<Vec<Tile>> {
     let mut sheets: Vec<Sheet> = plan.views.views.iter().map(|view| Sheet::new(view, plan.views.guard)).collect();
@@ -40,7 +46,7 @@ struct Sheet {
 impl Sheet {
     fn new(view: &View, guard: u32) -> Self {
         let Tile { width, height, .. } = view.tile;
-        let (columns, rows) = (width.div_ceil(BLOCK), height.div_ceil(BLOCK));
+        let (columns, rows) = (width.div_ceil(CELL), height.div_ceil(CELL));
         Self {
             columns,
             rows,
@@ -69,7 +75,7 @@ impl Sheet {
         }
         let corner = DVec2::new(self.frustum.left, self.frustum.bottom);
         let scale = self.size / DVec2::new(self.frustum.width(), self.frustum.height());
-        let cell = |at: f64, cells: u32| (at / f64::from(BLOCK)).floor().clamp(-1.0, f64::from(cells)) as i64;
+        let cell = |at: f64, cells: u32| (at / f64::from(CELL)).floor().clamp(-1.0, f64::from(cells)) as i64;
         let (low, high) = ((low - corner) * scale - self.reach, (high - corner) * scale + self.reach);
         let (left, right) = (cell(low.x, self.columns), cell(high.x, self.columns));
         let (bottom, top) = (cell(low.y, self.rows), cell(high.y, self.rows));
@@ -84,7 +90,7 @@ impl Sheet {
     /// The cells that are not marked, as rectangles of the atlas.
     fn hidden(&self, view: &View) -> Vec<Tile> {
         let classes: Vec<Option<usize>> = self.sampled.iter().map(|sampled| (!sampled).then_some(0)).collect();
-        let merged = rectangles::merge(&classes, self.columns, (view.tile.width, view.tile.height), 1);
+        let merged = rectangles::merge(&classes, CELL, (view.tile.width, view.tile.height), 1);
         merged
             .into_iter()
             .flatten()
@@ -126,16 +132,40 @@ impl Marker<'_> {
         source.direction(x, y).and_then(DVec3::try_normalize)
     }
 
+    /// The directions at the corners of a block that is widened by so many pixels, if all show something.
+    fn corners(&self, block: [u32; 4], wider: f64) -> Option<[DVec3; 4]> {
+        let [x0, y0, x1, y1] = block.map(f64::from);
+        let (x0, y0, x1, y1) = (x0 - wider, y0 - wider, x1 + wider, y1 + wider);
+        let corner = |x: f64, y: f64| self.direction(x, y);
+        Some([corner(x0, y0)?, corner(x1, y0)?, corner(x0, y1)?, corner(x1, y1)?])
+    }
+
+    /// Whether a block lies amid what one view shows, at least `margin` radians from the sides of all views and not
+    /// next to what shows nothing: a rectangle around its texels then reaches no hidden ones.
+    fn is_amid(&self, block: [u32; 4], corners: &[DVec3; 4], margin: f64) -> bool {
+        let margin = margin.max(ROUNDING);
+        let relation =
+            self.cones.iter().map(|(_, cone)| cone.relation(corners, margin)).find(|r| *r != Relation::Outside);
+        relation.is_none_or(|relation| relation == Relation::Inside) && self.corners(block, f64::from(BLOCK)).is_some()
+    }
+
     fn mark_block(&mut self, [left, top, right, bottom]: [u32; 4]) {
-        let [x0, y0, x1, y1] = [left, top, right, bottom].map(f64::from);
-        let corners = [(x0, y0), (x1, y0), (x0, y1), (x1, y1)].map(|(x, y)| self.direction(x, y));
-        if let [Some(a), Some(b), Some(c), Some(d)] = corners {
-            let corners = [a, b, c, d];
+        let smallest = right - left <= FINEST && bottom - top <= FINEST;
+        if let Some(corners) = self.corners([left, top, right, bottom], 0.0) {
             let size = diameter(&corners);
-            if size < WIDEST {
+            if size < WIDEST && (smallest || self.is_amid([left, top, right, bottom], &corners, size + size * size)) {
                 self.mark_patch(&corners, size * size);
                 return;
             }
+        }
+        if !smallest {
+            let (middle_x, middle_y) = (left + (right - left).div_ceil(2), top + (bottom - top).div_ceil(2));
+            for (top, bottom) in [(top, middle_y), (middle_y, bottom)].into_iter().filter(|rows| rows.0 < rows.1) {
+                for (left, right) in [(left, middle_x), (middle_x, right)].into_iter().filter(|part| part.0 < part.1) {
+                    self.mark_block([left, top, right, bottom]);
+                }
+            }
+            return;
         }
         for (y, x) in (top..bottom).flat_map(|y| (left..right).map(move |x| (y, x))) {
             let (x, y) = (f64::from(x), f64::from(y));

@@ -22,3 +22,5 @@ pub use arrangement::{Arrangement, ImageSize};
 pub use hidden::hidden_areas;
 pub use plan::{Batch, OutputPass, PixelRect, Plan, Source, build};
 pub use table::{Table, TablePixel};
+
+pub use crate::views::Tile;

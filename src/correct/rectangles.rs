@@ -6,15 +6,16 @@ use super::plan::PixelRect;
 pub(super) const BLOCK: u32 = 16;
 
 /// Rectangles that cover exactly the blocks of each class, without overlap: `classes` holds a class
-/// per block, row by row; the result has an entry for each of the classes `0..count`.
+/// per block of `block` × `block` pixels, row by row; the result has an entry for each of the classes `0..count`.
 ///
 /// Greedy: runs of equal blocks in a row, and equal runs below each other joined.
-pub(super) fn merge(classes: &[Option<usize>], columns: u32, size: (u32, u32), count: usize) -> Vec<Vec<PixelRect>> {
+pub(super) fn merge(classes: &[Option<usize>], block: u32, size: (u32, u32), count: usize) -> Vec<Vec<PixelRect>> {
+    let columns = size.0.div_ceil(block);
     let mut merged: Vec<Vec<PixelRect>> = vec![Vec::new(); count];
     // Rectangles that end at the row above: first block, number of blocks, class, place in `merged`.
     let mut open: Vec<(u32, u32, usize, usize)> = Vec::new();
     for (row, blocks) in (0u32..).zip(classes.chunks(columns.max(1) as usize)) {
-        let (top, bottom) = (row * BLOCK, ((row + 1) * BLOCK).min(size.1));
+        let (top, bottom) = (row * block, ((row + 1) * block).min(size.1));
         let mut still_open = Vec::with_capacity(open.len());
         let mut column = 0u32;
         for run in blocks.chunk_by(|a, b| a == b) {
@@ -28,7 +29,7 @@ pub(super) fn merge(classes: &[Option<usize>], columns: u32, size: (u32, u32), c
                     place
                 }
                 _ => {
-                    let (left, right) = (first * BLOCK, ((first + length) * BLOCK).min(size.0));
+                    let (left, right) = (first * block, ((first + length) * block).min(size.0));
                     merged[class].push(PixelRect { x: left, y: top, width: right - left, height: bottom - top });
                     merged[class].len() - 1
                 }
@@ -58,7 +59,7 @@ mod tests {
                     (state >> 62 != 0).then_some((state >> 60) as usize % 3)
                 })
                 .collect();
-            let merged = merge(&classes, columns, size, 3);
+            let merged = merge(&classes, BLOCK, size, 3);
             let mut painted = vec![None; (size.0 * size.1) as usize];
             for (class, rectangle) in
                 merged.iter().enumerate().flat_map(|(class, all)| all.iter().map(move |r| (class, r)))
@@ -82,7 +83,7 @@ mod tests {
 
     #[test]
     fn one_class_is_one_rectangle() {
-        let merged = merge(&[Some(0); 12], 4, (60, 40), 1);
+        let merged = merge(&[Some(0); 12], BLOCK, (60, 40), 1);
         assert_eq!(merged, [vec![PixelRect { x: 0, y: 0, width: 60, height: 40 }]]);
     }
 }

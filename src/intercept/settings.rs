@@ -23,8 +23,21 @@ pub struct Settings {
     pub stats: Option<PathBuf>,
     /// `CUPOLA_OFFSCREEN=1`: outputs at their own resolution, for captures only.
     pub offscreen: bool,
+    /// `CUPOLA_MASK`: whether the parts of views that no output samples are closed for drawing.
+    pub mask: Mask,
     /// Draws are left out of views that cannot show them; `CUPOLA_CULL=0` switches that off.
     pub cull: bool,
+}
+
+/// `CUPOLA_MASK`: closing what no output samples costs a little in each frame, and saves shading.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mask {
+    /// `auto` (default): where enough is hidden for it to pay.
+    Auto,
+    /// `1`: always.
+    Always,
+    /// `0`: never.
+    Never,
 }
 
 /// The kill switch: `CUPOLA=0` leaves every call alone.
@@ -64,6 +77,12 @@ fn read() -> crate::Result<Settings> {
         Some(n) => Some(n.parse().ok().filter(|n| *n > 0).ok_or_else(|| wrong("CUPOLA_FRAMES", &n, "100"))?),
         None => None,
     };
+    let mask = match text("CUPOLA_MASK").as_deref() {
+        None | Some("auto") => Mask::Auto,
+        Some("0") => Mask::Never,
+        Some("1") => Mask::Always,
+        Some(other) => return Err(wrong("CUPOLA_MASK", other, "0")),
+    };
     if let Some(duplicate) = text("CUPOLA_DUPLICATE") {
         rig.views.duplicate = match duplicate.as_str() {
             "auto" => Duplicate::Auto,
@@ -80,6 +99,7 @@ fn read() -> crate::Result<Settings> {
         capture_views: path("CUPOLA_CAPTURE_VIEWS"),
         stats: path("CUPOLA_STATS"),
         offscreen: text("CUPOLA_OFFSCREEN").is_some_and(|v| v == "1"),
+        mask,
         cull: text("CUPOLA_CULL").is_none_or(|v| v != "0"),
     })
 }

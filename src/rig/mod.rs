@@ -105,7 +105,7 @@ pub enum ViewMethod {
 }
 
 /// How views are chosen.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Views {
     /// Which family of views.
     pub method: ViewMethod,
@@ -115,8 +115,37 @@ pub struct Views {
     pub filter: Filter,
     /// What the planner saves where it cannot save both.
     pub favour: Favour,
+    /// How sharp a domemaster's views are.
+    pub resolution: Resolution,
+    /// One view for each of these vectors, viewer axes, any lengths: it shows the directions with which the vector has the
+    /// greatest scalar product. Empty = as `method` says.
+    pub cells: Vec<DVec3>,
     /// Which pictures that a program draws off screen are drawn once per view.
     pub duplicate: Duplicate,
+}
+
+impl Default for Views {
+    fn default() -> Self {
+        Self {
+            method: ViewMethod::Auto,
+            quality: 1.0,
+            filter: Filter::Bilinear,
+            favour: Favour::Balanced,
+            resolution: Resolution::Nominal,
+            cells: Vec::new(),
+            duplicate: Duplicate::Auto,
+        }
+    }
+}
+
+/// What a texel is enough for in a domemaster.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Resolution {
+    /// Its nominal pixel: aperture over diameter, in every direction.
+    Nominal,
+    /// Each of its pixels, which are narrower along the circles around its centre: θ / sin θ as sharp there, at the
+    /// angle θ from the centre.
+    Full,
 }
 
 /// Which pictures that a program draws off screen are drawn once per view.

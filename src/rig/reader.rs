@@ -180,6 +180,42 @@ impl<'a> Section<'a> {
         self.numbers::<3>(key, allowed, problems).map_or(DVec3::ZERO, DVec3::from_array)
     }
 
+    /// One to `most` different vectors; `None` if the key is absent or wrong.
+    pub(super) fn vectors(
+        &mut self,
+        key: &'static str,
+        most: usize,
+        allowed: &Allowed,
+        problems: &mut Problems,
+    ) -> Option<Vec<DVec3>> {
+        let value = self.value(key, problems)?;
+        let path = self.path(key);
+        let Some(list) = value.as_array().filter(|list| (1..=most).contains(&list.len())) else {
+            problems.add(
+                &path,
+                format!("{} does not fit; expected 1 to {most} of [x, y, z]: {}", describe(value), allowed.what),
+            );
+            return None;
+        };
+        let mut vectors: Vec<DVec3> = Vec::with_capacity(list.len());
+        for (index, item) in list.iter().enumerate() {
+            let path = format!("{path}[{index}]");
+            problems.place(&path, &item.span());
+            let array = sized_array(item.get_ref(), 3, allowed.what, &path, problems)?;
+            let mut vector = [0.0; 3];
+            for (number, value) in vector.iter_mut().zip(array.iter()) {
+                *number = checked_number(value.get_ref(), allowed, &path, problems)?;
+            }
+            let vector = DVec3::from_array(vector);
+            if vectors.contains(&vector) {
+                problems.add(&path, "is there already; expected vectors that differ".to_owned());
+                return None;
+            }
+            vectors.push(vector);
+        }
+        Some(vectors)
+    }
+
     /// `COUNT` whole numbers of pixels, each within its own range.
     pub(super) fn pixels<const COUNT: usize>(
         &mut self,

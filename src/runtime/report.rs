@@ -38,6 +38,8 @@ pub struct Statistics {
     pub primary_draws: u64,
     /// Draws to the program's own framebuffers that were issued once per view.
     pub duplicated_draws: u64,
+    /// How often the parts of the views that no output samples were closed for drawing.
+    pub closings: u64,
     /// Framebuffers of the program's, drawn to until the end, that are drawn once per view.
     pub duplicated_framebuffers: u64,
     /// The others, by the reason why they are drawn once only.
@@ -63,6 +65,8 @@ pub struct ViewStatistics {
     pub width: u32,
     /// Height in texels.
     pub height: u32,
+    /// Texels that are closed for drawing, because no output samples them.
+    pub closed_texels: u64,
     /// Draws issued to it.
     pub draws_issued: u64,
     /// Draws that were seen not to reach it, and left out.

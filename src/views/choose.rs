@@ -1,29 +1,19 @@
 //! Which outputs get a view of their own, and which share a cube.
 
 use super::axes::{self, Aimed, facing, mean_direction};
+use super::cost::beside_texels;
 use super::fit::Fit;
-use super::partition::{Partition, Task};
+use super::partition::{Partition, Task, diagram};
 use super::samples::{COARSE, FINE, Samples};
+use super::search::search;
 use super::sight::{Sample, Sight, UNIT_FRUSTUM, lens_rotation};
 use crate::error::{Error, ErrorKind, Result};
 use crate::geom::pose;
-use crate::rig::{Favour, OutputKind, Rig, ViewMethod};
+use crate::rig::{OutputKind, Rig, ViewMethod};
 use glam::{DMat3, DVec2, DVec3};
 
-/// What a view costs beside its texels, in texels: submitting the program's draws once more.
-///
-/// A thousand draws at 1–2 µs are 1–2 ms. In that time a graphics card shades 5–10 million texels
-/// with an overdraw of 2, and a software rasteriser about 0.3 million: 2²⁰ lies between.
-const TEXELS_PER_VIEW: f64 = 1_048_576.0;
-
-/// The same for a rig that favours one or the other: 16 times as many draws, or as few.
-fn view_cost(favour: Favour) -> f64 {
-    match favour {
-        Favour::Balanced => TEXELS_PER_VIEW,
-        Favour::Processor => 16.0 * TEXELS_PER_VIEW,
-        Favour::Graphics => TEXELS_PER_VIEW / 16.0,
-    }
-}
+/// An output that shows directions farther than this from their middle (cosine of 65°) may get two views.
+const NARROW: f64 = 0.4226;
 
 /// At quality 1 no view gets more texels than this for each pixel of the outputs that it serves.
 ///
@@ -61,17 +51,23 @@ pub(crate) struct Arrangement {
 }
 
 impl Arrangement {
-    /// In texels, if a view costs `per_view` beside its own.
-    fn cost(&self, per_view: f64) -> f64 {
-        self.views.iter().map(|view| view.fit.texels() + per_view).sum()
+    /// In texels.
+    fn cost(&self, rig: &Rig) -> f64 {
+        cost(rig, &self.views)
     }
+}
+
+/// What views cost together, in texels.
+fn cost(rig: &Rig, views: &[Wanted]) -> f64 {
+    views.iter().map(|view| view.fit.texels() + beside_texels(rig)).sum()
 }
 
 /// An output, sampled at two levels.
 struct Seen {
     coarse: Samples,
     fine: Samples,
-    single: Option<Wanted>,
+    /// The view, or the two, that it can have to itself; empty where that is not possible.
+    own: Vec<Wanted>,
 }
 
 /// Chooses the views for outputs of the given sizes.
@@ -81,22 +77,22 @@ pub(crate) fn arrange(rig: &Rig, sights: &[Sight]) -> Result<Arrangement> {
     let mut notes = Vec::new();
     let mut seen = Vec::new();
     for (index, (output, sight)) in rig.outputs.iter().zip(sights).enumerate() {
-        let mut this = Seen { coarse: Samples::new(sight, COARSE), fine: Samples::new(sight, FINE), single: None };
+        let mut this = Seen { coarse: Samples::new(sight, COARSE), fine: Samples::new(sight, FINE), own: Vec::new() };
         if this.fine.is_empty() {
             notes.push(format!("output {} shows nothing: no ray of it meets the dome's screen", output.name));
         } else {
-            this.single = own_view(&output.kind, index, sight, method).or_else(|| {
-                let needed = method != ViewMethod::Cube;
-                needed
-                    .then(|| axes::tightest(&all(&this.coarse), &all(&this.fine), quality))
-                    .flatten()
-                    .map(Wanted::from)
-            });
-            if let Some(single) = &mut this.single {
-                single.name.clone_from(&output.name);
-                single.outputs = vec![index];
-            } else if method == ViewMethod::Single {
+            this.own = match own_view(&output.kind, index, sight, method) {
+                Some(own) => vec![own],
+                None if method == ViewMethod::Cube || !rig.views.cells.is_empty() => Vec::new(),
+                None => tight_views(rig, &this),
+            };
+            if this.own.is_empty() && method == ViewMethod::Single && rig.views.cells.is_empty() {
                 return Err(no_single_view(&output.name, &this.fine));
+            }
+            let several = this.own.len() > 1;
+            for (number, view) in (1..).zip(&mut this.own) {
+                view.name = if several { format!("{}-{number}", output.name) } else { output.name.clone() };
+                view.outputs = vec![index];
             }
         }
         seen.push(this);
@@ -111,7 +107,7 @@ pub(crate) fn arrange(rig: &Rig, sights: &[Sight]) -> Result<Arrangement> {
     }
     let mut arrangement = Arrangement::default();
     for eye in eyes {
-        let mut of_eye = best(rig, &seen, sights, eye);
+        let mut of_eye = best(rig, &seen, sights, eye)?;
         for view in &mut of_eye.views {
             view.eye = eye;
             view.name = free_name(&view.name, &arrangement.views);
@@ -126,22 +122,23 @@ pub(crate) fn arrange(rig: &Rig, sights: &[Sight]) -> Result<Arrangement> {
 }
 
 /// The cheapest arrangement for the outputs of one eye.
-fn best(rig: &Rig, seen: &[Seen], sights: &[Sight], eye: f64) -> Arrangement {
+fn best(rig: &Rig, seen: &[Seen], sights: &[Sight], eye: f64) -> Result<Arrangement> {
     let of_eye = |index: usize| rig.outputs[index].eye == eye;
     // Always alone: what needs no resampling then, or is drawn with the program's own lens.
-    let alone = |index: usize| seen[index].single.as_ref().is_some_and(|single| single.exact.is_some());
+    let alone = |index: usize| seen[index].own.iter().any(|own| own.exact.is_some());
     let is_circle = |index: usize| sights[index].is_circular();
     let arrangements: Vec<Arrangement> = match rig.views.method {
-        ViewMethod::Cube => vec![mixed(rig, seen, of_eye, alone)],
-        ViewMethod::Single => vec![mixed(rig, seen, of_eye, |_| true)],
+        _ if !rig.views.cells.is_empty() => vec![mixed(rig, seen, of_eye, alone)?],
+        ViewMethod::Cube => vec![mixed(rig, seen, of_eye, alone)?],
+        ViewMethod::Single => vec![mixed(rig, seen, of_eye, |_| true)?],
         ViewMethod::Auto => vec![
-            mixed(rig, seen, of_eye, |_| true),
-            mixed(rig, seen, of_eye, |index| alone(index) || !is_circle(index)),
-            mixed(rig, seen, of_eye, alone),
+            mixed(rig, seen, of_eye, |_| true)?,
+            mixed(rig, seen, of_eye, |index| alone(index) || !is_circle(index))?,
+            mixed(rig, seen, of_eye, alone)?,
         ],
     };
-    let cost = |arrangement: &Arrangement| arrangement.cost(view_cost(rig.views.favour));
-    arrangements.into_iter().min_by(|a, b| cost(a).total_cmp(&cost(b))).unwrap_or_default()
+    let cheapest = arrangements.into_iter().min_by(|a, b| a.cost(rig).total_cmp(&b.cost(rig)));
+    Ok(cheapest.unwrap_or_default())
 }
 
 impl From<Aimed> for Wanted {
@@ -182,32 +179,95 @@ fn own_view(kind: &OutputKind, index: usize, sight: &Sight, method: ViewMethod) 
     })
 }
 
-/// Of the outputs that `chosen` names: views of their own for those that `alone` names and that can have one; a cube
-/// for the others.
-fn mixed(rig: &Rig, seen: &[Seen], chosen: impl Fn(usize) -> bool, alone: impl Fn(usize) -> bool) -> Arrangement {
+/// The tight view of an output, or two of them where that is cheaper: one shows a wide picture at the sharpness that its
+/// far end needs, and halves need less. With `method = "single"` it is one.
+fn tight_views(rig: &Rig, seen: &Seen) -> Vec<Wanted> {
+    let quality = rig.views.quality;
+    let samples = all(&seen.coarse);
+    let single = axes::tightest(&samples, &all(&seen.fine), quality);
+    let middle = mean_direction(&samples);
+    let least = samples.iter().map(|sample| sample.direction.dot(middle)).fold(1.0, f64::min);
+    let one: Vec<Wanted> = single.map(Wanted::from).into_iter().collect();
+    if rig.views.method == ViewMethod::Single || least > NARROW {
+        return one;
+    }
+    let (coarse, fine) = ([&seen.coarse], [&seen.fine]);
+    let task = Task::new(rig, &coarse, &fine);
+    let two: Vec<Wanted> = task
+        .halves(middle)
+        .map(|partition| partition.parts.into_iter().map(|part| Wanted::from(part.aimed)).collect())
+        .unwrap_or_default();
+    if one.is_empty() || !two.is_empty() && cost(rig, &two) < cost(rig, &one) { two } else { one }
+}
+
+/// Of the outputs that `chosen` names: views of their own for those that `alone` names and that can have them; shared
+/// cells for the others.
+fn mixed(
+    rig: &Rig,
+    seen: &[Seen],
+    chosen: impl Fn(usize) -> bool,
+    alone: impl Fn(usize) -> bool,
+) -> Result<Arrangement> {
     let mut arrangement = Arrangement::default();
     let mut sharing = Vec::new();
     for (index, this) in seen.iter().enumerate().filter(|(index, _)| chosen(*index)) {
-        match &this.single {
-            Some(single) if alone(index) => arrangement.views.push(single.clone()),
-            _ if !this.fine.is_empty() => sharing.push(index),
-            _ => {}
+        if alone(index) && !this.own.is_empty() {
+            arrangement.views.extend(this.own.iter().cloned());
+        } else if !this.fine.is_empty() {
+            sharing.push(index);
         }
     }
     share_equals(&mut arrangement.views);
     if !sharing.is_empty() {
         let coarse: Vec<&Samples> = sharing.iter().map(|&index| &seen[index].coarse).collect();
         let fine: Vec<&Samples> = sharing.iter().map(|&index| &seen[index].fine).collect();
-        let task = Task {
-            coarse: &coarse,
-            fine: &fine,
-            quality: rig.views.quality,
-            pixel: finest_pixel(&coarse),
-            view_cost: view_cost(rig.views.favour),
+        let task = Task::new(rig, &coarse, &fine);
+        let partition = if rig.views.cells.is_empty() {
+            task.best(&frames(rig, &sharing, &coarse))
+        } else {
+            let cells = diagram(&rig.views.cells);
+            if let Some(wide) = cells.iter().position(|cell| !task.texels(cell).is_finite()) {
+                return Err(too_wide_cell(wide));
+            }
+            task.partition(&cells)
         };
-        add_parts(&mut arrangement, task.best(&frames(rig, &sharing, &coarse)), &sharing);
+        add_parts(&mut arrangement, partition, &sharing);
     }
-    arrangement
+    Ok(arrangement)
+}
+
+/// Searches for cells with the fewest texels for the outputs that can share views.
+pub(crate) fn optimise(
+    rig: &Rig,
+    sights: &[Sight],
+    views: usize,
+    steps: u32,
+    progress: &mut dyn FnMut(f64),
+) -> Result<Option<Vec<DVec3>>> {
+    let shares = |index: usize| own_view(&rig.outputs[index].kind, index, &sights[index], rig.views.method).is_none();
+    let shared: Vec<(usize, Samples)> = (0..sights.len())
+        .filter(|&index| shares(index))
+        .map(|index| (index, Samples::new(&sights[index], COARSE)))
+        .filter(|(_, samples)| !samples.is_empty())
+        .collect();
+    if shared.is_empty() {
+        return Err(Error::new(ErrorKind::InvalidArgument, "the rig has no outputs that share views"));
+    }
+    let (indices, samples): (Vec<usize>, Vec<&Samples>) =
+        shared.iter().map(|(index, samples)| (*index, samples)).unzip();
+    let task = Task::new(rig, &samples, &samples);
+    let known = task.best_vectors(&frames(rig, &indices, &samples));
+    Ok(search(&task, &known, views, steps, progress).map(|(cells, _)| cells))
+}
+
+fn too_wide_cell(index: usize) -> Error {
+    Error::new(
+        ErrorKind::InvalidRig,
+        format!(
+            "[views] cells: what the outputs show of the cell of cells[{index}] lies more than 83° from any axis, too wide \
+             for one perspective view; use more cells (`cupola plan --optimise` finds some), or leave the key out"
+        ),
+    )
 }
 
 /// Makes a view coarser that is finer than [`MOST_TEXELS_PER_PIXEL`] allows; what to tell people then.
@@ -267,18 +327,6 @@ fn frames(rig: &Rig, sharing: &[usize], samples: &[&Samples]) -> Vec<DMat3> {
         }
     }
     frames
-}
-
-/// The size of the finest pixel in radians.
-fn finest_pixel(samples: &[&Samples]) -> f64 {
-    samples
-        .iter()
-        .flat_map(|samples| samples.iter())
-        .map(|sample| {
-            let spread = &sample.spread;
-            (0.5 * (spread.x_axis.x + spread.y_axis.y + spread.z_axis.z)).sqrt()
-        })
-        .fold(f64::INFINITY, f64::min)
 }
 
 fn add_parts(arrangement: &mut Arrangement, partition: Partition, sharing: &[usize]) {

@@ -2,33 +2,36 @@
 //!
 //! `sight` maps the pixels of each output to directions, `samples` gathers them along lines, `fit`
 //! finds the opening and the resolution that a view with given axes needs, `axes` and `partition`
-//! choose axes, `choose` compares the families of views, `layout` and `atlas` size and place them,
-//! `idle` finds those that would be drawn for nothing, `survey` and `report` look at the result.
+//! choose axes, `choose` compares the families of views by what `cost` says, `layout` and `atlas` size and place them,
+//! `search` looks for better cells than a cube's, for a rig to keep, `idle` finds those that would be drawn for nothing, `survey` and `report` look at the result.
 //!
 //! Resolution at quality 1: a projector or a perspective output gets at least one texel per pixel
 //! in every direction, everywhere; a domemaster gets its nominal resolution (diameter over aperture)
-//! in every direction, everywhere.
+//! in every direction, everywhere, or that of its own pixels (`[views] resolution = "full"`).
 
 mod atlas;
 pub(crate) mod axes;
 mod choose;
 pub(crate) mod cone;
+mod cost;
 mod fit;
 mod idle;
 mod layout;
 mod partition;
 mod report;
 mod samples;
+mod search;
 pub(crate) mod sight;
 mod survey;
 
+pub use cost::cost;
 pub use report::{OutputShare, Report, ViewReport, report};
 pub use survey::{Surveyed, survey};
 
 use crate::error::{Error, ErrorKind, Result};
 use crate::geom::Frustum;
 use crate::rig::Rig;
-use glam::DMat3;
+use glam::{DMat3, DVec3};
 use sight::Sight;
 
 /// A rectangle of the atlas in texels, from the bottom left.
@@ -42,6 +45,13 @@ pub struct Tile {
     pub width: u32,
     /// Height.
     pub height: u32,
+}
+
+impl Tile {
+    /// How many texels it has.
+    pub fn area(&self) -> u64 {
+        u64::from(self.width) * u64::from(self.height)
+    }
 }
 
 /// One perspective picture of the program's world.
@@ -122,8 +132,7 @@ impl ViewPlan {
 pub fn plan(rig: &Rig, request: &Request) -> Result<ViewPlan> {
     let outputs: &[_] = if rig.passthrough { &[] } else { &rig.outputs };
     check(outputs.len(), rig.passthrough, request)?;
-    let sizes = request.output_sizes.iter().take(outputs.len()).enumerate();
-    let sights = sizes.map(|(index, &size)| Sight::new(rig, index, size)).collect::<Result<Vec<_>>>()?;
+    let sights = sights(rig, outputs.len(), request)?;
     let mut arrangement = choose::arrange(rig, &sights)?;
     loop {
         let plan = layout::place(rig, request, &arrangement.views, &arrangement.notes)?;
@@ -131,6 +140,34 @@ pub fn plan(rig: &Rig, request: &Request) -> Result<ViewPlan> {
         let view = arrangement.views.remove(idle);
         arrangement.notes.push(format!("no view {}: the centre of no pixel lies there", view.name));
     }
+}
+
+/// Searches for cells with the fewest texels for `views` views of `rig`, for [`Views::cells`](crate::rig::Views::cells);
+/// minutes rather than milliseconds. `steps`: how many sets of cells are tried (thousands); `progress` is told which part
+/// is done, 0…1. Deterministic. `None` where so few views cannot show what the outputs do.
+///
+/// # Errors
+///
+/// [`ErrorKind::InvalidArgument`] as for [`plan`], for 0 views, and for a rig without outputs that can share views.
+pub fn optimise(
+    rig: &Rig,
+    request: &Request,
+    views: usize,
+    steps: u32,
+    progress: &mut dyn FnMut(f64),
+) -> Result<Option<Vec<DVec3>>> {
+    check(rig.outputs.len(), rig.passthrough, request)?;
+    if views == 0 {
+        return Err(Error::new(ErrorKind::InvalidArgument, "no views can show nothing: at least one is needed"));
+    }
+    let sights = sights(rig, rig.outputs.len(), request)?;
+    choose::optimise(rig, &sights, views, steps, progress)
+}
+
+/// The maps of the first `outputs` outputs.
+fn sights(rig: &Rig, outputs: usize, request: &Request) -> Result<Vec<Sight>> {
+    let sizes = request.output_sizes.iter().take(outputs).enumerate();
+    sizes.map(|(index, &size)| Sight::new(rig, index, size)).collect()
 }
 
 /// Whether the request makes sense for so many outputs.

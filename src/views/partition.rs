@@ -1,15 +1,17 @@
-//! Views that several outputs share: the sphere of directions cut into six cells, a view for each that is sampled.
+//! Views that several outputs share: the sphere of directions cut into cells, a view for each that is sampled.
 //!
 //! The cells are those of a cube, turned in various ways, whose front face may be narrower or
-//! wider than 90°. A cell that is sampled only in part gets axes of its own: the view that shows a half
+//! wider than 90°, or any others that planes through the viewer bound ([`diagram`]). A cell that is sampled only in part gets axes of its own: the view that shows a half
 //! face is tighter when it is tilted towards that half, and a triangle needs another roll than a square.
 
 use super::axes::{Aimed, facing, mean_direction, refined, texels};
 use super::cone::Cone;
+use super::cost::beside_texels;
 use super::fit::{fit, golden_section};
 use super::layout::MARGIN;
 use super::samples::Samples;
 use super::sight::Sample;
+use crate::rig::Rig;
 use glam::{DMat3, DVec3};
 use std::f64::consts::FRAC_PI_4;
 
@@ -45,16 +47,16 @@ pub(crate) struct Task<'a> {
     /// Size of the finest pixel, radians.
     pub pixel: f64,
     /// What a view costs beside its texels.
-    pub view_cost: f64,
+    pub beside: f64,
 }
 
 /// A cell: a convex cone.
 #[derive(Clone, Debug)]
-struct Cell {
+pub(crate) struct Cell {
     /// Axes of the view that fits the whole cell (local → viewer).
     axes: DMat3,
     /// Inward unit normals, viewer axes.
-    normals: [DVec3; 4],
+    normals: Vec<DVec3>,
 }
 
 /// The cells of a cube (`turned`: cube → viewer axes) whose front face reaches to the tangent `front`
@@ -62,7 +64,7 @@ struct Cell {
 fn cells(turned: DMat3, front: f64) -> [Cell; 6] {
     let cell = |direction: DVec3, normals: [DVec3; 4]| Cell {
         axes: turned * facing(direction),
-        normals: normals.map(|normal| (turned * normal).normalize_or_zero()),
+        normals: normals.map(|normal| (turned * normal).normalize_or_zero()).to_vec(),
     };
     let (x, y, z) = (DVec3::X, DVec3::Y, DVec3::Z);
     // Beyond the front face's side, before the back face's side, between the diagonals.
@@ -75,6 +77,18 @@ fn cells(turned: DMat3, front: f64) -> [Cell; 6] {
         side(-y, x),
         cell(z, [z - x, z + x, z - y, z + y]),
     ]
+}
+
+/// The cells of a power diagram on the sphere (Aurenhammer 1987): a direction belongs to the cell of the vector with which
+/// it has the greatest scalar product. Every cell is convex and bounded by planes through the viewer; equal vectors share
+/// a cell.
+pub(crate) fn diagram(vectors: &[DVec3]) -> Vec<Cell> {
+    let middle = vectors.iter().sum::<DVec3>() / vectors.len().max(1) as f64;
+    let cell = |&vector: &DVec3| Cell {
+        axes: facing(vector - middle),
+        normals: vectors.iter().filter_map(|&other| (vector - other).try_normalize()).collect(),
+    };
+    vectors.iter().map(cell).collect()
 }
 
 /// The cubes that are tried (cube → viewer axes): for each of `frames` aligned with it, an edge
@@ -93,12 +107,50 @@ fn turns(frames: &[DMat3]) -> Vec<DMat3> {
     frames.iter().flat_map(|frame| turns.map(|turn| *frame * turn)).collect()
 }
 
-impl Task<'_> {
+impl<'a> Task<'a> {
+    /// The task for the outputs of `rig` with these samples, at least one of them.
+    pub fn new(rig: &Rig, coarse: &'a [&'a Samples], fine: &'a [&'a Samples]) -> Self {
+        Self { coarse, fine, quality: rig.views.quality, pixel: finest_pixel(coarse), beside: beside_texels(rig) }
+    }
+
+    /// The cheapest partition found into two cells, by a plane near `middle`.
+    pub fn halves(&self, middle: DVec3) -> Option<Partition> {
+        const DIRECTIONS: u32 = 12;
+        let frame = facing(middle);
+        let cells = |turn: f64, shift: f64| {
+            let across = frame * (DVec3::new(turn.cos(), turn.sin(), 0.0) - DVec3::NEG_Z * shift);
+            diagram(&[across, -across])
+        };
+        let turns = (0..DIRECTIONS).map(|index| std::f64::consts::PI * f64::from(index) / f64::from(DIRECTIONS));
+        let (_, turn) = turns
+            .map(|turn| (rounded(self.estimate(&cells(turn, 0.0))), turn))
+            .filter(|(cost, _)| *cost < i64::MAX)
+            .min_by_key(|(cost, _)| *cost)?;
+        // Beyond this the plane passes 35° from the middle.
+        let shift = golden_section(|shift| self.estimate(&cells(turn, shift)), -0.7, 0.7, 0.02);
+        let best = cells(turn, shift);
+        self.estimate(&best).is_finite().then(|| self.partition(&best))
+    }
+
     /// The cheapest partition found: every turn of the cube with its views along the faces, then
     /// the best few with the front face's width and the views' axes searched. Deterministic.
     pub fn best(&self, frames: &[DMat3]) -> Partition {
+        self.best_cube(frames).map(|(turned, front)| self.partition(&cells(turned, front))).unwrap_or_default()
+    }
+
+    /// The vectors of the [`diagram`] whose cells are the best partition's, but for those that nothing samples.
+    pub fn best_vectors(&self, frames: &[DMat3]) -> Vec<DVec3> {
+        let Some((turned, front)) = self.best_cube(frames) else { return Vec::new() };
+        let (x, y, z) = (DVec3::X, DVec3::Y, DVec3::Z);
+        let vectors = [-z * front, x, -x, y, -y, z].map(|vector| turned * vector);
+        let sampled = cells(turned, front).map(|cell| self.texels(&cell) > 0.0);
+        vectors.into_iter().zip(sampled).filter_map(|(vector, sampled)| sampled.then_some(vector)).collect()
+    }
+
+    /// The turn and the reach of the front face of the best cube.
+    fn best_cube(&self, frames: &[DMat3]) -> Option<(DMat3, f64)> {
         let mut ranked: Vec<(i64, DMat3)> =
-            turns(frames).into_iter().map(|turned| (rounded(self.estimate(turned, 1.0)), turned)).collect();
+            turns(frames).into_iter().map(|turned| (rounded(self.estimate(&cells(turned, 1.0))), turned)).collect();
         // Stable, and compared to a thousandth: of equals, the first wins whatever the rounding.
         ranked.sort_by_key(|(cost, _)| *cost);
         let best = ranked
@@ -106,16 +158,25 @@ impl Task<'_> {
             .take(3)
             .map(|&(_, turned)| {
                 let front = self.best_front(turned);
-                (rounded(self.estimate(turned, front)), turned, front)
+                (rounded(self.estimate(&cells(turned, front))), turned, front)
             })
             .min_by_key(|(cost, _, _)| *cost);
-        best.map(|(_, turned, front)| self.partition(turned, front)).unwrap_or_default()
+        best.map(|(_, turned, front)| (turned, self.finer_front(turned, front)))
+    }
+
+    /// The reach of the front face to a part of a per cent, near `front`.
+    fn finer_front(&self, turned: DMat3, front: f64) -> f64 {
+        if front == 1.0 {
+            return front;
+        }
+        golden_section(|front| self.estimate(&cells(turned, front)), front - 0.03, front + 0.03, 0.004)
     }
 
     /// The reach of the front face: a cube's, or less or more where that is cheaper.
     fn best_front(&self, turned: DMat3) -> f64 {
-        let front = golden_section(|front| self.estimate(turned, front), 0.7, 1.2, 0.03);
-        if self.estimate(turned, front) < 0.995 * self.estimate(turned, 1.0) { front } else { 1.0 }
+        let cost = |front: f64| self.estimate(&cells(turned, front));
+        let front = golden_section(cost, 0.7, 1.2, 0.03);
+        if cost(front) < 0.995 * cost(1.0) { front } else { 1.0 }
     }
 
     /// Directions within so many radians beyond a cell's side are left to the neighbour.
@@ -137,21 +198,27 @@ impl Task<'_> {
     }
 
     /// The cost of a partition, with axes only tilted and rolled in steps.
-    fn estimate(&self, turned: DMat3, front: f64) -> f64 {
-        let cost = |cell: &Cell| {
-            let (samples, users) = self.sampled(self.coarse, cell);
-            if users.is_empty() { 0.0 } else { tilted(cell, &samples, self.quality).0 + self.view_cost }
+    pub fn estimate(&self, cells: &[Cell]) -> f64 {
+        let cost = |cell: &Cell| match self.texels(cell) {
+            0.0 => 0.0,
+            texels => texels + self.beside,
         };
-        cells(turned, front).iter().map(cost).sum()
+        cells.iter().map(cost).sum()
+    }
+
+    /// About the texels of a cell's view; 0 where nothing is sampled, infinite where no perspective view can show it.
+    pub fn texels(&self, cell: &Cell) -> f64 {
+        let (samples, users) = self.sampled(self.coarse, cell);
+        if users.is_empty() { 0.0 } else { tilted(cell, &samples, self.quality).0 }
     }
 
     /// The partition with its views' axes refined, and their openings and resolutions from the finest samples.
-    fn partition(&self, turned: DMat3, front: f64) -> Partition {
+    pub fn partition(&self, cells: &[Cell]) -> Partition {
         let mut found = Partition::default();
-        for cell in cells(turned, front) {
-            let (fine, users) = self.sampled(self.fine, &cell);
-            let (coarse, _) = self.sampled(self.coarse, &cell);
-            let (cost, axes) = tilted(&cell, &coarse, self.quality);
+        for cell in cells {
+            let (fine, users) = self.sampled(self.fine, cell);
+            let (coarse, _) = self.sampled(self.coarse, cell);
+            let (cost, axes) = tilted(cell, &coarse, self.quality);
             let better = refined(&coarse, axes, self.quality);
             // Plain axes are kept where others gain nothing.
             let gains = texels(&coarse, better, self.quality) < 0.995 * cost;
@@ -202,6 +269,18 @@ impl Task<'_> {
     }
 }
 
+/// The size of the finest pixel in radians.
+fn finest_pixel(samples: &[&Samples]) -> f64 {
+    samples
+        .iter()
+        .flat_map(|samples| samples.iter())
+        .map(|sample| {
+            let spread = &sample.spread;
+            (0.5 * (spread.x_axis.x + spread.y_axis.y + spread.z_axis.z)).sqrt()
+        })
+        .fold(f64::INFINITY, f64::min)
+}
+
 /// Costs to a thousandth.
 fn rounded(cost: f64) -> i64 {
     (cost.ln() * 1e3).round() as i64
@@ -225,4 +304,27 @@ fn tilted(cell: &Cell, samples: &[Sample], quality: f64) -> (f64, DMat3) {
         .chain([straight])
         .min_by(|a, b| a.0.total_cmp(&b.0))
         .unwrap_or(straight)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geom::random::Random;
+
+    #[test]
+    fn each_direction_lies_in_the_cell_of_the_vector_with_the_greatest_product_and_in_no_other() {
+        let mut random = Random::new(3);
+        for count in 2..9 {
+            let vectors: Vec<DVec3> = (0..count).map(|_| random.vector(-1.0, 1.0)).collect();
+            let cells = diagram(&vectors);
+            for _ in 0..500 {
+                let direction = random.direction();
+                let product = |index: &usize| vectors[*index].dot(direction);
+                let nearest = (0..count).max_by(|a, b| product(a).total_cmp(&product(b)));
+                let holds = |index: &usize| cells[*index].normals.iter().all(|normal| normal.dot(direction) >= 0.0);
+                let holding: Vec<usize> = (0..count).filter(holds).collect();
+                assert_eq!(holding, Vec::from_iter(nearest));
+            }
+        }
+    }
 }

@@ -1,8 +1,8 @@
 //! What a plan costs, for people and for programs.
 
-use super::ViewPlan;
 use super::cone::Cone;
 use super::sight::Sight;
+use super::{Tile, ViewPlan};
 use crate::rig::Rig;
 use glam::DVec2;
 use serde::Serialize;
@@ -98,7 +98,7 @@ pub fn report(plan: &ViewPlan, rig: &Rig, sizes: &[(u32, u32)]) -> Report {
         })
         .sum();
     let others = plan.primary.iter().chain(plan.panel.as_ref().map(|panel| &panel.tile));
-    let used = view_texels + others.map(|tile| area(tile.width, tile.height)).sum::<u64>();
+    let used = view_texels + others.map(Tile::area).sum::<u64>();
     let part = |of: u64, whole: u64| if whole > 0 { of as f64 / whole as f64 } else { 0.0 };
     Report {
         views,

@@ -56,10 +56,9 @@ impl Samples {
         self.lines.iter().flatten()
     }
 
-    /// The samples within a convex cone, given by the inward unit normals of its sides (two pairs of
-    /// opposite ones) and widened by `slack` (radians; negative = narrowed). Lines are cut at the
+    /// The samples within a convex cone, given by the inward unit normals of its sides (at least three) and widened by `slack` (radians; negative = narrowed). Lines are cut at the
     /// sides, and the cone's own edges are sampled too: together these are all the corners of the part shown.
-    pub fn within(&self, normals: &[DVec3; 4], slack: f64) -> Vec<Sample> {
+    pub fn within(&self, normals: &[DVec3], slack: f64) -> Vec<Sample> {
         let mut found = Vec::new();
         for line in &self.lines {
             let single = if line.len() == 1 { &line[..] } else { &[] };
@@ -78,10 +77,15 @@ impl Samples {
                 found.push(*last);
             }
         }
-        for (first, second) in [(0, 2), (0, 3), (1, 2), (1, 3)].map(|(a, b)| (normals[a], normals[b])) {
+        for (first, second) in pairs(normals) {
             let edge = first.cross(second).normalize_or_zero();
             let ahead = normals.iter().map(|normal| normal.dot(edge)).sum::<f64>();
             let edge = edge * ahead.signum();
+            // Where two sides meet beyond a third there is no corner.
+            let corner = normals.iter().all(|normal| normal.dot(edge) >= -1e-9);
+            if !corner || edge == DVec3::ZERO {
+                continue;
+            }
             if let Some(sample) = self.sight.sample_towards(edge) {
                 // The point by `slack` beyond both sides.
                 let direction = edge - (first + second) * (slack / (1.0 + first.dot(second)));
@@ -194,8 +198,16 @@ fn between(from: &Sample, to: &Sample, part: f64) -> Sample {
     Sample { direction: direction.normalize_or(from.direction), spread: from.spread * (1.0 - part) + to.spread * part }
 }
 
+/// Every two of them.
+fn pairs(normals: &[DVec3]) -> impl Iterator<Item = (DVec3, DVec3)> + '_ {
+    normals
+        .iter()
+        .enumerate()
+        .flat_map(|(index, &first)| normals[index + 1..].iter().map(move |&second| (first, second)))
+}
+
 /// The part of the segment from `a` to `b` on the inner side of all planes.
-fn cut(a: DVec3, b: DVec3, normals: &[DVec3; 4], slack: f64) -> Option<(f64, f64)> {
+fn cut(a: DVec3, b: DVec3, normals: &[DVec3], slack: f64) -> Option<(f64, f64)> {
     let (mut start, mut end) = (0.0f64, 1.0f64);
     for normal in normals {
         let (from, to) = (normal.dot(a) + slack, normal.dot(b) + slack);

@@ -5,7 +5,7 @@
 
 use crate::error::{Error, ErrorKind, Result};
 use crate::geom::{Fisheye, Frustum, Pose, Sphere, pose};
-use crate::rig::{Output, OutputKind, Rig};
+use crate::rig::{Output, OutputKind, Resolution, Rig};
 use crate::warp::WarpMap;
 use glam::{DMat3, DVec2, DVec3};
 
@@ -31,7 +31,7 @@ pub(crate) struct Sight {
 
 #[derive(Clone, Debug)]
 enum Map {
-    Fisheye { aperture: f64, rotation: DMat3, offset: DVec3 },
+    Fisheye { aperture: f64, rotation: DMat3, offset: DVec3, full: bool },
     Projector(Box<ProjectorMap>),
     Traced { map: Box<WarpMap>, eye: Pose },
     Perspective { rays: DMat3, picture: DMat3 },
@@ -51,6 +51,9 @@ struct ProjectorMap {
     eye: DVec3,
     to_viewer: DMat3,
 }
+
+/// A domemaster's pixels are taken to be no narrower than this part of their nominal width.
+const LEAST_WIDTH: f64 = 1e-3;
 
 /// The opening whose picture coordinates are the tangents themselves; it stands for the program's
 /// own lens, which is known only when the program draws.
@@ -105,6 +108,7 @@ impl Sight {
                 aperture: *aperture,
                 rotation: lens_rotation(*tilt),
                 offset: -(to_viewer * eye) / rig.dome.radius,
+                full: rig.views.resolution == Resolution::Full,
             },
             OutputKind::Projector { position, angles, frustum } => Map::Projector(Box::new(ProjectorMap {
                 origin: *position,
@@ -180,16 +184,23 @@ impl Sight {
     /// The direction seen at a pixel position and the spread of a pixel there; `None` where the
     /// output shows nothing or the viewer stands in the very point that is seen.
     ///
-    /// A domemaster's pixel is a circle of its nominal size, aperture over diameter, on the dome:
-    /// its own tangential resolution beyond that is an artefact of the lens and shows no more detail.
+    /// A domemaster's pixel is a circle of its nominal size, aperture over diameter, on the dome: its own tangential
+    /// resolution beyond that is an artefact of the lens and shows no more detail. With `resolution = "full"` it counts.
     pub fn sample(&self, pixel: DVec2) -> Option<Sample> {
         let at = self.normalised(pixel);
         match &self.map {
-            Map::Fisheye { aperture, rotation, offset } => {
+            Map::Fisheye { aperture, rotation, offset, full } => {
                 let lens = *rotation * Fisheye { aperture: *aperture }.direction(at.x, at.y)?;
                 let pitch = aperture / f64::from(self.size.0.min(self.size.1));
-                let spread = (DMat3::IDENTITY - outer(lens, lens)) * (pitch * pitch);
-                of_unit_length(lens + *offset, spread)
+                let mut spread = DMat3::IDENTITY - outer(lens, lens);
+                if *full {
+                    let angle = 0.5 * aperture * at.length();
+                    let around = -rotation.z_axis.cross(lens).normalize_or_zero();
+                    // Around the point opposite to the centre pixels have no width at all.
+                    let narrower = (angle.sin() / angle.max(1e-9)).max(LEAST_WIDTH);
+                    spread -= outer(around, around) * if angle > 1e-9 { 1.0 - narrower * narrower } else { 0.0 };
+                }
+                of_unit_length(lens + *offset, spread * (pitch * pitch))
             }
             Map::Projector(map) => map.sample(&map.hit(at)?, self.per_pixel()),
             Map::Traced { map, .. } => traced_sample(map, pixel),
@@ -243,7 +254,7 @@ impl Sight {
     /// The sample in a direction from the viewer (viewer axes, any length), if the output shows it.
     pub fn sample_towards(&self, direction: DVec3) -> Option<Sample> {
         let at = match &self.map {
-            Map::Fisheye { aperture, rotation, offset } => {
+            Map::Fisheye { aperture, rotation, offset, .. } => {
                 let point = Sphere { center: DVec3::ZERO, radius: 1.0 }.far_hit(-*offset, direction)?;
                 Fisheye { aperture: *aperture }.point(rotation.transpose() * point)
             }

@@ -11,6 +11,7 @@ mod culling;
 mod dialects;
 mod display;
 mod embedding;
+mod hidden;
 mod injection;
 mod offscreen;
 mod outlines;

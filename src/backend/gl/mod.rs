@@ -4,6 +4,7 @@ pub mod accumulation;
 pub mod api;
 pub mod glx;
 pub mod headless;
+mod hidden;
 mod map;
 mod passes;
 mod program;

@@ -1,13 +1,14 @@
 //! Runs a plan on the current context: one draw for each batch of rectangles, one for what is black.
 
 use super::api::*;
+use super::hidden::Hidden;
 use super::program::{self, ATLAS_UNIT, MASK_UNIT, TABLE_UNIT};
 use super::state::{self, Capabilities};
 use crate::correct::draws::{self, FLOATS, Rows};
 use crate::correct::plan::{Mask, OutputPass};
 use crate::correct::shaders::{Language, Pass, Specialised, Stage, specialise};
 use crate::correct::uniforms::Constants;
-use crate::correct::{Plan, Source, Table};
+use crate::correct::{Plan, Source, Table, Tile};
 use crate::error::{Error, ErrorKind, Result};
 use std::cell::Cell;
 use std::collections::HashMap;
@@ -88,6 +89,7 @@ pub struct GlBackend {
     stage: Stage,
     names: Names,
     outputs: Vec<Output>,
+    hidden: Option<Hidden>,
     errors: Cell<u64>,
     left_out: Cell<u64>,
     linked: u64,
@@ -119,6 +121,7 @@ impl GlBackend {
             stage,
             names: Names::default(),
             outputs: Vec::new(),
+            hidden: None,
             errors: Cell::new(0),
             left_out: Cell::new(0),
             linked: 0,
@@ -165,6 +168,39 @@ impl GlBackend {
             ));
         }
         Ok(())
+    }
+
+    /// Uploads `areas`, rectangles of an atlas of the given size in texels, for [`GlBackend::close_hidden`]; none: there
+    /// is nothing to close. For changes of the plan only.
+    ///
+    /// # Errors
+    /// [`ErrorKind::Graphics`] where the driver refuses a shader.
+    pub fn prepare_hidden(&mut self, gl: &Gl, areas: &[Tile], atlas: (u32, u32)) -> Result<()> {
+        self.take_pending(gl);
+        if let Some(old) = self.hidden.take() {
+            old.destroy(gl);
+        }
+        if !areas.is_empty() {
+            let saved = state::save_upload(gl, &self.caps);
+            let hidden = Hidden::new(gl, &self.caps, areas, atlas);
+            state::restore_upload(gl, &self.caps, &saved);
+            self.hidden = Some(hidden?);
+        }
+        self.count_errors(gl);
+        Ok(())
+    }
+
+    /// After the program cleared the depth of the atlas, which is bound, to `cleared` (0…1): closes the prepared
+    /// areas by the depth farthest from that, so that what is drawn there fails the usual depth tests. Colours and
+    /// stencil stay. How many texels were closed: 0 where none are prepared, where the program does not write depth,
+    /// and while it counts samples. Allocates nothing; the program's state and errors are put back as by
+    /// [`GlBackend::present`], but the errors are kept for that.
+    pub fn close_hidden(&self, gl: &Gl, cleared: f32) -> u64 {
+        let Some(hidden) = &self.hidden else { return 0 };
+        self.take_pending(gl);
+        let texels = hidden.close(gl, &self.caps, cleared);
+        self.count_errors(gl);
+        texels
     }
 
     fn build(&mut self, gl: &Gl, plan: &Plan, passes: &[OutputPass], panel: bool) -> Result<()> {
@@ -373,6 +409,9 @@ impl GlBackend {
     /// Deletes everything in the context, which must be current.
     pub fn destroy(&mut self, gl: &Gl) {
         self.outputs.clear();
+        if let Some(hidden) = self.hidden.take() {
+            hidden.destroy(gl);
+        }
         let names = take(&mut self.names);
         // SAFETY: the context is current and gave these names; 0 is ignored.
         unsafe {

@@ -303,6 +303,19 @@ pub(super) fn set_viewport(gl: &Gl, caps: &Capabilities, [x, y, width, height]: 
     }
 }
 
+/// Whether colours are written to the first colour buffer; the others are closed while we draw.
+pub(super) fn set_color_writes(gl: &Gl, caps: &Capabilities, on: bool) {
+    let on = u8::from(on);
+    // SAFETY: a context is current.
+    unsafe {
+        if caps.indexed_blend {
+            gl.color_maski(0, on, on, on, on);
+        } else {
+            gl.color_mask(on, on, on, on);
+        }
+    }
+}
+
 unsafe fn set_switch(gl: &Gl, caps: &Capabilities, switch: u32, on: bool) {
     // SAFETY: the caller's context is current and knows the switch.
     unsafe {
@@ -433,7 +446,7 @@ pub(super) fn integer(gl: &Gl, name: u32) -> i32 {
     values[0]
 }
 
-fn boolean(gl: &Gl, name: u32) -> bool {
+pub(super) fn boolean(gl: &Gl, name: u32) -> bool {
     let mut value = 0;
     // SAFETY: a context is current; the name has one value.
     unsafe { gl.get_booleanv(name, &mut value) };

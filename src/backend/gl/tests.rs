@@ -1,6 +1,7 @@
 //! Tests that draw, on whatever driver EGL finds without a window.
 
 mod canvas;
+mod hidden;
 mod state;
 mod targets;
 

@@ -47,6 +47,9 @@ pub struct Arguments {
     /// Issue every draw to every view, also where a view cannot show it
     #[arg(long)]
     no_cull: bool,
+    /// Draw the parts of views that no output samples, too
+    #[arg(long)]
+    no_mask: bool,
     /// Which pictures that the program draws off screen are drawn once per view [default: the rig's]
     #[arg(long, value_name = "auto|never|always", value_parser = ["auto", "never", "always"])]
     duplicate: Option<String>,
@@ -117,6 +120,7 @@ fn settings(arguments: &Arguments, rig: &str) -> Result<Environment, Failure> {
     set("CUPOLA_OFFSCREEN", arguments.offscreen.then(|| "1".into()));
     set("CUPOLA_DUPLICATE", arguments.duplicate.as_ref().map(Into::into));
     set("CUPOLA_CULL", arguments.no_cull.then(|| "0".into()));
+    set("CUPOLA_MASK", arguments.no_mask.then(|| "0".into()));
     let files =
         [("CUPOLA_CAPTURE", &arguments.capture), ("CUPOLA_STATS", &arguments.stats), ("CUPOLA_LOG", &arguments.log)];
     for (name, file) in files {

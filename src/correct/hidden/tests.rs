@@ -49,7 +49,7 @@ fn the_check_notices_what_is_hidden_too_much_and_much_of_a_dome_is_hidden() {
     let rig = rig(vec![fisheye(180.0, 90.0)]);
     let plan = build(&rig, &request(&[(1024, 1024)])).unwrap();
     let mut hidden = hidden_areas(&plan);
-    let texels: u64 = hidden.iter().flatten().map(|tile| u64::from(tile.width) * u64::from(tile.height)).sum();
+    let texels: u64 = hidden.iter().flatten().map(Tile::area).sum();
     // Two of the four views are rectangles around triangles.
     assert!(texels > 200_000, "{texels}");
     assert_eq!(wrongly_hidden(&rig, &plan, &hidden), 0);

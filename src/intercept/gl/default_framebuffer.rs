@@ -24,6 +24,8 @@ pub struct DefaultFramebuffer {
     pub content: Content,
     issued: Vec<u64>,
     culled: Vec<u64>,
+    /// Texels of each view that are closed for drawing; empty where none are.
+    closed: Vec<u64>,
     /// Where each output is in the window.
     outputs: Vec<Target>,
 }
@@ -334,9 +336,11 @@ impl DefaultFramebuffer {
         let mut backend = GlBackend::new(gl, ctx.profile.es)?;
         let panel = session.panel().is_some();
         backend.prepare(gl, session.plan(), panel)?;
+        let closed = super::hidden::prepare(gl, &mut backend, session.plan());
         let (issued, culled) = (vec![0; session.views().len()], vec![0; session.views().len()]);
         let outputs = session.viewports().map(|viewport| Target { framebuffer: 0, viewport }).collect();
-        Ok(Self { session, config, surface, resolved, backend, content: Content::default(), issued, culled, outputs })
+        let content = Content::default();
+        Ok(Self { session, config, surface, resolved, backend, content, issued, culled, closed, outputs })
     }
 
     /// The same with more tiles.
@@ -406,6 +410,11 @@ impl DefaultFramebuffer {
     /// Draws issued to each view so far, and draws left out.
     pub fn counts(&self) -> impl Iterator<Item = (u64, u64)> + '_ {
         self.issued.iter().copied().zip(self.culled.iter().copied())
+    }
+
+    /// Texels of each view that are closed for drawing, because no output samples them; empty where none are.
+    pub fn closed(&self) -> &[u64] {
+        &self.closed
     }
 
     /// Where the correction of each output goes.

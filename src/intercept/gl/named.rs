@@ -5,6 +5,7 @@
 //! while the window is bound.
 
 use super::context::Context;
+use super::hidden::Cleared;
 use super::hook::hooks;
 use super::targets;
 use crate::backend::gl::api;
@@ -32,14 +33,14 @@ fn is_window(ctx: &Context, name: u32) -> bool {
 }
 
 macro_rules! clears {
-    ($( $name:literal $method:ident $bound:ident ( $($p:ident: $t:ty),* ) ; )*) => {
+    ($( $name:literal $method:ident $bound:ident ( $($p:ident: $t:ty),* ) by $how:ident; )*) => {
         hooks! {
             $( $name $method(framebuffer: u32, buffer: u32, $($p: $t),*) = |ctx, gl| {
                 if ctx.target.is_none() {
                     gl.$method(framebuffer, buffer, $($p),*);
                 } else {
                     bound(ctx, Some(framebuffer), None, |ctx| {
-                        _ = targets::clear_with(ctx, buffer == api::GL_COLOR, |gl| gl.$bound(buffer, $($p),*));
+                        _ = targets::clear_with(ctx, Cleared::$how(buffer, $($p),*), |gl| gl.$bound(buffer, $($p),*));
                     });
                 }
             }; )*
@@ -107,8 +108,8 @@ macro_rules! clears {
 }
 
 clears! {
-    "glClearNamedFramebufferfv" clear_named_framebufferfv clear_bufferfv(index: i32, value: *const f32);
-    "glClearNamedFramebufferiv" clear_named_framebufferiv clear_bufferiv(index: i32, value: *const i32);
-    "glClearNamedFramebufferuiv" clear_named_framebufferuiv clear_bufferuiv(index: i32, value: *const u32);
-    "glClearNamedFramebufferfi" clear_named_framebufferfi clear_bufferfi(index: i32, depth: f32, stencil: i32);
+    "glClearNamedFramebufferfv" clear_named_framebufferfv clear_bufferfv(index: i32, value: *const f32) by by_floats;
+    "glClearNamedFramebufferiv" clear_named_framebufferiv clear_bufferiv(index: i32, value: *const i32) by by_integers;
+    "glClearNamedFramebufferuiv" clear_named_framebufferuiv clear_bufferuiv(index: i32, value: *const u32) by by_integers;
+    "glClearNamedFramebufferfi" clear_named_framebufferfi clear_bufferfi(index: i32, depth: f32, stencil: i32) by by_pair;
 }

@@ -186,6 +186,7 @@ fn statistics(ctx: &Context, settings: &settings::Settings) -> Statistics {
         draws_seen: ctx.counts.draws_seen,
         panel_draws: ctx.counts.panel_draws,
         primary_draws: ctx.counts.primary_draws,
+        closings: ctx.counts.closings,
         duplicated_draws: ctx.duplicates.draws,
         duplicated_framebuffers,
         single_framebuffers,
@@ -203,10 +204,12 @@ fn statistics(ctx: &Context, settings: &settings::Settings) -> Statistics {
             .views()
             .iter()
             .zip(target.counts())
-            .map(|(view, (draws_issued, draws_culled))| ViewStatistics {
+            .enumerate()
+            .map(|(index, (view, (draws_issued, draws_culled)))| ViewStatistics {
                 name: view.name.clone(),
                 width: view.tile.width,
                 height: view.tile.height,
+                closed_texels: target.closed().get(index).copied().unwrap_or(0),
                 draws_issued,
                 draws_culled,
             })

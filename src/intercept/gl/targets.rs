@@ -2,6 +2,7 @@
 
 use super::context::Context;
 use super::draw::{intersect, own_window_space};
+use super::hidden::Cleared;
 use super::hook::hooks;
 use super::lists::Command;
 use crate::backend::gl::api::{self, Gl};
@@ -45,9 +46,9 @@ fn refuses_attachments(ctx: &mut Context, target: u32) -> bool {
 }
 
 /// A clear of the program: of everything that is its picture. `true`: of every view.
-pub fn clear_with(ctx: &mut Context, color: bool, issue: impl Fn(&Gl)) -> bool {
+pub fn clear_with(ctx: &mut Context, cleared: Cleared, issue: impl Fn(&Gl)) -> bool {
     let gl = ctx.gl;
-    if let Some(target) = ctx.target.as_mut().filter(|_| color) {
+    if let Some(target) = ctx.target.as_mut().filter(|_| cleared.color) {
         target.content.forget();
     }
     if !ctx.redirected() || ctx.picking {
@@ -68,7 +69,10 @@ pub fn clear_with(ctx: &mut Context, color: bool, issue: impl Fn(&Gl)) -> bool {
     if whole && (part.is_none() || !own_pictures) {
         ctx.set_scissor(None);
         issue(gl);
-        if color {
+        if let Some(depth) = cleared.depth {
+            super::hidden::close(ctx, depth);
+        }
+        if cleared.color {
             clear_panel(ctx);
         }
         return true;
@@ -76,7 +80,7 @@ pub fn clear_with(ctx: &mut Context, color: bool, issue: impl Fn(&Gl)) -> bool {
     if whole {
         // The views as a whole, the program's own pictures to the pixel.
         clear_views(ctx, gl, &issue);
-        if color {
+        if cleared.color {
             clear_panel(ctx);
         }
     }
@@ -99,6 +103,7 @@ pub fn clear_with(ctx: &mut Context, color: bool, issue: impl Fn(&Gl)) -> bool {
 /// `value` must be null or point at as many numbers as the buffer has, as the program promises OpenGL.
 unsafe fn clear_by<T: Copy + Default + Send + Sync + 'static>(
     ctx: &mut Context,
+    cleared: Cleared,
     buffer: u32,
     value: *const T,
     issue: impl Fn(&Gl, *const T) + Send + Sync + 'static,
@@ -110,7 +115,7 @@ unsafe fn clear_by<T: Copy + Default + Send + Sync + 'static>(
     // SAFETY: as promised.
     let value: [T; 4] = std::array::from_fn(|i| if i < count { unsafe { *value.add(i) } } else { T::default() });
     super::lists::now_or_later(ctx, move |ctx| {
-        clear_with(ctx, buffer == api::GL_COLOR, |gl| issue(gl, value.as_ptr()));
+        clear_with(ctx, cleared, |gl| issue(gl, value.as_ptr()));
     });
 }
 
@@ -140,9 +145,10 @@ pub fn clear_window(ctx: &mut Context, mask: u32) {
     if mask & api::GL_ACCUM_BUFFER_BIT != 0 {
         super::accumulation::clear(ctx);
     }
-    let color = mask & api::GL_COLOR_BUFFER_BIT != 0;
+    let cleared = Cleared::by_mask(ctx, mask);
+    let color = cleared.color;
     // SAFETY: the program's own call.
-    if clear_with(ctx, color, |gl| unsafe { gl.clear(mask) }) && color {
+    if clear_with(ctx, cleared, |gl| unsafe { gl.clear(mask) }) && color {
         super::culling::blank::note_clear(ctx);
     }
 }
@@ -309,15 +315,16 @@ hooks! {
         if ctx.compiling() { super::lists::record(ctx, Command::Clear(mask)) } else { clear_window(ctx, mask) }
     };
     "glClearBufferfv" clear_bufferfv(buffer: u32, index: i32, value: *const f32) = |ctx, _gl|
-        clear_by(ctx, buffer, value, move |gl, value| gl.clear_bufferfv(buffer, index, value));
+        clear_by(ctx, Cleared::by_floats(buffer, index, value), buffer, value, move |gl, value| gl.clear_bufferfv(buffer, index, value));
     "glClearBufferiv" clear_bufferiv(buffer: u32, index: i32, value: *const i32) = |ctx, _gl|
-        clear_by(ctx, buffer, value, move |gl, value| gl.clear_bufferiv(buffer, index, value));
+        clear_by(ctx, Cleared::by_integers(buffer, index, value), buffer, value, move |gl, value| gl.clear_bufferiv(buffer, index, value));
     "glClearBufferuiv" clear_bufferuiv(buffer: u32, index: i32, value: *const u32) = |ctx, _gl|
-        clear_by(ctx, buffer, value, move |gl, value| gl.clear_bufferuiv(buffer, index, value));
+        clear_by(ctx, Cleared::by_integers(buffer, index, value), buffer, value, move |gl, value| gl.clear_bufferuiv(buffer, index, value));
     "glClearBufferfi" clear_bufferfi(buffer: u32, index: i32, depth: f32, stencil: i32) = |ctx, _gl|
         super::lists::now_or_later(ctx, move |ctx| {
+            let cleared = Cleared::by_pair(buffer, index, depth, stencil);
             // SAFETY: the program's own call.
-            clear_with(ctx, false, |gl| unsafe { gl.clear_bufferfi(buffer, index, depth, stencil) });
+            clear_with(ctx, cleared, |gl| unsafe { gl.clear_bufferfi(buffer, index, depth, stencil) });
         });
     "glDrawBuffer" draw_buffer(buffer: u32) = |ctx, _gl| {
         if ctx.compiling() { super::lists::record(ctx, Command::DrawBuffer(buffer)) } else { select_draw_buffer(ctx, buffer) }

@@ -3,16 +3,13 @@
 use super::{PITCH, YAW};
 use crate::rig::problems::Problems;
 use crate::rig::reader::{Allowed, Section};
-use crate::rig::{Duplicate, Favour, Filter, Overlay, ViewMethod, Views};
+use crate::rig::{Duplicate, Favour, Filter, Overlay, Resolution, ViewMethod, Views};
+
+/// More views than this would cost more than the faces of a cube in any rig.
+const MOST_CELLS: usize = 24;
 
 pub(super) fn views(section: Option<Section>, problems: &mut Problems) -> Views {
-    let mut views = Views {
-        method: ViewMethod::Auto,
-        quality: 1.0,
-        filter: Filter::Bilinear,
-        favour: Favour::Balanced,
-        duplicate: Duplicate::Auto,
-    };
+    let mut views = Views::default();
     let Some(mut section) = section else { return views };
     let methods = [("auto", ViewMethod::Auto), ("cube", ViewMethod::Cube), ("single", ViewMethod::Single)];
     views.method = section.choice("method", &methods, problems).unwrap_or(ViewMethod::Auto);
@@ -27,6 +24,10 @@ pub(super) fn views(section: Option<Section>, problems: &mut Problems) -> Views 
     views.filter = section.choice("filter", &filters, problems).unwrap_or(Filter::Bilinear);
     let favours = [("balanced", Favour::Balanced), ("cpu", Favour::Processor), ("gpu", Favour::Graphics)];
     views.favour = section.choice("favour", &favours, problems).unwrap_or(Favour::Balanced);
+    let resolutions = [("nominal", Resolution::Nominal), ("full", Resolution::Full)];
+    views.resolution = section.choice("resolution", &resolutions, problems).unwrap_or(Resolution::Nominal);
+    let allowed = Allowed::closed(-1e3, 1e3, "a vector in the viewer's axes for each view");
+    views.cells = section.vectors("cells", MOST_CELLS, &allowed, problems).unwrap_or_default();
     let duplicates = [("auto", Duplicate::Auto), ("never", Duplicate::Never), ("always", Duplicate::Always)];
     views.duplicate = section.choice("duplicate", &duplicates, problems).unwrap_or(Duplicate::Auto);
     section.finish(&[], problems);

@@ -90,7 +90,7 @@ const COMPATIBILITY_SWITCHES: &[u32] =
     &[GL_ALPHA_TEST, GL_POLYGON_STIPPLE, GL_LIGHTING, GL_FOG, GL_TEXTURE_2D, GL_VERTEX_PROGRAM_TWO_SIDE];
 
 /// All state that is compared, by name.
-fn snapshot(context: &Headless, api: Api) -> Vec<(String, Vec<i32>)> {
+pub fn snapshot(context: &Headless, api: Api) -> Vec<(String, Vec<i32>)> {
     let gl = &context.gl;
     let mut all = Vec::new();
     let desktop = !context.is_gles;
@@ -139,7 +139,7 @@ fn snapshot(context: &Headless, api: Api) -> Vec<(String, Vec<i32>)> {
 }
 
 /// Sets everything to something odd that would spoil what we draw.
-fn spoil(context: &Headless, api: Api) {
+pub fn spoil(context: &Headless, api: Api) {
     let gl = &context.gl;
     let desktop = !context.is_gles;
     // SAFETY: a context is current, and every call is one that it knows.

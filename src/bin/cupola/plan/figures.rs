@@ -30,8 +30,8 @@ impl Figures {
     /// Those of `plan`, which was made for `rig` and `request` in `seconds`.
     pub fn of(rig: &Rig, request: &Request, plan: &Plan, seconds: f64) -> Self {
         let report = views::report(&plan.views, rig, &request.output_sizes);
-        let area = |tile: &views::Tile| u64::from(tile.width) * u64::from(tile.height);
-        let hidden = correct::hidden_areas(plan).iter().map(|tiles| tiles.iter().map(area).sum()).collect();
+        let hidden =
+            correct::hidden_areas(plan).iter().map(|tiles| tiles.iter().map(views::Tile::area).sum()).collect();
         let (mut least, mut directions) = (f64::INFINITY, 0);
         views::survey(&plan.views, rig, &request.output_sizes, SURVEYED, |seen| {
             if let Some(density) = seen.texels_per_pixel {

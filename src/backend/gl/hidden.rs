@@ -1,0 +1,139 @@
+//! Closing parts of the atlas by their depth, so that nothing is shaded there.
+//!
+//! All rectangles are one draw. Clearing each within the scissor needs no state at all, but software renderers take
+//! 0.2 ms for each rectangle.
+
+use super::api::*;
+use super::program;
+use super::state::{self, Capabilities};
+use crate::correct::Tile;
+use crate::correct::shaders::Specialised;
+use crate::error::Result;
+
+/// The texts for OpenGL 3.3 and OpenGL ES 3.0. Texels of the atlas → clip coordinates, at the depth `frame.z`.
+macro_rules! texts {
+    ($version:literal) => {
+        (
+            concat!(
+                $version,
+                "\nlayout(location = 0) in vec2 texel;\nuniform vec3 frame;\n",
+                "void main() { gl_Position = vec4(texel * frame.xy - 1.0, frame.z, 1.0); }\n"
+            ),
+            concat!($version, "\nvoid main() {}\n"),
+        )
+    };
+}
+
+/// Rectangles of the atlas on one context.
+#[derive(Debug)]
+pub(super) struct Hidden {
+    vertex_array: u32,
+    buffer: u32,
+    program: u32,
+    /// Where the uniform `frame` is.
+    frame: i32,
+    vertices: i32,
+    texels: u64,
+    /// Width and height of the atlas.
+    atlas: (u32, u32),
+}
+
+impl Hidden {
+    /// Uploads `areas` of an atlas of the given size. The caller keeps what uploading touches.
+    ///
+    /// # Errors
+    /// [`Graphics`](crate::ErrorKind::Graphics) where the driver refuses the shader.
+    pub fn new(gl: &Gl, caps: &Capabilities, areas: &[Tile], atlas: (u32, u32)) -> Result<Self> {
+        let (vertex, fragment) = if caps.gles { texts!("#version 300 es") } else { texts!("#version 330 core") };
+        let program = program::build(gl, &Specialised { vertex, fragment: fragment.to_owned(), samplers: &[] })?;
+        let corners: Vec<[f32; 2]> = areas
+            .iter()
+            .flat_map(|tile| {
+                let [left, bottom] = [tile.x as f32, tile.y as f32];
+                let [right, top] = [(tile.x + tile.width) as f32, (tile.y + tile.height) as f32];
+                [[left, bottom], [right, bottom], [left, top], [left, top], [right, bottom], [right, top]]
+            })
+            .collect();
+        let mut hidden = Self {
+            vertex_array: 0,
+            buffer: 0,
+            program,
+            frame: 0,
+            vertices: corners.len() as i32,
+            texels: areas.iter().map(Tile::area).sum(),
+            atlas,
+        };
+        // SAFETY: a context is current; one name is written to each place; the array is as long as said.
+        unsafe {
+            hidden.frame = gl.get_uniform_location(program, c"frame".as_ptr());
+            gl.gen_vertex_arrays(1, &mut hidden.vertex_array);
+            gl.gen_buffers(1, &mut hidden.buffer);
+            gl.bind_vertex_array(hidden.vertex_array);
+            gl.bind_buffer(GL_ARRAY_BUFFER, hidden.buffer);
+            let size = std::mem::size_of_val(corners.as_slice()) as isize;
+            gl.buffer_data(GL_ARRAY_BUFFER, size, corners.as_ptr().cast(), GL_STATIC_DRAW);
+            gl.enable_vertex_attrib_array(0);
+            gl.vertex_attrib_pointer(0, 2, GL_FLOAT, 0, 0, std::ptr::null());
+        }
+        Ok(hidden)
+    }
+
+    /// Gives the rectangles of the bound framebuffer the depth that is farthest from `cleared`; how many texels they
+    /// have, or 0 where nothing could be done. Everything is put back; stencil and colour are not touched.
+    pub fn close(&self, gl: &Gl, caps: &Capabilities, cleared: f32) -> u64 {
+        // Without writing to it, the program's clear left the depth as it was, too.
+        if !state::boolean(gl, GL_DEPTH_WRITEMASK) || counting(gl, caps) || !state::can_draw(gl, caps) {
+            return 0;
+        }
+        let saved = state::save_and_set(gl, caps);
+        let function = state::integer(gl, GL_DEPTH_FUNC) as u32;
+        let mut range = [0.0f32; 4];
+        let (width, height) = (self.atlas.0 as f32, self.atlas.1 as f32);
+        // SAFETY: a context is current; all names are ones that it gave; a range has two parts.
+        unsafe {
+            gl.get_floatv(GL_DEPTH_RANGE, range.as_mut_ptr());
+            // Depth −1 of clip coordinates becomes the first end of the range.
+            let first = (range[0] <= range[1]) == (cleared >= 0.5);
+            gl.enable(GL_DEPTH_TEST);
+            gl.depth_func(GL_ALWAYS);
+            state::set_color_writes(gl, caps, false);
+            state::set_viewport(gl, caps, [0, 0, self.atlas.0 as i32, self.atlas.1 as i32]);
+            gl.bind_vertex_array(self.vertex_array);
+            gl.use_program(self.program);
+            gl.uniform3f(self.frame, 2.0 / width, 2.0 / height, if first { -1.0 } else { 1.0 });
+            gl.draw_arrays(GL_TRIANGLES, 0, self.vertices);
+            state::set_color_writes(gl, caps, true);
+            gl.depth_func(function);
+            gl.disable(GL_DEPTH_TEST);
+        }
+        state::restore(gl, caps, &saved);
+        self.texels
+    }
+
+    /// Deletes everything in the context, which must be current.
+    pub fn destroy(self, gl: &Gl) {
+        // SAFETY: the context is current and gave these names.
+        unsafe {
+            gl.delete_program(self.program);
+            gl.delete_buffers(1, &self.buffer);
+            gl.delete_vertex_arrays(1, &self.vertex_array);
+        }
+    }
+}
+
+/// Whether the program counts samples or primitives, and would count ours.
+fn counting(gl: &Gl, caps: &Capabilities) -> bool {
+    let desktop: &[u32] = &[GL_SAMPLES_PASSED, GL_PRIMITIVES_GENERATED];
+    let conservative: &[u32] = &[GL_ANY_SAMPLES_PASSED_CONSERVATIVE];
+    let targets = [
+        if caps.gles { &[] } else { desktop },
+        &[GL_ANY_SAMPLES_PASSED],
+        if caps.gles || caps.version >= 43 { conservative } else { &[] },
+    ];
+    targets.into_iter().flatten().any(|&target| {
+        let mut active = 0;
+        // SAFETY: a context is current and knows the target; one number is written.
+        unsafe { gl.get_queryiv(target, GL_CURRENT_QUERY, &mut active) };
+        active != 0
+    })
+}

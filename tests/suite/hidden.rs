@@ -1,0 +1,52 @@
+//! What no output samples is closed for drawing, and no pixel of an output changes by that.
+
+use crate::compare::expect_identical;
+use crate::programs::Run;
+
+/// The same picture to the byte with and without; the statistics of the run with.
+fn same_picture(program: &str, rig: &str) -> Option<serde_json::Value> {
+    // Large enough for much to be hidden.
+    same_picture_of((480, 480), program, rig)
+}
+
+fn same_picture_of(size: (usize, usize), program: &str, rig: &str) -> Option<serde_json::Value> {
+    let with = Run { size, environment: &[("CUPOLA_MASK", "1")], ..Run::new(program) };
+    let without = Run { cupola: &["--no-mask"], environment: &[], ..with.clone() };
+    let [with, without] = [with.under(rig)?, without.under(rig)?].map(|f| f.expect_success().expect_no_gl_errors());
+    let (counts, all) = (with.statistics(), without.statistics());
+    assert_eq!(all["closings"], 0, "{program}: --no-mask closes nothing");
+    if with.wrote("capture.png") {
+        let what = format!("{program} {rig}, what is hidden closed");
+        expect_identical(&with.picture("capture.png"), &without.picture("capture.png"), &what);
+    }
+    Some(counts)
+}
+
+#[test]
+fn pictures_of_all_dialects_stay_what_they_are() {
+    let dialects = ["immediate", "display_list", "client_arrays", "glsl120", "core330_p_mv", "core330_mvp"];
+    let more = ["core330_block", "geometry", "tessellation", "gles2", "gles3", "separable", "cube_dlopen"];
+    for program in dialects.into_iter().chain(more) {
+        let Some(counts) = same_picture(program, "fisheye") else { return };
+        assert!(counts["closings"].as_u64() >= Some(2), "{program}: {counts:#}");
+        let views = counts["views"].as_array().expect("views");
+        assert!(views.iter().any(|view| view["closed_texels"].as_u64() > Some(10_000)), "{program}: {counts:#}");
+    }
+}
+
+#[test]
+fn pictures_of_programs_with_odd_state_stay_what_they_are() {
+    let odd =
+        ["hud", "text", "state", "occlusion", "feedback", "multisample", "post_process", "scissor", "conditional"];
+    for program in odd.into_iter().chain(["direct_state", "rectangles", "resize", "two_windows", "attribute_stack"]) {
+        same_picture(program, "fisheye");
+    }
+}
+
+#[test]
+fn several_outputs_and_views_that_overlap_stay_what_they_are() {
+    for program in ["core330_mvp", "immediate"] {
+        let Some(counts) = same_picture_of((1200, 480), program, "planetarium-6") else { return };
+        assert!(counts["closings"].as_u64() >= Some(2), "{program}: {counts:#}");
+    }
+}
