@@ -343,6 +343,8 @@ extern void steady_frame(void) __attribute__((weak));
 static void frame_of_another_viewer(cupola_gl *dome, int size)
 {
     const double elsewhere[3] = {2.0, -0.5, 1.0}, outside[3] = {0.0, 6.0, 0.0}, nowhere[3] = {NAN, 0.0, 0.0};
+    const double middle[3] = {0.0, 0.0, 0.0};
+    CHECK(cupola_gl_resize(dome, (uint32_t)size, (uint32_t)size) == CUPOLA_OK);
     REFUSED(cupola_gl_set_viewer(dome, outside, 0, 0, 0), CUPOLA_INVALID_ARGUMENT, "viewer.position");
     REFUSED(cupola_gl_set_viewer(dome, nowhere, 0, 0, 0), CUPOLA_INVALID_ARGUMENT, "finite");
     REFUSED(cupola_gl_set_viewer(dome, NULL, 0, 0, 0), CUPOLA_INVALID_ARGUMENT, "position");
@@ -355,6 +357,8 @@ static void frame_of_another_viewer(cupola_gl *dome, int size)
     target t = make_target(size);
     CHECK(cupola_gl_draw_frame(dome, CUBE_NEAR, CUBE_FAR, draw, NULL, t.framebuffer, LEFT, BELOW) == CUPOLA_OK);
     write_picture(&t, size, "moved.ppm");
+    CHECK(cupola_gl_set_viewer(dome, middle, 0, 0, 0) == CUPOLA_OK);
+    CHECK(cupola_gl_resize(dome, (uint32_t)size / 2, (uint32_t)size / 2) == CUPOLA_OK);
 }
 
 int main(int argc, char **argv)
@@ -386,8 +390,8 @@ int main(int argc, char **argv)
         return 1;
     check_idle(dome);
     frame_by_callback(dome, (int)smaller);
-    frame_by_views(dome, size);
     frame_of_another_viewer(dome, size);
+    frame_by_views(dome, size);
     for (int frame = 0; argc == 5 && frame < atoi(argv[4]); frame++) {
         CHECK(cupola_gl_draw_frame(dome, CUBE_NEAR, CUBE_FAR, draw, NULL, 0, 0, 0) == CUPOLA_OK);
         if (steady_frame != NULL)

@@ -75,14 +75,13 @@ pub fn set_position(ctx: &mut Context, object: [f64; 4]) {
         } else {
             ctx.raster.origin = flat_window_space(ctx);
         }
+    } else if ctx.target.is_some() {
+        // In a framebuffer of the program's own, or for picking, there are no tiles.
+        ctx.set_viewport(ctx.believed.viewport);
     }
-    let mut valid = 0;
-    // SAFETY: the program's own call; writes one boolean.
-    unsafe {
-        gl.raster_pos4d(object[0], object[1], object[2], object[3]);
-        gl.get_booleanv(api::GL_CURRENT_RASTER_POSITION_VALID, &mut valid);
-    }
-    if valid == 0 {
+    // SAFETY: the program's own call.
+    unsafe { gl.raster_pos4d(object[0], object[1], object[2], object[3]) };
+    if !is_valid(gl) {
         // What is clipped leaves its numbers where they were.
         ctx.raster.origin = old;
     }
@@ -233,12 +232,21 @@ fn draw_flat(ctx: &mut Context, issue: &dyn Fn(&Gl)) {
     }
 }
 
-/// The driver's raster position gets another tile's origin.
+/// The driver's raster position gets another tile's origin. One that is not valid cannot be moved, and draws nothing.
 fn move_origin(ctx: &mut Context, origin: [i32; 2]) {
-    let [x, y] = std::mem::replace(&mut ctx.raster.origin, origin);
-    if [x, y] != origin {
+    let [x, y] = ctx.raster.origin;
+    if [x, y] != origin && is_valid(ctx.gl) {
         move_by(ctx.gl, (origin[0] - x) as f32, (origin[1] - y) as f32);
+        ctx.raster.origin = origin;
     }
+}
+
+/// Whether the raster position lay within the clip volume when it was set.
+fn is_valid(gl: &Gl) -> bool {
+    let mut valid = 0;
+    // SAFETY: writes one boolean.
+    unsafe { gl.get_booleanv(api::GL_CURRENT_RASTER_POSITION_VALID, &mut valid) };
+    valid != 0
 }
 
 /// Moves the raster position by pixels.
