@@ -3,65 +3,27 @@
 //! `cargo bench --bench warp [-- WIDTH HEIGHT ROUNDS]`. All passes are timed in turn, round by
 //! round, so that a busy machine slows all alike; the medians of the ratios are reported.
 
-use cupola::backend::gl::api::*;
-use cupola::backend::gl::headless::{Api, Headless};
-use cupola::backend::gl::{GlBackend, Target};
+use cupola::backend::gl::trial::{Sampling, Trial, TrialMesh};
 use cupola::correct::Plan;
 use cupola::correct::plan::build;
 use cupola::geom::Frustum;
 use cupola::rig::*;
 use cupola::views::Request;
 use glam::DVec3;
-use std::time::Instant;
-
-const VERTEX: &str = "#version 330 core
-out vec2 at;
-void main() {
-    vec2 corner = vec2(gl_VertexID == 1 || gl_VertexID == 2 || gl_VertexID == 4, gl_VertexID == 2 || gl_VertexID == 4 || gl_VertexID == 5);
-    at = corner;
-    gl_Position = vec4(2.0 * corner - 1.0, 0.0, 1.0);
-}";
-const FRAGMENT: &str = "#version 330 core
-uniform sampler2D picture;
-in vec2 at;
-out vec4 color;
-void main() { color = vec4(texture(picture, at).rgb, 1.0); }";
 
 type Failure = Box<dyn std::error::Error>;
-
-/// One thing that is timed.
-struct Contestant {
-    name: String,
-    backend: Option<GlBackend>,
-    atlas: u32,
-    /// Elapsed, and of all threads' processor time, which a busy machine disturbs less.
-    seconds: Vec<f64>,
-    processor: Vec<f64>,
-}
 
 fn main() -> Result<(), Failure> {
     let numbers: Vec<u32> = std::env::args().skip(1).filter_map(|a| a.parse().ok()).collect();
     let size = (numbers.first().copied().unwrap_or(1920), numbers.get(1).copied().unwrap_or(1080));
     let rounds = numbers.get(2).copied().unwrap_or(15);
-    let context = Headless::new(Api::Core)?;
-    let gl = &context.gl;
-    println!("{}; {}×{}, {rounds} rounds", context.driver(), size.0, size.1);
-    let framebuffer = framebuffer(gl, size);
-    let quad = quad(gl)?;
-
-    let mut contestants = vec![Contestant {
-        name: "bilinear quad".into(),
-        backend: None,
-        atlas: texture(gl, size),
-        seconds: Vec::new(),
-        processor: Vec::new(),
-    }];
+    let mut trial = Trial::new(size)?;
+    println!("{}; {}×{}, {rounds} rounds", trial.driver(), size.0, size.1);
+    trial.add_mesh(&TrialMesh::quad(), &Sampling::Picture(size.0, size.1))?;
+    let mut names = vec!["bilinear quad".to_owned()];
     for (name, rig) in rigs() {
         let plan = plan(&rig, size)?;
-        let started = Instant::now();
-        let mut backend = GlBackend::new(gl, false)?;
-        backend.prepare(gl, &plan, false)?;
-        let prepared = started.elapsed().as_secs_f64() * 1e3;
+        let (_, prepared) = trial.add_plan(&plan)?;
         let pass = &plan.passes[0];
         let part = |wanted: &dyn Fn(&cupola::correct::Batch) -> bool| {
             let rects = pass.batches.iter().filter(|b| wanted(b)).flat_map(|b| &b.rects);
@@ -69,71 +31,31 @@ fn main() -> Result<(), Failure> {
             100.0 * pixels / f64::from(size.0) / f64::from(size.1)
         };
         println!(
-            "{name}: {} views, {} batches prepared in {prepared:.0} ms; {:.0} % of the pixels drawn, {:.0} % with several views, {:.0} % blended, {:.0} % with an edge",
+            "{name}: {} views, {} batches prepared in {:.0} ms; {:.0} % of the pixels drawn, {:.0} % with several views, {:.0} % blended, {:.0} % with an edge",
             plan.views.views.len(),
             pass.batches.len(),
+            prepared * 1e3,
             part(&|_| true),
             part(&|b| b.views.len() > 1),
             part(&|b| !b.neighbours.is_empty()),
             part(&|b| b.edge),
         );
-        let atlas = texture(gl, plan.views.atlas);
-        contestants.push(Contestant {
-            name,
-            backend: Some(backend),
-            atlas,
-            seconds: Vec::new(),
-            processor: Vec::new(),
-        });
+        names.push(name);
     }
-    let viewport = [0, 0, size.0 as i32, size.1 as i32];
-    for round in 0..rounds + 2 {
-        for contestant in &mut contestants {
-            let (started, used) = (Instant::now(), processor_seconds());
-            match &contestant.backend {
-                Some(backend) => _ = backend.present(gl, contestant.atlas, &[Target { framebuffer, viewport }]),
-                None => draw_quad(gl, quad, contestant.atlas, framebuffer, viewport),
-            }
-            // SAFETY: the context is current.
-            unsafe { gl.finish() };
-            // The first rounds compile and warm up.
-            if round >= 2 {
-                contestant.seconds.push(started.elapsed().as_secs_f64());
-                contestant.processor.push(processor_seconds() - used);
-            }
-        }
-    }
+    let times = trial.run(rounds, || {})?;
     println!("\n{:32} {:>10} {:>10} {:>7} {:>17}", "pass", "median ms", "least ms", "ratio", "processor's ratio");
     let ratio = |of: &[f64], base: &[f64]| median(of.iter().zip(base).map(|(a, b)| a / b).collect());
-    let base = &contestants[0];
-    for contestant in &contestants {
-        let least = contestant.seconds.iter().copied().fold(f64::INFINITY, f64::min);
+    for (name, own) in names.iter().zip(&times) {
+        let least = own.seconds.iter().copied().fold(f64::INFINITY, f64::min);
         println!(
-            "{:32} {:10.2} {:10.2} {:7.2} {:17.2}",
-            contestant.name,
-            median(contestant.seconds.clone()) * 1e3,
+            "{name:32} {:10.2} {:10.2} {:7.2} {:17.2}",
+            median(own.seconds.clone()) * 1e3,
             least * 1e3,
-            ratio(&contestant.seconds, &base.seconds),
-            ratio(&contestant.processor, &base.processor),
+            ratio(&own.seconds, &times[0].seconds),
+            ratio(&own.processor, &times[0].processor),
         );
     }
-    for contestant in &mut contestants {
-        if let Some(backend) = &mut contestant.backend {
-            backend.destroy(gl);
-            if backend.errors() != 0 {
-                return Err(format!("{}: {} OpenGL errors", contestant.name, backend.errors()).into());
-            }
-        }
-    }
     Ok(())
-}
-
-/// Processor time of all threads of this process so far.
-fn processor_seconds() -> f64 {
-    let mut now = libc::timespec { tv_sec: 0, tv_nsec: 0 };
-    // SAFETY: the structure is ours.
-    unsafe { libc::clock_gettime(libc::CLOCK_PROCESS_CPUTIME_ID, &mut now) };
-    now.tv_sec as f64 + now.tv_nsec as f64 * 1e-9
 }
 
 fn median(mut values: Vec<f64>) -> f64 {
@@ -213,71 +135,4 @@ fn plan(rig: &Rig, size: (u32, u32)) -> Result<Plan, Failure> {
     )?;
     plan.passes.truncate(1);
     Ok(plan)
-}
-
-/// A texture of a varied picture.
-fn texture(gl: &Gl, size: (u32, u32)) -> u32 {
-    let (width, height) = (size.0 as i32, size.1 as i32);
-    let pixels: Vec<u32> = (0..size.0 * size.1).map(|i| i.wrapping_mul(2_654_435_761) | 0xff00_0000).collect();
-    let mut texture = 0;
-    // SAFETY: the context is current; the array holds width · height pixels.
-    unsafe {
-        gl.gen_textures(1, &mut texture);
-        gl.bind_texture(GL_TEXTURE_2D, texture);
-        let data = pixels.as_ptr().cast();
-        gl.tex_image2_d(GL_TEXTURE_2D, 0, GL_RGBA8 as i32, width, height, 0, GL_RGBA, GL_UNSIGNED_BYTE, data);
-        gl.tex_parameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR as i32);
-        gl.tex_parameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
-    }
-    texture
-}
-
-fn framebuffer(gl: &Gl, size: (u32, u32)) -> u32 {
-    let (mut renderbuffer, mut framebuffer) = (0, 0);
-    // SAFETY: the context is current.
-    unsafe {
-        gl.gen_renderbuffers(1, &mut renderbuffer);
-        gl.bind_renderbuffer(GL_RENDERBUFFER, renderbuffer);
-        gl.renderbuffer_storage(GL_RENDERBUFFER, GL_RGBA8, size.0 as i32, size.1 as i32);
-        gl.gen_framebuffers(1, &mut framebuffer);
-        gl.bind_framebuffer(GL_FRAMEBUFFER, framebuffer);
-        gl.framebuffer_renderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, renderbuffer);
-    }
-    framebuffer
-}
-
-/// Program and vertex array of the plain quad.
-fn quad(gl: &Gl) -> Result<(u32, u32), Failure> {
-    // SAFETY: the context is current; each string has the length that is given.
-    unsafe {
-        let program = gl.create_program();
-        for (kind, text) in [(GL_VERTEX_SHADER, VERTEX), (GL_FRAGMENT_SHADER, FRAGMENT)] {
-            let shader = gl.create_shader(kind);
-            gl.shader_source(shader, 1, &text.as_ptr().cast(), &(text.len() as i32));
-            gl.compile_shader(shader);
-            gl.attach_shader(program, shader);
-        }
-        gl.link_program(program);
-        let mut linked = 0;
-        gl.get_programiv(program, GL_LINK_STATUS, &mut linked);
-        if linked == 0 {
-            return Err("the driver cannot link the plain quad's shader".into());
-        }
-        let mut vertex_array = 0;
-        gl.gen_vertex_arrays(1, &mut vertex_array);
-        Ok((program, vertex_array))
-    }
-}
-
-fn draw_quad(gl: &Gl, quad: (u32, u32), texture: u32, framebuffer: u32, [x, y, width, height]: [i32; 4]) {
-    // SAFETY: the context is current; the names are those that it gave.
-    unsafe {
-        gl.bind_framebuffer(GL_DRAW_FRAMEBUFFER, framebuffer);
-        gl.viewport(x, y, width, height);
-        gl.disable(GL_DITHER);
-        gl.use_program(quad.0);
-        gl.bind_vertex_array(quad.1);
-        gl.bind_texture(GL_TEXTURE_2D, texture);
-        gl.draw_arrays(GL_TRIANGLES, 0, 6);
-    }
 }
