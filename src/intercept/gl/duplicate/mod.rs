@@ -1,15 +1,15 @@
 //! Scenes that a program draws off screen and then shows: each view gets a picture of its own.
 //!
-//! What the program's framebuffers get, sample and are copied to is remembered by their [`images`]. From the
-//! next frame on each image that lies between a scene and the window ([`passes`]) has a *twin* with a
-//! cell for each view, and framebuffers of ours with twins stand for the program's ([`framebuffers`]),
+//! What the program's framebuffers get, sample and are copied to is remembered by their `images`. From the
+//! next frame on each image that lies between a scene and the window (`passes`) has a *twin* with a
+//! cell for each view, and framebuffers of ours with twins stand for the program's (`framebuffers`),
 //! so that draws of the scene change no framebuffer. Cells have the size of the program's own
 //! images: what it believes about them (size, texel, viewport) stays true. Before a flat draw that samples such an
-//! image ([`sampling`]) is issued to a view, the view's cell is copied into the program's own: filter, wrapping
+//! image (`sampling`) is issued to a view, the view's cell is copied into the program's own: filter, wrapping
 //! and sampler objects hold without being followed.
 //!
-//! [`shown`] brings the pictures into the window's views, [`copies`] does for `glBlitFramebuffer` and its
-//! relatives what draws do, [`coverage`] tells the picture from a map in its corner.
+//! `shown` brings the pictures into the window's views, `copies` does for `glBlitFramebuffer` and its
+//! relatives what draws do, `coverage` tells the picture from a map in its corner.
 
 mod canvas;
 pub mod copies;
@@ -178,12 +178,12 @@ fn forget_images(ctx: &mut Context, which: impl Fn(&Image) -> bool) {
     }
 }
 
-/// [`forget_images`] for a texture.
+/// `forget_images` for a texture.
 pub fn forget_texture(ctx: &mut Context, texture: u32) {
     forget_images(ctx, |image| image.is_texture(texture));
 }
 
-/// [`forget_images`] for a renderbuffer.
+/// `forget_images` for a renderbuffer.
 pub fn forget_renderbuffer(ctx: &mut Context, renderbuffer: u32) {
     forget_images(ctx, |image| image.name == Name::Renderbuffer(renderbuffer));
 }
