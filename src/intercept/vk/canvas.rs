@@ -2,10 +2,10 @@
 //! command buffers that make the window's picture of them.
 
 use super::device::Device;
-use super::image::{ANYTHING, COLOR, COLOR_LAYER, COPIED_FROM, COPIED_TO, OwnImage, PRESENTED, barrier, color_view};
+use super::image::{ANYTHING, COLOR_LAYER, COPIED_FROM, COPIED_TO, OwnImage, PRESENTED, barrier, color_view};
 use super::images::Shown;
 use super::layout::Layout;
-use crate::backend::vk::{SourceImage, TargetImage, VkBackend};
+use crate::backend::vk::{COLOR, SourceImage, TargetImage, VkBackend};
 use crate::error::{Error, ErrorKind, Result};
 use ash::vk;
 use std::sync::atomic::Ordering;

@@ -1,6 +1,7 @@
 //! Images of ours, and what is recorded to use an image.
 
 use super::device::Device;
+use crate::backend::vk::COLOR;
 use ash::{prelude::VkResult, vk};
 
 /// An image with memory of its own.
@@ -85,15 +86,6 @@ pub unsafe fn color_view(
     // SAFETY: as promised.
     unsafe { device.functions.create_image_view(&info, None) }
 }
-
-/// The colour of an image with one level and one layer.
-pub const COLOR: vk::ImageSubresourceRange = vk::ImageSubresourceRange {
-    aspect_mask: vk::ImageAspectFlags::COLOR,
-    base_mip_level: 0,
-    level_count: 1,
-    base_array_layer: 0,
-    layer_count: 1,
-};
 
 /// The colour of the first level and layer, for copies.
 pub const COLOR_LAYER: vk::ImageSubresourceLayers = vk::ImageSubresourceLayers {

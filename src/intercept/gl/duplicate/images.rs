@@ -144,7 +144,8 @@ impl Image {
         Self::new(Name::Renderbuffer(renderbuffer), answers)
     }
 
-    fn new(name: Name, answers: [i32; 7]) -> Option<Self> {
+    /// An image of which nothing is known yet but the answers: width, height, samples, format, bits of red, depth and stencil.
+    pub(super) fn new(name: Name, answers: [i32; 7]) -> Option<Self> {
         let [width, height, samples, format, red, depth, stencil] = answers;
         let mut mask = 0;
         if depth > 0 {

@@ -44,22 +44,8 @@ mod tests {
     use crate::intercept::gl::duplicate::images::{Image, Name};
 
     fn image(name: u32, set: impl FnOnce(&mut Image)) -> Image {
-        let mut image = Image {
-            name: Name::Renderbuffer(name),
-            size: [64, 64],
-            samples: 0,
-            format: 0,
-            mask: 0,
-            scene: false,
-            other_shape: false,
-            copies_window: false,
-            shown: false,
-            reads: Vec::new(),
-            read_back: false,
-            mipmapped: false,
-            refused: false,
-            twin: None,
-        };
+        let plain = Image::new(Name::Renderbuffer(name), [64, 64, 0, 0, 0, 0, 0]).expect("a size that images have");
+        let mut image = Image { format: 0, mask: 0, ..plain };
         set(&mut image);
         image
     }
