@@ -17,6 +17,7 @@ pub mod default_framebuffer;
 pub mod draw;
 pub mod duplicate;
 pub mod feedback;
+mod first_depth;
 pub mod filtering;
 pub mod frames;
 pub mod front;
