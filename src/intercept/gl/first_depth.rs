@@ -56,8 +56,7 @@ fn find(view: &View, direction: DVec3) -> Option<((u32, u32), f64)> {
     let seen = view.rotation * direction;
     let (right, up) = (seen.x / -seen.z, seen.y / -seen.z);
     let owned = &view.owned;
-    let shown =
-        seen.z < 0.0 && (owned.left..=owned.right).contains(&right) && (owned.bottom..=owned.top).contains(&up);
+    let shown = seen.z < 0.0 && (owned.left..=owned.right).contains(&right) && (owned.bottom..=owned.top).contains(&up);
     let Tile { x, y, width, height } = view.tile;
     let place = |tangent: f64, least: f64, whole: f64, texels: u32| {
         (((tangent - least) / whole * f64::from(texels)) as u32).min(texels.saturating_sub(1))
