@@ -158,7 +158,7 @@ mod tests {
 
     #[test]
     fn the_cheapest_way_is_taken_that_rounding_allows() {
-        let near = source([0.0; 3], [0.0, 0.0, 0.3], 60.0);
+        let near = source([0.0; 3], [0.0, 0.0, 0.1], 60.0);
         assert_eq!(way(&near), Some(Way::Root));
         let far = source([0.0; 3], [0.0, 0.0, 0.9], 60.0);
         assert_eq!(way(&far), Some(Way::Distance));
