@@ -10,11 +10,12 @@ use crate::backend::gl::{Blank, GlBackend, Target};
 use crate::error::Result;
 use crate::intercept::{log, settings};
 use crate::runtime::session::{Extras, Session};
+use std::sync::Arc;
 
 /// The atlas and what corrects it.
 pub struct DefaultFramebuffer {
     /// Rig and plan for the window's size.
-    pub session: Session,
+    pub session: Arc<Session>,
     config: Config,
     surface: Surface,
     /// The surface's picture with one sample per pixel, where it has several.
@@ -340,7 +341,18 @@ impl DefaultFramebuffer {
         let (issued, culled) = (vec![0; session.views().len()], vec![0; session.views().len()]);
         let outputs = session.viewports().map(|viewport| Target { framebuffer: 0, viewport }).collect();
         let content = Content::default();
-        Ok(Self { session, config, surface, resolved, backend, content, issued, culled, closed, outputs })
+        Ok(Self {
+            session: Arc::new(session),
+            config,
+            surface,
+            resolved,
+            backend,
+            content,
+            issued,
+            culled,
+            closed,
+            outputs,
+        })
     }
 
     /// The same with more tiles.

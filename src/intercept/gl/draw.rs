@@ -179,7 +179,7 @@ pub fn each_view(
     counting::weigh(ctx, Weights { samples: share, primitives: share });
     let repeats = Repeats::new(changes, ctx);
     let mut projection_loaded = false;
-    let own = ctx.target.as_ref().map_or(0, |target| target.session.views().len());
+    let own = ctx.session().map_or(0, |session| session.views().len());
     for view in 0..views {
         let place = prepare(ctx, view);
         match place {
@@ -273,8 +273,8 @@ pub fn place_by_lens(ctx: &mut Context) -> Place {
             Lens::Perspective(intrinsics, how) => {
                 ctx.counts.found.count(how);
                 ctx.lens = Some(intrinsics);
-                let Some(target) = &ctx.target else { return Place::Flat };
-                Place::Scene(ctx.cameras.index(&intrinsics, &target.session))
+                let Some(session) = Context::session_of(&ctx.target, &ctx.lent) else { return Place::Flat };
+                Place::Scene(ctx.cameras.index(&intrinsics, session))
             }
             Lens::Flat => Place::Flat,
         };

@@ -308,7 +308,7 @@ fn finish_recording(ctx: &mut Context) {
         return;
     };
     recording.end_part(gl);
-    if ctx.target.is_some() && !ctx.redirected() {
+    if ctx.session().is_some() && !ctx.redirected() {
         // What could not be set while the list was compiled.
         ctx.restore_window_space();
     }

@@ -171,7 +171,7 @@ hooks! {
     "glBegin" begin(mode: u32) = |ctx, gl| {
         if let Some(recording) = &mut ctx.recording {
             recording.draws = true;
-        } else if ctx.target.is_none() || ctx.picking {
+        } else if ctx.session().is_none() || ctx.picking {
             super::draw::plain_program(ctx);
         } else if !ctx.immediate.under_way() && mode <= api::GL_PATCHES {
             ctx.immediate.begin(mode);
