@@ -4,6 +4,7 @@
  * secondary command buffers, indirect draws, something flat before or after the cube, another size in mid-run.
  */
 #include "../common/matrix.h"
+#include "memory.h"
 #include "options.h"
 #include "window.h"
 
@@ -579,6 +580,8 @@ int main(int argc, char **argv)
             vkDestroyPipeline(w.device, pipeline, NULL);
             window_make_swapchain(&w);
             follow_size();
+            if (options.memory != NULL)
+                write_memory(options.memory);
         }
         frame();
         if (options.shot != NULL)

@@ -166,26 +166,34 @@ void window_close(vulkan_window *w)
     XCloseDisplay(w->display);
 }
 
-static bool is_black(XImage *shot)
+/* Whether a picture has arrived: it is not black, and the same as the one before. */
+static bool has_arrived(XImage *before, XImage *shot)
 {
+    bool black = true, same = before != NULL;
     for (int y = 0; y < shot->height; y++)
-        for (int x = 0; x < shot->width; x++)
-            if ((XGetPixel(shot, x, y) & 0xffffff) != 0)
-                return false;
-    return true;
+        for (int x = 0; x < shot->width; x++) {
+            const unsigned long pixel = XGetPixel(shot, x, y) & 0xffffff;
+            black = black && pixel == 0;
+            same = same && pixel == (XGetPixel(before, x, y) & 0xffffff);
+        }
+    return same && !black;
 }
 
-/* A picture that was presented reaches the window a little later: nothing tells when. */
+/* A picture that was presented reaches the window a little later, part by part: nothing tells when. */
 static XImage *wait_for_picture(const vulkan_window *w)
 {
-    const struct timespec moment = {0, 10000000};
+    const struct timespec moment = {0, 20000000};
+    XImage *before = NULL;
     for (int tries = 0;; tries++) {
         XSync(w->display, False);
         XImage *shot =
             XGetImage(w->display, w->window, 0, 0, w->extent.width, w->extent.height, AllPlanes, ZPixmap);
-        if (shot == NULL || tries == 1000 || !is_black(shot))
+        const bool arrived = shot == NULL || tries == 500 || has_arrived(before, shot);
+        if (before != NULL)
+            XDestroyImage(before);
+        if (arrived)
             return shot;
-        XDestroyImage(shot);
+        before = shot;
         nanosleep(&moment, NULL);
     }
 }
