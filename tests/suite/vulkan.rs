@@ -6,6 +6,7 @@ use crate::dialects::{CAMERAS, camera_of, planetarium_of, shown_by_fisheye, show
 use crate::picture::Picture;
 use crate::programs::{Finished, Run, installed};
 use crate::reference::{Fisheye, Vector, cube_colour, cube_face};
+use std::io::Write;
 
 /// The ways in which the cube is drawn: how its pass begins, where its matrix is, and what else programs do.
 const WAYS: [&[&str]; 11] = [
@@ -95,6 +96,32 @@ fn identity_captured_loses_nothing() {
         let plain = plain.expect_success().picture("shot.ppm");
         expect_identical(&under.picture("shot.ppm"), &plain, &format!("vk_cube {way:?} identity-captured"));
     }
+}
+
+/// A shader that has no matrix: the rig says what the program's lens is, and without it the picture is flat.
+#[test]
+fn a_lens_that_the_rig_gives() {
+    let (fov, yaw, pitch) = CAMERAS[1];
+    let rig = |camera: String| {
+        format!("{camera}[dome]\ntilt = 90\n[[output]]\nkind = \"domemaster\"\naperture = 180\ntilt = 90\n")
+    };
+    let folder = crate::programs::scratch("lens");
+    for (name, camera, fits) in
+        [("lens", format!("[camera]\nlens = [{fov}, {fov}]\n"), true), ("none", String::new(), false)]
+    {
+        let path = folder.join(format!("{name}.toml"));
+        std::fs::write(&path, rig(camera)).expect("a file can be written");
+        let run = run(&["--columns"], (fov, yaw, pitch));
+        let Some(finished) = run.vulkan_under(path.to_str().expect("a UTF-8 path")) else { return };
+        let picture = finished.picture("capture.png");
+        let report = compare(&picture, shown_by_fisheye(CIRCLE, camera_of(&run)));
+        if fits {
+            expect_good(&report, &picture, "a lens that the rig gives");
+        } else {
+            assert!(report.wrong > 1000, "control: without a lens it is flat");
+        }
+    }
+    let _ = std::fs::remove_dir_all(folder);
 }
 
 /// Images that encode what is written to them.
@@ -202,6 +229,33 @@ fn a_window_that_is_read() {
     }
 }
 
+/// The newest ways to submit and to present change nothing; what the device has none of, the program says.
+#[test]
+fn the_newest_ways_to_present() {
+    let extra = ["--way", "newest"];
+    let run = scenes(&extra);
+    let Some(finished) = run.vulkan_under("fisheye") else { return };
+    let picture = finished.picture("capture.png");
+    expect_good(&compare(&picture, shown_by_fisheye(CIRCLE, camera_of(&run))), &picture, "vk_scenes newest");
+    for line in finished.words().lines().filter(|line| line.starts_with("SKIP")) {
+        let _ = writeln!(std::io::stderr(), "{line}");
+    }
+}
+
+/// Programs that cannot be followed are flat, say why, and get no message of the validation layer that they had not before.
+#[test]
+fn programs_that_stay_flat_say_why() {
+    for (way, why) in [("library", "linked from libraries"), ("multiview", "several views itself")] {
+        let extra = ["--way", way, "--shot", "shot.ppm"];
+        let run = scenes(&extra);
+        let Some(finished) = run.vulkan_under("fisheye") else { return };
+        let notes = finished.statistics()["notes"].to_string();
+        assert!(notes.contains("flat") && notes.contains(why), "{way}: {notes}");
+        let lit = finished.picture("shot.ppm").pixels.iter().filter(|pixel| **pixel != [0; 3]).count();
+        assert!(lit > 1000, "{way}: {lit} pixels show something");
+    }
+}
+
 /// Passes over a part of the window: what they draw or clear there lies on the panel, and the scene stays.
 #[test]
 fn a_part_of_the_window() {
@@ -209,7 +263,7 @@ fn a_part_of_the_window() {
         let extra = ["--way", way, "--shot", "shot.ppm"];
         let run = scenes(&extra);
         let Some(finished) = run.vulkan_under("fisheye") else { return };
-        assert_eq!(finished.statistics()["notes"].as_array().map_or(0, Vec::len), 0, "{way}");
+        assert!(!finished.statistics()["notes"].to_string().contains("flat"), "{way}");
         let picture = finished.picture("capture.png");
         let report = compare(&picture, shown_by_fisheye(CIRCLE, camera_of(&run)));
         assert!((20..3000).contains(&report.wrong), "{way}: {} pixels are not the cube's", report.wrong);

@@ -56,8 +56,14 @@ impl Contents {
 pub struct Copies {
     pool: vk::DescriptorPool,
     version: u64,
+    prints: Vec<Print>,
     sets: Arc<[vk::DescriptorSet]>,
+    /// Pools of copies that may still be in use.
+    retired: Vec<vk::DescriptorPool>,
 }
+
+/// A descriptor that shows the scene, and its views in their order.
+type Print = (Place, Picture, Vec<vk::ImageView>);
 
 /// A set of the program.
 pub struct Original<'a> {
@@ -93,18 +99,25 @@ impl Copies {
         if first.len() != views {
             return Err("a picture of its scene is not as large as the window".to_owned());
         }
-        if kept.as_ref().is_some_and(|kept| kept.sets.len() != views)
-            && let Some(old) = kept.take()
-        {
-            old.destroy(device);
+        let version = original.contents.version;
+        // Without a change by the program the copies may be in use.
+        let in_use = |kept: &Self| kept.version == version && kept.prints != prints;
+        if kept.as_ref().is_some_and(|kept| kept.sets.len() != views || in_use(kept)) {
+            let mut new = Self::new(device, original, views)?;
+            if let Some(old) = kept.take() {
+                new.retired = old.retired;
+                new.retired.push(old.pool);
+            }
+            *kept = Some(new);
         }
         let copies = match kept {
             Some(copies) => copies,
             None => kept.insert(Self::new(device, original, views)?),
         };
-        if copies.version != original.contents.version {
-            copies.version = original.contents.version;
+        if copies.version != version {
+            copies.version = version;
             copies.update(device, original, &prints);
+            copies.prints = prints;
         }
         Ok(Some(Arc::clone(&copies.sets)))
     }
@@ -129,11 +142,11 @@ impl Copies {
             let info = vk::DescriptorSetAllocateInfo::default().descriptor_pool(pool).set_layouts(&layouts);
             let sets = device.functions.allocate_descriptor_sets(&info);
             let sets = sets.inspect_err(|_| device.functions.destroy_descriptor_pool(pool, None)).map_err(refused)?;
-            Ok(Self { pool, version: 0, sets: sets.into() })
+            Ok(Self { pool, version: 0, prints: Vec::new(), sets: sets.into(), retired: Vec::new() })
         }
     }
 
-    fn update(&self, device: &Device, original: &Original<'_>, prints: &[(Place, Picture, Vec<vk::ImageView>)]) {
+    fn update(&self, device: &Device, original: &Original<'_>, prints: &[Print]) {
         for (view, set) in self.sets.iter().enumerate() {
             let copy = |(binding, element): &Place| {
                 vk::CopyDescriptorSet::default()
@@ -180,7 +193,12 @@ impl Copies {
     /// The program's set is gone.
     pub fn destroy(self, device: &Device) {
         // SAFETY: ours; the program says by giving its own up that nothing uses them.
-        unsafe { device.functions.destroy_descriptor_pool(self.pool, None) };
+        unsafe {
+            self.retired
+                .iter()
+                .chain([&self.pool])
+                .for_each(|pool| device.functions.destroy_descriptor_pool(*pool, None))
+        };
     }
 }
 

@@ -179,11 +179,12 @@ unsafe fn each_view(
             device.give_up("a shader that reads a picture of its scene asks for its place on the screen");
         }
         // A flat draw may have to go behind the scene, if none was drawn yet.
-        let may_be_behind = !sources.is_empty() || !pass.scene || off_screen;
+        let deep = variants.deep && main && layout.session.given_lens().is_some();
+        let may_be_behind = !sources.is_empty() || !pass.scene || off_screen || deep;
         let in_views = own_lens || main && (screen || variants.follows && may_be_behind);
-        pass.scene |= !sources.is_empty() || screen;
+        pass.scene |= !sources.is_empty() || screen || deep;
         let y_up = viewport.height < 0.0;
-        let kind = Kind { sources, y_up, in_views, off_screen, screen };
+        let kind = Kind { sources, y_up, in_views, off_screen, deep, screen };
         let last = recording.runs.last_mut().filter(|run| run.takes(&layout, &kind));
         let place = match last {
             Some(run) => {

@@ -42,6 +42,8 @@ pub struct Variants {
     pub with_count: bool,
     /// Its fragment shader asks where on the screen it is.
     pub asks_place: bool,
+    /// What it draws is tested by its depth.
+    pub deep: bool,
 }
 
 /// The program's pipelines.
@@ -208,6 +210,8 @@ unsafe fn variants(
         let states = dynamic_states(info);
         let with_count = states.contains(&vk::DynamicState::VIEWPORT_WITH_COUNT)
             || states.contains(&vk::DynamicState::SCISSOR_WITH_COUNT);
+        let deep = states.contains(&vk::DynamicState::DEPTH_TEST_ENABLE)
+            || info.p_depth_stencil_state.as_ref().is_some_and(|state| state.depth_test_enable == vk::TRUE);
         let mut stages = stages.to_vec();
         let mut module = vk::ShaderModule::null();
         match &spliced {
@@ -223,7 +227,7 @@ unsafe fn variants(
         let made = make(device, cache, info, &stages, states);
         device.functions.destroy_shader_module(module, None);
         let (view, panel) = made.map_err(|error| format!("the driver refuses a pipeline: {error}"))?;
-        Ok(Variants { view, follows: spliced.is_ok(), panel, matrices, with_count, asks_place })
+        Ok(Variants { view, follows: spliced.is_ok(), panel, matrices, with_count, asks_place, deep })
     }
 }
 

@@ -62,6 +62,8 @@ pub struct Kind {
     pub in_views: bool,
     /// They draw to an image that holds a scene on its way to the window.
     pub off_screen: bool,
+    /// They are tested by their depth: without a matrix that can be read they may have the lens that the rig gives.
+    pub deep: bool,
     /// Where they are flat they bring the scene out of such an image, over all of the picture.
     pub screen: bool,
 }
@@ -216,6 +218,9 @@ fn resolve(device: &Device, run: &mut Run, write: impl Fn(u32, &[f32; 16])) {
     if matrices != run.matrices {
         run.lens = lens::find(matrices.iter().map(|(rank, value)| (*rank, value)));
         run.matrices = matrices;
+    }
+    if run.matrices.is_empty() && kind.deep {
+        run.lens = run.layout.session.given_lens().map(|lens| (lens, "the rig's lens"));
     }
     frame.counts.seen += run.draws;
     let in_views = kind.in_views && device.draws_views();

@@ -10,7 +10,7 @@ static void usage(void)
 {
     fprintf(stderr, "usage: vk_cube [--fov DEG] [--yaw DEG] [--pitch DEG] [--frames N] [--size WxH] [--at X,Y] [--samples N]\n"
                     "  [--pass 1|2|dynamic|imageless] [--matrix push|block|dynamic|copied] [--once] [--srgb] [--flip]\n"
-                    "  [--secondary] [--indirect] [--fixed] [--copy-window] [--flat over|before] [--resizes N] [--shot FILE.ppm] [--memory FILE]\n");
+                    "  [--secondary] [--indirect] [--fixed] [--columns] [--copy-window] [--flat over|before] [--resizes N] [--shot FILE.ppm] [--memory FILE]\n");
     exit(2);
 }
 
@@ -30,7 +30,7 @@ static bool is_flag(const char *option)
         bool *flag;
     } flags[] = {{"--once", &options.once},         {"--srgb", &options.srgb},         {"--flip", &options.flip},
                  {"--secondary", &options.secondary}, {"--indirect", &options.indirect}, {"--fixed", &options.fixed},
-                 {"--copy-window", &options.copy_window}};
+                 {"--copy-window", &options.copy_window}, {"--columns", &options.columns}};
     for (size_t i = 0; i < sizeof flags / sizeof flags[0]; i++) {
         if (strcmp(option, flags[i].name) == 0) {
             *flags[i].flag = true;

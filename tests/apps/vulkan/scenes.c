@@ -1,7 +1,9 @@
 /*
  * The direction test's cube on its way to the window (--way): drawn to it and read back (read), with a part that is drawn
  * or cleared by a pass of its own (part, clear), or drawn off screen and then shown by a triangle that samples it (post),
- * by two of them (chain), by place (place), by a blit (blit) or a resolve (resolve). --picture writes what was read.
+ * by two of them (chain), by place (place), by a blit (blit) or a resolve (resolve). Or with the newest of what there is to
+ * present (newest), a pipeline that is linked (library), a pass with a mask of views (multiview). --picture writes what was
+ * read.
  */
 #include "../common/matrix.h"
 #include "window.h"
@@ -17,8 +19,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-typedef enum { READ, PART, CLEAR, POST, CHAIN, PLACE, BLIT, RESOLVE, PASSES, WAYS } way_kind;
-static const char *const ways[WAYS] = {"read", "part", "clear", "post", "chain", "place", "blit", "resolve", "passes"};
+typedef enum { READ, PART, CLEAR, NEWEST, LIBRARY, MULTIVIEW, POST, CHAIN, PLACE, BLIT, RESOLVE, PASSES, WAYS } way_kind;
+static const char *const ways[WAYS] = {"read", "part", "clear", "newest", "library", "multiview",
+                                       "post", "chain", "place", "blit", "resolve", "passes"};
 
 static struct {
     double fov, yaw, pitch;
@@ -37,17 +40,18 @@ static VkSampler sampler;
 static VkRenderPass pass;
 static VkFramebuffer framebuffer;
 static VkPipelineLayout cube_layout, screen_layout;
-static VkPipeline cube, screen;
+static VkPipeline cube, screen, parts_of[2];
 static VkCommandPool pool;
 static VkCommandBuffer commands;
-static VkSemaphore acquired;
+static VkSemaphore acquired, timeline;
 static VkFence done;
 static block read_back;
 
 static void usage(void)
 {
     fprintf(stderr, "usage: vk_scenes [--fov DEG] [--yaw DEG] [--pitch DEG] [--frames N] [--size WxH] [--at X,Y]\n"
-                    "  [--way read|part|clear|post|chain|place|blit|resolve|passes] [--shot FILE.ppm] [--picture FILE.ppm]\n");
+                    "  [--way read|part|clear|newest|library|multiview|post|chain|place|blit|resolve|passes]\n"
+                    "  [--shot FILE.ppm] [--picture FILE.ppm]\n");
     exit(2);
 }
 
@@ -132,12 +136,20 @@ static VkPipeline make_pipeline(VkPipelineLayout layout, const uint32_t *vertex,
         .sType = VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO, .dynamicStateCount = 2, .pDynamicStates = states};
     const VkPipelineRenderingCreateInfo rendering = {
         .sType = VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO,
+        .viewMask = options.way == MULTIVIEW,
         .colorAttachmentCount = 1,
         .pColorAttachmentFormats = &w.format,
         .depthAttachmentFormat = deep ? DEPTH_FORMAT : VK_FORMAT_UNDEFINED};
     const bool by_pass = deep && pass != VK_NULL_HANDLE;
+    VkGraphicsPipelineLibraryCreateInfoEXT parts = {
+        .sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_LIBRARY_CREATE_INFO_EXT,
+        .flags = VK_GRAPHICS_PIPELINE_LIBRARY_VERTEX_INPUT_INTERFACE_BIT_EXT |
+                 VK_GRAPHICS_PIPELINE_LIBRARY_PRE_RASTERIZATION_SHADERS_BIT_EXT |
+                 VK_GRAPHICS_PIPELINE_LIBRARY_FRAGMENT_SHADER_BIT_EXT};
+    const bool linked = options.way == LIBRARY && w.has.libraries;
     const VkGraphicsPipelineCreateInfo info = {.sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,
-                                               .pNext = by_pass ? NULL : &rendering,
+                                               .pNext = by_pass ? NULL : linked ? (const void *)&parts : &rendering,
+                                               .flags = linked ? VK_PIPELINE_CREATE_LIBRARY_BIT_KHR : 0,
                                                .stageCount = 2,
                                                .pStages = stages,
                                                .pVertexInputState = &input,
@@ -154,6 +166,21 @@ static VkPipeline make_pipeline(VkPipelineLayout layout, const uint32_t *vertex,
     expect(vkCreateGraphicsPipelines(w.device, VK_NULL_HANDLE, 1, &info, NULL, &made), "vkCreateGraphicsPipelines");
     for (int i = 0; i < 2; i++)
         vkDestroyShaderModule(w.device, stages[i].module, NULL);
+    if (linked) {
+        parts.pNext = (void *)&rendering;
+        parts.flags = VK_GRAPHICS_PIPELINE_LIBRARY_FRAGMENT_OUTPUT_INTERFACE_BIT_EXT;
+        const VkPipelineLibraryCreateInfoKHR library = {.sType = VK_STRUCTURE_TYPE_PIPELINE_LIBRARY_CREATE_INFO_KHR,
+                                                        .pNext = &parts,
+                                                        .libraryCount = 1,
+                                                        .pLibraries = &made};
+        const VkGraphicsPipelineCreateInfo whole = {.sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,
+                                                    .pNext = &library,
+                                                    .pMultisampleState = &multisample,
+                                                    .pColorBlendState = &blends,
+                                                    .layout = layout};
+        parts_of[deep] = made;
+        expect(vkCreateGraphicsPipelines(w.device, VK_NULL_HANDLE, 1, &whole, NULL, &made), "vkCreateGraphicsPipelines");
+    }
     return made;
 }
 
@@ -289,6 +316,7 @@ static void begin(VkImageView color, bool deep, VkAttachmentLoadOp load, VkRect2
     const VkRenderingInfo info = {.sType = VK_STRUCTURE_TYPE_RENDERING_INFO,
                                   .renderArea = area,
                                   .layerCount = 1,
+                                  .viewMask = options.way == MULTIVIEW,
                                   .colorAttachmentCount = 1,
                                   .pColorAttachments = &colors,
                                   .pDepthAttachment = deep ? &depths : NULL};
@@ -410,11 +438,59 @@ static void record(uint32_t index)
     expect(vkEndCommandBuffer(commands), "vkEndCommandBuffer");
 }
 
-static void frame(void)
+/* Submits by the newer call, waits for a timeline, says what changed in the window, and which frame it is. */
+static void end_newest_frame(uint32_t index, uint64_t number)
+{
+    const VkSemaphoreSubmitInfo before = {.sType = VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO,
+                                          .semaphore = acquired,
+                                          .stageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT};
+    VkSemaphoreSubmitInfo after[] = {before, before};
+    after[0].semaphore = w.drawn[index];
+    after[1].semaphore = timeline;
+    after[1].value = number;
+    const VkCommandBufferSubmitInfo buffer = {.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO,
+                                              .commandBuffer = commands};
+    const VkSubmitInfo2 work = {.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO_2,
+                                .waitSemaphoreInfoCount = 1,
+                                .pWaitSemaphoreInfos = &before,
+                                .commandBufferInfoCount = 1,
+                                .pCommandBufferInfos = &buffer,
+                                .signalSemaphoreInfoCount = 2,
+                                .pSignalSemaphoreInfos = after};
+    expect(vkQueueSubmit2(w.queue, 1, &work, VK_NULL_HANDLE), "vkQueueSubmit2");
+    const VkRectLayerKHR all = {{0, 0}, w.extent, 0};
+    const VkPresentRegionKHR region = {1, &all};
+    const VkPresentRegionsKHR regions = {
+        .sType = VK_STRUCTURE_TYPE_PRESENT_REGIONS_KHR, .swapchainCount = 1, .pRegions = &region};
+    const VkPresentIdKHR id = {.sType = VK_STRUCTURE_TYPE_PRESENT_ID_KHR,
+                               .pNext = w.has.incremental_present ? &regions : NULL,
+                               .swapchainCount = 1,
+                               .pPresentIds = &number};
+    const VkPresentInfoKHR present = {.sType = VK_STRUCTURE_TYPE_PRESENT_INFO_KHR,
+                                      .pNext = w.has.present_id ? &id : id.pNext,
+                                      .waitSemaphoreCount = 1,
+                                      .pWaitSemaphores = &w.drawn[index],
+                                      .swapchainCount = 1,
+                                      .pSwapchains = &w.swapchain,
+                                      .pImageIndices = &index};
+    expect(vkQueuePresentKHR(w.queue, &present), "vkQueuePresentKHR");
+    const VkSemaphoreWaitInfo wait = {
+        .sType = VK_STRUCTURE_TYPE_SEMAPHORE_WAIT_INFO, .semaphoreCount = 1, .pSemaphores = &timeline, .pValues = &number};
+    expect(vkWaitSemaphores(w.device, &wait, UINT64_MAX), "vkWaitSemaphores");
+    PFN_vkWaitForPresentKHR shown = (PFN_vkWaitForPresentKHR)vkGetDeviceProcAddr(w.device, "vkWaitForPresentKHR");
+    if (w.has.present_wait && shown != NULL)
+        expect(shown(w.device, w.swapchain, number, UINT64_MAX), "vkWaitForPresentKHR");
+}
+
+static void frame(uint64_t number)
 {
     uint32_t index;
     expect(vkAcquireNextImageKHR(w.device, w.swapchain, UINT64_MAX, acquired, VK_NULL_HANDLE, &index), "acquire");
     record(index);
+    if (options.way == NEWEST) {
+        end_newest_frame(index, number);
+        return;
+    }
     const VkPipelineStageFlags stage = VK_PIPELINE_STAGE_ALL_COMMANDS_BIT;
     const VkSubmitInfo work = {.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO,
                                .waitSemaphoreCount = 1,
@@ -454,6 +530,7 @@ static void open_all(void)
 {
     const VkImageUsageFlags copied = VK_IMAGE_USAGE_TRANSFER_DST_BIT;
     window_open(&w, options.x, options.y, options.width, options.height, false,
+                options.way == NEWEST || options.way == LIBRARY || options.way == MULTIVIEW,
                 options.way == READ ? VK_IMAGE_USAGE_TRANSFER_SRC_BIT : off_screen() ? copied : 0);
     make_pictures();
     make_layouts();
@@ -471,6 +548,11 @@ static void open_all(void)
                                                  .commandBufferCount = 1};
     expect(vkAllocateCommandBuffers(w.device, &buffers, &commands), "vkAllocateCommandBuffers");
     const VkSemaphoreCreateInfo semaphore = {.sType = VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO};
+    const VkSemaphoreTypeCreateInfo counts = {.sType = VK_STRUCTURE_TYPE_SEMAPHORE_TYPE_CREATE_INFO,
+                                              .semaphoreType = VK_SEMAPHORE_TYPE_TIMELINE};
+    const VkSemaphoreCreateInfo counting = {.sType = VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO, .pNext = &counts};
+    if (options.way == NEWEST)
+        expect(vkCreateSemaphore(w.device, &counting, NULL, &timeline), "vkCreateSemaphore");
     const VkFenceCreateInfo fence = {.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
     expect(vkCreateSemaphore(w.device, &semaphore, NULL, &acquired), "vkCreateSemaphore");
     expect(vkCreateFence(w.device, &fence, NULL, &done), "vkCreateFence");
@@ -490,11 +572,14 @@ static void close_all(void)
     vkDestroySampler(w.device, sampler, NULL);
     vkDestroyCommandPool(w.device, pool, NULL);
     vkDestroySemaphore(w.device, acquired, NULL);
+    vkDestroySemaphore(w.device, timeline, NULL);
     vkDestroyFence(w.device, done, NULL);
     free_picture(&w, &depth);
     free_picture(&w, &samples);
-    for (int i = 0; i < 2; i++)
+    for (int i = 0; i < 2; i++) {
+        vkDestroyPipeline(w.device, parts_of[i], NULL);
         free_picture(&w, &scenes[i]);
+    }
     free_block(&w, &read_back);
     window_close(&w);
 }
@@ -504,7 +589,7 @@ int main(int argc, char **argv)
     parse(argc, argv);
     open_all();
     for (int number = 0; number < options.frames; number++) {
-        frame();
+        frame((uint64_t)number + 1);
         if (options.shot != NULL)
             window_shot(&w, options.shot);
     }
