@@ -3,8 +3,9 @@
 
 use crate::compare::{compare, compare_with, expect_good, expect_identical, expect_similar};
 use crate::dialects::{CAMERAS, camera_of, planetarium_of, shown_by_fisheye, shown_by_window};
+use crate::display;
 use crate::picture::Picture;
-use crate::programs::{Finished, Run, installed};
+use crate::programs::{Finished, Run, installed, installed_on};
 use crate::reference::{Fisheye, Vector, cube_colour, cube_face};
 use std::io::Write;
 
@@ -198,6 +199,25 @@ fn scenes_that_are_drawn_off_screen() {
     }
 }
 
+/// With the program's own lens what is drawn off screen is, byte for byte, what the window shows without Cupola.
+#[test]
+fn scenes_off_screen_with_the_programs_own_lens() {
+    for way in ["post", "passes", "blit"] {
+        let extra = ["--way", way, "--shot", "shot.ppm"];
+        let run = scenes(&extra);
+        let (Some(plain), Some(under)) = (run.vulkan_plain(), run.vulkan_under("identity-captured")) else { return };
+        let plain = plain.expect_success().picture("shot.ppm");
+        expect_identical(&under.picture("shot.ppm"), &plain, &format!("vk_scenes {way}, identity-captured"));
+        assert_eq!(under.statistics()["duplicated_framebuffers"], 1, "{way}");
+    }
+}
+
+/// Six projectors of what is drawn off screen.
+#[test]
+fn six_projectors_of_scenes_off_screen() {
+    planetarium_of("vk_scenes", &["--way", "post"], Run::vulkan_under);
+}
+
 /// By the rig's wish, and where a shader asks for its place, it stays flat; the statistics say so.
 #[test]
 fn scenes_off_screen_that_stay_flat() {
@@ -327,6 +347,21 @@ fn vkcube_is_drawn_for_each_view() {
     let cube = shown.pixels.iter().filter(|pixel| **pixel != grey && **pixel != [0; 3]).count();
     assert!((500..9000).contains(&cube), "{cube} pixels of a cube in a grey room");
     assert!(under.wrote("views/front-left.png") && under.wrote("views/panel.png"));
+}
+
+/// Windows of 10 bits for each colour show what those of 8 bits show.
+#[test]
+fn vkcube_in_a_window_of_10_bits() {
+    let Some(display) = display::deep() else { return };
+    let options = ["--frames", "12", "--capture", "capture.png"];
+    let size = ["--width", SIZE, "--height", SIZE];
+    let (Some(eight), Some(ten)) = (cube("fisheye", &[]), installed_on(&display, "vkcube", &size, "fisheye", &options))
+    else {
+        return;
+    };
+    let ten = ten.expect_success();
+    assert!(!ten.words().contains("own picture"), "{}", ten.words());
+    expect_similar(&ten.picture("capture.png"), &eight.picture("capture.png"), 1, 1.0, "vkcube in 10 and in 8 bits");
 }
 
 /// A program that is shown flat: each pixel of the domemaster against the program's picture, from the definitions of

@@ -216,7 +216,7 @@ unsafe fn each_view(
         tile.unbind(&of_views);
         let group = if in_views { layout.views.len() } else { 0 };
         // Where the program's own lens shows everything, there is no panel.
-        if !off_screen && !layout.views.iter().all(|(_, own)| *own) {
+        if !off_screen && !layout.shows_own_lens() {
             tile.begin(variants.panel, group, layout.panel, true, layout.window);
             issue();
         }

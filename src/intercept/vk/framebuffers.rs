@@ -64,9 +64,12 @@ impl Framebuffers {
     }
 
     /// The swapchain's image that some framebuffer for a render pass has.
-    pub fn shown_by(&self, pass: vk::RenderPass) -> Option<Arc<Shown>> {
-        let all = self.all.lock().unwrap_or_else(PoisonError::into_inner);
-        all.values().filter(|framebuffer| framebuffer.pass == pass).find_map(|framebuffer| framebuffer.shown.clone())
+    pub fn shown_by(&self, device: &Device, pass: vk::RenderPass) -> Option<Arc<Shown>> {
+        let all: Vec<_> = {
+            let all = self.all.lock().unwrap_or_else(PoisonError::into_inner);
+            all.values().filter(|framebuffer| framebuffer.pass == pass).cloned().collect()
+        };
+        all.iter().find_map(|framebuffer| framebuffer.shown_now(device))
     }
 
     /// The swapchain's image that a framebuffer without images for a render pass may be used with: that of the latest
@@ -88,6 +91,12 @@ impl Framebuffers {
 }
 
 impl Framebuffer {
+    /// The swapchain's image among the attachments, or one that holds a scene by now.
+    pub fn shown_now(&self, device: &Device) -> Option<Arc<Shown>> {
+        let find = || self.attachments.iter().flatten().find_map(|view| device.images.shown(*view));
+        self.shown.clone().or_else(find)
+    }
+
     /// The framebuffer over the atlas of `shown`, for a render pass like its own. `given`: the attachments of the pass that
     /// begins, where they are given with it.
     ///

@@ -49,6 +49,11 @@ impl Layout {
         Ok(Self { window: size, atlas, panel, primary: session.primary(), read, views, outputs, session, plan })
     }
 
+    /// Whether every view has the program's own lens, so that nothing is shown on the panel.
+    pub fn shows_own_lens(&self) -> bool {
+        self.views.iter().all(|(_, own)| *own)
+    }
+
     /// Where the program's own picture is, texel by texel, if it is drawn.
     pub fn own(&self) -> Option<Rect> {
         let own = self.views.iter().find(|view| is_own(**view, self.window)).map(|view| view.0);

@@ -106,7 +106,7 @@ unsafe fn replace(device: &Device, begin: &vk::RenderPassBeginInfo<'_>) -> Optio
     // SAFETY: as promised.
     let views = unsafe { views_of(begin, &framebuffer) };
     let given = framebuffer.attachments.is_none().then_some(views);
-    let shown = framebuffer.shown.clone().or_else(|| views.iter().find_map(|view| device.images.shown(*view)))?;
+    let shown = framebuffer.shown_now(device).or_else(|| views.iter().find_map(|view| device.images.shown(*view)))?;
     let replaced = || {
         let pass = device.framebuffers.pass(begin.render_pass).ok_or("a render pass that is not known")?;
         if let Some(why) = pass.obstacle {

@@ -223,11 +223,11 @@ unsafe fn inherited(device: &Device, info: &vk::CommandBufferBeginInfo<'_>) -> O
     unsafe {
         let inheritance = info.p_inheritance_info.as_ref()?;
         if let Some(framebuffer) = device.framebuffers.get(inheritance.framebuffer) {
-            return framebuffer.shown.clone();
+            return framebuffer.shown_now(device);
         }
         if inheritance.render_pass != vk::RenderPass::null() {
             let framebuffers = &device.framebuffers;
-            let shown = framebuffers.shown_by(inheritance.render_pass);
+            let shown = framebuffers.shown_by(device, inheritance.render_pass);
             return shown.or_else(|| framebuffers.shown_later(device, inheritance.render_pass));
         }
         let rendering = vk::StructureType::COMMAND_BUFFER_INHERITANCE_RENDERING_INFO;
@@ -235,6 +235,21 @@ unsafe fn inherited(device: &Device, info: &vk::CommandBufferBeginInfo<'_>) -> O
         let formats = super::slice(rendering.p_color_attachment_formats, rendering.color_attachment_count);
         device.latest_shown(*formats.first()?)
     }
+}
+
+/// The images that may hold a scene among what a secondary command buffer draws to, where it names its framebuffer.
+///
+/// # Safety
+/// `info` must be the program's.
+unsafe fn candidates(device: &Device, info: &vk::CommandBufferBeginInfo<'_>) -> Option<Vec<vk::Image>> {
+    if !info.flags.contains(vk::CommandBufferUsageFlags::RENDER_PASS_CONTINUE) || !device.images.has_candidates() {
+        return None;
+    }
+    // SAFETY: as promised.
+    let inheritance = unsafe { info.p_inheritance_info.as_ref() }?;
+    let framebuffer = device.framebuffers.get(inheritance.framebuffer)?;
+    let views = framebuffer.attachments.iter().flatten();
+    Some(views.filter_map(|view| device.images.candidate_of(*view)).collect())
 }
 
 hooks! { recording;
@@ -271,9 +286,10 @@ hooks! { recording;
     [c"vkBeginCommandBuffer"] begin_command_buffer: vk::PFN_vkBeginCommandBuffer = (
         buffer: vk::CommandBuffer, info: *const vk::CommandBufferBeginInfo<'_>
     ) -> vk::Result { |state, next| {
-        let shown = inherited(&state, &*info);
+        let (shown, candidates) = (inherited(&state, &*info), candidates(&state, &*info));
         state.recordings.with(buffer, |recording| {
             recording.begin(&state);
+            recording.plain = candidates.filter(|_| shown.is_none());
             recording.pass = shown.map(|shown| Pass::new(shown, Within::Inherited, Vec::new()));
         });
         next(buffer, info)

@@ -269,7 +269,7 @@ fn resolve(device: &Device, run: &mut Run, write: impl Fn(u32, &[f32; 16])) {
         }
     }
     let panel = run.place.offset + if run.kind.in_views { views.len() as u32 * stride } else { 0 };
-    let on_panel = outcome == Outcome::Flat && !views.iter().all(|(_, own_lens)| *own_lens);
+    let on_panel = outcome == Outcome::Flat && !run.layout.shows_own_lens();
     write(panel, if on_panel { &IDENTITY } else { &OUT_OF_SIGHT });
     write(panel + stride, &IDENTITY);
 }

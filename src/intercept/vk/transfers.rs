@@ -14,8 +14,8 @@ struct Cleared {
     whole: bool,
     /// In views, and in the program's own picture.
     pictures: Vec<Rect>,
-    /// On the panel.
-    panel: Rect,
+    /// On the panel; nothing where the program's own lens shows everything, and the panel stays empty.
+    panel: Option<Rect>,
 }
 
 /// Where a clear of `rect` of the window goes.
@@ -30,7 +30,11 @@ fn cleared(layout: &Layout, rect: &vk::Rect2D) -> Cleared {
     // A part of the window has no place in a view with another lens.
     let of_view = |(tile, own): &(Rect, bool)| if *own { Some(moved(*tile)) } else { whole.then_some(*tile) };
     let pictures = layout.views.iter().filter_map(of_view).chain(layout.primary.map(moved)).collect();
-    Cleared { whole, pictures, panel: if whole { layout.glass() } else { moved(layout.panel) } }
+    let panel = match whole {
+        true => Some(layout.glass()),
+        false => (!layout.shows_own_lens()).then(|| moved(layout.panel)),
+    };
+    Cleared { whole, pictures, panel }
 }
 
 /// Clears parts of the window in a pass that is drawn for each view.
@@ -47,7 +51,7 @@ pub unsafe fn clear(
     let rect = |rect| vk::ClearRect { rect: rectangle(rect), base_array_layer: 0, layer_count: 1 };
     for given in rects {
         let Cleared { whole, pictures, panel } = cleared(layout, &given.rect);
-        let (pictures, panel) = (pictures.into_iter().map(rect).collect::<Vec<_>>(), [rect(panel)]);
+        let (pictures, panel) = (pictures.into_iter().map(rect).collect::<Vec<_>>(), panel.map(rect));
         // What is cleared as a whole is seen through; what is cleared in part is a picture on the panel.
         let glass = |clear: &vk::ClearAttachment| match clear.aspect_mask.contains(vk::ImageAspectFlags::COLOR) {
             true if whole => vk::ClearAttachment { clear_value: vk::ClearValue::default(), ..*clear },
@@ -59,7 +63,9 @@ pub unsafe fn clear(
             if !pictures.is_empty() {
                 device.functions.cmd_clear_attachments(buffer, what, &pictures);
             }
-            device.functions.cmd_clear_attachments(buffer, &on_panel, &panel);
+            if let Some(panel) = panel {
+                device.functions.cmd_clear_attachments(buffer, &on_panel, &[panel]);
+            }
         }
     }
 }
@@ -157,11 +163,12 @@ mod tests {
         let layout = Layout::new(&rig, (200, 200), 16384, false).expect("a plan");
         let whole = vk::Rect2D { offset: vk::Offset2D::default(), extent: vk::Extent2D { width: 200, height: 200 } };
         let all = cleared(&layout, &whole);
-        assert_eq!((all.whole, all.pictures.len(), all.panel), (true, layout.views.len(), layout.glass()));
+        assert_eq!((all.whole, all.pictures.len(), all.panel), (true, layout.views.len(), Some(layout.glass())));
         let part = vk::Rect2D { offset: vk::Offset2D { x: 20, y: 30 }, ..whole };
         let some = cleared(&layout, &part);
         assert!(!some.whole && some.pictures.is_empty());
-        assert_eq!(some.panel[..2], [layout.panel[0] + 20, layout.panel[1] + 30]);
+        let [x, y, ..] = layout.panel;
+        assert_eq!(some.panel, Some([x + 20, y + 30, 200, 200]));
         let layout = Layout::new(&rig, (200, 200), 16384, true).expect("a plan");
         assert_eq!(cleared(&layout, &part).pictures, [[20, 30, 200, 200]], "the program's own picture");
     }
