@@ -56,6 +56,9 @@ pub struct Statistics {
     pub shaders_linked: u64,
     /// OpenGL errors of ours; must be 0.
     pub own_errors: u64,
+    /// Mean time that the device took for a correction, milliseconds, where it was measured (Vulkan).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub correction_milliseconds: Option<f64>,
     /// Notes of the planner.
     pub notes: Vec<String>,
 }
