@@ -4,8 +4,8 @@ use super::canvas::{Canvas, Show};
 use super::device::{self, Device};
 use super::layout::Layout;
 use crate::error::{Error, ErrorKind, Result};
+use crate::intercept::live::{self, Live};
 use crate::intercept::{log, settings};
-use crate::rig::Rig;
 use ash::{prelude::VkResult, vk};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -21,6 +21,8 @@ pub struct Swapchain {
     pub canvas: Option<Canvas>,
     /// After a failure: the program's own picture.
     pub failed: bool,
+    /// Which state of the rig's file it follows.
+    pub version: u64,
 }
 
 impl Swapchain {
@@ -29,6 +31,25 @@ impl Swapchain {
         match &self.canvas {
             Some(canvas) => canvas.given(index),
             None => self.real.get(index).copied(),
+        }
+    }
+
+    /// Whether the rig's file has become another rig since, which can be planned for this window. Views and images of the
+    /// program's are made for a plan: it gets a new one with its next swapchain.
+    pub fn is_outdated(&mut self, device: &Device) -> bool {
+        let version = live::version();
+        let Some(layout) = self.canvas.as_ref().map(|canvas| canvas.layout.clone()) else { return false };
+        if self.failed || self.version == version {
+            return false;
+        }
+        self.version = version;
+        let Some(live) = live::rig() else { return false };
+        match Layout::new(&live.rig, layout.window, device.greatest_image()) {
+            Ok(_) => true,
+            Err(error) => {
+                log::once(&format!("Vulkan: the rig stays as it was: {}", error.message));
+                false
+            }
         }
     }
 
@@ -113,9 +134,10 @@ pub unsafe extern "system" fn create(
     // SAFETY: the driver has just made it.
     let made = unsafe { *swapchain };
     let size = (given.image_extent.width, given.image_extent.height);
+    let live = live::rig();
     let built = crate::fence::guard(|| {
         // SAFETY: objects of a live device.
-        unsafe { build(&device, made, given, (!passthrough).then_some((&settings.rig, size))) }
+        unsafe { build(&device, made, given, live.as_ref().filter(|_| !passthrough).map(|live| (live, size))) }
     });
     match built {
         Some(Ok(built)) => {
@@ -146,7 +168,7 @@ unsafe fn build(
     device: &Device,
     swapchain: vk::SwapchainKHR,
     info: &vk::SwapchainCreateInfoKHR<'_>,
-    corrected: Option<(&Rig, (u32, u32))>,
+    corrected: Option<(&Live, (u32, u32))>,
 ) -> Result<Swapchain> {
     // SAFETY: as promised.
     let real = unsafe { real_images(device, swapchain) }
@@ -156,14 +178,15 @@ unsafe fn build(
             real.iter().for_each(|image| device.images.declare(*image, info.image_usage));
             None
         }
-        Some((rig, size)) => {
-            let layout = Arc::new(Layout::new(rig, size, device.greatest_image())?);
+        Some((live, size)) => {
+            let layout = Arc::new(Layout::new(&live.rig, size, device.greatest_image())?);
             // SAFETY: as promised.
             Some(unsafe { Canvas::new(device, info, &real, layout)? })
         }
     };
     let blue_first = blue_first(info.image_format).unwrap_or_default();
-    Ok(Swapchain { extent: info.image_extent, blue_first, real, canvas, failed: false })
+    let version = corrected.map_or(0, |(live, _)| live.version);
+    Ok(Swapchain { extent: info.image_extent, blue_first, real, canvas, failed: false, version })
 }
 
 /// # Safety
