@@ -476,7 +476,7 @@ fn shows(constants: &Constants) -> Shows {
     };
     if constants.pass() == Pass::Black {
         Shows::Black
-    } else if set("shared_part.with_panel") || set("shared_part.black") {
+    } else if set("shared_part.with_panel") || set("shared_part.black") || set("shared_part.lift") {
         Shows::Other
     } else if set("shared_part.weighted") || set("shared_part.edge") {
         Shows::Black

@@ -145,6 +145,7 @@ fn next_frame(ctx: &mut Context) {
     super::buffers::of(ctx).end_frame();
     ctx.ranges.end_frame();
     follow_size(ctx);
+    default_framebuffer::follow_rig(ctx);
 }
 
 /// Plans anew where the window has another size than the plan. Only between frames.
@@ -230,7 +231,7 @@ fn output_pictures(ctx: &mut Context, settings: &settings::Settings) -> Vec<Pict
         let (width, height) = window.size();
         return vec![read_back(gl, 0, "window", [0, 0, width as i32, height as i32])];
     };
-    let names = settings.rig.outputs.iter().map(|o| o.name.as_str());
+    let names = target.session.rig().outputs.iter().map(|o| o.name.as_str());
     if settings.offscreen {
         return names.enumerate().filter_map(|(i, name)| super::offscreen::picture(ctx, i, name)).collect();
     }
