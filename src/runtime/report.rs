@@ -50,6 +50,11 @@ pub struct Statistics {
     pub single_framebuffers: BTreeMap<String, u64>,
     /// How the projection was found, with the number of draws.
     pub projection_found: BTreeMap<String, u64>,
+    /// Pixels of all outputs.
+    pub output_pixels: u64,
+    /// Those that the correction computes in a frame, batches that are left out included; the others are known to be black:
+    /// outside of a circle or of the dome, masked, not lit.
+    pub corrected_pixels: u64,
     /// Batches of the correction that were not drawn, because their views held nothing but the clear colour.
     pub batches_left_out: u64,
     /// Programs of shaders that were linked: the correction's, and the program's with our epilogue.

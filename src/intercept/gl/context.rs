@@ -115,6 +115,8 @@ pub struct Context {
     pub pipelines: super::pipelines::Pipelines,
     /// The Begin/End that the program is in.
     pub immediate: super::immediate::Immediate,
+    /// How many draws a frame has.
+    pub workload: super::workload::Workload,
     /// Where draws from buffers are.
     pub ranges: super::culling::ranges::Ranges,
     /// The greatest width of points and lines so far.
@@ -198,6 +200,7 @@ impl Context {
             program: None,
             pipelines: Default::default(),
             immediate: Default::default(),
+            workload: Default::default(),
             ranges: Default::default(),
             widest: Widest::default(),
             outlines: Default::default(),

@@ -161,6 +161,25 @@ pub fn want_panel(ctx: &mut Context) {
     }
 }
 
+/// Plans anew for a program of so many draws in a frame. What is drawn already is lost.
+pub fn plan_for(ctx: &mut Context, draws: u32) {
+    let Some(old) = ctx.target.take() else { return };
+    let extras = Extras { draws: Some(draws), ..old.extras() };
+    let same = |new: &Session| new.views() == old.session.views();
+    match old.session.with(extras) {
+        Ok(new) if !same(&new) => {
+            super::duplicate::clear(ctx);
+            old.destroy(ctx.gl);
+            attach(ctx, extras);
+        }
+        Ok(_) => ctx.target = Some(old),
+        Err(error) => {
+            log::once(&format!("the views stay as they are: {error}"));
+            ctx.target = Some(old);
+        }
+    }
+}
+
 /// Plans anew with more tiles; what is drawn already moves to its new place.
 fn enlarge(ctx: &mut Context, add: impl FnOnce(&mut Extras)) {
     super::counting::aside(ctx, |ctx| enlarge_now(ctx, add));

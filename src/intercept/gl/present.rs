@@ -144,6 +144,7 @@ fn next_frame(ctx: &mut Context) {
     super::duplicate::end_frame(ctx);
     super::buffers::of(ctx).end_frame();
     ctx.ranges.end_frame();
+    ctx.workload.end_frame(ctx.counts.draws_seen);
     follow_size(ctx);
 }
 
@@ -202,6 +203,12 @@ fn statistics(ctx: &Context, settings: &settings::Settings) -> Statistics {
     };
     if let Some(target) = &ctx.target {
         statistics.own_errors += target.backend().errors();
+        for pass in &target.session.plan().passes {
+            let rects = pass.batches.iter().flat_map(|batch| &batch.rects);
+            statistics.output_pixels += u64::from(pass.size.0) * u64::from(pass.size.1);
+            statistics.corrected_pixels +=
+                rects.map(|rect| u64::from(rect.width) * u64::from(rect.height)).sum::<u64>();
+        }
         statistics.notes.clone_from(&target.session.plan().views.notes);
         statistics.views = target
             .session

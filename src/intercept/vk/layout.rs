@@ -29,7 +29,7 @@ impl Layout {
     /// # Errors
     /// Those of the planner.
     pub fn new(rig: &Rig, size: (u32, u32), max_atlas: u32) -> Result<Self> {
-        let session = Session::new(rig, size, false, max_atlas, Extras { panel: true, primary: false })?;
+        let session = Session::new(rig, size, false, max_atlas, Extras { panel: true, ..Extras::default() })?;
         let atlas = session.plan().views.atlas;
         let panel = session.panel().ok_or_else(|| Error::new(ErrorKind::Internal, "the plan has no panel"))?;
         let views = (0..session.views().len()).map(|index| session.tile(index));
