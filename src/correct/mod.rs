@@ -4,6 +4,7 @@ mod arrangement;
 mod blocks;
 mod cover;
 pub mod draws;
+mod footprints;
 mod hidden;
 pub mod map;
 pub mod mask;
@@ -19,6 +20,7 @@ mod tests;
 pub mod uniforms;
 
 pub use arrangement::{Arrangement, ImageSize};
+pub use footprints::{Footprints, Texels, footprints};
 pub use hidden::hidden_areas;
 pub use plan::{Batch, OutputPass, PixelRect, Plan, Source, build};
 pub use table::{Table, TablePixel};

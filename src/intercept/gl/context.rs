@@ -117,6 +117,8 @@ pub struct Context {
     pub immediate: super::immediate::Immediate,
     /// How many draws a frame has.
     pub workload: super::workload::Workload,
+    /// Where the draw that is being issued comes to be in each view, if that is known.
+    pub areas: Vec<crate::correct::Texels>,
     /// Where draws from buffers are.
     pub ranges: super::culling::ranges::Ranges,
     /// The greatest width of points and lines so far.
@@ -201,6 +203,7 @@ impl Context {
             pipelines: Default::default(),
             immediate: Default::default(),
             workload: Default::default(),
+            areas: Vec::new(),
             ranges: Default::default(),
             widest: Widest::default(),
             outlines: Default::default(),

@@ -7,6 +7,7 @@ use super::window::Window;
 use crate::backend::gl::api::{self, Gl};
 use crate::backend::gl::surface::{Surface, greatest_texture};
 use crate::backend::gl::{Blank, GlBackend, Target};
+use crate::correct::Texels;
 use crate::error::Result;
 use crate::intercept::{log, settings};
 use crate::runtime::session::{Extras, Session};
@@ -419,6 +420,14 @@ impl DefaultFramebuffer {
         }
     }
 
+    /// A draw went to a view, into these texels.
+    pub fn issued_within(&mut self, view: usize, texels: Texels) {
+        self.content.draw_within(view, texels);
+        if let Some(count) = self.issued.get_mut(view) {
+            *count += 1;
+        }
+    }
+
     /// A draw was left out of a view that cannot show it.
     pub fn culled(&mut self, view: usize) {
         if let Some(count) = self.culled.get_mut(view) {
@@ -442,7 +451,7 @@ impl DefaultFramebuffer {
     }
 
     /// The views that need not be corrected.
-    pub fn blank(&self) -> Option<Blank> {
+    pub fn blank(&self) -> Option<Blank<'_>> {
         // A view with the program's own lens gets flat drawing, too.
         let followed =
             settings::settings().is_some_and(|s| s.cull) && !self.session.views().iter().any(|v| v.program_lens);
