@@ -206,6 +206,8 @@ pub enum Favour {
     Processor,
     /// Fewer texels: for programs of few draws and costly shading.
     Graphics,
+    /// As for a program of so many draws in a frame; what `Balanced` becomes once they are known. No word of rig files.
+    Draws(u32),
 }
 
 /// Where flat drawing appears: a window in front of the viewer, as wide as `width` says and with the window's aspect.

@@ -7,6 +7,7 @@ use super::window::Window;
 use crate::backend::gl::api::{self, Gl};
 use crate::backend::gl::surface::{Surface, greatest_texture};
 use crate::backend::gl::{Blank, GlBackend, Target};
+use crate::correct::Texels;
 use crate::error::{Error, ErrorKind, Result};
 use crate::intercept::{live, log, settings};
 use crate::runtime::session::{Extras, Session};
@@ -190,6 +191,25 @@ pub fn want_panel(ctx: &mut Context) {
         .is_some_and(|t| t.session.panel().is_none() && t.session.views().iter().any(|v| !v.program_lens));
     if needed {
         enlarge(ctx, |extras| extras.panel = true);
+    }
+}
+
+/// Plans anew for a program of so many draws in a frame. What is drawn already is lost.
+pub fn plan_for(ctx: &mut Context, draws: u32) {
+    let Some(old) = ctx.target.take() else { return };
+    let extras = Extras { draws: Some(draws), ..old.extras() };
+    let same = |new: &Session| new.views() == old.session.views();
+    match old.session.with(extras) {
+        Ok(new) if !same(&new) => {
+            super::duplicate::clear(ctx);
+            old.destroy(ctx.gl);
+            attach(ctx, extras);
+        }
+        Ok(_) => ctx.target = Some(old),
+        Err(error) => {
+            log::once(&format!("the views stay as they are: {error}"));
+            ctx.target = Some(old);
+        }
     }
 }
 
@@ -434,6 +454,14 @@ impl DefaultFramebuffer {
         }
     }
 
+    /// A draw went to a view, into these texels.
+    pub fn issued_within(&mut self, view: usize, texels: Texels) {
+        self.content.draw_within(view, texels);
+        if let Some(count) = self.issued.get_mut(view) {
+            *count += 1;
+        }
+    }
+
     /// A draw was left out of a view that cannot show it.
     pub fn culled(&mut self, view: usize) {
         if let Some(count) = self.culled.get_mut(view) {
@@ -457,7 +485,7 @@ impl DefaultFramebuffer {
     }
 
     /// The views that need not be corrected.
-    pub fn blank(&self) -> Option<Blank> {
+    pub fn blank(&self) -> Option<Blank<'_>> {
         // A view with the program's own lens gets flat drawing, too.
         let followed =
             settings::settings().is_some_and(|s| s.cull) && !self.session.views().iter().any(|v| v.program_lens);

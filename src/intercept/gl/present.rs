@@ -144,6 +144,7 @@ fn next_frame(ctx: &mut Context) {
     super::duplicate::end_frame(ctx);
     super::buffers::of(ctx).end_frame();
     ctx.ranges.end_frame();
+    ctx.workload.end_frame(ctx.counts.draws_seen);
     follow_size(ctx);
     default_framebuffer::follow_rig(ctx);
 }
@@ -197,12 +198,19 @@ fn statistics(ctx: &Context, settings: &settings::Settings) -> Statistics {
         single_framebuffers,
         projection_found: ctx.counts.found.iter().map(|(how, n)| (how.to_owned(), n)).collect(),
         batches_left_out: ctx.target.as_ref().map_or(0, |t| t.backend().left_out()),
+        outputs_narrowed: ctx.target.as_ref().map_or(0, |t| t.backend().narrowed()),
         shaders_linked: ctx.counts.linked,
         own_errors: ctx.counts.errors,
         ..Statistics::default()
     };
     if let Some(target) = &ctx.target {
         statistics.own_errors += target.backend().errors();
+        for pass in &target.session.plan().passes {
+            let rects = pass.batches.iter().flat_map(|batch| &batch.rects);
+            statistics.output_pixels += u64::from(pass.size.0) * u64::from(pass.size.1);
+            statistics.corrected_pixels +=
+                rects.map(|rect| u64::from(rect.width) * u64::from(rect.height)).sum::<u64>();
+        }
         statistics.notes.clone_from(&target.session.plan().views.notes);
         statistics.views = target
             .session

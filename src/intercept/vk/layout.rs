@@ -39,9 +39,9 @@ impl Layout {
     /// # Errors
     /// Those of the planner.
     pub fn new(rig: &Rig, size: (u32, u32), max_atlas: u32, read: bool) -> Result<Self> {
-        let mut session = Session::new(rig, size, false, max_atlas, Extras { panel: true, primary: false })?;
+        let mut session = Session::new(rig, size, false, max_atlas, Extras { panel: true, ..Extras::default() })?;
         if read && !(0..session.views().len()).any(|index| is_own(session.tile(index), size)) {
-            session = session.with(Extras { panel: true, primary: true })?;
+            session = session.with(Extras { primary: true, ..session.extras() })?;
         }
         let plan = upside_down(session.plan());
         let atlas = plan.views.atlas;
