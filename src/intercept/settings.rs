@@ -8,8 +8,8 @@ use std::sync::OnceLock;
 /// The settings of this process.
 #[derive(Clone, Debug)]
 pub struct Settings {
-    /// The rig (`CUPOLA_RIG`, preset or file; `fisheye` if unset) with `CUPOLA_CAMERA`, `CUPOLA_VIEWER` and
-    /// `CUPOLA_DUPLICATE` applied.
+    /// The rig (`CUPOLA_RIG`, preset or file; `fisheye` if unset) with `CUPOLA_CAMERA`, `CUPOLA_VIEWER`,
+    /// `CUPOLA_METHOD` and `CUPOLA_DUPLICATE` applied.
     pub rig: Rig,
     /// `CUPOLA_SIZE=WxH`: the program's window is given this size.
     pub window_size: Option<(u32, u32)>,
@@ -68,6 +68,9 @@ fn read() -> crate::Result<Settings> {
     }
     if let Some(viewer) = text("CUPOLA_VIEWER") {
         rig = rig.with_viewer_override(&viewer)?;
+    }
+    if let Some(method) = text("CUPOLA_METHOD") {
+        rig = rig.with_method_override(&method)?;
     }
     let window_size = match text("CUPOLA_SIZE") {
         Some(size) => Some(parse_size(&size).ok_or_else(|| wrong("CUPOLA_SIZE", &size, "1024x768"))?),
