@@ -4,6 +4,7 @@ mod arrangement;
 mod blocks;
 mod cover;
 pub mod draws;
+pub mod facets;
 mod hidden;
 pub mod map;
 pub mod mask;
@@ -11,6 +12,7 @@ pub mod plan;
 mod rectangles;
 pub mod response;
 pub mod shaders;
+mod shown;
 mod source;
 pub mod spirv;
 pub mod table;
@@ -19,8 +21,9 @@ mod tests;
 pub mod uniforms;
 
 pub use arrangement::{Arrangement, ImageSize};
+pub use facets::{FacetCorner, Facets};
 pub use hidden::hidden_areas;
-pub use plan::{Batch, OutputPass, PixelRect, Plan, Source, build};
+pub use plan::{Approximation, Batch, OutputPass, PixelRect, Plan, Source, build};
 pub use table::{Table, TablePixel};
 
 pub use crate::views::Tile;

@@ -109,7 +109,7 @@ fn own_picture(ctx: &Context, plan: &Plan, size: (u32, u32)) -> Option<Plan> {
         name: "primary".to_owned(),
         size,
         source: Source::Perspective { matrix: rotation * tangents },
-        batches: vec![Batch { views, neighbours: Vec::new(), edge: true, rects: vec![rect] }],
+        batches: vec![Batch { views, neighbours: Vec::new(), edge: true, rects: vec![rect], facets: None }],
         mask: None,
         filter: Filter::Bilinear,
         gamma: 1.0,
