@@ -1,6 +1,7 @@
 //! From rig and views to passes, independent of the graphics API.
 
 mod arrangement;
+mod beam;
 mod blocks;
 mod cover;
 pub mod draws;
@@ -11,6 +12,7 @@ pub mod mask;
 pub mod plan;
 mod rectangles;
 pub mod response;
+mod rounding;
 pub mod shaders;
 mod shown;
 mod source;

@@ -1,6 +1,7 @@
 //! From an output of a rig to the coefficients of its map.
 
 use super::plan::{Neighbour, ProjectorSource, Source};
+use super::rounding;
 use super::shown::Shown;
 use super::table;
 use crate::blend::Border;
@@ -20,7 +21,9 @@ use std::sync::Arc;
 /// Those of [`Shown::new`].
 pub(super) fn of(rig: &Rig, index: usize, sizes: &[(u32, u32)]) -> Result<Source> {
     let shown = || Shown::new(rig, index, sizes);
-    let table = match (rig.outputs[index].method, closed_form(rig, index).filter(|_| is_exact(rig, index))) {
+    let size = sizes.get(index).copied().unwrap_or_default();
+    let exact = |source: &Source| is_exact(rig, index) && is_well_conditioned(source, size);
+    let table = match (rig.outputs[index].method, closed_form(rig, index).filter(exact)) {
         (Method::Table { max_error }, _) => table::coarse(&shown()?, max_error),
         (_, Some(source)) => return Ok(source),
         _ => shown()?.table(),
@@ -49,6 +52,16 @@ fn is_exact(rig: &Rig, index: usize) -> bool {
         None => !other.is_projector(),
     };
     sphere_is_ahead(pinhole.position, pinhole.rays, &sphere) && (!output.blend.overlap || others.all(known))
+}
+
+/// Whether f32 is enough for the formula of a picture of `size` pixels.
+///
+/// Not for a projector whose light passes close to the viewer, for whom the screen there is the small difference
+/// of two places, nor where rays graze the screen and the root of a difference decides.
+fn is_well_conditioned(source: &Source, size: (u32, u32)) -> bool {
+    let Source::Projector(projector) = source else { return true };
+    let form = &projector.direction;
+    rounding::excess(form, projector.cap.as_ref(), size, |x, y| rounding::of_form(form, x, y)) <= 1.0
 }
 
 /// A projector whose rays are linear in the pixel.

@@ -212,7 +212,7 @@ pub fn constants(plan: &Plan, pass: &OutputPass, batch: &Batch, panel: bool) -> 
             out.set("shift", &(base * *offset).to_array())?;
             out.set_matrix("dome", pass.dome_rotation * *rotation)?;
         }
-        Source::Projector(source) => projector::set(&mut out, source, batch, base)?,
+        Source::Projector(source) => projector::set(&mut out, source, pass.size, batch, base)?,
         Source::Perspective { matrix } => {
             out.set_matrix("matrix", base * *matrix)?;
             out.set_matrix("dome", pass.dome_rotation * *matrix)?;

@@ -157,9 +157,8 @@ impl GlBackend {
     /// As [`GlBackend::prepare`] for some of the plan's outputs.
     pub(super) fn prepare_passes(&mut self, gl: &Gl, plan: &Plan, passes: &[OutputPass], panel: bool) -> Result<()> {
         self.take_pending(gl);
-        let saved = state::save_upload(gl, &self.caps);
-        let result = self.build(gl, plan, passes, panel);
-        state::restore_upload(gl, &self.caps, &saved);
+        let caps = self.caps;
+        let result = state::while_uploading(gl, &caps, || self.build(gl, plan, passes, panel));
         let before = self.errors();
         self.count_errors(gl);
         result?;
@@ -183,9 +182,7 @@ impl GlBackend {
             old.destroy(gl);
         }
         if !areas.is_empty() {
-            let saved = state::save_upload(gl, &self.caps);
-            let hidden = Hidden::new(gl, &self.caps, areas, atlas);
-            state::restore_upload(gl, &self.caps, &saved);
+            let hidden = state::while_uploading(gl, &self.caps, || Hidden::new(gl, &self.caps, areas, atlas));
             self.hidden = Some(hidden?);
         }
         self.count_errors(gl);
@@ -267,6 +264,11 @@ impl GlBackend {
         }
     }
 
+    /// Runs `work`, which uploads rows that lie close together to textures; what that touches is put back.
+    pub fn while_uploading<R>(&self, gl: &Gl, work: impl FnOnce() -> R) -> R {
+        state::while_uploading(gl, &self.caps, work)
+    }
+
     /// Its vertex array, which contexts do not share.
     pub fn vertex_array(&self) -> u32 {
         self.names.vertex_array
@@ -275,9 +277,8 @@ impl GlBackend {
     /// Goes on in the current context, which shares objects with the one before. All bindings are put back.
     pub fn rehome(&mut self, gl: &Gl) {
         if self.names.vertex_array != 0 {
-            let saved = state::save_upload(gl, &self.caps);
-            self.make_vertex_array(gl);
-            state::restore_upload(gl, &self.caps, &saved);
+            let caps = self.caps;
+            state::while_uploading(gl, &caps, || self.make_vertex_array(gl));
         }
     }
 

@@ -378,7 +378,7 @@ unsafe fn restore_masks(gl: &Gl, caps: &Capabilities, masks: &[[u8; 4]; MOST_DRA
 }
 
 /// What uploading textures and vertices touches.
-pub(super) struct SavedUpload {
+struct SavedUpload {
     program: u32,
     vertex_array: u32,
     array_buffer: u32,
@@ -402,8 +402,15 @@ fn unpack_count(caps: &Capabilities) -> usize {
     if caps.gles { 4 } else { 6 }
 }
 
-/// Reads what uploading touches and sets tightly packed rows.
-pub(super) fn save_upload(gl: &Gl, caps: &Capabilities) -> SavedUpload {
+/// Runs `work` with tightly packed rows; what uploading touches is put back.
+pub(super) fn while_uploading<R>(gl: &Gl, caps: &Capabilities, work: impl FnOnce() -> R) -> R {
+    let saved = save_upload(gl, caps);
+    let result = work();
+    restore_upload(gl, caps, &saved);
+    result
+}
+
+fn save_upload(gl: &Gl, caps: &Capabilities) -> SavedUpload {
     let mut saved = SavedUpload {
         program: integer(gl, GL_CURRENT_PROGRAM) as u32,
         vertex_array: integer(gl, GL_VERTEX_ARRAY_BINDING) as u32,
@@ -423,8 +430,7 @@ pub(super) fn save_upload(gl: &Gl, caps: &Capabilities) -> SavedUpload {
     saved
 }
 
-/// Puts back what uploading touched.
-pub(super) fn restore_upload(gl: &Gl, caps: &Capabilities, saved: &SavedUpload) {
+fn restore_upload(gl: &Gl, caps: &Capabilities, saved: &SavedUpload) {
     // SAFETY: a context is current; the values are those that it gave.
     unsafe {
         for (i, &name) in UNPACK.iter().enumerate().take(unpack_count(caps)) {

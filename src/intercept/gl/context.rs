@@ -41,6 +41,8 @@ pub struct ShareGroup {
     pub programs: Mutex<Programs>,
     /// Display lists.
     pub lists: Mutex<Lists>,
+    /// What is known of buffers.
+    pub buffers: Mutex<super::buffers::Buffers>,
 }
 
 /// The program's view of its window-space state.
@@ -113,6 +115,8 @@ pub struct Context {
     pub pipelines: super::pipelines::Pipelines,
     /// The Begin/End that the program is in.
     pub immediate: super::immediate::Immediate,
+    /// Where draws from buffers are.
+    pub ranges: super::culling::ranges::Ranges,
     /// The greatest width of points and lines so far.
     pub widest: Widest,
     /// Points and lines that may leave their tile.
@@ -194,6 +198,7 @@ impl Context {
             program: None,
             pipelines: Default::default(),
             immediate: Default::default(),
+            ranges: Default::default(),
             widest: Widest::default(),
             outlines: Default::default(),
             endless_anisotropy: super::filtering::is_endless(gl),

@@ -94,6 +94,7 @@ pub fn after_panic(name: &str) {
     log::once(&format!("a defect in {name}; this context is left alone from now on"));
     if let Some(ctx) = current() {
         ctx.switched_off = true;
+        super::buffers::of(ctx).lose();
         ctx.leave_alone();
     }
 }

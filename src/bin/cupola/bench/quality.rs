@@ -40,7 +40,7 @@ fn drawn(size: (u32, u32), towards: impl Fn(DVec2) -> Option<DVec3> + Sync) -> V
     let texel = |x: u32, y: u32| {
         let centre = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
         let light = FOUR.iter().map(|place| towards(centre + *place).map_or(0.0, scene)).sum::<f64>();
-        0xff00_0000 | (255.0 * light / FOUR.len() as f64).round() as u32 * 0x0001_0101
+        0xff00_0000 | ((255.0 * light / FOUR.len() as f64).round() as u32 * 0x0001_0101)
     };
     in_rows(size.1, |y| (0..size.0).map(|x| texel(x, y)).collect())
 }
