@@ -27,8 +27,8 @@ pub(super) fn views(section: Option<Section>, problems: &mut Problems) -> Views 
     let methods = [
         ("auto", (ViewMethod::Auto, &[][..])),
         ("cube", (ViewMethod::Cube, &[])),
-        ("rotated-cube", (ViewMethod::Cube, &ROTATED_CUBE)),
         ("single", (ViewMethod::Single, &[])),
+        ("rotated-cube", (ViewMethod::Cube, &ROTATED_CUBE)),
     ];
     let (method, cells) = section.choice("method", &methods, problems).unwrap_or((ViewMethod::Auto, &[]));
     views.method = method;
