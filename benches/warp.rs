@@ -110,7 +110,16 @@ fn rigs(mask: PathBuf) -> Vec<(String, Rig)> {
 
 fn output(name: &str, kind: OutputKind, overlap: bool) -> Output {
     let blend = Blend { overlap, ramp: 0.3, ..Blend::default() };
-    Output { name: name.into(), kind, size: None, window: None, blend, mask: None, eye: 0.0 }
+    Output {
+        name: name.into(),
+        kind,
+        method: Default::default(),
+        size: None,
+        window: None,
+        blend,
+        mask: None,
+        eye: 0.0,
+    }
 }
 
 fn rig(outputs: Vec<Output>) -> Rig {

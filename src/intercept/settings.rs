@@ -9,15 +9,15 @@ use std::time::SystemTime;
 /// The settings of this process.
 #[derive(Clone, Debug)]
 pub struct Settings {
-    /// The rig (`CUPOLA_RIG`, preset or file; `fisheye` if unset) with `CUPOLA_CAMERA`, `CUPOLA_VIEWER` and
+    /// The rig (`CUPOLA_RIG`, preset or file; `fisheye` if unset) with `CUPOLA_CAMERA`, `CUPOLA_VIEWER`, `CUPOLA_METHOD` and
     /// `CUPOLA_DUPLICATE` applied, as it was at the start; [`live::rig`] is that of the moment.
     pub rig: Rig,
     /// The rig's file, absolute, since programs change their folder; `None` for a preset.
     pub rig_file: Option<PathBuf>,
     /// Time of the last change and length of that file before it was read.
     pub rig_stamp: Option<(Option<SystemTime>, u64)>,
-    /// What is applied to the rig: `CUPOLA_CAMERA`, `CUPOLA_VIEWER`.
-    overrides: [Option<String>; 2],
+    /// What is applied to the rig: `CUPOLA_CAMERA`, `CUPOLA_VIEWER`, `CUPOLA_METHOD`.
+    overrides: [Option<String>; 3],
     /// `CUPOLA_DUPLICATE`.
     duplicate: Option<Duplicate>,
     /// `CUPOLA_SIZE=WxH`: the program's window is given this size.
@@ -75,7 +75,7 @@ fn read() -> crate::Result<Settings> {
     let is_preset = rig::presets().iter().any(|preset| preset.name == name);
     let rig_file = (!is_preset).then(|| std::path::absolute(&name).ok()).flatten();
     let rig_stamp = rig_file.as_deref().and_then(live::stamp);
-    let overrides = ["CUPOLA_CAMERA", "CUPOLA_VIEWER"].map(text);
+    let overrides = ["CUPOLA_CAMERA", "CUPOLA_VIEWER", "CUPOLA_METHOD"].map(text);
     let window_size = match text("CUPOLA_SIZE") {
         Some(size) => Some(parse_size(&size).ok_or_else(|| wrong("CUPOLA_SIZE", &size, "1024x768"))?),
         None => None,
@@ -128,7 +128,7 @@ impl Settings {
 /// The rig of a preset's name or a file, with the keys that the environment replaces.
 fn loaded(
     name_or_path: &Path,
-    [camera, viewer]: &[Option<String>; 2],
+    [camera, viewer, method]: &[Option<String>; 3],
     duplicate: Option<Duplicate>,
 ) -> crate::Result<Rig> {
     let mut rig = rig::load(&name_or_path.to_string_lossy())?;
@@ -137,6 +137,9 @@ fn loaded(
     }
     if let Some(viewer) = viewer {
         rig = rig.with_viewer_override(viewer)?;
+    }
+    if let Some(method) = method {
+        rig = rig.with_method_override(method)?;
     }
     if let Some(duplicate) = duplicate {
         rig.views.duplicate = duplicate;

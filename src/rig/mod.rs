@@ -12,6 +12,7 @@ mod blend;
 mod calibration;
 mod camera;
 mod layout;
+mod method;
 mod one_line;
 mod presets;
 mod problems;
@@ -28,6 +29,7 @@ use std::path::{Path, PathBuf};
 
 pub use blend::{AngleRamp, Blend, DomeAngle, RampShape};
 pub use calibration::{Calibration, CalibrationValues};
+pub use method::Method;
 pub use presets::{Preset, presets};
 pub use response::{RESPONSE_STEPS, Response, Transfer};
 
@@ -228,6 +230,8 @@ pub struct Output {
     pub name: String,
     /// What it is.
     pub kind: OutputKind,
+    /// How its picture is made of the views.
+    pub method: Method,
     /// Its own resolution (width, height in pixels), used off screen; `None` = that of its place in the window.
     pub size: Option<(u32, u32)>,
     /// Its place in the window: x, y, width, height in pixels, from the top left. `None` = the planner's grid.

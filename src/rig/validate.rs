@@ -1,7 +1,7 @@
 //! What the values of a rig must satisfy together.
 
 use super::problems::Problems;
-use super::{Output, OutputKind, Rig};
+use super::{Method, Output, OutputKind, Rig};
 use crate::geom::screen::{Faces, Screen, Shape};
 use crate::geom::{Lens, Optics, Pose};
 use glam::DVec2;
@@ -52,6 +52,9 @@ pub(super) fn check(rig: &Rig, problems: &mut Problems) {
             }
             OutputKind::Optics { optics, .. } => projector(index, rig, optics, problems),
             _ => {}
+        }
+        if let Some(why) = impossible_method(rig, output) {
+            problems.add(&path(index, ".method"), why);
         }
         if let Some(why) = output.mask.as_deref().and_then(unusable_mask) {
             problems.add(&path(index, ".mask.image"), why);
@@ -191,6 +194,35 @@ fn unlit(optics: &Optics, screen: &Screen) -> &'static str {
              z backward), yaw (to the right), pitch (up) and fov that reach the screen"
         }
     }
+}
+
+/// Widest domemaster that a mesh of the dome is flattened to, radians: beyond, triangles get too near to the point behind.
+const WIDEST_FLATTENED: f64 = 1.5 * std::f64::consts::PI;
+
+/// Why an output's picture cannot be made by its method, if so.
+fn impossible_method(rig: &Rig, output: &Output) -> Option<&'static str> {
+    match (output.method, &output.kind) {
+        (Method::Fragment, _) => None,
+        (_, OutputKind::Perspective { frustum: None, .. }) => {
+            Some("needs a map that is known before the program draws; expected \"fragment\" with the program's own lens")
+        }
+        (Method::CubeMesh { .. }, _) if rig.screen.is_some() => {
+            Some("\"cube-mesh\" is a mesh of the dome, but there is a [screen]; expected \"fragment\", \"table\" or \"mesh\"")
+        }
+        (Method::CubeMesh { .. }, OutputKind::Domemaster { aperture, .. }) if *aperture > WIDEST_FLATTENED => {
+            Some("\"cube-mesh\" flattens at most 270°; expected a smaller aperture, or \"fragment\", \"table\" or \"mesh\"")
+        }
+        (Method::CubeMesh { .. }, OutputKind::Projector { .. } | OutputKind::Domemaster { .. }) => None,
+        (Method::CubeMesh { .. }, _) => Some(
+            "\"cube-mesh\" is for plain projectors and equidistant domemasters; expected \"fragment\", \"table\" or \"mesh\"",
+        ),
+        (Method::Table { .. } | Method::Mesh { .. }, _) => None,
+    }
+    .or_else(|| {
+        let evened = rig.outputs.iter().any(|output| output.blend.contrast.is_some());
+        let why = "cannot even out blacks, which blend.contrast asks for; expected \"fragment\" for all outputs";
+        (output.method != Method::Fragment && evened).then_some(why)
+    })
 }
 
 /// Why the file cannot be a mask, if so.

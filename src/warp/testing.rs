@@ -8,7 +8,16 @@ use std::f64::consts::{FRAC_PI_2, PI};
 /// An output of a kind, with overlap blending and a ramp of a tenth of the picture.
 pub(crate) fn output(name: &str, kind: OutputKind) -> Output {
     let blend = Blend { overlap: true, ramp: 0.1, ..Blend::default() };
-    Output { name: name.into(), kind, size: None, window: None, blend, mask: None, eye: 0.0 }
+    Output {
+        name: name.into(),
+        kind,
+        method: Default::default(),
+        size: None,
+        window: None,
+        blend,
+        mask: None,
+        eye: 0.0,
+    }
 }
 
 /// A rig with a hemispherical dome of 5 m, its pole `tilt` towards the front, and the viewer at `position`.

@@ -9,12 +9,13 @@ use std::path::Path;
 use std::process::ExitCode;
 
 /// Variables of others that change what `cupola run` does.
-const TELLING: [&str; 14] = [
+const TELLING: [&str; 15] = [
     "CUPOLA",
     "CUPOLA_RIG",
     "CUPOLA_CAMERA",
     "CUPOLA_VIEWER",
     "CUPOLA_DUPLICATE",
+    "CUPOLA_METHOD",
     "CUPOLA_LIBRARY",
     "CUPOLA_GLX_REAL",
     "CUPOLA_EGL_REAL",

@@ -41,6 +41,9 @@ pub struct Arguments {
     /// Seat the viewer elsewhere: position=0,-0.5,1,yaw=90,pitch=0,roll=0
     #[arg(long, value_name = "KEY=NUMBER,…", allow_hyphen_values = true)]
     viewer: Option<String>,
+    /// Make the outputs in another way: fragment, table, mesh or cube-mesh, as in mesh,max_error=0.1
+    #[arg(long, value_name = "METHOD[,KEY=NUMBER]")]
+    method: Option<String>,
     /// Give each output its own resolution, whatever the window's size is; only captures show it
     #[arg(long)]
     offscreen: bool,
@@ -74,6 +77,9 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
     }
     if let Some(viewer) = &arguments.viewer {
         rig.with_viewer_override(viewer)?;
+    }
+    if let Some(method) = &arguments.method {
+        rig.with_method_override(method)?;
     }
     let mut environment = settings(&arguments, &name)?;
     if arguments.print_environment {
@@ -115,6 +121,7 @@ fn settings(arguments: &Arguments, rig: &str) -> Result<Environment, Failure> {
     let mut set = |name, value: Option<OsString>| environment.extend(value.map(|value| (name, Some(value))));
     set("CUPOLA_CAMERA", arguments.camera.as_ref().map(Into::into));
     set("CUPOLA_VIEWER", arguments.viewer.as_ref().map(Into::into));
+    set("CUPOLA_METHOD", arguments.method.as_ref().map(Into::into));
     set("CUPOLA_SIZE", arguments.size.map(|(width, height)| format!("{width}x{height}").into()));
     set("CUPOLA_FRAMES", arguments.frames.map(|frames| frames.to_string().into()));
     set("CUPOLA_OFFSCREEN", arguments.offscreen.then(|| "1".into()));

@@ -3,6 +3,7 @@
 mod blend;
 mod calibration;
 mod lens;
+mod method;
 mod output;
 mod screen;
 mod transfer;

@@ -1,6 +1,6 @@
 //! `[[output]]`: what every output has, and what each kind has of its own.
 
-use super::{METRES, TILT, angles, blend, calibration, lens};
+use super::{METRES, TILT, angles, blend, calibration, lens, method};
 use crate::geom::panorama::{Panorama, Span};
 use crate::geom::{Lens, Optics, Pose, Sphere};
 use crate::rig::problems::Problems;
@@ -15,7 +15,7 @@ const LARGEST_PICTURE: u32 = 16384;
 const LARGEST_WINDOW: u32 = 32767;
 
 /// Where the keys of one kind of output belong, for those who give them to another kind.
-const KINDS_OF_KEYS: [(&str, &str); 19] = [
+const KINDS_OF_KEYS: [(&str, &str); 21] = [
     ("file", "kind = \"mesh\""),
     ("values", "kind = \"mesh\""),
     ("picture", "kind = \"mesh\""),
@@ -35,6 +35,8 @@ const KINDS_OF_KEYS: [(&str, &str); 19] = [
     ("even_light", "kind = \"projector\""),
     ("fov", "kind = \"projector\" or \"perspective\""),
     ("lens", "kind = \"perspective\""),
+    ("max_error", "method = \"table\" or \"mesh\""),
+    ("density", "method = \"cube-mesh\""),
 ];
 
 /// What `kind` says.
@@ -84,6 +86,7 @@ pub(super) fn output(
     let window =
         section.pixels("window", places, "[x, y, width, height] in pixels from the window's top left", problems);
     let eye = section.number("eye", &EYE, 0.0, problems);
+    let method = method::method(&mut section, problems);
     let output_kind = match kind {
         Kind::Domemaster => domemaster(&mut section, dome, problems),
         Kind::Projector => {
@@ -109,7 +112,7 @@ pub(super) fn output(
     let blend = blend::blend(section.section("blend", problems), kind, directory, problems);
     let mask = blend::mask(section.section("mask", problems), directory, problems);
     section.finish(&KINDS_OF_KEYS, problems);
-    output_kind.map(|kind| Output { name, kind, size, window, blend, mask, eye })
+    output_kind.map(|kind| Output { name, kind, method, size, window, blend, mask, eye })
 }
 
 /// A domemaster: the plain one where the file says no other projection.

@@ -1,0 +1,151 @@
+//! How an output's picture is made of the views, and how that is replaced for one run.
+
+use super::one_line::OneLine;
+use super::problems::Problems;
+use super::reader::Allowed;
+use super::{Rig, validate};
+use crate::error::{Error, ErrorKind, Result};
+
+/// How an output's picture is made of the views.
+///
+/// Errors are in pixels of the output: the angle between what a pixel shows and what it should show, over the
+/// angle that a pixel spans there.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Method {
+    /// A ray for each pixel: the exact formula where there is one, otherwise an exact table of all pixels.
+    #[default]
+    Fragment,
+    /// A table of directions and weights that is interpolated between its entries, as coarse as the greatest error allows.
+    Table {
+        /// Greatest error in pixels, [`MAX_ERROR`].
+        max_error: f64,
+    },
+    /// Triangles over the output with a direction and a weight at each corner, as large as the greatest error allows.
+    Mesh {
+        /// Greatest error in pixels, [`MAX_ERROR`].
+        max_error: f64,
+    },
+    /// The dome as a mesh, seen from the projector, or flattened to a domemaster, whatever its error.
+    CubeMesh {
+        /// Cells along the edge of the cube whose faces are inflated to the dome, [`DENSITY`].
+        density: u32,
+    },
+}
+
+/// What `max_error` may be: below, 32-bit interpolation is no more exact; above, pixels would sample what no view has to show.
+pub(super) const MAX_ERROR: Allowed = Allowed::closed(0.005, 2.0, "an error in pixels");
+/// What it is where nothing is said: a tenth of a pixel is seen by nobody.
+pub(super) const DEFAULT_ERROR: f64 = 0.1;
+/// What `density` may be.
+pub(super) const DENSITY: Allowed = Allowed::closed(4.0, 512.0, "whole cells along the edge of a cube");
+/// What it is where nothing is said.
+pub(super) const DEFAULT_DENSITY: f64 = 32.0;
+
+/// The words for the methods, with the keys that go with them.
+const EXAMPLE: &str = "mesh,max_error=0.1";
+
+impl Method {
+    /// The greatest error that is asked for, pixels: 0 for what is exact, `None` for what follows from a density.
+    pub fn max_error(&self) -> Option<f64> {
+        match self {
+            Self::Fragment => Some(0.0),
+            Self::Table { max_error } | Self::Mesh { max_error } => Some(*max_error),
+            Self::CubeMesh { .. } => None,
+        }
+    }
+
+    /// What `text` says, in the form `mesh,max_error=0.1` or `cube-mesh,density=64`: the name, then the keys that go with
+    /// it, which may be absent.
+    ///
+    /// # Errors
+    /// [`ErrorKind::InvalidArgument`] for unknown names and keys, and for numbers missing, unreadable or out of range.
+    pub fn parse(text: &str) -> Result<Self> {
+        let (name, rest) = text.split_once(',').unwrap_or((text, ""));
+        let line = OneLine { what: "method", example: EXAMPLE, text: rest };
+        let entries = line.entries()?;
+        let key = |wanted: &str, allowed: &Allowed, default: f64| {
+            if let Some(other) = entries.iter().find(|entry| entry.key != wanted) {
+                return Err(line.unknown(other.key, &[wanted]));
+            }
+            entries.first().map_or(Ok(default), |entry| entry.number(allowed))
+        };
+        let max_error = || key("max_error", &MAX_ERROR, DEFAULT_ERROR);
+        match name.trim() {
+            "fragment" if entries.is_empty() => Ok(Self::Fragment),
+            "table" => Ok(Self::Table { max_error: max_error()? }),
+            "mesh" => Ok(Self::Mesh { max_error: max_error()? }),
+            "cube-mesh" => {
+                let density = key("density", &DENSITY, DEFAULT_DENSITY)?;
+                whole(density).map(|density| Self::CubeMesh { density }).ok_or_else(|| {
+                    Error::new(
+                        ErrorKind::InvalidArgument,
+                        format!("method {text:?}: `density`: {density} is not whole"),
+                    )
+                })
+            }
+            _ => Err(Error::new(
+                ErrorKind::InvalidArgument,
+                format!("method {text:?}: expected fragment, table, mesh or cube-mesh, for example {EXAMPLE}"),
+            )),
+        }
+    }
+}
+
+/// A density, if it is a whole number.
+pub(super) fn whole(density: f64) -> Option<u32> {
+    (density.fract() == 0.0).then_some(density as u32)
+}
+
+impl Rig {
+    /// The same rig with the method of all outputs replaced by what `text` says, see [`Method::parse`].
+    ///
+    /// # Errors
+    /// [`ErrorKind::InvalidArgument`] as for [`Method::parse`], and where an output cannot be made in this way.
+    pub fn with_method_override(&self, text: &str) -> Result<Self> {
+        let method = Method::parse(text)?;
+        let mut rig = self.clone();
+        for output in &mut rig.outputs {
+            output.method = method;
+        }
+        let mut problems = Problems::new("");
+        validate::check(&rig, &mut problems);
+        match problems.is_empty() {
+            true => Ok(rig),
+            false => Err(Error::new(ErrorKind::InvalidArgument, problems.message(&self.name))),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn methods_are_read_from_one_line() {
+        assert_eq!(Method::parse("fragment").expect("a method"), Method::Fragment);
+        assert_eq!(Method::parse("mesh").expect("a method"), Method::Mesh { max_error: DEFAULT_ERROR });
+        assert_eq!(Method::parse("table,max_error=0.5").expect("a method"), Method::Table { max_error: 0.5 });
+        assert_eq!(Method::parse("cube-mesh, density=8").expect("a method"), Method::CubeMesh { density: 8 });
+        for wrong in [
+            "",
+            "mash",
+            "mesh,density=3",
+            "mesh,max_error=9",
+            "mesh,max_error=0.1,density=4",
+            "fragment,density=8",
+            "cube-mesh,density=8.5",
+        ] {
+            assert_eq!(Method::parse(wrong).expect_err(wrong).kind, ErrorKind::InvalidArgument);
+        }
+    }
+
+    #[test]
+    fn all_outputs_are_replaced_or_none() {
+        let rig = crate::rig::load("planetarium-2").expect("a preset");
+        let meshed = rig.with_method_override("mesh,max_error=0.25").expect("possible");
+        assert!(meshed.outputs.iter().all(|output| output.method == Method::Mesh { max_error: 0.25 }));
+        let own_lens = crate::rig::load("identity-captured").expect("a preset");
+        let refused = own_lens.with_method_override("mesh").expect_err("no map is known before the program draws");
+        assert!(refused.message.contains("method"), "{refused}");
+    }
+}

@@ -1,0 +1,32 @@
+//! `method`, `max_error` and `density` of an output.
+
+use crate::rig::Method;
+use crate::rig::method::{DEFAULT_DENSITY, DEFAULT_ERROR, DENSITY, MAX_ERROR, whole};
+use crate::rig::problems::Problems;
+use crate::rig::reader::Section;
+
+#[derive(Clone, Copy)]
+enum Word {
+    Fragment,
+    Table,
+    Mesh,
+    CubeMesh,
+}
+
+const WORDS: [(&str, Word); 4] =
+    [("fragment", Word::Fragment), ("table", Word::Table), ("mesh", Word::Mesh), ("cube-mesh", Word::CubeMesh)];
+
+pub(super) fn method(section: &mut Section, problems: &mut Problems) -> Method {
+    match section.choice("method", &WORDS, problems).unwrap_or(Word::Fragment) {
+        Word::Fragment => Method::Fragment,
+        Word::Table => Method::Table { max_error: section.number("max_error", &MAX_ERROR, DEFAULT_ERROR, problems) },
+        Word::Mesh => Method::Mesh { max_error: section.number("max_error", &MAX_ERROR, DEFAULT_ERROR, problems) },
+        Word::CubeMesh => {
+            let density = section.number("density", &DENSITY, DEFAULT_DENSITY, problems);
+            if whole(density).is_none() {
+                problems.add(&section.path("density"), format!("{density} is not whole; expected whole cells"));
+            }
+            Method::CubeMesh { density: density as u32 }
+        }
+    }
+}
