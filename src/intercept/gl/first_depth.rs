@@ -5,7 +5,7 @@ use super::context::Context;
 use super::default_framebuffer::DefaultFramebuffer;
 use crate::backend::gl::api::{self, Gl};
 use crate::correct;
-use crate::geom::reprojection::ClipRows;
+use crate::runtime::session::ClipRows;
 use crate::views::{Tile, View};
 use glam::{DMat3, DVec3};
 
