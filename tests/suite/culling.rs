@@ -15,6 +15,7 @@ fn same(with: Run, rig: &str) -> Option<serde_json::Value> {
     let [with, without] = [with.under(rig)?, without.under(rig)?].map(|f| f.expect_success().expect_no_gl_errors());
     let (counts, all) = (with.statistics(), without.statistics());
     assert_eq!(all["batches_left_out"], 0, "{program}: --no-cull leaves out batches");
+    assert_eq!(all["outputs_narrowed"], 0, "{program}: --no-cull corrects parts of outputs");
     for view in all["views"].as_array().expect("views") {
         assert_eq!(view["draws_culled"], 0, "{program}: --no-cull leaves out draws");
     }
