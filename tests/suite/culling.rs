@@ -15,6 +15,7 @@ fn same(with: Run, rig: &str) -> Option<serde_json::Value> {
     let [with, without] = [with.under(rig)?, without.under(rig)?].map(|f| f.expect_success().expect_no_gl_errors());
     let (counts, all) = (with.statistics(), without.statistics());
     assert_eq!(all["batches_left_out"], 0, "{program}: --no-cull leaves out batches");
+    assert_eq!(all["outputs_narrowed"], 0, "{program}: --no-cull corrects parts of outputs");
     for view in all["views"].as_array().expect("views") {
         assert_eq!(view["draws_culled"], 0, "{program}: --no-cull leaves out draws");
     }
@@ -62,6 +63,8 @@ fn nothing_at_the_sides(counts: &[serde_json::Value], unknown: u64, frames: u64)
         assert!(views.iter().any(|v| number(v, "draws_issued") > 0), "{counts:#}");
         let left_out = counts["batches_left_out"].as_u64().expect("a number");
         assert!(left_out > 0, "views that hold nothing were corrected: {counts:#}");
+        let narrowed = counts["outputs_narrowed"].as_u64().expect("a number");
+        assert!(narrowed > 0, "all of the output was corrected: {counts:#}");
         let each = seen / frames;
         let empty = views.iter().filter(|v| number(v, "draws_issued") == unknown * each);
         assert!(empty.clone().count() >= 1, "{counts:#}");

@@ -422,17 +422,17 @@ impl GlBackend {
                     gl.draw_elements(GL_TRIANGLES, draw.count, GL_UNSIGNED_INT, first as *const _);
                 };
                 let needed = || output.draws.iter().filter(|draw| cleared.is_none() || !is_blank(draw));
-                match part {
-                    None => needed().for_each(issue),
-                    Some([x, y, width, height]) => {
+                match (blank, part) {
+                    (Some(blank), Some([x, y, width, height])) => {
                         self.narrowed.set(self.narrowed.get() + 1);
                         let [left, bottom, ..] = target.viewport;
                         let within = [left + x as i32, bottom + y as i32, width as i32, height as i32];
-                        needed().filter(|draw| draw.views == 0).for_each(issue);
+                        needed().filter(|draw| !draw.narrows(blank)).for_each(issue);
                         state::within(gl, &self.caps, within, || {
-                            needed().filter(|draw| draw.views != 0).for_each(issue);
+                            needed().filter(|draw| draw.narrows(blank)).for_each(issue);
                         });
                     }
+                    _ => needed().for_each(issue),
                 }
             }
         }
@@ -486,11 +486,11 @@ impl GlBackend {
 }
 
 impl Output {
-    /// The part of the picture (x, y, width, height from the bottom left) outside of which it shows the colour of the
-    /// views, or black; `None` where that is not known, or saves little.
+    /// The part of the picture (x, y, width, height from the bottom left) outside of which draws that can be narrowed show
+    /// the colour of the views; `None` where that is not known, or saves little.
     fn part(&self, blank: &Blank) -> Option<[u32; 4]> {
-        let keeps = |draw: &Draw| draw.views == 0 || draw.keeps(blank.color);
-        let footprints = self.footprints.as_ref().filter(|_| self.draws.iter().all(keeps))?;
+        let narrows = |draw: &Draw| draw.narrows(blank);
+        let footprints = self.footprints.as_ref().filter(|_| self.draws.iter().any(narrows))?;
         let part = footprints.sampling(blank.touched);
         let area = |width: u32, height: u32| f64::from(width) * f64::from(height);
         (area(part[2], part[3]) < WORTHWHILE * area(self.size.0, self.size.1)).then_some(part)
@@ -508,6 +508,11 @@ impl Draw {
             Shows::Black => color == [0.0; 3],
             Shows::Other => false,
         }
+    }
+
+    /// Whether it shows the colour of views wherever they hold it.
+    fn narrows(&self, blank: &Blank) -> bool {
+        self.views != 0 && self.keeps(blank.color)
     }
 
     /// Whether it shows the colour of these views and nothing else. What shows nothing at all is black.
