@@ -212,6 +212,18 @@ fn scenes_off_screen_with_the_programs_own_lens() {
     }
 }
 
+/// What a program reads of a picture that it draws off screen is its own, and the dome shows each view's.
+#[test]
+fn a_scene_off_screen_that_is_read() {
+    let extra = ["--way", "post", "--picture", "own.ppm"];
+    let run = scenes(&extra);
+    let (Some(plain), Some(under)) = (run.vulkan_plain(), run.vulkan_under("fisheye")) else { return };
+    let own = plain.expect_success().picture("own.ppm");
+    expect_identical(&under.picture("own.ppm"), &own, "vk_scenes post, read");
+    let picture = under.picture("capture.png");
+    expect_good(&compare(&picture, shown_by_fisheye(CIRCLE, camera_of(&run))), &picture, "vk_scenes post, read");
+}
+
 /// Six projectors of what is drawn off screen.
 #[test]
 fn six_projectors_of_scenes_off_screen() {
