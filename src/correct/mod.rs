@@ -5,6 +5,7 @@ mod beam;
 mod blocks;
 mod cover;
 pub mod draws;
+mod footprints;
 mod hidden;
 pub mod map;
 pub mod mask;
@@ -21,6 +22,7 @@ mod tests;
 pub mod uniforms;
 
 pub use arrangement::{Arrangement, ImageSize};
+pub use footprints::{Footprints, Texels, footprints};
 pub use hidden::hidden_areas;
 pub use plan::{Batch, OutputPass, PixelRect, Plan, Source, build};
 pub use table::{Table, TablePixel};

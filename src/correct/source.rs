@@ -93,12 +93,14 @@ fn tabulated(rig: &Rig, index: usize, sizes: &[(u32, u32)]) -> Result<Source> {
         }
         _ => None,
     };
+    let with_black = rig.outputs.iter().any(|output| output.blend.contrast.is_some());
     let at = |column: u32, row: u32| {
         let pixel = DVec2::new(f64::from(column) + 0.5, f64::from(row) + 0.5);
         let hit = map.hit(pixel)?;
         let even = evenness.as_ref().map_or(1.0, |evenness| evenness.weight(&map, pixel));
         let weight = weights.weight_at(index, hit) * weights.calibrated(index, pixel) * even;
-        Some(TablePixel { direction: map.direction(pixel)?, weight })
+        let dark = if with_black { weights.black_at(hit) } else { 0.0 };
+        Some(TablePixel { direction: map.direction(pixel)?, weight, dark })
     };
     Ok(Source::Table(Arc::new(Table::new(size, at))))
 }

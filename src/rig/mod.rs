@@ -16,6 +16,7 @@ mod one_line;
 mod presets;
 mod problems;
 mod reader;
+mod response;
 mod schema;
 mod surface;
 mod validate;
@@ -25,9 +26,10 @@ use crate::error::{Error, ErrorKind, Result};
 use glam::DVec3;
 use std::path::{Path, PathBuf};
 
-pub use blend::{AngleRamp, Blend, DomeAngle, RampShape, Transfer};
+pub use blend::{AngleRamp, Blend, DomeAngle, RampShape};
 pub use calibration::{Calibration, CalibrationValues};
 pub use presets::{Preset, presets};
+pub use response::{RESPONSE_STEPS, Response, Transfer};
 
 /// Everything a rig file says.
 #[derive(Clone, Debug, PartialEq)]
@@ -204,6 +206,8 @@ pub enum Favour {
     Processor,
     /// Fewer texels: for programs of few draws and costly shading.
     Graphics,
+    /// As for a program of so many draws in a frame; what `Balanced` becomes once they are known. No word of rig files.
+    Draws(u32),
 }
 
 /// Where flat drawing appears: a window in front of the viewer, as wide as `width` says and with the window's aspect.

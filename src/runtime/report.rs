@@ -50,8 +50,15 @@ pub struct Statistics {
     pub single_framebuffers: BTreeMap<String, u64>,
     /// How the projection was found, with the number of draws.
     pub projection_found: BTreeMap<String, u64>,
+    /// Pixels of all outputs.
+    pub output_pixels: u64,
+    /// Those that the correction computes in a frame, batches that are left out included; the others are known to be black:
+    /// outside of a circle or of the dome, masked, not lit.
+    pub corrected_pixels: u64,
     /// Batches of the correction that were not drawn, because their views held nothing but the clear colour.
     pub batches_left_out: u64,
+    /// Pictures of outputs of which only the part that something was drawn to was corrected, the rest cleared.
+    pub outputs_narrowed: u64,
     /// Programs of shaders that were linked: the correction's, and the program's with our epilogue.
     pub shaders_linked: u64,
     /// OpenGL errors of ours; must be 0.
@@ -74,7 +81,7 @@ pub struct ViewStatistics {
     pub height: u32,
     /// Texels that are closed for drawing, because no output samples them.
     pub closed_texels: u64,
-    /// Draws issued to it.
+    /// Draws issued to it since the views were planned.
     pub draws_issued: u64,
     /// Draws that were seen not to reach it, and left out.
     pub draws_culled: u64,

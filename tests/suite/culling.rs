@@ -71,6 +71,32 @@ fn nothing_at_the_sides(counts: &[serde_json::Value], unknown: u64, frames: u64)
     }
 }
 
+/// Once it is known that a frame has few draws, another view costs less than what straddles two: five upright ones.
+#[test]
+fn a_program_of_few_draws_gets_the_views_that_suit_it() {
+    let run = |frames: usize| Run { frames, cupola_frames: frames, ..Run::new("ahead") };
+    let names = |counts: &serde_json::Value| -> Vec<String> {
+        let views = counts["views"].as_array().expect("views").iter();
+        views.map(|view| view["name"].as_str().expect("a name").to_owned()).collect()
+    };
+    let Some(early) = same(run(4), "fisheye") else { return };
+    let late = same(run(16), "fisheye").expect("there is a display");
+    assert_eq!((names(&early).len(), names(&late).len()), (4, 5), "{late:#}");
+    let issued: Vec<u64> = late["views"]
+        .as_array()
+        .expect("views")
+        .iter()
+        .map(|v| v["draws_issued"].as_u64().expect("a number"))
+        .collect();
+    // One view shows it all; the last one gets the list behind the eye, because it sets a colour.
+    assert_eq!(issued.iter().filter(|n| **n == 0).count(), 3, "{late:#}");
+    // A rig that says what it favours keeps its views.
+    let rig = concat!(env!("CARGO_TARGET_TMPDIR"), "/favour.toml");
+    let text = "[views]\nfavour = \"cpu\"\n[dome]\ntilt = 90\n[[output]]\nkind = \"domemaster\"\ntilt = 90\n";
+    std::fs::write(rig, text).expect("can be written");
+    assert_eq!(names(&same(run(16), rig).expect("there is a display")).len(), 4);
+}
+
 #[test]
 fn state_that_a_draw_leaves_survives_being_left_out() {
     let run = Run::new("ahead");

@@ -268,9 +268,15 @@ pub(super) fn restore(gl: &Gl, caps: &Capabilities, saved: &Saved) {
 }
 
 /// Clears a rectangle of the first colour buffer, between [`save_and_set`] and [`restore`]; opaque.
-pub(super) fn clear(gl: &Gl, caps: &Capabilities, [x, y, width, height]: [i32; 4], [red, green, blue]: [f32; 3]) {
+pub(super) fn clear(gl: &Gl, caps: &Capabilities, rect: [i32; 4], [red, green, blue]: [f32; 3]) {
+    // SAFETY: a context is current; the colour has four numbers.
+    within(gl, caps, rect, || unsafe { gl.clear_bufferfv(GL_COLOR, 0, [red, green, blue, 1.0].as_ptr()) });
+}
+
+/// Runs `draw` with everything outside of a rectangle left as it is, between [`save_and_set`] and [`restore`].
+pub(super) fn within(gl: &Gl, caps: &Capabilities, [x, y, width, height]: [i32; 4], draw: impl FnOnce()) {
     let mut scissor = [0; 4];
-    // SAFETY: a context is current; the box has four numbers, the colour too.
+    // SAFETY: a context is current; the box has four numbers.
     unsafe {
         if caps.viewport_array {
             gl.get_integeri_v(GL_SCISSOR_BOX, 0, scissor.as_mut_ptr());
@@ -280,7 +286,7 @@ pub(super) fn clear(gl: &Gl, caps: &Capabilities, [x, y, width, height]: [i32; 4
             gl.scissor(x, y, width, height);
         }
         set_scissor(gl, caps, true);
-        gl.clear_bufferfv(GL_COLOR, 0, [red, green, blue, 1.0].as_ptr());
+        draw();
         set_scissor(gl, caps, false);
         let [x, y, width, height] = scissor;
         if caps.viewport_array {

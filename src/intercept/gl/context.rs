@@ -133,6 +133,10 @@ pub struct Context {
     pub pipelines: super::pipelines::Pipelines,
     /// The Begin/End that the program is in.
     pub immediate: super::immediate::Immediate,
+    /// How many draws a frame has.
+    pub workload: super::workload::Workload,
+    /// Where the draw that is being issued comes to be in each view, if that is known.
+    pub areas: Vec<crate::correct::Texels>,
     /// Where draws from buffers are.
     pub ranges: super::culling::ranges::Ranges,
     /// The greatest width of points and lines so far.
@@ -219,6 +223,8 @@ impl Context {
             program: None,
             pipelines: Default::default(),
             immediate: Default::default(),
+            workload: Default::default(),
+            areas: Vec::new(),
             ranges: Default::default(),
             widest: Widest::default(),
             outlines: Default::default(),

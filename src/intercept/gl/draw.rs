@@ -149,7 +149,10 @@ pub fn draw(
             }
         }
         repeats.around(gl, number, last, || issue(ctx, gl));
-        target.issued(index);
+        match ctx.areas.get(index).filter(|_| shown.bounded()) {
+            Some(area) => target.issued_within(index, *area),
+            None => target.issued(index),
+        }
         number += 1;
     }
     restore_projection(ctx, &mut projection_loaded);

@@ -49,3 +49,4 @@ pub mod vendor;
 pub mod vendor_egl;
 pub mod vendor_glx;
 pub mod window;
+pub mod workload;

@@ -8,9 +8,9 @@ use crate::backend::gl::{GlBackend, Target};
 use crate::correct::{Batch, OutputPass, PixelRect, Plan, Source};
 use crate::error::Result;
 use crate::intercept::log;
-use crate::rig::{Filter, Transfer};
+use crate::rig::{Camera, Filter, Transfer};
 use crate::runtime::report::Picture;
-use crate::runtime::session::Frustum;
+use crate::runtime::session::{Frustum, Session};
 use glam::DMat3;
 
 /// A framebuffer with one texture.
@@ -75,8 +75,9 @@ pub fn picture(ctx: &Context, index: usize, name: &str) -> Option<Picture> {
 pub fn fill_primary(ctx: &mut Context) {
     let Some(target) = ctx.target.take() else { return };
     take_error(ctx);
-    if let (Some(tile), Some(directions)) = (target.primary(), own_directions(ctx)) {
-        let plan = own_picture(ctx, target.session.plan(), target.size(), directions);
+    let camera = &target.session.rig().camera;
+    if let (Some(tile), Some(directions)) = (target.primary(), own_directions(ctx, camera)) {
+        let plan = own_picture(ctx, &target.session, directions);
         let (width, height) = plan.views.atlas;
         target.resolve(ctx, Some([0, 0, width as i32, height as i32]));
         if let Err(error) = copy(ctx, &plan, target.texture(), target.framebuffer(), tile) {
@@ -90,9 +91,8 @@ pub fn fill_primary(ctx: &mut Context) {
 
 /// A pixel of the program's own picture (−1…1 to the right and up, 1) → its direction in the viewer's axes, as far as
 /// −1 along the program's. None before the program's lens is known.
-fn own_directions(ctx: &Context) -> Option<DMat3> {
+fn own_directions(ctx: &Context, camera: &Camera) -> Option<DMat3> {
     let lens = ctx.lens?;
-    let camera = &crate::intercept::settings::settings()?.rig.camera;
     let zoom = camera.zoom;
     let tangents = DMat3::from_cols_array(&[
         zoom / lens.a,
@@ -109,7 +109,8 @@ fn own_directions(ctx: &Context) -> Option<DMat3> {
 }
 
 /// The pass that shows what the program's own lens sees, from the same views.
-fn own_picture(ctx: &Context, plan: &Plan, size: (u32, u32), directions: DMat3) -> Plan {
+fn own_picture(ctx: &Context, session: &Session, directions: DMat3) -> Plan {
+    let (plan, size) = (session.plan(), session.window());
     let rect = PixelRect { x: 0, y: 0, width: size.0, height: size.1 };
     let views = (0..plan.views.views.len()).collect();
     let pass = OutputPass {
@@ -128,11 +129,9 @@ fn own_picture(ctx: &Context, plan: &Plan, size: (u32, u32), directions: DMat3) 
         dome_rotation: DMat3::IDENTITY,
     };
     let mut views = plan.views.clone();
-    if let (Some(panel), Some(lens), Some(settings)) =
-        (&mut views.panel, ctx.lens, crate::intercept::settings::settings())
-    {
+    if let (Some(panel), Some(lens)) = (&mut views.panel, ctx.lens) {
         // In the program's own picture the panel fills the whole window.
-        let camera = &settings.rig.camera;
+        let camera = &session.rig().camera;
         let own = lens.frustum();
         panel.rotation = crate::runtime::session::camera_rotation(camera).transpose();
         panel.frustum = Frustum {

@@ -144,7 +144,9 @@ fn next_frame(ctx: &mut Context) {
     super::duplicate::end_frame(ctx);
     super::buffers::of(ctx).end_frame();
     ctx.ranges.end_frame();
+    ctx.workload.end_frame(ctx.counts.draws_seen);
     follow_size(ctx);
+    default_framebuffer::follow_rig(ctx);
 }
 
 /// Plans anew where the window has another size than the plan. Only between frames.
@@ -196,12 +198,19 @@ fn statistics(ctx: &Context, settings: &settings::Settings) -> Statistics {
         single_framebuffers,
         projection_found: ctx.counts.found.iter().map(|(how, n)| (how.to_owned(), n)).collect(),
         batches_left_out: ctx.target.as_ref().map_or(0, |t| t.backend().left_out()),
+        outputs_narrowed: ctx.target.as_ref().map_or(0, |t| t.backend().narrowed()),
         shaders_linked: ctx.counts.linked,
         own_errors: ctx.counts.errors,
         ..Statistics::default()
     };
     if let Some(target) = &ctx.target {
         statistics.own_errors += target.backend().errors();
+        for pass in &target.session.plan().passes {
+            let rects = pass.batches.iter().flat_map(|batch| &batch.rects);
+            statistics.output_pixels += u64::from(pass.size.0) * u64::from(pass.size.1);
+            statistics.corrected_pixels +=
+                rects.map(|rect| u64::from(rect.width) * u64::from(rect.height)).sum::<u64>();
+        }
         statistics.notes.clone_from(&target.session.plan().views.notes);
         statistics.views = target
             .session
@@ -230,7 +239,7 @@ fn output_pictures(ctx: &mut Context, settings: &settings::Settings) -> Vec<Pict
         let (width, height) = window.size();
         return vec![read_back(gl, 0, "window", [0, 0, width as i32, height as i32])];
     };
-    let names = settings.rig.outputs.iter().map(|o| o.name.as_str());
+    let names = target.session.rig().outputs.iter().map(|o| o.name.as_str());
     if settings.offscreen {
         return names.enumerate().filter_map(|(i, name)| super::offscreen::picture(ctx, i, name)).collect();
     }

@@ -189,6 +189,9 @@ hooks! {
             _ => {
                 ctx.discard |= cap == api::GL_RASTERIZER_DISCARD;
                 ctx.assembly |= cap == api::GL_VERTEX_PROGRAM_ARB;
+                if cap == api::GL_STENCIL_TEST {
+                    ctx.workload.note_stencil();
+                }
                 if matches!(cap, api::GL_POINT_SPRITE | api::GL_VERTEX_PROGRAM_POINT_SIZE) {
                     ctx.widest.note_unknown();
                 }

@@ -14,6 +14,8 @@ pub struct Layout {
     pub session: Session,
     /// Its plan, with the tiles where they are in this atlas.
     pub plan: Plan,
+    /// Which state of the rig's file it is of; 0 = the first.
+    pub version: u64,
     /// Size of the window and of the program's picture.
     pub window: (u32, u32),
     /// Size of the atlas.
@@ -37,16 +39,17 @@ impl Layout {
     /// # Errors
     /// Those of the planner.
     pub fn new(rig: &Rig, size: (u32, u32), max_atlas: u32, read: bool) -> Result<Self> {
-        let mut session = Session::new(rig, size, false, max_atlas, Extras { panel: true, primary: false })?;
+        let mut session = Session::new(rig, size, false, max_atlas, Extras { panel: true, ..Extras::default() })?;
         if read && !(0..session.views().len()).any(|index| is_own(session.tile(index), size)) {
-            session = session.with(Extras { panel: true, primary: true })?;
+            session = session.with(Extras { primary: true, ..session.extras() })?;
         }
         let plan = upside_down(session.plan());
         let atlas = plan.views.atlas;
         let panel = session.panel().ok_or_else(|| Error::new(ErrorKind::Internal, "the plan has no panel"))?;
         let views: Vec<(Rect, bool)> = (0..session.views().len()).map(|index| session.tile(index)).collect();
         let outputs = session.viewports_from_top((0, 0));
-        Ok(Self { window: size, atlas, panel, primary: session.primary(), read, views, outputs, session, plan })
+        let primary = session.primary();
+        Ok(Self { window: size, version: 0, atlas, panel, primary, read, views, outputs, session, plan })
     }
 
     /// Whether every view has the program's own lens, so that nothing is shown on the panel.

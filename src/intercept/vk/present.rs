@@ -39,7 +39,34 @@ pub unsafe extern "system" fn present(queue: vk::Queue, info: *const vk::Present
     if last {
         kept::end_program();
     }
+    let is_good = result == vk::Result::SUCCESS || result == vk::Result::SUBOPTIMAL_KHR;
+    // SAFETY: the program's structure.
+    if is_good && crate::fence::guard(|| unsafe { tell_outdated(&device, &changed) }).unwrap_or(false) {
+        return vk::Result::ERROR_OUT_OF_DATE_KHR;
+    }
     result
+}
+
+/// Tells the program that swapchains are out of date whose rig has changed, after their picture was shown: it makes new
+/// ones, as after a change of size. Whether there is one.
+///
+/// # Safety
+/// As for [`present`].
+unsafe fn tell_outdated(device: &Device, info: &vk::PresentInfoKHR<'_>) -> bool {
+    // SAFETY: the lengths and arrays of the program's structure.
+    let swapchains = unsafe { super::slice(info.p_swapchains, info.swapchain_count) };
+    let mut any = false;
+    for (index, handle) in swapchains.iter().enumerate() {
+        let Some(managed) = device.managed(*handle) else { continue };
+        if managed.lock().unwrap_or_else(PoisonError::into_inner).is_outdated(device) {
+            any = true;
+            if !info.p_results.is_null() {
+                // SAFETY: as many results as swapchains.
+                unsafe { *info.p_results.add(index) = vk::Result::ERROR_OUT_OF_DATE_KHR };
+            }
+        }
+    }
+    any
 }
 
 /// Corrects each image that is presented; `ready` gets what the presentation has to wait for in the place of the
@@ -154,11 +181,11 @@ unsafe fn captured(
         bytes
     };
     let shown = read(real)?;
-    let names = settings.rig.outputs.iter().map(|output| output.name.as_str());
+    let now = managed.canvas.as_ref().map(|canvas| canvas.layout.session.rig());
+    let rig = now.unwrap_or(&settings.rig);
+    let names = rig.outputs.iter().map(|output| output.name.as_str());
     let outputs = match &managed.canvas {
-        Some(_) => {
-            names.zip(settings.rig.layout((width, height))).map(|(name, rect)| cut(&shown, name, rect)).collect()
-        }
+        Some(_) => names.zip(rig.layout((width, height))).map(|(name, rect)| cut(&shown, name, rect)).collect(),
         None => vec![cut(&shown, names.into_iter().next().unwrap_or("window"), [0, 0, width, height])],
     };
     if settings.capture_views.is_none() {

@@ -5,6 +5,7 @@ use super::device::{self, Device};
 use super::layout::Layout;
 use super::texels::{Texels, is_usual};
 use crate::error::{Error, ErrorKind, Result};
+use crate::intercept::live::{self, Live};
 use crate::intercept::settings::Settings;
 use crate::intercept::{log, settings};
 use ash::{prelude::VkResult, vk};
@@ -22,6 +23,8 @@ pub struct Swapchain {
     pub canvas: Option<Canvas>,
     /// After a failure: the program's own picture.
     pub failed: bool,
+    /// Which state of the rig's file it follows.
+    pub version: u64,
 }
 
 impl Swapchain {
@@ -30,6 +33,25 @@ impl Swapchain {
         match &self.canvas {
             Some(canvas) => canvas.given(index),
             None => self.real.get(index).copied(),
+        }
+    }
+
+    /// Whether the rig's file has become another rig since, which can be planned for this window. Views and images of the
+    /// program's are made for a plan: it gets a new one with its next swapchain.
+    pub fn is_outdated(&mut self, device: &Device) -> bool {
+        let version = live::version();
+        let Some(layout) = self.canvas.as_ref().map(|canvas| canvas.layout.clone()) else { return false };
+        if self.failed || self.version == version {
+            return false;
+        }
+        self.version = version;
+        let Some(live) = live::rig() else { return false };
+        match Layout::new(&live.rig, layout.window, device.greatest_image(), layout.read) {
+            Ok(_) => true,
+            Err(error) => {
+                log::once(&format!("Vulkan: the rig stays as it was: {}", error.message));
+                false
+            }
         }
     }
 
@@ -109,9 +131,10 @@ pub unsafe extern "system" fn create(
     }
     // SAFETY: the driver has just made it.
     let made = unsafe { *swapchain };
+    let live = live::rig();
     let built = crate::fence::guard(|| {
         // SAFETY: objects of a live device.
-        unsafe { build(&device, made, given, (!passthrough).then_some(settings)) }
+        unsafe { build(&device, made, given, live.as_ref().filter(|_| !passthrough).map(|live| (live, settings))) }
     });
     match built {
         Some(Ok(built)) => {
@@ -142,7 +165,7 @@ unsafe fn build(
     device: &Device,
     swapchain: vk::SwapchainKHR,
     info: &vk::SwapchainCreateInfoKHR<'_>,
-    corrected: Option<&Settings>,
+    corrected: Option<(&Live, &Settings)>,
 ) -> Result<Swapchain> {
     // SAFETY: as promised.
     let real = unsafe { real_images(device, swapchain) }
@@ -152,19 +175,23 @@ unsafe fn build(
             real.iter().for_each(|image| device.images.declare(*image, info.image_usage));
             None
         }
-        Some(settings) => {
+        Some((live, settings)) => {
             let size = (info.image_extent.width, info.image_extent.height);
             let read = info.image_usage.contains(vk::ImageUsageFlags::TRANSFER_SRC);
-            let layout = match device.layout(size, read) {
+            let layout = match device.layout(size, read).filter(|known| known.version == live.version) {
                 Some(known) => known,
-                None => Arc::new(Layout::new(&settings.rig, size, device.greatest_image(), read)?),
+                None => {
+                    let new = Layout::new(&live.rig, size, device.greatest_image(), read)?;
+                    Arc::new(Layout { version: live.version, ..new })
+                }
             };
             // SAFETY: as promised.
             Some(unsafe { Canvas::new(device, info, &real, layout, settings.stats.is_some())? })
         }
     };
     let texels = Texels::of(info.image_format).unwrap_or(Texels::Rgba8);
-    Ok(Swapchain { extent: info.image_extent, texels, real, canvas, failed: false })
+    let version = corrected.map_or(0, |(live, _)| live.version);
+    Ok(Swapchain { extent: info.image_extent, texels, real, canvas, failed: false, version })
 }
 
 /// # Safety

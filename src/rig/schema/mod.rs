@@ -5,6 +5,7 @@ mod calibration;
 mod lens;
 mod output;
 mod screen;
+mod transfer;
 mod viewer;
 mod views;
 
