@@ -199,6 +199,15 @@ fn scenes_that_are_drawn_off_screen() {
     }
 }
 
+/// By the rig's wish pictures are drawn for each view before they were seen on the window.
+#[test]
+fn scenes_off_screen_from_the_first_frame_on() {
+    let run = Run { cupola: &["--duplicate", "always"], frames: 1, cupola_frames: 1, ..scenes(&["--way", "chain"]) };
+    let Some(finished) = run.vulkan_under("fisheye") else { return };
+    let picture = finished.picture("capture.png");
+    expect_good(&compare(&picture, shown_by_fisheye(CIRCLE, camera_of(&run))), &picture, "vk_scenes chain, always");
+}
+
 /// With the program's own lens what is drawn off screen is, byte for byte, what the window shows without Cupola.
 #[test]
 fn scenes_off_screen_with_the_programs_own_lens() {
@@ -210,6 +219,18 @@ fn scenes_off_screen_with_the_programs_own_lens() {
         expect_identical(&under.picture("shot.ppm"), &plain, &format!("vk_scenes {way}, identity-captured"));
         assert_eq!(under.statistics()["duplicated_framebuffers"], 1, "{way}");
     }
+}
+
+/// What a program reads of a picture that it draws off screen is its own, and the dome shows each view's.
+#[test]
+fn a_scene_off_screen_that_is_read() {
+    let extra = ["--way", "post", "--picture", "own.ppm"];
+    let run = scenes(&extra);
+    let (Some(plain), Some(under)) = (run.vulkan_plain(), run.vulkan_under("fisheye")) else { return };
+    let own = plain.expect_success().picture("own.ppm");
+    expect_identical(&under.picture("own.ppm"), &own, "vk_scenes post, read");
+    let picture = under.picture("capture.png");
+    expect_good(&compare(&picture, shown_by_fisheye(CIRCLE, camera_of(&run))), &picture, "vk_scenes post, read");
 }
 
 /// Six projectors of what is drawn off screen.

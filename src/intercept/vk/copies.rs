@@ -42,7 +42,12 @@ fn becomes(device: &Device, buffer: vk::CommandBuffer, (from, source): End, (to,
     };
     let everything = whole(from, source) && whole(to, target);
     if device.images.is_candidate(from) {
-        device.paths.leads(from, if everything { end_of(device, to) } else { Made::Elsewhere });
+        let made = if everything { end_of(device, to) } else { Made::Elsewhere };
+        // What leaves the window's way is the program's own picture, where there is one.
+        let served = written.is_none() && device.latest_layout().is_some_and(|layout| layout.own().is_some());
+        if made != Made::Elsewhere || !served {
+            device.paths.leads(from, made);
+        }
     }
     let drawn = |shown: &Arc<Shown>, in_views| {
         let event = Event::Drawn(Arc::clone(shown), in_views);

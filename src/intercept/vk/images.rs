@@ -199,7 +199,8 @@ impl Images {
         if !sampled && state.may_hold_scene() {
             device.paths.leads(image, Made::Elsewhere);
         }
-        let drawn = state.shown.as_ref().is_some_and(|shown| shown.window) || !state.twins.is_empty();
+        // Of a scene there are prints.
+        let drawn = state.shown.as_ref().map_or(!state.twins.is_empty(), |shown| shown.window);
         drop(images);
         if drawn {
             device.give_up("its shaders read what it draws together with the window");

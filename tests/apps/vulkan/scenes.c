@@ -3,9 +3,10 @@
  * or cleared by a pass of its own (part, clear), or drawn off screen and then shown by a triangle that samples it (post),
  * by two of them (chain), by place (place), by a blit (blit) or a resolve (resolve). Or with the newest of what there is to
  * present (newest), a pipeline that is linked (library), a pass with a mask of views (multiview). --picture writes what was
- * read.
+ * read: the window, or what was drawn off screen.
  */
 #include "../common/matrix.h"
+#include "newest.h"
 #include "window.h"
 
 /* Compiled by glslangValidator. */
@@ -404,6 +405,7 @@ static void record(uint32_t index)
     expect(vkBeginCommandBuffer(commands, &info), "vkBeginCommandBuffer");
     picture *target = off_screen() ? (options.way == RESOLVE ? &samples : &scenes[0]) : NULL;
     record_cube(target, image, view);
+    const VkBufferImageCopy region = {.imageSubresource = layer, .imageExtent = size};
     VkImageLayout left = COLOR;
     if (options.way == PART || options.way == CLEAR) {
         begin(view, true, options.way == PART ? VK_ATTACHMENT_LOAD_OP_LOAD : VK_ATTACHMENT_LOAD_OP_CLEAR, part);
@@ -411,7 +413,6 @@ static void record(uint32_t index)
             draw_cube((matrix4){{0.125f, 0, 0, 0, 0, 0.125f, 0, 0, 0, 0, 0, 0, -0.625f, -0.625f, 0, 1}});
         vkCmdEndRendering(commands);
     } else if (options.way == READ) {
-        const VkBufferImageCopy region = {.imageSubresource = layer, .imageExtent = size};
         barrier(image, COLOR, READ_FROM);
         vkCmdCopyImageToBuffer(commands, image, READ_FROM, read_back.buffer, 1, &region);
         left = READ_FROM;
@@ -433,53 +434,13 @@ static void record(uint32_t index)
             barrier(scenes[1].image, COLOR, SAMPLED);
         }
         show(sets[options.way == CHAIN], image, view);
+        if (options.picture != NULL) {
+            barrier(scenes[0].image, SAMPLED, READ_FROM);
+            vkCmdCopyImageToBuffer(commands, scenes[0].image, READ_FROM, read_back.buffer, 1, &region);
+        }
     }
     barrier(image, left, SHOWN);
     expect(vkEndCommandBuffer(commands), "vkEndCommandBuffer");
-}
-
-/* Submits by the newer call, waits for a timeline, says what changed in the window, and which frame it is. */
-static void end_newest_frame(uint32_t index, uint64_t number)
-{
-    const VkSemaphoreSubmitInfo before = {.sType = VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO,
-                                          .semaphore = acquired,
-                                          .stageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT};
-    VkSemaphoreSubmitInfo after[] = {before, before};
-    after[0].semaphore = w.drawn[index];
-    after[1].semaphore = timeline;
-    after[1].value = number;
-    const VkCommandBufferSubmitInfo buffer = {.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO,
-                                              .commandBuffer = commands};
-    const VkSubmitInfo2 work = {.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO_2,
-                                .waitSemaphoreInfoCount = 1,
-                                .pWaitSemaphoreInfos = &before,
-                                .commandBufferInfoCount = 1,
-                                .pCommandBufferInfos = &buffer,
-                                .signalSemaphoreInfoCount = 2,
-                                .pSignalSemaphoreInfos = after};
-    expect(vkQueueSubmit2(w.queue, 1, &work, VK_NULL_HANDLE), "vkQueueSubmit2");
-    const VkRectLayerKHR all = {{0, 0}, w.extent, 0};
-    const VkPresentRegionKHR region = {1, &all};
-    const VkPresentRegionsKHR regions = {
-        .sType = VK_STRUCTURE_TYPE_PRESENT_REGIONS_KHR, .swapchainCount = 1, .pRegions = &region};
-    const VkPresentIdKHR id = {.sType = VK_STRUCTURE_TYPE_PRESENT_ID_KHR,
-                               .pNext = w.has.incremental_present ? &regions : NULL,
-                               .swapchainCount = 1,
-                               .pPresentIds = &number};
-    const VkPresentInfoKHR present = {.sType = VK_STRUCTURE_TYPE_PRESENT_INFO_KHR,
-                                      .pNext = w.has.present_id ? &id : id.pNext,
-                                      .waitSemaphoreCount = 1,
-                                      .pWaitSemaphores = &w.drawn[index],
-                                      .swapchainCount = 1,
-                                      .pSwapchains = &w.swapchain,
-                                      .pImageIndices = &index};
-    expect(vkQueuePresentKHR(w.queue, &present), "vkQueuePresentKHR");
-    const VkSemaphoreWaitInfo wait = {
-        .sType = VK_STRUCTURE_TYPE_SEMAPHORE_WAIT_INFO, .semaphoreCount = 1, .pSemaphores = &timeline, .pValues = &number};
-    expect(vkWaitSemaphores(w.device, &wait, UINT64_MAX), "vkWaitSemaphores");
-    PFN_vkWaitForPresentKHR shown = (PFN_vkWaitForPresentKHR)vkGetDeviceProcAddr(w.device, "vkWaitForPresentKHR");
-    if (w.has.present_wait && shown != NULL)
-        expect(shown(w.device, w.swapchain, number, UINT64_MAX), "vkWaitForPresentKHR");
 }
 
 static void frame(uint64_t number)
@@ -488,7 +449,8 @@ static void frame(uint64_t number)
     expect(vkAcquireNextImageKHR(w.device, w.swapchain, UINT64_MAX, acquired, VK_NULL_HANDLE, &index), "acquire");
     record(index);
     if (options.way == NEWEST) {
-        end_newest_frame(index, number);
+        const frame_parts parts = {commands, acquired, timeline};
+        end_newest_frame(&w, &parts, index, number);
         return;
     }
     const VkPipelineStageFlags stage = VK_PIPELINE_STAGE_ALL_COMMANDS_BIT;
@@ -528,7 +490,8 @@ static void write_picture(const char *path)
 
 static void open_all(void)
 {
-    const VkImageUsageFlags copied = VK_IMAGE_USAGE_TRANSFER_DST_BIT;
+    const VkImageUsageFlags copied =
+        VK_IMAGE_USAGE_TRANSFER_DST_BIT | (options.picture != NULL ? VK_IMAGE_USAGE_TRANSFER_SRC_BIT : 0);
     window_open(&w, options.x, options.y, options.width, options.height, false,
                 options.way == NEWEST || options.way == LIBRARY || options.way == MULTIVIEW,
                 options.way == READ ? VK_IMAGE_USAGE_TRANSFER_SRC_BIT : off_screen() ? copied : 0);
