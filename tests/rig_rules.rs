@@ -66,6 +66,8 @@ kind = "domemaster"
 window = [0, 1080, 1080, 1080]
 aperture = 180
 tilt = 90
+method = "mesh"
+max_error = 0.2
 
 [[output]]
 name = "monitor"
@@ -189,6 +191,32 @@ fn wrong_types_and_units() {
     refused_text("dome = 3\n[[output]]\nkind = \"domemaster\"", 1, "dome", &["3 is not a table", "[dome]"]);
     refused_text("[output]\nkind = \"domemaster\"", 1, "output", &["[[output]] with double brackets"]);
     refused_text("output = [3]", 1, "output[0]", &["3 is not a table"]);
+}
+
+#[test]
+fn methods_of_outputs() {
+    let line = "method = \"mesh\"";
+    refused(line, "method = \"mash\"", "output[2].method", &["did you mean \"mesh\"?"]);
+    refused("max_error = 0.2", "max_error = 0", "output[2].max_error", &["pixels", "at least 0.005"]);
+    refused("max_error = 0.2", "density = 8", "output[2].density", &["it belongs to method = \"cube-mesh\""]);
+    let (text, number) = with(line, "method = \"fragment\"");
+    refused_text(&text, number + 1, "output[2].max_error: unknown key", &["method = \"table\" or \"mesh\""]);
+    let (text, number) = with(line, "method = \"cube-mesh\"");
+    refused_text(&text.replace("max_error = 0.2", "density = 7.5"), number + 1, "output[2].density", &["not whole"]);
+    assert!(read(&text.replace("max_error = 0.2", "density = 7")).is_ok());
+    refused(
+        "lens = \"program\"",
+        "lens = \"program\"\nmethod = \"table\"",
+        "output[4].method",
+        &["before the program draws"],
+    );
+    let special = "kind = \"domemaster\"\nprojection = \"equisolid\"";
+    let (text, number) = with(line, "method = \"cube-mesh\"\ndensity = 7");
+    let text = text.replace("max_error = 0.2\n", "").replace("kind = \"domemaster\"", special);
+    refused_text(&text, number + 1, "output[2].method", &["equidistant"]);
+    let blacks = "[[output]]\nkind = \"domemaster\"\n[[output]]\nkind = \"projector\"\nfov = [60, 40]\nmethod = \"mesh\"\n\
+                  [output.blend]\ncontrast = 1000\n";
+    refused_text(blacks, 6, "output[1].method", &["blend.contrast"]);
 }
 
 #[test]

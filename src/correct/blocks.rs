@@ -66,13 +66,16 @@ pub(super) fn batches(
     let classes: Vec<Option<Class>> = needs.iter().map(classify).collect();
     let classes = with_fewer_overlaps(classes);
 
-    let mut distinct: Vec<Class> = Vec::new();
+    // Where a mask is white it is not looked at.
+    let faded = |index: usize| mask.is_some_and(|mask| !mask.is_white(block_at(index, size), size));
+    let mut distinct: Vec<(Class, bool)> = Vec::new();
     let mut united: Vec<Needs> = Vec::new();
     let numbered: Vec<Option<usize>> = needs
         .iter()
         .zip(&classes)
-        .map(|(needs, class)| {
-            let class = (*class)?;
+        .enumerate()
+        .map(|(index, (needs, class))| {
+            let class = ((*class)?, faded(index));
             let index = distinct.iter().position(|other| *other == class).unwrap_or_else(|| {
                 distinct.push(class);
                 united.push(Needs::default());
@@ -86,27 +89,33 @@ pub(super) fn batches(
     let neighbours = examiner.neighbours.len();
     united
         .into_iter()
+        .zip(&distinct)
         .zip(rects)
-        .map(|(needs, rects)| Batch {
+        .map(|((needs, (_, masked)), rects)| Batch {
             views: (0..output_views.len())
                 .filter(|&bit| needs.views >> bit.min(63) & 1 == 1)
                 .map(|bit| output_views[bit])
                 .collect(),
             neighbours: (0..neighbours).filter(|&bit| needs.neighbours >> bit.min(127) & 1 == 1).collect(),
             edge: needs.dark,
+            masked: *masked,
             rects,
             facets: None,
         })
         .collect()
 }
 
+/// The block with this number, row by row.
+fn block_at(index: usize, size: (u32, u32)) -> Block {
+    let (columns, index) = (size.0.div_ceil(BLOCK), index as u32);
+    let (x, y) = (index % columns * BLOCK, index / columns * BLOCK);
+    [x, y, (x + BLOCK).min(size.0), (y + BLOCK).min(size.1)]
+}
+
 /// Takes away what blocks need whose pixels the mask makes black.
 fn needs_of_masked(needs: &mut [Needs], mask: &Mask, size: (u32, u32)) {
-    let columns = size.0.div_ceil(BLOCK);
-    for (index, needs) in (0u32..).zip(needs) {
-        let (x, y) = (index % columns * BLOCK, index / columns * BLOCK);
-        let black = mask.is_black([x, y, (x + BLOCK).min(size.0), (y + BLOCK).min(size.1)], size);
-        if needs.lit && black {
+    for (index, needs) in needs.iter_mut().enumerate() {
+        if needs.lit && mask.is_black(block_at(index, size), size) {
             *needs = Needs { dark: true, ..Needs::default() };
         }
     }

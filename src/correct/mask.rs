@@ -29,6 +29,15 @@ impl Mask {
     /// Whether the weight is 0 everywhere in a block (left, top, right, bottom in pixels, the latter two
     /// excluded) of an output of `size` pixels, over which the mask is stretched with bilinear filtering.
     pub fn is_black(&self, block: [u32; 4], size: (u32, u32)) -> bool {
+        self.is_all(0, block, size)
+    }
+
+    /// Whether the weight is 1 everywhere in a block, as for [`Mask::is_black`].
+    pub fn is_white(&self, block: [u32; 4], size: (u32, u32)) -> bool {
+        self.is_all(u16::MAX, block, size)
+    }
+
+    fn is_all(&self, value: u16, block: [u32; 4], size: (u32, u32)) -> bool {
         // From the texel before the one that a pixel's edge lies in to the one after it: the filter reads no others.
         let range = |low: u32, high: u32, pixels: u32, texels: u32| {
             let at = |pixel: u32| u64::from(pixel) * u64::from(texels) / u64::from(pixels.max(1));
@@ -40,7 +49,7 @@ impl Mask {
         rows.into_iter().all(|row| {
             let start = row * self.width as usize;
             let line = self.weights.get(start + columns.start..start + columns.end);
-            line.is_some_and(|weights| weights.iter().all(|weight| *weight == 0))
+            line.is_some_and(|weights| weights.iter().all(|weight| *weight == value))
         })
     }
 }
@@ -66,6 +75,10 @@ mod tests {
                 assert!(!(sees && black), "pixel {x}, {y} of {size:?}");
             }
         }
+        let white = Mask { weights: mask.weights.iter().map(|weight| u16::MAX - weight).collect(), ..mask.clone() };
+        assert!(!white.is_white([8, 5, 12, 9], (20, 12)), "one texel in it is not");
+        let white = Mask { weights: vec![u16::MAX; 240], ..white };
+        assert!(white.is_white([0, 0, 20, 12], (20, 12)) && !white.is_black([0, 0, 1, 1], (20, 12)));
         assert!(mask.is_black([0, 0, 8, 12], (20, 12)) && !mask.is_black([0, 0, 12, 12], (20, 12)));
     }
     use image::{DynamicImage, GrayImage, ImageBuffer, Luma, Rgb, RgbImage};

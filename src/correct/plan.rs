@@ -187,6 +187,8 @@ pub struct Batch {
     pub neighbours: Vec<usize>,
     /// Some pixels show nothing (rim of a circle, off the screen): the shader must test.
     pub edge: bool,
+    /// The output's mask, if it has one, is not white there.
+    pub masked: bool,
     /// Where.
     pub rects: Vec<PixelRect>,
     /// Triangles that are drawn in place of the rectangles; what their corners say is shown, not what the output's
@@ -300,7 +302,8 @@ fn meshed(batches: Vec<Batch>, shown: &Shown, max_error: f64) -> Vec<Batch> {
 
 /// The batches as one, drawn as the triangles of a dome that samples any of `views`.
 fn with_dome(batches: Vec<Batch>, views: &[usize], facets: Option<Arc<Facets>>) -> Vec<Batch> {
+    let masked = batches.iter().any(|batch| batch.masked);
     let rects: Vec<PixelRect> = batches.into_iter().flat_map(|batch| batch.rects).collect();
-    let whole = Batch { views: views.to_vec(), neighbours: Vec::new(), edge: false, rects, facets };
+    let whole = Batch { views: views.to_vec(), neighbours: Vec::new(), edge: false, masked, rects, facets };
     if whole.rects.is_empty() { Vec::new() } else { vec![whole] }
 }

@@ -352,13 +352,14 @@ fn shared(out: &mut Constants, pass: &OutputPass, batch: &Batch) -> Result<()> {
         out.set(&format!("shared_part.ramps[{i}]"), &[angle, ramp.zero, 1.0 / span, shape(ramp.shape)])?;
     }
     out.set("shared_part.ramp_count", &[ramps.len() as f64])?;
-    out.set_flag("shared_part.with_mask", pass.mask.is_some())?;
+    let masked = pass.mask.is_some() && batch.masked;
+    out.set_flag("shared_part.with_mask", masked)?;
     let from_source = match (&batch.facets, &pass.source) {
         (Some(facets), _) => facets.is_weighted(),
         (None, Source::Table(table)) => table.is_weighted(),
         (None, _) => !ramps.is_empty() || !batch.neighbours.is_empty(),
     };
-    let weighted = from_source || pass.lift > 0.0 || pass.mask.is_some();
+    let weighted = from_source || pass.lift > 0.0 || masked;
     out.set_flag("shared_part.weighted", weighted)?;
     // Only a power of light is a power of its code.
     out.set_flag("shared_part.in_light", weighted && (pass.lift > 0.0 || !pass.transfer.is_plain()))?;

@@ -415,6 +415,11 @@ mod tests {
         let places = trial.coordinates(&TrialMesh::quad(), &formula("return 2.0 * at;")).unwrap();
         // The third pixel of the second row.
         assert_eq!(places[64 + 2], [5.0 / 64.0, 2.0 * 30.5 / 32.0, 0.0, 1.0]);
+        trial.fill(0, &[vec![0xff40_4040; 64 * 32]]).unwrap();
+        assert!(trial.picture(0).unwrap().iter().all(|pixel| *pixel == [0x40, 0x40, 0x40, 255]));
+        trial.fill(1, &vec![vec![0xff20_2020; 16 * 16]; 6]).unwrap();
+        assert!(trial.fill(0, &[vec![0; 3]]).is_err() && trial.fill(1, &[vec![0; 256]]).is_err());
+        assert!(trial.picture(9).is_err());
         let mut rounds = 0;
         let times = trial.run(3, || rounds += 1).unwrap();
         assert_eq!((times.len(), rounds), (3, 5));

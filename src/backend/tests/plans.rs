@@ -56,7 +56,7 @@ pub fn pass(size: (u32, u32), source: Source, views: Vec<usize>, edge: bool) -> 
         name: "output".into(),
         size,
         source,
-        batches: vec![Batch { views, neighbours: Vec::new(), edge, rects, facets: None }],
+        batches: vec![Batch { views, neighbours: Vec::new(), edge, masked: true, rects, facets: None }],
         mask: None,
         ramps: Vec::new(),
         dome_rotation: DMat3::IDENTITY,

@@ -113,3 +113,19 @@ impl Drop for Trial {
         self.target.destroy(api);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::backend::tests::plans::{Projector, projector_plan};
+
+    #[test]
+    fn a_plan_is_timed() {
+        let plan = projector_plan(&Projector::at(0.5), &[], (64, 40));
+        let mut trial = Trial::new((64, 40)).expect("a device");
+        let number = trial.add_plan(&plan).expect("shaders");
+        assert!(trial.time(number).expect("drawn") > 0.0);
+        assert!(trial.map(&plan).expect("a map").iter().all(|pixel| pixel.view == Some(0)));
+        assert!(trial.time(number + 1).is_err());
+    }
+}

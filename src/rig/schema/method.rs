@@ -17,7 +17,13 @@ const WORDS: [(&str, Word); 4] =
     [("fragment", Word::Fragment), ("table", Word::Table), ("mesh", Word::Mesh), ("cube-mesh", Word::CubeMesh)];
 
 pub(super) fn method(section: &mut Section, problems: &mut Problems) -> Method {
-    match section.choice("method", &WORDS, problems).unwrap_or(Word::Fragment) {
+    let known = section.choice("method", &WORDS, problems);
+    if known.is_none() && section.has("method") {
+        // Which keys go with a word that is not known is not known either: they are right.
+        let _ = section.optional_number("max_error", &MAX_ERROR, problems);
+        let _ = section.optional_number("density", &DENSITY, problems);
+    }
+    match known.unwrap_or(Word::Fragment) {
         Word::Fragment => Method::Fragment,
         Word::Table => Method::Table { max_error: section.number("max_error", &MAX_ERROR, DEFAULT_ERROR, problems) },
         Word::Mesh => Method::Mesh { max_error: section.number("max_error", &MAX_ERROR, DEFAULT_ERROR, problems) },

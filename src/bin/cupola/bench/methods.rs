@@ -90,6 +90,7 @@ impl Entrants {
         this.add_plan("fragment (default)", &plan)?;
         this.methods.iter_mut().skip(1).for_each(|method| method.is_default = true);
         this.add_vulkan("fragment, Vulkan", &plan)?;
+        this.add_half(scene)?;
         for method in ["table", "mesh"] {
             for bound in BOUNDS {
                 let name = format!("{method}, at most {bound} px");
@@ -130,6 +131,25 @@ impl Entrants {
         let context = self.trial.context();
         let map = gl::gpu_map(&context.gl, context.is_gles, plan, 0)?;
         self.add(name, Clock::OpenGl(number), texels(plan), Some(directions(&map)));
+        Ok(())
+    }
+
+    /// Our correction with a mask that leaves the left half black: its time, and no error, since that is meant.
+    fn add_half(&mut self, scene: &Scene) -> Result<(), Failure> {
+        let mask = std::env::temp_dir().join(format!("cupola-bench-{}.png", std::process::id()));
+        let (width, height) = scene.size;
+        let picture =
+            image::GrayImage::from_fn(width, height, |x, _| image::Luma([if 2 * x < width { 0 } else { 255 }]));
+        let failed = |error: image::ImageError| Failure::new(format!("{} cannot be written: {error}", mask.display()));
+        picture.save(&mask).map_err(failed)?;
+        let mut rig = scene.rig.clone();
+        rig.outputs[0].mask = Some(mask.clone());
+        let plan = plan(&rig, scene);
+        // What is left behind is in the way of nobody.
+        let _ = std::fs::remove_file(&mask);
+        let plan = plan?;
+        let (number, _) = self.trial.add_plan(&plan)?;
+        self.add("fragment, half of it masked", Clock::OpenGl(number), texels(&plan), None);
         Ok(())
     }
 
