@@ -93,6 +93,7 @@ fn look(watch: &mut Watch, settings: &Settings, path: &Path) {
         Ok(rig) => {
             watch.live = Live { rig: Arc::new(rig), version: watch.live.version + 1 };
             VERSION.store(watch.live.version, Ordering::Release);
+            log::once(&format!("the rig's file has changed, and windows follow it ({})", watch.live.version));
         }
         Err(error) => log::once(&format!("the rig stays as it was: {error}")),
     }
