@@ -93,6 +93,9 @@ pub struct Camera {
     pub pitch: f64,
     /// The camera is rolled clockwise by this, radians.
     pub roll: f64,
+    /// The opening of the program's own lens, horizontal and vertical, radians, less than π: for draws of which the
+    /// program's matrices tell none.
+    pub lens: Option<[f64; 2]>,
 }
 
 /// How the planner chooses views for outputs that do not say so themselves.

@@ -38,6 +38,10 @@ pub struct Statistics {
     pub primary_draws: u64,
     /// Draws to the program's own framebuffers that were issued once per view.
     pub duplicated_draws: u64,
+    /// Draws of the scene of which it was known where their vertices are.
+    pub bounded_draws: u64,
+    /// Ranges of buffers that were read back for that, each once until its buffer changes.
+    pub ranges_read: u64,
     /// How often the parts of the views that no output samples were closed for drawing.
     pub closings: u64,
     /// Framebuffers of the program's, drawn to until the end, that are drawn once per view.
@@ -52,6 +56,9 @@ pub struct Statistics {
     pub shaders_linked: u64,
     /// OpenGL errors of ours; must be 0.
     pub own_errors: u64,
+    /// Mean time that the device took for a correction, milliseconds, where it was measured (Vulkan).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub correction_milliseconds: Option<f64>,
     /// Notes of the planner.
     pub notes: Vec<String>,
 }

@@ -170,6 +170,13 @@ impl Session {
         sum
     }
 
+    /// The lens that the rig gives the program, for draws that tell none. Its depth is that of a far plane at infinity,
+    /// which keeps what lies behind what for any other, too.
+    pub fn given_lens(&self) -> Option<Intrinsics> {
+        let [a, c] = self.rig.camera.lens?.map(|opening| 1.0 / (opening / 2.0).tan());
+        Some(Intrinsics { a, b: 0.0, c, d: 0.0, e: -1.0, f: None })
+    }
+
     /// How the program's camera is adapted for a view: as the rig says, from the view's eye.
     pub fn camera(&self, view: &View) -> CameraAdjustment {
         let camera = &self.rig.camera;

@@ -10,11 +10,12 @@ use crate::backend::gl::{Blank, GlBackend, Target};
 use crate::error::{Error, ErrorKind, Result};
 use crate::intercept::{live, log, settings};
 use crate::runtime::session::{Extras, Session};
+use std::sync::Arc;
 
 /// The atlas and what corrects it.
 pub struct DefaultFramebuffer {
     /// Rig and plan for the window's size.
-    pub session: Session,
+    pub session: Arc<Session>,
     /// Which state of the rig's file it follows.
     version: u64,
     config: Config,
@@ -372,6 +373,7 @@ impl DefaultFramebuffer {
         let (issued, culled) = (vec![0; session.views().len()], vec![0; session.views().len()]);
         let outputs = session.viewports().map(|viewport| Target { framebuffer: 0, viewport }).collect();
         let content = Content::default();
+        let session = Arc::new(session);
         Ok(Self { session, version, config, surface, resolved, backend, content, issued, culled, closed, outputs })
     }
 

@@ -76,7 +76,7 @@ pub fn mentions(source: &str, word: &str) -> bool {
 }
 
 /// Comments replaced by spaces, byte for byte, so that offsets stay those of the source.
-fn strip_comments(source: &str) -> Cow<'_, str> {
+pub fn strip_comments(source: &str) -> Cow<'_, str> {
     if !source.contains("//") && !source.contains("/*") {
         return Cow::Borrowed(source);
     }

@@ -7,6 +7,7 @@
 
 pub mod accumulation;
 pub mod background;
+pub mod buffers;
 pub mod conditional;
 pub mod config;
 pub mod context;

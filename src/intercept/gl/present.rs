@@ -142,6 +142,8 @@ fn next_frame(ctx: &mut Context) {
     ctx.viewport_area = [0, ctx.viewport_area[0]];
     ctx.frame_begun = false;
     super::duplicate::end_frame(ctx);
+    super::buffers::of(ctx).end_frame();
+    ctx.ranges.end_frame();
     follow_size(ctx);
     default_framebuffer::follow_rig(ctx);
 }
@@ -187,6 +189,8 @@ fn statistics(ctx: &Context, settings: &settings::Settings) -> Statistics {
         draws_seen: ctx.counts.draws_seen,
         panel_draws: ctx.counts.panel_draws,
         primary_draws: ctx.counts.primary_draws,
+        bounded_draws: ctx.counts.bounded_draws,
+        ranges_read: ctx.ranges.reads,
         closings: ctx.counts.closings,
         duplicated_draws: ctx.duplicates.draws,
         duplicated_framebuffers,

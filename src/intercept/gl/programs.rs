@@ -1,6 +1,7 @@
 //! The program's shaders: patched when they are linked, and which lens they draw with.
 
 use super::context::{Context, Profile};
+use super::culling::position::Position;
 use super::glsl::{self, Stage};
 use super::hook::hooks;
 use super::lists::Command;
@@ -36,6 +37,8 @@ pub struct Program {
     fixed_matrices: bool,
     /// Its samplers of textures that can be drawn into.
     pub samplers: Vec<super::samplers::Sampler>,
+    /// Where its vertices are, where that is proven.
+    pub position: Option<Position>,
     /// Its fragments ask where on the screen they are.
     pub asks_place: bool,
     /// Its 4×4 matrices.
@@ -75,7 +78,7 @@ impl Program {
             }
         }
         let mut uniforms = self.uniforms.lock().unwrap_or_else(PoisonError::into_inner);
-        uniforms.lens(ctx.gl, ctx.buffer_generation)
+        uniforms.lens(ctx.gl, ctx.buffer_generation, &super::buffers::of(ctx))
     }
 }
 
@@ -233,10 +236,16 @@ fn link(ctx: &mut Context, program: u32) {
         .filter_map(|s| sources.get(&s.0))
         .any(|source| words.iter().any(|word| glsl::mentions(source, word)));
     let mut fragments = shaders.iter().filter(|s| s.1 == api::GL_FRAGMENT_SHADER).filter_map(|s| sources.get(&s.0));
-    let record = Arc::new(Program {
-        asks_place: fragments.any(|source| glsl::mentions(source, "gl_FragCoord")),
-        ..read_program(gl, &ctx.profile, program, linked, stages, fixed_matrices)
-    });
+    let mut record = read_program(gl, &ctx.profile, program, linked, stages, fixed_matrices);
+    record.asks_place = fragments.any(|source| glsl::mentions(source, "gl_FragCoord"));
+    let mut vertices = shaders.iter().filter(|s| s.1 != api::GL_FRAGMENT_SHADER);
+    if let (Some((shader, api::GL_VERTEX_SHADER)), None) = (vertices.next(), vertices.next())
+        && let Some(source) = sources.get(shader)
+    {
+        let uniforms = record.uniforms.get_mut().unwrap_or_else(PoisonError::into_inner);
+        record.position = Position::of_shader(gl, program, source, ctx.profile.es, uniforms);
+    }
+    let record = Arc::new(record);
     let mut programs = ctx.share.programs.lock().unwrap_or_else(PoisonError::into_inner);
     programs.programs.insert(program, record.clone());
     drop(programs);
@@ -310,6 +319,7 @@ fn read_program(gl: &Gl, profile: &Profile, name: u32, patched: bool, stages: u3
         stages,
         fixed_matrices,
         samplers: super::samplers::of_program(gl, name),
+        position: None,
         asks_place: false,
         uniforms: Mutex::new(uniforms),
         uploaded: Mutex::new(None),

@@ -121,7 +121,7 @@ pub fn pop_attributes(ctx: &mut Context) {
     if mask & api::GL_PIXEL_MODE_BIT != 0 {
         ctx.believed.read_buffer = saved.read_buffer;
     }
-    if ctx.target.is_some() && !ctx.redirected() {
+    if ctx.session().is_some() && !ctx.redirected() {
         ctx.restore_window_space();
     }
 }

@@ -3,9 +3,11 @@
 use super::device::{self, Device};
 use super::readback;
 use super::swapchain::Swapchain;
+use crate::backend::vk::Timing;
 use crate::error::{Error, ErrorKind, Result};
 use crate::intercept::kept::{self, Kept};
 use crate::intercept::{log, settings};
+use crate::rig::Rig;
 use crate::runtime::report::{Picture, Statistics, ViewStatistics};
 use ash::vk;
 use std::sync::PoisonError;
@@ -74,6 +76,7 @@ unsafe fn prepare(
     ready: &mut Option<Vec<vk::Semaphore>>,
 ) {
     device.frame.lock().unwrap_or_else(PoisonError::into_inner).end();
+    super::offscreen::decide(device);
     let Some(settings) = settings::settings() else { return };
     let pictures = settings.capture.is_some() || settings.capture_views.is_some();
     let keep = (last || settings.frames.is_none()) && (pictures || settings.stats.is_some());
@@ -110,7 +113,7 @@ unsafe fn prepare(
                 Err(error) => log::once(&format!("Vulkan: a frame could not be captured: {error}")),
             }
         }
-        kept.statistics = settings.stats.is_some().then(|| statistics(device, &managed, &settings.rig.name, frames));
+        kept.statistics = settings.stats.is_some().then(|| statistics(device, &managed, &settings.rig, frames));
         kept::keep(kept);
     }
 }
@@ -158,14 +161,15 @@ unsafe fn captured(
 ) -> Result<(Vec<Picture>, Vec<Picture>)> {
     let failed = |error: vk::Result| Error::new(ErrorKind::Graphics, error.to_string());
     let vk::Extent2D { width, height } = managed.extent;
-    let blue_first = managed.blue_first;
-    let cut = |bytes: &[u8], name: &str, rect: [u32; 4]| readback::cut(bytes, width, blue_first, name, rect);
+    let texels = managed.texels;
+    let cut = |bytes: &[u8], name: &str, rect: [u32; 4]| readback::cut(bytes, width, texels, name, rect);
     let (Some(&real), Some(given)) = (managed.real.get(index), managed.given(index)) else {
         return Ok(Default::default());
     };
     let mut read = |image| {
         // SAFETY: the images are live, as large as the window, and can be copied.
-        let bytes = unsafe { readback::read(device, queue, image, managed.extent, waits) }.map_err(failed);
+        let bytes =
+            unsafe { readback::read(device, queue, (image, texels.size()), managed.extent, waits) }.map_err(failed);
         waits = &[];
         bytes
     };
@@ -185,24 +189,33 @@ unsafe fn captured(
             let (layout, atlas) = (&canvas.layout, canvas.atlas(index).unwrap_or_default());
             let extent = vk::Extent2D { width: layout.atlas.0, height: layout.atlas.1 };
             // SAFETY: the atlas is as large as its layout says, and ready as an image that is presented.
-            let bytes = unsafe { readback::read(device, queue, atlas, extent, &[]) }.map_err(failed)?;
+            let bytes =
+                unsafe { readback::read(device, queue, (atlas, texels.size()), extent, &[]) }.map_err(failed)?;
             let tiles = layout.tiles();
-            tiles.map(|(name, rect)| readback::cut(&bytes, extent.width, blue_first, name, rect)).collect()
+            tiles.map(|(name, rect)| readback::cut(&bytes, extent.width, texels, name, rect)).collect()
         }
         _ => vec![cut(&read(given)?, "program", [0, 0, width, height])],
     };
     Ok((outputs, views))
 }
 
-fn statistics(device: &Device, managed: &Swapchain, rig: &str, frames: u64) -> Statistics {
+/// Mean time of a correction in milliseconds, if any was measured.
+fn mean(timing: Timing) -> Option<f64> {
+    (timing.corrections > 0).then(|| timing.total * 1e-6 / timing.corrections as f64)
+}
+
+fn statistics(device: &Device, managed: &Swapchain, rig: &Rig, frames: u64) -> Statistics {
     let counts = device.frame.lock().unwrap_or_else(PoisonError::into_inner).counts.clone();
     let mut statistics = Statistics {
         frames,
-        rig: rig.to_owned(),
+        rig: rig.name.clone(),
         driver: device.driver.clone(),
         notes: device.flat_note().into_iter().collect(),
         draws_seen: counts.seen,
         panel_draws: counts.flat,
+        duplicated_draws: counts.duplicated,
+        duplicated_framebuffers: device.images.duplicated().count() as u64,
+        single_framebuffers: device.paths.single(rig.views.duplicate),
         projection_found: counts.found.iter().map(|(how, draws)| ((*how).to_owned(), *draws)).collect(),
         ..Statistics::default()
     };
@@ -218,6 +231,7 @@ fn statistics(device: &Device, managed: &Swapchain, rig: &str, frames: u64) -> S
             let session = &canvas.layout.session;
             statistics.notes.extend(session.plan().views.notes.iter().cloned());
             let views = session.views().iter();
+            statistics.correction_milliseconds = mean(canvas.timing());
             statistics.views = views.map(|v| view(&v.name, v.tile.width, v.tile.height, counts.in_views)).collect();
         }
         _ => statistics.views = vec![view("program", managed.extent.width, managed.extent.height, 0)],

@@ -1,6 +1,6 @@
 //! Boxes around vertices, and whether a view can show any point of one.
 
-use super::super::matrices::multiply;
+use super::position::Transform;
 
 /// A box around positions in object coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,30 +49,22 @@ impl Bounds {
     }
 }
 
-/// How far the driver's products of 32-bit numbers may be off, as a part of the sum of the terms' sizes:
-/// ten roundings of 2⁻²⁴ and some.
+/// How far the driver's products of 32-bit numbers may be off, as a part of the sum of the terms' sizes: five
+/// roundings of 2⁻²⁴ for each of up to ten matrices, and three times as much again.
 const ROUNDING: f64 = 1e-5;
 
-/// Whether no point of the box `low`…`high` comes into the picture of `projection · model_view` (column by
-/// column), nor `beside` it (in parts of half the picture's width and height).
+/// Whether no point of the box `low`…`high` comes into the picture of `transform`, nor `beside` it (in parts of half the picture's width and height).
 ///
 /// The box is outside if it is wholly on the other side of one of the four planes `±x = (1 + beside)·w`.
 /// These are linear, so that holds for points behind the eye as well. Near and far planes are not looked at:
 /// the program may have switched their clipping off. `false` in all cases of doubt, such as numbers that are
 /// not finite.
-pub fn outside(
-    projection: &[f64; 16],
-    model_view: &[f64; 16],
-    low: [f64; 3],
-    high: [f64; 3],
-    beside: [f64; 2],
-) -> bool {
-    let matrix = multiply(projection, model_view);
-    let sizes = multiply(&projection.map(f64::abs), &model_view.map(f64::abs));
+pub fn outside(transform: &Transform, low: [f64; 3], high: [f64; 3], beside: [f64; 2]) -> bool {
+    let Transform { matrix, sizes } = transform;
     let row = |m: &[f64; 16], row: usize| -> [f64; 4] { std::array::from_fn(|column| m[4 * column + row]) };
-    let (w, w_size) = (row(&matrix, 3), row(&sizes, 3));
+    let (w, w_size) = (row(matrix, 3), row(sizes, 3));
     (0..2).any(|axis| {
-        let (side, side_size) = (row(&matrix, axis), row(&sizes, axis));
+        let (side, side_size) = (row(matrix, axis), row(sizes, axis));
         let out = 1.0 + beside[axis];
         [1.0, -1.0].into_iter().any(|sign| {
             let mut least = sign * side[3] - out * w[3];
@@ -89,7 +81,18 @@ pub fn outside(
 
 #[cfg(test)]
 mod tests {
-    use super::{Bounds, outside};
+    use super::{Bounds, Transform};
+
+    /// Of a projection after a model-view matrix.
+    fn outside(
+        projection: &[f64; 16],
+        model_view: &[f64; 16],
+        low: [f64; 3],
+        high: [f64; 3],
+        beside: [f64; 2],
+    ) -> bool {
+        super::outside(&Transform::of(projection).after(&Transform::of(model_view)), low, high, beside)
+    }
 
     const IDENTITY: [f64; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
     /// 90° in both directions, looking along −z.

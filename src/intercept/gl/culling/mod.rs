@@ -1,11 +1,16 @@
 //! Leaves out draws from the views that cannot show them.
 //!
-//! Only where that is proven: the fixed-function pipeline, whose matrices are known, and vertices whose
-//! places are known. Everything else goes to every view. Views that got nothing are not corrected either ([`blank`]).
+//! Only where that is proven: vertices whose places are known, and matrices that are known, be it the
+//! fixed-function pipeline's or those of a shader whose text says what it does with them ([`proof`]). Everything else
+//! goes to every view. Views that got nothing are not corrected either ([`blank`]).
 
 pub mod arrays;
 pub mod blank;
 pub mod bounds;
+pub mod layout;
+pub mod position;
+pub mod proof;
+pub mod ranges;
 pub mod widths;
 
 use super::context::Context;
@@ -31,18 +36,23 @@ impl Views {
     }
 }
 
-/// The views that can show a draw at `place` of vertices within `bounds`.
+/// Whether draws may be left out at all.
+pub fn enabled() -> bool {
+    crate::intercept::settings::settings().is_some_and(|s| s.cull)
+}
+
+/// The views that can show a draw at `place` of vertices within `bounds`, which are asked for where they may matter.
 ///
 /// A draw that no view shows still goes to the last one where it `changes` state, or where more than its
 /// picture counts (transform feedback).
-pub fn views(ctx: &mut Context, place: Place, bounds: &Bounds, changes: Changes) -> Views {
-    let enabled = crate::intercept::settings::settings().is_some_and(|s| s.cull);
+pub fn views(ctx: &mut Context, place: Place, bounds: impl FnOnce(&mut Context) -> Bounds, changes: Changes) -> Views {
     let margin = ctx.widest.margin();
-    if !enabled || place != Place::FixedScene || ctx.assembly || !margin.is_finite() {
+    if !enabled() || !margin.is_finite() {
         return Views::ALL;
     }
-    let Some((low, high)) = bounds.known() else { return Views::ALL };
-    let model_view = super::matrices::model_view(ctx);
+    let Some(model) = position::transform(ctx, place) else { return Views::ALL };
+    let Some((low, high)) = bounds(ctx).known() else { return Views::ALL };
+    ctx.counts.bounded_draws += 1;
     let Some(target) = &ctx.target else { return Views::ALL };
     let mut seen = 0;
     let count = target.session.views().len().min(64);
@@ -50,8 +60,9 @@ pub fn views(ctx: &mut Context, place: Place, bounds: &Bounds, changes: Changes)
         let (tile, own) = target.session.tile(index);
         let beside = [margin, margin * f64::from(tile[2]) / f64::from(tile[3].max(1))];
         let beside = beside.map(|pixels| 2.0 * pixels / f64::from(tile[2].max(1)));
-        let hidden = ctx.projection.per_view.get(index).is_some_and(|m| outside(m, &model_view, low, high, beside));
-        seen |= u64::from(own || !hidden) << index;
+        let hidden = !own
+            && position::of_view(ctx, place, index).is_some_and(|view| outside(&view.after(&model), low, high, beside));
+        seen |= u64::from(!hidden) << index;
     }
     if seen == 0 && (changes != Changes::Nothing || ctx.feedback) {
         seen = 1 << (count.max(1) - 1);
