@@ -79,7 +79,7 @@ pub(super) mod tests {
 
     /// A bitmap of 3 × 2 pixels with these green values from the top left.
     pub fn bitmap(bits: u16, from_top: bool, values: [f32; 6]) -> Vec<u8> {
-        let channels = if bits % 24 == 0 { 3 } else { 4 };
+        let channels = if bits.is_multiple_of(24) { 3 } else { 4 };
         let each = usize::from(bits) / 8 / channels;
         let length = (3 * channels * each).next_multiple_of(4);
         let mut bytes = b"BM".to_vec();

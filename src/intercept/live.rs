@@ -42,7 +42,7 @@ fn watch(settings: &Settings) -> &'static Mutex<Watch> {
     static WATCH: OnceLock<Mutex<Watch>> = OnceLock::new();
     WATCH.get_or_init(|| {
         let live = Live { rig: Arc::new(settings.rig.clone()), version: 0 };
-        Mutex::new(Watch { live, looked: Instant::now(), seen: settings.rig_stamp.clone().map(Stamp::from) })
+        Mutex::new(Watch { live, looked: Instant::now(), seen: settings.rig_stamp.map(Stamp::from) })
     })
 }
 
