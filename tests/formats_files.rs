@@ -145,7 +145,7 @@ fn meshes_of_other_tools_become_maps() {
 
 #[test]
 fn damaged_vioso_files_do_no_harm() {
-    let map = vwf::VwfMap { name: "one".into(), points: false, raster: raster() };
+    let map = vwf::VwfMap { name: "one".into(), points: false, raster: raster(), blend: None };
     survives(&vwf::write(&[map]).unwrap(), |bytes| vwf::read("some.file", bytes).map(drop));
 }
 
@@ -387,4 +387,27 @@ fn what_cannot_be_converted_is_refused() {
         assert_eq!(output.status.code(), Some(2), "{said}");
         assert!(said.contains(why), "{said}");
     }
+}
+
+#[test]
+fn a_mesh_in_a_configuration_of_sgct_is_run_by_the_rig() {
+    std::fs::write(file("warp.data"), "2\n2 2\n-1 -1 0.1 0.2 1\n1 -1 0.9 0.2 1\n-1 1 0.1 0.8 1\n1 1 0.9 0.8 1\n")
+        .unwrap();
+    let text = r#"{ "nodes": [{ "address": "a", "windows": [{ "pos": { "x": 0, "y": 0 }, "size": { "x": 200, "y": 100 }, "viewports": [
+        { "size": { "x": 0.5, "y": 1 }, "mesh": "warp.data", "projection": { "type": "FisheyeProjection", "fov": 170, "tilt": 30 } },
+        { "pos": { "x": 0.5, "y": 0 }, "size": { "x": 0.5, "y": 1 }, "mesh": "warp.data", "projection": {
+            "type": "PlanarProjection", "fov": { "hfov": 90, "vfov": 60 }, "orientation": { "yaw": 20, "pitch": 5, "roll": -3 } } }
+        ] }] }] }"#;
+    let (config, rig) = (file("meshes.json"), file("meshes.toml"));
+    std::fs::write(&config, text).unwrap();
+    let answer = convert(config.to_str().unwrap(), &rig, &[]);
+    assert!(!answer["notes"].to_string().contains("warp.data"), "{answer}");
+    let rig = cupola::rig::load(rig.to_str().unwrap()).unwrap();
+    let map = cupola::warp::WarpMap::new(&rig, 1, (100, 100), None).unwrap();
+    // The mesh's middle is the picture's middle, where the viewport looks; its corners are within.
+    let middle = map.direction(glam::DVec2::new(50.0, 50.0)).expect("shown");
+    let (yaw, pitch) = (20f64.to_radians(), 5f64.to_radians());
+    let towards = glam::DVec3::new(yaw.sin() * pitch.cos(), pitch.sin(), -yaw.cos() * pitch.cos());
+    assert!(middle.distance(towards) < 1e-6, "{middle} {towards}");
+    assert!(matches!(rig.outputs[0].kind, cupola::rig::OutputKind::Mesh(_)));
 }

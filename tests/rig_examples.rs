@@ -360,3 +360,31 @@ fn the_documents_examples_are_valid() {
     }
     assert!(keys > 60, "only {keys} keys were listed in\n{message}");
 }
+
+#[test]
+fn a_file_of_measurements_is_the_response_that_was_measured() {
+    use cupola::blend::{code_of, light_of};
+    let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("responses");
+    std::fs::create_dir_all(&folder).expect("a folder");
+    let line = |code: f64| {
+        let light = |gamma: f64, white: f64| 0.1 + white * (code / 255.0f64).powf(gamma);
+        format!("{code}; {:.6}; {:.6};\t{:.6}\n", light(1.9, 20.0), light(2.2, 70.0), light(2.5, 9.0))
+    };
+    let lines: String = (0..=51).map(|step| line(5.0 * f64::from(step))).collect();
+    std::fs::write(folder.join("response.csv"), format!("code red green blue\n# a photometer's\n\n{lines}"))
+        .expect("writes");
+    let text = "[[output]]\nkind = \"domemaster\"\nblend = { transfer = { file = \"response.csv\" } }\n";
+    let rig = cupola::rig::parse(text, "rig.toml", &folder).unwrap_or_else(|error| panic!("{error}"));
+    for (channel, gamma) in [1.9, 2.2, 2.5].into_iter().enumerate() {
+        for code in [0.0, 0.1, 0.33, 0.5, 0.9, 1.0] {
+            let light = light_of(code, &rig.outputs[0].blend, channel);
+            assert!((light - code.powf(gamma)).abs() < 2e-3, "{channel} {code}: {light}");
+            assert!((code_of(light, &rig.outputs[0].blend, channel) - code).abs() < 1e-12);
+        }
+    }
+    for (bad, words) in [("0 1\n5\n", "line 2"), ("0 1\n255 0.5\n", "both growing"), ("words\nwords\n", "line 2")] {
+        std::fs::write(folder.join("response.csv"), bad).expect("writes");
+        let error = cupola::rig::parse(text, "rig.toml", &folder).expect_err(bad);
+        assert!(error.message.contains(words) && error.message.contains("response.csv"), "{}", error.message);
+    }
+}

@@ -404,6 +404,19 @@ fn blending() {
         refused("ramp = 0.2", &format!("ramp = 0.2\n{given}"), &format!("output[0].blend.{key}"), &[words]);
     }
     refused("gamma = 2.4", "transfer = \"srgb\"\ngamma = 2.4", "output[0].blend.gamma", &["goes with transfer"]);
+    for (given, key, words) in [
+        ("{ red = 2.2, green = 2.2 }", "blue", "is missing"),
+        ("{ red = 2.2, green = 0.5, blue = 2 }", "green", "at least 1 and at most 4"),
+        ("{ measured = [[0, 0], [128, 9], [255, 8]] }", "measured", "both growing"),
+        ("{ measured = [[1, 0], [255, 8]] }", "measured", "the first with the value 0"),
+        ("{ red = 2.2, green = [[0, 1]], blue = 2.2 }", "green", "two points or more"),
+        ("{ file = \"no-such-response.csv\" }", "file", "no-such-response.csv"),
+        ("{ }", "measured", "0 ways"),
+        ("{ measured = [[0, 0], [1, 1]], file = \"a.csv\" }", "measured", "2 ways"),
+        ("{ rad = 2.2, green = 2.2, blue = 2.2 }", "rad", "did you mean `red`"),
+    ] {
+        refused("gamma = 2.4", &format!("transfer = {given}"), &format!("output[0].blend.transfer.{key}"), &[words]);
+    }
     refused("overlap = true", "overlap = 1", "output[0].blend.overlap", &["neither true nor false"]);
     refused(
         "aperture = 180",

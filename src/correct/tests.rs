@@ -181,3 +181,48 @@ fn times() {
         println!("rectangles {rects:?}\n{}", crate::views::report(&views, &rig, &request.output_sizes));
     }
 }
+
+/// Distance and incidence: a pixel of the solid angle Ω makes an area of r²·Ω/cos i bright, whatever the screen.
+#[test]
+fn even_light_is_even_on_every_screen() {
+    let (position, fov) = (DVec3::new(0.4, -0.3, 1.0), [60.0f64, 40.0]);
+    let screens = [
+        "[dome]\nradius = 4\ncoverage = 360\n",
+        "[screen]\nshape = \"ellipsoid\"\nradii = [5.5, 3.8, 4.5]\nyaw = 20\n",
+        "[screen]\nshape = \"cylinder\"\nradius = 4\nheights = [-6, 6]\n",
+        "[screen]\nshape = \"cone\"\nradii = [5, 3]\nheights = [-6, 6]\n",
+        "[screen]\nshape = \"plane\"\nposition = [0, 0, -4]\nsize = [40, 40]\nyaw = 30\npitch = 10\n",
+    ];
+    let size = (48, 32);
+    for screen in screens {
+        let text = format!(
+            "{screen}[[output]]\nkind = \"projector\"\nposition = {:?}\nfov = {fov:?}\neven_light = 1.0\n",
+            position.to_array()
+        );
+        let rig = crate::rig::parse(&text, "even.toml", std::path::Path::new("")).unwrap();
+        let plan = build(&rig, &request(&[size])).unwrap();
+        let Source::Table(table) = &plan.passes[0].source else { panic!("{screen}: no table") };
+        let tangents = fov.map(|angle| (0.5 * angle.to_radians()).tan());
+        let (mut levels, mut full) = (Vec::new(), 0);
+        for (column, row) in (0..size.1).flat_map(|row| (0..size.0).map(move |column| (column, row))) {
+            let part = |index: u32, count: u32| (f64::from(index) + 0.5) / f64::from(count);
+            let (across, down) = (part(column, size.0), part(row, size.1));
+            let ray = DVec3::new((2.0 * across - 1.0) * tangents[0], (1.0 - 2.0 * down) * tangents[1], -1.0);
+            let hit = rig.surface().hit(position, ray).unwrap();
+            let (away, towards) = (hit.point - position, ray.normalize());
+            // In units of the pixel's tangents; the cube of the length is the slant of the picture's plane and its distance.
+            let solid_angle = ray.length().powi(-3);
+            let area = away.length_squared() * solid_angle / hit.normal.dot(towards).abs();
+            let weight = table.nearest(across, down).unwrap().weight;
+            match weight < 1.0 {
+                true => levels.push(weight / area),
+                false => full += 1,
+            }
+        }
+        let mean = levels.iter().sum::<f64>() / levels.len() as f64;
+        let worst = levels.iter().map(|level| (level / mean - 1.0).abs()).fold(0.0, f64::max);
+        // Areas are differences over a pixel, off by the square of its size.
+        assert!(worst < 2e-3, "{screen}: {worst}");
+        assert!(levels.len() > 1_000 && full > 50, "{screen}: {} dimmed, {full} not", levels.len());
+    }
+}

@@ -11,6 +11,7 @@
 //! point, a direction). At run time only [`bourke`], [`pfm`] and [`obj`] are read; `cupola convert` turns all
 //! other formats into these, so that the injected library carries no archive and no XML.
 
+mod bmp;
 mod bytes;
 mod camera;
 mod grid;

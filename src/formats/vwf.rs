@@ -2,9 +2,10 @@
 //!
 //! A two-dimensional map has u, v (from the top left), 1 where the pixel shows something, 0; a
 //! three-dimensional one the point in metres and 1. Encrypted and compressed maps are refused. The set's
-//! pictures after a map are blend, black and white; only their presence is told, in a note: they are applied to
-//! displayed values and have their own conventions.
+//! pictures after a map are blend, black and white. The blend is read; readers disagree about the others, and only
+//! their presence is told, in a note.
 
+use super::bmp::{self, Bitmap};
 use super::bytes::Bytes;
 use super::grid::Raster;
 use super::input::{Noted, checked_size, invalid};
@@ -30,6 +31,17 @@ pub struct VwfMap {
     pub points: bool,
     /// The values, NaN where nothing is shown.
     pub raster: Raster,
+    /// Factors on displayed values, if there are any.
+    pub blend: Option<Blend>,
+}
+
+/// Factors on the displayed values of a channel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Blend {
+    /// Width and height.
+    pub size: (u32, u32),
+    /// Factors 0…1, row by row from the top.
+    pub factors: Vec<f32>,
 }
 
 /// Reads all maps of a set. `name` is the file's, for messages.
@@ -49,15 +61,29 @@ pub fn read(name: &str, bytes: &[u8]) -> Result<Noted<Vec<VwfMap>>> {
     }
     let skipped = (start as usize).saturating_sub(file.offset());
     file.take(skipped, "the set's header")?;
-    let (mut maps, mut pictures) = (Vec::new(), 0);
+    let mut maps: Vec<VwfMap> = Vec::new();
+    // Of the latest map, and of all; those that are not taken over.
+    let (mut of_map, mut pictures, mut left_out) = (0, 0, 0);
     while maps.len() + pictures < blocks as usize && file.left() > 0 {
+        let start = file.offset();
         match file.array::<4>("a block")? {
-            [b'v', b'w', b'f', b'0'] => maps.push(map(name, &mut file)?),
+            [b'v', b'w', b'f', b'0'] => {
+                maps.push(map(name, &mut file)?);
+                of_map = 0;
+            }
             [b'B', b'M', low, high] => {
                 let rest = file.array::<2>("the length of a picture")?;
                 let length = u32::from_le_bytes([low, high, rest[0], rest[1]]) as usize;
                 file.take(length.saturating_sub(6), "a picture")?;
-                pictures += 1;
+                let picture = bmp::read(name, &bytes[start..file.offset()])?;
+                match (picture, maps.last_mut()) {
+                    (Some(Bitmap { size, values }), Some(map)) if of_map == 0 => {
+                        map.blend = Some(Blend { size, factors: values });
+                    }
+                    (Some(_), _) => left_out += 1,
+                    (None, _) => {}
+                }
+                (of_map, pictures) = (of_map + 1, pictures + 1);
             }
             _ => return Err(file.wrong("neither a map (vwf0) nor a picture (BM) begins before here")),
         }
@@ -66,8 +92,8 @@ pub fn read(name: &str, bytes: &[u8]) -> Result<Noted<Vec<VwfMap>>> {
         return Err(invalid(name, "has no map"));
     }
     let mut notes = Vec::new();
-    if pictures > 0 {
-        notes.push(format!("{name}: {pictures} pictures of blends and black levels were not taken over"));
+    if left_out > 0 {
+        notes.push(format!("{name}: {left_out} pictures of black levels and white were not taken over"));
     }
     Ok(Noted { value: maps, notes })
 }
@@ -118,7 +144,7 @@ fn map(name: &str, file: &mut Bytes) -> Result<VwfMap> {
         }
     }
     let raster = Raster::new((width, height), values).ok_or_else(|| invalid(name, "has no pixels"))?;
-    Ok(VwfMap { name: String::from_utf8_lossy(text).into_owned(), points, raster })
+    Ok(VwfMap { name: String::from_utf8_lossy(text).into_owned(), points, raster, blend: None })
 }
 
 /// The bytes of a set with these maps, each with empty pictures.
@@ -167,8 +193,8 @@ mod tests {
         let values = |i: usize| if i == 2 { [f32::NAN; 3] } else { [i as f32 * 0.125, 0.25, 0.0] };
         let raster = Raster::new((3, 2), (0..6).map(values).collect()).unwrap();
         vec![
-            VwfMap { name: "left".into(), points: false, raster: raster.clone() },
-            VwfMap { name: "right".into(), points: true, raster },
+            VwfMap { name: "left".into(), points: false, raster: raster.clone(), blend: None },
+            VwfMap { name: "right".into(), points: true, raster, blend: None },
         ]
     }
 
@@ -180,6 +206,22 @@ mod tests {
             let pairs = found.raster.values().iter().zip(expected.raster.values());
             assert!(pairs.into_iter().all(|(a, b)| a == b || (a[0].is_nan() && b[0].is_nan())));
         }
+    }
+
+    #[test]
+    fn the_first_picture_after_a_map_is_its_blend() {
+        let values = [0.0, 0.2, 0.4, 0.6, 0.8, 1.0];
+        let picture = bmp::tests::bitmap(48, false, values);
+        let single = write(&maps()[..1]).unwrap();
+        let mut bytes = [single.as_slice(), &picture, &picture, &single[16..]].concat();
+        bytes[4] = 4;
+        let set = read("a.vwf", &bytes).unwrap();
+        let blend = set.value[0].blend.as_ref().expect("has a blend");
+        assert!(blend.size == (3, 2) && blend.factors.iter().zip(values).all(|(a, b)| (a - b).abs() < 1e-4));
+        assert!(set.value.len() == 2 && set.value[1].blend.is_none());
+        assert!(set.notes[0].contains("1 pictures of black"), "{:?}", set.notes);
+        // Cut off within the picture.
+        assert!(read("a.vwf", &bytes[..single.len() + 60]).is_err());
     }
 
     #[test]

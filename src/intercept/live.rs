@@ -42,7 +42,7 @@ fn watch(settings: &Settings) -> &'static Mutex<Watch> {
     static WATCH: OnceLock<Mutex<Watch>> = OnceLock::new();
     WATCH.get_or_init(|| {
         let live = Live { rig: Arc::new(settings.rig.clone()), version: 0 };
-        Mutex::new(Watch { live, looked: Instant::now(), seen: settings.rig_stamp.clone().map(Stamp::from) })
+        Mutex::new(Watch { live, looked: Instant::now(), seen: settings.rig_stamp.map(Stamp::from) })
     })
 }
 
@@ -93,6 +93,7 @@ fn look(watch: &mut Watch, settings: &Settings, path: &Path) {
         Ok(rig) => {
             watch.live = Live { rig: Arc::new(rig), version: watch.live.version + 1 };
             VERSION.store(watch.live.version, Ordering::Release);
+            log::once(&format!("the rig's file has changed, and windows follow it ({})", watch.live.version));
         }
         Err(error) => log::once(&format!("the rig stays as it was: {error}")),
     }

@@ -13,6 +13,7 @@ mod display;
 mod embedding;
 mod hidden;
 mod injection;
+mod live;
 mod offscreen;
 mod outlines;
 mod picture;

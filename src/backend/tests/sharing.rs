@@ -210,9 +210,9 @@ pub fn blacks_are_evened_out(driver: &dyn Driver) {
                     let share = exact_share(&projectors, index, point);
                     let light = share * ((1.0 - most) * white + most - dark);
                     let found = shown.at(column, SIZE.1 - 1 - row);
-                    for channel in 0..3 {
+                    for (channel, found) in found[..3].iter().enumerate() {
                         let exact = 255.0 * crate::blend::code_of(light, &display, channel);
-                        worst = worst.max((f64::from(found[channel]) - exact).abs());
+                        worst = worst.max((f64::from(*found) - exact).abs());
                     }
                 }
                 assert!(worst <= 0.6, "{transfer:?}, white {white}, projector {index}: {worst}");

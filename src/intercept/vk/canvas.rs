@@ -72,6 +72,8 @@ pub struct Canvas {
     between: Option<OwnImage>,
     slots: Vec<Slot>,
     backend: VkBackend,
+    /// The format that the correction reads and writes.
+    format: vk::Format,
     family: u32,
     pool: vk::CommandPool,
     /// The masks are on the device.
@@ -127,6 +129,7 @@ impl Canvas {
             between: None,
             slots: Vec::new(),
             backend: VkBackend::new(&device.api),
+            format: plain_format(info.image_format),
             family: u32::MAX,
             pool: vk::CommandPool::null(),
             uploaded: false,
@@ -192,9 +195,45 @@ impl Canvas {
                 self.targets.push(between.view(device, plain, same).map_err(refused("a view of an image"))?);
             }
         }
-        self.backend.prepare(&self.layout.plan, true, plain)?;
-        self.backend.set_sources(&self.sources(plain))?;
-        self.backend.set_targets(&self.target_images(plain))
+        let mut backend = std::mem::replace(&mut self.backend, VkBackend::new(&device.api));
+        let prepared = self.prepare(&mut backend, &self.layout);
+        self.backend = backend;
+        prepared
+    }
+
+    /// Makes a backend ready to correct by a plan whose views lie as those of this canvas.
+    fn prepare(&self, backend: &mut VkBackend, layout: &Layout) -> Result<()> {
+        backend.prepare(&layout.plan, true, self.format)?;
+        backend.set_sources(&self.sources(self.format))?;
+        backend.set_targets(&self.target_images(self.format))
+    }
+
+    /// Corrects by another plan from the next picture on, with the same views in the same window. On an error
+    /// everything stays.
+    ///
+    /// # Errors
+    /// [`ErrorKind::Graphics`] where the driver refuses something.
+    ///
+    /// # Safety
+    /// The device must be live, and no other thread may present this swapchain meanwhile.
+    pub unsafe fn adopt(&mut self, device: &Device, layout: Arc<Layout>) -> Result<()> {
+        let mut backend = VkBackend::new(&device.api);
+        let prepared = self.prepare(&mut backend, &layout);
+        // SAFETY: as promised; the device has finished with what is destroyed.
+        unsafe {
+            self.wait(device);
+            if let Err(error) = prepared {
+                backend.destroy();
+                return Err(error);
+            }
+            self.backend.destroy();
+            device.functions.destroy_command_pool(std::mem::take(&mut self.pool), None);
+        }
+        // The old backend's times are gone with it.
+        self.slots.iter_mut().for_each(|slot| slot.submitted = None);
+        // Commands are recorded anew with the next pool.
+        (self.backend, self.layout, self.family, self.uploaded) = (backend, layout, u32::MAX, false);
+        Ok(())
     }
 
     /// The atlases: twice each, as they are and as if they covered everything.

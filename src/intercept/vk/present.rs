@@ -24,9 +24,12 @@ pub unsafe extern "system" fn present(queue: vk::Queue, info: *const vk::Present
     let frames = device.frames.fetch_add(1, Ordering::Relaxed) + 1;
     let settings = settings::settings();
     let last = settings.is_some_and(|settings| settings.frames == Some(frames));
-    let mut ready = None;
+    let (mut ready, mut outdated) = (None, false);
     // SAFETY: the program presents on this queue, so that no other thread uses it.
-    let prepared = crate::fence::guard(|| unsafe { prepare(&device, queue, &changed, frames, last, &mut ready) });
+    let prepared = crate::fence::guard(|| unsafe {
+        outdated = follow_rig(&device, &changed);
+        prepare(&device, queue, &changed, frames, last, &mut ready);
+    });
     if prepared.is_none() {
         log::once("Vulkan: a frame could not be corrected after a failure");
     }
@@ -39,34 +42,24 @@ pub unsafe extern "system" fn present(queue: vk::Queue, info: *const vk::Present
     if last {
         kept::end_program();
     }
-    let is_good = result == vk::Result::SUCCESS || result == vk::Result::SUBOPTIMAL_KHR;
-    // SAFETY: the program's structure.
-    if is_good && crate::fence::guard(|| unsafe { tell_outdated(&device, &changed) }).unwrap_or(false) {
-        return vk::Result::ERROR_OUT_OF_DATE_KHR;
-    }
-    result
+    if result == vk::Result::SUCCESS && outdated { vk::Result::SUBOPTIMAL_KHR } else { result }
 }
 
-/// Tells the program that swapchains are out of date whose rig has changed, after their picture was shown: it makes new
-/// ones, as after a change of size. Whether there is one.
+/// Lets what is presented follow the rig's file; whether the program should make new swapchains.
 ///
 /// # Safety
 /// As for [`present`].
-unsafe fn tell_outdated(device: &Device, info: &vk::PresentInfoKHR<'_>) -> bool {
+unsafe fn follow_rig(device: &Device, info: &vk::PresentInfoKHR<'_>) -> bool {
     // SAFETY: the lengths and arrays of the program's structure.
     let swapchains = unsafe { super::slice(info.p_swapchains, info.swapchain_count) };
-    let mut any = false;
-    for (index, handle) in swapchains.iter().enumerate() {
-        let Some(managed) = device.managed(*handle) else { continue };
-        if managed.lock().unwrap_or_else(PoisonError::into_inner).is_outdated(device) {
-            any = true;
-            if !info.p_results.is_null() {
-                // SAFETY: as many results as swapchains.
-                unsafe { *info.p_results.add(index) = vk::Result::ERROR_OUT_OF_DATE_KHR };
-            }
+    let mut outdated = false;
+    for handle in swapchains {
+        if let Some(managed) = device.managed(*handle) {
+            // SAFETY: as promised.
+            outdated |= unsafe { managed.lock().unwrap_or_else(PoisonError::into_inner).follow_rig(device) };
         }
     }
-    any
+    outdated
 }
 
 /// Corrects each image that is presented; `ready` gets what the presentation has to wait for in the place of the

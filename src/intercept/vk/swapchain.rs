@@ -36,18 +36,37 @@ impl Swapchain {
         }
     }
 
-    /// Whether the rig's file has become another rig since, which can be planned for this window. Views and images of the
-    /// program's are made for a plan: it gets a new one with its next swapchain.
-    pub fn is_outdated(&mut self, device: &Device) -> bool {
+    /// Goes on with the rig as its file is now, before a picture is made. Where only the correction changes, it is made
+    /// anew; images and views of the program's belong to the views that it has drawn, so that others need a new swapchain:
+    /// whether the program should be asked for one. What cannot be planned or made changes nothing.
+    ///
+    /// # Safety
+    /// The device must be live, and no other thread may present this swapchain meanwhile.
+    pub unsafe fn follow_rig(&mut self, device: &Device) -> bool {
         let version = live::version();
-        let Some(layout) = self.canvas.as_ref().map(|canvas| canvas.layout.clone()) else { return false };
-        if self.failed || self.version == version {
+        let Some(canvas) = self.canvas.as_mut().filter(|_| !self.failed && self.version != version) else {
             return false;
-        }
+        };
         self.version = version;
         let Some(live) = live::rig() else { return false };
-        match Layout::new(&live.rig, layout.window, device.greatest_image(), layout.read) {
-            Ok(_) => true,
+        let (window, read) = (canvas.layout.window, canvas.layout.read);
+        let adopted = Layout::new(&live.rig, window, device.greatest_image(), read).and_then(|new| {
+            let layout = Layout { version, ..new };
+            let (old, new) = (&canvas.layout.plan.views, &layout.plan.views);
+            // What is recorded already has the program's camera as the rig adapted it.
+            let same = canvas.layout.session.rig().camera == layout.session.rig().camera
+                && (&old.views, &old.panel, old.atlas) == (&new.views, &new.panel, new.atlas);
+            // SAFETY: as promised.
+            same.then(|| unsafe { canvas.adopt(device, Arc::new(layout)) }).transpose()
+        });
+        match adopted {
+            Ok(Some(())) => false,
+            Ok(None) => {
+                log::once(
+                    "Vulkan: the rig's views have changed; a window follows when the program makes its next swapchain, as after a change of size",
+                );
+                true
+            }
             Err(error) => {
                 log::once(&format!("Vulkan: the rig stays as it was: {}", error.message));
                 false

@@ -18,7 +18,7 @@ const LONGEST_FILE: u64 = 1 << 20;
 /// What a channel's key says.
 enum Channel {
     Power(f64),
-    Measured(Response),
+    Measured(Box<Response>),
 }
 
 /// The response that `transfer` and, of a plain power, `gamma` describe.
@@ -68,7 +68,7 @@ fn described(mut section: Section, directory: &Path, problems: &mut Problems) ->
         [Some(red), Some(green), Some(blue)] => {
             Transfer::Measured(Arc::new([red, green, blue].map(|channel| match channel {
                 Channel::Power(gamma) => Response::power(gamma),
-                Channel::Measured(response) => response,
+                Channel::Measured(response) => *response,
             })))
         }
         _ => Transfer::Power,
@@ -99,7 +99,7 @@ fn channel(section: &mut Section, key: &'static str, problems: &mut Problems) ->
         return section.optional_number(key, &GAMMA, problems).map(Channel::Power);
     }
     let points = section.number_pairs(key, &POINT, problems)?;
-    response(&points, &section.path(key), problems).map(Channel::Measured)
+    response(&points, &section.path(key), problems).map(|response| Channel::Measured(Box::new(response)))
 }
 
 fn response(points: &[[f64; 2]], path: &str, problems: &mut Problems) -> Option<Response> {

@@ -119,17 +119,25 @@ pub fn from_sgct(
 
 /// The keys of a viewport's output; `None` for what has no counterpart.
 fn sgct_output(viewport: &sgct::Viewport, name: &str, notes: &mut Vec<String>) -> Option<String> {
+    // A warp mesh shows places of what would be the picture without it.
+    let mesh = viewport.mesh.as_deref().filter(|mesh| is_warp_mesh(mesh));
+    let kind = |picture: &str| match mesh {
+        Some(mesh) => format!("kind = \"mesh\"\nfile = {}\npicture = \"{picture}\"\n", quoted(mesh)),
+        None => format!("kind = \"{picture}\"\n"),
+    };
     let mut keys = match &viewport.projection {
         sgct::Projection::Fisheye { aperture, tilt } => {
-            format!("kind = \"domemaster\"\naperture = {:?}\ntilt = {:?}\n", aperture.to_degrees(), tilt.to_degrees())
+            let kind = kind("domemaster");
+            format!("{kind}aperture = {:?}\ntilt = {:?}\n", aperture.to_degrees(), tilt.to_degrees())
         }
         sgct::Projection::Planar { rotation, frustum } => {
             let [yaw, pitch, roll] = pose::angles(rotation).map(|angle| tidy(angle.to_degrees()));
             let Frustum { left, right, bottom, top } = *frustum;
             let [left, right, bottom, top] = [left, right, bottom, top].map(|side| tidy(side.atan().to_degrees()));
             format!(
-                "kind = \"perspective\"\nyaw = {yaw:?}\npitch = {pitch:?}\nroll = {roll:?}\n\
-                 angles = {{ left = {left:?}, right = {right:?}, bottom = {bottom:?}, top = {top:?} }}\n"
+                "{}yaw = {yaw:?}\npitch = {pitch:?}\nroll = {roll:?}\n\
+                 angles = {{ left = {left:?}, right = {right:?}, bottom = {bottom:?}, top = {top:?} }}\n",
+                kind("perspective")
             )
         }
         sgct::Projection::Other(kind) => {
@@ -140,7 +148,7 @@ fn sgct_output(viewport: &sgct::Viewport, name: &str, notes: &mut Vec<String>) -
     if let Some(mask) = &viewport.mask {
         let _ = writeln!(keys, "mask = {{ image = {} }}", quoted(mask));
     }
-    if let Some(mesh) = &viewport.mesh {
+    if let (Some(mesh), None) = (&viewport.mesh, mesh) {
         notes.push(format!("{name}: the mesh {mesh} is left out; convert it, and make the output kind = \"mesh\""));
     }
     match viewport.eye {
@@ -149,6 +157,12 @@ fn sgct_output(viewport: &sgct::Viewport, name: &str, notes: &mut Vec<String>) -
         None => {}
     }
     Some(keys)
+}
+
+/// Whether a file is a mesh that rigs read, by its name.
+fn is_warp_mesh(name: &str) -> bool {
+    let ending = Path::new(name).extension().unwrap_or_default();
+    ["data", "map"].iter().any(|known| ending.eq_ignore_ascii_case(known))
 }
 
 /// Without the last digits, which are rounding.

@@ -120,15 +120,20 @@ pub fn open(arguments: &Arguments) -> Result<Source, Failure> {
         }
         "vwf" => {
             let set = vwf::read(name, &read()?)?;
+            let mut notes = set.notes;
+            if set.value.iter().any(|map| map.blend.is_some()) {
+                notes.push(format!("{name}: blends are taken as factors on the values of displays with gamma 2.2"));
+            }
+            let alpha = |vwf::Blend { size, factors }| mpcdi::Alpha { size, weights: factors, gamma: 2.2 };
             let map = |map: vwf::VwfMap| Map {
                 name: map.name,
                 size: Some(map.raster.size()),
                 grid: Grid::Raster(map.raster),
                 values: if map.points { Values::Points } else { Values::Picture },
-                alpha: None,
+                alpha: map.blend.map(alpha),
                 camera: None,
             };
-            Source::Maps { maps: set.value.into_iter().map(map).collect(), notes: set.notes }
+            Source::Maps { maps: set.value.into_iter().map(map).collect(), notes }
         }
         "mpcdi" => {
             let archive = mpcdi::read(name, &read()?)?;

@@ -152,7 +152,7 @@ pub fn write(arguments: &Arguments, format: Format, channels: &[Channel]) -> Res
         Format::Vwf => {
             let map = |channel: &Channel| {
                 let raster = raster(channel)?.0;
-                Ok(vwf::VwfMap { name: channel.name.clone(), points: values == Values::Points, raster })
+                Ok(vwf::VwfMap { name: channel.name.clone(), points: values == Values::Points, raster, blend: None })
             };
             let maps: Vec<_> = channels.iter().map(map).collect::<Result<_, Failure>>()?;
             together(vwf::write(&maps)?)
