@@ -1,6 +1,6 @@
 //! A rig at work in a window of a given size.
 
-use crate::correct::{self, Plan};
+use crate::correct::{self, Plan, uniforms};
 use crate::error::Result;
 pub use crate::geom::Frustum;
 use crate::geom::pose;
@@ -34,9 +34,24 @@ impl Session {
     /// `off_screen`: outputs have their own resolution (`size`), not that of their place in the
     /// window. `max_atlas`: greatest width and height of a texture.
     ///
+    /// All views are perspective ones; outputs to which vertices should be projected have the method `fragment`, and the
+    /// plan's notes say so.
+    ///
     /// # Errors
     /// What the planner says: a rig that no set of views can serve, or an atlas that is too small.
     pub fn new(rig: &Rig, window: (u32, u32), off_screen: bool, max_atlas: u32, extras: Extras) -> Result<Self> {
+        let mut session = Self::projecting(&rig.with_views_only(), window, off_screen, max_atlas, extras)?;
+        let outputs = rig.outputs.iter().filter(|output| output.method.projects_vertices());
+        let notes = outputs.map(|output| format!("output {}: method \"fragment\" instead of its own", output.name));
+        session.plan.views.notes.extend(notes);
+        Ok(session)
+    }
+
+    /// As [`Session::new`] for a caller that projects vertices by [`View::curved`](crate::views::View::curved).
+    ///
+    /// # Errors
+    /// As for [`Session::new`].
+    pub fn projecting(rig: &Rig, window: (u32, u32), off_screen: bool, max_atlas: u32, extras: Extras) -> Result<Self> {
         let rects = rig.layout(window);
         let output_sizes = rig
             .outputs
@@ -92,6 +107,15 @@ impl Session {
         self.views().get(index).map_or(([0, 0, 1, 1], true), |view| (rect(&view.tile), view.program_lens))
     }
 
+    /// For each view the lens of its picture, as patched shaders take it; zeros for perspective ones. Empty where all views
+    /// are.
+    pub fn lenses(&self) -> Vec<[f32; 16]> {
+        if self.views().iter().all(|view| view.curved.is_none()) {
+            return Vec::new();
+        }
+        self.views().iter().map(|view| view.curved.as_ref().map_or([0.0; 16], uniforms::picture_lens)).collect()
+    }
+
     /// The view that shows best what is ahead of the program's camera.
     pub fn ahead(&self) -> usize {
         let forward = camera_rotation(&self.rig.camera) * DVec3::NEG_Z;
@@ -130,7 +154,10 @@ impl Session {
         let lens = *lens;
         self.views().iter().map(move |view| {
             let camera = self.camera(view);
-            clip_rows(&lens, &camera, view.rotation, &view.frustum).widened(&lens, &camera, &view.frustum)
+            let rows = clip_rows(&lens, &camera, view.rotation, &view.frustum);
+            // Depth is the distance in all directions there: no corner is nearer than the middle.
+            let frustum = if view.curved.is_some() { Frustum::POINT } else { view.frustum };
+            ClipRows { curved: view.curved.is_some(), ..rows.widened(&lens, &camera, &frustum) }
         })
     }
 
@@ -156,7 +183,7 @@ impl Session {
                 let seen = view.rotation * direction;
                 let (right, up) = (seen.x / -seen.z, seen.y / -seen.z);
                 let owned = &view.owned;
-                if view.program_lens {
+                if view.program_lens || view.curved.is_some() {
                     sum += own / f64::from(GRID * GRID);
                 } else if seen.z < 0.0
                     && (owned.left..=owned.right).contains(&right)
@@ -194,8 +221,11 @@ impl Session {
             f: None,
         };
         let camera = CameraAdjustment { rotation: panel.rotation.transpose(), ..CameraAdjustment::NONE };
-        let rows =
-            |view: &View| ClipRows { depth: [0.5, 0.0], ..clip_rows(&lens, &camera, view.rotation, &view.frustum) };
+        let rows = |view: &View| ClipRows {
+            depth: [0.5, 0.0],
+            curved: view.curved.is_some(),
+            ..clip_rows(&lens, &camera, view.rotation, &view.frustum)
+        };
         self.views().iter().map(rows).collect()
     }
 }

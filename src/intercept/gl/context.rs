@@ -81,6 +81,8 @@ pub struct Context {
     pub gl: &'static Gl,
     /// Which OpenGL.
     pub profile: Profile,
+    /// The program's vertices cannot be projected straight to an output: windows have views.
+    pub views_only: bool,
     /// A defect switched this context off: every call goes straight to the driver.
     pub switched_off: bool,
     /// The window that it draws to.
@@ -178,6 +180,7 @@ impl Context {
         Self {
             gl,
             profile: profile(gl),
+            views_only: false,
             switched_off: false,
             window: None,
             target: None,

@@ -20,6 +20,8 @@ pub struct DefaultFramebuffer {
     /// The surface's picture with one sample per pixel, where it has several.
     resolved: Option<Surface>,
     backend: GlBackend,
+    /// For each view the lens to which vertices are projected; empty where all views are perspective ones.
+    pub lenses: Vec<[f32; 16]>,
     /// What the views hold.
     pub content: Content,
     issued: Vec<u64>,
@@ -323,7 +325,8 @@ impl DefaultFramebuffer {
     fn new(ctx: &Context, window: &Window, settings: &settings::Settings, extras: Extras) -> Result<Self> {
         let gl = ctx.gl;
         let size = window.size();
-        let session = Session::new(&settings.rig, size, settings.offscreen, greatest_texture(gl), extras)?;
+        let plan = if ctx.views_only { Session::new } else { Session::projecting };
+        let session = plan(&settings.rig, size, settings.offscreen, greatest_texture(gl), extras)?;
         let config = Config::of_window(gl, &ctx.profile, window);
         Self::with_session(ctx, session, config)
     }
@@ -340,7 +343,8 @@ impl DefaultFramebuffer {
         let (issued, culled) = (vec![0; session.views().len()], vec![0; session.views().len()]);
         let outputs = session.viewports().map(|viewport| Target { framebuffer: 0, viewport }).collect();
         let content = Content::default();
-        Ok(Self { session, config, surface, resolved, backend, content, issued, culled, closed, outputs })
+        let lenses = session.lenses();
+        Ok(Self { session, lenses, config, surface, resolved, backend, content, issued, culled, closed, outputs })
     }
 
     /// The same with more tiles.

@@ -42,6 +42,7 @@ pub enum Place {
 pub fn draw(ctx: &mut Context, changes: Changes, bounds: &Bounds, mut issue: impl FnMut(&mut Context, &Gl)) {
     let gl = ctx.gl;
     super::outlines::look(ctx);
+    super::vertices::fallback::look(ctx);
     if !ctx.redirected() {
         if !super::duplicate::draw(ctx, changes, &mut issue) {
             counting::weigh(ctx, Weights::ONCE);
@@ -125,12 +126,12 @@ pub fn draw(ctx: &mut Context, changes: Changes, bounds: &Bounds, mut issue: imp
                 }
                 Place::Scene(camera) => {
                     if let Some(rows) = ctx.cameras.get(camera).and_then(|c| c.rows.get(index)) {
-                        super::programs::upload(ctx, rows);
+                        super::programs::upload_view(ctx, rows, target.lenses.get(index));
                     }
                 }
                 Place::Background if ctx.program.as_ref().is_some_and(|p| p.draws_vertices()) => {
                     if let Some(rows) = ctx.background.shader_rows(index) {
-                        super::programs::upload(ctx, rows);
+                        super::programs::upload_view(ctx, rows, target.lenses.get(index));
                     }
                 }
                 Place::Background => {
@@ -191,7 +192,8 @@ pub fn each_view(
             }
             Place::Scene(camera) => {
                 if let Some(rows) = ctx.cameras.get(camera).and_then(|c| c.rows.get(view)) {
-                    super::programs::upload(ctx, rows);
+                    let lens = ctx.target.as_ref().and_then(|target| target.lenses.get(view));
+                    super::programs::upload_view(ctx, rows, lens);
                 }
             }
             Place::Flat | Place::Background => plain_program(ctx),

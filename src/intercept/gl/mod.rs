@@ -46,4 +46,5 @@ pub mod uniforms;
 pub mod vendor;
 pub mod vendor_egl;
 pub mod vendor_glx;
+pub mod vertices;
 pub mod window;

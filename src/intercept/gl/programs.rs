@@ -28,6 +28,8 @@ pub struct Program {
     pub name: u32,
     /// Where the rows of the re-projection go; −1 = it is not patched.
     location: i32,
+    /// Where the lens of a view goes; −1 = all views are perspective ones.
+    lens_location: i32,
     /// Index of our uniform among the active ones, to be hidden.
     pub hidden: Option<u32>,
     /// The bits of its stages that lie before rasterisation, as for `glUseProgramStages`.
@@ -40,7 +42,14 @@ pub struct Program {
     pub asks_place: bool,
     /// Its 4×4 matrices.
     pub uniforms: Mutex<Uniforms>,
-    uploaded: Mutex<Option<[f32; 16]>>,
+    uploaded: Mutex<Uploaded>,
+}
+
+/// What a program has of a view.
+#[derive(Default)]
+struct Uploaded {
+    rows: Option<[f32; 16]>,
+    lens: Option<[f32; 16]>,
 }
 
 /// What a program draws with.
@@ -92,17 +101,33 @@ pub fn send(ctx: &Context, program: &Program, rows: &[f32; 16]) {
         return;
     }
     let mut uploaded = program.uploaded.lock().unwrap_or_else(PoisonError::into_inner);
-    if uploaded.as_ref() != Some(rows) {
-        // SAFETY: the location is that of our array of four vectors; where no program is in use, there
-        // are pipelines and with them the command that takes a name.
-        unsafe {
-            if ctx.pipelines.used == program.name {
-                ctx.gl.uniform4fv(program.location, 4, rows.as_ptr());
-            } else {
-                ctx.gl.program_uniform4fv(program.name, program.location, 4, rows.as_ptr());
-            }
+    if uploaded.rows.as_ref() != Some(rows) {
+        set_vectors(ctx, program, program.location, rows);
+        uploaded.rows = Some(*rows);
+    }
+}
+
+/// Sends the rows of a view to the program that draws, and the lens to whose axes they lead, if they lead to one.
+pub fn upload_view(ctx: &Context, rows: &[f32; 16], lens: Option<&[f32; 16]>) {
+    upload(ctx, rows);
+    let (Some(program), Some(lens)) = (&ctx.program, lens) else { return };
+    let mut uploaded = program.uploaded.lock().unwrap_or_else(PoisonError::into_inner);
+    if program.lens_location >= 0 && uploaded.lens.as_ref() != Some(lens) {
+        set_vectors(ctx, program, program.lens_location, lens);
+        uploaded.lens = Some(*lens);
+    }
+}
+
+/// Sets four vectors of our array.
+fn set_vectors(ctx: &Context, program: &Program, location: i32, vectors: &[f32; 16]) {
+    // SAFETY: the location is that of the array, or of its second half; where no program is in use, there are
+    // pipelines and with them the command that takes a name.
+    unsafe {
+        if ctx.pipelines.used == program.name {
+            ctx.gl.uniform4fv(location, 4, vectors.as_ptr());
+        } else {
+            ctx.gl.program_uniform4fv(program.name, location, 4, vectors.as_ptr());
         }
-        *uploaded = Some(*rows);
     }
 }
 
@@ -186,6 +211,7 @@ fn patched_stage(
     sources: &HashMap<u32, Arc<str>>,
     shaders: &[(u32, u32)],
     es_context: bool,
+    curved: bool,
 ) -> Option<(u32, Arc<str>, String)> {
     let stages = [
         (api::GL_GEOMETRY_SHADER, Stage::Geometry),
@@ -195,7 +221,7 @@ fn patched_stage(
     let (kind, stage) = stages.into_iter().find(|(kind, _)| shaders.iter().any(|s| s.1 == *kind))?;
     shaders.iter().filter(|s| s.1 == kind).find_map(|(shader, _)| {
         let source = sources.get(shader)?;
-        glsl::patch(source, stage, es_context).map(|patched| (*shader, source.clone(), patched))
+        glsl::patch(source, stage, es_context, curved).map(|patched| (*shader, source.clone(), patched))
     })
 }
 
@@ -209,7 +235,7 @@ fn link(ctx: &mut Context, program: u32) {
         programs.programs.remove(&program);
         shaders.iter().filter_map(|s| Some((s.0, programs.sources.get(&s.0)?.clone()))).collect()
     };
-    let patched = patched_stage(&sources, &shaders, ctx.profile.es);
+    let patched = patched_stage(&sources, &shaders, ctx.profile.es, super::vertices::asked_for());
     let mut linked = false;
     if let Some((shader, original, text)) = &patched {
         linked = link_patched(gl, program, *shader, original, text);
@@ -302,17 +328,22 @@ fn read_program(gl: &Gl, profile: &Profile, name: u32, patched: bool, stages: u3
     let ours = CString::new(glsl::UNIFORM).unwrap_or_default();
     // SAFETY: a NUL-terminated name.
     let location = if patched { unsafe { gl.get_uniform_location(name, ours.as_ptr()) } } else { -1 };
+    // The vectors of an array have places of their own; −1 where it has no more than the rows.
+    let half = CString::new(format!("{}[{}]", glsl::UNIFORM, super::vertices::text::ROWS)).unwrap_or_default();
+    // SAFETY: as above.
+    let lens_location = if location >= 0 { unsafe { gl.get_uniform_location(name, half.as_ptr()) } } else { -1 };
     let (uniforms, hidden) = uniforms::read(gl, profile, name, glsl::UNIFORM);
     Program {
         name,
         location,
+        lens_location,
         hidden,
         stages,
         fixed_matrices,
         samplers: super::samplers::of_program(gl, name),
         asks_place: false,
         uniforms: Mutex::new(uniforms),
-        uploaded: Mutex::new(None),
+        uploaded: Mutex::default(),
     }
 }
 
