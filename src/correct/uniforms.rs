@@ -9,6 +9,7 @@ use super::response::encoding_polynomial;
 use super::shaders::{Pass, text_of};
 use crate::blend::code_of;
 use crate::error::{Error, ErrorKind, Result};
+use crate::geom::division::EDGE_SHARE;
 use crate::geom::fisheye::{MOST_COEFFICIENTS, sine_cosine_polynomials};
 use crate::geom::picture_map::LEAST_AHEAD;
 use crate::geom::reprojection::ClipRows;
@@ -46,10 +47,11 @@ pub fn clip_rows(rows: &ClipRows) -> [f32; 16] {
 }
 
 /// The lens of an output's own picture as patched shaders take it: (viewer, 1 − |viewer|²), (lens, 1 for a fisheye),
-/// (scale, offset), (limit, 0, 0, 0). A fisheye's point is its direction in the picture times the angle from the axis
+/// (scale, offset), (limit, error, half of the width, half of the height). The last three are in pixels: what the middle of
+/// an edge may be off before it is cut (0: nothing is divided), and the picture's size. A fisheye's point is its direction in the picture times the angle from the axis
 /// times scale; its limit is the angle from which on there is no picture. A pinhole's is tangent times scale minus offset;
 /// its limit is the least part of a direction along the axis.
-pub fn picture_lens(map: &PictureMap) -> [f32; 16] {
+pub fn picture_lens(map: &PictureMap, pixels: DVec2, max_error: f64) -> [f32; 16] {
     let (fisheye, scale, offset, limit) = match map.lens {
         PictureLens::Fisheye { aperture, circle, .. } => (1.0, circle * 2.0 / aperture, DVec2::ZERO, map.limit()),
         PictureLens::Pinhole(frustum) => {
@@ -63,7 +65,7 @@ pub fn picture_lens(map: &PictureMap) -> [f32; 16] {
         map.viewer.extend(inside),
         map.position.extend(fisheye),
         DVec4::new(scale.x, scale.y, offset.x, offset.y),
-        DVec4::new(limit, 0.0, 0.0, 0.0),
+        DVec4::new(limit, EDGE_SHARE * max_error, 0.5 * pixels.x, 0.5 * pixels.y),
     ];
     std::array::from_fn(|i| vectors[i / 4][i % 4] as f32)
 }

@@ -3,6 +3,7 @@
 
 pub mod cube;
 pub mod curve;
+pub mod division;
 pub mod fisheye;
 pub mod frustum;
 pub mod homography;
@@ -20,6 +21,7 @@ pub mod sphere;
 
 pub use cube::Face;
 pub use curve::Curve;
+pub use division::Division;
 pub use fisheye::Fisheye;
 pub use frustum::Frustum;
 pub use lens::{Circle, Lens};

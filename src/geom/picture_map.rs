@@ -70,7 +70,8 @@ impl PictureMap {
             PictureLens::Fisheye { aperture, circle, .. } => {
                 let across = ray.truncate();
                 let sine = across.length();
-                let angle = sine.atan2(-ray.z);
+                // A zero with its sign would lie behind.
+                let angle = sine.atan2(0.0 - ray.z);
                 if angle > self.limit() {
                     // The antipode itself has no direction.
                     return Place::Beyond(across.try_normalize().unwrap_or(DVec2::X));

@@ -48,6 +48,9 @@ pub struct Statistics {
     pub projection_found: BTreeMap<String, u64>,
     /// Batches of the correction that were not drawn, because their views held nothing but the clear colour.
     pub batches_left_out: u64,
+    /// Lines and triangles that the method `primitive` did not divide far enough, in all frames and outputs; none are counted
+    /// where the driver has no atomic counters.
+    pub coarse_primitives: u64,
     /// Programs of shaders that were linked: the correction's, and the program's with our epilogue.
     pub shaders_linked: u64,
     /// OpenGL errors of ours; must be 0.

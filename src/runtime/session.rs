@@ -9,7 +9,7 @@ use crate::geom::reprojection::{CameraAdjustment, clip_rows};
 pub use crate::geom::reprojection::{Intrinsics, MatrixClass, classify};
 use crate::rig::{Camera, Rig};
 use crate::views::{Request, Tile, View};
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec2, DVec3};
 
 /// Tiles beside the views that a program has been seen to need.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -113,7 +113,14 @@ impl Session {
         if self.views().iter().all(|view| view.curved.is_none()) {
             return Vec::new();
         }
-        self.views().iter().map(|view| view.curved.as_ref().map_or([0.0; 16], uniforms::picture_lens)).collect()
+        let lens = |(index, view): (usize, &View)| {
+            let Some(map) = &view.curved else { return [0.0; 16] };
+            let output = self.plan.views.output_views.iter().position(|views| views.contains(&index));
+            let method = output.and_then(|output| self.rig.outputs.get(output)).map(|output| output.method);
+            let pixels = DVec2::new(f64::from(view.tile.width), f64::from(view.tile.height));
+            uniforms::picture_lens(map, pixels, method.and_then(|method| method.max_error()).unwrap_or(0.0))
+        };
+        self.views().iter().enumerate().map(lens).collect()
     }
 
     /// The view that shows best what is ahead of the program's camera.

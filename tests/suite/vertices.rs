@@ -110,3 +110,71 @@ fn other_programs_get_views() {
     expect_identical(&found.picture("capture.png"), &expected.picture("capture.png"), "display_list, vertex");
     assert_eq!(found.words().matches("by method \"fragment\" instead").count(), 1, "{}", found.words());
 }
+
+/// Large triangles that are divided, whatever the shaders that draw them look like.
+#[test]
+fn divided_triangles_are_where_the_exact_map_has_them() {
+    for program in ["core330_mvp", "core330_block", "glsl120", "tessellation"] {
+        let run = run(program, &[], &["--method", "primitive,max_error=0.25"]);
+        let Some(finished) = fisheye(&run) else { return };
+        let picture = finished.picture("capture.png");
+        expect_good(&against_the_map(&run, &picture), &picture, &format!("{program}, primitive"));
+        let statistics = finished.statistics();
+        assert_eq!(statistics["coarse_primitives"].as_u64(), Some(0), "{program}: {statistics:#}");
+        assert_eq!(statistics["views"].as_array().map(Vec::len), Some(1), "one pass: {statistics:#}");
+    }
+}
+
+/// A lens that shows what is behind: triangles around the antipode of its axis are not smeared over the picture.
+#[test]
+fn triangles_around_the_antipode_are_not_smeared() {
+    let folder = scratch("rig");
+    for aperture in [240.0, 360.0] {
+        let file = folder.join(format!("wide-{aperture}.toml"));
+        let text = format!("[[output]]\nkind = \"domemaster\"\naperture = {aperture}\ntilt = 90\n");
+        std::fs::write(&file, text).expect("a rig can be written");
+        let run = run("core330_mvp", &[], &["--method", "primitive,max_error=0.25"]);
+        let Some(finished) = run.under(file.to_str().expect("a UTF-8 path")) else { return };
+        let picture = finished.expect_success().expect_no_gl_errors().picture("capture.png");
+        let circle = Fisheye { aperture, ..CIRCLE };
+        let exact = shown_by_fisheye(circle, camera_of(&run));
+        // At the very rim of all directions a ring is given up.
+        let shown = |x: f64, y: f64| match circle.inside_by(x, y) {
+            inside if aperture == 360.0 && (-1.0..3.0).contains(&inside) => Shown::Unknown,
+            _ => exact(x, y),
+        };
+        expect_good(&compare(&picture, shown), &picture, &format!("core330_mvp, primitive, {aperture}°"));
+    }
+}
+
+#[test]
+fn divided_triangles_are_right_for_every_projector() {
+    let (size, columns) = ((128, 96), 3);
+    let rig = rigs::projectors("planetarium-6", size, columns);
+    let rows = rig.projectors.len().div_ceil(columns);
+    let file = scratch("rig").join("planetarium.toml");
+    std::fs::write(&file, &rig.unblended).expect("a rig can be written");
+    let cupola = ["--method", "primitive,max_error=0.25"];
+    let run = Run { size: (columns * size.0, rows * size.1), ..run("core330_mvp", &[], &cupola) };
+    let Some(finished) = run.under(file.to_str().expect("a UTF-8 path")) else { return };
+    let finished = finished.expect_success().expect_no_gl_errors();
+    for projector in &rig.projectors {
+        let picture = finished.picture(&format!("capture-{}.png", projector.name));
+        let report = compare(&picture, shown_by_projector(projector, &rig.dome, camera_of(&run)));
+        expect_good(&report, &picture, &format!("core330_mvp, primitive, {}", projector.name));
+    }
+}
+
+/// The error that is allowed is the error that is made, more or less; and what has no room left is counted.
+#[test]
+fn a_greater_error_is_cheaper_and_worse() {
+    let worst = |max_error: &str| {
+        let method = format!("primitive,max_error={max_error}");
+        let cupola = ["--method", method.as_str()];
+        let run = run("core330_mvp", &[], &cupola);
+        let picture = fisheye(&run)?.picture("capture.png");
+        Some(against_the_map(&run, &picture).worst)
+    };
+    let (Some(fine), Some(rough)) = (worst("0.25"), worst("8")) else { return };
+    assert!(fine <= 2.0 && rough > 3.0 * fine, "{fine:.2}/255 and {rough:.2}/255");
+}

@@ -4,7 +4,8 @@
 //! (`geom::reprojection`): the program's `main` is renamed by a macro and called from ours,
 //! so that its text stays untouched and its line numbers right.
 
-use super::vertices::text;
+use super::vertices::interface::Interface;
+use super::vertices::{stage, text};
 use std::borrow::Cow;
 
 /// Name of the uniform that carries the rows of the re-projection.
@@ -70,6 +71,24 @@ pub fn patch(source: &str, stage: Stage, es_context: bool, curved: bool) -> Opti
     })
 }
 
+/// `source`, a stage of desktop OpenGL that hands on what `interface` says, with its outputs in carriers for a stage of
+/// ours behind it.
+pub fn carry(source: &str, interface: &Interface) -> String {
+    let edited = interface.edited(source);
+    let bare = strip_comments(&edited);
+    let out = if version(&bare, false).0 < 130 { "varying" } else { "out" };
+    let (declarations, copies) = stage::carriers(interface, out);
+    let (head, body) = edited.split_at(end_of_version_line(&edited, &bare));
+    format!(
+        "{head}#define main cupola_main\n{body}\n#undef main\n{declarations}void main() {{ cupola_main();{copies} }}\n"
+    )
+}
+
+/// Whether a shader's text has the `main` of its stage.
+pub fn has_main(source: &str) -> bool {
+    defines_main(&strip_comments(source))
+}
+
 /// Our uniform, and the functions that re-project with it.
 pub fn functions(es: bool, curved: bool) -> String {
     let vectors = if curved { text::ROWS + text::LENS } else { text::ROWS };
@@ -90,7 +109,7 @@ pub fn mentions(source: &str, word: &str) -> bool {
 }
 
 /// Comments replaced by spaces, byte for byte, so that offsets stay those of the source.
-fn strip_comments(source: &str) -> Cow<'_, str> {
+pub fn strip_comments(source: &str) -> Cow<'_, str> {
     if !source.contains("//") && !source.contains("/*") {
         return Cow::Borrowed(source);
     }

@@ -5,6 +5,7 @@ use super::glsl::{self, Stage};
 use super::hook::hooks;
 use super::lists::Command;
 use super::uniforms::{self, Uniforms};
+use super::vertices::variants::Variants;
 use crate::backend::gl::api::{self, Gl};
 use crate::intercept::log;
 use crate::runtime::session::{Intrinsics, MatrixClass};
@@ -43,6 +44,10 @@ pub struct Program {
     /// Its 4×4 matrices.
     pub uniforms: Mutex<Uniforms>,
     uploaded: Mutex<Uploaded>,
+    /// The kinds and texts of its shaders, if its primitives may have to be divided.
+    pub texts: Vec<(u32, Arc<str>)>,
+    /// What divides them.
+    pub variants: Mutex<Variants>,
 }
 
 /// What a program has of a view.
@@ -232,7 +237,7 @@ fn link(ctx: &mut Context, program: u32) {
     // Compiling takes long; other threads' contexts use the table meanwhile.
     let sources: HashMap<u32, Arc<str>> = {
         let mut programs = ctx.share.programs.lock().unwrap_or_else(PoisonError::into_inner);
-        programs.programs.remove(&program);
+        forget(gl, programs.programs.remove(&program));
         shaders.iter().filter_map(|s| Some((s.0, programs.sources.get(&s.0)?.clone()))).collect()
     };
     let patched = patched_stage(&sources, &shaders, ctx.profile.es, super::vertices::asked_for());
@@ -259,8 +264,10 @@ fn link(ctx: &mut Context, program: u32) {
         .filter_map(|s| sources.get(&s.0))
         .any(|source| words.iter().any(|word| glsl::mentions(source, word)));
     let mut fragments = shaders.iter().filter(|s| s.1 == api::GL_FRAGMENT_SHADER).filter_map(|s| sources.get(&s.0));
+    let texts = shaders.iter().filter_map(|s| Some((s.1, sources.get(&s.0)?.clone()))).collect();
     let record = Arc::new(Program {
         asks_place: fragments.any(|source| glsl::mentions(source, "gl_FragCoord")),
+        texts: if super::vertices::asked_for() { texts } else { Vec::new() },
         ..read_program(gl, &ctx.profile, program, linked, stages, fixed_matrices)
     });
     let mut programs = ctx.share.programs.lock().unwrap_or_else(PoisonError::into_inner);
@@ -269,6 +276,13 @@ fn link(ctx: &mut Context, program: u32) {
     // Linking a program that is in use puts the new one into use.
     if ctx.program.as_ref().is_some_and(|p| p.name == program) {
         ctx.program = Some(record);
+    }
+}
+
+/// A program's record is out of use, and what stood beside the program with it.
+fn forget(gl: &Gl, record: Option<Arc<Program>>) {
+    if let Some(record) = record {
+        record.variants.lock().unwrap_or_else(PoisonError::into_inner).destroy(gl);
     }
 }
 
@@ -344,6 +358,8 @@ fn read_program(gl: &Gl, profile: &Profile, name: u32, patched: bool, stages: u3
         asks_place: false,
         uniforms: Mutex::new(uniforms),
         uploaded: Mutex::default(),
+        texts: Vec::new(),
+        variants: Mutex::default(),
     }
 }
 
@@ -365,16 +381,16 @@ hooks! {
     "glDeleteObjectARB" delete_object_arb(object: u32) = |ctx, gl| {
         // Programs and shaders have names of one space.
         gl.delete_object_arb(object);
-        ctx.share.programs.lock().unwrap_or_else(PoisonError::into_inner).programs.remove(&object);
+        forget(gl, ctx.share.programs.lock().unwrap_or_else(PoisonError::into_inner).programs.remove(&object));
     };
     "glProgramBinary" program_binary(program: u32, format: u32, binary: *const c_void, length: i32) = |ctx, gl| {
         // What it was linked to is gone; what it is now was never patched.
         gl.program_binary(program, format, binary, length);
-        ctx.share.programs.lock().unwrap_or_else(PoisonError::into_inner).programs.remove(&program);
+        forget(gl, ctx.share.programs.lock().unwrap_or_else(PoisonError::into_inner).programs.remove(&program));
     };
     "glDeleteProgram" delete_program(program: u32) = |ctx, gl| {
         gl.delete_program(program);
-        ctx.share.programs.lock().unwrap_or_else(PoisonError::into_inner).programs.remove(&program);
+        forget(gl, ctx.share.programs.lock().unwrap_or_else(PoisonError::into_inner).programs.remove(&program));
     };
     "glCreateShaderProgramv" create_shader_programv(kind: u32, count: i32, strings: *const *const c_char) -> u32 = |ctx, gl| {
         // As OpenGL describes it in terms of the other commands.
