@@ -10,6 +10,7 @@ use cupola::geom::Frustum;
 use cupola::rig::*;
 use cupola::views::Request;
 use glam::DVec3;
+use std::path::PathBuf;
 
 type Failure = Box<dyn std::error::Error>;
 
@@ -21,7 +22,8 @@ fn main() -> Result<(), Failure> {
     println!("{}; {}×{}, {rounds} rounds", trial.driver(), size.0, size.1);
     trial.add_mesh(&TrialMesh::quad(), &Sampling::Picture(size.0, size.1))?;
     let mut names = vec!["bilinear quad".to_owned()];
-    for (name, rig) in rigs() {
+    let mask = half_masked(size)?;
+    for (name, rig) in rigs(mask.clone()) {
         let plan = plan(&rig, size)?;
         let (_, prepared) = trial.add_plan(&plan)?;
         let pass = &plan.passes[0];
@@ -42,6 +44,7 @@ fn main() -> Result<(), Failure> {
         );
         names.push(name);
     }
+    std::fs::remove_file(mask)?;
     let times = trial.run(rounds, || {})?;
     println!("\n{:32} {:>10} {:>10} {:>7} {:>17}", "pass", "median ms", "least ms", "ratio", "processor's ratio");
     let ratio = |of: &[f64], base: &[f64]| median(of.iter().zip(base).map(|(a, b)| a / b).collect());
@@ -63,8 +66,15 @@ fn median(mut values: Vec<f64>) -> f64 {
     values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
 }
 
-/// What is compared: name and rig; the first output is drawn.
-fn rigs() -> Vec<(String, Rig)> {
+/// A file with a mask whose left half is black.
+fn half_masked((width, height): (u32, u32)) -> Result<PathBuf, Failure> {
+    let path = std::env::temp_dir().join(format!("cupola-bench-{}.png", std::process::id()));
+    image::GrayImage::from_fn(width, height, |x, _| image::Luma([if 2 * x < width { 0 } else { 255 }])).save(&path)?;
+    Ok(path)
+}
+
+/// What is compared: name and rig; the first output is drawn. `mask`: of an output that is masked.
+fn rigs(mask: PathBuf) -> Vec<(String, Rig)> {
     let frustum = Frustum::symmetric(60f64.to_radians(), 40f64.to_radians());
     let beamer = |name: &str, yaw: f64, overlap| {
         let kind = OutputKind::Projector {
@@ -80,6 +90,7 @@ fn rigs() -> Vec<(String, Rig)> {
     };
     vec![
         ("projector 60×40° at 0.6 R".into(), rig(vec![beamer("one", 0.0, false)])),
+        ("the same, half of it masked".into(), rig(vec![Output { mask: Some(mask), ..beamer("one", 0.0, false) }])),
         (
             "blended on both sides".into(),
             with_own_views(rig(vec![

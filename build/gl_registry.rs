@@ -7,9 +7,12 @@ use std::fmt::Write;
 
 /// Commands outside the core versions that we call ourselves when a driver has them.
 const EXTRA: &[&str] = &[
+    "glBindBufferOffsetEXT",
     "glDeleteObjectARB",
     "glDiscardFramebufferEXT",
     "glGetObjectParameterivARB",
+    "glMakeBufferResidentNV",
+    "glMakeNamedBufferResidentNV",
     "glMatrixFrustumEXT",
     "glMatrixLoadIdentityEXT",
     "glMatrixLoaddEXT",

@@ -282,7 +282,7 @@ typedef struct cupola_blend {
    */
   uint32_t dither;
   /*
-   Not 0: the display has the response of sRGB.
+   1: the display has the response of sRGB; 2: those of the rig, which `gamma` does not describe; 0: `gamma`.
    */
   uint32_t srgb;
   /*

@@ -42,12 +42,14 @@ struct Shared {
     // The display's response: w^(1/γ) = t·(1 + (t − 1)·h(t)), t = ⁴√w; h with the constant first.
     encoding: array<vec4<f32>, 2>,
     // Black level, encoded.
-    black: f32,
+    black: vec3<f32>,
     // Values are weighted as light, not as codes.
     in_light: u32,
-    // The display's response is that of sRGB, not a power.
-    srgb: u32,
-    gamma: f32,
+    // The display's response: 0 powers, 1 that of sRGB, 2 measured.
+    response: u32,
+    gamma: vec3<f32>,
+    // Of a measured one: the values at which the fourth root of the light is 1/32, 2/32 … 1, for red, green and blue.
+    codes: array<vec4<f32>, 32>,
     // The most light of all projectors' blacks at a point; 0: it is not evened out.
     lift: f32,
     // A step of the display's codes, if it is to be dithered.
@@ -250,22 +252,114 @@ fn encode(weight: f32) -> f32 {
     return t * (1.0 + (t - 1.0) * h);
 }
 
+// How far `code` is on the way from one place of a measured response to the next.
+fn between_codes(code: vec3<f32>, before: vec4<f32>, after: vec4<f32>) -> vec3<f32> {
+    return clamp((code - before.xyz) / (after.xyz - before.xyz), vec3<f32>(0.0), vec3<f32>(1.0));
+}
+
+// The fourth root of the light of a measured response: straight lines between its places.
+fn measured_root(code: vec3<f32>) -> vec3<f32> {
+    var sum = between_codes(code, vec4<f32>(0.0), constants.shared_part.codes[0]);
+    sum += between_codes(code, constants.shared_part.codes[0], constants.shared_part.codes[1]);
+    sum += between_codes(code, constants.shared_part.codes[1], constants.shared_part.codes[2]);
+    sum += between_codes(code, constants.shared_part.codes[2], constants.shared_part.codes[3]);
+    sum += between_codes(code, constants.shared_part.codes[3], constants.shared_part.codes[4]);
+    sum += between_codes(code, constants.shared_part.codes[4], constants.shared_part.codes[5]);
+    sum += between_codes(code, constants.shared_part.codes[5], constants.shared_part.codes[6]);
+    sum += between_codes(code, constants.shared_part.codes[6], constants.shared_part.codes[7]);
+    sum += between_codes(code, constants.shared_part.codes[7], constants.shared_part.codes[8]);
+    sum += between_codes(code, constants.shared_part.codes[8], constants.shared_part.codes[9]);
+    sum += between_codes(code, constants.shared_part.codes[9], constants.shared_part.codes[10]);
+    sum += between_codes(code, constants.shared_part.codes[10], constants.shared_part.codes[11]);
+    sum += between_codes(code, constants.shared_part.codes[11], constants.shared_part.codes[12]);
+    sum += between_codes(code, constants.shared_part.codes[12], constants.shared_part.codes[13]);
+    sum += between_codes(code, constants.shared_part.codes[13], constants.shared_part.codes[14]);
+    sum += between_codes(code, constants.shared_part.codes[14], constants.shared_part.codes[15]);
+    sum += between_codes(code, constants.shared_part.codes[15], constants.shared_part.codes[16]);
+    sum += between_codes(code, constants.shared_part.codes[16], constants.shared_part.codes[17]);
+    sum += between_codes(code, constants.shared_part.codes[17], constants.shared_part.codes[18]);
+    sum += between_codes(code, constants.shared_part.codes[18], constants.shared_part.codes[19]);
+    sum += between_codes(code, constants.shared_part.codes[19], constants.shared_part.codes[20]);
+    sum += between_codes(code, constants.shared_part.codes[20], constants.shared_part.codes[21]);
+    sum += between_codes(code, constants.shared_part.codes[21], constants.shared_part.codes[22]);
+    sum += between_codes(code, constants.shared_part.codes[22], constants.shared_part.codes[23]);
+    sum += between_codes(code, constants.shared_part.codes[23], constants.shared_part.codes[24]);
+    sum += between_codes(code, constants.shared_part.codes[24], constants.shared_part.codes[25]);
+    sum += between_codes(code, constants.shared_part.codes[25], constants.shared_part.codes[26]);
+    sum += between_codes(code, constants.shared_part.codes[26], constants.shared_part.codes[27]);
+    sum += between_codes(code, constants.shared_part.codes[27], constants.shared_part.codes[28]);
+    sum += between_codes(code, constants.shared_part.codes[28], constants.shared_part.codes[29]);
+    sum += between_codes(code, constants.shared_part.codes[29], constants.shared_part.codes[30]);
+    sum += between_codes(code, constants.shared_part.codes[30], constants.shared_part.codes[31]);
+    return sum * 0.03125;
+}
+
+// A place's part of the code, `place` being 32 times the fourth root of the light.
+fn part_of_code(place: vec3<f32>, step: f32, before: vec4<f32>, after: vec4<f32>) -> vec3<f32> {
+    return (after.xyz - before.xyz) * clamp(place - step, vec3<f32>(0.0), vec3<f32>(1.0));
+}
+
+// The same lines the other way.
+fn measured_code(root: vec3<f32>) -> vec3<f32> {
+    let place = 32.0 * root;
+    var code = part_of_code(place, 0.0, vec4<f32>(0.0), constants.shared_part.codes[0]);
+    code += part_of_code(place, 1.0, constants.shared_part.codes[0], constants.shared_part.codes[1]);
+    code += part_of_code(place, 2.0, constants.shared_part.codes[1], constants.shared_part.codes[2]);
+    code += part_of_code(place, 3.0, constants.shared_part.codes[2], constants.shared_part.codes[3]);
+    code += part_of_code(place, 4.0, constants.shared_part.codes[3], constants.shared_part.codes[4]);
+    code += part_of_code(place, 5.0, constants.shared_part.codes[4], constants.shared_part.codes[5]);
+    code += part_of_code(place, 6.0, constants.shared_part.codes[5], constants.shared_part.codes[6]);
+    code += part_of_code(place, 7.0, constants.shared_part.codes[6], constants.shared_part.codes[7]);
+    code += part_of_code(place, 8.0, constants.shared_part.codes[7], constants.shared_part.codes[8]);
+    code += part_of_code(place, 9.0, constants.shared_part.codes[8], constants.shared_part.codes[9]);
+    code += part_of_code(place, 10.0, constants.shared_part.codes[9], constants.shared_part.codes[10]);
+    code += part_of_code(place, 11.0, constants.shared_part.codes[10], constants.shared_part.codes[11]);
+    code += part_of_code(place, 12.0, constants.shared_part.codes[11], constants.shared_part.codes[12]);
+    code += part_of_code(place, 13.0, constants.shared_part.codes[12], constants.shared_part.codes[13]);
+    code += part_of_code(place, 14.0, constants.shared_part.codes[13], constants.shared_part.codes[14]);
+    code += part_of_code(place, 15.0, constants.shared_part.codes[14], constants.shared_part.codes[15]);
+    code += part_of_code(place, 16.0, constants.shared_part.codes[15], constants.shared_part.codes[16]);
+    code += part_of_code(place, 17.0, constants.shared_part.codes[16], constants.shared_part.codes[17]);
+    code += part_of_code(place, 18.0, constants.shared_part.codes[17], constants.shared_part.codes[18]);
+    code += part_of_code(place, 19.0, constants.shared_part.codes[18], constants.shared_part.codes[19]);
+    code += part_of_code(place, 20.0, constants.shared_part.codes[19], constants.shared_part.codes[20]);
+    code += part_of_code(place, 21.0, constants.shared_part.codes[20], constants.shared_part.codes[21]);
+    code += part_of_code(place, 22.0, constants.shared_part.codes[21], constants.shared_part.codes[22]);
+    code += part_of_code(place, 23.0, constants.shared_part.codes[22], constants.shared_part.codes[23]);
+    code += part_of_code(place, 24.0, constants.shared_part.codes[23], constants.shared_part.codes[24]);
+    code += part_of_code(place, 25.0, constants.shared_part.codes[24], constants.shared_part.codes[25]);
+    code += part_of_code(place, 26.0, constants.shared_part.codes[25], constants.shared_part.codes[26]);
+    code += part_of_code(place, 27.0, constants.shared_part.codes[26], constants.shared_part.codes[27]);
+    code += part_of_code(place, 28.0, constants.shared_part.codes[27], constants.shared_part.codes[28]);
+    code += part_of_code(place, 29.0, constants.shared_part.codes[28], constants.shared_part.codes[29]);
+    code += part_of_code(place, 30.0, constants.shared_part.codes[29], constants.shared_part.codes[30]);
+    code += part_of_code(place, 31.0, constants.shared_part.codes[30], constants.shared_part.codes[31]);
+    return code;
+}
+
 // The light that the display makes of codes.
 fn to_light(code: vec3<f32>) -> vec3<f32> {
-    if constants.shared_part.srgb != 0u {
+    if constants.shared_part.response == 2u {
+        let root = measured_root(code);
+        return (root * root) * (root * root);
+    }
+    if constants.shared_part.response == 1u {
         let curve = pow((code + 0.055) / 1.055, vec3<f32>(2.4));
         return select(curve, code / 12.92, code <= vec3<f32>(0.04045));
     }
-    return pow(code, vec3<f32>(constants.shared_part.gamma));
+    return pow(code, constants.shared_part.gamma);
 }
 
 // The codes that the display makes light of.
 fn to_code(light: vec3<f32>) -> vec3<f32> {
-    if constants.shared_part.srgb != 0u {
+    if constants.shared_part.response == 2u {
+        return measured_code(sqrt(sqrt(light)));
+    }
+    if constants.shared_part.response == 1u {
         let curve = 1.055 * pow(light, vec3<f32>(1.0 / 2.4)) - 0.055;
         return select(curve, light * 12.92, light <= vec3<f32>(0.0031308));
     }
-    return pow(light, vec3<f32>(1.0 / constants.shared_part.gamma));
+    return pow(light, 1.0 / constants.shared_part.gamma);
 }
 
 // The picture's share, and of what this point's black has less than the brightest.
@@ -361,7 +455,7 @@ fn present(corner: Corner) -> @location(0) vec4<f32> {
             color *= encode(weight);
         }
     }
-    if constants.shared_part.black > 0.0 {
+    if constants.shared_part.black.x > 0.0 {
         color = constants.shared_part.black + (1.0 - constants.shared_part.black) * color;
     }
     if constants.shared_part.dither > 0.0 {

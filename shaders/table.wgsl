@@ -1,4 +1,4 @@
-// A direction and a weight for each pixel, computed beforehand: a pixel's middle reads its own texel.
+// A direction, a weight and the light of black for each pixel, computed beforehand: a pixel's middle reads its own texel.
 
 struct Constants {
     shared_part: Shared,
@@ -24,18 +24,24 @@ fn between(place: vec2<f32>, own: vec4<f32>) -> vec4<f32> {
 fn known(at: vec2<i32>, own: vec4<f32>) -> vec4<f32> {
     let last = vec2<i32>(textureDimensions(table)) - 1;
     let texel = textureLoad(table, clamp(at, vec2<i32>(0), last), 0);
-    return select(own, texel, dot(texel.xyz, texel.xyz) > 0.5);
+    let found = select(own, texel, dot(texel.xyz, texel.xyz) > 0.5);
+    return vec4<f32>(found.xyz / sqrt(max(dot(found.xyz, found.xyz), 0.5)), found.w);
 }
 
 // `source`: pixels from the output's middle, y up.
 fn trace(source: vec2<f32>) -> Ray {
     let place = vec2<f32>(constants.half_size.x + source.x, constants.half_size.y - source.y);
     var texel = textureLoad(table, vec2<i32>(place), 0);
+    // A direction is longer than 1 by the light of all blacks there.
+    var dark = 0.0;
+    if constants.shared_part.lift > 0.0 {
+        dark = max(sqrt(dot(texel.xyz, texel.xyz)) - 1.0, 0.0);
+    }
     if constants.shared_part.four_places != 0u {
         texel = between(place, texel);
     }
     let shows = dot(texel.xyz, texel.xyz) > 0.5;
     // Where nothing is shown any direction does; it is not looked at.
     let direction = select(vec3<f32>(0.0, 0.0, -1.0), texel.xyz, shows);
-    return Ray(constants.rotation * direction, shows, vec3<f32>(0.0, 1.0, 0.0), texel.w, 0.0);
+    return Ray(constants.rotation * direction, shows, vec3<f32>(0.0, 1.0, 0.0), texel.w, dark);
 }

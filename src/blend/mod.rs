@@ -28,21 +28,29 @@ pub fn encode(light: f64, gamma: f64) -> f64 {
     light.max(0.0).powf(1.0 / gamma)
 }
 
-/// The linear light of an encoded value on the display of `blend`. Negative values and NaN are black.
-pub fn light_of(encoded: f64, blend: &Blend) -> f64 {
+/// The channel that stands for all where a weight is given as a factor on displayed values: green, the brightest.
+pub const GREEN: usize = 1;
+
+/// The linear light of an encoded value on the display of `blend`, in a channel (0 red, 1 green, 2 blue; others are
+/// blue). Negative values and NaN are black.
+pub fn light_of(encoded: f64, blend: &Blend, channel: usize) -> f64 {
     let encoded = encoded.max(0.0);
-    match blend.transfer {
+    match &blend.transfer {
         Transfer::Power => decode(encoded, blend.gamma),
+        Transfer::Powers(gammas) => decode(encoded, gammas[channel.min(2)]),
+        Transfer::Measured(responses) => responses[channel.min(2)].light(encoded),
         Transfer::Srgb if encoded <= 0.04045 => encoded / 12.92,
         Transfer::Srgb => ((encoded + 0.055) / 1.055).powf(2.4),
     }
 }
 
 /// The value that the display of `blend` makes this linear light of: the inverse of [`light_of`].
-pub fn code_of(light: f64, blend: &Blend) -> f64 {
+pub fn code_of(light: f64, blend: &Blend, channel: usize) -> f64 {
     let light = light.max(0.0);
-    match blend.transfer {
+    match &blend.transfer {
         Transfer::Power => encode(light, blend.gamma),
+        Transfer::Powers(gammas) => encode(light, gammas[channel.min(2)]),
+        Transfer::Measured(responses) => responses[channel.min(2)].code(light),
         Transfer::Srgb if light <= 0.003_130_8 => light * 12.92,
         Transfer::Srgb => 1.055 * light.powf(1.0 / 2.4) - 0.055,
     }

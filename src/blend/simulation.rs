@@ -101,7 +101,7 @@ pub fn simulate(rig: &Rig, pictures: &[Picture], size: u32) -> Result<Simulation
         if light.coverage > 0 && light.whole {
             evenness.add(light.rgb.iter().sum::<f64>() / 3.0);
         }
-        simulation.rgb.extend(light.rgb.map(|channel| code_of(channel, &shown) as f32));
+        simulation.rgb.extend([0, 1, 2].map(|channel| code_of(light.rgb[channel], &shown, channel) as f32));
         simulation.coverage.push(light.coverage);
     }
     simulation.uniformity = evenness.result();
@@ -158,8 +158,8 @@ impl Source<'_> {
             let weight =
                 (if dx > 0.0 { part.x } else { 1.0 - part.x }) * (if dy > 0.0 { part.y } else { 1.0 - part.y });
             let index = 3 * (tap.y as usize * self.picture.width as usize + tap.x as usize);
-            for (sum, encoded) in rgb.iter_mut().zip(&self.picture.rgb[index..index + 3]) {
-                *sum += weight * light_of(f64::from(*encoded), self.blend);
+            for (channel, (sum, encoded)) in rgb.iter_mut().zip(&self.picture.rgb[index..index + 3]).enumerate() {
+                *sum += weight * light_of(f64::from(*encoded), self.blend, channel);
             }
             whole = whole && self.map.direction(tap + 0.5).is_some();
         }

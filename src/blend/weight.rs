@@ -1,7 +1,7 @@
 //! The weight of a pixel.
 
-use super::light_of;
 use super::ramp::{Border, LEAST_RAMP, ramp};
+use super::{GREEN, light_of};
 use crate::error::Result;
 use crate::geom::pose;
 use crate::rig::{AngleRamp, DomeAngle, OutputKind, Rig};
@@ -52,7 +52,7 @@ impl<'rig> Weights<'rig> {
     pub fn calibrated(&self, output: usize, pixel: DVec2) -> f64 {
         let map = self.maps.get(output).and_then(Option::as_ref);
         match (map, self.rig.outputs.get(output)) {
-            (Some(map), Some(output)) => light_of(map.intensity(pixel), &output.blend),
+            (Some(map), Some(output)) => light_of(map.intensity(pixel), &output.blend, GREEN),
             _ => 1.0,
         }
     }

@@ -1,15 +1,18 @@
 //! From rig and views to passes, independent of the graphics API.
 
 mod arrangement;
+mod beam;
 mod blocks;
 mod cover;
 pub mod draws;
+mod footprints;
 mod hidden;
 pub mod map;
 pub mod mask;
 pub mod plan;
 mod rectangles;
 pub mod response;
+mod rounding;
 pub mod shaders;
 mod source;
 pub mod spirv;
@@ -19,6 +22,7 @@ mod tests;
 pub mod uniforms;
 
 pub use arrangement::{Arrangement, ImageSize};
+pub use footprints::{Footprints, Texels, footprints};
 pub use hidden::hidden_areas;
 pub use plan::{Batch, OutputPass, PixelRect, Plan, Source, build};
 pub use table::{Table, TablePixel};

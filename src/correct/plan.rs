@@ -52,7 +52,7 @@ pub struct OutputPass {
     pub dome_rotation: DMat3,
     /// How the views are sampled; a view with the program's own lens has no guard and is sampled bilinearly.
     pub filter: Filter,
-    /// Exponent of the display's response.
+    /// Exponent of the display's response, for [`Transfer::Power`].
     pub gamma: f64,
     /// How light follows from encoded values.
     pub transfer: Transfer,
@@ -179,15 +179,14 @@ pub fn build(rig: &Rig, request: &Request) -> Result<Plan> {
                 name: output.name.clone(),
                 size,
                 batches: blocks::batches(rig, index, &source, size, &views, mask.as_ref()),
-                // A table does not know how many pictures meet at its pixels.
-                lift: if matches!(source, Source::Projector(_)) && output.blend.overlap { lift } else { 0.0 },
+                lift: if output.blend.overlap { lift } else { 0.0 },
                 source,
                 mask,
                 ramps,
                 dome_rotation: source::dome_axes(rig),
                 filter: rig.views.filter,
                 gamma: output.blend.gamma,
-                transfer: output.blend.transfer,
+                transfer: output.blend.transfer.clone(),
                 black_level: output.blend.black_level,
                 dither: output.blend.dither.map_or(0.0, |bits| 1.0 / (f64::from(bits).exp2() - 1.0)),
             });

@@ -1,6 +1,7 @@
 //! From an output of a rig to the coefficients of its map.
 
 use super::plan::{Neighbour, ProjectorSource, Source};
+use super::rounding;
 use super::table::{Table, TablePixel};
 use crate::blend::{Border, Weights};
 use crate::error::Result;
@@ -19,7 +20,8 @@ use std::sync::Arc;
 /// # Errors
 /// Those of [`WarpMap::new`].
 pub(super) fn of(rig: &Rig, index: usize, sizes: &[(u32, u32)]) -> Result<Source> {
-    match closed_form(rig, index).filter(|_| is_exact(rig, index)) {
+    let size = sizes.get(index).copied().unwrap_or_default();
+    match closed_form(rig, index).filter(|source| is_exact(rig, index) && is_well_conditioned(source, size)) {
         Some(source) => Ok(source),
         None => tabulated(rig, index, sizes),
     }
@@ -46,6 +48,16 @@ fn is_exact(rig: &Rig, index: usize) -> bool {
         None => !other.is_projector(),
     };
     sphere_is_ahead(pinhole.position, pinhole.rays, &sphere) && (!output.blend.overlap || others.all(known))
+}
+
+/// Whether f32 is enough for the formula of a picture of `size` pixels.
+///
+/// Not for a projector whose light passes close to the viewer, for whom the screen there is the small difference
+/// of two places, nor where rays graze the screen and the root of a difference decides.
+fn is_well_conditioned(source: &Source, size: (u32, u32)) -> bool {
+    let Source::Projector(projector) = source else { return true };
+    let form = &projector.direction;
+    rounding::excess(form, projector.cap.as_ref(), size, |x, y| rounding::of_form(form, x, y)) <= 1.0
 }
 
 /// A projector whose rays are linear in the pixel.
@@ -81,12 +93,14 @@ fn tabulated(rig: &Rig, index: usize, sizes: &[(u32, u32)]) -> Result<Source> {
         }
         _ => None,
     };
+    let with_black = rig.outputs.iter().any(|output| output.blend.contrast.is_some());
     let at = |column: u32, row: u32| {
         let pixel = DVec2::new(f64::from(column) + 0.5, f64::from(row) + 0.5);
         let hit = map.hit(pixel)?;
         let even = evenness.as_ref().map_or(1.0, |evenness| evenness.weight(&map, pixel));
         let weight = weights.weight_at(index, hit) * weights.calibrated(index, pixel) * even;
-        Some(TablePixel { direction: map.direction(pixel)?, weight })
+        let dark = if with_black { weights.black_at(hit) } else { 0.0 };
+        Some(TablePixel { direction: map.direction(pixel)?, weight, dark })
     };
     Ok(Source::Table(Arc::new(Table::new(size, at))))
 }

@@ -1,4 +1,4 @@
-//! Maps that have no closed form: a direction and a weight for each pixel, computed in f64.
+//! Maps that have no closed form: a direction, a weight and the light of black for each pixel, computed in f64.
 //!
 //! A table holds what a pixel's centre shows, so it is as exact as the f64 map that it was made of, up to
 //! one rounding to f32. The directions are kept in axes of their own that look at the middle of what is
@@ -18,6 +18,8 @@ pub struct TablePixel {
     pub direction: DVec3,
     /// Weight in linear light, 0…1: everything that is known beforehand, except masks.
     pub weight: f64,
+    /// Light of the blacks of all outputs there, as a part of white, ≥ 0.
+    pub dark: f64,
 }
 
 /// A direction and a weight for each pixel of an output.
@@ -38,14 +40,16 @@ impl Table {
     /// The table of `at` (column and row from the top left → what the pixel's centre shows, `None` = nothing)
     /// for an output of `size` pixels. The function is called from several threads at once, and for some pixels twice.
     ///
-    /// A direction that is zero or not finite shows nothing; weights are limited to 0…1, NaN counts as 0.
+    /// A direction that is zero or not finite shows nothing; weights are limited to 0…1, blacks to 0 at least, NaN counts
+    /// as 0. The light of black is kept as what a direction's length is more than 1.
     pub fn new(size: (u32, u32), at: impl Fn(u32, u32) -> Option<TablePixel> + Sync) -> Self {
         let (columns, rows) = (size.0 as usize, size.1 as usize);
         let unit = |column: u32, row: u32| {
             let pixel = at(column, row)?;
             let scaled = pixel.direction / pixel.direction.abs().max_element();
             // `max` first: it takes NaN to 0.
-            Some(TablePixel { direction: scaled.try_normalize()?, weight: f64::max(pixel.weight, 0.0).min(1.0) })
+            let (weight, dark) = (f64::max(pixel.weight, 0.0).min(1.0), f64::max(pixel.dark, 0.0));
+            Some(TablePixel { direction: scaled.try_normalize()?, weight, dark })
         };
         let coarse = (0..rows).step_by(COARSE_STEP).flat_map(|row| {
             let pixel = &unit;
@@ -58,7 +62,7 @@ impl Table {
             for (row, line) in part.chunks_mut(columns.max(1)).enumerate() {
                 for (column, texel) in line.iter_mut().enumerate() {
                     if let Some(pixel) = unit(column as u32, (first_row + row) as u32) {
-                        *texel = uniforms::texel(to_axes * pixel.direction, pixel.weight);
+                        *texel = uniforms::texel(to_axes * pixel.direction * (1.0 + pixel.dark), pixel.weight);
                     }
                 }
             }
@@ -98,7 +102,8 @@ impl Table {
         let [x, y, z, weight] =
             self.texels[index(down, self.size.1) * self.size.0 as usize + index(across, self.size.0)];
         let local = DVec3::new(f64::from(x), f64::from(y), f64::from(z));
-        (local != DVec3::ZERO).then(|| TablePixel { direction: self.axes * local, weight: f64::from(weight) })
+        let dark = (local.length() - 1.0).max(0.0);
+        (local != DVec3::ZERO).then(|| TablePixel { direction: self.axes * local, weight: f64::from(weight), dark })
     }
 }
 
@@ -131,7 +136,7 @@ mod tests {
         let bad = [DVec3::ZERO, DVec3::NAN, DVec3::new(f64::INFINITY, 0.0, 0.0)];
         let table = Table::new((4, 1), |column, _| {
             let direction = bad.get(column as usize).copied().unwrap_or(DVec3::X * 1e300);
-            Some(TablePixel { direction, weight: f64::NAN })
+            Some(TablePixel { direction, weight: f64::NAN, dark: f64::NAN })
         });
         for column in 0..3 {
             assert_eq!(table.nearest((f64::from(column) + 0.5) / 4.0, 0.5), None);

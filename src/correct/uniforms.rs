@@ -14,7 +14,7 @@ use crate::geom::fisheye::{MOST_COEFFICIENTS, sine_cosine_polynomials};
 use crate::geom::picture_map::LEAST_AHEAD;
 use crate::geom::reprojection::ClipRows;
 use crate::geom::{Frustum, PictureLens, PictureMap};
-use crate::rig::{Blend, DomeAngle, Filter, RampShape, Transfer};
+use crate::rig::{Blend, DomeAngle, Filter, RESPONSE_STEPS, RampShape, Transfer};
 use crate::views::{View, ViewPlan};
 use glam::{DMat3, DMat4, DVec2, DVec3, DVec4};
 
@@ -70,7 +70,7 @@ pub fn picture_lens(map: &PictureMap, pixels: DVec2, max_error: f64) -> [f32; 16
     std::array::from_fn(|i| vectors[i / 4][i % 4] as f32)
 }
 
-/// A pixel of a table: unit direction and weight, rounded once.
+/// A pixel of a table: direction and weight, rounded once.
 pub(super) fn texel(direction: DVec3, weight: f64) -> [f32; 4] {
     [direction.x as f32, direction.y as f32, direction.z as f32, weight as f32]
 }
@@ -226,7 +226,7 @@ pub fn constants(plan: &Plan, pass: &OutputPass, batch: &Batch, panel: bool) -> 
             out.set("shift", &(base * *offset).to_array())?;
             out.set_matrix("dome", pass.dome_rotation * *rotation)?;
         }
-        Source::Projector(source) => projector::set(&mut out, source, batch, base)?,
+        Source::Projector(source) => projector::set(&mut out, source, pass.size, batch, base)?,
         Source::Perspective { matrix } => {
             out.set_matrix("matrix", base * *matrix)?;
             out.set_matrix("dome", pass.dome_rotation * *matrix)?;
@@ -408,16 +408,30 @@ fn shared(out: &mut Constants, pass: &OutputPass, batch: &Batch) -> Result<()> {
         in_table || pass.lift > 0.0 || !pass.ramps.is_empty() || pass.mask.is_some() || !batch.neighbours.is_empty();
     out.set_flag("shared_part.weighted", weighted)?;
     // Only a power of light is a power of its code.
-    out.set_flag("shared_part.in_light", weighted && (pass.lift > 0.0 || pass.transfer == Transfer::Srgb))?;
-    out.set_flag("shared_part.srgb", pass.transfer == Transfer::Srgb)?;
-    out.set("shared_part.gamma", &[pass.gamma])?;
+    out.set_flag("shared_part.in_light", weighted && (pass.lift > 0.0 || !pass.transfer.is_plain()))?;
+    let (kind, gammas) = match &pass.transfer {
+        Transfer::Power => (0.0, [pass.gamma; 3]),
+        Transfer::Powers(gammas) => (0.0, *gammas),
+        Transfer::Srgb => (1.0, [pass.gamma; 3]),
+        Transfer::Measured(_) => (2.0, [pass.gamma; 3]),
+    };
+    out.set("shared_part.response", &[kind])?;
+    out.set("shared_part.gamma", &gammas)?;
+    for step in 0..RESPONSE_STEPS {
+        // Where nothing was measured, a straight line: what is divided by must not be 0.
+        let codes = match &pass.transfer {
+            Transfer::Measured(responses) => [0, 1, 2].map(|channel: usize| responses[channel].codes()[step + 1]),
+            _ => [(step + 1) as f64 / RESPONSE_STEPS as f64; 3],
+        };
+        out.set(&format!("shared_part.codes[{step}]"), &[codes[0], codes[1], codes[2], 0.0])?;
+    }
     out.set("shared_part.lift", &[pass.lift])?;
     out.set("shared_part.dither", &[pass.dither])?;
     let encoding = encoding_polynomial(pass.gamma);
     out.set("shared_part.encoding[0]", &encoding[..4])?;
     out.set("shared_part.encoding[1]", &encoding[4..])?;
-    let display = Blend { gamma: pass.gamma, transfer: pass.transfer, ..Blend::default() };
-    out.set("shared_part.black", &[code_of(pass.black_level, &display)])
+    let display = Blend { gamma: pass.gamma, transfer: pass.transfer.clone(), ..Blend::default() };
+    out.set("shared_part.black", &[0, 1, 2].map(|channel| code_of(pass.black_level, &display, channel)))
 }
 
 /// A ramp's shape as the shaders take it: 0 = smoothstep, negative = cosine, else the power.

@@ -59,7 +59,7 @@ pub struct cupola_blend {
     pub contrast: f64,
     /// Bits to dither for, 6…16; 0: not dithered.
     pub dither: u32,
-    /// Not 0: the display has the response of sRGB.
+    /// 1: the display has the response of sRGB; 2: those of the rig, which `gamma` does not describe; 0: `gamma`.
     pub srgb: u32,
     /// How many of `ramps` there are.
     pub ramp_count: usize,
@@ -112,7 +112,7 @@ pub unsafe extern "C" fn cupola_gl_set_blend(
         // SAFETY: the size comes first; the rest is read only if it is there.
         check_size(unsafe { (*blend).struct_size }, size_of::<cupola_blend>(), "blend")?;
         // SAFETY: as large as it must be.
-        let wanted = wanted(unsafe { &*blend })?;
+        let wanted = wanted(unsafe { &*blend }, gl.embedded.blend(output as usize)?)?;
         gl.embedded.set_blend(output as usize, wanted)
     })
 }
@@ -137,13 +137,18 @@ fn described(blend: &Blend) -> cupola_blend {
         black_level: blend.black_level,
         contrast: blend.contrast.unwrap_or_default(),
         dither: blend.dither.unwrap_or_default(),
-        srgb: (blend.transfer == Transfer::Srgb).into(),
+        srgb: match blend.transfer {
+            Transfer::Power => 0,
+            Transfer::Srgb => 1,
+            Transfer::Powers(_) | Transfer::Measured(_) => 2,
+        },
         ramp_count: blend.ramps.len().min(CUPOLA_MOST_RAMPS),
         ramps,
     }
 }
 
-fn wanted(given: &cupola_blend) -> Result<Blend> {
+/// What `given` asks of an output that is blended as `now`.
+fn wanted(given: &cupola_blend, now: &Blend) -> Result<Blend> {
     let ramps = given.ramps.get(..given.ramp_count).ok_or_else(|| {
         let message = format!("blend.ramp_count = {}; right would be 0 to {CUPOLA_MOST_RAMPS}", given.ramp_count);
         Error::new(ErrorKind::InvalidArgument, message)
@@ -155,7 +160,12 @@ fn wanted(given: &cupola_blend) -> Result<Blend> {
         exponent: given.exponent,
         ramps: ramps.iter().map(angle_ramp).collect::<Result<_>>()?,
         gamma: given.gamma,
-        transfer: if given.srgb != 0 { Transfer::Srgb } else { Transfer::Power },
+        transfer: match given.srgb {
+            0 => Transfer::Power,
+            2 if !now.transfer.is_plain() => now.transfer.clone(),
+            2 => return Err(unknown("srgb", given.srgb)),
+            _ => Transfer::Srgb,
+        },
         black_level: given.black_level,
         contrast: (given.contrast != 0.0).then_some(given.contrast),
         dither: (given.dither != 0).then_some(given.dither),

@@ -56,12 +56,12 @@ fn added<const N: usize>(u: [f64; N], factor: f64, v: [f64; N]) -> [f64; N] {
 }
 
 /// The value of a quadratic polynomial at a pixel, by Horner's scheme.
-fn quadratic_at(c: &[f64; 6], x: f64, y: f64) -> f64 {
+pub(crate) fn quadratic_at(c: &[f64; 6], x: f64, y: f64) -> f64 {
     (c[0] * x + (c[2] * y + c[3])) * x + ((c[1] * y + c[4]) * y + c[5])
 }
 
 /// The value of a linear polynomial at a pixel.
-fn linear_at(c: &[f64; 3], x: f64, y: f64) -> f64 {
+pub(crate) fn linear_at(c: &[f64; 3], x: f64, y: f64) -> f64 {
     c[0] * x + (c[1] * y + c[2])
 }
 

@@ -190,6 +190,12 @@ impl ClipRows {
         Self { depth: [scale, at_near - scale * nearest], ..self }
     }
 
+    /// The normalised depth in the program's own picture of what has `depth` in the view; `farther`: how many times as
+    /// far it is along the view's axis as along the program's (w'/w). Holds where the eye is not moved.
+    pub fn own_depth(&self, depth: f64, farther: f64) -> f64 {
+        ((depth - self.depth[1]) / self.depth[0] + self.e) * farther - self.e
+    }
+
     /// The same as one 4×4 matrix (column-major) to be multiplied from the left to the program's projection.
     /// It lacks the rule `z' = w'` where `cz = cw`, which is not linear.
     pub fn matrix(&self) -> [f64; 16] {

@@ -7,6 +7,7 @@ pub mod camera;
 pub mod gl;
 pub mod kept;
 pub mod lens;
+pub mod live;
 pub mod log;
 pub mod settings;
 pub mod vk;

@@ -1,16 +1,25 @@
 //! What the environment asks of the injected library.
 
-use super::log;
+use super::{live, log};
 use crate::rig::{self, Duplicate, Rig};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
+use std::time::SystemTime;
 
 /// The settings of this process.
 #[derive(Clone, Debug)]
 pub struct Settings {
     /// The rig (`CUPOLA_RIG`, preset or file; `fisheye` if unset) with `CUPOLA_CAMERA`, `CUPOLA_VIEWER`,
-    /// `CUPOLA_METHOD` and `CUPOLA_DUPLICATE` applied.
+    /// `CUPOLA_METHOD` and `CUPOLA_DUPLICATE` applied, as it was at the start; [`live::rig`] is that of the moment.
     pub rig: Rig,
+    /// The rig's file, absolute, since programs change their folder; `None` for a preset.
+    pub rig_file: Option<PathBuf>,
+    /// Time of the last change and length of that file before it was read.
+    pub rig_stamp: Option<(Option<SystemTime>, u64)>,
+    /// What is applied to the rig: `CUPOLA_CAMERA`, `CUPOLA_VIEWER`, `CUPOLA_METHOD`.
+    overrides: [Option<String>; 3],
+    /// `CUPOLA_DUPLICATE`.
+    duplicate: Option<Duplicate>,
     /// `CUPOLA_SIZE=WxH`: the program's window is given this size.
     pub window_size: Option<(u32, u32)>,
     /// `CUPOLA_FRAMES=N`: the program ends after its N-th presented frame.
@@ -62,16 +71,11 @@ pub fn settings() -> Option<&'static Settings> {
 fn read() -> crate::Result<Settings> {
     let text = |name: &str| std::env::var(name).ok().filter(|v| !v.is_empty());
     let path = |name: &str| std::env::var_os(name).filter(|v| !v.is_empty()).map(PathBuf::from);
-    let mut rig = rig::load(text("CUPOLA_RIG").as_deref().unwrap_or("fisheye"))?;
-    if let Some(camera) = text("CUPOLA_CAMERA") {
-        rig.camera = rig.camera.apply_override(&camera)?;
-    }
-    if let Some(viewer) = text("CUPOLA_VIEWER") {
-        rig = rig.with_viewer_override(&viewer)?;
-    }
-    if let Some(method) = text("CUPOLA_METHOD") {
-        rig = rig.with_method_override(&method)?;
-    }
+    let name = text("CUPOLA_RIG").unwrap_or_else(|| "fisheye".to_owned());
+    let is_preset = rig::presets().iter().any(|preset| preset.name == name);
+    let rig_file = (!is_preset).then(|| std::path::absolute(&name).ok()).flatten();
+    let rig_stamp = rig_file.as_deref().and_then(live::stamp);
+    let overrides = ["CUPOLA_CAMERA", "CUPOLA_VIEWER", "CUPOLA_METHOD"].map(text);
     let window_size = match text("CUPOLA_SIZE") {
         Some(size) => Some(parse_size(&size).ok_or_else(|| wrong("CUPOLA_SIZE", &size, "1024x768"))?),
         None => None,
@@ -86,16 +90,20 @@ fn read() -> crate::Result<Settings> {
         Some("1") => Mask::Always,
         Some(other) => return Err(wrong("CUPOLA_MASK", other, "0")),
     };
-    if let Some(duplicate) = text("CUPOLA_DUPLICATE") {
-        rig.views.duplicate = match duplicate.as_str() {
-            "auto" => Duplicate::Auto,
-            "never" => Duplicate::Never,
-            "always" => Duplicate::Always,
-            other => return Err(wrong("CUPOLA_DUPLICATE", other, "never")),
-        };
-    }
+    let duplicate = match text("CUPOLA_DUPLICATE").as_deref() {
+        None => None,
+        Some("auto") => Some(Duplicate::Auto),
+        Some("never") => Some(Duplicate::Never),
+        Some("always") => Some(Duplicate::Always),
+        Some(other) => return Err(wrong("CUPOLA_DUPLICATE", other, "never")),
+    };
+    let rig = loaded(Path::new(&name), &overrides, duplicate)?;
     Ok(Settings {
         rig,
+        rig_file,
+        rig_stamp,
+        overrides,
+        duplicate,
         window_size,
         frames,
         capture: path("CUPOLA_CAPTURE"),
@@ -105,6 +113,38 @@ fn read() -> crate::Result<Settings> {
         mask,
         cull: text("CUPOLA_CULL").is_none_or(|v| v != "0"),
     })
+}
+
+impl Settings {
+    /// Reads the rig's file again, with what the environment said at the start.
+    pub fn load(&self) -> crate::Result<Rig> {
+        match &self.rig_file {
+            Some(file) => loaded(file, &self.overrides, self.duplicate),
+            None => Ok(self.rig.clone()),
+        }
+    }
+}
+
+/// The rig of a preset's name or a file, with the keys that the environment replaces.
+fn loaded(
+    name_or_path: &Path,
+    [camera, viewer, method]: &[Option<String>; 3],
+    duplicate: Option<Duplicate>,
+) -> crate::Result<Rig> {
+    let mut rig = rig::load(&name_or_path.to_string_lossy())?;
+    if let Some(camera) = camera {
+        rig.camera = rig.camera.apply_override(camera)?;
+    }
+    if let Some(viewer) = viewer {
+        rig = rig.with_viewer_override(viewer)?;
+    }
+    if let Some(method) = method {
+        rig = rig.with_method_override(method)?;
+    }
+    if let Some(duplicate) = duplicate {
+        rig.views.duplicate = duplicate;
+    }
+    Ok(rig)
 }
 
 fn wrong(name: &str, value: &str, example: &str) -> crate::Error {

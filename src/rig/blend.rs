@@ -1,5 +1,6 @@
 //! How bright an output is where.
 
+use super::Transfer;
 use crate::error::{Error, ErrorKind, Result};
 
 /// How the weight of an output's pixels is found, and what its display makes of values.
@@ -15,7 +16,7 @@ pub struct Blend {
     pub exponent: f64,
     /// Procedural ramps in dome angles, multiplied in.
     pub ramps: Vec<AngleRamp>,
-    /// Exponent of the display's response, 1…4; of no effect with [`Transfer::Srgb`].
+    /// Exponent of the display's response, 1…4; of effect with [`Transfer::Power`] only.
     pub gamma: f64,
     /// The display's response.
     pub transfer: Transfer,
@@ -90,16 +91,6 @@ pub enum RampShape {
     /// `½·(2t)^p` up to the middle, then the same turned about it (Bourke 2004); steepest slope p. p is 0.5…4; 1 is a
     /// straight line.
     Power(f64),
-}
-
-/// How light follows from an encoded value.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub enum Transfer {
-    /// A power, `gamma`.
-    #[default]
-    Power,
-    /// The curve of sRGB (IEC 61966-2-1): a power of 2.4 with a straight line near black.
-    Srgb,
 }
 
 /// A ramp in an angle of the dome: 0 at `zero`, 1 at `full`.

@@ -9,12 +9,14 @@ use glam::DVec3;
 pub(super) const ZOOM: Allowed = Allowed::closed(1e-3, 1e3, "a factor on the size of what the program draws");
 pub(super) const MOVE: Allowed =
     Allowed::closed(-1e9, 1e9, "[right, up, backward] in the program's own units, along its camera's axes");
+pub(super) const LENS: Allowed =
+    Allowed::closed(0.1, 179.0, "[horizontal, vertical] opening of the program's own lens in degrees");
 pub(super) const ANGLE: Allowed = Allowed::closed(-360.0, 360.0, "an angle in degrees");
 
 impl Default for Camera {
     /// The program's camera as it is.
     fn default() -> Self {
-        Self { zoom: 1.0, shift: DVec3::ZERO, units_per_meter: 1.0, yaw: 0.0, pitch: 0.0, roll: 0.0 }
+        Self { zoom: 1.0, shift: DVec3::ZERO, units_per_meter: 1.0, yaw: 0.0, pitch: 0.0, roll: 0.0, lens: None }
     }
 }
 

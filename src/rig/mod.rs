@@ -17,6 +17,7 @@ mod one_line;
 mod presets;
 mod problems;
 mod reader;
+mod response;
 mod schema;
 mod surface;
 mod validate;
@@ -26,10 +27,11 @@ use crate::error::{Error, ErrorKind, Result};
 use glam::DVec3;
 use std::path::{Path, PathBuf};
 
-pub use blend::{AngleRamp, Blend, DomeAngle, RampShape, Transfer};
+pub use blend::{AngleRamp, Blend, DomeAngle, RampShape};
 pub use calibration::{Calibration, CalibrationValues};
 pub use method::Method;
 pub use presets::{Preset, presets};
+pub use response::{RESPONSE_STEPS, Response, Transfer};
 
 /// Everything a rig file says.
 #[derive(Clone, Debug, PartialEq)]
@@ -93,6 +95,9 @@ pub struct Camera {
     pub pitch: f64,
     /// The camera is rolled clockwise by this, radians.
     pub roll: f64,
+    /// The opening of the program's own lens, horizontal and vertical, radians, less than π: for draws of which the
+    /// program's matrices tell none.
+    pub lens: Option<[f64; 2]>,
 }
 
 /// How the planner chooses views for outputs that do not say so themselves.
@@ -203,6 +208,8 @@ pub enum Favour {
     Processor,
     /// Fewer texels: for programs of few draws and costly shading.
     Graphics,
+    /// As for a program of so many draws in a frame; what `Balanced` becomes once they are known. No word of rig files.
+    Draws(u32),
 }
 
 /// Where flat drawing appears: a window in front of the viewer, as wide as `width` says and with the window's aspect.

@@ -82,6 +82,16 @@ impl<'a> Section<'a> {
         self.table.contains_key(key)
     }
 
+    /// The key is in the file, and is a table.
+    pub(super) fn is_table(&self, key: &str) -> bool {
+        self.table.get(key).is_some_and(|value| value.get_ref().is_table())
+    }
+
+    /// The key is in the file, and is a list.
+    pub(super) fn is_list(&self, key: &str) -> bool {
+        self.table.get(key).is_some_and(|value| value.get_ref().is_array())
+    }
+
     fn value(&mut self, key: &'static str, problems: &mut Problems) -> Option<&'a DeValue<'a>> {
         self.asked.insert(key);
         let (name, value) = self.table.get_key_value(key)?;
@@ -268,7 +278,7 @@ impl<'a> Section<'a> {
     }
 
     /// One of a few words.
-    pub(super) fn choice<T: Copy>(
+    pub(super) fn choice<T: Clone>(
         &mut self,
         key: &'static str,
         choices: &[(&'static str, T)],
@@ -278,7 +288,7 @@ impl<'a> Section<'a> {
         let words: Vec<&str> = choices.iter().map(|(word, _)| *word).collect();
         let listed = words.iter().map(|word| format!("\"{word}\"")).collect::<Vec<_>>().join(", ");
         let word = value.as_str().unwrap_or_default();
-        let found = choices.iter().find(|(known, _)| *known == word).map(|(_, choice)| *choice);
+        let found = choices.iter().find(|(known, _)| *known == word).map(|(_, choice)| choice.clone());
         if found.is_none() {
             let hint = closest(word, &words).map_or(String::new(), |meant| format!("; did you mean \"{meant}\"?"));
             problems.add(&self.path(key), format!("{} is not one of {listed}{hint}", describe(value)));

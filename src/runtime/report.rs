@@ -38,6 +38,10 @@ pub struct Statistics {
     pub primary_draws: u64,
     /// Draws to the program's own framebuffers that were issued once per view.
     pub duplicated_draws: u64,
+    /// Draws of the scene of which it was known where their vertices are.
+    pub bounded_draws: u64,
+    /// Ranges of buffers that were read back for that, each once until its buffer changes.
+    pub ranges_read: u64,
     /// How often the parts of the views that no output samples were closed for drawing.
     pub closings: u64,
     /// Framebuffers of the program's, drawn to until the end, that are drawn once per view.
@@ -46,15 +50,25 @@ pub struct Statistics {
     pub single_framebuffers: BTreeMap<String, u64>,
     /// How the projection was found, with the number of draws.
     pub projection_found: BTreeMap<String, u64>,
+    /// Pixels of all outputs.
+    pub output_pixels: u64,
+    /// Those that the correction computes in a frame, batches that are left out included; the others are known to be black:
+    /// outside of a circle or of the dome, masked, not lit.
+    pub corrected_pixels: u64,
     /// Batches of the correction that were not drawn, because their views held nothing but the clear colour.
     pub batches_left_out: u64,
     /// Lines and triangles that the method `primitive` did not divide far enough, in all frames and outputs; none are counted
     /// where the driver has no atomic counters.
     pub coarse_primitives: u64,
+    /// Pictures of outputs of which only the part that something was drawn to was corrected, the rest cleared.
+    pub outputs_narrowed: u64,
     /// Programs of shaders that were linked: the correction's, and the program's with our epilogue.
     pub shaders_linked: u64,
     /// OpenGL errors of ours; must be 0.
     pub own_errors: u64,
+    /// Mean time that the device took for a correction, milliseconds, where it was measured (Vulkan).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub correction_milliseconds: Option<f64>,
     /// Notes of the planner.
     pub notes: Vec<String>,
 }
@@ -70,7 +84,7 @@ pub struct ViewStatistics {
     pub height: u32,
     /// Texels that are closed for drawing, because no output samples them.
     pub closed_texels: u64,
-    /// Draws issued to it.
+    /// Draws issued to it since the views were planned.
     pub draws_issued: u64,
     /// Draws that were seen not to reach it, and left out.
     pub draws_culled: u64,

@@ -7,22 +7,25 @@ use crate::geom::pose;
 pub use crate::geom::reprojection::ClipRows;
 use crate::geom::reprojection::{CameraAdjustment, clip_rows};
 pub use crate::geom::reprojection::{Intrinsics, MatrixClass, classify};
-use crate::rig::{Camera, Rig};
+use crate::rig::{Camera, Favour, Rig};
 use crate::views::{Request, Tile, View};
 use glam::{DMat3, DVec2, DVec3};
 
-/// Tiles beside the views that a program has been seen to need.
+/// What a program has been seen to need: tiles beside the views, and how many views are worth their while.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Extras {
     /// The flat panel.
     pub panel: bool,
     /// The program's own picture.
     pub primary: bool,
+    /// How many draws a frame of it has, once that is known.
+    pub draws: Option<u32>,
 }
 
 /// A rig, planned for a window.
 pub struct Session {
     rig: Rig,
+    draws: Option<u32>,
     request: Request,
     plan: Plan,
     rects: Vec<[u32; 4]>,
@@ -59,10 +62,10 @@ impl Session {
             .zip(&rects)
             .map(|(output, rect)| output.size.filter(|_| off_screen).unwrap_or((rect[2].max(1), rect[3].max(1))))
             .collect();
-        let Extras { panel, primary } = extras;
+        let Extras { panel, primary, draws } = extras;
         let request = Request { output_sizes, window, panel, primary, max_atlas };
-        let plan = correct::build(rig, &request)?;
-        Ok(Self { rig: rig.clone(), request, plan, rects })
+        let plan = plan(rig, draws, &request)?;
+        Ok(Self { rig: rig.clone(), draws, request, plan, rects })
     }
 
     /// The same rig and window with other tiles beside the views.
@@ -70,10 +73,10 @@ impl Session {
     /// # Errors
     /// As for [`Session::new`].
     pub fn with(&self, extras: Extras) -> Result<Self> {
-        let Extras { panel, primary } = extras;
+        let Extras { panel, primary, draws } = extras;
         let request = Request { panel, primary, ..self.request.clone() };
-        let plan = correct::build(&self.rig, &request)?;
-        Ok(Self { rig: self.rig.clone(), request, plan, rects: self.rects.clone() })
+        let plan = plan(&self.rig, draws, &request)?;
+        Ok(Self { rig: self.rig.clone(), draws, request, plan, rects: self.rects.clone() })
     }
 
     /// The rig.
@@ -86,9 +89,9 @@ impl Session {
         &self.plan
     }
 
-    /// The tiles beside the views.
+    /// What the program has been seen to need.
     pub fn extras(&self) -> Extras {
-        Extras { panel: self.request.panel, primary: self.request.primary }
+        Extras { panel: self.request.panel, primary: self.request.primary, draws: self.draws }
     }
 
     /// Size of the window in pixels.
@@ -204,6 +207,13 @@ impl Session {
         sum
     }
 
+    /// The lens that the rig gives the program, for draws that tell none. Its depth is that of a far plane at infinity,
+    /// which keeps what lies behind what for any other, too.
+    pub fn given_lens(&self) -> Option<Intrinsics> {
+        let [a, c] = self.rig.camera.lens?.map(|opening| 1.0 / (opening / 2.0).tan());
+        Some(Intrinsics { a, b: 0.0, c, d: 0.0, e: -1.0, f: None })
+    }
+
     /// How the program's camera is adapted for a view: as the rig says, from the view's eye.
     pub fn camera(&self, view: &View) -> CameraAdjustment {
         let camera = &self.rig.camera;
@@ -234,6 +244,18 @@ impl Session {
             ..clip_rows(&lens, &camera, view.rotation, &view.frustum)
         };
         self.views().iter().map(rows).collect()
+    }
+}
+
+/// Plans `rig` for a program of so many `draws` in a frame, unless the rig itself says what it favours.
+fn plan(rig: &Rig, draws: Option<u32>, request: &Request) -> Result<Plan> {
+    match draws.filter(|_| rig.views.favour == Favour::Balanced) {
+        None => correct::build(rig, request),
+        Some(draws) => {
+            let mut rig = rig.clone();
+            rig.views.favour = Favour::Draws(draws);
+            correct::build(&rig, request)
+        }
     }
 }
 

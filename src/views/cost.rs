@@ -7,12 +7,16 @@ use crate::rig::{Favour, Rig};
 /// with an overdraw of 2, and a software rasteriser about 0.3 million: 2²⁰ lies between.
 const TEXELS_PER_VIEW: f64 = 1_048_576.0;
 
+/// The draws of a frame that this is for.
+const USUAL_DRAWS: f64 = 1024.0;
+
 /// Of a view; for a rig that favours one or the other 16 times as much, or as little.
 pub(crate) fn beside_texels(rig: &Rig) -> f64 {
     match rig.views.favour {
         Favour::Balanced => TEXELS_PER_VIEW,
         Favour::Processor => 16.0 * TEXELS_PER_VIEW,
         Favour::Graphics => TEXELS_PER_VIEW / 16.0,
+        Favour::Draws(draws) => TEXELS_PER_VIEW / USUAL_DRAWS * f64::from(draws),
     }
 }
 

@@ -464,6 +464,7 @@ static void setup(app *a)
         fprintf(stderr, "it takes --size %dx%d and a file that can be written\n", SIZE, SIZE);
         exit(1);
     }
+    glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
     lists = glGenLists(LISTS);
     for (GLuint i = 0; i < LISTS; i++) {
         glNewList(lists + i, GL_COMPILE);

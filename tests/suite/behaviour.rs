@@ -3,10 +3,14 @@
 use crate::programs::Run;
 
 fn judges_itself(program: &str, frames: usize) {
+    judges_itself_under(program, frames, &["identity", "identity-captured", "fisheye", "planetarium-6"]);
+}
+
+fn judges_itself_under(program: &str, frames: usize, rigs: &[&str]) {
     let run = Run { frames, ..Run::new(program) };
     let Some(plain) = run.plain() else { return };
     plain.expect_success();
-    for rig in ["identity", "identity-captured", "fisheye", "planetarium-6"] {
+    for rig in rigs {
         // Cupola ends a program with status 0; here the program must come to its own end and verdict.
         let run = Run { cupola_frames: frames + 1, ..run.clone() };
         if let Some(finished) = run.under(rig) {
@@ -36,4 +40,10 @@ behaviour! {
     counting: 4,
     picking: 3,
     state: 4,
+}
+
+/// Not under a rig of projectors: they show less than the program sees, and no view has the depth of what none shows.
+#[test]
+fn a_first_read_of_depth() {
+    judges_itself_under("first_depth", 4, &["identity", "identity-captured", "fisheye"]);
 }

@@ -53,7 +53,7 @@ impl Drop for Place {
 pub fn get() -> Option<&'static Display> {
     static DISPLAY: OnceLock<Option<Display>> = OnceLock::new();
     DISPLAY
-        .get_or_init(|| match start() {
+        .get_or_init(|| match start(24) {
             Ok(display) => Some(display),
             Err(reason) if std::env::var_os("CUPOLA_REQUIRE_GL").is_some() => panic!("no X server: {reason}"),
             Err(reason) => {
@@ -65,11 +65,19 @@ pub fn get() -> Option<&'static Display> {
         .as_ref()
 }
 
+/// A server of its own whose screen has 10 bits for each colour. `None`, with a visible line, where there is none.
+pub fn deep() -> Option<Display> {
+    let refused = |reason: &String| {
+        let _ = writeln!(std::io::stderr(), "SKIP: a window of 10 bits, there is no X server for it: {reason}");
+    };
+    start(30).inspect_err(refused).ok()
+}
+
 /// The server ends by itself (`-terminate`) when its last client has gone: ours goes with this process.
-fn start() -> Result<Display, String> {
+fn start(depth: u32) -> Result<Display, String> {
     let mut server = Command::new("Xvfb")
         .args(["-displayfd", "1", "-nolisten", "tcp", "-terminate", "-screen", "0"])
-        .arg(format!("{}x{}x24", PLACES.0 * PLACE.0, PLACES.1 * PLACE.1))
+        .arg(format!("{}x{}x{depth}", PLACES.0 * PLACE.0, PLACES.1 * PLACE.1))
         .stdout(Stdio::piped())
         .stderr(Stdio::null())
         .spawn()

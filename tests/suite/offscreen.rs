@@ -83,6 +83,19 @@ fn a_program_with_post_processing() {
     assert_eq!(single, 1, "{statistics:#}");
 }
 
+/// A context without a window draws the scene, another one composes the window of it.
+#[test]
+fn a_toolkit_s_two_contexts() {
+    plain("toolkit");
+    fisheye("toolkit", &[]);
+    planetarium("toolkit");
+    identity("toolkit");
+    let Some(finished) = Run::new("toolkit").under("fisheye") else { return };
+    let statistics = finished.expect_success().expect_no_gl_errors().statistics();
+    // Of three frames the first is seen only.
+    assert_eq!(statistics["duplicated_draws"].as_u64(), Some(2), "{statistics:#}");
+}
+
 /// The user's word goes before what is seen.
 #[test]
 fn duplication_can_be_switched_off_and_forced() {

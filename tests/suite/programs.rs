@@ -1,6 +1,6 @@
 //! Builds the C programs and runs them, plainly and under `cupola run`.
 
-use crate::display::{self, Place};
+use crate::display::{self, Display, Place};
 use crate::picture::Picture;
 use std::io::Write;
 use std::os::unix::process::CommandExt;
@@ -170,6 +170,17 @@ impl Run<'_> {
 /// Runs a program of the system under `cupola run`. `None`, with a visible line, where it is not installed, and
 /// where there is no display.
 pub fn installed(program: &str, arguments: &[&str], rig: &str, cupola: &[&str]) -> Option<Finished> {
+    installed_on(display::get()?, program, arguments, rig, cupola)
+}
+
+/// As [`installed`], on another display.
+pub fn installed_on(
+    display: &Display,
+    program: &str,
+    arguments: &[&str],
+    rig: &str,
+    cupola: &[&str],
+) -> Option<Finished> {
     let folders = std::env::var_os("PATH").unwrap_or_default();
     if !std::env::split_paths(&folders).any(|folder| folder.join(program).is_file()) {
         // Past the test harness, which would swallow a print of a passing test.
@@ -179,7 +190,7 @@ pub fn installed(program: &str, arguments: &[&str], rig: &str, cupola: &[&str]) 
     let mut command = Command::new(env!("CARGO_BIN_EXE_cupola"));
     command.env("CUPOLA_LIBRARY", library()).args(["run", "--rig", rig]).args(cupola);
     command.arg("--").arg(program).args(arguments);
-    Finished::of(command, program, rig)
+    Some(Finished::on(display, command, program, rig))
 }
 
 /// Runs a program that uses the C interface. `None` where there is no display.
@@ -258,8 +269,11 @@ pub struct Finished {
 }
 
 impl Finished {
-    fn of(mut command: Command, program: &str, rig: &str) -> Option<Self> {
-        let display = display::get()?;
+    fn of(command: Command, program: &str, rig: &str) -> Option<Self> {
+        Some(Self::on(display::get()?, command, program, rig))
+    }
+
+    fn on(display: &Display, mut command: Command, program: &str, rig: &str) -> Self {
         let what = format!("{program} ({rig})");
         let directory = scratch(program);
         let log = |name: &str| std::fs::File::create(directory.join(name)).expect("a log file can be made");
@@ -288,7 +302,7 @@ impl Finished {
         };
         let read = |name: &str| std::fs::read(directory.join(name)).unwrap_or_default();
         let output = Output { status, stdout: read("stdout.log"), stderr: read("stderr.log") };
-        Some(Self { directory, what, output })
+        Self { directory, what, output }
     }
 
     /// Panics, with what the program printed, unless it ended with exit status 0.

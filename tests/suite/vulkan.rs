@@ -3,12 +3,14 @@
 
 use crate::compare::{compare, compare_with, expect_good, expect_identical, expect_similar};
 use crate::dialects::{CAMERAS, camera_of, planetarium_of, shown_by_fisheye, shown_by_window};
+use crate::display;
 use crate::picture::Picture;
-use crate::programs::{Finished, Run, installed};
+use crate::programs::{Finished, Run, installed, installed_on};
 use crate::reference::{Fisheye, Vector, cube_colour, cube_face};
+use std::io::Write;
 
 /// The ways in which the cube is drawn: how its pass begins, where its matrix is, and what else programs do.
-const WAYS: [&[&str]; 10] = [
+const WAYS: [&[&str]; 11] = [
     &["--pass", "1", "--matrix", "push"],
     &["--pass", "2", "--matrix", "block"],
     &["--pass", "dynamic", "--matrix", "push"],
@@ -19,6 +21,7 @@ const WAYS: [&[&str]; 10] = [
     &["--pass", "1", "--matrix", "dynamic", "--secondary"],
     &["--pass", "dynamic", "--matrix", "push", "--secondary", "--flip", "--samples", "4"],
     &["--pass", "2", "--matrix", "copied", "--secondary", "--once"],
+    &["--pass", "imageless", "--matrix", "push", "--secondary"],
 ];
 
 const CIRCLE: Fisheye = Fisheye { width: 256.0, height: 256.0, aperture: 180.0, tilt: 90.0 };
@@ -84,14 +87,42 @@ fn identity_changes_no_byte() {
     }
 }
 
-/// The program's own lens through atlas and correction, pixel by pixel: as the window but for the rounding of a raster
-/// that begins elsewhere.
+/// The program's own lens through atlas and correction: byte for byte the window's picture.
 #[test]
 fn identity_captured_loses_nothing() {
-    let run = run(&["--shot", "shot.ppm"], CAMERAS[1]);
-    let (Some(plain), Some(under)) = (run.vulkan_plain(), run.vulkan_under("identity-captured")) else { return };
-    let plain = plain.expect_success().picture("shot.ppm");
-    expect_similar(&under.picture("shot.ppm"), &plain, 1, 1e-3, "vk_cube identity-captured");
+    for (way, camera) in [WAYS[0], WAYS[3], WAYS[5]].into_iter().zip(CAMERAS) {
+        let extra = [way, &["--shot", "shot.ppm"][..]].concat();
+        let run = run(&extra, camera);
+        let (Some(plain), Some(under)) = (run.vulkan_plain(), run.vulkan_under("identity-captured")) else { return };
+        let plain = plain.expect_success().picture("shot.ppm");
+        expect_identical(&under.picture("shot.ppm"), &plain, &format!("vk_cube {way:?} identity-captured"));
+    }
+}
+
+/// A shader that has no matrix: the rig says what the program's lens is, and without it the picture is flat.
+#[test]
+fn a_lens_that_the_rig_gives() {
+    let (fov, yaw, pitch) = CAMERAS[1];
+    let rig = |camera: String| {
+        format!("{camera}[dome]\ntilt = 90\n[[output]]\nkind = \"domemaster\"\naperture = 180\ntilt = 90\n")
+    };
+    let folder = crate::programs::scratch("lens");
+    for (name, camera, fits) in
+        [("lens", format!("[camera]\nlens = [{fov}, {fov}]\n"), true), ("none", String::new(), false)]
+    {
+        let path = folder.join(format!("{name}.toml"));
+        std::fs::write(&path, rig(camera)).expect("a file can be written");
+        let run = run(&["--columns"], (fov, yaw, pitch));
+        let Some(finished) = run.vulkan_under(path.to_str().expect("a UTF-8 path")) else { return };
+        let picture = finished.picture("capture.png");
+        let report = compare(&picture, shown_by_fisheye(CIRCLE, camera_of(&run)));
+        if fits {
+            expect_good(&report, &picture, "a lens that the rig gives");
+        } else {
+            assert!(report.wrong > 1000, "control: without a lens it is flat");
+        }
+    }
+    let _ = std::fs::remove_dir_all(folder);
 }
 
 /// Images that encode what is written to them.
@@ -147,6 +178,121 @@ fn a_program_that_reads_the_window_is_shown_flat() {
     assert!(finished.words().contains("copies"), "{}", finished.words());
 }
 
+fn scenes<'a>(extra: &'a [&'a str]) -> Run<'a> {
+    Run { extra, frames: 6, ..Run::new("vk_scenes") }
+}
+
+/// A scene that reaches the window through pictures of the program's own is drawn for each view, however it is shown.
+#[test]
+fn scenes_that_are_drawn_off_screen() {
+    for way in ["post", "chain", "passes", "blit", "resolve"] {
+        let extra = ["--way", way];
+        let run = scenes(&extra);
+        let Some(finished) = run.vulkan_under("fisheye") else { return };
+        let picture = finished.picture("capture.png");
+        let report = compare(&picture, shown_by_fisheye(CIRCLE, camera_of(&run)));
+        expect_good(&report, &picture, &format!("vk_scenes {way}"));
+        let statistics = finished.statistics();
+        let pictures = if way == "chain" { 2 } else { 1 };
+        assert_eq!(statistics["duplicated_framebuffers"], pictures, "{way}: {statistics:#}");
+        assert!(statistics["duplicated_draws"].as_u64() > Some(0), "{way}: {statistics:#}");
+    }
+}
+
+/// With the program's own lens what is drawn off screen is, byte for byte, what the window shows without Cupola.
+#[test]
+fn scenes_off_screen_with_the_programs_own_lens() {
+    for way in ["post", "passes", "blit"] {
+        let extra = ["--way", way, "--shot", "shot.ppm"];
+        let run = scenes(&extra);
+        let (Some(plain), Some(under)) = (run.vulkan_plain(), run.vulkan_under("identity-captured")) else { return };
+        let plain = plain.expect_success().picture("shot.ppm");
+        expect_identical(&under.picture("shot.ppm"), &plain, &format!("vk_scenes {way}, identity-captured"));
+        assert_eq!(under.statistics()["duplicated_framebuffers"], 1, "{way}");
+    }
+}
+
+/// Six projectors of what is drawn off screen.
+#[test]
+fn six_projectors_of_scenes_off_screen() {
+    planetarium_of("vk_scenes", &["--way", "post"], Run::vulkan_under);
+}
+
+/// By the rig's wish, and where a shader asks for its place, it stays flat; the statistics say so.
+#[test]
+fn scenes_off_screen_that_stay_flat() {
+    let run_never = Run { cupola: &["--duplicate", "never"], ..scenes(&["--way", "post"]) };
+    let Some(never) = run_never.vulkan_under("fisheye") else { return };
+    assert_eq!(never.statistics()["duplicated_framebuffers"], 0);
+    let report = compare(&never.picture("capture.png"), shown_by_fisheye(CIRCLE, camera_of(&run_never)));
+    assert!(report.wrong > 1000, "control: a flat picture is not taken for a domemaster");
+    let Some(place) = scenes(&["--way", "place"]).vulkan_under("fisheye") else { return };
+    let notes = place.statistics()["notes"].to_string();
+    assert!(notes.contains("flat") && notes.contains("place on the screen"), "{notes}");
+}
+
+/// What a program reads from its window is its own picture, and the dome shows each view's.
+#[test]
+fn a_window_that_is_read() {
+    let extra = ["--way", "read", "--picture", "own.ppm"];
+    let run = scenes(&extra);
+    let Some(plain) = run.vulkan_plain() else { return };
+    let own = plain.expect_success().picture("own.ppm");
+    for rig in ["fisheye", "planetarium-6", "identity-captured"] {
+        let Some(finished) = run.vulkan_under(rig) else { return };
+        expect_identical(&finished.picture("own.ppm"), &own, &format!("vk_scenes read, {rig}"));
+        if rig == "fisheye" {
+            let picture = finished.picture("capture.png");
+            let report = compare(&picture, shown_by_fisheye(CIRCLE, camera_of(&run)));
+            expect_good(&report, &picture, "vk_scenes read");
+        }
+    }
+}
+
+/// The newest ways to submit and to present change nothing; what the device has none of, the program says.
+#[test]
+fn the_newest_ways_to_present() {
+    let extra = ["--way", "newest"];
+    let run = scenes(&extra);
+    let Some(finished) = run.vulkan_under("fisheye") else { return };
+    let picture = finished.picture("capture.png");
+    expect_good(&compare(&picture, shown_by_fisheye(CIRCLE, camera_of(&run))), &picture, "vk_scenes newest");
+    for line in finished.words().lines().filter(|line| line.starts_with("SKIP")) {
+        let _ = writeln!(std::io::stderr(), "{line}");
+    }
+}
+
+/// Programs that cannot be followed are flat, say why, and get no message of the validation layer that they had not before.
+#[test]
+fn programs_that_stay_flat_say_why() {
+    for (way, why) in [("library", "linked from libraries"), ("multiview", "several views itself")] {
+        let extra = ["--way", way, "--shot", "shot.ppm"];
+        let run = scenes(&extra);
+        let Some(finished) = run.vulkan_under("fisheye") else { return };
+        let notes = finished.statistics()["notes"].to_string();
+        assert!(notes.contains("flat") && notes.contains(why), "{way}: {notes}");
+        let lit = finished.picture("shot.ppm").pixels.iter().filter(|pixel| **pixel != [0; 3]).count();
+        assert!(lit > 1000, "{way}: {lit} pixels show something");
+    }
+}
+
+/// Passes over a part of the window: what they draw or clear there lies on the panel, and the scene stays.
+#[test]
+fn a_part_of_the_window() {
+    for way in ["part", "clear"] {
+        let extra = ["--way", way, "--shot", "shot.ppm"];
+        let run = scenes(&extra);
+        let Some(finished) = run.vulkan_under("fisheye") else { return };
+        assert!(!finished.statistics()["notes"].to_string().contains("flat"), "{way}");
+        let picture = finished.picture("capture.png");
+        let report = compare(&picture, shown_by_fisheye(CIRCLE, camera_of(&run)));
+        assert!((20..3000).contains(&report.wrong), "{way}: {} pixels are not the cube's", report.wrong);
+        let (Some(plain), Some(same)) = (run.vulkan_plain(), run.vulkan_under("identity-captured")) else { return };
+        let plain = plain.expect_success().picture("shot.ppm");
+        expect_identical(&same.picture("shot.ppm"), &plain, &format!("vk_scenes {way}"));
+    }
+}
+
 /// The window gets other sizes in mid-run; the last one is as right as the first.
 #[test]
 fn the_window_is_resized() {
@@ -160,6 +306,24 @@ fn the_window_is_resized() {
         let circle = Fisheye { width: picture.width as f64, height: picture.height as f64, ..CIRCLE };
         let report = compare(&picture, shown_by_fisheye(circle, camera_of(&run)));
         expect_good(&report, &picture, &format!("vk_cube {way:?} resized"));
+    }
+}
+
+/// Many changes of size under the validation layer, which tells at the end of whatever was made and not destroyed. What
+/// is resident after the last does not exceed what it was after a few by more than one set of atlases.
+#[test]
+fn many_sizes_leave_nothing_behind() {
+    let more = ["--resizes", "20", "--memory", "memory.txt"];
+    for way in [WAYS[0], WAYS[4]] {
+        let extra = [way, &more].concat();
+        let run = Run { frames: 84, cupola_frames: 84, ..run(&extra, CAMERAS[1]) };
+        let Some(finished) = run.vulkan_under("fisheye") else { return };
+        let pages: Vec<u64> =
+            finished.text("memory.txt").lines().map(|line| line.parse().expect("a number of pages")).collect();
+        assert_eq!(pages.len(), 20, "{way:?}");
+        let (early, late) = (pages[5..10].iter().max(), pages[15..].iter().max());
+        let (Some(early), Some(late)) = (early, late) else { panic!("a maximum of five numbers") };
+        assert!(*late < early + 4096, "{way:?}: resident pages grow from {early} to {late}: {pages:?}");
     }
 }
 
@@ -183,6 +347,21 @@ fn vkcube_is_drawn_for_each_view() {
     let cube = shown.pixels.iter().filter(|pixel| **pixel != grey && **pixel != [0; 3]).count();
     assert!((500..9000).contains(&cube), "{cube} pixels of a cube in a grey room");
     assert!(under.wrote("views/front-left.png") && under.wrote("views/panel.png"));
+}
+
+/// Windows of 10 bits for each colour show what those of 8 bits show.
+#[test]
+fn vkcube_in_a_window_of_10_bits() {
+    let Some(display) = display::deep() else { return };
+    let options = ["--frames", "12", "--capture", "capture.png"];
+    let size = ["--width", SIZE, "--height", SIZE];
+    let (Some(eight), Some(ten)) = (cube("fisheye", &[]), installed_on(&display, "vkcube", &size, "fisheye", &options))
+    else {
+        return;
+    };
+    let ten = ten.expect_success();
+    assert!(!ten.words().contains("own picture"), "{}", ten.words());
+    expect_similar(&ten.picture("capture.png"), &eight.picture("capture.png"), 1, 1.0, "vkcube in 10 and in 8 bits");
 }
 
 /// A program that is shown flat: each pixel of the domemaster against the program's picture, from the definitions of

@@ -8,7 +8,7 @@ use crate::correct::draws::{self, FLOATS, Rows};
 use crate::correct::plan::{Mask, OutputPass};
 use crate::correct::shaders::{Language, Pass, Specialised, Stage, specialise};
 use crate::correct::uniforms::Constants;
-use crate::correct::{Plan, Source, Table, Tile};
+use crate::correct::{Footprints, Plan, Source, Table, Texels, Tile, footprints};
 use crate::error::{Error, ErrorKind, Result};
 use std::cell::Cell;
 use std::collections::HashMap;
@@ -24,13 +24,15 @@ pub struct Target {
     pub viewport: [i32; 4],
 }
 
-/// Views that hold one colour in every texel.
+/// Views that hold one colour in every texel, or in all but a part.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Blank {
+pub struct Blank<'a> {
     /// Bit i: the plan's view i. Views from number 64 on are none of them.
     pub views: u64,
     /// Red, green and blue as they are stored: multiples of 1/255.
     pub color: [f32; 3],
+    /// For each view the texels of the atlas that may hold something else; views beyond the list may everywhere.
+    pub touched: &'a [Texels],
 }
 
 /// What becomes of the colour of views that hold a single one.
@@ -66,6 +68,7 @@ struct Output {
     mask: u32,
     /// 0 = none.
     table: u32,
+    footprints: Option<Footprints>,
 }
 
 /// Names of the objects that we made in the context.
@@ -92,6 +95,7 @@ pub struct GlBackend {
     hidden: Option<Hidden>,
     errors: Cell<u64>,
     left_out: Cell<u64>,
+    narrowed: Cell<u64>,
     linked: u64,
     /// An error of the program's that was taken while preparing.
     pending: Cell<u32>,
@@ -124,6 +128,7 @@ impl GlBackend {
             hidden: None,
             errors: Cell::new(0),
             left_out: Cell::new(0),
+            narrowed: Cell::new(0),
             linked: 0,
             pending,
         };
@@ -155,9 +160,8 @@ impl GlBackend {
     /// As [`GlBackend::prepare`] for some of the plan's outputs.
     pub(super) fn prepare_passes(&mut self, gl: &Gl, plan: &Plan, passes: &[OutputPass], panel: bool) -> Result<()> {
         self.take_pending(gl);
-        let saved = state::save_upload(gl, &self.caps);
-        let result = self.build(gl, plan, passes, panel);
-        state::restore_upload(gl, &self.caps, &saved);
+        let caps = self.caps;
+        let result = state::while_uploading(gl, &caps, || self.build(gl, plan, passes, panel));
         let before = self.errors();
         self.count_errors(gl);
         result?;
@@ -181,9 +185,7 @@ impl GlBackend {
             old.destroy(gl);
         }
         if !areas.is_empty() {
-            let saved = state::save_upload(gl, &self.caps);
-            let hidden = Hidden::new(gl, &self.caps, areas, atlas);
-            state::restore_upload(gl, &self.caps, &saved);
+            let hidden = state::while_uploading(gl, &self.caps, || Hidden::new(gl, &self.caps, areas, atlas));
             self.hidden = Some(hidden?);
         }
         self.count_errors(gl);
@@ -265,6 +267,11 @@ impl GlBackend {
         }
     }
 
+    /// Runs `work`, which uploads rows that lie close together to textures; what that touches is put back.
+    pub fn while_uploading<R>(&self, gl: &Gl, work: impl FnOnce() -> R) -> R {
+        state::while_uploading(gl, &self.caps, work)
+    }
+
     /// Its vertex array, which contexts do not share.
     pub fn vertex_array(&self) -> u32 {
         self.names.vertex_array
@@ -273,9 +280,8 @@ impl GlBackend {
     /// Goes on in the current context, which shares objects with the one before. All bindings are put back.
     pub fn rehome(&mut self, gl: &Gl) {
         if self.names.vertex_array != 0 {
-            let saved = state::save_upload(gl, &self.caps);
-            self.make_vertex_array(gl);
-            state::restore_upload(gl, &self.caps, &saved);
+            let caps = self.caps;
+            state::while_uploading(gl, &caps, || self.make_vertex_array(gl));
         }
     }
 
@@ -290,7 +296,10 @@ impl GlBackend {
         let list = draws::draws(plan, passes, panel, Rows::FromBottom)?;
         let mut outputs = Vec::with_capacity(passes.len());
         for (pass, draws) in passes.iter().zip(&list.outputs) {
-            let mut output = Output { size: pass.size, ..Output::default() };
+            let index = plan.passes.iter().position(|other| std::ptr::eq(other, pass));
+            let views = index.and_then(|index| plan.views.output_views.get(index));
+            let footprints = views.and_then(|views| footprints(plan, pass, views));
+            let mut output = Output { size: pass.size, footprints, ..Output::default() };
             for draw in draws {
                 let program = self.program(gl, &draw.constants, old)?;
                 let (first, count) = (draw.first as i32, draw.count as i32);
@@ -352,7 +361,7 @@ impl GlBackend {
 
     /// As [`GlBackend::present`], but what shows only `blank` views is cleared to their colour instead of being
     /// sampled. The picture is the same, if the target stores 8 bits as the atlas does.
-    pub fn present_but(&self, gl: &Gl, atlas_texture: u32, targets: &[Target], blank: Option<&Blank>) -> u32 {
+    pub fn present_but(&self, gl: &Gl, atlas_texture: u32, targets: &[Target], blank: Option<&Blank<'_>>) -> u32 {
         self.take_pending(gl);
         if self.names.vertex_array != 0 && state::can_draw(gl, &self.caps) {
             let saved = state::save_and_set(gl, &self.caps);
@@ -368,7 +377,12 @@ impl GlBackend {
         self.left_out.get()
     }
 
-    fn draw_outputs(&self, gl: &Gl, atlas_texture: u32, targets: &[Target], blank: Option<&Blank>) {
+    /// How many pictures of outputs were corrected in a part only, and cleared around it.
+    pub fn narrowed(&self) -> u64 {
+        self.narrowed.get()
+    }
+
+    fn draw_outputs(&self, gl: &Gl, atlas_texture: u32, targets: &[Target], blank: Option<&Blank<'_>>) {
         let [linear, nearest] = self.names.samplers;
         // SAFETY: a context is current; all names are ones that it gave, or the caller's.
         unsafe {
@@ -390,17 +404,29 @@ impl GlBackend {
                 let unscaled = (i64::from(width), i64::from(height)) == (output.size.0.into(), output.size.1.into());
                 let is_blank = |draw: &Draw| blank.is_some_and(|blank| draw.is_blank(blank));
                 let left_out = output.draws.iter().filter(|draw| draw.views != 0 && is_blank(draw)).count();
-                if let Some(blank) = blank.filter(|_| left_out > 0) {
+                let part = blank.filter(|_| unscaled).and_then(|blank| output.part(blank));
+                let cleared = blank.filter(|_| left_out > 0 || part.is_some());
+                if let Some(blank) = cleared {
                     state::clear(gl, &self.caps, target.viewport, blank.color);
                     self.left_out.set(self.left_out.get() + left_out as u64);
                 }
-                for draw in &output.draws {
-                    if left_out > 0 && is_blank(draw) {
-                        continue;
-                    }
+                let issue = |draw: &Draw| {
                     gl.bind_sampler(ATLAS_UNIT, if draw.nearest && unscaled { nearest } else { linear });
                     gl.use_program(draw.program);
                     gl.draw_arrays(GL_TRIANGLES, draw.first, draw.count);
+                };
+                let needed = || output.draws.iter().filter(|draw| cleared.is_none() || !is_blank(draw));
+                match part {
+                    None => needed().for_each(issue),
+                    Some([x, y, width, height]) => {
+                        self.narrowed.set(self.narrowed.get() + 1);
+                        let [left, bottom, ..] = target.viewport;
+                        let within = [left + x as i32, bottom + y as i32, width as i32, height as i32];
+                        needed().filter(|draw| draw.views == 0).for_each(issue);
+                        state::within(gl, &self.caps, within, || {
+                            needed().filter(|draw| draw.views != 0).for_each(issue);
+                        });
+                    }
                 }
             }
         }
@@ -453,16 +479,34 @@ impl GlBackend {
     }
 }
 
+impl Output {
+    /// The part of the picture (x, y, width, height from the bottom left) outside of which it shows the colour of the
+    /// views, or black; `None` where that is not known, or saves little.
+    fn part(&self, blank: &Blank) -> Option<[u32; 4]> {
+        let keeps = |draw: &Draw| draw.views == 0 || draw.keeps(blank.color);
+        let footprints = self.footprints.as_ref().filter(|_| self.draws.iter().all(keeps))?;
+        let part = footprints.sampling(blank.touched);
+        let area = |width: u32, height: u32| f64::from(width) * f64::from(height);
+        (area(part[2], part[3]) < WORTHWHILE * area(self.size.0, self.size.1)).then_some(part)
+    }
+}
+
+/// A part of an output that is larger is not worth a clear of all of it.
+const WORTHWHILE: f64 = 0.7;
+
 impl Draw {
+    /// Whether what shows a colour shows that same colour.
+    fn keeps(&self, color: [f32; 3]) -> bool {
+        match self.shows {
+            Shows::Same => true,
+            Shows::Black => color == [0.0; 3],
+            Shows::Other => false,
+        }
+    }
+
     /// Whether it shows the colour of these views and nothing else. What shows nothing at all is black.
     fn is_blank(&self, blank: &Blank) -> bool {
-        let black = blank.color == [0.0; 3];
-        let same = match self.shows {
-            Shows::Same => true,
-            Shows::Black => black,
-            Shows::Other => false,
-        };
-        same && self.views & !blank.views == 0
+        self.keeps(blank.color) && self.views & !blank.views == 0
     }
 }
 
@@ -475,7 +519,7 @@ fn shows(constants: &Constants) -> Shows {
     };
     if constants.pass() == Pass::Black {
         Shows::Black
-    } else if set("shared_part.with_panel") || set("shared_part.black") {
+    } else if set("shared_part.with_panel") || set("shared_part.black") || set("shared_part.lift") {
         Shows::Other
     } else if set("shared_part.weighted") || set("shared_part.edge") {
         Shows::Black

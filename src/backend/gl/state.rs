@@ -268,9 +268,15 @@ pub(super) fn restore(gl: &Gl, caps: &Capabilities, saved: &Saved) {
 }
 
 /// Clears a rectangle of the first colour buffer, between [`save_and_set`] and [`restore`]; opaque.
-pub(super) fn clear(gl: &Gl, caps: &Capabilities, [x, y, width, height]: [i32; 4], [red, green, blue]: [f32; 3]) {
+pub(super) fn clear(gl: &Gl, caps: &Capabilities, rect: [i32; 4], [red, green, blue]: [f32; 3]) {
+    // SAFETY: a context is current; the colour has four numbers.
+    within(gl, caps, rect, || unsafe { gl.clear_bufferfv(GL_COLOR, 0, [red, green, blue, 1.0].as_ptr()) });
+}
+
+/// Runs `draw` with everything outside of a rectangle left as it is, between [`save_and_set`] and [`restore`].
+pub(super) fn within(gl: &Gl, caps: &Capabilities, [x, y, width, height]: [i32; 4], draw: impl FnOnce()) {
     let mut scissor = [0; 4];
-    // SAFETY: a context is current; the box has four numbers, the colour too.
+    // SAFETY: a context is current; the box has four numbers.
     unsafe {
         if caps.viewport_array {
             gl.get_integeri_v(GL_SCISSOR_BOX, 0, scissor.as_mut_ptr());
@@ -280,7 +286,7 @@ pub(super) fn clear(gl: &Gl, caps: &Capabilities, [x, y, width, height]: [i32; 4
             gl.scissor(x, y, width, height);
         }
         set_scissor(gl, caps, true);
-        gl.clear_bufferfv(GL_COLOR, 0, [red, green, blue, 1.0].as_ptr());
+        draw();
         set_scissor(gl, caps, false);
         let [x, y, width, height] = scissor;
         if caps.viewport_array {
@@ -377,7 +383,7 @@ unsafe fn restore_masks(gl: &Gl, caps: &Capabilities, masks: &[[u8; 4]; MOST_DRA
 }
 
 /// What uploading textures and vertices touches.
-pub(super) struct SavedUpload {
+struct SavedUpload {
     program: u32,
     vertex_array: u32,
     array_buffer: u32,
@@ -401,8 +407,15 @@ fn unpack_count(caps: &Capabilities) -> usize {
     if caps.gles { 4 } else { 6 }
 }
 
-/// Reads what uploading touches and sets tightly packed rows.
-pub(super) fn save_upload(gl: &Gl, caps: &Capabilities) -> SavedUpload {
+/// Runs `work` with tightly packed rows; what uploading touches is put back.
+pub(super) fn while_uploading<R>(gl: &Gl, caps: &Capabilities, work: impl FnOnce() -> R) -> R {
+    let saved = save_upload(gl, caps);
+    let result = work();
+    restore_upload(gl, caps, &saved);
+    result
+}
+
+fn save_upload(gl: &Gl, caps: &Capabilities) -> SavedUpload {
     let mut saved = SavedUpload {
         program: integer(gl, GL_CURRENT_PROGRAM) as u32,
         vertex_array: integer(gl, GL_VERTEX_ARRAY_BINDING) as u32,
@@ -422,8 +435,7 @@ pub(super) fn save_upload(gl: &Gl, caps: &Capabilities) -> SavedUpload {
     saved
 }
 
-/// Puts back what uploading touched.
-pub(super) fn restore_upload(gl: &Gl, caps: &Capabilities, saved: &SavedUpload) {
+fn restore_upload(gl: &Gl, caps: &Capabilities, saved: &SavedUpload) {
     // SAFETY: a context is current; the values are those that it gave.
     unsafe {
         for (i, &name) in UNPACK.iter().enumerate().take(unpack_count(caps)) {

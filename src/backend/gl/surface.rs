@@ -9,6 +9,8 @@ pub struct Surface {
     framebuffer: u32,
     /// A texture, or a renderbuffer where it is multisampled.
     color: u32,
+    /// The same texels as sRGB, which are drawn to; 0 where `color` is.
+    as_srgb: u32,
     depth: u32,
     samples: i32,
     size: (i32, i32),
@@ -27,7 +29,8 @@ pub struct Saved {
 impl Surface {
     /// A surface of `size` (width, height in pixels) with RGBA8 colour and 24 + 8 bits of depth and
     /// stencil. `samples`: 0 = one sample per pixel, in a texture. `srgb`: the program may ask for
-    /// conversion to sRGB when it draws; the texture's values are taken as they are all the same.
+    /// conversion to sRGB when it draws; the texture's values are taken as they are all the same. Where the driver can,
+    /// the texture itself knows no sRGB, like a window's: from one that does `glCopyPixels` takes linear values on Mesa.
     /// Every binding that is touched is put back.
     ///
     /// # Errors
@@ -35,7 +38,7 @@ impl Surface {
     pub fn new(gl: &Gl, size: (i32, i32), samples: i32, srgb: bool) -> Result<Self> {
         let (width, height) = size;
         let color_format = if srgb { api::GL_SRGB8_ALPHA8 } else { api::GL_RGBA8 };
-        let mut surface = Self { framebuffer: 0, color: 0, depth: 0, samples, size };
+        let mut surface = Self { framebuffer: 0, color: 0, as_srgb: 0, depth: 0, samples, size };
         // SAFETY: makes objects of ours on the current context; bindings are put back.
         unsafe {
             let bindings = Bindings::save(gl);
@@ -46,8 +49,14 @@ impl Surface {
             } else {
                 surface.color = new_texture(gl);
                 gl.bind_texture(api::GL_TEXTURE_2D, surface.color);
-                gl.tex_storage2_d(api::GL_TEXTURE_2D, 1, color_format, width, height);
-                if srgb {
+                if srgb && views_textures(gl) {
+                    gl.tex_storage2_d(api::GL_TEXTURE_2D, 1, api::GL_RGBA8, width, height);
+                    surface.as_srgb = new_texture(gl);
+                    gl.texture_view(surface.as_srgb, api::GL_TEXTURE_2D, surface.color, color_format, 0, 1, 0, 1);
+                } else {
+                    gl.tex_storage2_d(api::GL_TEXTURE_2D, 1, color_format, width, height);
+                }
+                if srgb && surface.as_srgb == 0 {
                     let skip = api::GL_SKIP_DECODE_EXT as i32;
                     gl.tex_parameteri(api::GL_TEXTURE_2D, api::GL_TEXTURE_SRGB_DECODE_EXT, skip);
                 }
@@ -82,7 +91,8 @@ impl Surface {
             if self.samples > 0 {
                 gl.framebuffer_renderbuffer(target, point, api::GL_RENDERBUFFER, self.color);
             } else {
-                gl.framebuffer_texture2_d(target, point, api::GL_TEXTURE_2D, self.color, 0);
+                let drawn = if self.as_srgb != 0 { self.as_srgb } else { self.color };
+                gl.framebuffer_texture2_d(target, point, api::GL_TEXTURE_2D, drawn, 0);
             }
             gl.framebuffer_renderbuffer(target, api::GL_DEPTH_STENCIL_ATTACHMENT, api::GL_RENDERBUFFER, self.depth);
             let status = gl.check_framebuffer_status(api::GL_FRAMEBUFFER);
@@ -166,7 +176,7 @@ impl Surface {
             if self.samples > 0 {
                 gl.delete_renderbuffers(1, &self.color);
             } else {
-                gl.delete_textures(1, &self.color);
+                gl.delete_textures(2, [self.color, self.as_srgb].as_ptr());
             }
         }
     }
@@ -193,6 +203,17 @@ pub fn new_texture(gl: &Gl) -> u32 {
         gl.delete_textures(PROGRAM_NAMES as i32 - 1, names.as_ptr());
     }
     names[PROGRAM_NAMES - 1]
+}
+
+/// Whether a texture's storage can be seen in another format.
+fn views_textures(gl: &Gl) -> bool {
+    let mut version = [0; 2];
+    // SAFETY: each writes one integer.
+    unsafe {
+        gl.get_integerv(api::GL_MAJOR_VERSION, &mut version[0]);
+        gl.get_integerv(api::GL_MINOR_VERSION, &mut version[1]);
+    }
+    !gl.is_es() && version >= [4, 3] && gl.has_texture_view()
 }
 
 /// Greatest width and height of a texture on the current context, at least 1024.

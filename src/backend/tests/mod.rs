@@ -67,7 +67,8 @@ macro_rules! run_all_cases {
             tables:
                 a_table_is_shown_as_it_was_computed,
                 mirrors_and_lenses_show_what_the_exact_map_says,
-                a_projector_that_looks_away_makes_no_ghosts;
+                a_projector_that_looks_away_makes_no_ghosts,
+                blacks_are_evened_out_by_tables_too;
         }
     };
 }

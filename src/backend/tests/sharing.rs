@@ -184,13 +184,15 @@ pub fn blacks_are_evened_out(driver: &dyn Driver) {
     let projectors = projectors();
     let blacks = [0.01, 0.02, 0.015];
     let most: f64 = blacks.iter().sum();
-    for transfer in [Transfer::Power, Transfer::Srgb] {
-        let display = crate::rig::Blend { transfer, ..Default::default() };
+    let measured = [1.9, 2.2, 2.6].map(crate::rig::Response::power);
+    let powers = Transfer::Powers([1.8, 2.2, 2.6]);
+    for transfer in [Transfer::Power, Transfer::Srgb, powers, Transfer::Measured(measured.into())] {
+        let display = crate::rig::Blend { transfer: transfer.clone(), ..Default::default() };
         let border = |index: usize| Border { black: blacks[index], ..projectors[index].border() };
         for white in [0.0, 1.0] {
             for index in 0..3 {
                 let mut plan = with_borders(&projectors, index, &border);
-                (plan.passes[0].lift, plan.passes[0].transfer) = (most, transfer);
+                (plan.passes[0].lift, plan.passes[0].transfer) = (most, transfer.clone());
                 let code = (255.0 * white) as u8;
                 let shown = driver.show(&plan, false, &Picture::new(plan.views.atlas, |_, _| [code, code, code, 255]));
                 let mut worst = 0.0f64;
@@ -207,9 +209,11 @@ pub fn blacks_are_evened_out(driver: &dyn Driver) {
                     let dark: f64 = covering(&projectors, point).iter().map(|(k, _)| blacks[*k]).sum();
                     let share = exact_share(&projectors, index, point);
                     let light = share * ((1.0 - most) * white + most - dark);
-                    let exact = 255.0 * crate::blend::code_of(light, &display);
-                    let found = shown.at(column, SIZE.1 - 1 - row)[0];
-                    worst = worst.max((f64::from(found) - exact).abs());
+                    let found = shown.at(column, SIZE.1 - 1 - row);
+                    for channel in 0..3 {
+                        let exact = 255.0 * crate::blend::code_of(light, &display, channel);
+                        worst = worst.max((f64::from(found[channel]) - exact).abs());
+                    }
                 }
                 assert!(worst <= 0.6, "{transfer:?}, white {white}, projector {index}: {worst}");
             }

@@ -1,11 +1,13 @@
 //! Maps that come from a texture.
 
 use super::Driver;
+use super::picture::Picture;
 use super::plans::*;
+use crate::blend::{Weights, code_of};
 use crate::correct::plan::{Plan, Source};
 use crate::correct::{Table, TablePixel};
 use crate::warp::{WarpMap, compare};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use std::sync::Arc;
 
 /// What a bent projector shows at a pixel: a narrow picture with a hole, and weights.
@@ -13,7 +15,11 @@ fn shown(size: (u32, u32), opening: f64, column: u32, row: u32) -> Option<TableP
     let (x, y) = normalised(size, column, row);
     let direction = DVec3::new(opening * (x + 0.1 * y * y), opening * (y - 0.2 * x * y), -1.0);
     let hole = x * x + y * y < 0.01;
-    (!hole).then(|| TablePixel { direction: viewer().rotation * direction * 3.0, weight: 0.25 + 0.25 * (x + 1.0) })
+    (!hole).then(|| TablePixel {
+        direction: viewer().rotation * direction * 3.0,
+        weight: 0.25 + 0.25 * (x + 1.0),
+        dark: 0.0,
+    })
 }
 
 pub fn a_table_is_shown_as_it_was_computed(driver: &dyn Driver) {
@@ -128,4 +134,50 @@ pub fn a_projector_that_looks_away_makes_no_ghosts(driver: &dyn Driver) {
     let text = "[dome]\nradius = 1.0\ncoverage = 360.0\n[[output]]\nkind = \"projector\"\n\
                 position = [0.0, 0.0, 1.2]\nyaw = 70.0\nfov = [120.0, 90.0]\n";
     check_rig(driver, text, (320, 240));
+}
+
+/// Two overlapping projectors with lenses of their own and grey blacks: what they show is what f64 says, and its sum with
+/// their blacks is the same at any point.
+pub fn blacks_are_evened_out_by_tables_too(driver: &dyn Driver) {
+    let projector = |name: &str, yaw: f64, contrast: f64| {
+        format!(
+            "[[output]]\nname = \"{name}\"\nkind = \"projector\"\nyaw = {yaw:?}\npitch = 20.0\nfov = [70.0, 50.0]\n\
+             distortion = {{ radial = [-0.05, 0.0, 0.0] }}\nblend = {{ contrast = {contrast:?}, ramp = 0.4 }}\n"
+        )
+    };
+    let text = projector("left", -20.0, 60.0) + &projector("right", 20.0, 40.0);
+    let rig = crate::rig::parse(&text, "test", std::path::Path::new("")).expect("a valid rig");
+    let (size, sizes) = ((200, 120), [(200, 120); 2]);
+    let request = crate::views::Request {
+        output_sizes: sizes.to_vec(),
+        window: size,
+        panel: false,
+        primary: false,
+        max_atlas: 8192,
+    };
+    let plan = crate::correct::build(&rig, &request).expect("a plan");
+    let weights = Weights::new(&rig, &sizes).expect("valid");
+    let most = weights.greatest_black();
+    assert!((most - 1.0 / 60.0 - 1.0 / 40.0).abs() < 1e-12);
+    let mut seen = [0, 0];
+    for index in 0..2 {
+        let one = Plan { views: plan.views.clone(), passes: vec![plan.passes[index].clone()] };
+        assert!(matches!(one.passes[0].source, Source::Table(_)) && one.passes[0].lift > 0.0);
+        let map = WarpMap::new(&rig, index, size, None).expect("a map");
+        for white in [0.0, 1.0] {
+            let code = (255.0 * white) as u8;
+            let shown = driver.show(&one, false, &Picture::new(one.views.atlas, |_, _| [code, code, code, 255]));
+            for (column, row) in (0..size.1).flat_map(|row| (0..size.0).map(move |column| (column, row))) {
+                let pixel = DVec2::new(f64::from(column) + 0.5, f64::from(row) + 0.5);
+                let Some(point) = map.hit(pixel) else { continue };
+                let dark = weights.black_at(point);
+                let light = weights.weight_at(index, point) * ((1.0 - most) * white + most - dark);
+                let exact = 255.0 * code_of(light, &rig.outputs[index].blend, 0);
+                let found = f64::from(shown.at(column, size.1 - 1 - row)[0]);
+                assert!((found - exact).abs() <= 0.6, "white {white}, {column} {row}: {found} {exact}");
+                seen[usize::from(most - dark > 1e-9)] += 1;
+            }
+        }
+    }
+    assert!(seen[0] > 1_000 && seen[1] > 1_000, "overlapped and alone: {seen:?}");
 }

@@ -89,6 +89,11 @@ impl Api {
         self.limits.max_image_dimension2_d
     }
 
+    /// How many descriptor sets a pipeline can have.
+    pub fn descriptor_sets(&self) -> u32 {
+        self.limits.max_bound_descriptor_sets
+    }
+
     /// Checks that queues of `family` can draw.
     ///
     /// # Errors

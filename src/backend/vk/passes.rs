@@ -305,6 +305,12 @@ impl VkBackend {
         Ok(())
     }
 
+    /// Takes the measured time of a correction of `source` that is done, and whose commands are submitted again without
+    /// being recorded anew.
+    pub fn read_timing(&mut self, source: usize) {
+        self.timers.read(&self.api, source);
+    }
+
     /// What was measured so far.
     pub fn timing(&self) -> Timing {
         self.timers.timing()

@@ -59,26 +59,38 @@ impl Timers {
     /// # Safety
     /// The command buffer is being recorded, outside a render pass; no other one that does the same is pending.
     pub unsafe fn start(&mut self, api: &Api, command_buffer: vk::CommandBuffer, source: usize) {
-        let Some(written) = self.written.get_mut(source) else { return };
-        let first = 2 * source as u32;
-        if std::mem::replace(written, true) {
-            let mut stamps = [0u64; 2];
-            // SAFETY: the queries are ours. Those that are not available, as when nothing was submitted, are not waited for.
-            let read = unsafe {
-                api.device.get_query_pool_results(self.pool, first, &mut stamps, vk::QueryResultFlags::TYPE_64)
-            };
-            if read.is_ok() {
-                let steps = stamps[1].wrapping_sub(stamps[0]) & self.mask;
-                self.timing.last = steps as f64 * self.period;
-                self.timing.total += self.timing.last;
-                self.timing.corrections += 1;
-            }
+        if self.written.get(source).is_none() {
+            return;
         }
+        if std::mem::replace(&mut self.written[source], true) {
+            self.read(api, source);
+        }
+        let first = 2 * source as u32;
         // SAFETY: as promised above.
         unsafe {
             api.device.cmd_reset_query_pool(command_buffer, self.pool, first, 2);
             let done = vk::PipelineStageFlags::BOTTOM_OF_PIPE;
             api.device.cmd_write_timestamp(command_buffer, done, self.pool, first);
+        }
+    }
+
+    /// Takes what a correction of `source` that is done left. One whose commands are submitted again and again, and are
+    /// recorded only once, has to be asked for so after each time.
+    pub fn read(&mut self, api: &Api, source: usize) {
+        if source >= self.written.len() {
+            return;
+        }
+        let mut stamps = [0u64; 2];
+        // SAFETY: the queries are ours. Those that are not available, as when nothing was submitted, are not waited for.
+        let read = unsafe {
+            let (first, wide) = (2 * source as u32, vk::QueryResultFlags::TYPE_64);
+            api.device.get_query_pool_results(self.pool, first, &mut stamps, wide)
+        };
+        if read.is_ok() {
+            let steps = stamps[1].wrapping_sub(stamps[0]) & self.mask;
+            self.timing.last = steps as f64 * self.period;
+            self.timing.total += self.timing.last;
+            self.timing.corrections += 1;
         }
     }
 

@@ -104,8 +104,12 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     });
     let (good, words) = vulkan(&display, hooked.as_ref());
     tell("vulkan", good, words);
-    let (good, words) = vulkan_device();
+    let device = vk::headless::Headless::new(&[]);
+    let (good, words) = vulkan_device(device.as_ref().map_err(|error| error.message.clone()));
     tell("vulkan device", good, words);
+    if let Ok(device) = &device {
+        tell("vulkan flat", None, vulkan_flat(device));
+    }
     let usable = on && works.contains(&true);
     if arguments.json {
         println!("{:#}", as_json(usable, &findings));
@@ -144,10 +148,10 @@ fn vulkan(plain: &Environment, hooked: Option<&Environment>) -> (Option<bool>, S
 }
 
 /// What programs that correct with Vulkan, through the crate or `cupola_vk.h`, find here.
-fn vulkan_device() -> (Option<bool>, String) {
-    let device = match vk::headless::Headless::new(&[]) {
+fn vulkan_device(device: Result<&vk::headless::Headless, String>) -> (Option<bool>, String) {
+    let device = match device {
         Ok(device) => device,
-        Err(error) => return (None, error.message),
+        Err(why) => return (None, why),
     };
     let formats = device.api.usable_formats();
     if formats.is_empty() {
@@ -164,6 +168,16 @@ fn vulkan_device() -> (Option<bool>, String) {
         device.api.largest_image()
     );
     (Some(true), words)
+}
+
+/// Which programs the layer would show flat on this device.
+fn vulkan_flat(device: &vk::headless::Headless) -> String {
+    format!(
+        "programs are shown flat, and their log says why, if they use all {} descriptor sets of a pipeline, link \
+         pipelines from libraries, use shader objects, draw several views themselves, or bring their scene to the window \
+         by compute shaders or pictures of another size",
+        device.api.descriptor_sets()
+    )
 }
 
 /// Whether programs that go this way to the driver can be corrected, with the reason.

@@ -18,6 +18,7 @@ mod run;
 mod simulate;
 mod stress;
 mod terminal;
+mod tune;
 
 use clap::Parser;
 use std::process::ExitCode;
@@ -41,6 +42,7 @@ enum Command {
     Simulate(simulate::Arguments),
     Accuracy(accuracy::Arguments),
     Stress(stress::Arguments),
+    Tune(tune::Arguments),
     Bench(bench::Arguments),
     #[command(hide = true)]
     Probe(launch::probe::Arguments),
@@ -84,6 +86,7 @@ fn main() -> ExitCode {
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Accuracy(arguments) => accuracy::run(&arguments),
         Command::Stress(arguments) => stress::run(&arguments),
+        Command::Tune(arguments) => tune::run(&arguments),
         Command::Bench(arguments) => bench::run(&arguments),
         Command::Doctor(arguments) => doctor::run(&arguments),
         Command::Probe(arguments) => launch::probe::run(&arguments),

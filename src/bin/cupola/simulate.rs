@@ -2,7 +2,7 @@
 
 use crate::Failure;
 use crate::terminal;
-use cupola::blend::{Picture, Simulation, simulate};
+use cupola::blend::{Picture, Simulation, code_of, simulate};
 use cupola::rig::Rig;
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -117,12 +117,13 @@ fn white(rig: &Rig) -> Result<Vec<Picture>, Failure> {
     let sizes: Vec<(u32, u32)> = (0..rig.outputs.len()).map(|output| crate::map::native_size(rig, output)).collect();
     let weights = cupola::blend::Weights::new(rig, &sizes)?;
     let picture = |(output, &(width, height)): (usize, &(u32, u32))| {
-        let gamma = rig.outputs[output].blend.gamma;
+        let blend = &rig.outputs[output].blend;
         let value = |index: u32| {
             let pixel = glam::DVec2::new(f64::from(index % width) + 0.5, f64::from(index / width) + 0.5);
-            cupola::blend::encode(weights.weight(output, pixel).unwrap_or(0.0), gamma) as f32
+            let light = weights.weight(output, pixel).unwrap_or(0.0);
+            [0, 1, 2].map(|channel| code_of(light, blend, channel) as f32)
         };
-        Picture { width, height, rgb: (0..width * height).flat_map(|index| [value(index); 3]).collect() }
+        Picture { width, height, rgb: (0..width * height).flat_map(value).collect() }
     };
     Ok(sizes.iter().enumerate().map(picture).collect())
 }

@@ -3,7 +3,7 @@
 use super::*;
 use crate::geom::pose::rotation;
 use crate::geom::random::Random;
-use glam::{DMat4, DVec4};
+use glam::{DMat4, DVec3, DVec4};
 
 /// Kinds of depth mapping that programs use: (E, F) for near 1 and a ratio far/near.
 fn depth_mappings() -> Vec<(&'static str, f64, f64)> {
@@ -303,6 +303,29 @@ fn a_turned_view_loses_nothing_to_a_tight_near_plane() {
     let rows = tight.widened(&p, &camera, &frustum);
     for depth in [10.0, 10.5, 11.0, 12.0] {
         assert!(!lost(clip(&rows, depth)), "{depth}");
+    }
+}
+
+/// A point's depth in the program's own picture follows from that in a view, whatever the planes are.
+#[test]
+fn the_own_depth_follows_from_a_view_s() {
+    let frustum = Frustum { left: -1.0, right: 0.8, bottom: -0.5, top: 1.0 };
+    let turn = rotation(0.7, -0.3, 0.2);
+    let camera = CameraAdjustment { zoom: 1.7, rotation: rotation(-0.4, 0.1, 0.0), ..CameraAdjustment::NONE };
+    let finite = |near, far| Frustum { left: -0.4, right: 0.6, bottom: -0.3, top: 0.3 }.projection_matrix(near, far);
+    let reversed = |mut m: DMat4| {
+        (m.z_axis.z, m.w_axis.z) = (0.0, 0.1);
+        m
+    };
+    for matrix in [finite(1.0, 1.5), finite(0.1, 100.0), finite(0.01, 1e6), reversed(finite(0.1, 10.0))] {
+        let MatrixClass::Perspective(p) = classify(&matrix.to_cols_array()) else { panic!("a projection") };
+        let rows = clip_rows(&p, &camera, turn, &frustum).widened(&p, &camera, &frustum);
+        for eye in [DVec3::new(0.2, -0.1, -1.1), DVec3::new(-0.4, 0.3, -3.0), DVec3::new(9.0, 1.0, -70.0)] {
+            let own = matrix * eye.extend(1.0);
+            let view = DMat4::from_cols_array(&rows.matrix()) * own;
+            let got = rows.own_depth(view.z / view.w, view.w / own.w);
+            assert!((got - own.z / own.w).abs() < 1e-12, "{eye}: {got} for {}", own.z / own.w);
+        }
     }
 }
 

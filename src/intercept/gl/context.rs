@@ -11,9 +11,10 @@ use super::raster::Raster;
 use super::window::Window;
 use crate::backend::gl::api::{self, Gl};
 use crate::intercept::camera::Cameras;
-use crate::runtime::session::Extras;
+use crate::runtime::session::{Extras, Session};
 use std::collections::HashSet;
 use std::ffi::CStr;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 
 /// Which OpenGL a context speaks.
@@ -35,12 +36,26 @@ impl Profile {
 }
 
 /// What objects that contexts share are known by.
-#[derive(Default)]
 pub struct ShareGroup {
     /// Shaders and programs.
     pub programs: Mutex<Programs>,
     /// Display lists.
     pub lists: Mutex<Lists>,
+    /// What is known of images that are drawn off screen; `None` while a context that is current has it.
+    pub off_screen: Mutex<Option<super::duplicate::Travelling>>,
+    /// What is known of buffers.
+    pub buffers: Mutex<super::buffers::Buffers>,
+}
+
+impl Default for ShareGroup {
+    fn default() -> Self {
+        Self {
+            programs: Default::default(),
+            lists: Default::default(),
+            off_screen: Mutex::new(Some(Default::default())),
+            buffers: Default::default(),
+        }
+    }
 }
 
 /// The program's view of its window-space state.
@@ -77,6 +92,8 @@ pub struct Actual {
 
 /// One context of the program.
 pub struct Context {
+    /// A number of its own, among all contexts of the process.
+    pub id: u64,
     /// The driver.
     pub gl: &'static Gl,
     /// Which OpenGL.
@@ -91,6 +108,9 @@ pub struct Context {
     pub window: Option<Window>,
     /// What stands in for the window's framebuffer; `None` = the window's own.
     pub target: Option<Box<DefaultFramebuffer>>,
+    /// The plan of a window that another context of the group draws, for a context without one: what it draws off
+    /// screen may be shown there.
+    pub lent: Option<Arc<Session>>,
     /// What stands in for other windows that it drew to lately.
     pub parked: Vec<(Window, Box<DefaultFramebuffer>)>,
     /// The program reads from another drawable than it draws to.
@@ -117,6 +137,12 @@ pub struct Context {
     pub pipelines: super::pipelines::Pipelines,
     /// The Begin/End that the program is in.
     pub immediate: super::immediate::Immediate,
+    /// How many draws a frame has.
+    pub workload: super::workload::Workload,
+    /// Where the draw that is being issued comes to be in each view, if that is known.
+    pub areas: Vec<crate::correct::Texels>,
+    /// Where draws from buffers are.
+    pub ranges: super::culling::ranges::Ranges,
     /// The greatest width of points and lines so far.
     pub widest: Widest,
     /// Points and lines that may leave their tile.
@@ -179,7 +205,9 @@ impl Context {
             read_buffer: api::GL_BACK,
             matrix_mode: api::GL_MODELVIEW,
         };
+        static CONTEXTS: AtomicU64 = AtomicU64::new(0);
         Self {
+            id: CONTEXTS.fetch_add(1, Ordering::Relaxed),
             gl,
             profile: profile(gl),
             views_only: false,
@@ -187,6 +215,7 @@ impl Context {
             switched_off: false,
             window: None,
             target: None,
+            lent: None,
             parked: Vec::new(),
             left_behind: Vec::new(),
             reads_elsewhere: false,
@@ -200,6 +229,9 @@ impl Context {
             program: None,
             pipelines: Default::default(),
             immediate: Default::default(),
+            workload: Default::default(),
+            areas: Vec::new(),
+            ranges: Default::default(),
             widest: Widest::default(),
             outlines: Default::default(),
             endless_anisotropy: super::filtering::is_endless(gl),
@@ -223,6 +255,19 @@ impl Context {
             lens: None,
             viewport_area: [0; 2],
         }
+    }
+
+    /// The plan of the window that is drawn, or for which is drawn.
+    pub fn session(&self) -> Option<&Session> {
+        Self::session_of(&self.target, &self.lent)
+    }
+
+    /// The same of these two parts of a context.
+    pub fn session_of<'a>(
+        target: &'a Option<Box<DefaultFramebuffer>>,
+        lent: &'a Option<Arc<Session>>,
+    ) -> Option<&'a Session> {
+        target.as_ref().map(|target| &*target.session).or(lent.as_deref())
     }
 
     /// The program's draws go to its window, which is ours.
@@ -255,7 +300,12 @@ impl Context {
         if self.window != window {
             self.change_window(window);
         }
-        let Some(window) = self.window.clone() else { return };
+        super::duplicate::collect(self);
+        let Some(window) = self.window.clone() else {
+            self.borrow();
+            return;
+        };
+        self.lent = None;
         if let Some(size) = crate::intercept::settings::settings().and_then(|s| s.window_size) {
             window.resize(size);
         }
@@ -276,6 +326,23 @@ impl Context {
         } else if self.believed.read_framebuffer == 0 {
             // SAFETY: what the program's reads come from, which may be another drawable now.
             unsafe { self.gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, self.window_for_reading()) };
+        }
+    }
+
+    /// A context without a window draws for that of another in its group.
+    fn borrow(&mut self) {
+        let lent = super::registry::lend_session(self);
+        if self.lent.as_ref().map(Arc::as_ptr) != lent.as_ref().map(Arc::as_ptr) {
+            self.lent = lent;
+            self.projection.clear();
+            self.cameras.clear();
+        }
+        if self.believed.viewport == [0; 4] {
+            // SAFETY: each writes four integers.
+            unsafe {
+                self.gl.get_integerv(api::GL_VIEWPORT, self.believed.viewport.as_mut_ptr());
+                self.gl.get_integerv(api::GL_SCISSOR_BOX, self.believed.scissor.as_mut_ptr());
+            }
         }
     }
 

@@ -13,6 +13,8 @@ pub struct Counts {
     pub panel_draws: u64,
     /// Draws issued to the primary picture.
     pub primary_draws: u64,
+    /// Draws of the scene whose place was known.
+    pub bounded_draws: u64,
     /// How often hidden parts of the views were closed.
     pub closings: u64,
     /// Programs of shaders that were linked for us.

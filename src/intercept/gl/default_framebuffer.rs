@@ -7,14 +7,18 @@ use super::window::Window;
 use crate::backend::gl::api::{self, Gl};
 use crate::backend::gl::surface::{Surface, greatest_texture};
 use crate::backend::gl::{Blank, GlBackend, Target};
-use crate::error::Result;
-use crate::intercept::{log, settings};
+use crate::correct::Texels;
+use crate::error::{Error, ErrorKind, Result};
+use crate::intercept::{live, log, settings};
 use crate::runtime::session::{Extras, Session};
+use std::sync::Arc;
 
 /// The atlas and what corrects it.
 pub struct DefaultFramebuffer {
     /// Rig and plan for the window's size.
-    pub session: Session,
+    pub session: Arc<Session>,
+    /// Which state of the rig's file it follows.
+    version: u64,
     config: Config,
     surface: Surface,
     /// The surface's picture with one sample per pixel, where it has several.
@@ -45,20 +49,49 @@ pub fn attach(ctx: &mut Context, extras: Extras) {
 fn attach_now(ctx: &mut Context, window: &Window, settings: &settings::Settings, extras: Extras) {
     take_error(ctx);
     match DefaultFramebuffer::new(ctx, window, settings, extras) {
-        Ok(target) => {
-            ctx.counts.linked += target.backend.linked();
-            ctx.target = Some(Box::new(target));
-            adopt(ctx);
-            let gl = ctx.gl;
-            // SAFETY: state of ours and of our framebuffer.
-            unsafe {
-                ctx.set_scissor(None);
-                clear_everything(gl);
-            }
-        }
+        Ok(target) => put(ctx, target),
         Err(error) => log::once(&format!("this window keeps its own picture: {error}")),
     }
     take_own_errors(ctx);
+}
+
+/// Puts a new one, which is cleared, in place of the window's framebuffer.
+fn put(ctx: &mut Context, target: DefaultFramebuffer) {
+    ctx.counts.linked += target.backend.linked();
+    ctx.target = Some(Box::new(target));
+    adopt(ctx);
+    let gl = ctx.gl;
+    // SAFETY: state of ours and of our framebuffer.
+    unsafe {
+        ctx.set_scissor(None);
+        clear_everything(gl);
+    }
+}
+
+/// Goes on with the rig as its file is now; only between frames. Where that cannot be planned or made, everything stays.
+pub fn follow_rig(ctx: &mut Context) {
+    let version = live::version();
+    if ctx.target.as_ref().is_none_or(|target| target.version == version) {
+        return;
+    }
+    super::quiet::quietly(ctx, |ctx| {
+        let (Some(settings), Some(window)) = (settings::settings(), ctx.window.clone()) else { return };
+        let Some(mut old) = ctx.target.take() else { return };
+        take_error(ctx);
+        match DefaultFramebuffer::new(ctx, &window, settings, old.extras()) {
+            Ok(new) => {
+                super::duplicate::clear(ctx);
+                old.destroy(ctx.gl);
+                put(ctx, new);
+            }
+            Err(error) => {
+                log::once(&format!("the rig stays as it was: {error}"));
+                old.version = version;
+                ctx.target = Some(old);
+            }
+        }
+        take_own_errors(ctx);
+    });
 }
 
 /// Puts what stood for a window earlier in its place again, if the window is still of that kind.
@@ -160,6 +193,25 @@ pub fn want_panel(ctx: &mut Context) {
         .is_some_and(|t| t.session.panel().is_none() && t.session.views().iter().any(|v| !v.program_lens));
     if needed {
         enlarge(ctx, |extras| extras.panel = true);
+    }
+}
+
+/// Plans anew for a program of so many draws in a frame. What is drawn already is lost.
+pub fn plan_for(ctx: &mut Context, draws: u32) {
+    let Some(old) = ctx.target.take() else { return };
+    let extras = Extras { draws: Some(draws), ..old.extras() };
+    let same = |new: &Session| new.views() == old.session.views();
+    match old.session.with(extras) {
+        Ok(new) if !same(&new) => {
+            super::duplicate::clear(ctx);
+            old.destroy(ctx.gl);
+            attach(ctx, extras);
+        }
+        Ok(_) => ctx.target = Some(old),
+        Err(error) => {
+            log::once(&format!("the views stay as they are: {error}"));
+            ctx.target = Some(old);
+        }
     }
 }
 
@@ -325,13 +377,16 @@ impl DefaultFramebuffer {
     fn new(ctx: &Context, window: &Window, settings: &settings::Settings, extras: Extras) -> Result<Self> {
         let gl = ctx.gl;
         let size = window.size();
-        let plan = if ctx.views_only { Session::new } else { Session::projecting };
-        let session = plan(&settings.rig, size, settings.offscreen, greatest_texture(gl), extras)?;
+        let live = live::rig().ok_or_else(|| Error::new(ErrorKind::InvalidState, "there is no rig"))?;
+        // Shaders were patched for lenses from the start, or never.
+        let projects = super::vertices::asked_for() && !ctx.views_only;
+        let plan = if projects { Session::projecting } else { Session::new };
+        let session = plan(&live.rig, size, settings.offscreen, greatest_texture(gl), extras)?;
         let config = Config::of_window(gl, &ctx.profile, window);
-        Self::with_session(ctx, session, config)
+        Self::with_session(ctx, session, config, live.version)
     }
 
-    fn with_session(ctx: &Context, session: Session, config: Config) -> Result<Self> {
+    fn with_session(ctx: &Context, session: Session, config: Config, version: u64) -> Result<Self> {
         let gl = ctx.gl;
         let size = (session.plan().views.atlas.0 as i32, session.plan().views.atlas.1 as i32);
         let surface = Surface::new(gl, size, config.samples, config.srgb)?;
@@ -344,12 +399,26 @@ impl DefaultFramebuffer {
         let outputs = session.viewports().map(|viewport| Target { framebuffer: 0, viewport }).collect();
         let content = Content::default();
         let lenses = session.lenses();
-        Ok(Self { session, lenses, config, surface, resolved, backend, content, issued, culled, closed, outputs })
+        let session = Arc::new(session);
+        Ok(Self {
+            session,
+            version,
+            lenses,
+            config,
+            surface,
+            resolved,
+            backend,
+            content,
+            issued,
+            culled,
+            closed,
+            outputs,
+        })
     }
 
     /// The same with more tiles.
     fn enlarged(&self, ctx: &Context, extras: Extras) -> Result<Self> {
-        let mut new = Self::with_session(ctx, self.session.with(extras)?, self.config)?;
+        let mut new = Self::with_session(ctx, self.session.with(extras)?, self.config, self.version)?;
         new.issued.clone_from(&self.issued);
         new.culled.clone_from(&self.culled);
         Ok(new)
@@ -404,6 +473,14 @@ impl DefaultFramebuffer {
         }
     }
 
+    /// A draw went to a view, into these texels.
+    pub fn issued_within(&mut self, view: usize, texels: Texels) {
+        self.content.draw_within(view, texels);
+        if let Some(count) = self.issued.get_mut(view) {
+            *count += 1;
+        }
+    }
+
     /// A draw was left out of a view that cannot show it.
     pub fn culled(&mut self, view: usize) {
         if let Some(count) = self.culled.get_mut(view) {
@@ -427,7 +504,7 @@ impl DefaultFramebuffer {
     }
 
     /// The views that need not be corrected.
-    pub fn blank(&self) -> Option<Blank> {
+    pub fn blank(&self) -> Option<Blank<'_>> {
         // A view with the program's own lens gets flat drawing, too.
         let followed =
             settings::settings().is_some_and(|s| s.cull) && !self.session.views().iter().any(|v| v.program_lens);

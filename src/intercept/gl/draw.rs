@@ -38,8 +38,13 @@ pub enum Place {
     Background,
 }
 
-/// Issues a draw of the program: once per view that shows it. `bounds`: around its vertices.
-pub fn draw(ctx: &mut Context, changes: Changes, bounds: &Bounds, mut issue: impl FnMut(&mut Context, &Gl)) {
+/// Issues a draw of the program: once per view that shows it. `bounds`: around its vertices, asked for where it matters.
+pub fn draw(
+    ctx: &mut Context,
+    changes: Changes,
+    bounds: impl FnOnce(&mut Context) -> Bounds,
+    mut issue: impl FnMut(&mut Context, &Gl),
+) {
     let gl = ctx.gl;
     super::outlines::look(ctx);
     super::vertices::fallback::look(ctx);
@@ -154,7 +159,10 @@ pub fn draw(ctx: &mut Context, changes: Changes, bounds: &Bounds, mut issue: imp
         if let Some((variant, in_use)) = divided {
             variant.end(ctx, &in_use);
         }
-        target.issued(index);
+        match ctx.areas.get(index).filter(|_| shown.bounded()) {
+            Some(area) => target.issued_within(index, *area),
+            None => target.issued(index),
+        }
         number += 1;
     }
     restore_projection(ctx, &mut projection_loaded);
@@ -184,7 +192,7 @@ pub fn each_view(
     counting::weigh(ctx, Weights { samples: share, primitives: share });
     let repeats = Repeats::new(changes, ctx);
     let mut projection_loaded = false;
-    let own = ctx.target.as_ref().map_or(0, |target| target.session.views().len());
+    let own = ctx.session().map_or(0, |session| session.views().len());
     for view in 0..views {
         let place = prepare(ctx, view);
         let mut divided = None;
@@ -284,8 +292,8 @@ pub fn place_by_lens(ctx: &mut Context) -> Place {
             Lens::Perspective(intrinsics, how) => {
                 ctx.counts.found.count(how);
                 ctx.lens = Some(intrinsics);
-                let Some(target) = &ctx.target else { return Place::Flat };
-                Place::Scene(ctx.cameras.index(&intrinsics, &target.session))
+                let Some(session) = Context::session_of(&ctx.target, &ctx.lent) else { return Place::Flat };
+                Place::Scene(ctx.cameras.index(&intrinsics, session))
             }
             Lens::Flat => Place::Flat,
         };
@@ -405,11 +413,20 @@ impl PanelBlend {
     }
 }
 
-/// A draw command of outlines of `shape` whose vertices are within `bounds`: a part of the list that is compiled, or issued once per view.
-pub fn draw_command(ctx: &mut Context, shape: Shape, bounds: &Bounds, mut issue: impl FnMut(&mut Context, &Gl)) {
-    if let Some(recording) = &mut ctx.recording {
-        recording.draws = true;
-        recording.bounds.join(bounds);
+/// A draw command of outlines of `shape` whose vertices are within `bounds`: a part of the list that is compiled, or
+/// issued once per view.
+pub fn draw_command(
+    ctx: &mut Context,
+    shape: Shape,
+    bounds: impl FnOnce(&mut Context) -> Bounds,
+    mut issue: impl FnMut(&mut Context, &Gl),
+) {
+    if ctx.compiling() {
+        let bounds = if culling::enabled() { bounds(ctx) } else { Bounds::UNKNOWN };
+        if let Some(recording) = &mut ctx.recording {
+            recording.draws = true;
+            recording.bounds.join(&bounds);
+        }
         let gl = ctx.gl;
         issue(ctx, gl);
     } else {
@@ -423,7 +440,7 @@ macro_rules! draw_hooks {
     ($( $name:literal $method:ident ( $($p:ident : $t:ty),* ) $shape:expr; )*) => {
         hooks! {
             $( $name $method($($p: $t),*) = |ctx, _gl| {
-                draw_command(ctx, $shape, &Bounds::UNKNOWN, |_, gl| gl.$method($($p),*));
+                draw_command(ctx, $shape, |_| Bounds::UNKNOWN, |_, gl| gl.$method($($p),*));
             }; )*
         }
     };
@@ -431,23 +448,13 @@ macro_rules! draw_hooks {
 
 draw_hooks! {
     "glDrawArraysIndirect" draw_arrays_indirect(mode: u32, indirect: *const c_void) Shape::of_mode(mode);
-    "glDrawArraysInstanced" draw_arrays_instanced(mode: u32, first: i32, count: i32, instances: i32) Shape::of_mode(mode);
-    "glDrawArraysInstancedBaseInstance" draw_arrays_instanced_base_instance(mode: u32, first: i32, count: i32, instances: i32, base: u32) Shape::of_mode(mode);
-    "glDrawElementsBaseVertex" draw_elements_base_vertex(mode: u32, count: i32, kind: u32, indices: *const c_void, base: i32) Shape::of_mode(mode);
     "glDrawElementsIndirect" draw_elements_indirect(mode: u32, kind: u32, indirect: *const c_void) Shape::of_mode(mode);
-    "glDrawElementsInstanced" draw_elements_instanced(mode: u32, count: i32, kind: u32, indices: *const c_void, instances: i32) Shape::of_mode(mode);
-    "glDrawElementsInstancedBaseInstance" draw_elements_instanced_base_instance(mode: u32, count: i32, kind: u32, indices: *const c_void, instances: i32, base: u32) Shape::of_mode(mode);
-    "glDrawElementsInstancedBaseVertex" draw_elements_instanced_base_vertex(mode: u32, count: i32, kind: u32, indices: *const c_void, instances: i32, base: i32) Shape::of_mode(mode);
-    "glDrawElementsInstancedBaseVertexBaseInstance" draw_elements_instanced_base_vertex_base_instance(mode: u32, count: i32, kind: u32, indices: *const c_void, instances: i32, vertex: i32, instance: u32) Shape::of_mode(mode);
-    "glDrawRangeElementsBaseVertex" draw_range_elements_base_vertex(mode: u32, start: u32, end: u32, count: i32, kind: u32, indices: *const c_void, base: i32) Shape::of_mode(mode);
     "glDrawTransformFeedback" draw_transform_feedback(mode: u32, id: u32) Shape::of_mode(mode);
     "glDrawTransformFeedbackInstanced" draw_transform_feedback_instanced(mode: u32, id: u32, instances: i32) Shape::of_mode(mode);
     "glDrawTransformFeedbackStream" draw_transform_feedback_stream(mode: u32, id: u32, stream: u32) Shape::of_mode(mode);
     "glDrawTransformFeedbackStreamInstanced" draw_transform_feedback_stream_instanced(mode: u32, id: u32, stream: u32, instances: i32) Shape::of_mode(mode);
-    "glMultiDrawArrays" multi_draw_arrays(mode: u32, first: *const i32, count: *const i32, draws: i32) Shape::of_mode(mode);
     "glMultiDrawArraysIndirect" multi_draw_arrays_indirect(mode: u32, indirect: *const c_void, draws: i32, stride: i32) Shape::of_mode(mode);
     "glMultiDrawArraysIndirectCount" multi_draw_arrays_indirect_count(mode: u32, indirect: *const c_void, draws: isize, greatest: i32, stride: i32) Shape::of_mode(mode);
-    "glMultiDrawElements" multi_draw_elements(mode: u32, count: *const i32, kind: u32, indices: *const *const c_void, draws: i32) Shape::of_mode(mode);
     "glMultiDrawElementsBaseVertex" multi_draw_elements_base_vertex(mode: u32, count: *const i32, kind: u32, indices: *const *const c_void, draws: i32, base: *const i32) Shape::of_mode(mode);
     "glMultiDrawElementsIndirect" multi_draw_elements_indirect(mode: u32, kind: u32, indirect: *const c_void, draws: i32, stride: i32) Shape::of_mode(mode);
     "glMultiDrawElementsIndirectCount" multi_draw_elements_indirect_count(mode: u32, kind: u32, indirect: *const c_void, draws: isize, greatest: i32, stride: i32) Shape::of_mode(mode);

@@ -67,6 +67,7 @@ pub fn find(name: &str) -> Option<*const ()> {
     let table = TABLE.get_or_init(|| {
         let files = [
             super::accumulation::HOOKS,
+            super::buffers::HOOKS,
             super::conditional::HOOKS,
             super::counting::told::HOOKS,
             super::culling::arrays::HOOKS,
@@ -102,6 +103,12 @@ pub fn find(name: &str) -> Option<*const ()> {
         "glActiveShaderProgramEXT"
         | "glBeginQueryEXT"
         | "glBindProgramPipelineEXT"
+        | "glClearNamedBufferDataEXT"
+        | "glClearNamedBufferSubDataEXT"
+        | "glMapNamedBufferEXT"
+        | "glMapNamedBufferRangeEXT"
+        | "glTextureBufferEXT"
+        | "glTextureBufferRangeEXT"
         | "glCheckNamedFramebufferStatusEXT"
         | "glCreateShaderProgramvEXT"
         | "glDeleteProgramPipelinesEXT"
@@ -122,6 +129,7 @@ pub fn find(name: &str) -> Option<*const ()> {
         | "glGenerateMipmapOES"
         | "glGetFramebufferAttachmentParameterivOES"
         | "glIsFramebufferOES" => &name[..name.len() - 3],
+        "glNamedCopyBufferSubDataEXT" => "glCopyNamedBufferSubData",
         "glDrawBuffersNV" | "glReadBufferNV" => &name[..name.len() - 2],
         _ => crate::backend::gl::api::core_name(name),
     };

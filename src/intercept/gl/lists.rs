@@ -183,7 +183,7 @@ fn run_real(ctx: &mut Context, list: u32, draws: bool, raster: bool, bounds: &Bo
     }
     if draws {
         // SAFETY: a list that exists, or the program's own call.
-        draw(ctx, Changes::Anything, bounds, |_, gl| unsafe { gl.call_list(list) });
+        draw(ctx, Changes::Anything, |_| *bounds, |_, gl| unsafe { gl.call_list(list) });
     } else {
         // SAFETY: as above.
         unsafe { gl.call_list(list) };
@@ -308,7 +308,7 @@ fn finish_recording(ctx: &mut Context) {
         return;
     };
     recording.end_part(gl);
-    if ctx.target.is_some() && !ctx.redirected() {
+    if ctx.session().is_some() && !ctx.redirected() {
         // What could not be set while the list was compiled.
         ctx.restore_window_space();
     }

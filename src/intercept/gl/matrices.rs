@@ -62,11 +62,11 @@ pub fn refresh(ctx: &mut Context) {
     if !ctx.projection.changed {
         return;
     }
-    let Some(target) = &ctx.target else { return };
+    let Some(session) = Context::session_of(&ctx.target, &ctx.lent) else { return };
     let mut matrix = [0.0; 16];
     // SAFETY: writes sixteen doubles; the context has a fixed-function pipeline.
     unsafe { ctx.gl.get_doublev(api::GL_PROJECTION_MATRIX, matrix.as_mut_ptr()) };
-    ctx.projection.update(matrix, &target.session);
+    ctx.projection.update(matrix, session);
 }
 
 /// `GL_MODELVIEW`; asks the driver only after a change.

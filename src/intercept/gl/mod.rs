@@ -7,6 +7,7 @@
 
 pub mod accumulation;
 pub mod background;
+pub mod buffers;
 pub mod conditional;
 pub mod config;
 pub mod context;
@@ -18,6 +19,7 @@ pub mod draw;
 pub mod duplicate;
 pub mod feedback;
 pub mod filtering;
+mod first_depth;
 pub mod frames;
 pub mod front;
 pub mod glsl;
@@ -48,3 +50,4 @@ pub mod vendor_egl;
 pub mod vendor_glx;
 pub mod vertices;
 pub mod window;
+pub mod workload;

@@ -8,9 +8,9 @@ use crate::backend::gl::{GlBackend, Target};
 use crate::correct::{Batch, OutputPass, PixelRect, Plan, Source};
 use crate::error::Result;
 use crate::intercept::log;
-use crate::rig::{Filter, Transfer};
+use crate::rig::{Camera, Filter, Transfer};
 use crate::runtime::report::Picture;
-use crate::runtime::session::Frustum;
+use crate::runtime::session::{Frustum, Session};
 use glam::DMat3;
 
 /// A framebuffer with one texture.
@@ -75,22 +75,28 @@ pub fn picture(ctx: &Context, index: usize, name: &str) -> Option<Picture> {
 pub fn fill_primary(ctx: &mut Context) {
     let Some(target) = ctx.target.take() else { return };
     take_error(ctx);
-    if let (Some(tile), Some(plan)) = (target.primary(), own_picture(ctx, target.session.plan(), target.size())) {
-        target.resolve(ctx, None);
-        let copied = copy(ctx, &plan, target.texture(), target.framebuffer(), tile);
-        if let Err(error) = copied {
+    let camera = &target.session.rig().camera;
+    if let (Some(tile), Some(directions)) = (target.primary(), own_directions(ctx, camera)) {
+        let plan = own_picture(ctx, &target.session, directions);
+        let (width, height) = plan.views.atlas;
+        target.resolve(ctx, Some([0, 0, width as i32, height as i32]));
+        if let Err(error) = copy(ctx, &plan, target.texture(), target.framebuffer(), tile) {
             log::once(&format!("the first picture that the program reads is black: {error}"));
         }
+        super::first_depth::fill(ctx, &target, directions);
     }
     ctx.target = Some(target);
     take_own_errors(ctx);
 }
 
-/// The pass that shows what the program's own lens sees, from the same views.
-fn own_picture(ctx: &Context, plan: &Plan, size: (u32, u32)) -> Option<Plan> {
+/// A pixel of the program's own picture (−1…1 to the right and up, 1) → its direction in the viewer's axes, as far as
+/// −1 along the program's. None before the program's lens is known.
+fn own_directions(ctx: &Context, camera: &Camera) -> Option<DMat3> {
+    if plan.views.views.iter().any(|view| view.curved.is_some()) {
+        // Pictures of outputs are no views to be resampled: the first read is black.
+        return None;
+    }
     let lens = ctx.lens?;
-    let camera = &crate::intercept::settings::settings()?.rig.camera;
-    let rotation = crate::runtime::session::camera_rotation(camera);
     let zoom = camera.zoom;
     let tangents = DMat3::from_cols_array(&[
         zoom / lens.a,
@@ -103,12 +109,18 @@ fn own_picture(ctx: &Context, plan: &Plan, size: (u32, u32)) -> Option<Plan> {
         zoom * lens.d / lens.c,
         -1.0,
     ]);
+    Some(crate::runtime::session::camera_rotation(camera) * tangents)
+}
+
+/// The pass that shows what the program's own lens sees, from the same views.
+fn own_picture(ctx: &Context, session: &Session, directions: DMat3) -> Plan {
+    let (plan, size) = (session.plan(), session.window());
     let rect = PixelRect { x: 0, y: 0, width: size.0, height: size.1 };
     let views = (0..plan.views.views.len()).collect();
     let pass = OutputPass {
         name: "primary".to_owned(),
         size,
-        source: Source::Perspective { matrix: rotation * tangents },
+        source: Source::Perspective { matrix: directions },
         batches: vec![Batch { views, neighbours: Vec::new(), edge: true, rects: vec![rect] }],
         mask: None,
         filter: Filter::Bilinear,
@@ -121,18 +133,20 @@ fn own_picture(ctx: &Context, plan: &Plan, size: (u32, u32)) -> Option<Plan> {
         dome_rotation: DMat3::IDENTITY,
     };
     let mut views = plan.views.clone();
-    if let Some(panel) = &mut views.panel {
+    if let (Some(panel), Some(lens)) = (&mut views.panel, ctx.lens) {
         // In the program's own picture the panel fills the whole window.
-        panel.rotation = rotation.transpose();
+        let camera = &session.rig().camera;
+        let own = lens.frustum();
+        panel.rotation = crate::runtime::session::camera_rotation(camera).transpose();
         panel.frustum = Frustum {
-            left: zoom * (lens.b - 1.0) / lens.a,
-            right: zoom * (lens.b + 1.0) / lens.a,
-            bottom: zoom * (lens.d - 1.0) / lens.c,
-            top: zoom * (lens.d + 1.0) / lens.c,
+            left: camera.zoom * own.left,
+            right: camera.zoom * own.right,
+            bottom: camera.zoom * own.bottom,
+            top: camera.zoom * own.top,
         };
         panel.owned = panel.frustum;
     }
-    Some(Plan { views, passes: vec![pass] })
+    Plan { views, passes: vec![pass] }
 }
 
 fn copy(ctx: &Context, plan: &Plan, atlas: u32, framebuffer: u32, tile: [i32; 4]) -> Result<()> {

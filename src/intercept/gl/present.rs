@@ -142,7 +142,11 @@ fn next_frame(ctx: &mut Context) {
     ctx.viewport_area = [0, ctx.viewport_area[0]];
     ctx.frame_begun = false;
     super::duplicate::end_frame(ctx);
+    super::buffers::of(ctx).end_frame();
+    ctx.ranges.end_frame();
+    ctx.workload.end_frame(ctx.counts.draws_seen);
     follow_size(ctx);
+    default_framebuffer::follow_rig(ctx);
 }
 
 /// Plans anew where the window has another size than the plan. Only between frames.
@@ -186,6 +190,8 @@ fn statistics(ctx: &Context, settings: &settings::Settings) -> Statistics {
         draws_seen: ctx.counts.draws_seen,
         panel_draws: ctx.counts.panel_draws,
         primary_draws: ctx.counts.primary_draws,
+        bounded_draws: ctx.counts.bounded_draws,
+        ranges_read: ctx.ranges.reads,
         closings: ctx.counts.closings,
         duplicated_draws: ctx.duplicates.draws,
         duplicated_framebuffers,
@@ -193,12 +199,19 @@ fn statistics(ctx: &Context, settings: &settings::Settings) -> Statistics {
         projection_found: ctx.counts.found.iter().map(|(how, n)| (how.to_owned(), n)).collect(),
         batches_left_out: ctx.target.as_ref().map_or(0, |t| t.backend().left_out()),
         coarse_primitives: ctx.coarse.as_ref().map_or(0, |counter| counter.read(ctx.gl).into()),
+        outputs_narrowed: ctx.target.as_ref().map_or(0, |t| t.backend().narrowed()),
         shaders_linked: ctx.counts.linked,
         own_errors: ctx.counts.errors,
         ..Statistics::default()
     };
     if let Some(target) = &ctx.target {
         statistics.own_errors += target.backend().errors();
+        for pass in &target.session.plan().passes {
+            let rects = pass.batches.iter().flat_map(|batch| &batch.rects);
+            statistics.output_pixels += u64::from(pass.size.0) * u64::from(pass.size.1);
+            statistics.corrected_pixels +=
+                rects.map(|rect| u64::from(rect.width) * u64::from(rect.height)).sum::<u64>();
+        }
         statistics.notes.clone_from(&target.session.plan().views.notes);
         statistics.views = target
             .session
@@ -227,7 +240,7 @@ fn output_pictures(ctx: &mut Context, settings: &settings::Settings) -> Vec<Pict
         let (width, height) = window.size();
         return vec![read_back(gl, 0, "window", [0, 0, width as i32, height as i32])];
     };
-    let names = settings.rig.outputs.iter().map(|o| o.name.as_str());
+    let names = target.session.rig().outputs.iter().map(|o| o.name.as_str());
     if settings.offscreen {
         return names.enumerate().filter_map(|(i, name)| super::offscreen::picture(ctx, i, name)).collect();
     }
@@ -254,9 +267,18 @@ fn view_pictures(ctx: &Context) -> Vec<Picture> {
 pub fn read_back(gl: &Gl, framebuffer: u32, name: &str, rect: [i32; 4]) -> Picture {
     let [x, y, width, height] = rect.map(|v| v.max(0));
     let mut rgba = vec![0; width as usize * height as usize * 4];
+    while_reading(gl, framebuffer, || {
+        // SAFETY: reads exactly the bytes that `rgba` has room for.
+        unsafe { gl.read_pixels(x, y, width, height, api::GL_RGBA, api::GL_UNSIGNED_BYTE, rgba.as_mut_ptr().cast()) };
+    });
+    Picture { name: name.to_owned(), width: width as u32, height: height as u32, rgba }
+}
+
+/// Runs `work`, which reads a framebuffer into memory without gaps between rows. Bindings and pixel storage are put back.
+pub fn while_reading(gl: &Gl, framebuffer: u32, work: impl FnOnce()) {
     const STORE: [u32; 4] =
         [api::GL_PACK_ALIGNMENT, api::GL_PACK_ROW_LENGTH, api::GL_PACK_SKIP_ROWS, api::GL_PACK_SKIP_PIXELS];
-    // SAFETY: reads exactly the bytes that `rgba` has room for; all state is put back.
+    // SAFETY: plain state and bindings; all is put back.
     unsafe {
         let (mut bound, mut buffer) = (0, 0);
         let mut store = [0; 4];
@@ -268,12 +290,11 @@ pub fn read_back(gl: &Gl, framebuffer: u32, name: &str, rect: [i32; 4]) -> Pictu
         }
         gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, framebuffer);
         gl.bind_buffer(api::GL_PIXEL_PACK_BUFFER, 0);
-        gl.read_pixels(x, y, width, height, api::GL_RGBA, api::GL_UNSIGNED_BYTE, rgba.as_mut_ptr().cast());
+        work();
         gl.bind_buffer(api::GL_PIXEL_PACK_BUFFER, buffer as u32);
         gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, bound as u32);
         for (value, name) in store.iter().zip(STORE) {
             gl.pixel_storei(name, *value);
         }
     }
-    Picture { name: name.to_owned(), width: width as u32, height: height as u32, rgba }
 }

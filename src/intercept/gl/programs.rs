@@ -1,6 +1,7 @@
 //! The program's shaders: patched when they are linked, and which lens they draw with.
 
 use super::context::{Context, Profile};
+use super::culling::position::Position;
 use super::glsl::{self, Stage};
 use super::hook::hooks;
 use super::lists::Command;
@@ -39,6 +40,8 @@ pub struct Program {
     fixed_matrices: bool,
     /// Its samplers of textures that can be drawn into.
     pub samplers: Vec<super::samplers::Sampler>,
+    /// Where its vertices are, where that is proven.
+    pub position: Option<Position>,
     /// Its fragments ask where on the screen they are.
     pub asks_place: bool,
     /// Its 4×4 matrices.
@@ -89,7 +92,7 @@ impl Program {
             }
         }
         let mut uniforms = self.uniforms.lock().unwrap_or_else(PoisonError::into_inner);
-        uniforms.lens(ctx.gl, ctx.buffer_generation)
+        uniforms.lens(ctx.gl, ctx.buffer_generation, &super::buffers::of(ctx))
     }
 }
 
@@ -264,12 +267,19 @@ fn link(ctx: &mut Context, program: u32) {
         .filter_map(|s| sources.get(&s.0))
         .any(|source| words.iter().any(|word| glsl::mentions(source, word)));
     let mut fragments = shaders.iter().filter(|s| s.1 == api::GL_FRAGMENT_SHADER).filter_map(|s| sources.get(&s.0));
-    let texts = shaders.iter().filter_map(|s| Some((s.1, sources.get(&s.0)?.clone()))).collect();
-    let record = Arc::new(Program {
-        asks_place: fragments.any(|source| glsl::mentions(source, "gl_FragCoord")),
-        texts: if super::vertices::asked_for() { texts } else { Vec::new() },
-        ..read_program(gl, &ctx.profile, program, linked, stages, fixed_matrices)
-    });
+    let texts = shaders.iter().filter_map(|s| Some((s.1, sources.get(&s.0)?.clone())));
+    let texts = if super::vertices::asked_for() { texts.collect() } else { Vec::new() };
+    let mut record = read_program(gl, &ctx.profile, program, linked, stages, fixed_matrices);
+    record.texts = texts;
+    record.asks_place = fragments.any(|source| glsl::mentions(source, "gl_FragCoord"));
+    let mut vertices = shaders.iter().filter(|s| s.1 != api::GL_FRAGMENT_SHADER);
+    if let (Some((shader, api::GL_VERTEX_SHADER)), None) = (vertices.next(), vertices.next())
+        && let Some(source) = sources.get(shader)
+    {
+        let uniforms = record.uniforms.get_mut().unwrap_or_else(PoisonError::into_inner);
+        record.position = Position::of_shader(gl, program, source, ctx.profile.es, uniforms);
+    }
+    let record = Arc::new(record);
     let mut programs = ctx.share.programs.lock().unwrap_or_else(PoisonError::into_inner);
     programs.programs.insert(program, record.clone());
     drop(programs);
@@ -355,6 +365,7 @@ fn read_program(gl: &Gl, profile: &Profile, name: u32, patched: bool, stages: u3
         stages,
         fixed_matrices,
         samplers: super::samplers::of_program(gl, name),
+        position: None,
         asks_place: false,
         uniforms: Mutex::new(uniforms),
         uploaded: Mutex::default(),

@@ -5,6 +5,7 @@ use super::default_framebuffer::DefaultFramebuffer;
 use super::window::Window;
 use crate::backend::gl::api::Gl;
 use crate::intercept::log;
+use crate::runtime::session::Session;
 use std::cell::Cell;
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicPtr, Ordering};
@@ -94,6 +95,7 @@ pub fn after_panic(name: &str) {
     log::once(&format!("a defect in {name}; this context is left alone from now on"));
     if let Some(ctx) = current() {
         ctx.switched_off = true;
+        super::buffers::of(ctx).lose();
         ctx.leave_alone();
     }
 }
@@ -127,6 +129,9 @@ pub fn make_current(handle: usize, gl: &'static Gl, window: Option<Window>, read
     let left_handle = HANDLE.replace(handle);
     let pointer = contexts(|contexts| {
         if !left.is_null() {
+            // SAFETY: this thread had the context until now, and nobody can have it before the table is free.
+            let context = unsafe { &mut *left };
+            context.duplicates.deposit(&context.share);
             contexts.release(left_handle, left as usize);
         }
         if handle == 0 {
@@ -156,6 +161,18 @@ pub fn destroyed(handle: usize) {
             contexts.forget(entry);
         }
     });
+}
+
+/// The plan of a window that another context of the group draws, which is not current on any thread.
+pub fn lend_session(ctx: &Context) -> Option<Arc<Session>> {
+    contexts(|contexts| {
+        let others = contexts.known.values().filter(|e| !e.current && e.context != 0);
+        others.filter(|entry| Arc::ptr_eq(&entry.share, &ctx.share)).find_map(|entry| {
+            // SAFETY: a live context that is current on no thread, and cannot become so while the table is locked.
+            let other = unsafe { &*(entry.context as *const Context) };
+            other.target.as_ref().map(|target| target.session.clone())
+        })
+    })
 }
 
 /// What another context of the group has for `window`, which is not current on any thread: contexts that draw to one

@@ -121,7 +121,7 @@ pub fn pop_attributes(ctx: &mut Context) {
     if mask & api::GL_PIXEL_MODE_BIT != 0 {
         ctx.believed.read_buffer = saved.read_buffer;
     }
-    if ctx.target.is_some() && !ctx.redirected() {
+    if ctx.session().is_some() && !ctx.redirected() {
         ctx.restore_window_space();
     }
 }
@@ -189,6 +189,9 @@ hooks! {
             _ => {
                 ctx.discard |= cap == api::GL_RASTERIZER_DISCARD;
                 ctx.assembly |= cap == api::GL_VERTEX_PROGRAM_ARB;
+                if cap == api::GL_STENCIL_TEST {
+                    ctx.workload.note_stencil();
+                }
                 if matches!(cap, api::GL_POINT_SPRITE | api::GL_VERTEX_PROGRAM_POINT_SIZE) {
                     ctx.widest.note_unknown();
                 }

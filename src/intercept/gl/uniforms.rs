@@ -1,11 +1,12 @@
 //! Finds the projection among a program's 4×4 matrices.
 
+use super::buffers::Buffers;
 use super::context::{Context, Profile};
 use super::hook::hooks;
 use super::programs::Lens;
 use crate::backend::gl::api::{self, Gl};
 use crate::intercept::lens::{self, rank, transposed};
-use std::ffi::{CStr, c_char, c_void};
+use std::ffi::{CStr, c_char};
 use std::sync::PoisonError;
 
 /// The 4×4 matrices of a program.
@@ -23,6 +24,9 @@ struct Matrix {
     /// How much its name promises: the lower, the sooner it is believed.
     rank: u8,
     value: [f64; 16],
+    name: Box<str>,
+    /// The buffer that a block's value was read from, and its version then; `None` where it may change unseen.
+    read: Option<(u32, u64)>,
 }
 
 enum Place {
@@ -34,10 +38,10 @@ enum Place {
 
 impl Uniforms {
     /// The lens that the matrices hold now.
-    pub fn lens(&mut self, gl: &Gl, generation: u64) -> Lens {
+    pub fn lens(&mut self, gl: &Gl, generation: u64, buffers: &Buffers) -> Lens {
         if self.generation != generation || self.live {
             self.generation = generation;
-            if self.read_blocks(gl) {
+            if self.read_blocks(gl, buffers) {
                 self.lens = None;
             }
         }
@@ -45,6 +49,23 @@ impl Uniforms {
             self.lens = Some(self.find());
         }
         self.lens.unwrap_or(Lens::Flat)
+    }
+
+    /// The number of the matrix that OpenGL calls `name`.
+    pub fn number(&self, name: &str) -> Option<usize> {
+        self.matrices.iter().position(|matrix| *matrix.name == *name)
+    }
+
+    /// The matrix of this number, as [`Uniforms::lens`] saw it; `None` where it may have changed since.
+    pub fn matrix(&self, number: usize, buffers: &Buffers) -> Option<[f64; 16]> {
+        let matrix = self.matrices.get(number)?;
+        match (&matrix.place, matrix.read) {
+            (Place::Uniform(_), _) => Some(matrix.value),
+            (Place::Block { .. }, Some((buffer, version))) => {
+                buffers.content(buffer).filter(|content| content.0 == version).map(|_| matrix.value)
+            }
+            (Place::Block { .. }, None) => None,
+        }
     }
 
     fn find(&self) -> Lens {
@@ -55,14 +76,16 @@ impl Uniforms {
     }
 
     /// Reads the matrices in uniform blocks again; whether any changed.
-    fn read_blocks(&mut self, gl: &Gl) -> bool {
+    fn read_blocks(&mut self, gl: &Gl, buffers: &Buffers) -> bool {
         let mut changed = false;
         self.live = false;
         for matrix in &mut self.matrices {
+            matrix.read = None;
             if let Place::Block { binding, offset, stride, row_major } = matrix.place
-                && let Some((value, mapped)) = block_matrix(gl, binding, offset, stride)
+                && let Some((value, mapped, buffer)) = block_matrix(gl, binding, offset, stride)
             {
                 self.live |= mapped;
+                matrix.read = buffers.content(buffer).map(|content| (buffer, content.0));
                 let value = if row_major { transposed(&value) } else { value };
                 changed |= value != matrix.value;
                 matrix.value = value;
@@ -82,8 +105,9 @@ impl Uniforms {
     }
 }
 
-/// Sixteen floats at `offset` of the buffer bound to a uniform block's binding point, and whether it is mapped for good.
-fn block_matrix(gl: &Gl, binding: u32, offset: usize, stride: usize) -> Option<([f64; 16], bool)> {
+/// Sixteen floats at `offset` of the buffer bound to a uniform block's binding point, whether it is mapped for good, and
+/// its name.
+fn block_matrix(gl: &Gl, binding: u32, offset: usize, stride: usize) -> Option<([f64; 16], bool, u32)> {
     // SAFETY: maps or copies only bytes that lie in the buffer, and unmaps them; the binding that is borrowed
     // for it is put back.
     unsafe {
@@ -121,13 +145,13 @@ fn block_matrix(gl: &Gl, binding: u32, offset: usize, stride: usize) -> Option<(
                 length as isize,
                 bytes.as_mut_ptr().cast(),
             );
-            result = Some((matrix(&bytes), true));
+            result = Some((matrix(&bytes), true, buffer as u32));
         } else if mapped == 0 && inside {
             let pointer =
                 gl.map_buffer_range(api::GL_COPY_READ_BUFFER, first as isize, length as isize, api::GL_MAP_READ_BIT);
             if !pointer.is_null() {
                 let bytes = std::slice::from_raw_parts(pointer.cast::<u8>().cast_const(), length);
-                result = Some((matrix(bytes), false));
+                result = Some((matrix(bytes), false, buffer as u32));
                 gl.unmap_buffer(api::GL_COPY_READ_BUFFER);
             }
         }
@@ -184,7 +208,8 @@ pub fn read(gl: &Gl, profile: &Profile, program: u32, ours: &str) -> (Uniforms, 
                 unsafe { gl.get_uniformfv(program, location + element, value.as_mut_ptr()) };
             }
             let place = place.take().unwrap_or(Place::Uniform(location + element));
-            uniforms.matrices.push(Matrix { place, rank: rank(&shown), value: value.map(f64::from) });
+            let value = value.map(f64::from);
+            uniforms.matrices.push(Matrix { place, rank: rank(&shown), value, name: (*shown).into(), read: None });
         }
     }
     (uniforms, hidden)
@@ -233,31 +258,14 @@ unsafe fn note<T: Copy + Into<f64>>(
     }
 }
 
-/// What is bound at `target` changed. Where it may be a uniform block its matrices are read back, which is
-/// a wait for the driver; a program that streams vertices must not have it.
-fn changed(ctx: &mut Context, target: u32) {
-    let binding = match target {
-        api::GL_UNIFORM_BUFFER => api::GL_UNIFORM_BUFFER_BINDING,
-        api::GL_ARRAY_BUFFER => api::GL_ARRAY_BUFFER_BINDING,
-        api::GL_COPY_READ_BUFFER => api::GL_COPY_READ_BUFFER_BINDING,
-        api::GL_COPY_WRITE_BUFFER => api::GL_COPY_WRITE_BUFFER_BINDING,
-        _ => return,
-    };
-    if !ctx.block_buffers.is_empty() {
-        let mut buffer = 0;
-        // SAFETY: writes one integer; a program with uniform blocks has OpenGL 3.1 and with it these names.
-        unsafe { ctx.gl.get_integerv(binding, &mut buffer) };
-        named_changed(ctx, buffer as u32);
-    }
-}
-
-/// A buffer changed.
-fn named_changed(ctx: &mut Context, buffer: u32) {
+/// A buffer changed. Where it may be a uniform block its matrices are read back, which is a wait for the driver; a
+/// program that streams vertices must not have it.
+pub fn buffer_changed(ctx: &mut Context, buffer: u32) {
     ctx.buffer_generation += u64::from(ctx.block_buffers.contains(&buffer));
 }
 
-/// A buffer was bound to an indexed binding point.
-fn bound(ctx: &mut Context, target: u32, buffer: u32) {
+/// A buffer was bound to an indexed binding point; 0: it was taken away.
+pub fn buffer_bound(ctx: &mut Context, target: u32, buffer: u32) {
     if target == api::GL_UNIFORM_BUFFER {
         ctx.buffer_generation += 1;
         ctx.block_buffers.insert(buffer);
@@ -280,65 +288,5 @@ hooks! {
     "glUniformBlockBinding" uniform_block_binding(program: u32, block: u32, binding: u32) = |ctx, gl| {
         gl.uniform_block_binding(program, block, binding);
         super::programs::read_again(ctx, program);
-    };
-    "glBufferData" buffer_data(target: u32, size: isize, data: *const c_void, usage: u32) = |ctx, gl| {
-        gl.buffer_data(target, size, data, usage);
-        changed(ctx, target);
-    };
-    "glBufferSubData" buffer_sub_data(target: u32, offset: isize, size: isize, data: *const c_void) = |ctx, gl| {
-        gl.buffer_sub_data(target, offset, size, data);
-        changed(ctx, target);
-    };
-    "glNamedBufferData" named_buffer_data(buffer: u32, size: isize, data: *const c_void, usage: u32) = |ctx, gl| {
-        gl.named_buffer_data(buffer, size, data, usage);
-        named_changed(ctx, buffer);
-    };
-    "glNamedBufferSubData" named_buffer_sub_data(buffer: u32, offset: isize, size: isize, data: *const c_void) = |ctx, gl| {
-        gl.named_buffer_sub_data(buffer, offset, size, data);
-        named_changed(ctx, buffer);
-    };
-    "glMapBufferRange" map_buffer_range(target: u32, offset: isize, length: isize, access: u32) -> *mut c_void = |ctx, gl| {
-        changed(ctx, target);
-        gl.map_buffer_range(target, offset, length, access)
-    };
-    "glMapNamedBufferRange" map_named_buffer_range(buffer: u32, offset: isize, length: isize, access: u32) -> *mut c_void = |ctx, gl| {
-        named_changed(ctx, buffer);
-        gl.map_named_buffer_range(buffer, offset, length, access)
-    };
-    "glUnmapBuffer" unmap_buffer(target: u32) -> u8 = |ctx, gl| {
-        changed(ctx, target);
-        gl.unmap_buffer(target)
-    };
-    "glUnmapNamedBuffer" unmap_named_buffer(buffer: u32) -> u8 = |ctx, gl| {
-        named_changed(ctx, buffer);
-        gl.unmap_named_buffer(buffer)
-    };
-    "glCopyBufferSubData" copy_buffer_sub_data(read: u32, write: u32, from: isize, to: isize, size: isize) = |ctx, gl| {
-        gl.copy_buffer_sub_data(read, write, from, to, size);
-        changed(ctx, write);
-    };
-    "glCopyNamedBufferSubData" copy_named_buffer_sub_data(read: u32, write: u32, from: isize, to: isize, size: isize) = |ctx, gl| {
-        gl.copy_named_buffer_sub_data(read, write, from, to, size);
-        named_changed(ctx, write);
-    };
-    "glBindBuffersBase" bind_buffers_base(target: u32, first: u32, count: i32, buffers: *const u32) = |ctx, gl| {
-        gl.bind_buffers_base(target, first, count, buffers);
-        for i in 0..usize::try_from(count).unwrap_or(0) {
-            bound(ctx, target, if buffers.is_null() { 0 } else { *buffers.add(i) });
-        }
-    };
-    "glBindBuffersRange" bind_buffers_range(target: u32, first: u32, count: i32, buffers: *const u32, offsets: *const isize, sizes: *const isize) = |ctx, gl| {
-        gl.bind_buffers_range(target, first, count, buffers, offsets, sizes);
-        for i in 0..usize::try_from(count).unwrap_or(0) {
-            bound(ctx, target, if buffers.is_null() { 0 } else { *buffers.add(i) });
-        }
-    };
-    "glBindBufferBase" bind_buffer_base(target: u32, index: u32, buffer: u32) = |ctx, gl| {
-        gl.bind_buffer_base(target, index, buffer);
-        bound(ctx, target, buffer);
-    };
-    "glBindBufferRange" bind_buffer_range(target: u32, index: u32, buffer: u32, offset: isize, size: isize) = |ctx, gl| {
-        gl.bind_buffer_range(target, index, buffer, offset, size);
-        bound(ctx, target, buffer);
     };
 }

@@ -5,7 +5,7 @@ use super::device::Device;
 use super::image::{ANYTHING, COLOR_LAYER, COPIED_FROM, COPIED_TO, OwnImage, PRESENTED, barrier, color_view};
 use super::images::Shown;
 use super::layout::Layout;
-use crate::backend::vk::{COLOR, SourceImage, TargetImage, VkBackend};
+use crate::backend::vk::{COLOR, SourceImage, TargetImage, Timing, VkBackend};
 use crate::error::{Error, ErrorKind, Result};
 use ash::vk;
 use std::sync::atomic::Ordering;
@@ -57,6 +57,8 @@ struct Slot {
     done: vk::Fence,
     /// For each [`Show`]: recorded when first needed, then submitted again and again.
     commands: [vk::CommandBuffer; 4],
+    /// The source of the correction that was submitted last.
+    submitted: Option<usize>,
 }
 
 /// See the module.
@@ -74,11 +76,18 @@ pub struct Canvas {
     pool: vk::CommandPool,
     /// The masks are on the device.
     uploaded: bool,
+    /// Corrections are timed.
+    timed: bool,
 }
 
 /// What the driver refuses, for the log.
 fn refused(what: &str) -> impl Fn(vk::Result) -> Error + '_ {
     move |result| Error::new(ErrorKind::Graphics, format!("the driver refuses {what}: {result}"))
+}
+
+/// Which of the [`Canvas::sources`] the correction of image `index` reads.
+fn source_of(index: usize, show: Show) -> usize {
+    2 * index + usize::from(show == Show::Panel)
 }
 
 fn missing(index: usize) -> Error {
@@ -96,7 +105,8 @@ pub fn plain_format(format: vk::Format) -> vk::Format {
 }
 
 impl Canvas {
-    /// For the swapchain that the driver made after `info`, with its `real` images.
+    /// For the swapchain that the driver made after `info`, with its `real` images. `timed`: it is measured how long the
+    /// device takes.
     ///
     /// # Errors
     /// [`ErrorKind::Graphics`] where the driver refuses something.
@@ -108,6 +118,7 @@ impl Canvas {
         info: &vk::SwapchainCreateInfoKHR<'_>,
         real: &[vk::Image],
         layout: Arc<Layout>,
+        timed: bool,
     ) -> Result<Self> {
         let mut canvas = Self {
             layout,
@@ -119,6 +130,7 @@ impl Canvas {
             family: u32::MAX,
             pool: vk::CommandPool::null(),
             uploaded: false,
+            timed,
         };
         // SAFETY: as promised; after a failure what was made is destroyed.
         unsafe {
@@ -145,7 +157,7 @@ impl Canvas {
                 let atlas = atlas_image(device, info, self.layout.atlas).map_err(refused("an image for the views"));
                 let atlas = atlas.inspect_err(|_| given.destroy(device))?;
                 let layout = Arc::clone(&self.layout);
-                let shown = Arc::new(Shown { layout, atlas: atlas.image, in_views: false.into() });
+                let shown = Arc::new(Shown::of_window(layout, given.image, atlas.image));
                 device.images.show(given.image, info.image_format, Arc::clone(&shown));
                 device.images.declare(given.image, info.image_usage);
                 *device.latest.lock().unwrap_or_else(PoisonError::into_inner) =
@@ -158,6 +170,7 @@ impl Canvas {
                     ready: vk::Semaphore::null(),
                     done: vk::Fence::null(),
                     commands: Default::default(),
+                    submitted: None,
                 });
                 let Some(slot) = self.slots.last_mut() else { continue };
                 for (view, components) in slot.views.iter_mut().zip([same, opaque]) {
@@ -179,15 +192,15 @@ impl Canvas {
                 self.targets.push(between.view(device, plain, same).map_err(refused("a view of an image"))?);
             }
         }
-        self.backend.prepare(self.layout.session.plan(), true, plain)?;
+        self.backend.prepare(&self.layout.plan, true, plain)?;
         self.backend.set_sources(&self.sources(plain))?;
         self.backend.set_targets(&self.target_images(plain))
     }
 
     /// The atlases: twice each, as they are and as if they covered everything.
     fn sources(&self, format: vk::Format) -> Vec<SourceImage> {
-        let drawn = (PRESENTED.0, vk::PipelineStageFlags::ALL_COMMANDS, vk::AccessFlags::MEMORY_WRITE);
-        let copied = (COPIED_TO.0, vk::PipelineStageFlags::TRANSFER, COPIED_TO.1);
+        let drawn = (PRESENTED.layout, vk::PipelineStageFlags::ALL_COMMANDS, vk::AccessFlags::MEMORY_WRITE);
+        let copied = (COPIED_TO.layout, vk::PipelineStageFlags::TRANSFER, COPIED_TO.access);
         let source = |image, view, (layout, stages, access)| SourceImage {
             image,
             view,
@@ -210,8 +223,8 @@ impl Canvas {
         let none = (vk::PipelineStageFlags::empty(), vk::AccessFlags::empty());
         let copy = (vk::PipelineStageFlags::TRANSFER, vk::AccessFlags::TRANSFER_READ);
         let (final_layout, around) = match self.between {
-            Some(_) => (COPIED_FROM.0, copy),
-            None => (PRESENTED.0, none),
+            Some(_) => (COPIED_FROM.layout, copy),
+            None => (PRESENTED.layout, none),
         };
         let images = self.between.iter().map(|own| own.image).chain(self.real.iter().copied());
         let target = |(image, &view)| TargetImage {
@@ -225,6 +238,11 @@ impl Canvas {
             after: around,
         };
         images.zip(&self.targets).map(target).collect()
+    }
+
+    /// How long the device took for the corrections so far.
+    pub fn timing(&self) -> Timing {
+        self.backend.timing()
     }
 
     /// The image that the program has as number `index`.
@@ -263,7 +281,7 @@ impl Canvas {
         // SAFETY: as promised; the command buffer is recorded, and not pending any more.
         unsafe {
             let commands = [self.commands(device, family, index, show)?];
-            let Some(slot) = self.slots.get(index) else { return Err(missing(index)) };
+            let Some(slot) = self.slots.get_mut(index) else { return Err(missing(index)) };
             let (ready, stages) = ([slot.ready], vec![vk::PipelineStageFlags::ALL_COMMANDS; waits.len()]);
             let work = vk::SubmitInfo::default()
                 .wait_semaphores(waits)
@@ -272,8 +290,12 @@ impl Canvas {
                 .signal_semaphores(&ready);
             let functions = &device.functions;
             functions.wait_for_fences(&[slot.done], true, u64::MAX).map_err(refused("to wait"))?;
+            if let Some(source) = slot.submitted.take() {
+                self.backend.read_timing(source);
+            }
             functions.reset_fences(&[slot.done]).map_err(refused("to wait"))?;
             functions.queue_submit(queue, &[work], slot.done).map_err(refused("work"))?;
+            slot.submitted = (self.timed && show.corrects()).then_some(source_of(index, show));
             Ok(slot.ready)
         }
     }
@@ -301,6 +323,9 @@ impl Canvas {
                 let pool = vk::CommandPoolCreateInfo::default().queue_family_index(family);
                 self.pool = device.functions.create_command_pool(&pool, None).map_err(refused("command buffers"))?;
                 self.family = family;
+                if self.timed && draws {
+                    self.backend.measure(2 * self.slots.len(), family)?;
+                }
             }
             let recorded = self.slots.get(index).ok_or_else(|| missing(index))?.commands[show as usize];
             if recorded != vk::CommandBuffer::null() {
@@ -333,8 +358,9 @@ impl Canvas {
         let region = vk::ImageCopy::default().src_subresource(COLOR_LAYER).dst_subresource(COLOR_LAYER).extent(whole);
         // SAFETY: as promised; all images are live, and as large as is said.
         unsafe {
-            let copy =
-                |from, to, region| functions.cmd_copy_image(buffer, from, COPIED_FROM.0, to, COPIED_TO.0, &[region]);
+            let copy = |from, to, region| {
+                functions.cmd_copy_image(buffer, from, COPIED_FROM.layout, to, COPIED_TO.layout, &[region])
+            };
             if !show.corrects() {
                 let [x, y, ..] = self.layout.panel;
                 let (from, region) = match show {
@@ -352,15 +378,14 @@ impl Canvas {
                 barrier(device, buffer, given, PRESENTED, COPIED_FROM);
                 barrier(device, buffer, atlas, ANYTHING, COPIED_TO);
                 let black = vk::ClearColorValue::default();
-                functions.cmd_clear_color_image(buffer, atlas, COPIED_TO.0, &black, &[COLOR]);
+                functions.cmd_clear_color_image(buffer, atlas, COPIED_TO.layout, &black, &[COLOR]);
                 barrier(device, buffer, atlas, COPIED_TO, COPIED_TO);
                 let [x, y, ..] = self.layout.panel;
                 copy(given, atlas, region.dst_offset(vk::Offset3D { x, y, z: 0 }));
                 barrier(device, buffer, given, COPIED_FROM, PRESENTED);
             }
-            let source = 2 * index + usize::from(show == Show::Panel);
             let target = if self.between.is_some() { 0 } else { index };
-            self.backend.record(buffer, source, target, &self.layout.outputs)?;
+            self.backend.record(buffer, source_of(index, show), target, &self.layout.outputs)?;
             if show == Show::Panel {
                 barrier(device, buffer, atlas, COPIED_TO, PRESENTED);
             }

@@ -1,6 +1,9 @@
 //! Descriptor sets of the program: which buffer a binding leads to.
 
+use super::copied_sets::{Contents, Copies, Original, Picture};
+use super::device::Device;
 use super::hook::hooks;
+use super::layout::Layout;
 use ash::vk;
 use std::collections::{BTreeMap, HashMap};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -12,6 +15,8 @@ pub struct SetLayout {
     pub bindings: BTreeMap<u32, (vk::DescriptorType, u32)>,
     /// Its descriptors are pushed, or lie in buffers: no set of ours can be bound beside them.
     pub apart: bool,
+    /// Descriptors may change while they are bound.
+    pub changes_later: bool,
 }
 
 /// Buffers whose offset is given when they are bound.
@@ -40,7 +45,10 @@ impl SetLayout {
 /// A descriptor set.
 struct Set {
     pool: vk::DescriptorPool,
+    handle: vk::DescriptorSetLayout,
     layout: Arc<SetLayout>,
+    contents: Contents,
+    copies: Option<Copies>,
     /// The first buffer of each binding, and where it begins.
     buffers: HashMap<u32, (vk::Buffer, u64)>,
 }
@@ -90,15 +98,66 @@ impl Descriptors {
         }
     }
 
-    fn forget(&self, gone: impl Fn(&vk::DescriptorSet, &Set) -> bool) {
-        self.sets.lock().unwrap_or_else(PoisonError::into_inner).retain(|handle, set| !gone(handle, set));
+    fn forget(&self, device: &Device, gone: impl Fn(&vk::DescriptorSet, &Set) -> bool) {
+        let forgotten: Vec<Copies> = {
+            let mut sets = self.sets.lock().unwrap_or_else(PoisonError::into_inner);
+            let all = sets.extract_if(|handle, set| gone(handle, set));
+            all.filter_map(|(_, set)| set.copies).collect()
+        };
+        forgotten.into_iter().for_each(|copies| copies.destroy(device));
+    }
+
+    /// Destroys what was made beside the program's sets, before the device is destroyed.
+    pub fn clear(&self, device: &Device) {
+        self.forget(device, |_, _| true);
+    }
+
+    /// Views of the images that shaders can read by a set.
+    pub fn pictures(&self, set: vk::DescriptorSet) -> Vec<vk::ImageView> {
+        let sets = self.sets.lock().unwrap_or_else(PoisonError::into_inner);
+        sets.get(&set).map_or(Vec::new(), |set| set.contents.views().collect())
+    }
+
+    /// Copies of a set for each view, where it shows the scene.
+    ///
+    /// # Errors
+    /// Why there are none.
+    pub fn of_views(
+        &self,
+        device: &Device,
+        handle: vk::DescriptorSet,
+        layout: &Layout,
+    ) -> Result<Option<Arc<[vk::DescriptorSet]>>, String> {
+        let mut sets = self.sets.lock().unwrap_or_else(PoisonError::into_inner);
+        let Some(set) = sets.get_mut(&handle) else { return Ok(None) };
+        let known = self.layout(set.handle).filter(|known| Arc::ptr_eq(known, &set.layout));
+        let original =
+            Original { set: handle, handle: known.map(|_| set.handle), layout: &set.layout, contents: &set.contents };
+        Copies::of(&mut set.copies, device, &original, layout.views.len())
+    }
+
+    fn write(&self, set: vk::DescriptorSet, place: (u32, u32), picture: Option<Picture>) {
+        if let Some(set) = self.sets.lock().unwrap_or_else(PoisonError::into_inner).get_mut(&set) {
+            set.contents.write(place, picture);
+        }
     }
 
     fn copy(&self, copy: &vk::CopyDescriptorSet<'_>) {
+        let mut sets = self.sets.lock().unwrap_or_else(PoisonError::into_inner);
+        // Out and in again: both may be one.
+        let mut contents = sets.get_mut(&copy.dst_set).map(|set| std::mem::take(&mut set.contents)).unwrap_or_default();
+        if let Some(from) = sets.get(&copy.src_set).filter(|_| copy.src_set != copy.dst_set) {
+            for index in 0..copy.descriptor_count {
+                let source = (copy.src_binding, copy.src_array_element + index);
+                contents.copy(&from.contents, (source, (copy.dst_binding, copy.dst_array_element + index)));
+            }
+        }
+        if let Some(to) = sets.get_mut(&copy.dst_set) {
+            to.contents = contents;
+        }
         if copy.src_array_element != 0 || copy.dst_array_element != 0 {
             return;
         }
-        let mut sets = self.sets.lock().unwrap_or_else(PoisonError::into_inner);
         let from = sets.get(&copy.src_set).and_then(|set| set.buffers.get(&copy.src_binding)).copied();
         if let (Some(from), Some(to)) = (from, sets.get_mut(&copy.dst_set)) {
             to.buffers.insert(copy.dst_binding, from);
@@ -112,6 +171,15 @@ fn is_picture(kind: vk::DescriptorType) -> bool {
     [T::COMBINED_IMAGE_SAMPLER, T::SAMPLED_IMAGE, T::STORAGE_IMAGE, T::INPUT_ATTACHMENT].contains(&kind)
 }
 
+/// Those of them that pictures of the scene can be exchanged in.
+fn is_sampled(kind: vk::DescriptorType) -> bool {
+    [vk::DescriptorType::COMBINED_IMAGE_SAMPLER, vk::DescriptorType::SAMPLED_IMAGE].contains(&kind)
+}
+
+fn picture(info: &vk::DescriptorImageInfo) -> Picture {
+    Picture { view: info.image_view, sampler: info.sampler }
+}
+
 hooks! { descriptors;
     [c"vkCreateDescriptorSetLayout"] create_descriptor_set_layout: vk::PFN_vkCreateDescriptorSetLayout = (
         device: vk::Device, info: *const vk::DescriptorSetLayoutCreateInfo<'_>, allocator: *const vk::AllocationCallbacks<'_>, layout: *mut vk::DescriptorSetLayout
@@ -122,7 +190,8 @@ hooks! { descriptors;
             let bindings = bindings.iter().map(|b| (b.binding, (b.descriptor_type, b.descriptor_count))).collect();
             use vk::DescriptorSetLayoutCreateFlags as F;
             let apart = (*info).flags.intersects(F::PUSH_DESCRIPTOR_KHR | F::DESCRIPTOR_BUFFER_EXT);
-            let new = Arc::new(SetLayout { bindings, apart });
+            let changes_later = (*info).flags.contains(F::UPDATE_AFTER_BIND_POOL);
+            let new = Arc::new(SetLayout { bindings, apart, changes_later });
             state.descriptors.layouts.lock().unwrap_or_else(PoisonError::into_inner).insert(*layout, new);
         }
         result
@@ -139,9 +208,16 @@ hooks! { descriptors;
         let result = next(device, info, sets);
         if result == vk::Result::SUCCESS {
             let layouts = super::slice((*info).p_set_layouts, (*info).descriptor_set_count);
-            for (set, layout) in super::slice(sets, (*info).descriptor_set_count).iter().zip(layouts) {
-                let layout = state.descriptors.layout(*layout).unwrap_or_default();
-                let new = Set { pool: (*info).descriptor_pool, layout, buffers: HashMap::new() };
+            for (set, handle) in super::slice(sets, (*info).descriptor_set_count).iter().zip(layouts) {
+                let layout = state.descriptors.layout(*handle).unwrap_or_default();
+                let new = Set {
+                    pool: (*info).descriptor_pool,
+                    handle: *handle,
+                    layout,
+                    contents: Contents::default(),
+                    copies: None,
+                    buffers: HashMap::new(),
+                };
                 state.descriptors.sets.lock().unwrap_or_else(PoisonError::into_inner).insert(*set, new);
             }
         }
@@ -151,19 +227,19 @@ hooks! { descriptors;
         device: vk::Device, pool: vk::DescriptorPool, count: u32, sets: *const vk::DescriptorSet
     ) -> vk::Result { |state, next| {
         let gone = super::slice(sets, count);
-        state.descriptors.forget(|handle, _| gone.contains(handle));
+        state.descriptors.forget(&state, |handle, _| gone.contains(handle));
         next(device, pool, count, sets)
     } }
     [c"vkResetDescriptorPool"] reset_descriptor_pool: vk::PFN_vkResetDescriptorPool = (
         device: vk::Device, pool: vk::DescriptorPool, flags: vk::DescriptorPoolResetFlags
     ) -> vk::Result { |state, next| {
-        state.descriptors.forget(|_, set| set.pool == pool);
+        state.descriptors.forget(&state, |_, set| set.pool == pool);
         next(device, pool, flags)
     } }
     [c"vkDestroyDescriptorPool"] destroy_descriptor_pool: vk::PFN_vkDestroyDescriptorPool = (
         device: vk::Device, pool: vk::DescriptorPool, allocator: *const vk::AllocationCallbacks<'_>
     ) { |state, next| {
-        state.descriptors.forget(|_, set| set.pool == pool);
+        state.descriptors.forget(&state, |_, set| set.pool == pool);
         next(device, pool, allocator)
     } }
     [c"vkUpdateDescriptorSets"] update_descriptor_sets: vk::PFN_vkUpdateDescriptorSets = (
@@ -176,7 +252,13 @@ hooks! { descriptors;
                     state.descriptors.describe(write.dst_set, write.dst_binding, info);
                 }
             } else if is_picture(write.descriptor_type) {
-                super::slice(write.p_image_info, count).iter().for_each(|info| state.images.described(&state, info.image_view));
+                let sampled = is_sampled(write.descriptor_type);
+                super::slice(write.p_image_info, count).iter().for_each(|info| state.images.described(&state, info.image_view, sampled));
+            }
+            let images = if is_picture(write.descriptor_type) { super::slice(write.p_image_info, count) } else { &[] };
+            for index in 0..count {
+                let picture = images.get(index as usize).filter(|_| is_sampled(write.descriptor_type)).map(picture);
+                state.descriptors.write(write.dst_set, (write.dst_binding, write.dst_array_element + index), picture);
             }
         }
         super::slice(copies, copy_count).iter().for_each(|copy| state.descriptors.copy(copy));
@@ -219,8 +301,13 @@ hooks! { descriptors;
             } else if is_picture(entry.kind) {
                 for index in 0..entry.count as usize {
                     let info = std::ptr::read_unaligned(place.add(index * entry.stride).cast::<vk::DescriptorImageInfo>());
-                    state.images.described(&state, info.image_view);
+                    state.images.described(&state, info.image_view, is_sampled(entry.kind));
+                    let shown = is_sampled(entry.kind).then(|| picture(&info));
+                    state.descriptors.write(set, (entry.binding, entry.first + index as u32), shown);
                 }
+            }
+            if !is_picture(entry.kind) {
+                (0..entry.count).for_each(|index| state.descriptors.write(set, (entry.binding, entry.first + index), None));
             }
         }
         next(device, set, template, data)
@@ -236,7 +323,7 @@ mod tests {
     fn dynamic_offsets_are_in_the_order_of_bindings() {
         let bindings =
             [(5, (T::UNIFORM_BUFFER_DYNAMIC, 1)), (1, (T::STORAGE_BUFFER_DYNAMIC, 2)), (3, (T::UNIFORM_BUFFER, 1))];
-        let layout = SetLayout { bindings: bindings.into_iter().collect(), apart: false };
+        let layout = SetLayout { bindings: bindings.into_iter().collect(), apart: false, changes_later: false };
         assert_eq!(layout.dynamic_offsets(), 3);
         assert_eq!(layout.dynamic_index(1), Some(0));
         assert_eq!(layout.dynamic_index(5), Some(2));

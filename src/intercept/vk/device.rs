@@ -5,9 +5,11 @@ use super::framebuffers::Framebuffers;
 use super::hook::NextLayer;
 use super::images::{Images, Shown};
 use super::instance::{self, Instance, address, dispatch_key};
+use super::layout::Layout;
 use super::layouts::Layouts;
 use super::memory::Memory;
 use super::negotiate::{self, SetDeviceLoaderData};
+use super::offscreen::Paths;
 use super::pipelines::Pipelines;
 use super::recording::Recordings;
 use super::rows::{GROUP, Rows};
@@ -62,6 +64,8 @@ pub struct Device {
     pub memory_of_program: Memory,
     /// Memory for rows.
     pub rows: Rows,
+    /// Which images hold a scene on its way to the window.
+    pub paths: Paths,
     /// The frame that is being submitted.
     pub frame: Mutex<Frame>,
     /// The image of a swapchain that was made last.
@@ -179,6 +183,17 @@ impl Device {
         latest.as_ref().filter(|(known, _)| *known == format).map(|(_, shown)| Arc::clone(shown))
     }
 
+    /// The layout of the latest swapchain.
+    pub fn latest_layout(&self) -> Option<Arc<Layout>> {
+        let latest = self.latest.lock().unwrap_or_else(PoisonError::into_inner);
+        latest.as_ref().map(|(_, shown)| Arc::clone(&shown.layout))
+    }
+
+    /// The layout of the latest swapchain, if it serves a window of this size.
+    pub fn layout(&self, size: (u32, u32), read: bool) -> Option<Arc<Layout>> {
+        self.latest_layout().filter(|layout| (layout.window, layout.read) == (size, read))
+    }
+
     /// An image of a swapchain is gone.
     pub fn forget_shown(&self, gone: &Arc<Shown>) {
         let mut latest = self.latest.lock().unwrap_or_else(PoisonError::into_inner);
@@ -249,6 +264,7 @@ pub unsafe extern "system" fn create(
                 descriptors: Descriptors::default(),
                 memory_of_program: Memory::default(),
                 rows: Rows::default(),
+                paths: Paths::default(),
                 frame: Mutex::default(),
                 latest: Mutex::default(),
                 flat: OnceLock::new(),
@@ -309,6 +325,7 @@ pub unsafe extern "system" fn destroy(handle: vk::Device, allocator: *const vk::
     let state = DEVICES.write().unwrap_or_else(PoisonError::into_inner).as_mut().and_then(|all| all.remove(&key));
     if let Some(state) = state {
         state.pipelines.clear(&state);
+        state.descriptors.clear(&state);
         state.layouts.clear();
         state.rows.destroy(&state);
         // SAFETY: the program's own call with its arguments.

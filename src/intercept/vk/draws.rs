@@ -2,27 +2,34 @@
 
 use super::device::Device;
 use super::hook::hooks;
-use super::layout::Rect;
+use super::layout::{Layout, Rect};
+use super::offscreen::{self, Made};
 use super::pipelines::{Pipeline, Variants};
 use super::recording::{Event, Recording};
 use super::rows::Place;
-use super::runs::{self, Run};
+use super::runs::{self, Kind, Run};
 use super::state::set_window;
 use crate::correct::uniforms::pixels;
 use ash::vk;
 use std::sync::Arc;
 
-/// Issues a draw of the program by `issue`.
+/// Issues a draw of the program by `issue`. `vertices`: how many it has, more where that is not known.
 ///
 /// # Safety
 /// The command buffer is being recorded; `issue` records the program's own draw.
-unsafe fn draw(device: &Device, buffer: vk::CommandBuffer, issue: impl Fn()) {
+unsafe fn draw(device: &Device, buffer: vk::CommandBuffer, vertices: u32, issue: impl Fn()) {
+    let few = vertices <= offscreen::FEW;
     let known = device.recordings.with(buffer, |recording| {
         // SAFETY: as promised.
         unsafe {
             match recording.pipeline.clone() {
-                Some(pipeline) if recording.pass.is_some() => each_view(device, buffer, recording, &pipeline, &issue),
-                Some(_) => {
+                Some(pipeline) if recording.pass.is_some() => {
+                    each_view(device, buffer, recording, (&pipeline, few), &issue);
+                }
+                Some(pipeline) => {
+                    if device.images.has_candidates() && device.draws_views() {
+                        suspect(device, recording, (&pipeline, few));
+                    }
                     restore(device, buffer, recording);
                     issue();
                 }
@@ -33,6 +40,42 @@ unsafe fn draw(device: &Device, buffer: vk::CommandBuffer, issue: impl Fn()) {
     if known.is_none() {
         issue();
     }
+}
+
+/// A draw in a pass of the program's own says what it may be of the scene.
+fn suspect(device: &Device, recording: &mut Recording, (pipeline, few): (&Pipeline, bool)) {
+    let targets = recording.plain.iter().flatten();
+    let size = targets.filter_map(|target| device.images.size(*target)).next();
+    let viewport = pipeline.viewport.or(recording.viewport).unwrap_or_default();
+    let main = size.is_some_and(|size| is_main(&viewport, size));
+    let matrices = pipeline.variants.as_ref().map_or(&[][..], |variants| &variants.matrices);
+    offscreen::drawn(device, recording, matrices, (main, few));
+}
+
+/// Whether a viewport shows the picture and not one within it: more than half, so that side-by-side pictures stay what
+/// they are.
+fn is_main(viewport: &vk::Viewport, (width, height): (u32, u32)) -> bool {
+    f64::from(viewport.width) * f64::from(viewport.height.abs()) * 2.0 > f64::from(width) * f64::from(height)
+}
+
+/// The sets with which the program's shaders see each view of the scene, where it drew that off screen: number of the
+/// set, one for each view, dynamic offsets.
+type OfViews = Vec<(u32, Arc<[vk::DescriptorSet]>, Vec<u32>)>;
+
+/// # Errors
+/// Why there are none.
+fn sets_of_views(device: &Device, recording: &Recording, layout: &Layout, ours: u32) -> Result<OfViews, String> {
+    let mut all = Vec::new();
+    if !device.images.has_candidates() {
+        return Ok(all);
+    }
+    for (number, bound) in (0..ours).zip(&recording.bound) {
+        let Some(bound) = bound else { continue };
+        if let Some(sets) = device.descriptors.of_views(device, bound.set, layout)? {
+            all.push((number, sets, bound.dynamic.clone()));
+        }
+    }
+    Ok(all)
 }
 
 /// Puts back what the program bound and set, after draws of ours.
@@ -90,7 +133,7 @@ unsafe fn each_view(
     device: &Device,
     buffer: vk::CommandBuffer,
     recording: &mut Recording,
-    pipeline: &Arc<Pipeline>,
+    (pipeline, few): (&Arc<Pipeline>, bool),
     issue: &dyn Fn(),
 ) {
     let Some(variants) = &pipeline.variants else {
@@ -109,33 +152,54 @@ unsafe fn each_view(
         let whole = vk::Viewport { x: 0.0, y: 0.0, width, height, min_depth: 0.0, max_depth: 1.0 };
         let viewport = pipeline.viewport.or(recording.viewport).unwrap_or(whole);
         let scissor = pipeline.scissor.or(recording.scissor).unwrap_or(whole_window(&layout));
-        // Pictures within the picture are flat; more than half, so that side-by-side pictures stay what they are.
-        let main = viewport.width * viewport.height.abs() * 2.0 > width * height;
+        let main = is_main(&viewport, layout.window);
         let own_lens = layout.views.iter().any(|(_, own)| *own);
-        let sources: Vec<_> = match variants.view {
-            Some(_) if main => variants.matrices.iter().filter_map(|m| runs::source(device, recording, m)).collect(),
-            _ => Vec::new(),
+        let sources: Vec<_> = match variants.follows && main {
+            true => variants.matrices.iter().filter_map(|m| runs::source(device, recording, m)).collect(),
+            false => Vec::new(),
         };
+        let ours = pipeline.layout.as_ref().map_or(0, |layout| layout.ours);
+        let of_views = match sets_of_views(device, recording, &layout, ours) {
+            Ok(of_views) => of_views,
+            Err(why) => {
+                device.give_up(&why);
+                return;
+            }
+        };
+        let pictures = offscreen::pictures(device, recording);
         let Some(pass) = &mut recording.pass else { return };
+        let made = match pass.shown.window {
+            _ if !main || !few && sources.is_empty() => Made::Elsewhere,
+            true => Made::Window,
+            false => Made::Image(pass.shown.given),
+        };
+        pictures.into_iter().for_each(|picture| device.paths.leads(picture, made));
+        let (screen, off_screen) = (!of_views.is_empty() && main && few, !pass.shown.window);
+        if screen && variants.asks_place {
+            device.give_up("a shader that reads a picture of its scene asks for its place on the screen");
+        }
         // A flat draw may have to go behind the scene, if none was drawn yet.
-        let in_views = own_lens || variants.view.is_some() && main && (!sources.is_empty() || !pass.scene);
-        pass.scene |= !sources.is_empty();
+        let deep = variants.deep && main && layout.session.given_lens().is_some();
+        let may_be_behind = !sources.is_empty() || !pass.scene || off_screen || deep;
+        let in_views = own_lens || main && (screen || variants.follows && may_be_behind);
+        pass.scene |= !sources.is_empty() || screen || deep;
         let y_up = viewport.height < 0.0;
-        let last = recording.runs.last_mut().filter(|run| run.takes(&layout, &sources, y_up, in_views));
+        let kind = Kind { sources, y_up, in_views, off_screen, deep, screen };
+        let last = recording.runs.last_mut().filter(|run| run.takes(&layout, &kind));
         let place = match last {
             Some(run) => {
                 run.draws += 1;
                 run.place
             }
             None => {
-                let groups = 1 + if in_views { layout.views.len() } else { 0 };
+                let groups = 2 + if in_views { layout.views.len() } else { 0 };
                 let stride = device.group_stride();
                 let Ok(place) = device.rows.take(device, &mut recording.rows, groups, stride) else {
                     device.give_up("there is no memory for its views");
                     return;
                 };
                 recording.events.push(Event::Run(recording.runs.len()));
-                let mut run = Run::new(place, Arc::clone(&layout), sources, y_up, in_views);
+                let mut run = Run::new(place, Arc::clone(&layout), kind);
                 run.draws = 1;
                 recording.runs.push(run);
                 place
@@ -144,20 +208,26 @@ unsafe fn each_view(
         let mut tile = Tile { device, buffer, recording, pipeline, variants, place, viewport, scissor };
         if in_views {
             for (index, (rect, own_lens)) in layout.views.iter().enumerate() {
-                tile.begin(variants.view.unwrap_or(variants.panel), index, *rect, *own_lens, layout.window);
+                tile.begin(variants.view, index, *rect, *own_lens, layout.window);
+                tile.bind(&of_views, index);
                 issue();
             }
         }
+        tile.unbind(&of_views);
+        let group = if in_views { layout.views.len() } else { 0 };
         // Where the program's own lens shows everything, there is no panel.
-        if !layout.views.iter().all(|(_, own)| *own) {
-            let group = if in_views { layout.views.len() } else { 0 };
+        if !off_screen && !layout.shows_own_lens() {
             tile.begin(variants.panel, group, layout.panel, true, layout.window);
+            issue();
+        }
+        if let Some(primary) = layout.primary {
+            tile.begin(variants.view, group + 1, primary, true, layout.window);
             issue();
         }
     }
 }
 
-fn whole_window(layout: &super::layout::Layout) -> vk::Rect2D {
+fn whole_window(layout: &Layout) -> vk::Rect2D {
     vk::Extent2D { width: layout.window.0, height: layout.window.1 }.into()
 }
 
@@ -214,6 +284,35 @@ impl Tile<'_> {
     }
 }
 
+impl Tile<'_> {
+    /// Lets the next draw see one view of the scene, where the program drew that off screen.
+    ///
+    /// # Safety
+    /// The command buffer is being recorded.
+    unsafe fn bind(&mut self, sets: &OfViews, view: usize) {
+        let Some(layout) = &self.pipeline.layout else { return };
+        for (number, sets, dynamic) in sets {
+            let Some(set) = sets.get(view) else { continue };
+            let (functions, graphics) = (&self.device.functions, vk::PipelineBindPoint::GRAPHICS);
+            // SAFETY: as promised; the set is like the program's, which it bound for this place.
+            unsafe {
+                functions.cmd_bind_descriptor_sets(self.buffer, graphics, layout.handle, *number, &[*set], dynamic);
+            }
+        }
+    }
+
+    /// Puts the program's own sets back in the place of those.
+    ///
+    /// # Safety
+    /// The command buffer is being recorded.
+    unsafe fn unbind(&mut self, sets: &OfViews) {
+        let Some((first, ..)) = sets.first() else { return };
+        self.recording.displaced = Some(self.recording.displaced.map_or(*first, |from| from.min(*first)));
+        // SAFETY: as promised.
+        unsafe { rebind(self.device, self.buffer, self.recording, self.pipeline) };
+    }
+}
+
 /// A viewport moved to a tile.
 fn moved(viewport: &vk::Viewport, tile: Rect) -> vk::Viewport {
     vk::Viewport { x: viewport.x + pixels(tile[0]), y: viewport.y + pixels(tile[1]), ..*viewport }
@@ -247,31 +346,31 @@ pub fn rectangle([x, y, width, height]: Rect) -> vk::Rect2D {
 hooks! { draws;
     [c"vkCmdDraw"] cmd_draw: vk::PFN_vkCmdDraw = (
         buffer: vk::CommandBuffer, vertices: u32, instances: u32, first_vertex: u32, first_instance: u32
-    ) { |state, next| draw(&state, buffer, || next(buffer, vertices, instances, first_vertex, first_instance)) }
+    ) { |state, next| draw(&state, buffer, vertices.saturating_mul(instances), || next(buffer, vertices, instances, first_vertex, first_instance)) }
     [c"vkCmdDrawIndexed"] cmd_draw_indexed: vk::PFN_vkCmdDrawIndexed = (
         buffer: vk::CommandBuffer, indices: u32, instances: u32, first_index: u32, vertex_offset: i32, first_instance: u32
-    ) { |state, next| draw(&state, buffer, || next(buffer, indices, instances, first_index, vertex_offset, first_instance)) }
+    ) { |state, next| draw(&state, buffer, indices.saturating_mul(instances), || next(buffer, indices, instances, first_index, vertex_offset, first_instance)) }
     [c"vkCmdDrawIndirect"] cmd_draw_indirect: vk::PFN_vkCmdDrawIndirect = (
         buffer: vk::CommandBuffer, from: vk::Buffer, offset: vk::DeviceSize, count: u32, stride: u32
-    ) { |state, next| draw(&state, buffer, || next(buffer, from, offset, count, stride)) }
+    ) { |state, next| draw(&state, buffer, u32::MAX, || next(buffer, from, offset, count, stride)) }
     [c"vkCmdDrawIndexedIndirect"] cmd_draw_indexed_indirect: vk::PFN_vkCmdDrawIndexedIndirect = (
         buffer: vk::CommandBuffer, from: vk::Buffer, offset: vk::DeviceSize, count: u32, stride: u32
-    ) { |state, next| draw(&state, buffer, || next(buffer, from, offset, count, stride)) }
+    ) { |state, next| draw(&state, buffer, u32::MAX, || next(buffer, from, offset, count, stride)) }
     [c"vkCmdDrawIndirectCount", c"vkCmdDrawIndirectCountKHR", c"vkCmdDrawIndirectCountAMD"] cmd_draw_indirect_count: vk::PFN_vkCmdDrawIndirectCount = (
         buffer: vk::CommandBuffer, from: vk::Buffer, offset: vk::DeviceSize, counts: vk::Buffer, count_offset: vk::DeviceSize, most: u32, stride: u32
-    ) { |state, next| draw(&state, buffer, || next(buffer, from, offset, counts, count_offset, most, stride)) }
+    ) { |state, next| draw(&state, buffer, u32::MAX, || next(buffer, from, offset, counts, count_offset, most, stride)) }
     [c"vkCmdDrawIndexedIndirectCount", c"vkCmdDrawIndexedIndirectCountKHR", c"vkCmdDrawIndexedIndirectCountAMD"] cmd_draw_indexed_indirect_count: vk::PFN_vkCmdDrawIndexedIndirectCount = (
         buffer: vk::CommandBuffer, from: vk::Buffer, offset: vk::DeviceSize, counts: vk::Buffer, count_offset: vk::DeviceSize, most: u32, stride: u32
-    ) { |state, next| draw(&state, buffer, || next(buffer, from, offset, counts, count_offset, most, stride)) }
+    ) { |state, next| draw(&state, buffer, u32::MAX, || next(buffer, from, offset, counts, count_offset, most, stride)) }
     [c"vkCmdDrawMultiEXT"] cmd_draw_multi: vk::PFN_vkCmdDrawMultiEXT = (
         buffer: vk::CommandBuffer, count: u32, infos: *const vk::MultiDrawInfoEXT, instances: u32, first_instance: u32, stride: u32
-    ) { |state, next| draw(&state, buffer, || next(buffer, count, infos, instances, first_instance, stride)) }
+    ) { |state, next| draw(&state, buffer, u32::MAX, || next(buffer, count, infos, instances, first_instance, stride)) }
     [c"vkCmdDrawMultiIndexedEXT"] cmd_draw_multi_indexed: vk::PFN_vkCmdDrawMultiIndexedEXT = (
         buffer: vk::CommandBuffer, count: u32, infos: *const vk::MultiDrawIndexedInfoEXT, instances: u32, first_instance: u32, stride: u32, vertex_offset: *const i32
-    ) { |state, next| draw(&state, buffer, || next(buffer, count, infos, instances, first_instance, stride, vertex_offset)) }
+    ) { |state, next| draw(&state, buffer, u32::MAX, || next(buffer, count, infos, instances, first_instance, stride, vertex_offset)) }
     [c"vkCmdDrawMeshTasksEXT"] cmd_draw_mesh_tasks: vk::PFN_vkCmdDrawMeshTasksEXT = (
         buffer: vk::CommandBuffer, x: u32, y: u32, z: u32
-    ) { |state, next| draw(&state, buffer, || next(buffer, x, y, z)) }
+    ) { |state, next| draw(&state, buffer, u32::MAX, || next(buffer, x, y, z)) }
     [c"vkCmdBeginTransformFeedbackEXT"] cmd_begin_transform_feedback: vk::PFN_vkCmdBeginTransformFeedbackEXT = (
         buffer: vk::CommandBuffer, first: u32, count: u32, buffers: *const vk::Buffer, offsets: *const vk::DeviceSize
     ) { |state, next| {

@@ -3,7 +3,7 @@
 use super::canvas::{ATLAS_FLAGS, ATLAS_USAGE};
 use super::device::Device;
 use super::hook::hooks;
-use super::images::Shown;
+use super::images::{ATLAS_COPIES, Shown};
 use super::pipelines::in_chain;
 use ash::vk;
 use std::collections::HashMap;
@@ -15,6 +15,12 @@ pub struct RenderPass {
     pub colors: Vec<(u32, u32)>,
     /// Attachments whose former content is not kept.
     pub begins_anew: Vec<bool>,
+    /// Outside of a part that is drawn nothing has to be kept, or everything is.
+    pub may_grow: bool,
+    /// The attachments' formats.
+    pub formats: Vec<vk::Format>,
+    /// The layouts in which it leaves its attachments.
+    pub leaves: Vec<vk::ImageLayout>,
     /// What keeps it from being drawn for each view.
     pub obstacle: Option<&'static str>,
 }
@@ -28,7 +34,7 @@ pub struct Framebuffer {
     /// More than one layer.
     layered: bool,
     /// Its attachments, unless they are given when a pass begins.
-    attachments: Option<Vec<vk::ImageView>>,
+    pub attachments: Option<Vec<vk::ImageView>>,
     /// What those that are given later will be like.
     given_later: Vec<Later>,
     /// Twins, by the atlas' size; with given attachments there is one.
@@ -58,9 +64,24 @@ impl Framebuffers {
     }
 
     /// The swapchain's image that some framebuffer for a render pass has.
-    pub fn shown_by(&self, pass: vk::RenderPass) -> Option<Arc<Shown>> {
-        let all = self.all.lock().unwrap_or_else(PoisonError::into_inner);
-        all.values().filter(|framebuffer| framebuffer.pass == pass).find_map(|framebuffer| framebuffer.shown.clone())
+    pub fn shown_by(&self, device: &Device, pass: vk::RenderPass) -> Option<Arc<Shown>> {
+        let all: Vec<_> = {
+            let all = self.all.lock().unwrap_or_else(PoisonError::into_inner);
+            all.values().filter(|framebuffer| framebuffer.pass == pass).cloned().collect()
+        };
+        all.iter().find_map(|framebuffer| framebuffer.shown_now(device))
+    }
+
+    /// The swapchain's image that a framebuffer without images for a render pass may be used with: that of the latest
+    /// window, if size and format are its own.
+    pub fn shown_later(&self, device: &Device, handle: vk::RenderPass) -> Option<Arc<Shown>> {
+        let pass = self.pass(handle)?;
+        let size = {
+            let all = self.all.lock().unwrap_or_else(PoisonError::into_inner);
+            all.values().find(|framebuffer| framebuffer.pass == handle && framebuffer.attachments.is_none())?.size
+        };
+        let shown = pass.formats.iter().find_map(|format| device.latest_shown(*format));
+        shown.filter(|shown| shown.layout.window == size)
     }
 
     /// A framebuffer.
@@ -70,6 +91,12 @@ impl Framebuffers {
 }
 
 impl Framebuffer {
+    /// The swapchain's image among the attachments, or one that holds a scene by now.
+    pub fn shown_now(&self, device: &Device) -> Option<Arc<Shown>> {
+        let find = || self.attachments.iter().flatten().find_map(|view| device.images.shown(*view));
+        self.shown.clone().or_else(find)
+    }
+
     /// The framebuffer over the atlas of `shown`, for a render pass like its own. `given`: the attachments of the pass that
     /// begins, where they are given with it.
     ///
@@ -102,8 +129,12 @@ impl Framebuffer {
             }
             None => {
                 let image = |(index, later): (usize, &'_ Later)| {
-                    let atlas = given.get(index).is_some_and(|view| device.images.shown(*view).is_some());
-                    let (flags, usage) = if atlas { (ATLAS_FLAGS, ATLAS_USAGE) } else { (later.flags, later.usage) };
+                    let shown = given.get(index).and_then(|view| device.images.shown(*view));
+                    let (flags, usage) = match shown {
+                        Some(shown) if shown.window => (ATLAS_FLAGS, ATLAS_USAGE),
+                        Some(_) => (later.flags, later.usage | ATLAS_COPIES),
+                        None => (later.flags, later.usage),
+                    };
                     let info = vk::FramebufferAttachmentImageInfo::default().flags(flags).usage(usage);
                     info.width(size.0).height(size.1).layer_count(1)
                 };
@@ -153,6 +184,11 @@ fn anew(load: vk::AttachmentLoadOp) -> bool {
     load != vk::AttachmentLoadOp::LOAD
 }
 
+/// Whether an attachment of which a part is drawn can be drawn as a whole: all of it is kept, or none was.
+fn may_grow(load: vk::AttachmentLoadOp, layout: vk::ImageLayout) -> bool {
+    load == vk::AttachmentLoadOp::LOAD || layout == vk::ImageLayout::UNDEFINED
+}
+
 /// # Safety
 /// `info` must be the program's.
 unsafe fn render_pass(info: &vk::RenderPassCreateInfo<'_>) -> RenderPass {
@@ -164,12 +200,13 @@ unsafe fn render_pass(info: &vk::RenderPassCreateInfo<'_>) -> RenderPass {
         let masks = multiview.map_or(&[][..], |m| super::slice(m.p_view_masks, m.subpass_count));
         let first =
             subpasses.first().map_or(&[][..], |s| super::slice(s.p_color_attachments, s.color_attachment_count));
+        let attachments = super::slice(info.p_attachments, info.attachment_count).iter();
         RenderPass {
             colors: used(first.iter().map(|reference| reference.attachment)),
-            begins_anew: super::slice(info.p_attachments, info.attachment_count)
-                .iter()
-                .map(|a| anew(a.load_op))
-                .collect(),
+            begins_anew: attachments.clone().map(|a| anew(a.load_op)).collect(),
+            may_grow: attachments.clone().all(|a| may_grow(a.load_op, a.initial_layout)),
+            formats: attachments.clone().map(|a| a.format).collect(),
+            leaves: attachments.map(|a| a.final_layout).collect(),
             obstacle: obstacle(subpasses.iter().any(|s| s.input_attachment_count > 0), masks.iter().any(|m| *m != 0)),
         }
     }
@@ -183,12 +220,13 @@ unsafe fn render_pass2(info: &vk::RenderPassCreateInfo2<'_>) -> RenderPass {
         let subpasses = super::slice(info.p_subpasses, info.subpass_count);
         let first =
             subpasses.first().map_or(&[][..], |s| super::slice(s.p_color_attachments, s.color_attachment_count));
+        let attachments = super::slice(info.p_attachments, info.attachment_count).iter();
         RenderPass {
             colors: used(first.iter().map(|reference| reference.attachment)),
-            begins_anew: super::slice(info.p_attachments, info.attachment_count)
-                .iter()
-                .map(|a| anew(a.load_op))
-                .collect(),
+            begins_anew: attachments.clone().map(|a| anew(a.load_op)).collect(),
+            may_grow: attachments.clone().all(|a| may_grow(a.load_op, a.initial_layout)),
+            formats: attachments.clone().map(|a| a.format).collect(),
+            leaves: attachments.map(|a| a.final_layout).collect(),
             obstacle: obstacle(
                 subpasses.iter().any(|s| s.input_attachment_count > 0),
                 subpasses.iter().any(|s| s.view_mask != 0),

@@ -86,8 +86,10 @@ pub struct NextLayer {
     pub memory: super::memory::Next,
     /// Images.
     pub images: super::images::Next,
-    /// Barriers, clears and copies.
+    /// Barriers and clears.
     pub transfers: super::transfers::Next,
+    /// Copies between images.
+    pub copies: super::copies::Next,
     /// Submissions.
     pub submit: super::submit::Next,
 }
@@ -110,6 +112,7 @@ impl NextLayer {
                 memory: super::memory::Next::load(find),
                 images: super::images::Next::load(find),
                 transfers: super::transfers::Next::load(find),
+                copies: super::copies::Next::load(find),
                 submit: super::submit::Next::load(find),
             }
         }
@@ -135,6 +138,7 @@ pub fn find(name: &CStr) -> Option<*const ()> {
             super::memory::HOOKS,
             super::images::HOOKS,
             super::transfers::HOOKS,
+            super::copies::HOOKS,
             super::submit::HOOKS,
         ];
         let hooks = files.into_iter().flatten();

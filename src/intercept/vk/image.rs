@@ -1,7 +1,7 @@
 //! Images of ours, and what is recorded to use an image.
 
 use super::device::Device;
-use crate::backend::vk::COLOR;
+use crate::backend::vk::{COLOR, Use};
 use ash::{prelude::VkResult, vk};
 
 /// An image with memory of its own.
@@ -95,33 +95,36 @@ pub const COLOR_LAYER: vk::ImageSubresourceLayers = vk::ImageSubresourceLayers {
     layer_count: 1,
 };
 
-/// Layout and access of an image before or after a barrier.
-pub type Use = (vk::ImageLayout, vk::AccessFlags);
+/// A use in all stages.
+const fn at_any_time(layout: vk::ImageLayout, access: vk::AccessFlags) -> Use {
+    Use { layout, stages: vk::PipelineStageFlags::ALL_COMMANDS, access }
+}
 
 /// What was there does not matter.
-pub const ANYTHING: Use = (vk::ImageLayout::UNDEFINED, vk::AccessFlags::empty());
+pub const ANYTHING: Use = at_any_time(vk::ImageLayout::UNDEFINED, vk::AccessFlags::empty());
 /// As an image is that will be presented, after whatever wrote it.
-pub const PRESENTED: Use = (vk::ImageLayout::PRESENT_SRC_KHR, vk::AccessFlags::MEMORY_WRITE);
+pub const PRESENTED: Use = left_in(vk::ImageLayout::PRESENT_SRC_KHR);
 /// A copy reads it.
-pub const COPIED_FROM: Use = (vk::ImageLayout::TRANSFER_SRC_OPTIMAL, vk::AccessFlags::TRANSFER_READ);
+pub const COPIED_FROM: Use = at_any_time(vk::ImageLayout::TRANSFER_SRC_OPTIMAL, vk::AccessFlags::TRANSFER_READ);
 /// A copy or a clear writes it.
-pub const COPIED_TO: Use = (vk::ImageLayout::TRANSFER_DST_OPTIMAL, vk::AccessFlags::TRANSFER_WRITE);
+pub const COPIED_TO: Use = at_any_time(vk::ImageLayout::TRANSFER_DST_OPTIMAL, vk::AccessFlags::TRANSFER_WRITE);
+
+/// Whatever wrote it left it in this layout.
+pub const fn left_in(layout: vk::ImageLayout) -> Use {
+    at_any_time(layout, vk::AccessFlags::MEMORY_WRITE)
+}
+
+/// Whatever reads or writes it next finds it in this layout.
+pub const fn ready_in(layout: vk::ImageLayout) -> Use {
+    let access = vk::AccessFlags::MEMORY_READ.as_raw() | vk::AccessFlags::MEMORY_WRITE.as_raw();
+    at_any_time(layout, vk::AccessFlags::from_raw(access))
+}
 
 /// Takes an image's colour from a use to another.
 ///
 /// # Safety
 /// The image must be in that layout, the command buffer being recorded outside a render pass.
 pub unsafe fn barrier(device: &Device, buffer: vk::CommandBuffer, image: vk::Image, from: Use, to: Use) {
-    let change = vk::ImageMemoryBarrier::default()
-        .image(image)
-        .old_layout(from.0)
-        .new_layout(to.0)
-        .src_access_mask(from.1)
-        .dst_access_mask(to.1)
-        .src_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
-        .dst_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
-        .subresource_range(COLOR);
-    let (stages, flags) = (vk::PipelineStageFlags::ALL_COMMANDS, vk::DependencyFlags::empty());
     // SAFETY: as promised.
-    unsafe { device.functions.cmd_pipeline_barrier(buffer, stages, stages, flags, &[], &[], &[change]) };
+    unsafe { crate::backend::vk::barrier(&device.functions, buffer, (image, 1), from, to) };
 }

@@ -1,26 +1,67 @@
 //! Images of the program, and the twins that stand for them while views are drawn.
 //!
-//! A swapchain's image has an atlas as its twin. What a pass draws to together with it (depth, samples) gets a
-//! twin as large as the atlas.
+//! A swapchain's image has an atlas as its twin, and so has an image that holds a scene on its way to the window. What a
+//! pass draws to together with them (depth, samples) gets a twin as large as the atlas. [`scenes`] has what is done with
+//! images that may hold a scene.
+
+pub mod scenes;
 
 use super::device::Device;
 use super::hook::hooks;
 use super::image::OwnImage;
 use super::layout::Layout;
+use super::offscreen::{self, Made};
 use super::pipelines::in_chain;
+use super::recording::Settled;
 use ash::vk;
 use std::collections::HashMap;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// An image of a swapchain.
+/// What atlases of scenes can be used for beside what the program's image can.
+pub const ATLAS_COPIES: vk::ImageUsageFlags = vk::ImageUsageFlags::from_raw(
+    vk::ImageUsageFlags::TRANSFER_SRC.as_raw() | vk::ImageUsageFlags::TRANSFER_DST.as_raw(),
+);
+
+/// An image of a swapchain, or one that holds a scene on its way to the window.
 pub struct Shown {
     /// Where in the atlas everything is.
     pub layout: Arc<Layout>,
+    /// The program's image.
+    pub given: vk::Image,
     /// The atlas.
     pub atlas: vk::Image,
+    /// It is a swapchain's.
+    pub window: bool,
+    /// The program's image can be copied to.
+    pub copied_to: bool,
     /// The latest frame is in the atlas, not in the program's picture.
     pub in_views: AtomicBool,
+    /// Of a scene that shaders sample: an image for each view.
+    pub prints: Vec<OwnImage>,
+    /// How often the program's own image was drawn to since the views are.
+    missed: AtomicU32,
+}
+
+impl Shown {
+    /// A swapchain's image, with its atlas.
+    pub fn of_window(layout: Arc<Layout>, given: vk::Image, atlas: vk::Image) -> Self {
+        Self {
+            layout,
+            given,
+            atlas,
+            window: true,
+            copied_to: false,
+            in_views: false.into(),
+            prints: Vec::new(),
+            missed: 0.into(),
+        }
+    }
+
+    /// Commands for the program's own image ran; whether that is so again and again.
+    pub fn was_missed(&self) -> bool {
+        !self.window && self.missed.fetch_add(1, Ordering::Relaxed) > offscreen::PATIENCE
+    }
 }
 
 /// What is known of an image.
@@ -28,6 +69,7 @@ struct Image {
     flags: vk::ImageCreateFlags,
     kind: vk::ImageType,
     format: vk::Format,
+    size: (u32, u32),
     mip_levels: u32,
     layers: u32,
     samples: vk::SampleCountFlags,
@@ -70,6 +112,12 @@ pub struct Images {
     pending: Mutex<Vec<Pending>>,
     /// What the program asked for, of images that can be used for more.
     declared: Mutex<HashMap<vk::Image, vk::ImageUsageFlags>>,
+    /// Some image may hold a scene.
+    candidates: AtomicBool,
+    /// The size of the latest window.
+    window: Mutex<Option<(u32, u32)>>,
+    /// Kinds of images that were found to hold a scene: after a change of size they are known at once.
+    scenes: Mutex<Vec<scenes::Kind>>,
 }
 
 /// What a format has.
@@ -102,6 +150,7 @@ impl Images {
             flags: vk::ImageCreateFlags::empty(),
             kind: vk::ImageType::TYPE_2D,
             format,
+            size: shown.layout.window,
             mip_levels: 1,
             layers: 1,
             samples: vk::SampleCountFlags::TYPE_1,
@@ -111,6 +160,7 @@ impl Images {
             shown: Some(shown),
             twins: Vec::new(),
         };
+        *self.window.lock().unwrap_or_else(PoisonError::into_inner) = Some(new.size);
         self.images.lock().unwrap_or_else(PoisonError::into_inner).insert(image, new);
         let layout = vk::ImageLayout::PRESENT_SRC_KHR;
         let pending = Pending { image, layout, aspects: vk::ImageAspectFlags::COLOR };
@@ -138,14 +188,18 @@ impl Images {
         self.images.lock().unwrap_or_else(PoisonError::into_inner).get(&image).map(|image| (format, image.samples))
     }
 
-    /// A shader can read the image of a view: what it shows must not be drawn to a twin in its place.
-    pub fn described(&self, device: &Device, view: vk::ImageView) {
+    /// A shader can read the image of a view: what it shows must not be drawn to a twin in its place. `sampled`: not by a
+    /// storage image or an input attachment.
+    pub fn described(&self, device: &Device, view: vk::ImageView, sampled: bool) {
         let image = self.views.lock().unwrap_or_else(PoisonError::into_inner).get(&view).map(|view| view.image);
         let Some(image) = image else { return };
         let mut images = self.images.lock().unwrap_or_else(PoisonError::into_inner);
         let Some(state) = images.get_mut(&image) else { return };
         state.described = true;
-        let drawn = state.shown.is_some() || !state.twins.is_empty();
+        if !sampled && state.may_hold_scene() {
+            device.paths.leads(image, Made::Elsewhere);
+        }
+        let drawn = state.shown.as_ref().is_some_and(|shown| shown.window) || !state.twins.is_empty();
         drop(images);
         if drawn {
             device.give_up("its shaders read what it draws together with the window");
@@ -157,7 +211,9 @@ impl Images {
         let images = self.images.lock().unwrap_or_else(PoisonError::into_inner);
         let Some(state) = images.get(&image) else { return Vec::new() };
         let twins = state.twins.iter().map(|(_, twin)| twin.image);
-        state.shown.iter().map(|shown| shown.atlas).chain(twins).collect()
+        // The atlas of a scene is among the twins.
+        let window = state.shown.iter().filter(|shown| shown.window);
+        window.map(|shown| shown.atlas).chain(twins).collect()
     }
 
     /// The program recorded that an image changes its layout.
@@ -165,6 +221,19 @@ impl Images {
         if let Some(state) = self.images.lock().unwrap_or_else(PoisonError::into_inner).get_mut(&image) {
             state.layout = layout;
         }
+    }
+
+    /// A pass would have brought an image into a layout, but draws to its twin. What has to be brought there in its place.
+    pub fn settle(&self, image: vk::Image, layout: vk::ImageLayout) -> Option<Settled> {
+        let mut images = self.images.lock().unwrap_or_else(PoisonError::into_inner);
+        let state = images.get_mut(&image).filter(|state| state.layout != layout)?;
+        state.layout = layout;
+        Some(Settled { image, aspects: aspects(state.format), layout })
+    }
+
+    /// The image of a view.
+    pub fn of(&self, view: vk::ImageView) -> Option<vk::Image> {
+        self.views.lock().unwrap_or_else(PoisonError::into_inner).get(&view).map(|view| view.image)
     }
 
     /// What has to be done before the next submission.
@@ -189,7 +258,7 @@ impl Images {
             (state.image, state.twins.clone())
         };
         let refused = |error: vk::Result| format!("the driver refuses an image: {error}");
-        let twin = self.twin_image(device, image, layout)?;
+        let twin = self.twin_image(device, image, layout, false)?;
         if let Some((_, known)) = twins.iter().find(|(image, _)| *image == twin) {
             return Ok(*known);
         }
@@ -211,7 +280,8 @@ impl Images {
         Ok(made)
     }
 
-    fn twin_image(&self, device: &Device, image: vk::Image, layout: &Layout) -> Result<vk::Image, String> {
+    /// `scene`: it becomes the atlas of a scene.
+    fn twin_image(&self, device: &Device, image: vk::Image, layout: &Layout, scene: bool) -> Result<vk::Image, String> {
         let size = layout.atlas;
         let (info, format, believed) = {
             let images = self.images.lock().unwrap_or_else(PoisonError::into_inner);
@@ -222,7 +292,7 @@ impl Images {
             if let Some((_, twin)) = state.twins.iter().find(|(of, _)| *of == size) {
                 return Ok(twin.image);
             }
-            if state.described {
+            if state.described && !scene {
                 return Err("its shaders read what it draws together with the window".to_owned());
             }
             if state.kind != vk::ImageType::TYPE_2D || state.mip_levels != 1 || state.layers != 1 {
@@ -236,7 +306,7 @@ impl Images {
                 .mip_levels(1)
                 .array_layers(1)
                 .samples(state.samples)
-                .usage(state.usage);
+                .usage(state.usage | if scene { ATLAS_COPIES } else { vk::ImageUsageFlags::empty() });
             (info, state.format, state.layout)
         };
         // SAFETY: the device is live; the image differs from one of the program's in its size.
@@ -270,6 +340,7 @@ hooks! { images;
                 flags: info.flags,
                 kind: info.image_type,
                 format: info.format,
+                size: (info.extent.width, info.extent.height),
                 mip_levels: info.mip_levels,
                 layers: info.array_layers,
                 samples: info.samples,
@@ -279,7 +350,7 @@ hooks! { images;
                 shown: None,
                 twins: Vec::new(),
             };
-            state.images.images.lock().unwrap_or_else(PoisonError::into_inner).insert(*image, new);
+            state.images.add(&state, *image, new);
         }
         result
     } }
@@ -291,6 +362,11 @@ hooks! { images;
             state.images.pending.lock().unwrap_or_else(PoisonError::into_inner).retain(|p| p.image != twin.image);
             twin.destroy(&state);
         }
+        for print in gone.iter().filter_map(|image| image.shown.as_ref()).flat_map(|shown| &shown.prints) {
+            state.images.pending.lock().unwrap_or_else(PoisonError::into_inner).retain(|p| p.image != print.image);
+            print.destroy(&state);
+        }
+        state.paths.forget(image);
         next(device, image, allocator)
     } }
     [c"vkCreateImageView"] create_image_view: vk::PFN_vkCreateImageView = (

@@ -7,9 +7,12 @@
 //! While a program draws to a swapchain's image, [`passes`] let it draw to an atlas, and [`draws`] issue each draw to
 //! each tile. What is known of the program's objects is in [`images`], [`framebuffers`], [`pipelines`], [`layouts`],
 //! [`descriptors`] and [`memory`]; of its command buffers in [`recording`]. [`runs`] find its lens when they are
-//! submitted. What cannot be followed is shown flat, on the panel, with the reason in the log.
+//! submitted; [`offscreen`] finds scenes that reach the window through images of the program's own, of which there are
+//! [`prints`] for its shaders. What cannot be followed is shown flat, on the panel, with the reason in the log.
 
 pub mod canvas;
+pub mod copied_sets;
+pub mod copies;
 pub mod descriptors;
 pub mod device;
 pub mod draws;
@@ -22,9 +25,11 @@ pub mod layout;
 pub mod layouts;
 pub mod memory;
 pub mod negotiate;
+pub mod offscreen;
 pub mod passes;
 pub mod pipelines;
 pub mod present;
+pub mod prints;
 pub mod readback;
 pub mod recording;
 pub mod rows;
@@ -33,6 +38,7 @@ pub mod spirv;
 pub mod state;
 pub mod submit;
 pub mod swapchain;
+pub mod texels;
 pub mod transfers;
 
 /// Our function for a device's function of this name.

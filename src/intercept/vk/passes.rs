@@ -2,11 +2,14 @@
 
 use super::device::Device;
 use super::draws::rectangle;
+use super::framebuffers::Framebuffer;
 use super::hook::hooks;
 use super::images::Shown;
 use super::layout::Layout;
 use super::pipelines::in_chain;
-use super::recording::{Event, Pass, Recording, Within};
+use super::recording::{Event, Pass, Recording, Settled, Within};
+use super::{prints, transfers};
+use crate::backend::vk::COLOR;
 use ash::{prelude::VkResult, vk};
 use std::sync::Arc;
 
@@ -80,24 +83,36 @@ struct Replaced {
     pass: Pass,
 }
 
+/// The attachments of a pass that begins: the framebuffer's, or those that are given with it.
+///
+/// # Safety
+/// `begin` must be the program's, with this framebuffer.
+unsafe fn views_of<'a>(begin: &vk::RenderPassBeginInfo<'a>, framebuffer: &'a Framebuffer) -> &'a [vk::ImageView] {
+    if let Some(attachments) = &framebuffer.attachments {
+        return attachments;
+    }
+    let kind = vk::StructureType::RENDER_PASS_ATTACHMENT_BEGIN_INFO;
+    // SAFETY: as promised.
+    unsafe {
+        in_chain::<vk::RenderPassAttachmentBeginInfo<'_>>(begin.p_next, kind)
+            .map_or(&[], |given| super::slice(given.p_attachments, given.attachment_count))
+    }
+}
+
 /// # Safety
 /// `begin` must be the program's.
 unsafe fn replace(device: &Device, begin: &vk::RenderPassBeginInfo<'_>) -> Option<Result<Replaced, String>> {
     let framebuffer = device.framebuffers.get(begin.framebuffer)?;
     // SAFETY: as promised.
-    let given = unsafe {
-        let kind = vk::StructureType::RENDER_PASS_ATTACHMENT_BEGIN_INFO;
-        in_chain::<vk::RenderPassAttachmentBeginInfo<'_>>(begin.p_next, kind)
-            .map(|given| super::slice(given.p_attachments, given.attachment_count))
-    };
-    let find = || given?.iter().find_map(|view| device.images.shown(*view));
-    let shown = framebuffer.shown.clone().or_else(find)?;
+    let views = unsafe { views_of(begin, &framebuffer) };
+    let given = framebuffer.attachments.is_none().then_some(views);
+    let shown = framebuffer.shown_now(device).or_else(|| views.iter().find_map(|view| device.images.shown(*view)))?;
     let replaced = || {
         let pass = device.framebuffers.pass(begin.render_pass).ok_or("a render pass that is not known")?;
         if let Some(why) = pass.obstacle {
             return Err(why.to_owned());
         }
-        if !is_whole(&begin.render_area, &shown.layout) {
+        if !is_whole(&begin.render_area, &shown.layout) && !pass.may_grow {
             return Err("it draws a part of the window at a time".to_owned());
         }
         let twin = framebuffer.twin(device, &shown, begin.render_pass, given.unwrap_or_default())?;
@@ -110,11 +125,17 @@ unsafe fn replace(device: &Device, begin: &vk::RenderPassBeginInfo<'_>) -> Optio
         };
         let anew = |(_, attachment): &&(u32, u32)| pass.begins_anew.get(*attachment as usize).copied().unwrap_or(true);
         let unclear = pass.colors.iter().filter(anew).map(|(number, _)| *number).collect();
-        Ok(Replaced {
-            framebuffer: twin,
-            attachments,
-            pass: Pass::new(Arc::clone(&shown), Within::Pass(begin.render_pass), unclear),
-        })
+        let mut new = Pass::new(Arc::clone(&shown), Within::Pass(begin.render_pass), unclear);
+        for (view, layout) in views.iter().zip(&pass.leaves) {
+            match device.images.shown(*view) {
+                Some(scene) if !scene.window => new.scenes.push((scene, *layout)),
+                Some(_) => {}
+                None => {
+                    new.settled.extend(device.images.of(*view).and_then(|image| device.images.settle(image, *layout)))
+                }
+            }
+        }
+        Ok(Replaced { framebuffer: twin, attachments, pass: new })
     };
     if !device.draws_views() {
         return Some(Err(String::new()));
@@ -152,8 +173,13 @@ unsafe fn begin(
             {
                 device.give_up(why);
             }
-            let shown = framebuffer.and_then(|framebuffer| framebuffer.shown.clone());
-            plain(device, buffer, shown);
+            // SAFETY: as promised.
+            let views = framebuffer.as_ref().map_or(&[][..], |framebuffer| unsafe { views_of(info, framebuffer) });
+            let leaves = device.framebuffers.pass(info.render_pass).map(|pass| pass.leaves.clone());
+            for (view, layout) in views.iter().zip(leaves.iter().flatten()) {
+                device.images.of(*view).into_iter().for_each(|image| device.images.moved(image, *layout));
+            }
+            plain(device, buffer, framebuffer.as_ref().and_then(|framebuffer| framebuffer.shown.clone()), views);
             return next(info);
         }
     };
@@ -167,7 +193,7 @@ unsafe fn begin(
         let first = first.filter(|first| first.s_type == vk::StructureType::RENDER_PASS_ATTACHMENT_BEGIN_INFO);
         let Some(first) = first else {
             device.give_up("structures in a chain that are not known");
-            plain(device, buffer, Some(replaced.pass.shown));
+            plain(device, buffer, Some(replaced.pass.shown), &[]);
             return next(info);
         };
         attachments = attachments.attachments(twins);
@@ -186,26 +212,62 @@ fn served(device: &Device, buffer: vk::CommandBuffer, pass: Pass) {
     });
 }
 
-/// A pass begins that is the program's own.
-fn plain(device: &Device, buffer: vk::CommandBuffer, shown: Option<Arc<Shown>>) {
+/// A pass begins that is the program's own, with `views` of images.
+fn plain(device: &Device, buffer: vk::CommandBuffer, shown: Option<Arc<Shown>>, views: &[vk::ImageView]) {
+    let candidates = match device.images.has_candidates() {
+        true => views.iter().filter_map(|view| device.images.candidate_of(*view)).collect(),
+        false => Vec::new(),
+    };
     device.recordings.with(buffer, |recording| {
-        recording.in_plain_pass = true;
+        recording.plain = Some(candidates);
         recording.events.extend(shown.map(|shown| Event::Drawn(shown, false)));
     });
 }
 
-/// A pass ends. What it left undone in a pass without draws is done.
+/// A pass ends by `next`. What it left undone in a pass without draws is done; of the scenes that it drew there are prints
+/// then.
 ///
 /// # Safety
 /// The command buffer is being recorded, within the pass.
-unsafe fn end(device: &Device, buffer: vk::CommandBuffer) {
-    device.recordings.with(buffer, |recording| {
-        recording.in_plain_pass = false;
-        if let Some(pass) = recording.pass.take() {
-            // SAFETY: as promised.
-            unsafe { clear_panel(device, buffer, &pass.shown.layout, &pass.unclear) };
-        }
+unsafe fn end(device: &Device, buffer: vk::CommandBuffer, next: impl FnOnce()) {
+    let pass = device.recordings.with(buffer, |recording| {
+        recording.plain = None;
+        recording.pass.take()
     });
+    let Some(pass) = pass.flatten() else { return next() };
+    // SAFETY: as promised; behind `next` outside of the pass.
+    unsafe {
+        clear_panel(device, buffer, &pass.shown.layout, &pass.unclear);
+        next();
+        for (scene, layout) in &pass.scenes {
+            prints::make(device, buffer, scene, *layout);
+        }
+        settle(device, buffer, &pass.settled);
+    }
+}
+
+/// Brings images of the program into the layouts in which a pass would have left them.
+///
+/// # Safety
+/// The command buffer is being recorded, outside of a pass.
+unsafe fn settle(device: &Device, buffer: vk::CommandBuffer, settled: &[Settled]) {
+    let change = |settled: &Settled| {
+        let range = vk::ImageSubresourceRange { aspect_mask: settled.aspects, ..COLOR };
+        vk::ImageMemoryBarrier::default()
+            .image(settled.image)
+            .new_layout(settled.layout)
+            .src_access_mask(vk::AccessFlags::MEMORY_WRITE)
+            .dst_access_mask(vk::AccessFlags::MEMORY_READ | vk::AccessFlags::MEMORY_WRITE)
+            .src_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
+            .dst_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
+            .subresource_range(range)
+    };
+    let changes: Vec<_> = settled.iter().map(change).collect();
+    if !changes.is_empty() {
+        let (stages, flags) = (vk::PipelineStageFlags::ALL_COMMANDS, vk::DependencyFlags::empty());
+        // SAFETY: as promised; what the images held is not kept.
+        unsafe { device.functions.cmd_pipeline_barrier(buffer, stages, stages, flags, &[], &[], &changes) };
+    }
 }
 
 /// An attachment with `twin`s in the place of its images.
@@ -235,9 +297,9 @@ unsafe fn begin_rendering(
         (colors, info.p_depth_attachment.as_ref(), info.p_stencil_attachment.as_ref())
     };
     let views = colors.iter().flat_map(|color| [color.image_view, color.resolve_image_view]);
-    let Some(shown) = views.filter(|view| *view != vk::ImageView::null()).find_map(|view| device.images.shown(view))
-    else {
-        plain(device, buffer, None);
+    let views: Vec<vk::ImageView> = views.filter(|view| *view != vk::ImageView::null()).collect();
+    let Some(shown) = views.iter().find_map(|view| device.images.shown(*view)) else {
+        plain(device, buffer, None, &views);
         return next(info);
     };
     let layout = &shown.layout;
@@ -245,39 +307,45 @@ unsafe fn begin_rendering(
         true => Ok(view),
         false => device.images.twin(device, view, layout),
     };
+    let whole = is_whole(&info.render_area, layout);
+    let secondary = info.flags.contains(vk::RenderingFlags::CONTENTS_SECONDARY_COMMAND_BUFFERS);
     let replaced = || -> Result<_, String> {
         if info.view_mask != 0 || info.layer_count != 1 {
             return Err("it draws several views itself".to_owned());
         }
-        if !is_whole(&info.render_area, layout) {
-            return Err("it draws a part of the window at a time".to_owned());
+        let mut all = Attachments {
+            colors: colors.iter().map(|color| attachment(color, &twin)).collect::<Result<_, _>>()?,
+            depth: given_depth.map(|depth| attachment(depth, &twin)).transpose()?,
+            stencil: given_stencil.map(|stencil| attachment(stencil, &twin)).transpose()?,
+        };
+        let clears = if whole { Vec::new() } else { all.keep() };
+        if secondary && !clears.is_empty() {
+            return Err("it clears a part of the window in a pass of secondary command buffers".to_owned());
         }
-        let colors = colors.iter().map(|color| attachment(color, &twin)).collect::<Result<Vec<_>, _>>()?;
-        let depth = given_depth.map(|depth| attachment(depth, &twin)).transpose()?;
-        Ok((colors, depth, given_stencil.map(|stencil| attachment(stencil, &twin)).transpose()?))
+        Ok((all, clears))
     };
     let replaced = if device.draws_views() { replaced() } else { Err(String::new()) };
-    let (twins, depth, stencil) = match replaced {
+    let (all, clears) = match replaced {
         Ok(replaced) => replaced,
         Err(why) => {
             if !why.is_empty() {
                 device.give_up(&why);
             }
-            plain(device, buffer, Some(Arc::clone(&shown)));
+            plain(device, buffer, Some(Arc::clone(&shown)), &views);
             return next(info);
         }
     };
-    let mut changed = (*info).render_area(whole_atlas(layout)).color_attachments(&twins);
-    if let Some(depth) = &depth {
+    let mut changed = (*info).render_area(whole_atlas(layout)).color_attachments(&all.colors);
+    if let Some(depth) = &all.depth {
         changed = changed.depth_attachment(depth);
     }
-    if let Some(stencil) = &stencil {
+    if let Some(stencil) = &all.stencil {
         changed = changed.stencil_attachment(stencil);
     }
     next(&changed);
     let resumed = info.flags.contains(vk::RenderingFlags::RESUMING);
     let anew = |(_, color): &(u32, &vk::RenderingAttachmentInfo<'_>)| {
-        !resumed && color.image_view != vk::ImageView::null() && color.load_op != vk::AttachmentLoadOp::LOAD
+        whole && !resumed && color.image_view != vk::ImageView::null() && color.load_op != vk::AttachmentLoadOp::LOAD
     };
     let unclear = (0..).zip(colors).filter(anew).map(|(number, _)| number).collect();
     let kind = |attachment: &vk::RenderingAttachmentInfo<'_>| device.images.kind(attachment.image_view);
@@ -288,7 +356,48 @@ unsafe fn begin_rendering(
         stencil: format(given_stencil),
         samples: colors.iter().find_map(kind).unwrap_or_default().1,
     };
-    served(device, buffer, Pass::new(Arc::clone(&shown), within, unclear));
+    let mut pass = Pass::new(Arc::clone(&shown), within, unclear);
+    if !info.flags.contains(vk::RenderingFlags::SUSPENDING) {
+        let ends = colors.iter().flat_map(|color| {
+            [(color.image_view, color.image_layout), (color.resolve_image_view, color.resolve_image_layout)]
+        });
+        let scenes = ends.filter_map(|(view, layout)| Some((device.images.shown(view)?, layout)));
+        pass.scenes = scenes.filter(|(scene, _)| !scene.window).collect();
+    }
+    served(device, buffer, pass);
+    if !resumed && !clears.is_empty() {
+        let area = vk::ClearRect { rect: info.render_area, base_array_layer: 0, layer_count: 1 };
+        // SAFETY: the pass has just begun, with these attachments.
+        unsafe { transfers::clear(device, buffer, layout, &clears, &[area]) };
+    }
+}
+
+/// What dynamic rendering draws to.
+struct Attachments<'a> {
+    colors: Vec<vk::RenderingAttachmentInfo<'a>>,
+    depth: Option<vk::RenderingAttachmentInfo<'a>>,
+    stencil: Option<vk::RenderingAttachmentInfo<'a>>,
+}
+
+impl Attachments<'_> {
+    /// Keeps what was there; the clears that have to be made in the place of those that are left out.
+    fn keep(&mut self) -> Vec<vk::ClearAttachment> {
+        use vk::ImageAspectFlags as A;
+        let colors = (0..).zip(&mut self.colors).map(|(number, color)| (A::COLOR, number, color));
+        let deep = self.depth.iter_mut().map(|depth| (A::DEPTH, 0, depth));
+        let stencil = self.stencil.iter_mut().map(|stencil| (A::STENCIL, 0, stencil));
+        let mut clears = Vec::new();
+        for (aspect_mask, color_attachment, attachment) in colors.chain(deep).chain(stencil) {
+            if attachment.image_view == vk::ImageView::null() {
+                continue;
+            }
+            let load = std::mem::replace(&mut attachment.load_op, vk::AttachmentLoadOp::LOAD);
+            if load == vk::AttachmentLoadOp::CLEAR {
+                clears.push(vk::ClearAttachment { aspect_mask, color_attachment, clear_value: attachment.clear_value });
+            }
+        }
+        clears
+    }
 }
 
 hooks! { passes;
@@ -299,14 +408,12 @@ hooks! { passes;
         buffer: vk::CommandBuffer, info: *const vk::RenderPassBeginInfo<'_>, subpass: *const vk::SubpassBeginInfo<'_>
     ) { |state, next| begin(&state, buffer, &*info, |info| next(buffer, info, subpass)) }
     [c"vkCmdEndRenderPass"] cmd_end_render_pass: vk::PFN_vkCmdEndRenderPass = (buffer: vk::CommandBuffer) { |state, next| {
-        end(&state, buffer);
-        next(buffer)
+        end(&state, buffer, || next(buffer))
     } }
     [c"vkCmdEndRenderPass2", c"vkCmdEndRenderPass2KHR"] cmd_end_render_pass2: vk::PFN_vkCmdEndRenderPass2 = (
         buffer: vk::CommandBuffer, info: *const vk::SubpassEndInfo<'_>
     ) { |state, next| {
-        end(&state, buffer);
-        next(buffer, info)
+        end(&state, buffer, || next(buffer, info))
     } }
     [c"vkCmdBeginRendering", c"vkCmdBeginRenderingKHR"] cmd_begin_rendering: vk::PFN_vkCmdBeginRendering = (
         buffer: vk::CommandBuffer, info: *const vk::RenderingInfo<'_>
@@ -314,7 +421,6 @@ hooks! { passes;
     [c"vkCmdEndRendering", c"vkCmdEndRenderingKHR"] cmd_end_rendering: vk::PFN_vkCmdEndRendering = (
         buffer: vk::CommandBuffer
     ) { |state, next| {
-        end(&state, buffer);
-        next(buffer)
+        end(&state, buffer, || next(buffer))
     } }
 }

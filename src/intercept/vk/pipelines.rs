@@ -30,14 +30,20 @@ pub struct Pipeline {
 
 /// The pipelines for the views. Their viewport and scissor are set by commands.
 pub struct Variants {
-    /// Draws into a view; `None`: its shader could not be followed, and what it draws is flat.
-    pub view: Option<vk::Pipeline>,
+    /// Draws into a view, and wherever the program's own picture is drawn.
+    pub view: vk::Pipeline,
+    /// Its shader re-projects; where it could not be followed, what is drawn is flat.
+    pub follows: bool,
     /// Draws onto the panel.
     pub panel: vk::Pipeline,
     /// Where its shaders' matrices are.
     pub matrices: Vec<Matrix>,
     /// Number of viewports and scissors is set by commands, too.
     pub with_count: bool,
+    /// Its fragment shader asks where on the screen it is.
+    pub asks_place: bool,
+    /// What it draws is tested by its depth.
+    pub deep: bool,
 }
 
 /// The program's pipelines.
@@ -65,8 +71,8 @@ impl Pipeline {
         // SAFETY: ours; the program says by destroying its own that nothing uses them.
         unsafe {
             device.functions.destroy_pipeline(variants.panel, None);
-            if let Some(view) = variants.view.filter(|view| *view != variants.panel) {
-                device.functions.destroy_pipeline(view, None);
+            if variants.view != variants.panel {
+                device.functions.destroy_pipeline(variants.view, None);
             }
         }
     }
@@ -189,6 +195,8 @@ unsafe fn variants(
         }
         let layout = device.layouts.layout(info.layout).ok_or("there is no room for a descriptor set of ours")?;
         let stages = super::slice(info.p_stages, info.stage_count);
+        let fragments = stages.iter().filter(|stage| stage.stage == vk::ShaderStageFlags::FRAGMENT);
+        let asks_place = fragments.filter_map(|s| words_of(device, s)).any(|words| spirv::asks_place(&words));
         let mut matrices = Vec::new();
         for stage in stages.iter().filter(|stage| stage.stage != vk::ShaderStageFlags::FRAGMENT) {
             matrices.extend(words_of(device, stage).iter().flat_map(|words| spirv::matrices(words)));
@@ -202,6 +210,8 @@ unsafe fn variants(
         let states = dynamic_states(info);
         let with_count = states.contains(&vk::DynamicState::VIEWPORT_WITH_COUNT)
             || states.contains(&vk::DynamicState::SCISSOR_WITH_COUNT);
+        let deep = states.contains(&vk::DynamicState::DEPTH_TEST_ENABLE)
+            || info.p_depth_stencil_state.as_ref().is_some_and(|state| state.depth_test_enable == vk::TRUE);
         let mut stages = stages.to_vec();
         let mut module = vk::ShaderModule::null();
         match &spliced {
@@ -217,8 +227,7 @@ unsafe fn variants(
         let made = make(device, cache, info, &stages, states);
         device.functions.destroy_shader_module(module, None);
         let (view, panel) = made.map_err(|error| format!("the driver refuses a pipeline: {error}"))?;
-        let view = spliced.is_ok().then_some(view);
-        Ok(Variants { view, panel, matrices, with_count })
+        Ok(Variants { view, follows: spliced.is_ok(), panel, matrices, with_count, asks_place, deep })
     }
 }
 

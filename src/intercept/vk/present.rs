@@ -3,9 +3,11 @@
 use super::device::{self, Device};
 use super::readback;
 use super::swapchain::Swapchain;
+use crate::backend::vk::Timing;
 use crate::error::{Error, ErrorKind, Result};
 use crate::intercept::kept::{self, Kept};
 use crate::intercept::{log, settings};
+use crate::rig::Rig;
 use crate::runtime::report::{Picture, Statistics, ViewStatistics};
 use ash::vk;
 use std::sync::PoisonError;
@@ -37,7 +39,34 @@ pub unsafe extern "system" fn present(queue: vk::Queue, info: *const vk::Present
     if last {
         kept::end_program();
     }
+    let is_good = result == vk::Result::SUCCESS || result == vk::Result::SUBOPTIMAL_KHR;
+    // SAFETY: the program's structure.
+    if is_good && crate::fence::guard(|| unsafe { tell_outdated(&device, &changed) }).unwrap_or(false) {
+        return vk::Result::ERROR_OUT_OF_DATE_KHR;
+    }
     result
+}
+
+/// Tells the program that swapchains are out of date whose rig has changed, after their picture was shown: it makes new
+/// ones, as after a change of size. Whether there is one.
+///
+/// # Safety
+/// As for [`present`].
+unsafe fn tell_outdated(device: &Device, info: &vk::PresentInfoKHR<'_>) -> bool {
+    // SAFETY: the lengths and arrays of the program's structure.
+    let swapchains = unsafe { super::slice(info.p_swapchains, info.swapchain_count) };
+    let mut any = false;
+    for (index, handle) in swapchains.iter().enumerate() {
+        let Some(managed) = device.managed(*handle) else { continue };
+        if managed.lock().unwrap_or_else(PoisonError::into_inner).is_outdated(device) {
+            any = true;
+            if !info.p_results.is_null() {
+                // SAFETY: as many results as swapchains.
+                unsafe { *info.p_results.add(index) = vk::Result::ERROR_OUT_OF_DATE_KHR };
+            }
+        }
+    }
+    any
 }
 
 /// Corrects each image that is presented; `ready` gets what the presentation has to wait for in the place of the
@@ -54,6 +83,7 @@ unsafe fn prepare(
     ready: &mut Option<Vec<vk::Semaphore>>,
 ) {
     device.frame.lock().unwrap_or_else(PoisonError::into_inner).end();
+    super::offscreen::decide(device);
     let Some(settings) = settings::settings() else { return };
     let pictures = settings.capture.is_some() || settings.capture_views.is_some();
     let keep = (last || settings.frames.is_none()) && (pictures || settings.stats.is_some());
@@ -90,7 +120,7 @@ unsafe fn prepare(
                 Err(error) => log::once(&format!("Vulkan: a frame could not be captured: {error}")),
             }
         }
-        kept.statistics = settings.stats.is_some().then(|| statistics(device, &managed, &settings.rig.name, frames));
+        kept.statistics = settings.stats.is_some().then(|| statistics(device, &managed, &settings.rig, frames));
         kept::keep(kept);
     }
 }
@@ -138,23 +168,24 @@ unsafe fn captured(
 ) -> Result<(Vec<Picture>, Vec<Picture>)> {
     let failed = |error: vk::Result| Error::new(ErrorKind::Graphics, error.to_string());
     let vk::Extent2D { width, height } = managed.extent;
-    let blue_first = managed.blue_first;
-    let cut = |bytes: &[u8], name: &str, rect: [u32; 4]| readback::cut(bytes, width, blue_first, name, rect);
+    let texels = managed.texels;
+    let cut = |bytes: &[u8], name: &str, rect: [u32; 4]| readback::cut(bytes, width, texels, name, rect);
     let (Some(&real), Some(given)) = (managed.real.get(index), managed.given(index)) else {
         return Ok(Default::default());
     };
     let mut read = |image| {
         // SAFETY: the images are live, as large as the window, and can be copied.
-        let bytes = unsafe { readback::read(device, queue, image, managed.extent, waits) }.map_err(failed);
+        let bytes =
+            unsafe { readback::read(device, queue, (image, texels.size()), managed.extent, waits) }.map_err(failed);
         waits = &[];
         bytes
     };
     let shown = read(real)?;
-    let names = settings.rig.outputs.iter().map(|output| output.name.as_str());
+    let now = managed.canvas.as_ref().map(|canvas| canvas.layout.session.rig());
+    let rig = now.unwrap_or(&settings.rig);
+    let names = rig.outputs.iter().map(|output| output.name.as_str());
     let outputs = match &managed.canvas {
-        Some(_) => {
-            names.zip(settings.rig.layout((width, height))).map(|(name, rect)| cut(&shown, name, rect)).collect()
-        }
+        Some(_) => names.zip(rig.layout((width, height))).map(|(name, rect)| cut(&shown, name, rect)).collect(),
         None => vec![cut(&shown, names.into_iter().next().unwrap_or("window"), [0, 0, width, height])],
     };
     if settings.capture_views.is_none() {
@@ -165,24 +196,33 @@ unsafe fn captured(
             let (layout, atlas) = (&canvas.layout, canvas.atlas(index).unwrap_or_default());
             let extent = vk::Extent2D { width: layout.atlas.0, height: layout.atlas.1 };
             // SAFETY: the atlas is as large as its layout says, and ready as an image that is presented.
-            let bytes = unsafe { readback::read(device, queue, atlas, extent, &[]) }.map_err(failed)?;
+            let bytes =
+                unsafe { readback::read(device, queue, (atlas, texels.size()), extent, &[]) }.map_err(failed)?;
             let tiles = layout.tiles();
-            tiles.map(|(name, rect)| readback::cut(&bytes, extent.width, blue_first, name, rect)).collect()
+            tiles.map(|(name, rect)| readback::cut(&bytes, extent.width, texels, name, rect)).collect()
         }
         _ => vec![cut(&read(given)?, "program", [0, 0, width, height])],
     };
     Ok((outputs, views))
 }
 
-fn statistics(device: &Device, managed: &Swapchain, rig: &str, frames: u64) -> Statistics {
+/// Mean time of a correction in milliseconds, if any was measured.
+fn mean(timing: Timing) -> Option<f64> {
+    (timing.corrections > 0).then(|| timing.total * 1e-6 / timing.corrections as f64)
+}
+
+fn statistics(device: &Device, managed: &Swapchain, rig: &Rig, frames: u64) -> Statistics {
     let counts = device.frame.lock().unwrap_or_else(PoisonError::into_inner).counts.clone();
     let mut statistics = Statistics {
         frames,
-        rig: rig.to_owned(),
+        rig: rig.name.clone(),
         driver: device.driver.clone(),
         notes: device.flat_note().into_iter().collect(),
         draws_seen: counts.seen,
         panel_draws: counts.flat,
+        duplicated_draws: counts.duplicated,
+        duplicated_framebuffers: device.images.duplicated().count() as u64,
+        single_framebuffers: device.paths.single(rig.views.duplicate),
         projection_found: counts.found.iter().map(|(how, draws)| ((*how).to_owned(), *draws)).collect(),
         ..Statistics::default()
     };
@@ -198,6 +238,7 @@ fn statistics(device: &Device, managed: &Swapchain, rig: &str, frames: u64) -> S
             let session = &canvas.layout.session;
             statistics.notes.extend(session.plan().views.notes.iter().cloned());
             let views = session.views().iter();
+            statistics.correction_milliseconds = mean(canvas.timing());
             statistics.views = views.map(|v| view(&v.name, v.tile.width, v.tile.height, counts.in_views)).collect();
         }
         _ => statistics.views = vec![view("program", managed.extent.width, managed.extent.height, 0)],

@@ -2,10 +2,11 @@
 
 use super::device::Device;
 use super::image::{COLOR_LAYER, COPIED_FROM, PRESENTED, barrier};
+use super::texels::Texels;
 use crate::runtime::report::Picture;
 use ash::{prelude::VkResult, vk};
 
-/// Reads an image of four bytes for each pixel, as it is when it is presented, and leaves it so, after `waits`; rows
+/// Reads an image whose texels have `size` bytes, as it is when it is presented, and leaves it so, after `waits`; rows
 /// from the top.
 ///
 /// # Errors
@@ -17,14 +18,14 @@ use ash::{prelude::VkResult, vk};
 pub unsafe fn read(
     device: &Device,
     (queue, family): (vk::Queue, u32),
-    image: vk::Image,
+    (image, size): (vk::Image, usize),
     extent: vk::Extent2D,
     waits: &[vk::Semaphore],
 ) -> VkResult<Vec<u8>> {
     let mut reading = Reading::default();
     // SAFETY: as promised; `finish` destroys what was made, after the device has finished with it.
     unsafe {
-        let result = reading.run(device, (queue, family), image, extent, waits);
+        let result = reading.run(device, (queue, family), (image, size), extent, waits);
         reading.finish(device);
         result
     }
@@ -46,12 +47,12 @@ impl Reading {
         &mut self,
         device: &Device,
         (queue, family): (vk::Queue, u32),
-        image: vk::Image,
+        (image, size): (vk::Image, usize),
         extent: vk::Extent2D,
         waits: &[vk::Semaphore],
     ) -> VkResult<Vec<u8>> {
         let functions = &device.functions;
-        let length = extent.width as usize * extent.height as usize * 4;
+        let length = extent.width as usize * extent.height as usize * size;
         let visible = vk::MemoryPropertyFlags::HOST_VISIBLE | vk::MemoryPropertyFlags::HOST_COHERENT;
         let cached = visible | vk::MemoryPropertyFlags::HOST_CACHED;
         let info = vk::BufferCreateInfo::default().size(length as u64).usage(vk::BufferUsageFlags::TRANSFER_DST);
@@ -76,7 +77,7 @@ impl Reading {
                 height: extent.height,
                 depth: 1,
             });
-            functions.cmd_copy_image_to_buffer(commands, image, COPIED_FROM.0, self.buffer, &[region]);
+            functions.cmd_copy_image_to_buffer(commands, image, COPIED_FROM.layout, self.buffer, &[region]);
             barrier(device, commands, image, COPIED_FROM, PRESENTED);
             functions.end_command_buffer(commands)?;
             let (buffers, stages) = ([commands], vec![vk::PipelineStageFlags::ALL_COMMANDS; waits.len()]);
@@ -105,13 +106,12 @@ impl Reading {
 
 /// A rectangle (x, y from the top left, width, height; within the picture) of a picture with rows of `stride` pixels
 /// from the top.
-pub fn cut(bytes: &[u8], stride: u32, blue_first: bool, name: &str, [x, y, width, height]: [u32; 4]) -> Picture {
+pub fn cut(bytes: &[u8], stride: u32, texels: Texels, name: &str, [x, y, width, height]: [u32; 4]) -> Picture {
     let mut rgba = Vec::with_capacity(width as usize * height as usize * 4);
     for row in (y..y + height).rev() {
-        let start = (row as usize * stride as usize + x as usize) * 4;
-        for pixel in bytes[start..start + width as usize * 4].chunks_exact(4) {
-            let [first, green, third] = [pixel[0], pixel[1], pixel[2]];
-            let (red, blue) = if blue_first { (third, first) } else { (first, third) };
+        let start = (row as usize * stride as usize + x as usize) * texels.size();
+        for texel in bytes[start..start + width as usize * texels.size()].chunks_exact(texels.size()) {
+            let [red, green, blue] = texels.color(texel);
             rgba.extend([red, green, blue, 255]);
         }
     }
@@ -120,14 +120,14 @@ pub fn cut(bytes: &[u8], stride: u32, blue_first: bool, name: &str, [x, y, width
 
 #[cfg(test)]
 mod tests {
-    use super::cut;
+    use super::{Texels, cut};
 
     #[test]
     fn a_rectangle_is_cut_and_turned() {
         // 2 × 3 pixels, each with its number in every channel but for the order.
         let bytes: Vec<u8> = (0..6).flat_map(|n| [n, 10 + n, 20 + n, 99]).collect();
-        let picture = cut(&bytes, 2, true, "a", [1, 1, 1, 2]);
+        let picture = cut(&bytes, 2, Texels::Bgra8, "a", [1, 1, 1, 2]);
         assert_eq!(picture.rgba, [25, 15, 5, 255, 23, 13, 3, 255], "rows from the bottom, red first");
-        assert_eq!(cut(&bytes, 2, false, "a", [0, 0, 1, 1]).rgba, [0, 10, 20, 255]);
+        assert_eq!(cut(&bytes, 2, Texels::Rgba8, "a", [0, 0, 1, 1]).rgba, [0, 10, 20, 255]);
     }
 }

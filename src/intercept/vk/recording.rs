@@ -6,7 +6,7 @@ use super::hook::hooks;
 use super::images::Shown;
 use super::pipelines::{Pipeline, in_chain};
 use super::rows::Taken;
-use super::runs::Run;
+use super::runs::{Run, Source};
 use ash::vk;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError, RwLock};
@@ -35,6 +35,8 @@ pub enum Event {
     Execute(vk::CommandBuffer),
     /// A swapchain's image is drawn: its atlas, or itself.
     Drawn(Arc<Shown>, bool),
+    /// Draws to images that may hold a scene, and the matrices that they may use.
+    Suspected(Vec<vk::Image>, Vec<Source>),
 }
 
 /// A pass that is drawn for each view.
@@ -47,6 +49,21 @@ pub struct Pass {
     pub unclear: Vec<u32>,
     /// How the pass was begun.
     pub within: Within,
+    /// Scenes that it draws, and the layouts that it leaves them in.
+    pub scenes: Vec<(Arc<Shown>, vk::ImageLayout)>,
+    /// Images of the program that this pass would have brought into a layout.
+    pub settled: Vec<Settled>,
+}
+
+/// An image of the program that has to be brought into a layout.
+#[derive(Clone, Copy, Debug)]
+pub struct Settled {
+    /// The image.
+    pub image: vk::Image,
+    /// What it has.
+    pub aspects: vk::ImageAspectFlags,
+    /// The layout.
+    pub layout: vk::ImageLayout,
 }
 
 /// How a pass was begun: what a secondary command buffer in it has to be told.
@@ -71,7 +88,7 @@ pub enum Within {
 impl Pass {
     /// A pass that begins.
     pub fn new(shown: Arc<Shown>, within: Within, unclear: Vec<u32>) -> Self {
-        Self { shown, scene: false, unclear, within }
+        Self { shown, scene: false, unclear, within, scenes: Vec::new(), settled: Vec::new() }
     }
 }
 
@@ -97,8 +114,8 @@ pub struct Recording {
     pub disturbed: bool,
     /// The pass, if it is drawn for each view.
     pub pass: Option<Pass>,
-    /// Within a pass that is not.
-    pub in_plain_pass: bool,
+    /// Within a pass that is not: its images that may hold a scene.
+    pub plain: Option<Vec<vk::Image>>,
     /// What happens when it runs.
     pub events: Vec<Event>,
     /// Its runs of draws.
@@ -122,7 +139,7 @@ impl Recording {
             scissor: None,
             disturbed: false,
             pass: None,
-            in_plain_pass: false,
+            plain: None,
             events: Vec::new(),
             runs: Vec::new(),
             rows: Taken::default(),
@@ -138,6 +155,14 @@ impl Recording {
             unsafe { device.functions.free_command_buffers(self.pool, &self.clearers) };
         }
         *self = Self::new(self.pool);
+    }
+
+    /// Draws with these matrices go to images that may hold a scene.
+    pub fn suspect(&mut self, targets: Vec<vk::Image>, sources: Vec<Source>) {
+        let again = |event: &Event| matches!(event, Event::Suspected(t, s) if (t, s) == (&targets, &sources));
+        if !sources.is_empty() && !self.events.last().is_some_and(again) {
+            self.events.push(Event::Suspected(targets, sources));
+        }
     }
 
     /// Other commands than the recorded ones ran: nothing of the state is known any more.
@@ -198,16 +223,33 @@ unsafe fn inherited(device: &Device, info: &vk::CommandBufferBeginInfo<'_>) -> O
     unsafe {
         let inheritance = info.p_inheritance_info.as_ref()?;
         if let Some(framebuffer) = device.framebuffers.get(inheritance.framebuffer) {
-            return framebuffer.shown.clone();
+            return framebuffer.shown_now(device);
         }
         if inheritance.render_pass != vk::RenderPass::null() {
-            return device.framebuffers.shown_by(inheritance.render_pass);
+            let framebuffers = &device.framebuffers;
+            let shown = framebuffers.shown_by(device, inheritance.render_pass);
+            return shown.or_else(|| framebuffers.shown_later(device, inheritance.render_pass));
         }
         let rendering = vk::StructureType::COMMAND_BUFFER_INHERITANCE_RENDERING_INFO;
         let rendering = in_chain::<vk::CommandBufferInheritanceRenderingInfo<'_>>(inheritance.p_next, rendering)?;
         let formats = super::slice(rendering.p_color_attachment_formats, rendering.color_attachment_count);
         device.latest_shown(*formats.first()?)
     }
+}
+
+/// The images that may hold a scene among what a secondary command buffer draws to, where it names its framebuffer.
+///
+/// # Safety
+/// `info` must be the program's.
+unsafe fn candidates(device: &Device, info: &vk::CommandBufferBeginInfo<'_>) -> Option<Vec<vk::Image>> {
+    if !info.flags.contains(vk::CommandBufferUsageFlags::RENDER_PASS_CONTINUE) || !device.images.has_candidates() {
+        return None;
+    }
+    // SAFETY: as promised.
+    let inheritance = unsafe { info.p_inheritance_info.as_ref() }?;
+    let framebuffer = device.framebuffers.get(inheritance.framebuffer)?;
+    let views = framebuffer.attachments.iter().flatten();
+    Some(views.filter_map(|view| device.images.candidate_of(*view)).collect())
 }
 
 hooks! { recording;
@@ -244,9 +286,10 @@ hooks! { recording;
     [c"vkBeginCommandBuffer"] begin_command_buffer: vk::PFN_vkBeginCommandBuffer = (
         buffer: vk::CommandBuffer, info: *const vk::CommandBufferBeginInfo<'_>
     ) -> vk::Result { |state, next| {
-        let shown = inherited(&state, &*info);
+        let (shown, candidates) = (inherited(&state, &*info), candidates(&state, &*info));
         state.recordings.with(buffer, |recording| {
             recording.begin(&state);
+            recording.plain = candidates.filter(|_| shown.is_none());
             recording.pass = shown.map(|shown| Pass::new(shown, Within::Inherited, Vec::new()));
         });
         next(buffer, info)
@@ -261,7 +304,7 @@ hooks! { recording;
             super::passes::clear_by_secondary(&state, buffer, recording);
             recording.events.extend(others_list.iter().map(|other| Event::Execute(*other)));
             recording.forget_state();
-            (recording.pass.is_some() || recording.in_plain_pass).then_some(recording.pass.is_some())
+            (recording.pass.is_some() || recording.plain.is_some()).then_some(recording.pass.is_some())
         });
         if let Some(Some(views)) = in_pass
             && kinds.iter().flatten().any(|kind| *kind != views)

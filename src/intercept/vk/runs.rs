@@ -47,6 +47,25 @@ enum Outcome {
     Scene(Intrinsics),
     Flat,
     Behind,
+    /// A picture of the scene over the whole of each view.
+    Screen,
+}
+
+/// What draws of a run have in common.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Kind {
+    /// Where the lens may be, the likeliest first.
+    pub sources: Vec<Source>,
+    /// Clip coordinates have y up (a viewport of negative height), not down.
+    pub y_up: bool,
+    /// They are issued to the views as well as onto the panel.
+    pub in_views: bool,
+    /// They draw to an image that holds a scene on its way to the window.
+    pub off_screen: bool,
+    /// They are tested by their depth: without a matrix that can be read they may have the lens that the rig gives.
+    pub deep: bool,
+    /// Where they are flat they bring the scene out of such an image, over all of the picture.
+    pub screen: bool,
 }
 
 /// Draws that share a lens.
@@ -55,12 +74,8 @@ pub struct Run {
     pub place: Place,
     /// Where the views are.
     pub layout: Arc<Layout>,
-    /// Where the lens may be, the likeliest first.
-    pub sources: Vec<Source>,
-    /// Clip coordinates have y up (a viewport of negative height), not down.
-    pub y_up: bool,
-    /// They are issued to the views as well as onto the panel.
-    pub in_views: bool,
+    /// What they are.
+    pub kind: Kind,
     /// How many draws.
     pub draws: u64,
     /// What was written last, and for which matrices.
@@ -71,13 +86,13 @@ pub struct Run {
 
 impl Run {
     /// Draws that are recorded now.
-    pub fn new(place: Place, layout: Arc<Layout>, sources: Vec<Source>, y_up: bool, in_views: bool) -> Self {
-        Self { place, layout, sources, y_up, in_views, draws: 0, last: None, matrices: Vec::new(), lens: None }
+    pub fn new(place: Place, layout: Arc<Layout>, kind: Kind) -> Self {
+        Self { place, layout, kind, draws: 0, last: None, matrices: Vec::new(), lens: None }
     }
 
-    /// Whether a draw with these properties belongs to it.
-    pub fn takes(&self, layout: &Arc<Layout>, sources: &[Source], y_up: bool, in_views: bool) -> bool {
-        Arc::ptr_eq(&self.layout, layout) && self.sources == sources && (self.y_up, self.in_views) == (y_up, in_views)
+    /// Whether a draw of this kind belongs to it.
+    pub fn takes(&self, layout: &Arc<Layout>, kind: &Kind) -> bool {
+        Arc::ptr_eq(&self.layout, layout) && self.kind == *kind
     }
 }
 
@@ -90,6 +105,8 @@ pub struct Counts {
     pub flat: u64,
     /// Those that were issued to each view.
     pub in_views: u64,
+    /// Those of them that went to pictures of the scene that are drawn off screen.
+    pub duplicated: u64,
     /// How the lens was found.
     pub found: BTreeMap<&'static str, u64>,
 }
@@ -136,7 +153,7 @@ fn upside_down(rows: &[f32; 16]) -> [f32; 16] {
 }
 
 /// A matrix out of memory.
-fn matrix(device: &Device, source: &Source) -> Option<[f64; 16]> {
+pub fn matrix(device: &Device, source: &Source) -> Option<[f64; 16]> {
     let raw = match source.value {
         Value::Known(raw) => raw,
         Value::Buffer(buffer, offset) => {
@@ -183,6 +200,7 @@ pub fn submitted(device: &Device, recording: &mut Recording) {
             Event::Update(buffer, offset, bytes) => device.memory_of_program.written(*buffer, *offset, bytes.clone()),
             Event::Execute(other) => executed.push(*other),
             Event::Drawn(shown, in_views) => super::images::drawn(shown, *in_views),
+            Event::Suspected(targets, sources) => super::offscreen::ran(device, targets, sources),
         }
     }
     for other in executed {
@@ -195,26 +213,38 @@ fn resolve(device: &Device, run: &mut Run, write: impl Fn(u32, &[f32; 16])) {
     let mut frame = device.frame.lock().unwrap_or_else(PoisonError::into_inner);
     frame.follow(&run.layout);
     let ranked = |source: &Source| matrix(device, source).map(|value| (source.matrix.rank, value));
-    let matrices: Vec<_> = run.sources.iter().filter_map(ranked).collect();
+    let kind = &run.kind;
+    let matrices: Vec<_> = kind.sources.iter().filter_map(ranked).collect();
     if matrices != run.matrices {
         run.lens = lens::find(matrices.iter().map(|(rank, value)| (*rank, value)));
         run.matrices = matrices;
     }
+    if run.matrices.is_empty() && kind.deep {
+        run.lens = run.layout.session.given_lens().map(|lens| (lens, "the rig's lens"));
+    }
     frame.counts.seen += run.draws;
-    let outcome = match run.lens.filter(|_| run.in_views && device.draws_views()) {
+    let in_views = kind.in_views && device.draws_views();
+    let outcome = match run.lens.filter(|_| in_views) {
         Some((intrinsics, how)) => {
             frame.scene = true;
             *frame.counts.found.entry(how).or_default() += run.draws;
             Outcome::Scene(intrinsics)
         }
+        None if kind.screen && in_views => {
+            frame.scene = true;
+            Outcome::Screen
+        }
+        // What is flat in a picture of the scene has no other place than the views.
+        None if kind.off_screen => Outcome::Behind,
         None => {
             frame.counts.flat += run.draws;
             frame.flat_first |= !frame.scene;
-            let behind = run.in_views && frame.flat_was_first && !frame.scene && device.draws_views();
+            let behind = in_views && frame.flat_was_first && !frame.scene;
             if behind { Outcome::Behind } else { Outcome::Flat }
         }
     };
     frame.counts.in_views += if outcome == Outcome::Flat { 0 } else { run.draws };
+    frame.counts.duplicated += if kind.off_screen { run.draws } else { 0 };
     if run.last == Some(outcome) {
         return;
     }
@@ -226,21 +256,22 @@ fn resolve(device: &Device, run: &mut Run, write: impl Fn(u32, &[f32; 16])) {
             frame.cameras.get(index).map(|camera| &camera.rows)
         }
         Outcome::Behind => Some(&frame.behind),
-        Outcome::Flat => None,
+        Outcome::Flat | Outcome::Screen => None,
     };
     let stride = device.group_stride();
-    for (index, (_, own_lens)) in views.iter().enumerate().filter(|_| run.in_views) {
+    for (index, (_, own_lens)) in views.iter().enumerate().filter(|_| run.kind.in_views) {
         let group = run.place.offset + index as u32 * stride;
         match camera.and_then(|rows| rows.get(index)) {
-            _ if *own_lens => write(group, &IDENTITY),
-            Some(rows) if run.y_up => write(group, rows),
+            _ if *own_lens || outcome == Outcome::Screen => write(group, &IDENTITY),
+            Some(rows) if run.kind.y_up => write(group, rows),
             Some(rows) => write(group, &upside_down(rows)),
             None => write(group, &OUT_OF_SIGHT),
         }
     }
-    let panel = run.place.offset + if run.in_views { views.len() as u32 * stride } else { 0 };
-    let on_panel = outcome == Outcome::Flat && !views.iter().all(|(_, own_lens)| *own_lens);
+    let panel = run.place.offset + if run.kind.in_views { views.len() as u32 * stride } else { 0 };
+    let on_panel = outcome == Outcome::Flat && !run.layout.shows_own_lens();
     write(panel, if on_panel { &IDENTITY } else { &OUT_OF_SIGHT });
+    write(panel + stride, &IDENTITY);
 }
 
 /// Where a shader's matrix is, with the descriptors and push constants that are bound.

@@ -1,6 +1,7 @@
 //! What a program binds and sets while it records.
 
 use super::hook::hooks;
+use super::offscreen::Made;
 use super::recording::{Bound, PUSH_BYTES};
 use ash::vk;
 
@@ -20,6 +21,11 @@ hooks! { state;
     [c"vkCmdBindDescriptorSets"] cmd_bind_descriptor_sets: vk::PFN_vkCmdBindDescriptorSets = (
         buffer: vk::CommandBuffer, point: vk::PipelineBindPoint, layout: vk::PipelineLayout, first: u32, count: u32, sets: *const vk::DescriptorSet, dynamic_count: u32, dynamic: *const u32
     ) { |state, next| {
+        if point != vk::PipelineBindPoint::GRAPHICS && state.images.has_candidates() {
+            let views = super::slice(sets, count).iter().flat_map(|set| state.descriptors.pictures(*set));
+            let images = views.filter_map(|view| state.images.candidate_of(view));
+            images.for_each(|image| state.paths.leads(image, Made::Elsewhere));
+        }
         if point == vk::PipelineBindPoint::GRAPHICS {
             let (sets, mut offsets) = (super::slice(sets, count), super::slice(dynamic, dynamic_count));
             let bound: Vec<Bound> = sets.iter().map(|set| {

@@ -3,9 +3,11 @@
 use super::canvas::{Canvas, Show};
 use super::device::{self, Device};
 use super::layout::Layout;
+use super::texels::{Texels, is_usual};
 use crate::error::{Error, ErrorKind, Result};
+use crate::intercept::live::{self, Live};
+use crate::intercept::settings::Settings;
 use crate::intercept::{log, settings};
-use crate::rig::Rig;
 use ash::{prelude::VkResult, vk};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -13,14 +15,16 @@ use std::sync::{Arc, Mutex, PoisonError};
 pub struct Swapchain {
     /// Size of its images.
     pub extent: vk::Extent2D,
-    /// Blue comes first in memory.
-    pub blue_first: bool,
+    /// How their texels lie in memory.
+    pub texels: Texels,
     /// The real images.
     pub real: Vec<vk::Image>,
     /// What stands before them; `None`: the program has the real images.
     pub canvas: Option<Canvas>,
     /// After a failure: the program's own picture.
     pub failed: bool,
+    /// Which state of the rig's file it follows.
+    pub version: u64,
 }
 
 impl Swapchain {
@@ -29,6 +33,25 @@ impl Swapchain {
         match &self.canvas {
             Some(canvas) => canvas.given(index),
             None => self.real.get(index).copied(),
+        }
+    }
+
+    /// Whether the rig's file has become another rig since, which can be planned for this window. Views and images of the
+    /// program's are made for a plan: it gets a new one with its next swapchain.
+    pub fn is_outdated(&mut self, device: &Device) -> bool {
+        let version = live::version();
+        let Some(layout) = self.canvas.as_ref().map(|canvas| canvas.layout.clone()) else { return false };
+        if self.failed || self.version == version {
+            return false;
+        }
+        self.version = version;
+        let Some(live) = live::rig() else { return false };
+        match Layout::new(&live.rig, layout.window, device.greatest_image(), layout.read) {
+            Ok(_) => true,
+            Err(error) => {
+                log::once(&format!("Vulkan: the rig stays as it was: {}", error.message));
+                false
+            }
         }
     }
 
@@ -44,22 +67,14 @@ impl Swapchain {
     }
 }
 
-/// Whether the pixels have four bytes with one colour each, and whether blue comes first.
-fn blue_first(format: vk::Format) -> Option<bool> {
-    match format {
-        vk::Format::B8G8R8A8_UNORM | vk::Format::B8G8R8A8_SRGB => Some(true),
-        vk::Format::R8G8B8A8_UNORM
-        | vk::Format::R8G8B8A8_SRGB
-        | vk::Format::A8B8G8R8_UNORM_PACK32
-        | vk::Format::A8B8G8R8_SRGB_PACK32 => Some(cfg!(target_endian = "big")),
-        _ => None,
-    }
-}
-
 /// Why a swapchain is left alone.
 fn obstacle(info: &vk::SwapchainCreateInfoKHR<'_>) -> Option<String> {
-    if blue_first(info.image_format).is_none() {
-        return Some(format!("images of VkFormat {}; supported are 8-bit RGBA and BGRA", info.image_format.as_raw()));
+    if Texels::of(info.image_format).is_none() {
+        let kinds = "supported are RGBA and BGRA of 8 bits, RGB of 10 bits and RGBA of 16-bit floats";
+        return Some(format!("images of {:?}; {kinds}", info.image_format));
+    }
+    if !is_usual(info.image_color_space) {
+        return Some(format!("colours in the space {:?}, which are not encoded as sRGB's are", info.image_color_space));
     }
     if info.image_array_layers != 1 || info.flags.contains(vk::SwapchainCreateFlagsKHR::PROTECTED) {
         return Some("layered or protected images".to_owned());
@@ -81,7 +96,7 @@ pub unsafe extern "system" fn create(
     let Some(device) = device::get(handle) else { return vk::Result::ERROR_INITIALIZATION_FAILED };
     // SAFETY: the program's structure.
     let given = unsafe { &*info };
-    // SAFETY: the program's own call; the structure differs in its usage only.
+    // SAFETY: the program's own call; the structure differs in its usage and flags only.
     let next = |info: &vk::SwapchainCreateInfoKHR<'_>| unsafe {
         (device.swapchain.create_swapchain_khr)(handle, info, allocator, swapchain)
     };
@@ -106,16 +121,20 @@ pub unsafe extern "system" fn create(
         }
         _ => changed.image_usage |= wanted | read,
     }
+    if !passthrough {
+        // The correction's views of the images are made at once, which needs their memory.
+        changed.flags &= !vk::SwapchainCreateFlagsKHR::DEFERRED_MEMORY_ALLOCATION_EXT;
+    }
     let result = next(&changed);
     if result != vk::Result::SUCCESS {
         return result;
     }
     // SAFETY: the driver has just made it.
     let made = unsafe { *swapchain };
-    let size = (given.image_extent.width, given.image_extent.height);
+    let live = live::rig();
     let built = crate::fence::guard(|| {
         // SAFETY: objects of a live device.
-        unsafe { build(&device, made, given, (!passthrough).then_some((&settings.rig, size))) }
+        unsafe { build(&device, made, given, live.as_ref().filter(|_| !passthrough).map(|live| (live, settings))) }
     });
     match built {
         Some(Ok(built)) => {
@@ -146,7 +165,7 @@ unsafe fn build(
     device: &Device,
     swapchain: vk::SwapchainKHR,
     info: &vk::SwapchainCreateInfoKHR<'_>,
-    corrected: Option<(&Rig, (u32, u32))>,
+    corrected: Option<(&Live, &Settings)>,
 ) -> Result<Swapchain> {
     // SAFETY: as promised.
     let real = unsafe { real_images(device, swapchain) }
@@ -156,14 +175,23 @@ unsafe fn build(
             real.iter().for_each(|image| device.images.declare(*image, info.image_usage));
             None
         }
-        Some((rig, size)) => {
-            let layout = Arc::new(Layout::new(rig, size, device.greatest_image())?);
+        Some((live, settings)) => {
+            let size = (info.image_extent.width, info.image_extent.height);
+            let read = info.image_usage.contains(vk::ImageUsageFlags::TRANSFER_SRC);
+            let layout = match device.layout(size, read).filter(|known| known.version == live.version) {
+                Some(known) => known,
+                None => {
+                    let new = Layout::new(&live.rig, size, device.greatest_image(), read)?;
+                    Arc::new(Layout { version: live.version, ..new })
+                }
+            };
             // SAFETY: as promised.
-            Some(unsafe { Canvas::new(device, info, &real, layout)? })
+            Some(unsafe { Canvas::new(device, info, &real, layout, settings.stats.is_some())? })
         }
     };
-    let blue_first = blue_first(info.image_format).unwrap_or_default();
-    Ok(Swapchain { extent: info.image_extent, blue_first, real, canvas, failed: false })
+    let texels = Texels::of(info.image_format).unwrap_or(Texels::Rgba8);
+    let version = corrected.map_or(0, |(live, _)| live.version);
+    Ok(Swapchain { extent: info.image_extent, texels, real, canvas, failed: false, version })
 }
 
 /// # Safety

@@ -1,4 +1,5 @@
-//! Barriers, clears and copies: the twins' layouts follow the images', clears reach each tile.
+//! Barriers and clears: the twins' layouts follow the images', clears reach each tile. What is copied from buffer to
+//! buffer is remembered.
 
 use super::device::Device;
 use super::draws::rectangle;
@@ -7,27 +8,40 @@ use super::layout::{Layout, Rect};
 use super::recording::Event;
 use ash::vk;
 
-/// Where a clear of `rect` of the window goes: views, or the panel only.
-fn cleared(layout: &Layout, rect: &vk::Rect2D) -> (Vec<Rect>, Rect) {
+/// Where a clear goes.
+struct Cleared {
+    /// It clears the whole window, and so each view as a whole.
+    whole: bool,
+    /// In views, and in the program's own picture.
+    pictures: Vec<Rect>,
+    /// On the panel; nothing where the program's own lens shows everything, and the panel stays empty.
+    panel: Option<Rect>,
+}
+
+/// Where a clear of `rect` of the window goes.
+fn cleared(layout: &Layout, rect: &vk::Rect2D) -> Cleared {
     let (width, height) = layout.window;
     let whole = rect.offset.x <= 0
         && rect.offset.y <= 0
         && i64::from(rect.offset.x) + i64::from(rect.extent.width) >= i64::from(width)
         && i64::from(rect.offset.y) + i64::from(rect.extent.height) >= i64::from(height);
-    let [x, y, ..] = layout.panel;
-    let panel = [x + rect.offset.x, y + rect.offset.y, rect.extent.width as i32, rect.extent.height as i32];
-    let views = layout.views.iter().map(|(tile, own)| {
-        let [x, y, ..] = *tile;
-        if *own { [x + rect.offset.x, y + rect.offset.y, panel[2], panel[3]] } else { *tile }
-    });
-    if whole { (views.collect(), layout.glass()) } else { (Vec::new(), panel) }
+    let moved =
+        |[x, y, ..]: Rect| [x + rect.offset.x, y + rect.offset.y, rect.extent.width as i32, rect.extent.height as i32];
+    // A part of the window has no place in a view with another lens.
+    let of_view = |(tile, own): &(Rect, bool)| if *own { Some(moved(*tile)) } else { whole.then_some(*tile) };
+    let pictures = layout.views.iter().filter_map(of_view).chain(layout.primary.map(moved)).collect();
+    let panel = match whole {
+        true => Some(layout.glass()),
+        false => (!layout.shows_own_lens()).then(|| moved(layout.panel)),
+    };
+    Cleared { whole, pictures, panel }
 }
 
 /// Clears parts of the window in a pass that is drawn for each view.
 ///
 /// # Safety
 /// The command buffer is being recorded, within the pass.
-unsafe fn clear(
+pub unsafe fn clear(
     device: &Device,
     buffer: vk::CommandBuffer,
     layout: &Layout,
@@ -36,31 +50,23 @@ unsafe fn clear(
 ) {
     let rect = |rect| vk::ClearRect { rect: rectangle(rect), base_array_layer: 0, layer_count: 1 };
     for given in rects {
-        let (views, panel) = cleared(layout, &given.rect);
-        let (in_views, panel) = (views.iter().map(|tile| rect(*tile)).collect::<Vec<_>>(), [rect(panel)]);
+        let Cleared { whole, pictures, panel } = cleared(layout, &given.rect);
+        let (pictures, panel) = (pictures.into_iter().map(rect).collect::<Vec<_>>(), panel.map(rect));
         // What is cleared as a whole is seen through; what is cleared in part is a picture on the panel.
         let glass = |clear: &vk::ClearAttachment| match clear.aspect_mask.contains(vk::ImageAspectFlags::COLOR) {
-            true if !in_views.is_empty() => vk::ClearAttachment { clear_value: vk::ClearValue::default(), ..*clear },
+            true if whole => vk::ClearAttachment { clear_value: vk::ClearValue::default(), ..*clear },
             _ => *clear,
         };
         let on_panel: Vec<_> = what.iter().map(glass).collect();
         // SAFETY: as promised; the tiles lie in the atlas.
         unsafe {
-            if !in_views.is_empty() {
-                device.functions.cmd_clear_attachments(buffer, what, &in_views);
+            if !pictures.is_empty() {
+                device.functions.cmd_clear_attachments(buffer, what, &pictures);
             }
-            device.functions.cmd_clear_attachments(buffer, &on_panel, &panel);
+            if let Some(panel) = panel {
+                device.functions.cmd_clear_attachments(buffer, &on_panel, &[panel]);
+            }
         }
-    }
-}
-
-/// A command other than a draw writes or reads a swapchain's image.
-fn touched(device: &Device, buffer: vk::CommandBuffer, from: vk::Image, to: vk::Image) {
-    if let Some(shown) = device.images.shown_image(to) {
-        device.give_up("it copies its picture to the window");
-        device.recordings.with(buffer, |recording| recording.events.push(Event::Drawn(shown, false)));
-    } else if device.images.shown_image(from).is_some() {
-        device.give_up("it copies its picture from the window");
     }
 }
 
@@ -117,66 +123,6 @@ hooks! { transfers;
         }
         next(buffer, image, layout, value, count, ranges)
     } }
-    [c"vkCmdCopyImage"] cmd_copy_image: vk::PFN_vkCmdCopyImage = (
-        buffer: vk::CommandBuffer, from: vk::Image, from_layout: vk::ImageLayout, to: vk::Image, to_layout: vk::ImageLayout, count: u32, regions: *const vk::ImageCopy
-    ) { |state, next| {
-        touched(&state, buffer, from, to);
-        next(buffer, from, from_layout, to, to_layout, count, regions)
-    } }
-    [c"vkCmdBlitImage"] cmd_blit_image: vk::PFN_vkCmdBlitImage = (
-        buffer: vk::CommandBuffer, from: vk::Image, from_layout: vk::ImageLayout, to: vk::Image, to_layout: vk::ImageLayout, count: u32, regions: *const vk::ImageBlit, filter: vk::Filter
-    ) { |state, next| {
-        touched(&state, buffer, from, to);
-        next(buffer, from, from_layout, to, to_layout, count, regions, filter)
-    } }
-    [c"vkCmdResolveImage"] cmd_resolve_image: vk::PFN_vkCmdResolveImage = (
-        buffer: vk::CommandBuffer, from: vk::Image, from_layout: vk::ImageLayout, to: vk::Image, to_layout: vk::ImageLayout, count: u32, regions: *const vk::ImageResolve
-    ) { |state, next| {
-        touched(&state, buffer, from, to);
-        next(buffer, from, from_layout, to, to_layout, count, regions)
-    } }
-    [c"vkCmdCopyBufferToImage"] cmd_copy_buffer_to_image: vk::PFN_vkCmdCopyBufferToImage = (
-        buffer: vk::CommandBuffer, from: vk::Buffer, to: vk::Image, to_layout: vk::ImageLayout, count: u32, regions: *const vk::BufferImageCopy
-    ) { |state, next| {
-        touched(&state, buffer, vk::Image::null(), to);
-        next(buffer, from, to, to_layout, count, regions)
-    } }
-    [c"vkCmdCopyImageToBuffer"] cmd_copy_image_to_buffer: vk::PFN_vkCmdCopyImageToBuffer = (
-        buffer: vk::CommandBuffer, from: vk::Image, from_layout: vk::ImageLayout, to: vk::Buffer, count: u32, regions: *const vk::BufferImageCopy
-    ) { |state, next| {
-        touched(&state, buffer, from, vk::Image::null());
-        next(buffer, from, from_layout, to, count, regions)
-    } }
-    [c"vkCmdCopyImage2", c"vkCmdCopyImage2KHR"] cmd_copy_image2: vk::PFN_vkCmdCopyImage2 = (
-        buffer: vk::CommandBuffer, info: *const vk::CopyImageInfo2<'_>
-    ) { |state, next| {
-        touched(&state, buffer, (*info).src_image, (*info).dst_image);
-        next(buffer, info)
-    } }
-    [c"vkCmdBlitImage2", c"vkCmdBlitImage2KHR"] cmd_blit_image2: vk::PFN_vkCmdBlitImage2 = (
-        buffer: vk::CommandBuffer, info: *const vk::BlitImageInfo2<'_>
-    ) { |state, next| {
-        touched(&state, buffer, (*info).src_image, (*info).dst_image);
-        next(buffer, info)
-    } }
-    [c"vkCmdResolveImage2", c"vkCmdResolveImage2KHR"] cmd_resolve_image2: vk::PFN_vkCmdResolveImage2 = (
-        buffer: vk::CommandBuffer, info: *const vk::ResolveImageInfo2<'_>
-    ) { |state, next| {
-        touched(&state, buffer, (*info).src_image, (*info).dst_image);
-        next(buffer, info)
-    } }
-    [c"vkCmdCopyBufferToImage2", c"vkCmdCopyBufferToImage2KHR"] cmd_copy_buffer_to_image2: vk::PFN_vkCmdCopyBufferToImage2 = (
-        buffer: vk::CommandBuffer, info: *const vk::CopyBufferToImageInfo2<'_>
-    ) { |state, next| {
-        touched(&state, buffer, vk::Image::null(), (*info).dst_image);
-        next(buffer, info)
-    } }
-    [c"vkCmdCopyImageToBuffer2", c"vkCmdCopyImageToBuffer2KHR"] cmd_copy_image_to_buffer2: vk::PFN_vkCmdCopyImageToBuffer2 = (
-        buffer: vk::CommandBuffer, info: *const vk::CopyImageToBufferInfo2<'_>
-    ) { |state, next| {
-        touched(&state, buffer, (*info).src_image, vk::Image::null());
-        next(buffer, info)
-    } }
     [c"vkCmdCopyBuffer"] cmd_copy_buffer: vk::PFN_vkCmdCopyBuffer = (
         buffer: vk::CommandBuffer, from: vk::Buffer, to: vk::Buffer, count: u32, regions: *const vk::BufferCopy
     ) { |state, next| {
@@ -214,13 +160,16 @@ mod tests {
     #[test]
     fn a_whole_clear_reaches_each_view_and_a_part_of_it_the_panel_only() {
         let rig = crate::rig::load("fisheye").expect("a preset");
-        let layout = Layout::new(&rig, (200, 200), 16384).expect("a plan");
+        let layout = Layout::new(&rig, (200, 200), 16384, false).expect("a plan");
         let whole = vk::Rect2D { offset: vk::Offset2D::default(), extent: vk::Extent2D { width: 200, height: 200 } };
-        let (views, panel) = cleared(&layout, &whole);
-        assert_eq!((views.len(), panel), (layout.views.len(), layout.glass()));
+        let all = cleared(&layout, &whole);
+        assert_eq!((all.whole, all.pictures.len(), all.panel), (true, layout.views.len(), Some(layout.glass())));
         let part = vk::Rect2D { offset: vk::Offset2D { x: 20, y: 30 }, ..whole };
-        let (views, panel) = cleared(&layout, &part);
-        assert!(views.is_empty());
-        assert_eq!(panel[..2], [layout.panel[0] + 20, layout.panel[1] + 30]);
+        let some = cleared(&layout, &part);
+        assert!(!some.whole && some.pictures.is_empty());
+        let [x, y, ..] = layout.panel;
+        assert_eq!(some.panel, Some([x + 20, y + 30, 200, 200]));
+        let layout = Layout::new(&rig, (200, 200), 16384, true).expect("a plan");
+        assert_eq!(cleared(&layout, &part).pictures, [[20, 30, 200, 200]], "the program's own picture");
     }
 }

@@ -1,12 +1,13 @@
 //! `[output.blend]` and `[output.mask]`: how bright an output is where.
 
 use super::output::Kind;
+use super::transfer;
 use crate::rig::problems::Problems;
 use crate::rig::reader::{Allowed, Section};
-use crate::rig::{AngleRamp, Blend, DomeAngle, RampShape, Transfer};
+use crate::rig::{AngleRamp, Blend, DomeAngle, RampShape};
 use std::path::{Path, PathBuf};
 
-pub(super) fn blend(section: Option<Section>, kind: Kind, problems: &mut Problems) -> Blend {
+pub(super) fn blend(section: Option<Section>, kind: Kind, directory: &Path, problems: &mut Problems) -> Blend {
     let overlap = kind == Kind::Projector;
     let mut blend = Blend { overlap, ..Blend::default() };
     let Some(mut section) = section else { return blend };
@@ -22,12 +23,7 @@ pub(super) fn blend(section: Option<Section>, kind: Kind, problems: &mut Problem
     blend.shape = shape(&mut section, problems);
     let exponent = Allowed::closed(1.0, 2.0, "the exponent of the picture's claim on a point");
     blend.exponent = section.number("exponent", &exponent, 1.0, problems);
-    let transfers = [("power", Transfer::Power), ("srgb", Transfer::Srgb)];
-    blend.transfer = section.choice("transfer", &transfers, problems).unwrap_or_default();
-    if blend.transfer == Transfer::Srgb && section.has("gamma") {
-        problems
-            .add(&section.path("gamma"), "goes with transfer = \"power\"; the curve of sRGB has no exponent to choose");
-    }
+    blend.transfer = transfer::transfer(&mut section, directory, problems);
     let contrast = Allowed::closed(10.0, 1e9, "white over black of the projector");
     blend.contrast = section.optional_number("contrast", &contrast, problems);
     if blend.contrast.is_some() && !blend.overlap {

@@ -6,6 +6,7 @@ mod lens;
 mod method;
 mod output;
 mod screen;
+mod transfer;
 mod viewer;
 mod views;
 

@@ -109,7 +109,7 @@ pub(super) fn output(
             panorama.map(|panorama| OutputKind::Panorama { panorama, angles })
         }
     };
-    let blend = blend::blend(section.section("blend", problems), kind, problems);
+    let blend = blend::blend(section.section("blend", problems), kind, directory, problems);
     let mask = blend::mask(section.section("mask", problems), directory, problems);
     section.finish(&KINDS_OF_KEYS, problems);
     output_kind.map(|kind| Output { name, kind, method, size, window, blend, mask, eye })

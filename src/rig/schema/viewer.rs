@@ -23,6 +23,8 @@ pub(super) fn camera(section: Option<Section>, problems: &mut Problems) -> Camer
     let units = Allowed::above(0.0, 1e9, "the program's units in a metre");
     camera.units_per_meter = section.number("units_per_meter", &units, 1.0, problems);
     [camera.yaw, camera.pitch, camera.roll] = angles(&mut section, problems);
+    let lens = section.numbers::<2>("lens", &crate::rig::camera::LENS, problems);
+    camera.lens = lens.map(|lens| lens.map(f64::to_radians));
     section.finish(&[("position", "[viewer]; the program's camera has `move`")], problems);
     camera
 }

@@ -4,11 +4,13 @@
  * secondary command buffers, indirect draws, something flat before or after the cube, another size in mid-run.
  */
 #include "../common/matrix.h"
+#include "memory.h"
 #include "options.h"
 #include "window.h"
 
 /* Compiled from cube.vert and cube.frag by glslangValidator. */
 #include "cube_block.h"
+#include "cube_columns.h"
 #include "cube_frag.h"
 #include "cube_push.h"
 
@@ -165,7 +167,9 @@ static VkViewport viewport(void)
 static void make_pipeline(void)
 {
     const bool push = options.matrix == MATRIX_PUSH;
-    VkShaderModule vertex = push ? shader(cube_push, sizeof cube_push) : shader(cube_block, sizeof cube_block);
+    VkShaderModule vertex = options.columns ? shader(cube_columns, sizeof cube_columns)
+                            : push          ? shader(cube_push, sizeof cube_push)
+                                            : shader(cube_block, sizeof cube_block);
     VkShaderModule fragment = shader(cube_frag, sizeof cube_frag);
     const VkPipelineShaderStageCreateInfo stages[] = {
         {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO, NULL, 0, VK_SHADER_STAGE_VERTEX_BIT, vertex, "main", NULL},
@@ -521,7 +525,7 @@ static void frame(void)
 
 static void open_all(void)
 {
-    window_open(&w, options.x, options.y, options.width, options.height, options.srgb,
+    window_open(&w, options.x, options.y, options.width, options.height, options.srgb, false,
                 options.copy_window ? VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT : 0);
     if (options.pass != PASS_DYNAMIC)
         make_pass();
@@ -579,6 +583,8 @@ int main(int argc, char **argv)
             vkDestroyPipeline(w.device, pipeline, NULL);
             window_make_swapchain(&w);
             follow_size();
+            if (options.memory != NULL)
+                write_memory(options.memory);
         }
         frame();
         if (options.shot != NULL)

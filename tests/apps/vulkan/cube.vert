@@ -2,6 +2,9 @@
 /* The direction test's cube: a corner has the colour of its position. */
 #if defined(BLOCK)
 layout(set = 0, binding = 0) uniform Camera { mat4 mvp; };
+#elif defined(COLUMNS)
+layout(push_constant) uniform Camera { vec4 x, y, z, w; };
+#define mvp mat4(x, y, z, w)
 #else
 layout(push_constant) uniform Camera { mat4 mvp; };
 #endif

@@ -10,7 +10,7 @@ static void usage(void)
 {
     fprintf(stderr, "usage: vk_cube [--fov DEG] [--yaw DEG] [--pitch DEG] [--frames N] [--size WxH] [--at X,Y] [--samples N]\n"
                     "  [--pass 1|2|dynamic|imageless] [--matrix push|block|dynamic|copied] [--once] [--srgb] [--flip]\n"
-                    "  [--secondary] [--indirect] [--fixed] [--copy-window] [--flat over|before] [--resizes N] [--shot FILE.ppm]\n");
+                    "  [--secondary] [--indirect] [--fixed] [--columns] [--copy-window] [--flat over|before] [--resizes N] [--shot FILE.ppm] [--memory FILE]\n");
     exit(2);
 }
 
@@ -30,7 +30,7 @@ static bool is_flag(const char *option)
         bool *flag;
     } flags[] = {{"--once", &options.once},         {"--srgb", &options.srgb},         {"--flip", &options.flip},
                  {"--secondary", &options.secondary}, {"--indirect", &options.indirect}, {"--fixed", &options.fixed},
-                 {"--copy-window", &options.copy_window}};
+                 {"--copy-window", &options.copy_window}, {"--columns", &options.columns}};
     for (size_t i = 0; i < sizeof flags / sizeof flags[0]; i++) {
         if (strcmp(option, flags[i].name) == 0) {
             *flags[i].flag = true;
@@ -72,6 +72,8 @@ void parse(int argc, char **argv)
             options.flat = choice(value, flats, 3);
         else if (strcmp(option, "--shot") == 0)
             options.shot = value;
+        else if (strcmp(option, "--memory") == 0)
+            options.memory = value;
         else if (strcmp(option, "--at") == 0 && sscanf(value, "%d,%d", &options.x, &options.y) == 2)
             continue;
         else if (strcmp(option, "--size") != 0 || sscanf(value, "%ux%u", &options.width, &options.height) != 2)

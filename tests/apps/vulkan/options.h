@@ -14,9 +14,9 @@ typedef struct {
     uint32_t width, height;
     pass_kind pass;
     matrix_kind matrix;
-    bool once, srgb, flip, secondary, indirect, fixed, copy_window;
+    bool once, srgb, columns, flip, secondary, indirect, fixed, copy_window;
     int flat; /* 0: nothing, 1: over the cube, 2: before it */
-    const char *shot;
+    const char *shot, *memory;
 } vulkan_options;
 
 /* What the program was asked for. */

@@ -40,7 +40,40 @@ static void open_x11(vulkan_window *w, int x, int y, uint32_t width, uint32_t he
     XIfEvent(w->display, &event, is_map_of, (XPointer)&w->window);
 }
 
-static void open_device(vulkan_window *w)
+static bool has_extension(const vulkan_window *w, const char *name)
+{
+    VkExtensionProperties all[512];
+    uint32_t count = 512;
+    vkEnumerateDeviceExtensionProperties(w->physical, NULL, &count, all);
+    for (uint32_t i = 0; i < count; i++)
+        if (strcmp(all[i].extensionName, name) == 0)
+            return true;
+    return false;
+}
+
+/* Adds those of the newest extensions that the device has to a list. */
+static uint32_t add_newest(vulkan_window *w, const char **list, uint32_t count)
+{
+    const struct {
+        const char *name;
+        bool *has;
+    } all[] = {{VK_KHR_SWAPCHAIN_MUTABLE_FORMAT_EXTENSION_NAME, &w->has.mutable_format},
+               {VK_KHR_INCREMENTAL_PRESENT_EXTENSION_NAME, &w->has.incremental_present},
+               {VK_KHR_PRESENT_ID_EXTENSION_NAME, &w->has.present_id},
+               {VK_KHR_PRESENT_WAIT_EXTENSION_NAME, &w->has.present_wait},
+               {VK_KHR_PIPELINE_LIBRARY_EXTENSION_NAME, &w->has.libraries},
+               {VK_EXT_GRAPHICS_PIPELINE_LIBRARY_EXTENSION_NAME, &w->has.libraries}};
+    for (size_t i = 0; i < sizeof all / sizeof all[0]; i++) {
+        *all[i].has = has_extension(w, all[i].name);
+        if (*all[i].has)
+            list[count++] = all[i].name;
+        else
+            fprintf(stderr, "SKIP: the device has no %s\n", all[i].name);
+    }
+    return count;
+}
+
+static void open_device(vulkan_window *w, bool newest)
 {
     const char *const extensions[] = {VK_KHR_SURFACE_EXTENSION_NAME, VK_KHR_XLIB_SURFACE_EXTENSION_NAME};
     const VkApplicationInfo application = {.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO, .apiVersion = VK_API_VERSION_1_3};
@@ -72,28 +105,44 @@ static void open_device(vulkan_window *w)
                                            .queueFamilyIndex = w->family,
                                            .queueCount = 1,
                                            .pQueuePriorities = &priority};
+    const char *extensions_of_device[8] = {VK_KHR_SWAPCHAIN_EXTENSION_NAME};
+    const uint32_t extension_count = newest ? add_newest(w, extensions_of_device, 1) : 1;
+    VkPhysicalDevicePresentWaitFeaturesKHR waits = {
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PRESENT_WAIT_FEATURES_KHR, .presentWait = VK_TRUE};
+    VkPhysicalDevicePresentIdFeaturesKHR ids = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PRESENT_ID_FEATURES_KHR,
+                                                .pNext = w->has.present_wait ? &waits : NULL,
+                                                .presentId = VK_TRUE};
+    VkPhysicalDeviceGraphicsPipelineLibraryFeaturesEXT libraries = {
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_GRAPHICS_PIPELINE_LIBRARY_FEATURES_EXT,
+        .pNext = w->has.present_id ? &ids : NULL,
+        .graphicsPipelineLibrary = VK_TRUE};
+    VkPhysicalDeviceVulkan11Features features11 = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_FEATURES,
+                                                   .pNext = w->has.libraries ? (void *)&libraries : libraries.pNext,
+                                                   .multiview = newest};
     VkPhysicalDeviceVulkan12Features features12 = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES,
-                                                   .imagelessFramebuffer = VK_TRUE};
+                                                   .pNext = &features11,
+                                                   .imagelessFramebuffer = VK_TRUE,
+                                                   .timelineSemaphore = newest};
     const VkPhysicalDeviceVulkan13Features features = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES,
                                                        .pNext = &features12,
                                                        .dynamicRendering = VK_TRUE,
                                                        .synchronization2 = VK_TRUE};
-    const char *const swapchain[] = {VK_KHR_SWAPCHAIN_EXTENSION_NAME};
     const VkDeviceCreateInfo device = {.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
                                        .pNext = &features,
                                        .queueCreateInfoCount = 1,
                                        .pQueueCreateInfos = &queue,
-                                       .enabledExtensionCount = 1,
-                                       .ppEnabledExtensionNames = swapchain};
+                                       .enabledExtensionCount = extension_count,
+                                       .ppEnabledExtensionNames = extensions_of_device};
     expect(vkCreateDevice(w->physical, &device, NULL, &w->device), "vkCreateDevice");
     vkGetDeviceQueue(w->device, w->family, 0, &w->queue);
 }
 
-void window_open(vulkan_window *w, int x, int y, uint32_t width, uint32_t height, bool srgb, VkImageUsageFlags usage)
+void window_open(vulkan_window *w, int x, int y, uint32_t width, uint32_t height, bool srgb, bool newest,
+                 VkImageUsageFlags usage)
 {
     memset(w, 0, sizeof *w);
     open_x11(w, x, y, width, height);
-    open_device(w);
+    open_device(w, newest);
     w->format = srgb ? VK_FORMAT_B8G8R8A8_SRGB : VK_FORMAT_B8G8R8A8_UNORM;
     w->usage = usage;
     window_make_swapchain(w);
@@ -122,7 +171,12 @@ void window_make_swapchain(vulkan_window *w)
     expect(vkGetPhysicalDeviceSurfaceCapabilitiesKHR(w->physical, w->surface, &can), "surface capabilities");
     w->extent = can.currentExtent;
     VkSwapchainKHR old = w->swapchain;
+    const VkFormat formats[] = {VK_FORMAT_B8G8R8A8_UNORM, VK_FORMAT_B8G8R8A8_SRGB};
+    const VkImageFormatListCreateInfo list = {
+        .sType = VK_STRUCTURE_TYPE_IMAGE_FORMAT_LIST_CREATE_INFO, .viewFormatCount = 2, .pViewFormats = formats};
     const VkSwapchainCreateInfoKHR info = {.sType = VK_STRUCTURE_TYPE_SWAPCHAIN_CREATE_INFO_KHR,
+                                           .pNext = w->has.mutable_format ? &list : NULL,
+                                           .flags = w->has.mutable_format ? VK_SWAPCHAIN_CREATE_MUTABLE_FORMAT_BIT_KHR : 0,
                                            .surface = w->surface,
                                            .minImageCount = can.minImageCount,
                                            .imageFormat = w->format,
@@ -166,26 +220,34 @@ void window_close(vulkan_window *w)
     XCloseDisplay(w->display);
 }
 
-static bool is_black(XImage *shot)
+/* Whether a picture has arrived: it is not black, and the same as the one before. */
+static bool has_arrived(XImage *before, XImage *shot)
 {
+    bool black = true, same = before != NULL;
     for (int y = 0; y < shot->height; y++)
-        for (int x = 0; x < shot->width; x++)
-            if ((XGetPixel(shot, x, y) & 0xffffff) != 0)
-                return false;
-    return true;
+        for (int x = 0; x < shot->width; x++) {
+            const unsigned long pixel = XGetPixel(shot, x, y) & 0xffffff;
+            black = black && pixel == 0;
+            same = same && pixel == (XGetPixel(before, x, y) & 0xffffff);
+        }
+    return same && !black;
 }
 
-/* A picture that was presented reaches the window a little later: nothing tells when. */
+/* A picture that was presented reaches the window a little later, part by part: nothing tells when. */
 static XImage *wait_for_picture(const vulkan_window *w)
 {
-    const struct timespec moment = {0, 10000000};
+    const struct timespec moment = {0, 20000000};
+    XImage *before = NULL;
     for (int tries = 0;; tries++) {
         XSync(w->display, False);
         XImage *shot =
             XGetImage(w->display, w->window, 0, 0, w->extent.width, w->extent.height, AllPlanes, ZPixmap);
-        if (shot == NULL || tries == 1000 || !is_black(shot))
+        const bool arrived = shot == NULL || tries == 500 || has_arrived(before, shot);
+        if (before != NULL)
+            XDestroyImage(before);
+        if (arrived)
             return shot;
-        XDestroyImage(shot);
+        before = shot;
         nanosleep(&moment, NULL);
     }
 }

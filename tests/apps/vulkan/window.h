@@ -23,6 +23,11 @@ typedef struct {
     void *bytes; /* mapped, where it can be */
 } block;
 
+/* Extensions of the device that are enabled where the program asks for the newest ones. */
+typedef struct {
+    bool mutable_format, incremental_present, present_id, present_wait, libraries;
+} window_extensions;
+
 typedef struct {
     Display *display;
     Window window;
@@ -31,6 +36,7 @@ typedef struct {
     VkDevice device;
     VkQueue queue;
     uint32_t family;
+    window_extensions has;
     VkSurfaceKHR surface;
     VkFormat format;
     VkImageUsageFlags usage; /* of the swapchain's images, beside drawing */
@@ -45,8 +51,9 @@ typedef struct {
 /* Ends the program unless `result` is VK_SUCCESS. */
 void expect(VkResult result, const char *what);
 
-/* Opens all of it, at a place on the screen. */
-void window_open(vulkan_window *w, int x, int y, uint32_t width, uint32_t height, bool srgb, VkImageUsageFlags usage);
+/* Opens all of it, at a place on the screen. `newest`: with what of `window_extensions` the device has. */
+void window_open(vulkan_window *w, int x, int y, uint32_t width, uint32_t height, bool srgb, bool newest,
+                 VkImageUsageFlags usage);
 
 /* Asks for another size, and waits until the server has given it. */
 void window_ask_size(vulkan_window *w, uint32_t width, uint32_t height);

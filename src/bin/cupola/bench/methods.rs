@@ -83,7 +83,7 @@ fn tabulated(plan: &Plan, scene: &Scene, exact: &WarpMap) -> Plan {
     let mut plan = plan.clone();
     let table = Table::new(scene.size, |column, row| {
         let pixel = DVec2::new(f64::from(column) + 0.5, f64::from(row) + 0.5);
-        exact.direction(pixel).map(|direction| TablePixel { direction, weight: 1.0 })
+        exact.direction(pixel).map(|direction| TablePixel { direction, weight: 1.0, dark: 0.0 })
     });
     plan.passes[0].source = Source::Table(Arc::new(table));
     plan

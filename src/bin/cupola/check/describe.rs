@@ -184,10 +184,15 @@ fn extras(output: &Output) -> String {
     if let Some(bits) = dither {
         parts.push(format!("dithered for {bits} bits"));
     }
-    if parts.len() > plain && *transfer == Transfer::Srgb {
-        parts.push("response of sRGB".to_owned());
-    } else if parts.len() > plain {
-        parts.push(format!("gamma {}", number(*gamma)));
+    if parts.len() > plain {
+        parts.push(match transfer {
+            Transfer::Power => format!("gamma {}", number(*gamma)),
+            Transfer::Powers([red, green, blue]) => {
+                format!("gamma {} red, {} green, {} blue", number(*red), number(*green), number(*blue))
+            }
+            Transfer::Srgb => "response of sRGB".to_owned(),
+            Transfer::Measured(_) => "measured response".to_owned(),
+        });
     }
     parts.join(", ")
 }

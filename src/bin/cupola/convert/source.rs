@@ -3,7 +3,7 @@
 use super::Arguments;
 use crate::Failure;
 use crate::map::native_size;
-use cupola::blend::{Weights, encode};
+use cupola::blend::{GREEN, Weights, code_of};
 use cupola::formats::{Camera, Grid, Sample, bourke, domeprojection, easyblend, mpcdi, pfm, read_file, sgct, vwf};
 use cupola::geom::pose;
 use cupola::rig::{Dome, OutputKind, Rig};
@@ -276,7 +276,7 @@ impl Channel<'_> {
             }
             Kind::Output { index, map, rig, content, weights } => {
                 let value = value(rig, content, map, self.values, pixel)?;
-                let intensity = encode(weights.weight(*index, pixel)?, rig.outputs[*index].blend.gamma);
+                let intensity = code_of(weights.weight(*index, pixel)?, &rig.outputs[*index].blend, GREEN);
                 Some(Sample { value, intensity })
             }
         }

@@ -21,8 +21,6 @@ pub enum Place {
     Inside,
     /// Near the screen or outside.
     Far,
-    /// Within 10⁻⁶ of the screen: rays that graze it where they start.
-    Touching,
 }
 
 /// How often a random rig may be refused (a projector that misses the screen) before a plain one is taken.
@@ -139,7 +137,6 @@ fn projector(random: &mut Random) -> (String, Place) {
         );
     let place = match distance {
         0.0..=0.9 => Place::Inside,
-        0.999..1.001 => Place::Touching,
         _ => Place::Far,
     };
     (text, place)

@@ -138,6 +138,7 @@ macro_rules! counting_hooks {
                     }
                 };
                 $buffer_name $buffer_method(name: u32, buffer: u32, what: u32, offset: isize) = |ctx, gl| {
+                    super::super::buffers::written_by_device(ctx, buffer);
                     if !refuses(ctx, name) {
                         match answer(ctx, name, what) {
                             Some(count) => {

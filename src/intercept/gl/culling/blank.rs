@@ -1,23 +1,48 @@
-//! Views that hold nothing but the colour of the last clear: their part of the correction is that colour.
+//! Views that hold nothing but the colour of the last clear, and where others hold more: their part of the correction is
+//! that colour, but for where something was drawn.
 
 use super::super::context::Context;
 use crate::backend::gl::Blank;
 use crate::backend::gl::api;
+use crate::correct::Texels;
 
 /// What each view holds.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Content {
     /// The colour that every view was cleared to; `None`: not known.
     cleared: Option<[f32; 3]>,
     /// The views that were drawn to since, a bit each.
     drawn: u64,
+    /// For each view the texels of the atlas that were drawn to.
+    touched: [Texels; VIEWS],
+}
+
+/// More views are not followed.
+const VIEWS: usize = 64;
+/// No texels.
+pub const NOTHING: Texels = [i32::MAX, i32::MAX, i32::MIN, i32::MIN];
+const EVERYTHING: Texels = [i32::MIN, i32::MIN, i32::MAX, i32::MAX];
+
+impl Default for Content {
+    fn default() -> Self {
+        Self { cleared: None, drawn: 0, touched: [NOTHING; VIEWS] }
+    }
 }
 
 impl Content {
-    /// Something came into a view.
+    /// Something came into a view, somewhere.
     pub fn draw(&mut self, view: usize) {
-        match 1u64.checked_shl(view as u32) {
-            Some(bit) => self.drawn |= bit,
+        self.draw_within(view, EVERYTHING);
+    }
+
+    /// Something came into these texels of a view.
+    pub fn draw_within(&mut self, view: usize, [left, bottom, right, top]: Texels) {
+        match self.touched.get_mut(view) {
+            Some(touched) => {
+                self.drawn |= 1 << view;
+                let [x0, y0, x1, y1] = *touched;
+                *touched = [x0.min(left), y0.min(bottom), x1.max(right), y1.max(top)];
+            }
             None => self.forget(),
         }
     }
@@ -28,12 +53,12 @@ impl Content {
     }
 
     fn clear(&mut self, color: Option<[f32; 3]>) {
-        *self = Self { cleared: color, drawn: 0 };
+        *self = Self { cleared: color, ..Self::default() };
     }
 
     /// The views that hold nothing but one colour; `None`: no view is known to.
-    pub fn blank(&self) -> Option<Blank> {
-        self.cleared.map(|color| Blank { views: !self.drawn, color })
+    pub fn blank(&self) -> Option<Blank<'_>> {
+        self.cleared.map(|color| Blank { views: !self.drawn, color, touched: &self.touched })
     }
 }
 
@@ -78,6 +103,21 @@ mod tests {
         assert_eq!(content.blank().map(|b| b.views), Some(u64::MAX));
         content.draw(64);
         assert!(content.blank().is_none(), "views beyond the bits are not followed");
+    }
+
+    #[test]
+    fn what_was_touched_grows_until_a_clear() {
+        let mut content = Content::default();
+        content.clear(Some([0.0; 3]));
+        content.draw_within(2, [10, 20, 30, 40]);
+        content.draw_within(2, [25, 5, 60, 30]);
+        let touched = |content: &Content, view: usize| content.blank().map(|b| b.touched[view]);
+        assert_eq!(touched(&content, 2), Some([10, 5, 60, 40]));
+        assert!(touched(&content, 1).is_some_and(|[x0, _, x1, _]| x0 > x1), "nothing");
+        content.draw(2);
+        assert_eq!(touched(&content, 2).map(|t| t[2]), Some(i32::MAX));
+        content.clear(Some([0.0; 3]));
+        assert!(touched(&content, 2).is_some_and(|[x0, _, x1, _]| x0 > x1));
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Boxes around vertices, and whether a view can show any point of one.
 
-use super::super::matrices::multiply;
+use super::position::Transform;
 
 /// A box around positions in object coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,30 +49,22 @@ impl Bounds {
     }
 }
 
-/// How far the driver's products of 32-bit numbers may be off, as a part of the sum of the terms' sizes:
-/// ten roundings of 2⁻²⁴ and some.
+/// How far the driver's products of 32-bit numbers may be off, as a part of the sum of the terms' sizes: five
+/// roundings of 2⁻²⁴ for each of up to ten matrices, and three times as much again.
 const ROUNDING: f64 = 1e-5;
 
-/// Whether no point of the box `low`…`high` comes into the picture of `projection · model_view` (column by
-/// column), nor `beside` it (in parts of half the picture's width and height).
+/// Whether no point of the box `low`…`high` comes into the picture of `transform`, nor `beside` it (in parts of half the picture's width and height).
 ///
 /// The box is outside if it is wholly on the other side of one of the four planes `±x = (1 + beside)·w`.
 /// These are linear, so that holds for points behind the eye as well. Near and far planes are not looked at:
 /// the program may have switched their clipping off. `false` in all cases of doubt, such as numbers that are
 /// not finite.
-pub fn outside(
-    projection: &[f64; 16],
-    model_view: &[f64; 16],
-    low: [f64; 3],
-    high: [f64; 3],
-    beside: [f64; 2],
-) -> bool {
-    let matrix = multiply(projection, model_view);
-    let sizes = multiply(&projection.map(f64::abs), &model_view.map(f64::abs));
+pub fn outside(transform: &Transform, low: [f64; 3], high: [f64; 3], beside: [f64; 2]) -> bool {
+    let Transform { matrix, sizes } = transform;
     let row = |m: &[f64; 16], row: usize| -> [f64; 4] { std::array::from_fn(|column| m[4 * column + row]) };
-    let (w, w_size) = (row(&matrix, 3), row(&sizes, 3));
+    let (w, w_size) = (row(matrix, 3), row(sizes, 3));
     (0..2).any(|axis| {
-        let (side, side_size) = (row(&matrix, axis), row(&sizes, axis));
+        let (side, side_size) = (row(matrix, axis), row(sizes, axis));
         let out = 1.0 + beside[axis];
         [1.0, -1.0].into_iter().any(|sign| {
             let mut least = sign * side[3] - out * w[3];
@@ -87,9 +79,51 @@ pub fn outside(
     })
 }
 
+/// The part of the picture of `transform` (left, bottom, right, top; the picture is −1…1) that holds all that can be
+/// seen of the box. `None` where the box reaches behind the eye, so that it may be seen anywhere.
+pub fn extent(transform: &Transform, low: [f64; 3], high: [f64; 3]) -> Option<[f64; 4]> {
+    let Transform { matrix, sizes } = transform;
+    let mut part = [f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY];
+    for corner in 0..8 {
+        let point: [f64; 3] = std::array::from_fn(|k| if corner >> k & 1 == 0 { low[k] } else { high[k] });
+        let along = |m: &[f64; 16], row: usize, at: [f64; 3]| {
+            m[row] * at[0] + m[4 + row] * at[1] + m[8 + row] * at[2] + m[12 + row]
+        };
+        let error = |row: usize| ROUNDING * along(sizes, row, point.map(f64::abs));
+        let w = along(matrix, 3, point) - error(3);
+        // Nearer to the eye, errors grow beyond measure.
+        if w.is_nan() || w <= 4.0 * error(3) {
+            return None;
+        }
+        for axis in 0..2 {
+            let at = along(matrix, axis, point) / w;
+            let off = (error(axis) + 2.0 * at.abs() * error(3)) / w;
+            if !at.is_finite() {
+                return None;
+            }
+            // With w at its least a point may be taken farther out than it is, and at its greatest farther in.
+            let inner = along(matrix, axis, point) / (w + 2.0 * error(3));
+            part[axis] = part[axis].min(at.min(inner) - off);
+            part[axis + 2] = part[axis + 2].max(at.max(inner) + off);
+        }
+    }
+    Some(part)
+}
+
 #[cfg(test)]
 mod tests {
-    use super::{Bounds, outside};
+    use super::{Bounds, Transform};
+
+    /// Of a projection after a model-view matrix.
+    fn outside(
+        projection: &[f64; 16],
+        model_view: &[f64; 16],
+        low: [f64; 3],
+        high: [f64; 3],
+        beside: [f64; 2],
+    ) -> bool {
+        super::outside(&Transform::of(projection).after(&Transform::of(model_view)), low, high, beside)
+    }
 
     const IDENTITY: [f64; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
     /// 90° in both directions, looking along −z.
@@ -120,6 +154,33 @@ mod tests {
         let gone = |beside| outside(&RIGHT_ANGLE, &IDENTITY, [2.1, 0.0, -2.0], [2.2, 0.0, -2.0], beside);
         assert!(gone([0.0; 2]));
         assert!(!gone([0.1, 0.0]));
+    }
+
+    /// What a box shows lies in its part of the picture, which is not much larger.
+    #[test]
+    fn the_part_of_a_box_holds_all_of_it() {
+        let mut number = numbers();
+        let mut found = 0;
+        for _ in 0..5_000 {
+            let low: [f64; 3] = std::array::from_fn(|k| 4.0 * number() - if k == 2 { 6.0 } else { 0.0 });
+            let high = low.map(|v| v + 1.0 + number());
+            let Some(part) = super::extent(&Transform::of(&RIGHT_ANGLE), low, high) else {
+                assert!(high[2] > -0.1, "{low:?} {high:?} is ahead");
+                continue;
+            };
+            found += 1;
+            for _ in 0..20 {
+                let point: [f64; 3] = std::array::from_fn(|k| low[k] + (high[k] - low[k]) * 0.5 * (1.0 + number()));
+                for axis in 0..2 {
+                    let at = point[axis] / -point[2];
+                    assert!(part[axis] <= at && at <= part[axis + 2], "{point:?} is not in {part:?}");
+                }
+            }
+        }
+        assert!(found > 3_000, "{found}");
+        let part = super::extent(&Transform::of(&RIGHT_ANGLE), [-1.0, -2.0, -4.0], [1.0, 2.0, -2.0]).expect("ahead");
+        let expected = [-0.5, -1.0, 0.5, 1.0];
+        assert!(part.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-3), "{part:?}");
     }
 
     /// No vertex of a box that is left out is in the picture; and boxes are left out at all.

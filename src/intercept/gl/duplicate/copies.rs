@@ -141,7 +141,7 @@ struct Place {
 }
 
 impl Place {
-    fn of(ctx: &Context, side: Side, view: usize, reads: bool) -> Option<Self> {
+    fn of(ctx: &mut Context, side: Side, view: usize, reads: bool) -> Option<Self> {
         match side {
             Side::Window => {
                 let target = ctx.target.as_ref()?;
@@ -159,9 +159,9 @@ impl Place {
                 Some(Self { framebuffer: framebuffer.twin, rect, size, samples, format })
             }
             Side::Image(index) => {
-                let image = &ctx.duplicates.images[index];
-                let twin = image.twin.as_ref()?;
-                let (framebuffer, rect) = (twin.framebuffer(), twin.cells.cell(view));
+                let image = &mut ctx.duplicates.images[index];
+                let framebuffer = image.twin_framebuffer(ctx.gl, ctx.id);
+                let rect = image.twin.as_ref()?.cells.cell(view);
                 Some(Self { framebuffer, rect, size: image.size, samples: image.samples, format: image.format })
             }
             Side::Single => None,
@@ -358,7 +358,7 @@ pub fn noted_into_texture(ctx: &mut Context, texture: u32, level: i32, source: [
     note_copy(ctx, name, &sources, from_window);
     if cells(ctx) > views(ctx) {
         let own = own_cell(ctx);
-        super::without_scissor(ctx, |ctx| ctx.duplicates.images[index].store(ctx.gl, own));
+        super::without_scissor(ctx, |ctx| ctx.duplicates.images[index].store(ctx.gl, ctx.id, own));
     }
 }
 

@@ -56,13 +56,29 @@ pub struct Image {
 pub struct Twin {
     /// The renderbuffer with the cells.
     pub renderbuffer: u32,
-    /// Framebuffers to copy by: with the twin, and with the program's image.
-    ours: u32,
-    own: u32,
+    /// Framebuffers to copy by, of each context that did.
+    pairs: Vec<Pair>,
     /// Where the cells are.
     pub cells: Cells,
     /// Which cell the program's image has the content of.
     holds: Option<usize>,
+}
+
+/// Framebuffers of one context: with the twin, and with the program's image.
+#[derive(Clone, Copy)]
+pub struct Pair {
+    /// The context that has them.
+    pub context: u64,
+    ours: u32,
+    own: u32,
+}
+
+impl Pair {
+    /// Deletes them in their context, which must be current.
+    pub fn destroy(&self, gl: &Gl) {
+        // SAFETY: objects of ours; the name 0 is ignored.
+        unsafe { gl.delete_framebuffers(2, [self.ours, self.own].as_ptr()) };
+    }
 }
 
 /// Cells of equal size, row by row from the bottom left.
@@ -195,18 +211,17 @@ impl Image {
         }
     }
 
-    /// Makes the twin with `count` cells. All bindings are put back; errors may be left. `false` if the driver
-    /// gives none.
-    pub fn make_twin(&mut self, gl: &Gl, count: usize) -> bool {
+    /// Makes the twin with `count` cells, in the context `context`, which is current. All bindings are put back; errors may
+    /// be left. `false` if the driver gives none.
+    pub fn make_twin(&mut self, gl: &Gl, context: u64, count: usize) -> bool {
         let cells = Cells::new(self.size, count);
         let [width, height] = cells.extent(count);
         if width.max(height) as u32 > greatest_texture(gl) {
             return false;
         }
-        let mut twin = Twin { renderbuffer: 0, ours: 0, own: 0, cells, holds: None };
-        // SAFETY: makes objects of ours; bindings are put back.
-        let complete = unsafe {
-            let bindings = Bindings::save(gl);
+        let mut twin = Twin { renderbuffer: 0, pairs: Vec::new(), cells, holds: None };
+        // SAFETY: makes an object of ours; the binding is put back.
+        unsafe {
             let mut renderbuffer = 0;
             gl.get_integerv(api::GL_RENDERBUFFER_BINDING, &mut renderbuffer);
             gl.gen_renderbuffers(1, &mut twin.renderbuffer);
@@ -218,23 +233,49 @@ impl Image {
                 gl.renderbuffer_storage(api::GL_RENDERBUFFER, self.format, width, height);
             }
             gl.bind_renderbuffer(api::GL_RENDERBUFFER, renderbuffer as u32);
-            gl.gen_framebuffers(1, &mut twin.ours);
-            gl.gen_framebuffers(1, &mut twin.own);
-            let own = self.attach_for_copies(gl, twin.own, self.name);
-            let ours = self.attach_for_copies(gl, twin.ours, Name::Renderbuffer(twin.renderbuffer));
-            bindings.restore(gl);
-            own && ours && gl.get_error() == api::GL_NO_ERROR
-        };
-        if !complete {
-            twin.destroy(gl);
-            return false;
         }
         self.twin = Some(twin);
+        // SAFETY: asks for the error flag.
+        if self.pair(gl, context).is_none() || unsafe { gl.get_error() } != api::GL_NO_ERROR {
+            self.destroy_twin(gl, context);
+            return false;
+        }
         // What it holds already is in every view until it is drawn again.
         for index in 0..count {
-            self.store(gl, index);
+            self.store(gl, context, index);
         }
         true
+    }
+
+    /// The framebuffers to copy by in `context`, which is current. Bindings are put back. `None`: there is no twin, or
+    /// the driver gives none.
+    fn pair(&mut self, gl: &Gl, context: u64) -> Option<Pair> {
+        let twin = self.twin.as_ref()?;
+        if let Some(pair) = twin.pairs.iter().find(|pair| pair.context == context) {
+            return Some(*pair);
+        }
+        let mut pair = Pair { context, ours: 0, own: 0 };
+        // SAFETY: makes objects of ours; bindings are put back.
+        let complete = unsafe {
+            let bindings = Bindings::save(gl);
+            gl.gen_framebuffers(1, &mut pair.ours);
+            gl.gen_framebuffers(1, &mut pair.own);
+            let own = self.attach_for_copies(gl, pair.own, self.name);
+            let ours = self.attach_for_copies(gl, pair.ours, Name::Renderbuffer(twin.renderbuffer));
+            bindings.restore(gl);
+            own && ours
+        };
+        if !complete {
+            pair.destroy(gl);
+            return None;
+        }
+        self.twin.as_mut()?.pairs.push(pair);
+        Some(pair)
+    }
+
+    /// The framebuffer with the twin alone, in `context`, which is current; 0 where there is none.
+    pub fn twin_framebuffer(&mut self, gl: &Gl, context: u64) -> u32 {
+        self.pair(gl, context).map_or(0, |pair| pair.ours)
     }
 
     /// # Safety
@@ -261,11 +302,15 @@ impl Image {
 
     /// Copies cell `index` into the program's own image, with the smaller pictures that the program asked for.
     /// The scissor test must be off; bindings are put back.
-    pub fn supply(&mut self, gl: &Gl, index: usize) {
+    pub fn supply(&mut self, gl: &Gl, context: u64, index: usize) {
+        if self.twin.as_ref().is_none_or(|twin| twin.holds == Some(index)) {
+            return;
+        }
         let (mask, mipmapped) = (self.mask, self.mipmapped);
-        let Some(twin) = self.twin.as_mut().filter(|twin| twin.holds != Some(index)) else { return };
+        let Some(pair) = self.pair(gl, context) else { return };
+        let Some(twin) = &mut self.twin else { return };
         let from = twin.cells.cell(index);
-        copy(gl, (twin.ours, from), (twin.own, [0, 0, from[2], from[3]]), mask);
+        copy(gl, (pair.ours, from), (pair.own, [0, 0, from[2], from[3]]), mask);
         twin.holds = Some(index);
         if let (true, Name::Texture { name, target: api::GL_TEXTURE_2D, .. }) = (mipmapped, self.name) {
             with_texture(gl, api::GL_TEXTURE_2D, api::GL_TEXTURE_BINDING_2D, name, || {
@@ -276,34 +321,27 @@ impl Image {
     }
 
     /// The reverse of [`Image::supply`].
-    pub fn store(&mut self, gl: &Gl, index: usize) {
+    pub fn store(&mut self, gl: &Gl, context: u64, index: usize) {
         let mask = self.mask;
+        let Some(pair) = self.pair(gl, context) else { return };
         let Some(twin) = &mut self.twin else { return };
         let to = twin.cells.cell(index);
-        copy(gl, (twin.own, [0, 0, to[2], to[3]]), (twin.ours, to), mask);
+        copy(gl, (pair.own, [0, 0, to[2], to[3]]), (pair.ours, to), mask);
         twin.holds = Some(index);
     }
 
-    /// Deletes the twin.
-    pub fn destroy_twin(&mut self, gl: &Gl) {
-        if let Some(twin) = self.twin.take() {
-            twin.destroy(gl);
-        }
-    }
-}
-
-impl Twin {
-    /// The framebuffer with the twin alone.
-    pub fn framebuffer(&self) -> u32 {
-        self.ours
-    }
-
-    fn destroy(&self, gl: &Gl) {
-        // SAFETY: objects of ours; the name 0 is ignored.
-        unsafe {
-            gl.delete_framebuffers(2, [self.ours, self.own].as_ptr());
-            gl.delete_renderbuffers(1, &self.renderbuffer);
-        }
+    /// Deletes the twin in `context`, which is current; what is left to be deleted in other contexts.
+    pub fn destroy_twin(&mut self, gl: &Gl, context: u64) -> Vec<Pair> {
+        let Some(mut twin) = self.twin.take() else { return Vec::new() };
+        // SAFETY: an object of ours; the name 0 is ignored.
+        unsafe { gl.delete_renderbuffers(1, &twin.renderbuffer) };
+        twin.pairs.retain(|pair| {
+            if pair.context == context {
+                pair.destroy(gl);
+            }
+            pair.context != context
+        });
+        twin.pairs
     }
 }
 

@@ -25,18 +25,20 @@ pub use coverage::{Measure, measure};
 pub use sampling::bound as bound_texture;
 pub use status::status;
 
-use super::context::Context;
+use super::context::{Context, ShareGroup};
 use super::default_framebuffer::{drop_errors, take_error, take_own_errors};
 use super::draw::{Changes, Place, own_window_space};
 use crate::backend::gl::api::Gl;
 use crate::intercept::{log, settings};
 use crate::rig::Duplicate;
+use crate::runtime::session::Session;
 use canvas::Canvas;
 use coverage::Coverage;
 use framebuffers::Framebuffer;
-use images::{Image, Name};
+use images::{Image, Name, Pair};
 use sampling::Set;
 use std::cell::Cell;
+use std::sync::PoisonError;
 
 /// What is known of the program's framebuffers.
 #[derive(Default)]
@@ -54,16 +56,48 @@ pub struct Duplicates {
     canvases: Vec<Canvas>,
     /// What was shown last.
     shown: shown::Shown,
-    /// It was said that scenes of this context stay flat.
-    said: bool,
     /// Off-screen draws that were issued once per view.
     pub draws: u64,
+    /// Twins deleted so far: framebuffers that stand for the program's may have had them.
+    deleted: u64,
+    /// Framebuffers of other contexts that they are to delete.
+    left: Vec<Pair>,
+    /// Another thread has the group's pictures: this context has some of its own.
+    alone: bool,
+}
+
+/// What contexts of a group know together of the images that they share. Toolkits draw a scene in one context and compose
+/// the window in another.
+#[derive(Default)]
+pub struct Travelling {
+    images: Vec<Image>,
+    learnt: bool,
+    own_picture: bool,
+    draws: u64,
+    deleted: u64,
+    left: Vec<Pair>,
 }
 
 impl Duplicates {
     /// Whether any image of the program's is followed.
     pub fn any(&self) -> bool {
         !self.images.is_empty()
+    }
+
+    /// Gives up what the group knows together: the context is not current any more.
+    pub fn deposit(&mut self, share: &ShareGroup) {
+        if std::mem::take(&mut self.alone) {
+            return;
+        }
+        let travelling = Travelling {
+            images: std::mem::take(&mut self.images),
+            learnt: std::mem::take(&mut self.learnt),
+            own_picture: self.own_picture,
+            draws: self.draws,
+            deleted: self.deleted,
+            left: std::mem::take(&mut self.left),
+        };
+        *share.off_screen.lock().unwrap_or_else(PoisonError::into_inner) = Some(travelling);
     }
 
     fn image(&self, name: Name) -> Option<&Image> {
@@ -111,12 +145,46 @@ fn wish() -> Duplicate {
 
 /// Whether there is anything to do: views of ours, which are not the program's own picture.
 fn possible(ctx: &Context) -> bool {
-    wish() != Duplicate::Never && ctx.target.as_ref().is_some_and(|t| t.session.views().iter().any(|v| !v.program_lens))
+    wish() != Duplicate::Never && ctx.session().is_some_and(|s| s.views().iter().any(|v| !v.program_lens))
 }
 
 /// How many views there are.
 fn views(ctx: &Context) -> usize {
-    ctx.target.as_ref().map_or(0, |target| target.session.views().len())
+    ctx.session().map_or(0, |session| session.views().len())
+}
+
+/// The context became current: what the group knows together is its own until it is not.
+pub fn collect(ctx: &mut Context) {
+    let taken = ctx.share.off_screen.lock().unwrap_or_else(PoisonError::into_inner).take();
+    let Some(taken) = taken else {
+        ctx.duplicates.alone = true;
+        return;
+    };
+    let own = &mut ctx.duplicates;
+    let stale = own.deleted != taken.deleted;
+    (own.images, own.learnt, own.own_picture, own.draws) = (taken.images, taken.learnt, taken.own_picture, taken.draws);
+    (own.deleted, own.left) = (taken.deleted, taken.left);
+    let (gl, id) = (ctx.gl, ctx.id);
+    ctx.duplicates.left.retain(|pair| {
+        if pair.context == id {
+            pair.destroy(gl);
+        }
+        pair.context != id
+    });
+    if stale {
+        leave(ctx);
+        ctx.duplicates.coverage.clear(gl);
+        for framebuffer in &mut ctx.duplicates.framebuffers {
+            framebuffer.known = false;
+            framebuffer.destroy_twin(gl);
+        }
+    }
+}
+
+/// Deletes the twin of an image.
+fn destroy_twin(image: &mut Image, gl: &Gl, context: u64, left: &mut Vec<Pair>, deleted: &mut u64) {
+    *deleted += u64::from(image.twin.is_some());
+    left.extend(image.destroy_twin(gl, context));
 }
 
 /// How many cells twins have.
@@ -126,7 +194,7 @@ fn cells(ctx: &Context) -> usize {
 
 /// The cell that is the program's own picture, or nearest to it: that of the view ahead.
 fn own_cell(ctx: &Context) -> usize {
-    let ahead = || ctx.target.as_ref().map_or(0, |target| target.session.ahead());
+    let ahead = || ctx.session().map_or(0, |session| session.ahead());
     if ctx.duplicates.own_picture { views(ctx) } else { ahead() }
 }
 
@@ -166,7 +234,10 @@ fn forget_images(ctx: &mut Context, which: impl Fn(&Image) -> bool) {
     while let Some(index) = ctx.duplicates.images.iter().position(&which) {
         leave(ctx);
         let mut image = ctx.duplicates.images.remove(index);
-        image.destroy_twin(ctx.gl);
+        let Duplicates { left, deleted, .. } = &mut ctx.duplicates;
+        // Images have other places, even if it had no twin.
+        *deleted += u64::from(image.twin.is_none());
+        destroy_twin(&mut image, ctx.gl, ctx.id, left, deleted);
         for framebuffer in &mut ctx.duplicates.framebuffers {
             if framebuffer.attachments.contains(&Some(image.name)) {
                 framebuffer.known = false;
@@ -204,7 +275,7 @@ pub fn uploaded(ctx: &mut Context, texture: u32) {
     without_scissor(ctx, |ctx| {
         for image in ctx.duplicates.images.iter_mut().filter(|image| image.is_texture(texture)) {
             for index in 0..count {
-                image.store(ctx.gl, index);
+                image.store(ctx.gl, ctx.id, index);
             }
         }
     });
@@ -250,8 +321,10 @@ pub fn clear(ctx: &mut Context) {
     for mut framebuffer in std::mem::take(&mut ctx.duplicates.framebuffers) {
         framebuffer.destroy_twin(gl);
     }
-    for mut image in std::mem::take(&mut ctx.duplicates.images) {
-        image.destroy_twin(gl);
+    let Duplicates { images, left, deleted, .. } = &mut ctx.duplicates;
+    *deleted += 1;
+    for mut image in images.drain(..) {
+        destroy_twin(&mut image, gl, ctx.id, left, deleted);
     }
     ctx.duplicates.coverage.clear(gl);
     for canvas in std::mem::take(&mut ctx.duplicates.canvases) {
@@ -277,8 +350,9 @@ pub fn end_frame(ctx: &mut Context) {
     if !ctx.duplicates.own_picture && images.any(|(image, wanted)| *wanted && image.read_back) {
         leave(ctx);
         ctx.duplicates.own_picture = true;
-        for image in &mut ctx.duplicates.images {
-            image.destroy_twin(gl);
+        let Duplicates { images, left, deleted, .. } = &mut ctx.duplicates;
+        for image in images {
+            destroy_twin(image, gl, ctx.id, left, deleted);
         }
         for framebuffer in &mut ctx.duplicates.framebuffers {
             framebuffer.destroy_twin(gl);
@@ -300,7 +374,7 @@ fn make_twin(ctx: &mut Context, index: usize) -> bool {
     let count = cells(ctx);
     without_scissor(ctx, |ctx| {
         let image = &mut ctx.duplicates.images[index];
-        image.refused = !image.make_twin(ctx.gl, count);
+        image.refused = !image.make_twin(ctx.gl, ctx.id, count);
     });
     if ctx.duplicates.images[index].refused {
         // Whatever the driver said about it is answered by this.
@@ -391,7 +465,7 @@ fn supply(ctx: &mut Context, set: Set, view: usize) {
     without_scissor(ctx, |ctx| {
         let images = ctx.duplicates.images.iter_mut().enumerate().take(64);
         for (_, image) in images.filter(|(i, _)| set >> i & 1 != 0) {
-            image.supply(ctx.gl, view);
+            image.supply(ctx.gl, ctx.id, view);
         }
     });
 }
@@ -399,7 +473,6 @@ fn supply(ctx: &mut Context, set: Set, view: usize) {
 /// A draw to a framebuffer of the program's. `false`: it is single and is to be drawn as it is.
 pub fn draw(ctx: &mut Context, changes: Changes, issue: &mut dyn FnMut(&mut Context, &Gl)) -> bool {
     if ctx.believed.draw_framebuffer == 0 || ctx.picking || ctx.discard || ctx.feedback || !possible(ctx) {
-        say_without_window(ctx);
         leave(ctx);
         return false;
     }
@@ -434,20 +507,6 @@ pub fn draw(ctx: &mut Context, changes: Changes, issue: &mut dyn FnMut(&mut Cont
     true
 }
 
-/// A toolkit draws scenes in a context without a window, and composes the window in another.
-fn say_without_window(ctx: &mut Context) {
-    if ctx.target.is_some() || ctx.window.is_some() || ctx.duplicates.said || ctx.believed.draw_framebuffer == 0 {
-        return;
-    }
-    let Some(program) = ctx.program.clone().filter(|program| program.draws_vertices()) else { return };
-    if super::pipelines::lens(ctx, &program) != super::programs::Lens::Flat {
-        ctx.duplicates.said = true;
-        log::once(
-            "a scene is drawn off screen in a context without a window; where another context shows it, it is flat",
-        );
-    }
-}
-
 /// A draw whose shader asks where on the screen it is: it goes into the program's own framebuffer, which has each
 /// view's content in turn.
 fn draw_through(
@@ -465,7 +524,7 @@ fn draw_through(
         without_scissor(ctx, |ctx| {
             let images = ctx.duplicates.images.iter_mut().enumerate().take(64);
             for (_, image) in images.filter(|(i, _)| attached >> i & 1 != 0) {
-                image.store(gl, view_now.get());
+                image.store(gl, ctx.id, view_now.get());
             }
         });
     };
@@ -479,7 +538,7 @@ fn draw_through(
 
 /// Remembers what a draw says about the framebuffer at `index`.
 fn note(ctx: &mut Context, index: usize, place: Place, sampled: Set) {
-    let Some(window) = ctx.target.as_ref().map(|target| target.size()) else { return };
+    let Some(window) = ctx.session().map(Session::window) else { return };
     let alike = wish() == Duplicate::Always || passes::like_window(ctx.believed.viewport, window);
     let Duplicates { framebuffers, images, learnt, .. } = &mut ctx.duplicates;
     if place == Place::Flat && sampled == 0 {

@@ -138,15 +138,20 @@ fn issue_recorded(ctx: &mut Context) {
     } else {
         Changes::Nothing
     };
-    draw(ctx, changes, &bounds, |_, gl| {
-        // SAFETY: the program's own commands, outside of its Begin/End.
-        unsafe {
-            gl.begin(mode);
-            current.set(gl);
-            recorder.play(gl);
-            gl.end();
-        }
-    });
+    draw(
+        ctx,
+        changes,
+        |_| bounds,
+        |_, gl| {
+            // SAFETY: the program's own commands, outside of its Begin/End.
+            unsafe {
+                gl.begin(mode);
+                current.set(gl);
+                recorder.play(gl);
+                gl.end();
+            }
+        },
+    );
     ctx.immediate.recorder = recorder;
 }
 
@@ -156,7 +161,7 @@ fn issue_list(ctx: &mut Context) {
     let (list, bounds, trailing) = (ctx.immediate.list, ctx.immediate.bounds, ctx.immediate.trailing);
     ctx.outlines.shape = Shape::of_mode(ctx.immediate.mode);
     // SAFETY: a list of ours.
-    draw(ctx, Changes::Attributes, &bounds, |_, gl| unsafe { gl.call_list(list) });
+    draw(ctx, Changes::Attributes, |_| bounds, |_, gl| unsafe { gl.call_list(list) });
     // SAFETY: attributes of the program's.
     unsafe { ctx.immediate.recorder.play_attributes(ctx.gl, trailing) };
 }
@@ -166,7 +171,7 @@ hooks! {
     "glBegin" begin(mode: u32) = |ctx, gl| {
         if let Some(recording) = &mut ctx.recording {
             recording.draws = true;
-        } else if ctx.target.is_none() || ctx.picking {
+        } else if ctx.session().is_none() || ctx.picking {
             super::draw::plain_program(ctx);
         } else if !ctx.immediate.under_way() && mode <= api::GL_PATCHES {
             ctx.immediate.begin(mode);

@@ -4,7 +4,7 @@ mod module;
 mod reflect;
 mod splice;
 
-pub use reflect::{Matrix, Memory, matrices};
+pub use reflect::{Matrix, Memory, asks_place, matrices};
 pub use splice::splice;
 
 #[cfg(test)]

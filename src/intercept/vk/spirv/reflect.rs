@@ -1,8 +1,8 @@
 //! Where a shader's 4×4 matrices are.
 
-use super::module::{Declarations, instructions};
+use super::module::{Declarations, Instruction, instructions};
 use crate::intercept::lens;
-use spirv::{Decoration, Op, StorageClass};
+use spirv::{BuiltIn, Decoration, Op, StorageClass};
 
 /// The memory that a matrix is in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -65,6 +65,13 @@ pub fn matrices(words: &[u32]) -> Vec<Matrix> {
     found.sort_by_key(|matrix| matrix.rank);
     found.truncate(MOST);
     found
+}
+
+/// Whether a fragment shader asks for its place on the screen.
+pub fn asks_place(words: &[u32]) -> bool {
+    let place = [Decoration::BuiltIn as u32, BuiltIn::FragCoord as u32];
+    let asks = |i: &Instruction<'_>| i.is(Op::Decorate) && i.rest(1) == place;
+    instructions(words).is_some_and(|all| all.iter().any(asks))
 }
 
 /// Where in a block we are.

@@ -1,0 +1,140 @@
+//! `cupola tune`: changes keys of a rig file, also while a program runs with it.
+
+use crate::Failure;
+use cupola::rig;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use toml_edit::{DocumentMut, Item, Table, TableLike, Value};
+
+/// Change keys of a rig file; programs that run with it follow within a second.
+///
+/// The rest of the file stays as it is, with its comments. A change that makes the rig wrong changes nothing.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// The rig file
+    file: PathBuf,
+    /// Keys with their new values, as in the file: viewer.position=[0,0,1], output.NAME.blend.ramp=0.3; output.*.… is every output
+    #[arg(required = true, value_name = "KEY=VALUE")]
+    changes: Vec<String>,
+}
+
+/// Runs the subcommand.
+pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
+    let file = arguments.file.display();
+    let failed = |error: std::io::Error| Failure::new(format!("{file}: {error}"));
+    let text = std::fs::read_to_string(&arguments.file).map_err(|error| {
+        let hint = if arguments.file.extension().is_none() {
+            "; a preset becomes a file by `cupola check PRESET --print > my.toml`"
+        } else {
+            ""
+        };
+        Failure::usage(format!("{file}: {error}{hint}"))
+    })?;
+    let changed = changed(&text, &arguments.changes).map_err(|why| Failure::usage(format!("{file}: {why}")))?;
+    let folder = arguments.file.parent().unwrap_or(Path::new(""));
+    rig::parse(&changed, &file.to_string(), folder).map_err(|error| Failure::usage(error.message))?;
+    if changed == text {
+        return Ok(ExitCode::SUCCESS);
+    }
+    // Whoever reads the file sees the old one or the new one, nothing between.
+    let mut name = arguments.file.file_name().unwrap_or_default().to_owned();
+    name.push(format!(".{}", std::process::id()));
+    let temporary = folder.join(name);
+    let written = std::fs::File::create(&temporary).and_then(|mut file| {
+        file.write_all(changed.as_bytes())?;
+        file.sync_all()
+    });
+    if let Err(error) = written.and_then(|()| std::fs::rename(&temporary, &arguments.file)) {
+        // It may not even have been made.
+        _ = std::fs::remove_file(&temporary);
+        return Err(failed(error));
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The text with all changes made.
+fn changed(text: &str, changes: &[String]) -> Result<String, String> {
+    let mut document: DocumentMut = text.parse().map_err(|error| format!("this is not TOML: {error}"))?;
+    for change in changes {
+        let (key, value) = change.split_once('=').ok_or_else(|| {
+            format!("{change:?} is no change; expected KEY=VALUE, for example viewer.position=[0,0,1]")
+        })?;
+        let value: Value = value.trim().parse().unwrap_or_else(|_| Value::from(value.trim()));
+        let path: Vec<&str> = key.trim().split('.').collect();
+        match path[..] {
+            ["output", name, ref rest @ ..] if !rest.is_empty() => outputs(&mut document, name, rest, &value)?,
+            _ => set(document.as_table_mut(), &path, &value)?,
+        }
+    }
+    Ok(document.to_string())
+}
+
+/// Sets a key of the output that has this name, or this place in the file, from 1; of all for `*`.
+fn outputs(document: &mut DocumentMut, name: &str, path: &[&str], value: &Value) -> Result<(), String> {
+    let all = document.get_mut("output").and_then(Item::as_array_of_tables_mut);
+    let all = all.ok_or("there is no [[output]] in the file")?;
+    let mut found = false;
+    for (index, output) in all.iter_mut().enumerate() {
+        let own = output.get("name").and_then(Item::as_str).map_or(format!("output-{}", index + 1), str::to_owned);
+        if name == "*" || name == own {
+            set(output, path, value)?;
+            found = true;
+        }
+    }
+    if found { Ok(()) } else { Err(format!("there is no output {name:?}")) }
+}
+
+/// Sets a key, in tables that are made where there are none.
+fn set(table: &mut dyn TableLike, path: &[&str], value: &Value) -> Result<(), String> {
+    match path {
+        [] | [""] => Err("a key has no name; expected KEY=VALUE".to_owned()),
+        [key] => {
+            match table.get_mut(key).and_then(Item::as_value_mut) {
+                // What stands around the old value, such as a comment, stays.
+                Some(old) => {
+                    let decor = old.decor().clone();
+                    *old = value.clone();
+                    *old.decor_mut() = decor;
+                }
+                None => drop(table.insert(key, Item::Value(value.clone()))),
+            }
+            Ok(())
+        }
+        [key, rest @ ..] => {
+            let inner = table.entry(key).or_insert(Item::Table(Table::new()));
+            let inner = inner.as_table_like_mut().ok_or_else(|| format!("{key} is no table"))?;
+            set(inner, rest, value)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const RIG: &str = "# mine\n[viewer]\nposition = [0.0, 0.0, 0.0] # the middle\n\n[[output]]\nname = \"left\"\nblend = { ramp = 0.2 }\n\n[[output]]\nkind = \"projector\"\n";
+
+    fn tuned(changes: &[&str]) -> Result<String, String> {
+        changed(RIG, &changes.iter().map(|change| (*change).to_owned()).collect::<Vec<_>>())
+    }
+
+    #[test]
+    fn only_what_is_named_changes() {
+        let text = tuned(&["viewer.position=[0,0,1]", "output.left.blend.ramp=0.3"]).expect("good");
+        assert_eq!(text, RIG.replace("[0.0, 0.0, 0.0]", "[0,0,1]").replace("ramp = 0.2", "ramp = 0.3"));
+        let text =
+            tuned(&["output.*.blend.black_level=0.01", "camera.zoom=2", "output.output-2.eye = 0.03"]).expect("good");
+        assert!(text.contains("blend = { ramp = 0.2 , black_level = 0.01 }") || text.contains("black_level = 0.01 }"));
+        assert!(text.contains("[output.blend]\nblack_level = 0.01") && text.contains("[camera]\nzoom = 2"), "{text}");
+        assert!(text.contains("eye = 0.03") && text.starts_with("# mine"), "{text}");
+    }
+
+    #[test]
+    fn what_is_not_there_is_refused() {
+        for bad in ["viewer.position", "output.right.eye=0", "viewer.position.x=1", "=3"] {
+            assert!(tuned(&[bad]).is_err(), "{bad}");
+        }
+        assert!(changed("a = [", &["b=1".to_owned()]).is_err());
+    }
+}

@@ -1,0 +1,177 @@
+//! What takes a draw's positions to clip coordinates: an array and matrices.
+
+use super::super::context::Context;
+use super::super::draw::Place;
+use super::super::matrices::{self, multiply};
+use super::super::programs::Program;
+use super::super::uniforms::Uniforms;
+use super::proof::{self, Attribute, Proof};
+use crate::backend::gl::api::Gl;
+use std::ffi::CString;
+use std::sync::PoisonError;
+
+/// Which array holds positions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Array {
+    /// That of `glVertexPointer`.
+    Conventional,
+    /// A generic attribute's, by its location.
+    Generic(u32),
+}
+
+/// What is proven of a program: its positions are an array's, times matrices.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Position {
+    /// The array.
+    pub array: Array,
+    /// How many components count.
+    pub components: usize,
+    /// From the left.
+    factors: Vec<Factor>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Factor {
+    ModelView,
+    Projection,
+    /// By its number among the program's matrices.
+    Uniform(usize),
+}
+
+impl Position {
+    /// For a linked program whose only stage before rasterisation is the vertex shader `source`.
+    pub fn of_shader(gl: &Gl, program: u32, source: &str, es_context: bool, uniforms: &Uniforms) -> Option<Self> {
+        let Proof { factors, attribute, components } = proof::prove(source, es_context)?;
+        let array = match attribute {
+            Attribute::Conventional => Array::Conventional,
+            Attribute::Named(name) => {
+                let name = CString::new(name).ok()?;
+                // SAFETY: a name that ends with a zero.
+                let location = unsafe { gl.get_attrib_location(program, name.as_ptr()) };
+                Array::Generic(u32::try_from(location).ok()?)
+            }
+        };
+        let factor = |factor: proof::Factor| match factor {
+            proof::Factor::ModelView => Some(Factor::ModelView),
+            proof::Factor::Projection => Some(Factor::Projection),
+            proof::Factor::Uniform(name) => uniforms.number(&name).map(Factor::Uniform),
+        };
+        let factors = factors.into_iter().map(factor).collect::<Option<_>>()?;
+        Some(Self { array, components, factors })
+    }
+}
+
+/// A product of matrices, column by column.
+#[derive(Clone, Copy, Debug)]
+pub struct Transform {
+    /// The product.
+    pub matrix: [f64; 16],
+    /// The product of the entries' sizes, which bounds how far 32-bit numbers may be off.
+    pub sizes: [f64; 16],
+}
+
+impl Transform {
+    const NONE: Self = {
+        let matrix = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
+        Self { matrix, sizes: matrix }
+    };
+
+    /// A matrix.
+    pub fn of(matrix: &[f64; 16]) -> Self {
+        Self { matrix: *matrix, sizes: matrix.map(f64::abs) }
+    }
+
+    /// `self` after `first`.
+    pub fn after(&self, first: &Self) -> Self {
+        Self { matrix: multiply(&self.matrix, &first.matrix), sizes: multiply(&self.sizes, &first.sizes) }
+    }
+
+    /// The rows that a patched shader re-projects by (`glsl::patch`), as a matrix; of depth they say nothing here.
+    pub fn of_rows(rows: &[f32; 16]) -> Self {
+        let row = |index: usize| -> [f64; 4] { std::array::from_fn(|k| rows[4 * index + k].into()) };
+        let e = f64::from(rows[12]);
+        let mut transform = Self { matrix: [0.0; 16], sizes: [0.0; 16] };
+        for (at, [x, y, w, q]) in [(0, row(0)), (1, row(1)), (3, row(2))] {
+            for (column, factor, size) in [(0, x, x), (1, y, y), (2, q, q)] {
+                (transform.matrix[4 * column + at], transform.sizes[4 * column + at]) = (factor, f64::abs(size));
+            }
+            (transform.matrix[12 + at], transform.sizes[12 + at]) = (w + q * e, w.abs() + (q * e).abs());
+        }
+        transform
+    }
+}
+
+/// The array of positions of what is drawn now, and how many of its components count; `None`: not known.
+pub fn array(ctx: &Context) -> Option<(Array, usize)> {
+    match ctx.program.as_ref().filter(|program| program.draws_vertices()) {
+        Some(program) => {
+            // In a pipeline a stage of another program may come after it.
+            let position = program.position.as_ref().filter(|_| ctx.pipelines.used == program.name)?;
+            Some((position.array, position.components))
+        }
+        None => (ctx.profile.compatibility() && !ctx.assembly).then_some((Array::Conventional, 4)),
+    }
+}
+
+/// What takes positions of the scene at `place` to the program's eye or clip coordinates, whichever the views' own
+/// transforms start from; `None`: not known.
+pub fn transform(ctx: &mut Context, place: Place) -> Option<Transform> {
+    match place {
+        Place::FixedScene => (!ctx.assembly).then(|| Transform::of(&matrices::model_view(ctx))),
+        Place::Scene(_) => {
+            let program = ctx.program.clone().filter(|program| ctx.pipelines.used == program.name)?;
+            clip(ctx, &program, program.position.as_ref()?)
+        }
+        Place::Flat | Place::Background => None,
+    }
+}
+
+fn clip(ctx: &mut Context, program: &Program, position: &Position) -> Option<Transform> {
+    let mut product = Transform::NONE;
+    for factor in &position.factors {
+        let next = match factor {
+            Factor::ModelView => matrices::model_view(ctx),
+            Factor::Projection => {
+                matrices::refresh(ctx);
+                ctx.projection.matrix
+            }
+            Factor::Uniform(number) => {
+                let uniforms = program.uniforms.lock().unwrap_or_else(PoisonError::into_inner);
+                let buffers = super::super::buffers::of(ctx);
+                uniforms.matrix(*number, &buffers)?
+            }
+        };
+        product = product.after(&Transform::of(&next));
+    }
+    Some(product)
+}
+
+/// What takes them from there to the clip coordinates of the view `index`.
+pub fn of_view(ctx: &Context, place: Place, index: usize) -> Option<Transform> {
+    match place {
+        Place::FixedScene => ctx.projection.per_view.get(index).map(Transform::of),
+        Place::Scene(camera) => ctx.cameras.get(camera)?.rows.get(index).map(Transform::of_rows),
+        Place::Flat | Place::Background => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Transform;
+
+    /// The epilogue of patched shaders, step by step.
+    #[test]
+    fn rows_become_the_matrix_that_shaders_apply() {
+        let rows: [f32; 16] = std::array::from_fn(|i| ((i * 7 + 3) % 11) as f32 - 5.0);
+        let transform = Transform::of_rows(&rows);
+        let [x, y, z, w] = [0.3, -1.7, 2.2, 5.0];
+        let q = z + f64::from(rows[12]) * w;
+        let apply = |m: &[f64; 16], row: usize| m[row] * x + m[4 + row] * y + m[8 + row] * z + m[12 + row] * w;
+        for (index, row) in [(0, 0), (1, 1), (2, 3)] {
+            let r: [f64; 4] = std::array::from_fn(|k| rows[4 * index + k].into());
+            let expected = r[0] * x + r[1] * y + r[2] * w + r[3] * q;
+            assert!((apply(&transform.matrix, row) - expected).abs() < 1e-12);
+            assert!(transform.sizes.iter().zip(&transform.matrix).all(|(size, m)| *size >= m.abs()));
+        }
+    }
+}

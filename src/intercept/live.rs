@@ -1,0 +1,99 @@
+//! The rig while the program runs: read again when its file changes.
+//!
+//! The file's time and length are asked four times a second, between two frames: a steady frame reads the clock and no
+//! more. A file with a mistake changes nothing, and the log says once what is wrong with it.
+
+use super::log;
+use super::settings::{self, Settings};
+use crate::rig::Rig;
+use std::path::Path;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::time::{Duration, Instant, SystemTime};
+
+/// How often the file is looked at.
+const INTERVAL: Duration = Duration::from_millis(250);
+
+/// The rig of the moment.
+#[derive(Clone)]
+pub struct Live {
+    /// The rig.
+    pub rig: Arc<Rig>,
+    /// Grows with every change.
+    pub version: u64,
+}
+
+/// What tells one state of a file from another.
+#[derive(Clone, PartialEq)]
+struct Stamp {
+    modified: Option<SystemTime>,
+    length: u64,
+}
+
+struct Watch {
+    live: Live,
+    looked: Instant,
+    seen: Option<Stamp>,
+}
+
+static VERSION: AtomicU64 = AtomicU64::new(0);
+
+fn watch(settings: &Settings) -> &'static Mutex<Watch> {
+    static WATCH: OnceLock<Mutex<Watch>> = OnceLock::new();
+    WATCH.get_or_init(|| {
+        let live = Live { rig: Arc::new(settings.rig.clone()), version: 0 };
+        Mutex::new(Watch { live, looked: Instant::now(), seen: settings.rig_stamp.clone().map(Stamp::from) })
+    })
+}
+
+impl From<(Option<SystemTime>, u64)> for Stamp {
+    fn from((modified, length): (Option<SystemTime>, u64)) -> Self {
+        Self { modified, length }
+    }
+}
+
+/// Time of the last change and length of a file; `None` where there is none.
+pub fn stamp(path: &Path) -> Option<(Option<SystemTime>, u64)> {
+    let data = std::fs::metadata(path).ok()?;
+    Some((data.modified().ok(), data.len()))
+}
+
+/// The rig of the moment; `None` where the settings are wrong.
+pub fn rig() -> Option<Live> {
+    let settings = settings::settings()?;
+    Some(watch(settings).lock().unwrap_or_else(PoisonError::into_inner).live.clone())
+}
+
+/// The rig's version, after a look at its file if the last one was a while ago. For the end of a frame.
+pub fn version() -> u64 {
+    if let Some((settings, path)) = settings::settings().and_then(|s| Some((s, s.rig_file.as_deref()?))) {
+        // A frame does not wait for another window's look.
+        if let Ok(mut watch) = watch(settings).try_lock()
+            && watch.looked.elapsed() >= INTERVAL
+        {
+            look(&mut watch, settings, path);
+        }
+    }
+    VERSION.load(Ordering::Acquire)
+}
+
+fn look(watch: &mut Watch, settings: &Settings, path: &Path) {
+    watch.looked = Instant::now();
+    let found = stamp(path).map(Stamp::from);
+    // A file that is gone for a moment is being replaced.
+    if found.is_none() || found == watch.seen {
+        return;
+    }
+    watch.seen = found;
+    match settings.load() {
+        Ok(rig) if rig.passthrough != watch.live.rig.passthrough => {
+            log::once("the rig file has changed its `passthrough`, which needs a new start; it stays as it was");
+        }
+        Ok(rig) if rig == *watch.live.rig => {}
+        Ok(rig) => {
+            watch.live = Live { rig: Arc::new(rig), version: watch.live.version + 1 };
+            VERSION.store(watch.live.version, Ordering::Release);
+        }
+        Err(error) => log::once(&format!("the rig stays as it was: {error}")),
+    }
+}

@@ -1,0 +1,112 @@
+//! Formats of a window's images: which are corrected, and what their texels look like.
+
+use ash::vk;
+
+/// How a texel's colours lie in memory.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Texels {
+    /// Four bytes, red first.
+    Rgba8,
+    /// Four bytes, blue first.
+    Bgra8,
+    /// A word of 32 bits with 10 for each colour, red in the lowest.
+    Rgb10,
+    /// The same with blue in the lowest.
+    Bgr10,
+    /// Four floats of 16 bits, red first.
+    Half,
+}
+
+impl Texels {
+    /// Those of a format; `None`: such images keep the program's own picture.
+    pub fn of(format: vk::Format) -> Option<Self> {
+        match format {
+            vk::Format::B8G8R8A8_UNORM | vk::Format::B8G8R8A8_SRGB => Some(Self::Bgra8),
+            vk::Format::R8G8B8A8_UNORM | vk::Format::R8G8B8A8_SRGB => Some(Self::Rgba8),
+            vk::Format::A8B8G8R8_UNORM_PACK32 | vk::Format::A8B8G8R8_SRGB_PACK32 if cfg!(target_endian = "little") => {
+                Some(Self::Rgba8)
+            }
+            vk::Format::A2B10G10R10_UNORM_PACK32 => Some(Self::Rgb10),
+            vk::Format::A2R10G10B10_UNORM_PACK32 => Some(Self::Bgr10),
+            vk::Format::R16G16B16A16_SFLOAT => Some(Self::Half),
+            _ => None,
+        }
+    }
+
+    /// Bytes of a texel.
+    pub fn size(self) -> usize {
+        if self == Self::Half { 8 } else { 4 }
+    }
+
+    /// Red, green and blue of a texel in 8 bits, rounded; `bytes` has [`Texels::size`] of them.
+    pub fn color(self, bytes: &[u8]) -> [u8; 3] {
+        let byte = |index: usize| bytes.get(index).copied().unwrap_or_default();
+        let word = u32::from_ne_bytes([byte(0), byte(1), byte(2), byte(3)]);
+        let ten = |shift: u32| (((word >> shift & 1023) * 255 + 511) / 1023) as u8;
+        let half = |index: usize| from_half(u16::from_ne_bytes([byte(2 * index), byte(2 * index + 1)]));
+        match self {
+            Self::Rgba8 => [byte(0), byte(1), byte(2)],
+            Self::Bgra8 => [byte(2), byte(1), byte(0)],
+            Self::Rgb10 => [ten(0), ten(10), ten(20)],
+            Self::Bgr10 => [ten(20), ten(10), ten(0)],
+            Self::Half => [half(0), half(1), half(2)],
+        }
+    }
+}
+
+/// A 16-bit float (IEEE 754 binary16) of 0…1 as a byte; what lies outside is cut off, what is no number is 0.
+fn from_half(bits: u16) -> u8 {
+    let (exponent, fraction) = (i32::from(bits >> 10 & 31), f64::from(bits & 1023));
+    let value = match exponent {
+        0 => fraction * 2f64.powi(-24),
+        31 if fraction > 0.0 => 0.0,
+        31 => f64::INFINITY,
+        _ => (1024.0 + fraction) * 2f64.powi(exponent - 25),
+    };
+    let signed = if bits >> 15 == 1 { -value } else { value };
+    (signed.clamp(0.0, 1.0) * 255.0).round() as u8
+}
+
+/// Whether a colour space has its values encoded as a display of the usual kind takes them, which the correction's light
+/// is computed for.
+pub fn is_usual(space: vk::ColorSpaceKHR) -> bool {
+    use vk::ColorSpaceKHR as C;
+    [
+        C::SRGB_NONLINEAR,
+        C::EXTENDED_SRGB_NONLINEAR_EXT,
+        C::DISPLAY_P3_NONLINEAR_EXT,
+        C::ADOBERGB_NONLINEAR_EXT,
+        C::BT709_NONLINEAR_EXT,
+        C::PASS_THROUGH_EXT,
+    ]
+    .contains(&space)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Texels;
+
+    #[test]
+    fn every_layout_gives_the_same_color() {
+        let ten = |red: u32, green: u32, blue: u32| red | green << 10 | blue << 20 | 3 << 30;
+        assert_eq!(Texels::Rgba8.color(&[1, 2, 3, 9]), [1, 2, 3]);
+        assert_eq!(Texels::Bgra8.color(&[3, 2, 1, 9]), [1, 2, 3]);
+        assert_eq!(Texels::Rgb10.color(&ten(1023, 512, 0).to_ne_bytes()), [255, 128, 0]);
+        assert_eq!(Texels::Bgr10.color(&ten(0, 512, 1023).to_ne_bytes()), [255, 128, 0]);
+        // 1, 0.5, −2.
+        let half: Vec<u8> = [0x3c00u16, 0x3800, 0xc000, 0].iter().flat_map(|value| value.to_ne_bytes()).collect();
+        assert_eq!(Texels::Half.color(&half), [255, 128, 0]);
+    }
+
+    #[test]
+    fn floats_of_every_kind_are_survived() {
+        let byte = |bits: u16| Texels::Half.color(&bits.to_ne_bytes())[0];
+        assert_eq!((byte(0x7c00), byte(0xfc00), byte(0x7e00), byte(0x0001)), (255, 0, 0, 0));
+        let mut last = 0;
+        for bits in 0..=0x7c00 {
+            let value = byte(bits);
+            assert!(value >= last, "{bits:04x}: more is not darker");
+            last = value;
+        }
+    }
+}

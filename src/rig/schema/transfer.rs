@@ -1,0 +1,142 @@
+//! `transfer` of `[output.blend]`: the display's response.
+
+use crate::rig::problems::Problems;
+use crate::rig::reader::{Allowed, Section};
+use crate::rig::{Response, Transfer};
+use std::io::Read;
+use std::path::Path;
+use std::sync::Arc;
+
+const GAMMA: Allowed = Allowed::closed(1.0, 4.0, "the exponent of the channel's response");
+const POINT: Allowed = Allowed::closed(0.0, 1e9, "a value from 0 up, or the light that was measured for it");
+const CHANNELS: [&str; 3] = ["red", "green", "blue"];
+const EXPECTED: &str =
+    "expected two points or more, [[value, light], …], both growing, the first with the value 0, the last white";
+/// Greatest length of a file of measurements, bytes.
+const LONGEST_FILE: u64 = 1 << 20;
+
+/// What a channel's key says.
+enum Channel {
+    Power(f64),
+    Measured(Response),
+}
+
+/// The response that `transfer` and, of a plain power, `gamma` describe.
+pub(super) fn transfer(section: &mut Section, directory: &Path, problems: &mut Problems) -> Transfer {
+    let transfer = if section.is_table("transfer") {
+        let table = section.section("transfer", problems);
+        table.map_or(Transfer::Power, |table| described(table, directory, problems))
+    } else {
+        let words = [("power", Transfer::Power), ("srgb", Transfer::Srgb)];
+        section.choice("transfer", &words, problems).unwrap_or_default()
+    };
+    if !transfer.is_plain() && section.has("gamma") {
+        let why = "goes with transfer = \"power\"; any other response has its exponents itself, or none";
+        problems.add(&section.path("gamma"), why);
+    }
+    transfer
+}
+
+/// A table: `red`, `green` and `blue`, or `measured` or `file` for all of them.
+fn described(mut section: Section, directory: &Path, problems: &mut Problems) -> Transfer {
+    let path = section.path("file");
+    let all = section.number_pairs("measured", &POINT, problems);
+    let file = section.text("file", "the name of a file of measurements", problems);
+    let ways = ["measured", "file", "red"].into_iter().filter(|key| section.has(key)).count();
+    if ways != 1 {
+        let expected = "expected one of: red, green and blue; measured = [[value, light], …]; file = \"response.csv\"";
+        problems.add(&section.path("measured"), format!("{ways} ways to say the response; {expected}"));
+    }
+    let channels = CHANNELS.map(|key| channel(&mut section, key, problems));
+    section.finish(&[("gamma", "[output.blend]")], problems);
+    if let Some(points) = all {
+        return same(response(&points, &section_path(&path, "measured"), problems));
+    }
+    if let Some(file) = file {
+        return match responses(&directory.join(file)) {
+            Ok(responses) => Transfer::Measured(Arc::new(responses)),
+            Err(why) => {
+                problems.add(&path, why);
+                Transfer::Power
+            }
+        };
+    }
+    match channels {
+        [Some(Channel::Power(red)), Some(Channel::Power(green)), Some(Channel::Power(blue))] => {
+            Transfer::Powers([red, green, blue])
+        }
+        [Some(red), Some(green), Some(blue)] => {
+            Transfer::Measured(Arc::new([red, green, blue].map(|channel| match channel {
+                Channel::Power(gamma) => Response::power(gamma),
+                Channel::Measured(response) => response,
+            })))
+        }
+        _ => Transfer::Power,
+    }
+}
+
+/// The path of a key beside another one.
+fn section_path(path: &str, key: &str) -> String {
+    path.rsplit_once('.').map_or_else(|| key.to_owned(), |(parent, _)| format!("{parent}.{key}"))
+}
+
+/// A measured response for all three channels.
+fn same(response: Option<Response>) -> Transfer {
+    response.map_or(Transfer::Power, |r| Transfer::Measured(Arc::new([r.clone(), r.clone(), r])))
+}
+
+/// A channel: an exponent or points.
+fn channel(section: &mut Section, key: &'static str, problems: &mut Problems) -> Option<Channel> {
+    if !section.has(key) {
+        if CHANNELS.iter().any(|key| section.has(key)) {
+            problems.add(&section.path(key), "is missing; expected red, green and blue, each an exponent or points");
+        }
+        // Asked for, so that its name is known.
+        section.optional_number(key, &GAMMA, problems);
+        return None;
+    }
+    if !section.is_list(key) {
+        return section.optional_number(key, &GAMMA, problems).map(Channel::Power);
+    }
+    let points = section.number_pairs(key, &POINT, problems)?;
+    response(&points, &section.path(key), problems).map(Channel::Measured)
+}
+
+fn response(points: &[[f64; 2]], path: &str, problems: &mut Problems) -> Option<Response> {
+    let response = Response::measured(points);
+    if response.is_none() {
+        problems.add(path, format!("is no response; {EXPECTED}"));
+    }
+    response
+}
+
+/// Reads a file of measurements: lines of a value and its light, or of a value and the light of red, green and blue, with
+/// commas, semicolons or blanks between them; lines that begin with `#` and a first line of words are left out.
+fn responses(path: &Path) -> Result<[Response; 3], String> {
+    let refused = |why: String| format!("{}: {why}", path.display());
+    let file = std::fs::File::open(path).map_err(|error| refused(error.to_string()))?;
+    let mut text = String::new();
+    file.take(LONGEST_FILE + 1).read_to_string(&mut text).map_err(|error| refused(error.to_string()))?;
+    if text.len() as u64 > LONGEST_FILE {
+        return Err(refused("is longer than a megabyte; expected a few hundred lines of measurements".to_owned()));
+    }
+    let mut channels: [Vec<[f64; 2]>; 3] = Default::default();
+    let lines = text.lines().enumerate().map(|(index, line)| (index + 1, line.trim()));
+    for (number, line) in lines.filter(|(_, line)| !line.is_empty() && !line.starts_with('#')) {
+        let words = line.split([',', ';', ' ', '\t']).filter(|word| !word.is_empty());
+        let numbers: Option<Vec<f64>> = words.map(|word| word.parse().ok()).collect();
+        match numbers.as_deref() {
+            None if number == 1 => {}
+            Some(&[code, light]) => channels.iter_mut().for_each(|channel| channel.push([code, light])),
+            Some(&[code, red, green, blue]) => {
+                channels.iter_mut().zip([red, green, blue]).for_each(|(channel, light)| channel.push([code, light]));
+            }
+            _ => return Err(refused(format!("line {number} has not two or four numbers: value, light"))),
+        }
+    }
+    let [red, green, blue] = channels.map(|points| Response::measured(&points));
+    match (red, green, blue) {
+        (Some(red), Some(green), Some(blue)) => Ok([red, green, blue]),
+        _ => Err(refused(format!("is no response; {EXPECTED}"))),
+    }
+}

@@ -1,0 +1,17 @@
+#version 450
+/* Shows a picture as it is. */
+layout(set = 0, binding = 0) uniform sampler2D picture;
+#if defined(PLACE)
+layout(origin_upper_left) in vec4 gl_FragCoord;
+#endif
+layout(location = 0) in vec2 at;
+layout(location = 0) out vec4 result;
+
+void main()
+{
+#if defined(PLACE)
+    result = texelFetch(picture, ivec2(gl_FragCoord.xy), 0);
+#else
+    result = texture(picture, at);
+#endif
+}
