@@ -376,12 +376,9 @@ unsafe fn clear_everything(gl: &Gl) {
 impl DefaultFramebuffer {
     fn new(ctx: &Context, window: &Window, settings: &settings::Settings, extras: Extras) -> Result<Self> {
         let gl = ctx.gl;
-        let size = window.size();
         let live = live::rig().ok_or_else(|| Error::new(ErrorKind::InvalidState, "there is no rig"))?;
-        // Shaders were patched for lenses from the start, or never.
-        let projects = super::vertices::asked_for() && !ctx.views_only;
-        let plan = if projects { Session::projecting } else { Session::new };
-        let session = plan(&live.rig, size, settings.offscreen, greatest_texture(gl), extras)?;
+        let plan = super::vertices::planner(ctx);
+        let session = plan(&live.rig, window.size(), settings.offscreen, greatest_texture(gl), extras)?;
         let config = Config::of_window(gl, &ctx.profile, window);
         Self::with_session(ctx, session, config, live.version)
     }

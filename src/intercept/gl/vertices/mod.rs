@@ -15,6 +15,9 @@ pub mod variants;
 
 use super::context::Context;
 use super::outlines::Shape;
+use crate::error::Result;
+use crate::rig::Rig;
+use crate::runtime::session::{Extras, Session};
 use stage::Input;
 use std::sync::Arc;
 use variants::{InUse, Variant};
@@ -41,6 +44,14 @@ pub fn begin(ctx: &mut Context, rows: &[f32; 16], lens: Option<&[f32; 16]>) -> O
     let variant = variants::of(ctx, input)?;
     let in_use = variant.begin(ctx, rows, lens);
     Some((variant, in_use))
+}
+
+/// How a rig is planned for a window: rig, size, outputs at their own resolution, greatest texture, more tiles.
+pub type Planner = fn(&Rig, (u32, u32), bool, u32, Extras) -> Result<Session>;
+
+/// How windows of a context are planned: shaders were patched for lenses from the start, or never.
+pub fn planner(ctx: &Context) -> Planner {
+    if asked_for() && !ctx.views_only { Session::projecting } else { Session::new }
 }
 
 /// Whether an output of the rig is one to which vertices are projected.
