@@ -4,13 +4,16 @@
 //! Whether an edge is cut depends on its two ends alone, and it is cut at a place that depends on them alone. So two
 //! triangles with a common edge stay without a gap, however deep each of them is divided.
 
-use super::PictureMap;
 use super::picture_map::Place;
+use super::{PictureLens, PictureMap};
 use glam::{DVec2, DVec3};
 
 /// Edges wider than this as seen by the viewer (radians, 22.5°) are cut whatever their middle says: curves bend to both
 /// sides on longer ones.
 pub const WIDEST: f64 = std::f64::consts::FRAC_PI_8;
+/// The square of the widest edge's width, radians, times pixels per radian over the error allowed: then what is amid a
+/// triangle is within that error. Found by trying (the tests measure it).
+pub const WIDTH_SQUARED: f64 = 60.0;
 /// Edges that lead out of the picture and beyond are cut down to this width, radians.
 pub const NARROWEST: f64 = 0.003;
 /// The part of the error allowed that the middle of an edge may have: in between, and amid a triangle, it is greater by a
@@ -18,8 +21,8 @@ pub const NARROWEST: f64 = 0.003;
 pub const EDGE_SHARE: f64 = 0.7;
 /// How far outside the picture an edge has to be for its shape not to count, in halves of the picture.
 pub const OUTSIDE: f64 = 1.05;
-/// How often a primitive is halved at most.
-pub const DEEPEST: u32 = 12;
+/// How often a part is cut from a primitive at most; each cut halves one, two or three of its edges.
+pub const DEEPEST: u32 = 24;
 
 /// What is divided for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,11 +57,25 @@ struct Corner {
 }
 
 impl Division {
+    /// The widest edge, radians. Edges that lead through the middle of a fisheye are straight however wide they are; what is
+    /// amid a triangle of them grows with the square of their width.
+    pub fn widest(&self) -> f64 {
+        let scale = match self.map.lens {
+            PictureLens::Fisheye { aperture, circle, .. } => circle * 2.0 / aperture,
+            PictureLens::Pinhole(frustum) => {
+                let (half_x, half_y) = frustum.half_size();
+                DVec2::new(1.0 / half_x, 1.0 / half_y)
+            }
+        };
+        let pixels_per_radian = (scale * 0.5 * self.pixels).max_element();
+        (WIDTH_SQUARED * self.max_error / pixels_per_radian).sqrt().min(WIDEST)
+    }
+
     /// Whether the edge between two vertices, as the viewer sees them in lens axes, is too straight.
     pub fn cuts(&self, a: DVec3, b: DVec3) -> bool {
         let (a, b) = (a.normalize_or_zero(), b.normalize_or_zero());
         let sum = a + b;
-        if sum.length() < 2.0 * (0.5 * WIDEST).cos() {
+        if sum.length() < 2.0 * (0.5 * self.widest()).cos() {
             return true;
         }
         match (self.map.place(a), self.map.place(b), self.map.place(sum)) {
@@ -124,9 +141,10 @@ impl Division {
     /// Whether a part may show in the picture, if none of its edges needs to be cut.
     fn is_near(&self, corners: &[DVec3]) -> bool {
         let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+        let mut seen = false;
         for corner in corners {
             match self.map.place(*corner) {
-                Place::At(at) => (low, high) = (low.min(at), high.max(at)),
+                Place::At(at) => (low, high, seen) = (low.min(at), high.max(at), true),
                 // Somewhere on the way to infinity.
                 Place::Beyond(to) => {
                     let far = to * f64::INFINITY;
@@ -136,7 +154,7 @@ impl Division {
                 }
             }
         }
-        low.max_element() <= OUTSIDE && high.min_element() >= -OUTSIDE
+        seen && low.max_element() <= OUTSIDE && high.min_element() >= -OUTSIDE
     }
 
     /// The triangles into which one falls when its edges are cut that have to be; itself if there are none.

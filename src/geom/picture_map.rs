@@ -179,4 +179,64 @@ mod tests {
         assert!(matches!(pinhole.place(DVec3::new(1.0, 0.0, 0.2)), Place::Beyond(at) if at == DVec2::X));
         assert!(matches!(pinhole.place(DVec3::new(1.0, 0.0, -0.2)), Place::At(_)));
     }
+
+    /// Single-pass spherical projection as it was published in 2014: two arc cosines, in 32 bits.
+    fn recipe(v: [f32; 3]) -> [f32; 2] {
+        let [x, y, z] = v;
+        let r = (x * x + y * y + z * z).sqrt();
+        let theta = (z / r).acos();
+        let azimuth = (x / (r * theta.sin())).acos();
+        let azimuth = if y >= 0.0 { azimuth } else { std::f32::consts::TAU - azimuth };
+        [theta * azimuth.cos(), theta * azimuth.sin()].map(|part| part / std::f32::consts::FRAC_PI_2)
+    }
+
+    /// What our shaders compute, in 32 bits.
+    fn ours(v: [f32; 3]) -> [f32; 2] {
+        let [x, y, z] = v;
+        let h = (x * x + y * y).sqrt();
+        let (near, far) = (h.min(z.abs()), h.max(z.abs()));
+        let t = near / far.max(1e-30);
+        let sum = crate::geom::fisheye::ATAN_COEFFICIENTS.iter().rev().fold(0.0, |sum, c| sum * t * t + *c as f32);
+        let octant = t + t * t * t * sum;
+        let quadrant = if h > z.abs() { std::f32::consts::FRAC_PI_2 - octant } else { octant };
+        let angle = if z < 0.0 { std::f32::consts::PI - quadrant } else { quadrant };
+        let part = if h > 0.0 { angle / h / std::f32::consts::FRAC_PI_2 } else { 0.0 };
+        [x * part, y * part]
+    }
+
+    /// Greatest error in pixels of a picture 1080 wide, and how many results are no numbers.
+    fn judged(project: fn([f32; 3]) -> [f32; 2], directions: &[[f32; 3]]) -> (f64, usize) {
+        let lens = Fisheye { aperture: PI };
+        let (mut worst, mut none) = (0.0f64, 0);
+        for &direction in directions {
+            let [x, y] = project(direction).map(f64::from);
+            let [a, b, c] = direction.map(f64::from);
+            match DVec2::new(x, y) {
+                found if found.is_finite() => {
+                    worst = worst.max(found.distance(lens.point(DVec3::new(a, b, -c))) * 540.0)
+                }
+                _ => none += 1,
+            }
+        }
+        (worst, none)
+    }
+
+    #[test]
+    fn arc_cosines_fail_at_the_axis_and_along_a_meridian_where_ours_does_not() {
+        let mut random = Random::new(2014);
+        let mut directions = Vec::new();
+        for _ in 0..40_000 {
+            let (sin, cos) = random.range(-PI, PI).sin_cos();
+            let near = random.range(0.0, 0.1f64.to_radians());
+            directions.push([near.sin() * cos, near.sin() * sin, near.cos()]);
+            let (sin, cos) = random.range(0.0, 0.5 * PI).sin_cos();
+            directions.push([sin, random.range(-1e-3, 1e-3) * sin, cos]);
+        }
+        directions.push([0.0, 0.0, 1.0]);
+        let directions: Vec<[f32; 3]> = directions.into_iter().map(|v| v.map(|part| part as f32)).collect();
+        let (worst, none) = judged(recipe, &directions);
+        assert!(none > directions.len() / 100 && worst > 0.1, "{worst} pixels, {none} no numbers");
+        let (worst, none) = judged(ours, &directions);
+        assert!(none == 0 && worst < 1e-3, "{worst} pixels, {none} no numbers");
+    }
 }

@@ -3,6 +3,7 @@
 use crate::correct::{self, Plan, uniforms};
 use crate::error::Result;
 pub use crate::geom::Frustum;
+pub use crate::geom::division::{EDGE_SHARE, NARROWEST, OUTSIDE, WIDEST, WIDTH_SQUARED};
 use crate::geom::pose;
 pub use crate::geom::reprojection::ClipRows;
 use crate::geom::reprojection::{CameraAdjustment, clip_rows};

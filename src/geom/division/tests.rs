@@ -45,13 +45,18 @@ fn at(corners: [DVec3; 3], weights: Weights) -> DVec3 {
 fn worst(map: PictureMap, max_error: f64, seed: u64) -> (f64, usize) {
     let division = division(map, max_error);
     let mut random = Random::new(seed);
-    let (mut worst, mut most) = (0.0f64, 0);
+    let (mut worst, mut most, mut coarse) = (0.0f64, 0, 0);
     for _ in 0..60 {
         let corners = [direction(&mut random), direction(&mut random), direction(&mut random)];
         let mut parts = Vec::new();
         let outcome = division.triangle(corners, &mut |part| parts.push(part));
         assert_eq!(outcome.parts, parts.len());
         most = most.max(outcome.parts);
+        if outcome.coarse > 0 {
+            // It passes so near to the viewer that it would have to be cut for ever; it is counted.
+            coarse += 1;
+            continue;
+        }
         for part in parts {
             let own = part.map(|weights| at(corners, weights));
             for _ in 0..12 {
@@ -73,6 +78,7 @@ fn worst(map: PictureMap, max_error: f64, seed: u64) -> (f64, usize) {
             }
         }
     }
+    assert!(coarse < 4, "{coarse} of 60 triangles are not divided far enough");
     (worst, most)
 }
 
@@ -80,12 +86,12 @@ fn worst(map: PictureMap, max_error: f64, seed: u64) -> (f64, usize) {
 fn the_error_follows_the_bound() {
     for (name, map) in [("180°", fisheye(PI)), ("240°", fisheye(240f64.to_radians())), ("projector", projector())] {
         let mut before = 0;
-        for (seed, max_error) in [(1, 4.0), (2, 1.0), (3, 0.25)] {
-            let (worst, most) = worst(map, max_error, seed);
+        for max_error in [4.0, 1.0, 0.25] {
+            let (worst, most) = worst(map, max_error, 1);
             assert!(worst <= max_error, "{name}: {worst:.3} pixels instead of {max_error}");
             assert!(worst > 0.2 * max_error, "{name}: {worst:.3} pixels: more is divided than {max_error} needs");
             // A quarter of the error takes about twice as many cuts in both directions.
-            assert!(before == 0 || most < 8 * before, "{name}: {most} parts after {before}");
+            assert!(before == 0 || most < 6 * before, "{name}: {most} parts after {before}");
             before = most;
         }
     }

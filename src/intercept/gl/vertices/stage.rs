@@ -4,6 +4,7 @@
 //! cuts. What its share of vertices does not suffice for is emitted as it is, and counted where there are atomic counters.
 
 use super::interface::Interface;
+use crate::runtime::session::{EDGE_SHARE, NARROWEST, OUTSIDE, WIDEST, WIDTH_SQUARED};
 use std::fmt::Write;
 
 /// What is divided.
@@ -31,7 +32,7 @@ pub struct Limits {
 }
 
 /// How often a primitive is cut at most: two bits of a number for each.
-const DEEPEST: usize = 12;
+const DEEPEST: usize = 14;
 /// Steps of a run at most: far beyond what its vertices suffice for.
 const STEPS: usize = 8192;
 
@@ -52,7 +53,9 @@ vec3 a = normalize(cupola_seen(turned ? second : first));
 vec3 b = normalize(cupola_seen(turned ? first : second));
 vec3 sum = a + b;
 float l = length(sum);
-if (l <= WIDEST) return true;
+vec2 scale = cupola_view[6].xy * cupola_view[7].zw;
+float widest = min(WIDEST, sqrt(WIDTH_SQUARED * cupola_view[7].y / max(scale.x, scale.y)));
+if (distance(a, b) > widest) return true;
 vec3 from = cupola_place(a);
 vec3 to = cupola_place(b);
 if (from.z + to.z == 0.0) return false;
@@ -271,9 +274,10 @@ pub fn text(
     let _ = writeln!(text, "int cupola_left = {parts};");
     text.push_str(functions);
     let replace = [
-        ("WIDEST", "1.96157056"),
-        ("OUTSIDE", "1.05"),
-        ("NARROWEST", "0.003"),
+        ("WIDEST", &format!("{WIDEST:?}")),
+        ("WIDTH_SQUARED", &format!("{:?}", WIDTH_SQUARED / EDGE_SHARE)),
+        ("OUTSIDE", &format!("{OUTSIDE:?}")),
+        ("NARROWEST", &format!("{NARROWEST:?}")),
         ("DEEPEST", &DEEPEST.to_string()),
         ("STEPS", &STEPS.to_string()),
         ("TURNS", turns),
