@@ -47,13 +47,16 @@ pub fn clip_rows(rows: &ClipRows) -> [f32; 16] {
 }
 
 /// The lens of an output's own picture as patched shaders take it: (viewer, 1 − |viewer|²), (lens, 1 for a fisheye),
-/// (scale, offset), (limit, error, half of the width, half of the height). The last three are in pixels: what the middle of
+/// (scale, offset, of a fisheye half the aperture), (limit, error, half of the width, half of the height). The last three are in pixels: what the middle of
 /// an edge may be off before it is cut (0: nothing is divided), and the picture's size. A fisheye's point is its direction in the picture times the angle from the axis
 /// times scale; its limit is the angle from which on there is no picture. A pinhole's is tangent times scale minus offset;
 /// its limit is the least part of a direction along the axis.
 pub fn picture_lens(map: &PictureMap, pixels: DVec2, max_error: f64) -> [f32; 16] {
     let (fisheye, scale, offset, limit) = match map.lens {
-        PictureLens::Fisheye { aperture, circle, .. } => (1.0, circle * 2.0 / aperture, DVec2::ZERO, map.limit()),
+        PictureLens::Fisheye { aperture, circle, .. } => {
+            // A fisheye's picture is not moved: there is room for half of its aperture.
+            (1.0, circle * 2.0 / aperture, DVec2::new(0.5 * aperture, 0.0), map.limit())
+        }
         PictureLens::Pinhole(frustum) => {
             let ((half_x, half_y), (middle_x, middle_y)) = (frustum.half_size(), frustum.middle());
             let half = DVec2::new(half_x, half_y);

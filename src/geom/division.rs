@@ -81,14 +81,25 @@ impl Division {
         match (self.map.place(a), self.map.place(b), self.map.place(sum)) {
             (Place::Beyond(_), Place::Beyond(_), _) => false,
             (Place::At(seen), Place::Beyond(_), _) | (Place::Beyond(_), Place::At(seen), _) => {
-                seen.abs().max_element() < OUTSIDE && a.distance(b) > NARROWEST
+                !self.is_outside([seen; 3]) && a.distance(b) > NARROWEST
             }
             (_, _, Place::Beyond(_)) => true,
             (Place::At(from), Place::At(to), Place::At(middle)) => {
-                let (low, high) = (from.min(to).min(middle), from.max(to).max(middle));
-                let outside = low.max_element() > OUTSIDE || high.min_element() < -OUTSIDE;
                 let off = (middle - 0.5 * (from + to)) * 0.5 * self.pixels;
-                !outside && off.length() > EDGE_SHARE * self.max_error
+                !self.is_outside([from, to, middle]) && off.length() > EDGE_SHARE * self.max_error
+            }
+        }
+    }
+
+    /// Whether an edge with these ends and middle is so far outside the picture that its shape does not count: beyond the
+    /// circle of a fisheye, or beyond one side.
+    fn is_outside(&self, places: [DVec2; 3]) -> bool {
+        match self.map.lens {
+            PictureLens::Fisheye { circle, .. } => places.iter().all(|at| (*at / circle).length() > OUTSIDE),
+            PictureLens::Pinhole(_) => {
+                let low = places[0].min(places[1]).min(places[2]);
+                let high = places[0].max(places[1]).max(places[2]);
+                low.max_element() > OUTSIDE || high.min_element() < -OUTSIDE
             }
         }
     }

@@ -47,6 +47,15 @@ return vec3(dot(cupola_view[0], p), dot(cupola_view[1], p), -dot(cupola_view[2],
 bool cupola_after(vec4 a, vec4 b) {
 return a.x > b.x || (a.x == b.x && (a.y > b.y || (a.y == b.y && a.w > b.w)));
 }
+bool cupola_outside(vec2 from, vec2 to, vec2 middle) {
+if (cupola_view[5].w != 0.0) {
+vec2 unit = cupola_view[6].xy * cupola_view[6].z;
+return min(min(length(from / unit), length(to / unit)), length(middle / unit)) > OUTSIDE;
+}
+vec2 low = min(min(from, to), middle);
+vec2 high = max(max(from, to), middle);
+return max(low.x, low.y) > OUTSIDE || min(high.x, high.y) < -OUTSIDE;
+}
 bool cupola_cuts(vec4 first, vec4 second) {
 bool turned = cupola_after(first, second);
 vec3 a = normalize(cupola_seen(turned ? second : first));
@@ -60,14 +69,12 @@ vec3 from = cupola_place(a);
 vec3 to = cupola_place(b);
 if (from.z + to.z == 0.0) return false;
 if (from.z * to.z == 0.0) {
-vec2 seen = abs(from.z > 0.0 ? from.xy : to.xy);
-return max(seen.x, seen.y) < OUTSIDE && distance(a, b) > NARROWEST;
+vec2 seen = from.z > 0.0 ? from.xy : to.xy;
+return !cupola_outside(seen, seen, seen) && distance(a, b) > NARROWEST;
 }
 vec3 middle = cupola_place(sum / l);
 if (middle.z == 0.0) return true;
-vec2 low = min(min(from.xy, to.xy), middle.xy);
-vec2 high = max(max(from.xy, to.xy), middle.xy);
-if (max(low.x, low.y) > OUTSIDE || min(high.x, high.y) < -OUTSIDE) return false;
+if (cupola_outside(from.xy, to.xy, middle.xy)) return false;
 vec2 off = (middle.xy - 0.5 * (from.xy + to.xy)) * cupola_view[7].zw;
 return dot(off, off) > cupola_view[7].y * cupola_view[7].y;
 }
