@@ -76,7 +76,9 @@ pub fn fill_primary(ctx: &mut Context) {
     let Some(target) = ctx.target.take() else { return };
     take_error(ctx);
     let camera = &target.session.rig().camera;
-    if let (Some(tile), Some(directions)) = (target.primary(), own_directions(ctx, camera)) {
+    // Pictures of outputs are no views to be resampled: the first read is black.
+    let directions = own_directions(ctx, camera).filter(|_| target.lenses.is_empty());
+    if let (Some(tile), Some(directions)) = (target.primary(), directions) {
         let plan = own_picture(ctx, &target.session, directions);
         let (width, height) = plan.views.atlas;
         target.resolve(ctx, Some([0, 0, width as i32, height as i32]));
@@ -92,10 +94,6 @@ pub fn fill_primary(ctx: &mut Context) {
 /// A pixel of the program's own picture (−1…1 to the right and up, 1) → its direction in the viewer's axes, as far as
 /// −1 along the program's. None before the program's lens is known.
 fn own_directions(ctx: &Context, camera: &Camera) -> Option<DMat3> {
-    if plan.views.views.iter().any(|view| view.curved.is_some()) {
-        // Pictures of outputs are no views to be resampled: the first read is black.
-        return None;
-    }
     let lens = ctx.lens?;
     let zoom = camera.zoom;
     let tangents = DMat3::from_cols_array(&[
