@@ -280,7 +280,7 @@ pub fn text(
     }
     let _ = writeln!(text, "int cupola_left = {parts};");
     text.push_str(functions);
-    let replace = [
+    let replace: [(&str, &str); 9] = [
         ("WIDEST", &format!("{WIDEST:?}")),
         ("WIDTH_SQUARED", &format!("{:?}", WIDTH_SQUARED / EDGE_SHARE)),
         ("OUTSIDE", &format!("{OUTSIDE:?}")),
