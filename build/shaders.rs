@@ -16,6 +16,7 @@ const PASSES: &[(&str, &[&str], &[&str])] = &[
     ("Perspective", &["common.wgsl", "perspective.wgsl"], &["present", "map"]),
     ("Panorama", &["common.wgsl", "panorama.wgsl"], &["present", "map"]),
     ("Table", &["common.wgsl", "table.wgsl"], &["present", "map"]),
+    ("Mesh", &["common.wgsl", "mesh.wgsl"], &["present", "map"]),
     ("Black", &["black.wgsl"], &["present"]),
 ];
 

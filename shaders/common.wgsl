@@ -4,7 +4,7 @@
 // The passes are specialised before they are compiled: `constants` becomes a constant of the
 // program text, so that each `if` on its counts and switches is decided by the compiler and no
 // uniform is loaded per pixel. A file of a pass gives `Constants` (its first member is
-// `shared_part: Shared`) and `trace`; a file of an arrangement of the views' pictures gives `atlas`, `texel`
+// `shared_part: Shared`), `Source`, what it interpolates over the output, and `trace`; a file of an arrangement of the views' pictures gives `atlas`, `texel`
 // and `picture_size`.
 
 // A perspective view in the atlas (or the flat panel).
@@ -82,23 +82,23 @@ struct Ray {
 struct Corner {
     @builtin(position) position: vec4<f32>,
     // The source's own coordinates.
-    @location(0) source: vec2<f32>,
+    @location(0) source: Source,
     // Position in the output, 0…1, from the top left.
     @location(1) place: vec2<f32>,
 }
 
-fn corner_at(position: vec2<f32>, clip: vec2<f32>, source: vec2<f32>) -> Corner {
+fn corner_at(position: vec2<f32>, clip: vec2<f32>, source: Source) -> Corner {
     return Corner(vec4<f32>(position, 0.0, 1.0), source, vec2<f32>(0.5 + 0.5 * clip.x, 0.5 - 0.5 * clip.y));
 }
 
 @vertex
-fn rectangle(@location(0) clip: vec2<f32>, @location(1) source: vec2<f32>) -> Corner {
+fn rectangle(@location(0) clip: vec2<f32>, @location(1) source: Source) -> Corner {
     return corner_at(clip, clip, source);
 }
 
 // The same where clip coordinates have y down, as in Vulkan.
 @vertex
-fn rectangle_down(@location(0) clip: vec2<f32>, @location(1) source: vec2<f32>) -> Corner {
+fn rectangle_down(@location(0) clip: vec2<f32>, @location(1) source: Source) -> Corner {
     return corner_at(vec2<f32>(clip.x, -clip.y), clip, source);
 }
 
@@ -117,7 +117,7 @@ fn prefer(view: View, base: vec3<f32>, found: vec4<f32>) -> vec4<f32> {
 }
 
 // (atlas x, atlas y, number of the view or 0)
-fn locate(ray: Ray, source: vec2<f32>) -> vec3<f32> {
+fn locate(ray: Ray, source: Source) -> vec3<f32> {
     // Written out, not looped: constant indices let the compiler see the coefficients.
     var found = vec4<f32>(0.0, 0.0, 1.0, 0.0);
     if constants.shared_part.view_count == 0u {
@@ -125,7 +125,7 @@ fn locate(ray: Ray, source: vec2<f32>) -> vec3<f32> {
     }
     if constants.shared_part.one_to_one != 0u {
         let place = constants.shared_part.own_place;
-        found = vec4<f32>(place.xy * source + place.zw, 1.0, constants.shared_part.sole_number);
+        found = vec4<f32>(place.xy * source.xy + place.zw, 1.0, constants.shared_part.sole_number);
     }
     if constants.shared_part.view_count > 7u {
         found = prefer(constants.shared_part.views[7], ray.base, found);
@@ -418,14 +418,14 @@ fn sample(at: vec3<f32>) -> vec3<f32> {
 }
 
 // A place beside the pixel's centre, which is taken where that place shows nothing.
-fn sample_beside(source: vec2<f32>, centre: vec3<f32>) -> vec3<f32> {
+fn sample_beside(source: Source, centre: vec3<f32>) -> vec3<f32> {
     let at = locate(trace(source), source);
     return sample(select(centre, at, at.z > 0.0));
 }
 
 // The mean of four places on a rotated grid. The source's coordinates are linear in the pixel, so that their
 // derivatives are right where those of the atlas' coordinates jump from view to view.
-fn sample_four(source: vec2<f32>, centre: vec3<f32>) -> vec3<f32> {
+fn sample_four(source: Source, centre: vec3<f32>) -> vec3<f32> {
     let across = dpdx(source);
     let up = dpdy(source);
     return 0.25 * ((sample_beside(source + 0.125 * across + 0.375 * up, centre)

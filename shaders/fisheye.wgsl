@@ -1,6 +1,9 @@
 // A fisheye picture: pixel → direction by polynomials in the squared distance from the circle's centre, and a root
 // for the lenses that need one. No division, no singular axis.
 
+// Normalised coordinates of the output.
+alias Source = vec2<f32>;
+
 struct Constants {
     shared_part: Shared,
     // The parts across and along the axis as polynomials in r², r = 1 at the rim, lowest power first.
@@ -17,7 +20,7 @@ struct Constants {
     dome: mat3x3<f32>,
 }
 
-fn trace(source: vec2<f32>) -> Ray {
+fn trace(source: Source) -> Ray {
     let s = dot(source, source);
     var sine = polynomial(constants.sine[0], constants.sine[1], s);
     var cosine = polynomial(constants.cosine[0], constants.cosine[1], s);

@@ -1,5 +1,8 @@
 // Unrolled pictures of all directions: equirectangular, cylindrical, the faces of a cube side by side.
 
+// Normalised coordinates of the output.
+alias Source = vec2<f32>;
+
 struct Constants {
     shared_part: Shared,
     // 0 equirectangular, 1 cylindrical, 2 cube.
@@ -35,7 +38,7 @@ fn cube(source: vec2<f32>) -> vec3<f32> {
     return select(select(side, pole, face > 1.0), level, face > 3.0);
 }
 
-fn trace(source: vec2<f32>) -> Ray {
+fn trace(source: Source) -> Ray {
     var lens = vec3<f32>(0.0);
     if constants.kind == 2u {
         lens = unit(cube(source));

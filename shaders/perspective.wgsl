@@ -1,5 +1,8 @@
 // A flat perspective picture: pixel → direction is a homography.
 
+// Normalised coordinates of the output.
+alias Source = vec2<f32>;
+
 struct Constants {
     shared_part: Shared,
     matrix: mat3x3<f32>,
@@ -7,7 +10,7 @@ struct Constants {
     dome: mat3x3<f32>,
 }
 
-fn trace(source: vec2<f32>) -> Ray {
+fn trace(source: Source) -> Ray {
     let pixel = vec3<f32>(source, 1.0);
     return Ray(constants.matrix * pixel, true, constants.dome * pixel, 1.0, 0.0);
 }

@@ -1,6 +1,9 @@
 // A pinhole projector that lights a sphere: pixel → what the viewer sees there, in closed form:
 // a quadratic form, and a linear one times the root of the discriminant.
 
+// Normalised coordinates of the output.
+alias Source = vec2<f32>;
+
 struct Form {
     q_xx: vec3<f32>,
     q_yy: vec3<f32>,
@@ -121,7 +124,7 @@ fn share(p: vec2<f32>, reach: f32) -> vec2<f32> {
     return vec2<f32>(select(1.0, own / (own + others.x), others.x > 0.0), constants.border.w + others.y);
 }
 
-fn trace(source: vec2<f32>) -> Ray {
+fn trace(source: Source) -> Ray {
     let discriminant = quadratic(constants.discriminant[0], constants.discriminant[1], source);
     var reach = sqrt(discriminant);
     var on_screen = true;

@@ -1,4 +1,8 @@
-// A direction, a weight and the light of black for each pixel, computed beforehand: a pixel's middle reads its own texel.
+// Directions, weights and the light of black computed beforehand: for each pixel, or (without black) for every so many,
+// and interpolated.
+
+// Pixels from the output's middle, y up.
+alias Source = vec2<f32>;
 
 struct Constants {
     shared_part: Shared,
@@ -6,6 +10,9 @@ struct Constants {
     rotation: mat3x3<f32>,
     // Half of the output's width and height in pixels.
     half_size: vec2<f32>,
+    // An entry for each pixel's middle: 1. Otherwise the entries are so many pixels apart, the first one at the output's
+    // corner, and what lies between them is interpolated.
+    step: f32,
 }
 
 @group(0) @binding(5) var table: texture_2d<f32>;
@@ -28,9 +35,24 @@ fn known(at: vec2<i32>, own: vec4<f32>) -> vec4<f32> {
     return vec4<f32>(found.xyz / sqrt(max(dot(found.xyz, found.xyz), 0.5)), found.w);
 }
 
-// `source`: pixels from the output's middle, y up.
-fn trace(source: vec2<f32>) -> Ray {
+// Between the four entries around a place; only pixels that show something are drawn.
+fn among(place: vec2<f32>) -> vec4<f32> {
+    let at = max(place, vec2<f32>(0.0)) * (1.0 / constants.step);
+    let first = min(floor(at), vec2<f32>(textureDimensions(table)) - 2.0);
+    let part = at - first;
+    let corner = vec2<i32>(first);
+    let upper = mix(textureLoad(table, corner, 0), textureLoad(table, corner + vec2<i32>(1, 0), 0), part.x);
+    let lower =
+        mix(textureLoad(table, corner + vec2<i32>(0, 1), 0), textureLoad(table, corner + vec2<i32>(1, 1), 0), part.x);
+    return mix(upper, lower, part.y);
+}
+
+fn trace(source: Source) -> Ray {
     let place = vec2<f32>(constants.half_size.x + source.x, constants.half_size.y - source.y);
+    if constants.step > 1.0 {
+        let entry = among(place);
+        return Ray(constants.rotation * entry.xyz, true, vec3<f32>(0.0, 1.0, 0.0), entry.w, 0.0);
+    }
     var texel = textureLoad(table, vec2<i32>(place), 0);
     // A direction is longer than 1 by the light of all blacks there.
     var dark = 0.0;

@@ -95,6 +95,7 @@ pub(super) fn batches(
             neighbours: (0..neighbours).filter(|&bit| needs.neighbours >> bit.min(127) & 1 == 1).collect(),
             edge: needs.dark,
             rects,
+            facets: None,
         })
         .collect()
 }
@@ -322,7 +323,7 @@ impl<'a> Examiner<'a> {
     fn by_pixels(&self, block: Block) -> Needs {
         let mut needs = self.by_centres(block);
         if self.filter.has_four_places() && needs.lit {
-            // A table is interpolated between the pixels around a place.
+            // A table of all pixels is interpolated between the pixels around a place.
             let ring = u32::from(matches!(self.source, Source::Table(_)));
             let columns = block[0].saturating_sub(ring)..(block[2] + ring).min(self.size.0);
             let rows = block[1].saturating_sub(ring)..(block[3] + ring).min(self.size.1);

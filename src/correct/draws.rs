@@ -1,24 +1,27 @@
-//! The draw calls of a plan: which rectangles with which constants.
+//! The draw calls of a plan: which triangles with which constants.
 
 use super::cover::uncovered;
+use super::facets::Facets;
 use super::plan::{OutputPass, PixelRect, Plan};
-use super::uniforms::{Constants, constants, copies_texels, rectangle};
+use super::uniforms::{Constants, constants, copies_texels, facet_corner, rectangle};
 use crate::error::Result;
 use crate::geom::Frustum;
 use crate::views::{Tile, View};
 use glam::{DMat3, DVec3};
 
-/// Floats per vertex: clip coordinates (x, y), the source's coordinates (x, y).
-pub const FLOATS: usize = 4;
+/// Floats per vertex: clip coordinates (x, y), the source's coordinates: (x, y, 0, 0) or a direction and a weight.
+pub const FLOATS: usize = 6;
+/// How many of them are the source's coordinates, the last ones.
+pub const SOURCE_FLOATS: usize = 4;
 
 /// One draw call: triangles that share a shader.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Draw {
     /// What specialises the shader.
     pub constants: Constants,
-    /// First vertex.
+    /// First index.
     pub first: u32,
-    /// Number of vertices.
+    /// Number of indices, three for each triangle.
     pub count: u32,
     /// The views that it samples, as numbers in the plan; empty for black.
     pub views: Vec<usize>,
@@ -33,6 +36,8 @@ pub struct DrawList {
     pub outputs: Vec<Vec<Draw>>,
     /// The vertices of all, [`FLOATS`] numbers each.
     pub vertices: Vec<f32>,
+    /// The vertices of triangles, as numbers.
+    pub indices: Vec<u32>,
 }
 
 /// In which order the rows of a picture with views are in memory.
@@ -44,7 +49,7 @@ pub enum Rows {
     FromTop,
 }
 
-/// The draws of `passes`, outputs of `plan`: one for each batch, and one for what is black. `panel`: the
+/// The draws of `passes`, outputs of `plan`: one for what is black, and one for each batch. `panel`: the
 /// flat panel is shown where the plan has one.
 ///
 /// # Errors
@@ -57,32 +62,54 @@ pub fn draws(plan: &Plan, passes: &[OutputPass], panel: bool, rows: Rows) -> Res
     let mut list = DrawList::default();
     for pass in passes {
         let mut draws = Vec::with_capacity(pass.batches.len() + 1);
+        // First, since not all triangles end where rectangles do.
+        let filled = pass.batches.iter().filter(|batch| batch.facets.as_ref().is_none_or(|facets| facets.fills));
+        let covered: Vec<PixelRect> = filled.flat_map(|batch| batch.rects.iter().copied()).collect();
+        let black = uncovered(pass.size, &covered);
+        if !black.is_empty() {
+            draws.push(list.draw(Constants::black(), |list| list.add_rectangles(pass, &black)));
+        }
         for batch in &pass.batches {
             let constants = constants(&shown, pass, batch, panel)?;
             // The panel is seldom 1:1 and shares the sampler.
             let nearest = copies_texels(plan, pass, batch) && !(panel && plan.views.panel.is_some());
-            draws.push(Draw {
-                views: batch.views.clone(),
-                nearest,
-                ..draw(constants, pass, &batch.rects, &mut list.vertices)
+            let base = constants.base();
+            let draw = list.draw(constants, |list| match &batch.facets {
+                Some(facets) => list.add_facets(pass, facets, base),
+                None => list.add_rectangles(pass, &batch.rects),
             });
-        }
-        let covered: Vec<PixelRect> = pass.batches.iter().flat_map(|b| b.rects.iter().copied()).collect();
-        let black = uncovered(pass.size, &covered);
-        if !black.is_empty() {
-            draws.push(draw(Constants::black(), pass, &black, &mut list.vertices));
+            draws.push(Draw { views: batch.views.clone(), nearest, ..draw });
         }
         list.outputs.push(draws);
     }
     Ok(list)
 }
 
-fn draw(constants: Constants, pass: &OutputPass, rects: &[PixelRect], vertices: &mut Vec<f32>) -> Draw {
-    let first = (vertices.len() / FLOATS) as u32;
-    for rect in rects {
-        vertices.extend(rectangle(pass, rect).as_flattened());
+impl DrawList {
+    /// The draw of what `add` adds.
+    fn draw(&mut self, constants: Constants, add: impl FnOnce(&mut Self)) -> Draw {
+        let first = self.indices.len() as u32;
+        add(self);
+        Draw { constants, first, count: self.indices.len() as u32 - first, views: Vec::new(), nearest: false }
     }
-    Draw { constants, first, count: (vertices.len() / FLOATS) as u32 - first, views: Vec::new(), nearest: false }
+
+    fn next_vertex(&self) -> u32 {
+        (self.vertices.len() / FLOATS) as u32
+    }
+
+    fn add_rectangles(&mut self, pass: &OutputPass, rects: &[PixelRect]) {
+        for rect in rects {
+            let first = self.next_vertex();
+            self.vertices.extend(rectangle(pass, rect).as_flattened());
+            self.indices.extend([0, 1, 2, 0, 2, 3].map(|corner| first + corner));
+        }
+    }
+
+    fn add_facets(&mut self, pass: &OutputPass, facets: &Facets, base: DMat3) {
+        let first = self.next_vertex();
+        self.vertices.extend(facets.corners.iter().flat_map(|corner| facet_corner(pass, corner, base)));
+        self.indices.extend(facets.triangles.as_flattened().iter().map(|corner| first + corner));
+    }
 }
 
 /// The same plan over a picture whose first row is the top one: a view from whose picture the rows are

@@ -5,6 +5,7 @@ mod beam;
 mod blocks;
 mod cover;
 pub mod draws;
+pub mod facets;
 mod footprints;
 mod hidden;
 pub mod map;
@@ -14,6 +15,7 @@ mod rectangles;
 pub mod response;
 mod rounding;
 pub mod shaders;
+mod shown;
 mod source;
 pub mod spirv;
 pub mod table;
@@ -22,9 +24,10 @@ mod tests;
 pub mod uniforms;
 
 pub use arrangement::{Arrangement, ImageSize};
+pub use facets::{FacetCorner, Facets};
 pub use footprints::{Footprints, Texels, footprints};
 pub use hidden::hidden_areas;
-pub use plan::{Batch, OutputPass, PixelRect, Plan, Source, build};
+pub use plan::{Approximation, Batch, OutputPass, PixelRect, Plan, Source, build};
 pub use table::{Table, TablePixel};
 
 pub use crate::views::Tile;

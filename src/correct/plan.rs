@@ -1,11 +1,13 @@
 //! The passes of a frame: their types, and how they are built from a rig.
 
+use super::facets::{self, Facets};
+use super::shown::Shown;
 use super::table::Table;
 use super::{blocks, mask, source};
 use crate::blend::{Border, Weights};
 use crate::error::Result;
 use crate::geom::{Panorama, QuadraticForm};
-use crate::rig::{AngleRamp, Filter, Rig, Transfer};
+use crate::rig::{AngleRamp, Filter, Method, Rig, Transfer};
 use crate::views::{self, Request, ViewPlan};
 use glam::{DMat3, DVec3};
 use std::sync::Arc;
@@ -63,6 +65,42 @@ pub struct OutputPass {
     pub lift: f64,
     /// A step of the display's codes, by which values are dithered; 0 = they are not.
     pub dither: f64,
+}
+
+/// How an output's map is interpolated.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Approximation {
+    /// Between the entries of a table.
+    Table {
+        /// How far apart they are, pixels, at least 2.
+        step: u32,
+        /// Greatest error at a pixel's centre, pixels.
+        error: f64,
+    },
+    /// Between the corners of triangles.
+    Triangles {
+        /// How many there are.
+        count: usize,
+        /// Greatest error that was measured between corners, pixels.
+        error: f64,
+    },
+}
+
+impl OutputPass {
+    /// How the map is interpolated, and what that errs; `None` where each pixel has its own.
+    pub fn approximation(&self) -> Option<Approximation> {
+        let facets: Vec<&Facets> = self.batches.iter().filter_map(|batch| batch.facets.as_deref()).collect();
+        match &self.source {
+            _ if !facets.is_empty() => Some(Approximation::Triangles {
+                count: facets.iter().map(|facets| facets.triangles.len()).sum(),
+                error: facets.iter().map(|facets| facets.error).fold(0.0, f64::max),
+            }),
+            Source::Table(table) if table.step() > 1 => {
+                Some(Approximation::Table { step: table.step(), error: table.error() })
+            }
+            _ => None,
+        }
+    }
 }
 
 /// A weight image.
@@ -151,6 +189,9 @@ pub struct Batch {
     pub edge: bool,
     /// Where.
     pub rects: Vec<PixelRect>,
+    /// Triangles that are drawn in place of the rectangles; what their corners say is shown, not what the output's
+    /// source does.
+    pub facets: Option<Arc<Facets>>,
 }
 
 /// Plans the views and the passes of `rig`: deterministic, and without a graphics API; it reads the masks' files.
@@ -163,7 +204,9 @@ pub struct Batch {
 ///
 /// Those of [`views::plan`] and [`WarpMap::new`](crate::warp::WarpMap::new); [`Io`](crate::ErrorKind::Io) or [`InvalidRig`](crate::ErrorKind::InvalidRig) if a mask cannot be read.
 pub fn build(rig: &Rig, request: &Request) -> Result<Plan> {
-    let views = views::plan(rig, request)?;
+    let sizes = request.output_sizes.as_slice();
+    let domes = dome_meshes(rig, sizes)?;
+    let views = views::plan_with_reach(rig, request, reach(rig, &domes))?;
     let mut passes = Vec::new();
     let lift = match rig.outputs.iter().any(|output| output.blend.contrast.is_some()) {
         true => Weights::new(rig, &request.output_sizes)?.greatest_black(),
@@ -171,15 +214,32 @@ pub fn build(rig: &Rig, request: &Request) -> Result<Plan> {
     };
     if !rig.passthrough {
         for (index, (output, &size)) in rig.outputs.iter().zip(&request.output_sizes).enumerate() {
-            let source = source::of(rig, index, &request.output_sizes)?;
+            let source = source::of(rig, index, sizes)?;
             // A table has them in its weights.
             let ramps = if matches!(source, Source::Table(_)) { Vec::new() } else { output.blend.ramps.clone() };
             let mask = output.mask.as_deref().map(mask::load).transpose()?;
+            let batches = blocks::batches(rig, index, &source, size, &views, mask.as_ref());
+            let batches = match output.method {
+                Method::Fragment | Method::Vertex | Method::Primitive { .. } => batches,
+                Method::Table { .. } => match &source {
+                    Source::Table(table) if table.step() > 1 => only_lit(batches, &source, size),
+                    _ => batches,
+                },
+                Method::Mesh { max_error } => {
+                    meshed(only_lit(batches, &source, size), &Shown::new(rig, index, sizes)?, max_error)
+                }
+                Method::CubeMesh { .. } => with_dome(batches, &views.output_views[index], domes[index].clone()),
+            };
+            // Meshes and coarse tables do not know how many pictures meet at their pixels.
+            let knows_black = match &source {
+                Source::Table(table) => table.step() == 1,
+                _ => output.method == Method::Fragment || output.method.projects_vertices(),
+            };
             passes.push(OutputPass {
                 name: output.name.clone(),
                 size,
-                batches: blocks::batches(rig, index, &source, size, &views, mask.as_ref()),
-                lift: if output.blend.overlap { lift } else { 0.0 },
+                batches,
+                lift: if knows_black && output.blend.overlap { lift } else { 0.0 },
                 source,
                 mask,
                 ramps,
@@ -193,4 +253,56 @@ pub fn build(rig: &Rig, request: &Request) -> Result<Plan> {
         }
     }
     Ok(Plan { views, passes })
+}
+
+/// Views have at most so many texels around what outputs sample, however wrong a mesh is.
+const MOST_REACH: f64 = 64.0;
+/// Texels for a pixel's error: views have one for each pixel in their middle, and 1/cos² of the angle from it, here 60°.
+const TEXELS_PER_PIXEL: f64 = 4.0;
+
+/// How far beside its exact place an output may sample a view, texels.
+fn reach(rig: &Rig, domes: &[Option<Arc<Facets>>]) -> u32 {
+    // An output's own picture is not sampled beside its place.
+    let sampling = rig.outputs.iter().zip(domes).filter(|(output, _)| !output.method.projects_vertices());
+    let errors = sampling.map(|(output, dome)| {
+        output.method.max_error().unwrap_or_else(|| dome.as_ref().map_or(0.0, |dome| dome.error))
+    });
+    let texels = TEXELS_PER_PIXEL * rig.views.quality * errors.fold(0.0, f64::max);
+    texels.ceil().min(MOST_REACH) as u32
+}
+
+/// The meshes of the dome for the outputs that are made so.
+fn dome_meshes(rig: &Rig, sizes: &[(u32, u32)]) -> Result<Vec<Option<Arc<Facets>>>> {
+    let outputs = rig.outputs.iter().enumerate();
+    outputs
+        .map(|(index, output)| match output.method {
+            Method::CubeMesh { density } => {
+                let shown = Shown::new(rig, index, sizes)?;
+                Ok(Some(Arc::new(facets::dome_facets(rig, index, &shown, density))))
+            }
+            _ => Ok(None),
+        })
+        .collect()
+}
+
+/// The batches without pixels that show nothing.
+fn only_lit(batches: Vec<Batch>, source: &Source, size: (u32, u32)) -> Vec<Batch> {
+    batches.into_iter().map(|batch| facets::rims::only_lit(batch, source, size)).collect()
+}
+
+/// The batches, drawn as triangles with a greatest error in pixels.
+fn meshed(batches: Vec<Batch>, shown: &Shown, max_error: f64) -> Vec<Batch> {
+    let meshed = |batch: Batch| {
+        let facets = Some(Arc::new(Facets::within(shown, &batch.rects, max_error)));
+        // The weights are in the corners.
+        Batch { facets, neighbours: Vec::new(), ..batch }
+    };
+    batches.into_iter().map(meshed).collect()
+}
+
+/// The batches as one, drawn as the triangles of a dome that samples any of `views`.
+fn with_dome(batches: Vec<Batch>, views: &[usize], facets: Option<Arc<Facets>>) -> Vec<Batch> {
+    let rects: Vec<PixelRect> = batches.into_iter().flat_map(|batch| batch.rects).collect();
+    let whole = Batch { views: views.to_vec(), neighbours: Vec::new(), edge: false, rects, facets };
+    if whole.rects.is_empty() { Vec::new() } else { vec![whole] }
 }

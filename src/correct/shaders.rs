@@ -19,8 +19,10 @@ pub enum Pass {
     Perspective,
     /// An unrolled picture of all directions.
     Panorama,
-    /// A direction and a weight for each pixel, from a texture.
+    /// Directions and weights from a texture.
     Table,
+    /// Directions and weights at the corners of triangles.
+    Mesh,
     /// Nothing: black.
     Black,
 }
@@ -46,7 +48,8 @@ pub enum Stage {
 /// A program in two texts, ready to be compiled.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Specialised {
-    /// The vertex stage. Attribute 0: clip coordinates (x, y); attribute 1: the source's coordinates (x, y).
+    /// The vertex stage. Attribute 0: clip coordinates (x, y); attribute 1: the source's coordinates: (x, y), or of
+    /// [`Pass::Mesh`] a direction and a weight.
     pub vertex: &'static str,
     /// The fragment stage.
     pub fragment: String,
@@ -122,7 +125,9 @@ mod tests {
 
     #[test]
     fn every_pass_has_its_texts_in_both_languages() {
-        for pass in [Pass::Fisheye, Pass::Projector, Pass::Perspective, Pass::Panorama, Pass::Table, Pass::Black] {
+        for pass in
+            [Pass::Fisheye, Pass::Projector, Pass::Perspective, Pass::Panorama, Pass::Table, Pass::Mesh, Pass::Black]
+        {
             let text = text_of(pass);
             assert_eq!(text.pass, pass);
             let placeholders = text.constructor.matches(['%', '#']).count();

@@ -2,29 +2,33 @@
 
 use super::plan::{Neighbour, ProjectorSource, Source};
 use super::rounding;
-use super::table::{Table, TablePixel};
-use crate::blend::{Border, Weights};
+use super::shown::Shown;
+use super::table;
+use crate::blend::Border;
 use crate::error::Result;
 use crate::geom::fisheye::RadialForm;
 use crate::geom::quadratic::{cap_row, row_at, sphere_is_ahead};
 use crate::geom::{Fisheye, Panorama, QuadraticForm, Sphere, pose};
-use crate::rig::{Output, OutputKind, Rig};
+use crate::rig::{Method, Output, OutputKind, Rig};
 use crate::views::sight::{lens_rotation, perspective_rays, pole, viewer_rotation};
-use crate::warp::WarpMap;
 use glam::{DMat3, DVec2, DVec3};
 use std::sync::Arc;
 
-/// The map of output `index` of `rig`, whose outputs have `sizes` pixels: the closed form where there is one,
-/// otherwise a table.
+/// The map of output `index` of `rig`, whose outputs have `sizes` pixels: a coarse table where its method asks for one,
+/// else the closed form where there is one, otherwise a table of all pixels.
 ///
 /// # Errors
-/// Those of [`WarpMap::new`].
+/// Those of [`Shown::new`].
 pub(super) fn of(rig: &Rig, index: usize, sizes: &[(u32, u32)]) -> Result<Source> {
+    let shown = || Shown::new(rig, index, sizes);
     let size = sizes.get(index).copied().unwrap_or_default();
-    match closed_form(rig, index).filter(|source| is_exact(rig, index) && is_well_conditioned(source, size)) {
-        Some(source) => Ok(source),
-        None => tabulated(rig, index, sizes),
-    }
+    let exact = |source: &Source| is_exact(rig, index) && is_well_conditioned(source, size);
+    let table = match (rig.outputs[index].method, closed_form(rig, index).filter(exact)) {
+        (Method::Table { max_error }, _) => table::coarse(&shown()?, max_error),
+        (_, Some(source)) => return Ok(source),
+        _ => shown()?.table(),
+    };
+    Ok(Source::Table(Arc::new(table)))
 }
 
 /// Whether the formula of an output is right everywhere, and knows all that its weights depend on.
@@ -79,74 +83,6 @@ impl Pinhole {
             }
             _ => None,
         }
-    }
-}
-
-/// The exact map and weight of every pixel of an output.
-fn tabulated(rig: &Rig, index: usize, sizes: &[(u32, u32)]) -> Result<Source> {
-    let weights = Weights::new(rig, sizes)?;
-    let size = sizes.get(index).copied().unwrap_or_default();
-    let map = WarpMap::new(rig, index, size, None)?;
-    let evenness = match &rig.outputs[index].kind {
-        OutputKind::Optics { even_light, .. } if *even_light > 0.0 => {
-            Some(Evenness::of(rig, sizes, size, *even_light)?)
-        }
-        _ => None,
-    };
-    let with_black = rig.outputs.iter().any(|output| output.blend.contrast.is_some());
-    let at = |column: u32, row: u32| {
-        let pixel = DVec2::new(f64::from(column) + 0.5, f64::from(row) + 0.5);
-        let hit = map.hit(pixel)?;
-        let even = evenness.as_ref().map_or(1.0, |evenness| evenness.weight(&map, pixel));
-        let weight = weights.weight_at(index, hit) * weights.calibrated(index, pixel) * even;
-        let dark = if with_black { weights.black_at(hit) } else { 0.0 };
-        Some(TablePixel { direction: map.direction(pixel)?, weight, dark })
-    };
-    Ok(Source::Table(Arc::new(Table::new(size, at))))
-}
-
-/// Dimming that evens out the light of pixels of different size on a screen that scatters light evenly: the same
-/// light on a smaller area is brighter by the ratio of the areas, the determinant of the map's Jacobian. Distance and
-/// incidence are both in it. Projectors count as equally bright, so that where they overlap their light is the same.
-struct Evenness {
-    /// Area of the pixels that are not dimmed.
-    reference: f64,
-    strength: f64,
-}
-
-/// Pixels in each direction that are looked at for the reference.
-const REFERENCE_GRID: u32 = 64;
-/// The part of the pixels that are dimmed; the rest, stretched pixels near grazing light, would darken all others.
-const DIMMED: f64 = 0.9;
-
-impl Evenness {
-    /// For an output of `size`: dimmed as much as the output needs whose pixels are the largest for their light.
-    fn of(rig: &Rig, sizes: &[(u32, u32)], size: (u32, u32), strength: f64) -> Result<Self> {
-        let pixels = |(width, height): (u32, u32)| f64::from(width) * f64::from(height);
-        let mut reference = 0.0f64;
-        for (index, (output, &size)) in rig.outputs.iter().zip(sizes).enumerate() {
-            if matches!(output.kind, OutputKind::Optics { even_light, .. } if even_light > 0.0) {
-                let map = WarpMap::new(rig, index, size, None)?;
-                reference = reference.max(Self::large_area(&map) * pixels(size));
-            }
-        }
-        Ok(Self { reference: reference / pixels(size), strength })
-    }
-
-    /// The area on the screen that most pixels of a map do not exceed.
-    fn large_area(map: &WarpMap) -> f64 {
-        let size = DVec2::new(f64::from(map.size().0), f64::from(map.size().1));
-        let place = |i: u32| (f64::from(i) + 0.5) / f64::from(REFERENCE_GRID);
-        let grid = (0..REFERENCE_GRID).flat_map(|y| (0..REFERENCE_GRID).map(move |x| DVec2::new(place(x), place(y))));
-        let mut areas: Vec<f64> = grid.filter_map(|part| map.area(part * size)).collect();
-        areas.sort_by(f64::total_cmp);
-        areas.get((areas.len() as f64 * DIMMED) as usize).copied().unwrap_or_default()
-    }
-
-    /// The weight of a pixel, linear light; 1 where its area is not known.
-    fn weight(&self, map: &WarpMap, pixel: DVec2) -> f64 {
-        let ratio = map.area(pixel).filter(|_| self.reference > 0.0).map_or(1.0, |area| area / self.reference);
-        ratio.min(1.0).powf(self.strength)
     }
 }
 
@@ -212,7 +148,7 @@ fn neighbour_of(
 
 impl Source {
     /// The direction from the viewer at normalised coordinates, viewer axes, any length; `None`
-    /// where the output shows nothing: what the shaders compute, in f64 (of a table, what the nearest pixel shows).
+    /// where the output shows nothing: what the shaders compute, in f64 (of a table of all pixels, what the nearest one shows).
     pub fn direction(&self, x: f64, y: f64) -> Option<DVec3> {
         match self {
             Self::Fisheye { aperture, rotation, offset } => {
@@ -232,7 +168,7 @@ impl Source {
                 direction.map(|direction| *rotation * direction + *offset)
             }
             Self::Perspective { matrix } => Some(*matrix * DVec3::new(x, y, 1.0)),
-            Self::Table(table) => table.nearest(0.5 * (1.0 + x), 0.5 * (1.0 - y)).map(|pixel| pixel.direction),
+            Self::Table(table) => table.at(0.5 * (1.0 + x), 0.5 * (1.0 - y)).map(|pixel| pixel.direction),
         }
     }
 

@@ -1,15 +1,20 @@
-//! Maps that have no closed form: a direction, a weight and the light of black for each pixel, computed in f64.
+//! Maps that have no closed form, and others on request: directions, weights and the light of black, computed in f64.
 //!
-//! A table holds what a pixel's centre shows, so it is as exact as the f64 map that it was made of, up to
+//! A table of all pixels holds what a pixel's centre shows, so it is as exact as the f64 map that it was made of, up to
 //! one rounding to f32. The directions are kept in axes of their own that look at the middle of what is
 //! shown: the rounding then is relative to the distance from that middle, and its effect in pixels does not grow
 //! where the opening is narrow. Error of the atlas coordinate, rounding and shader together: at most
-//! 5e-7 of the view's width, a thousandth of a texel for a view 2000 texels wide. Memory: 16 bytes per pixel.
+//! 5e-7 of the view's width, a thousandth of a texel for a view 2000 texels wide. Memory: 16 bytes per pixel. A coarser one is as exact as was asked for, and takes 16 bytes for each entry
+//! and a byte for each pixel in memory.
+
+mod coarse;
+
+pub(super) use coarse::coarse;
 
 use super::uniforms;
 use crate::views::axes::facing;
 use glam::{DMat3, DVec3};
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 
 /// What one pixel of a table shows.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,13 +27,17 @@ pub struct TablePixel {
     pub dark: f64,
 }
 
-/// A direction and a weight for each pixel of an output.
+/// Directions and weights of an output.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
     size: (u32, u32),
+    step: u32,
+    entries: (u32, u32),
     axes: DMat3,
     texels: Vec<[f32; 4]>,
     weighted: bool,
+    lit: Arc<Vec<bool>>,
+    error: f64,
 }
 
 /// Every so many pixels are looked at to find the middle of what is shown.
@@ -68,13 +77,20 @@ impl Table {
             }
         };
         in_parts(&mut texels, columns, rows, &fill);
-        let weighted = texels.iter().any(|texel| texel[3] != 1.0 && texel[..3] != [0.0; 3]);
-        Self { size, axes, texels, weighted }
+        let lit: Vec<bool> = texels.iter().map(|texel| texel[..3] != [0.0; 3]).collect();
+        let weighted = texels.iter().zip(&lit).any(|(texel, lit)| texel[3] != 1.0 && *lit);
+        Self { size, step: 1, entries: size, axes, texels, weighted, lit: Arc::new(lit), error: 0.0 }
     }
 
-    /// Width and height in pixels.
-    pub fn size(&self) -> (u32, u32) {
-        self.size
+    /// Number of entries across and down.
+    pub fn entries(&self) -> (u32, u32) {
+        self.entries
+    }
+
+    /// How far apart entries are in pixels. 1: each is that of a pixel's centre. Otherwise the first one is at the
+    /// output's top left corner.
+    pub fn step(&self) -> u32 {
+        self.step
     }
 
     /// The table's axes → viewer axes.
@@ -82,10 +98,15 @@ impl Table {
         self.axes
     }
 
-    /// Unit direction in the table's axes and weight of each pixel, row by row from the top; a direction of
-    /// (0, 0, 0) shows nothing.
+    /// Direction in the table's axes, of length 1 or less, and weight of each entry, row by row from the top; a direction
+    /// of (0, 0, 0) shows nothing.
     pub fn texels(&self) -> &[[f32; 4]] {
         &self.texels
+    }
+
+    /// The greatest error at a pixel's centre, in pixels of the output; 0 for a table of all pixels.
+    pub fn error(&self) -> f64 {
+        self.error
     }
 
     /// Some weight is not 1.
@@ -93,23 +114,30 @@ impl Table {
         self.weighted
     }
 
-    /// What the pixel nearest to a place (0…1 from the left and from the top, limited to it) shows.
-    pub fn nearest(&self, across: f64, down: f64) -> Option<TablePixel> {
+    /// What is shown at a place (0…1 from the left and from the top, limited to it): what the nearest pixel shows, or, if
+    /// that shows anything and entries are farther apart, what lies between them.
+    pub fn at(&self, across: f64, down: f64) -> Option<TablePixel> {
         let index = |part: f64, count: u32| ((part * f64::from(count)).max(0.0) as usize).min(count as usize - 1);
         if self.texels.is_empty() {
             return None;
         }
-        let [x, y, z, weight] =
-            self.texels[index(down, self.size.1) * self.size.0 as usize + index(across, self.size.0)];
+        let pixel = index(down, self.size.1) * self.size.0 as usize + index(across, self.size.0);
+        if !self.lit[pixel] {
+            return None;
+        }
+        if self.step > 1 {
+            return Some(self.between(across, down));
+        }
+        let [x, y, z, weight] = self.texels[pixel];
         let local = DVec3::new(f64::from(x), f64::from(y), f64::from(z));
         let dark = (local.length() - 1.0).max(0.0);
-        (local != DVec3::ZERO).then(|| TablePixel { direction: self.axes * local, weight: f64::from(weight), dark })
+        Some(TablePixel { direction: self.axes * local, weight: f64::from(weight), dark })
     }
 }
 
-/// Fills the rows of `texels` on all processors; `fill` gets the number of the first row of its part.
-fn in_parts(texels: &mut [[f32; 4]], columns: usize, rows: usize, fill: &(impl Fn(usize, &mut [[f32; 4]]) + Sync)) {
-    let parts = Mutex::new(texels.chunks_mut((PART_ROWS * columns).max(1)).enumerate());
+/// Works on the rows of `lines` on all processors; `fill` gets the number of the first row of its part.
+fn in_parts<T: Send>(lines: &mut [T], columns: usize, rows: usize, fill: &(impl Fn(usize, &mut [T]) + Sync)) {
+    let parts = Mutex::new(lines.chunks_mut((PART_ROWS * columns).max(1)).enumerate());
     let work = || {
         while let Some((part, lines)) = parts.lock().ok().and_then(|mut parts| parts.next()) {
             fill(part * PART_ROWS, lines);
@@ -139,10 +167,10 @@ mod tests {
             Some(TablePixel { direction, weight: f64::NAN, dark: f64::NAN })
         });
         for column in 0..3 {
-            assert_eq!(table.nearest((f64::from(column) + 0.5) / 4.0, 0.5), None);
+            assert_eq!(table.at((f64::from(column) + 0.5) / 4.0, 0.5), None);
         }
-        let last = table.nearest(0.9, 0.5).expect("shows something");
+        let last = table.at(0.9, 0.5).expect("shows something");
         assert!(last.direction.distance(DVec3::X) < 1e-7 && last.weight == 0.0, "{last:?}");
-        assert!(Table::new((0, 0), |_, _| None).nearest(0.0, 0.0).is_none());
+        assert!(Table::new((0, 0), |_, _| None).at(0.0, 0.0).is_none());
     }
 }

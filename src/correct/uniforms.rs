@@ -4,6 +4,8 @@
 mod panorama;
 mod projector;
 
+use super::draws::FLOATS;
+use super::facets::FacetCorner;
 use super::plan::{Batch, OutputPass, PixelRect, Plan, Source};
 use super::response::encoding_polynomial;
 use super::shaders::{Pass, text_of};
@@ -28,6 +30,11 @@ pub const MAX_RAMPS: usize = 8;
 /// How far, in texels, a view also answers for beyond its own part: nothing falls between two
 /// views by rounding, and the guard of at least one texel still feeds the bilinear filter.
 const OVERHANG: f64 = 0.125;
+
+/// How far a view of a plan also answers, texels.
+fn overhang(views: &ViewPlan) -> f64 {
+    OVERHANG + f64::from(views.reach)
+}
 
 /// The rows of a re-projection as patched shaders take them: x, y, w, and (E, depth factor, depth offset, 1 for rows to
 /// the axes of a curved picture's lens, otherwise 0).
@@ -93,12 +100,13 @@ pub fn matrix(exact: &DMat4) -> [f32; 16] {
 pub struct Constants {
     pass: Pass,
     values: Vec<f32>,
+    base: DMat3,
 }
 
 impl Constants {
     fn new(pass: Pass) -> Self {
         let count = text_of(pass).members.iter().map(|m| m.2).sum();
-        Self { pass, values: vec![0.0; count] }
+        Self { pass, values: vec![0.0; count], base: DMat3::IDENTITY }
     }
 
     /// The constants of the pass that shows nothing.
@@ -109,6 +117,11 @@ impl Constants {
     /// Which pass they are for.
     pub fn pass(&self) -> Pass {
         self.pass
+    }
+
+    /// Viewer axes → what the views' transforms take: corners of triangles bring their directions so.
+    pub(super) fn base(&self) -> DMat3 {
+        self.base
     }
 
     /// The scalars in the order of the shader's constant.
@@ -199,6 +212,7 @@ impl Placement {
 /// [`MAX_VIEWS`], [`MAX_NEIGHBOURS`], [`MAX_RAMPS`], an index that is out of range, or a value that is not finite.
 pub fn constants(plan: &Plan, pass: &OutputPass, batch: &Batch, panel: bool) -> Result<Constants> {
     let mut out = Constants::new(match &pass.source {
+        _ if batch.facets.is_some() => Pass::Mesh,
         Source::Fisheye { .. } => Pass::Fisheye,
         Source::Projector(_) => Pass::Projector,
         Source::Panorama { panorama, .. } if panorama.is_circular() => Pass::Fisheye,
@@ -208,12 +222,15 @@ pub fn constants(plan: &Plan, pass: &OutputPass, batch: &Batch, panel: bool) -> 
     });
     let panel = plan.views.panel.as_ref().filter(|_| panel);
     let base = views(&mut out, plan, pass, batch, panel)?;
+    out.base = base;
     shared(&mut out, pass, batch)?;
     let pictured = samples_program_lens(plan, batch) || own_picture(plan, batch).is_some();
     let filter = if pictured { Filter::Bilinear } else { pass.filter };
     out.set_flag("shared_part.cubic", filter.is_cubic())?;
     out.set_flag("shared_part.four_places", filter.has_four_places())?;
     match &pass.source {
+        // Its corners have it all.
+        _ if batch.facets.is_some() => {}
         Source::Fisheye { aperture, rotation, offset } => {
             circular(&mut out, ["sine", "cosine"], *aperture)?;
             out.set_matrix("rotation", base * *rotation)?;
@@ -237,6 +254,7 @@ pub fn constants(plan: &Plan, pass: &OutputPass, batch: &Batch, panel: bool) -> 
         Source::Table(table) => {
             out.set_matrix("rotation", base * table.axes())?;
             out.set("half_size", &[0.5 * f64::from(pass.size.0), 0.5 * f64::from(pass.size.1)])?;
+            out.set("step", &[f64::from(table.step())])?;
         }
     }
     Ok(out)
@@ -258,7 +276,7 @@ pub fn copies_texels(plan: &Plan, pass: &OutputPass, batch: &Batch) -> bool {
     if pass.filter != Filter::Bilinear && !samples_program_lens(plan, batch) {
         return false;
     }
-    let placement = Placement::new(view, &view.owned, OVERHANG, &plan.views);
+    let placement = Placement::new(view, &view.owned, overhang(&plan.views), &plan.views);
     let map = placement.homogeneous() * view.rotation * *matrix;
     let (width, height) = (f64::from(pass.size.0), f64::from(pass.size.1));
     let atlas = plan.views.picture_size(view);
@@ -277,17 +295,24 @@ pub fn copies_texels(plan: &Plan, pass: &OutputPass, batch: &Batch) -> bool {
 /// Texels by which a copy may miss a texel's centre.
 const EXACT: f64 = 1e-3;
 
-/// A rectangle of an output as two counter-clockwise triangles: clip coordinates (x, y), then the
-/// source's coordinates (x, y).
-pub fn rectangle(pass: &OutputPass, rect: &PixelRect) -> [[f32; 4]; 6] {
+/// The corners of a rectangle of an output, counter-clockwise from the bottom left: clip coordinates (x, y), then the
+/// source's coordinates (x, y, 0, 0).
+pub fn rectangle(pass: &OutputPass, rect: &PixelRect) -> [[f32; FLOATS]; 4] {
     let (width, height) = (f64::from(pass.size.0), f64::from(pass.size.1));
     let (scale_x, scale_y) = source_scale(pass);
     let left = 2.0 * f64::from(rect.x) / width - 1.0;
     let right = 2.0 * (f64::from(rect.x) + f64::from(rect.width)) / width - 1.0;
     let top = 1.0 - 2.0 * f64::from(rect.y) / height;
     let bottom = 1.0 - 2.0 * (f64::from(rect.y) + f64::from(rect.height)) / height;
-    [(left, bottom), (right, bottom), (right, top), (left, bottom), (right, top), (left, top)]
-        .map(|(x, y)| [x as f32, y as f32, (x * scale_x) as f32, (y * scale_y) as f32])
+    [(left, bottom), (right, bottom), (right, top), (left, top)]
+        .map(|(x, y)| [x as f32, y as f32, (x * scale_x) as f32, (y * scale_y) as f32, 0.0, 0.0])
+}
+
+/// A corner of triangles over an output: clip coordinates (x, y), direction in `base` and weight.
+pub fn facet_corner(pass: &OutputPass, corner: &FacetCorner, base: DMat3) -> [f32; FLOATS] {
+    let place = 2.0 * corner.place / DVec2::new(f64::from(pass.size.0), f64::from(pass.size.1)) - 1.0;
+    let direction = base * corner.direction;
+    [place.x, -place.y, direction.x, direction.y, direction.z, corner.weight].map(|value| value as f32)
 }
 
 /// The source's coordinates at the right and the top side of an output.
@@ -323,7 +348,7 @@ fn views(out: &mut Constants, plan: &Plan, pass: &OutputPass, batch: &Batch, pan
         let view = plan.views.views.get(index).ok_or_else(|| {
             Error::new(ErrorKind::Internal, format!("A batch samples view {index}, which the plan does not have."))
         })?;
-        let placement = Placement::new(view, &view.owned, OVERHANG, &plan.views);
+        let placement = Placement::new(view, &view.owned, overhang(&plan.views), &plan.views);
         placements.push((index, view.rotation, placement));
     }
     let base = match placements.as_slice() {
@@ -395,20 +420,25 @@ fn view(out: &mut Constants, path: &str, transform: DMat3, placement: &Placement
 
 /// Sets what every source has: edge, ramps, mask, response, black level.
 fn shared(out: &mut Constants, pass: &OutputPass, batch: &Batch) -> Result<()> {
-    limit("ramps", pass.ramps.len(), MAX_RAMPS)?;
+    // Corners of triangles have them in their weights.
+    let ramps = if batch.facets.is_some() { &[] } else { pass.ramps.as_slice() };
+    limit("ramps", ramps.len(), MAX_RAMPS)?;
     out.set_flag("shared_part.edge", batch.edge)?;
-    for (i, ramp) in pass.ramps.iter().enumerate() {
+    for (i, ramp) in ramps.iter().enumerate() {
         let span = ramp.full - ramp.zero;
         // Equal ends are a step.
         let span = if span.abs() < 1e-6 { 1e-6f64.copysign(span) } else { span };
         let angle = if ramp.angle == DomeAngle::Azimuth { 1.0 } else { 0.0 };
         out.set(&format!("shared_part.ramps[{i}]"), &[angle, ramp.zero, 1.0 / span, shape(ramp.shape)])?;
     }
-    out.set("shared_part.ramp_count", &[pass.ramps.len() as f64])?;
+    out.set("shared_part.ramp_count", &[ramps.len() as f64])?;
     out.set_flag("shared_part.with_mask", pass.mask.is_some())?;
-    let in_table = matches!(&pass.source, Source::Table(table) if table.is_weighted());
-    let weighted =
-        in_table || pass.lift > 0.0 || !pass.ramps.is_empty() || pass.mask.is_some() || !batch.neighbours.is_empty();
+    let from_source = match (&batch.facets, &pass.source) {
+        (Some(facets), _) => facets.is_weighted(),
+        (None, Source::Table(table)) => table.is_weighted(),
+        (None, _) => !ramps.is_empty() || !batch.neighbours.is_empty(),
+    };
+    let weighted = from_source || pass.lift > 0.0 || pass.mask.is_some();
     out.set_flag("shared_part.weighted", weighted)?;
     // Only a power of light is a power of its code.
     out.set_flag("shared_part.in_light", weighted && (pass.lift > 0.0 || !pass.transfer.is_plain()))?;

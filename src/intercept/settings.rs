@@ -9,8 +9,8 @@ use std::time::SystemTime;
 /// The settings of this process.
 #[derive(Clone, Debug)]
 pub struct Settings {
-    /// The rig (`CUPOLA_RIG`, preset or file; `fisheye` if unset) with `CUPOLA_CAMERA`, `CUPOLA_VIEWER`,
-    /// `CUPOLA_METHOD` and `CUPOLA_DUPLICATE` applied, as it was at the start; [`live::rig`] is that of the moment.
+    /// The rig (`CUPOLA_RIG`, preset or file; `fisheye` if unset) with `CUPOLA_CAMERA`, `CUPOLA_VIEWER`, `CUPOLA_METHOD` and
+    /// `CUPOLA_DUPLICATE` applied, as it was at the start; [`live::rig`] is that of the moment.
     pub rig: Rig,
     /// The rig's file, absolute, since programs change their folder; `None` for a preset.
     pub rig_file: Option<PathBuf>,

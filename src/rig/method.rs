@@ -80,13 +80,11 @@ impl Method {
         let (name, rest) = text.split_once(',').unwrap_or((text, ""));
         let line = OneLine { what: "method", example: EXAMPLE, text: rest };
         let entries = line.entries()?;
-        let key = |wanted: &str, allowed: &Allowed, default: f64| match entries.as_slice() {
-            [] => Ok(default),
-            [entry] if entry.key == wanted => entry.number(allowed),
-            entries => {
-                let odd = entries.iter().find(|entry| entry.key != wanted).map_or("", |entry| entry.key);
-                Err(line.unknown(odd, &[wanted]))
+        let key = |wanted: &str, allowed: &Allowed, default: f64| {
+            if let Some(other) = entries.iter().find(|entry| entry.key != wanted) {
+                return Err(line.unknown(other.key, &[wanted]));
             }
+            entries.first().map_or(Ok(default), |entry| entry.number(allowed))
         };
         let max_error = || key("max_error", &MAX_ERROR, DEFAULT_ERROR);
         let division = || key("max_error", &DIVISION_ERROR, DEFAULT_DIVISION_ERROR);

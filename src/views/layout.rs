@@ -26,11 +26,12 @@ const GUTTER: u32 = 1;
 const LEAST_SCALE: f64 = 1e-5;
 
 /// Sizes the views, scales them down until the atlas holds them, and places them.
-pub(crate) fn place(rig: &Rig, request: &Request, wanted: &[Wanted], notes: &[String]) -> Result<ViewPlan> {
+/// `reach`: texels that the guard is wider than filters need.
+pub(crate) fn place(rig: &Rig, request: &Request, reach: u32, wanted: &[Wanted], notes: &[String]) -> Result<ViewPlan> {
     let mut notes = notes.to_vec();
     let limit = request.max_atlas;
     let quality = rig.views.quality;
-    let guard = guard(rig.views.filter);
+    let guard = guard(rig.views.filter) + reach;
     let mut scale = 1.0;
     let (mut views, tiles, size) = loop {
         let views: Vec<View> = wanted.iter().map(|wanted| sized(wanted, quality, scale, guard)).collect();
@@ -65,6 +66,7 @@ pub(crate) fn place(rig: &Rig, request: &Request, wanted: &[Wanted], notes: &[St
         panel,
         primary,
         guard,
+        reach,
         notes,
     })
 }

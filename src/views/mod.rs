@@ -108,6 +108,8 @@ pub struct ViewPlan {
     pub primary: Option<Tile>,
     /// Texels around the sampled part of each tile (none around those with `program_lens`).
     pub guard: u32,
+    /// So many of these are there because outputs sample beside the exact place: so far beyond its part a view answers, too.
+    pub reach: u32,
     /// Remarks for people: what was left out or scaled down, and why.
     pub notes: Vec<String>,
 }
@@ -135,12 +137,20 @@ impl ViewPlan {
 /// too much for one perspective view; [`ErrorKind::Graphics`] if nothing fits into the atlas.
 /// Where only the resolution must be reduced to fit, the plan says so in `notes`.
 pub fn plan(rig: &Rig, request: &Request) -> Result<ViewPlan> {
+    plan_with_reach(rig, request, 0)
+}
+
+/// As [`plan`], for outputs that sample up to so many texels beside the exact place.
+///
+/// # Errors
+/// As [`plan`].
+pub fn plan_with_reach(rig: &Rig, request: &Request, reach: u32) -> Result<ViewPlan> {
     let outputs: &[_] = if rig.passthrough { &[] } else { &rig.outputs };
     check(outputs.len(), rig.passthrough, request)?;
     let sights = sights(rig, outputs.len(), request)?;
     let mut arrangement = choose::arrange(rig, &sights)?;
     loop {
-        let plan = layout::place(rig, request, &arrangement.views, &arrangement.notes)?;
+        let plan = layout::place(rig, request, reach, &arrangement.views, &arrangement.notes)?;
         let Some(idle) = idle::find(&plan, &sights) else { return Ok(plan) };
         let view = arrangement.views.remove(idle);
         arrangement.notes.push(format!("no view {}: the centre of no pixel lies there", view.name));

@@ -462,3 +462,18 @@ fn degenerate_outputs_are_planned() {
     assert!(plan.output_views[2].is_empty());
     verify(&rig, &request, &plan).unwrap();
 }
+
+#[test]
+fn the_rotated_cube_of_a_dome_has_four_views() {
+    let text = "[dome]\ntilt = 90.0\n[views]\nmethod = \"rotated-cube\"\n[[output]]\nkind = \"domemaster\"\n";
+    let rig = crate::rig::parse(text, "test", std::path::Path::new("")).expect("a valid rig");
+    // Large enough that five views would be cheaper.
+    let plan = plan(&rig, &request(&[(2048, 2048)])).expect("a plan");
+    assert_eq!(plan.views.len(), 4);
+    // Two of them meet straight ahead.
+    let ahead = plan.views.iter().filter(|view| {
+        let local = view.rotation * DVec3::NEG_Z;
+        local.z < 0.0 && view.owned.contains(local.x / -local.z, local.y / -local.z)
+    });
+    assert_eq!(ahead.count(), 2);
+}

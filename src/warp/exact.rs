@@ -91,6 +91,11 @@ impl WarpMap {
         Ok(Self { size, optics, viewer, screen: rig.surface() })
     }
 
+    /// The viewer, or the eye for which the output is made, in dome axes.
+    pub fn viewer(&self) -> &Pose {
+        &self.viewer
+    }
+
     /// Width and height in pixels.
     pub fn size(&self) -> (u32, u32) {
         self.size

@@ -4,7 +4,7 @@ use super::api::*;
 use super::hidden::Hidden;
 use super::program::{self, ATLAS_UNIT, MASK_UNIT, TABLE_UNIT};
 use super::state::{self, Capabilities};
-use crate::correct::draws::{self, FLOATS, Rows};
+use crate::correct::draws::{self, DrawList, FLOATS, Rows, SOURCE_FLOATS};
 use crate::correct::plan::{Mask, OutputPass};
 use crate::correct::shaders::{Language, Pass, Specialised, Stage, specialise};
 use crate::correct::uniforms::Constants;
@@ -50,6 +50,7 @@ enum Shows {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Draw {
     program: u32,
+    /// First index, number of indices.
     first: i32,
     count: i32,
     /// The views that it samples, a bit each.
@@ -75,7 +76,8 @@ struct Output {
 #[derive(Debug, Default)]
 struct Names {
     vertex_array: u32,
-    buffer: u32,
+    /// Vertices, indices.
+    buffers: [u32; 2],
     /// Linear, nearest.
     samplers: [u32; 2],
     programs: HashMap<Specialised, u32>,
@@ -211,18 +213,15 @@ impl GlBackend {
         let result = self.build_draws(gl, plan, passes, panel, &mut old);
         // Kept programs have moved; on an error nothing is deleted that may still be drawn with.
         match result {
-            Ok((outputs, vertices)) => {
+            Ok((outputs, list)) => {
                 for program in old.into_values() {
                     // SAFETY: a context is current; the name is one that it gave.
                     unsafe { gl.delete_program(program) };
                 }
                 self.upload_textures(gl, passes, outputs);
-                // SAFETY: as above; the array is as long as said.
-                unsafe {
-                    gl.bind_buffer(GL_ARRAY_BUFFER, self.names.buffer);
-                    let size = std::mem::size_of_val(vertices.as_slice()) as isize;
-                    gl.buffer_data(GL_ARRAY_BUFFER, size, vertices.as_ptr().cast(), GL_STATIC_DRAW);
-                }
+                let [vertices, indices] = self.names.buffers;
+                fill(gl, vertices, &list.vertices);
+                fill(gl, indices, &list.indices);
                 Ok(())
             }
             Err(error) => {
@@ -238,7 +237,7 @@ impl GlBackend {
         }
         // SAFETY: a context is current; one name is written to each place.
         unsafe {
-            gl.gen_buffers(1, &mut self.names.buffer);
+            gl.gen_buffers(2, self.names.buffers.as_mut_ptr());
             self.make_vertex_array(gl);
             gl.gen_samplers(2, self.names.samplers.as_mut_ptr());
             for (sampler, filter) in self.names.samplers.into_iter().zip([GL_LINEAR, GL_NEAREST]) {
@@ -259,10 +258,13 @@ impl GlBackend {
         unsafe {
             gl.gen_vertex_arrays(1, &mut self.names.vertex_array);
             gl.bind_vertex_array(self.names.vertex_array);
-            gl.bind_buffer(GL_ARRAY_BUFFER, self.names.buffer);
-            for (attribute, offset) in [(0, 0), (1, 2 * size_of::<f32>())] {
+            let [vertices, indices] = self.names.buffers;
+            gl.bind_buffer(GL_ARRAY_BUFFER, vertices);
+            gl.bind_buffer(GL_ELEMENT_ARRAY_BUFFER, indices);
+            let clip = FLOATS - SOURCE_FLOATS;
+            for (attribute, count, offset) in [(0, clip, 0), (1, SOURCE_FLOATS, clip * size_of::<f32>())] {
                 gl.enable_vertex_attrib_array(attribute);
-                gl.vertex_attrib_pointer(attribute, 2, GL_FLOAT, 0, stride, offset as *const _);
+                gl.vertex_attrib_pointer(attribute, count as i32, GL_FLOAT, 0, stride, offset as *const _);
             }
         }
     }
@@ -292,7 +294,7 @@ impl GlBackend {
         passes: &[OutputPass],
         panel: bool,
         old: &mut HashMap<Specialised, u32>,
-    ) -> Result<(Vec<Output>, Vec<f32>)> {
+    ) -> Result<(Vec<Output>, DrawList)> {
         let list = draws::draws(plan, passes, panel, Rows::FromBottom)?;
         let mut outputs = Vec::with_capacity(passes.len());
         for (pass, draws) in passes.iter().zip(&list.outputs) {
@@ -310,7 +312,7 @@ impl GlBackend {
             }
             outputs.push(output);
         }
-        Ok((outputs, list.vertices))
+        Ok((outputs, list))
     }
 
     fn program(&mut self, gl: &Gl, constants: &Constants, old: &mut HashMap<Specialised, u32>) -> Result<u32> {
@@ -339,7 +341,10 @@ impl GlBackend {
                 output.mask = upload_mask(gl, &self.caps, mask);
                 self.names.textures.push(output.mask);
             }
-            if let Source::Table(table) = &pass.source {
+            let table_is_read = pass.batches.iter().any(|batch| batch.facets.is_none());
+            if let Source::Table(table) = &pass.source
+                && table_is_read
+            {
                 output.table = upload_table(gl, table);
                 self.names.textures.push(output.table);
             }
@@ -413,7 +418,8 @@ impl GlBackend {
                 let issue = |draw: &Draw| {
                     gl.bind_sampler(ATLAS_UNIT, if draw.nearest && unscaled { nearest } else { linear });
                     gl.use_program(draw.program);
-                    gl.draw_arrays(GL_TRIANGLES, draw.first, draw.count);
+                    let first = draw.first as usize * size_of::<u32>();
+                    gl.draw_elements(GL_TRIANGLES, draw.count, GL_UNSIGNED_INT, first as *const _);
                 };
                 let needed = || output.draws.iter().filter(|draw| cleared.is_none() || !is_blank(draw));
                 match part {
@@ -446,7 +452,7 @@ impl GlBackend {
             }
             gl.delete_textures(names.textures.len() as i32, names.textures.as_ptr());
             gl.delete_samplers(2, names.samplers.as_ptr());
-            gl.delete_buffers(1, &names.buffer);
+            gl.delete_buffers(2, names.buffers.as_ptr());
             gl.delete_vertex_arrays(1, &names.vertex_array);
         }
         self.count_errors(gl);
@@ -528,6 +534,17 @@ fn shows(constants: &Constants) -> Shows {
     }
 }
 
+/// Fills a buffer.
+fn fill<T: Copy>(gl: &Gl, buffer: u32, values: &[T]) {
+    // SAFETY: a context is current and gave the name; the array is as long as said. A buffer is none of a kind: bound as
+    // an array it changes no vertex array.
+    unsafe {
+        gl.bind_buffer(GL_ARRAY_BUFFER, buffer);
+        let size = std::mem::size_of_val(values) as isize;
+        gl.buffer_data(GL_ARRAY_BUFFER, size, values.as_ptr().cast(), GL_STATIC_DRAW);
+    }
+}
+
 /// A texture of the mask's weights.
 fn upload_mask(gl: &Gl, caps: &Capabilities, mask: &Mask) -> u32 {
     let texture;
@@ -555,9 +572,9 @@ fn upload_mask(gl: &Gl, caps: &Capabilities, mask: &Mask) -> u32 {
 
 /// A texture of the table's directions and weights.
 fn upload_table(gl: &Gl, table: &Table) -> u32 {
-    let (width, height) = (table.size().0 as i32, table.size().1 as i32);
+    let (width, height) = (table.entries().0 as i32, table.entries().1 as i32);
     let texels = table.texels().as_flattened().as_ptr().cast();
-    // SAFETY: a context is current, rows are tightly packed, and a table has width · height texels of four floats.
+    // SAFETY: a context is current, rows are tightly packed, and a table has as many texels of four floats as entries.
     unsafe {
         let texture = super::surface::new_texture(gl);
         gl.bind_texture(GL_TEXTURE_2D, texture);

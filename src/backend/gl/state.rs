@@ -79,7 +79,7 @@ impl Capabilities {
         match switch {
             GL_SAMPLE_MASK => version >= if desktop { 32 } else { 31 },
             GL_SAMPLE_SHADING => version >= if desktop { 40 } else { 32 },
-            GL_COLOR_LOGIC_OP | GL_POLYGON_SMOOTH => desktop,
+            GL_COLOR_LOGIC_OP | GL_POLYGON_SMOOTH | GL_PRIMITIVE_RESTART => desktop,
             GL_ALPHA_TEST | GL_POLYGON_STIPPLE => self.compatibility,
             GL_FRAMEBUFFER_SRGB => self.framebuffer_srgb,
             GL_DEPTH_BOUNDS_TEST_EXT => self.depth_bounds,
@@ -90,7 +90,7 @@ impl Capabilities {
 }
 
 /// Switches that are off while we draw, blending and scissor apart.
-const SWITCHES: [u32; 24] = [
+const SWITCHES: [u32; 25] = [
     GL_DEPTH_TEST,
     GL_STENCIL_TEST,
     GL_CULL_FACE,
@@ -106,6 +106,7 @@ const SWITCHES: [u32; 24] = [
     GL_POLYGON_STIPPLE,
     GL_FRAMEBUFFER_SRGB,
     GL_DEPTH_BOUNDS_TEST_EXT,
+    GL_PRIMITIVE_RESTART,
     GL_CLIP_DISTANCE0,
     GL_CLIP_DISTANCE1,
     GL_CLIP_DISTANCE2,

@@ -77,6 +77,8 @@ pub struct Trial {
 struct Contestant {
     pass: Pass,
     texture: u32,
+    /// Of the texture, or of each of its faces.
+    extent: (u32, u32),
     times: Times,
 }
 
@@ -118,7 +120,12 @@ impl Trial {
         backend.prepare(gl, &only, false)?;
         let prepared = started.elapsed().as_secs_f64();
         let texture = texture(gl, GL_TEXTURE_2D, plan.views.atlas);
-        self.contestants.push(Contestant { pass: Pass::Ours(Box::new(backend)), texture, times: Times::default() });
+        self.contestants.push(Contestant {
+            pass: Pass::Ours(Box::new(backend)),
+            texture,
+            extent: plan.views.atlas,
+            times: Times::default(),
+        });
         Ok((self.contestants.len() - 1, prepared))
     }
 
@@ -137,7 +144,7 @@ impl Trial {
         let program = program(gl, &fragment(sampling, false))?;
         let vertex_array = vertex_array(gl, mesh);
         let pass = Pass::Mesh { program, vertex_array, indices: 3 * mesh.triangles.len() as i32, target };
-        self.contestants.push(Contestant { pass, texture, times: Times::default() });
+        self.contestants.push(Contestant { pass, texture, extent: size, times: Times::default() });
         Ok(self.contestants.len() - 1)
     }
 
@@ -151,7 +158,7 @@ impl Trial {
         let vertex_array = vertex_array(gl, mesh);
         let pass =
             Pass::Mesh { program, vertex_array, indices: 3 * mesh.triangles.len() as i32, target: GL_TEXTURE_2D };
-        let drawn = Contestant { pass, texture: 0, times: Times::default() };
+        let drawn = Contestant { pass, texture: 0, extent: (0, 0), times: Times::default() };
         let (width, height) = (self.size.0 as i32, self.size.1 as i32);
         let framebuffer = framebuffer(gl, self.size, GL_RGBA32F);
         let mut texels = vec![[0.0f32; 4]; self.size.0 as usize * self.size.1 as usize];
@@ -170,6 +177,56 @@ impl Trial {
             ));
         }
         Ok(texels.chunks_exact(self.size.0 as usize).rev().flatten().copied().collect())
+    }
+
+    /// Puts pictures into what contestant `number` samples, in place of noise: its atlas or picture, or the six faces of its
+    /// cube map in OpenGL's order; row by row from the bottom, as red, green, blue and opaque bytes.
+    ///
+    /// # Errors
+    /// [`ErrorKind::InvalidArgument`] for a number that was not given, and for pictures of another size.
+    pub fn fill(&self, number: usize, pictures: &[Vec<u32>]) -> Result<()> {
+        let contestant = self.contestant(number)?;
+        let texels = contestant.extent.0 as usize * contestant.extent.1 as usize;
+        let faces = faces(contestant.target());
+        if pictures.len() != faces.len() || pictures.iter().any(|picture| picture.len() != texels) {
+            let message = format!("expected {} pictures of {texels} texels", faces.len());
+            return Err(Error::new(ErrorKind::InvalidArgument, message));
+        }
+        let (gl, (width, height)) = (&self.context.gl, contestant.extent);
+        // SAFETY: the context is current; each array holds as many texels as the texture.
+        unsafe {
+            gl.bind_texture(contestant.target(), contestant.texture);
+            for (face, picture) in faces.zip(pictures) {
+                let (width, height, data) = (width as i32, height as i32, picture.as_ptr().cast());
+                gl.tex_sub_image2_d(face, 0, 0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, data);
+            }
+        }
+        Ok(())
+    }
+
+    /// What contestant `number` draws, red, green, blue and opacity, row by row from the top.
+    ///
+    /// # Errors
+    /// [`ErrorKind::InvalidArgument`] for a number that was not given.
+    pub fn picture(&self, number: usize) -> Result<Vec<[u8; 4]>> {
+        let contestant = self.contestant(number)?;
+        let (gl, (width, height)) = (&self.context.gl, (self.size.0 as i32, self.size.1 as i32));
+        let mut pixels = vec![[0u8; 4]; self.size.0 as usize * self.size.1 as usize];
+        // SAFETY: the context is current; rows of four bytes need no padding, and the array holds width · height of them.
+        unsafe {
+            gl.bind_framebuffer(GL_FRAMEBUFFER, self.framebuffer);
+            gl.clear_color(0.0, 0.0, 0.0, 1.0);
+            gl.clear(GL_COLOR_BUFFER_BIT);
+            contestant.draw(gl, &Target { framebuffer: self.framebuffer, viewport: [0, 0, width, height] });
+            gl.bind_framebuffer(GL_READ_FRAMEBUFFER, self.framebuffer);
+            gl.read_pixels(0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, pixels.as_mut_ptr().cast());
+        }
+        Ok(pixels.chunks_exact(self.size.0 as usize).rev().flatten().copied().collect())
+    }
+
+    fn contestant(&self, number: usize) -> Result<&Contestant> {
+        let missing = || Error::new(ErrorKind::InvalidArgument, format!("there is no contestant {number}"));
+        self.contestants.get(number).ok_or_else(missing)
     }
 
     /// Draws all in turn, `rounds` times; `after` is called after each round. The times in the order of adding.
@@ -202,6 +259,14 @@ impl Trial {
 }
 
 impl Contestant {
+    /// What its texture is bound as.
+    fn target(&self) -> u32 {
+        match self.pass {
+            Pass::Ours(_) => GL_TEXTURE_2D,
+            Pass::Mesh { target, .. } => target,
+        }
+    }
+
     fn draw(&self, gl: &Gl, target: &Target) {
         match &self.pass {
             Pass::Ours(backend) => _ = backend.present(gl, self.texture, &[*target]),
@@ -249,15 +314,20 @@ fn fragment(sampling: &Sampling, coordinates: bool) -> String {
     )
 }
 
+/// The pictures of a texture.
+fn faces(target: u32) -> std::ops::Range<u32> {
+    if target == GL_TEXTURE_2D {
+        GL_TEXTURE_2D..GL_TEXTURE_2D + 1
+    } else {
+        GL_TEXTURE_CUBE_MAP_POSITIVE_X..GL_TEXTURE_CUBE_MAP_NEGATIVE_Z + 1
+    }
+}
+
 /// A texture of a varied picture: flat, or six faces.
 fn texture(gl: &Gl, target: u32, size: (u32, u32)) -> u32 {
     let (width, height) = (size.0 as i32, size.1 as i32);
     let pixels: Vec<u32> = (0..size.0 * size.1).map(|i| i.wrapping_mul(2_654_435_761) | 0xff00_0000).collect();
-    let faces = if target == GL_TEXTURE_2D {
-        GL_TEXTURE_2D..GL_TEXTURE_2D + 1
-    } else {
-        GL_TEXTURE_CUBE_MAP_POSITIVE_X..GL_TEXTURE_CUBE_MAP_NEGATIVE_Z + 1
-    };
+    let faces = faces(target);
     let mut texture = 0;
     // SAFETY: the context is current; the array holds width · height pixels.
     unsafe {

@@ -1,6 +1,7 @@
 //! What every backend is tested with: the same plans, pictures and bounds, whatever the graphics API.
 
 pub mod accuracy;
+pub mod methods;
 pub mod picture;
 pub mod plans;
 pub mod present;
@@ -47,6 +48,9 @@ macro_rules! run_all_cases {
                 several_views_and_one_agree,
                 a_projector_outside_misses_around_the_sphere,
                 a_perspective_picture;
+            methods:
+                tables_and_meshes_err_by_no_more_than_was_asked,
+                a_mesh_of_the_dome_is_four_times_as_exact_with_half_the_cells;
             present:
                 a_picture_1_to_1_is_copied_exactly,
                 a_fisheye_shows_the_world_and_black_around_it,

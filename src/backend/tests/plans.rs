@@ -20,7 +20,16 @@ pub fn view(name: &str, rotation: DMat3, owned: Frustum, tile: Tile) -> View {
 
 pub fn view_plan(views: Vec<View>, atlas: (u32, u32)) -> ViewPlan {
     let all = (0..views.len()).collect();
-    ViewPlan { views, output_views: vec![all], atlas, panel: None, primary: None, guard: GUARD, notes: Vec::new() }
+    ViewPlan {
+        views,
+        output_views: vec![all],
+        atlas,
+        panel: None,
+        primary: None,
+        guard: GUARD,
+        reach: 0,
+        notes: Vec::new(),
+    }
 }
 
 /// Front, right, left, up, down, back of a cube, `side` texels each, three in a row.
@@ -47,7 +56,7 @@ pub fn pass(size: (u32, u32), source: Source, views: Vec<usize>, edge: bool) -> 
         name: "output".into(),
         size,
         source,
-        batches: vec![Batch { views, neighbours: Vec::new(), edge, rects }],
+        batches: vec![Batch { views, neighbours: Vec::new(), edge, rects, facets: None }],
         mask: None,
         ramps: Vec::new(),
         dome_rotation: DMat3::IDENTITY,

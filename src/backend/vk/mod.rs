@@ -14,6 +14,7 @@ mod passes;
 mod program;
 mod surface;
 mod timers;
+pub mod trial;
 
 pub use api::Api;
 pub use ash;

@@ -70,6 +70,7 @@ pub struct VkBackend {
     common: Common,
     pipelines: HashMap<Modules, vk::Pipeline>,
     vertices: Buffer,
+    indices: Buffer,
     staging: Buffer,
     textures: Vec<Texture>,
     /// The textures have to be filled by the next command buffer.
@@ -100,6 +101,7 @@ impl VkBackend {
             common: Common::default(),
             pipelines: HashMap::new(),
             vertices: Buffer::default(),
+            indices: Buffer::default(),
             staging: Buffer::default(),
             textures: Vec::new(),
             upload: false,
@@ -174,6 +176,9 @@ impl VkBackend {
         let bytes: Vec<u8> = list.vertices.iter().flat_map(|v| v.to_ne_bytes()).collect();
         self.vertices = Buffer::new(&self.api, bytes.len(), vk::BufferUsageFlags::VERTEX_BUFFER)?;
         self.vertices.write(&self.api, 0, &bytes)?;
+        let bytes: Vec<u8> = list.indices.iter().flat_map(|v| v.to_ne_bytes()).collect();
+        self.indices = Buffer::new(&self.api, bytes.len(), vk::BufferUsageFlags::INDEX_BUFFER)?;
+        self.indices.write(&self.api, 0, &bytes)?;
         let mut old = take(&mut self.pipelines);
         let result = passes.iter().zip(&list.outputs).try_for_each(|(pass, draws)| {
             let mut output = Output { size: pass.size, ..Output::default() };
@@ -230,9 +235,12 @@ impl VkBackend {
                     add(vk::Format::R8_UNORM, size, values)?
                 });
             }
-            if let Source::Table(table) = &pass.source {
+            let table_is_read = pass.batches.iter().any(|batch| batch.facets.is_none());
+            if let Source::Table(table) = &pass.source
+                && table_is_read
+            {
                 let values = table.texels().as_flattened().iter().flat_map(|v| v.to_ne_bytes()).collect();
-                output.table = Some(add(vk::Format::R32G32B32A32_SFLOAT, table.size(), values)?);
+                output.table = Some(add(vk::Format::R32G32B32A32_SFLOAT, table.entries(), values)?);
             }
         }
         self.upload = !self.textures.is_empty();
@@ -377,6 +385,7 @@ impl VkBackend {
             image.acquire(&self.api, command_buffer);
             device.cmd_begin_render_pass(command_buffer, &begin, vk::SubpassContents::INLINE);
             device.cmd_bind_vertex_buffers(command_buffer, 0, &[self.vertices.handle], &[0]);
+            device.cmd_bind_index_buffer(command_buffer, self.indices.handle, 0, vk::IndexType::UINT32);
             let mut sets = source.sets.as_slice();
             for (output, viewport) in self.outputs.iter().zip(viewports) {
                 let (own, others) = sets.split_at(output.draws.len().min(sets.len()));
@@ -426,7 +435,7 @@ impl VkBackend {
                 let set = sets[usize::from(draw.nearest && unscaled)];
                 device.cmd_bind_descriptor_sets(command_buffer, graphics, self.common.layout, 0, &[set], &[]);
                 device.cmd_bind_pipeline(command_buffer, graphics, draw.pipeline);
-                device.cmd_draw(command_buffer, draw.count, 1, draw.first, 0);
+                device.cmd_draw_indexed(command_buffer, draw.count, 1, draw.first, 0, 0);
             }
         }
     }
@@ -483,6 +492,7 @@ impl VkBackend {
         }
         self.staging.destroy(&self.api);
         self.vertices.destroy(&self.api);
+        self.indices.destroy(&self.api);
         self.upload = false;
     }
 

@@ -2,7 +2,7 @@
 
 use super::api::{Api, refused};
 use crate::correct::Arrangement;
-use crate::correct::draws::FLOATS;
+use crate::correct::draws::{FLOATS, SOURCE_FLOATS};
 use crate::correct::spirv::{Modules, VERTEX_ENTRY, binding};
 use crate::error::Result;
 use ash::vk;
@@ -118,13 +118,12 @@ impl Common {
         ];
         let stride = (FLOATS * size_of::<f32>()) as u32;
         let buffers = [vk::VertexInputBindingDescription::default().stride(stride)];
-        let attribute = |location, offset| {
-            vk::VertexInputAttributeDescription::default()
-                .location(location)
-                .format(vk::Format::R32G32_SFLOAT)
-                .offset(offset)
+        let attribute = |location, format, offset| {
+            vk::VertexInputAttributeDescription::default().location(location).format(format).offset(offset)
         };
-        let attributes = [attribute(0, 0), attribute(1, stride / 2)];
+        let source = ((FLOATS - SOURCE_FLOATS) * size_of::<f32>()) as u32;
+        let attributes =
+            [attribute(0, vk::Format::R32G32_SFLOAT, 0), attribute(1, vk::Format::R32G32B32A32_SFLOAT, source)];
         let input = vk::PipelineVertexInputStateCreateInfo::default()
             .vertex_binding_descriptions(&buffers)
             .vertex_attribute_descriptions(&attributes);

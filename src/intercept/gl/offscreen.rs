@@ -119,7 +119,7 @@ fn own_picture(ctx: &Context, session: &Session, directions: DMat3) -> Plan {
         name: "primary".to_owned(),
         size,
         source: Source::Perspective { matrix: directions },
-        batches: vec![Batch { views, neighbours: Vec::new(), edge: true, rects: vec![rect] }],
+        batches: vec![Batch { views, neighbours: Vec::new(), edge: true, rects: vec![rect], facets: None }],
         mask: None,
         filter: Filter::Bilinear,
         gamma: 1.0,

@@ -4,15 +4,34 @@ use super::{PITCH, YAW};
 use crate::rig::problems::Problems;
 use crate::rig::reader::{Allowed, Section};
 use crate::rig::{Duplicate, Favour, Filter, Overlay, Resolution, ViewMethod, Views};
+use glam::DVec3;
+use std::f64::consts::FRAC_1_SQRT_2;
 
 /// More views than this would cost more than the faces of a cube in any rig.
 const MOST_CELLS: usize = 24;
 
+/// The cells of a cube with an upright edge before the viewer: a hemisphere needs four of them (Bourke 2009).
+const ROTATED_CUBE: [DVec3; 6] = [
+    DVec3::new(-FRAC_1_SQRT_2, 0.0, -FRAC_1_SQRT_2),
+    DVec3::new(FRAC_1_SQRT_2, 0.0, -FRAC_1_SQRT_2),
+    DVec3::Y,
+    DVec3::NEG_Y,
+    DVec3::new(-FRAC_1_SQRT_2, 0.0, FRAC_1_SQRT_2),
+    DVec3::new(FRAC_1_SQRT_2, 0.0, FRAC_1_SQRT_2),
+];
+
 pub(super) fn views(section: Option<Section>, problems: &mut Problems) -> Views {
     let mut views = Views::default();
     let Some(mut section) = section else { return views };
-    let methods = [("auto", ViewMethod::Auto), ("cube", ViewMethod::Cube), ("single", ViewMethod::Single)];
-    views.method = section.choice("method", &methods, problems).unwrap_or(ViewMethod::Auto);
+    // The method, and the cells that it means where the file brings none.
+    let methods = [
+        ("auto", (ViewMethod::Auto, &[][..])),
+        ("cube", (ViewMethod::Cube, &[])),
+        ("single", (ViewMethod::Single, &[])),
+        ("rotated-cube", (ViewMethod::Cube, &ROTATED_CUBE)),
+    ];
+    let (method, cells) = section.choice("method", &methods, problems).unwrap_or((ViewMethod::Auto, &[]));
+    views.method = method;
     let allowed = Allowed::closed(0.1, 8.0, "a factor on the views' resolution");
     views.quality = section.number("quality", &allowed, 1.0, problems);
     let filters = [
@@ -27,7 +46,7 @@ pub(super) fn views(section: Option<Section>, problems: &mut Problems) -> Views 
     let resolutions = [("nominal", Resolution::Nominal), ("full", Resolution::Full)];
     views.resolution = section.choice("resolution", &resolutions, problems).unwrap_or(Resolution::Nominal);
     let allowed = Allowed::closed(-1e3, 1e3, "a vector in the viewer's axes for each view");
-    views.cells = section.vectors("cells", MOST_CELLS, &allowed, problems).unwrap_or_default();
+    views.cells = section.vectors("cells", MOST_CELLS, &allowed, problems).unwrap_or_else(|| cells.to_vec());
     let duplicates = [("auto", Duplicate::Auto), ("never", Duplicate::Never), ("always", Duplicate::Always)];
     views.duplicate = section.choice("duplicate", &duplicates, problems).unwrap_or(Duplicate::Auto);
     section.finish(&[], problems);

@@ -1,10 +1,13 @@
 //! A scene and all methods on it: times and errors.
 
-use super::methods::{Directions, add_all};
+use super::methods::{Clock, Directions, Entrants, Method};
+use super::quality::{self, Quality};
 use super::scenes::Scene;
 use crate::Failure;
-use cupola::backend::gl::trial::{Times, Trial};
+use cupola::backend::gl::trial::Times;
+use cupola::backend::vk;
 use cupola::warp::{MapError, WarpMap, compare_each};
+use std::time::Instant;
 
 /// What was measured on one scene.
 pub struct Contest {
@@ -34,6 +37,8 @@ pub struct Outcome {
     pub texels: Option<f64>,
     /// Its error, if it corrects anything.
     pub error: Option<Errors>,
+    /// Its picture of a scene with hard edges, drawn with four samples for each texel, against many samples for each pixel.
+    pub quality: Option<Quality>,
 }
 
 /// The error of a method's map.
@@ -50,32 +55,65 @@ pub struct Errors {
 
 /// Measures all methods on `scene`; `phase` hears what is going on.
 pub fn run(scene: Scene, rounds: u32, phase: impl Fn(String)) -> Result<Contest, Failure> {
-    let mut trial = Trial::new(scene.size)?;
     let exact = WarpMap::new(&scene.rig, 0, scene.size, None)?;
-    let methods = add_all(&mut trial, &scene, &exact)?;
+    let Entrants { mut trial, mut vulkan, methods } = Entrants::new(&scene, &exact)?;
     let mut round = 0;
+    let mut others: Vec<Vec<f64>> = methods.iter().map(|_| Vec::new()).collect();
+    let mut failed = None;
     let times = trial.run(rounds, || {
         round += 1;
         phase(format!("{}: round {round}", scene.name));
+        // Those that are not OpenGL's, in the same round.
+        for (method, seconds) in methods.iter().zip(&mut others) {
+            match time(method, vulkan.as_mut()) {
+                Ok(taken) => seconds.extend(taken),
+                Err(error) => failed = Some(error),
+            }
+        }
     })?;
+    if let Some(error) = failed {
+        return Err(error);
+    }
+    phase(format!("{}: pictures", scene.name));
+    let truth = (scene.rig.outputs.len() == 1).then(|| quality::truth(&exact));
     phase(format!("{}: errors", scene.name));
-    let base = &times[methods[0].number];
+    let base = &times[0];
     let mut results = Vec::new();
-    for method in methods {
-        let own = &times[method.number];
+    for (method, other) in methods.into_iter().zip(others) {
+        let own = match &method.clock {
+            Clock::OpenGl(number) => times[*number].clone(),
+            // Without the rounds that warm up.
+            _ => Times { seconds: other[other.len() - base.seconds.len()..].to_vec(), processor: Vec::new() },
+        };
         let ratios = sorted(own.seconds.iter().zip(&base.seconds).map(|(own, base)| own / base));
+        let picture = truth.as_ref().zip(method.picture(&trial)?);
         results.push(Outcome {
-            name: method.name,
             is_default: method.is_default,
             ratio: quantile(&ratios, 0.5),
             spread: (quantile(&ratios, 0.25), quantile(&ratios, 0.75)),
-            processor_ratio: processor_ratio(own, base),
+            processor_ratio: processor_ratio(&own, base),
             milliseconds: quantile(&sorted(own.seconds.iter().copied()), 0.5) * 1e3,
             texels: method.texels,
+            quality: picture.map(|(truth, picture)| quality::quality(&picture, truth, scene.size.0 as usize)),
             error: method.map.map(|map| errors(&exact, &map)),
+            name: method.name,
         });
     }
-    Ok(Contest { scene, driver: trial.driver(), results })
+    Ok(Contest { driver: trial.driver(), scene, results })
+}
+
+/// The seconds that a method takes that is not OpenGL's.
+fn time(method: &Method, vulkan: Option<&mut vk::trial::Trial>) -> Result<Option<f64>, Failure> {
+    Ok(match (&method.clock, vulkan) {
+        (Clock::Vulkan(number), Some(vulkan)) => Some(vulkan.time(*number)?),
+        (Clock::Processor(processor), _) => {
+            let started = Instant::now();
+            // The picture is what takes the time.
+            std::hint::black_box(processor.picture());
+            Some(started.elapsed().as_secs_f64())
+        }
+        _ => None,
+    })
 }
 
 fn processor_ratio(own: &Times, base: &Times) -> f64 {

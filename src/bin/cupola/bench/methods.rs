@@ -1,14 +1,16 @@
 //! Ways of correcting: what each draws, and the map that it makes.
 
 use super::peers;
+use super::processor::Processor;
+use super::quality;
 use super::scenes::Scene;
 use crate::Failure;
-use cupola::backend::gl;
 use cupola::backend::gl::trial::{Sampling, Trial, TrialMesh};
+use cupola::backend::{gl, vk};
 use cupola::correct::table::{Table, TablePixel};
 use cupola::correct::{self, Plan, Source};
 use cupola::formats::{Grid, Mesh, Node};
-use cupola::rig::OutputKind;
+use cupola::rig::{Filter, OutputKind, Rig};
 use cupola::views::Request;
 use cupola::warp::WarpMap;
 use glam::{DVec2, DVec3};
@@ -17,65 +19,223 @@ use std::sync::Arc;
 /// Direction in viewer axes of each pixel, row by row from the top; `None` where nothing is shown.
 pub type Directions = Vec<Option<DVec3>>;
 
-/// A way of correcting that has been added to a trial.
+/// Who measures a method's time.
+pub enum Clock {
+    /// The trial on OpenGL, by this number.
+    OpenGl(usize),
+    /// The trial on Vulkan, by this number.
+    Vulkan(usize),
+    /// It is computed on the processor.
+    Processor(Box<Processor>),
+}
+
+/// A way of correcting that has been entered.
 pub struct Method {
     /// In words.
     pub name: String,
     /// Ours, as it is without being asked for anything.
     pub is_default: bool,
-    /// Its number in the trial.
-    pub number: usize,
+    /// Who measures it.
+    pub clock: Clock,
     /// Texels of the views that are drawn for it, over the output's pixels.
     pub texels: Option<f64>,
     /// Its map; `None` for what corrects nothing.
     pub map: Option<Directions>,
 }
 
-/// Adds all methods for `scene`. The first is the picture that the others' times are measured in.
-pub fn add_all(trial: &mut Trial, scene: &Scene, exact: &WarpMap) -> Result<Vec<Method>, Failure> {
-    let mut methods = Vec::new();
-    let (width, height) = scene.size;
-    let pixels = f64::from(width) * f64::from(height);
-    let number = trial.add_mesh(&TrialMesh::quad(), &Sampling::Picture(width, height))?;
-    methods.push(Method { name: "one bilinear picture".into(), is_default: false, number, texels: None, map: None });
-    let plan = plan(scene)?;
-    methods.push(ours(trial, "fragment (default)", true, &plan, pixels)?);
-    let blended = scene.rig.outputs.len() > 1;
-    if !blended {
-        methods.push(ours(trial, "table, every pixel", false, &tabulated(&plan, scene, exact), pixels)?);
-        // Faces as fine as a domemaster's or a projector's middle needs.
-        let side = plan.views.views.iter().map(|view| view.tile.width.max(view.tile.height)).max().unwrap_or(1);
-        for columns in [16, 32, 64, 128, 256] {
-            let rows = (columns * height).div_ceil(width);
-            let name = format!("mesh of directions {columns}×{rows}");
-            let mesh = peers::Peer {
-                name,
-                mesh: direction_mesh(scene, exact, columns, rows),
-                sampling: Sampling::Cube(side),
-                texels: None,
-            };
-            methods.push(peer(trial, scene, exact, mesh)?);
-        }
-        for mesh in peers::meshes(scene, exact, side) {
-            methods.push(peer(trial, scene, exact, mesh)?);
-        }
-        for formula in peers::formulas(scene, side) {
-            methods.push(shader(trial, scene, exact, formula)?);
-        }
+impl Method {
+    /// What it makes of the scene, grey; `None` where it corrects nothing, or on Vulkan, whose shaders are the same.
+    pub fn picture(&self, trial: &Trial) -> Result<Option<Vec<u8>>, Failure> {
+        Ok(match &self.clock {
+            _ if self.map.is_none() => None,
+            Clock::OpenGl(number) => Some(trial.picture(*number)?.into_iter().map(|pixel| pixel[0]).collect()),
+            Clock::Vulkan(_) => None,
+            Clock::Processor(processor) => Some(processor.picture()),
+        })
     }
-    Ok(methods)
 }
 
-/// The plan of a scene's first output.
-fn plan(scene: &Scene) -> Result<Plan, Failure> {
+/// Everything that is measured on one scene.
+pub struct Entrants {
+    /// What OpenGL draws.
+    pub trial: Trial,
+    /// What Vulkan draws, where there is a device.
+    pub vulkan: Option<vk::trial::Trial>,
+    /// The first is the picture that the others' times are measured in.
+    pub methods: Vec<Method>,
+}
+
+/// Greatest errors of tables and meshes.
+const BOUNDS: [f64; 3] = [0.5, 0.1, 0.02];
+/// Cells along the cube's edge of meshes of the dome.
+const DENSITIES: [u32; 4] = [16, 32, 64, 128];
+/// Filters beside the usual one.
+const FILTERS: [(&str, Filter); 3] = [
+    ("fragment, Catmull-Rom", Filter::CatmullRom),
+    ("fragment, four places", Filter::Bilinear4),
+    ("fragment, Catmull-Rom at four places", Filter::CatmullRom4),
+];
+/// Cells across of meshes that are equally fine everywhere.
+const COLUMNS: [u32; 3] = [16, 64, 256];
+
+impl Entrants {
+    /// All methods for `scene`.
+    pub fn new(scene: &Scene, exact: &WarpMap) -> Result<Self, Failure> {
+        let vulkan = vk::trial::Trial::new(scene.size).ok();
+        let mut this = Self { trial: Trial::new(scene.size)?, vulkan, methods: Vec::new() };
+        let (width, height) = scene.size;
+        let number = this.trial.add_mesh(&TrialMesh::quad(), &Sampling::Picture(width, height))?;
+        this.add("one bilinear picture", Clock::OpenGl(number), None, None);
+        let plan = plan(&scene.rig, scene)?;
+        this.add_plan("fragment (default)", &plan)?;
+        this.methods.iter_mut().skip(1).for_each(|method| method.is_default = true);
+        this.add_vulkan("fragment, Vulkan", &plan)?;
+        for method in ["table", "mesh"] {
+            for bound in BOUNDS {
+                let name = format!("{method}, at most {bound} px");
+                let plan = self::plan(&scene.rig.with_method_override(&format!("{method},max_error={bound}"))?, scene)?;
+                this.add_plan(&name, &plan)?;
+                if bound == BOUNDS[1] {
+                    this.add_vulkan(&format!("{name}, Vulkan"), &plan)?;
+                }
+            }
+        }
+        for density in DENSITIES {
+            let rig = scene.rig.with_method_override(&format!("cube-mesh,density={density}"))?;
+            this.add_plan(&format!("cube-mesh, {density} cells"), &self::plan(&rig, scene)?)?;
+        }
+        if scene.rig.outputs.len() == 1 {
+            this.add_plan("table, every pixel", &tabulated(&plan, scene, exact))?;
+            for (name, filter) in FILTERS {
+                let mut rig = scene.rig.clone();
+                rig.views.filter = filter;
+                this.add_plan(name, &self::plan(&rig, scene)?)?;
+            }
+            let processor = Processor::new(&plan, &quality::atlas(&plan));
+            let map = processor.directions();
+            this.add("fragment, processor alone", Clock::Processor(Box::new(processor)), texels(&plan), Some(map));
+            this.add_others(scene, exact, &plan)?;
+        }
+        Ok(this)
+    }
+
+    fn add(&mut self, name: &str, clock: Clock, texels: Option<f64>, map: Option<Directions>) {
+        self.methods.push(Method { name: name.into(), is_default: false, clock, texels, map });
+    }
+
+    /// Our correction by `plan`.
+    fn add_plan(&mut self, name: &str, plan: &Plan) -> Result<(), Failure> {
+        let (number, _) = self.trial.add_plan(plan)?;
+        self.trial.fill(number, &[quality::atlas(plan)])?;
+        let context = self.trial.context();
+        let map = gl::gpu_map(&context.gl, context.is_gles, plan, 0)?;
+        self.add(name, Clock::OpenGl(number), texels(plan), Some(directions(&map)));
+        Ok(())
+    }
+
+    /// Our correction by `plan` on Vulkan, where there is a device.
+    fn add_vulkan(&mut self, name: &str, plan: &Plan) -> Result<(), Failure> {
+        let Some(vulkan) = &mut self.vulkan else { return Ok(()) };
+        let number = vulkan.add_plan(plan)?;
+        let map = vulkan.map(plan)?;
+        self.add(name, Clock::Vulkan(number), texels(plan), Some(directions(&map)));
+        Ok(())
+    }
+
+    /// How other programs correct.
+    fn add_others(&mut self, scene: &Scene, exact: &WarpMap, plan: &Plan) -> Result<(), Failure> {
+        let (width, height) = scene.size;
+        // Faces as fine as a domemaster's or a projector's middle needs.
+        let side = plan.views.views.iter().map(|view| view.tile.width.max(view.tile.height)).max().unwrap_or(1);
+        for columns in COLUMNS {
+            let rows = (columns * height).div_ceil(width);
+            let name = format!("even mesh of directions {columns}×{rows}, cube map");
+            let mesh = direction_mesh(scene, exact, columns, rows);
+            self.add_peer(scene, exact, peers::Peer { name, mesh, sampling: Sampling::Cube(side), texels: None })?;
+        }
+        for mesh in peers::meshes(scene, exact, side) {
+            self.add_peer(scene, exact, mesh)?;
+        }
+        for formula in peers::formulas(scene, side) {
+            self.add_formula(scene, exact, formula)?;
+        }
+        Ok(())
+    }
+
+    /// A mesh that is drawn, and its map: what linear interpolation makes of its corners.
+    fn add_peer(&mut self, scene: &Scene, exact: &WarpMap, peer: peers::Peer) -> Result<(), Failure> {
+        let mut drawn = TrialMesh { corners: Vec::new(), triangles: peer.mesh.triangles().to_vec() };
+        for node in peer.mesh.nodes() {
+            let [x, y] = node.position.as_vec2().to_array();
+            let [u, v, w] = node.value.as_vec3().to_array();
+            drawn.corners.push([x, y, u, v, w]);
+        }
+        let number = self.trial.add_mesh(&drawn, &peer.sampling)?;
+        self.fill(number, scene, &peer.sampling)?;
+        let direction = meaning(scene, &peer.sampling)?;
+        let grid = Grid::Stretched(peer.mesh);
+        let map = each_pixel(exact, |pixel| direction(grid.sample(pixel, scene.size)?.value));
+        self.add(&peer.name, Clock::OpenGl(number), peer.texels, Some(map));
+        Ok(())
+    }
+
+    /// A formula, and its map: what the driver computes.
+    fn add_formula(&mut self, scene: &Scene, exact: &WarpMap, formula: peers::Formula) -> Result<(), Failure> {
+        let number = self.trial.add_mesh(&TrialMesh::quad(), &formula.sampling)?;
+        self.fill(number, scene, &formula.sampling)?;
+        let places = self.trial.coordinates(&TrialMesh::quad(), &formula.sampling)?;
+        let direction = meaning(scene, &formula.sampling)?;
+        let map = each_pixel(exact, |pixel| {
+            let [x, y, z, _] = places[pixel.y as usize * scene.size.0 as usize + pixel.x as usize].map(f64::from);
+            let value = DVec3::new(x, y, z);
+            // What is not finite is kept, to be counted.
+            if value.is_finite() { direction(value) } else { Some(value) }
+        });
+        self.add(&formula.name, Clock::OpenGl(number), formula.texels, Some(map));
+        Ok(())
+    }
+
+    /// Draws the scene into what a contestant samples.
+    fn fill(&self, number: usize, scene: &Scene, sampling: &Sampling) -> Result<(), Failure> {
+        let pictures = match *sampling.picture() {
+            Sampling::Cube(side) => quality::cube(side),
+            Sampling::Picture(width, height) => {
+                vec![quality::domemaster((width, height), &peers::domemaster(scene)?)]
+            }
+            Sampling::Formula(..) => Vec::new(),
+        };
+        Ok(self.trial.fill(number, &pictures)?)
+    }
+}
+
+/// The plan of a rig's first output.
+fn plan(rig: &Rig, scene: &Scene) -> Result<Plan, Failure> {
     let request = Request {
-        output_sizes: vec![scene.size; scene.rig.outputs.len()],
+        output_sizes: vec![scene.size; rig.outputs.len()],
         window: scene.size,
         panel: false,
         primary: false,
         max_atlas: crate::check::LARGEST_ATLAS,
     };
-    Ok(correct::build(&scene.rig, &request)?)
+    Ok(correct::build(rig, &request)?)
+}
+
+/// Texels of the views that a plan's first output samples, over its pixels.
+fn texels(plan: &Plan) -> Option<f64> {
+    let pass = &plan.passes[0];
+    let views: std::collections::BTreeSet<usize> =
+        pass.batches.iter().flat_map(|batch| &batch.views).copied().collect();
+    let texels = views.into_iter().map(|view| {
+        let tile = &plan.views.views[view].tile;
+        f64::from(tile.width) * f64::from(tile.height)
+    });
+    Some(texels.sum::<f64>() / f64::from(pass.size.0) / f64::from(pass.size.1))
+}
+
+/// The directions of a map.
+fn directions(map: &[gl::MapPixel]) -> Directions {
+    let direction = |pixel: &gl::MapPixel| pixel.view.map(|_| DVec3::from_array(pixel.direction.map(f64::from)));
+    map.iter().map(direction).collect()
 }
 
 /// `plan` with a table of the exact map in the place of the formula.
@@ -87,49 +247,6 @@ fn tabulated(plan: &Plan, scene: &Scene, exact: &WarpMap) -> Plan {
     });
     plan.passes[0].source = Source::Table(Arc::new(table));
     plan
-}
-
-/// Our correction by `plan`.
-fn ours(trial: &mut Trial, name: &str, is_default: bool, plan: &Plan, pixels: f64) -> Result<Method, Failure> {
-    let (number, _) = trial.add_plan(plan)?;
-    let context = trial.context();
-    let map = gl::gpu_map(&context.gl, context.is_gles, plan, 0)?;
-    let direction = |pixel: &gl::MapPixel| pixel.view.map(|_| DVec3::from_array(pixel.direction.map(f64::from)));
-    let views = plan.passes[0].batches.iter().flat_map(|batch| &batch.views).copied();
-    let views: std::collections::BTreeSet<usize> = views.collect();
-    let tile = |view: usize| &plan.views.views[view].tile;
-    let texels: f64 = views.into_iter().map(|view| f64::from(tile(view).width) * f64::from(tile(view).height)).sum();
-    let map = Some(map.iter().map(direction).collect());
-    Ok(Method { name: name.into(), is_default, number, texels: Some(texels / pixels), map })
-}
-
-/// A mesh that is drawn, and its map: what linear interpolation makes of its corners.
-fn peer(trial: &mut Trial, scene: &Scene, exact: &WarpMap, peer: peers::Peer) -> Result<Method, Failure> {
-    let mut drawn = TrialMesh { corners: Vec::new(), triangles: peer.mesh.triangles().to_vec() };
-    for node in peer.mesh.nodes() {
-        let [x, y] = node.position.as_vec2().to_array();
-        let [u, v, w] = node.value.as_vec3().to_array();
-        drawn.corners.push([x, y, u, v, w]);
-    }
-    let number = trial.add_mesh(&drawn, &peer.sampling)?;
-    let direction = meaning(scene, &peer.sampling)?;
-    let grid = Grid::Stretched(peer.mesh);
-    let map = each_pixel(exact, |pixel| direction(grid.sample(pixel, scene.size)?.value));
-    Ok(Method { name: peer.name, is_default: false, number, texels: peer.texels, map: Some(map) })
-}
-
-/// A formula, and its map: what the driver computes.
-fn shader(trial: &mut Trial, scene: &Scene, exact: &WarpMap, formula: peers::Formula) -> Result<Method, Failure> {
-    let number = trial.add_mesh(&TrialMesh::quad(), &formula.sampling)?;
-    let places = trial.coordinates(&TrialMesh::quad(), &formula.sampling)?;
-    let direction = meaning(scene, &formula.sampling)?;
-    let map = each_pixel(exact, |pixel| {
-        let [x, y, z, _] = places[pixel.y as usize * scene.size.0 as usize + pixel.x as usize].map(f64::from);
-        let value = DVec3::new(x, y, z);
-        // What is not finite is kept, to be counted.
-        if value.is_finite() { direction(value) } else { Some(value) }
-    });
-    Ok(Method { name: formula.name, is_default: false, number, texels: formula.texels, map: Some(map) })
 }
 
 /// The direction of a coordinate: it is one, or a place in a domemaster.

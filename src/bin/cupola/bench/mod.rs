@@ -4,6 +4,8 @@ mod contest;
 mod methods;
 mod peers;
 mod plot;
+mod processor;
+mod quality;
 mod report;
 mod scenes;
 

@@ -8,12 +8,13 @@ use std::fmt::Write;
 pub fn table(contest: &Contest) -> String {
     let (width, height) = contest.scene.size;
     let mut text = format!("{}, {width} × {height}; {}\n", contest.scene.name, contest.driver);
-    let heads = ["time", "quartiles", "processor", "ms", "texels", "max px", "99.9 %", "rms", "max ′", "wrong"];
-    let [time, quartiles, processor, ms, texels, max, most, rms, minutes, wrong] = heads;
+    let heads =
+        ["time", "quartiles", "processor", "ms", "texels", "max px", "99.9 %", "rms", "max ′", "wrong", "dB", "SSIM"];
+    let [time, quartiles, processor, ms, texels, max, most, rms, minutes, wrong, psnr, ssim] = heads;
     // Writing into a string cannot fail.
     let _ = writeln!(
         text,
-        "  {:58}{time:>6}{quartiles:>12}{processor:>10}{ms:>8}{texels:>8}{max:>11}{most:>11}{rms:>11}{minutes:>9}{wrong:>8}",
+        "  {:58}{time:>6}{quartiles:>12}{processor:>10}{ms:>8}{texels:>8}{max:>11}{most:>11}{rms:>11}{minutes:>9}{wrong:>8}{psnr:>7}{ssim:>8}",
         ""
     );
     for result in &contest.results {
@@ -35,6 +36,9 @@ pub fn table(contest: &Contest) -> String {
                 short(error.map.rms),
                 short(error.minutes)
             );
+        }
+        if let Some(quality) = &result.quality {
+            let _ = write!(text, "{:7.2}{:8.4}", quality.psnr, quality.ssim);
         }
         text.push('\n');
     }
@@ -70,6 +74,8 @@ pub fn json(contests: &[Contest]) -> Value {
             "milliseconds": result.milliseconds,
             "view_texels_per_pixel": result.texels,
             "error_pixels": error,
+            "psnr": result.quality.map(|quality| quality.psnr),
+            "ssim": result.quality.map(|quality| quality.ssim),
         })
     };
     let contest = |contest: &Contest| {
@@ -87,7 +93,7 @@ pub fn json(contests: &[Contest]) -> Value {
 pub fn csv(contests: &[Contest]) -> String {
     let mut text = String::from(
         "scene,width,height,method,default,time_ratio,time_ratio_low,time_ratio_high,processor_ratio,milliseconds,\
-         view_texels_per_pixel,error_max,error_most,error_rms,error_minutes,uncovered,ghosts,non_finite\n",
+         view_texels_per_pixel,error_max,error_most,error_rms,error_minutes,uncovered,ghosts,non_finite,psnr,ssim\n",
     );
     for contest in contests {
         for result in &contest.results {
@@ -112,6 +118,8 @@ pub fn csv(contests: &[Contest]) -> String {
                 error(&|error| error.map.uncovered as f64),
                 error(&|error| error.map.ghosts as f64),
                 error(&|error| error.map.non_finite as f64),
+                number(result.quality.map(|quality| quality.psnr)),
+                number(result.quality.map(|quality| quality.ssim)),
             ];
             text.push_str(&cells.join(","));
             text.push('\n');

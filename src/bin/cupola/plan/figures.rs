@@ -1,7 +1,7 @@
 //! A plan in numbers, for people and for machines.
 
 use crate::check::describe;
-use cupola::correct::{self, Plan};
+use cupola::correct::{self, Approximation, Plan};
 use cupola::rig::Rig;
 use cupola::views::{self, Report, Request, ViewPlan};
 use serde_json::{Value, json};
@@ -24,6 +24,8 @@ pub struct Figures {
     /// In so many directions.
     pub directions: u64,
     seconds: f64,
+    /// The outputs whose maps are interpolated.
+    approximations: Vec<(String, Approximation)>,
 }
 
 impl Figures {
@@ -40,7 +42,17 @@ impl Figures {
             }
         });
         let least = (directions > 0).then_some(least);
-        Self { rig: rig.name.clone(), window: request.window, report, hidden, least, directions, seconds }
+        let approximations = plan.passes.iter().filter_map(|pass| Some((pass.name.clone(), pass.approximation()?)));
+        Self {
+            rig: rig.name.clone(),
+            window: request.window,
+            report,
+            hidden,
+            least,
+            directions,
+            seconds,
+            approximations: approximations.collect(),
+        }
     }
 
     /// Texels that have to be drawn for each pixel, without those that no output samples.
@@ -77,6 +89,12 @@ impl Figures {
             "atlas": [self.report.atlas.0, self.report.atlas.1],
             "atlas_use": self.report.atlas_use,
             "milliseconds": 1e3 * self.seconds,
+            "interpolated": self.approximations.iter().map(|(output, how)| match how {
+                Approximation::Table { step, error } => json!({ "output": output, "step": step, "error_pixels": error }),
+                Approximation::Triangles { count, error } => {
+                    json!({ "output": output, "triangles": count, "error_pixels": error })
+                }
+            }).collect::<Vec<_>>(),
             "notes": self.report.notes,
         })
     }
@@ -111,6 +129,16 @@ impl fmt::Display for Figures {
         )?;
         if let Some(least) = self.least {
             writeln!(f, "sharpness  at least {least:.3} texels per pixel, in {} directions", self.directions)?;
+        }
+        for (output, how) in &self.approximations {
+            match how {
+                Approximation::Table { step, error } => {
+                    writeln!(f, "method     {output}: a table every {step} pixels, at most {error:.3} pixels wrong")?;
+                }
+                Approximation::Triangles { count, error } => {
+                    writeln!(f, "method     {output}: {count} triangles, at most {error:.3} pixels wrong")?;
+                }
+            }
         }
         let (width, height) = report.atlas;
         writeln!(f, "atlas      {width} × {height} texels, {:.0} % used", 100.0 * report.atlas_use)?;

@@ -1,0 +1,132 @@
+//! Tables and meshes as methods of outputs: within the error that was asked for, and as light as the default.
+
+use super::Driver;
+use crate::correct::{Plan, Source};
+use crate::rig::{Method, Rig};
+use crate::views::Request;
+use crate::warp::{MapError, WarpMap, compare};
+use glam::{DVec2, DVec3};
+
+const SIZE: (u32, u32) = (320, 200);
+
+const FISHEYE: &str = "[dome]\ntilt = 90.0\n[[output]]\nkind = \"domemaster\"\n";
+/// A rim, a viewer off the centre, ramps in dome angles.
+const OFF_CENTRE: &str = "[dome]\ntilt = 40.0\ncoverage = 190.0\n[viewer]\nposition = [1.0, 0.5, -0.8]\nyaw = 20.0\n\
+    [[output]]\nkind = \"domemaster\"\naperture = 220.0\n\
+    [output.blend]\nramps = [{ angle = \"polar\", zero = 100.0, full = 40.0 }]\n";
+/// Three pictures over each other, the first with the screen's rim across it.
+const OVERLAP: &str = "[dome]\ntilt = 60.0\ncoverage = 150.0\n[viewer]\nposition = [0.3, -0.4, 0.2]\n\
+    [[output]]\nkind = \"projector\"\nposition = [0.0, 0.0, 3.0]\npitch = -8.0\nroll = 4.0\nfov = [60.0, 40.0]\n\
+    [[output]]\nkind = \"projector\"\nposition = [0.0, 0.0, 3.0]\nyaw = 30.0\nfov = [60.0, 40.0]\n\
+    [[output]]\nkind = \"projector\"\nposition = [1.0, 0.0, 2.0]\npitch = 25.0\nfov = [60.0, 40.0]\n\
+    [output.blend]\nramp = 0.15\n";
+/// From outside the dome, whose outline is in the picture.
+const OUTSIDE: &str = "[dome]\ntilt = 90.0\ncoverage = 170.0\n[[output]]\nkind = \"projector\"\nposition = [1.0, 0.0, 20.0]\nyaw = -2.0\n\
+    fov = [32.0, 22.0]\n";
+/// What has no formula.
+const LENS: &str = "[screen]\nshape = \"cylinder\"\nradius = 4.0\nheights = [-1.0, 2.0]\nazimuth = [-70.0, 60.0]\n\
+    [[output]]\nkind = \"projector\"\nposition = [0.0, 0.5, 1.0]\nfov = [100.0, 70.0]\ndistortion = { radial = [-0.05, 0.0, 0.0] }\n";
+/// A window, which has no place on the dome.
+const WINDOW: &str =
+    "[[output]]\nkind = \"perspective\"\nyaw = 20.0\nroll = 10.0\nfov = [80.0, 60.0]\nshift = [0.1, 0.0]\n";
+
+fn planned(text: &str, method: &str) -> (Rig, Plan) {
+    let rig = crate::rig::parse(text, "test", std::path::Path::new("")).expect("a valid rig");
+    let rig = rig.with_method_override(method).expect("a method for it");
+    let request = Request {
+        output_sizes: vec![SIZE; rig.outputs.len()],
+        window: SIZE,
+        panel: false,
+        primary: false,
+        max_atlas: 8192,
+    };
+    let plan = crate::correct::build(&rig, &request).expect("a plan");
+    (rig, plan)
+}
+
+/// What a driver shows of an output: the error, and the weight of each pixel.
+fn shown(driver: &dyn Driver, rig: &Rig, plan: &Plan, output: usize) -> (MapError, Vec<Option<f32>>) {
+    let exact = WarpMap::new(rig, output, SIZE, None).expect("a map");
+    let map = driver.map(plan, output);
+    let at = |x: u32, y: u32| &map[(y * SIZE.0 + x) as usize];
+    let error = compare(&exact, 1, |x, y| at(x, y).view.map(|_| DVec3::from_array(at(x, y).direction.map(f64::from))));
+    for pixel in &map {
+        let Some(view) = pixel.view.map(|index| &plan.views.views[index]) else { continue };
+        let local = view.rotation * DVec3::from_array(pixel.direction.map(f64::from));
+        let at = local.truncate() / -local.z;
+        let (frustum, tile) = (&view.frustum, &view.tile);
+        let half_texel =
+            0.5 * DVec2::new(frustum.width() / f64::from(tile.width), frustum.height() / f64::from(tile.height));
+        let low = DVec2::new(frustum.left, frustum.bottom) + half_texel * 0.99;
+        let high = DVec2::new(frustum.right, frustum.top) - half_texel * 0.99;
+        let inside = at.cmpge(low).all() && at.cmple(high).all();
+        assert!(inside, "{:?}: {at} of {frustum:?} has neighbours that no view draws", rig.outputs[output].method);
+    }
+    (error, map.iter().map(|pixel| pixel.view.map(|_| pixel.weight)).collect())
+}
+
+/// The greatest and the root mean square difference of weights where both show something.
+fn weight_errors(found: &[Option<f32>], expected: &[Option<f32>]) -> (f64, f64) {
+    let both = found.iter().zip(expected).filter_map(|(a, b)| Some(f64::from(((*a)? - (*b)?).abs())));
+    let (most, sum, count) = both.fold((0.0f64, 0.0, 0.0), |(m, s, n), e| (m.max(e), s + e * e, n + 1.0));
+    (most, (sum / f64::max(count, 1.0)).sqrt())
+}
+
+/// Entries or triangles of a plan's first output.
+fn parts(plan: &Plan) -> usize {
+    match &plan.passes[0].source {
+        Source::Table(table) if plan.passes[0].batches[0].facets.is_none() => {
+            table.entries().0 as usize * table.entries().1 as usize
+        }
+        _ => plan.passes[0].batches.iter().flat_map(|batch| &batch.facets).map(|f| f.triangles.len()).sum(),
+    }
+}
+
+pub fn tables_and_meshes_err_by_no_more_than_was_asked(driver: &dyn Driver) {
+    for text in [FISHEYE, OFF_CENTRE, OVERLAP, OUTSIDE, LENS, WINDOW] {
+        let (rig, plan) = planned(text, "fragment");
+        let (_, expected) = shown(driver, &rig, &plan, 0);
+        for name in ["table", "mesh"] {
+            let mut sizes = Vec::new();
+            for bound in [0.5, 0.05] {
+                let (rig, plan) = planned(text, &format!("{name},max_error={bound}"));
+                let (error, weights) = shown(driver, &rig, &plan, 0);
+                let (wrong, _) = weight_errors(&weights, &expected);
+                println!("{name} {bound}: {} parts, weights {wrong:.1e}, {error:?}", parts(&plan));
+                assert!(error.is_sound() && error.compared > 10_000, "{text}, {name}: {error:?}");
+                // What the positions of corners are rounded to, and f32.
+                assert!(error.max <= bound + 0.004, "{text}, {name}, {bound}: {error:?}");
+                assert!(wrong <= 1.1e-3, "{text}, {name}: {wrong}");
+                sizes.push(parts(&plan));
+                // Negative control: the error is there, and is seen. (A table that could err by more is one of all pixels.)
+                let least = if text == FISHEYE { 0.1 * bound } else { 0.0 };
+                assert!(error.max >= least, "{text}, {name}, {bound}: {error:?}");
+            }
+            let fewer = if text == WINDOW { sizes[0] == sizes[1] } else { sizes[0] <= sizes[1] };
+            assert!(fewer, "{text}, {name}: {sizes:?}");
+        }
+    }
+}
+
+pub fn a_mesh_of_the_dome_is_four_times_as_exact_with_half_the_cells(driver: &dyn Driver) {
+    for (text, uncovered) in [(FISHEYE, 400), (OVERLAP, 200), (OUTSIDE, 600)] {
+        let (rig, plan) = planned(text, "fragment");
+        let (_, expected) = shown(driver, &rig, &plan, 0);
+        let mut errors = Vec::new();
+        for density in [16, 32, 64] {
+            let (rig, plan) = planned(text, &format!("cube-mesh,density={density}"));
+            assert_eq!(rig.outputs[0].method, Method::CubeMesh { density });
+            let (error, weights) = shown(driver, &rig, &plan, 0);
+            // Where borders of pictures cross weights leap, and triangles cannot.
+            let (_, wrong) = weight_errors(&weights, &expected);
+            println!("density {density}: {} parts, weights {wrong:.1e}, {error:?}", parts(&plan));
+            assert!(error.non_finite == 0 && error.ghosts < uncovered, "{text}: {error:?}");
+            assert!(error.compared > 10_000 && error.uncovered < uncovered, "{text}: {error:?}");
+            errors.push((error.rms, wrong));
+        }
+        for pair in errors.windows(2) {
+            assert!((2.5..6.0).contains(&(pair[0].0 / pair[1].0)), "{text}: {errors:?}");
+        }
+        assert!(errors[2].1 < 0.01 && errors[2].1 <= errors[0].1, "{text}: {errors:?}");
+    }
+}

@@ -1,0 +1,115 @@
+//! Corrections timed on a device of our own.
+
+use super::api::Api;
+use super::barrier::{COLOR, Use, barrier};
+use super::headless::Headless;
+use super::images::TargetImage;
+use super::passes::VkBackend;
+use super::surface::Surface;
+use crate::correct::map::MapPixel;
+use crate::correct::{Arrangement, ImageSize, Plan};
+use crate::error::{Error, ErrorKind, Result};
+use ash::vk;
+use std::time::Instant;
+
+const FORMAT: vk::Format = vk::Format::R8G8B8A8_UNORM;
+
+/// A device, and the corrections that are timed on it.
+pub struct Trial {
+    device: Headless,
+    size: (u32, u32),
+    target: Surface,
+    contestants: Vec<(VkBackend, Surface)>,
+}
+
+impl Trial {
+    /// A device and an output of `size` pixels.
+    ///
+    /// # Errors
+    /// [`ErrorKind::Graphics`] where there is no device.
+    pub fn new(size: (u32, u32)) -> Result<Self> {
+        let device = Headless::new(&[])?;
+        let whole = ImageSize { width: size.0, height: size.1, layers: 1 };
+        let target = Surface::new(&device.api, Arrangement::Atlas, &[whole], FORMAT, 1)?;
+        Ok(Self { device, size, target, contestants: Vec::new() })
+    }
+
+    /// Adds the first output of `plan`, over views of one colour: what is in them makes no difference to the time. Its
+    /// number.
+    ///
+    /// # Errors
+    /// Those of [`VkBackend::prepare`].
+    pub fn add_plan(&mut self, plan: &Plan) -> Result<usize> {
+        let api = &self.device.api;
+        let only = Plan { views: plan.views.clone(), passes: plan.passes.iter().take(1).cloned().collect() };
+        let views = Surface::new(api, Arrangement::Atlas, &Arrangement::Atlas.images(&only), FORMAT, 1)?;
+        let mut backend = VkBackend::new(api);
+        let made = self.prepare(&mut backend, &only, &views);
+        self.contestants.push((backend, views));
+        made.map(|()| self.contestants.len() - 1)
+    }
+
+    fn prepare(&self, backend: &mut VkBackend, plan: &Plan, views: &Surface) -> Result<()> {
+        backend.prepare(plan, false, FORMAT)?;
+        backend.set_sources(views.sources())?;
+        let missing = || Error::new(ErrorKind::Internal, "a surface has no image");
+        let (shown, picture) =
+            (self.target.sources().first().ok_or_else(missing)?, views.sources().first().ok_or_else(missing)?);
+        backend.set_targets(&[TargetImage {
+            image: shown.image,
+            view: shown.view,
+            format: FORMAT,
+            extent: shown.extent,
+            initial_layout: vk::ImageLayout::UNDEFINED,
+            final_layout: shown.layout,
+            before: (shown.stages, shown.access),
+            after: (shown.stages, shown.access),
+        }])?;
+        let grey = vk::ClearColorValue { float32: [0.3, 0.5, 0.7, 1.0] };
+        let device = &self.device.api.device;
+        self.device.run(|commands| {
+            let after = Use { layout: picture.layout, stages: picture.stages, access: picture.access };
+            let before = Use::nothing(vk::ImageLayout::UNDEFINED);
+            // SAFETY: the command buffer is being recorded, and the image is live.
+            unsafe {
+                barrier(device, commands, (picture.image, 1), before, Use::COPIED_TO);
+                device.cmd_clear_color_image(commands, picture.image, Use::COPIED_TO.layout, &grey, &[COLOR]);
+                barrier(device, commands, (picture.image, 1), Use::COPIED_TO, after);
+            }
+            Ok(())
+        })
+    }
+
+    /// Corrects once. Seconds from recording until the device has finished.
+    ///
+    /// # Errors
+    /// [`ErrorKind::InvalidArgument`] for a number that was not given; [`ErrorKind::Graphics`] if the device fails.
+    pub fn time(&mut self, number: usize) -> Result<f64> {
+        let (device, (width, height)) = (&self.device, self.size);
+        let missing = || Error::new(ErrorKind::InvalidArgument, format!("there is no contestant {number}"));
+        let (backend, _) = self.contestants.get_mut(number).ok_or_else(missing)?;
+        let started = Instant::now();
+        // SAFETY: the command buffer is being recorded, and all images are live and in their layouts.
+        device.run(|commands| unsafe { backend.record(commands, 0, 0, &[[0, 0, width as i32, height as i32]]) })?;
+        Ok(started.elapsed().as_secs_f64())
+    }
+
+    /// The map of the first output of `plan`.
+    ///
+    /// # Errors
+    /// Those of [`super::gpu_map`].
+    pub fn map(&self, plan: &Plan) -> Result<Vec<MapPixel>> {
+        super::gpu_map(&self.device, plan, 0)
+    }
+}
+
+impl Drop for Trial {
+    fn drop(&mut self) {
+        let api: &Api = &self.device.api;
+        for (backend, views) in &mut self.contestants {
+            backend.destroy();
+            views.destroy(api);
+        }
+        self.target.destroy(api);
+    }
+}
