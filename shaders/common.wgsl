@@ -24,6 +24,9 @@ struct Shared {
     // In order of precedence. None: base already is (atlas x, atlas y, 1) times a positive factor.
     views: array<View, 8>,
     view_count: u32,
+    // The view is the output's own picture: atlas coordinates = xy·source + zw.
+    one_to_one: u32,
+    own_place: vec4<f32>,
     // `number` of the view where `view_count` is 0.
     sole_number: f32,
     // Some pixels show nothing.
@@ -114,11 +117,15 @@ fn prefer(view: View, base: vec3<f32>, found: vec4<f32>) -> vec4<f32> {
 }
 
 // (atlas x, atlas y, number of the view or 0)
-fn locate(ray: Ray) -> vec3<f32> {
+fn locate(ray: Ray, source: Source) -> vec3<f32> {
     // Written out, not looped: constant indices let the compiler see the coefficients.
     var found = vec4<f32>(0.0, 0.0, 1.0, 0.0);
     if constants.shared_part.view_count == 0u {
         found = vec4<f32>(ray.base, constants.shared_part.sole_number);
+    }
+    if constants.shared_part.one_to_one != 0u {
+        let place = constants.shared_part.own_place;
+        found = vec4<f32>(place.xy * source.xy + place.zw, 1.0, constants.shared_part.sole_number);
     }
     if constants.shared_part.view_count > 7u {
         found = prefer(constants.shared_part.views[7], ray.base, found);
@@ -412,7 +419,7 @@ fn sample(at: vec3<f32>) -> vec3<f32> {
 
 // A place beside the pixel's centre, which is taken where that place shows nothing.
 fn sample_beside(source: Source, centre: vec3<f32>) -> vec3<f32> {
-    let at = locate(trace(source));
+    let at = locate(trace(source), source);
     return sample(select(centre, at, at.z > 0.0));
 }
 
@@ -430,7 +437,7 @@ fn sample_four(source: Source, centre: vec3<f32>) -> vec3<f32> {
 @fragment
 fn present(corner: Corner) -> @location(0) vec4<f32> {
     let ray = trace(corner.source);
-    let at = locate(ray);
+    let at = locate(ray, corner.source);
     var color = vec3<f32>(0.0);
     if constants.shared_part.four_places != 0u {
         color = sample_four(corner.source, at);
@@ -464,5 +471,5 @@ fn present(corner: Corner) -> @location(0) vec4<f32> {
 @fragment
 fn map(corner: Corner) -> @location(0) vec4<f32> {
     let ray = trace(corner.source);
-    return vec4<f32>(locate(ray), weight_of(ray, corner.place));
+    return vec4<f32>(locate(ray, corner.source), weight_of(ray, corner.place));
 }

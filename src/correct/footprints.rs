@@ -35,6 +35,10 @@ pub fn footprints(plan: &Plan, pass: &OutputPass, views: &[usize]) -> Option<Foo
         Source::Fisheye { .. } | Source::Projector(_) | Source::Perspective { .. } => {}
         Source::Panorama { .. } | Source::Table(_) => return None,
     }
+    // What is drawn to an output's own picture is not bounded.
+    if views.iter().any(|&view| plan.views.views.get(view).is_some_and(|view| view.curved.is_some())) {
+        return None;
+    }
     let mut parts = Vec::new();
     for place in (0..CELLS * CELLS).map(|cell| [cell % CELLS, cell / CELLS]) {
         for &view in views {

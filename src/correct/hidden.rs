@@ -21,7 +21,7 @@ const ROUNDING: f64 = 1e-5;
 
 /// For each view the rectangles of its tile, in texels of the atlas, that no filter footprint of any output's pixel
 /// touches; disjoint, in cells of 8 texels. Conservative: what is uncertain counts as sampled. Views with the
-/// program's own lens have none.
+/// program's own lens and pictures of outputs have none.
 pub fn hidden_areas(plan: &Plan) -> Vec<Vec<Tile>> {
     let mut sheets: Vec<Sheet> = plan.views.views.iter().map(|view| Sheet::new(view, plan.views.guard)).collect();
     for (pass, views) in plan.passes.iter().zip(&plan.views.output_views) {
@@ -50,7 +50,7 @@ impl Sheet {
         Self {
             columns,
             rows,
-            sampled: vec![view.program_lens; (columns * rows) as usize],
+            sampled: vec![view.program_lens || view.curved.is_some(); (columns * rows) as usize],
             frustum: view.frustum,
             size: DVec2::new(f64::from(width), f64::from(height)),
             // The filter reaches as far as the guard; one texel more for rounding.

@@ -222,7 +222,7 @@ pub fn build(rig: &Rig, request: &Request) -> Result<Plan> {
             let mask = output.mask.as_deref().map(mask::load).transpose()?;
             let batches = blocks::batches(rig, index, &source, size, &views, mask.as_ref());
             let batches = match output.method {
-                Method::Fragment => batches,
+                Method::Fragment | Method::Vertex | Method::Primitive { .. } => batches,
                 Method::Table { .. } => match &source {
                     Source::Table(table) if table.step() > 1 => only_lit(batches, &source, size),
                     _ => batches,
@@ -235,7 +235,7 @@ pub fn build(rig: &Rig, request: &Request) -> Result<Plan> {
             // Meshes and coarse tables do not know how many pictures meet at their pixels.
             let knows_black = match &source {
                 Source::Table(table) => table.step() == 1,
-                _ => matches!(output.method, Method::Fragment),
+                _ => output.method == Method::Fragment || output.method.projects_vertices(),
             };
             passes.push(OutputPass {
                 name: output.name.clone(),
@@ -264,7 +264,9 @@ const TEXELS_PER_PIXEL: f64 = 4.0;
 
 /// How far beside its exact place an output may sample a view, texels.
 fn reach(rig: &Rig, domes: &[Option<Arc<Facets>>]) -> u32 {
-    let errors = rig.outputs.iter().zip(domes).map(|(output, dome)| {
+    // An output's own picture is not sampled beside its place.
+    let sampling = rig.outputs.iter().zip(domes).filter(|(output, _)| !output.method.projects_vertices());
+    let errors = sampling.map(|(output, dome)| {
         output.method.max_error().unwrap_or_else(|| dome.as_ref().map_or(0.0, |dome| dome.error))
     });
     let texels = TEXELS_PER_PIXEL * rig.views.quality * errors.fold(0.0, f64::max);

@@ -11,12 +11,14 @@ use super::response::encoding_polynomial;
 use super::shaders::{Pass, text_of};
 use crate::blend::code_of;
 use crate::error::{Error, ErrorKind, Result};
-use crate::geom::Frustum;
+use crate::geom::division::EDGE_SHARE;
 use crate::geom::fisheye::{MOST_COEFFICIENTS, sine_cosine_polynomials};
+use crate::geom::picture_map::LEAST_AHEAD;
 use crate::geom::reprojection::ClipRows;
+use crate::geom::{Frustum, PictureLens, PictureMap};
 use crate::rig::{Blend, DomeAngle, Filter, RESPONSE_STEPS, RampShape, Transfer};
 use crate::views::{View, ViewPlan};
-use glam::{DMat3, DMat4, DVec2, DVec3};
+use glam::{DMat3, DMat4, DVec2, DVec3, DVec4};
 
 /// Most views that one batch may sample.
 pub const MAX_VIEWS: usize = 8;
@@ -34,17 +36,48 @@ fn overhang(views: &ViewPlan) -> f64 {
     OVERHANG + f64::from(views.reach)
 }
 
-/// The rows of a re-projection as patched shaders take them: x, y, w, and (E, depth factor, depth offset, 0).
+/// The rows of a re-projection as patched shaders take them: x, y, w, and (E, depth factor, depth offset, 1 for rows to
+/// the axes of a curved picture's lens, otherwise 0).
 pub fn clip_rows(rows: &ClipRows) -> [f32; 16] {
     let mut out = [0.0; 16];
-    for (four, row) in
-        out.chunks_exact_mut(4).zip([&rows.x, &rows.y, &rows.w, &[rows.e, rows.depth[0], rows.depth[1], 0.0]])
-    {
+    for (four, row) in out.chunks_exact_mut(4).zip([
+        &rows.x,
+        &rows.y,
+        &rows.w,
+        &[rows.e, rows.depth[0], rows.depth[1], f64::from(u8::from(rows.curved))],
+    ]) {
         for (value, exact) in four.iter_mut().zip(row) {
             *value = *exact as f32;
         }
     }
     out
+}
+
+/// The lens of an output's own picture as patched shaders take it: (viewer, 1 − |viewer|²), (lens, 1 for a fisheye),
+/// (scale, offset, of a fisheye half the aperture), (limit, error, half of the width, half of the height). The last three are in pixels: what the middle of
+/// an edge may be off before it is cut (0: nothing is divided), and the picture's size. A fisheye's point is its direction in the picture times the angle from the axis
+/// times scale; its limit is the angle from which on there is no picture. A pinhole's is tangent times scale minus offset;
+/// its limit is the least part of a direction along the axis.
+pub fn picture_lens(map: &PictureMap, pixels: DVec2, max_error: f64) -> [f32; 16] {
+    let (fisheye, scale, offset, limit) = match map.lens {
+        PictureLens::Fisheye { aperture, circle, .. } => {
+            // A fisheye's picture is not moved: there is room for half of its aperture.
+            (1.0, circle * 2.0 / aperture, DVec2::new(0.5 * aperture, 0.0), map.limit())
+        }
+        PictureLens::Pinhole(frustum) => {
+            let ((half_x, half_y), (middle_x, middle_y)) = (frustum.half_size(), frustum.middle());
+            let half = DVec2::new(half_x, half_y);
+            (0.0, 1.0 / half, DVec2::new(middle_x, middle_y) / half, LEAST_AHEAD)
+        }
+    };
+    let inside = (1.0 - map.viewer.length_squared()).max(0.0);
+    let vectors = [
+        map.viewer.extend(inside),
+        map.position.extend(fisheye),
+        DVec4::new(scale.x, scale.y, offset.x, offset.y),
+        DVec4::new(limit, EDGE_SHARE * max_error, 0.5 * pixels.x, 0.5 * pixels.y),
+    ];
+    std::array::from_fn(|i| vectors[i / 4][i % 4] as f32)
 }
 
 /// A pixel of a table: direction and weight, rounded once.
@@ -188,10 +221,11 @@ pub fn constants(plan: &Plan, pass: &OutputPass, batch: &Batch, panel: bool) -> 
         Source::Table(_) => Pass::Table,
     });
     let panel = plan.views.panel.as_ref().filter(|_| panel);
-    let base = views(&mut out, plan, batch, panel)?;
+    let base = views(&mut out, plan, pass, batch, panel)?;
     out.base = base;
     shared(&mut out, pass, batch)?;
-    let filter = if samples_program_lens(plan, batch) { Filter::Bilinear } else { pass.filter };
+    let pictured = samples_program_lens(plan, batch) || own_picture(plan, batch).is_some();
+    let filter = if pictured { Filter::Bilinear } else { pass.filter };
     out.set_flag("shared_part.cubic", filter.is_cubic())?;
     out.set_flag("shared_part.four_places", filter.has_four_places())?;
     match &pass.source {
@@ -234,6 +268,9 @@ fn samples_program_lens(plan: &Plan, batch: &Batch) -> bool {
 /// Whether a batch shows one view 1:1: each pixel's centre is exactly a texel's centre, so that the
 /// nearest texel is what a perfect bilinear filter would give.
 pub fn copies_texels(plan: &Plan, pass: &OutputPass, batch: &Batch) -> bool {
+    if let Some((_, view)) = own_picture(plan, batch) {
+        return (view.tile.width, view.tile.height) == pass.size;
+    }
     let (Source::Perspective { matrix }, [index]) = (&pass.source, batch.views.as_slice()) else { return false };
     let Some(view) = plan.views.views.get(*index) else { return false };
     if pass.filter != Filter::Bilinear && !samples_program_lens(plan, batch) {
@@ -262,13 +299,7 @@ const EXACT: f64 = 1e-3;
 /// source's coordinates (x, y, 0, 0).
 pub fn rectangle(pass: &OutputPass, rect: &PixelRect) -> [[f32; FLOATS]; 4] {
     let (width, height) = (f64::from(pass.size.0), f64::from(pass.size.1));
-    // A fisheye's circle is inscribed: the unit of its coordinates is half the shorter side.
-    let (scale_x, scale_y) = match &pass.source {
-        // Pixels from the middle.
-        Source::Table(_) => (0.5 * width, 0.5 * height),
-        source if source.is_circular() => (width / width.min(height), height / width.min(height)),
-        _ => (1.0, 1.0),
-    };
+    let (scale_x, scale_y) = source_scale(pass);
     let left = 2.0 * f64::from(rect.x) / width - 1.0;
     let right = 2.0 * (f64::from(rect.x) + f64::from(rect.width)) / width - 1.0;
     let top = 1.0 - 2.0 * f64::from(rect.y) / height;
@@ -284,6 +315,18 @@ pub fn facet_corner(pass: &OutputPass, corner: &FacetCorner, base: DMat3) -> [f3
     [place.x, -place.y, direction.x, direction.y, direction.z, corner.weight].map(|value| value as f32)
 }
 
+/// The source's coordinates at the right and the top side of an output.
+fn source_scale(pass: &OutputPass) -> (f64, f64) {
+    let (width, height) = (f64::from(pass.size.0), f64::from(pass.size.1));
+    match &pass.source {
+        // Pixels from the middle.
+        Source::Table(_) => (0.5 * width, 0.5 * height),
+        // A fisheye's circle is inscribed: the unit of its coordinates is half the shorter side.
+        source if source.is_circular() => (width / width.min(height), height / width.min(height)),
+        _ => (1.0, 1.0),
+    }
+}
+
 /// The unit direction (viewer axes) that `view` shows at a point of the atlas (0…1): the inverse of what the shaders do.
 pub fn direction_at(view: &View, atlas: (u32, u32), point: DVec2) -> [f32; 3] {
     let texel = point * DVec2::new(f64::from(atlas.0), f64::from(atlas.1));
@@ -295,8 +338,11 @@ pub fn direction_at(view: &View, atlas: (u32, u32), point: DVec2) -> [f32; 3] {
 }
 
 /// Sets what has to do with views; returns viewer axes → base.
-fn views(out: &mut Constants, plan: &Plan, batch: &Batch, panel: Option<&View>) -> Result<DMat3> {
+fn views(out: &mut Constants, plan: &Plan, pass: &OutputPass, batch: &Batch, panel: Option<&View>) -> Result<DMat3> {
     limit("views", batch.views.len(), MAX_VIEWS)?;
+    if let Some((index, view)) = own_picture(plan, batch) {
+        return one_to_one(out, plan, pass, (index, view), panel).map(|()| DMat3::IDENTITY);
+    }
     let mut placements = Vec::with_capacity(batch.views.len());
     for &index in &batch.views {
         let view = plan.views.views.get(index).ok_or_else(|| {
@@ -323,12 +369,46 @@ fn views(out: &mut Constants, plan: &Plan, batch: &Batch, panel: Option<&View>) 
         let last = i + 1 == placements.len() && !batch.edge;
         out.set_flag(&format!("shared_part.views[{i}].last_resort"), last)?;
     }
-    if let Some(panel) = panel {
-        let placement = Placement::new(panel, &panel.frustum, 0.0, &plan.views);
-        view(out, "shared_part.panel", placement.transform * panel.rotation * back, &placement, 0)?;
-        out.set_flag("shared_part.with_panel", true)?;
-    }
+    set_panel(out, plan, panel, back)?;
     Ok(base)
+}
+
+/// The view of a batch that shows the output's own picture.
+fn own_picture<'a>(plan: &'a Plan, batch: &Batch) -> Option<(usize, &'a View)> {
+    let [index] = batch.views.as_slice() else { return None };
+    plan.views.views.get(*index).filter(|view| view.curved.is_some()).map(|view| (*index, view))
+}
+
+/// Sets the place of an output's own picture in the atlas.
+fn one_to_one(
+    out: &mut Constants,
+    plan: &Plan,
+    pass: &OutputPass,
+    (index, view): (usize, &View),
+    panel: Option<&View>,
+) -> Result<()> {
+    let atlas = plan.views.picture_size(view);
+    let atlas = DVec2::new(f64::from(atlas.0), f64::from(atlas.1));
+    let half = 0.5 * DVec2::new(f64::from(view.tile.width), f64::from(view.tile.height));
+    let middle = DVec2::new(f64::from(view.tile.x), f64::from(view.tile.y)) + half;
+    // Source coordinates over −1…1 across the output.
+    let (unit_x, unit_y) = source_scale(pass);
+    // A mirrored picture has its rows in the other order.
+    let up = view.rotation.determinant().signum();
+    let scale = half / atlas / DVec2::new(unit_x, up * unit_y);
+    let place = middle / atlas;
+    out.set_flag("shared_part.one_to_one", true)?;
+    out.set("shared_part.own_place", &[scale.x, scale.y, place.x, place.y])?;
+    out.set("shared_part.sole_number", &[index as f64 + 1.0])?;
+    set_panel(out, plan, panel, DMat3::IDENTITY)
+}
+
+/// Sets the panel, if it is shown; `back`: base → viewer axes.
+fn set_panel(out: &mut Constants, plan: &Plan, panel: Option<&View>, back: DMat3) -> Result<()> {
+    let Some(panel) = panel else { return Ok(()) };
+    let placement = Placement::new(panel, &panel.frustum, 0.0, &plan.views);
+    view(out, "shared_part.panel", placement.transform * panel.rotation * back, &placement, 0)?;
+    out.set_flag("shared_part.with_panel", true)
 }
 
 fn view(out: &mut Constants, path: &str, transform: DMat3, placement: &Placement, number: usize) -> Result<()> {

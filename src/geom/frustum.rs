@@ -17,6 +17,9 @@ pub struct Frustum {
 }
 
 impl Frustum {
+    /// No opening: the axis alone.
+    pub const POINT: Self = Self { left: 0.0, right: 0.0, bottom: 0.0, top: 0.0 };
+
     /// Width at unit distance.
     pub fn width(&self) -> f64 {
         self.right - self.left

@@ -3,12 +3,14 @@
 
 pub mod cube;
 pub mod curve;
+pub mod division;
 pub mod fisheye;
 pub mod frustum;
 pub mod homography;
 pub mod lens;
 pub mod optics;
 pub mod panorama;
+pub mod picture_map;
 pub mod pose;
 pub mod projection;
 pub mod quadratic;
@@ -19,11 +21,13 @@ pub mod sphere;
 
 pub use cube::Face;
 pub use curve::Curve;
+pub use division::Division;
 pub use fisheye::Fisheye;
 pub use frustum::Frustum;
 pub use lens::{Circle, Lens};
 pub use optics::Optics;
 pub use panorama::Panorama;
+pub use picture_map::{PictureLens, PictureMap};
 pub use pose::Pose;
 pub use projection::{FisheyeLens, Projection};
 pub use quadratic::QuadraticForm;

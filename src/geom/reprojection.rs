@@ -62,6 +62,8 @@ pub struct ClipRows {
     pub w: [f64; 4],
     /// E of the program's matrix.
     pub e: f64,
+    /// The picture is no perspective: (x', y', −w') is the direction in the axes of its lens, in the program's units.
+    pub curved: bool,
     /// Depth of the view from the program's depth measured along the view's axis: factor and offset in
     /// normalised device coordinates; (1, 0) = the program's own planes.
     pub depth: [f64; 2],
@@ -136,6 +138,7 @@ pub fn clip_rows(p: &Intrinsics, camera: &CameraAdjustment, rotation: DMat3, fru
         y: row(up, unit_shift.y, middle_y, half_y),
         w: w.map(positive_zero),
         e: p.e,
+        curved: false,
         depth: [1.0, 0.0],
     }
 }

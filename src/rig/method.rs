@@ -30,12 +30,24 @@ pub enum Method {
         /// Cells along the edge of the cube whose faces are inflated to the dome, [`DENSITY`].
         density: u32,
     },
+    /// The program's vertices are projected straight to the output's pixels, in one pass and without views. What lies
+    /// between vertices is as straight as the program's triangles are.
+    Vertex,
+    /// As [`Method::Vertex`], with lines and triangles divided until they are curved enough.
+    Primitive {
+        /// Greatest distance in pixels of what a divided primitive shows from where it should be, [`DIVISION_ERROR`].
+        max_error: f64,
+    },
 }
 
 /// What `max_error` may be: below, 32-bit interpolation is no more exact; above, pixels would sample what no view has to show.
 pub(super) const MAX_ERROR: Allowed = Allowed::closed(0.005, 2.0, "an error in pixels");
 /// What it is where nothing is said: a tenth of a pixel is seen by nobody.
 pub(super) const DEFAULT_ERROR: f64 = 0.1;
+/// What `max_error` of divided primitives may be: below, triangles are as small as pixels.
+pub(super) const DIVISION_ERROR: Allowed = Allowed::closed(0.05, 16.0, "an error in pixels");
+/// What it is where nothing is said: half a pixel, as a raster is anyway.
+pub(super) const DEFAULT_DIVISION_ERROR: f64 = 0.5;
 /// What `density` may be.
 pub(super) const DENSITY: Allowed = Allowed::closed(4.0, 512.0, "whole cells along the edge of a cube");
 /// What it is where nothing is said.
@@ -49,9 +61,14 @@ impl Method {
     pub fn max_error(&self) -> Option<f64> {
         match self {
             Self::Fragment => Some(0.0),
-            Self::Table { max_error } | Self::Mesh { max_error } => Some(*max_error),
-            Self::CubeMesh { .. } => None,
+            Self::Table { max_error } | Self::Mesh { max_error } | Self::Primitive { max_error } => Some(*max_error),
+            Self::CubeMesh { .. } | Self::Vertex => None,
         }
+    }
+
+    /// Whether vertices are projected straight to the output's pixels.
+    pub fn projects_vertices(&self) -> bool {
+        matches!(self, Self::Vertex | Self::Primitive { .. })
     }
 
     /// What `text` says, in the form `mesh,max_error=0.1` or `cube-mesh,density=64`: the name, then the keys that go with
@@ -70,8 +87,11 @@ impl Method {
             entries.first().map_or(Ok(default), |entry| entry.number(allowed))
         };
         let max_error = || key("max_error", &MAX_ERROR, DEFAULT_ERROR);
+        let division = || key("max_error", &DIVISION_ERROR, DEFAULT_DIVISION_ERROR);
         match name.trim() {
             "fragment" if entries.is_empty() => Ok(Self::Fragment),
+            "vertex" if entries.is_empty() => Ok(Self::Vertex),
+            "primitive" => Ok(Self::Primitive { max_error: division()? }),
             "table" => Ok(Self::Table { max_error: max_error()? }),
             "mesh" => Ok(Self::Mesh { max_error: max_error()? }),
             "cube-mesh" => {
@@ -85,7 +105,9 @@ impl Method {
             }
             _ => Err(Error::new(
                 ErrorKind::InvalidArgument,
-                format!("method {text:?}: expected fragment, table, mesh or cube-mesh, for example {EXAMPLE}"),
+                format!(
+                    "method {text:?}: expected fragment, table, mesh, cube-mesh, vertex or primitive, for example {EXAMPLE}"
+                ),
             )),
         }
     }
@@ -97,6 +119,16 @@ pub(super) fn whole(density: f64) -> Option<u32> {
 }
 
 impl Rig {
+    /// The same rig for what draws views only: outputs to which vertices would be projected have [`Method::Fragment`], which
+    /// shows the same.
+    pub fn with_views_only(&self) -> Self {
+        let mut rig = self.clone();
+        for output in rig.outputs.iter_mut().filter(|output| output.method.projects_vertices()) {
+            output.method = Method::Fragment;
+        }
+        rig
+    }
+
     /// The same rig with the method of all outputs replaced by what `text` says, see [`Method::parse`].
     ///
     /// # Errors
@@ -126,8 +158,12 @@ mod tests {
         assert_eq!(Method::parse("mesh").expect("a method"), Method::Mesh { max_error: DEFAULT_ERROR });
         assert_eq!(Method::parse("table,max_error=0.5").expect("a method"), Method::Table { max_error: 0.5 });
         assert_eq!(Method::parse("cube-mesh, density=8").expect("a method"), Method::CubeMesh { density: 8 });
+        assert_eq!(Method::parse("vertex").expect("a method"), Method::Vertex);
+        assert_eq!(Method::parse("primitive,max_error=2").expect("a method"), Method::Primitive { max_error: 2.0 });
         for wrong in [
             "",
+            "vertex,max_error=1",
+            "primitive,max_error=0",
             "mash",
             "mesh,density=3",
             "mesh,max_error=9",
@@ -144,6 +180,10 @@ mod tests {
         let rig = crate::rig::load("planetarium-2").expect("a preset");
         let meshed = rig.with_method_override("mesh,max_error=0.25").expect("possible");
         assert!(meshed.outputs.iter().all(|output| output.method == Method::Mesh { max_error: 0.25 }));
+        let projected = rig.with_method_override("vertex").expect("pinholes within the dome");
+        assert!(projected.outputs.iter().all(|output| output.method == Method::Vertex));
+        let views = projected.with_views_only();
+        assert!(views.outputs.iter().all(|output| output.method == Method::Fragment));
         let own_lens = crate::rig::load("identity-captured").expect("a preset");
         let refused = own_lens.with_method_override("mesh").expect_err("no map is known before the program draws");
         assert!(refused.message.contains("method"), "{refused}");

@@ -216,13 +216,28 @@ fn impossible_method(rig: &Rig, output: &Output) -> Option<&'static str> {
         (Method::CubeMesh { .. }, _) => Some(
             "\"cube-mesh\" is for plain projectors and equidistant domemasters; expected \"fragment\", \"table\" or \"mesh\"",
         ),
+        (Method::Vertex | Method::Primitive { .. }, _) => unprojectable(rig, output),
         (Method::Table { .. } | Method::Mesh { .. }, _) => None,
     }
     .or_else(|| {
         let evened = rig.outputs.iter().any(|output| output.blend.contrast.is_some());
         let why = "cannot even out blacks, which blend.contrast asks for; expected \"fragment\" for all outputs";
-        (output.method != Method::Fragment && evened).then_some(why)
+        (output.method != Method::Fragment && !output.method.projects_vertices() && evened).then_some(why)
     })
+}
+
+/// Why vertices cannot be projected straight to an output, if so: that takes a closed form from direction to pixel.
+fn unprojectable(rig: &Rig, output: &Output) -> Option<&'static str> {
+    match &output.kind {
+        OutputKind::Domemaster { .. } | OutputKind::Projector { .. } if rig.screen.is_some() => Some(
+            "projects vertices by way of the dome, but there is a [screen]; expected \"fragment\", \"table\" or \"mesh\"",
+        ),
+        OutputKind::Projector { position, .. } if position.length() >= VIEWER_LIMIT * rig.dome.radius => {
+            Some("projects vertices for projectors inside the dome only; expected a position inside, or \"fragment\"")
+        }
+        OutputKind::Domemaster { .. } | OutputKind::Projector { .. } => None,
+        _ => Some("projects vertices for plain projectors and equidistant domemasters only; expected \"fragment\""),
+    }
 }
 
 /// Why the file cannot be a mask, if so.

@@ -57,6 +57,9 @@ pub struct Statistics {
     pub corrected_pixels: u64,
     /// Batches of the correction that were not drawn, because their views held nothing but the clear colour.
     pub batches_left_out: u64,
+    /// Lines and triangles that the method `primitive` did not divide far enough, in all frames and outputs; none are counted
+    /// where the driver has no atomic counters.
+    pub coarse_primitives: u64,
     /// Pictures of outputs of which only the part that something was drawn to was corrected, the rest cleared.
     pub outputs_narrowed: u64,
     /// Programs of shaders that were linked: the correction's, and the program's with our epilogue.

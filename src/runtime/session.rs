@@ -1,15 +1,16 @@
 //! A rig at work in a window of a given size.
 
-use crate::correct::{self, Plan};
+use crate::correct::{self, Plan, uniforms};
 use crate::error::Result;
 pub use crate::geom::Frustum;
+pub use crate::geom::division::{EDGE_SHARE, NARROWEST, OUTSIDE, WIDEST, WIDTH_SQUARED};
 use crate::geom::pose;
 pub use crate::geom::reprojection::ClipRows;
 use crate::geom::reprojection::{CameraAdjustment, clip_rows};
 pub use crate::geom::reprojection::{Intrinsics, MatrixClass, classify};
 use crate::rig::{Camera, Favour, Rig};
 use crate::views::{Request, Tile, View};
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec2, DVec3};
 
 /// What a program has been seen to need: tiles beside the views, and how many views are worth their while.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -37,9 +38,24 @@ impl Session {
     /// `off_screen`: outputs have their own resolution (`size`), not that of their place in the
     /// window. `max_atlas`: greatest width and height of a texture.
     ///
+    /// All views are perspective ones; outputs to which vertices should be projected have the method `fragment`, and the
+    /// plan's notes say so.
+    ///
     /// # Errors
     /// What the planner says: a rig that no set of views can serve, or an atlas that is too small.
     pub fn new(rig: &Rig, window: (u32, u32), off_screen: bool, max_atlas: u32, extras: Extras) -> Result<Self> {
+        let mut session = Self::projecting(&rig.with_views_only(), window, off_screen, max_atlas, extras)?;
+        let outputs = rig.outputs.iter().filter(|output| output.method.projects_vertices());
+        let notes = outputs.map(|output| format!("output {}: method \"fragment\" instead of its own", output.name));
+        session.plan.views.notes.extend(notes);
+        Ok(session)
+    }
+
+    /// As [`Session::new`] for a caller that projects vertices by [`View::curved`](crate::views::View::curved).
+    ///
+    /// # Errors
+    /// As for [`Session::new`].
+    pub fn projecting(rig: &Rig, window: (u32, u32), off_screen: bool, max_atlas: u32, extras: Extras) -> Result<Self> {
         let rects = rig.layout(window);
         let output_sizes = rig
             .outputs
@@ -95,6 +111,22 @@ impl Session {
         self.views().get(index).map_or(([0, 0, 1, 1], true), |view| (rect(&view.tile), view.program_lens))
     }
 
+    /// For each view the lens of its picture, as patched shaders take it; zeros for perspective ones. Empty where all views
+    /// are.
+    pub fn lenses(&self) -> Vec<[f32; 16]> {
+        if self.views().iter().all(|view| view.curved.is_none()) {
+            return Vec::new();
+        }
+        let lens = |(index, view): (usize, &View)| {
+            let Some(map) = &view.curved else { return [0.0; 16] };
+            let output = self.plan.views.output_views.iter().position(|views| views.contains(&index));
+            let method = output.and_then(|output| self.rig.outputs.get(output)).map(|output| output.method);
+            let pixels = DVec2::new(f64::from(view.tile.width), f64::from(view.tile.height));
+            uniforms::picture_lens(map, pixels, method.and_then(|method| method.max_error()).unwrap_or(0.0))
+        };
+        self.views().iter().enumerate().map(lens).collect()
+    }
+
     /// The view that shows best what is ahead of the program's camera.
     pub fn ahead(&self) -> usize {
         let forward = camera_rotation(&self.rig.camera) * DVec3::NEG_Z;
@@ -133,7 +165,10 @@ impl Session {
         let lens = *lens;
         self.views().iter().map(move |view| {
             let camera = self.camera(view);
-            clip_rows(&lens, &camera, view.rotation, &view.frustum).widened(&lens, &camera, &view.frustum)
+            let rows = clip_rows(&lens, &camera, view.rotation, &view.frustum);
+            // Depth is the distance in all directions there: no corner is nearer than the middle.
+            let frustum = if view.curved.is_some() { Frustum::POINT } else { view.frustum };
+            ClipRows { curved: view.curved.is_some(), ..rows.widened(&lens, &camera, &frustum) }
         })
     }
 
@@ -159,7 +194,7 @@ impl Session {
                 let seen = view.rotation * direction;
                 let (right, up) = (seen.x / -seen.z, seen.y / -seen.z);
                 let owned = &view.owned;
-                if view.program_lens {
+                if view.program_lens || view.curved.is_some() {
                     sum += own / f64::from(GRID * GRID);
                 } else if seen.z < 0.0
                     && (owned.left..=owned.right).contains(&right)
@@ -204,8 +239,11 @@ impl Session {
             f: None,
         };
         let camera = CameraAdjustment { rotation: panel.rotation.transpose(), ..CameraAdjustment::NONE };
-        let rows =
-            |view: &View| ClipRows { depth: [0.5, 0.0], ..clip_rows(&lens, &camera, view.rotation, &view.frustum) };
+        let rows = |view: &View| ClipRows {
+            depth: [0.5, 0.0],
+            curved: view.curved.is_some(),
+            ..clip_rows(&lens, &camera, view.rotation, &view.frustum)
+        };
         self.views().iter().map(rows).collect()
     }
 }

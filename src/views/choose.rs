@@ -2,13 +2,14 @@
 
 use super::axes::{self, Aimed, facing, mean_direction};
 use super::cost::beside_texels;
+use super::curved;
 use super::fit::Fit;
 use super::partition::{Partition, Task, diagram};
 use super::samples::{COARSE, FINE, Samples};
 use super::search::search;
 use super::sight::{Sample, Sight, UNIT_FRUSTUM, lens_rotation};
 use crate::error::{Error, ErrorKind, Result};
-use crate::geom::pose;
+use crate::geom::{PictureMap, pose};
 use crate::rig::{OutputKind, Rig, ViewMethod};
 use glam::{DMat3, DVec2, DVec3};
 
@@ -35,6 +36,8 @@ pub(crate) struct Wanted {
     pub exact: Option<(u32, u32)>,
     /// Drawn with the program's own projection.
     pub program_lens: bool,
+    /// Vertices are projected straight to the output's pixels.
+    pub curved: Option<PictureMap>,
     /// How far to the right of the viewer's position it is seen from, metres.
     pub eye: f64,
     /// The outputs that sample it.
@@ -81,7 +84,8 @@ pub(crate) fn arrange(rig: &Rig, sights: &[Sight]) -> Result<Arrangement> {
         if this.fine.is_empty() {
             notes.push(format!("output {} shows nothing: no ray of it meets the dome's screen", output.name));
         } else {
-            this.own = match own_view(&output.kind, index, sight, method) {
+            let own = curved::view(rig, index, sight.size).or_else(|| own_view(&output.kind, index, sight, method));
+            this.own = match own {
                 Some(own) => vec![own],
                 None if method == ViewMethod::Cube || !rig.views.cells.is_empty() => Vec::new(),
                 None => tight_views(rig, &this),
@@ -149,6 +153,7 @@ impl From<Aimed> for Wanted {
             fit: aimed.fit,
             exact: None,
             program_lens: false,
+            curved: None,
             eye: 0.0,
             outputs: Vec::new(),
         }
@@ -174,6 +179,7 @@ fn own_view(kind: &OutputKind, index: usize, sight: &Sight, method: ViewMethod) 
         fit: Fit { extent, density },
         exact: Some((width, height)),
         program_lens: frustum.is_none(),
+        curved: None,
         eye: 0.0,
         outputs: vec![index],
     })
@@ -244,7 +250,10 @@ pub(crate) fn optimise(
     steps: u32,
     progress: &mut dyn FnMut(f64),
 ) -> Result<Option<Vec<DVec3>>> {
-    let shares = |index: usize| own_view(&rig.outputs[index].kind, index, &sights[index], rig.views.method).is_none();
+    let shares = |index: usize| {
+        curved::view(rig, index, sights[index].size).is_none()
+            && own_view(&rig.outputs[index].kind, index, &sights[index], rig.views.method).is_none()
+    };
     let shared: Vec<(usize, Samples)> = (0..sights.len())
         .filter(|&index| shares(index))
         .map(|index| (index, Samples::new(&sights[index], COARSE)))
@@ -302,6 +311,7 @@ fn share_equals(views: &mut Vec<Wanted>) {
                 && other.fit.density == view.fit.density
                 && other.exact == view.exact
                 && other.program_lens == view.program_lens
+                && other.curved == view.curved
         };
         match kept.iter_mut().find(same) {
             Some(other) => other.outputs.extend(view.outputs),

@@ -19,6 +19,8 @@ pub(crate) struct Cone {
     axes: DMat3,
     /// Inward unit normals of the left, right, bottom and top side, in the cone's axes.
     normals: [DVec3; 4],
+    /// It has no sides: all directions are deep inside.
+    whole: bool,
 }
 
 /// How a patch lies to a cone.
@@ -41,12 +43,12 @@ impl Cone {
             DVec3::new(0.0, 1.0, opening.bottom),
             DVec3::new(0.0, -1.0, -opening.top),
         ];
-        Self { axes, normals: normals.map(DVec3::normalize_or_zero) }
+        Self { axes, normals: normals.map(DVec3::normalize_or_zero), whole: false }
     }
 
-    /// What `view` answers for.
+    /// What `view` answers for; the picture of an output for all directions.
     pub fn of(view: &View) -> Self {
-        Self::new(view.rotation, &view.owned)
+        Self { whole: view.curved.is_some(), ..Self::new(view.rotation, &view.owned) }
     }
 
     /// The inward unit normals of the left, right, bottom and top side, in the outer axes.
@@ -57,7 +59,7 @@ impl Cone {
     /// How far a direction lies inside each side; radians near it, for a direction of unit length.
     pub fn depths(&self, direction: DVec3) -> [f64; 4] {
         let local = self.axes * direction;
-        self.normals.map(|normal| normal.dot(local))
+        self.normals.map(|normal| if self.whole { f64::INFINITY } else { normal.dot(local) })
     }
 
     /// Directions in the cone's own axes.

@@ -109,7 +109,7 @@ fn sized(wanted: &Wanted, quality: f64, scale: f64, guard: u32) -> View {
         Some((width, height)) => {
             let texels = |pixels: u32| (f64::from(pixels) * quality * scale).ceil().clamp(1.0, 1_048_576.0) as u32;
             let (width, height) = (texels(width), texels(height));
-            let guard = if wanted.program_lens { 0 } else { guard };
+            let guard = if wanted.program_lens || wanted.curved.is_some() { 0 } else { guard };
             let across = extent.width() / f64::from(width) * f64::from(guard);
             let up = extent.height() / f64::from(height) * f64::from(guard);
             let whole = Frustum {
@@ -135,6 +135,7 @@ fn sized(wanted: &Wanted, quality: f64, scale: f64, guard: u32) -> View {
         owned,
         tile: Tile { x: 0, y: 0, width, height },
         program_lens: wanted.program_lens,
+        curved: wanted.curved,
         eye: wanted.eye,
     }
 }
@@ -151,6 +152,7 @@ fn panel(rig: &Rig, tile: Tile) -> View {
         owned: frustum,
         tile,
         program_lens: true,
+        curved: None,
         eye: 0.0,
     }
 }

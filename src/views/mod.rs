@@ -3,6 +3,7 @@
 //! `sight` maps the pixels of each output to directions, `samples` gathers them along lines, `fit`
 //! finds the opening and the resolution that a view with given axes needs, `axes` and `partition`
 //! choose axes, `choose` compares the families of views by what `cost` says, `layout` and `atlas` size and place them,
+//! `curved` gives outputs whose vertices are projected straight to their pixels a picture of their own,
 //! `search` looks for better cells than a cube's, for a rig to keep, `idle` finds those that would be drawn for nothing, `survey` and `report` look at the result.
 //!
 //! Resolution at quality 1: a projector or a perspective output gets at least one texel per pixel
@@ -14,6 +15,7 @@ pub(crate) mod axes;
 mod choose;
 pub(crate) mod cone;
 mod cost;
+mod curved;
 mod fit;
 mod idle;
 mod layout;
@@ -29,7 +31,7 @@ pub use report::{OutputShare, Report, ViewReport, report};
 pub use survey::{Surveyed, survey};
 
 use crate::error::{Error, ErrorKind, Result};
-use crate::geom::Frustum;
+use crate::geom::{Frustum, PictureMap};
 use crate::rig::Rig;
 use glam::{DMat3, DVec3};
 use sight::Sight;
@@ -54,7 +56,7 @@ impl Tile {
     }
 }
 
-/// One perspective picture of the program's world.
+/// One picture of the program's world; a perspective one mostly.
 #[derive(Clone, Debug, PartialEq)]
 pub struct View {
     /// Name for people: `front`, `left`, `projector-3` …
@@ -69,6 +71,9 @@ pub struct View {
     pub tile: Tile,
     /// Drawn with the program's own projection, whatever `frustum` says.
     pub program_lens: bool,
+    /// It is the picture of an output, pixel for pixel, to which vertices are projected by this map; `rotation` leads to
+    /// its axes, and the openings stand for nothing.
+    pub curved: Option<PictureMap>,
     /// How far to the right of the viewer's position it is seen from, metres.
     pub eye: f64,
 }

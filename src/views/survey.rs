@@ -17,7 +17,8 @@ pub struct Surveyed {
     /// Index of the view that answers for it.
     pub view: usize,
     /// Texels per pixel in the direction in which there are fewest of them, a domemaster's pixels taken as the
-    /// planner takes them (`[views] resolution`); `None` in views with the program's own lens.
+    /// planner takes them (`[views] resolution`); `None` in views with the program's own lens, and where vertices are
+    /// projected straight to the output.
     pub texels_per_pixel: Option<f64>,
 }
 
@@ -39,8 +40,9 @@ pub fn survey(plan: &ViewPlan, rig: &Rig, sizes: &[(u32, u32)], most: u32, mut v
             let Some(sample) = sight.sample(pixel) else { continue };
             let Some(&(view, _)) = cones.iter().find(|(_, cone)| cone.contains(sample.direction)) else { continue };
             let answering = &plan.views[view];
-            let texels_per_pixel =
-                (!answering.program_lens).then(|| sharpness(answering.rotation, density(answering), &sample)).flatten();
+            let texels_per_pixel = (!answering.program_lens && answering.curved.is_none())
+                .then(|| sharpness(answering.rotation, density(answering), &sample))
+                .flatten();
             visit(&Surveyed { output, direction: sample.direction, view, texels_per_pixel });
         }
     }

@@ -23,4 +23,5 @@ mod reference;
 mod rigs;
 mod semantics;
 mod steady;
+mod vertices;
 mod vulkan;

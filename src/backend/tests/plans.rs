@@ -15,7 +15,7 @@ pub fn view(name: &str, rotation: DMat3, owned: Frustum, tile: Tile) -> View {
     let (dx, dy) = (f64::from(GUARD) * owned.width() / inner.0, f64::from(GUARD) * owned.height() / inner.1);
     let frustum =
         Frustum { left: owned.left - dx, right: owned.right + dx, bottom: owned.bottom - dy, top: owned.top + dy };
-    View { name: name.into(), rotation, frustum, owned, tile, program_lens: false, eye: 0.0 }
+    View { name: name.into(), rotation, frustum, owned, tile, program_lens: false, curved: None, eye: 0.0 }
 }
 
 pub fn view_plan(views: Vec<View>, atlas: (u32, u32)) -> ViewPlan {

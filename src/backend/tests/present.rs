@@ -69,6 +69,7 @@ pub fn one_to_one(size: (u32, u32)) -> Plan {
         owned: frustum,
         tile,
         program_lens: true,
+        curved: None,
         eye: 0.0,
     };
     let source = Source::Perspective { matrix: frustum.rays() };
@@ -174,8 +175,16 @@ pub fn the_panel_lies_over_the_scene(driver: &dyn Driver) {
         let tile = Tile { x: 0, y: plan.views.atlas.1, width: 128, height: 96 };
         plan.views.atlas.1 += 100;
         let rotation = Pose::new(DVec3::ZERO, 0.3, 0.1, 0.1).rotation.transpose();
-        let panel =
-            View { name: "panel".into(), rotation, frustum, owned: frustum, tile, program_lens: true, eye: 0.0 };
+        let panel = View {
+            name: "panel".into(),
+            rotation,
+            frustum,
+            owned: frustum,
+            tile,
+            program_lens: true,
+            curved: None,
+            eye: 0.0,
+        };
         plan.views.panel = Some(panel.clone());
         let scene_height = plan.views.atlas.1 - 100;
         let scene = waves(plan.views.atlas);

@@ -41,7 +41,7 @@ pub struct Arguments {
     /// Seat the viewer elsewhere: position=0,-0.5,1,yaw=90,pitch=0,roll=0
     #[arg(long, value_name = "KEY=NUMBER,…", allow_hyphen_values = true)]
     viewer: Option<String>,
-    /// Make the outputs in another way: fragment, table, mesh or cube-mesh, as in mesh,max_error=0.1
+    /// Make the outputs in another way: fragment, table, mesh, cube-mesh, vertex or primitive, as in mesh,max_error=0.1
     #[arg(long, value_name = "METHOD[,KEY=NUMBER]")]
     method: Option<String>,
     /// Give each output its own resolution, whatever the window's size is; only captures show it

@@ -98,6 +98,10 @@ pub struct Context {
     pub gl: &'static Gl,
     /// Which OpenGL.
     pub profile: Profile,
+    /// The program's vertices cannot be projected straight to an output: windows have views.
+    pub views_only: bool,
+    /// Counts primitives that were not divided far enough.
+    pub coarse: Option<super::vertices::counter::Counter>,
     /// A defect switched this context off: every call goes straight to the driver.
     pub switched_off: bool,
     /// The window that it draws to.
@@ -206,6 +210,8 @@ impl Context {
             id: CONTEXTS.fetch_add(1, Ordering::Relaxed),
             gl,
             profile: profile(gl),
+            views_only: false,
+            coarse: None,
             switched_off: false,
             window: None,
             target: None,

@@ -24,6 +24,8 @@ pub struct DefaultFramebuffer {
     /// The surface's picture with one sample per pixel, where it has several.
     resolved: Option<Surface>,
     backend: GlBackend,
+    /// For each view the lens to which vertices are projected; empty where all views are perspective ones.
+    pub lenses: Vec<[f32; 16]>,
     /// What the views hold.
     pub content: Content,
     issued: Vec<u64>,
@@ -374,9 +376,9 @@ unsafe fn clear_everything(gl: &Gl) {
 impl DefaultFramebuffer {
     fn new(ctx: &Context, window: &Window, settings: &settings::Settings, extras: Extras) -> Result<Self> {
         let gl = ctx.gl;
-        let size = window.size();
         let live = live::rig().ok_or_else(|| Error::new(ErrorKind::InvalidState, "there is no rig"))?;
-        let session = Session::new(&live.rig, size, settings.offscreen, greatest_texture(gl), extras)?;
+        let plan = super::vertices::planner(ctx);
+        let session = plan(&live.rig, window.size(), settings.offscreen, greatest_texture(gl), extras)?;
         let config = Config::of_window(gl, &ctx.profile, window);
         Self::with_session(ctx, session, config, live.version)
     }
@@ -393,8 +395,22 @@ impl DefaultFramebuffer {
         let (issued, culled) = (vec![0; session.views().len()], vec![0; session.views().len()]);
         let outputs = session.viewports().map(|viewport| Target { framebuffer: 0, viewport }).collect();
         let content = Content::default();
+        let lenses = session.lenses();
         let session = Arc::new(session);
-        Ok(Self { session, version, config, surface, resolved, backend, content, issued, culled, closed, outputs })
+        Ok(Self {
+            session,
+            version,
+            lenses,
+            config,
+            surface,
+            resolved,
+            backend,
+            content,
+            issued,
+            culled,
+            closed,
+            outputs,
+        })
     }
 
     /// The same with more tiles.

@@ -47,6 +47,7 @@ pub fn draw(
 ) {
     let gl = ctx.gl;
     super::outlines::look(ctx);
+    super::vertices::fallback::look(ctx);
     if !ctx.redirected() {
         if !super::duplicate::draw(ctx, changes, &mut issue) {
             counting::weigh(ctx, Weights::ONCE);
@@ -86,6 +87,9 @@ pub fn draw(
     } else {
         ctx.background.note_scene();
     }
+    if super::vertices::fallback::look_divided(ctx, place) {
+        place = self::place(ctx);
+    }
     let shown = match ctx.counting.primitives() {
         true => culling::Views::ALL,
         false => culling::views(ctx, place, bounds, changes),
@@ -112,6 +116,7 @@ pub fn draw(
             continue;
         }
         let last = Some(index) == last_shown && primary.is_none();
+        let mut divided = None;
         let (tile, own_lens) = target.session.tile(index);
         if own_lens {
             own_window_space(ctx, tile);
@@ -129,13 +134,15 @@ pub fn draw(
                     }
                 }
                 Place::Scene(camera) => {
-                    if let Some(rows) = ctx.cameras.get(camera).and_then(|c| c.rows.get(index)) {
-                        super::programs::upload(ctx, rows);
+                    if let Some(rows) = ctx.cameras.get(camera).and_then(|c| c.rows.get(index)).copied() {
+                        super::programs::upload_view(ctx, &rows, target.lenses.get(index));
+                        divided = super::vertices::begin(ctx, &rows, target.lenses.get(index));
                     }
                 }
                 Place::Background if ctx.program.as_ref().is_some_and(|p| p.draws_vertices()) => {
-                    if let Some(rows) = ctx.background.shader_rows(index) {
-                        super::programs::upload(ctx, rows);
+                    if let Some(rows) = ctx.background.shader_rows(index).copied() {
+                        super::programs::upload_view(ctx, &rows, target.lenses.get(index));
+                        divided = super::vertices::begin(ctx, &rows, target.lenses.get(index));
                     }
                 }
                 Place::Background => {
@@ -149,6 +156,9 @@ pub fn draw(
             }
         }
         repeats.around(gl, number, last, || issue(ctx, gl));
+        if let Some((variant, in_use)) = divided {
+            variant.end(ctx, &in_use);
+        }
         match ctx.areas.get(index).filter(|_| shown.bounded()) {
             Some(area) => target.issued_within(index, *area),
             None => target.issued(index),
@@ -185,6 +195,7 @@ pub fn each_view(
     let own = ctx.session().map_or(0, |session| session.views().len());
     for view in 0..views {
         let place = prepare(ctx, view);
+        let mut divided = None;
         match place {
             _ if view >= own => {
                 plain_program(ctx);
@@ -198,13 +209,18 @@ pub fn each_view(
                 }
             }
             Place::Scene(camera) => {
-                if let Some(rows) = ctx.cameras.get(camera).and_then(|c| c.rows.get(view)) {
-                    super::programs::upload(ctx, rows);
+                if let Some(rows) = ctx.cameras.get(camera).and_then(|c| c.rows.get(view)).copied() {
+                    let lens = ctx.target.as_ref().and_then(|target| target.lenses.get(view)).copied();
+                    super::programs::upload_view(ctx, &rows, lens.as_ref());
+                    divided = super::vertices::begin(ctx, &rows, lens.as_ref());
                 }
             }
             Place::Flat | Place::Background => plain_program(ctx),
         }
         repeats.around(gl, view, view + 1 == views, || issue(ctx, gl));
+        if let Some((variant, in_use)) = divided {
+            variant.end(ctx, &in_use);
+        }
     }
     restore_projection(ctx, &mut projection_loaded);
 }

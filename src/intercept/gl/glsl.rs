@@ -4,6 +4,8 @@
 //! (`geom::reprojection`): the program's `main` is renamed by a macro and called from ours,
 //! so that its text stays untouched and its line numbers right.
 
+use super::vertices::interface::Interface;
+use super::vertices::{stage, text};
 use std::borrow::Cow;
 
 /// Name of the uniform that carries the rows of the re-projection.
@@ -20,20 +22,24 @@ pub enum Stage {
     Geometry,
 }
 
-/// The functions that re-project; `cupola_view` holds the rows for x, y, w and (E, depth factor, depth offset, 0).
-const FIX: &str = "uniform PRECISION vec4 cupola_view[4];
-PRECISION vec4 cupola_fix(PRECISION vec4 c) {
+/// The function that re-projects; `cupola_view` holds the rows for x, y, w and (E, depth factor, depth offset, curved).
+const FIX: &str = "PRECISION vec4 cupola_fix(PRECISION vec4 c) {
 PRECISION float q = c.z + cupola_view[3].x * c.w;
 PRECISION float w = dot(cupola_view[2].xyz, c.xyw) + cupola_view[2].w * q;
 PRECISION vec4 r = vec4(dot(cupola_view[0].xyz, c.xyw) + cupola_view[0].w * q, dot(cupola_view[1].xyz, c.xyw) + cupola_view[1].w * q, cupola_view[3].y * (q - cupola_view[3].x * w) + cupola_view[3].z * w, w);
 if (c.z == c.w) r.z = w;
-return r;
+CURVEDreturn r;
 }
 ";
 
+/// Where outputs are projected to, the rows may lead to a lens.
+const CURVED: &str = "if (cupola_view[3].w != 0.0) return cupola_project(vec3(r.x, r.y, -r.w), q, c.z == c.w);
+";
+
 /// `source` with the epilogue, or `None` where it cannot be patched (no `main` in it). `es_context`: the
-/// context is OpenGL ES, which says what a text without `#version` is.
-pub fn patch(source: &str, stage: Stage, es_context: bool) -> Option<String> {
+/// context is OpenGL ES, which says what a text without `#version` is. `curved`: there are views to whose lens vertices
+/// are projected.
+pub fn patch(source: &str, stage: Stage, es_context: bool, curved: bool) -> Option<String> {
     let bare = strip_comments(source);
     if !defines_main(&bare) {
         return None;
@@ -45,7 +51,7 @@ pub fn patch(source: &str, stage: Stage, es_context: bool) -> Option<String> {
     let line = head.matches('\n').count() + 1;
     // Before GLSL 330 and ESSL 300, `#line n` numbers the *following* line n + 1.
     let line = if (es && version < 300) || (!es && version < 330) { line.saturating_sub(1) } else { line };
-    let fix = FIX.replace("PRECISION ", if es { "highp " } else { "" });
+    let fix = functions(es, curved);
     Some(match stage {
         Stage::Vertex | Stage::TessellationEvaluation => format!(
             "{head}#define main cupola_main\n#line {line}\n{body}\n#undef main\n{fix}\n\
@@ -63,6 +69,33 @@ pub fn patch(source: &str, stage: Stage, es_context: bool) -> Option<String> {
             )
         }
     })
+}
+
+/// `source`, a stage of desktop OpenGL that hands on what `interface` says, with its outputs in carriers for a stage of
+/// ours behind it.
+pub fn carry(source: &str, interface: &Interface) -> String {
+    let edited = interface.edited(source);
+    let bare = strip_comments(&edited);
+    let out = if version(&bare, false).0 < 130 { "varying" } else { "out" };
+    let (declarations, copies) = stage::carriers(interface, out);
+    let (head, body) = edited.split_at(end_of_version_line(&edited, &bare));
+    format!(
+        "{head}#define main cupola_main\n{body}\n#undef main\n{declarations}void main() {{ cupola_main();{copies} }}\n"
+    )
+}
+
+/// Whether a shader's text has the `main` of its stage.
+pub fn has_main(source: &str) -> bool {
+    defines_main(&strip_comments(source))
+}
+
+/// Our uniform, and the functions that re-project with it.
+pub fn functions(es: bool, curved: bool) -> String {
+    let vectors = if curved { text::ROWS + text::LENS } else { text::ROWS };
+    let (lens, hook) = if curved { ([text::PLACE, text::PROJECT].concat(), CURVED) } else { (String::new(), "") };
+    let fix = FIX.replace("CURVED", hook);
+    format!("uniform PRECISION vec4 {UNIFORM}[{vectors}];\n{lens}{fix}")
+        .replace("PRECISION ", if es { "highp " } else { "" })
 }
 
 /// Whether the text names `word` as a whole identifier, outside comments.
@@ -157,7 +190,7 @@ mod tests {
     fn epilogue_follows_the_program_s_own_text() {
         let source =
             "#version 330 core\n#extension GL_ARB_foo : enable\nin vec4 p;\nvoid main() { gl_Position = p; }\n";
-        let patched = patch(source, Stage::Vertex, false).expect("has a main");
+        let patched = patch(source, Stage::Vertex, false, false).expect("has a main");
         assert!(patched.starts_with("#version 330 core\n#define main cupola_main\n#line 2\n#extension"));
         assert!(patched.contains("void main() { cupola_main(); gl_Position = cupola_fix(gl_Position); }"));
         assert!(!patched.contains("highp"));
@@ -165,16 +198,16 @@ mod tests {
 
     #[test]
     fn old_dialects_count_lines_from_the_one_before() {
-        let patched = patch("#version 120\nvoid main() {}\n", Stage::Vertex, false).expect("has a main");
+        let patched = patch("#version 120\nvoid main() {}\n", Stage::Vertex, false, false).expect("has a main");
         assert!(patched.contains("#line 1\n"), "{patched}");
-        let patched = patch("void main() {}\n", Stage::Vertex, false).expect("has a main");
+        let patched = patch("void main() {}\n", Stage::Vertex, false, false).expect("has a main");
         assert!(patched.starts_with("#define main cupola_main\n#line 0\n"), "{patched}");
     }
 
     #[test]
     fn es_texts_get_precisions() {
         let qualified = |source: &str, es_context: bool| {
-            let patched = patch(source, Stage::Vertex, es_context).expect("has a main");
+            let patched = patch(source, Stage::Vertex, es_context, false).expect("has a main");
             patched.contains("uniform highp vec4 cupola_view[4];")
         };
         for source in ["#version 300 es\nvoid main() {}", "#version 100\nvoid main() {}"] {
@@ -188,7 +221,7 @@ mod tests {
     #[test]
     fn geometry_shaders_fix_each_vertex() {
         let source = "#version 330\n#extension GL_x : enable\nlayout(points) in;\nvoid main() { gl_Position = vec4(0); EmitVertex(); }";
-        let patched = patch(source, Stage::Geometry, false).expect("has a main");
+        let patched = patch(source, Stage::Geometry, false, false).expect("has a main");
         let declared = patched.find("void cupola_emit();").expect("declared");
         assert!(
             declared > patched.find("#extension").expect("kept") && declared < patched.find("layout").expect("kept")
@@ -197,9 +230,22 @@ mod tests {
 
     #[test]
     fn a_main_in_a_comment_is_none() {
-        assert_eq!(patch("/* void main() {} */ float f() { return 1.0; } // main()", Stage::Vertex, false), None);
-        assert_eq!(patch("float domain(float x) { return x; }", Stage::Vertex, false), None);
-        assert!(patch("// é\nvoid main ( ) {}", Stage::Vertex, false).is_some());
+        assert_eq!(
+            patch("/* void main() {} */ float f() { return 1.0; } // main()", Stage::Vertex, false, false),
+            None
+        );
+        assert_eq!(patch("float domain(float x) { return x; }", Stage::Vertex, false, false), None);
+        assert!(patch("// é\nvoid main ( ) {}", Stage::Vertex, false, false).is_some());
+    }
+
+    #[test]
+    fn lenses_are_brought_only_where_they_are_used() {
+        let source = "#version 330\nvoid main() { gl_Position = vec4(0); }\n";
+        let plain = patch(source, Stage::Vertex, false, false).expect("has a main");
+        assert!(plain.contains("cupola_view[4]") && !plain.contains("cupola_project"));
+        let curved = patch(source, Stage::Vertex, false, true).expect("has a main");
+        assert!(curved.contains("cupola_view[8]") && curved.contains("return cupola_project("));
+        assert!(!curved.contains("PRECISION") && !curved.contains("CURVED"));
     }
 
     #[test]

@@ -48,5 +48,6 @@ pub mod uniforms;
 pub mod vendor;
 pub mod vendor_egl;
 pub mod vendor_glx;
+pub mod vertices;
 pub mod window;
 pub mod workload;

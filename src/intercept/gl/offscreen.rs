@@ -76,7 +76,9 @@ pub fn fill_primary(ctx: &mut Context) {
     let Some(target) = ctx.target.take() else { return };
     take_error(ctx);
     let camera = &target.session.rig().camera;
-    if let (Some(tile), Some(directions)) = (target.primary(), own_directions(ctx, camera)) {
+    // Pictures of outputs are no views to be resampled: the first read is black.
+    let directions = own_directions(ctx, camera).filter(|_| target.lenses.is_empty());
+    if let (Some(tile), Some(directions)) = (target.primary(), directions) {
         let plan = own_picture(ctx, &target.session, directions);
         let (width, height) = plan.views.atlas;
         target.resolve(ctx, Some([0, 0, width as i32, height as i32]));

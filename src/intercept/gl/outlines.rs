@@ -17,7 +17,9 @@ pub enum Shape {
     Points,
     /// Lines.
     Lines,
-    /// Triangles and what is made of them.
+    /// Triangles, strips or fans of them.
+    Triangles,
+    /// Quadrilaterals, strips of them, or polygons.
     Filled,
 }
 
@@ -31,7 +33,8 @@ impl Shape {
             | api::GL_LINE_STRIP
             | api::GL_LINES_ADJACENCY
             | api::GL_LINE_STRIP_ADJACENCY => Self::Lines,
-            api::GL_TRIANGLES..=api::GL_POLYGON => Self::Filled,
+            api::GL_TRIANGLES..=api::GL_TRIANGLE_FAN => Self::Triangles,
+            api::GL_QUADS..=api::GL_POLYGON => Self::Filled,
             _ => Self::Unknown,
         }
     }
@@ -42,6 +45,8 @@ impl Shape {
 pub struct Outlines {
     /// What the next draw consists of, where its hook knows.
     pub shape: Shape,
+    /// What the draw that is being issued consists of.
+    pub drawn: Shape,
     /// `glPolygonMode` was another than `GL_FILL`. It counts for good: a list or a pop may bring it back.
     polygons: bool,
     /// The draw that is being issued may leave its tile.
@@ -51,6 +56,7 @@ pub struct Outlines {
 /// Finds out whether the next draw may leave its tile.
 pub fn look(ctx: &mut Context) {
     let shape = std::mem::take(&mut ctx.outlines.shape);
+    ctx.outlines.drawn = shape;
     let emits = ctx.program.as_ref().is_some_and(|p| p.stages() & api::GL_GEOMETRY_SHADER_BIT != 0);
     let wide = ctx.widest.exceeds_gutter();
     ctx.outlines.cut = match shape {
@@ -58,7 +64,7 @@ pub fn look(ctx: &mut Context) {
         Shape::Unknown | Shape::Lines => wide,
         // Shaders of OpenGL ES always set the size of points.
         Shape::Points => wide || ctx.profile.es,
-        Shape::Filled => wide && ctx.outlines.polygons,
+        Shape::Triangles | Shape::Filled => wide && ctx.outlines.polygons,
     };
 }
 

@@ -6,6 +6,7 @@ use super::glsl::{self, Stage};
 use super::hook::hooks;
 use super::lists::Command;
 use super::uniforms::{self, Uniforms};
+use super::vertices::variants::Variants;
 use crate::backend::gl::api::{self, Gl};
 use crate::intercept::log;
 use crate::runtime::session::{Intrinsics, MatrixClass};
@@ -29,6 +30,8 @@ pub struct Program {
     pub name: u32,
     /// Where the rows of the re-projection go; −1 = it is not patched.
     location: i32,
+    /// Where the lens of a view goes; −1 = all views are perspective ones.
+    lens_location: i32,
     /// Index of our uniform among the active ones, to be hidden.
     pub hidden: Option<u32>,
     /// The bits of its stages that lie before rasterisation, as for `glUseProgramStages`.
@@ -43,7 +46,18 @@ pub struct Program {
     pub asks_place: bool,
     /// Its 4×4 matrices.
     pub uniforms: Mutex<Uniforms>,
-    uploaded: Mutex<Option<[f32; 16]>>,
+    uploaded: Mutex<Uploaded>,
+    /// The kinds and texts of its shaders, if its primitives may have to be divided.
+    pub texts: Vec<(u32, Arc<str>)>,
+    /// What divides them.
+    pub variants: Mutex<Variants>,
+}
+
+/// What a program has of a view.
+#[derive(Default)]
+struct Uploaded {
+    rows: Option<[f32; 16]>,
+    lens: Option<[f32; 16]>,
 }
 
 /// What a program draws with.
@@ -95,17 +109,33 @@ pub fn send(ctx: &Context, program: &Program, rows: &[f32; 16]) {
         return;
     }
     let mut uploaded = program.uploaded.lock().unwrap_or_else(PoisonError::into_inner);
-    if uploaded.as_ref() != Some(rows) {
-        // SAFETY: the location is that of our array of four vectors; where no program is in use, there
-        // are pipelines and with them the command that takes a name.
-        unsafe {
-            if ctx.pipelines.used == program.name {
-                ctx.gl.uniform4fv(program.location, 4, rows.as_ptr());
-            } else {
-                ctx.gl.program_uniform4fv(program.name, program.location, 4, rows.as_ptr());
-            }
+    if uploaded.rows.as_ref() != Some(rows) {
+        set_vectors(ctx, program, program.location, rows);
+        uploaded.rows = Some(*rows);
+    }
+}
+
+/// Sends the rows of a view to the program that draws, and the lens to whose axes they lead, if they lead to one.
+pub fn upload_view(ctx: &Context, rows: &[f32; 16], lens: Option<&[f32; 16]>) {
+    upload(ctx, rows);
+    let (Some(program), Some(lens)) = (&ctx.program, lens) else { return };
+    let mut uploaded = program.uploaded.lock().unwrap_or_else(PoisonError::into_inner);
+    if program.lens_location >= 0 && uploaded.lens.as_ref() != Some(lens) {
+        set_vectors(ctx, program, program.lens_location, lens);
+        uploaded.lens = Some(*lens);
+    }
+}
+
+/// Sets four vectors of our array.
+fn set_vectors(ctx: &Context, program: &Program, location: i32, vectors: &[f32; 16]) {
+    // SAFETY: the location is that of the array, or of its second half; where no program is in use, there are
+    // pipelines and with them the command that takes a name.
+    unsafe {
+        if ctx.pipelines.used == program.name {
+            ctx.gl.uniform4fv(location, 4, vectors.as_ptr());
+        } else {
+            ctx.gl.program_uniform4fv(program.name, location, 4, vectors.as_ptr());
         }
-        *uploaded = Some(*rows);
     }
 }
 
@@ -189,6 +219,7 @@ fn patched_stage(
     sources: &HashMap<u32, Arc<str>>,
     shaders: &[(u32, u32)],
     es_context: bool,
+    curved: bool,
 ) -> Option<(u32, Arc<str>, String)> {
     let stages = [
         (api::GL_GEOMETRY_SHADER, Stage::Geometry),
@@ -198,7 +229,7 @@ fn patched_stage(
     let (kind, stage) = stages.into_iter().find(|(kind, _)| shaders.iter().any(|s| s.1 == *kind))?;
     shaders.iter().filter(|s| s.1 == kind).find_map(|(shader, _)| {
         let source = sources.get(shader)?;
-        glsl::patch(source, stage, es_context).map(|patched| (*shader, source.clone(), patched))
+        glsl::patch(source, stage, es_context, curved).map(|patched| (*shader, source.clone(), patched))
     })
 }
 
@@ -209,10 +240,10 @@ fn link(ctx: &mut Context, program: u32) {
     // Compiling takes long; other threads' contexts use the table meanwhile.
     let sources: HashMap<u32, Arc<str>> = {
         let mut programs = ctx.share.programs.lock().unwrap_or_else(PoisonError::into_inner);
-        programs.programs.remove(&program);
+        forget(gl, programs.programs.remove(&program));
         shaders.iter().filter_map(|s| Some((s.0, programs.sources.get(&s.0)?.clone()))).collect()
     };
-    let patched = patched_stage(&sources, &shaders, ctx.profile.es);
+    let patched = patched_stage(&sources, &shaders, ctx.profile.es, super::vertices::asked_for());
     let mut linked = false;
     if let Some((shader, original, text)) = &patched {
         linked = link_patched(gl, program, *shader, original, text);
@@ -236,7 +267,10 @@ fn link(ctx: &mut Context, program: u32) {
         .filter_map(|s| sources.get(&s.0))
         .any(|source| words.iter().any(|word| glsl::mentions(source, word)));
     let mut fragments = shaders.iter().filter(|s| s.1 == api::GL_FRAGMENT_SHADER).filter_map(|s| sources.get(&s.0));
+    let texts = shaders.iter().filter_map(|s| Some((s.1, sources.get(&s.0)?.clone())));
+    let texts = if super::vertices::asked_for() { texts.collect() } else { Vec::new() };
     let mut record = read_program(gl, &ctx.profile, program, linked, stages, fixed_matrices);
+    record.texts = texts;
     record.asks_place = fragments.any(|source| glsl::mentions(source, "gl_FragCoord"));
     let mut vertices = shaders.iter().filter(|s| s.1 != api::GL_FRAGMENT_SHADER);
     if let (Some((shader, api::GL_VERTEX_SHADER)), None) = (vertices.next(), vertices.next())
@@ -252,6 +286,13 @@ fn link(ctx: &mut Context, program: u32) {
     // Linking a program that is in use puts the new one into use.
     if ctx.program.as_ref().is_some_and(|p| p.name == program) {
         ctx.program = Some(record);
+    }
+}
+
+/// A program's record is out of use, and what stood beside the program with it.
+fn forget(gl: &Gl, record: Option<Arc<Program>>) {
+    if let Some(record) = record {
+        record.variants.lock().unwrap_or_else(PoisonError::into_inner).destroy(gl);
     }
 }
 
@@ -311,10 +352,15 @@ fn read_program(gl: &Gl, profile: &Profile, name: u32, patched: bool, stages: u3
     let ours = CString::new(glsl::UNIFORM).unwrap_or_default();
     // SAFETY: a NUL-terminated name.
     let location = if patched { unsafe { gl.get_uniform_location(name, ours.as_ptr()) } } else { -1 };
+    // The vectors of an array have places of their own; −1 where it has no more than the rows.
+    let half = CString::new(format!("{}[{}]", glsl::UNIFORM, super::vertices::text::ROWS)).unwrap_or_default();
+    // SAFETY: as above.
+    let lens_location = if location >= 0 { unsafe { gl.get_uniform_location(name, half.as_ptr()) } } else { -1 };
     let (uniforms, hidden) = uniforms::read(gl, profile, name, glsl::UNIFORM);
     Program {
         name,
         location,
+        lens_location,
         hidden,
         stages,
         fixed_matrices,
@@ -322,7 +368,9 @@ fn read_program(gl: &Gl, profile: &Profile, name: u32, patched: bool, stages: u3
         position: None,
         asks_place: false,
         uniforms: Mutex::new(uniforms),
-        uploaded: Mutex::new(None),
+        uploaded: Mutex::default(),
+        texts: Vec::new(),
+        variants: Mutex::default(),
     }
 }
 
@@ -344,16 +392,16 @@ hooks! {
     "glDeleteObjectARB" delete_object_arb(object: u32) = |ctx, gl| {
         // Programs and shaders have names of one space.
         gl.delete_object_arb(object);
-        ctx.share.programs.lock().unwrap_or_else(PoisonError::into_inner).programs.remove(&object);
+        forget(gl, ctx.share.programs.lock().unwrap_or_else(PoisonError::into_inner).programs.remove(&object));
     };
     "glProgramBinary" program_binary(program: u32, format: u32, binary: *const c_void, length: i32) = |ctx, gl| {
         // What it was linked to is gone; what it is now was never patched.
         gl.program_binary(program, format, binary, length);
-        ctx.share.programs.lock().unwrap_or_else(PoisonError::into_inner).programs.remove(&program);
+        forget(gl, ctx.share.programs.lock().unwrap_or_else(PoisonError::into_inner).programs.remove(&program));
     };
     "glDeleteProgram" delete_program(program: u32) = |ctx, gl| {
         gl.delete_program(program);
-        ctx.share.programs.lock().unwrap_or_else(PoisonError::into_inner).programs.remove(&program);
+        forget(gl, ctx.share.programs.lock().unwrap_or_else(PoisonError::into_inner).programs.remove(&program));
     };
     "glCreateShaderProgramv" create_shader_programv(kind: u32, count: i32, strings: *const *const c_char) -> u32 = |ctx, gl| {
         // As OpenGL describes it in terms of the other commands.

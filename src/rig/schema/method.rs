@@ -1,7 +1,9 @@
 //! `method`, `max_error` and `density` of an output.
 
 use crate::rig::Method;
-use crate::rig::method::{DEFAULT_DENSITY, DEFAULT_ERROR, DENSITY, MAX_ERROR, whole};
+use crate::rig::method::{
+    DEFAULT_DENSITY, DEFAULT_DIVISION_ERROR, DEFAULT_ERROR, DENSITY, DIVISION_ERROR, MAX_ERROR, whole,
+};
 use crate::rig::problems::Problems;
 use crate::rig::reader::Section;
 
@@ -11,10 +13,18 @@ enum Word {
     Table,
     Mesh,
     CubeMesh,
+    Vertex,
+    Primitive,
 }
 
-const WORDS: [(&str, Word); 4] =
-    [("fragment", Word::Fragment), ("table", Word::Table), ("mesh", Word::Mesh), ("cube-mesh", Word::CubeMesh)];
+const WORDS: [(&str, Word); 6] = [
+    ("fragment", Word::Fragment),
+    ("table", Word::Table),
+    ("mesh", Word::Mesh),
+    ("cube-mesh", Word::CubeMesh),
+    ("vertex", Word::Vertex),
+    ("primitive", Word::Primitive),
+];
 
 pub(super) fn method(section: &mut Section, problems: &mut Problems) -> Method {
     let known = section.choice("method", &WORDS, problems);
@@ -25,6 +35,11 @@ pub(super) fn method(section: &mut Section, problems: &mut Problems) -> Method {
     }
     match known.unwrap_or(Word::Fragment) {
         Word::Fragment => Method::Fragment,
+        Word::Vertex => Method::Vertex,
+        Word::Primitive => {
+            let max_error = section.number("max_error", &DIVISION_ERROR, DEFAULT_DIVISION_ERROR, problems);
+            Method::Primitive { max_error }
+        }
         Word::Table => Method::Table { max_error: section.number("max_error", &MAX_ERROR, DEFAULT_ERROR, problems) },
         Word::Mesh => Method::Mesh { max_error: section.number("max_error", &MAX_ERROR, DEFAULT_ERROR, problems) },
         Word::CubeMesh => {

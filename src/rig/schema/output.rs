@@ -35,7 +35,7 @@ const KINDS_OF_KEYS: [(&str, &str); 21] = [
     ("even_light", "kind = \"projector\""),
     ("fov", "kind = \"projector\" or \"perspective\""),
     ("lens", "kind = \"perspective\""),
-    ("max_error", "method = \"table\" or \"mesh\""),
+    ("max_error", "method = \"table\", \"mesh\" or \"primitive\""),
     ("density", "method = \"cube-mesh\""),
 ];
 

@@ -58,7 +58,9 @@ pub fn enabled() -> bool {
 /// picture counts (transform feedback).
 pub fn views(ctx: &mut Context, place: Place, bounds: impl FnOnce(&mut Context) -> Bounds, changes: Changes) -> Views {
     let margin = ctx.widest.margin();
-    if !enabled() || !margin.is_finite() {
+    // Where a picture is curved, a box is not what is around its corners.
+    let curved = ctx.target.as_ref().is_some_and(|target| !target.lenses.is_empty());
+    if !enabled() || !margin.is_finite() || curved {
         return Views::ALL;
     }
     let Some(model) = position::transform(ctx, place) else { return Views::ALL };

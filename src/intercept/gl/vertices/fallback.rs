@@ -1,0 +1,55 @@
+//! Programs whose vertices cannot be projected straight to an output get views, as with the method `fragment`.
+
+use super::super::context::Context;
+use super::super::default_framebuffer;
+use super::super::draw::Place;
+use super::super::outlines::Shape;
+use crate::intercept::log;
+use crate::runtime::session::MatrixClass;
+
+/// Looks whether the next draw can be served where vertices are projected; gives the window views where not.
+pub fn look(ctx: &mut Context) {
+    let projects = ctx.target.as_ref().is_some_and(|target| !target.lenses.is_empty());
+    if !projects || ctx.program.as_ref().is_some_and(|program| program.draws_vertices()) || !ctx.profile.compatibility()
+    {
+        return;
+    }
+    super::super::matrices::refresh(ctx);
+    if matches!(ctx.projection.class, MatrixClass::Perspective(_)) {
+        use_views(ctx, "the program's vertices go through the fixed-function pipeline");
+    }
+}
+
+/// The same for a draw at `place` whose primitives have to be divided. Whether the window has views now.
+pub fn look_divided(ctx: &mut Context, place: Place) -> bool {
+    let divides = ctx.target.as_ref().is_some_and(|target| target.lenses.iter().any(super::divides));
+    let in_program = ctx.program.as_ref().is_some_and(|program| program.draws_vertices());
+    if !divides || !in_program || !matches!(place, Place::Scene(_) | Place::Background) {
+        return false;
+    }
+    match (ctx.outlines.drawn, super::input(ctx)) {
+        (Shape::Points, _) => return false,
+        (_, Some(input)) => {
+            if super::variants::of(ctx, input).is_some() {
+                return false;
+            }
+            use_views(ctx, "a program's primitives cannot be divided");
+        }
+        _ => use_views(ctx, "a program draws quadrilaterals, patches or lists with a shader, which cannot be divided"),
+    }
+    true
+}
+
+/// From now on this context's windows have views. The frame that is being drawn begins anew with the next draw.
+pub fn use_views(ctx: &mut Context, reason: &str) {
+    if ctx.views_only {
+        return;
+    }
+    ctx.views_only = true;
+    log::once(&format!("{reason}: the outputs are made by method \"fragment\" instead"));
+    let Some(target) = ctx.target.take() else { return };
+    let extras = target.extras();
+    super::super::duplicate::clear(ctx);
+    target.destroy(ctx.gl);
+    default_framebuffer::attach(ctx, extras);
+}

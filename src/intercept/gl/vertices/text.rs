@@ -1,0 +1,54 @@
+//! The GLSL that projects a vertex straight to an output's pixels.
+//!
+//! `geom::PictureMap` in 32 bits, without built-in functions of angles, which drivers may round as they like. Texts are
+//! for every version: `PRECISION` stands before each type and becomes `highp` or nothing.
+
+/// Vectors of our uniform that hold the rows of a view.
+pub const ROWS: i32 = 4;
+/// Vectors that follow and hold its lens: (viewer, 1 − |viewer|²), (lens, 1 for a fisheye), (scale, offset), (limit, …).
+pub const LENS: i32 = 4;
+
+/// `cupola_place(u)`: where the picture shows what the viewer sees in the unit direction `u` (lens axes), and 1; or, where
+/// that is beyond the picture, the unit direction in the picture to there, and 0.
+///
+/// The angle is atan2's by octant and polynomial, 1.7e-8 of itself.
+pub const PLACE: &str = "PRECISION float cupola_angle(PRECISION float y, PRECISION float x) {
+PRECISION float a = abs(x);
+PRECISION float t = min(a, y) / max(max(a, y), 1e-30);
+PRECISION float s = t * t;
+PRECISION float p = -0.33333153 + s * (0.19993772 + s * (-0.14211052 + s * (0.10665993 + s * (-0.07552189 + s * (0.04321156 + s * (-0.01636774 + s * 0.00292065))))));
+PRECISION float r = t + t * s * p;
+if (y > a) r = 1.57079632679 - r;
+return x < 0.0 ? 3.14159265359 - r : r;
+}
+PRECISION vec3 cupola_place(PRECISION vec3 u) {
+PRECISION float along = dot(cupola_view[4].xyz, u);
+PRECISION vec3 ray = cupola_view[4].xyz - cupola_view[5].xyz + u * (sqrt(along * along + cupola_view[4].w) - along);
+PRECISION float h = length(ray.xy);
+PRECISION vec2 aside = h > 0.0 ? ray.xy / h : vec2(1.0, 0.0);
+if (cupola_view[5].w != 0.0) {
+PRECISION float angle = cupola_angle(h, -ray.z);
+return angle > cupola_view[7].x ? vec3(aside, 0.0) : vec3(aside * angle * cupola_view[6].xy, 1.0);
+}
+if (-ray.z < cupola_view[7].x * length(ray)) return vec3(aside, 0.0);
+return vec3(ray.xy / -ray.z * cupola_view[6].xy - cupola_view[6].zw, 1.0);
+}
+";
+
+/// `cupola_project(v, q, sky)`: clip coordinates in the output's picture of a vertex at `v` (lens axes, the program's
+/// units). Depth is the distance, w too, so that what is interpolated is right to second order in the size of a
+/// triangle. `q`: the program's depth without what it has of w; `sky`: it lies at the far plane.
+///
+/// A vertex beyond the picture is a point at infinity: what leads to it leaves the picture in its direction, and a
+/// triangle of nothing else is beyond the far plane.
+pub const PROJECT: &str = "PRECISION vec4 cupola_project(PRECISION vec3 v, PRECISION float q, bool sky) {
+PRECISION float m = max(max(abs(v.x), abs(v.y)), max(abs(v.z), 1e-30));
+PRECISION vec3 u = v / m;
+PRECISION float l = max(length(u), 1e-30);
+PRECISION float d = m * l;
+PRECISION vec3 at = cupola_place(u / l);
+if (at.z == 0.0) return vec4(at.xy * d, 1e-5 * d, -1e-6 * d);
+PRECISION float z = cupola_view[3].y * (q - cupola_view[3].x * d) + cupola_view[3].z * d;
+return vec4(at.xy * d, sky ? d : z, d);
+}
+";

@@ -1,0 +1,275 @@
+//! Programs of ours beside the program's: the same shaders with a stage behind them that divides lines or triangles.
+//!
+//! A program with a geometry stage draws one kind of primitive only, so it cannot be the program's own. The variant is
+//! linked when a draw first needs it; before each draw it gets the values of the program's uniforms.
+
+use super::super::context::Context;
+use super::super::glsl;
+use super::super::programs::Program;
+use super::counter::{Before, Counter};
+use super::interface::{self, Interface};
+use super::mirror::Mirror;
+use super::stage::{self, Input, Limits};
+use super::text;
+use crate::backend::gl::api::{self, Gl};
+use crate::intercept::log;
+use std::ffi::{CStr, CString, c_char};
+use std::sync::{Arc, PoisonError};
+
+/// A program that divides.
+pub struct Variant {
+    name: u32,
+    /// Where rows and lens go.
+    locations: [i32; 2],
+    mirror: Mirror,
+    /// It counts what is not fine enough.
+    counts: bool,
+}
+
+/// What was bound before a variant was put in use.
+pub struct InUse(Option<Before>);
+
+/// The variants of a program.
+#[derive(Default)]
+pub struct Variants {
+    triangles: State,
+    lines: State,
+}
+
+/// Whether there is one.
+#[derive(Clone, Default)]
+enum State {
+    /// No draw has needed it.
+    #[default]
+    Untried,
+    /// There cannot be one.
+    Refused,
+    /// There is.
+    Made(Arc<Variant>),
+}
+
+impl Variants {
+    fn state(&mut self, input: Input) -> &mut State {
+        match input {
+            Input::Triangles => &mut self.triangles,
+            Input::Lines => &mut self.lines,
+        }
+    }
+
+    /// Deletes them.
+    pub fn destroy(&mut self, gl: &Gl) {
+        for state in [&mut self.triangles, &mut self.lines] {
+            if let State::Made(variant) = std::mem::take(state) {
+                // SAFETY: a program of ours; the context shares objects with the one that made it.
+                unsafe { gl.delete_program(variant.name) };
+            }
+        }
+    }
+}
+
+/// The variant of the program that draws for primitives of `input`, linked if it is new; `None` where there can be none.
+pub fn of(ctx: &mut Context, input: Input) -> Option<Arc<Variant>> {
+    let program = ctx.program.clone()?;
+    let state = program.variants.lock().unwrap_or_else(PoisonError::into_inner).state(input).clone();
+    match state {
+        State::Made(variant) => Some(variant),
+        State::Refused => None,
+        State::Untried => {
+            let made = super::super::quiet::quietly(ctx, |ctx| {
+                super::super::default_framebuffer::take_error(ctx);
+                let made = make(ctx, &program, input);
+                super::super::default_framebuffer::drop_errors(ctx.gl);
+                made
+            });
+            ctx.counts.linked += 1;
+            let (state, variant) = match made {
+                Ok(variant) => {
+                    let variant = Arc::new(variant);
+                    (State::Made(variant.clone()), Some(variant))
+                }
+                Err(why) => {
+                    log::once(&format!("a program's primitives cannot be divided: {why}"));
+                    (State::Refused, None)
+                }
+            };
+            *program.variants.lock().unwrap_or_else(PoisonError::into_inner).state(input) = state;
+            variant
+        }
+    }
+}
+
+impl Variant {
+    /// Puts it in use in place of the program that draws, with the values of its uniforms, for a view of these rows and lens.
+    pub fn begin(&self, ctx: &Context, rows: &[f32; 16], lens: &[f32; 16]) -> InUse {
+        let gl = ctx.gl;
+        let counter = ctx.coarse.as_ref().filter(|_| self.counts).map(|counter| counter.begin(gl));
+        // SAFETY: a program of ours; the locations are those of the two halves of our array.
+        unsafe {
+            gl.use_program(self.name);
+            gl.uniform4fv(self.locations[0], text::ROWS, rows.as_ptr());
+            gl.uniform4fv(self.locations[1], text::LENS, lens.as_ptr());
+        }
+        self.mirror.copy(gl, ctx.pipelines.used, self.name);
+        InUse(counter)
+    }
+
+    /// Puts the program's own in use again.
+    pub fn end(&self, ctx: &Context, in_use: &InUse) {
+        if let (Some(counter), InUse(Some(before))) = (&ctx.coarse, in_use) {
+            counter.end(ctx.gl, before);
+        }
+        // SAFETY: what the program has in use.
+        unsafe { ctx.gl.use_program(ctx.pipelines.used) };
+    }
+}
+
+/// What the context allows a stage of ours.
+fn limits(ctx: &Context) -> Limits {
+    let number = |name: u32| {
+        let mut value = 0;
+        // SAFETY: writes one integer.
+        unsafe { ctx.gl.get_integerv(name, &mut value) };
+        usize::try_from(value).unwrap_or(0)
+    };
+    let counted = ctx.profile.version >= 42 && number(api::GL_MAX_GEOMETRY_ATOMIC_COUNTERS) > 0;
+    let wanted = crate::intercept::settings::settings().is_some_and(|settings| settings.stats.is_some());
+    let bindings = number(api::GL_MAX_ATOMIC_COUNTER_BUFFER_BINDINGS) as u32;
+    Limits {
+        vertices: number(api::GL_MAX_GEOMETRY_OUTPUT_VERTICES),
+        components: number(api::GL_MAX_GEOMETRY_TOTAL_OUTPUT_COMPONENTS),
+        shared: ctx.profile.version >= 40,
+        counter: (counted && wanted && bindings > 0).then(|| bindings - 1),
+        compatibility: ctx.profile.compatibility(),
+    }
+}
+
+fn make(ctx: &mut Context, program: &Program, input: Input) -> Result<Variant, &'static str> {
+    if ctx.pipelines.used != program.name {
+        return Err("it belongs to a pipeline");
+    }
+    if ctx.profile.es || ctx.profile.version < 32 {
+        return Err("there are no geometry shaders before OpenGL 3.2");
+    }
+    if program.texts.iter().any(|(kind, _)| *kind == api::GL_GEOMETRY_SHADER) {
+        return Err("it has a geometry shader of its own");
+    }
+    let has = |wanted: u32| program.texts.iter().any(|(kind, _)| *kind == wanted);
+    let last = if has(api::GL_TESS_EVALUATION_SHADER) { api::GL_TESS_EVALUATION_SHADER } else { api::GL_VERTEX_SHADER };
+    let index = program
+        .texts
+        .iter()
+        .position(|(kind, source)| *kind == last && glsl::has_main(source))
+        .ok_or("its shaders' texts are not known")?;
+    let source = &program.texts[index].1;
+    let bare = glsl::strip_comments(source);
+    let interface = interface::read(&bare)?;
+    let built_in = if ctx.profile.compatibility() { interface::built_in(&bare) } else { Vec::new() };
+    if ctx.profile.compatibility() && glsl::mentions(&bare, "gl_TexCoord") {
+        return Err("a shader hands on gl_TexCoord");
+    }
+    let fragments: Vec<_> = program.texts.iter().filter(|(kind, _)| *kind == api::GL_FRAGMENT_SHADER).collect();
+    let numbered = fragments.iter().any(|(_, source)| glsl::mentions(source, "gl_PrimitiveID"));
+    let functions = glsl::functions(false, true);
+    let limits = limits(ctx);
+    let dividing = stage::text(input, &interface, &built_in, numbered, &functions, &limits)
+        .ok_or("the driver's geometry shaders emit too few vertices")?;
+    let carrying = glsl::carry(source, &interface);
+
+    let gl = ctx.gl;
+    let mut shaders = vec![compile(gl, api::GL_GEOMETRY_SHADER, &dividing)];
+    for (number, (kind, source)) in program.texts.iter().enumerate() {
+        shaders.push(compile(gl, *kind, if number == index { &carrying } else { source }));
+    }
+    let outputs: Vec<Interface> =
+        fragments.iter().filter_map(|(_, source)| interface::read(&glsl::strip_comments(source)).ok()).collect();
+    let linked = link(gl, program.name, &shaders, &outputs);
+    for shader in shaders {
+        // SAFETY: a shader of ours.
+        unsafe { gl.delete_shader(shader) };
+    }
+    let name = linked?;
+    let location = |index: i32| {
+        let name_of = CString::new(format!("{}[{index}]", glsl::UNIFORM)).unwrap_or_default();
+        // SAFETY: a NUL-terminated name.
+        unsafe { gl.get_uniform_location(name, name_of.as_ptr()) }
+    };
+    if let (Some(binding), None) = (limits.counter, &ctx.coarse) {
+        ctx.coarse = Some(Counter::new(gl, binding));
+    }
+    Ok(Variant {
+        name,
+        locations: [location(0), location(text::ROWS)],
+        mirror: Mirror::new(gl, program.name, name),
+        counts: limits.counter.is_some(),
+    })
+}
+
+/// A shader of ours; what the driver says of it the link tells.
+fn compile(gl: &Gl, kind: u32, source: &str) -> u32 {
+    let length = source.len() as i32;
+    let start = source.as_ptr().cast::<c_char>();
+    // SAFETY: one string with its length.
+    unsafe {
+        let shader = gl.create_shader(kind);
+        gl.shader_source(shader, 1, &start, &length);
+        gl.compile_shader(shader);
+        shader
+    }
+}
+
+/// Links with attributes and fragment outputs where the program `original` has them.
+fn link(gl: &Gl, original: u32, shaders: &[u32], outputs: &[Interface]) -> Result<u32, &'static str> {
+    let mut linked = 0;
+    // SAFETY: objects of ours; names end with NUL; queries write what they have room for.
+    unsafe {
+        let name = gl.create_program();
+        for shader in shaders {
+            gl.attach_shader(name, *shader);
+        }
+        let mut count = 0;
+        gl.get_programiv(original, api::GL_ACTIVE_ATTRIBUTES, &mut count);
+        for index in 0..u32::try_from(count).unwrap_or(0) {
+            let mut attribute: [c_char; 256] = [0; 256];
+            let (mut length, mut size, mut kind) = (0, 0, 0);
+            gl.get_active_attrib(original, index, 256, &mut length, &mut size, &mut kind, attribute.as_mut_ptr());
+            let location = gl.get_attrib_location(original, attribute.as_ptr());
+            if let Ok(location) = u32::try_from(location) {
+                gl.bind_attrib_location(name, location, attribute.as_ptr());
+            }
+        }
+        for output in outputs.iter().flat_map(|interface| &interface.values) {
+            let Ok(text) = CString::new(output.own.as_str()) else { continue };
+            if let Ok(location) = u32::try_from(gl.get_frag_data_location(original, text.as_ptr())) {
+                gl.bind_frag_data_location(name, location, text.as_ptr());
+            }
+        }
+        gl.link_program(name);
+        gl.get_programiv(name, api::GL_LINK_STATUS, &mut linked);
+        if linked != 0 {
+            return Ok(name);
+        }
+        tell(gl, name, shaders);
+        gl.delete_program(name);
+    }
+    Err("it does not link with a stage that divides")
+}
+
+/// What the driver says of a program that does not link, for people who look for the reason.
+fn tell(gl: &Gl, program: u32, shaders: &[u32]) {
+    let mut buffer: [c_char; 512] = [0; 512];
+    let mut say = |read: &dyn Fn(*mut c_char)| {
+        buffer[0] = 0;
+        read(buffer.as_mut_ptr());
+        // SAFETY: the driver ends what it writes with NUL.
+        let words = unsafe { CStr::from_ptr(buffer.as_ptr()) }.to_string_lossy().trim().to_owned();
+        if !words.is_empty() {
+            log::once(&format!("the driver says: {words}"));
+        }
+    };
+    for shader in shaders {
+        // SAFETY: writes at most as much as there is room for.
+        say(&|to| unsafe { gl.get_shader_info_log(*shader, 512, &mut 0, to) });
+    }
+    // SAFETY: as above.
+    say(&|to| unsafe { gl.get_program_info_log(program, 512, &mut 0, to) });
+}

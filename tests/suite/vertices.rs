@@ -1,0 +1,173 @@
+//! Methods `vertex` and `primitive`: vertices that are projected straight to an output, against the exact map.
+
+use crate::compare::{Report, Shown, compare, expect_good, expect_identical};
+use crate::dialects::{camera_of, shown_by_fisheye, shown_by_projector};
+use crate::picture::Picture;
+use crate::programs::{Finished, Run, scratch};
+use crate::reference::{Fisheye, cube_colour};
+use crate::rigs;
+
+const CIRCLE: Fisheye = Fisheye { width: 256.0, height: 256.0, aperture: 180.0, tilt: 90.0 };
+
+/// A camera that shows all kinds of corners and edges, and cells around the antipode.
+fn run<'a>(program: &'a str, extra: &'a [&'a str], cupola: &'a [&'a str]) -> Run<'a> {
+    Run { fov: 90.0, yaw: 33.0, pitch: -17.0, extra, cupola, ..Run::new(program) }
+}
+
+fn fisheye(run: &Run) -> Option<Finished> {
+    Some(run.under("fisheye")?.expect_success().expect_no_gl_errors())
+}
+
+fn against_the_map(run: &Run, picture: &Picture) -> Report {
+    compare(picture, shown_by_fisheye(CIRCLE, camera_of(run)))
+}
+
+#[test]
+fn fine_triangles_are_where_the_exact_map_has_them() {
+    let cupola = ["--method", "vertex"];
+    for mode in ["triangles", "ball"] {
+        let extra = ["--mode", mode];
+        let run = run("fine", &extra, &cupola);
+        let Some(finished) = fisheye(&run) else { return };
+        let picture = finished.picture("capture.png");
+        expect_good(&against_the_map(&run, &picture), &picture, &format!("fine {mode}, vertex"));
+        let statistics = finished.statistics();
+        assert_eq!(statistics["views"].as_array().map(Vec::len), Some(1), "one pass: {statistics:#}");
+    }
+}
+
+/// What the paper says of the method, and what tells that the comparer would notice.
+#[test]
+fn large_triangles_stay_straight_between_their_vertices() {
+    let run = run("core330_mvp", &[], &["--method", "vertex"]);
+    let Some(finished) = fisheye(&run) else { return };
+    let report = against_the_map(&run, &finished.picture("capture.png"));
+    assert!(report.wrong > report.compared / 4, "{} of {} pixels are wrong", report.wrong, report.compared);
+}
+
+#[test]
+fn points_are_where_the_exact_map_has_them() {
+    let extra = ["--mode", "points"];
+    let run = run("fine", &extra, &["--method", "vertex"]);
+    let Some(finished) = fisheye(&run) else { return };
+    let picture = finished.picture("capture.png");
+    let shown = shown_by_fisheye(CIRCLE, camera_of(&run));
+    let (mut lit, mut worst) = (0, 0.0f64);
+    for (x, y) in (0..picture.height).flat_map(|y| (0..picture.width).map(move |x| (x, y))) {
+        let found = picture.at(x, y);
+        let Shown::Direction(direction) = shown(x as f64 + 0.5, y as f64 + 0.5) else {
+            continue;
+        };
+        if found == [0; 3] {
+            continue;
+        }
+        lit += 1;
+        let expected = cube_colour(direction).map(|channel| 255.0 * channel);
+        let off = [0, 1, 2].map(|channel| (f64::from(found[channel]) - expected[channel]).abs());
+        worst = worst.max(off.into_iter().fold(0.0, f64::max));
+    }
+    // A point is drawn at the pixel that its place is in: at most 0.7 pixels, each 1.6/255 at most, off its centre.
+    assert!(lit > 8_000, "{lit} points are seen of about 12000");
+    assert!(worst < 2.5, "a point is off by {worst:.2}/255");
+}
+
+#[test]
+fn every_projector_gets_its_own_pass_and_blends() {
+    let (size, columns) = ((128, 96), 3);
+    let rig = rigs::projectors("planetarium-6", size, columns);
+    let rows = rig.projectors.len().div_ceil(columns);
+    let size_of_all = (columns * size.0, rows * size.1);
+    let folder = scratch("rig");
+    let start = |name: &str, text: &str, cupola: &[&str]| {
+        let file = folder.join(name);
+        std::fs::write(&file, text).expect("a rig can be written");
+        let run = Run { size: size_of_all, cupola, ..run("fine", &[], &[]) };
+        Some(run.under(file.to_str().expect("a UTF-8 path"))?.expect_success().expect_no_gl_errors())
+    };
+    let Some(plain) = start("unblended.toml", &rig.unblended, &["--method", "vertex"]) else { return };
+    let Some(blended) = start("blended.toml", &rig.blended, &["--method", "vertex"]) else { return };
+    let Some(expected) = start("blended.toml", &rig.blended, &[]) else { return };
+    for projector in &rig.projectors {
+        let name = format!("capture-{}.png", projector.name);
+        let picture = plain.picture(&name);
+        let report = compare(&picture, shown_by_projector(projector, &rig.dome, camera_of(&run("fine", &[], &[]))));
+        expect_good(&report, &picture, &format!("fine, vertex, {}", projector.name));
+        // The weights are those of the default method; the picture is off where the cube's edges are resampled.
+        let (found, expected) = (blended.picture(&name), expected.picture(&name));
+        let far = (0..found.pixels.len())
+            .filter(|&i| (0..3).any(|c| found.pixels[i][c].abs_diff(expected.pixels[i][c]) > 4))
+            .count();
+        assert!(far * 100 < found.pixels.len(), "{}: {far} pixels of {} are off", projector.name, found.pixels.len());
+        assert!(picture.pixels.iter().zip(&found.pixels).any(|(a, b)| a[0].abs_diff(b[0]) > 40), "nothing is blended");
+    }
+}
+
+/// What cannot be served is shown as without the method, and the log says why.
+#[test]
+fn other_programs_get_views() {
+    let Some(expected) = fisheye(&run("display_list", &[], &[])) else { return };
+    let Some(found) = fisheye(&run("display_list", &[], &["--method", "vertex"])) else { return };
+    expect_identical(&found.picture("capture.png"), &expected.picture("capture.png"), "display_list, vertex");
+    assert_eq!(found.words().matches("by method \"fragment\" instead").count(), 1, "{}", found.words());
+}
+
+/// Large triangles that are divided, whatever the shaders that draw them look like.
+#[test]
+fn divided_triangles_are_where_the_exact_map_has_them() {
+    for program in ["core330_mvp", "core330_block", "glsl120"] {
+        let run = run(program, &[], &["--method", "primitive,max_error=0.5"]);
+        let Some(finished) = fisheye(&run) else { return };
+        let picture = finished.picture("capture.png");
+        expect_good(&against_the_map(&run, &picture), &picture, &format!("{program}, primitive"));
+        let statistics = finished.statistics();
+        assert_eq!(statistics["coarse_primitives"].as_u64(), Some(0), "{program}: {statistics:#}");
+        assert_eq!(statistics["views"].as_array().map(Vec::len), Some(1), "one pass: {statistics:#}");
+    }
+}
+
+/// A lens that shows what is behind: triangles around the antipode of its axis are not smeared over the picture.
+#[test]
+fn triangles_around_the_antipode_are_not_smeared() {
+    let aperture = 240.0;
+    let file = scratch("rig").join("wide.toml");
+    let text = format!("[[output]]\nkind = \"domemaster\"\naperture = {aperture}\ntilt = 90\n");
+    std::fs::write(&file, text).expect("a rig can be written");
+    let run = run("core330_mvp", &[], &["--method", "primitive,max_error=0.5"]);
+    let Some(finished) = run.under(file.to_str().expect("a UTF-8 path")) else { return };
+    let picture = finished.expect_success().expect_no_gl_errors().picture("capture.png");
+    let circle = Fisheye { aperture, ..CIRCLE };
+    let report = compare(&picture, shown_by_fisheye(circle, camera_of(&run)));
+    expect_good(&report, &picture, "core330_mvp, primitive, 240°");
+}
+
+#[test]
+fn divided_triangles_are_right_for_every_projector() {
+    let (size, columns) = ((128, 96), 3);
+    let rig = rigs::projectors("planetarium-6", size, columns);
+    let rows = rig.projectors.len().div_ceil(columns);
+    let file = scratch("rig").join("planetarium.toml");
+    std::fs::write(&file, &rig.unblended).expect("a rig can be written");
+    let cupola = ["--method", "primitive,max_error=0.25"];
+    let run = Run { size: (columns * size.0, rows * size.1), ..run("core330_mvp", &[], &cupola) };
+    let Some(finished) = run.under(file.to_str().expect("a UTF-8 path")) else { return };
+    let finished = finished.expect_success().expect_no_gl_errors();
+    for projector in &rig.projectors {
+        let picture = finished.picture(&format!("capture-{}.png", projector.name));
+        let report = compare(&picture, shown_by_projector(projector, &rig.dome, camera_of(&run)));
+        expect_good(&report, &picture, &format!("core330_mvp, primitive, {}", projector.name));
+    }
+}
+
+/// The error that is allowed is the error that is made, more or less; and what has no room left is counted.
+#[test]
+fn a_greater_error_is_cheaper_and_worse() {
+    let worst = |max_error: &str| {
+        let method = format!("primitive,max_error={max_error}");
+        let cupola = ["--method", method.as_str()];
+        let run = run("core330_mvp", &[], &cupola);
+        let picture = fisheye(&run)?.picture("capture.png");
+        Some(against_the_map(&run, &picture).worst)
+    };
+    let (Some(fine), Some(rough)) = (worst("0.25"), worst("8")) else { return };
+    assert!(fine <= 2.0 && rough > 3.0 * fine, "{fine:.2}/255 and {rough:.2}/255");
+}
