@@ -213,7 +213,7 @@ fn even_light_is_even_on_every_screen() {
             // In units of the pixel's tangents; the cube of the length is the slant of the picture's plane and its distance.
             let solid_angle = ray.length().powi(-3);
             let area = away.length_squared() * solid_angle / hit.normal.dot(towards).abs();
-            let weight = table.nearest(across, down).unwrap().weight;
+            let weight = table.at(across, down).unwrap().weight;
             match weight < 1.0 {
                 true => levels.push(weight / area),
                 false => full += 1,
