@@ -283,10 +283,16 @@ fn bench_compares_time_and_error() {
         let method = methods.iter().find(|method| method["method"].as_str().unwrap().contains(name));
         method.map_or(f64::NAN, |method| method["error_pixels"][key].as_f64().unwrap())
     };
-    assert!(error("fragment", "max") < 0.001 && error("table", "max") < 0.001, "{results:#}");
-    // Linear interpolation: half the distance of the nodes, a quarter of the error.
-    let ratio = error("directions 32", "max") / error("directions 64", "max");
-    assert!((3.7..4.3).contains(&ratio), "{ratio}");
+    assert!(error("fragment", "max") < 0.001 && error("table, every pixel", "max") < 0.001, "{results:#}");
+    for bound in [0.5, 0.1, 0.02] {
+        for method in ["table", "mesh"] {
+            let name = format!("{method}, at most {bound} px");
+            assert!(error(&name, "max") < bound + 0.004, "{name}: {results:#}");
+        }
+    }
+    // Linear interpolation: a quarter of the distance of the nodes, a sixteenth of the error.
+    let ratio = error("directions 16×9", "max") / error("directions 64×36", "max");
+    assert!((14.0..18.0).contains(&ratio), "{ratio}");
     // The recipe of 2014 has pixels without a number, and ours none.
     assert!(error("2014", "non_finite") > 0.0 && error("fragment", "non_finite") == 0.0);
     let lines = std::fs::read_to_string(sheet).unwrap();

@@ -200,7 +200,12 @@ fn methods_of_outputs() {
     refused("max_error = 0.2", "max_error = 0", "output[2].max_error", &["pixels", "at least 0.005"]);
     refused("max_error = 0.2", "density = 8", "output[2].density", &["it belongs to method = \"cube-mesh\""]);
     let (text, number) = with(line, "method = \"fragment\"");
-    refused_text(&text, number + 1, "output[2].max_error: unknown key", &["method = \"table\" or \"mesh\""]);
+    refused_text(
+        &text,
+        number + 1,
+        "output[2].max_error: unknown key",
+        &["method = \"table\", \"mesh\" or \"primitive\""],
+    );
     let (text, number) = with(line, "method = \"cube-mesh\"");
     refused_text(&text.replace("max_error = 0.2", "density = 7.5"), number + 1, "output[2].density", &["not whole"]);
     assert!(read(&text.replace("max_error = 0.2", "density = 7")).is_ok());
@@ -413,7 +418,7 @@ fn blending() {
         ("{ file = \"no-such-response.csv\" }", "file", "no-such-response.csv"),
         ("{ }", "measured", "0 ways"),
         ("{ measured = [[0, 0], [1, 1]], file = \"a.csv\" }", "measured", "2 ways"),
-        ("{ rad = 2.2, green = 2.2, blue = 2.2 }", "rad", "did you mean `red`"),
+        ("{ rad = 2.2, red = 2, green = 2.2, blue = 2.2 }", "rad", "did you mean `red`"),
     ] {
         refused("gamma = 2.4", &format!("transfer = {given}"), &format!("output[0].blend.transfer.{key}"), &[words]);
     }

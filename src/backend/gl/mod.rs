@@ -2,6 +2,7 @@
 
 pub mod accumulation;
 pub mod api;
+mod blank;
 pub mod glx;
 pub mod headless;
 mod hidden;
@@ -10,11 +11,13 @@ mod passes;
 mod program;
 mod state;
 pub mod surface;
+mod textures;
 pub mod trial;
 
 pub use crate::correct::map::MapPixel;
+pub use blank::Blank;
 pub use map::gpu_map;
-pub use passes::{Blank, GlBackend, Target};
+pub use passes::{GlBackend, Target};
 
 #[cfg(test)]
 mod tests;

@@ -1,14 +1,16 @@
 //! Runs a plan on the current context: one draw for each batch of rectangles, one for what is black.
 
 use super::api::*;
+use super::blank::{self, Blank, Draw, Shows};
 use super::hidden::Hidden;
 use super::program::{self, ATLAS_UNIT, MASK_UNIT, TABLE_UNIT};
 use super::state::{self, Capabilities};
+use super::textures;
 use crate::correct::draws::{self, DrawList, FLOATS, Rows, SOURCE_FLOATS};
-use crate::correct::plan::{Mask, OutputPass};
-use crate::correct::shaders::{Language, Pass, Specialised, Stage, specialise};
+use crate::correct::plan::OutputPass;
+use crate::correct::shaders::{Language, Specialised, Stage, specialise};
 use crate::correct::uniforms::Constants;
-use crate::correct::{Footprints, Plan, Source, Table, Texels, Tile, footprints};
+use crate::correct::{Footprints, Plan, Source, Tile, footprints};
 use crate::error::{Error, ErrorKind, Result};
 use std::cell::Cell;
 use std::collections::HashMap;
@@ -22,42 +24,6 @@ pub struct Target {
     /// x, y, width, height in pixels from the framebuffer's bottom left. Another size than the
     /// output's own scales it, without filtering anew: the map is evaluated where the pixels are.
     pub viewport: [i32; 4],
-}
-
-/// Views that hold one colour in every texel, or in all but a part.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Blank<'a> {
-    /// Bit i: the plan's view i. Views from number 64 on are none of them.
-    pub views: u64,
-    /// Red, green and blue as they are stored: multiples of 1/255.
-    pub color: [f32; 3],
-    /// For each view the texels of the atlas that may hold something else; views beyond the list may everywhere.
-    pub touched: &'a [Texels],
-}
-
-/// What becomes of the colour of views that hold a single one.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Shows {
-    /// It is shown as it is.
-    Same,
-    /// Black stays black: other colours are weighted, or have a rim.
-    Black,
-    /// Another one.
-    Other,
-}
-
-/// One draw call.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Draw {
-    program: u32,
-    /// First index, number of indices.
-    first: i32,
-    count: i32,
-    /// The views that it samples, a bit each.
-    views: u64,
-    shows: Shows,
-    /// The batch shows its view 1:1: texels are taken as they are, where the target is as large as the output.
-    nearest: bool,
 }
 
 /// What one output needs.
@@ -307,7 +273,7 @@ impl GlBackend {
                 let (first, count) = (draw.first as i32, draw.count as i32);
                 let views = draw.views.iter().fold(0, |bits, view| bits | 1u64.checked_shl(*view as u32).unwrap_or(0));
                 let followed = draw.views.iter().all(|view| *view < 64);
-                let shows = if followed { shows(&draw.constants) } else { Shows::Other };
+                let shows = if followed { blank::shows(&draw.constants) } else { Shows::Other };
                 output.draws.push(Draw { program, first, count, views, shows, nearest: draw.nearest });
             }
             outputs.push(output);
@@ -338,14 +304,14 @@ impl GlBackend {
         }
         for (pass, output) in passes.iter().zip(&mut self.outputs) {
             if let Some(mask) = &pass.mask {
-                output.mask = upload_mask(gl, &self.caps, mask);
+                output.mask = textures::upload_mask(gl, &self.caps, mask);
                 self.names.textures.push(output.mask);
             }
             let table_is_read = pass.batches.iter().any(|batch| batch.facets.is_none());
             if let Source::Table(table) = &pass.source
                 && table_is_read
             {
-                output.table = upload_table(gl, table);
+                output.table = textures::upload_table(gl, table);
                 self.names.textures.push(output.table);
             }
         }
@@ -409,7 +375,9 @@ impl GlBackend {
                 let unscaled = (i64::from(width), i64::from(height)) == (output.size.0.into(), output.size.1.into());
                 let is_blank = |draw: &Draw| blank.is_some_and(|blank| draw.is_blank(blank));
                 let left_out = output.draws.iter().filter(|draw| draw.views != 0 && is_blank(draw)).count();
-                let part = blank.filter(|_| unscaled).and_then(|blank| output.part(blank));
+                let part = blank
+                    .filter(|_| unscaled)
+                    .and_then(|blank| blank::part(blank, &output.draws, output.footprints.as_ref(), output.size));
                 let cleared = blank.filter(|_| left_out > 0 || part.is_some());
                 if let Some(blank) = cleared {
                     state::clear(gl, &self.caps, target.viewport, blank.color);
@@ -485,60 +453,6 @@ impl GlBackend {
     }
 }
 
-impl Output {
-    /// The part of the picture (x, y, width, height from the bottom left) outside of which draws that can be narrowed show
-    /// the colour of the views; `None` where that is not known, or saves little.
-    fn part(&self, blank: &Blank) -> Option<[u32; 4]> {
-        let narrows = |draw: &Draw| draw.narrows(blank);
-        let footprints = self.footprints.as_ref().filter(|_| self.draws.iter().any(narrows))?;
-        let part = footprints.sampling(blank.touched);
-        let area = |width: u32, height: u32| f64::from(width) * f64::from(height);
-        (area(part[2], part[3]) < WORTHWHILE * area(self.size.0, self.size.1)).then_some(part)
-    }
-}
-
-/// A part of an output that is larger is not worth a clear of all of it.
-const WORTHWHILE: f64 = 0.7;
-
-impl Draw {
-    /// Whether what shows a colour shows that same colour.
-    fn keeps(&self, color: [f32; 3]) -> bool {
-        match self.shows {
-            Shows::Same => true,
-            Shows::Black => color == [0.0; 3],
-            Shows::Other => false,
-        }
-    }
-
-    /// Whether it shows the colour of views wherever they hold it.
-    fn narrows(&self, blank: &Blank) -> bool {
-        self.views != 0 && self.keeps(blank.color)
-    }
-
-    /// Whether it shows the colour of these views and nothing else. What shows nothing at all is black.
-    fn is_blank(&self, blank: &Blank) -> bool {
-        self.keeps(blank.color) && self.views & !blank.views == 0
-    }
-}
-
-/// What a draw with these constants makes of a single colour.
-fn shows(constants: &Constants) -> Shows {
-    // A shader without the constant may do anything.
-    let set = |name: &str| match constants.member(name) {
-        [] => true,
-        values => values.iter().any(|value| *value != 0.0),
-    };
-    if constants.pass() == Pass::Black {
-        Shows::Black
-    } else if set("shared_part.with_panel") || set("shared_part.black") || set("shared_part.lift") {
-        Shows::Other
-    } else if set("shared_part.weighted") || set("shared_part.edge") {
-        Shows::Black
-    } else {
-        Shows::Same
-    }
-}
-
 /// Fills a buffer.
 fn fill<T: Copy>(gl: &Gl, buffer: u32, values: &[T]) {
     // SAFETY: a context is current and gave the name; the array is as long as said. A buffer is none of a kind: bound as
@@ -547,45 +461,6 @@ fn fill<T: Copy>(gl: &Gl, buffer: u32, values: &[T]) {
         gl.bind_buffer(GL_ARRAY_BUFFER, buffer);
         let size = std::mem::size_of_val(values) as isize;
         gl.buffer_data(GL_ARRAY_BUFFER, size, values.as_ptr().cast(), GL_STATIC_DRAW);
-    }
-}
-
-/// A texture of the mask's weights.
-fn upload_mask(gl: &Gl, caps: &Capabilities, mask: &Mask) -> u32 {
-    let texture;
-    let (width, height) = (mask.width as i32, mask.height as i32);
-    if mask.weights.len() != mask.width as usize * mask.height as usize {
-        return 0;
-    }
-    // SAFETY: a context is current, rows are tightly packed, and the array holds width · height values.
-    unsafe {
-        texture = super::surface::new_texture(gl);
-        gl.bind_texture(GL_TEXTURE_2D, texture);
-        gl.tex_parameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
-        if caps.norm16 {
-            let data = mask.weights.as_ptr().cast();
-            gl.tex_image2_d(GL_TEXTURE_2D, 0, GL_R16 as i32, width, height, 0, GL_RED, GL_UNSIGNED_SHORT, data);
-        } else {
-            // Half floats: 11 bits, 0.05 % of a weight near 1.
-            let weights: Vec<f32> = mask.weights.iter().map(|w| f32::from(*w) / 65535.0).collect();
-            let data = weights.as_ptr().cast();
-            gl.tex_image2_d(GL_TEXTURE_2D, 0, GL_R16F as i32, width, height, 0, GL_RED, GL_FLOAT, data);
-        }
-    }
-    texture
-}
-
-/// A texture of the table's directions and weights.
-fn upload_table(gl: &Gl, table: &Table) -> u32 {
-    let (width, height) = (table.entries().0 as i32, table.entries().1 as i32);
-    let texels = table.texels().as_flattened().as_ptr().cast();
-    // SAFETY: a context is current, rows are tightly packed, and a table has as many texels of four floats as entries.
-    unsafe {
-        let texture = super::surface::new_texture(gl);
-        gl.bind_texture(GL_TEXTURE_2D, texture);
-        gl.tex_parameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
-        gl.tex_image2_d(GL_TEXTURE_2D, 0, GL_RGBA32F as i32, width, height, 0, GL_RGBA, GL_FLOAT, texels);
-        texture
     }
 }
 

@@ -42,13 +42,20 @@ fn described(mut section: Section, directory: &Path, problems: &mut Problems) ->
     let path = section.path("file");
     let all = section.number_pairs("measured", &POINT, problems);
     let file = section.text("file", "the name of a file of measurements", problems);
-    let ways = ["measured", "file", "red"].into_iter().filter(|key| section.has(key)).count();
+    let by_channel = CHANNELS.iter().any(|key| section.has(key));
+    let ways = ["measured", "file"].into_iter().filter(|key| section.has(key)).count() + usize::from(by_channel);
     if ways != 1 {
         let expected = "expected one of: red, green and blue; measured = [[value, light], …]; file = \"response.csv\"";
         problems.add(&section.path("measured"), format!("{ways} ways to say the response; {expected}"));
     }
+    let missing: Vec<String> =
+        CHANNELS.iter().filter(|key| by_channel && !section.has(key)).map(|key| section.path(key)).collect();
     let channels = CHANNELS.map(|key| channel(&mut section, key, problems));
+    // A misspelt channel is told before the one that is missed because of it.
     section.finish(&[("gamma", "[output.blend]")], problems);
+    for path in missing {
+        problems.add(&path, "is missing; expected red, green and blue, each an exponent or points");
+    }
     if let Some(points) = all {
         return same(response(&points, &section_path(&path, "measured"), problems));
     }
@@ -88,9 +95,6 @@ fn same(response: Option<Response>) -> Transfer {
 /// A channel: an exponent or points.
 fn channel(section: &mut Section, key: &'static str, problems: &mut Problems) -> Option<Channel> {
     if !section.has(key) {
-        if CHANNELS.iter().any(|key| section.has(key)) {
-            problems.add(&section.path(key), "is missing; expected red, green and blue, each an exponent or points");
-        }
         // Asked for, so that its name is known.
         section.optional_number(key, &GAMMA, problems);
         return None;

@@ -1,0 +1,97 @@
+//! Which draws show nothing but the colour of views that hold a single one, and so need not be issued.
+
+use crate::correct::shaders::Pass;
+use crate::correct::uniforms::Constants;
+use crate::correct::{Footprints, Texels};
+
+/// Views that hold one colour in every texel, or in all but a part.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Blank<'a> {
+    /// Bit i: the plan's view i. Views from number 64 on are none of them.
+    pub views: u64,
+    /// Red, green and blue as they are stored: multiples of 1/255.
+    pub color: [f32; 3],
+    /// For each view the texels of the atlas that may hold something else; views beyond the list may everywhere.
+    pub touched: &'a [Texels],
+}
+
+/// What becomes of the colour of views that hold a single one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Shows {
+    /// It is shown as it is.
+    Same,
+    /// Black stays black: other colours are weighted, or have a rim.
+    Black,
+    /// Another one.
+    Other,
+}
+
+/// One draw call.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Draw {
+    pub program: u32,
+    /// First index, number of indices.
+    pub first: i32,
+    pub count: i32,
+    /// The views that it samples, a bit each.
+    pub views: u64,
+    pub shows: Shows,
+    /// The batch shows its view 1:1: texels are taken as they are, where the target is as large as the output.
+    pub nearest: bool,
+}
+
+/// A part of an output that is larger is not worth a clear of all of it.
+const WORTHWHILE: f64 = 0.7;
+
+/// The part of an output of `size` pixels (x, y, width, height from the bottom left) outside of which draws that can be
+/// narrowed show the colour of the views; `None` where that is not known, or saves little.
+pub(super) fn part(
+    blank: &Blank,
+    draws: &[Draw],
+    footprints: Option<&Footprints>,
+    size: (u32, u32),
+) -> Option<[u32; 4]> {
+    let footprints = footprints.filter(|_| draws.iter().any(|draw| draw.narrows(blank)))?;
+    let part = footprints.sampling(blank.touched);
+    let area = |width: u32, height: u32| f64::from(width) * f64::from(height);
+    (area(part[2], part[3]) < WORTHWHILE * area(size.0, size.1)).then_some(part)
+}
+
+impl Draw {
+    /// Whether what shows a colour shows that same colour.
+    fn keeps(&self, color: [f32; 3]) -> bool {
+        match self.shows {
+            Shows::Same => true,
+            Shows::Black => color == [0.0; 3],
+            Shows::Other => false,
+        }
+    }
+
+    /// Whether it shows the colour of views wherever they hold it.
+    pub fn narrows(&self, blank: &Blank) -> bool {
+        self.views != 0 && self.keeps(blank.color)
+    }
+
+    /// Whether it shows the colour of these views and nothing else. What shows nothing at all is black.
+    pub fn is_blank(&self, blank: &Blank) -> bool {
+        self.keeps(blank.color) && self.views & !blank.views == 0
+    }
+}
+
+/// What a draw with these constants makes of a single colour.
+pub(super) fn shows(constants: &Constants) -> Shows {
+    // A shader without the constant may do anything.
+    let set = |name: &str| match constants.member(name) {
+        [] => true,
+        values => values.iter().any(|value| *value != 0.0),
+    };
+    if constants.pass() == Pass::Black {
+        Shows::Black
+    } else if set("shared_part.with_panel") || set("shared_part.black") || set("shared_part.lift") {
+        Shows::Other
+    } else if set("shared_part.weighted") || set("shared_part.edge") {
+        Shows::Black
+    } else {
+        Shows::Same
+    }
+}

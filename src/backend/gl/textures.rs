@@ -1,0 +1,45 @@
+//! Masks and tables as textures.
+
+use super::api::*;
+use super::state::Capabilities;
+use crate::correct::Table;
+use crate::correct::plan::Mask;
+
+/// A texture of the mask's weights.
+pub(super) fn upload_mask(gl: &Gl, caps: &Capabilities, mask: &Mask) -> u32 {
+    let texture;
+    let (width, height) = (mask.width as i32, mask.height as i32);
+    if mask.weights.len() != mask.width as usize * mask.height as usize {
+        return 0;
+    }
+    // SAFETY: a context is current, rows are tightly packed, and the array holds width · height values.
+    unsafe {
+        texture = super::surface::new_texture(gl);
+        gl.bind_texture(GL_TEXTURE_2D, texture);
+        gl.tex_parameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
+        if caps.norm16 {
+            let data = mask.weights.as_ptr().cast();
+            gl.tex_image2_d(GL_TEXTURE_2D, 0, GL_R16 as i32, width, height, 0, GL_RED, GL_UNSIGNED_SHORT, data);
+        } else {
+            // Half floats: 11 bits, 0.05 % of a weight near 1.
+            let weights: Vec<f32> = mask.weights.iter().map(|w| f32::from(*w) / 65535.0).collect();
+            let data = weights.as_ptr().cast();
+            gl.tex_image2_d(GL_TEXTURE_2D, 0, GL_R16F as i32, width, height, 0, GL_RED, GL_FLOAT, data);
+        }
+    }
+    texture
+}
+
+/// A texture of the table's directions and weights.
+pub(super) fn upload_table(gl: &Gl, table: &Table) -> u32 {
+    let (width, height) = (table.entries().0 as i32, table.entries().1 as i32);
+    let texels = table.texels().as_flattened().as_ptr().cast();
+    // SAFETY: a context is current, rows are tightly packed, and a table has as many texels of four floats as entries.
+    unsafe {
+        let texture = super::surface::new_texture(gl);
+        gl.bind_texture(GL_TEXTURE_2D, texture);
+        gl.tex_parameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
+        gl.tex_image2_d(GL_TEXTURE_2D, 0, GL_RGBA32F as i32, width, height, 0, GL_RGBA, GL_FLOAT, texels);
+        texture
+    }
+}
