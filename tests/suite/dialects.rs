@@ -88,6 +88,33 @@ pub fn fisheye(program: &str, extra: &[&str]) {
     }
 }
 
+/// A program whose shader has no matrix, under a rig that says what its lens is, and under one that does not.
+pub fn given_lens<'a>(name: &str, run: &Run<'a>, under: impl Fn(&Run<'a>, &str) -> Option<Finished>) {
+    let fov = run.fov;
+    let dome = "[dome]\ntilt = 90\n[[output]]\nkind = \"domemaster\"\naperture = 180\ntilt = 90\n";
+    let circle = Fisheye { width: 256.0, height: 256.0, aperture: 180.0, tilt: 90.0 };
+    let path = scratch("lens").join(format!("{name}.toml"));
+    for (camera, fits) in [(format!("[camera]\nlens = [{fov}, {fov}]\n"), true), (String::new(), false)] {
+        std::fs::write(&path, format!("{camera}{dome}")).expect("a file can be written");
+        let Some(finished) = under(run, path.to_str().expect("a UTF-8 path")) else { return };
+        let picture = finished.expect_success().picture("capture.png");
+        let report = compare(&picture, shown_by_fisheye(circle, camera_of(run)));
+        if fits {
+            expect_good(&report, &picture, "a lens that the rig gives");
+        } else {
+            assert!(report.wrong > 1000, "control: without a lens it is flat");
+        }
+    }
+    let _ = std::fs::remove_file(path);
+}
+
+#[test]
+fn a_shader_without_a_matrix() {
+    plain("no_matrix");
+    let (fov, yaw, pitch) = CAMERAS[1];
+    given_lens("opengl", &Run { fov, yaw, pitch, ..Run::new("no_matrix") }, Run::under);
+}
+
 /// What the X server shows is what Cupola captures.
 pub fn presented(program: &str) {
     let run = Run { extra: &["--shot", "shot.ppm"], frames: 4, ..Run::new(program) };

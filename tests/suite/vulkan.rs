@@ -102,27 +102,7 @@ fn identity_captured_loses_nothing() {
 /// A shader that has no matrix: the rig says what the program's lens is, and without it the picture is flat.
 #[test]
 fn a_lens_that_the_rig_gives() {
-    let (fov, yaw, pitch) = CAMERAS[1];
-    let rig = |camera: String| {
-        format!("{camera}[dome]\ntilt = 90\n[[output]]\nkind = \"domemaster\"\naperture = 180\ntilt = 90\n")
-    };
-    let folder = crate::programs::scratch("lens");
-    for (name, camera, fits) in
-        [("lens", format!("[camera]\nlens = [{fov}, {fov}]\n"), true), ("none", String::new(), false)]
-    {
-        let path = folder.join(format!("{name}.toml"));
-        std::fs::write(&path, rig(camera)).expect("a file can be written");
-        let run = run(&["--columns"], (fov, yaw, pitch));
-        let Some(finished) = run.vulkan_under(path.to_str().expect("a UTF-8 path")) else { return };
-        let picture = finished.picture("capture.png");
-        let report = compare(&picture, shown_by_fisheye(CIRCLE, camera_of(&run)));
-        if fits {
-            expect_good(&report, &picture, "a lens that the rig gives");
-        } else {
-            assert!(report.wrong > 1000, "control: without a lens it is flat");
-        }
-    }
-    let _ = std::fs::remove_dir_all(folder);
+    crate::dialects::given_lens("vulkan", &run(&["--columns"], CAMERAS[1]), Run::vulkan_under);
 }
 
 /// Images that encode what is written to them.

@@ -9,7 +9,7 @@ use super::uniforms::{self, Uniforms};
 use super::vertices::variants::Variants;
 use crate::backend::gl::api::{self, Gl};
 use crate::intercept::log;
-use crate::runtime::session::{Intrinsics, MatrixClass};
+use crate::runtime::session::{Intrinsics, MatrixClass, Session};
 use std::collections::HashMap;
 use std::ffi::{CStr, CString, c_char, c_void};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -92,7 +92,21 @@ impl Program {
             }
         }
         let mut uniforms = self.uniforms.lock().unwrap_or_else(PoisonError::into_inner);
+        if !uniforms.any() && !self.fixed_matrices {
+            return given(ctx);
+        }
         uniforms.lens(ctx.gl, ctx.buffer_generation, &super::buffers::of(ctx))
+    }
+}
+
+/// The rig's lens, for what is drawn with a depth test by a program without a matrix.
+fn given(ctx: &Context) -> Lens {
+    match ctx.session().and_then(Session::given_lens) {
+        // SAFETY: asks for a switch, and only where the rig has a lens.
+        Some(lens) if unsafe { ctx.gl.is_enabled(api::GL_DEPTH_TEST) } != 0 => {
+            Lens::Perspective(lens, "the rig's lens")
+        }
+        _ => Lens::Flat,
     }
 }
 

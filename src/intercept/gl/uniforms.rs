@@ -51,6 +51,11 @@ impl Uniforms {
         self.lens.unwrap_or(Lens::Flat)
     }
 
+    /// Whether there is a 4×4 matrix at all.
+    pub fn any(&self) -> bool {
+        !self.matrices.is_empty()
+    }
+
     /// The number of the matrix that OpenGL calls `name`.
     pub fn number(&self, name: &str) -> Option<usize> {
         self.matrices.iter().position(|matrix| *matrix.name == *name)
