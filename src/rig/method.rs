@@ -17,17 +17,17 @@ pub enum Method {
     Fragment,
     /// A table of directions and weights that is interpolated between its entries, as coarse as the greatest error allows.
     Table {
-        /// Greatest error in pixels, [`MAX_ERROR`].
+        /// Greatest error in pixels, 0.005…2.
         max_error: f64,
     },
     /// Triangles over the output with a direction and a weight at each corner, as large as the greatest error allows.
     Mesh {
-        /// Greatest error in pixels, [`MAX_ERROR`].
+        /// Greatest error in pixels, 0.005…2.
         max_error: f64,
     },
     /// The dome as a mesh, seen from the projector, or flattened to a domemaster, whatever its error.
     CubeMesh {
-        /// Cells along the edge of the cube whose faces are inflated to the dome, [`DENSITY`].
+        /// Cells along the edge of the cube whose faces are inflated to the dome, 4…512.
         density: u32,
     },
     /// The program's vertices are projected straight to the output's pixels, in one pass and without views. What lies
@@ -35,7 +35,7 @@ pub enum Method {
     Vertex,
     /// As [`Method::Vertex`], with lines and triangles divided until they are curved enough.
     Primitive {
-        /// Greatest distance in pixels of what a divided primitive shows from where it should be, [`DIVISION_ERROR`].
+        /// Greatest distance in pixels of what a divided primitive shows from where it should be, 0.05…16.
         max_error: f64,
     },
 }

@@ -22,7 +22,7 @@ pub struct Arguments {
     /// Small pictures and few rounds: at most two minutes on two processors
     #[arg(long)]
     quick: bool,
-    /// Rounds [default: 15, or 7 if quick]
+    /// Rounds [default: 15, or 5 if quick]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..10_000))]
     rounds: Option<u32>,
     /// Only the scenes with this in their names
@@ -41,7 +41,7 @@ pub struct Arguments {
 
 /// Runs the subcommand.
 pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
-    let rounds = arguments.rounds.unwrap_or(if arguments.quick { 7 } else { 15 });
+    let rounds = arguments.rounds.unwrap_or(if arguments.quick { 5 } else { 15 });
     let mut contests = Vec::new();
     let mut scenes = scenes::all(arguments.quick)?;
     let names: Vec<_> = scenes.iter().map(|scene| scene.name).collect();

@@ -6,21 +6,24 @@ use std::fmt::Write;
 use std::path::Path;
 
 /// Width and height of a plot.
-const SIZE: (f64, f64) = (960.0, 600.0);
+const SIZE: (f64, f64) = (1280.0, 600.0);
 /// Left, top, right and bottom of the plot's area.
-const AREA: [f64; 4] = [80.0, 50.0, 930.0, 540.0];
+const AREA: [f64; 4] = [80.0, 50.0, 880.0, 540.0];
+/// Height of a line of the list of names beside it.
+const LINE: f64 = 16.0;
 /// Errors below this are drawn there, pixels.
 const LEAST_ERROR: f64 = 1e-5;
 /// The error that is drawn in the strongest colour, pixels.
 const WORST_SHOWN: f64 = 10.0;
 
-/// Time against greatest error, both logarithmic, as SVG.
+/// Time against greatest error, both logarithmic, as SVG; the methods are numbered by their time.
 pub fn scatter(contest: &Contest) -> String {
-    let points: Vec<(&Outcome, f64, f64)> = contest
+    let mut points: Vec<(&Outcome, f64, f64)> = contest
         .results
         .iter()
         .filter_map(|result| Some((result, result.ratio, result.error.as_ref()?.map.max.max(LEAST_ERROR))))
         .collect();
+    points.sort_by(|a, b| a.1.total_cmp(&b.1));
     let range = |of: &dyn Fn(&(&Outcome, f64, f64)) -> f64| {
         let low = points.iter().map(of).fold(f64::INFINITY, f64::min);
         let high = points.iter().map(of).fold(0.0, f64::max);
@@ -73,22 +76,21 @@ pub fn scatter(contest: &Contest) -> String {
     front.sort_by(|a, b| a.0.total_cmp(&b.0));
     let line: Vec<String> = front.iter().map(|(time, error)| format!("{:.1} {:.1}", x(*time), y(*error))).collect();
     let _ = writeln!(svg, "<path d=\"M{}\" fill=\"none\" stroke=\"#2a6\" stroke-width=\"2\"/>", line.join("L"));
-    // Labels that would lie over each other go below one another.
-    let mut placed: Vec<(f64, f64)> = Vec::new();
-    for (result, time, error) in &points {
+    for (index, (result, time, error)) in points.iter().enumerate() {
         let (at_x, at_y) = (x(*time), y(*error));
         let (color, radius) = if result.is_default { ("#d30", 7.0) } else { ("#36a", 4.5) };
-        let _ = writeln!(svg, "<circle cx=\"{at_x:.1}\" cy=\"{at_y:.1}\" r=\"{radius}\" fill=\"{color}\"/>");
-        let to_left = at_x > 0.62 * right;
-        let mut label = at_y + 4.0;
-        while placed.iter().any(|(x, y)| (x - at_x).abs() < 260.0 && (y - label).abs() < 13.0) {
-            label += 13.0;
-        }
-        placed.push((at_x, label));
-        let (anchor, offset) = if to_left { ("end", -10.0) } else { ("start", 10.0) };
         let name = result.name.replace('&', "&amp;").replace('<', "&lt;");
-        let _ =
-            writeln!(svg, "<text x=\"{:.1}\" y=\"{label:.1}\" text-anchor=\"{anchor}\">{name}</text>", at_x + offset);
+        let _ = writeln!(
+            svg,
+            "<circle cx=\"{at_x:.1}\" cy=\"{at_y:.1}\" r=\"{radius}\" fill=\"{color}\"/>\
+             <text x=\"{:.1}\" y=\"{:.1}\">{number}</text>\
+             <text x=\"{:.1}\" y=\"{:.1}\" fill=\"{color}\">{number}  {name}</text>",
+            at_x + radius + 2.0,
+            at_y - 3.0,
+            right + 30.0,
+            top + LINE * (index as f64 + 0.5),
+            number = index + 1,
+        );
     }
     svg.push_str("</svg>\n");
     svg
