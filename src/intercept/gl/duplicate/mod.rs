@@ -62,8 +62,8 @@ pub struct Duplicates {
     deleted: u64,
     /// Framebuffers of other contexts that they are to delete.
     left: Vec<Pair>,
-    /// Another thread has the group's pictures: this context has some of its own.
-    alone: bool,
+    /// It has what the group knows together; otherwise another thread does, and the images are its own.
+    shared: bool,
 }
 
 /// What contexts of a group know together of the images that they share. Toolkits draw a scene in one context and compose
@@ -86,7 +86,7 @@ impl Duplicates {
 
     /// Gives up what the group knows together: the context is not current any more.
     pub fn deposit(&mut self, share: &ShareGroup) {
-        if std::mem::take(&mut self.alone) {
+        if !std::mem::take(&mut self.shared) {
             return;
         }
         let travelling = Travelling {
@@ -156,14 +156,17 @@ fn views(ctx: &Context) -> usize {
 /// The context became current: what the group knows together is its own until it is not.
 pub fn collect(ctx: &mut Context) {
     let taken = ctx.share.off_screen.lock().unwrap_or_else(PoisonError::into_inner).take();
-    let Some(taken) = taken else {
-        ctx.duplicates.alone = true;
-        return;
-    };
+    let Some(taken) = taken else { return };
+    if !ctx.duplicates.images.is_empty() {
+        // Those of a time when another thread had the group's.
+        clear(ctx);
+    }
+    ctx.duplicates.shared = true;
     let own = &mut ctx.duplicates;
     let stale = own.deleted != taken.deleted;
     (own.images, own.learnt, own.own_picture, own.draws) = (taken.images, taken.learnt, taken.own_picture, taken.draws);
-    (own.deleted, own.left) = (taken.deleted, taken.left);
+    own.deleted = taken.deleted;
+    own.left.extend(taken.left);
     let (gl, id) = (ctx.gl, ctx.id);
     ctx.duplicates.left.retain(|pair| {
         if pair.context == id {
