@@ -496,3 +496,19 @@ fn a_single_lit_pixel_has_a_view() {
     let views = plan(&rig, &request(&[size])).expect("can be planned").views;
     assert!(views.iter().any(|view| crate::views::cone::Cone::of(view).contains(lit[0])), "{views:?}");
 }
+
+#[test]
+fn a_cubemap_is_as_sharp_for_a_viewer_near_its_edge() {
+    let text = "[dome]\ncoverage = 360\n[viewer]\nposition = [2.6, 2.6, 2.6]\n[[output]]\nkind = \"cubemap\"\n";
+    let rig = parse(text, "cube.toml", std::path::Path::new("")).expect("valid");
+    let sizes = [(384, 64)];
+    let plan = plan(&rig, &request(&sizes)).expect("can be planned");
+    let (mut least, mut seen) = (f64::INFINITY, 0);
+    survey(&plan, &rig, &sizes, 10_000, |pixel| {
+        least = least.min(pixel.texels_per_pixel.unwrap_or(f64::INFINITY));
+        seen += 1;
+    });
+    let texels: u64 = plan.views.iter().map(|view| view.tile.area()).sum();
+    assert!(seen > 9_000 && least > 0.99, "{seen} {least}");
+    assert!(texels < 15 * 384 * 64, "{texels}: neighbours across a border count as none");
+}
