@@ -94,20 +94,52 @@ fn every_projector_gets_its_own_pass_and_blends() {
         expect_good(&report, &picture, &format!("fine, vertex, {}", projector.name));
         // The weights are those of the default method; the picture is off where the cube's edges are resampled.
         let (found, expected) = (blended.picture(&name), expected.picture(&name));
-        let far = (0..found.pixels.len())
-            .filter(|&i| (0..3).any(|c| found.pixels[i][c].abs_diff(expected.pixels[i][c]) > 4))
-            .count();
-        assert!(far * 100 < found.pixels.len(), "{}: {far} pixels of {} are off", projector.name, found.pixels.len());
+        let far = far(&found, &expected);
+        assert!(far < 0.01, "{}: {far} of the pixels are off", projector.name);
         assert!(picture.pixels.iter().zip(&found.pixels).any(|(a, b)| a[0].abs_diff(b[0]) > 40), "nothing is blended");
     }
+}
+
+/// By Begin/End, lists, arrays in memory and in buffers.
+#[test]
+fn the_fixed_function_pipeline_s_vertices_are_where_the_exact_map_has_them() {
+    for mode in ["triangles", "list", "arrays", "buffers"] {
+        let extra = ["--mode", mode];
+        let run = run("fixed_fine", &extra, &["--method", "vertex"]);
+        let Some(finished) = fisheye(&run) else { return };
+        let picture = finished.picture("capture.png");
+        expect_good(&against_the_map(&run, &picture), &picture, &format!("fixed_fine {mode}, vertex"));
+        let statistics = finished.statistics();
+        assert_eq!(statistics["views"].as_array().map(Vec::len), Some(1), "one pass: {statistics:#}");
+    }
+}
+
+/// How many pixels of two pictures differ by more than 4/255, as a part of all.
+fn far(found: &Picture, expected: &Picture) -> f64 {
+    let off = |i: &usize| (0..3).any(|c| found.pixels[*i][c].abs_diff(expected.pixels[*i][c]) > 4);
+    (0..found.pixels.len()).filter(off).count() as f64 / found.pixels.len() as f64
+}
+
+/// Lights, materials, fog, generated texture coordinates, clip planes: as the pipeline itself has them.
+#[test]
+fn what_stands_in_for_the_pipeline_lights_as_it_does() {
+    let start = |mode: &str, method: &str| {
+        let (extra, cupola) = (["--mode", mode], ["--method", method]);
+        Some(fisheye(&run("fixed_fine", &extra, &cupola))?.picture("capture.png"))
+    };
+    let (Some(found), Some(expected)) = (start("lit", "vertex"), start("lit", "fragment")) else { return };
+    let off = far(&found, &expected);
+    assert!(off < 0.01, "{off:.4} of the pixels are off, where one side of the ball ends and elsewhere");
+    let Some(other) = start("list", "vertex") else { return };
+    assert!(far(&found, &other) > 0.5, "the pictures show nothing of lights");
 }
 
 /// What cannot be served is shown as without the method, and the log says why.
 #[test]
 fn other_programs_get_views() {
-    let Some(expected) = fisheye(&run("display_list", &[], &[])) else { return };
-    let Some(found) = fisheye(&run("display_list", &[], &["--method", "vertex"])) else { return };
-    expect_identical(&found.picture("capture.png"), &expected.picture("capture.png"), "display_list, vertex");
+    let Some(expected) = fisheye(&run("geometry", &[], &[])) else { return };
+    let Some(found) = fisheye(&run("geometry", &[], &["--method", "primitive"])) else { return };
+    expect_identical(&found.picture("capture.png"), &expected.picture("capture.png"), "geometry, primitive");
     assert_eq!(found.words().matches("by method \"fragment\" instead").count(), 1, "{}", found.words());
 }
 

@@ -43,11 +43,21 @@ pub fn draw(
     ctx: &mut Context,
     changes: Changes,
     bounds: impl FnOnce(&mut Context) -> Bounds,
+    issue: impl FnMut(&mut Context, &Gl),
+) {
+    super::outlines::look(ctx);
+    super::vertices::fallback::look(ctx);
+    draw_to_views(ctx, changes, bounds, issue);
+    super::vertices::fixed::end(ctx);
+}
+
+fn draw_to_views(
+    ctx: &mut Context,
+    changes: Changes,
+    bounds: impl FnOnce(&mut Context) -> Bounds,
     mut issue: impl FnMut(&mut Context, &Gl),
 ) {
     let gl = ctx.gl;
-    super::outlines::look(ctx);
-    super::vertices::fallback::look(ctx);
     if !ctx.redirected() {
         if !super::duplicate::draw(ctx, changes, &mut issue) {
             counting::weigh(ctx, Weights::ONCE);

@@ -164,6 +164,7 @@ fn call(ctx: &mut Context, list: u32, depth: u32) {
             run_real(ctx, list, true, true, &Bounds::UNKNOWN);
             ctx.projection.touch(api::GL_PROJECTION);
             ctx.projection.touch(api::GL_MODELVIEW);
+            ctx.fixed.touch();
         }
         Some(items) => {
             for item in items.iter() {

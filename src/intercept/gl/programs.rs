@@ -49,6 +49,8 @@ pub struct Program {
     uploaded: Mutex<Uploaded>,
     /// The kinds and texts of its shaders, if its primitives may have to be divided.
     pub texts: Vec<(u32, Arc<str>)>,
+    /// A primitive has the colour of its last vertex.
+    pub flat: bool,
     /// What divides them.
     pub variants: Mutex<Variants>,
 }
@@ -310,6 +312,30 @@ fn forget(gl: &Gl, record: Option<Arc<Program>>) {
     }
 }
 
+/// A program of ours of one vertex shader, which draws with the fixed-function matrices: `patched` is what is linked,
+/// `own` the same without what projects. `flat`: a primitive has the colour of its last vertex. `None` where the driver
+/// does not link it.
+pub fn of_own_text(ctx: &Context, patched: &str, own: Arc<str>, flat: bool) -> Option<Program> {
+    let gl = ctx.gl;
+    // SAFETY: objects of ours.
+    let name = unsafe {
+        let (shader, name) = (gl.create_shader(api::GL_VERTEX_SHADER), gl.create_program());
+        set_source(gl, shader, patched);
+        gl.compile_shader(shader);
+        gl.attach_shader(name, shader);
+        gl.link_program(name);
+        gl.delete_shader(shader);
+        name
+    };
+    if !status(gl, name) {
+        // SAFETY: as above.
+        unsafe { gl.delete_program(name) };
+        return None;
+    }
+    let record = read_program(gl, &ctx.profile, name, true, api::GL_VERTEX_SHADER_BIT, true);
+    Some(Program { flat, texts: vec![(api::GL_VERTEX_SHADER, own)], ..record })
+}
+
 /// The bit of a stage before rasterisation; 0 for others.
 fn stage_bit(kind: u32) -> u32 {
     match kind {
@@ -384,6 +410,7 @@ fn read_program(gl: &Gl, profile: &Profile, name: u32, patched: bool, stages: u3
         uniforms: Mutex::new(uniforms),
         uploaded: Mutex::default(),
         texts: Vec::new(),
+        flat: false,
         variants: Mutex::default(),
     }
 }

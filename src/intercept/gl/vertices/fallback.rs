@@ -7,16 +7,22 @@ use super::super::outlines::Shape;
 use crate::intercept::log;
 use crate::runtime::session::MatrixClass;
 
-/// Looks whether the next draw can be served where vertices are projected; gives the window views where not.
+/// Looks whether the next draw can be served where vertices are projected, and puts a program in the place of the
+/// fixed-function pipeline; gives the window views where not.
 pub fn look(ctx: &mut Context) {
     let projects = ctx.target.as_ref().is_some_and(|target| !target.lenses.is_empty());
-    if !projects || ctx.program.as_ref().is_some_and(|program| program.draws_vertices()) || !ctx.profile.compatibility()
+    if !projects
+        || ctx.picking
+        || ctx.program.as_ref().is_some_and(|program| program.draws_vertices())
+        || !ctx.profile.compatibility()
     {
         return;
     }
     super::super::matrices::refresh(ctx);
-    if matches!(ctx.projection.class, MatrixClass::Perspective(_)) {
-        use_views(ctx, "the program's vertices go through the fixed-function pipeline");
+    if matches!(ctx.projection.class, MatrixClass::Perspective(_))
+        && let Err(reason) = super::fixed::begin(ctx)
+    {
+        use_views(ctx, reason);
     }
 }
 

@@ -7,6 +7,7 @@
 
 pub mod counter;
 pub mod fallback;
+pub mod fixed;
 pub mod interface;
 pub mod mirror;
 pub mod stage;

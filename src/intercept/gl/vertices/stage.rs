@@ -31,6 +31,15 @@ pub struct Limits {
     pub compatibility: bool,
 }
 
+/// What is handed on besides values.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Passing {
+    /// The fragment stage asks for the number of the primitive.
+    pub number: bool,
+    /// A primitive has the built-in colours of its last vertex.
+    pub flat: bool,
+}
+
 /// How often a primitive is cut at most: two bits of a number for each.
 const DEEPEST: usize = 14;
 /// Steps of a run at most: far beyond what its vertices suffice for.
@@ -237,13 +246,12 @@ pub const COUNTER: &str = "cupola_coarse";
 pub const CARRIER: &str = "cupola_carried_";
 
 /// The text of the stage for a primitive of `input` whose stage before hands on `interface` and the built-in outputs
-/// `built_in`. `functions`: our uniform and the functions that project. `passes_number`: the fragment stage asks for
-/// the number of the primitive. `None` where the context allows too few vertices.
+/// `built_in`. `functions`: our uniform and the functions that project. `None` where the context allows too few vertices.
 pub fn text(
     input: Input,
     interface: &Interface,
     built_in: &[(&str, &str)],
-    passes_number: bool,
+    passing: Passing,
     functions: &str,
     limits: &Limits,
 ) -> Option<String> {
@@ -254,7 +262,7 @@ pub fn text(
     let components = 4
         + interface.components()
         + built_in.iter().map(|(_, kind)| 4.min(kind.len())).sum::<usize>()
-        + usize::from(passes_number);
+        + usize::from(passing.number);
     let parts = limits.vertices.min(limits.components / components) / corners;
     if parts < 4 {
         return None;
@@ -293,14 +301,14 @@ pub fn text(
     ];
     let filled = |part: &str| replace.iter().fold(part.to_owned(), |part, (word, value)| part.replace(word, value));
     text.push_str(&filled(CUTS));
-    text.push_str(&emitter(interface, built_in, passes_number, corners));
+    text.push_str(&emitter(interface, built_in, passing, corners));
     text.push_str(&filled(if input == Input::Triangles { TRIANGLES } else { LINES }));
     text.push_str(&filled(MAIN));
     Some(text)
 }
 
 /// `cupola_emit(c, u)`: emits a vertex at `c` with the values that the weights `u` of the corners give it.
-fn emitter(interface: &Interface, built_in: &[(&str, &str)], passes_number: bool, corners: usize) -> String {
+fn emitter(interface: &Interface, built_in: &[(&str, &str)], passing: Passing, corners: usize) -> String {
     let mut text = "void cupola_emit(vec4 c, vec3 u) {\n".to_owned();
     let mixed = |of: &dyn Fn(usize) -> String| {
         let terms: Vec<String> = (0..corners).map(|i| format!("u.{} * {}", ["x", "y", "z"][i], of(i))).collect();
@@ -313,9 +321,11 @@ fn emitter(interface: &Interface, built_in: &[(&str, &str)], passes_number: bool
         let _ = writeln!(text, "{} = {value_at};", value.handed);
     }
     for (name, _) in built_in {
-        let _ = writeln!(text, "{name} = {};", mixed(&|i| format!("gl_in[{i}].{name}")));
+        let of = |i: usize| format!("gl_in[{i}].{name}");
+        let value = if passing.flat && name.ends_with("Color") { of(corners - 1) } else { mixed(&of) };
+        let _ = writeln!(text, "{name} = {value};");
     }
-    if passes_number {
+    if passing.number {
         text.push_str("gl_PrimitiveID = gl_PrimitiveIDIn;\n");
     }
     text.push_str("gl_Position = cupola_fix(c);\nEmitVertex();\n}\n");
@@ -344,7 +354,7 @@ mod tests {
     #[test]
     fn a_stage_is_as_large_as_the_context_allows() {
         let interface = interface::read("out vec3 shade;\nflat out int kind;\nvoid main() {}\n").expect("can be read");
-        let text = text(Input::Triangles, &interface, &[], false, "", &LIMITS).expect("there is room");
+        let text = text(Input::Triangles, &interface, &[], Passing::default(), "", &LIMITS).expect("there is room");
         // 8 components each: 128 vertices, 42 triangles.
         assert!(text.contains("max_vertices = 126)") && text.contains("int cupola_left = 42;"), "{text}");
         assert!(text.contains("flat in int cupola_carried_1[];") && text.contains("kind = cupola_carried_1[2];"));
@@ -362,6 +372,6 @@ mod tests {
     #[test]
     fn too_many_values_leave_no_room() {
         let interface = interface::read("out mat4 m[8];\nvoid main() {}\n").expect("can be read");
-        assert_eq!(text(Input::Triangles, &interface, &[], false, "", &LIMITS), None);
+        assert_eq!(text(Input::Triangles, &interface, &[], Passing::default(), "", &LIMITS), None);
     }
 }

@@ -9,7 +9,7 @@ use super::super::programs::Program;
 use super::counter::{Before, Counter};
 use super::interface::{self, Interface};
 use super::mirror::Mirror;
-use super::stage::{self, Input, Limits};
+use super::stage::{self, Input, Limits, Passing};
 use super::text;
 use crate::backend::gl::api::{self, Gl};
 use crate::intercept::log;
@@ -162,17 +162,24 @@ fn make(ctx: &mut Context, program: &Program, input: Input) -> Result<Variant, &
         .ok_or("its shaders' texts are not known")?;
     let source = &program.texts[index].1;
     let bare = glsl::strip_comments(source);
-    let interface = interface::read(&bare)?;
+    let mut interface = interface::read(&bare)?;
     let built_in = if ctx.profile.compatibility() { interface::built_in(&bare) } else { Vec::new() };
-    if ctx.profile.compatibility() && glsl::mentions(&bare, "gl_TexCoord") {
-        return Err("a shader hands on gl_TexCoord");
+    if ctx.profile.compatibility() {
+        interface.add_texture_coordinates(&bare)?;
     }
     let fragments: Vec<_> = program.texts.iter().filter(|(kind, _)| *kind == api::GL_FRAGMENT_SHADER).collect();
     let numbered = fragments.iter().any(|(_, source)| glsl::mentions(source, "gl_PrimitiveID"));
     let functions = glsl::functions(false, true);
     let limits = limits(ctx);
-    let dividing = stage::text(input, &interface, &built_in, numbered, &functions, &limits)
-        .ok_or("the driver's geometry shaders emit too few vertices")?;
+    let dividing = stage::text(
+        input,
+        &interface,
+        &built_in,
+        Passing { number: numbered, flat: program.flat },
+        &functions,
+        &limits,
+    )
+    .ok_or("the driver's geometry shaders emit too few vertices")?;
     let carrying = glsl::carry(source, &interface);
 
     let gl = ctx.gl;
