@@ -61,7 +61,8 @@ pub(super) fn batches(
     let examiner = Examiner::new(rig, source, size, plan, output_views);
     let mut needs = examiner.all();
     // With light added to black, what is masked is not black.
-    if let Some(mask) = mask.filter(|_| rig.outputs[index].blend.black_level == 0.0) {
+    let darkening = mask.filter(|_| rig.outputs[index].blend.black_level == 0.0);
+    if let Some(mask) = darkening {
         needs_of_masked(&mut needs, mask, size);
     }
     let classes: Vec<Option<Class>> = needs.iter().map(classify).collect();
@@ -86,7 +87,11 @@ pub(super) fn batches(
             Some(index)
         })
         .collect();
-    let rects = rectangles::merge(&numbered, BLOCK, size, distinct.len());
+    let mut rects = rectangles::merge(&numbered, BLOCK, size, distinct.len());
+    if let Some(mask) = darkening {
+        let faded = rects.iter_mut().zip(&distinct).filter(|(_, (_, faded))| *faded);
+        faded.flat_map(|(rects, _)| rects).for_each(|rect| *rect = mask.trimmed(*rect, size));
+    }
     let neighbours = examiner.neighbours.len();
     united
         .into_iter()

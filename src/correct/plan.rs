@@ -91,6 +91,18 @@ pub enum Approximation {
 }
 
 impl OutputPass {
+    /// The rectangles that are filled whatever they show.
+    pub(super) fn filled(&self) -> impl Iterator<Item = &PixelRect> {
+        let filled = self.batches.iter().filter(|batch| batch.facets.as_ref().is_none_or(|facets| facets.fills));
+        filled.flat_map(|batch| &batch.rects)
+    }
+
+    /// Which part of the output, 0…1, is black before its batches are drawn, and mostly after it.
+    pub fn black_part(&self) -> f64 {
+        let filled: f64 = self.filled().map(|rect| f64::from(rect.width) * f64::from(rect.height)).sum();
+        1.0 - filled / (f64::from(self.size.0) * f64::from(self.size.1)).max(1.0)
+    }
+
     /// How the map is interpolated, and what that errs; `None` where each pixel has its own.
     pub fn approximation(&self) -> Option<Approximation> {
         let facets: Vec<&Facets> = self.batches.iter().filter_map(|batch| batch.facets.as_deref()).collect();
