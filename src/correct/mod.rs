@@ -11,6 +11,7 @@ mod hidden;
 pub mod map;
 pub mod mask;
 pub mod plan;
+pub mod projection;
 mod rectangles;
 pub mod response;
 mod rounding;

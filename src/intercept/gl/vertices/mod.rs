@@ -1,7 +1,7 @@
 //! Methods `vertex` and `primitive`: a view that is an output's own picture, to which the vertices of the program are
 //! projected in its last stage before rasterisation.
 //!
-//! [`text`] is what that stage computes. For `primitive` there are [`variants`] of the program, which hand what [`interface`]
+//! `correct::projection` is what that stage computes. For `primitive` there are [`variants`] of the program, which hand what [`interface`]
 //! finds to a stage that divides ([`stage`]) and get the values of its uniforms ([`mirror`]). Where a program cannot be
 //! served, [`fallback`] gives its window views.
 
@@ -12,7 +12,6 @@ pub mod interface;
 pub mod mirror;
 pub mod stage;
 pub mod tessellation;
-pub mod text;
 pub mod variants;
 
 use super::context::Context;

@@ -133,6 +133,23 @@ fn control(patch: Patch, interface: &Interface, functions: &str, limits: &Limits
         let _ =
             writeln!(text, "float edge{number} = cupola_parts(gl_in[{from}].gl_Position, gl_in[{to}].gl_Position);");
     }
+    if patch != Patch::Lines {
+        // Around a fisheye's antipode edges may be straight enough, and what is amid them is not.
+        let middle: Vec<String> = (0..corners)
+            .map(|corner| {
+                let at = format!("gl_in[{corner}].gl_Position");
+                format!("{at} / max(length(cupola_seen({at})), 1e-30)")
+            })
+            .collect();
+        let _ = writeln!(text, "vec4 middle = {};\nfloat inner = 1.0;", middle.join(" + "));
+        for corner in 0..corners {
+            // Two of these lead through the patch.
+            let _ = writeln!(
+                text,
+                "inner = max(inner, min(64.0, 2.0 * cupola_parts(middle, gl_in[{corner}].gl_Position) - 1.0));"
+            );
+        }
+    }
     text.push_str("cupola_low = vec3(1e38);\ncupola_high = vec3(-1e38);\n");
     for corner in 0..corners {
         let _ = writeln!(text, "cupola_span(gl_in[{corner}].gl_Position);");
@@ -151,10 +168,10 @@ fn control(patch: Patch, interface: &Interface, functions: &str, limits: &Limits
     }
     match patch {
         Patch::Lines => {}
-        Patch::Triangles => text.push_str("gl_TessLevelInner[0] = max(edge0, max(edge1, edge2));\n"),
-        Patch::Quads => {
-            text.push_str("gl_TessLevelInner[0] = max(edge1, edge3);\ngl_TessLevelInner[1] = max(edge0, edge2);\n");
-        }
+        Patch::Triangles => text.push_str("gl_TessLevelInner[0] = max(inner, max(edge0, max(edge1, edge2)));\n"),
+        Patch::Quads => text.push_str(
+            "gl_TessLevelInner[0] = max(inner, max(edge1, edge3));\ngl_TessLevelInner[1] = max(inner, max(edge0, edge2));\n",
+        ),
     }
     text.push_str("}\n");
     text

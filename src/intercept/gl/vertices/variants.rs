@@ -11,8 +11,8 @@ use super::interface::{self, Interface};
 use super::mirror::Mirror;
 use super::stage::{self, Input, Limits, Passing};
 use super::tessellation::{self, Patch};
-use super::text;
 use crate::backend::gl::api::{self, Gl};
+use crate::correct::projection;
 use crate::intercept::log;
 use std::ffi::{CStr, CString, c_char};
 use std::sync::{Arc, PoisonError};
@@ -118,8 +118,8 @@ impl Variant {
         // SAFETY: a program of ours; the locations are those of the two halves of our array.
         unsafe {
             gl.use_program(self.name);
-            gl.uniform4fv(self.locations[0], text::ROWS, rows.as_ptr());
-            gl.uniform4fv(self.locations[1], text::LENS, lens.as_ptr());
+            gl.uniform4fv(self.locations[0], projection::ROWS, rows.as_ptr());
+            gl.uniform4fv(self.locations[1], projection::LENS, lens.as_ptr());
         }
         self.mirror.copy(gl, ctx.pipelines.used, self.name);
         let mut vertices = 0;
@@ -206,7 +206,7 @@ fn make(ctx: &mut Context, program: &Program, kind: Kind) -> Result<Variant, &'s
     }
     let fragments: Vec<_> = program.texts.iter().filter(|(kind, _)| *kind == api::GL_FRAGMENT_SHADER).collect();
     let numbered = fragments.iter().any(|(_, source)| glsl::mentions(source, "gl_PrimitiveID"));
-    let functions = glsl::functions(false, true);
+    let functions = projection::functions(false, true);
     let limits = limits(ctx, kind);
     let passing = Passing { number: numbered, flat: program.flat };
     let (interface, dividing) = match kind {
@@ -237,7 +237,7 @@ fn make(ctx: &mut Context, program: &Program, kind: Kind) -> Result<Variant, &'s
     }
     let name = linked?;
     let location = |index: i32| {
-        let name_of = CString::new(format!("{}[{index}]", glsl::UNIFORM)).unwrap_or_default();
+        let name_of = CString::new(format!("{}[{index}]", projection::UNIFORM)).unwrap_or_default();
         // SAFETY: a NUL-terminated name.
         unsafe { gl.get_uniform_location(name, name_of.as_ptr()) }
     };
@@ -246,7 +246,7 @@ fn make(ctx: &mut Context, program: &Program, kind: Kind) -> Result<Variant, &'s
     }
     Ok(Variant {
         name,
-        locations: [location(0), location(text::ROWS)],
+        locations: [location(0), location(projection::ROWS)],
         mirror: Mirror::new(gl, program.name, name),
         counts: limits.counter.is_some(),
         patch: match kind {
