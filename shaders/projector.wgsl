@@ -1,5 +1,5 @@
-// A pinhole projector that lights a sphere: pixel → what the viewer sees there, in closed form:
-// a quadratic form, and a linear one times the root of the discriminant.
+// A pinhole projector that lights a sphere, another quadric or a plane: pixel → what the viewer sees there, in closed
+// form: a quadratic form, and a linear one times the root of the discriminant.
 
 // Normalised coordinates of the output.
 alias Source = vec2<f32>;
@@ -14,7 +14,7 @@ struct Form {
     l_x: vec3<f32>,
     l_y: vec3<f32>,
     l_one: vec3<f32>,
-    // Where `inside` is set, there is no quadratic part: offset·reach + linear.
+    // In ways 2 and 3 there is no quadratic part: offset·reach + linear.
     offset: vec3<f32>,
 }
 
@@ -30,16 +30,17 @@ struct Constants {
     dome: Form,
     // Discriminant over x², y², xy, x; y, 1.
     discriminant: array<vec4<f32>, 2>,
-    // The projector stands inside the sphere. With a ray o + t·d, a = d·d and b = o·d, all forms are then
-    // offset·reach + linear, times a positive factor. 1: reach is the root of the discriminant. 2: it stands
-    // too near to the sphere for that, and reach is 1/t.
-    inside: u32,
+    // How forms are computed. 0: as they are. 1: before a plane they are linear. Otherwise the projector stands inside. With a
+    // ray o + t·d, a = d·d and b = o·d, all forms are then offset·reach + linear, times a positive factor. 2: reach is the
+    // root of the discriminant. 3: it stands too near to the surface for that, and reach is 1/t.
+    way: u32,
     // a over x², y², xy, x; y, 1. b over x, y, 1.
     squared: array<vec4<f32>, 2>,
     along: vec3<f32>,
-    with_cap: u32,
-    // x: ≥ 0 inside the cap of the sphere that is screen; y, z unused.
-    cap: Form,
+    // 0: all of the surface is screen. Otherwise only where all of `limits` is ≥ 0. 2: and `sides`' x and y. 3: or one of them.
+    rim: u32,
+    limits: Form,
+    sides: Form,
     neighbours: array<Neighbour, 12>,
     neighbour_count: u32,
     border: vec4<f32>,
@@ -54,7 +55,10 @@ fn quadratic(low: vec4<f32>, high: vec4<f32>, p: vec2<f32>) -> f32 {
 
 fn evaluate(form: Form, p: vec2<f32>, reach: f32) -> vec3<f32> {
     let linear = (form.l_x * p.x + form.l_y * p.y) + form.l_one;
-    if constants.inside != 0u {
+    if constants.way == 1u {
+        return linear;
+    }
+    if constants.way >= 2u {
         return form.offset * reach + linear;
     }
     let rest = ((form.q_xx * (p.x * p.x) + form.q_yy * (p.y * p.y)) + (form.q_xy * (p.x * p.y) + form.q_x * p.x))
@@ -125,19 +129,27 @@ fn share(p: vec2<f32>, reach: f32) -> vec2<f32> {
 }
 
 fn trace(source: Source) -> Ray {
-    let discriminant = quadratic(constants.discriminant[0], constants.discriminant[1], source);
-    var reach = sqrt(discriminant);
+    var reach = 1.0;
     var on_screen = true;
-    if constants.inside == 0u {
-        reach = sqrt(max(discriminant, 0.0));
-        on_screen = discriminant >= 0.0;
+    if constants.way != 1u {
+        let discriminant = quadratic(constants.discriminant[0], constants.discriminant[1], source);
+        if constants.way == 0u {
+            reach = sqrt(max(discriminant, 0.0));
+            on_screen = discriminant >= 0.0;
+        } else {
+            reach = sqrt(discriminant);
+        }
     }
-    if constants.inside == 2u {
+    if constants.way == 3u {
         let b = (constants.along.x * source.x + constants.along.y * source.y) + constants.along.z;
         reach = quadratic(constants.squared[0], constants.squared[1], source) / (reach - b);
     }
-    if constants.with_cap != 0u {
-        on_screen = on_screen & (evaluate(constants.cap, source, reach).x >= 0.0);
+    if constants.rim != 0u {
+        on_screen = on_screen & all(evaluate(constants.limits, source, reach) >= vec3<f32>(0.0));
+    }
+    if constants.rim >= 2u {
+        let sides = evaluate(constants.sides, source, reach).xy >= vec2<f32>(0.0);
+        on_screen = on_screen & select(all(sides), any(sides), constants.rim == 3u);
     }
     var own = vec2<f32>(1.0, constants.border.w);
     if constants.neighbour_count > 0u {

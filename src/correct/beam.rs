@@ -1,81 +1,90 @@
-//! The rays of a projector inside the sphere, from which its forms follow with fewer operations.
+//! The rays of a projector inside its screen, from which its forms follow with fewer operations.
 
 use super::plan::ProjectorSource;
 use super::rounding::{self, Sum};
-use crate::geom::QuadraticForm;
-use crate::geom::quadratic::{linear_at, quadratic_at};
+use crate::geom::quadratic::{linear_at, product, quadratic_at, squared};
+use crate::geom::screen::ClosedSurface;
+use crate::geom::{Pencil, QuadraticForm, Quadric};
 use glam::DVec3;
 
-/// The rays `o + t·d` of a projector inside the sphere. Each
+/// The rays `o + t·d` of a projector inside a quadric. Each
 /// form is `offset·a + linear·(√D − b)`, with `a = d·d`, `b = o·d`, `D = b² + depth·a`. Since
 /// `(√D − b)·(√D + b) = depth·a`, the same direction is `offset·(√D + b) + linear·depth`, and, b being linear in
 /// the pixel, `offset·√D` plus a linear function: one root is all that is not linear.
 ///
-/// Near the sphere `√D + b` cancels; `offset/t + linear`, with `1/t = a/(√D − b)`, does not. Farther out `D` itself
-/// cancels, and only the forms' own coefficients, which are rounded after the cancellation, are exact.
+/// Near the surface `√D + b` cancels; `offset/t + linear`, with `1/t = a/(√D − b)`, does not, unless a vanishes, as it does in a double
+/// cone. Farther out `D` itself cancels, and only the forms' own coefficients, which are rounded after the cancellation, are exact.
 pub(super) struct Beam {
     /// a = d·d over `[x², y², xy, x, y, 1]`.
     pub squared: [f64; 6],
     /// b = o·d over `[x, y, 1]`.
     pub along: [f64; 3],
-    /// R² − o·o, > 0.
+    /// level − o·o, > 0.
     depth: f64,
 }
 
 /// How the forms of a projector are computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Way {
-    /// `offset·√D + linear'`: the fewest operations.
+pub enum Way {
+    /// As they are.
+    Forms,
+    /// `linear`: before a plane.
+    Linear,
+    /// `offset·√D + linear'`: the fewest operations before a quadric.
     Root,
     /// `offset/t + linear`.
     Distance,
 }
 
-/// Inside the sphere, as the forms take it: up to this part of its radius.
+/// Inside the surface, as the forms take it: up to this part of its radius.
 const INSIDE: f64 = 0.95;
 
+/// The cheapest way for pictures of `size` that rounding leaves exact enough, if there is one, and its spread.
+pub(super) fn way(source: &ProjectorSource, size: (u32, u32)) -> Option<(Way, f64)> {
+    let beam = Beam::of(&source.pencil);
+    let ways: &[Way] = match &source.pencil.surface {
+        ClosedSurface::Plane => &[Way::Linear],
+        ClosedSurface::Quadric(quadric) => match (&beam, quadric.is_convex()) {
+            (Some(_), true) => &[Way::Root, Way::Distance, Way::Forms],
+            (Some(_), false) => &[Way::Root],
+            (None, true) => &[Way::Forms],
+            (None, false) => &[],
+        },
+    };
+    ways.iter().find_map(|&way| {
+        let spread = rounding::spread(source, size, |form, x, y| match (&beam, way) {
+            (Some(beam), Way::Root | Way::Distance) => Some(beam.sum(way, form, x, y)),
+            _ => rounding::of_form(form, x, y),
+        })?;
+        Some((way, spread))
+    })
+}
+
 impl Beam {
-    /// `None` for a projector outside the sphere or near it.
-    pub fn of(source: &ProjectorSource) -> Option<Self> {
-        let o = source.position;
-        let l = source.dome_direction.l;
-        // The columns of d: `l` has a row for each component.
-        let columns = [0, 1, 2].map(|k| DVec3::new(l[0][k], l[1][k], l[2][k]));
-        let [x, y, one] = columns;
-        let squared = [x.dot(x), y.dot(y), 2.0 * x.dot(y), 2.0 * x.dot(one), 2.0 * y.dot(one), one.dot(one)];
-        let along = columns.map(|column| o.dot(column));
-        // D = b² + depth·a
-        let depth = (source.dome_direction.d[5] - along[2] * along[2]) / squared[5];
-        let radius_squared = depth + o.length_squared();
-        let inside = o.length_squared() <= INSIDE * INSIDE * radius_squared;
-        let beam = Self { squared, along, depth };
-        let alike = differs_by(&beam.discriminant(), &source.dome_direction.d) <= ALIKE;
-        (inside && depth > 0.0 && alike).then_some(beam)
+    /// `None` for a projector outside its quadric or near it, and before a plane.
+    pub fn of(pencil: &Pencil) -> Option<Self> {
+        let ClosedSurface::Quadric(quadric) = &pencil.surface else { return None };
+        pencil.is_inside(INSIDE).then(|| Self::new(pencil, quadric))
     }
 
-    /// The cheapest way that rounding leaves exact enough for pictures of `size`; `None` where the forms themselves are
-    /// better.
-    pub fn way(&self, source: &ProjectorSource, size: (u32, u32)) -> Option<Way> {
-        let form = &source.direction;
-        let offset = self.offset(form)?;
-        let good = |way: Way| {
-            rounding::excess(form, source.cap.as_ref(), size, |x, y| Some(self.sum(way, form, offset, x, y))) <= 1.0
-        };
-        [Way::Root, Way::Distance].into_iter().find(|way| good(*way))
+    fn new(pencil: &Pencil, quadric: &Quadric) -> Self {
+        let rays = pencil.rays;
+        let along = [rays.x_axis, rays.y_axis, rays.z_axis].map(|ray| quadric.product(pencil.origin, ray));
+        Self { squared: squared(rays, quadric), along, depth: quadric.depth(pencil.origin) }
     }
 
     /// What a form adds up at a pixel.
-    fn sum(&self, way: Way, form: &QuadraticForm, offset: DVec3, x: f64, y: f64) -> Sum {
+    fn sum(&self, way: Way, form: &QuadraticForm, x: f64, y: f64) -> Sum {
+        let offset = form.offset;
         let (root, from_root) = rounding::root(&self.discriminant(), x, y);
-        let (linear, factor, spread) = match way {
-            Way::Root => (self.freed(&form.l, offset), root, root + from_root),
-            Way::Distance => {
-                let a = quadratic_at(&self.squared, x, y);
-                let below = root - linear_at(&self.along, x, y);
-                let terms = (from_root + rounding::linear_terms(&self.along, x, y)) / below;
-                let reach = a / below;
-                (form.l, reach, reach * (rounding::quadratic_terms(&self.squared, x, y) / a + terms))
-            }
+        let (linear, factor, spread) = if way == Way::Distance {
+            let a = quadratic_at(&self.squared, x, y);
+            let below = root - linear_at(&self.along, x, y);
+            let terms = (from_root + rounding::linear_terms(&self.along, x, y)) / below;
+            let reach = a / below;
+            (form.l, reach, reach * (rounding::quadratic_terms(&self.squared, x, y) / a + terms))
+        } else {
+            (self.freed(form), root, root + from_root)
         };
         let value = DVec3::from_array(linear.map(|row| linear_at(&row, x, y))) + offset * factor;
         let terms = DVec3::from_array(linear.map(|row| rounding::linear_terms(&row, x, y))) + offset.abs() * spread;
@@ -84,50 +93,14 @@ impl Beam {
 
     /// D over `[x², y², xy, x, y, 1]`.
     pub fn discriminant(&self) -> [f64; 6] {
-        let b = times(&self.along, &self.along);
+        let b = product(self.along, self.along);
         std::array::from_fn(|k| b[k] + self.depth * self.squared[k])
     }
 
     /// A form's linear part once it is freed of a and b.
-    pub fn freed(&self, linear: &[[f64; 3]; 3], offset: DVec3) -> [[f64; 3]; 3] {
-        [0, 1, 2].map(|i| std::array::from_fn(|k| linear[i][k] * self.depth + offset[i] * self.along[k]))
+    pub fn freed(&self, form: &QuadraticForm) -> [[f64; 3]; 3] {
+        [0, 1, 2].map(|i| std::array::from_fn(|k| form.l[i][k] * self.depth + form.offset[i] * self.along[k]))
     }
-
-    /// What multiplies a in a form of this projector; `None` where it is none.
-    pub fn offset(&self, form: &QuadraticForm) -> Option<DVec3> {
-        let mut offset = DVec3::ZERO;
-        for i in 0..3 {
-            let linear = times(&form.l[i], &self.along);
-            let rest: [f64; 6] = std::array::from_fn(|k| form.q[i][k] + linear[k]);
-            offset[i] = rest[5] / self.squared[5];
-            let expected: [f64; 6] = std::array::from_fn(|k| offset[i] * self.squared[k] - linear[k]);
-            if differs_by(&expected, &form.q[i]) > ALIKE {
-                return None;
-            }
-        }
-        (differs_by(&self.discriminant(), &form.d) <= ALIKE).then_some(offset)
-    }
-}
-
-/// How closely two quadratic polynomials must agree, as a part of their greatest coefficient.
-const ALIKE: f64 = 1e-9;
-
-/// The greatest difference of two polynomials' coefficients, as a part of the greatest coefficient.
-fn differs_by(a: &[f64; 6], b: &[f64; 6]) -> f64 {
-    let size = a.iter().chain(b).fold(f64::MIN_POSITIVE, |size, c| size.max(c.abs()));
-    a.iter().zip(b).fold(0.0, |worst: f64, (a, b)| worst.max((a - b).abs())) / size
-}
-
-/// The product of two linear polynomials over `[x, y, 1]`.
-fn times(u: &[f64; 3], v: &[f64; 3]) -> [f64; 6] {
-    [
-        u[0] * v[0],
-        u[1] * v[1],
-        u[0] * v[1] + u[1] * v[0],
-        u[0] * v[2] + u[2] * v[0],
-        u[1] * v[2] + u[2] * v[1],
-        u[2] * v[2],
-    ]
 }
 
 #[cfg(test)]
@@ -151,21 +124,21 @@ mod tests {
         build(&rig, &request).expect("can be planned").passes.remove(0).source
     }
 
-    fn way(source: &Source) -> Option<Way> {
+    fn way_of(source: &Source) -> Option<Way> {
         let Source::Projector(projector) = source else { return None };
-        Beam::of(projector)?.way(projector, (256, 256))
+        Some(projector.way)
     }
 
     #[test]
     fn the_cheapest_way_is_taken_that_rounding_allows() {
         let near = source([0.0; 3], [0.0, 0.0, 0.3], 60.0);
-        assert_eq!(way(&near), Some(Way::Root));
+        assert_eq!(way_of(&near), Some(Way::Root));
         let far = source([0.0; 3], [0.0, 0.0, 0.9], 60.0);
-        assert_ne!(way(&far), Some(Way::Root));
+        assert_ne!(way_of(&far), Some(Way::Root));
         // Nearer to the wall than the beam goes, and outside: the forms themselves.
         for distance in [0.97, 2.0] {
             let outside = source([0.0; 3], [0.0, -0.5 * distance, 0.8 * distance], 20.0);
-            assert!(matches!(outside, Source::Projector(_)) && way(&outside).is_none(), "{distance}");
+            assert!(way_of(&outside) == Some(Way::Forms), "{distance}");
         }
     }
 

@@ -5,6 +5,7 @@
 
 use super::plan::{Batch, Mask, Source};
 use super::rectangles::{self, BLOCK};
+use crate::geom::screen::Bounds;
 use crate::geom::{Frustum, Panorama, QuadraticForm};
 use crate::rig::{Filter, Rig};
 use crate::views::ViewPlan;
@@ -60,7 +61,8 @@ pub(super) fn batches(
     let examiner = Examiner::new(rig, source, size, plan, output_views);
     let mut needs = examiner.all();
     // With light added to black, what is masked is not black.
-    if let Some(mask) = mask.filter(|_| rig.outputs[index].blend.black_level == 0.0) {
+    let darkening = mask.filter(|_| rig.outputs[index].blend.black_level == 0.0);
+    if let Some(mask) = darkening {
         needs_of_masked(&mut needs, mask, size);
     }
     let classes: Vec<Option<Class>> = needs.iter().map(classify).collect();
@@ -85,7 +87,11 @@ pub(super) fn batches(
             Some(index)
         })
         .collect();
-    let rects = rectangles::merge(&numbered, BLOCK, size, distinct.len());
+    let mut rects = rectangles::merge(&numbered, BLOCK, size, distinct.len());
+    if let Some(mask) = darkening {
+        let faded = rects.iter_mut().zip(&distinct).filter(|(_, (_, faded))| *faded);
+        faded.flat_map(|(rects, _)| rects).for_each(|rect| *rect = mask.trimmed(*rect, size));
+    }
     let neighbours = examiner.neighbours.len();
     united
         .into_iter()
@@ -181,8 +187,6 @@ struct Examiner<'a> {
     source: &'a Source,
     size: (u32, u32),
     filter: Filter,
-    /// Half the opening of the dome's cap, radians.
-    half_coverage: f64,
     views: Vec<Cone>,
     neighbours: Vec<(QuadraticForm, Cone)>,
 }
@@ -192,8 +196,8 @@ struct Examiner<'a> {
 struct Corner {
     /// Direction from the viewer, unit length, where something is shown.
     direction: Option<DVec3>,
-    /// Direction of a projector's hit from the dome's centre, unit length, the pole on +y, on the screen or not.
-    on_dome: Option<DVec3>,
+    /// Point of the surface that a projector lights, in the surface's axes, on the screen or not.
+    on_surface: Option<DVec3>,
 }
 
 /// A rectangle of pixels: left, top, right and bottom, the latter two excluded.
@@ -213,7 +217,6 @@ impl<'a> Examiner<'a> {
             source,
             size,
             filter: rig.views.filter,
-            half_coverage: 0.5 * rig.dome.coverage,
             views: output_views.iter().map(cone).collect(),
             neighbours: neighbours.iter().map(|neighbour| (neighbour.picture, Cone::new(in_front, &picture))).collect(),
         }
@@ -251,11 +254,12 @@ impl<'a> Examiner<'a> {
 
     fn corner(&self, x: u32, y: u32) -> Corner {
         let (x, y) = self.normalised(f64::from(x), f64::from(y));
-        let on_dome = match self.source {
-            Source::Projector(projector) => projector.dome_direction.evaluate(x, y).and_then(DVec3::try_normalize),
+        let on_surface = match self.source {
+            Source::Projector(projector) => projector.pencil.hit(x, y),
+            Source::Optics(optics) => optics.hit(x, y),
             _ => None,
         };
-        Corner { direction: self.source.direction(x, y).and_then(DVec3::try_normalize), on_dome }
+        Corner { direction: self.source.direction(x, y).and_then(DVec3::try_normalize), on_surface }
     }
 
     fn block(&self, block: Block, corners: [Corner; 4]) -> Needs {
@@ -296,24 +300,20 @@ impl<'a> Examiner<'a> {
                 x * x + y * y > 1.0
             }
             Source::Fisheye { .. } | Source::Panorama { .. } | Source::Perspective { .. } | Source::Table(_) => false,
-            Source::Projector(_) => all_of(corners.map(|corner| corner.on_dome)).is_some_and(|hits| {
-                let nearest = hits.iter().map(|hit| hit.angle_between(DVec3::Y)).fold(f64::INFINITY, f64::min);
-                let diameter = diameter(&hits);
-                diameter < WIDEST && nearest - diameter > self.half_coverage
-            }),
+            Source::Projector(projector) => on_screen(&projector.bounds, corners) == Some(false),
+            Source::Optics(optics) => on_screen(&optics.bounds, corners) == Some(false),
         }
     }
 
     /// Whether no pixel of a block whose corners show something can miss the screen.
     fn surely_on_screen(&self, corners: &[Corner; 4]) -> bool {
-        if !matches!(self.source, Source::Projector(_)) || self.half_coverage >= std::f64::consts::PI {
-            return true;
+        match self.source {
+            Source::Projector(projector) => {
+                projector.rim.is_none() || on_screen(&projector.bounds, corners) == Some(true)
+            }
+            Source::Optics(optics) => on_screen(&optics.bounds, corners) == Some(true),
+            _ => true,
         }
-        // No point of the patch is farther than its diameter from a corner.
-        all_of(corners.map(|corner| corner.on_dome)).is_some_and(|hits| {
-            let farthest = hits.iter().map(|hit| hit.angle_between(DVec3::Y)).fold(0.0, f64::max);
-            farthest + diameter(&hits) < self.half_coverage
-        })
     }
 
     /// The one view that answers for all of a patch, if the corners tell.
@@ -391,6 +391,13 @@ impl<'a> Examiner<'a> {
             if apart { set } else { set | 1 << index.min(127) }
         })
     }
+}
+
+/// Whether all of a block that a projector lights is on the screen; `None` where that is not clear.
+fn on_screen(bounds: &Bounds, corners: &[Corner; 4]) -> Option<bool> {
+    let points = all_of(corners.map(|corner| corner.on_surface))?;
+    // No point of the patch is farther than its diameter from a corner.
+    bounds.hold_all(&points, diameter(&points))
 }
 
 /// The values, if there are all four.

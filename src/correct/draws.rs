@@ -63,8 +63,7 @@ pub fn draws(plan: &Plan, passes: &[OutputPass], panel: bool, rows: Rows) -> Res
     for pass in passes {
         let mut draws = Vec::with_capacity(pass.batches.len() + 1);
         // First, since not all triangles end where rectangles do.
-        let filled = pass.batches.iter().filter(|batch| batch.facets.as_ref().is_none_or(|facets| facets.fills));
-        let covered: Vec<PixelRect> = filled.flat_map(|batch| batch.rects.iter().copied()).collect();
+        let covered: Vec<PixelRect> = pass.filled().copied().collect();
         let black = uncovered(pass.size, &covered);
         if !black.is_empty() {
             draws.push(list.draw(Constants::black(), |list| list.add_rectangles(pass, &black)));
@@ -83,6 +82,19 @@ pub fn draws(plan: &Plan, passes: &[OutputPass], panel: bool, rows: Rows) -> Res
         list.outputs.push(draws);
     }
     Ok(list)
+}
+
+/// Whether no two of these places of outputs (x, y, width, height) share a pixel.
+pub fn apart(viewports: impl Iterator<Item = [i32; 4]> + Clone) -> bool {
+    let meet = |a: [i32; 4], b: [i32; 4]| {
+        let along = |i: usize| a[i] < b[i].saturating_add(b[i + 2]) && b[i] < a[i].saturating_add(a[i + 2]);
+        along(0) && along(1)
+    };
+    let mut others = viewports.clone();
+    viewports.into_iter().all(|one| {
+        others.next();
+        !others.clone().any(|other| meet(one, other))
+    })
 }
 
 impl DrawList {

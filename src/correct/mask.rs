@@ -1,6 +1,6 @@
 //! Weight images from files.
 
-use super::plan::Mask;
+use super::plan::{Mask, PixelRect};
 use crate::error::{Error, ErrorKind, Result};
 use std::path::Path;
 
@@ -35,6 +35,24 @@ impl Mask {
     /// Whether the weight is 1 everywhere in a block, as for [`Mask::is_black`].
     pub fn is_white(&self, block: [u32; 4], size: (u32, u32)) -> bool {
         self.is_all(u16::MAX, block, size)
+    }
+
+    /// `rect` without rows and columns of pixels at its borders that are black as for [`Mask::is_black`]; it keeps one pixel.
+    pub(super) fn trimmed(&self, rect: PixelRect, size: (u32, u32)) -> PixelRect {
+        let [mut left, mut top, mut right, mut bottom] = [rect.x, rect.y, rect.x + rect.width, rect.y + rect.height];
+        while right - left > 1 && self.is_black([left, top, left + 1, bottom], size) {
+            left += 1;
+        }
+        while right - left > 1 && self.is_black([right - 1, top, right, bottom], size) {
+            right -= 1;
+        }
+        while bottom - top > 1 && self.is_black([left, top, right, top + 1], size) {
+            top += 1;
+        }
+        while bottom - top > 1 && self.is_black([left, bottom - 1, right, bottom], size) {
+            bottom -= 1;
+        }
+        PixelRect { x: left, y: top, width: right - left, height: bottom - top }
     }
 
     fn is_all(&self, value: u16, block: [u32; 4], size: (u32, u32)) -> bool {
@@ -81,6 +99,30 @@ mod tests {
         assert!(white.is_white([0, 0, 20, 12], (20, 12)) && !white.is_black([0, 0, 1, 1], (20, 12)));
         assert!(mask.is_black([0, 0, 8, 12], (20, 12)) && !mask.is_black([0, 0, 12, 12], (20, 12)));
     }
+
+    #[test]
+    fn rectangles_end_where_the_mask_does() {
+        // White in columns 3 to 5 and rows 2 to 9 of 12 × 12 texels, over 24 × 24 pixels.
+        let white = |x: u32, y: u32| (3..6).contains(&x) && (2..10).contains(&y);
+        let weights = (0..144).map(|i| if white(i % 12, i / 12) { u16::MAX } else { 0 }).collect();
+        let mask = Mask { width: 12, height: 12, weights };
+        let rect = |x, y, width, height| PixelRect { x, y, width, height };
+        let whole = mask.trimmed(rect(0, 0, 24, 24), (24, 24));
+        assert!(
+            whole.x >= 3 && whole.x + whole.width <= 15 && whole.y >= 1 && whole.y + whole.height <= 23,
+            "{whole:?}"
+        );
+        // Nothing but black is lost, whatever the rectangle.
+        for (x, y, width, height) in [(0, 0, 24, 24), (7, 5, 16, 2), (0, 0, 5, 24), (20, 20, 4, 4), (9, 9, 1, 1)] {
+            let kept = mask.trimmed(rect(x, y, width, height), (24, 24));
+            for (column, row) in (y..y + height).flat_map(|row| (x..x + width).map(move |column| (column, row))) {
+                let inside =
+                    (kept.x..kept.x + kept.width).contains(&column) && (kept.y..kept.y + kept.height).contains(&row);
+                assert!(inside || mask.is_black([column, row, column + 1, row + 1], (24, 24)), "{column}, {row}");
+            }
+        }
+    }
+
     use image::{DynamicImage, GrayImage, ImageBuffer, Luma, Rgb, RgbImage};
 
     /// Saves `picture` under a name of its own, loads it, and removes it.

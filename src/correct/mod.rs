@@ -10,6 +10,7 @@ mod footprints;
 mod hidden;
 pub mod map;
 pub mod mask;
+mod optics;
 pub mod plan;
 pub mod projection;
 mod rectangles;

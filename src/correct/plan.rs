@@ -1,14 +1,18 @@
 //! The passes of a frame: their types, and how they are built from a rig.
 
 use super::facets::{self, Facets};
+pub use super::optics::{LensForm, OpticsSource};
 use super::shown::Shown;
 use super::table::Table;
-use super::{blocks, mask, source};
+use super::{beam, blocks, mask, source};
 use crate::blend::{Border, Weights};
 use crate::error::Result;
-use crate::geom::{Panorama, QuadraticForm};
+use crate::geom::pencil::RimForms;
+use crate::geom::screen::Bounds;
+use crate::geom::{Panorama, Pencil, QuadraticForm};
 use crate::rig::{AngleRamp, Filter, Method, Rig, Transfer};
 use crate::views::{self, Request, ViewPlan};
+pub use beam::Way;
 use glam::{DMat3, DVec3};
 use std::sync::Arc;
 
@@ -87,6 +91,18 @@ pub enum Approximation {
 }
 
 impl OutputPass {
+    /// The rectangles that are filled whatever they show.
+    pub(super) fn filled(&self) -> impl Iterator<Item = &PixelRect> {
+        let filled = self.batches.iter().filter(|batch| batch.facets.as_ref().is_none_or(|facets| facets.fills));
+        filled.flat_map(|batch| &batch.rects)
+    }
+
+    /// Which part of the output, 0…1, is black before its batches are drawn, and mostly after it.
+    pub fn black_part(&self) -> f64 {
+        let filled: f64 = self.filled().map(|rect| f64::from(rect.width) * f64::from(rect.height)).sum();
+        1.0 - filled / (f64::from(self.size.0) * f64::from(self.size.1)).max(1.0)
+    }
+
     /// How the map is interpolated, and what that errs; `None` where each pixel has its own.
     pub fn approximation(&self) -> Option<Approximation> {
         let facets: Vec<&Facets> = self.batches.iter().filter_map(|batch| batch.facets.as_deref()).collect();
@@ -145,6 +161,8 @@ pub enum Source {
         /// As for [`Source::Fisheye`].
         offset: DVec3,
     },
+    /// Viewer direction by following the ray through a lens, and perhaps by way of a mirror.
+    Optics(Box<OpticsSource>),
     /// Viewer direction and weight of each pixel, computed beforehand. The weight has everything in it but
     /// the mask: a pass with a table has no ramps and no neighbours of its own.
     Table(Arc<Table>),
@@ -153,18 +171,38 @@ pub enum Source {
 /// The forms of a projector.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ProjectorSource {
+    /// Its rays and what they light, in the axes of the surface.
+    pub pencil: Pencil,
     /// Viewer direction, viewer axes.
     pub direction: QuadraticForm,
-    /// Whether the hit is on the screen: `≥ 0` inside the dome's cap (first row of `q` and `l`); `None` = the whole sphere is screen.
-    pub cap: Option<([f64; 6], [f64; 3])>,
-    /// Hit point over the radius times a positive factor, dome axes turned so that the pole is +y and the front −z; for ramps in dome angles.
+    /// The part of the surface that is screen.
+    pub bounds: Bounds,
+    /// Whether a pixel's point is there; `None` = the whole surface is screen.
+    pub rim: Option<RimForms>,
+    /// From the dome's centre to the point, times a positive factor, dome axes turned so that the pole is +y and the front −z; for ramps in dome angles.
     pub dome_direction: QuadraticForm,
-    /// Where the lens is, in the axes and units of `dome_direction`.
-    pub position: DVec3,
     /// For every projector that can overlap this one: its homogeneous picture coordinates (`x/z`, `y/z` in −1…1, `z > 0` in front) of this pixel's hit, and its ramp.
     pub neighbours: Vec<Neighbour>,
     /// This projector's own claim on points.
     pub border: Border,
+    /// How the forms are computed.
+    pub way: Way,
+    /// The terms of what is added up for `direction` over their sum, at most: how much of it rounding may move.
+    pub spread: f64,
+}
+
+impl ProjectorSource {
+    /// The same, computed in the cheapest way that is exact enough for pictures of `size`; `None` if none is.
+    pub fn settled(mut self, size: (u32, u32)) -> Option<Self> {
+        (self.way, self.spread) = beam::way(&self, size)?;
+        Some(self)
+    }
+
+    /// Viewer direction at normalised coordinates, any length; `None` where the ray does not end on the screen.
+    pub fn direction(&self, x: f64, y: f64) -> Option<DVec3> {
+        let direction = self.pencil.evaluate(&self.direction, x, y)?;
+        self.rim.as_ref().is_none_or(|rim| rim.allow(&self.pencil, x, y)).then_some(direction)
+    }
 }
 
 /// Another projector, as seen from a pixel's hit on the screen.

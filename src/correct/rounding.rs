@@ -3,21 +3,24 @@
 //! Each term of a sum is rounded to a part of its own size. Where terms cancel, as they do when the viewer is near the
 //! lit screen or the projector near the wall behind it, the sum is small and its error is not.
 
+use super::plan::ProjectorSource;
 use crate::geom::QuadraticForm;
-use crate::geom::quadratic::{linear_at, quadratic_at, row_at};
+use crate::geom::quadratic::{linear_at, quadratic_at};
 use glam::DVec3;
 
 /// Width of the picture in whose pixels errors are estimated: what a small picture shows is then held to what a large one needs.
-const REFERENCE: f64 = 4096.0;
+pub(super) const REFERENCE: f64 = 4096.0;
 /// The error that is allowed, in such pixels.
-const PIXELS: f64 = 0.002;
+pub(super) const PIXELS: f64 = 0.002;
 /// An angle that is allowed however narrow the pixels, radians: ten steps of f32.
-const ANGLE: f64 = 6e-7;
+pub(super) const ANGLE: f64 = 6e-7;
 /// What rounding does to a sum, as a part of its terms: some three half steps of f32. With hundreds of random rigs a driver
 /// came to 0.25 to 0.95 times the estimate where that is near what is allowed.
 const STEP: f64 = 2e-7;
+/// How far a rim may move, pixels.
+const RIM: f64 = 0.01;
 /// Places in each direction where the error is estimated.
-const PLACES: u32 = 5;
+const PLACES: u32 = 17;
 
 /// A sum of vectors and how large its terms are, component by component.
 #[derive(Clone, Copy, Debug)]
@@ -26,33 +29,67 @@ pub(super) struct Sum {
     pub terms: DVec3,
 }
 
-/// The greatest estimated error over that which is allowed (0.002 pixels of a picture 4096 wide, or 6·10⁻⁷ radians,
-/// whichever is more), for a picture of `size` pixels in which `form` says what is shown, `cap` how much of it is
-/// screen, and `sum` how the shader computes it.
-pub(super) fn excess(
-    form: &QuadraticForm,
-    cap: Option<&([f64; 6], [f64; 3])>,
+/// How much larger than the direction the terms are that `sum` adds up for it, at most, where `source` shows anything
+/// in a picture of `size` pixels; `None` if rounding moves it too far: by more than 0.002 pixels of a picture 4096 wide, or 6·10⁻⁷
+/// radians, whichever is more, or a rim by a hundredth of the picture's own pixels.
+pub(super) fn spread(
+    source: &ProjectorSource,
     size: (u32, u32),
-    sum: impl Fn(f64, f64) -> Option<Sum>,
-) -> f64 {
+    sum: impl Fn(&QuadraticForm, f64, f64) -> Option<Sum>,
+) -> Option<f64> {
     let (width, height) = (f64::from(size.0.max(1)), f64::from(size.1.max(1)));
     let scale = width.max(height) / REFERENCE;
     // Normalised coordinates of a pixel of the reference's size.
     let (across, up) = (2.0 * scale / width, 2.0 * scale / height);
     let place = |i: u32| 2.0 * f64::from(i) / f64::from(PLACES - 1) - 1.0;
-    let at = |i: u32| {
-        let (x, y) = (place(i % PLACES), place(i / PLACES));
-        let shown = cap.is_none_or(|row| row_at(row, form.discriminant(x, y), x, y) >= 0.0);
-        let Sum { value, terms } = sum(x, y).filter(|_| shown)?;
+    let at = |i: u32| (place(i % PLACES), place(i / PLACES));
+    let shown: Vec<bool> = (0..PLACES * PLACES).map(|i| source.direction(at(i).0, at(i).1).is_some()).collect();
+    // Or next to one that is: rims are between them.
+    let near = |i: u32| {
+        let around = |k: u32| k.saturating_sub(1)..(k + 2).min(PLACES);
+        around(i / PLACES).any(|row| around(i % PLACES).any(|column| shown[(row * PLACES + column) as usize]))
+    };
+    let mut greatest = 1.0f64;
+    for i in (0..PLACES * PLACES).filter(|i| near(*i)) {
+        let (x, y) = at(i);
+        let Some(Sum { value, terms }) = sum(&source.direction, x, y) else { continue };
         let angle = |dx: f64, dy: f64| {
-            let (a, b) = (form.evaluate(x - 0.5 * dx, y - 0.5 * dy)?, form.evaluate(x + 0.5 * dx, y + 0.5 * dy)?);
+            let seen = |side: f64| source.pencil.evaluate(&source.direction, x + side * dx, y + side * dy);
+            let (a, b) = (seen(-0.5)?, seen(0.5)?);
             Some(a.cross(b).length().atan2(a.dot(b)))
         };
-        let (h, v) = (angle(across, 0.0)?, angle(0.0, up)?);
+        let (Some(h), Some(v)) = (angle(across, 0.0), angle(0.0, up)) else { continue };
         let pixel = (0.5 * (h * h + v * v)).sqrt();
-        Some(STEP * terms.length() / value.length() / (PIXELS * pixel).max(ANGLE))
-    };
-    (0..PLACES * PLACES).filter_map(at).fold(0.0, f64::max)
+        let spread = terms.length() / value.length();
+        let rims =
+            source.rim.iter().flat_map(|rim| std::iter::once(&rim.limits).chain(rim.sides.as_ref().map(|s| &s.0)));
+        let within = STEP * spread <= (PIXELS * pixel).max(ANGLE)
+            && rims.into_iter().all(|rim| is_sharp(rim, (x, y), (2.0 / width, 2.0 / height), &sum));
+        if !within {
+            return None;
+        }
+        greatest = greatest.max(spread);
+    }
+    Some(greatest)
+}
+
+/// Whether rounding moves a rim that passes near a place by less than [`RIM`] pixels; `pixel` in normalised coordinates.
+fn is_sharp(
+    rim: &QuadraticForm,
+    (x, y): (f64, f64),
+    pixel: (f64, f64),
+    sum: &impl Fn(&QuadraticForm, f64, f64) -> Option<Sum>,
+) -> bool {
+    let here = sum(rim, x, y);
+    let (right, above) = (sum(rim, x + pixel.0, y), sum(rim, x, y + pixel.1));
+    let (Some(here), Some(right), Some(above)) = (here, right, above) else { return true };
+    let (across, up) = (right.value - here.value, above.value - here.value);
+    (0..3).all(|i| {
+        let slope = across[i].hypot(up[i]);
+        // As far as the next place, in pixels.
+        let apart = 2.0 / f64::from(PLACES - 1) / pixel.0.min(pixel.1);
+        here.value[i].abs() > slope * apart || STEP * here.terms[i] <= RIM * slope
+    })
 }
 
 /// The sum of a form as it stands: quadratic part and linear part times the root. `None` where the ray misses.

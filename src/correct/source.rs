@@ -1,17 +1,17 @@
 //! From an output of a rig to the coefficients of its map.
 
-use super::plan::{Neighbour, ProjectorSource, Source};
-use super::rounding;
+use super::plan::{LensForm, Neighbour, OpticsSource, ProjectorSource, Source, Way};
 use super::shown::Shown;
 use super::table;
 use crate::blend::Border;
 use crate::error::Result;
 use crate::geom::fisheye::RadialForm;
-use crate::geom::quadratic::{cap_row, row_at, sphere_is_ahead};
-use crate::geom::{Fisheye, Panorama, QuadraticForm, Sphere, pose};
+use crate::geom::pencil::RimForms;
+use crate::geom::screen::{Bounds, ClosedForm, ClosedSurface, Shape};
+use crate::geom::{Fisheye, Optics, Panorama, Pencil, Quadric, Screen, Sphere, pose};
 use crate::rig::{Method, Output, OutputKind, Rig};
-use crate::views::sight::{lens_rotation, perspective_rays, pole, viewer_rotation};
-use glam::{DMat3, DVec2, DVec3};
+use crate::views::sight::{lens_rotation, perspective_rays, viewer_rotation};
+use glam::{DAffine3, DMat3, DVec2, DVec3};
 use std::sync::Arc;
 
 /// The map of output `index` of `rig`, whose outputs have `sizes` pixels: a coarse table where its method asks for one,
@@ -22,46 +22,12 @@ use std::sync::Arc;
 pub(super) fn of(rig: &Rig, index: usize, sizes: &[(u32, u32)]) -> Result<Source> {
     let shown = || Shown::new(rig, index, sizes);
     let size = sizes.get(index).copied().unwrap_or_default();
-    let exact = |source: &Source| is_exact(rig, index) && is_well_conditioned(source, size);
-    let table = match (rig.outputs[index].method, closed_form(rig, index).filter(exact)) {
+    let table = match (rig.outputs[index].method, closed_form(rig, index, size)) {
         (Method::Table { max_error }, _) => table::coarse(&shown()?, max_error),
         (_, Some(source)) => return Ok(source),
         _ => shown()?.table(),
     };
     Ok(Source::Table(Arc::new(table)))
-}
-
-/// Whether the formula of an output is right everywhere, and knows all that its weights depend on.
-///
-/// It knows no screen but the dome. It is not right in two cases outside the dome: for a projector that looks partly away from it, whose rays would meet
-/// it backwards, and beside a neighbour there, of whose light the near side of the dome keeps its share
-/// although none arrives. Nor does it know a neighbour's lens that is no pinhole, or its mirror.
-fn is_exact(rig: &Rig, index: usize) -> bool {
-    let output = &rig.outputs[index];
-    if matches!(output.kind, OutputKind::Perspective { .. }) {
-        return true;
-    }
-    if rig.screen.is_some() {
-        return false;
-    }
-    let Some(pinhole) = Pinhole::of(&output.kind) else { return true };
-    let sphere = Sphere { center: DVec3::ZERO, radius: rig.dome.radius };
-    let mut others = rig.outputs.iter().enumerate().filter(|(other, _)| *other != index).map(|(_, other)| &other.kind);
-    let known = |other: &OutputKind| match Pinhole::of(other) {
-        Some(other) => sphere.contains(other.position),
-        None => !other.is_projector(),
-    };
-    sphere_is_ahead(pinhole.position, pinhole.rays, &sphere) && (!output.blend.overlap || others.all(known))
-}
-
-/// Whether f32 is enough for the formula of a picture of `size` pixels.
-///
-/// Not for a projector whose light passes close to the viewer, for whom the screen there is the small difference
-/// of two places, nor where rays graze the screen and the root of a difference decides.
-fn is_well_conditioned(source: &Source, size: (u32, u32)) -> bool {
-    let Source::Projector(projector) = source else { return true };
-    let form = &projector.direction;
-    rounding::excess(form, projector.cap.as_ref(), size, |x, y| rounding::of_form(form, x, y)) <= 1.0
 }
 
 /// A projector whose rays are linear in the pixel.
@@ -86,67 +52,147 @@ impl Pinhole {
     }
 }
 
-/// The formula of an output, with every other projector as a neighbour if the output blends by overlap; `None`
-/// for lenses that are no pinholes, and for mirrors.
-fn closed_form(rig: &Rig, index: usize) -> Option<Source> {
+/// The formula of an output of `size` pixels, if there is one that is right everywhere, exact enough in f32, and knows all that its weights depend on.
+fn closed_form(rig: &Rig, index: usize, size: (u32, u32)) -> Option<Source> {
     let output = &rig.outputs[index];
     let to_viewer = viewer_rotation(rig).transpose();
     let eye = rig.eye(output).position;
-    Some(match &output.kind {
-        OutputKind::Mesh(_) => return None,
-        OutputKind::Domemaster { aperture, tilt } => Source::Fisheye {
-            aperture: *aperture,
-            rotation: lens_rotation(*tilt),
-            offset: -(to_viewer * eye) / rig.dome.radius,
-        },
+    match &output.kind {
+        OutputKind::Mesh(_) => None,
+        OutputKind::Domemaster { aperture, tilt } => {
+            let offset = offset_of_eye(rig, eye)?;
+            Some(Source::Fisheye { aperture: *aperture, rotation: lens_rotation(*tilt), offset })
+        }
         OutputKind::Panorama { panorama, angles: [yaw, pitch, roll] } => {
+            let offset = offset_of_eye(rig, eye)?;
             // Some measured curves are too wild for the shaders' polynomials.
-            if matches!(panorama, Panorama::Fisheye(lens) if RadialForm::of(lens).is_none()) {
-                return None;
-            }
-            Source::Panorama {
-                panorama: panorama.clone(),
-                rotation: pose::rotation(*yaw, *pitch, *roll),
-                offset: -(to_viewer * eye) / rig.dome.radius,
-            }
+            let has_formula = !matches!(panorama, Panorama::Fisheye(lens) if RadialForm::of(lens).is_none());
+            let rotation = pose::rotation(*yaw, *pitch, *roll);
+            has_formula.then(|| Source::Panorama { panorama: panorama.clone(), rotation, offset })
         }
         OutputKind::Perspective { angles, frustum } => {
-            Source::Perspective { matrix: perspective_rays(*angles, frustum.as_ref()) }
+            Some(Source::Perspective { matrix: perspective_rays(*angles, frustum.as_ref()) })
         }
         OutputKind::Projector { .. } | OutputKind::Optics { .. } => {
-            let Pinhole { position, rays } = Pinhole::of(&output.kind)?;
-            let sphere = Sphere { center: DVec3::ZERO, radius: rig.dome.radius };
-            let seen_from = |eye: DVec3, target: DMat3| QuadraticForm::new(position, rays, &sphere, eye, target);
-            let neighbours =
-                rig.outputs.iter().enumerate().filter(|(other, _)| output.blend.overlap && *other != index);
-            Source::Projector(Box::new(ProjectorSource {
-                direction: seen_from(eye, to_viewer),
-                cap: (rig.dome.coverage < std::f64::consts::TAU)
-                    .then(|| cap_row(position, rays, &sphere, pole(rig), rig.dome.coverage)),
-                // Turned about x by the tilt, the pole comes to lie on +y and the front on −z.
-                dome_direction: seen_from(DVec3::ZERO, DMat3::from_rotation_x(rig.dome.tilt)),
-                position: DMat3::from_rotation_x(rig.dome.tilt) * position,
-                neighbours: neighbours
-                    .filter_map(|(other, neighbour)| neighbour_of(other, neighbour, &seen_from))
-                    .collect(),
-                border: Border::of(&output.blend),
-            }))
+            let pinhole = projector(rig, index, eye, to_viewer).and_then(|source| source.settled(size));
+            match (pinhole, &output.kind) {
+                (Some(source), _) => Some(Source::Projector(Box::new(source))),
+                (None, OutputKind::Optics { optics, even_light: 0.0 }) => {
+                    let source = lens(rig, index, optics, size)?.settled(size)?;
+                    Some(Source::Optics(Box::new(source)))
+                }
+                _ => None,
+            }
         }
+    }
+}
+
+/// What is added to a unit direction from the dome's centre for an eye elsewhere; `None` where the screen is none on which
+/// this is so.
+fn offset_of_eye(rig: &Rig, eye: DVec3) -> Option<DVec3> {
+    match &rig.screen {
+        None => Some(-(viewer_rotation(rig).transpose() * eye) / rig.dome.radius),
+        // In every direction from inside there is a point, and from the centre it is seen there.
+        Some(Screen { pose, shape: Shape::Ellipsoid(ellipsoid) }) => {
+            let inside = Quadric::ellipsoid(ellipsoid.radii).contains(pose.point_to_local(DVec3::ZERO), WELL_INSIDE);
+            (inside && eye == DVec3::ZERO).then_some(DVec3::ZERO)
+        }
+        Some(_) => None,
+    }
+}
+
+/// A dome's centre that is so far inside a screen, as a part of the way to it, is inside however it is rounded.
+const WELL_INSIDE: f64 = 0.999;
+
+/// The formula of a pinhole, with every other one as a neighbour if it blends by overlap; `None` for lenses that are no pinholes, for mirrors,
+/// and for screens that have none.
+///
+/// Nor does it hold in two cases outside the surface: for a projector that looks partly away from it, whose rays would
+/// meet it backwards, and beside a neighbour there, of whose light the near side keeps its share although none
+/// arrives. Nor does it know a neighbour's lens that is no pinhole, or its mirror.
+fn projector(rig: &Rig, index: usize, eye: DVec3, to_viewer: DMat3) -> Option<ProjectorSource> {
+    let output = &rig.outputs[index];
+    let Screen { pose, shape } = rig.surface();
+    let ClosedForm { middle, surface, bounds } = shape.closed_form()?;
+    let to_surface = |point: DVec3| pose.point_to_local(point) - middle;
+    let from_surface = pose.rotation;
+    let Pinhole { position, rays } = Pinhole::of(&output.kind)?;
+    let pencil = Pencil { origin: to_surface(position), rays: from_surface.transpose() * rays, surface };
+    let others = rig.outputs.iter().enumerate().filter(|(other, _)| output.blend.overlap && *other != index);
+    let neighbour = |(output, other): (usize, &Output)| {
+        let Some(Pinhole { position, rays }) = Pinhole::of(&other.kind) else {
+            return other.kind.is_projector().then_some(None);
+        };
+        let position = to_surface(position);
+        let lights_all = match &surface {
+            ClosedSurface::Quadric(quadric) => quadric.contains(position, 1.0),
+            ClosedSurface::Plane => true,
+        };
+        let picture = || pencil.seen_from(position, rays.inverse() * from_surface);
+        Some(lights_all.then(|| Neighbour { output, picture: picture(), border: Border::of(&other.blend) }))
+    };
+    let neighbours: Option<Vec<Neighbour>> = others.filter_map(neighbour).collect();
+    let source = ProjectorSource {
+        pencil,
+        direction: pencil.seen_from(to_surface(eye), to_viewer * from_surface),
+        bounds,
+        rim: (bounds != Bounds::default()).then(|| RimForms::of(&pencil, &bounds)),
+        // Turned about x by the tilt, the pole comes to lie on +y and the front on −z.
+        dome_direction: pencil.seen_from(to_surface(DVec3::ZERO), DMat3::from_rotation_x(rig.dome.tilt) * from_surface),
+        neighbours: neighbours?,
+        border: Border::of(&output.blend),
+        way: Way::Forms,
+        spread: 1.0,
+    };
+    pencil.looks_at_it().then_some(source)
+}
+
+/// The formula of a projector with any lens, perhaps before a mirror; `None` where it shares its light or its blacks with others, for
+/// lenses without a formula, and for screens that are no quadrics.
+fn lens(rig: &Rig, index: usize, optics: &Optics, size: (u32, u32)) -> Option<OpticsSource> {
+    let output = &rig.outputs[index];
+    let mut others = rig.outputs.iter().enumerate().filter(|(other, _)| *other != index).map(|(_, other)| other);
+    let shares = output.blend.overlap && others.any(|other| other.kind.is_projector());
+    if shares || rig.outputs.iter().any(|output| output.blend.contrast.is_some()) {
+        return None;
+    }
+    let Screen { pose, shape } = rig.surface();
+    let ClosedForm { middle, surface: ClosedSurface::Quadric(quadric), bounds } = shape.closed_form()? else {
+        return None;
+    };
+    let from_surface = DAffine3 { matrix3: pose.rotation, translation: pose.position + pose.rotation * middle };
+    let to_surface = from_surface.inverse();
+    let seen_from =
+        |eye: DVec3, target: DMat3| DAffine3 { matrix3: target, translation: -(target * eye) } * from_surface;
+    Some(OpticsSource {
+        position: to_surface.transform_point3(optics.pose.position),
+        rotation: to_surface.matrix3 * optics.pose.rotation,
+        lens: LensForm::of(&optics.lens, f64::from(size.0) / f64::from(size.1))?,
+        mirror: optics
+            .mirror
+            .map(|mirror| Sphere { center: to_surface.transform_point3(mirror.center), radius: mirror.radius }),
+        quadric,
+        bounds,
+        to_viewer: seen_from(rig.eye(output).position, viewer_rotation(rig).transpose()),
+        to_dome: seen_from(DVec3::ZERO, DMat3::from_rotation_x(rig.dome.tilt)),
+        spread: 1.0,
     })
 }
 
-/// `output` as a neighbour, if it is a projector.
-fn neighbour_of(
-    index: usize,
-    output: &Output,
-    seen_from: &impl Fn(DVec3, DMat3) -> QuadraticForm,
-) -> Option<Neighbour> {
-    let Pinhole { position, rays } = Pinhole::of(&output.kind)?;
-    let border = Border::of(&output.blend);
-    Some(Neighbour { output: index, picture: seen_from(position, rays.inverse()), border })
-}
-
 impl Source {
+    /// How much larger than the direction the terms are that are added up for it: rounding moves it by so many times a step of f32.
+    pub(super) fn spread(&self) -> f64 {
+        match self {
+            Self::Fisheye { offset, .. } | Self::Panorama { offset, .. } => {
+                let away = offset.length();
+                (1.0 + away) / (1.0 - away).max(f64::EPSILON)
+            }
+            Self::Projector(projector) => projector.spread,
+            Self::Optics(optics) => optics.spread,
+            Self::Perspective { .. } | Self::Table(_) => 1.0,
+        }
+    }
+
     /// The direction from the viewer at normalised coordinates, viewer axes, any length; `None`
     /// where the output shows nothing: what the shaders compute, in f64 (of a table of all pixels, what the nearest one shows).
     pub fn direction(&self, x: f64, y: f64) -> Option<DVec3> {
@@ -154,12 +200,8 @@ impl Source {
             Self::Fisheye { aperture, rotation, offset } => {
                 Fisheye { aperture: *aperture }.direction(x, y).map(|lens| *rotation * lens + *offset)
             }
-            Self::Projector(projector) => {
-                let direction = projector.direction.evaluate(x, y)?;
-                let on_screen =
-                    projector.cap.is_none_or(|row| row_at(&row, projector.direction.discriminant(x, y), x, y) >= 0.0);
-                on_screen.then_some(direction)
-            }
+            Self::Projector(projector) => projector.direction(x, y),
+            Self::Optics(optics) => optics.direction(x, y),
             Self::Panorama { panorama, rotation, offset } => {
                 let direction = match panorama {
                     Panorama::Fisheye(lens) => lens.direction(DVec2::new(x, y)),

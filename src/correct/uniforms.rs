@@ -1,6 +1,7 @@
 //! The constants of a pass. The only place where f64 becomes f32: every coefficient is folded
 //! in f64 and rounded once.
 
+mod optics;
 mod panorama;
 mod projector;
 
@@ -12,7 +13,7 @@ use super::shaders::{Pass, text_of};
 use crate::blend::code_of;
 use crate::error::{Error, ErrorKind, Result};
 use crate::geom::division::EDGE_SHARE;
-use crate::geom::fisheye::{MOST_COEFFICIENTS, sine_cosine_polynomials};
+use crate::geom::fisheye::{MOST_COEFFICIENTS, RadialForm, sine_cosine_polynomials};
 use crate::geom::picture_map::LEAST_AHEAD;
 use crate::geom::reprojection::ClipRows;
 use crate::geom::{Frustum, PictureLens, PictureMap};
@@ -178,7 +179,14 @@ struct Placement {
     /// Atlas coordinates (0…1) = scale·(x, y)/z + offset.
     scale: DVec2,
     offset: DVec2,
+    /// The same in texels.
+    texels: DVec2,
 }
+
+/// What rounding does to each of two numbers whose quotient is a place in the atlas, as a part of their terms.
+const ROUNDING: f64 = 1e-7;
+/// How far it may move the place, texels.
+const FOLDED_ERROR: f64 = 0.0015;
 
 impl Placement {
     /// `part` of the opening of `view` answers; texels beyond it, too, up to `overhang`.
@@ -197,7 +205,14 @@ impl Placement {
             DVec3::new(centre.x / half.x, centre.y / half.y, -1.0),
         );
         let texels = tile / opening;
-        Self { transform, scale: half * texels / atlas, offset: (origin + (centre - corner) * texels) / atlas }
+        let middle = origin + (centre - corner) * texels;
+        Self { transform, scale: half * texels / atlas, offset: middle / atlas, texels: middle }
+    }
+
+    /// Whether the offset may be a part of the homogeneous map, of directions whose terms are `spread` times as large:
+    /// numerator and denominator are then rounded apart, far from 0.
+    fn may_be_folded(&self, spread: f64) -> bool {
+        ROUNDING * spread * self.texels.max_element() <= FOLDED_ERROR
     }
 
     /// The same as one homogeneous map: view axes → (atlas x, atlas y, 1) times a positive factor in front.
@@ -220,6 +235,7 @@ pub fn constants(plan: &Plan, pass: &OutputPass, batch: &Batch, panel: bool) -> 
         _ if batch.facets.is_some() => Pass::Mesh,
         Source::Fisheye { .. } => Pass::Fisheye,
         Source::Projector(_) => Pass::Projector,
+        Source::Optics(_) => Pass::Optics,
         Source::Panorama { panorama, .. } if panorama.is_circular() => Pass::Fisheye,
         Source::Panorama { .. } => Pass::Panorama,
         Source::Perspective { .. } => Pass::Perspective,
@@ -251,7 +267,8 @@ pub fn constants(plan: &Plan, pass: &OutputPass, batch: &Batch, panel: bool) -> 
             out.set("shift", &(base * *offset).to_array())?;
             out.set_matrix("dome", pass.dome_rotation * *rotation)?;
         }
-        Source::Projector(source) => projector::set(&mut out, source, pass.size, batch, base)?,
+        Source::Projector(source) => projector::set(&mut out, source, batch, base)?,
+        Source::Optics(source) => optics::set(&mut out, source, batch, base)?,
         Source::Perspective { matrix } => {
             out.set_matrix("matrix", base * *matrix)?;
             out.set_matrix("dome", pass.dome_rotation * *matrix)?;
@@ -357,7 +374,9 @@ fn views(out: &mut Constants, plan: &Plan, pass: &OutputPass, batch: &Batch, pan
         placements.push((index, view.rotation, placement));
     }
     let base = match placements.as_slice() {
-        [(index, rotation, placement)] if !batch.edge && panel.is_none() => {
+        [(index, rotation, placement)]
+            if !batch.edge && panel.is_none() && placement.may_be_folded(pass.source.spread()) =>
+        {
             out.set("shared_part.sole_number", &[*index as f64 + 1.0])?;
             return Ok(placement.homogeneous() * *rotation);
         }
@@ -494,6 +513,13 @@ fn circular(out: &mut Constants, names: [&str; 2], aperture: f64) -> Result<()> 
         polynomial(out, name, &scaled)?;
     }
     Ok(())
+}
+
+/// Sets what a fisheye's point of the disc is seen by.
+fn radial(out: &mut Constants, form: &RadialForm) -> Result<()> {
+    polynomial(out, "sine", &form.sine)?;
+    polynomial(out, "cosine", &form.cosine)?;
+    out.set("root", &[form.squeeze, form.sine_root, form.cosine_root])
 }
 
 /// Sets a polynomial, the constant first.

@@ -1,15 +1,15 @@
-//! The exact closed form of a pinhole ray that meets a sphere and is seen by a perspective view.
+//! The exact closed form of a pinhole ray that meets a sphere, another quadric or a plane and is seen by a perspective view.
 
-use super::Sphere;
-use glam::{DMat3, DVec3};
+use super::{Quadric, Sphere};
+use glam::{DAffine3, DMat3, DVec3};
 
-/// `s(x, y) = Q(x, y) + L(x, y)·√D(x, y)`: 33 coefficients over the monomials in the order
-/// `[x², y², xy, x, y, 1]` (Q and D) and `[x, y, 1]` (L). `s` is a homogeneous direction with
-/// positive scale; the ray meets the sphere iff `D ≥ 0`.
+/// `s(x, y) = Q(x, y) + L(x, y)·√D(x, y)`: coefficients over the monomials in the order
+/// `[x², y², xy, x, y, 1]` (Q and D) and `[x, y, 1]` (L). `s` is an affine function of the point that the ray meets,
+/// homogeneous, with positive scale; the ray meets the surface iff `D ≥ 0`.
 ///
-/// Derivation: the line `o + t·d` (origin relative to the centre) meets the sphere of radius R at
-/// `t = (−b ± √D)/a` with `a = d·d`, `b = o·d`, `D = R²·a − |o × d|²`. Seen from an eye V and scaled by
-/// `a > 0`, the far hit is `d × (o × d) − V·a + d·√D`; with `d` linear in the pixel, the first two terms are
+/// Derivation: with the surface's [`Quadric::product`] as the dot, the line `o + t·d` meets it at
+/// `t = (−b ± √D)/a` with `a = d·d`, `b = o·d`, `D = level·a − |o × d|²`, the latter weighted by products of two weights.
+/// Scaled by `a > 0`, the far hit of a sphere is `d × (o × d) + d·√D`, and others' alike; with `d` linear in the pixel, its first term is
 /// quadratic. All cancellations between large numbers happen here, in f64, before the coefficients are rounded.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct QuadraticForm {
@@ -19,6 +19,8 @@ pub struct QuadraticForm {
     pub l: [[f64; 3]; 3],
     /// The discriminant.
     pub d: [f64; 6],
+    /// The function's value at the pinhole: `Q = offset·a − L·b`. 0 for a plane, where nothing is quadratic.
+    pub offset: DVec3,
 }
 
 /// Three linear functions of the pixel, as three vectors: `columns[0]·x + columns[1]·y + columns[2]`.
@@ -26,14 +28,24 @@ pub struct QuadraticForm {
 struct LinearVector([DVec3; 3]);
 
 impl LinearVector {
+    fn of(rays: DMat3) -> Self {
+        Self([rays.x_axis, rays.y_axis, rays.z_axis])
+    }
+
     /// The row of component `index` over `[x, y, 1]`.
     fn row(&self, index: usize) -> [f64; 3] {
         [self.0[0][index], self.0[1][index], self.0[2][index]]
     }
+
+    /// `Σ weights·u²` over `[x², y², xy, x, y, 1]`.
+    fn square(&self, weights: DVec3) -> [f64; 6] {
+        let dot = |i: usize, j: usize| (weights * self.0[i]).dot(self.0[j]);
+        [dot(0, 0), dot(1, 1), 2.0 * dot(0, 1), 2.0 * dot(0, 2), 2.0 * dot(1, 2), dot(2, 2)]
+    }
 }
 
 /// The product of two linear functions over `[x², y², xy, x, y, 1]`.
-fn product(u: [f64; 3], v: [f64; 3]) -> [f64; 6] {
+pub(crate) fn product(u: [f64; 3], v: [f64; 3]) -> [f64; 6] {
     [
         u[0] * v[0],
         u[1] * v[1],
@@ -42,12 +54,6 @@ fn product(u: [f64; 3], v: [f64; 3]) -> [f64; 6] {
         u[1] * v[2] + u[2] * v[1],
         u[2] * v[2],
     ]
-}
-
-/// `|u|²` over `[x², y², xy, x, y, 1]`.
-fn length_squared(u: &LinearVector) -> [f64; 6] {
-    let [a, b, c] = u.0;
-    [a.dot(a), b.dot(b), 2.0 * a.dot(b), 2.0 * a.dot(c), 2.0 * b.dot(c), c.dot(c)]
 }
 
 /// `u + factor·v`.
@@ -65,33 +71,51 @@ pub(crate) fn linear_at(c: &[f64; 3], x: f64, y: f64) -> f64 {
     c[0] * x + (c[1] * y + c[2])
 }
 
-/// The quadratic part of the hit relative to the centre, `d × (o × d)`, with `d` and `d·d`.
-fn foot(origin: DVec3, rays: DMat3) -> ([[f64; 6]; 3], LinearVector, LinearVector) {
-    let direction = LinearVector([rays.x_axis, rays.y_axis, rays.z_axis]);
-    let moment = LinearVector(direction.0.map(|column| origin.cross(column)));
-    let component = |i: usize, j: usize| {
-        added(product(direction.row(i), moment.row(j)), -1.0, product(direction.row(j), moment.row(i)))
-    };
-    ([component(1, 2), component(2, 0), component(0, 1)], direction, moment)
+/// `d·d` of a pinhole's rays, a quadratic polynomial, with the surface's product.
+pub(crate) fn squared(rays: DMat3, quadric: &Quadric) -> [f64; 6] {
+    LinearVector::of(rays).square(quadric.weights)
 }
 
 impl QuadraticForm {
     /// The form of a pinhole at `origin` whose pixel `(x, y)` sends the ray `rays·(x, y, 1)`, both in
-    /// world axes, for the **far** hit on `sphere`, seen from `eye` and turned by `target`
-    /// (world axes → the axes wanted; may also be homogeneous picture coordinates, such as
-    /// [`super::Frustum::picture`] times a rotation).
+    /// the surface's axes, for the point where the ray leaves the inside of `quadric` (of a sphere the **far** hit), taken through
+    /// `map`: to an eye's axes, or to homogeneous picture coordinates, such as [`super::Frustum::picture`] after a lens's axes.
     ///
-    /// From outside the sphere the form does not tell rays that meet it from rays whose backward
-    /// extension meets it: [`sphere_is_ahead`] must hold.
+    /// The form does not tell rays that meet the surface from rays whose backward extension meets it:
+    /// [`super::Pencil::looks_at_it`] must hold, and of a double cone half of the rays from inside have a negative scale.
+    pub fn on(origin: DVec3, rays: DMat3, quadric: &Quadric, map: DAffine3) -> Self {
+        let direction = LinearVector::of(rays);
+        let moment = LinearVector(direction.0.map(|column| origin.cross(column)));
+        let w = quadric.weights;
+        // d × (o × d), each product of two components with its weight.
+        let foot = [(0, 1, 2), (1, 2, 0), (2, 0, 1)].map(|(_, j, k)| {
+            let first = product(direction.row(j), moment.row(k)).map(|c| c * w[j]);
+            added(first, -w[k], product(direction.row(k), moment.row(j)))
+        });
+        let scale = direction.square(w);
+        let in_pairs = DVec3::new(w.y * w.z, w.z * w.x, w.x * w.y);
+        let d = added(scale.map(|c| c * quadric.level), -1.0, moment.square(in_pairs));
+        let untouched = Self { q: foot, l: [0, 1, 2].map(|i| direction.row(i)), d, offset: origin };
+        let mut form = untouched.transformed(map.matrix3);
+        form.q = [0, 1, 2].map(|i| added(form.q[i], map.translation[i], scale));
+        form.offset += map.translation;
+        form
+    }
+
+    /// The same for the plane z = 0, which is lit from either side: linear in the pixel, `D = 1`.
+    pub fn on_plane(origin: DVec3, rays: DMat3, map: DAffine3) -> Self {
+        // Times the ray's part towards the plane, the point is o·towards + d·|o.z|.
+        let at_origin = map.transform_point3(origin);
+        let column = |ray: DVec3| at_origin * (-origin.z.signum() * ray.z) + map.matrix3 * ray * origin.z.abs();
+        let linear = LinearVector([column(rays.x_axis), column(rays.y_axis), column(rays.z_axis)]);
+        let d = [0.0, 0.0, 0.0, 0.0, 0.0, 1.0];
+        Self { q: [[0.0; 6]; 3], l: [0, 1, 2].map(|i| linear.row(i)), d, offset: DVec3::ZERO }
+    }
+
+    /// [`Self::on`] a sphere anywhere, seen from `eye` and turned by `target` (world axes → the axes wanted).
     pub fn new(origin: DVec3, rays: DMat3, sphere: &Sphere, eye: DVec3, target: DMat3) -> Self {
-        let (foot, direction, moment) = foot(origin - sphere.center, rays);
-        let scale = length_squared(&direction);
-        let eye = eye - sphere.center;
-        let q = [0, 1, 2].map(|i| added(foot[i], -eye[i], scale));
-        let l = [0, 1, 2].map(|i| direction.row(i));
-        let radius_squared = sphere.radius * sphere.radius;
-        let d = added(scale.map(|c| c * radius_squared), -1.0, length_squared(&moment));
-        Self { q, l, d }.transformed(target)
+        let map = DAffine3 { matrix3: target, translation: target * (sphere.center - eye) };
+        Self::on(origin - sphere.center, rays, &Quadric::from(sphere), map)
     }
 
     /// The form after another linear map of its value: `matrix · s`.
@@ -108,15 +132,15 @@ impl QuadraticForm {
             )
         };
         let rows: [([f64; 6], [f64; 3]); 3] = [mix(0), mix(1), mix(2)];
-        Self { q: rows.map(|r| r.0), l: rows.map(|r| r.1), d: self.d }
+        Self { q: rows.map(|r| r.0), l: rows.map(|r| r.1), d: self.d, offset: matrix * self.offset }
     }
 
-    /// D at a pixel: ≥ 0 where the ray's line meets the sphere.
+    /// D at a pixel: ≥ 0 where the ray's line meets the surface.
     pub fn discriminant(&self, x: f64, y: f64) -> f64 {
         quadratic_at(&self.d, x, y)
     }
 
-    /// The homogeneous direction at a pixel, positively scaled, not normalised; `None` where the ray misses (D < 0).
+    /// The homogeneous value at a pixel, not normalised; `None` where the ray misses (D < 0).
     pub fn evaluate(&self, x: f64, y: f64) -> Option<DVec3> {
         let discriminant = self.discriminant(x, y);
         if discriminant.is_nan() || discriminant < 0.0 {
@@ -126,33 +150,6 @@ impl QuadraticForm {
         let component = |i: usize| quadratic_at(&self.q[i], x, y) + linear_at(&self.l[i], x, y) * root;
         Some(DVec3::new(component(0), component(1), component(2)))
     }
-}
-
-/// Whether no pixel (x and y in −1…1) of a pinhole has the sphere behind it: the condition under which
-/// [`QuadraticForm`] has no ghosts. True for every pinhole inside the sphere or on it, and for one outside
-/// whose whole picture looks less than 90° away from the centre.
-pub fn sphere_is_ahead(origin: DVec3, rays: DMat3, sphere: &Sphere) -> bool {
-    let corners = [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)];
-    let ahead = |(x, y)| (rays * DVec3::new(x, y, 1.0)).dot(origin - sphere.center) < 0.0;
-    // The product is linear in the pixel: the corners speak for all.
-    sphere.contains(origin) || corners.into_iter().all(ahead)
-}
-
-/// Coefficients `(q, l)` of a row whose value `Q + L·√D`, with the D of the same pinhole and sphere,
-/// is ≥ 0 exactly where the far hit lies on the cap around the unit vector `pole` (world axes) with
-/// the whole opening angle `coverage` (radians, 0 < coverage ≤ 2π): `(hit − centre)·pole ≥ R·cos(coverage/2)`,
-/// times `d·d > 0`.
-pub fn cap_row(origin: DVec3, rays: DMat3, sphere: &Sphere, pole: DVec3, coverage: f64) -> ([f64; 6], [f64; 3]) {
-    let (foot, direction, _) = foot(origin - sphere.center, rays);
-    let limit = sphere.radius * (0.5 * coverage).cos();
-    let scale = length_squared(&direction);
-    let q = std::array::from_fn(|k| pole.x * foot[0][k] + pole.y * foot[1][k] + pole.z * foot[2][k] - limit * scale[k]);
-    (q, direction.0.map(|column| column.dot(pole)))
-}
-
-/// The value of a row of [`cap_row`] at a pixel with the discriminant `d` of its form; NaN where the ray misses.
-pub fn row_at(row: &([f64; 6], [f64; 3]), d: f64, x: f64, y: f64) -> f64 {
-    quadratic_at(&row.0, x, y) + linear_at(&row.1, x, y) * d.sqrt()
 }
 
 #[cfg(test)]
@@ -228,31 +225,5 @@ mod tests {
         let silhouette = (1.0f64 / 3.0).sqrt();
         assert!(form.evaluate(silhouette - 1e-9, 0.0).is_some() && form.evaluate(silhouette + 1e-9, 0.0).is_none());
         assert!(form.evaluate(f64::NAN, 0.0).is_none());
-        assert!(sphere_is_ahead(DVec3::new(0.0, 0.0, 2.0), rays, &sphere));
-        assert!(!sphere_is_ahead(DVec3::new(0.0, 0.0, -2.0), rays, &sphere), "aimed away");
-        assert!(sphere_is_ahead(DVec3::new(0.0, 0.0, -0.9), rays, &sphere), "from inside there is no behind");
-    }
-
-    #[test]
-    fn the_cap_is_where_the_hit_is_near_the_pole() {
-        let mut random = Random::new(5);
-        let sphere = Sphere { center: DVec3::new(1.0, 2.0, 3.0), radius: 5.0 };
-        let mut seen = [0, 0];
-        for _ in 0..5_000 {
-            let origin = sphere.center + random.direction() * random.range(0.0, 4.5);
-            let (_, rays) = pinhole(&mut random, 0.5);
-            let (pole, coverage) = (random.direction(), random.range(0.1, std::f64::consts::TAU));
-            let row = cap_row(origin, rays, &sphere, pole, coverage);
-            let form = QuadraticForm::new(origin, rays, &sphere, sphere.center, DMat3::IDENTITY);
-            let (x, y) = (random.range(-1.0, 1.0), random.range(-1.0, 1.0));
-            let Some(hit) = sphere.far_hit(origin, rays * DVec3::new(x, y, 1.0)) else { panic!("inside") };
-            let angle = (hit - sphere.center).angle_between(pole);
-            if (angle - 0.5 * coverage).abs() > 1e-6 {
-                let inside = row_at(&row, form.discriminant(x, y), x, y) >= 0.0;
-                assert_eq!(inside, angle < 0.5 * coverage);
-                seen[usize::from(inside)] += 1;
-            }
-        }
-        assert!(seen[0] > 500 && seen[1] > 500, "both cases occur: {seen:?}");
     }
 }

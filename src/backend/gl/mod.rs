@@ -13,6 +13,7 @@ mod state;
 pub mod surface;
 mod textures;
 pub mod trial;
+mod whole;
 
 pub use crate::correct::map::MapPixel;
 pub use blank::Blank;

@@ -6,6 +6,7 @@ use super::hidden::Hidden;
 use super::program::{self, ATLAS_UNIT, MASK_UNIT, TABLE_UNIT};
 use super::state::{self, Capabilities};
 use super::textures;
+use super::whole::Whole;
 use crate::correct::draws::{self, DrawList, FLOATS, Rows, SOURCE_FLOATS};
 use crate::correct::plan::OutputPass;
 use crate::correct::shaders::{Language, Specialised, Stage, specialise};
@@ -36,6 +37,8 @@ struct Output {
     /// 0 = none.
     table: u32,
     footprints: Option<Footprints>,
+    /// Which part of it is black whatever the views show.
+    black: f64,
 }
 
 /// Names of the objects that we made in the context.
@@ -60,6 +63,7 @@ pub struct GlBackend {
     stage: Stage,
     names: Names,
     outputs: Vec<Output>,
+    whole: Option<Whole>,
     hidden: Option<Hidden>,
     errors: Cell<u64>,
     left_out: Cell<u64>,
@@ -93,6 +97,7 @@ impl GlBackend {
             stage,
             names: Names::default(),
             outputs: Vec::new(),
+            whole: None,
             hidden: None,
             errors: Cell::new(0),
             left_out: Cell::new(0),
@@ -140,6 +145,12 @@ impl GlBackend {
             ));
         }
         Ok(())
+    }
+
+    /// Says that from now on `targets`, one for each prepared output, are all that is to be seen in their framebuffer of
+    /// `size` pixels: what no output shows there is made black, and all of it may be cleared first.
+    pub fn own_framebuffer(&mut self, targets: &[Target], size: (u32, u32)) {
+        self.whole = Whole::of(targets, size, self.outputs.iter().map(|output| output.black));
     }
 
     /// Uploads `areas`, rectangles of an atlas of the given size in texels, for [`GlBackend::close_hidden`]; none: there
@@ -267,7 +278,8 @@ impl GlBackend {
             let index = plan.passes.iter().position(|other| std::ptr::eq(other, pass));
             let views = index.and_then(|index| plan.views.output_views.get(index));
             let footprints = views.and_then(|views| footprints(plan, pass, views));
-            let mut output = Output { size: pass.size, footprints, ..Output::default() };
+            let black = pass.black_part();
+            let mut output = Output { size: pass.size, footprints, black, ..Output::default() };
             for draw in draws {
                 let program = self.program(gl, &draw.constants, old)?;
                 let (first, count) = (draw.first as i32, draw.count as i32);
@@ -364,45 +376,84 @@ impl GlBackend {
             gl.bind_sampler(MASK_UNIT, linear);
             // Textures of 32-bit floats cannot be filtered everywhere, and a table must not be.
             gl.bind_sampler(TABLE_UNIT, nearest);
-            for (output, target) in self.outputs.iter().zip(targets) {
+        }
+        let first = self.first_color(targets, blank);
+        if let (Some([red, green, blue]), Some(target)) = (first, targets.first()) {
+            // SAFETY: a context is current; the colour has four numbers.
+            unsafe {
+                gl.bind_framebuffer(GL_DRAW_FRAMEBUFFER, target.framebuffer);
+                gl.clear_bufferfv(GL_COLOR, 0, [red, green, blue, 1.0].as_ptr());
+            }
+        }
+        for (output, target) in self.outputs.iter().zip(targets) {
+            // SAFETY: as above.
+            unsafe {
                 gl.bind_framebuffer(GL_DRAW_FRAMEBUFFER, target.framebuffer);
                 gl.active_texture(GL_TEXTURE0 + TABLE_UNIT);
                 gl.bind_texture(GL_TEXTURE_2D, output.table);
                 gl.active_texture(GL_TEXTURE0 + MASK_UNIT);
                 gl.bind_texture(GL_TEXTURE_2D, output.mask);
-                state::set_viewport(gl, &self.caps, target.viewport);
-                let [_, _, width, height] = target.viewport;
-                let unscaled = (i64::from(width), i64::from(height)) == (output.size.0.into(), output.size.1.into());
-                let is_blank = |draw: &Draw| blank.is_some_and(|blank| draw.is_blank(blank));
-                let left_out = output.draws.iter().filter(|draw| draw.views != 0 && is_blank(draw)).count();
-                let part = blank
-                    .filter(|_| unscaled)
-                    .and_then(|blank| blank::part(blank, &output.draws, output.footprints.as_ref(), output.size));
-                let cleared = blank.filter(|_| left_out > 0 || part.is_some());
-                if let Some(blank) = cleared {
-                    state::clear(gl, &self.caps, target.viewport, blank.color);
-                    self.left_out.set(self.left_out.get() + left_out as u64);
-                }
-                let issue = |draw: &Draw| {
-                    gl.bind_sampler(ATLAS_UNIT, if draw.nearest && unscaled { nearest } else { linear });
-                    gl.use_program(draw.program);
-                    let first = draw.first as usize * size_of::<u32>();
-                    gl.draw_elements(GL_TRIANGLES, draw.count, GL_UNSIGNED_INT, first as *const _);
-                };
-                let needed = || output.draws.iter().filter(|draw| cleared.is_none() || !is_blank(draw));
-                match (blank, part) {
-                    (Some(blank), Some([x, y, width, height])) => {
-                        self.narrowed.set(self.narrowed.get() + 1);
-                        let [left, bottom, ..] = target.viewport;
-                        let within = [left + x as i32, bottom + y as i32, width as i32, height as i32];
-                        needed().filter(|draw| !draw.narrows(blank)).for_each(issue);
-                        state::within(gl, &self.caps, within, || {
-                            needed().filter(|draw| draw.narrows(blank)).for_each(issue);
-                        });
-                    }
-                    _ => needed().for_each(issue),
-                }
             }
+            state::set_viewport(gl, &self.caps, target.viewport);
+            self.draw_output(gl, output, target.viewport, blank, first);
+        }
+    }
+
+    /// The colour that the framebuffer of all outputs is cleared to before they are drawn.
+    fn first_color(&self, targets: &[Target], blank: Option<&Blank<'_>>) -> Option<[f32; 3]> {
+        let whole = self.whole.filter(|whole| whole.serves(targets))?;
+        let draws = || self.outputs.iter().flat_map(|output| &output.draws);
+        let blank = blank.filter(|blank| draws().any(|draw| draw.views != 0 && draw.is_blank(blank)));
+        whole.color(blank.map(|blank| blank.color))
+    }
+
+    /// Draws one output. `held`: the colour that is there already.
+    fn draw_output(
+        &self,
+        gl: &Gl,
+        output: &Output,
+        viewport: [i32; 4],
+        blank: Option<&Blank<'_>>,
+        held: Option<[f32; 3]>,
+    ) {
+        let [left, bottom, width, height] = viewport;
+        let unscaled = (i64::from(width), i64::from(height)) == (output.size.0.into(), output.size.1.into());
+        let is_blank = |draw: &&Draw| blank.is_some_and(|blank| draw.views != 0 && draw.is_blank(blank));
+        let left_out = output.draws.iter().filter(is_blank).count();
+        let part = blank
+            .filter(|_| unscaled)
+            .and_then(|blank| blank::part(blank, &output.draws, output.footprints.as_ref(), output.size));
+        let cleared = match blank.filter(|_| left_out > 0 || part.is_some()) {
+            Some(blank) => {
+                if held != Some(blank.color) {
+                    state::clear(gl, &self.caps, viewport, blank.color);
+                }
+                self.left_out.set(self.left_out.get() + left_out as u64);
+                Some(*blank)
+            }
+            None => held.map(|color| Blank { views: 0, color, touched: &[] }),
+        };
+        let [linear, nearest] = self.names.samplers;
+        let issue = |draw: &Draw| {
+            let first = draw.first as usize * size_of::<u32>();
+            // SAFETY: a context is current; the names are its own, and the indices lie in the buffer.
+            unsafe {
+                gl.bind_sampler(ATLAS_UNIT, if draw.nearest && unscaled { nearest } else { linear });
+                gl.use_program(draw.program);
+                gl.draw_elements(GL_TRIANGLES, draw.count, GL_UNSIGNED_INT, first as *const _);
+            }
+        };
+        let needed = || output.draws.iter().filter(|draw| cleared.is_none_or(|blank| !draw.is_blank(&blank)));
+        match (blank, part) {
+            (Some(blank), Some([x, y, width, height])) => {
+                self.narrowed.set(self.narrowed.get() + 1);
+                let within = [left + x as i32, bottom + y as i32, width as i32, height as i32];
+                needed().filter(|draw| !draw.narrows(blank)).for_each(issue);
+                state::within(gl, &self.caps, within, || {
+                    needed().filter(|draw| draw.narrows(blank)).for_each(issue);
+                });
+            }
+            _ => needed().for_each(issue),
         }
     }
 

@@ -118,6 +118,8 @@ impl Trial {
         let mut backend = GlBackend::new(gl, false)?;
         let only = Plan { views: plan.views.clone(), passes: plan.passes.iter().take(1).cloned().collect() };
         backend.prepare(gl, &only, false)?;
+        let viewport = [0, 0, self.size.0 as i32, self.size.1 as i32];
+        backend.own_framebuffer(&[Target { framebuffer: self.framebuffer, viewport }], self.size);
         let prepared = started.elapsed().as_secs_f64();
         let texture = texture(gl, GL_TEXTURE_2D, plan.views.atlas);
         self.contestants.push(Contestant {

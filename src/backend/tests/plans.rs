@@ -1,8 +1,9 @@
 //! Plans made by hand, and what they show, computed independently in f64.
 
 use crate::blend::Border;
-use crate::correct::plan::{Batch, Neighbour, OutputPass, PixelRect, Plan, ProjectorSource, Source};
-use crate::geom::{Fisheye, Frustum, Pose, QuadraticForm, Sphere};
+use crate::correct::plan::{Batch, Neighbour, OutputPass, PixelRect, Plan, ProjectorSource, Source, Way};
+use crate::geom::screen::{Bounds, ClosedSurface};
+use crate::geom::{Fisheye, Frustum, Pencil, Pose, Quadric, Sphere};
 use crate::rig::Blend;
 use crate::views::{Tile, View, ViewPlan};
 use glam::{DMat3, DVec3};
@@ -127,8 +128,9 @@ impl Projector {
     }
 
     pub fn source(&self, viewer: &Pose, others: &[Projector]) -> ProjectorSource {
-        let sphere = Sphere { center: DVec3::ZERO, radius: 1.0 };
-        let form = |eye, target| QuadraticForm::new(self.pose.position, self.rays(), &sphere, eye, target);
+        let surface = ClosedSurface::Quadric(Quadric::ellipsoid(DVec3::ONE));
+        let pencil = Pencil { origin: self.pose.position, rays: self.rays(), surface };
+        let form = |eye, target| pencil.seen_from(eye, target);
         let neighbours = others
             .iter()
             .enumerate()
@@ -139,13 +141,18 @@ impl Projector {
             })
             .collect();
         ProjectorSource {
+            pencil,
             direction: form(viewer.position, viewer.rotation.transpose()),
-            cap: None,
+            bounds: Bounds::default(),
+            rim: None,
             dome_direction: form(DVec3::ZERO, DMat3::IDENTITY),
-            position: self.pose.position,
             neighbours,
             border: self.border(),
+            way: Way::Forms,
+            spread: 1.0,
         }
+        .settled((1920, 1080))
+        .expect("f32 is enough")
     }
 }
 

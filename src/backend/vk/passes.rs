@@ -7,9 +7,9 @@ use super::images::{SourceImage, TargetImage, check_target_format};
 use super::memory::{Buffer, Image};
 use super::program::Common;
 use super::timers::{Timers, Timing};
-use crate::correct::draws::{Rows, draws};
+use crate::correct::draws::{Rows, apart, draws};
 use crate::correct::plan::OutputPass;
-use crate::correct::shaders::Stage;
+use crate::correct::shaders::{Pass, Stage};
 use crate::correct::spirv::{Modules, specialise};
 use crate::correct::{Arrangement, ImageSize, Plan, Source};
 use crate::error::{Error, ErrorKind, Result};
@@ -25,6 +25,8 @@ struct Draw {
     count: u32,
     views: Vec<usize>,
     nearest: bool,
+    /// It shows nothing but black.
+    black: bool,
 }
 
 /// What one output needs.
@@ -193,6 +195,7 @@ impl VkBackend {
                     count: draw.count,
                     views: draw.views.clone(),
                     nearest: draw.nearest,
+                    black: self.stage == Stage::Present && draw.constants.pass() == Pass::Black,
                 });
             }
             self.outputs.push(output);
@@ -387,9 +390,10 @@ impl VkBackend {
             device.cmd_bind_vertex_buffers(command_buffer, 0, &[self.vertices.handle], &[0]);
             device.cmd_bind_index_buffer(command_buffer, self.indices.handle, 0, vk::IndexType::UINT32);
             let mut sets = source.sets.as_slice();
+            let is_black = clear == 1 && apart(viewports.iter().copied());
             for (output, viewport) in self.outputs.iter().zip(viewports) {
                 let (own, others) = sets.split_at(output.draws.len().min(sets.len()));
-                self.draw_output(command_buffer, output, own, *viewport, extent);
+                self.draw_output(command_buffer, output, own, *viewport, extent, is_black);
                 sets = others;
             }
             device.cmd_end_render_pass(command_buffer);
@@ -402,6 +406,8 @@ impl VkBackend {
         Ok(())
     }
 
+    /// Draws one output. `is_black`: its place in the target.
+    ///
     /// # Safety
     /// As for [`VkBackend::record`], inside the render pass.
     unsafe fn draw_output(
@@ -411,6 +417,7 @@ impl VkBackend {
         sets: &[[vk::DescriptorSet; 2]],
         [x, y, width, height]: [i32; 4],
         extent: vk::Extent2D,
+        is_black: bool,
     ) {
         // A scissor must not be negative; what a viewport has outside the target is cut off anyway.
         let (left, top) = (x.clamp(0, extent.width as i32), y.clamp(0, extent.height as i32));
@@ -431,7 +438,7 @@ impl VkBackend {
         unsafe {
             device.cmd_set_viewport(command_buffer, 0, &[viewport]);
             device.cmd_set_scissor(command_buffer, 0, &[scissor]);
-            for (draw, sets) in output.draws.iter().zip(sets) {
+            for (draw, sets) in output.draws.iter().zip(sets).filter(|(draw, _)| !(is_black && draw.black)) {
                 let set = sets[usize::from(draw.nearest && unscaled)];
                 device.cmd_bind_descriptor_sets(command_buffer, graphics, self.common.layout, 0, &[set], &[]);
                 device.cmd_bind_pipeline(command_buffer, graphics, draw.pipeline);

@@ -18,7 +18,7 @@ pub struct Cone {
 
 impl Cone {
     /// How the radius grows with the height.
-    fn slope(&self) -> f64 {
+    pub(super) fn slope(&self) -> f64 {
         (self.radii[1] - self.radii[0]) / (self.heights[1] - self.heights[0])
     }
 

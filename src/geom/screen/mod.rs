@@ -5,12 +5,14 @@
 //! times (1 + distance of the origin / size). The one f32 step comes later, when a table of directions is
 //! written: 6e-8 of the distance from the middle of what an output shows.
 
+mod closed;
 mod cone;
 mod ellipsoid;
 mod mesh;
 mod plane;
 mod region;
 
+pub use closed::{Bounds, ClosedForm, ClosedSurface, HalfSpace, Join, Sides};
 pub use cone::Cone;
 pub use ellipsoid::Ellipsoid;
 pub use mesh::{Faces, MOST_TRIANGLES, Mesh, Triangle};

@@ -50,3 +50,8 @@ impl Region {
 pub(super) fn within(point: DVec3, [from, to]: [f64; 2]) -> bool {
     (point.x.atan2(-point.z) - from).rem_euclid(TAU) <= to - from
 }
+
+/// The unit direction in which a point at this azimuth moves when it goes around the axis, to the right.
+pub(super) fn onward(azimuth: f64) -> DVec3 {
+    DVec3::new(azimuth.cos(), 0.0, azimuth.sin())
+}

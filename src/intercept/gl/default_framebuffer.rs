@@ -393,8 +393,8 @@ impl DefaultFramebuffer {
         backend.prepare(gl, session.plan(), panel)?;
         let closed = super::hidden::prepare(gl, &mut backend, session.plan());
         let (issued, culled) = (vec![0; session.views().len()], vec![0; session.views().len()]);
-        let outputs = session.viewports().map(|viewport| Target { framebuffer: 0, viewport }).collect();
-        let content = Content::default();
+        let outputs: Vec<_> = session.viewports().map(|viewport| Target { framebuffer: 0, viewport }).collect();
+        backend.own_framebuffer(&outputs, session.window());
         let lenses = session.lenses();
         let session = Arc::new(session);
         Ok(Self {
@@ -405,7 +405,7 @@ impl DefaultFramebuffer {
             surface,
             resolved,
             backend,
-            content,
+            content: Content::default(),
             issued,
             culled,
             closed,

@@ -2,7 +2,8 @@
 
 use super::*;
 use crate::geom::random::Random;
-use crate::geom::{Frustum, Pose, QuadraticForm, Sphere, fisheye, pose, quadratic};
+use crate::geom::screen::{ClosedSurface, HalfSpace};
+use crate::geom::{Frustum, Pencil, Pose, QuadraticForm, Quadric, Sphere, fisheye, pose};
 use crate::rig::{OutputKind, Rig};
 use crate::warp::testing::{projector, rig};
 use glam::DMat3;
@@ -168,8 +169,9 @@ fn projectors_anywhere_are_sound_in_f32() {
         let to_viewer = pose::rotation(rig.viewer.yaw, 0.0, rig.viewer.roll).transpose();
         let form = QuadraticForm::new(position, rays, &sphere, viewer, to_viewer);
         let pole = DVec3::new(0.0, rig.dome.tilt.cos(), -rig.dome.tilt.sin());
-        let (q, l) = quadratic::cap_row(position, rays, &sphere, pole, rig.dome.coverage);
-        let cap = QuadraticForm { q: [q; 3], l: [l; 3], d: form.d };
+        let limit = HalfSpace { normal: pole, distance: rig.dome.radius * (0.5 * rig.dome.coverage).cos() };
+        let surface = ClosedSurface::Quadric(Quadric::from(&sphere));
+        let cap = Pencil { origin: position, rays, surface }.within([Some(limit), None, None]);
         let error = compare(&exact, 47, |x, y| {
             let (x, y) = ((x as f32 + 0.5) / 1920.0 - 1.0, 1.0 - (y as f32 + 0.5) / 1080.0);
             let on_screen = rig.dome.coverage >= TAU || evaluate_f32(&cap, x, y)?.x >= 0.0;

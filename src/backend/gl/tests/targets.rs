@@ -3,9 +3,11 @@
 use super::canvas::Canvas;
 use super::contexts;
 use crate::backend::gl::api::*;
-use crate::backend::gl::{GlBackend, Target};
+use crate::backend::gl::{Blank, GlBackend, Target};
+use crate::backend::tests::picture::Picture;
 use crate::backend::tests::plans::*;
 use crate::backend::tests::present::{noise, one_to_one, place, waves};
+use crate::correct::Plan;
 use glam::DVec3;
 
 #[test]
@@ -57,5 +59,63 @@ fn an_srgb_atlas_is_not_decoded() {
         assert_eq!(shown.at(20, 30)[..3], atlas.at(33, 59)[..3]);
         assert_eq!(shown.at(63, 0)[..3], atlas.at(76, 29)[..3]);
         backend.destroy(gl);
+    }
+}
+
+/// Two fisheye pictures, each with black corners.
+fn two_fisheyes() -> Plan {
+    let mut plan = fisheye_plan((64, 64), 3.0, DVec3::ZERO);
+    plan.views.output_views.push(plan.views.output_views[0].clone());
+    let mut other = plan.passes[0].clone();
+    other.batches[0].rects[0].width = 30;
+    plan.passes.push(other);
+    plan
+}
+
+#[test]
+fn an_own_framebuffer_shows_the_same_and_black_around_it() {
+    let plan = two_fisheyes();
+    // Side by side with a strip that nobody draws to, covering everything, and overlapping.
+    let places = [
+        ((140, 64), [[0, 0, 64, 64], [76, 0, 64, 64]]),
+        ((128, 64), [[0, 0, 64, 64], [64, 0, 64, 64]]),
+        ((96, 64), [[0, 0, 64, 64], [32, 0, 64, 64]]),
+    ];
+    for context in contexts() {
+        let gl = &context.gl;
+        for (size, viewports) in places {
+            for color in [None, Some([0, 0, 0]), Some([51, 102, 204])] {
+                // A picture of one colour is what views that hold a single one are.
+                let atlas = match color {
+                    None => waves(plan.views.atlas),
+                    Some([r, g, b]) => Picture::new(plan.views.atlas, |_, _| [r, g, b, 255]),
+                };
+                let texture = atlas.texture(gl, GL_RGBA8);
+                let color = color.map(|color| color.map(|c| f32::from(c) / 255.0));
+                let show = |owned: bool, blank: Option<&Blank<'_>>| {
+                    let mut backend = GlBackend::new(gl, context.is_gles).expect("a backend");
+                    backend.prepare(gl, &plan, false).expect("shaders");
+                    let canvas = Canvas::new(gl, size);
+                    let targets = viewports.map(|viewport| Target { framebuffer: canvas.framebuffer, viewport });
+                    if owned {
+                        backend.own_framebuffer(&targets, size);
+                    }
+                    backend.present_but(gl, texture, &targets, blank);
+                    backend.destroy(gl);
+                    assert_eq!(backend.errors(), 0);
+                    canvas.read(gl)
+                };
+                let plain = show(false, None);
+                let blank = color.map(|color| Blank { views: u64::MAX, color, touched: &[] });
+                for blank in [None, blank.as_ref()] {
+                    let owned = show(true, blank);
+                    let inside = |x: u32| viewports.iter().any(|v| (v[0]..v[0] + v[2]).contains(&(x as i32)));
+                    for (x, y) in (0..size.1).flat_map(|y| (0..size.0).map(move |x| (x, y))) {
+                        let expected = if inside(x) { plain.at(x, y) } else { [0, 0, 0, 255] };
+                        assert_eq!(owned.at(x, y), expected, "{x}, {y} of {size:?} with {color:?}, {blank:?}");
+                    }
+                }
+            }
+        }
     }
 }

@@ -34,7 +34,8 @@ struct Worst {
     compared: u64,
     seed: u64,
     input: String,
-    failures: u64,
+    /// The seeds of the cases that exceed the bound.
+    failed: Vec<u64>,
 }
 
 /// All that was found so far.
@@ -57,7 +58,7 @@ impl Report {
 
     /// Whether any bound was exceeded.
     pub fn failed(&self) -> bool {
-        self.worst.iter().any(|worst| worst.failures > 0)
+        self.worst.iter().any(|worst| !worst.failed.is_empty())
     }
 
     /// Adds what case `seed` found.
@@ -74,7 +75,7 @@ impl Report {
                     compared: 0,
                     seed,
                     input: String::new(),
-                    failures: 0,
+                    failed: Vec::new(),
                 });
                 self.worst.len() - 1
             });
@@ -82,7 +83,9 @@ impl Report {
             worst.compared += found.compared;
             // Written so that NaN counts as a failure, and as the worst of all.
             let within = found.value <= found.bound;
-            worst.failures += u64::from(!within);
+            if !within {
+                worst.failed.push(seed);
+            }
             let worse = found.value.is_nan() || found.value > worst.value;
             if worse && !worst.value.is_nan() {
                 (worst.value, worst.seed, worst.input) = (found.value, seed, found.input);
@@ -103,10 +106,15 @@ impl Report {
             _ = writeln!(
                 text,
                 "{:<66} {:>12} {:>11.3e} {:>11.3e}  {:<8} {}",
-                worst.quantity, worst.compared, worst.value, worst.bound, worst.seed, worst.failures
+                worst.quantity,
+                worst.compared,
+                worst.value,
+                worst.bound,
+                worst.seed,
+                worst.failed.len()
             );
         }
-        for worst in self.worst.iter().filter(|worst| worst.failures > 0) {
+        for worst in self.worst.iter().filter(|worst| !worst.failed.is_empty()) {
             _ = write!(text, "\nOVER THE BOUND: {} (seed {})\n{}\n", worst.quantity, worst.seed, worst.input);
         }
         text
@@ -124,7 +132,7 @@ impl Report {
                     "worst": worst.value,
                     "bound": worst.bound,
                     "seed": worst.seed,
-                    "failures": worst.failures,
+                    "failed_seeds": worst.failed,
                     "input": worst.input,
                 })
             })

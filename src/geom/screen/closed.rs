@@ -1,0 +1,165 @@
+//! Screens that have a closed form: what surface they are part of, and which part.
+
+use super::{Shape, region::onward};
+use crate::geom::Quadric;
+use glam::DVec3;
+use std::f64::consts::{PI, TAU};
+
+/// A surface whose points along a ray follow from a root at most.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ClosedSurface {
+    /// Lit from inside.
+    Quadric(Quadric),
+    /// The plane z = 0, lit from either side.
+    Plane,
+}
+
+/// The points with `normal·p ≥ distance`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HalfSpace {
+    /// Unit normal, or 0 with a distance < 0: all points. Of those, a pixel's form says whether there is any.
+    pub normal: DVec3,
+    /// Distance from the origin.
+    pub distance: f64,
+}
+
+impl HalfSpace {
+    /// How deep a point is in it, metres.
+    fn depth(&self, point: DVec3) -> f64 {
+        if self.normal == DVec3::ZERO { f64::INFINITY } else { self.normal.dot(point) - self.distance }
+    }
+}
+
+/// How two half-spaces make one part of space.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Join {
+    /// What is in both.
+    Both,
+    /// What is in one of them, or both.
+    Either,
+}
+
+/// Two half-spaces.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sides {
+    /// They.
+    pub spaces: [HalfSpace; 2],
+    /// How they count.
+    pub join: Join,
+}
+
+/// The part of a surface that is screen.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Bounds {
+    /// It is in all of these.
+    pub limits: [Option<HalfSpace>; 3],
+    /// And here.
+    pub sides: Option<Sides>,
+}
+
+impl Bounds {
+    /// Whether a point of the surface is on the screen.
+    pub fn contain(&self, point: DVec3) -> bool {
+        self.hold_all(&[point; 4], 0.0) == Some(true)
+    }
+
+    /// Whether all points of the surface that are no farther than `reach` from each of `points` are on the screen; `None` if
+    /// that is not clear.
+    pub fn hold_all(&self, points: &[DVec3; 4], reach: f64) -> Option<bool> {
+        let holds = |space: &HalfSpace| {
+            let depths = points.map(|point| space.depth(point));
+            let least = depths.iter().copied().fold(f64::INFINITY, f64::min);
+            let greatest = depths.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            match () {
+                () if least >= reach => Some(true),
+                () if greatest < -reach => Some(false),
+                () => None,
+            }
+        };
+        let sides = self.sides.as_ref().map(|sides| match (sides.join, sides.spaces.each_ref().map(holds)) {
+            (Join::Both, [a, b]) => both(a, b),
+            (Join::Either, [a, b]) => both(a.map(|a| !a), b.map(|b| !b)).map(|neither| !neither),
+        });
+        self.limits.iter().flatten().map(holds).chain(sides).fold(Some(true), both)
+    }
+
+    /// Whether all of the surface is screen.
+    pub fn is_all(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
+/// Whether both hold, where that is clear.
+fn both(a: Option<bool>, b: Option<bool>) -> Option<bool> {
+    match (a, b) {
+        (Some(false), _) | (_, Some(false)) => Some(false),
+        (Some(true), Some(true)) => Some(true),
+        _ => None,
+    }
+}
+
+/// A screen in axes of its own as a part of a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ClosedForm {
+    /// The origin of the surface's axes, which are parallel to the screen's.
+    pub middle: DVec3,
+    /// The surface.
+    pub surface: ClosedSurface,
+    /// The part that is screen, in the surface's axes.
+    pub bounds: Bounds,
+}
+
+impl Shape {
+    /// What the shape is a part of; `None` for meshes, and for a cap of an ellipsoid with three different half axes, whose rim
+    /// is in no plane.
+    pub fn closed_form(&self) -> Option<ClosedForm> {
+        let above = |height: f64| Some(HalfSpace { normal: DVec3::Y, distance: height });
+        let below = |height: f64| Some(HalfSpace { normal: DVec3::NEG_Y, distance: -height });
+        match self {
+            Self::Ellipsoid(ellipsoid) => {
+                let (radii, region) = (ellipsoid.radii, ellipsoid.region);
+                let limit = (region.polar < PI).then_some(region.polar.sin_cos());
+                if limit.is_some() && radii.x != radii.z {
+                    return None;
+                }
+                // The height at which the line along the rim leaves the ellipsoid.
+                let rim = limit.and_then(|(sine, cosine)| above(cosine / (sine / radii.x).hypot(cosine / radii.y)));
+                let bounds = Bounds { limits: [rim, None, None], sides: around(region.azimuth) };
+                Some(ClosedForm {
+                    middle: DVec3::ZERO,
+                    surface: ClosedSurface::Quadric(Quadric::ellipsoid(radii)),
+                    bounds,
+                })
+            }
+            Self::Cone(cone) => {
+                let slope = cone.slope();
+                let ahead = HalfSpace { normal: DVec3::ZERO, distance: -1.0 };
+                let (apex, quadric, ahead) = if slope == 0.0 {
+                    (0.0, Quadric::cylinder(cone.radii[0]), None)
+                } else {
+                    (cone.heights[0] - cone.radii[0] / slope, Quadric::cone(slope), Some(ahead))
+                };
+                let [bottom, top] = cone.heights.map(|height| height - apex);
+                let bounds = Bounds { limits: [above(bottom), below(top), ahead], sides: around(cone.azimuth) };
+                Some(ClosedForm { middle: DVec3::Y * apex, surface: ClosedSurface::Quadric(quadric), bounds })
+            }
+            Self::Plane(plane) => {
+                let half = 0.5 * plane.size;
+                let space = |normal: DVec3, half: f64| HalfSpace { normal, distance: -half };
+                let across = [space(DVec3::X, half.x), space(DVec3::NEG_X, half.x)];
+                let sides = Some(Sides { spaces: across, join: Join::Both });
+                let bounds = Bounds { limits: [above(-half.y), below(half.y), None], sides };
+                Some(ClosedForm { middle: DVec3::ZERO, surface: ClosedSurface::Plane, bounds })
+            }
+            Self::Mesh(_) => None,
+        }
+    }
+}
+
+/// From … to around the y axis.
+fn around(azimuth: Option<[f64; 2]>) -> Option<Sides> {
+    let [from, to] = azimuth.filter(|[from, to]| to - from < TAU)?;
+    // Half a turn on from the one, and half a turn back from the other.
+    let spaces = [onward(from), -onward(to)].map(|along| HalfSpace { normal: along, distance: 0.0 });
+    Some(Sides { spaces, join: if to - from <= PI { Join::Both } else { Join::Either } })
+}
