@@ -12,6 +12,7 @@ pub mod map;
 pub mod mask;
 mod optics;
 pub mod plan;
+pub mod projection;
 mod rectangles;
 pub mod response;
 mod rounding;

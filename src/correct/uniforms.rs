@@ -81,6 +81,11 @@ pub fn picture_lens(map: &PictureMap, pixels: DVec2, max_error: f64) -> [f32; 16
     std::array::from_fn(|i| vectors[i / 4][i % 4] as f32)
 }
 
+/// What lies between vertices, for the driver that gets it as one.
+pub fn between_vertices(value: [f64; 4]) -> [f32; 4] {
+    value.map(|part| part as f32)
+}
+
 /// A pixel of a table: direction and weight, rounded once.
 pub(super) fn texel(direction: DVec3, weight: f64) -> [f32; 4] {
     [direction.x as f32, direction.y as f32, direction.z as f32, weight as f32]

@@ -8,6 +8,7 @@ use super::lists::Command;
 use super::uniforms::{self, Uniforms};
 use super::vertices::variants::Variants;
 use crate::backend::gl::api::{self, Gl};
+use crate::correct::projection;
 use crate::intercept::log;
 use crate::runtime::session::{Intrinsics, MatrixClass, Session};
 use std::collections::HashMap;
@@ -171,7 +172,7 @@ pub fn record(ctx: &Context, name: u32) -> Option<Arc<Program>> {
 /// A block of `name` was bound elsewhere: its matrices are found anew.
 pub fn read_again(ctx: &mut Context, name: u32) {
     let Some(old) = record(ctx, name) else { return };
-    let (uniforms, _) = uniforms::read(ctx.gl, &ctx.profile, name, glsl::UNIFORM);
+    let (uniforms, _) = uniforms::read(ctx.gl, &ctx.profile, name, projection::UNIFORM);
     *old.uniforms.lock().unwrap_or_else(PoisonError::into_inner) = uniforms;
 }
 
@@ -389,14 +390,14 @@ fn captures_position(gl: &Gl, program: u32) -> bool {
 }
 
 fn read_program(gl: &Gl, profile: &Profile, name: u32, patched: bool, stages: u32, fixed_matrices: bool) -> Program {
-    let ours = CString::new(glsl::UNIFORM).unwrap_or_default();
+    let ours = CString::new(projection::UNIFORM).unwrap_or_default();
     // SAFETY: a NUL-terminated name.
     let location = if patched { unsafe { gl.get_uniform_location(name, ours.as_ptr()) } } else { -1 };
     // The vectors of an array have places of their own; −1 where it has no more than the rows.
-    let half = CString::new(format!("{}[{}]", glsl::UNIFORM, super::vertices::text::ROWS)).unwrap_or_default();
+    let half = CString::new(format!("{}[{}]", projection::UNIFORM, projection::ROWS)).unwrap_or_default();
     // SAFETY: as above.
     let lens_location = if location >= 0 { unsafe { gl.get_uniform_location(name, half.as_ptr()) } } else { -1 };
-    let (uniforms, hidden) = uniforms::read(gl, profile, name, glsl::UNIFORM);
+    let (uniforms, hidden) = uniforms::read(gl, profile, name, projection::UNIFORM);
     Program {
         name,
         location,

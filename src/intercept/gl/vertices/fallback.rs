@@ -4,6 +4,7 @@ use super::super::context::Context;
 use super::super::default_framebuffer;
 use super::super::draw::Place;
 use super::super::outlines::Shape;
+use super::fixed::Processor;
 use crate::intercept::log;
 use crate::runtime::session::MatrixClass;
 
@@ -33,15 +34,16 @@ pub fn look_divided(ctx: &mut Context, place: Place) -> bool {
     if !divides || !in_program || !matches!(place, Place::Scene(_) | Place::Background) {
         return false;
     }
-    match (ctx.outlines.drawn, super::input(ctx)) {
-        (Shape::Points, _) => return false,
-        (_, Some(input)) => {
-            if super::variants::of(ctx, input).is_some() {
-                return false;
-            }
-            use_views(ctx, "a program's primitives cannot be divided");
-        }
-        _ => use_views(ctx, "a program draws quadrilaterals, patches or lists with a shader, which cannot be divided"),
+    if let Processor::Cannot(reason) = ctx.fixed.processor {
+        use_views(ctx, reason);
+        return true;
+    }
+    let drawn = ctx.outlines.drawn;
+    match drawn {
+        Shape::Points => return false,
+        _ if ctx.fixed.processor == Processor::Divides || super::variant(ctx).is_some() => return false,
+        Shape::Triangles | Shape::Lines => use_views(ctx, "a program's primitives cannot be divided"),
+        _ => use_views(ctx, "a program draws quadrilaterals, patches or lists in a way that cannot be divided"),
     }
     true
 }

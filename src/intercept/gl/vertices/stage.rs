@@ -65,10 +65,7 @@ vec2 low = min(min(from, to), middle);
 vec2 high = max(max(from, to), middle);
 return max(low.x, low.y) > OUTSIDE || min(high.x, high.y) < -OUTSIDE;
 }
-bool cupola_cuts(vec4 first, vec4 second) {
-bool turned = cupola_after(first, second);
-vec3 a = normalize(cupola_seen(turned ? second : first));
-vec3 b = normalize(cupola_seen(turned ? first : second));
+bool cupola_bent(vec3 a, vec3 b) {
 vec3 sum = a + b;
 float l = length(sum);
 vec2 scale = cupola_view[6].xy * cupola_view[7].zw;
@@ -86,6 +83,12 @@ if (middle.z == 0.0) return true;
 if (cupola_outside(from.xy, to.xy, middle.xy)) return false;
 vec2 off = (middle.xy - 0.5 * (from.xy + to.xy)) * cupola_view[7].zw;
 return dot(off, off) > cupola_view[7].y * cupola_view[7].y;
+}
+bool cupola_cuts(vec4 first, vec4 second) {
+bool turned = cupola_after(first, second);
+vec3 a = normalize(cupola_seen(turned ? second : first));
+vec3 b = normalize(cupola_seen(turned ? first : second));
+return cupola_bent(a, b);
 }
 float cupola_middle(vec4 a, vec4 b) {
 float from = length(cupola_seen(a));
@@ -288,23 +291,35 @@ pub fn text(
     }
     let _ = writeln!(text, "int cupola_left = {parts};");
     text.push_str(functions);
-    let replace: [(&str, &str); 9] = [
-        ("WIDEST", &format!("{WIDEST:?}")),
-        ("WIDTH_SQUARED", &format!("{:?}", WIDTH_SQUARED / EDGE_SHARE)),
-        ("OUTSIDE", &format!("{OUTSIDE:?}")),
-        ("NARROWEST", &format!("{NARROWEST:?}")),
+    let replace: [(&str, &str); 5] = [
         ("DEEPEST", &DEEPEST.to_string()),
         ("STEPS", &STEPS.to_string()),
         ("TURNS", turns),
         ("RUN", if limits.shared { "gl_InvocationID" } else { "0" }),
         ("COUNT", &limits.counter.map_or(String::new(), |_| format!("atomicCounterIncrement({COUNTER});"))),
     ];
-    let filled = |part: &str| replace.iter().fold(part.to_owned(), |part, (word, value)| part.replace(word, value));
-    text.push_str(&filled(CUTS));
+    let filled = |part: &str| with_values(part, &replace);
+    text.push_str(&cuts());
     text.push_str(&emitter(interface, built_in, passing, corners));
     text.push_str(&filled(if input == Input::Triangles { TRIANGLES } else { LINES }));
     text.push_str(&filled(MAIN));
     Some(text)
+}
+
+/// The functions by which edges are judged: `cupola_bent(a, b)` for the edge between two directions, `cupola_cuts` for that
+/// between two vertices, and `cupola_near` for what `cupola_span` was told of.
+pub fn cuts() -> String {
+    let replace: [(&str, &str); 4] = [
+        ("WIDEST", &format!("{WIDEST:?}")),
+        ("WIDTH_SQUARED", &format!("{:?}", WIDTH_SQUARED / EDGE_SHARE)),
+        ("OUTSIDE", &format!("{OUTSIDE:?}")),
+        ("NARROWEST", &format!("{NARROWEST:?}")),
+    ];
+    with_values(CUTS, &replace)
+}
+
+fn with_values(text: &str, replace: &[(&str, &str)]) -> String {
+    replace.iter().fold(text.to_owned(), |text, (word, value)| text.replace(word, value))
 }
 
 /// `cupola_emit(c, u)`: emits a vertex at `c` with the values that the weights `u` of the corners give it.

@@ -3,23 +3,53 @@
 //!
 //! [`pipeline`] is what of the stage is switched on, [`text`] the shader that does the same. There is a program for each
 //! state of the switches that was met. What comes behind the stage (textures, fog, blending) stays the pipeline's own.
+//!
+//! Where primitives have to be divided, [`vertices`] are read from what was recorded or from [`arrays`], become triangles
+//! and lines ([`assembly`]) and are given to the driver with what is between them ([`division`]).
 
+pub mod arrays;
+pub mod assembly;
+pub mod division;
 pub mod pipeline;
 pub mod text;
+pub mod vertices;
 
 use super::super::context::Context;
+use super::super::culling::{self, bounds::Bounds};
+use super::super::draw::{Changes, draw, draw_command};
 use super::super::glsl::{self, Stage};
 use super::super::hook::hooks;
 use super::super::lists;
+use super::super::outlines::Shape;
 use super::super::programs::{self, Program};
 use crate::backend::gl::api::{self, Gl};
+use crate::runtime::session::Division;
 use pipeline::Pipeline;
 use std::collections::HashMap;
 use std::sync::Arc;
+use vertices::{Attribute, Vertices};
+
+/// What the processor does with the draw that is being issued.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Processor {
+    /// Nothing.
+    #[default]
+    Nothing,
+    /// It divides primitives where a view needs that.
+    Divides,
+    /// It should, but cannot: why, for the log.
+    Cannot(&'static str),
+}
 
 /// What stands in for the pipeline in a context.
 #[derive(Default)]
 pub struct Fixed {
+    /// What the processor does with the draw that is being issued.
+    pub processor: Processor,
+    /// How the processor divides for the view that is drawn now, and the rows that lead to it.
+    pub view: Option<(Division, [f32; 16])>,
+    /// Primitives that the processor did not divide far enough.
+    pub coarse: u64,
     /// The switches, or why they cannot be followed; none where they may have changed.
     known: Option<Result<Pipeline, &'static str>>,
     programs: HashMap<Pipeline, Arc<Program>>,
@@ -95,9 +125,91 @@ pub fn end(ctx: &mut Context) {
     }
 }
 
-/// Whether a program of ours stands in for the pipeline.
-pub fn stands_in(ctx: &Context) -> bool {
-    ctx.fixed.in_use.is_some()
+/// Whether a primitive has the colour of one vertex, and the normal where there is light.
+fn is_flat(ctx: &Context) -> bool {
+    matches!(&ctx.fixed.known, Some(Ok(pipeline)) if pipeline.flat)
+}
+
+/// Whether the processor has to read the vertices of the next draw of `mode`, so that it can divide them for some view.
+pub fn reads(ctx: &Context, mode: u32) -> bool {
+    let divides = ctx.target.as_ref().is_some_and(|target| target.lenses.iter().any(super::divides));
+    divides && !ctx.picking && !ctx.feedback && ctx.program.is_none() && mode != api::GL_POINTS
+}
+
+/// Issues a draw whose vertices the processor has read, or could not: divided for views that need it, by `whole` for
+/// others.
+pub fn draw_read(
+    ctx: &mut Context,
+    changes: Changes,
+    bounds: Bounds,
+    vertices: &Result<Vertices, &'static str>,
+    mut whole: impl FnMut(&mut Context, &Gl),
+) {
+    let (processor, vertices) = match vertices {
+        Ok(vertices) => (Processor::Divides, Some(vertices)),
+        Err(reason) => (Processor::Cannot(reason), None),
+    };
+    ctx.fixed.processor = processor;
+    draw(
+        ctx,
+        changes,
+        |_| bounds,
+        |ctx, gl| match (ctx.fixed.view.take(), vertices) {
+            (Some((division, rows)), Some(vertices)) => division::draw(ctx, vertices, division, &rows),
+            _ => whole(ctx, gl),
+        },
+    );
+    ctx.fixed.processor = Processor::Nothing;
+}
+
+/// Issues a draw of arrays whose vertices the processor has read, or could not. In a list that is compiled it becomes a
+/// command of its own.
+pub fn draw_arrays(
+    ctx: &mut Context,
+    mode: u32,
+    vertices: Result<Vertices, &'static str>,
+    bounds: impl FnOnce(&mut Context) -> Bounds,
+    issue: impl FnMut(&mut Context, &Gl),
+) {
+    let shape = Shape::of_mode(mode);
+    if !ctx.compiling() {
+        ctx.outlines.shape = shape;
+        let bounds = if culling::enabled() { bounds(ctx) } else { Bounds::UNKNOWN };
+        let current = current(ctx, &vertices);
+        draw_read(ctx, Changes::Nothing, bounds, &vertices, issue);
+        put_back(ctx, &current);
+        return;
+    }
+    let Ok(kept) = vertices else {
+        draw_command(ctx, shape, bounds, issue);
+        return;
+    };
+    let vertices = Ok(kept);
+    lists::now_or_later(ctx, move |ctx| {
+        ctx.outlines.shape = shape;
+        let current = current(ctx, &vertices);
+        let whole = |_: &mut Context, gl: &Gl| division::whole(gl, &vertices);
+        if reads(ctx, mode) {
+            draw_read(ctx, Changes::Nothing, Bounds::UNKNOWN, &vertices, whole);
+        } else {
+            draw(ctx, Changes::Nothing, |_| Bounds::UNKNOWN, whole);
+        }
+        put_back(ctx, &current);
+    });
+}
+
+/// What is current of the attributes that vertices have.
+fn current(ctx: &Context, vertices: &Result<Vertices, &'static str>) -> Vec<(Attribute, [f32; 4])> {
+    let attributes = vertices.iter().flat_map(|vertices| &vertices.attributes);
+    attributes.map(|attribute| (*attribute, attribute.current(ctx.gl))).collect()
+}
+
+/// Arrays leave it as it was.
+fn put_back(ctx: &Context, current: &[(Attribute, [f32; 4])]) {
+    for (attribute, value) in current {
+        // SAFETY: what `current` found, in the same context.
+        unsafe { attribute.set(ctx.gl, value) };
+    }
 }
 
 /// Links the program for the switches as they are.
