@@ -1,5 +1,5 @@
-// A projector with a fisheye, or with a mirror, that lights a quadric from inside: pixel → ray → perhaps the mirror → the
-// screen → what the viewer sees there.
+// A fisheye projector, or a pinhole before a mirror, that lights a quadric from inside: pixel → ray → perhaps the mirror →
+// the screen → what the viewer sees there.
 
 // Normalised coordinates of the output.
 alias Source = vec2<f32>;
@@ -17,9 +17,10 @@ struct Constants {
     // The fisheye's direction, or a pinhole's (x, y, 1), → ray in the surface's axes.
     rays: mat3x3<f32>,
     with_mirror: u32,
-    // The mirror's radius, and the lens seen from its centre in radii.
+    // The mirror's radius.
     radius: f32,
-    before: vec3<f32>,
+    // (x, y, 1) → the moment of the pinhole's ray around the mirror's centre, in radii.
+    moment: mat3x3<f32>,
     // The lens, or the mirror's centre.
     origin: vec3<f32>,
     // Inside the quadric Σ weights·p² is less than its level. Without a mirror: by how much at the lens.
@@ -55,11 +56,12 @@ fn trace(source: Source) -> Ray {
     var start = constants.origin;
     var depth = constants.level;
     if constants.with_mirror != 0u {
-        ray = ray / sqrt(dot(ray, ray));
-        let along = dot(constants.before, ray);
-        let foot = constants.before - ray * along;
+        // By the moment: it is smaller than the distance to the mirror, and so are the roundings.
+        let length = sqrt(dot(ray, ray));
+        ray = ray / length;
+        let foot = cross(ray, constants.moment * lens) / length;
         let discriminant = 1.0 - dot(foot, foot);
-        on_screen = on_screen & (discriminant > 0.0) & (along < 0.0);
+        on_screen = on_screen & (discriminant > 0.0);
         let root = sqrt(max(discriminant, 0.0));
         let normal = foot - ray * root;
         ray += normal * (2.0 * root);

@@ -1,4 +1,4 @@
-//! Projectors with fisheyes or mirrors whose map has a formula.
+//! Fisheye projectors, and pinholes before a mirror, whose map has a formula.
 
 use super::rounding::{ANGLE, PIXELS, REFERENCE};
 use crate::geom::fisheye::RadialForm;
@@ -6,17 +6,15 @@ use crate::geom::screen::Bounds;
 use crate::geom::{Lens, Quadric, Sphere};
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 
-/// A projector with a lens of any kind, perhaps before a mirror, inside a quadric. All in the surface's axes.
+/// A fisheye projector, or a pinhole before a mirror, inside a quadric. All in the surface's axes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OpticsSource {
     /// Where the lens is.
     pub position: DVec3,
     /// Lens axes → these.
     pub rotation: DMat3,
-    /// The lens.
-    pub lens: LensForm,
-    /// What reflects the light before it reaches the screen.
-    pub mirror: Option<Sphere>,
+    /// How light leaves it.
+    pub light: Light,
     /// What it lights.
     pub quadric: Quadric,
     /// The part of it that is screen.
@@ -29,43 +27,39 @@ pub struct OpticsSource {
     pub spread: f64,
 }
 
-/// What a lens makes of a place of the picture (−1…1 from left to right and from bottom to top).
+/// What becomes of a place of the picture (−1…1 from left to right and from bottom to top).
 #[derive(Clone, Debug, PartialEq)]
-pub enum LensForm {
-    /// `(x, y, 1)` → ray.
-    Pinhole(DMat3),
-    /// A fisheye.
+pub enum Light {
+    /// It goes through a fisheye.
     Fisheye {
-        /// Point of the unit disc → ray.
+        /// Point of the unit disc → ray in lens axes.
         form: RadialForm,
         /// Point of the disc = picture·scale + offset.
         scale: DVec2,
         /// See `scale`.
         offset: DVec2,
     },
+    /// It goes through a pinhole, and then is reflected.
+    Mirror {
+        /// `(x, y, 1)` → ray in lens axes.
+        rays: DMat3,
+        /// The mirror, in the surface's axes.
+        mirror: Sphere,
+    },
 }
 
-impl LensForm {
-    /// The form of a lens whose picture is `aspect` times as wide as high; `None` for lenses with distortion, and for curves too wild for
-    /// polynomials.
-    pub fn of(lens: &Lens, aspect: f64) -> Option<Self> {
-        match lens {
-            Lens::Pinhole { .. } => lens.linear_rays().map(Self::Pinhole),
-            Lens::Fisheye { lens, circle } => {
+impl Light {
+    /// For a lens whose picture is `aspect` times as wide as high; `None` for all but fisheyes without mirror and pinholes without
+    /// distortion before one, and for curves too wild for polynomials.
+    pub fn of(lens: &Lens, aspect: f64, mirror: Option<Sphere>) -> Option<Self> {
+        match (lens, mirror) {
+            (Lens::Pinhole { .. }, Some(mirror)) => lens.linear_rays().map(|rays| Self::Mirror { rays, mirror }),
+            (Lens::Fisheye { lens, circle }, None) => {
                 let offset = circle.to_disc(DVec2::ZERO, aspect);
                 let scale = circle.to_disc(DVec2::ONE, aspect) - offset;
                 Some(Self::Fisheye { form: RadialForm::of(lens)?, scale, offset })
             }
-        }
-    }
-
-    fn ray(&self, picture: DVec2) -> Option<DVec3> {
-        match self {
-            Self::Pinhole(rays) => Some(*rays * picture.extend(1.0)),
-            Self::Fisheye { form, scale, offset } => {
-                let disc = picture * *scale + *offset;
-                (disc.length_squared() <= 1.0).then(|| form.direction(disc))
-            }
+            _ => None,
         }
     }
 }
@@ -75,8 +69,8 @@ impl LensForm {
 struct Kick {
     /// To the ray's direction, unit length.
     ray: DVec3,
-    /// To the foot of the perpendicular from the mirror's centre, in radii.
-    foot: DVec3,
+    /// To the moment of the ray around the mirror's centre, over radius and the ray's length, as a part of its terms.
+    moment: DVec3,
     /// To the reflected ray's direction.
     reflected: DVec3,
     /// To the distance to the screen, as a part of it.
@@ -97,8 +91,8 @@ struct Way {
 
 /// How far inside the surface light must set out, as a part of the way to it.
 const INSIDE: f64 = 0.95;
-/// What an operation in f32 errs, with those that follow.
-const STEP: f64 = 2e-7;
+/// What a vector's sum in f32 errs, as a part of its terms: some four half steps.
+const STEP: f64 = 2.5e-7;
 /// Places in each direction where the error is estimated.
 const PLACES: u32 = 17;
 
@@ -114,23 +108,40 @@ impl OpticsSource {
         self.way(x, y, Kick::default()).map(|way| way.point)
     }
 
+    /// `(x, y, 1)` → moment of the ray around a mirror's centre, in its radii.
+    pub fn moment(&self, rays: &DMat3, mirror: &Sphere) -> DMat3 {
+        let before = (self.position - mirror.center) / mirror.radius;
+        let rays = self.rotation * *rays;
+        DMat3::from_cols(before.cross(rays.x_axis), before.cross(rays.y_axis), before.cross(rays.z_axis))
+    }
+
     /// What the shader computes.
     fn way(&self, x: f64, y: f64, kick: Kick) -> Option<Way> {
-        let mut ray = (self.rotation * self.lens.ray(DVec2::new(x, y))?).normalize() + kick.ray;
-        let (mut start, mut incidence) = (self.position, 1.0);
-        if let Some(mirror) = &self.mirror {
-            let before = (self.position - mirror.center) / mirror.radius;
-            ray = ray.normalize();
-            let along = before.dot(ray);
-            let foot = before - ray * along + kick.foot;
-            let discriminant = 1.0 - foot.length_squared();
-            if discriminant <= 0.0 || along >= 0.0 {
-                return None;
+        let (mut ray, start, incidence);
+        match &self.light {
+            Light::Fisheye { form, scale, offset } => {
+                let disc = DVec2::new(x, y) * *scale + *offset;
+                if disc.length_squared() > 1.0 {
+                    return None;
+                }
+                (ray, start, incidence) = (self.rotation * form.direction(disc) + kick.ray, self.position, 1.0);
             }
-            incidence = discriminant.sqrt();
-            let normal = foot - ray * incidence;
-            ray += normal * (2.0 * incidence) + kick.reflected;
-            start = mirror.center + normal * mirror.radius;
+            Light::Mirror { rays, mirror } => {
+                let (place, moment) = (DVec3::new(x, y, 1.0), self.moment(rays, mirror));
+                ray = self.rotation * *rays * place;
+                let length = ray.length();
+                ray = ray / length + kick.ray;
+                let terms =
+                    DMat3::from_cols(moment.x_axis.abs(), moment.y_axis.abs(), moment.z_axis.abs()) * place.abs();
+                let foot = ray.cross((moment * place + kick.moment * terms) / length);
+                incidence = (1.0 - foot.length_squared()).sqrt();
+                if incidence.is_nan() || incidence <= 0.0 {
+                    return None;
+                }
+                let normal = foot - ray * incidence;
+                ray += normal * (2.0 * incidence) + kick.reflected;
+                start = mirror.center + normal * mirror.radius;
+            }
         }
         let depth = self.quadric.depth(start);
         let along = self.quadric.product(start, ray);
@@ -153,7 +164,7 @@ impl OpticsSource {
             }
             self.spread = self.spread.max(self.spread_at(x, y, pixel)?);
         }
-        self.starts_inside().then_some(self)
+        self.is_sound().then_some(self)
     }
 
     /// The spread at a place that shows something; `None` where rounding moves it too far.
@@ -163,17 +174,19 @@ impl OpticsSource {
         let way = self.way(x, y, Kick::default())?;
         let exact = self.to_viewer.transform_point3(way.point);
         let angle = |moved: DVec3| exact.cross(moved).length().atan2(exact.dot(moved));
-        let before = self.mirror.as_ref().map(|mirror| (self.position - mirror.center).length() / mirror.radius);
+        let bounces = f64::from(u8::from(matches!(self.light, Light::Mirror { .. })));
         let kicks = [DVec3::X, DVec3::Y, DVec3::Z].into_iter().flat_map(|axis| {
             [
                 Kick { ray: axis * STEP, ..Kick::default() },
-                Kick { foot: axis * before.map_or(0.0, |before| STEP * before), ..Kick::default() },
-                Kick { reflected: axis * before.map_or(0.0, |_| STEP / way.incidence), ..Kick::default() },
+                Kick { moment: axis * STEP, ..Kick::default() },
+                Kick { reflected: axis * bounces * STEP / way.incidence, ..Kick::default() },
                 Kick { point: axis * STEP, ..Kick::default() },
             ]
         });
         let along = Kick { distance: STEP / way.depth, ..Kick::default() };
-        let error: f64 = kicks.chain([along]).map(|kick| seen(x, y, kick).map_or(f64::INFINITY, angle)).sum();
+        // Roundings are independent of each other.
+        let squared = |kick: Kick| seen(x, y, kick).map_or(f64::INFINITY, angle).powi(2);
+        let error = kicks.chain([along]).map(squared).sum::<f64>().sqrt();
         let step = |step: DVec2| {
             let there = |side: f64| seen(x + side * step.x, y + side * step.y, Kick::default());
             let (from, to) = (there(-0.5).or_else(|| there(0.0))?, there(0.5).or_else(|| there(0.0))?);
@@ -185,16 +198,19 @@ impl OpticsSource {
         (error <= allowed).then(|| terms / exact.length())
     }
 
-    /// Whether light sets out well inside the surface from everywhere.
-    fn starts_inside(&self) -> bool {
-        let inside = |point: DVec3| self.quadric.contains(point, INSIDE);
-        match &self.mirror {
-            None => inside(self.position),
-            // A convex surface holds a ball if it holds a box around it.
-            Some(mirror) => {
-                let corner =
-                    |i: u32| DVec3::from_array([0, 1, 2].map(|axis| if i >> axis & 1 == 0 { -1.0 } else { 1.0 }));
-                self.quadric.is_convex() && (0..8).all(|i| inside(mirror.center + corner(i) * mirror.radius))
+    /// Whether light sets out well inside the surface from everywhere, and the whole picture looks towards a mirror: the formula would
+    /// also meet one behind the lens.
+    fn is_sound(&self) -> bool {
+        let quadric = &self.quadric;
+        match &self.light {
+            Light::Fisheye { .. } => quadric.contains(self.position, INSIDE),
+            // By the triangle inequality of the quadric's own distance.
+            Light::Mirror { rays, mirror: Sphere { center, radius } } => {
+                let towards = (self.rotation * *rays).transpose() * (*center - self.position);
+                let corners = [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)];
+                let ahead = corners.into_iter().all(|(x, y)| towards.dot(DVec3::new(x, y, 1.0)) > 0.0);
+                let farthest = quadric.product(*center, *center).sqrt() + radius * quadric.weights.max_element().sqrt();
+                ahead && quadric.is_convex() && farthest <= INSIDE * quadric.level.sqrt()
             }
         }
     }
@@ -226,7 +242,7 @@ mod tests {
 
     const FISHEYES: [&str; 3] = [
         "fisheye = { projection = \"equisolid\", aperture = 175, size = [1, 1.333], center = [0.1, 0.05] }",
-        "fisheye = { projection = \"polynomial\", aperture = 190, coefficients = [1.0, -0.02, 0.001, 0.0] }",
+        "fisheye = { projection = \"polynomial\", aperture = 150, coefficients = [1.0, -0.03, 0.001, 0.0] }",
         "fisheye = { projection = \"orthographic\", aperture = 150 }",
     ];
     const MIRROR: &str =
@@ -274,7 +290,7 @@ mod tests {
     fn what_has_no_formula_is_a_table() {
         let fisheye = format!("kind = \"projector\"\npitch = 60\n{}\n", FISHEYES[0]);
         let tables = [
-            // Light is shared; evened out; the lens is at the wall; a mirror looked at past its outline from far away.
+            // Light is shared; evened out; the lens is at the wall; before a plane; its curve is too wild.
             format!("[[output]]\n{fisheye}[[output]]\n{fisheye}"),
             format!("[[output]]\n{fisheye}even_light = 0.5\n"),
             format!("[[output]]\nposition = [0, 0, 4.9]\n{fisheye}"),

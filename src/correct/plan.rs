@@ -1,7 +1,7 @@
 //! The passes of a frame: their types, and how they are built from a rig.
 
 use super::facets::{self, Facets};
-pub use super::optics::{LensForm, OpticsSource};
+pub use super::optics::{Light, OpticsSource};
 use super::shown::Shown;
 use super::table::Table;
 use super::{beam, blocks, mask, source};

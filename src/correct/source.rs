@@ -1,6 +1,6 @@
 //! From an output of a rig to the coefficients of its map.
 
-use super::plan::{LensForm, Neighbour, OpticsSource, ProjectorSource, Source, Way};
+use super::plan::{Light, Neighbour, OpticsSource, ProjectorSource, Source, Way};
 use super::shown::Shown;
 use super::table;
 use crate::blend::Border;
@@ -162,15 +162,13 @@ fn lens(rig: &Rig, index: usize, optics: &Optics, size: (u32, u32)) -> Option<Op
     };
     let from_surface = DAffine3 { matrix3: pose.rotation, translation: pose.position + pose.rotation * middle };
     let to_surface = from_surface.inverse();
+    let in_surface = |mirror: Sphere| Sphere { center: to_surface.transform_point3(mirror.center), ..mirror };
     let seen_from =
         |eye: DVec3, target: DMat3| DAffine3 { matrix3: target, translation: -(target * eye) } * from_surface;
     Some(OpticsSource {
         position: to_surface.transform_point3(optics.pose.position),
         rotation: to_surface.matrix3 * optics.pose.rotation,
-        lens: LensForm::of(&optics.lens, f64::from(size.0) / f64::from(size.1))?,
-        mirror: optics
-            .mirror
-            .map(|mirror| Sphere { center: to_surface.transform_point3(mirror.center), radius: mirror.radius }),
+        light: Light::of(&optics.lens, f64::from(size.0) / f64::from(size.1), optics.mirror.map(in_surface))?,
         quadric,
         bounds,
         to_viewer: seen_from(rig.eye(output).position, viewer_rotation(rig).transpose()),

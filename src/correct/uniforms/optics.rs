@@ -1,31 +1,27 @@
 //! The constants of the pass of a projector with a fisheye or a mirror.
 
 use super::{Constants, radial};
-use crate::correct::plan::{Batch, LensForm, OpticsSource};
+use crate::correct::plan::{Batch, Light, OpticsSource};
 use crate::error::Result;
 use crate::geom::screen::{HalfSpace, Join};
 use glam::{DAffine3, DMat3, DVec3};
 
 /// Sets what only such projectors have; `base`: viewer axes → base.
 pub(super) fn set(out: &mut Constants, source: &OpticsSource, batch: &Batch, base: DMat3) -> Result<()> {
-    match &source.lens {
-        LensForm::Pinhole(rays) => out.set_matrix("rays", source.rotation * *rays)?,
-        LensForm::Fisheye { form, scale, offset } => {
+    match &source.light {
+        Light::Fisheye { form, scale, offset } => {
             out.set_flag("fisheye", true)?;
             out.set("disc", &[scale.x, scale.y, offset.x, offset.y])?;
             radial(out, form)?;
             out.set_matrix("rays", source.rotation)?;
-        }
-    }
-    match &source.mirror {
-        None => {
             out.set("origin", &source.position.to_array())?;
             out.set("level", &[source.quadric.depth(source.position)])?;
         }
-        Some(mirror) => {
+        Light::Mirror { rays, mirror } => {
             out.set_flag("with_mirror", true)?;
+            out.set_matrix("rays", source.rotation * *rays)?;
             out.set("radius", &[mirror.radius])?;
-            out.set("before", &((source.position - mirror.center) / mirror.radius).to_array())?;
+            out.set_matrix("moment", source.moment(rays, mirror))?;
             out.set("origin", &mirror.center.to_array())?;
             out.set("level", &[source.quadric.level])?;
         }
