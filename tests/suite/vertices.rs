@@ -211,6 +211,28 @@ fn triangles_around_the_antipode_are_not_smeared() {
     expect_good(&report, &picture, "core330_mvp, primitive, 240°");
 }
 
+/// Of the sphere around the antipode no stage can make enough parts: that is counted. The processor can.
+#[test]
+fn what_is_not_divided_far_enough_is_counted() {
+    let file = scratch("rig").join("whole.toml");
+    std::fs::write(&file, "[[output]]\nkind = \"domemaster\"\naperture = 360\ntilt = 90\n")
+        .expect("a rig can be written");
+    for (program, method, suffices) in [
+        ("core330_mvp", "primitive", false),
+        ("core330_mvp", "primitive-tessellation", false),
+        ("immediate", "primitive", true),
+    ] {
+        let cupola = ["--method", method];
+        let Some(finished) = run(program, &[], &cupola).under(file.to_str().expect("a UTF-8 path")) else { return };
+        let statistics = finished.expect_success().expect_no_gl_errors().statistics();
+        assert_eq!(
+            statistics["coarse_primitives"].as_u64() == Some(0),
+            suffices,
+            "{program}, {method}: {statistics:#}"
+        );
+    }
+}
+
 #[test]
 fn divided_triangles_are_right_for_every_projector() {
     let (size, columns) = ((128, 96), 3);

@@ -227,7 +227,10 @@ pub fn plot(divided: &Divided) -> String {
         0.5 * (left + right),
         0.5 * (top + bottom)
     );
-    for (bounded, color) in [(false, "#36a"), (true, "#d30")] {
+    // Names stand on the side where no line is.
+    for (bounded, color, anchor, aside, below) in
+        [(false, "#36a", "start", 8.0, -6.0), (true, "#d30", "end", -8.0, 14.0)]
+    {
         let points: Vec<&Outcome> = divided.outcomes.iter().filter(|outcome| outcome.bounded == bounded).collect();
         let line: Vec<String> =
             points.iter().map(|outcome| format!("{:.1} {:.1}", x(outcome.parts), y(outcome.greatest))).collect();
@@ -237,9 +240,9 @@ pub fn plot(divided: &Divided) -> String {
             let _ = writeln!(
                 svg,
                 "<circle cx=\"{at_x:.1}\" cy=\"{at_y:.1}\" r=\"4.5\" fill=\"{color}\"/>\
-                 <text x=\"{:.1}\" y=\"{:.1}\" fill=\"{color}\">{}</text>",
-                at_x + 8.0,
-                at_y - 6.0,
+                 <text x=\"{:.1}\" y=\"{:.1}\" fill=\"{color}\" text-anchor=\"{anchor}\">{}</text>",
+                at_x + aside,
+                at_y + below,
                 outcome.name
             );
         }

@@ -23,6 +23,10 @@ pub enum Patch {
 /// What the values of the control stage are called, with a number behind.
 const HANDED: &str = "cupola_handed_";
 
+/// Half the aperture of a fisheye, radians, from which on what is around the antipode of its axis is seen: three quarters of
+/// the way there.
+const SHOWN_BEHIND: f64 = 0.75 * std::f64::consts::PI;
+
 /// `cupola_parts(a, b)`: how many parts the edge between two vertices needs.
 const PARTS: &str = "bool cupola_coarse_edge = false;
 float cupola_parts(vec4 first, vec4 second) {
@@ -149,6 +153,20 @@ fn control(patch: Patch, interface: &Interface, functions: &str, limits: &Limits
                 "inner = max(inner, min(64.0, 2.0 * cupola_parts(middle, gl_in[{corner}].gl_Position) - 1.0));"
             );
         }
+    }
+    if patch != Patch::Lines {
+        // The antipode itself is a whole circle: what is around it has no end of parts.
+        let turn = |corner: usize| {
+            let next = (corner + 1) % corners;
+            format!("cross(cupola_seen(gl_in[{corner}].gl_Position), cupola_seen(gl_in[{next}].gl_Position)).z")
+        };
+        let signs: Vec<String> = (0..corners).map(|corner| format!("sign({})", turn(corner))).collect();
+        let _ = writeln!(
+            text,
+            "bool around = abs({}) == {corners}.0 && cupola_seen(middle).z > 0.0;\n\
+             if (around && cupola_view[5].w != 0.0 && cupola_view[6].z > {SHOWN_BEHIND:?}) {{ inner = 64.0; cupola_coarse_edge = true; }}",
+            signs.join(" + ")
+        );
     }
     text.push_str("cupola_low = vec3(1e38);\ncupola_high = vec3(-1e38);\n");
     for corner in 0..corners {
