@@ -5,7 +5,7 @@
 
 use cupola::backend::vk::ash::vk;
 use cupola::backend::vk::headless::Headless;
-use cupola::backend::vk::{SourceImage, Surface, TargetImage, Use, VkBackend, barrier};
+use cupola::backend::vk::{SourceImage, Surface, Use, VkBackend, barrier};
 use cupola::correct::{Arrangement, ImageSize, Plan, build};
 use cupola::rig;
 use cupola::views::Request;
@@ -183,22 +183,7 @@ fn plan(text: &str, size: (u32, u32)) -> Result<Plan, Failure> {
 /// Images for views, of one colour: what is in them makes no difference to the time.
 fn filled(device: &Headless, arrangement: Arrangement, sizes: &[ImageSize]) -> Result<Surface, Failure> {
     let surface = Surface::new(&device.api, arrangement, sizes, FORMAT, 1)?;
-    let grey = vk::ClearColorValue { float32: [0.3, 0.5, 0.7, 1.0] };
-    device.run(|commands| {
-        for (source, size) in surface.sources().iter().zip(sizes) {
-            let (before, image) = (Use::nothing(vk::ImageLayout::UNDEFINED), (source.image, size.layers));
-            let range = vk::ImageSubresourceRange { layer_count: size.layers, ..cupola::backend::vk::COLOR };
-            let after = Use { layout: source.layout, stages: source.stages, access: source.access };
-            let api = device.api.device();
-            // SAFETY: the command buffer is being recorded, and the image is live.
-            unsafe {
-                barrier(api, commands, image, before, Use::COPIED_TO);
-                api.cmd_clear_color_image(commands, source.image, Use::COPIED_TO.layout, &grey, &[range]);
-                barrier(api, commands, image, Use::COPIED_TO, after);
-            }
-        }
-        Ok(())
-    })?;
+    device.fill(surface.sources(), sizes, [0.3, 0.5, 0.7, 1.0])?;
     Ok(surface)
 }
 
@@ -212,16 +197,7 @@ fn prepared(
     let mut backend = VkBackend::new(&device.api);
     backend.prepare_arranged(plan, arrangement, FORMAT)?;
     backend.set_sources(surface.sources())?;
-    backend.set_targets(&[TargetImage {
-        image: shown.image,
-        view: shown.view,
-        format: FORMAT,
-        extent: shown.extent,
-        initial_layout: vk::ImageLayout::UNDEFINED,
-        final_layout: shown.layout,
-        before: (shown.stages, shown.access),
-        after: (shown.stages, shown.access),
-    }])?;
+    backend.set_targets(&[shown.overwritten()])?;
     Ok(backend)
 }
 

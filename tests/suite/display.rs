@@ -65,12 +65,13 @@ pub fn get() -> Option<&'static Display> {
         .as_ref()
 }
 
-/// A server of its own whose screen has 10 bits for each colour. `None`, with a visible line, where there is none.
-pub fn deep() -> Option<Display> {
+/// A server of its own, for programs that choose where their windows are, whose screen has `depth` bits for a pixel (30: ten
+/// for each colour). `None`, with a visible line, where there is none.
+pub fn own(depth: u32) -> Option<Display> {
     let refused = |reason: &String| {
-        let _ = writeln!(std::io::stderr(), "SKIP: a window of 10 bits, there is no X server for it: {reason}");
+        let _ = writeln!(std::io::stderr(), "SKIP: a window of {depth} bits, there is no X server for it: {reason}");
     };
-    start(30).inspect_err(refused).ok()
+    start(depth).inspect_err(refused).ok()
 }
 
 /// The server ends by itself (`-terminate`) when its last client has gone: ours goes with this process.

@@ -25,3 +25,4 @@ mod semantics;
 mod steady;
 mod vertices;
 mod vulkan;
+mod vulkan_others;

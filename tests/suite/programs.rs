@@ -2,6 +2,7 @@
 
 use crate::display::{self, Display, Place};
 use crate::picture::Picture;
+use std::collections::BTreeSet;
 use std::io::Write;
 use std::os::unix::process::CommandExt;
 use std::path::{Path, PathBuf};
@@ -181,16 +182,51 @@ pub fn installed_on(
     rig: &str,
     cupola: &[&str],
 ) -> Option<Finished> {
-    let folders = std::env::var_os("PATH").unwrap_or_default();
-    if !std::env::split_paths(&folders).any(|folder| folder.join(program).is_file()) {
-        // Past the test harness, which would swallow a print of a passing test.
-        let _ = writeln!(std::io::stderr(), "SKIP: {program} is not installed");
+    if !is_installed(program) {
         return None;
     }
     let mut command = Command::new(env!("CARGO_BIN_EXE_cupola"));
     command.env("CUPOLA_LIBRARY", library()).args(["run", "--rig", rig]).args(cupola);
     command.arg("--").arg(program).args(arguments);
     Some(Finished::on(display, command, program, rig))
+}
+
+/// Runs a program of the system, whose window is 321 × 243 pixels, while that gets `sizes` other sizes, under the validation
+/// layer, alone or with Cupola before it; its file `memory.txt` has the resident memory in each size. `None` where something is
+/// not installed, and where there is no display.
+pub fn resized(rig: Option<&str>, sizes: &str, program: &[&str]) -> Option<Finished> {
+    let name = program.first()?;
+    if !is_installed(name) {
+        return None;
+    }
+    let resizer = vulkan_apps()?.join("vk_resizer");
+    let mut command = Command::new(if rig.is_some() { env!("CARGO_BIN_EXE_cupola") } else { "env" });
+    let layers = match rig {
+        Some(rig) => {
+            command.env("CUPOLA_LIBRARY", library()).args(["run", "--rig", rig, "--", "env"]);
+            "VK_LAYER_CUPOLA_dome:VK_LAYER_KHRONOS_validation"
+        }
+        None => "VK_LAYER_KHRONOS_validation",
+    };
+    command.arg(format!("VK_INSTANCE_LAYERS={layers}")).arg("VK_LOADER_DEBUG=layer");
+    // Alone a program draws its frames in a fraction of the time.
+    let pause = if rig.is_some() { "60" } else { "10" };
+    command.arg(resizer).args(["321x243", sizes, pause, "memory.txt"]).args(program);
+    let finished = Finished::on(&display::own(24)?, command, name, rig.unwrap_or("without Cupola")).expect_success();
+    let loaded = |layer: &str| finished.words().contains(layer);
+    assert!(layers.split(':').all(loaded), "a layer is not loaded:\n{}", finished.words());
+    Some(finished)
+}
+
+/// Whether a program of the system is there; with a visible line where it is not.
+fn is_installed(program: &str) -> bool {
+    let folders = std::env::var_os("PATH").unwrap_or_default();
+    let installed = std::env::split_paths(&folders).any(|folder| folder.join(program).is_file());
+    if !installed {
+        // Past the test harness, which would swallow a print of a passing test.
+        let _ = writeln!(std::io::stderr(), "SKIP: {program} is not installed");
+    }
+    installed
 }
 
 /// Runs a program that uses the C interface. `None` where there is no display.
@@ -317,6 +353,25 @@ impl Finished {
             self.directory.display()
         );
         self
+    }
+
+    /// The kinds of messages of the validation layer.
+    pub fn kinds_of_messages(&self) -> BTreeSet<String> {
+        let kind = |line: &str| line.split(['(', ' ']).next().unwrap_or_default().to_owned();
+        let is_message = |line: &&str| ["VUID", "UNASSIGNED", "SYNC"].iter().any(|kind| line.starts_with(kind));
+        self.messages().lines().filter(is_message).map(kind).collect()
+    }
+
+    /// Panics unless a file has `count` numbers of pages that were resident, and those of the last quarter exceed those of
+    /// the second by no more than a set of atlases.
+    pub fn expect_flat_memory(&self, file: &str, count: usize) {
+        let pages: Vec<u64> = self.text(file).lines().map(|line| line.parse().expect("a number of pages")).collect();
+        println!("{}: resident pages: {pages:?}", self.what);
+        assert_eq!(pages.len(), count, "{}", self.what);
+        let quarter = count / 4;
+        let (early, late) = (pages[quarter..2 * quarter].iter().max(), pages[count - quarter..].iter().max());
+        let (Some(early), Some(late)) = (early, late) else { panic!("too few numbers") };
+        assert!(*late < early + 4096, "{}: resident pages grow from {early} to {late}: {pages:?}", self.what);
     }
 
     /// Panics unless the validation layer was there and said nothing.

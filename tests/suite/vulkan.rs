@@ -3,14 +3,13 @@
 
 use crate::compare::{compare, compare_with, expect_good, expect_identical, expect_similar};
 use crate::dialects::{CAMERAS, camera_of, planetarium_of, shown_by_fisheye, shown_by_window};
-use crate::display;
 use crate::picture::Picture;
-use crate::programs::{Finished, Run, installed, installed_on};
+use crate::programs::Run;
 use crate::reference::{Fisheye, Vector, cube_colour, cube_face};
 use std::io::Write;
 
 /// The ways in which the cube is drawn: how its pass begins, where its matrix is, and what else programs do.
-const WAYS: [&[&str]; 11] = [
+const WAYS: [&[&str]; 12] = [
     &["--pass", "1", "--matrix", "push"],
     &["--pass", "2", "--matrix", "block"],
     &["--pass", "dynamic", "--matrix", "push"],
@@ -22,6 +21,7 @@ const WAYS: [&[&str]; 11] = [
     &["--pass", "dynamic", "--matrix", "push", "--secondary", "--flip", "--samples", "4"],
     &["--pass", "2", "--matrix", "copied", "--secondary", "--once"],
     &["--pass", "imageless", "--matrix", "push", "--secondary"],
+    &["--pass", "dynamic", "--matrix", "pushed", "--flip"],
 ];
 
 const CIRCLE: Fisheye = Fisheye { width: 256.0, height: 256.0, aperture: 180.0, tilt: 90.0 };
@@ -132,7 +132,7 @@ fn as_with_opengl() {
 /// What is drawn flat after the scene lies on the panel, in front of it; what is drawn before it lies behind.
 #[test]
 fn flat_drawing_over_and_behind_the_scene() {
-    for way in [&["--matrix", "push"][..], &["--matrix", "dynamic", "--pass", "dynamic"]] {
+    for way in [&["--matrix", "push"][..], &["--matrix", "dynamic", "--pass", "dynamic"], &["--matrix", "pushed"]] {
         let over = [way, &["--flat", "over"]].concat();
         let run_over = run(&over, CAMERAS[1]);
         let Some(finished) = run_over.vulkan_under("fisheye") else { return };
@@ -345,50 +345,8 @@ fn many_sizes_leave_nothing_behind() {
         let extra = [way, &more].concat();
         let run = Run { frames: 84, cupola_frames: 84, ..run(&extra, CAMERAS[1]) };
         let Some(finished) = run.vulkan_under("fisheye") else { return };
-        let pages: Vec<u64> =
-            finished.text("memory.txt").lines().map(|line| line.parse().expect("a number of pages")).collect();
-        assert_eq!(pages.len(), 20, "{way:?}");
-        let (early, late) = (pages[5..10].iter().max(), pages[15..].iter().max());
-        let (Some(early), Some(late)) = (early, late) else { panic!("a maximum of five numbers") };
-        assert!(*late < early + 4096, "{way:?}: resident pages grow from {early} to {late}: {pages:?}");
+        finished.expect_flat_memory("memory.txt", 20);
     }
-}
-
-const SIZE: &str = "300";
-
-fn cube(rig: &str, more: &[&str]) -> Option<Finished> {
-    let options =
-        [&["--headless", "--frames", "12", "--capture", "capture.png", "--stats", "stats.json"], more].concat();
-    installed("vkcube", &["--width", SIZE, "--height", SIZE], rig, &options).map(Finished::expect_success)
-}
-
-/// A program of others: its cube is on the dome, its matrix is in a block.
-#[test]
-fn vkcube_is_drawn_for_each_view() {
-    let Some(under) = cube("fisheye", &["--capture-views", "views"]) else { return };
-    let statistics = under.statistics();
-    assert_eq!((statistics["frames"].as_u64(), statistics["panel_draws"].as_u64()), (Some(12), Some(0)));
-    assert!(statistics["driver"].as_str().is_some_and(|driver| driver.starts_with("Vulkan")), "{statistics:#}");
-    let shown = under.picture("capture.png");
-    let grey = [51, 51, 51];
-    let cube = shown.pixels.iter().filter(|pixel| **pixel != grey && **pixel != [0; 3]).count();
-    assert!((500..9000).contains(&cube), "{cube} pixels of a cube in a grey room");
-    assert!(under.wrote("views/front-left.png") && under.wrote("views/panel.png"));
-}
-
-/// Windows of 10 bits for each colour show what those of 8 bits show.
-#[test]
-fn vkcube_in_a_window_of_10_bits() {
-    let Some(display) = display::deep() else { return };
-    let options = ["--frames", "12", "--capture", "capture.png"];
-    let size = ["--width", SIZE, "--height", SIZE];
-    let (Some(eight), Some(ten)) = (cube("fisheye", &[]), installed_on(&display, "vkcube", &size, "fisheye", &options))
-    else {
-        return;
-    };
-    let ten = ten.expect_success();
-    assert!(!ten.words().contains("own picture"), "{}", ten.words());
-    expect_similar(&ten.picture("capture.png"), &eight.picture("capture.png"), 1, 1.0, "vkcube in 10 and in 8 bits");
 }
 
 /// A program that is shown flat: each pixel of the domemaster against the program's picture, from the definitions of

@@ -1,6 +1,9 @@
 //! A device of our own, without a window: for tests, measurements and `cupola doctor`.
 
 use super::api::{Api, refused};
+use super::barrier::{COLOR, Use, barrier};
+use super::images::SourceImage;
+use crate::correct::ImageSize;
 use crate::error::{Error, ErrorKind, Result};
 use ash::vk;
 use libloading::Library;
@@ -117,6 +120,28 @@ impl Headless {
     /// Finds the functions of its instance.
     pub fn get_instance_proc_addr(&self) -> vk::PFN_vkGetInstanceProcAddr {
         self.get_instance_proc_addr
+    }
+
+    /// Fills images, which have as many layers as `sizes` say, with a colour.
+    ///
+    /// # Errors
+    /// What the device says.
+    pub fn fill(&self, images: &[SourceImage], sizes: &[ImageSize], color: [f32; 4]) -> Result<()> {
+        let (device, color) = (&self.api.device, vk::ClearColorValue { float32: color });
+        self.run(|commands| {
+            for (source, size) in images.iter().zip(sizes) {
+                let (before, image) = (Use::nothing(vk::ImageLayout::UNDEFINED), (source.image, size.layers));
+                let range = vk::ImageSubresourceRange { layer_count: size.layers, ..COLOR };
+                let after = Use { layout: source.layout, stages: source.stages, access: source.access };
+                // SAFETY: the command buffer is being recorded, and the image is live.
+                unsafe {
+                    barrier(device, commands, image, before, Use::COPIED_TO);
+                    device.cmd_clear_color_image(commands, source.image, Use::COPIED_TO.layout, &color, &[range]);
+                    barrier(device, commands, image, Use::COPIED_TO, after);
+                }
+            }
+            Ok(())
+        })
     }
 
     /// Records commands, submits them, and waits until they are done.

@@ -51,6 +51,20 @@ pub struct TargetImage {
 }
 
 impl SourceImage {
+    /// The same image as a target: what was in it is lost, and it is left as it is found here.
+    pub fn overwritten(&self) -> TargetImage {
+        TargetImage {
+            image: self.image,
+            view: self.view,
+            format: self.format,
+            extent: self.extent,
+            initial_layout: vk::ImageLayout::UNDEFINED,
+            final_layout: self.layout,
+            before: (self.stages, self.access),
+            after: (self.stages, self.access),
+        }
+    }
+
     pub(super) fn check(&self, api: &Api, size: ImageSize) -> Result<()> {
         let what = "an image with views";
         if self.view.is_null() {

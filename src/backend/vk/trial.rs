@@ -1,9 +1,7 @@
 //! Corrections timed on a device of our own.
 
 use super::api::Api;
-use super::barrier::{COLOR, Use, barrier};
 use super::headless::Headless;
-use super::images::TargetImage;
 use super::passes::VkBackend;
 use super::surface::Surface;
 use crate::correct::map::MapPixel;
@@ -52,32 +50,10 @@ impl Trial {
     fn prepare(&self, backend: &mut VkBackend, plan: &Plan, views: &Surface) -> Result<()> {
         backend.prepare(plan, false, FORMAT)?;
         backend.set_sources(views.sources())?;
-        let missing = || Error::new(ErrorKind::Internal, "a surface has no image");
-        let (shown, picture) =
-            (self.target.sources().first().ok_or_else(missing)?, views.sources().first().ok_or_else(missing)?);
-        backend.set_targets(&[TargetImage {
-            image: shown.image,
-            view: shown.view,
-            format: FORMAT,
-            extent: shown.extent,
-            initial_layout: vk::ImageLayout::UNDEFINED,
-            final_layout: shown.layout,
-            before: (shown.stages, shown.access),
-            after: (shown.stages, shown.access),
-        }])?;
-        let grey = vk::ClearColorValue { float32: [0.3, 0.5, 0.7, 1.0] };
-        let device = &self.device.api.device;
-        self.device.run(|commands| {
-            let after = Use { layout: picture.layout, stages: picture.stages, access: picture.access };
-            let before = Use::nothing(vk::ImageLayout::UNDEFINED);
-            // SAFETY: the command buffer is being recorded, and the image is live.
-            unsafe {
-                barrier(device, commands, (picture.image, 1), before, Use::COPIED_TO);
-                device.cmd_clear_color_image(commands, picture.image, Use::COPIED_TO.layout, &grey, &[COLOR]);
-                barrier(device, commands, (picture.image, 1), Use::COPIED_TO, after);
-            }
-            Ok(())
-        })
+        let shown = self.target.sources().first();
+        let shown = shown.ok_or_else(|| Error::new(ErrorKind::Internal, "a surface has no image"))?;
+        backend.set_targets(&[shown.overwritten()])?;
+        self.device.fill(views.sources(), &Arrangement::Atlas.images(plan), [0.3, 0.5, 0.7, 1.0])
     }
 
     /// Corrects once. Seconds from recording until the device has finished.

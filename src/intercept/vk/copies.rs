@@ -109,91 +109,86 @@ fn atlas(shown: &Shown) -> vk::Extent3D {
     vk::Extent3D { width, height, depth: 1 }
 }
 
-/// After all views were copied into an atlas that is in `layout`.
+/// What a command copies, blits or resolves from image to image.
+trait Region: Clone {
+    /// The corners of what is read.
+    fn source(&self) -> [vk::Offset3D; 2];
+    /// The corners of what is written.
+    fn target(&self) -> [vk::Offset3D; 2];
+    /// Reads at another place.
+    fn read_at(&mut self, place: Rect);
+    /// Takes all of an image of this size.
+    fn take_all(&mut self, size: vk::Extent3D);
+}
+
+/// Regions with one extent.
+macro_rules! sized {
+    ($($kind:ty),+) => { $( impl Region for $kind {
+        fn source(&self) -> [vk::Offset3D; 2] {
+            extent(self.src_offset, self.extent)
+        }
+        fn target(&self) -> [vk::Offset3D; 2] {
+            extent(self.dst_offset, self.extent)
+        }
+        fn read_at(&mut self, place: Rect) {
+            self.src_offset = moved(self.src_offset, place);
+        }
+        fn take_all(&mut self, size: vk::Extent3D) {
+            self.extent = size;
+        }
+    } )+ };
+}
+sized!(vk::ImageCopy, vk::ImageResolve, vk::ImageCopy2<'_>, vk::ImageResolve2<'_>);
+
+/// Regions with corners.
+macro_rules! scaled {
+    ($($kind:ty),+) => { $( impl Region for $kind {
+        fn source(&self) -> [vk::Offset3D; 2] {
+            self.src_offsets
+        }
+        fn target(&self) -> [vk::Offset3D; 2] {
+            self.dst_offsets
+        }
+        fn read_at(&mut self, place: Rect) {
+            self.src_offsets = self.src_offsets.map(|offset| moved(offset, place));
+        }
+        fn take_all(&mut self, size: vk::Extent3D) {
+            self.src_offsets = extent(vk::Offset3D::default(), size);
+            self.dst_offsets = self.src_offsets;
+        }
+    } )+ };
+}
+scaled!(vk::ImageBlit, vk::ImageBlit2<'_>);
+
+/// Copies, blits or resolves by `next` (from, to, regions): as the program says, or what becomes of it. `to`: the image, and
+/// the layout that it is in.
 ///
 /// # Safety
-/// The command buffer is being recorded, outside of a pass.
-unsafe fn copied(device: &Device, buffer: vk::CommandBuffer, shown: &Shown, layout: vk::ImageLayout) {
-    // SAFETY: as promised.
-    unsafe { prints::make(device, buffer, shown, layout) };
-}
-
-/// A command that copies, blits or resolves from image to image: `$regions` of it have `$source` and `$target` as
-/// functions that give their corners, `$read` moves where a region reads, `$whole` makes it one of the whole atlas.
-macro_rules! between {
-    ($state:ident, $buffer:ident, $from:expr, $to:expr, $to_layout:expr, $regions:expr, $kind:ty,
-     $source:expr, $target:expr, $read:expr, $whole:expr, |$f:ident, $t:ident, $r:ident| $next:expr) => {{
-        let regions: &[$kind] = $regions;
-        let corners = regions.first().filter(|_| regions.len() == 1);
-        let (source, target): (fn(&$kind) -> [vk::Offset3D; 2], fn(&$kind) -> [vk::Offset3D; 2]) = ($source, $target);
-        let ends = (corners.map_or(NOTHING, source), corners.map_or(NOTHING, target));
-        match becomes(&$state, $buffer, ($from, ends.0), ($to, ends.1)) {
-            Becomes::Same => {
-                let ($f, $t, $r) = ($from, $to, regions);
-                $next
-            }
-            Becomes::Read(image, at) => {
-                let read: fn(&mut $kind, Rect) = $read;
-                let mut changed = regions.to_vec();
-                changed.iter_mut().for_each(|region| read(region, at));
-                let ($f, $t, $r) = (image, $to, &changed[..]);
-                $next
-            }
-            Becomes::Views(image, shown) => {
-                let whole: fn(&mut $kind, vk::Extent3D) = $whole;
-                let mut changed = regions.to_vec();
-                changed.iter_mut().for_each(|region| whole(region, atlas(&shown)));
-                {
-                    let ($f, $t, $r) = (image, shown.atlas, &changed[..]);
-                    $next
-                }
-                copied(&$state, $buffer, &shown, $to_layout);
-            }
+/// The command buffer is being recorded, outside of a pass; `next` records a command of the program's with other images.
+unsafe fn between<R: Region>(
+    device: &Device,
+    buffer: vk::CommandBuffer,
+    from: vk::Image,
+    (to, layout): (vk::Image, vk::ImageLayout),
+    regions: &[R],
+    next: impl Fn(vk::Image, vk::Image, &[R]),
+) {
+    let only = regions.first().filter(|_| regions.len() == 1);
+    let (source, target) = (only.map_or(NOTHING, R::source), only.map_or(NOTHING, R::target));
+    let changed = |change: &dyn Fn(&mut R)| {
+        let mut changed = regions.to_vec();
+        changed.iter_mut().for_each(change);
+        changed
+    };
+    match becomes(device, buffer, (from, source), (to, target)) {
+        Becomes::Same => next(from, to, regions),
+        Becomes::Read(image, place) => next(image, to, &changed(&|region| region.read_at(place))),
+        Becomes::Views(image, shown) => {
+            next(image, shown.atlas, &changed(&|region| region.take_all(atlas(&shown))));
+            // SAFETY: as promised; the atlas has just been written in this layout.
+            unsafe { prints::make(device, buffer, &shown, layout) };
         }
-    }};
-}
-
-/// The same for regions with an extent.
-macro_rules! sized {
-    ($state:ident, $buffer:ident, $from:expr, $to:expr, $to_layout:expr, $regions:expr, $kind:ty, $next:expr) => {
-        between!(
-            $state,
-            $buffer,
-            $from,
-            $to,
-            $to_layout,
-            $regions,
-            $kind,
-            |r| extent(r.src_offset, r.extent),
-            |r| extent(r.dst_offset, r.extent),
-            |r, at| r.src_offset = moved(r.src_offset, at),
-            |r, size| r.extent = size,
-            |f, t, r| $next(f, t, r)
-        )
-    };
-}
-
-/// The same for blits.
-macro_rules! scaled {
-    ($state:ident, $buffer:ident, $from:expr, $to:expr, $to_layout:expr, $regions:expr, $kind:ty, $next:expr) => {
-        between!(
-            $state,
-            $buffer,
-            $from,
-            $to,
-            $to_layout,
-            $regions,
-            $kind,
-            |r| r.src_offsets,
-            |r| r.dst_offsets,
-            |r, at| r.src_offsets = r.src_offsets.map(|offset| moved(offset, at)),
-            |r, size| {
-                r.src_offsets = extent(vk::Offset3D::default(), size);
-                r.dst_offsets = r.src_offsets;
-            },
-            |f, t, r| $next(f, t, r)
-        )
-    };
+    }
 }
 
 /// A copy between an image and a buffer: where an image is read, and whether it was one of the window's.
@@ -212,31 +207,28 @@ fn with_buffer(
 hooks! { copies;
     [c"vkCmdCopyImage"] cmd_copy_image: vk::PFN_vkCmdCopyImage = (
         buffer: vk::CommandBuffer, from: vk::Image, from_layout: vk::ImageLayout, to: vk::Image, to_layout: vk::ImageLayout, count: u32, regions: *const vk::ImageCopy
-    ) { |state, next| sized!(state, buffer, from, to, to_layout, super::slice(regions, count), vk::ImageCopy,
-        |f, t, r: &[vk::ImageCopy]| next(buffer, f, from_layout, t, to_layout, r.len() as u32, r.as_ptr())) }
+    ) { |state, next| between(&state, buffer, from, (to, to_layout), super::slice(regions, count),
+        |f, t, r| next(buffer, f, from_layout, t, to_layout, r.len() as u32, r.as_ptr())) }
     [c"vkCmdBlitImage"] cmd_blit_image: vk::PFN_vkCmdBlitImage = (
         buffer: vk::CommandBuffer, from: vk::Image, from_layout: vk::ImageLayout, to: vk::Image, to_layout: vk::ImageLayout, count: u32, regions: *const vk::ImageBlit, filter: vk::Filter
-    ) { |state, next| scaled!(state, buffer, from, to, to_layout, super::slice(regions, count), vk::ImageBlit,
-        |f, t, r: &[vk::ImageBlit]| next(buffer, f, from_layout, t, to_layout, r.len() as u32, r.as_ptr(), filter)) }
+    ) { |state, next| between(&state, buffer, from, (to, to_layout), super::slice(regions, count),
+        |f, t, r| next(buffer, f, from_layout, t, to_layout, r.len() as u32, r.as_ptr(), filter)) }
     [c"vkCmdResolveImage"] cmd_resolve_image: vk::PFN_vkCmdResolveImage = (
         buffer: vk::CommandBuffer, from: vk::Image, from_layout: vk::ImageLayout, to: vk::Image, to_layout: vk::ImageLayout, count: u32, regions: *const vk::ImageResolve
-    ) { |state, next| sized!(state, buffer, from, to, to_layout, super::slice(regions, count), vk::ImageResolve,
-        |f, t, r: &[vk::ImageResolve]| next(buffer, f, from_layout, t, to_layout, r.len() as u32, r.as_ptr())) }
+    ) { |state, next| between(&state, buffer, from, (to, to_layout), super::slice(regions, count),
+        |f, t, r| next(buffer, f, from_layout, t, to_layout, r.len() as u32, r.as_ptr())) }
     [c"vkCmdCopyImage2", c"vkCmdCopyImage2KHR"] cmd_copy_image2: vk::PFN_vkCmdCopyImage2 = (
         buffer: vk::CommandBuffer, info: *const vk::CopyImageInfo2<'_>
-    ) { |state, next| { let given = &*info; sized!(state, buffer, given.src_image, given.dst_image, given.dst_image_layout,
-        super::slice(given.p_regions, given.region_count), vk::ImageCopy2<'_>,
-        |f, t, r: &[vk::ImageCopy2<'_>]| next(buffer, &(*given).src_image(f).dst_image(t).regions(r))) } }
+    ) { |state, next| { let given = &*info; between(&state, buffer, given.src_image, (given.dst_image, given.dst_image_layout),
+        super::slice(given.p_regions, given.region_count), |f, t, r| next(buffer, &(*given).src_image(f).dst_image(t).regions(r))) } }
     [c"vkCmdBlitImage2", c"vkCmdBlitImage2KHR"] cmd_blit_image2: vk::PFN_vkCmdBlitImage2 = (
         buffer: vk::CommandBuffer, info: *const vk::BlitImageInfo2<'_>
-    ) { |state, next| { let given = &*info; scaled!(state, buffer, given.src_image, given.dst_image, given.dst_image_layout,
-        super::slice(given.p_regions, given.region_count), vk::ImageBlit2<'_>,
-        |f, t, r: &[vk::ImageBlit2<'_>]| next(buffer, &(*given).src_image(f).dst_image(t).regions(r))) } }
+    ) { |state, next| { let given = &*info; between(&state, buffer, given.src_image, (given.dst_image, given.dst_image_layout),
+        super::slice(given.p_regions, given.region_count), |f, t, r| next(buffer, &(*given).src_image(f).dst_image(t).regions(r))) } }
     [c"vkCmdResolveImage2", c"vkCmdResolveImage2KHR"] cmd_resolve_image2: vk::PFN_vkCmdResolveImage2 = (
         buffer: vk::CommandBuffer, info: *const vk::ResolveImageInfo2<'_>
-    ) { |state, next| { let given = &*info; sized!(state, buffer, given.src_image, given.dst_image, given.dst_image_layout,
-        super::slice(given.p_regions, given.region_count), vk::ImageResolve2<'_>,
-        |f, t, r: &[vk::ImageResolve2<'_>]| next(buffer, &(*given).src_image(f).dst_image(t).regions(r))) } }
+    ) { |state, next| { let given = &*info; between(&state, buffer, given.src_image, (given.dst_image, given.dst_image_layout),
+        super::slice(given.p_regions, given.region_count), |f, t, r| next(buffer, &(*given).src_image(f).dst_image(t).regions(r))) } }
     [c"vkCmdCopyBufferToImage"] cmd_copy_buffer_to_image: vk::PFN_vkCmdCopyBufferToImage = (
         buffer: vk::CommandBuffer, from: vk::Buffer, to: vk::Image, to_layout: vk::ImageLayout, count: u32, regions: *const vk::BufferImageCopy
     ) { |state, next| {

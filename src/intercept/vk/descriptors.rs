@@ -13,7 +13,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 pub struct SetLayout {
     /// Type and number of each binding.
     pub bindings: BTreeMap<u32, (vk::DescriptorType, u32)>,
-    /// Its descriptors are pushed, or lie in buffers: no set of ours can be bound beside them.
+    /// Its descriptors lie in buffers: no set of ours can be bound beside them.
     pub apart: bool,
     /// Descriptors may change while they are bound.
     pub changes_later: bool,
@@ -53,14 +53,28 @@ struct Set {
     buffers: HashMap<u32, (vk::Buffer, u64)>,
 }
 
-/// An entry of a template that describes buffers or images.
-struct TemplateEntry {
-    binding: u32,
-    first: u32,
-    kind: vk::DescriptorType,
-    count: u32,
-    offset: usize,
-    stride: usize,
+/// An entry of a template.
+pub struct TemplateEntry {
+    /// The binding that it describes.
+    pub binding: u32,
+    /// The first element there.
+    pub first: u32,
+    /// Kind of the descriptors.
+    pub kind: vk::DescriptorType,
+    /// Their number.
+    pub count: u32,
+    /// Where they begin in the program's data, bytes.
+    pub offset: usize,
+    /// From one to the next, bytes.
+    pub stride: usize,
+}
+
+/// A template for updates of descriptors.
+pub struct Template {
+    /// Its entries.
+    pub entries: Vec<TemplateEntry>,
+    /// Where descriptors are pushed by it: they are for graphics.
+    pub graphics: bool,
 }
 
 /// Descriptor sets and their layouts.
@@ -68,13 +82,18 @@ struct TemplateEntry {
 pub struct Descriptors {
     layouts: Mutex<HashMap<vk::DescriptorSetLayout, Arc<SetLayout>>>,
     sets: Mutex<HashMap<vk::DescriptorSet, Set>>,
-    templates: Mutex<HashMap<vk::DescriptorUpdateTemplate, Arc<Vec<TemplateEntry>>>>,
+    templates: Mutex<HashMap<vk::DescriptorUpdateTemplate, Arc<Template>>>,
 }
 
 impl Descriptors {
     /// A layout.
     pub fn layout(&self, handle: vk::DescriptorSetLayout) -> Option<Arc<SetLayout>> {
         self.layouts.lock().unwrap_or_else(PoisonError::into_inner).get(&handle).cloned()
+    }
+
+    /// A template.
+    pub fn template(&self, handle: vk::DescriptorUpdateTemplate) -> Option<Arc<Template>> {
+        self.templates.lock().unwrap_or_else(PoisonError::into_inner).get(&handle).cloned()
     }
 
     /// How many dynamic offsets are given when a set is bound.
@@ -166,13 +185,13 @@ impl Descriptors {
 }
 
 /// What shaders read pictures by.
-fn is_picture(kind: vk::DescriptorType) -> bool {
+pub fn is_picture(kind: vk::DescriptorType) -> bool {
     use vk::DescriptorType as T;
     [T::COMBINED_IMAGE_SAMPLER, T::SAMPLED_IMAGE, T::STORAGE_IMAGE, T::INPUT_ATTACHMENT].contains(&kind)
 }
 
 /// Those of them that pictures of the scene can be exchanged in.
-fn is_sampled(kind: vk::DescriptorType) -> bool {
+pub fn is_sampled(kind: vk::DescriptorType) -> bool {
     [vk::DescriptorType::COMBINED_IMAGE_SAMPLER, vk::DescriptorType::SAMPLED_IMAGE].contains(&kind)
 }
 
@@ -189,7 +208,7 @@ hooks! { descriptors;
             let bindings = super::slice((*info).p_bindings, (*info).binding_count);
             let bindings = bindings.iter().map(|b| (b.binding, (b.descriptor_type, b.descriptor_count))).collect();
             use vk::DescriptorSetLayoutCreateFlags as F;
-            let apart = (*info).flags.intersects(F::PUSH_DESCRIPTOR_KHR | F::DESCRIPTOR_BUFFER_EXT);
+            let apart = (*info).flags.contains(F::DESCRIPTOR_BUFFER_EXT);
             let changes_later = (*info).flags.contains(F::UPDATE_AFTER_BIND_POOL);
             let new = Arc::new(SetLayout { bindings, apart, changes_later });
             state.descriptors.layouts.lock().unwrap_or_else(PoisonError::into_inner).insert(*layout, new);
@@ -278,7 +297,8 @@ hooks! { descriptors;
                 offset: e.offset,
                 stride: e.stride,
             };
-            let new = Arc::new(entries.iter().map(entry).collect());
+            let graphics = (*info).pipeline_bind_point == vk::PipelineBindPoint::GRAPHICS;
+            let new = Arc::new(Template { entries: entries.iter().map(entry).collect(), graphics });
             state.descriptors.templates.lock().unwrap_or_else(PoisonError::into_inner).insert(*template, new);
         }
         result
@@ -290,10 +310,10 @@ hooks! { descriptors;
         next(device, template, allocator)
     } }
     [c"vkUpdateDescriptorSetWithTemplate", c"vkUpdateDescriptorSetWithTemplateKHR"] update_with_template: vk::PFN_vkUpdateDescriptorSetWithTemplate = (
-        device: vk::Device, set: vk::DescriptorSet, template: vk::DescriptorUpdateTemplate, data: *const std::ffi::c_void
+        device: vk::Device, set: vk::DescriptorSet, handle: vk::DescriptorUpdateTemplate, data: *const std::ffi::c_void
     ) { |state, next| {
-        let entries = state.descriptors.templates.lock().unwrap_or_else(PoisonError::into_inner).get(&template).cloned();
-        for entry in entries.iter().flat_map(|entries| entries.iter()) {
+        let template = state.descriptors.template(handle);
+        for entry in template.iter().flat_map(|template| &template.entries) {
             let place = data.cast::<u8>().add(entry.offset);
             if is_buffer(entry.kind) && entry.first == 0 && entry.count > 0 {
                 let info = std::ptr::read_unaligned(place.cast::<vk::DescriptorBufferInfo>());
@@ -310,7 +330,7 @@ hooks! { descriptors;
                 (0..entry.count).for_each(|index| state.descriptors.write(set, (entry.binding, entry.first + index), None));
             }
         }
-        next(device, set, template, data)
+        next(device, set, handle, data)
     } }
 }
 

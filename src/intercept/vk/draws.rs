@@ -113,12 +113,16 @@ unsafe fn rebind(device: &Device, buffer: vk::CommandBuffer, recording: &mut Rec
         return;
     }
     for (number, bound) in (0..layout.ours).zip(&recording.bound).filter(|(number, _)| *number >= from) {
-        if let Some(bound) = bound {
-            // SAFETY: as promised; the program bound the set for this place.
-            unsafe {
-                let point = vk::PipelineBindPoint::GRAPHICS;
-                let functions = &device.functions;
-                functions.cmd_bind_descriptor_sets(buffer, point, layout.handle, number, &[bound.set], &bound.dynamic);
+        let Some(bound) = bound else { continue };
+        // SAFETY: as promised; the program bound the set, or pushed it, for this place.
+        unsafe {
+            let (functions, point) = (&device.functions, vk::PipelineBindPoint::GRAPHICS);
+            match &bound.pushed {
+                Some(pushed) => pushed.repeat(device, buffer, layout.handle, number),
+                None => {
+                    let (sets, dynamic) = ([bound.set], &bound.dynamic);
+                    functions.cmd_bind_descriptor_sets(buffer, point, layout.handle, number, &sets, dynamic);
+                }
             }
         }
     }

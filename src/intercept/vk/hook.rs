@@ -82,6 +82,8 @@ pub struct NextLayer {
     pub layouts: super::layouts::Next,
     /// Descriptors.
     pub descriptors: super::descriptors::Next,
+    /// Descriptors that are pushed.
+    pub pushed: super::pushed::Next,
     /// Buffers and memory.
     pub memory: super::memory::Next,
     /// Images.
@@ -109,6 +111,7 @@ impl NextLayer {
                 pipelines: super::pipelines::Next::load(find),
                 layouts: super::layouts::Next::load(find),
                 descriptors: super::descriptors::Next::load(find),
+                pushed: super::pushed::Next::load(find),
                 memory: super::memory::Next::load(find),
                 images: super::images::Next::load(find),
                 transfers: super::transfers::Next::load(find),
@@ -135,6 +138,7 @@ pub fn find(name: &CStr) -> Option<*const ()> {
             super::pipelines::HOOKS,
             super::layouts::HOOKS,
             super::descriptors::HOOKS,
+            super::pushed::HOOKS,
             super::memory::HOOKS,
             super::images::HOOKS,
             super::transfers::HOOKS,

@@ -199,7 +199,7 @@ impl Images {
         let mut images = self.images.lock().unwrap_or_else(PoisonError::into_inner);
         let Some(state) = images.get_mut(&image) else { return };
         state.described = true;
-        if !sampled && state.may_hold_scene() {
+        if !(sampled && state.is_single()) && state.may_hold_scene() {
             device.paths.leads(image, Made::Elsewhere);
         }
         // Of a scene there are prints.

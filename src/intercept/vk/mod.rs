@@ -6,7 +6,7 @@
 //!
 //! While a program draws to a swapchain's image, [`passes`] let it draw to an atlas, and [`draws`] issue each draw to
 //! each tile. What is known of the program's objects is in [`images`], [`framebuffers`], [`pipelines`], [`layouts`],
-//! [`descriptors`] and [`memory`]; of its command buffers in [`recording`]. [`runs`] find its lens when they are
+//! [`descriptors`], [`pushed`] and [`memory`]; of its command buffers in [`recording`]. [`runs`] find its lens when they are
 //! submitted; [`offscreen`] finds scenes that reach the window through images of the program's own, of which there are
 //! [`prints`] for its shaders. What cannot be followed is shown flat, on the panel, with the reason in the log.
 
@@ -30,6 +30,7 @@ pub mod passes;
 pub mod pipelines;
 pub mod present;
 pub mod prints;
+pub mod pushed;
 pub mod readback;
 pub mod recording;
 pub mod rows;

@@ -5,6 +5,7 @@ use super::device::Device;
 use super::hook::hooks;
 use super::images::Shown;
 use super::pipelines::{Pipeline, in_chain};
+use super::pushed::Pushed;
 use super::rows::Taken;
 use super::runs::{Run, Source};
 use ash::vk;
@@ -21,6 +22,18 @@ pub struct Bound {
     pub set: vk::DescriptorSet,
     /// Its dynamic offsets.
     pub dynamic: Vec<u32>,
+    /// In its place: what was pushed.
+    pub pushed: Option<Pushed>,
+}
+
+impl Bound {
+    /// The buffer of a binding, and where it begins.
+    pub fn buffer(&self, device: &Device, binding: u32) -> Option<(vk::Buffer, u64)> {
+        match &self.pushed {
+            Some(pushed) => pushed.buffer(binding),
+            None => device.descriptors.buffer(self.set, &self.dynamic, binding),
+        }
+    }
 }
 
 /// What happens when a command buffer runs, as far as it matters when it is submitted.

@@ -287,7 +287,7 @@ pub fn source(device: &Device, recording: &Recording, matrix: &Matrix) -> Option
         }
         Memory::Buffer { set, binding } => {
             let bound = recording.bound.get(set as usize)?.as_ref()?;
-            let (buffer, offset) = device.descriptors.buffer(bound.set, &bound.dynamic, binding)?;
+            let (buffer, offset) = bound.buffer(device, binding)?;
             Value::Buffer(buffer, offset + u64::from(matrix.offset))
         }
     };

@@ -32,7 +32,7 @@ hooks! { state;
                 let number = (state.descriptors.dynamic_offsets(*set) as usize).min(offsets.len());
                 let (own, rest) = offsets.split_at(number);
                 offsets = rest;
-                Bound { set: *set, dynamic: own.to_vec() }
+                Bound { set: *set, dynamic: own.to_vec(), pushed: None }
             }).collect();
             state.recordings.with(buffer, |recording| {
                 let end = first as usize + bound.len();

@@ -17,21 +17,28 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 static vulkan_window w;
 static picture depth, samples;
 static VkRenderPass pass;
-static VkDescriptorSetLayout set_layout;
+static VkDescriptorSetLayout set_layout, pushed_layout;
 static VkDescriptorPool descriptors;
 static VkDescriptorSet sets[MOST_IMAGES];
-static VkPipelineLayout layout;
-static linked_pipeline pipeline;
+static VkPipelineLayout layout, plain_layout;
+static linked_pipeline pipeline, plain_pipeline;
 static VkFramebuffer framebuffers[MOST_IMAGES];
 static VkCommandBuffer commands[MOST_IMAGES], inner[MOST_IMAGES];
 static frame_objects objects;
 static block blocks[MOST_IMAGES], staging[MOST_IMAGES], indirect;
 
 enum { SLICE = 256 }; /* from one matrix of a block to the next: the largest alignment that a device may ask for */
+
+/* Its descriptors are pushed, where the device can. */
+static bool pushes(void)
+{
+    return options.matrix == MATRIX_PUSHED_SET && w.has.push_descriptor;
+}
 
 static bool multisampled(void)
 {
@@ -111,9 +118,12 @@ static void make_layout(void)
     const VkDescriptorType kind =
         dynamic ? VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER_DYNAMIC : VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
     const VkDescriptorSetLayoutBinding binding = {0, kind, 1, VK_SHADER_STAGE_VERTEX_BIT, NULL};
-    const VkDescriptorSetLayoutCreateInfo set = {
+    VkDescriptorSetLayoutCreateInfo set = {
         .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO, .bindingCount = 1, .pBindings = &binding};
     expect(vkCreateDescriptorSetLayout(w.device, &set, NULL, &set_layout), "vkCreateDescriptorSetLayout");
+    set.flags = VK_DESCRIPTOR_SET_LAYOUT_CREATE_PUSH_DESCRIPTOR_BIT_KHR;
+    if (pushes())
+        expect(vkCreateDescriptorSetLayout(w.device, &set, NULL, &pushed_layout), "vkCreateDescriptorSetLayout");
     const VkDescriptorPoolSize size = {kind, MOST_IMAGES};
     const VkDescriptorPoolCreateInfo info = {.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
                                              .maxSets = MOST_IMAGES,
@@ -122,12 +132,16 @@ static void make_layout(void)
     expect(vkCreateDescriptorPool(w.device, &info, NULL, &descriptors), "vkCreateDescriptorPool");
     const VkPushConstantRange range = {VK_SHADER_STAGE_VERTEX_BIT, 0, sizeof(matrix4)};
     const bool push = options.matrix == MATRIX_PUSH;
-    const VkPipelineLayoutCreateInfo pipeline_layout = {.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
+    VkPipelineLayoutCreateInfo pipeline_layout = {.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
                                                         .setLayoutCount = push ? 0 : 1,
-                                                        .pSetLayouts = &set_layout,
+                                                        .pSetLayouts = pushes() ? &pushed_layout : &set_layout,
                                                         .pushConstantRangeCount = push ? 1 : 0,
                                                         .pPushConstantRanges = &range};
     expect(vkCreatePipelineLayout(w.device, &pipeline_layout, NULL, &layout), "vkCreatePipelineLayout");
+    pipeline_layout.setLayoutCount = 0;
+    pipeline_layout.pushConstantRangeCount = 1;
+    if (pushes())
+        expect(vkCreatePipelineLayout(w.device, &pipeline_layout, NULL, &plain_layout), "vkCreatePipelineLayout");
     const bool copied = options.matrix == MATRIX_COPIED;
     for (uint32_t i = 0; i < MOST_IMAGES; i++) {
         blocks[i] = make_block(&w, 3 * SLICE, VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT, !copied);
@@ -159,16 +173,21 @@ static void make_cube_pipeline(void)
     const shader_words vertex = options.columns                 ? SHADER(cube_columns)
                                 : options.matrix == MATRIX_PUSH ? SHADER(cube_push)
                                                                 : SHADER(cube_block);
-    const pipeline_description description = {.vertex = vertex,
-                                              .fragment = SHADER(cube_frag),
-                                              .layout = layout,
-                                              .pass = pass,
-                                              .color = w.format,
-                                              .depth = DEPTH_FORMAT,
-                                              .samples = (VkSampleCountFlagBits)options.samples,
-                                              .deep = true,
-                                              .viewport = options.fixed ? &window : NULL};
+    pipeline_description description = {.vertex = vertex,
+                                        .fragment = SHADER(cube_frag),
+                                        .layout = layout,
+                                        .pass = pass,
+                                        .color = w.format,
+                                        .depth = DEPTH_FORMAT,
+                                        .samples = (VkSampleCountFlagBits)options.samples,
+                                        .deep = true,
+                                        .viewport = options.fixed ? &window : NULL};
     pipeline = make_pipeline(&w, &description);
+    if (pushes()) {
+        description.vertex = SHADER(cube_push);
+        description.layout = plain_layout;
+        plain_pipeline = make_pipeline(&w, &description);
+    }
 }
 
 static void make_framebuffers(void)
@@ -238,12 +257,26 @@ static void fill_block(uint32_t index)
     memcpy(bytes + 2 * SLICE, &flat, sizeof flat);
 }
 
+static void push_block(VkCommandBuffer buffer, uint32_t index, uint32_t offset)
+{
+    PFN_vkCmdPushDescriptorSetKHR push =
+        (PFN_vkCmdPushDescriptorSetKHR)vkGetDeviceProcAddr(w.device, "vkCmdPushDescriptorSetKHR");
+    const VkDescriptorBufferInfo info = {blocks[index].buffer, offset, sizeof(matrix4)};
+    const VkWriteDescriptorSet write = {.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
+                                        .descriptorCount = 1,
+                                        .descriptorType = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER,
+                                        .pBufferInfo = &info};
+    push(buffer, VK_PIPELINE_BIND_POINT_GRAPHICS, layout, 0, 1, &write);
+}
+
 static void draw_one(VkCommandBuffer buffer, uint32_t index, bool flat)
 {
     const matrix4 matrix = flat ? flat_matrix() : direction_matrix(&options.direction, w.extent, options.flip);
     const uint32_t offset = flat ? 2 * SLICE : SLICE;
     if (options.matrix == MATRIX_PUSH)
         vkCmdPushConstants(buffer, layout, VK_SHADER_STAGE_VERTEX_BIT, 0, sizeof matrix, &matrix);
+    else if (pushes())
+        push_block(buffer, index, offset);
     else
         vkCmdBindDescriptorSets(buffer, VK_PIPELINE_BIND_POINT_GRAPHICS, layout, 0, 1, &sets[index],
                                 options.matrix == MATRIX_DYNAMIC_BLOCK ? 1 : 0, &offset);
@@ -251,6 +284,18 @@ static void draw_one(VkCommandBuffer buffer, uint32_t index, bool flat)
         vkCmdDrawIndirect(buffer, indirect.buffer, 0, 1, sizeof(VkDrawIndirectCommand));
     else
         vkCmdDraw(buffer, 36, 1, 0, 0);
+}
+
+/* The background, by a pipeline without sets, between what is pushed for the cube and the cube. */
+static void draw_between(VkCommandBuffer buffer, uint32_t index)
+{
+    const matrix4 flat = flat_matrix();
+    push_block(buffer, index, SLICE);
+    vkCmdBindPipeline(buffer, VK_PIPELINE_BIND_POINT_GRAPHICS, plain_pipeline.whole);
+    vkCmdPushConstants(buffer, plain_layout, VK_SHADER_STAGE_VERTEX_BIT, 0, sizeof flat, &flat);
+    vkCmdDraw(buffer, 36, 1, 0, 0);
+    vkCmdBindPipeline(buffer, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline.whole);
+    vkCmdDraw(buffer, 36, 1, 0, 0);
 }
 
 static void draw(VkCommandBuffer buffer, uint32_t index)
@@ -261,6 +306,10 @@ static void draw(VkCommandBuffer buffer, uint32_t index)
     if (!options.fixed) {
         vkCmdSetViewport(buffer, 0, 1, &window);
         vkCmdSetScissor(buffer, 0, 1, &scissor);
+    }
+    if (options.flat == 2 && pushes()) {
+        draw_between(buffer, index);
+        return;
     }
     if (options.flat == 2)
         draw_one(buffer, index, true);
@@ -414,7 +463,8 @@ static void frame(void)
 
 static void open_all(void)
 {
-    window_open(&w, options.direction.x, options.direction.y, options.direction.width, options.direction.height, options.srgb, false,
+    window_open(&w, options.direction.x, options.direction.y, options.direction.width, options.direction.height, options.srgb,
+                options.matrix == MATRIX_PUSHED_SET,
                 options.copy_window ? VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT : 0);
     if (options.pass != PASS_DYNAMIC)
         make_pass();
@@ -432,9 +482,12 @@ static void close_all(void)
     expect(vkDeviceWaitIdle(w.device), "vkDeviceWaitIdle");
     free_framebuffers();
     free_pipeline(&w, &pipeline);
+    free_pipeline(&w, &plain_pipeline);
     vkDestroyPipelineLayout(w.device, layout, NULL);
+    vkDestroyPipelineLayout(w.device, plain_layout, NULL);
     vkDestroyDescriptorPool(w.device, descriptors, NULL);
     vkDestroyDescriptorSetLayout(w.device, set_layout, NULL);
+    vkDestroyDescriptorSetLayout(w.device, pushed_layout, NULL);
     vkDestroyRenderPass(w.device, pass, NULL);
     free_frame_objects(&w, &objects);
     for (uint32_t i = 0; i < MOST_IMAGES; i++) {
@@ -456,10 +509,11 @@ int main(int argc, char **argv)
             window_ask_size(&w, options.direction.width + odd + (uint32_t)(number % 7), options.direction.height + odd);
             free_framebuffers();
             free_pipeline(&w, &pipeline);
+            free_pipeline(&w, &plain_pipeline);
             window_make_swapchain(&w);
             follow_size();
             if (options.memory != NULL)
-                write_memory(options.memory);
+                write_memory(options.memory, getpid());
         }
         frame();
         if (options.direction.shot != NULL)

@@ -2,7 +2,9 @@
 #ifndef APPS_VULKAN_MEMORY_H
 #define APPS_VULKAN_MEMORY_H
 
-/* Appends a line to a file: the resident memory of this process, in pages. Ends the program where that cannot be. */
-void write_memory(const char *path);
+#include <sys/types.h>
+
+/* Appends a line to a file: the resident memory of a process, in pages. Ends this program where that cannot be. */
+void write_memory(const char *path, pid_t process);
 
 #endif

@@ -9,7 +9,7 @@ vulkan_options options = {.direction = DIRECTION_DEFAULTS, .samples = 1};
 static void usage(void)
 {
     fprintf(stderr, "usage: vk_cube " DIRECTION_USAGE "\n"
-                    "  [--samples N] [--pass 1|2|dynamic|imageless] [--matrix push|block|dynamic|copied] [--once] [--srgb] [--flip]\n"
+                    "  [--samples N] [--pass 1|2|dynamic|imageless] [--matrix push|block|dynamic|copied|pushed] [--once] [--srgb] [--flip]\n"
                     "  [--secondary] [--indirect] [--fixed] [--columns] [--copy-window] [--flat over|before] [--resizes N] [--memory FILE]\n");
     exit(2);
 }
@@ -42,7 +42,7 @@ static bool is_flag(const char *option)
 void parse(int argc, char **argv)
 {
     static const char *const passes[] = {"1", "2", "dynamic", "imageless"};
-    static const char *const matrices[] = {"push", "block", "dynamic", "copied"};
+    static const char *const matrices[] = {"push", "block", "dynamic", "copied", "pushed"};
     static const char *const flats[] = {"none", "over", "before"};
     for (int i = 1; i < argc; i++) {
         const char *option = argv[i];
@@ -58,7 +58,7 @@ void parse(int argc, char **argv)
         else if (strcmp(option, "--pass") == 0)
             options.pass = (pass_kind)known(value, passes, 4);
         else if (strcmp(option, "--matrix") == 0)
-            options.matrix = (matrix_kind)known(value, matrices, 4);
+            options.matrix = (matrix_kind)known(value, matrices, 5);
         else if (strcmp(option, "--flat") == 0)
             options.flat = known(value, flats, 3);
         else if (strcmp(option, "--memory") == 0)

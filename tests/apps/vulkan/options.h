@@ -5,7 +5,7 @@
 #include "direction.h"
 
 typedef enum { PASS_1, PASS_2, PASS_DYNAMIC, PASS_IMAGELESS } pass_kind;
-typedef enum { MATRIX_PUSH, MATRIX_BLOCK, MATRIX_DYNAMIC_BLOCK, MATRIX_COPIED } matrix_kind;
+typedef enum { MATRIX_PUSH, MATRIX_BLOCK, MATRIX_DYNAMIC_BLOCK, MATRIX_COPIED, MATRIX_PUSHED_SET } matrix_kind;
 
 typedef struct {
     direction_options direction;

@@ -61,6 +61,7 @@ static uint32_t add_newest(vulkan_window *w, const char **list, uint32_t count)
                {VK_KHR_INCREMENTAL_PRESENT_EXTENSION_NAME, &w->has.incremental_present},
                {VK_KHR_PRESENT_ID_EXTENSION_NAME, &w->has.present_id},
                {VK_KHR_PRESENT_WAIT_EXTENSION_NAME, &w->has.present_wait},
+               {VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME, &w->has.push_descriptor},
                {VK_KHR_PIPELINE_LIBRARY_EXTENSION_NAME, &w->has.libraries},
                {VK_EXT_GRAPHICS_PIPELINE_LIBRARY_EXTENSION_NAME, &w->has.libraries}};
     for (size_t i = 0; i < sizeof all / sizeof all[0]; i++) {

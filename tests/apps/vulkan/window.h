@@ -25,7 +25,7 @@ typedef struct {
 
 /* Extensions of the device that are enabled where the program asks for the newest ones. */
 typedef struct {
-    bool mutable_format, incremental_present, present_id, present_wait, libraries;
+    bool mutable_format, incremental_present, present_id, present_wait, libraries, push_descriptor;
 } window_extensions;
 
 typedef struct {

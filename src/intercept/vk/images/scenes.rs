@@ -39,6 +39,11 @@ impl Image {
             && self.shown.as_ref().is_none_or(|shown| !shown.window)
     }
 
+    /// Whether it has one sample in each pixel: pictures with more cannot be copied into prints.
+    pub(super) fn is_single(&self) -> bool {
+        self.samples == vk::SampleCountFlags::TYPE_1
+    }
+
     fn kind(&self) -> Kind {
         (self.format, self.usage, self.samples)
     }
@@ -115,7 +120,7 @@ impl Images {
         let (kind, flags, described) = {
             let images = self.images.lock().unwrap_or_else(PoisonError::into_inner);
             let Some(state) = images.get(&image).filter(|state| state.size == layout.window) else { return Ok(()) };
-            (state.kind(), state.flags, state.usage.contains(vk::ImageUsageFlags::SAMPLED))
+            (state.kind(), state.flags, state.usage.contains(vk::ImageUsageFlags::SAMPLED) && state.is_single())
         };
         // The twin is made as for any image that is drawn to; then it is the atlas.
         let atlas = self.twin_image(device, image, layout, true)?;

@@ -1,0 +1,56 @@
+//! Vulkan programs that others wrote.
+
+use crate::compare::expect_similar;
+use crate::display;
+use crate::programs::{Finished, installed, installed_on, resized};
+
+const SIZE: &str = "300";
+
+fn cube(rig: &str, more: &[&str]) -> Option<Finished> {
+    let options =
+        [&["--headless", "--frames", "12", "--capture", "capture.png", "--stats", "stats.json"], more].concat();
+    installed("vkcube", &["--width", SIZE, "--height", SIZE], rig, &options).map(Finished::expect_success)
+}
+
+/// Its cube is on the dome, its matrix is in a block.
+#[test]
+fn vkcube_is_drawn_for_each_view() {
+    let Some(under) = cube("fisheye", &["--capture-views", "views"]) else { return };
+    let statistics = under.statistics();
+    assert_eq!((statistics["frames"].as_u64(), statistics["panel_draws"].as_u64()), (Some(12), Some(0)));
+    assert!(statistics["driver"].as_str().is_some_and(|driver| driver.starts_with("Vulkan")), "{statistics:#}");
+    let shown = under.picture("capture.png");
+    let grey = [51, 51, 51];
+    let cube = shown.pixels.iter().filter(|pixel| **pixel != grey && **pixel != [0; 3]).count();
+    assert!((500..9000).contains(&cube), "{cube} pixels of a cube in a grey room");
+    assert!(under.wrote("views/front-left.png") && under.wrote("views/panel.png"));
+}
+
+/// Windows of 10 bits for each colour show what those of 8 bits show.
+#[test]
+fn vkcube_in_a_window_of_10_bits() {
+    let Some(display) = display::own(30) else { return };
+    let options = ["--frames", "12", "--capture", "capture.png"];
+    let size = ["--width", SIZE, "--height", SIZE];
+    let (Some(eight), Some(ten)) = (cube("fisheye", &[]), installed_on(&display, "vkcube", &size, "fisheye", &options))
+    else {
+        return;
+    };
+    let ten = ten.expect_success();
+    assert!(!ten.words().contains("own picture"), "{}", ten.words());
+    expect_similar(&ten.picture("capture.png"), &eight.picture("capture.png"), 1, 1.0, "vkcube in 10 and in 8 bits");
+}
+
+/// In a thousand frames of twenty sizes the validation layer says nothing that it does not say without Cupola, which covers what
+/// was made and is not destroyed, and memory does not grow.
+#[test]
+fn vkcube_through_twenty_sizes_in_a_thousand_frames() {
+    let program = ["vkcube", "--width", "321", "--height", "243", "--c", "1000"];
+    let (Some(plain), Some(under)) = (resized(None, "20", &program), resized(Some("fisheye"), "20", &program)) else {
+        return;
+    };
+    let known = plain.kinds_of_messages();
+    let new: Vec<_> = under.kinds_of_messages().into_iter().filter(|message| !known.contains(message)).collect();
+    assert!(new.is_empty(), "{new:?}");
+    under.expect_flat_memory("memory.txt", 20);
+}
