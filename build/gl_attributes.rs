@@ -118,7 +118,7 @@ pub fn is_attribute(name: &str) -> bool {
 ///
 /// The first: name, parameters, the command that takes the same components as an array, what is set, the parameters
 /// before the components (a unit, a number), the components. The second: the commands that take an array, with
-/// place and type of the parameters before it, and its own place.
+/// place and type of the parameters before it, its own place, and whether its components are the numbers themselves.
 pub fn generate(declarations: &[Declaration]) -> String {
     let mut commands = String::new();
     let mut arrays = String::new();
@@ -143,7 +143,9 @@ pub fn generate(declarations: &[Declaration]) -> String {
             .expect("writing to a String");
         if form.vector {
             let places = parameters[..before].iter().enumerate().map(|(place, (_, kind))| format!("{place}: {kind}"));
-            writeln!(arrays, "        {method}({}) {before};", join(places.collect())).expect("writing to a String");
+            let plain = form.kind.is_none() && form.type_name != "h";
+            writeln!(arrays, "        {method}({}) {before} {plain};", join(places.collect()))
+                .expect("writing to a String");
         }
     }
     format!("attribute_commands! {{\n    {{\n{commands}    }}\n    {{\n{arrays}    }}\n}}\n")

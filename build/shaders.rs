@@ -13,6 +13,7 @@ use std::fmt::Write;
 const PASSES: &[(&str, &[&str], &[&str])] = &[
     ("Fisheye", &["common.wgsl", "fisheye.wgsl"], &["present", "map"]),
     ("Projector", &["common.wgsl", "projector.wgsl"], &["present", "map"]),
+    ("Optics", &["common.wgsl", "optics.wgsl"], &["present", "map"]),
     ("Perspective", &["common.wgsl", "perspective.wgsl"], &["present", "map"]),
     ("Panorama", &["common.wgsl", "panorama.wgsl"], &["present", "map"]),
     ("Table", &["common.wgsl", "table.wgsl"], &["present", "map"]),

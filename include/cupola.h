@@ -508,6 +508,46 @@ enum cupola_status cupola_gl_get_statistics(struct cupola_gl *gl,
 enum cupola_status cupola_gl_destroy(struct cupola_gl *gl);
 
 /*
+ As `cupola_gl_create`, for a program that draws all views by the functions of `cupola_gl_projection_source`. An
+ output with the method `vertex` or `primitive` then has one view, which is its own picture, pixel for pixel; the matrices of
+ `cupola_gl_get_view` do not lead there. Edges between vertices stay straight: the program's models have to be fine.
+
+ # Safety
+ As for `cupola_gl_create`.
+ */
+enum cupola_status cupola_gl_create_projecting(const struct cupola_rig *rig,
+                                               const struct cupola_gl_options *options,
+                                               struct cupola_gl **gl);
+
+/*
+ GLSL for the last stage before rasterisation: `uniform vec4 cupola_view[8]` and `vec4 cupola_fix(vec4)`, which takes
+ what the program would give to `gl_Position`, with its own projection, to the view. It stands after `#version` and
+ before `main`, and needs GLSL 1.20 or ESSL 3.00 (`for_es` not 0).
+
+ `buffer`: room for `size` bytes, or null to ask only for the length. `length` (may be null): the whole text's length
+ in bytes without the NUL. What does not fit is cut.
+
+ # Safety
+ `buffer` has room for `size` bytes or is null; `length` is null or writable.
+ */
+enum cupola_status cupola_gl_projection_source(int32_t for_es,
+                                               char *buffer,
+                                               size_t size,
+                                               size_t *length);
+
+/*
+ The 8 vectors of `cupola_view` for a view, if the program draws with the perspective `matrix` (16 numbers, column by
+ column). They change with the view, with the matrix and with the size.
+
+ # Safety
+ `gl` is a live handle; `matrix` points at 16 numbers, `vectors` at room for 32.
+ */
+enum cupola_status cupola_gl_get_projection(struct cupola_gl *gl,
+                                            uint32_t index,
+                                            const float *matrix,
+                                            float *vectors);
+
+/*
  How an output (numbered as in the rig, from 0) is blended now. Set `blend->struct_size` before.
 
  # Safety

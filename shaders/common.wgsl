@@ -165,6 +165,24 @@ fn polynomial(low: vec4<f32>, high: vec4<f32>, s: f32) -> f32 {
         + (s2 * s2) * ((high.x + high.y * s) + s2 * (high.z + high.w * s));
 }
 
+// What a fisheye sees at a point of its disc, s = |disc|², any length: two polynomials and a root.
+fn radial(
+    disc: vec2<f32>,
+    s: f32,
+    sine: array<vec4<f32>, 2>,
+    cosine: array<vec4<f32>, 2>,
+    root: vec3<f32>,
+) -> vec3<f32> {
+    var across = polynomial(sine[0], sine[1], s);
+    var along = polynomial(cosine[0], cosine[1], s);
+    if root.x != 0.0 {
+        let rest = sqrt(max(1.0 - root.x * s, 0.0));
+        across += root.y * rest;
+        along += root.z * rest;
+    }
+    return vec3<f32>(disc * across, -along);
+}
+
 // t²(3 − 2t)
 fn smooth_step(t: f32) -> f32 {
     return (t * t) * (3.0 - 2.0 * t);

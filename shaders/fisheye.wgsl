@@ -22,14 +22,7 @@ struct Constants {
 
 fn trace(source: Source) -> Ray {
     let s = dot(source, source);
-    var sine = polynomial(constants.sine[0], constants.sine[1], s);
-    var cosine = polynomial(constants.cosine[0], constants.cosine[1], s);
-    if constants.root.x != 0.0 {
-        let root = sqrt(max(1.0 - constants.root.x * s, 0.0));
-        sine += constants.root.y * root;
-        cosine += constants.root.z * root;
-    }
-    var lens = vec3<f32>(source * sine, -cosine);
+    var lens = radial(source, s, constants.sine, constants.cosine, constants.root);
     if constants.off_centre != 0u {
         lens = lens / sqrt(dot(lens, lens));
     }

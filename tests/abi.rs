@@ -7,7 +7,7 @@ const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 
 /// A header, its configuration, and the files that it is made from.
 const HEADERS: [(&str, &str, &[&str]); 2] = [
-    ("cupola.h", "cbindgen.toml", &["status", "rig", "map", "gl", "blend"]),
+    ("cupola.h", "cbindgen.toml", &["status", "rig", "map", "gl", "projection", "blend"]),
     ("cupola_vk.h", "cbindgen_vk.toml", &["vk"]),
 ];
 

@@ -244,6 +244,47 @@ fn plan_says_what_views_cost_and_draws_them() {
 }
 
 #[test]
+fn plan_searches_for_cells_and_tells_jumps() {
+    // As few views as asked for, which the rig then says itself.
+    let plan = json(&["plan", "fisheye", "--size", "256x256", "--views", "4", "--steps", "200", "--json"]);
+    let cells = plan["cells"].as_array().unwrap();
+    assert!(cells.len() == 4 && plan["views"].as_array().unwrap().len() <= 4, "{plan:#}");
+    assert!(plan["least_texels_per_pixel"].as_f64().unwrap() >= 0.999, "{plan:#}");
+    let rig = file("cells.toml");
+    let text = format!("[dome]\ntilt = 90.0\n[views]\ncells = {}\n[[output]]\nkind = \"domemaster\"\n", plan["cells"]);
+    std::fs::write(&rig, text).unwrap();
+    let same = json(&["plan", rig.to_str().unwrap(), "--size", "256x256", "--json"]);
+    assert_eq!(same["view_texels"], plan["view_texels"]);
+    let text = answer(&["plan", "fisheye", "--size", "256x256", "--optimise", "--steps", "20"]);
+    assert!(text.contains("\ncells = [\n") || text.contains("no cells are cheaper than this"), "{text}");
+    refused(&["plan", "fisheye", "--views", "1", "--steps", "20"], "greater number");
+
+    // Two pictures side by side, one of them higher: their borders cross twice.
+    let output = |yaw: i32, pitch: i32| {
+        format!("[[output]]\nkind = \"projector\"\nsize = [320, 200]\nyaw = {yaw}\npitch = {pitch}\nfov = [60, 40]\n")
+    };
+    let pair = file("crossing.toml");
+    std::fs::write(&pair, format!("[dome]\ntilt = 90.0\n{}{}", output(0, 0), output(40, 10))).unwrap();
+    let picture = file("crossing.png");
+    let (pair, drawn) = (pair.to_str().unwrap(), picture.to_str().unwrap());
+    let text = answer(&["plan", pair, "--picture", drawn]);
+    assert_eq!(text.matches("jump       the light of output-1 and output-2 meets abruptly").count(), 2, "{text}");
+    let plan = json(&["plan", pair, "--json"]);
+    assert_eq!(plan["jumps"].as_array().unwrap().len(), 2);
+    assert!(plan["jumps"][0]["direction"][2].as_f64().unwrap() < -0.5, "{plan:#}");
+    let red = |path: &Path| {
+        let drawn = image::open(path).unwrap().to_rgb8();
+        drawn.rows().take(880).flatten().filter(|pixel| pixel.0[0] > 240 && pixel.0[1] < 80 && pixel.0[2] < 80).count()
+    };
+    assert!(red(&picture) > 50, "{}", red(&picture));
+    // One alone meets nobody.
+    let single = file("single.toml");
+    std::fs::write(&single, format!("[dome]\ntilt = 90.0\n{}", output(0, 0))).unwrap();
+    let text = answer(&["plan", single.to_str().unwrap(), "--picture", drawn]);
+    assert!(!text.contains("jump") && red(&picture) < 10, "{}", red(&picture));
+}
+
+#[test]
 fn stress_finds_nothing_over_its_bounds() {
     let report = json(&["stress", "--seed", "9", "--cases", "6", "--json"]);
     assert_eq!((report["failed"].as_bool(), report["cases"].as_u64()), (Some(false), Some(6)), "{report:#}");

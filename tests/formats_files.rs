@@ -73,10 +73,11 @@ fn archive() -> mpcdi::Archive {
     let region = mpcdi::Region {
         id: "one".into(),
         size: (4, 3),
-        warp: raster(),
+        warp: Some(raster()),
         alpha: Some(alpha),
         beta: Some(beta),
         camera: Some(camera),
+        fisheye: None,
     };
     mpcdi::Archive { profile: mpcdi::Profile::ShaderLamps, regions: vec![region] }
 }
@@ -145,7 +146,8 @@ fn meshes_of_other_tools_become_maps() {
 
 #[test]
 fn damaged_vioso_files_do_no_harm() {
-    let map = vwf::VwfMap { name: "one".into(), points: false, raster: raster(), blend: None };
+    let map =
+        vwf::VwfMap { name: "one".into(), points: false, raster: raster(), blend: None, black: None, white: None };
     survives(&vwf::write(&[map]).unwrap(), |bytes| vwf::read("some.file", bytes).map(drop));
 }
 
@@ -244,7 +246,7 @@ fn archives_of_every_profile_and_version_are_the_same_map() {
     let cupola::rig::OutputKind::Projector { position, .. } = zenith.kind else { panic!("a projector") };
     assert_eq!(camera.offset, position);
     // And it lights the points of the map: the middle of the picture lies on its axis.
-    let [x, y, z] = archive.regions[0].warp.values()[27 * 96 + 48].map(f64::from);
+    let [x, y, z] = archive.regions[0].warp.as_ref().unwrap().values()[27 * 96 + 48].map(f64::from);
     let place = camera.place(glam::DVec3::new(x, y, z) - position).unwrap();
     assert!(place.distance(glam::DVec2::new(48.5 / 96.0, 26.5 / 54.0)) < 1e-6, "{place}");
 }
@@ -410,4 +412,128 @@ fn a_mesh_in_a_configuration_of_sgct_is_run_by_the_rig() {
     let towards = glam::DVec3::new(yaw.sin() * pitch.cos(), pitch.sin(), -yaw.cos() * pitch.cos());
     assert!(middle.distance(towards) < 1e-6, "{middle} {towards}");
     assert!(matches!(rig.outputs[0].kind, cupola::rig::OutputKind::Mesh(_)));
+}
+
+/// The error of the rig `found` against the preset or rig `exact`, in pixels of its first output.
+fn error_pixels(exact: &cupola::rig::Rig, found: &cupola::rig::Rig, size: (u32, u32)) -> cupola::warp::MapError {
+    let map = |rig| cupola::warp::WarpMap::new(rig, 0, size, None).unwrap();
+    let (exact, found) = (map(exact), map(found));
+    let pixel = |x: u32, y: u32| glam::DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
+    cupola::warp::compare(&exact, 3, |x, y| found.direction(pixel(x, y)))
+}
+
+#[test]
+fn a_projector_before_a_mirror_is_the_same_map_as_a_dense_warp_mesh() {
+    let (mesh, size) = (file("idome.data"), (960, 540));
+    let exact = cupola::rig::load("idome").unwrap();
+    let written = convert("idome", &mesh, &["--size", "960x540", "--nodes", "385x217"]);
+    let stated = written["files"][0]["error_pixels"]["max"].as_f64().unwrap();
+    assert!(stated > 0.0 && stated < 0.2, "{written}");
+    let rig = |tilt: f64| {
+        let text = format!("[dome]\nradius = 1.5\ntilt = {tilt}\n[[output]]\nkind = \"mesh\"\nfile = \"idome.data\"\n");
+        cupola::rig::parse(&text, "by-hand.toml", mesh.parent().unwrap()).unwrap()
+    };
+    let found = error_pixels(&exact, &rig(90.0), size);
+    // What the command stated of its mesh holds for the rig that runs with it.
+    assert!(found.max <= stated * 1.001 + 1e-6 && found.ghosts == 0, "{found:?}, stated {stated}");
+    let left_out = written["files"][0]["error_pixels"]["uncovered"].as_u64().unwrap();
+    assert!(found.uncovered <= left_out / 4, "{found:?}, stated {left_out} of all pixels");
+    // Negative control: a tenth of a degree is seen.
+    let wrong = error_pixels(&exact, &rig(90.1), size);
+    assert!(wrong.max > 10.0 * stated.max(0.02), "{wrong:?}");
+    // By way of `convert`, with what the mesh's file does not say put in.
+    let again = file("idome-again.toml");
+    convert(mesh.to_str().unwrap(), &again, &["--size", "960x540"]);
+    let text = std::fs::read_to_string(&again).unwrap();
+    std::fs::write(&again, text.replace("tilt = 0.0 #", "tilt = 90.0 #").replace("radius = 5.0000", "radius = 1.5"))
+        .unwrap();
+    let found = error_pixels(&exact, &cupola::rig::load(again.to_str().unwrap()).unwrap(), size);
+    assert!(found.max <= stated + 0.002 && found.ghosts == 0, "{found:?}, stated {stated}");
+}
+
+#[test]
+fn presets_are_the_same_map_after_a_way_through_every_format_that_holds_them() {
+    let size = ["--size", "192x108"];
+    for (preset, output) in
+        [("idome", "mirror"), ("fisheye", "dome"), ("fisheye-210", "dome"), ("planetarium-2", "upper")]
+    {
+        let exact = cupola::rig::load(preset).unwrap();
+        let index = exact.outputs.iter().position(|known| known.name == output).unwrap_or(0);
+        let mut only = exact.clone();
+        only.outputs = vec![exact.outputs[index].clone()];
+        let more = [&size[..], &["--output", &only.outputs[0].name]].concat();
+        for ending in ["mpcdi", "vwf", "pfm", "toml"] {
+            let (middle, rig) = (file(&format!("{preset}.{ending}")), file(&format!("{preset}-{ending}.toml")));
+            convert(preset, &middle, &more);
+            let rig = if ending == "toml" { middle } else { rig };
+            if ending != "toml" {
+                convert(rig.with_file_name(format!("{preset}.{ending}")).to_str().unwrap(), &rig, &[]);
+            }
+            let (tilt, coverage) = (exact.dome.tilt.to_degrees(), exact.dome.coverage.to_degrees());
+            let text = std::fs::read_to_string(&rig).unwrap();
+            let text = text.replace("tilt = 0.0 #", &format!("tilt = {tilt} #"));
+            let text = text.replace("coverage = 180.0 #", &format!("coverage = {coverage} #"));
+            std::fs::write(&rig, text.replace("radius = 5.0000 #", &format!("radius = {} #", exact.dome.radius)))
+                .unwrap();
+            let found = cupola::rig::load(rig.to_str().unwrap()).unwrap();
+            let error = error_pixels(&only, &found, (192, 108));
+            assert!(error.max < 0.002 && error.is_sound(), "{preset} by way of {ending}: {error:?}");
+        }
+    }
+}
+
+#[test]
+fn a_projector_with_a_fisheye_is_the_same_after_a_way_through_an_archive() {
+    let text = "[dome]\nradius = 4.0\n[[output]]\nname = \"lens\"\nkind = \"projector\"\nsize = [192, 120]\nposition = [0.3, -0.2, 0.4]\n\
+        pitch = 80.0\nyaw = 10.0\nfisheye = { projection = \"polynomial\", aperture = 170.0, coefficients = [1.0, -0.04, 0.002, 0.0], \
+        size = [1.1, 1.6], center = [0.02, -0.15] }\nblend = { black_level = 0.002, gamma = 2.4, overlap = false }\n";
+    let (from, archive, back) = (file("lens.toml"), file("lens.mpcdi"), file("lens-again.toml"));
+    std::fs::write(&from, text).unwrap();
+    convert(from.to_str().unwrap(), &archive, &["--profile", "sl"]);
+    convert(archive.to_str().unwrap(), &back, &["--projectors"]);
+    let written = std::fs::read_to_string(&back).unwrap();
+    assert!(
+        written.contains("fisheye = { projection = \"polynomial\"") && written.contains("radius = 4.0000"),
+        "{written}"
+    );
+    let [exact, found] = [&from, &back].map(|rig| cupola::rig::load(rig.to_str().unwrap()).unwrap());
+    let error = error_pixels(&exact, &found, (192, 120));
+    assert!(error.max < 1e-5 && error.is_sound(), "{error:?}");
+    let blend = &found.outputs[0].blend;
+    assert!((blend.black_level - 0.002).abs() < 1e-5 && blend.gamma == 2.4 && !blend.overlap, "{blend:?}");
+    // Without the option the points count: the same again, as exactly as a float map is.
+    convert(archive.to_str().unwrap(), &back, &[]);
+    let found = cupola::rig::load(back.to_str().unwrap()).unwrap();
+    assert!(matches!(found.outputs[0].kind, cupola::rig::OutputKind::Mesh(_)));
+    let error = error_pixels(&exact, &found, (192, 120));
+    assert!(error.max < 0.002 && error.is_sound(), "{error:?}");
+    // Negative control: a lens that is turned by a twentieth of a degree.
+    let turned = file("lens-turned.toml");
+    std::fs::write(&turned, text.replace("yaw = 10.0", "yaw = 10.05")).unwrap();
+    let error = error_pixels(&exact, &cupola::rig::load(turned.to_str().unwrap()).unwrap(), (192, 120));
+    assert!(error.max > 0.01, "{error:?}");
+}
+
+#[test]
+fn weights_and_black_levels_go_through_vioso_files() {
+    let text = "[[output]]\nname = \"one\"\nkind = \"projector\"\nsize = [96, 54]\nyaw = -10.0\npitch = 40.0\nfov = [60.0, 36.0]\n\
+        blend = { black_level = 0.01 }\n[[output]]\nname = \"two\"\nkind = \"projector\"\nsize = [96, 54]\nyaw = 30.0\npitch = 40.0\n\
+        fov = [60.0, 36.0]\n";
+    let (from, set, back) = (file("light.toml"), file("light.vwf"), file("light-again.toml"));
+    std::fs::write(&from, text).unwrap();
+    convert(from.to_str().unwrap(), &set, &[]);
+    convert(set.to_str().unwrap(), &back, &[]);
+    let expected = exact(from.to_str().unwrap(), "one", (96, 54));
+    let mask = image::open(back.with_file_name("light-again-one.png")).unwrap().into_luma16();
+    let (mut worst, mut dimmed) = (0.0f64, 0);
+    for (found, expected) in mask.pixels().zip(&expected) {
+        let Some((_, light)) = expected else { continue };
+        worst = worst.max((f64::from(found.0[0]) / 65535.0 - light).abs());
+        dimmed += u32::from(*light < 0.9);
+    }
+    assert!(worst < 1e-4 && dimmed > 500, "{worst} {dimmed}");
+    let rig = cupola::rig::load(back.to_str().unwrap()).unwrap();
+    // 8 bits of the displayed value.
+    assert!((rig.outputs[0].blend.black_level - 0.01).abs() < 5e-4, "{:?}", rig.outputs[0].blend);
+    assert_eq!(rig.outputs[1].blend.black_level, 0.0);
 }

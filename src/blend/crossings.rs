@@ -14,6 +14,8 @@ use glam::{DVec2, DVec3};
 pub struct Crossing {
     /// The two outputs.
     pub outputs: [usize; 2],
+    /// The point, dome axes.
+    pub point: DVec3,
     /// Angle from the dome's pole, radians.
     pub polar: f64,
     /// Angle around the pole, 0 = front, right-positive, radians.
@@ -45,7 +47,7 @@ pub fn crossings(rig: &Rig, sizes: &[(u32, u32)]) -> Result<Vec<Crossing>> {
                 let claim = beneath.map(|(third, map)| claim(&Border::of(&rig.outputs[*third].blend), map, point));
                 if claim.sum::<f64>() < ENOUGH {
                     let [polar, azimuth] = weights.angles(point);
-                    found.push(Crossing { outputs: [first, second], polar, azimuth });
+                    found.push(Crossing { outputs: [first, second], point, polar, azimuth });
                 }
             }
         }

@@ -3,8 +3,9 @@
 //! An output is cut into blocks. What a block needs is read off its corners where that is safe, and
 //! found pixel by pixel where it is not.
 
-use super::plan::{Batch, Mask, ProjectorSource, Source};
+use super::plan::{Batch, Mask, Source};
 use super::rectangles::{self, BLOCK};
+use crate::geom::screen::Bounds;
 use crate::geom::{Frustum, Panorama, QuadraticForm};
 use crate::rig::{Filter, Rig};
 use crate::views::ViewPlan;
@@ -255,6 +256,7 @@ impl<'a> Examiner<'a> {
         let (x, y) = self.normalised(f64::from(x), f64::from(y));
         let on_surface = match self.source {
             Source::Projector(projector) => projector.pencil.hit(x, y),
+            Source::Optics(optics) => optics.hit(x, y),
             _ => None,
         };
         Corner { direction: self.source.direction(x, y).and_then(DVec3::try_normalize), on_surface }
@@ -298,14 +300,18 @@ impl<'a> Examiner<'a> {
                 x * x + y * y > 1.0
             }
             Source::Fisheye { .. } | Source::Panorama { .. } | Source::Perspective { .. } | Source::Table(_) => false,
-            Source::Projector(projector) => on_screen(projector, corners) == Some(false),
+            Source::Projector(projector) => on_screen(&projector.bounds, corners) == Some(false),
+            Source::Optics(optics) => on_screen(&optics.bounds, corners) == Some(false),
         }
     }
 
     /// Whether no pixel of a block whose corners show something can miss the screen.
     fn surely_on_screen(&self, corners: &[Corner; 4]) -> bool {
         match self.source {
-            Source::Projector(projector) => projector.rim.is_none() || on_screen(projector, corners) == Some(true),
+            Source::Projector(projector) => {
+                projector.rim.is_none() || on_screen(&projector.bounds, corners) == Some(true)
+            }
+            Source::Optics(optics) => on_screen(&optics.bounds, corners) == Some(true),
             _ => true,
         }
     }
@@ -388,10 +394,10 @@ impl<'a> Examiner<'a> {
 }
 
 /// Whether all of a block that a projector lights is on the screen; `None` where that is not clear.
-fn on_screen(projector: &ProjectorSource, corners: &[Corner; 4]) -> Option<bool> {
+fn on_screen(bounds: &Bounds, corners: &[Corner; 4]) -> Option<bool> {
     let points = all_of(corners.map(|corner| corner.on_surface))?;
     // No point of the patch is farther than its diameter from a corner.
-    projector.bounds.hold_all(&points, diameter(&points))
+    bounds.hold_all(&points, diameter(&points))
 }
 
 /// The values, if there are all four.

@@ -32,7 +32,7 @@ pub struct Footprints {
 /// pictures of several faces).
 pub fn footprints(plan: &Plan, pass: &OutputPass, views: &[usize]) -> Option<Footprints> {
     match pass.source {
-        Source::Fisheye { .. } | Source::Projector(_) | Source::Perspective { .. } => {}
+        Source::Fisheye { .. } | Source::Projector(_) | Source::Optics(_) | Source::Perspective { .. } => {}
         Source::Panorama { .. } | Source::Table(_) => return None,
     }
     // What is drawn to an output's own picture is not bounded.

@@ -1,6 +1,7 @@
 //! The passes of a frame: their types, and how they are built from a rig.
 
 use super::facets::{self, Facets};
+pub use super::optics::{Light, OpticsSource};
 use super::shown::Shown;
 use super::table::Table;
 use super::{beam, blocks, mask, source};
@@ -160,6 +161,8 @@ pub enum Source {
         /// As for [`Source::Fisheye`].
         offset: DVec3,
     },
+    /// Viewer direction by following the ray through a lens, and perhaps by way of a mirror.
+    Optics(Box<OpticsSource>),
     /// Viewer direction and weight of each pixel, computed beforehand. The weight has everything in it but
     /// the mask: a pass with a table has no ramps and no neighbours of its own.
     Table(Arc<Table>),

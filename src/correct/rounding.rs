@@ -9,11 +9,11 @@ use crate::geom::quadratic::{linear_at, quadratic_at};
 use glam::DVec3;
 
 /// Width of the picture in whose pixels errors are estimated: what a small picture shows is then held to what a large one needs.
-const REFERENCE: f64 = 4096.0;
+pub(super) const REFERENCE: f64 = 4096.0;
 /// The error that is allowed, in such pixels.
-const PIXELS: f64 = 0.002;
+pub(super) const PIXELS: f64 = 0.002;
 /// An angle that is allowed however narrow the pixels, radians: ten steps of f32.
-const ANGLE: f64 = 6e-7;
+pub(super) const ANGLE: f64 = 6e-7;
 /// What rounding does to a sum, as a part of its terms: some three half steps of f32. With hundreds of random rigs a driver
 /// came to 0.25 to 0.95 times the estimate where that is near what is allowed.
 const STEP: f64 = 2e-7;

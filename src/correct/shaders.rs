@@ -15,6 +15,8 @@ pub enum Pass {
     Fisheye,
     /// A projector that lights a sphere.
     Projector,
+    /// A projector with a fisheye, or with a mirror.
+    Optics,
     /// A flat perspective picture.
     Perspective,
     /// An unrolled picture of all directions.
@@ -125,9 +127,16 @@ mod tests {
 
     #[test]
     fn every_pass_has_its_texts_in_both_languages() {
-        for pass in
-            [Pass::Fisheye, Pass::Projector, Pass::Perspective, Pass::Panorama, Pass::Table, Pass::Mesh, Pass::Black]
-        {
+        for pass in [
+            Pass::Fisheye,
+            Pass::Projector,
+            Pass::Optics,
+            Pass::Perspective,
+            Pass::Panorama,
+            Pass::Table,
+            Pass::Mesh,
+            Pass::Black,
+        ] {
             let text = text_of(pass);
             assert_eq!(text.pass, pass);
             let placeholders = text.constructor.matches(['%', '#']).count();

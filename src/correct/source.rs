@@ -1,6 +1,6 @@
 //! From an output of a rig to the coefficients of its map.
 
-use super::plan::{Neighbour, ProjectorSource, Source, Way};
+use super::plan::{Light, Neighbour, OpticsSource, ProjectorSource, Source, Way};
 use super::shown::Shown;
 use super::table;
 use crate::blend::Border;
@@ -8,10 +8,10 @@ use crate::error::Result;
 use crate::geom::fisheye::RadialForm;
 use crate::geom::pencil::RimForms;
 use crate::geom::screen::{Bounds, ClosedForm, ClosedSurface, Shape};
-use crate::geom::{Fisheye, Panorama, Pencil, Quadric, Screen, pose};
+use crate::geom::{Fisheye, Optics, Panorama, Pencil, Quadric, Screen, Sphere, pose};
 use crate::rig::{Method, Output, OutputKind, Rig};
 use crate::views::sight::{lens_rotation, perspective_rays, viewer_rotation};
-use glam::{DMat3, DVec2, DVec3};
+use glam::{DAffine3, DMat3, DVec2, DVec3};
 use std::sync::Arc;
 
 /// The map of output `index` of `rig`, whose outputs have `sizes` pixels: a coarse table where its method asks for one,
@@ -74,8 +74,15 @@ fn closed_form(rig: &Rig, index: usize, size: (u32, u32)) -> Option<Source> {
             Some(Source::Perspective { matrix: perspective_rays(*angles, frustum.as_ref()) })
         }
         OutputKind::Projector { .. } | OutputKind::Optics { .. } => {
-            let source = projector(rig, index, eye, to_viewer)?.settled(size)?;
-            Some(Source::Projector(Box::new(source)))
+            let pinhole = projector(rig, index, eye, to_viewer).and_then(|source| source.settled(size));
+            match (pinhole, &output.kind) {
+                (Some(source), _) => Some(Source::Projector(Box::new(source))),
+                (None, OutputKind::Optics { optics, even_light: 0.0 }) => {
+                    let source = lens(rig, index, optics, size)?.settled(size)?;
+                    Some(Source::Optics(Box::new(source)))
+                }
+                _ => None,
+            }
         }
     }
 }
@@ -97,7 +104,7 @@ fn offset_of_eye(rig: &Rig, eye: DVec3) -> Option<DVec3> {
 /// A dome's centre that is so far inside a screen, as a part of the way to it, is inside however it is rounded.
 const WELL_INSIDE: f64 = 0.999;
 
-/// The formula of a projector, with every other one as a neighbour if it blends by overlap; `None` for lenses that are no pinholes, for mirrors,
+/// The formula of a pinhole, with every other one as a neighbour if it blends by overlap; `None` for lenses that are no pinholes, for mirrors,
 /// and for screens that have none.
 ///
 /// Nor does it hold in two cases outside the surface: for a projector that looks partly away from it, whose rays would
@@ -140,6 +147,36 @@ fn projector(rig: &Rig, index: usize, eye: DVec3, to_viewer: DMat3) -> Option<Pr
     pencil.looks_at_it().then_some(source)
 }
 
+/// The formula of a projector with any lens, perhaps before a mirror; `None` where it shares its light or its blacks with others, for
+/// lenses without a formula, and for screens that are no quadrics.
+fn lens(rig: &Rig, index: usize, optics: &Optics, size: (u32, u32)) -> Option<OpticsSource> {
+    let output = &rig.outputs[index];
+    let mut others = rig.outputs.iter().enumerate().filter(|(other, _)| *other != index).map(|(_, other)| other);
+    let shares = output.blend.overlap && others.any(|other| other.kind.is_projector());
+    if shares || rig.outputs.iter().any(|output| output.blend.contrast.is_some()) {
+        return None;
+    }
+    let Screen { pose, shape } = rig.surface();
+    let ClosedForm { middle, surface: ClosedSurface::Quadric(quadric), bounds } = shape.closed_form()? else {
+        return None;
+    };
+    let from_surface = DAffine3 { matrix3: pose.rotation, translation: pose.position + pose.rotation * middle };
+    let to_surface = from_surface.inverse();
+    let in_surface = |mirror: Sphere| Sphere { center: to_surface.transform_point3(mirror.center), ..mirror };
+    let seen_from =
+        |eye: DVec3, target: DMat3| DAffine3 { matrix3: target, translation: -(target * eye) } * from_surface;
+    Some(OpticsSource {
+        position: to_surface.transform_point3(optics.pose.position),
+        rotation: to_surface.matrix3 * optics.pose.rotation,
+        light: Light::of(&optics.lens, f64::from(size.0) / f64::from(size.1), optics.mirror.map(in_surface))?,
+        quadric,
+        bounds,
+        to_viewer: seen_from(rig.eye(output).position, viewer_rotation(rig).transpose()),
+        to_dome: seen_from(DVec3::ZERO, DMat3::from_rotation_x(rig.dome.tilt)),
+        spread: 1.0,
+    })
+}
+
 impl Source {
     /// How much larger than the direction the terms are that are added up for it: rounding moves it by so many times a step of f32.
     pub(super) fn spread(&self) -> f64 {
@@ -149,6 +186,7 @@ impl Source {
                 (1.0 + away) / (1.0 - away).max(f64::EPSILON)
             }
             Self::Projector(projector) => projector.spread,
+            Self::Optics(optics) => optics.spread,
             Self::Perspective { .. } | Self::Table(_) => 1.0,
         }
     }
@@ -161,6 +199,7 @@ impl Source {
                 Fisheye { aperture: *aperture }.direction(x, y).map(|lens| *rotation * lens + *offset)
             }
             Self::Projector(projector) => projector.direction(x, y),
+            Self::Optics(optics) => optics.direction(x, y),
             Self::Panorama { panorama, rotation, offset } => {
                 let direction = match panorama {
                     Panorama::Fisheye(lens) => lens.direction(DVec2::new(x, y)),

@@ -81,7 +81,9 @@ mod tests {
 
     #[test]
     fn every_pass_has_its_modules_and_a_place_for_each_constant() {
-        for pass in [Pass::Fisheye, Pass::Projector, Pass::Perspective, Pass::Table, Pass::Mesh, Pass::Black] {
+        for pass in
+            [Pass::Fisheye, Pass::Projector, Pass::Optics, Pass::Perspective, Pass::Table, Pass::Mesh, Pass::Black]
+        {
             let scalars: usize = text_of(pass).members.iter().map(|member| member.2).sum();
             let found: Vec<&PassModules> = MODULES.iter().filter(|modules| modules.pass == pass).collect();
             assert_eq!(found.len(), if pass == Pass::Black { 1 } else { 3 });

@@ -1,6 +1,7 @@
 //! The constants of a pass. The only place where f64 becomes f32: every coefficient is folded
 //! in f64 and rounded once.
 
+mod optics;
 mod panorama;
 mod projector;
 
@@ -12,7 +13,7 @@ use super::shaders::{Pass, text_of};
 use crate::blend::code_of;
 use crate::error::{Error, ErrorKind, Result};
 use crate::geom::division::EDGE_SHARE;
-use crate::geom::fisheye::{MOST_COEFFICIENTS, sine_cosine_polynomials};
+use crate::geom::fisheye::{MOST_COEFFICIENTS, RadialForm, sine_cosine_polynomials};
 use crate::geom::picture_map::LEAST_AHEAD;
 use crate::geom::reprojection::ClipRows;
 use crate::geom::{Frustum, PictureLens, PictureMap};
@@ -78,6 +79,11 @@ pub fn picture_lens(map: &PictureMap, pixels: DVec2, max_error: f64) -> [f32; 16
         DVec4::new(limit, EDGE_SHARE * max_error, 0.5 * pixels.x, 0.5 * pixels.y),
     ];
     std::array::from_fn(|i| vectors[i / 4][i % 4] as f32)
+}
+
+/// What lies between vertices, for the driver that gets it as one.
+pub fn between_vertices(value: [f64; 4]) -> [f32; 4] {
+    value.map(|part| part as f32)
 }
 
 /// A pixel of a table: direction and weight, rounded once.
@@ -229,6 +235,7 @@ pub fn constants(plan: &Plan, pass: &OutputPass, batch: &Batch, panel: bool) -> 
         _ if batch.facets.is_some() => Pass::Mesh,
         Source::Fisheye { .. } => Pass::Fisheye,
         Source::Projector(_) => Pass::Projector,
+        Source::Optics(_) => Pass::Optics,
         Source::Panorama { panorama, .. } if panorama.is_circular() => Pass::Fisheye,
         Source::Panorama { .. } => Pass::Panorama,
         Source::Perspective { .. } => Pass::Perspective,
@@ -261,6 +268,7 @@ pub fn constants(plan: &Plan, pass: &OutputPass, batch: &Batch, panel: bool) -> 
             out.set_matrix("dome", pass.dome_rotation * *rotation)?;
         }
         Source::Projector(source) => projector::set(&mut out, source, batch, base)?,
+        Source::Optics(source) => optics::set(&mut out, source, batch, base)?,
         Source::Perspective { matrix } => {
             out.set_matrix("matrix", base * *matrix)?;
             out.set_matrix("dome", pass.dome_rotation * *matrix)?;
@@ -505,6 +513,13 @@ fn circular(out: &mut Constants, names: [&str; 2], aperture: f64) -> Result<()> 
         polynomial(out, name, &scaled)?;
     }
     Ok(())
+}
+
+/// Sets what a fisheye's point of the disc is seen by.
+fn radial(out: &mut Constants, form: &RadialForm) -> Result<()> {
+    polynomial(out, "sine", &form.sine)?;
+    polynomial(out, "cosine", &form.cosine)?;
+    out.set("root", &[form.squeeze, form.sine_root, form.cosine_root])
 }
 
 /// Sets a polynomial, the constant first.

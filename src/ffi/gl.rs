@@ -4,7 +4,7 @@ use super::rig::cupola_rig;
 use super::status::{call, check_size, cupola_status, name_of, null};
 use crate::backend::gl::api::Gl;
 use crate::correct::uniforms;
-use crate::rig::Viewer;
+use crate::rig::{Rig, Viewer};
 use crate::runtime::embedded::Embedded;
 use glam::DVec3;
 use std::ffi::{c_char, c_void};
@@ -106,24 +106,36 @@ pub unsafe extern "C" fn cupola_gl_create(
     options: *const cupola_gl_options,
     gl: *mut *mut cupola_gl,
 ) -> cupola_status {
-    call(|| {
-        // SAFETY: as promised above.
-        let rig = unsafe { &rig.as_ref().ok_or_else(|| null("rig"))?.rig };
-        if options.is_null() || gl.is_null() {
-            return Err(null(if options.is_null() { "options" } else { "gl" }));
-        }
-        // SAFETY: the size comes first; the rest is read only if it is there.
-        check_size(unsafe { (*options).struct_size }, size_of::<cupola_gl_options>(), "options")?;
-        // SAFETY: as large as it must be.
-        let options = unsafe { &*options };
-        let find = options.get_proc_address.ok_or_else(|| null("options.get_proc_address"))?;
-        // SAFETY: the program's own function, with a NUL-terminated name.
-        let table = Gl::load(|name| unsafe { find(name.as_ptr()) }.map_or(std::ptr::null(), |f| f as *const c_void));
-        let embedded = Embedded::new(table, rig, (options.width, options.height))?;
-        // SAFETY: writable, as promised above.
-        unsafe { *gl = Box::into_raw(Box::new(cupola_gl { embedded, pending_error: 0 })) };
-        Ok(())
-    })
+    // SAFETY: as promised above.
+    call(|| unsafe { create(rig, options, gl, Embedded::new) })
+}
+
+/// Makes a handle by `make`.
+///
+/// # Safety
+/// As for `cupola_gl_create`.
+pub(super) unsafe fn create(
+    rig: *const cupola_rig,
+    options: *const cupola_gl_options,
+    gl: *mut *mut cupola_gl,
+    make: fn(Gl, &Rig, (u32, u32)) -> crate::Result<Embedded>,
+) -> crate::Result<()> {
+    // SAFETY: as promised above.
+    let rig = unsafe { &rig.as_ref().ok_or_else(|| null("rig"))?.rig };
+    if options.is_null() || gl.is_null() {
+        return Err(null(if options.is_null() { "options" } else { "gl" }));
+    }
+    // SAFETY: the size comes first; the rest is read only if it is there.
+    check_size(unsafe { (*options).struct_size }, size_of::<cupola_gl_options>(), "options")?;
+    // SAFETY: as large as it must be.
+    let options = unsafe { &*options };
+    let find = options.get_proc_address.ok_or_else(|| null("options.get_proc_address"))?;
+    // SAFETY: the program's own function, with a NUL-terminated name.
+    let table = Gl::load(|name| unsafe { find(name.as_ptr()) }.map_or(std::ptr::null(), |f| f as *const c_void));
+    let embedded = make(table, rig, (options.width, options.height))?;
+    // SAFETY: writable, as promised above.
+    unsafe { *gl = Box::into_raw(Box::new(cupola_gl { embedded, pending_error: 0 })) };
+    Ok(())
 }
 
 /// Plans anew for pictures of another size; between frames. On an error the old size stays.

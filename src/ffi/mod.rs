@@ -10,6 +10,7 @@
 pub mod blend;
 pub mod gl;
 pub mod map;
+pub mod projection;
 pub mod rig;
 mod status;
 pub mod vk;

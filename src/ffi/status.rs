@@ -102,27 +102,33 @@ pub(super) fn name_of(name: &str) -> [c_char; 32] {
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cupola_last_error(buffer: *mut c_char, size: usize, length: *mut usize) -> cupola_status {
     call(|| {
-        LAST_ERROR.with(|last| {
-            let detail = last.borrow();
-            if !buffer.is_null() && size > 0 {
-                // The cut keeps whole characters.
-                let mut count = detail.len().min(size - 1);
-                while !detail.is_char_boundary(count) {
-                    count -= 1;
-                }
-                // SAFETY: `count` + 1 ≤ `size` bytes, for which there is room.
-                unsafe {
-                    std::ptr::copy_nonoverlapping(detail.as_ptr(), buffer.cast(), count);
-                    *buffer.add(count) = 0;
-                }
-            }
-            if !length.is_null() {
-                // SAFETY: writable, as promised above.
-                unsafe { *length = detail.len() };
-            }
-        });
+        // SAFETY: as promised above.
+        LAST_ERROR.with(|last| unsafe { copy_text(&last.borrow(), buffer, size, length) });
         Ok(())
     })
+}
+
+/// Copies a text for a program, cut to `size` bytes with its NUL, and tells its length.
+///
+/// # Safety
+/// `buffer` has room for `size` bytes or is null; `length` is null or writable.
+pub(super) unsafe fn copy_text(text: &str, buffer: *mut c_char, size: usize, length: *mut usize) {
+    if !buffer.is_null() && size > 0 {
+        // The cut keeps whole characters.
+        let mut count = text.len().min(size - 1);
+        while !text.is_char_boundary(count) {
+            count -= 1;
+        }
+        // SAFETY: `count` + 1 ≤ `size` bytes, for which there is room.
+        unsafe {
+            std::ptr::copy_nonoverlapping(text.as_ptr(), buffer.cast(), count);
+            *buffer.add(count) = 0;
+        }
+    }
+    if !length.is_null() {
+        // SAFETY: writable, as promised above.
+        unsafe { *length = text.len() };
+    }
 }
 
 /// The version of the library, major, minor and patch; each pointer may be null.

@@ -2,8 +2,8 @@
 //!
 //! A two-dimensional map has u, v (from the top left), 1 where the pixel shows something, 0; a
 //! three-dimensional one the point in metres and 1. Encrypted and compressed maps are refused. The set's
-//! pictures after a map are blend, black and white. The blend is read; readers disagree about the others, and only
-//! their presence is told, in a note.
+//! pictures after a map are blend, black and white. How black is used differs between readers; what it adds to black is the
+//! same in all of them as long as the header's other settings for it are 0…1.
 
 use super::bmp::{self, Bitmap};
 use super::bytes::Bytes;
@@ -14,6 +14,12 @@ use crate::error::Result;
 /// The map's values are points, not positions in a picture.
 const POINTS: u32 = 0x40;
 const COMPRESSED: u32 = 0x1;
+/// There is a black picture.
+const BLACK_LEVEL: u32 = 0x20;
+/// The blend has 16 bits.
+const BLEND_OF_16_BITS: u32 = 0x100;
+/// Which of the 16 settings the factor of the black picture is.
+const BLACK_SCALE: usize = 9;
 const ENCRYPTED: u32 = 0x400;
 /// Length of the oldest header, which every reader knows: 7 numbers, 2 colours, 16 numbers, a name.
 const HEADER: u32 = 4 * (7 + 8 + 16) + 256;
@@ -32,16 +38,20 @@ pub struct VwfMap {
     /// The values, NaN where nothing is shown.
     pub raster: Raster,
     /// Factors on displayed values, if there are any.
-    pub blend: Option<Blend>,
+    pub blend: Option<Picture>,
+    /// Displayed values to which black is raised, if there are any.
+    pub black: Option<Picture>,
+    /// More factors on displayed values, if there are any.
+    pub white: Option<Picture>,
 }
 
-/// Factors on the displayed values of a channel.
+/// Displayed values of a channel, or factors on them.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Blend {
+pub struct Picture {
     /// Width and height.
     pub size: (u32, u32),
-    /// Factors 0…1, row by row from the top.
-    pub factors: Vec<f32>,
+    /// Values 0…1, row by row from the top.
+    pub values: Vec<f32>,
 }
 
 /// Reads all maps of a set. `name` is the file's, for messages.
@@ -62,26 +72,28 @@ pub fn read(name: &str, bytes: &[u8]) -> Result<Noted<Vec<VwfMap>>> {
     let skipped = (start as usize).saturating_sub(file.offset());
     file.take(skipped, "the set's header")?;
     let mut maps: Vec<VwfMap> = Vec::new();
-    // Of the latest map, and of all; those that are not taken over.
+    // Of the latest map, and of all; those that nobody knows.
     let (mut of_map, mut pictures, mut left_out) = (0, 0, 0);
+    let mut scale = 1.0;
     while maps.len() + pictures < blocks as usize && file.left() > 0 {
         let start = file.offset();
         match file.array::<4>("a block")? {
             [b'v', b'w', b'f', b'0'] => {
-                maps.push(map(name, &mut file)?);
-                of_map = 0;
+                let (map, black_scale) = map(name, &mut file)?;
+                maps.push(map);
+                (of_map, scale) = (0, black_scale);
             }
             [b'B', b'M', low, high] => {
                 let rest = file.array::<2>("the length of a picture")?;
                 let length = u32::from_le_bytes([low, high, rest[0], rest[1]]) as usize;
                 file.take(length.saturating_sub(6), "a picture")?;
                 let picture = bmp::read(name, &bytes[start..file.offset()])?;
-                match (picture, maps.last_mut()) {
-                    (Some(Bitmap { size, values }), Some(map)) if of_map == 0 => {
-                        map.blend = Some(Blend { size, factors: values });
-                    }
-                    (Some(_), _) => left_out += 1,
-                    (None, _) => {}
+                let picture = picture.map(|Bitmap { size, values }| Picture { size, values });
+                match (maps.last_mut(), of_map) {
+                    (Some(map), 0) => map.blend = picture,
+                    (Some(map), 1) => map.black = picture.map(|picture| picture.scaled(scale)),
+                    (Some(map), 2) => map.white = picture,
+                    _ => left_out += usize::from(picture.is_some()),
                 }
                 (of_map, pictures) = (of_map + 1, pictures + 1);
             }
@@ -93,13 +105,22 @@ pub fn read(name: &str, bytes: &[u8]) -> Result<Noted<Vec<VwfMap>>> {
     }
     let mut notes = Vec::new();
     if left_out > 0 {
-        notes.push(format!("{name}: {left_out} pictures of black levels and white were not taken over"));
+        notes.push(format!(
+            "{name}: {left_out} pictures are more than blend, black and white of a map, and were not taken over"
+        ));
     }
     Ok(Noted { value: maps, notes })
 }
 
-/// A map, after its magic.
-fn map(name: &str, file: &mut Bytes) -> Result<VwfMap> {
+impl Picture {
+    fn scaled(mut self, scale: f32) -> Self {
+        self.values.iter_mut().for_each(|value| *value = (*value * scale).clamp(0.0, 1.0));
+        self
+    }
+}
+
+/// A map, after its magic, and the factor on its black picture.
+fn map(name: &str, file: &mut Bytes) -> Result<(VwfMap, f32)> {
     let length = file.u32("the header's length")?;
     if !(HEADER..=LONGEST_HEADER).contains(&length) {
         return Err(file.wrong(format!("a header of {length} bytes; expected {HEADER} to {LONGEST_HEADER}")));
@@ -116,7 +137,11 @@ fn map(name: &str, file: &mut Bytes) -> Result<VwfMap> {
     if u64::from(size) != needed {
         return Err(file.wrong(format!("{width} × {height} pixels need {needed} bytes, the header says {size}")));
     }
-    file.take(4 * (8 + 16), "colours and settings")?;
+    file.take(4 * (8 + BLACK_SCALE), "colours and settings")?;
+    let scale = f32::from_le_bytes(file.array("settings")?);
+    // Writers that have no black picture leave 0 there.
+    let scale = if scale.is_finite() && scale > 0.0 { scale } else { 1.0 };
+    file.take(4 * (15 - BLACK_SCALE), "settings")?;
     let text = file.array::<256>("the map's name")?;
     let text = &text[..text.iter().position(|byte| *byte == 0).unwrap_or(text.len())];
     file.take((length - HEADER) as usize, "the header")?;
@@ -144,16 +169,19 @@ fn map(name: &str, file: &mut Bytes) -> Result<VwfMap> {
         }
     }
     let raster = Raster::new((width, height), values).ok_or_else(|| invalid(name, "has no pixels"))?;
-    Ok(VwfMap { name: String::from_utf8_lossy(text).into_owned(), points, raster, blend: None })
+    let name = String::from_utf8_lossy(text).into_owned();
+    Ok((VwfMap { name, points, raster, blend: None, black: None, white: None }, scale))
 }
 
-/// The bytes of a set with these maps, each with empty pictures.
+/// The bytes of a set with these maps and their pictures (16 bits; 8 bits of black, as readers expect).
 ///
 /// # Errors
-/// [`InvalidRig`](crate::ErrorKind::InvalidRig) if a map is too large for the format.
+/// [`InvalidRig`](crate::ErrorKind::InvalidRig) if a map is too large for the format, or a picture has not as many values as
+/// its size says.
 pub fn write(maps: &[VwfMap]) -> Result<Vec<u8>> {
     let mut bytes = b"vwf1".to_vec();
-    for number in [maps.len() as u32, 16, 0] {
+    let pictures = maps.iter().map(|map| map.pictures().len());
+    for number in [maps.len() as u32 + pictures.sum::<usize>() as u32, 16, 0] {
         bytes.extend(number.to_le_bytes());
     }
     for map in maps {
@@ -161,13 +189,17 @@ pub fn write(maps: &[VwfMap]) -> Result<Vec<u8>> {
         let size = u32::try_from(map.raster.values().len() * 16)
             .map_err(|_| invalid(&map.name, "the map is too large for a VIOSO file"))?;
         bytes.extend(b"vwf0");
-        let flags = if map.points { POINTS } else { 0 };
+        let blend = if map.blend.is_some() { BLEND_OF_16_BITS } else { 0 };
+        let black = if map.black.is_some() { BLACK_LEVEL } else { 0 };
+        let flags = if map.points { POINTS } else { 0 } | blend | black;
         for number in [HEADER, flags, 0, size, width, height] {
             bytes.extend(number.to_le_bytes());
         }
         bytes.extend([1.0f32; 4].iter().chain(&[0.0; 4]).flat_map(|value| value.to_le_bytes()));
-        // The picture is not split over several channels: everything is zero.
-        bytes.extend([0; 64]);
+        // The picture is not split over several channels: nothing but the factor of black is not zero.
+        let mut settings = [0.0f32; 16];
+        settings[BLACK_SCALE] = if map.black.is_some() { 1.0 } else { 0.0 };
+        bytes.extend(settings.iter().flat_map(|value| value.to_le_bytes()));
         let mut name = [0; 256];
         for (to, from) in name.iter_mut().take(255).zip(map.name.bytes()) {
             *to = from;
@@ -181,8 +213,26 @@ pub fn write(maps: &[VwfMap]) -> Result<Vec<u8>> {
             };
             bytes.extend(pixel.iter().flat_map(|value| value.to_le_bytes()));
         }
+        for (number, picture) in map.pictures().into_iter().enumerate() {
+            let bits = if number == 1 { bmp::Bits::Eight } else { bmp::Bits::Sixteen };
+            bytes.extend(match picture {
+                Some(Picture { size, values }) => bmp::write(&map.name, *size, values, bits)?,
+                None => bmp::EMPTY.to_vec(),
+            });
+        }
     }
     Ok(bytes)
+}
+
+impl VwfMap {
+    /// Its pictures in the order of the file, up to the last that there is.
+    fn pictures(&self) -> Vec<Option<&Picture>> {
+        let mut pictures = vec![self.blend.as_ref(), self.black.as_ref(), self.white.as_ref()];
+        while pictures.last().is_some_and(Option::is_none) {
+            pictures.pop();
+        }
+        pictures
+    }
 }
 
 #[cfg(test)]
@@ -193,8 +243,15 @@ mod tests {
         let values = |i: usize| if i == 2 { [f32::NAN; 3] } else { [i as f32 * 0.125, 0.25, 0.0] };
         let raster = Raster::new((3, 2), (0..6).map(values).collect()).unwrap();
         vec![
-            VwfMap { name: "left".into(), points: false, raster: raster.clone(), blend: None },
-            VwfMap { name: "right".into(), points: true, raster, blend: None },
+            VwfMap {
+                name: "left".into(),
+                points: false,
+                raster: raster.clone(),
+                blend: None,
+                black: None,
+                white: None,
+            },
+            VwfMap { name: "right".into(), points: true, raster, blend: None, black: None, white: None },
         ]
     }
 
@@ -209,19 +266,53 @@ mod tests {
     }
 
     #[test]
-    fn the_first_picture_after_a_map_is_its_blend() {
+    fn pictures_are_read_back_with_their_map() {
+        let picture = |factor: f32| {
+            Some(Picture { size: (3, 2), values: [0.0, 0.2, 0.4, 0.6, 0.8, 1.0].map(|value| value * factor).to_vec() })
+        };
+        let mut all = maps();
+        (all[0].blend, all[0].black, all[0].white) = (picture(1.0), picture(0.25), picture(0.5));
+        all[1].white = picture(1.0);
+        let back = read("a.vwf", &write(&all).unwrap()).unwrap();
+        assert_eq!((back.value.len(), &back.notes[..]), (2, &[][..]));
+        let near = |found: &Option<Picture>, expected: &Option<Picture>, bound: f32| match (found, expected) {
+            (Some(a), Some(b)) => {
+                a.size == b.size && a.values.iter().zip(&b.values).all(|(a, b)| (a - b).abs() <= bound)
+            }
+            (None, None) => true,
+            _ => false,
+        };
+        for (found, expected) in back.value.iter().zip(&all) {
+            assert!(
+                near(&found.blend, &expected.blend, 1e-5) && near(&found.white, &expected.white, 1e-5),
+                "{found:?}"
+            );
+            assert!(near(&found.black, &expected.black, 0.002), "{found:?}");
+        }
+    }
+
+    #[test]
+    fn black_is_scaled_by_the_header_and_more_pictures_are_told() {
         let values = [0.0, 0.2, 0.4, 0.6, 0.8, 1.0];
         let picture = bmp::tests::bitmap(48, false, values);
         let single = write(&maps()[..1]).unwrap();
-        let mut bytes = [single.as_slice(), &picture, &picture, &single[16..]].concat();
-        bytes[4] = 4;
+        let mut bytes = [single.as_slice(), &picture, &picture, &picture, &picture, &single[16..]].concat();
+        bytes[4] = 6;
+        let settings = 16 + 4 * (7 + 8 + BLACK_SCALE);
+        bytes[settings..settings + 4].copy_from_slice(&0.5f32.to_le_bytes());
         let set = read("a.vwf", &bytes).unwrap();
-        let blend = set.value[0].blend.as_ref().expect("has a blend");
-        assert!(blend.size == (3, 2) && blend.factors.iter().zip(values).all(|(a, b)| (a - b).abs() < 1e-4));
+        let of = |picture: &Option<Picture>| picture.as_ref().expect("has it").values[5];
+        let map = &set.value[0];
+        for (found, expected) in [(&map.blend, 1.0), (&map.black, 0.5), (&map.white, 1.0)] {
+            assert!((of(found) - expected).abs() < 1e-4);
+        }
         assert!(set.value.len() == 2 && set.value[1].blend.is_none());
-        assert!(set.notes[0].contains("1 pictures of black"), "{:?}", set.notes);
+        assert!(set.notes[0].contains("1 pictures are more than"), "{:?}", set.notes);
         // Cut off within the picture.
         assert!(read("a.vwf", &bytes[..single.len() + 60]).is_err());
+        // A factor that is no number counts as none.
+        bytes[settings..settings + 4].copy_from_slice(&f32::NAN.to_le_bytes());
+        assert!((of(&read("a.vwf", &bytes).unwrap().value[0].black) - 1.0).abs() < 1e-4);
     }
 
     #[test]

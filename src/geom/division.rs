@@ -191,8 +191,10 @@ impl Division {
     }
 }
 
-/// The corner that the viewer sees halfway between two.
-fn halfway(a: Corner, b: Corner) -> Corner {
+/// The corner that the viewer sees halfway between two: to the bit the same, whichever comes first.
+fn halfway(first: Corner, second: Corner) -> Corner {
+    let turned = first.at.to_array() > second.at.to_array();
+    let (a, b) = if turned { (second, first) } else { (first, second) };
     let part = Division::middle(a.at, b.at);
     Corner { at: a.at.lerp(b.at, part), weights: a.weights.lerp(b.weights, part) }
 }

@@ -89,6 +89,16 @@ impl PictureMap {
         }
     }
 
+    /// The place, −1…1, at which the picture shows what the viewer sees in `direction`; `None` where that is outside of it.
+    pub fn shown(&self, direction: DVec3) -> Option<DVec2> {
+        let Place::At(at) = self.place(direction) else { return None };
+        let inside = match self.lens {
+            PictureLens::Fisheye { circle, .. } => (at / circle).length() <= 1.0,
+            PictureLens::Pinhole(_) => at.abs().max_element() <= 1.0,
+        };
+        inside.then_some(at)
+    }
+
     /// The angle from the axis, radians, from which on directions are beyond the picture: for a fisheye half-way from its
     /// rim to the antipode of the axis, and a pixel from that at most.
     pub fn limit(&self) -> f64 {
@@ -238,5 +248,82 @@ mod tests {
         assert!(none > directions.len() / 100 && worst > 0.1, "{worst} pixels, {none} no numbers");
         let (worst, none) = judged(ours, &directions);
         assert!(none == 0 && worst < 1e-3, "{worst} pixels, {none} no numbers");
+    }
+
+    /// Two arc cosines in 32 bits over a whole picture of a projector, with a given arc cosine: the greatest distance in
+    /// pixels of what a pixel samples from what it should show, and how many pixels have no number.
+    fn recipe_of_a_projector(arc_cosine: fn(f32) -> f32, pixels: (u32, u32)) -> (f64, usize) {
+        let frustum = Frustum::symmetric(60f64.to_radians(), 40f64.to_radians());
+        let map = PictureMap {
+            viewer: DVec3::ZERO,
+            position: DVec3::new(0.0, 0.0, 0.6),
+            lens: PictureLens::Pinhole(frustum),
+        };
+        let size = DVec2::new(f64::from(pixels.0), f64::from(pixels.1));
+        let (mut worst, mut none) = (0.0f64, 0);
+        for (row, column) in (0..pixels.1).flat_map(|row| (0..pixels.0).map(move |column| (row, column))) {
+            let at = (DVec2::new(f64::from(column), f64::from(row)) + 0.5) / size * 2.0 - 1.0;
+            let [x, y] = [at.x * frustum.right, at.y * frustum.top].map(|part| part as f32);
+            let length = (x * x + y * y + 1.0).sqrt();
+            let ray = [x / length, y / length, -1.0 / length];
+            let along = 0.6 * ray[2];
+            let far = (along * along - 0.36 + 1.0).sqrt() - along;
+            let [x, y, z] = [far * ray[0], far * ray[1], 0.6 + far * ray[2]];
+            let r = (x * x + y * y + z * z).sqrt();
+            let theta = arc_cosine(-z / r);
+            let azimuth = arc_cosine(x / (r * theta.sin()));
+            if !(theta.is_finite() && azimuth.is_finite()) {
+                none += 1;
+                continue;
+            }
+            let azimuth = f64::from(if y < 0.0 { -azimuth } else { azimuth });
+            let (sine, cosine) = f64::from(theta).sin_cos();
+            let Place::At(found) = map.place(DVec3::new(sine * azimuth.cos(), sine * azimuth.sin(), -cosine)) else {
+                panic!("beyond the picture")
+            };
+            worst = worst.max(((found - at) * 0.5 * size).length());
+        }
+        (worst, none)
+    }
+
+    /// The arc cosine of drivers with Mesa's compiler: a polynomial, off by up to 1.6e-4.
+    fn driver_s_arc_cosine(x: f32) -> f32 {
+        use std::f32::consts::{FRAC_PI_2, FRAC_PI_4};
+        let a = x.abs();
+        let sum = FRAC_PI_2 + a * (FRAC_PI_4 - 1.0 + a * (0.081_324_63 - a * 0.023_633_18));
+        FRAC_PI_2 - x.signum() * (FRAC_PI_2 - (1.0 - a).sqrt() * sum)
+    }
+
+    /// What was published fails on whole pictures, by the rounding of its formula and by the driver's arc cosine.
+    #[test]
+    fn arc_cosines_fail_over_the_picture_of_a_projector() {
+        let (worst, none) = recipe_of_a_projector(driver_s_arc_cosine, (1920, 1080));
+        assert!((8.0..11.0).contains(&worst) && (4_000..7_000).contains(&none), "{worst} pixels, {none} no numbers");
+        let (worst, _) = recipe_of_a_projector(f32::acos, (1920, 1080));
+        assert!((0.2..1.0).contains(&worst), "with a good arc cosine {worst} pixels");
+    }
+
+    /// What vertices go through instead, in 32 bits, over the same picture.
+    #[test]
+    fn ours_does_not_fail_there() {
+        let frustum = Frustum::symmetric(60f64.to_radians(), 40f64.to_radians());
+        let (width, height) = (1920u32, 1080u32);
+        let scale = [1.0 / frustum.right, 1.0 / frustum.top].map(|part| part as f32);
+        let mut worst = 0.0f64;
+        for (row, column) in (0..height).flat_map(|row| (0..width).map(move |column| (row, column))) {
+            let size = DVec2::new(f64::from(width), f64::from(height));
+            let at = (DVec2::new(f64::from(column), f64::from(row)) + 0.5) / size * 2.0 - 1.0;
+            let ray = DVec3::new(at.x * frustum.right, at.y * frustum.top, -1.0).normalize();
+            let along = 0.6 * ray.z;
+            let seen = DVec3::new(0.0, 0.0, 0.6) + ray * ((along * along + 0.64).sqrt() - along);
+            // As `cupola_place` in GLSL: the viewer at the centre, the lens at 0.6.
+            let [x, y, z] = seen.normalize().to_array().map(|part| part as f32);
+            let (x, y, z) = (x, y, z - 0.6);
+            let found = DVec2::new(f64::from(x / -z * scale[0]), f64::from(y / -z * scale[1]));
+            let off = ((found - at) * 0.5 * size).length();
+            assert!(off.is_finite());
+            worst = worst.max(off);
+        }
+        assert!(worst < 1e-3, "{worst} pixels");
     }
 }

@@ -37,7 +37,19 @@ pub enum Method {
     Primitive {
         /// Greatest distance in pixels of what a divided primitive shows from where it should be, 0.05…16.
         max_error: f64,
+        /// What divides primitives that shaders draw.
+        by: Divider,
     },
+}
+
+/// Which stage of the graphics processor divides.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Divider {
+    /// A geometry shader: every strip and fan, up to so many parts as it can emit.
+    #[default]
+    Geometry,
+    /// A tessellation shader where there is one and the primitives have vertices of their own, otherwise a geometry shader.
+    Tessellation,
 }
 
 /// What `max_error` may be: below, 32-bit interpolation is no more exact; above, pixels would sample what no view has to show.
@@ -61,7 +73,9 @@ impl Method {
     pub fn max_error(&self) -> Option<f64> {
         match self {
             Self::Fragment => Some(0.0),
-            Self::Table { max_error } | Self::Mesh { max_error } | Self::Primitive { max_error } => Some(*max_error),
+            Self::Table { max_error } | Self::Mesh { max_error } | Self::Primitive { max_error, .. } => {
+                Some(*max_error)
+            }
             Self::CubeMesh { .. } | Self::Vertex => None,
         }
     }
@@ -91,7 +105,8 @@ impl Method {
         match name.trim() {
             "fragment" if entries.is_empty() => Ok(Self::Fragment),
             "vertex" if entries.is_empty() => Ok(Self::Vertex),
-            "primitive" => Ok(Self::Primitive { max_error: division()? }),
+            "primitive" => Ok(Self::Primitive { max_error: division()?, by: Divider::Geometry }),
+            "primitive-tessellation" => Ok(Self::Primitive { max_error: division()?, by: Divider::Tessellation }),
             "table" => Ok(Self::Table { max_error: max_error()? }),
             "mesh" => Ok(Self::Mesh { max_error: max_error()? }),
             "cube-mesh" => {
@@ -106,7 +121,7 @@ impl Method {
             _ => Err(Error::new(
                 ErrorKind::InvalidArgument,
                 format!(
-                    "method {text:?}: expected fragment, table, mesh, cube-mesh, vertex or primitive, for example {EXAMPLE}"
+                    "method {text:?}: expected fragment, table, mesh, cube-mesh, vertex, primitive or primitive-tessellation, for example {EXAMPLE}"
                 ),
             )),
         }
@@ -159,7 +174,12 @@ mod tests {
         assert_eq!(Method::parse("table,max_error=0.5").expect("a method"), Method::Table { max_error: 0.5 });
         assert_eq!(Method::parse("cube-mesh, density=8").expect("a method"), Method::CubeMesh { density: 8 });
         assert_eq!(Method::parse("vertex").expect("a method"), Method::Vertex);
-        assert_eq!(Method::parse("primitive,max_error=2").expect("a method"), Method::Primitive { max_error: 2.0 });
+        assert_eq!(
+            Method::parse("primitive,max_error=2").expect("a method"),
+            Method::Primitive { max_error: 2.0, by: Divider::Geometry }
+        );
+        let tessellated = Method::Primitive { max_error: DEFAULT_DIVISION_ERROR, by: Divider::Tessellation };
+        assert_eq!(Method::parse("primitive-tessellation").expect("a method"), tessellated);
         for wrong in [
             "",
             "vertex,max_error=1",

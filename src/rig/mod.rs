@@ -29,7 +29,7 @@ use std::path::{Path, PathBuf};
 
 pub use blend::{AngleRamp, Blend, DomeAngle, RampShape};
 pub use calibration::{Calibration, CalibrationValues};
-pub use method::Method;
+pub use method::{Divider, Method};
 pub use presets::{Preset, presets};
 pub use response::{RESPONSE_STEPS, Response, Transfer};
 

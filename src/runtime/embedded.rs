@@ -2,10 +2,11 @@
 
 pub mod vulkan;
 
-use super::session::{Extras, Session};
+use super::session::{Extras, MatrixClass, Session, classify};
 use crate::backend::gl::api::Gl;
 use crate::backend::gl::surface::{Saved, Surface, greatest_texture};
 use crate::backend::gl::{GlBackend, Target};
+use crate::correct::uniforms;
 use crate::error::{Error, ErrorKind, Result};
 use crate::rig::{Blend, Rig, Viewer};
 use crate::views::View;
@@ -60,7 +61,11 @@ pub struct Embedded {
     /// Where the outputs of this frame go; kept so that frames allocate nothing.
     targets: Vec<Target>,
     es: bool,
+    plan: Planner,
 }
+
+/// How a rig is planned: with perspective views only, or with pictures of outputs as views.
+type Planner = fn(&Rig, (u32, u32), bool, u32, Extras) -> Result<Session>;
 
 impl Embedded {
     /// Plans `rig` for pictures of `size` (width, height in pixels, 1…16384) and makes what it
@@ -70,8 +75,21 @@ impl Embedded {
     /// What the planner or the driver says; [`ErrorKind::InvalidArgument`] for a size out of range or a
     /// rig that corrects nothing.
     pub fn new(gl: Gl, rig: &Rig, size: (u32, u32)) -> Result<Self> {
+        Self::planned(gl, rig, size, Session::new)
+    }
+
+    /// The same for a program whose shaders project vertices by [`Embedded::projection`]: outputs with the methods `vertex`
+    /// and `primitive` have a view that is their own picture. Primitives are not divided.
+    ///
+    /// # Errors
+    /// As for [`Embedded::new`].
+    pub fn projecting(gl: Gl, rig: &Rig, size: (u32, u32)) -> Result<Self> {
+        Self::planned(gl, rig, size, Session::projecting)
+    }
+
+    fn planned(gl: Gl, rig: &Rig, size: (u32, u32), plan: Planner) -> Result<Self> {
         let es = gl.is_es();
-        let (session, surface, backend) = Self::prepare(&gl, rig, size, es)?;
+        let (session, surface, backend) = Self::prepare(&gl, rig, size, es, plan)?;
         let counts = EmbeddedCounts::default();
         Ok(Self {
             gl,
@@ -83,12 +101,13 @@ impl Embedded {
             counts,
             targets: Vec::new(),
             es,
+            plan,
         })
     }
 
-    fn prepare(gl: &Gl, rig: &Rig, size: (u32, u32), es: bool) -> Result<(Session, Surface, GlBackend)> {
+    fn prepare(gl: &Gl, rig: &Rig, size: (u32, u32), es: bool, plan: Planner) -> Result<(Session, Surface, GlBackend)> {
         check_request(rig, size)?;
-        let session = Session::new(rig, size, false, greatest_texture(gl), Extras::default())?;
+        let session = plan(rig, size, false, greatest_texture(gl), Extras::default())?;
         let mut backend = GlBackend::new(gl, es)?;
         if let Err(error) = backend.prepare(gl, session.plan(), false) {
             backend.destroy(gl);
@@ -129,7 +148,7 @@ impl Embedded {
     }
 
     fn replan(&mut self, rig: Rig, size: (u32, u32)) -> Result<()> {
-        let (session, surface, backend) = Self::prepare(&self.gl, &rig, size, self.es)?;
+        let (session, surface, backend) = Self::prepare(&self.gl, &rig, size, self.es, self.plan)?;
         self.backend.destroy(&self.gl);
         self.surface.destroy(&self.gl);
         (self.session, self.surface, self.backend, self.rig) = (session, surface, backend, rig);
@@ -161,7 +180,7 @@ impl Embedded {
         }
         described.blend = blend;
         let size = self.session.window();
-        let session = Session::new(&rig, size, false, greatest_texture(&self.gl), Extras::default())?;
+        let session = (self.plan)(&rig, size, false, greatest_texture(&self.gl), Extras::default())?;
         self.backend.prepare(&self.gl, session.plan(), false)?;
         (self.rig, self.session) = (rig, session);
         Ok(())
@@ -190,6 +209,25 @@ impl Embedded {
             frustum: projection(&view.frustum, near, far),
             tile: self.session.tile(index).0,
         })
+    }
+
+    /// What `cupola_view` holds for a view in the functions of [`correct::projection`](crate::correct::projection), if the
+    /// program draws with the perspective `matrix` (column by column, as OpenGL has it).
+    ///
+    /// # Errors
+    /// [`ErrorKind::InvalidArgument`] for an index that does not exist, or a matrix that is no perspective.
+    pub fn projection(&self, index: usize, matrix: &[f64; 16]) -> Result<[f32; 32]> {
+        let MatrixClass::Perspective(lens) = classify(matrix) else {
+            let message = "the matrix is no perspective one: right would be that of glFrustum or gluPerspective";
+            return Err(Error::new(ErrorKind::InvalidArgument, message));
+        };
+        let rows = self.session.rows(&lens).nth(index).ok_or_else(|| no_view(index, self.view_count()))?;
+        let mut vectors = [0.0; 32];
+        vectors[..16].copy_from_slice(&uniforms::clip_rows(&rows));
+        if let Some(lens) = self.session.lenses().get(index) {
+            vectors[16..].copy_from_slice(lens);
+        }
+        Ok(vectors)
     }
 
     /// Begins a frame.

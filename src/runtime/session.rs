@@ -3,7 +3,7 @@
 use crate::correct::{self, Plan, uniforms};
 use crate::error::Result;
 pub use crate::geom::Frustum;
-pub use crate::geom::division::{EDGE_SHARE, NARROWEST, OUTSIDE, WIDEST, WIDTH_SQUARED};
+pub use crate::geom::division::{Division, EDGE_SHARE, NARROWEST, OUTSIDE, Outcome, WIDEST, WIDTH_SQUARED, Weights};
 use crate::geom::pose;
 pub use crate::geom::reprojection::ClipRows;
 use crate::geom::reprojection::{CameraAdjustment, clip_rows};
@@ -30,6 +30,15 @@ pub struct Session {
     request: Request,
     plan: Plan,
     rects: Vec<[u32; 4]>,
+}
+
+/// A primitive becomes at most so many on the processor: enough for a triangle around half of the sphere in a picture of
+/// 4096² pixels at a twentieth of a pixel, and a tenth of a second of work.
+const MOST_PARTS: usize = 1 << 14;
+
+/// Width and height of a view in pixels.
+fn pixels(view: &View) -> DVec2 {
+    DVec2::new(f64::from(view.tile.width), f64::from(view.tile.height))
 }
 
 impl Session {
@@ -119,12 +128,22 @@ impl Session {
         }
         let lens = |(index, view): (usize, &View)| {
             let Some(map) = &view.curved else { return [0.0; 16] };
-            let output = self.plan.views.output_views.iter().position(|views| views.contains(&index));
-            let method = output.and_then(|output| self.rig.outputs.get(output)).map(|output| output.method);
-            let pixels = DVec2::new(f64::from(view.tile.width), f64::from(view.tile.height));
-            uniforms::picture_lens(map, pixels, method.and_then(|method| method.max_error()).unwrap_or(0.0))
+            uniforms::picture_lens(map, pixels(view), self.max_error(index).unwrap_or(0.0))
         };
         self.views().iter().enumerate().map(lens).collect()
+    }
+
+    /// The greatest error that the output of a view may have by its method, pixels.
+    fn max_error(&self, index: usize) -> Option<f64> {
+        let output = self.plan.views.output_views.iter().position(|views| views.contains(&index))?;
+        self.rig.outputs.get(output)?.method.max_error()
+    }
+
+    /// How primitives are divided for a view; `None` where they need not be.
+    pub fn division(&self, index: usize) -> Option<Division> {
+        let view = self.views().get(index)?;
+        let max_error = self.max_error(index).filter(|max_error| *max_error > 0.0)?;
+        Some(Division { map: view.curved?, pixels: pixels(view), max_error, most: MOST_PARTS })
     }
 
     /// The view that shows best what is ahead of the program's camera.

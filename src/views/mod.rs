@@ -28,7 +28,7 @@ mod survey;
 
 pub use cost::cost;
 pub use report::{OutputShare, Report, ViewReport, report};
-pub use survey::{Surveyed, survey};
+pub use survey::{Surveyed, Surveyor, survey};
 
 use crate::error::{Error, ErrorKind, Result};
 use crate::geom::{Frustum, PictureMap};

@@ -197,13 +197,19 @@ impl<'a> Task<'a> {
         (samples, users)
     }
 
-    /// The cost of a partition, with axes only tilted and rolled in steps.
+    /// The cost of a partition, with axes only tilted and rolled in steps; infinite where an output is so small, and so near to the
+    /// sides of cells, that it is left to the neighbour by all.
     pub fn estimate(&self, cells: &[Cell]) -> f64 {
-        let cost = |cell: &Cell| match self.texels(cell) {
-            0.0 => 0.0,
-            texels => texels + self.beside,
-        };
-        cells.iter().map(cost).sum()
+        let mut left: Vec<bool> = self.coarse.iter().map(|samples| !samples.is_empty()).collect();
+        let mut cost = 0.0;
+        for cell in cells {
+            let (samples, users) = self.sampled(self.coarse, cell);
+            users.iter().for_each(|&user| left[user] = false);
+            if !users.is_empty() {
+                cost += tilted(cell, &samples, self.quality).0 + self.beside;
+            }
+        }
+        if left.contains(&true) { f64::INFINITY } else { cost }
     }
 
     /// About the texels of a cell's view; 0 where nothing is sampled, infinite where no perspective view can show it.

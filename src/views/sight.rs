@@ -353,19 +353,24 @@ impl ProjectorMap {
 
 /// How far around a pixel its surroundings are looked for, pixels, in this order.
 const STEPS: [f64; 4] = [0.5, 0.05, 0.005, 0.0005];
-/// Cosine of the least angle between what pictures side by side show at their common border (60°), and a little more.
-const LEAP: f64 = 0.6;
-
 /// The spread of a pixel by differences, over what is shown of its surroundings.
 ///
 /// Of a picture that shows all directions alike, a pixel is as high as it is (away from the picture's pole), at most
 /// nominally, and as wide.
 fn traced_sample(map: &WarpMap, pixel: DVec2) -> Option<Sample> {
     let direction = map.direction(pixel)?;
-    // What lies across a leap is no neighbour.
-    let smooth = |there: &DVec3| map.strips() == 1 || there.dot(direction) > LEAP;
+    // What lies across the border of two pictures is no neighbour.
+    let strips = f64::from(map.strips());
+    let strip = (pixel.x * strips / f64::from(map.size().0)).floor();
+    let beside = |x: f64| {
+        let from_left = x * strips / f64::from(map.size().0) - strip;
+        strips == 1.0 || (from_left > 0.0 && from_left < 1.0)
+    };
     let along = |axis: DVec2| {
-        let there = |offset: f64| Some((map.direction(pixel + axis * offset).filter(smooth)?, offset));
+        let there = |offset: f64| {
+            let place = pixel + axis * offset;
+            Some((map.direction(place).filter(|_| beside(place.x))?, offset))
+        };
         // What is shown may be narrower than a pixel.
         let end = |side: f64| STEPS.iter().find_map(|step| there(side * step)).unwrap_or((direction, 0.0));
         let ((from, start), (to, stop)) = (end(-1.0), end(1.0));

@@ -4,6 +4,7 @@ use super::cone::Cone;
 use super::fit::sharpness;
 use super::sight::Sight;
 use super::{View, ViewPlan};
+use crate::error::Result;
 use crate::rig::Rig;
 use glam::{DVec2, DVec3};
 
@@ -22,28 +23,55 @@ pub struct Surveyed {
     pub texels_per_pixel: Option<f64>,
 }
 
+/// Looks at pixels of one output.
+pub struct Surveyor<'a> {
+    plan: &'a ViewPlan,
+    output: usize,
+    sight: Sight,
+    cones: Vec<(usize, Cone)>,
+}
+
+impl<'a> Surveyor<'a> {
+    /// For output `output` of `rig` with `size` pixels, whose views `plan` has.
+    ///
+    /// # Errors
+    /// Those of [`WarpMap::new`](crate::warp::WarpMap::new).
+    pub fn new(plan: &'a ViewPlan, rig: &Rig, output: usize, size: (u32, u32)) -> Result<Self> {
+        let sight = Sight::new(rig, output, size)?;
+        let views = plan.output_views.get(output).map_or(&[][..], Vec::as_slice);
+        let cones = views.iter().map(|&view| (view, Cone::of(&plan.views[view]))).collect();
+        Ok(Self { plan, output, sight, cones })
+    }
+
+    /// What a pixel position (from the top left, centres at +½) shows; `None` where that is nothing.
+    pub fn at(&self, pixel: DVec2) -> Option<Surveyed> {
+        let sample = self.sight.sample(pixel)?;
+        let &(view, _) = self.cones.iter().find(|(_, cone)| cone.contains(sample.direction))?;
+        let answering = &self.plan.views[view];
+        let texels_per_pixel = (!answering.program_lens && answering.curved.is_none())
+            .then(|| sharpness(answering.rotation, density(answering), &sample))
+            .flatten();
+        Some(Surveyed { output: self.output, direction: sample.direction, view, texels_per_pixel })
+    }
+}
+
 /// Calls `visit` for pixels of all outputs that show something, row by row and evenly spread: every pixel of an output
 /// with at most `most` of them, else about `most`. Sizes beyond the rig's outputs are ignored, and so are outputs without
 /// pixels.
 pub fn survey(plan: &ViewPlan, rig: &Rig, sizes: &[(u32, u32)], most: u32, mut visit: impl FnMut(&Surveyed)) {
     let outputs = rig.outputs.iter().zip(sizes).zip(&plan.output_views);
-    for (output, ((_, &size), views)) in outputs.enumerate() {
+    for (output, ((_, &size), _)) in outputs.enumerate() {
         if size.0 == 0 || size.1 == 0 {
             continue;
         }
-        let Ok(sight) = Sight::new(rig, output, size) else { continue };
-        let cones: Vec<(usize, Cone)> = views.iter().map(|&view| (view, Cone::of(&plan.views[view]))).collect();
+        let Ok(surveyor) = Surveyor::new(plan, rig, output, size) else { continue };
         let step = (f64::from(size.0) * f64::from(size.1) / f64::from(most.max(1))).sqrt().max(1.0);
         let (columns, rows) = (steps(size.0, step), steps(size.1, step));
         for (row, column) in (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column))) {
             let pixel = DVec2::new(centre(column, columns, size.0), centre(row, rows, size.1));
-            let Some(sample) = sight.sample(pixel) else { continue };
-            let Some(&(view, _)) = cones.iter().find(|(_, cone)| cone.contains(sample.direction)) else { continue };
-            let answering = &plan.views[view];
-            let texels_per_pixel = (!answering.program_lens && answering.curved.is_none())
-                .then(|| sharpness(answering.rotation, density(answering), &sample))
-                .flatten();
-            visit(&Surveyed { output, direction: sample.direction, view, texels_per_pixel });
+            if let Some(surveyed) = surveyor.at(pixel) {
+                visit(&surveyed);
+            }
         }
     }
 }

@@ -467,3 +467,38 @@ fn the_rotated_cube_of_a_dome_has_four_views() {
     });
     assert_eq!(ahead.count(), 2);
 }
+
+/// Less than a pixel of the screen lies in the picture's corner, and the sides of two cells of the viewer's cube cross there:
+/// found by `cupola stress` (seed 1931).
+#[test]
+fn a_single_lit_pixel_has_a_view() {
+    let text = "[dome]\nradius = 5\ntilt = -44.08227529026583\ncoverage = 180\n[viewer]\nyaw = -36.818994007683756\n\
+                pitch = -80.7842387684694\nroll = 56.446945476010995\n[[output]]\nkind = \"projector\"\n\
+                position = [-0.3296994734392009, 2.7832416626351417, 3.520634048660253]\nyaw = -16.389457199918827\n\
+                pitch = -27.65941795227797\nroll = -155.7615980499405\nfov = [74.04237457150788, 29.119736731036152]\n\
+                shift = [-0.9847542977372852, 0.0953843683399409]\n";
+    let rig = parse(text, "corner.toml", std::path::Path::new("")).expect("valid");
+    let size = (512, 64);
+    let map = WarpMap::new(&rig, 0, size, None).expect("valid");
+    let centres = (0..size.0 * size.1).map(|i| DVec2::new(f64::from(i % size.0), f64::from(i / size.0)) + 0.5);
+    let lit: Vec<DVec3> = centres.filter_map(|pixel| map.direction(pixel)).collect();
+    assert_eq!(lit.len(), 1);
+    let views = plan(&rig, &request(&[size])).expect("can be planned").views;
+    assert!(views.iter().any(|view| crate::views::cone::Cone::of(view).contains(lit[0])), "{views:?}");
+}
+
+#[test]
+fn a_cubemap_is_as_sharp_for_a_viewer_near_its_edge() {
+    let text = "[dome]\ncoverage = 360\n[viewer]\nposition = [2.6, 2.6, 2.6]\n[[output]]\nkind = \"cubemap\"\n";
+    let rig = parse(text, "cube.toml", std::path::Path::new("")).expect("valid");
+    let sizes = [(384, 64)];
+    let plan = plan(&rig, &request(&sizes)).expect("can be planned");
+    let (mut least, mut seen) = (f64::INFINITY, 0);
+    survey(&plan, &rig, &sizes, 10_000, |pixel| {
+        least = least.min(pixel.texels_per_pixel.unwrap_or(f64::INFINITY));
+        seen += 1;
+    });
+    let texels: u64 = plan.views.iter().map(|view| view.tile.area()).sum();
+    assert!(seen > 9_000 && least > 0.99, "{seen} {least}");
+    assert!(texels < 15 * 384 * 64, "{texels}: neighbours across a border count as none");
+}

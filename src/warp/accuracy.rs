@@ -56,6 +56,13 @@ pub struct PixelError {
     pub angle: f64,
 }
 
+impl PixelError {
+    /// The middle of the pixel.
+    pub fn centre(&self) -> DVec2 {
+        DVec2::new(f64::from(self.pixel.0), f64::from(self.pixel.1)) + 0.5
+    }
+}
+
 /// As [`compare`]; `each` gets the error of every pixel that is counted.
 pub fn compare_each(
     exact: &WarpMap,

@@ -12,12 +12,12 @@
 #include "common/mesh.h"
 #include "common/program.h"
 #include "common/states.h"
+#include "common/surfaceless.h"
 #include "common/target.h"
 
 #include <cupola.h>
 
 #include <EGL/egl.h>
-#include <EGL/eglext.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -50,25 +50,6 @@ static void refused(cupola_status found, cupola_status expected, const char *wor
 }
 
 #define REFUSED(call, status, word) refused(call, status, word, #call)
-
-static void open_context(void)
-{
-    PFNEGLGETPLATFORMDISPLAYEXTPROC get_display =
-        (PFNEGLGETPLATFORMDISPLAYEXTPROC)eglGetProcAddress("eglGetPlatformDisplayEXT");
-    EGLDisplay display =
-        get_display != NULL ? get_display(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, NULL) : EGL_NO_DISPLAY;
-    const EGLint attributes[] = {
-        EGL_CONTEXT_MAJOR_VERSION, 3, EGL_CONTEXT_MINOR_VERSION, 3, EGL_CONTEXT_OPENGL_PROFILE_MASK,
-        EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, EGL_NONE,
-    };
-    EGLContext context = EGL_NO_CONTEXT;
-    if (display != EGL_NO_DISPLAY && eglInitialize(display, NULL, NULL) && eglBindAPI(EGL_OPENGL_API))
-        context = eglCreateContext(display, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, attributes);
-    if (context == EGL_NO_CONTEXT || !eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, context)) {
-        fprintf(stderr, "no surfaceless context (EGL error 0x%x)\n", (unsigned)eglGetError());
-        exit(1);
-    }
-}
 
 /* The scene. */
 static const char vertex[] =
@@ -379,7 +360,7 @@ int main(int argc, char **argv)
     CHECK(cupola_rig_output_count(rig, &outputs) == CUPOLA_OK && outputs == 1);
     check_directions(rig, size);
 
-    open_context();
+    surfaceless_open();
     const shader_source stages[] = {{GL_VERTEX_SHADER, vertex}, {GL_FRAGMENT_SHADER, fragment}};
     program = program_build(stages, 2);
     cube = mesh_cube();

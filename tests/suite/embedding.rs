@@ -37,6 +37,20 @@ fn the_c_interface_without_a_window() {
     assert!(!compare(&picture, moved([0.0; 3])).good());
 }
 
+/// A program whose shader projects to the picture itself, with the library's functions in its text.
+#[test]
+fn a_shader_of_the_program_s_own_projects_to_the_picture() {
+    let Some(finished) = embedding("embed_vertex", &["256", "33", "-17"], &[]) else { return };
+    let finished = finished.expect_success();
+    let shown = |aperture: f64| shown_by_fisheye(Fisheye { width: 256.0, height: 256.0, aperture, tilt: 90.0 }, CAMERA);
+    for file in ["vertex.ppm", "fragment.ppm"] {
+        let picture = finished.picture(file);
+        expect_good(&compare(&picture, shown(180.0)), &picture, &format!("embed_vertex {file}"));
+        // Negative control: a lens of another opening.
+        assert!(!compare(&picture, shown(176.0)).good(), "{file}");
+    }
+}
+
 const CAMERA: ProgramCamera = ProgramCamera { yaw: 33.0, pitch: -17.0 };
 
 /// What `vk_dome` shows on a domemaster of 256 × 256 pixels.

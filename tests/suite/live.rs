@@ -68,30 +68,38 @@ fn mistake(file: &Path) {
     std::fs::write(file, "[[output]]\nkind = \"domemaster\"\naperture = 1000\n").expect("writes");
 }
 
-fn follows(program: &str, vulkan: bool, name: &str, change: fn(&Path)) {
-    let run = Run::new(program);
-    let Some(found) = changed_meanwhile(&run, vulkan, name, change, FOLLOWED) else { return };
-    let Some(expected) = from_the_start(&run, vulkan, name, change) else { return };
-    let Some(before) = from_the_start(&run, vulkan, name, |_| ()) else { return };
+fn follows(run: &Run, vulkan: bool, name: &str, change: fn(&Path)) {
+    let Some(found) = changed_meanwhile(run, vulkan, name, change, FOLLOWED) else { return };
+    let Some(expected) = from_the_start(run, vulkan, name, change) else { return };
+    let Some(before) = from_the_start(run, vulkan, name, |_| ()) else { return };
     let (found, expected) = (found.picture("capture.png"), expected.picture("capture.png"));
-    expect_identical(&found, &expected, program);
+    expect_identical(&found, &expected, run.program);
     // Negative control: the change is one that shows.
     assert!(before.picture("capture.png").difference(&expected).0 > 1_000);
 }
 
 #[test]
 fn ramps_follow_the_file() {
-    follows("core330_mvp", false, "ramps", ramps);
+    follows(&Run::new("core330_mvp"), false, "ramps", ramps);
 }
 
 #[test]
 fn the_viewer_follows_the_file() {
-    follows("immediate", false, "viewer", viewer);
+    follows(&Run::new("immediate"), false, "viewer", viewer);
 }
 
 #[test]
 fn ramps_follow_the_file_on_vulkan() {
-    follows("vk_cube", true, "vulkan", ramps);
+    follows(&Run::new("vk_cube"), true, "vulkan", ramps);
+}
+
+/// Other views: the program makes a new swapchain, and keeps the pictures that it draws its scene to.
+#[test]
+fn scenes_off_screen_follow_the_file_on_vulkan() {
+    for way in ["post", "chain", "blit"] {
+        let extra = ["--way", way];
+        follows(&Run { extra: &extra, ..Run::new("vk_scenes") }, true, way, viewer);
+    }
 }
 
 #[test]

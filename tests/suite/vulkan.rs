@@ -263,15 +263,41 @@ fn the_newest_ways_to_present() {
     }
 }
 
-/// Programs that cannot be followed are flat, say why, and get no message of the validation layer that they had not before.
+/// Pipelines that are linked, from libraries of shaders and of outputs or of each part alone, are drawn for each view.
 #[test]
-fn programs_that_stay_flat_say_why() {
-    for (way, why) in [("library", "linked from libraries"), ("multiview", "several views itself")] {
+fn pipelines_that_are_linked() {
+    for way in ["library", "parts"] {
         let extra = ["--way", way, "--shot", "shot.ppm"];
         let run = scenes(&extra);
         let Some(finished) = run.vulkan_under("fisheye") else { return };
-        let notes = finished.statistics()["notes"].to_string();
-        assert!(notes.contains("flat") && notes.contains(why), "{way}: {notes}");
+        let picture = finished.picture("capture.png");
+        expect_good(
+            &compare(&picture, shown_by_fisheye(CIRCLE, camera_of(&run))),
+            &picture,
+            &format!("vk_scenes {way}"),
+        );
+        assert_eq!(finished.statistics()["panel_draws"], 0, "{way}");
+        let (Some(plain), Some(same)) = (run.vulkan_plain(), run.vulkan_under("identity-captured")) else { return };
+        let plain = plain.expect_success().picture("shot.ppm");
+        expect_identical(&same.picture("shot.ppm"), &plain, &format!("vk_scenes {way}"));
+    }
+}
+
+/// Programs that cannot be followed are flat, say why, and get no message of the validation layer that they had not before.
+#[test]
+fn programs_that_stay_flat_say_why() {
+    let reasons = [
+        ("multiview", "notes", "several views itself"),
+        ("depths", "notes", "its shaders read what it draws together"),
+        ("half", "single_framebuffers", "by passes of another size"),
+        ("compute", "single_framebuffers", "it is read by compute shaders"),
+    ];
+    for (way, told, why) in reasons {
+        let extra = ["--way", way, "--shot", "shot.ppm"];
+        let run = scenes(&extra);
+        let Some(finished) = run.vulkan_under("fisheye") else { return };
+        let words = finished.statistics()[told].to_string();
+        assert!(words.contains(why), "{way}: {words}");
         let lit = finished.picture("shot.ppm").pixels.iter().filter(|pixel| **pixel != [0; 3]).count();
         assert!(lit > 1000, "{way}: {lit} pixels show something");
     }

@@ -64,8 +64,8 @@ pub fn a_table_is_shown_as_it_was_computed(driver: &dyn Driver) {
     }
 }
 
-/// A rig file's outputs through plan and shader, against the exact map, pixel by pixel.
-fn check_rig(driver: &dyn Driver, text: &str, size: (u32, u32)) {
+/// A rig file's outputs, from tables or by formulas of lenses, through plan and shader, against the exact map, pixel by pixel.
+fn check_rig(driver: &dyn Driver, text: &str, size: (u32, u32), by_table: bool) {
     let rig = crate::rig::parse(text, "test", std::path::Path::new("")).expect("a valid rig");
     let count = rig.outputs.len();
     let request = crate::views::Request {
@@ -77,7 +77,11 @@ fn check_rig(driver: &dyn Driver, text: &str, size: (u32, u32)) {
     };
     let plan = crate::correct::build(&rig, &request).expect("a plan");
     for output in 0..count {
-        assert!(matches!(plan.passes[output].source, Source::Table(_)), "{text}");
+        match &plan.passes[output].source {
+            Source::Table(_) => assert!(by_table, "{text}"),
+            Source::Optics(_) => assert!(!by_table, "{text}"),
+            other => panic!("{text}: {other:?}"),
+        }
         let exact = WarpMap::new(&rig, output, size, None).expect("a map");
         let map = driver.map(&plan, output);
         let at = |x: u32, y: u32| &map[(y * size.0 + x) as usize];
@@ -104,11 +108,11 @@ fn check_rig(driver: &dyn Driver, text: &str, size: (u32, u32)) {
 }
 
 pub fn mirrors_and_lenses_show_what_the_exact_map_says(driver: &dyn Driver) {
-    check_rig(
-        driver,
-        crate::rig::presets().iter().find(|preset| preset.name == "idome").expect("a preset").text,
-        (640, 360),
-    );
+    let idome = crate::rig::presets().iter().find(|preset| preset.name == "idome").expect("a preset").text;
+    let (head, evened) = idome.split_once("even_light").expect("light that is evened out is in a table");
+    let plain = format!("{head}#{evened}");
+    check_rig(driver, idome, (640, 360), true);
+    check_rig(driver, &plain, (640, 360), false);
     let projector = |lens: &str, viewer: &str| {
         format!(
             "[dome]\nradius = 4.0\ntilt = 60.0\n[viewer]\nposition = {viewer}\n\
@@ -118,14 +122,15 @@ pub fn mirrors_and_lenses_show_what_the_exact_map_says(driver: &dyn Driver) {
     for viewer in ["[0.0, 0.0, 0.0]", "[0.8, -0.5, 0.7]", "[-2.0, 1.0, -0.8]"] {
         for projection in ["equidistant", "equisolid", "stereographic", "orthographic"] {
             let lens = format!("fisheye = {{ projection = \"{projection}\", aperture = 150.0 }}");
-            check_rig(driver, &projector(&lens, viewer), (320, 240));
+            check_rig(driver, &projector(&lens, viewer), (320, 240), false);
+            check_rig(driver, &projector(&format!("{lens}\neven_light = 1e-9"), viewer), (320, 240), true);
         }
         let lens =
             "fisheye = { projection = \"polynomial\", aperture = 190.0, coefficients = [1.0, -0.03, 0.001, 0.0] }";
-        check_rig(driver, &projector(lens, viewer), (320, 240));
+        check_rig(driver, &projector(lens, viewer), (320, 240), false);
         let lens = "fov = [70.0, 50.0]\nshift = [0.0, 0.2]\n\
                     distortion = { radial = [-0.1, 0.02, 0.0], tangential = [0.002, -0.001] }";
-        check_rig(driver, &projector(lens, viewer), (320, 240));
+        check_rig(driver, &projector(lens, viewer), (320, 240), true);
     }
 }
 
@@ -133,7 +138,7 @@ pub fn a_projector_that_looks_away_makes_no_ghosts(driver: &dyn Driver) {
     // From outside, and half of the picture looks the other way: the closed form would take the dome for being there.
     let text = "[dome]\nradius = 1.0\ncoverage = 360.0\n[[output]]\nkind = \"projector\"\n\
                 position = [0.0, 0.0, 1.2]\nyaw = 70.0\nfov = [120.0, 90.0]\n";
-    check_rig(driver, text, (320, 240));
+    check_rig(driver, text, (320, 240), true);
 }
 
 /// Two overlapping projectors with lenses of their own and grey blacks: what they show is what f64 says, and its sum with

@@ -1,6 +1,6 @@
 //! The constants of a panorama's pass.
 
-use super::{Constants, circular, polynomial};
+use super::{Constants, circular, radial};
 use crate::error::{Error, ErrorKind, Result};
 use crate::geom::Panorama;
 use crate::geom::fisheye::RadialForm;
@@ -11,9 +11,7 @@ pub(super) fn set(out: &mut Constants, panorama: &Panorama) -> Result<()> {
         Panorama::Fisheye(lens) => {
             let form = RadialForm::of(lens)
                 .ok_or_else(|| Error::new(ErrorKind::Internal, "A lens without a closed form was not made a table."))?;
-            polynomial(out, "sine", &form.sine)?;
-            polynomial(out, "cosine", &form.cosine)?;
-            out.set("root", &[form.squeeze, form.sine_root, form.cosine_root])
+            radial(out, &form)
         }
         Panorama::Equirectangular(span) => {
             circular(out, ["sine", "cosine"], span.width)?;

@@ -1,11 +1,12 @@
 //! The description: which regions there are, and which files belong to each.
 
 use super::Profile;
+use super::extension::{self, Described};
 use crate::error::{Error, Result};
 use crate::formats::camera::Camera;
 use crate::formats::input::{checked_size, invalid};
 use crate::formats::text::shown;
-use crate::geom::{Frustum, pose};
+use crate::geom::{Frustum, Lens, Optics, Pose, pose};
 use glam::{DMat3, DVec3};
 use roxmltree::{Document, Node, ParsingOptions};
 
@@ -27,12 +28,19 @@ pub(super) struct DescribedRegion {
     pub(super) size: (u32, u32),
     /// x, y, width and height in the whole picture, 0…1 from the bottom left.
     pub(super) place: [f64; 4],
-    pub(super) warp: String,
+    /// Where the projector alone is described, none.
+    pub(super) warp: Option<String>,
     /// Name and gamma.
     pub(super) alpha: Option<(String, f64)>,
     /// The name of the black levels.
     pub(super) beta: Option<String>,
     pub(super) camera: Option<Camera>,
+    /// A projector with a fisheye lens.
+    pub(super) fisheye: Option<Optics>,
+    /// It has a lens that is not understood.
+    pub(super) unclear: bool,
+    /// Axes of the frame (x right, y up, z backward) → axes of the file.
+    pub(super) axes: DMat3,
 }
 
 /// Greatest angle of a side of a frustum, degrees.
@@ -56,43 +64,57 @@ pub(super) fn read(name: &str, text: &str) -> Result<Description> {
     if !["1", "2"].contains(&version.split('.').next().unwrap_or_default()) {
         return Err(reader.wrong(root, format!("version {}; expected 1.0 or 2.0", shown(version))));
     }
-    let mut regions = Vec::new();
+    let (mut regions, mut notes) = (Vec::new(), Vec::new());
     for region in named(root, "region").filter(|region| region.ancestors().any(|a| a.tag_name().name() == "display")) {
-        regions.push(reader.region(root, region)?);
+        let region = reader.region(root, region, profile, &mut notes)?;
+        if region.warp.is_none() && region.camera.is_none() && region.fisheye.is_none() {
+            notes.push(format!(
+                "{name}: region {} is left out: neither a map nor a lens of it is known",
+                shown(&region.id)
+            ));
+        }
+        regions.push(region);
     }
     if regions.is_empty() || regions.len() > MOST_REGIONS {
         let why = format!("has {} regions; expected 1 to {MOST_REGIONS}", regions.len());
         return Err(reader.wrong(root, why));
     }
-    let mut notes = Vec::new();
-    if named(root, "extensionSet").next().is_some() {
-        notes.push(format!("{name}: extensions (extensionSet) were not taken over"));
+    for extension in named(root, "extension") {
+        let called = reader.attribute(extension, "Name").unwrap_or_default();
+        if called != extension::NAME {
+            notes.push(format!("{name}: the extension {} was not taken over", shown(called)));
+        }
+    }
+    regions.retain(|region| region.warp.is_some() || region.camera.is_some() || region.fisheye.is_some());
+    if regions.is_empty() {
+        return Err(invalid(name, notes.join("; ")));
     }
     Ok(Description { profile, regions, notes })
 }
 
 /// All elements called `name` below `node`.
-fn named<'a, 'input, 'n>(
+pub(super) fn named<'a, 'input, 'n>(
     node: Node<'a, 'input>,
     name: &'n str,
 ) -> impl Iterator<Item = Node<'a, 'input>> + use<'a, 'input, 'n> {
     node.descendants().filter(move |node| node.is_element() && node.tag_name().name().eq_ignore_ascii_case(name))
 }
 
-struct Reader<'a, 'input> {
-    name: &'a str,
+/// The document, and how its values are read.
+pub(super) struct Reader<'a, 'input> {
+    pub(super) name: &'a str,
     document: &'a Document<'input>,
 }
 
 impl Reader<'_, '_> {
     /// An error of an element, with its line.
-    fn wrong(&self, node: Node, why: impl std::fmt::Display) -> Error {
+    pub(super) fn wrong(&self, node: Node, why: impl std::fmt::Display) -> Error {
         let line = self.document.text_pos_at(node.range().start).row;
         invalid(&format!("{}/mpcdi.xml:{line}", self.name), format!("<{}> {why}", node.tag_name().name()))
     }
 
     /// An attribute, whatever its case.
-    fn attribute<'n>(&self, node: Node<'n, '_>, name: &str) -> Result<&'n str> {
+    pub(super) fn attribute<'n>(&self, node: Node<'n, '_>, name: &str) -> Result<&'n str> {
         let found = node.attributes().find(|attribute| attribute.name().eq_ignore_ascii_case(name));
         found.map(|attribute| attribute.value().trim()).ok_or_else(|| self.wrong(node, format!("has no {name}")))
     }
@@ -105,11 +127,11 @@ impl Reader<'_, '_> {
     }
 
     /// The text of the first element called `name` below `node`.
-    fn text<'n>(&self, node: Node<'n, '_>, name: &str) -> Option<&'n str> {
+    pub(super) fn text<'n>(&self, node: Node<'n, '_>, name: &str) -> Option<&'n str> {
         named(node, name).next().and_then(|node| node.text()).map(str::trim).filter(|text| !text.is_empty())
     }
 
-    fn region(&self, root: Node, region: Node) -> Result<DescribedRegion> {
+    fn region(&self, root: Node, region: Node, profile: Profile, notes: &mut Vec<String>) -> Result<DescribedRegion> {
         let id = self.attribute(region, "id")?;
         let pixels = |name: &str| {
             let word = self.attribute(region, name)?;
@@ -125,35 +147,65 @@ impl Reader<'_, '_> {
         let files = files.ok_or_else(|| self.wrong(region, format!("{} has no fileset", shown(id))))?;
         let warp = named(files, "geometryWarpFile").next();
         let warp = warp.and_then(|warp| self.text(warp, "path"));
-        let warp = warp.ok_or_else(|| self.wrong(files, "has no geometryWarpFile with a path"))?.to_owned();
+        // Programs that send maps to the projectors themselves tell the places of projectors only.
+        if warp.is_none() && profile != Profile::ShaderLamps {
+            return Err(self.wrong(files, "has no geometryWarpFile with a path"));
+        }
         let alpha = match named(files, "alphaMap").next() {
-            Some(map) => {
+            Some(map) if warp.is_some() || self.text(map, "path").is_some() => {
                 let path = self.text(map, "path").ok_or_else(|| self.wrong(map, "has no path"))?.to_owned();
                 let gamma = self.text(map, "gammaEmbedded").map_or(Ok(1.0), str::parse::<f64>);
                 let gamma = gamma.ok().filter(|gamma| (0.1..=10.0).contains(gamma));
                 Some((path, gamma.ok_or_else(|| self.wrong(map, "gammaEmbedded is not within 0.1 to 10"))?))
             }
-            None => None,
+            _ => None,
         };
         let beta = match named(files, "betaMap").next() {
             Some(map) => Some(self.text(map, "path").ok_or_else(|| self.wrong(map, "has no path"))?.to_owned()),
             None => None,
         };
         let frame = named(region, "coordinateFrame").next().or_else(|| named(files, "coordinateFrame").next());
-        let frustum = named(region, "frustum").next().map(|frustum| self.camera(frustum, frame)).transpose()?;
-        Ok(DescribedRegion { id: id.to_owned(), size, place, warp, alpha, beta, camera: frustum })
+        let frustum = named(region, "frustum").next();
+        let (offset, axes) = frame.map_or(Ok((DVec3::ZERO, DMat3::IDENTITY)), |frame| self.frame(frame))?;
+        let lens = match profile {
+            Profile::ShaderLamps => extension::lens(self, root, id, size, notes)?,
+            _ => Described::Plain,
+        };
+        let unclear = matches!(lens, Described::Unclear);
+        let (mut camera, mut fisheye) = (None, None);
+        match (frustum, lens) {
+            (Some(frustum), Described::Plain) => {
+                let (rotation, frustum) = (self.turn(frustum)?, self.opening(frustum)?);
+                camera = Some(Camera { offset, rotation, frustum });
+            }
+            // A plane's angles mean nothing there, and are written as anything.
+            (Some(frustum), Described::Fisheye(lens, circle)) => {
+                let pose = Pose { position: offset, rotation: self.turn(frustum)? };
+                fisheye = Some(Optics { pose, lens: Lens::Fisheye { lens, circle }, mirror: None });
+            }
+            (None, _) | (_, Described::Unclear) => {}
+        }
+        let warp = warp.map(str::to_owned);
+        Ok(DescribedRegion { id: id.to_owned(), size, place, warp, alpha, beta, camera, fisheye, unclear, axes })
     }
 
-    /// The camera of a frustum; its angles are turns of the frame that is given, or of the axes of the file.
-    fn camera(&self, element: Node, frame: Option<Node>) -> Result<Camera> {
-        let value = |name: &'static str| match self.text(element, name) {
-            Some(word) => {
-                let number = word.parse::<f64>().ok().filter(|number| number.abs() <= 360.0);
-                number.ok_or_else(|| self.wrong(element, format!("{name} = {} is no angle", shown(word))))
-            }
-            None => Err(self.wrong(element, format!("has no {name}"))),
-        };
-        let sides = [value("leftAngle")?, value("rightAngle")?, value("downAngle")?, value("upAngle")?];
+    /// An angle of a frustum, degrees.
+    fn angle(&self, element: Node, name: &'static str) -> Result<f64> {
+        let word = self.text(element, name).ok_or_else(|| self.wrong(element, format!("has no {name}")))?;
+        let number = word.parse::<f64>().ok().filter(|number| number.abs() <= 360.0);
+        number.ok_or_else(|| self.wrong(element, format!("{name} = {} is no angle", shown(word))))
+    }
+
+    /// The turn of a frustum within its frame.
+    fn turn(&self, element: Node) -> Result<DMat3> {
+        let radians = |name| Ok::<_, Error>(self.angle(element, name)?.to_radians());
+        Ok(pose::rotation(radians("yaw")?, radians("pitch")?, radians("roll")?))
+    }
+
+    /// The opening of a frustum.
+    fn opening(&self, element: Node) -> Result<Frustum> {
+        let side = |name| self.angle(element, name);
+        let sides = [side("leftAngle")?, side("rightAngle")?, side("downAngle")?, side("upAngle")?];
         let [left, right, bottom, top] = sides;
         if !(left < right && bottom < top && sides.iter().all(|side| side.abs() <= WIDEST)) {
             return Err(self.wrong(
@@ -162,13 +214,11 @@ impl Reader<'_, '_> {
             ));
         }
         let [left, right, bottom, top] = sides.map(|side| side.to_radians().tan());
-        let turned =
-            pose::rotation(value("yaw")?.to_radians(), value("pitch")?.to_radians(), value("roll")?.to_radians());
-        let (offset, axes) = frame.map_or(Ok((DVec3::ZERO, DMat3::IDENTITY)), |frame| self.frame(frame))?;
-        Ok(Camera { offset, rotation: axes * turned, frustum: Frustum { left, right, bottom, top } })
+        Ok(Frustum { left, right, bottom, top })
     }
 
-    /// Place and axes of a frame: its pitch axis points to the right, its yaw axis down, its roll axis forward.
+    /// Place and axes of a frame: its pitch axis points to the right, its yaw axis down, its roll axis forward. The place
+    /// is along these axes, the axes lead to those of the file.
     fn frame(&self, element: Node) -> Result<(DVec3, DMat3)> {
         let vector = |prefix: &str| {
             let part = |axis: &str| {
@@ -184,6 +234,6 @@ impl Reader<'_, '_> {
         if !(axes.transpose() * axes).abs_diff_eq(DMat3::IDENTITY, 1e-3) || axes.determinant() < 0.0 {
             return Err(self.wrong(element, "its axes are not of length 1 and at right angles to each other"));
         }
-        Ok((vector("pos")?, axes))
+        Ok((axes.transpose() * vector("pos")?, axes))
     }
 }

@@ -1,11 +1,14 @@
 //! MPCDI, VESA's exchange format for calibrated displays, versions 1.0 and 2.0: a zip archive with a description in
 //! XML, a PFM for each region, and PNG pictures of weights.
 //!
+//! A description alone, without the archive, is read too: it tells where projectors are, and their lenses.
+//!
 //! Attributes are read whatever their case, since writers differ. Files are taken out of the archive by the names
 //! that the description gives, into memory, within limits that follow from the regions' sizes.
 
 mod archive;
 mod document;
+mod extension;
 mod write;
 
 pub use write::write;
@@ -15,7 +18,9 @@ use super::grid::Raster;
 use super::input::{Noted, invalid};
 use super::pfm;
 use crate::error::Result;
+use crate::geom::Optics;
 use archive::Files;
+use glam::{DMat3, DVec3};
 
 /// What the values of the maps mean.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -80,14 +85,17 @@ pub struct Region {
     pub id: String,
     /// Its resolution in pixels.
     pub size: (u32, u32),
-    /// Position in the picture (0…1 from the bottom left) or point of the screen, NaN where nothing is shown; of any resolution.
-    pub warp: Raster,
+    /// Position in the picture (0…1 from the bottom left) or point of the screen, NaN where nothing is shown; of any
+    /// resolution. In profile sl it may be missing; the projector is known then.
+    pub warp: Option<Raster>,
     /// Weights, if there are any.
     pub alpha: Option<Alpha>,
     /// Black levels, if there are any.
     pub beta: Option<Levels>,
-    /// In profile 3d the camera whose picture the positions lie in, in profile sl the projector.
+    /// In profile 3d the camera whose picture the positions lie in, in profile sl the projector, if it is a pinhole.
     pub camera: Option<Camera>,
+    /// In profile sl the projector, if it has a fisheye lens.
+    pub fisheye: Option<Optics>,
 }
 
 /// Black levels of a region: displayed values that are added, `x·(1 − level) + level`.
@@ -110,45 +118,80 @@ pub struct Alpha {
     pub gamma: f64,
 }
 
-/// Reads an archive. `name` is the file's, for messages.
+/// Reads an archive, or a description alone. Points, places and turns are in the axes x right, y up, z backward: where a
+/// frame tells the axes of the file, they are turned. `name` is the file's, for messages.
 ///
 /// # Errors
 /// [`InvalidRig`](crate::ErrorKind::InvalidRig) with the file in the archive and the reason.
 pub fn read(name: &str, bytes: &[u8]) -> Result<Noted<Archive>> {
-    let mut files = Files::open(name, bytes)?;
-    let text = files.description()?;
+    let (mut files, text) = match description_alone(bytes) {
+        Some(text) => (None, text.to_owned()),
+        None => {
+            let mut files = Files::open(name, bytes)?;
+            let text = files.description()?;
+            (Some(files), text)
+        }
+    };
     let document::Description { profile, regions: described, notes } = document::read(name, &text)?;
+    let mut take = |path: &str, longest: u64| match &mut files {
+        Some(files) => files.take(path, longest),
+        None => Err(invalid(&format!("{name}/{path}"), "is missing: this is a description without its archive")),
+    };
     let mut regions = Vec::new();
     for region in described {
         // A map may be finer than the region, but not without bound: four values for each pixel.
         let longest = 48 * u64::from(region.size.0) * u64::from(region.size.1) + (1 << 16);
-        let inner = format!("{name}/{}", region.warp);
-        let mut warp = pfm::read(&inner, &files.take(&region.warp, longest)?)?;
-        if profile == Profile::Flat {
-            warp = placed(&inner, &warp, region.place)?;
-        }
+        let warp = match &region.warp {
+            Some(path) => {
+                let inner = format!("{name}/{path}");
+                let warp = pfm::read(&inner, &take(path, longest)?)?;
+                Some(match profile {
+                    Profile::Flat => placed(&inner, &warp, region.place)?,
+                    Profile::ShaderLamps => turned(&inner, warp, &region.axes)?,
+                    _ => warp,
+                })
+            }
+            None => None,
+        };
         let alpha = match &region.alpha {
             Some((path, gamma)) => {
-                let (size, weights) = archive::picture(&format!("{name}/{path}"), &files.take(path, longest)?)?;
+                let (size, weights) = archive::picture(&format!("{name}/{path}"), &take(path, longest)?)?;
                 Some(Alpha { size, weights, gamma: *gamma })
             }
             None => None,
         };
         let beta = match &region.beta {
             Some(path) => {
-                let (size, levels) = archive::picture(&format!("{name}/{path}"), &files.take(path, longest)?)?;
+                let (size, levels) = archive::picture(&format!("{name}/{path}"), &take(path, longest)?)?;
                 Some(Levels { size, levels })
             }
             None => None,
         };
-        let camera = region.camera;
-        if camera.is_none() && profile.has_cameras() {
+        let (camera, fisheye) = (region.camera, region.fisheye);
+        // A fisheye that is not understood leaves the points.
+        if camera.is_none() && fisheye.is_none() && profile.has_cameras() && !region.unclear {
             let why = format!("region {} has no frustum, which profile {} needs", region.id, profile.word());
             return Err(invalid(name, why));
         }
-        regions.push(Region { id: region.id, size: region.size, warp, alpha, beta, camera });
+        regions.push(Region { id: region.id, size: region.size, warp, alpha, beta, camera, fisheye });
     }
     Ok(Noted { value: Archive { profile, regions }, notes })
+}
+
+/// The text of a description that is no archive, if the file is one.
+fn description_alone(bytes: &[u8]) -> Option<&str> {
+    let text = std::str::from_utf8(bytes).ok()?;
+    text.trim_start_matches('\u{feff}').trim_start().starts_with('<').then_some(text)
+}
+
+/// Points out of the axes of the file.
+fn turned(name: &str, warp: Raster, axes: &DMat3) -> Result<Raster> {
+    if *axes == DMat3::IDENTITY {
+        return Ok(warp);
+    }
+    let turn = |point: &[f32; 3]| (axes.transpose() * DVec3::from_array(point.map(f64::from))).as_vec3().to_array();
+    let values = warp.values().iter().map(turn).collect();
+    Raster::new(warp.size(), values).ok_or_else(|| invalid(name, "has no pixels"))
 }
 
 /// Positions in a region's part (x, y, width, height) of the whole picture.

@@ -16,10 +16,11 @@ fn archive(profile: Profile) -> Archive {
         Region {
             id: id.into(),
             size: (3, 2),
-            warp: Raster::new((3, 2), values).unwrap(),
+            warp: Raster::new((3, 2), values),
             alpha: Some(alpha),
             beta: (id == "left").then_some(beta),
             camera: profile.has_cameras().then_some(camera),
+            fisheye: None,
         }
     };
     Archive { profile, regions: vec![region("left"), region("\"right\" & <up>")] }
@@ -56,7 +57,8 @@ fn what_is_written_is_read_back() {
         for (found, expected) in found.regions.iter().zip(&expected.regions) {
             assert_eq!((&found.id, found.size), (&expected.id, expected.size));
             let same = |(a, b): (&[f32; 3], &[f32; 3])| a == b || (a[0].is_nan() && b[0].is_nan());
-            assert!(found.warp.values().iter().zip(expected.warp.values()).all(same));
+            let values = |region: &Region| region.warp.clone().unwrap().values().to_vec();
+            assert!(values(found).iter().zip(&values(expected)).all(same));
             assert_eq!(found.camera.is_some(), expected.camera.is_some());
             if let (Some(found), Some(expected)) = (&found.camera, &expected.camera) {
                 assert_eq!(found.offset, expected.offset);
@@ -81,7 +83,7 @@ fn version_2_and_other_cases_are_read_and_positions_are_placed_in_the_whole_pict
     let map = pfm::write(2, &[[0.0, 0.25, 0.0], [1.0, 0.5, 0.0]]);
     let bytes = zipped(&[("mpcdi.xml", described("a.pfm", 2).as_bytes()), ("a.pfm", &map)]);
     let region = &read("a", &bytes).unwrap().value.regions[0];
-    assert_eq!(region.warp.values(), [[0.5, 0.25, 0.0], [1.0, 0.5, 0.0]]);
+    assert_eq!(region.warp.as_ref().unwrap().values(), [[0.5, 0.25, 0.0], [1.0, 0.5, 0.0]]);
     assert_eq!(region.alpha, None);
 }
 
@@ -119,4 +121,127 @@ fn hostile_archives_are_refused() {
     refused(&with(&frustum(30.0), &map), "opens from 30° to 20°");
     let entities = "<!DOCTYPE a [<!ENTITY x \"y\">]><MPCDI profile=\"2d\" version=\"1.0\">&x;</MPCDI>";
     refused(&with(entities, &map), "not XML");
+}
+
+/// A description alone, as Christie's Mystique writes it (z up, no files), with one region whose lens is said by `lens`.
+fn alone(lens: &str) -> Vec<u8> {
+    let text = |name: &str, value: f64| format!("<{name}>{value}</{name}>");
+    let vector = |name: &str, [x, y, z]: [f64; 3]| {
+        [("x", x), ("y", y), ("z", z)].map(|(axis, value)| text(&format!("{name}{axis}"), value)).concat()
+    };
+    let frame = vector("pos", [0.6, -0.5, -0.4])
+        + &vector("yaw", [0.0, 0.0, -1.0])
+        + &vector("pitch", [1.0, 0.0, 0.0])
+        + &vector("roll", [0.0, 1.0, 0.0]);
+    // What such writers put there for a fisheye: angles of no use.
+    let sides = [("leftAngle", 89.795), ("rightAngle", 89.7957), ("downAngle", 89.8275), ("upAngle", 89.828)];
+    let turns = [("yaw", -45.0), ("pitch", 20.0), ("roll", -30.0)];
+    let frustum = sides.iter().chain(&turns).map(|(name, value)| text(name, *value)).collect::<String>();
+    format!(
+        "<?xml version=\"1.0\" encoding=\"utf-8\"?>\n<MPCDI profile=\"sl\" geometry=\"2\" color=\"1\" version=\"2.0\"><display><buffer id=\"b\">\
+         <region id=\"r 1\" xResolution=\"1400\" yResolution=\"1050\" x=\"0\" y=\"0\" xsize=\"1\" ysize=\"1\"><frustum>{frustum}</frustum>\
+         <coordinateFrame>{frame}</coordinateFrame></region></buffer></display><files><fileset region=\"r 1\"><geometryWarpFile><path></path>\
+         </geometryWarpFile><alphaMap><gammaEmbedded>1.0</gammaEmbedded><path></path></alphaMap></fileset></files><extensionSet>\
+         <extension Name=\"BufferExtension\" hasExternalFiles=\"false\"><buffer id=\"b\"><region id=\"r 1\">{lens}</region></buffer></extension>\
+         <extension Name=\"MystiqueExtension\"><GeneratedBy>x</GeneratedBy></extension></extensionSet></MPCDI>"
+    )
+    .into_bytes()
+}
+
+fn polynomial(factors: [f64; 4]) -> String {
+    let of = |name: &str, value: f64| format!("<{name}>{value}</{name}>");
+    let offsets = of("horizontalOffset", 0.2) + &of("verticalOffset", 0.3);
+    let factors =
+        ["f1", "f3", "f5", "f7"].iter().zip(factors).map(|(name, factor)| of(name, factor)).collect::<String>();
+    format!("<fisheye>{offsets}{factors}</fisheye><anamorphic><ratio>1.3</ratio><angle>0</angle></anamorphic>")
+}
+
+#[test]
+fn a_fisheye_is_read_in_radians_or_in_degrees_and_turned_out_of_its_frame() {
+    let degree = 1f64.to_radians();
+    let radians = [0.5, -0.02, 0.003, -1e-4];
+    let in_degrees =
+        [radians[0] * degree, radians[1] * degree.powi(3), radians[2] * degree.powi(5), radians[3] * degree.powi(7)];
+    for (factors, word) in [(radians, "radians"), (in_degrees, "degrees")] {
+        let found = read("a.xml", &alone(&polynomial(factors))).unwrap();
+        assert!(found.notes.iter().any(|note| note.contains(&format!("taken as {word}"))), "{:?}", found.notes);
+        assert!(found.notes.iter().any(|note| note.contains("MystiqueExtension")), "{:?}", found.notes);
+        let region = &found.value.regions[0];
+        assert!(region.warp.is_none() && region.camera.is_none() && region.alpha.is_none());
+        let optics = region.fisheye.as_ref().unwrap();
+        // z up, y forward becomes y up, −z forward.
+        assert!(optics.pose.position.distance(DVec3::new(0.6, -0.4, 0.5)) < 1e-12, "{}", optics.pose.position);
+        let turned = pose::rotation(-45f64.to_radians(), 20f64.to_radians(), -30f64.to_radians());
+        assert!(optics.pose.rotation.abs_diff_eq(turned, 1e-12));
+        // By hand: the axis lies left of the middle by 0.2 half widths and below it by 0.3 half heights; pixels are higher
+        // than wide by 1.3.
+        let ray = |x: f64, y: f64| optics.lens.ray(glam::DVec2::new(x, y), 4.0 / 3.0).unwrap();
+        assert!(ray(-0.2, -0.3).normalize().distance(DVec3::NEG_Z) < 1e-12);
+        let angle = 0.7f64;
+        let radius = angle * (0.5 + angle.powi(2) * (-0.02 + angle.powi(2) * (0.003 - 1e-4 * angle.powi(2))));
+        assert!(ray(-0.2 + radius, -0.3).normalize().distance(DVec3::new(angle.sin(), 0.0, -angle.cos())) < 1e-9);
+        let up = ray(-0.2, -0.3 + radius * 4.0 / 3.0 / 1.3).normalize();
+        assert!(up.distance(DVec3::new(0.0, angle.sin(), -angle.cos())) < 1e-9, "{up}");
+    }
+}
+
+#[test]
+fn what_is_written_of_a_fisheye_is_read_back() {
+    use crate::geom::{Circle, FisheyeLens, Lens, Optics, Pose, Projection};
+    let projections = [Projection::Equidistant, Projection::Polynomial([2.0, -0.05, 0.002, -0.0001])];
+    let circles =
+        [Circle::Inscribed, Circle::Placed { center: glam::DVec2::new(0.1, -0.4), half: glam::DVec2::new(1.2, 1.5) }];
+    for ((projection, circle), aperture) in projections.into_iter().zip(circles).zip([3.0, 3.6]) {
+        let lens = Lens::Fisheye { lens: FisheyeLens { projection, aperture }, circle };
+        let optics = Optics { pose: Pose::new(DVec3::new(1.0, -2.0, 0.5), 0.5, -0.3, 0.2), lens, mirror: None };
+        let mut expected = archive(Profile::ShaderLamps);
+        for region in &mut expected.regions {
+            (region.camera, region.fisheye) = (None, Some(optics.clone()));
+        }
+        let found = read("a.mpcdi", &write(&expected, Version::One).unwrap()).unwrap();
+        assert_eq!(found.notes, Vec::<String>::new());
+        for region in &found.value.regions {
+            let found = region.fisheye.as_ref().unwrap();
+            for (x, y) in [(0.0, 0.0), (0.3, 0.2), (-0.5, 0.6), (0.9, -0.9), (1.0, 1.0)] {
+                let at = glam::DVec2::new(x, y);
+                let rays = [found, &optics].map(|optics| optics.ray(at, 1.5).map(|(_, ray)| ray.normalize()));
+                match rays {
+                    [Some(a), Some(b)] => assert!(a.distance(b) < 1e-9, "{at}: {a} {b}"),
+                    rays => assert_eq!(rays, [None, None], "{at}"),
+                }
+            }
+        }
+    }
+    // A lens that the format cannot say.
+    let mut wrong = archive(Profile::ShaderLamps);
+    let lens = FisheyeLens { projection: Projection::Equisolid, aperture: 3.0 };
+    let lens = Lens::Fisheye { lens, circle: Circle::Inscribed };
+    wrong.regions[0].fisheye = Some(Optics { pose: Pose::new(DVec3::ZERO, 0.0, 0.0, 0.0), lens, mirror: None });
+    assert!(write(&wrong, Version::One).unwrap_err().message.contains("no words for its lens"));
+}
+
+#[test]
+fn a_fisheye_that_fits_neither_unit_is_told_and_damage_is_refused() {
+    // As a file of Christie's own has it.
+    let message = read("a.xml", &alone(&polynomial([75.0, 0.0, 0.0, 0.0]))).unwrap_err().message;
+    assert!(message.contains("is not taken over") && message.contains("117.8097"), "{message}");
+    assert!(read("a.xml", &alone(&polynomial([0.5, -0.3, 0.0, 0.0]))).is_err(), "it folds");
+    for (lens, why) in [
+        (polynomial([0.5, f64::NAN, 0.0, 0.0]), "f3 = \"NaN\""),
+        (polynomial([1e300, 0.0, 0.0, 0.0]), "is no number from"),
+        (polynomial([0.5; 4]).replace("0.2", "inf"), "horizontalOffset"),
+        (polynomial([0.5; 4]).replace("1.3", "0"), "ratio"),
+    ] {
+        let message = read("a.xml", &alone(&lens)).unwrap_err().message;
+        assert!(message.starts_with("a.xml/mpcdi.xml:2") && message.contains(why), "{message}");
+    }
+    // Without its archive a description has no files.
+    let text = String::from_utf8(alone(&polynomial([0.5, 0.0, 0.0, 0.0]))).unwrap();
+    let with_file = text.replacen("<path></path>", "<path>a.pfm</path>", 1);
+    assert!(read("a.xml", with_file.as_bytes()).unwrap_err().message.contains("without its archive"));
+    let flat = text.replace("\"sl\"", "\"2d\"");
+    assert!(read("a.xml", flat.as_bytes()).unwrap_err().message.contains("no geometryWarpFile"));
+    for end in (0..text.len()).step_by(7) {
+        let _ = read("a.xml", &text.as_bytes()[..end]);
+    }
 }

@@ -1,20 +1,23 @@
 //! Archives of our own: a buffer and a region for each projector.
 
-use super::{Archive, Profile, Region, Version};
+use super::{Archive, Profile, Region, Version, extension};
 use crate::error::{Error, ErrorKind, Result};
 use crate::formats::camera::Camera;
 use crate::formats::pfm;
-use crate::geom::{Frustum, pose};
-use glam::DVec3;
+use crate::geom::{Frustum, Optics, pose};
+use glam::{DVec2, DVec3};
 use std::fmt::Write as _;
 use std::io::{Cursor, Write as _};
 use zip::write::SimpleFileOptions;
+
+/// Tangent of the widest side that is written for what is no plane.
+const WIDEST_PLANE: f64 = 50.0;
 
 /// The bytes of an archive. Each region has a buffer of its own that it fills; weights and levels are PNG of 16 bits.
 ///
 /// # Errors
 /// [`InvalidRig`](ErrorKind::InvalidRig) if the weights or levels of a region are not as many as their size says, or a
-/// region has no camera in a profile that needs one, [`Internal`](ErrorKind::Internal) if packing fails.
+/// region has no camera in a profile that needs one or a lens that the format cannot say, [`Internal`](ErrorKind::Internal) if packing fails.
 pub fn write(archive: &Archive, version: Version) -> Result<Vec<u8>> {
     let failed = |error: &dyn std::fmt::Display| Error::new(ErrorKind::Internal, format!("packing MPCDI: {error}"));
     let mut zip = zip::ZipWriter::new(Cursor::new(Vec::new()));
@@ -24,7 +27,9 @@ pub fn write(archive: &Archive, version: Version) -> Result<Vec<u8>> {
     };
     put("mpcdi.xml", description(archive, version)?.as_bytes())?;
     for (number, region) in archive.regions.iter().enumerate() {
-        put(&format!("warp-{number}.pfm"), &pfm::write(region.warp.size().0, region.warp.values()))?;
+        if let Some(warp) = &region.warp {
+            put(&format!("warp-{number}.pfm"), &pfm::write(warp.size().0, warp.values()))?;
+        }
         // White where there are no weights, since the format asks for a map.
         let (size, weights) = region.alpha.as_ref().map_or(((1, 1), &[1.0][..]), |alpha| (alpha.size, &alpha.weights));
         put(&format!("alpha-{number}.png"), &picture(region, size, weights)?)?;
@@ -62,10 +67,14 @@ fn description(archive: &Archive, version: Version) -> Result<String> {
     for (number, region) in archive.regions.iter().enumerate() {
         let (width, height) = region.size;
         let size = format!("Xresolution=\"{width}\" Yresolution=\"{height}\"");
-        let camera = match (archive.profile, &region.camera) {
-            (Profile::Perspective, Some(camera)) => frustum(camera),
-            (Profile::ShaderLamps, Some(camera)) => format!("{}{}", frustum(camera), frame(camera)),
-            (profile, None) if profile.has_cameras() => {
+        let camera = match (archive.profile, &region.camera, &region.fisheye) {
+            (Profile::Perspective, Some(camera), _) => frustum(camera),
+            (Profile::ShaderLamps, Some(camera), _) => format!("{}{}", frustum(camera), frame(camera.offset)),
+            (Profile::ShaderLamps, None, Some(optics)) => {
+                let camera = nearest_plane(optics, region.size);
+                format!("{}{}", frustum(&camera), frame(camera.offset))
+            }
+            (profile, None, _) if profile.has_cameras() => {
                 let message = format!("region {}: profile {} needs its camera", region.id, profile.word());
                 return Err(Error::new(ErrorKind::InvalidRig, message));
             }
@@ -80,11 +89,12 @@ fn description(archive: &Archive, version: Version) -> Result<String> {
     text.push_str("  </display>\n  <files>\n");
     for (number, region) in archive.regions.iter().enumerate() {
         let gamma = region.alpha.as_ref().map_or(1.0, |alpha| alpha.gamma);
+        let warp = region.warp.as_ref().map_or(String::new(), |_| format!("warp-{number}.pfm"));
         let unit =
             if points { "<geometricUnit>m</geometricUnit><originOf3DData>centerOfMass</originOf3DData>" } else { "" };
         let _ = writeln!(
             text,
-            "    <fileset region=\"{}\">\n      <geometryWarpFile><path>warp-{number}.pfm</path><interpolation>linear</interpolation>{unit}</geometryWarpFile>\n      \
+            "    <fileset region=\"{}\">\n      <geometryWarpFile><path>{warp}</path><interpolation>linear</interpolation>{unit}</geometryWarpFile>\n      \
              <alphaMap><path>alpha-{number}.png</path><componentDepth>1</componentDepth><bitDepth>16</bitDepth><gammaEmbedded>{gamma}</gammaEmbedded></alphaMap>{}\n    </fileset>",
             escaped(&region.id),
             if region.beta.is_some() {
@@ -96,7 +106,11 @@ fn description(archive: &Archive, version: Version) -> Result<String> {
             }
         );
     }
-    text.push_str("  </files>\n</MPCDI>\n");
+    text.push_str("  </files>\n");
+    text.push_str(&extension::text(
+        archive.regions.iter().map(|region| (escaped(&region.id), region.size, region.fisheye.as_ref())),
+    )?);
+    text.push_str("</MPCDI>\n");
     Ok(text)
 }
 
@@ -115,9 +129,21 @@ fn frustum(camera: &Camera) -> String {
     )
 }
 
+/// What readers that know no fisheyes may take for the opening: the angles of the middles of the sides, as far as planes go.
+fn nearest_plane(optics: &Optics, size: (u32, u32)) -> Camera {
+    let aspect = f64::from(size.0) / f64::from(size.1);
+    let side = |x: f64, y: f64| {
+        let ray = optics.lens.ray(DVec2::new(x, y), aspect).filter(|ray| ray.z < 0.0);
+        let tangent = ray.map_or(f64::INFINITY, |ray| (ray.x * x + ray.y * y) / -ray.z);
+        tangent.clamp(-WIDEST_PLANE, WIDEST_PLANE)
+    };
+    let frustum =
+        Frustum { left: -side(-1.0, 0.0), right: side(1.0, 0.0), bottom: -side(0.0, -1.0), top: side(0.0, 1.0) };
+    Camera { offset: optics.pose.position, rotation: optics.pose.rotation, frustum }
+}
+
 /// Where a camera stands, with the axes of the file: the pitch axis to the right, the yaw axis down, the roll axis forward.
-fn frame(camera: &Camera) -> String {
-    let DVec3 { x, y, z } = camera.offset;
+fn frame(DVec3 { x, y, z }: DVec3) -> String {
     let vector =
         |name: &str, [x, y, z]: [f64; 3]| format!("<{name}x>{x}</{name}x><{name}y>{y}</{name}y><{name}z>{z}</{name}z>");
     format!(

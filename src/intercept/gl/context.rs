@@ -100,6 +100,8 @@ pub struct Context {
     pub profile: Profile,
     /// The program's vertices cannot be projected straight to an output: windows have views.
     pub views_only: bool,
+    /// What stands in for the fixed-function pipeline where vertices are projected.
+    pub fixed: super::vertices::fixed::Fixed,
     /// Counts primitives that were not divided far enough.
     pub coarse: Option<super::vertices::counter::Counter>,
     /// A defect switched this context off: every call goes straight to the driver.
@@ -213,6 +215,7 @@ impl Context {
             gl,
             profile: profile(gl),
             views_only: false,
+            fixed: Default::default(),
             coarse: None,
             switched_off: false,
             window: None,

@@ -43,11 +43,21 @@ pub fn draw(
     ctx: &mut Context,
     changes: Changes,
     bounds: impl FnOnce(&mut Context) -> Bounds,
+    issue: impl FnMut(&mut Context, &Gl),
+) {
+    super::outlines::look(ctx);
+    super::vertices::fallback::look(ctx);
+    draw_to_views(ctx, changes, bounds, issue);
+    super::vertices::fixed::end(ctx);
+}
+
+fn draw_to_views(
+    ctx: &mut Context,
+    changes: Changes,
+    bounds: impl FnOnce(&mut Context) -> Bounds,
     mut issue: impl FnMut(&mut Context, &Gl),
 ) {
     let gl = ctx.gl;
-    super::outlines::look(ctx);
-    super::vertices::fallback::look(ctx);
     if !ctx.redirected() {
         if !super::duplicate::draw(ctx, changes, &mut issue) {
             counting::weigh(ctx, Weights::ONCE);
@@ -136,13 +146,23 @@ pub fn draw(
                 Place::Scene(camera) => {
                     if let Some(rows) = ctx.cameras.get(camera).and_then(|c| c.rows.get(index)).copied() {
                         super::programs::upload_view(ctx, &rows, target.lenses.get(index));
-                        divided = super::vertices::begin(ctx, &rows, target.lenses.get(index));
+                        divided = super::vertices::begin(
+                            ctx,
+                            &rows,
+                            target.lenses.get(index),
+                            target.session.division(index),
+                        );
                     }
                 }
                 Place::Background if ctx.program.as_ref().is_some_and(|p| p.draws_vertices()) => {
                     if let Some(rows) = ctx.background.shader_rows(index).copied() {
                         super::programs::upload_view(ctx, &rows, target.lenses.get(index));
-                        divided = super::vertices::begin(ctx, &rows, target.lenses.get(index));
+                        divided = super::vertices::begin(
+                            ctx,
+                            &rows,
+                            target.lenses.get(index),
+                            target.session.division(index),
+                        );
                     }
                 }
                 Place::Background => {
@@ -212,7 +232,8 @@ pub fn each_view(
                 if let Some(rows) = ctx.cameras.get(camera).and_then(|c| c.rows.get(view)).copied() {
                     let lens = ctx.target.as_ref().and_then(|target| target.lenses.get(view)).copied();
                     super::programs::upload_view(ctx, &rows, lens.as_ref());
-                    divided = super::vertices::begin(ctx, &rows, lens.as_ref());
+                    let division = ctx.session().and_then(|session| session.division(view));
+                    divided = super::vertices::begin(ctx, &rows, lens.as_ref(), division);
                 }
             }
             Place::Flat | Place::Background => plain_program(ctx),

@@ -22,7 +22,7 @@ pub fn fill(ctx: &Context, target: &DefaultFramebuffer, directions: DMat3) {
     let gl = ctx.gl;
     let plan = target.session.plan();
     let Some(depths) = Depths::of(gl) else { return };
-    let mut atlas = read(gl, target.readable_framebuffer(), plan.views.atlas);
+    let mut atlas = read(gl, target.readable_framebuffer(), plan.views.atlas, Content::DepthStencil);
     if !target.closed().is_empty() {
         let row = plan.views.atlas.0 as usize;
         for tile in correct::hidden_areas(plan).concat() {
@@ -48,21 +48,50 @@ pub fn fill(ctx: &Context, target: &DefaultFramebuffer, directions: DMat3) {
         .flat_map(|line| (0..width).map(move |column| (column, line)))
         .map(|(column, line)| texel(column, line).unwrap_or(EMPTY))
         .collect();
-    write(gl, target, [x, y, width, height], &pixels);
+    write(gl, target, [x, y, width, height], Content::DepthStencil, &pixels);
 }
 
-/// The texel of a view that shows a direction, if it answers for it, and how far the direction goes along its axis.
-fn find(view: &View, direction: DVec3) -> Option<((u32, u32), f64)> {
+/// What a tile is filled with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Content {
+    /// 24 bits of depth, 8 of stencil.
+    DepthStencil,
+    /// Red, green, blue and alpha, 8 bits each.
+    Color,
+}
+
+impl Content {
+    /// Format, type, and format of a texture; attachment, and bits of a copy.
+    fn names(self) -> ([u32; 3], [u32; 2]) {
+        match self {
+            Self::DepthStencil => (
+                [api::GL_DEPTH_STENCIL, api::GL_UNSIGNED_INT_24_8, api::GL_DEPTH24_STENCIL8],
+                [api::GL_DEPTH_STENCIL_ATTACHMENT, api::GL_DEPTH_BUFFER_BIT | api::GL_STENCIL_BUFFER_BIT],
+            ),
+            Self::Color => (
+                [api::GL_RGBA, api::GL_UNSIGNED_BYTE, api::GL_RGBA8],
+                [api::GL_COLOR_ATTACHMENT0, api::GL_COLOR_BUFFER_BIT],
+            ),
+        }
+    }
+}
+
+/// The texel of a view that shows a direction, if it answers for it, and how many times as far it is drawn as it is along
+/// the program's axis.
+pub fn find(view: &View, direction: DVec3) -> Option<((u32, u32), f64)> {
     let seen = view.rotation * direction;
+    let Tile { x, y, width, height } = view.tile;
+    let texel = |part: f64, texels: u32| ((part * f64::from(texels)) as u32).min(texels.saturating_sub(1));
+    if let Some(map) = &view.curved {
+        // The picture of an output, where depth is the distance.
+        let at = map.shown(seen)?;
+        return Some(((x + texel(0.5 + 0.5 * at.x, width), y + texel(0.5 + 0.5 * at.y, height)), direction.length()));
+    }
     let (right, up) = (seen.x / -seen.z, seen.y / -seen.z);
     let owned = &view.owned;
     let shown = seen.z < 0.0 && (owned.left..=owned.right).contains(&right) && (owned.bottom..=owned.top).contains(&up);
-    let Tile { x, y, width, height } = view.tile;
-    let place = |tangent: f64, least: f64, whole: f64, texels: u32| {
-        (((tangent - least) / whole * f64::from(texels)) as u32).min(texels.saturating_sub(1))
-    };
-    let column = x + place(right, view.frustum.left, view.frustum.width(), width);
-    let line = y + place(up, view.frustum.bottom, view.frustum.height(), height);
+    let column = x + texel((right - view.frustum.left) / view.frustum.width(), width);
+    let line = y + texel((up - view.frustum.bottom) / view.frustum.height(), height);
     shown.then_some(((column, line), -seen.z))
 }
 
@@ -107,27 +136,27 @@ impl Depths {
     }
 }
 
-/// Depth and stencil of a framebuffer of ours. Bindings and pixel storage are put back.
-fn read(gl: &Gl, framebuffer: u32, size: (u32, u32)) -> Vec<u32> {
+/// What a framebuffer of ours holds. Bindings and pixel storage are put back.
+pub fn read(gl: &Gl, framebuffer: u32, size: (u32, u32), content: Content) -> Vec<u32> {
     let mut texels = vec![EMPTY; size.0 as usize * size.1 as usize];
+    let ([format, kind, _], _) = content.names();
     super::present::while_reading(gl, framebuffer, || {
-        let (format, kind) = (api::GL_DEPTH_STENCIL, api::GL_UNSIGNED_INT_24_8);
-        // SAFETY: the array has room for just these texels.
+        // SAFETY: the array has room for just these texels of four bytes.
         unsafe { gl.read_pixels(0, 0, size.0 as i32, size.1 as i32, format, kind, texels.as_mut_ptr().cast()) };
     });
     texels
 }
 
-/// Puts depths and stencils into a tile of the window's picture. Everything that is touched is put back.
-fn write(gl: &Gl, window: &DefaultFramebuffer, [x, y, width, height]: [i32; 4], pixels: &[u32]) {
+/// Puts content into a tile of the window's picture. Everything that is touched is put back.
+pub fn write(gl: &Gl, window: &DefaultFramebuffer, [x, y, width, height]: [i32; 4], content: Content, pixels: &[u32]) {
     let texture = crate::backend::gl::surface::new_texture(gl);
+    let ([format, kind, internal], [attachment, bits]) = content.names();
     window.backend().while_uploading(gl, || {
-        let (format, kind) = (api::GL_DEPTH_STENCIL, api::GL_UNSIGNED_INT_24_8);
-        let internal = api::GL_DEPTH24_STENCIL8 as i32;
+        let start = pixels.as_ptr().cast();
         // SAFETY: the array holds just as many texels, one after the other.
         unsafe {
             gl.bind_texture(api::GL_TEXTURE_2D, texture);
-            gl.tex_image2_d(api::GL_TEXTURE_2D, 0, internal, width, height, 0, format, kind, pixels.as_ptr().cast());
+            gl.tex_image2_d(api::GL_TEXTURE_2D, 0, internal as i32, width, height, 0, format, kind, start);
         }
     });
     // SAFETY: objects of ours; bindings and scissor test are put back.
@@ -139,12 +168,10 @@ fn write(gl: &Gl, window: &DefaultFramebuffer, [x, y, width, height]: [i32; 4], 
         gl.get_integerv(api::GL_DRAW_FRAMEBUFFER_BINDING, &mut draw);
         gl.gen_framebuffers(1, &mut own);
         gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, own);
-        let (target, point) = (api::GL_READ_FRAMEBUFFER, api::GL_DEPTH_STENCIL_ATTACHMENT);
-        gl.framebuffer_texture2_d(target, point, api::GL_TEXTURE_2D, texture, 0);
-        gl.read_buffer(api::GL_NONE);
+        gl.framebuffer_texture2_d(api::GL_READ_FRAMEBUFFER, attachment, api::GL_TEXTURE_2D, texture, 0);
+        gl.read_buffer(if content == Content::Color { attachment } else { api::GL_NONE });
         gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, window.framebuffer());
-        let what = api::GL_DEPTH_BUFFER_BIT | api::GL_STENCIL_BUFFER_BIT;
-        gl.blit_framebuffer(0, 0, width, height, x, y, x + width, y + height, what, api::GL_NEAREST);
+        gl.blit_framebuffer(0, 0, width, height, x, y, x + width, y + height, bits, api::GL_NEAREST);
         gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, read as u32);
         gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, draw as u32);
         gl.delete_framebuffers(1, &own);

@@ -5,11 +5,9 @@
 //! so that its text stays untouched and its line numbers right.
 
 use super::vertices::interface::Interface;
-use super::vertices::{stage, text};
+use super::vertices::stage;
+use crate::correct::projection::functions;
 use std::borrow::Cow;
-
-/// Name of the uniform that carries the rows of the re-projection.
-pub const UNIFORM: &str = "cupola_view";
 
 /// A stage that can be the last one before rasterisation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,20 +19,6 @@ pub enum Stage {
     /// Geometry shader.
     Geometry,
 }
-
-/// The function that re-projects; `cupola_view` holds the rows for x, y, w and (E, depth factor, depth offset, curved).
-const FIX: &str = "PRECISION vec4 cupola_fix(PRECISION vec4 c) {
-PRECISION float q = c.z + cupola_view[3].x * c.w;
-PRECISION float w = dot(cupola_view[2].xyz, c.xyw) + cupola_view[2].w * q;
-PRECISION vec4 r = vec4(dot(cupola_view[0].xyz, c.xyw) + cupola_view[0].w * q, dot(cupola_view[1].xyz, c.xyw) + cupola_view[1].w * q, cupola_view[3].y * (q - cupola_view[3].x * w) + cupola_view[3].z * w, w);
-if (c.z == c.w) r.z = w;
-CURVEDreturn r;
-}
-";
-
-/// Where outputs are projected to, the rows may lead to a lens.
-const CURVED: &str = "if (cupola_view[3].w != 0.0) return cupola_project(vec3(r.x, r.y, -r.w), q, c.z == c.w);
-";
 
 /// `source` with the epilogue, or `None` where it cannot be patched (no `main` in it). `es_context`: the
 /// context is OpenGL ES, which says what a text without `#version` is. `curved`: there are views to whose lens vertices
@@ -87,15 +71,6 @@ pub fn carry(source: &str, interface: &Interface) -> String {
 /// Whether a shader's text has the `main` of its stage.
 pub fn has_main(source: &str) -> bool {
     defines_main(&strip_comments(source))
-}
-
-/// Our uniform, and the functions that re-project with it.
-pub fn functions(es: bool, curved: bool) -> String {
-    let vectors = if curved { text::ROWS + text::LENS } else { text::ROWS };
-    let (lens, hook) = if curved { ([text::PLACE, text::PROJECT].concat(), CURVED) } else { (String::new(), "") };
-    let fix = FIX.replace("CURVED", hook);
-    format!("uniform PRECISION vec4 {UNIFORM}[{vectors}];\n{lens}{fix}")
-        .replace("PRECISION ", if es { "highp " } else { "" })
 }
 
 /// Whether the text names `word` as a whole identifier, outside comments.

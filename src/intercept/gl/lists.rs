@@ -164,6 +164,7 @@ fn call(ctx: &mut Context, list: u32, depth: u32) {
             run_real(ctx, list, true, true, &Bounds::UNKNOWN);
             ctx.projection.touch(api::GL_PROJECTION);
             ctx.projection.touch(api::GL_MODELVIEW);
+            ctx.fixed.touch();
         }
         Some(items) => {
             for item in items.iter() {
@@ -300,7 +301,8 @@ fn begin_recording(ctx: &mut Context, list: u32, mode: u32) {
     }
 }
 
-fn finish_recording(ctx: &mut Context) {
+/// `glEndList`.
+pub fn finish_recording(ctx: &mut Context) {
     let gl = ctx.gl;
     let Some(mut recording) = ctx.recording.take() else {
         // SAFETY: an error of the program's, for the driver to say.
@@ -380,7 +382,6 @@ pub unsafe fn call_lists(ctx: &mut Context, count: i32, kind: u32, names: *const
 
 hooks! {
     "glNewList" new_list(list: u32, mode: u32) = |ctx, _gl| begin_recording(ctx, list, mode);
-    "glEndList" end_list() = |ctx, _gl| finish_recording(ctx);
     "glListBase" list_base(base: u32) = |ctx, _gl| {
         if ctx.compiling() { record(ctx, Command::ListBase(base)) } else { set_list_base(ctx, base) }
     };

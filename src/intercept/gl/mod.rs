@@ -19,6 +19,7 @@ pub mod draw;
 pub mod duplicate;
 pub mod feedback;
 pub mod filtering;
+mod first_color;
 mod first_depth;
 pub mod frames;
 pub mod front;

@@ -76,13 +76,15 @@ pub fn fill_primary(ctx: &mut Context) {
     let Some(target) = ctx.target.take() else { return };
     take_error(ctx);
     let camera = &target.session.rig().camera;
-    // Pictures of outputs are no views to be resampled: the first read is black.
-    let directions = own_directions(ctx, camera).filter(|_| target.lenses.is_empty());
+    let directions = own_directions(ctx, camera);
     if let (Some(tile), Some(directions)) = (target.primary(), directions) {
         let plan = own_picture(ctx, &target.session, directions);
         let (width, height) = plan.views.atlas;
         target.resolve(ctx, Some([0, 0, width as i32, height as i32]));
-        if let Err(error) = copy(ctx, &plan, target.texture(), target.framebuffer(), tile) {
+        if !target.lenses.is_empty() {
+            // Pictures of outputs are no views that a pass could sample.
+            super::first_color::fill(ctx, &target, directions);
+        } else if let Err(error) = copy(ctx, &plan, target.texture(), target.framebuffer(), tile) {
             log::once(&format!("the first picture that the program reads is black: {error}"));
         }
         super::first_depth::fill(ctx, &target, directions);

@@ -5,6 +5,7 @@
 
 use super::context::Context;
 use super::hook::hooks;
+use super::vertices::tessellation::Patch;
 use crate::backend::gl::api;
 
 /// What a draw consists of.
@@ -47,16 +48,40 @@ pub struct Outlines {
     pub shape: Shape,
     /// What the draw that is being issued consists of.
     pub drawn: Shape,
+    /// The mode of the next draw, where its hook can issue it as patches.
+    pub mode: Option<u32>,
+    /// The patches that the draw that is being issued can be issued as.
+    pub patch: Option<Patch>,
+    /// It is issued as these now.
+    pub as_patches: bool,
     /// `glPolygonMode` was another than `GL_FILL`. It counts for good: a list or a pop may bring it back.
     polygons: bool,
     /// The draw that is being issued may leave its tile.
     pub cut: bool,
 }
 
+impl Outlines {
+    /// What a hook issues a draw of `mode` as.
+    pub fn issued(&self, mode: u32) -> u32 {
+        if self.as_patches { api::GL_PATCHES } else { mode }
+    }
+
+    /// Polygons may be drawn as outlines.
+    pub fn may_outline(&self) -> bool {
+        self.polygons
+    }
+}
+
 /// Finds out whether the next draw may leave its tile.
 pub fn look(ctx: &mut Context) {
     let shape = std::mem::take(&mut ctx.outlines.shape);
     ctx.outlines.drawn = shape;
+    ctx.outlines.patch = match ctx.outlines.mode.take() {
+        Some(api::GL_TRIANGLES) => Some(Patch::Triangles),
+        Some(api::GL_LINES) => Some(Patch::Lines),
+        Some(api::GL_QUADS) => Some(Patch::Quads),
+        _ => None,
+    };
     let emits = ctx.program.as_ref().is_some_and(|p| p.stages() & api::GL_GEOMETRY_SHADER_BIT != 0);
     let wide = ctx.widest.exceeds_gutter();
     ctx.outlines.cut = match shape {

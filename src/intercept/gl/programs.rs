@@ -8,6 +8,7 @@ use super::lists::Command;
 use super::uniforms::{self, Uniforms};
 use super::vertices::variants::Variants;
 use crate::backend::gl::api::{self, Gl};
+use crate::correct::projection;
 use crate::intercept::log;
 use crate::runtime::session::{Intrinsics, MatrixClass, Session};
 use std::collections::HashMap;
@@ -49,6 +50,8 @@ pub struct Program {
     uploaded: Mutex<Uploaded>,
     /// The kinds and texts of its shaders, if its primitives may have to be divided.
     pub texts: Vec<(u32, Arc<str>)>,
+    /// A primitive has the colour of its last vertex.
+    pub flat: bool,
     /// What divides them.
     pub variants: Mutex<Variants>,
 }
@@ -169,7 +172,7 @@ pub fn record(ctx: &Context, name: u32) -> Option<Arc<Program>> {
 /// A block of `name` was bound elsewhere: its matrices are found anew.
 pub fn read_again(ctx: &mut Context, name: u32) {
     let Some(old) = record(ctx, name) else { return };
-    let (uniforms, _) = uniforms::read(ctx.gl, &ctx.profile, name, glsl::UNIFORM);
+    let (uniforms, _) = uniforms::read(ctx.gl, &ctx.profile, name, projection::UNIFORM);
     *old.uniforms.lock().unwrap_or_else(PoisonError::into_inner) = uniforms;
 }
 
@@ -310,6 +313,30 @@ fn forget(gl: &Gl, record: Option<Arc<Program>>) {
     }
 }
 
+/// A program of ours of one vertex shader, which draws with the fixed-function matrices: `patched` is what is linked,
+/// `own` the same without what projects. `flat`: a primitive has the colour of its last vertex. `None` where the driver
+/// does not link it.
+pub fn of_own_text(ctx: &Context, patched: &str, own: Arc<str>, flat: bool) -> Option<Program> {
+    let gl = ctx.gl;
+    // SAFETY: objects of ours.
+    let name = unsafe {
+        let (shader, name) = (gl.create_shader(api::GL_VERTEX_SHADER), gl.create_program());
+        set_source(gl, shader, patched);
+        gl.compile_shader(shader);
+        gl.attach_shader(name, shader);
+        gl.link_program(name);
+        gl.delete_shader(shader);
+        name
+    };
+    if !status(gl, name) {
+        // SAFETY: as above.
+        unsafe { gl.delete_program(name) };
+        return None;
+    }
+    let record = read_program(gl, &ctx.profile, name, true, api::GL_VERTEX_SHADER_BIT, true);
+    Some(Program { flat, texts: vec![(api::GL_VERTEX_SHADER, own)], ..record })
+}
+
 /// The bit of a stage before rasterisation; 0 for others.
 fn stage_bit(kind: u32) -> u32 {
     match kind {
@@ -363,14 +390,14 @@ fn captures_position(gl: &Gl, program: u32) -> bool {
 }
 
 fn read_program(gl: &Gl, profile: &Profile, name: u32, patched: bool, stages: u32, fixed_matrices: bool) -> Program {
-    let ours = CString::new(glsl::UNIFORM).unwrap_or_default();
+    let ours = CString::new(projection::UNIFORM).unwrap_or_default();
     // SAFETY: a NUL-terminated name.
     let location = if patched { unsafe { gl.get_uniform_location(name, ours.as_ptr()) } } else { -1 };
     // The vectors of an array have places of their own; −1 where it has no more than the rows.
-    let half = CString::new(format!("{}[{}]", glsl::UNIFORM, super::vertices::text::ROWS)).unwrap_or_default();
+    let half = CString::new(format!("{}[{}]", projection::UNIFORM, projection::ROWS)).unwrap_or_default();
     // SAFETY: as above.
     let lens_location = if location >= 0 { unsafe { gl.get_uniform_location(name, half.as_ptr()) } } else { -1 };
-    let (uniforms, hidden) = uniforms::read(gl, profile, name, glsl::UNIFORM);
+    let (uniforms, hidden) = uniforms::read(gl, profile, name, projection::UNIFORM);
     Program {
         name,
         location,
@@ -384,6 +411,7 @@ fn read_program(gl: &Gl, profile: &Profile, name: u32, patched: bool, stages: u3
         uniforms: Mutex::new(uniforms),
         uploaded: Mutex::default(),
         texts: Vec::new(),
+        flat: false,
         variants: Mutex::default(),
     }
 }

@@ -4,6 +4,7 @@ use super::context::{Actual, Believed, Context};
 use super::hook::hooks;
 use super::lists::Command;
 use super::raster::Raster;
+use super::vertices::fixed::{self, pipeline::Pipeline};
 use crate::backend::gl::api;
 
 impl Context {
@@ -89,6 +90,7 @@ pub fn push_attributes(ctx: &mut Context, mask: u32) {
 pub fn pop_attributes(ctx: &mut Context) {
     // SAFETY: the program's own call.
     unsafe { ctx.gl.pop_attrib() };
+    ctx.fixed.touch();
     let Some(Pushed { mask, believed: saved, list_base, raster }) = ctx.attribute_stack.pop() else { return };
     if let Some(raster) = raster {
         ctx.raster = raster;
@@ -195,7 +197,7 @@ hooks! {
                 if matches!(cap, api::GL_POINT_SPRITE | api::GL_VERTEX_PROGRAM_POINT_SIZE) {
                     ctx.widest.note_unknown();
                 }
-                gl.enable(cap);
+                if Pipeline::has(cap) { fixed::switch(ctx, move |gl| gl.enable(cap)) } else { gl.enable(cap) }
             }
         }
     };
@@ -204,7 +206,7 @@ hooks! {
             api::GL_SCISSOR_TEST => set_scissor_test(ctx, false),
             _ => {
                 ctx.discard &= cap != api::GL_RASTERIZER_DISCARD;
-                gl.disable(cap);
+                if Pipeline::has(cap) { fixed::switch(ctx, move |gl| gl.disable(cap)) } else { gl.disable(cap) }
             }
         }
     };

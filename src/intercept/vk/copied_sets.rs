@@ -3,6 +3,8 @@
 
 use super::descriptors::SetLayout;
 use super::device::Device;
+use super::images::scenes::Prints;
+use super::layout::Layout;
 use ash::vk;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -62,8 +64,8 @@ pub struct Copies {
     retired: Vec<vk::DescriptorPool>,
 }
 
-/// A descriptor that shows the scene, and its views in their order.
-type Print = (Place, Picture, Vec<vk::ImageView>);
+/// A descriptor that shows the scene, and what each view sees in its place.
+type Print = (Place, Picture, Prints);
 
 /// A set of the program.
 pub struct Original<'a> {
@@ -78,8 +80,8 @@ pub struct Original<'a> {
 }
 
 impl Copies {
-    /// The copies of a set for `views` views, made or brought up to date; `None` where it shows nothing of the scene. The
-    /// program changes a set only while no commands that use it run, so that its copies are not in use then, either.
+    /// The copies of a set for the views of `layout`, made or brought up to date; `None` where it shows nothing of the
+    /// scene. The program changes a set only while no commands that use it run, so that its copies are not in use then, either.
     ///
     /// # Errors
     /// Why there are none.
@@ -87,18 +89,18 @@ impl Copies {
         kept: &mut Option<Self>,
         device: &Device,
         original: &Original<'_>,
-        views: usize,
+        layout: &Layout,
     ) -> Result<Option<Arc<[vk::DescriptorSet]>>, String> {
         let mut prints = Vec::new();
         for (place, picture) in &original.contents.pictures {
-            if let Some(print) = device.images.print_views(device, picture.view)? {
+            if let Some(print) = device.images.prints(device, picture.view, layout)? {
                 prints.push((*place, *picture, print));
             }
         }
-        let Some((.., first)) = prints.first() else { return Ok(None) };
-        if first.len() != views {
-            return Err("a picture of its scene is not as large as the window".to_owned());
+        if prints.is_empty() {
+            return Ok(None);
         }
+        let views = layout.views.len();
         let version = original.contents.version;
         // Without a change by the program the copies may be in use.
         let in_use = |kept: &Self| kept.version == version && kept.prints != prints;
@@ -164,7 +166,7 @@ impl Copies {
                 .filter_map(|(place, picture, prints)| {
                     let image = [vk::DescriptorImageInfo {
                         sampler: picture.sampler,
-                        image_view: *prints.get(view)?,
+                        image_view: *prints.views.get(view)?,
                         image_layout: super::prints::SAMPLED,
                     }];
                     Some((*place, image))

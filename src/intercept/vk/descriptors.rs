@@ -133,7 +133,7 @@ impl Descriptors {
         let known = self.layout(set.handle).filter(|known| Arc::ptr_eq(known, &set.layout));
         let original =
             Original { set: handle, handle: known.map(|_| set.handle), layout: &set.layout, contents: &set.contents };
-        Copies::of(&mut set.copies, device, &original, layout.views.len())
+        Copies::of(&mut set.copies, device, &original, layout)
     }
 
     fn write(&self, set: vk::DescriptorSet, place: (u32, u32), picture: Option<Picture>) {

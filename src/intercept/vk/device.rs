@@ -326,6 +326,7 @@ pub unsafe extern "system" fn destroy(handle: vk::Device, allocator: *const vk::
     if let Some(state) = state {
         state.pipelines.clear(&state);
         state.descriptors.clear(&state);
+        state.images.clear(&state);
         state.layouts.clear();
         state.rows.destroy(&state);
         // SAFETY: the program's own call with its arguments.

@@ -173,7 +173,11 @@ unsafe fn each_view(
             true => Made::Window,
             false => Made::Image(pass.shown.given),
         };
-        pictures.into_iter().for_each(|picture| device.paths.leads(picture, made));
+        for picture in pictures {
+            device.paths.leads(picture, made);
+            device.images.scene(picture).into_iter().for_each(|scene| recording.samples(scene));
+        }
+        let Some(pass) = &mut recording.pass else { return };
         let (screen, off_screen) = (!of_views.is_empty() && main && few, !pass.shown.window);
         if screen && variants.asks_place {
             device.give_up("a shader that reads a picture of its scene asks for its place on the screen");

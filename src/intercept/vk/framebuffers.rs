@@ -39,8 +39,6 @@ pub struct Framebuffer {
     given_later: Vec<Later>,
     /// Twins, by the atlas' size; with given attachments there is one.
     twins: Mutex<Vec<((u32, u32), vk::Framebuffer)>>,
-    /// The swapchain's image among the attachments.
-    pub shown: Option<Arc<Shown>>,
 }
 
 /// An attachment that is given when a pass begins.
@@ -93,8 +91,7 @@ impl Framebuffers {
 impl Framebuffer {
     /// The swapchain's image among the attachments, or one that holds a scene by now.
     pub fn shown_now(&self, device: &Device) -> Option<Arc<Shown>> {
-        let find = || self.attachments.iter().flatten().find_map(|view| device.images.shown(*view));
-        self.shown.clone().or_else(find)
+        self.attachments.iter().flatten().find_map(|view| device.images.shown(*view))
     }
 
     /// The framebuffer over the atlas of `shown`, for a render pass like its own. `given`: the attachments of the pass that
@@ -155,7 +152,7 @@ impl Framebuffer {
 
 /// # Safety
 /// `info` must be the program's.
-unsafe fn framebuffer(device: &Device, info: &vk::FramebufferCreateInfo<'_>) -> Framebuffer {
+unsafe fn framebuffer(info: &vk::FramebufferCreateInfo<'_>) -> Framebuffer {
     // SAFETY: as promised.
     unsafe {
         let imageless = info.flags.contains(vk::FramebufferCreateFlags::IMAGELESS);
@@ -166,7 +163,6 @@ unsafe fn framebuffer(device: &Device, info: &vk::FramebufferCreateInfo<'_>) -> 
         let formats =
             |i: &vk::FramebufferAttachmentImageInfo<'_>| super::slice(i.p_view_formats, i.view_format_count).to_vec();
         let given_later = later.iter().map(|i| Later { flags: i.flags, usage: i.usage, formats: formats(i) }).collect();
-        let shown = attachments.iter().flatten().find_map(|view| device.images.shown(*view));
         Framebuffer {
             pass: info.render_pass,
             size: (info.width, info.height),
@@ -174,7 +170,6 @@ unsafe fn framebuffer(device: &Device, info: &vk::FramebufferCreateInfo<'_>) -> 
             attachments,
             given_later,
             twins: Mutex::default(),
-            shown,
         }
     }
 }
@@ -290,10 +285,10 @@ hooks! { framebuffers;
     ) -> vk::Result { |state, next| {
         let result = next(device, info, allocator, made);
         if result == vk::Result::SUCCESS {
-            let new = Arc::new(framebuffer(&state, &*info));
+            let new = Arc::new(framebuffer(&*info));
             // Made now, while its render pass is there; it need not be later.
-            if let (true, Some(shown)) = (state.draws_views(), &new.shown)
-                && let Err(why) = new.twin(&state, shown, new.pass, &[])
+            if let (true, Some(shown)) = (state.draws_views(), new.shown_now(&state))
+                && let Err(why) = new.twin(&state, &shown, new.pass, &[])
             {
                 state.give_up(&why);
             }

@@ -2,8 +2,9 @@
 //!
 //! A swapchain's image has an atlas as its twin, and so has an image that holds a scene on its way to the window. What a
 //! pass draws to together with them (depth, samples) gets a twin as large as the atlas. [`scenes`] has what is done with
-//! images that may hold a scene.
+//! images that may hold a scene, [`following`] what becomes of them when the window gets other views.
 
+pub mod following;
 pub mod scenes;
 
 use super::device::Device;
@@ -118,6 +119,8 @@ pub struct Images {
     window: Mutex<Option<(u32, u32)>>,
     /// Kinds of images that were found to hold a scene: after a change of size they are known at once.
     scenes: Mutex<Vec<scenes::Kind>>,
+    /// What scenes were drawn by before, as long as recorded commands use it.
+    retired: Mutex<Vec<Arc<Shown>>>,
 }
 
 /// What a format has.
@@ -288,7 +291,10 @@ impl Images {
             let images = self.images.lock().unwrap_or_else(PoisonError::into_inner);
             let state = images.get(&image).ok_or("it draws to an image that is not known")?;
             if let Some(shown) = &state.shown {
-                return Ok(shown.atlas);
+                let fits = shown.layout.atlas == size;
+                return fits
+                    .then_some(shown.atlas)
+                    .ok_or_else(|| "it draws to windows of two sizes at once".to_owned());
             }
             if let Some((_, twin)) = state.twins.iter().find(|(of, _)| *of == size) {
                 return Ok(twin.image);
@@ -363,9 +369,8 @@ hooks! { images;
             state.images.pending.lock().unwrap_or_else(PoisonError::into_inner).retain(|p| p.image != twin.image);
             twin.destroy(&state);
         }
-        for print in gone.iter().filter_map(|image| image.shown.as_ref()).flat_map(|shown| &shown.prints) {
-            state.images.pending.lock().unwrap_or_else(PoisonError::into_inner).retain(|p| p.image != print.image);
-            print.destroy(&state);
+        if let Some(shown) = gone.as_ref().and_then(|image| image.shown.as_ref()) {
+            state.images.destroy_prints(&state, shown);
         }
         state.paths.forget(image);
         next(device, image, allocator)

@@ -145,6 +145,7 @@ impl Seen {
 
 /// A frame ended: images that were found to hold a scene on its way to the window are drawn for each view from now on.
 pub fn decide(device: &Device) {
+    device.images.sweep(device);
     let Some(settings) = settings::settings() else { return };
     let Some(chosen) = device.paths.news(settings.rig.views.duplicate) else { return };
     if !device.draws_views() {

@@ -179,7 +179,7 @@ unsafe fn begin(
             for (view, layout) in views.iter().zip(leaves.iter().flatten()) {
                 device.images.of(*view).into_iter().for_each(|image| device.images.moved(image, *layout));
             }
-            plain(device, buffer, framebuffer.as_ref().and_then(|framebuffer| framebuffer.shown.clone()), views);
+            plain(device, buffer, framebuffer.as_ref().and_then(|framebuffer| framebuffer.shown_now(device)), views);
             return next(info);
         }
     };

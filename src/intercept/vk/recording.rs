@@ -124,6 +124,8 @@ pub struct Recording {
     pub rows: Taken,
     /// Command buffers of ours that clear the panel where the program's pass has none but secondary ones.
     pub clearers: Vec<vk::CommandBuffer>,
+    /// Scenes whose prints its draws sample.
+    pub sampled: Vec<Arc<Shown>>,
 }
 
 impl Recording {
@@ -144,6 +146,7 @@ impl Recording {
             runs: Vec::new(),
             rows: Taken::default(),
             clearers: Vec::new(),
+            sampled: Vec::new(),
         }
     }
 
@@ -162,6 +165,13 @@ impl Recording {
         let again = |event: &Event| matches!(event, Event::Suspected(t, s) if (t, s) == (&targets, &sources));
         if !sources.is_empty() && !self.events.last().is_some_and(again) {
             self.events.push(Event::Suspected(targets, sources));
+        }
+    }
+
+    /// Draws sample the prints of this scene, which have to stay as long as they are recorded.
+    pub fn samples(&mut self, scene: Arc<Shown>) {
+        if !self.sampled.iter().any(|known| Arc::ptr_eq(known, &scene)) {
+            self.sampled.push(scene);
         }
     }
 

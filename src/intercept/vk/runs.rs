@@ -199,7 +199,12 @@ pub fn submitted(device: &Device, recording: &mut Recording) {
             Event::Copy(from, to, region) => device.memory_of_program.copied(*from, *to, region),
             Event::Update(buffer, offset, bytes) => device.memory_of_program.written(*buffer, *offset, bytes.clone()),
             Event::Execute(other) => executed.push(*other),
-            Event::Drawn(shown, in_views) => super::images::drawn(shown, *in_views),
+            Event::Drawn(shown, in_views) => {
+                super::images::drawn(shown, *in_views);
+                if device.images.is_retired(shown) && shown.was_missed() {
+                    device.give_up("the commands that draw its scene were recorded before its views changed");
+                }
+            }
             Event::Suspected(targets, sources) => super::offscreen::ran(device, targets, sources),
         }
     }

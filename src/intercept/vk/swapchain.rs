@@ -205,7 +205,11 @@ unsafe fn build(
                 }
             };
             // SAFETY: as promised.
-            Some(unsafe { Canvas::new(device, info, &real, layout, settings.stats.is_some())? })
+            let canvas = unsafe { Canvas::new(device, info, &real, Arc::clone(&layout), settings.stats.is_some())? };
+            if let Err(why) = device.images.follow(device, &layout) {
+                device.give_up(&why);
+            }
+            Some(canvas)
         }
     };
     let texels = Texels::of(info.image_format).unwrap_or(Texels::Rgba8);

@@ -1,11 +1,11 @@
 //! `method`, `max_error` and `density` of an output.
 
-use crate::rig::Method;
 use crate::rig::method::{
     DEFAULT_DENSITY, DEFAULT_DIVISION_ERROR, DEFAULT_ERROR, DENSITY, DIVISION_ERROR, MAX_ERROR, whole,
 };
 use crate::rig::problems::Problems;
 use crate::rig::reader::Section;
+use crate::rig::{Divider, Method};
 
 #[derive(Clone, Copy)]
 enum Word {
@@ -14,16 +14,17 @@ enum Word {
     Mesh,
     CubeMesh,
     Vertex,
-    Primitive,
+    Primitive(Divider),
 }
 
-const WORDS: [(&str, Word); 6] = [
+const WORDS: [(&str, Word); 7] = [
     ("fragment", Word::Fragment),
     ("table", Word::Table),
     ("mesh", Word::Mesh),
     ("cube-mesh", Word::CubeMesh),
     ("vertex", Word::Vertex),
-    ("primitive", Word::Primitive),
+    ("primitive", Word::Primitive(Divider::Geometry)),
+    ("primitive-tessellation", Word::Primitive(Divider::Tessellation)),
 ];
 
 pub(super) fn method(section: &mut Section, problems: &mut Problems) -> Method {
@@ -36,9 +37,9 @@ pub(super) fn method(section: &mut Section, problems: &mut Problems) -> Method {
     match known.unwrap_or(Word::Fragment) {
         Word::Fragment => Method::Fragment,
         Word::Vertex => Method::Vertex,
-        Word::Primitive => {
+        Word::Primitive(by) => {
             let max_error = section.number("max_error", &DIVISION_ERROR, DEFAULT_DIVISION_ERROR, problems);
-            Method::Primitive { max_error }
+            Method::Primitive { max_error, by }
         }
         Word::Table => Method::Table { max_error: section.number("max_error", &MAX_ERROR, DEFAULT_ERROR, problems) },
         Word::Mesh => Method::Mesh { max_error: section.number("max_error", &MAX_ERROR, DEFAULT_ERROR, problems) },

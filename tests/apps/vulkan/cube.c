@@ -3,10 +3,10 @@
  * whether command buffers are recorded once or in each frame (--once), with samples, sRGB, an upside-down viewport,
  * secondary command buffers, indirect draws, something flat before or after the cube, another size in mid-run.
  */
-#include "../common/matrix.h"
+#include "frames.h"
 #include "memory.h"
 #include "options.h"
-#include "window.h"
+#include "pipelines.h"
 
 /* Compiled from cube.vert and cube.frag by glslangValidator. */
 #include "cube_block.h"
@@ -25,12 +25,10 @@ static VkDescriptorSetLayout set_layout;
 static VkDescriptorPool descriptors;
 static VkDescriptorSet sets[MOST_IMAGES];
 static VkPipelineLayout layout;
-static VkPipeline pipeline;
+static linked_pipeline pipeline;
 static VkFramebuffer framebuffers[MOST_IMAGES];
-static VkCommandPool pool;
 static VkCommandBuffer commands[MOST_IMAGES], inner[MOST_IMAGES];
-static VkSemaphore acquired;
-static VkFence done;
+static frame_objects objects;
 static block blocks[MOST_IMAGES], staging[MOST_IMAGES], indirect;
 
 enum { SLICE = 256 }; /* from one matrix of a block to the next: the largest alignment that a device may ask for */
@@ -107,15 +105,6 @@ static void make_pass(void)
     expect(vkCreateRenderPass(w.device, &info, NULL, &pass), "vkCreateRenderPass");
 }
 
-static VkShaderModule shader(const uint32_t *words, size_t size)
-{
-    const VkShaderModuleCreateInfo info = {
-        .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO, .codeSize = size, .pCode = words};
-    VkShaderModule module;
-    expect(vkCreateShaderModule(w.device, &info, NULL, &module), "vkCreateShaderModule");
-    return module;
-}
-
 static void make_layout(void)
 {
     const bool dynamic = options.matrix == MATRIX_DYNAMIC_BLOCK;
@@ -164,74 +153,30 @@ static VkViewport viewport(void)
     return options.flip ? (VkViewport){0, height, width, -height, 0, 1} : (VkViewport){0, 0, width, height, 0, 1};
 }
 
-static void make_pipeline(void)
+static void make_cube_pipeline(void)
 {
-    const bool push = options.matrix == MATRIX_PUSH;
-    VkShaderModule vertex = options.columns ? shader(cube_columns, sizeof cube_columns)
-                            : push          ? shader(cube_push, sizeof cube_push)
-                                            : shader(cube_block, sizeof cube_block);
-    VkShaderModule fragment = shader(cube_frag, sizeof cube_frag);
-    const VkPipelineShaderStageCreateInfo stages[] = {
-        {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO, NULL, 0, VK_SHADER_STAGE_VERTEX_BIT, vertex, "main", NULL},
-        {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO, NULL, 0, VK_SHADER_STAGE_FRAGMENT_BIT, fragment, "main",
-         NULL}};
-    const VkPipelineVertexInputStateCreateInfo input = {.sType =
-                                                            VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO};
-    const VkPipelineInputAssemblyStateCreateInfo assembly = {
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO,
-        .topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST};
     const VkViewport window = viewport();
-    const VkRect2D scissor = {{0, 0}, w.extent};
-    const VkPipelineViewportStateCreateInfo windows = {.sType = VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO,
-                                                       .viewportCount = 1,
-                                                       .pViewports = &window,
-                                                       .scissorCount = 1,
-                                                       .pScissors = &scissor};
-    const VkPipelineRasterizationStateCreateInfo raster = {
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO, .lineWidth = 1.0f};
-    const VkPipelineMultisampleStateCreateInfo multisample = {
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO,
-        .rasterizationSamples = (VkSampleCountFlagBits)options.samples};
-    const VkPipelineDepthStencilStateCreateInfo deep = {
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO,
-        .depthTestEnable = VK_TRUE,
-        .depthWriteEnable = VK_TRUE,
-        .depthCompareOp = VK_COMPARE_OP_LESS_OR_EQUAL};
-    const VkPipelineColorBlendAttachmentState blend = {.colorWriteMask = 0xf};
-    const VkPipelineColorBlendStateCreateInfo blends = {
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO, .attachmentCount = 1, .pAttachments = &blend};
-    const VkDynamicState states[] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR};
-    const VkPipelineDynamicStateCreateInfo dynamic = {
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO, .dynamicStateCount = 2, .pDynamicStates = states};
-    const VkPipelineRenderingCreateInfo rendering = {.sType = VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO,
-                                                     .colorAttachmentCount = 1,
-                                                     .pColorAttachmentFormats = &w.format,
-                                                     .depthAttachmentFormat = DEPTH_FORMAT};
-    const VkGraphicsPipelineCreateInfo info = {.sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,
-                                               .pNext = options.pass == PASS_DYNAMIC ? &rendering : NULL,
-                                               .stageCount = 2,
-                                               .pStages = stages,
-                                               .pVertexInputState = &input,
-                                               .pInputAssemblyState = &assembly,
-                                               .pViewportState = &windows,
-                                               .pRasterizationState = &raster,
-                                               .pMultisampleState = &multisample,
-                                               .pDepthStencilState = &deep,
-                                               .pColorBlendState = &blends,
-                                               .pDynamicState = options.fixed ? NULL : &dynamic,
-                                               .layout = layout,
-                                               .renderPass = pass};
-    expect(vkCreateGraphicsPipelines(w.device, VK_NULL_HANDLE, 1, &info, NULL, &pipeline), "vkCreateGraphicsPipelines");
-    vkDestroyShaderModule(w.device, vertex, NULL);
-    vkDestroyShaderModule(w.device, fragment, NULL);
+    const shader_words vertex = options.columns                 ? SHADER(cube_columns)
+                                : options.matrix == MATRIX_PUSH ? SHADER(cube_push)
+                                                                : SHADER(cube_block);
+    const pipeline_description description = {.vertex = vertex,
+                                              .fragment = SHADER(cube_frag),
+                                              .layout = layout,
+                                              .pass = pass,
+                                              .color = w.format,
+                                              .depth = DEPTH_FORMAT,
+                                              .samples = (VkSampleCountFlagBits)options.samples,
+                                              .deep = true,
+                                              .viewport = options.fixed ? &window : NULL};
+    pipeline = make_pipeline(&w, &description);
 }
 
 static void make_framebuffers(void)
 {
     const VkSampleCountFlagBits count = (VkSampleCountFlagBits)options.samples;
-    depth = make_picture(&w, DEPTH_FORMAT, count, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT);
+    depth = make_picture(&w, DEPTH_FORMAT, w.extent, count, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT);
     if (multisampled())
-        samples = make_picture(&w, w.format, count, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT);
+        samples = make_picture(&w, w.format, w.extent, count, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT);
     if (options.pass == PASS_DYNAMIC)
         return;
     const VkFormat deep = DEPTH_FORMAT;
@@ -278,25 +223,6 @@ static void free_framebuffers(void)
         free_picture(&w, &samples);
 }
 
-static void clip_space(matrix4 *m)
-{
-    /* From OpenGL's clip space: y points down, and depth begins at 0. */
-    for (int column = 0; column < 4; column++) {
-        float *c = m->m + 4 * column;
-        c[1] = options.flip ? c[1] : -c[1];
-        c[2] = 0.5f * (c[2] + c[3]);
-    }
-}
-
-static matrix4 scene_matrix(void)
-{
-    matrix4 camera = matrix_multiply(matrix_camera(options.yaw, options.pitch), matrix_scale(10.0));
-    const double aspect = (double)w.extent.width / w.extent.height;
-    matrix4 all = matrix_multiply(matrix_perspective(options.fov, aspect, 0.25, 100.0), camera);
-    clip_space(&all);
-    return all;
-}
-
 /* A square: a small one in the middle, or a whole background. */
 static matrix4 flat_matrix(void)
 {
@@ -306,7 +232,7 @@ static matrix4 flat_matrix(void)
 
 static void fill_block(uint32_t index)
 {
-    const matrix4 scene = scene_matrix(), flat = flat_matrix();
+    const matrix4 scene = direction_matrix(&options.direction, w.extent, options.flip), flat = flat_matrix();
     char *bytes = options.matrix == MATRIX_COPIED ? staging[index].bytes : blocks[index].bytes;
     memcpy(bytes + SLICE, &scene, sizeof scene);
     memcpy(bytes + 2 * SLICE, &flat, sizeof flat);
@@ -314,7 +240,7 @@ static void fill_block(uint32_t index)
 
 static void draw_one(VkCommandBuffer buffer, uint32_t index, bool flat)
 {
-    const matrix4 matrix = flat ? flat_matrix() : scene_matrix();
+    const matrix4 matrix = flat ? flat_matrix() : direction_matrix(&options.direction, w.extent, options.flip);
     const uint32_t offset = flat ? 2 * SLICE : SLICE;
     if (options.matrix == MATRIX_PUSH)
         vkCmdPushConstants(buffer, layout, VK_SHADER_STAGE_VERTEX_BIT, 0, sizeof matrix, &matrix);
@@ -331,7 +257,7 @@ static void draw(VkCommandBuffer buffer, uint32_t index)
 {
     const VkViewport window = viewport();
     const VkRect2D scissor = {{0, 0}, w.extent};
-    vkCmdBindPipeline(buffer, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline);
+    vkCmdBindPipeline(buffer, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline.whole);
     if (!options.fixed) {
         vkCmdSetViewport(buffer, 0, 1, &window);
         vkCmdSetScissor(buffer, 0, 1, &scissor);
@@ -343,35 +269,17 @@ static void draw(VkCommandBuffer buffer, uint32_t index)
         draw_one(buffer, index, true);
 }
 
-static void barrier(VkCommandBuffer buffer, VkImage image, VkImageAspectFlags aspect, VkImageLayout from, VkImageLayout to)
-{
-    const VkImageMemoryBarrier2 change = {.sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2,
-                                          .srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
-                                          .srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT,
-                                          .dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
-                                          .dstAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT | VK_ACCESS_2_MEMORY_READ_BIT,
-                                          .oldLayout = from,
-                                          .newLayout = to,
-                                          .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
-                                          .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
-                                          .image = image,
-                                          .subresourceRange = {aspect, 0, 1, 0, 1}};
-    const VkDependencyInfo info = {
-        .sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO, .imageMemoryBarrierCount = 1, .pImageMemoryBarriers = &change};
-    vkCmdPipelineBarrier2(buffer, &info);
-}
-
 static const VkClearValue grey = {.color = {.float32 = {0.25f, 0.25f, 0.25f, 1.0f}}};
 static const VkClearValue far = {.depthStencil = {1.0f, 0}};
 
 static void record_dynamic(VkCommandBuffer buffer, uint32_t index)
 {
     const VkImageLayout color = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
-    barrier(buffer, w.images[index], VK_IMAGE_ASPECT_COLOR_BIT, VK_IMAGE_LAYOUT_UNDEFINED, color);
+    change_layout(buffer, w.images[index], VK_IMAGE_ASPECT_COLOR_BIT, VK_IMAGE_LAYOUT_UNDEFINED, color);
     if (multisampled())
-        barrier(buffer, samples.image, VK_IMAGE_ASPECT_COLOR_BIT, VK_IMAGE_LAYOUT_UNDEFINED, color);
-    barrier(buffer, depth.image, VK_IMAGE_ASPECT_DEPTH_BIT, VK_IMAGE_LAYOUT_UNDEFINED,
-            VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL);
+        change_layout(buffer, samples.image, VK_IMAGE_ASPECT_COLOR_BIT, VK_IMAGE_LAYOUT_UNDEFINED, color);
+    change_layout(buffer, depth.image, VK_IMAGE_ASPECT_DEPTH_BIT, VK_IMAGE_LAYOUT_UNDEFINED,
+                  VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL);
     const VkRenderingAttachmentInfo colors = {.sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO,
                                               .imageView = multisampled() ? samples.view : w.views[index],
                                               .imageLayout = color,
@@ -399,7 +307,7 @@ static void record_dynamic(VkCommandBuffer buffer, uint32_t index)
     else
         draw(buffer, index);
     vkCmdEndRendering(buffer);
-    barrier(buffer, w.images[index], VK_IMAGE_ASPECT_COLOR_BIT, color, VK_IMAGE_LAYOUT_PRESENT_SRC_KHR);
+    change_layout(buffer, w.images[index], VK_IMAGE_ASPECT_COLOR_BIT, color, VK_IMAGE_LAYOUT_PRESENT_SRC_KHR);
 }
 
 static void record_pass(VkCommandBuffer buffer, uint32_t index)
@@ -479,9 +387,9 @@ static void record(uint32_t index)
         const VkImageLayout general = VK_IMAGE_LAYOUT_GENERAL, shown = VK_IMAGE_LAYOUT_PRESENT_SRC_KHR;
         const VkImageSubresourceLayers layer = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
         const VkImageCopy region = {layer, {0, 0, 0}, layer, {8, 8, 0}, {4, 4, 1}};
-        barrier(buffer, w.images[index], VK_IMAGE_ASPECT_COLOR_BIT, shown, general);
+        change_layout(buffer, w.images[index], VK_IMAGE_ASPECT_COLOR_BIT, shown, general);
         vkCmdCopyImage(buffer, w.images[index], general, w.images[index], general, 1, &region);
-        barrier(buffer, w.images[index], VK_IMAGE_ASPECT_COLOR_BIT, general, shown);
+        change_layout(buffer, w.images[index], VK_IMAGE_ASPECT_COLOR_BIT, general, shown);
     }
     expect(vkEndCommandBuffer(buffer), "vkEndCommandBuffer");
 }
@@ -490,63 +398,32 @@ static void record(uint32_t index)
 static void follow_size(void)
 {
     make_framebuffers();
-    make_pipeline();
+    make_cube_pipeline();
     for (uint32_t i = 0; i < w.count && options.once; i++)
         record(i);
 }
 
 static void frame(void)
 {
-    uint32_t index;
-    expect(vkAcquireNextImageKHR(w.device, w.swapchain, UINT64_MAX, acquired, VK_NULL_HANDLE, &index), "acquire");
+    const uint32_t index = next_image(&w, &objects);
     fill_block(index);
     if (!options.once)
         record(index);
-    const VkPipelineStageFlags stage = VK_PIPELINE_STAGE_ALL_COMMANDS_BIT;
-    const VkSubmitInfo work = {.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO,
-                               .waitSemaphoreCount = 1,
-                               .pWaitSemaphores = &acquired,
-                               .pWaitDstStageMask = &stage,
-                               .commandBufferCount = 1,
-                               .pCommandBuffers = &commands[index],
-                               .signalSemaphoreCount = 1,
-                               .pSignalSemaphores = &w.drawn[index]};
-    expect(vkQueueSubmit(w.queue, 1, &work, done), "vkQueueSubmit");
-    const VkPresentInfoKHR present = {.sType = VK_STRUCTURE_TYPE_PRESENT_INFO_KHR,
-                                      .waitSemaphoreCount = 1,
-                                      .pWaitSemaphores = &w.drawn[index],
-                                      .swapchainCount = 1,
-                                      .pSwapchains = &w.swapchain,
-                                      .pImageIndices = &index};
-    expect(vkQueuePresentKHR(w.queue, &present), "vkQueuePresentKHR");
-    expect(vkWaitForFences(w.device, 1, &done, VK_TRUE, UINT64_MAX), "vkWaitForFences");
-    expect(vkResetFences(w.device, 1, &done), "vkResetFences");
+    end_frame(&w, &objects, commands[index], index);
 }
 
 static void open_all(void)
 {
-    window_open(&w, options.x, options.y, options.width, options.height, options.srgb, false,
+    window_open(&w, options.direction.x, options.direction.y, options.direction.width, options.direction.height, options.srgb, false,
                 options.copy_window ? VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT : 0);
     if (options.pass != PASS_DYNAMIC)
         make_pass();
     make_layout();
     indirect = make_block(&w, sizeof(VkDrawIndirectCommand), VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT, true);
     *(VkDrawIndirectCommand *)indirect.bytes = (VkDrawIndirectCommand){36, 1, 0, 0};
-    const VkCommandPoolCreateInfo pool_info = {.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
-                                               .flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT,
-                                               .queueFamilyIndex = w.family};
-    expect(vkCreateCommandPool(w.device, &pool_info, NULL, &pool), "vkCreateCommandPool");
-    VkCommandBufferAllocateInfo buffers = {.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
-                                           .commandPool = pool,
-                                           .level = VK_COMMAND_BUFFER_LEVEL_PRIMARY,
-                                           .commandBufferCount = MOST_IMAGES};
-    expect(vkAllocateCommandBuffers(w.device, &buffers, commands), "vkAllocateCommandBuffers");
-    buffers.level = VK_COMMAND_BUFFER_LEVEL_SECONDARY;
-    expect(vkAllocateCommandBuffers(w.device, &buffers, inner), "vkAllocateCommandBuffers");
-    const VkSemaphoreCreateInfo semaphore = {.sType = VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO};
-    const VkFenceCreateInfo fence = {.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
-    expect(vkCreateSemaphore(w.device, &semaphore, NULL, &acquired), "vkCreateSemaphore");
-    expect(vkCreateFence(w.device, &fence, NULL, &done), "vkCreateFence");
+    objects = make_frame_objects(&w);
+    make_commands(&w, &objects, VK_COMMAND_BUFFER_LEVEL_PRIMARY, MOST_IMAGES, commands);
+    make_commands(&w, &objects, VK_COMMAND_BUFFER_LEVEL_SECONDARY, MOST_IMAGES, inner);
     follow_size();
 }
 
@@ -554,14 +431,12 @@ static void close_all(void)
 {
     expect(vkDeviceWaitIdle(w.device), "vkDeviceWaitIdle");
     free_framebuffers();
-    vkDestroyPipeline(w.device, pipeline, NULL);
+    free_pipeline(&w, &pipeline);
     vkDestroyPipelineLayout(w.device, layout, NULL);
     vkDestroyDescriptorPool(w.device, descriptors, NULL);
     vkDestroyDescriptorSetLayout(w.device, set_layout, NULL);
     vkDestroyRenderPass(w.device, pass, NULL);
-    vkDestroyCommandPool(w.device, pool, NULL);
-    vkDestroySemaphore(w.device, acquired, NULL);
-    vkDestroyFence(w.device, done, NULL);
+    free_frame_objects(&w, &objects);
     for (uint32_t i = 0; i < MOST_IMAGES; i++) {
         free_block(&w, &blocks[i]);
         free_block(&w, &staging[i]);
@@ -574,21 +449,21 @@ int main(int argc, char **argv)
 {
     parse(argc, argv);
     open_all();
-    for (int number = 0; options.frames == 0 || number < options.frames; number++) {
-        if (options.resizes > 0 && number > 0 && number % (options.frames / (options.resizes + 1)) == 0) {
+    for (int number = 0; options.direction.frames == 0 || number < options.direction.frames; number++) {
+        if (options.resizes > 0 && number > 0 && number % (options.direction.frames / (options.resizes + 1)) == 0) {
             const uint32_t odd = (uint32_t)(number % 2 == 0 ? 0 : 31);
             expect(vkDeviceWaitIdle(w.device), "vkDeviceWaitIdle");
-            window_ask_size(&w, options.width + odd + (uint32_t)(number % 7), options.height + odd);
+            window_ask_size(&w, options.direction.width + odd + (uint32_t)(number % 7), options.direction.height + odd);
             free_framebuffers();
-            vkDestroyPipeline(w.device, pipeline, NULL);
+            free_pipeline(&w, &pipeline);
             window_make_swapchain(&w);
             follow_size();
             if (options.memory != NULL)
                 write_memory(options.memory);
         }
         frame();
-        if (options.shot != NULL)
-            window_shot(&w, options.shot);
+        if (options.direction.shot != NULL)
+            window_shot(&w, options.direction.shot);
     }
     close_all();
     return 0;

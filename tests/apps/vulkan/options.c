@@ -4,23 +4,22 @@
 #include <stdlib.h>
 #include <string.h>
 
-vulkan_options options = {.fov = 75.0, .frames = 3, .width = 256, .height = 256, .samples = 1};
+vulkan_options options = {.direction = DIRECTION_DEFAULTS, .samples = 1};
 
 static void usage(void)
 {
-    fprintf(stderr, "usage: vk_cube [--fov DEG] [--yaw DEG] [--pitch DEG] [--frames N] [--size WxH] [--at X,Y] [--samples N]\n"
-                    "  [--pass 1|2|dynamic|imageless] [--matrix push|block|dynamic|copied] [--once] [--srgb] [--flip]\n"
-                    "  [--secondary] [--indirect] [--fixed] [--columns] [--copy-window] [--flat over|before] [--resizes N] [--shot FILE.ppm] [--memory FILE]\n");
+    fprintf(stderr, "usage: vk_cube " DIRECTION_USAGE "\n"
+                    "  [--samples N] [--pass 1|2|dynamic|imageless] [--matrix push|block|dynamic|copied] [--once] [--srgb] [--flip]\n"
+                    "  [--secondary] [--indirect] [--fixed] [--columns] [--copy-window] [--flat over|before] [--resizes N] [--memory FILE]\n");
     exit(2);
 }
 
-static int choice(const char *value, const char *const names[], int count)
+static int known(const char *value, const char *const names[], int count)
 {
-    for (int i = 0; i < count; i++)
-        if (strcmp(value, names[i]) == 0)
-            return i;
-    usage();
-    return 0;
+    const int found = choice(value, names, count);
+    if (found < 0)
+        usage();
+    return found;
 }
 
 static bool is_flag(const char *option)
@@ -52,31 +51,19 @@ void parse(int argc, char **argv)
         const char *value = i + 1 < argc ? argv[++i] : NULL;
         if (value == NULL)
             usage();
-        else if (strcmp(option, "--fov") == 0)
-            options.fov = atof(value);
-        else if (strcmp(option, "--yaw") == 0)
-            options.yaw = atof(value);
-        else if (strcmp(option, "--pitch") == 0)
-            options.pitch = atof(value);
-        else if (strcmp(option, "--frames") == 0)
-            options.frames = atoi(value);
         else if (strcmp(option, "--samples") == 0)
             options.samples = atoi(value);
         else if (strcmp(option, "--resizes") == 0)
             options.resizes = atoi(value);
         else if (strcmp(option, "--pass") == 0)
-            options.pass = (pass_kind)choice(value, passes, 4);
+            options.pass = (pass_kind)known(value, passes, 4);
         else if (strcmp(option, "--matrix") == 0)
-            options.matrix = (matrix_kind)choice(value, matrices, 4);
+            options.matrix = (matrix_kind)known(value, matrices, 4);
         else if (strcmp(option, "--flat") == 0)
-            options.flat = choice(value, flats, 3);
-        else if (strcmp(option, "--shot") == 0)
-            options.shot = value;
+            options.flat = known(value, flats, 3);
         else if (strcmp(option, "--memory") == 0)
             options.memory = value;
-        else if (strcmp(option, "--at") == 0 && sscanf(value, "%d,%d", &options.x, &options.y) == 2)
-            continue;
-        else if (strcmp(option, "--size") != 0 || sscanf(value, "%ux%u", &options.width, &options.height) != 2)
+        else if (!take_direction(&options.direction, option, value))
             usage();
     }
 }

@@ -1,17 +1,22 @@
 /*
  * The direction test's cube on its way to the window (--way): drawn to it and read back (read), with a part that is drawn
  * or cleared by a pass of its own (part, clear), or drawn off screen and then shown by a triangle that samples it (post),
- * by two of them (chain), by place (place), by a blit (blit) or a resolve (resolve). Or with the newest of what there is to
- * present (newest), a pipeline that is linked (library), a pass with a mask of views (multiview). --picture writes what was
- * read: the window, or what was drawn off screen.
+ * by two of them (chain), by place (place), by a blit (blit) or a resolve (resolve), together with a smaller picture of it
+ * (half) or with its depths (depths), or what a compute shader makes of it (compute). Or with the newest of what there is to
+ * present (newest), pipelines that are linked (library, parts), a pass with a mask of views (multiview). --picture writes
+ * what was read: the window, or what was drawn off screen. A swapchain that is not as it should be is made anew; the pictures
+ * stay, as the window's size does.
  */
-#include "../common/matrix.h"
+#include "direction.h"
+#include "frames.h"
 #include "newest.h"
-#include "window.h"
+#include "pipelines.h"
 
 /* Compiled by glslangValidator. */
+#include "copy_comp.h"
 #include "cube_frag.h"
 #include "cube_push.h"
+#include "screen_both.h"
 #include "screen_frag.h"
 #include "screen_place.h"
 #include "screen_vert.h"
@@ -20,39 +25,42 @@
 #include <stdlib.h>
 #include <string.h>
 
-typedef enum { READ, PART, CLEAR, NEWEST, LIBRARY, MULTIVIEW, POST, CHAIN, PLACE, BLIT, RESOLVE, PASSES, WAYS } way_kind;
-static const char *const ways[WAYS] = {"read", "part", "clear", "newest", "library", "multiview",
-                                       "post", "chain", "place", "blit", "resolve", "passes"};
+typedef enum {
+    READ, PART, CLEAR, NEWEST, LIBRARY, PARTS, MULTIVIEW,
+    /* Off screen: */
+    POST, CHAIN, PLACE, BLIT, RESOLVE, PASSES, HALF, DEPTHS, COMPUTE,
+    WAYS
+} way_kind;
+static const char *const ways[WAYS] = {"read",  "part",  "clear", "newest",  "library", "parts", "multiview", "post",
+                                       "chain", "place", "blit",  "resolve", "passes",  "half",  "depths",    "compute"};
 
 static struct {
-    double fov, yaw, pitch;
-    int frames, x, y;
-    uint32_t width, height;
+    direction_options direction;
     way_kind way;
-    const char *shot, *picture;
-} options = {.fov = 75.0, .frames = 3, .width = 256, .height = 256};
+    const char *picture;
+} options = {.direction = DIRECTION_DEFAULTS};
 
 static vulkan_window w;
-static picture depth, samples, scenes[2];
-static VkDescriptorSetLayout set_layout;
+static picture depth, samples, scenes[2], small;
+static VkDescriptorSetLayout set_layout, compute_set_layout;
 static VkDescriptorPool descriptors;
-static VkDescriptorSet sets[2];
+static VkDescriptorSet sets[2], compute_set;
 static VkSampler sampler;
 static VkRenderPass pass;
 static VkFramebuffer framebuffer;
-static VkPipelineLayout cube_layout, screen_layout;
-static VkPipeline cube, screen, parts_of[2];
-static VkCommandPool pool;
+static VkPipelineLayout cube_layout, screen_layout, compute_layout;
+static linked_pipeline cube, screen, screen_of_both;
+static VkPipeline compute;
+static frame_objects objects;
 static VkCommandBuffer commands;
-static VkSemaphore acquired, timeline;
-static VkFence done;
+static VkSemaphore timeline;
 static block read_back;
 
 static void usage(void)
 {
-    fprintf(stderr, "usage: vk_scenes [--fov DEG] [--yaw DEG] [--pitch DEG] [--frames N] [--size WxH] [--at X,Y]\n"
-                    "  [--way read|part|clear|newest|library|multiview|post|chain|place|blit|resolve|passes]\n"
-                    "  [--shot FILE.ppm] [--picture FILE.ppm]\n");
+    fprintf(stderr, "usage: vk_scenes " DIRECTION_USAGE " [--picture FILE.ppm]\n"
+                    "  [--way read|part|clear|newest|library|parts|multiview|post|chain|place|blit|resolve|passes|half|depths|\n"
+                    "         compute]\n");
     exit(2);
 }
 
@@ -60,29 +68,14 @@ static void parse(int argc, char **argv)
 {
     for (int i = 1; i + 1 < argc; i += 2) {
         const char *option = argv[i], *value = argv[i + 1];
-        if (strcmp(option, "--fov") == 0)
-            options.fov = atof(value);
-        else if (strcmp(option, "--yaw") == 0)
-            options.yaw = atof(value);
-        else if (strcmp(option, "--pitch") == 0)
-            options.pitch = atof(value);
-        else if (strcmp(option, "--frames") == 0)
-            options.frames = atoi(value);
-        else if (strcmp(option, "--shot") == 0)
-            options.shot = value;
-        else if (strcmp(option, "--picture") == 0)
+        if (strcmp(option, "--picture") == 0)
             options.picture = value;
-        else if (strcmp(option, "--at") == 0 && sscanf(value, "%d,%d", &options.x, &options.y) == 2)
-            continue;
-        else if (strcmp(option, "--size") == 0 && sscanf(value, "%ux%u", &options.width, &options.height) == 2)
-            continue;
         else if (strcmp(option, "--way") == 0) {
-            options.way = READ;
-            while (options.way < WAYS && strcmp(ways[options.way], value) != 0)
-                options.way++;
-            if (options.way == WAYS)
+            const int way = choice(value, ways, WAYS);
+            if (way < 0)
                 usage();
-        } else
+            options.way = (way_kind)way;
+        } else if (!take_direction(&options.direction, option, value))
             usage();
     }
 }
@@ -92,97 +85,48 @@ static bool off_screen(void)
     return options.way >= POST;
 }
 
+/* What shows the scene samples another picture, too. */
+static bool both(void)
+{
+    return options.way == HALF || options.way == DEPTHS;
+}
+
 static VkSampleCountFlagBits count(void)
 {
     return options.way == RESOLVE ? VK_SAMPLE_COUNT_4_BIT : VK_SAMPLE_COUNT_1_BIT;
 }
 
-static VkPipeline make_pipeline(VkPipelineLayout layout, const uint32_t *vertex, size_t vertex_size,
-                                const uint32_t *fragment, size_t fragment_size, bool deep)
+/* The format of what is drawn off screen: compute shaders write few. */
+static VkFormat scene_format(void)
 {
-    const uint32_t *const words[] = {vertex, fragment};
-    const size_t sizes[] = {vertex_size, fragment_size};
-    const VkShaderStageFlagBits kinds[] = {VK_SHADER_STAGE_VERTEX_BIT, VK_SHADER_STAGE_FRAGMENT_BIT};
-    VkPipelineShaderStageCreateInfo stages[2];
-    for (int i = 0; i < 2; i++) {
-        const VkShaderModuleCreateInfo info = {
-            .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO, .codeSize = sizes[i], .pCode = words[i]};
-        stages[i] = (VkPipelineShaderStageCreateInfo){.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
-                                                      .stage = kinds[i],
-                                                      .pName = "main"};
-        expect(vkCreateShaderModule(w.device, &info, NULL, &stages[i].module), "vkCreateShaderModule");
+    return options.way == COMPUTE ? VK_FORMAT_R8G8B8A8_UNORM : w.format;
+}
+
+static void make_pipelines(void)
+{
+    const bool place = options.way == PLACE;
+    pipeline_description cube_parts = {.vertex = SHADER(cube_push),
+                                       .fragment = SHADER(cube_frag),
+                                       .layout = cube_layout,
+                                       .pass = pass,
+                                       .color = off_screen() ? scene_format() : w.format,
+                                       .depth = DEPTH_FORMAT,
+                                       .view_mask = options.way == MULTIVIEW,
+                                       .samples = count(),
+                                       .deep = true};
+    if (w.has.libraries)
+        cube_parts.libraries = options.way == LIBRARY ? 2 : options.way == PARTS ? 4 : 0;
+    pipeline_description screen_parts = {.vertex = SHADER(screen_vert),
+                                         .fragment = place ? SHADER(screen_place) : SHADER(screen_frag),
+                                         .layout = screen_layout,
+                                         .color = w.format,
+                                         .samples = VK_SAMPLE_COUNT_1_BIT};
+    cube = make_pipeline(&w, &cube_parts);
+    screen = make_pipeline(&w, &screen_parts);
+    if (both()) {
+        screen_parts.fragment = SHADER(screen_both);
+        screen_of_both = make_pipeline(&w, &screen_parts);
     }
-    const VkPipelineVertexInputStateCreateInfo input = {
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO};
-    const VkPipelineInputAssemblyStateCreateInfo assembly = {
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO,
-        .topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST};
-    const VkPipelineViewportStateCreateInfo windows = {
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO, .viewportCount = 1, .scissorCount = 1};
-    const VkPipelineRasterizationStateCreateInfo raster = {
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO, .lineWidth = 1.0f};
-    const VkPipelineMultisampleStateCreateInfo multisample = {
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO,
-        .rasterizationSamples = deep ? count() : VK_SAMPLE_COUNT_1_BIT};
-    const VkPipelineDepthStencilStateCreateInfo depths = {
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO,
-        .depthTestEnable = deep,
-        .depthWriteEnable = deep,
-        .depthCompareOp = VK_COMPARE_OP_LESS_OR_EQUAL};
-    const VkPipelineColorBlendAttachmentState blend = {.colorWriteMask = 0xf};
-    const VkPipelineColorBlendStateCreateInfo blends = {
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO, .attachmentCount = 1, .pAttachments = &blend};
-    const VkDynamicState states[] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR};
-    const VkPipelineDynamicStateCreateInfo dynamic = {
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO, .dynamicStateCount = 2, .pDynamicStates = states};
-    const VkPipelineRenderingCreateInfo rendering = {
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO,
-        .viewMask = options.way == MULTIVIEW,
-        .colorAttachmentCount = 1,
-        .pColorAttachmentFormats = &w.format,
-        .depthAttachmentFormat = deep ? DEPTH_FORMAT : VK_FORMAT_UNDEFINED};
-    const bool by_pass = deep && pass != VK_NULL_HANDLE;
-    VkGraphicsPipelineLibraryCreateInfoEXT parts = {
-        .sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_LIBRARY_CREATE_INFO_EXT,
-        .flags = VK_GRAPHICS_PIPELINE_LIBRARY_VERTEX_INPUT_INTERFACE_BIT_EXT |
-                 VK_GRAPHICS_PIPELINE_LIBRARY_PRE_RASTERIZATION_SHADERS_BIT_EXT |
-                 VK_GRAPHICS_PIPELINE_LIBRARY_FRAGMENT_SHADER_BIT_EXT};
-    const bool linked = options.way == LIBRARY && w.has.libraries;
-    const VkGraphicsPipelineCreateInfo info = {.sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,
-                                               .pNext = by_pass ? NULL : linked ? (const void *)&parts : &rendering,
-                                               .flags = linked ? VK_PIPELINE_CREATE_LIBRARY_BIT_KHR : 0,
-                                               .stageCount = 2,
-                                               .pStages = stages,
-                                               .pVertexInputState = &input,
-                                               .pInputAssemblyState = &assembly,
-                                               .pViewportState = &windows,
-                                               .pRasterizationState = &raster,
-                                               .pMultisampleState = &multisample,
-                                               .pDepthStencilState = &depths,
-                                               .pColorBlendState = &blends,
-                                               .pDynamicState = &dynamic,
-                                               .layout = layout,
-                                               .renderPass = by_pass ? pass : VK_NULL_HANDLE};
-    VkPipeline made;
-    expect(vkCreateGraphicsPipelines(w.device, VK_NULL_HANDLE, 1, &info, NULL, &made), "vkCreateGraphicsPipelines");
-    for (int i = 0; i < 2; i++)
-        vkDestroyShaderModule(w.device, stages[i].module, NULL);
-    if (linked) {
-        parts.pNext = (void *)&rendering;
-        parts.flags = VK_GRAPHICS_PIPELINE_LIBRARY_FRAGMENT_OUTPUT_INTERFACE_BIT_EXT;
-        const VkPipelineLibraryCreateInfoKHR library = {.sType = VK_STRUCTURE_TYPE_PIPELINE_LIBRARY_CREATE_INFO_KHR,
-                                                        .pNext = &parts,
-                                                        .libraryCount = 1,
-                                                        .pLibraries = &made};
-        const VkGraphicsPipelineCreateInfo whole = {.sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,
-                                                    .pNext = &library,
-                                                    .pMultisampleState = &multisample,
-                                                    .pColorBlendState = &blends,
-                                                    .layout = layout};
-        parts_of[deep] = made;
-        expect(vkCreateGraphicsPipelines(w.device, VK_NULL_HANDLE, 1, &whole, NULL, &made), "vkCreateGraphicsPipelines");
-    }
-    return made;
 }
 
 /* A pass that leaves its picture as shaders sample it, which is believed before the next one begins. */
@@ -226,45 +170,76 @@ static void make_pictures(void)
 {
     const VkImageUsageFlags shown = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT;
     const VkImageUsageFlags copied = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
-    depth = make_picture(&w, DEPTH_FORMAT, count(), VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT);
-    samples = make_picture(&w, w.format, VK_SAMPLE_COUNT_4_BIT, copied);
+    const VkImageUsageFlags read = options.way == DEPTHS ? VK_IMAGE_USAGE_SAMPLED_BIT : 0;
+    const VkImageUsageFlags stored = options.way == COMPUTE ? VK_IMAGE_USAGE_STORAGE_BIT : 0;
+    const VkExtent2D half = {w.extent.width / 2, w.extent.height / 2};
+    depth = make_picture(&w, DEPTH_FORMAT, w.extent, count(), VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | read);
+    samples = make_picture(&w, w.format, w.extent, VK_SAMPLE_COUNT_4_BIT, copied);
+    small = make_picture(&w, w.format, half, VK_SAMPLE_COUNT_1_BIT, shown);
     for (int i = 0; i < 2; i++)
-        scenes[i] = make_picture(&w, w.format, VK_SAMPLE_COUNT_1_BIT, shown | copied);
+        scenes[i] = make_picture(&w, scene_format(), w.extent, VK_SAMPLE_COUNT_1_BIT, shown | copied | stored);
     if (options.way == PASSES)
         make_pass();
     read_back = make_block(&w, 4 * w.extent.width * w.extent.height, VK_BUFFER_USAGE_TRANSFER_DST_BIT, true);
 }
 
+static void describe(VkDescriptorSet set, uint32_t binding, VkDescriptorType kind, VkImageView view, VkImageLayout layout)
+{
+    const VkDescriptorImageInfo image = {sampler, view, layout};
+    const VkWriteDescriptorSet write = {.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
+                                        .dstSet = set,
+                                        .dstBinding = binding,
+                                        .descriptorCount = 1,
+                                        .descriptorType = kind,
+                                        .pImageInfo = &image};
+    vkUpdateDescriptorSets(w.device, 1, &write, 0, NULL);
+}
+
 static void make_layouts(void)
 {
-    const VkDescriptorSetLayoutBinding binding = {0, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1,
-                                                  VK_SHADER_STAGE_FRAGMENT_BIT, NULL};
-    const VkDescriptorSetLayoutCreateInfo set = {
-        .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO, .bindingCount = 1, .pBindings = &binding};
+    const VkDescriptorType seen = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, written = VK_DESCRIPTOR_TYPE_STORAGE_IMAGE;
+    const VkImageLayout sampled = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL;
+    const VkShaderStageFlags fragment = VK_SHADER_STAGE_FRAGMENT_BIT, computing = VK_SHADER_STAGE_COMPUTE_BIT;
+    const VkDescriptorSetLayoutBinding bindings[] = {{0, seen, 1, fragment, NULL}, {1, seen, 1, fragment, NULL}};
+    const VkDescriptorSetLayoutBinding for_compute[] = {{0, seen, 1, computing, NULL}, {1, written, 1, computing, NULL}};
+    VkDescriptorSetLayoutCreateInfo set = {.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
+                                           .bindingCount = both() ? 2 : 1,
+                                           .pBindings = bindings};
     expect(vkCreateDescriptorSetLayout(w.device, &set, NULL, &set_layout), "vkCreateDescriptorSetLayout");
-    const VkDescriptorPoolSize size = {VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 2};
+    set.bindingCount = 2;
+    set.pBindings = for_compute;
+    expect(vkCreateDescriptorSetLayout(w.device, &set, NULL, &compute_set_layout), "vkCreateDescriptorSetLayout");
+    const VkDescriptorPoolSize sizes[] = {{seen, 5}, {written, 1}};
     const VkDescriptorPoolCreateInfo info = {
-        .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO, .maxSets = 2, .poolSizeCount = 1, .pPoolSizes = &size};
+        .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO, .maxSets = 3, .poolSizeCount = 2, .pPoolSizes = sizes};
     expect(vkCreateDescriptorPool(w.device, &info, NULL, &descriptors), "vkCreateDescriptorPool");
+    /* Depths need not be filtered. */
+    const VkFilter smooth = options.way == DEPTHS ? VK_FILTER_NEAREST : VK_FILTER_LINEAR;
     const VkSamplerCreateInfo filter = {.sType = VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO,
-                                        .magFilter = VK_FILTER_LINEAR,
-                                        .minFilter = VK_FILTER_LINEAR,
+                                        .magFilter = smooth,
+                                        .minFilter = smooth,
                                         .addressModeU = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE,
                                         .addressModeV = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE};
     expect(vkCreateSampler(w.device, &filter, NULL, &sampler), "vkCreateSampler");
-    for (int i = 0; i < 2; i++) {
-        const VkDescriptorSetAllocateInfo allocate = {.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO,
-                                                      .descriptorPool = descriptors,
-                                                      .descriptorSetCount = 1,
-                                                      .pSetLayouts = &set_layout};
-        expect(vkAllocateDescriptorSets(w.device, &allocate, &sets[i]), "vkAllocateDescriptorSets");
-        const VkDescriptorImageInfo image = {sampler, scenes[i].view, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
-        const VkWriteDescriptorSet write = {.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
-                                            .dstSet = sets[i],
-                                            .descriptorCount = 1,
-                                            .descriptorType = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
-                                            .pImageInfo = &image};
-        vkUpdateDescriptorSets(w.device, 1, &write, 0, NULL);
+    VkDescriptorSet all[3];
+    const VkDescriptorSetLayout layouts[] = {set_layout, set_layout, compute_set_layout};
+    const VkDescriptorSetAllocateInfo allocate = {.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO,
+                                                  .descriptorPool = descriptors,
+                                                  .descriptorSetCount = 3,
+                                                  .pSetLayouts = layouts};
+    expect(vkAllocateDescriptorSets(w.device, &allocate, all), "vkAllocateDescriptorSets");
+    sets[0] = all[0];
+    sets[1] = all[1];
+    compute_set = all[2];
+    for (int i = 0; i < 2; i++)
+        describe(sets[i], 0, seen, scenes[both() ? 0 : i].view, sampled);
+    if (both()) {
+        describe(sets[0], 1, seen, options.way == HALF ? small.view : depth.view, sampled);
+        describe(sets[1], 1, seen, scenes[0].view, sampled);
+    }
+    if (options.way == COMPUTE) {
+        describe(compute_set, 0, seen, scenes[0].view, sampled);
+        describe(compute_set, 1, written, scenes[1].view, VK_IMAGE_LAYOUT_GENERAL);
     }
     const VkPushConstantRange range = {VK_SHADER_STAGE_VERTEX_BIT, 0, sizeof(matrix4)};
     VkPipelineLayoutCreateInfo layout = {.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
@@ -275,8 +250,25 @@ static void make_layouts(void)
     layout.setLayoutCount = 1;
     layout.pSetLayouts = &set_layout;
     expect(vkCreatePipelineLayout(w.device, &layout, NULL, &screen_layout), "vkCreatePipelineLayout");
+    layout.pSetLayouts = &compute_set_layout;
+    expect(vkCreatePipelineLayout(w.device, &layout, NULL, &compute_layout), "vkCreatePipelineLayout");
 }
 
+static void make_compute(void)
+{
+    const VkShaderModuleCreateInfo words = {
+        .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO, .codeSize = sizeof copy_comp, .pCode = copy_comp};
+    VkComputePipelineCreateInfo info = {.sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO,
+                                        .stage = {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
+                                                  .stage = VK_SHADER_STAGE_COMPUTE_BIT,
+                                                  .pName = "main"},
+                                        .layout = compute_layout};
+    expect(vkCreateShaderModule(w.device, &words, NULL, &info.stage.module), "vkCreateShaderModule");
+    expect(vkCreateComputePipelines(w.device, VK_NULL_HANDLE, 1, &info, NULL, &compute), "vkCreateComputePipelines");
+    vkDestroyShaderModule(w.device, info.stage.module, NULL);
+}
+
+/* By the older call; vk_cube uses the newer one. */
 static void barrier(VkImage image, VkImageLayout from, VkImageLayout to)
 {
     const bool deep = image == depth.image;
@@ -297,7 +289,7 @@ static void barrier(VkImage image, VkImageLayout from, VkImageLayout to)
 static const VkImageLayout NEW = VK_IMAGE_LAYOUT_UNDEFINED, COLOR = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
 static const VkImageLayout DEEP = VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL, READ_FROM = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL;
 static const VkImageLayout SAMPLED = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL, WRITTEN = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL;
-static const VkImageLayout SHOWN = VK_IMAGE_LAYOUT_PRESENT_SRC_KHR;
+static const VkImageLayout SHOWN = VK_IMAGE_LAYOUT_PRESENT_SRC_KHR, GENERAL = VK_IMAGE_LAYOUT_GENERAL;
 static const VkClearValue grey = {.color = {.float32 = {0.25f, 0.25f, 0.25f, 1.0f}}}, far = {.depthStencil = {1.0f, 0}};
 
 static void begin(VkImageView color, bool deep, VkAttachmentLoadOp load, VkRect2D area)
@@ -324,39 +316,26 @@ static void begin(VkImageView color, bool deep, VkAttachmentLoadOp load, VkRect2
     vkCmdBeginRendering(commands, &info);
 }
 
-static matrix4 scene_matrix(void)
+static void set_window(VkExtent2D size)
 {
-    const double aspect = (double)w.extent.width / w.extent.height;
-    matrix4 camera = matrix_multiply(matrix_camera(options.yaw, options.pitch), matrix_scale(10.0));
-    matrix4 all = matrix_multiply(matrix_perspective(options.fov, aspect, 0.25, 100.0), camera);
-    /* From OpenGL's clip space: y points down, and depth begins at 0. */
-    for (float *c = all.m; c < all.m + 16; c += 4) {
-        c[1] = -c[1];
-        c[2] = 0.5f * (c[2] + c[3]);
-    }
-    return all;
-}
-
-static void set_window(void)
-{
-    const VkViewport viewport = {0, 0, (float)w.extent.width, (float)w.extent.height, 0, 1};
-    const VkRect2D scissor = {{0, 0}, w.extent};
+    const VkViewport viewport = {0, 0, (float)size.width, (float)size.height, 0, 1};
+    const VkRect2D scissor = {{0, 0}, size};
     vkCmdSetViewport(commands, 0, 1, &viewport);
     vkCmdSetScissor(commands, 0, 1, &scissor);
 }
 
 static void draw_cube(matrix4 matrix)
 {
-    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, cube);
-    set_window();
+    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, cube.whole);
+    set_window(w.extent);
     vkCmdPushConstants(commands, cube_layout, VK_SHADER_STAGE_VERTEX_BIT, 0, sizeof matrix, &matrix);
     vkCmdDraw(commands, 36, 1, 0, 0);
 }
 
-static void draw_screen(VkDescriptorSet set)
+static void draw_screen(const linked_pipeline *by, VkDescriptorSet set, VkExtent2D size)
 {
-    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, screen);
-    set_window();
+    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, by->whole);
+    set_window(size);
     vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, screen_layout, 0, 1, &set, 0, NULL);
     vkCmdDraw(commands, 3, 1, 0, 0);
 }
@@ -374,23 +353,50 @@ static void record_cube(picture *target, VkImage image, VkImageView view)
                                             .clearValueCount = 2,
                                             .pClearValues = clears};
         vkCmdBeginRenderPass(commands, &info, VK_SUBPASS_CONTENTS_INLINE);
-        draw_cube(scene_matrix());
+        draw_cube(direction_matrix(&options.direction, w.extent, false));
         vkCmdEndRenderPass(commands);
         return;
     }
     barrier(target != NULL ? target->image : image, NEW, COLOR);
     barrier(depth.image, NEW, DEEP);
     begin(target != NULL ? target->view : view, true, VK_ATTACHMENT_LOAD_OP_CLEAR, whole);
-    draw_cube(scene_matrix());
+    draw_cube(direction_matrix(&options.direction, w.extent, false));
     vkCmdEndRendering(commands);
 }
 
-static void show(VkDescriptorSet set, VkImage image, VkImageView view)
+static void show(const linked_pipeline *by, VkDescriptorSet set, VkImage image, VkImageView view, VkExtent2D size)
 {
     barrier(image, NEW, COLOR);
-    begin(view, false, VK_ATTACHMENT_LOAD_OP_DONT_CARE, (VkRect2D){{0, 0}, w.extent});
-    draw_screen(set);
+    begin(view, false, VK_ATTACHMENT_LOAD_OP_DONT_CARE, (VkRect2D){{0, 0}, size});
+    draw_screen(by, set, size);
     vkCmdEndRendering(commands);
+}
+
+/* What is drawn off screen reaches the window through shaders. */
+static void show_scene(VkImage image, VkImageView view)
+{
+    VkDescriptorSet set = sets[0];
+    if (options.way != PASSES)
+        barrier(scenes[0].image, COLOR, SAMPLED);
+    if (options.way == CHAIN) {
+        show(&screen, set, scenes[1].image, scenes[1].view, w.extent);
+        barrier(scenes[1].image, COLOR, SAMPLED);
+        set = sets[1];
+    } else if (options.way == HALF) {
+        const VkExtent2D half = {w.extent.width / 2, w.extent.height / 2};
+        show(&screen, sets[1], small.image, small.view, half);
+        barrier(small.image, COLOR, SAMPLED);
+    } else if (options.way == DEPTHS) {
+        barrier(depth.image, DEEP, SAMPLED);
+    } else if (options.way == COMPUTE) {
+        barrier(scenes[1].image, NEW, GENERAL);
+        vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, compute);
+        vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, compute_layout, 0, 1, &compute_set, 0, NULL);
+        vkCmdDispatch(commands, (w.extent.width + 7) / 8, (w.extent.height + 7) / 8, 1);
+        barrier(scenes[1].image, GENERAL, SAMPLED);
+        set = sets[1];
+    }
+    show(both() ? &screen_of_both : &screen, set, image, view, w.extent);
 }
 
 static void record(uint32_t index)
@@ -427,13 +433,7 @@ static void record(uint32_t index)
             vkCmdResolveImage(commands, target->image, READ_FROM, image, WRITTEN, 1, &resolve);
         left = WRITTEN;
     } else if (off_screen()) {
-        if (options.way != PASSES)
-            barrier(scenes[0].image, COLOR, SAMPLED);
-        if (options.way == CHAIN) {
-            show(sets[0], scenes[1].image, scenes[1].view);
-            barrier(scenes[1].image, COLOR, SAMPLED);
-        }
-        show(sets[options.way == CHAIN], image, view);
+        show_scene(image, view);
         if (options.picture != NULL) {
             barrier(scenes[0].image, SAMPLED, READ_FROM);
             vkCmdCopyImageToBuffer(commands, scenes[0].image, READ_FROM, read_back.buffer, 1, &region);
@@ -445,33 +445,13 @@ static void record(uint32_t index)
 
 static void frame(uint64_t number)
 {
-    uint32_t index;
-    expect(vkAcquireNextImageKHR(w.device, w.swapchain, UINT64_MAX, acquired, VK_NULL_HANDLE, &index), "acquire");
+    const uint32_t index = next_image(&w, &objects);
     record(index);
     if (options.way == NEWEST) {
-        const frame_parts parts = {commands, acquired, timeline};
+        const frame_parts parts = {commands, objects.acquired, timeline};
         end_newest_frame(&w, &parts, index, number);
-        return;
-    }
-    const VkPipelineStageFlags stage = VK_PIPELINE_STAGE_ALL_COMMANDS_BIT;
-    const VkSubmitInfo work = {.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO,
-                               .waitSemaphoreCount = 1,
-                               .pWaitSemaphores = &acquired,
-                               .pWaitDstStageMask = &stage,
-                               .commandBufferCount = 1,
-                               .pCommandBuffers = &commands,
-                               .signalSemaphoreCount = 1,
-                               .pSignalSemaphores = &w.drawn[index]};
-    expect(vkQueueSubmit(w.queue, 1, &work, done), "vkQueueSubmit");
-    const VkPresentInfoKHR present = {.sType = VK_STRUCTURE_TYPE_PRESENT_INFO_KHR,
-                                      .waitSemaphoreCount = 1,
-                                      .pWaitSemaphores = &w.drawn[index],
-                                      .swapchainCount = 1,
-                                      .pSwapchains = &w.swapchain,
-                                      .pImageIndices = &index};
-    expect(vkQueuePresentKHR(w.queue, &present), "vkQueuePresentKHR");
-    expect(vkWaitForFences(w.device, 1, &done, VK_TRUE, UINT64_MAX), "vkWaitForFences");
-    expect(vkResetFences(w.device, 1, &done), "vkResetFences");
+    } else if (!end_frame(&w, &objects, commands, index))
+        window_make_swapchain(&w);
 }
 
 static void write_picture(const char *path)
@@ -492,33 +472,20 @@ static void open_all(void)
 {
     const VkImageUsageFlags copied =
         VK_IMAGE_USAGE_TRANSFER_DST_BIT | (options.picture != NULL ? VK_IMAGE_USAGE_TRANSFER_SRC_BIT : 0);
-    window_open(&w, options.x, options.y, options.width, options.height, false,
-                options.way == NEWEST || options.way == LIBRARY || options.way == MULTIVIEW,
+    const bool newest = options.way >= NEWEST && options.way <= MULTIVIEW;
+    window_open(&w, options.direction.x, options.direction.y, options.direction.width, options.direction.height, false, newest,
                 options.way == READ ? VK_IMAGE_USAGE_TRANSFER_SRC_BIT : off_screen() ? copied : 0);
     make_pictures();
     make_layouts();
-    cube = make_pipeline(cube_layout, cube_push, sizeof cube_push, cube_frag, sizeof cube_frag, true);
-    const bool place = options.way == PLACE;
-    screen = make_pipeline(screen_layout, screen_vert, sizeof screen_vert, place ? screen_place : screen_frag,
-                           place ? sizeof screen_place : sizeof screen_frag, false);
-    const VkCommandPoolCreateInfo pool_info = {.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
-                                               .flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT,
-                                               .queueFamilyIndex = w.family};
-    expect(vkCreateCommandPool(w.device, &pool_info, NULL, &pool), "vkCreateCommandPool");
-    const VkCommandBufferAllocateInfo buffers = {.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
-                                                 .commandPool = pool,
-                                                 .level = VK_COMMAND_BUFFER_LEVEL_PRIMARY,
-                                                 .commandBufferCount = 1};
-    expect(vkAllocateCommandBuffers(w.device, &buffers, &commands), "vkAllocateCommandBuffers");
-    const VkSemaphoreCreateInfo semaphore = {.sType = VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO};
+    make_pipelines();
+    make_compute();
+    objects = make_frame_objects(&w);
+    make_commands(&w, &objects, VK_COMMAND_BUFFER_LEVEL_PRIMARY, 1, &commands);
     const VkSemaphoreTypeCreateInfo counts = {.sType = VK_STRUCTURE_TYPE_SEMAPHORE_TYPE_CREATE_INFO,
                                               .semaphoreType = VK_SEMAPHORE_TYPE_TIMELINE};
     const VkSemaphoreCreateInfo counting = {.sType = VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO, .pNext = &counts};
     if (options.way == NEWEST)
         expect(vkCreateSemaphore(w.device, &counting, NULL, &timeline), "vkCreateSemaphore");
-    const VkFenceCreateInfo fence = {.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
-    expect(vkCreateSemaphore(w.device, &semaphore, NULL, &acquired), "vkCreateSemaphore");
-    expect(vkCreateFence(w.device, &fence, NULL, &done), "vkCreateFence");
 }
 
 static void close_all(void)
@@ -526,23 +493,24 @@ static void close_all(void)
     expect(vkDeviceWaitIdle(w.device), "vkDeviceWaitIdle");
     vkDestroyFramebuffer(w.device, framebuffer, NULL);
     vkDestroyRenderPass(w.device, pass, NULL);
-    vkDestroyPipeline(w.device, cube, NULL);
-    vkDestroyPipeline(w.device, screen, NULL);
+    free_pipeline(&w, &cube);
+    free_pipeline(&w, &screen);
+    free_pipeline(&w, &screen_of_both);
+    vkDestroyPipeline(w.device, compute, NULL);
     vkDestroyPipelineLayout(w.device, cube_layout, NULL);
     vkDestroyPipelineLayout(w.device, screen_layout, NULL);
+    vkDestroyPipelineLayout(w.device, compute_layout, NULL);
     vkDestroyDescriptorPool(w.device, descriptors, NULL);
     vkDestroyDescriptorSetLayout(w.device, set_layout, NULL);
+    vkDestroyDescriptorSetLayout(w.device, compute_set_layout, NULL);
     vkDestroySampler(w.device, sampler, NULL);
-    vkDestroyCommandPool(w.device, pool, NULL);
-    vkDestroySemaphore(w.device, acquired, NULL);
+    free_frame_objects(&w, &objects);
     vkDestroySemaphore(w.device, timeline, NULL);
-    vkDestroyFence(w.device, done, NULL);
     free_picture(&w, &depth);
     free_picture(&w, &samples);
-    for (int i = 0; i < 2; i++) {
-        vkDestroyPipeline(w.device, parts_of[i], NULL);
+    free_picture(&w, &small);
+    for (int i = 0; i < 2; i++)
         free_picture(&w, &scenes[i]);
-    }
     free_block(&w, &read_back);
     window_close(&w);
 }
@@ -551,10 +519,10 @@ int main(int argc, char **argv)
 {
     parse(argc, argv);
     open_all();
-    for (int number = 0; number < options.frames; number++) {
+    for (int number = 0; number < options.direction.frames; number++) {
         frame((uint64_t)number + 1);
-        if (options.shot != NULL)
-            window_shot(&w, options.shot);
+        if (options.direction.shot != NULL)
+            window_shot(&w, options.direction.shot);
     }
     if (options.picture != NULL)
         write_picture(options.picture);

@@ -3,6 +3,8 @@
 layout(set = 0, binding = 0) uniform sampler2D picture;
 #if defined(PLACE)
 layout(origin_upper_left) in vec4 gl_FragCoord;
+#elif defined(BOTH)
+layout(set = 0, binding = 1) uniform sampler2D other;
 #endif
 layout(location = 0) in vec2 at;
 layout(location = 0) out vec4 result;
@@ -13,5 +15,10 @@ void main()
     result = texelFetch(picture, ivec2(gl_FragCoord.xy), 0);
 #else
     result = texture(picture, at);
+#endif
+#if defined(BOTH)
+    /* What is read of the other one changes nothing: no texel of it is above 1. */
+    if (texture(other, at).r > 2.0)
+        result = vec4(1.0);
 #endif
 }

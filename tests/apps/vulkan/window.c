@@ -289,14 +289,15 @@ static VkDeviceMemory allocate(const vulkan_window *w, const VkMemoryRequirement
     return memory;
 }
 
-picture make_picture(const vulkan_window *w, VkFormat format, VkSampleCountFlagBits samples, VkImageUsageFlags usage)
+picture make_picture(const vulkan_window *w, VkFormat format, VkExtent2D size, VkSampleCountFlagBits samples,
+                     VkImageUsageFlags usage)
 {
     picture p;
     const bool depth = format == DEPTH_FORMAT;
     const VkImageCreateInfo info = {.sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
                                     .imageType = VK_IMAGE_TYPE_2D,
                                     .format = format,
-                                    .extent = {w->extent.width, w->extent.height, 1},
+                                    .extent = {size.width, size.height, 1},
                                     .mipLevels = 1,
                                     .arrayLayers = 1,
                                     .samples = samples,

@@ -66,8 +66,9 @@ void window_close(vulkan_window *w);
 /* Writes what the X server shows in the window as a binary PPM. */
 void window_shot(const vulkan_window *w, const char *path);
 
-/* An image as large as the window, with a view. */
-picture make_picture(const vulkan_window *w, VkFormat format, VkSampleCountFlagBits samples, VkImageUsageFlags usage);
+/* An image with a view. */
+picture make_picture(const vulkan_window *w, VkFormat format, VkExtent2D size, VkSampleCountFlagBits samples,
+                     VkImageUsageFlags usage);
 void free_picture(const vulkan_window *w, picture *p);
 
 /* A buffer, in memory that the host writes or in the device's own. */

@@ -133,14 +133,15 @@ fn errors(exact: &WarpMap, map: &Directions) -> Errors {
     Errors { map, most: quantile(&sorted(all.into_iter()), 0.999), minutes: angle.to_degrees() * 60.0, pixels }
 }
 
-fn sorted(values: impl Iterator<Item = f64>) -> Vec<f64> {
+/// Values in ascending order.
+pub fn sorted(values: impl Iterator<Item = f64>) -> Vec<f64> {
     let mut values: Vec<f64> = values.collect();
     values.sort_by(f64::total_cmp);
     values
 }
 
 /// The value below which a part of the sorted values lies; NaN if there are none.
-fn quantile(sorted: &[f64], part: f64) -> f64 {
+pub fn quantile(sorted: &[f64], part: f64) -> f64 {
     let index = (part * sorted.len() as f64) as usize;
     sorted.get(index.min(sorted.len().saturating_sub(1))).copied().unwrap_or(f64::NAN)
 }

@@ -1,6 +1,7 @@
 //! `cupola bench`: run time against error, of our correction and of those by which other programs correct.
 
 mod contest;
+mod division;
 mod methods;
 mod peers;
 mod plot;
@@ -39,6 +40,9 @@ pub struct Arguments {
     plots: Option<PathBuf>,
 }
 
+/// The scene whose primitives are divided rather than its picture corrected.
+const DIVISION: &str = "division of triangles";
+
 /// Runs the subcommand.
 pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let rounds = arguments.rounds.unwrap_or(if arguments.quick { 5 } else { 15 });
@@ -46,9 +50,10 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let mut scenes = scenes::all(arguments.quick)?;
     let names: Vec<_> = scenes.iter().map(|scene| scene.name).collect();
     scenes.retain(|scene| scene.name.contains(&arguments.scene));
-    if scenes.is_empty() {
+    let divides = DIVISION.contains(&arguments.scene);
+    if scenes.is_empty() && !divides {
         return Err(Failure::usage(format!(
-            "no scene is called {:?}; there are {}",
+            "no scene is called {:?}; there are {}, {DIVISION}",
             arguments.scene,
             names.join(", ")
         )));
@@ -60,12 +65,16 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         print!("{}", report::table(&contest));
         contests.push(contest);
     }
+    let divided = divides.then(|| division::run(arguments.quick));
+    if let Some(divided) = &divided {
+        print!("{}", division::table(divided));
+    }
     let write = |path: &PathBuf, text: &str| {
         std::fs::write(path, text)
             .map_err(|error| Failure::new(format!("{} cannot be written: {error}", path.display())))
     };
     if let Some(path) = &arguments.json {
-        write(path, &format!("{:#}\n", report::json(&contests)))?;
+        write(path, &format!("{:#}\n", report::json(&contests, divided.as_ref())))?;
     }
     if let Some(path) = &arguments.csv {
         write(path, &report::csv(&contests))?;
@@ -76,6 +85,9 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         for contest in &contests {
             write(&directory.join(format!("{}.svg", contest.scene.file_name())), &plot::scatter(contest))?;
             plot::error_maps(contest, directory)?;
+        }
+        if let Some(divided) = &divided {
+            write(&directory.join("division.svg"), &division::plot(divided))?;
         }
     }
     Ok(ExitCode::SUCCESS)

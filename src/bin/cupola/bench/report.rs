@@ -1,6 +1,7 @@
 //! The results as a table, as JSON and as CSV.
 
 use super::contest::{Contest, Outcome};
+use super::division::{self, Divided};
 use serde_json::{Value, json};
 use std::fmt::Write;
 
@@ -52,7 +53,7 @@ fn short(value: f64) -> String {
 }
 
 /// For machines.
-pub fn json(contests: &[Contest]) -> Value {
+pub fn json(contests: &[Contest], divided: Option<&Divided>) -> Value {
     let result = |result: &Outcome| {
         let error = result.error.as_ref().map(|error| {
             json!({
@@ -86,7 +87,10 @@ pub fn json(contests: &[Contest]) -> Value {
             "results": contest.results.iter().map(result).collect::<Vec<_>>(),
         })
     };
-    json!({ "contests": contests.iter().map(contest).collect::<Vec<_>>() })
+    json!({
+        "contests": contests.iter().map(contest).collect::<Vec<_>>(),
+        "division": divided.map(division::as_json),
+    })
 }
 
 /// For spreadsheets.

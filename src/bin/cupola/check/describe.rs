@@ -1,7 +1,6 @@
 //! A rig in words, and as JSON.
 
 use super::words;
-use cupola::blend::Crossing;
 use cupola::geom::{Frustum, Lens, Optics};
 use cupola::rig::{Blend, Camera, DomeAngle, Output, OutputKind, Rig, Transfer, ViewMethod};
 use cupola::views::{self, View, ViewPlan};
@@ -94,16 +93,8 @@ fn sizes(rig: &Rig, window: (u32, u32)) -> Vec<(u32, u32)> {
 
 /// Where blending must jump, in words.
 fn jumps(rig: &Rig, sizes: &[(u32, u32)]) -> Vec<String> {
-    let sentence = |crossing: Crossing| {
-        let [first, second] = crossing.outputs.map(|index| rig.outputs[index].name.as_str());
-        let (polar, azimuth) = (degrees(crossing.polar), degrees(crossing.azimuth));
-        format!(
-            "the light of {first} and {second} meets abruptly {polar} from the pole, {azimuth} around it: their borders \
-             cross there with no third picture beneath"
-        )
-    };
     // A rig that cannot be followed has no crossings to tell of; the planner has said why.
-    cupola::blend::crossings(rig, sizes).unwrap_or_default().into_iter().map(sentence).collect()
+    cupola::blend::crossings(rig, sizes).unwrap_or_default().iter().map(|crossing| words::jump(rig, crossing)).collect()
 }
 
 fn view_words(view: &View) -> String {

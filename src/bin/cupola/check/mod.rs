@@ -1,7 +1,7 @@
 //! `cupola check`: is a rig valid, and what does it say?
 
 pub mod describe;
-mod words;
+pub mod words;
 
 use crate::Failure;
 use cupola::rig::{Rig, presets};

@@ -1,9 +1,10 @@
-//! Screens and lenses in words.
+//! Screens, lenses and jumps of the light in words.
 
 use super::describe::{degrees, number};
+use cupola::blend::Crossing;
 use cupola::geom::screen::{Screen, Shape};
 use cupola::geom::{FisheyeLens, Panorama, Projection};
-use cupola::rig::{Calibration, CalibrationValues};
+use cupola::rig::{Calibration, CalibrationValues, Rig};
 
 /// A screen's shape and size.
 pub fn screen(screen: &Screen) -> String {
@@ -80,4 +81,14 @@ pub fn panorama(panorama: &Panorama) -> String {
         }
         Panorama::CubeStrip => "six faces of a cube, side by side".to_owned(),
     }
+}
+
+/// A place where the light of two outputs must jump.
+pub fn jump(rig: &Rig, crossing: &Crossing) -> String {
+    let [first, second] = crossing.outputs.map(|index| rig.outputs[index].name.as_str());
+    let (polar, azimuth) = (degrees(crossing.polar), degrees(crossing.azimuth));
+    format!(
+        "the light of {first} and {second} meets abruptly {polar} from the pole, {azimuth} around it: their borders \
+         cross there with no third picture beneath"
+    )
 }

@@ -1,5 +1,7 @@
 //! `cupola convert`: rigs and calibration files into the formats of other programs.
 
+mod calibration;
+mod projector;
 mod rig;
 mod source;
 mod target;
@@ -36,6 +38,9 @@ pub struct Arguments {
     /// Version of an MPCDI archive
     #[arg(long, value_enum, default_value_t = target::ArchiveVersion::One)]
     archive_version: target::ArchiveVersion,
+    /// Into a rig: projectors as an archive of profile sl describes them, in place of its maps
+    #[arg(long)]
+    projectors: bool,
     /// Columns and rows of a warp mesh
     #[arg(long, value_name = "WxH", value_parser = crate::arguments::size, default_value = "129x129")]
     nodes: (u32, u32),

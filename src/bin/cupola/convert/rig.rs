@@ -1,50 +1,50 @@
 //! Rigs made of calibrations and of other programs' configurations.
 
+use super::projector;
 use super::source::{Channel, Values};
 use super::target::{Written, file_beside, raster, save};
 use crate::Failure;
 use cupola::blend::decode;
 use cupola::formats::sgct;
-use cupola::formats::{Raster, pfm};
-use cupola::geom::{Frustum, pose};
+use cupola::formats::{Raster, mpcdi, pfm};
+use cupola::geom::Optics;
 use glam::DVec3;
 use std::fmt::Write;
 use std::path::Path;
 
-/// Writes a rig with an output for each channel, and a map and weights for each beside it.
-pub fn from_channels(path: &Path, from: &str, channels: &[Channel]) -> Result<Vec<Written>, Failure> {
+/// Writes a rig with an output for each channel, and a map and weights for each beside it. Channels of which only the
+/// projector is known become projectors, with `projectors` all whose projector is.
+pub fn from_channels(path: &Path, from: &str, channels: &[Channel], projectors: bool) -> Result<Vec<Written>, Failure> {
     let mut text = heading(from);
     let mut written = Vec::new();
     let mut outputs = String::new();
     let mut radius = None;
     for (index, channel) in channels.iter().enumerate() {
-        let (map, weights) = raster(channel)?;
-        if channel.values == Values::Points {
-            radius = radius.or_else(|| mean_distance(&map));
+        let known = if channel.has_map() { Some(raster(channel)?) } else { None };
+        if let (Some((map, _)), Values::Points) = (&known, channel.values) {
+            radius = radius.or_else(|| mean_distance(map));
         }
         let name = if channel.name.is_empty() { format!("output-{}", index + 1) } else { harmless(&channel.name) };
-        let file = file_beside(path, index, &channel.name, "pfm");
-        save(&file, &pfm::write(channel.size.0, map.values()))?;
-        let values = channel.values.words();
-        let _ = write!(
-            outputs,
-            "\n[[output]]\nname = {}\nkind = \"mesh\"\nsize = [{}, {}]\nfile = {}\nvalues = \"{values}\"\n",
-            quoted(&name),
-            channel.size.0,
-            channel.size.1,
-            quoted(&file_name(&file)),
-        );
-        if weights.iter().any(|weight| (*weight - 1.0).abs() > 1e-4) {
-            let mask = file_beside(path, index, &channel.name, "png");
-            save(&mask, &mask_picture(channel, &weights)?)?;
-            let _ = writeln!(outputs, "mask = {{ image = {} }}", quoted(&file_name(&mask)));
+        let (width, height) = channel.size;
+        let _ = write!(outputs, "\n[[output]]\nname = {}\nsize = [{width}, {height}]\n", quoted(&name));
+        let beside = |ending: &str| file_beside(path, index, &channel.name, ending);
+        match (channel.described_projector(), known) {
+            (Some((optics, alpha)), known) if projectors || known.is_none() => {
+                outputs.push_str(&described_projector(channel, optics, alpha, &beside("png"))?);
+            }
+            (_, Some((map, weights))) => {
+                let file = beside("pfm");
+                save(&file, &pfm::write(width, map.values()))?;
+                let values = channel.values.words();
+                let _ =
+                    writeln!(outputs, "kind = \"mesh\"\nfile = {}\nvalues = \"{values}\"", quoted(&file_name(&file)));
+                let light = |weight: &f32| decode(f64::from(*weight), channel.gamma);
+                outputs.push_str(&mask(&beside("png"), channel.size, weights.iter().map(light).collect())?);
+                let _ = writeln!(outputs, "blend = {{ {} }}", display(channel));
+                written.push(Written::map(file, channel.values));
+            }
+            (_, None) => return Err(Failure::usage(format!("{name} has neither a map nor a projector"))),
         }
-        let mut blend = vec![format!("gamma = {}", if channel.gamma == 1.0 { 2.2 } else { channel.gamma })];
-        if channel.black_level > 0.0 {
-            blend.push(format!("black_level = {}", channel.black_level));
-        }
-        let _ = writeln!(outputs, "blend = {{ {} }}", blend.join(", "));
-        written.push(Written::map(file, channel.values));
     }
     text.push_str("\n[dome]\n");
     match channels.first().and_then(|channel| channel.dome) {
@@ -74,6 +74,41 @@ pub fn from_channels(path: &Path, from: &str, channels: &[Channel]) -> Result<Ve
     save(path, text.as_bytes())?;
     written.push(Written::rig(path.to_owned(), channels.len()));
     Ok(written)
+}
+
+/// A projector that a calibration describes. Weights of its own take the place of those that its neighbours would give it.
+fn described_projector(
+    channel: &Channel,
+    optics: &Optics,
+    alpha: Option<&mpcdi::Alpha>,
+    file: &Path,
+) -> Result<String, Failure> {
+    let aspect = f64::from(channel.size.0) / f64::from(channel.size.1);
+    let mut keys = format!("kind = \"projector\"\n{}", projector::keys(optics, aspect)?);
+    let mut blend = display(channel);
+    if let Some(alpha) = alpha {
+        let light = |weight: &f32| decode(f64::from(*weight), alpha.gamma);
+        keys.push_str(&mask(file, alpha.size, alpha.weights.iter().map(light).collect())?);
+        blend.push_str(", overlap = false");
+    }
+    let _ = writeln!(keys, "blend = {{ {blend} }}");
+    Ok(keys)
+}
+
+/// The display's keys of `blend`.
+fn display(channel: &Channel) -> String {
+    let level =
+        if channel.black_level > 0.0 { format!(", black_level = {:?}", channel.black_level) } else { String::new() };
+    format!("gamma = {}{level}", channel.gamma)
+}
+
+/// Writes parts of light as a picture, and gives the key that names it; nothing where all light is let through.
+fn mask(file: &Path, size: (u32, u32), light: Vec<f64>) -> Result<String, Failure> {
+    if light.iter().all(|light| (light - 1.0).abs() <= 1e-4) {
+        return Ok(String::new());
+    }
+    save(file, &mask_picture(size, &light)?)?;
+    Ok(format!("mask = {{ image = {} }}\n", quoted(&file_name(file))))
 }
 
 /// Writes a rig for each computer of a configuration of SGCT, whose pictures are all those of one eye point. What is
@@ -131,14 +166,7 @@ fn sgct_output(viewport: &sgct::Viewport, name: &str, notes: &mut Vec<String>) -
             format!("{kind}aperture = {:?}\ntilt = {:?}\n", aperture.to_degrees(), tilt.to_degrees())
         }
         sgct::Projection::Planar { rotation, frustum } => {
-            let [yaw, pitch, roll] = pose::angles(rotation).map(|angle| tidy(angle.to_degrees()));
-            let Frustum { left, right, bottom, top } = *frustum;
-            let [left, right, bottom, top] = [left, right, bottom, top].map(|side| tidy(side.atan().to_degrees()));
-            format!(
-                "{}yaw = {yaw:?}\npitch = {pitch:?}\nroll = {roll:?}\n\
-                 angles = {{ left = {left:?}, right = {right:?}, bottom = {bottom:?}, top = {top:?} }}\n",
-                kind("perspective")
-            )
+            format!("{}{}{}", kind("perspective"), projector::angles(rotation), projector::opening(frustum))
         }
         sgct::Projection::Other(kind) => {
             notes.push(format!("{name}: {kind} is left out"));
@@ -166,7 +194,7 @@ fn is_warp_mesh(name: &str) -> bool {
 }
 
 /// Without the last digits, which are rounding.
-fn tidy(number: f64) -> f64 {
+pub fn tidy(number: f64) -> f64 {
     (number * 1e9).round() / 1e9 + 0.0
 }
 
@@ -207,14 +235,12 @@ fn mean_distance(map: &Raster) -> Option<f64> {
     (count > 0.0 && sum > 0.0).then(|| sum / count)
 }
 
-/// Factors on displayed values as a picture of weights in linear light.
-fn mask_picture(channel: &Channel, weights: &[f32]) -> Result<Vec<u8>, Failure> {
-    let light = |weight: &f32| (decode(f64::from(*weight), channel.gamma).min(1.0) * 65535.0).round() as u16;
-    let (width, height) = channel.size;
-    let picture =
-        image::ImageBuffer::<image::Luma<u16>, _>::from_raw(width, height, weights.iter().map(light).collect());
-    let picture: image::ImageBuffer<image::Luma<u16>, Vec<u16>> =
-        picture.ok_or_else(|| Failure::new("an output has no pixels"))?;
+/// Parts of light as a grey picture of 16 bits.
+fn mask_picture((width, height): (u32, u32), light: &[f64]) -> Result<Vec<u8>, Failure> {
+    let values = light.iter().map(|light| (light.clamp(0.0, 1.0) * 65535.0).round() as u16).collect();
+    let picture: Option<image::ImageBuffer<image::Luma<u16>, Vec<u16>>> =
+        image::ImageBuffer::from_raw(width, height, values);
+    let picture = picture.ok_or_else(|| Failure::new("an output has no pixels"))?;
     let mut bytes = std::io::Cursor::new(Vec::new());
     let written = picture.write_to(&mut bytes, image::ImageFormat::Png);
     written.map_err(|error| Failure::new(format!("a mask cannot be packed: {error}")))?;

@@ -1,11 +1,12 @@
 //! What is converted: the outputs of a rig, or what a calibration file says.
 
 use super::Arguments;
+use super::calibration::{self, Map};
 use crate::Failure;
 use crate::map::native_size;
 use cupola::blend::{GREEN, Weights, code_of};
-use cupola::formats::{Camera, Grid, Sample, bourke, domeprojection, easyblend, mpcdi, pfm, read_file, sgct, vwf};
-use cupola::geom::pose;
+use cupola::formats::{Noted, Sample, mpcdi, read_file, sgct};
+use cupola::geom::{Lens, Optics, Pose};
 use cupola::rig::{Dome, OutputKind, Rig};
 use cupola::warp::WarpMap;
 use glam::{DVec2, DVec3};
@@ -43,17 +44,6 @@ pub enum Source {
     Maps { maps: Vec<Map>, notes: Vec<String> },
 }
 
-/// A map of a calibration file.
-pub struct Map {
-    name: String,
-    size: Option<(u32, u32)>,
-    grid: Grid,
-    values: Values,
-    alpha: Option<mpcdi::Alpha>,
-    /// The camera whose picture the grid's values lie in; they become directions.
-    camera: Option<Camera>,
-}
-
 /// One output that is converted.
 pub struct Channel<'source> {
     /// Its name; may be empty where a file has only one.
@@ -66,8 +56,8 @@ pub struct Channel<'source> {
     pub gamma: f64,
     /// Light added to black, as a part of white.
     pub black_level: f64,
-    /// The projector, if it is a pinhole, in dome axes.
-    pub lamp: Option<Camera>,
+    /// The projector, if there is one without a mirror, in dome axes.
+    pub lamp: Option<Optics>,
     /// The dome, if a rig tells it.
     pub dome: Option<Dome>,
     kind: Kind<'source>,
@@ -78,94 +68,23 @@ enum Kind<'source> {
     Map(&'source Map),
 }
 
-/// Opens what is to be converted; a calibration file is known by how it begins or by its name's ending.
+/// Opens what is to be converted; a calibration file is known by its name's ending.
 pub fn open(arguments: &Arguments) -> Result<Source, Failure> {
-    let ending = ending(Path::new(&arguments.from));
     let name = arguments.from.as_str();
-    let single = |grid: Grid, size| {
-        vec![Map { name: String::new(), size, grid, values: arguments.values(), alpha: None, camera: None }]
-    };
-    let read = || read_file(Path::new(name));
-    Ok(match ending.as_str() {
-        "data" | "map" => {
-            let mesh = bourke::read(name, &read()?)?;
-            Source::Maps { maps: single(Grid::Mesh(mesh.value.mesh(name)?), None), notes: mesh.notes }
-        }
-        "pfm" => {
-            let raster = pfm::read(name, &read()?)?;
-            Source::Maps { maps: single(Grid::Raster(raster.clone()), Some(raster.size())), notes: Vec::new() }
-        }
-        "csv" => {
-            let mesh = domeprojection::read(name, &read()?)?;
-            Source::Maps { maps: single(mesh.value, None), notes: mesh.notes }
-        }
-        "json" => {
-            let read = sgct::read(name, &read()?)?;
-            Source::Sgct { config: read.value, notes: read.notes }
-        }
-        "ol" => {
-            let mesh = easyblend::read(name, &read()?)?;
-            let mut maps = single(mesh.value.grid, Some(mesh.value.size));
-            let mut notes = mesh.notes;
-            if let Some(camera) = mesh.value.camera {
-                (maps[0].values, maps[0].camera) = (Values::Directions, Some(camera));
-                if camera.offset != DVec3::ZERO {
-                    notes.push(format!(
-                        "{name}: the eye point is off the origin by {}; put the viewer there",
-                        camera.offset
-                    ));
-                }
-            }
-            Source::Maps { maps, notes }
-        }
-        "vwf" => {
-            let set = vwf::read(name, &read()?)?;
-            let mut notes = set.notes;
-            if set.value.iter().any(|map| map.blend.is_some()) {
-                notes.push(format!("{name}: blends are taken as factors on the values of displays with gamma 2.2"));
-            }
-            let alpha = |vwf::Blend { size, factors }| mpcdi::Alpha { size, weights: factors, gamma: 2.2 };
-            let map = |map: vwf::VwfMap| Map {
-                name: map.name,
-                size: Some(map.raster.size()),
-                grid: Grid::Raster(map.raster),
-                values: if map.points { Values::Points } else { Values::Picture },
-                alpha: map.blend.map(alpha),
-                camera: None,
-            };
-            Source::Maps { maps: set.value.into_iter().map(map).collect(), notes }
-        }
-        "mpcdi" => {
-            let archive = mpcdi::read(name, &read()?)?;
-            let profile = archive.value.profile;
-            let values = match profile {
-                mpcdi::Profile::Flat => Values::Picture,
-                mpcdi::Profile::Perspective => Values::Directions,
-                mpcdi::Profile::Screen | mpcdi::Profile::ShaderLamps => Values::Points,
-            };
-            let mut notes = archive.notes;
-            if archive.value.regions.iter().any(|region| region.beta.is_some()) {
-                notes.push(format!("{name}: black levels (betaMap) are not taken over; say them in the rig"));
-            }
-            let map = |region: mpcdi::Region| Map {
-                name: region.id,
-                size: Some(region.size),
-                grid: Grid::Raster(region.warp),
-                values,
-                alpha: region.alpha,
-                camera: region.camera.filter(|_| profile == mpcdi::Profile::Perspective),
-            };
-            Source::Maps { maps: archive.value.regions.into_iter().map(map).collect(), notes }
-        }
-        _ => {
-            let rig = cupola::rig::load(name)?;
-            if rig.outputs.is_empty() {
-                return Err(Failure::usage(format!("the rig {} has no outputs", rig.name)));
-            }
-            let content = domemaster(&rig)?;
-            Source::Rig(Box::new((rig, content)))
-        }
-    })
+    let ending = ending(Path::new(name));
+    if ending == "json" {
+        let read = sgct::read(name, &read_file(Path::new(name))?)?;
+        return Ok(Source::Sgct { config: read.value, notes: read.notes });
+    }
+    if let Some(Noted { value: maps, notes }) = calibration::open(name, &ending, arguments.values())? {
+        return Ok(Source::Maps { maps, notes });
+    }
+    let rig = cupola::rig::load(name)?;
+    if rig.outputs.is_empty() {
+        return Err(Failure::usage(format!("the rig {} has no outputs", rig.name)));
+    }
+    let content = domemaster(&rig)?;
+    Ok(Source::Rig(Box::new((rig, content))))
 }
 
 /// The ending of a file's name, in lower case.
@@ -230,15 +149,13 @@ impl Source {
                         Failure::usage("the file does not say the output's size in pixels; give it with --size WxH")
                     })?;
                     let kind = Kind::Map(map);
-                    let gamma = map.alpha.as_ref().map_or(1.0, |alpha| alpha.gamma);
-                    let (name, values) = (map.name.clone(), map.values);
                     channels.push(Channel {
-                        name,
+                        name: map.name.clone(),
                         size,
-                        values,
-                        gamma,
-                        black_level: 0.0,
-                        lamp: None,
+                        values: map.values,
+                        gamma: map.gamma(),
+                        black_level: map.black_level,
+                        lamp: map.lamp.clone(),
                         dome: None,
                         kind,
                     });
@@ -252,10 +169,16 @@ impl Source {
     }
 }
 
-/// A pinhole projector as a camera.
-fn lamp(kind: &OutputKind) -> Option<Camera> {
-    let OutputKind::Projector { position, angles: [yaw, pitch, roll], frustum } = kind else { return None };
-    Some(Camera { offset: *position, rotation: pose::rotation(*yaw, *pitch, *roll), frustum: *frustum })
+/// The projector of an output, if it is one without a mirror.
+fn lamp(kind: &OutputKind) -> Option<Optics> {
+    match kind {
+        OutputKind::Projector { position, angles: [yaw, pitch, roll], frustum } => {
+            let pose = Pose::new(*position, *yaw, *pitch, *roll);
+            Some(Optics { pose, lens: Lens::pinhole(*frustum), mirror: None })
+        }
+        OutputKind::Optics { optics, .. } if optics.mirror.is_none() => Some((**optics).clone()),
+        _ => None,
+    }
 }
 
 /// `sizes` with the one of `index` replaced.
@@ -268,23 +191,24 @@ impl Channel<'_> {
     /// What is shown at a pixel (from the top left, centres at +½): the value, and the factor on the displayed value.
     pub fn sample(&self, pixel: DVec2) -> Option<Sample> {
         match &self.kind {
-            Kind::Map(map) => {
-                let mut sample = map.grid.sample(pixel, self.size)?;
-                if let Some(alpha) = &map.alpha {
-                    sample.intensity *=
-                        weight(alpha, pixel / DVec2::new(f64::from(self.size.0), f64::from(self.size.1)));
-                }
-                if let Some(camera) = &map.camera {
-                    sample.value = camera.ray(sample.value.truncate()).normalize();
-                }
-                Some(sample)
-            }
+            Kind::Map(map) => map.sample(pixel, self.size),
             Kind::Output { index, map, rig, content, weights } => {
                 let value = value(rig, content, map, self.values, pixel)?;
                 let intensity = code_of(weights.weight(*index, pixel)?, &rig.outputs[*index].blend, GREEN);
                 Some(Sample { value, intensity })
             }
         }
+    }
+
+    /// Whether there is a value for each pixel, not only a projector.
+    pub fn has_map(&self) -> bool {
+        !matches!(&self.kind, Kind::Map(map) if map.grid.is_none())
+    }
+
+    /// The projector that a calibration describes, and its weights.
+    pub fn described_projector(&self) -> Option<(&Optics, Option<&mpcdi::Alpha>)> {
+        let Kind::Map(map) = &self.kind else { return None };
+        Some((map.lamp.as_ref()?, map.alpha.as_ref()))
     }
 
     /// The exact map, and the direction that the viewer sees at a value, where a rig tells them.
@@ -316,11 +240,4 @@ fn value(rig: &Rig, content: &WarpMap, map: &WarpMap, values: Values, pixel: DVe
         Values::Points | Values::Directions => Some(point),
         Values::Picture => content.pixel(point).map(|part| DVec3::new(part.x, 1.0 - part.y, 0.0)),
     }
-}
-
-/// The weight of the pixel that holds a place (0…1 from the top left).
-fn weight(alpha: &mpcdi::Alpha, part: DVec2) -> f64 {
-    let cell = |part: f64, count: u32| ((part * f64::from(count)) as usize).min(count.saturating_sub(1) as usize);
-    let index = cell(part.y, alpha.size.1) * alpha.size.0 as usize + cell(part.x, alpha.size.0);
-    alpha.weights.get(index).map_or(1.0, |weight| f64::from(*weight))
 }

@@ -5,10 +5,9 @@ use super::source::{Channel, Values, ending};
 use crate::{Failure, terminal};
 use cupola::blend::encode;
 use cupola::formats::{Camera, Grid, Raster, bourke, mpcdi, pfm, vwf};
-use cupola::geom::Frustum;
-use cupola::geom::pose;
+use cupola::geom::{Frustum, Lens, Optics, Projection, pose};
 use cupola::warp::{MapError, compare};
-use glam::{DVec2, DVec3};
+use glam::{DMat3, DVec2, DVec3};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
@@ -136,8 +135,14 @@ pub fn write(arguments: &Arguments, format: Format, channels: &[Channel]) -> Res
         save(path, &bytes)?;
         Ok(vec![Written { path: path.clone(), outputs: channels.len(), values: Some(values), error: None }])
     };
+    if let Some(channel) = channels.iter().find(|channel| format != Format::Rig && !channel.has_map()) {
+        return Err(Failure::usage(format!(
+            "of {:?} only the projector is known, not what it shows: write a rig (.toml), give it its screen, and convert that",
+            channel.name
+        )));
+    }
     match format {
-        Format::Rig => super::rig::from_channels(path, &arguments.from, channels),
+        Format::Rig => super::rig::from_channels(path, &arguments.from, channels, arguments.projectors),
         Format::Bourke if values != Values::Picture => Err(Failure::usage(format!(
             "a warp mesh has positions in a picture, not {}; use --values picture",
             values.words()
@@ -151,8 +156,21 @@ pub fn write(arguments: &Arguments, format: Format, channels: &[Channel]) -> Res
         }
         Format::Vwf => {
             let map = |channel: &Channel| {
-                let raster = raster(channel)?.0;
-                Ok(vwf::VwfMap { name: channel.name.clone(), points: values == Values::Points, raster, blend: None })
+                let (raster, weights) = raster(channel)?;
+                let size = raster.size();
+                let picture = |values| vwf::Picture { size, values };
+                // Where nothing is shown nothing is weighed.
+                let weighed =
+                    raster.values().iter().zip(&weights).any(|(value, weight)| !value[0].is_nan() && *weight < 1.0);
+                let level = encode(channel.black_level, channel.gamma) as f32;
+                Ok(vwf::VwfMap {
+                    name: channel.name.clone(),
+                    points: values == Values::Points,
+                    black: (level > 0.0).then(|| picture(vec![level; weights.len()])),
+                    blend: weighed.then(|| picture(weights)),
+                    white: None,
+                    raster,
+                })
             };
             let maps: Vec<_> = channels.iter().map(map).collect::<Result<_, Failure>>()?;
             together(vwf::write(&maps)?)
@@ -177,14 +195,10 @@ pub fn write(arguments: &Arguments, format: Format, channels: &[Channel]) -> Res
 /// A channel as a region of an archive.
 fn region(channel: &Channel, profile: mpcdi::Profile) -> Result<mpcdi::Region, Failure> {
     let (mut warp, weights) = raster(channel)?;
-    let camera = match profile {
-        mpcdi::Profile::Perspective => Some(looking_at(&channel.name, &warp)?),
-        mpcdi::Profile::ShaderLamps if channel.lamp.is_none() => {
-            let why = format!("output {:?} is no pinhole projector, which profile sl needs", channel.name);
-            return Err(Failure::usage(why));
-        }
-        mpcdi::Profile::ShaderLamps => channel.lamp,
-        mpcdi::Profile::Flat | mpcdi::Profile::Screen => None,
+    let (camera, fisheye) = match profile {
+        mpcdi::Profile::Perspective => (Some(looking_at(&channel.name, &warp)?), None),
+        mpcdi::Profile::ShaderLamps => projector(channel)?,
+        mpcdi::Profile::Flat | mpcdi::Profile::Screen => (None, None),
     };
     if let (mpcdi::Profile::Perspective, Some(camera)) = (profile, &camera) {
         let place = |value: &[f32; 3]| match camera.place(DVec3::from_array(value.map(f64::from))) {
@@ -198,11 +212,33 @@ fn region(channel: &Channel, profile: mpcdi::Profile) -> Result<mpcdi::Region, F
     Ok(mpcdi::Region {
         id: channel.name.clone(),
         size: channel.size,
-        warp,
+        warp: Some(warp),
         alpha: Some(mpcdi::Alpha { size: channel.size, weights, gamma: channel.gamma }),
         beta: (level > 0.0).then(|| mpcdi::Levels { size: (1, 1), levels: vec![level] }),
         camera,
+        fisheye,
     })
+}
+
+/// A channel's projector as profile sl has it: a pinhole, or a fisheye whose radius is a polynomial.
+fn projector(channel: &Channel) -> Result<(Option<Camera>, Option<Optics>), Failure> {
+    match &channel.lamp {
+        Some(Optics { pose, lens: Lens::Pinhole { frustum, distortion, keystone }, .. })
+            if distortion.is_none() && *keystone == DMat3::IDENTITY =>
+        {
+            let camera = Camera { offset: pose.position, rotation: pose.rotation, frustum: *frustum };
+            Ok((Some(camera), None))
+        }
+        Some(optics @ Optics { lens: Lens::Fisheye { lens, .. }, .. })
+            if matches!(lens.projection, Projection::Equidistant | Projection::Polynomial(_)) =>
+        {
+            Ok((None, Some(optics.clone())))
+        }
+        _ => Err(Failure::usage(format!(
+            "output {:?} is no pinhole projector, and none with an equidistant or polynomial fisheye, which profile sl needs",
+            channel.name
+        ))),
+    }
 }
 
 /// A camera whose picture has all of the directions, upright and centred on their mean.

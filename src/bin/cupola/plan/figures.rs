@@ -1,9 +1,11 @@
 //! A plan in numbers, for people and for machines.
 
-use crate::check::describe;
+use crate::check::{describe, words};
+use cupola::blend;
 use cupola::correct::{self, Approximation, Plan};
 use cupola::rig::Rig;
 use cupola::views::{self, Report, Request, ViewPlan};
+use glam::DVec3;
 use serde_json::{Value, json};
 use std::fmt;
 
@@ -24,6 +26,8 @@ pub struct Figures {
     /// In so many directions.
     pub directions: u64,
     seconds: f64,
+    /// Where the light must pass abruptly from one output to another: the direction, viewer axes, and what is to be said.
+    pub jumps: Vec<(DVec3, String)>,
     /// The outputs whose maps are interpolated.
     approximations: Vec<(String, Approximation)>,
 }
@@ -42,6 +46,11 @@ impl Figures {
             }
         });
         let least = (directions > 0).then_some(least);
+        // A rig whose weights cannot be followed has no plan.
+        let crossings = blend::crossings(rig, &request.output_sizes).unwrap_or_default();
+        let viewer = rig.viewer_pose();
+        let direction = |point: DVec3| viewer.point_to_local(point).normalize_or_zero();
+        let jumps = crossings.iter().map(|crossing| (direction(crossing.point), words::jump(rig, crossing))).collect();
         let approximations = plan.passes.iter().filter_map(|pass| Some((pass.name.clone(), pass.approximation()?)));
         Self {
             rig: rig.name.clone(),
@@ -51,6 +60,7 @@ impl Figures {
             least,
             directions,
             seconds,
+            jumps,
             approximations: approximations.collect(),
         }
     }
@@ -96,6 +106,9 @@ impl Figures {
                 }
             }).collect::<Vec<_>>(),
             "notes": self.report.notes,
+            "jumps": self.jumps.iter().map(|(direction, words)| {
+                json!({ "direction": direction.to_array(), "words": words })
+            }).collect::<Vec<_>>(),
         })
     }
 }
@@ -143,6 +156,7 @@ impl fmt::Display for Figures {
         let (width, height) = report.atlas;
         writeln!(f, "atlas      {width} × {height} texels, {:.0} % used", 100.0 * report.atlas_use)?;
         writeln!(f, "planned    in {:.0} ms", 1e3 * self.seconds)?;
-        report.notes.iter().try_for_each(|note| writeln!(f, "note       {note}"))
+        report.notes.iter().try_for_each(|note| writeln!(f, "note       {note}"))?;
+        self.jumps.iter().try_for_each(|(_, words)| writeln!(f, "jump       {words}"))
     }
 }

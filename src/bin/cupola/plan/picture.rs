@@ -25,6 +25,7 @@ const SPHERE: Color = [0.13, 0.145, 0.18];
 const GRID: Color = [0.30, 0.33, 0.40];
 const INK: Color = [0.90, 0.92, 0.95];
 const FAINT: Color = [0.60, 0.64, 0.70];
+const JUMP: Color = [1.00, 0.25, 0.25];
 /// Outlines of the views, in turn.
 const OUTLINES: [Color; 8] = [
     [1.00, 0.47, 0.36],
@@ -105,12 +106,19 @@ fn draw(rig: &Rig, request: &Request, plan: &ViewPlan, figures: &Figures) -> Can
                 canvas.label(&view.name, place.to_array(), *color);
             }
         }
+        for (direction, _) in &figures.jumps {
+            jump(&mut canvas, half, *direction);
+        }
         let width = half.name().chars().count() as i64 * 8;
         let below = (half.centre.y + RADIUS + 14.0) as i64;
         canvas.text(half.name(), half.centre.x as i64 - width / 2, below, Letters::Small, FAINT);
     }
     words(&mut canvas, plan, figures);
     legend(&mut canvas);
+    if !figures.jumps.is_empty() {
+        let words = "crosses: there the light must pass abruptly from one picture to another";
+        canvas.text(words, 552, SIZE.1 as i64 - 52, Letters::Small, JUMP);
+    }
     canvas
 }
 
@@ -256,6 +264,16 @@ fn curve(canvas: &mut Canvas, half: &Half, steps: u32, width: f64, color: Color,
             canvas.line(from.to_array(), to.to_array(), width, color);
         }
         before = place;
+    }
+}
+
+/// A cross where the light must jump.
+fn jump(canvas: &mut Canvas, half: &Half, direction: DVec3) {
+    let Some(place) = half.place(direction) else { return };
+    for (color, width) in [(GROUND, 6.0), (JUMP, 3.0)] {
+        for arm in [DVec2::new(9.0, 9.0), DVec2::new(9.0, -9.0)] {
+            canvas.line((place - arm).to_array(), (place + arm).to_array(), width, color);
+        }
     }
 }
 

@@ -7,10 +7,8 @@ use crate::Failure;
 use cupola::correct::Plan;
 use cupola::geom::random::Random;
 use cupola::rig::Rig;
-use cupola::views::Request;
-use cupola::warp::accuracy::pixel_angle;
-use cupola::warp::{WarpMap, compare};
-use glam::DVec2;
+use cupola::views::{Request, Surveyor};
+use cupola::warp::{WarpMap, compare_each};
 
 /// Errors are given in pixels of a picture so wide: what a small picture shows is then held to what a large one needs.
 const REFERENCE_WIDTH: f64 = 4096.0;
@@ -33,12 +31,30 @@ pub fn case(random: &mut Random, driver: &Driver) -> Result<Vec<Finding>, Failur
     // With the views of a picture of the reference's size: those of a small one are fewer and wider.
     let mut rig = case.rig.clone();
     rig.views.quality *= scale;
-    let plan = planned(&rig, &[size]);
-    let directions = plan.and_then(|plan| driver.directions(&plan, 0)).map_err(refused)?;
+    let plan = planned(&rig, &[size]).map_err(refused)?;
+    let directions = driver.directions(&plan, 0).map_err(refused)?;
     let exact = WarpMap::new(&case.rig, 0, size, None)?;
     let look = |x: u32, y: u32| directions[(y * size.0 + x) as usize];
-    let error = compare(&exact, 1, look);
-    let input = format!("size {}x{}, pixel {:?}\n{}", size.0, size.1, error.worst, case.text);
+    let (quantity, pixels) = match case.place {
+        Place::Inside => ("map, within 0.9 radii: error / (0.002 px of 4096 or 6e-7 rad)", INSIDE),
+        Place::Far => ("map, near the screen, outside: error / (0.004 px or 6e-7 rad)", FAR),
+    };
+    let surveyor = Surveyor::new(&plan.views, &rig, 0, size)?;
+    let (mut greatest, mut worst) = (0.0f64, (0, 0));
+    let error = compare_each(&exact, 1, look, |found| {
+        // Angle of a pixel of the reference's width.
+        let pixel = found.angle / found.pixels / scale;
+        let mut part = found.angle / (pixels * pixel).max(ANGLE);
+        if part > 1.0 {
+            // A view that the largest picture leaves coarser is judged by its own texels.
+            let texels = surveyor.at(found.centre()).and_then(|pixel| pixel.texels_per_pixel);
+            part *= texels.map_or(1.0, |texels| (texels / scale).min(1.0));
+        }
+        if part.is_nan() || part > greatest {
+            (greatest, worst) = (part, found.pixel);
+        }
+    });
+    let input = format!("size {}x{}, pixel {worst:?}\n{}", size.0, size.1, case.text);
     let finding = |quantity, value, bound, compared, pixels| Finding {
         quantity,
         value,
@@ -47,15 +63,6 @@ pub fn case(random: &mut Random, driver: &Driver) -> Result<Vec<Finding>, Failur
         pixels,
         input: input.clone(),
     };
-    let worst = DVec2::new(f64::from(error.worst.0) + 0.5, f64::from(error.worst.1) + 0.5);
-    // Angle of a pixel of the reference's width.
-    let pixel = pixel_angle(&exact, worst).unwrap_or(f64::NAN) / scale;
-    let (quantity, pixels) = match case.place {
-        Place::Inside => ("map, within 0.9 radii: error / (0.002 px of 4096 or 6e-7 rad)", INSIDE),
-        Place::Far => ("map, near the screen, outside: error / (0.004 px or 6e-7 rad)", FAR),
-    };
-    let allowed = (pixels * pixel).max(ANGLE);
-    let greatest = if error.compared == 0 { 0.0 } else { error.max * scale * pixel / allowed };
     Ok(vec![
         finding(quantity, greatest, 1.0, error.compared, true),
         finding("map: pixels not finite", error.non_finite as f64, 0.0, error.compared, false),

@@ -7,11 +7,12 @@ use super::super::context::Context;
 use super::super::draw::draw_command;
 use super::super::hook::hooks;
 use super::super::outlines::Shape;
+use super::super::vertices::fixed;
 use super::bounds::Bounds;
 use super::layout::Layout;
 use super::position;
 use super::ranges::{self, Vertices, index_at, index_width};
-use crate::backend::gl::api;
+use crate::backend::gl::api::{self, Gl};
 use std::ffi::c_void;
 
 /// Around `vertices` of the arrays that the program has set.
@@ -69,7 +70,7 @@ unsafe fn find(ctx: &mut Context, vertices: Vertices) -> Option<Bounds> {
 }
 
 /// Whether some index begins a new primitive instead of naming a vertex.
-fn restarts(ctx: &Context) -> bool {
+pub fn restarts(ctx: &Context) -> bool {
     let (gl, version) = (ctx.gl, ctx.profile.version);
     // SAFETY: asks for switches that this version has.
     let on = |switch: u32| unsafe { gl.is_enabled(switch) } != 0;
@@ -103,8 +104,14 @@ macro_rules! array_hooks {
     ($( $name:literal $method:ident ( $($p:ident : $t:ty),* ) of $vertices:expr; )*) => {
         hooks! {
             $( $name $method(mode: u32, $($p: $t),*) = |ctx, _gl| {
+                let read = fixed::arrays::read(ctx, mode, $vertices);
                 let bounds = |ctx: &mut Context| around(ctx, $vertices);
-                draw_command(ctx, Shape::of_mode(mode), bounds, |_, gl| gl.$method(mode, $($p),*));
+                let issue = |ctx: &mut Context, gl: &Gl| gl.$method(ctx.outlines.issued(mode), $($p),*);
+                ctx.outlines.mode = Some(mode);
+                match read {
+                    Some(vertices) => fixed::draw_arrays(ctx, mode, vertices, bounds, issue),
+                    None => draw_command(ctx, Shape::of_mode(mode), bounds, issue),
+                }
             }; )*
             "glMultiDrawArrays" multi_draw_arrays(mode: u32, first: *const i32, count: *const i32, draws: i32) = |ctx, _gl| {
                 let vertices = |i: usize| Vertices::Range { first: *first.add(i), count: *count.add(i) };

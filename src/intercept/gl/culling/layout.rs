@@ -151,7 +151,7 @@ fn pointer(gl: &Gl, profile: &Profile, location: u32, get: Ask, packed: usize) -
 }
 
 /// Bytes of a coordinate; `None` for types that are not looked through.
-fn width(kind: u32) -> Option<usize> {
+pub fn width(kind: u32) -> Option<usize> {
     match kind {
         api::GL_BYTE | api::GL_UNSIGNED_BYTE => Some(1),
         api::GL_SHORT | api::GL_UNSIGNED_SHORT | api::GL_HALF_FLOAT => Some(2),
@@ -178,7 +178,7 @@ fn greatest(kind: u32) -> Option<f64> {
 ///
 /// # Safety
 /// `at` must point at a number of the type `kind`.
-unsafe fn number(at: *const u8, kind: u32) -> f64 {
+pub unsafe fn number(at: *const u8, kind: u32) -> f64 {
     // SAFETY: as promised; unaligned numbers are allowed here.
     unsafe {
         match kind {

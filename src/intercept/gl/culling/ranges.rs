@@ -215,7 +215,7 @@ pub unsafe fn index_at(indices: *const u8, kind: u32, number: usize) -> u32 {
 }
 
 /// `size` bytes of a buffer from `start` on; `None` where it does not have them or cannot be read now.
-fn read(gl: &Gl, profile: &Profile, buffer: u32, start: usize, size: usize) -> Option<Vec<u8>> {
+pub fn read(gl: &Gl, profile: &Profile, buffer: u32, start: usize, size: usize) -> Option<Vec<u8>> {
     if size == 0 || size > MOST_BYTES {
         return None;
     }

@@ -17,8 +17,8 @@ fn note<T: Number>(ctx: &mut Context, command: Command, sets: Sets, prefix: &[u6
     }
     if sets.is_vertex(prefix) {
         let bounds = match &mut ctx.recording {
-            Some(list) => &mut list.bounds,
-            None => &mut ctx.immediate.bounds,
+            Some(list) if ctx.immediate.phase == Phase::Outside => &mut list.bounds,
+            _ => &mut ctx.immediate.bounds,
         };
         add_vertex(bounds, sets, values);
     }
@@ -57,16 +57,15 @@ fn note_material<T: Number + Default>(
 
 /// Something that makes vertices in a way that cannot be played back.
 fn elsewhere(ctx: &mut Context) {
+    super::into_list(ctx);
     if let Some(list) = &mut ctx.recording {
         list.bounds.add_unknown();
-    } else {
-        super::into_list(ctx);
     }
 }
 
 macro_rules! attribute_commands {
     ({ $( $name:literal $method:ident ($($p:ident: $t:ty),*) as $array:ident = $sets:ident [$($before:ident),*] $values:expr; )* }
-     { $( $vector:ident ($($place:literal: $kind:ty),*) $start:literal; )* }) => {
+     { $( $vector:ident ($($place:literal: $kind:ty),*) $start:literal $plain:literal; )* }) => {
         /// A command that can be played back.
         #[derive(Clone, Copy, Debug)]
         #[allow(non_camel_case_types, missing_docs)] // Each is the OpenGL command of its name.
@@ -86,6 +85,10 @@ macro_rules! attribute_commands {
             // SAFETY: as above.
             |gl, words| unsafe { gl.materialiv(*words as u32, *words.add(1) as u32, words.add(2).cast()) },
         ];
+
+        /// By the number of a command: whether its components are numbers as they are, neither packed nor of 16 bits nor
+        /// for integers of shaders.
+        static PLAIN: &[bool] = &[$( $plain, )* true, true];
 
         hooks! {
             between;
@@ -137,6 +140,11 @@ pub unsafe fn play(gl: &Gl, number: u16, words: *const u64) {
         // SAFETY: as promised.
         unsafe { command(gl, words) };
     }
+}
+
+/// Whether the components of the command of this number are numbers as they are.
+pub fn is_plain(number: u16) -> bool {
+    PLAIN.get(usize::from(number)).copied().unwrap_or(false)
 }
 
 #[cfg(test)]

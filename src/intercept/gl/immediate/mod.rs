@@ -12,6 +12,8 @@ use super::culling::bounds::Bounds;
 use super::draw::{Changes, draw};
 use super::hook::hooks;
 use super::outlines::Shape;
+use super::vertices;
+use super::vertices::fixed::{self, vertices::Vertices};
 use crate::backend::gl::api::{self, Gl};
 use recorder::Recorder;
 use std::ffi::c_void;
@@ -66,6 +68,9 @@ impl Immediate {
 
 /// What cannot be played back is coming: from here on, and with what came already, a list is compiled.
 pub fn into_list(ctx: &mut Context) {
+    if ctx.immediate.phase == Phase::Recording && ctx.recording.is_some() {
+        give_to_list(ctx);
+    }
     if ctx.immediate.phase == Phase::Recording {
         // SAFETY: the driver is between Begin and End, where it can neither be asked nor compile.
         unsafe { ctx.gl.end() };
@@ -125,11 +130,9 @@ impl Current {
     }
 }
 
-/// Issues what was recorded.
-fn issue_recorded(ctx: &mut Context) {
-    let (mode, bounds) = (ctx.immediate.mode, ctx.immediate.bounds);
+/// Issues what was recorded between Begin and End.
+fn issue(ctx: &mut Context, mode: u32, bounds: Bounds, recorder: &Recorder) {
     ctx.outlines.shape = Shape::of_mode(mode);
-    let recorder = std::mem::take(&mut ctx.immediate.recorder);
     let current = Current::get(ctx.gl, recorder.sets_late());
     let changes = if recorder.sets_others_late() {
         Changes::Attributes
@@ -138,21 +141,57 @@ fn issue_recorded(ctx: &mut Context) {
     } else {
         Changes::Nothing
     };
-    draw(
-        ctx,
-        changes,
-        |_| bounds,
-        |_, gl| {
-            // SAFETY: the program's own commands, outside of its Begin/End.
-            unsafe {
-                gl.begin(mode);
-                current.set(gl);
-                recorder.play(gl);
-                gl.end();
-            }
-        },
-    );
+    let whole = |_: &mut Context, gl: &Gl| {
+        // SAFETY: the program's own commands, outside of its Begin/End.
+        unsafe {
+            gl.begin(mode);
+            current.set(gl);
+            recorder.play(gl);
+            gl.end();
+        }
+    };
+    if !fixed::reads(ctx, mode) {
+        draw(ctx, changes, |_| bounds, whole);
+        return;
+    }
+    let vertices = Vertices::of_recorded(ctx.gl, mode, recorder);
+    // SAFETY: the program's own attributes: materials count for all vertices, all else is set with each of them.
+    unsafe { recorder.play_attributes(ctx.gl, 0) };
+    fixed::draw_read(ctx, changes, bounds, &vertices, whole);
+    // SAFETY: as above; between vertices others were set.
+    unsafe { recorder.play_attributes(ctx.gl, 0) };
+}
+
+/// Issues what was recorded since `glBegin`.
+fn issue_recorded(ctx: &mut Context) {
+    let recorder = std::mem::take(&mut ctx.immediate.recorder);
+    issue(ctx, ctx.immediate.mode, ctx.immediate.bounds, &recorder);
     ctx.immediate.recorder = recorder;
+}
+
+/// Whether Begin/End becomes a command of its own in the list that is compiled, so that it can be divided when the list runs.
+fn is_kept_apart(ctx: &Context) -> bool {
+    ctx.recording.is_some() && !ctx.views_only && vertices::division_asked_for()
+}
+
+/// What was recorded becomes a command of the list that is compiled.
+fn keep_apart(ctx: &mut Context) {
+    let (mode, bounds) = (ctx.immediate.mode, ctx.immediate.bounds);
+    let recorder = std::mem::take(&mut ctx.immediate.recorder);
+    super::lists::now_or_later(ctx, move |ctx| issue(ctx, mode, bounds, &recorder));
+}
+
+/// What was recorded, and what comes until the program's End, goes into the list that is compiled as it is.
+fn give_to_list(ctx: &mut Context) {
+    let Some(recording) = &mut ctx.recording else { return };
+    recording.draws = true;
+    recording.bounds.add_unknown();
+    ctx.immediate.phase = Phase::Outside;
+    // SAFETY: the program's own commands, into the list that the driver compiles.
+    unsafe {
+        ctx.gl.begin(ctx.immediate.mode);
+        ctx.immediate.recorder.play(ctx.gl);
+    }
 }
 
 /// Issues the list that stands for a Begin/End. What is current afterwards is what the program set last, but a
@@ -169,7 +208,10 @@ fn issue_list(ctx: &mut Context) {
 hooks! {
     between;
     "glBegin" begin(mode: u32) = |ctx, gl| {
-        if let Some(recording) = &mut ctx.recording {
+        if is_kept_apart(ctx) && !ctx.immediate.under_way() && mode <= api::GL_POLYGON {
+            ctx.immediate.begin(mode);
+            return;
+        } else if let Some(recording) = &mut ctx.recording {
             recording.draws = true;
         } else if ctx.session().is_none() || ctx.picking {
             super::draw::plain_program(ctx);
@@ -179,6 +221,11 @@ hooks! {
         gl.begin(mode);
     };
     "glEnd" end() = |ctx, gl| {
+        if ctx.recording.is_some() && ctx.immediate.phase == Phase::Recording {
+            ctx.immediate.phase = Phase::Outside;
+            keep_apart(ctx);
+            return;
+        }
         gl.end();
         match std::mem::take(&mut ctx.immediate.phase) {
             Phase::Outside => {}
@@ -188,6 +235,13 @@ hooks! {
                 issue_list(ctx);
             }
         }
+    };
+    "glEndList" end_list() = |ctx, gl| {
+        if ctx.recording.is_some() {
+            // A primitive whose end is in another list.
+            into_list(ctx);
+        }
+        if ctx.immediate.under_way() { gl.end_list() } else { super::lists::finish_recording(ctx) }
     };
     "glCallList" call_list(list: u32) = |ctx, gl| {
         if ctx.immediate.under_way() {

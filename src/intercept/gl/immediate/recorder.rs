@@ -10,6 +10,7 @@ use crate::backend::gl::api::{self, Gl};
 
 /// What a command sets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
 pub enum Sets {
     /// A vertex, by its coordinates.
     Position,
@@ -49,6 +50,23 @@ const TEXTURE: u64 = 1 << 2;
 const OTHER: u64 = 1 << 63;
 
 impl Sets {
+    /// In the order of their numbers.
+    const ALL: [Self; 13] = [
+        Self::Position,
+        Self::Vertex,
+        Self::Generic,
+        Self::ConvertedGeneric,
+        Self::Color,
+        Self::SecondaryColor,
+        Self::Normal,
+        Self::Fog,
+        Self::Index,
+        Self::EdgeFlag,
+        Self::Texture,
+        Self::TextureUnit,
+        Self::Material,
+    ];
+
     /// Whether it makes a vertex.
     pub fn is_vertex(self, prefix: &[u64]) -> bool {
         let first = prefix.first().copied().unwrap_or(0);
@@ -84,18 +102,49 @@ impl Sets {
 
 /// A number of the program's.
 pub trait Number: Copy {
+    /// The number of its type.
+    const KIND: u8;
+
     /// Its value.
     fn value(self) -> f64;
 }
 
+/// By the number of a type: reads one of it, and says which part of 1 it stands for where it is an integer.
+///
+/// # Safety
+/// The address must be that of a number of this type.
+type Read = unsafe fn(*const u8) -> (f64, f64);
+
 macro_rules! numbers {
-    ($($t:ty)*) => { $( impl Number for $t {
-        fn value(self) -> f64 {
-            self as f64
-        }
-    } )* };
+    ($($kind:literal $t:ident $part:expr;)*) => {
+        $( impl Number for $t {
+            const KIND: u8 = $kind;
+
+            fn value(self) -> f64 {
+                self as f64
+            }
+        } )*
+        static READ: &[Read] = &[$( |at| {
+            // SAFETY: as the type promises; nothing is said about the alignment.
+            let value = unsafe { at.cast::<$t>().read_unaligned() }.value();
+            let part: fn(f64) -> f64 = $part;
+            (value, part(value))
+        }, )*];
+    };
 }
-numbers!(f32 f64 i8 u8 i16 u16 i32 u32 i64 u64);
+// What integers stand for where they are colours or normals: OpenGL 2.1, table 2.9.
+numbers! {
+    0 f32 |c| c;
+    1 f64 |c| c;
+    2 i8 |c| (2.0 * c + 1.0) / 255.0;
+    3 u8 |c| c / 255.0;
+    4 i16 |c| (2.0 * c + 1.0) / 65_535.0;
+    5 u16 |c| c / 65_535.0;
+    6 i32 |c| (2.0 * c + 1.0) / 4_294_967_295.0;
+    7 u32 |c| c / 4_294_967_295.0;
+    8 i64 |c| c;
+    9 u64 |c| c;
+}
 
 /// A box around a vertex of these numbers; missing coordinates are 0, 0, 1 as OpenGL says.
 pub fn add_vertex<T: Number>(bounds: &mut Bounds, sets: Sets, values: &[T]) {
@@ -110,9 +159,50 @@ pub fn add_vertex<T: Number>(bounds: &mut Bounds, sets: Sets, values: &[T]) {
     }
 }
 
-/// A command's head is one word: which command, how many words follow, and whether it makes a vertex.
+/// A command's head is one word: which command, how many words follow, whether it makes a vertex, the type of its
+/// components, what it sets, how many components there are and how many words before them.
 const LENGTH: u32 = 16;
 const VERTEX: u64 = 1 << 32;
+const KIND: u32 = 33;
+const SETS: u32 = 37;
+const COUNT: u32 = 41;
+const BEFORE: u32 = 45;
+
+/// A command that was recorded.
+#[derive(Clone, Copy, Debug)]
+pub struct Recorded<'a> {
+    /// What it sets.
+    pub sets: Sets,
+    /// Its first parameter before the components: a unit, the number of an attribute. 0 where there is none.
+    pub prefix: u64,
+    /// How many components.
+    pub count: usize,
+    /// They are numbers as they are.
+    pub plain: bool,
+    vertex: bool,
+    kind: u8,
+    components: &'a [u64],
+}
+
+impl Recorded<'_> {
+    /// Whether it makes a vertex.
+    pub fn is_vertex(&self) -> bool {
+        self.vertex
+    }
+
+    /// A component. `normalised`: integers stand for parts of 1.
+    pub fn number(&self, index: usize, normalised: bool) -> Option<f64> {
+        let read = READ.get(usize::from(self.kind))?;
+        // The largest types fill a word.
+        let width = [4, 8, 1, 1, 2, 2, 4, 4, 8, 8].get(usize::from(self.kind))?;
+        if index >= self.count || (index + 1) * width > size_of_val(self.components) {
+            return None;
+        }
+        // SAFETY: inside the components, whose type `push` kept.
+        let (value, part) = unsafe { read(self.components.as_ptr().cast::<u8>().add(index * width)) };
+        Some(if normalised { part } else { value })
+    }
+}
 
 /// What came since `glBegin`.
 #[derive(Default)]
@@ -147,7 +237,13 @@ impl Recorder {
             self.set |= bit;
         }
         let length = prefix.len() + size_of_val(values).div_ceil(size_of::<u64>());
-        let head = command as u64 | (length as u64) << LENGTH | if vertex { VERTEX } else { 0 };
+        let head = command as u64
+            | (length as u64) << LENGTH
+            | if vertex { VERTEX } else { 0 }
+            | u64::from(T::KIND) << KIND
+            | (sets as u64) << SETS
+            | (values.len() as u64) << COUNT
+            | (prefix.len() as u64) << BEFORE;
         self.words.reserve(1 + length);
         self.words.push(head);
         self.words.extend_from_slice(prefix);
@@ -179,6 +275,26 @@ impl Recorder {
     /// Where the next command will be: a place to play back from.
     pub fn place(&self) -> usize {
         self.words.len()
+    }
+
+    /// The commands, one after the other.
+    pub fn commands(&self) -> impl Iterator<Item = Recorded<'_>> {
+        let mut rest = self.words.as_slice();
+        std::iter::from_fn(move || {
+            let (head, after) = rest.split_first()?;
+            let (words, next) = after.split_at_checked((head >> LENGTH) as u16 as usize)?;
+            rest = next;
+            let (prefix, components) = words.split_at_checked((head >> BEFORE & 7) as usize)?;
+            Some(Recorded {
+                sets: *Sets::ALL.get((head >> SETS & 15) as usize)?,
+                prefix: prefix.first().copied().unwrap_or(0),
+                count: (head >> COUNT & 15) as usize,
+                plain: commands::is_plain(*head as u16),
+                vertex: head & VERTEX != 0,
+                kind: (head >> KIND & 15) as u8,
+                components,
+            })
+        })
     }
 
     /// Calls the driver with every command.
@@ -240,6 +356,37 @@ mod tests {
             let mut recorder = Recorder::default();
             recorder.push(Command::vertex_attrib4fv, sets, &prefix, &[0.0f32; 4]);
             assert!(recorder.sets_others_late(), "{sets:?}");
+        }
+    }
+
+    /// Numbers of all types come back as they were given, and integers as parts of 1 where they stand for these.
+    #[test]
+    fn commands_can_be_read() {
+        let mut recorder = Recorder::default();
+        recorder.push(Command::color4ubv, Sets::Color, &[], &[255u8, 0, 51, 255]);
+        recorder.push(Command::multi_tex_coord2dv, Sets::TextureUnit, &[0x84C1], &[0.25f64, -3.0]);
+        recorder.push(Command::normal3sv, Sets::Normal, &[], &[i16::MAX, i16::MIN, 0]);
+        recorder.push(Command::vertex2iv, Sets::Position, &[], &[7i32, -9]);
+        recorder.push(Command::color_p3uiv, Sets::Color, &[], &[7u32]);
+        let read: Vec<_> = recorder
+            .commands()
+            .map(|command| {
+                let numbers = |parts| (0..5).map_while(|i| command.number(i, parts)).collect::<Vec<_>>();
+                (command.sets, command.prefix, command.is_vertex(), command.plain, numbers(false), numbers(true))
+            })
+            .collect();
+        assert_eq!(read[0].5, [1.0, 0.0, 0.2, 1.0]);
+        assert_eq!((read[1].0, read[1].1, &read[1].4), (Sets::TextureUnit, 0x84C1, &vec![0.25, -3.0]));
+        assert_eq!((read[2].5[0], read[2].5[1], read[2].4[1]), (1.0, -1.0, f64::from(i16::MIN)));
+        assert_eq!((read[3].2, read[3].3, &read[3].4), (true, true, &vec![7.0, -9.0]));
+        assert!(!read[4].3 && read.len() == 5, "packed numbers are not plain");
+    }
+
+    /// `Sets::ALL` is in the order of the numbers.
+    #[test]
+    fn what_is_set_is_found_by_its_number() {
+        for (number, sets) in Sets::ALL.into_iter().enumerate() {
+            assert_eq!(sets as usize, number, "{sets:?}");
         }
     }
 

@@ -4,19 +4,26 @@ use super::super::context::Context;
 use super::super::default_framebuffer;
 use super::super::draw::Place;
 use super::super::outlines::Shape;
+use super::fixed::Processor;
 use crate::intercept::log;
 use crate::runtime::session::MatrixClass;
 
-/// Looks whether the next draw can be served where vertices are projected; gives the window views where not.
+/// Looks whether the next draw can be served where vertices are projected, and puts a program in the place of the
+/// fixed-function pipeline; gives the window views where not.
 pub fn look(ctx: &mut Context) {
     let projects = ctx.target.as_ref().is_some_and(|target| !target.lenses.is_empty());
-    if !projects || ctx.program.as_ref().is_some_and(|program| program.draws_vertices()) || !ctx.profile.compatibility()
+    if !projects
+        || ctx.picking
+        || ctx.program.as_ref().is_some_and(|program| program.draws_vertices())
+        || !ctx.profile.compatibility()
     {
         return;
     }
     super::super::matrices::refresh(ctx);
-    if matches!(ctx.projection.class, MatrixClass::Perspective(_)) {
-        use_views(ctx, "the program's vertices go through the fixed-function pipeline");
+    if matches!(ctx.projection.class, MatrixClass::Perspective(_))
+        && let Err(reason) = super::fixed::begin(ctx)
+    {
+        use_views(ctx, reason);
     }
 }
 
@@ -27,15 +34,16 @@ pub fn look_divided(ctx: &mut Context, place: Place) -> bool {
     if !divides || !in_program || !matches!(place, Place::Scene(_) | Place::Background) {
         return false;
     }
-    match (ctx.outlines.drawn, super::input(ctx)) {
-        (Shape::Points, _) => return false,
-        (_, Some(input)) => {
-            if super::variants::of(ctx, input).is_some() {
-                return false;
-            }
-            use_views(ctx, "a program's primitives cannot be divided");
-        }
-        _ => use_views(ctx, "a program draws quadrilaterals, patches or lists with a shader, which cannot be divided"),
+    if let Processor::Cannot(reason) = ctx.fixed.processor {
+        use_views(ctx, reason);
+        return true;
+    }
+    let drawn = ctx.outlines.drawn;
+    match drawn {
+        Shape::Points => return false,
+        _ if ctx.fixed.processor == Processor::Divides || super::variant(ctx).is_some() => return false,
+        Shape::Triangles | Shape::Lines => use_views(ctx, "a program's primitives cannot be divided"),
+        _ => use_views(ctx, "a program draws quadrilaterals, patches or lists in a way that cannot be divided"),
     }
     true
 }

@@ -78,6 +78,24 @@ pub fn read(bare: &str) -> Result<Interface, &'static str> {
 }
 
 impl Interface {
+    /// The elements of `gl_TexCoord` that `bare` names.
+    ///
+    /// # Errors
+    /// Why they cannot be handed on, for the log.
+    pub fn add_texture_coordinates(&mut self, bare: &str) -> Result<(), &'static str> {
+        for part in bare.split("gl_TexCoord").skip(1) {
+            let index = part.trim_start().strip_prefix('[').and_then(|rest| rest.split(']').next());
+            let index: usize = index
+                .and_then(|index| index.trim().parse().ok())
+                .ok_or("a shader computes which gl_TexCoord it sets")?;
+            let name = format!("gl_TexCoord[{index}]");
+            if self.values.iter().all(|value| value.own != name) {
+                self.values.push(Value { own: name.clone(), handed: name, kind: "vec4".to_owned(), flat: false });
+            }
+        }
+        Ok(())
+    }
+
     /// The stage's text with plain variables in place of its outputs.
     pub fn edited(&self, text: &str) -> String {
         let mut edited = String::with_capacity(text.len());

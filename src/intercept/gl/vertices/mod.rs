@@ -1,47 +1,68 @@
 //! Methods `vertex` and `primitive`: a view that is an output's own picture, to which the vertices of the program are
 //! projected in its last stage before rasterisation.
 //!
-//! [`text`] is what that stage computes. For `primitive` there are [`variants`] of the program, which hand what [`interface`]
+//! `correct::projection` is what that stage computes. For `primitive` there are [`variants`] of the program, which hand what [`interface`]
 //! finds to a stage that divides ([`stage`]) and get the values of its uniforms ([`mirror`]). Where a program cannot be
 //! served, [`fallback`] gives its window views.
 
 pub mod counter;
 pub mod fallback;
+pub mod fixed;
 pub mod interface;
 pub mod mirror;
 pub mod stage;
-pub mod text;
+pub mod tessellation;
 pub mod variants;
 
 use super::context::Context;
 use super::outlines::Shape;
 use crate::error::Result;
-use crate::rig::Rig;
-use crate::runtime::session::{Extras, Session};
+use crate::rig::{Divider, Method, Rig};
+use crate::runtime::session::{Division, Extras, Session};
+use fixed::Processor;
 use stage::Input;
 use std::sync::Arc;
-use variants::{InUse, Variant};
+use variants::{InUse, Kind, Variant};
 
 /// Whether primitives have to be divided for a view with this lens.
 fn divides(lens: &[f32; 16]) -> bool {
     lens[13] > 0.0
 }
 
-/// What of the draw that is being issued can be divided; points need not be.
-fn input(ctx: &Context) -> Option<Input> {
-    match ctx.outlines.drawn {
+/// What divides the draw that is being issued, the best first; points need not be divided.
+fn kinds(ctx: &Context) -> [Option<Kind>; 2] {
+    let patch = ctx.outlines.patch.filter(|_| tessellation_asked_for());
+    let input = match ctx.outlines.drawn {
         Shape::Triangles => Some(Input::Triangles),
         Shape::Lines => Some(Input::Lines),
         _ => None,
-    }
+    };
+    [patch.map(Kind::Tessellation), input.map(Kind::Geometry)]
 }
 
-/// Puts a variant of the program that draws in use that divides what is drawn, if a view with these rows and lens needs it.
-pub fn begin(ctx: &mut Context, rows: &[f32; 16], lens: Option<&[f32; 16]>) -> Option<(Arc<Variant>, InUse)> {
-    let lens = lens.filter(|lens| divides(lens))?;
+/// A variant of the program that draws that divides what is drawn.
+fn variant(ctx: &mut Context) -> Option<Arc<Variant>> {
+    kinds(ctx).into_iter().flatten().find_map(|kind| variants::of(ctx, kind))
+}
+
+/// Puts a variant of the program that draws in use that divides what is drawn, for a view with these rows and lens, unless
+/// nothing has to be divided or the processor does it. `division`: how the view's primitives are divided.
+pub fn begin(
+    ctx: &mut Context,
+    rows: &[f32; 16],
+    lens: Option<&[f32; 16]>,
+    division: Option<Division>,
+) -> Option<(Arc<Variant>, InUse)> {
+    let (lens, division) = (lens?, division?);
+    if ctx.fixed.processor == Processor::Divides {
+        ctx.fixed.view = Some((division, *rows));
+        return None;
+    }
     // Feedback records what the program's own stages make.
-    let input = input(ctx).filter(|_| !ctx.feedback)?;
-    let variant = variants::of(ctx, input)?;
+    if ctx.feedback {
+        return None;
+    }
+    let variant = variant(ctx)?;
     let in_use = variant.begin(ctx, rows, lens);
     Some((variant, in_use))
 }
@@ -54,8 +75,23 @@ pub fn planner(ctx: &Context) -> Planner {
     if asked_for() && !ctx.views_only { Session::projecting } else { Session::new }
 }
 
+/// Whether some output of the rig has a method of this kind.
+fn any_method(wanted: impl Fn(&Method) -> bool) -> bool {
+    let rig = crate::intercept::settings::settings().map(|settings| &settings.rig);
+    rig.is_some_and(|rig| rig.outputs.iter().any(|output| wanted(&output.method)))
+}
+
+/// Whether an output of the rig is one for which primitives are divided.
+pub fn division_asked_for() -> bool {
+    any_method(|method| matches!(method, Method::Primitive { .. }))
+}
+
+/// Whether primitives are to be divided by tessellation shaders where possible.
+fn tessellation_asked_for() -> bool {
+    any_method(|method| matches!(method, Method::Primitive { by: Divider::Tessellation, .. }))
+}
+
 /// Whether an output of the rig is one to which vertices are projected.
 pub fn asked_for() -> bool {
-    let rig = crate::intercept::settings::settings().map(|settings| &settings.rig);
-    rig.is_some_and(|rig| rig.outputs.iter().any(|output| output.method.projects_vertices()))
+    any_method(Method::projects_vertices)
 }

@@ -31,6 +31,15 @@ pub struct Limits {
     pub compatibility: bool,
 }
 
+/// What is handed on besides values.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Passing {
+    /// The fragment stage asks for the number of the primitive.
+    pub number: bool,
+    /// A primitive has the built-in colours of its last vertex.
+    pub flat: bool,
+}
+
 /// How often a primitive is cut at most: two bits of a number for each.
 const DEEPEST: usize = 14;
 /// Steps of a run at most: far beyond what its vertices suffice for.
@@ -56,10 +65,7 @@ vec2 low = min(min(from, to), middle);
 vec2 high = max(max(from, to), middle);
 return max(low.x, low.y) > OUTSIDE || min(high.x, high.y) < -OUTSIDE;
 }
-bool cupola_cuts(vec4 first, vec4 second) {
-bool turned = cupola_after(first, second);
-vec3 a = normalize(cupola_seen(turned ? second : first));
-vec3 b = normalize(cupola_seen(turned ? first : second));
+bool cupola_bent(vec3 a, vec3 b) {
 vec3 sum = a + b;
 float l = length(sum);
 vec2 scale = cupola_view[6].xy * cupola_view[7].zw;
@@ -77,6 +83,12 @@ if (middle.z == 0.0) return true;
 if (cupola_outside(from.xy, to.xy, middle.xy)) return false;
 vec2 off = (middle.xy - 0.5 * (from.xy + to.xy)) * cupola_view[7].zw;
 return dot(off, off) > cupola_view[7].y * cupola_view[7].y;
+}
+bool cupola_cuts(vec4 first, vec4 second) {
+bool turned = cupola_after(first, second);
+vec3 a = normalize(cupola_seen(turned ? second : first));
+vec3 b = normalize(cupola_seen(turned ? first : second));
+return cupola_bent(a, b);
 }
 float cupola_middle(vec4 a, vec4 b) {
 float from = length(cupola_seen(a));
@@ -237,13 +249,12 @@ pub const COUNTER: &str = "cupola_coarse";
 pub const CARRIER: &str = "cupola_carried_";
 
 /// The text of the stage for a primitive of `input` whose stage before hands on `interface` and the built-in outputs
-/// `built_in`. `functions`: our uniform and the functions that project. `passes_number`: the fragment stage asks for
-/// the number of the primitive. `None` where the context allows too few vertices.
+/// `built_in`. `functions`: our uniform and the functions that project. `None` where the context allows too few vertices.
 pub fn text(
     input: Input,
     interface: &Interface,
     built_in: &[(&str, &str)],
-    passes_number: bool,
+    passing: Passing,
     functions: &str,
     limits: &Limits,
 ) -> Option<String> {
@@ -254,7 +265,7 @@ pub fn text(
     let components = 4
         + interface.components()
         + built_in.iter().map(|(_, kind)| 4.min(kind.len())).sum::<usize>()
-        + usize::from(passes_number);
+        + usize::from(passing.number);
     let parts = limits.vertices.min(limits.components / components) / corners;
     if parts < 4 {
         return None;
@@ -280,27 +291,39 @@ pub fn text(
     }
     let _ = writeln!(text, "int cupola_left = {parts};");
     text.push_str(functions);
-    let replace: [(&str, &str); 9] = [
-        ("WIDEST", &format!("{WIDEST:?}")),
-        ("WIDTH_SQUARED", &format!("{:?}", WIDTH_SQUARED / EDGE_SHARE)),
-        ("OUTSIDE", &format!("{OUTSIDE:?}")),
-        ("NARROWEST", &format!("{NARROWEST:?}")),
+    let replace: [(&str, &str); 5] = [
         ("DEEPEST", &DEEPEST.to_string()),
         ("STEPS", &STEPS.to_string()),
         ("TURNS", turns),
         ("RUN", if limits.shared { "gl_InvocationID" } else { "0" }),
         ("COUNT", &limits.counter.map_or(String::new(), |_| format!("atomicCounterIncrement({COUNTER});"))),
     ];
-    let filled = |part: &str| replace.iter().fold(part.to_owned(), |part, (word, value)| part.replace(word, value));
-    text.push_str(&filled(CUTS));
-    text.push_str(&emitter(interface, built_in, passes_number, corners));
+    let filled = |part: &str| with_values(part, &replace);
+    text.push_str(&cuts());
+    text.push_str(&emitter(interface, built_in, passing, corners));
     text.push_str(&filled(if input == Input::Triangles { TRIANGLES } else { LINES }));
     text.push_str(&filled(MAIN));
     Some(text)
 }
 
+/// The functions by which edges are judged: `cupola_bent(a, b)` for the edge between two directions, `cupola_cuts` for that
+/// between two vertices, and `cupola_near` for what `cupola_span` was told of.
+pub fn cuts() -> String {
+    let replace: [(&str, &str); 4] = [
+        ("WIDEST", &format!("{WIDEST:?}")),
+        ("WIDTH_SQUARED", &format!("{:?}", WIDTH_SQUARED / EDGE_SHARE)),
+        ("OUTSIDE", &format!("{OUTSIDE:?}")),
+        ("NARROWEST", &format!("{NARROWEST:?}")),
+    ];
+    with_values(CUTS, &replace)
+}
+
+fn with_values(text: &str, replace: &[(&str, &str)]) -> String {
+    replace.iter().fold(text.to_owned(), |text, (word, value)| text.replace(word, value))
+}
+
 /// `cupola_emit(c, u)`: emits a vertex at `c` with the values that the weights `u` of the corners give it.
-fn emitter(interface: &Interface, built_in: &[(&str, &str)], passes_number: bool, corners: usize) -> String {
+fn emitter(interface: &Interface, built_in: &[(&str, &str)], passing: Passing, corners: usize) -> String {
     let mut text = "void cupola_emit(vec4 c, vec3 u) {\n".to_owned();
     let mixed = |of: &dyn Fn(usize) -> String| {
         let terms: Vec<String> = (0..corners).map(|i| format!("u.{} * {}", ["x", "y", "z"][i], of(i))).collect();
@@ -313,9 +336,11 @@ fn emitter(interface: &Interface, built_in: &[(&str, &str)], passes_number: bool
         let _ = writeln!(text, "{} = {value_at};", value.handed);
     }
     for (name, _) in built_in {
-        let _ = writeln!(text, "{name} = {};", mixed(&|i| format!("gl_in[{i}].{name}")));
+        let of = |i: usize| format!("gl_in[{i}].{name}");
+        let value = if passing.flat && name.ends_with("Color") { of(corners - 1) } else { mixed(&of) };
+        let _ = writeln!(text, "{name} = {value};");
     }
-    if passes_number {
+    if passing.number {
         text.push_str("gl_PrimitiveID = gl_PrimitiveIDIn;\n");
     }
     text.push_str("gl_Position = cupola_fix(c);\nEmitVertex();\n}\n");
@@ -344,7 +369,7 @@ mod tests {
     #[test]
     fn a_stage_is_as_large_as_the_context_allows() {
         let interface = interface::read("out vec3 shade;\nflat out int kind;\nvoid main() {}\n").expect("can be read");
-        let text = text(Input::Triangles, &interface, &[], false, "", &LIMITS).expect("there is room");
+        let text = text(Input::Triangles, &interface, &[], Passing::default(), "", &LIMITS).expect("there is room");
         // 8 components each: 128 vertices, 42 triangles.
         assert!(text.contains("max_vertices = 126)") && text.contains("int cupola_left = 42;"), "{text}");
         assert!(text.contains("flat in int cupola_carried_1[];") && text.contains("kind = cupola_carried_1[2];"));
@@ -362,6 +387,6 @@ mod tests {
     #[test]
     fn too_many_values_leave_no_room() {
         let interface = interface::read("out mat4 m[8];\nvoid main() {}\n").expect("can be read");
-        assert_eq!(text(Input::Triangles, &interface, &[], false, "", &LIMITS), None);
+        assert_eq!(text(Input::Triangles, &interface, &[], Passing::default(), "", &LIMITS), None);
     }
 }

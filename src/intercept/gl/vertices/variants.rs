@@ -9,9 +9,10 @@ use super::super::programs::Program;
 use super::counter::{Before, Counter};
 use super::interface::{self, Interface};
 use super::mirror::Mirror;
-use super::stage::{self, Input, Limits};
-use super::text;
+use super::stage::{self, Input, Limits, Passing};
+use super::tessellation::{self, Patch};
 use crate::backend::gl::api::{self, Gl};
+use crate::correct::projection;
 use crate::intercept::log;
 use std::ffi::{CStr, CString, c_char};
 use std::sync::{Arc, PoisonError};
@@ -24,17 +25,25 @@ pub struct Variant {
     mirror: Mirror,
     /// It counts what is not fine enough.
     counts: bool,
+    /// It draws patches of so many vertices.
+    patch: Option<i32>,
 }
 
-/// What was bound before a variant was put in use.
-pub struct InUse(Option<Before>);
+/// What was so before a variant was put in use: the counter's binding, and how many vertices a patch has.
+pub struct InUse(Option<Before>, i32);
+
+/// What a variant divides, and by which stages.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// By a geometry stage.
+    Geometry(Input),
+    /// By tessellation stages.
+    Tessellation(Patch),
+}
 
 /// The variants of a program.
 #[derive(Default)]
-pub struct Variants {
-    triangles: State,
-    lines: State,
-}
+pub struct Variants(Vec<(Kind, State)>);
 
 /// Whether there is one.
 #[derive(Clone, Default)]
@@ -49,17 +58,19 @@ enum State {
 }
 
 impl Variants {
-    fn state(&mut self, input: Input) -> &mut State {
-        match input {
-            Input::Triangles => &mut self.triangles,
-            Input::Lines => &mut self.lines,
-        }
+    fn state(&self, kind: Kind) -> State {
+        self.0.iter().find(|known| known.0 == kind).map_or(State::Untried, |known| known.1.clone())
+    }
+
+    fn set(&mut self, kind: Kind, state: State) {
+        self.0.retain(|known| known.0 != kind);
+        self.0.push((kind, state));
     }
 
     /// Deletes them.
     pub fn destroy(&mut self, gl: &Gl) {
-        for state in [&mut self.triangles, &mut self.lines] {
-            if let State::Made(variant) = std::mem::take(state) {
+        for (_, state) in self.0.drain(..) {
+            if let State::Made(variant) = state {
                 // SAFETY: a program of ours; the context shares objects with the one that made it.
                 unsafe { gl.delete_program(variant.name) };
             }
@@ -67,17 +78,17 @@ impl Variants {
     }
 }
 
-/// The variant of the program that draws for primitives of `input`, linked if it is new; `None` where there can be none.
-pub fn of(ctx: &mut Context, input: Input) -> Option<Arc<Variant>> {
+/// The variant of this kind of the program that draws, linked if it is new; `None` where there can be none.
+pub fn of(ctx: &mut Context, kind: Kind) -> Option<Arc<Variant>> {
     let program = ctx.program.clone()?;
-    let state = program.variants.lock().unwrap_or_else(PoisonError::into_inner).state(input).clone();
+    let state = program.variants.lock().unwrap_or_else(PoisonError::into_inner).state(kind);
     match state {
         State::Made(variant) => Some(variant),
         State::Refused => None,
         State::Untried => {
             let made = super::super::quiet::quietly(ctx, |ctx| {
                 super::super::default_framebuffer::take_error(ctx);
-                let made = make(ctx, &program, input);
+                let made = make(ctx, &program, kind);
                 super::super::default_framebuffer::drop_errors(ctx.gl);
                 made
             });
@@ -88,11 +99,12 @@ pub fn of(ctx: &mut Context, input: Input) -> Option<Arc<Variant>> {
                     (State::Made(variant.clone()), Some(variant))
                 }
                 Err(why) => {
-                    log::once(&format!("a program's primitives cannot be divided: {why}"));
+                    let by = if matches!(kind, Kind::Tessellation(_)) { "tessellated" } else { "divided" };
+                    log::once(&format!("a program's primitives cannot be {by}: {why}"));
                     (State::Refused, None)
                 }
             };
-            *program.variants.lock().unwrap_or_else(PoisonError::into_inner).state(input) = state;
+            program.variants.lock().unwrap_or_else(PoisonError::into_inner).set(kind, state);
             variant
         }
     }
@@ -100,22 +112,36 @@ pub fn of(ctx: &mut Context, input: Input) -> Option<Arc<Variant>> {
 
 impl Variant {
     /// Puts it in use in place of the program that draws, with the values of its uniforms, for a view of these rows and lens.
-    pub fn begin(&self, ctx: &Context, rows: &[f32; 16], lens: &[f32; 16]) -> InUse {
+    pub fn begin(&self, ctx: &mut Context, rows: &[f32; 16], lens: &[f32; 16]) -> InUse {
         let gl = ctx.gl;
         let counter = ctx.coarse.as_ref().filter(|_| self.counts).map(|counter| counter.begin(gl));
         // SAFETY: a program of ours; the locations are those of the two halves of our array.
         unsafe {
             gl.use_program(self.name);
-            gl.uniform4fv(self.locations[0], text::ROWS, rows.as_ptr());
-            gl.uniform4fv(self.locations[1], text::LENS, lens.as_ptr());
+            gl.uniform4fv(self.locations[0], projection::ROWS, rows.as_ptr());
+            gl.uniform4fv(self.locations[1], projection::LENS, lens.as_ptr());
         }
         self.mirror.copy(gl, ctx.pipelines.used, self.name);
-        InUse(counter)
+        let mut vertices = 0;
+        if let Some(own) = self.patch {
+            // SAFETY: asks for and sets a number that OpenGL 4.0 has, put back in `end`.
+            unsafe {
+                gl.get_integerv(api::GL_PATCH_VERTICES, &mut vertices);
+                gl.patch_parameteri(api::GL_PATCH_VERTICES, own);
+            }
+            ctx.outlines.as_patches = true;
+        }
+        InUse(counter, vertices)
     }
 
     /// Puts the program's own in use again.
-    pub fn end(&self, ctx: &Context, in_use: &InUse) {
-        if let (Some(counter), InUse(Some(before))) = (&ctx.coarse, in_use) {
+    pub fn end(&self, ctx: &mut Context, in_use: &InUse) {
+        if self.patch.is_some() {
+            ctx.outlines.as_patches = false;
+            // SAFETY: as `begin` found it.
+            unsafe { ctx.gl.patch_parameteri(api::GL_PATCH_VERTICES, in_use.1) };
+        }
+        if let (Some(counter), InUse(Some(before), _)) = (&ctx.coarse, in_use) {
             counter.end(ctx.gl, before);
         }
         // SAFETY: what the program has in use.
@@ -124,14 +150,18 @@ impl Variant {
 }
 
 /// What the context allows a stage of ours.
-fn limits(ctx: &Context) -> Limits {
+fn limits(ctx: &Context, kind: Kind) -> Limits {
     let number = |name: u32| {
         let mut value = 0;
         // SAFETY: writes one integer.
         unsafe { ctx.gl.get_integerv(name, &mut value) };
         usize::try_from(value).unwrap_or(0)
     };
-    let counted = ctx.profile.version >= 42 && number(api::GL_MAX_GEOMETRY_ATOMIC_COUNTERS) > 0;
+    let counters = match kind {
+        Kind::Geometry(_) => api::GL_MAX_GEOMETRY_ATOMIC_COUNTERS,
+        Kind::Tessellation(_) => api::GL_MAX_TESS_CONTROL_ATOMIC_COUNTERS,
+    };
+    let counted = ctx.profile.version >= 42 && number(counters) > 0;
     let wanted = crate::intercept::settings::settings().is_some_and(|settings| settings.stats.is_some());
     let bindings = number(api::GL_MAX_ATOMIC_COUNTER_BUFFER_BINDINGS) as u32;
     Limits {
@@ -143,7 +173,7 @@ fn limits(ctx: &Context) -> Limits {
     }
 }
 
-fn make(ctx: &mut Context, program: &Program, input: Input) -> Result<Variant, &'static str> {
+fn make(ctx: &mut Context, program: &Program, kind: Kind) -> Result<Variant, &'static str> {
     if ctx.pipelines.used != program.name {
         return Err("it belongs to a pipeline");
     }
@@ -153,8 +183,15 @@ fn make(ctx: &mut Context, program: &Program, input: Input) -> Result<Variant, &
     if program.texts.iter().any(|(kind, _)| *kind == api::GL_GEOMETRY_SHADER) {
         return Err("it has a geometry shader of its own");
     }
+    let tessellates = matches!(kind, Kind::Tessellation(_));
+    if tessellates && ctx.profile.version < 40 {
+        return Err("there are no tessellation shaders before OpenGL 4.0");
+    }
     let has = |wanted: u32| program.texts.iter().any(|(kind, _)| *kind == wanted);
     let last = if has(api::GL_TESS_EVALUATION_SHADER) { api::GL_TESS_EVALUATION_SHADER } else { api::GL_VERTEX_SHADER };
+    if tessellates && (has(api::GL_TESS_EVALUATION_SHADER) || has(api::GL_TESS_CONTROL_SHADER)) {
+        return Err("it has tessellation shaders of its own");
+    }
     let index = program
         .texts
         .iter()
@@ -162,21 +199,32 @@ fn make(ctx: &mut Context, program: &Program, input: Input) -> Result<Variant, &
         .ok_or("its shaders' texts are not known")?;
     let source = &program.texts[index].1;
     let bare = glsl::strip_comments(source);
-    let interface = interface::read(&bare)?;
+    let mut interface = interface::read(&bare)?;
     let built_in = if ctx.profile.compatibility() { interface::built_in(&bare) } else { Vec::new() };
-    if ctx.profile.compatibility() && glsl::mentions(&bare, "gl_TexCoord") {
-        return Err("a shader hands on gl_TexCoord");
+    if ctx.profile.compatibility() {
+        interface.add_texture_coordinates(&bare)?;
     }
     let fragments: Vec<_> = program.texts.iter().filter(|(kind, _)| *kind == api::GL_FRAGMENT_SHADER).collect();
     let numbered = fragments.iter().any(|(_, source)| glsl::mentions(source, "gl_PrimitiveID"));
-    let functions = glsl::functions(false, true);
-    let limits = limits(ctx);
-    let dividing = stage::text(input, &interface, &built_in, numbered, &functions, &limits)
-        .ok_or("the driver's geometry shaders emit too few vertices")?;
+    let functions = projection::functions(false, true);
+    let limits = limits(ctx, kind);
+    let passing = Passing { number: numbered, flat: program.flat };
+    let (interface, dividing) = match kind {
+        Kind::Geometry(input) => {
+            let text = stage::text(input, &interface, &built_in, passing, &functions, &limits)
+                .ok_or("the driver's geometry shaders emit too few vertices")?;
+            (interface, vec![(api::GL_GEOMETRY_SHADER, text)])
+        }
+        Kind::Tessellation(patch) => {
+            let interface = tessellation::with_built_in(interface, &built_in, passing);
+            let [control, evaluation] = tessellation::texts(patch, &interface, &functions, &limits);
+            (interface, vec![(api::GL_TESS_CONTROL_SHADER, control), (api::GL_TESS_EVALUATION_SHADER, evaluation)])
+        }
+    };
     let carrying = glsl::carry(source, &interface);
 
     let gl = ctx.gl;
-    let mut shaders = vec![compile(gl, api::GL_GEOMETRY_SHADER, &dividing)];
+    let mut shaders: Vec<u32> = dividing.iter().map(|(stage, text)| compile(gl, *stage, text)).collect();
     for (number, (kind, source)) in program.texts.iter().enumerate() {
         shaders.push(compile(gl, *kind, if number == index { &carrying } else { source }));
     }
@@ -189,7 +237,7 @@ fn make(ctx: &mut Context, program: &Program, input: Input) -> Result<Variant, &
     }
     let name = linked?;
     let location = |index: i32| {
-        let name_of = CString::new(format!("{}[{index}]", glsl::UNIFORM)).unwrap_or_default();
+        let name_of = CString::new(format!("{}[{index}]", projection::UNIFORM)).unwrap_or_default();
         // SAFETY: a NUL-terminated name.
         unsafe { gl.get_uniform_location(name, name_of.as_ptr()) }
     };
@@ -198,9 +246,13 @@ fn make(ctx: &mut Context, program: &Program, input: Input) -> Result<Variant, &
     }
     Ok(Variant {
         name,
-        locations: [location(0), location(text::ROWS)],
+        locations: [location(0), location(projection::ROWS)],
         mirror: Mirror::new(gl, program.name, name),
         counts: limits.counter.is_some(),
+        patch: match kind {
+            Kind::Geometry(_) => None,
+            Kind::Tessellation(patch) => Some(patch.corners() as i32),
+        },
     })
 }
 

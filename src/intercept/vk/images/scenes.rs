@@ -9,10 +9,24 @@ use crate::intercept::vk::prints;
 use crate::rig::Duplicate;
 use ash::vk;
 use std::sync::atomic::Ordering;
-use std::sync::{Arc, PoisonError};
+use std::sync::{Arc, PoisonError, Weak};
 
 /// Format, usage and samples of an image.
 pub type Kind = (vk::Format, vk::ImageUsageFlags, vk::SampleCountFlags);
+
+/// Views of the prints of a scene.
+pub struct Prints {
+    /// The scene; what has its place may get the same handles later.
+    of: Weak<Shown>,
+    /// One for each view of the rig.
+    pub views: Vec<vk::ImageView>,
+}
+
+impl PartialEq for Prints {
+    fn eq(&self, other: &Self) -> bool {
+        Weak::ptr_eq(&self.of, &other.of) && self.views == other.views
+    }
+}
 
 impl Image {
     /// Whether it may hold a scene on its way to the window.
@@ -154,11 +168,11 @@ impl Images {
         Ok(())
     }
 
-    /// Views of the prints of a view's image, one for each view of the rig; `None` where the image has none.
+    /// The prints of a view's image for draws to a window of `layout`; `None` where the image has none.
     ///
     /// # Errors
-    /// What the driver refuses.
-    pub fn print_views(&self, device: &Device, view: vk::ImageView) -> Result<Option<Vec<vk::ImageView>>, String> {
+    /// What the driver refuses; and where the image has the views of another window or of another state of the rig.
+    pub fn prints(&self, device: &Device, view: vk::ImageView, layout: &Layout) -> Result<Option<Prints>, String> {
         let (image, info, known) = {
             let views = self.views.lock().unwrap_or_else(PoisonError::into_inner);
             let Some(state) = views.get(&view) else { return Ok(None) };
@@ -170,6 +184,9 @@ impl Images {
             (state.image, info, state.twins.clone())
         };
         let Some(shown) = self.shown_image(image).filter(|shown| !shown.prints.is_empty()) else { return Ok(None) };
+        if (shown.layout.version, shown.prints.len()) != (layout.version, layout.views.len()) {
+            return Err("a picture of its scene has other views than the window".to_owned());
+        }
         let mut all = Vec::with_capacity(shown.prints.len());
         for print in &shown.prints {
             if let Some((_, known)) = known.iter().find(|(of, _)| *of == print.image) {
@@ -184,6 +201,6 @@ impl Images {
                 state.twins.push((print.image, made));
             }
         }
-        Ok(Some(all))
+        Ok(Some(Prints { of: Arc::downgrade(&shown), views: all }))
     }
 }

@@ -1,7 +1,10 @@
-//! The GLSL that projects a vertex straight to an output's pixels.
+//! The GLSL that takes a program's clip coordinates to a view, or to an output's picture.
 //!
-//! `geom::PictureMap` in 32 bits, without built-in functions of angles, which drivers may round as they like. Texts are
-//! for every version: `PRECISION` stands before each type and becomes `highp` or nothing.
+//! `geom::reprojection` and `geom::PictureMap` in 32 bits, without built-in functions of angles, which drivers may round as
+//! they like. Texts are for every version: `PRECISION` stands before each type and becomes `highp` or nothing.
+
+/// Name of the uniform that carries the rows of the re-projection.
+pub const UNIFORM: &str = "cupola_view";
 
 /// Vectors of our uniform that hold the rows of a view.
 pub const ROWS: i32 = 4;
@@ -12,7 +15,7 @@ pub const LENS: i32 = 4;
 /// that is beyond the picture, the unit direction in the picture to there, and 0.
 ///
 /// The angle is atan2's by octant and polynomial, 1.7e-8 of itself.
-pub const PLACE: &str = "PRECISION float cupola_angle(PRECISION float y, PRECISION float x) {
+const PLACE: &str = "PRECISION float cupola_angle(PRECISION float y, PRECISION float x) {
 PRECISION float a = abs(x);
 PRECISION float t = min(a, y) / max(max(a, y), 1e-30);
 PRECISION float s = t * t;
@@ -41,7 +44,7 @@ return vec3(ray.xy / -ray.z * cupola_view[6].xy - cupola_view[6].zw, 1.0);
 ///
 /// A vertex beyond the picture is a point at infinity: what leads to it leaves the picture in its direction, and a
 /// triangle of nothing else is beyond the far plane.
-pub const PROJECT: &str = "PRECISION vec4 cupola_project(PRECISION vec3 v, PRECISION float q, bool sky) {
+const PROJECT: &str = "PRECISION vec4 cupola_project(PRECISION vec3 v, PRECISION float q, bool sky) {
 PRECISION float m = max(max(abs(v.x), abs(v.y)), max(abs(v.z), 1e-30));
 PRECISION vec3 u = v / m;
 PRECISION float l = max(length(u), 1e-30);
@@ -52,3 +55,27 @@ PRECISION float z = cupola_view[3].y * (q - cupola_view[3].x * d) + cupola_view[
 return vec4(at.xy * d, sky ? d : z, d);
 }
 ";
+
+/// The function that re-projects; `cupola_view` holds the rows for x, y, w and (E, depth factor, depth offset, curved).
+const FIX: &str = "PRECISION vec4 cupola_fix(PRECISION vec4 c) {
+PRECISION float q = c.z + cupola_view[3].x * c.w;
+PRECISION float w = dot(cupola_view[2].xyz, c.xyw) + cupola_view[2].w * q;
+PRECISION vec4 r = vec4(dot(cupola_view[0].xyz, c.xyw) + cupola_view[0].w * q, dot(cupola_view[1].xyz, c.xyw) + cupola_view[1].w * q, cupola_view[3].y * (q - cupola_view[3].x * w) + cupola_view[3].z * w, w);
+if (c.z == c.w) r.z = w;
+CURVEDreturn r;
+}
+";
+
+/// Where outputs are projected to, the rows may lead to a lens.
+const CURVED: &str = "if (cupola_view[3].w != 0.0) return cupola_project(vec3(r.x, r.y, -r.w), q, c.z == c.w);
+";
+
+/// Our uniform, and the function `cupola_fix` that re-projects with it. `es`: for OpenGL ES; `curved`: there are views to
+/// whose lens vertices are projected.
+pub fn functions(es: bool, curved: bool) -> String {
+    let vectors = if curved { ROWS + LENS } else { ROWS };
+    let (lens, hook) = if curved { ([PLACE, PROJECT].concat(), CURVED) } else { (String::new(), "") };
+    let fix = FIX.replace("CURVED", hook);
+    format!("uniform PRECISION vec4 {UNIFORM}[{vectors}];\n{lens}{fix}")
+        .replace("PRECISION ", if es { "highp " } else { "" })
+}

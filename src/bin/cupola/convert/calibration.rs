@@ -1,0 +1,212 @@
+//! What calibration files say about their outputs.
+
+use super::source::Values;
+use crate::Failure;
+use cupola::blend::{decode, encode};
+use cupola::formats::{Camera, Grid, Noted, Sample, bourke, domeprojection, easyblend, mpcdi, pfm, read_file, vwf};
+use cupola::geom::{Lens, Optics, Pose};
+use glam::{DVec2, DVec3};
+use std::path::Path;
+
+/// Exponent of the response of displays of which a file does not say it.
+const USUAL_GAMMA: f64 = 2.2;
+/// Differences of black levels that do not count: half a step of 8 bits.
+const EVEN: f32 = 0.5 / 255.0;
+
+/// What a calibration file says about one output.
+pub struct Map {
+    /// Its name; may be empty where the file has only one.
+    pub name: String,
+    /// Its resolution, if the file says it.
+    pub size: Option<(u32, u32)>,
+    /// The values; none where only the projector is described.
+    pub grid: Option<Grid>,
+    /// What they are.
+    pub values: Values,
+    /// Weights beside those of the grid.
+    pub alpha: Option<mpcdi::Alpha>,
+    /// Light added to black, as a part of white.
+    pub black_level: f64,
+    /// The camera whose picture the grid's values lie in; they become directions.
+    camera: Option<Camera>,
+    /// The projector, if it is described.
+    pub lamp: Option<Optics>,
+}
+
+impl Map {
+    fn new(name: String, size: Option<(u32, u32)>, grid: Option<Grid>, values: Values) -> Self {
+        Self { name, size, grid, values, alpha: None, black_level: 0.0, camera: None, lamp: None }
+    }
+
+    /// Exponent of the display's response. Weights with the exponent 1 are parts of light, of whatever display.
+    pub fn gamma(&self) -> f64 {
+        self.alpha.as_ref().map_or(USUAL_GAMMA, |alpha| if alpha.gamma == 1.0 { USUAL_GAMMA } else { alpha.gamma })
+    }
+
+    /// What is shown at a pixel of an output of `size` pixels: the value, and the factor on the displayed value.
+    pub fn sample(&self, pixel: DVec2, size: (u32, u32)) -> Option<Sample> {
+        let mut sample = self.grid.as_ref()?.sample(pixel, size)?;
+        if let Some(alpha) = &self.alpha {
+            let weight = weight(alpha, pixel / DVec2::new(f64::from(size.0), f64::from(size.1)));
+            sample.intensity *= if alpha.gamma == 1.0 { encode(weight, USUAL_GAMMA) } else { weight };
+        }
+        if let Some(camera) = &self.camera {
+            sample.value = camera.ray(sample.value.truncate()).normalize();
+        }
+        Some(sample)
+    }
+}
+
+/// The weight of the pixel that holds a place (0…1 from the top left).
+fn weight(alpha: &mpcdi::Alpha, part: DVec2) -> f64 {
+    let cell = |part: f64, count: u32| ((part * f64::from(count)) as usize).min(count.saturating_sub(1) as usize);
+    let index = cell(part.y, alpha.size.1) * alpha.size.0 as usize + cell(part.x, alpha.size.0);
+    alpha.weights.get(index).map_or(1.0, |weight| f64::from(*weight))
+}
+
+/// Reads a calibration file; `None` if a name that ends so is that of none. `values`: what those of a map are whose file
+/// does not say it.
+pub fn open(name: &str, ending: &str, values: Values) -> Result<Option<Noted<Vec<Map>>>, Failure> {
+    let read = || read_file(Path::new(name));
+    let single = |grid: Grid, size| vec![Map::new(String::new(), size, Some(grid), values)];
+    let (value, notes) = match ending {
+        "data" | "map" => {
+            let mesh = bourke::read(name, &read()?)?;
+            (single(Grid::Mesh(mesh.value.mesh(name)?), None), mesh.notes)
+        }
+        "pfm" => {
+            let raster = pfm::read(name, &read()?)?;
+            let size = Some(raster.size());
+            (single(Grid::Raster(raster), size), Vec::new())
+        }
+        "csv" => {
+            let mesh = domeprojection::read(name, &read()?)?;
+            (single(mesh.value, None), mesh.notes)
+        }
+        "ol" => {
+            let mesh = easyblend::read(name, &read()?)?;
+            let (mut maps, mut notes) = (single(mesh.value.grid, Some(mesh.value.size)), mesh.notes);
+            if let Some(camera) = mesh.value.camera {
+                (maps[0].values, maps[0].camera) = (Values::Directions, Some(camera));
+                if camera.offset != DVec3::ZERO {
+                    let offset = camera.offset;
+                    notes.push(format!("{name}: the eye point is off the origin by {offset}; put the viewer there"));
+                }
+            }
+            (maps, notes)
+        }
+        "vwf" => {
+            let set = vwf::read(name, &read()?)?;
+            let mut notes = set.notes;
+            if set.value.iter().any(|map| map.blend.is_some() || map.black.is_some() || map.white.is_some()) {
+                notes.push(format!("{name}: pictures are taken as those of displays with gamma {USUAL_GAMMA}"));
+            }
+            (set.value.into_iter().map(|map| vioso(name, map, &mut notes)).collect(), notes)
+        }
+        "mpcdi" | "xml" => {
+            let archive = mpcdi::read(name, &read()?)?;
+            let (profile, mut notes) = (archive.value.profile, archive.notes);
+            (archive.value.regions.into_iter().map(|of| region(name, of, profile, &mut notes)).collect(), notes)
+        }
+        _ => return Ok(None),
+    };
+    Ok(Some(Noted { value, notes }))
+}
+
+/// A channel of a set of VIOSO's.
+fn vioso(file: &str, map: vwf::VwfMap, notes: &mut Vec<String>) -> Map {
+    let values = if map.points { Values::Points } else { Values::Picture };
+    let size = Some(map.raster.size());
+    let mut opened = Map::new(map.name, size, Some(Grid::Raster(map.raster)), values);
+    let alpha =
+        |picture: vwf::Picture| mpcdi::Alpha { size: picture.size, weights: picture.values, gamma: USUAL_GAMMA };
+    opened.alpha = match (map.blend.map(alpha), map.white.map(alpha)) {
+        (Some(blend), Some(white)) => Some(product(blend, &white)),
+        (blend, white) => blend.or(white),
+    };
+    if let Some(black) = &map.black {
+        opened.black_level = black_level(file, &opened, &black.values, notes);
+    }
+    opened
+}
+
+/// Both weights, at the pixels of the first.
+fn product(mut first: mpcdi::Alpha, second: &mpcdi::Alpha) -> mpcdi::Alpha {
+    let (width, height) = first.size;
+    for (index, value) in (0..width * height).zip(&mut first.weights) {
+        let pixel = DVec2::new(f64::from(index % width) + 0.5, f64::from(index / width) + 0.5);
+        *value *= weight(second, pixel / DVec2::new(f64::from(width), f64::from(height))) as f32;
+    }
+    first
+}
+
+/// A region of an archive.
+fn region(file: &str, region: mpcdi::Region, profile: mpcdi::Profile, notes: &mut Vec<String>) -> Map {
+    let values = match profile {
+        mpcdi::Profile::Flat => Values::Picture,
+        mpcdi::Profile::Perspective => Values::Directions,
+        mpcdi::Profile::Screen | mpcdi::Profile::ShaderLamps => Values::Points,
+    };
+    let mut opened = Map::new(region.id, Some(region.size), region.warp.map(Grid::Raster), values);
+    opened.alpha = region.alpha;
+    match profile {
+        mpcdi::Profile::Perspective => opened.camera = region.camera,
+        mpcdi::Profile::ShaderLamps => {
+            let pinhole = |camera: Camera| {
+                let pose = Pose { position: camera.offset, rotation: camera.rotation };
+                Optics { pose, lens: Lens::pinhole(camera.frustum), mirror: None }
+            };
+            opened.lamp = region.fisheye.or(region.camera.map(pinhole));
+        }
+        mpcdi::Profile::Flat | mpcdi::Profile::Screen => {}
+    }
+    if let Some(beta) = &region.beta {
+        opened.black_level = black_level(file, &opened, &beta.levels, notes);
+    }
+    opened
+}
+
+/// The light that even black levels (displayed values) add; what is not even is told and left out, since a rig has one
+/// level for an output.
+fn black_level(file: &str, map: &Map, levels: &[f32], notes: &mut Vec<String>) -> f64 {
+    let (low, high) =
+        levels.iter().fold((f32::INFINITY, 0.0f32), |(low, high), level| (low.min(*level), high.max(*level)));
+    if high - low <= EVEN && high < 1.0 {
+        return decode(f64::from(0.5 * (low + high)), map.gamma());
+    }
+    notes.push(format!(
+        "{file}: the black levels of {:?}, {low:.3} to {high:.3} of white, are not taken over: a rig has one for an output; \
+         its blend.contrast evens out blacks",
+        map.name
+    ));
+    0.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_even_black_levels_are_taken() {
+        let map = Map::new("a".to_owned(), None, None, Values::Picture);
+        let mut notes = Vec::new();
+        let even = black_level("file", &map, &[0.1, 0.1005, 0.101], &mut notes);
+        assert!((even - 0.1005f64.powf(2.2)).abs() < 1e-6 && notes.is_empty(), "{even} {notes:?}");
+        assert_eq!(black_level("file", &map, &[0.0, 0.1], &mut notes), 0.0);
+        assert!(notes[0].contains("0.000 to 0.100"), "{notes:?}");
+        assert_eq!((black_level("file", &map, &[1.0], &mut notes), notes.len()), (0.0, 2));
+    }
+
+    #[test]
+    fn weights_that_are_light_become_factors_on_displayed_values() {
+        let raster = cupola::formats::Raster::new((1, 1), vec![[0.5; 3]]);
+        let mut map = Map::new("a".to_owned(), None, raster.map(Grid::Raster), Values::Picture);
+        let factor = |map: &Map| map.sample(DVec2::splat(0.5), (1, 1)).map(|sample| sample.intensity);
+        for (gamma, expected) in [(1.0, 0.25f64.powf(1.0 / 2.2)), (2.4, 0.25)] {
+            map.alpha = Some(mpcdi::Alpha { size: (1, 1), weights: vec![0.25], gamma });
+            assert!(factor(&map).is_some_and(|found| (found - expected).abs() < 1e-12), "{gamma}");
+        }
+        let half = mpcdi::Alpha { size: (2, 1), weights: vec![0.5, 0.25], gamma: 2.2 };
+        assert_eq!(product(half.clone(), &half).weights, [0.25, 0.0625]);
+    }
+}

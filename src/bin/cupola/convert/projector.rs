@@ -1,0 +1,54 @@
+//! Keys of projectors for the rig file.
+
+use super::rig::tidy;
+use crate::Failure;
+use cupola::geom::{Frustum, Lens, Optics, Projection, pose};
+use glam::{DMat3, DVec2};
+
+/// The place, the aim and the lens of a projector without a mirror, whose picture is `aspect` times as wide as high.
+///
+/// # Errors
+/// For lenses that no calibration describes.
+pub fn keys(optics: &Optics, aspect: f64) -> Result<String, Failure> {
+    let [x, y, z] = optics.pose.position.to_array().map(tidy);
+    let aim = angles(&optics.pose.rotation);
+    let lens = match &optics.lens {
+        Lens::Pinhole { frustum, distortion, keystone } if distortion.is_none() && *keystone == DMat3::IDENTITY => {
+            opening(frustum)
+        }
+        Lens::Fisheye { lens, circle } => {
+            let center = circle.to_picture(DVec2::ZERO, aspect);
+            let half = circle.to_picture(DVec2::ONE, aspect) - center;
+            let projection = match &lens.projection {
+                Projection::Equidistant => "\"equidistant\"".to_owned(),
+                Projection::Polynomial(factors) => format!("\"polynomial\", coefficients = {factors:?}"),
+                _ => return Err(unknown()),
+            };
+            format!(
+                "fisheye = {{ projection = {projection}, aperture = {:?}, size = {:?}, center = {:?} }}\n",
+                tidy(lens.aperture.to_degrees()),
+                half.to_array(),
+                (0.5 * center).to_array()
+            )
+        }
+        Lens::Pinhole { .. } => return Err(unknown()),
+    };
+    Ok(format!("position = [{x:?}, {y:?}, {z:?}]\n{aim}{lens}"))
+}
+
+fn unknown() -> Failure {
+    Failure::new("a calibration has a lens that is not written into rigs")
+}
+
+/// A turn.
+pub fn angles(rotation: &DMat3) -> String {
+    let [yaw, pitch, roll] = pose::angles(rotation).map(|angle| tidy(angle.to_degrees()));
+    format!("yaw = {yaw:?}\npitch = {pitch:?}\nroll = {roll:?}\n")
+}
+
+/// The opening of a flat picture.
+pub fn opening(frustum: &Frustum) -> String {
+    let Frustum { left, right, bottom, top } = *frustum;
+    let [left, right, bottom, top] = [left, right, bottom, top].map(|side| tidy(side.atan().to_degrees()));
+    format!("angles = {{ left = {left:?}, right = {right:?}, bottom = {bottom:?}, top = {top:?} }}\n")
+}

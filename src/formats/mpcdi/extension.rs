@@ -1,0 +1,154 @@
+//! Lenses that MPCDI has no words for, in Christie's extension `BufferExtension`: fisheyes, and pictures that are squeezed.
+//!
+//! A fisheye's radius is f1·θ + f3·θ³ + f5·θ⁵ + f7·θ⁷ in half widths of the picture. Its offsets are those of the picture
+//! from the axis, in half widths and half heights, as for plane lenses. An anamorphic ratio is the height of a pixel over its
+//! width. The unit of θ is not said and differs between writers.
+
+use super::document::{Reader, named};
+use crate::error::{Error, ErrorKind, Result};
+use crate::formats::text::shown;
+use crate::geom::{Circle, FisheyeLens, Lens, Optics, Projection};
+use glam::DVec2;
+use roxmltree::Node;
+use std::f64::consts::PI;
+use std::fmt::Write as _;
+use std::ops::RangeInclusive;
+
+/// The name of the extension.
+pub(super) const NAME: &str = "BufferExtension";
+
+/// Where the rim of a fisheye of 180° may lie, in half widths of the picture. The range is narrower than the 57 between a
+/// degree and a radian, so that of the two at most one fits a lens that is nearly equidistant.
+const RIM: RangeInclusive<f64> = 0.1..=4.0;
+
+/// What the extension says of a region's lens.
+pub(super) enum Described {
+    /// Nothing.
+    Plain,
+    /// A fisheye, and where its circle is in the picture.
+    Fisheye(FisheyeLens, Circle),
+    /// A fisheye whose numbers cannot be understood; a note tells.
+    Unclear,
+}
+
+/// The lens of the region `id`, whose picture has `size` pixels.
+pub(super) fn lens(
+    reader: &Reader,
+    root: Node,
+    id: &str,
+    size: (u32, u32),
+    notes: &mut Vec<String>,
+) -> Result<Described> {
+    let ours = |node: &Node| reader.attribute(*node, "Name").is_ok_and(|name| name == NAME);
+    let mut regions = named(root, "extension").filter(ours).flat_map(|extension| named(extension, "region"));
+    let Some(region) = regions.find(|region| reader.attribute(*region, "id").is_ok_and(|of| of == id)) else {
+        return Ok(Described::Plain);
+    };
+    let title = format!("{}: region {}", reader.name, shown(id));
+    let anamorphic = named(region, "anamorphic").next();
+    let Some(fisheye) = named(region, "fisheye").next() else {
+        if anamorphic.is_some() {
+            notes.push(format!("{title}: its anamorphic ratio is not taken over; the angles of its sides count"));
+        }
+        return Ok(Described::Plain);
+    };
+    let number = |node: Node, name: &str, absent: f64, allowed: RangeInclusive<f64>| {
+        let Some(word) = reader.text(node, name) else { return Ok(absent) };
+        let number = word.parse::<f64>().ok().filter(|number| allowed.contains(number));
+        let range = format!("{} to {}", allowed.start(), allowed.end());
+        number.ok_or_else(|| reader.wrong(node, format!("{name} = {} is no number from {range}", shown(word))))
+    };
+    let factor = |name| number(fisheye, name, 0.0, -1e6..=1e6);
+    let factors = [factor("f1")?, factor("f3")?, factor("f5")?, factor("f7")?];
+    let offset = |name| number(fisheye, name, 0.0, -4.0..=4.0);
+    let center = -DVec2::new(offset("horizontalOffset")?, offset("verticalOffset")?);
+    let (mut ratio, mut skew) = (1.0, 0.0);
+    if let Some(anamorphic) = anamorphic {
+        ratio = number(anamorphic, "ratio", 1.0, 0.01..=100.0)?;
+        skew = number(anamorphic, "angle", 0.0, -360.0..=360.0)?;
+    }
+    // Only archives of our own say it, in radians.
+    let known = reader.text(fisheye, "aperture").is_some();
+    let aperture = number(fisheye, "aperture", 180.0, 1e-3..=360.0)?.to_radians();
+    let half = 0.5 * aperture;
+    let units = [("radians", 1.0), ("degrees", 180.0 / PI)];
+    let found = units.iter().find_map(|(word, unit)| {
+        let mut power = *unit;
+        let scaled = factors.map(|factor| {
+            let scaled = factor * power;
+            power *= unit * unit;
+            scaled
+        });
+        let rim = radius(&scaled, half);
+        let lens = FisheyeLens { projection: Projection::Polynomial(scaled), aperture };
+        (lens.is_monotone() && (known && *unit == 1.0 || RIM.contains(&rim))).then_some((*word, lens, rim))
+    });
+    let Some((word, lens, rim)) = found else {
+        notes.push(format!(
+            "{title}: its fisheye is not taken over: whether the angle is in radians or in degrees, 90° from its axis would lie {:.4} or \
+             {:.4} half widths from it, or the radius does not grow up to there",
+            radius(&factors, half),
+            radius(&factors, half.to_degrees())
+        ));
+        return Ok(Described::Unclear);
+    };
+    if !known {
+        notes.push(format!(
+            "{title}: the angle of its fisheye is taken as {word}, which puts 90° from the axis at {rim:.4} half widths; the aperture, \
+             which is not said, as 180°"
+        ));
+    }
+    if skew != 0.0 && ratio != 1.0 {
+        notes.push(format!("{title}: the angle of its anamorphic lens, {skew}, is not taken over"));
+    }
+    let aspect = f64::from(size.0) / f64::from(size.1);
+    let circle = Circle::Placed { center, half: DVec2::new(rim, rim * aspect / ratio) };
+    Ok(Described::Fisheye(lens, circle))
+}
+
+/// The radius at an angle.
+fn radius([f1, f3, f5, f7]: &[f64; 4], angle: f64) -> f64 {
+    let square = angle * angle;
+    angle * (f1 + square * (f3 + square * (f5 + square * f7)))
+}
+
+/// The extension's text for regions of these names, sizes and projectors; empty if none has a fisheye.
+///
+/// # Errors
+/// [`ErrorKind::InvalidRig`] for a fisheye that is neither equidistant nor a polynomial.
+pub(super) fn text<'a>(regions: impl Iterator<Item = (String, (u32, u32), Option<&'a Optics>)>) -> Result<String> {
+    let mut text = String::new();
+    for (number, (id, size, optics)) in regions.enumerate() {
+        let Some(Optics { lens: Lens::Fisheye { lens, circle }, .. }) = optics else { continue };
+        let factors = match lens.projection {
+            Projection::Equidistant => [1.0, 0.0, 0.0, 0.0],
+            Projection::Polynomial(factors) => factors,
+            _ => {
+                let why = "MPCDI has no words for its lens; expected an equidistant fisheye, or a polynomial";
+                return Err(Error::new(ErrorKind::InvalidRig, format!("region {id}: {why}")));
+            }
+        };
+        let aspect = f64::from(size.0) / f64::from(size.1);
+        let center = circle.to_picture(DVec2::ZERO, aspect);
+        let half = circle.to_picture(DVec2::ONE, aspect) - center;
+        let scale = half.x / radius(&factors, 0.5 * lens.aperture);
+        let [f1, f3, f5, f7] = factors.map(|factor| factor * scale);
+        // Writing into a string cannot fail.
+        let _ = writeln!(
+            text,
+            "      <buffer id=\"buffer-{number}\"><region id=\"{id}\"><fisheye><horizontalOffset>{}</horizontalOffset>\
+             <verticalOffset>{}</verticalOffset><f1>{f1}</f1><f3>{f3}</f3><f5>{f5}</f5><f7>{f7}</f7><aperture>{}</aperture></fisheye>\
+             <anamorphic><ratio>{}</ratio><angle>0</angle></anamorphic></region></buffer>",
+            -center.x,
+            -center.y,
+            lens.aperture.to_degrees(),
+            half.x * aspect / half.y
+        );
+    }
+    if text.is_empty() {
+        return Ok(text);
+    }
+    Ok(format!(
+        "  <extensionSet>\n    <extension Name=\"{NAME}\" hasExternalFiles=\"false\">\n{text}    </extension>\n  </extensionSet>\n"
+    ))
+}

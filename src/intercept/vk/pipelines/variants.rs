@@ -1,0 +1,250 @@
+//! The pipelines that are drawn by in the place of a program's. A library has variants, too, and what is linked from
+//! libraries has variants that are linked from theirs.
+
+use super::parts::{Parts, Relinked};
+use super::{Pipeline, Variants, in_chain};
+use crate::intercept::log;
+use crate::intercept::vk::device::Device;
+use crate::intercept::vk::layouts::PipelineLayout;
+use crate::intercept::vk::spirv;
+use ash::vk;
+use spirv_words::ExecutionModel;
+use std::ffi::CStr;
+use std::sync::Arc;
+
+/// The crate of SPIR-V's numbers; `spirv` is our own module here.
+use ::spirv as spirv_words;
+
+/// A pipeline of the program with its variants, if it has any.
+pub fn pipeline(device: &Device, own: vk::Pipeline, parts: &Parts<'_>, variants: Option<Variants>) -> Pipeline {
+    let linked: Vec<_> = parts.libraries.iter().filter_map(|library| device.pipelines.get(*library)).collect();
+    Pipeline {
+        own,
+        layout: layout_of(device, parts, &linked),
+        variants,
+        viewport: parts.viewport().or_else(|| linked.iter().find_map(|library| library.viewport)),
+        scissor: parts.scissor().or_else(|| linked.iter().find_map(|library| library.scissor)),
+    }
+}
+
+/// The layout with a set of ours: of the pipeline itself, or of its libraries where it names none.
+fn layout_of(device: &Device, parts: &Parts<'_>, linked: &[Arc<Pipeline>]) -> Option<Arc<PipelineLayout>> {
+    match parts.info.layout == vk::PipelineLayout::null() {
+        true => linked.iter().find_map(|library| library.layout.clone()),
+        false => device.layouts.layout(parts.info.layout),
+    }
+}
+
+/// Makes the variants of a pipeline of the program.
+///
+/// # Errors
+/// Why it has none.
+///
+/// # Safety
+/// `parts` must be of a pipeline that the program has just made.
+pub unsafe fn make(device: &Device, cache: vk::PipelineCache, parts: &Parts<'_>) -> Result<Variants, String> {
+    if let Some(why) = parts.obstacle() {
+        return Err(why.to_owned());
+    }
+    let linked = |library: &vk::Pipeline| device.pipelines.get(*library).filter(|known| known.variants.is_some());
+    let linked: Option<Vec<Arc<Pipeline>>> = parts.libraries.iter().map(linked).collect();
+    let linked = linked.ok_or_else(|| device.pipeline_obstacle())?;
+    let layout = layout_of(device, parts, &linked);
+    let layout = match parts.shades() || !linked.is_empty() {
+        true => Some(layout.ok_or("there is no room for a descriptor set of ours")?),
+        false => None,
+    };
+    let others = linked.iter().filter_map(|library| library.layout.as_ref());
+    if others.clone().any(|other| layout.as_ref().is_some_and(|layout| layout.ours != other.ours)) {
+        return Err("its libraries have layouts of different lengths".to_owned());
+    }
+    let libraries = || linked.iter().filter_map(|library| library.variants.as_ref());
+    let fragments = parts.stages.iter().filter(|stage| stage.stage == vk::ShaderStageFlags::FRAGMENT);
+    let mut matrices: Vec<_> = libraries().flat_map(|library| library.matrices.iter().copied()).collect();
+    // SAFETY: as promised; shaders of ours are destroyed when the pipelines are made.
+    unsafe {
+        let asks_place = fragments.filter_map(|s| words_of(device, s)).any(|words| spirv::asks_place(&words));
+        for stage in parts.stages.iter().filter(|stage| stage.stage != vk::ShaderStageFlags::FRAGMENT) {
+            matrices.extend(words_of(device, stage).iter().flat_map(|words| spirv::matrices(words)));
+        }
+        matrices.sort_by_key(|matrix| matrix.rank);
+        let mut stages = parts.stages.clone();
+        let mut module = vk::ShaderModule::null();
+        let mut follows = libraries().any(|library| library.follows);
+        if let Some(layout) = layout.filter(|_| parts.places_vertices()) {
+            match spliced(device, &stages, layout.ours) {
+                Ok((index, words)) => {
+                    let info = vk::ShaderModuleCreateInfo::default().code(&words);
+                    module = device.functions.create_shader_module(&info, None).map_err(|error| error.to_string())?;
+                    stages[index].module = module;
+                    // The words that may be given here are the program's.
+                    stages[index].p_next = std::ptr::null();
+                    follows = true;
+                }
+                Err(why) => log::once(&format!("Vulkan: what a pipeline draws is flat: {why}")),
+            }
+        }
+        let made = create_both(device, cache, parts, &stages, &linked);
+        device.functions.destroy_shader_module(module, None);
+        let (view, panel) = made?;
+        Ok(Variants {
+            view,
+            follows,
+            panel,
+            matrices,
+            with_count: parts.dynamic.contains(&vk::DynamicState::VIEWPORT_WITH_COUNT)
+                || parts.dynamic.contains(&vk::DynamicState::SCISSOR_WITH_COUNT)
+                || libraries().any(|library| library.with_count),
+            asks_place: asks_place || libraries().any(|library| library.asks_place),
+            deep: parts.dynamic.contains(&vk::DynamicState::DEPTH_TEST_ENABLE)
+                || parts.depth.is_some_and(|state| state.depth_test_enable == vk::TRUE)
+                || libraries().any(|library| library.deep),
+        })
+    }
+}
+
+/// A stage's words: of its module, or given with it.
+///
+/// # Safety
+/// `stage` must be the program's.
+unsafe fn words_of(device: &Device, stage: &vk::PipelineShaderStageCreateInfo<'_>) -> Option<Arc<[u32]>> {
+    if stage.module != vk::ShaderModule::null() {
+        return device.layouts.shader(stage.module);
+    }
+    // SAFETY: as promised.
+    unsafe {
+        let given = vk::StructureType::SHADER_MODULE_CREATE_INFO;
+        let given = in_chain::<vk::ShaderModuleCreateInfo<'_>>(stage.p_next, given)?;
+        Some(super::super::slice(given.p_code, (given.code_size / 4) as u32).into())
+    }
+}
+
+/// The last stage before rasterisation, as an index, with what SPIR-V calls it.
+fn last_stage(stages: &[vk::PipelineShaderStageCreateInfo<'_>]) -> Option<(usize, ExecutionModel)> {
+    let order = [
+        (vk::ShaderStageFlags::GEOMETRY, ExecutionModel::Geometry),
+        (vk::ShaderStageFlags::TESSELLATION_EVALUATION, ExecutionModel::TessellationEvaluation),
+        (vk::ShaderStageFlags::VERTEX, ExecutionModel::Vertex),
+    ];
+    order.into_iter().find_map(|(flag, model)| stages.iter().position(|s| s.stage == flag).map(|at| (at, model)))
+}
+
+/// The last stage before rasterisation and its words with the epilogue, which reads rows by set `ours`.
+///
+/// # Errors
+/// Why there are none.
+///
+/// # Safety
+/// `stages` must be the program's.
+unsafe fn spliced(
+    device: &Device,
+    stages: &[vk::PipelineShaderStageCreateInfo<'_>],
+    ours: u32,
+) -> Result<(usize, Vec<u32>), &'static str> {
+    let (index, model) = last_stage(stages).ok_or("a pipeline without a vertex shader")?;
+    // SAFETY: as promised.
+    let (words, entry) = unsafe { (words_of(device, &stages[index]), CStr::from_ptr(stages[index].p_name)) };
+    let words = words.ok_or("a shader whose words are not known")?;
+    Ok((index, spirv::splice(&words, model, &entry.to_string_lossy(), ours)?))
+}
+
+/// While the panel is drawn, its alpha collects how much of it is covered, for the composition.
+fn covering(blend: &vk::PipelineColorBlendAttachmentState) -> vk::PipelineColorBlendAttachmentState {
+    let mut changed = *blend;
+    if blend.blend_enable == vk::TRUE {
+        let covers = blend.dst_color_blend_factor == vk::BlendFactor::ONE_MINUS_SRC_ALPHA;
+        let (source, destination) = if covers {
+            (vk::BlendFactor::ONE, vk::BlendFactor::ONE_MINUS_SRC_ALPHA)
+        } else {
+            (vk::BlendFactor::ZERO, vk::BlendFactor::ONE)
+        };
+        changed = changed.src_alpha_blend_factor(source).dst_alpha_blend_factor(destination);
+        changed.alpha_blend_op = vk::BlendOp::ADD;
+    }
+    if !changed.color_write_mask.is_empty() {
+        changed.color_write_mask |= vk::ColorComponentFlags::A;
+    }
+    changed
+}
+
+/// The pipelines for a view and for the panel; the same where nothing tells them apart.
+///
+/// # Errors
+/// What the driver refuses, or cannot be linked.
+///
+/// # Safety
+/// As for [`make`]; `stages` and libraries must be of the same pipeline.
+unsafe fn create_both(
+    device: &Device,
+    cache: vk::PipelineCache,
+    parts: &Parts<'_>,
+    stages: &[vk::PipelineShaderStageCreateInfo<'_>],
+    linked: &[Arc<Pipeline>],
+) -> Result<(vk::Pipeline, vk::Pipeline), String> {
+    use vk::DynamicState as D;
+    let mut states = parts.dynamic.to_vec();
+    for (plain, with_count) in [(D::VIEWPORT, D::VIEWPORT_WITH_COUNT), (D::SCISSOR, D::SCISSOR_WITH_COUNT)] {
+        if parts.places_vertices() && !states.contains(&plain) && !states.contains(&with_count) {
+            states.push(plain);
+        }
+    }
+    let dynamic = vk::PipelineDynamicStateCreateInfo::default().dynamic_states(&states);
+    // A variant is not a derivative, and is made in any case.
+    let dropped = vk::PipelineCreateFlags::DERIVATIVE
+        | vk::PipelineCreateFlags::FAIL_ON_PIPELINE_COMPILE_REQUIRED
+        | vk::PipelineCreateFlags::EARLY_RETURN_ON_FAILURE;
+    let mut changed = (*parts.info).stages(stages).dynamic_state(&dynamic).flags(parts.info.flags & !dropped);
+    changed.base_pipeline_handle = vk::Pipeline::null();
+    changed.base_pipeline_index = -1;
+    let create = |mut info: vk::GraphicsPipelineCreateInfo<'_>, of: fn(&Variants) -> vk::Pipeline| {
+        let libraries: Vec<_> = linked.iter().filter_map(|library| library.variants.as_ref()).map(of).collect();
+        // SAFETY: as promised; the structures differ in what is said here.
+        unsafe {
+            let chain = Some(info.p_next).filter(|_| !libraries.is_empty());
+            let chain =
+                chain.map(|chain| Relinked::new(chain, libraries).ok_or("structures in a chain that are not known"));
+            let chain = chain.transpose()?;
+            info.p_next = chain.as_ref().map_or(info.p_next, Relinked::first);
+            let mut made = vk::Pipeline::null();
+            let create = device.functions.fp_v1_0().create_graphics_pipelines;
+            let result = create(device.functions.handle(), cache, 1, &info, std::ptr::null(), &mut made);
+            result.result_with_success(made).map_err(|error| format!("the driver refuses a pipeline: {error}"))
+        }
+    };
+    let view = create(changed, |variants| variants.view)?;
+    // SAFETY: the program's array.
+    let blends = parts.blend.map(|blend| unsafe { super::super::slice(blend.p_attachments, blend.attachment_count) });
+    let opaque = |b: &vk::PipelineColorBlendAttachmentState| {
+        b.blend_enable == vk::FALSE && b.color_write_mask.contains(vk::ColorComponentFlags::A)
+    };
+    let mut variants = linked.iter().filter_map(|library| library.variants.as_ref());
+    if blends.unwrap_or_default().iter().all(opaque) && variants.all(|library| library.view == library.panel) {
+        return Ok((view, view));
+    }
+    let attachments: Vec<_> = blends.unwrap_or_default().iter().map(covering).collect();
+    let blend = parts.blend.map(|blend| (*blend).attachments(&attachments));
+    if let Some(blend) = &blend {
+        changed = changed.color_blend_state(blend);
+    }
+    // SAFETY: ours, and not used yet.
+    let undone = |_: &String| unsafe { device.functions.destroy_pipeline(view, None) };
+    Ok((view, create(changed, |variants| variants.panel).inspect_err(undone)?))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::covering;
+    use ash::vk;
+
+    #[test]
+    fn the_panels_alpha_collects_what_covers_it() {
+        let opaque = vk::PipelineColorBlendAttachmentState::default().color_write_mask(vk::ColorComponentFlags::RGBA);
+        assert_eq!(covering(&opaque).src_alpha_blend_factor, opaque.src_alpha_blend_factor);
+        let translucent = opaque.blend_enable(true).dst_color_blend_factor(vk::BlendFactor::ONE_MINUS_SRC_ALPHA);
+        assert_eq!(covering(&translucent).src_alpha_blend_factor, vk::BlendFactor::ONE);
+        let additive = opaque.blend_enable(true).dst_color_blend_factor(vk::BlendFactor::ONE);
+        assert_eq!(covering(&additive).dst_alpha_blend_factor, vk::BlendFactor::ONE, "light covers nothing");
+        let colours = vk::ColorComponentFlags::R | vk::ColorComponentFlags::G | vk::ColorComponentFlags::B;
+        assert!(covering(&opaque.color_write_mask(colours)).color_write_mask.contains(vk::ColorComponentFlags::A));
+    }
+}
