@@ -6,11 +6,9 @@
 use cupola::backend::gl::trial::{Sampling, Trial, TrialMesh};
 use cupola::correct::Plan;
 use cupola::correct::plan::build;
-use cupola::geom::Frustum;
-use cupola::rig::*;
+use cupola::rig::{self, Rig};
 use cupola::views::Request;
-use glam::DVec3;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 type Failure = Box<dyn std::error::Error>;
 
@@ -23,7 +21,7 @@ fn main() -> Result<(), Failure> {
     trial.add_mesh(&TrialMesh::quad(), &Sampling::Picture(size.0, size.1))?;
     let mut names = vec!["bilinear quad".to_owned()];
     let mask = half_masked(size)?;
-    for (name, rig) in rigs(mask.clone()) {
+    for (name, rig) in rigs(&mask)? {
         let plan = plan(&rig, size)?;
         let (_, prepared) = trial.add_plan(&plan)?;
         let pass = &plan.passes[0];
@@ -74,72 +72,32 @@ fn half_masked((width, height): (u32, u32)) -> Result<PathBuf, Failure> {
 }
 
 /// What is compared: name and rig; the first output is drawn. `mask`: of an output that is masked.
-fn rigs(mask: PathBuf) -> Vec<(String, Rig)> {
-    let frustum = Frustum::symmetric(60f64.to_radians(), 40f64.to_radians());
-    let beamer = |name: &str, yaw: f64, overlap| {
-        let kind = OutputKind::Projector {
-            position: DVec3::new(0.0, 0.0, 3.0),
-            angles: [yaw.to_radians(), 0.1, 0.0],
-            frustum,
-        };
-        output(name, kind, overlap)
+fn rigs(mask: &Path) -> Result<Vec<(String, Rig)>, Failure> {
+    let projector = |yaw: f64, more: &str| {
+        format!(
+            "[[output]]\nkind = \"projector\"\nposition = [0, 0, 3]\nyaw = {yaw}\npitch = 5.73\nfov = [60, 40]\n{more}\n"
+        )
     };
-    let dome = |degrees: f64| {
-        let kind = OutputKind::Domemaster { aperture: degrees.to_radians(), tilt: std::f64::consts::FRAC_PI_2 };
-        output("dome", kind, false)
-    };
-    vec![
-        ("projector 60×40° at 0.6 R".into(), rig(vec![beamer("one", 0.0, false)])),
-        ("the same, half of it masked".into(), rig(vec![Output { mask: Some(mask), ..beamer("one", 0.0, false) }])),
-        (
-            "blended on both sides".into(),
-            with_own_views(rig(vec![
-                beamer("one", 0.0, true),
-                beamer("two", 40.0, true),
-                beamer("three", -40.0, true),
-            ])),
-        ),
-        (
-            "the same, views shared by all".into(),
-            rig(vec![beamer("one", 0.0, true), beamer("two", 40.0, true), beamer("three", -40.0, true)]),
-        ),
-        ("fisheye 180°".into(), rig(vec![dome(180.0)])),
-        ("fisheye 240°".into(), rig(vec![dome(240.0)])),
+    let alone = "blend = { overlap = false }";
+    let blended = "blend = { overlap = true, ramp = 0.3 }";
+    let three: String = [0.0, 40.0, -40.0].map(|yaw| projector(yaw, blended)).concat();
+    let dome = |degrees: u32| format!("[[output]]\nkind = \"domemaster\"\naperture = {degrees}\ntilt = 90\n");
+    let masked = format!("{alone}\nmask = {{ image = {:?} }}", mask.display().to_string());
+    [
+        ("projector 60×40° at 0.6 R", projector(0.0, alone)),
+        ("the same, half of it masked", projector(0.0, &masked)),
+        // One tight view for each output.
+        ("blended on both sides", format!("[views]\nmethod = \"single\"\n{three}")),
+        ("the same, views shared by all", three),
+        ("fisheye 180°", dome(180)),
+        ("fisheye 240°", dome(240)),
     ]
-}
-
-fn output(name: &str, kind: OutputKind, overlap: bool) -> Output {
-    let blend = Blend { overlap, ramp: 0.3, ..Blend::default() };
-    Output {
-        name: name.into(),
-        kind,
-        method: Default::default(),
-        size: None,
-        window: None,
-        blend,
-        mask: None,
-        eye: 0.0,
-    }
-}
-
-fn rig(outputs: Vec<Output>) -> Rig {
-    Rig {
-        name: "bench".into(),
-        passthrough: false,
-        dome: Dome { radius: 5.0, tilt: 0.0, coverage: std::f64::consts::TAU },
-        screen: None,
-        viewer: Viewer { position: DVec3::ZERO, yaw: 0.0, pitch: 0.0, roll: 0.0 },
-        camera: Camera::default(),
-        views: Views::default(),
-        overlay: Overlay { yaw: 0.0, pitch: 0.0, width: 1.0 },
-        outputs,
-    }
-}
-
-/// One tight view for each output.
-fn with_own_views(mut rig: Rig) -> Rig {
-    rig.views.method = ViewMethod::Single;
-    rig
+    .into_iter()
+    .map(|(name, outputs)| {
+        let text = format!("[dome]\nradius = 5\ntilt = 0\ncoverage = 360\n{outputs}");
+        Ok((name.to_owned(), rig::parse(&text, name, Path::new(""))?))
+    })
+    .collect()
 }
 
 fn plan(rig: &Rig, size: (u32, u32)) -> Result<Plan, Failure> {

@@ -110,30 +110,23 @@ impl<'rig> Weights<'rig> {
 
     /// `e_k / Σ e_j` at a point.
     fn share_at(&self, output: usize, point: DVec3) -> f64 {
-        let (mut own, mut sum, mut count) = (0.0, 0.0, 0);
-        for (index, map) in self.maps.iter().enumerate() {
-            let Some(map) = map.as_ref().filter(|_| self.is_projector(index)) else { continue };
-            // The output asked about lights the point, even if rounding puts it just outside its picture.
-            let pixel = map.pixel(point);
-            if pixel.is_none() && index != output {
-                continue;
-            }
+        let edge = |index: usize, map: &WarpMap, pixel: DVec2| {
             let (width, height) = map.size();
-            let part = |pixel: DVec2| pixel / DVec2::new(f64::from(width), f64::from(height));
-            let border = Border::of(&self.rig.outputs[index].blend);
-            let edge = pixel.map_or(0.0, |pixel| border.claim(part(pixel)));
-            (sum, count) = (sum + edge, count + 1);
-            if index == output {
-                own = edge;
-            }
-        }
-        match count {
+            let part = pixel / DVec2::new(f64::from(width), f64::from(height));
+            Border::of(&self.rig.outputs[index].blend).claim(part)
+        };
+        let others = self.projectors().filter(|(index, _)| *index != output);
+        let covering = others.filter_map(|(index, map)| Some(edge(index, map, map.pixel(point)?)));
+        let (others, count) = covering.fold((0.0, 0), |(sum, count), edge| (sum + edge, count + 1));
+        if count == 0 {
             // 0/0 in the corners of the only picture.
-            0 | 1 => 1.0,
-            _ if sum > 0.0 => own / sum,
-            // On the borders of all of them.
-            _ => 1.0 / f64::from(count),
+            return 1.0;
         }
+        // The output lights the point, even if rounding puts it just outside its picture.
+        let own = self.maps[output].as_ref().and_then(|map| Some(edge(output, map, map.pixel(point)?))).unwrap_or(0.0);
+        let sum = others + own;
+        // On the borders of all of them each has the same.
+        if sum > 0.0 { own / sum } else { 1.0 / f64::from(count + 1) }
     }
 
     /// The product of an output's procedural ramps at a point of the dome (any length).

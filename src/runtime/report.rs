@@ -22,6 +22,8 @@ pub struct Picture {
 pub struct Statistics {
     /// Presented frames.
     pub frames: u64,
+    /// Those of them that were not corrected, because the window was not mapped (X11).
+    pub hidden_frames: u64,
     /// Name of the rig.
     pub rig: String,
     /// OpenGL version and driver of the program's context.

@@ -131,16 +131,23 @@ fn best(rig: &Rig, seen: &[Seen], sights: &[Sight], eye: f64) -> Result<Arrangem
     // Always alone: what needs no resampling then, or is drawn with the program's own lens.
     let alone = |index: usize| seen[index].own.iter().any(|own| own.exact.is_some());
     let is_circle = |index: usize| sights[index].is_circular();
-    let arrangements: Vec<Arrangement> = match rig.views.method {
-        _ if !rig.views.cells.is_empty() => vec![mixed(rig, seen, of_eye, alone)?],
-        ViewMethod::Cube => vec![mixed(rig, seen, of_eye, alone)?],
-        ViewMethod::Single => vec![mixed(rig, seen, of_eye, |_| true)?],
-        ViewMethod::Auto => vec![
-            mixed(rig, seen, of_eye, |_| true)?,
-            mixed(rig, seen, of_eye, |index| alone(index) || !is_circle(index))?,
-            mixed(rig, seen, of_eye, alone)?,
-        ],
+    let ways: &[&dyn Fn(usize) -> bool] = match rig.views.method {
+        _ if !rig.views.cells.is_empty() => &[&alone],
+        ViewMethod::Cube => &[&alone],
+        ViewMethod::Single => &[&|_| true],
+        ViewMethod::Auto => &[&|_| true, &|index| alone(index) || !is_circle(index), &alone],
     };
+    // Ways that give the same outputs views of their own are the same.
+    let mut tried: Vec<Vec<bool>> = Vec::new();
+    let mut arrangements = Vec::new();
+    for way in ways {
+        let own: Vec<bool> =
+            (0..seen.len()).map(|index| of_eye(index) && way(index) && !seen[index].own.is_empty()).collect();
+        if !tried.contains(&own) {
+            arrangements.push(mixed(rig, seen, of_eye, |index| own[index])?);
+            tried.push(own);
+        }
+    }
     let cheapest = arrangements.into_iter().min_by(|a, b| a.cost(rig).total_cmp(&b.cost(rig)));
     Ok(cheapest.unwrap_or_default())
 }
@@ -206,8 +213,8 @@ fn tight_views(rig: &Rig, seen: &Seen) -> Vec<Wanted> {
     if one.is_empty() || !two.is_empty() && cost(rig, &two) < cost(rig, &one) { two } else { one }
 }
 
-/// Of the outputs that `chosen` names: views of their own for those that `alone` names and that can have them; shared
-/// cells for the others.
+/// Of the outputs that `chosen` names: views of their own for those that `alone` names, which have some; shared cells for
+/// the others.
 fn mixed(
     rig: &Rig,
     seen: &[Seen],
@@ -217,7 +224,7 @@ fn mixed(
     let mut arrangement = Arrangement::default();
     let mut sharing = Vec::new();
     for (index, this) in seen.iter().enumerate().filter(|(index, _)| chosen(*index)) {
-        if alone(index) && !this.own.is_empty() {
+        if alone(index) {
             arrangement.views.extend(this.own.iter().cloned());
         } else if !this.fine.is_empty() {
             sharing.push(index);

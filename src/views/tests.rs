@@ -22,17 +22,7 @@ pub(crate) fn rig(outputs: Vec<Output>) -> Rig {
 }
 
 pub(crate) fn output(name: &str, kind: OutputKind) -> Output {
-    let blend = Blend { ramp: 0.2, ..Blend::default() };
-    Output {
-        name: name.into(),
-        kind,
-        method: Default::default(),
-        size: None,
-        window: None,
-        blend,
-        mask: None,
-        eye: 0.0,
-    }
+    Output { blend: Blend { ramp: 0.2, ..Blend::default() }, ..crate::warp::testing::output(name, kind) }
 }
 
 pub(crate) fn fisheye(aperture_degrees: f64, tilt_degrees: f64) -> Output {

@@ -1,4 +1,5 @@
-//! What no output samples is closed for drawing, and no pixel of an output changes by that.
+//! What cannot be seen is not done, and no pixel of an output changes by that: what no output samples is closed for
+//! drawing, and windows that are not on the screen are not corrected.
 
 use crate::compare::expect_identical;
 use crate::programs::Run;
@@ -49,4 +50,24 @@ fn several_outputs_and_views_that_overlap_stay_what_they_are() {
         let Some(counts) = same_picture_of((1200, 480), program, "planetarium-6") else { return };
         assert!(counts["closings"].as_u64() >= Some(2), "{program}: {counts:#}");
     }
+}
+
+#[test]
+fn windows_that_are_not_on_the_screen_are_not_corrected() {
+    let after = |frames: usize| Run { frames, cupola_frames: frames, ..Run::new("unmapped") }.under("fisheye");
+    let (Some(before), Some(back)) = (after(2), after(9)) else { return };
+    let [before, back] = [before, back].map(|finished| finished.expect_success().expect_no_gl_errors());
+    // The swap after the window went finds out.
+    let count = |finished: &crate::programs::Finished| finished.statistics()["hidden_frames"].as_u64();
+    assert!(matches!(count(&back), Some(3..=4)), "{:?}", count(&back));
+    assert_eq!(count(&before), Some(0));
+    expect_identical(&back.picture("capture.png"), &before.picture("capture.png"), "a window that came back");
+}
+
+#[test]
+fn a_capture_of_a_window_that_is_not_on_the_screen_is_corrected() {
+    let frames = |frames| Run { frames, cupola_frames: frames, ..Run::new("unmapped") };
+    let (Some(hidden), Some(seen)) = (frames(5).under("fisheye"), frames(9).under("fisheye")) else { return };
+    let [hidden, seen] = [hidden, seen].map(|finished| finished.expect_success().picture("capture.png"));
+    expect_identical(&hidden, &seen, "the last frame, which is captured");
 }

@@ -1,9 +1,10 @@
-//! A steady frame allocates nothing and links no shader.
+//! A steady frame allocates nothing, links no shader, and makes few calls.
 //!
 //! `tests/apps/preload/allocations.c` counts the calls of malloc and its kin that come from Cupola's library, in
-//! frames 20…199.
+//! frames 20…199; `tests/apps/preload/calls.c` counts calls of OpenGL between Cupola and the driver.
 
-use crate::programs::{Finished, Run, embedding, preload};
+use crate::programs::{Finished, Run, embedding, preload, scratch};
+use std::collections::BTreeMap;
 
 const FRAMES: usize = 200;
 
@@ -91,4 +92,44 @@ fn a_frame_that_is_not_steady_is_seen() {
     let Some(finished) = counted("resize", &[], "fisheye") else { return };
     let (number, text) = allocations(&finished);
     assert!(number > 100, "{text}");
+}
+
+/// Calls of OpenGL in a steady frame, the program's own and Cupola's, by function; `None` where there is no display, or
+/// where addresses cannot be counted.
+fn calls_per_frame(program: &str, rig: &str) -> Option<BTreeMap<String, u64>> {
+    if !cfg!(target_arch = "x86_64") {
+        return None;
+    }
+    // Cupola looks for the vendor "calls" where the dynamic linker does.
+    let (library, folder) = (preload("calls"), scratch("vendor"));
+    std::os::unix::fs::symlink(library, folder.join("libGLX_calls.so.0")).expect("a link can be made");
+    let folder = folder.display().to_string();
+    let total = |frames: usize| -> Option<BTreeMap<String, u64>> {
+        let environment = [("LD_LIBRARY_PATH", &*folder), ("CUPOLA_GLX_REAL", "calls"), ("CALLS_REPORT", "calls.txt")];
+        // The program ends by itself, which is when the calls are written.
+        let finished = Run { cupola_frames: 1000, ..run(program, &[], frames, &environment) }.under(rig)?;
+        let text = finished.expect_success().text("calls.txt");
+        let line = |line: &str| {
+            let (name, number) = line.split_once(' ').expect("a name and a number");
+            (name.to_owned(), number.parse().expect("a number"))
+        };
+        Some(text.lines().map(line).collect())
+    };
+    let (few, many) = (total(20)?, total(40)?);
+    let steady = |(name, number): (&String, &u64)| (name.clone(), (number - few.get(name).unwrap_or(&0)) / 20);
+    Some(many.iter().map(steady).filter(|(_, number)| *number > 0).collect())
+}
+
+#[test]
+fn no_call_is_made_for_nothing() {
+    for (program, most) in [("core330_mvp", 130), ("immediate", 410)] {
+        let Some(plain) = calls_per_frame(program, "identity") else { return };
+        let Some(calls) = calls_per_frame(program, "fisheye") else { return };
+        let sum = |calls: &BTreeMap<String, u64>| calls.values().sum::<u64>();
+        assert_eq!(calls["glXSwapBuffers"], 1);
+        assert!(sum(&plain) < 90 && sum(&plain) > 10, "{program}: {plain:?}");
+        assert!(sum(&calls) <= most, "{program}: {} calls: {calls:?}", sum(&calls));
+        // One atlas is one binding, and one framebuffer for the program's draws, one for the window.
+        assert!(calls["glBindTexture"] <= 2 && calls["glBindFramebuffer"] <= 2, "{program}: {calls:?}");
+    }
 }

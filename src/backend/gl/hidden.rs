@@ -85,7 +85,7 @@ impl Hidden {
         if !state::boolean(gl, GL_DEPTH_WRITEMASK) || counting(gl, caps) || !state::can_draw(gl, caps) {
             return 0;
         }
-        let saved = state::save_and_set(gl, caps);
+        let saved = state::save_and_set(gl, caps, 0);
         let function = state::integer(gl, GL_DEPTH_FUNC) as u32;
         let mut range = [0.0f32; 4];
         let (width, height) = (self.atlas.0 as f32, self.atlas.1 as f32);

@@ -347,7 +347,7 @@ impl GlBackend {
     pub fn present_but(&self, gl: &Gl, atlas_texture: u32, targets: &[Target], blank: Option<&Blank<'_>>) -> u32 {
         self.take_pending(gl);
         if self.names.vertex_array != 0 && state::can_draw(gl, &self.caps) {
-            let saved = state::save_and_set(gl, &self.caps);
+            let saved = state::save_and_set(gl, &self.caps, self.units());
             self.draw_outputs(gl, atlas_texture, targets, blank);
             state::restore(gl, &self.caps, &saved);
         }
@@ -367,15 +367,17 @@ impl GlBackend {
 
     fn draw_outputs(&self, gl: &Gl, atlas_texture: u32, targets: &[Target], blank: Option<&Blank<'_>>) {
         let [linear, nearest] = self.names.samplers;
+        let more = self.units() > 1;
         // SAFETY: a context is current; all names are ones that it gave, or the caller's.
         unsafe {
             gl.bind_vertex_array(self.names.vertex_array);
             gl.active_texture(GL_TEXTURE0 + ATLAS_UNIT);
             gl.bind_texture(GL_TEXTURE_2D, atlas_texture);
-            gl.active_texture(GL_TEXTURE0 + MASK_UNIT);
-            gl.bind_sampler(MASK_UNIT, linear);
-            // Textures of 32-bit floats cannot be filtered everywhere, and a table must not be.
-            gl.bind_sampler(TABLE_UNIT, nearest);
+            if more {
+                gl.bind_sampler(MASK_UNIT, linear);
+                // Textures of 32-bit floats cannot be filtered everywhere, and a table must not be.
+                gl.bind_sampler(TABLE_UNIT, nearest);
+            }
         }
         let first = self.first_color(targets, blank);
         if let (Some([red, green, blue]), Some(target)) = (first, targets.first()) {
@@ -389,14 +391,22 @@ impl GlBackend {
             // SAFETY: as above.
             unsafe {
                 gl.bind_framebuffer(GL_DRAW_FRAMEBUFFER, target.framebuffer);
-                gl.active_texture(GL_TEXTURE0 + TABLE_UNIT);
-                gl.bind_texture(GL_TEXTURE_2D, output.table);
-                gl.active_texture(GL_TEXTURE0 + MASK_UNIT);
-                gl.bind_texture(GL_TEXTURE_2D, output.mask);
+                if more {
+                    gl.active_texture(GL_TEXTURE0 + TABLE_UNIT);
+                    gl.bind_texture(GL_TEXTURE_2D, output.table);
+                    gl.active_texture(GL_TEXTURE0 + MASK_UNIT);
+                    gl.bind_texture(GL_TEXTURE_2D, output.mask);
+                }
             }
             state::set_viewport(gl, &self.caps, target.viewport);
             self.draw_output(gl, output, target.viewport, blank, first);
         }
+    }
+
+    /// How many texture units are drawn with: one if there are neither masks nor tables.
+    fn units(&self) -> usize {
+        let more = self.outputs.iter().any(|output| output.mask != 0 || output.table != 0);
+        if more { state::UNITS } else { 1 }
     }
 
     /// The colour that the framebuffer of all outputs is cleared to before they are drawn.
@@ -434,11 +444,15 @@ impl GlBackend {
             None => held.map(|color| Blank { views: 0, color, touched: &[] }),
         };
         let [linear, nearest] = self.names.samplers;
+        let bound = Cell::new(0);
         let issue = |draw: &Draw| {
             let first = draw.first as usize * size_of::<u32>();
+            let sampler = if draw.nearest && unscaled { nearest } else { linear };
             // SAFETY: a context is current; the names are its own, and the indices lie in the buffer.
             unsafe {
-                gl.bind_sampler(ATLAS_UNIT, if draw.nearest && unscaled { nearest } else { linear });
+                if bound.replace(sampler) != sampler {
+                    gl.bind_sampler(ATLAS_UNIT, sampler);
+                }
                 gl.use_program(draw.program);
                 gl.draw_elements(GL_TRIANGLES, draw.count, GL_UNSIGNED_INT, first as *const _);
             }

@@ -119,8 +119,8 @@ const SWITCHES: [u32; 25] = [
     GL_BLEND,
 ];
 
-/// Units whose bindings are kept: the atlas, the mask, a table.
-const UNITS: usize = 3;
+/// Units whose bindings are kept at most: the atlas, the mask, a table.
+pub(super) const UNITS: usize = 3;
 
 /// What was found before drawing.
 pub(super) struct Saved {
@@ -131,6 +131,8 @@ pub(super) struct Saved {
     vertex_array: u32,
     draw_framebuffer: u32,
     active_texture: u32,
+    /// So many of the next two are kept.
+    units: usize,
     textures: [u32; UNITS],
     samplers: [u32; UNITS],
     viewport: [f32; 4],
@@ -146,9 +148,9 @@ pub(super) fn can_draw(gl: &Gl, caps: &Capabilities) -> bool {
     !caps.compatibility || (integer(gl, GL_LIST_INDEX) == 0 && integer(gl, GL_RENDER_MODE) == GL_RENDER as i32)
 }
 
-/// Reads the state and sets what drawing needs; a program, a vertex array, textures and a viewport
+/// Reads the state and sets what drawing needs; a program, a vertex array, textures on the first `units` units and a viewport
 /// are for the caller to set.
-pub(super) fn save_and_set(gl: &Gl, caps: &Capabilities) -> Saved {
+pub(super) fn save_and_set(gl: &Gl, caps: &Capabilities, units: usize) -> Saved {
     let mut saved = Saved {
         switches: 0,
         scissor: false,
@@ -156,6 +158,7 @@ pub(super) fn save_and_set(gl: &Gl, caps: &Capabilities) -> Saved {
         vertex_array: integer(gl, GL_VERTEX_ARRAY_BINDING) as u32,
         draw_framebuffer: integer(gl, GL_DRAW_FRAMEBUFFER_BINDING) as u32,
         active_texture: integer(gl, GL_ACTIVE_TEXTURE) as u32,
+        units: units.min(UNITS),
         textures: [0; UNITS],
         samplers: [0; UNITS],
         viewport: [0.0; 4],
@@ -190,7 +193,7 @@ pub(super) fn save_and_set(gl: &Gl, caps: &Capabilities) -> Saved {
         } else {
             gl.get_floatv(GL_VIEWPORT, saved.viewport.as_mut_ptr());
         }
-        for unit in 0..UNITS {
+        for unit in 0..saved.units {
             gl.active_texture(GL_TEXTURE0 + unit as u32);
             saved.textures[unit] = integer(gl, GL_TEXTURE_BINDING_2D) as u32;
             saved.samplers[unit] = integer(gl, GL_SAMPLER_BINDING) as u32;
@@ -243,12 +246,14 @@ pub(super) fn restore(gl: &Gl, caps: &Capabilities, saved: &Saved) {
         } else {
             gl.viewport(x as i32, y as i32, width as i32, height as i32);
         }
-        for unit in 0..UNITS {
+        for unit in 0..saved.units {
             gl.active_texture(GL_TEXTURE0 + unit as u32);
             gl.bind_texture(GL_TEXTURE_2D, saved.textures[unit]);
             gl.bind_sampler(unit as u32, saved.samplers[unit]);
         }
-        gl.active_texture(saved.active_texture);
+        if saved.units > 0 {
+            gl.active_texture(saved.active_texture);
+        }
         gl.use_program(saved.program);
         gl.bind_vertex_array(saved.vertex_array);
         gl.bind_framebuffer(GL_DRAW_FRAMEBUFFER, saved.draw_framebuffer);

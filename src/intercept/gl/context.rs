@@ -185,6 +185,8 @@ pub struct Context {
     pub counts: Counts,
     /// Something was drawn since the last swap.
     pub frame_begun: bool,
+    /// Nothing of the window could be seen after its last swap.
+    pub hidden: bool,
     /// The lens of the last draw of the scene.
     pub lens: Option<crate::runtime::session::Intrinsics>,
     /// Largest viewport (area) that a scene was drawn to: in this frame, and in the last one.
@@ -255,6 +257,7 @@ impl Context {
             share,
             counts: Counts::default(),
             frame_begun: false,
+            hidden: false,
             lens: None,
             viewport_area: [0; 2],
         }
@@ -382,6 +385,7 @@ impl Context {
             self.restore_window_space();
         }
         self.frame_begun = false;
+        self.hidden = false;
         if let Some(index) = self.parked.iter().position(|(parked, _)| Some(parked) == self.window.as_ref()) {
             let (window, target) = self.parked.remove(index);
             super::default_framebuffer::resume(self, &window, target);

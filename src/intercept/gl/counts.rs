@@ -5,6 +5,8 @@
 pub struct Counts {
     /// Presented frames.
     pub frames: u64,
+    /// Those of them that were not corrected, because nothing of the window could be seen.
+    pub hidden_frames: u64,
     /// Draws of the program to its window.
     pub draws_seen: u64,
     /// Draws issued to each view.

@@ -4,7 +4,7 @@ use super::context::Context;
 use super::default_framebuffer::{self, take_error, take_own_errors};
 use super::frames;
 use super::registry::{after_panic, current};
-use super::window::Window;
+use super::window::{Look, Window};
 use crate::backend::gl::api::{self, Gl};
 use crate::intercept::kept::{self, Kept};
 use crate::intercept::settings;
@@ -124,16 +124,27 @@ fn correct_now(ctx: &mut Context) {
 
 fn frame(ctx: &mut Context) {
     ctx.counts.frames += 1;
-    correct(ctx);
-    let Some(settings) = settings::settings() else { return };
+    let Some(settings) = settings::settings() else { return correct(ctx) };
     let number = ctx.window.as_ref().map_or(ctx.counts.frames, |window| frames::count(window.handle()));
     let last = settings.frames == Some(number);
-    if last || settings.frames.is_none() {
+    let kept = last || settings.frames.is_none();
+    if is_hidden(ctx) && !(kept && settings.capture.is_some()) {
+        ctx.counts.hidden_frames += 1;
+    } else {
+        correct(ctx);
+    }
+    if kept {
         keep_report(ctx, settings);
     }
     if last {
         kept::end_program();
     }
+}
+
+/// Whether nothing of the window can be seen: neither after the last swap nor now. So windows that are seen cost one
+/// question in a frame, and those that come back are corrected at once.
+fn is_hidden(ctx: &Context) -> bool {
+    ctx.hidden && ctx.window.as_ref().is_some_and(|window| window.look().hidden)
 }
 
 fn next_frame(ctx: &mut Context) {
@@ -149,10 +160,12 @@ fn next_frame(ctx: &mut Context) {
     default_framebuffer::follow_rig(ctx);
 }
 
-/// Plans anew where the window has another size than the plan. Only between frames.
+/// Looks at the window, and plans anew where it has another size than the plan. Only between frames.
 pub fn follow_size(ctx: &mut Context) {
     let Some(window) = ctx.window.clone() else { return };
-    if ctx.target.as_ref().is_some_and(|t| t.size() != window.size()) {
+    let Look { size, hidden } = window.look();
+    ctx.hidden = hidden;
+    if ctx.target.as_ref().is_some_and(|t| t.size() != size) {
         let mut extras = Extras::default();
         if let Some(old) = ctx.target.take() {
             extras = old.extras();
@@ -185,6 +198,7 @@ fn statistics(ctx: &Context, settings: &settings::Settings) -> Statistics {
     let (duplicated_framebuffers, single_framebuffers) = super::duplicate::status(ctx);
     let mut statistics = Statistics {
         frames: ctx.counts.frames,
+        hidden_frames: ctx.counts.hidden_frames,
         rig: settings.rig.name.clone(),
         driver: format!("{}, {}", text(api::GL_VERSION), text(api::GL_RENDERER)),
         draws_seen: ctx.counts.draws_seen,

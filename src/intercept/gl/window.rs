@@ -1,8 +1,8 @@
-//! The program's window: its size, and how it is swapped.
+//! The program's window: its size, and whether it can be seen.
 
 use super::context::Profile;
 use crate::backend::gl::api::{self, Gl};
-use std::ffi::{c_int, c_uint, c_ulong, c_void};
+use std::ffi::{c_int, c_long, c_uint, c_ulong, c_void};
 use std::sync::OnceLock;
 
 /// `glXQueryDrawable`.
@@ -37,6 +37,15 @@ pub enum Window {
     },
 }
 
+/// How a window is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Look {
+    /// Its size in pixels, at least 1 × 1.
+    pub size: (u32, u32),
+    /// Nothing of it can be seen: it, or a window that it lies in, is not mapped. Known of X11 windows only.
+    pub hidden: bool,
+}
+
 const GLX_WIDTH: c_int = 0x801D;
 const GLX_HEIGHT: c_int = 0x801E;
 const EGL_HEIGHT: i32 = 0x3056;
@@ -51,16 +60,25 @@ impl Window {
         }
     }
 
-    /// Its size in pixels, at least 1 × 1. One question to the X server where there is one: the window
-    /// systems' own would be two.
-    pub fn size(&self) -> (u32, u32) {
-        let x11_size = match *self {
-            Self::Glx { display, x11, .. } => x11_size(display, x11),
-            Self::Egl { x11: Some((display, window)), .. } => x11_size(display, window),
+    /// How it is now. One question to the X server where there is one: the window systems' own would be two for the size
+    /// alone.
+    pub fn look(&self) -> Look {
+        let x11 = match *self {
+            Self::Glx { display, x11, .. } => x11_attributes(display, x11),
+            Self::Egl { x11: Some((display, window)), .. } => x11_attributes(display, window),
             Self::Egl { .. } => None,
         };
-        let (width, height) = x11_size.unwrap_or_else(|| self.asked_size());
-        (width.clamp(1, 16384), height.clamp(1, 16384))
+        let (width, height) = match &x11 {
+            Some(x11) => (x11.width.max(0) as u32, x11.height.max(0) as u32),
+            None => self.asked_size(),
+        };
+        let size = (width.clamp(1, 16384), height.clamp(1, 16384));
+        Look { size, hidden: x11.is_some_and(|x11| x11.map_state != IS_VIEWABLE) }
+    }
+
+    /// Its size in pixels, at least 1 × 1.
+    pub fn size(&self) -> (u32, u32) {
+        self.look().size
     }
 
     /// Its size as GLX or EGL have it.
@@ -117,46 +135,53 @@ impl Window {
     }
 }
 
-/// The size of an X11 window; `None` where Xlib is missing or the server does not say.
-fn x11_size(display: usize, window: c_ulong) -> Option<(u32, u32)> {
+/// Xlib's `XWindowAttributes`.
+#[repr(C)]
+struct Attributes {
+    /// x, y.
+    _place: [c_int; 2],
+    width: c_int,
+    height: c_int,
+    /// Border width, depth.
+    _border: [c_int; 2],
+    _visual: *mut c_void,
+    _root: c_ulong,
+    /// Class, bit gravity, window gravity, backing store.
+    _kinds: [c_int; 4],
+    /// Backing planes, backing pixel.
+    _backing: [c_ulong; 2],
+    _save_under: c_int,
+    _colormap: c_ulong,
+    _map_installed: c_int,
+    map_state: c_int,
+    /// All event masks, yours, not propagated.
+    _masks: [c_long; 3],
+    _override_redirect: c_int,
+    _screen: *mut c_void,
+}
+
+/// A window is mapped, and so are all that it lies in.
+const IS_VIEWABLE: c_int = 2;
+
+/// The attributes of an X11 window; `None` where Xlib is missing or the server does not say.
+fn x11_attributes(display: usize, window: c_ulong) -> Option<Attributes> {
     if display == 0 || window == 0 {
         return None;
     }
-    let (mut root, mut x, mut y, mut width, mut height, mut border, mut depth) = (0, 0, 0, 0, 0, 0, 0);
-    let geometry = x11()?.get_geometry;
-    // SAFETY: display and window are live objects of the program; each answer has its place.
-    let ok = unsafe {
-        geometry(
-            display as *mut c_void,
-            window,
-            &mut root,
-            &mut x,
-            &mut y,
-            &mut width,
-            &mut height,
-            &mut border,
-            &mut depth,
-        )
-    };
-    (ok != 0).then_some((width, height))
+    let get = x11()?.get_window_attributes;
+    let mut attributes = std::mem::MaybeUninit::<Attributes>::zeroed();
+    // SAFETY: display and window are live objects of the program; the answer has its place, of which zeros are valid, too.
+    unsafe {
+        let ok = get(display as *mut c_void, window, attributes.as_mut_ptr());
+        (ok != 0).then(|| attributes.assume_init())
+    }
 }
 
-/// The few calls of Xlib that place a window. The program has it loaded; we link nothing.
+/// The few calls of Xlib that look at a window and place it. The program has it loaded; we link nothing.
 struct X11 {
     query_tree:
         unsafe extern "C" fn(*mut c_void, c_ulong, *mut c_ulong, *mut c_ulong, *mut *mut c_ulong, *mut c_uint) -> c_int,
-    #[allow(clippy::type_complexity)] // Xlib's own.
-    get_geometry: unsafe extern "C" fn(
-        *mut c_void,
-        c_ulong,
-        *mut c_ulong,
-        *mut c_int,
-        *mut c_int,
-        *mut c_uint,
-        *mut c_uint,
-        *mut c_uint,
-        *mut c_uint,
-    ) -> c_int,
+    get_window_attributes: unsafe extern "C" fn(*mut c_void, c_ulong, *mut Attributes) -> c_int,
     move_resize: unsafe extern "C" fn(*mut c_void, c_ulong, c_int, c_int, c_uint, c_uint) -> c_int,
     sync: unsafe extern "C" fn(*mut c_void, c_int) -> c_int,
     free: unsafe extern "C" fn(*mut c_void) -> c_int,
@@ -171,7 +196,7 @@ fn x11() -> Option<&'static X11> {
                 let library = Box::leak(Box::new(libloading::Library::new("libX11.so.6").ok()?));
                 Some(X11 {
                     query_tree: *library.get(b"XQueryTree\0").ok()?,
-                    get_geometry: *library.get(b"XGetGeometry\0").ok()?,
+                    get_window_attributes: *library.get(b"XGetWindowAttributes\0").ok()?,
                     move_resize: *library.get(b"XMoveResizeWindow\0").ok()?,
                     sync: *library.get(b"XSync\0").ok()?,
                     free: *library.get(b"XFree\0").ok()?,

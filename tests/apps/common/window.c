@@ -112,6 +112,18 @@ void window_resize(window *w, int width, int height)
     w->height = height;
 }
 
+void window_show(const window *w, bool shown)
+{
+    if (shown)
+        XMapWindow(w->display, w->window);
+    else
+        XUnmapWindow(w->display, w->window);
+    XWindowAttributes now;
+    do {
+        XGetWindowAttributes(w->display, w->window, &now);
+    } while ((now.map_state == IsViewable) != shown);
+}
+
 image window_shot(const window *w)
 {
     glFinish();

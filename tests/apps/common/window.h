@@ -46,6 +46,9 @@ void window_swap(const window *w);
 /* Asks for another size and waits until the server has given it. */
 void window_resize(window *w, int width, int height);
 
+/* Takes the window from the screen and puts it back there; waits until that is done. */
+void window_show(const window *w, bool shown);
+
 /* What the X server shows in the window: the picture that was presented last. */
 image window_shot(const window *w);
 

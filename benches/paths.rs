@@ -1,0 +1,172 @@
+//! The paths of the processor that run at a start, in each frame, with each draw or with each vertex.
+//!
+//! `cargo bench --bench paths [FILTER]`.
+
+use cupola::blend::Weights;
+use cupola::correct::draws::{Rows, draws};
+use cupola::correct::shaders::{Language, Stage, specialise};
+use cupola::correct::{self, Plan};
+use cupola::geom::Frustum;
+use cupola::intercept::gl::culling::bounds::{Bounds, extent, outside};
+use cupola::intercept::gl::culling::position::Transform;
+use cupola::intercept::gl::immediate::commands::Command;
+use cupola::intercept::gl::immediate::recorder::{Recorder, Sets, add_vertex};
+use cupola::rig::{self, Rig};
+use cupola::runtime::session::{Extras, MatrixClass, Session, classify};
+use cupola::views::{self, Request};
+use divan::{Bencher, black_box};
+use glam::DVec2;
+
+fn main() {
+    divan::main();
+}
+
+/// Rigs that a plan is timed for.
+const RIGS: [&str; 4] = ["fisheye", "planetarium-2", "planetarium-6", "idome"];
+const WINDOW: (u32, u32) = (1920, 1080);
+
+fn rig(name: &str) -> Rig {
+    rig::load(name).expect("a preset")
+}
+
+fn request(rig: &Rig) -> Request {
+    let rects = rig.layout(WINDOW);
+    let output_sizes = rects.iter().map(|rect| (rect[2], rect[3])).collect();
+    Request { output_sizes, window: WINDOW, panel: true, primary: false, max_atlas: 16384 }
+}
+
+fn plan(rig: &Rig) -> Plan {
+    correct::build(rig, &request(rig)).expect("a plan")
+}
+
+/// A program's lens and what looks through it.
+fn session(name: &str) -> Session {
+    Session::new(&rig(name), WINDOW, false, 16384, Extras::default()).expect("a session")
+}
+
+fn program_matrix() -> [f64; 16] {
+    Frustum::symmetric(1.2, 0.8).projection_matrix(0.1, 1000.0).to_cols_array()
+}
+
+mod start {
+    use super::*;
+
+    /// The views alone.
+    #[divan::bench(args = RIGS)]
+    fn views(bencher: Bencher, name: &str) {
+        let rig = rig(name);
+        let request = request(&rig);
+        bencher.bench(|| views::plan(black_box(&rig), &request));
+    }
+
+    /// All that is planned.
+    #[divan::bench(args = RIGS)]
+    fn plan(bencher: Bencher, name: &str) {
+        let rig = rig(name);
+        let request = request(&rig);
+        bencher.bench(|| correct::build(black_box(&rig), &request));
+    }
+
+    /// The parts of views that no output samples.
+    #[divan::bench(args = RIGS)]
+    fn hidden_areas(bencher: Bencher, name: &str) {
+        let plan = super::plan(&rig(name));
+        bencher.bench(|| correct::hidden_areas(black_box(&plan)));
+    }
+
+    /// Which parts of outputs sample which parts of views.
+    #[divan::bench(args = RIGS)]
+    fn footprints(bencher: Bencher, name: &str) {
+        let plan = super::plan(&rig(name));
+        bencher.bench(|| {
+            let passes = plan.passes.iter().zip(&plan.views.output_views);
+            passes.map(|(pass, views)| correct::footprints(black_box(&plan), pass, views)).collect::<Vec<_>>()
+        });
+    }
+
+    /// The texts of all shaders, with their constants.
+    #[divan::bench(args = RIGS)]
+    fn shaders(bencher: Bencher, name: &str) {
+        let plan = super::plan(&rig(name));
+        bencher.bench(|| {
+            let list = draws(black_box(&plan), &plan.passes, true, Rows::FromBottom).expect("draws");
+            let draws = list.outputs.iter().flatten();
+            draws.map(|draw| specialise(&draw.constants, Language::Glsl330, Stage::Present)).collect::<Vec<_>>()
+        });
+    }
+
+    /// Weights of a hundred pixels of each output.
+    #[divan::bench(args = ["planetarium-2", "planetarium-6"])]
+    fn weights(bencher: Bencher, name: &str) {
+        let rig = rig(name);
+        let request = request(&rig);
+        let weights = Weights::new(&rig, &request.output_sizes).expect("weights");
+        let pixel = |(width, height): (u32, u32), i: u32| {
+            DVec2::new(f64::from(i % 10 * width) / 10.0 + 0.5, f64::from(i / 10 * height) / 10.0 + 0.5)
+        };
+        bencher.bench(|| {
+            let sizes = request.output_sizes.iter().enumerate();
+            let of = |(output, size)| (0..100).filter_map(|i| weights.weight(output, pixel(size, i))).sum::<f64>();
+            sizes.map(|(output, size)| of((output, *size))).sum::<f64>()
+        });
+    }
+}
+
+mod draw {
+    use super::*;
+
+    /// What a program's matrix is.
+    #[divan::bench]
+    fn classify_matrix() -> MatrixClass {
+        classify(&black_box(program_matrix()))
+    }
+
+    /// A new lens of the program: the rows of every view.
+    #[divan::bench(args = ["fisheye", "planetarium-6"])]
+    fn rows(bencher: Bencher, name: &str) {
+        let session = session(name);
+        let MatrixClass::Perspective(lens) = classify(&program_matrix()) else { panic!("it is one") };
+        bencher.bench(|| session.rows(black_box(&lens)).map(|rows| rows.x[0]).sum::<f64>());
+    }
+
+    /// Which of five views a box is in, and where.
+    #[divan::bench]
+    fn cull(bencher: Bencher) {
+        let rows: [[f32; 16]; 5] = std::array::from_fn(|view| {
+            let turn = view as f32 * 1.1;
+            let (sine, cosine) = turn.sin_cos();
+            let e = -1.0002;
+            [cosine, 0.0, -sine, 0.0, 0.0, 1.0, 0.1, 0.0, sine, 0.0, cosine, 0.0, e, 1.0, 0.0, 0.0]
+        });
+        let model = Transform::of(&program_matrix());
+        bencher.bench(|| {
+            let (low, high) = black_box(([-1.0, -1.0, -12.0], [1.0, 2.0, -10.0]));
+            rows.iter()
+                .map(|rows| Transform::of_rows(rows).after(&model))
+                .filter(|transform| !outside(transform, low, high, [0.01, 0.01]))
+                .filter_map(|transform| extent(&transform, low, high))
+                .count()
+        });
+    }
+}
+
+mod vertex {
+    use super::*;
+
+    /// A hundred vertices with normals between Begin and End.
+    #[divan::bench]
+    fn record(bencher: Bencher) {
+        let mut recorder = Recorder::default();
+        bencher.bench_local(|| {
+            recorder.clear();
+            let mut bounds = Bounds::EMPTY;
+            for i in 0..100 {
+                let position = [i as f32, 1.0, -2.0];
+                recorder.push(Command::normal3fv, Sets::Normal, &[], &[0.0f32, 0.0, 1.0]);
+                add_vertex(&mut bounds, Sets::Position, &position);
+                recorder.push(Command::vertex3fv, Sets::Position, &[], &position);
+            }
+            (bounds, recorder.place())
+        });
+    }
+}
