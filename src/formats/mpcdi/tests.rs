@@ -237,7 +237,7 @@ fn a_fisheye_that_fits_neither_unit_is_told_and_damage_is_refused() {
     }
     // Without its archive a description has no files.
     let text = String::from_utf8(alone(&polynomial([0.5, 0.0, 0.0, 0.0]))).unwrap();
-    let with_file = text.replacen("<path></path>", "<path>a.pfm</path>", 1);
+    let with_file = text.replace("<path></path>", "<path>a.file</path>");
     assert!(read("a.xml", with_file.as_bytes()).unwrap_err().message.contains("without its archive"));
     let flat = text.replace("\"sl\"", "\"2d\"");
     assert!(read("a.xml", flat.as_bytes()).unwrap_err().message.contains("no geometryWarpFile"));
