@@ -64,8 +64,9 @@ pub fn a_table_is_shown_as_it_was_computed(driver: &dyn Driver) {
     }
 }
 
-/// A rig file's outputs, from tables or by formulas of lenses, through plan and shader, against the exact map, pixel by pixel.
-fn check_rig(driver: &dyn Driver, text: &str, size: (u32, u32), by_table: bool) {
+/// A rig file's outputs, from tables or by formulas of lenses (`None`: as f32 allows), through plan and shader, against the exact map,
+/// pixel by pixel.
+fn check_rig(driver: &dyn Driver, text: &str, size: (u32, u32), by_table: Option<bool>) {
     let rig = crate::rig::parse(text, "test", std::path::Path::new("")).expect("a valid rig");
     let count = rig.outputs.len();
     let request = crate::views::Request {
@@ -78,8 +79,8 @@ fn check_rig(driver: &dyn Driver, text: &str, size: (u32, u32), by_table: bool) 
     let plan = crate::correct::build(&rig, &request).expect("a plan");
     for output in 0..count {
         match &plan.passes[output].source {
-            Source::Table(_) => assert!(by_table, "{text}"),
-            Source::Optics(_) => assert!(!by_table, "{text}"),
+            Source::Table(_) => assert_ne!(by_table, Some(false), "{text}"),
+            Source::Optics(_) => assert_ne!(by_table, Some(true), "{text}"),
             other => panic!("{text}: {other:?}"),
         }
         let exact = WarpMap::new(&rig, output, size, None).expect("a map");
@@ -111,8 +112,8 @@ pub fn mirrors_and_lenses_show_what_the_exact_map_says(driver: &dyn Driver) {
     let idome = crate::rig::presets().iter().find(|preset| preset.name == "idome").expect("a preset").text;
     let (head, evened) = idome.split_once("even_light").expect("light that is evened out is in a table");
     let plain = format!("{head}#{evened}");
-    check_rig(driver, idome, (640, 360), true);
-    check_rig(driver, &plain, (640, 360), false);
+    check_rig(driver, idome, (640, 360), Some(true));
+    check_rig(driver, &plain, (640, 360), Some(false));
     let projector = |lens: &str, viewer: &str| {
         format!(
             "[dome]\nradius = 4.0\ntilt = 60.0\n[viewer]\nposition = {viewer}\n\
@@ -120,17 +121,19 @@ pub fn mirrors_and_lenses_show_what_the_exact_map_says(driver: &dyn Driver) {
         )
     };
     for viewer in ["[0.0, 0.0, 0.0]", "[0.8, -0.5, 0.7]", "[-2.0, 1.0, -0.8]"] {
+        // The last one is too far from the centre for some.
+        let formula = if viewer.starts_with("[-2") { None } else { Some(false) };
         for projection in ["equidistant", "equisolid", "stereographic", "orthographic"] {
             let lens = format!("fisheye = {{ projection = \"{projection}\", aperture = 150.0 }}");
-            check_rig(driver, &projector(&lens, viewer), (320, 240), false);
-            check_rig(driver, &projector(&format!("{lens}\neven_light = 1e-9"), viewer), (320, 240), true);
+            check_rig(driver, &projector(&lens, viewer), (320, 240), formula);
+            check_rig(driver, &projector(&format!("{lens}\neven_light = 1e-9"), viewer), (320, 240), Some(true));
         }
         let lens =
             "fisheye = { projection = \"polynomial\", aperture = 190.0, coefficients = [1.0, -0.03, 0.001, 0.0] }";
-        check_rig(driver, &projector(lens, viewer), (320, 240), false);
+        check_rig(driver, &projector(lens, viewer), (320, 240), formula);
         let lens = "fov = [70.0, 50.0]\nshift = [0.0, 0.2]\n\
                     distortion = { radial = [-0.1, 0.02, 0.0], tangential = [0.002, -0.001] }";
-        check_rig(driver, &projector(lens, viewer), (320, 240), true);
+        check_rig(driver, &projector(lens, viewer), (320, 240), Some(true));
     }
 }
 
@@ -138,7 +141,7 @@ pub fn a_projector_that_looks_away_makes_no_ghosts(driver: &dyn Driver) {
     // From outside, and half of the picture looks the other way: the closed form would take the dome for being there.
     let text = "[dome]\nradius = 1.0\ncoverage = 360.0\n[[output]]\nkind = \"projector\"\n\
                 position = [0.0, 0.0, 1.2]\nyaw = 70.0\nfov = [120.0, 90.0]\n";
-    check_rig(driver, text, (320, 240), true);
+    check_rig(driver, text, (320, 240), Some(true));
 }
 
 /// Two overlapping projectors with lenses of their own and grey blacks: what they show is what f64 says, and its sum with
