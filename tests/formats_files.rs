@@ -414,6 +414,32 @@ fn a_mesh_in_a_configuration_of_sgct_is_run_by_the_rig() {
     assert!(matches!(rig.outputs[0].kind, cupola::rig::OutputKind::Mesh(_)));
 }
 
+#[test]
+fn a_mirror_in_a_configuration_of_sgct_becomes_a_map_of_directions() {
+    // Straight ahead in the left half, the face above in the right half, over a part of the first.
+    let mesh = |left: f64, right: f64, light: f64| {
+        format!("2\n2 2\n{left} -1 0 0 {light}\n{right} -1 1 0 {light}\n{left} 1 0 1 {light}\n{right} 1 1 1 {light}\n")
+    };
+    std::fs::write(file("ahead.data"), mesh(-1.0, 0.5, 1.0)).unwrap();
+    std::fs::write(file("above.data"), mesh(0.0, 1.0, 0.5)).unwrap();
+    std::fs::write(file("nowhere.data"), mesh(3.0, 4.0, 1.0)).unwrap();
+    let text = r#"{ "nodes": [{ "address": "a", "windows": [{ "size": { "x": 80, "y": 80 }, "viewports": [
+        { "projection": { "type": "SphericalMirrorProjection", "tilt": 45, "mesh": { "bottom": "ahead.data",
+          "left": "nowhere.data", "right": "nowhere.data", "top": "above.data" } } } ] }] }] }"#;
+    let (config, rig) = (file("mirror.json"), file("mirror.toml"));
+    std::fs::write(&config, text).unwrap();
+    convert(config.to_str().unwrap(), &rig, &[]);
+    let rig = cupola::rig::load(rig.to_str().unwrap()).unwrap();
+    let map = cupola::warp::WarpMap::new(&rig, 0, (80, 80), None).unwrap();
+    let towards = |x: f64, y: f64| map.direction(glam::DVec2::new(x, y)).expect("shown");
+    // A third of the way to the side of a face of 90°, in pixel centres.
+    let ahead = glam::DVec3::new(2.0 * 19.5 / 60.0 - 1.0, 0.0125, -1.0).normalize();
+    assert!(towards(19.5, 39.5).distance(ahead) < 1e-6, "{}", towards(19.5, 39.5));
+    let above = glam::DVec3::new(2.0 * 19.5 / 40.0 - 1.0, 1.0, 0.0125).normalize();
+    assert!(towards(59.5, 39.5).distance(above) < 1e-6, "{}", towards(59.5, 39.5));
+    assert!(rig.outputs[0].mask.is_some(), "what is above has half the value");
+}
+
 /// The error of the rig `found` against the preset or rig `exact`, in pixels of its first output.
 fn error_pixels(exact: &cupola::rig::Rig, found: &cupola::rig::Rig, size: (u32, u32)) -> cupola::warp::MapError {
     let map = |rig| cupola::warp::WarpMap::new(rig, 0, size, None).unwrap();

@@ -8,6 +8,7 @@ use crate::error::Result;
 use crate::geom::{Frustum, pose};
 use glam::{DMat3, DQuat, DVec3};
 use serde_json::Value;
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
 /// Greatest numbers of computers, windows and viewports.
 const MOST: usize = 64;
@@ -73,8 +74,31 @@ pub enum Projection {
         /// From straight up to the circle's centre, towards the front, radians.
         tilt: f64,
     },
+    /// By way of a spherical mirror: four faces of a cube, each through a warp mesh of its own.
+    Mirror {
+        /// By so much less than 45° the cube is turned up, radians.
+        tilt: f64,
+        /// The files of the meshes in the order in which they are drawn, later ones over earlier ones.
+        meshes: [String; 4],
+    },
     /// Another kind, by SGCT's name.
     Other(String),
+}
+
+/// The keys of a mirror's meshes in the order in which they are drawn. What is called the bottom is the face straight ahead, which a tilt of 0 turns up
+/// by 45°.
+const MIRROR_MESHES: [&str; 4] = ["bottom", "left", "right", "top"];
+
+/// The axes of each of these faces → the axes of the configuration; a face is seen along −z, 90° wide and high.
+pub fn mirror_faces(tilt: f64) -> [DMat3; 4] {
+    let up = DMat3::from_rotation_x(FRAC_PI_4 - tilt);
+    let faces = [
+        DMat3::IDENTITY,
+        DMat3::from_rotation_y(FRAC_PI_2),
+        DMat3::from_rotation_y(-FRAC_PI_2),
+        DMat3::from_rotation_x(FRAC_PI_2),
+    ];
+    faces.map(|face| up * face)
 }
 
 /// Reads a configuration. `name` is the file's, for messages.
@@ -171,6 +195,15 @@ fn projection(key: &Key, viewer: DVec3) -> Result<Projection> {
             aperture: key.optional("fov").map_or(Ok(180.0), |key| key.number(1e-3, 360.0))?.to_radians(),
             tilt: key.optional("tilt").map_or(Ok(0.0), |key| key.number(-180.0, 180.0))?.to_radians(),
         },
+        "SphericalMirrorProjection" => {
+            let meshes = key.required("mesh")?;
+            let file = |name| meshes.required(name).and_then(|file| file.text());
+            let [ahead, left, right, top] = MIRROR_MESHES.map(file);
+            Projection::Mirror {
+                tilt: key.optional("tilt").map_or(Ok(0.0), |key| key.number(-180.0, 180.0))?.to_radians(),
+                meshes: [ahead?, left?, right?, top?],
+            }
+        }
         _ => Projection::Other(kind),
     })
 }
@@ -332,6 +365,21 @@ mod tests {
         let Projection::Planar { rotation, frustum } = viewport.projection else { panic!("{viewport:?}") };
         assert!(rotation.abs_diff_eq(DMat3::IDENTITY, 1e-12));
         assert_eq!(frustum, Frustum { left: 0.0, right: 1.0, bottom: 0.0, top: 0.5 });
+    }
+
+    #[test]
+    fn a_mirror_has_four_faces_of_a_cube() {
+        let viewport = only(
+            r#"{ "projection": { "type": "SphericalMirrorProjection", "tilt": 15, "mesh": { "bottom": "b.data",
+            "left": "l.data", "right": "r.data", "top": "t.data" } } }"#,
+        );
+        let Projection::Mirror { tilt, meshes } = viewport.projection else { panic!("{viewport:?}") };
+        assert_eq!(meshes, ["b.data", "l.data", "r.data", "t.data"]);
+        let [ahead, left, right, top] = mirror_faces(tilt).map(|face| face * DVec3::NEG_Z);
+        let up = 30f64.to_radians();
+        assert!(ahead.distance(DVec3::new(0.0, up.sin(), -up.cos())) < 1e-12);
+        assert!(left.distance(DVec3::NEG_X) < 1e-12 && right.distance(DVec3::X) < 1e-12);
+        assert!(top.distance(DVec3::new(0.0, up.cos(), up.sin())) < 1e-12);
     }
 
     #[test]

@@ -3,6 +3,7 @@
 mod calibration;
 mod projector;
 mod rig;
+mod sgct;
 mod source;
 mod target;
 
@@ -56,7 +57,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let mut notes = source.notes().to_vec();
     let written = match (&source, format) {
         (source::Source::Sgct { config, .. }, target::Format::Rig) => {
-            rig::from_sgct(&arguments.to, &arguments.from, config, &mut notes)?
+            sgct::rigs(&arguments.to, &arguments.from, config, &mut notes)?
         }
         (source::Source::Sgct { .. }, _) => {
             return Err(Failure::usage("a configuration of SGCT becomes a rig; expected a name that ends in .toml"));

@@ -5,7 +5,6 @@ use super::source::{Channel, Values};
 use super::target::{Written, file_beside, raster, save};
 use crate::Failure;
 use cupola::blend::decode;
-use cupola::formats::sgct;
 use cupola::formats::{Raster, mpcdi, pfm};
 use cupola::geom::Optics;
 use glam::DVec3;
@@ -103,7 +102,7 @@ fn display(channel: &Channel) -> String {
 }
 
 /// Writes parts of light as a picture, and gives the key that names it; nothing where all light is let through.
-fn mask(file: &Path, size: (u32, u32), light: Vec<f64>) -> Result<String, Failure> {
+pub fn mask(file: &Path, size: (u32, u32), light: Vec<f64>) -> Result<String, Failure> {
     if light.iter().all(|light| (light - 1.0).abs() <= 1e-4) {
         return Ok(String::new());
     }
@@ -111,100 +110,18 @@ fn mask(file: &Path, size: (u32, u32), light: Vec<f64>) -> Result<String, Failur
     Ok(format!("mask = {{ image = {} }}\n", quoted(&file_name(file))))
 }
 
-/// Writes a rig for each computer of a configuration of SGCT, whose pictures are all those of one eye point. What is
-/// said about it, to people, goes to `notes`.
-pub fn from_sgct(
-    path: &Path,
-    from: &str,
-    config: &sgct::Config,
-    notes: &mut Vec<String>,
-) -> Result<Vec<Written>, Failure> {
-    let mut written = Vec::new();
-    for (index, node) in config.nodes.iter().enumerate() {
-        let mut text = heading(from);
-        let left = node.viewports.iter().map(|viewport| viewport.place[0]).min().unwrap_or(0);
-        let top = node.viewports.iter().map(|viewport| viewport.place[1]).min().unwrap_or(0);
-        let mut outputs = 0;
-        for (number, viewport) in node.viewports.iter().enumerate() {
-            let name = format!("viewport-{}", number + 1);
-            let Some(keys) = sgct_output(viewport, &name, notes) else { continue };
-            let [x, y, width, height] = viewport.place;
-            let _ = write!(
-                text,
-                "\n[[output]]\nname = \"{name}\"\nsize = [{width}, {height}]\nwindow = [{}, {}, {width}, {height}]\n{keys}",
-                x - left,
-                y - top
-            );
-            outputs += 1;
-        }
-        if outputs == 0 {
-            notes.push(format!("{from}: nothing of the computer {:?} can be shown", node.address));
-            continue;
-        }
-        let file =
-            if config.nodes.len() == 1 { path.to_owned() } else { file_beside(path, index, &node.address, "toml") };
-        save(&file, text.as_bytes())?;
-        written.push(Written::rig(file, outputs));
-    }
-    match written.is_empty() {
-        true => Err(Failure::usage(format!("{from}: {}", notes.join("; ")))),
-        false => Ok(written),
-    }
-}
-
-/// The keys of a viewport's output; `None` for what has no counterpart.
-fn sgct_output(viewport: &sgct::Viewport, name: &str, notes: &mut Vec<String>) -> Option<String> {
-    // A warp mesh shows places of what would be the picture without it.
-    let mesh = viewport.mesh.as_deref().filter(|mesh| is_warp_mesh(mesh));
-    let kind = |picture: &str| match mesh {
-        Some(mesh) => format!("kind = \"mesh\"\nfile = {}\npicture = \"{picture}\"\n", quoted(mesh)),
-        None => format!("kind = \"{picture}\"\n"),
-    };
-    let mut keys = match &viewport.projection {
-        sgct::Projection::Fisheye { aperture, tilt } => {
-            let kind = kind("domemaster");
-            format!("{kind}aperture = {:?}\ntilt = {:?}\n", aperture.to_degrees(), tilt.to_degrees())
-        }
-        sgct::Projection::Planar { rotation, frustum } => {
-            format!("{}{}{}", kind("perspective"), projector::angles(rotation), projector::opening(frustum))
-        }
-        sgct::Projection::Other(kind) => {
-            notes.push(format!("{name}: {kind} is left out"));
-            return None;
-        }
-    };
-    if let Some(mask) = &viewport.mask {
-        let _ = writeln!(keys, "mask = {{ image = {} }}", quoted(mask));
-    }
-    if let (Some(mesh), None) = (&viewport.mesh, mesh) {
-        notes.push(format!("{name}: the mesh {mesh} is left out; convert it, and make the output kind = \"mesh\""));
-    }
-    match viewport.eye {
-        Some(sgct::Eye::Left) => keys.push_str("eye = -0.0325\n"),
-        Some(sgct::Eye::Right) => keys.push_str("eye = 0.0325\n"),
-        None => {}
-    }
-    Some(keys)
-}
-
-/// Whether a file is a mesh that rigs read, by its name.
-fn is_warp_mesh(name: &str) -> bool {
-    let ending = Path::new(name).extension().unwrap_or_default();
-    ["data", "map"].iter().any(|known| ending.eq_ignore_ascii_case(known))
-}
-
 /// Without the last digits, which are rounding.
 pub fn tidy(number: f64) -> f64 {
     (number * 1e9).round() / 1e9 + 0.0
 }
 
-fn heading(from: &str) -> String {
+pub fn heading(from: &str) -> String {
     let name = Path::new(from).file_name().unwrap_or_default().to_string_lossy().replace(char::is_control, "");
     format!("# Made of {name} by `cupola convert`.\n")
 }
 
 /// Text as TOML has it.
-fn quoted(text: &str) -> String {
+pub fn quoted(text: &str) -> String {
     let mut quoted = String::from("\"");
     for character in text.chars() {
         match character {
@@ -224,7 +141,7 @@ fn harmless(name: &str) -> String {
     kept.trim_start_matches(['-', '.']).chars().take(64).collect()
 }
 
-fn file_name(path: &Path) -> String {
+pub fn file_name(path: &Path) -> String {
     path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 

@@ -1,0 +1,146 @@
+//! Rigs made of configurations of SGCT.
+
+use super::projector;
+use super::rig::{file_name, heading, mask, quoted};
+use super::source::read_file;
+use super::target::{Written, file_beside, save};
+use crate::Failure;
+use cupola::blend::decode;
+use cupola::formats::{Grid, bourke, pfm, sgct};
+use glam::DVec2;
+use std::fmt::Write;
+use std::path::Path;
+
+/// Writes a rig for each computer of a configuration of SGCT, whose pictures are all those of one eye point. What is
+/// said about it, to people, goes to `notes`.
+pub fn rigs(path: &Path, from: &str, config: &sgct::Config, notes: &mut Vec<String>) -> Result<Vec<Written>, Failure> {
+    let mut written = Vec::new();
+    for (index, node) in config.nodes.iter().enumerate() {
+        let mut text = heading(from);
+        let left = node.viewports.iter().map(|viewport| viewport.place[0]).min().unwrap_or(0);
+        let top = node.viewports.iter().map(|viewport| viewport.place[1]).min().unwrap_or(0);
+        let mut outputs = 0;
+        for (number, viewport) in node.viewports.iter().enumerate() {
+            let name = format!("viewport-{}", number + 1);
+            let place = Place { from: Path::new(from), to: path, number: format!("{}-{}", index + 1, number + 1) };
+            let Some(keys) = output(viewport, &name, &place, notes)? else { continue };
+            let [x, y, width, height] = viewport.place;
+            let _ = write!(
+                text,
+                "\n[[output]]\nname = \"{name}\"\nsize = [{width}, {height}]\nwindow = [{}, {}, {width}, {height}]\n{keys}",
+                x - left,
+                y - top
+            );
+            outputs += 1;
+        }
+        if outputs == 0 {
+            notes.push(format!("{from}: nothing of the computer {:?} can be shown", node.address));
+            continue;
+        }
+        let file =
+            if config.nodes.len() == 1 { path.to_owned() } else { file_beside(path, index, &node.address, "toml") };
+        save(&file, text.as_bytes())?;
+        written.push(Written::rig(file, outputs));
+    }
+    match written.is_empty() {
+        true => Err(Failure::usage(format!("{from}: {}", notes.join("; ")))),
+        false => Ok(written),
+    }
+}
+
+/// The keys of a viewport's output; `None` for what has no counterpart.
+fn output(
+    viewport: &sgct::Viewport,
+    name: &str,
+    place: &Place,
+    notes: &mut Vec<String>,
+) -> Result<Option<String>, Failure> {
+    // A warp mesh shows places of what would be the picture without it.
+    let mesh = viewport.mesh.as_deref().filter(|mesh| is_warp_mesh(mesh));
+    let kind = |picture: &str| match mesh {
+        Some(mesh) => format!("kind = \"mesh\"\nfile = {}\npicture = \"{picture}\"\n", quoted(mesh)),
+        None => format!("kind = \"{picture}\"\n"),
+    };
+    let mut keys = match &viewport.projection {
+        sgct::Projection::Fisheye { aperture, tilt } => {
+            let kind = kind("domemaster");
+            format!("{kind}aperture = {:?}\ntilt = {:?}\n", aperture.to_degrees(), tilt.to_degrees())
+        }
+        sgct::Projection::Planar { rotation, frustum } => {
+            format!("{}{}{}", kind("perspective"), projector::angles(rotation), projector::opening(frustum))
+        }
+        sgct::Projection::Mirror { tilt, meshes } => mirror(viewport, *tilt, meshes, place)?,
+        sgct::Projection::Other(kind) => {
+            notes.push(format!("{name}: {kind} is left out"));
+            return Ok(None);
+        }
+    };
+    if let Some(mask) = &viewport.mask {
+        let _ = writeln!(keys, "mask = {{ image = {} }}", quoted(mask));
+    }
+    if let (Some(mesh), None) = (&viewport.mesh, mesh) {
+        notes.push(format!("{name}: the mesh {mesh} is left out; convert it, and make the output kind = \"mesh\""));
+    }
+    match viewport.eye {
+        Some(sgct::Eye::Left) => keys.push_str("eye = -0.0325\n"),
+        Some(sgct::Eye::Right) => keys.push_str("eye = 0.0325\n"),
+        None => {}
+    }
+    Ok(Some(keys))
+}
+
+/// Where a configuration's files are.
+struct Place<'a> {
+    /// The configuration; files that it names are beside it.
+    from: &'a Path,
+    /// The rig.
+    to: &'a Path,
+    /// Computer and viewport, in names of files.
+    number: String,
+}
+
+/// The keys of an output by way of a mirror: what the meshes of the four faces show together becomes one map of directions.
+fn mirror(viewport: &sgct::Viewport, tilt: f64, meshes: &[String; 4], place: &Place) -> Result<String, Failure> {
+    let [_, _, width, height] = viewport.place;
+    let size = (width as u32, height as u32);
+    let mut faces = Vec::new();
+    for (mesh, axes) in meshes.iter().zip(sgct::mirror_faces(tilt)) {
+        let path = place.from.with_file_name(mesh);
+        let name = path.to_string_lossy();
+        faces.push((Grid::Mesh(bourke::read(&name, &read_file(&path)?)?.value.mesh(&name)?), axes));
+    }
+    let mut values = Vec::with_capacity(size.0 as usize * size.1 as usize);
+    let mut light = Vec::with_capacity(values.capacity());
+    for (row, column) in (0..size.1).flat_map(|row| (0..size.0).map(move |column| (row, column))) {
+        let pixel = DVec2::new(f64::from(column), f64::from(row)) + 0.5;
+        // The last one drawn is seen.
+        let shown = faces.iter().rev().find_map(|(mesh, axes)| Some((mesh.sample(pixel, size)?, axes)));
+        match shown {
+            Some((sample, axes)) => {
+                let direction = *axes * (2.0 * sample.value.truncate() - 1.0).extend(-1.0);
+                values.push(direction.normalize().as_vec3().to_array());
+                light.push(decode(sample.intensity, GAMMA));
+            }
+            None => {
+                values.push([f32::NAN; 3]);
+                light.push(0.0);
+            }
+        }
+    }
+    let map = file_beside(place.to, 0, &place.number, "pfm");
+    save(&map, &pfm::write(size.0, &values))?;
+    let mask = mask(&file_beside(place.to, 0, &place.number, "png"), size, light)?;
+    Ok(format!(
+        "kind = \"mesh\"\nfile = {}\nvalues = \"directions\"\n{mask}blend = {{ gamma = {GAMMA} }}\n",
+        quoted(&file_name(&map))
+    ))
+}
+
+/// The response for which factors on displayed values are made light, as the file does not say it.
+const GAMMA: f64 = 2.2;
+
+/// Whether a file is a mesh that rigs read, by its name.
+fn is_warp_mesh(name: &str) -> bool {
+    let ending = Path::new(name).extension().unwrap_or_default();
+    ["data", "map"].iter().any(|known| ending.eq_ignore_ascii_case(known))
+}
