@@ -2,11 +2,10 @@
 
 use super::projector;
 use super::rig::{file_name, heading, mask, quoted};
-use super::source::read_file;
 use super::target::{Written, file_beside, save};
 use crate::Failure;
 use cupola::blend::decode;
-use cupola::formats::{Grid, bourke, pfm, sgct};
+use cupola::formats::{Grid, bourke, pfm, read_file, sgct};
 use glam::DVec2;
 use std::fmt::Write;
 use std::path::Path;
