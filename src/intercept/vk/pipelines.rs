@@ -1,6 +1,6 @@
 //! Pipelines: beside each of the program's, one that draws into a view and one that draws onto the panel.
 //!
-//! [`parts`] has what a structure says, of a whole pipeline or of a library; [`variants`] makes the others.
+//! `parts` has what a structure says, of a whole pipeline or of a library; `variants` makes the others.
 
 mod parts;
 mod variants;
