@@ -5,7 +5,7 @@
  * Draws the cells of the direction cube into a domemaster in one pass (vertex.ppm), and into views by the same shader
  * (fragment.ppm). Exits with 1 if anything was wrong.
  */
-#include "common/cells.h"
+#include "common/cell_array.h"
 #include "common/cube.h"
 #include "common/gl.h"
 #include "common/image.h"
@@ -46,9 +46,9 @@ static const char body[] =
 static const char fragment[] =
     "#version 330 core\nin vec3 shade;\nout vec4 result;\nvoid main() { result = vec4(shade, 1.0); }\n";
 
-static GLuint program, array;
+static GLuint program;
+static cell_array built;
 static matrix4 projection, modelview;
-static GLsizei index_count;
 static cupola_gl *dome;
 
 static void build_program(void)
@@ -66,25 +66,6 @@ static void build_program(void)
     free(text);
 }
 
-static void build_cells(void)
-{
-    GLuint buffers[2];
-    cells all = cells_new(false, false);
-    index_count = (GLsizei)all.index_count;
-    glGenVertexArrays(1, &array);
-    glBindVertexArray(array);
-    glGenBuffers(2, buffers);
-    glBindBuffer(GL_ARRAY_BUFFER, buffers[0]);
-    glBufferData(GL_ARRAY_BUFFER, (GLsizeiptr)(all.corner_count * sizeof(cell_corner)), all.corners, GL_STATIC_DRAW);
-    glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, buffers[1]);
-    glBufferData(GL_ELEMENT_ARRAY_BUFFER, (GLsizeiptr)(all.index_count * sizeof(GLuint)), all.indices, GL_STATIC_DRAW);
-    glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, sizeof(cell_corner), (const void *)offsetof(cell_corner, position));
-    glVertexAttribPointer(1, 3, GL_FLOAT, GL_FALSE, sizeof(cell_corner), (const void *)offsetof(cell_corner, colour));
-    glEnableVertexAttribArray(0);
-    glEnableVertexAttribArray(1);
-    cells_free(&all);
-}
-
 static void draw(const cupola_gl_view *view, void *user)
 {
     float vectors[32];
@@ -97,8 +78,8 @@ static void draw(const cupola_gl_view *view, void *user)
     glUniformMatrix4fv(glGetUniformLocation(program, "P"), 1, GL_FALSE, projection.m);
     glUniformMatrix4fv(glGetUniformLocation(program, "MV"), 1, GL_FALSE, modelview.m);
     glUniform4fv(glGetUniformLocation(program, "cupola_view"), 8, vectors);
-    glBindVertexArray(array);
-    glDrawElements(GL_TRIANGLES, index_count, GL_UNSIGNED_INT, NULL);
+    glBindVertexArray(built.array);
+    glDrawElements(GL_TRIANGLES, built.index_count, GL_UNSIGNED_INT, NULL);
 }
 
 /* A frame by each view, since the callback form forbids calls of the same handle. */
@@ -151,7 +132,7 @@ int main(int argc, char **argv)
     modelview = matrix_multiply(matrix_camera(atof(argv[2]), atof(argv[3])), matrix_scale(CUBE_SCALE));
     surfaceless_open();
     build_program();
-    build_cells();
+    built = cell_array_new(false, false);
     frame("vertex", size, 1, "vertex.ppm");
     frame("fragment", size, 0, "fragment.ppm");
     CHECK(glGetError() == GL_NO_ERROR);
