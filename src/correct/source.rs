@@ -7,7 +7,7 @@ use crate::blend::Border;
 use crate::error::Result;
 use crate::geom::fisheye::RadialForm;
 use crate::geom::pencil::RimForms;
-use crate::geom::screen::{Bounds, ClosedForm, ClosedSurface, Shape};
+use crate::geom::screen::{ClosedForm, ClosedSurface, Shape};
 use crate::geom::{Fisheye, Optics, Panorama, Pencil, Quadric, Screen, Sphere, pose};
 use crate::rig::{Method, Output, OutputKind, Rig};
 use crate::views::sight::{lens_rotation, perspective_rays, viewer_rotation};
@@ -136,7 +136,7 @@ fn projector(rig: &Rig, index: usize, eye: DVec3, to_viewer: DMat3) -> Option<Pr
         pencil,
         direction: pencil.seen_from(to_surface(eye), to_viewer * from_surface),
         bounds,
-        rim: (bounds != Bounds::default()).then(|| RimForms::of(&pencil, &bounds)),
+        rim: (!bounds.is_all()).then(|| RimForms::of(&pencil, &bounds)),
         // Turned about x by the tilt, the pole comes to lie on +y and the front on −z.
         dome_direction: pencil.seen_from(to_surface(DVec3::ZERO), DMat3::from_rotation_x(rig.dome.tilt) * from_surface),
         neighbours: neighbours?,

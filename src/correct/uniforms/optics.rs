@@ -32,7 +32,7 @@ pub(super) fn set(out: &mut Constants, source: &OpticsSource, batch: &Batch, bas
     out.set("shift", &to_base.translation.to_array())?;
     out.set_matrix("dome", source.to_dome.matrix3)?;
     out.set("dome_shift", &source.to_dome.translation.to_array())?;
-    if batch.edge && source.bounds != Default::default() {
+    if batch.edge && !source.bounds.is_all() {
         let sides = source.bounds.sides.as_ref();
         out.set("rim", &[sides.map_or(1.0, |sides| if sides.join == Join::Both { 2.0 } else { 3.0 })])?;
         for (i, space) in source.bounds.limits.iter().enumerate() {
