@@ -152,6 +152,8 @@ mod tests {
     fn forms_and_bounds_agree_with_traced_rays() {
         let mut random = Random::new(91);
         let (mut lit, mut dark) = ([0; 5], [0; 5]);
+        // An eye a millimetre aside must be noticed.
+        let mut noticed = 0.0f64;
         for _ in 0..400 {
             for (index, shape) in shapes(&mut random).into_iter().enumerate() {
                 let Some(closed) = shape.closed_form() else { panic!("{shape:?} has one") };
@@ -167,6 +169,7 @@ mod tests {
                 }
                 let (eye, target) = (random.vector(-1.0, 1.0), random.rotation());
                 let form = pencil.seen_from(eye - middle, target);
+                let aside = pencil.seen_from(eye - middle + DVec3::X * 1e-3, target);
                 let rims = RimForms::of(&pencil, &bounds);
                 for _ in 0..20 {
                     let (x, y) = (random.range(-1.0, 1.0), random.range(-1.0, 1.0));
@@ -188,9 +191,12 @@ mod tests {
                     let seen = (target * (traced - eye)).normalize();
                     let shown = pencil.evaluate(&form, x, y).unwrap_or_default().normalize();
                     assert!(shown.distance(seen) < 1e-9, "{screen:?}: {shown} {seen}");
+                    let wrong = pencil.evaluate(&aside, x, y).unwrap_or_default().normalize();
+                    noticed = noticed.max(wrong.distance(seen));
                 }
             }
         }
+        assert!(noticed > 1e-4, "{noticed:e}");
         assert!(lit.iter().chain(&dark).all(|count| *count > 300), "{lit:?} {dark:?}");
     }
 }
