@@ -156,9 +156,9 @@ impl OpticsSource {
         // A pixel of the reference's size.
         let pixel = 2.0 * width.max(height) / REFERENCE / DVec2::new(width, height);
         let place = |i: u32| 2.0 * f64::from(i) / f64::from(PLACES - 1) - 1.0;
-        let exact = (0..PLACES * PLACES).map(|i| (place(i % PLACES), place(i / PLACES))).all(|(x, y)| {
-            self.direction(x, y).is_none() || self.is_exact_at(x, y, pixel) == Some(true)
-        });
+        let exact = (0..PLACES * PLACES)
+            .map(|i| (place(i % PLACES), place(i / PLACES)))
+            .all(|(x, y)| self.direction(x, y).is_none() || self.is_exact_at(x, y, pixel) == Some(true));
         (exact && self.is_sound()).then_some(self)
     }
 
