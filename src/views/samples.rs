@@ -86,10 +86,10 @@ impl Samples {
             if !corner || edge == DVec3::ZERO {
                 continue;
             }
-            if let Some(sample) = self.sight.sample_towards(edge) {
-                // The point by `slack` beyond both sides.
-                let direction = edge - (first + second) * (slack / (1.0 + first.dot(second)));
-                found.push(Sample { direction: direction.normalize_or(edge), ..sample });
+            // The point by `slack` beyond both sides; of a narrowed cone it has to be shown itself: its corner may lie on a rim.
+            let direction = (edge - (first + second) * (slack / (1.0 + first.dot(second)))).normalize_or(edge);
+            if let Some(sample) = self.sight.sample_towards(if slack < 0.0 { direction } else { edge }) {
+                found.push(Sample { direction, ..sample });
             }
         }
         found
