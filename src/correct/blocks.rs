@@ -17,6 +17,9 @@ const MOST_OVERLAPS: usize = 6;
 /// Of these, each has at least this part of the blocks where pictures overlap: a shader for fewer costs more time
 /// to compile than it saves.
 const LEAST_PART: f64 = 0.02;
+/// And so many blocks: a shader where pictures overlap takes a software driver a tenth of a second to compile, for which
+/// so few blocks (12,288 pixels at about a nanosecond) would have to be drawn eight thousand times.
+const LEAST_BLOCKS: usize = 48;
 
 /// What a block needs. Views and neighbours are sets of bits; bit 63 or 127 stands for all from there on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -150,16 +153,22 @@ fn with_fewer_overlaps(mut classes: Vec<Option<Class>>) -> Vec<Option<Class>> {
     }
     overlaps.sort_by_key(|&(neighbours, view, count)| (std::cmp::Reverse(count), neighbours, view));
     let total: usize = overlaps.iter().map(|overlap| overlap.2).sum();
-    let frequent = overlaps.iter().filter(|overlap| overlap.2 as f64 >= LEAST_PART * total as f64).count();
+    let is_frequent = |count: usize| count >= LEAST_BLOCKS && count as f64 >= LEAST_PART * total as f64;
+    let frequent = overlaps.iter().filter(|overlap| is_frequent(overlap.2)).count();
     let rare = &overlaps[frequent.min(MOST_OVERLAPS - 1)..];
+    // The edge has a shader for all neighbours anyway: where one of the two is small, it serves both.
+    let edge = classes.iter().filter(|class| **class == Some(Class::EdgeOverlap)).count();
+    let few: usize = rare.iter().map(|overlap| overlap.2).sum();
+    let with_edge = edge > 0 && edge.min(few) < LEAST_BLOCKS;
     // Where there is one, it stays what it is.
-    if rare.len() > 1 {
+    if rare.len() > 1 || with_edge {
         let union = rare.iter().fold(0, |union, (neighbours, ..)| union | neighbours);
+        let united = if with_edge { Class::EdgeOverlap } else { Class::Overlap { neighbours: union, view: None } };
         for class in &mut classes {
             if let Some(Class::Overlap { neighbours, view }) = *class
                 && rare.iter().any(|other| (other.0, other.1) == (neighbours, view))
             {
-                *class = Some(Class::Overlap { neighbours: union, view: None });
+                *class = Some(united);
             }
         }
     }

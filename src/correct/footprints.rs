@@ -2,12 +2,14 @@
 
 use super::plan::{OutputPass, Plan, Source};
 use crate::views::View;
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 
 /// Cells of an output, across and down.
 const CELLS: u32 = 24;
 /// Samples of a cell, across and down, its borders among them.
 const SAMPLES: u32 = 5;
+/// Samples of an output, across and down.
+const SIDE: u32 = CELLS * (SAMPLES - 1) + 1;
 
 /// A rectangle of texels of the atlas: left, bottom, right, top; the last two are the first beyond it.
 pub type Texels = [i32; 4];
@@ -39,11 +41,14 @@ pub fn footprints(plan: &Plan, pass: &OutputPass, views: &[usize]) -> Option<Foo
     if views.iter().any(|&view| plan.views.views.get(view).is_some_and(|view| view.curved.is_some())) {
         return None;
     }
+    // Neighbouring cells share their borders, and all views the directions.
+    let lattice: Vec<Option<DVec3>> =
+        (0..SIDE * SIDE).map(|number| direction(pass, [number % SIDE, number / SIDE])).collect();
     let mut parts = Vec::new();
     for place in (0..CELLS * CELLS).map(|cell| [cell % CELLS, cell / CELLS]) {
         for &view in views {
             let Some(shown) = plan.views.views.get(view) else { continue };
-            if let Some(texels) = part(plan, pass, shown, place) {
+            if let Some(texels) = part(plan, &lattice, shown, place) {
                 parts.push(Part { place, view, texels });
             }
         }
@@ -51,20 +56,23 @@ pub fn footprints(plan: &Plan, pass: &OutputPass, views: &[usize]) -> Option<Foo
     Some(Footprints { size: pass.size, parts })
 }
 
+/// What is shown at a place of the lattice of samples, counted from the top left.
+fn direction(pass: &OutputPass, place: [u32; 2]) -> Option<DVec3> {
+    let at = |place: u32, length: u32| f64::from(place) / f64::from(SAMPLES - 1) * f64::from(length) / f64::from(CELLS);
+    let (x, y) = pass.source.normalised(pass.size, at(place[0], pass.size.0), at(place[1], pass.size.1));
+    pass.source.direction(x, y)
+}
+
 /// What the cell at `place` may sample of a view: around its samples, and as far again as neighbouring ones are apart.
-fn part(plan: &Plan, pass: &OutputPass, view: &View, place: [u32; 2]) -> Option<Texels> {
+fn part(plan: &Plan, lattice: &[Option<DVec3>], view: &View, place: [u32; 2]) -> Option<Texels> {
     let tile = &view.tile;
     let (low, size) =
         (DVec2::new(f64::from(tile.x), f64::from(tile.y)), DVec2::new(f64::from(tile.width), f64::from(tile.height)));
     let mut seen = [[None; SAMPLES as usize]; SAMPLES as usize];
     for (row, line) in seen.iter_mut().enumerate() {
         for (column, found) in line.iter_mut().enumerate() {
-            let at = |cell: u32, step: usize, length: u32| {
-                (f64::from(cell) + step as f64 / f64::from(SAMPLES - 1)) * f64::from(length) / f64::from(CELLS)
-            };
-            let (x, y) =
-                pass.source.normalised(pass.size, at(place[0], column, pass.size.0), at(place[1], row, pass.size.1));
-            *found = pass.source.direction(x, y).map(|direction| view.rotation * direction).and_then(|v| {
+            let [x, y] = [(0, column), (1, row)].map(|(axis, step)| place[axis] * (SAMPLES - 1) + step as u32);
+            *found = lattice[(y * SIDE + x) as usize].map(|direction| view.rotation * direction).and_then(|v| {
                 let tangent = DVec2::new(v.x, v.y) / -v.z;
                 let corner = DVec2::new(view.frustum.left, view.frustum.bottom);
                 let part = (tangent - corner) / DVec2::new(view.frustum.width(), view.frustum.height());

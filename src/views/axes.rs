@@ -2,8 +2,7 @@
 //!
 //! The axis only chooses the plane of the picture: the opening is off-centre as needed.
 
-use super::fit::{Fit, fit};
-use super::sight::Sample;
+use super::fit::{Fit, Patch, fit};
 use crate::geom::pose;
 use glam::{DMat3, DVec3};
 
@@ -20,8 +19,8 @@ pub(crate) struct Aimed {
 /// directions), or `None` where some direction would lie more than 83° from any axis tried.
 ///
 /// A grid of 3×3 axes and 4 rolls around the mean direction, then [`refined`] from the best two. Deterministic.
-pub(crate) fn tightest(coarse: &[Sample], fine: &[Sample], quality: f64) -> Option<Aimed> {
-    let base = facing(mean_direction(coarse));
+pub(crate) fn tightest(coarse: &Patch, fine: &Patch, quality: f64) -> Option<Aimed> {
+    let base = facing(coarse.middle());
     let mut starts: Vec<(f64, DMat3)> = Vec::new();
     for yaw in [0.0, -0.2, 0.2] {
         for pitch in [0.0, -0.2, 0.2] {
@@ -42,20 +41,15 @@ pub(crate) fn tightest(coarse: &[Sample], fine: &[Sample], quality: f64) -> Opti
 }
 
 /// Better axes near `axes` (local → viewer), by the simplex of Nelder and Mead (1965).
-pub(crate) fn refined(samples: &[Sample], axes: DMat3, quality: f64) -> DMat3 {
+pub(crate) fn refined(samples: &Patch, axes: DMat3, quality: f64) -> DMat3 {
     let turned = |at: [f64; 3]| axes * pose::rotation(at[0], at[1], at[2]);
     let cost = |at: [f64; 3]| texels(samples, turned(at), quality).ln();
     turned(nelder_mead(cost, [0.0; 3], 0.1, 90))
 }
 
 /// Texels that a view with `axes` (local → viewer) needs for `samples`; infinite where it cannot show them.
-pub(crate) fn texels(samples: &[Sample], axes: DMat3, quality: f64) -> f64 {
+pub(crate) fn texels(samples: &Patch, axes: DMat3, quality: f64) -> f64 {
     fit(axes.transpose(), samples, quality, false).map_or(f64::INFINITY, |fit| fit.texels())
-}
-
-/// The mean direction, or straight ahead where there is none.
-pub(crate) fn mean_direction(samples: &[Sample]) -> DVec3 {
-    samples.iter().map(|sample| sample.direction).sum::<DVec3>().normalize_or(DVec3::NEG_Z)
 }
 
 /// Axes (local → parent) of a camera that looks along `direction`, upright where that means something.

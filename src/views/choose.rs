@@ -1,20 +1,18 @@
 //! Which outputs get a view of their own, and which share a cube.
 
-use super::axes::{self, Aimed, facing, mean_direction};
+use super::alone::{Seen, alone_within, own_view};
+use super::axes::{Aimed, facing};
 use super::cost::beside_texels;
 use super::curved;
-use super::fit::Fit;
+use super::fit::{Fit, mean_direction};
 use super::partition::{Partition, Task, diagram};
-use super::samples::{COARSE, FINE, Samples};
+use super::samples::{COARSE, Samples};
 use super::search::search;
-use super::sight::{Sample, Sight, UNIT_FRUSTUM, lens_rotation};
+use super::sight::{Sight, lens_rotation};
 use crate::error::{Error, ErrorKind, Result};
 use crate::geom::{PictureMap, pose};
 use crate::rig::{OutputKind, Rig, ViewMethod};
-use glam::{DMat3, DVec2, DVec3};
-
-/// An output that shows directions farther than this from their middle (cosine of 65°) may get two views.
-const NARROW: f64 = 0.4226;
+use glam::{DMat3, DVec3};
 
 /// At quality 1 no view gets more texels than this for each pixel of the outputs that it serves.
 ///
@@ -61,43 +59,22 @@ impl Arrangement {
 }
 
 /// What views cost together, in texels.
-fn cost(rig: &Rig, views: &[Wanted]) -> f64 {
+pub(crate) fn cost(rig: &Rig, views: &[Wanted]) -> f64 {
     views.iter().map(|view| view.fit.texels() + beside_texels(rig)).sum()
-}
-
-/// An output, sampled at two levels.
-struct Seen {
-    coarse: Samples,
-    fine: Samples,
-    /// The view, or the two, that it can have to itself; empty where that is not possible.
-    own: Vec<Wanted>,
 }
 
 /// Chooses the views for outputs of the given sizes.
 pub(crate) fn arrange(rig: &Rig, sights: &[Sight]) -> Result<Arrangement> {
     let quality = rig.views.quality;
-    let method = rig.views.method;
     let mut notes = Vec::new();
     let mut seen = Vec::new();
     for (index, (output, sight)) in rig.outputs.iter().zip(sights).enumerate() {
-        let mut this = Seen { coarse: Samples::new(sight, COARSE), fine: Samples::new(sight, FINE), own: Vec::new() };
+        let this = Seen::new(rig, index, sight);
+        let single = rig.views.method == ViewMethod::Single && rig.views.cells.is_empty();
         if this.fine.is_empty() {
             notes.push(format!("output {} shows nothing: no ray of it meets the dome's screen", output.name));
-        } else {
-            let own = curved::view(rig, index, sight.size).or_else(|| own_view(&output.kind, index, sight, method));
-            this.own = match own {
-                Some(own) => vec![own],
-                None if method == ViewMethod::Cube || !rig.views.cells.is_empty() => Vec::new(),
-                None => tight_views(rig, &this),
-            };
-            if this.own.is_empty() && method == ViewMethod::Single && rig.views.cells.is_empty() {
-                return Err(no_single_view(&output.name, &this.fine));
-            }
-            let several = this.own.len() > 1;
-            for (number, view) in (1..).zip(&mut this.own) {
-                view.name = if several { format!("{}-{number}", output.name) } else { output.name.clone() };
-                view.outputs = vec![index];
-            }
+        } else if single && this.own(rig, index).is_empty() {
+            return Err(no_single_view(&output.name, &this.fine));
         }
         seen.push(this);
     }
@@ -129,7 +106,7 @@ pub(crate) fn arrange(rig: &Rig, sights: &[Sight]) -> Result<Arrangement> {
 fn best(rig: &Rig, seen: &[Seen], sights: &[Sight], eye: f64) -> Result<Arrangement> {
     let of_eye = |index: usize| rig.outputs[index].eye == eye;
     // Always alone: what needs no resampling then, or is drawn with the program's own lens.
-    let alone = |index: usize| seen[index].own.iter().any(|own| own.exact.is_some());
+    let alone = |index: usize| seen[index].is_exact();
     let is_circle = |index: usize| sights[index].is_circular();
     let ways: &[&dyn Fn(usize) -> bool] = match rig.views.method {
         _ if !rig.views.cells.is_empty() => &[&alone],
@@ -139,17 +116,23 @@ fn best(rig: &Rig, seen: &[Seen], sights: &[Sight], eye: f64) -> Result<Arrangem
     };
     // Ways that give the same outputs views of their own are the same.
     let mut tried: Vec<Vec<bool>> = Vec::new();
-    let mut arrangements = Vec::new();
-    for way in ways {
-        let own: Vec<bool> =
-            (0..seen.len()).map(|index| of_eye(index) && way(index) && !seen[index].own.is_empty()).collect();
+    let mut cheapest: Option<(f64, Arrangement)> = None;
+    // Of equals the first way counts; the last one is looked at first, since it needs no views of outputs' own and may
+    // cost less than these can.
+    for way in ways.iter().rev() {
+        let wanted: Vec<bool> = (0..seen.len()).map(|index| of_eye(index) && way(index)).collect();
+        let most = cheapest.as_ref().map_or(f64::INFINITY, |(cost, _)| *cost);
+        let Some(own) = alone_within(rig, seen, &wanted, most) else { continue };
         if !tried.contains(&own) {
-            arrangements.push(mixed(rig, seen, of_eye, |index| own[index])?);
+            let arrangement = mixed(rig, seen, of_eye, |index| own[index])?;
+            let cost = arrangement.cost(rig);
+            if cheapest.as_ref().is_none_or(|(other, _)| cost <= *other) {
+                cheapest = Some((cost, arrangement));
+            }
             tried.push(own);
         }
     }
-    let cheapest = arrangements.into_iter().min_by(|a, b| a.cost(rig).total_cmp(&b.cost(rig)));
-    Ok(cheapest.unwrap_or_default())
+    Ok(cheapest.map(|(_, arrangement)| arrangement).unwrap_or_default())
 }
 
 impl From<Aimed> for Wanted {
@@ -167,52 +150,6 @@ impl From<Aimed> for Wanted {
     }
 }
 
-/// The view of a perspective output: its own picture, texel for pixel.
-fn own_view(kind: &OutputKind, index: usize, sight: &Sight, method: ViewMethod) -> Option<Wanted> {
-    let OutputKind::Perspective { angles, frustum } = kind else { return None };
-    if method == ViewMethod::Cube && frustum.is_some() {
-        return None;
-    }
-    let (width, height) = sight.size;
-    let extent = frustum.unwrap_or(UNIT_FRUSTUM);
-    let rotation = match frustum {
-        Some(_) => pose::rotation(angles[0], angles[1], angles[2]).transpose(),
-        None => DMat3::IDENTITY,
-    };
-    let density = DVec2::new(f64::from(width) / extent.width(), f64::from(height) / extent.height());
-    Some(Wanted {
-        name: String::new(),
-        rotation,
-        fit: Fit { extent, density },
-        exact: Some((width, height)),
-        program_lens: frustum.is_none(),
-        curved: None,
-        eye: 0.0,
-        outputs: vec![index],
-    })
-}
-
-/// The tight view of an output, or two of them where that is cheaper: one shows a wide picture at the sharpness that its
-/// far end needs, and halves need less. With `method = "single"` it is one.
-fn tight_views(rig: &Rig, seen: &Seen) -> Vec<Wanted> {
-    let quality = rig.views.quality;
-    let samples = all(&seen.coarse);
-    let single = axes::tightest(&samples, &all(&seen.fine), quality);
-    let middle = mean_direction(&samples);
-    let least = samples.iter().map(|sample| sample.direction.dot(middle)).fold(1.0, f64::min);
-    let one: Vec<Wanted> = single.map(Wanted::from).into_iter().collect();
-    if rig.views.method == ViewMethod::Single || least > NARROW {
-        return one;
-    }
-    let (coarse, fine) = ([&seen.coarse], [&seen.fine]);
-    let task = Task::new(rig, &coarse, &fine);
-    let two: Vec<Wanted> = task
-        .halves(middle)
-        .map(|partition| partition.parts.into_iter().map(|part| Wanted::from(part.aimed)).collect())
-        .unwrap_or_default();
-    if one.is_empty() || !two.is_empty() && cost(rig, &two) < cost(rig, &one) { two } else { one }
-}
-
 /// Of the outputs that `chosen` names: views of their own for those that `alone` names, which have some; shared cells for
 /// the others.
 fn mixed(
@@ -225,7 +162,7 @@ fn mixed(
     let mut sharing = Vec::new();
     for (index, this) in seen.iter().enumerate().filter(|(index, _)| chosen(*index)) {
         if alone(index) {
-            arrangement.views.extend(this.own.iter().cloned());
+            arrangement.views.extend(this.own(rig, index).iter().cloned());
         } else if !this.fine.is_empty() {
             sharing.push(index);
         }
@@ -303,11 +240,6 @@ fn limit(view: &mut Wanted, sights: &[Sight], quality: f64) -> Option<String> {
     ))
 }
 
-/// Every sample of an output.
-fn all(samples: &Samples) -> Vec<Sample> {
-    samples.iter().copied().collect()
-}
-
 /// Merges views that are the same in everything but the outputs.
 fn share_equals(views: &mut Vec<Wanted>) {
     let mut kept: Vec<Wanted> = Vec::with_capacity(views.len());
@@ -331,7 +263,7 @@ fn share_equals(views: &mut Vec<Wanted>) {
 /// Frames (local → viewer axes) around which cubes are tried: the viewer's, the domemasters', and
 /// one that looks at the middle of everything seen.
 fn frames(rig: &Rig, sharing: &[usize], samples: &[&Samples]) -> Vec<DMat3> {
-    let middle: DVec3 = samples.iter().map(|samples| mean_direction(&all(samples))).sum();
+    let middle: DVec3 = samples.iter().map(|samples| mean_direction(samples.iter())).sum();
     let lenses = sharing.iter().filter_map(|&index| match rig.outputs[index].kind {
         OutputKind::Domemaster { tilt, .. } => Some(lens_rotation(tilt)),
         OutputKind::Panorama { angles: [yaw, pitch, roll], .. } => Some(pose::rotation(yaw, pitch, roll)),
@@ -381,7 +313,7 @@ fn free_name(name: &str, views: &[Wanted]) -> String {
 }
 
 fn no_single_view(name: &str, samples: &Samples) -> Error {
-    let middle = mean_direction(&all(samples));
+    let middle = mean_direction(samples.iter());
     let widest = samples.iter().map(|sample| sample.direction.angle_between(middle)).fold(0.0, f64::max);
     Error::new(
         ErrorKind::InvalidRig,
@@ -391,4 +323,54 @@ fn no_single_view(name: &str, samples: &Samples) -> Error {
             widest.to_degrees(),
         ),
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geom::random::Random;
+    use crate::views::tests::{fisheye, lens, projector, rig};
+
+    /// The cheapest of all ways, each planned as a whole, the first of equals.
+    fn exhaustive(rig: &Rig, seen: &[Seen], sights: &[Sight]) -> Arrangement {
+        let ways: [&dyn Fn(usize) -> bool; 3] = [&|_| true, &|index| !sights[index].is_circular(), &|_| false];
+        let own = |index: usize| !seen[index].own(rig, index).is_empty();
+        let planned = |way: &&dyn Fn(usize) -> bool| mixed(rig, seen, |_| true, |i| way(i) && own(i)).expect("a plan");
+        let arrangements: Vec<Arrangement> = ways.iter().map(planned).collect();
+        arrangements.into_iter().min_by(|a, b| a.cost(rig).total_cmp(&b.cost(rig))).expect("three")
+    }
+
+    #[test]
+    fn what_is_not_planned_would_have_cost_more() {
+        let mut random = Random::new(11);
+        let (mut shared, mut unplanned) = (0, 0);
+        for round in 0..24 {
+            let count = 1 + round % 5;
+            let mut outputs: Vec<_> = (0..count)
+                .map(|index| {
+                    let yaw = f64::from(index) * 360.0 / f64::from(count) + random.range(-5.0, 5.0);
+                    let (width, height) = (random.range(30.0, 110.0), random.range(30.0, 70.0));
+                    projector("p", random.vector(-0.5, 0.5), [yaw, random.range(0.0, 60.0), 0.0], lens(width, height))
+                })
+                .collect();
+            if round % 3 == 0 {
+                outputs.push(outputs[0].clone());
+            }
+            if round % 4 == 0 {
+                outputs.push(fisheye(180.0, random.range(0.0, 90.0)));
+            }
+            let rig = rig(outputs);
+            let side = [40, 200, 700][round as usize % 3];
+            let sight = |index: usize| Sight::new(&rig, index, (side, side)).expect("a map");
+            let sights: Vec<Sight> = (0..rig.outputs.len()).map(sight).collect();
+            let seen =
+                || -> Vec<Seen> { sights.iter().enumerate().map(|(i, sight)| Seen::new(&rig, i, sight)).collect() };
+            let (quick, whole) = (seen(), seen());
+            let best = best(&rig, &quick, &sights, 0.0).expect("a plan");
+            assert_eq!(format!("{best:?}"), format!("{:?}", exhaustive(&rig, &whole, &sights)), "{rig:?}");
+            shared += usize::from(best.views.iter().any(|view| view.outputs.len() > 1));
+            unplanned += quick.iter().filter(|seen| !seen.is_planned()).count();
+        }
+        assert!(shared > 3 && unplanned > 3, "{shared} share views, {unplanned} outputs were not planned for alone");
+    }
 }

@@ -7,9 +7,12 @@
 //! `r = f_x²/f_y²` the least `f_y²` is the greatest eigenvalue of `diag(r^−½, 1)·G·diag(r^−½, 1)`
 //! over all samples: in closed form, so that only r is searched.
 
+use super::density::{Metrics, density, least_squared_up};
+use super::lanes::{LANES, Lanes};
+use super::samples::Samples;
 use super::sight::Sample;
 use crate::geom::Frustum;
-use glam::{DMat3, DVec2};
+use glam::{DMat3, DVec2, DVec3};
 
 /// The shortage of resolution between samples that is made good in advance: over a fortieth of a picture, twice what the
 /// curvature of any map seen so far hides.
@@ -34,35 +37,83 @@ impl Fit {
     }
 }
 
-/// The metric `G` of a sample: squared pixels per unit of tangent, `[[across, mixed], [mixed, up]]`.
+/// Samples that are fitted many times, four by four.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Patch {
+    /// What is missing of the last four is like the first of them.
+    fours: Vec<Four>,
+    middle: DVec3,
+}
+
+/// Four samples: their directions, and their spreads (symmetric: xx, yy, zz, xy, xz, yz).
 #[derive(Clone, Copy, Debug)]
-struct Metric {
-    across: f64,
-    mixed: f64,
-    up: f64,
+struct Four {
+    direction: [Lanes; 3],
+    spread: [Lanes; 6],
+}
+
+impl Four {
+    fn of(samples: &[Sample]) -> Self {
+        let lanes = |part: &dyn Fn(&Sample) -> f64| {
+            Lanes(std::array::from_fn(|lane| part(samples.get(lane).unwrap_or(&samples[0]))))
+        };
+        // Column, row.
+        let spread = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
+        Self {
+            direction: std::array::from_fn(|axis| lanes(&|sample| sample.direction[axis])),
+            spread: spread.map(|(column, row)| lanes(&|sample| sample.spread.col(column)[row])),
+        }
+    }
+}
+
+impl Patch {
+    /// Of these.
+    pub fn new(samples: &[Sample]) -> Self {
+        Self { fours: samples.chunks(LANES).map(Four::of).collect(), middle: mean_direction(samples.iter()) }
+    }
+
+    /// Of all of an output's.
+    pub fn of(samples: &Samples) -> Self {
+        Self::new(&samples.iter().copied().collect::<Vec<_>>())
+    }
+
+    /// The mean of their directions, of unit length; straight ahead where there is none.
+    pub fn middle(&self) -> DVec3 {
+        self.middle
+    }
 }
 
 /// What a view with axes `rotation` (viewer → view) needs to show `samples` with `quality` texels
 /// per pixel; `None` if there are none, or one lies too far from the axis for a perspective view.
 ///
 /// `fine` searches the ratio of the two resolutions to 1e-4 instead of some per cent.
-pub(crate) fn fit(rotation: DMat3, samples: &[Sample], quality: f64, fine: bool) -> Option<Fit> {
-    let mut metrics = Vec::with_capacity(samples.len());
-    let (mut low, mut high) = (DVec2::splat(f64::INFINITY), DVec2::splat(f64::NEG_INFINITY));
-    for sample in samples {
-        let (at, metric) = project(rotation, sample)?;
-        (low, high) = (low.min(at), high.max(at));
+pub(crate) fn fit(rotation: DMat3, samples: &Patch, quality: f64, fine: bool) -> Option<Fit> {
+    let axes = Axes::new(rotation);
+    // Twice through the directions costs less than metrics that are not needed.
+    let nearest = samples.fours.iter().fold(Lanes::all(f64::INFINITY), |least, four| least.min(axes.ahead(four)));
+    if nearest.least() < LEAST_COSINE {
+        return None;
+    }
+    let mut metrics = Vec::with_capacity(samples.fours.len());
+    let (mut low, mut high) = ([Lanes::all(f64::INFINITY); 2], [Lanes::all(f64::NEG_INFINITY); 2]);
+    for four in &samples.fours {
+        let (at, metric) = axes.project(four);
+        for axis in 0..2 {
+            (low[axis], high[axis]) = (low[axis].min(at[axis]), high[axis].max(at[axis]));
+        }
         metrics.push(metric);
     }
-    let extent = Frustum { left: low.x, right: high.x, bottom: low.y, top: high.y };
+    let extent =
+        Frustum { left: low[0].least(), right: high[0].greatest(), bottom: low[1].least(), top: high[1].greatest() };
     Some(Fit { extent, density: density(&metrics, fine)? * (quality * RESERVE) })
 }
 
 impl Fit {
     /// Raises the resolution to what `others`, shown by the same view, need too.
     pub fn raise(&mut self, rotation: DMat3, others: &[Sample], quality: f64) {
-        let metrics: Vec<Metric> =
-            others.iter().filter_map(|sample| project(rotation, sample)).map(|seen| seen.1).collect();
+        let axes = Axes::new(rotation);
+        let shown: Vec<Sample> = others.iter().filter(|sample| axes.shows(sample)).copied().collect();
+        let metrics: Vec<Metrics> = shown.chunks(LANES).map(|four| axes.project(&Four::of(four)).1).collect();
         if let Some(needed) = density(&metrics, true) {
             self.density = self.density.max(needed * (quality * RESERVE));
         }
@@ -72,100 +123,73 @@ impl Fit {
 /// Texels per pixel around a sample in the direction in which there are fewest, in a view with axes `rotation`
 /// (viewer → view) and `density` texels per unit of tangent; `None` too far from its axis.
 pub(crate) fn sharpness(rotation: DMat3, density: DVec2, sample: &Sample) -> Option<f64> {
-    let (_, metric) = project(rotation, sample)?;
+    let axes = Axes::new(rotation);
+    if !axes.shows(sample) {
+        return None;
+    }
+    let (_, metric) = axes.project(&Four::of(std::slice::from_ref(sample)));
     let squared = density * density;
-    let scaled = Metric {
-        across: metric.across / squared.x,
-        mixed: metric.mixed / (density.x * density.y),
-        up: metric.up / squared.y,
+    let scaled = Metrics {
+        across: metric.across / Lanes::all(squared.x),
+        mixed: metric.mixed / Lanes::all(density.x * density.y),
+        up: metric.up / Lanes::all(squared.y),
     };
     Some(1.0 / least_squared_up(&[scaled], 0.0).sqrt())
 }
 
-/// Where a sample lies in a view, and its metric there; `None` if it is too far from the axis.
-fn project(rotation: DMat3, sample: &Sample) -> Option<(DVec2, Metric)> {
-    let local = rotation * sample.direction;
-    if -local.z < LEAST_COSINE {
-        return None;
+/// Axes of a view: the rows of its rotation (viewer → view).
+struct Axes {
+    rows: [[Lanes; 3]; 3],
+    rotation: DMat3,
+}
+
+impl Axes {
+    fn new(rotation: DMat3) -> Self {
+        let rows = rotation.transpose();
+        let lanes = |row: DVec3| row.to_array().map(Lanes::all);
+        Self { rows: [lanes(rows.x_axis), lanes(rows.y_axis), lanes(rows.z_axis)], rotation }
     }
-    let nearness = -1.0 / local.z;
-    let at = DVec2::new(local.x, local.y) * nearness;
-    // Rows of d(u, w)/d(direction), in viewer axes and without the factor `nearness`.
-    let rows = rotation.transpose();
-    let (across, up) = (rows.x_axis + rows.z_axis * at.x, rows.y_axis + rows.z_axis * at.y);
-    let (spread_across, spread_up) = (sample.spread * across, sample.spread * up);
-    let scale = nearness * nearness;
-    let (xx, xy, yy) = (across.dot(spread_across) * scale, across.dot(spread_up) * scale, up.dot(spread_up) * scale);
-    // A pixel that is seen edge-on would ask for endless resolution; it gets a finite amount.
-    let determinant = (xx * yy - xy * xy).max(1e-6 * xx * yy).max(f64::MIN_POSITIVE);
-    Some((at, Metric { across: yy / determinant, mixed: -xy / determinant, up: xx / determinant }))
-}
 
-/// The least product of resolutions, in texels per unit of tangent at quality 1, that satisfies all `metrics`.
-fn density(metrics: &[Metric], fine: bool) -> Option<DVec2> {
-    let across = metrics.iter().map(|metric| metric.across).fold(0.0, f64::max);
-    let up = metrics.iter().map(|metric| metric.up).fold(0.0, f64::max);
-    if !(across > 0.0 && up > 0.0 && across.is_finite() && up.is_finite()) {
-        return None;
+    /// Whether a sample is near enough to the axis.
+    fn shows(&self, sample: &Sample) -> bool {
+        -(self.rotation * sample.direction).z >= LEAST_COSINE
     }
-    let metrics = &undominated(metrics);
-    let centre = (across / up).ln();
-    // log of the squared product, halved
-    let cost = |log_ratio: f64| least_squared_up(metrics, log_ratio).ln() + 0.5 * log_ratio;
-    let steps = if fine { 24 } else { 8 };
-    let step = 6.0 / f64::from(steps);
-    let start = (0..=steps)
-        .map(|index| centre - 3.0 + step * f64::from(index))
-        .map(|log_ratio| (cost(log_ratio), log_ratio))
-        .min_by(|a, b| a.0.total_cmp(&b.0))?
-        .1;
-    let log_ratio = golden_section(cost, start - step, start + step, if fine { 1e-4 } else { 6e-2 });
-    let squared = least_squared_up(metrics, log_ratio);
-    Some(DVec2::new((squared * log_ratio.exp()).sqrt(), squared.sqrt()))
-}
 
-/// The metrics but for those that others imply (`G ⪯ G'`), as far as the few greatest ones tell.
-fn undominated(metrics: &[Metric]) -> Vec<Metric> {
-    let greatest = |size: fn(&Metric) -> f64| metrics.iter().max_by(|a, b| size(a).total_cmp(&size(b)));
-    let pivots: Vec<Metric> =
-        [greatest(|m| m.across), greatest(|m| m.up), greatest(|m| m.across + m.up), greatest(|m| m.across * m.up)]
-            .into_iter()
-            .flatten()
-            .copied()
-            .collect();
-    let implied = |metric: &Metric, by: &Metric| {
-        let (across, mixed, up) = (by.across - metric.across, by.mixed - metric.mixed, by.up - metric.up);
-        across >= 0.0 && up >= 0.0 && across * up > mixed * mixed
-    };
-    let rest = metrics.iter().filter(|metric| !pivots.iter().any(|pivot| implied(metric, pivot)));
-    pivots.iter().chain(rest).copied().collect()
-}
-
-/// The least `f_y²` for `f_x²/f_y² = exp(log_ratio)`.
-fn least_squared_up(metrics: &[Metric], log_ratio: f64) -> f64 {
-    let (inverse, root) = ((-log_ratio).exp(), (-0.5 * log_ratio).exp());
-    metrics.iter().fold(0.0, |greatest, metric| {
-        let (across, mixed) = (metric.across * inverse, metric.mixed * root);
-        let half = 0.5 * (across - metric.up);
-        f64::max(greatest, 0.5 * (across + metric.up) + (half * half + mixed * mixed).sqrt())
-    })
-}
-
-/// The place of a minimum of `cost` between `low` and `high`, to `tolerance` (Kiefer 1953).
-pub(crate) fn golden_section(cost: impl Fn(f64) -> f64, mut low: f64, mut high: f64, tolerance: f64) -> f64 {
-    const PART: f64 = 0.618_033_988_749_894_8;
-    let (mut left, mut right) = (high - PART * (high - low), low + PART * (high - low));
-    let (mut at_left, mut at_right) = (cost(left), cost(right));
-    while high - low > tolerance {
-        if at_left <= at_right {
-            (high, right, at_right) = (right, left, at_left);
-            left = high - PART * (high - low);
-            at_left = cost(left);
-        } else {
-            (low, left, at_left) = (left, right, at_right);
-            right = low + PART * (high - low);
-            at_right = cost(right);
-        }
+    /// The cosines of the angles from the axis.
+    #[inline(always)]
+    fn ahead(&self, four: &Four) -> Lanes {
+        -dot(&self.rows[2], &four.direction)
     }
-    0.5 * (low + high)
+
+    /// Where four samples lie in the view, and their metrics there.
+    #[inline(always)]
+    fn project(&self, four: &Four) -> ([Lanes; 2], Metrics) {
+        let nearness = Lanes::all(-1.0) / dot(&self.rows[2], &four.direction);
+        let at = [dot(&self.rows[0], &four.direction) * nearness, dot(&self.rows[1], &four.direction) * nearness];
+        // Rows of d(u, w)/d(direction), in viewer axes and without the factor `nearness`.
+        let row =
+            |k: usize| -> [Lanes; 3] { std::array::from_fn(|axis| self.rows[k][axis] + self.rows[2][axis] * at[k]) };
+        let (across, up) = (row(0), row(1));
+        let [xx, yy, zz, xy, xz, yz] = four.spread;
+        let spread = |v: &[Lanes; 3]| [dot(&[xx, xy, xz], v), dot(&[xy, yy, yz], v), dot(&[xz, yz, zz], v)];
+        let (spread_across, spread_up) = (spread(&across), spread(&up));
+        let scale = nearness * nearness;
+        let (xx, xy, yy) =
+            (dot(&across, &spread_across) * scale, dot(&across, &spread_up) * scale, dot(&up, &spread_up) * scale);
+        // A pixel that is seen edge-on would ask for endless resolution; it gets a finite amount.
+        let least = (Lanes::all(1e-6) * xx * yy).max(Lanes::all(f64::MIN_POSITIVE));
+        let determinant = least.max(xx * yy - xy * xy);
+        (at, Metrics { across: yy / determinant, mixed: -xy / determinant, up: xx / determinant })
+    }
+}
+
+/// Scalar products.
+#[inline(always)]
+fn dot(a: &[Lanes; 3], b: &[Lanes; 3]) -> Lanes {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// The mean direction, or straight ahead where there is none.
+pub(crate) fn mean_direction<'a>(samples: impl Iterator<Item = &'a Sample>) -> DVec3 {
+    samples.map(|sample| sample.direction).sum::<DVec3>().normalize_or(DVec3::NEG_Z)
 }

@@ -9,6 +9,9 @@ use super::cone::{Cone, Relation, WIDEST, diameter};
 use super::sight::Sight;
 use glam::{DVec2, DVec3};
 
+/// A view that is not idle mostly shows in some of so many pixels of an output, across and down.
+const FEW: u32 = 24;
+
 /// A view that answers for no pixel of any output, if there is one.
 pub(crate) fn find(plan: &ViewPlan, sights: &[Sight]) -> Option<usize> {
     (0..plan.views.len()).find(|&index| {
@@ -16,7 +19,7 @@ pub(crate) fn find(plan: &ViewPlan, sights: &[Sight]) -> Option<usize> {
             let earlier =
                 views.iter().take_while(|&&view| view != index).map(|&view| Cone::of(&plan.views[view])).collect();
             let search = Search { sight, view: Cone::of(&plan.views[index]), earlier };
-            views.contains(&index) && search.finds([0, 0, sight.size.0, sight.size.1])
+            views.contains(&index) && (search.finds_at_once() || search.finds([0, 0, sight.size.0, sight.size.1]))
         })
     })
 }
@@ -32,18 +35,28 @@ struct Search<'a> {
 impl Search<'_> {
     /// The direction at a pixel's centre, unit length.
     fn direction(&self, x: u32, y: u32) -> Option<DVec3> {
-        self.sight.sample(DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5)).map(|sample| sample.direction)
+        self.sight.direction(DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5))
+    }
+
+    /// Whether the view answers for a direction.
+    fn answers(&self, direction: DVec3) -> bool {
+        self.view.contains(direction) && !self.earlier.iter().any(|other| other.contains(direction))
+    }
+
+    /// Whether there is such a pixel among a few.
+    fn finds_at_once(&self) -> bool {
+        let pixel = |step: u32, length: u32| (u64::from(2 * step + 1) * u64::from(length) / u64::from(2 * FEW)) as u32;
+        let (width, height) = self.sight.size;
+        let places = (0..FEW).flat_map(|row| (0..FEW).map(move |column| (pixel(column, width), pixel(row, height))));
+        places.filter_map(|(x, y)| self.direction(x, y)).any(|direction| self.answers(direction))
     }
 
     /// Whether such a pixel is in a block (left, top, right, bottom, the latter two excluded):
     /// by quarters, but for blocks that lie clear of the view or inside an earlier one.
     fn finds(&self, block: [u32; 4]) -> bool {
         let [left, top, right, bottom] = block;
-        let answers = |direction: DVec3| {
-            self.view.contains(direction) && !self.earlier.iter().any(|other| other.contains(direction))
-        };
         let (middle_x, middle_y) = (left + (right - left) / 2, top + (bottom - top) / 2);
-        if self.direction(middle_x, middle_y).is_some_and(answers) {
+        if self.direction(middle_x, middle_y).is_some_and(|direction| self.answers(direction)) {
             return true;
         }
         if right - left <= 1 && bottom - top <= 1 || self.hopeless(block) {

@@ -1,8 +1,8 @@
 //! The planner: which directions the outputs sample, and the fewest, tightest views that show them.
 //!
-//! `sight` maps the pixels of each output to directions, `samples` gathers them along lines, `fit`
-//! finds the opening and the resolution that a view with given axes needs, `axes` and `partition`
-//! choose axes, `choose` compares the families of views by what `cost` says, `layout` and `atlas` size and place them,
+//! `sight` maps the pixels of each output to directions, `samples` gathers them along lines, `fit` and `density`
+//! find the opening and the resolution that a view with given axes needs (four samples at a time: `lanes`), `axes` and
+//! `partition` choose axes, `alone` plans views that serve one output, `choose` compares the families of views by what `cost` says, `layout` and `atlas` size and place them,
 //! `curved` gives outputs whose vertices are projected straight to their pixels a picture of their own,
 //! `search` looks for better cells than a cube's, for a rig to keep, `idle` finds those that would be drawn for nothing, `survey` and `report` look at the result.
 //!
@@ -10,14 +10,17 @@
 //! in every direction, everywhere; a domemaster gets its nominal resolution (diameter over aperture)
 //! in every direction, everywhere, or that of its own pixels (`[views] resolution = "full"`).
 
+mod alone;
 mod atlas;
 pub(crate) mod axes;
 mod choose;
 pub(crate) mod cone;
 mod cost;
 mod curved;
+mod density;
 mod fit;
 mod idle;
+mod lanes;
 mod layout;
 mod partition;
 mod report;

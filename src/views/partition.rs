@@ -4,10 +4,11 @@
 //! wider than 90°, or any others that planes through the viewer bound ([`diagram`]). A cell that is sampled only in part gets axes of its own: the view that shows a half
 //! face is tighter when it is tilted towards that half, and a triangle needs another roll than a square.
 
-use super::axes::{Aimed, facing, mean_direction, refined, texels};
+use super::axes::{Aimed, facing, refined, texels};
 use super::cone::Cone;
 use super::cost::beside_texels;
-use super::fit::{fit, golden_section};
+use super::density::golden_section;
+use super::fit::{Patch, fit};
 use super::layout::MARGIN;
 use super::samples::Samples;
 use super::sight::Sample;
@@ -17,6 +18,9 @@ use std::f64::consts::FRAC_PI_4;
 
 /// A cube's upper and lower faces stay as wide as they are unless this part of the cost is enough.
 const WORTH_IT: f64 = 0.998;
+
+/// Of the turns of a cube that are tried, so many are looked at closely.
+const BEST_TURNS: usize = 3;
 
 /// A view of a partition.
 #[derive(Clone, Debug)]
@@ -172,26 +176,24 @@ impl<'a> Task<'a> {
 
     /// The turn and the widths of the best cube.
     fn best_cube(&self, frames: &[DMat3]) -> Option<(DMat3, Widths)> {
-        let mut ranked: Vec<(i64, DMat3)> = turns(frames)
-            .into_iter()
-            .map(|turned| (rounded(self.estimate(&cells(turned, Widths::CUBE))), turned))
-            .collect();
-        // Stable, and compared to a thousandth: of equals, the first wins whatever the rounding.
-        ranked.sort_by_key(|(cost, _)| *cost);
+        let mut ranked: Vec<(i64, f64, DMat3)> = Vec::new();
+        for turned in turns(frames) {
+            // What is dearer than the best few need not be known.
+            let limit = ranked.get(BEST_TURNS - 1).map_or(i64::MAX, |(cost, ..)| *cost);
+            let cost = self.estimate_up_to(&cells(turned, Widths::CUBE), limit);
+            // Behind its equals, and compared to a thousandth: of equals, the first wins whatever the rounding.
+            let place = ranked.partition_point(|(other, ..)| *other <= rounded(cost));
+            ranked.insert(place, (rounded(cost), cost, turned));
+        }
         let best = ranked
             .iter()
-            .take(3)
-            .map(|&(_, turned)| {
-                let front = self.best_front(turned);
-                (rounded(self.front_cost(turned, front)), turned, front)
+            .take(BEST_TURNS)
+            .map(|&(_, cost, turned)| {
+                let (front, cost) = self.best_front(turned, cost);
+                (rounded(cost), turned, front)
             })
             .min_by_key(|(cost, _, _)| *cost);
         best.map(|(_, turned, front)| (turned, self.finer(turned, front)))
-    }
-
-    /// The cost of a cube with a front face of this width.
-    fn front_cost(&self, turned: DMat3, front: f64) -> f64 {
-        self.estimate(&cells(turned, Widths { front, ..Widths::CUBE }))
     }
 
     /// All widths to a part of a per cent, the front's near `front`.
@@ -210,11 +212,12 @@ impl<'a> Task<'a> {
         if cost(other) < WORTH_IT * cost(plain) { other } else { plain }
     }
 
-    /// The width of the front face: a cube's, or less or more where that is cheaper.
-    fn best_front(&self, turned: DMat3) -> f64 {
-        let cost = |front: f64| self.front_cost(turned, front);
+    /// The width of the front face: a cube's, which costs `plain`, or less or more where that is cheaper; and its cost.
+    fn best_front(&self, turned: DMat3, plain: f64) -> (f64, f64) {
+        let cost = |front: f64| self.estimate(&cells(turned, Widths { front, ..Widths::CUBE }));
         let front = golden_section(cost, 0.7, 1.2, 0.03);
-        if cost(front) < 0.995 * cost(1.0) { front } else { 1.0 }
+        let found = cost(front);
+        if found < 0.995 * plain { (front, found) } else { (1.0, plain) }
     }
 
     /// Directions within so many radians beyond a cell's side are left to the neighbour.
@@ -226,18 +229,22 @@ impl<'a> Task<'a> {
     }
 
     /// What the outputs sample of a cell, and which of them.
-    fn sampled(&self, outputs: &[&Samples], cell: &Cell) -> (Vec<Sample>, Vec<usize>) {
-        let users: Vec<usize> = (0..outputs.len())
-            .filter(|&index| !outputs[index].within(&cell.normals, -self.ignored()).is_empty())
-            .collect();
-        let samples =
+    fn sampled(&self, outputs: &[&Samples], cell: &Cell) -> (Patch, Vec<usize>) {
+        let users: Vec<usize> =
+            (0..outputs.len()).filter(|&index| outputs[index].reach_into(&cell.normals, -self.ignored())).collect();
+        let samples: Vec<Sample> =
             users.iter().flat_map(|&index| outputs[index].within(&cell.normals, 2.0 * self.ignored())).collect();
-        (samples, users)
+        (Patch::new(&samples), users)
     }
 
     /// The cost of a partition, with axes only tilted and rolled in steps; infinite where an output is so small, and so near to the
     /// sides of cells, that it is left to the neighbour by all.
     pub fn estimate(&self, cells: &[Cell]) -> f64 {
+        self.estimate_up_to(cells, i64::MAX)
+    }
+
+    /// [`Task::estimate`], or infinity where it is [`rounded`] to more than `limit`.
+    fn estimate_up_to(&self, cells: &[Cell], limit: i64) -> f64 {
         let mut left: Vec<bool> = self.coarse.iter().map(|samples| !samples.is_empty()).collect();
         let mut cost = 0.0;
         for cell in cells {
@@ -245,6 +252,9 @@ impl<'a> Task<'a> {
             users.iter().for_each(|&user| left[user] = false);
             if !users.is_empty() {
                 cost += tilted(cell, &samples, self.quality).0 + self.beside;
+            }
+            if rounded(cost) > limit {
+                return f64::INFINITY;
             }
         }
         if left.contains(&true) { f64::INFINITY } else { cost }
@@ -332,9 +342,9 @@ fn rounded(cost: f64) -> i64 {
 
 /// The texels and the axes (local → viewer) of a view for `samples`, the part of a cell that is
 /// seen: the cell's axes tilted towards the middle of the samples, rolled by 0° or 45°.
-fn tilted(cell: &Cell, samples: &[Sample], quality: f64) -> (f64, DMat3) {
+fn tilted(cell: &Cell, samples: &Patch, quality: f64) -> (f64, DMat3) {
     let straight = (texels(samples, cell.axes, quality), cell.axes);
-    let (axis, middle) = (-cell.axes.z_axis, mean_direction(samples));
+    let (axis, middle) = (-cell.axes.z_axis, samples.middle());
     let (hinge, angle) = (axis.cross(middle), axis.angle_between(middle));
     let Some(hinge) = hinge.try_normalize().filter(|_| angle > 0.05) else { return straight };
     [0.0, FRAC_PI_4]

@@ -212,6 +212,21 @@ impl Sight {
         }
     }
 
+    /// The direction seen at a pixel position, as [`Sight::sample`] has it, for less work.
+    pub fn direction(&self, pixel: DVec2) -> Option<DVec3> {
+        let at = self.normalised(pixel);
+        let seen = match &self.map {
+            Map::Fisheye { aperture, rotation, offset, .. } => {
+                *rotation * Fisheye { aperture: *aperture }.direction(at.x, at.y)? + *offset
+            }
+            Map::Projector(map) => map.to_viewer * (map.hit(at)?.point - map.eye),
+            Map::Traced { map, .. } => return map.direction(pixel),
+            Map::Perspective { rays, .. } => *rays * at.extend(1.0),
+        };
+        let squared = seen.length_squared();
+        (squared > 0.0 && squared.is_finite()).then(|| seen / squared.sqrt())
+    }
+
     /// Where what an output shows may end inside its picture: the rims of the screen, and the outline of a dome as a
     /// projector outside sees it. Each gives the samples along it (0…1) that lie within the outermost pixel centres.
     pub fn rims(&self) -> Vec<Rim<'_>> {
