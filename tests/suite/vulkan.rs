@@ -288,6 +288,7 @@ fn pipelines_that_are_linked() {
 fn programs_that_stay_flat_say_why() {
     let reasons = [
         ("multiview", "notes", "several views itself"),
+        ("independent", "notes", "no room for a descriptor set"),
         ("depths", "notes", "its shaders read what it draws together"),
         ("half", "single_framebuffers", "by passes of another size"),
         ("compute", "single_framebuffers", "it is read by compute shaders"),
@@ -301,6 +302,27 @@ fn programs_that_stay_flat_say_why() {
         let lit = finished.picture("shot.ppm").pixels.iter().filter(|pixel| **pixel != [0; 3]).count();
         assert!(lit > 1000, "{way}: {lit} pixels show something");
     }
+}
+
+/// A pass of two subpasses: what the second draws to the window is drawn for each view, with a panel that is clear. What reads there
+/// what the first drew is shown flat.
+#[test]
+fn passes_of_two_subpasses() {
+    let subpasses = |way| Run { extra: way, frames: 4, ..Run::new("vk_subpasses") };
+    let second = subpasses(&["--way", "second", "--shot", "shot.ppm"]);
+    let Some(finished) = second.vulkan_under("fisheye") else { return };
+    let picture = finished.picture("capture.png");
+    let report = compare(&picture, shown_by_fisheye(CIRCLE, camera_of(&second)));
+    expect_good(&report, &picture, "vk_subpasses second");
+    let (Some(plain), Some(same)) = (second.vulkan_plain(), second.vulkan_under("identity-captured")) else { return };
+    let plain = plain.expect_success().picture("shot.ppm");
+    expect_identical(&same.picture("shot.ppm"), &plain, "vk_subpasses second");
+    let input = subpasses(&["--way", "input"]);
+    let Some(finished) = input.vulkan_under("fisheye") else { return };
+    let notes = finished.statistics()["notes"].to_string();
+    assert!(notes.contains("flat") && notes.contains("shaders read"), "{notes}");
+    let report = compare(&finished.picture("capture.png"), shown_by_fisheye(CIRCLE, camera_of(&input)));
+    assert!(report.wrong > 1000, "control: a flat picture is not taken for a domemaster");
 }
 
 /// Passes over a part of the window: what they draw or clear there lies on the panel, and the scene stays.

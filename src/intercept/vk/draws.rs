@@ -388,6 +388,24 @@ hooks! { draws;
     [c"vkCmdDrawMeshTasksEXT"] cmd_draw_mesh_tasks: vk::PFN_vkCmdDrawMeshTasksEXT = (
         buffer: vk::CommandBuffer, x: u32, y: u32, z: u32
     ) { |state, next| draw(&state, buffer, u32::MAX, || next(buffer, x, y, z)) }
+    [c"vkCmdDrawMeshTasksNV"] cmd_draw_mesh_tasks_nv: vk::PFN_vkCmdDrawMeshTasksNV = (
+        buffer: vk::CommandBuffer, count: u32, first: u32
+    ) { |state, next| draw(&state, buffer, u32::MAX, || next(buffer, count, first)) }
+    [c"vkCmdDrawMeshTasksIndirectEXT"] cmd_draw_mesh_tasks_indirect: vk::PFN_vkCmdDrawMeshTasksIndirectEXT = (
+        buffer: vk::CommandBuffer, from: vk::Buffer, offset: vk::DeviceSize, count: u32, stride: u32
+    ) { |state, next| draw(&state, buffer, u32::MAX, || next(buffer, from, offset, count, stride)) }
+    [c"vkCmdDrawMeshTasksIndirectNV"] cmd_draw_mesh_tasks_indirect_nv: vk::PFN_vkCmdDrawMeshTasksIndirectNV = (
+        buffer: vk::CommandBuffer, from: vk::Buffer, offset: vk::DeviceSize, count: u32, stride: u32
+    ) { |state, next| draw(&state, buffer, u32::MAX, || next(buffer, from, offset, count, stride)) }
+    [c"vkCmdDrawMeshTasksIndirectCountEXT"] cmd_draw_mesh_tasks_count: vk::PFN_vkCmdDrawMeshTasksIndirectCountEXT = (
+        buffer: vk::CommandBuffer, from: vk::Buffer, offset: vk::DeviceSize, counts: vk::Buffer, count_offset: vk::DeviceSize, most: u32, stride: u32
+    ) { |state, next| draw(&state, buffer, u32::MAX, || next(buffer, from, offset, counts, count_offset, most, stride)) }
+    [c"vkCmdDrawMeshTasksIndirectCountNV"] cmd_draw_mesh_tasks_count_nv: vk::PFN_vkCmdDrawMeshTasksIndirectCountNV = (
+        buffer: vk::CommandBuffer, from: vk::Buffer, offset: vk::DeviceSize, counts: vk::Buffer, count_offset: vk::DeviceSize, most: u32, stride: u32
+    ) { |state, next| draw(&state, buffer, u32::MAX, || next(buffer, from, offset, counts, count_offset, most, stride)) }
+    [c"vkCmdDrawIndirectByteCountEXT"] cmd_draw_indirect_byte_count: vk::PFN_vkCmdDrawIndirectByteCountEXT = (
+        buffer: vk::CommandBuffer, instances: u32, first_instance: u32, counter: vk::Buffer, offset: vk::DeviceSize, counter_offset: u32, stride: u32
+    ) { |state, next| draw(&state, buffer, u32::MAX, || next(buffer, instances, first_instance, counter, offset, counter_offset, stride)) }
     [c"vkCmdBeginTransformFeedbackEXT"] cmd_begin_transform_feedback: vk::PFN_vkCmdBeginTransformFeedbackEXT = (
         buffer: vk::CommandBuffer, first: u32, count: u32, buffers: *const vk::Buffer, offsets: *const vk::DeviceSize
     ) { |state, next| {
