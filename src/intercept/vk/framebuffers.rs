@@ -214,7 +214,7 @@ unsafe fn render_pass(info: &vk::RenderPassCreateInfo<'_>) -> RenderPass {
             may_grow: attachments.clone().all(|a| may_grow(a.load_op, a.initial_layout)),
             formats: attachments.clone().map(|a| a.format).collect(),
             leaves: attachments.map(|a| a.final_layout).collect(),
-            obstacle: obstacle(subpasses.iter().any(|s| s.input_attachment_count > 0), masks.iter().any(|m| *m != 0)),
+            obstacle: obstacle(masks.iter().any(|m| *m != 0)),
         }
     }
 }
@@ -235,10 +235,7 @@ unsafe fn render_pass2(info: &vk::RenderPassCreateInfo2<'_>) -> RenderPass {
             may_grow: attachments.clone().all(|a| may_grow(a.load_op, a.initial_layout)),
             formats: attachments.clone().map(|a| a.format).collect(),
             leaves: attachments.map(|a| a.final_layout).collect(),
-            obstacle: obstacle(
-                subpasses.iter().any(|s| s.input_attachment_count > 0),
-                subpasses.iter().any(|s| s.view_mask != 0),
-            ),
+            obstacle: obstacle(subpasses.iter().any(|s| s.view_mask != 0)),
         }
     }
 }
@@ -248,12 +245,8 @@ fn used<R>(references: &[R], attachment: impl Fn(&R) -> u32) -> Vec<(u32, u32)> 
     (0..).zip(attachments).filter(|(_, attachment)| *attachment != vk::ATTACHMENT_UNUSED).collect()
 }
 
-fn obstacle(input: bool, multiview: bool) -> Option<&'static str> {
-    match (input, multiview) {
-        (true, _) => Some("its render pass reads attachments"),
-        (_, true) => Some("it draws several views itself"),
-        _ => None,
-    }
+fn obstacle(multiview: bool) -> Option<&'static str> {
+    multiview.then_some("it draws several views itself")
 }
 
 impl Framebuffers {
