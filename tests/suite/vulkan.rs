@@ -288,6 +288,7 @@ fn pipelines_that_are_linked() {
 fn programs_that_stay_flat_say_why() {
     let reasons = [
         ("multiview", "notes", "several views itself"),
+        ("independent", "notes", "no room for a descriptor set"),
         ("depths", "notes", "its shaders read what it draws together"),
         ("half", "single_framebuffers", "by passes of another size"),
         ("compute", "single_framebuffers", "it is read by compute shaders"),
@@ -301,6 +302,26 @@ fn programs_that_stay_flat_say_why() {
         let lit = finished.picture("shot.ppm").pixels.iter().filter(|pixel| **pixel != [0; 3]).count();
         assert!(lit > 1000, "{way}: {lit} pixels show something");
     }
+}
+
+/// A pass of two subpasses: what the second draws to the window is drawn for each view, with a panel that is clear, and so is what
+/// the first drew off screen and the second reads at the same pixel.
+#[test]
+fn passes_of_two_subpasses() {
+    for way in ["second", "input"] {
+        let extra = ["--way", way, "--shot", "shot.ppm"];
+        let run = Run { extra: &extra, frames: 4, ..Run::new("vk_subpasses") };
+        let Some(finished) = run.vulkan_under("fisheye") else { return };
+        let notes = finished.statistics()["notes"].to_string();
+        assert!(!notes.contains("flat"), "{way}: {notes}");
+        let picture = finished.picture("capture.png");
+        let report = compare(&picture, shown_by_fisheye(CIRCLE, camera_of(&run)));
+        expect_good(&report, &picture, &format!("vk_subpasses {way}"));
+        let (Some(plain), Some(same)) = (run.vulkan_plain(), run.vulkan_under("identity-captured")) else { return };
+        let plain = plain.expect_success().picture("shot.ppm");
+        expect_identical(&same.picture("shot.ppm"), &plain, &format!("vk_subpasses {way}"));
+    }
+    planetarium_of("vk_subpasses", &["--way", "input"], Run::vulkan_under);
 }
 
 /// Passes over a part of the window: what they draw or clear there lies on the panel, and the scene stays.

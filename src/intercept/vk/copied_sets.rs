@@ -1,5 +1,5 @@
 //! Copies of the program's descriptor sets, one for each view, that show its shaders the view's print in the place of a
-//! picture of the scene.
+//! picture of the scene, and the twin in the place of an attachment that they read.
 
 use super::descriptors::SetLayout;
 use super::device::Device;
@@ -19,6 +19,8 @@ pub struct Picture {
     pub view: vk::ImageView,
     /// The sampler, where the layout has none.
     pub sampler: vk::Sampler,
+    /// Of an attachment that is read at the pixel that is drawn: the layout that it is in then.
+    pub attachment: Option<vk::ImageLayout>,
 }
 
 /// What was written to a set.
@@ -48,9 +50,14 @@ impl Contents {
         }
     }
 
-    /// Views of the images that shaders can read.
+    /// Views of the images that shaders can sample.
     pub fn views(&self) -> impl Iterator<Item = vk::ImageView> + '_ {
-        self.pictures.values().map(|picture| picture.view)
+        self.pictures.values().filter(|picture| picture.attachment.is_none()).map(|picture| picture.view)
+    }
+
+    /// Whether shaders can read attachments.
+    pub fn reads_attachments(&self) -> bool {
+        self.pictures.values().any(|picture| picture.attachment.is_some())
     }
 }
 
@@ -93,9 +100,11 @@ impl Copies {
     ) -> Result<Option<Arc<[vk::DescriptorSet]>>, String> {
         let mut prints = Vec::new();
         for (place, picture) in &original.contents.pictures {
-            if let Some(print) = device.images.prints(device, picture.view, layout)? {
-                prints.push((*place, *picture, print));
-            }
+            let print = match picture.attachment {
+                Some(_) => Some(Prints::same(device.images.twin(device, picture.view, layout)?, layout.views.len())),
+                None => device.images.prints(device, picture.view, layout)?,
+            };
+            prints.extend(print.map(|print| (*place, *picture, print)));
         }
         if prints.is_empty() {
             return Ok(None);
@@ -167,7 +176,7 @@ impl Copies {
                     let image = [vk::DescriptorImageInfo {
                         sampler: picture.sampler,
                         image_view: *prints.views.get(view)?,
-                        image_layout: super::prints::SAMPLED,
+                        image_layout: picture.attachment.unwrap_or(super::prints::SAMPLED),
                     }];
                     Some((*place, image))
                 })
@@ -211,7 +220,8 @@ mod tests {
 
     #[test]
     fn what_was_written_last_counts() {
-        let picture = |number| Picture { view: vk::ImageView::from_raw(number), sampler: vk::Sampler::null() };
+        let picture =
+            |number| Picture { view: vk::ImageView::from_raw(number), sampler: vk::Sampler::null(), attachment: None };
         let (mut from, mut to) = (Contents::default(), Contents::default());
         from.write((3, 1), Some(picture(7)));
         to.copy(&from, ((3, 1), (0, 0)));
@@ -221,5 +231,7 @@ mod tests {
         let version = to.version;
         to.write((0, 0), None);
         assert!(to.views().next().is_none() && to.version > version);
+        to.write((0, 0), Some(Picture { attachment: Some(vk::ImageLayout::GENERAL), ..picture(8) }));
+        assert!(to.views().next().is_none() && to.reads_attachments(), "an attachment is not sampled");
     }
 }

@@ -6,6 +6,7 @@ use super::hook::hooks;
 use super::layout::Layout;
 use ash::vk;
 use std::collections::{BTreeMap, HashMap};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// The layout of a descriptor set.
@@ -83,6 +84,8 @@ pub struct Descriptors {
     layouts: Mutex<HashMap<vk::DescriptorSetLayout, Arc<SetLayout>>>,
     sets: Mutex<HashMap<vk::DescriptorSet, Set>>,
     templates: Mutex<HashMap<vk::DescriptorUpdateTemplate, Arc<Template>>>,
+    /// Some set has had attachments that shaders can read.
+    attachments: AtomicBool,
 }
 
 impl Descriptors {
@@ -155,7 +158,21 @@ impl Descriptors {
         Copies::of(&mut set.copies, device, &original, layout)
     }
 
+    /// Whether shaders can read attachments by a set.
+    pub fn reads_attachments(&self, set: vk::DescriptorSet) -> bool {
+        let sets = self.sets.lock().unwrap_or_else(PoisonError::into_inner);
+        sets.get(&set).is_some_and(|set| set.contents.reads_attachments())
+    }
+
+    /// Whether any set was written by which shaders can read attachments.
+    pub fn any_attachments(&self) -> bool {
+        self.attachments.load(Ordering::Relaxed)
+    }
+
     fn write(&self, set: vk::DescriptorSet, place: (u32, u32), picture: Option<Picture>) {
+        if picture.is_some_and(|picture| picture.attachment.is_some()) {
+            self.attachments.store(true, Ordering::Relaxed);
+        }
         if let Some(set) = self.sets.lock().unwrap_or_else(PoisonError::into_inner).get_mut(&set) {
             set.contents.write(place, picture);
         }
@@ -195,8 +212,11 @@ pub fn is_sampled(kind: vk::DescriptorType) -> bool {
     [vk::DescriptorType::COMBINED_IMAGE_SAMPLER, vk::DescriptorType::SAMPLED_IMAGE].contains(&kind)
 }
 
-fn picture(info: &vk::DescriptorImageInfo) -> Picture {
-    Picture { view: info.image_view, sampler: info.sampler }
+/// What a descriptor of this kind shows a picture by; `None` for those whose picture cannot be exchanged.
+fn picture(info: &vk::DescriptorImageInfo, kind: vk::DescriptorType) -> Option<Picture> {
+    let attachment = (kind == vk::DescriptorType::INPUT_ATTACHMENT).then_some(info.image_layout);
+    let picture = Picture { view: info.image_view, sampler: info.sampler, attachment };
+    (is_sampled(kind) || attachment.is_some()).then_some(picture)
 }
 
 hooks! { descriptors;
@@ -271,12 +291,11 @@ hooks! { descriptors;
                     state.descriptors.describe(write.dst_set, write.dst_binding, info);
                 }
             } else if is_picture(write.descriptor_type) {
-                let sampled = is_sampled(write.descriptor_type);
-                super::slice(write.p_image_info, count).iter().for_each(|info| state.images.described(&state, info.image_view, sampled));
+                super::slice(write.p_image_info, count).iter().for_each(|info| state.images.described(&state, info.image_view, write.descriptor_type));
             }
             let images = if is_picture(write.descriptor_type) { super::slice(write.p_image_info, count) } else { &[] };
             for index in 0..count {
-                let picture = images.get(index as usize).filter(|_| is_sampled(write.descriptor_type)).map(picture);
+                let picture = images.get(index as usize).and_then(|info| picture(info, write.descriptor_type));
                 state.descriptors.write(write.dst_set, (write.dst_binding, write.dst_array_element + index), picture);
             }
         }
@@ -321,8 +340,8 @@ hooks! { descriptors;
             } else if is_picture(entry.kind) {
                 for index in 0..entry.count as usize {
                     let info = std::ptr::read_unaligned(place.add(index * entry.stride).cast::<vk::DescriptorImageInfo>());
-                    state.images.described(&state, info.image_view, is_sampled(entry.kind));
-                    let shown = is_sampled(entry.kind).then(|| picture(&info));
+                    state.images.described(&state, info.image_view, entry.kind);
+                    let shown = picture(&info, entry.kind);
                     state.descriptors.write(set, (entry.binding, entry.first + index as u32), shown);
                 }
             }

@@ -63,21 +63,32 @@ fn is_main(viewport: &vk::Viewport, (width, height): (u32, u32)) -> bool {
     f64::from(viewport.width) * f64::from(viewport.height.abs()) * 2.0 > f64::from(width) * f64::from(height)
 }
 
-/// The sets with which the program's shaders see each view of the scene, where it drew that off screen: number of the
-/// set, one for each view, dynamic offsets.
-type OfViews = Vec<(u32, Arc<[vk::DescriptorSet]>, Vec<u32>)>;
+/// A set with which the program's shaders see each view of the scene, where it drew that off screen, and the twins of
+/// attachments that they read.
+struct SetOfViews {
+    number: u32,
+    /// One for each view.
+    sets: Arc<[vk::DescriptorSet]>,
+    dynamic: Vec<u32>,
+    /// It has attachments, so that the program's own set fits no pass that is drawn for each view.
+    attachments: bool,
+}
+
+/// All of them that a draw needs.
+type OfViews = Vec<SetOfViews>;
 
 /// # Errors
 /// Why there are none.
 fn sets_of_views(device: &Device, recording: &Recording, layout: &Layout, ours: u32) -> Result<OfViews, String> {
     let mut all = Vec::new();
-    if !device.images.has_candidates() {
+    if !device.images.has_candidates() && !device.descriptors.any_attachments() {
         return Ok(all);
     }
     for (number, bound) in (0..ours).zip(&recording.bound) {
         let Some(bound) = bound else { continue };
         if let Some(sets) = device.descriptors.of_views(device, bound.set, layout)? {
-            all.push((number, sets, bound.dynamic.clone()));
+            let attachments = device.descriptors.reads_attachments(bound.set);
+            all.push(SetOfViews { number, sets, dynamic: bound.dynamic.clone(), attachments });
         }
     }
     Ok(all)
@@ -233,14 +244,18 @@ unsafe fn each_view(
             }
         }
         tile.unbind(&of_views);
+        let attached: OfViews = of_views.into_iter().filter(|set| set.attachments).collect();
         if on_panel {
             tile.begin(variants.panel, tiles, layout.panel, true, layout.window);
+            tile.bind(&attached, 0);
             issue();
         }
         if let Some(primary) = layout.primary {
             tile.begin(variants.view, tiles + 1, primary, true, layout.window);
+            tile.bind(&attached, 0);
             issue();
         }
+        tile.unbind(&attached);
     }
 }
 
@@ -308,7 +323,7 @@ impl Tile<'_> {
     /// The command buffer is being recorded.
     unsafe fn bind(&mut self, sets: &OfViews, view: usize) {
         let Some(layout) = &self.pipeline.layout else { return };
-        for (number, sets, dynamic) in sets {
+        for SetOfViews { number, sets, dynamic, .. } in sets {
             let Some(set) = sets.get(view) else { continue };
             let (functions, graphics) = (&self.device.functions, vk::PipelineBindPoint::GRAPHICS);
             // SAFETY: as promised; the set is like the program's, which it bound for this place.
@@ -323,8 +338,8 @@ impl Tile<'_> {
     /// # Safety
     /// The command buffer is being recorded.
     unsafe fn unbind(&mut self, sets: &OfViews) {
-        let Some((first, ..)) = sets.first() else { return };
-        self.recording.displaced = Some(self.recording.displaced.map_or(*first, |from| from.min(*first)));
+        let Some(first) = sets.first().map(|set| set.number) else { return };
+        self.recording.displaced = Some(self.recording.displaced.map_or(first, |from| from.min(first)));
         // SAFETY: as promised.
         unsafe { rebind(self.device, self.buffer, self.recording, self.pipeline) };
     }
@@ -388,6 +403,24 @@ hooks! { draws;
     [c"vkCmdDrawMeshTasksEXT"] cmd_draw_mesh_tasks: vk::PFN_vkCmdDrawMeshTasksEXT = (
         buffer: vk::CommandBuffer, x: u32, y: u32, z: u32
     ) { |state, next| draw(&state, buffer, u32::MAX, || next(buffer, x, y, z)) }
+    [c"vkCmdDrawMeshTasksNV"] cmd_draw_mesh_tasks_nv: vk::PFN_vkCmdDrawMeshTasksNV = (
+        buffer: vk::CommandBuffer, count: u32, first: u32
+    ) { |state, next| draw(&state, buffer, u32::MAX, || next(buffer, count, first)) }
+    [c"vkCmdDrawMeshTasksIndirectEXT"] cmd_draw_mesh_tasks_indirect: vk::PFN_vkCmdDrawMeshTasksIndirectEXT = (
+        buffer: vk::CommandBuffer, from: vk::Buffer, offset: vk::DeviceSize, count: u32, stride: u32
+    ) { |state, next| draw(&state, buffer, u32::MAX, || next(buffer, from, offset, count, stride)) }
+    [c"vkCmdDrawMeshTasksIndirectNV"] cmd_draw_mesh_tasks_indirect_nv: vk::PFN_vkCmdDrawMeshTasksIndirectNV = (
+        buffer: vk::CommandBuffer, from: vk::Buffer, offset: vk::DeviceSize, count: u32, stride: u32
+    ) { |state, next| draw(&state, buffer, u32::MAX, || next(buffer, from, offset, count, stride)) }
+    [c"vkCmdDrawMeshTasksIndirectCountEXT"] cmd_draw_mesh_tasks_count: vk::PFN_vkCmdDrawMeshTasksIndirectCountEXT = (
+        buffer: vk::CommandBuffer, from: vk::Buffer, offset: vk::DeviceSize, counts: vk::Buffer, count_offset: vk::DeviceSize, most: u32, stride: u32
+    ) { |state, next| draw(&state, buffer, u32::MAX, || next(buffer, from, offset, counts, count_offset, most, stride)) }
+    [c"vkCmdDrawMeshTasksIndirectCountNV"] cmd_draw_mesh_tasks_count_nv: vk::PFN_vkCmdDrawMeshTasksIndirectCountNV = (
+        buffer: vk::CommandBuffer, from: vk::Buffer, offset: vk::DeviceSize, counts: vk::Buffer, count_offset: vk::DeviceSize, most: u32, stride: u32
+    ) { |state, next| draw(&state, buffer, u32::MAX, || next(buffer, from, offset, counts, count_offset, most, stride)) }
+    [c"vkCmdDrawIndirectByteCountEXT"] cmd_draw_indirect_byte_count: vk::PFN_vkCmdDrawIndirectByteCountEXT = (
+        buffer: vk::CommandBuffer, instances: u32, first_instance: u32, counter: vk::Buffer, offset: vk::DeviceSize, counter_offset: u32, stride: u32
+    ) { |state, next| draw(&state, buffer, u32::MAX, || next(buffer, instances, first_instance, counter, offset, counter_offset, stride)) }
     [c"vkCmdBeginTransformFeedbackEXT"] cmd_begin_transform_feedback: vk::PFN_vkCmdBeginTransformFeedbackEXT = (
         buffer: vk::CommandBuffer, first: u32, count: u32, buffers: *const vk::Buffer, offsets: *const vk::DeviceSize
     ) { |state, next| {

@@ -11,8 +11,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 /// A render pass.
 pub struct RenderPass {
-    /// Colour attachments of the first subpass, as far as they are used: number there, attachment.
-    pub colors: Vec<(u32, u32)>,
+    /// Colour attachments of each subpass, as far as they are used: number there, attachment.
+    pub colors: Vec<Vec<(u32, u32)>>,
     /// Attachments whose former content is not kept.
     pub begins_anew: Vec<bool>,
     /// Outside of a part that is drawn nothing has to be kept, or everything is.
@@ -85,6 +85,17 @@ impl Framebuffers {
     /// A framebuffer.
     pub fn get(&self, handle: vk::Framebuffer) -> Option<Arc<Framebuffer>> {
         self.all.lock().unwrap_or_else(PoisonError::into_inner).get(&handle).cloned()
+    }
+}
+
+impl RenderPass {
+    /// Colour attachments of a subpass, by their number there, that begin with it and without what they held before.
+    pub fn begin_in(&self, subpass: usize) -> Vec<u32> {
+        let (earlier, colors) = self.colors.split_at(subpass.min(self.colors.len()));
+        let drawn = |attachment: u32| earlier.iter().flatten().any(|(_, known)| *known == attachment);
+        let anew = |attachment: u32| self.begins_anew.get(attachment as usize).copied().unwrap_or(true);
+        let begin = |(_, attachment): &&(u32, u32)| anew(*attachment) && !drawn(*attachment);
+        colors.first().into_iter().flatten().filter(begin).map(|(number, _)| *number).collect()
     }
 }
 
@@ -193,16 +204,17 @@ unsafe fn render_pass(info: &vk::RenderPassCreateInfo<'_>) -> RenderPass {
         let multiview = vk::StructureType::RENDER_PASS_MULTIVIEW_CREATE_INFO;
         let multiview = in_chain::<vk::RenderPassMultiviewCreateInfo<'_>>(info.p_next, multiview);
         let masks = multiview.map_or(&[][..], |m| super::slice(m.p_view_masks, m.subpass_count));
-        let first =
-            subpasses.first().map_or(&[][..], |s| super::slice(s.p_color_attachments, s.color_attachment_count));
+        let colors = |s: &vk::SubpassDescription<'_>| {
+            used(super::slice(s.p_color_attachments, s.color_attachment_count), |r| r.attachment)
+        };
         let attachments = super::slice(info.p_attachments, info.attachment_count).iter();
         RenderPass {
-            colors: used(first.iter().map(|reference| reference.attachment)),
+            colors: subpasses.iter().map(colors).collect(),
             begins_anew: attachments.clone().map(|a| anew(a.load_op)).collect(),
             may_grow: attachments.clone().all(|a| may_grow(a.load_op, a.initial_layout)),
             formats: attachments.clone().map(|a| a.format).collect(),
             leaves: attachments.map(|a| a.final_layout).collect(),
-            obstacle: obstacle(subpasses.iter().any(|s| s.input_attachment_count > 0), masks.iter().any(|m| *m != 0)),
+            obstacle: obstacle(masks.iter().any(|m| *m != 0)),
         }
     }
 }
@@ -213,33 +225,28 @@ unsafe fn render_pass2(info: &vk::RenderPassCreateInfo2<'_>) -> RenderPass {
     // SAFETY: as promised.
     unsafe {
         let subpasses = super::slice(info.p_subpasses, info.subpass_count);
-        let first =
-            subpasses.first().map_or(&[][..], |s| super::slice(s.p_color_attachments, s.color_attachment_count));
+        let colors = |s: &vk::SubpassDescription2<'_>| {
+            used(super::slice(s.p_color_attachments, s.color_attachment_count), |r| r.attachment)
+        };
         let attachments = super::slice(info.p_attachments, info.attachment_count).iter();
         RenderPass {
-            colors: used(first.iter().map(|reference| reference.attachment)),
+            colors: subpasses.iter().map(colors).collect(),
             begins_anew: attachments.clone().map(|a| anew(a.load_op)).collect(),
             may_grow: attachments.clone().all(|a| may_grow(a.load_op, a.initial_layout)),
             formats: attachments.clone().map(|a| a.format).collect(),
             leaves: attachments.map(|a| a.final_layout).collect(),
-            obstacle: obstacle(
-                subpasses.iter().any(|s| s.input_attachment_count > 0),
-                subpasses.iter().any(|s| s.view_mask != 0),
-            ),
+            obstacle: obstacle(subpasses.iter().any(|s| s.view_mask != 0)),
         }
     }
 }
 
-fn used(attachments: impl Iterator<Item = u32>) -> Vec<(u32, u32)> {
+fn used<R>(references: &[R], attachment: impl Fn(&R) -> u32) -> Vec<(u32, u32)> {
+    let attachments = references.iter().map(attachment);
     (0..).zip(attachments).filter(|(_, attachment)| *attachment != vk::ATTACHMENT_UNUSED).collect()
 }
 
-fn obstacle(input: bool, multiview: bool) -> Option<&'static str> {
-    match (input, multiview) {
-        (true, _) => Some("its render pass reads attachments"),
-        (_, true) => Some("it draws several views itself"),
-        _ => None,
-    }
+fn obstacle(multiview: bool) -> Option<&'static str> {
+    multiview.then_some("it draws several views itself")
 }
 
 impl Framebuffers {
@@ -307,4 +314,22 @@ hooks! { framebuffers;
         }
         next(device, framebuffer, allocator)
     } }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::RenderPass;
+
+    #[test]
+    fn an_attachment_begins_with_the_first_subpass_that_draws_to_it() {
+        let pass = RenderPass {
+            colors: vec![vec![(0, 2), (1, 0)], vec![(0, 0), (1, 1), (2, 3)]],
+            begins_anew: vec![true, true, true, false],
+            may_grow: true,
+            formats: Vec::new(),
+            leaves: Vec::new(),
+            obstacle: None,
+        };
+        assert_eq!((pass.begin_in(0), pass.begin_in(1), pass.begin_in(2)), (vec![0, 1], vec![1], vec![]));
+    }
 }

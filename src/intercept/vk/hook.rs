@@ -96,6 +96,8 @@ pub struct NextLayer {
     pub conditional: super::conditional::Next,
     /// Queries.
     pub queries: super::queries::Next,
+    /// Commands that are not followed.
+    pub unfollowed: super::unfollowed::Next,
     /// Submissions.
     pub submit: super::submit::Next,
 }
@@ -122,6 +124,7 @@ impl NextLayer {
                 copies: super::copies::Next::load(find),
                 conditional: super::conditional::Next::load(find),
                 queries: super::queries::Next::load(find),
+                unfollowed: super::unfollowed::Next::load(find),
                 submit: super::submit::Next::load(find),
             }
         }
@@ -151,6 +154,7 @@ pub fn find(name: &CStr) -> Option<*const ()> {
             super::copies::HOOKS,
             super::conditional::HOOKS,
             super::queries::HOOKS,
+            super::unfollowed::HOOKS,
             super::submit::HOOKS,
         ];
         let hooks = files.into_iter().flatten();

@@ -7,6 +7,7 @@
 pub mod following;
 pub mod scenes;
 
+use super::descriptors;
 use super::device::Device;
 use super::hook::hooks;
 use super::image::OwnImage;
@@ -191,19 +192,20 @@ impl Images {
         self.images.lock().unwrap_or_else(PoisonError::into_inner).get(&image).map(|image| (format, image.samples))
     }
 
-    /// A shader can read the image of a view: what it shows must not be drawn to a twin in its place. `sampled`: not by a
-    /// storage image or an input attachment.
-    pub fn described(&self, device: &Device, view: vk::ImageView, sampled: bool) {
+    /// A shader can read the image of a view, by a descriptor of this `kind`: what it shows must not be drawn to a twin in its
+    /// place, unless it is read as an attachment, which has a twin as well.
+    pub fn described(&self, device: &Device, view: vk::ImageView, kind: vk::DescriptorType) {
+        let attachment = kind == vk::DescriptorType::INPUT_ATTACHMENT;
         let image = self.views.lock().unwrap_or_else(PoisonError::into_inner).get(&view).map(|view| view.image);
         let Some(image) = image else { return };
         let mut images = self.images.lock().unwrap_or_else(PoisonError::into_inner);
         let Some(state) = images.get_mut(&image) else { return };
-        state.described = true;
-        if !(sampled && state.is_single()) && state.may_hold_scene() {
+        state.described |= !attachment;
+        if !(descriptors::is_sampled(kind) && state.is_single()) && state.may_hold_scene() {
             device.paths.leads(image, Made::Elsewhere);
         }
         // Of a scene there are prints.
-        let drawn = state.shown.as_ref().map_or(!state.twins.is_empty(), |shown| shown.window);
+        let drawn = state.shown.as_ref().map_or(!attachment && !state.twins.is_empty(), |shown| shown.window);
         drop(images);
         if drawn {
             device.give_up("its shaders read what it draws together with the window");

@@ -11,6 +11,8 @@
 //! [`prints`] for its shaders. What [`queries`] count is told as the program means it. What cannot be followed is shown flat, on the panel, with the reason in the log.
 
 pub mod canvas;
+#[cfg(test)]
+mod commands;
 pub mod compute;
 pub mod conditional;
 pub mod copied_sets;
@@ -44,6 +46,7 @@ pub mod submit;
 pub mod swapchain;
 pub mod texels;
 pub mod transfers;
+pub mod unfollowed;
 
 /// Our function for a device's function of this name.
 fn hook(name: &[u8]) -> Option<*const ()> {

@@ -7,6 +7,7 @@ use super::hook::hooks;
 use super::images::Shown;
 use super::layout::Layout;
 use super::pipelines::in_chain;
+use super::queries::running::clear_left;
 use super::recording::{Event, Pass, Recording, Settled, Within};
 use super::{conditional, prints, transfers};
 use crate::backend::vk::COLOR;
@@ -45,7 +46,7 @@ pub unsafe fn clear_by_secondary(device: &Device, buffer: vk::CommandBuffer, rec
         let mut rendering = vk::CommandBufferInheritanceRenderingInfo::default();
         let mut inheritance = vk::CommandBufferInheritanceInfo::default();
         match &pass.within {
-            Within::Pass(pass) => inheritance.render_pass = *pass,
+            Within::Pass { pass, subpass } => inheritance = inheritance.render_pass(*pass).subpass(*subpass),
             Within::Rendering { colors, depth, stencil, samples } => {
                 rendering = rendering
                     .color_attachment_formats(colors)
@@ -123,9 +124,8 @@ unsafe fn replace(device: &Device, begin: &vk::RenderPassBeginInfo<'_>) -> Optio
             }
             None => None,
         };
-        let anew = |(_, attachment): &&(u32, u32)| pass.begins_anew.get(*attachment as usize).copied().unwrap_or(true);
-        let unclear = pass.colors.iter().filter(anew).map(|(number, _)| *number).collect();
-        let mut new = Pass::new(Arc::clone(&shown), Within::Pass(begin.render_pass), unclear);
+        let within = Within::Pass { pass: begin.render_pass, subpass: 0 };
+        let mut new = Pass::new(Arc::clone(&shown), within, pass.begin_in(0));
         for (view, layout) in views.iter().zip(&pass.leaves) {
             match device.images.shown(*view) {
                 Some(scene) if !scene.window => new.scenes.push((scene, *layout)),
@@ -251,6 +251,23 @@ unsafe fn end(device: &Device, buffer: vk::CommandBuffer, next: impl FnOnce()) {
             settle(device, buffer, &pass.settled);
         });
     }
+}
+
+/// The next subpass begins by `next`, with attachments of its own.
+///
+/// # Safety
+/// The command buffer is being recorded, within a pass.
+unsafe fn next_subpass(device: &Device, buffer: vk::CommandBuffer, next: impl FnOnce()) {
+    // SAFETY: as promised; what is cleared are attachments of the subpass that ends.
+    device.recordings.with(buffer, |recording| unsafe { clear_left(device, buffer, recording) });
+    next();
+    device.recordings.with(buffer, |recording| {
+        let Some(pass) = &mut recording.pass else { return };
+        let Within::Pass { pass: handle, subpass } = &mut pass.within else { return };
+        *subpass += 1;
+        let known = device.framebuffers.pass(*handle);
+        pass.unclear = known.map(|known| known.begin_in(*subpass as usize)).unwrap_or_default();
+    });
 }
 
 /// Brings images of the program into the layouts in which a pass would have left them.
@@ -424,6 +441,12 @@ hooks! { passes;
         conditional::pass_follows(&state, buffer, (*subpass).contents == vk::SubpassContents::INLINE);
         begin(&state, buffer, &*info, |info| next(buffer, info, subpass))
     } }
+    [c"vkCmdNextSubpass"] cmd_next_subpass: vk::PFN_vkCmdNextSubpass = (
+        buffer: vk::CommandBuffer, contents: vk::SubpassContents
+    ) { |state, next| next_subpass(&state, buffer, || next(buffer, contents)) }
+    [c"vkCmdNextSubpass2", c"vkCmdNextSubpass2KHR"] cmd_next_subpass2: vk::PFN_vkCmdNextSubpass2 = (
+        buffer: vk::CommandBuffer, begin: *const vk::SubpassBeginInfo<'_>, end: *const vk::SubpassEndInfo<'_>
+    ) { |state, next| next_subpass(&state, buffer, || next(buffer, begin, end)) }
     [c"vkCmdEndRenderPass"] cmd_end_render_pass: vk::PFN_vkCmdEndRenderPass = (buffer: vk::CommandBuffer) { |state, next| {
         end(&state, buffer, || next(buffer))
     } }

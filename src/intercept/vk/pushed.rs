@@ -141,8 +141,11 @@ impl Pushed {
 /// Descriptors were pushed: what they show cannot be exchanged for a view's.
 fn seen(device: &Device, write: &Write) {
     let Content::Images(images) = &write.content else { return };
+    if write.kind == vk::DescriptorType::INPUT_ATTACHMENT {
+        device.give_up("it pushes descriptors of attachments");
+    }
     for view in images.iter().map(|info| info.image_view).filter(|_| descriptors::is_picture(write.kind)) {
-        device.images.described(device, view, descriptors::is_sampled(write.kind));
+        device.images.described(device, view, write.kind);
         let scene = device.images.candidate_of(view).filter(|_| device.images.has_candidates());
         scene.into_iter().for_each(|image| device.paths.leads(image, Made::Elsewhere));
     }

@@ -98,7 +98,12 @@ pub struct Settled {
 /// How a pass was begun: what a secondary command buffer in it has to be told.
 pub enum Within {
     /// By a render pass.
-    Pass(vk::RenderPass),
+    Pass {
+        /// It.
+        pass: vk::RenderPass,
+        /// The number of the subpass that is recorded.
+        subpass: u32,
+    },
     /// By dynamic rendering, with attachments of these formats.
     Rendering {
         /// Colours.

@@ -70,31 +70,82 @@ pub unsafe fn clear(
     }
 }
 
+/// A barrier for an image.
+trait Barrier: Copy {
+    /// The image, and the layout that it gets.
+    fn target(&self) -> (vk::Image, vk::ImageLayout);
+    /// The same for another image.
+    fn of(self, image: vk::Image) -> Self;
+}
+
+/// Barriers of either kind.
+macro_rules! barriers {
+    ($($kind:ty),+) => { $( impl Barrier for $kind {
+        fn target(&self) -> (vk::Image, vk::ImageLayout) {
+            (self.image, self.new_layout)
+        }
+        fn of(self, image: vk::Image) -> Self {
+            self.image(image)
+        }
+    } )+ };
+}
+barriers!(vk::ImageMemoryBarrier<'_>, vk::ImageMemoryBarrier2<'_>);
+
+/// Barriers of the program, and the same for the twins of their images.
+fn with_twins<B: Barrier>(device: &Device, given: &[B]) -> Vec<B> {
+    let mut all = given.to_vec();
+    for barrier in given {
+        let (image, layout) = barrier.target();
+        device.images.moved(image, layout);
+        all.extend(device.images.twins(image).into_iter().map(|twin| barrier.of(twin)));
+    }
+    all
+}
+
+/// # Safety
+/// `info` must be the program's.
+unsafe fn barriers_of<'a>(info: &vk::DependencyInfo<'a>) -> &'a [vk::ImageMemoryBarrier2<'a>] {
+    // SAFETY: as promised.
+    unsafe { super::slice(info.p_image_memory_barriers, info.image_memory_barrier_count) }
+}
+
 hooks! { transfers;
     [c"vkCmdPipelineBarrier"] cmd_pipeline_barrier: vk::PFN_vkCmdPipelineBarrier = (
         buffer: vk::CommandBuffer, before: vk::PipelineStageFlags, after: vk::PipelineStageFlags, flags: vk::DependencyFlags,
         memory_count: u32, memory: *const vk::MemoryBarrier<'_>, buffer_count: u32, buffers: *const vk::BufferMemoryBarrier<'_>,
         image_count: u32, images: *const vk::ImageMemoryBarrier<'_>
     ) { |state, next| {
-        let given = super::slice(images, image_count);
-        let mut all = given.to_vec();
-        for barrier in given {
-            state.images.moved(barrier.image, barrier.new_layout);
-            all.extend(state.images.twins(barrier.image).into_iter().map(|twin| (*barrier).image(twin)));
-        }
+        let all = with_twins(&state, super::slice(images, image_count));
         next(buffer, before, after, flags, memory_count, memory, buffer_count, buffers, all.len() as u32, all.as_ptr())
     } }
     [c"vkCmdPipelineBarrier2", c"vkCmdPipelineBarrier2KHR"] cmd_pipeline_barrier2: vk::PFN_vkCmdPipelineBarrier2 = (
         buffer: vk::CommandBuffer, info: *const vk::DependencyInfo<'_>
     ) { |state, next| {
-        let given = super::slice((*info).p_image_memory_barriers, (*info).image_memory_barrier_count);
-        let mut all = given.to_vec();
-        for barrier in given {
-            state.images.moved(barrier.image, barrier.new_layout);
-            all.extend(state.images.twins(barrier.image).into_iter().map(|twin| (*barrier).image(twin)));
-        }
-        let changed = (*info).image_memory_barriers(&all);
-        next(buffer, &changed)
+        let all = with_twins(&state, barriers_of(&*info));
+        next(buffer, &(*info).image_memory_barriers(&all))
+    } }
+    [c"vkCmdWaitEvents"] cmd_wait_events: vk::PFN_vkCmdWaitEvents = (
+        buffer: vk::CommandBuffer, count: u32, events: *const vk::Event, before: vk::PipelineStageFlags, after: vk::PipelineStageFlags,
+        memory_count: u32, memory: *const vk::MemoryBarrier<'_>, buffer_count: u32, buffers: *const vk::BufferMemoryBarrier<'_>,
+        image_count: u32, images: *const vk::ImageMemoryBarrier<'_>
+    ) { |state, next| {
+        let all = with_twins(&state, super::slice(images, image_count));
+        next(buffer, count, events, before, after, memory_count, memory, buffer_count, buffers, all.len() as u32, all.as_ptr())
+    } }
+    [c"vkCmdSetEvent2", c"vkCmdSetEvent2KHR"] cmd_set_event2: vk::PFN_vkCmdSetEvent2 = (
+        buffer: vk::CommandBuffer, event: vk::Event, info: *const vk::DependencyInfo<'_>
+    ) { |state, next| {
+        // What waits for the event has to say the same.
+        let all = with_twins(&state, barriers_of(&*info));
+        next(buffer, event, &(*info).image_memory_barriers(&all))
+    } }
+    [c"vkCmdWaitEvents2", c"vkCmdWaitEvents2KHR"] cmd_wait_events2: vk::PFN_vkCmdWaitEvents2 = (
+        buffer: vk::CommandBuffer, count: u32, events: *const vk::Event, infos: *const vk::DependencyInfo<'_>
+    ) { |state, next| {
+        let given = super::slice(infos, count);
+        let all: Vec<_> = given.iter().map(|info| with_twins(&state, barriers_of(info))).collect();
+        let changed: Vec<_> = given.iter().zip(&all).map(|(info, all)| (*info).image_memory_barriers(all)).collect();
+        next(buffer, count, events, changed.as_ptr())
     } }
     [c"vkCmdClearAttachments"] cmd_clear_attachments: vk::PFN_vkCmdClearAttachments = (
         buffer: vk::CommandBuffer, count: u32, what: *const vk::ClearAttachment, rect_count: u32, rects: *const vk::ClearRect

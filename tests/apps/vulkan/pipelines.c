@@ -106,7 +106,8 @@ linked_pipeline make_pipeline(const vulkan_window *w, const pipeline_description
                                                .pColorBlendState = &blends,
                                                .pDynamicState = description->viewport == NULL ? &dynamic : NULL,
                                                .layout = description->layout,
-                                               .renderPass = description->pass};
+                                               .renderPass = description->pass,
+                                               .subpass = description->subpass};
     const linked_pipeline made = description->libraries > 0 ? link_pipeline(w, &info, description->libraries)
                                                             : (linked_pipeline){.whole = create(w, &info)};
     vkDestroyShaderModule(w->device, vertex, NULL);

@@ -18,6 +18,7 @@ typedef struct {
     shader_words vertex, fragment;
     VkPipelineLayout layout;
     VkRenderPass pass; /* null: for dynamic rendering, with these attachments */
+    uint32_t subpass;
     VkFormat color, depth;
     uint32_t view_mask;
     VkSampleCountFlagBits samples;

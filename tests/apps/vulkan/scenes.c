@@ -3,7 +3,8 @@
  * or cleared by a pass of its own (part, clear), or drawn off screen and then shown by a triangle that samples it (post),
  * by two of them (chain), by place (place), by a blit (blit) or a resolve (resolve), together with a smaller picture of it
  * (half) or with its depths (depths), or what a compute shader makes of it (compute). Or with the newest of what there is to
- * present (newest), pipelines that are linked (library, parts), a pass with a mask of views (multiview). --picture writes
+ * present (newest), pipelines that are linked (library, parts, and with
+ * sets that are independent of each other: independent), a pass with a mask of views (multiview). --picture writes
  * what was read: the window, or what was drawn off screen. A swapchain that is not as it should be is made anew; the pictures
  * stay, as the window's size does.
  */
@@ -26,12 +27,12 @@
 #include <string.h>
 
 typedef enum {
-    READ, PART, CLEAR, NEWEST, LIBRARY, PARTS, MULTIVIEW,
+    READ, PART, CLEAR, NEWEST, LIBRARY, PARTS, INDEPENDENT, MULTIVIEW,
     /* Off screen: */
     POST, CHAIN, PLACE, BLIT, RESOLVE, PASSES, HALF, DEPTHS, COMPUTE,
     WAYS
 } way_kind;
-static const char *const ways[WAYS] = {"read",  "part",  "clear", "newest",  "library", "parts", "multiview", "post",
+static const char *const ways[WAYS] = {"read",  "part",  "clear", "newest",  "library", "parts", "independent", "multiview", "post",
                                        "chain", "place", "blit",  "resolve", "passes",  "half",  "depths",    "compute"};
 
 static struct {
@@ -59,7 +60,7 @@ static block read_back;
 static void usage(void)
 {
     fprintf(stderr, "usage: vk_scenes " DIRECTION_USAGE " [--picture FILE.ppm]\n"
-                    "  [--way read|part|clear|newest|library|parts|multiview|post|chain|place|blit|resolve|passes|half|depths|\n"
+                    "  [--way read|part|clear|newest|library|parts|independent|multiview|post|chain|place|blit|resolve|passes|half|depths|\n"
                     "         compute]\n");
     exit(2);
 }
@@ -115,7 +116,7 @@ static void make_pipelines(void)
                                        .samples = count(),
                                        .deep = true};
     if (w.has.libraries)
-        cube_parts.libraries = options.way == LIBRARY ? 2 : options.way == PARTS ? 4 : 0;
+        cube_parts.libraries = options.way == LIBRARY ? 2 : options.way == PARTS || options.way == INDEPENDENT ? 4 : 0;
     pipeline_description screen_parts = {.vertex = SHADER(screen_vert),
                                          .fragment = place ? SHADER(screen_place) : SHADER(screen_frag),
                                          .layout = screen_layout,
@@ -242,10 +243,13 @@ static void make_layouts(void)
         describe(compute_set, 1, written, scenes[1].view, VK_IMAGE_LAYOUT_GENERAL);
     }
     const VkPushConstantRange range = {VK_SHADER_STAGE_VERTEX_BIT, 0, sizeof(matrix4)};
+    const bool independent = options.way == INDEPENDENT && w.has.libraries;
     VkPipelineLayoutCreateInfo layout = {.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
+                                         .flags = independent ? VK_PIPELINE_LAYOUT_CREATE_INDEPENDENT_SETS_BIT_EXT : 0,
                                          .pushConstantRangeCount = 1,
                                          .pPushConstantRanges = &range};
     expect(vkCreatePipelineLayout(w.device, &layout, NULL, &cube_layout), "vkCreatePipelineLayout");
+    layout.flags = 0;
     layout.pushConstantRangeCount = 0;
     layout.setLayoutCount = 1;
     layout.pSetLayouts = &set_layout;

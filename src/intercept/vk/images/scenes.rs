@@ -22,6 +22,13 @@ pub struct Prints {
     pub views: Vec<vk::ImageView>,
 }
 
+impl Prints {
+    /// The same image for each of `count` views.
+    pub fn same(view: vk::ImageView, count: usize) -> Self {
+        Self { of: Weak::new(), views: vec![view; count] }
+    }
+}
+
 impl PartialEq for Prints {
     fn eq(&self, other: &Self) -> bool {
         Weak::ptr_eq(&self.of, &other.of) && self.views == other.views

@@ -223,7 +223,7 @@ mod tests {
 
     #[test]
     fn counts_are_multiplied_and_rounded_and_what_was_seen_stays_seen() {
-        assert_eq!([weighed(0, ONE / 1000), weighed(1, ONE / 1000), weighed(1500, ONE / 1000)], [0, 1, 2]);
+        assert_eq!([weighed(0, ONE / 1000), weighed(1, ONE / 1000), weighed(1600, ONE / 1000)], [0, 1, 2]);
         assert_eq!(weighed(36 * 7, ONE / 7), 36);
         for count in [1, 65535, u64::from(u32::MAX), u64::MAX] {
             assert_eq!(weighed(count, ONE), count, "one changes nothing");
