@@ -2,7 +2,8 @@
 //! correction shaders from WGSL.
 //!
 //! All end as Rust source under `OUT_DIR`, included by `src/backend/gl/api.rs`,
-//! `src/intercept/gl/immediate/commands.rs`, `src/correct/shaders.rs` and `src/correct/spirv.rs`.
+//! `src/intercept/gl/immediate/commands.rs`, `src/correct/shaders.rs`,
+//! `src/correct/spirv.rs` and `src/intercept/vk/queries/copies.rs`.
 
 mod gl_attributes;
 mod gl_registry;
@@ -21,6 +22,7 @@ fn main() {
     let (texts, modules) = shaders::generate();
     std::fs::write(out.join("shaders.rs"), texts).expect("OUT_DIR is writable");
     std::fs::write(out.join("spirv.rs"), modules).expect("OUT_DIR is writable");
+    std::fs::write(out.join("queries_spirv.rs"), shaders::queries()).expect("OUT_DIR is writable");
     // Both libraries stay loaded for good (libEGL unloads its vendors while threads may still hold
     // our thread-locals), and bind their own names to themselves whatever the program exports.
     println!("cargo::rustc-link-arg=-Wl,-z,nodelete");

@@ -55,6 +55,14 @@ pub fn generate() -> (String, String) {
     (out, modules)
 }
 
+/// Rust source with the compute shader that gives counts of queries their weights, as SPIR-V.
+pub fn queries() -> String {
+    let source = read("queries.wgsl");
+    let module = naga::front::wgsl::parse_str(&source)
+        .unwrap_or_else(|e| panic!("shaders: queries.wgsl: {}", e.emit_to_string(&source)));
+    crate::spirv::compute("tell", &module)
+}
+
 fn read(file: &str) -> String {
     std::fs::read_to_string(format!("shaders/{file}")).unwrap_or_else(|e| panic!("shaders/{file}: {e}"))
 }

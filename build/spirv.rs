@@ -16,6 +16,12 @@ const UINT_MARKER: u32 = 0x9a34_5000;
 /// SPIR-V's instructions that define a 32-bit constant, in one word: length 4, opcode 43.
 const OP_CONSTANT: u32 = 4 << 16 | 43;
 
+/// Opcodes of other instructions.
+const OP_EXTENSION: u32 = 10;
+const OP_TYPE_POINTER: u32 = 32;
+const OP_VARIABLE: u32 = 59;
+const OP_DECORATE: u32 = 71;
+
 /// Appends the modules of one pass over one arrangement of the views' pictures as Rust source.
 pub fn pass(name: &str, arrangement: &str, entries: &[&str], module: &Module, out: &mut String) {
     let vertex = emit(module, "rectangle_down").0;
@@ -31,6 +37,33 @@ pub fn pass(name: &str, arrangement: &str, entries: &[&str], module: &Module, ou
             .expect("writing to a String");
     }
     out.push_str("]},\n");
+}
+
+/// A module for compute shaders, whose buffers are declared as those of Vulkan 1.0 are, as Rust source.
+pub fn compute(entry: &str, module: &Module) -> String {
+    // What naga writes needs an extension there: a storage class of its own in the place of the uniforms' with a decoration.
+    const STORAGE_BUFFER: u32 = 12;
+    const UNIFORM: u32 = 2;
+    const BLOCK: u32 = 2;
+    const BUFFER_BLOCK: u32 = 3;
+    let given = emit(module, entry).0;
+    let (header, mut rest) = given.split_at(5);
+    let mut words = header.to_vec();
+    while let Some(first) = rest.first() {
+        let (instruction, behind) = rest.split_at((first >> 16) as usize);
+        rest = behind;
+        let mut instruction = instruction.to_vec();
+        match (first & 0xffff, &mut instruction[..]) {
+            (OP_EXTENSION, _) => continue,
+            (OP_TYPE_POINTER, [_, _, class, ..]) | (OP_VARIABLE, [_, _, _, class, ..]) if *class == STORAGE_BUFFER => {
+                *class = UNIFORM;
+            }
+            (OP_DECORATE, [_, _, decoration]) if *decoration == BLOCK => *decoration = BUFFER_BLOCK,
+            _ => {}
+        }
+        words.extend(instruction);
+    }
+    format!("static WORDS: &[u32] = &{words:?};")
 }
 
 /// The words of one entry point, and for each scalar of the constants its place and whether it is unsigned.

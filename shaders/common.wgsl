@@ -21,13 +21,14 @@ struct View {
 }
 
 struct Shared {
-    // In order of precedence. None: base already is (atlas x, atlas y, 1) times a positive factor.
+    // In order of precedence. None: base already is (scale·x, scale·y, z) of the only one.
     views: array<View, 8>,
     view_count: u32,
-    // The view is the output's own picture: atlas coordinates = xy·source + zw.
+    // The view is the output's own picture: atlas coordinates = own_scale·source + sole_offset.
     one_to_one: u32,
-    own_place: vec4<f32>,
-    // `number` of the view where `view_count` is 0.
+    own_scale: vec2<f32>,
+    // `offset` and `number` of the view where `view_count` is 0.
+    sole_offset: vec2<f32>,
     sole_number: f32,
     // Some pixels show nothing.
     edge: u32,
@@ -102,30 +103,42 @@ fn rectangle_down(@location(0) clip: vec2<f32>, @location(1) source: Source) -> 
     return corner_at(vec2<f32>(clip.x, -clip.y), clip, source);
 }
 
-// Atlas coordinates times z, z, number.
-fn place_in(view: View, s: vec3<f32>) -> vec4<f32> {
-    return vec4<f32>(s.xy * view.scale + view.offset * s.z, s.z, view.number);
+// Where a view shows a direction. The offset is added after the division: before, it would be rounded several times.
+struct Place {
+    // (scale·x, scale·y, z, number of the view or 0)
+    scaled: vec4<f32>,
+    offset: vec2<f32>,
+}
+
+fn place_in(view: View, s: vec3<f32>) -> Place {
+    return Place(vec4<f32>(s.xy * view.scale, s.z, view.number), view.offset);
+}
+
+fn coordinates(place: Place) -> vec2<f32> {
+    return place.scaled.xy / place.scaled.z + place.offset;
 }
 
 fn covers(s: vec3<f32>) -> bool {
     return max(abs(s.x), abs(s.y)) <= s.z;
 }
 
-fn prefer(view: View, base: vec3<f32>, found: vec4<f32>) -> vec4<f32> {
+fn prefer(view: View, base: vec3<f32>, found: Place) -> Place {
     let s = view.transform * base;
-    return select(found, place_in(view, s), covers(s) | (view.last_resort != 0u));
+    let here = place_in(view, s);
+    let answers = covers(s) | (view.last_resort != 0u);
+    return Place(select(found.scaled, here.scaled, answers), select(found.offset, here.offset, answers));
 }
 
 // (atlas x, atlas y, number of the view or 0)
 fn locate(ray: Ray, source: Source) -> vec3<f32> {
     // Written out, not looped: constant indices let the compiler see the coefficients.
-    var found = vec4<f32>(0.0, 0.0, 1.0, 0.0);
+    let nowhere = vec4<f32>(0.0, 0.0, 1.0, 0.0);
+    var found = Place(nowhere, vec2<f32>(0.0));
     if constants.shared_part.view_count == 0u {
-        found = vec4<f32>(ray.base, constants.shared_part.sole_number);
+        found = Place(vec4<f32>(ray.base, constants.shared_part.sole_number), constants.shared_part.sole_offset);
     }
     if constants.shared_part.one_to_one != 0u {
-        let place = constants.shared_part.own_place;
-        found = vec4<f32>(place.xy * source.xy + place.zw, 1.0, constants.shared_part.sole_number);
+        found.scaled = vec4<f32>(constants.shared_part.own_scale * source.xy, 1.0, constants.shared_part.sole_number);
     }
     if constants.shared_part.view_count > 7u {
         found = prefer(constants.shared_part.views[7], ray.base, found);
@@ -152,9 +165,9 @@ fn locate(ray: Ray, source: Source) -> vec3<f32> {
         found = prefer(constants.shared_part.views[0], ray.base, found);
     }
     if constants.shared_part.edge != 0u {
-        found = select(vec4<f32>(0.0, 0.0, 1.0, 0.0), found, ray.on_screen);
+        found.scaled = select(nowhere, found.scaled, ray.on_screen);
     }
-    return vec3<f32>(found.xy / found.z, found.w);
+    return vec3<f32>(coordinates(found), found.scaled.w);
 }
 
 // Eight coefficients, lowest power first.
@@ -396,8 +409,9 @@ fn noise_at(position: vec2<f32>) -> f32 {
 fn with_panel(ray: Ray, scene: vec3<f32>) -> vec3<f32> {
     let s = constants.shared_part.panel.transform * ray.base;
     let inside = covers(s);
-    let at = select(vec3<f32>(0.0, 0.0, 1.0), place_in(constants.shared_part.panel, s).xyz, inside);
-    let flat_part = texel(vec3<f32>(at.xy / at.z, constants.shared_part.panel.number));
+    let place = place_in(constants.shared_part.panel, s);
+    let at = select(vec2<f32>(0.0), coordinates(place), inside);
+    let flat_part = texel(vec3<f32>(at, constants.shared_part.panel.number));
     return select(scene, flat_part.rgb + (1.0 - flat_part.a) * scene, inside);
 }
 

@@ -39,8 +39,8 @@ pub enum Way {
 /// Inside the surface, as the forms take it: up to this part of its radius.
 const INSIDE: f64 = 0.95;
 
-/// The cheapest way for pictures of `size` that rounding leaves exact enough, if there is one, and its spread.
-pub(super) fn way(source: &ProjectorSource, size: (u32, u32)) -> Option<(Way, f64)> {
+/// The cheapest way for pictures of `size` that rounding leaves exact enough, if there is one.
+pub(super) fn way(source: &ProjectorSource, size: (u32, u32)) -> Option<Way> {
     let beam = Beam::of(&source.pencil);
     let ways: &[Way] = match &source.pencil.surface {
         ClosedSurface::Plane => &[Way::Linear],
@@ -51,12 +51,11 @@ pub(super) fn way(source: &ProjectorSource, size: (u32, u32)) -> Option<(Way, f6
             (None, false) => &[],
         },
     };
-    ways.iter().find_map(|&way| {
-        let spread = rounding::spread(source, size, |form, x, y| match (&beam, way) {
+    ways.iter().copied().find(|&way| {
+        rounding::is_exact(source, size, |form, x, y| match (&beam, way) {
             (Some(beam), Way::Root | Way::Distance) => Some(beam.sum(way, form, x, y)),
             _ => rounding::of_form(form, x, y),
-        })?;
-        Some((way, spread))
+        })
     })
 }
 

@@ -23,8 +23,6 @@ pub struct OpticsSource {
     pub to_viewer: DAffine3,
     /// Point of the screen → from the dome's centre, the pole on +y, the front on −z; for ramps in dome angles.
     pub to_dome: DAffine3,
-    /// How much larger than the viewer's directions the terms are of which they are the sum, at most.
-    pub spread: f64,
 }
 
 /// What becomes of a place of the picture (−1…1 from left to right and from bottom to top).
@@ -153,22 +151,19 @@ impl OpticsSource {
 
     /// The same if f32 is enough for it: if rounding moves what is shown by no more than 0.002 pixels of a picture 4096 wide, or 6·10⁻⁷
     /// radians, whichever is more, in a picture of `size`.
-    pub fn settled(mut self, size: (u32, u32)) -> Option<Self> {
+    pub fn settled(self, size: (u32, u32)) -> Option<Self> {
         let (width, height) = (f64::from(size.0.max(1)), f64::from(size.1.max(1)));
         // A pixel of the reference's size.
         let pixel = 2.0 * width.max(height) / REFERENCE / DVec2::new(width, height);
         let place = |i: u32| 2.0 * f64::from(i) / f64::from(PLACES - 1) - 1.0;
-        for (x, y) in (0..PLACES * PLACES).map(|i| (place(i % PLACES), place(i / PLACES))) {
-            if self.direction(x, y).is_none() {
-                continue;
-            }
-            self.spread = self.spread.max(self.spread_at(x, y, pixel)?);
-        }
-        self.is_sound().then_some(self)
+        let exact = (0..PLACES * PLACES)
+            .map(|i| (place(i % PLACES), place(i / PLACES)))
+            .all(|(x, y)| self.direction(x, y).is_none() || self.is_exact_at(x, y, pixel) == Some(true));
+        (exact && self.is_sound()).then_some(self)
     }
 
-    /// The spread at a place that shows something; `None` where rounding moves it too far.
-    fn spread_at(&self, x: f64, y: f64, pixel: DVec2) -> Option<f64> {
+    /// Whether rounding moves little what is shown at a place; `None` where nothing is, there or around.
+    fn is_exact_at(&self, x: f64, y: f64, pixel: DVec2) -> Option<bool> {
         let seen =
             |x: f64, y: f64, kick: Kick| self.way(x, y, kick).map(|way| self.to_viewer.transform_point3(way.point));
         let way = self.way(x, y, Kick::default())?;
@@ -194,8 +189,7 @@ impl OpticsSource {
         };
         let (across, up) = (step(DVec2::new(pixel.x, 0.0))?, step(DVec2::new(0.0, pixel.y))?);
         let allowed = (PIXELS * (0.5 * (across * across + up * up)).sqrt()).max(ANGLE);
-        let terms = way.point.length() + self.to_viewer.translation.length();
-        (error <= allowed).then(|| terms / exact.length())
+        Some(error <= allowed)
     }
 
     /// Whether light sets out well inside the surface from everywhere, and the whole picture looks towards a mirror: the formula would

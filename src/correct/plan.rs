@@ -187,14 +187,12 @@ pub struct ProjectorSource {
     pub border: Border,
     /// How the forms are computed.
     pub way: Way,
-    /// The terms of what is added up for `direction` over their sum, at most: how much of it rounding may move.
-    pub spread: f64,
 }
 
 impl ProjectorSource {
     /// The same, computed in the cheapest way that is exact enough for pictures of `size`; `None` if none is.
     pub fn settled(mut self, size: (u32, u32)) -> Option<Self> {
-        (self.way, self.spread) = beam::way(&self, size)?;
+        self.way = beam::way(&self, size)?;
         Some(self)
     }
 

@@ -29,14 +29,14 @@ pub(super) struct Sum {
     pub terms: DVec3,
 }
 
-/// How much larger than the direction the terms are that `sum` adds up for it, at most, where `source` shows anything
-/// in a picture of `size` pixels; `None` if rounding moves it too far: by more than 0.002 pixels of a picture 4096 wide, or 6·10⁻⁷
-/// radians, whichever is more, or a rim by a hundredth of the picture's own pixels.
-pub(super) fn spread(
+/// Whether rounding moves little what `source` shows in a picture of `size` pixels, if `sum` is how its forms are added up: directions by
+/// no more than 0.002 pixels of a picture 4096 wide, or 6·10⁻⁷ radians, whichever is more, and rims by a hundredth of
+/// the picture's own pixels.
+pub(super) fn is_exact(
     source: &ProjectorSource,
     size: (u32, u32),
     sum: impl Fn(&QuadraticForm, f64, f64) -> Option<Sum>,
-) -> Option<f64> {
+) -> bool {
     let (width, height) = (f64::from(size.0.max(1)), f64::from(size.1.max(1)));
     let scale = width.max(height) / REFERENCE;
     // Normalised coordinates of a pixel of the reference's size.
@@ -49,7 +49,6 @@ pub(super) fn spread(
         let around = |k: u32| k.saturating_sub(1)..(k + 2).min(PLACES);
         around(i / PLACES).any(|row| around(i % PLACES).any(|column| shown[(row * PLACES + column) as usize]))
     };
-    let mut greatest = 1.0f64;
     for i in (0..PLACES * PLACES).filter(|i| near(*i)) {
         let (x, y) = at(i);
         let Some(Sum { value, terms }) = sum(&source.direction, x, y) else { continue };
@@ -66,11 +65,10 @@ pub(super) fn spread(
         let within = STEP * spread <= (PIXELS * pixel).max(ANGLE)
             && rims.into_iter().all(|rim| is_sharp(rim, (x, y), (2.0 / width, 2.0 / height), &sum));
         if !within {
-            return None;
+            return false;
         }
-        greatest = greatest.max(spread);
     }
-    Some(greatest)
+    true
 }
 
 /// Whether rounding moves a rim that passes near a place by less than [`RIM`] pixels; `pixel` in normalised coordinates.

@@ -142,7 +142,6 @@ fn projector(rig: &Rig, index: usize, eye: DVec3, to_viewer: DMat3) -> Option<Pr
         neighbours: neighbours?,
         border: Border::of(&output.blend),
         way: Way::Forms,
-        spread: 1.0,
     };
     pencil.looks_at_it().then_some(source)
 }
@@ -173,21 +172,16 @@ fn lens(rig: &Rig, index: usize, optics: &Optics, size: (u32, u32)) -> Option<Op
         bounds,
         to_viewer: seen_from(rig.eye(output).position, viewer_rotation(rig).transpose()),
         to_dome: seen_from(DVec3::ZERO, DMat3::from_rotation_x(rig.dome.tilt)),
-        spread: 1.0,
     })
 }
 
 impl Source {
-    /// How much larger than the direction the terms are that are added up for it: rounding moves it by so many times a step of f32.
-    pub(super) fn spread(&self) -> f64 {
+    /// The axes in which it computes directions → viewer axes: a rotation.
+    pub(super) fn axes(&self) -> DMat3 {
         match self {
-            Self::Fisheye { offset, .. } | Self::Panorama { offset, .. } => {
-                let away = offset.length();
-                (1.0 + away) / (1.0 - away).max(f64::EPSILON)
-            }
-            Self::Projector(projector) => projector.spread,
-            Self::Optics(optics) => optics.spread,
-            Self::Perspective { .. } | Self::Table(_) => 1.0,
+            Self::Fisheye { rotation, .. } | Self::Panorama { rotation, .. } => *rotation,
+            Self::Table(table) => table.axes(),
+            Self::Projector(_) | Self::Optics(_) | Self::Perspective { .. } => DMat3::IDENTITY,
         }
     }
 

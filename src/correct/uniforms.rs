@@ -179,14 +179,7 @@ struct Placement {
     /// Atlas coordinates (0…1) = scale·(x, y)/z + offset.
     scale: DVec2,
     offset: DVec2,
-    /// The same in texels.
-    texels: DVec2,
 }
-
-/// What rounding does to each of two numbers whose quotient is a place in the atlas, as a part of their terms.
-const ROUNDING: f64 = 1e-7;
-/// How far it may move the place, texels.
-const FOLDED_ERROR: f64 = 0.0015;
 
 impl Placement {
     /// `part` of the opening of `view` answers; texels beyond it, too, up to `overhang`.
@@ -206,22 +199,12 @@ impl Placement {
         );
         let texels = tile / opening;
         let middle = origin + (centre - corner) * texels;
-        Self { transform, scale: half * texels / atlas, offset: middle / atlas, texels: middle }
+        Self { transform, scale: half * texels / atlas, offset: middle / atlas }
     }
 
-    /// Whether the offset may be a part of the homogeneous map, of directions whose terms are `spread` times as large:
-    /// numerator and denominator are then rounded apart, far from 0.
-    fn may_be_folded(&self, spread: f64) -> bool {
-        ROUNDING * spread * self.texels.max_element() <= FOLDED_ERROR
-    }
-
-    /// The same as one homogeneous map: view axes → (atlas x, atlas y, 1) times a positive factor in front.
-    fn homogeneous(&self) -> DMat3 {
-        DMat3::from_cols(
-            DVec3::new(self.scale.x, 0.0, 0.0),
-            DVec3::new(0.0, self.scale.y, 0.0),
-            DVec3::new(self.offset.x, self.offset.y, 1.0),
-        ) * self.transform
+    /// View axes → atlas coordinates less the offset, and 1, times a positive factor in front.
+    fn scaled(&self) -> DMat3 {
+        DMat3::from_diagonal(self.scale.extend(1.0)) * self.transform
     }
 }
 
@@ -299,14 +282,14 @@ pub fn copies_texels(plan: &Plan, pass: &OutputPass, batch: &Batch) -> bool {
         return false;
     }
     let placement = Placement::new(view, &view.owned, overhang(&plan.views), &plan.views);
-    let map = placement.homogeneous() * view.rotation * *matrix;
+    let map = placement.scaled() * view.rotation * *matrix;
     let (width, height) = (f64::from(pass.size.0), f64::from(pass.size.1));
     let atlas = plan.views.picture_size(view);
     let atlas = DVec2::new(f64::from(atlas.0), f64::from(atlas.1));
     // Where the centres of the bottom left pixel and of the others in the corners are in the atlas, in texels.
     let place = |column: f64, row: f64| {
         let at = map * DVec3::new((2.0 * column + 1.0) / width - 1.0, (2.0 * row + 1.0) / height - 1.0, 1.0);
-        at.truncate() / at.z * atlas
+        (at.truncate() / at.z + placement.offset) * atlas
     };
     let first = place(0.0, 0.0);
     let whole = (first - DVec2::splat(0.5) - (first - DVec2::splat(0.5)).round()).abs().max_element() < EXACT;
@@ -374,21 +357,21 @@ fn views(out: &mut Constants, plan: &Plan, pass: &OutputPass, batch: &Batch, pan
         placements.push((index, view.rotation, placement));
     }
     let base = match placements.as_slice() {
-        [(index, rotation, placement)]
-            if !batch.edge && panel.is_none() && placement.may_be_folded(pass.source.spread()) =>
-        {
+        [(index, rotation, placement)] if !batch.edge && panel.is_none() => {
             out.set("shared_part.sole_number", &[*index as f64 + 1.0])?;
-            return Ok(placement.homogeneous() * *rotation);
+            out.set("shared_part.sole_offset", &placement.offset.to_array())?;
+            return Ok(placement.scaled() * *rotation);
         }
         [(_, rotation, placement)] => placement.transform * *rotation,
-        _ => DMat3::IDENTITY,
+        // The source's own axes: what turns them comes into the views' matrices, and rounds once less.
+        _ => pass.source.axes().transpose(),
     };
     let back = base.inverse();
     out.set("shared_part.view_count", &[placements.len() as f64])?;
     for (i, (index, rotation, placement)) in placements.iter().enumerate() {
         // A product with its own inverse is the identity only up to rounding.
         let sole = placements.len() == 1;
-        let transform = if sole { DMat3::IDENTITY } else { placement.transform * *rotation };
+        let transform = if sole { DMat3::IDENTITY } else { placement.transform * *rotation * back };
         view(out, &format!("shared_part.views[{i}]"), transform, placement, index + 1)?;
         let last = i + 1 == placements.len() && !batch.edge;
         out.set_flag(&format!("shared_part.views[{i}].last_resort"), last)?;
@@ -422,7 +405,8 @@ fn one_to_one(
     let scale = half / atlas / DVec2::new(unit_x, up * unit_y);
     let place = middle / atlas;
     out.set_flag("shared_part.one_to_one", true)?;
-    out.set("shared_part.own_place", &[scale.x, scale.y, place.x, place.y])?;
+    out.set("shared_part.own_scale", &scale.to_array())?;
+    out.set("shared_part.sole_offset", &place.to_array())?;
     out.set("shared_part.sole_number", &[index as f64 + 1.0])?;
     set_panel(out, plan, panel, DMat3::IDENTITY)
 }

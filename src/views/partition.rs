@@ -1,6 +1,6 @@
 //! Views that several outputs share: the sphere of directions cut into cells, a view for each that is sampled.
 //!
-//! The cells are those of a cube, turned in various ways, whose front face may be narrower or
+//! The cells are those of a cube, turned in various ways, whose front, upper and lower face may be narrower or
 //! wider than 90°, or any others that planes through the viewer bound ([`diagram`]). A cell that is sampled only in part gets axes of its own: the view that shows a half
 //! face is tighter when it is tilted towards that half, and a triangle needs another roll than a square.
 
@@ -12,9 +12,12 @@ use super::fit::{Patch, fit};
 use super::layout::MARGIN;
 use super::samples::Samples;
 use super::sight::Sample;
-use crate::rig::Rig;
+use crate::rig::{Favour, Rig};
 use glam::{DMat3, DVec3};
 use std::f64::consts::FRAC_PI_4;
+
+/// A cube's upper and lower faces stay as wide as they are unless this part of the cost is enough.
+const WORTH_IT: f64 = 0.998;
 
 /// Of the turns of a cube that are tried, so many are looked at closely.
 const BEST_TURNS: usize = 3;
@@ -52,6 +55,9 @@ pub(crate) struct Task<'a> {
     pub pixel: f64,
     /// What a view costs beside its texels.
     pub beside: f64,
+    /// Whether upper and lower faces may be narrower or wider than a cube's: that saves texels, but of those that are
+    /// left more are sampled, and so shaded.
+    any_height: bool,
 }
 
 /// A cell: a convex cone.
@@ -63,24 +69,35 @@ pub(crate) struct Cell {
     normals: Vec<DVec3>,
 }
 
-/// The cells of a cube (`turned`: cube → viewer axes) whose front face reaches to the tangent `front`
-/// on all sides: front, right, left, up, down, back.
-fn cells(turned: DMat3, front: f64) -> [Cell; 6] {
-    let cell = |direction: DVec3, normals: [DVec3; 4]| Cell {
-        axes: turned * facing(direction),
-        normals: normals.map(|normal| (turned * normal).normalize_or_zero()).to_vec(),
-    };
-    let (x, y, z) = (DVec3::X, DVec3::Y, DVec3::Z);
-    // Beyond the front face's side, before the back face's side, between the diagonals.
-    let side = |out: DVec3, across: DVec3| cell(out, [out + z * front, out - z, out - across, out + across]);
-    [
-        cell(-z, [x - z * front, -x - z * front, y - z * front, -y - z * front]),
-        side(x, y),
-        side(-x, y),
-        side(y, x),
-        side(-y, x),
-        cell(z, [z - x, z + x, z - y, z + y]),
-    ]
+/// How wide the faces of a cube are that is no cube.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Widths {
+    /// Tangent to which the front face reaches towards right and left.
+    front: f64,
+    /// Tangent from the axis up and from that down, beside which right and left begin.
+    upright: f64,
+}
+
+impl Widths {
+    const CUBE: Self = Self { front: 1.0, upright: 1.0 };
+
+    /// The vectors of front, right, left, up, down, back whose [`diagram`] has these cells.
+    fn vectors(self) -> [DVec3; 6] {
+        let (x, y, z) = (DVec3::X, DVec3::Y, DVec3::Z);
+        [-z * self.front, x, -x, y * self.upright, -y * self.upright, z]
+    }
+}
+
+/// The cells of a cube (`turned`: cube → viewer axes) with such faces: front, right, left, up, down, back.
+fn cells(turned: DMat3, widths: Widths) -> [Cell; 6] {
+    let vectors = widths.vectors();
+    vectors.map(|vector| Cell {
+        axes: turned * facing(vector),
+        // Opposite faces have no side in common.
+        normals: (vectors.iter().filter(|other| other.cross(vector) != DVec3::ZERO))
+            .map(|other| (turned * (vector - other)).normalize_or_zero())
+            .collect(),
+    })
 }
 
 /// The cells of a power diagram on the sphere (Aurenhammer 1987): a direction belongs to the cell of the vector with which
@@ -114,7 +131,14 @@ fn turns(frames: &[DMat3]) -> Vec<DMat3> {
 impl<'a> Task<'a> {
     /// The task for the outputs of `rig` with these samples, at least one of them.
     pub fn new(rig: &Rig, coarse: &'a [&'a Samples], fine: &'a [&'a Samples]) -> Self {
-        Self { coarse, fine, quality: rig.views.quality, pixel: finest_pixel(coarse), beside: beside_texels(rig) }
+        Self {
+            coarse,
+            fine,
+            quality: rig.views.quality,
+            pixel: finest_pixel(coarse),
+            beside: beside_texels(rig),
+            any_height: rig.views.favour == Favour::Processor,
+        }
     }
 
     /// The cheapest partition found into two cells, by a plane near `middle`.
@@ -139,25 +163,24 @@ impl<'a> Task<'a> {
     /// The cheapest partition found: every turn of the cube with its views along the faces, then
     /// the best few with the front face's width and the views' axes searched. Deterministic.
     pub fn best(&self, frames: &[DMat3]) -> Partition {
-        self.best_cube(frames).map(|(turned, front)| self.partition(&cells(turned, front))).unwrap_or_default()
+        self.best_cube(frames).map(|(turned, widths)| self.partition(&cells(turned, widths))).unwrap_or_default()
     }
 
     /// The vectors of the [`diagram`] whose cells are the best partition's, but for those that nothing samples.
     pub fn best_vectors(&self, frames: &[DMat3]) -> Vec<DVec3> {
-        let Some((turned, front)) = self.best_cube(frames) else { return Vec::new() };
-        let (x, y, z) = (DVec3::X, DVec3::Y, DVec3::Z);
-        let vectors = [-z * front, x, -x, y, -y, z].map(|vector| turned * vector);
-        let sampled = cells(turned, front).map(|cell| self.texels(&cell) > 0.0);
+        let Some((turned, widths)) = self.best_cube(frames) else { return Vec::new() };
+        let vectors = widths.vectors().map(|vector| turned * vector);
+        let sampled = cells(turned, widths).map(|cell| self.texels(&cell) > 0.0);
         vectors.into_iter().zip(sampled).filter_map(|(vector, sampled)| sampled.then_some(vector)).collect()
     }
 
-    /// The turn and the reach of the front face of the best cube.
-    fn best_cube(&self, frames: &[DMat3]) -> Option<(DMat3, f64)> {
+    /// The turn and the widths of the best cube.
+    fn best_cube(&self, frames: &[DMat3]) -> Option<(DMat3, Widths)> {
         let mut ranked: Vec<(i64, f64, DMat3)> = Vec::new();
         for turned in turns(frames) {
             // What is dearer than the best few need not be known.
             let limit = ranked.get(BEST_TURNS - 1).map_or(i64::MAX, |(cost, ..)| *cost);
-            let cost = self.estimate_up_to(&cells(turned, 1.0), limit);
+            let cost = self.estimate_up_to(&cells(turned, Widths::CUBE), limit);
             // Behind its equals, and compared to a thousandth: of equals, the first wins whatever the rounding.
             let place = ranked.partition_point(|(other, ..)| *other <= rounded(cost));
             ranked.insert(place, (rounded(cost), cost, turned));
@@ -170,20 +193,28 @@ impl<'a> Task<'a> {
                 (rounded(cost), turned, front)
             })
             .min_by_key(|(cost, _, _)| *cost);
-        best.map(|(_, turned, front)| (turned, self.finer_front(turned, front)))
+        best.map(|(_, turned, front)| (turned, self.finer(turned, front)))
     }
 
-    /// The reach of the front face to a part of a per cent, near `front`.
-    fn finer_front(&self, turned: DMat3, front: f64) -> f64 {
-        if front == 1.0 {
-            return front;
+    /// All widths to a part of a per cent, the front's near `front`.
+    fn finer(&self, turned: DMat3, front: f64) -> Widths {
+        let cost = |widths: Widths| self.estimate(&cells(turned, widths));
+        let near = |front: f64, upright: f64| match front == 1.0 {
+            true => front,
+            false => golden_section(|front| cost(Widths { front, upright }), front - 0.03, front + 0.03, 0.004),
+        };
+        let plain = Widths { front: near(front, 1.0), ..Widths::CUBE };
+        if !self.any_height {
+            return plain;
         }
-        golden_section(|front| self.estimate(&cells(turned, front)), front - 0.03, front + 0.03, 0.004)
+        let upright = golden_section(|upright| cost(Widths { upright, ..plain }), 0.8, 1.25, 0.01);
+        let other = Widths { front: near(plain.front, upright), upright };
+        if cost(other) < WORTH_IT * cost(plain) { other } else { plain }
     }
 
-    /// The reach of the front face: a cube's, which costs `plain`, or less or more where that is cheaper; and its cost.
+    /// The width of the front face: a cube's, which costs `plain`, or less or more where that is cheaper; and its cost.
     fn best_front(&self, turned: DMat3, plain: f64) -> (f64, f64) {
-        let cost = |front: f64| self.estimate(&cells(turned, front));
+        let cost = |front: f64| self.estimate(&cells(turned, Widths { front, ..Widths::CUBE }));
         let front = golden_section(cost, 0.7, 1.2, 0.03);
         let found = cost(front);
         if found < 0.995 * plain { (front, found) } else { (1.0, plain) }

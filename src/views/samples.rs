@@ -138,10 +138,10 @@ impl Samples {
             if !corner || edge == DVec3::ZERO {
                 return None;
             }
-            let sample = self.sight.sample_towards(edge)?;
-            // The point by `slack` beyond both sides.
-            let direction = edge - (first + second) * (slack / (1.0 + first.dot(second)));
-            Some(Sample { direction: direction.normalize_or(edge), ..sample })
+            // The point by `slack` beyond both sides; of a narrowed cone it has to be shown itself: its corner may lie on a rim.
+            let direction = (edge - (first + second) * (slack / (1.0 + first.dot(second)))).normalize_or(edge);
+            let sample = self.sight.sample_towards(if slack < 0.0 { direction } else { edge })?;
+            Some(Sample { direction, ..sample })
         })
     }
 

@@ -26,3 +26,4 @@ mod steady;
 mod vertices;
 mod vulkan;
 mod vulkan_others;
+mod vulkan_queries;

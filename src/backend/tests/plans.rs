@@ -149,7 +149,6 @@ impl Projector {
             neighbours,
             border: self.border(),
             way: Way::Forms,
-            spread: 1.0,
         }
         .settled((1920, 1080))
         .expect("f32 is enough")

@@ -164,6 +164,6 @@ fn require(
 }
 
 /// An error that says that Vulkan refused `what`.
-pub(super) fn refused(what: &str) -> impl Fn(vk::Result) -> Error + '_ {
+pub fn refused(what: &str) -> impl Fn(vk::Result) -> Error + '_ {
     move |result| Error::new(ErrorKind::Graphics, format!("Vulkan refuses {what}: {result:?}."))
 }

@@ -8,9 +8,10 @@ use ash::vk;
 
 /// A buffer that the processor writes.
 #[derive(Debug, Default)]
-pub(super) struct Buffer {
+pub struct Buffer {
+    /// Vulkan's handle; null before it is made.
     pub handle: vk::Buffer,
-    pub memory: vk::DeviceMemory,
+    pub(super) memory: vk::DeviceMemory,
 }
 
 /// A 2D image with one level, and a view of all its layers.

@@ -16,11 +16,12 @@ mod surface;
 mod timers;
 pub mod trial;
 
-pub use api::Api;
+pub use api::{Api, refused};
 pub use ash;
 pub use barrier::{COLOR, Use, barrier};
 pub use images::{SourceImage, TargetImage};
 pub use map::gpu_map;
+pub use memory::Buffer;
 pub use passes::{Recording, VkBackend};
 pub use surface::Surface;
 pub use timers::Timing;

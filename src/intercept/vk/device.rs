@@ -11,6 +11,7 @@ use super::memory::Memory;
 use super::negotiate::{self, SetDeviceLoaderData};
 use super::offscreen::Paths;
 use super::pipelines::Pipelines;
+use super::queries::Queries;
 use super::recording::Recordings;
 use super::rows::{GROUP, Rows};
 use super::runs::Frame;
@@ -62,6 +63,8 @@ pub struct Device {
     pub descriptors: Descriptors,
     /// Buffers and memory.
     pub memory_of_program: Memory,
+    /// Queries that count.
+    pub queries: Queries,
     /// Memory for rows.
     pub rows: Rows,
     /// Which images hold a scene on its way to the window.
@@ -263,6 +266,7 @@ pub unsafe extern "system" fn create(
                 pipelines: Pipelines::default(),
                 descriptors: Descriptors::default(),
                 memory_of_program: Memory::default(),
+                queries: Queries::default(),
                 rows: Rows::default(),
                 paths: Paths::default(),
                 frame: Mutex::default(),
@@ -328,6 +332,7 @@ pub unsafe extern "system" fn destroy(handle: vk::Device, allocator: *const vk::
         state.descriptors.clear(&state);
         state.images.clear(&state);
         state.layouts.clear();
+        state.queries.clear(&state);
         state.rows.destroy(&state);
         // SAFETY: the program's own call with its arguments.
         unsafe { (state.functions.fp_v1_0().destroy_device)(handle, allocator) };

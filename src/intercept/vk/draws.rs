@@ -5,6 +5,7 @@ use super::hook::hooks;
 use super::layout::{Layout, Rect};
 use super::offscreen::{self, Made};
 use super::pipelines::{Pipeline, Variants};
+use super::queries::running;
 use super::recording::{Event, Recording};
 use super::rows::Place;
 use super::runs::{self, Kind, Run};
@@ -24,16 +25,20 @@ unsafe fn draw(device: &Device, buffer: vk::CommandBuffer, vertices: u32, issue:
         unsafe {
             match recording.pipeline.clone() {
                 Some(pipeline) if recording.pass.is_some() => {
-                    each_view(device, buffer, recording, (&pipeline, few), &issue);
+                    each_view(device, buffer, recording, (&pipeline, vertices), &issue);
                 }
                 Some(pipeline) => {
                     if device.images.has_candidates() && device.draws_views() {
                         suspect(device, recording, (&pipeline, few));
                     }
                     restore(device, buffer, recording);
+                    running::drawn(recording, None, vertices, 1);
                     issue();
                 }
-                None => issue(),
+                None => {
+                    running::drawn(recording, None, vertices, 1);
+                    issue();
+                }
             }
         }
     });
@@ -118,7 +123,7 @@ unsafe fn rebind(device: &Device, buffer: vk::CommandBuffer, recording: &mut Rec
         unsafe {
             let (functions, point) = (&device.functions, vk::PipelineBindPoint::GRAPHICS);
             match &bound.pushed {
-                Some(pushed) => pushed.repeat(device, buffer, layout.handle, number),
+                Some(pushed) => pushed.repeat((device, buffer), point, layout.handle, number),
                 None => {
                     let (sets, dynamic) = ([bound.set], &bound.dynamic);
                     functions.cmd_bind_descriptor_sets(buffer, point, layout.handle, number, &sets, dynamic);
@@ -137,9 +142,10 @@ unsafe fn each_view(
     device: &Device,
     buffer: vk::CommandBuffer,
     recording: &mut Recording,
-    (pipeline, few): (&Arc<Pipeline>, bool),
+    (pipeline, vertices): (&Arc<Pipeline>, u32),
     issue: &dyn Fn(),
 ) {
+    let few = vertices <= offscreen::FEW;
     let Some(variants) = &pipeline.variants else {
         // Its window space is not that of a tile.
         device.give_up(&device.pipeline_obstacle());
@@ -213,6 +219,11 @@ unsafe fn each_view(
                 place
             }
         };
+        // Where the program's own lens shows everything, there is no panel.
+        let on_panel = !off_screen && !layout.shows_own_lens();
+        let tiles = if in_views { layout.views.len() } else { 0 };
+        let times = tiles + usize::from(on_panel) + usize::from(layout.primary.is_some());
+        running::drawn(recording, Some(recording.runs.len() - 1), vertices, times as u32);
         let mut tile = Tile { device, buffer, recording, pipeline, variants, place, viewport, scissor };
         if in_views {
             for (index, (rect, own_lens)) in layout.views.iter().enumerate() {
@@ -222,14 +233,12 @@ unsafe fn each_view(
             }
         }
         tile.unbind(&of_views);
-        let group = if in_views { layout.views.len() } else { 0 };
-        // Where the program's own lens shows everything, there is no panel.
-        if !off_screen && !layout.shows_own_lens() {
-            tile.begin(variants.panel, group, layout.panel, true, layout.window);
+        if on_panel {
+            tile.begin(variants.panel, tiles, layout.panel, true, layout.window);
             issue();
         }
         if let Some(primary) = layout.primary {
-            tile.begin(variants.view, group + 1, primary, true, layout.window);
+            tile.begin(variants.view, tiles + 1, primary, true, layout.window);
             issue();
         }
     }

@@ -92,6 +92,10 @@ pub struct NextLayer {
     pub transfers: super::transfers::Next,
     /// Copies between images.
     pub copies: super::copies::Next,
+    /// Conditions.
+    pub conditional: super::conditional::Next,
+    /// Queries.
+    pub queries: super::queries::Next,
     /// Submissions.
     pub submit: super::submit::Next,
 }
@@ -116,6 +120,8 @@ impl NextLayer {
                 images: super::images::Next::load(find),
                 transfers: super::transfers::Next::load(find),
                 copies: super::copies::Next::load(find),
+                conditional: super::conditional::Next::load(find),
+                queries: super::queries::Next::load(find),
                 submit: super::submit::Next::load(find),
             }
         }
@@ -143,6 +149,8 @@ pub fn find(name: &CStr) -> Option<*const ()> {
             super::images::HOOKS,
             super::transfers::HOOKS,
             super::copies::HOOKS,
+            super::conditional::HOOKS,
+            super::queries::HOOKS,
             super::submit::HOOKS,
         ];
         let hooks = files.into_iter().flatten();

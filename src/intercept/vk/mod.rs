@@ -8,9 +8,11 @@
 //! each tile. What is known of the program's objects is in [`images`], [`framebuffers`], [`pipelines`], [`layouts`],
 //! [`descriptors`], [`pushed`] and [`memory`]; of its command buffers in [`recording`]. [`runs`] find its lens when they are
 //! submitted; [`offscreen`] finds scenes that reach the window through images of the program's own, of which there are
-//! [`prints`] for its shaders. What cannot be followed is shown flat, on the panel, with the reason in the log.
+//! [`prints`] for its shaders. What [`queries`] count is told as the program means it. What cannot be followed is shown flat, on the panel, with the reason in the log.
 
 pub mod canvas;
+pub mod compute;
+pub mod conditional;
 pub mod copied_sets;
 pub mod copies;
 pub mod descriptors;
@@ -31,6 +33,7 @@ pub mod pipelines;
 pub mod present;
 pub mod prints;
 pub mod pushed;
+pub mod queries;
 pub mod readback;
 pub mod recording;
 pub mod rows;

@@ -8,7 +8,7 @@ use super::images::Shown;
 use super::layout::Layout;
 use super::pipelines::in_chain;
 use super::recording::{Event, Pass, Recording, Settled, Within};
-use super::{prints, transfers};
+use super::{conditional, prints, transfers};
 use crate::backend::vk::COLOR;
 use ash::{prelude::VkResult, vk};
 use std::sync::Arc;
@@ -200,8 +200,13 @@ unsafe fn begin(
         attachments.p_next = first.p_next.cast();
         changed.p_next = std::ptr::from_ref(&attachments).cast();
     }
-    next(&changed);
-    served(device, buffer, replaced.pass);
+    // SAFETY: as promised.
+    unsafe {
+        conditional::begin_pass(device, buffer, || {
+            next(&changed);
+            served(device, buffer, replaced.pass);
+        });
+    }
 }
 
 /// A pass begins that is drawn for each view.
@@ -237,12 +242,14 @@ unsafe fn end(device: &Device, buffer: vk::CommandBuffer, next: impl FnOnce()) {
     let Some(pass) = pass.flatten() else { return next() };
     // SAFETY: as promised; behind `next` outside of the pass.
     unsafe {
-        clear_panel(device, buffer, &pass.shown.layout, &pass.unclear);
-        next();
-        for (scene, layout) in &pass.scenes {
-            prints::make(device, buffer, scene, *layout);
-        }
-        settle(device, buffer, &pass.settled);
+        conditional::unconditionally(device, buffer, || {
+            clear_panel(device, buffer, &pass.shown.layout, &pass.unclear);
+            next();
+            for (scene, layout) in &pass.scenes {
+                prints::make(device, buffer, scene, *layout);
+            }
+            settle(device, buffer, &pass.settled);
+        });
     }
 }
 
@@ -342,7 +349,6 @@ unsafe fn begin_rendering(
     if let Some(stencil) = &all.stencil {
         changed = changed.stencil_attachment(stencil);
     }
-    next(&changed);
     let resumed = info.flags.contains(vk::RenderingFlags::RESUMING);
     let anew = |(_, color): &(u32, &vk::RenderingAttachmentInfo<'_>)| {
         whole && !resumed && color.image_view != vk::ImageView::null() && color.load_op != vk::AttachmentLoadOp::LOAD
@@ -364,11 +370,16 @@ unsafe fn begin_rendering(
         let scenes = ends.filter_map(|(view, layout)| Some((device.images.shown(view)?, layout)));
         pass.scenes = scenes.filter(|(scene, _)| !scene.window).collect();
     }
-    served(device, buffer, pass);
-    if !resumed && !clears.is_empty() {
-        let area = vk::ClearRect { rect: info.render_area, base_array_layer: 0, layer_count: 1 };
-        // SAFETY: the pass has just begun, with these attachments.
-        unsafe { transfers::clear(device, buffer, layout, &clears, &[area]) };
+    // SAFETY: as promised; what is cleared is cleared as soon as the pass has begun, with these attachments.
+    unsafe {
+        conditional::begin_pass(device, buffer, || {
+            next(&changed);
+            served(device, buffer, pass);
+            if !resumed && !clears.is_empty() {
+                let area = vk::ClearRect { rect: info.render_area, base_array_layer: 0, layer_count: 1 };
+                transfers::clear(device, buffer, layout, &clears, &[area]);
+            }
+        });
     }
 }
 
@@ -403,10 +414,16 @@ impl Attachments<'_> {
 hooks! { passes;
     [c"vkCmdBeginRenderPass"] cmd_begin_render_pass: vk::PFN_vkCmdBeginRenderPass = (
         buffer: vk::CommandBuffer, info: *const vk::RenderPassBeginInfo<'_>, contents: vk::SubpassContents
-    ) { |state, next| begin(&state, buffer, &*info, |info| next(buffer, info, contents)) }
+    ) { |state, next| {
+        conditional::pass_follows(&state, buffer, contents == vk::SubpassContents::INLINE);
+        begin(&state, buffer, &*info, |info| next(buffer, info, contents))
+    } }
     [c"vkCmdBeginRenderPass2", c"vkCmdBeginRenderPass2KHR"] cmd_begin_render_pass2: vk::PFN_vkCmdBeginRenderPass2 = (
         buffer: vk::CommandBuffer, info: *const vk::RenderPassBeginInfo<'_>, subpass: *const vk::SubpassBeginInfo<'_>
-    ) { |state, next| begin(&state, buffer, &*info, |info| next(buffer, info, subpass)) }
+    ) { |state, next| {
+        conditional::pass_follows(&state, buffer, (*subpass).contents == vk::SubpassContents::INLINE);
+        begin(&state, buffer, &*info, |info| next(buffer, info, subpass))
+    } }
     [c"vkCmdEndRenderPass"] cmd_end_render_pass: vk::PFN_vkCmdEndRenderPass = (buffer: vk::CommandBuffer) { |state, next| {
         end(&state, buffer, || next(buffer))
     } }
@@ -417,7 +434,10 @@ hooks! { passes;
     } }
     [c"vkCmdBeginRendering", c"vkCmdBeginRenderingKHR"] cmd_begin_rendering: vk::PFN_vkCmdBeginRendering = (
         buffer: vk::CommandBuffer, info: *const vk::RenderingInfo<'_>
-    ) { |state, next| begin_rendering(&state, buffer, &*info, |info| next(buffer, info)) }
+    ) { |state, next| {
+        conditional::pass_follows(&state, buffer, !(*info).flags.contains(vk::RenderingFlags::CONTENTS_SECONDARY_COMMAND_BUFFERS));
+        begin_rendering(&state, buffer, &*info, |info| next(buffer, info))
+    } }
     [c"vkCmdEndRendering", c"vkCmdEndRenderingKHR"] cmd_end_rendering: vk::PFN_vkCmdEndRendering = (
         buffer: vk::CommandBuffer
     ) { |state, next| {

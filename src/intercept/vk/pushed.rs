@@ -113,15 +113,28 @@ impl Pushed {
         self.writes.push(write);
     }
 
+    /// What is there after more was pushed.
+    pub fn after(before: Option<Self>, writes: Vec<Write>) -> Self {
+        let mut pushed = before.unwrap_or_default();
+        writes.into_iter().for_each(|write| pushed.add(write));
+        pushed
+    }
+
     /// Pushes all of it again as set `number`.
     ///
     /// # Safety
     /// The command buffer is being recorded; the layout is the program's, which pushed it for this place.
-    pub unsafe fn repeat(&self, device: &Device, buffer: vk::CommandBuffer, layout: vk::PipelineLayout, number: u32) {
+    pub unsafe fn repeat(
+        &self,
+        (device, buffer): (&Device, vk::CommandBuffer),
+        point: vk::PipelineBindPoint,
+        layout: vk::PipelineLayout,
+        number: u32,
+    ) {
         let Some(push) = device.next.pushed.cmd_push_descriptor_set else { return };
         let writes: Vec<_> = self.writes.iter().map(Write::plain).collect();
         // SAFETY: as promised.
-        unsafe { push(buffer, vk::PipelineBindPoint::GRAPHICS, layout, number, writes.len() as u32, writes.as_ptr()) };
+        unsafe { push(buffer, point, layout, number, writes.len() as u32, writes.as_ptr()) };
     }
 }
 
@@ -141,18 +154,23 @@ fn keep(recording: &mut Recording, number: usize, writes: Vec<Write>) {
         recording.bound.resize(number + 1, None);
     }
     let place = &mut recording.bound[number];
-    let mut pushed = place.take().and_then(|bound| bound.pushed).unwrap_or_default();
-    writes.into_iter().for_each(|write| pushed.add(write));
-    *place = Some(Bound { set: vk::DescriptorSet::null(), dynamic: Vec::new(), pushed: Some(pushed) });
+    let before = place.take().and_then(|bound| bound.pushed);
+    *place = Some(Bound { pushed: Some(Pushed::after(before, writes)), ..Bound::default() });
 }
 
 /// All of these descriptors, if all are of known kinds.
-fn pushed(device: &Device, buffer: vk::CommandBuffer, number: u32, graphics: bool, writes: Option<Vec<Write>>) {
+fn pushed(
+    (device, buffer): (&Device, vk::CommandBuffer),
+    (layout, number): (vk::PipelineLayout, u32),
+    graphics: bool,
+    writes: Option<Vec<Write>>,
+) {
     let Some(writes) = writes else { return device.give_up("it pushes descriptors of a kind that is not known") };
     writes.iter().for_each(|write| seen(device, write));
-    if graphics {
-        device.recordings.with(buffer, |recording| keep(recording, number as usize, writes));
-    }
+    device.recordings.with(buffer, |recording| match graphics {
+        true => keep(recording, number as usize, writes),
+        false => recording.compute.push(layout, number, writes),
+    });
 }
 
 /// # Safety
@@ -167,14 +185,14 @@ hooks! { pushed;
         buffer: vk::CommandBuffer, point: vk::PipelineBindPoint, layout: vk::PipelineLayout, number: u32, count: u32, writes: *const vk::WriteDescriptorSet<'_>
     ) { |state, next| {
         let given = super::slice(writes, count).iter().map(|write| Write::of(write)).collect();
-        pushed(&state, buffer, number, point == vk::PipelineBindPoint::GRAPHICS, given);
+        pushed((&state, buffer), (layout, number), point == vk::PipelineBindPoint::GRAPHICS, given);
         next(buffer, point, layout, number, count, writes)
     } }
     [c"vkCmdPushDescriptorSetWithTemplateKHR", c"vkCmdPushDescriptorSetWithTemplate"] cmd_push_with_template: vk::PFN_vkCmdPushDescriptorSetWithTemplateKHR = (
         buffer: vk::CommandBuffer, template: vk::DescriptorUpdateTemplate, layout: vk::PipelineLayout, number: u32, data: *const std::ffi::c_void
     ) { |state, next| {
         if let Some(known) = state.descriptors.template(template) {
-            pushed(&state, buffer, number, known.graphics, of_template(&known, data.cast()));
+            pushed((&state, buffer), (layout, number), known.graphics, of_template(&known, data.cast()));
         }
         next(buffer, template, layout, number, data)
     } }

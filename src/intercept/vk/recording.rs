@@ -1,11 +1,14 @@
 //! Command buffers of the program: their state while they are recorded, and what has to be known of them when
 //! they are submitted.
 
+use super::compute::Compute;
+use super::conditional::Condition;
 use super::device::Device;
 use super::hook::hooks;
 use super::images::Shown;
 use super::pipelines::{Pipeline, in_chain};
 use super::pushed::Pushed;
+use super::queries::Pool;
 use super::rows::Taken;
 use super::runs::{Run, Source};
 use ash::vk;
@@ -16,7 +19,7 @@ use std::sync::{Arc, Mutex, PoisonError, RwLock};
 pub const PUSH_BYTES: usize = 256;
 
 /// A descriptor set that the program bound.
-#[derive(Clone)]
+#[derive(Clone, Default)]
 pub struct Bound {
     /// The set.
     pub set: vk::DescriptorSet,
@@ -50,6 +53,19 @@ pub enum Event {
     Drawn(Arc<Shown>, bool),
     /// Draws to images that may hold a scene, and the matrices that they may use.
     Suspected(Vec<vk::Image>, Vec<Source>),
+    /// A query that is weighed begins, by its number in the pool.
+    BeginQuery(Arc<Pool>, u32),
+    /// It ends.
+    EndQuery(Arc<Pool>, u32),
+    /// Draws that a query may count.
+    Counted {
+        /// Their run, if they have rows.
+        run: Option<usize>,
+        /// How many vertices they have.
+        vertices: u64,
+        /// How often each is issued.
+        times: u32,
+    },
 }
 
 /// A pass that is drawn for each view.
@@ -113,6 +129,8 @@ pub struct Recording {
     pub pipeline: Option<Arc<Pipeline>>,
     /// The pipeline that is bound on the device: it, or a variant of it.
     pub current: vk::Pipeline,
+    /// What is bound for compute shaders.
+    pub compute: Compute,
     /// Descriptor sets for graphics.
     pub bound: Vec<Option<Bound>>,
     /// From this number on, sets that the program bound are not bound any more.
@@ -139,6 +157,10 @@ pub struct Recording {
     pub clearers: Vec<vk::CommandBuffer>,
     /// Scenes whose prints its draws sample.
     pub sampled: Vec<Arc<Shown>>,
+    /// The condition that the program has set outside of passes.
+    pub condition: Option<Condition>,
+    /// How many queries may count what is drawn now.
+    pub counting: u32,
 }
 
 impl Recording {
@@ -147,6 +169,7 @@ impl Recording {
             pool,
             pipeline: None,
             current: vk::Pipeline::null(),
+            compute: Compute::default(),
             bound: Vec::new(),
             displaced: None,
             push: [0; PUSH_BYTES],
@@ -160,6 +183,8 @@ impl Recording {
             rows: Taken::default(),
             clearers: Vec::new(),
             sampled: Vec::new(),
+            condition: None,
+            counting: 0,
         }
     }
 
@@ -193,6 +218,7 @@ impl Recording {
         self.pipeline = None;
         self.current = vk::Pipeline::null();
         self.bound.clear();
+        self.compute = Compute::default();
         self.displaced = None;
         self.disturbed = false;
         (self.viewport, self.scissor) = (None, None);
@@ -275,6 +301,19 @@ unsafe fn candidates(device: &Device, info: &vk::CommandBufferBeginInfo<'_>) -> 
     Some(views.filter_map(|view| device.images.candidate_of(*view)).collect())
 }
 
+/// Whether queries of the command buffer that executes it may count what a secondary one draws.
+///
+/// # Safety
+/// `info` must be the program's.
+unsafe fn inherits_queries(info: &vk::CommandBufferBeginInfo<'_>) -> bool {
+    // SAFETY: as promised.
+    let inheritance = unsafe { info.p_inheritance_info.as_ref() };
+    let counts = |inheritance: &vk::CommandBufferInheritanceInfo<'_>| {
+        inheritance.occlusion_query_enable != vk::FALSE || !inheritance.pipeline_statistics.is_empty()
+    };
+    info.flags.contains(vk::CommandBufferUsageFlags::RENDER_PASS_CONTINUE) && inheritance.is_some_and(counts)
+}
+
 hooks! { recording;
     [c"vkAllocateCommandBuffers"] allocate_command_buffers: vk::PFN_vkAllocateCommandBuffers = (
         device: vk::Device, info: *const vk::CommandBufferAllocateInfo<'_>, buffers: *mut vk::CommandBuffer
@@ -310,8 +349,10 @@ hooks! { recording;
         buffer: vk::CommandBuffer, info: *const vk::CommandBufferBeginInfo<'_>
     ) -> vk::Result { |state, next| {
         let (shown, candidates) = (inherited(&state, &*info), candidates(&state, &*info));
+        let counted = inherits_queries(&*info);
         state.recordings.with(buffer, |recording| {
             recording.begin(&state);
+            recording.counting = counted.into();
             recording.plain = candidates.filter(|_| shown.is_none());
             recording.pass = shown.map(|shown| Pass::new(shown, Within::Inherited, Vec::new()));
         });

@@ -6,6 +6,7 @@
 
 use super::device::Device;
 use super::layout::Layout;
+use super::queries::running::{Running, Worth};
 use super::recording::{Event, Recording};
 use super::rows::Place;
 use super::spirv::{Matrix, Memory};
@@ -118,6 +119,8 @@ pub struct Frame {
     layout: Option<Arc<Layout>>,
     /// Rows that show the panel in each view, for flat drawing behind the scene.
     behind: Vec<[f32; 16]>,
+    /// The lens for which it was last found out how many samples show what it sees, and how many.
+    sampled: Option<(Intrinsics, f64)>,
     flat_first: bool,
     scene: bool,
     /// The last frame drew flat things before its scene.
@@ -138,8 +141,23 @@ impl Frame {
         if self.layout.as_ref().is_none_or(|known| !Arc::ptr_eq(known, layout)) {
             self.layout = Some(Arc::clone(layout));
             self.cameras.clear();
+            self.sampled = None;
             self.behind = layout.session.panel_rows().iter().map(uniforms::clip_rows).collect();
         }
+    }
+}
+
+impl Frame {
+    /// How many samples of all views show what a lens sees; `own`: how many the program's own picture has.
+    fn samples(&mut self, lens: &Intrinsics, layout: &Layout, own: f64) -> f64 {
+        let index = self.cameras.index(lens, &layout.session);
+        let lens = self.cameras.get(index).map_or(*lens, |camera| camera.intrinsics);
+        if let Some((_, samples)) = self.sampled.filter(|(known, _)| *known == lens) {
+            return samples;
+        }
+        let samples = layout.session.samples(&lens, own);
+        self.sampled = Some((lens, samples));
+        samples
     }
 }
 
@@ -182,7 +200,11 @@ pub fn from_bytes(bytes: &[u8], stride: usize) -> Option<[f32; 16]> {
 
 /// A command buffer is submitted: what it draws gets its rows.
 pub fn submitted(device: &Device, recording: &mut Recording) {
-    let mut executed = Vec::new();
+    run_events(device, recording, &mut Vec::new());
+}
+
+/// [`submitted`], while `queries` run.
+fn run_events(device: &Device, recording: &mut Recording, queries: &mut Vec<Running>) {
     let Recording { events, runs, rows, .. } = recording;
     for event in events.iter() {
         match event {
@@ -198,7 +220,9 @@ pub fn submitted(device: &Device, recording: &mut Recording) {
             }
             Event::Copy(from, to, region) => device.memory_of_program.copied(*from, *to, region),
             Event::Update(buffer, offset, bytes) => device.memory_of_program.written(*buffer, *offset, bytes.clone()),
-            Event::Execute(other) => executed.push(*other),
+            Event::Execute(other) => {
+                device.recordings.with(*other, |other| run_events(device, other, queries));
+            }
             Event::Drawn(shown, in_views) => {
                 super::images::drawn(shown, *in_views);
                 if device.images.is_retired(shown) && shown.was_missed() {
@@ -206,11 +230,42 @@ pub fn submitted(device: &Device, recording: &mut Recording) {
                 }
             }
             Event::Suspected(targets, sources) => super::offscreen::ran(device, targets, sources),
+            Event::BeginQuery(pool, query) => queries.push(Running::new(Arc::clone(pool), *query)),
+            Event::EndQuery(pool, query) => {
+                let ended = queries.iter().position(|running| running.is(pool, *query));
+                ended.into_iter().for_each(|index| queries.swap_remove(index).end(device));
+            }
+            Event::Counted { run, vertices, times } => {
+                let run = run.and_then(|index| runs.get(index)).filter(|_| !queries.is_empty());
+                let worth = run.map_or(Worth::ONCE, |run| worth(device, run));
+                queries.iter_mut().for_each(|running| running.add(worth, *vertices, *times));
+            }
         }
     }
-    for other in executed {
-        device.recordings.with(other, |other| submitted(device, other));
-    }
+}
+
+/// What samples of a run's draws are worth in the program's own picture, where what fills that picture counts as many as
+/// it has.
+fn worth(device: &Device, run: &Run) -> Worth {
+    let mut frame = device.frame.lock().unwrap_or_else(PoisonError::into_inner);
+    frame.follow(&run.layout);
+    let layout = &run.layout;
+    let area = |width: f64, height: f64| width * height;
+    let own = area(layout.window.0.into(), layout.window.1.into());
+    // In pictures with the program's own lens everything is seen once more.
+    let views = if run.kind.in_views { &layout.views[..] } else { &[] };
+    let repeated = f64::from(u8::from(layout.primary.is_some()));
+    let same = repeated + views.iter().filter(|(_, own_lens)| *own_lens).count() as f64;
+    let seen = match run.last {
+        Some(Outcome::Scene(lens)) => repeated + frame.samples(&lens, layout, own) / own,
+        Some(Outcome::Screen) => {
+            repeated + views.iter().map(|(tile, _)| area(tile[2].into(), tile[3].into())).sum::<f64>() / own
+        }
+        Some(Outcome::Flat) if !run.kind.off_screen && !layout.shows_own_lens() => same + 1.0,
+        // At the panel's place in the views, which is about as large as the panel.
+        _ => same.max(1.0),
+    };
+    Worth { factor: 1.0 / seen, of_scene: !matches!(run.last, Some(Outcome::Flat)) }
 }
 
 /// Finds out what a run is, and writes its rows by `write`: offset of the group, rows.

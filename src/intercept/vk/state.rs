@@ -9,6 +9,9 @@ hooks! { state;
     [c"vkCmdBindPipeline"] cmd_bind_pipeline: vk::PFN_vkCmdBindPipeline = (
         buffer: vk::CommandBuffer, point: vk::PipelineBindPoint, pipeline: vk::Pipeline
     ) { |state, next| {
+        if point == vk::PipelineBindPoint::COMPUTE {
+            state.recordings.with(buffer, |recording| recording.compute.bind(pipeline));
+        }
         if point == vk::PipelineBindPoint::GRAPHICS {
             let known = state.pipelines.get(pipeline);
             state.recordings.with(buffer, |recording| {
@@ -26,7 +29,7 @@ hooks! { state;
             let images = views.filter_map(|view| state.images.candidate_of(view));
             images.for_each(|image| state.paths.leads(image, Made::Elsewhere));
         }
-        if point == vk::PipelineBindPoint::GRAPHICS {
+        if point == vk::PipelineBindPoint::GRAPHICS || point == vk::PipelineBindPoint::COMPUTE {
             let (sets, mut offsets) = (super::slice(sets, count), super::slice(dynamic, dynamic_count));
             let bound: Vec<Bound> = sets.iter().map(|set| {
                 let number = (state.descriptors.dynamic_offsets(*set) as usize).min(offsets.len());
@@ -35,6 +38,9 @@ hooks! { state;
                 Bound { set: *set, dynamic: own.to_vec(), pushed: None }
             }).collect();
             state.recordings.with(buffer, |recording| {
+                if point == vk::PipelineBindPoint::COMPUTE {
+                    return recording.compute.bind_sets(layout, first, bound);
+                }
                 let end = first as usize + bound.len();
                 if recording.bound.len() < end {
                     recording.bound.resize(end, None);

@@ -80,9 +80,9 @@ linked_pipeline make_pipeline(const vulkan_window *w, const pipeline_description
     const VkPipelineDepthStencilStateCreateInfo depths = {
         .sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO,
         .depthTestEnable = description->deep,
-        .depthWriteEnable = description->deep,
+        .depthWriteEnable = description->deep && !description->silent,
         .depthCompareOp = VK_COMPARE_OP_LESS_OR_EQUAL};
-    const VkPipelineColorBlendAttachmentState blend = {.colorWriteMask = 0xf};
+    const VkPipelineColorBlendAttachmentState blend = {.colorWriteMask = description->silent ? 0 : 0xf};
     const VkPipelineColorBlendStateCreateInfo blends = {
         .sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO, .attachmentCount = 1, .pAttachments = &blend};
     const VkDynamicState states[] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR};

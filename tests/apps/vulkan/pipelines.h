@@ -22,6 +22,7 @@ typedef struct {
     uint32_t view_mask;
     VkSampleCountFlagBits samples;
     bool deep;                  /* tested by depth */
+    bool silent;                /* writes nothing */
     const VkViewport *viewport; /* null: set by commands, as the scissor is */
     uint32_t libraries;         /* 0: one pipeline; 2: outputs apart; 4: each part apart */
 } pipeline_description;

@@ -62,6 +62,7 @@ static uint32_t add_newest(vulkan_window *w, const char **list, uint32_t count)
                {VK_KHR_PRESENT_ID_EXTENSION_NAME, &w->has.present_id},
                {VK_KHR_PRESENT_WAIT_EXTENSION_NAME, &w->has.present_wait},
                {VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME, &w->has.push_descriptor},
+               {VK_EXT_CONDITIONAL_RENDERING_EXTENSION_NAME, &w->has.conditional_rendering},
                {VK_KHR_PIPELINE_LIBRARY_EXTENSION_NAME, &w->has.libraries},
                {VK_EXT_GRAPHICS_PIPELINE_LIBRARY_EXTENSION_NAME, &w->has.libraries}};
     for (size_t i = 0; i < sizeof all / sizeof all[0]; i++) {
@@ -106,16 +107,20 @@ static void open_device(vulkan_window *w, bool newest)
                                            .queueFamilyIndex = w->family,
                                            .queueCount = 1,
                                            .pQueuePriorities = &priority};
-    const char *extensions_of_device[8] = {VK_KHR_SWAPCHAIN_EXTENSION_NAME};
+    const char *extensions_of_device[16] = {VK_KHR_SWAPCHAIN_EXTENSION_NAME};
     const uint32_t extension_count = newest ? add_newest(w, extensions_of_device, 1) : 1;
     VkPhysicalDevicePresentWaitFeaturesKHR waits = {
         .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PRESENT_WAIT_FEATURES_KHR, .presentWait = VK_TRUE};
     VkPhysicalDevicePresentIdFeaturesKHR ids = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PRESENT_ID_FEATURES_KHR,
                                                 .pNext = w->has.present_wait ? &waits : NULL,
                                                 .presentId = VK_TRUE};
+    VkPhysicalDeviceConditionalRenderingFeaturesEXT conditions = {
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_CONDITIONAL_RENDERING_FEATURES_EXT,
+        .pNext = w->has.present_id ? &ids : NULL,
+        .conditionalRendering = VK_TRUE};
     VkPhysicalDeviceGraphicsPipelineLibraryFeaturesEXT libraries = {
         .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_GRAPHICS_PIPELINE_LIBRARY_FEATURES_EXT,
-        .pNext = w->has.present_id ? &ids : NULL,
+        .pNext = w->has.conditional_rendering ? (void *)&conditions : conditions.pNext,
         .graphicsPipelineLibrary = VK_TRUE};
     VkPhysicalDeviceVulkan11Features features11 = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_FEATURES,
                                                    .pNext = w->has.libraries ? (void *)&libraries : libraries.pNext,
@@ -128,12 +133,14 @@ static void open_device(vulkan_window *w, bool newest)
                                                        .pNext = &features12,
                                                        .dynamicRendering = VK_TRUE,
                                                        .synchronization2 = VK_TRUE};
+    const VkPhysicalDeviceFeatures counts = {.occlusionQueryPrecise = newest, .pipelineStatisticsQuery = newest};
     const VkDeviceCreateInfo device = {.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
                                        .pNext = &features,
                                        .queueCreateInfoCount = 1,
                                        .pQueueCreateInfos = &queue,
                                        .enabledExtensionCount = extension_count,
-                                       .ppEnabledExtensionNames = extensions_of_device};
+                                       .ppEnabledExtensionNames = extensions_of_device,
+                                       .pEnabledFeatures = &counts};
     expect(vkCreateDevice(w->physical, &device, NULL, &w->device), "vkCreateDevice");
     vkGetDeviceQueue(w->device, w->family, 0, &w->queue);
 }

@@ -23,9 +23,9 @@ typedef struct {
     void *bytes; /* mapped, where it can be */
 } block;
 
-/* Extensions of the device that are enabled where the program asks for the newest ones. */
+/* Extensions of the device that are enabled where the program asks for the newest ones, with all queries. */
 typedef struct {
-    bool mutable_format, incremental_present, present_id, present_wait, libraries, push_descriptor;
+    bool mutable_format, incremental_present, present_id, present_wait, libraries, push_descriptor, conditional_rendering;
 } window_extensions;
 
 typedef struct {

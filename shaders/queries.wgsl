@@ -1,0 +1,66 @@
+// Counts of queries as the program is told them: each times its weight, in the four forms in which a program may want
+// results, one after another: 64 bits, 64 bits with the availability behind a query's numbers, and both with 32 bits.
+
+// Of each query: its numbers and whether they are available, 64 bits each.
+@group(0) @binding(0) var<storage, read> counted: array<u32>;
+// Numbers of a query, queries; then the weights of each query's numbers, 64 bits each, of which 32 are behind the point.
+@group(0) @binding(1) var<storage, read> weights: array<u32>;
+@group(0) @binding(2) var<storage, read_write> told: array<u32>;
+
+// The product of two numbers: its lower and its upper half.
+fn product(a: u32, b: u32) -> vec2<u32> {
+    let low = (a & 0xffffu) * (b & 0xffffu);
+    let left = (a >> 16u) * (b & 0xffffu);
+    let right = (a & 0xffffu) * (b >> 16u);
+    let middle = (low >> 16u) + (left & 0xffffu) + (right & 0xffffu);
+    let high = (a >> 16u) * (b >> 16u) + (left >> 16u) + (right >> 16u) + (middle >> 16u);
+    return vec2<u32>((low & 0xffffu) | (middle << 16u), high);
+}
+
+fn sum(a: vec2<u32>, b: vec2<u32>) -> vec2<u32> {
+    let low = a.x + b.x;
+    return vec2<u32>(low, a.y + b.y + select(0u, 1u, low < a.x));
+}
+
+// A count times a weight, rounded; more than nothing if the count is.
+fn weighed(count: vec2<u32>, weight: vec2<u32>) -> vec2<u32> {
+    let rounded = sum(product(count.x, weight.x), vec2<u32>(0x80000000u, 0u)).y;
+    var result = sum(vec2<u32>(rounded, 0u), product(count.x, weight.y));
+    result = sum(result, product(count.y, weight.x));
+    result.y += count.y * weight.y;
+    if all(result == vec2<u32>(0u)) && any(count != vec2<u32>(0u)) {
+        result.x = 1u;
+    }
+    return result;
+}
+
+@compute @workgroup_size(64)
+fn tell(@builtin(global_invocation_id) at: vec3<u32>) {
+    let numbers = weights[0];
+    let queries = weights[1];
+    let query = at.x;
+    if query >= queries {
+        return;
+    }
+    let both = numbers + 1u;
+    let wide = 2u * numbers * queries;
+    let narrow = wide + 2u * both * queries;
+    let narrow_both = narrow + numbers * queries;
+    for (var i = 0u; i < both; i++) {
+        let start = 2u * (query * both + i);
+        var value = vec2<u32>(counted[start], counted[start + 1u]);
+        if i < numbers {
+            let weight = 2u + 2u * (query * numbers + i);
+            value = weighed(value, vec2<u32>(weights[weight], weights[weight + 1u]));
+        }
+        let clamped = select(value.x, 0xffffffffu, value.y != 0u);
+        if i < numbers {
+            told[2u * (query * numbers + i)] = value.x;
+            told[2u * (query * numbers + i) + 1u] = value.y;
+            told[narrow + query * numbers + i] = clamped;
+        }
+        told[wide + start] = value.x;
+        told[wide + start + 1u] = value.y;
+        told[narrow_both + query * both + i] = clamped;
+    }
+}

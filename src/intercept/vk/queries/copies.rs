@@ -1,0 +1,301 @@
+//! Results that a command copies into a buffer of the program's: they get their weights on the device.
+//!
+//! The results of a pool are copied into a buffer of ours, a compute shader makes of them what the program is told, and
+//! that is copied to where the program wants it. Results that are not there yet are those of the last copy.
+
+use super::{ONE, Pool, Queries, results};
+use crate::backend::vk::Buffer;
+use crate::intercept::vk::conditional::unconditionally;
+use crate::intercept::vk::device::Device;
+use ash::{prelude::VkResult, vk};
+use std::sync::PoisonError;
+
+/// The shader's entry point.
+const ENTRY: &std::ffi::CStr = c"tell";
+
+/// Queries that a workgroup of the shader has.
+const GROUP: u32 = 64;
+
+include!(concat!(env!("OUT_DIR"), "/queries_spirv.rs"));
+
+/// What gives counts their weights, for all pools of a device.
+pub struct Weigher {
+    set_layout: vk::DescriptorSetLayout,
+    layout: vk::PipelineLayout,
+    pipeline: vk::Pipeline,
+}
+
+/// What the copies of a pool's results need.
+pub struct Scratch {
+    /// The results as they were counted.
+    counted: Buffer,
+    weights: Buffer,
+    /// The results as they are told.
+    told: Buffer,
+    pool: vk::DescriptorPool,
+    set: vk::DescriptorSet,
+}
+
+/// A copy of results that a program asks for.
+#[derive(Clone, Copy, Debug)]
+pub struct Wanted {
+    /// The first query and how many there are.
+    pub queries: (u32, u32),
+    /// Where they go.
+    pub to: vk::Buffer,
+    /// Where they begin there, and how far they are from each other, bytes.
+    pub place: (u64, u64),
+    /// The form.
+    pub flags: vk::QueryResultFlags,
+}
+
+impl Weigher {
+    fn new(device: &Device) -> VkResult<Self> {
+        let mut new = Self {
+            set_layout: vk::DescriptorSetLayout::null(),
+            layout: vk::PipelineLayout::null(),
+            pipeline: vk::Pipeline::null(),
+        };
+        new.make(device).inspect_err(|_| new.destroy(device))?;
+        Ok(new)
+    }
+
+    fn make(&mut self, device: &Device) -> VkResult<()> {
+        let binding = |number| {
+            vk::DescriptorSetLayoutBinding::default()
+                .binding(number)
+                .descriptor_type(vk::DescriptorType::STORAGE_BUFFER)
+                .descriptor_count(1)
+                .stage_flags(vk::ShaderStageFlags::COMPUTE)
+        };
+        let bindings: Vec<_> = (0..3).map(binding).collect();
+        let functions = &device.functions;
+        // SAFETY: makes objects of ours on a live device; they are kept in `self` as soon as they are made.
+        unsafe {
+            let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
+            self.set_layout = functions.create_descriptor_set_layout(&info, None)?;
+            let layouts = [self.set_layout];
+            let info = vk::PipelineLayoutCreateInfo::default().set_layouts(&layouts);
+            self.layout = functions.create_pipeline_layout(&info, None)?;
+            let module = functions.create_shader_module(&vk::ShaderModuleCreateInfo::default().code(WORDS), None)?;
+            let stage = vk::PipelineShaderStageCreateInfo::default().stage(vk::ShaderStageFlags::COMPUTE);
+            let info =
+                vk::ComputePipelineCreateInfo::default().stage(stage.module(module).name(ENTRY)).layout(self.layout);
+            let made = functions.create_compute_pipelines(vk::PipelineCache::null(), &[info], None);
+            functions.destroy_shader_module(module, None);
+            self.pipeline = made.map_err(|(_, error)| error)?.first().copied().unwrap_or_default();
+        }
+        Ok(())
+    }
+
+    /// Destroys it, before the device is destroyed.
+    pub fn destroy(&self, device: &Device) {
+        // SAFETY: ours or null; nothing uses them any more.
+        unsafe {
+            device.functions.destroy_pipeline(self.pipeline, None);
+            device.functions.destroy_pipeline_layout(self.layout, None);
+            device.functions.destroy_descriptor_set_layout(self.set_layout, None);
+        }
+    }
+}
+
+/// How the results of `queries` queries of so many `numbers` lie among those that are told: where those begin, from one to
+/// the next, and how long each is, bytes.
+fn form(flags: vk::QueryResultFlags, numbers: u64, queries: u64) -> (u64, u64) {
+    use vk::QueryResultFlags as F;
+    let lengths = [8 * numbers, 8 * (numbers + 1), 4 * numbers, 4 * (numbers + 1)];
+    let number = usize::from(!flags.contains(F::TYPE_64)) * 2 + usize::from(flags.contains(F::WITH_AVAILABILITY));
+    (lengths[..number].iter().sum::<u64>() * queries, lengths[number])
+}
+
+impl Scratch {
+    fn new(device: &Device, weigher: &Weigher, pool: &Pool, queries: u32) -> crate::error::Result<Self> {
+        use vk::BufferUsageFlags as U;
+        let (numbers, count) = (pool.meanings.len(), queries as usize);
+        let size = |words: usize| 4 * words * count;
+        let mut new = Self {
+            counted: Buffer::default(),
+            weights: Buffer::default(),
+            told: Buffer::default(),
+            pool: vk::DescriptorPool::null(),
+            set: vk::DescriptorSet::null(),
+        };
+        let mut make = || -> crate::error::Result<()> {
+            new.counted = Buffer::new(&device.api, size(2 * (numbers + 1)), U::STORAGE_BUFFER | U::TRANSFER_DST)?;
+            new.counted.write(&device.api, 0, &vec![0; size(2 * (numbers + 1))])?;
+            new.weights = Buffer::new(&device.api, 8 + size(2 * numbers), U::STORAGE_BUFFER)?;
+            let head = [numbers as u32, queries].map(u32::to_ne_bytes).concat();
+            new.weights.write(&device.api, 0, &head)?;
+            new.weights.write(&device.api, 8, &ONE.to_ne_bytes().repeat(numbers * count))?;
+            new.told = Buffer::new(&device.api, size(6 * numbers + 3), U::STORAGE_BUFFER | U::TRANSFER_SRC)?;
+            new.describe(device, weigher).map_err(crate::backend::vk::refused("descriptors"))
+        };
+        if let Err(error) = make() {
+            new.destroy(device);
+            return Err(error);
+        }
+        for query in 0..queries {
+            new.weigh(device, query, &pool.weights(query).collect::<Vec<_>>());
+        }
+        Ok(new)
+    }
+
+    fn describe(&mut self, device: &Device, weigher: &Weigher) -> VkResult<()> {
+        let sizes = [vk::DescriptorPoolSize { ty: vk::DescriptorType::STORAGE_BUFFER, descriptor_count: 3 }];
+        let info = vk::DescriptorPoolCreateInfo::default().max_sets(1).pool_sizes(&sizes);
+        let functions = &device.functions;
+        // SAFETY: objects of ours on a live device; the buffers are live.
+        unsafe {
+            self.pool = functions.create_descriptor_pool(&info, None)?;
+            let layouts = [weigher.set_layout];
+            let info = vk::DescriptorSetAllocateInfo::default().descriptor_pool(self.pool).set_layouts(&layouts);
+            self.set = functions.allocate_descriptor_sets(&info)?.first().copied().unwrap_or_default();
+            let whole = |buffer: &Buffer| {
+                [vk::DescriptorBufferInfo { buffer: buffer.handle, offset: 0, range: vk::WHOLE_SIZE }]
+            };
+            let buffers = [&self.counted, &self.weights, &self.told].map(whole);
+            let write = |(number, buffer): (u32, &'_ [vk::DescriptorBufferInfo; 1])| {
+                let mut write = vk::WriteDescriptorSet::default().dst_set(self.set).dst_binding(number);
+                write.descriptor_type = vk::DescriptorType::STORAGE_BUFFER;
+                write.descriptor_count = 1;
+                write.p_buffer_info = buffer.as_ptr();
+                write
+            };
+            let writes: Vec<_> = (0..).zip(&buffers).map(write).collect();
+            functions.update_descriptor_sets(&writes, &[]);
+        }
+        Ok(())
+    }
+
+    /// A query's numbers will have these weights. A copy of an earlier submission that still runs may see them, too: what a
+    /// query counts seldom becomes something else from one frame to the next.
+    pub fn weigh(&self, device: &Device, query: u32, weights: &[u64]) {
+        let bytes: Vec<u8> = weights.iter().flat_map(|weight| weight.to_ne_bytes()).collect();
+        let offset = 8 + query as usize * bytes.len();
+        if let Err(error) = self.weights.write(&device.api, offset, &bytes) {
+            crate::intercept::log::once(&format!("Vulkan: counts of queries are not scaled: {error}"));
+        }
+    }
+
+    /// The program's pool is gone.
+    pub fn destroy(&mut self, device: &Device) {
+        // SAFETY: ours or null; the program says by destroying its pool that nothing uses it.
+        unsafe { device.functions.destroy_descriptor_pool(self.pool, None) };
+        [&mut self.counted, &mut self.weights, &mut self.told]
+            .into_iter()
+            .for_each(|buffer| buffer.destroy(&device.api));
+    }
+
+    /// Records the copy of results to where the program wants them; `next` copies results into a buffer.
+    ///
+    /// # Safety
+    /// The command buffer is being recorded, outside of a pass; the results are the pool's.
+    unsafe fn copy(
+        &self,
+        (device, buffer): (&Device, vk::CommandBuffer),
+        weigher: &Weigher,
+        (pool, queries): (&Pool, u32),
+        wanted: &Wanted,
+        next: impl FnOnce(vk::Buffer, u64, u64, vk::QueryResultFlags),
+    ) {
+        use vk::{AccessFlags as A, PipelineStageFlags as S};
+        let functions = &device.functions;
+        let wait = |(from, written): (S, A), (to, used): (S, A)| {
+            let memory = [vk::MemoryBarrier::default().src_access_mask(written).dst_access_mask(used)];
+            // SAFETY: as promised.
+            unsafe {
+                functions.cmd_pipeline_barrier(buffer, from, to, vk::DependencyFlags::empty(), &memory, &[], &[]);
+            }
+        };
+        let (first, count) = wanted.queries;
+        let stride = pool.stride_in_bytes();
+        let (copied, computed) = ((S::TRANSFER, A::TRANSFER_WRITE), (S::COMPUTE_SHADER, A::SHADER_WRITE));
+        wait((S::TRANSFER | S::COMPUTE_SHADER, A::TRANSFER_WRITE | A::SHADER_WRITE), copied);
+        next(self.counted.handle, u64::from(first) * stride, stride, wanted.flags | results::RAW);
+        wait(copied, (S::COMPUTE_SHADER, A::SHADER_READ | A::SHADER_WRITE));
+        let point = vk::PipelineBindPoint::COMPUTE;
+        // SAFETY: as promised; pipeline and set are of one layout.
+        unsafe {
+            functions.cmd_bind_pipeline(buffer, point, weigher.pipeline);
+            functions.cmd_bind_descriptor_sets(buffer, point, weigher.layout, 0, &[self.set], &[]);
+            functions.cmd_dispatch(buffer, queries.div_ceil(GROUP), 1, 1);
+        }
+        wait(computed, (S::TRANSFER, A::TRANSFER_READ));
+        let (begin, length) = form(wanted.flags, pool.meanings.len() as u64, queries.into());
+        let (to, apart) = wanted.place;
+        let together = count < 2 || apart == length;
+        let region = |index: u64| vk::BufferCopy {
+            src_offset: begin + (u64::from(first) + index) * length,
+            dst_offset: to + index * apart,
+            size: if together { u64::from(count) * length } else { length },
+        };
+        let regions: Vec<_> = (0..if together { 1 } else { count.into() }).map(region).collect();
+        // SAFETY: as promised; the program's buffer is there to be copied to, and has room for the results.
+        unsafe { functions.cmd_copy_buffer(buffer, self.told.handle, wanted.to, &regions) };
+    }
+}
+
+impl Queries {
+    /// Records a copy of results with their weights, by `next`, which copies results of the pool: to a buffer, its offset,
+    /// from one result to the next, in which form. Without the means for it the results are copied as they were counted.
+    ///
+    /// # Safety
+    /// The command buffer is being recorded, outside of a pass; `wanted` is what the program asks for.
+    pub unsafe fn copy(
+        &self,
+        (device, buffer): (&Device, vk::CommandBuffer),
+        handle: vk::QueryPool,
+        wanted: &Wanted,
+        next: impl Fn(vk::Buffer, u64, u64, vk::QueryResultFlags),
+    ) {
+        let plainly = || next(wanted.to, wanted.place.0, wanted.place.1, wanted.flags);
+        let (Some(pool), Some(weigher)) = (self.get(handle).filter(|_| wanted.queries.1 > 0), self.weigher(device))
+        else {
+            return plainly();
+        };
+        let queries = pool.weights.lock().unwrap_or_else(PoisonError::into_inner).len() as u32;
+        let mut scratch = pool.scratch.lock().unwrap_or_else(PoisonError::into_inner);
+        if scratch.is_none() {
+            match Scratch::new(device, weigher, &pool, queries) {
+                Ok(new) => *scratch = Some(new),
+                Err(error) => {
+                    crate::intercept::log::once(&format!("Vulkan: counts of queries are copied as they are: {error}"));
+                }
+            }
+        }
+        let Some(scratch) = &*scratch else { return plainly() };
+        // SAFETY: as promised.
+        unsafe {
+            unconditionally(device, buffer, || {
+                scratch.copy((device, buffer), weigher, (&pool, queries), wanted, next);
+                device.recordings.with(buffer, |recording| recording.compute.restore(device, buffer));
+            });
+        }
+    }
+
+    /// What gives counts their weights; `None` where queues that draw need not compute, and where the driver refuses it.
+    fn weigher(&self, device: &Device) -> Option<&Weigher> {
+        use vk::QueueFlags as Q;
+        let computes = |family: &Q| !family.contains(Q::GRAPHICS) || family.contains(Q::COMPUTE);
+        let make = || device.families.iter().all(computes).then(|| Weigher::new(device).ok()).flatten();
+        self.weigher.get_or_init(make).as_ref()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::form;
+    use ash::vk::QueryResultFlags as F;
+
+    #[test]
+    fn the_forms_follow_each_other_without_a_gap() {
+        let (numbers, queries) = (3, 5);
+        let mut end = 0;
+        for flags in [F::TYPE_64, F::TYPE_64 | F::WITH_AVAILABILITY, F::empty(), F::WITH_AVAILABILITY] {
+            let (begin, length) = form(flags, numbers, queries);
+            assert_eq!(begin, end, "{flags:?}");
+            end = begin + queries * length;
+        }
+        assert_eq!(end, 4 * (6 * numbers + 3) * queries);
+    }
+}

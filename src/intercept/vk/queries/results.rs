@@ -1,0 +1,90 @@
+//! What a program reads of its queries.
+
+use super::{Pool, weighed};
+use ash::vk;
+
+/// How results are asked for, beside what the program says of waiting: wide, and with their availability behind them.
+pub const RAW: vk::QueryResultFlags = vk::QueryResultFlags::from_raw(
+    vk::QueryResultFlags::TYPE_64.as_raw() | vk::QueryResultFlags::WITH_AVAILABILITY.as_raw(),
+);
+
+impl Pool {
+    /// From one raw result to the next: its numbers, and whether they are available.
+    pub fn stride(&self) -> usize {
+        self.meanings.len() + 1
+    }
+
+    /// The same in bytes.
+    pub fn stride_in_bytes(&self) -> u64 {
+        8 * self.stride() as u64
+    }
+}
+
+/// Where a program wants results, and in which form.
+pub struct Wanted {
+    /// Where they go.
+    pub to: *mut u8,
+    /// How many bytes are there.
+    pub size: usize,
+    /// From one result to the next, bytes.
+    pub stride: usize,
+    /// The form.
+    pub flags: vk::QueryResultFlags,
+}
+
+impl Wanted {
+    /// Writes the results of the queries from `first` on, of which the driver says `raw`. What is not available leaves its
+    /// place as it is, unless the program asked for what there is.
+    ///
+    /// # Safety
+    /// `to` must be the program's memory, with `size` bytes.
+    pub unsafe fn write(&self, pool: &Pool, first: u32, raw: &[u64]) {
+        use vk::QueryResultFlags as F;
+        let length = if self.flags.contains(F::TYPE_64) { 8 } else { 4 };
+        for (index, result) in raw.chunks_exact(pool.stride()).enumerate() {
+            let Some((available, counts)) = result.split_last() else { return };
+            let told = *available != 0 || self.flags.contains(F::PARTIAL);
+            let weighed =
+                counts.iter().zip(pool.weights(first + index as u32)).map(|(c, w)| told.then(|| weighed(*c, w)));
+            let availability = self.flags.contains(F::WITH_AVAILABILITY).then_some(Some(*available));
+            for (place, value) in weighed.chain(availability).enumerate() {
+                let at = index * self.stride + place * length;
+                let Some(value) = value.filter(|_| at + length <= self.size) else { continue };
+                // SAFETY: within the program's memory, which need not be aligned.
+                unsafe {
+                    match length {
+                        8 => self.to.add(at).cast::<u64>().write_unaligned(value),
+                        _ => self.to.add(at).cast::<u32>().write_unaligned(u32::try_from(value).unwrap_or(u32::MAX)),
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Meaning, ONE, Pool, Weights};
+    use super::Wanted;
+    use ash::vk::QueryResultFlags as F;
+
+    #[test]
+    fn results_have_the_form_that_is_asked_for_and_stay_within_their_memory() {
+        let half = Weights { samples: ONE / 2, primitives: ONE };
+        let meanings = vec![Meaning::Primitives, Meaning::Samples];
+        let pool = Pool::new(meanings, vec![Weights::ONCE, half, half]);
+        // Of the query 1, and of 2, which is not available.
+        let raw = [10, 20, 1, 30, 40, 0];
+        let write = |length: usize, size: usize, flags| {
+            let mut to = [7_u32; 12];
+            let wanted = Wanted { to: to.as_mut_ptr().cast(), size, stride: length * 4, flags };
+            // SAFETY: `size` bytes are in the array.
+            unsafe { wanted.write(&pool, 1, &raw) };
+            to
+        };
+        assert_eq!(write(2, 48, F::empty())[..5], [10, 10, 7, 7, 7]);
+        assert_eq!(write(2, 48, F::PARTIAL)[..5], [10, 10, 30, 20, 7]);
+        assert_eq!(write(3, 48, F::WITH_AVAILABILITY)[..7], [10, 10, 1, 7, 7, 0, 7]);
+        assert_eq!(write(6, 24, F::WITH_AVAILABILITY | F::TYPE_64)[..8], [10, 0, 10, 0, 1, 0, 7, 7]);
+    }
+}

@@ -1,0 +1,147 @@
+//! Queries while they run: which draws they count, and how often each of those is issued.
+
+use super::{ONE, Pool, Weights};
+use crate::intercept::vk::device::Device;
+use crate::intercept::vk::passes::clear_panel;
+use crate::intercept::vk::recording::{Event, Recording};
+use ash::vk;
+use std::sync::Arc;
+
+/// Vertices that a draw is taken to have whose size only the device knows.
+const UNKNOWN_SIZE: u64 = 1 << 10;
+
+/// What the samples of a draw are multiplied by.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Worth {
+    /// The factor.
+    pub factor: f64,
+    /// The draw is one of the scene.
+    pub of_scene: bool,
+}
+
+impl Worth {
+    /// A draw that is issued once.
+    pub const ONCE: Self = Self { factor: 1.0, of_scene: false };
+}
+
+/// A query of a command buffer that is submitted.
+pub struct Running {
+    pool: Arc<Pool>,
+    query: u32,
+    worth: Option<Worth>,
+    /// Vertices of the program's draws.
+    drawn: f64,
+    /// How many were issued of them.
+    issued: f64,
+}
+
+/// A factor with 32 bits behind the point.
+fn fixed(factor: f64) -> u64 {
+    if factor.is_finite() && factor > 0.0 { (factor * ONE as f64).round() as u64 } else { ONE }
+}
+
+impl Running {
+    /// A query that begins.
+    pub fn new(pool: Arc<Pool>, query: u32) -> Self {
+        Self { pool, query, worth: None, drawn: 0.0, issued: 0.0 }
+    }
+
+    /// Whether it is this one.
+    pub fn is(&self, pool: &Arc<Pool>, query: u32) -> bool {
+        Arc::ptr_eq(&self.pool, pool) && self.query == query
+    }
+
+    /// Draws of so many `vertices` are issued so many `times`. Where draws of a scene are counted together with others, they
+    /// say what samples are worth.
+    pub fn add(&mut self, worth: Worth, vertices: u64, times: u32) {
+        if self.worth.is_none_or(|known| worth.of_scene && !known.of_scene) {
+            self.worth = Some(worth);
+        }
+        self.drawn += vertices as f64;
+        self.issued += vertices as f64 * f64::from(times);
+    }
+
+    /// The weights of what it counted.
+    fn weights(&self) -> Weights {
+        let samples = self.worth.unwrap_or(Worth::ONCE).factor;
+        Weights { samples: fixed(samples), primitives: fixed(self.drawn / self.issued) }
+    }
+
+    /// It ends.
+    pub fn end(self, device: &Device) {
+        self.pool.weigh(device, self.query, self.weights());
+    }
+}
+
+/// A draw of so many vertices is issued `times` times, where a query may run; `run`: the index of its run, if it has rows.
+pub fn drawn(recording: &mut Recording, run: Option<usize>, vertices: u32, times: u32) {
+    if recording.counting == 0 {
+        return;
+    }
+    let new = if vertices == u32::MAX { UNKNOWN_SIZE } else { vertices.into() };
+    match recording.events.last_mut() {
+        Some(Event::Counted { run: last, vertices, times: t }) if (*last, *t) == (run, times) => *vertices += new,
+        _ => recording.events.push(Event::Counted { run, vertices: new, times }),
+    }
+}
+
+/// A query begins in a command buffer. What is left to be cleared is not the program's to count.
+///
+/// # Safety
+/// The command buffer is being recorded.
+pub unsafe fn begin(device: &Device, buffer: vk::CommandBuffer, pool: vk::QueryPool, query: u32) {
+    let Some(pool) = device.queries.get(pool) else { return };
+    device.recordings.with(buffer, |recording| {
+        // SAFETY: as promised.
+        unsafe { clear_left(device, buffer, recording) };
+        recording.counting += 1;
+        recording.events.push(Event::BeginQuery(pool, query));
+    });
+}
+
+/// Clears what the first draw of a pass would clear of the panel.
+///
+/// # Safety
+/// The command buffer is being recorded.
+pub unsafe fn clear_left(device: &Device, buffer: vk::CommandBuffer, recording: &mut Recording) {
+    let Some(pass) = &mut recording.pass else { return };
+    let unclear = std::mem::take(&mut pass.unclear);
+    // SAFETY: as promised; within the pass.
+    unsafe { clear_panel(device, buffer, &pass.shown.layout, &unclear) };
+}
+
+/// A query ends in a command buffer.
+pub fn end(device: &Device, buffer: vk::CommandBuffer, pool: vk::QueryPool, query: u32) {
+    let Some(pool) = device.queries.get(pool) else { return };
+    device.recordings.with(buffer, |recording| {
+        recording.counting = recording.counting.saturating_sub(1);
+        recording.events.push(Event::EndQuery(pool, query));
+    });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{ONE, Pool, Weights, weighed};
+    use super::{Running, Worth};
+    use std::sync::Arc;
+
+    fn query() -> Running {
+        Running::new(Arc::new(Pool::new(Vec::new(), Vec::new())), 2)
+    }
+
+    #[test]
+    fn what_is_issued_at_different_numbers_is_counted_once() {
+        let mut running = query();
+        running.add(Worth::ONCE, 30, 1);
+        running.add(Worth { factor: 0.5, of_scene: true }, 36, 6);
+        running.add(Worth { factor: 0.25, of_scene: true }, 6, 7);
+        let weights = running.weights();
+        assert_eq!(weighed(30 + 36 * 6 + 6 * 7, weights.primitives), 30 + 36 + 6);
+        assert_eq!(weights.samples, ONE / 2, "the first draw of a scene says it");
+    }
+
+    #[test]
+    fn what_counts_nothing_has_usual_weights() {
+        assert_eq!(query().weights(), Weights::ONCE);
+    }
+}

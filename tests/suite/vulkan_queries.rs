@@ -1,0 +1,107 @@
+//! Queries of Vulkan programs: each draw is issued for every view, and the program is told what it drew.
+
+use crate::compare::{compare, expect_good};
+use crate::dialects::{camera_of, shown_by_fisheye};
+use crate::programs::{Finished, Run};
+use crate::reference::Fisheye;
+use std::collections::BTreeMap;
+
+const CIRCLE: Fisheye = Fisheye { width: 256.0, height: 256.0, aperture: 180.0, tilt: 90.0 };
+
+/// How the queries lie in passes and command buffers.
+const WAYS: [&[&str]; 3] = [&[], &["--spans", "yes"], &["--secondary", "yes"]];
+
+fn run<'a>(extra: &'a [&'a str]) -> Run<'a> {
+    Run { extra, frames: 4, ..Run::new("vk_queries") }
+}
+
+/// The counts by their names: as they were read, and as a command copied them.
+fn counts(finished: &Finished) -> BTreeMap<String, (u64, u64)> {
+    let line = |line: &str| {
+        let mut parts = line.split(' ');
+        let number = |text: Option<&str>| text.and_then(|text| text.parse().ok()).expect("a number");
+        let name = parts.next().unwrap_or_default().to_owned();
+        (name, (number(parts.next()), number(parts.next())))
+    };
+    finished.text("counts.txt").lines().map(line).collect()
+}
+
+/// Those that were read.
+fn read(counts: &BTreeMap<String, (u64, u64)>) -> BTreeMap<&str, u64> {
+    counts.iter().map(|(name, (read, _))| (name.as_str(), *read)).collect()
+}
+
+/// What the program's own picture has, from its lens: the nearest and the farthest face of a small cube, the first of which has
+/// a third of the picture's height, and what they hide of each other is not hidden.
+#[test]
+fn the_counts_without_cupola() {
+    for way in WAYS {
+        let extra = [way, &["--counts", "counts.txt"]].concat();
+        let Some(plain) = run(&extra).vulkan_plain() else { return };
+        let counts = counts(&plain.expect_success());
+        let counts = read(&counts);
+        let face = (256.0_f64 / 3.0).powi(2);
+        assert!((counts["ahead"] as f64 / (2.0 * face) - 1.0).abs() < 0.05, "{counts:?}");
+        assert_eq!((counts["hidden"], counts["beside"], counts["nothing"]), (0, 0, 0), "{counts:?}");
+        assert_eq!((counts["flat"], counts["both"]), (2 * 64 * 64, counts["ahead"]), "{counts:?}");
+        let cubes = if way.contains(&"--spans") { 8 } else { 4 };
+        assert_eq!(
+            (counts["vertices"], counts["primitives"], counts["clipping"]),
+            (36 * cubes, 12 * cubes, 12 * cubes)
+        );
+    }
+}
+
+/// What is counted once is counted once, and what no view shows is nothing; what only a view shows is more than that. The samples
+/// of what the program's own picture shows are as many as it has, but for the views' density.
+#[test]
+fn a_draw_for_each_view_is_one_draw_to_its_queries() {
+    for way in WAYS {
+        let extra = [way, &["--counts", "counts.txt"]].concat();
+        let run = run(&extra);
+        let Some(plain) = run.vulkan_plain() else { return };
+        let plain = counts(&plain.expect_success());
+        for rig in ["fisheye", "planetarium-6", "identity-captured"] {
+            let Some(finished) = run.vulkan_under(rig) else { return };
+            let (told, own) = (counts(&finished), read(&plain));
+            let all = read(&told);
+            assert!(told.values().all(|(read, copied)| read == copied), "{way:?}, {rig}: {told:?}");
+            if rig == "identity-captured" {
+                assert_eq!(all, own, "{way:?}, {rig}");
+                continue;
+            }
+            for same in ["hidden", "nothing", "flat", "vertices", "primitives", "vertex_runs", "clipping"] {
+                assert_eq!(all[same], own[same], "{way:?}, {rig}: {same}");
+            }
+            assert!((0.5..2.0).contains(&(all["ahead"] as f64 / own["ahead"] as f64)), "{way:?}, {rig}: {all:?}");
+            assert_eq!(all["both"], all["ahead"], "{way:?}, {rig}");
+            assert!(all["beside"] > 0, "{way:?}, {rig}: {all:?}");
+            assert!(!finished.statistics()["notes"].to_string().contains("flat"), "{way:?}, {rig}");
+            if rig == "fisheye" {
+                let picture = finished.picture("capture.png");
+                let report = compare(&picture, shown_by_fisheye(CIRCLE, camera_of(&run)));
+                expect_good(&report, &picture, &format!("vk_queries {way:?}"));
+            }
+        }
+    }
+}
+
+/// A program that draws what a query of the last frame saw: it draws where only a view shows something, and does not where nothing is
+/// seen; then the panel stays as clear as it was.
+#[test]
+fn drawing_on_condition() {
+    let condition = |extra: &[&str]| {
+        let run = Run { extra, ..run(&[]) };
+        let finished = run.vulkan_under("fisheye")?;
+        let picture = finished.picture("capture.png");
+        let report = compare(&picture, shown_by_fisheye(CIRCLE, camera_of(&run)));
+        Some((report, picture))
+    };
+    let Some((seen, picture)) = condition(&["--condition", "2"]) else { return };
+    expect_good(&seen, &picture, "drawn because it is seen beside the program's picture");
+    let Some((unseen, picture)) = condition(&["--condition", "4"]) else { return };
+    assert!(unseen.wrong > 10_000, "control: nothing was seen");
+    let grey = picture.pixels.iter().filter(|pixel| **pixel == [64; 3]).count();
+    let black = picture.pixels.iter().filter(|pixel| **pixel == [0; 3]).count();
+    assert_eq!(grey + black, picture.pixels.len(), "nothing else is shown");
+}
