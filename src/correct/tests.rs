@@ -114,6 +114,17 @@ fn every_pixel_of_overlapping_projectors_is_in_one_right_batch() {
 }
 
 #[test]
+fn small_outputs_have_one_shader_for_all_overlaps() {
+    let (rig, request) = planetarium((150, 100));
+    let plan = build(&rig, &request).unwrap();
+    assert!(check(&rig, &plan).unwrap() > 50_000);
+    for pass in &plan.passes {
+        let overlapping: Vec<_> = pass.batches.iter().filter(|batch| !batch.neighbours.is_empty()).collect();
+        assert!(overlapping.len() == 1 && overlapping[0].edge, "{overlapping:?}");
+    }
+}
+
+#[test]
 fn every_pixel_of_random_rigs_is_in_one_right_batch() {
     let mut random = Random::new(3);
     for round in 0..40 {

@@ -90,26 +90,20 @@ fn valley(last: u32, cost: impl Fn(u32) -> f64) -> u32 {
 /// The metrics but for those that others imply (`G ⪯ G'`), as far as the few greatest ones tell.
 fn undominated(metrics: &[Metrics]) -> Vec<Metrics> {
     let sizes: [fn(&Metrics) -> Lanes; 4] = [|m| m.across, |m| m.up, |m| m.across + m.up, |m| m.across * m.up];
-    let mut pivots: Vec<Metric> = Vec::with_capacity(sizes.len());
-    for size in sizes {
-        pivots.extend(greatest(metrics, size));
-    }
+    let pivots: Vec<Metric> = sizes.iter().filter_map(|size| greatest(metrics, size)).collect();
+    let all = |part: fn(&Metric) -> f64| -> Vec<Lanes> { pivots.iter().map(part).map(Lanes::all).collect() };
+    let (across, mixed, up) = (all(|m| m.across), all(|m| m.mixed), all(|m| m.up));
     let mut kept = pivots.clone();
     for four in metrics {
-        let mut implied = [false; LANES];
-        for pivot in &pivots {
-            let (across, mixed, up) = (
-                Lanes::all(pivot.across) - four.across,
-                Lanes::all(pivot.mixed) - four.mixed,
-                Lanes::all(pivot.up) - four.up,
-            );
-            let (product, square) = (across * up, mixed * mixed);
-            for (lane, implied) in implied.iter_mut().enumerate() {
-                *implied |= (across.0[lane] >= 0.0) & (up.0[lane] >= 0.0) & (product.0[lane] > square.0[lane]);
-            }
+        // Above 0 where a pivot implies a metric: its excess has a positive determinant and element, and so no
+        // negative eigenvalue.
+        let mut implied = Lanes::all(f64::NEG_INFINITY);
+        for ((across, mixed), up) in across.iter().zip(&mixed).zip(&up) {
+            let (across, mixed, up) = (*across - four.across, *mixed - four.mixed, *up - four.up);
+            implied = implied.max((across * up - mixed * mixed).min(across));
         }
-        if implied != [true; LANES] {
-            kept.extend((0..LANES).filter(|&lane| !implied[lane]).map(|lane| four.get(lane)));
+        if implied.least() <= 0.0 {
+            kept.extend((0..LANES).filter(|&lane| implied.0[lane] <= 0.0).map(|lane| four.get(lane)));
         }
     }
     kept.chunks(LANES).map(Metrics::of).collect()
