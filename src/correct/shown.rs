@@ -69,7 +69,7 @@ impl<'rig> Shown<'rig> {
         let size = sizes.get(index).copied().unwrap_or_default();
         let evenness = match &rig.outputs[index].kind {
             OutputKind::Optics { even_light, .. } if *even_light > 0.0 => {
-                Some(Evenness::of(rig, sizes, size, *even_light)?)
+                Some(Evenness::of(rig, index, sizes, *even_light)?)
             }
             _ => None,
         };
@@ -148,6 +148,8 @@ struct Evenness {
     /// Area of the pixels that are not dimmed.
     reference: f64,
     strength: f64,
+    /// Areas beforehand, of a picture with many pixels.
+    areas: Option<Areas>,
 }
 
 /// Pixels in each direction that are looked at for the reference.
@@ -156,17 +158,20 @@ const REFERENCE_GRID: u32 = 64;
 const DIMMED: f64 = 0.9;
 
 impl Evenness {
-    /// For an output of `size`: dimmed as much as the output needs whose pixels are the largest for their light.
-    fn of(rig: &Rig, sizes: &[(u32, u32)], size: (u32, u32), strength: f64) -> Result<Self> {
+    /// For output `index`: dimmed as much as the output needs whose pixels are the largest for their light.
+    fn of(rig: &Rig, index: usize, sizes: &[(u32, u32)], strength: f64) -> Result<Self> {
+        let size = sizes.get(index).copied().unwrap_or_default();
         let pixels = |(width, height): (u32, u32)| f64::from(width) * f64::from(height);
         let mut reference = 0.0f64;
-        for (index, (output, &size)) in rig.outputs.iter().zip(sizes).enumerate() {
+        for (other, (output, &size)) in rig.outputs.iter().zip(sizes).enumerate() {
             if matches!(output.kind, OutputKind::Optics { even_light, .. } if even_light > 0.0) {
-                let map = WarpMap::new(rig, index, size, None)?;
+                let map = WarpMap::new(rig, other, size, None)?;
                 reference = reference.max(Self::large_area(&map) * pixels(size));
             }
         }
-        Ok(Self { reference: reference / pixels(size), strength })
+        let many = size.0 >= 2 * AREA_CELLS && size.1 >= 2 * AREA_CELLS;
+        let areas = many.then(|| WarpMap::new(rig, index, size, None).map(|map| Areas::of(&map))).transpose()?;
+        Ok(Self { reference: reference / pixels(size), strength, areas })
     }
 
     /// The area on the screen that most pixels of a map do not exceed.
@@ -181,7 +186,71 @@ impl Evenness {
 
     /// The weight of a pixel, linear light; 1 where its area is not known.
     fn weight(&self, map: &WarpMap, pixel: DVec2) -> f64 {
-        let ratio = map.area(pixel).filter(|_| self.reference > 0.0).map_or(1.0, |area| area / self.reference);
+        let area = self.areas.as_ref().and_then(|areas| areas.at(pixel)).or_else(|| map.area(pixel));
+        let ratio = area.filter(|_| self.reference > 0.0).map_or(1.0, |area| area / self.reference);
         ratio.min(1.0).powf(self.strength)
+    }
+}
+
+/// Cells in each direction in which areas are interpolated. They vary smoothly: over the whole of `idome` interpolation is off by
+/// less than a thousandth, and it saves four fifths of all rays.
+const AREA_CELLS: u32 = 256;
+
+/// The areas that pixels light, at the corners of cells.
+struct Areas {
+    /// From one corner to the next, pixels.
+    step: DVec2,
+    /// Row by row; NaN where a pixel has none.
+    corners: Vec<f64>,
+}
+
+impl Areas {
+    fn of(map: &WarpMap) -> Self {
+        let size = DVec2::new(f64::from(map.size().0), f64::from(map.size().1));
+        // Pixels in the first and last row and column have differences to both sides, too.
+        let step = (size - 1.0) / f64::from(AREA_CELLS);
+        let places = (0..=AREA_CELLS).flat_map(|y| (0..=AREA_CELLS).map(move |x| (f64::from(x), f64::from(y))));
+        let area = |(x, y)| map.area(DVec2::new(x, y) * step + 0.5).unwrap_or(f64::NAN);
+        Self { step, corners: places.map(area).collect() }
+    }
+
+    /// The area at a pixel position; `None` where it is to be found without interpolation: at an edge of what is shown.
+    fn at(&self, pixel: DVec2) -> Option<f64> {
+        let last = f64::from(AREA_CELLS - 1);
+        let place = (pixel - 0.5) / self.step;
+        let cell = place.floor().clamp(DVec2::ZERO, DVec2::splat(last));
+        let part = place - cell;
+        let corner =
+            |x: usize, y: usize| self.corners[(cell.y as usize + y) * (AREA_CELLS as usize + 1) + cell.x as usize + x];
+        let row = |y: usize| corner(0, y) * (1.0 - part.x) + corner(1, y) * part.x;
+        let area = row(0) * (1.0 - part.y) + row(1) * part.y;
+        area.is_finite().then_some(area)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn areas_between_cells_corners_are_those_of_pixels() {
+        let rig = crate::rig::load("idome").expect("a preset");
+        let size = (640, 640);
+        let map = WarpMap::new(&rig, 0, size, None).expect("a map");
+        let areas = Areas::of(&map);
+        let (mut compared, mut worst) = (0, 0.0f64);
+        for (x, y) in (0..size.1).flat_map(|y| (0..size.0).map(move |x| (x, y))).step_by(7) {
+            let pixel = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
+            if let (Some(between), Some(exact)) = (areas.at(pixel), map.area(pixel)) {
+                compared += 1;
+                worst = worst.max((between / exact - 1.0).abs());
+            }
+        }
+        println!("{compared} areas, off by {worst:.2e}");
+        assert!(compared > 10_000 && worst < 1e-3, "{compared}: {worst}");
+        // A cell aside is noticed.
+        let aside = DVec2::new(320.5, 200.5);
+        let (there, here) = (areas.at(aside + areas.step), map.area(aside));
+        assert!((there.expect("shown") / here.expect("shown") - 1.0).abs() > 1e-3);
     }
 }
