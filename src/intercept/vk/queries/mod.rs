@@ -9,8 +9,8 @@
 //!   is exact where all draws of a query are issued as often, or where the program says how large they are;
 //! - time, and what compute shaders do: as it is.
 //!
-//! What was counted at all counts at least one. [`running`] finds the weights, [`results`] tells the program what it
-//! reads, [`copies`] what a command copies for it.
+//! What was counted at all counts at least one. [`running`] finds the weights, `results` tells the program what it
+//! reads, `copies` what a command copies for it.
 
 mod copies;
 mod results;
