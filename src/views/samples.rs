@@ -159,10 +159,7 @@ impl Samples {
             self.add_line(cells, |t| sight.sample(at(t, part)));
             self.add_line(cells, |t| sight.sample(at(part, t)));
         }
-        for side in [0.0, 1.0] {
-            self.add_line(fineness.border, |t| sight.sample(at(t, side)));
-            self.add_line(fineness.border, |t| sight.sample(at(side, t)));
-        }
+        self.add_sides(sight, [low, high], fineness);
     }
 
     fn add_disc(&mut self, sight: &Sight, fineness: Fineness) {
@@ -178,6 +175,21 @@ impl Samples {
         }
         // Just within the circle: rounding must not push the rim out of it.
         self.add_line(4 * fineness.border, |t| polar(1.0 - 1e-12, t));
+        let ends = [DVec2::X, DVec2::Y, -DVec2::X, -DVec2::Y].map(|end| sight.pixel(end));
+        for piece @ [low, high] in sight.pieces() {
+            // A circle that the picture cuts off ends at the picture's sides.
+            if ends.iter().any(|end| end.cmplt(low - 1.0).any() || end.cmpgt(high + 1.0).any()) {
+                self.add_sides(sight, piece, fineness);
+            }
+        }
+    }
+
+    fn add_sides(&mut self, sight: &Sight, [low, high]: [DVec2; 2], fineness: Fineness) {
+        let at = |x: f64, y: f64| low + (high - low) * DVec2::new(x, y);
+        for side in [0.0, 1.0] {
+            self.add_line(fineness.border, |t| sight.sample(at(t, side)));
+            self.add_line(fineness.border, |t| sight.sample(at(side, t)));
+        }
     }
 
     /// Adds the line `at(0…1)` in `steps` steps, broken and ended exactly where nothing is shown.

@@ -1,5 +1,6 @@
 //! The planner against brute force: every pixel, random rigs, and the bars of the design.
 
+use super::cone::Cone;
 use super::*;
 use crate::geom::random::Random;
 use crate::rig::*;
@@ -501,4 +502,25 @@ fn a_cubemap_is_as_sharp_for_a_viewer_near_its_edge() {
     let texels: u64 = plan.views.iter().map(|view| view.tile.area()).sum();
     assert!(seen > 9_000 && least > 0.99, "{seen} {least}");
     assert!(texels < 15 * 384 * 64, "{texels}: neighbours across a border count as none");
+}
+
+/// What a lens's circle shows ends at the picture's sides where they cut it off, and there views meet, too.
+#[test]
+fn a_circle_that_the_picture_cuts_off_is_shown_completely() {
+    let text = "[screen]\nshape = \"ellipsoid\"\nradii = [5.5, 4.8, 6]\nyaw = 20\n[viewer]\nposition = [2.16, -1.62, 3.6]\n\
+        [[output]]\nkind = \"projector\"\nposition = [0.36, 0.45, 4.4631]\nyaw = -4\npitch = -5\n\
+        fisheye = { projection = \"equisolid\", aperture = 180, size = [1, 1.2] }\n";
+    let rig = crate::rig::parse(text, "cut.toml", std::path::Path::new("")).expect("valid");
+    let size = (1920, 1080);
+    let views = plan(&rig, &request(&[size])).expect("a plan").views;
+    let cones: Vec<Cone> = views.iter().map(Cone::of).collect();
+    let map = WarpMap::new(&rig, 0, size, None).expect("a map");
+    let gaps = |cones: &[Cone]| {
+        let places =
+            (1056..size.1).flat_map(|y| (0..size.0).map(move |x| DVec2::new(f64::from(x), f64::from(y)) + 0.5));
+        let directions = places.filter_map(|place| map.direction(place));
+        directions.filter(|direction| !cones.iter().any(|cone| cone.contains(*direction))).count()
+    };
+    assert_eq!(gaps(&cones), 0);
+    assert!(gaps(&cones[1..]) > 100, "a view that is missing is not noticed");
 }
