@@ -17,6 +17,8 @@ pub struct Swapchain {
     pub extent: vk::Extent2D,
     /// How their texels lie in memory.
     pub texels: Texels,
+    /// What images of its surface can be used for.
+    supported: vk::ImageUsageFlags,
     /// The real images.
     pub real: Vec<vk::Image>,
     /// What stands before them; `None`: the program has the real images.
@@ -132,14 +134,13 @@ pub unsafe extern "system" fn create(
         vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_DST
     };
     let read = settings.capture.as_ref().map_or(vk::ImageUsageFlags::empty(), |_| vk::ImageUsageFlags::TRANSFER_SRC);
-    // SAFETY: the program's surface.
-    match unsafe { supported_usage(&device, given.surface) } {
-        Ok(supported) if !supported.contains(wanted | read) => {
-            log::once("Vulkan: a window keeps the program's own picture: its images cannot be drawn to or copied");
-            return next(given);
-        }
-        _ => changed.image_usage |= wanted | read,
+    // SAFETY: the program's own call.
+    let supported = unsafe { supported_usage(&device, given) };
+    if !supported.contains(wanted | read) {
+        log::once("Vulkan: a window keeps the program's own picture: its images cannot be drawn to or copied");
+        return next(given);
     }
+    changed.image_usage |= wanted | read;
     if !passthrough {
         // The correction's views of the images are made at once, which needs their memory.
         changed.flags &= !vk::SwapchainCreateFlagsKHR::DEFERRED_MEMORY_ALLOCATION_EXT;
@@ -153,7 +154,9 @@ pub unsafe extern "system" fn create(
     let live = live::rig();
     let built = crate::fence::guard(|| {
         // SAFETY: objects of a live device.
-        unsafe { build(&device, made, given, live.as_ref().filter(|_| !passthrough).map(|live| (live, settings))) }
+        unsafe {
+            build(&device, made, given, supported, live.as_ref().filter(|_| !passthrough).map(|live| (live, settings)))
+        }
     });
     match built {
         Some(Ok(built)) => {
@@ -166,16 +169,23 @@ pub unsafe extern "system" fn create(
     vk::Result::SUCCESS
 }
 
-/// What images of a surface can be used for.
+/// What images of a new swapchain's surface can be used for: all, where the driver does not say. It is not asked again for a
+/// swapchain that follows another: it answers by way of the display's server, and the longer the program's call takes until
+/// the driver has it, the likelier the window has another size by then.
 ///
 /// # Safety
-/// The surface must be one that the device can present to.
-unsafe fn supported_usage(device: &Device, surface: vk::SurfaceKHR) -> VkResult<vk::ImageUsageFlags> {
+/// The structure must be one that the program passes for this device.
+unsafe fn supported_usage(device: &Device, info: &vk::SwapchainCreateInfoKHR<'_>) -> vk::ImageUsageFlags {
+    if let Some(old) = device.managed(info.old_swapchain) {
+        return old.lock().unwrap_or_else(PoisonError::into_inner).supported;
+    }
     let mut capabilities = vk::SurfaceCapabilitiesKHR::default();
     let ask = device.instance.surface.get_physical_device_surface_capabilities_khr;
-    // SAFETY: as promised.
-    unsafe { ask(device.physical, surface, &mut capabilities) }.result()?;
-    Ok(capabilities.supported_usage_flags)
+    // SAFETY: the program's surface.
+    match unsafe { ask(device.physical, info.surface, &mut capabilities) } {
+        vk::Result::SUCCESS => capabilities.supported_usage_flags,
+        _ => !vk::ImageUsageFlags::empty(),
+    }
 }
 
 /// # Safety
@@ -184,6 +194,7 @@ unsafe fn build(
     device: &Device,
     swapchain: vk::SwapchainKHR,
     info: &vk::SwapchainCreateInfoKHR<'_>,
+    supported: vk::ImageUsageFlags,
     corrected: Option<(&Live, &Settings)>,
 ) -> Result<Swapchain> {
     // SAFETY: as promised.
@@ -214,7 +225,7 @@ unsafe fn build(
     };
     let texels = Texels::of(info.image_format).unwrap_or(Texels::Rgba8);
     let version = corrected.map_or(0, |(live, _)| live.version);
-    Ok(Swapchain { extent: info.image_extent, texels, real, canvas, failed: false, version })
+    Ok(Swapchain { extent: info.image_extent, texels, supported, real, canvas, failed: false, version })
 }
 
 /// # Safety
