@@ -47,7 +47,7 @@ need_cargo() {
 # Packages to build the C programs and to run OpenGL without a graphics card.
 gl_packages=(
     gcc g++ make binutils pkg-config
-    libgl-dev libegl-dev libgles-dev libx11-dev libglfw3-dev
+    libgl-dev libegl-dev libgles-dev libx11-dev libxdamage-dev libglfw3-dev
     libgl1-mesa-dri libglx-mesa0 libegl-mesa0 xvfb
     libvulkan1 libvulkan-dev mesa-vulkan-drivers vulkan-tools vulkan-validationlayers glslang-tools
 )

@@ -209,9 +209,7 @@ pub fn resized(rig: Option<&str>, sizes: &str, program: &[&str]) -> Option<Finis
         None => "VK_LAYER_KHRONOS_validation",
     };
     command.arg(format!("VK_INSTANCE_LAYERS={layers}")).arg("VK_LOADER_DEBUG=layer");
-    // Alone a program draws its frames in a fraction of the time.
-    let pause = if rig.is_some() { "60" } else { "10" };
-    command.arg(resizer).args(["321x243", sizes, pause, "memory.txt"]).args(program);
+    command.arg(resizer).args(["321x243", sizes, "10", "memory.txt"]).args(program);
     let finished = Finished::on(&display::own(24)?, command, name, rig.unwrap_or("without Cupola")).expect_success();
     let loaded = |layer: &str| finished.words().contains(layer);
     assert!(layers.split(':').all(loaded), "a layer is not loaded:\n{}", finished.words());

@@ -1,12 +1,17 @@
 /*
- * Runs a program and gives its window other sizes meanwhile: vk_resizer WxH RESIZES PAUSE MEMORY PROGRAM [ARGUMENT…].
- * The window is the one of that size, which therefore has to be a rare one. PAUSE, milliseconds, is between two sizes; after each pause the resident
- * memory of the program, in pages, is appended to the file MEMORY. Exits as the program does, or with 1 where it ended
- * before its window had all sizes.
+ * Runs a program and gives its window other sizes meanwhile: vk_resizer WxH RESIZES FRAMES MEMORY PROGRAM [ARGUMENT…].
+ * The window is the one of that size, which therefore has to be a rare one. In each size the program draws FRAMES frames;
+ * after them its resident memory, in pages, is appended to the file MEMORY. Exits as the program does, or with 1 where it
+ * ended before its window had all sizes, or drew nothing for ten seconds.
+ *
+ * Frames are counted, and not time, because no program can help it if its window gets a size between its question for the
+ * present size and its swapchain of that size. A program that has drawn several frames is through with both.
  */
 #include "memory.h"
 
 #include <X11/Xlib.h>
+#include <X11/extensions/Xdamage.h>
+#include <signal.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -53,17 +58,38 @@ static bool has_ended(pid_t program, int *status)
     return waitpid(program, status, WNOHANG) == program;
 }
 
+/* Waits until the window was drawn to that often. False where the program ended, or drew nothing for ten seconds. */
+static bool wait_for_frames(Display *display, int damaged, int frames, pid_t program, int *status, bool *ended)
+{
+    const int most = 10000;
+    for (int waited = 0; frames > 0 && waited < most; waited++) {
+        while (XPending(display) > 0) {
+            XEvent event;
+            XNextEvent(display, &event);
+            if (event.type == damaged) {
+                frames--;
+                waited = 0;
+            }
+        }
+        *ended = has_ended(program, status);
+        if (*ended)
+            return false;
+        wait_milliseconds(1);
+    }
+    return frames <= 0;
+}
+
 int main(int argc, char **argv)
 {
-    int width, height;
+    int width, height, first_event, first_error;
     Display *display = argc > 5 && sscanf(argv[1], "%dx%d", &width, &height) == 2 ? XOpenDisplay(NULL) : NULL;
-    if (display == NULL) {
-        fprintf(stderr, "usage: vk_resizer WxH RESIZES PAUSE MEMORY PROGRAM [ARGUMENT...], with an X display\n");
+    if (display == NULL || !XDamageQueryExtension(display, &first_event, &first_error)) {
+        fprintf(stderr, "usage: vk_resizer WxH RESIZES FRAMES MEMORY PROGRAM [ARGUMENT...], with an X display (DAMAGE)\n");
         return 2;
     }
     XSetErrorHandler(ignore);
     const int resizes = atoi(argv[2]);
-    const long pause = atol(argv[3]);
+    const int frames = atoi(argv[3]);
     const pid_t program = fork();
     if (program == 0) {
         execvp(argv[5], argv + 5);
@@ -78,20 +104,24 @@ int main(int argc, char **argv)
         window = find_window(display, width, height);
         ended = has_ended(program, &status);
     }
-    while (!ended && done < resizes) {
+    if (window != None)
+        XDamageCreate(display, window, XDamageReportRawRectangles);
+    bool draws = window != None;
+    while (draws && done < resizes) {
         done++;
         XResizeWindow(display, window, (unsigned)(width + done % 2 * 31 + done % 7), (unsigned)(height + done % 2 * 31));
         XSync(display, False);
-        wait_milliseconds(pause);
-        ended = has_ended(program, &status);
-        if (!ended)
+        draws = wait_for_frames(display, first_event + XDamageNotify, frames, program, &status, &ended);
+        if (draws)
             write_memory(argv[4], program);
     }
+    if (!draws && !ended)
+        kill(program, SIGTERM);
     if (!ended && waitpid(program, &status, 0) < 0)
         perror("waitpid");
     XCloseDisplay(display);
-    if (done < resizes || (ended && done == resizes)) {
-        fprintf(stderr, "the program ended after %d of %d sizes\n", done, resizes);
+    if (!draws) {
+        fprintf(stderr, "the program %s after %d of %d sizes\n", ended ? "ended" : "drew nothing", done, resizes);
         return 1;
     }
     return WIFEXITED(status) ? WEXITSTATUS(status) : 1;
