@@ -237,7 +237,7 @@ pub fn constants(plan: &Plan, pass: &OutputPass, batch: &Batch, panel: bool) -> 
         _ if batch.facets.is_some() => {}
         Source::Fisheye { aperture, rotation, offset } => {
             circular(&mut out, ["sine", "cosine"], *aperture)?;
-            out.set_matrix("rotation", base * *rotation)?;
+            out.set_matrix("rotation", turned(base, *rotation))?;
             out.set("shift", &(base * *offset).to_array())?;
             out.set_matrix("dome", pass.dome_rotation * *rotation)?;
         }
@@ -246,7 +246,7 @@ pub fn constants(plan: &Plan, pass: &OutputPass, batch: &Batch, panel: bool) -> 
             if panorama.is_circular() {
                 out.set_flag("off_centre", *offset != DVec3::ZERO)?;
             }
-            out.set_matrix("rotation", base * *rotation)?;
+            out.set_matrix("rotation", turned(base, *rotation))?;
             out.set("shift", &(base * *offset).to_array())?;
             out.set_matrix("dome", pass.dome_rotation * *rotation)?;
         }
@@ -257,12 +257,17 @@ pub fn constants(plan: &Plan, pass: &OutputPass, batch: &Batch, panel: bool) -> 
             out.set_matrix("dome", pass.dome_rotation * *matrix)?;
         }
         Source::Table(table) => {
-            out.set_matrix("rotation", base * table.axes())?;
+            out.set_matrix("rotation", turned(base, table.axes()))?;
             out.set("half_size", &[0.5 * f64::from(pass.size.0), 0.5 * f64::from(pass.size.1)])?;
             out.set("step", &[f64::from(table.step())])?;
         }
     }
     Ok(out)
+}
+
+/// From a source's axes (→ viewer axes) to `base`: exactly the identity where that is these axes, so that compilers leave it out.
+fn turned(base: DMat3, axes: DMat3) -> DMat3 {
+    if base == axes.transpose() { DMat3::IDENTITY } else { base * axes }
 }
 
 /// Whether a batch samples a view with the program's own lens.
