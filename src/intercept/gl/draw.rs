@@ -116,7 +116,7 @@ fn draw_to_views(
         let samples = counting::scene_samples(ctx, &target.session);
         counting::weigh(ctx, Weights { samples, primitives });
     }
-    let repeats = Repeats::new(changes, ctx);
+    let repeats = Repeats::new(changes, ctx, 0);
     let mut projection_loaded = false;
     let mut number = 0;
     let last_shown = shown.last(views);
@@ -210,7 +210,7 @@ pub fn each_view(
     let gl = ctx.gl;
     let share = 1.0 / views.max(1) as f64;
     counting::weigh(ctx, Weights { samples: share, primitives: share });
-    let repeats = Repeats::new(changes, ctx);
+    let repeats = Repeats::new(changes, ctx, 0);
     let mut projection_loaded = false;
     let own = ctx.session().map_or(0, |session| session.views().len());
     for view in 0..views {
@@ -257,7 +257,7 @@ fn flat(
     super::default_framebuffer::want_panel(ctx);
     let Some(target) = &ctx.target else { return };
     let tiles = target.flat_tiles();
-    let repeats = Repeats::new(changes, ctx);
+    let repeats = Repeats::new(changes, ctx, 0);
     plain_program(ctx);
     let pictures = tiles.iter().flatten().count();
     for (number, (tile, panel)) in tiles.iter().flatten().enumerate() {
@@ -356,17 +356,18 @@ pub fn plain_program(ctx: &mut Context) {
 
 /// Keeps a draw that is issued several times one draw for the program: vertex attributes (and what
 /// else it may set) are put back in between, and transform feedback records it once.
-struct Repeats {
+pub struct Repeats {
     mask: u32,
     feedback: bool,
 }
 
 impl Repeats {
-    fn new(changes: Changes, ctx: &Context) -> Self {
+    /// `pushed` are so many attributes of ours at that time, beside the program's.
+    pub fn new(changes: Changes, ctx: &Context, pushed: usize) -> Self {
         let mask = match changes {
             _ if !ctx.profile.compatibility() => 0,
             // No place is left on the stack; a pop would take what is the program's.
-            _ if ctx.attribute_stack.len() >= super::state::ATTRIBUTE_DEPTH => 0,
+            _ if ctx.attribute_stack.len() + pushed >= super::state::ATTRIBUTE_DEPTH => 0,
             Changes::Nothing | Changes::Alike => 0,
             Changes::Attributes => api::GL_CURRENT_BIT | api::GL_LIGHTING_BIT,
             Changes::Anything => api::GL_ALL_ATTRIB_BITS,
@@ -388,7 +389,8 @@ impl Repeats {
         }
     }
 
-    fn unchanged(&self, gl: &Gl, last: bool, issue: impl FnOnce()) {
+    /// Runs `issue`; unless it is the `last`, what it changes is put back.
+    pub fn unchanged(&self, gl: &Gl, last: bool, issue: impl FnOnce()) {
         if self.mask == 0 || last {
             issue();
             return;
@@ -444,8 +446,8 @@ pub fn draw_command(
 ) {
     if ctx.compiling() {
         let bounds = if culling::enabled() { bounds(ctx) } else { Bounds::UNKNOWN };
+        super::lists::will_draw(ctx, false);
         if let Some(recording) = &mut ctx.recording {
-            recording.draws = true;
             recording.bounds.join(&bounds);
         }
         let gl = ctx.gl;

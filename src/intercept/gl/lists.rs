@@ -113,9 +113,9 @@ pub struct Recording {
     items: Vec<Item>,
     real: u32,
     /// The present real list draws something.
-    pub draws: bool,
+    draws: bool,
     /// … at the raster position.
-    pub raster: bool,
+    raster: bool,
     /// Around the vertices of the present real list.
     pub bounds: Bounds,
 }
@@ -123,15 +123,31 @@ pub struct Recording {
 /// Lists may call lists this deep, as OpenGL says at least.
 const DEEPEST: u32 = 64;
 
+/// A draw comes into the list that is compiled, at the `raster` position or not. Each of these gets a real list without the
+/// other, as they are issued in different ways. Not between `glBegin` and `glEnd`.
+pub fn will_draw(ctx: &mut Context, raster: bool) {
+    if ctx.recording.as_ref().is_some_and(|recording| recording.draws && recording.raster != raster) {
+        next_part(ctx, None);
+    }
+    if let Some(recording) = &mut ctx.recording {
+        recording.draws = true;
+        recording.raster = raster;
+    }
+}
+
 /// Ends the present real list, keeps `command`, and begins another.
 pub fn record(ctx: &mut Context, command: Command) {
+    next_part(ctx, Some(command));
+}
+
+fn next_part(ctx: &mut Context, command: Option<Command>) {
     let gl = ctx.gl;
     if let Some(recording) = &mut ctx.recording {
         recording.end_part(gl);
     }
     let real = own_name(ctx);
     let Some(recording) = &mut ctx.recording else { return };
-    recording.items.push(Item::Command(command));
+    recording.items.extend(command.map(Item::Command));
     recording.real = real;
     // SAFETY: a list of our own; the program is compiling, and the list that was open has just ended.
     unsafe { gl.new_list(real, api::GL_COMPILE) };
@@ -179,7 +195,8 @@ fn call(ctx: &mut Context, list: u32, depth: u32) {
 
 fn run_real(ctx: &mut Context, list: u32, draws: bool, raster: bool, bounds: &Bounds) {
     let gl = ctx.gl;
-    if raster && super::raster::draw_at_raster(ctx, |gl| unsafe { gl.call_list(list) }) {
+    // SAFETY: a list that exists, or the program's own call.
+    if raster && super::raster::draw_at_raster(ctx, Changes::Anything, |gl| unsafe { gl.call_list(list) }) {
         return;
     }
     if draws {

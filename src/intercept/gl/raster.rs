@@ -6,7 +6,7 @@
 
 use super::context::Context;
 use super::counting::{self, Weights};
-use super::draw::{Place, own_window_space, place};
+use super::draw::{Changes, Place, Repeats, own_window_space, place};
 use super::hook::hooks;
 use super::lists::Command;
 use super::matrices::load_projection;
@@ -46,9 +46,11 @@ impl Raster {
 struct ScenePosition {
     object: [f64; 4],
     model_view: [f64; 16],
-    /// What the position took with it: colour and texture coordinate.
+    /// What the position took with it: the colour, lit where light is on, and a texture coordinate.
     color: [f32; 4],
     texture: [f32; 4],
+    /// The range of depths in which it was set.
+    depths: [f64; 2],
     /// How far bitmaps moved it since, in pixels.
     moved: [f32; 2],
 }
@@ -61,15 +63,15 @@ pub fn set_position(ctx: &mut Context, object: [f64; 4]) {
         let place = place(ctx);
         if place == Place::FixedScene {
             let mut model_view = [0.0; 16];
-            let (mut color, mut texture) = ([0.0; 4], [0.0; 4]);
-            // SAFETY: writes sixteen doubles and four floats; a raster position implies a fixed-function pipeline.
+            let (mut texture, mut depths) = ([0.0; 4], [0.0; 2]);
+            // SAFETY: writes eighteen doubles and four floats; a raster position implies a fixed-function pipeline.
             unsafe {
                 gl.get_doublev(api::GL_MODELVIEW_MATRIX, model_view.as_mut_ptr());
-                gl.get_floatv(api::GL_CURRENT_COLOR, color.as_mut_ptr());
+                gl.get_doublev(api::GL_DEPTH_RANGE, depths.as_mut_ptr());
                 gl.get_floatv(api::GL_CURRENT_TEXTURE_COORDS, texture.as_mut_ptr());
             }
             ctx.raster.projections.clone_from(&ctx.projection.per_view);
-            ctx.raster.scene = Some(ScenePosition { object, model_view, color, texture, moved: [0.0; 2] });
+            ctx.raster.scene = Some(ScenePosition { object, model_view, color: [0.0; 4], texture, depths, moved: [0.0; 2] });
             // The driver's own state too, for queries: as in the program's window.
             ctx.set_viewport(ctx.believed.viewport);
         } else {
@@ -85,6 +87,40 @@ pub fn set_position(ctx: &mut Context, object: [f64; 4]) {
         // What is clipped leaves its numbers where they were.
         ctx.raster.origin = old;
     }
+    if ctx.raster.scene.is_some() {
+        let color = taken_color(ctx, object);
+        ctx.raster.scene.iter_mut().for_each(|scene| scene.color = color);
+    }
+}
+
+/// The colour that the raster position took with it: lit, also where it is clipped away in the program's window and OpenGL
+/// has lit none.
+fn taken_color(ctx: &Context, object: [f64; 4]) -> [f32; 4] {
+    let gl = ctx.gl;
+    let mut color = [0.0; 4];
+    // SAFETY: writes four floats. What is current, the raster position with it, is pushed and popped.
+    unsafe {
+        if is_valid(gl) {
+            gl.get_floatv(api::GL_CURRENT_RASTER_COLOR, color.as_mut_ptr());
+            return color;
+        }
+        gl.get_floatv(api::GL_CURRENT_COLOR, color.as_mut_ptr());
+        if ctx.attribute_stack.len() >= super::state::ATTRIBUTE_DEPTH {
+            return color;
+        }
+        gl.push_attrib(api::GL_CURRENT_BIT);
+        // Everything is in the middle of the picture.
+        let mut middle = [0.0; 16];
+        middle[15] = 1.0;
+        load_projection(ctx, &middle);
+        gl.raster_pos4d(object[0], object[1], object[2], object[3]);
+        if is_valid(gl) {
+            gl.get_floatv(api::GL_CURRENT_RASTER_COLOR, color.as_mut_ptr());
+        }
+        load_projection(ctx, &ctx.projection.matrix);
+        gl.pop_attrib();
+    }
+    color
 }
 
 /// `glWindowPos`.
@@ -112,8 +148,8 @@ fn flat_window_space(ctx: &mut Context) -> [i32; 2] {
     }
 }
 
-/// Draws at the raster position. `false` if the caller should treat it as any other draw.
-pub fn draw_at_raster(ctx: &mut Context, issue: impl Fn(&Gl)) -> bool {
+/// Draws at the raster position what `changes` so much. `false` if the caller should treat it as any other draw.
+pub fn draw_at_raster(ctx: &mut Context, changes: Changes, issue: impl Fn(&Gl)) -> bool {
     if ctx.picking || (!ctx.redirected() && ctx.raster.origin == [0, 0]) {
         return false;
     }
@@ -128,15 +164,17 @@ pub fn draw_at_raster(ctx: &mut Context, issue: impl Fn(&Gl)) -> bool {
     ctx.counts.draws_seen += 1;
     ctx.frame_begun = true;
     match ctx.raster.scene.take() {
-        Some(position) => draw_in_scene(ctx, position, &issue),
-        None => draw_flat(ctx, &issue),
+        Some(position) => draw_in_scene(ctx, position, changes, &issue),
+        None => draw_flat(ctx, changes, &issue),
     }
     true
 }
 
 /// Draws at a raster position in the scene.
-fn draw_in_scene(ctx: &mut Context, mut position: ScenePosition, issue: &dyn Fn(&Gl)) {
+fn draw_in_scene(ctx: &mut Context, mut position: ScenePosition, changes: Changes, issue: &dyn Fn(&Gl)) {
     let gl = ctx.gl;
+    // Within what is pushed here.
+    let repeats = Repeats::new(changes, ctx, 1);
     super::matrices::refresh(ctx);
     let Some(mut target) = ctx.target.take() else { return };
     let before = raster_position(gl);
@@ -154,15 +192,7 @@ fn draw_in_scene(ctx: &mut Context, mut position: ScenePosition, issue: &dyn Fn(
         gl.matrix_mode(mode);
     }
     let set = || {
-        let [x, y, z, w] = position.object;
-        // SAFETY: the program's own position, with what was current then.
-        unsafe {
-            if keeps {
-                gl.color4fv(position.color.as_ptr());
-                gl.tex_coord4fv(position.texture.as_ptr());
-            }
-            gl.raster_pos4d(x, y, z, w);
-        }
+        set_again(gl, &position);
         move_by(gl, position.moved[0], position.moved[1]);
     };
     counting::weigh(ctx, Weights::ONCE);
@@ -177,7 +207,7 @@ fn draw_in_scene(ctx: &mut Context, mut position: ScenePosition, issue: &dyn Fn(
             load_projection(ctx, &projection);
         }
         set();
-        issue(gl);
+        repeats.unchanged(gl, false, || issue(gl));
         target.issued(index);
     }
     load_projection(ctx, &ctx.projection.matrix);
@@ -185,7 +215,7 @@ fn draw_in_scene(ctx: &mut Context, mut position: ScenePosition, issue: &dyn Fn(
         counting::weigh(ctx, Weights { samples: 0.0, ..Weights::ONCE });
         own_window_space(ctx, tile);
         set();
-        issue(gl);
+        repeats.unchanged(gl, false, || issue(gl));
         ctx.counts.primary_draws += 1;
     }
     if !keeps {
@@ -211,13 +241,39 @@ fn draw_in_scene(ctx: &mut Context, mut position: ScenePosition, issue: &dyn Fn(
     ctx.target = Some(target);
 }
 
+/// Sets a position of the scene again, with the colour and the texture coordinate that it took with it, and in the range of
+/// depths of that time; what is current stays.
+fn set_again(gl: &Gl, position: &ScenePosition) {
+    let [x, y, z, w] = position.object;
+    let (mut color, mut texture, mut depths) = ([0.0; 4], [0.0; 4], [0.0; 2]);
+    // The colour is lit already, and the material, which may follow what is current, must not follow it.
+    let switches = [api::GL_LIGHTING, api::GL_COLOR_MATERIAL];
+    // SAFETY: the program's own position; all else is as it was when this returns.
+    unsafe {
+        let on = switches.map(|switch| gl.is_enabled(switch) != 0);
+        gl.get_floatv(api::GL_CURRENT_COLOR, color.as_mut_ptr());
+        gl.get_floatv(api::GL_CURRENT_TEXTURE_COORDS, texture.as_mut_ptr());
+        switches.iter().zip(on).filter(|(_, on)| *on).for_each(|(switch, _)| gl.disable(*switch));
+        gl.get_doublev(api::GL_DEPTH_RANGE, depths.as_mut_ptr());
+        gl.depth_range(position.depths[0], position.depths[1]);
+        gl.color4fv(position.color.as_ptr());
+        gl.tex_coord4fv(position.texture.as_ptr());
+        gl.raster_pos4d(x, y, z, w);
+        gl.depth_range(depths[0], depths[1]);
+        gl.color4fv(color.as_ptr());
+        gl.tex_coord4fv(texture.as_ptr());
+        switches.iter().zip(on).filter(|(_, on)| *on).for_each(|(switch, _)| gl.enable(*switch));
+    }
+}
+
 /// Draws at a raster position on the flat panel, and in the other pictures that show it.
-fn draw_flat(ctx: &mut Context, issue: &dyn Fn(&Gl)) {
+fn draw_flat(ctx: &mut Context, changes: Changes, issue: &dyn Fn(&Gl)) {
     let gl = ctx.gl;
     super::default_framebuffer::want_panel(ctx);
     ctx.counts.panel_draws += 1;
     let Some(tiles) = ctx.target.as_ref().map(|t| t.flat_tiles()) else { return };
-    let mut before = None;
+    let repeats = Repeats::new(changes, ctx, 0);
+    let (mut before, pictures) = (None, tiles.iter().flatten().count());
     for (number, (tile, _)) in tiles.into_iter().flatten().enumerate() {
         let samples = if number == 0 { 1.0 } else { 0.0 };
         counting::weigh(ctx, Weights { samples, ..Weights::ONCE });
@@ -228,7 +284,7 @@ fn draw_flat(ctx: &mut Context, issue: &dyn Fn(&Gl)) {
         let [x, y] = [begin[0] - tile[0] as f32, begin[1] - tile[1] as f32];
         let [first_x, first_y] = *before.get_or_insert([x, y]);
         move_by(gl, first_x - x, first_y - y);
-        issue(gl);
+        repeats.unchanged(gl, number + 1 == pictures, || issue(gl));
     }
 }
 
@@ -267,11 +323,10 @@ fn raster_position(gl: &Gl) -> [f32; 2] {
 /// A command that draws at the raster position.
 pub fn raster_command(ctx: &mut Context, issue: impl Fn(&Gl)) {
     let gl = ctx.gl;
-    if let Some(recording) = &mut ctx.recording {
-        recording.draws = true;
-        recording.raster = true;
+    if ctx.recording.is_some() {
+        super::lists::will_draw(ctx, true);
         issue(gl);
-    } else if !draw_at_raster(ctx, &issue) {
+    } else if !draw_at_raster(ctx, Changes::Nothing, &issue) {
         issue(gl);
     }
 }

@@ -183,8 +183,8 @@ fn keep_apart(ctx: &mut Context) {
 
 /// What was recorded, and what comes until the program's End, goes into the list that is compiled as it is.
 fn give_to_list(ctx: &mut Context) {
+    super::lists::will_draw(ctx, false);
     let Some(recording) = &mut ctx.recording else { return };
-    recording.draws = true;
     recording.bounds.add_unknown();
     ctx.immediate.phase = Phase::Outside;
     // SAFETY: the program's own commands, into the list that the driver compiles.
@@ -211,8 +211,8 @@ hooks! {
         if is_kept_apart(ctx) && !ctx.immediate.under_way() && mode <= api::GL_POLYGON {
             ctx.immediate.begin(mode);
             return;
-        } else if let Some(recording) = &mut ctx.recording {
-            recording.draws = true;
+        } else if ctx.recording.is_some() {
+            super::lists::will_draw(ctx, false);
         } else if ctx.session().is_none() || ctx.picking {
             super::draw::plain_program(ctx);
         } else if !ctx.immediate.under_way() && mode <= api::GL_PATCHES {
