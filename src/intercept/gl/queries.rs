@@ -71,8 +71,10 @@ macro_rules! getters {
                 if cap == api::GL_SCISSOR_TEST && ctx.target.is_some() { u8::from(ctx.believed.scissor_test) } else { gl.is_enabled(cap) }
             };
             "glGetError" get_error() -> u32 = |ctx, gl| {
+                // The first error counts until it is asked for; what came later is forgotten, as drivers do.
+                let later = gl.get_error();
                 match std::mem::take(&mut ctx.pending_error) {
-                    api::GL_NO_ERROR => gl.get_error(),
+                    api::GL_NO_ERROR => later,
                     error => error,
                 }
             };
