@@ -358,6 +358,8 @@ pub fn plain_program(ctx: &mut Context) {
 /// else it may set) are put back in between, and transform feedback records it once.
 pub struct Repeats {
     mask: u32,
+    /// The material follows the colour.
+    follows: bool,
     feedback: bool,
 }
 
@@ -372,8 +374,10 @@ impl Repeats {
             Changes::Attributes => api::GL_CURRENT_BIT | api::GL_LIGHTING_BIT,
             Changes::Anything => api::GL_ALL_ATTRIB_BITS,
         };
+        // SAFETY: plain state.
+        let follows = mask != 0 && unsafe { ctx.gl.is_enabled(api::GL_COLOR_MATERIAL) } != 0;
         // Without a pause (OpenGL before 4.0) there is no drawing without recording.
-        Self { mask, feedback: ctx.feedback && ctx.gl.has_pause_transform_feedback() }
+        Self { mask, follows, feedback: ctx.feedback && ctx.gl.has_pause_transform_feedback() }
     }
 
     /// Runs `issue` for the `number`-th time; unless it is the `last`, what it changes is put back.
@@ -398,8 +402,14 @@ impl Repeats {
         // SAFETY: pushed and popped in pairs around one draw.
         unsafe { gl.push_attrib(self.mask) };
         issue();
-        // SAFETY: as above.
-        unsafe { gl.pop_attrib() };
+        // SAFETY: as above; the material is made to follow the colour that is current again, which Mesa forgets to do.
+        unsafe {
+            gl.pop_attrib();
+            if self.follows {
+                gl.disable(api::GL_COLOR_MATERIAL);
+                gl.enable(api::GL_COLOR_MATERIAL);
+            }
+        }
     }
 }
 

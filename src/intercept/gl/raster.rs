@@ -71,7 +71,8 @@ pub fn set_position(ctx: &mut Context, object: [f64; 4]) {
                 gl.get_floatv(api::GL_CURRENT_TEXTURE_COORDS, texture.as_mut_ptr());
             }
             ctx.raster.projections.clone_from(&ctx.projection.per_view);
-            ctx.raster.scene = Some(ScenePosition { object, model_view, color: [0.0; 4], texture, depths, moved: [0.0; 2] });
+            ctx.raster.scene =
+                Some(ScenePosition { object, model_view, color: [0.0; 4], texture, depths, moved: [0.0; 2] });
             // The driver's own state too, for queries: as in the program's window.
             ctx.set_viewport(ctx.believed.viewport);
         } else {
