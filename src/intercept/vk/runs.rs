@@ -170,6 +170,11 @@ fn upside_down(rows: &[f32; 16]) -> [f32; 16] {
     })
 }
 
+/// The same lens of a picture for directions whose y points down: viewer, lens and offset are mirrored.
+fn upside_down_lens(lens: &[f32; 16]) -> [f32; 16] {
+    std::array::from_fn(|i| if [1, 5, 11].contains(&i) { 0.0 - lens[i] } else { lens[i] })
+}
+
 /// A matrix out of memory.
 pub fn matrix(device: &Device, source: &Source) -> Option<[f64; 16]> {
     let raw = match source.value {
@@ -211,9 +216,9 @@ fn run_events(device: &Device, recording: &mut Recording, queries: &mut Vec<Runn
             Event::Run(index) => {
                 if let Some(run) = runs.get_mut(*index) {
                     let piece = rows.pieces.get(run.place.piece);
-                    resolve(device, run, |group, rows| {
+                    resolve(device, run, |group, rows, lens| {
                         if let Some(piece) = piece {
-                            piece.write(group, rows);
+                            piece.write(group, rows, lens);
                         }
                     });
                 }
@@ -268,8 +273,8 @@ fn worth(device: &Device, run: &Run) -> Worth {
     Worth { factor: 1.0 / seen, of_scene: !matches!(run.last, Some(Outcome::Flat)) }
 }
 
-/// Finds out what a run is, and writes its rows by `write`: offset of the group, rows.
-fn resolve(device: &Device, run: &mut Run, write: impl Fn(u32, &[f32; 16])) {
+/// Finds out what a run is, and writes its rows by `write`: offset of the group, rows, lens of the view's picture.
+fn resolve(device: &Device, run: &mut Run, write: impl Fn(u32, &[f32; 16], Option<&[f32; 16]>)) {
     let mut frame = device.frame.lock().unwrap_or_else(PoisonError::into_inner);
     frame.follow(&run.layout);
     let ranked = |source: &Source| matrix(device, source).map(|value| (source.matrix.rank, value));
@@ -321,17 +326,18 @@ fn resolve(device: &Device, run: &mut Run, write: impl Fn(u32, &[f32; 16])) {
     let stride = device.group_stride();
     for (index, (_, own_lens)) in views.iter().enumerate().filter(|_| run.kind.in_views) {
         let group = run.place.offset + index as u32 * stride;
+        let lens = run.layout.lenses.get(index);
         match camera.and_then(|rows| rows.get(index)) {
-            _ if *own_lens || outcome == Outcome::Screen => write(group, &IDENTITY),
-            Some(rows) if run.kind.y_up => write(group, rows),
-            Some(rows) => write(group, &upside_down(rows)),
-            None => write(group, &OUT_OF_SIGHT),
+            _ if *own_lens || outcome == Outcome::Screen => write(group, &IDENTITY, None),
+            Some(rows) if run.kind.y_up => write(group, rows, lens),
+            Some(rows) => write(group, &upside_down(rows), lens.map(upside_down_lens).as_ref()),
+            None => write(group, &OUT_OF_SIGHT, None),
         }
     }
     let panel = run.place.offset + if run.kind.in_views { views.len() as u32 * stride } else { 0 };
     let on_panel = outcome == Outcome::Flat && !run.layout.shows_own_lens();
-    write(panel, if on_panel { &IDENTITY } else { &OUT_OF_SIGHT });
-    write(panel + stride, &IDENTITY);
+    write(panel, if on_panel { &IDENTITY } else { &OUT_OF_SIGHT }, None);
+    write(panel + stride, &IDENTITY, None);
 }
 
 /// Where a shader's matrix is, with the descriptors and push constants that are bound.

@@ -52,7 +52,7 @@ impl Swapchain {
         self.version = version;
         let Some(live) = live::rig() else { return false };
         let (window, read) = (canvas.layout.window, canvas.layout.read);
-        let adopted = Layout::new(&live.rig, window, device.greatest_image(), read).and_then(|new| {
+        let adopted = Layout::new(&live.rig, window, device.greatest_image(), read, device.rows.have_lenses()).and_then(|new| {
             let layout = Layout { version, ..new };
             let (old, new) = (&canvas.layout.plan.views, &layout.plan.views);
             // What is recorded already has the program's camera as the rig adapted it.
@@ -211,7 +211,7 @@ unsafe fn build(
             let layout = match device.layout(size, read).filter(|known| known.version == live.version) {
                 Some(known) => known,
                 None => {
-                    let new = Layout::new(&live.rig, size, device.greatest_image(), read)?;
+                    let new = Layout::new(&live.rig, size, device.greatest_image(), read, device.rows.have_lenses())?;
                     Arc::new(Layout { version: live.version, ..new })
                 }
             };

@@ -13,14 +13,20 @@ fn vertex_shader() -> &'static [u32] {
     specialise(&Constants::black(), Arrangement::Atlas, Stage::Present).vertex
 }
 
-fn spliced(set: u32) -> Vec<u32> {
+fn spliced(set: u32, lenses: bool) -> Vec<u32> {
     let entry = VERTEX_ENTRY.to_str().expect("a name");
-    splice(vertex_shader(), ExecutionModel::Vertex, entry, set).expect("it writes gl_Position")
+    splice(vertex_shader(), ExecutionModel::Vertex, entry, set, lenses).expect("it writes gl_Position")
 }
 
 #[test]
 fn all_words_of_the_program_stay_and_no_id_is_made_twice() {
-    let (before, after) = (vertex_shader(), spliced(3));
+    for lenses in [false, true] {
+        all_words_stay(lenses);
+    }
+}
+
+fn all_words_stay(lenses: bool) {
+    let (before, after) = (vertex_shader(), spliced(3, lenses));
     let all = instructions(&after).expect("a module");
     let kept: HashSet<Vec<u32>> = all.iter().map(|i| [&[i.opcode], i.operands].concat()).collect();
     let changed = instructions(before)
@@ -34,7 +40,9 @@ fn all_words_of_the_program_stay_and_no_id_is_made_twice() {
         let types = (Op::TypeVoid as u32..=Op::TypeForwardPointer as u32).contains(&i.opcode);
         let result = match Op::from_u32(i.opcode) {
             _ if types => 0,
-            Some(Op::Constant | Op::Variable | Op::Function | Op::Load | Op::FMul | Op::FAdd | Op::Dot) => 1,
+            Some(Op::Constant | Op::ConstantNull | Op::ConstantComposite | Op::Variable | Op::Function) => 1,
+            Some(Op::Load | Op::FMul | Op::FAdd | Op::Dot | Op::ExtInst | Op::AccessChain | Op::FunctionCall) => 1,
+            Some(Op::Label) => 0,
             _ => continue,
         };
         let id = i.operand(result);
@@ -44,7 +52,7 @@ fn all_words_of_the_program_stay_and_no_id_is_made_twice() {
 
 #[test]
 fn types_that_must_be_unique_are() {
-    let after = spliced(0);
+    let after = spliced(0, true);
     let all = instructions(&after).expect("a module");
     let unique = [Op::TypeVoid, Op::TypeBool, Op::TypeInt, Op::TypeFloat, Op::TypeVector, Op::TypeFunction];
     let mut seen = HashSet::new();
@@ -55,7 +63,7 @@ fn types_that_must_be_unique_are() {
 
 #[test]
 fn the_rows_are_where_the_layout_has_them() {
-    let after = spliced(5);
+    let after = spliced(5, true);
     let all = instructions(&after).expect("a module");
     let declared = Declarations::new(&all);
     let ours = all.iter().filter(|i| i.is(Op::Variable)).map(|i| i.operand(1));
@@ -68,7 +76,7 @@ fn the_rows_are_where_the_layout_has_them() {
 #[test]
 fn what_cannot_be_followed_is_refused() {
     let words = vertex_shader();
-    let refused = |words: &[u32], entry: &str| splice(words, ExecutionModel::Vertex, entry, 0).is_err();
+    let refused = |words: &[u32], entry: &str| splice(words, ExecutionModel::Vertex, entry, 0, true).is_err();
     assert!(refused(words, "no such entry"));
     assert!(refused(&[], "main") && refused(&[1, 2, 3, 4, 5, 6], "main"));
     assert!(refused(&words[..6], VERTEX_ENTRY.to_str().expect("a name")), "cut off within an instruction");
@@ -89,7 +97,7 @@ fn damaged_modules_do_no_harm() {
             let at = (state >> 33) as usize % damaged.len();
             damaged[at] ^= 1 << (state >> 59);
         }
-        let _ = splice(&damaged, ExecutionModel::Vertex, "rectangle_down", 1);
+        let _ = splice(&damaged, ExecutionModel::Vertex, "rectangle_down", 1, true);
         let _ = matrices(&damaged);
     }
 }
