@@ -43,7 +43,9 @@ fn functions(curved: bool) -> String {
     // What the function needs: the functions that it calls, then their types, constants and variables.
     let mut needed = BTreeSet::from([fix]);
     let mut kept = BTreeSet::new();
-    while let Some(body) = bodies.iter().position(|body| needed.contains(&body[0].1[1]) && !kept.contains(&body[0].1[1])) {
+    while let Some(body) =
+        bodies.iter().position(|body| needed.contains(&body[0].1[1]) && !kept.contains(&body[0].1[1]))
+    {
         kept.insert(bodies[body][0].1[1]);
         needed.extend(bodies[body].iter().flat_map(all_ids));
     }
@@ -61,9 +63,8 @@ fn functions(curved: bool) -> String {
     let variable = given.iter().find(|i| i.1[1] == Decoration::DescriptorSet as u32).expect("the block has a set").1[0];
 
     // Shaders of several passes must give equal depths.
-    let rounded = |i: &&&Instruction| {
-        matches!(i.0, Op::FAdd | Op::FSub | Op::FMul | Op::FDiv | Op::Dot | Op::VectorTimesScalar)
-    };
+    let rounded =
+        |i: &&&Instruction| matches!(i.0, Op::FAdd | Op::FSub | Op::FMul | Op::FDiv | Op::Dot | Op::VectorTimesScalar);
     let exact = |i: &&Instruction| (Op::Decorate, vec![i.1[1], Decoration::NoContraction as u32]);
     let exact: Vec<Instruction> = kept_bodies.iter().filter(rounded).map(exact).collect();
     let decorations = given.into_iter().chain(&exact).collect();
@@ -134,7 +135,9 @@ fn ids((op, operands): &Instruction) -> Vec<usize> {
         // Without the operands that say how memory is accessed.
         Op::Load if count == 3 => but(&[]),
         Op::Store if count == 2 => but(&[]),
-        Op::TypeBool | Op::TypeArray | Op::TypeStruct | Op::TypeFunction | Op::ConstantNull | Op::ConstantComposite => but(&[]),
+        Op::TypeBool | Op::TypeArray | Op::TypeStruct | Op::TypeFunction | Op::ConstantNull | Op::ConstantComposite => {
+            but(&[])
+        }
         Op::FunctionParameter | Op::FunctionEnd | Op::FunctionCall | Op::Label | Op::Branch | Op::Return => but(&[]),
         Op::ReturnValue | Op::AccessChain | Op::CompositeConstruct | Op::Select => but(&[]),
         Op::BranchConditional if count == 3 => but(&[]),

@@ -120,7 +120,8 @@ mod tests {
 
     #[test]
     fn the_programs_own_picture_is_at_the_origin_where_it_is_read() {
-        let layout = |rig: &str, read| Layout::new(&crate::rig::load(rig).expect("a preset"), (90, 42), 16384, read, true);
+        let layout =
+            |rig: &str, read| Layout::new(&crate::rig::load(rig).expect("a preset"), (90, 42), 16384, read, true);
         let own = |rig: &str, read| layout(rig, read).expect("a plan").own();
         assert_eq!(own("fisheye", false), None);
         assert_eq!(own("fisheye", true), Some([0, 0, 90, 42]));

@@ -52,15 +52,16 @@ impl Swapchain {
         self.version = version;
         let Some(live) = live::rig() else { return false };
         let (window, read) = (canvas.layout.window, canvas.layout.read);
-        let adopted = Layout::new(&live.rig, window, device.greatest_image(), read, device.rows.have_lenses()).and_then(|new| {
-            let layout = Layout { version, ..new };
-            let (old, new) = (&canvas.layout.plan.views, &layout.plan.views);
-            // What is recorded already has the program's camera as the rig adapted it.
-            let same = canvas.layout.session.rig().camera == layout.session.rig().camera
-                && (&old.views, &old.panel, old.atlas) == (&new.views, &new.panel, new.atlas);
-            // SAFETY: as promised.
-            same.then(|| unsafe { canvas.adopt(device, Arc::new(layout)) }).transpose()
-        });
+        let adopted = Layout::new(&live.rig, window, device.greatest_image(), read, device.rows.have_lenses())
+            .and_then(|new| {
+                let layout = Layout { version, ..new };
+                let (old, new) = (&canvas.layout.plan.views, &layout.plan.views);
+                // What is recorded already has the program's camera as the rig adapted it.
+                let same = canvas.layout.session.rig().camera == layout.session.rig().camera
+                    && (&old.views, &old.panel, old.atlas) == (&new.views, &new.panel, new.atlas);
+                // SAFETY: as promised.
+                same.then(|| unsafe { canvas.adopt(device, Arc::new(layout)) }).transpose()
+            });
         match adopted {
             Ok(Some(())) => false,
             Ok(None) => {

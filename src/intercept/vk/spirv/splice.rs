@@ -16,7 +16,13 @@ const NAMES_ALL: u32 = 0x0001_0400;
 ///
 /// # Errors
 /// For people: what the shader does that cannot be followed.
-pub fn splice(words: &[u32], model: ExecutionModel, entry: &str, set: u32, lenses: bool) -> Result<Vec<u32>, &'static str> {
+pub fn splice(
+    words: &[u32],
+    model: ExecutionModel,
+    entry: &str,
+    set: u32,
+    lenses: bool,
+) -> Result<Vec<u32>, &'static str> {
     let all = instructions(words).ok_or("a shader that is not SPIR-V")?;
     let declared = Declarations::new(&all);
     let is_entry = |i: &Instruction<'_>| i.is(Op::EntryPoint) && i.operand(0) == model as u32;
