@@ -13,7 +13,6 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 use spirv::{Decoration, Op};
 use std::collections::BTreeSet;
 use std::fmt::Write;
-use texts::UNIFORM;
 
 /// Rust source with the functions for views, and with those that know lenses, too.
 pub fn generate() -> String {
@@ -28,11 +27,9 @@ pub fn generate() -> String {
 type Instruction = (Op, Vec<u32>);
 
 fn functions(curved: bool) -> String {
-    let count = texts::vectors(curved);
     let text = format!(
-        "#version 450\nlayout(std140, set = 0, binding = 0) uniform Rows {{ vec4 {UNIFORM}[{count}]; }};\n{}\
-         layout(location = 0) in vec4 position;\nvoid main() {{ gl_Position = cupola_fix(position); }}\n",
-        texts::body(false, curved)
+        "#version 450\n{}layout(location = 0) in vec4 position;\nvoid main() {{ gl_Position = cupola_fix(position); }}\n",
+        texts::vulkan_functions(0, 0, curved)
     );
     let all = compile(&text);
     let (head, bodies) = all.split_at(all.iter().position(|i| i.0 == Op::Function).expect("there are functions"));

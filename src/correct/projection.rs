@@ -73,7 +73,7 @@ const CURVED: &str = "if (cupola_view[3].w != 0.0) return cupola_project(vec3(r.
 
 /// The function `cupola_fix` that re-projects by `cupola_view`, which stands before it. `es`: for OpenGL ES; `curved`: there are
 /// views to whose lens vertices are projected.
-pub fn body(es: bool, curved: bool) -> String {
+fn body(es: bool, curved: bool) -> String {
     let (lens, hook) = if curved { ([PLACE, PROJECT].concat(), CURVED) } else { (String::new(), "") };
     let fix = FIX.replace("CURVED", hook);
     format!("{lens}{fix}").replace("PRECISION ", precision(es))
@@ -84,8 +84,14 @@ pub fn functions(es: bool, curved: bool) -> String {
     format!("uniform {}vec4 {UNIFORM}[{}];\n{}", precision(es), vectors(curved), body(es, curved))
 }
 
+/// The same in the GLSL of Vulkan: the vectors are a uniform block of descriptor set `set` at `binding`.
+pub fn vulkan_functions(set: u32, binding: u32, curved: bool) -> String {
+    let block = format!("layout(std140, set = {set}, binding = {binding}) uniform cupola_block");
+    format!("{block} {{ vec4 {UNIFORM}[{}]; }};\n{}", vectors(curved), body(false, curved))
+}
+
 /// How many vectors `cupola_view` has.
-pub fn vectors(curved: bool) -> i32 {
+fn vectors(curved: bool) -> i32 {
     if curved { ROWS + LENS } else { ROWS }
 }
 

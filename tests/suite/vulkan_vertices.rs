@@ -227,3 +227,20 @@ fn vkcube_in_one_pass() {
     let far = far(&found.picture("capture.png"), &expected.picture("capture.png"));
     assert!(far < 0.02, "{far} of the pixels are off");
 }
+
+/// A shader of the program's own that projects to the picture, with the library's functions in its text, however the views lie.
+#[test]
+fn a_shader_of_the_program_s_own_projects_to_the_picture() {
+    for method in ["vertex", "fragment"] {
+        for views in ["atlas", "layers", "images"] {
+            let extra = ["--method", method, "--views", views, "--shot", "shot.ppm"];
+            let run = Run { program: "vk_project", ..run(&extra, &[]) };
+            let Some(finished) = run.vulkan_embedding() else { return };
+            let picture = finished.picture("shot.ppm");
+            expect_good(&against_the_map(&run, &picture), &picture, &format!("vk_project {extra:?}"));
+            // Negative control: a lens of another opening.
+            let other = Fisheye { aperture: 176.0, ..CIRCLE };
+            assert!(!compare(&picture, shown_by_fisheye(other, camera_of(&run))).good(), "{extra:?}");
+        }
+    }
+}

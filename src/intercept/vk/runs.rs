@@ -10,6 +10,7 @@ use super::queries::running::{Running, Worth};
 use super::recording::{Event, Recording};
 use super::rows::Place;
 use super::spirv::{Matrix, Memory};
+use crate::correct::downward::{lens_down, rows_down};
 use crate::correct::uniforms;
 use crate::intercept::camera::Cameras;
 use crate::intercept::lens;
@@ -159,20 +160,6 @@ impl Frame {
         self.sampled = Some((lens, samples));
         samples
     }
-}
-
-/// The same rows for clip coordinates whose y points down.
-fn upside_down(rows: &[f32; 16]) -> [f32; 16] {
-    std::array::from_fn(|i| {
-        let (row, column) = (i / 4, i % 4);
-        let turned = row < 3 && ((row == 1) != (column == 1));
-        if turned { 0.0 - rows[i] } else { rows[i] }
-    })
-}
-
-/// The same lens of a picture for directions whose y points down: viewer, lens and offset are mirrored.
-fn upside_down_lens(lens: &[f32; 16]) -> [f32; 16] {
-    std::array::from_fn(|i| if [1, 5, 11].contains(&i) { 0.0 - lens[i] } else { lens[i] })
 }
 
 /// A matrix out of memory.
@@ -330,7 +317,7 @@ fn resolve(device: &Device, run: &mut Run, write: impl Fn(u32, &[f32; 16], Optio
         match camera.and_then(|rows| rows.get(index)) {
             _ if *own_lens || outcome == Outcome::Screen => write(group, &IDENTITY, None),
             Some(rows) if run.kind.y_up => write(group, rows, lens),
-            Some(rows) => write(group, &upside_down(rows), lens.map(upside_down_lens).as_ref()),
+            Some(rows) => write(group, &rows_down(rows), lens.map(lens_down).as_ref()),
             None => write(group, &OUT_OF_SIGHT, None),
         }
     }
@@ -357,7 +344,7 @@ pub fn source(device: &Device, recording: &Recording, matrix: &Matrix) -> Option
 
 #[cfg(test)]
 mod tests {
-    use super::{IDENTITY, OUT_OF_SIGHT, from_bytes, upside_down};
+    use super::{IDENTITY, OUT_OF_SIGHT, from_bytes};
 
     /// The shader's formula.
     fn apply(rows: &[f32; 16], clip: [f32; 4]) -> [f32; 4] {
@@ -376,15 +363,6 @@ mod tests {
             let [x, _, _, w] = apply(&OUT_OF_SIGHT, clip);
             assert!(x > w || x < -w || w < 0.0, "{clip:?}");
         }
-    }
-
-    #[test]
-    fn turned_rows_do_with_turned_coordinates_what_the_rows_do() {
-        let rows: [f32; 16] = std::array::from_fn(|i| (i * 7 % 11) as f32 - 4.0);
-        let clip = [0.5, -1.5, 0.25, 2.0];
-        let [x, y, z, w] = apply(&rows, clip);
-        let turned = apply(&upside_down(&rows), [clip[0], -clip[1], clip[2], clip[3]]);
-        assert_eq!(turned, [x, -y, z, w]);
     }
 
     #[test]

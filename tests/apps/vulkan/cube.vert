@@ -1,7 +1,7 @@
 #version 450
 /* The direction test's cube: a corner has the colour of its position. With CELLS its faces are cut as ../common/cells.c does
  * it: into triangles (instance 0), on a ball with the cube's colours (1), in inverted colours around that (2), or into points
- * in the middle of the cells (3). */
+ * in the middle of the cells (3). With PROJECTING, Cupola's functions stand before. */
 #if defined(BLOCK)
 layout(set = 0, binding = 0) uniform Camera { mat4 mvp; };
 #elif defined(COLUMNS)
@@ -33,6 +33,9 @@ void main()
     gl_PointSize = 1.0;
     float size = gl_InstanceIndex == 1 ? 1.0 / length(position) : gl_InstanceIndex == 2 ? 3.0 : 1.0;
     gl_Position = mvp * vec4(size * position, 1.0);
+#ifdef PROJECTING
+    gl_Position = cupola_fix(gl_Position);
+#endif
 }
 #else
 void main()
