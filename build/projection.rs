@@ -139,7 +139,8 @@ fn ids((op, operands): &Instruction) -> Vec<usize> {
         Op::ReturnValue | Op::AccessChain | Op::CompositeConstruct | Op::Select => but(&[]),
         Op::BranchConditional if count == 3 => but(&[]),
         Op::FAdd | Op::FSub | Op::FMul | Op::FDiv | Op::FNegate | Op::Dot | Op::VectorTimesScalar => but(&[]),
-        Op::FOrdEqual | Op::FOrdNotEqual | Op::FOrdLessThan | Op::FOrdGreaterThan => but(&[]),
+        Op::FOrdEqual | Op::FOrdNotEqual => but(&[]),
+        Op::FOrdLessThan | Op::FOrdLessThanEqual | Op::FOrdGreaterThan | Op::FOrdGreaterThanEqual => but(&[]),
         _ => panic!("projection: which operands of {op:?} {operands:?} are ids?"),
     }
 }

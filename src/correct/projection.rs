@@ -34,7 +34,7 @@ if (cupola_view[5].w != 0.0) {
 PRECISION float angle = cupola_angle(h, -ray.z);
 return angle > cupola_view[7].x ? vec3(aside, 0.0) : vec3(aside * angle * cupola_view[6].xy, 1.0);
 }
-if (-ray.z < cupola_view[7].x * length(ray)) return vec3(aside, 0.0);
+if (-ray.z <= cupola_view[7].x * length(ray)) return vec3(aside, 0.0);
 return vec3(ray.xy / -ray.z * cupola_view[6].xy - cupola_view[6].zw, 1.0);
 }
 ";

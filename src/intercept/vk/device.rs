@@ -319,12 +319,8 @@ unsafe fn wanted(info: &vk::DeviceCreateInfo<'_>) -> bool {
 
 /// Whether the rig has outputs to which vertices are projected, which a layer can do without dividing what lies between them.
 fn projects_vertices() -> bool {
-    let Some(settings) = settings::settings() else { return false };
-    let any = |wanted: fn(&Method) -> bool| settings.rig.outputs.iter().any(|output| wanted(&output.method));
-    if any(Method::divides) {
-        log::once("Vulkan: primitives are not divided: these outputs are made by method \"fragment\" instead");
-    }
-    any(|method| *method == Method::Vertex)
+    settings::settings()
+        .is_some_and(|settings| settings.rig.outputs.iter().any(|output| output.method == Method::Vertex))
 }
 
 /// `vkDestroyDevice`.
