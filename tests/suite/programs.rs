@@ -156,7 +156,8 @@ impl Run<'_> {
     /// above.
     pub fn vulkan_embedding(&self) -> Option<Finished> {
         let mut command = Command::new(vulkan_apps()?.join(self.program));
-        command.args(self.arguments(&display::place()));
+        let place = display::place();
+        command.args(self.arguments(&place));
         validating(&mut command);
         Some(Finished::of(command, self.program, "embedding")?.expect_success().expect_no_validation_messages())
     }
