@@ -73,6 +73,29 @@ fn the_rows_are_where_the_layout_has_them() {
     assert_eq!(declared.pointee(id).map(|p| p.0), Some(StorageClass::Uniform as u32));
 }
 
+/// GLSL's own functions are imported once, whether the program does it or not, where a module has its imports.
+#[test]
+fn functions_of_glsl_are_imported_once() {
+    let entry = VERTEX_ENTRY.to_str().expect("a name");
+    let given = vertex_shader();
+    let mut without = given[..5].to_vec();
+    for i in instructions(given).expect("a module").iter().filter(|i| !i.is(Op::ExtInstImport)) {
+        without.extend(&given[i.offset..=i.offset + i.operands.len()]);
+    }
+    assert!(without.len() < given.len(), "there was one");
+    for words in [given, &without] {
+        let after = splice(words, ExecutionModel::Vertex, entry, 0, true).expect("it writes gl_Position");
+        let all = instructions(&after).expect("a module");
+        let imports: Vec<_> = all.iter().filter(|i| i.is(Op::ExtInstImport)).collect();
+        assert_eq!(imports.len(), 1);
+        let model = all.iter().find(|i| i.is(Op::MemoryModel)).expect("a module has one");
+        assert!(imports[0].offset < model.offset);
+        let used = all.iter().filter(|i| i.is(Op::ExtInst)).map(|i| i.operand(2));
+        assert!(used.clone().count() > 5 && used.into_iter().all(|set| set == imports[0].operand(0)));
+        assert_eq!(super::module::string(imports[0].rest(1)).0, "GLSL.std.450");
+    }
+}
+
 #[test]
 fn what_cannot_be_followed_is_refused() {
     let words = vertex_shader();
