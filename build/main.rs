@@ -3,10 +3,11 @@
 //!
 //! All end as Rust source under `OUT_DIR`, included by `src/backend/gl/api.rs`,
 //! `src/intercept/gl/immediate/commands.rs`, `src/correct/shaders.rs`,
-//! `src/correct/spirv.rs` and `src/intercept/vk/queries/copies.rs`.
+//! `src/correct/spirv.rs`, `src/intercept/vk/queries/copies.rs` and `src/intercept/vk/spirv/functions.rs`.
 
 mod gl_attributes;
 mod gl_registry;
+mod projection;
 mod shaders;
 mod spirv;
 
@@ -15,6 +16,7 @@ use std::path::PathBuf;
 fn main() {
     println!("cargo::rerun-if-changed=build");
     println!("cargo::rerun-if-changed=shaders");
+    println!("cargo::rerun-if-changed=src/correct/projection.rs");
     let out = PathBuf::from(std::env::var_os("OUT_DIR").expect("cargo sets OUT_DIR"));
     let (table, attributes) = gl_registry::generate();
     std::fs::write(out.join("gl_api.rs"), table).expect("OUT_DIR is writable");
@@ -23,6 +25,7 @@ fn main() {
     std::fs::write(out.join("shaders.rs"), texts).expect("OUT_DIR is writable");
     std::fs::write(out.join("spirv.rs"), modules).expect("OUT_DIR is writable");
     std::fs::write(out.join("queries_spirv.rs"), shaders::queries()).expect("OUT_DIR is writable");
+    std::fs::write(out.join("projection_spirv.rs"), projection::generate()).expect("OUT_DIR is writable");
     // Both libraries stay loaded for good (libEGL unloads its vendors while threads may still hold
     // our thread-locals), and bind their own names to themselves whatever the program exports.
     println!("cargo::rustc-link-arg=-Wl,-z,nodelete");

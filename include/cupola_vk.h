@@ -432,6 +432,47 @@ cupola_status cupola_vk_get_statistics(struct cupola_vk *vk,
  */
 cupola_status cupola_vk_destroy(struct cupola_vk *vk);
 
+/*
+ As `cupola_vk_create`, for a program that draws all views by the functions of `cupola_vk_projection_source`. An
+ output with the method `vertex` or `primitive` then has one view, which is its own picture, pixel for pixel; the matrices of
+ `cupola_vk_get_view` do not lead there. Edges between vertices stay straight: the program's models have to be fine.
+
+ # Safety
+ As for `cupola_vk_create`.
+ */
+cupola_status cupola_vk_create_projecting(const cupola_rig *rig,
+                                          const struct cupola_vk_options *options,
+                                          struct cupola_vk **vk);
+
+/*
+ GLSL for the last stage before rasterisation: a uniform block with `vec4 cupola_view[8]` (std140) in descriptor set
+ `set` at `binding`, and `vec4 cupola_fix(vec4)`, which takes what the program would give to `gl_Position`, with its own
+ projection, to the view. It stands after `#version` (450 or later) and before `main`.
+
+ `buffer`: room for `size` bytes, or null to ask only for the length. `length` (may be null): the whole text's length
+ in bytes without the NUL. What does not fit is cut.
+
+ # Safety
+ `buffer` has room for `size` bytes or is null; `length` is null or writable.
+ */
+cupola_status cupola_vk_projection_source(uint32_t set,
+                                          uint32_t binding,
+                                          char *buffer,
+                                          size_t size,
+                                          size_t *length);
+
+/*
+ The 8 vectors of `cupola_view` for a view, if the program draws with the perspective `matrix` (16 numbers, column by
+ column; Vulkan's clip space with y down). They change with the view, with the matrix and with the size.
+
+ # Safety
+ `vk` is a live handle; `matrix` points at 16 numbers, `vectors` at room for 32.
+ */
+cupola_status cupola_vk_get_projection(struct cupola_vk *vk,
+                                       uint32_t index,
+                                       const float *matrix,
+                                       float *vectors);
+
 #ifdef __cplusplus
 }  // extern "C"
 #endif  // __cplusplus

@@ -8,7 +8,7 @@ const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 /// A header, its configuration, and the files that it is made from.
 const HEADERS: [(&str, &str, &[&str]); 2] = [
     ("cupola.h", "cbindgen.toml", &["status", "rig", "map", "gl", "projection", "blend"]),
-    ("cupola_vk.h", "cbindgen_vk.toml", &["vk"]),
+    ("cupola_vk.h", "cbindgen_vk.toml", &["vk", "vk_projection"]),
 ];
 
 fn header(config: &str, files: &[&str]) -> String {

@@ -4,6 +4,7 @@ mod arrangement;
 mod beam;
 mod blocks;
 mod cover;
+pub mod downward;
 pub mod draws;
 pub mod facets;
 mod footprints;

@@ -1,7 +1,8 @@
 //! The GLSL that takes a program's clip coordinates to a view, or to an output's picture.
 //!
 //! `geom::reprojection` and `geom::PictureMap` in 32 bits, without built-in functions of angles, which drivers may round as
-//! they like. Texts are for every version: `PRECISION` stands before each type and becomes `highp` or nothing.
+//! they like. Texts are for every version: `PRECISION` stands before each type and becomes `highp` or nothing. The build
+//! makes SPIR-V of them, too (`build/projection.rs`), so that this file uses nothing of the library.
 
 /// Name of the uniform that carries the rows of the re-projection.
 pub const UNIFORM: &str = "cupola_view";
@@ -33,7 +34,7 @@ if (cupola_view[5].w != 0.0) {
 PRECISION float angle = cupola_angle(h, -ray.z);
 return angle > cupola_view[7].x ? vec3(aside, 0.0) : vec3(aside * angle * cupola_view[6].xy, 1.0);
 }
-if (-ray.z < cupola_view[7].x * length(ray)) return vec3(aside, 0.0);
+if (-ray.z <= cupola_view[7].x * length(ray)) return vec3(aside, 0.0);
 return vec3(ray.xy / -ray.z * cupola_view[6].xy - cupola_view[6].zw, 1.0);
 }
 ";
@@ -70,12 +71,30 @@ CURVEDreturn r;
 const CURVED: &str = "if (cupola_view[3].w != 0.0) return cupola_project(vec3(r.x, r.y, -r.w), q, c.z == c.w);
 ";
 
-/// Our uniform, and the function `cupola_fix` that re-projects with it. `es`: for OpenGL ES; `curved`: there are views to
-/// whose lens vertices are projected.
-pub fn functions(es: bool, curved: bool) -> String {
-    let vectors = if curved { ROWS + LENS } else { ROWS };
+/// The function `cupola_fix` that re-projects by `cupola_view`, which stands before it. `es`: for OpenGL ES; `curved`: there are
+/// views to whose lens vertices are projected.
+fn body(es: bool, curved: bool) -> String {
     let (lens, hook) = if curved { ([PLACE, PROJECT].concat(), CURVED) } else { (String::new(), "") };
     let fix = FIX.replace("CURVED", hook);
-    format!("uniform PRECISION vec4 {UNIFORM}[{vectors}];\n{lens}{fix}")
-        .replace("PRECISION ", if es { "highp " } else { "" })
+    format!("{lens}{fix}").replace("PRECISION ", precision(es))
+}
+
+/// Our uniform, and the function `cupola_fix` that re-projects with it, as for [`body`].
+pub fn functions(es: bool, curved: bool) -> String {
+    format!("uniform {}vec4 {UNIFORM}[{}];\n{}", precision(es), vectors(curved), body(es, curved))
+}
+
+/// The same in the GLSL of Vulkan: the vectors are a uniform block of descriptor set `set` at `binding`.
+pub fn vulkan_functions(set: u32, binding: u32, curved: bool) -> String {
+    let block = format!("layout(std140, set = {set}, binding = {binding}) uniform cupola_block");
+    format!("{block} {{ vec4 {UNIFORM}[{}]; }};\n{}", vectors(curved), body(false, curved))
+}
+
+/// How many vectors `cupola_view` has.
+fn vectors(curved: bool) -> i32 {
+    if curved { ROWS + LENS } else { ROWS }
+}
+
+fn precision(es: bool) -> &'static str {
+    if es { "highp " } else { "" }
 }

@@ -14,5 +14,6 @@ pub mod projection;
 pub mod rig;
 mod status;
 pub mod vk;
+pub mod vk_projection;
 
 pub use status::{cupola_last_error, cupola_status, cupola_version};

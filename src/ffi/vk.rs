@@ -6,6 +6,7 @@ use crate::backend::vk::ash::vk;
 use crate::backend::vk::{Api, Recording, SourceImage, TargetImage};
 use crate::correct::{Arrangement, uniforms};
 use crate::error::{Error, ErrorKind, Result};
+use crate::rig::Rig;
 use crate::runtime::embedded::vulkan::{EmbeddedVulkan, VulkanOptions};
 use std::ffi::c_char;
 
@@ -43,7 +44,7 @@ pub const CUPOLA_VK_IMAGES: u32 = 2;
 /// first command buffer that is recorded after `cupola_vk_create` or `cupola_vk_resize` has to be submitted before others,
 /// and once: it fills masks and tables.
 pub struct cupola_vk {
-    embedded: EmbeddedVulkan,
+    pub(super) embedded: EmbeddedVulkan,
 }
 
 /// What to make a `cupola_vk` from. No feature and no extension has to be enabled; Vulkan 1.0 will do.
@@ -186,7 +187,7 @@ pub struct cupola_vk_statistics {
 ///
 /// # Safety
 /// `vk` is null or a live handle that no other thread uses now.
-unsafe fn handle<'a>(vk: *mut cupola_vk) -> Result<&'a mut cupola_vk> {
+pub(super) unsafe fn handle<'a>(vk: *mut cupola_vk) -> Result<&'a mut cupola_vk> {
     // SAFETY: as promised above.
     unsafe { vk.as_mut() }.ok_or_else(|| null("vk"))
 }
@@ -242,25 +243,37 @@ pub unsafe extern "C" fn cupola_vk_create(
     options: *const cupola_vk_options,
     vk: *mut *mut cupola_vk,
 ) -> cupola_status {
-    call(|| {
-        // SAFETY: as promised above.
-        let rig = unsafe { &rig.as_ref().ok_or_else(|| null("rig"))?.rig };
-        if options.is_null() || vk.is_null() {
-            return Err(null(if options.is_null() { "options" } else { "vk" }));
-        }
-        // SAFETY: the size comes first; the rest is read only if it is there.
-        check_size(unsafe { (*options).struct_size }, size_of::<cupola_vk_options>(), "options")?;
-        // SAFETY: as large as it must be.
-        let options = unsafe { &*options };
-        let find = options.get_instance_proc_addr.ok_or_else(|| null("options.get_instance_proc_addr"))?;
-        let wanted = options_of(options)?;
-        // SAFETY: as promised above.
-        let api = unsafe { Api::from_handles(find, options.instance, options.physical_device, options.device) }?;
-        let embedded = EmbeddedVulkan::new(api, rig, wanted)?;
-        // SAFETY: writable, as promised above.
-        unsafe { *vk = Box::into_raw(Box::new(cupola_vk { embedded })) };
-        Ok(())
-    })
+    // SAFETY: as promised above.
+    call(|| unsafe { create(rig, options, vk, EmbeddedVulkan::new) })
+}
+
+/// What `cupola_vk_create` and `cupola_vk_create_projecting` do; `make` plans.
+///
+/// # Safety
+/// As for `cupola_vk_create`.
+pub(super) unsafe fn create(
+    rig: *const cupola_rig,
+    options: *const cupola_vk_options,
+    vk: *mut *mut cupola_vk,
+    make: fn(Api, &Rig, VulkanOptions) -> Result<EmbeddedVulkan>,
+) -> Result<()> {
+    // SAFETY: as promised above.
+    let rig = unsafe { &rig.as_ref().ok_or_else(|| null("rig"))?.rig };
+    if options.is_null() || vk.is_null() {
+        return Err(null(if options.is_null() { "options" } else { "vk" }));
+    }
+    // SAFETY: the size comes first; the rest is read only if it is there.
+    check_size(unsafe { (*options).struct_size }, size_of::<cupola_vk_options>(), "options")?;
+    // SAFETY: as large as it must be.
+    let options = unsafe { &*options };
+    let find = options.get_instance_proc_addr.ok_or_else(|| null("options.get_instance_proc_addr"))?;
+    let wanted = options_of(options)?;
+    // SAFETY: as promised above.
+    let api = unsafe { Api::from_handles(find, options.instance, options.physical_device, options.device) }?;
+    let embedded = make(api, rig, wanted)?;
+    // SAFETY: writable, as promised above.
+    unsafe { *vk = Box::into_raw(Box::new(cupola_vk { embedded })) };
+    Ok(())
 }
 
 /// Plans anew for pictures of another size. Sources and targets that the program set are forgotten, and images that

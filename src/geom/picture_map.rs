@@ -80,7 +80,8 @@ impl PictureMap {
                 Place::At(across * (2.0 * part / aperture) * circle)
             }
             PictureLens::Pinhole(frustum) => {
-                if -ray.z < LEAST_AHEAD * ray.length() {
+                // Also where there is no direction: a vertex at the eye, which is at the lens.
+                if -ray.z <= LEAST_AHEAD * ray.length() {
                     return Place::Beyond(ray.truncate().try_normalize().unwrap_or(DVec2::X));
                 }
                 let at = frustum.picture() * ray;
@@ -188,6 +189,8 @@ mod tests {
         let pinhole = PictureMap { lens: PictureLens::Pinhole(Frustum::symmetric(1.0, 1.0)), ..hemisphere };
         assert!(matches!(pinhole.place(DVec3::new(1.0, 0.0, 0.2)), Place::Beyond(at) if at == DVec2::X));
         assert!(matches!(pinhole.place(DVec3::new(1.0, 0.0, -0.2)), Place::At(_)));
+        let at_the_eye = PictureMap { position: DVec3::NEG_Z, viewer: DVec3::NEG_Z, ..pinhole };
+        assert_eq!(at_the_eye.place(DVec3::ZERO), Place::Beyond(DVec2::X), "no number is none");
     }
 
     /// Single-pass spherical projection as it was published in 2014: two arc cosines, in 32 bits.

@@ -85,6 +85,11 @@ impl Method {
         matches!(self, Self::Vertex | Self::Primitive { .. })
     }
 
+    /// Whether lines and triangles are divided before that.
+    pub fn divides(&self) -> bool {
+        matches!(self, Self::Primitive { .. })
+    }
+
     /// What `text` says, in the form `mesh,max_error=0.1` or `cube-mesh,density=64`: the name, then the keys that go with
     /// it, which may be absent.
     ///
@@ -134,11 +139,11 @@ pub(super) fn whole(density: f64) -> Option<u32> {
 }
 
 impl Rig {
-    /// The same rig for what draws views only: outputs to which vertices would be projected have [`Method::Fragment`], which
-    /// shows the same.
-    pub fn with_views_only(&self) -> Self {
+    /// The same rig for what cannot serve methods that are `refused`: such outputs have [`Method::Fragment`], which shows the
+    /// same from views.
+    pub fn with_views_for(&self, refused: impl Fn(&Method) -> bool) -> Self {
         let mut rig = self.clone();
-        for output in rig.outputs.iter_mut().filter(|output| output.method.projects_vertices()) {
+        for output in rig.outputs.iter_mut().filter(|output| refused(&output.method)) {
             output.method = Method::Fragment;
         }
         rig
@@ -202,8 +207,9 @@ mod tests {
         assert!(meshed.outputs.iter().all(|output| output.method == Method::Mesh { max_error: 0.25 }));
         let projected = rig.with_method_override("vertex").expect("pinholes within the dome");
         assert!(projected.outputs.iter().all(|output| output.method == Method::Vertex));
-        let views = projected.with_views_only();
+        let views = projected.with_views_for(Method::projects_vertices);
         assert!(views.outputs.iter().all(|output| output.method == Method::Fragment));
+        assert_eq!(projected.with_views_for(Method::divides), projected, "nothing is divided");
         let own_lens = crate::rig::load("identity-captured").expect("a preset");
         let refused = own_lens.with_method_override("mesh").expect_err("no map is known before the program draws");
         assert!(refused.message.contains("method"), "{refused}");

@@ -217,17 +217,8 @@ impl Embedded {
     /// # Errors
     /// [`ErrorKind::InvalidArgument`] for an index that does not exist, or a matrix that is no perspective.
     pub fn projection(&self, index: usize, matrix: &[f64; 16]) -> Result<[f32; 32]> {
-        let MatrixClass::Perspective(lens) = classify(matrix) else {
-            let message = "the matrix is no perspective one: right would be that of glFrustum or gluPerspective";
-            return Err(Error::new(ErrorKind::InvalidArgument, message));
-        };
-        let rows = self.session.rows(&lens).nth(index).ok_or_else(|| no_view(index, self.view_count()))?;
-        let mut vectors = [0.0; 32];
-        vectors[..16].copy_from_slice(&uniforms::clip_rows(&rows));
-        if let Some(lens) = self.session.lenses().get(index) {
-            vectors[16..].copy_from_slice(lens);
-        }
-        Ok(vectors)
+        let (rows, lens) = vectors_of_view(&self.session, index, matrix)?;
+        Ok(joined(&rows, &lens))
     }
 
     /// Begins a frame.
@@ -318,6 +309,21 @@ impl Embedded {
             Err(Error::new(ErrorKind::InvalidState, "a frame has begun and not ended"))
         }
     }
+}
+
+/// Rows and lens of a view for a program with this matrix.
+fn vectors_of_view(session: &Session, index: usize, matrix: &[f64; 16]) -> Result<([f32; 16], [f32; 16])> {
+    let MatrixClass::Perspective(lens) = classify(matrix) else {
+        let message = "the matrix is no perspective one: right would be that of glFrustum or gluPerspective";
+        return Err(Error::new(ErrorKind::InvalidArgument, message));
+    };
+    let rows = session.rows(&lens).nth(index).ok_or_else(|| no_view(index, session.views().len()))?;
+    Ok((uniforms::clip_rows(&rows), session.lenses().get(index).copied().unwrap_or_default()))
+}
+
+/// One after the other.
+fn joined(rows: &[f32; 16], lens: &[f32; 16]) -> [f32; 32] {
+    std::array::from_fn(|i| if i < 16 { rows[i] } else { lens[i - 16] })
 }
 
 fn no_view(index: usize, count: usize) -> Error {

@@ -8,7 +8,7 @@ use crate::geom::pose;
 pub use crate::geom::reprojection::ClipRows;
 use crate::geom::reprojection::{CameraAdjustment, clip_rows};
 pub use crate::geom::reprojection::{Intrinsics, MatrixClass, classify};
-use crate::rig::{Camera, Favour, Rig};
+use crate::rig::{Camera, Favour, Method, Rig};
 use crate::views::{Request, Tile, View};
 use glam::{DMat3, DVec2, DVec3};
 
@@ -53,8 +53,28 @@ impl Session {
     /// # Errors
     /// What the planner says: a rig that no set of views can serve, or an atlas that is too small.
     pub fn new(rig: &Rig, window: (u32, u32), off_screen: bool, max_atlas: u32, extras: Extras) -> Result<Self> {
-        let mut session = Self::projecting(&rig.with_views_only(), window, off_screen, max_atlas, extras)?;
-        let outputs = rig.outputs.iter().filter(|output| output.method.projects_vertices());
+        Self::refusing(Method::projects_vertices, rig, window, off_screen, max_atlas, extras)
+    }
+
+    /// As [`Session::projecting`] for a caller that does not divide primitives; the plan's notes say which outputs have the
+    /// method `fragment` for that.
+    ///
+    /// # Errors
+    /// As for [`Session::new`].
+    pub fn undivided(rig: &Rig, window: (u32, u32), off_screen: bool, max_atlas: u32, extras: Extras) -> Result<Self> {
+        Self::refusing(Method::divides, rig, window, off_screen, max_atlas, extras)
+    }
+
+    fn refusing(
+        refused: fn(&Method) -> bool,
+        rig: &Rig,
+        window: (u32, u32),
+        off_screen: bool,
+        max_atlas: u32,
+        extras: Extras,
+    ) -> Result<Self> {
+        let mut session = Self::projecting(&rig.with_views_for(refused), window, off_screen, max_atlas, extras)?;
+        let outputs = rig.outputs.iter().filter(|output| refused(&output.method));
         let notes = outputs.map(|output| format!("output {}: method \"fragment\" instead of its own", output.name));
         session.plan.views.notes.extend(notes);
         Ok(session)

@@ -27,3 +27,4 @@ mod vertices;
 mod vulkan;
 mod vulkan_others;
 mod vulkan_queries;
+mod vulkan_vertices;

@@ -152,6 +152,16 @@ impl Run<'_> {
         Finished::of(command, self.program, "without Cupola")
     }
 
+    /// Runs a Vulkan test program that uses the C interface, under the validation layer, which has to say nothing. `None` as
+    /// above.
+    pub fn vulkan_embedding(&self) -> Option<Finished> {
+        let mut command = Command::new(vulkan_apps()?.join(self.program));
+        let place = display::place();
+        command.args(self.arguments(&place));
+        validating(&mut command);
+        Some(Finished::of(command, self.program, "embedding")?.expect_success().expect_no_validation_messages())
+    }
+
     /// Runs a Vulkan test program under `cupola run`, with the validation layer between Cupola and the driver: it has
     /// to end well, and what Cupola makes of the program's calls without a message.
     pub fn vulkan_under(&self, rig: &str) -> Option<Finished> {
@@ -277,13 +287,19 @@ fn vulkan_apps() -> Option<&'static Path> {
 const SYNCHRONISATION: (&str, &str) =
     ("VK_LAYER_ENABLES", "VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT");
 
+/// Puts the validation layer, and where the library is, into a program's environment.
+fn validating(command: &mut Command) {
+    command.env("LD_LIBRARY_PATH", library().with_file_name(""));
+    command.env("VK_INSTANCE_LAYERS", "VK_LAYER_KHRONOS_validation").env("VK_LOADER_DEBUG", "layer");
+    command.env(SYNCHRONISATION.0, SYNCHRONISATION.1);
+}
+
 /// Runs a Vulkan example under the validation layer, which watches over synchronisation too. `None` where that cannot be
 /// done.
 pub fn watched(program: &str, arguments: &[&str]) -> Option<Finished> {
     let mut command = Command::new(vulkan_examples()?.join(program));
-    command.args(arguments).env("LD_LIBRARY_PATH", library().with_file_name(""));
-    command.env("VK_INSTANCE_LAYERS", "VK_LAYER_KHRONOS_validation").env("VK_LOADER_DEBUG", "layer");
-    command.env(SYNCHRONISATION.0, SYNCHRONISATION.1);
+    command.args(arguments);
+    validating(&mut command);
     let finished = Finished::of(command, program, "watched")?;
     assert!(finished.words().contains("VK_LAYER_KHRONOS_validation"), "the layer is not loaded:\n{}", finished.words());
     Some(finished)

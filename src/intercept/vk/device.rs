@@ -13,11 +13,12 @@ use super::offscreen::Paths;
 use super::pipelines::Pipelines;
 use super::queries::Queries;
 use super::recording::Recordings;
-use super::rows::{GROUP, Rows};
+use super::rows::Rows;
 use super::runs::Frame;
 use super::swapchain::Swapchain;
 use crate::backend::vk::Api;
 use crate::intercept::{log, settings};
+use crate::rig::Method;
 use ash::{khr, prelude::VkResult, vk};
 use std::collections::HashMap;
 use std::ffi::CStr;
@@ -147,7 +148,7 @@ impl Device {
 
     /// From one group of rows to the next, bytes.
     pub fn group_stride(&self) -> u32 {
-        (GROUP as u32).max(self.limits.min_uniform_buffer_offset_alignment.min(1 << 12) as u32)
+        (self.rows.group() as u32).max(self.limits.min_uniform_buffer_offset_alignment.min(1 << 12) as u32)
     }
 
     /// Whether draws are issued for each view.
@@ -267,7 +268,7 @@ pub unsafe extern "system" fn create(
                 descriptors: Descriptors::default(),
                 memory_of_program: Memory::default(),
                 queries: Queries::default(),
-                rows: Rows::default(),
+                rows: Rows::new(projects_vertices()),
                 paths: Paths::default(),
                 frame: Mutex::default(),
                 latest: Mutex::default(),
@@ -314,6 +315,12 @@ unsafe fn wanted(info: &vk::DeviceCreateInfo<'_>) -> bool {
         log::once("Vulkan: outputs have the resolution of their place in the window; CUPOLA_OFFSCREEN is for OpenGL");
     }
     !settings.rig.passthrough || settings.frames.is_some() || settings.capture.is_some() || settings.stats.is_some()
+}
+
+/// Whether the rig has outputs to which vertices are projected, which a layer can do without dividing what lies between them.
+fn projects_vertices() -> bool {
+    settings::settings()
+        .is_some_and(|settings| settings.rig.outputs.iter().any(|output| output.method == Method::Vertex))
 }
 
 /// `vkDestroyDevice`.

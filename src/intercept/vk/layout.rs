@@ -28,18 +28,21 @@ pub struct Layout {
     pub read: bool,
     /// The views, and whether they are drawn with the program's own lens.
     pub views: Vec<(Rect, bool)>,
+    /// For each view the lens of its picture, as shaders take it; empty where all views are perspective ones.
+    pub lenses: Vec<[f32; 16]>,
     /// Where each output is in the window.
     pub outputs: Vec<Rect>,
 }
 
 impl Layout {
     /// Plans `rig` in a window of `size` pixels, on a device whose images are up to `max_atlas` wide and high. `read`: the
-    /// program may read its own picture.
+    /// program may read its own picture. `lenses`: shaders project vertices to outputs' pictures where the rig says so.
     ///
     /// # Errors
     /// Those of the planner.
-    pub fn new(rig: &Rig, size: (u32, u32), max_atlas: u32, read: bool) -> Result<Self> {
-        let mut session = Session::new(rig, size, false, max_atlas, Extras { panel: true, ..Extras::default() })?;
+    pub fn new(rig: &Rig, size: (u32, u32), max_atlas: u32, read: bool, lenses: bool) -> Result<Self> {
+        let plan = if lenses { Session::undivided } else { Session::new };
+        let mut session = plan(rig, size, false, max_atlas, Extras { panel: true, ..Extras::default() })?;
         if read && !(0..session.views().len()).any(|index| is_own(session.tile(index), size)) {
             session = session.with(Extras { primary: true, ..session.extras() })?;
         }
@@ -49,7 +52,8 @@ impl Layout {
         let views: Vec<(Rect, bool)> = (0..session.views().len()).map(|index| session.tile(index)).collect();
         let outputs = session.viewports_from_top((0, 0));
         let primary = session.primary();
-        Ok(Self { window: size, version: 0, atlas, panel, primary, read, views, outputs, session, plan })
+        let lenses = session.lenses();
+        Ok(Self { window: size, version: 0, atlas, panel, primary, read, views, lenses, outputs, session, plan })
     }
 
     /// Whether every view has the program's own lens, so that nothing is shown on the panel.
@@ -105,7 +109,7 @@ mod tests {
     #[test]
     fn the_panel_is_as_large_as_the_window_and_everything_inside() {
         let rig = crate::rig::load("planetarium-6").expect("a preset");
-        let layout = Layout::new(&rig, (900, 420), 16384, false).expect("a plan");
+        let layout = Layout::new(&rig, (900, 420), 16384, false, true).expect("a plan");
         assert_eq!(layout.panel[2..], [900, 420]);
         assert_eq!(layout.outputs.len(), 6);
         for tile in layout.views.iter().map(|view| &view.0).chain([&layout.panel]) {
@@ -116,7 +120,8 @@ mod tests {
 
     #[test]
     fn the_programs_own_picture_is_at_the_origin_where_it_is_read() {
-        let layout = |rig: &str, read| Layout::new(&crate::rig::load(rig).expect("a preset"), (90, 42), 16384, read);
+        let layout =
+            |rig: &str, read| Layout::new(&crate::rig::load(rig).expect("a preset"), (90, 42), 16384, read, true);
         let own = |rig: &str, read| layout(rig, read).expect("a plan").own();
         assert_eq!(own("fisheye", false), None);
         assert_eq!(own("fisheye", true), Some([0, 0, 90, 42]));

@@ -1,12 +1,13 @@
 //! Memory for the rows that re-project, one group for each view and the panel, read by shaders when a recorded
-//! command buffer runs. So command buffers stay valid when the program's lens changes.
+//! command buffer runs. So command buffers stay valid when the program's lens changes. Where vertices are projected to
+//! outputs' pictures, the lens of a picture follows its rows.
 
 use super::device::Device;
 use ash::{prelude::VkResult, vk};
 use std::sync::{Mutex, OnceLock, PoisonError};
 
-/// Bytes of one group of rows.
-pub const GROUP: usize = 64;
+/// Floats of a group's rows, and of the lens that may follow them.
+const FLOATS: usize = 16;
 
 /// Bytes of a piece of memory.
 const PIECE: u64 = 1 << 16;
@@ -31,8 +32,8 @@ pub struct Place {
 }
 
 /// The device's pieces that no command buffer has.
-#[derive(Default)]
 pub struct Rows {
+    lenses: bool,
     set_layout: OnceLock<Option<vk::DescriptorSetLayout>>,
     free: Mutex<Vec<Piece>>,
 }
@@ -46,6 +47,21 @@ pub struct Taken {
 }
 
 impl Rows {
+    /// No memory yet. `lenses`: for groups with lenses.
+    pub fn new(lenses: bool) -> Self {
+        Self { lenses, set_layout: OnceLock::new(), free: Mutex::default() }
+    }
+
+    /// Whether groups have lenses.
+    pub fn have_lenses(&self) -> bool {
+        self.lenses
+    }
+
+    /// Bytes of a group.
+    pub fn group(&self) -> u64 {
+        (if self.lenses { 2 } else { 1 }) * (FLOATS * size_of::<f32>()) as u64
+    }
+
     /// The layout of the set that shaders read rows by; `None` where the driver refuses it.
     pub fn set_layout(&self, device: &Device) -> Option<vk::DescriptorSetLayout> {
         *self.set_layout.get_or_init(|| {
@@ -94,7 +110,7 @@ impl Rows {
             set: vk::DescriptorSet::null(),
             address: 0,
         };
-        match piece.fill(device, layout) {
+        match piece.fill(device, layout, self.group()) {
             Ok(()) => Ok(piece),
             Err(error) => {
                 piece.destroy(device);
@@ -116,7 +132,7 @@ impl Rows {
 }
 
 impl Piece {
-    fn fill(&mut self, device: &Device, layout: vk::DescriptorSetLayout) -> VkResult<()> {
+    fn fill(&mut self, device: &Device, layout: vk::DescriptorSetLayout, group: u64) -> VkResult<()> {
         let functions = &device.functions;
         let info = vk::BufferCreateInfo::default().size(PIECE).usage(vk::BufferUsageFlags::UNIFORM_BUFFER);
         let visible = vk::MemoryPropertyFlags::HOST_VISIBLE | vk::MemoryPropertyFlags::HOST_COHERENT;
@@ -136,7 +152,7 @@ impl Piece {
             let layouts = [layout];
             let info = vk::DescriptorSetAllocateInfo::default().descriptor_pool(self.pool).set_layouts(&layouts);
             self.set = functions.allocate_descriptor_sets(&info)?.first().copied().unwrap_or_default();
-            let buffer = [vk::DescriptorBufferInfo { buffer: self.buffer, offset: 0, range: GROUP as u64 }];
+            let buffer = [vk::DescriptorBufferInfo { buffer: self.buffer, offset: 0, range: group }];
             let write = vk::WriteDescriptorSet::default()
                 .dst_set(self.set)
                 .descriptor_type(vk::DescriptorType::UNIFORM_BUFFER_DYNAMIC)
@@ -146,14 +162,19 @@ impl Piece {
         Ok(())
     }
 
-    /// Writes a group; nothing where it would not lie in the piece.
-    pub fn write(&self, offset: u32, rows: &[f32; 16]) {
-        if u64::from(offset) + GROUP as u64 > PIECE {
-            return;
+    /// Writes a group, with its lens if it has one; nothing where it would not lie in the piece.
+    pub fn write(&self, offset: u32, rows: &[f32; FLOATS], lens: Option<&[f32; FLOATS]>) {
+        let mut at = offset as usize;
+        for numbers in std::iter::once(rows).chain(lens) {
+            let next = at + size_of_val(numbers);
+            if next as u64 > PIECE {
+                return;
+            }
+            // SAFETY: the piece stays mapped, and the numbers lie in it; the shaders that read it are not running, since
+            // their command buffer is being submitted.
+            unsafe { std::ptr::copy_nonoverlapping(numbers.as_ptr(), (self.address + at) as *mut f32, FLOATS) };
+            at = next;
         }
-        // SAFETY: the piece stays mapped, and the group lies in it; the shaders that read it are not running, since
-        // their command buffer is being submitted.
-        unsafe { std::ptr::copy_nonoverlapping(rows.as_ptr(), (self.address + offset as usize) as *mut f32, 16) };
     }
 
     fn destroy(&self, device: &Device) {

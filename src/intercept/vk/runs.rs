@@ -10,6 +10,7 @@ use super::queries::running::{Running, Worth};
 use super::recording::{Event, Recording};
 use super::rows::Place;
 use super::spirv::{Matrix, Memory};
+use crate::correct::downward::{lens_down, rows_down};
 use crate::correct::uniforms;
 use crate::intercept::camera::Cameras;
 use crate::intercept::lens;
@@ -161,15 +162,6 @@ impl Frame {
     }
 }
 
-/// The same rows for clip coordinates whose y points down.
-fn upside_down(rows: &[f32; 16]) -> [f32; 16] {
-    std::array::from_fn(|i| {
-        let (row, column) = (i / 4, i % 4);
-        let turned = row < 3 && ((row == 1) != (column == 1));
-        if turned { 0.0 - rows[i] } else { rows[i] }
-    })
-}
-
 /// A matrix out of memory.
 pub fn matrix(device: &Device, source: &Source) -> Option<[f64; 16]> {
     let raw = match source.value {
@@ -211,9 +203,9 @@ fn run_events(device: &Device, recording: &mut Recording, queries: &mut Vec<Runn
             Event::Run(index) => {
                 if let Some(run) = runs.get_mut(*index) {
                     let piece = rows.pieces.get(run.place.piece);
-                    resolve(device, run, |group, rows| {
+                    resolve(device, run, |group, rows, lens| {
                         if let Some(piece) = piece {
-                            piece.write(group, rows);
+                            piece.write(group, rows, lens);
                         }
                     });
                 }
@@ -268,8 +260,8 @@ fn worth(device: &Device, run: &Run) -> Worth {
     Worth { factor: 1.0 / seen, of_scene: !matches!(run.last, Some(Outcome::Flat)) }
 }
 
-/// Finds out what a run is, and writes its rows by `write`: offset of the group, rows.
-fn resolve(device: &Device, run: &mut Run, write: impl Fn(u32, &[f32; 16])) {
+/// Finds out what a run is, and writes its rows by `write`: offset of the group, rows, lens of the view's picture.
+fn resolve(device: &Device, run: &mut Run, write: impl Fn(u32, &[f32; 16], Option<&[f32; 16]>)) {
     let mut frame = device.frame.lock().unwrap_or_else(PoisonError::into_inner);
     frame.follow(&run.layout);
     let ranked = |source: &Source| matrix(device, source).map(|value| (source.matrix.rank, value));
@@ -321,17 +313,18 @@ fn resolve(device: &Device, run: &mut Run, write: impl Fn(u32, &[f32; 16])) {
     let stride = device.group_stride();
     for (index, (_, own_lens)) in views.iter().enumerate().filter(|_| run.kind.in_views) {
         let group = run.place.offset + index as u32 * stride;
+        let lens = run.layout.lenses.get(index);
         match camera.and_then(|rows| rows.get(index)) {
-            _ if *own_lens || outcome == Outcome::Screen => write(group, &IDENTITY),
-            Some(rows) if run.kind.y_up => write(group, rows),
-            Some(rows) => write(group, &upside_down(rows)),
-            None => write(group, &OUT_OF_SIGHT),
+            _ if *own_lens || outcome == Outcome::Screen => write(group, &IDENTITY, None),
+            Some(rows) if run.kind.y_up => write(group, rows, lens),
+            Some(rows) => write(group, &rows_down(rows), lens.map(lens_down).as_ref()),
+            None => write(group, &OUT_OF_SIGHT, None),
         }
     }
     let panel = run.place.offset + if run.kind.in_views { views.len() as u32 * stride } else { 0 };
     let on_panel = outcome == Outcome::Flat && !run.layout.shows_own_lens();
-    write(panel, if on_panel { &IDENTITY } else { &OUT_OF_SIGHT });
-    write(panel + stride, &IDENTITY);
+    write(panel, if on_panel { &IDENTITY } else { &OUT_OF_SIGHT }, None);
+    write(panel + stride, &IDENTITY, None);
 }
 
 /// Where a shader's matrix is, with the descriptors and push constants that are bound.
@@ -351,7 +344,7 @@ pub fn source(device: &Device, recording: &Recording, matrix: &Matrix) -> Option
 
 #[cfg(test)]
 mod tests {
-    use super::{IDENTITY, OUT_OF_SIGHT, from_bytes, upside_down};
+    use super::{IDENTITY, OUT_OF_SIGHT, from_bytes};
 
     /// The shader's formula.
     fn apply(rows: &[f32; 16], clip: [f32; 4]) -> [f32; 4] {
@@ -370,15 +363,6 @@ mod tests {
             let [x, _, _, w] = apply(&OUT_OF_SIGHT, clip);
             assert!(x > w || x < -w || w < 0.0, "{clip:?}");
         }
-    }
-
-    #[test]
-    fn turned_rows_do_with_turned_coordinates_what_the_rows_do() {
-        let rows: [f32; 16] = std::array::from_fn(|i| (i * 7 % 11) as f32 - 4.0);
-        let clip = [0.5, -1.5, 0.25, 2.0];
-        let [x, y, z, w] = apply(&rows, clip);
-        let turned = apply(&upside_down(&rows), [clip[0], -clip[1], clip[2], clip[3]]);
-        assert_eq!(turned, [x, -y, z, w]);
     }
 
     #[test]

@@ -8,6 +8,7 @@ use crate::error::{Error, ErrorKind, Result};
 use crate::intercept::live::{self, Live};
 use crate::intercept::settings::Settings;
 use crate::intercept::{log, settings};
+use crate::rig::{Method, Rig};
 use ash::{prelude::VkResult, vk};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -52,7 +53,7 @@ impl Swapchain {
         self.version = version;
         let Some(live) = live::rig() else { return false };
         let (window, read) = (canvas.layout.window, canvas.layout.read);
-        let adopted = Layout::new(&live.rig, window, device.greatest_image(), read).and_then(|new| {
+        let adopted = plan(device, &live.rig, window, read).and_then(|new| {
             let layout = Layout { version, ..new };
             let (old, new) = (&canvas.layout.plan.views, &layout.plan.views);
             // What is recorded already has the program's camera as the rig adapted it.
@@ -86,6 +87,19 @@ impl Swapchain {
             (false, false) => Show::Panel,
         })
     }
+}
+
+/// Plans a rig for a window. What outputs lose is told.
+fn plan(device: &Device, rig: &Rig, size: (u32, u32), read: bool) -> Result<Layout> {
+    let lenses = device.rows.have_lenses();
+    let lost = |method: &Method| if lenses { method.divides() } else { method.projects_vertices() };
+    let lost = rig.outputs.iter().map(|output| output.method).find(lost);
+    if let Some(method) = lost {
+        let why =
+            if method.divides() { "primitives are not divided" } else { "vertices are projected after a new start" };
+        log::once(&format!("Vulkan: {why}: outputs are made by method \"fragment\" instead"));
+    }
+    Layout::new(rig, size, device.greatest_image(), read, lenses)
 }
 
 /// Why a swapchain is left alone.
@@ -211,7 +225,7 @@ unsafe fn build(
             let layout = match device.layout(size, read).filter(|known| known.version == live.version) {
                 Some(known) => known,
                 None => {
-                    let new = Layout::new(&live.rig, size, device.greatest_image(), read)?;
+                    let new = plan(device, &live.rig, size, read)?;
                     Arc::new(Layout { version: live.version, ..new })
                 }
             };

@@ -1,9 +1,10 @@
 //! The embedded form on Vulkan: the program draws the views into images, and has their correction recorded into its
 //! own command buffers.
 
-use super::{check_planes, check_request, no_view, projection, rotation};
+use super::{Planner, check_planes, check_request, joined, no_view, projection, rotation, vectors_of_view};
 use crate::backend::vk::ash::vk;
 use crate::backend::vk::{Api, Recording, SourceImage, Surface, TargetImage, Timing, VkBackend};
+use crate::correct::downward::{lens_down, rows_down};
 use crate::correct::{Arrangement, ImageSize, Plan};
 use crate::error::{Error, ErrorKind, Result};
 use crate::rig::Rig;
@@ -58,6 +59,7 @@ pub struct EmbeddedVulkan {
     api: Api,
     rig: Rig,
     options: VulkanOptions,
+    planner: Planner,
     session: Session,
     plan: Plan,
     backend: VkBackend,
@@ -73,14 +75,28 @@ impl EmbeddedVulkan {
     /// What the planner or the driver says; [`ErrorKind::InvalidArgument`] for a number that is out of range, a queue
     /// family that cannot draw, or a rig that corrects nothing.
     pub fn new(api: Api, rig: &Rig, options: VulkanOptions) -> Result<Self> {
+        Self::planned(api, rig, options, Session::new)
+    }
+
+    /// The same for a program whose shaders project vertices by [`EmbeddedVulkan::projection`]: outputs with the methods
+    /// `vertex` and `primitive` have a view that is their own picture. Primitives are not divided.
+    ///
+    /// # Errors
+    /// As for [`EmbeddedVulkan::new`].
+    pub fn projecting(api: Api, rig: &Rig, options: VulkanOptions) -> Result<Self> {
+        Self::planned(api, rig, options, Session::projecting)
+    }
+
+    fn planned(api: Api, rig: &Rig, options: VulkanOptions, planner: Planner) -> Result<Self> {
         api.check_queue_family(options.queue_family)?;
         if !(1..=MOST_FRAMES).contains(&options.frames) {
             let message = format!("{} frames in flight; right would be 1 to {MOST_FRAMES}", options.frames);
             return Err(Error::new(ErrorKind::InvalidArgument, message));
         }
-        let (session, plan) = prepare(&api, rig, &options)?;
+        let (session, plan) = prepare(&api, rig, &options, planner)?;
         let backend = VkBackend::new(&api);
-        let mut made = Self { api, rig: rig.clone(), options, session, plan, backend, surface: None, frames: 0 };
+        let mut made =
+            Self { api, rig: rig.clone(), options, planner, session, plan, backend, surface: None, frames: 0 };
         match made.make() {
             Ok(()) => Ok(made),
             Err(error) => {
@@ -112,7 +128,7 @@ impl EmbeddedVulkan {
     /// As for [`EmbeddedVulkan::new`].
     pub fn resize(&mut self, size: (u32, u32)) -> Result<()> {
         let options = VulkanOptions { size, ..self.options };
-        let (session, plan) = prepare(&self.api, &self.rig, &options)?;
+        let (session, plan) = prepare(&self.api, &self.rig, &options, self.planner)?;
         if let Some(mut surface) = self.surface.take() {
             surface.destroy(&self.api);
         }
@@ -143,6 +159,16 @@ impl EmbeddedVulkan {
             layer: if arrangement == Arrangement::Layers { index } else { 0 },
             tile: [tile.x as i32, top as i32, tile.width as i32, tile.height as i32],
         })
+    }
+
+    /// What `cupola_view` holds for a view in the functions of [`correct::projection`](crate::correct::projection), if the
+    /// program draws with the perspective `matrix` (column by column) of Vulkan's clip space, with y down.
+    ///
+    /// # Errors
+    /// [`ErrorKind::InvalidArgument`] for an index that does not exist, or a matrix that is no perspective.
+    pub fn projection(&self, index: usize, matrix: &[f64; 16]) -> Result<[f32; 32]> {
+        let (rows, lens) = vectors_of_view(&self.session, index, matrix)?;
+        Ok(joined(&rows_down(&rows), &lens_down(&lens)))
     }
 
     /// Format of the images that are corrected into.
@@ -220,9 +246,9 @@ impl EmbeddedVulkan {
 }
 
 /// Plans what `options` ask for.
-fn prepare(api: &Api, rig: &Rig, options: &VulkanOptions) -> Result<(Session, Plan)> {
+fn prepare(api: &Api, rig: &Rig, options: &VulkanOptions, plan: Planner) -> Result<(Session, Plan)> {
     check_request(rig, options.size)?;
-    let session = Session::new(rig, options.size, false, api.largest_image(), Extras::default())?;
+    let session = plan(rig, options.size, false, api.largest_image(), Extras::default())?;
     let plan = options.arrangement.arrange(session.plan().clone());
     Ok((session, plan))
 }

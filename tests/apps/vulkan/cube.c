@@ -1,7 +1,8 @@
 /*
  * The direction test with Vulkan, written in several ways: how a pass begins (--pass), where the matrix is (--matrix),
  * whether command buffers are recorded once or in each frame (--once), with samples, sRGB, an upside-down viewport,
- * secondary command buffers, indirect draws, something flat before or after the cube, another size in mid-run.
+ * secondary command buffers, indirect draws, something flat before or after the cube, another size in mid-run; in small
+ * parts (--cells), through other stages (--stage).
  */
 #include "frames.h"
 #include "memory.h"
@@ -9,10 +10,15 @@
 #include "pipelines.h"
 
 /* Compiled from cube.vert and cube.frag by glslangValidator. */
+#include "cells_block.h"
+#include "cells_push.h"
 #include "cube_block.h"
 #include "cube_columns.h"
 #include "cube_frag.h"
 #include "cube_push.h"
+#include "stage_geom.h"
+#include "stage_tesc.h"
+#include "stage_tese.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -32,6 +38,7 @@ static VkCommandBuffer commands[MOST_IMAGES], inner[MOST_IMAGES];
 static frame_objects objects;
 static block blocks[MOST_IMAGES], staging[MOST_IMAGES], indirect;
 
+enum { CELL_COUNT = 6 * 64 * 64 };
 enum { SLICE = 256 }; /* from one matrix of a block to the next: the largest alignment that a device may ask for */
 
 /* Its descriptors are pushed, where the device can. */
@@ -170,9 +177,10 @@ static VkViewport viewport(void)
 static void make_cube_pipeline(void)
 {
     const VkViewport window = viewport();
-    const shader_words vertex = options.columns                 ? SHADER(cube_columns)
-                                : options.matrix == MATRIX_PUSH ? SHADER(cube_push)
-                                                                : SHADER(cube_block);
+    const bool push = options.matrix == MATRIX_PUSH, cells = options.cells != CELLS_NONE;
+    const shader_words whole = push ? SHADER(cube_push) : SHADER(cube_block);
+    const shader_words parts = push ? SHADER(cells_push) : SHADER(cells_block);
+    const shader_words vertex = options.columns ? SHADER(cube_columns) : cells ? parts : whole;
     pipeline_description description = {.vertex = vertex,
                                         .fragment = SHADER(cube_frag),
                                         .layout = layout,
@@ -181,7 +189,14 @@ static void make_cube_pipeline(void)
                                         .depth = DEPTH_FORMAT,
                                         .samples = (VkSampleCountFlagBits)options.samples,
                                         .deep = true,
+                                        .points = options.cells == CELLS_POINTS,
                                         .viewport = options.fixed ? &window : NULL};
+    if (options.stage == STAGE_GEOMETRY)
+        description.geometry = SHADER(stage_geom);
+    if (options.stage == STAGE_TESSELLATION) {
+        description.control = SHADER(stage_tesc);
+        description.evaluation = SHADER(stage_tese);
+    }
     pipeline = make_pipeline(&w, &description);
     if (pushes()) {
         description.vertex = SHADER(cube_push);
@@ -282,8 +297,12 @@ static void draw_one(VkCommandBuffer buffer, uint32_t index, bool flat)
                                 options.matrix == MATRIX_DYNAMIC_BLOCK ? 1 : 0, &offset);
     if (options.indirect)
         vkCmdDrawIndirect(buffer, indirect.buffer, 0, 1, sizeof(VkDrawIndirectCommand));
-    else
+    else if (options.cells == CELLS_NONE)
         vkCmdDraw(buffer, 36, 1, 0, 0);
+    else if (options.cells == CELLS_BEHIND)
+        vkCmdDraw(buffer, 6 * CELL_COUNT, 2, 0, 1); /* the ball, then what it hides */
+    else
+        vkCmdDraw(buffer, (options.cells == CELLS_POINTS ? 1 : 6) * CELL_COUNT, 1, 0, (uint32_t)options.cells - CELLS_TRIANGLES);
 }
 
 /* The background, by a pipeline without sets, between what is pushed for the cube and the cube. */

@@ -1,5 +1,7 @@
 #version 450
-/* The direction test's cube: a corner has the colour of its position. */
+/* The direction test's cube: a corner has the colour of its position. With CELLS its faces are cut as ../common/cells.c does
+ * it: into triangles (instance 0), on a ball with the cube's colours (1), in inverted colours around that (2), or into points
+ * in the middle of the cells (3). With PROJECTING, Cupola's functions stand before. */
 #if defined(BLOCK)
 layout(set = 0, binding = 0) uniform Camera { mat4 mvp; };
 #elif defined(COLUMNS)
@@ -13,6 +15,29 @@ layout(location = 0) out vec3 shade;
 const uint corners[36] = uint[](0, 2, 6, 0, 6, 4, 1, 5, 7, 1, 7, 3, 0, 4, 5, 0, 5, 1,
                                 2, 3, 7, 2, 7, 6, 0, 1, 3, 0, 3, 2, 4, 6, 7, 4, 7, 5);
 
+#ifdef CELLS
+const uint side = 64u;
+
+void main()
+{
+    bool points = gl_InstanceIndex == 3;
+    uint cell = points ? uint(gl_VertexIndex) : uint(gl_VertexIndex) / 6u;
+    uint corner = points ? 0u : uint[](0u, 1u, 2u, 2u, 1u, 3u)[gl_VertexIndex % 6];
+    vec2 place = vec2(cell % side, cell / side % side) + (points ? vec2(0.5) : vec2(corner & 1u, corner >> 1));
+    uint face = cell / (side * side), axis = face / 2u;
+    vec3 position;
+    position[axis] = face % 2u == 1u ? 1.0 : -1.0;
+    position[(axis + 1u) % 3u] = 2.0 * place.x / float(side) - 1.0;
+    position[(axis + 2u) % 3u] = 2.0 * place.y / float(side) - 1.0;
+    shade = 0.5 + (gl_InstanceIndex == 2 ? -0.5 : 0.5) * position;
+    gl_PointSize = 1.0;
+    float size = gl_InstanceIndex == 1 ? 1.0 / length(position) : gl_InstanceIndex == 2 ? 3.0 : 1.0;
+    gl_Position = mvp * vec4(size * position, 1.0);
+#ifdef PROJECTING
+    gl_Position = cupola_fix(gl_Position);
+#endif
+}
+#else
 void main()
 {
     uint corner = corners[gl_VertexIndex];
@@ -20,3 +45,4 @@ void main()
     shade = 0.5 + 0.5 * position;
     gl_Position = mvp * vec4(position, 1.0);
 }
+#endif

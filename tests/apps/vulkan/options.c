@@ -10,7 +10,8 @@ static void usage(void)
 {
     fprintf(stderr, "usage: vk_cube " DIRECTION_USAGE "\n"
                     "  [--samples N] [--pass 1|2|dynamic|imageless] [--matrix push|block|dynamic|copied|pushed] [--once] [--srgb] [--flip]\n"
-                    "  [--secondary] [--indirect] [--fixed] [--columns] [--copy-window] [--flat over|before] [--resizes N] [--memory FILE]\n");
+                    "  [--secondary] [--indirect] [--fixed] [--columns] [--copy-window] [--flat over|before] [--cells triangles|ball|behind|points]\n"
+                    "  [--stage vertex|geometry|tessellation] [--resizes N] [--memory FILE]\n");
     exit(2);
 }
 
@@ -43,6 +44,8 @@ void parse(int argc, char **argv)
 {
     static const char *const passes[] = {"1", "2", "dynamic", "imageless"};
     static const char *const matrices[] = {"push", "block", "dynamic", "copied", "pushed"};
+    static const char *const cells[] = {"none", "triangles", "ball", "behind", "points"};
+    static const char *const stages[] = {"vertex", "geometry", "tessellation"};
     static const char *const flats[] = {"none", "over", "before"};
     for (int i = 1; i < argc; i++) {
         const char *option = argv[i];
@@ -61,6 +64,10 @@ void parse(int argc, char **argv)
             options.matrix = (matrix_kind)known(value, matrices, 5);
         else if (strcmp(option, "--flat") == 0)
             options.flat = known(value, flats, 3);
+        else if (strcmp(option, "--cells") == 0)
+            options.cells = (cells_kind)known(value, cells, 5);
+        else if (strcmp(option, "--stage") == 0)
+            options.stage = (stage_kind)known(value, stages, 3);
         else if (strcmp(option, "--memory") == 0)
             options.memory = value;
         else if (!take_direction(&options.direction, option, value))

@@ -7,11 +7,16 @@
 typedef enum { PASS_1, PASS_2, PASS_DYNAMIC, PASS_IMAGELESS } pass_kind;
 typedef enum { MATRIX_PUSH, MATRIX_BLOCK, MATRIX_DYNAMIC_BLOCK, MATRIX_COPIED, MATRIX_PUSHED_SET } matrix_kind;
 
+typedef enum { CELLS_NONE, CELLS_TRIANGLES, CELLS_BALL, CELLS_BEHIND, CELLS_POINTS } cells_kind;
+typedef enum { STAGE_VERTEX, STAGE_GEOMETRY, STAGE_TESSELLATION } stage_kind;
+
 typedef struct {
     direction_options direction;
     int samples, resizes;
     pass_kind pass;
     matrix_kind matrix;
+    stage_kind stage; /* the last one before rasterisation */
+    cells_kind cells; /* how small the parts are that the cube is drawn in */
     bool once, srgb, columns, flip, secondary, indirect, fixed, copy_window;
     int flat; /* 0: nothing, 1: over the cube, 2: before it */
     const char *memory;

@@ -1,5 +1,7 @@
 #include "pipelines.h"
 
+enum { MOST_STAGES = 5 };
+
 static VkShaderModule shader(const vulkan_window *w, shader_words words)
 {
     const VkShaderModuleCreateInfo info = {
@@ -57,16 +59,33 @@ static linked_pipeline link_pipeline(const vulkan_window *w, const VkGraphicsPip
 
 linked_pipeline make_pipeline(const vulkan_window *w, const pipeline_description *description)
 {
-    const VkShaderModule vertex = shader(w, description->vertex), fragment = shader(w, description->fragment);
-    const VkPipelineShaderStageCreateInfo stages[] = {
-        {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO, NULL, 0, VK_SHADER_STAGE_VERTEX_BIT, vertex, "main", NULL},
-        {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO, NULL, 0, VK_SHADER_STAGE_FRAGMENT_BIT, fragment, "main",
-         NULL}};
+    const bool patches = description->control.words != NULL;
+    /* Libraries have the first and the second apart. */
+    const struct {
+        VkShaderStageFlagBits stage;
+        shader_words words;
+    } given[MOST_STAGES] = {{VK_SHADER_STAGE_VERTEX_BIT, description->vertex},
+                            {VK_SHADER_STAGE_FRAGMENT_BIT, description->fragment},
+                            {VK_SHADER_STAGE_GEOMETRY_BIT, description->geometry},
+                            {VK_SHADER_STAGE_TESSELLATION_CONTROL_BIT, description->control},
+                            {VK_SHADER_STAGE_TESSELLATION_EVALUATION_BIT, description->evaluation}};
+    VkPipelineShaderStageCreateInfo stages[MOST_STAGES];
+    uint32_t count = 0;
+    for (int i = 0; i < MOST_STAGES; i++)
+        if (given[i].words.words != NULL)
+            stages[count++] = (VkPipelineShaderStageCreateInfo){.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
+                                                                .stage = given[i].stage,
+                                                                .module = shader(w, given[i].words),
+                                                                .pName = "main"};
     const VkPipelineVertexInputStateCreateInfo input = {
         .sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO};
     const VkPipelineInputAssemblyStateCreateInfo assembly = {
         .sType = VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO,
-        .topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST};
+        .topology = description->points ? VK_PRIMITIVE_TOPOLOGY_POINT_LIST
+                    : patches           ? VK_PRIMITIVE_TOPOLOGY_PATCH_LIST
+                                        : VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST};
+    const VkPipelineTessellationStateCreateInfo tessellation = {
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_TESSELLATION_STATE_CREATE_INFO, .patchControlPoints = 3};
     const VkRect2D scissor = {{0, 0}, w->extent};
     const VkPipelineViewportStateCreateInfo windows = {.sType = VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO,
                                                        .viewportCount = 1,
@@ -95,10 +114,11 @@ linked_pipeline make_pipeline(const vulkan_window *w, const pipeline_description
                                                      .depthAttachmentFormat = description->depth};
     const VkGraphicsPipelineCreateInfo info = {.sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,
                                                .pNext = description->pass == VK_NULL_HANDLE ? &rendering : NULL,
-                                               .stageCount = 2,
+                                               .stageCount = count,
                                                .pStages = stages,
                                                .pVertexInputState = &input,
                                                .pInputAssemblyState = &assembly,
+                                               .pTessellationState = patches ? &tessellation : NULL,
                                                .pViewportState = &windows,
                                                .pRasterizationState = &raster,
                                                .pMultisampleState = &multisample,
@@ -110,8 +130,8 @@ linked_pipeline make_pipeline(const vulkan_window *w, const pipeline_description
                                                .subpass = description->subpass};
     const linked_pipeline made = description->libraries > 0 ? link_pipeline(w, &info, description->libraries)
                                                             : (linked_pipeline){.whole = create(w, &info)};
-    vkDestroyShaderModule(w->device, vertex, NULL);
-    vkDestroyShaderModule(w->device, fragment, NULL);
+    for (uint32_t i = 0; i < count; i++)
+        vkDestroyShaderModule(w->device, stages[i].module, NULL);
     return made;
 }
 

@@ -1,4 +1,4 @@
-/* Graphics pipelines: triangles without vertex buffers, as a whole or linked from libraries. */
+/* Graphics pipelines: triangles or points without vertex buffers, as a whole or linked from libraries. */
 #ifndef APPS_VULKAN_PIPELINES_H
 #define APPS_VULKAN_PIPELINES_H
 
@@ -16,6 +16,8 @@ enum { MOST_LIBRARIES = 4 };
 
 typedef struct {
     shader_words vertex, fragment;
+    shader_words geometry;                /* without words: none */
+    shader_words control, evaluation;     /* of a tessellation of triangles, likewise; not in libraries */
     VkPipelineLayout layout;
     VkRenderPass pass; /* null: for dynamic rendering, with these attachments */
     uint32_t subpass;
@@ -24,6 +26,7 @@ typedef struct {
     VkSampleCountFlagBits samples;
     bool deep;                  /* tested by depth */
     bool silent;                /* writes nothing */
+    bool points;                /* draws points, not triangles */
     const VkViewport *viewport; /* null: set by commands, as the scissor is */
     uint32_t libraries;         /* 0: one pipeline; 2: outputs apart; 4: each part apart */
 } pipeline_description;

@@ -133,7 +133,12 @@ static void open_device(vulkan_window *w, bool newest)
                                                        .pNext = &features12,
                                                        .dynamicRendering = VK_TRUE,
                                                        .synchronization2 = VK_TRUE};
-    const VkPhysicalDeviceFeatures counts = {.occlusionQueryPrecise = newest, .pipelineStatisticsQuery = newest};
+    VkPhysicalDeviceFeatures there;
+    vkGetPhysicalDeviceFeatures(w->physical, &there);
+    const VkPhysicalDeviceFeatures counts = {.occlusionQueryPrecise = newest,
+                                             .pipelineStatisticsQuery = newest,
+                                             .geometryShader = there.geometryShader,
+                                             .tessellationShader = there.tessellationShader};
     const VkDeviceCreateInfo device = {.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
                                        .pNext = &features,
                                        .queueCreateInfoCount = 1,

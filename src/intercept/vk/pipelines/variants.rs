@@ -145,7 +145,7 @@ unsafe fn spliced(
     // SAFETY: as promised.
     let (words, entry) = unsafe { (words_of(device, &stages[index]), CStr::from_ptr(stages[index].p_name)) };
     let words = words.ok_or("a shader whose words are not known")?;
-    Ok((index, spirv::splice(&words, model, &entry.to_string_lossy(), ours)?))
+    Ok((index, spirv::splice(&words, model, &entry.to_string_lossy(), ours, device.rows.have_lenses())?))
 }
 
 /// While the panel is drawn, its alpha collects how much of it is covered, for the composition.

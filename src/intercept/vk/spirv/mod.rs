@@ -1,5 +1,6 @@
 //! Shaders of the program: where their matrices are, and the epilogue that re-projects what they draw.
 
+mod functions;
 mod module;
 mod reflect;
 mod splice;

@@ -39,7 +39,12 @@ pub fn instructions(words: &[u32]) -> Option<Vec<Instruction<'_>>> {
     if words.len() < HEADER || words[0] != spirv::MAGIC_NUMBER {
         return None;
     }
-    let (mut found, mut offset) = (Vec::new(), HEADER);
+    instructions_of(words, HEADER)
+}
+
+/// The instructions from the word `offset` on; `None` where they do not end with the words.
+pub fn instructions_of(words: &[u32], mut offset: usize) -> Option<Vec<Instruction<'_>>> {
+    let mut found = Vec::new();
     while let Some(&first) = words.get(offset) {
         let end = offset.checked_add((first >> 16) as usize).filter(|end| *end > offset)?;
         found.push(Instruction { offset, opcode: first & 0xffff, operands: words.get(offset + 1..end)? });
@@ -67,6 +72,8 @@ pub struct Declarations<'a> {
     decorations: HashMap<Place, Vec<(u32, &'a [u32])>>,
     /// Names.
     names: HashMap<Place, String>,
+    /// Sets of instructions that are imported.
+    imports: Vec<(u32, String)>,
 }
 
 impl<'a> Declarations<'a> {
@@ -89,6 +96,9 @@ impl<'a> Declarations<'a> {
                 }
                 Some(Op::MemberName) if operands.len() >= 3 => {
                     all.names.insert((operands[0], Some(operands[1])), string(&operands[2..]).0);
+                }
+                Some(Op::ExtInstImport) if operands.len() >= 2 => {
+                    all.imports.push((operands[0], string(&operands[1..]).0));
                 }
                 Some(Op::Function) => break,
                 // Constants and variables have their type first.
@@ -129,6 +139,11 @@ impl<'a> Declarations<'a> {
     pub fn pointee(&self, variable: u32) -> Option<(u32, u32)> {
         let pointer = self.get(self.get(variable, Op::Variable)?.operand(0), Op::TypePointer)?;
         Some((pointer.operand(1), pointer.operand(2)))
+    }
+
+    /// The id of a set of instructions, if it is imported.
+    pub fn imported(&self, name: &str) -> Option<u32> {
+        self.imports.iter().find(|(_, known)| known == name).map(|(id, _)| *id)
     }
 
     /// The id of a type with exactly these operands.

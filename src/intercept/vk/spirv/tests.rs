@@ -13,14 +13,20 @@ fn vertex_shader() -> &'static [u32] {
     specialise(&Constants::black(), Arrangement::Atlas, Stage::Present).vertex
 }
 
-fn spliced(set: u32) -> Vec<u32> {
+fn spliced(set: u32, lenses: bool) -> Vec<u32> {
     let entry = VERTEX_ENTRY.to_str().expect("a name");
-    splice(vertex_shader(), ExecutionModel::Vertex, entry, set).expect("it writes gl_Position")
+    splice(vertex_shader(), ExecutionModel::Vertex, entry, set, lenses).expect("it writes gl_Position")
 }
 
 #[test]
 fn all_words_of_the_program_stay_and_no_id_is_made_twice() {
-    let (before, after) = (vertex_shader(), spliced(3));
+    for lenses in [false, true] {
+        all_words_stay(lenses);
+    }
+}
+
+fn all_words_stay(lenses: bool) {
+    let (before, after) = (vertex_shader(), spliced(3, lenses));
     let all = instructions(&after).expect("a module");
     let kept: HashSet<Vec<u32>> = all.iter().map(|i| [&[i.opcode], i.operands].concat()).collect();
     let changed = instructions(before)
@@ -34,7 +40,9 @@ fn all_words_of_the_program_stay_and_no_id_is_made_twice() {
         let types = (Op::TypeVoid as u32..=Op::TypeForwardPointer as u32).contains(&i.opcode);
         let result = match Op::from_u32(i.opcode) {
             _ if types => 0,
-            Some(Op::Constant | Op::Variable | Op::Function | Op::Load | Op::FMul | Op::FAdd | Op::Dot) => 1,
+            Some(Op::Constant | Op::ConstantNull | Op::ConstantComposite | Op::Variable | Op::Function) => 1,
+            Some(Op::Load | Op::FMul | Op::FAdd | Op::Dot | Op::ExtInst | Op::AccessChain | Op::FunctionCall) => 1,
+            Some(Op::Label) => 0,
             _ => continue,
         };
         let id = i.operand(result);
@@ -44,7 +52,7 @@ fn all_words_of_the_program_stay_and_no_id_is_made_twice() {
 
 #[test]
 fn types_that_must_be_unique_are() {
-    let after = spliced(0);
+    let after = spliced(0, true);
     let all = instructions(&after).expect("a module");
     let unique = [Op::TypeVoid, Op::TypeBool, Op::TypeInt, Op::TypeFloat, Op::TypeVector, Op::TypeFunction];
     let mut seen = HashSet::new();
@@ -55,7 +63,7 @@ fn types_that_must_be_unique_are() {
 
 #[test]
 fn the_rows_are_where_the_layout_has_them() {
-    let after = spliced(5);
+    let after = spliced(5, true);
     let all = instructions(&after).expect("a module");
     let declared = Declarations::new(&all);
     let ours = all.iter().filter(|i| i.is(Op::Variable)).map(|i| i.operand(1));
@@ -65,10 +73,33 @@ fn the_rows_are_where_the_layout_has_them() {
     assert_eq!(declared.pointee(id).map(|p| p.0), Some(StorageClass::Uniform as u32));
 }
 
+/// GLSL's own functions are imported once, whether the program does it or not, where a module has its imports.
+#[test]
+fn functions_of_glsl_are_imported_once() {
+    let entry = VERTEX_ENTRY.to_str().expect("a name");
+    let given = vertex_shader();
+    let mut without = given[..5].to_vec();
+    for i in instructions(given).expect("a module").iter().filter(|i| !i.is(Op::ExtInstImport)) {
+        without.extend(&given[i.offset..=i.offset + i.operands.len()]);
+    }
+    assert!(without.len() < given.len(), "there was one");
+    for words in [given, &without] {
+        let after = splice(words, ExecutionModel::Vertex, entry, 0, true).expect("it writes gl_Position");
+        let all = instructions(&after).expect("a module");
+        let imports: Vec<_> = all.iter().filter(|i| i.is(Op::ExtInstImport)).collect();
+        assert_eq!(imports.len(), 1);
+        let model = all.iter().find(|i| i.is(Op::MemoryModel)).expect("a module has one");
+        assert!(imports[0].offset < model.offset);
+        let used = all.iter().filter(|i| i.is(Op::ExtInst)).map(|i| i.operand(2));
+        assert!(used.clone().count() > 5 && used.into_iter().all(|set| set == imports[0].operand(0)));
+        assert_eq!(super::module::string(imports[0].rest(1)).0, "GLSL.std.450");
+    }
+}
+
 #[test]
 fn what_cannot_be_followed_is_refused() {
     let words = vertex_shader();
-    let refused = |words: &[u32], entry: &str| splice(words, ExecutionModel::Vertex, entry, 0).is_err();
+    let refused = |words: &[u32], entry: &str| splice(words, ExecutionModel::Vertex, entry, 0, true).is_err();
     assert!(refused(words, "no such entry"));
     assert!(refused(&[], "main") && refused(&[1, 2, 3, 4, 5, 6], "main"));
     assert!(refused(&words[..6], VERTEX_ENTRY.to_str().expect("a name")), "cut off within an instruction");
@@ -89,7 +120,7 @@ fn damaged_modules_do_no_harm() {
             let at = (state >> 33) as usize % damaged.len();
             damaged[at] ^= 1 << (state >> 59);
         }
-        let _ = splice(&damaged, ExecutionModel::Vertex, "rectangle_down", 1);
+        let _ = splice(&damaged, ExecutionModel::Vertex, "rectangle_down", 1, true);
         let _ = matrices(&damaged);
     }
 }

@@ -1,0 +1,162 @@
+//! The GLSL of `src/correct/projection.rs` → SPIR-V functions that are put into a Vulkan program's shader.
+//!
+//! naga makes a whole module; what the function `cupola_fix` reaches is kept, in three parts that go to three places of
+//! another module. Which words are ids is written down with them, since ids have to be numbered anew there.
+
+#[allow(dead_code, reason = "the library uses the rest")]
+#[path = "../src/correct/projection.rs"]
+mod texts;
+
+use naga::back::spv;
+use naga::front::glsl;
+use naga::valid::{Capabilities, ValidationFlags, Validator};
+use spirv::{Decoration, Op};
+use std::collections::BTreeSet;
+use std::fmt::Write;
+
+/// Rust source with the functions for views, and with those that know lenses, too.
+pub fn generate() -> String {
+    let mut out = String::new();
+    for (name, curved) in [("VIEWS", false), ("LENSES", true)] {
+        writeln!(out, "static {name}: Functions = {};", functions(curved)).expect("writing to a String");
+    }
+    out
+}
+
+/// An instruction: its opcode, and the words after the first.
+type Instruction = (Op, Vec<u32>);
+
+fn functions(curved: bool) -> String {
+    let text = format!(
+        "#version 450\n{}layout(location = 0) in vec4 position;\nvoid main() {{ gl_Position = cupola_fix(position); }}\n",
+        texts::vulkan_functions(0, 0, curved)
+    );
+    let all = compile(&text);
+    let (head, bodies) = all.split_at(all.iter().position(|i| i.0 == Op::Function).expect("there are functions"));
+    let bodies: Vec<&[Instruction]> = bodies.split_inclusive(|i| i.0 == Op::FunctionEnd).collect();
+    let named = |i: &&Instruction| i.0 == Op::Name && i.1[1..] == words_of("cupola_fix");
+    let fix = head.iter().find(named).expect("naga writes names").1[0];
+
+    // What the function needs: the functions that it calls, then their types, constants and variables.
+    let mut needed = BTreeSet::from([fix]);
+    let mut kept = BTreeSet::new();
+    while let Some(body) =
+        bodies.iter().position(|body| needed.contains(&body[0].1[1]) && !kept.contains(&body[0].1[1]))
+    {
+        kept.insert(bodies[body][0].1[1]);
+        needed.extend(bodies[body].iter().flat_map(all_ids));
+    }
+    let kept_bodies: Vec<&Instruction> =
+        bodies.iter().filter(|body| kept.contains(&body[0].1[1])).flat_map(|body| body.iter()).collect();
+    let mut globals = Vec::new();
+    for instruction in head.iter().rev() {
+        if is_global(instruction.0) && needed.contains(&instruction.1[result(instruction.0)]) {
+            needed.extend(all_ids(instruction));
+            globals.insert(0, instruction);
+        }
+    }
+    let decorates = |i: &&Instruction| matches!(i.0, Op::Decorate | Op::MemberDecorate) && needed.contains(&i.1[0]);
+    let given: Vec<&Instruction> = head.iter().filter(decorates).collect();
+    let variable = given.iter().find(|i| i.1[1] == Decoration::DescriptorSet as u32).expect("the block has a set").1[0];
+
+    // Shaders of several passes must give equal depths.
+    let rounded =
+        |i: &&&Instruction| matches!(i.0, Op::FAdd | Op::FSub | Op::FMul | Op::FDiv | Op::Dot | Op::VectorTimesScalar);
+    let exact = |i: &&Instruction| (Op::Decorate, vec![i.1[1], Decoration::NoContraction as u32]);
+    let exact: Vec<Instruction> = kept_bodies.iter().filter(rounded).map(exact).collect();
+    let decorations = given.into_iter().chain(&exact).collect();
+    let bound = 1 + needed.iter().max().expect("there are ids");
+    let import = head.iter().find(|i| i.0 == Op::ExtInstImport).expect("naga imports GLSL's functions").1[0];
+    let float4 = kept_bodies.iter().find(|i| i.0 == Op::Function && i.1[1] == fix).expect("it is kept").1[0];
+    format!(
+        "Functions {{ decorations: {}, globals: {}, bodies: {}, import: {import}, variable: {variable}, fix: {fix}, vector: {float4}, bound: {bound} }}",
+        part(decorations),
+        part(globals),
+        part(kept_bodies)
+    )
+}
+
+/// The instructions of a module for a GLSL vertex shader.
+fn compile(text: &str) -> Vec<Instruction> {
+    let module = glsl::Frontend::default()
+        .parse(&glsl::Options::from(naga::ShaderStage::Vertex), text)
+        .unwrap_or_else(|e| panic!("projection: {}", e.emit_to_string(text)));
+    let info = Validator::new(ValidationFlags::all(), Capabilities::empty())
+        .validate(&module)
+        .unwrap_or_else(|e| panic!("projection: {}", e.emit_to_string(text)));
+    // Names tell which function is ours. No coordinate adjustment: we own the Y direction.
+    let options = spv::Options { lang_version: (1, 0), flags: spv::WriterFlags::DEBUG, ..Default::default() };
+    let words = spv::write_vec(&module, &info, &options, None).unwrap_or_else(|e| panic!("projection: {e}"));
+    let (mut all, mut rest) = (Vec::new(), &words[5..]);
+    while let Some(first) = rest.first() {
+        let (instruction, behind) = rest.split_at((first >> 16) as usize);
+        rest = behind;
+        all.push((Op::from_u32(first & 0xffff).expect("naga writes known ones"), instruction[1..].to_vec()));
+    }
+    all
+}
+
+/// A literal string in words.
+fn words_of(text: &str) -> Vec<u32> {
+    let mut bytes = text.as_bytes().to_vec();
+    bytes.resize((text.len() / 4 + 1) * 4, 0);
+    bytes.chunks(4).map(|four| u32::from_le_bytes(four.try_into().expect("four"))).collect()
+}
+
+fn is_type(op: Op) -> bool {
+    (Op::TypeVoid as u32..=Op::TypeForwardPointer as u32).contains(&(op as u32))
+}
+
+/// Whether it declares a type, a constant or a variable.
+fn is_global(op: Op) -> bool {
+    is_type(op) || matches!(op, Op::Constant | Op::ConstantNull | Op::ConstantComposite | Op::Variable)
+}
+
+/// The operand of a declaration that is its result.
+fn result(op: Op) -> usize {
+    usize::from(!is_type(op))
+}
+
+/// Which operands of an instruction are ids.
+fn ids((op, operands): &Instruction) -> Vec<usize> {
+    let count = operands.len();
+    let but = |literals: &[usize]| (0..count).filter(|i| !literals.contains(i)).collect();
+    match op {
+        Op::TypeFloat | Op::TypeInt | Op::Decorate | Op::MemberDecorate | Op::SelectionMerge => vec![0],
+        Op::TypeVector | Op::Constant => vec![0, 1],
+        Op::TypePointer => but(&[1]),
+        Op::Variable | Op::Function => but(&[2]),
+        Op::CompositeExtract => vec![0, 1, 2],
+        Op::VectorShuffle => vec![0, 1, 2, 3],
+        Op::ExtInst => but(&[3]),
+        // Without the operands that say how memory is accessed.
+        Op::Load if count == 3 => but(&[]),
+        Op::Store if count == 2 => but(&[]),
+        Op::TypeBool | Op::TypeArray | Op::TypeStruct | Op::TypeFunction | Op::ConstantNull | Op::ConstantComposite => {
+            but(&[])
+        }
+        Op::FunctionParameter | Op::FunctionEnd | Op::FunctionCall | Op::Label | Op::Branch | Op::Return => but(&[]),
+        Op::ReturnValue | Op::AccessChain | Op::CompositeConstruct | Op::Select => but(&[]),
+        Op::BranchConditional if count == 3 => but(&[]),
+        Op::FAdd | Op::FSub | Op::FMul | Op::FDiv | Op::FNegate | Op::Dot | Op::VectorTimesScalar => but(&[]),
+        Op::FOrdEqual | Op::FOrdNotEqual => but(&[]),
+        Op::FOrdLessThan | Op::FOrdLessThanEqual | Op::FOrdGreaterThan | Op::FOrdGreaterThanEqual => but(&[]),
+        _ => panic!("projection: which operands of {op:?} {operands:?} are ids?"),
+    }
+}
+
+fn all_ids(instruction: &Instruction) -> Vec<u32> {
+    ids(instruction).into_iter().map(|i| instruction.1[i]).collect()
+}
+
+/// Instructions as Rust source: their words, and which of them are ids.
+fn part(instructions: Vec<&Instruction>) -> String {
+    let (mut words, mut places) = (Vec::new(), Vec::new());
+    for instruction in instructions {
+        let (op, operands) = instruction;
+        words.push((operands.len() as u32 + 1) << 16 | *op as u32);
+        places.extend(ids(instruction).into_iter().map(|i| words.len() + i));
+        words.extend(operands);
+    }
+    format!("Part {{ words: &{words:?}, ids: &{places:?} }}")
+}

@@ -1,0 +1,169 @@
+//! The functions that re-project, as the build made SPIR-V of them (`build/projection.rs`), on their way into a program's
+//! module: all ids are numbered anew, and of types that may be there only once the module's own are taken.
+
+use super::module::{Declarations, Instruction, instructions_of};
+use spirv::{Decoration, Op};
+use std::collections::HashMap;
+
+/// Instructions, and which of their words are ids.
+struct Part {
+    words: &'static [u32],
+    ids: &'static [usize],
+}
+
+/// The function `cupola_fix` of `correct::projection`, and what it needs.
+pub struct Functions {
+    decorations: Part,
+    globals: Part,
+    bodies: Part,
+    /// Where the numbers of GLSL's own functions come from.
+    import: u32,
+    /// The block with the rows.
+    variable: u32,
+    fix: u32,
+    /// The type that it takes and gives.
+    vector: u32,
+    /// Ids are below.
+    bound: u32,
+}
+
+include!(concat!(env!("OUT_DIR"), "/projection_spirv.rs"));
+
+/// The functions for views; `lenses`: also for pictures whose lens follows the rows.
+pub fn functions(lenses: bool) -> &'static Functions {
+    if lenses { &LENSES } else { &VIEWS }
+}
+
+/// What is put into a module, by places.
+pub struct Additions<'a> {
+    declared: &'a Declarations<'a>,
+    next: u32,
+    /// Of types of which there may be one only, those that are new.
+    made: HashMap<(u32, Vec<u32>), u32>,
+    /// Behind the extensions.
+    pub imports: Vec<u32>,
+    /// Before the types.
+    pub decorations: Vec<u32>,
+    /// Before the functions.
+    pub globals: Vec<u32>,
+    /// At the end.
+    pub bodies: Vec<u32>,
+}
+
+/// The functions where they have been put into a module.
+pub struct Linked {
+    /// The block with the rows.
+    pub variable: u32,
+    /// The function that re-projects.
+    pub fix: u32,
+    /// Four floats, which it takes and gives.
+    pub vector: u32,
+}
+
+impl<'a> Additions<'a> {
+    /// Nothing, for a module with ids below `bound`.
+    pub fn new(bound: u32, declared: &'a Declarations<'a>) -> Self {
+        let (made, [imports, decorations, globals, bodies]) = (HashMap::new(), Default::default());
+        Self { declared, next: bound, made, imports, decorations, globals, bodies }
+    }
+
+    /// A new id.
+    pub fn id(&mut self) -> u32 {
+        self.next += 1;
+        self.next - 1
+    }
+
+    /// The first number that is no id.
+    pub fn bound(&self) -> u32 {
+        self.next
+    }
+
+    /// A type of which there may be one only: the module's own, or a new one.
+    pub fn kind(&mut self, op: Op, operands: &[u32]) -> u32 {
+        let key = (op as u32, operands.to_vec());
+        if let Some(id) = self.declared.find(op, operands).or_else(|| self.made.get(&key).copied()) {
+            return id;
+        }
+        let id = self.id();
+        push(&mut self.globals, op, &[&[id], operands].concat());
+        self.made.insert(key, id);
+        id
+    }
+
+    /// Puts `functions` in. Their block is in set `set`.
+    pub fn link(&mut self, functions: &Functions, set: u32) -> Linked {
+        let mut ids = vec![0; functions.bound as usize];
+        if let Some(place) = ids.get_mut(functions.import as usize) {
+            *place = match self.declared.imported("GLSL.std.450") {
+                Some(import) => import,
+                None => {
+                    let import = self.id();
+                    let name = [0x4c53_4c47, 0x6474_732e, 0x3035_342e, 0];
+                    push(&mut self.imports, Op::ExtInstImport, &[&[import], &name[..]].concat());
+                    import
+                }
+            };
+        }
+        for instruction in functions.globals.instructions() {
+            let operands = self.renumbered(&functions.globals, &instruction, &mut ids);
+            match Op::from_u32(instruction.opcode) {
+                Some(op @ (Op::TypeBool | Op::TypeInt | Op::TypeFloat | Op::TypeVector | Op::TypeFunction)) => {
+                    let kind = self.kind(op, operands.get(1..).unwrap_or_default());
+                    if let Some(place) = ids.get_mut(instruction.operand(0) as usize) {
+                        *place = kind;
+                    }
+                }
+                _ => push_code(&mut self.globals, instruction.opcode, &operands),
+            }
+        }
+        for instruction in functions.decorations.instructions() {
+            let mut operands = self.renumbered(&functions.decorations, &instruction, &mut ids);
+            if let [_, kind, number] = &mut operands[..]
+                && *kind == Decoration::DescriptorSet as u32
+            {
+                *number = set;
+            }
+            push_code(&mut self.decorations, instruction.opcode, &operands);
+        }
+        for instruction in functions.bodies.instructions() {
+            let operands = self.renumbered(&functions.bodies, &instruction, &mut ids);
+            push_code(&mut self.bodies, instruction.opcode, &operands);
+        }
+        let at = |id: u32| ids.get(id as usize).copied().unwrap_or(0);
+        Linked { variable: at(functions.variable), fix: at(functions.fix), vector: at(functions.vector) }
+    }
+
+    /// The operands of an instruction of ours with the ids that they have here.
+    fn renumbered(&mut self, part: &Part, instruction: &Instruction<'_>, ids: &mut [u32]) -> Vec<u32> {
+        let mut operands = instruction.operands.to_vec();
+        let first = instruction.offset + 1;
+        for (place, operand) in (first..).zip(&mut operands) {
+            if part.ids.binary_search(&place).is_err() {
+                continue;
+            }
+            let Some(id) = ids.get_mut(*operand as usize) else { continue };
+            if *id == 0 {
+                *id = self.id();
+            }
+            *operand = *id;
+        }
+        operands
+    }
+}
+
+impl Part {
+    fn instructions(&self) -> Vec<Instruction<'static>> {
+        instructions_of(self.words, 0).unwrap_or_default()
+    }
+}
+
+/// Appends an instruction.
+pub fn push(to: &mut Vec<u32>, op: Op, operands: &[u32]) {
+    push_code(to, op as u32, operands);
+}
+
+/// Appends an instruction by its number.
+pub fn push_code(to: &mut Vec<u32>, opcode: u32, operands: &[u32]) {
+    to.push((operands.len() as u32 + 1) << 16 | opcode);
+    to.extend(operands);
+}
