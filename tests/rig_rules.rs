@@ -478,6 +478,21 @@ fn masks() {
 }
 
 #[test]
+fn flips() {
+    let with = |flip: &str| read(&format!("[[output]]\nkind = \"domemaster\"\n{flip}")).map(|rig| rig.outputs[0].flip);
+    let flip = |horizontal, vertical| Ok(cupola::rig::Flip { horizontal, vertical });
+    assert_eq!(with(""), flip(false, false));
+    assert_eq!(with("flip = \"none\""), flip(false, false));
+    assert_eq!(with("flip = \"horizontal\""), flip(true, false));
+    assert_eq!(with("flip = \"vertical\""), flip(false, true));
+    assert_eq!(with("flip = \"both\""), flip(true, true));
+    for (flip, words) in [("flip = \"horizontl\"", "did you mean \"horizontal\"?"), ("flip = true", "\"both\"")] {
+        let message = with(flip).unwrap_err();
+        assert!(message.contains(":3: output[0].flip: ") && message.contains(words), "{message}");
+    }
+}
+
+#[test]
 fn numbers_of_outputs() {
     refused_text("name = \"empty\"", 1, "output", &["at least one [[output]]", "passthrough = true"]);
     refused_text("[[output]]\nname = \"n\"", 1, "output[0].kind", &["is missing", "\"domemaster\""]);

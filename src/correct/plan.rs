@@ -10,7 +10,7 @@ use crate::error::Result;
 use crate::geom::pencil::RimForms;
 use crate::geom::screen::Bounds;
 use crate::geom::{Panorama, Pencil, QuadraticForm};
-use crate::rig::{AngleRamp, Filter, Method, Rig, Transfer};
+use crate::rig::{AngleRamp, Filter, Flip, Method, Rig, Transfer};
 use crate::views::{self, Request, ViewPlan};
 pub use beam::Way;
 use glam::{DMat3, DVec3};
@@ -38,7 +38,7 @@ pub struct PixelRect {
     pub height: u32,
 }
 
-/// One output's correction. Pixels in no batch are black.
+/// One output's correction. Pixels in no batch are black. All but the mask is that of the picture before it is mirrored.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OutputPass {
     /// The output's name.
@@ -49,7 +49,7 @@ pub struct OutputPass {
     pub source: Source,
     /// Rectangles that share a shader.
     pub batches: Vec<Batch>,
-    /// Weight image at the output's resolution or any other; linear light, 0…1, row 0 at the top.
+    /// Weight image at the output's resolution or any other; linear light, 0…1, row 0 at the top; mirrored as the picture is.
     pub mask: Option<Mask>,
     /// Ramps in dome angles, multiplied in.
     pub ramps: Vec<AngleRamp>,
@@ -69,6 +69,8 @@ pub struct OutputPass {
     pub lift: f64,
     /// A step of the display's codes, by which values are dithered; 0 = they are not.
     pub dither: f64,
+    /// How the picture is mirrored as it is drawn.
+    pub flip: Flip,
 }
 
 /// How an output's map is interpolated.
@@ -242,6 +244,8 @@ pub struct Batch {
 ///
 /// Those of [`views::plan`] and [`WarpMap::new`](crate::warp::WarpMap::new); [`Io`](crate::ErrorKind::Io) or [`InvalidRig`](crate::ErrorKind::InvalidRig) if a mask cannot be read.
 pub fn build(rig: &Rig, request: &Request) -> Result<Plan> {
+    let flips = rig.outputs.iter().map(|output| output.flip);
+    let rig = &*rig.upright();
     let sizes = request.output_sizes.as_slice();
     let domes = dome_meshes(rig, sizes)?;
     let views = views::plan_with_reach(rig, request, reach(rig, &domes))?;
@@ -251,12 +255,12 @@ pub fn build(rig: &Rig, request: &Request) -> Result<Plan> {
         false => 0.0,
     };
     if !rig.passthrough {
-        for (index, (output, &size)) in rig.outputs.iter().zip(&request.output_sizes).enumerate() {
+        for (index, ((output, &size), flip)) in rig.outputs.iter().zip(&request.output_sizes).zip(flips).enumerate() {
             let source = source::of(rig, index, sizes)?;
             // A table has them in its weights.
             let ramps = if matches!(source, Source::Table(_)) { Vec::new() } else { output.blend.ramps.clone() };
             let mask = output.mask.as_deref().map(mask::load).transpose()?;
-            let batches = blocks::batches(rig, index, &source, size, &views, mask.as_ref());
+            let batches = blocks::batches(rig, index, &source, size, &views, mask.as_ref(), flip);
             let batches = match output.method {
                 Method::Fragment | Method::Vertex | Method::Primitive { .. } => batches,
                 Method::Table { .. } => match &source {
@@ -279,7 +283,7 @@ pub fn build(rig: &Rig, request: &Request) -> Result<Plan> {
                 batches,
                 lift: if knows_black && output.blend.overlap { lift } else { 0.0 },
                 source,
-                mask,
+                mask: mask.map(|mask| mask.flipped(flip)),
                 ramps,
                 dome_rotation: source::dome_axes(rig),
                 filter: rig.views.filter,
@@ -287,6 +291,7 @@ pub fn build(rig: &Rig, request: &Request) -> Result<Plan> {
                 transfer: output.blend.transfer.clone(),
                 black_level: output.blend.black_level,
                 dither: output.blend.dither.map_or(0.0, |bits| 1.0 / (f64::from(bits).exp2() - 1.0)),
+                flip,
             });
         }
     }

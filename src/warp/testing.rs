@@ -17,6 +17,7 @@ pub(crate) fn output(name: &str, kind: OutputKind) -> Output {
         blend,
         mask: None,
         eye: 0.0,
+        flip: Flip::default(),
     }
 }
 

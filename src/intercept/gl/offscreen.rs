@@ -136,6 +136,7 @@ fn own_picture(ctx: &Context, session: &Session, directions: DMat3) -> Plan {
         black_level: 0.0,
         lift: 0.0,
         dither: 0.0,
+        flip: crate::rig::Flip::default(),
         ramps: Vec::new(),
         dome_rotation: DMat3::IDENTITY,
     };
