@@ -67,7 +67,7 @@ fn warp_mesh() -> bourke::WarpMesh {
 
 fn archive() -> mpcdi::Archive {
     let alpha = mpcdi::Alpha { size: (4, 3), weights: vec![0.5; 12], gamma: 2.2 };
-    let beta = mpcdi::Levels { size: (2, 2), levels: vec![0.125; 4] };
+    let beta = cupola::formats::Levels::even((2, 2), 0.125);
     let frustum = cupola::geom::Frustum { left: -1.0, right: 1.0, bottom: -1.0, top: 1.0 };
     let camera = cupola::formats::Camera { offset: glam::DVec3::X, rotation: glam::DMat3::IDENTITY, frustum };
     let region = mpcdi::Region {

@@ -161,3 +161,86 @@ fn a_mirror_in_a_configuration_of_sgct_becomes_a_map_of_directions() {
     assert!(towards(59.5, 39.5).distance(above) < 1e-6, "{}", towards(59.5, 39.5));
     assert!(rig.outputs[0].mask.is_some(), "what is above has half the value");
 }
+
+/// A rig of two outputs: the black of the first differs from pixel to pixel and channel to channel.
+fn uneven(name: &str, more: &str) -> (PathBuf, cupola::rig::Rig) {
+    let levels = |x: u32, y: u32| [0.004 * x as f32, 0.002 * y as f32, 0.2 - 0.001 * (x + y) as f32];
+    let values = (0..54).flat_map(|y| (0..96).map(move |x| levels(x, y))).collect();
+    let black = cupola::formats::Levels { size: (96, 54), values };
+    std::fs::write(file(&format!("{name}.png")), black.png("black").unwrap()).unwrap();
+    let text = format!(
+        "[[output]]\nname = \"one\"\nkind = \"projector\"\nsize = [96, 54]\nyaw = -10.0\npitch = 40.0\nfov = [60.0, 36.0]\n\
+         black = {{ image = \"{name}.png\" {more} }}\n[[output]]\nname = \"two\"\nkind = \"projector\"\nsize = [96, 54]\n\
+         yaw = 30.0\npitch = 40.0\nfov = [60.0, 36.0]\nblend = {{ black_level = 0.01 }}\n"
+    );
+    let from = file(&format!("{name}.toml"));
+    std::fs::write(&from, text).unwrap();
+    let rig = cupola::rig::load(from.to_str().unwrap()).unwrap();
+    (from, rig)
+}
+
+#[test]
+fn uneven_blacks_go_through_archives_and_vioso_files() {
+    let (from, rig) = uneven("uneven", "");
+    let expected = &rig.outputs[0].black.as_ref().unwrap().levels;
+    // An archive holds 16 bits, VIOSO's file 8.
+    for (set, more, bound) in [
+        ("uneven.mpcdi", &[][..], 0.6 / 65535.0),
+        ("uneven-2.mpcdi", &["--archive-version", "2"], 0.6 / 65535.0),
+        ("uneven.vwf", &[], 0.51 / 255.0),
+    ] {
+        let (set, back) = (file(set), file(&format!("{}-back.toml", set.replace('.', "-"))));
+        convert(from.to_str().unwrap(), &set, more);
+        let answer = convert(set.to_str().unwrap(), &back, &[]);
+        assert!(!answer["notes"].to_string().contains("black level"), "{answer}");
+        let rig = cupola::rig::load(back.to_str().unwrap()).unwrap();
+        let found = rig.outputs[0].black.as_ref().expect("a picture");
+        assert_eq!((found.levels.size, found.values), ((96, 54), cupola::rig::BlackValues::Displayed));
+        let difference = |other: &[[f32; 3]]| {
+            let pairs = found.levels.values.as_flattened().iter().zip(other.as_flattened());
+            pairs.fold(0.0f32, |worst, (a, b)| worst.max((a - b).abs()))
+        };
+        assert!(difference(&expected.values) <= bound, "{set:?}: {}", difference(&expected.values));
+        // Negative control: turned over it is another picture.
+        let mut turned = expected.values.clone();
+        turned.reverse();
+        assert!(difference(&turned) > 0.1);
+        // What is even stays a level.
+        assert!(rig.outputs[1].black.is_none() && (rig.outputs[1].blend.black_level - 0.01).abs() < 5e-4);
+    }
+}
+
+#[test]
+fn light_of_black_and_mirrored_blacks_are_written_as_they_are_shown() {
+    let (from, rig) = uneven("uneven-light", ", values = \"light\" }\nflip = \"horizontal\"\n# {");
+    let (set, back) = (file("uneven-light.mpcdi"), file("uneven-light-back.toml"));
+    convert(from.to_str().unwrap(), &set, &[]);
+    convert(set.to_str().unwrap(), &back, &[]);
+    let again = cupola::rig::load(back.to_str().unwrap()).unwrap();
+    let light = &rig.outputs[0].black.as_ref().unwrap().levels;
+    let shown = &again.outputs[0].black.as_ref().expect("a picture").levels;
+    let (mut worst, mut upright) = (0.0f64, 0.0f64);
+    for (x, y) in (0..54).flat_map(|y| (0..96).map(move |x| (x, y))) {
+        let displayed = |x: usize| f64::from(light.values[y * 96 + x][0]).powf(1.0 / 2.2);
+        let found = f64::from(shown.values[y * 96 + x][0]);
+        worst = worst.max((found - displayed(95 - x)).abs());
+        upright = upright.max((found - displayed(x)).abs());
+    }
+    assert!(worst < 2e-5 && upright > 0.1, "{worst} {upright}");
+    // The mirrored map and the black that belongs to it are the rig's, whatever the values.
+    for profile in ["2d", "a3", "3d"] {
+        let (set, back) = (file(&format!("mirrored-{profile}.mpcdi")), file(&format!("mirrored-{profile}-back.toml")));
+        convert(from.to_str().unwrap(), &set, &["--profile", profile]);
+        convert(set.to_str().unwrap(), &back, &[]);
+        let again = cupola::rig::load(back.to_str().unwrap()).unwrap();
+        let map = |rig| cupola::warp::WarpMap::new(rig, 0, (96, 54), None).unwrap();
+        let (before, after) = (map(&rig), map(&again));
+        for at in [(20.5, 30.5), (0.5, 53.5), (95.5, 10.5)].map(glam::DVec2::from) {
+            let (a, b) = (before.direction(at).unwrap(), after.direction(at).unwrap());
+            assert!(a.distance(b) < 1e-5, "{profile}: {a} is not {b}");
+        }
+    }
+    // A projector whose picture is mirrored is none that the profile of projectors can say.
+    let refused = cupola(&["convert", from.to_str().unwrap(), file("no.mpcdi").to_str().unwrap(), "--profile", "sl"]);
+    assert!(!refused.status.success() && String::from_utf8_lossy(&refused.stderr).contains("it is mirrored"));
+}

@@ -65,7 +65,8 @@ pub(super) fn batches(
     let examiner = Examiner::new(rig, source, size, plan, output_views, flip);
     let mut needs = examiner.all();
     // With light added to black, what is masked is not black.
-    let darkening = mask.filter(|_| rig.outputs[index].blend.black_level == 0.0);
+    let output = &rig.outputs[index];
+    let darkening = mask.filter(|_| output.blend.black_level == 0.0 && output.black.is_none());
     if let Some(mask) = darkening {
         needs_of_masked(&mut needs, mask, size);
     }

@@ -1,5 +1,6 @@
 //! The passes of a frame: their types, and how they are built from a rig.
 
+use super::black::BlackPicture;
 use super::facets::{self, Facets};
 pub use super::optics::{Light, OpticsSource};
 use super::shown::Shown;
@@ -38,7 +39,7 @@ pub struct PixelRect {
     pub height: u32,
 }
 
-/// One output's correction. Pixels in no batch are black. All but the mask is that of the picture before it is mirrored.
+/// One output's correction. Pixels in no batch are black. All but the mask and the picture of black is that of the picture before it is mirrored.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OutputPass {
     /// The output's name.
@@ -64,6 +65,8 @@ pub struct OutputPass {
     pub transfer: Transfer,
     /// Linear light added to black (`out = level + (1 − level)·x`).
     pub black_level: f64,
+    /// What black is raised to in each pixel, displayed values, in place of the level; mirrored as the picture is.
+    pub black: Option<BlackPicture>,
     /// The most light that remains anywhere when all outputs show black, as a part of white; each output adds its share of
     /// what a point has less. 0 = nothing is added.
     pub lift: f64,
@@ -238,7 +241,7 @@ pub struct Batch {
 ///
 /// A rig with `passthrough` has no passes. Every pixel whose centre shows something is in exactly
 /// one batch, and the batch's views contain the one that answers for the pixel; but blocks of pixels that a
-/// mask makes black are in none, if the output's black level is 0.
+/// mask makes black are in none, if nothing is added to the output's black.
 ///
 /// # Errors
 ///
@@ -290,6 +293,7 @@ pub fn build(rig: &Rig, request: &Request) -> Result<Plan> {
                 gamma: output.blend.gamma,
                 transfer: output.blend.transfer.clone(),
                 black_level: output.blend.black_level,
+                black: output.black.as_deref().map(|black| BlackPicture::of(black, &output.blend, flip)),
                 dither: output.blend.dither.map_or(0.0, |bits| 1.0 / (f64::from(bits).exp2() - 1.0)),
                 flip,
             });

@@ -8,6 +8,7 @@
 //! values must satisfy together. All of them add to one list of problems, so that one look at
 //! the message mends the whole file.
 
+mod black;
 mod blend;
 mod calibration;
 mod camera;
@@ -29,6 +30,8 @@ use glam::DVec3;
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
+pub use crate::formats::Levels;
+pub use black::{Black, BlackValues};
 pub use blend::{AngleRamp, Blend, DomeAngle, RampShape};
 pub use calibration::{Calibration, CalibrationValues};
 pub use flip::Flip;
@@ -255,6 +258,8 @@ pub struct Output {
     pub blend: Blend,
     /// A grey image that is multiplied in, absolute path.
     pub mask: Option<PathBuf>,
+    /// What black is raised to, pixel by pixel.
+    pub black: Option<std::sync::Arc<Black>>,
     /// How far to the right of the viewer's position the eye is for which the output is made, metres: stereo.
     pub eye: f64,
     /// How the finished picture is mirrored: everything else means the picture as it is before.

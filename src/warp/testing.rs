@@ -16,6 +16,7 @@ pub(crate) fn output(name: &str, kind: OutputKind) -> Output {
         window: None,
         blend,
         mask: None,
+        black: None,
         eye: 0.0,
         flip: Flip::default(),
     }

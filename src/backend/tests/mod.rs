@@ -1,6 +1,7 @@
 //! What every backend is tested with: the same plans, pictures and bounds, whatever the graphics API.
 
 pub mod accuracy;
+pub mod blacks;
 pub mod flips;
 pub mod methods;
 pub mod picture;
@@ -49,6 +50,9 @@ macro_rules! run_all_cases {
                 several_views_and_one_agree,
                 a_projector_outside_misses_around_the_sphere,
                 a_perspective_picture;
+            blacks:
+                black_is_raised_pixel_by_pixel,
+                a_rigs_picture_of_black_is_shown;
             flips:
                 a_mirrored_output_shows_the_mirrored_picture,
                 a_mirrored_map_is_the_exact_one,

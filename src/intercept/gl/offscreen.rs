@@ -134,6 +134,7 @@ fn own_picture(ctx: &Context, session: &Session, directions: DMat3) -> Plan {
         gamma: 1.0,
         transfer: Transfer::Power,
         black_level: 0.0,
+        black: None,
         lift: 0.0,
         dither: 0.0,
         flip: crate::rig::Flip::default(),

@@ -112,8 +112,9 @@ pub(super) fn output(
     let flip = section.choice("flip", &Flip::WORDS, problems).unwrap_or_default();
     let blend = blend::blend(section.section("blend", problems), kind, directory, problems);
     let mask = blend::mask(section.section("mask", problems), directory, problems);
+    let black = blend::black(section.section("black", problems), size, &blend, directory, problems);
     section.finish(&KINDS_OF_KEYS, problems);
-    output_kind.map(|kind| Output { name, kind, method, size, window, blend, mask, eye, flip })
+    output_kind.map(|kind| Output { name, kind, method, size, window, blend, mask, black, eye, flip })
 }
 
 /// A domemaster: the plain one where the file says no other projection.

@@ -172,6 +172,9 @@ fn extras(output: &Output) -> String {
     if let Some(mask) = &output.mask {
         parts.push(format!("masked by {}", mask.display()));
     }
+    if let Some(black) = &output.black {
+        parts.push(format!("black raised by {}", black.file.display()));
+    }
     if *black_level > 0.0 {
         parts.push(format!("black raised by {} %", number(black_level * 100.0)));
     }
@@ -274,7 +277,7 @@ pub fn json(rig: &Rig, window: (u32, u32), plan: &ViewPlan) -> Value {
             let views: Vec<&str> = views.iter().map(|view| plan.views[*view].name.as_str()).collect();
             json!({
                 "name": output.name, "kind": kind, "size": output.size, "window": place, "eye": output.eye, "views": views,
-                "flip": output.flip.word(),
+                "flip": output.flip.word(), "mask": output.mask, "black": output.black.as_ref().map(|black| &black.file),
             })
         })
         .collect();
