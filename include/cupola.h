@@ -270,7 +270,7 @@ typedef struct cupola_blend {
    */
   double gamma;
   /*
-   Light added to black, 0…1 (excluded).
+   Light added to black, 0…1 (excluded); without effect where the rig file has a picture of black.
    */
   double black_level;
   /*
@@ -328,7 +328,7 @@ enum cupola_status cupola_version(uint32_t *major, uint32_t *minor, uint32_t *pa
 enum cupola_status cupola_rig_load(const char *name_or_path, struct cupola_rig **rig);
 
 /*
- Reads a rig from the text of a rig file. Mask images are looked up in `directory`.
+ Reads a rig from the text of a rig file. Masks and pictures of black are looked up in `directory`.
 
  # Safety
  `toml` and `directory` are NUL-terminated; `rig` is writable.

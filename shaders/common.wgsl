@@ -42,6 +42,8 @@ struct Shared {
     ramp_count: u32,
     // The display's response: w^(1/γ) = t·(1 + (t − 1)·h(t)), t = ⁴√w; h with the constant first.
     encoding: array<vec4<f32>, 2>,
+    // There is a picture of what black is raised to, in place of the level.
+    with_black: u32,
     // Black level, encoded.
     black: vec3<f32>,
     // Values are weighted as light, not as codes.
@@ -79,6 +81,8 @@ struct Ray {
 @group(0) @binding(2) var atlas_sampler: sampler;
 @group(0) @binding(3) var mask: texture_2d<f32>;
 @group(0) @binding(4) var mask_sampler: sampler;
+// Displayed values. After the images of views.
+@group(0) @binding(13) var black_picture: texture_2d<f32>;
 
 struct Corner {
     @builtin(position) position: vec4<f32>,
@@ -487,7 +491,10 @@ fn present(corner: Corner) -> @location(0) vec4<f32> {
             color *= encode(weight);
         }
     }
-    if constants.shared_part.black.x > 0.0 {
+    if constants.shared_part.with_black != 0u {
+        let black = textureSampleLevel(black_picture, mask_sampler, corner.place, 0.0).xyz;
+        color = black + (1.0 - black) * color;
+    } else if constants.shared_part.black.x > 0.0 {
         color = constants.shared_part.black + (1.0 - constants.shared_part.black) * color;
     }
     if constants.shared_part.dither > 0.0 {

@@ -67,7 +67,7 @@ fn warp_mesh() -> bourke::WarpMesh {
 
 fn archive() -> mpcdi::Archive {
     let alpha = mpcdi::Alpha { size: (4, 3), weights: vec![0.5; 12], gamma: 2.2 };
-    let beta = mpcdi::Levels { size: (2, 2), levels: vec![0.125; 4] };
+    let beta = cupola::formats::Levels::even((2, 2), 0.125);
     let frustum = cupola::geom::Frustum { left: -1.0, right: 1.0, bottom: -1.0, top: 1.0 };
     let camera = cupola::formats::Camera { offset: glam::DVec3::X, rotation: glam::DMat3::IDENTITY, frustum };
     let region = mpcdi::Region {
@@ -156,6 +156,16 @@ fn damaged_archives_do_no_harm() {
     survives(&mpcdi::write(&archive(), mpcdi::Version::Two).unwrap(), |bytes| {
         mpcdi::read("some.file", bytes).map(drop)
     });
+}
+
+#[test]
+fn damaged_configurations_do_no_harm() {
+    let text = r#"{ "nodes": [{ "address": "a", "windows": [{ "pos": { "x": 5, "y": 7 }, "size": { "x": 200, "y": 100 }, "viewports": [
+        { "size": { "x": 0.5, "y": 1 }, "projection": { "type": "FisheyeProjection", "fov": 170, "tilt": 30 } },
+        { "pos": { "x": 0.5, "y": 0 }, "size": { "x": 0.5, "y": 1 }, "eye": "right", "mesh": "some.sgc", "projection": {
+            "type": "PlanarProjection", "fov": { "hfov": 90, "vfov": 60 }, "orientation": { "yaw": 20, "pitch": 5, "roll": -3 } } }
+        ] }] }], "users": [{ "pos": { "x": 0, "y": 0, "z": 4 } }] }"#;
+    survives(text.as_bytes(), |bytes| sgct::read("some.file", bytes).map(drop));
 }
 
 fn cupola(arguments: &[&str]) -> Output {
@@ -323,29 +333,6 @@ fn a_rig_made_of_a_calibration_shows_what_the_calibrated_rig_shows() {
 }
 
 #[test]
-fn a_configuration_of_sgct_becomes_a_rig() {
-    let text = r#"{ "nodes": [{ "address": "a", "windows": [{ "pos": { "x": 5, "y": 7 }, "size": { "x": 200, "y": 100 }, "viewports": [
-        { "size": { "x": 0.5, "y": 1 }, "projection": { "type": "FisheyeProjection", "fov": 170, "tilt": 30 } },
-        { "pos": { "x": 0.5, "y": 0 }, "size": { "x": 0.5, "y": 1 }, "eye": "right", "mesh": "some.sgc", "projection": {
-            "type": "PlanarProjection", "fov": { "hfov": 90, "vfov": 60 }, "orientation": { "yaw": 20, "pitch": 5, "roll": -3 } } }
-        ] }] }], "users": [{ "pos": { "x": 0, "y": 0, "z": 4 } }] }"#;
-    let (config, rig) = (file("config.json"), file("config.toml"));
-    std::fs::write(&config, text).unwrap();
-    let answer = convert(config.to_str().unwrap(), &rig, &[]);
-    assert!(answer["notes"][0].as_str().unwrap().contains("some.sgc"), "{answer}");
-    let rig = cupola::rig::load(rig.to_str().unwrap()).unwrap();
-    assert_eq!((rig.outputs[0].window, rig.outputs[1].window), (Some([0, 0, 100, 100]), Some([100, 0, 100, 100])));
-    let cupola::rig::OutputKind::Perspective { angles: [yaw, pitch, roll], frustum: Some(frustum) } =
-        rig.outputs[1].kind
-    else {
-        panic!("{:?}", rig.outputs[1].kind)
-    };
-    assert!((yaw.to_degrees() - 20.0).abs() < 1e-6 && (pitch.to_degrees() - 5.0).abs() < 1e-6);
-    assert!((roll.to_degrees() + 3.0).abs() < 1e-6 && (frustum.right - 1.0).abs() < 1e-6 && rig.outputs[1].eye > 0.0);
-    survives(text.as_bytes(), |bytes| sgct::read("some.file", bytes).map(drop));
-}
-
-#[test]
 fn points_lie_on_the_dome() {
     let path = file("points.pfm");
     convert("planetarium-6", &path, &["--size", "64x36", "--output", "left", "--values", "points"]);
@@ -389,55 +376,6 @@ fn what_cannot_be_converted_is_refused() {
         assert_eq!(output.status.code(), Some(2), "{said}");
         assert!(said.contains(why), "{said}");
     }
-}
-
-#[test]
-fn a_mesh_in_a_configuration_of_sgct_is_run_by_the_rig() {
-    std::fs::write(file("warp.data"), "2\n2 2\n-1 -1 0.1 0.2 1\n1 -1 0.9 0.2 1\n-1 1 0.1 0.8 1\n1 1 0.9 0.8 1\n")
-        .unwrap();
-    let text = r#"{ "nodes": [{ "address": "a", "windows": [{ "pos": { "x": 0, "y": 0 }, "size": { "x": 200, "y": 100 }, "viewports": [
-        { "size": { "x": 0.5, "y": 1 }, "mesh": "warp.data", "projection": { "type": "FisheyeProjection", "fov": 170, "tilt": 30 } },
-        { "pos": { "x": 0.5, "y": 0 }, "size": { "x": 0.5, "y": 1 }, "mesh": "warp.data", "projection": {
-            "type": "PlanarProjection", "fov": { "hfov": 90, "vfov": 60 }, "orientation": { "yaw": 20, "pitch": 5, "roll": -3 } } }
-        ] }] }] }"#;
-    let (config, rig) = (file("meshes.json"), file("meshes.toml"));
-    std::fs::write(&config, text).unwrap();
-    let answer = convert(config.to_str().unwrap(), &rig, &[]);
-    assert!(!answer["notes"].to_string().contains("warp.data"), "{answer}");
-    let rig = cupola::rig::load(rig.to_str().unwrap()).unwrap();
-    let map = cupola::warp::WarpMap::new(&rig, 1, (100, 100), None).unwrap();
-    // The mesh's middle is the picture's middle, where the viewport looks; its corners are within.
-    let middle = map.direction(glam::DVec2::new(50.0, 50.0)).expect("shown");
-    let (yaw, pitch) = (20f64.to_radians(), 5f64.to_radians());
-    let towards = glam::DVec3::new(yaw.sin() * pitch.cos(), pitch.sin(), -yaw.cos() * pitch.cos());
-    assert!(middle.distance(towards) < 1e-6, "{middle} {towards}");
-    assert!(matches!(rig.outputs[0].kind, cupola::rig::OutputKind::Mesh(_)));
-}
-
-#[test]
-fn a_mirror_in_a_configuration_of_sgct_becomes_a_map_of_directions() {
-    // Straight ahead in the left half, the face above in the right half, over a part of the first.
-    let mesh = |left: f64, right: f64, light: f64| {
-        format!("2\n2 2\n{left} -1 0 0 {light}\n{right} -1 1 0 {light}\n{left} 1 0 1 {light}\n{right} 1 1 1 {light}\n")
-    };
-    std::fs::write(file("ahead.data"), mesh(-1.0, 0.5, 1.0)).unwrap();
-    std::fs::write(file("above.data"), mesh(0.0, 1.0, 0.5)).unwrap();
-    std::fs::write(file("nowhere.data"), mesh(3.0, 4.0, 1.0)).unwrap();
-    let text = r#"{ "nodes": [{ "address": "a", "windows": [{ "size": { "x": 80, "y": 80 }, "viewports": [
-        { "projection": { "type": "SphericalMirrorProjection", "tilt": 45, "mesh": { "bottom": "ahead.data",
-          "left": "nowhere.data", "right": "nowhere.data", "top": "above.data" } } } ] }] }] }"#;
-    let (config, rig) = (file("mirror.json"), file("mirror.toml"));
-    std::fs::write(&config, text).unwrap();
-    convert(config.to_str().unwrap(), &rig, &[]);
-    let rig = cupola::rig::load(rig.to_str().unwrap()).unwrap();
-    let map = cupola::warp::WarpMap::new(&rig, 0, (80, 80), None).unwrap();
-    let towards = |x: f64, y: f64| map.direction(glam::DVec2::new(x, y)).expect("shown");
-    // A third of the way to the side of a face of 90°, in pixel centres.
-    let ahead = glam::DVec3::new(2.0 * 19.5 / 60.0 - 1.0, 0.0125, -1.0).normalize();
-    assert!(towards(19.5, 39.5).distance(ahead) < 1e-6, "{}", towards(19.5, 39.5));
-    let above = glam::DVec3::new(2.0 * 19.5 / 40.0 - 1.0, 1.0, 0.0125).normalize();
-    assert!(towards(59.5, 39.5).distance(above) < 1e-6, "{}", towards(59.5, 39.5));
-    assert!(rig.outputs[0].mask.is_some(), "what is above has half the value");
 }
 
 /// The error of the rig `found` against the preset or rig `exact`, in pixels of its first output.

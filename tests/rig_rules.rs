@@ -452,32 +452,6 @@ fn ramps_of_dome_angles() {
 }
 
 #[test]
-fn masks() {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
-    std::fs::write(folder.join("not-a.png"), "text").unwrap();
-    let png = b"\x89PNG\r\n\x1a\n and so on";
-    std::fs::write(folder.join("a.png"), png).unwrap();
-    let read = |mask: &str| {
-        let text = format!("[[output]]\nkind = \"domemaster\"\n{mask}");
-        parse(&text, "rig.toml", folder).map_err(|error| error.message)
-    };
-    let rig = read("mask = { image = \"a.png\" }").unwrap();
-    assert_eq!(rig.outputs[0].mask.as_deref(), Some(folder.join("a.png").as_path()));
-    let cases = [
-        ("mask = { image = \"none.png\" }", "rig.toml:3: output[0].mask.image", "cannot be read"),
-        ("mask = { image = \"not-a.png\" }", "rig.toml:3: output[0].mask.image", "no PNG file"),
-        ("mask = { image = \"\" }", "rig.toml:3: output[0].mask.image", "the name is empty"),
-        ("mask = {}", "rig.toml:3: output[0].mask.image", "is missing"),
-        ("mask = { file = \"a.png\", image = \"a.png\" }", "rig.toml:3: output[0].mask.file", "unknown key"),
-        ("mask = \"a.png\"", "rig.toml:3: output[0].mask", "not a table"),
-    ];
-    for (mask, start, words) in cases {
-        let message = read(mask).unwrap_err();
-        assert!(message.starts_with(start) && message.contains(words), "{message}");
-    }
-}
-
-#[test]
 fn numbers_of_outputs() {
     refused_text("name = \"empty\"", 1, "output", &["at least one [[output]]", "passthrough = true"]);
     refused_text("[[output]]\nname = \"n\"", 1, "output[0].kind", &["is missing", "\"domemaster\""]);

@@ -7,10 +7,10 @@ use super::plan::{Batch, Mask, Source};
 use super::rectangles::{self, BLOCK};
 use crate::geom::screen::Bounds;
 use crate::geom::{Frustum, Panorama, QuadraticForm};
-use crate::rig::{Filter, Rig};
+use crate::rig::{Filter, Flip, Rig};
 use crate::views::ViewPlan;
 use crate::views::cone::{Cone, Relation, WIDEST, diameter};
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec2, DVec3};
 
 /// At most so many batches of an output differ only in their neighbours and in the view that they sample.
 const MOST_OVERLAPS: usize = 6;
@@ -59,12 +59,14 @@ pub(super) fn batches(
     size: (u32, u32),
     plan: &ViewPlan,
     mask: Option<&Mask>,
+    flip: Flip,
 ) -> Vec<Batch> {
     let output_views = &plan.output_views[index];
-    let examiner = Examiner::new(rig, source, size, plan, output_views);
+    let examiner = Examiner::new(rig, source, size, plan, output_views, flip);
     let mut needs = examiner.all();
     // With light added to black, what is masked is not black.
-    let darkening = mask.filter(|_| rig.outputs[index].blend.black_level == 0.0);
+    let output = &rig.outputs[index];
+    let darkening = mask.filter(|_| output.blend.black_level == 0.0 && output.black.is_none());
     if let Some(mask) = darkening {
         needs_of_masked(&mut needs, mask, size);
     }
@@ -196,6 +198,7 @@ struct Examiner<'a> {
     source: &'a Source,
     size: (u32, u32),
     filter: Filter,
+    flip: Flip,
     views: Vec<Cone>,
     neighbours: Vec<(QuadraticForm, Cone)>,
 }
@@ -213,7 +216,14 @@ struct Corner {
 type Block = [u32; 4];
 
 impl<'a> Examiner<'a> {
-    fn new(rig: &Rig, source: &'a Source, size: (u32, u32), plan: &ViewPlan, output_views: &[usize]) -> Self {
+    fn new(
+        rig: &Rig,
+        source: &'a Source,
+        size: (u32, u32),
+        plan: &ViewPlan,
+        output_views: &[usize],
+        flip: Flip,
+    ) -> Self {
         let cone = |&index: &usize| Cone::of(&plan.views[index]);
         let neighbours = match source {
             Source::Projector(projector) => projector.neighbours.as_slice(),
@@ -226,6 +236,7 @@ impl<'a> Examiner<'a> {
             source,
             size,
             filter: rig.views.filter,
+            flip,
             views: output_views.iter().map(cone).collect(),
             neighbours: neighbours.iter().map(|neighbour| (neighbour.picture, Cone::new(in_front, &picture))).collect(),
         }
@@ -347,7 +358,9 @@ impl<'a> Examiner<'a> {
             let rows = block[1].saturating_sub(ring)..(block[3] + ring).min(self.size.1);
             for (row, column) in rows.flat_map(|row| columns.clone().map(move |column| (row, column))) {
                 for place in Filter::FOUR_PLACES {
-                    let (x, y) = self.normalised(f64::from(column) + 0.5 + place[0], f64::from(row) + 0.5 + place[1]);
+                    // The grid is that of the finished picture.
+                    let place = DVec2::from(place) * self.flip.signs();
+                    let (x, y) = self.normalised(f64::from(column) + 0.5 + place.x, f64::from(row) + 0.5 + place.y);
                     match self.source.direction(x, y) {
                         Some(direction) => needs.views |= 1 << self.answering(direction).min(63),
                         None => needs.dark = true,

@@ -62,6 +62,7 @@ pub fn draws(plan: &Plan, passes: &[OutputPass], panel: bool, rows: Rows) -> Res
     let mut list = DrawList::default();
     for pass in passes {
         let mut draws = Vec::with_capacity(pass.batches.len() + 1);
+        let first_vertex = list.vertices.len();
         // First, since not all triangles end where rectangles do.
         let covered: Vec<PixelRect> = pass.filled().copied().collect();
         let black = uncovered(pass.size, &covered);
@@ -79,6 +80,7 @@ pub fn draws(plan: &Plan, passes: &[OutputPass], panel: bool, rows: Rows) -> Res
             });
             draws.push(Draw { views: batch.views.clone(), nearest, ..draw });
         }
+        list.mirror(first_vertex, pass);
         list.outputs.push(draws);
     }
     Ok(list)
@@ -103,6 +105,19 @@ impl DrawList {
         let first = self.indices.len() as u32;
         add(self);
         Draw { constants, first, count: self.indices.len() as u32 - first, views: Vec::new(), nearest: false }
+    }
+
+    /// Puts what was added from `first` on where it is in the mirrored picture: what is shown at a place stays, the places are
+    /// exchanged.
+    fn mirror(&mut self, first: usize, pass: &OutputPass) {
+        for vertex in self.vertices[first..].chunks_exact_mut(FLOATS) {
+            if pass.flip.horizontal {
+                vertex[0] = -vertex[0];
+            }
+            if pass.flip.vertical {
+                vertex[1] = -vertex[1];
+            }
+        }
     }
 
     fn next_vertex(&self) -> u32 {

@@ -1,6 +1,7 @@
 //! Which parts of an output sample which parts of the views, coarsely: so that only what was drawn to is corrected.
 
 use super::plan::{OutputPass, Plan, Source};
+use crate::rig::Flip;
 use crate::views::View;
 use glam::{DVec2, DVec3};
 
@@ -27,6 +28,7 @@ struct Part {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Footprints {
     size: (u32, u32),
+    flip: Flip,
     parts: Vec<Part>,
 }
 
@@ -53,7 +55,7 @@ pub fn footprints(plan: &Plan, pass: &OutputPass, views: &[usize]) -> Option<Foo
             }
         }
     }
-    Some(Footprints { size: pass.size, parts })
+    Some(Footprints { size: pass.size, flip: pass.flip, parts })
 }
 
 /// What is shown at a place of the lattice of samples, counted from the top left.
@@ -128,7 +130,12 @@ impl Footprints {
         let (width, height) = self.size;
         let (left, right) = (from(low[0], width), to(high[0], width));
         let (top, bottom) = (from(low[1], height), to(high[1], height));
-        [left, height - bottom, right - left, bottom - top]
+        [
+            if self.flip.horizontal { width - right } else { left },
+            if self.flip.vertical { top } else { height - bottom },
+            right - left,
+            bottom - top,
+        ]
     }
 }
 

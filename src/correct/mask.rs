@@ -2,6 +2,7 @@
 
 use super::plan::{Mask, PixelRect};
 use crate::error::{Error, ErrorKind, Result};
+use crate::rig::Flip;
 use std::path::Path;
 
 /// Reads a weight image: a PNG of 8 or 16 bits, grey or colour (its luma counts; transparency does not).
@@ -26,6 +27,11 @@ pub fn load(path: &Path) -> Result<Mask> {
 }
 
 impl Mask {
+    /// The mask of the mirrored picture.
+    pub(super) fn flipped(self, flip: Flip) -> Self {
+        Self { weights: flip.items(&self.weights, self.width as usize), ..self }
+    }
+
     /// Whether the weight is 0 everywhere in a block (left, top, right, bottom in pixels, the latter two
     /// excluded) of an output of `size` pixels, over which the mask is stretched with bilinear filtering.
     pub fn is_black(&self, block: [u32; 4], size: (u32, u32)) -> bool {

@@ -2,6 +2,7 @@
 
 mod arrangement;
 mod beam;
+pub mod black;
 mod blocks;
 mod cover;
 pub mod downward;

@@ -1,5 +1,6 @@
 //! The passes of a frame: their types, and how they are built from a rig.
 
+use super::black::BlackPicture;
 use super::facets::{self, Facets};
 pub use super::optics::{Light, OpticsSource};
 use super::shown::Shown;
@@ -10,7 +11,7 @@ use crate::error::Result;
 use crate::geom::pencil::RimForms;
 use crate::geom::screen::Bounds;
 use crate::geom::{Panorama, Pencil, QuadraticForm};
-use crate::rig::{AngleRamp, Filter, Method, Rig, Transfer};
+use crate::rig::{AngleRamp, Filter, Flip, Method, Rig, Transfer};
 use crate::views::{self, Request, ViewPlan};
 pub use beam::Way;
 use glam::{DMat3, DVec3};
@@ -38,7 +39,7 @@ pub struct PixelRect {
     pub height: u32,
 }
 
-/// One output's correction. Pixels in no batch are black.
+/// One output's correction. Pixels in no batch are black. All but the mask and the picture of black is that of the picture before it is mirrored.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OutputPass {
     /// The output's name.
@@ -49,7 +50,7 @@ pub struct OutputPass {
     pub source: Source,
     /// Rectangles that share a shader.
     pub batches: Vec<Batch>,
-    /// Weight image at the output's resolution or any other; linear light, 0…1, row 0 at the top.
+    /// Weight image at the output's resolution or any other; linear light, 0…1, row 0 at the top; mirrored as the picture is.
     pub mask: Option<Mask>,
     /// Ramps in dome angles, multiplied in.
     pub ramps: Vec<AngleRamp>,
@@ -64,11 +65,15 @@ pub struct OutputPass {
     pub transfer: Transfer,
     /// Linear light added to black (`out = level + (1 − level)·x`).
     pub black_level: f64,
+    /// What black is raised to in each pixel, displayed values, in place of the level; mirrored as the picture is.
+    pub black: Option<BlackPicture>,
     /// The most light that remains anywhere when all outputs show black, as a part of white; each output adds its share of
     /// what a point has less. 0 = nothing is added.
     pub lift: f64,
     /// A step of the display's codes, by which values are dithered; 0 = they are not.
     pub dither: f64,
+    /// How the picture is mirrored as it is drawn.
+    pub flip: Flip,
 }
 
 /// How an output's map is interpolated.
@@ -236,12 +241,14 @@ pub struct Batch {
 ///
 /// A rig with `passthrough` has no passes. Every pixel whose centre shows something is in exactly
 /// one batch, and the batch's views contain the one that answers for the pixel; but blocks of pixels that a
-/// mask makes black are in none, if the output's black level is 0.
+/// mask makes black are in none, if nothing is added to the output's black.
 ///
 /// # Errors
 ///
 /// Those of [`views::plan`] and [`WarpMap::new`](crate::warp::WarpMap::new); [`Io`](crate::ErrorKind::Io) or [`InvalidRig`](crate::ErrorKind::InvalidRig) if a mask cannot be read.
 pub fn build(rig: &Rig, request: &Request) -> Result<Plan> {
+    let flips = rig.outputs.iter().map(|output| output.flip);
+    let rig = &*rig.upright();
     let sizes = request.output_sizes.as_slice();
     let domes = dome_meshes(rig, sizes)?;
     let views = views::plan_with_reach(rig, request, reach(rig, &domes))?;
@@ -251,12 +258,12 @@ pub fn build(rig: &Rig, request: &Request) -> Result<Plan> {
         false => 0.0,
     };
     if !rig.passthrough {
-        for (index, (output, &size)) in rig.outputs.iter().zip(&request.output_sizes).enumerate() {
+        for (index, ((output, &size), flip)) in rig.outputs.iter().zip(&request.output_sizes).zip(flips).enumerate() {
             let source = source::of(rig, index, sizes)?;
             // A table has them in its weights.
             let ramps = if matches!(source, Source::Table(_)) { Vec::new() } else { output.blend.ramps.clone() };
             let mask = output.mask.as_deref().map(mask::load).transpose()?;
-            let batches = blocks::batches(rig, index, &source, size, &views, mask.as_ref());
+            let batches = blocks::batches(rig, index, &source, size, &views, mask.as_ref(), flip);
             let batches = match output.method {
                 Method::Fragment | Method::Vertex | Method::Primitive { .. } => batches,
                 Method::Table { .. } => match &source {
@@ -279,14 +286,16 @@ pub fn build(rig: &Rig, request: &Request) -> Result<Plan> {
                 batches,
                 lift: if knows_black && output.blend.overlap { lift } else { 0.0 },
                 source,
-                mask,
+                mask: mask.map(|mask| mask.flipped(flip)),
                 ramps,
                 dome_rotation: source::dome_axes(rig),
                 filter: rig.views.filter,
                 gamma: output.blend.gamma,
                 transfer: output.blend.transfer.clone(),
                 black_level: output.blend.black_level,
+                black: output.black.as_deref().map(|black| BlackPicture::of(black, &output.blend, flip)),
                 dither: output.blend.dither.map_or(0.0, |bits| 1.0 / (f64::from(bits).exp2() - 1.0)),
+                flip,
             });
         }
     }

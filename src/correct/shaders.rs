@@ -55,7 +55,7 @@ pub struct Specialised {
     pub vertex: &'static str,
     /// The fragment stage.
     pub fragment: String,
-    /// Uniform name and texture (`atlas`, `mask` or `table`) of each sampler.
+    /// Uniform name and texture (`atlas`, `mask`, `table` or `black_picture`) of each sampler.
     pub samplers: &'static [(&'static str, &'static str)],
 }
 

@@ -36,6 +36,8 @@ pub mod binding {
     pub const TABLE: u32 = 5;
     /// The images of the batch's other views, 2D, one after another: only of [`Arrangement::Images`](super::Arrangement).
     pub const IMAGES: std::ops::Range<u32> = 6..5 + super::MAX_VIEWS as u32;
+    /// What black is raised to, a 2D image.
+    pub const BLACK: u32 = IMAGES.end;
 }
 
 struct PassModules {

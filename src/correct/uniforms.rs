@@ -478,6 +478,7 @@ fn shared(out: &mut Constants, pass: &OutputPass, batch: &Batch) -> Result<()> {
     out.set("shared_part.encoding[0]", &encoding[..4])?;
     out.set("shared_part.encoding[1]", &encoding[4..])?;
     let display = Blend { gamma: pass.gamma, transfer: pass.transfer.clone(), ..Blend::default() };
+    out.set_flag("shared_part.with_black", pass.black.is_some())?;
     out.set("shared_part.black", &[0, 1, 2].map(|channel| code_of(pass.black_level, &display, channel)))
 }
 

@@ -53,7 +53,7 @@ pub struct cupola_blend {
     pub exponent: f64,
     /// Exponent of the display's response, 1…4.
     pub gamma: f64,
-    /// Light added to black, 0…1 (excluded).
+    /// Light added to black, 0…1 (excluded); without effect where the rig file has a picture of black.
     pub black_level: f64,
     /// White over black, at least 10; 0: not evened out.
     pub contrast: f64,

@@ -28,7 +28,7 @@ pub unsafe extern "C" fn cupola_rig_load(name_or_path: *const c_char, rig: *mut 
     })
 }
 
-/// Reads a rig from the text of a rig file. Mask images are looked up in `directory`.
+/// Reads a rig from the text of a rig file. Masks and pictures of black are looked up in `directory`.
 ///
 /// # Safety
 /// `toml` and `directory` are NUL-terminated; `rig` is writable.

@@ -8,13 +8,13 @@ use crate::error::Result;
 /// Length of the headers that every bitmap has: of the file, and of the picture.
 const HEADERS: usize = 14 + 40;
 
-/// The green channel of a bitmap.
+/// A bitmap.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Bitmap {
     /// Width and height in pixels.
     pub size: (u32, u32),
-    /// Values, 0…1 of the greatest of its bits, row by row from the top; of floats as they are, within 0…1.
-    pub values: Vec<f32>,
+    /// Red, green and blue, 0…1 of the greatest of its bits, row by row from the top; of floats as they are, within 0…1.
+    pub values: Vec<[f32; 3]>,
 }
 
 /// Reads a bitmap whose `bytes` begin with `BM`; `None` for one without pixels. `name` is the file's, for messages.
@@ -57,17 +57,17 @@ pub(super) fn read(name: &str, bytes: &[u8]) -> Result<Option<Bitmap>> {
     for row in 0..rows {
         let row = if from_top { row } else { rows - 1 - row };
         for pixel in data[row * length..][..columns * step].chunks_exact(step) {
-            let green = &pixel[bytes_each..2 * bytes_each];
-            let value = match *green {
+            // Blue comes first.
+            let value = [2, 1, 0].map(|channel: usize| match pixel[channel * bytes_each..][..bytes_each] {
                 [value] => f32::from(value) / 255.0,
                 [low, high] => f32::from(u16::from_le_bytes([low, high])) / 65535.0,
                 [a, b, c, d] => f32::from_le_bytes([a, b, c, d]),
                 _ => f32::NAN,
-            };
-            if !value.is_finite() {
+            });
+            if !value.iter().all(|value| value.is_finite()) {
                 return Err(invalid(name, "has a picture with a value that is not finite"));
             }
-            values.push(value.clamp(0.0, 1.0));
+            values.push(value.map(|value| value.clamp(0.0, 1.0)));
         }
     }
     Ok(Some(Bitmap { size, values }))
@@ -101,11 +101,11 @@ const fn headers(length: u32, width: u32, height: u32, bits: u8) -> [u8; HEADERS
     bytes
 }
 
-/// A grey bitmap of these values (0…1, row by row from the top). `name` is that of the map that it belongs to.
+/// A bitmap of these values (0…1, row by row from the top). `name` is that of the map that it belongs to.
 ///
 /// # Errors
 /// [`InvalidRig`](crate::ErrorKind::InvalidRig) if they are not as many as the size says, or too many for the format.
-pub(super) fn write(name: &str, size: (u32, u32), values: &[f32], bits: Bits) -> Result<Vec<u8>> {
+pub(super) fn write(name: &str, size: (u32, u32), values: &[[f32; 3]], bits: Bits) -> Result<Vec<u8>> {
     let (columns, rows) = (size.0 as usize, size.1 as usize);
     let each = if bits == Bits::Eight { 1 } else { 2 };
     let line = (3 * each * columns).next_multiple_of(4);
@@ -115,13 +115,13 @@ pub(super) fn write(name: &str, size: (u32, u32), values: &[f32], bits: Bits) ->
     let mut bytes = headers(length, size.0, size.1, 24 * each as u8).to_vec();
     for row in values.chunks_exact(columns).rev() {
         let start = bytes.len();
-        for value in row {
+        for value in row.iter().flat_map(|[red, green, blue]| [blue, green, red]) {
             let value = f64::from(value.clamp(0.0, 1.0));
             let written = match bits {
                 Bits::Eight => [(value * 255.0).round() as u8; 2],
                 Bits::Sixteen => ((value * 65535.0).round() as u16).to_le_bytes(),
             };
-            (0..3).for_each(|_| bytes.extend(&written[..each]));
+            bytes.extend(&written[..each]);
         }
         bytes.resize(start + line, 0);
     }
@@ -171,8 +171,9 @@ pub(super) mod tests {
             for from_top in [false, true] {
                 let found = read("a.vwf", &bitmap(bits, from_top, values)).expect("good").expect("has pixels");
                 assert_eq!(found.size, (3, 2));
-                for (found, expected) in found.values.iter().zip(values) {
-                    assert!((found - expected).abs() < 1.0 / 255.0, "{bits} {from_top}: {found} {expected}");
+                for ([red, green, blue], expected) in found.values.iter().zip(values) {
+                    assert!((green - expected).abs() < 1.0 / 255.0, "{bits} {from_top}: {green} {expected}");
+                    assert_eq!([*red, *blue], [0.0; 2]);
                 }
             }
         }
@@ -180,12 +181,13 @@ pub(super) mod tests {
 
     #[test]
     fn what_is_written_is_read_back() {
-        let values = [0.0, 0.2, 0.4, 0.6, 0.8, 1.0];
+        let values = [0.0, 0.2, 0.4, 0.6, 0.8, 1.0].map(|value| [value, 0.5 * value, 1.0 - value]);
         for (bits, bound) in [(Bits::Eight, 0.5 / 255.0), (Bits::Sixteen, 0.5 / 65535.0)] {
             let bytes = write("a", (3, 2), &values, bits).expect("fits");
             let found = read("a.vwf", &bytes).expect("good").expect("has pixels");
             assert_eq!(found.size, (3, 2));
-            assert!(found.values.iter().zip(values).all(|(a, b)| (a - b).abs() <= bound + 1e-7), "{found:?}");
+            let near = |(a, b): (&f32, &f32)| (a - b).abs() <= bound + 1e-7;
+            assert!(found.values.as_flattened().iter().zip(values.as_flattened()).all(near), "{found:?}");
         }
         assert_eq!(read("a.vwf", &EMPTY).expect("good"), None);
         assert!(write("a", (4, 2), &values, Bits::Eight).is_err() && write("a", (0, 0), &[], Bits::Eight).is_err());

@@ -8,7 +8,7 @@
 //!
 //! The way of a calibration: a format's module makes a [`Grid`] (nodes with triangles, or a value for
 //! each pixel) of it; a rig's output gives the grid's values their meaning (a position in a picture, a
-//! point, a direction). At run time only [`bourke`], [`pfm`] and [`obj`] are read; `cupola convert` turns all
+//! point, a direction). At run time only [`bourke`], [`pfm`], [`obj`] and [`levels`] are read; `cupola convert` turns all
 //! other formats into these, so that the injected library carries no archive and no XML.
 
 mod bmp;
@@ -21,6 +21,7 @@ mod text;
 pub mod bourke;
 pub mod domeprojection;
 pub mod easyblend;
+pub mod levels;
 pub mod mpcdi;
 pub mod obj;
 pub mod pfm;
@@ -30,3 +31,4 @@ pub mod vwf;
 pub use camera::Camera;
 pub use grid::{Grid, MOST_NODES, Mesh, Node, Raster, Sample};
 pub use input::{LONGEST_FILE, MOST_PIXELS, Noted, read_file};
+pub use levels::Levels;

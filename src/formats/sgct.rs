@@ -2,6 +2,11 @@
 //!
 //! What is read are the geometry and the names of the files beside it; how SGCT synchronises, buffers and tracks is not.
 //! Its axes are ours: x right, y up, z backward; yaw to the right, pitch up, roll clockwise.
+//!
+//! A window with `mirrorx` or `mirrory` is drawn without, as one picture. Then each viewport's mesh, or its rectangle, is drawn where it
+//! always is, but looks at the mirrored place *of the window*; and each mask at the mirrored place of its viewport. So a
+//! viewport shows the picture of the one that lies at its mirrored place, itself where it is alone, and the mesh stays
+//! as it is but for the places that its nodes look at.
 
 use super::input::{Noted, invalid};
 use crate::error::Result;
@@ -46,6 +51,8 @@ pub struct Viewport {
     pub mask: Option<String>,
     /// The eye that it is for, where it is for one.
     pub eye: Option<Eye>,
+    /// Along x and along y: the picture and the mask are mirrored, the mesh looks at mirrored places.
+    pub mirrored: [bool; 2],
 }
 
 /// An eye.
@@ -123,29 +130,80 @@ pub fn read(name: &str, bytes: &[u8]) -> Result<Noted<Config>> {
         let address = node.optional("address").map(|address| address.text()).transpose()?.unwrap_or_default();
         let mut viewports = Vec::new();
         for window in node.list("windows")? {
-            for flag in ["mirrorx", "mirrory"] {
-                if window.value.get(flag) == Some(&Value::Bool(true)) {
-                    notes.push(format!("{name}: {} is not taken over", window.path_of(flag)));
-                }
-            }
+            let flag = |name| window.optional(name).map_or(Ok(false), |flag| flag.truth());
+            let mirrored = [flag("mirrorx")?, flag("mirrory")?];
             let position = window.optional("pos").map_or(Ok([0.0; 2]), |position| position.pair())?;
             let size = window.required("size")?.pair()?;
+            let mut of_window = Vec::new();
             for viewport in window.list("viewports")? {
-                viewports.push(self::viewport(&viewport, position, size, viewer)?);
+                let part = part(&viewport)?;
+                of_window.push((part, self::viewport(&viewport, part, position, size, viewer)?));
+            }
+            if mirrored == [false; 2] {
+                viewports.extend(of_window.into_iter().map(|(_, viewport)| viewport));
+                continue;
+            }
+            for (number, (part, viewport)) in of_window.iter().enumerate() {
+                let there = part.mirrored(mirrored);
+                match of_window.iter().find(|(other, _)| other.is_at(&there)) {
+                    Some((_, shown)) => viewports.push(Viewport {
+                        projection: shown.projection.clone(),
+                        eye: shown.eye,
+                        mirrored,
+                        ..viewport.clone()
+                    }),
+                    None => notes.push(format!(
+                        "{name}: {}.viewports[{number}] is left out: no viewport lies at its place in the mirrored window",
+                        window.path
+                    )),
+                }
             }
         }
         nodes.push(Node { address, viewports });
     }
     if nodes.iter().all(|node| node.viewports.is_empty()) {
-        return Err(invalid(name, "has no viewports; expected nodes[].windows[].viewports[]"));
+        return Err(match notes.is_empty() {
+            true => invalid(name, "has no viewports; expected nodes[].windows[].viewports[]"),
+            false => invalid(name, format!("nothing of it can be shown: {}", notes.join("; "))),
+        });
     }
     Ok(Noted { value: Config { viewer, nodes }, notes })
 }
 
-/// A viewport of a window at `position` and of `size` pixels.
-fn viewport(key: &Key, position: [f64; 2], size: [f64; 2], viewer: DVec3) -> Result<Viewport> {
+/// A part of a window, 0…1 from its bottom left.
+#[derive(Clone, Copy)]
+struct Part {
+    low: [f64; 2],
+    size: [f64; 2],
+}
+
+impl Part {
+    fn mirrored(&self, along: [bool; 2]) -> Self {
+        let low = |k: usize| if along[k] { 1.0 - self.low[k] - self.size[k] } else { self.low[k] };
+        Self { low: [low(0), low(1)], size: self.size }
+    }
+
+    /// As exactly as people write thirds.
+    fn is_at(&self, other: &Self) -> bool {
+        (0..2).all(|k| (self.low[k] - other.low[k]).abs() < 1e-3 && (self.size[k] - other.size[k]).abs() < 1e-3)
+    }
+}
+
+/// Where a viewport is in its window.
+fn part(key: &Key) -> Result<Part> {
     let low = key.optional("pos").map_or(Ok([0.0; 2]), |key| key.pair())?;
-    let part = key.optional("size").map_or(Ok([1.0; 2]), |key| key.pair())?;
+    let size = key.optional("size").map_or(Ok([1.0; 2]), |key| key.pair())?;
+    Ok(Part { low, size })
+}
+
+/// A viewport of a window at `position` and of `size` pixels.
+fn viewport(
+    key: &Key,
+    Part { low, size: part }: Part,
+    position: [f64; 2],
+    size: [f64; 2],
+    viewer: DVec3,
+) -> Result<Viewport> {
     let width = (part[0] * size[0]).round();
     let height = (part[1] * size[1]).round();
     let left = position[0] + (low[0] * size[0]).round();
@@ -167,6 +225,7 @@ fn viewport(key: &Key, position: [f64; 2], size: [f64; 2], viewer: DVec3) -> Res
         mesh: file("mesh")?,
         mask: file("blendmask")?,
         eye,
+        mirrored: [false; 2],
     })
 }
 
@@ -299,6 +358,10 @@ impl<'a> Key<'a> {
         self.value.as_str().map(str::to_owned).ok_or_else(|| self.wrong("is no text"))
     }
 
+    fn truth(&self) -> Result<bool> {
+        self.value.as_bool().ok_or_else(|| self.wrong("is neither true nor false"))
+    }
+
     fn number(&self, least: f64, greatest: f64) -> Result<f64> {
         let number = self.value.as_f64().filter(|number| (least..=greatest).contains(number));
         number.ok_or_else(|| self.wrong(format!("is no number from {least} to {greatest}")))
@@ -316,95 +379,4 @@ impl<'a> Key<'a> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A configuration with one viewport.
-    fn text(viewport: &str) -> String {
-        format!(
-            r#"{{ "version": 1, "nodes": [{{ "address": "here", "windows": [{{ "pos": {{ "x": 10, "y": 20 }},
-            "size": {{ "x": 400, "y": 200 }}, "viewports": [{viewport}] }}] }}],
-            "users": [{{ "pos": {{ "x": 0, "y": 0, "z": 4 }} }}] }}"#
-        )
-    }
-
-    fn only(viewport: &str) -> Viewport {
-        read("a.json", text(viewport).as_bytes()).unwrap().value.nodes.remove(0).viewports.remove(0)
-    }
-
-    #[test]
-    fn parts_of_windows_are_counted_from_the_bottom() {
-        let viewport = only(
-            r#"{ "pos": { "x": 0.5, "y": 0.75 }, "size": { "x": 0.5, "y": 0.25 }, "mesh": "a.data", "eye": "left",
-            "projection": { "type": "FisheyeProjection", "tilt": 27 } }"#,
-        );
-        assert_eq!(viewport.place, [210, 20, 200, 50]);
-        assert_eq!((viewport.mesh.as_deref(), viewport.eye), (Some("a.data"), Some(Eye::Left)));
-        let expected = Projection::Fisheye { aperture: 180f64.to_radians(), tilt: 27f64.to_radians() };
-        assert_eq!(viewport.projection, expected);
-    }
-
-    #[test]
-    fn yaw_turns_right_and_angles_become_tangents() {
-        let viewport = only(
-            r#"{ "projection": { "type": "PlanarProjection", "fov": { "left": -45, "right": 30, "down": -10, "up": 20 },
-            "orientation": { "yaw": 90, "pitch": 0, "roll": 0 } } }"#,
-        );
-        let Projection::Planar { rotation, frustum } = viewport.projection else { panic!("{viewport:?}") };
-        assert!((rotation * DVec3::NEG_Z).distance(DVec3::X) < 1e-12);
-        assert!((frustum.left + 1.0).abs() < 1e-12 && (frustum.top - 20f64.to_radians().tan()).abs() < 1e-12);
-    }
-
-    #[test]
-    fn a_plane_is_seen_from_the_user() {
-        // 2 m wide and 1 m high, 2 m before the user, who stands at z = 4, with its left edge straight ahead.
-        let viewport = only(
-            r#"{ "projection": { "type": "ProjectionPlane", "lowerleft": { "x": 0, "y": 0, "z": 2 },
-            "upperleft": { "x": 0, "y": 1, "z": 2 }, "upperright": { "x": 2, "y": 1, "z": 2 } } }"#,
-        );
-        let Projection::Planar { rotation, frustum } = viewport.projection else { panic!("{viewport:?}") };
-        assert!(rotation.abs_diff_eq(DMat3::IDENTITY, 1e-12));
-        assert_eq!(frustum, Frustum { left: 0.0, right: 1.0, bottom: 0.0, top: 0.5 });
-    }
-
-    #[test]
-    fn a_mirror_has_four_faces_of_a_cube() {
-        let viewport = only(
-            r#"{ "projection": { "type": "SphericalMirrorProjection", "tilt": 15, "mesh": { "bottom": "b.data",
-            "left": "l.data", "right": "r.data", "top": "t.data" } } }"#,
-        );
-        let Projection::Mirror { tilt, meshes } = viewport.projection else { panic!("{viewport:?}") };
-        assert_eq!(meshes, ["b.data", "l.data", "r.data", "t.data"]);
-        let [ahead, left, right, top] = mirror_faces(tilt).map(|face| face * DVec3::NEG_Z);
-        let up = 30f64.to_radians();
-        assert!(ahead.distance(DVec3::new(0.0, up.sin(), -up.cos())) < 1e-12);
-        assert!(left.distance(DVec3::NEG_X) < 1e-12 && right.distance(DVec3::X) < 1e-12);
-        assert!(top.distance(DVec3::new(0.0, up.cos(), up.sin())) < 1e-12);
-    }
-
-    #[test]
-    fn a_moved_plane_is_a_plane() {
-        let viewport = only(
-            r#"{ "projection": { "type": "PlanarProjection", "fov": { "hfov": 90, "vfov": 90 }, "distance": 2,
-            "offset": { "x": 1, "y": 0, "z": 0 } } }"#,
-        );
-        let Projection::Planar { frustum, .. } = viewport.projection else { panic!("{viewport:?}") };
-        assert!((frustum.left + 0.5).abs() < 1e-12 && (frustum.right - 1.5).abs() < 1e-12, "{frustum:?}");
-    }
-
-    #[test]
-    fn damaged_files_are_refused_with_the_key() {
-        let planar = r#"{ "projection": { "type": "PlanarProjection", "fov": { "hfov": 200, "vfov": 50 } } }"#;
-        for (text, why) in [
-            ("{".to_owned(), "no JSON"),
-            ("{}".to_owned(), "no viewports"),
-            (text("{}"), "nodes[0].windows[0].viewports[0].projection is missing"),
-            (text(planar), "projection.fov.hfov: is no number from"),
-            (text(&planar.replace("200", "\"wide\"")), "hfov: is no number"),
-            (text(r#"{ "size": { "x": 0, "y": 1 }, "projection": { "type": "x" } }"#), "no screen has"),
-        ] {
-            let message = read("a.json", text.as_bytes()).unwrap_err().message;
-            assert!(message.starts_with("a.json: ") && message.contains(why), "{message}");
-        }
-    }
-}
+mod tests;

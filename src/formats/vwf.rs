@@ -9,6 +9,7 @@ use super::bmp::{self, Bitmap};
 use super::bytes::Bytes;
 use super::grid::Raster;
 use super::input::{Noted, checked_size, invalid};
+use super::levels::Levels;
 use crate::error::Result;
 
 /// The map's values are points, not positions in a picture.
@@ -40,7 +41,7 @@ pub struct VwfMap {
     /// Factors on displayed values, if there are any.
     pub blend: Option<Picture>,
     /// Displayed values to which black is raised, if there are any.
-    pub black: Option<Picture>,
+    pub black: Option<Levels>,
     /// More factors on displayed values, if there are any.
     pub white: Option<Picture>,
 }
@@ -88,11 +89,10 @@ pub fn read(name: &str, bytes: &[u8]) -> Result<Noted<Vec<VwfMap>>> {
                 let length = u32::from_le_bytes([low, high, rest[0], rest[1]]) as usize;
                 file.take(length.saturating_sub(6), "a picture")?;
                 let picture = bmp::read(name, &bytes[start..file.offset()])?;
-                let picture = picture.map(|Bitmap { size, values }| Picture { size, values });
                 match (maps.last_mut(), of_map) {
-                    (Some(map), 0) => map.blend = picture,
-                    (Some(map), 1) => map.black = picture.map(|picture| picture.scaled(scale)),
-                    (Some(map), 2) => map.white = picture,
+                    (Some(map), 0) => map.blend = picture.map(Picture::of),
+                    (Some(map), 1) => map.black = picture.map(|picture| scaled(picture, scale)),
+                    (Some(map), 2) => map.white = picture.map(Picture::of),
                     _ => left_out += usize::from(picture.is_some()),
                 }
                 (of_map, pictures) = (of_map + 1, pictures + 1);
@@ -113,10 +113,19 @@ pub fn read(name: &str, bytes: &[u8]) -> Result<Noted<Vec<VwfMap>>> {
 }
 
 impl Picture {
-    fn scaled(mut self, scale: f32) -> Self {
-        self.values.iter_mut().for_each(|value| *value = (*value * scale).clamp(0.0, 1.0));
-        self
+    /// The green channel.
+    fn of(Bitmap { size, values }: Bitmap) -> Self {
+        Self { size, values: values.iter().map(|value| value[1]).collect() }
     }
+
+    /// All channels the same.
+    fn grey(&self) -> Levels {
+        Levels { size: self.size, values: self.values.iter().map(|value| [*value; 3]).collect() }
+    }
+}
+
+fn scaled(Bitmap { size, values }: Bitmap, scale: f32) -> Levels {
+    Levels { size, values: values.iter().map(|value| value.map(|value| (value * scale).clamp(0.0, 1.0))).collect() }
 }
 
 /// A map, after its magic, and the factor on its black picture.
@@ -216,7 +225,7 @@ pub fn write(maps: &[VwfMap]) -> Result<Vec<u8>> {
         for (number, picture) in map.pictures().into_iter().enumerate() {
             let bits = if number == 1 { bmp::Bits::Eight } else { bmp::Bits::Sixteen };
             bytes.extend(match picture {
-                Some(Picture { size, values }) => bmp::write(&map.name, *size, values, bits)?,
+                Some(Levels { size, values }) => bmp::write(&map.name, size, &values, bits)?,
                 None => bmp::EMPTY.to_vec(),
             });
         }
@@ -226,8 +235,9 @@ pub fn write(maps: &[VwfMap]) -> Result<Vec<u8>> {
 
 impl VwfMap {
     /// Its pictures in the order of the file, up to the last that there is.
-    fn pictures(&self) -> Vec<Option<&Picture>> {
-        let mut pictures = vec![self.blend.as_ref(), self.black.as_ref(), self.white.as_ref()];
+    fn pictures(&self) -> Vec<Option<Levels>> {
+        let grey = |picture: &Option<Picture>| picture.as_ref().map(Picture::grey);
+        let mut pictures = vec![grey(&self.blend), self.black.clone(), grey(&self.white)];
         while pictures.last().is_some_and(Option::is_none) {
             pictures.pop();
         }
@@ -271,7 +281,9 @@ mod tests {
             Some(Picture { size: (3, 2), values: [0.0, 0.2, 0.4, 0.6, 0.8, 1.0].map(|value| value * factor).to_vec() })
         };
         let mut all = maps();
-        (all[0].blend, all[0].black, all[0].white) = (picture(1.0), picture(0.25), picture(0.5));
+        let black = [0.0, 0.05, 0.1, 0.15, 0.2, 0.25].map(|level| [level, 0.5 * level, 0.0]).to_vec();
+        (all[0].blend, all[0].white) = (picture(1.0), picture(0.5));
+        all[0].black = Some(Levels { size: (3, 2), values: black });
         all[1].white = picture(1.0);
         let back = read("a.vwf", &write(&all).unwrap()).unwrap();
         assert_eq!((back.value.len(), &back.notes[..]), (2, &[][..]));
@@ -287,7 +299,10 @@ mod tests {
                 near(&found.blend, &expected.blend, 1e-5) && near(&found.white, &expected.white, 1e-5),
                 "{found:?}"
             );
-            assert!(near(&found.black, &expected.black, 0.002), "{found:?}");
+            let values = |levels: &Option<Levels>| levels.as_ref().map_or(Vec::new(), |levels| levels.values.clone());
+            let (a, b) = (values(&found.black), values(&expected.black));
+            let close = a.as_flattened().iter().zip(b.as_flattened()).all(|(a, b)| (a - b).abs() <= 0.002);
+            assert!(a.len() == b.len() && close, "{found:?}");
         }
     }
 
@@ -303,16 +318,18 @@ mod tests {
         let set = read("a.vwf", &bytes).unwrap();
         let of = |picture: &Option<Picture>| picture.as_ref().expect("has it").values[5];
         let map = &set.value[0];
-        for (found, expected) in [(&map.blend, 1.0), (&map.black, 0.5), (&map.white, 1.0)] {
+        for (found, expected) in [(&map.blend, 1.0), (&map.white, 1.0)] {
             assert!((of(found) - expected).abs() < 1e-4);
         }
+        let black = |set: Noted<Vec<VwfMap>>| set.value[0].black.as_ref().expect("has it").values[5][1];
         assert!(set.value.len() == 2 && set.value[1].blend.is_none());
         assert!(set.notes[0].contains("1 pictures are more than"), "{:?}", set.notes);
+        assert!((black(set) - 0.5).abs() < 1e-4);
         // Cut off within the picture.
         assert!(read("a.vwf", &bytes[..single.len() + 60]).is_err());
         // A factor that is no number counts as none.
         bytes[settings..settings + 4].copy_from_slice(&f32::NAN.to_le_bytes());
-        assert!((of(&read("a.vwf", &bytes).unwrap().value[0].black) - 1.0).abs() < 1e-4);
+        assert!((black(read("a.vwf", &bytes).unwrap()) - 1.0).abs() < 1e-4);
     }
 
     #[test]

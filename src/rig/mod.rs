@@ -8,9 +8,11 @@
 //! values must satisfy together. All of them add to one list of problems, so that one look at
 //! the message mends the whole file.
 
+mod black;
 mod blend;
 mod calibration;
 mod camera;
+mod flip;
 mod layout;
 mod method;
 mod one_line;
@@ -25,10 +27,14 @@ mod viewer;
 
 use crate::error::{Error, ErrorKind, Result};
 use glam::DVec3;
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
+pub use crate::formats::Levels;
+pub use black::{Black, BlackValues};
 pub use blend::{AngleRamp, Blend, DomeAngle, RampShape};
 pub use calibration::{Calibration, CalibrationValues};
+pub use flip::Flip;
 pub use method::{Divider, Method};
 pub use presets::{Preset, presets};
 pub use response::{RESPONSE_STEPS, Response, Transfer};
@@ -54,6 +60,18 @@ pub struct Rig {
     pub overlay: Overlay,
     /// What is presented.
     pub outputs: Vec<Output>,
+}
+
+impl Rig {
+    /// The rig whose outputs are not mirrored.
+    pub fn upright(&self) -> Cow<'_, Self> {
+        if self.outputs.iter().all(|output| output.flip.is_none()) {
+            return Cow::Borrowed(self);
+        }
+        let mut upright = self.clone();
+        upright.outputs.iter_mut().for_each(|output| output.flip = Flip::default());
+        Cow::Owned(upright)
+    }
 }
 
 /// A spherical dome, centred at the origin.
@@ -240,8 +258,12 @@ pub struct Output {
     pub blend: Blend,
     /// A grey image that is multiplied in, absolute path.
     pub mask: Option<PathBuf>,
+    /// What black is raised to, pixel by pixel.
+    pub black: Option<std::sync::Arc<Black>>,
     /// How far to the right of the viewer's position the eye is for which the output is made, metres: stereo.
     pub eye: f64,
+    /// How the finished picture is mirrored: everything else means the picture as it is before.
+    pub flip: Flip,
 }
 
 /// What an output is.

@@ -148,6 +148,8 @@ pub fn plan(rig: &Rig, request: &Request) -> Result<ViewPlan> {
 /// # Errors
 /// As [`plan`].
 pub fn plan_with_reach(rig: &Rig, request: &Request, reach: u32) -> Result<ViewPlan> {
+    // A mirrored picture shows the same directions.
+    let rig = &*rig.upright();
     let outputs: &[_] = if rig.passthrough { &[] } else { &rig.outputs };
     check(outputs.len(), rig.passthrough, request)?;
     let sights = sights(rig, outputs.len(), request)?;
@@ -174,6 +176,7 @@ pub fn optimise(
     steps: u32,
     progress: &mut dyn FnMut(f64),
 ) -> Result<Option<Vec<DVec3>>> {
+    let rig = &*rig.upright();
     check(rig.outputs.len(), rig.passthrough, request)?;
     if views == 0 {
         return Err(Error::new(ErrorKind::InvalidArgument, "no views can show nothing: at least one is needed"));

@@ -5,7 +5,7 @@ mod calibrated;
 use crate::error::{Error, ErrorKind, Result};
 use crate::geom::panorama::STRIP_FACES;
 use crate::geom::{self, Circle, Fisheye, Frustum, Lens, Panorama, Pose, Screen, pose};
-use crate::rig::{OutputKind, Rig};
+use crate::rig::{Flip, OutputKind, Rig};
 use calibrated::Calibrated;
 use glam::{DMat3, DVec2, DVec3};
 use std::f64::consts::FRAC_PI_2;
@@ -17,6 +17,7 @@ use std::f64::consts::FRAC_PI_2;
 #[derive(Clone, Debug, PartialEq)]
 pub struct WarpMap {
     size: (u32, u32),
+    flip: Flip,
     optics: Optics,
     viewer: Pose,
     screen: Screen,
@@ -88,7 +89,7 @@ impl WarpMap {
                 })?,
             },
         };
-        Ok(Self { size, optics, viewer, screen: rig.surface() })
+        Ok(Self { size, flip: described.flip, optics, viewer, screen: rig.surface() })
     }
 
     /// The viewer, or the eye for which the output is made, in dome axes.
@@ -133,7 +134,7 @@ impl WarpMap {
                 let (origin, direction) = optics.ray(self.normalised(pixel)?, self.aspect())?;
                 Some(self.screen.hit(origin, direction)?.point)
             }
-            Optics::Calibrated(map) => map.hit(pixel, self.size, &self.screen),
+            Optics::Calibrated(map) => map.hit(self.flip.pixel(pixel, self.size), self.size, &self.screen),
             Optics::Perspective { .. } => None,
         }
     }
@@ -141,7 +142,10 @@ impl WarpMap {
     /// A factor on the displayed value of a pixel that a calibration's file gives; 1 for other outputs, 0 where nothing is shown.
     pub fn intensity(&self, pixel: DVec2) -> f64 {
         match &self.optics {
-            Optics::Calibrated(map) => map.sample(pixel, self.size).map_or(0.0, |sample| sample.intensity),
+            Optics::Calibrated(map) => {
+                let pixel = self.flip.pixel(pixel, self.size);
+                map.sample(pixel, self.size).map_or(0.0, |sample| sample.intensity)
+            }
             _ => 1.0,
         }
     }
@@ -167,7 +171,7 @@ impl WarpMap {
                 self.lights(pixel, point).then_some(pixel)
             }
             Optics::Calibrated(map) => {
-                let pixel = map.pixel(point, self.size, &self.screen)?;
+                let pixel = self.flip.pixel(map.pixel(point, self.size, &self.screen)?, self.size);
                 self.lights(pixel, point).then_some(pixel)
             }
             Optics::Perspective { rotation, frustum } => {
@@ -244,9 +248,9 @@ impl WarpMap {
         DVec2::new(0.5 * f64::from(self.size.0), 0.5 * f64::from(self.size.1))
     }
 
-    /// A pixel as parts of width and height, 0…1 from the left and from the bottom; `None` outside.
+    /// A pixel as parts of width and height of the picture that is not mirrored, 0…1 from the left and from the bottom; `None` outside.
     fn picture(&self, pixel: DVec2) -> Option<DVec2> {
-        let part = pixel / (2.0 * self.middle());
+        let part = self.flip.pixel(pixel, self.size) / (2.0 * self.middle());
         let inside = part.cmpge(DVec2::ZERO).all() && part.cmple(DVec2::ONE).all();
         inside.then(|| DVec2::new(part.x, 1.0 - part.y))
     }
@@ -258,14 +262,14 @@ impl WarpMap {
 
     /// The pixel at a place in −1…1.
     fn at(&self, picture: DVec2) -> DVec2 {
-        (1.0 + picture * DVec2::new(1.0, -1.0)) * self.middle()
+        self.flip.pixel((1.0 + picture * DVec2::new(1.0, -1.0)) * self.middle(), self.size)
     }
 
     /// The pixel of a ray in the axes of a pinhole; `None` behind it or outside the picture.
     fn pixel_of_ray(&self, frustum: &Frustum, ray: DVec3) -> Option<DVec2> {
         let (x, y) = (ray.x / -ray.z, ray.y / -ray.z);
         let part = DVec2::new((x - frustum.left) / frustum.width(), (frustum.top - y) / frustum.height());
-        (ray.z < 0.0 && frustum.contains(x, y)).then(|| part * 2.0 * self.middle())
+        (ray.z < 0.0 && frustum.contains(x, y)).then(|| self.flip.pixel(part * 2.0 * self.middle(), self.size))
     }
 }
 

@@ -16,7 +16,9 @@ pub(crate) fn output(name: &str, kind: OutputKind) -> Output {
         window: None,
         blend,
         mask: None,
+        black: None,
         eye: 0.0,
+        flip: Flip::default(),
     }
 }
 

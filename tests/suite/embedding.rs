@@ -100,11 +100,17 @@ fn the_vulkan_example_with_multiview() {
     assert!(differing * 10 < at_once.pixels.len(), "{differing} pixels differ");
 }
 
-/// Projectors, tables and masks, whose values the first command buffer copies.
+/// Projectors, tables, masks and pictures of black, whose values the first command buffer copies.
 #[test]
 fn the_vulkan_example_with_other_rigs() {
     let masked = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/rigs/masked-fisheye.toml");
-    for rig in ["planetarium-6", "idome", masked] {
+    let black = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("black.toml");
+    let picture = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/rigs/doorway.png");
+    let text = format!(
+        "[[output]]\nkind = \"domemaster\"\nflip = \"both\"\nblack = {{ image = {picture:?}, values = \"light\" }}\n"
+    );
+    std::fs::write(&black, text).unwrap();
+    for rig in ["planetarium-6", "idome", masked, black.to_str().unwrap()] {
         let options = |views: &'static str| ["--rig", rig, "--views", views, "--one-by-one"];
         let Some(atlas) = vulkan(&options("atlas")) else { return };
         let Some(images) = vulkan(&options("images")) else { return };

@@ -87,7 +87,7 @@ pub(super) fn shows(constants: &Constants) -> Shows {
     };
     if constants.pass() == Pass::Black {
         Shows::Black
-    } else if set("shared_part.with_panel") || set("shared_part.black") || set("shared_part.lift") {
+    } else if ["with_panel", "with_black", "black", "lift"].iter().any(|name| set(&format!("shared_part.{name}"))) {
         Shows::Other
     } else if set("shared_part.weighted") || set("shared_part.edge") {
         Shows::Black

@@ -3,7 +3,7 @@
 use super::api::*;
 use super::blank::{self, Blank, Draw, Shows};
 use super::hidden::Hidden;
-use super::program::{self, ATLAS_UNIT, MASK_UNIT, TABLE_UNIT};
+use super::program::{self, ATLAS_UNIT, BLACK_UNIT, MASK_UNIT, TABLE_UNIT};
 use super::state::{self, Capabilities};
 use super::textures;
 use super::whole::Whole;
@@ -36,6 +36,8 @@ struct Output {
     mask: u32,
     /// 0 = none.
     table: u32,
+    /// The texture of what black is raised to; 0 = none.
+    black_picture: u32,
     footprints: Option<Footprints>,
     /// Which part of it is black whatever the views show.
     black: f64,
@@ -50,7 +52,7 @@ struct Names {
     /// Linear, nearest.
     samplers: [u32; 2],
     programs: HashMap<Specialised, u32>,
-    /// Masks and tables.
+    /// Masks, tables and pictures of black.
     textures: Vec<u32>,
 }
 
@@ -319,6 +321,10 @@ impl GlBackend {
                 output.mask = textures::upload_mask(gl, &self.caps, mask);
                 self.names.textures.push(output.mask);
             }
+            if let Some(black) = &pass.black {
+                output.black_picture = textures::upload_black(gl, &self.caps, black);
+                self.names.textures.push(output.black_picture);
+            }
             let table_is_read = pass.batches.iter().any(|batch| batch.facets.is_none());
             if let Source::Table(table) = &pass.source
                 && table_is_read
@@ -375,6 +381,7 @@ impl GlBackend {
             gl.bind_texture(GL_TEXTURE_2D, atlas_texture);
             if more {
                 gl.bind_sampler(MASK_UNIT, linear);
+                gl.bind_sampler(BLACK_UNIT, linear);
                 // Textures of 32-bit floats cannot be filtered everywhere, and a table must not be.
                 gl.bind_sampler(TABLE_UNIT, nearest);
             }
@@ -394,6 +401,8 @@ impl GlBackend {
                 if more {
                     gl.active_texture(GL_TEXTURE0 + TABLE_UNIT);
                     gl.bind_texture(GL_TEXTURE_2D, output.table);
+                    gl.active_texture(GL_TEXTURE0 + BLACK_UNIT);
+                    gl.bind_texture(GL_TEXTURE_2D, output.black_picture);
                     gl.active_texture(GL_TEXTURE0 + MASK_UNIT);
                     gl.bind_texture(GL_TEXTURE_2D, output.mask);
                 }
@@ -403,9 +412,9 @@ impl GlBackend {
         }
     }
 
-    /// How many texture units are drawn with: one if there are neither masks nor tables.
+    /// How many texture units are drawn with: one if there is nothing beside the atlas.
     fn units(&self) -> usize {
-        let more = self.outputs.iter().any(|output| output.mask != 0 || output.table != 0);
+        let more = self.outputs.iter().any(|output| output.mask | output.table | output.black_picture != 0);
         if more { state::UNITS } else { 1 }
     }
 

@@ -11,6 +11,8 @@ pub(super) const ATLAS_UNIT: u32 = 0;
 pub(super) const MASK_UNIT: u32 = 1;
 /// Texture unit of a table.
 pub(super) const TABLE_UNIT: u32 = 2;
+/// Texture unit of a picture of black.
+pub(super) const BLACK_UNIT: u32 = 3;
 
 /// Compiles and links; leaves the program current. The caller deletes it.
 ///
@@ -22,6 +24,7 @@ pub(super) fn build(gl: &Gl, text: &Specialised) -> Result<u32> {
         let unit = match *texture {
             "mask" => MASK_UNIT,
             "table" => TABLE_UNIT,
+            "black_picture" => BLACK_UNIT,
             _ => ATLAS_UNIT,
         };
         let Ok(name) = CString::new(*uniform) else { continue };

@@ -119,8 +119,8 @@ const SWITCHES: [u32; 25] = [
     GL_BLEND,
 ];
 
-/// Units whose bindings are kept at most: the atlas, the mask, a table.
-pub(super) const UNITS: usize = 3;
+/// Units whose bindings are kept at most: the atlas, the mask, a table, a picture of black.
+pub(super) const UNITS: usize = 4;
 
 /// What was found before drawing.
 pub(super) struct Saved {

@@ -1,8 +1,9 @@
-//! Masks and tables as textures.
+//! Masks, tables and pictures of black as textures.
 
 use super::api::*;
 use super::state::Capabilities;
 use crate::correct::Table;
+use crate::correct::black::BlackPicture;
 use crate::correct::plan::Mask;
 
 /// A texture of the mask's weights.
@@ -28,6 +29,30 @@ pub(super) fn upload_mask(gl: &Gl, caps: &Capabilities, mask: &Mask) -> u32 {
         }
     }
     texture
+}
+
+/// A texture of what black is raised to.
+pub(super) fn upload_black(gl: &Gl, caps: &Capabilities, black: &BlackPicture) -> u32 {
+    let (width, height) = (black.width as i32, black.height as i32);
+    if black.codes.len() != black.width as usize * black.height as usize {
+        return 0;
+    }
+    // SAFETY: a context is current, rows are tightly packed, and the array holds width · height pixels of four values.
+    unsafe {
+        let texture = super::surface::new_texture(gl);
+        gl.bind_texture(GL_TEXTURE_2D, texture);
+        gl.tex_parameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
+        if caps.norm16 {
+            let data = black.codes.as_flattened().as_ptr().cast();
+            gl.tex_image2_d(GL_TEXTURE_2D, 0, GL_RGBA16 as i32, width, height, 0, GL_RGBA, GL_UNSIGNED_SHORT, data);
+        } else {
+            // Half floats: 11 bits of the value itself, which is small.
+            let codes: Vec<f32> = black.codes.as_flattened().iter().map(|code| f32::from(*code) / 65535.0).collect();
+            let data = codes.as_ptr().cast();
+            gl.tex_image2_d(GL_TEXTURE_2D, 0, GL_RGBA16F as i32, width, height, 0, GL_RGBA, GL_FLOAT, data);
+        }
+        texture
+    }
 }
 
 /// A texture of the table's directions and weights.

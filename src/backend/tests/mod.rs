@@ -1,6 +1,8 @@
 //! What every backend is tested with: the same plans, pictures and bounds, whatever the graphics API.
 
 pub mod accuracy;
+pub mod blacks;
+pub mod flips;
 pub mod methods;
 pub mod picture;
 pub mod plans;
@@ -48,6 +50,14 @@ macro_rules! run_all_cases {
                 several_views_and_one_agree,
                 a_projector_outside_misses_around_the_sphere,
                 a_perspective_picture;
+            blacks:
+                black_is_raised_pixel_by_pixel,
+                a_rigs_picture_of_black_is_shown;
+            flips:
+                a_mirrored_output_shows_the_mirrored_picture,
+                a_mirrored_map_is_the_exact_one,
+                a_mirrored_picture_of_four_places_is_nearly_the_same,
+                a_mask_is_mirrored_with_its_picture;
             methods:
                 tables_and_meshes_err_by_no_more_than_was_asked,
                 a_mesh_of_the_dome_is_four_times_as_exact_with_half_the_cells;

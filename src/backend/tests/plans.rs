@@ -65,8 +65,10 @@ pub fn pass(size: (u32, u32), source: Source, views: Vec<usize>, edge: bool) -> 
         gamma: 2.2,
         transfer: crate::rig::Transfer::Power,
         black_level: 0.0,
+        black: None,
         lift: 0.0,
         dither: 0.0,
+        flip: crate::rig::Flip::default(),
     }
 }
 

@@ -39,7 +39,7 @@ pub fn place(views: &[View], direction: DVec3) -> Option<(f64, f64)> {
 }
 
 /// Greatest difference in codes between what is shown and `exact` (encoded 0…1 of a pixel, row 0 at the top).
-fn worst(shown: &Picture, exact: impl Fn(u32, u32) -> Option<[f64; 3]>) -> f64 {
+pub fn worst(shown: &Picture, exact: impl Fn(u32, u32) -> Option<[f64; 3]>) -> f64 {
     let mut worst = 0.0f64;
     for row in 0..shown.size.1 {
         for column in 0..shown.size.0 {

@@ -16,6 +16,7 @@ pub(super) struct Reads {
     /// 2D images; `None`: the draw looks at none, and the first picture, if it is a 2D image, does.
     pub mask: Option<vk::ImageView>,
     pub table: Option<vk::ImageView>,
+    pub black: Option<vk::ImageView>,
 }
 
 /// A set of pictures with all views, and its descriptors.
@@ -56,7 +57,7 @@ impl Descriptors {
         }
         let pictures = picture_bindings(arrangement).count() as u32;
         let of = |ty, each| vk::DescriptorPoolSize { ty, descriptor_count: each * count };
-        let kinds = [of(vk::DescriptorType::SAMPLED_IMAGE, pictures + 2), of(vk::DescriptorType::SAMPLER, 2)];
+        let kinds = [of(vk::DescriptorType::SAMPLED_IMAGE, pictures + 3), of(vk::DescriptorType::SAMPLER, 2)];
         let info = vk::DescriptorPoolCreateInfo::default().max_sets(count).pool_sizes(&kinds);
         let layouts = vec![common.set_layout; count as usize];
         // SAFETY: the device is live; the structures are complete; the pool is destroyed if its sets cannot be had.
@@ -116,7 +117,7 @@ fn write(
             .image_layout(vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL)],
     };
     let pictures: Vec<_> = picture_bindings(arrangement).enumerate().map(|(i, at)| (at, picture(i))).collect();
-    let (mask, table) = (texture(reads.mask), texture(reads.table));
+    let (mask, table, black) = (texture(reads.mask), texture(reads.table), texture(reads.black));
     let filters = [sampler, common.samplers[0]].map(|s| [vk::DescriptorImageInfo::default().sampler(s)]);
     let write = |binding, kind, info| {
         vk::WriteDescriptorSet::default().dst_set(set).dst_binding(binding).descriptor_type(kind).image_info(info)
@@ -127,6 +128,7 @@ fn write(
         write(binding::MASK, image, &mask),
         write(binding::MASK_SAMPLER, filter, &filters[1]),
         write(binding::TABLE, image, &table),
+        write(binding::BLACK, image, &black),
     ];
     writes.extend(pictures.iter().map(|(at, info)| write(*at, image, info)));
     // SAFETY: the set is ours and not in use; the views are live.

@@ -37,9 +37,10 @@ struct Output {
     /// Index into the textures.
     mask: Option<usize>,
     table: Option<usize>,
+    black: Option<usize>,
 }
 
-/// A mask or a table, and where its values wait in the staging buffer.
+/// A mask, a table or a picture of black, and where its values wait in the staging buffer.
 struct Texture {
     image: Image,
     size: (u32, u32),
@@ -238,6 +239,17 @@ impl VkBackend {
                     add(vk::Format::R8_UNORM, size, values)?
                 });
             }
+            if let Some(black) = &pass.black {
+                let filtered = vk::FormatFeatureFlags::SAMPLED_IMAGE_FILTER_LINEAR;
+                let (size, codes) = ((black.width, black.height), black.codes.as_flattened());
+                output.black = Some(if self.api.features(vk::Format::R16G16B16A16_UNORM).contains(filtered) {
+                    let values = codes.iter().flat_map(|code| code.to_ne_bytes()).collect();
+                    add(vk::Format::R16G16B16A16_UNORM, size, values)?
+                } else {
+                    let values = codes.iter().map(|code| ((u32::from(*code) + 128) / 257) as u8).collect();
+                    add(vk::Format::R8G8B8A8_UNORM, size, values)?
+                });
+            }
             let table_is_read = pass.batches.iter().any(|batch| batch.facets.is_none());
             if let Source::Table(table) = &pass.source
                 && table_is_read
@@ -272,6 +284,7 @@ impl VkBackend {
                 views: draw.views.clone(),
                 mask: view(output.mask.or(self.blank)),
                 table: view(output.table.or(self.blank)),
+                black: view(output.black.or(self.blank)),
             })
             .collect();
         let new = Descriptors::new(&self.api, &self.common, self.arrangement, &reads, &self.sizes, images)?;

@@ -44,6 +44,7 @@ impl Common {
             bound(binding::MASK, vk::DescriptorType::SAMPLED_IMAGE),
             bound(binding::MASK_SAMPLER, vk::DescriptorType::SAMPLER),
             bound(binding::TABLE, vk::DescriptorType::SAMPLED_IMAGE),
+            bound(binding::BLACK, vk::DescriptorType::SAMPLED_IMAGE),
         ];
         bindings.extend(picture_bindings(arrangement).map(|at| bound(at, vk::DescriptorType::SAMPLED_IMAGE)));
         // SAFETY: the device is live, and every structure is complete and lives during its call.

@@ -2,7 +2,8 @@
 //!
 //! A fisheye's radius is f1·θ + f3·θ³ + f5·θ⁵ + f7·θ⁷ in half widths of the picture. Its offsets are those of the picture
 //! from the axis, in half widths and half heights, as for plane lenses. An anamorphic ratio is the height of a pixel over its
-//! width. The unit of θ is not said and differs between writers.
+//! width. The unit of θ is not said and differs between writers. An angle of the squeeze is only named: its public description
+//! says that it is not 0 where the lens is turned in its mount, but not what it turns, from where and which way.
 
 use super::document::{Reader, named};
 use crate::error::{Error, ErrorKind, Result};
@@ -98,8 +99,13 @@ pub(super) fn lens(
              which is not said, as 180°"
         ));
     }
-    if skew != 0.0 && ratio != 1.0 {
-        notes.push(format!("{title}: the angle of its anamorphic lens, {skew}, is not taken over"));
+    if skew != 0.0 {
+        // Axes turned by δ move the rim by up to ‖R·D·Rᵀ − D‖ = |1 − 1/ratio| · |sin δ| radii, D = diag(1, 1/ratio).
+        let turned = rim * 0.5 * f64::from(size.0) * (1.0 - 1.0 / ratio).abs() * skew.to_radians().sin().abs();
+        notes.push(format!(
+            "{title}: the angle of its anamorphic lens, {skew}, is not taken over: no public text says what it turns, or which way; \
+             if it turns the axes of the squeeze, by degrees, the rim lies up to {turned:.1} pixels elsewhere"
+        ));
     }
     let aspect = f64::from(size.0) / f64::from(size.1);
     let circle = Circle::Placed { center, half: DVec2::new(rim, rim * aspect / ratio) };

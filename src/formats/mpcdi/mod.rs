@@ -16,6 +16,7 @@ pub use write::write;
 use super::camera::Camera;
 use super::grid::Raster;
 use super::input::{Noted, invalid};
+use super::levels::{self, Levels};
 use super::pfm;
 use crate::error::Result;
 use crate::geom::Optics;
@@ -90,21 +91,12 @@ pub struct Region {
     pub warp: Option<Raster>,
     /// Weights, if there are any.
     pub alpha: Option<Alpha>,
-    /// Black levels, if there are any.
+    /// Black levels, if there are any: displayed values that are added after the weights, `x·(1 − level) + level`.
     pub beta: Option<Levels>,
     /// In profile 3d the camera whose picture the positions lie in, in profile sl the projector, if it is a pinhole.
     pub camera: Option<Camera>,
     /// In profile sl the projector, if it has a fisheye lens.
     pub fisheye: Option<Optics>,
-}
-
-/// Black levels of a region: displayed values that are added, `x·(1 − level) + level`.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Levels {
-    /// Width and height.
-    pub size: (u32, u32),
-    /// Levels 0…1, row by row from the top.
-    pub levels: Vec<f32>,
 }
 
 /// Weights of a region.
@@ -161,10 +153,7 @@ pub fn read(name: &str, bytes: &[u8]) -> Result<Noted<Archive>> {
             None => None,
         };
         let beta = match &region.beta {
-            Some(path) => {
-                let (size, levels) = archive::picture(&format!("{name}/{path}"), &take(path, longest)?)?;
-                Some(Levels { size, levels })
-            }
+            Some(path) => Some(levels::read_png(&format!("{name}/{path}"), &take(path, longest)?)?),
             None => None,
         };
         let (camera, fisheye) = (region.camera, region.fisheye);

@@ -7,7 +7,7 @@ fn archive(profile: Profile) -> Archive {
     let region = |id: &str| {
         let values = (0..6).map(|i| if i == 4 { [f32::NAN; 3] } else { [i as f32 * 0.125, 0.5, 0.0] }).collect();
         let alpha = Alpha { size: (3, 2), weights: vec![0.0, 0.25, 0.5, 0.75, 1.0, 1.0], gamma: 2.2 };
-        let beta = Levels { size: (2, 1), levels: vec![0.0, 0.125] };
+        let beta = Levels { size: (2, 1), values: vec![[0.0; 3], [0.125, 0.25, 0.5]] };
         let camera = Camera {
             offset: if profile == Profile::ShaderLamps { DVec3::new(1.0, -2.0, 0.5) } else { DVec3::ZERO },
             rotation: pose::rotation(0.5, -0.3, 0.2),
@@ -69,7 +69,8 @@ fn what_is_written_is_read_back() {
             assert_eq!(found.beta.is_some(), expected.beta.is_some());
             if let (Some(found), Some(expected)) = (&found.beta, &expected.beta) {
                 assert_eq!(found.size, expected.size);
-                assert!((found.levels[1] - expected.levels[1]).abs() < 1e-5);
+                let near = |(a, b): (&f32, &f32)| (a - b).abs() < 1e-5;
+                assert!(found.values.as_flattened().iter().zip(expected.values.as_flattened()).all(near), "{found:?}");
             }
             let (found, expected) = (found.alpha.as_ref().unwrap(), expected.alpha.as_ref().unwrap());
             assert_eq!((found.size, found.gamma), (expected.size, expected.gamma));
@@ -183,6 +184,28 @@ fn a_fisheye_is_read_in_radians_or_in_degrees_and_turned_out_of_its_frame() {
         let up = ray(-0.2, -0.3 + radius * 4.0 / 3.0 / 1.3).normalize();
         assert!(up.distance(DVec3::new(0.0, angle.sin(), -angle.cos())) < 1e-9, "{up}");
     }
+}
+
+#[test]
+fn the_angle_of_a_squeeze_is_told_with_what_it_may_move() {
+    use glam::{DMat2, DVec2};
+    let notes = |ratio: &str, angle: &str| {
+        let lens = polynomial([0.5, 0.0, 0.0, 0.0]).replace("<angle>0<", &format!("<angle>{angle}<"));
+        let found = read("a.xml", &alone(&lens.replace("1.3", ratio))).unwrap();
+        found.notes.into_iter().find(|note| note.contains("angle of its anamorphic lens"))
+    };
+    for (ratio, angle) in [(1.3, 10.0), (0.75, -3.5), (2.0, 90.0), (1.0, 20.0)] {
+        // The rim is 0.5 · π/2 half widths of 700 pixels from the axis; squeezed along turned axes it lies elsewhere.
+        let squeeze = DMat2::from_diagonal(DVec2::new(1.0, 1.0 / ratio));
+        let turn = DMat2::from_angle(f64::to_radians(angle));
+        let rim = (0..3600)
+            .map(|i| DVec2::from_angle(f64::from(i).to_radians() / 10.0) * 0.25 * std::f64::consts::PI * 700.0);
+        let moved = rim.map(|at| (turn * squeeze * turn.transpose() * at).distance(squeeze * at)).fold(0.0, f64::max);
+        let note = notes(&ratio.to_string(), &angle.to_string()).expect("a note");
+        assert!(note.contains(&format!("lens, {angle}, is not taken over")), "{note}");
+        assert!(note.contains(&format!("up to {moved:.1} pixels")), "{moved}: {note}");
+    }
+    assert_eq!(notes("1.3", "0"), None);
 }
 
 #[test]

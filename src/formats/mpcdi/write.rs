@@ -34,7 +34,7 @@ pub fn write(archive: &Archive, version: Version) -> Result<Vec<u8>> {
         let (size, weights) = region.alpha.as_ref().map_or(((1, 1), &[1.0][..]), |alpha| (alpha.size, &alpha.weights));
         put(&format!("alpha-{number}.png"), &picture(region, size, weights)?)?;
         if let Some(beta) = &region.beta {
-            put(&format!("beta-{number}.png"), &picture(region, beta.size, &beta.levels)?)?;
+            put(&format!("beta-{number}.png"), &beta.png(&format!("region {}", region.id))?)?;
         }
     }
     Ok(zip.finish().map_err(|error| failed(&error))?.into_inner())
@@ -97,13 +97,12 @@ fn description(archive: &Archive, version: Version) -> Result<String> {
             "    <fileset region=\"{}\">\n      <geometryWarpFile><path>{warp}</path><interpolation>linear</interpolation>{unit}</geometryWarpFile>\n      \
              <alphaMap><path>alpha-{number}.png</path><componentDepth>1</componentDepth><bitDepth>16</bitDepth><gammaEmbedded>{gamma}</gammaEmbedded></alphaMap>{}\n    </fileset>",
             escaped(&region.id),
-            if region.beta.is_some() {
+            region.beta.as_ref().map_or(String::new(), |beta| {
+                let depth = if beta.is_grey() { 1 } else { 3 };
                 format!(
-                    "\n      <betaMap><path>beta-{number}.png</path><componentDepth>1</componentDepth><bitDepth>16</bitDepth></betaMap>"
+                    "\n      <betaMap><path>beta-{number}.png</path><componentDepth>{depth}</componentDepth><bitDepth>16</bitDepth></betaMap>"
                 )
-            } else {
-                String::new()
-            }
+            })
         );
     }
     text.push_str("  </files>\n");

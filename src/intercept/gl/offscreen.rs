@@ -134,8 +134,10 @@ fn own_picture(ctx: &Context, session: &Session, directions: DMat3) -> Plan {
         gamma: 1.0,
         transfer: Transfer::Power,
         black_level: 0.0,
+        black: None,
         lift: 0.0,
         dither: 0.0,
+        flip: crate::rig::Flip::default(),
         ramps: Vec::new(),
         dome_rotation: DMat3::IDENTITY,
     };

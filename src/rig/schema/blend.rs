@@ -1,11 +1,13 @@
-//! `[output.blend]` and `[output.mask]`: how bright an output is where.
+//! `[output.blend]`, `[output.mask]` and `[output.black]`: how bright an output is where.
 
 use super::output::Kind;
 use super::transfer;
+use crate::rig::black::{self, Black, BlackValues};
 use crate::rig::problems::Problems;
 use crate::rig::reader::{Allowed, Section};
 use crate::rig::{AngleRamp, Blend, DomeAngle, RampShape};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 pub(super) fn blend(section: Option<Section>, kind: Kind, directory: &Path, problems: &mut Problems) -> Blend {
     let overlap = kind == Kind::Projector;
@@ -39,7 +41,7 @@ pub(super) fn blend(section: Option<Section>, kind: Kind, directory: &Path, prob
         .into_iter()
         .filter_map(|ramp| angle_ramp(ramp, problems))
         .collect();
-    section.finish(&[("image", "[output.mask]")], problems);
+    section.finish(&[("image", "[output.mask] or [output.black]")], problems);
     blend
 }
 
@@ -82,18 +84,65 @@ fn shape(section: &mut Section, problems: &mut Problems) -> RampShape {
 
 pub(super) fn mask(section: Option<Section>, directory: &Path, problems: &mut Problems) -> Option<PathBuf> {
     let mut section = section?;
-    if !section.has("image") {
-        problems
-            .add(&section.path("image"), "is missing; expected the name of a grey PNG file, relative to the rig file");
-    }
-    let image = section.text("image", "the name of a grey PNG file", problems);
-    let path = image.and_then(|image| match std::path::absolute(directory.join(image)) {
-        Ok(path) if !image.is_empty() => Some(path),
-        _ => {
-            problems.add(&section.path("image"), "the name is empty; expected that of a grey PNG file");
-            None
-        }
-    });
+    let path = image(&mut section, "a grey PNG file", directory, problems);
     section.finish(&[], problems);
     path
+}
+
+/// `black`: of an output of `size` pixels, if it says that, whose display is that of `blend`.
+pub(super) fn black(
+    section: Option<Section>,
+    size: Option<(u32, u32)>,
+    blend: &Blend,
+    directory: &Path,
+    problems: &mut Problems,
+) -> Option<Arc<Black>> {
+    let mut section = section?;
+    let words = [("displayed", BlackValues::Displayed), ("light", BlackValues::Light)];
+    let values = section.choice("values", &words, problems).unwrap_or_default();
+    let file = image(&mut section, "a PNG or PFM file", directory, problems);
+    if blend.black_level > 0.0 {
+        problems.add(
+            &section.path("image"),
+            "goes without blend.black_level, which is the same everywhere; expected one of them",
+        );
+    }
+    let key = section.path("image");
+    section.finish(&[], problems);
+    match black::read(&file?, values) {
+        Ok(black) => {
+            let found = black.levels.size;
+            if let Some((width, height)) = size.filter(|size| *size != found) {
+                let name = black.file.display();
+                problems.add(
+                    &key,
+                    format!(
+                        "{name} has {} × {} pixels; expected those of the output, {width} × {height}",
+                        found.0, found.1
+                    ),
+                );
+            }
+            Some(Arc::new(black))
+        }
+        Err(error) => {
+            problems.add(&key, error.message);
+            None
+        }
+    }
+}
+
+/// The path of `image`, which is `what`.
+fn image(section: &mut Section, what: &str, directory: &Path, problems: &mut Problems) -> Option<PathBuf> {
+    if !section.has("image") {
+        let why = format!("is missing; expected the name of {what}, relative to the rig file");
+        problems.add(&section.path("image"), why);
+    }
+    let image = section.text("image", &format!("the name of {what}"), problems)?;
+    match std::path::absolute(directory.join(image)) {
+        Ok(path) if !image.is_empty() => Some(path),
+        _ => {
+            problems.add(&section.path("image"), format!("the name is empty; expected that of {what}"));
+            None
+        }
+    }
 }

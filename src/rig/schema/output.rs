@@ -5,7 +5,7 @@ use crate::geom::panorama::{Panorama, Span};
 use crate::geom::{Lens, Optics, Pose, Sphere};
 use crate::rig::problems::Problems;
 use crate::rig::reader::{Allowed, Section};
-use crate::rig::{Dome, Output, OutputKind};
+use crate::rig::{Dome, Flip, Output, OutputKind};
 use glam::DVec3;
 use std::path::Path;
 
@@ -109,10 +109,12 @@ pub(super) fn output(
             panorama.map(|panorama| OutputKind::Panorama { panorama, angles })
         }
     };
+    let flip = section.choice("flip", &Flip::WORDS, problems).unwrap_or_default();
     let blend = blend::blend(section.section("blend", problems), kind, directory, problems);
     let mask = blend::mask(section.section("mask", problems), directory, problems);
+    let black = blend::black(section.section("black", problems), size, &blend, directory, problems);
     section.finish(&KINDS_OF_KEYS, problems);
-    output_kind.map(|kind| Output { name, kind, method, size, window, blend, mask, eye })
+    output_kind.map(|kind| Output { name, kind, method, size, window, blend, mask, black, eye, flip })
 }
 
 /// A domemaster: the plain one where the file says no other projection.

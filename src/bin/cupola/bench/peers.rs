@@ -39,6 +39,7 @@ pub fn domemaster(scene: &Scene) -> Result<WarpMap, Failure> {
     let mut rig = scene.rig.clone();
     rig.outputs.truncate(1);
     rig.outputs[0].kind = OutputKind::Domemaster { aperture: rig.dome.coverage, tilt: rig.dome.tilt };
+    rig.outputs[0].flip = cupola::rig::Flip::default();
     Ok(WarpMap::new(&rig, 0, (1, 1), None)?)
 }
 

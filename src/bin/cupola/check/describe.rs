@@ -152,6 +152,12 @@ fn extras(output: &Output) -> String {
         let side = if output.eye < 0.0 { "left" } else { "right" };
         parts.push(format!("for an eye {} mm to the {side} of the viewer's place", number(1e3 * output.eye.abs())));
     }
+    match (output.flip.horizontal, output.flip.vertical) {
+        (false, false) => {}
+        (true, false) => parts.push("mirrored left to right".to_owned()),
+        (false, true) => parts.push("mirrored top to bottom".to_owned()),
+        (true, true) => parts.push("mirrored both ways".to_owned()),
+    }
     let plain = parts.len();
     if *overlap {
         parts.push(format!("blended where projectors overlap (ramp {} %)", number(ramp * 100.0)));
@@ -165,6 +171,9 @@ fn extras(output: &Output) -> String {
     }
     if let Some(mask) = &output.mask {
         parts.push(format!("masked by {}", mask.display()));
+    }
+    if let Some(black) = &output.black {
+        parts.push(format!("black raised by {}", black.file.display()));
     }
     if *black_level > 0.0 {
         parts.push(format!("black raised by {} %", number(black_level * 100.0)));
@@ -268,6 +277,7 @@ pub fn json(rig: &Rig, window: (u32, u32), plan: &ViewPlan) -> Value {
             let views: Vec<&str> = views.iter().map(|view| plan.views[*view].name.as_str()).collect();
             json!({
                 "name": output.name, "kind": kind, "size": output.size, "window": place, "eye": output.eye, "views": views,
+                "flip": output.flip.word(), "mask": output.mask, "black": output.black.as_ref().map(|black| &black.file),
             })
         })
         .collect();

@@ -3,7 +3,9 @@
 use super::source::Values;
 use crate::Failure;
 use cupola::blend::{decode, encode};
-use cupola::formats::{Camera, Grid, Noted, Sample, bourke, domeprojection, easyblend, mpcdi, pfm, read_file, vwf};
+use cupola::formats::{
+    Camera, Grid, Levels, Noted, Sample, bourke, domeprojection, easyblend, mpcdi, pfm, read_file, vwf,
+};
 use cupola::geom::{Lens, Optics, Pose};
 use glam::{DVec2, DVec3};
 use std::path::Path;
@@ -27,6 +29,8 @@ pub struct Map {
     pub alpha: Option<mpcdi::Alpha>,
     /// Light added to black, as a part of white.
     pub black_level: f64,
+    /// Displayed values that black is raised to, where they are not the same everywhere.
+    pub black: Option<Levels>,
     /// The camera whose picture the grid's values lie in; they become directions.
     camera: Option<Camera>,
     /// The projector, if it is described.
@@ -35,7 +39,19 @@ pub struct Map {
 
 impl Map {
     fn new(name: String, size: Option<(u32, u32)>, grid: Option<Grid>, values: Values) -> Self {
-        Self { name, size, grid, values, alpha: None, black_level: 0.0, camera: None, lamp: None }
+        Self { name, size, grid, values, alpha: None, black_level: 0.0, black: None, camera: None, lamp: None }
+    }
+
+    /// With these displayed values of black: as light where they are the same everywhere.
+    fn with_black(mut self, levels: Option<Levels>) -> Self {
+        let Some(levels) = levels else { return self };
+        let (low, high) = levels.range();
+        if high - low <= EVEN && high < 1.0 {
+            self.black_level = decode(f64::from(0.5 * (low + high)), self.gamma());
+        } else {
+            self.black = Some(levels);
+        }
+        self
     }
 
     /// Exponent of the display's response. Weights with the exponent 1 are parts of light, of whatever display.
@@ -101,12 +117,12 @@ pub fn open(name: &str, ending: &str, values: Values) -> Result<Option<Noted<Vec
             if set.value.iter().any(|map| map.blend.is_some() || map.black.is_some() || map.white.is_some()) {
                 notes.push(format!("{name}: pictures are taken as those of displays with gamma {USUAL_GAMMA}"));
             }
-            (set.value.into_iter().map(|map| vioso(name, map, &mut notes)).collect(), notes)
+            (set.value.into_iter().map(vioso).collect(), notes)
         }
         "mpcdi" | "xml" => {
             let archive = mpcdi::read(name, &read()?)?;
-            let (profile, mut notes) = (archive.value.profile, archive.notes);
-            (archive.value.regions.into_iter().map(|of| region(name, of, profile, &mut notes)).collect(), notes)
+            let (profile, notes) = (archive.value.profile, archive.notes);
+            (archive.value.regions.into_iter().map(|of| region(of, profile)).collect(), notes)
         }
         _ => return Ok(None),
     };
@@ -114,7 +130,7 @@ pub fn open(name: &str, ending: &str, values: Values) -> Result<Option<Noted<Vec
 }
 
 /// A channel of a set of VIOSO's.
-fn vioso(file: &str, map: vwf::VwfMap, notes: &mut Vec<String>) -> Map {
+fn vioso(map: vwf::VwfMap) -> Map {
     let values = if map.points { Values::Points } else { Values::Picture };
     let size = Some(map.raster.size());
     let mut opened = Map::new(map.name, size, Some(Grid::Raster(map.raster)), values);
@@ -124,10 +140,7 @@ fn vioso(file: &str, map: vwf::VwfMap, notes: &mut Vec<String>) -> Map {
         (Some(blend), Some(white)) => Some(product(blend, &white)),
         (blend, white) => blend.or(white),
     };
-    if let Some(black) = &map.black {
-        opened.black_level = black_level(file, &opened, &black.values, notes);
-    }
-    opened
+    opened.with_black(map.black)
 }
 
 /// Both weights, at the pixels of the first.
@@ -141,7 +154,7 @@ fn product(mut first: mpcdi::Alpha, second: &mpcdi::Alpha) -> mpcdi::Alpha {
 }
 
 /// A region of an archive.
-fn region(file: &str, region: mpcdi::Region, profile: mpcdi::Profile, notes: &mut Vec<String>) -> Map {
+fn region(region: mpcdi::Region, profile: mpcdi::Profile) -> Map {
     let values = match profile {
         mpcdi::Profile::Flat => Values::Picture,
         mpcdi::Profile::Perspective => Values::Directions,
@@ -160,26 +173,7 @@ fn region(file: &str, region: mpcdi::Region, profile: mpcdi::Profile, notes: &mu
         }
         mpcdi::Profile::Flat | mpcdi::Profile::Screen => {}
     }
-    if let Some(beta) = &region.beta {
-        opened.black_level = black_level(file, &opened, &beta.levels, notes);
-    }
-    opened
-}
-
-/// The light that even black levels (displayed values) add; what is not even is told and left out, since a rig has one
-/// level for an output.
-fn black_level(file: &str, map: &Map, levels: &[f32], notes: &mut Vec<String>) -> f64 {
-    let (low, high) =
-        levels.iter().fold((f32::INFINITY, 0.0f32), |(low, high), level| (low.min(*level), high.max(*level)));
-    if high - low <= EVEN && high < 1.0 {
-        return decode(f64::from(0.5 * (low + high)), map.gamma());
-    }
-    notes.push(format!(
-        "{file}: the black levels of {:?}, {low:.3} to {high:.3} of white, are not taken over: a rig has one for an output; \
-         its blend.contrast evens out blacks",
-        map.name
-    ));
-    0.0
+    opened.with_black(region.beta)
 }
 
 #[cfg(test)]
@@ -187,14 +181,17 @@ mod tests {
     use super::*;
 
     #[test]
-    fn only_even_black_levels_are_taken() {
-        let map = Map::new("a".to_owned(), None, None, Values::Picture);
-        let mut notes = Vec::new();
-        let even = black_level("file", &map, &[0.1, 0.1005, 0.101], &mut notes);
-        assert!((even - 0.1005f64.powf(2.2)).abs() < 1e-6 && notes.is_empty(), "{even} {notes:?}");
-        assert_eq!(black_level("file", &map, &[0.0, 0.1], &mut notes), 0.0);
-        assert!(notes[0].contains("0.000 to 0.100"), "{notes:?}");
-        assert_eq!((black_level("file", &map, &[1.0], &mut notes), notes.len()), (0.0, 2));
+    fn even_black_levels_are_light_and_others_a_picture() {
+        let of = |values: &[[f32; 3]]| {
+            let levels = Levels { size: (values.len() as u32, 1), values: values.to_vec() };
+            Map::new("a".to_owned(), None, None, Values::Picture).with_black(Some(levels))
+        };
+        let even = of(&[[0.1; 3], [0.1005; 3], [0.101; 3]]);
+        assert!((even.black_level - 0.1005f64.powf(2.2)).abs() < 1e-6 && even.black.is_none());
+        for uneven in [&[[0.0; 3], [0.1; 3]][..], &[[0.1, 0.1, 0.2]], &[[1.0; 3]]] {
+            let found = of(uneven);
+            assert_eq!((found.black_level, found.black.expect("a picture").values), (0.0, uneven.to_vec()));
+        }
     }
 
     #[test]

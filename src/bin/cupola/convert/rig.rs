@@ -27,6 +27,7 @@ pub fn from_channels(path: &Path, from: &str, channels: &[Channel], projectors: 
         let (width, height) = channel.size;
         let _ = write!(outputs, "\n[[output]]\nname = {}\nsize = [{width}, {height}]\n", quoted(&name));
         let beside = |ending: &str| file_beside(path, index, &channel.name, ending);
+        let black_file = file_beside(path, index, &format!("{}-black", label(channel, index)), "png");
         match (channel.described_projector(), known) {
             (Some((optics, alpha)), known) if projectors || known.is_none() => {
                 outputs.push_str(&described_projector(channel, optics, alpha, &beside("png"))?);
@@ -43,6 +44,10 @@ pub fn from_channels(path: &Path, from: &str, channels: &[Channel], projectors: 
                 written.push(Written::map(file, channel.values));
             }
             (_, None) => return Err(Failure::usage(format!("{name} has neither a map nor a projector"))),
+        }
+        if let Some(black) = &channel.black {
+            save(&black_file, &black.png(&name)?)?;
+            let _ = writeln!(outputs, "black = {{ image = {} }}", quoted(&file_name(&black_file)));
         }
     }
     text.push_str("\n[dome]\n");
@@ -73,6 +78,11 @@ pub fn from_channels(path: &Path, from: &str, channels: &[Channel], projectors: 
     save(path, text.as_bytes())?;
     written.push(Written::rig(path.to_owned(), channels.len()));
     Ok(written)
+}
+
+/// A channel's name, or its number where it has none.
+fn label(channel: &Channel, index: usize) -> String {
+    if channel.name.is_empty() { (index + 1).to_string() } else { channel.name.clone() }
 }
 
 /// A projector that a calibration describes. Weights of its own take the place of those that its neighbours would give it.

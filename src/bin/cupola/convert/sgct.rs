@@ -1,4 +1,7 @@
 //! Rigs made of configurations of SGCT.
+//!
+//! A mirrored viewport without a mesh is a mirrored output. With a mesh it is not: the mesh stays where it is and looks at mirrored
+//! places, so it is written anew, and so is the mask, which is mirrored.
 
 use super::projector;
 use super::rig::{file_name, heading, mask, quoted};
@@ -6,6 +9,7 @@ use super::target::{Written, file_beside, save};
 use crate::Failure;
 use cupola::blend::decode;
 use cupola::formats::{Grid, bourke, pfm, read_file, sgct};
+use cupola::rig::Flip;
 use glam::DVec2;
 use std::fmt::Write;
 use std::path::Path;
@@ -56,7 +60,13 @@ fn output(
 ) -> Result<Option<String>, Failure> {
     // A warp mesh shows places of what would be the picture without it.
     let mesh = viewport.mesh.as_deref().filter(|mesh| is_warp_mesh(mesh));
-    let kind = |picture: &str| match mesh {
+    let shows_places = mesh.is_some() && !matches!(viewport.projection, sgct::Projection::Mirror { .. });
+    let anew = shows_places && viewport.mirrored != [false; 2];
+    let written = match mesh {
+        Some(mesh) if anew => Some(mirrored_mesh(mesh, viewport.mirrored, place)?),
+        mesh => mesh.map(str::to_owned),
+    };
+    let kind = |picture: &str| match &written {
         Some(mesh) => format!("kind = \"mesh\"\nfile = {}\npicture = \"{picture}\"\n", quoted(mesh)),
         None => format!("kind = \"{picture}\"\n"),
     };
@@ -75,7 +85,13 @@ fn output(
         }
     };
     if let Some(mask) = &viewport.mask {
-        let _ = writeln!(keys, "mask = {{ image = {} }}", quoted(mask));
+        let mask = if anew { mirrored_mask(mask, viewport.mirrored, place)? } else { mask.clone() };
+        let _ = writeln!(keys, "mask = {{ image = {} }}", quoted(&mask));
+    }
+    let [horizontal, vertical] = viewport.mirrored;
+    let flip = Flip { horizontal, vertical };
+    if !(flip.is_none() || anew) {
+        let _ = writeln!(keys, "flip = \"{}\"", flip.word());
     }
     if let (Some(mesh), None) = (&viewport.mesh, mesh) {
         notes.push(format!("{name}: the mesh {mesh} is left out; convert it, and make the output kind = \"mesh\""));
@@ -133,6 +149,37 @@ fn mirror(viewport: &sgct::Viewport, tilt: f64, meshes: &[String; 4], place: &Pl
         "kind = \"mesh\"\nfile = {}\nvalues = \"directions\"\n{mask}blend = {{ gamma = {GAMMA} }}\n",
         quoted(&file_name(&map))
     ))
+}
+
+/// Writes a mesh that looks at mirrored places of its picture, and gives its name.
+fn mirrored_mesh(mesh: &str, [across, up]: [bool; 2], place: &Place) -> Result<String, Failure> {
+    let path = place.from.with_file_name(mesh);
+    let mut mesh = bourke::read(&path.to_string_lossy(), &read_file(&path)?)?.value;
+    for [_, _, u, v, _] in &mut mesh.nodes {
+        *u = if across { 1.0 - *u } else { *u };
+        *v = if up { 1.0 - *v } else { *v };
+    }
+    let to = file_beside(place.to, 0, &place.number, "data");
+    save(&to, bourke::write(&mesh).as_bytes())?;
+    Ok(file_name(&to))
+}
+
+/// Writes a mirrored mask, and gives its name.
+fn mirrored_mask(mask: &str, [across, up]: [bool; 2], place: &Place) -> Result<String, Failure> {
+    let path = place.from.with_file_name(mask);
+    let wrong = |error: &dyn std::fmt::Display| Failure::new(format!("{}: {error}", path.display()));
+    let mut picture = image::load_from_memory(&read_file(&path)?).map_err(|error| wrong(&error))?;
+    if across {
+        picture = picture.fliph();
+    }
+    if up {
+        picture = picture.flipv();
+    }
+    let to = file_beside(place.to, 0, &place.number, "png");
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    picture.write_to(&mut bytes, image::ImageFormat::Png).map_err(|error| wrong(&error))?;
+    save(&to, &bytes.into_inner())?;
+    Ok(file_name(&to))
 }
 
 /// The response for which factors on displayed values are made light, as the file does not say it.

@@ -4,10 +4,10 @@ use super::Arguments;
 use super::calibration::{self, Map};
 use crate::Failure;
 use crate::map::native_size;
-use cupola::blend::{GREEN, Weights, code_of};
-use cupola::formats::{Noted, Sample, mpcdi, read_file, sgct};
+use cupola::blend::{GREEN, Weights, code_of, encode};
+use cupola::formats::{Levels, Noted, Sample, mpcdi, read_file, sgct};
 use cupola::geom::{Lens, Optics, Pose};
-use cupola::rig::{Dome, OutputKind, Rig};
+use cupola::rig::{BlackValues, Dome, Flip, Output, OutputKind, Rig};
 use cupola::warp::WarpMap;
 use glam::{DVec2, DVec3};
 use std::path::Path;
@@ -56,6 +56,8 @@ pub struct Channel<'source> {
     pub gamma: f64,
     /// Light added to black, as a part of white.
     pub black_level: f64,
+    /// Displayed values that black is raised to, a pixel for each of the output, where they are not the same everywhere.
+    pub black: Option<Levels>,
     /// The projector, if there is one without a mirror, in dome axes.
     pub lamp: Option<Optics>,
     /// The dome, if a rig tells it.
@@ -97,6 +99,7 @@ fn domemaster(rig: &Rig) -> Result<WarpMap, Failure> {
     let mut rig = rig.clone();
     rig.outputs.truncate(1);
     rig.outputs[0].kind = OutputKind::Domemaster { aperture: rig.dome.coverage, tilt: rig.dome.tilt };
+    rig.outputs[0].flip = Flip::default();
     Ok(WarpMap::new(&rig, 0, (1, 1), None)?)
 }
 
@@ -136,7 +139,8 @@ impl Source {
                         values: arguments.values(),
                         gamma: output.blend.gamma,
                         black_level: output.blend.black_level,
-                        lamp: lamp(&output.kind),
+                        black: black(output, size),
+                        lamp: lamp(output),
                         dome: Some(rig.dome),
                         kind,
                     });
@@ -155,6 +159,7 @@ impl Source {
                         values: map.values,
                         gamma: map.gamma(),
                         black_level: map.black_level,
+                        black: map.black.as_ref().map(|black| black.resized(size)),
                         lamp: map.lamp.clone(),
                         dome: None,
                         kind,
@@ -169,9 +174,23 @@ impl Source {
     }
 }
 
-/// The projector of an output, if it is one without a mirror.
-fn lamp(kind: &OutputKind) -> Option<Optics> {
-    match kind {
+/// What an output's black is raised to, displayed values, mirrored as the output is.
+fn black(output: &Output, size: (u32, u32)) -> Option<Levels> {
+    let black = output.black.as_deref()?;
+    let mut levels = black.levels.resized(size);
+    if black.values == BlackValues::Light {
+        for value in &mut levels.values {
+            *value = [0, 1, 2].map(|channel| code_of(f64::from(value[channel]), &output.blend, channel) as f32);
+        }
+    }
+    levels.values = output.flip.items(&levels.values, size.0 as usize);
+    Some(levels)
+}
+
+/// The projector of an output, if it is one without a mirror, and its picture is not mirrored.
+fn lamp(output: &Output) -> Option<Optics> {
+    match &output.kind {
+        _ if !output.flip.is_none() => None,
         OutputKind::Projector { position, angles: [yaw, pitch, roll], frustum } => {
             let pose = Pose::new(*position, *yaw, *pitch, *roll);
             Some(Optics { pose, lens: Lens::pinhole(*frustum), mirror: None })
@@ -198,6 +217,12 @@ impl Channel<'_> {
                 Some(Sample { value, intensity })
             }
         }
+    }
+
+    /// What black is raised to: a picture, or a single level, 1 × 1; `None` for nothing.
+    pub fn levels(&self) -> Option<Levels> {
+        let level = encode(self.black_level, self.gamma) as f32;
+        self.black.clone().or_else(|| (level > 0.0).then(|| Levels::even((1, 1), level)))
     }
 
     /// Whether there is a value for each pixel, not only a projector.

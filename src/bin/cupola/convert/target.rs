@@ -3,7 +3,6 @@
 use super::Arguments;
 use super::source::{Channel, Values, ending};
 use crate::{Failure, terminal};
-use cupola::blend::encode;
 use cupola::formats::{Camera, Grid, Raster, bourke, mpcdi, pfm, vwf};
 use cupola::geom::{Frustum, Lens, Optics, Projection, pose};
 use cupola::warp::{MapError, compare};
@@ -162,11 +161,10 @@ pub fn write(arguments: &Arguments, format: Format, channels: &[Channel]) -> Res
                 // Where nothing is shown nothing is weighed.
                 let weighed =
                     raster.values().iter().zip(&weights).any(|(value, weight)| !value[0].is_nan() && *weight < 1.0);
-                let level = encode(channel.black_level, channel.gamma) as f32;
                 Ok(vwf::VwfMap {
                     name: channel.name.clone(),
                     points: values == Values::Points,
-                    black: (level > 0.0).then(|| picture(vec![level; weights.len()])),
+                    black: channel.levels().map(|levels| levels.resized(size)),
                     blend: weighed.then(|| picture(weights)),
                     white: None,
                     raster,
@@ -208,13 +206,12 @@ fn region(channel: &Channel, profile: mpcdi::Profile) -> Result<mpcdi::Region, F
         let values = warp.values().iter().map(place).collect();
         warp = Raster::new(channel.size, values).ok_or_else(|| Failure::new("an output has no pixels"))?;
     }
-    let level = encode(channel.black_level, channel.gamma) as f32;
     Ok(mpcdi::Region {
         id: channel.name.clone(),
         size: channel.size,
         warp: Some(warp),
         alpha: Some(mpcdi::Alpha { size: channel.size, weights, gamma: channel.gamma }),
-        beta: (level > 0.0).then(|| mpcdi::Levels { size: (1, 1), levels: vec![level] }),
+        beta: channel.levels(),
         camera,
         fisheye,
     })
@@ -235,7 +232,7 @@ fn projector(channel: &Channel) -> Result<(Option<Camera>, Option<Optics>), Fail
             Ok((None, Some(optics.clone())))
         }
         _ => Err(Failure::usage(format!(
-            "output {:?} is no pinhole projector, and none with an equidistant or polynomial fisheye, which profile sl needs",
+            "output {:?} is no pinhole projector, and none with an equidistant or polynomial fisheye, which profile sl needs, or it is mirrored",
             channel.name
         ))),
     }

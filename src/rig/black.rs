@@ -1,0 +1,36 @@
+//! A picture of what an output shows where the program shows black.
+
+use crate::error::Result;
+use crate::formats::{Levels, levels, read_file};
+use std::path::{Path, PathBuf};
+
+/// What black is raised to in each pixel, read from a file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Black {
+    /// The file.
+    pub file: PathBuf,
+    /// A value for each channel of each pixel; of any size, it is stretched over the output.
+    pub levels: Levels,
+    /// What the values are.
+    pub values: BlackValues,
+}
+
+/// What the values of a picture of black are.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum BlackValues {
+    /// What is shown: values as the display gets them.
+    #[default]
+    Displayed,
+    /// Parts of white in linear light.
+    Light,
+}
+
+/// Reads the picture: PNG or PFM.
+///
+/// # Errors
+/// [`ErrorKind::Io`](crate::ErrorKind::Io) if the file cannot be read, [`ErrorKind::InvalidRig`](crate::ErrorKind::InvalidRig) with the
+/// reason if it is no picture or a value is not 0…1.
+pub(super) fn read(file: &Path, values: BlackValues) -> Result<Black> {
+    let levels = levels::read(&file.display().to_string(), &read_file(file)?)?;
+    Ok(Black { file: file.to_owned(), levels, values })
+}
