@@ -95,10 +95,10 @@ fn mirrored_windows_of_sgct_are_mirrored_by_the_rig() {
         ("\"mirrorx\": true, \"mirrory\": true,", true, true),
     ];
     for (number, (flags, across, up)) in flags.into_iter().enumerate() {
-        // Without a mesh the output is mirrored, and with it its mask.
+        // Without a mesh the output is mirrored, and with it its mask, which stays as it is: factors on displayed values as light.
         let turned = rig(&format!("sgct-flat-{number}"), flags, &viewport(r#""blendmask": "lopsided.png","#));
         assert_eq!(turned.outputs[0].flip, cupola::rig::Flip { horizontal: across, vertical: up });
-        assert!(turned.outputs[0].mask.as_ref().unwrap().ends_with("lopsided.png"));
+        expect_light(&turned, &mask, [false; 2]);
         let turned = map(&turned);
         let at = |along: bool, place: f64| if along { 100.0 - place } else { place };
         for pixel in [(3.5, 80.5), (50.5, 50.5), (99.5, 0.5), (20.0, 30.0)].map(glam::DVec2::from) {
@@ -123,16 +123,24 @@ fn mirrored_windows_of_sgct_are_mirrored_by_the_rig() {
             shown += 1;
         }
         assert!(shown > 4000 && worst < 1e-6, "{shown} {worst}");
-        let found = image::open(warped.outputs[0].mask.as_ref().unwrap()).unwrap().into_luma8();
-        for (x, y, value) in found.enumerate_pixels() {
-            let (x, y) = (if across { 9 - x } else { x }, if up { 9 - y } else { y });
-            assert_eq!(*value, *mask.get_pixel(x, y));
-        }
+        expect_light(&warped, &mask, [across, up]);
         // Negative control: a mirrored output would have put the mesh elsewhere.
         let mut wrong = rig(&format!("sgct-wrong-{number}"), "", &with_mesh);
         wrong.outputs[0].flip = cupola::rig::Flip { horizontal: across, vertical: up };
         let corner = glam::DVec2::new(at(false, 10.0), at(false, 85.0));
         assert!(map(&wrong).direction(corner) != map(&warped).direction(corner));
+    }
+}
+
+/// Panics unless a rig's mask has the light that factors on displayed values leave with the rig's gamma, mirrored.
+fn expect_light(rig: &cupola::rig::Rig, factors: &image::GrayImage, [across, up]: [bool; 2]) {
+    let output = &rig.outputs[0];
+    let found = image::open(output.mask.as_ref().unwrap()).unwrap().into_luma16();
+    assert_eq!(found.dimensions(), factors.dimensions());
+    for (x, y, value) in found.enumerate_pixels() {
+        let (x, y) = (if across { 9 - x } else { x }, if up { 9 - y } else { y });
+        let expected = (f64::from(factors.get_pixel(x, y).0[0]) / 255.0).powf(output.blend.gamma);
+        assert!((f64::from(value.0[0]) / 65535.0 - expected).abs() < 1e-5, "{x} {y}: {value:?} for {expected}");
     }
 }
 
@@ -145,8 +153,9 @@ fn a_mirror_in_a_configuration_of_sgct_becomes_a_map_of_directions() {
     std::fs::write(file("ahead.data"), mesh(-1.0, 0.5, 1.0)).unwrap();
     std::fs::write(file("above.data"), mesh(0.0, 1.0, 0.5)).unwrap();
     std::fs::write(file("nowhere.data"), mesh(3.0, 4.0, 1.0)).unwrap();
+    image::GrayImage::from_fn(80, 80, |x, _| image::Luma([2 * x as u8 + 50])).save(file("fading.png")).unwrap();
     let text = r#"{ "nodes": [{ "address": "a", "windows": [{ "size": { "x": 80, "y": 80 }, "viewports": [
-        { "projection": { "type": "SphericalMirrorProjection", "tilt": 45, "mesh": { "bottom": "ahead.data",
+        { "blendmask": "fading.png", "projection": { "type": "SphericalMirrorProjection", "tilt": 45, "mesh": { "bottom": "ahead.data",
           "left": "nowhere.data", "right": "nowhere.data", "top": "above.data" } } } ] }] }] }"#;
     let (config, rig) = (file("mirror.json"), file("mirror.toml"));
     std::fs::write(&config, text).unwrap();
@@ -159,7 +168,13 @@ fn a_mirror_in_a_configuration_of_sgct_becomes_a_map_of_directions() {
     assert!(towards(19.5, 39.5).distance(ahead) < 1e-6, "{}", towards(19.5, 39.5));
     let above = glam::DVec3::new(2.0 * 19.5 / 40.0 - 1.0, 1.0, 0.0125).normalize();
     assert!(towards(59.5, 39.5).distance(above) < 1e-6, "{}", towards(59.5, 39.5));
-    assert!(rig.outputs[0].mask.is_some(), "what is above has half the value");
+    // What is above has half the value, and the mask its part of that.
+    let mask = image::open(rig.outputs[0].mask.as_ref().unwrap()).unwrap().into_luma16();
+    for (x, factor) in [(19, 1.0), (59, 0.5)] {
+        let expected = (factor * (2.0 * f64::from(x) + 50.0) / 255.0).powf(rig.outputs[0].blend.gamma);
+        let found = f64::from(mask.get_pixel(x, 39).0[0]) / 65535.0;
+        assert!((found - expected).abs() < 1e-5, "{x}: {found} for {expected}");
+    }
 }
 
 /// A rig of two outputs: the black of the first differs from pixel to pixel and channel to channel.

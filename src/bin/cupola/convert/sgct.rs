@@ -84,9 +84,10 @@ fn output(
             return Ok(None);
         }
     };
-    if let Some(mask) = &viewport.mask {
-        let mask = if anew { mirrored_mask(mask, viewport.mirrored, place)? } else { mask.clone() };
-        let _ = writeln!(keys, "mask = {{ image = {} }}", quoted(&mask));
+    // A mirror's light is in its mask already.
+    if let (Some(mask), false) = (&viewport.mask, matches!(viewport.projection, sgct::Projection::Mirror { .. })) {
+        let (size, light) = light_of(mask, if anew { viewport.mirrored } else { [false; 2] }, place)?;
+        keys.push_str(&self::mask(&file_beside(place.to, 0, &place.number, "png"), size, light)?);
     }
     let [horizontal, vertical] = viewport.mirrored;
     let flip = Flip { horizontal, vertical };
@@ -142,6 +143,10 @@ fn mirror(viewport: &sgct::Viewport, tilt: f64, meshes: &[String; 4], place: &Pl
             }
         }
     }
+    if let Some(mask) = &viewport.mask {
+        let (of_mask, weights) = light_of(mask, [false; 2], place)?;
+        multiply(&mut light, size, &weights, of_mask);
+    }
     let map = file_beside(place.to, 0, &place.number, "pfm");
     save(&map, &pfm::write(size.0, &values))?;
     let mask = mask(&file_beside(place.to, 0, &place.number, "png"), size, light)?;
@@ -164,22 +169,38 @@ fn mirrored_mesh(mesh: &str, [across, up]: [bool; 2], place: &Place) -> Result<S
     Ok(file_name(&to))
 }
 
-/// Writes a mirrored mask, and gives its name.
-fn mirrored_mask(mask: &str, [across, up]: [bool; 2], place: &Place) -> Result<String, Failure> {
+/// The parts of light that a mask of factors on displayed values leaves, row by row from the top, mirrored.
+fn light_of(mask: &str, [across, up]: [bool; 2], place: &Place) -> Result<((u32, u32), Vec<f64>), Failure> {
     let path = place.from.with_file_name(mask);
-    let wrong = |error: &dyn std::fmt::Display| Failure::new(format!("{}: {error}", path.display()));
-    let mut picture = image::load_from_memory(&read_file(&path)?).map_err(|error| wrong(&error))?;
-    if across {
-        picture = picture.fliph();
+    let picture = image::load_from_memory(&read_file(&path)?)
+        .map_err(|error| Failure::new(format!("{}: {error}", path.display())))?
+        .into_luma16();
+    let (width, height) = picture.dimensions();
+    let turned = |turn: bool, at: u32, count: u32| if turn { count - 1 - at } else { at };
+    let weight = |x, y| f64::from(picture.get_pixel(turned(across, x, width), turned(up, y, height)).0[0]) / 65535.0;
+    let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+    Ok(((width, height), places.map(|(x, y)| decode(weight(x, y), GAMMA)).collect()))
+}
+
+/// Multiplies the light of a picture's pixels by weights that are stretched over it, bilinear.
+fn multiply(light: &mut [f64], size: (u32, u32), weights: &[f64], of_weights: (u32, u32)) {
+    // The two of `count` weights about a pixel, and the part of the second.
+    let about = |at: u32, pixels: u32, count: u32| {
+        let place = (f64::from(at) + 0.5) * f64::from(count) / f64::from(pixels) - 0.5;
+        let place = place.clamp(0.0, f64::from(count - 1));
+        let first = place.floor();
+        (first as usize, (first as usize + 1).min(count as usize - 1), place - first)
+    };
+    for (pixel, value) in light.iter_mut().enumerate() {
+        let (x, y) = (pixel as u32 % size.0, pixel as u32 / size.0);
+        let (left, right, across) = about(x, size.0, of_weights.0);
+        let (top, bottom, down) = about(y, size.1, of_weights.1);
+        let row = |row: usize| {
+            let at = |column: usize| weights[row * of_weights.0 as usize + column];
+            at(left) + across * (at(right) - at(left))
+        };
+        *value *= row(top) + down * (row(bottom) - row(top));
     }
-    if up {
-        picture = picture.flipv();
-    }
-    let to = file_beside(place.to, 0, &place.number, "png");
-    let mut bytes = std::io::Cursor::new(Vec::new());
-    picture.write_to(&mut bytes, image::ImageFormat::Png).map_err(|error| wrong(&error))?;
-    save(&to, &bytes.into_inner())?;
-    Ok(file_name(&to))
 }
 
 /// The response for which factors on displayed values are made light, as the file does not say it.
