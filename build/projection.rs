@@ -55,6 +55,12 @@ fn functions(curved: bool) -> String {
             globals.insert(0, instruction);
         }
     }
+    // What this file does not know would be missing in programs.
+    let made_within = kept_bodies.iter().flat_map(|i| result_within(i));
+    let made: BTreeSet<u32> = globals.iter().map(|i| i.1[result(i.0)]).chain(made_within).collect();
+    let import = head.iter().find(|i| i.0 == Op::ExtInstImport).expect("naga imports GLSL's functions").1[0];
+    let missing: Vec<&u32> = needed.iter().filter(|id| !made.contains(id) && **id != import).collect();
+    assert!(missing.is_empty(), "projection: nothing declares the ids {missing:?}");
     let decorates = |i: &&Instruction| matches!(i.0, Op::Decorate | Op::MemberDecorate) && needed.contains(&i.1[0]);
     let given: Vec<&Instruction> = head.iter().filter(decorates).collect();
     let variable = given.iter().find(|i| i.1[1] == Decoration::DescriptorSet as u32).expect("the block has a set").1[0];
@@ -66,7 +72,6 @@ fn functions(curved: bool) -> String {
     let exact: Vec<Instruction> = kept_bodies.iter().filter(rounded).map(exact).collect();
     let decorations = given.into_iter().chain(&exact).collect();
     let bound = 1 + needed.iter().max().expect("there are ids");
-    let import = head.iter().find(|i| i.0 == Op::ExtInstImport).expect("naga imports GLSL's functions").1[0];
     let float4 = kept_bodies.iter().find(|i| i.0 == Op::Function && i.1[1] == fix).expect("it is kept").1[0];
     format!(
         "Functions {{ decorations: {}, globals: {}, bodies: {}, import: {import}, variable: {variable}, fix: {fix}, vector: {float4}, bound: {bound} }}",
@@ -115,6 +120,16 @@ fn is_global(op: Op) -> bool {
 /// The operand of a declaration that is its result.
 fn result(op: Op) -> usize {
     usize::from(!is_type(op))
+}
+
+/// The id that an instruction of a function makes, if it makes one.
+fn result_within((op, operands): &Instruction) -> Option<u32> {
+    match op {
+        Op::Label => Some(operands[0]),
+        Op::Store | Op::FunctionEnd | Op::Branch | Op::BranchConditional | Op::SelectionMerge => None,
+        Op::Return | Op::ReturnValue => None,
+        _ => Some(operands[1]),
+    }
 }
 
 /// Which operands of an instruction are ids.

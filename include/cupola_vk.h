@@ -434,8 +434,8 @@ cupola_status cupola_vk_destroy(struct cupola_vk *vk);
 
 /*
  As `cupola_vk_create`, for a program that draws all views by the functions of `cupola_vk_projection_source`. An
- output with the method `vertex` or `primitive` then has one view, which is its own picture, pixel for pixel; the matrices of
- `cupola_vk_get_view` do not lead there. Edges between vertices stay straight: the program's models have to be fine.
+ output with the method `vertex` or `primitive` then has one view, which is its own picture (pixel for pixel, but where layers have to be
+ alike or the rig's `quality` asks for more); the matrices of `cupola_vk_get_view` do not lead there. Edges between vertices stay straight: the program's models have to be fine.
 
  # Safety
  As for `cupola_vk_create`.

@@ -79,7 +79,8 @@ fn body(es: bool, curved: bool) -> String {
     format!("{lens}{fix}").replace("PRECISION ", precision(es))
 }
 
-/// Our uniform, and the function `cupola_fix` that re-projects with it, as for [`body`].
+/// Our uniform, and the function `cupola_fix` that re-projects with it. `es`: for OpenGL ES; `curved`: there are views to
+/// whose lens vertices are projected.
 pub fn functions(es: bool, curved: bool) -> String {
     format!("uniform {}vec4 {UNIFORM}[{}];\n{}", precision(es), vectors(curved), body(es, curved))
 }

@@ -4,6 +4,7 @@ use crate::correct::{self, Plan, uniforms};
 use crate::error::Result;
 pub use crate::geom::Frustum;
 pub use crate::geom::division::{Division, EDGE_SHARE, NARROWEST, OUTSIDE, Outcome, WIDEST, WIDTH_SQUARED, Weights};
+use crate::geom::picture_map::Place;
 use crate::geom::pose;
 pub use crate::geom::reprojection::ClipRows;
 use crate::geom::reprojection::{CameraAdjustment, clip_rows};
@@ -30,6 +31,8 @@ pub struct Session {
     request: Request,
     plan: Plan,
     rects: Vec<[u32; 4]>,
+    /// Which outputs lost their own method.
+    refused: Vec<String>,
 }
 
 /// A primitive becomes at most so many on the processor: enough for a triangle around half of the sphere in a picture of
@@ -76,7 +79,8 @@ impl Session {
         let mut session = Self::projecting(&rig.with_views_for(refused), window, off_screen, max_atlas, extras)?;
         let outputs = rig.outputs.iter().filter(|output| refused(&output.method));
         let notes = outputs.map(|output| format!("output {}: method \"fragment\" instead of its own", output.name));
-        session.plan.views.notes.extend(notes);
+        session.refused = notes.collect();
+        session.plan.views.notes.extend_from_slice(&session.refused);
         Ok(session)
     }
 
@@ -95,7 +99,7 @@ impl Session {
         let Extras { panel, primary, draws } = extras;
         let request = Request { output_sizes, window, panel, primary, max_atlas };
         let plan = plan(rig, draws, &request)?;
-        Ok(Self { rig: rig.clone(), draws, request, plan, rects })
+        Ok(Self { rig: rig.clone(), draws, request, plan, rects, refused: Vec::new() })
     }
 
     /// The same rig and window with other tiles beside the views.
@@ -105,8 +109,10 @@ impl Session {
     pub fn with(&self, extras: Extras) -> Result<Self> {
         let Extras { panel, primary, draws } = extras;
         let request = Request { panel, primary, ..self.request.clone() };
-        let plan = plan(&self.rig, draws, &request)?;
-        Ok(Self { rig: self.rig.clone(), draws, request, plan, rects: self.rects.clone() })
+        let mut plan = plan(&self.rig, draws, &request)?;
+        let refused = self.refused.clone();
+        plan.views.notes.extend_from_slice(&refused);
+        Ok(Self { rig: self.rig.clone(), draws, request, plan, rects: self.rects.clone(), refused })
     }
 
     /// The rig.
@@ -215,7 +221,8 @@ impl Session {
     /// program's own picture has, which are those of a view with its lens.
     ///
     /// Added up over a grid on the program's picture: a view has `D / cos³ θ` samples per steradian at θ off its
-    /// axis, where D is how many it has per unit of tangents squared.
+    /// axis, where D is how many it has per unit of tangents squared. A picture to which vertices are projected has the area
+    /// that the grid's cells take there.
     pub fn samples(&self, lens: &Intrinsics, own: f64) -> f64 {
         const GRID: u32 = 16;
         let camera = &self.rig.camera;
@@ -224,17 +231,32 @@ impl Session {
         let cell = (camera.zoom * 2.0 / f64::from(GRID)).powi(2) / (lens.a * lens.c).abs();
         let mut sum = 0.0;
         for index in 0..GRID * GRID {
-            let place = |i: u32| (f64::from(i) + 0.5) * 2.0 / f64::from(GRID) - 1.0;
-            let (x, y) = (place(index % GRID), place(index / GRID));
-            let tangents = DVec3::new(camera.zoom * (x + lens.b) / lens.a, camera.zoom * (y + lens.d) / lens.c, -1.0);
-            let direction = rotation * tangents;
+            let towards = |right: f64, up: f64| {
+                let place = |i: u32, part: f64| (f64::from(i) + part) * 2.0 / f64::from(GRID) - 1.0;
+                let (x, y) = (place(index % GRID, right), place(index / GRID, up));
+                rotation * DVec3::new(camera.zoom * (x + lens.b) / lens.a, camera.zoom * (y + lens.d) / lens.c, -1.0)
+            };
+            let direction = towards(0.5, 0.5);
             for view in self.views() {
                 let samples = f64::from(view.tile.width) * f64::from(view.tile.height);
                 let seen = view.rotation * direction;
                 let (right, up) = (seen.x / -seen.z, seen.y / -seen.z);
                 let owned = &view.owned;
-                if view.program_lens || view.curved.is_some() {
+                if view.program_lens {
                     sum += own / f64::from(GRID * GRID);
+                } else if let Some(map) = &view.curved {
+                    let at = |right, up| match map.place(view.rotation * towards(right, up)) {
+                        _ if map.shown(seen).is_none() => None,
+                        Place::At(at) => Some(at),
+                        Place::Beyond(_) => None,
+                    };
+                    if let [Some(a), Some(b), Some(c), Some(d)] =
+                        [at(0.0, 0.0), at(1.0, 0.0), at(1.0, 1.0), at(0.0, 1.0)]
+                    {
+                        // Of the picture's four.
+                        let area = 0.5 * (c - a).perp_dot(d - b).abs();
+                        sum += samples * area / 4.0;
+                    }
                 } else if seen.z < 0.0
                     && (owned.left..=owned.right).contains(&right)
                     && (owned.bottom..=owned.top).contains(&up)
@@ -339,5 +361,32 @@ mod tests {
             let at = view.frustum.picture() * seen;
             assert!((x - at.x / at.z).abs() < 1e-12 && (y - at.y / at.z).abs() < 1e-12, "{}: {x} {y} {at}", view.name);
         }
+    }
+
+    /// A domemaster to which vertices are projected, the program's axis on the fisheye's: an equidistant picture of side N has
+    /// (N/π)² θ/sin θ pixels per steradian.
+    #[test]
+    fn samples_of_a_projected_picture_are_its_pixels() {
+        let text = "[dome]\ntilt = 0\ncoverage = 180\n[[output]]\nkind = \"domemaster\"\naperture = 180\ntilt = 90\nmethod = \"vertex\"\n";
+        let rig = crate::rig::parse(text, "rig.toml", Path::new("")).expect("a rig");
+        let session = Session::projecting(&rig, (600, 600), false, 16384, Extras::default()).expect("a session");
+        let [half_width, half_height] = [0.8f64, 0.5];
+        let lens = Intrinsics { a: 1.0 / half_width, b: 0.0, c: 1.0 / half_height, d: 0.0, e: -1.0, f: None };
+        let steps = 400;
+        let middle = |i: i32, half: f64| ((f64::from(i) + 0.5) * 2.0 / f64::from(steps) - 1.0) * half;
+        let cell = 4.0 * half_width * half_height / f64::from(steps * steps);
+        let mut expected = 0.0;
+        for (i, j) in (0..steps).flat_map(|i| (0..steps).map(move |j| (i, j))) {
+            let (x, y) = (middle(i, half_width), middle(j, half_height));
+            let length = (1.0 + x * x + y * y).sqrt();
+            let angle = (x * x + y * y).sqrt().atan();
+            let density = (600.0 / std::f64::consts::PI).powi(2) * angle / angle.sin();
+            expected += density * cell / length.powi(3);
+        }
+        let found = session.samples(&lens, 1e9);
+        let view = &session.views()[0];
+        assert_eq!((session.views().len(), view.curved.is_some()), (1, true));
+        let scale = f64::from(view.tile.width) * f64::from(view.tile.height) / 360_000.0;
+        assert!((found / (expected * scale) - 1.0).abs() < 0.01, "{found} for {}", expected * scale);
     }
 }

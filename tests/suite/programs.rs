@@ -254,6 +254,7 @@ fn build_vulkan(sources: &str, folder: &str) -> Option<PathBuf> {
         (!layers.exists(), "the validation layer (Debian: vulkan-validationlayers)"),
         (Command::new("glslangValidator").arg("-v").output().is_err(), "glslangValidator (glslang-tools)"),
         (!Path::new("/usr/include/vulkan/vulkan.h").exists(), "Vulkan's headers (libvulkan-dev)"),
+        (!Path::new("/usr/include/X11/extensions/Xdamage.h").exists(), "X's headers for damages (libxdamage-dev)"),
     ];
     if let Some((_, what)) = missing.iter().find(|(missing, _)| *missing) {
         assert!(std::env::var_os("CUPOLA_REQUIRE_GL").is_none(), "there is no {what}");

@@ -52,6 +52,22 @@ fn the_counts_without_cupola() {
     }
 }
 
+/// A picture to which vertices are projected has other sizes of what it shows than views.
+#[test]
+fn what_is_projected_straight_to_an_output_is_counted_like_the_program_s_own() {
+    for way in WAYS {
+        let extra = [way, &["--counts", "counts.txt"]].concat();
+        let run = Run { cupola: &["--method", "vertex"], ..run(&extra) };
+        let (Some(plain), Some(under)) = (run.vulkan_plain(), run.vulkan_under("fisheye")) else { return };
+        let (plain, under) = (counts(&plain.expect_success()), counts(&under));
+        let (own, all) = (read(&plain), read(&under));
+        assert!((0.5..2.0).contains(&(all["ahead"] as f64 / own["ahead"] as f64)), "{way:?}: {all:?}");
+        for same in ["nothing", "flat", "vertices", "primitives"] {
+            assert_eq!(all[same], own[same], "{way:?}: {same}");
+        }
+    }
+}
+
 /// What is counted once is counted once, and what no view shows is nothing; what only a view shows is more than that. The samples
 /// of what the program's own picture shows are as many as it has, but for the views' density.
 #[test]

@@ -92,12 +92,13 @@ impl Swapchain {
 /// Plans a rig for a window. What outputs lose is told.
 fn plan(device: &Device, rig: &Rig, size: (u32, u32), read: bool) -> Result<Layout> {
     let lenses = device.rows.have_lenses();
-    let lost = |method: &Method| if lenses { method.divides() } else { method.projects_vertices() };
-    let lost = rig.outputs.iter().map(|output| output.method).find(lost);
-    if let Some(method) = lost {
-        let why =
-            if method.divides() { "primitives are not divided" } else { "vertices are projected after a new start" };
-        log::once(&format!("Vulkan: {why}: outputs are made by method \"fragment\" instead"));
+    let has = |lost: &dyn Fn(&Method) -> bool| rig.outputs.iter().any(|output| lost(&output.method));
+    let reasons = [
+        (has(&Method::divides), "primitives are not divided"),
+        (!lenses && has(&|m| m.projects_vertices() && !m.divides()), "vertices are projected after a new start"),
+    ];
+    for (_, why) in reasons.iter().filter(|(lost, _)| *lost) {
+        log::once(&format!("Vulkan: {why}: outputs that ask for it are made by method \"fragment\" instead"));
     }
     Layout::new(rig, size, device.greatest_image(), read, lenses)
 }

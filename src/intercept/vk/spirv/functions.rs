@@ -93,7 +93,8 @@ impl<'a> Additions<'a> {
     /// Puts `functions` in. Their block is in set `set`.
     pub fn link(&mut self, functions: &Functions, set: u32) -> Linked {
         let mut ids = vec![0; functions.bound as usize];
-        if let Some(place) = ids.get_mut(functions.import as usize) {
+        let calls = functions.bodies.instructions().iter().any(|i| i.is(Op::ExtInst));
+        if let Some(place) = ids.get_mut(functions.import as usize).filter(|_| calls) {
             *place = match self.declared.imported("GLSL.std.450") {
                 Some(import) => import,
                 None => {

@@ -35,6 +35,10 @@ pub fn splice(
     if all.iter().any(|i| i.is(Op::EntryPoint) && i.operand(1) == main && i.offset != point.offset) {
         return Err("entry points that share a function");
     }
+    // Vertices are emitted in functions that both may call.
+    if model == ExecutionModel::Geometry && all.iter().any(|i| is_entry(i) && i.offset != point.offset) {
+        return Err("several geometry shaders in one module");
+    }
     if all.iter().any(|i| i.is(Op::ExecutionMode) && (i.operand(0), i.operand(1)) == (main, ExecutionMode::Xfb as u32))
     {
         return Err("a shader whose output is captured");
@@ -117,18 +121,44 @@ fn epilogue(to: &mut Additions<'_>, position: Position, (fix, vector): (u32, u32
     made
 }
 
+/// Whether an instruction stands before types, constants and variables (sections 1 to 8 of a module).
+fn before_types(instruction: &Instruction<'_>) -> bool {
+    let head = [
+        Op::Capability,
+        Op::Extension,
+        Op::ExtInstImport,
+        Op::MemoryModel,
+        Op::EntryPoint,
+        Op::ExecutionMode,
+        Op::ExecutionModeId,
+        Op::String,
+        Op::SourceExtension,
+        Op::Source,
+        Op::SourceContinued,
+        Op::Name,
+        Op::MemberName,
+        Op::ModuleProcessed,
+        Op::Decorate,
+        Op::MemberDecorate,
+        Op::DecorationGroup,
+        Op::GroupDecorate,
+        Op::GroupMemberDecorate,
+        Op::DecorateId,
+        Op::DecorateString,
+        Op::MemberDecorateString,
+    ];
+    head.iter().any(|op| instruction.is(*op))
+}
+
 /// The whole module.
 fn put_into(mut additions: Additions<'_>, words: &[u32], all: &[Instruction<'_>], entry: &Entry<'_>) -> Vec<u32> {
     let mut out = words[..HEADER].to_vec();
     let (mut imported, mut decorated, mut declared) = (false, false, false);
     for instruction in all {
-        let opcode = instruction.opcode;
-        let begins_types = (Op::TypeVoid as u32..=Op::TypeForwardPointer as u32).contains(&opcode)
-            || [Op::Line as u32, Op::NoLine as u32].contains(&opcode);
         if instruction.is(Op::MemoryModel) && !std::mem::replace(&mut imported, true) {
             out.append(&mut additions.imports);
         }
-        if begins_types && !std::mem::replace(&mut decorated, true) {
+        if !before_types(instruction) && !std::mem::replace(&mut decorated, true) {
             out.append(&mut additions.decorations);
         }
         if instruction.is(Op::Function) && !std::mem::replace(&mut declared, true) {
@@ -150,7 +180,7 @@ fn put_into(mut additions: Additions<'_>, words: &[u32], all: &[Instruction<'_>]
         if let (true, Some(wrapper)) = (mode && instruction.operand(0) == entry.main, entry.wrapper) {
             operands[0] = wrapper;
         }
-        push_code(&mut out, opcode, &operands);
+        push_code(&mut out, instruction.opcode, &operands);
     }
     out.append(&mut additions.bodies);
     out[3] = additions.bound();

@@ -125,6 +125,66 @@ fn damaged_modules_do_no_harm() {
     }
 }
 
+/// Words of a module whose instructions are given.
+fn module(bound: u32, all: &[(u32, &[u32])]) -> Vec<u32> {
+    let mut words = vec![spirv::MAGIC_NUMBER, 0x0001_0300, 0, bound, 0];
+    for (opcode, operands) in all {
+        words.push((operands.len() as u32 + 1) << 16 | opcode);
+        words.extend(*operands);
+    }
+    words
+}
+
+/// A stage with the loose `gl_Position` 5, put together by hand; its types begin with `first`, and its function is 7.
+fn loose_position(points: &[[u32; 4]], first: (u32, &[u32])) -> Vec<u32> {
+    let output = StorageClass::Output as u32;
+    let builtin = [5, Decoration::BuiltIn as u32, spirv::BuiltIn::Position as u32];
+    let mut all: Vec<(u32, &[u32])> = vec![(Op::Capability as u32, &[1]), (Op::MemoryModel as u32, &[0, 1])];
+    all.extend(points.iter().map(|point| (Op::EntryPoint as u32, &point[..])));
+    all.extend([(Op::Decorate as u32, &builtin[..]), first]);
+    let pointer = [4, output, 3];
+    let variable = [4, 5, output];
+    all.extend([
+        (Op::TypeVoid as u32, &[1][..]),
+        (Op::TypeFloat as u32, &[2, 32]),
+        (Op::TypeVector as u32, &[3, 2, 4]),
+        (Op::TypePointer as u32, &pointer),
+        (Op::Variable as u32, &variable),
+        (Op::TypeFunction as u32, &[6, 1]),
+        (Op::Function as u32, &[1, 7, 0, 6]),
+        (Op::Label as u32, &[8]),
+        (Op::Return as u32, &[]),
+        (Op::FunctionEnd as u32, &[]),
+    ]);
+    module(40, &all)
+}
+
+/// Types of extensions may come before all others; decorations come before them.
+#[test]
+fn decorations_stand_before_types_whatever_the_first_is() {
+    // OpTypeAccelerationStructureKHR, OpTypeVoid's twin that no module needs, a number that nobody knows.
+    for first in [5341, 6090] {
+        let words =
+            loose_position(&[[ExecutionModel::Vertex as u32, 7, u32::from_le_bytes(*b"go\0\0"), 5]], (first, &[30]));
+        let after = splice(&words, ExecutionModel::Vertex, "go", 2, false).expect("a loose position");
+        let all = instructions(&after).expect("a module");
+        let at = all.iter().position(|i| i.opcode == first).expect("it stays");
+        let is_decoration = |i: &&super::module::Instruction<'_>| i.is(Op::Decorate) || i.is(Op::MemberDecorate);
+        assert!(all[..at].iter().filter(is_decoration).count() > 3, "ours are there");
+        assert_eq!(all[at..].iter().filter(is_decoration).count(), 0);
+    }
+}
+
+#[test]
+fn several_geometry_shaders_in_a_module_are_refused() {
+    let point = |main: u32, name: &[u8; 4]| [ExecutionModel::Geometry as u32, main, u32::from_le_bytes(*name), 5];
+    let types = (Op::TypeBool as u32, &[30][..]);
+    let one = loose_position(&[point(7, b"go\0\0")], types);
+    assert!(splice(&one, ExecutionModel::Geometry, "go", 2, false).is_ok());
+    let two = loose_position(&[point(7, b"go\0\0"), point(9, b"on\0\0")], types);
+    assert_eq!(splice(&two, ExecutionModel::Geometry, "go", 2, false), Err("several geometry shaders in one module"));
+}
+
 /// A block with an array of structures with matrices, put together by hand.
 #[test]
 fn matrices_are_found_in_nested_blocks() {
