@@ -363,6 +363,19 @@ mod tests {
         }
     }
 
+    /// Also when other tiles are asked for later.
+    #[test]
+    fn outputs_that_lose_their_method_are_told() {
+        let text = "[[output]]\nname = \"one\"\nkind = \"domemaster\"\nmethod = \"primitive\"\n";
+        let rig = crate::rig::parse(text, "rig.toml", Path::new("")).expect("a rig");
+        let session = Session::undivided(&rig, (300, 300), false, 8192, Extras::default()).expect("a session");
+        let more = session.with(Extras { primary: true, ..Extras::default() }).expect("a session");
+        for session in [session, more] {
+            let notes = &session.plan().views.notes;
+            assert!(notes.iter().any(|note| note == "output one: method \"fragment\" instead of its own"), "{notes:?}");
+        }
+    }
+
     /// A domemaster to which vertices are projected, the program's axis on the fisheye's: an equidistant picture of side N has
     /// (N/π)² θ/sin θ pixels per steradian.
     #[test]
