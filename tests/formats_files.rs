@@ -1,8 +1,10 @@
 //! Calibration files: hostile ones, and what `cupola convert` writes.
 
+mod convert;
+
+use convert::{convert, cupola, file};
 use cupola::formats::{Raster, bourke, domeprojection, easyblend, mpcdi, pfm, sgct, vwf};
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::path::Path;
 
 /// A SplitMix64 generator: the same damage in every run.
 struct Random(u64);
@@ -166,23 +168,6 @@ fn damaged_configurations_do_no_harm() {
             "type": "PlanarProjection", "fov": { "hfov": 90, "vfov": 60 }, "orientation": { "yaw": 20, "pitch": 5, "roll": -3 } } }
         ] }] }], "users": [{ "pos": { "x": 0, "y": 0, "z": 4 } }] }"#;
     survives(text.as_bytes(), |bytes| sgct::read("some.file", bytes).map(drop));
-}
-
-fn cupola(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_cupola")).args(arguments).output().unwrap()
-}
-
-#[track_caller]
-fn convert(from: &str, to: &Path, more: &[&str]) -> serde_json::Value {
-    let output = cupola(&[&["convert", from, to.to_str().unwrap(), "--json"], more].concat());
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    serde_json::from_slice(&output.stdout).unwrap()
-}
-
-fn file(name: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("formats_files");
-    std::fs::create_dir_all(&folder).unwrap();
-    folder.join(name)
 }
 
 fn map(path: &Path) -> Raster {

@@ -1,24 +1,9 @@
 //! Rigs that `cupola convert` makes of other programs' calibrations, whole: configurations of SGCT.
 
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+mod convert;
 
-fn cupola(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_cupola")).args(arguments).output().unwrap()
-}
-
-#[track_caller]
-fn convert(from: &str, to: &Path, more: &[&str]) -> serde_json::Value {
-    let output = cupola(&[&["convert", from, to.to_str().unwrap(), "--json"], more].concat());
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    serde_json::from_slice(&output.stdout).unwrap()
-}
-
-fn file(name: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("formats_rigs");
-    std::fs::create_dir_all(&folder).unwrap();
-    folder.join(name)
-}
+use convert::{convert, file};
+use std::path::PathBuf;
 
 #[test]
 fn a_configuration_of_sgct_becomes_a_rig() {
@@ -256,6 +241,7 @@ fn light_of_black_and_mirrored_blacks_are_written_as_they_are_shown() {
         }
     }
     // A projector whose picture is mirrored is none that the profile of projectors can say.
-    let refused = cupola(&["convert", from.to_str().unwrap(), file("no.mpcdi").to_str().unwrap(), "--profile", "sl"]);
+    let refused =
+        convert::cupola(&["convert", from.to_str().unwrap(), file("no.mpcdi").to_str().unwrap(), "--profile", "sl"]);
     assert!(!refused.status.success() && String::from_utf8_lossy(&refused.stderr).contains("it is mirrored"));
 }

@@ -53,3 +53,13 @@ pub(super) fn checked_size(name: &str, width: u64, height: u64) -> Result<(u32, 
         )),
     }
 }
+
+/// A PNG picture of any kind, within limits.
+pub(super) fn png(name: &str, bytes: &[u8]) -> Result<image::DynamicImage> {
+    let mut reader = image::ImageReader::with_format(std::io::Cursor::new(bytes), image::ImageFormat::Png);
+    let mut limits = image::Limits::default();
+    limits.max_image_width = Some(MOST_PIXELS as u32);
+    limits.max_alloc = Some(LONGEST_FILE / 2);
+    reader.limits(limits);
+    reader.decode().map_err(|error| invalid(name, format!("is no PNG picture that can be read: {error}")))
+}

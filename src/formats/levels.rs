@@ -1,10 +1,9 @@
 //! Pictures of what a display shows where a program shows black.
 
-use super::input::{LONGEST_FILE, MOST_PIXELS, invalid};
+use super::input::{self, invalid};
 use super::pfm;
 use crate::error::{Error, ErrorKind, Result};
 use glam::DVec2;
-use std::io::Cursor;
 
 /// Values for each channel of each pixel, 0…1; what they are is said beside them.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,13 +40,7 @@ pub fn read(name: &str, bytes: &[u8]) -> Result<Levels> {
 /// # Errors
 /// [`ErrorKind::InvalidRig`] with the reason.
 pub fn read_png(name: &str, bytes: &[u8]) -> Result<Levels> {
-    let wrong = |error: image::ImageError| invalid(name, format!("is no PNG picture that can be read: {error}"));
-    let mut reader = image::ImageReader::with_format(Cursor::new(bytes), image::ImageFormat::Png);
-    let mut limits = image::Limits::default();
-    limits.max_image_width = Some(MOST_PIXELS as u32);
-    limits.max_alloc = Some(LONGEST_FILE / 2);
-    reader.limits(limits);
-    let picture = reader.decode().map_err(wrong)?.into_rgb16();
+    let picture = input::png(name, bytes)?.into_rgb16();
     let values = picture.pixels().map(|pixel| pixel.0.map(|value| f32::from(value) / 65535.0));
     Ok(Levels { size: picture.dimensions(), values: values.collect() })
 }
@@ -110,7 +103,7 @@ impl Levels {
         };
         let picture: image::DynamicImage =
             picture.ok_or_else(|| invalid(name, "has a picture whose values do not fit its size"))?;
-        let mut bytes = Cursor::new(Vec::new());
+        let mut bytes = std::io::Cursor::new(Vec::new());
         let written = picture.write_to(&mut bytes, image::ImageFormat::Png);
         written.map_err(|error| Error::new(ErrorKind::Internal, format!("{name}: packing a picture: {error}")))?;
         Ok(bytes.into_inner())

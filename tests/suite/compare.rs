@@ -161,3 +161,22 @@ fn failure_path(what: &str, kind: &str) -> PathBuf {
         what.chars().map(|c| if c.is_ascii_alphanumeric() || "-_.".contains(c) { c } else { '_' }).collect();
     directory.join(format!("{name}-{kind}.png"))
 }
+
+/// Panics unless the points of the direction test's cube that are drawn on `background` have the colours of their places.
+pub fn expect_points(picture: &Picture, background: [u8; 3], shown: impl Fn(f64, f64) -> Shown) {
+    let (mut lit, mut worst) = (0, 0.0f64);
+    for (x, y) in (0..picture.height).flat_map(|y| (0..picture.width).map(move |x| (x, y))) {
+        let found = picture.at(x, y);
+        let Shown::Direction(direction) = shown(x as f64 + 0.5, y as f64 + 0.5) else { continue };
+        if found == background {
+            continue;
+        }
+        lit += 1;
+        let expected = cube_colour(direction).map(|channel| 255.0 * channel);
+        let off = [0, 1, 2].map(|channel| (f64::from(found[channel]) - expected[channel]).abs());
+        worst = worst.max(off.into_iter().fold(0.0, f64::max));
+    }
+    // A point is drawn at the pixel that its place is in: at most 0.7 pixels, each 1.6/255 at most, off its centre.
+    assert!(lit > 8_000, "{lit} points are seen of about 12000");
+    assert!(worst < 2.5, "a point is off by {worst:.2}/255");
+}

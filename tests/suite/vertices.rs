@@ -1,10 +1,10 @@
 //! Methods `vertex` and `primitive`: vertices that are projected straight to an output, against the exact map.
 
-use crate::compare::{Report, Shown, compare, expect_good, expect_identical};
+use crate::compare::{Report, Shown, compare, expect_good, expect_identical, expect_points};
 use crate::dialects::{camera_of, shown_by_fisheye, shown_by_projector};
 use crate::picture::Picture;
 use crate::programs::{Finished, Run, scratch};
-use crate::reference::{Fisheye, Vector, cube_colour, dot};
+use crate::reference::{Fisheye, Vector, dot};
 use crate::rigs;
 
 const CIRCLE: Fisheye = Fisheye { width: 256.0, height: 256.0, aperture: 180.0, tilt: 90.0 };
@@ -51,24 +51,7 @@ fn points_are_where_the_exact_map_has_them() {
     let run = run("fine", &extra, &["--method", "vertex"]);
     let Some(finished) = fisheye(&run) else { return };
     let picture = finished.picture("capture.png");
-    let shown = shown_by_fisheye(CIRCLE, camera_of(&run));
-    let (mut lit, mut worst) = (0, 0.0f64);
-    for (x, y) in (0..picture.height).flat_map(|y| (0..picture.width).map(move |x| (x, y))) {
-        let found = picture.at(x, y);
-        let Shown::Direction(direction) = shown(x as f64 + 0.5, y as f64 + 0.5) else {
-            continue;
-        };
-        if found == [0; 3] {
-            continue;
-        }
-        lit += 1;
-        let expected = cube_colour(direction).map(|channel| 255.0 * channel);
-        let off = [0, 1, 2].map(|channel| (f64::from(found[channel]) - expected[channel]).abs());
-        worst = worst.max(off.into_iter().fold(0.0, f64::max));
-    }
-    // A point is drawn at the pixel that its place is in: at most 0.7 pixels, each 1.6/255 at most, off its centre.
-    assert!(lit > 8_000, "{lit} points are seen of about 12000");
-    assert!(worst < 2.5, "a point is off by {worst:.2}/255");
+    expect_points(&picture, [0; 3], shown_by_fisheye(CIRCLE, camera_of(&run)));
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Files out of the zip archive, within limits.
 
 use crate::error::Result;
-use crate::formats::input::{LONGEST_FILE, MOST_PIXELS, invalid};
+use crate::formats::input::{self, LONGEST_FILE, invalid};
 use std::io::{Cursor, Read};
 use zip::ZipArchive;
 
@@ -56,13 +56,7 @@ impl<'a> Files<'a> {
 
 /// Size and values (0…1, row by row from the top) of a PNG picture, by its luma.
 pub(super) fn picture(name: &str, bytes: &[u8]) -> Result<((u32, u32), Vec<f32>)> {
-    let wrong = |error: image::ImageError| invalid(name, format!("is no PNG picture that can be read: {error}"));
-    let mut reader = image::ImageReader::with_format(Cursor::new(bytes), image::ImageFormat::Png);
-    let mut limits = image::Limits::default();
-    limits.max_image_width = Some(MOST_PIXELS as u32);
-    limits.max_alloc = Some(LONGEST_FILE / 2);
-    reader.limits(limits);
-    let grey = reader.decode().map_err(wrong)?.into_luma16();
+    let grey = input::png(name, bytes)?.into_luma16();
     let size = grey.dimensions();
     Ok((size, grey.into_raw().iter().map(|value| f32::from(*value) / 65535.0).collect()))
 }

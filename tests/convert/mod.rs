@@ -1,0 +1,23 @@
+//! The command `convert`, for the tests of files.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+pub fn cupola(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_cupola")).args(arguments).output().unwrap()
+}
+
+/// Converts a file, and gives what the command answers.
+#[track_caller]
+pub fn convert(from: &str, to: &Path, more: &[&str]) -> serde_json::Value {
+    let output = cupola(&[&["convert", from, to.to_str().unwrap(), "--json"], more].concat());
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+/// A file in a folder of the calling tests' own.
+pub fn file(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(env!("CARGO_CRATE_NAME"));
+    std::fs::create_dir_all(&folder).unwrap();
+    folder.join(name)
+}
