@@ -196,18 +196,34 @@ fn draw_in_scene(ctx: &mut Context, mut position: ScenePosition, changes: Change
         set_again(gl, &position);
         move_by(gl, position.moved[0], position.moved[1]);
     };
+    // In the program's own window the position is where it was set, whatever its viewport and projection are now.
+    let as_set = |tile: [i32; 4]| {
+        if !keeps {
+            set();
+            return;
+        }
+        // SAFETY: takes up what was pushed above, and leaves it pushed.
+        unsafe {
+            gl.pop_attrib();
+            gl.push_attrib(api::GL_CURRENT_BIT);
+        }
+        if is_valid(gl) {
+            move_by(gl, tile[0] as f32, tile[1] as f32);
+        }
+    };
     counting::weigh(ctx, Weights::ONCE);
     for index in 0..target.session.views().len() {
         let Some(projection) = ctx.raster.projections.get(index).copied() else { break };
         let (tile, own_lens) = target.session.tile(index);
         if own_lens {
             own_window_space(ctx, tile);
+            as_set(tile);
         } else {
             ctx.set_scissor(Some(tile));
             ctx.set_viewport(tile);
             load_projection(ctx, &projection);
+            set();
         }
-        set();
         repeats.unchanged(gl, false, || issue(gl));
         target.issued(index);
     }
@@ -215,7 +231,7 @@ fn draw_in_scene(ctx: &mut Context, mut position: ScenePosition, changes: Change
     if let Some(tile) = target.primary() {
         counting::weigh(ctx, Weights { samples: 0.0, ..Weights::ONCE });
         own_window_space(ctx, tile);
-        set();
+        as_set(tile);
         repeats.unchanged(gl, false, || issue(gl));
         ctx.counts.primary_draws += 1;
     }
