@@ -162,6 +162,12 @@ fn failure_path(what: &str, kind: &str) -> PathBuf {
     directory.join(format!("{name}-{kind}.png"))
 }
 
+/// How many pixels of two pictures differ by more than 4/255, as a part of all.
+pub fn far(found: &Picture, expected: &Picture) -> f64 {
+    let off = |i: &usize| (0..3).any(|c| found.pixels[*i][c].abs_diff(expected.pixels[*i][c]) > 4);
+    (0..found.pixels.len()).filter(off).count() as f64 / found.pixels.len() as f64
+}
+
 /// Panics unless the points of the direction test's cube that are drawn on `background` have the colours of their places.
 pub fn expect_points(picture: &Picture, background: [u8; 3], shown: impl Fn(f64, f64) -> Shown) {
     let (mut lit, mut worst) = (0, 0.0f64);

@@ -12,8 +12,8 @@ pub struct Display {
     _connection: UnixStream,
 }
 
-/// Width and height of a place: no window of the suite is larger.
-const PLACE: (usize, usize) = (600, 400);
+/// Width and height of a place: no window on the screen that all share is larger.
+pub const PLACE: (usize, usize) = (600, 400);
 /// Columns and rows of places on the screen; more than tests run at the same time on a usual machine.
 const PLACES: (usize, usize) = (4, 4);
 

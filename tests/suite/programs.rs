@@ -109,7 +109,16 @@ impl<'a> Run<'a> {
         let place = display::place();
         command.args(self.arguments(&place));
         command.envs(self.environment.iter().copied());
-        Finished::of(command, self.program, "without Cupola")
+        self.in_a_window(command, "without Cupola")
+    }
+
+    /// Runs a command on the screen that all share; a window that is larger than a place there would hide others', and gets a
+    /// screen of its own.
+    fn in_a_window(&self, command: Command, rig: &str) -> Option<Finished> {
+        if self.size.0 <= display::PLACE.0 && self.size.1 <= display::PLACE.1 {
+            return Finished::of(command, self.program, rig);
+        }
+        Some(Finished::on(&display::own(24)?, command, self.program, rig))
     }
 
     /// Runs the program with the preload library and no launcher; the rig is in the environment.
@@ -136,7 +145,7 @@ impl<'a> Run<'a> {
         command.args(["--capture", "capture.png", "--stats", "stats.json"]);
         command.args(self.cupola).arg("--").arg(built().join(self.program)).args(self.arguments(&place));
         command.envs(self.environment.iter().copied());
-        let finished = Finished::of(command, self.program, rig)?;
+        let finished = self.in_a_window(command, rig)?;
         let words = String::from_utf8_lossy(&finished.output.stderr);
         assert!(!words.contains("will not be corrected"), "{}: {words}", finished.what);
         Some(finished)

@@ -1,6 +1,6 @@
 //! Methods `vertex` and `primitive`: vertices that are projected straight to an output, against the exact map.
 
-use crate::compare::{Report, Shown, compare, expect_good, expect_identical, expect_points};
+use crate::compare::{Report, Shown, compare, expect_good, expect_identical, expect_points, far};
 use crate::dialects::{camera_of, shown_by_fisheye, shown_by_projector};
 use crate::picture::Picture;
 use crate::programs::{Finished, Run, scratch};
@@ -95,12 +95,6 @@ fn the_fixed_function_pipeline_s_vertices_are_where_the_exact_map_has_them() {
         let statistics = finished.statistics();
         assert_eq!(statistics["views"].as_array().map(Vec::len), Some(1), "one pass: {statistics:#}");
     }
-}
-
-/// How many pixels of two pictures differ by more than 4/255, as a part of all.
-fn far(found: &Picture, expected: &Picture) -> f64 {
-    let off = |i: &usize| (0..3).any(|c| found.pixels[*i][c].abs_diff(expected.pixels[*i][c]) > 4);
-    (0..found.pixels.len()).filter(off).count() as f64 / found.pixels.len() as f64
 }
 
 /// Lights, materials, fog, generated texture coordinates, clip planes: as the pipeline itself has them.

@@ -1,6 +1,6 @@
 //! Method `vertex` in Vulkan programs: vertices that are projected straight to an output, against the exact map.
 
-use crate::compare::{Report, compare, expect_good, expect_identical, expect_points, expect_similar};
+use crate::compare::{Report, compare, expect_good, expect_identical, expect_points, expect_similar, far};
 use crate::dialects::{camera_of, shown_by_fisheye, shown_by_projector};
 use crate::picture::Picture;
 use crate::programs::{Finished, Run, installed, scratch};
@@ -142,12 +142,6 @@ fn every_projector_gets_its_own_pass_and_blends() {
         assert!(far < 0.01, "{}: {far} of the pixels are off", projector.name);
         assert!(picture.pixels.iter().zip(&found.pixels).any(|(a, b)| a[0].abs_diff(b[0]) > 40), "nothing is blended");
     }
-}
-
-/// How many pixels of two pictures differ by more than 4/255, as a part of all.
-fn far(found: &Picture, expected: &Picture) -> f64 {
-    let off = |i: &usize| (0..3).any(|c| found.pixels[*i][c].abs_diff(expected.pixels[*i][c]) > 4);
-    (0..found.pixels.len()).filter(off).count() as f64 / found.pixels.len() as f64
 }
 
 /// What is flat is where it is with views: on the panel after the scene, behind it before the scene.

@@ -192,8 +192,9 @@ fn draw_in_scene(ctx: &mut Context, mut position: ScenePosition, changes: Change
         gl.load_matrixd(position.model_view.as_ptr());
         gl.matrix_mode(mode);
     }
+    let present = Present::of(gl);
     let set = || {
-        set_again(gl, &position);
+        present.set_again(gl, &position);
         move_by(gl, position.moved[0], position.moved[1]);
     };
     // In the program's own window the position is where it was set, whatever its viewport and projection are now.
@@ -258,28 +259,48 @@ fn draw_in_scene(ctx: &mut Context, mut position: ScenePosition, changes: Change
     ctx.target = Some(target);
 }
 
-/// Sets a position of the scene again, with the colour and the texture coordinate that it took with it, and in the range of
-/// depths of that time; what is current stays.
-fn set_again(gl: &Gl, position: &ScenePosition) {
-    let [x, y, z, w] = position.object;
-    let (mut color, mut texture, mut depths) = ([0.0; 4], [0.0; 4], [0.0; 2]);
-    // The colour is lit already, and the material, which may follow what is current, must not follow it.
-    let switches = [api::GL_LIGHTING, api::GL_COLOR_MATERIAL];
-    // SAFETY: the program's own position; all else is as it was when this returns.
-    unsafe {
-        let on = switches.map(|switch| gl.is_enabled(switch) != 0);
-        gl.get_floatv(api::GL_CURRENT_COLOR, color.as_mut_ptr());
-        gl.get_floatv(api::GL_CURRENT_TEXTURE_COORDS, texture.as_mut_ptr());
-        switches.iter().zip(on).filter(|(_, on)| *on).for_each(|(switch, _)| gl.disable(*switch));
-        gl.get_doublev(api::GL_DEPTH_RANGE, depths.as_mut_ptr());
-        gl.depth_range(position.depths[0], position.depths[1]);
-        gl.color4fv(position.color.as_ptr());
-        gl.tex_coord4fv(position.texture.as_ptr());
-        gl.raster_pos4d(x, y, z, w);
-        gl.depth_range(depths[0], depths[1]);
-        gl.color4fv(color.as_ptr());
-        gl.tex_coord4fv(texture.as_ptr());
-        switches.iter().zip(on).filter(|(_, on)| *on).for_each(|(switch, _)| gl.enable(*switch));
+/// What setting a position again would change, as it is when a draw begins.
+struct Present {
+    /// Whether each of [`Present::SWITCHES`] is on.
+    on: [bool; 2],
+    color: [f32; 4],
+    texture: [f32; 4],
+    depths: [f64; 2],
+}
+
+impl Present {
+    /// The colour of a position is lit already, and the material, which may follow what is current, must not follow it.
+    const SWITCHES: [u32; 2] = [api::GL_LIGHTING, api::GL_COLOR_MATERIAL];
+
+    fn of(gl: &Gl) -> Self {
+        let (mut color, mut texture, mut depths) = ([0.0; 4], [0.0; 4], [0.0; 2]);
+        // SAFETY: plain state; writes four floats twice, and two doubles.
+        let on = unsafe {
+            gl.get_floatv(api::GL_CURRENT_COLOR, color.as_mut_ptr());
+            gl.get_floatv(api::GL_CURRENT_TEXTURE_COORDS, texture.as_mut_ptr());
+            gl.get_doublev(api::GL_DEPTH_RANGE, depths.as_mut_ptr());
+            Self::SWITCHES.map(|switch| gl.is_enabled(switch) != 0)
+        };
+        Self { on, color, texture, depths }
+    }
+
+    /// Sets a position of the scene again, with the colour and the texture coordinate that it took with it, and in the range
+    /// of depths of that time; all else stays.
+    fn set_again(&self, gl: &Gl, position: &ScenePosition) {
+        let [x, y, z, w] = position.object;
+        let on = || Self::SWITCHES.iter().zip(self.on).filter(|(_, on)| *on).map(|(switch, _)| *switch);
+        // SAFETY: the program's own position; the rest is put back.
+        unsafe {
+            on().for_each(|switch| gl.disable(switch));
+            gl.depth_range(position.depths[0], position.depths[1]);
+            gl.color4fv(position.color.as_ptr());
+            gl.tex_coord4fv(position.texture.as_ptr());
+            gl.raster_pos4d(x, y, z, w);
+            gl.depth_range(self.depths[0], self.depths[1]);
+            gl.color4fv(self.color.as_ptr());
+            gl.tex_coord4fv(self.texture.as_ptr());
+            on().for_each(|switch| gl.enable(switch));
+        }
     }
 }
 
