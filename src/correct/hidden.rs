@@ -11,16 +11,16 @@ use crate::views::{Tile, View};
 use glam::{DVec2, DVec3};
 
 /// Texels of a sheet's cell, across and up.
-const CELL: u32 = 8;
+const CELL: u32 = 2;
 
 /// Blocks of pixels that no border crosses are looked at whole; others down to this size in pixels.
-const FINEST: u32 = 4;
+const FINEST: u32 = 1;
 
 /// Directions nearer than this (radians) to the side of a view may be taken for either side in 32-bit arithmetic.
 const ROUNDING: f64 = 1e-5;
 
 /// For each view the rectangles of its tile, in texels of the atlas, that no filter footprint of any output's pixel
-/// touches; disjoint, in cells of 8 texels. Conservative: what is uncertain counts as sampled. Views with the
+/// touches; disjoint, in cells of 2 texels. Conservative: what is uncertain counts as sampled. Views with the
 /// program's own lens and pictures of outputs have none.
 pub fn hidden_areas(plan: &Plan) -> Vec<Vec<Tile>> {
     let mut sheets: Vec<Sheet> = plan.views.views.iter().map(|view| Sheet::new(view, plan.views.guard)).collect();
@@ -53,8 +53,8 @@ impl Sheet {
             sampled: vec![view.program_lens || view.curved.is_some(); (columns * rows) as usize],
             frustum: view.frustum,
             size: DVec2::new(f64::from(width), f64::from(height)),
-            // The filter reaches as far as the guard; one texel more for rounding.
-            reach: f64::from(guard) + 1.0,
+            // Filters and the overhang of views reach less far than the guard, which is counted in whole texels.
+            reach: f64::from(guard),
         }
     }
 

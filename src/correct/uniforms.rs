@@ -29,7 +29,7 @@ pub const MAX_NEIGHBOURS: usize = 12;
 pub const MAX_RAMPS: usize = 8;
 
 /// How far, in texels, a view also answers for beyond its own part: nothing falls between two
-/// views by rounding, and the guard of at least one texel still feeds the bilinear filter.
+/// views by rounding. What filters need beside it is in the guard (`views::layout`).
 const OVERHANG: f64 = 0.125;
 
 /// How far a view of a plan also answers, texels.

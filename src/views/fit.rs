@@ -14,9 +14,9 @@ use super::sight::Sample;
 use crate::geom::Frustum;
 use glam::{DMat3, DVec2, DVec3};
 
-/// The shortage of resolution between samples that is made good in advance: over a fortieth of a picture, twice what the
+/// The shortage of resolution between samples that is made good in advance: over a 64th of a picture, twice what the
 /// curvature of any map seen so far hides.
-const RESERVE: f64 = 1.0003;
+const RESERVE: f64 = 1.0001;
 
 /// Directions with a smaller cosine from the axis (83°) are not drawn in perspective: the tangent is above 8.
 pub(crate) const LEAST_COSINE: f64 = 0.12;

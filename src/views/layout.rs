@@ -9,15 +9,15 @@ use crate::rig::{Filter, Rig};
 /// Texels around the sampled part of a tile.
 ///
 /// Bilinear filtering at the very border of the sampled part reads half a texel beyond it, a cubic
-/// kernel one and a half; half a texel is left for the overhang of views and the rounding of 32-bit shaders.
-/// Places beside a pixel's centre need no more: each is looked up in the view that answers for it.
-fn guard(filter: Filter) -> u32 {
-    if filter.is_cubic() { 2 } else { 1 }
+/// kernel one and a half; an eighth is the overhang of views (`correct::uniforms`), the rest for the rounding of 32-bit
+/// shaders. Places beside a pixel's centre need no more: each is looked up in the view that answers for it.
+fn guard(filter: Filter) -> f64 {
+    if filter.is_cubic() { 1.65625 } else { 0.65625 }
 }
 
 /// Texels by which the sampled part is widened to each side, so that a direction on the border of
 /// two views belongs to at least one of them in 32-bit arithmetic too.
-pub(crate) const MARGIN: f64 = 0.25;
+pub(crate) const MARGIN: f64 = 0.21875;
 
 /// Free texels between tiles.
 const GUTTER: u32 = 1;
@@ -31,7 +31,7 @@ pub(crate) fn place(rig: &Rig, request: &Request, reach: u32, wanted: &[Wanted],
     let mut notes = notes.to_vec();
     let limit = request.max_atlas;
     let quality = rig.views.quality;
-    let guard = guard(rig.views.filter) + reach;
+    let guard = guard(rig.views.filter) + f64::from(reach);
     let mut scale = 1.0;
     let (mut views, tiles, size) = loop {
         let views: Vec<View> = wanted.iter().map(|wanted| sized(wanted, quality, scale, guard)).collect();
@@ -65,7 +65,7 @@ pub(crate) fn place(rig: &Rig, request: &Request, reach: u32, wanted: &[Wanted],
         atlas: size,
         panel,
         primary,
-        guard,
+        guard: guard.ceil() as u32,
         reach,
         notes,
     })
@@ -91,25 +91,25 @@ fn too_small(request: &Request) -> Error {
 }
 
 /// One direction of a view: the sampled part widened by the margin, the opening of the tile, and its texels.
-fn side(low: f64, high: f64, density: f64, guard: u32) -> ((f64, f64), (f64, f64), u32) {
-    let span = high - low;
+fn side(low: f64, high: f64, density: f64, guard: f64) -> ((f64, f64), (f64, f64), u32) {
+    let (span, around) = (high - low, 2.0 * (MARGIN + guard));
     // 2^20 is far beyond any atlas: the loop that scales down sees it as too large.
-    let texels = (span * density + 2.0 * MARGIN).ceil().clamp(1.0, 1_048_576.0);
-    let texel = if span > 0.0 { span / (texels - 2.0 * MARGIN).max(0.5) } else { 1.0 / density };
+    let texels = (span * density + around).max(around + 0.5).ceil().min(1_048_576.0);
+    let texel = if span > 0.0 { span / (texels - around) } else { 1.0 / density };
     let middle = 0.5 * (low + high);
-    let half = 0.5 * texel * texels;
-    let whole = half + texel * f64::from(guard);
-    ((middle - half, middle + half), (middle - whole, middle + whole), texels as u32 + 2 * guard)
+    let whole = 0.5 * texel * texels;
+    let half = whole - texel * guard;
+    ((middle - half, middle + half), (middle - whole, middle + whole), texels as u32)
 }
 
 /// The view in its final size, at no place yet.
-fn sized(wanted: &Wanted, quality: f64, scale: f64, guard: u32) -> View {
+fn sized(wanted: &Wanted, quality: f64, scale: f64, guard: f64) -> View {
     let extent = wanted.fit.extent;
     let (owned, frustum, (width, height)) = match wanted.exact {
         Some((width, height)) => {
             let texels = |pixels: u32| (f64::from(pixels) * quality * scale).ceil().clamp(1.0, 1_048_576.0) as u32;
             let (width, height) = (texels(width), texels(height));
-            let guard = if wanted.program_lens || wanted.curved.is_some() { 0 } else { guard };
+            let guard = if wanted.program_lens || wanted.curved.is_some() { 0 } else { guard.ceil() as u32 };
             let across = extent.width() / f64::from(width) * f64::from(guard);
             let up = extent.height() / f64::from(height) * f64::from(guard);
             let whole = Frustum {

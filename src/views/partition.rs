@@ -274,8 +274,9 @@ impl<'a> Task<'a> {
             let (coarse, _) = self.sampled(self.coarse, cell);
             let (cost, axes) = tilted(cell, &coarse, self.quality);
             let better = refined(&coarse, axes, self.quality);
-            // Plain axes are kept where others gain nothing.
-            let gains = texels(&coarse, better, self.quality) < 0.995 * cost;
+            // A cell's own axes are kept where others gain nothing.
+            let least = if axes == cell.axes { 0.995 * cost } else { cost };
+            let gains = texels(&coarse, better, self.quality) < least;
             let choices = [if gains { better } else { axes }, axes, cell.axes];
             let aimed = choices.into_iter().find_map(|axes| {
                 let rotation = axes.transpose();

@@ -19,7 +19,7 @@ pub(crate) struct Fineness {
 /// For searching: a few per cent of accuracy.
 pub(crate) const COARSE: Fineness = Fineness { cells: 6, border: 12 };
 /// For the result: the sagitta of a border step is below a hundredth of a pixel at 16384 pixels.
-pub(crate) const FINE: Fineness = Fineness { cells: 40, border: 768 };
+pub(crate) const FINE: Fineness = Fineness { cells: 64, border: 768 };
 
 /// Between two samples, the spread may differ from the mean of theirs by this part.
 const UNEVEN: f64 = 0.01;

@@ -201,10 +201,15 @@ fn the_check_of_plans_notices_what_is_wrong() {
 
 #[test]
 fn the_dome_needs_little_more_than_its_disc() {
-    // Cropped faces of a cube: 1.548 with five views, 2.06 with four. Guards and margins are 3 texels of each side.
+    // Cropped faces of a cube: 1.548 with five views, 2.06 with four. Guards and margins are 2 texels of each side.
     use Favour::{Balanced, Processor};
-    let bars =
-        [(512, Balanced, 4, 1.95), (1024, Balanced, 4, 1.89), (2048, Balanced, 5, 1.42), (4096, Balanced, 5, 1.405)];
+    let bars = [
+        (512, Balanced, 4, 1.91),
+        (1024, Balanced, 4, 1.88),
+        (2048, Balanced, 5, 1.406),
+        (4096, Balanced, 5, 1.4005),
+        (8192, Balanced, 5, 1.40),
+    ];
     for (size, favour, views, most) in bars.into_iter().chain([(4096, Processor, 4, 1.85)]) {
         let mut rig = rig(vec![fisheye(180.0, 90.0)]);
         rig.views.favour = favour;
@@ -273,7 +278,7 @@ fn the_search_finds_good_cells_and_the_same_every_time() {
     let plan_of = |request: &Request| plan(&rig, request).unwrap();
     let (plan, small) = (plan_of(&large), request(&[(300, 300)]));
     let report = report(&plan, &rig, &large.output_sizes);
-    // The search begins with the faces of a cube, 1.403 with five views, and goes by coarser samples; with its usual
+    // The search begins with the faces of a cube, 1.400 with five views, and goes by coarser samples; with its usual
     // number of steps six views get below 1.37.
     assert!(plan.views.len() <= 6 && report.texels_per_pixel < 1.43, "{report}");
     verify(&rig, &small, &plan_of(&small)).unwrap();

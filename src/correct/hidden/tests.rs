@@ -45,6 +45,16 @@ fn no_pixel_reads_from_a_hidden_part() {
 }
 
 #[test]
+fn of_a_dome_in_five_views_little_more_is_open_than_is_shown() {
+    let plan = build(&rig(vec![fisheye(180.0, 90.0)]), &request(&[(4096, 4096)])).unwrap();
+    let texels: u64 = plan.views.views.iter().map(|view| view.tile.area()).sum();
+    let hidden: u64 = hidden_areas(&plan).iter().flatten().map(Tile::area).sum();
+    let disc = std::f64::consts::PI * 2048.0 * 2048.0;
+    let open = (texels - hidden) as f64 / disc;
+    assert!(plan.views.views.len() == 5 && open <= 1.27, "{open}");
+}
+
+#[test]
 fn the_check_notices_what_is_hidden_too_much_and_much_of_a_dome_is_hidden() {
     let rig = rig(vec![fisheye(180.0, 90.0)]);
     let plan = build(&rig, &request(&[(1024, 1024)])).unwrap();
