@@ -44,9 +44,7 @@ pub(crate) fn tightest(coarse: &Patch, fine: &Patch, quality: f64) -> Option<Aim
 pub(crate) fn refined(samples: &Patch, axes: DMat3, quality: f64) -> DMat3 {
     let turned = |at: [f64; 3]| axes * pose::rotation(at[0], at[1], at[2]);
     let cost = |at: [f64; 3]| texels(samples, turned(at), quality).ln();
-    // What a view costs has ridges, on which a simplex collapses: it is opened once more where it ended.
-    let near = nelder_mead(cost, [0.0; 3], 0.1, 90);
-    turned(nelder_mead(cost, near, 0.02, 60))
+    turned(nelder_mead(cost, [0.0; 3], 0.1, 90))
 }
 
 /// Texels that a view with `axes` (local → viewer) needs for `samples`; infinite where it cannot show them.
