@@ -187,7 +187,7 @@ fn places_in_the_window_are_cropped_and_not_scaled() {
     let rig = row(2, |index| format!("window = [{}, 10, 100, 50]", index * 100));
     assert_eq!(rig.layout((1000, 1000)), [[0, 10, 100, 50], [100, 10, 100, 50]]);
     assert_eq!(rig.layout((150, 40)), [[0, 10, 100, 30], [100, 10, 50, 30]]);
-    assert_eq!(rig.layout((50, 5)), [[0, 5, 50, 0], [50, 5, 0, 0]]);
+    assert_eq!(rig.layout((50, 5)), [[0, 5, 0, 0], [50, 5, 0, 0]]);
     assert_eq!(rig.extent(), Some((200, 60)));
 }
 

@@ -249,21 +249,26 @@ pub struct Batch {
 pub fn build(rig: &Rig, request: &Request) -> Result<Plan> {
     let flips = rig.outputs.iter().map(|output| output.flip);
     let rig = &*rig.upright();
-    let sizes = request.output_sizes.as_slice();
+    // What is outside of the window is not drawn; its size only has to be one.
+    let sizes: Vec<_> = request.output_sizes.iter().map(|&(width, height)| (width.max(1), height.max(1))).collect();
+    let sizes = sizes.as_slice();
     let domes = dome_meshes(rig, sizes)?;
     let views = views::plan_with_reach(rig, request, reach(rig, &domes))?;
     let mut passes = Vec::new();
     let lift = match rig.outputs.iter().any(|output| output.blend.contrast.is_some()) {
-        true => Weights::new(rig, &request.output_sizes)?.greatest_black(),
+        true => Weights::new(rig, sizes)?.greatest_black(),
         false => 0.0,
     };
     if !rig.passthrough {
-        for (index, ((output, &size), flip)) in rig.outputs.iter().zip(&request.output_sizes).zip(flips).enumerate() {
+        for (index, ((output, &size), flip)) in rig.outputs.iter().zip(sizes).zip(flips).enumerate() {
             let source = source::of(rig, index, sizes)?;
             // A table has them in its weights.
             let ramps = if matches!(source, Source::Table(_)) { Vec::new() } else { output.blend.ramps.clone() };
             let mask = output.mask.as_deref().map(mask::load).transpose()?;
-            let batches = blocks::batches(rig, index, &source, size, &views, mask.as_ref(), flip);
+            let batches = match request.output_sizes[index] {
+                (0, 0) => Vec::new(),
+                _ => blocks::batches(rig, index, &source, size, &views, mask.as_ref(), flip),
+            };
             let batches = match output.method {
                 Method::Fragment | Method::Vertex | Method::Primitive { .. } => batches,
                 Method::Table { .. } => match &source {

@@ -55,7 +55,8 @@ fn write() {
     }
     if let Some(path) = &settings.capture {
         let several = kept.pictures.len() > 1;
-        for picture in &kept.pictures {
+        // Of an output outside of the window there is nothing to write.
+        for picture in kept.pictures.iter().filter(|picture| picture.width > 0 && picture.height > 0) {
             say(report::write_picture(&report::capture_path(path, &picture.name, several), picture));
         }
     }

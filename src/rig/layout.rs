@@ -20,7 +20,10 @@ impl Rig {
         };
         let crop = |[x, y, width, height]: [u32; 4]| {
             let (x, y) = (x.min(window.0), y.min(window.1));
-            [x, y, width.min(window.0 - x), height.min(window.1 - y)]
+            match (width.min(window.0 - x), height.min(window.1 - y)) {
+                (0, _) | (_, 0) => [x, y, 0, 0],
+                (width, height) => [x, y, width, height],
+            }
         };
         let places = (0..).zip(&self.outputs);
         places.map(|(index, output)| output.window.map_or_else(|| cell(index), crop)).collect()

@@ -94,7 +94,7 @@ impl Session {
             .outputs
             .iter()
             .zip(&rects)
-            .map(|(output, rect)| output.size.filter(|_| off_screen).unwrap_or((rect[2].max(1), rect[3].max(1))))
+            .map(|(output, rect)| output.size.filter(|_| off_screen).unwrap_or((rect[2], rect[3])))
             .collect();
         let Extras { panel, primary, draws } = extras;
         let request = Request { output_sizes, window, panel, primary, max_atlas };

@@ -71,7 +71,9 @@ pub(crate) fn arrange(rig: &Rig, sights: &[Sight]) -> Result<Arrangement> {
     for (index, (output, sight)) in rig.outputs.iter().zip(sights).enumerate() {
         let this = Seen::new(rig, index, sight);
         let single = rig.views.method == ViewMethod::Single && rig.views.cells.is_empty();
-        if this.fine.is_empty() {
+        if sight.size == (0, 0) {
+            notes.push(format!("output {} has no views: it lies outside of the window", output.name));
+        } else if this.fine.is_empty() {
             notes.push(format!("output {} shows nothing: no ray of it meets the dome's screen", output.name));
         } else if single && this.own(rig, index).is_empty() {
             return Err(no_single_view(&output.name, &this.fine));

@@ -84,7 +84,7 @@ pub struct View {
 /// What the planner is asked.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Request {
-    /// Resolution of each output in pixels, in the rig's order.
+    /// Resolution of each output in pixels, in the rig's order; (0, 0) of one that is not shown, which gets no views.
     pub output_sizes: Vec<(u32, u32)>,
     /// Size of the program's window in pixels.
     pub window: (u32, u32),
@@ -135,7 +135,7 @@ impl ViewPlan {
 ///
 /// # Errors
 ///
-/// [`ErrorKind::InvalidArgument`] if a size is 0 or the list of sizes has the wrong length;
+/// [`ErrorKind::InvalidArgument`] if one side of a size is 0 or the list of sizes has the wrong length;
 /// [`ErrorKind::InvalidRig`] if `method` is [`Single`](crate::rig::ViewMethod::Single) and an output sees
 /// too much for one perspective view; [`ErrorKind::Graphics`] if nothing fits into the atlas.
 /// Where only the resolution must be reduced to fit, the plan says so in `notes`.
@@ -197,7 +197,7 @@ fn check(outputs: usize, passthrough: bool, request: &Request) -> Result<()> {
     if !passthrough && request.output_sizes.len() != outputs {
         return invalid(format!("{} output sizes were given for {outputs} outputs", request.output_sizes.len()));
     }
-    if let Some(index) = request.output_sizes.iter().position(|size| size.0 == 0 || size.1 == 0) {
+    if let Some(index) = request.output_sizes.iter().position(|size| (size.0 == 0) != (size.1 == 0)) {
         return invalid(format!("output {index} has no pixels"));
     }
     if (request.panel || request.primary) && (request.window.0 == 0 || request.window.1 == 0) {

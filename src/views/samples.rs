@@ -85,6 +85,9 @@ impl Samples {
     pub fn new(sight: &Sight, fineness: Fineness) -> Self {
         let cap = Cap { axis: DVec3::NEG_Z, cosine: -1.0 };
         let mut samples = Self { sight: sight.clone(), lines: Vec::new(), cap };
+        if sight.size == (0, 0) {
+            return samples;
+        }
         if sight.is_circular() {
             samples.add_disc(sight, fineness)
         } else {

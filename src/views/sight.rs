@@ -22,7 +22,7 @@ pub(crate) struct Sample {
 /// The map of one output.
 #[derive(Clone, Debug)]
 pub(crate) struct Sight {
-    /// Resolution in pixels.
+    /// Resolution in pixels; (0, 0) of an output that is not shown.
     pub size: (u32, u32),
     /// How far from the picture's sides the outermost places are that are sampled, in pixels.
     pub inset: f64,
@@ -91,7 +91,7 @@ impl Sight {
         let to_viewer = viewer_rotation(rig).transpose();
         let traced = |output: &Output| -> Result<Map> {
             // A map that needs the program's lens is no traced one: any lens does.
-            let map = WarpMap::new(rig, index, size, Some(UNIT_FRUSTUM))?;
+            let map = WarpMap::new(rig, index, (size.0.max(1), size.1.max(1)), Some(UNIT_FRUSTUM))?;
             Ok(Map::Traced { map: Box::new(map), eye: rig.eye(output) })
         };
         let Some(output) = rig.outputs.get(index) else {

@@ -92,7 +92,7 @@ fn verify(rig: &Rig, request: &Request, plan: &ViewPlan) -> std::result::Result<
     let mut measured = 0;
     let mut used = vec![false; plan.views.len()];
     let scaled_down = plan.notes.iter().any(|note| note.contains("of the resolution asked for"));
-    for (output, &size) in request.output_sizes.iter().enumerate() {
+    for (output, &size) in request.output_sizes.iter().enumerate().filter(|(_, size)| **size != (0, 0)) {
         let map = WarpMap::new(rig, output, size, Some(sight::UNIT_FRUSTUM)).unwrap();
         for (x, y) in (0..size.1).flat_map(|y| (0..size.0).map(move |x| (x, y))) {
             let wrong = |what: String| Err(format!("{what} at pixel {x}, {y} of output {output}, {rig:?}, {plan:?}"));
@@ -440,6 +440,28 @@ fn senseless_requests_are_refused_and_passthrough_has_no_views() {
     rig.passthrough = true;
     let plan = plan(&rig, &request(&[])).unwrap();
     assert!(plan.views.is_empty() && plan.output_views.is_empty());
+}
+
+#[test]
+fn an_output_outside_of_the_window_has_no_views() {
+    let mut random = Random::new(77);
+    for round in 0..40 {
+        let (mut rig, mut request) = random_rig(&mut random);
+        let alone = plan(&rig, &request).unwrap();
+        // Of a kind that shares views, or has its own.
+        let other = match round % 3 {
+            0 => fisheye(360.0, 0.0),
+            1 => projector("outside", DVec3::ZERO, [2.0, 0.3, 0.0], lens(40.0, 30.0)),
+            _ => output("outside", OutputKind::Perspective { angles: [0.0; 3], frustum: None }),
+        };
+        rig.outputs.push(other);
+        request.output_sizes.push((0, 0));
+        let (views, passes) = (plan(&rig, &request).unwrap(), crate::correct::build(&rig, &request).unwrap().passes);
+        assert_eq!(views.views, alone.views);
+        assert!(views.output_views.last().unwrap().is_empty() && passes.last().unwrap().batches.is_empty());
+        assert!(views.notes.iter().any(|note| note.contains("outside of the window")), "{:?}", views.notes);
+        verify(&rig, &request, &views).unwrap();
+    }
 }
 
 #[test]

@@ -309,3 +309,28 @@ fn a_domemaster_of_210_degrees() {
     let report = compare(&picture, shown_by_fisheye(circle, camera_of(&run)));
     expect_good(&report, &picture, "core330_mvp fisheye-210");
 }
+
+/// A rig for a wall of screens, tried out in a smaller window.
+#[test]
+fn an_output_outside_of_the_window_costs_nothing_and_the_others_are_as_without_it() {
+    let dome = "[dome]\nradius = 5\n[[output]]\nname = \"dome\"\nkind = \"domemaster\"\nwindow = [0, 0, 240, 240]\n";
+    let outside =
+        "[[output]]\nkind = \"projector\"\nposition = [0, 0, 0]\nfov = [60, 40]\nwindow = [2000, 0, 400, 400]\n";
+    let rig = |name: &str, text: &str| {
+        let file = scratch("rig").join(name);
+        std::fs::write(&file, text).expect("a rig can be written");
+        file.to_str().expect("a UTF-8 path").to_owned()
+    };
+    let (one, two) = (rig("one.toml", dome), rig("two.toml", &format!("{dome}{outside}")));
+    let vulkan: &[&str] = &["--pass", "1", "--matrix", "push"];
+    for (program, extra) in [("core330_mvp", &[][..]), ("vk_cube", vulkan)] {
+        let run = Run { extra, ..Run::new(program) };
+        let under = |rig: &str| if program == "vk_cube" { run.vulkan_under(rig) } else { run.under(rig) };
+        let (Some(expected), Some(found)) = (under(&one), under(&two)) else { continue };
+        let found = found.expect_success();
+        let pictures = [expected.expect_success().picture("capture.png"), found.picture("capture-dome.png")];
+        expect_identical(&pictures[1], &pictures[0], program);
+        assert!(!found.wrote("capture-output-2.png"), "{}", found.words());
+        assert!(!found.words().contains("cannot") && !found.words().contains("Zero"), "{}", found.words());
+    }
+}

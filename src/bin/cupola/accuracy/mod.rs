@@ -24,6 +24,9 @@ pub struct Arguments {
     /// Only every N-th case
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
     every: u32,
+    /// Only every N-th pixel of every N-th row is compared with the exact map; that all are numbers is always seen to
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
+    step: u32,
     /// Answer in JSON
     #[arg(long)]
     json: bool,
@@ -67,7 +70,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
             number += 1;
             // A projector that does not reach the screen from there is no case.
             if let (true, Some(rig)) = (number.is_multiple_of(arguments.every), folder.rig(&case)) {
-                let (error, by_table) = measured(&context, &rig, arguments.size)
+                let (error, by_table) = measured(&context, &rig, arguments)
                     .map_err(|failure| Failure::new(format!("{}\n{}", failure.message, case.text)))?;
                 result.add(&case, &error, by_table, REFERENCE_WIDTH / f64::from(arguments.size.0));
             }
@@ -87,7 +90,11 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
 }
 
 /// The error of the driver's map of a rig's only output, and whether that comes from a table.
-fn measured(context: &Headless, rig: &cupola::rig::Rig, size: (u32, u32)) -> Result<(MapError, bool), Failure> {
+fn measured(
+    context: &Headless,
+    rig: &cupola::rig::Rig,
+    &Arguments { size, step, .. }: &Arguments,
+) -> Result<(MapError, bool), Failure> {
     let request = Request {
         output_sizes: vec![size],
         window: size,
@@ -105,12 +112,20 @@ fn measured(context: &Headless, rig: &cupola::rig::Rig, size: (u32, u32)) -> Res
         pixel.view.map(|_| DVec3::from_array(pixel.direction.map(f64::from)))
     };
     let mut greatest = 0.0f64;
-    let error = compare_each(&exact, 1, look, |found| {
+    let error = compare_each(&exact, step, look, |found| {
         // A view that the largest picture leaves coarser than the output is judged by its own texels.
         let coarse = || surveyor.at(found.centre()).and_then(|pixel| pixel.texels_per_pixel).unwrap_or(1.0).min(1.0);
         greatest = greatest.max(found.pixels * if found.pixels * scale > INSIDE { coarse() } else { 1.0 });
     });
-    Ok((MapError { max: greatest, ..error }, matches!(plan.passes[0].source, Source::Table(_))))
+    // Those that are compared are counted there.
+    let left_out = |index: &usize| {
+        !(index % size.0 as usize).is_multiple_of(step as usize)
+            || !(index / size.0 as usize).is_multiple_of(step as usize)
+    };
+    let no_number =
+        |index: &usize| map[*index].view.is_some() && !map[*index].direction.iter().all(|part| part.is_finite());
+    let non_finite = error.non_finite + (0..map.len()).filter(left_out).filter(no_number).count() as u64;
+    Ok((MapError { max: greatest, non_finite, ..error }, matches!(plan.passes[0].source, Source::Table(_))))
 }
 
 impl Found {
