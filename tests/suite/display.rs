@@ -1,9 +1,12 @@
-//! The one X server of the whole suite.
+//! The one X server of the whole suite, and Wayland compositors.
 
 use std::io::{BufRead, BufReader, Read, Write};
 use std::os::unix::net::UnixStream;
-use std::process::{Command, Stdio};
+use std::path::PathBuf;
+use std::process::{Child, Command, Stdio};
+use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Condvar, Mutex, OnceLock};
+use std::time::{Duration, Instant};
 
 /// A private X server, its display's name, and the connection that keeps it alive.
 pub struct Display {
@@ -104,4 +107,67 @@ fn connect(number: &str) -> std::io::Result<UnixStream> {
         return Err(std::io::Error::other("the server refuses the connection"));
     }
     Ok(stream)
+}
+
+/// A Wayland compositor whose screen is nowhere, with a folder of its own.
+pub struct Compositor {
+    process: Child,
+    folder: PathBuf,
+}
+
+impl Compositor {
+    /// Width and height of its screen.
+    pub const SIZE: (usize, usize) = (320, 240);
+    const SOCKET: &str = "cupola";
+
+    /// Starts one. `None`, with a visible line, where there is none.
+    pub fn start() -> Option<Self> {
+        let refused = |reason: &String| {
+            let _ = writeln!(std::io::stderr(), "SKIP: windows of Wayland, there is no compositor: {reason}");
+        };
+        Self::started().inspect_err(refused).ok()
+    }
+
+    fn started() -> Result<Self, String> {
+        static NUMBER: AtomicU32 = AtomicU32::new(0);
+        let number = NUMBER.fetch_add(1, Ordering::Relaxed);
+        // Not among the project's files: the path of a socket may have about a hundred characters.
+        let folder = std::env::temp_dir().join(format!("cupola-wayland-{}-{number}", std::process::id()));
+        std::fs::create_dir_all(&folder).map_err(|error| error.to_string())?;
+        let process = Command::new("weston")
+            .args(["--backend=headless-backend.so", "--no-config", "--idle-time=0"])
+            .arg(format!("--socket={}", Self::SOCKET))
+            .args([format!("--width={}", Self::SIZE.0), format!("--height={}", Self::SIZE.1)])
+            .env("XDG_RUNTIME_DIR", &folder)
+            .stdin(Stdio::null())
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn()
+            .map_err(|error| format!("cannot start weston: {error}"))?;
+        let mut this = Self { process, folder };
+        let started = Instant::now();
+        while UnixStream::connect(this.folder.join(Self::SOCKET)).is_err() {
+            if let Ok(Some(status)) = this.process.try_wait() {
+                return Err(format!("weston ended at once, {status}"));
+            }
+            if started.elapsed() > Duration::from_secs(60) {
+                return Err("weston does not answer".into());
+            }
+            std::thread::sleep(Duration::from_millis(20));
+        }
+        Ok(this)
+    }
+
+    /// What its programs find in their environment.
+    pub fn environment(&self) -> [(&'static str, PathBuf); 2] {
+        [("XDG_RUNTIME_DIR", self.folder.clone()), ("WAYLAND_DISPLAY", Self::SOCKET.into())]
+    }
+}
+
+impl Drop for Compositor {
+    fn drop(&mut self) {
+        let _ = self.process.kill();
+        let _ = self.process.wait();
+        let _ = std::fs::remove_dir_all(&self.folder);
+    }
 }

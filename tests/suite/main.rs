@@ -28,3 +28,4 @@ mod vulkan;
 mod vulkan_others;
 mod vulkan_queries;
 mod vulkan_vertices;
+mod wayland;

@@ -1,6 +1,6 @@
 //! Builds the C programs and runs them, plainly and under `cupola run`.
 
-use crate::display::{self, Display, Place};
+use crate::display::{self, Compositor, Display, Place};
 use crate::picture::Picture;
 use std::collections::BTreeSet;
 use std::io::Write;
@@ -201,13 +201,30 @@ pub fn installed_on(
     rig: &str,
     cupola: &[&str],
 ) -> Option<Finished> {
+    Some(Finished::on(display, command_of_installed(program, arguments, rig, cupola)?, program, rig))
+}
+
+/// As [`installed`], in a Wayland compositor, without an X server.
+pub fn installed_in(
+    compositor: &Compositor,
+    program: &str,
+    arguments: &[&str],
+    rig: &str,
+    cupola: &[&str],
+) -> Option<Finished> {
+    let mut command = command_of_installed(program, arguments, rig, cupola)?;
+    command.env_remove("DISPLAY").envs(compositor.environment());
+    Some(Finished::run(command, program, rig))
+}
+
+fn command_of_installed(program: &str, arguments: &[&str], rig: &str, cupola: &[&str]) -> Option<Command> {
     if !is_installed(program) {
         return None;
     }
     let mut command = Command::new(env!("CARGO_BIN_EXE_cupola"));
     command.env("CUPOLA_LIBRARY", library()).args(["run", "--rig", rig]).args(cupola);
     command.arg("--").arg(program).args(arguments);
-    Some(Finished::on(display, command, program, rig))
+    Some(command)
 }
 
 /// Runs a program of the system, whose window is 321 × 243 pixels, while that gets `sizes` other sizes, under the validation
@@ -334,12 +351,16 @@ impl Finished {
     }
 
     fn on(display: &Display, mut command: Command, program: &str, rig: &str) -> Self {
+        command.env("DISPLAY", &display.name);
+        Self::run(command, program, rig)
+    }
+
+    fn run(mut command: Command, program: &str, rig: &str) -> Self {
         let what = format!("{program} ({rig})");
         let directory = scratch(program);
         let log = |name: &str| std::fs::File::create(directory.join(name)).expect("a log file can be made");
         let mut child = command
             .current_dir(&directory)
-            .env("DISPLAY", &display.name)
             .env("LIBGL_ALWAYS_SOFTWARE", "1")
             .process_group(0)
             .stdin(Stdio::null())
