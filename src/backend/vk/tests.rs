@@ -3,6 +3,7 @@
 mod alike;
 mod canvas;
 mod faults;
+mod formats;
 
 use super::gpu_map;
 use super::headless::Headless;
