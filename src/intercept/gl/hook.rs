@@ -87,6 +87,7 @@ pub fn find(name: &str) -> Option<*const ()> {
             super::programs::HOOKS,
             super::reflection::HOOKS,
             super::uniforms::HOOKS,
+            super::vertex_arrays::commands::HOOKS,
             super::vertices::fixed::HOOKS,
             super::queries::HOOKS,
             super::raster::HOOKS,

@@ -7,6 +7,7 @@
 
 pub mod accumulation;
 pub mod background;
+pub mod bound;
 pub mod buffers;
 pub mod conditional;
 pub mod config;
@@ -49,6 +50,7 @@ pub mod uniforms;
 pub mod vendor;
 pub mod vendor_egl;
 pub mod vendor_glx;
+pub mod vertex_arrays;
 pub mod vertices;
 pub mod window;
 pub mod workload;
