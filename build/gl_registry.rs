@@ -9,6 +9,9 @@ use std::fmt::Write;
 /// Commands outside the core versions that we call ourselves when a driver has them.
 const EXTRA: &[&str] = &[
     "glBindBufferOffsetEXT",
+    "glClearColorIiEXT",
+    "glClearColorIuiEXT",
+    "glClearDepthdNV",
     "glDeleteObjectARB",
     "glDiscardFramebufferEXT",
     "glGetObjectParameterivARB",

@@ -149,6 +149,8 @@ pub struct Context {
     pub vertex_arrays: super::vertex_arrays::VertexArrays,
     /// Which buffers are bound.
     pub bound: super::bound::Bound,
+    /// State that need not be asked for.
+    pub known_state: crate::backend::gl::KnownState,
     /// The greatest width of points and lines so far.
     pub widest: Widest,
     /// Points and lines that may leave their tile.
@@ -243,6 +245,7 @@ impl Context {
             ranges: Default::default(),
             vertex_arrays: Default::default(),
             bound: Default::default(),
+            known_state: Default::default(),
             widest: Widest::default(),
             outlines: Default::default(),
             endless_anisotropy: super::filtering::is_endless(gl),

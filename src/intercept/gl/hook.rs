@@ -75,6 +75,7 @@ pub fn find(name: &str) -> Option<*const ()> {
             super::draw::HOOKS,
             super::feedback::HOOKS,
             super::filtering::HOOKS,
+            super::known_state::HOOKS,
             super::front::HOOKS,
             super::immediate::HOOKS,
             super::immediate::commands::HOOKS,

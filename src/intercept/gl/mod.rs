@@ -29,6 +29,7 @@ pub mod hidden;
 mod hook;
 pub mod immediate;
 pub mod indexed;
+pub mod known_state;
 pub mod lists;
 pub mod matrices;
 pub mod named;

@@ -71,8 +71,7 @@ unsafe fn find(ctx: &mut Context, vertices: Vertices) -> Option<Bounds> {
 /// Whether some index begins a new primitive instead of naming a vertex.
 pub fn restarts(ctx: &Context) -> bool {
     let (gl, version) = (ctx.gl, ctx.profile.version);
-    // SAFETY: asks for switches that this version has.
-    let on = |switch: u32| unsafe { gl.is_enabled(switch) } != 0;
+    let on = |switch: u32| ctx.known_state.is_on(gl, switch);
     if ctx.profile.es {
         version >= 30 && on(api::GL_PRIMITIVE_RESTART_FIXED_INDEX)
     } else {

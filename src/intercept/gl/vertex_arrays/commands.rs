@@ -122,6 +122,9 @@ fn note_switch(ctx: &mut Context, location: u32, on: bool) {
 /// `glEnableClientState` and `glDisableClientState`.
 fn note_client_switch(ctx: &mut Context, array: u32, on: bool) {
     let certain = ctx.takes_calls();
+    if array == api::GL_PRIMITIVE_RESTART_NV {
+        ctx.known_state.forget_switch(api::GL_PRIMITIVE_RESTART);
+    }
     if array == api::GL_VERTEX_ARRAY
         && let Some(object) = ctx.vertex_arrays.current()
     {
@@ -239,6 +242,7 @@ macro_rules! array_commands {
                 gl.pop_client_attrib();
                 ctx.vertex_arrays.forget();
                 ctx.bound.forget();
+                ctx.known_state.forget_switch(api::GL_PRIMITIVE_RESTART);
             };
         }
     };
