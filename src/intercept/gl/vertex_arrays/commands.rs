@@ -249,6 +249,7 @@ macro_rules! array_commands {
     (@changed $ctx:ident all) => {{
         $ctx.vertex_arrays.forget();
         $ctx.bound.forget();
+        $ctx.known_state.forget_switch(api::GL_PRIMITIVE_RESTART);
     }};
     (@changed $ctx:ident $object:ident) => { $ctx.vertex_arrays.forget_object($object) };
 }
