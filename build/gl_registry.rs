@@ -1,6 +1,7 @@
 //! The OpenGL API as the Khronos registry describes it → a typed table of pointers,
 //! the enums, and the map of aliases (`glDrawArraysEXT` → `glDrawArrays`).
 
+use super::gl_arrays;
 use super::gl_attributes::{self, Declaration};
 use std::collections::BTreeSet;
 use std::fmt::Write;
@@ -8,6 +9,9 @@ use std::fmt::Write;
 /// Commands outside the core versions that we call ourselves when a driver has them.
 const EXTRA: &[&str] = &[
     "glBindBufferOffsetEXT",
+    "glClearColorIiEXT",
+    "glClearColorIuiEXT",
+    "glClearDepthdNV",
     "glDeleteObjectARB",
     "glDiscardFramebufferEXT",
     "glGetObjectParameterivARB",
@@ -31,9 +35,9 @@ const EXTRA: &[&str] = &[
     "glPrimitiveRestartIndexNV",
 ];
 
-/// Rust sources: `Gl` (table and one method per command), constants, `ALIASES`; and the commands between
-/// `glBegin` and `glEnd`.
-pub fn generate() -> (String, String) {
+/// Rust sources: `Gl` (table and one method per command), constants, `ALIASES`; the commands between `glBegin` and
+/// `glEnd`; and those that change vertex arrays.
+pub fn generate() -> (String, String, String) {
     let text = std::str::from_utf8(khronos_api::GL_XML).expect("the registry is UTF-8");
     let document = roxmltree::Document::parse(text).expect("the registry is well-formed XML");
     let root = document.root_element();
@@ -44,7 +48,7 @@ pub fn generate() -> (String, String) {
     table(&commands, &mut out);
     aliases(root, &mut out);
     let declarations: Vec<Declaration> = commands.into_iter().map(|(declaration, _)| declaration).collect();
-    (out, gl_attributes::generate(&declarations))
+    (out, gl_attributes::generate(&declarations), gl_arrays::generate(&declarations))
 }
 
 fn wanted_commands<'a>(root: roxmltree::Node<'a, '_>) -> BTreeSet<&'a str> {
@@ -91,7 +95,8 @@ fn declarations(root: roxmltree::Node, wanted: &BTreeSet<&str>) -> Vec<(Declarat
         let proto = command.children().find(|n| n.has_tag_name("proto")).expect("a command has a prototype");
         let name = child_text(proto, "name");
         let alias = command.children().any(|n| n.has_tag_name("alias"));
-        let extra = EXTRA.contains(&name.as_str()) || (!alias && gl_attributes::is_attribute(&name));
+        let family = gl_attributes::is_attribute(&name) || gl_arrays::is_array_state(&name);
+        let extra = EXTRA.contains(&name.as_str()) || (!alias && family);
         if !wanted.contains(name.as_str()) && !extra {
             continue;
         }

@@ -1,6 +1,7 @@
 //! OpenGL in random order: a program is told under Cupola, to the letter, what it is told without.
 
-use crate::programs::Run;
+use crate::compare::expect_identical;
+use crate::programs::{Finished, Run};
 
 /// The answers that a program of random calls gets without Cupola and under `rig`.
 fn answers(seed: &str, rig: &str) -> Option<[String; 2]> {
@@ -38,6 +39,36 @@ fn with_views_besides() {
         expect_same(seed, "fisheye");
     }
     expect_same(24, "planetarium-6");
+}
+
+/// Vertex arrays are changed by calls of every kind between draws. Who takes a draw for one from what was set before leaves it
+/// out of views that show it.
+#[test]
+fn arrays_that_change_between_draws() {
+    for seed in [1, 2, 3, 4, 5, 6, 7, 9, 10, 17] {
+        let seed = seed.to_string();
+        let extra = ["--seed", &*seed, "--answers", "answers.txt"];
+        let with = Run { frames: 6, cupola_frames: 6, extra: &extra, ..Run::new("random_arrays") };
+        let plain = Run { frames: 6, ..with.clone() }.plain();
+        let without = Run { cupola: &["--no-cull"], ..with.clone() }.under("fisheye");
+        let (Some(plain), Some(with), Some(without)) = (plain, with.under("fisheye"), without) else { return };
+        let [plain, with, without] = [plain, with, without].map(Finished::expect_success);
+        let answers = |finished: &Finished| finished.text("answers.txt");
+        let (expected, told) = (answers(&plain), answers(&with));
+        assert!(expected.lines().count() > 3_000, "seed {seed}: the program did nothing");
+        if let Some((plain, under)) = expected.lines().zip(told.lines()).find(|(plain, under)| plain != under) {
+            panic!("seed {seed}:\n  without Cupola {plain}\n  under Cupola   {under}");
+        }
+        expect_identical(
+            &with.picture("capture.png"),
+            &without.picture("capture.png"),
+            &format!("seed {seed}, culled"),
+        );
+        let statistics = with.statistics();
+        let views = statistics["views"].as_array().expect("views").iter();
+        let culled: u64 = views.map(|view| view["draws_culled"].as_u64().expect("a number")).sum();
+        assert!(culled > 200, "seed {seed}: only {culled} draws were left out of views: {statistics:#}");
+    }
 }
 
 #[test]

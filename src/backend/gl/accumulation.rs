@@ -3,6 +3,7 @@
 //! 32-bit floats: a sum of many pictures must not lose a step of 1/255, and 16-bit ones have 11 bits.
 
 use super::api::{self, Gl};
+use super::known_state::KnownState;
 use super::program::{ATLAS_UNIT, link};
 use super::state::{self, Capabilities};
 use crate::error::{Error, ErrorKind, Result};
@@ -63,7 +64,7 @@ impl Accumulation {
     pub fn new(gl: &Gl, size: (i32, i32)) -> Result<Self> {
         let caps = Capabilities::of(gl, false);
         let (mut framebuffer, mut vertex_array, mut sampler) = (0, 0, 0);
-        let saved = state::save_and_set(gl, &caps, state::UNITS);
+        let saved = state::save_and_set(gl, &caps, state::UNITS, &KnownState::default());
         let program = link(gl, VERTEX, FRAGMENT);
         // SAFETY: makes objects of ours on the current context; `saved` holds what is touched.
         let (texture, status) = unsafe {
@@ -125,7 +126,7 @@ impl Accumulation {
         framebuffer: u32,
         parts: &[[i32; 4]],
     ) {
-        let saved = state::save_and_set(gl, &self.caps, state::UNITS);
+        let saved = state::save_and_set(gl, &self.caps, state::UNITS, &KnownState::default());
         let returns = operation == Operation::Return;
         let (scale, offset) = match operation {
             Operation::Add | Operation::Multiply => (0.0, value),
@@ -182,7 +183,7 @@ impl Accumulation {
 
     /// Fills `parts` with `colour`.
     pub fn clear(&self, gl: &Gl, colour: [f32; 4], parts: &[[i32; 4]]) {
-        let saved = state::save_and_set(gl, &self.caps, 0);
+        let saved = state::save_and_set(gl, &self.caps, 0, &KnownState::default());
         let mut scissor = [0; 4];
         // SAFETY: a context is current; the scissor is put back.
         unsafe {

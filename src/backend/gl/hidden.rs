@@ -4,6 +4,7 @@
 //! 0.2 ms for each rectangle.
 
 use super::api::*;
+use super::known_state::KnownState;
 use super::program;
 use super::state::{self, Capabilities};
 use crate::correct::Tile;
@@ -80,12 +81,12 @@ impl Hidden {
 
     /// Gives the rectangles of the bound framebuffer the depth that is farthest from `cleared`; how many texels they
     /// have, or 0 where nothing could be done. Everything is put back; stencil and colour are not touched.
-    pub fn close(&self, gl: &Gl, caps: &Capabilities, cleared: f32) -> u64 {
+    pub fn close(&self, gl: &Gl, caps: &Capabilities, cleared: f32, known: &KnownState) -> u64 {
         // Without writing to it, the program's clear left the depth as it was, too.
         if !state::boolean(gl, GL_DEPTH_WRITEMASK) || counting(gl, caps) || !state::can_draw(gl, caps) {
             return 0;
         }
-        let saved = state::save_and_set(gl, caps, 0);
+        let saved = state::save_and_set(gl, caps, 0, known);
         let function = state::integer(gl, GL_DEPTH_FUNC) as u32;
         let mut range = [0.0f32; 4];
         let (width, height) = (self.atlas.0 as f32, self.atlas.1 as f32);

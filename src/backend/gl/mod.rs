@@ -6,6 +6,7 @@ mod blank;
 pub mod glx;
 pub mod headless;
 mod hidden;
+mod known_state;
 mod map;
 mod passes;
 mod program;
@@ -17,6 +18,7 @@ mod whole;
 
 pub use crate::correct::map::MapPixel;
 pub use blank::Blank;
+pub use known_state::KnownState;
 pub use map::gpu_map;
 pub use passes::{GlBackend, Target};
 

@@ -3,6 +3,7 @@
 use super::api::*;
 use super::blank::{self, Blank, Draw, Shows};
 use super::hidden::Hidden;
+use super::known_state::KnownState;
 use super::program::{self, ATLAS_UNIT, BLACK_UNIT, MASK_UNIT, TABLE_UNIT};
 use super::state::{self, Capabilities};
 use super::textures;
@@ -177,11 +178,11 @@ impl GlBackend {
     /// areas by the depth farthest from that, so that what is drawn there fails the usual depth tests. Colours and
     /// stencil stay. How many texels were closed: 0 where none are prepared, where the program does not write depth,
     /// and while it counts samples. Allocates nothing; the program's state and errors are put back as by
-    /// [`GlBackend::present`], but the errors are kept for that.
-    pub fn close_hidden(&self, gl: &Gl, cleared: f32) -> u64 {
+    /// [`GlBackend::present`], but the errors are kept for that. What is `known` is not asked for.
+    pub fn close_hidden(&self, gl: &Gl, cleared: f32, known: &KnownState) -> u64 {
         let Some(hidden) = &self.hidden else { return 0 };
         self.take_pending(gl);
-        let texels = hidden.close(gl, &self.caps, cleared);
+        let texels = hidden.close(gl, &self.caps, cleared, known);
         self.count_errors(gl);
         texels
     }
@@ -345,15 +346,22 @@ impl GlBackend {
     /// hand it to the program's next `glGetError`. One that was pending at [`GlBackend::new`] or
     /// [`GlBackend::prepare`] is given by the next call of this.
     pub fn present(&self, gl: &Gl, atlas_texture: u32, targets: &[Target]) -> u32 {
-        self.present_but(gl, atlas_texture, targets, None)
+        self.present_but(gl, atlas_texture, targets, None, &KnownState::default())
     }
 
     /// As [`GlBackend::present`], but what shows only `blank` views is cleared to their colour instead of being
-    /// sampled. The picture is the same, if the target stores 8 bits as the atlas does.
-    pub fn present_but(&self, gl: &Gl, atlas_texture: u32, targets: &[Target], blank: Option<&Blank<'_>>) -> u32 {
+    /// sampled. The picture is the same, if the target stores 8 bits as the atlas does. What is `known` is not asked for.
+    pub fn present_but(
+        &self,
+        gl: &Gl,
+        atlas_texture: u32,
+        targets: &[Target],
+        blank: Option<&Blank<'_>>,
+        known: &KnownState,
+    ) -> u32 {
         self.take_pending(gl);
         if self.names.vertex_array != 0 && state::can_draw(gl, &self.caps) {
-            let saved = state::save_and_set(gl, &self.caps, self.units());
+            let saved = state::save_and_set(gl, &self.caps, self.units(), known);
             self.draw_outputs(gl, atlas_texture, targets, blank);
             state::restore(gl, &self.caps, &saved);
         }

@@ -4,6 +4,7 @@
 //! asked for and are left to the caller: conditional rendering and queries that count samples or primitives.
 
 use super::api::*;
+use super::known_state::{KnownState, MOST_DRAW_BUFFERS, Masks};
 use std::ffi::CStr;
 
 /// What a context can do, found once.
@@ -27,9 +28,6 @@ pub(super) struct Capabilities {
     viewport_array: bool,
     draw_buffers: u32,
 }
-
-/// Most colour buffers whose masks are kept.
-const MOST_DRAW_BUFFERS: usize = 16;
 
 impl Capabilities {
     /// Those of the current context.
@@ -115,7 +113,7 @@ const SWITCHES: [u32; 25] = [
     GL_CLIP_DISTANCE5,
     GL_CLIP_DISTANCE6,
     GL_CLIP_DISTANCE7,
-    // As a switch of all buffers where it is not indexed.
+    // That of the first buffer, where each has one.
     GL_BLEND,
 ];
 
@@ -136,7 +134,7 @@ pub(super) struct Saved {
     textures: [u32; UNITS],
     samplers: [u32; UNITS],
     viewport: [f32; 4],
-    color_masks: [[u8; 4]; MOST_DRAW_BUFFERS],
+    color_masks: Masks,
     polygon_mode: [i32; 2],
     clip_control: [u32; 2],
     feedback: bool,
@@ -148,9 +146,10 @@ pub(super) fn can_draw(gl: &Gl, caps: &Capabilities) -> bool {
     !caps.compatibility || (integer(gl, GL_LIST_INDEX) == 0 && integer(gl, GL_RENDER_MODE) == GL_RENDER as i32)
 }
 
-/// Reads the state and sets what drawing needs; a program, a vertex array, textures on the first `units` units and a viewport
+/// Reads the state, as far as it is not `known`, and sets what drawing needs; a program, a vertex array, textures on the first
+/// `units` units and a viewport
 /// are for the caller to set.
-pub(super) fn save_and_set(gl: &Gl, caps: &Capabilities, units: usize) -> Saved {
+pub(super) fn save_and_set(gl: &Gl, caps: &Capabilities, units: usize, known: &KnownState) -> Saved {
     let mut saved = Saved {
         switches: 0,
         scissor: false,
@@ -170,14 +169,7 @@ pub(super) fn save_and_set(gl: &Gl, caps: &Capabilities, units: usize) -> Saved 
     // SAFETY: a context is current; every name is one that it knows, every array as long as asked for.
     unsafe {
         for (bit, &switch) in SWITCHES.iter().enumerate() {
-            if !caps.knows(switch) {
-                continue;
-            }
-            let on = match switch {
-                GL_BLEND if caps.indexed_blend => gl.is_enabledi(GL_BLEND, 0),
-                _ => gl.is_enabled(switch),
-            };
-            if on != 0 {
+            if caps.knows(switch) && known.is_on(gl, switch) {
                 saved.switches |= 1 << bit;
                 set_switch(gl, caps, switch, false);
             }
@@ -187,7 +179,8 @@ pub(super) fn save_and_set(gl: &Gl, caps: &Capabilities, units: usize) -> Saved 
         if saved.scissor {
             set_scissor(gl, caps, false);
         }
-        save_masks(gl, caps, &mut saved.color_masks);
+        saved.color_masks = known.masks(gl, caps.draw_buffers as usize, caps.indexed_blend);
+        set_masks(gl, caps, &saved.color_masks);
         if caps.viewport_array {
             gl.get_floati_v(GL_VIEWPORT, 0, saved.viewport.as_mut_ptr());
         } else {
@@ -352,26 +345,24 @@ unsafe fn set_scissor(gl: &Gl, caps: &Capabilities, on: bool) {
     }
 }
 
-/// Keeps the masks; only the first colour buffer stays writable.
-unsafe fn save_masks(gl: &Gl, caps: &Capabilities, masks: &mut [[u8; 4]; MOST_DRAW_BUFFERS]) {
-    // SAFETY: the caller's context is current; a mask has four parts.
+/// Only the first colour buffer stays writable.
+unsafe fn set_masks(gl: &Gl, caps: &Capabilities, masks: &Masks) {
+    // SAFETY: the caller's context is current.
     unsafe {
         if caps.indexed_blend {
-            for (i, mask) in masks.iter_mut().enumerate().take(caps.draw_buffers as usize) {
-                gl.get_booleani_v(GL_COLOR_WRITEMASK, i as u32, mask.as_mut_ptr());
+            for (i, mask) in masks.iter().enumerate().take(caps.draw_buffers as usize) {
                 let write = u8::from(i == 0);
                 if *mask != [write; 4] {
                     gl.color_maski(i as u32, write, write, write, write);
                 }
             }
         } else {
-            gl.get_booleanv(GL_COLOR_WRITEMASK, masks[0].as_mut_ptr());
             gl.color_mask(1, 1, 1, 1);
         }
     }
 }
 
-unsafe fn restore_masks(gl: &Gl, caps: &Capabilities, masks: &[[u8; 4]; MOST_DRAW_BUFFERS]) {
+unsafe fn restore_masks(gl: &Gl, caps: &Capabilities, masks: &Masks) {
     // SAFETY: the caller's context is current.
     unsafe {
         if caps.indexed_blend {

@@ -4,10 +4,11 @@
 //! feedback, storage blocks, read-backs, images over buffers), what stays mapped, and names that came back after a
 //! buffer was deleted (a vertex array may still hold the old one) are not known any more, for good.
 
+use super::bound;
 use super::context::Context;
 use super::hook::hooks;
 use crate::backend::gl::api;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::ffi::c_void;
 use std::sync::{MutexGuard, PoisonError};
 
@@ -15,6 +16,8 @@ use std::sync::{MutexGuard, PoisonError};
 #[derive(Default)]
 pub struct Buffers {
     list: HashMap<u32, Buffer>,
+    /// Names that OpenGL has told as those of buffers, not deleted since.
+    objects: HashSet<u32>,
     /// Grows with every change of a buffer.
     version: u64,
     /// Grows with every frame of any context.
@@ -46,6 +49,18 @@ impl Buffers {
     /// A frame ended.
     pub fn end_frame(&mut self) {
         self.frame += 1;
+    }
+
+    /// Whether this is certainly a buffer's name.
+    pub fn is_object(&self, name: u32) -> bool {
+        self.objects.contains(&name)
+    }
+
+    /// OpenGL has told that a buffer of this name is bound.
+    pub fn note_object(&mut self, name: u32) {
+        if self.objects.len() < MOST {
+            self.objects.insert(name);
+        }
     }
 
     /// Commands were not seen: nothing is known from now on.
@@ -85,25 +100,9 @@ pub fn written_by_device(ctx: &Context, name: u32) {
     }
 }
 
-/// The buffer that is bound at `target`; 0 = none.
-fn bound(ctx: &Context, target: u32) -> u32 {
-    let binding = match target {
-        api::GL_ARRAY_BUFFER => api::GL_ARRAY_BUFFER_BINDING,
-        api::GL_ELEMENT_ARRAY_BUFFER => api::GL_ELEMENT_ARRAY_BUFFER_BINDING,
-        api::GL_UNIFORM_BUFFER => api::GL_UNIFORM_BUFFER_BINDING,
-        api::GL_COPY_READ_BUFFER => api::GL_COPY_READ_BUFFER_BINDING,
-        api::GL_COPY_WRITE_BUFFER => api::GL_COPY_WRITE_BUFFER_BINDING,
-        api::GL_PIXEL_UNPACK_BUFFER => api::GL_PIXEL_UNPACK_BUFFER_BINDING,
-        api::GL_DRAW_INDIRECT_BUFFER => api::GL_DRAW_INDIRECT_BUFFER_BINDING,
-        api::GL_DISPATCH_INDIRECT_BUFFER => api::GL_DISPATCH_INDIRECT_BUFFER_BINDING,
-        api::GL_TEXTURE_BUFFER => api::GL_TEXTURE_BUFFER_BINDING,
-        // What is bound elsewhere is not known any more.
-        _ => return 0,
-    };
-    let mut name = 0;
-    // SAFETY: writes one integer.
-    unsafe { ctx.gl.get_integerv(binding, &mut name) };
-    name as u32
+/// The buffer that is bound at `target`; 0 = none, or none that is followed: what is bound elsewhere is not known any more.
+fn bound(ctx: &mut Context, target: u32) -> u32 {
+    bound::buffer(ctx, target).unwrap_or(0)
 }
 
 /// Whether what is bound at `target` may be written by the device.
@@ -156,6 +155,7 @@ fn bound_to(ctx: &mut Context, target: u32, name: u32) {
     if is_written_to(target) {
         written_by_device(ctx, name);
     }
+    ctx.bound.forget_one(target);
     super::uniforms::buffer_bound(ctx, target, name);
 }
 
@@ -256,12 +256,18 @@ hooks! {
     };
     "glDeleteBuffers" delete_buffers(count: i32, names: *const u32) = |ctx, gl| {
         for name in all(count, names) {
-            of(ctx).forget(*name);
+            let mut buffers = of(ctx);
+            buffers.forget(*name);
+            buffers.objects.remove(name);
         }
         gl.delete_buffers(count, names);
+        // They are taken out of what they were bound to.
+        ctx.bound.forget();
+        ctx.vertex_arrays.forget();
     };
     "glBindBuffer" bind_buffer(target: u32, buffer: u32) = |ctx, gl| {
         gl.bind_buffer(target, buffer);
+        bound::note(ctx, target, buffer);
         if is_written_to(target) {
             written_by_device(ctx, buffer);
         }

@@ -145,6 +145,12 @@ pub struct Context {
     pub areas: Vec<crate::correct::Texels>,
     /// Where draws from buffers are.
     pub ranges: super::culling::ranges::Ranges,
+    /// Vertex arrays.
+    pub vertex_arrays: super::vertex_arrays::VertexArrays,
+    /// Which buffers are bound.
+    pub bound: super::bound::Bound,
+    /// State that need not be asked for.
+    pub known_state: crate::backend::gl::KnownState,
     /// The greatest width of points and lines so far.
     pub widest: Widest,
     /// Points and lines that may leave their tile.
@@ -237,6 +243,9 @@ impl Context {
             workload: Default::default(),
             areas: Vec::new(),
             ranges: Default::default(),
+            vertex_arrays: Default::default(),
+            bound: Default::default(),
+            known_state: Default::default(),
             widest: Widest::default(),
             outlines: Default::default(),
             endless_anisotropy: super::filtering::is_endless(gl),
@@ -289,6 +298,12 @@ impl Context {
     /// What reads of the program's framebuffer 0 are bound to.
     pub fn window_for_reading(&self) -> u32 {
         self.target.as_ref().filter(|_| !self.reads_elsewhere).map_or(0, |target| target.framebuffer())
+    }
+
+    /// Whether OpenGL does what a call of the program says if its arguments are right: not where it may be between Begin and
+    /// End.
+    pub fn takes_calls(&self) -> bool {
+        !self.immediate.under_way() && !self.picking && self.session().is_some()
     }
 
     /// A display list is being compiled: commands are not executed now.

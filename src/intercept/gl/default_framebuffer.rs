@@ -6,7 +6,7 @@ use super::culling::blank::Content;
 use super::window::Window;
 use crate::backend::gl::api::{self, Gl};
 use crate::backend::gl::surface::{Surface, greatest_texture};
-use crate::backend::gl::{Blank, GlBackend, Target};
+use crate::backend::gl::{Blank, GlBackend, KnownState, Target};
 use crate::correct::Texels;
 use crate::error::{Error, ErrorKind, Result};
 use crate::intercept::{live, log, settings};
@@ -344,11 +344,10 @@ pub fn end_reading(ctx: &mut Context) {
 }
 
 /// Clears the bound framebuffer's colour within the scissor to transparent black.
-pub fn clear_transparent(gl: &Gl) {
-    let mut mask = [0u8; 4];
+pub fn clear_transparent(gl: &Gl, known: &KnownState) {
+    let mask = known.mask(gl);
     // SAFETY: the colour mask is put back.
     unsafe {
-        gl.get_booleanv(api::GL_COLOR_WRITEMASK, mask.as_mut_ptr());
         gl.color_mask(1, 1, 1, 1);
         gl.clear_bufferfv(api::GL_COLOR, 0, [0.0f32; 4].as_ptr());
         gl.color_mask(mask[0], mask[1], mask[2], mask[3]);
@@ -358,7 +357,7 @@ pub fn clear_transparent(gl: &Gl) {
 /// # Safety
 /// Our framebuffer must be bound for drawing, with the scissor test off.
 unsafe fn clear_everything(gl: &Gl) {
-    clear_transparent(gl);
+    clear_transparent(gl, &KnownState::default());
     let mut depth = 0u8;
     let mut stencil = 0;
     // SAFETY: the masks are put back.

@@ -8,6 +8,7 @@ use super::hook::hooks;
 use super::matrices::{load_projection, refresh};
 use super::outlines::Shape;
 use super::programs::Lens;
+use crate::backend::gl::KnownState;
 use crate::backend::gl::api::{self, Gl};
 use crate::runtime::session::MatrixClass;
 use std::ffi::c_void;
@@ -265,7 +266,7 @@ fn flat(
         let last = pictures == number + 1;
         let samples = if number == 0 { 1.0 } else { 0.0 };
         counting::weigh(ctx, Weights { samples, primitives: 1.0 / pictures as f64 });
-        let blending = panel.then(|| PanelBlend::begin(gl));
+        let blending = panel.then(|| PanelBlend::begin(gl, &ctx.known_state));
         repeats.around(gl, number, last, || match &measure {
             Some(measure) if number == 0 => super::duplicate::measure(ctx, measure, |ctx| issue(ctx, gl)),
             _ => issue(ctx, gl),
@@ -374,8 +375,7 @@ impl Repeats {
             Changes::Attributes => api::GL_CURRENT_BIT | api::GL_LIGHTING_BIT,
             Changes::Anything => api::GL_ALL_ATTRIB_BITS,
         };
-        // SAFETY: plain state.
-        let follows = mask != 0 && unsafe { ctx.gl.is_enabled(api::GL_COLOR_MATERIAL) } != 0;
+        let follows = mask != 0 && ctx.known_state.is_on(ctx.gl, api::GL_COLOR_MATERIAL);
         // Without a pause (OpenGL before 4.0) there is no drawing without recording.
         Self { mask, follows, feedback: ctx.feedback && ctx.gl.has_pause_transform_feedback() }
     }
@@ -415,32 +415,25 @@ impl Repeats {
 
 /// While the panel is drawn, its alpha collects how much of it is covered, for the composition.
 struct PanelBlend {
-    factors: [i32; 4],
+    factors: [u32; 4],
 }
 
 impl PanelBlend {
-    fn begin(gl: &Gl) -> Option<Self> {
-        // SAFETY: queries and sets plain state; put back in `end`.
-        unsafe {
-            if gl.is_enabled(api::GL_BLEND) == 0 {
-                return None;
-            }
-            let mut factors = [0; 4];
-            let names =
-                [api::GL_BLEND_SRC_RGB, api::GL_BLEND_DST_RGB, api::GL_BLEND_SRC_ALPHA, api::GL_BLEND_DST_ALPHA];
-            for (factor, name) in factors.iter_mut().zip(names) {
-                gl.get_integerv(name, factor);
-            }
-            let covers = factors[1] as u32 == api::GL_ONE_MINUS_SRC_ALPHA;
-            let (source, destination) =
-                if covers { (api::GL_ONE, api::GL_ONE_MINUS_SRC_ALPHA) } else { (api::GL_ZERO, api::GL_ONE) };
-            gl.blend_func_separate(factors[0] as u32, factors[1] as u32, source, destination);
-            Some(Self { factors })
+    fn begin(gl: &Gl, known: &KnownState) -> Option<Self> {
+        if !known.is_on(gl, api::GL_BLEND) {
+            return None;
         }
+        let factors = known.blending(gl);
+        let covers = factors[1] == api::GL_ONE_MINUS_SRC_ALPHA;
+        let (source, destination) =
+            if covers { (api::GL_ONE, api::GL_ONE_MINUS_SRC_ALPHA) } else { (api::GL_ZERO, api::GL_ONE) };
+        // SAFETY: sets plain state; put back in `end`.
+        unsafe { gl.blend_func_separate(factors[0], factors[1], source, destination) };
+        Some(Self { factors })
     }
 
     fn end(self, gl: &Gl) {
-        let [source, destination, source_alpha, destination_alpha] = self.factors.map(|f| f as u32);
+        let [source, destination, source_alpha, destination_alpha] = self.factors;
         // SAFETY: puts back what `begin` found.
         unsafe { gl.blend_func_separate(source, destination, source_alpha, destination_alpha) };
     }

@@ -29,13 +29,9 @@ pub struct Cleared {
 impl Cleared {
     /// By `glClear`.
     pub fn by_mask(ctx: &Context, mask: u32) -> Self {
-        let mut value = 1.0;
         let depth = mask & api::GL_DEPTH_BUFFER_BIT != 0;
-        if depth && ctx.redirected() {
-            // SAFETY: writes one number.
-            unsafe { ctx.gl.get_floatv(api::GL_DEPTH_CLEAR_VALUE, &mut value) };
-        }
-        Self { color: mask & api::GL_COLOR_BUFFER_BIT != 0, depth: depth.then_some(value) }
+        let value = || if ctx.redirected() { ctx.known_state.clear_depth(ctx.gl) } else { 1.0 };
+        Self { color: mask & api::GL_COLOR_BUFFER_BIT != 0, depth: depth.then(value) }
     }
 
     /// By `glClearBufferfv`, with its arguments.
@@ -101,7 +97,7 @@ pub fn close(ctx: &mut Context, cleared: f32) {
     }
     take_error(ctx);
     if let Some(target) = &ctx.target {
-        let texels = target.backend().close_hidden(ctx.gl, cleared);
+        let texels = target.backend().close_hidden(ctx.gl, cleared, &ctx.known_state);
         ctx.counts.closings += u64::from(texels > 0);
     }
     take_own_errors(ctx);

@@ -65,9 +65,11 @@ hooks! {
     };
     "glEnablei" enablei(cap: u32, index: u32) = |ctx, gl| {
         if cap == api::GL_SCISSOR_TEST && index == 0 { set_scissor_test(ctx, true) } else { gl.enablei(cap, index) }
+        super::known_state::note(ctx, |known| known.forget_switch(cap));
     };
     "glDisablei" disablei(cap: u32, index: u32) = |ctx, gl| {
         if cap == api::GL_SCISSOR_TEST && index == 0 { set_scissor_test(ctx, false) } else { gl.disablei(cap, index) }
+        super::known_state::note(ctx, |known| known.forget_switch(cap));
     };
     "glIsEnabledi" is_enabledi(cap: u32, index: u32) -> u8 = |ctx, gl| {
         let ours = cap == api::GL_SCISSOR_TEST && index == 0 && ctx.target.is_some();

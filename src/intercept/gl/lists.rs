@@ -71,7 +71,7 @@ pub fn now_or_later(ctx: &mut Context, run: impl Fn(&mut Context) + Send + Sync 
 #[derive(Clone, Debug)]
 enum Item {
     /// A real list of the driver.
-    Real { list: u32, draws: bool, raster: bool, bounds: Bounds },
+    Real { list: u32, draws: bool, raster: bool, sets_state: bool, bounds: Bounds },
     /// A command of ours.
     Command(Command),
 }
@@ -116,6 +116,8 @@ pub struct Recording {
     draws: bool,
     /// … at the raster position.
     raster: bool,
+    /// It sets what is followed.
+    pub sets_state: bool,
     /// Around the vertices of the present real list.
     pub bounds: Bounds,
 }
@@ -157,9 +159,10 @@ impl Recording {
     fn end_part(&mut self, gl: &Gl) {
         // SAFETY: ends the list that we, or the program, began.
         unsafe { gl.end_list() };
-        let Self { real: list, draws, raster, bounds, .. } = *self;
-        self.items.push(Item::Real { list, draws, raster, bounds });
+        let Self { real: list, draws, raster, sets_state, bounds, .. } = *self;
+        self.items.push(Item::Real { list, draws, raster, sets_state, bounds });
         self.draws = false;
+        self.sets_state = false;
         self.raster = false;
         self.bounds = Bounds::EMPTY;
     }
@@ -178,6 +181,7 @@ fn call(ctx: &mut Context, list: u32, depth: u32) {
         // A list that we did not see compiled (a font of glXUseXFont, say) may do anything.
         None => {
             run_real(ctx, list, true, true, &Bounds::UNKNOWN);
+            ctx.known_state.forget();
             ctx.projection.touch(api::GL_PROJECTION);
             ctx.projection.touch(api::GL_MODELVIEW);
             ctx.fixed.touch();
@@ -185,7 +189,12 @@ fn call(ctx: &mut Context, list: u32, depth: u32) {
         Some(items) => {
             for item in items.iter() {
                 match item {
-                    Item::Real { list, draws, raster, bounds } => run_real(ctx, *list, *draws, *raster, bounds),
+                    Item::Real { list, draws, raster, sets_state, bounds } => {
+                        run_real(ctx, *list, *draws, *raster, bounds);
+                        if *sets_state {
+                            ctx.known_state.forget();
+                        }
+                    }
                     Item::Command(command) => run(ctx, command, depth),
                 }
             }
@@ -271,7 +280,10 @@ pub fn run(ctx: &mut Context, command: &Command, depth: u32) {
             }
         }
         Command::ListBase(base) => set_list_base(ctx, *base),
-        Command::Later(later) => (later.0)(ctx),
+        Command::Later(later) => {
+            (later.0)(ctx);
+            ctx.known_state.forget();
+        }
         _ => {}
     }
 }
@@ -314,7 +326,8 @@ fn begin_recording(ctx: &mut Context, list: u32, mode: u32) {
     if list != 0 && matches!(mode, api::GL_COMPILE | api::GL_COMPILE_AND_EXECUTE) && !ctx.compiling() {
         let execute = mode == api::GL_COMPILE_AND_EXECUTE;
         let (items, bounds) = (Vec::new(), Bounds::EMPTY);
-        ctx.recording = Some(Recording { list, execute, items, real: list, draws: false, raster: false, bounds });
+        let (draws, raster, sets_state) = (false, false, false);
+        ctx.recording = Some(Recording { list, execute, items, real: list, draws, raster, sets_state, bounds });
     }
 }
 

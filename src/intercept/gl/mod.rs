@@ -7,6 +7,7 @@
 
 pub mod accumulation;
 pub mod background;
+pub mod bound;
 pub mod buffers;
 pub mod conditional;
 pub mod config;
@@ -28,6 +29,7 @@ pub mod hidden;
 mod hook;
 pub mod immediate;
 pub mod indexed;
+pub mod known_state;
 pub mod lists;
 pub mod matrices;
 pub mod named;
@@ -49,6 +51,7 @@ pub mod uniforms;
 pub mod vendor;
 pub mod vendor_egl;
 pub mod vendor_glx;
+pub mod vertex_arrays;
 pub mod vertices;
 pub mod window;
 pub mod workload;

@@ -115,7 +115,8 @@ fn correct_now(ctx: &mut Context) {
     let Some(target) = ctx.target.take() else { return };
     target.resolve(ctx, None);
     let blank = target.blank();
-    let pending = target.backend().present_but(ctx.gl, target.texture(), target.outputs(), blank.as_ref());
+    let (texture, outputs) = (target.texture(), target.outputs());
+    let pending = target.backend().present_but(ctx.gl, texture, outputs, blank.as_ref(), &ctx.known_state);
     if ctx.pending_error == api::GL_NO_ERROR {
         ctx.pending_error = pending;
     }

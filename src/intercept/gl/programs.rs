@@ -105,10 +105,7 @@ impl Program {
 /// The rig's lens, for what is drawn with a depth test by a program without a matrix.
 fn given(ctx: &Context) -> Lens {
     match ctx.session().and_then(Session::given_lens) {
-        // SAFETY: asks for a switch, and only where the rig has a lens.
-        Some(lens) if unsafe { ctx.gl.is_enabled(api::GL_DEPTH_TEST) } != 0 => {
-            Lens::Perspective(lens, "the rig's lens")
-        }
+        Some(lens) if ctx.known_state.is_on(ctx.gl, api::GL_DEPTH_TEST) => Lens::Perspective(lens, "the rig's lens"),
         _ => Lens::Flat,
     }
 }

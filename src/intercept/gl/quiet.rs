@@ -7,16 +7,17 @@ use crate::backend::gl::api;
 pub fn quietly<R>(ctx: &mut Context, work: impl FnOnce(&mut Context) -> R) -> R {
     let gl = ctx.gl;
     let knows = ctx.profile.version >= if ctx.profile.es { 32 } else { 43 };
-    // SAFETY: a switch that this version has; it is put back.
-    let talks = knows && unsafe { gl.is_enabled(api::GL_DEBUG_OUTPUT) } != 0;
+    let talks = knows && ctx.known_state.is_on(gl, api::GL_DEBUG_OUTPUT);
     if talks {
-        // SAFETY: as above.
+        // SAFETY: a switch that this version has; it is put back.
         unsafe { gl.disable(api::GL_DEBUG_OUTPUT) };
+        ctx.known_state.note(api::GL_DEBUG_OUTPUT, false);
     }
     let answer = work(ctx);
     if talks {
         // SAFETY: as above.
         unsafe { gl.enable(api::GL_DEBUG_OUTPUT) };
+        ctx.known_state.note(api::GL_DEBUG_OUTPUT, true);
     }
     answer
 }

@@ -2,10 +2,11 @@
 
 use super::context::{Actual, Believed, Context};
 use super::hook::hooks;
+use super::known_state;
 use super::lists::Command;
 use super::raster::Raster;
 use super::vertices::fixed::{self, pipeline::Pipeline};
-use crate::backend::gl::api;
+use crate::backend::gl::{KnownState, api};
 
 impl Context {
     /// Sets the real viewport.
@@ -69,6 +70,7 @@ pub struct Pushed {
     mask: u32,
     believed: Believed,
     list_base: u32,
+    known: KnownState,
     /// Where current attributes are kept.
     raster: Option<Raster>,
 }
@@ -80,8 +82,8 @@ pub fn push_attributes(ctx: &mut Context, mask: u32) {
     // As deep as OpenGL's own, which ignores what exceeds it.
     if ctx.attribute_stack.len() < ATTRIBUTE_DEPTH {
         let raster = (mask & api::GL_CURRENT_BIT != 0).then(|| ctx.raster.saved());
-        let (believed, list_base) = (ctx.believed.clone(), ctx.list_base);
-        ctx.attribute_stack.push(Pushed { mask, believed, list_base, raster });
+        let (believed, list_base, known) = (ctx.believed.clone(), ctx.list_base, ctx.known_state.clone());
+        ctx.attribute_stack.push(Pushed { mask, believed, list_base, known, raster });
     }
 }
 
@@ -91,7 +93,11 @@ pub fn pop_attributes(ctx: &mut Context) {
     // SAFETY: the program's own call.
     unsafe { ctx.gl.pop_attrib() };
     ctx.fixed.touch();
-    let Some(Pushed { mask, believed: saved, list_base, raster }) = ctx.attribute_stack.pop() else { return };
+    let Some(Pushed { mask, believed: saved, list_base, known, raster }) = ctx.attribute_stack.pop() else {
+        ctx.known_state.forget();
+        return;
+    };
+    ctx.known_state.restored(&known);
     if let Some(raster) = raster {
         ctx.raster = raster;
     }
@@ -108,8 +114,7 @@ pub fn pop_attributes(ctx: &mut Context) {
         ctx.actual.scissor_test = None;
     }
     if mask & api::GL_ENABLE_BIT != 0 && ctx.profile.version >= 30 {
-        // SAFETY: asks for a switch that OpenGL 3.0 has.
-        ctx.discard = unsafe { ctx.gl.is_enabled(api::GL_RASTERIZER_DISCARD) } != 0;
+        ctx.discard = ctx.known_state.is_on(ctx.gl, api::GL_RASTERIZER_DISCARD);
     }
     if mask & api::GL_TRANSFORM_BIT != 0 {
         ctx.believed.matrix_mode = saved.matrix_mode;
@@ -198,6 +203,7 @@ hooks! {
                     ctx.widest.note_unknown();
                 }
                 if Pipeline::has(cap) { fixed::switch(ctx, move |gl| gl.enable(cap)) } else { gl.enable(cap) }
+                known_state::note(ctx, |known| known.note(cap, true));
             }
         }
     };
@@ -207,6 +213,7 @@ hooks! {
             _ => {
                 ctx.discard &= cap != api::GL_RASTERIZER_DISCARD;
                 if Pipeline::has(cap) { fixed::switch(ctx, move |gl| gl.disable(cap)) } else { gl.disable(cap) }
+                known_state::note(ctx, |known| known.note(cap, false));
             }
         }
     };

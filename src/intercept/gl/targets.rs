@@ -136,7 +136,7 @@ pub fn clear_panel(ctx: &mut Context) {
     if let Some(panel) = ctx.target.as_ref().and_then(|t| t.panel()) {
         // The gutter goes with it, or the filter would mix the clear colour into its borders.
         ctx.set_scissor(Some([panel[0] - 1, panel[1] - 1, panel[2] + 2, panel[3] + 2]));
-        super::default_framebuffer::clear_transparent(ctx.gl);
+        super::default_framebuffer::clear_transparent(ctx.gl, &ctx.known_state);
     }
 }
 

@@ -3,7 +3,7 @@
 use super::canvas::Canvas;
 use super::contexts;
 use crate::backend::gl::api::*;
-use crate::backend::gl::{Blank, GlBackend, Target};
+use crate::backend::gl::{Blank, GlBackend, KnownState, Target};
 use crate::backend::tests::picture::Picture;
 use crate::backend::tests::plans::*;
 use crate::backend::tests::present::{noise, one_to_one, place, waves};
@@ -100,7 +100,7 @@ fn an_own_framebuffer_shows_the_same_and_black_around_it() {
                     if owned {
                         backend.own_framebuffer(&targets, size);
                     }
-                    backend.present_but(gl, texture, &targets, blank);
+                    backend.present_but(gl, texture, &targets, blank, &KnownState::default());
                     backend.destroy(gl);
                     assert_eq!(backend.errors(), 0);
                     canvas.read(gl)

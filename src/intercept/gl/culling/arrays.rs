@@ -7,6 +7,7 @@ use super::super::context::Context;
 use super::super::draw::draw_command;
 use super::super::hook::hooks;
 use super::super::outlines::Shape;
+use super::super::vertex_arrays;
 use super::super::vertices::fixed;
 use super::bounds::Bounds;
 use super::layout::Layout;
@@ -46,12 +47,10 @@ unsafe fn find(ctx: &mut Context, vertices: Vertices) -> Option<Bounds> {
             if restarts(ctx) {
                 return None;
             }
-            let mut buffer = 0;
-            // SAFETY: writes one integer.
-            unsafe { ctx.gl.get_integerv(api::GL_ELEMENT_ARRAY_BUFFER_BINDING, &mut buffer) };
+            let buffer = vertex_arrays::elements(ctx);
             if buffer != 0 {
                 let known = layout.buffer != 0 && !ctx.compiling();
-                return known.then(|| ranges::around(ctx, layout, vertices, buffer as u32));
+                return known.then(|| ranges::around(ctx, layout, vertices, buffer));
             }
             index_width(kind).filter(|_| !indices.is_null() && base == 0)?;
             let numbers = 0..usize::try_from(count).ok()?;
@@ -72,8 +71,7 @@ unsafe fn find(ctx: &mut Context, vertices: Vertices) -> Option<Bounds> {
 /// Whether some index begins a new primitive instead of naming a vertex.
 pub fn restarts(ctx: &Context) -> bool {
     let (gl, version) = (ctx.gl, ctx.profile.version);
-    // SAFETY: asks for switches that this version has.
-    let on = |switch: u32| unsafe { gl.is_enabled(switch) } != 0;
+    let on = |switch: u32| ctx.known_state.is_on(gl, switch);
     if ctx.profile.es {
         version >= 30 && on(api::GL_PRIMITIVE_RESTART_FIXED_INDEX)
     } else {

@@ -65,15 +65,11 @@ impl Content {
 /// The program cleared all views' colours by `glClear`, to what it believes to have set.
 pub fn note_clear(ctx: &mut Context) {
     let unconditional = ctx.condition.is_none() && !ctx.discard && ctx.believed.draw_buffer != api::GL_NONE;
-    let (mut mask, mut color) = ([0u8; 4], [0.0f32; 4]);
+    let (gl, state) = (ctx.gl, &ctx.known_state);
     let srgb = ctx.target.as_ref().is_some_and(|t| t.config().srgb);
-    // SAFETY: each query writes four values. OpenGL ES converts wherever the window can.
-    let converts = unsafe {
-        ctx.gl.get_booleanv(api::GL_COLOR_WRITEMASK, mask.as_mut_ptr());
-        ctx.gl.get_floatv(api::GL_COLOR_CLEAR_VALUE, color.as_mut_ptr());
-        srgb && (ctx.profile.es || ctx.gl.is_enabled(api::GL_FRAMEBUFFER_SRGB) != 0)
-    };
-    let [red, green, blue, _] = color;
+    // OpenGL ES converts wherever the window can.
+    let converts = srgb && (ctx.profile.es || state.is_on(gl, api::GL_FRAMEBUFFER_SRGB));
+    let (mask, [red, green, blue, _]) = (state.mask(gl), state.clear_color(gl));
     let known = unconditional && !converts && mask[..3].iter().all(|on| *on != 0);
     if let Some(target) = &mut ctx.target {
         target.content.clear(if known { stored([red, green, blue]) } else { None });

@@ -1,9 +1,9 @@
 //! How the array of positions lies in memory.
 
-use super::super::context::{Context, Profile};
+use super::super::context::Context;
+use super::super::vertex_arrays::{self, Pointer, Source, width};
 use super::position::Array;
-use crate::backend::gl::api::{self, Gl};
-use std::ffi::c_void;
+use crate::backend::gl::api;
 
 /// The array of positions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -20,18 +20,15 @@ pub struct Layout {
     normalised: bool,
 }
 
-/// One integer that the driver knows.
-type Ask<'a> = &'a dyn Fn(u32) -> i32;
-
 impl Layout {
     /// What the program has set for `array`, of which `components` count; `None` where that is not all there is to a
     /// position.
-    pub fn of(ctx: &Context, array: Array, components: usize) -> Option<Self> {
-        let (gl, profile) = (ctx.gl, &ctx.profile);
+    pub fn of(ctx: &mut Context, array: Array, components: usize) -> Option<Self> {
         let layout = match array {
-            Array::Conventional => conventional(gl)?,
-            Array::Generic(location) => generic(gl, profile, location)?,
+            Array::Conventional => conventional(ctx)?,
+            Array::Generic(location) => generic(ctx, location)?,
         };
+        let profile = &ctx.profile;
         let given = layout.components;
         let signed = matches!(layout.kind, api::GL_BYTE | api::GL_SHORT | api::GL_INT);
         // Older versions have another rule for signed integers.
@@ -41,6 +38,10 @@ impl Layout {
             && !(layout.normalised && signed && !one_rule)
             && layout.stride > 0;
         usable.then_some(Self { components: given.min(components), ..layout })
+    }
+
+    fn at(Source { buffer, start, stride }: Source, components: usize, kind: u32, normalised: bool) -> Self {
+        Self { buffer, start, stride, components, kind, normalised }
     }
 
     /// Bytes of one position.
@@ -67,98 +68,24 @@ impl Layout {
     }
 }
 
-/// `glVertexPointer`.
-fn conventional(gl: &Gl) -> Option<Layout> {
-    let mut generic = 0;
-    let mut start = std::ptr::null_mut::<c_void>();
-    let get = |name: u32| {
-        let mut value = 0;
-        // SAFETY: writes one integer.
-        unsafe { gl.get_integerv(name, &mut value) };
-        value
-    };
-    // SAFETY: writes one integer and one pointer; the context has a fixed-function pipeline.
-    unsafe {
-        if gl.is_enabled(api::GL_VERTEX_ARRAY) == 0 {
-            return None;
-        }
-        // Generic attribute 0 is the position where it is an array.
-        gl.get_vertex_attribiv(0, api::GL_VERTEX_ATTRIB_ARRAY_ENABLED, &mut generic);
-        gl.get_pointerv(api::GL_VERTEX_ARRAY_POINTER, &mut start);
-    }
-    let kind = get(api::GL_VERTEX_ARRAY_TYPE) as u32;
-    let components = usize::try_from(get(api::GL_VERTEX_ARRAY_SIZE)).ok()?;
-    let stride = match usize::try_from(get(api::GL_VERTEX_ARRAY_STRIDE)).ok()? {
-        0 => components * width(kind)?,
-        stride => stride,
-    };
-    let buffer = get(api::GL_VERTEX_ARRAY_BUFFER_BINDING) as u32;
+/// `glVertexPointer`. Generic attribute 0 is the position where it is an array.
+fn conventional(ctx: &mut Context) -> Option<Layout> {
+    let Pointer { components, kind, source } = vertex_arrays::conventional(ctx)?;
     width(kind)?;
-    (generic == 0).then_some(Layout { buffer, start: start as usize, stride, components, kind, normalised: false })
+    (!vertex_arrays::is_on(ctx, 0)).then_some(Layout::at(source, components, kind, false))
 }
 
 /// A generic attribute.
-fn generic(gl: &Gl, profile: &Profile, location: u32) -> Option<Layout> {
-    let get = |name: u32| {
-        let mut value = 0;
-        // SAFETY: writes one integer; the location is one of a linked program's.
-        unsafe { gl.get_vertex_attribiv(location, name, &mut value) };
-        value
-    };
-    let integers = profile.version >= 30;
-    if get(api::GL_VERTEX_ATTRIB_ARRAY_ENABLED) == 0 || integers && get(api::GL_VERTEX_ATTRIB_ARRAY_INTEGER) != 0 {
+fn generic(ctx: &mut Context, location: u32) -> Option<Layout> {
+    if !vertex_arrays::is_on(ctx, location) {
         return None;
     }
-    let kind = get(api::GL_VERTEX_ATTRIB_ARRAY_TYPE) as u32;
-    let components = usize::try_from(get(api::GL_VERTEX_ATTRIB_ARRAY_SIZE)).ok()?;
-    let normalised = get(api::GL_VERTEX_ATTRIB_ARRAY_NORMALIZED) != 0;
-    let packed = components * width(kind)?;
-    let bindings = profile.version >= if profile.es { 31 } else { 43 };
-    let (buffer, start, stride, divisor) =
-        if bindings { binding(gl, &get) } else { pointer(gl, profile, location, &get, packed) }?;
-    (divisor == 0).then_some(Layout { buffer, start, stride, components, kind, normalised })
-}
-
-/// Buffer, start, stride and divisor where attributes have bindings: these count, whatever call set them.
-fn binding(gl: &Gl, get: Ask) -> Option<(u32, usize, usize, i32)> {
-    let index = get(api::GL_VERTEX_ATTRIB_BINDING) as u32;
-    let of_binding = |name: u32| {
-        let mut value = 0;
-        // SAFETY: writes one integer; the binding is the attribute's.
-        unsafe { gl.get_integeri_v(name, index, &mut value) };
-        value
-    };
-    let start = usize::try_from(of_binding(api::GL_VERTEX_BINDING_OFFSET)).ok()?;
-    let start = start + usize::try_from(get(api::GL_VERTEX_ATTRIB_RELATIVE_OFFSET)).ok()?;
-    let buffer = of_binding(api::GL_VERTEX_BINDING_BUFFER) as u32;
-    let stride = usize::try_from(of_binding(api::GL_VERTEX_BINDING_STRIDE)).ok()?;
-    // An address has no room in these answers.
-    (buffer != 0).then_some((buffer, start, stride, of_binding(api::GL_VERTEX_BINDING_DIVISOR)))
-}
-
-/// The same where an attribute has a pointer only.
-fn pointer(gl: &Gl, profile: &Profile, location: u32, get: Ask, packed: usize) -> Option<(u32, usize, usize, i32)> {
-    let mut start = std::ptr::null_mut::<c_void>();
-    // SAFETY: writes one pointer.
-    unsafe { gl.get_vertex_attrib_pointerv(location, api::GL_VERTEX_ATTRIB_ARRAY_POINTER, &mut start) };
-    let stride = match usize::try_from(get(api::GL_VERTEX_ATTRIB_ARRAY_STRIDE)).ok()? {
-        0 => packed,
-        stride => stride,
-    };
-    let divisors = profile.version >= if profile.es { 30 } else { 33 };
-    let divisor = if divisors { get(api::GL_VERTEX_ATTRIB_ARRAY_DIVISOR) } else { 0 };
-    Some((get(api::GL_VERTEX_ATTRIB_ARRAY_BUFFER_BINDING) as u32, start as usize, stride, divisor))
-}
-
-/// Bytes of a coordinate; `None` for types that are not looked through.
-pub fn width(kind: u32) -> Option<usize> {
-    match kind {
-        api::GL_BYTE | api::GL_UNSIGNED_BYTE => Some(1),
-        api::GL_SHORT | api::GL_UNSIGNED_SHORT | api::GL_HALF_FLOAT => Some(2),
-        api::GL_INT | api::GL_UNSIGNED_INT | api::GL_FLOAT => Some(4),
-        api::GL_DOUBLE => Some(8),
-        _ => None,
-    }
+    let (format, source, divisor) = vertex_arrays::generic(ctx, location)?;
+    width(format.kind)?;
+    // Where attributes have bindings, OpenGL's answers have no room for an address.
+    let told = source.buffer != 0 || !vertex_arrays::has_bindings(&ctx.profile);
+    let usable = told && divisor == 0 && !format.integer;
+    usable.then_some(Layout::at(source, format.components, format.kind, format.normalised))
 }
 
 /// The integer that stands for 1 where integers are normalised.

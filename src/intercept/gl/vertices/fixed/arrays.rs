@@ -4,8 +4,9 @@
 //! have to wait.
 
 use super::super::super::context::Context;
-use super::super::super::culling::layout::{number, width};
+use super::super::super::culling::layout::number;
 use super::super::super::culling::ranges::{self, index_at, index_width};
+use super::super::super::vertex_arrays::{self, width};
 use super::assembly;
 use super::vertices::{Attribute, Vertices};
 use crate::backend::gl::api::{self, Gl};
@@ -125,7 +126,7 @@ const OTHERS: [(Attribute, Names); 4] = [
 ///
 /// # Safety
 /// The program's arrays must hold `range`, as it promises OpenGL.
-pub unsafe fn read(ctx: &Context, mode: u32, range: Range) -> Option<Result<Vertices, &'static str>> {
+pub unsafe fn read(ctx: &mut Context, mode: u32, range: Range) -> Option<Result<Vertices, &'static str>> {
     if matches!(range, Range::Range { count: ..=0, .. } | Range::Elements { count: ..=0, .. }) {
         return None;
     }
@@ -189,7 +190,7 @@ fn textures(gl: &Gl, arrays: &mut Vec<Array>) {
 
 /// # Safety
 /// As for [`read`].
-unsafe fn vertices(ctx: &Context, mode: u32, arrays: &[Array], range: Range) -> Option<Vertices> {
+unsafe fn vertices(ctx: &mut Context, mode: u32, arrays: &[Array], range: Range) -> Option<Vertices> {
     // SAFETY: as promised.
     let numbers = unsafe { numbers(ctx, range) }?;
     let (least, greatest) = (*numbers.iter().min()?, *numbers.iter().max()?);
@@ -223,7 +224,7 @@ unsafe fn vertices(ctx: &Context, mode: u32, arrays: &[Array], range: Range) -> 
 ///
 /// # Safety
 /// As for [`read`].
-unsafe fn numbers(ctx: &Context, range: Range) -> Option<Vec<usize>> {
+unsafe fn numbers(ctx: &mut Context, range: Range) -> Option<Vec<usize>> {
     match range {
         Range::Range { first, count } => {
             let first = usize::try_from(first).ok()?;
@@ -234,10 +235,7 @@ unsafe fn numbers(ctx: &Context, range: Range) -> Option<Vec<usize>> {
             if super::super::super::culling::arrays::restarts(ctx) {
                 return None;
             }
-            let mut buffer = 0;
-            // SAFETY: writes one integer.
-            unsafe { ctx.gl.get_integerv(api::GL_ELEMENT_ARRAY_BUFFER_BINDING, &mut buffer) };
-            let read = match buffer as u32 {
+            let read = match vertex_arrays::elements(ctx) {
                 0 if indices.is_null() => return None,
                 0 => None,
                 name => {

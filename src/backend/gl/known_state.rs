@@ -1,0 +1,276 @@
+//! State that whoever sees all calls of a context can follow, so that it need not be asked for: once known it is kept until
+//! it is noted anew or forgotten.
+
+use super::api::*;
+use super::state::integer;
+use std::cell::Cell;
+
+/// The switches that are followed.
+const SWITCHES: [u32; 28] = [
+    GL_CLIP_DISTANCE0,
+    GL_CLIP_DISTANCE1,
+    GL_CLIP_DISTANCE2,
+    GL_CLIP_DISTANCE3,
+    GL_CLIP_DISTANCE4,
+    GL_CLIP_DISTANCE5,
+    GL_CLIP_DISTANCE6,
+    GL_CLIP_DISTANCE7,
+    GL_DEPTH_TEST,
+    GL_STENCIL_TEST,
+    GL_CULL_FACE,
+    GL_DITHER,
+    GL_RASTERIZER_DISCARD,
+    GL_SAMPLE_ALPHA_TO_COVERAGE,
+    GL_SAMPLE_COVERAGE,
+    GL_SAMPLE_MASK,
+    GL_SAMPLE_SHADING,
+    GL_COLOR_LOGIC_OP,
+    GL_POLYGON_SMOOTH,
+    GL_ALPHA_TEST,
+    GL_POLYGON_STIPPLE,
+    GL_FRAMEBUFFER_SRGB,
+    GL_DEPTH_BOUNDS_TEST_EXT,
+    GL_PRIMITIVE_RESTART,
+    GL_PRIMITIVE_RESTART_FIXED_INDEX,
+    GL_BLEND,
+    GL_COLOR_MATERIAL,
+    GL_DEBUG_OUTPUT,
+];
+
+/// The bit of a switch; 0: it is not followed. The switches that programs use most come first.
+fn bit(switch: u32) -> u32 {
+    let place = match switch {
+        GL_DEPTH_TEST => 8,
+        GL_BLEND => 25,
+        GL_CULL_FACE => 10,
+        GL_CLIP_DISTANCE0..=GL_CLIP_DISTANCE7 => switch - GL_CLIP_DISTANCE0,
+        _ => match SWITCHES.iter().position(|known| *known == switch) {
+            Some(place) => place as u32,
+            None => return 0,
+        },
+    };
+    1 << place
+}
+
+/// Most colour buffers whose masks are kept.
+pub(super) const MOST_DRAW_BUFFERS: usize = 16;
+
+/// The masks of all colour buffers.
+pub(super) type Masks = [[u8; 4]; MOST_DRAW_BUFFERS];
+
+/// What is known of a context's state.
+#[derive(Clone, Default)]
+pub struct KnownState {
+    /// A bit for each switch.
+    known: Cell<u32>,
+    on: Cell<u32>,
+    /// The context has the switch: it was seen on.
+    there: Cell<u32>,
+    masks: Cell<Option<Masks>>,
+    blending: Cell<Option<[u32; 4]>>,
+    clear_color: Cell<Option<[f32; 4]>>,
+    clear_depth: Cell<Option<f32>>,
+}
+
+impl KnownState {
+    /// Anything may have changed.
+    pub fn forget(&self) {
+        self.known.set(0);
+        self.masks.set(None);
+        self.blending.set(None);
+        self.clear_color.set(None);
+        self.clear_depth.set(None);
+    }
+
+    /// State that was once `saved` may have come back, or not.
+    pub fn restored(&self, saved: &Self) {
+        self.known.set(self.known.get() & saved.known.get() & !(self.on.get() ^ saved.on.get()));
+        keep_same(&self.masks, &saved.masks);
+        keep_same(&self.blending, &saved.blending);
+        keep_same(&self.clear_color, &saved.clear_color);
+        keep_same(&self.clear_depth, &saved.clear_depth);
+    }
+
+    /// A switch was set. A context that does not have it refuses that, so that one is believed to be on only if it was
+    /// seen so.
+    pub fn note(&self, switch: u32, on: bool) {
+        let bit = bit(switch);
+        if on && self.there.get() & bit == 0 {
+            self.known.set(self.known.get() & !bit);
+        } else if on {
+            self.known.set(self.known.get() | bit);
+            self.on.set(self.on.get() | bit);
+        } else {
+            self.known.set(self.known.get() | bit);
+            self.on.set(self.on.get() & !bit);
+        }
+    }
+
+    /// A switch may have changed.
+    pub fn forget_switch(&self, switch: u32) {
+        self.known.set(self.known.get() & !bit(switch));
+    }
+
+    /// Whether a switch is on, one that the context has; of blending, that of the first colour buffer.
+    pub fn is_on(&self, gl: &Gl, switch: u32) -> bool {
+        let bit = bit(switch);
+        if self.known.get() & bit != 0 {
+            return self.on.get() & bit != 0;
+        }
+        // SAFETY: asks for a switch that the context has.
+        let on = unsafe { gl.is_enabled(switch) } != 0;
+        if on {
+            self.there.set(self.there.get() | bit);
+        }
+        self.note(switch, on);
+        on
+    }
+
+    /// The mask of all colour buffers was set.
+    pub fn note_mask(&self, mask: [u8; 4]) {
+        self.masks.set(Some([mask.map(|on| u8::from(on != 0)); MOST_DRAW_BUFFERS]));
+    }
+
+    /// The mask of some colour buffer may have changed.
+    pub fn forget_masks(&self) {
+        self.masks.set(None);
+    }
+
+    /// The masks of the first `count` colour buffers, which the context has; one where they have one in common.
+    pub(super) fn masks(&self, gl: &Gl, count: usize, indexed: bool) -> Masks {
+        if let Some(masks) = self.masks.get() {
+            return masks;
+        }
+        let mut masks = [[0; 4]; MOST_DRAW_BUFFERS];
+        if indexed {
+            for (index, mask) in masks.iter_mut().enumerate().take(count) {
+                // SAFETY: a mask has four parts.
+                unsafe { gl.get_booleani_v(GL_COLOR_WRITEMASK, index as u32, mask.as_mut_ptr()) };
+            }
+        } else {
+            masks = [self.mask(gl); MOST_DRAW_BUFFERS];
+        }
+        self.masks.set(Some(masks));
+        masks
+    }
+
+    /// The mask of the first colour buffer.
+    pub fn mask(&self, gl: &Gl) -> [u8; 4] {
+        if let Some(masks) = self.masks.get() {
+            return masks[0];
+        }
+        let mut mask = [0; 4];
+        // SAFETY: a mask has four parts.
+        unsafe { gl.get_booleanv(GL_COLOR_WRITEMASK, mask.as_mut_ptr()) };
+        mask
+    }
+
+    /// The factors of blending were set: of colours of the source and of the destination, then of alpha. Others than the usual
+    /// ones may be refused.
+    pub fn note_blending(&self, factors: [u32; 4]) {
+        let usual = |factor: &u32| matches!(*factor, GL_ZERO | GL_ONE | GL_SRC_COLOR..=GL_ONE_MINUS_DST_COLOR);
+        self.blending.set(Some(factors).filter(|factors| factors.iter().all(usual)));
+    }
+
+    /// The factors of blending may have changed.
+    pub fn forget_blending(&self) {
+        self.blending.set(None);
+    }
+
+    /// The factors of blending, those of the first colour buffer.
+    pub fn blending(&self, gl: &Gl) -> [u32; 4] {
+        let factors = self.blending.get().unwrap_or_else(|| {
+            [GL_BLEND_SRC_RGB, GL_BLEND_DST_RGB, GL_BLEND_SRC_ALPHA, GL_BLEND_DST_ALPHA]
+                .map(|name| integer(gl, name) as u32)
+        });
+        self.blending.set(Some(factors));
+        factors
+    }
+
+    /// The colour of clears was set; none: it may have been.
+    pub fn note_clear_color(&self, color: Option<[f32; 4]>) {
+        self.clear_color.set(color);
+    }
+
+    /// The colour of clears.
+    pub fn clear_color(&self, gl: &Gl) -> [f32; 4] {
+        let color = self.clear_color.get().unwrap_or_else(|| {
+            let mut color = [0.0; 4];
+            // SAFETY: writes four values.
+            unsafe { gl.get_floatv(GL_COLOR_CLEAR_VALUE, color.as_mut_ptr()) };
+            color
+        });
+        self.clear_color.set(Some(color));
+        color
+    }
+
+    /// The depth of clears may have been set.
+    pub fn forget_clear_depth(&self) {
+        self.clear_depth.set(None);
+    }
+
+    /// The depth of clears.
+    pub fn clear_depth(&self, gl: &Gl) -> f32 {
+        let depth = self.clear_depth.get().unwrap_or_else(|| {
+            let mut depth = 1.0;
+            // SAFETY: writes one value.
+            unsafe { gl.get_floatv(GL_DEPTH_CLEAR_VALUE, &mut depth) };
+            depth
+        });
+        self.clear_depth.set(Some(depth));
+        depth
+    }
+}
+
+/// Keeps a value that is the same now as it was.
+fn keep_same<T: Copy + PartialEq>(now: &Cell<Option<T>>, saved: &Cell<Option<T>>) {
+    now.set(now.get().filter(|value| saved.get() == Some(*value)));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_switch_has_a_bit_of_its_own() {
+        for (place, switch) in SWITCHES.iter().enumerate() {
+            assert_eq!(bit(*switch), 1 << place, "{switch:#x}");
+        }
+        assert_eq!([bit(GL_SCISSOR_TEST), bit(GL_LIGHTING), bit(0)], [0; 3]);
+    }
+
+    #[test]
+    fn what_may_be_refused_is_not_believed() {
+        let known = KnownState::default();
+        known.note(GL_BLEND, true);
+        assert_eq!(known.known.get(), 0, "nobody has seen that there is such a switch");
+        known.note(GL_BLEND, false);
+        assert_eq!((known.known.get(), known.on.get()), (bit(GL_BLEND), 0));
+        known.there.set(bit(GL_BLEND));
+        known.note(GL_BLEND, true);
+        assert_eq!((known.known.get(), known.on.get()), (bit(GL_BLEND), bit(GL_BLEND)));
+        known.note_blending([GL_ONE, GL_ZERO, GL_ONE, 7]);
+        assert_eq!(known.blending.get(), None);
+        // A switch that is not known changes nothing.
+        known.note(GL_LIGHTING, true);
+        assert_eq!(known.known.get(), bit(GL_BLEND));
+    }
+
+    #[test]
+    fn what_differs_from_what_comes_back_is_not_known() {
+        let known = KnownState::default();
+        for switch in [GL_DITHER, GL_DEPTH_TEST] {
+            known.note(switch, false);
+        }
+        known.note_mask([1; 4]);
+        known.note_clear_color(Some([0.5; 4]));
+        let saved = known.clone();
+        known.there.set(u32::MAX);
+        known.note(GL_DITHER, true);
+        known.note(GL_CULL_FACE, true);
+        known.note_mask([1, 0, 1, 1]);
+        known.restored(&saved);
+        assert_eq!(known.known.get(), bit(GL_DEPTH_TEST));
+        assert!(known.masks.get().is_none() && known.clear_color.get() == Some([0.5; 4]));
+    }
+}
