@@ -11,6 +11,8 @@
 //! [`prints`] for its shaders. What [`queries`] count is told as the program means it. What cannot be followed is shown flat, on the panel, with the reason in the log.
 
 pub mod canvas;
+pub mod chain;
+pub mod features;
 #[cfg(test)]
 mod commands;
 pub mod compute;

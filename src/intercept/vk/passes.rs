@@ -6,7 +6,7 @@ use super::framebuffers::Framebuffer;
 use super::hook::hooks;
 use super::images::Shown;
 use super::layout::Layout;
-use super::pipelines::in_chain;
+use super::chain::in_chain;
 use super::queries::running::clear_left;
 use super::recording::{Event, Pass, Recording, Settled, Within};
 use super::{conditional, prints, transfers};

@@ -1,10 +1,18 @@
 //! What the structure that makes a pipeline says: all of it, or the parts that a library has. Pointers to what belongs to
 //! other parts are not looked at; they may lead anywhere.
 
-use super::in_chain;
+use crate::intercept::vk::chain::{Copied, in_chain};
 use ash::vk;
 use ash::vk::GraphicsPipelineLibraryFlagsEXT as Flags;
 use std::ffi::c_void;
+
+/// All parts of a pipeline.
+const WHOLE: Flags = Flags::from_raw(
+    Flags::VERTEX_INPUT_INTERFACE.as_raw()
+        | Flags::PRE_RASTERIZATION_SHADERS.as_raw()
+        | Flags::FRAGMENT_SHADER.as_raw()
+        | Flags::FRAGMENT_OUTPUT_INTERFACE.as_raw(),
+);
 
 /// The parts of a pipeline that a structure describes.
 pub struct Parts<'a> {
@@ -39,11 +47,7 @@ impl<'a> Parts<'a> {
             let linked = in_chain::<vk::PipelineLibraryCreateInfoKHR<'_>>(info.p_next, linked);
             let libraries = linked.map_or(&[][..], |l| super::super::slice(l.p_libraries, l.library_count));
             let whole = libraries.is_empty() && !info.flags.contains(vk::PipelineCreateFlags::LIBRARY_KHR);
-            let all = Flags::VERTEX_INPUT_INTERFACE
-                | Flags::PRE_RASTERIZATION_SHADERS
-                | Flags::FRAGMENT_SHADER
-                | Flags::FRAGMENT_OUTPUT_INTERFACE;
-            let flags = part.map_or(if whole { all } else { Flags::empty() }, |part| part.flags);
+            let flags = part.map_or(if whole { WHOLE } else { Flags::empty() }, |part| part.flags);
             let before = flags.contains(Flags::PRE_RASTERIZATION_SHADERS);
             let fragment = flags.contains(Flags::FRAGMENT_SHADER);
             let dynamic = info.p_dynamic_state.as_ref().filter(|_| !flags.is_empty());
@@ -81,6 +85,11 @@ impl<'a> Parts<'a> {
     /// Whether it has the stages before rasterisation.
     pub fn places_vertices(&self) -> bool {
         self.flags.contains(Flags::PRE_RASTERIZATION_SHADERS)
+    }
+
+    /// Whether it is no library, and linked from none, so that all its parts are described.
+    pub fn is_whole(&self) -> bool {
+        self.flags.contains(WHOLE)
     }
 
     /// Whether it has shaders, and so needs a layout.
@@ -121,9 +130,7 @@ impl<'a> Parts<'a> {
 
 /// A chain of structures like the program's, with other libraries.
 pub struct Relinked {
-    /// Copies of those up to the one that names the libraries; the others are the program's.
-    copies: Vec<Box<[u64]>>,
-    /// The libraries that the last copy names.
+    chain: Copied,
     _libraries: Vec<vk::Pipeline>,
 }
 
@@ -133,34 +140,17 @@ impl Relinked {
     /// # Safety
     /// `chain` must be the program's, with a structure that names libraries.
     pub unsafe fn new(chain: *const c_void, libraries: Vec<vk::Pipeline>) -> Option<Self> {
-        let mut copies: Vec<Box<[u64]>> = Vec::new();
-        let mut at = chain.cast::<vk::BaseInStructure<'_>>();
-        loop {
-            // SAFETY: as promised; a structure of a known kind is as long as that, and begins with kind and next one.
-            unsafe {
-                let given = at.as_ref()?;
-                let mut copy = vec![0u64; length(given.s_type)?.div_ceil(8)].into_boxed_slice();
-                std::ptr::copy_nonoverlapping(at.cast::<u8>(), copy.as_mut_ptr().cast(), length(given.s_type)?);
-                let last = given.s_type == vk::StructureType::PIPELINE_LIBRARY_CREATE_INFO_KHR;
-                if last {
-                    let structure = &mut *copy.as_mut_ptr().cast::<vk::PipelineLibraryCreateInfoKHR<'_>>();
-                    structure.p_libraries = libraries.as_ptr();
-                }
-                if let Some(before) = copies.last_mut() {
-                    (*before.as_mut_ptr().cast::<vk::BaseOutStructure<'_>>()).p_next = copy.as_mut_ptr().cast();
-                }
-                copies.push(copy);
-                if last {
-                    return Some(Self { copies, _libraries: libraries });
-                }
-                at = given.p_next;
-            }
+        // SAFETY: as promised.
+        unsafe {
+            let mut chain = Copied::up_to(chain, vk::StructureType::PIPELINE_LIBRARY_CREATE_INFO_KHR, length)?;
+            chain.last::<vk::PipelineLibraryCreateInfoKHR<'_>>()?.p_libraries = libraries.as_ptr();
+            Some(Self { chain, _libraries: libraries })
         }
     }
 
     /// The first structure.
     pub fn first(&self) -> *const c_void {
-        self.copies.first().map_or(std::ptr::null(), |copy| copy.as_ptr().cast())
+        self.chain.first()
     }
 }
 

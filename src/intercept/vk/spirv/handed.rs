@@ -1,0 +1,258 @@
+//! What a stage hands on to the next one: variables with locations, and the built-in ones.
+
+use super::module::{Declarations, Instruction, instructions, string};
+use spirv::{BuiltIn, Capability, Decoration, ExecutionModel, Op, StorageClass};
+use std::collections::HashSet;
+
+/// A scalar or vector of 32-bit numbers within a variable.
+pub struct Leaf {
+    /// Which members, elements and columns lead to it.
+    pub path: Vec<u32>,
+    /// Its type.
+    pub kind: u32,
+    /// It is that of the provoking vertex.
+    pub flat: bool,
+    /// It is a vector of several.
+    pub vector: bool,
+}
+
+/// A variable with locations.
+pub struct Variable {
+    /// Its id.
+    pub id: u32,
+    /// What it is.
+    pub pointee: u32,
+    /// The numbers in it.
+    pub leaves: Vec<Leaf>,
+}
+
+/// What a vertex shader hands on.
+pub struct Handed<'a> {
+    /// Its module.
+    pub declared: Declarations<'a>,
+    /// What has locations.
+    pub variables: Vec<Variable>,
+    /// `gl_Position`, or the block with it: the variable, and the member where it is a block.
+    pub position: (u32, Option<u32>),
+    /// How many locations all of it takes.
+    pub locations: u32,
+    /// The fragment shader asks for the number of the primitive.
+    pub number: bool,
+}
+
+/// Longest array and largest structure that are followed.
+const LONGEST: u32 = 64;
+/// Deepest structure in a structure.
+const DEEPEST: usize = 8;
+/// `PerVertexKHR`, `BaryCoordKHR` and `BaryCoordNoPerspKHR`: a fragment shader interpolates itself.
+const INTERPOLATES: ([u32; 1], [u32; 2]) = ([5285], [5286, 5287]);
+
+/// A place between stages: location and component.
+type Place = (u32, u32);
+
+/// A number on its way, with all places that it takes.
+struct Number {
+    leaf: Leaf,
+    places: Vec<Place>,
+}
+
+/// An entry point: words of a module, stage, name.
+pub type Entry<'a> = (&'a [u32], ExecutionModel, &'a str);
+
+/// The variables of an entry point with their class.
+fn interface(all: &[Instruction<'_>], (_, model, name): &Entry<'_>) -> Option<Vec<u32>> {
+    let named = |i: &&Instruction<'_>| {
+        i.is(Op::EntryPoint) && i.operand(0) == *model as u32 && string(i.rest(2)).0 == *name
+    };
+    let point = all.iter().find(named)?;
+    Some(point.rest(2 + string(point.rest(2)).1).to_vec())
+}
+
+/// What the vertex shader `vertex` hands on to `fragment`, if there is one.
+///
+/// # Errors
+/// For people: what cannot be handed on by a stage between them.
+pub fn handed<'a>(vertex: Entry<'a>, fragment: Option<Entry<'_>>) -> Result<Handed<'a>, &'static str> {
+    let all = instructions(vertex.0).ok_or("a shader that is not SPIR-V")?;
+    let variables = interface(&all, &vertex).ok_or("a shader without its entry point")?;
+    let declared = Declarations::new(&all);
+    let distances = [Capability::ClipDistance as u32, Capability::CullDistance as u32];
+    if all.iter().any(|i| i.is(Op::Capability) && distances.contains(&i.operand(0))) {
+        return Err("a shader sets clip or cull distances");
+    }
+    let asked = fragment.map_or(Ok(Asked::default()), |fragment| asked(&fragment))?;
+    let mut made =
+        Handed { declared, variables: Vec::new(), position: (0, None), locations: 0, number: asked.number };
+    for id in variables {
+        let Some((class, pointee)) = made.declared.pointee(id) else { continue };
+        if class != StorageClass::Output as u32 {
+            continue;
+        }
+        match built_in(&made.declared, id, pointee)? {
+            Some(Some(position)) => made.position = position,
+            Some(None) => {}
+            None => {
+                let mut numbers = numbers(&made.declared, id, pointee)?;
+                for number in &mut numbers {
+                    number.leaf.flat |= number.places.iter().any(|place| asked.flat.contains(place));
+                }
+                let taken: HashSet<u32> = numbers.iter().flat_map(|n| &n.places).map(|place| place.0).collect();
+                made.locations += taken.len() as u32;
+                let leaves = numbers.into_iter().map(|number| number.leaf).collect();
+                made.variables.push(Variable { id, pointee, leaves });
+            }
+        }
+    }
+    if made.position.0 == 0 { Err("a shader that writes no gl_Position") } else { Ok(made) }
+}
+
+/// What a fragment shader asks for.
+#[derive(Default)]
+struct Asked {
+    /// What is not interpolated.
+    flat: HashSet<Place>,
+    number: bool,
+}
+
+fn asked(fragment: &Entry<'_>) -> Result<Asked, &'static str> {
+    let all = instructions(fragment.0).ok_or("a shader that is not SPIR-V")?;
+    let declared = Declarations::new(&all);
+    let mut asked = Asked::default();
+    for id in interface(&all, fragment).ok_or("a shader without its entry point")? {
+        let Some((class, pointee)) = declared.pointee(id) else { continue };
+        if class != StorageClass::Input as u32 {
+            continue;
+        }
+        if let Some(kind) = declared.number(id, None, Decoration::BuiltIn) {
+            asked.number |= kind == BuiltIn::PrimitiveId as u32;
+            if INTERPOLATES.1.contains(&kind) {
+                return Err("a shader interpolates by itself");
+            }
+            continue;
+        }
+        if INTERPOLATES.0.iter().any(|kind| declared.has(id, *kind)) {
+            return Err("a shader interpolates by itself");
+        }
+        let flat = numbers(&declared, id, pointee)?.into_iter().filter(|number| number.leaf.flat);
+        asked.flat.extend(flat.flat_map(|number| number.places));
+    }
+    Ok(asked)
+}
+
+/// Where `gl_Position` is.
+type Position = (u32, Option<u32>);
+
+/// `None` for a variable with locations; else whether it is, or has, `gl_Position`.
+fn built_in(declared: &Declarations<'_>, id: u32, pointee: u32) -> Result<Option<Option<Position>>, &'static str> {
+    let known = [BuiltIn::Position, BuiltIn::PointSize, BuiltIn::ClipDistance, BuiltIn::CullDistance];
+    let check = |kind: u32| match known.iter().any(|k| *k as u32 == kind) {
+        true => Ok(kind == BuiltIn::Position as u32),
+        false => Err("a shader sets layers, viewports or other values that are built in"),
+    };
+    if let Some(kind) = declared.number(id, None, Decoration::BuiltIn) {
+        return Ok(Some(check(kind)?.then_some((id, None))));
+    }
+    let Some(block) = declared.get(pointee, Op::TypeStruct) else { return Ok(None) };
+    let mut found = None;
+    for member in 0..block.rest(1).len() as u32 {
+        if let Some(kind) = declared.number(pointee, Some(member), Decoration::BuiltIn) {
+            let is_position = check(kind)?;
+            found = Some(found.flatten().or(is_position.then_some((id, Some(member)))));
+        }
+    }
+    Ok(found)
+}
+
+/// The numbers of a variable with locations.
+fn numbers(declared: &Declarations<'_>, id: u32, pointee: u32) -> Result<Vec<Number>, &'static str> {
+    let number = |kind| declared.number(id, None, kind);
+    let flat = declared.decoration(id, None, Decoration::Flat).is_some();
+    let mut walk = Walk {
+        declared,
+        location: number(Decoration::Location),
+        component: number(Decoration::Component).unwrap_or(0),
+        flat,
+        path: Vec::new(),
+        found: Vec::new(),
+    };
+    if declared.decoration(id, None, Decoration::Patch).is_some() {
+        return Err("a shader has outputs that are not followed");
+    }
+    walk.enter(pointee)?;
+    Ok(walk.found)
+}
+
+/// A way through a variable.
+struct Walk<'a> {
+    declared: &'a Declarations<'a>,
+    /// Where the next number is.
+    location: Option<u32>,
+    component: u32,
+    flat: bool,
+    path: Vec<u32>,
+    found: Vec<Number>,
+}
+
+impl Walk<'_> {
+    fn enter(&mut self, kind: u32) -> Result<(), &'static str> {
+        const UNKNOWN: &str = "a shader hands on what is not followed, such as numbers of 16 or 64 bits";
+        let declared = self.declared;
+        let instruction = declared.by_id.get(&kind).copied().ok_or(UNKNOWN)?;
+        let scalar = |id: u32| {
+            let float = declared.get(id, Op::TypeFloat).filter(|float| float.operand(1) == 32);
+            let int = declared.get(id, Op::TypeInt).filter(|int| int.operand(1) == 32);
+            float.map(|_| false).or(int.map(|_| true))
+        };
+        let members = instruction.rest(1);
+        match Op::from_u32(instruction.opcode) {
+            Some(Op::TypeFloat | Op::TypeInt) => self.leaf(kind, scalar(kind).ok_or(UNKNOWN)?, 1),
+            Some(Op::TypeVector) => self.leaf(kind, scalar(instruction.operand(1)).ok_or(UNKNOWN)?, instruction.operand(2)),
+            Some(Op::TypeMatrix | Op::TypeArray) => {
+                let count = instruction.operand(2);
+                let count = match declared.get(count, Op::Constant) {
+                    Some(length) if instruction.is(Op::TypeArray) => length.operand(2),
+                    _ if instruction.is(Op::TypeMatrix) => count,
+                    _ => return Err("a shader hands on an array whose length is specialised"),
+                };
+                self.each(0..count, |_| instruction.operand(1))
+            }
+            Some(Op::TypeStruct) => {
+                let (component, flat) = (self.component, self.flat);
+                for (member, member_kind) in (0..).zip(members) {
+                    let number = |decoration| declared.number(kind, Some(member), decoration);
+                    self.location = number(Decoration::Location).or(self.location);
+                    self.component = number(Decoration::Component).unwrap_or(0);
+                    self.flat = flat || declared.decoration(kind, Some(member), Decoration::Flat).is_some();
+                    self.each(member..member + 1, |_| *member_kind)?;
+                }
+                (self.component, self.flat) = (component, flat);
+                Ok(())
+            }
+            _ => Err(UNKNOWN),
+        }
+    }
+
+    fn each(&mut self, range: std::ops::Range<u32>, kind: impl Fn(u32) -> u32) -> Result<(), &'static str> {
+        if range.end > LONGEST || self.path.len() >= DEEPEST {
+            return Err("a shader hands on more than is followed");
+        }
+        for index in range {
+            self.path.push(index);
+            self.enter(kind(index))?;
+            self.path.pop();
+        }
+        Ok(())
+    }
+
+    fn leaf(&mut self, kind: u32, whole: bool, count: u32) -> Result<(), &'static str> {
+        let location = self.location.ok_or("a shader hands on what has no location")?;
+        let places = (self.component..self.component.saturating_add(count).min(4)).map(|c| (location, c)).collect();
+        let leaf = Leaf { path: self.path.clone(), kind, flat: self.flat || whole, vector: count > 1 };
+        self.found.push(Number { leaf, places });
+        if self.found.len() > LONGEST as usize {
+            return Err("a shader hands on more than is followed");
+        }
+        self.location = Some(location.saturating_add(1));
+        Ok(())
+    }
+}
