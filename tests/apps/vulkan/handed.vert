@@ -6,7 +6,7 @@ layout(push_constant) uniform Camera { mat4 mvp; uint shape, last; };
 struct Inner { vec2 x; float y; };
 layout(location = 0) flat out int face;
 layout(location = 1) out float a;
-layout(location = 1, component = 1) flat out float tag;
+layout(location = 10, component = 1) flat out float tag;
 layout(location = 1, component = 2) out vec2 b;
 layout(location = 2) out mat2x3 m;
 layout(location = 4) out float list[2];

@@ -27,8 +27,8 @@ pub unsafe fn stage(device: &Device, parts: &Parts<'_>, ours: u32) -> Result<Opt
     if parts.stages.iter().any(others) {
         return Err("it has geometry or tessellation shaders of its own");
     }
-    if !parts.is_whole() {
-        return Err("it is linked from libraries");
+    if !parts.shades_all() {
+        return Err("it is linked from libraries that have its shaders apart");
     }
     // SAFETY: as promised; a pipeline with a vertex shader has these structures.
     unsafe {

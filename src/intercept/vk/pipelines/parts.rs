@@ -6,14 +6,6 @@ use ash::vk;
 use ash::vk::GraphicsPipelineLibraryFlagsEXT as Flags;
 use std::ffi::c_void;
 
-/// All parts of a pipeline.
-const WHOLE: Flags = Flags::from_raw(
-    Flags::VERTEX_INPUT_INTERFACE.as_raw()
-        | Flags::PRE_RASTERIZATION_SHADERS.as_raw()
-        | Flags::FRAGMENT_SHADER.as_raw()
-        | Flags::FRAGMENT_OUTPUT_INTERFACE.as_raw(),
-);
-
 /// The parts of a pipeline that a structure describes.
 pub struct Parts<'a> {
     /// The structure.
@@ -47,7 +39,11 @@ impl<'a> Parts<'a> {
             let linked = in_chain::<vk::PipelineLibraryCreateInfoKHR<'_>>(info.p_next, linked);
             let libraries = linked.map_or(&[][..], |l| super::super::slice(l.p_libraries, l.library_count));
             let whole = libraries.is_empty() && !info.flags.contains(vk::PipelineCreateFlags::LIBRARY_KHR);
-            let flags = part.map_or(if whole { WHOLE } else { Flags::empty() }, |part| part.flags);
+            let all = Flags::VERTEX_INPUT_INTERFACE
+                | Flags::PRE_RASTERIZATION_SHADERS
+                | Flags::FRAGMENT_SHADER
+                | Flags::FRAGMENT_OUTPUT_INTERFACE;
+            let flags = part.map_or(if whole { all } else { Flags::empty() }, |part| part.flags);
             let before = flags.contains(Flags::PRE_RASTERIZATION_SHADERS);
             let fragment = flags.contains(Flags::FRAGMENT_SHADER);
             let dynamic = info.p_dynamic_state.as_ref().filter(|_| !flags.is_empty());
@@ -87,9 +83,10 @@ impl<'a> Parts<'a> {
         self.flags.contains(Flags::PRE_RASTERIZATION_SHADERS)
     }
 
-    /// Whether it is no library, and linked from none, so that all its parts are described.
-    pub fn is_whole(&self) -> bool {
-        self.flags.contains(WHOLE)
+    /// Whether it has what is drawn and all shaders.
+    pub fn shades_all(&self) -> bool {
+        let input = self.flags.contains(Flags::VERTEX_INPUT_INTERFACE);
+        input && self.flags.contains(Flags::PRE_RASTERIZATION_SHADERS | Flags::FRAGMENT_SHADER)
     }
 
     /// Whether it has shaders, and so needs a layout.

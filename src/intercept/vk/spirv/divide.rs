@@ -52,10 +52,11 @@ pub fn divide(
     limits: &Limits,
 ) -> Result<Vec<u32>, &'static str> {
     let corners = input.corners();
-    let numbers = 4 * handed.locations;
-    let emitted = POSITION + numbers + 4 * u32::from(handed.number);
+    let emitted = POSITION + handed.components + u32::from(handed.number);
+    // Of each stage's locations a device has a quarter of its components.
+    let needed = (emitted + BESIDE).max(handed.locations.saturating_mul(4));
     let room = limits.vertices.min(limits.all_components / emitted) / corners;
-    if room < FEWEST || limits.runs < RUNS || limits.components.iter().any(|limit| emitted + BESIDE > *limit) {
+    if room < FEWEST || limits.runs < RUNS || limits.components.iter().any(|limit| needed > *limit) {
         return Err("a shader hands on more than the device's geometry shaders can");
     }
     let none = Declarations::default();

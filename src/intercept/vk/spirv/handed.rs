@@ -34,7 +34,9 @@ pub struct Handed<'a> {
     pub variables: Vec<Variable>,
     /// `gl_Position`, or the block with it: the variable, and the member where it is a block.
     pub position: (u32, Option<u32>),
-    /// How many locations all of it takes.
+    /// How many scalars have locations.
+    pub components: u32,
+    /// The first location that is free, with those behind it.
     pub locations: u32,
     /// The fragment shader asks for the number of the primitive.
     pub number: bool,
@@ -82,7 +84,7 @@ pub fn handed<'a>(vertex: Entry<'a>, fragment: Option<Entry<'_>>) -> Result<Hand
     }
     let asked = fragment.map_or(Ok(Asked::default()), |fragment| asked(&fragment))?;
     let mut made =
-        Handed { declared, variables: Vec::new(), position: (0, None), locations: 0, number: asked.number };
+        Handed { declared, variables: Vec::new(), position: (0, None), components: 0, locations: 0, number: asked.number };
     for id in variables {
         let Some((class, pointee)) = made.declared.pointee(id) else { continue };
         if class != StorageClass::Output as u32 {
@@ -96,8 +98,10 @@ pub fn handed<'a>(vertex: Entry<'a>, fragment: Option<Entry<'_>>) -> Result<Hand
                 for number in &mut numbers {
                     number.leaf.flat |= number.places.iter().any(|place| asked.flat.contains(place));
                 }
-                let taken: HashSet<u32> = numbers.iter().flat_map(|n| &n.places).map(|place| place.0).collect();
-                made.locations += taken.len() as u32;
+                for (location, _) in numbers.iter().flat_map(|number| &number.places) {
+                    made.locations = made.locations.max(location.saturating_add(1));
+                    made.components += 1;
+                }
                 let leaves = numbers.into_iter().map(|number| number.leaf).collect();
                 made.variables.push(Variable { id, pointee, leaves });
             }
