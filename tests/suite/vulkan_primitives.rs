@@ -1,10 +1,12 @@
 //! Method `primitive` in Vulkan programs: triangles and lines that a stage of ours divides, against the exact map.
 
-use crate::compare::{Report, Shown, compare, expect_good, expect_identical, expect_similar, far};
+use crate::compare::{
+    EDGE, Report, Shown, compare, compare_with, expect_good, expect_identical, expect_similar, far,
+};
 use crate::dialects::{camera_of, shown_by_fisheye, shown_by_projector};
 use crate::picture::Picture;
 use crate::programs::{Finished, Run, installed, scratch};
-use crate::reference::{Fisheye, cube_colour};
+use crate::reference::{Fisheye, Vector, cube_colour, cube_face, cube_point};
 use crate::rigs;
 
 const CIRCLE: Fisheye = Fisheye { width: 256.0, height: 256.0, aperture: 180.0, tilt: 90.0 };
@@ -116,6 +118,27 @@ fn all_that_shaders_hand_on_arrives() {
     }
 }
 
+/// What is beyond a plane of the program's own stays clipped.
+#[test]
+fn clip_distances_are_handed_on() {
+    for method in ["primitive,max_error=1", "fragment"] {
+        let cupola = ["--method", method];
+        let run = Run { program: "vk_handed", ..run(&["--clip"], &cupola) };
+        let Some(finished) = fisheye(&run) else { return };
+        let picture = finished.picture("capture.png");
+        let clipped = |direction: Vector| cube_point(direction)[0] < -0.5;
+        let colour = |direction: Vector| match clipped(direction) {
+            true => [64.0 / 255.0; 3],
+            false => cube_colour(direction),
+        };
+        let cell = |direction: Vector| 2 * cube_face(direction) + usize::from(clipped(direction));
+        let report = compare_with(&picture, EDGE, shown_by_fisheye(CIRCLE, camera_of(&run)), colour, cell);
+        let grey = picture.pixels.iter().filter(|pixel| **pixel == GREY).count();
+        assert!(grey > 2000, "{grey} pixels are clipped");
+        assert!(report.worst < 4.0, "{method}: {:.2}/255 at {:?}", report.worst, report.worst_at);
+    }
+}
+
 /// How many pixels of lines are seen, and by how much their colours are off from those of the places.
 fn lines(picture: &Picture, run: &Run) -> (usize, f64) {
     let shown = shown_by_fisheye(CIRCLE, camera_of(run));
@@ -160,7 +183,7 @@ fn lines_are_divided() {
 #[test]
 fn what_cannot_be_divided_is_projected() {
     let cases: [(&str, &[&str], &str); 4] = [
-        ("vk_handed", &["--distance"], "clip or cull distances"),
+        ("vk_handed", &["--cull"], "cull distances"),
         ("vk_cube", &["--cells", "triangles", "--stage", "geometry"], "shaders of its own"),
         ("vk_cube", &["--cells", "triangles", "--stage", "tessellation"], "shaders of its own"),
         ("vk_scenes", &["--way", "parts"], "libraries"),

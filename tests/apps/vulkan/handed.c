@@ -1,15 +1,16 @@
 /*
  * The direction test's cube, whose vertex shader hands on values of many types (handed.vert), drawn as lists, strips and fans of
  * triangles, or as lines: its edges and a diagonal of each face. --by-commands: commands set the topology; --last: the last
- * vertex is the provoking one; --number: the fragment shader asks for the primitive's number; --distance: the vertex
- * shader sets a distance at which nothing is clipped.
+ * vertex is the provoking one; --number: the fragment shader asks for the primitive's number; --clip: a part is
+ * clipped by a distance; --cull: the vertex shader sets a distance at which nothing is culled.
  */
 #include "direction.h"
 #include "frames.h"
 #include "pipelines.h"
 
 /* Compiled by glslangValidator. */
-#include "handed_distance.h"
+#include "handed_clip.h"
+#include "handed_cull.h"
 #include "handed_frag.h"
 #include "handed_number.h"
 #include "handed_vert.h"
@@ -29,7 +30,7 @@ static const uint32_t counts[SHAPES] = {6, 4, 4, 10, 6};
 static struct {
     direction_options direction;
     int shape;
-    bool by_commands, last, number, distance;
+    bool by_commands, last, number, clip, cull;
 } options = {.direction = DIRECTION_DEFAULTS};
 
 static vulkan_window w;
@@ -41,7 +42,7 @@ static VkCommandBuffer commands;
 static void usage(void)
 {
     fprintf(stderr, "usage: vk_handed " DIRECTION_USAGE " [--shape list|strip|fan|lines|line-strip] [--by-commands] [--last]"
-                    " [--number] [--distance]\n");
+                    " [--number] [--clip] [--cull]\n");
     exit(2);
 }
 
@@ -55,8 +56,10 @@ static void parse(int argc, char **argv)
             options.last = true;
         else if (strcmp(option, "--number") == 0)
             options.number = true;
-        else if (strcmp(option, "--distance") == 0)
-            options.distance = true;
+        else if (strcmp(option, "--clip") == 0)
+            options.clip = true;
+        else if (strcmp(option, "--cull") == 0)
+            options.cull = true;
         else if (i + 1 == argc)
             usage();
         else if (strcmp(option, "--shape") == 0)
@@ -80,7 +83,9 @@ static void open_all(void)
     expect(vkCreatePipelineLayout(w.device, &info, NULL, &layout), "vkCreatePipelineLayout");
     /* With a topology by commands, another one of the class is given here. */
     const int given = !options.by_commands ? options.shape : options.shape < 3 ? 0 : 3;
-    const pipeline_description parts = {.vertex = options.distance ? SHADER(handed_distance) : SHADER(handed_vert),
+    const pipeline_description parts = {.vertex = options.clip   ? SHADER(handed_clip)
+                                                  : options.cull ? SHADER(handed_cull)
+                                                                 : SHADER(handed_vert),
                                         .fragment = options.number ? SHADER(handed_number) : SHADER(handed_frag),
                                         .layout = layout,
                                         .color = w.format,

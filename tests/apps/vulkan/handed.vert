@@ -11,8 +11,10 @@ layout(location = 1, component = 2) out vec2 b;
 layout(location = 2) out mat2x3 m;
 layout(location = 4) out float list[2];
 layout(location = 6) out Block { vec3 c; flat uvec2 code; Inner inner; } block;
-#ifdef DISTANCE
-out gl_PerVertex { vec4 gl_Position; float gl_ClipDistance[1]; };
+#if defined(CLIP)
+out gl_PerVertex { vec4 gl_Position; float gl_ClipDistance[2]; };
+#elif defined(CULL)
+out gl_PerVertex { vec4 gl_Position; float gl_CullDistance[1]; };
 #endif
 
 const uint corners[24] = uint[](0, 2, 6, 4, 1, 5, 7, 3, 0, 4, 5, 1, 2, 3, 7, 6, 0, 1, 3, 2, 4, 6, 7, 5);
@@ -41,7 +43,10 @@ void main()
     block.code = provoking ? uvec2(shape, number) : uvec2(77u);
     block.inner = Inner(p.xy, p.z);
     gl_Position = mvp * vec4(p, 1.0);
-#ifdef DISTANCE
+#if defined(CLIP)
     gl_ClipDistance[0] = 1.0;
+    gl_ClipDistance[1] = p.x + 0.5;
+#elif defined(CULL)
+    gl_CullDistance[0] = 1.0;
 #endif
 }

@@ -135,6 +135,7 @@ static void open_device(vulkan_window *w, bool newest)
                                                         .pipelineStatisticsQuery = newest,
                                                         .geometryShader = w->stages && there.geometryShader,
                                                         .shaderClipDistance = there.shaderClipDistance,
+                                                        .shaderCullDistance = there.shaderCullDistance,
                                                         .tessellationShader = w->stages && there.tessellationShader}};
     VkPhysicalDeviceVulkan11Features features11 = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_FEATURES,
                                                    .pNext = newest ? (void *)&features2 : features2.pNext,

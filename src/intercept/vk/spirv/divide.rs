@@ -80,27 +80,40 @@ struct Stage<'a> {
 }
 
 /// The stage's variables.
-struct Interface {
+struct Interface<'a> {
     /// The corners' `gl_Position`, or their blocks.
     corner: u32,
     position: u32,
     run: u32,
     /// The number of the primitive, as it comes and as it goes.
     number: Option<[u32; 2]>,
-    /// For each variable of the vertex shader the corners' and the one that is emitted.
-    pairs: Vec<[u32; 2]>,
+    /// What the vertex shader hands on.
+    pairs: Vec<Pair<'a>>,
 }
 
-impl Interface {
+/// A variable of the vertex shader.
+struct Pair<'a> {
+    /// The corners'.
+    from: u32,
+    /// The member of the corners' that it is, where they are blocks.
+    member: Option<u32>,
+    /// The one that is emitted.
+    to: u32,
+    leaves: &'a [Leaf],
+}
+
+impl Interface<'_> {
     fn all(&self) -> impl Iterator<Item = u32> + '_ {
-        let numbers = self.number.iter().flatten();
-        [self.corner, self.position, self.run].into_iter().chain(self.pairs.iter().flatten().chain(numbers).copied())
+        let numbers = self.number.iter().flatten().copied();
+        let from = self.pairs.iter().map(|pair| pair.from).filter(|from| *from != self.corner);
+        let to = self.pairs.iter().map(|pair| pair.to);
+        [self.corner, self.position, self.run].into_iter().chain(from).chain(to).chain(numbers)
     }
 }
 
 const MISSING: &str = "a shader hands on what is not followed";
 
-impl Stage<'_> {
+impl<'a> Stage<'a> {
     fn float(&mut self) -> u32 {
         self.to.kind(Op::TypeFloat, &[32])
     }
@@ -197,7 +210,7 @@ impl Stage<'_> {
         Ok(made)
     }
 
-    fn declare(&mut self) -> Result<Interface, &'static str> {
+    fn declare(&mut self) -> Result<Interface<'a>, &'static str> {
         let handed = self.handed;
         let (_, pointee) = handed.declared.pointee(handed.position.0).ok_or(MISSING)?;
         let corner = self.corners_of(handed.position.0, pointee)?;
@@ -221,7 +234,18 @@ impl Stage<'_> {
             for decoration in [Decoration::Location, Decoration::Component] {
                 self.decorate_as(variable.id, None, to, decoration);
             }
-            pairs.push([from, to]);
+            pairs.push(Pair { from, member: None, to, leaves: &variable.leaves });
+        }
+        if let Some(distances) = &handed.distances {
+            let (variable, member) = distances.place;
+            let from = match variable == handed.position.0 {
+                true => corner,
+                false => self.corners_of(variable, distances.kind)?,
+            };
+            let kind = self.copy(distances.kind)?;
+            let to = self.variable(StorageClass::Output, kind);
+            self.decorate(to, None, Decoration::BuiltIn, &[BuiltIn::ClipDistance as u32]);
+            pairs.push(Pair { from, member, to, leaves: &distances.leaves });
         }
         Ok(Interface { corner, position, run, number, pairs })
     }
@@ -260,7 +284,7 @@ impl Stage<'_> {
     }
 
     /// The functions that the arithmetic asks for, in the order of `correct::division::STAGE_FUNCTIONS`.
-    fn bodies(&mut self, linked: &Linked, interface: &Interface, provoking: u32, room: u32) -> Result<(), &'static str> {
+    fn bodies(&mut self, linked: &Linked, interface: &Interface<'_>, provoking: u32, room: u32) -> Result<(), &'static str> {
         let [run, left, corner, emit, end] = linked.open[..] else { return Err(MISSING) };
         let (void, int, vector, weights) = (self.to.kind(Op::TypeVoid, &[]), self.int(), self.vector(4), self.vector(3));
         self.function(run, int, &[]);
@@ -281,9 +305,9 @@ impl Stage<'_> {
         let float = self.float();
         let weights: Vec<u32> =
             (0..self.corners).map(|i| self.made(Op::CompositeExtract, float, &[weights, i])).collect();
-        for ([from, to], variable) in interface.pairs.iter().zip(&self.handed.variables) {
-            for leaf in &variable.leaves {
-                self.hand_on(*from, *to, leaf, &weights, provoking)?;
+        for pair in &interface.pairs {
+            for leaf in pair.leaves {
+                self.hand_on(pair, leaf, &weights, provoking)?;
             }
         }
         let projected = self.made(Op::FunctionCall, vector, &[linked.fix, at]);
@@ -302,12 +326,13 @@ impl Stage<'_> {
     }
 
     /// One number of the corners', by their weights or as the provoking vertex has it.
-    fn hand_on(&mut self, from: u32, to: u32, leaf: &Leaf, weights: &[u32], provoking: u32) -> Result<(), &'static str> {
+    fn hand_on(&mut self, pair: &Pair<'_>, leaf: &Leaf, weights: &[u32], provoking: u32) -> Result<(), &'static str> {
         let kind = self.copy(leaf.kind)?;
         let path: Vec<u32> = leaf.path.iter().map(|index| self.number(*index)).collect();
+        let member = pair.member.map(|member| self.number(member));
         let at = |stage: &mut Self, corner: u32| {
             let corner = stage.number(corner);
-            stage.load(kind, from, &[&[corner], &path[..]].concat())
+            stage.load(kind, pair.from, &[&[corner], member.as_slice(), &path[..]].concat())
         };
         let value = if leaf.flat {
             at(self, provoking)
@@ -322,10 +347,10 @@ impl Stage<'_> {
             sum.ok_or(MISSING)?
         };
         let place = match path.is_empty() {
-            true => to,
+            true => pair.to,
             false => {
                 let pointer = self.pointer(StorageClass::Output, kind);
-                self.made(Op::AccessChain, pointer, &[&[to], &path[..]].concat())
+                self.made(Op::AccessChain, pointer, &[&[pair.to], &path[..]].concat())
             }
         };
         push(&mut self.to.bodies, Op::Store, &[place, value]);
@@ -333,11 +358,14 @@ impl Stage<'_> {
     }
 
     /// The whole module.
-    fn module(self, linked: &Linked, interface: &Interface, input: Input, room: u32) -> Vec<u32> {
+    fn module(self, linked: &Linked, interface: &Interface<'_>, input: Input, room: u32) -> Vec<u32> {
         let mut to = self.to;
         let mut words = vec![spirv::MAGIC_NUMBER, VERSION, 0, to.bound(), 0];
         debug_assert_eq!(words.len(), HEADER);
         push(&mut words, Op::Capability, &[Capability::Geometry as u32]);
+        if self.handed.distances.is_some() {
+            push(&mut words, Op::Capability, &[Capability::ClipDistance as u32]);
+        }
         words.append(&mut to.imports);
         push(&mut words, Op::MemoryModel, &[AddressingModel::Logical as u32, MemoryModel::GLSL450 as u32]);
         // "main" and its end, in two words.

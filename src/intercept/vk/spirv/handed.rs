@@ -34,12 +34,24 @@ pub struct Handed<'a> {
     pub variables: Vec<Variable>,
     /// `gl_Position`, or the block with it: the variable, and the member where it is a block.
     pub position: (u32, Option<u32>),
-    /// How many scalars have locations.
+    /// `gl_ClipDistance`, if it is set.
+    pub distances: Option<Distances>,
+    /// How many scalars have locations, or are distances.
     pub components: u32,
     /// The first location that is free, with those behind it.
     pub locations: u32,
     /// The fragment shader asks for the number of the primitive.
     pub number: bool,
+}
+
+/// `gl_ClipDistance`.
+pub struct Distances {
+    /// The variable, and the member where it is a block.
+    pub place: (u32, Option<u32>),
+    /// Its type.
+    pub kind: u32,
+    /// Its elements.
+    pub leaves: Vec<Leaf>,
 }
 
 /// Longest array and largest structure that are followed.
@@ -78,21 +90,38 @@ pub fn handed<'a>(vertex: Entry<'a>, fragment: Option<Entry<'_>>) -> Result<Hand
     let all = instructions(vertex.0).ok_or("a shader that is not SPIR-V")?;
     let variables = interface(&all, &vertex).ok_or("a shader without its entry point")?;
     let declared = Declarations::new(&all);
-    let distances = [Capability::ClipDistance as u32, Capability::CullDistance as u32];
-    if all.iter().any(|i| i.is(Op::Capability) && distances.contains(&i.operand(0))) {
-        return Err("a shader sets clip or cull distances");
+    let has = |capability: Capability| all.iter().any(|i| i.is(Op::Capability) && i.operand(0) == capability as u32);
+    // A part may be culled where the whole is not.
+    if has(Capability::CullDistance) {
+        return Err("a shader sets cull distances");
     }
+    let clips = has(Capability::ClipDistance);
     let asked = fragment.map_or(Ok(Asked::default()), |fragment| asked(&fragment))?;
-    let mut made =
-        Handed { declared, variables: Vec::new(), position: (0, None), components: 0, locations: 0, number: asked.number };
+    let mut made = Handed {
+        declared,
+        variables: Vec::new(),
+        position: (0, None),
+        distances: None,
+        components: 0,
+        locations: 0,
+        number: asked.number,
+    };
     for id in variables {
         let Some((class, pointee)) = made.declared.pointee(id) else { continue };
         if class != StorageClass::Output as u32 {
             continue;
         }
         match built_in(&made.declared, id, pointee)? {
-            Some(Some(position)) => made.position = position,
-            Some(None) => {}
+            Some(found) => {
+                made.position = found.position.map_or(made.position, |member| (id, member));
+                if let Some((member, kind)) = found.distances.filter(|_| clips) {
+                    let mut walk = Walk { location: Some(0), ..Walk::new(&made.declared) };
+                    walk.enter(kind)?;
+                    let leaves: Vec<Leaf> = walk.found.into_iter().map(|number| number.leaf).collect();
+                    made.components += leaves.len() as u32;
+                    made.distances = Some(Distances { place: (id, member), kind, leaves });
+                }
+            }
             None => {
                 let mut numbers = numbers(&made.declared, id, pointee)?;
                 for number in &mut numbers {
@@ -143,25 +172,37 @@ fn asked(fragment: &Entry<'_>) -> Result<Asked, &'static str> {
     Ok(asked)
 }
 
-/// Where `gl_Position` is.
-type Position = (u32, Option<u32>);
+/// What is built in, each with the member where the variable is a block.
+#[derive(Default)]
+struct BuiltIns {
+    /// `gl_Position`.
+    position: Option<Option<u32>>,
+    /// `gl_ClipDistance`, and its type.
+    distances: Option<(Option<u32>, u32)>,
+}
 
-/// `None` for a variable with locations; else whether it is, or has, `gl_Position`.
-fn built_in(declared: &Declarations<'_>, id: u32, pointee: u32) -> Result<Option<Option<Position>>, &'static str> {
-    let known = [BuiltIn::Position, BuiltIn::PointSize, BuiltIn::ClipDistance, BuiltIn::CullDistance];
-    let check = |kind: u32| match known.iter().any(|k| *k as u32 == kind) {
-        true => Ok(kind == BuiltIn::Position as u32),
-        false => Err("a shader sets layers, viewports or other values that are built in"),
-    };
-    if let Some(kind) = declared.number(id, None, Decoration::BuiltIn) {
-        return Ok(Some(check(kind)?.then_some((id, None))));
-    }
-    let Some(block) = declared.get(pointee, Op::TypeStruct) else { return Ok(None) };
+/// `None` for a variable with locations.
+fn built_in(declared: &Declarations<'_>, id: u32, pointee: u32) -> Result<Option<BuiltIns>, &'static str> {
     let mut found = None;
-    for member in 0..block.rest(1).len() as u32 {
-        if let Some(kind) = declared.number(pointee, Some(member), Decoration::BuiltIn) {
-            let is_position = check(kind)?;
-            found = Some(found.flatten().or(is_position.then_some((id, Some(member)))));
+    let mut note = |member: Option<u32>, kind: u32, built_in: u32| {
+        let found = found.get_or_insert_with(BuiltIns::default);
+        let is = |known: BuiltIn| built_in == known as u32;
+        if is(BuiltIn::Position) {
+            found.position = Some(member);
+        } else if is(BuiltIn::ClipDistance) {
+            found.distances = Some((member, kind));
+        } else if !is(BuiltIn::PointSize) && !is(BuiltIn::CullDistance) {
+            return Err("a shader sets layers, viewports or other values that are built in");
+        }
+        Ok(())
+    };
+    if let Some(built_in) = declared.number(id, None, Decoration::BuiltIn) {
+        note(None, pointee, built_in)?;
+    } else if let Some(block) = declared.get(pointee, Op::TypeStruct) {
+        for (member, kind) in (0..).zip(block.rest(1)) {
+            if let Some(built_in) = declared.number(pointee, Some(member), Decoration::BuiltIn) {
+                note(Some(member), *kind, built_in)?;
+            }
         }
     }
     Ok(found)
@@ -170,14 +211,11 @@ fn built_in(declared: &Declarations<'_>, id: u32, pointee: u32) -> Result<Option
 /// The numbers of a variable with locations.
 fn numbers(declared: &Declarations<'_>, id: u32, pointee: u32) -> Result<Vec<Number>, &'static str> {
     let number = |kind| declared.number(id, None, kind);
-    let flat = declared.decoration(id, None, Decoration::Flat).is_some();
     let mut walk = Walk {
-        declared,
         location: number(Decoration::Location),
         component: number(Decoration::Component).unwrap_or(0),
-        flat,
-        path: Vec::new(),
-        found: Vec::new(),
+        flat: declared.decoration(id, None, Decoration::Flat).is_some(),
+        ..Walk::new(declared)
     };
     if declared.decoration(id, None, Decoration::Patch).is_some() {
         return Err("a shader has outputs that are not followed");
@@ -197,7 +235,11 @@ struct Walk<'a> {
     found: Vec<Number>,
 }
 
-impl Walk<'_> {
+impl<'a> Walk<'a> {
+    fn new(declared: &'a Declarations<'a>) -> Self {
+        Self { declared, location: None, component: 0, flat: false, path: Vec::new(), found: Vec::new() }
+    }
+
     fn enter(&mut self, kind: u32) -> Result<(), &'static str> {
         const UNKNOWN: &str = "a shader hands on what is not followed, such as numbers of 16 or 64 bits";
         let declared = self.declared;
