@@ -171,9 +171,13 @@ fn ids((op, operands): &Instruction) -> Vec<usize> {
         // Without the operands that say how memory is accessed.
         Op::Load if count == 3 => but(&[]),
         Op::Store if count == 2 => but(&[]),
-        Op::TypeVoid | Op::TypeBool | Op::TypeArray | Op::TypeStruct | Op::TypeFunction | Op::ConstantNull | Op::ConstantComposite => {
-            but(&[])
-        }
+        Op::TypeVoid
+        | Op::TypeBool
+        | Op::TypeArray
+        | Op::TypeStruct
+        | Op::TypeFunction
+        | Op::ConstantNull
+        | Op::ConstantComposite => but(&[]),
         Op::FunctionParameter | Op::FunctionEnd | Op::FunctionCall | Op::Label | Op::Branch | Op::Return => but(&[]),
         Op::ReturnValue | Op::AccessChain | Op::CompositeConstruct | Op::Select => but(&[]),
         Op::BranchConditional if count == 3 => but(&[]),

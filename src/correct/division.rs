@@ -274,8 +274,7 @@ void cupola_end() {}
 ";
 
 /// The functions that a geometry stage of Vulkan has of its own.
-pub const STAGE_FUNCTIONS: [&str; 5] =
-    ["cupola_run", "cupola_room", "cupola_corner", "cupola_emit", "cupola_end"];
+pub const STAGE_FUNCTIONS: [&str; 5] = ["cupola_run", "cupola_room", "cupola_corner", "cupola_emit", "cupola_end"];
 
 /// What comes before the division there: what has no lens, or is not to be divided for it, is emitted as it is.
 const UNDIVIDED: &str = "void cupola_divided() {
@@ -308,8 +307,7 @@ pub fn vulkan_division(input: Input) -> String {
         .replace("void main() {\n", &[whole, UNDIVIDED].concat())
         .replace("EndPrimitive()", "cupola_end()")
         .replace("gl_InvocationID", "cupola_run()");
-    let corners = (0..3).fold(divided, |text, i| {
-        text.replace(&format!("gl_in[{i}].gl_Position"), &format!("cupola_corner({i})"))
-    });
+    let corners = (0..3)
+        .fold(divided, |text, i| text.replace(&format!("gl_in[{i}].gl_Position"), &format!("cupola_corner({i})")));
     format!("{OWN}{}{corners}", cuts())
 }

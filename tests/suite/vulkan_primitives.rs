@@ -1,8 +1,6 @@
 //! Method `primitive` in Vulkan programs: triangles and lines that a stage of ours divides, against the exact map.
 
-use crate::compare::{
-    EDGE, Report, Shown, compare, compare_with, expect_good, expect_identical, expect_similar, far,
-};
+use crate::compare::{EDGE, Report, Shown, compare, compare_with, expect_good, expect_identical, expect_similar, far};
 use crate::dialects::{camera_of, shown_by_fisheye, shown_by_projector};
 use crate::picture::Picture;
 use crate::programs::{Finished, Run, installed, scratch};
@@ -290,7 +288,9 @@ fn scenes_that_are_drawn_off_screen() {
     let direct = run(&[], &DIVIDED);
     let Some(expected) = fisheye(&direct) else { return };
     let extra = ["--way", "post"];
-    let Some(found) = fisheye(&Run { program: "vk_scenes", extra: &extra, frames: 6, ..direct.clone() }) else { return };
+    let Some(found) = fisheye(&Run { program: "vk_scenes", extra: &extra, frames: 6, ..direct.clone() }) else {
+        return;
+    };
     let statistics = found.statistics();
     assert_eq!(statistics["duplicated_framebuffers"], 1, "{statistics:#}");
     let far = far(&found.picture("capture.png"), &expected.picture("capture.png"));

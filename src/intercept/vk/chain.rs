@@ -66,7 +66,7 @@ impl Copied {
     /// # Safety
     /// `T` must be the structure of the kind up to which was copied.
     pub unsafe fn last<T>(&mut self) -> Option<&mut T> {
-        let last = self.0.last_mut().filter(|copy| size_of_val::<[u64]>(copy) >= size_of::<T>())?;
+        let last = self.0.last_mut().filter(|copy| 8 * copy.len() >= size_of::<T>())?;
         // SAFETY: as promised; the copy is aligned as the pointers and numbers of such structures.
         Some(unsafe { &mut *last.as_mut_ptr().cast::<T>() })
     }

@@ -27,7 +27,8 @@ pub struct Decision {
 
 const LATER: &str = "primitives are divided after a new start";
 const NO_STAGE: &str = "the device has no geometry shaders, primitives are not divided";
-const NO_WAY: &str = "the program asks for features of the device in a way that is not known, primitives are not divided";
+const NO_WAY: &str =
+    "the program asks for features of the device in a way that is not known, primitives are not divided";
 
 /// What is done on a device that has geometry shaders, if they are `offered`. `rig`: the one at the start; shaders are
 /// made for it, whatever its file says later.

@@ -126,8 +126,9 @@ mod tests {
 
     #[test]
     fn the_programs_own_picture_is_at_the_origin_where_it_is_read() {
-        let layout =
-            |rig: &str, read| Layout::new(&crate::rig::load(rig).expect("a preset"), (90, 42), 16384, read, Vertices::Divided);
+        let layout = |rig: &str, read| {
+            Layout::new(&crate::rig::load(rig).expect("a preset"), (90, 42), 16384, read, Vertices::Divided)
+        };
         let own = |rig: &str, read| layout(rig, read).expect("a plan").own();
         assert_eq!(own("fisheye", false), None);
         assert_eq!(own("fisheye", true), Some([0, 0, 90, 42]));

@@ -12,7 +12,6 @@
 
 pub mod canvas;
 pub mod chain;
-pub mod features;
 #[cfg(test)]
 mod commands;
 pub mod compute;
@@ -22,6 +21,7 @@ pub mod copies;
 pub mod descriptors;
 pub mod device;
 pub mod draws;
+pub mod features;
 pub mod framebuffers;
 pub mod hook;
 pub mod image;

@@ -32,6 +32,15 @@ pub unsafe fn stage(device: &Device, parts: &Parts<'_>, ours: u32) -> Result<Opt
     }
     // SAFETY: as promised; a pipeline with a vertex shader has these structures.
     unsafe {
+        let feedback = vk::StructureType::PIPELINE_CREATION_FEEDBACK_CREATE_INFO;
+        let feedback = in_chain::<vk::PipelineCreationFeedbackCreateInfo<'_>>(parts.info.p_next, feedback);
+        if feedback.is_some_and(|feedback| feedback.pipeline_stage_creation_feedback_count > 0) {
+            return Err("the program asks how each of its stages is made");
+        }
+        let raster = parts.info.p_rasterization_state.as_ref();
+        if raster.is_some_and(|raster| raster.polygon_mode == vk::PolygonMode::POINT) {
+            return Ok(None);
+        }
         let Some(input) = input(device, parts)? else { return Ok(None) };
         let Some(vertex) = stage_of(vk::ShaderStageFlags::VERTEX) else { return Ok(None) };
         const UNKNOWN: &str = "its shaders' words are not known";

@@ -32,6 +32,8 @@ const RUNS: u32 = 16;
 const POSITION: u32 = 4;
 /// Components beside these that a corner may have: the size of its point, a distance of either kind.
 const BESIDE: u32 = 4;
+/// Types that are copied at most, each of which may be in another.
+const MOST_TYPES: usize = 256;
 /// The fewest parts for which division is worth its while.
 const FEWEST: u32 = 4;
 /// Version 1.0, which every device takes.
@@ -165,9 +167,14 @@ impl<'a> Stage<'a> {
 
     /// A type of the vertex shader's.
     fn copy(&mut self, id: u32) -> Result<u32, &'static str> {
+        // What is being copied has no number yet: a type in itself is damage.
         if let Some(known) = self.copied.get(&id) {
-            return Ok(*known);
+            return if *known == 0 { Err(MISSING) } else { Ok(*known) };
         }
+        if self.copied.len() > MOST_TYPES {
+            return Err(MISSING);
+        }
+        self.copied.insert(id, 0);
         let declared = &self.handed.declared;
         let given = declared.by_id.get(&id).copied().ok_or(MISSING)?;
         let copied = match Op::from_u32(given.opcode) {
@@ -284,9 +291,16 @@ impl<'a> Stage<'a> {
     }
 
     /// The functions that the arithmetic asks for, in the order of `correct::division::STAGE_FUNCTIONS`.
-    fn bodies(&mut self, linked: &Linked, interface: &Interface<'_>, provoking: u32, room: u32) -> Result<(), &'static str> {
+    fn bodies(
+        &mut self,
+        linked: &Linked,
+        interface: &Interface<'_>,
+        provoking: u32,
+        room: u32,
+    ) -> Result<(), &'static str> {
         let [run, left, corner, emit, end] = linked.open[..] else { return Err(MISSING) };
-        let (void, int, vector, weights) = (self.to.kind(Op::TypeVoid, &[]), self.int(), self.vector(4), self.vector(3));
+        let (void, int, vector, weights) =
+            (self.to.kind(Op::TypeVoid, &[]), self.int(), self.vector(4), self.vector(3));
         self.function(run, int, &[]);
         let value = self.made(Op::Load, int, &[interface.run]);
         self.end(Some(value));

@@ -125,7 +125,10 @@ impl<'a> Additions<'a> {
         for instruction in functions.globals.instructions() {
             let operands = self.renumbered(&functions.globals, &instruction, &mut ids);
             match Op::from_u32(instruction.opcode) {
-                Some(op @ (Op::TypeVoid | Op::TypeBool | Op::TypeInt | Op::TypeFloat | Op::TypeVector | Op::TypeFunction)) => {
+                Some(
+                    op
+                    @ (Op::TypeVoid | Op::TypeBool | Op::TypeInt | Op::TypeFloat | Op::TypeVector | Op::TypeFunction),
+                ) => {
                     let kind = self.kind(op, operands.get(1..).unwrap_or_default());
                     if let Some(place) = ids.get_mut(instruction.operand(0) as usize) {
                         *place = kind;

@@ -30,7 +30,7 @@ pub struct Variable {
 pub struct Handed<'a> {
     /// Its module.
     pub declared: Declarations<'a>,
-    /// What has locations.
+    /// What has locations and is read.
     pub variables: Vec<Variable>,
     /// `gl_Position`, or the block with it: the variable, and the member where it is a block.
     pub position: (u32, Option<u32>),
@@ -56,6 +56,8 @@ pub struct Distances {
 
 /// Longest array and largest structure that are followed.
 const LONGEST: u32 = 64;
+/// Types on the way through a variable.
+const MOST_STEPS: usize = 1024;
 /// Deepest structure in a structure.
 const DEEPEST: usize = 8;
 /// `PerVertexKHR`, `BaryCoordKHR` and `BaryCoordNoPerspKHR`: a fragment shader interpolates itself.
@@ -75,14 +77,13 @@ pub type Entry<'a> = (&'a [u32], ExecutionModel, &'a str);
 
 /// The variables of an entry point with their class.
 fn interface(all: &[Instruction<'_>], (_, model, name): &Entry<'_>) -> Option<Vec<u32>> {
-    let named = |i: &&Instruction<'_>| {
-        i.is(Op::EntryPoint) && i.operand(0) == *model as u32 && string(i.rest(2)).0 == *name
-    };
+    let named =
+        |i: &&Instruction<'_>| i.is(Op::EntryPoint) && i.operand(0) == *model as u32 && string(i.rest(2)).0 == *name;
     let point = all.iter().find(named)?;
     Some(point.rest(2 + string(point.rest(2)).1).to_vec())
 }
 
-/// What the vertex shader `vertex` hands on to `fragment`, if there is one.
+/// What the vertex shader `vertex` hands on to `fragment`, if there is one: what that does not read would only take room.
 ///
 /// # Errors
 /// For people: what cannot be handed on by a stage between them.
@@ -124,6 +125,10 @@ pub fn handed<'a>(vertex: Entry<'a>, fragment: Option<Entry<'_>>) -> Result<Hand
             }
             None => {
                 let mut numbers = numbers(&made.declared, id, pointee)?;
+                let read = |number: &Number| number.places.iter().any(|place| asked.read.contains(place));
+                if !numbers.iter().any(read) {
+                    continue;
+                }
                 for number in &mut numbers {
                     number.leaf.flat |= number.places.iter().any(|place| asked.flat.contains(place));
                 }
@@ -142,7 +147,9 @@ pub fn handed<'a>(vertex: Entry<'a>, fragment: Option<Entry<'_>>) -> Result<Hand
 /// What a fragment shader asks for.
 #[derive(Default)]
 struct Asked {
-    /// What is not interpolated.
+    /// What it reads.
+    read: HashSet<Place>,
+    /// What of it is not interpolated.
     flat: HashSet<Place>,
     number: bool,
 }
@@ -166,8 +173,12 @@ fn asked(fragment: &Entry<'_>) -> Result<Asked, &'static str> {
         if INTERPOLATES.0.iter().any(|kind| declared.has(id, *kind)) {
             return Err("a shader interpolates by itself");
         }
-        let flat = numbers(&declared, id, pointee)?.into_iter().filter(|number| number.leaf.flat);
-        asked.flat.extend(flat.flat_map(|number| number.places));
+        for number in numbers(&declared, id, pointee)? {
+            if number.leaf.flat {
+                asked.flat.extend(&number.places);
+            }
+            asked.read.extend(number.places);
+        }
     }
     Ok(asked)
 }
@@ -233,14 +244,19 @@ struct Walk<'a> {
     flat: bool,
     path: Vec<u32>,
     found: Vec<Number>,
+    steps: usize,
 }
 
 impl<'a> Walk<'a> {
     fn new(declared: &'a Declarations<'a>) -> Self {
-        Self { declared, location: None, component: 0, flat: false, path: Vec::new(), found: Vec::new() }
+        Self { declared, location: None, component: 0, flat: false, path: Vec::new(), found: Vec::new(), steps: 0 }
     }
 
     fn enter(&mut self, kind: u32) -> Result<(), &'static str> {
+        self.steps += 1;
+        if self.steps > MOST_STEPS {
+            return Err("a shader hands on more than is followed");
+        }
         const UNKNOWN: &str = "a shader hands on what is not followed, such as numbers of 16 or 64 bits";
         let declared = self.declared;
         let instruction = declared.by_id.get(&kind).copied().ok_or(UNKNOWN)?;
@@ -252,7 +268,9 @@ impl<'a> Walk<'a> {
         let members = instruction.rest(1);
         match Op::from_u32(instruction.opcode) {
             Some(Op::TypeFloat | Op::TypeInt) => self.leaf(kind, scalar(kind).ok_or(UNKNOWN)?, 1),
-            Some(Op::TypeVector) => self.leaf(kind, scalar(instruction.operand(1)).ok_or(UNKNOWN)?, instruction.operand(2)),
+            Some(Op::TypeVector) => {
+                self.leaf(kind, scalar(instruction.operand(1)).ok_or(UNKNOWN)?, instruction.operand(2))
+            }
             Some(Op::TypeMatrix | Op::TypeArray) => {
                 let count = instruction.operand(2);
                 let count = match declared.get(count, Op::Constant) {

@@ -1,9 +1,10 @@
 //! The splice and the search on modules of our own.
 
+mod division;
+
 use super::module::{Declarations, instructions};
-use super::{Limits, Memory, divide, handed, matrices, splice};
+use super::{Memory, matrices, splice};
 use crate::correct::Arrangement;
-use crate::correct::division::Input;
 use crate::correct::shaders::Stage;
 use crate::correct::spirv::{VERTEX_ENTRY, specialise};
 use crate::correct::uniforms::Constants;
@@ -24,54 +25,6 @@ fn all_words_of_the_program_stay_and_no_id_is_made_twice() {
     for lenses in [false, true] {
         all_words_stay(lenses);
     }
-}
-
-/// Division behind the shader of ours, by a device that allows the least that Vulkan demands.
-fn divided(input: Input, limits: &Limits) -> Result<Vec<u32>, &'static str> {
-    let entry = VERTEX_ENTRY.to_str().expect("a name");
-    divide(input, &handed((vertex_shader(), ExecutionModel::Vertex, entry), None)?, 0, 4, limits)
-}
-
-const LEAST: Limits = Limits { vertices: 256, all_components: 1024, components: [64, 64], runs: 32 };
-
-#[test]
-fn a_stage_that_divides_declares_nothing_twice() {
-    for input in [Input::Triangles, Input::Lines] {
-        let words = divided(input, &LEAST).expect("there is room");
-        let all = instructions(&words).expect("a module");
-        let unique = [Op::TypeVoid, Op::TypeBool, Op::TypeInt, Op::TypeFloat, Op::TypeVector, Op::TypeMatrix];
-        let mut seen = HashSet::new();
-        for i in all.iter().filter(|i| unique.iter().any(|op| i.is(*op)) || i.is(Op::TypeFunction)) {
-            assert!(seen.insert((i.opcode, i.operands[1..].to_vec())), "{i:?}");
-        }
-        let mut functions = HashSet::new();
-        for i in all.iter().filter(|i| i.is(Op::Function)) {
-            assert!(i.operand(1) < words[3] && functions.insert(i.operand(1)), "{i:?}");
-        }
-        // Every function that is called is there.
-        let mut called = all.iter().filter(|i| i.is(Op::FunctionCall)).map(|i| i.operand(2));
-        assert!(called.all(|function| functions.contains(&function)));
-        assert_eq!(all.iter().filter(|i| i.is(Op::EmitVertex)).count(), 1);
-    }
-}
-
-/// The least that the device allows decides how many vertices a run may emit.
-#[test]
-fn a_stage_is_as_large_as_the_device_allows() {
-    let vertices = |input, limits: &Limits| {
-        let words = divided(input, limits).expect("there is room");
-        let mode = [spirv::ExecutionMode::OutputVertices as u32];
-        let all = instructions(&words).expect("a module");
-        let found = all.iter().find(|i| i.is(Op::ExecutionMode) && i.rest(1)[..1] == mode);
-        found.map(|i| i.operand(2)).expect("it is said")
-    };
-    let entry = VERTEX_ENTRY.to_str().expect("a name");
-    let components = 4 + handed((vertex_shader(), ExecutionModel::Vertex, entry), None).expect("it is followed").components;
-    assert_eq!(vertices(Input::Triangles, &LEAST), (1024 / components).min(256) / 3 * 3);
-    assert_eq!(vertices(Input::Lines, &Limits { vertices: 31, ..LEAST }), 30);
-    assert!(divided(Input::Triangles, &Limits { vertices: 11, ..LEAST }).is_err(), "fewer than four parts");
-    assert!(divided(Input::Triangles, &Limits { runs: 8, ..LEAST }).is_err());
-    assert!(divided(Input::Triangles, &Limits { components: [64, 4], ..LEAST }).is_err());
 }
 
 fn all_words_stay(lenses: bool) {
@@ -171,10 +124,6 @@ fn damaged_modules_do_no_harm() {
         }
         let _ = splice(&damaged, ExecutionModel::Vertex, "rectangle_down", 1, true);
         let _ = matrices(&damaged);
-        let entry = (&damaged[..], ExecutionModel::Vertex, "rectangle_down");
-        if let Ok(handed) = handed(entry, Some(entry)) {
-            let _ = divide(Input::Triangles, &handed, 0, 1, &LEAST);
-        }
     }
 }
 
