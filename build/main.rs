@@ -17,7 +17,9 @@ use std::path::PathBuf;
 fn main() {
     println!("cargo::rerun-if-changed=build");
     println!("cargo::rerun-if-changed=shaders");
-    println!("cargo::rerun-if-changed=src/correct/projection.rs");
+    for texts in ["src/correct/division.rs", "src/correct/projection.rs", "src/geom/division/rule.rs"] {
+        println!("cargo::rerun-if-changed={texts}");
+    }
     let out = PathBuf::from(std::env::var_os("OUT_DIR").expect("cargo sets OUT_DIR"));
     let (table, attributes, arrays) = gl_registry::generate();
     std::fs::write(out.join("gl_api.rs"), table).expect("OUT_DIR is writable");

@@ -1,8 +1,14 @@
-//! The GLSL of `src/correct/projection.rs` → SPIR-V functions that are put into a Vulkan program's shader.
+//! The GLSL of `src/correct/projection.rs` and `src/correct/division.rs` → SPIR-V functions that are put into a Vulkan
+//! program's shader, or into a stage of ours behind it.
 //!
-//! naga makes a whole module; what the function `cupola_fix` reaches is kept, in three parts that go to three places of
+//! naga makes a whole module; what one function reaches is kept, in three parts that go to three places of
 //! another module. Which words are ids is written down with them, since ids have to be numbered anew there.
 
+#[allow(dead_code, reason = "the library uses the rest")]
+#[path = "../src/correct/division.rs"]
+mod division;
+#[path = "../src/geom/division/rule.rs"]
+mod rule;
 #[allow(dead_code, reason = "the library uses the rest")]
 #[path = "../src/correct/projection.rs"]
 mod texts;
@@ -14,11 +20,22 @@ use spirv::{Decoration, Op};
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
-/// Rust source with the functions for views, and with those that know lenses, too.
+/// Rust source with the functions for views, with those that know lenses, too, and with those that divide.
 pub fn generate() -> String {
     let mut out = String::new();
-    for (name, curved) in [("VIEWS", false), ("LENSES", true)] {
-        writeln!(out, "static {name}: Functions = {};", functions(curved)).expect("writing to a String");
+    let fix = |curved: bool| functions(&texts::vulkan_functions(0, 0, curved), "cupola_fix", &[]);
+    let divided = |input| {
+        let text = [texts::vulkan_functions(0, 0, true), division::vulkan_division(input)].concat();
+        functions(&text, "cupola_divided", &division::STAGE_FUNCTIONS)
+    };
+    let all = [
+        ("VIEWS", fix(false)),
+        ("LENSES", fix(true)),
+        ("TRIANGLES", divided(division::Input::Triangles)),
+        ("LINES", divided(division::Input::Lines)),
+    ];
+    for (name, functions) in all {
+        writeln!(out, "static {name}: Functions = {functions};").expect("writing to a String");
     }
     out
 }
@@ -26,23 +43,28 @@ pub fn generate() -> String {
 /// An instruction: its opcode, and the words after the first.
 type Instruction = (Op, Vec<u32>);
 
-fn functions(curved: bool) -> String {
-    let text = format!(
-        "#version 450\n{}layout(location = 0) in vec4 position;\nvoid main() {{ gl_Position = cupola_fix(position); }}\n",
-        texts::vulkan_functions(0, 0, curved)
-    );
+/// What `main`, which calls `root`, needs of a text. The functions `open` are those of the module into which it is put.
+fn functions(text: &str, root: &str, open: &[&str]) -> String {
+    let call = if open.is_empty() { "" } else { "cupola_divided();" };
+    let main = format!("void main() {{ {call} gl_Position = cupola_fix(position); }}");
+    let text = format!("#version 450\n{text}layout(location = 0) in vec4 position;\n{main}\n");
     let all = compile(&text);
     let (head, bodies) = all.split_at(all.iter().position(|i| i.0 == Op::Function).expect("there are functions"));
     let bodies: Vec<&[Instruction]> = bodies.split_inclusive(|i| i.0 == Op::FunctionEnd).collect();
-    let named = |i: &&Instruction| i.0 == Op::Name && i.1[1..] == words_of("cupola_fix");
-    let fix = head.iter().find(named).expect("naga writes names").1[0];
+    let named = |name: &str| {
+        let names = |i: &&Instruction| i.0 == Op::Name && i.1[1..] == words_of(name);
+        head.iter().find(names).expect("naga writes names").1[0]
+    };
+    let (fix, root) = (named("cupola_fix"), named(root));
+    let open: Vec<u32> = open.iter().map(|name| named(name)).collect();
 
     // What the function needs: the functions that it calls, then their types, constants and variables.
-    let mut needed = BTreeSet::from([fix]);
+    let mut needed = BTreeSet::from([root, fix]);
     let mut kept = BTreeSet::new();
-    while let Some(body) =
-        bodies.iter().position(|body| needed.contains(&body[0].1[1]) && !kept.contains(&body[0].1[1]))
-    {
+    let is_new = |needed: &BTreeSet<u32>, kept: &BTreeSet<u32>, function: u32| {
+        needed.contains(&function) && !kept.contains(&function) && !open.contains(&function)
+    };
+    while let Some(body) = bodies.iter().position(|body| is_new(&needed, &kept, body[0].1[1])) {
         kept.insert(bodies[body][0].1[1]);
         needed.extend(bodies[body].iter().flat_map(all_ids));
     }
@@ -57,7 +79,8 @@ fn functions(curved: bool) -> String {
     }
     // What this file does not know would be missing in programs.
     let made_within = kept_bodies.iter().flat_map(|i| result_within(i));
-    let made: BTreeSet<u32> = globals.iter().map(|i| i.1[result(i.0)]).chain(made_within).collect();
+    let made = globals.iter().map(|i| i.1[result(i.0)]).chain(made_within).chain(open.iter().copied());
+    let made: BTreeSet<u32> = made.collect();
     let import = head.iter().find(|i| i.0 == Op::ExtInstImport).expect("naga imports GLSL's functions").1[0];
     let missing: Vec<&u32> = needed.iter().filter(|id| !made.contains(id) && **id != import).collect();
     assert!(missing.is_empty(), "projection: nothing declares the ids {missing:?}");
@@ -74,7 +97,7 @@ fn functions(curved: bool) -> String {
     let bound = 1 + needed.iter().max().expect("there are ids");
     let float4 = kept_bodies.iter().find(|i| i.0 == Op::Function && i.1[1] == fix).expect("it is kept").1[0];
     format!(
-        "Functions {{ decorations: {}, globals: {}, bodies: {}, import: {import}, variable: {variable}, fix: {fix}, vector: {float4}, bound: {bound} }}",
+        "Functions {{ decorations: {}, globals: {}, bodies: {}, import: {import}, variable: {variable}, fix: {fix}, root: {root}, open: &{open:?}, vector: {float4}, bound: {bound} }}",
         part(decorations),
         part(globals),
         part(kept_bodies)
@@ -114,7 +137,8 @@ fn is_type(op: Op) -> bool {
 
 /// Whether it declares a type, a constant or a variable.
 fn is_global(op: Op) -> bool {
-    is_type(op) || matches!(op, Op::Constant | Op::ConstantNull | Op::ConstantComposite | Op::Variable)
+    let constant = matches!(op, Op::Constant | Op::ConstantTrue | Op::ConstantFalse | Op::ConstantNull);
+    is_type(op) || constant || matches!(op, Op::ConstantComposite | Op::Variable)
 }
 
 /// The operand of a declaration that is its result.
@@ -126,8 +150,8 @@ fn result(op: Op) -> usize {
 fn result_within((op, operands): &Instruction) -> Option<u32> {
     match op {
         Op::Label => Some(operands[0]),
-        Op::Store | Op::FunctionEnd | Op::Branch | Op::BranchConditional | Op::SelectionMerge => None,
-        Op::Return | Op::ReturnValue => None,
+        Op::Store | Op::FunctionEnd | Op::Branch | Op::BranchConditional | Op::SelectionMerge | Op::LoopMerge => None,
+        Op::Return | Op::ReturnValue | Op::Unreachable => None,
         _ => Some(operands[1]),
     }
 }
@@ -138,7 +162,7 @@ fn ids((op, operands): &Instruction) -> Vec<usize> {
     let but = |literals: &[usize]| (0..count).filter(|i| !literals.contains(i)).collect();
     match op {
         Op::TypeFloat | Op::TypeInt | Op::Decorate | Op::MemberDecorate | Op::SelectionMerge => vec![0],
-        Op::TypeVector | Op::Constant => vec![0, 1],
+        Op::TypeVector | Op::Constant | Op::LoopMerge => vec![0, 1],
         Op::TypePointer => but(&[1]),
         Op::Variable | Op::Function => but(&[2]),
         Op::CompositeExtract => vec![0, 1, 2],
@@ -147,14 +171,23 @@ fn ids((op, operands): &Instruction) -> Vec<usize> {
         // Without the operands that say how memory is accessed.
         Op::Load if count == 3 => but(&[]),
         Op::Store if count == 2 => but(&[]),
-        Op::TypeBool | Op::TypeArray | Op::TypeStruct | Op::TypeFunction | Op::ConstantNull | Op::ConstantComposite => {
-            but(&[])
-        }
+        Op::TypeVoid
+        | Op::TypeBool
+        | Op::TypeArray
+        | Op::TypeStruct
+        | Op::TypeFunction
+        | Op::ConstantNull
+        | Op::ConstantComposite => but(&[]),
         Op::FunctionParameter | Op::FunctionEnd | Op::FunctionCall | Op::Label | Op::Branch | Op::Return => but(&[]),
         Op::ReturnValue | Op::AccessChain | Op::CompositeConstruct | Op::Select => but(&[]),
         Op::BranchConditional if count == 3 => but(&[]),
         Op::FAdd | Op::FSub | Op::FMul | Op::FDiv | Op::FNegate | Op::Dot | Op::VectorTimesScalar => but(&[]),
         Op::FOrdEqual | Op::FOrdNotEqual => but(&[]),
+        Op::Phi | Op::LogicalOr | Op::LogicalAnd | Op::LogicalNot | Op::LogicalEqual | Op::LogicalNotEqual => but(&[]),
+        Op::IAdd | Op::ISub | Op::IMul | Op::SNegate | Op::IEqual | Op::INotEqual | Op::Bitcast => but(&[]),
+        Op::SLessThan | Op::SLessThanEqual | Op::SGreaterThan | Op::SGreaterThanEqual => but(&[]),
+        Op::ShiftLeftLogical | Op::ShiftRightArithmetic | Op::BitwiseAnd | Op::BitwiseOr | Op::Not => but(&[]),
+        Op::All | Op::Any | Op::ConvertSToF | Op::ConstantTrue | Op::ConstantFalse | Op::Unreachable => but(&[]),
         Op::FOrdLessThan | Op::FOrdLessThanEqual | Op::FOrdGreaterThan | Op::FOrdGreaterThanEqual => but(&[]),
         _ => panic!("projection: which operands of {op:?} {operands:?} are ids?"),
     }

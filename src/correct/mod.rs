@@ -5,6 +5,7 @@ mod beam;
 pub mod black;
 mod blocks;
 mod cover;
+pub mod division;
 pub mod downward;
 pub mod draws;
 pub mod facets;
@@ -35,3 +36,6 @@ pub use plan::{Approximation, Batch, OutputPass, PixelRect, Plan, Source, build}
 pub use table::{Table, TablePixel};
 
 pub use crate::views::Tile;
+
+/// For `division`, which the build has, too, with the same file beside it.
+use crate::geom::division::rule;

@@ -12,7 +12,7 @@ use super::response::encoding_polynomial;
 use super::shaders::{Pass, text_of};
 use crate::blend::code_of;
 use crate::error::{Error, ErrorKind, Result};
-use crate::geom::division::EDGE_SHARE;
+use crate::geom::division::rule::EDGE_SHARE;
 use crate::geom::fisheye::{MOST_COEFFICIENTS, RadialForm, sine_cosine_polynomials};
 use crate::geom::picture_map::LEAST_AHEAD;
 use crate::geom::reprojection::ClipRows;

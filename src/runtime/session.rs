@@ -3,7 +3,7 @@
 use crate::correct::{self, Plan, uniforms};
 use crate::error::Result;
 pub use crate::geom::Frustum;
-pub use crate::geom::division::{Division, EDGE_SHARE, NARROWEST, OUTSIDE, Outcome, WIDEST, WIDTH_SQUARED, Weights};
+pub use crate::geom::division::{Division, Outcome, Weights};
 use crate::geom::picture_map::Place;
 use crate::geom::pose;
 pub use crate::geom::reprojection::ClipRows;

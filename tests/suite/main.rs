@@ -26,6 +26,7 @@ mod steady;
 mod vertices;
 mod vulkan;
 mod vulkan_others;
+mod vulkan_primitives;
 mod vulkan_queries;
 mod vulkan_vertices;
 mod wayland;

@@ -1,6 +1,6 @@
 //! Method `vertex` in Vulkan programs: vertices that are projected straight to an output, against the exact map.
 
-use crate::compare::{Report, compare, expect_good, expect_identical, expect_points, expect_similar, far};
+use crate::compare::{Report, compare, expect_good, expect_points, expect_similar, far};
 use crate::dialects::{camera_of, shown_by_fisheye, shown_by_projector};
 use crate::picture::Picture;
 use crate::programs::{Finished, Run, installed, scratch};
@@ -176,20 +176,6 @@ fn scenes_that_are_drawn_off_screen() {
         assert_eq!(statistics["duplicated_framebuffers"], 1, "{way}: {statistics:#}");
         let far = far(&found.picture("capture.png"), &expected.picture("capture.png"));
         assert!(far < 0.02, "{way}: {far} of the pixels are off");
-    }
-}
-
-/// Without a stage that divides there are views, and the log says so once.
-#[test]
-fn divided_primitives_are_made_of_views() {
-    let Some(expected) = fisheye(&run(&[], &[])) else { return };
-    for method in ["primitive", "primitive-tessellation"] {
-        let cupola = ["--method", method];
-        let Some(found) = fisheye(&run(&[], &cupola)) else { return };
-        expect_identical(&found.picture("capture.png"), &expected.picture("capture.png"), method);
-        assert_eq!(found.words().matches("by method \"fragment\" instead").count(), 1, "{}", found.words());
-        let notes = found.statistics()["notes"].to_string();
-        assert!(notes.contains("method \\\"fragment\\\""), "{notes}");
     }
 }
 

@@ -1,6 +1,7 @@
 //! Devices: the next layer's functions for each, its queues and swapchains.
 
 use super::descriptors::Descriptors;
+use super::features::{self, Decision, Vertices};
 use super::framebuffers::Framebuffers;
 use super::hook::NextLayer;
 use super::images::{Images, Shown};
@@ -18,8 +19,7 @@ use super::runs::Frame;
 use super::swapchain::Swapchain;
 use crate::backend::vk::Api;
 use crate::intercept::{log, settings};
-use crate::rig::Method;
-use ash::{khr, prelude::VkResult, vk};
+use ash::{ext, khr, prelude::VkResult, vk};
 use std::collections::HashMap;
 use std::ffi::CStr;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError, RwLock};
@@ -66,6 +66,10 @@ pub struct Device {
     pub memory_of_program: Memory,
     /// Queries that count.
     pub queries: Queries,
+    /// What is done with vertices.
+    pub vertices: Decision,
+    /// Commands may change the class of what a pipeline draws.
+    pub topologies_change: bool,
     /// Memory for rows.
     pub rows: Rows,
     /// Which images hold a scene on its way to the window.
@@ -151,6 +155,11 @@ impl Device {
         (self.rows.group() as u32).max(self.limits.min_uniform_buffer_offset_alignment.min(1 << 12) as u32)
     }
 
+    /// Whether primitives are divided where the rig says so.
+    pub fn divides(&self) -> bool {
+        self.vertices.vertices == Vertices::Divided
+    }
+
     /// Whether draws are issued for each view.
     pub fn draws_views(&self) -> bool {
         self.flat.get().is_none()
@@ -220,7 +229,7 @@ impl Device {
     }
 }
 
-/// `vkCreateDevice`. Nothing is enabled that the program did not ask for.
+/// `vkCreateDevice`. Nothing is enabled that the program did not ask for, but geometry shaders where the rig needs them.
 ///
 /// # Safety
 /// Called by the Vulkan loader with the program's arguments.
@@ -242,7 +251,10 @@ pub unsafe extern "system" fn create(
         let create = (link.get_instance_proc_addr)(parent.functions.handle(), c"vkCreateDevice".as_ptr());
         let Some(create) = create else { return failed };
         let create: vk::PFN_vkCreateDevice = std::mem::transmute(create);
-        let result = create(physical, info, allocator, handle);
+        let active = wanted(given);
+        let has = || parent.functions.get_physical_device_features(physical);
+        let enabled = features::enable(given, active, has);
+        let result = create(physical, &enabled.info, allocator, handle);
         if result == vk::Result::SUCCESS {
             let made = *handle;
             let next = link.get_device_proc_addr;
@@ -268,7 +280,9 @@ pub unsafe extern "system" fn create(
                 descriptors: Descriptors::default(),
                 memory_of_program: Memory::default(),
                 queries: Queries::default(),
-                rows: Rows::new(projects_vertices()),
+                vertices: enabled.decision,
+                topologies_change: enables(given, ext::extended_dynamic_state3::NAME),
+                rows: Rows::new(enabled.decision.vertices != Vertices::Views),
                 paths: Paths::default(),
                 frame: Mutex::default(),
                 latest: Mutex::default(),
@@ -283,7 +297,7 @@ pub unsafe extern "system" fn create(
                     vk::api_version_patch(version),
                     properties.device_name_as_c_str().unwrap_or_default().to_string_lossy()
                 ),
-                active: wanted(given),
+                active,
                 corrects: settings::settings().is_some_and(|settings| !settings.rig.passthrough),
                 families: families.iter().map(|family| family.queue_flags).collect(),
                 queues: Mutex::default(),
@@ -304,9 +318,8 @@ pub unsafe extern "system" fn create(
 /// # Safety
 /// `info` must be the program's.
 unsafe fn wanted(info: &vk::DeviceCreateInfo<'_>) -> bool {
-    // SAFETY: the program's list of names.
-    let presents = (0..info.enabled_extension_count as usize)
-        .any(|i| unsafe { CStr::from_ptr(*info.pp_enabled_extension_names.add(i)) } == khr::swapchain::NAME);
+    // SAFETY: as promised.
+    let presents = unsafe { enables(info, khr::swapchain::NAME) };
     if settings::switched_off() || !presents {
         return false;
     }
@@ -317,10 +330,15 @@ unsafe fn wanted(info: &vk::DeviceCreateInfo<'_>) -> bool {
     !settings.rig.passthrough || settings.frames.is_some() || settings.capture.is_some() || settings.stats.is_some()
 }
 
-/// Whether the rig has outputs to which vertices are projected, which a layer can do without dividing what lies between them.
-fn projects_vertices() -> bool {
-    settings::settings()
-        .is_some_and(|settings| settings.rig.outputs.iter().any(|output| output.method == Method::Vertex))
+/// Whether the program enables an extension.
+///
+/// # Safety
+/// `info` must be the program's.
+unsafe fn enables(info: &vk::DeviceCreateInfo<'_>, extension: &CStr) -> bool {
+    // SAFETY: the program's list of names.
+    let names = unsafe { super::slice(info.pp_enabled_extension_names, info.enabled_extension_count) };
+    // SAFETY: as above.
+    names.iter().any(|name| unsafe { CStr::from_ptr(*name) } == extension)
 }
 
 /// `vkDestroyDevice`.

@@ -1,10 +1,10 @@
 //! Render passes and framebuffers: which of them draw to a swapchain's image, and their twins.
 
 use super::canvas::{ATLAS_FLAGS, ATLAS_USAGE};
+use super::chain::in_chain;
 use super::device::Device;
 use super::hook::hooks;
 use super::images::{ATLAS_COPIES, Shown};
-use super::pipelines::in_chain;
 use ash::vk;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};

@@ -7,13 +7,13 @@
 pub mod following;
 pub mod scenes;
 
+use super::chain::in_chain;
 use super::descriptors;
 use super::device::Device;
 use super::hook::hooks;
 use super::image::OwnImage;
 use super::layout::Layout;
 use super::offscreen::{self, Made};
-use super::pipelines::in_chain;
 use super::recording::Settled;
 use ash::vk;
 use std::collections::HashMap;

@@ -1,5 +1,6 @@
 //! Where in an atlas and in a window everything is, from the top left as Vulkan counts.
 
+use super::features::Vertices;
 use crate::correct::Plan;
 use crate::error::{Error, ErrorKind, Result};
 use crate::rig::Rig;
@@ -36,12 +37,16 @@ pub struct Layout {
 
 impl Layout {
     /// Plans `rig` in a window of `size` pixels, on a device whose images are up to `max_atlas` wide and high. `read`: the
-    /// program may read its own picture. `lenses`: shaders project vertices to outputs' pictures where the rig says so.
+    /// program may read its own picture. `vertices`: what shaders do with vertices where the rig says so.
     ///
     /// # Errors
     /// Those of the planner.
-    pub fn new(rig: &Rig, size: (u32, u32), max_atlas: u32, read: bool, lenses: bool) -> Result<Self> {
-        let plan = if lenses { Session::undivided } else { Session::new };
+    pub fn new(rig: &Rig, size: (u32, u32), max_atlas: u32, read: bool, vertices: Vertices) -> Result<Self> {
+        let plan = match vertices {
+            Vertices::Views => Session::new,
+            Vertices::Projected => Session::undivided,
+            Vertices::Divided => Session::projecting,
+        };
         let mut session = plan(rig, size, false, max_atlas, Extras { panel: true, ..Extras::default() })?;
         if read && !(0..session.views().len()).any(|index| is_own(session.tile(index), size)) {
             session = session.with(Extras { primary: true, ..session.extras() })?;
@@ -105,11 +110,12 @@ fn upside_down(plan: &Plan) -> Plan {
 #[cfg(test)]
 mod tests {
     use super::Layout;
+    use crate::intercept::vk::features::Vertices;
 
     #[test]
     fn the_panel_is_as_large_as_the_window_and_everything_inside() {
         let rig = crate::rig::load("planetarium-6").expect("a preset");
-        let layout = Layout::new(&rig, (900, 420), 16384, false, true).expect("a plan");
+        let layout = Layout::new(&rig, (900, 420), 16384, false, Vertices::Divided).expect("a plan");
         assert_eq!(layout.panel[2..], [900, 420]);
         assert_eq!(layout.outputs.len(), 6);
         for tile in layout.views.iter().map(|view| &view.0).chain([&layout.panel]) {
@@ -120,8 +126,9 @@ mod tests {
 
     #[test]
     fn the_programs_own_picture_is_at_the_origin_where_it_is_read() {
-        let layout =
-            |rig: &str, read| Layout::new(&crate::rig::load(rig).expect("a preset"), (90, 42), 16384, read, true);
+        let layout = |rig: &str, read| {
+            Layout::new(&crate::rig::load(rig).expect("a preset"), (90, 42), 16384, read, Vertices::Divided)
+        };
         let own = |rig: &str, read| layout(rig, read).expect("a plan").own();
         assert_eq!(own("fisheye", false), None);
         assert_eq!(own("fisheye", true), Some([0, 0, 90, 42]));

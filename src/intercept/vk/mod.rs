@@ -11,6 +11,7 @@
 //! [`prints`] for its shaders. What [`queries`] count is told as the program means it. What cannot be followed is shown flat, on the panel, with the reason in the log.
 
 pub mod canvas;
+pub mod chain;
 #[cfg(test)]
 mod commands;
 pub mod compute;
@@ -20,6 +21,7 @@ pub mod copies;
 pub mod descriptors;
 pub mod device;
 pub mod draws;
+pub mod features;
 pub mod framebuffers;
 pub mod hook;
 pub mod image;

@@ -35,6 +35,9 @@ struct LayerCreateInfo {
     content: *mut c_void,
 }
 
+/// Bytes of `VkLayerDeviceCreateInfo`.
+pub const LAYER_INFO_LENGTH: usize = size_of::<LayerCreateInfo>();
+
 /// `VkLayerInstanceLink`.
 #[repr(C)]
 pub struct InstanceLink {

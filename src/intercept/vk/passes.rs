@@ -1,12 +1,12 @@
 //! Passes: where one draws to a swapchain's image, it draws to the atlas in its place.
 
+use super::chain::in_chain;
 use super::device::Device;
 use super::draws::rectangle;
 use super::framebuffers::Framebuffer;
 use super::hook::hooks;
 use super::images::Shown;
 use super::layout::Layout;
-use super::pipelines::in_chain;
 use super::queries::running::clear_left;
 use super::recording::{Event, Pass, Recording, Settled, Within};
 use super::{conditional, prints, transfers};

@@ -1,7 +1,9 @@
 //! Pipelines: beside each of the program's, one that draws into a view and one that draws onto the panel.
 //!
-//! `parts` has what a structure says, of a whole pipeline or of a library; `variants` makes the others.
+//! `parts` has what a structure says, of a whole pipeline or of a library; `variants` makes the others, `division` the stage that
+//! divides.
 
+mod division;
 mod parts;
 mod variants;
 
@@ -12,7 +14,6 @@ use super::spirv::Matrix;
 use ash::vk;
 use parts::Parts;
 use std::collections::HashMap;
-use std::ffi::c_void;
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// A graphics pipeline of the program, or a library of which some are linked.
@@ -77,24 +78,6 @@ impl Pipeline {
             }
         }
     }
-}
-
-/// A structure in a chain, by its kind.
-///
-/// # Safety
-/// `chain` must be a chain of Vulkan structures, `T` the one of that kind.
-pub unsafe fn in_chain<'a, T>(chain: *const c_void, kind: vk::StructureType) -> Option<&'a T> {
-    let mut at = chain.cast::<vk::BaseInStructure<'_>>();
-    while !at.is_null() {
-        // SAFETY: each structure begins with its kind and the next one.
-        unsafe {
-            if (*at).s_type == kind {
-                return Some(&*at.cast::<T>());
-            }
-            at = (*at).p_next;
-        }
-    }
-    None
 }
 
 hooks! { pipelines;

@@ -1,12 +1,13 @@
 //! Command buffers of the program: their state while they are recorded, and what has to be known of them when
 //! they are submitted.
 
+use super::chain::in_chain;
 use super::compute::Compute;
 use super::conditional::Condition;
 use super::device::Device;
 use super::hook::hooks;
 use super::images::Shown;
-use super::pipelines::{Pipeline, in_chain};
+use super::pipelines::Pipeline;
 use super::pushed::Pushed;
 use super::queries::Pool;
 use super::rows::Taken;

@@ -2,6 +2,7 @@
 
 use super::canvas::{Canvas, Show};
 use super::device::{self, Device};
+use super::features::Vertices;
 use super::layout::Layout;
 use super::texels::{Texels, is_usual};
 use crate::error::{Error, ErrorKind, Result};
@@ -91,16 +92,17 @@ impl Swapchain {
 
 /// Plans a rig for a window. What outputs lose is told.
 fn plan(device: &Device, rig: &Rig, size: (u32, u32), read: bool) -> Result<Layout> {
-    let lenses = device.rows.have_lenses();
+    let (vertices, undivided) = (device.vertices.vertices, device.vertices.undivided);
+    let projects = vertices != Vertices::Views;
     let has = |lost: &dyn Fn(&Method) -> bool| rig.outputs.iter().any(|output| lost(&output.method));
     let reasons = [
-        (has(&Method::divides), "primitives are not divided"),
-        (!lenses && has(&|m| m.projects_vertices() && !m.divides()), "vertices are projected after a new start"),
+        (!device.divides() && has(&Method::divides), undivided),
+        (!projects && has(&|m| m.projects_vertices() && !m.divides()), "vertices are projected after a new start"),
     ];
     for (_, why) in reasons.iter().filter(|(lost, _)| *lost) {
         log::once(&format!("Vulkan: {why}: outputs that ask for it are made by method \"fragment\" instead"));
     }
-    Layout::new(rig, size, device.greatest_image(), read, lenses)
+    Layout::new(rig, size, device.greatest_image(), read, vertices)
 }
 
 /// Why a swapchain is left alone.

@@ -205,13 +205,14 @@ hooks! { transfers;
 #[cfg(test)]
 mod tests {
     use super::cleared;
+    use crate::intercept::vk::features::Vertices;
     use crate::intercept::vk::layout::Layout;
     use ash::vk;
 
     #[test]
     fn a_whole_clear_reaches_each_view_and_a_part_of_it_the_panel_only() {
         let rig = crate::rig::load("fisheye").expect("a preset");
-        let layout = Layout::new(&rig, (200, 200), 16384, false, true).expect("a plan");
+        let layout = Layout::new(&rig, (200, 200), 16384, false, Vertices::Divided).expect("a plan");
         let whole = vk::Rect2D { offset: vk::Offset2D::default(), extent: vk::Extent2D { width: 200, height: 200 } };
         let all = cleared(&layout, &whole);
         assert_eq!((all.whole, all.pictures.len(), all.panel), (true, layout.views.len(), Some(layout.glass())));
@@ -220,7 +221,7 @@ mod tests {
         assert!(!some.whole && some.pictures.is_empty());
         let [x, y, ..] = layout.panel;
         assert_eq!(some.panel, Some([x + 20, y + 30, 200, 200]));
-        let layout = Layout::new(&rig, (200, 200), 16384, true, true).expect("a plan");
+        let layout = Layout::new(&rig, (200, 200), 16384, true, Vertices::Divided).expect("a plan");
         assert_eq!(cleared(&layout, &part).pictures, [[20, 30, 200, 200]], "the program's own picture");
     }
 }

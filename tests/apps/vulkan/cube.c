@@ -482,6 +482,7 @@ static void frame(void)
 
 static void open_all(void)
 {
+    w.stages = options.stage != STAGE_VERTEX;
     window_open(&w, options.direction.x, options.direction.y, options.direction.width, options.direction.height, options.srgb,
                 options.matrix == MATRIX_PUSHED_SET,
                 options.copy_window ? VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT : 0);

@@ -81,7 +81,8 @@ linked_pipeline make_pipeline(const vulkan_window *w, const pipeline_description
         .sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO};
     const VkPipelineInputAssemblyStateCreateInfo assembly = {
         .sType = VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO,
-        .topology = description->points ? VK_PRIMITIVE_TOPOLOGY_POINT_LIST
+        .topology = description->topology != NULL ? *description->topology
+                    : description->points ? VK_PRIMITIVE_TOPOLOGY_POINT_LIST
                     : patches           ? VK_PRIMITIVE_TOPOLOGY_PATCH_LIST
                                         : VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST};
     const VkPipelineTessellationStateCreateInfo tessellation = {
@@ -92,8 +93,13 @@ linked_pipeline make_pipeline(const vulkan_window *w, const pipeline_description
                                                        .pViewports = description->viewport,
                                                        .scissorCount = 1,
                                                        .pScissors = &scissor};
+    const VkPipelineRasterizationProvokingVertexStateCreateInfoEXT provoking = {
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_PROVOKING_VERTEX_STATE_CREATE_INFO_EXT,
+        .provokingVertexMode = VK_PROVOKING_VERTEX_MODE_LAST_VERTEX_EXT};
     const VkPipelineRasterizationStateCreateInfo raster = {
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO, .lineWidth = 1.0f};
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO,
+        .pNext = description->last ? &provoking : NULL,
+        .lineWidth = 1.0f};
     const VkPipelineMultisampleStateCreateInfo multisample = {
         .sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO, .rasterizationSamples = description->samples};
     const VkPipelineDepthStencilStateCreateInfo depths = {
@@ -104,9 +110,11 @@ linked_pipeline make_pipeline(const vulkan_window *w, const pipeline_description
     const VkPipelineColorBlendAttachmentState blend = {.colorWriteMask = description->silent ? 0 : 0xf};
     const VkPipelineColorBlendStateCreateInfo blends = {
         .sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO, .attachmentCount = 1, .pAttachments = &blend};
-    const VkDynamicState states[] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR};
-    const VkPipelineDynamicStateCreateInfo dynamic = {
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO, .dynamicStateCount = 2, .pDynamicStates = states};
+    const VkDynamicState states[] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR,
+                                     VK_DYNAMIC_STATE_PRIMITIVE_TOPOLOGY};
+    const VkPipelineDynamicStateCreateInfo dynamic = {.sType = VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO,
+                                                      .dynamicStateCount = description->topology_by_commands ? 3 : 2,
+                                                      .pDynamicStates = states};
     const VkPipelineRenderingCreateInfo rendering = {.sType = VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO,
                                                      .viewMask = description->view_mask,
                                                      .colorAttachmentCount = 1,

@@ -27,6 +27,9 @@ typedef struct {
     bool deep;                  /* tested by depth */
     bool silent;                /* writes nothing */
     bool points;                /* draws points, not triangles */
+    const VkPrimitiveTopology *topology; /* draws these; null: triangles, patches of them, or points */
+    bool last;                  /* the last vertex of a primitive is the provoking one */
+    bool topology_by_commands;  /* commands set which of its class are drawn */
     const VkViewport *viewport; /* null: set by commands, as the scissor is */
     uint32_t libraries;         /* 0: one pipeline; 2: outputs apart; 4: each part apart */
 } pipeline_description;

@@ -63,6 +63,7 @@ static uint32_t add_newest(vulkan_window *w, const char **list, uint32_t count)
                {VK_KHR_PRESENT_WAIT_EXTENSION_NAME, &w->has.present_wait},
                {VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME, &w->has.push_descriptor},
                {VK_EXT_CONDITIONAL_RENDERING_EXTENSION_NAME, &w->has.conditional_rendering},
+               {VK_EXT_PROVOKING_VERTEX_EXTENSION_NAME, &w->has.provoking_vertex},
                {VK_KHR_PIPELINE_LIBRARY_EXTENSION_NAME, &w->has.libraries},
                {VK_EXT_GRAPHICS_PIPELINE_LIBRARY_EXTENSION_NAME, &w->has.libraries}};
     for (size_t i = 0; i < sizeof all / sizeof all[0]; i++) {
@@ -122,8 +123,22 @@ static void open_device(vulkan_window *w, bool newest)
         .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_GRAPHICS_PIPELINE_LIBRARY_FEATURES_EXT,
         .pNext = w->has.conditional_rendering ? (void *)&conditions : conditions.pNext,
         .graphicsPipelineLibrary = VK_TRUE};
+    VkPhysicalDeviceProvokingVertexFeaturesEXT provoking = {
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROVOKING_VERTEX_FEATURES_EXT,
+        .pNext = w->has.libraries ? (void *)&libraries : libraries.pNext,
+        .provokingVertexLast = VK_TRUE};
+    VkPhysicalDeviceFeatures there;
+    vkGetPhysicalDeviceFeatures(w->physical, &there);
+    VkPhysicalDeviceFeatures2 features2 = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2,
+                                           .pNext = w->has.provoking_vertex ? (void *)&provoking : provoking.pNext,
+                                           .features = {.occlusionQueryPrecise = newest,
+                                                        .pipelineStatisticsQuery = newest,
+                                                        .geometryShader = w->stages && there.geometryShader,
+                                                        .shaderClipDistance = there.shaderClipDistance,
+                                                        .shaderCullDistance = there.shaderCullDistance,
+                                                        .tessellationShader = w->stages && there.tessellationShader}};
     VkPhysicalDeviceVulkan11Features features11 = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_FEATURES,
-                                                   .pNext = w->has.libraries ? (void *)&libraries : libraries.pNext,
+                                                   .pNext = newest ? (void *)&features2 : features2.pNext,
                                                    .multiview = newest};
     VkPhysicalDeviceVulkan12Features features12 = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES,
                                                    .pNext = &features11,
@@ -133,19 +148,13 @@ static void open_device(vulkan_window *w, bool newest)
                                                        .pNext = &features12,
                                                        .dynamicRendering = VK_TRUE,
                                                        .synchronization2 = VK_TRUE};
-    VkPhysicalDeviceFeatures there;
-    vkGetPhysicalDeviceFeatures(w->physical, &there);
-    const VkPhysicalDeviceFeatures counts = {.occlusionQueryPrecise = newest,
-                                             .pipelineStatisticsQuery = newest,
-                                             .geometryShader = there.geometryShader,
-                                             .tessellationShader = there.tessellationShader};
     const VkDeviceCreateInfo device = {.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
                                        .pNext = &features,
                                        .queueCreateInfoCount = 1,
                                        .pQueueCreateInfos = &queue,
                                        .enabledExtensionCount = extension_count,
                                        .ppEnabledExtensionNames = extensions_of_device,
-                                       .pEnabledFeatures = &counts};
+                                       .pEnabledFeatures = newest ? NULL : &features2.features};
     expect(vkCreateDevice(w->physical, &device, NULL, &w->device), "vkCreateDevice");
     vkGetDeviceQueue(w->device, w->family, 0, &w->queue);
 }
@@ -153,7 +162,9 @@ static void open_device(vulkan_window *w, bool newest)
 void window_open(vulkan_window *w, int x, int y, uint32_t width, uint32_t height, bool srgb, bool newest,
                  VkImageUsageFlags usage)
 {
+    const bool stages = w->stages;
     memset(w, 0, sizeof *w);
+    w->stages = stages;
     open_x11(w, x, y, width, height);
     open_device(w, newest);
     w->format = srgb ? VK_FORMAT_B8G8R8A8_SRGB : VK_FORMAT_B8G8R8A8_UNORM;

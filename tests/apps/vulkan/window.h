@@ -25,7 +25,7 @@ typedef struct {
 
 /* Extensions of the device that are enabled where the program asks for the newest ones, with all queries. */
 typedef struct {
-    bool mutable_format, incremental_present, present_id, present_wait, libraries, push_descriptor, conditional_rendering;
+    bool mutable_format, incremental_present, present_id, present_wait, libraries, push_descriptor, conditional_rendering, provoking_vertex;
 } window_extensions;
 
 typedef struct {
@@ -37,6 +37,7 @@ typedef struct {
     VkQueue queue;
     uint32_t family;
     window_extensions has;
+    bool stages; /* geometry and tessellation shaders are enabled; said before the window is opened */
     VkSurfaceKHR surface;
     VkFormat format;
     VkImageUsageFlags usage; /* of the swapchain's images, beside drawing */
@@ -51,7 +52,8 @@ typedef struct {
 /* Ends the program unless `result` is VK_SUCCESS. */
 void expect(VkResult result, const char *what);
 
-/* Opens all of it, at a place on the screen. `newest`: with what of `window_extensions` the device has. */
+/* Opens all of it, at a place on the screen. `newest`: with what of `window_extensions` the device has, and features at the end of
+ * a chain. */
 void window_open(vulkan_window *w, int x, int y, uint32_t width, uint32_t height, bool srgb, bool newest,
                  VkImageUsageFlags usage);
 

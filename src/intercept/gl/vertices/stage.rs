@@ -1,20 +1,10 @@
-//! The geometry stage that divides triangles and lines: `geom::Division` in GLSL.
-//!
-//! A run of the stage can emit few vertices, so several share a primitive: each follows its own way down the first
-//! cuts. What its share of vertices does not suffice for is emitted as it is, and counted where there are atomic counters.
+//! The geometry stage that divides triangles and lines: `correct::division` with what a program's own shaders hand on. What
+//! is not divided far enough is counted where there are atomic counters.
 
 use super::interface::Interface;
-use crate::runtime::session::{EDGE_SHARE, NARROWEST, OUTSIDE, WIDEST, WIDTH_SQUARED};
+pub use crate::correct::division::Input;
+use crate::correct::division::{cuts, division};
 use std::fmt::Write;
-
-/// What is divided.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Input {
-    /// Triangles, strips and fans of them.
-    Triangles,
-    /// Lines, strips and loops.
-    Lines,
-}
 
 /// What the context allows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,209 +29,6 @@ pub struct Passing {
     /// A primitive has the built-in colours of its last vertex.
     pub flat: bool,
 }
-
-/// How often a primitive is cut at most: two bits of a number for each.
-const DEEPEST: usize = 14;
-/// Steps of a run at most: far beyond what its vertices suffice for.
-const STEPS: usize = 8192;
-
-/// `cupola_cuts(a, b)`: whether the edge between two vertices (clip coordinates of the program) is too straight. Ends are put
-/// into an order first, so that both triangles of an edge come to the same result to the bit. What is no number is not cut:
-/// drivers run the stage for primitives that are none, too.
-const CUTS: &str = "vec3 cupola_seen(vec4 c) {
-float q = c.z + cupola_view[3].x * c.w;
-vec4 p = vec4(c.xyw, q);
-return vec3(dot(cupola_view[0], p), dot(cupola_view[1], p), -dot(cupola_view[2], p));
-}
-bool cupola_after(vec4 a, vec4 b) {
-return a.x > b.x || (a.x == b.x && (a.y > b.y || (a.y == b.y && a.w > b.w)));
-}
-bool cupola_outside(vec2 from, vec2 to, vec2 middle) {
-if (cupola_view[5].w != 0.0) {
-vec2 unit = cupola_view[6].xy * cupola_view[6].z;
-return min(min(length(from / unit), length(to / unit)), length(middle / unit)) > OUTSIDE;
-}
-vec2 low = min(min(from, to), middle);
-vec2 high = max(max(from, to), middle);
-return max(low.x, low.y) > OUTSIDE || min(high.x, high.y) < -OUTSIDE;
-}
-bool cupola_bent(vec3 a, vec3 b) {
-vec3 sum = a + b;
-float l = length(sum);
-vec2 scale = cupola_view[6].xy * cupola_view[7].zw;
-float widest = min(WIDEST, sqrt(WIDTH_SQUARED * cupola_view[7].y / max(scale.x, scale.y)));
-if (distance(a, b) > widest) return true;
-vec3 from = cupola_place(a);
-vec3 to = cupola_place(b);
-if (from.z + to.z == 0.0) return false;
-if (from.z * to.z == 0.0) {
-vec2 seen = from.z > 0.0 ? from.xy : to.xy;
-return !cupola_outside(seen, seen, seen) && distance(a, b) > NARROWEST;
-}
-vec3 middle = cupola_place(sum / l);
-if (middle.z == 0.0) return true;
-if (cupola_outside(from.xy, to.xy, middle.xy)) return false;
-vec2 off = (middle.xy - 0.5 * (from.xy + to.xy)) * cupola_view[7].zw;
-return dot(off, off) > cupola_view[7].y * cupola_view[7].y;
-}
-bool cupola_cuts(vec4 first, vec4 second) {
-bool turned = cupola_after(first, second);
-vec3 a = normalize(cupola_seen(turned ? second : first));
-vec3 b = normalize(cupola_seen(turned ? first : second));
-return cupola_bent(a, b);
-}
-float cupola_middle(vec4 a, vec4 b) {
-float from = length(cupola_seen(a));
-float to = length(cupola_seen(b));
-return from + to > 0.0 ? from / (from + to) : 0.5;
-}
-vec4 cupola_halfway(vec4 first, vec4 second) {
-bool turned = cupola_after(first, second);
-vec4 a = turned ? second : first;
-vec4 b = turned ? first : second;
-return mix(a, b, cupola_middle(a, b));
-}
-vec3 cupola_low, cupola_high;
-void cupola_span(vec4 c) {
-vec3 at = cupola_place(normalize(cupola_seen(c)));
-if (at.z == 0.0) at.xy *= 1e30;
-cupola_low = min(cupola_low, at);
-cupola_high = max(cupola_high, at);
-}
-bool cupola_near() {
-return max(cupola_low.x, cupola_low.y) <= OUTSIDE && min(cupola_high.x, cupola_high.y) >= -OUTSIDE && cupola_high.z > 0.0;
-}
-";
-
-/// Parts of triangles: corners and the weights of the primitive's own corners in them.
-const TRIANGLES: &str = "struct cupola_part { vec4 a; vec4 b; vec4 c; vec3 u; vec3 v; vec3 w; int deep; };
-cupola_part cupola_parts[4];
-cupola_part cupola_of(int start, vec4 a, vec3 u, vec4 b, vec3 v, vec4 c, vec3 w, int deep) {
-if (start == 0) return cupola_part(a, b, c, u, v, w, deep);
-if (start == 1) return cupola_part(c, a, b, w, u, v, deep);
-return cupola_part(b, c, a, v, w, u, deep);
-}
-int cupola_divide(cupola_part t) {
-bool ab = cupola_cuts(t.a, t.b);
-bool bc = cupola_cuts(t.b, t.c);
-bool ca = cupola_cuts(t.c, t.a);
-int count = int(ab) + int(bc) + int(ca);
-if (count == 0 || t.deep >= DEEPEST) { cupola_parts[0] = t; return count == 0 ? 1 : -1; }
-int start = 0;
-if (!ab && bc) start = 1;
-else if (ca && !bc) start = 2;
-if (start == 1) t = cupola_part(t.b, t.c, t.a, t.v, t.w, t.u, t.deep);
-if (start == 2) t = cupola_part(t.c, t.a, t.b, t.w, t.u, t.v, t.deep);
-int deep = t.deep + 1;
-vec4 p = cupola_halfway(t.a, t.b);
-vec3 f = mix(t.u, t.v, cupola_middle(t.a, t.b));
-if (count == 1) {
-cupola_parts[0] = cupola_of(start, t.a, t.u, p, f, t.c, t.w, deep);
-cupola_parts[1] = cupola_of(start, p, f, t.b, t.v, t.c, t.w, deep);
-return 2;
-}
-vec4 q = cupola_halfway(t.b, t.c);
-vec3 g = mix(t.v, t.w, cupola_middle(t.b, t.c));
-if (count == 2) {
-cupola_parts[0] = cupola_of(start, t.a, t.u, p, f, t.c, t.w, deep);
-cupola_parts[1] = cupola_of(start, p, f, t.b, t.v, q, g, deep);
-cupola_parts[2] = cupola_of(start, p, f, q, g, t.c, t.w, deep);
-return 3;
-}
-vec4 r = cupola_halfway(t.c, t.a);
-vec3 h = mix(t.w, t.u, cupola_middle(t.c, t.a));
-cupola_parts[0] = cupola_of(start, t.a, t.u, p, f, r, h, deep);
-cupola_parts[1] = cupola_of(start, p, f, t.b, t.v, q, g, deep);
-cupola_parts[2] = cupola_of(start, r, h, q, g, t.c, t.w, deep);
-cupola_parts[3] = cupola_of(start, p, f, q, g, r, h, deep);
-return 4;
-}
-void cupola_show(cupola_part t) {
-cupola_low = vec3(1e38);
-cupola_high = vec3(-1e38);
-cupola_span(t.a);
-cupola_span(t.b);
-cupola_span(t.c);
-if (!cupola_near()) return;
-cupola_emit(t.a, t.u);
-cupola_emit(t.b, t.v);
-cupola_emit(t.c, t.w);
-EndPrimitive();
-cupola_left--;
-}
-cupola_part cupola_whole() {
-return cupola_part(gl_in[0].gl_Position, gl_in[1].gl_Position, gl_in[2].gl_Position, vec3(1.0, 0.0, 0.0), vec3(0.0, 1.0, 0.0), vec3(0.0, 0.0, 1.0), 0);
-}
-";
-
-/// Parts of lines, likewise.
-const LINES: &str = "struct cupola_part { vec4 a; vec4 b; vec3 u; vec3 v; int deep; };
-cupola_part cupola_parts[4];
-int cupola_divide(cupola_part t) {
-if (!cupola_cuts(t.a, t.b)) { cupola_parts[0] = t; return 1; }
-if (t.deep >= DEEPEST) { cupola_parts[0] = t; return -1; }
-vec4 p = cupola_halfway(t.a, t.b);
-vec3 f = mix(t.u, t.v, cupola_middle(t.a, t.b));
-cupola_parts[0] = cupola_part(t.a, p, t.u, f, t.deep + 1);
-cupola_parts[1] = cupola_part(p, t.b, f, t.v, t.deep + 1);
-return 2;
-}
-void cupola_show(cupola_part t) {
-cupola_low = vec3(1e38);
-cupola_high = vec3(-1e38);
-cupola_span(t.a);
-cupola_span(t.b);
-if (!cupola_near()) return;
-cupola_emit(t.a, t.u);
-cupola_emit(t.b, t.v);
-EndPrimitive();
-cupola_left--;
-}
-cupola_part cupola_whole() {
-return cupola_part(gl_in[0].gl_Position, gl_in[1].gl_Position, vec3(1.0, 0.0, 0.0), vec3(0.0, 1.0, 0.0), 0);
-}
-";
-
-/// A run's way through the parts of its primitive: to the first that is fine enough, then to the next, each time from the
-/// top. There is no list of what is waiting, because drivers on processors make every access to one a chain of comparisons.
-/// `path` has two bits for each cut, the number of the part that is followed; `counts` how many parts there are, less one.
-const MAIN: &str = "void main() {
-cupola_part part = cupola_whole();
-int path = RUN;
-int counts = 0;
-int level = 0;
-int known = TURNS;
-int pending = 0;
-for (int step = 0; step < STEPS; step++) {
-int count = cupola_divide(part);
-int digit = (path >> (2 * level)) & 3;
-if (level < known) {
-if (level < TURNS && digit >= abs(count)) return;
-part = cupola_parts[digit];
-level++;
-} else if (count > 1 && pending + count <= cupola_left) {
-counts |= (count - 1) << (2 * level);
-pending += count - 1;
-part = cupola_parts[0];
-level++;
-known = level;
-} else {
-if (count != 1) { COUNT }
-cupola_show(part);
-while (known > TURNS && ((path >> (2 * known - 2)) & 3) == ((counts >> (2 * known - 2)) & 3)) {
-known--;
-path &= ~(3 << (2 * known));
-counts &= ~(3 << (2 * known));
-}
-if (known == TURNS) return;
-path += 1 << (2 * known - 2);
-pending--;
-part = cupola_whole();
-level = 0;
-}
-}
-}
-";
 
 /// Name of the counter of what is not fine enough.
 pub const COUNTER: &str = "cupola_coarse";
@@ -270,7 +57,7 @@ pub fn text(
     if parts < 4 {
         return None;
     }
-    let (runs, turns) = if limits.shared { (", invocations = 16", "2") } else { ("", "0") };
+    let runs = if limits.shared { ", invocations = 16" } else { "" };
     let version = match (limits.counter, limits.shared) {
         (Some(_), _) => "420",
         (None, true) => "400",
@@ -291,35 +78,11 @@ pub fn text(
     }
     let _ = writeln!(text, "int cupola_left = {parts};");
     text.push_str(functions);
-    let replace: [(&str, &str); 5] = [
-        ("DEEPEST", &DEEPEST.to_string()),
-        ("STEPS", &STEPS.to_string()),
-        ("TURNS", turns),
-        ("RUN", if limits.shared { "gl_InvocationID" } else { "0" }),
-        ("COUNT", &limits.counter.map_or(String::new(), |_| format!("atomicCounterIncrement({COUNTER});"))),
-    ];
-    let filled = |part: &str| with_values(part, &replace);
     text.push_str(&cuts());
     text.push_str(&emitter(interface, built_in, passing, corners));
-    text.push_str(&filled(if input == Input::Triangles { TRIANGLES } else { LINES }));
-    text.push_str(&filled(MAIN));
+    let count = limits.counter.map_or(String::new(), |_| format!("atomicCounterIncrement({COUNTER});"));
+    text.push_str(&division(input, limits.shared, &count));
     Some(text)
-}
-
-/// The functions by which edges are judged: `cupola_bent(a, b)` for the edge between two directions, `cupola_cuts` for that
-/// between two vertices, and `cupola_near` for what `cupola_span` was told of.
-pub fn cuts() -> String {
-    let replace: [(&str, &str); 4] = [
-        ("WIDEST", &format!("{WIDEST:?}")),
-        ("WIDTH_SQUARED", &format!("{:?}", WIDTH_SQUARED / EDGE_SHARE)),
-        ("OUTSIDE", &format!("{OUTSIDE:?}")),
-        ("NARROWEST", &format!("{NARROWEST:?}")),
-    ];
-    with_values(CUTS, &replace)
-}
-
-fn with_values(text: &str, replace: &[(&str, &str)]) -> String {
-    replace.iter().fold(text.to_owned(), |text, (word, value)| text.replace(word, value))
 }
 
 /// `cupola_emit(c, u)`: emits a vertex at `c` with the values that the weights `u` of the corners give it.

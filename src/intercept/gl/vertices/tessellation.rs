@@ -6,7 +6,8 @@
 //! counted where there are atomic counters.
 
 use super::interface::{Interface, Value};
-use super::stage::{self, CARRIER, COUNTER, Limits, Passing};
+use super::stage::{CARRIER, COUNTER, Limits, Passing};
+use crate::correct::division;
 use std::fmt::Write;
 
 /// What is divided.
@@ -126,7 +127,7 @@ fn control(patch: Patch, interface: &Interface, functions: &str, limits: &Limits
         );
     }
     text.push_str(functions);
-    text.push_str(&stage::cuts());
+    text.push_str(&division::cuts());
     text.push_str(PARTS);
     text.push_str("void main() {\n");
     for number in 0..interface.values.len() {
@@ -206,7 +207,7 @@ fn evaluation(patch: Patch, interface: &Interface, functions: &str) -> String {
         let _ = writeln!(text, "{declaration}");
     }
     text.push_str(functions);
-    text.push_str(&stage::cuts());
+    text.push_str(&division::cuts());
     text.push_str("void main() {\n");
     for (corner, weight) in patch.weights().iter().enumerate().take(corners) {
         let _ = writeln!(

@@ -1,7 +1,7 @@
 //! What the structure that makes a pipeline says: all of it, or the parts that a library has. Pointers to what belongs to
 //! other parts are not looked at; they may lead anywhere.
 
-use super::in_chain;
+use crate::intercept::vk::chain::{Copied, in_chain};
 use ash::vk;
 use ash::vk::GraphicsPipelineLibraryFlagsEXT as Flags;
 use std::ffi::c_void;
@@ -83,6 +83,12 @@ impl<'a> Parts<'a> {
         self.flags.contains(Flags::PRE_RASTERIZATION_SHADERS)
     }
 
+    /// Whether it has what is drawn and all shaders.
+    pub fn shades_all(&self) -> bool {
+        let input = self.flags.contains(Flags::VERTEX_INPUT_INTERFACE);
+        input && self.flags.contains(Flags::PRE_RASTERIZATION_SHADERS | Flags::FRAGMENT_SHADER)
+    }
+
     /// Whether it has shaders, and so needs a layout.
     pub fn shades(&self) -> bool {
         self.flags.intersects(Flags::PRE_RASTERIZATION_SHADERS | Flags::FRAGMENT_SHADER)
@@ -121,9 +127,7 @@ impl<'a> Parts<'a> {
 
 /// A chain of structures like the program's, with other libraries.
 pub struct Relinked {
-    /// Copies of those up to the one that names the libraries; the others are the program's.
-    copies: Vec<Box<[u64]>>,
-    /// The libraries that the last copy names.
+    chain: Copied,
     _libraries: Vec<vk::Pipeline>,
 }
 
@@ -133,34 +137,17 @@ impl Relinked {
     /// # Safety
     /// `chain` must be the program's, with a structure that names libraries.
     pub unsafe fn new(chain: *const c_void, libraries: Vec<vk::Pipeline>) -> Option<Self> {
-        let mut copies: Vec<Box<[u64]>> = Vec::new();
-        let mut at = chain.cast::<vk::BaseInStructure<'_>>();
-        loop {
-            // SAFETY: as promised; a structure of a known kind is as long as that, and begins with kind and next one.
-            unsafe {
-                let given = at.as_ref()?;
-                let mut copy = vec![0u64; length(given.s_type)?.div_ceil(8)].into_boxed_slice();
-                std::ptr::copy_nonoverlapping(at.cast::<u8>(), copy.as_mut_ptr().cast(), length(given.s_type)?);
-                let last = given.s_type == vk::StructureType::PIPELINE_LIBRARY_CREATE_INFO_KHR;
-                if last {
-                    let structure = &mut *copy.as_mut_ptr().cast::<vk::PipelineLibraryCreateInfoKHR<'_>>();
-                    structure.p_libraries = libraries.as_ptr();
-                }
-                if let Some(before) = copies.last_mut() {
-                    (*before.as_mut_ptr().cast::<vk::BaseOutStructure<'_>>()).p_next = copy.as_mut_ptr().cast();
-                }
-                copies.push(copy);
-                if last {
-                    return Some(Self { copies, _libraries: libraries });
-                }
-                at = given.p_next;
-            }
+        // SAFETY: as promised.
+        unsafe {
+            let mut chain = Copied::up_to(chain, vk::StructureType::PIPELINE_LIBRARY_CREATE_INFO_KHR, length)?;
+            chain.last::<vk::PipelineLibraryCreateInfoKHR<'_>>()?.p_libraries = libraries.as_ptr();
+            Some(Self { chain, _libraries: libraries })
         }
     }
 
     /// The first structure.
     pub fn first(&self) -> *const c_void {
-        self.copies.first().map_or(std::ptr::null(), |copy| copy.as_ptr().cast())
+        self.chain.first()
     }
 }
 

@@ -2,8 +2,9 @@
 //! libraries has variants that are linked from theirs.
 
 use super::parts::{Parts, Relinked};
-use super::{Pipeline, Variants, in_chain};
+use super::{Pipeline, Variants, division};
 use crate::intercept::log;
+use crate::intercept::vk::chain::in_chain;
 use crate::intercept::vk::device::Device;
 use crate::intercept::vk::layouts::PipelineLayout;
 use crate::intercept::vk::spirv;
@@ -69,23 +70,32 @@ pub unsafe fn make(device: &Device, cache: vk::PipelineCache, parts: &Parts<'_>)
         }
         matrices.sort_by_key(|matrix| matrix.rank);
         let mut stages = parts.stages.clone();
-        let mut module = vk::ShaderModule::null();
+        let mut divided = None;
+        let mut modules = Modules { device, made: Vec::new() };
         let mut follows = libraries().any(|library| library.follows);
         if let Some(layout) = layout.filter(|_| parts.places_vertices()) {
             match spliced(device, &stages, layout.ours) {
                 Ok((index, words)) => {
-                    let info = vk::ShaderModuleCreateInfo::default().code(&words);
-                    module = device.functions.create_shader_module(&info, None).map_err(|error| error.to_string())?;
-                    stages[index].module = module;
+                    stages[index].module = modules.make(&words)?;
                     // The words that may be given here are the program's.
                     stages[index].p_next = std::ptr::null();
                     follows = true;
+                    match division::stage(device, parts, layout.ours) {
+                        Ok(None) => {}
+                        Ok(Some(words)) => divided = Some(with_stage(&parts.stages, modules.make(&words)?)),
+                        Err(why) => log::once(&format!("Vulkan: what a pipeline draws is not divided: {why}")),
+                    }
                 }
                 Err(why) => log::once(&format!("Vulkan: what a pipeline draws is flat: {why}")),
             }
         }
-        let made = create_both(device, cache, parts, &stages, &linked);
-        device.functions.destroy_shader_module(module, None);
+        let made = match &divided {
+            Some(of_views) => create_both(device, cache, parts, [of_views, &stages], &linked).or_else(|why| {
+                log::once(&format!("Vulkan: what a pipeline draws is not divided: {why}"));
+                create_both(device, cache, parts, [&stages, &stages], &linked)
+            }),
+            None => create_both(device, cache, parts, [&stages, &stages], &linked),
+        };
         let (view, panel) = made?;
         Ok(Variants {
             view,
@@ -103,11 +113,57 @@ pub unsafe fn make(device: &Device, cache: vk::PipelineCache, parts: &Parts<'_>)
     }
 }
 
+/// Shaders of ours, which are needed until the pipelines are made.
+struct Modules<'a> {
+    device: &'a Device,
+    made: Vec<vk::ShaderModule>,
+}
+
+impl Modules<'_> {
+    fn make(&mut self, words: &[u32]) -> Result<vk::ShaderModule, String> {
+        let info = vk::ShaderModuleCreateInfo::default().code(words);
+        // SAFETY: the device is live.
+        let made = unsafe { self.device.functions.create_shader_module(&info, None) };
+        self.made.extend(made);
+        made.map_err(|error| error.to_string())
+    }
+}
+
+impl Drop for Modules<'_> {
+    fn drop(&mut self) {
+        for module in self.made.drain(..) {
+            // SAFETY: ours; pipelines do not need it once they are made.
+            unsafe { self.device.functions.destroy_shader_module(module, None) };
+        }
+    }
+}
+
+/// The stages of the program with the geometry stage `module` beside them.
+fn with_stage<'a>(
+    stages: &[vk::PipelineShaderStageCreateInfo<'a>],
+    module: vk::ShaderModule,
+) -> Vec<vk::PipelineShaderStageCreateInfo<'a>> {
+    let ours = vk::PipelineShaderStageCreateInfo::default()
+        .stage(vk::ShaderStageFlags::GEOMETRY)
+        .module(module)
+        .name(spirv::ENTRY);
+    stages.iter().copied().chain([ours]).collect()
+}
+
+/// The name of a stage's entry point.
+///
+/// # Safety
+/// `stage` must be the program's.
+pub unsafe fn name_of(stage: &vk::PipelineShaderStageCreateInfo<'_>) -> String {
+    // SAFETY: as promised.
+    unsafe { CStr::from_ptr(stage.p_name) }.to_string_lossy().into_owned()
+}
+
 /// A stage's words: of its module, or given with it.
 ///
 /// # Safety
 /// `stage` must be the program's.
-unsafe fn words_of(device: &Device, stage: &vk::PipelineShaderStageCreateInfo<'_>) -> Option<Arc<[u32]>> {
+pub unsafe fn words_of(device: &Device, stage: &vk::PipelineShaderStageCreateInfo<'_>) -> Option<Arc<[u32]>> {
     if stage.module != vk::ShaderModule::null() {
         return device.layouts.shader(stage.module);
     }
@@ -143,9 +199,9 @@ unsafe fn spliced(
 ) -> Result<(usize, Vec<u32>), &'static str> {
     let (index, model) = last_stage(stages).ok_or("a pipeline without a vertex shader")?;
     // SAFETY: as promised.
-    let (words, entry) = unsafe { (words_of(device, &stages[index]), CStr::from_ptr(stages[index].p_name)) };
+    let (words, entry) = unsafe { (words_of(device, &stages[index]), name_of(&stages[index])) };
     let words = words.ok_or("a shader whose words are not known")?;
-    Ok((index, spirv::splice(&words, model, &entry.to_string_lossy(), ours, device.rows.have_lenses())?))
+    Ok((index, spirv::splice(&words, model, &entry, ours, device.rows.have_lenses())?))
 }
 
 /// While the panel is drawn, its alpha collects how much of it is covered, for the composition.
@@ -167,7 +223,7 @@ fn covering(blend: &vk::PipelineColorBlendAttachmentState) -> vk::PipelineColorB
     changed
 }
 
-/// The pipelines for a view and for the panel; the same where nothing tells them apart.
+/// The pipelines for a view and for the panel, each with its stages; the same where nothing tells them apart.
 ///
 /// # Errors
 /// What the driver refuses, or cannot be linked.
@@ -178,7 +234,7 @@ unsafe fn create_both(
     device: &Device,
     cache: vk::PipelineCache,
     parts: &Parts<'_>,
-    stages: &[vk::PipelineShaderStageCreateInfo<'_>],
+    stages: [&[vk::PipelineShaderStageCreateInfo<'_>]; 2],
     linked: &[Arc<Pipeline>],
 ) -> Result<(vk::Pipeline, vk::Pipeline), String> {
     use vk::DynamicState as D;
@@ -193,7 +249,7 @@ unsafe fn create_both(
     let dropped = vk::PipelineCreateFlags::DERIVATIVE
         | vk::PipelineCreateFlags::FAIL_ON_PIPELINE_COMPILE_REQUIRED
         | vk::PipelineCreateFlags::EARLY_RETURN_ON_FAILURE;
-    let mut changed = (*parts.info).stages(stages).dynamic_state(&dynamic).flags(parts.info.flags & !dropped);
+    let mut changed = (*parts.info).stages(stages[0]).dynamic_state(&dynamic).flags(parts.info.flags & !dropped);
     changed.base_pipeline_handle = vk::Pipeline::null();
     changed.base_pipeline_index = -1;
     let create = |mut info: vk::GraphicsPipelineCreateInfo<'_>, of: fn(&Variants) -> vk::Pipeline| {
@@ -218,11 +274,13 @@ unsafe fn create_both(
         b.blend_enable == vk::FALSE && b.color_write_mask.contains(vk::ColorComponentFlags::A)
     };
     let mut variants = linked.iter().filter_map(|library| library.variants.as_ref());
-    if blends.unwrap_or_default().iter().all(opaque) && variants.all(|library| library.view == library.panel) {
+    let alike = stages[0].len() == stages[1].len() && blends.unwrap_or_default().iter().all(opaque);
+    if alike && variants.all(|library| library.view == library.panel) {
         return Ok((view, view));
     }
     let attachments: Vec<_> = blends.unwrap_or_default().iter().map(covering).collect();
     let blend = parts.blend.map(|blend| (*blend).attachments(&attachments));
+    changed = changed.stages(stages[1]);
     if let Some(blend) = &blend {
         changed = changed.color_blend_state(blend);
     }

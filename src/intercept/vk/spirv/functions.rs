@@ -2,6 +2,7 @@
 //! module: all ids are numbered anew, and of types that may be there only once the module's own are taken.
 
 use super::module::{Declarations, Instruction, instructions_of};
+use crate::correct::division::Input;
 use spirv::{Decoration, Op};
 use std::collections::HashMap;
 
@@ -21,7 +22,11 @@ pub struct Functions {
     /// The block with the rows.
     variable: u32,
     fix: u32,
-    /// The type that it takes and gives.
+    /// The function for whose sake they are here: `cupola_fix`, or one that calls it.
+    root: u32,
+    /// Functions that the module has to have: those of `correct::division::STAGE_FUNCTIONS`, or none.
+    open: &'static [u32],
+    /// The type that `cupola_fix` takes and gives.
     vector: u32,
     /// Ids are below.
     bound: u32,
@@ -32,6 +37,14 @@ include!(concat!(env!("OUT_DIR"), "/projection_spirv.rs"));
 /// The functions for views; `lenses`: also for pictures whose lens follows the rows.
 pub fn functions(lenses: bool) -> &'static Functions {
     if lenses { &LENSES } else { &VIEWS }
+}
+
+/// The functions that divide: `cupola_divided`.
+pub fn division(input: Input) -> &'static Functions {
+    match input {
+        Input::Triangles => &TRIANGLES,
+        Input::Lines => &LINES,
+    }
 }
 
 /// What is put into a module, by places.
@@ -56,7 +69,11 @@ pub struct Linked {
     pub variable: u32,
     /// The function that re-projects.
     pub fix: u32,
-    /// Four floats, which it takes and gives.
+    /// The function that they are here for.
+    pub root: u32,
+    /// The functions that the module has to have.
+    pub open: Vec<u32>,
+    /// Four floats, which re-projection takes and gives.
     pub vector: u32,
 }
 
@@ -108,7 +125,10 @@ impl<'a> Additions<'a> {
         for instruction in functions.globals.instructions() {
             let operands = self.renumbered(&functions.globals, &instruction, &mut ids);
             match Op::from_u32(instruction.opcode) {
-                Some(op @ (Op::TypeBool | Op::TypeInt | Op::TypeFloat | Op::TypeVector | Op::TypeFunction)) => {
+                Some(
+                    op
+                    @ (Op::TypeVoid | Op::TypeBool | Op::TypeInt | Op::TypeFloat | Op::TypeVector | Op::TypeFunction),
+                ) => {
                     let kind = self.kind(op, operands.get(1..).unwrap_or_default());
                     if let Some(place) = ids.get_mut(instruction.operand(0) as usize) {
                         *place = kind;
@@ -131,7 +151,13 @@ impl<'a> Additions<'a> {
             push_code(&mut self.bodies, instruction.opcode, &operands);
         }
         let at = |id: u32| ids.get(id as usize).copied().unwrap_or(0);
-        Linked { variable: at(functions.variable), fix: at(functions.fix), vector: at(functions.vector) }
+        Linked {
+            variable: at(functions.variable),
+            fix: at(functions.fix),
+            root: at(functions.root),
+            open: functions.open.iter().map(|id| at(*id)).collect(),
+            vector: at(functions.vector),
+        }
     }
 
     /// The operands of an instruction of ours with the ids that they have here.

@@ -120,6 +120,11 @@ impl<'a> Declarations<'a> {
         list.iter().find(|(decoration, _)| *decoration == kind as u32).map(|(_, operands)| *operands)
     }
 
+    /// Whether an id has a decoration, by its number.
+    pub fn has(&self, id: u32, decoration: u32) -> bool {
+        self.decorations.get(&(id, None)).is_some_and(|list| list.iter().any(|(known, _)| *known == decoration))
+    }
+
     /// The first operand of a decoration.
     pub fn number(&self, id: u32, member: Option<u32>, kind: Decoration) -> Option<u32> {
         self.decoration(id, member, kind)?.first().copied()

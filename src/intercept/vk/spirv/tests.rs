@@ -1,5 +1,7 @@
 //! The splice and the search on modules of our own.
 
+mod division;
+
 use super::module::{Declarations, instructions};
 use super::{Memory, matrices, splice};
 use crate::correct::Arrangement;

@@ -1,0 +1,408 @@
+//! A geometry stage of ours behind a program's vertex shader, which divides triangles or lines and projects what it emits.
+//!
+//! The arithmetic is `correct::division`, made SPIR-V by the build. What reads the corners and writes vertices is put together
+//! here: what the vertex shader hands on is declared again, once as an array of the corners' and once as it is.
+
+use super::functions::{Additions, Linked, division, push};
+use super::handed::{Handed, Leaf};
+use super::module::{Declarations, HEADER};
+use crate::correct::division::Input;
+use spirv::{
+    AddressingModel, BuiltIn, Capability, Decoration, ExecutionMode, ExecutionModel, FunctionControl, MemoryModel, Op,
+    StorageClass,
+};
+use std::collections::HashMap;
+
+/// What a device allows a geometry stage.
+#[derive(Clone, Copy, Debug)]
+pub struct Limits {
+    /// Vertices that a run emits.
+    pub vertices: u32,
+    /// Components of all that it emits.
+    pub all_components: u32,
+    /// Components of what a vertex gets, and of what one has.
+    pub components: [u32; 2],
+    /// Runs for a primitive.
+    pub runs: u32,
+}
+
+/// Runs that share a primitive.
+const RUNS: u32 = 16;
+/// Components of a vertex that are built in: its position.
+const POSITION: u32 = 4;
+/// Components beside these that a corner may have: the size of its point, a distance of either kind.
+const BESIDE: u32 = 4;
+/// Types that are copied at most, each of which may be in another.
+const MOST_TYPES: usize = 256;
+/// The fewest parts for which division is worth its while.
+const FEWEST: u32 = 4;
+/// Version 1.0, which every device takes.
+const VERSION: u32 = 0x0001_0000;
+/// The name of the stage's entry point.
+pub const ENTRY: &std::ffi::CStr = c"main";
+
+/// The words of the stage. The rows are at binding 0 of `set`; `provoking`: the corner whose values a primitive has where they are not
+/// interpolated.
+///
+/// # Errors
+/// For people: what the device does not allow, or the shader hands on.
+pub fn divide(
+    input: Input,
+    handed: &Handed<'_>,
+    provoking: u32,
+    set: u32,
+    limits: &Limits,
+) -> Result<Vec<u32>, &'static str> {
+    let corners = input.corners();
+    let emitted = POSITION + handed.components + u32::from(handed.number);
+    // Of each stage's locations a device has a quarter of its components.
+    let needed = (emitted + BESIDE).max(handed.locations.saturating_mul(4));
+    let room = limits.vertices.min(limits.all_components / emitted) / corners;
+    if room < FEWEST || limits.runs < RUNS || limits.components.iter().any(|limit| needed > *limit) {
+        return Err("a shader hands on more than the device's geometry shaders can");
+    }
+    let none = Declarations::default();
+    let mut additions = Additions::new(1, &none);
+    let linked = additions.link(division(input), set);
+    let mut stage = Stage { to: additions, handed, corners, copied: HashMap::new(), numbers: HashMap::new() };
+    let interface = stage.declare()?;
+    stage.bodies(&linked, &interface, provoking, room)?;
+    Ok(stage.module(&linked, &interface, input, room))
+}
+
+/// The stage as far as it is made.
+struct Stage<'a> {
+    to: Additions<'a>,
+    handed: &'a Handed<'a>,
+    corners: u32,
+    /// The vertex shader's types here.
+    copied: HashMap<u32, u32>,
+    /// Constants.
+    numbers: HashMap<u32, u32>,
+}
+
+/// The stage's variables.
+struct Interface<'a> {
+    /// The corners' `gl_Position`, or their blocks.
+    corner: u32,
+    position: u32,
+    run: u32,
+    /// The number of the primitive, as it comes and as it goes.
+    number: Option<[u32; 2]>,
+    /// What the vertex shader hands on.
+    pairs: Vec<Pair<'a>>,
+}
+
+/// A variable of the vertex shader.
+struct Pair<'a> {
+    /// The corners'.
+    from: u32,
+    /// The member of the corners' that it is, where they are blocks.
+    member: Option<u32>,
+    /// The one that is emitted.
+    to: u32,
+    leaves: &'a [Leaf],
+}
+
+impl Interface<'_> {
+    fn all(&self) -> impl Iterator<Item = u32> + '_ {
+        let numbers = self.number.iter().flatten().copied();
+        let from = self.pairs.iter().map(|pair| pair.from).filter(|from| *from != self.corner);
+        let to = self.pairs.iter().map(|pair| pair.to);
+        [self.corner, self.position, self.run].into_iter().chain(from).chain(to).chain(numbers)
+    }
+}
+
+const MISSING: &str = "a shader hands on what is not followed";
+
+impl<'a> Stage<'a> {
+    fn float(&mut self) -> u32 {
+        self.to.kind(Op::TypeFloat, &[32])
+    }
+
+    fn vector(&mut self, length: u32) -> u32 {
+        let float = self.float();
+        self.to.kind(Op::TypeVector, &[float, length])
+    }
+
+    fn int(&mut self) -> u32 {
+        self.to.kind(Op::TypeInt, &[32, 1])
+    }
+
+    fn pointer(&mut self, class: StorageClass, kind: u32) -> u32 {
+        self.to.kind(Op::TypePointer, &[class as u32, kind])
+    }
+
+    /// A constant of `int`.
+    fn number(&mut self, value: u32) -> u32 {
+        if let Some(id) = self.numbers.get(&value) {
+            return *id;
+        }
+        let (int, id) = (self.int(), self.to.id());
+        push(&mut self.to.globals, Op::Constant, &[int, id, value]);
+        self.numbers.insert(value, id);
+        id
+    }
+
+    fn variable(&mut self, class: StorageClass, kind: u32) -> u32 {
+        let (pointer, id) = (self.pointer(class, kind), self.to.id());
+        push(&mut self.to.globals, Op::Variable, &[pointer, id, class as u32]);
+        id
+    }
+
+    fn decorate(&mut self, id: u32, member: Option<u32>, decoration: Decoration, operands: &[u32]) {
+        let (op, to) = match member {
+            Some(member) => (Op::MemberDecorate, vec![id, member]),
+            None => (Op::Decorate, vec![id]),
+        };
+        push(&mut self.to.decorations, op, &[&to[..], &[decoration as u32], operands].concat());
+    }
+
+    /// A decoration of the vertex shader's, if it is there.
+    fn decorate_as(&mut self, from: u32, member: Option<u32>, to: u32, decoration: Decoration) {
+        if let Some(operands) = self.handed.declared.decoration(from, member, decoration) {
+            self.decorate(to, member, decoration, operands);
+        }
+    }
+
+    /// A type of the vertex shader's.
+    fn copy(&mut self, id: u32) -> Result<u32, &'static str> {
+        // What is being copied has no number yet: a type in itself is damage.
+        if let Some(known) = self.copied.get(&id) {
+            return if *known == 0 { Err(MISSING) } else { Ok(*known) };
+        }
+        if self.copied.len() > MOST_TYPES {
+            return Err(MISSING);
+        }
+        self.copied.insert(id, 0);
+        let declared = &self.handed.declared;
+        let given = declared.by_id.get(&id).copied().ok_or(MISSING)?;
+        let copied = match Op::from_u32(given.opcode) {
+            Some(op @ (Op::TypeFloat | Op::TypeInt)) => self.to.kind(op, given.rest(1)),
+            Some(op @ (Op::TypeVector | Op::TypeMatrix)) => {
+                let part = self.copy(given.operand(1))?;
+                self.to.kind(op, &[part, given.operand(2)])
+            }
+            Some(Op::TypeArray) => {
+                let length = declared.get(given.operand(2), Op::Constant).ok_or(MISSING)?.operand(2);
+                let (part, length) = (self.copy(given.operand(1))?, self.number(length));
+                self.to.kind(Op::TypeArray, &[part, length])
+            }
+            Some(Op::TypeStruct) => {
+                let members: Result<Vec<u32>, _> = given.rest(1).iter().map(|member| self.copy(*member)).collect();
+                let made = self.to.id();
+                push(&mut self.to.globals, Op::TypeStruct, &[&[made], &members?[..]].concat());
+                self.decorate_as(id, None, made, Decoration::Block);
+                for member in 0..given.rest(1).len() as u32 {
+                    for decoration in [Decoration::Location, Decoration::Component, Decoration::BuiltIn] {
+                        self.decorate_as(id, Some(member), made, decoration);
+                    }
+                }
+                made
+            }
+            _ => return Err(MISSING),
+        };
+        self.copied.insert(id, copied);
+        Ok(copied)
+    }
+
+    /// The corners' variables for one of the vertex shader's.
+    fn corners_of(&mut self, variable: u32, pointee: u32) -> Result<u32, &'static str> {
+        let (kind, count) = (self.copy(pointee)?, self.number(self.corners));
+        let array = self.to.kind(Op::TypeArray, &[kind, count]);
+        let made = self.variable(StorageClass::Input, array);
+        for decoration in [Decoration::Location, Decoration::Component, Decoration::BuiltIn] {
+            self.decorate_as(variable, None, made, decoration);
+        }
+        Ok(made)
+    }
+
+    fn declare(&mut self) -> Result<Interface<'a>, &'static str> {
+        let handed = self.handed;
+        let (_, pointee) = handed.declared.pointee(handed.position.0).ok_or(MISSING)?;
+        let corner = self.corners_of(handed.position.0, pointee)?;
+        let (vector, int) = (self.vector(4), self.int());
+        let position = self.variable(StorageClass::Output, vector);
+        self.decorate(position, None, Decoration::BuiltIn, &[BuiltIn::Position as u32]);
+        let run = self.variable(StorageClass::Input, int);
+        self.decorate(run, None, Decoration::BuiltIn, &[BuiltIn::InvocationId as u32]);
+        let number = handed.number.then(|| {
+            [StorageClass::Input, StorageClass::Output].map(|class| {
+                let id = self.variable(class, int);
+                self.decorate(id, None, Decoration::BuiltIn, &[BuiltIn::PrimitiveId as u32]);
+                id
+            })
+        });
+        let mut pairs = Vec::new();
+        for variable in &handed.variables {
+            let from = self.corners_of(variable.id, variable.pointee)?;
+            let kind = self.copy(variable.pointee)?;
+            let to = self.variable(StorageClass::Output, kind);
+            for decoration in [Decoration::Location, Decoration::Component] {
+                self.decorate_as(variable.id, None, to, decoration);
+            }
+            pairs.push(Pair { from, member: None, to, leaves: &variable.leaves });
+        }
+        if let Some(distances) = &handed.distances {
+            let (variable, member) = distances.place;
+            let from = match variable == handed.position.0 {
+                true => corner,
+                false => self.corners_of(variable, distances.kind)?,
+            };
+            let kind = self.copy(distances.kind)?;
+            let to = self.variable(StorageClass::Output, kind);
+            self.decorate(to, None, Decoration::BuiltIn, &[BuiltIn::ClipDistance as u32]);
+            pairs.push(Pair { from, member, to, leaves: &distances.leaves });
+        }
+        Ok(Interface { corner, position, run, number, pairs })
+    }
+
+    /// An instruction of a function whose result is a `kind`.
+    fn made(&mut self, op: Op, kind: u32, operands: &[u32]) -> u32 {
+        let id = self.to.id();
+        push(&mut self.to.bodies, op, &[&[kind, id], operands].concat());
+        id
+    }
+
+    /// Begins the function `id`; its parameters.
+    fn function(&mut self, id: u32, result: u32, parameters: &[u32]) -> Vec<u32> {
+        let kind = self.to.kind(Op::TypeFunction, &[&[result], parameters].concat());
+        push(&mut self.to.bodies, Op::Function, &[result, id, FunctionControl::NONE.bits(), kind]);
+        let given = parameters.iter().map(|kind| self.made(Op::FunctionParameter, *kind, &[])).collect();
+        let label = self.to.id();
+        push(&mut self.to.bodies, Op::Label, &[label]);
+        given
+    }
+
+    /// Ends a function.
+    fn end(&mut self, result: Option<u32>) {
+        match result {
+            Some(result) => push(&mut self.to.bodies, Op::ReturnValue, &[result]),
+            None => push(&mut self.to.bodies, Op::Return, &[]),
+        }
+        push(&mut self.to.bodies, Op::FunctionEnd, &[]);
+    }
+
+    /// A value of type `kind` in a variable for input.
+    fn load(&mut self, kind: u32, variable: u32, path: &[u32]) -> u32 {
+        let pointer = self.pointer(StorageClass::Input, kind);
+        let place = self.made(Op::AccessChain, pointer, &[&[variable], path].concat());
+        self.made(Op::Load, kind, &[place])
+    }
+
+    /// The functions that the arithmetic asks for, in the order of `correct::division::STAGE_FUNCTIONS`.
+    fn bodies(
+        &mut self,
+        linked: &Linked,
+        interface: &Interface<'_>,
+        provoking: u32,
+        room: u32,
+    ) -> Result<(), &'static str> {
+        let [run, left, corner, emit, end] = linked.open[..] else { return Err(MISSING) };
+        let (void, int, vector, weights) =
+            (self.to.kind(Op::TypeVoid, &[]), self.int(), self.vector(4), self.vector(3));
+        self.function(run, int, &[]);
+        let value = self.made(Op::Load, int, &[interface.run]);
+        self.end(Some(value));
+
+        let room = self.number(room);
+        self.function(left, int, &[]);
+        self.end(Some(room));
+
+        let member = self.handed.position.1.map(|member| self.number(member));
+        let index = self.function(corner, vector, &[int]);
+        let value = self.load(vector, interface.corner, &[&index[..], member.as_slice()].concat());
+        self.end(Some(value));
+
+        let given = self.function(emit, void, &[vector, weights]);
+        let [at, weights] = given[..] else { return Err(MISSING) };
+        let float = self.float();
+        let weights: Vec<u32> =
+            (0..self.corners).map(|i| self.made(Op::CompositeExtract, float, &[weights, i])).collect();
+        for pair in &interface.pairs {
+            for leaf in pair.leaves {
+                self.hand_on(pair, leaf, &weights, provoking)?;
+            }
+        }
+        let projected = self.made(Op::FunctionCall, vector, &[linked.fix, at]);
+        push(&mut self.to.bodies, Op::Store, &[interface.position, projected]);
+        if let Some([from, to]) = interface.number {
+            let number = self.made(Op::Load, int, &[from]);
+            push(&mut self.to.bodies, Op::Store, &[to, number]);
+        }
+        push(&mut self.to.bodies, Op::EmitVertex, &[]);
+        self.end(None);
+
+        self.function(end, void, &[]);
+        push(&mut self.to.bodies, Op::EndPrimitive, &[]);
+        self.end(None);
+        Ok(())
+    }
+
+    /// One number of the corners', by their weights or as the provoking vertex has it.
+    fn hand_on(&mut self, pair: &Pair<'_>, leaf: &Leaf, weights: &[u32], provoking: u32) -> Result<(), &'static str> {
+        let kind = self.copy(leaf.kind)?;
+        let path: Vec<u32> = leaf.path.iter().map(|index| self.number(*index)).collect();
+        let member = pair.member.map(|member| self.number(member));
+        let at = |stage: &mut Self, corner: u32| {
+            let corner = stage.number(corner);
+            stage.load(kind, pair.from, &[&[corner], member.as_slice(), &path[..]].concat())
+        };
+        let value = if leaf.flat {
+            at(self, provoking)
+        } else {
+            let scale = if leaf.vector { Op::VectorTimesScalar } else { Op::FMul };
+            let mut sum = None;
+            for (corner, weight) in (0..).zip(weights) {
+                let value = at(self, corner);
+                let part = self.made(scale, kind, &[value, *weight]);
+                sum = Some(sum.map_or(part, |sum| self.made(Op::FAdd, kind, &[sum, part])));
+            }
+            sum.ok_or(MISSING)?
+        };
+        let place = match path.is_empty() {
+            true => pair.to,
+            false => {
+                let pointer = self.pointer(StorageClass::Output, kind);
+                self.made(Op::AccessChain, pointer, &[&[pair.to], &path[..]].concat())
+            }
+        };
+        push(&mut self.to.bodies, Op::Store, &[place, value]);
+        Ok(())
+    }
+
+    /// The whole module.
+    fn module(self, linked: &Linked, interface: &Interface<'_>, input: Input, room: u32) -> Vec<u32> {
+        let mut to = self.to;
+        let mut words = vec![spirv::MAGIC_NUMBER, VERSION, 0, to.bound(), 0];
+        debug_assert_eq!(words.len(), HEADER);
+        push(&mut words, Op::Capability, &[Capability::Geometry as u32]);
+        if self.handed.distances.is_some() {
+            push(&mut words, Op::Capability, &[Capability::ClipDistance as u32]);
+        }
+        words.append(&mut to.imports);
+        push(&mut words, Op::MemoryModel, &[AddressingModel::Logical as u32, MemoryModel::GLSL450 as u32]);
+        // "main" and its end, in two words.
+        let mut point = vec![ExecutionModel::Geometry as u32, linked.root, u32::from_le_bytes(*b"main"), 0];
+        point.extend(interface.all());
+        push(&mut words, Op::EntryPoint, &point);
+        let (taken, strip) = match input {
+            Input::Triangles => (ExecutionMode::Triangles, ExecutionMode::OutputTriangleStrip),
+            Input::Lines => (ExecutionMode::InputLines, ExecutionMode::OutputLineStrip),
+        };
+        let vertices = room * self.corners;
+        let modes: [(ExecutionMode, &[u32]); 4] = [
+            (taken, &[]),
+            (strip, &[]),
+            (ExecutionMode::Invocations, &[RUNS]),
+            (ExecutionMode::OutputVertices, &[vertices]),
+        ];
+        for (mode, operands) in modes {
+            push(&mut words, Op::ExecutionMode, &[&[linked.root, mode as u32], operands].concat());
+        }
+        words.append(&mut to.decorations);
+        words.append(&mut to.globals);
+        words.append(&mut to.bodies);
+        words
+    }
+}

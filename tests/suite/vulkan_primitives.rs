@@ -1,0 +1,312 @@
+//! Method `primitive` in Vulkan programs: triangles and lines that a stage of ours divides, against the exact map.
+
+use crate::compare::{EDGE, Report, Shown, compare, compare_with, expect_good, expect_identical, expect_similar, far};
+use crate::dialects::{camera_of, shown_by_fisheye, shown_by_projector};
+use crate::picture::Picture;
+use crate::programs::{Finished, Run, installed, scratch};
+use crate::reference::{Fisheye, Vector, cube_colour, cube_face, cube_point};
+use crate::rigs;
+
+const CIRCLE: Fisheye = Fisheye { width: 256.0, height: 256.0, aperture: 180.0, tilt: 90.0 };
+
+/// What the programs clear their window to.
+const GREY: [u8; 3] = [64; 3];
+
+/// With half a pixel allowed.
+const DIVIDED: [&str; 2] = ["--method", "primitive,max_error=0.5"];
+
+/// What the log says of a pipeline that is drawn as with the method `vertex`.
+const UNDIVIDED: &str = "what a pipeline draws is not divided";
+
+/// A camera that shows all kinds of corners and edges.
+fn run<'a>(extra: &'a [&'a str], cupola: &'a [&'a str]) -> Run<'a> {
+    Run { fov: 90.0, yaw: 33.0, pitch: -17.0, extra, cupola, ..Run::new("vk_cube") }
+}
+
+fn fisheye(run: &Run) -> Option<Finished> {
+    run.vulkan_under("fisheye")
+}
+
+fn against_the_map(run: &Run, picture: &Picture) -> Report {
+    compare(picture, shown_by_fisheye(CIRCLE, camera_of(run)))
+}
+
+/// One view, nothing that is flat, and nothing that the log says of the method.
+fn expect_divided(finished: &Finished, what: &str) {
+    let statistics = finished.statistics();
+    assert_eq!(statistics["views"].as_array().map(Vec::len), Some(1), "{what}: {statistics:#}");
+    assert_eq!(statistics["panel_draws"], 0, "{what}: {statistics:#}");
+    let words = finished.words();
+    assert!(!words.contains("divided") && !words.contains("instead"), "{what}: {words}");
+}
+
+/// However the program draws.
+#[test]
+fn large_triangles_are_where_the_exact_map_has_them() {
+    let ways: [&[&str]; 4] = [
+        &["--pass", "1", "--matrix", "push"],
+        &["--pass", "2", "--matrix", "block", "--samples", "4", "--indirect"],
+        &["--pass", "dynamic", "--matrix", "pushed", "--flip", "--fixed"],
+        &["--pass", "1", "--matrix", "copied", "--secondary", "--once"],
+    ];
+    for way in ways {
+        let run = run(way, &DIVIDED);
+        let Some(finished) = fisheye(&run) else { return };
+        let picture = finished.picture("capture.png");
+        expect_good(&against_the_map(&run, &picture), &picture, &format!("vk_cube {way:?}, primitive"));
+        expect_divided(&finished, &format!("{way:?}"));
+    }
+}
+
+/// The error that is allowed is the error that is made, more or less; without division it is seen at once.
+#[test]
+fn a_greater_error_is_worse() {
+    let worst = |method: &str| {
+        let cupola = ["--method", method];
+        let run = run(&[], &cupola);
+        let picture = fisheye(&run)?.picture("capture.png");
+        let report = against_the_map(&run, &picture);
+        Some((report.worst, report.wrong * 4 > report.compared))
+    };
+    let mut last = 0.0;
+    for (bound, allowed) in [("0.25", 2.0), ("0.5", 2.0), ("2", 8.0), ("8", 32.0)] {
+        let Some((worst, _)) = worst(&format!("primitive,max_error={bound}")) else { return };
+        println!("{bound} px allowed: {worst:.2}/255");
+        assert!(worst <= allowed && worst >= 0.5 * last, "{bound} px: {worst:.2}/255 after {last:.2}/255");
+        last = worst;
+    }
+    assert!(last > 3.0, "{last:.2}/255 of 8 pixels are nothing that could be measured");
+    let Some((_, a_quarter_is_wrong)) = worst("vertex") else { return };
+    assert!(a_quarter_is_wrong, "what is not divided is seen");
+}
+
+/// Both APIs divide by the same functions; a stage of either kind is ours.
+#[test]
+fn as_with_opengl_and_by_either_stage() {
+    let vulkan = run(&[], &DIVIDED);
+    let opengl = Run { program: "core330_mvp", ..vulkan.clone() };
+    let (Some(vulkan), Some(opengl)) = (fisheye(&vulkan), opengl.under("fisheye")) else { return };
+    let (found, expected) = (vulkan.picture("capture.png"), opengl.expect_success().picture("capture.png"));
+    expect_similar(&found, &expected, 3, 1.0, "Vulkan against OpenGL");
+    let tessellated = ["--method", "primitive-tessellation,max_error=0.5"];
+    let Some(finished) = fisheye(&run(&[], &tessellated)) else { return };
+    expect_identical(&finished.picture("capture.png"), &found, "primitive-tessellation");
+    expect_divided(&finished, "primitive-tessellation");
+}
+
+/// Values of many types are handed on, and by the right vertex where they are flat: whatever contradicts has another colour.
+#[test]
+fn all_that_shaders_hand_on_arrives() {
+    let cases: [&[&str]; 5] = [
+        &["--shape", "list", "--number"],
+        &["--shape", "strip"],
+        &["--shape", "fan", "--last", "--number"],
+        &["--shape", "strip", "--last", "--by-commands"],
+        &["--shape", "fan"],
+    ];
+    for extra in cases {
+        // More is handed on than there is room for with a smaller error; of a pixel's width colours change by 1.6/255.
+        let run = Run { program: "vk_handed", ..run(extra, &["--method", "primitive,max_error=1"]) };
+        let Some(finished) = fisheye(&run) else { return };
+        let picture = finished.picture("capture.png");
+        let report = against_the_map(&run, &picture);
+        let (compared, all) = (report.compared, picture.pixels.len());
+        assert!(report.worst < 4.0 && 2 * compared > all, "{extra:?}: {:.2}/255, {compared} pixels", report.worst);
+        expect_divided(&finished, &format!("{extra:?}"));
+    }
+}
+
+/// What is beyond a plane of the program's own stays clipped.
+#[test]
+fn clip_distances_are_handed_on() {
+    for method in ["primitive,max_error=1", "fragment"] {
+        let cupola = ["--method", method];
+        let run = Run { program: "vk_handed", ..run(&["--clip"], &cupola) };
+        let Some(finished) = fisheye(&run) else { return };
+        let picture = finished.picture("capture.png");
+        let clipped = |direction: Vector| cube_point(direction)[0] < -0.5;
+        let colour = |direction: Vector| match clipped(direction) {
+            true => [64.0 / 255.0; 3],
+            false => cube_colour(direction),
+        };
+        let cell = |direction: Vector| 2 * cube_face(direction) + usize::from(clipped(direction));
+        let report = compare_with(&picture, EDGE, shown_by_fisheye(CIRCLE, camera_of(&run)), colour, cell);
+        let grey = picture.pixels.iter().filter(|pixel| **pixel == GREY).count();
+        assert!(grey > 2000, "{grey} pixels are clipped");
+        assert!(report.worst < 4.0, "{method}: {:.2}/255 at {:?}", report.worst, report.worst_at);
+    }
+}
+
+/// How many pixels of lines are seen, and by how much their colours are off from those of the places.
+fn lines(picture: &Picture, run: &Run) -> (usize, f64) {
+    let shown = shown_by_fisheye(CIRCLE, camera_of(run));
+    let (mut lit, mut worst) = (0, 0.0f64);
+    for (x, y) in (0..picture.height).flat_map(|y| (0..picture.width).map(move |x| (x, y))) {
+        let found = picture.at(x, y);
+        let Shown::Direction(direction) = shown(x as f64 + 0.5, y as f64 + 0.5) else { continue };
+        if found == GREY {
+            continue;
+        }
+        lit += 1;
+        let expected = cube_colour(direction).map(|channel| 255.0 * channel);
+        let off = [0, 1, 2].map(|channel| (f64::from(found[channel]) - expected[channel]).abs());
+        worst = worst.max(off.into_iter().fold(0.0, f64::max));
+    }
+    (lit, worst)
+}
+
+#[test]
+fn lines_are_divided() {
+    let cases: [&[&str]; 3] = [
+        &["--shape", "lines"],
+        &["--shape", "line-strip", "--last"],
+        &["--shape", "lines", "--by-commands", "--number"],
+    ];
+    for extra in cases {
+        let start = |cupola: &[&str]| {
+            let run = Run { program: "vk_handed", ..run(extra, cupola) };
+            let finished = fisheye(&run)?;
+            Some((lines(&finished.picture("capture.png"), &run), finished))
+        };
+        let Some(((lit, worst), finished)) = start(&DIVIDED) else { return };
+        // A pixel's width is 1.6/255 at most.
+        assert!(lit > 700 && worst < 4.0, "{extra:?}: {lit} pixels, {worst:.2}/255");
+        expect_divided(&finished, &format!("{extra:?}"));
+        let Some(((_, worst), _)) = start(&["--method", "vertex"]) else { return };
+        assert!(worst > 20.0, "{extra:?}: what is not divided is seen: {worst:.2}/255");
+    }
+}
+
+/// What is not divided is drawn as with the method `vertex`, and the log says why, once.
+#[test]
+fn what_cannot_be_divided_is_projected() {
+    let cases: [(&str, &[&str], &str); 4] = [
+        ("vk_handed", &["--cull"], "cull distances"),
+        ("vk_cube", &["--cells", "triangles", "--stage", "geometry"], "shaders of its own"),
+        ("vk_cube", &["--cells", "triangles", "--stage", "tessellation"], "shaders of its own"),
+        ("vk_scenes", &["--way", "parts"], "libraries"),
+    ];
+    for (program, extra, why) in cases {
+        let start = |method: &str| fisheye(&Run { program, ..run(extra, &["--method", method]) });
+        let (Some(found), Some(expected)) = (start("primitive"), start("vertex")) else { return };
+        let what = format!("{program} {extra:?}");
+        expect_identical(&found.picture("capture.png"), &expected.picture("capture.png"), &what);
+        let words = found.words();
+        let lines: Vec<&str> = words.lines().filter(|line| line.contains(UNDIVIDED)).collect();
+        assert!(lines.len() == 1 && lines[0].contains(why), "{what}: {words}");
+        assert!(!expected.words().contains(UNDIVIDED), "{what}: {}", expected.words());
+    }
+    // Of points nothing has to be said.
+    let start = |method: &str| fisheye(&run(&["--cells", "points"], &["--method", method]));
+    let (Some(found), Some(expected)) = (start("primitive"), start("vertex")) else { return };
+    expect_identical(&found.picture("capture.png"), &expected.picture("capture.png"), "points");
+    assert!(!found.words().contains(UNDIVIDED), "{}", found.words());
+}
+
+/// A library that has all shaders has the stage, too; features are enabled in a chain of structures there.
+#[test]
+fn libraries_with_all_shaders_are_divided() {
+    let extra = ["--way", "library"];
+    let run = Run { program: "vk_scenes", ..run(&extra, &DIVIDED) };
+    let Some(finished) = fisheye(&run) else { return };
+    let picture = finished.picture("capture.png");
+    expect_good(&against_the_map(&run, &picture), &picture, "vk_scenes, libraries");
+    assert!(!finished.words().contains("divided"), "{}", finished.words());
+}
+
+/// Projectors away from the middle of the dome, with their own lenses, which blend.
+#[test]
+fn every_projector_gets_its_own_pass_and_blends() {
+    let (size, columns) = ((128, 96), 3);
+    let rig = rigs::projectors("planetarium-6", size, columns);
+    let rows = rig.projectors.len().div_ceil(columns);
+    let size_of_all = (columns * size.0, rows * size.1);
+    let folder = scratch("rig");
+    let start = |name: &str, text: &str, extra: &[&str], cupola: &[&str]| {
+        let file = folder.join(name);
+        std::fs::write(&file, text).expect("a rig can be written");
+        let run = Run { size: size_of_all, ..run(extra, cupola) };
+        run.vulkan_under(file.to_str().expect("a UTF-8 path"))
+    };
+    let divided = ["--method", "primitive,max_error=0.25"];
+    let Some(plain) = start("unblended.toml", &rig.unblended, &[], &divided) else { return };
+    let Some(blended) = start("blended.toml", &rig.blended, &["--flip"], &divided) else { return };
+    let Some(expected) = start("blended.toml", &rig.blended, &[], &[]) else { return };
+    let camera = camera_of(&run(&[], &divided));
+    for projector in &rig.projectors {
+        let name = format!("capture-{}.png", projector.name);
+        let picture = plain.picture(&name);
+        let report = compare(&picture, shown_by_projector(projector, &rig.dome, camera));
+        expect_good(&report, &picture, &format!("vk_cube, primitive, {}", projector.name));
+        // The weights are those of the default method; the picture is off where the cube's edges are resampled.
+        let (found, expected) = (blended.picture(&name), expected.picture(&name));
+        let far = far(&found, &expected);
+        assert!(far < 0.01, "{}: {far} of the pixels are off", projector.name);
+        assert!(picture.pixels.iter().zip(&found.pixels).any(|(a, b)| a[0].abs_diff(b[0]) > 40), "nothing is blended");
+    }
+}
+
+/// Of two outputs one is divided, one is made of a view.
+#[test]
+fn outputs_with_other_methods_beside() {
+    let output = |name: &str, left: u32, method: &str| {
+        format!(
+            "[[output]]\nname = \"{name}\"\nkind = \"domemaster\"\naperture = 180\ntilt = 90\n\
+             window = [{left}, 0, 256, 256]\nmethod = \"{method}\"\n"
+        )
+    };
+    let file = scratch("rig").join("two.toml");
+    let text = [output("divided", 0, "primitive"), output("views", 256, "fragment")].concat();
+    std::fs::write(&file, text).expect("a rig can be written");
+    let run = Run { size: (512, 256), ..run(&[], &[]) };
+    let Some(finished) = run.vulkan_under(file.to_str().expect("a UTF-8 path")) else { return };
+    for name in ["divided", "views"] {
+        let picture = finished.picture(&format!("capture-{name}.png"));
+        expect_good(&against_the_map(&run, &picture), &picture, &format!("output {name} of two"));
+    }
+}
+
+/// What is flat is neither divided nor projected, over the scene and before it.
+#[test]
+fn flat_drawing_over_and_behind_the_scene() {
+    let start = |flat: &str, method: &str| {
+        let (extra, cupola) = (["--flat", flat], ["--method", method]);
+        fisheye(&Run { frames: 5, cupola_frames: 5, ..run(&extra, &cupola) })
+    };
+    let (Some(found), Some(expected)) = (start("over", DIVIDED[1]), start("over", "fragment")) else { return };
+    assert_eq!(found.statistics()["panel_draws"], 5);
+    let far = far(&found.picture("capture.png"), &expected.picture("capture.png"));
+    assert!(far < 0.01, "{far} of the pixels are off");
+    let Some(behind) = start("before", DIVIDED[1]) else { return };
+    let picture = behind.picture("capture.png");
+    expect_good(&against_the_map(&run(&[], &[]), &picture), &picture, "vk_cube, primitive, with a background");
+}
+
+/// What a program draws off screen first is divided, too.
+#[test]
+fn scenes_that_are_drawn_off_screen() {
+    let direct = run(&[], &DIVIDED);
+    let Some(expected) = fisheye(&direct) else { return };
+    let extra = ["--way", "post"];
+    let Some(found) = fisheye(&Run { program: "vk_scenes", extra: &extra, frames: 6, ..direct.clone() }) else {
+        return;
+    };
+    let statistics = found.statistics();
+    assert_eq!(statistics["duplicated_framebuffers"], 1, "{statistics:#}");
+    let far = far(&found.picture("capture.png"), &expected.picture("capture.png"));
+    assert!(far < 0.02, "{far} of the pixels are off");
+}
+
+/// A program that others wrote: its cube is where it is with views.
+#[test]
+fn vkcube_in_one_pass() {
+    let start = |method: &str| {
+        let cupola = ["--method", method, "--headless", "--frames", "12", "--capture", "capture.png"];
+        let cupola = [&cupola[..], &["--stats", "stats.json"]].concat();
+        installed("vkcube", &["--width", "300", "--height", "300"], "fisheye", &cupola).map(Finished::expect_success)
+    };
+    let (Some(found), Some(expected)) = (start("primitive"), start("fragment")) else { return };
+    expect_divided(&found, "vkcube");
+    let far = far(&found.picture("capture.png"), &expected.picture("capture.png"));
+    assert!(far < 0.02, "{far} of the pixels are off");
+}
