@@ -6,8 +6,26 @@ use std::path::{Path, PathBuf};
 
 /// Greatest difference of a channel, in 255ths.
 pub const TOLERANCE: f64 = 2.0;
-/// Pixels this near to an edge of the cube, or to the border of what is shown, are not compared.
+/// Pixels this near to an edge of the cube, and black ones this near to what is shown, are not compared.
 pub const EDGE: f64 = 1.5;
+
+/// What a comparison allows.
+#[derive(Clone, Copy, Debug)]
+pub struct Limits {
+    /// Greatest difference of a channel, in 255ths.
+    pub tolerance: f64,
+    /// Pixels this near to another cell are not compared.
+    pub edge: f64,
+    /// Nor those as near to black: a filter may read from cells that begin where nothing is shown any more.
+    pub rim: bool,
+}
+
+impl From<f64> for Limits {
+    /// The usual ones with this `edge`.
+    fn from(edge: f64) -> Self {
+        Self { tolerance: TOLERANCE, edge, rim: false }
+    }
+}
 
 /// What a place in a picture shows.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,14 +64,15 @@ impl Report {
 }
 
 /// Compares every pixel with the colour that `colour` gives to the direction that `shown` gives to the
-/// pixel's centre (in pixels from the top left), unless there is another `cell` within `edge` pixels.
+/// pixel's centre (in pixels from the top left), unless there is another `cell` within the `limits`.
 pub fn compare_with(
     picture: &Picture,
-    edge: f64,
+    limits: impl Into<Limits>,
     shown: impl Fn(f64, f64) -> Shown,
     colour: impl Fn(Vector) -> Vector,
     cell: impl Fn(Vector) -> usize,
 ) -> Report {
+    let Limits { tolerance, edge, rim } = limits.into();
     let mut report = Report {
         compared: 0,
         wrong: 0,
@@ -83,14 +102,19 @@ pub fn compare_with(
                 }
                 Shown::Direction(direction) => {
                     let own = cell(direction);
-                    if around.any(|place| matches!(place, Shown::Direction(direction) if cell(direction) != own)) {
+                    let differs = |place| match place {
+                        Shown::Direction(direction) => cell(direction) != own,
+                        Shown::Black => rim,
+                        Shown::Unknown => false,
+                    };
+                    if around.any(differs) {
                         continue;
                     }
                     let expected = colour(direction).map(|channel| 255.0 * channel);
                     let off = [0, 1, 2].map(|channel| (f64::from(found[channel]) - expected[channel]).abs());
                     let worst = off.into_iter().fold(0.0, f64::max);
                     report.compared += 1;
-                    report.wrong += usize::from(worst > TOLERANCE);
+                    report.wrong += usize::from(worst > tolerance);
                     if worst > report.worst {
                         (report.worst, report.worst_at) = (worst, (x, y));
                     }

@@ -1,6 +1,8 @@
 //! The direction test: each dialect, unmodified, shows in every pixel what the reference predicts.
 
-use crate::compare::{EDGE, Report, Shown, compare, compare_with, expect_good, expect_identical, expect_similar};
+use crate::compare::{
+    EDGE, Limits, Report, Shown, TOLERANCE, compare, compare_with, expect_good, expect_identical, expect_similar,
+};
 use crate::picture::Picture;
 use crate::programs::{Finished, Run, scratch};
 use crate::reference::{Dome, Fisheye, Opening, ProgramCamera, Projector, Vector, cube_colour, cube_face, cube_point};
@@ -61,7 +63,7 @@ fn compare_program(program: &str, picture: &Picture, shown: impl Fn(f64, f64) ->
         100 * cube_face(direction) + 10 * tile(x) as usize + tile(y) as usize
     };
     // Tiles differ where they meet, and a view's texels there may be wider than the picture's pixels.
-    compare_with(picture, 2.5, shown, colour, cell)
+    compare_with(picture, Limits { edge: 2.5, tolerance: TOLERANCE, rim: true }, shown, colour, cell)
 }
 
 /// Without Cupola: the programs draw what the reference says that they draw.
