@@ -242,7 +242,7 @@ impl Sight {
             }
             Map::Traced { map, .. } => {
                 let mut rims: Vec<Rim<'_>> = Vec::new();
-                for rim in map.screen().rims() {
+                for rim in map.screen().rims().into_iter().chain(map.screen().horizon()) {
                     rims.push(Box::new(move |part| self.sample(traced_pixel(map, rim(part))?)));
                 }
                 rims

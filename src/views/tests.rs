@@ -464,6 +464,24 @@ fn an_output_outside_of_the_window_has_no_views() {
     }
 }
 
+/// Where rays become parallel to the wall of a cone, what a picture shows ends without a rim of the screen.
+#[test]
+fn near_the_horizon_of_a_cone_no_direction_is_without_a_view() {
+    let text = "[screen]\nshape = \"cone\"\nradii = [6, 4.8]\nheights = [-3, 3]\n\
+                [viewer]\nposition = [1.44, -1.08, 2.4]\n[[output]]\nkind = \"equirectangular\"\n";
+    let rig = crate::rig::parse(text, "cone.toml", std::path::Path::new("")).unwrap();
+    let size = (3840, 2160);
+    let plan = plan(&rig, &request(&[size])).unwrap();
+    let map = WarpMap::new(&rig, 0, size, None).unwrap();
+    let mut shown = 0;
+    for (x, y) in (1990..2030).flat_map(|y| (0..size.0).map(move |x| (x, y))) {
+        let Some(direction) = map.direction(DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5)) else { continue };
+        assert!(answering(&plan, 0, direction).is_some(), "column {x}, row {y}");
+        shown += 1;
+    }
+    assert!(shown > 100_000 && shown < 40 * size.0, "{shown}");
+}
+
 #[test]
 fn degenerate_outputs_are_planned() {
     // One pixel; a projector from outside; one that misses the screen; the viewer at a projector's place.

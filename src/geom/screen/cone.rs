@@ -80,6 +80,19 @@ impl Surface for Cone {
         rims
     }
 
+    /// Directions that are steeper than the wall never meet it. Seen from within, the line is 10⁻⁵ radians from theirs.
+    fn horizon(&self) -> Option<Rim<'_>> {
+        let slope = self.slope();
+        (slope != 0.0).then(|| -> Rim<'_> {
+            let height = 1e5 * self.size() * slope.signum();
+            let radius = self.radius_at(height);
+            Box::new(move |part| {
+                let (sine, cosine) = (part * TAU).sin_cos();
+                DVec3::new(sine * radius, height, -cosine * radius)
+            })
+        })
+    }
+
     fn size(&self) -> f64 {
         let half_height = 0.5 * (self.heights[1] - self.heights[0]);
         self.radii[0].max(self.radii[1]).max(half_height)

@@ -52,6 +52,11 @@ pub trait Surface {
     /// Lines along which the screen ends, just within it.
     fn rims(&self) -> Vec<Rim<'_>>;
 
+    /// A line close to where the screen's endless extension ends, if it ends anywhere.
+    fn horizon(&self) -> Option<Rim<'_>> {
+        None
+    }
+
     /// A length for tolerances: about half the greatest extent of the screen, > 0.
     fn size(&self) -> f64;
 }
@@ -111,6 +116,12 @@ impl Screen {
             rims.push(Box::new(move |part| self.pose.point_to_parent(rim(part))));
         }
         rims
+    }
+
+    /// [`Surface::horizon`] in dome axes.
+    pub fn horizon(&self) -> Option<Rim<'_>> {
+        let horizon = self.surface().horizon()?;
+        Some(Box::new(move |part| self.pose.point_to_parent(horizon(part))))
     }
 
     /// [`Surface::size`], metres.
