@@ -5,16 +5,8 @@ use super::api::*;
 use super::state::integer;
 use std::cell::Cell;
 
-/// The switches that are followed.
-const SWITCHES: [u32; 28] = [
-    GL_CLIP_DISTANCE0,
-    GL_CLIP_DISTANCE1,
-    GL_CLIP_DISTANCE2,
-    GL_CLIP_DISTANCE3,
-    GL_CLIP_DISTANCE4,
-    GL_CLIP_DISTANCE5,
-    GL_CLIP_DISTANCE6,
-    GL_CLIP_DISTANCE7,
+/// The switches that are followed; the first of them are off while we draw (`super::state`).
+pub(super) const SWITCHES: [u32; 28] = [
     GL_DEPTH_TEST,
     GL_STENCIL_TEST,
     GL_CULL_FACE,
@@ -31,8 +23,17 @@ const SWITCHES: [u32; 28] = [
     GL_FRAMEBUFFER_SRGB,
     GL_DEPTH_BOUNDS_TEST_EXT,
     GL_PRIMITIVE_RESTART,
-    GL_PRIMITIVE_RESTART_FIXED_INDEX,
+    GL_CLIP_DISTANCE0,
+    GL_CLIP_DISTANCE1,
+    GL_CLIP_DISTANCE2,
+    GL_CLIP_DISTANCE3,
+    GL_CLIP_DISTANCE4,
+    GL_CLIP_DISTANCE5,
+    GL_CLIP_DISTANCE6,
+    GL_CLIP_DISTANCE7,
+    // That of the first buffer, where each has one.
     GL_BLEND,
+    GL_PRIMITIVE_RESTART_FIXED_INDEX,
     GL_COLOR_MATERIAL,
     GL_DEBUG_OUTPUT,
 ];
@@ -40,10 +41,10 @@ const SWITCHES: [u32; 28] = [
 /// The bit of a switch; 0: it is not followed. The switches that programs use most come first.
 fn bit(switch: u32) -> u32 {
     let place = match switch {
-        GL_DEPTH_TEST => 8,
-        GL_BLEND => 25,
-        GL_CULL_FACE => 10,
-        GL_CLIP_DISTANCE0..=GL_CLIP_DISTANCE7 => switch - GL_CLIP_DISTANCE0,
+        GL_DEPTH_TEST => 0,
+        GL_BLEND => 24,
+        GL_CULL_FACE => 2,
+        GL_CLIP_DISTANCE0..=GL_CLIP_DISTANCE7 => 16 + switch - GL_CLIP_DISTANCE0,
         _ => match SWITCHES.iter().position(|known| *known == switch) {
             Some(place) => place as u32,
             None => return 0,

@@ -4,7 +4,7 @@
 //! asked for and are left to the caller: conditional rendering and queries that count samples or primitives.
 
 use super::api::*;
-use super::known_state::{KnownState, MOST_DRAW_BUFFERS, Masks};
+use super::known_state::{self, KnownState, MOST_DRAW_BUFFERS, Masks};
 use std::ffi::CStr;
 
 /// What a context can do, found once.
@@ -87,35 +87,11 @@ impl Capabilities {
     }
 }
 
-/// Switches that are off while we draw, blending and scissor apart.
-const SWITCHES: [u32; 25] = [
-    GL_DEPTH_TEST,
-    GL_STENCIL_TEST,
-    GL_CULL_FACE,
-    GL_DITHER,
-    GL_RASTERIZER_DISCARD,
-    GL_SAMPLE_ALPHA_TO_COVERAGE,
-    GL_SAMPLE_COVERAGE,
-    GL_SAMPLE_MASK,
-    GL_SAMPLE_SHADING,
-    GL_COLOR_LOGIC_OP,
-    GL_POLYGON_SMOOTH,
-    GL_ALPHA_TEST,
-    GL_POLYGON_STIPPLE,
-    GL_FRAMEBUFFER_SRGB,
-    GL_DEPTH_BOUNDS_TEST_EXT,
-    GL_PRIMITIVE_RESTART,
-    GL_CLIP_DISTANCE0,
-    GL_CLIP_DISTANCE1,
-    GL_CLIP_DISTANCE2,
-    GL_CLIP_DISTANCE3,
-    GL_CLIP_DISTANCE4,
-    GL_CLIP_DISTANCE5,
-    GL_CLIP_DISTANCE6,
-    GL_CLIP_DISTANCE7,
-    // That of the first buffer, where each has one.
-    GL_BLEND,
-];
+/// Switches that are off while we draw, scissor apart.
+const SWITCHES: [u32; 25] = match known_state::SWITCHES.first_chunk() {
+    Some(switches) => *switches,
+    None => panic!("more are followed"),
+};
 
 /// Units whose bindings are kept at most: the atlas, the mask, a table, a picture of black.
 pub(super) const UNITS: usize = 4;
