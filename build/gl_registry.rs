@@ -3,6 +3,7 @@
 
 use super::gl_arrays;
 use super::gl_attributes::{self, Declaration};
+use super::gl_taps;
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
@@ -36,19 +37,23 @@ const EXTRA: &[&str] = &[
 ];
 
 /// Rust sources: `Gl` (table and one method per command), constants, `ALIASES`; the commands between `glBegin` and
-/// `glEnd`; and those that change vertex arrays.
-pub fn generate() -> (String, String, String) {
+/// `glEnd`; those that change vertex arrays; and all that may change a picture.
+pub fn generate() -> [String; 4] {
     let text = std::str::from_utf8(khronos_api::GL_XML).expect("the registry is UTF-8");
     let document = roxmltree::Document::parse(text).expect("the registry is well-formed XML");
     let root = document.root_element();
     let wanted = wanted_commands(root);
     let mut out = String::new();
     enums(root, &mut out);
-    let commands = declarations(root, &wanted);
+    let commands = declarations(root, |name, alias| {
+        let family = gl_attributes::is_attribute(name) || gl_arrays::is_array_state(name);
+        wanted.contains(name) || EXTRA.contains(&name) || (!alias && family)
+    });
     table(&commands, &mut out);
     aliases(root, &mut out);
+    let taps = gl_taps::generate(&declarations(root, |_, _| true));
     let declarations: Vec<Declaration> = commands.into_iter().map(|(declaration, _)| declaration).collect();
-    (out, gl_attributes::generate(&declarations), gl_arrays::generate(&declarations))
+    [out, gl_attributes::generate(&declarations), gl_arrays::generate(&declarations), taps]
 }
 
 fn wanted_commands<'a>(root: roxmltree::Node<'a, '_>) -> BTreeSet<&'a str> {
@@ -87,17 +92,15 @@ fn enums(root: roxmltree::Node, out: &mut String) {
     }
 }
 
-/// The commands of the table, each with what it answers.
-fn declarations(root: roxmltree::Node, wanted: &BTreeSet<&str>) -> Vec<(Declaration, String)> {
+/// The commands that are `wanted`, by name and by whether they are aliases, each with what it answers.
+fn declarations(root: roxmltree::Node, wanted: impl Fn(&str, bool) -> bool) -> Vec<(Declaration, String)> {
     let list = root.children().find(|n| n.has_tag_name("commands")).expect("the registry lists commands");
     let mut found = Vec::new();
     for command in list.children().filter(|n| n.has_tag_name("command")) {
         let proto = command.children().find(|n| n.has_tag_name("proto")).expect("a command has a prototype");
         let name = child_text(proto, "name");
         let alias = command.children().any(|n| n.has_tag_name("alias"));
-        let family = gl_attributes::is_attribute(&name) || gl_arrays::is_array_state(&name);
-        let extra = EXTRA.contains(&name.as_str()) || (!alias && family);
-        if !wanted.contains(name.as_str()) && !extra {
+        if !wanted(&name, alias) {
             continue;
         }
         let result = rust_type(&declaration(proto));
@@ -187,7 +190,7 @@ fn rust_type(declaration: &str) -> String {
     let base = declaration.replace(['*', ','], " ");
     let base = base.split_whitespace().find(|w| !matches!(*w, "const" | "struct")).unwrap_or("void");
     let scalar = match base {
-        "void" | "GLvoid" => "c_void",
+        "void" | "GLvoid" | "_cl_context" | "_cl_event" => "c_void",
         "GLenum" | "GLbitfield" | "GLuint" | "GLhandleARB" => "u32",
         "GLint" | "GLsizei" | "GLfixed" | "GLclampx" => "i32",
         "GLboolean" | "GLubyte" => "u8",
@@ -197,10 +200,17 @@ fn rust_type(declaration: &str) -> String {
         "GLushort" | "GLhalfNV" | "GLhalf" => "u16",
         "GLfloat" | "GLclampf" => "f32",
         "GLdouble" | "GLclampd" => "f64",
-        "GLintptr" | "GLsizeiptr" | "GLintptrARB" | "GLsizeiptrARB" => "isize",
+        "GLintptr" | "GLsizeiptr" | "GLintptrARB" | "GLsizeiptrARB" | "GLvdpauSurfaceNV" => "isize",
         "GLint64" | "GLint64EXT" => "i64",
         "GLuint64" | "GLuint64EXT" => "u64",
-        "GLsync" | "GLeglImageOES" | "GLDEBUGPROC" | "GLDEBUGPROCARB" | "GLDEBUGPROCKHR" | "GLDEBUGPROCAMD" => {
+        "GLsync"
+        | "GLeglImageOES"
+        | "GLDEBUGPROC"
+        | "GLDEBUGPROCARB"
+        | "GLDEBUGPROCKHR"
+        | "GLDEBUGPROCAMD"
+        | "GLVULKANPROCNV"
+        | "GLeglClientBufferEXT" => {
             return "*const c_void".to_owned();
         }
         other => panic!("the registry has a type that this build script does not know: {other}"),

@@ -36,6 +36,19 @@ pub struct Settings {
     pub mask: Mask,
     /// Draws are left out of views that cannot show them; `CUPOLA_CULL=0` switches that off.
     pub cull: bool,
+    /// `CUPOLA_REUSE`: whether frames in which nothing changed show the picture of the one before.
+    pub reuse: Reuse,
+}
+
+/// `CUPOLA_REUSE`: what is done in a frame in which nothing changed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reuse {
+    /// `1` (default): it shows the picture of the one before.
+    Yes,
+    /// `0`: it is corrected like any other.
+    No,
+    /// `check`: the same, and pixels that differ from the picture of the one before are said in the log.
+    Check,
 }
 
 /// `CUPOLA_MASK`: closing what no output samples costs a little in each frame, and saves shading.
@@ -90,6 +103,12 @@ fn read() -> crate::Result<Settings> {
         Some("1") => Mask::Always,
         Some(other) => return Err(wrong("CUPOLA_MASK", other, "0")),
     };
+    let reuse = match text("CUPOLA_REUSE").as_deref() {
+        None | Some("1") => Reuse::Yes,
+        Some("0") => Reuse::No,
+        Some("check") => Reuse::Check,
+        Some(other) => return Err(wrong("CUPOLA_REUSE", other, "0")),
+    };
     let duplicate = match text("CUPOLA_DUPLICATE").as_deref() {
         None => None,
         Some("auto") => Some(Duplicate::Auto),
@@ -112,6 +131,7 @@ fn read() -> crate::Result<Settings> {
         offscreen: text("CUPOLA_OFFSCREEN").is_some_and(|v| v == "1"),
         mask,
         cull: text("CUPOLA_CULL").is_none_or(|v| v != "0"),
+        reuse,
     })
 }
 

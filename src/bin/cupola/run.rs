@@ -53,6 +53,9 @@ pub struct Arguments {
     /// Draw the parts of views that no output samples, too
     #[arg(long)]
     no_mask: bool,
+    /// Correct frames in which nothing changed, too, instead of showing the picture of the one before
+    #[arg(long)]
+    no_reuse: bool,
     /// Which pictures that the program draws off screen are drawn once per view [default: the rig's]
     #[arg(long, value_name = "auto|never|always", value_parser = ["auto", "never", "always"])]
     duplicate: Option<String>,
@@ -128,6 +131,7 @@ fn settings(arguments: &Arguments, rig: &str) -> Result<Environment, Failure> {
     set("CUPOLA_DUPLICATE", arguments.duplicate.as_ref().map(Into::into));
     set("CUPOLA_CULL", arguments.no_cull.then(|| "0".into()));
     set("CUPOLA_MASK", arguments.no_mask.then(|| "0".into()));
+    set("CUPOLA_REUSE", arguments.no_reuse.then(|| "0".into()));
     let files =
         [("CUPOLA_CAPTURE", &arguments.capture), ("CUPOLA_STATS", &arguments.stats), ("CUPOLA_LOG", &arguments.log)];
     for (name, file) in files {

@@ -13,6 +13,8 @@ pub struct Config {
     pub samples: i32,
     /// It converts to sRGB where the program asks for it.
     pub srgb: bool,
+    /// Bits of red; the other colours have as many, or one more or less.
+    pub red_bits: i32,
     /// Bits of alpha.
     pub alpha_bits: i32,
     /// Bits of depth.
@@ -53,6 +55,7 @@ impl Config {
                 double_buffered,
                 samples,
                 srgb: ask(back, api::GL_FRAMEBUFFER_ATTACHMENT_COLOR_ENCODING) as u32 == api::GL_SRGB,
+                red_bits: ask(back, api::GL_FRAMEBUFFER_ATTACHMENT_RED_SIZE),
                 alpha_bits: ask(back, api::GL_FRAMEBUFFER_ATTACHMENT_ALPHA_SIZE),
                 depth_bits: ask(api::GL_DEPTH, api::GL_FRAMEBUFFER_ATTACHMENT_DEPTH_SIZE),
                 stencil_bits: ask(api::GL_STENCIL, api::GL_FRAMEBUFFER_ATTACHMENT_STENCIL_SIZE),

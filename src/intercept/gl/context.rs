@@ -11,6 +11,7 @@ use super::raster::Raster;
 use super::window::Window;
 use crate::backend::gl::api::{self, Gl};
 use crate::intercept::camera::Cameras;
+use crate::intercept::settings::{Reuse, settings};
 use crate::runtime::session::{Extras, Session};
 use std::collections::HashSet;
 use std::ffi::CStr;
@@ -139,6 +140,8 @@ pub struct Context {
     pub pipelines: super::pipelines::Pipelines,
     /// The Begin/End that the program is in.
     pub immediate: super::immediate::Immediate,
+    /// Whether frames are like the ones before.
+    pub unchanged: super::unchanged::Unchanged,
     /// How many draws a frame has.
     pub workload: super::workload::Workload,
     /// Where the draw that is being issued comes to be in each view, if that is known.
@@ -240,6 +243,7 @@ impl Context {
             program: None,
             pipelines: Default::default(),
             immediate: Default::default(),
+            unchanged: super::unchanged::Unchanged::new(settings().is_some_and(|s| s.reuse != Reuse::No)),
             workload: Default::default(),
             areas: Vec::new(),
             ranges: Default::default(),
@@ -327,7 +331,7 @@ impl Context {
             return;
         };
         self.lent = None;
-        if let Some(size) = crate::intercept::settings::settings().and_then(|s| s.window_size) {
+        if let Some(size) = settings().and_then(|s| s.window_size) {
             window.resize(size);
         }
         if first {

@@ -47,6 +47,7 @@ pub mod registry;
 pub mod samplers;
 pub mod state;
 pub mod targets;
+pub mod unchanged;
 pub mod uniforms;
 pub mod vendor;
 pub mod vendor_egl;

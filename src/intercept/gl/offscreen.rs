@@ -13,14 +13,16 @@ use crate::runtime::report::Picture;
 use crate::runtime::session::{Frustum, Session};
 use glam::DMat3;
 
-/// A framebuffer with one texture.
-struct Canvas {
-    framebuffer: u32,
+/// A framebuffer with one texture of 8 bits.
+pub struct Canvas {
+    /// Its OpenGL name.
+    pub framebuffer: u32,
     texture: u32,
 }
 
 impl Canvas {
-    fn new(gl: &Gl, width: i32, height: i32) -> Self {
+    /// Of so many pixels.
+    pub fn new(gl: &Gl, width: i32, height: i32) -> Self {
         let mut canvas = Self { framebuffer: 0, texture: 0 };
         // SAFETY: makes objects of ours; the bindings that are touched are put back.
         unsafe {
@@ -45,7 +47,8 @@ impl Canvas {
         canvas
     }
 
-    fn destroy(self, gl: &Gl) {
+    /// Deletes it in its context, which must be current.
+    pub fn destroy(self, gl: &Gl) {
         // SAFETY: objects of ours.
         unsafe {
             gl.delete_framebuffers(1, &self.framebuffer);

@@ -4,10 +4,11 @@ use super::context::Context;
 use super::default_framebuffer::{self, take_error, take_own_errors};
 use super::frames;
 use super::registry::{after_panic, current};
+use super::unchanged::{self, Frame};
 use super::window::{Look, Window};
 use crate::backend::gl::api::{self, Gl};
 use crate::intercept::kept::{self, Kept};
-use crate::intercept::settings;
+use crate::intercept::settings::{self, Reuse};
 use crate::runtime::report::{Picture, Statistics, ViewStatistics};
 use crate::runtime::session::Extras;
 use std::ffi::CStr;
@@ -67,6 +68,7 @@ pub fn show_front(ctx: &mut Context) {
         // SAFETY: state of the window's own framebuffer, which the program never sees.
         in_window(ctx, |gl| unsafe { gl.draw_buffer(api::GL_FRONT_AND_BACK) });
     }
+    ctx.unchanged.change("drawing to the front");
     frame(ctx);
     in_window(ctx, |gl| {
         // SAFETY: as above. Drivers show the front buffer in a flush while it is bound, and only then.
@@ -85,6 +87,7 @@ pub fn leave(ctx: &mut Context) {
     if super::front::draws_to_front(ctx) {
         super::front::show(ctx, true);
     } else {
+        ctx.unchanged.change("another window");
         correct(ctx);
         // The frame may be swapped by a thread without a context, which can read nothing.
         if let (Some(settings), Some(window)) = (settings::settings(), &ctx.window)
@@ -129,10 +132,22 @@ fn frame(ctx: &mut Context) {
     let number = ctx.window.as_ref().map_or(ctx.counts.frames, |window| frames::count(window.handle()));
     let last = settings.frames == Some(number);
     let kept = last || settings.frames.is_none();
+    let unchanged = unchanged::end_frame(ctx);
     if is_hidden(ctx) && !(kept && settings.capture.is_some()) {
         ctx.counts.hidden_frames += 1;
     } else {
-        correct(ctx);
+        match unchanged {
+            Frame::Kept if settings.reuse == Reuse::Yes && unchanged::kept::show(ctx) => ctx.counts.reused_frames += 1,
+            Frame::New => correct(ctx),
+            Frame::Settled => {
+                correct(ctx);
+                unchanged::kept::keep(ctx);
+            }
+            Frame::Kept => {
+                correct(ctx);
+                unchanged::kept::check(ctx);
+            }
+        }
     }
     if kept {
         keep_report(ctx, settings);
@@ -200,6 +215,7 @@ fn statistics(ctx: &Context, settings: &settings::Settings) -> Statistics {
     let mut statistics = Statistics {
         frames: ctx.counts.frames,
         hidden_frames: ctx.counts.hidden_frames,
+        reused_frames: ctx.counts.reused_frames,
         rig: settings.rig.name.clone(),
         driver: format!("{}, {}", text(api::GL_VERSION), text(api::GL_RENDERER)),
         draws_seen: ctx.counts.draws_seen,
@@ -211,6 +227,7 @@ fn statistics(ctx: &Context, settings: &settings::Settings) -> Statistics {
         duplicated_draws: ctx.duplicates.draws,
         duplicated_framebuffers,
         single_framebuffers,
+        changed_by: ctx.unchanged.reasons.iter().map(|(why, n)| (why.to_owned(), n)).collect(),
         projection_found: ctx.counts.found.iter().map(|(how, n)| (how.to_owned(), n)).collect(),
         batches_left_out: ctx.target.as_ref().map_or(0, |t| t.backend().left_out()),
         coarse_primitives: ctx.fixed.coarse + ctx.coarse.as_ref().map_or(0, |counter| counter.read(ctx.gl).into()),

@@ -2,6 +2,7 @@
 
 use super::present;
 use super::registry;
+use super::unchanged;
 use super::vendor::{self, noted_calls, real_call};
 use super::window::Window;
 use crate::backend::gl::api::Gl;
@@ -105,6 +106,7 @@ unsafe extern "C" fn get_proc_address(name: *const u8) -> *mut c_void {
         "glXCreatePixmap" => create_pixmap as *const (),
         "glXCreateGLXPixmap" => create_glx_pixmap as *const (),
         "glXCreatePbuffer" => create_pbuffer as *const (),
+        "glXBindTexImageEXT" => bind_texture as *const (),
         "glXDestroyWindow" => destroy_window as *const (),
         "glXDestroyPixmap" => destroy_pixmap as *const (),
         "glXDestroyGLXPixmap" => destroy_glx_pixmap as *const (),
@@ -112,7 +114,7 @@ unsafe extern "C" fn get_proc_address(name: *const u8) -> *mut c_void {
         "glXCopySubBufferMESA" => copy_sub_buffer as *const (),
         "glXWaitGL" => wait_gl as *const (),
         "glXUseXFont" => return real,
-        _ => match vendor::hook(text) {
+        _ => match vendor::hook(text, real) {
             Some(hook) => hook,
             None => return real,
         },
@@ -222,6 +224,8 @@ noted_calls! {
         |drawable| note_drawable(drawable, Drawable::OffScreen);
     c"glXCreatePbuffer" create_pbuffer(display: Pointer, config: Pointer, attributes: *const c_int) -> c_ulong,
         |drawable| note_drawable(drawable, Drawable::OffScreen);
+    c"glXBindTexImageEXT" bind_texture(display: Pointer, drawable: c_ulong, buffer: c_int, attributes: *const c_int) -> (),
+        |done| unchanged::give_up_in_the_current_context();
     c"glXDestroyWindow" destroy_window(display: Pointer, drawable: c_ulong) -> (), |done| forget_drawable(drawable);
     c"glXDestroyPixmap" destroy_pixmap(display: Pointer, drawable: c_ulong) -> (), |done| forget_drawable(drawable);
     c"glXDestroyGLXPixmap" destroy_glx_pixmap(display: Pointer, drawable: c_ulong) -> (), |done| forget_drawable(drawable);
