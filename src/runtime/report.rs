@@ -95,6 +95,10 @@ pub struct ViewStatistics {
     pub draws_issued: u64,
     /// Draws that were seen not to reach it, and left out.
     pub draws_culled: u64,
+    /// The same of draws to the program's own framebuffers that are drawn once per view (OpenGL).
+    pub duplicated_draws_issued: u64,
+    /// Those of them that were left out.
+    pub duplicated_draws_culled: u64,
 }
 
 /// Writes `statistics` as JSON.

@@ -19,11 +19,22 @@ fn same(with: Run, rig: &str) -> Option<serde_json::Value> {
     for view in all["views"].as_array().expect("views") {
         assert_eq!(view["draws_culled"], 0, "{program}: --no-cull leaves out draws");
     }
+    let every = all["duplicated_draws"].as_u64().expect("a number");
+    for [issued, culled] in off_screen(&all) {
+        assert!(issued == every && culled == 0, "{program}: --no-cull leaves out draws off screen");
+    }
     if with.wrote("capture.png") {
         let what = format!("{program} {rig}, culled");
         expect_identical(&with.picture("capture.png"), &without.picture("capture.png"), &what);
     }
     Some(counts)
+}
+
+/// Draws off screen: for each view how many it got, and how many were left out of it.
+fn off_screen(counts: &serde_json::Value) -> Vec<[u64; 2]> {
+    let views = counts["views"].as_array().expect("views").iter();
+    let number = |view: &serde_json::Value, key: &str| view[key].as_u64().expect("a number");
+    views.map(|view| ["duplicated_draws_issued", "duplicated_draws_culled"].map(|key| number(view, key))).collect()
 }
 
 #[test]
@@ -160,4 +171,86 @@ fn positions_of_every_form_are_where_they_are_drawn() {
         let culled: u64 = views.map(|view| view["draws_culled"].as_u64().expect("a number")).sum();
         assert!(culled > number("bounded_draws"), "{counts:#}");
     }
+}
+
+/// The same for scenes that a program draws into framebuffers of its own, and then shows.
+#[test]
+fn views_to_the_sides_get_nothing_of_what_is_ahead_off_screen() {
+    for program in ["ahead", "fixed_buffers"] {
+        let run = Run { frames: 4, cupola_frames: 4, extra: &["--fbo"], ..Run::new(program) };
+        for rig in ["fisheye-210", "fisheye"] {
+            let Some(counts) = same(run.clone(), rig) else { return };
+            let all = counts["duplicated_draws"].as_u64().expect("a number");
+            let views = off_screen(&counts);
+            assert!(all > 0 && views.iter().any(|[issued, _]| *issued > 0), "{program} {rig}: {counts:#}");
+            assert!(views.contains(&[0, all]), "{program} {rig}: every view got draws: {counts:#}");
+            assert!(views.iter().all(|[issued, culled]| issued + culled == all), "{program} {rig}: {counts:#}");
+        }
+    }
+}
+
+/// State and counts, of which the programs judge what they are told.
+#[test]
+fn what_opengl_answers_about_draws_off_screen_stays() {
+    for (program, extra) in
+        [("ahead", ["--fbo"].as_slice()), ("occlusion", &["--fbo"]), ("scattered", &["--mode", "count"])]
+    {
+        let run = Run { frames: 4, cupola_frames: 5, extra, ..Run::new(program) };
+        let Some(plain) = run.plain() else { return };
+        plain.expect_success();
+        if let Some(finished) = run.under("fisheye") {
+            finished.expect_success();
+        }
+    }
+}
+
+/// Some of them have nothing that can be left out.
+#[test]
+fn pictures_that_are_drawn_off_screen_stay_what_they_are() {
+    let programs = ["positions", "outlines", "immediate_ways", "rectangles", "gles2", "gles3", "counting", "occlusion"];
+    for program in programs {
+        same(Run { frames: 4, cupola_frames: 4, extra: &["--fbo"], ..Run::new(program) }, "fisheye");
+    }
+    same(Run { frames: 4, cupola_frames: 4, extra: &["--fbo"], ..Run::new("positions") }, "planetarium-6");
+    same(Run { extra: &["--samples", "4"], ..Run::new("post_process") }, "fisheye");
+    for mode in ["resolve", "samples", "depth", "apart", "light", "twice", "bloom"] {
+        same(Run { extra: &["--mode", mode], ..Run::new("passes") }, "fisheye");
+    }
+}
+
+/// Things in all directions, by every kind of draw, through every way to the window.
+#[test]
+fn random_scenes_off_screen_stay_what_they_are() {
+    for mode in ["blit", "samples", "chain", "lamps", "ahead"] {
+        for (seed, rig) in [("1", "fisheye"), ("2", "fisheye-210"), ("3", "fisheye")] {
+            let extra = ["--mode", mode, "--seed", seed];
+            let run = Run { frames: 4, cupola_frames: 4, extra: &extra, ..Run::new("scattered") };
+            let Some(counts) = same(run, rig) else { return };
+            let views = off_screen(&counts);
+            let (issued, culled) = views.iter().fold((0, 0), |sums, view| (sums.0 + view[0], sums.1 + view[1]));
+            assert!(counts["duplicated_draws"].as_u64() >= Some(360), "{mode} {seed}: {counts:#}");
+            assert!(issued > 0 && culled > 2 * issued, "{mode} {seed}: {issued} issued, {culled} left out: {counts:#}");
+        }
+    }
+    for seed in ["1", "5"] {
+        let extra = ["--fbo", "--seed", seed, "--answers", "answers.txt"];
+        same(Run { frames: 6, cupola_frames: 6, extra: &extra, ..Run::new("random_arrays") }, "fisheye");
+    }
+}
+
+/// What the program reads of its image has everything in it, whatever the views show.
+#[test]
+fn what_is_read_of_an_image_is_whole() {
+    let extra = ["--mode", "chain", "--answers", "own.ppm"];
+    let run = Run { frames: 4, cupola_frames: 4, extra: &extra, ..Run::new("scattered") };
+    let without = Run { cupola: &["--no-cull"], ..run.clone() };
+    let (Some(plain), Some(with), Some(without)) = (run.plain(), run.under("fisheye"), without.under("fisheye")) else {
+        return;
+    };
+    let counts = with.statistics();
+    assert!(off_screen(&counts).iter().any(|[_, culled]| *culled > 0), "{counts:#}");
+    let own = [plain, with, without].map(|finished| finished.expect_success().picture("own.ppm"));
+    expect_identical(&own[1], &own[2], "scattered, what it reads, culled");
+    let (different, _) = own[1].difference(&own[0]);
+    assert!(different < 100, "{different} pixels are not those without Cupola");
 }

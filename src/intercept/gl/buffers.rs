@@ -51,6 +51,11 @@ impl Buffers {
         self.frame += 1;
     }
 
+    /// The number of the frame.
+    pub fn frame(&self) -> u64 {
+        self.frame
+    }
+
     /// Whether this is certainly a buffer's name.
     pub fn is_object(&self, name: u32) -> bool {
         self.objects.contains(&name)

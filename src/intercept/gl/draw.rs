@@ -60,7 +60,7 @@ fn draw_to_views(
 ) {
     let gl = ctx.gl;
     if !ctx.redirected() {
-        if !super::duplicate::draw(ctx, changes, &mut issue) {
+        if !super::duplicate::draw(ctx, changes, bounds, &mut issue) {
             counting::weigh(ctx, Weights::ONCE);
             plain_program(ctx);
             issue(ctx, gl);
@@ -199,12 +199,13 @@ fn draw_to_views(
     ctx.target = Some(target);
 }
 
-/// Issues a draw for each of `views`; `prepare` sets the window space and says where the draw belongs. What is
-/// beyond the number of views is the program's own picture.
+/// Issues a draw for each of `views` that is `shown` it; `prepare` sets the window space and says where the draw belongs.
+/// What is beyond the number of views is the program's own picture, which gets all draws.
 pub fn each_view(
     ctx: &mut Context,
     changes: Changes,
     views: usize,
+    shown: culling::Views,
     issue: &mut dyn FnMut(&mut Context, &Gl),
     prepare: impl Fn(&mut Context, usize) -> Place,
 ) {
@@ -214,7 +215,9 @@ pub fn each_view(
     let repeats = Repeats::new(changes, ctx, 0);
     let mut projection_loaded = false;
     let own = ctx.session().map_or(0, |session| session.views().len());
-    for view in 0..views {
+    let gets = |view: usize| view >= own || shown.contain(view);
+    let last_shown = (0..views).rev().find(|view| gets(*view));
+    for (number, view) in (0..views).filter(|view| gets(*view)).enumerate() {
         let place = prepare(ctx, view);
         let mut divided = None;
         match place {
@@ -239,7 +242,7 @@ pub fn each_view(
             }
             Place::Flat | Place::Background => plain_program(ctx),
         }
-        repeats.around(gl, view, view + 1 == views, || issue(ctx, gl));
+        repeats.around(gl, number, Some(view) == last_shown, || issue(ctx, gl));
         if let Some((variant, in_use)) = divided {
             variant.end(ctx, &in_use);
         }

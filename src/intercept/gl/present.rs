@@ -170,7 +170,6 @@ fn next_frame(ctx: &mut Context) {
     ctx.frame_begun = false;
     super::duplicate::end_frame(ctx);
     super::buffers::of(ctx).end_frame();
-    ctx.ranges.end_frame();
     ctx.workload.end_frame(ctx.counts.draws_seen);
     follow_size(ctx);
     default_framebuffer::follow_rig(ctx);
@@ -224,7 +223,7 @@ fn statistics(ctx: &Context, settings: &settings::Settings) -> Statistics {
         bounded_draws: ctx.counts.bounded_draws,
         ranges_read: ctx.ranges.reads,
         closings: ctx.counts.closings,
-        duplicated_draws: ctx.duplicates.draws,
+        duplicated_draws: super::duplicate::draws(ctx),
         duplicated_framebuffers,
         single_framebuffers,
         changed_by: ctx.unchanged.reasons.iter().map(|(why, n)| (why.to_owned(), n)).collect(),
@@ -251,13 +250,16 @@ fn statistics(ctx: &Context, settings: &settings::Settings) -> Statistics {
             .iter()
             .zip(target.counts())
             .enumerate()
-            .map(|(index, (view, (draws_issued, draws_culled)))| ViewStatistics {
+            .zip(super::duplicate::counts(ctx))
+            .map(|((index, (view, (draws_issued, draws_culled))), off_screen)| ViewStatistics {
                 name: view.name.clone(),
                 width: view.tile.width,
                 height: view.tile.height,
                 closed_texels: target.closed().get(index).copied().unwrap_or(0),
                 draws_issued,
                 draws_culled,
+                duplicated_draws_issued: off_screen[0],
+                duplicated_draws_culled: off_screen[1],
             })
             .collect();
     }

@@ -16,7 +16,9 @@ pub mod widths;
 use super::context::Context;
 use super::draw::{Changes, Place};
 use crate::correct::Texels;
+use crate::runtime::session::Session;
 use bounds::{Bounds, extent, outside};
+use position::Transform;
 
 /// The views that a draw goes to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -52,44 +54,100 @@ pub fn enabled() -> bool {
     crate::intercept::settings::settings().is_some_and(|s| s.cull)
 }
 
-/// The views that can show a draw at `place` of vertices within `bounds`, which are asked for where they may matter.
+/// The views of the window that can show a draw at `place` of vertices within `bounds`, which are asked for where they may
+/// matter.
 ///
 /// A draw that no view shows still goes to the last one where it `changes` state, or where more than its
 /// picture counts (transform feedback).
 pub fn views(ctx: &mut Context, place: Place, bounds: impl FnOnce(&mut Context) -> Bounds, changes: Changes) -> Views {
-    let margin = ctx.widest.margin();
-    // Where a picture is curved, a box is not what is around its corners.
-    let curved = ctx.target.as_ref().is_some_and(|target| !target.lenses.is_empty());
-    if !enabled() || !margin.is_finite() || curved {
-        return Views::ALL;
-    }
-    let Some(model) = position::transform(ctx, place) else { return Views::ALL };
-    let Some((low, high)) = bounds(ctx).known() else { return Views::ALL };
-    ctx.counts.bounded_draws += 1;
+    let Some(known) = Known::of(ctx, place, bounds) else { return Views::ALL };
     let mut areas = std::mem::take(&mut ctx.areas);
     areas.clear();
     let Some(target) = &ctx.target else { return Views::ALL };
+    let session = &target.session;
+    let count = session.views().len().min(64);
     let mut seen = 0;
-    let count = target.session.views().len().min(64);
     for index in 0..count {
-        let (tile, own) = target.session.tile(index);
-        let beside = [margin, margin * f64::from(tile[2]) / f64::from(tile[3].max(1))];
-        let beside = beside.map(|pixels| 2.0 * pixels / f64::from(tile[2].max(1)));
-        let transform = position::of_view(ctx, place, index).filter(|_| !own).map(|view| view.after(&model));
-        let hidden = transform.as_ref().is_some_and(|transform| outside(transform, low, high, beside));
-        seen |= u64::from(!hidden) << index;
-        let part = transform.filter(|_| !hidden).and_then(|transform| extent(&transform, low, high));
+        let (tile, _) = session.tile(index);
+        let look = known.look(ctx, session, index, [tile[2], tile[3]]);
+        seen |= u64::from(!look.hidden) << index;
+        let transform = look.transform.filter(|_| !look.hidden);
+        let part = transform.and_then(|transform| extent(&transform, known.low, known.high));
         areas.push(match part {
-            _ if hidden => blank::NOTHING,
-            Some(part) => texels(part, tile, margin),
-            None => texels([-1.0, -1.0, 1.0, 1.0], tile, margin),
+            _ if look.hidden => blank::NOTHING,
+            Some(part) => texels(part, tile, known.margin),
+            None => texels([-1.0, -1.0, 1.0, 1.0], tile, known.margin),
         });
     }
     ctx.areas = areas;
-    if seen == 0 && (changes != Changes::Nothing || ctx.feedback) {
-        seen = 1 << (count.max(1) - 1);
+    Views { seen: at_least(ctx, seen, count, changes), bounded: true }
+}
+
+/// As [`views`], for a draw to a framebuffer of the program's: a view's part of it is its viewport.
+pub fn views_off_screen(
+    ctx: &mut Context,
+    place: Place,
+    bounds: impl FnOnce(&mut Context) -> Bounds,
+    changes: Changes,
+) -> Views {
+    let Some(known) = Known::of(ctx, place, bounds) else { return Views::ALL };
+    let Some(session) = ctx.session() else { return Views::ALL };
+    let [_, _, width, height] = ctx.believed.viewport;
+    let count = session.views().len().min(64);
+    let shows = |index: usize| !known.look(ctx, session, index, [width, height]).hidden;
+    let seen = (0..count).fold(0, |seen, index| seen | u64::from(shows(index)) << index);
+    Views { seen: at_least(ctx, seen, count, changes), bounded: false }
+}
+
+/// The views that show a draw, or the last of them where it must not be lost.
+fn at_least(ctx: &Context, seen: u64, count: usize, changes: Changes) -> u64 {
+    let needed = seen == 0 && (changes != Changes::Nothing || ctx.feedback);
+    if needed { 1 << (count.max(1) - 1) } else { seen }
+}
+
+/// A draw of which it is known where it comes to be.
+struct Known {
+    place: Place,
+    /// Around its vertices.
+    low: [f64; 3],
+    high: [f64; 3],
+    /// What takes them to where the views' own transforms start from.
+    model: Transform,
+    /// So many pixels beside a view still matter to it.
+    margin: f64,
+}
+
+/// What a view shows of a draw.
+struct Look {
+    /// What takes its vertices to the view; `None`: not known.
+    transform: Option<Transform>,
+    /// The view shows nothing of it.
+    hidden: bool,
+}
+
+impl Known {
+    fn of(ctx: &mut Context, place: Place, bounds: impl FnOnce(&mut Context) -> Bounds) -> Option<Self> {
+        let margin = ctx.widest.margin();
+        // Where a picture is curved, a box is not what is around its corners.
+        let curved = ctx.session().is_none_or(|session| session.views().iter().any(|view| view.curved.is_some()));
+        if !enabled() || !margin.is_finite() || curved {
+            return None;
+        }
+        let model = position::transform(ctx, place)?;
+        let (low, high) = bounds(ctx).known()?;
+        ctx.counts.bounded_draws += 1;
+        Some(Self { place, low, high, model, margin })
     }
-    Views { seen, bounded: true }
+
+    /// Looks from the view `index`, whose picture has so many pixels across and up.
+    fn look(&self, ctx: &Context, session: &Session, index: usize, size: [i32; 2]) -> Look {
+        let (_, own_lens) = session.tile(index);
+        let view = position::of_view(ctx, self.place, index).filter(|_| !own_lens);
+        let transform = view.map(|view| view.after(&self.model));
+        let beside = size.map(|pixels| 2.0 * self.margin / f64::from(pixels.max(1)));
+        let hidden = transform.as_ref().is_some_and(|transform| outside(transform, self.low, self.high, beside));
+        Look { transform, hidden }
+    }
 }
 
 /// The texels of the atlas within `margin` of a part of a picture (left, bottom, right, top; −1…1), as far as they are the

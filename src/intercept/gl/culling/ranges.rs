@@ -39,6 +39,8 @@ pub enum Vertices {
 #[derive(Default)]
 pub struct Ranges {
     known: HashMap<Key, Known>,
+    /// The frame of what follows; those of the group count, since a context without a window swaps nothing.
+    frame: u64,
     /// Bytes read in this frame.
     spent: usize,
     /// There is no room for more in this frame.
@@ -69,9 +71,11 @@ pub const MOST_BYTES: usize = 64 << 20;
 const MOST_BYTES_IN_FRAME: usize = 16 << 20;
 
 impl Ranges {
-    /// A frame ended.
-    pub fn end_frame(&mut self) {
-        (self.spent, self.full) = (0, false);
+    /// Goes on in this frame.
+    fn follow(&mut self, frame: u64) {
+        if frame != self.frame {
+            (self.frame, self.spent, self.full) = (frame, 0, false);
+        }
     }
 
     fn afford(&mut self, bytes: usize) -> bool {
@@ -92,6 +96,7 @@ pub fn around(ctx: &mut Context, layout: Layout, vertices: Vertices, indices: u3
             None => return Bounds::UNKNOWN,
         },
     };
+    let frame = buffers.frame();
     drop(buffers);
     let (key, versions) = (Key { layout, vertices, indices }, [version, index_version]);
     if let Some(known) = ctx.ranges.known.get(&key).filter(|known| known.versions == versions) {
@@ -100,6 +105,7 @@ pub fn around(ctx: &mut Context, layout: Layout, vertices: Vertices, indices: u3
     if !rests || !indices_rest {
         return Bounds::UNKNOWN;
     }
+    ctx.ranges.follow(frame);
     if ctx.ranges.known.len() >= MOST_RANGES && !make_room(ctx) {
         return Bounds::UNKNOWN;
     }
@@ -273,7 +279,9 @@ mod tests {
     fn a_frame_reads_so_many_bytes_or_one_range() {
         let mut ranges = Ranges::default();
         assert!(ranges.afford(2 * MOST_BYTES_IN_FRAME) && !ranges.afford(1));
-        ranges.end_frame();
+        ranges.follow(0);
+        assert!(!ranges.afford(1), "the same frame");
+        ranges.follow(1);
         assert!(ranges.afford(MOST_BYTES_IN_FRAME - 10) && ranges.afford(10) && !ranges.afford(1));
         assert!(!ranges.afford(usize::MAX));
     }

@@ -8,12 +8,14 @@
 //! image (`sampling`) is issued to a view, the view's cell is copied into the program's own: filter, wrapping
 //! and sampler objects hold without being followed.
 //!
-//! `shown` brings the pictures into the window's views, `copies` does for `glBlitFramebuffer` and its
-//! relatives what draws do, `coverage` tells the picture from a map in its corner.
+//! `draws` issues draws to the twins, but for views that cannot show them. `shown` brings the pictures into the window's
+//! views, `copies` does for `glBlitFramebuffer` and its relatives what draws do, `coverage` tells the picture from a map in
+//! its corner.
 
 mod canvas;
 pub mod copies;
 mod coverage;
+mod draws;
 mod framebuffers;
 mod images;
 mod passes;
@@ -22,22 +24,22 @@ pub mod shown;
 mod status;
 
 pub use coverage::{Measure, measure};
+pub use draws::draw;
 pub use sampling::bound as bound_texture;
-pub use status::status;
+pub use status::{counts, draws, status};
 
 use super::context::{Context, ShareGroup};
 use super::default_framebuffer::{drop_errors, take_error, take_own_errors};
-use super::draw::{Changes, Place, own_window_space};
+use super::draw::own_window_space;
 use crate::backend::gl::api::Gl;
 use crate::intercept::{log, settings};
 use crate::rig::Duplicate;
-use crate::runtime::session::Session;
 use canvas::Canvas;
 use coverage::Coverage;
+use draws::Issued;
 use framebuffers::Framebuffer;
 use images::{Image, Name, Pair};
 use sampling::Set;
-use std::cell::Cell;
 use std::sync::PoisonError;
 
 /// What is known of the program's framebuffers.
@@ -57,7 +59,7 @@ pub struct Duplicates {
     /// What was shown last.
     shown: shown::Shown,
     /// Off-screen draws that were issued once per view.
-    pub draws: u64,
+    issued: Issued,
     /// Twins deleted so far: framebuffers that stand for the program's may have had them.
     deleted: u64,
     /// Framebuffers of other contexts that they are to delete.
@@ -73,7 +75,7 @@ pub struct Travelling {
     images: Vec<Image>,
     learnt: bool,
     own_picture: bool,
-    draws: u64,
+    issued: Issued,
     deleted: u64,
     left: Vec<Pair>,
 }
@@ -93,7 +95,7 @@ impl Duplicates {
             images: std::mem::take(&mut self.images),
             learnt: std::mem::take(&mut self.learnt),
             own_picture: self.own_picture,
-            draws: self.draws,
+            issued: std::mem::take(&mut self.issued),
             deleted: self.deleted,
             left: std::mem::take(&mut self.left),
         };
@@ -164,8 +166,8 @@ pub fn collect(ctx: &mut Context) {
     ctx.duplicates.shared = true;
     let own = &mut ctx.duplicates;
     let stale = own.deleted != taken.deleted;
-    (own.images, own.learnt, own.own_picture, own.draws) = (taken.images, taken.learnt, taken.own_picture, taken.draws);
-    own.deleted = taken.deleted;
+    (own.images, own.learnt, own.own_picture) = (taken.images, taken.learnt, taken.own_picture);
+    (own.deleted, own.issued) = (taken.deleted, taken.issued);
     own.left.extend(taken.left);
     let (gl, id) = (ctx.gl, ctx.id);
     ctx.duplicates.left.retain(|pair| {
@@ -324,8 +326,9 @@ pub fn clear(ctx: &mut Context) {
     for mut framebuffer in std::mem::take(&mut ctx.duplicates.framebuffers) {
         framebuffer.destroy_twin(gl);
     }
-    let Duplicates { images, left, deleted, .. } = &mut ctx.duplicates;
+    let Duplicates { images, left, deleted, issued, .. } = &mut ctx.duplicates;
     *deleted += 1;
+    issued.forget_views();
     for mut image in images.drain(..) {
         destroy_twin(&mut image, gl, ctx.id, left, deleted);
     }
@@ -471,98 +474,6 @@ fn supply(ctx: &mut Context, set: Set, view: usize) {
             image.supply(ctx.gl, ctx.id, view);
         }
     });
-}
-
-/// A draw to a framebuffer of the program's. `false`: it is single and is to be drawn as it is.
-pub fn draw(ctx: &mut Context, changes: Changes, issue: &mut dyn FnMut(&mut Context, &Gl)) -> bool {
-    if ctx.believed.draw_framebuffer == 0 || ctx.picking || ctx.discard || ctx.feedback || !possible(ctx) {
-        leave(ctx);
-        return false;
-    }
-    let index = look(ctx);
-    let place = super::draw::place_by_lens(ctx);
-    // What is drawn into the scene samples by places of its own, but for shaders that ask where on the
-    // screen they are.
-    let by_place = ctx.program.as_ref().is_some_and(|program| program.asks_place);
-    let sampled = if place == Place::Flat || by_place { sampling::sampled(ctx) } else { 0 };
-    let attached = ctx.duplicates.attached(index);
-    let sampled = sampled & !attached;
-    note(ctx, index, place, sampled);
-    if !enter(ctx, index) {
-        supply(ctx, sampled, own_cell(ctx));
-        return false;
-    }
-    ctx.duplicates.draws += 1;
-    if by_place && sampled != 0 {
-        draw_through(ctx, attached, place, sampled, changes, issue);
-    } else {
-        ctx.duplicates.changed(index);
-        let first = ctx.duplicates.framebuffers[index].images().next();
-        let Some(grid) = first.and_then(|name| Some(ctx.duplicates.image(name)?.twin.as_ref()?.cells)) else {
-            return false;
-        };
-        super::draw::each_view(ctx, changes, cells(ctx), issue, |ctx, view| {
-            supply(ctx, sampled, view);
-            own_window_space(ctx, grid.cell(view));
-            place
-        });
-    }
-    true
-}
-
-/// A draw whose shader asks where on the screen it is: it goes into the program's own framebuffer, which has each
-/// view's content in turn.
-fn draw_through(
-    ctx: &mut Context,
-    attached: Set,
-    place: Place,
-    sampled: Set,
-    changes: Changes,
-    issue: &mut dyn FnMut(&mut Context, &Gl),
-) {
-    leave(ctx);
-    let view_now = Cell::new(0);
-    let mut through = |ctx: &mut Context, gl: &Gl| {
-        issue(ctx, gl);
-        without_scissor(ctx, |ctx| {
-            let images = ctx.duplicates.images.iter_mut().enumerate().take(64);
-            for (_, image) in images.filter(|(i, _)| attached >> i & 1 != 0) {
-                image.store(gl, ctx.id, view_now.get());
-            }
-        });
-    };
-    super::draw::each_view(ctx, changes, cells(ctx), &mut through, |ctx, view| {
-        view_now.set(view);
-        supply(ctx, sampled | attached, view);
-        ctx.restore_window_space();
-        place
-    });
-}
-
-/// Remembers what a draw says about the framebuffer at `index`.
-fn note(ctx: &mut Context, index: usize, place: Place, sampled: Set) {
-    let Some(window) = ctx.session().map(Session::window) else { return };
-    let alike = wish() == Duplicate::Always || passes::like_window(ctx.believed.viewport, window);
-    let Duplicates { framebuffers, images, learnt, .. } = &mut ctx.duplicates;
-    if place == Place::Flat && sampled == 0 {
-        return;
-    }
-    let names: [Option<Name>; 64] = std::array::from_fn(|i| images.get(i).map(|image| image.name));
-    let sources = |set: Set| names.into_iter().enumerate().filter(move |(i, _)| set >> i & 1 != 0).filter_map(|n| n.1);
-    for name in framebuffers[index].colours() {
-        let Some(image) = images.iter_mut().find(|image| image.name == name) else { continue };
-        if place != Place::Flat {
-            *learnt |= alike && !image.scene;
-            image.scene |= alike;
-            image.other_shape |= !alike;
-        }
-        for source in sources(sampled) {
-            if !image.reads.contains(&source) {
-                image.reads.push(source);
-                *learnt = true;
-            }
-        }
-    }
 }
 
 /// A clear of a framebuffer of the program's. `false`: it is single.

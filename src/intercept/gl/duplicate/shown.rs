@@ -1,6 +1,7 @@
 //! Flat draws to the window that show what was drawn off screen: each view is filled with its own picture.
 
 use super::super::context::Context;
+use super::super::culling::Views;
 use super::super::draw::{Changes, Place, each_view};
 use super::canvas::Canvas;
 use super::copies::{End, resample, window_format};
@@ -82,7 +83,7 @@ pub fn show(ctx: &mut Context, changes: Changes, sampled: Set, issue: &mut dyn F
         show_by_canvas(ctx, changes, sampled, issue);
         return;
     }
-    each_view(ctx, changes, views(ctx), issue, |ctx, view| {
+    each_view(ctx, changes, views(ctx), Views::ALL, issue, |ctx, view| {
         supply(ctx, sampled, view);
         if let Some(target) = &mut ctx.target {
             let (tile, _) = target.session.tile(view);
@@ -148,7 +149,7 @@ fn show_by_canvas(ctx: &mut Context, changes: Changes, sampled: Set, issue: &mut
         issue(ctx, gl);
         copy(ctx, view_now.get(), true);
     };
-    each_view(ctx, changes, views(ctx), &mut by_canvas, |ctx, view| {
+    each_view(ctx, changes, views(ctx), Views::ALL, &mut by_canvas, |ctx, view| {
         view_now.set(view);
         supply(ctx, sampled, view);
         if !current {

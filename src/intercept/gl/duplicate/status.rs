@@ -20,6 +20,16 @@ pub fn status(ctx: &Context) -> (u64, BTreeMap<String, u64>) {
     (duplicated, single)
 }
 
+/// How many draws to the program's framebuffers were issued once per view.
+pub fn draws(ctx: &Context) -> u64 {
+    ctx.duplicates.issued.draws
+}
+
+/// For each view, without end: how many of them it got, and how many were left out of it.
+pub fn counts(ctx: &Context) -> impl Iterator<Item = [u64; 2]> + '_ {
+    (0..).map(|index| ctx.duplicates.issued.of_view(index))
+}
+
 /// Why a framebuffer is drawn once only.
 fn reason(ctx: &Context, framebuffer: &Framebuffer) -> Option<&'static str> {
     if ctx.duplicates.is_duplicated(framebuffer) {
