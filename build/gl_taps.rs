@@ -9,7 +9,7 @@ use std::fmt::Write;
 mod calls;
 
 /// One invocation of the macro `taps`: how many there are, and for each its name, a name for our function, its number, its
-/// parameters, what it answers, and its kind. `commands` are all of the registry, with what they answer.
+/// parameters, what it answers, its kind, and the arguments that count. `commands` are all of the registry, with what they answer.
 pub fn generate(commands: &[(Declaration, String)]) -> String {
     let mut rows = String::new();
     let mut count = 0;
@@ -21,7 +21,9 @@ pub fn generate(commands: &[(Declaration, String)]) -> String {
             continue;
         }
         let typed = parameters.iter().map(|(name, kind)| format!("{name}: {kind}")).collect::<Vec<_>>().join(", ");
-        writeln!(rows, "    {name:?} tap_{method} {count}({typed}) -> {answer} = Kind::{kind:?};")
+        let counts = !matches!(kind, calls::Kind::Change | calls::Kind::Never | calls::Kind::Pixels);
+        let noted = parameters.iter().filter(|_| counts).map(|(name, _)| name.as_str()).collect::<Vec<_>>().join(", ");
+        writeln!(rows, "    {name:?} tap_{method} {count}({typed}) -> {answer} = Kind::{kind:?}, [{noted}];")
             .expect("writing to a String");
         count += 1;
     }

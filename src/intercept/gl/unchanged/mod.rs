@@ -416,7 +416,8 @@ pub enum Frame {
 pub fn end_frame(ctx: &mut Context) -> Frame {
     let turns = TURNS.load(Ordering::Relaxed);
     let alone = std::mem::replace(&mut ctx.unchanged.turns, turns) == turns;
-    let counts = [ctx.counts.draws_seen, ctx.counts.panel_draws, ctx.counts.primary_draws, ctx.duplicates.draws];
+    let off_screen = super::duplicate::draws(ctx);
+    let counts = [ctx.counts.draws_seen, ctx.counts.panel_draws, ctx.counts.primary_draws, off_screen];
     let before = std::mem::replace(&mut ctx.unchanged.counted, counts);
     if !alone {
         ctx.unchanged.change("another context");

@@ -65,7 +65,7 @@ struct Function(*const ());
 unsafe impl Sync for Function {}
 
 macro_rules! taps {
-    ($count:literal $( $name:literal $function:ident $slot:literal ( $($p:ident: $t:ty),* ) -> $r:ty = $kind:expr; )*) => {
+    ($count:literal $( $name:literal $function:ident $slot:literal ( $($p:ident: $t:ty),* ) -> $r:ty = $kind:expr, [$($noted:ident),*]; )*) => {
         /// The driver's functions, once the program has asked for them.
         static REAL: [AtomicPtr<c_void>; $count] = [const { AtomicPtr::new(std::ptr::null_mut()) }; $count];
 
@@ -74,7 +74,7 @@ macro_rules! taps {
                 const CALL: Call = Call::of_kind($name, $kind, [$(<$t as Word>::SIZE),*]);
                 // SAFETY: the program's own call; it got this function in place of the driver's, which has this signature.
                 unsafe {
-                    before(&CALL, &[$(Word::word($p)),*]);
+                    before(&CALL, &[$(Word::word($noted)),*]);
                     let real: unsafe extern "system" fn($($t),*) -> $r =
                         std::mem::transmute(REAL[$slot].load(Ordering::Relaxed));
                     real($($p),*)
