@@ -212,6 +212,19 @@ fn what_is_not_divided_far_enough_is_counted() {
     }
 }
 
+/// Before OpenGL 4.2 no shader counts: nobody says that there is nothing to count.
+#[test]
+fn what_is_not_counted_is_not_said_to_be_nothing() {
+    for (version, counts) in [("4.5", true), ("4.1", false)] {
+        let environment = [("MESA_GL_VERSION_OVERRIDE", version)];
+        let run = Run { environment: &environment, ..run("core330_mvp", &[], &["--method", "primitive"]) };
+        let Some(finished) = fisheye(&run) else { return };
+        let statistics = finished.statistics();
+        let known = statistics["coarse_primitives"].as_u64();
+        assert_eq!(known, counts.then_some(0), "{version}: {statistics:#}");
+    }
+}
+
 #[test]
 fn divided_triangles_are_right_for_every_projector() {
     let (size, columns) = ((128, 96), 3);

@@ -31,11 +31,13 @@ fn against_the_map(run: &Run, picture: &Picture) -> Report {
     compare(picture, shown_by_fisheye(CIRCLE, camera_of(run)))
 }
 
-/// One view, nothing that is flat, and nothing that the log says of the method.
+/// One view, nothing that is flat, all fine enough, and nothing that the log says of the method.
 fn expect_divided(finished: &Finished, what: &str) {
     let statistics = finished.statistics();
     assert_eq!(statistics["views"].as_array().map(Vec::len), Some(1), "{what}: {statistics:#}");
     assert_eq!(statistics["panel_draws"], 0, "{what}: {statistics:#}");
+    assert_eq!(statistics["coarse_primitives"].as_u64(), Some(0), "{what}: {statistics:#}");
+    assert_eq!(statistics["undivided_pipelines"].as_object().map(|all| all.len()), Some(0), "{what}: {statistics:#}");
     let words = finished.words();
     assert!(!words.contains("divided") && !words.contains("instead"), "{what}: {words}");
 }
@@ -137,6 +139,52 @@ fn clip_distances_are_handed_on() {
     }
 }
 
+/// How many primitives a run did not divide far enough.
+fn coarse(finished: &Finished) -> u64 {
+    let statistics = finished.statistics();
+    statistics["coarse_primitives"].as_u64().unwrap_or_else(|| panic!("nothing is counted: {statistics:#}"))
+}
+
+/// A rig that shows all that is around the viewer, the antipode of its axis, too.
+fn whole() -> String {
+    let file = scratch("rig").join("whole.toml");
+    std::fs::write(&file, "[[output]]\nkind = \"domemaster\"\naperture = 360\ntilt = 90\n")
+        .expect("a rig can be written");
+    file.to_str().expect("a UTF-8 path").to_owned()
+}
+
+/// What a run of the stage has no room for is counted, whether Cupola ends the program or it ends itself, of triangles and of lines.
+/// What suffices counts nothing.
+#[test]
+fn what_is_not_divided_far_enough_is_counted() {
+    for (shape, rig) in [("list", "fisheye".to_owned()), ("lines", whole())] {
+        let count = |max_error: &str, frames: usize, ends: &[&str]| {
+            let (extra, method) = (["--shape", shape], format!("primitive,max_error={max_error}"));
+            let cupola = [&["--method", &method], ends].concat();
+            let run = Run { program: "vk_handed", frames, ..run(&extra, &cupola) };
+            Some(coarse(&run.vulkan_under(&rig)?))
+        };
+        let (Some(one), Some(five)) = (count("0.05", 1, &[]), count("0.05", 5, &[])) else { return };
+        let (Some(ended), Some(none)) = (count("0.05", 9, &["--frames", "5"]), count("2", 5, &[])) else { return };
+        let told =
+            format!("{shape}: {one} in a frame, {five} in five, {ended} if it is ended then, {none} of 2 pixels");
+        println!("{told}");
+        assert!(one > 0 && five == 5 * one && ended == five && none == 0, "{told}");
+    }
+}
+
+/// Of the sphere around the antipode no stage can make enough parts, on either API.
+#[test]
+fn as_many_are_coarse_as_with_opengl() {
+    let rig = &whole();
+    let vulkan = run(&[], &["--method", "primitive"]);
+    let opengl = Run { program: "core330_mvp", ..vulkan.clone() };
+    let (Some(vulkan), Some(opengl)) = (vulkan.vulkan_under(rig), opengl.under(rig)) else { return };
+    let (vulkan, opengl) = (coarse(&vulkan), coarse(&opengl.expect_success()));
+    println!("coarse: {vulkan} on Vulkan, {opengl} on OpenGL");
+    assert!(opengl > 0 && vulkan < 2 * opengl && opengl < 2 * vulkan, "{vulkan} on Vulkan, {opengl} on OpenGL");
+}
+
 /// How many pixels of lines are seen, and by how much their colours are off from those of the places.
 fn lines(picture: &Picture, run: &Run) -> (usize, f64) {
     let shown = shown_by_fisheye(CIRCLE, camera_of(run));
@@ -195,6 +243,10 @@ fn what_cannot_be_divided_is_projected() {
         let lines: Vec<&str> = words.lines().filter(|line| line.contains(UNDIVIDED)).collect();
         assert!(lines.len() == 1 && lines[0].contains(why), "{what}: {words}");
         assert!(!expected.words().contains(UNDIVIDED), "{what}: {}", expected.words());
+        let statistics = found.statistics();
+        let reasons = statistics["undivided_pipelines"].as_object().expect("numbers by reason");
+        let told = |(reason, number): (&String, &serde_json::Value)| reason.contains(why) && number.as_u64() > Some(0);
+        assert!(reasons.len() == 1 && reasons.iter().all(told), "{what}: {statistics:#}");
     }
     // Of points nothing has to be said.
     let start = |method: &str| fisheye(&run(&["--cells", "points"], &["--method", method]));
