@@ -263,18 +263,20 @@ pub fn division(input: Input, shared: bool, count: &str) -> String {
 }
 
 /// What a geometry stage of Vulkan has of its own, in the order of [`STAGE_FUNCTIONS`]: which run it is, how many parts
-/// it may emit, where corners of its primitive are, how a vertex is emitted, and how a primitive ends. What stands here takes
-/// their place where the text is translated.
+/// it may emit, where corners of its primitive are, how a vertex is emitted, how a primitive ends, and what is done where a part is
+/// emitted that is not fine enough. What stands here takes their place where the text is translated.
 const OWN: &str = "int cupola_left = 0;
 int cupola_run() { return 0; }
 int cupola_room() { return 0; }
 vec4 cupola_corner(int i) { return vec4(float(i)); }
 void cupola_emit(vec4 c, vec3 u) {}
 void cupola_end() {}
+void cupola_count() {}
 ";
 
 /// The functions that a geometry stage of Vulkan has of its own.
-pub const STAGE_FUNCTIONS: [&str; 5] = ["cupola_run", "cupola_room", "cupola_corner", "cupola_emit", "cupola_end"];
+pub const STAGE_FUNCTIONS: [&str; 6] =
+    ["cupola_run", "cupola_room", "cupola_corner", "cupola_emit", "cupola_end", "cupola_count"];
 
 /// What comes before the division there: what has no lens, or is not to be divided for it, is emitted as it is.
 const UNDIVIDED: &str = "void cupola_divided() {
@@ -303,7 +305,7 @@ cupola_end();
 /// The geometry stage of Vulkan, `cupola_divided`. Before it stand the functions of `projection::vulkan_functions` with lenses.
 pub fn vulkan_division(input: Input) -> String {
     let whole = if input == Input::Triangles { WHOLE_TRIANGLE } else { WHOLE_LINE };
-    let divided = division(input, true, "")
+    let divided = division(input, true, "cupola_count();")
         .replace("void main() {\n", &[whole, UNDIVIDED].concat())
         .replace("EndPrimitive()", "cupola_end()")
         .replace("gl_InvocationID", "cupola_run()");

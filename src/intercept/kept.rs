@@ -14,16 +14,29 @@ pub struct Kept {
     pub views: Vec<Picture>,
 }
 
-static KEPT: Mutex<Option<Kept>> = Mutex::new(None);
+/// The latest frame, and the how manieth it is that was kept.
+static KEPT: Mutex<(Option<Kept>, u64)> = Mutex::new((None, 0));
 
-/// Keeps the latest frame in place of the one before, until the program ends.
-pub fn keep(kept: Kept) {
+/// Keeps the latest frame in place of the one before, until the program ends. Its number is for [`amend`].
+pub fn keep(kept: Kept) -> u64 {
     static AT_EXIT: Once = Once::new();
     AT_EXIT.call_once(|| {
         // SAFETY: registers a function of a library that is never unloaded.
         unsafe { libc::atexit(at_exit) };
     });
-    *KEPT.lock().unwrap_or_else(PoisonError::into_inner) = Some(kept);
+    let mut latest = KEPT.lock().unwrap_or_else(PoisonError::into_inner);
+    *latest = (Some(kept), latest.1 + 1);
+    latest.1
+}
+
+/// Changes the statistics of the frame with this number, if they are those that are kept.
+pub fn amend(number: u64, change: impl FnOnce(&mut Statistics)) {
+    let mut latest = KEPT.lock().unwrap_or_else(PoisonError::into_inner);
+    let same = latest.1 == number;
+    let statistics = latest.0.as_mut().and_then(|kept| kept.statistics.as_mut());
+    if let Some(statistics) = statistics.filter(|_| same) {
+        change(statistics);
+    }
 }
 
 /// Writes what was kept and ends the program with exit code 0.
@@ -44,7 +57,7 @@ extern "C" fn at_exit() {
 
 fn write() {
     let Some(settings) = settings::settings() else { return };
-    let Some(kept) = KEPT.lock().unwrap_or_else(PoisonError::into_inner).take() else { return };
+    let Some(kept) = KEPT.lock().unwrap_or_else(PoisonError::into_inner).0.take() else { return };
     let say = |result: crate::Result<()>| {
         if let Err(error) = result {
             log::once(&error.message);

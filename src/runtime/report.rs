@@ -64,9 +64,12 @@ pub struct Statistics {
     pub corrected_pixels: u64,
     /// Batches of the correction that were not drawn, because their views held nothing but the clear colour.
     pub batches_left_out: u64,
-    /// Lines and triangles that the method `primitive` did not divide far enough, in all frames and outputs; none are counted
-    /// where the driver has no atomic counters.
-    pub coarse_primitives: u64,
+    /// Lines and triangles, or parts of them, that the method `primitive` did not divide far enough, in all frames and outputs; left out
+    /// where the driver cannot count them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub coarse_primitives: Option<u64>,
+    /// Pipelines that the method `primitive` does not divide, by reason: what they draw is drawn as with `vertex` (Vulkan).
+    pub undivided_pipelines: BTreeMap<String, u64>,
     /// Pictures of outputs of which only the part that something was drawn to was corrected, the rest cleared.
     pub outputs_narrowed: u64,
     /// Programs of shaders that were linked: the correction's, and the program's with our epilogue.

@@ -1,6 +1,7 @@
 //! The rig's file changes while a program runs with it.
 
-use crate::compare::expect_identical;
+use crate::compare::{expect_identical, expect_similar, far};
+use crate::picture::Picture;
 use crate::programs::{Finished, Run, scratch};
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -11,49 +12,90 @@ const RIG: &str =
 
 /// What says that the file was read again.
 const FOLLOWED: &str = "windows follow it (1)";
+const FOLLOWED_TWICE: &str = "windows follow it (2)";
 const REFUSED: &str = "the rig stays as it was";
 
-/// The rig of this test's own, unchanged.
-fn rig(name: &str) -> PathBuf {
-    let file = scratch("live").join(format!("{name}.toml"));
-    std::fs::write(&file, RIG).expect("a rig file");
-    file
+/// How long a rig stays as it is.
+const WHILE: Duration = Duration::from_secs(1);
+
+/// A program and the rig that it starts with: a file of this test's own.
+struct Case<'a> {
+    run: Run<'a>,
+    vulkan: bool,
+    name: &'a str,
+    /// Changes that the file has from the start.
+    start: fn(&Path),
 }
 
-/// Runs a program, on Vulkan or not, and changes its rig a second after its start. More and more frames, until one run
-/// is long enough to say `message`. `None` where there is no display.
-fn changed_meanwhile(run: &Run, vulkan: bool, name: &str, change: fn(&Path), message: &str) -> Option<Finished> {
-    for frames in [400, 1_600, 6_400, 25_600] {
-        let file = rig(name);
-        let changing = file.clone();
-        let helper = std::thread::spawn(move || {
-            std::thread::sleep(Duration::from_secs(1));
-            change(&changing);
-        });
-        let run = Run { frames, cupola_frames: frames, ..run.clone() };
-        let rig = file.to_string_lossy();
-        let finished = if vulkan { run.vulkan_under(&rig) } else { run.under(&rig) };
-        helper.join().expect("changes the file");
-        let finished = finished?;
-        if finished.words().contains(message) {
-            return Some(finished);
-        }
+impl<'a> Case<'a> {
+    fn opengl(run: Run<'a>, name: &'a str) -> Self {
+        Self { run, vulkan: false, name, start: |_| () }
     }
-    panic!("{}: no run noticed the change", run.program);
+
+    fn vulkan(run: Run<'a>, name: &'a str) -> Self {
+        Self { vulkan: true, ..Self::opengl(run, name) }
+    }
+
+    fn rig(&self) -> PathBuf {
+        let file = scratch("live").join(format!("{}.toml", self.name));
+        std::fs::write(&file, RIG).expect("a rig file");
+        (self.start)(&file);
+        file
+    }
+
+    fn under(&self, frames: usize, file: &Path) -> Option<Finished> {
+        let run = Run { frames, cupola_frames: frames, ..self.run.clone() };
+        let rig = file.to_string_lossy();
+        if self.vulkan { run.vulkan_under(&rig) } else { run.under(&rig) }
+    }
+
+    /// Changes the rig a second after the program's start. More and more frames, until one run is long enough to say `message`.
+    /// `None` where there is no display.
+    fn changed_meanwhile(&self, change: fn(&Path), message: &str) -> Option<Finished> {
+        for frames in [400, 1_600, 6_400, 25_600] {
+            let file = self.rig();
+            let changing = file.clone();
+            let helper = std::thread::spawn(move || {
+                std::thread::sleep(WHILE);
+                change(&changing);
+            });
+            let finished = self.under(frames, &file);
+            helper.join().expect("changes the file");
+            let finished = finished?;
+            if finished.words().contains(message) {
+                return Some(finished);
+            }
+        }
+        panic!("{}: no run noticed the change", self.run.program);
+    }
+
+    /// What a run shows from the start whose rig has these changes, once its views are planned for its number of draws.
+    fn started_with(&self, change: fn(&Path)) -> Option<Finished> {
+        let file = self.rig();
+        change(&file);
+        self.under(20, &file)
+    }
+
+    /// The picture is that of the changed rig.
+    fn follows(&self, change: fn(&Path)) -> Option<Finished> {
+        self.follows_as(change, expect_identical)
+    }
+
+    /// The same, to be judged by `expect`.
+    fn follows_as(&self, change: fn(&Path), expect: fn(&Picture, &Picture, &str)) -> Option<Finished> {
+        let found = self.changed_meanwhile(change, FOLLOWED)?;
+        let (expected, before) = (self.started_with(change)?, self.started_with(|_| ())?);
+        let picture = expected.picture("capture.png");
+        expect(&found.picture("capture.png"), &picture, self.run.program);
+        // Negative control: the change is one that shows.
+        assert!(before.picture("capture.png").difference(&picture).0 > 1_000);
+        Some(found)
+    }
 }
 
 fn tuned(file: &Path, changes: &[&str]) {
     let status = Command::new(env!("CARGO_BIN_EXE_cupola")).arg("tune").arg(file).args(changes).status();
     assert!(status.expect("runs").success(), "{changes:?}");
-}
-
-/// What a run shows from the start whose rig has these changes, once its views are planned for its number of draws.
-fn from_the_start(run: &Run, vulkan: bool, name: &str, change: fn(&Path)) -> Option<Finished> {
-    let run = Run { frames: 20, cupola_frames: 20, ..run.clone() };
-    let file = rig(name);
-    change(&file);
-    let rig = file.to_string_lossy();
-    if vulkan { run.vulkan_under(&rig) } else { run.under(&rig) }
 }
 
 fn ramps(file: &Path) {
@@ -68,29 +110,45 @@ fn mistake(file: &Path) {
     std::fs::write(file, "[[output]]\nkind = \"domemaster\"\naperture = 1000\n").expect("writes");
 }
 
-fn follows(run: &Run, vulkan: bool, name: &str, change: fn(&Path)) {
-    let Some(found) = changed_meanwhile(run, vulkan, name, change, FOLLOWED) else { return };
-    let Some(expected) = from_the_start(run, vulkan, name, change) else { return };
-    let Some(before) = from_the_start(run, vulkan, name, |_| ()) else { return };
-    let (found, expected) = (found.picture("capture.png"), expected.picture("capture.png"));
-    expect_identical(&found, &expected, run.program);
-    // Negative control: the change is one that shows.
-    assert!(before.picture("capture.png").difference(&expected).0 > 1_000);
+fn fragment(file: &Path) {
+    tuned(file, &["output.*.method=\"fragment\""]);
+}
+
+fn vertex(file: &Path) {
+    tuned(file, &["output.*.method=\"vertex\""]);
+}
+
+fn primitive(file: &Path) {
+    tuned(file, &["output.*.method=\"primitive\""]);
+}
+
+fn tessellation(file: &Path) {
+    tuned(file, &["output.*.method=\"primitive-tessellation\"", "output.*.max_error=8"]);
+}
+
+fn geometry(file: &Path) {
+    tuned(file, &["output.*.method=\"primitive\"", "output.*.max_error=8"]);
+}
+
+fn fragment_and_primitive(file: &Path) {
+    fragment(file);
+    std::thread::sleep(WHILE);
+    primitive(file);
 }
 
 #[test]
 fn ramps_follow_the_file() {
-    follows(&Run::new("core330_mvp"), false, "ramps", ramps);
+    Case::opengl(Run::new("core330_mvp"), "ramps").follows(ramps);
 }
 
 #[test]
 fn the_viewer_follows_the_file() {
-    follows(&Run::new("immediate"), false, "viewer", viewer);
+    Case::opengl(Run::new("immediate"), "viewer").follows(viewer);
 }
 
 #[test]
 fn ramps_follow_the_file_on_vulkan() {
-    follows(&Run::new("vk_cube"), true, "vulkan", ramps);
+    Case::vulkan(Run::new("vk_cube"), "vulkan").follows(ramps);
 }
 
 /// Other views: the program makes a new swapchain, and keeps the pictures that it draws its scene to.
@@ -98,16 +156,135 @@ fn ramps_follow_the_file_on_vulkan() {
 fn scenes_off_screen_follow_the_file_on_vulkan() {
     for way in ["post", "chain", "blit"] {
         let extra = ["--way", way];
-        follows(&Run { extra: &extra, ..Run::new("vk_scenes") }, true, way, viewer);
+        Case::vulkan(Run { extra: &extra, ..Run::new("vk_scenes") }, way).follows(viewer);
     }
 }
 
 #[test]
 fn a_file_with_a_mistake_changes_nothing() {
-    let run = Run::new("core330_mvp");
-    let Some(found) = changed_meanwhile(&run, false, "mistake", mistake, REFUSED) else { return };
-    let Some(expected) = from_the_start(&run, false, "mistake", |_| ()) else { return };
+    let case = Case::opengl(Run::new("core330_mvp"), "mistake");
+    let Some(found) = case.changed_meanwhile(mistake, REFUSED) else { return };
+    let Some(expected) = case.started_with(|_| ()) else { return };
     expect_identical(&found.picture("capture.png"), &expected.picture("capture.png"), "as before");
     let words = found.words();
     assert!(words.contains("aperture") && words.contains(":3:"), "{words}");
+}
+
+/// How many views there are at the end.
+fn views(finished: &Finished) -> usize {
+    finished.statistics()["views"].as_array().map_or(0, Vec::len)
+}
+
+/// The picture stays, with as many views as before, and the log says why, once.
+fn stays(case: &Case, change: fn(&Path), why: &str) -> Option<()> {
+    let found = case.changed_meanwhile(change, FOLLOWED)?;
+    let expected = case.started_with(|_| ())?;
+    expect_identical(&found.picture("capture.png"), &expected.picture("capture.png"), why);
+    assert_eq!(found.words().matches(why).count(), 1, "{}", found.words());
+    assert_eq!(views(&found), views(&expected));
+    Some(())
+}
+
+/// What the log says of a program whose shaders know nothing of outputs' lenses.
+const NOT_PROJECTED: &str = "vertices are projected after a new start: outputs that ask for it are made by method";
+const NOT_DIVIDED: &str = "primitives are divided after a new start: outputs that ask for it are made by method";
+/// And where a window follows that is made anew, which `vk_cube` never does.
+const NEXT_SWAPCHAIN: &str = "a window follows when the program makes its next swapchain";
+
+/// Shaders and lists that were made for views know nothing else.
+#[test]
+fn methods_that_project_vertices_need_a_new_start() {
+    for change in [vertex as fn(&Path), primitive] {
+        let opengl = Case::opengl(Run::new("core330_mvp"), "later");
+        if stays(&opengl, change, NOT_PROJECTED).is_none() {
+            return;
+        }
+    }
+    for (change, why) in [(vertex as fn(&Path), NOT_PROJECTED), (primitive, NOT_DIVIDED)] {
+        if stays(&Case::vulkan(Run::new("vk_cube"), "later"), change, why).is_none() {
+            return;
+        }
+    }
+}
+
+/// Where vertices are projected from the start, what lies between them may be divided later, with shaders and without.
+#[test]
+fn methods_follow_the_file() {
+    for program in ["core330_mvp", "immediate"] {
+        let case = Case { start: vertex, ..Case::opengl(Run::new(program), "divided") };
+        let Some(found) = case.follows(primitive) else { return };
+        assert_eq!(views(&found), 1, "{program}");
+        assert!(!found.words().contains("instead"), "{program}: {}", found.words());
+        let case = Case { start: primitive, ..Case::opengl(Run::new(program), "views") };
+        let Some(found) = case.follows(fragment) else { return };
+        assert!(views(&found) > 1, "{program}");
+        there_and_back(&case);
+    }
+}
+
+/// By which stage is what the file says now.
+#[test]
+fn the_stage_that_divides_follows_the_file() {
+    let case = Case { start: tessellation, ..Case::opengl(Run::new("core330_mvp"), "stage") };
+    let Some(found) = case.changed_meanwhile(geometry, FOLLOWED) else { return };
+    let (Some(expected), Some(before)) = (case.started_with(geometry), case.started_with(|_| ())) else { return };
+    let picture = expected.picture("capture.png");
+    expect_identical(&found.picture("capture.png"), &picture, "the stage");
+    let (differ, worst) = before.picture("capture.png").difference(&picture);
+    println!("{differ} pixels tell the stages apart, the worst by {worst}/255");
+    assert!(differ > 20, "the stages cannot be told apart");
+}
+
+/// From divided primitives to views and back.
+fn there_and_back(case: &Case) -> Option<()> {
+    let found = case.changed_meanwhile(fragment_and_primitive, FOLLOWED_TWICE)?;
+    let expected = case.started_with(|_| ())?;
+    expect_identical(&found.picture("capture.png"), &expected.picture("capture.png"), "there and back");
+    assert_eq!(views(&found), 1);
+    Some(())
+}
+
+/// Lists that the driver compiled before primitives were to be divided cannot be divided: the window gets views.
+#[test]
+fn lists_get_views_where_primitives_are_divided_later() {
+    let case = Case { start: vertex, ..Case::opengl(Run::new("display_list"), "lists") };
+    let Some(found) = case.changed_meanwhile(primitive, FOLLOWED) else { return };
+    let Some(expected) = case.started_with(fragment) else { return };
+    let far = far(&found.picture("capture.png"), &expected.picture("capture.png"));
+    assert!(far < 0.001, "{far} of the pixels are off");
+    assert_eq!(found.words().matches("by method \"fragment\" instead").count(), 1, "{}", found.words());
+}
+
+/// Shaders that know lenses, and those that do not, round a pixel here and there otherwise.
+fn expect_rounded(found: &Picture, expected: &Picture, what: &str) {
+    expect_similar(found, expected, 1, 0.001, what);
+}
+
+/// A device that was made for division goes to views and back with a new swapchain each time; one that was made for vertices gets
+/// views where primitives are to be divided.
+#[test]
+fn methods_follow_the_file_on_vulkan() {
+    let case = |extra, start, name| {
+        let run = Run { extra, ..Run::new("vk_scenes") };
+        Case { start, ..Case::vulkan(run, name) }
+    };
+    let (direct, off_screen) = (&["--way", "clear"], &["--way", "post"]);
+    for extra in [direct, off_screen] {
+        let Some(found) = case(extra, primitive, "views").follows_as(fragment, expect_rounded) else { return };
+        assert!(views(&found) > 1);
+    }
+    if there_and_back(&case(off_screen, primitive, "back")).is_none() {
+        return;
+    }
+    let Some(found) = case(direct, vertex, "vertices").changed_meanwhile(primitive, FOLLOWED) else { return };
+    let Some(expected) = case(direct, fragment, "vertices").started_with(|_| ()) else { return };
+    expect_rounded(&found.picture("capture.png"), &expected.picture("capture.png"), "vertex, then primitive");
+    assert_eq!(found.words().matches(NOT_DIVIDED).count(), 1, "{}", found.words());
+}
+
+/// A program that makes no new swapchain keeps the picture that it has.
+#[test]
+fn a_vulkan_window_that_is_not_made_anew_stays_as_it_is() {
+    let case = Case { start: primitive, ..Case::vulkan(Run::new("vk_cube"), "kept") };
+    stays(&case, fragment, NEXT_SWAPCHAIN);
 }

@@ -18,6 +18,7 @@ mod offscreen;
 mod outlines;
 mod picture;
 mod programs;
+mod projected;
 mod random_order;
 mod reference;
 mod rigs;

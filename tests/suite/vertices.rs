@@ -1,25 +1,14 @@
 //! Methods `vertex` and `primitive`: vertices that are projected straight to an output, against the exact map.
 
-use crate::compare::{Report, Shown, compare, expect_good, expect_identical, expect_points, far};
-use crate::dialects::{camera_of, shown_by_fisheye, shown_by_projector};
+use crate::compare::{Shown, compare, expect_good, expect_identical, expect_points, far};
+use crate::dialects::{camera_of, shown_by_fisheye};
 use crate::picture::Picture;
 use crate::programs::{Finished, Run, scratch};
+use crate::projected::{CIRCLE, Projectors, against_the_map, on_opengl, run};
 use crate::reference::{Fisheye, Vector, dot};
-use crate::rigs;
-
-const CIRCLE: Fisheye = Fisheye { width: 256.0, height: 256.0, aperture: 180.0, tilt: 90.0 };
-
-/// A camera that shows all kinds of corners and edges, and cells around the antipode.
-fn run<'a>(program: &'a str, extra: &'a [&'a str], cupola: &'a [&'a str]) -> Run<'a> {
-    Run { fov: 90.0, yaw: 33.0, pitch: -17.0, extra, cupola, ..Run::new(program) }
-}
 
 fn fisheye(run: &Run) -> Option<Finished> {
-    Some(run.under("fisheye")?.expect_success().expect_no_gl_errors())
-}
-
-fn against_the_map(run: &Run, picture: &Picture) -> Report {
-    compare(picture, shown_by_fisheye(CIRCLE, camera_of(run)))
+    on_opengl(run, "fisheye")
 }
 
 #[test]
@@ -56,31 +45,13 @@ fn points_are_where_the_exact_map_has_them() {
 
 #[test]
 fn every_projector_gets_its_own_pass_and_blends() {
-    let (size, columns) = ((128, 96), 3);
-    let rig = rigs::projectors("planetarium-6", size, columns);
-    let rows = rig.projectors.len().div_ceil(columns);
-    let size_of_all = (columns * size.0, rows * size.1);
-    let folder = scratch("rig");
-    let start = |name: &str, text: &str, cupola: &[&str]| {
-        let file = folder.join(name);
-        std::fs::write(&file, text).expect("a rig can be written");
-        let run = Run { size: size_of_all, cupola, ..run("fine", &[], &[]) };
-        Some(run.under(file.to_str().expect("a UTF-8 path"))?.expect_success().expect_no_gl_errors())
-    };
-    let Some(plain) = start("unblended.toml", &rig.unblended, &["--method", "vertex"]) else { return };
-    let Some(blended) = start("blended.toml", &rig.blended, &["--method", "vertex"]) else { return };
-    let Some(expected) = start("blended.toml", &rig.blended, &[]) else { return };
-    for projector in &rig.projectors {
-        let name = format!("capture-{}.png", projector.name);
-        let picture = plain.picture(&name);
-        let report = compare(&picture, shown_by_projector(projector, &rig.dome, camera_of(&run("fine", &[], &[]))));
-        expect_good(&report, &picture, &format!("fine, vertex, {}", projector.name));
-        // The weights are those of the default method; the picture is off where the cube's edges are resampled.
-        let (found, expected) = (blended.picture(&name), expected.picture(&name));
-        let far = far(&found, &expected);
-        assert!(far < 0.01, "{}: {far} of the pixels are off", projector.name);
-        assert!(picture.pixels.iter().zip(&found.pixels).any(|(a, b)| a[0].abs_diff(b[0]) > 40), "nothing is blended");
-    }
+    let projectors = Projectors::new();
+    let vertex = run("fine", &[], &["--method", "vertex"]);
+    let Some(plain) = projectors.unblended(&vertex, on_opengl) else { return };
+    let Some(blended) = projectors.blended(&vertex, on_opengl) else { return };
+    let Some(expected) = projectors.blended(&run("fine", &[], &[]), on_opengl) else { return };
+    projectors.expect_good(&plain, &vertex, "fine, vertex");
+    projectors.expect_blended(&plain, &blended, &expected);
 }
 
 /// By Begin/End, lists, arrays in memory and in buffers.
@@ -212,22 +183,25 @@ fn what_is_not_divided_far_enough_is_counted() {
     }
 }
 
+/// Before OpenGL 4.2 no shader counts: nobody says that there is nothing to count.
+#[test]
+fn what_is_not_counted_is_not_said_to_be_nothing() {
+    for (version, counts) in [("4.5", true), ("4.1", false)] {
+        let environment = [("MESA_GL_VERSION_OVERRIDE", version)];
+        let run = Run { environment: &environment, ..run("core330_mvp", &[], &["--method", "primitive"]) };
+        let Some(finished) = fisheye(&run) else { return };
+        let statistics = finished.statistics();
+        let known = statistics["coarse_primitives"].as_u64();
+        assert_eq!(known, counts.then_some(0), "{version}: {statistics:#}");
+    }
+}
+
 #[test]
 fn divided_triangles_are_right_for_every_projector() {
-    let (size, columns) = ((128, 96), 3);
-    let rig = rigs::projectors("planetarium-6", size, columns);
-    let rows = rig.projectors.len().div_ceil(columns);
-    let file = scratch("rig").join("planetarium.toml");
-    std::fs::write(&file, &rig.unblended).expect("a rig can be written");
-    let cupola = ["--method", "primitive,max_error=0.25"];
-    let run = Run { size: (columns * size.0, rows * size.1), ..run("core330_mvp", &[], &cupola) };
-    let Some(finished) = run.under(file.to_str().expect("a UTF-8 path")) else { return };
-    let finished = finished.expect_success().expect_no_gl_errors();
-    for projector in &rig.projectors {
-        let picture = finished.picture(&format!("capture-{}.png", projector.name));
-        let report = compare(&picture, shown_by_projector(projector, &rig.dome, camera_of(&run)));
-        expect_good(&report, &picture, &format!("core330_mvp, primitive, {}", projector.name));
-    }
+    let projectors = Projectors::new();
+    let run = run("core330_mvp", &[], &["--method", "primitive,max_error=0.25"]);
+    let Some(plain) = projectors.unblended(&run, on_opengl) else { return };
+    projectors.expect_good(&plain, &run, "core330_mvp, primitive");
 }
 
 /// What a program reads before anything was drawn for it comes from the outputs' pictures: colours, depths, stencils.

@@ -1,16 +1,13 @@
 //! Method `primitive` in Vulkan programs: triangles and lines that a stage of ours divides, against the exact map.
 
-use crate::compare::{EDGE, Report, Shown, compare, compare_with, expect_good, expect_identical, expect_similar, far};
-use crate::dialects::{camera_of, shown_by_fisheye, shown_by_projector};
+use crate::compare::{EDGE, Shown, compare_with, expect_good, expect_identical, expect_similar, far};
+use crate::dialects::{camera_of, shown_by_fisheye};
 use crate::picture::Picture;
 use crate::programs::{Finished, Run, installed, scratch};
-use crate::reference::{Fisheye, Vector, cube_colour, cube_face, cube_point};
-use crate::rigs;
-
-const CIRCLE: Fisheye = Fisheye { width: 256.0, height: 256.0, aperture: 180.0, tilt: 90.0 };
-
-/// What the programs clear their window to.
-const GREY: [u8; 3] = [64; 3];
+use crate::projected::{
+    CIRCLE, GREY, Projectors, against_the_map, expect_one_pass, on_vulkan, run, vk_cube, vulkan_fisheye,
+};
+use crate::reference::{Vector, cube_colour, cube_face, cube_point};
 
 /// With half a pixel allowed.
 const DIVIDED: [&str; 2] = ["--method", "primitive,max_error=0.5"];
@@ -18,24 +15,12 @@ const DIVIDED: [&str; 2] = ["--method", "primitive,max_error=0.5"];
 /// What the log says of a pipeline that is drawn as with the method `vertex`.
 const UNDIVIDED: &str = "what a pipeline draws is not divided";
 
-/// A camera that shows all kinds of corners and edges.
-fn run<'a>(extra: &'a [&'a str], cupola: &'a [&'a str]) -> Run<'a> {
-    Run { fov: 90.0, yaw: 33.0, pitch: -17.0, extra, cupola, ..Run::new("vk_cube") }
-}
-
-fn fisheye(run: &Run) -> Option<Finished> {
-    run.vulkan_under("fisheye")
-}
-
-fn against_the_map(run: &Run, picture: &Picture) -> Report {
-    compare(picture, shown_by_fisheye(CIRCLE, camera_of(run)))
-}
-
-/// One view, nothing that is flat, and nothing that the log says of the method.
+/// One view, nothing that is flat, all fine enough, and nothing that the log says of the method.
 fn expect_divided(finished: &Finished, what: &str) {
+    expect_one_pass(finished, what);
     let statistics = finished.statistics();
-    assert_eq!(statistics["views"].as_array().map(Vec::len), Some(1), "{what}: {statistics:#}");
-    assert_eq!(statistics["panel_draws"], 0, "{what}: {statistics:#}");
+    assert_eq!(statistics["coarse_primitives"].as_u64(), Some(0), "{what}: {statistics:#}");
+    assert_eq!(statistics["undivided_pipelines"].as_object().map(|all| all.len()), Some(0), "{what}: {statistics:#}");
     let words = finished.words();
     assert!(!words.contains("divided") && !words.contains("instead"), "{what}: {words}");
 }
@@ -50,8 +35,8 @@ fn large_triangles_are_where_the_exact_map_has_them() {
         &["--pass", "1", "--matrix", "copied", "--secondary", "--once"],
     ];
     for way in ways {
-        let run = run(way, &DIVIDED);
-        let Some(finished) = fisheye(&run) else { return };
+        let run = vk_cube(way, &DIVIDED);
+        let Some(finished) = vulkan_fisheye(&run) else { return };
         let picture = finished.picture("capture.png");
         expect_good(&against_the_map(&run, &picture), &picture, &format!("vk_cube {way:?}, primitive"));
         expect_divided(&finished, &format!("{way:?}"));
@@ -63,8 +48,8 @@ fn large_triangles_are_where_the_exact_map_has_them() {
 fn a_greater_error_is_worse() {
     let worst = |method: &str| {
         let cupola = ["--method", method];
-        let run = run(&[], &cupola);
-        let picture = fisheye(&run)?.picture("capture.png");
+        let run = vk_cube(&[], &cupola);
+        let picture = vulkan_fisheye(&run)?.picture("capture.png");
         let report = against_the_map(&run, &picture);
         Some((report.worst, report.wrong * 4 > report.compared))
     };
@@ -83,13 +68,13 @@ fn a_greater_error_is_worse() {
 /// Both APIs divide by the same functions; a stage of either kind is ours.
 #[test]
 fn as_with_opengl_and_by_either_stage() {
-    let vulkan = run(&[], &DIVIDED);
+    let vulkan = vk_cube(&[], &DIVIDED);
     let opengl = Run { program: "core330_mvp", ..vulkan.clone() };
-    let (Some(vulkan), Some(opengl)) = (fisheye(&vulkan), opengl.under("fisheye")) else { return };
+    let (Some(vulkan), Some(opengl)) = (vulkan_fisheye(&vulkan), opengl.under("fisheye")) else { return };
     let (found, expected) = (vulkan.picture("capture.png"), opengl.expect_success().picture("capture.png"));
     expect_similar(&found, &expected, 3, 1.0, "Vulkan against OpenGL");
     let tessellated = ["--method", "primitive-tessellation,max_error=0.5"];
-    let Some(finished) = fisheye(&run(&[], &tessellated)) else { return };
+    let Some(finished) = vulkan_fisheye(&vk_cube(&[], &tessellated)) else { return };
     expect_identical(&finished.picture("capture.png"), &found, "primitive-tessellation");
     expect_divided(&finished, "primitive-tessellation");
 }
@@ -106,8 +91,8 @@ fn all_that_shaders_hand_on_arrives() {
     ];
     for extra in cases {
         // More is handed on than there is room for with a smaller error; of a pixel's width colours change by 1.6/255.
-        let run = Run { program: "vk_handed", ..run(extra, &["--method", "primitive,max_error=1"]) };
-        let Some(finished) = fisheye(&run) else { return };
+        let run = run("vk_handed", extra, &["--method", "primitive,max_error=1"]);
+        let Some(finished) = vulkan_fisheye(&run) else { return };
         let picture = finished.picture("capture.png");
         let report = against_the_map(&run, &picture);
         let (compared, all) = (report.compared, picture.pixels.len());
@@ -121,8 +106,8 @@ fn all_that_shaders_hand_on_arrives() {
 fn clip_distances_are_handed_on() {
     for method in ["primitive,max_error=1", "fragment"] {
         let cupola = ["--method", method];
-        let run = Run { program: "vk_handed", ..run(&["--clip"], &cupola) };
-        let Some(finished) = fisheye(&run) else { return };
+        let run = run("vk_handed", &["--clip"], &cupola);
+        let Some(finished) = vulkan_fisheye(&run) else { return };
         let picture = finished.picture("capture.png");
         let clipped = |direction: Vector| cube_point(direction)[0] < -0.5;
         let colour = |direction: Vector| match clipped(direction) {
@@ -135,6 +120,52 @@ fn clip_distances_are_handed_on() {
         assert!(grey > 2000, "{grey} pixels are clipped");
         assert!(report.worst < 4.0, "{method}: {:.2}/255 at {:?}", report.worst, report.worst_at);
     }
+}
+
+/// How many primitives a run did not divide far enough.
+fn coarse(finished: &Finished) -> u64 {
+    let statistics = finished.statistics();
+    statistics["coarse_primitives"].as_u64().unwrap_or_else(|| panic!("nothing is counted: {statistics:#}"))
+}
+
+/// A rig that shows all that is around the viewer, the antipode of its axis, too.
+fn whole() -> String {
+    let file = scratch("rig").join("whole.toml");
+    std::fs::write(&file, "[[output]]\nkind = \"domemaster\"\naperture = 360\ntilt = 90\n")
+        .expect("a rig can be written");
+    file.to_str().expect("a UTF-8 path").to_owned()
+}
+
+/// What a run of the stage has no room for is counted, whether Cupola ends the program or it ends itself, of triangles and of lines.
+/// What suffices counts nothing.
+#[test]
+fn what_is_not_divided_far_enough_is_counted() {
+    for (shape, rig) in [("list", "fisheye".to_owned()), ("lines", whole())] {
+        let count = |max_error: &str, frames: usize, ends: &[&str]| {
+            let (extra, method) = (["--shape", shape], format!("primitive,max_error={max_error}"));
+            let cupola = [&["--method", &method], ends].concat();
+            let run = Run { frames, ..run("vk_handed", &extra, &cupola) };
+            Some(coarse(&run.vulkan_under(&rig)?))
+        };
+        let (Some(one), Some(five)) = (count("0.05", 1, &[]), count("0.05", 5, &[])) else { return };
+        let (Some(ended), Some(none)) = (count("0.05", 9, &["--frames", "5"]), count("2", 5, &[])) else { return };
+        let told =
+            format!("{shape}: {one} in a frame, {five} in five, {ended} if it is ended then, {none} of 2 pixels");
+        println!("{told}");
+        assert!(one > 0 && five == 5 * one && ended == five && none == 0, "{told}");
+    }
+}
+
+/// Of the sphere around the antipode no stage can make enough parts, on either API.
+#[test]
+fn as_many_are_coarse_as_with_opengl() {
+    let rig = &whole();
+    let vulkan = vk_cube(&[], &["--method", "primitive"]);
+    let opengl = Run { program: "core330_mvp", ..vulkan.clone() };
+    let (Some(vulkan), Some(opengl)) = (vulkan.vulkan_under(rig), opengl.under(rig)) else { return };
+    let (vulkan, opengl) = (coarse(&vulkan), coarse(&opengl.expect_success()));
+    println!("coarse: {vulkan} on Vulkan, {opengl} on OpenGL");
+    assert!(opengl > 0 && vulkan < 2 * opengl && opengl < 2 * vulkan, "{vulkan} on Vulkan, {opengl} on OpenGL");
 }
 
 /// How many pixels of lines are seen, and by how much their colours are off from those of the places.
@@ -164,8 +195,8 @@ fn lines_are_divided() {
     ];
     for extra in cases {
         let start = |cupola: &[&str]| {
-            let run = Run { program: "vk_handed", ..run(extra, cupola) };
-            let finished = fisheye(&run)?;
+            let run = run("vk_handed", extra, cupola);
+            let finished = vulkan_fisheye(&run)?;
             Some((lines(&finished.picture("capture.png"), &run), finished))
         };
         let Some(((lit, worst), finished)) = start(&DIVIDED) else { return };
@@ -187,7 +218,7 @@ fn what_cannot_be_divided_is_projected() {
         ("vk_scenes", &["--way", "parts"], "libraries"),
     ];
     for (program, extra, why) in cases {
-        let start = |method: &str| fisheye(&Run { program, ..run(extra, &["--method", method]) });
+        let start = |method: &str| vulkan_fisheye(&run(program, extra, &["--method", method]));
         let (Some(found), Some(expected)) = (start("primitive"), start("vertex")) else { return };
         let what = format!("{program} {extra:?}");
         expect_identical(&found.picture("capture.png"), &expected.picture("capture.png"), &what);
@@ -195,9 +226,13 @@ fn what_cannot_be_divided_is_projected() {
         let lines: Vec<&str> = words.lines().filter(|line| line.contains(UNDIVIDED)).collect();
         assert!(lines.len() == 1 && lines[0].contains(why), "{what}: {words}");
         assert!(!expected.words().contains(UNDIVIDED), "{what}: {}", expected.words());
+        let statistics = found.statistics();
+        let reasons = statistics["undivided_pipelines"].as_object().expect("numbers by reason");
+        let told = |(reason, number): (&String, &serde_json::Value)| reason.contains(why) && number.as_u64() > Some(0);
+        assert!(reasons.len() == 1 && reasons.iter().all(told), "{what}: {statistics:#}");
     }
     // Of points nothing has to be said.
-    let start = |method: &str| fisheye(&run(&["--cells", "points"], &["--method", method]));
+    let start = |method: &str| vulkan_fisheye(&vk_cube(&["--cells", "points"], &["--method", method]));
     let (Some(found), Some(expected)) = (start("primitive"), start("vertex")) else { return };
     expect_identical(&found.picture("capture.png"), &expected.picture("capture.png"), "points");
     assert!(!found.words().contains(UNDIVIDED), "{}", found.words());
@@ -207,8 +242,8 @@ fn what_cannot_be_divided_is_projected() {
 #[test]
 fn libraries_with_all_shaders_are_divided() {
     let extra = ["--way", "library"];
-    let run = Run { program: "vk_scenes", ..run(&extra, &DIVIDED) };
-    let Some(finished) = fisheye(&run) else { return };
+    let run = run("vk_scenes", &extra, &DIVIDED);
+    let Some(finished) = vulkan_fisheye(&run) else { return };
     let picture = finished.picture("capture.png");
     expect_good(&against_the_map(&run, &picture), &picture, "vk_scenes, libraries");
     assert!(!finished.words().contains("divided"), "{}", finished.words());
@@ -217,33 +252,14 @@ fn libraries_with_all_shaders_are_divided() {
 /// Projectors away from the middle of the dome, with their own lenses, which blend.
 #[test]
 fn every_projector_gets_its_own_pass_and_blends() {
-    let (size, columns) = ((128, 96), 3);
-    let rig = rigs::projectors("planetarium-6", size, columns);
-    let rows = rig.projectors.len().div_ceil(columns);
-    let size_of_all = (columns * size.0, rows * size.1);
-    let folder = scratch("rig");
-    let start = |name: &str, text: &str, extra: &[&str], cupola: &[&str]| {
-        let file = folder.join(name);
-        std::fs::write(&file, text).expect("a rig can be written");
-        let run = Run { size: size_of_all, ..run(extra, cupola) };
-        run.vulkan_under(file.to_str().expect("a UTF-8 path"))
-    };
     let divided = ["--method", "primitive,max_error=0.25"];
-    let Some(plain) = start("unblended.toml", &rig.unblended, &[], &divided) else { return };
-    let Some(blended) = start("blended.toml", &rig.blended, &["--flip"], &divided) else { return };
-    let Some(expected) = start("blended.toml", &rig.blended, &[], &[]) else { return };
-    let camera = camera_of(&run(&[], &divided));
-    for projector in &rig.projectors {
-        let name = format!("capture-{}.png", projector.name);
-        let picture = plain.picture(&name);
-        let report = compare(&picture, shown_by_projector(projector, &rig.dome, camera));
-        expect_good(&report, &picture, &format!("vk_cube, primitive, {}", projector.name));
-        // The weights are those of the default method; the picture is off where the cube's edges are resampled.
-        let (found, expected) = (blended.picture(&name), expected.picture(&name));
-        let far = far(&found, &expected);
-        assert!(far < 0.01, "{}: {far} of the pixels are off", projector.name);
-        assert!(picture.pixels.iter().zip(&found.pixels).any(|(a, b)| a[0].abs_diff(b[0]) > 40), "nothing is blended");
-    }
+    let projectors = Projectors::new();
+    let run = vk_cube(&[], &divided);
+    let Some(plain) = projectors.unblended(&run, on_vulkan) else { return };
+    let Some(blended) = projectors.blended(&vk_cube(&["--flip"], &divided), on_vulkan) else { return };
+    let Some(expected) = projectors.blended(&vk_cube(&[], &[]), on_vulkan) else { return };
+    projectors.expect_good(&plain, &run, "vk_cube, primitive");
+    projectors.expect_blended(&plain, &blended, &expected);
 }
 
 /// Of two outputs one is divided, one is made of a view.
@@ -258,7 +274,7 @@ fn outputs_with_other_methods_beside() {
     let file = scratch("rig").join("two.toml");
     let text = [output("divided", 0, "primitive"), output("views", 256, "fragment")].concat();
     std::fs::write(&file, text).expect("a rig can be written");
-    let run = Run { size: (512, 256), ..run(&[], &[]) };
+    let run = Run { size: (512, 256), ..vk_cube(&[], &[]) };
     let Some(finished) = run.vulkan_under(file.to_str().expect("a UTF-8 path")) else { return };
     for name in ["divided", "views"] {
         let picture = finished.picture(&format!("capture-{name}.png"));
@@ -271,7 +287,7 @@ fn outputs_with_other_methods_beside() {
 fn flat_drawing_over_and_behind_the_scene() {
     let start = |flat: &str, method: &str| {
         let (extra, cupola) = (["--flat", flat], ["--method", method]);
-        fisheye(&Run { frames: 5, cupola_frames: 5, ..run(&extra, &cupola) })
+        vulkan_fisheye(&Run { frames: 5, cupola_frames: 5, ..vk_cube(&extra, &cupola) })
     };
     let (Some(found), Some(expected)) = (start("over", DIVIDED[1]), start("over", "fragment")) else { return };
     assert_eq!(found.statistics()["panel_draws"], 5);
@@ -279,16 +295,16 @@ fn flat_drawing_over_and_behind_the_scene() {
     assert!(far < 0.01, "{far} of the pixels are off");
     let Some(behind) = start("before", DIVIDED[1]) else { return };
     let picture = behind.picture("capture.png");
-    expect_good(&against_the_map(&run(&[], &[]), &picture), &picture, "vk_cube, primitive, with a background");
+    expect_good(&against_the_map(&vk_cube(&[], &[]), &picture), &picture, "vk_cube, primitive, with a background");
 }
 
 /// What a program draws off screen first is divided, too.
 #[test]
 fn scenes_that_are_drawn_off_screen() {
-    let direct = run(&[], &DIVIDED);
-    let Some(expected) = fisheye(&direct) else { return };
+    let direct = vk_cube(&[], &DIVIDED);
+    let Some(expected) = vulkan_fisheye(&direct) else { return };
     let extra = ["--way", "post"];
-    let Some(found) = fisheye(&Run { program: "vk_scenes", extra: &extra, frames: 6, ..direct.clone() }) else {
+    let Some(found) = vulkan_fisheye(&Run { program: "vk_scenes", extra: &extra, frames: 6, ..direct.clone() }) else {
         return;
     };
     let statistics = found.statistics();

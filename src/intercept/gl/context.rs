@@ -105,6 +105,8 @@ pub struct Context {
     pub fixed: super::vertices::fixed::Fixed,
     /// Counts primitives that were not divided far enough.
     pub coarse: Option<super::vertices::counter::Counter>,
+    /// Primitives were divided by stages that cannot count.
+    pub uncounted: bool,
     /// A defect switched this context off: every call goes straight to the driver.
     pub switched_off: bool,
     /// The window that it draws to.
@@ -226,6 +228,7 @@ impl Context {
             views_only: false,
             fixed: Default::default(),
             coarse: None,
+            uncounted: false,
             switched_off: false,
             window: None,
             target: None,

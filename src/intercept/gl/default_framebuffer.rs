@@ -78,7 +78,8 @@ pub fn follow_rig(ctx: &mut Context) {
         let (Some(settings), Some(window)) = (settings::settings(), ctx.window.clone()) else { return };
         let Some(mut old) = ctx.target.take() else { return };
         take_error(ctx);
-        match DefaultFramebuffer::new(ctx, &window, settings, old.extras()) {
+        let extras = ctx.workload.extras(old.extras());
+        match DefaultFramebuffer::new(ctx, &window, settings, extras) {
             Ok(new) => {
                 super::duplicate::clear(ctx);
                 old.destroy(ctx.gl);
@@ -377,7 +378,7 @@ impl DefaultFramebuffer {
     fn new(ctx: &Context, window: &Window, settings: &settings::Settings, extras: Extras) -> Result<Self> {
         let gl = ctx.gl;
         let live = live::rig().ok_or_else(|| Error::new(ErrorKind::InvalidState, "there is no rig"))?;
-        let plan = super::vertices::planner(ctx);
+        let plan = super::vertices::planner(ctx, &live.rig);
         let session = plan(&live.rig, window.size(), settings.offscreen, greatest_texture(gl), extras)?;
         let config = Config::of_window(gl, &ctx.profile, window);
         Self::with_session(ctx, session, config, live.version)

@@ -229,7 +229,8 @@ fn statistics(ctx: &Context, settings: &settings::Settings) -> Statistics {
         changed_by: ctx.unchanged.reasons.iter().map(|(why, n)| (why.to_owned(), n)).collect(),
         projection_found: ctx.counts.found.iter().map(|(how, n)| (how.to_owned(), n)).collect(),
         batches_left_out: ctx.target.as_ref().map_or(0, |t| t.backend().left_out()),
-        coarse_primitives: ctx.fixed.coarse + ctx.coarse.as_ref().map_or(0, |counter| counter.read(ctx.gl).into()),
+        coarse_primitives: (!ctx.uncounted)
+            .then(|| ctx.fixed.coarse + ctx.coarse.as_ref().map_or(0, |counter| counter.read(ctx.gl).into())),
         outputs_narrowed: ctx.target.as_ref().map_or(0, |t| t.backend().narrowed()),
         shaders_linked: ctx.counts.linked,
         own_errors: ctx.counts.errors,

@@ -9,6 +9,7 @@ use super::context::Context;
 use super::default_framebuffer;
 use super::hidden::Cleared;
 use crate::backend::gl::api;
+use crate::runtime::session::Extras;
 
 /// What has been seen so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -21,7 +22,8 @@ pub struct Workload {
     steady: u32,
     /// The program tests stencils, which may have to outlast a frame.
     stencil: bool,
-    done: bool,
+    /// What the views are planned for, once that is known.
+    draws: Option<u32>,
 }
 
 /// So many frames in a row must have about as many draws.
@@ -48,9 +50,16 @@ impl Workload {
 
     /// The number of draws to plan for, a power of two; once, when it is known.
     fn take(&mut self) -> Option<u32> {
-        let known = !self.done && self.steady >= STEADY_FRAMES;
-        self.done |= known;
-        known.then(|| u32::try_from(self.last).unwrap_or(u32::MAX).clamp(FEWEST, MOST).next_power_of_two())
+        if self.draws.is_some() || self.steady < STEADY_FRAMES {
+            return None;
+        }
+        self.draws = Some(u32::try_from(self.last).unwrap_or(u32::MAX).clamp(FEWEST, MOST).next_power_of_two());
+        self.draws
+    }
+
+    /// `extras` with the number of draws, once it is known: views that did not depend on it may do so for another rig.
+    pub fn extras(&self, extras: Extras) -> Extras {
+        Extras { draws: self.draws.or(extras.draws), ..extras }
     }
 }
 
@@ -63,7 +72,7 @@ pub fn look(ctx: &mut Context, cleared: Cleared, stencil: bool) {
     let begins = !ctx.frame_begun && ctx.redirected() && !ctx.picking && !ctx.believed.scissor_test;
     let whole = cleared.color && cleared.depth.is_some() && (stencil || !ctx.workload.stencil);
     let kept = ctx.condition.is_some() || ctx.discard || ctx.accumulation.is_some();
-    if !begins || !whole || kept || ctx.workload.done || !writes_all(ctx) {
+    if !begins || !whole || kept || ctx.workload.draws.is_some() || !writes_all(ctx) {
         return;
     }
     if let Some(draws) = ctx.workload.take() {

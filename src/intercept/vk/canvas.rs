@@ -1,6 +1,7 @@
 //! What stands between a program and a window: images for the program to draw into, an atlas for each, and the
 //! command buffers that make the window's picture of them.
 
+use super::counter::Counter;
 use super::device::Device;
 use super::image::{ANYTHING, COLOR_LAYER, COPIED_FROM, COPIED_TO, OwnImage, PRESENTED, barrier, color_view};
 use super::images::Shown;
@@ -375,6 +376,9 @@ impl Canvas {
             device.functions.begin_command_buffer(buffer, &begin).map_err(refused("to record"))?;
             let fills = show.corrects() && !self.uploaded;
             self.record(device, buffer, index, show)?;
+            if show.corrects() && device.vertices.counts {
+                Counter::show(device, buffer);
+            }
             device.functions.end_command_buffer(buffer).map_err(refused("to record"))?;
             if fills {
                 // The first one also fills masks and tables, which is done once.
@@ -441,7 +445,7 @@ impl Canvas {
     ///
     /// # Safety
     /// The device must be live.
-    unsafe fn wait(&self, device: &Device) {
+    pub unsafe fn wait(&self, device: &Device) {
         let fences: Vec<vk::Fence> =
             self.slots.iter().map(|slot| slot.done).filter(|fence| *fence != vk::Fence::null()).collect();
         if !fences.is_empty() {

@@ -90,6 +90,8 @@ pub struct Device {
     pub swapchains: Mutex<HashMap<vk::SwapchainKHR, Arc<Mutex<Swapchain>>>>,
     /// Frames presented.
     pub frames: std::sync::atomic::AtomicU64,
+    /// What was kept last of its frames.
+    pub kept: std::sync::atomic::AtomicU64,
     set_loader_data: Option<SetDeviceLoaderData>,
 }
 
@@ -229,7 +231,8 @@ impl Device {
     }
 }
 
-/// `vkCreateDevice`. Nothing is enabled that the program did not ask for, but geometry shaders where the rig needs them.
+/// `vkCreateDevice`. Nothing is enabled that the program did not ask for, but geometry shaders, and what they
+/// count by, where the rig needs them.
 ///
 /// # Safety
 /// Called by the Vulkan loader with the program's arguments.
@@ -282,7 +285,7 @@ pub unsafe extern "system" fn create(
                 queries: Queries::default(),
                 vertices: enabled.decision,
                 topologies_change: enables(given, ext::extended_dynamic_state3::NAME),
-                rows: Rows::new(enabled.decision.vertices != Vertices::Views),
+                rows: Rows::new(enabled.decision.vertices != Vertices::Views, enabled.decision.counts),
                 paths: Paths::default(),
                 frame: Mutex::default(),
                 latest: Mutex::default(),
@@ -303,6 +306,7 @@ pub unsafe extern "system" fn create(
                 queues: Mutex::default(),
                 swapchains: Mutex::default(),
                 frames: 0.into(),
+                kept: 0.into(),
                 set_loader_data: callback,
             };
             let key = dispatch_key(vk::Handle::as_raw(made));
@@ -353,6 +357,8 @@ pub unsafe extern "system" fn destroy(handle: vk::Device, allocator: *const vk::
     let key = unsafe { dispatch_key(vk::Handle::as_raw(handle)) };
     let state = DEVICES.write().unwrap_or_else(PoisonError::into_inner).as_mut().and_then(|all| all.remove(&key));
     if let Some(state) = state {
+        // All is done now, the last frames too.
+        super::present::count_again(&state);
         state.pipelines.clear(&state);
         state.descriptors.clear(&state);
         state.images.clear(&state);

@@ -306,7 +306,7 @@ impl Tile<'_> {
                     graphics,
                     layout.handle,
                     layout.ours,
-                    &[piece.set],
+                    &[piece.set(layout.counts)],
                     &[offset],
                 );
                 let from = self.recording.displaced.map_or(layout.ours, |from| from.min(layout.ours));

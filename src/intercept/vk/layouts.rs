@@ -1,5 +1,5 @@
 //! Shaders and pipeline layouts. Each pipeline layout has one more descriptor set than the program asked for: the
-//! rows of the view that is drawn.
+//! rows of the view that is drawn, and the counter of what is not divided far enough.
 
 use super::descriptors::SetLayout;
 use super::device::Device;
@@ -15,6 +15,8 @@ pub struct PipelineLayout {
     pub handle: vk::PipelineLayout,
     /// Number of the set of ours.
     pub ours: u32,
+    /// The set has the counter, too.
+    pub counts: bool,
     destroy: (vk::PFN_vkDestroyPipelineLayout, vk::Device),
 }
 
@@ -50,11 +52,11 @@ impl Layouts {
     }
 }
 
-/// The number that our set gets in a layout, if it can have one.
+/// The number that our set gets in a layout, if it can have one, and whether there is room for the counter.
 ///
 /// # Safety
 /// `info` must be the program's.
-unsafe fn room(device: &Device, info: &vk::PipelineLayoutCreateInfo<'_>) -> Option<u32> {
+unsafe fn room(device: &Device, info: &vk::PipelineLayoutCreateInfo<'_>) -> Option<(u32, bool)> {
     // SAFETY: as promised.
     let handles = unsafe { super::slice(info.p_set_layouts, info.set_layout_count) };
     let sets: Option<Vec<Arc<SetLayout>>> = handles.iter().map(|set| device.descriptors.layout(*set)).collect();
@@ -69,7 +71,11 @@ unsafe fn room(device: &Device, info: &vk::PipelineLayoutCreateInfo<'_>) -> Opti
         && dynamic < limits.max_descriptor_set_uniform_buffers_dynamic
         && uniform < limits.max_per_stage_descriptor_uniform_buffers
         && !sets.iter().any(|set| set.apart);
-    fits.then_some(info.set_layout_count)
+    let storage =
+        count(|kind| [vk::DescriptorType::STORAGE_BUFFER, vk::DescriptorType::STORAGE_BUFFER_DYNAMIC].contains(&kind));
+    let counts =
+        storage < limits.max_per_stage_descriptor_storage_buffers.min(limits.max_descriptor_set_storage_buffers);
+    fits.then_some((info.set_layout_count, counts))
 }
 
 hooks! { layouts;
@@ -93,8 +99,9 @@ hooks! { layouts;
         device: vk::Device, info: *const vk::PipelineLayoutCreateInfo<'_>, allocator: *const vk::AllocationCallbacks<'_>, layout: *mut vk::PipelineLayout
     ) -> vk::Result { |state, next| {
         let given = &*info;
-        let ours = room(&state, given).zip(state.rows.set_layout(&state));
-        let Some((number, set)) = ours else { return next(device, info, allocator, layout) };
+        let room = room(&state, given).map(|(number, counts)| (number, counts && state.rows.counter(&state).is_some()));
+        let set = room.and_then(|(_, counts)| state.rows.set_layout(&state, counts));
+        let Some(((number, counts), set)) = room.zip(set) else { return next(device, info, allocator, layout) };
         let mut sets = super::slice(given.p_set_layouts, given.set_layout_count).to_vec();
         sets.push(set);
         let larger = given.set_layouts(&sets);
@@ -102,7 +109,7 @@ hooks! { layouts;
             return next(device, info, allocator, layout);
         }
         let destroy = (state.functions.fp_v1_0().destroy_pipeline_layout, device);
-        let new = Arc::new(PipelineLayout { handle: *layout, ours: number, destroy });
+        let new = Arc::new(PipelineLayout { handle: *layout, ours: number, counts, destroy });
         state.layouts.layouts.lock().unwrap_or_else(PoisonError::into_inner).insert(*layout, new);
         vk::Result::SUCCESS
     } }

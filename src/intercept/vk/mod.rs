@@ -18,6 +18,7 @@ pub mod compute;
 pub mod conditional;
 pub mod copied_sets;
 pub mod copies;
+pub mod counter;
 pub mod descriptors;
 pub mod device;
 pub mod draws;

@@ -52,6 +52,8 @@ pub struct Variants {
 #[derive(Default)]
 pub struct Pipelines {
     all: Mutex<HashMap<vk::Pipeline, Arc<Pipeline>>>,
+    /// What the statistics say of those that are divided, or should be.
+    pub divided: division::Divided,
 }
 
 impl Pipelines {

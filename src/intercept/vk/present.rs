@@ -113,8 +113,13 @@ unsafe fn prepare(
                 Err(error) => log::once(&format!("Vulkan: a frame could not be captured: {error}")),
             }
         }
+        if let (true, Some(canvas)) = (last, &managed.canvas) {
+            // What is counted in this frame is counted then.
+            // SAFETY: the device is live.
+            unsafe { canvas.wait(device) };
+        }
         kept.statistics = settings.stats.is_some().then(|| statistics(device, &managed, &settings.rig, frames));
-        kept::keep(kept);
+        device.kept.store(kept::keep(kept), Ordering::Relaxed);
     }
 }
 
@@ -204,18 +209,35 @@ fn mean(timing: Timing) -> Option<f64> {
     (timing.corrections > 0).then(|| timing.total * 1e-6 / timing.corrections as f64)
 }
 
+/// What was not divided far enough so far, if that is counted.
+fn coarse(device: &Device) -> Option<u64> {
+    let counts = device.pipelines.divided.uncounted().is_none();
+    counts.then(|| device.rows.counted().unwrap_or(0).into())
+}
+
+/// The device has done all that it was told, and is about to be destroyed: what was kept of its last frame was not complete, where
+/// nobody knew that it would be the last.
+pub fn count_again(device: &Device) {
+    kept::amend(device.kept.load(Ordering::Relaxed), |statistics| statistics.coarse_primitives = coarse(device));
+}
+
 fn statistics(device: &Device, managed: &Swapchain, rig: &Rig, frames: u64) -> Statistics {
     let counts = device.frame.lock().unwrap_or_else(PoisonError::into_inner).counts.clone();
+    let divided = &device.pipelines.divided;
+    let uncounted =
+        divided.uncounted().map(|why| format!("Vulkan: what is not divided far enough is not counted: {why}"));
     let mut statistics = Statistics {
         frames,
         rig: rig.name.clone(),
         driver: device.driver.clone(),
-        notes: device.flat_note().into_iter().collect(),
+        notes: device.flat_note().into_iter().chain(uncounted).collect(),
         draws_seen: counts.seen,
         panel_draws: counts.flat,
         duplicated_draws: counts.duplicated,
         duplicated_framebuffers: device.images.duplicated().count() as u64,
         single_framebuffers: device.paths.single(rig.views.duplicate),
+        coarse_primitives: coarse(device),
+        undivided_pipelines: divided.undivided(),
         projection_found: counts.found.iter().map(|(how, draws)| ((*how).to_owned(), *draws)).collect(),
         ..Statistics::default()
     };

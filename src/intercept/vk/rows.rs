@@ -1,7 +1,8 @@
 //! Memory for the rows that re-project, one group for each view and the panel, read by shaders when a recorded
 //! command buffer runs. So command buffers stay valid when the program's lens changes. Where vertices are projected to
-//! outputs' pictures, the lens of a picture follows its rows.
+//! outputs' pictures, the lens of a picture follows its rows; where they are divided, a counter may be beside them.
 
+use super::counter::Counter;
 use super::device::Device;
 use ash::{prelude::VkResult, vk};
 use std::sync::{Mutex, OnceLock, PoisonError};
@@ -17,8 +18,8 @@ pub struct Piece {
     buffer: vk::Buffer,
     memory: vk::DeviceMemory,
     pool: vk::DescriptorPool,
-    /// Its descriptor set, whose offset is given when it is bound.
-    pub set: vk::DescriptorSet,
+    /// Its descriptor sets, whose offset is given when one is bound: without the counter, and with it.
+    sets: [vk::DescriptorSet; 2],
     address: usize,
 }
 
@@ -34,7 +35,10 @@ pub struct Place {
 /// The device's pieces that no command buffer has.
 pub struct Rows {
     lenses: bool,
-    set_layout: OnceLock<Option<vk::DescriptorSetLayout>>,
+    counts: bool,
+    counter: OnceLock<Option<Counter>>,
+    /// Without the counter, and with it.
+    set_layouts: [OnceLock<Option<vk::DescriptorSetLayout>>; 2],
     free: Mutex<Vec<Piece>>,
 }
 
@@ -47,9 +51,9 @@ pub struct Taken {
 }
 
 impl Rows {
-    /// No memory yet. `lenses`: for groups with lenses.
-    pub fn new(lenses: bool) -> Self {
-        Self { lenses, set_layout: OnceLock::new(), free: Mutex::default() }
+    /// No memory yet. `lenses`: for groups with lenses; `counts`: what divides may count.
+    pub fn new(lenses: bool, counts: bool) -> Self {
+        Self { lenses, counts, counter: OnceLock::new(), set_layouts: Default::default(), free: Mutex::default() }
     }
 
     /// Whether groups have lenses.
@@ -62,14 +66,30 @@ impl Rows {
         (if self.lenses { 2 } else { 1 }) * (FLOATS * size_of::<f32>()) as u64
     }
 
-    /// The layout of the set that shaders read rows by; `None` where the driver refuses it.
-    pub fn set_layout(&self, device: &Device) -> Option<vk::DescriptorSetLayout> {
-        *self.set_layout.get_or_init(|| {
-            let bindings = [vk::DescriptorSetLayoutBinding::default()
+    /// What counts on this device, if anything does.
+    pub fn counter(&self, device: &Device) -> Option<&Counter> {
+        self.counter.get_or_init(|| self.counts.then(|| Counter::new(device).ok()).flatten()).as_ref()
+    }
+
+    /// What was counted, if anything could be.
+    pub fn counted(&self) -> Option<u32> {
+        self.counter.get()?.as_ref().map(Counter::read)
+    }
+
+    /// The layout of the set that shaders read rows by, and count by with `counts`; `None` where the driver refuses it.
+    pub fn set_layout(&self, device: &Device, counts: bool) -> Option<vk::DescriptorSetLayout> {
+        *self.set_layouts[usize::from(counts)].get_or_init(|| {
+            let rows = vk::DescriptorSetLayoutBinding::default()
                 .descriptor_type(vk::DescriptorType::UNIFORM_BUFFER_DYNAMIC)
                 .descriptor_count(1)
-                .stage_flags(vk::ShaderStageFlags::ALL_GRAPHICS)];
-            let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
+                .stage_flags(vk::ShaderStageFlags::ALL_GRAPHICS);
+            let counter = vk::DescriptorSetLayoutBinding::default()
+                .binding(1)
+                .descriptor_type(vk::DescriptorType::STORAGE_BUFFER)
+                .descriptor_count(1)
+                .stage_flags(vk::ShaderStageFlags::GEOMETRY);
+            let bindings = [rows, counter];
+            let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings[..1 + usize::from(counts)]);
             // SAFETY: the device is live.
             unsafe { device.functions.create_descriptor_set_layout(&info, None) }.ok()
         })
@@ -102,15 +122,21 @@ impl Rows {
     }
 
     fn make(&self, device: &Device) -> VkResult<Piece> {
-        let layout = self.set_layout(device).ok_or(vk::Result::ERROR_INITIALIZATION_FAILED)?;
+        let counter = self.counter(device);
+        let layouts: Option<Vec<vk::DescriptorSetLayout>> = [false, true]
+            .into_iter()
+            .take(1 + counter.iter().count())
+            .map(|counts| self.set_layout(device, counts))
+            .collect();
+        let layouts = layouts.ok_or(vk::Result::ERROR_INITIALIZATION_FAILED)?;
         let mut piece = Piece {
             buffer: vk::Buffer::null(),
             memory: vk::DeviceMemory::null(),
             pool: vk::DescriptorPool::null(),
-            set: vk::DescriptorSet::null(),
+            sets: Default::default(),
             address: 0,
         };
-        match piece.fill(device, layout, self.group()) {
+        match piece.fill(device, &layouts, (self.group(), counter)) {
             Ok(()) => Ok(piece),
             Err(error) => {
                 piece.destroy(device);
@@ -124,20 +150,38 @@ impl Rows {
         for piece in self.free.lock().unwrap_or_else(PoisonError::into_inner).drain(..) {
             piece.destroy(device);
         }
-        if let Some(layout) = self.set_layout.get().copied().flatten() {
+        for layout in self.set_layouts.iter().filter_map(|layout| layout.get().copied().flatten()) {
             // SAFETY: ours; nothing uses it any more.
             unsafe { device.functions.destroy_descriptor_set_layout(layout, None) };
+        }
+        if let Some(Some(counter)) = self.counter.get() {
+            counter.destroy(device);
         }
     }
 }
 
 impl Piece {
-    fn fill(&mut self, device: &Device, layout: vk::DescriptorSetLayout, group: u64) -> VkResult<()> {
+    /// Its descriptor set, with the counter or without.
+    pub fn set(&self, counts: bool) -> vk::DescriptorSet {
+        self.sets[usize::from(counts)]
+    }
+
+    /// With a set for each of the `layouts`.
+    fn fill(
+        &mut self,
+        device: &Device,
+        layouts: &[vk::DescriptorSetLayout],
+        (group, counter): (u64, Option<&Counter>),
+    ) -> VkResult<()> {
         let functions = &device.functions;
         let info = vk::BufferCreateInfo::default().size(PIECE).usage(vk::BufferUsageFlags::UNIFORM_BUFFER);
         let visible = vk::MemoryPropertyFlags::HOST_VISIBLE | vk::MemoryPropertyFlags::HOST_COHERENT;
-        let sizes = [vk::DescriptorPoolSize { ty: vk::DescriptorType::UNIFORM_BUFFER_DYNAMIC, descriptor_count: 1 }];
-        let pool = vk::DescriptorPoolCreateInfo::default().max_sets(1).pool_sizes(&sizes);
+        let count = layouts.len() as u32;
+        let sizes = [
+            vk::DescriptorPoolSize { ty: vk::DescriptorType::UNIFORM_BUFFER_DYNAMIC, descriptor_count: count },
+            vk::DescriptorPoolSize { ty: vk::DescriptorType::STORAGE_BUFFER, descriptor_count: 1 },
+        ];
+        let pool = vk::DescriptorPoolCreateInfo::default().max_sets(count).pool_sizes(&sizes[..layouts.len()]);
         // SAFETY: makes objects of ours on a live device; they are kept in `self` as soon as they are made.
         unsafe {
             self.buffer = functions.create_buffer(&info, None)?;
@@ -149,15 +193,21 @@ impl Piece {
             let flags = vk::MemoryMapFlags::empty();
             self.address = functions.map_memory(self.memory, 0, vk::WHOLE_SIZE, flags)? as usize;
             self.pool = functions.create_descriptor_pool(&pool, None)?;
-            let layouts = [layout];
-            let info = vk::DescriptorSetAllocateInfo::default().descriptor_pool(self.pool).set_layouts(&layouts);
-            self.set = functions.allocate_descriptor_sets(&info)?.first().copied().unwrap_or_default();
-            let buffer = [vk::DescriptorBufferInfo { buffer: self.buffer, offset: 0, range: group }];
-            let write = vk::WriteDescriptorSet::default()
-                .dst_set(self.set)
-                .descriptor_type(vk::DescriptorType::UNIFORM_BUFFER_DYNAMIC)
-                .buffer_info(&buffer);
-            functions.update_descriptor_sets(&[write], &[]);
+            let info = vk::DescriptorSetAllocateInfo::default().descriptor_pool(self.pool).set_layouts(layouts);
+            let sets = functions.allocate_descriptor_sets(&info)?;
+            self.sets.iter_mut().zip(&sets).for_each(|(place, set)| *place = *set);
+            let rows = [vk::DescriptorBufferInfo { buffer: self.buffer, offset: 0, range: group }];
+            let rows = |set| {
+                let kind = vk::DescriptorType::UNIFORM_BUFFER_DYNAMIC;
+                vk::WriteDescriptorSet::default().dst_set(set).descriptor_type(kind).buffer_info(&rows)
+            };
+            let mut writes: Vec<_> = sets.iter().map(|set| rows(*set)).collect();
+            let counter = counter.map(|counter| [counter.descriptor()]);
+            if let Some(counter) = &counter {
+                let write = vk::WriteDescriptorSet::default().dst_set(self.set(true)).dst_binding(1);
+                writes.push(write.descriptor_type(vk::DescriptorType::STORAGE_BUFFER).buffer_info(counter));
+            }
+            functions.update_descriptor_sets(&writes, &[]);
         }
         Ok(())
     }

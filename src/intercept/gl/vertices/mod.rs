@@ -17,6 +17,7 @@ pub mod variants;
 use super::context::Context;
 use super::outlines::Shape;
 use crate::error::Result;
+use crate::intercept::{live, log};
 use crate::rig::{Divider, Method, Rig};
 use crate::runtime::session::{Division, Extras, Session};
 use fixed::Processor;
@@ -70,8 +71,14 @@ pub fn begin(
 /// How a rig is planned for a window: rig, size, outputs at their own resolution, greatest texture, more tiles.
 pub type Planner = fn(&Rig, (u32, u32), bool, u32, Extras) -> Result<Session>;
 
-/// How windows of a context are planned: shaders were patched for lenses from the start, or never.
-pub fn planner(ctx: &Context) -> Planner {
+/// How windows of a context are planned for `rig`: shaders were patched for lenses from the start, or never. What outputs lose is
+/// told.
+pub fn planner(ctx: &Context, rig: &Rig) -> Planner {
+    if !asked_for() && rig.outputs.iter().any(|output| output.method.projects_vertices()) {
+        log::once(
+            "vertices are projected after a new start: outputs that ask for it are made by method \"fragment\" instead",
+        );
+    }
     if asked_for() && !ctx.views_only { Session::projecting } else { Session::new }
 }
 
@@ -86,9 +93,10 @@ pub fn division_asked_for() -> bool {
     any_method(|method| matches!(method, Method::Primitive { .. }))
 }
 
-/// Whether primitives are to be divided by tessellation shaders where possible.
+/// Whether primitives are to be divided by tessellation shaders where possible, as the rig is now.
 fn tessellation_asked_for() -> bool {
-    any_method(|method| matches!(method, Method::Primitive { by: Divider::Tessellation, .. }))
+    let by = |method: &Method| matches!(method, Method::Primitive { by: Divider::Tessellation, .. });
+    live::rig().is_some_and(|live| live.rig.outputs.iter().any(|output| by(&output.method)))
 }
 
 /// Whether an output of the rig is one to which vertices are projected.

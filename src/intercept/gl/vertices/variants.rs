@@ -244,6 +244,7 @@ fn make(ctx: &mut Context, program: &Program, kind: Kind) -> Result<Variant, &'s
     if let (Some(binding), None) = (limits.counter, &ctx.coarse) {
         ctx.coarse = Some(Counter::new(gl, binding));
     }
+    ctx.uncounted |= limits.counter.is_none();
     Ok(Variant {
         name,
         locations: [location(0), location(projection::ROWS)],

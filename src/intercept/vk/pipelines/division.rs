@@ -1,22 +1,58 @@
-//! Which pipelines get a stage that divides, and the stage.
+//! Which pipelines get a stage that divides, the stage, and what the statistics say of it.
 
 use super::parts::Parts;
 use super::variants::{name_of, words_of};
 use crate::correct::division::Input;
+use crate::intercept::log;
 use crate::intercept::vk::chain::in_chain;
 use crate::intercept::vk::device::Device;
+use crate::intercept::vk::layouts::PipelineLayout;
 use crate::intercept::vk::spirv;
 use ::spirv::ExecutionModel;
 use ash::vk;
+use std::collections::BTreeMap;
+use std::sync::{Mutex, OnceLock, PoisonError};
 
-/// The words of a geometry stage that reads rows by set `ours`; `None` where nothing is to be divided.
+const NO_COUNTER: &str = "it needs the feature vertexPipelineStoresAndAtomics of the device";
+const NO_ROOM: &str = "a pipeline has no storage buffer to spare";
+
+/// What the statistics say of division.
+#[derive(Default)]
+pub struct Divided {
+    uncounted: OnceLock<&'static str>,
+    undivided: Mutex<BTreeMap<String, u64>>,
+}
+
+impl Divided {
+    /// What a pipeline draws is not divided; the log says why, once.
+    pub fn not(&self, why: &str) {
+        log::once(&format!("Vulkan: what a pipeline draws is not divided: {why}"));
+        *self.undivided.lock().unwrap_or_else(PoisonError::into_inner).entry(why.to_owned()).or_default() += 1;
+    }
+
+    /// How many pipelines are not divided, by reason.
+    pub fn undivided(&self) -> BTreeMap<String, u64> {
+        self.undivided.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    /// Why some pipeline that is divided does not count what is not fine enough.
+    pub fn uncounted(&self) -> Option<&'static str> {
+        self.uncounted.get().copied()
+    }
+}
+
+/// The words of a geometry stage that reads rows by our set of `layout`, and counts by it; `None` where nothing is to be divided.
 ///
 /// # Errors
 /// Why what could be divided is not, for the log.
 ///
 /// # Safety
 /// `parts` must be of a pipeline that the program has just made, and that can be followed.
-pub unsafe fn stage(device: &Device, parts: &Parts<'_>, ours: u32) -> Result<Option<Vec<u32>>, &'static str> {
+pub unsafe fn stage(
+    device: &Device,
+    parts: &Parts<'_>,
+    layout: &PipelineLayout,
+) -> Result<Option<Vec<u32>>, &'static str> {
     let stage_of = |flag: vk::ShaderStageFlags| parts.stages.iter().find(|stage| stage.stage == flag);
     let others = |stage: &vk::PipelineShaderStageCreateInfo<'_>| {
         ![vk::ShaderStageFlags::VERTEX, vk::ShaderStageFlags::FRAGMENT].contains(&stage.stage)
@@ -60,7 +96,11 @@ pub unsafe fn stage(device: &Device, parts: &Parts<'_>, ours: u32) -> Result<Opt
             components: [limits.max_geometry_input_components, limits.max_geometry_output_components],
             runs: limits.max_geometry_shader_invocations,
         };
-        spirv::divide(input, &handed, provoking, ours, &limits).map(Some)
+        let words = spirv::divide(input, &handed, provoking, (layout.ours, layout.counts), &limits)?;
+        if !layout.counts {
+            let _ = device.pipelines.divided.uncounted.set(if device.vertices.counts { NO_ROOM } else { NO_COUNTER });
+        }
+        Ok(Some(words))
     }
 }
 

@@ -56,8 +56,9 @@ pub unsafe fn make(device: &Device, cache: vk::PipelineCache, parts: &Parts<'_>)
         false => None,
     };
     let others = linked.iter().filter_map(|library| library.layout.as_ref());
-    if others.clone().any(|other| layout.as_ref().is_some_and(|layout| layout.ours != other.ours)) {
-        return Err("its libraries have layouts of different lengths".to_owned());
+    let alike = |a: &PipelineLayout, b: &PipelineLayout| (a.ours, a.counts) == (b.ours, b.counts);
+    if others.clone().any(|other| layout.as_ref().is_some_and(|layout| !alike(layout, other))) {
+        return Err("its libraries have layouts with different sets".to_owned());
     }
     let libraries = || linked.iter().filter_map(|library| library.variants.as_ref());
     let fragments = parts.stages.iter().filter(|stage| stage.stage == vk::ShaderStageFlags::FRAGMENT);
@@ -80,10 +81,10 @@ pub unsafe fn make(device: &Device, cache: vk::PipelineCache, parts: &Parts<'_>)
                     // The words that may be given here are the program's.
                     stages[index].p_next = std::ptr::null();
                     follows = true;
-                    match division::stage(device, parts, layout.ours) {
+                    match division::stage(device, parts, &layout) {
                         Ok(None) => {}
                         Ok(Some(words)) => divided = Some(with_stage(&parts.stages, modules.make(&words)?)),
-                        Err(why) => log::once(&format!("Vulkan: what a pipeline draws is not divided: {why}")),
+                        Err(why) => device.pipelines.divided.not(why),
                     }
                 }
                 Err(why) => log::once(&format!("Vulkan: what a pipeline draws is flat: {why}")),
@@ -91,7 +92,7 @@ pub unsafe fn make(device: &Device, cache: vk::PipelineCache, parts: &Parts<'_>)
         }
         let made = match &divided {
             Some(of_views) => create_both(device, cache, parts, [of_views, &stages], &linked).or_else(|why| {
-                log::once(&format!("Vulkan: what a pipeline draws is not divided: {why}"));
+                device.pipelines.divided.not(&why);
                 create_both(device, cache, parts, [&stages, &stages], &linked)
             }),
             None => create_both(device, cache, parts, [&stages, &stages], &linked),

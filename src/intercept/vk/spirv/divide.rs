@@ -9,7 +9,7 @@ use super::module::{Declarations, HEADER};
 use crate::correct::division::Input;
 use spirv::{
     AddressingModel, BuiltIn, Capability, Decoration, ExecutionMode, ExecutionModel, FunctionControl, MemoryModel, Op,
-    StorageClass,
+    Scope, StorageClass,
 };
 use std::collections::HashMap;
 
@@ -41,8 +41,8 @@ const VERSION: u32 = 0x0001_0000;
 /// The name of the stage's entry point.
 pub const ENTRY: &std::ffi::CStr = c"main";
 
-/// The words of the stage. The rows are at binding 0 of `set`; `provoking`: the corner whose values a primitive has where they are not
-/// interpolated.
+/// The words of the stage. The rows are at binding 0 of `set`; with `counts` a number is at binding 1, to which each part is added that is
+/// not fine enough. `provoking`: the corner whose values a primitive has where they are not interpolated.
 ///
 /// # Errors
 /// For people: what the device does not allow, or the shader hands on.
@@ -50,7 +50,7 @@ pub fn divide(
     input: Input,
     handed: &Handed<'_>,
     provoking: u32,
-    set: u32,
+    (set, counts): (u32, bool),
     limits: &Limits,
 ) -> Result<Vec<u32>, &'static str> {
     let corners = input.corners();
@@ -67,6 +67,7 @@ pub fn divide(
     let mut stage = Stage { to: additions, handed, corners, copied: HashMap::new(), numbers: HashMap::new() };
     let interface = stage.declare()?;
     stage.bodies(&linked, &interface, provoking, room)?;
+    stage.count(&linked, counts.then_some(set))?;
     Ok(stage.module(&linked, &interface, input, room))
 }
 
@@ -298,7 +299,7 @@ impl<'a> Stage<'a> {
         provoking: u32,
         room: u32,
     ) -> Result<(), &'static str> {
-        let [run, left, corner, emit, end] = linked.open[..] else { return Err(MISSING) };
+        let [run, left, corner, emit, end, _] = linked.open[..] else { return Err(MISSING) };
         let (void, int, vector, weights) =
             (self.to.kind(Op::TypeVoid, &[]), self.int(), self.vector(4), self.vector(3));
         self.function(run, int, &[]);
@@ -335,6 +336,33 @@ impl<'a> Stage<'a> {
 
         self.function(end, void, &[]);
         push(&mut self.to.bodies, Op::EndPrimitive, &[]);
+        self.end(None);
+        Ok(())
+    }
+
+    /// The function that is called where a part is not fine enough: it adds to the number in `set`, if there is one.
+    fn count(&mut self, linked: &Linked, set: Option<u32>) -> Result<(), &'static str> {
+        let [.., count] = linked.open[..] else { return Err(MISSING) };
+        let (void, int) = (self.to.kind(Op::TypeVoid, &[]), self.int());
+        let counter = set.map(|set| {
+            // Version 1.0 has no storage buffers but these.
+            let block = self.to.id();
+            push(&mut self.to.globals, Op::TypeStruct, &[block, int]);
+            self.decorate(block, None, Decoration::BufferBlock, &[]);
+            self.decorate(block, Some(0), Decoration::Offset, &[0]);
+            let counter = self.variable(StorageClass::Uniform, block);
+            self.decorate(counter, None, Decoration::DescriptorSet, &[set]);
+            self.decorate(counter, None, Decoration::Binding, &[1]);
+            counter
+        });
+        self.function(count, void, &[]);
+        if let Some(counter) = counter {
+            let pointer = self.pointer(StorageClass::Uniform, int);
+            let [none, one] = [0, 1].map(|value| self.number(value));
+            let device = self.number(Scope::Device as u32);
+            let place = self.made(Op::AccessChain, pointer, &[counter, none]);
+            self.made(Op::AtomicIAdd, int, &[place, device, none, one]);
+        }
         self.end(None);
         Ok(())
     }

@@ -2,7 +2,7 @@
 
 use super::module;
 use crate::correct::division::Input;
-use crate::intercept::vk::spirv::module::{Instruction, instructions};
+use crate::intercept::vk::spirv::module::{Declarations, Instruction, instructions};
 use crate::intercept::vk::spirv::{Limits, divide, handed};
 use spirv::{Decoration, ExecutionModel, Op, StorageClass};
 use std::collections::HashSet;
@@ -70,9 +70,14 @@ fn pair() -> [Vec<u32>; 2] {
 
 /// Division between the two, by a device.
 fn divided(input: Input, limits: &Limits) -> Result<Vec<u32>, &'static str> {
+    counting(input, limits, true)
+}
+
+/// Division that counts, or does not.
+fn counting(input: Input, limits: &Limits, counts: bool) -> Result<Vec<u32>, &'static str> {
     let [vertex, fragment] = pair();
     let fragment = (&fragment[..], ExecutionModel::Fragment, "go");
-    divide(input, &handed((&vertex, ExecutionModel::Vertex, "go"), Some(fragment))?, 0, 4, limits)
+    divide(input, &handed((&vertex, ExecutionModel::Vertex, "go"), Some(fragment))?, 0, (4, counts), limits)
 }
 
 /// A device that allows the least that Vulkan demands.
@@ -113,6 +118,28 @@ fn a_stage_that_divides_declares_nothing_twice() {
     }
 }
 
+/// The only thing that is written beside vertices is the counter, at its place, once.
+#[test]
+fn a_stage_counts_by_its_own_number_or_not_at_all() {
+    for input in [Input::Triangles, Input::Lines] {
+        for counts in [true, false] {
+            let words = counting(input, &LEAST, counts).expect("there is room");
+            let all = instructions(&words).expect("a module");
+            let declared = Declarations::new(&all);
+            let added: Vec<_> = all.iter().filter(|i| i.is(Op::AtomicIAdd)).collect();
+            assert_eq!(added.len(), usize::from(counts));
+            let bound = |id: &u32| declared.number(*id, None, Decoration::Binding);
+            let variables = all.iter().filter(|i| i.is(Op::Variable)).map(|i| i.operand(1));
+            let bindings: HashSet<u32> = variables.filter_map(|id| bound(&id)).collect();
+            assert_eq!(bindings, if counts { HashSet::from([0, 1]) } else { HashSet::from([0]) });
+            for i in added {
+                let place = all.iter().find(|place| place.is(Op::AccessChain) && place.operand(1) == i.operand(2));
+                assert_eq!(bound(&place.expect("an element of a block").operand(2)), Some(1));
+            }
+        }
+    }
+}
+
 #[test]
 fn a_stage_is_as_large_as_the_device_allows() {
     let vertices = |input, limits: &Limits| {
@@ -146,7 +173,7 @@ fn damaged_shaders_are_divided_or_refused() {
         let entries =
             ((&damaged[0][..], ExecutionModel::Vertex, "go"), (&damaged[1][..], ExecutionModel::Fragment, "go"));
         if let Ok(handed) = handed(entries.0, Some(entries.1)) {
-            let _ = divide(Input::Triangles, &handed, 0, 1, &LEAST);
+            let _ = divide(Input::Triangles, &handed, 0, (1, false), &LEAST);
         }
     }
 }
