@@ -1,8 +1,8 @@
 //! `glAccum`: motion blur and the like, of all views at once.
 
 use super::context::Context;
-use super::default_framebuffer::{take_error, take_own_errors};
 use super::draw::intersect;
+use super::errors::{take_error, take_own_errors};
 use super::hook::hooks;
 use crate::backend::gl::accumulation::{Accumulation, Operation};
 use crate::backend::gl::api;

@@ -1,7 +1,7 @@
 //! Conditional rendering: it holds for what the program draws, not for our own work in between.
 
 use super::context::Context;
-use super::default_framebuffer::take_error;
+use super::errors::take_error;
 use super::hook::hooks;
 use crate::backend::gl::api;
 

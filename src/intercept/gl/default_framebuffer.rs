@@ -3,6 +3,7 @@
 use super::config::Config;
 use super::context::Context;
 use super::culling::blank::Content;
+use super::errors::{take_error, take_own_errors};
 use super::window::Window;
 use crate::backend::gl::api::{self, Gl};
 use crate::backend::gl::surface::{Surface, greatest_texture};
@@ -147,43 +148,6 @@ fn adopt(ctx: &mut Context) {
                 ctx.gl.draw_buffers(1, &api::GL_NONE);
             }
         }
-    }
-}
-
-/// Keeps an error of the program's, so that those that follow are ours.
-pub fn take_error(ctx: &mut Context) {
-    // SAFETY: asks for the error flag; there are a handful of them at most.
-    for _ in 0..8 {
-        let error = unsafe { ctx.gl.get_error() };
-        if error == api::GL_NO_ERROR {
-            break;
-        }
-        if ctx.pending_error == api::GL_NO_ERROR {
-            ctx.pending_error = error;
-        }
-    }
-}
-
-/// Takes errors out of the driver that are nobody's: answers to questions that it need not know.
-pub fn drop_errors(gl: &Gl) {
-    // SAFETY: asks for the error flag; there are a handful of them at most.
-    for _ in 0..8 {
-        if unsafe { gl.get_error() } == api::GL_NO_ERROR {
-            break;
-        }
-    }
-}
-
-/// Counts the errors since [`take_error`] as ours.
-pub fn take_own_errors(ctx: &mut Context) {
-    // SAFETY: as above.
-    for _ in 0..8 {
-        let error = unsafe { ctx.gl.get_error() };
-        if error == api::GL_NO_ERROR {
-            break;
-        }
-        ctx.counts.errors += 1;
-        log::once(&format!("an OpenGL call of ours failed with error 0x{error:04X}"));
     }
 }
 

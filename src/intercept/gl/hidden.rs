@@ -9,7 +9,7 @@
 //! read beyond the border of what is sampled.
 
 use super::context::Context;
-use super::default_framebuffer::{take_error, take_own_errors};
+use super::errors::{take_error, take_own_errors};
 use crate::backend::gl::GlBackend;
 use crate::backend::gl::api::{self, Gl};
 use crate::correct::{self, Plan};

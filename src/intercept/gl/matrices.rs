@@ -97,7 +97,15 @@ pub fn load_projection(ctx: &Context, matrix: &[f64; 16]) {
 
 /// The product of two matrices, column by column.
 pub fn multiply(a: &[f64; 16], b: &[f64; 16]) -> [f64; 16] {
-    std::array::from_fn(|i| (0..4).map(|k| a[k * 4 + i % 4] * b[i / 4 * 4 + k]).sum())
+    let mut product = [0.0; 16];
+    for (to, from) in product.chunks_exact_mut(4).zip(b.chunks_exact(4)) {
+        for (column, factor) in a.chunks_exact(4).zip(from) {
+            for (sum, entry) in to.iter_mut().zip(column) {
+                *sum += entry * factor;
+            }
+        }
+    }
+    product
 }
 
 /// Runs a matrix command of the program, or records it into the list that is being compiled.

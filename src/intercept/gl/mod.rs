@@ -18,6 +18,7 @@ pub mod culling;
 pub mod default_framebuffer;
 pub mod draw;
 pub mod duplicate;
+pub mod errors;
 pub mod feedback;
 pub mod filtering;
 mod first_color;

@@ -2,7 +2,7 @@
 //! the program's own picture, resampled from the views for its first read.
 
 use super::context::Context;
-use super::default_framebuffer::{take_error, take_own_errors};
+use super::errors::{take_error, take_own_errors};
 use crate::backend::gl::api::{self, Gl};
 use crate::backend::gl::{GlBackend, Target};
 use crate::correct::{Batch, OutputPass, PixelRect, Plan, Source};

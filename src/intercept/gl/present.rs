@@ -1,7 +1,8 @@
 //! The end of a frame: correct it into the window, count, capture.
 
 use super::context::Context;
-use super::default_framebuffer::{self, take_error, take_own_errors};
+use super::default_framebuffer;
+use super::errors::{take_error, take_own_errors};
 use super::frames;
 use super::registry::{after_panic, current};
 use super::unchanged::{self, Frame};

@@ -13,7 +13,7 @@
 pub mod told;
 
 use super::context::Context;
-use super::default_framebuffer::take_error;
+use super::errors::take_error;
 use crate::backend::gl::api::{self, Gl};
 use crate::runtime::Session;
 use crate::runtime::session::Intrinsics;

@@ -1,6 +1,6 @@
 //! Boxes around vertices, and whether a view can show any point of one.
 
-use super::position::Transform;
+use super::position::{Transform, View};
 
 /// A box around positions in object coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,56 +53,92 @@ impl Bounds {
 /// roundings of 2⁻²⁴ for each of up to ten matrices, and three times as much again.
 const ROUNDING: f64 = 1e-5;
 
-/// Whether no point of the box `low`…`high` comes into the picture of `transform`, nor `beside` it (in parts of half the picture's width and height).
+/// A box after a product of matrices.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Placed {
+    middle: [f64; 4],
+    /// Half of its edges.
+    edges: [[f64; 4]; 3],
+    /// The greatest sums of the terms' sizes.
+    sizes: [f64; 4],
+}
+
+impl Placed {
+    /// The box `low`…`high` after `transform`.
+    pub fn of(Transform { matrix, sizes }: &Transform, low: [f64; 3], high: [f64; 3]) -> Self {
+        let column = |m: &[f64; 16], column: usize| -> [f64; 4] { std::array::from_fn(|row| m[4 * column + row]) };
+        let mut placed = Self { middle: column(matrix, 3), edges: [[0.0; 4]; 3], sizes: column(sizes, 3) };
+        for k in 0..3 {
+            let (middle, half) = (0.5 * (low[k] + high[k]), 0.5 * (high[k] - low[k]));
+            let farthest = low[k].abs().max(high[k].abs());
+            let (factors, sizes) = (column(matrix, k), column(sizes, k));
+            for row in 0..4 {
+                placed.middle[row] += factors[row] * middle;
+                placed.edges[k][row] = factors[row] * half;
+                placed.sizes[row] += sizes[row] * farthest;
+            }
+        }
+        placed
+    }
+
+    /// The least of a linear form over the box, and how far 32-bit numbers may be off it.
+    fn least(&self, form: &[f64; 4], form_sizes: &[f64; 4]) -> (f64, f64) {
+        let reach: f64 = self.edges.iter().map(|edge| product(form, edge).abs()).sum();
+        (product(form, &self.middle) - reach, ROUNDING * product(form_sizes, &self.sizes))
+    }
+}
+
+fn product(a: &[f64; 4], b: &[f64; 4]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + (a[2] * b[2] + a[3] * b[3])
+}
+
+/// Whether no point of the box comes into the picture of a `view`, nor `beside` it (in parts of half the picture's width and
+/// height).
 ///
 /// The box is outside if it is wholly on the other side of one of the four planes `±x = (1 + beside)·w`.
 /// These are linear, so that holds for points behind the eye as well. Near and far planes are not looked at:
 /// the program may have switched their clipping off. `false` in all cases of doubt, such as numbers that are
 /// not finite.
-pub fn outside(transform: &Transform, low: [f64; 3], high: [f64; 3], beside: [f64; 2]) -> bool {
-    let Transform { matrix, sizes } = transform;
-    let row = |m: &[f64; 16], row: usize| -> [f64; 4] { std::array::from_fn(|column| m[4 * column + row]) };
-    let (w, w_size) = (row(matrix, 3), row(sizes, 3));
+pub fn outside(view: &View, placed: &Placed, beside: [f64; 2]) -> bool {
     (0..2).any(|axis| {
-        let (side, side_size) = (row(matrix, axis), row(sizes, axis));
         let out = 1.0 + beside[axis];
+        let sizes = std::array::from_fn(|k| view.sizes[axis][k] + out * view.sizes[2][k]);
         [1.0, -1.0].into_iter().any(|sign| {
-            let mut least = sign * side[3] - out * w[3];
-            let mut size = side_size[3] + out * w_size[3];
-            for k in 0..3 {
-                let factor = sign * side[k] - out * w[k];
-                least += (factor * low[k]).min(factor * high[k]);
-                size += (side_size[k] + out * w_size[k]) * low[k].abs().max(high[k].abs());
-            }
-            least > ROUNDING * size
+            let form = std::array::from_fn(|k| sign * view.rows[axis][k] - out * view.rows[2][k]);
+            let (least, error) = placed.least(&form, &sizes);
+            least > error
         })
     })
 }
 
-/// The part of the picture of `transform` (left, bottom, right, top; the picture is −1…1) that holds all that can be
+/// The part of the picture of a `view` (left, bottom, right, top; the picture is −1…1) that holds all that can be
 /// seen of the box. `None` where the box reaches behind the eye, so that it may be seen anywhere.
-pub fn extent(transform: &Transform, low: [f64; 3], high: [f64; 3]) -> Option<[f64; 4]> {
-    let Transform { matrix, sizes } = transform;
+pub fn extent(view: &View, placed: &Placed) -> Option<[f64; 4]> {
+    let error: [f64; 3] = std::array::from_fn(|row| ROUNDING * product(&view.sizes[row], &placed.sizes));
+    let middle: [f64; 3] = std::array::from_fn(|row| product(&view.rows[row], &placed.middle));
+    let edges: [[f64; 3]; 3] =
+        std::array::from_fn(|row| std::array::from_fn(|k| product(&view.rows[row], &placed.edges[k])));
     let mut part = [f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY];
     for corner in 0..8 {
-        let point: [f64; 3] = std::array::from_fn(|k| if corner >> k & 1 == 0 { low[k] } else { high[k] });
-        let along = |m: &[f64; 16], row: usize, at: [f64; 3]| {
-            m[row] * at[0] + m[4 + row] * at[1] + m[8 + row] * at[2] + m[12 + row]
+        let along = |row: usize| {
+            (0..3).fold(
+                middle[row],
+                |sum, k| if corner >> k & 1 == 0 { sum - edges[row][k] } else { sum + edges[row][k] },
+            )
         };
-        let error = |row: usize| ROUNDING * along(sizes, row, point.map(f64::abs));
-        let w = along(matrix, 3, point) - error(3);
+        let w = along(2) - error[2];
         // Nearer to the eye, errors grow beyond measure.
-        if w.is_nan() || w <= 4.0 * error(3) {
+        if w.is_nan() || w <= 4.0 * error[2] {
             return None;
         }
         for axis in 0..2 {
-            let at = along(matrix, axis, point) / w;
-            let off = (error(axis) + 2.0 * at.abs() * error(3)) / w;
+            let at = along(axis) / w;
+            let off = (error[axis] + 2.0 * at.abs() * error[2]) / w;
             if !at.is_finite() {
                 return None;
             }
             // With w at its least a point may be taken farther out than it is, and at its greatest farther in.
-            let inner = along(matrix, axis, point) / (w + 2.0 * error(3));
+            let inner = along(axis) / (w + 2.0 * error[2]);
             part[axis] = part[axis].min(at.min(inner) - off);
             part[axis + 2] = part[axis + 2].max(at.max(inner) + off);
         }
@@ -112,7 +148,7 @@ pub fn extent(transform: &Transform, low: [f64; 3], high: [f64; 3]) -> Option<[f
 
 #[cfg(test)]
 mod tests {
-    use super::{Bounds, Transform};
+    use super::{Bounds, Placed, Transform, View};
 
     /// Of a projection after a model-view matrix.
     fn outside(
@@ -122,7 +158,11 @@ mod tests {
         high: [f64; 3],
         beside: [f64; 2],
     ) -> bool {
-        super::outside(&Transform::of(projection).after(&Transform::of(model_view)), low, high, beside)
+        super::outside(&View::of(projection), &Placed::of(&Transform::of(model_view), low, high), beside)
+    }
+
+    fn extent(low: [f64; 3], high: [f64; 3]) -> Option<[f64; 4]> {
+        super::extent(&View::of(&RIGHT_ANGLE), &Placed::of(&Transform::of(&IDENTITY), low, high))
     }
 
     const IDENTITY: [f64; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
@@ -164,7 +204,7 @@ mod tests {
         for _ in 0..5_000 {
             let low: [f64; 3] = std::array::from_fn(|k| 4.0 * number() - if k == 2 { 6.0 } else { 0.0 });
             let high = low.map(|v| v + 1.0 + number());
-            let Some(part) = super::extent(&Transform::of(&RIGHT_ANGLE), low, high) else {
+            let Some(part) = extent(low, high) else {
                 assert!(high[2] > -0.1, "{low:?} {high:?} is ahead");
                 continue;
             };
@@ -178,7 +218,7 @@ mod tests {
             }
         }
         assert!(found > 3_000, "{found}");
-        let part = super::extent(&Transform::of(&RIGHT_ANGLE), [-1.0, -2.0, -4.0], [1.0, 2.0, -2.0]).expect("ahead");
+        let part = extent([-1.0, -2.0, -4.0], [1.0, 2.0, -2.0]).expect("ahead");
         let expected = [-0.5, -1.0, 0.5, 1.0];
         assert!(part.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-3), "{part:?}");
     }

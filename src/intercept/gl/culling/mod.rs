@@ -17,8 +17,8 @@ use super::context::Context;
 use super::draw::{Changes, Place};
 use crate::correct::Texels;
 use crate::runtime::session::Session;
-use bounds::{Bounds, extent, outside};
-use position::Transform;
+use bounds::{Bounds, Placed, extent, outside};
+use position::View;
 
 /// The views that a draw goes to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -71,8 +71,7 @@ pub fn views(ctx: &mut Context, place: Place, bounds: impl FnOnce(&mut Context) 
         let (tile, _) = session.tile(index);
         let look = known.look(ctx, session, index, [tile[2], tile[3]]);
         seen |= u64::from(!look.hidden) << index;
-        let transform = look.transform.filter(|_| !look.hidden);
-        let part = transform.and_then(|transform| extent(&transform, known.low, known.high));
+        let part = look.view.filter(|_| !look.hidden).and_then(|view| extent(&view, &known.placed));
         areas.push(match part {
             _ if look.hidden => blank::NOTHING,
             Some(part) => texels(part, tile, known.margin),
@@ -108,11 +107,8 @@ fn at_least(ctx: &Context, seen: u64, count: usize, changes: Changes) -> u64 {
 /// A draw of which it is known where it comes to be.
 struct Known {
     place: Place,
-    /// Around its vertices.
-    low: [f64; 3],
-    high: [f64; 3],
-    /// What takes them to where the views' own transforms start from.
-    model: Transform,
+    /// Around its vertices, where the views' own transforms start from.
+    placed: Placed,
     /// So many pixels beside a view still matter to it.
     margin: f64,
 }
@@ -120,7 +116,7 @@ struct Known {
 /// What a view shows of a draw.
 struct Look {
     /// What takes its vertices to the view; `None`: not known.
-    transform: Option<Transform>,
+    view: Option<View>,
     /// The view shows nothing of it.
     hidden: bool,
 }
@@ -136,17 +132,16 @@ impl Known {
         let model = position::transform(ctx, place)?;
         let (low, high) = bounds(ctx).known()?;
         ctx.counts.bounded_draws += 1;
-        Some(Self { place, low, high, model, margin })
+        Some(Self { place, placed: Placed::of(&model, low, high), margin })
     }
 
     /// Looks from the view `index`, whose picture has so many pixels across and up.
     fn look(&self, ctx: &Context, session: &Session, index: usize, size: [i32; 2]) -> Look {
         let (_, own_lens) = session.tile(index);
         let view = position::of_view(ctx, self.place, index).filter(|_| !own_lens);
-        let transform = view.map(|view| view.after(&self.model));
         let beside = size.map(|pixels| 2.0 * self.margin / f64::from(pixels.max(1)));
-        let hidden = transform.as_ref().is_some_and(|transform| outside(transform, self.low, self.high, beside));
-        Look { transform, hidden }
+        let hidden = view.as_ref().is_some_and(|view| outside(view, &self.placed, beside));
+        Look { view, hidden }
     }
 }
 

@@ -85,19 +85,32 @@ impl Transform {
     pub fn after(&self, first: &Self) -> Self {
         Self { matrix: multiply(&self.matrix, &first.matrix), sizes: multiply(&self.sizes, &first.sizes) }
     }
+}
 
-    /// The rows that a patched shader re-projects by (`glsl::patch`), as a matrix; of depth they say nothing here.
+/// What takes eye or clip coordinates of the program to clip coordinates of a view.
+#[derive(Clone, Copy, Debug)]
+pub struct View {
+    /// The rows of x, y and w.
+    pub rows: [[f64; 4]; 3],
+    /// Their entries' sizes, as in [`Transform`].
+    pub sizes: [[f64; 4]; 3],
+}
+
+impl View {
+    /// By a matrix, column by column.
+    pub fn of(matrix: &[f64; 16]) -> Self {
+        let rows = [0, 1, 3].map(|row| std::array::from_fn(|column| matrix[4 * column + row]));
+        Self { rows, sizes: rows.map(|row: [f64; 4]| row.map(f64::abs)) }
+    }
+
+    /// By the rows that a patched shader re-projects by (`glsl::patch`).
     pub fn of_rows(rows: &[f32; 16]) -> Self {
-        let row = |index: usize| -> [f64; 4] { std::array::from_fn(|k| rows[4 * index + k].into()) };
         let e = f64::from(rows[12]);
-        let mut transform = Self { matrix: [0.0; 16], sizes: [0.0; 16] };
-        for (at, [x, y, w, q]) in [(0, row(0)), (1, row(1)), (3, row(2))] {
-            for (column, factor, size) in [(0, x, x), (1, y, y), (2, q, q)] {
-                (transform.matrix[4 * column + at], transform.sizes[4 * column + at]) = (factor, f64::abs(size));
-            }
-            (transform.matrix[12 + at], transform.sizes[12 + at]) = (w + q * e, w.abs() + (q * e).abs());
+        let of = |row: usize| -> [f64; 4] { std::array::from_fn(|k| rows[4 * row + k].into()) };
+        Self {
+            rows: [0, 1, 2].map(of).map(|[x, y, w, q]| [x, y, q, w + q * e]),
+            sizes: [0, 1, 2].map(of).map(|[x, y, w, q]| [x.abs(), y.abs(), q.abs(), w.abs() + (q * e).abs()]),
         }
-        transform
     }
 }
 
@@ -147,31 +160,30 @@ fn clip(ctx: &mut Context, program: &Program, position: &Position) -> Option<Tra
 }
 
 /// What takes them from there to the clip coordinates of the view `index`.
-pub fn of_view(ctx: &Context, place: Place, index: usize) -> Option<Transform> {
+pub fn of_view(ctx: &Context, place: Place, index: usize) -> Option<View> {
     match place {
-        Place::FixedScene => ctx.projection.per_view.get(index).map(Transform::of),
-        Place::Scene(camera) => ctx.cameras.get(camera)?.rows.get(index).map(Transform::of_rows),
+        Place::FixedScene => ctx.projection.per_view.get(index).map(View::of),
+        Place::Scene(camera) => ctx.cameras.get(camera)?.rows.get(index).map(View::of_rows),
         Place::Flat | Place::Background => None,
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::Transform;
+    use super::View;
 
     /// The epilogue of patched shaders, step by step.
     #[test]
-    fn rows_become_the_matrix_that_shaders_apply() {
+    fn rows_become_those_that_shaders_apply() {
         let rows: [f32; 16] = std::array::from_fn(|i| ((i * 7 + 3) % 11) as f32 - 5.0);
-        let transform = Transform::of_rows(&rows);
+        let view = View::of_rows(&rows);
         let [x, y, z, w] = [0.3, -1.7, 2.2, 5.0];
         let q = z + f64::from(rows[12]) * w;
-        let apply = |m: &[f64; 16], row: usize| m[row] * x + m[4 + row] * y + m[8 + row] * z + m[12 + row] * w;
-        for (index, row) in [(0, 0), (1, 1), (2, 3)] {
+        for (index, [a, b, c, d]) in view.rows.into_iter().enumerate() {
             let r: [f64; 4] = std::array::from_fn(|k| rows[4 * index + k].into());
             let expected = r[0] * x + r[1] * y + r[2] * w + r[3] * q;
-            assert!((apply(&transform.matrix, row) - expected).abs() < 1e-12);
-            assert!(transform.sizes.iter().zip(&transform.matrix).all(|(size, m)| *size >= m.abs()));
+            assert!((a * x + b * y + c * z + d * w - expected).abs() < 1e-12);
         }
+        assert!(view.sizes.as_flattened().iter().zip(view.rows.as_flattened()).all(|(size, m)| *size >= m.abs()));
     }
 }

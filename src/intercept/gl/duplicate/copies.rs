@@ -1,7 +1,7 @@
 //! Copies between framebuffers, and from them into textures, where one side is once per view.
 
 use super::super::context::Context;
-use super::super::default_framebuffer::{drop_errors, take_error};
+use super::super::errors::{drop_errors, take_error};
 use super::canvas::Canvas;
 use super::images::{Bindings, Image, Name};
 use super::{cells, look, make_framebuffer, own_cell, possible, supply, views};

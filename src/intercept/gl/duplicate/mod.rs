@@ -29,8 +29,8 @@ pub use sampling::bound as bound_texture;
 pub use status::{counts, draws, status};
 
 use super::context::{Context, ShareGroup};
-use super::default_framebuffer::{drop_errors, take_error, take_own_errors};
 use super::draw::own_window_space;
+use super::errors::{drop_errors, take_error, take_own_errors};
 use crate::backend::gl::api::Gl;
 use crate::intercept::{log, settings};
 use crate::rig::Duplicate;

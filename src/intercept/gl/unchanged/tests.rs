@@ -24,7 +24,8 @@ fn calls_are_told_apart_by_their_names() {
     for name in ["glColorFragmentOp1ATI", "glVertexAttribs3fvNV", "glColorTable", "glFlushMappedBufferRange"] {
         assert_eq!(of(name, 3, true), Kind::Change, "{name}");
     }
-    for name in ["glNormal3fVertex3fvSUN", "glGenerateMipmap", "glClearTexImage", "glClearBufferData", "glBindTextures"] {
+    for name in ["glNormal3fVertex3fvSUN", "glGenerateMipmap", "glClearTexImage", "glClearBufferData", "glBindTextures"]
+    {
         assert_eq!(of(name, 3, true), Kind::Change, "{name}");
     }
     for name in ["glGetIntegerv", "glIsEnabled", "glFenceSync", "glBeginQuery", "glFlush", "glPushDebugGroup"] {

@@ -87,9 +87,9 @@ pub fn of(ctx: &mut Context, kind: Kind) -> Option<Arc<Variant>> {
         State::Refused => None,
         State::Untried => {
             let made = super::super::quiet::quietly(ctx, |ctx| {
-                super::super::default_framebuffer::take_error(ctx);
+                super::super::errors::take_error(ctx);
                 let made = make(ctx, &program, kind);
-                super::super::default_framebuffer::drop_errors(ctx.gl);
+                super::super::errors::drop_errors(ctx.gl);
                 made
             });
             ctx.counts.linked += 1;

@@ -78,7 +78,7 @@ pub fn begin(ctx: &mut Context) -> Result<(), &'static str> {
     }
     if ctx.fixed.known.is_none() {
         let pipeline = Pipeline::read(ctx);
-        super::super::default_framebuffer::drop_errors(ctx.gl);
+        super::super::errors::drop_errors(ctx.gl);
         ctx.fixed.known = Some(pipeline);
     }
     let (program, two_sided, separate) = match &ctx.fixed.known {
@@ -218,9 +218,9 @@ fn make(ctx: &mut Context) -> Result<Arc<Program>, &'static str> {
     let own = text::text(&pipeline);
     let patched = glsl::patch(&own, Stage::Vertex, false, true).unwrap_or_default();
     let program = super::super::quiet::quietly(ctx, |ctx| {
-        super::super::default_framebuffer::take_error(ctx);
+        super::super::errors::take_error(ctx);
         let program = programs::of_own_text(ctx, &patched, own.into(), pipeline.flat);
-        super::super::default_framebuffer::drop_errors(ctx.gl);
+        super::super::errors::drop_errors(ctx.gl);
         program
     });
     ctx.counts.linked += 1;
