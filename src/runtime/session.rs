@@ -218,12 +218,12 @@ impl Session {
     }
 
     /// How many samples of all views show what the program sees through `lens`, to a few per cent. `own`: how many the
-    /// program's own picture has, which are those of a view with its lens.
+    /// program's own picture has, which are those of a view with its lens, and, `off_screen`, of every view.
     ///
     /// Added up over a grid on the program's picture: a view has `D / cos³ θ` samples per steradian at θ off its
     /// axis, where D is how many it has per unit of tangents squared. A picture to which vertices are projected has the area
     /// that the grid's cells take there.
-    pub fn samples(&self, lens: &Intrinsics, own: f64) -> f64 {
+    pub fn samples(&self, lens: &Intrinsics, own: f64, off_screen: bool) -> f64 {
         const GRID: u32 = 16;
         let camera = &self.rig.camera;
         let rotation = camera_rotation(camera);
@@ -238,7 +238,8 @@ impl Session {
             };
             let direction = towards(0.5, 0.5);
             for view in self.views() {
-                let samples = f64::from(view.tile.width) * f64::from(view.tile.height);
+                let tile = f64::from(view.tile.width) * f64::from(view.tile.height);
+                let samples = if off_screen { own } else { tile };
                 let seen = view.rotation * direction;
                 let (right, up) = (seen.x / -seen.z, seen.y / -seen.z);
                 let owned = &view.owned;
@@ -396,7 +397,7 @@ mod tests {
             let density = (600.0 / std::f64::consts::PI).powi(2) * angle / angle.sin();
             expected += density * cell / length.powi(3);
         }
-        let found = session.samples(&lens, 1e9);
+        let found = session.samples(&lens, 1e9, false);
         let view = &session.views()[0];
         assert_eq!((session.views().len(), view.curved.is_some()), (1, true));
         let scale = f64::from(view.tile.width) * f64::from(view.tile.height) / 360_000.0;

@@ -192,9 +192,12 @@ fn views_to_the_sides_get_nothing_of_what_is_ahead_off_screen() {
 /// State and counts, of which the programs judge what they are told.
 #[test]
 fn what_opengl_answers_about_draws_off_screen_stays() {
-    for (program, extra) in
-        [("ahead", ["--fbo"].as_slice()), ("occlusion", &["--fbo"]), ("scattered", &["--mode", "count"])]
-    {
+    for (program, extra) in [
+        ("ahead", ["--fbo"].as_slice()),
+        ("occlusion", &["--fbo"]),
+        ("counting", &["--fbo"]),
+        ("scattered", &["--mode", "count"]),
+    ] {
         let run = Run { frames: 4, cupola_frames: 5, extra, ..Run::new(program) };
         let Some(plain) = run.plain() else { return };
         plain.expect_success();

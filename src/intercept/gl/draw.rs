@@ -114,7 +114,7 @@ fn draw_to_views(
     let primary = target.primary();
     if ctx.counting.any() {
         let primitives = 1.0 / (views + usize::from(primary.is_some())) as f64;
-        let samples = counting::scene_samples(ctx, &target.session);
+        let samples = counting::scene_samples(ctx, &target.session, false);
         counting::weigh(ctx, Weights { samples, primitives });
     }
     let repeats = Repeats::new(changes, ctx, 0);
@@ -211,14 +211,22 @@ pub fn each_view(
 ) {
     let gl = ctx.gl;
     let share = 1.0 / views.max(1) as f64;
-    counting::weigh(ctx, Weights { samples: share, primitives: share });
+    let session = ctx.target.as_ref().map(|target| target.session.clone()).or_else(|| ctx.lent.clone());
+    let own = session.as_ref().map_or(0, |session| session.views().len());
     let repeats = Repeats::new(changes, ctx, 0);
     let mut projection_loaded = false;
-    let own = ctx.session().map_or(0, |session| session.views().len());
     let gets = |view: usize| view >= own || shown.contain(view);
     let last_shown = (0..views).rev().find(|view| gets(*view));
     for (number, view) in (0..views).filter(|view| gets(*view)).enumerate() {
         let place = prepare(ctx, view);
+        if ctx.counting.any() {
+            let samples = match (place, &session) {
+                (Place::FixedScene | Place::Scene(_), Some(_)) if view >= own => 0.0,
+                (Place::FixedScene | Place::Scene(_), Some(session)) => counting::scene_samples(ctx, session, true),
+                _ => share,
+            };
+            counting::weigh(ctx, Weights { samples, primitives: share });
+        }
         let mut divided = None;
         match place {
             _ if view >= own => {

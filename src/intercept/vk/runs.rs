@@ -156,7 +156,7 @@ impl Frame {
         if let Some((_, samples)) = self.sampled.filter(|(known, _)| *known == lens) {
             return samples;
         }
-        let samples = layout.session.samples(&lens, own);
+        let samples = layout.session.samples(&lens, own, false);
         self.sampled = Some((lens, samples));
         samples
     }

@@ -30,7 +30,7 @@ pub struct Counting {
     /// Objects of ours that were never anything.
     fresh: Vec<u32>,
     /// The lens and viewport for which `worth` was computed.
-    seen: Option<(Intrinsics, [i32; 4])>,
+    seen: Option<(Intrinsics, [i32; 4], bool)>,
     /// How many samples of the program's own picture one of the views' is worth.
     worth: f64,
     /// The context has results of 64 bits.
@@ -260,14 +260,14 @@ pub fn aside<R>(ctx: &mut Context, work: impl FnOnce(&mut Context) -> R) -> R {
 }
 
 /// How many samples of the program's own picture one of the views' is worth: what fills that picture counts as
-/// many as it has.
-pub fn scene_samples(ctx: &mut Context, session: &Session) -> f64 {
+/// many as it has. `off_screen`: each view has as many samples as that picture.
+pub fn scene_samples(ctx: &mut Context, session: &Session, off_screen: bool) -> f64 {
     let Some(lens) = ctx.lens else { return 1.0 };
-    let seen = Some((lens, ctx.believed.viewport));
+    let seen = Some((lens, ctx.believed.viewport, off_screen));
     if ctx.counting.seen != seen {
         let [_, _, width, height] = ctx.believed.viewport.map(f64::from);
         let own = width * height;
-        let worth = own / session.samples(&lens, own);
+        let worth = own / session.samples(&lens, own, off_screen);
         ctx.counting.worth = if worth.is_finite() && worth > 0.0 { worth } else { 1.0 };
         ctx.counting.seen = seen;
     }
