@@ -186,6 +186,8 @@ static void draw_lists(const app *a)
 
 static void draw(app *a)
 {
+    if (now(a, "idle"))
+        return;
     glClearColor(now(a, "clear_colour") ? 0.5f : 0.1f, 0.1f, 0.2f, 1.0f);
     GLbitfield cleared = GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT;
     if (is("stencil"))

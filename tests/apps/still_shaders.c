@@ -77,8 +77,16 @@ static const char flat_fragment[] =
     "void main() { result = vec4(0.5 * at, 0.04, 0.04); }\n";
 
 static const char *mode = "still";
-static GLuint program, painter, array, empty, buffer, indices, block, commands, source, store, count, textures[2],
-    sampler, framebuffer, painted;
+/* A step of something that goes on: a little more of all that was there, and a new part. */
+static const char step_fragment[] =
+    "#version 430 core\n"
+    "in vec2 at;\n"
+    "uniform sampler2D before;\n"
+    "out vec4 result;\n"
+    "void main() { result = vec4(texture(before, at).rgb + 0.02 * vec3(at, 1.0), 1.0); }\n";
+
+static GLuint program, painter, stepper, array, empty, buffer, indices, block, commands, source, store, count, textures[2],
+    sampler, framebuffer, painted, turns[2], turned[2], depths[2];
 static GLint projection, shift, weights;
 static float places[CORNERS][3];
 static float *mapped;
@@ -123,6 +131,8 @@ static void setup(app *a)
     const shader_source flats[] = {{GL_VERTEX_SHADER, flat_vertex}, {GL_FRAGMENT_SHADER, flat_fragment}};
     program = program_build(stages, 2);
     painter = program_build(flats, 2);
+    const shader_source steps[] = {{GL_VERTEX_SHADER, flat_vertex}, {GL_FRAGMENT_SHADER, step_fragment}};
+    stepper = program_build(steps, 2);
     projection = glGetUniformLocation(program, "P");
     shift = glGetUniformLocation(program, "shift");
     weights = glGetUniformLocation(program, "weights");
@@ -173,6 +183,21 @@ static void setup(app *a)
     glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, painted, 0);
     glClearColor(0.0f, 0.0f, 0.0f, 0.0f);
     glClear(GL_COLOR_BUFFER_BIT);
+    glGenFramebuffers(2, turns);
+    glGenTextures(2, turned);
+    glGenRenderbuffers(2, depths);
+    for (int i = 0; i < 2; i++) {
+        glBindTexture(GL_TEXTURE_2D, turned[i]);
+        glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, SIDE, SIDE, 0, GL_RGBA, GL_UNSIGNED_BYTE, NULL);
+        glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+        glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+        glBindRenderbuffer(GL_RENDERBUFFER, depths[i]);
+        glRenderbufferStorage(GL_RENDERBUFFER, GL_DEPTH_COMPONENT24, SIDE, SIDE);
+        glBindFramebuffer(GL_FRAMEBUFFER, turns[i]);
+        glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, turned[i], 0);
+        glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, depths[i]);
+        glClear(GL_COLOR_BUFFER_BIT);
+    }
     glBindFramebuffer(GL_FRAMEBUFFER, 0);
     glBindTexture(GL_TEXTURE_2D, textures[0]);
     if (is("counted")) {
@@ -216,6 +241,25 @@ static void *load(void *argument)
         glXMakeCurrent(a->window.display, None, NULL);
     }
     return NULL;
+}
+
+/* Each of two textures becomes what the other was, and a little more; `only`: the second from a texture that stays. */
+static void take_turns(const app *a, bool only)
+{
+    glViewport(0, 0, SIDE, SIDE);
+    glUseProgram(stepper);
+    glBindVertexArray(empty);
+    glBindSampler(0, 0);
+    for (int i = only ? 1 : 0; i < 2; i++) {
+        glBindFramebuffer(GL_FRAMEBUFFER, turns[i]);
+        glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+        glDisable(GL_DEPTH_TEST);
+        glBindTexture(GL_TEXTURE_2D, only ? textures[now(a, "off_screen") ? 1 : 0] : turned[1 - i]);
+        glDrawArrays(GL_TRIANGLE_STRIP, 0, 4);
+    }
+    glBindFramebuffer(GL_FRAMEBUFFER, 0);
+    glViewport(0, 0, a->window.width, a->window.height);
+    glBindTexture(GL_TEXTURE_2D, turned[1]);
 }
 
 /* What happens between frames, or before the draws, from frame CHANGES on. */
@@ -293,11 +337,15 @@ static void draw(app *a)
         glViewport(0, 0, a->window.width, a->window.height);
         glBindTexture(GL_TEXTURE_2D, painted);
     }
+    if (is("in_turns"))
+        take_turns(a, false);
+    if (is("off_screen"))
+        take_turns(a, true);
     app_clear();
     glUseProgram(program);
     glBindVertexArray(array);
     glBindSampler(0, sampler);
-    if (!is("painted_over"))
+    if (!is("painted_over") && !is("in_turns") && !is("off_screen"))
         glBindTexture(GL_TEXTURE_2D, textures[now(a, "texture") ? 1 : 0]);
     glUniformMatrix4fv(projection, 1, GL_FALSE, a->projection.m);
     glUniform2f(shift, 0.0f, now(a, "uniform") ? 0.8f : 0.0f);

@@ -51,6 +51,16 @@ fn a_scene_that_stands_still_is_corrected_once() {
     }
 }
 
+/// A program that swaps without drawing.
+#[test]
+fn a_frame_without_a_call_is_the_one_before() {
+    let Some(with) = run("still", "idle", &[]) else { return };
+    let without = run("still", "idle", &["--no-reuse"]).expect("a display");
+    expect_identical(&with.picture("capture.png"), &without.picture("capture.png"), "idle");
+    let counts = with.statistics();
+    assert!(counts["reused_frames"].as_u64() >= Some(20), "{}", counts["changed_by"]);
+}
+
 #[test]
 fn state_of_the_fixed_function_pipeline_is_followed() {
     let state = ["alpha", "blending", "clear_colour", "clip_plane", "colour", "depth_function", "environment"];
@@ -69,7 +79,7 @@ fn geometry_textures_and_lists_are_followed() {
 fn what_follows_from_the_last_frame_is_followed() {
     follows("still", &["drawn_over", "partly_cleared", "rotated_on"], BEFORE);
     follows("still", &["client_array", "copied_back", "scrolled_on", "stencil"], NEVER);
-    follows("still_shaders", &["counted", "painted_over", "persistent", "stored"], NEVER);
+    follows("still_shaders", &["counted", "in_turns", "painted_over", "persistent", "stored"], NEVER);
 }
 
 #[test]
@@ -82,7 +92,7 @@ fn buffers_are_followed() {
 fn uniforms_draws_and_textures_are_followed() {
     let modes = ["attribute", "count", "one_more", "program_uniform", "several", "uniform", "uniforms"];
     follows("still_shaders", &modes, BEFORE);
-    follows("still_shaders", &["named_texels", "sampler", "texels", "texture"], BEFORE);
+    follows("still_shaders", &["named_texels", "off_screen", "sampler", "texels", "texture"], BEFORE);
 }
 
 #[test]

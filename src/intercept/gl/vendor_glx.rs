@@ -113,7 +113,7 @@ unsafe extern "C" fn get_proc_address(name: *const u8) -> *mut c_void {
         "glXDestroyPbuffer" => destroy_pbuffer as *const (),
         "glXCopySubBufferMESA" => copy_sub_buffer as *const (),
         "glXWaitGL" => wait_gl as *const (),
-        "glXUseXFont" => return real,
+        "glXUseXFont" => use_font as *const (),
         _ => match vendor::hook(text, real) {
             Some(hook) => hook,
             None => return real,
@@ -224,6 +224,8 @@ noted_calls! {
         |drawable| note_drawable(drawable, Drawable::OffScreen);
     c"glXCreatePbuffer" create_pbuffer(display: Pointer, config: Pointer, attributes: *const c_int) -> c_ulong,
         |drawable| note_drawable(drawable, Drawable::OffScreen);
+    // It makes display lists, by calls that nobody sees.
+    c"glXUseXFont" use_font(font: c_ulong, first: c_int, count: c_int, list: c_int) -> (), |done| unchanged::change_in_the_current_context();
     c"glXBindTexImageEXT" bind_texture(display: Pointer, drawable: c_ulong, buffer: c_int, attributes: *const c_int) -> (),
         |done| unchanged::give_up_in_the_current_context();
     c"glXDestroyWindow" destroy_window(display: Pointer, drawable: c_ulong) -> (), |done| forget_drawable(drawable);

@@ -50,6 +50,9 @@ pub enum Kind {
     Indirect,
     /// It runs the lists whose names the last argument points at.
     Lists,
+    /// It selects which buffers are drawn to: the one that the first argument names, or (`true`) as many as that says of those that
+    /// the second points at.
+    Buffers(bool),
     /// It copies between framebuffers.
     Blit,
     /// It draws an image from memory, which a display list keeps.
@@ -134,7 +137,7 @@ const NOTHING_BEGINNINGS: [&str; 39] = [
 ];
 
 /// Calls that set state by numbers among their arguments.
-const STATE: [&str; 61] = [
+const STATE: [&str; 60] = [
     "ActiveShaderProgram",
     "ActiveTexture",
     "AlphaFunc",
@@ -166,7 +169,6 @@ const STATE: [&str; 61] = [
     "DepthMask",
     "DepthRange",
     "DepthRangef",
-    "DrawBuffer",
     "End",
     "EndList",
     "EvalPoint1",
@@ -338,8 +340,8 @@ pub const fn kind(name: &str, arguments: &[bool]) -> Kind {
         if points == 0 { Kind::Matrix } else { Kind::MatrixNumbers }
     } else if is(name, "CallLists") {
         Kind::Lists
-    } else if is(name, "DrawBuffers") {
-        Kind::Numbers { pointer: 1, count: Some(0), components: 1 }
+    } else if is(name, "DrawBuffer") || is(name, "DrawBuffers") {
+        Kind::Buffers(points == 1)
     } else if is(name, "ClipPlane") {
         Kind::Numbers { pointer: 1, count: None, components: 4 }
     } else if points == 1 && (begins(name, "DrawElements") || begins(name, "DrawRangeElements")) {

@@ -123,8 +123,9 @@ pub struct Unchanged {
     begun: bool,
     /// Its window's colour, depth and, where it matters, stencil were cleared as a whole.
     cleared: bool,
-    /// Framebuffers of the program's of which the same is true.
-    cleared_framebuffers: Vec<u32>,
+    /// The framebuffer of the program's of which the same is true. Of two, each could show what the other held in the
+    /// frame before.
+    cleared_framebuffer: Option<u32>,
     /// It had calls after which state may follow from what it was.
     relative: bool,
     /// Of the last frame, if that may be repeated.
@@ -141,8 +142,8 @@ pub struct Unchanged {
     pub reasons: Found,
 }
 
-/// State that may follow from its last value.
-type Relative = [f32; 44];
+/// State that may follow from its last value: two matrices and the raster position.
+type Relative = [f32; 36];
 
 impl Unchanged {
     /// Of a new context.
@@ -153,7 +154,7 @@ impl Unchanged {
             calls: Digest::default(),
             begun: false,
             cleared: false,
-            cleared_framebuffers: Vec::new(),
+            cleared_framebuffer: None,
             relative: false,
             last: None,
             ended: None,
@@ -262,7 +263,7 @@ unsafe fn note_now(ctx: &mut Context, call: &Call, words: &[u64]) {
     }
     let drawn = ctx.believed.draw_framebuffer;
     let unchanged = &ctx.unchanged;
-    let cleared = if drawn == 0 { unchanged.cleared } else { unchanged.cleared_framebuffers.contains(&drawn) };
+    let cleared = if drawn == 0 { unchanged.cleared } else { unchanged.cleared_framebuffer == Some(drawn) };
     let known = match call.kind {
         Kind::Draw | Kind::Lists => cleared,
         Kind::Elements(pointer) => {
@@ -278,6 +279,8 @@ unsafe fn note_now(ctx: &mut Context, call: &Call, words: &[u64]) {
             word(0) as u32 != api::GL_TEXTURE
                 && matches!(ctx.believed.matrix_mode, api::GL_MODELVIEW | api::GL_PROJECTION)
         }
+        // Which attachments of a framebuffer of the program's were cleared is not followed.
+        Kind::Buffers(_) => drawn == 0,
         Kind::Bytes { size, .. } => word(size) <= MOST_BYTES,
         Kind::Change | Kind::Map(_) | Kind::Pixels => false,
         _ => true,
@@ -299,6 +302,10 @@ unsafe fn note_now(ctx: &mut Context, call: &Call, words: &[u64]) {
                 let times = count.map_or(1, |count| (word(count) as u32 as i32).max(0) as u64);
                 add_but(calls, words, pointer);
                 calls.add_memory(word(pointer), times * u64::from(components) * call.size as u64);
+            }
+            Kind::Buffers(true) => {
+                calls.add(word(0));
+                calls.add_memory(word(1), 4 * (word(0) as u32 as i32).max(0) as u64);
             }
             Kind::Parameter { pointer } => {
                 add_but(calls, words, pointer);
@@ -396,8 +403,8 @@ pub fn note_clear(ctx: &mut Context, mask: u32) {
     }
     if drawn == 0 {
         ctx.unchanged.cleared = true;
-    } else {
-        ctx.unchanged.cleared_framebuffers.push(drawn);
+    } else if ctx.unchanged.cleared_framebuffer.replace(drawn).is_some_and(|other| other != drawn) {
+        ctx.unchanged.change("two framebuffers");
     }
 }
 
@@ -429,15 +436,16 @@ pub fn end_frame(ctx: &mut Context) -> Frame {
     counts.iter().zip(before).for_each(|(now, before)| calls.add(now - before));
     // A frame without a call repeats the one before.
     let same = follows && (ctx.unchanged.last == Some(calls) || (!ctx.unchanged.begun && ctx.unchanged.last.is_some()));
-    let relative = (same && ctx.unchanged.relative).then(|| relative(ctx));
+    let follows_itself = ctx.unchanged.relative;
+    let ended = if same && follows_itself { relative(ctx) } else { None };
     let unchanged = &mut ctx.unchanged;
-    let repeats = same && (!unchanged.begun || unchanged.ended == relative);
+    let repeats = same && (!unchanged.begun || !follows_itself || (ended.is_some() && unchanged.ended == ended));
     unchanged.streak = if repeats { unchanged.streak + 1 } else { 0 };
     if !same {
         unchanged.last = follows.then_some(calls);
     }
     if unchanged.begun {
-        unchanged.ended = relative;
+        unchanged.ended = ended;
     }
     if !repeats {
         unchanged.kept.forget();
@@ -448,7 +456,7 @@ pub fn end_frame(ctx: &mut Context) -> Frame {
     unchanged.follows = !unchanged.never;
     unchanged.begun = false;
     unchanged.cleared = false;
-    unchanged.cleared_framebuffers.clear();
+    unchanged.cleared_framebuffer = None;
     unchanged.relative = false;
     match unchanged.streak {
         0..SETTLED => Frame::New,
@@ -457,28 +465,31 @@ pub fn end_frame(ctx: &mut Context) -> Frame {
     }
 }
 
-/// State that may follow from what it was before. Asked for only where the calls were those of the frame before.
-fn relative(ctx: &Context) -> Relative {
+/// State that may follow from what it was before; none where more of it may than is looked at. Asked for only where the calls were
+/// those of the frame before.
+fn relative(ctx: &Context) -> Option<Relative> {
     let gl = ctx.gl;
-    let mut state = [0.0; 44];
-    let (matrices, rest) = state.split_at_mut(32);
+    let mut state = [0.0; 36];
+    let (matrices, raster) = state.split_at_mut(32);
     let (modelview, projection) = matrices.split_at_mut(16);
-    let mut asked = [0; 3];
+    let mut depths = [0; 2];
     // SAFETY: matrices have sixteen numbers, the raster position four, the others one.
     unsafe {
         gl.get_floatv(api::GL_MODELVIEW_MATRIX, modelview.as_mut_ptr());
         gl.get_floatv(api::GL_PROJECTION_MATRIX, projection.as_mut_ptr());
-        gl.get_floatv(api::GL_CURRENT_RASTER_POSITION, rest.as_mut_ptr());
-        let names = [api::GL_MODELVIEW_STACK_DEPTH, api::GL_PROJECTION_STACK_DEPTH, api::GL_ATTRIB_STACK_DEPTH];
-        for (value, name) in asked.iter_mut().zip(names) {
-            gl.get_integerv(name, value);
-        }
+        gl.get_floatv(api::GL_CURRENT_RASTER_POSITION, raster.as_mut_ptr());
+        gl.get_integerv(api::GL_MODELVIEW_STACK_DEPTH, &mut depths[0]);
+        gl.get_integerv(api::GL_PROJECTION_STACK_DEPTH, &mut depths[1]);
     }
-    rest[4] = ctx.believed.matrix_mode as f32;
-    for (place, value) in rest[5..].iter_mut().zip(asked) {
-        *place = value as f32;
+    let looked_at = matches!(ctx.believed.matrix_mode, api::GL_MODELVIEW | api::GL_PROJECTION);
+    (looked_at && depths == [1, 1] && ctx.attribute_stack.is_empty()).then_some(state)
+}
+
+/// A call of the window system's changes what is drawn.
+pub fn change_in_the_current_context() {
+    if let Some(ctx) = super::registry::current() {
+        ctx.unchanged.change("a font of the window system's");
     }
-    state
 }
 
 /// A call of the window system's lets something else write to what the program samples.

@@ -44,6 +44,10 @@ fn calls_are_told_apart_by_their_names() {
     assert_eq!(of("glDrawElements", 4, true), Kind::Elements(3));
     assert_eq!(of("glDrawElementsIndirect", 3, true), Kind::Indirect);
     assert_eq!(of("glDrawArraysInstancedARB", 4, false), Kind::Draw);
+    assert_eq!(
+        (of("glDrawBuffers", 2, true), of("glDrawBuffer", 1, false)),
+        (Kind::Buffers(true), Kind::Buffers(false))
+    );
     assert_eq!(of("glBindBufferRange", 5, false), Kind::BindBuffer);
     assert_eq!(of("glBindBuffersRange", 6, true), Kind::Never, "it may bind what the device writes");
 }
