@@ -7,10 +7,11 @@ use cupola::correct::draws::{Rows, draws};
 use cupola::correct::shaders::{Language, Stage, specialise};
 use cupola::correct::{self, Plan};
 use cupola::geom::Frustum;
-use cupola::intercept::gl::culling::bounds::{Bounds, extent, outside};
-use cupola::intercept::gl::culling::position::Transform;
+use cupola::intercept::gl::culling::bounds::{Bounds, Placed, extent, outside};
+use cupola::intercept::gl::culling::position::{Transform, View};
 use cupola::intercept::gl::immediate::commands::Command;
 use cupola::intercept::gl::immediate::recorder::{Recorder, Sets, add_vertex};
+use cupola::intercept::gl::unchanged::call::Digest;
 use cupola::rig::{self, Rig};
 use cupola::runtime::session::{Extras, MatrixClass, Session, classify};
 use cupola::views::{self, Request};
@@ -129,6 +130,21 @@ mod draw {
         bencher.bench(|| session.rows(black_box(&lens)).map(|rows| rows.x[0]).sum::<f64>());
     }
 
+    /// A thousand calls of a program, noted.
+    #[divan::bench]
+    fn note(bencher: Bencher) {
+        let matrix = black_box([0.5f32; 16]);
+        bencher.bench(|| {
+            let mut calls = Digest::default();
+            for i in 0..1000u64 {
+                calls.add(black_box(i));
+                // SAFETY: as many bytes as a matrix has.
+                unsafe { calls.add_memory(matrix.as_ptr() as u64, size_of_val(&matrix) as u64) };
+            }
+            calls
+        });
+    }
+
     /// Which of five views a box is in, and where.
     #[divan::bench]
     fn cull(bencher: Bencher) {
@@ -141,10 +157,11 @@ mod draw {
         let model = Transform::of(&program_matrix());
         bencher.bench(|| {
             let (low, high) = black_box(([-1.0, -1.0, -12.0], [1.0, 2.0, -10.0]));
+            let placed = Placed::of(&model, low, high);
             rows.iter()
-                .map(|rows| Transform::of_rows(rows).after(&model))
-                .filter(|transform| !outside(transform, low, high, [0.01, 0.01]))
-                .filter_map(|transform| extent(&transform, low, high))
+                .map(View::of_rows)
+                .filter(|view| !outside(view, &placed, [0.01, 0.01]))
+                .filter_map(|view| extent(&view, &placed))
                 .count()
         });
     }

@@ -37,16 +37,18 @@ pub enum Kind {
     MatrixNumbers,
     /// Where an array is: in a buffer, or where the argument points.
     Pointer(u8),
-    /// It draws.
+    /// It draws, but not from arrays.
     Draw,
-    /// It draws with indices: from a buffer, or from where the argument points.
+    /// It draws from arrays.
+    Arrays,
+    /// It draws from arrays with indices: from a buffer, or from where the argument points.
     Elements(u8),
-    /// It draws several times, as two lists in memory say; the last argument tells how often.
+    /// It draws from arrays several times, as two lists in memory say; the last argument tells how often.
     Draws {
         /// With indices: the lists are the second and the fourth argument, not the second and the third.
         elements: bool,
     },
-    /// It draws as a buffer says, if one is bound.
+    /// It draws from arrays as a buffer says, if one is bound.
     Indirect,
     /// It runs the lists whose names the last argument points at.
     Lists,
@@ -71,7 +73,13 @@ impl Kind {
     /// Whether such a call draws.
     #[allow(dead_code)] // The build script does not ask.
     pub const fn draws(self) -> bool {
-        matches!(self, Self::Draw | Self::Elements(_) | Self::Draws { .. } | Self::Indirect | Self::Lists | Self::Blit)
+        self.draws_arrays() || matches!(self, Self::Draw | Self::Lists | Self::Blit)
+    }
+
+    /// Whether it draws from arrays.
+    #[allow(dead_code)] // The build script does not ask.
+    pub const fn draws_arrays(self) -> bool {
+        matches!(self, Self::Arrays | Self::Elements(_) | Self::Draws { .. } | Self::Indirect)
     }
 }
 
@@ -346,7 +354,9 @@ pub const fn kind(name: &str, arguments: &[bool]) -> Kind {
         Kind::Numbers { pointer: 1, count: None, components: 4 }
     } else if points == 1 && (begins(name, "DrawElements") || begins(name, "DrawRangeElements")) {
         Kind::Elements(first(arguments))
-    } else if points == 0 && (begins(name, "DrawArrays") || begins(name, "Rect") || is_other_draw(name)) {
+    } else if points == 0 && begins(name, "DrawArrays") {
+        Kind::Arrays
+    } else if points == 0 && (begins(name, "Rect") || is_other_draw(name)) {
         Kind::Draw
     } else if points == 1 && is_array(name) {
         Kind::Pointer(last)

@@ -2,8 +2,9 @@
 //!
 //! The rows come from the registry (`build/gl_taps.rs`), vendors' calls included; what only answers is left to the driver.
 
+use super::call::{Call, Word};
 use super::calls::{self, Kind};
-use super::{Call, Word, unknown};
+use super::unknown;
 use crate::intercept::gl::registry;
 use std::collections::HashMap;
 use std::ffi::{c_char, c_void};
@@ -14,13 +15,13 @@ use std::sync::atomic::{AtomicPtr, Ordering};
 macro_rules! noted {
     ($ctx:ident, $name:literal, $($p:ident: $t:ty),*) => {{
         use $crate::intercept::gl::unchanged;
-        const CALL: unchanged::Call = unchanged::Call::new(
+        const CALL: unchanged::call::Call = unchanged::call::Call::new(
             $name,
-            [$(<$t as unchanged::Word>::POINTS),*],
-            [$(<$t as unchanged::Word>::SIZE),*],
+            [$(<$t as unchanged::call::Word>::POINTS),*],
+            [$(<$t as unchanged::call::Word>::SIZE),*],
         );
         if CALL.counts() {
-            unchanged::note($ctx, &CALL, &[$(unchanged::Word::word($p)),*]);
+            unchanged::noting::note($ctx, &CALL, &[$(unchanged::call::Word::word($p)),*]);
         }
     }};
 }
@@ -49,11 +50,11 @@ pub fn find(name: &str, real: *const c_void) -> Option<*const ()> {
 /// Notes a call without a hook.
 ///
 /// # Safety
-/// As of [`super::note`].
+/// As of [`super::noting::note`].
 unsafe fn before(call: &Call, words: &[u64]) {
     if let Some(ctx) = registry::current().filter(|ctx| !ctx.switched_off) {
         // SAFETY: as promised.
-        unsafe { super::note(ctx, call, words) };
+        unsafe { super::noting::note(ctx, call, words) };
     }
 }
 

@@ -1,7 +1,7 @@
 //! What calls may change, by their names, and what is made of their arguments.
 
+use super::call::Digest;
 use super::calls::{Kind, kind};
-use super::*;
 
 /// The kind of a call with `arguments` arguments, the last of which points at something if `points`.
 fn of(name: &str, arguments: usize, points: bool) -> Kind {
@@ -43,7 +43,7 @@ fn calls_are_told_apart_by_their_names() {
     assert_eq!(of("glGetVertexAttribPointerv", 3, true), Kind::Nothing);
     assert_eq!(of("glDrawElements", 4, true), Kind::Elements(3));
     assert_eq!(of("glDrawElementsIndirect", 3, true), Kind::Indirect);
-    assert_eq!(of("glDrawArraysInstancedARB", 4, false), Kind::Draw);
+    assert_eq!(of("glDrawArraysInstancedARB", 4, false), Kind::Arrays);
     assert_eq!(
         (of("glDrawBuffers", 2, true), of("glDrawBuffer", 1, false)),
         (Kind::Buffers(true), Kind::Buffers(false))
