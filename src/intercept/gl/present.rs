@@ -7,6 +7,7 @@ use super::frames;
 use super::registry::{after_panic, current};
 use super::unchanged::{self, Frame};
 use super::window::{Look, Window};
+use crate::backend::gl::Target;
 use crate::backend::gl::api::{self, Gl};
 use crate::intercept::kept::{self, Kept};
 use crate::intercept::settings::{self, Reuse};
@@ -112,14 +113,21 @@ fn in_window(ctx: &Context, run: impl FnOnce(&Gl)) {
 
 /// Corrects the views into the window. Allocates nothing.
 fn correct(ctx: &mut Context) {
-    super::counting::aside(ctx, correct_now);
+    correct_into(ctx, None);
 }
 
-fn correct_now(ctx: &mut Context) {
+/// Corrects the views into the window, or into another framebuffer in its place.
+pub fn correct_into(ctx: &mut Context, framebuffer: Option<u32>) {
+    super::counting::aside(ctx, |ctx| correct_now(ctx, framebuffer));
+}
+
+fn correct_now(ctx: &mut Context, framebuffer: Option<u32>) {
     let Some(target) = ctx.target.take() else { return };
     target.resolve(ctx, None);
     let blank = target.blank();
-    let (texture, outputs) = (target.texture(), target.outputs());
+    let elsewhere: Option<Vec<_>> = framebuffer
+        .map(|framebuffer| target.outputs().iter().map(|output| Target { framebuffer, ..*output }).collect());
+    let (texture, outputs) = (target.texture(), elsewhere.as_deref().unwrap_or(target.outputs()));
     let pending = target.backend().present_but(ctx.gl, texture, outputs, blank.as_ref(), &ctx.known_state);
     if ctx.pending_error == api::GL_NO_ERROR {
         ctx.pending_error = pending;
@@ -138,16 +146,13 @@ fn frame(ctx: &mut Context) {
         ctx.counts.hidden_frames += 1;
     } else {
         match unchanged {
-            Frame::Kept if settings.reuse == Reuse::Yes && unchanged::kept::show(ctx) => ctx.counts.reused_frames += 1,
-            Frame::New => correct(ctx),
-            Frame::Settled => {
-                correct(ctx);
-                unchanged::kept::keep(ctx);
-            }
-            Frame::Kept => {
+            Frame::Kept if settings.reuse == Reuse::Check => {
                 correct(ctx);
                 unchanged::kept::check(ctx);
             }
+            Frame::Kept if unchanged::kept::show(ctx) => ctx.counts.reused_frames += 1,
+            Frame::Settled if unchanged::kept::keep(ctx) => {}
+            _ => correct(ctx),
         }
     }
     if kept {

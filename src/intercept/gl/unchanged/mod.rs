@@ -25,6 +25,10 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// (cameras, what lies behind the scene, scenes off screen) is then settled, too.
 const SETTLED: u32 = 4;
 
+/// After so many frames with other calls than the ones before only two of as many are looked at, which spares the
+/// others the noting.
+const RESTS: u32 = 16;
+
 /// The context that made the last call, and how often that became another one.
 static LAST: AtomicU64 = AtomicU64::new(u64::MAX);
 static TURNS: AtomicU64 = AtomicU64::new(0);
@@ -53,6 +57,8 @@ pub struct Unchanged {
     ended: Option<Relative>,
     /// So many frames before this one were the same.
     streak: u32,
+    /// So many frames in a row had other calls than the ones before.
+    moving: u32,
     /// What had been counted when the frame began.
     counted: [u64; 4],
     turns: u64,
@@ -79,6 +85,7 @@ impl Unchanged {
             last: None,
             ended: None,
             streak: 0,
+            moving: 0,
             counted: [0; 4],
             turns: 0,
             kept: kept::Kept::default(),
@@ -151,7 +158,9 @@ pub fn end_frame(ctx: &mut Context) -> Frame {
             unchanged.reasons.count("arguments");
         }
     }
-    unchanged.follows = !unchanged.never;
+    unchanged.moving = if repeats { 0 } else { unchanged.moving.wrapping_add(1).max(unchanged.moving.min(RESTS)) };
+    let rests = unchanged.moving >= RESTS && unchanged.moving % RESTS >= 2;
+    unchanged.follows = !unchanged.never && !rests;
     unchanged.begun = false;
     unchanged.cleared = false;
     unchanged.cleared_framebuffer = None;

@@ -69,7 +69,7 @@ unsafe fn note_now(ctx: &mut Context, call: &Call, words: &[u64]) {
             cleared && (!elements || bound::buffer(ctx, api::GL_ELEMENT_ARRAY_BUFFER) != Some(0))
         }
         Kind::Indirect => cleared && bound::buffer(ctx, api::GL_DRAW_INDIRECT_BUFFER) != Some(0),
-        Kind::Blit => cleared && drawn == 0 && ctx.believed.read_framebuffer != 0,
+        Kind::Blit => drawn == 0 && ctx.believed.read_framebuffer != 0 && (cleared || fills_window(ctx, words)),
         // Texture matrices are not looked at: every unit has one.
         Kind::Matrix | Kind::MatrixNumbers => {
             word(0) as u32 != api::GL_TEXTURE
@@ -135,6 +135,27 @@ unsafe fn note_now(ctx: &mut Context, call: &Call, words: &[u64]) {
     }
 }
 
+/// Whether `glBlitFramebuffer` fills the window's colours.
+fn fills_window(ctx: &Context, words: &[u64]) -> bool {
+    let &[_, _, _, _, x0, y0, x1, y1, mask, _] = words else { return false };
+    let [x0, y0, x1, y1] = [x0, y0, x1, y1].map(|word| word as u32 as i32);
+    let from_to = [x0.min(x1), y0.min(y1), x0.max(x1), y0.max(y1)].map(i64::from);
+    mask as u32 & api::GL_COLOR_BUFFER_BIT != 0 && is_around_window(ctx, from_to) && is_unscissored(ctx)
+}
+
+/// Whether a rectangle (left, bottom, right, top) holds the whole window.
+fn is_around_window(ctx: &Context, [left, bottom, right, top]: [i64; 4]) -> bool {
+    let around = |(w, h): (u32, u32)| left <= 0 && bottom <= 0 && right >= i64::from(w) && top >= i64::from(h);
+    ctx.target.as_ref().is_some_and(|target| around(target.size()))
+}
+
+/// Whether nothing of what is drawn to is cut off. How large framebuffers of the program's are is not known.
+fn is_unscissored(ctx: &Context) -> bool {
+    let [x, y, width, height] = ctx.believed.scissor.map(i64::from);
+    !ctx.believed.scissor_test
+        || (ctx.believed.draw_framebuffer == 0 && is_around_window(ctx, [x, y, x + width, y + height]))
+}
+
 fn add_but(calls: &mut Digest, words: &[u64], pointer: u8) {
     let others = words.iter().enumerate().filter(|(place, _)| *place != usize::from(pointer));
     others.for_each(|(_, word)| calls.add(*word));
@@ -193,10 +214,7 @@ pub fn note_clear(ctx: &mut Context, mask: u32) {
     let (gl, drawn) = (ctx.gl, ctx.believed.draw_framebuffer);
     let stencil = if ctx.workload.tests_stencils() { api::GL_STENCIL_BUFFER_BIT } else { 0 };
     let needed = api::GL_COLOR_BUFFER_BIT | api::GL_DEPTH_BUFFER_BIT | stencil;
-    let [x, y, width, height] = ctx.believed.scissor.map(i64::from);
-    let around = |(w, h): (u32, u32)| x <= 0 && y <= 0 && x + width >= i64::from(w) && y + height >= i64::from(h);
-    let around_window = drawn == 0 && ctx.target.as_ref().is_some_and(|target| around(target.size()));
-    let whole = (!ctx.believed.scissor_test || around_window) && ctx.condition.is_none() && !ctx.discard;
+    let whole = is_unscissored(ctx) && ctx.condition.is_none() && !ctx.discard;
     let mut depth = 0u8;
     // SAFETY: writes one value.
     unsafe { gl.get_booleanv(api::GL_DEPTH_WRITEMASK, &mut depth) };
