@@ -215,10 +215,7 @@ pub fn note_clear(ctx: &mut Context, mask: u32) {
     let stencil = if ctx.workload.tests_stencils() { api::GL_STENCIL_BUFFER_BIT } else { 0 };
     let needed = api::GL_COLOR_BUFFER_BIT | api::GL_DEPTH_BUFFER_BIT | stencil;
     let whole = is_unscissored(ctx) && ctx.condition.is_none() && !ctx.discard;
-    let mut depth = 0u8;
-    // SAFETY: writes one value.
-    unsafe { gl.get_booleanv(api::GL_DEPTH_WRITEMASK, &mut depth) };
-    let writes = depth != 0 && ctx.known_state.mask(gl).iter().all(|on| *on != 0);
+    let writes = ctx.known_state.writes_depth(gl) && ctx.known_state.mask(gl).iter().all(|on| *on != 0);
     let shown = drawn != 0 || ctx.believed.draw_buffer == api::GL_BACK;
     if mask & needed != needed || !whole || !writes || !shown {
         return;
