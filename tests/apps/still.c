@@ -254,11 +254,6 @@ static void draw(app *a)
         glDisable(GL_TEXTURE_2D);
         glBindTexture(GL_TEXTURE_2D, texture);
     }
-    if (is("accumulated")) {
-        glAccum(a->frame == 0 ? GL_LOAD : GL_MULT, 0.95f);
-        glAccum(GL_ACCUM, 0.05f);
-        glAccum(GL_RETURN, 1.0f);
-    }
     if (is("left_colour"))
         glColor3f(1.0f, 1.0f, 1.0f);
     glPushAttrib(GL_CURRENT_BIT);
