@@ -50,7 +50,7 @@ fn possible(ctx: &Context) -> bool {
 }
 
 /// Draws to `framebuffer` and reads from `from`, within no scissor. Bindings and switches are put back.
-fn aside(ctx: &mut Context, framebuffer: u32, from: u32, draw: impl FnOnce(&Context)) {
+fn in_framebuffers(ctx: &mut Context, framebuffer: u32, from: u32, draw: impl FnOnce(&Context)) {
     take_error(ctx);
     counting::aside(ctx, |ctx| {
         let gl = ctx.gl;
@@ -86,7 +86,7 @@ fn aside(ctx: &mut Context, framebuffer: u32, from: u32, draw: impl FnOnce(&Cont
 /// Copies all of a picture as large as the window, 0 being that.
 fn copy(ctx: &mut Context, from: u32, to: u32, (width, height): (u32, u32)) {
     let (width, height) = (width as i32, height as i32);
-    aside(ctx, to, from, |ctx| {
+    in_framebuffers(ctx, to, from, |ctx| {
         // SAFETY: both framebuffers are as large.
         unsafe {
             let color = api::GL_COLOR_BUFFER_BIT;
@@ -98,7 +98,7 @@ fn copy(ctx: &mut Context, from: u32, to: u32, (width, height): (u32, u32)) {
 /// A canvas as large as the window, black where no output is.
 fn new_canvas(ctx: &mut Context, (width, height): (u32, u32)) -> Canvas {
     let canvas = Canvas::new(ctx.gl, width as i32, height as i32);
-    aside(ctx, canvas.framebuffer, 0, |ctx| clear_transparent(ctx.gl, &ctx.known_state));
+    in_framebuffers(ctx, canvas.framebuffer, 0, |ctx| clear_transparent(ctx.gl, &ctx.known_state));
     canvas
 }
 

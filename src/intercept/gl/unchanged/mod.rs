@@ -158,7 +158,7 @@ pub fn end_frame(ctx: &mut Context) -> Frame {
             unchanged.reasons.count("arguments");
         }
     }
-    unchanged.moving = if repeats { 0 } else { unchanged.moving.wrapping_add(1).max(unchanged.moving.min(RESTS)) };
+    unchanged.moving = if repeats { 0 } else { unchanged.moving.wrapping_add(1) };
     let rests = unchanged.moving >= RESTS && unchanged.moving % RESTS >= 2;
     unchanged.follows = !unchanged.never && !rests;
     unchanged.begun = false;

@@ -76,7 +76,7 @@ unsafe fn note_now(ctx: &mut Context, call: &Call, words: &[u64]) {
                 && matches!(ctx.believed.matrix_mode, api::GL_MODELVIEW | api::GL_PROJECTION)
         }
         // Which attachments of a framebuffer of the program's were cleared is not followed.
-        Kind::Buffers(_) => drawn == 0,
+        Kind::Buffers(several) => drawn == 0 && (!several || word(0) <= 16),
         Kind::Bytes { size, .. } => word(size) <= MOST_BYTES,
         Kind::Change | Kind::Map(_) | Kind::Pixels => false,
         _ => true,
@@ -95,7 +95,10 @@ unsafe fn note_now(ctx: &mut Context, call: &Call, words: &[u64]) {
     unsafe {
         match call.kind {
             Kind::Numbers { pointer, count, components } => {
+                // OpenGL does not read what goes nowhere.
+                let nowhere = count.is_some_and(|count| word(count - 1) as u32 as i32 == -1);
                 let times = count.map_or(1, |count| (word(count) as u32 as i32).max(0) as u64);
+                let times = if nowhere { 0 } else { times };
                 add_but(calls, words, pointer);
                 calls.add_memory(word(pointer), times * u64::from(components) * call.size as u64);
             }
