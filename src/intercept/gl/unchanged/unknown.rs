@@ -68,7 +68,8 @@ std::arch::global_asm!(
     ".set cupola_unknown_call, 0",
     ".rept {most}",
     ".balign 32",
-    "bti c",
+    // bti c, which assemblers know by this name whatever the processor.
+    "hint #34",
     "adrp x16, {called}",
     "mov w17, #1",
     "strb w17, [x16, :lo12:{called}]",
