@@ -37,7 +37,9 @@
 
 pub mod backend;
 pub mod blend;
+pub mod cache;
 pub mod correct;
+pub mod digest;
 pub mod error;
 pub mod fence;
 pub mod ffi;

@@ -8,20 +8,22 @@ use std::process::Command;
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 
 /// What each module of the library may name of the others. `error` is everybody's.
-const MAY_USE: [(&str, &[&str]); 14] = [
+const MAY_USE: [(&str, &[&str]); 16] = [
     ("error", &[]),
     ("fence", &[]),
-    ("geom", &[]),
-    ("formats", &["geom"]),
+    ("digest", &[]),
+    ("cache", &["digest"]),
+    ("geom", &["digest"]),
+    ("formats", &["digest", "geom"]),
     ("rig", &["geom", "formats"]),
-    ("views", &["geom", "rig", "warp"]),
+    ("views", &["cache", "geom", "rig", "warp"]),
     ("warp", &["geom", "formats", "rig"]),
     ("blend", &["geom", "rig", "warp"]),
-    ("correct", &["geom", "rig", "views", "warp", "blend"]),
-    ("backend", &["correct"]),
-    ("runtime", &["fence", "geom", "rig", "views", "warp", "blend", "correct", "backend"]),
-    ("intercept", &["fence", "rig", "views", "correct", "backend", "runtime"]),
-    ("ffi", &["fence", "geom", "rig", "views", "warp", "correct", "backend", "runtime"]),
+    ("correct", &["cache", "geom", "rig", "views", "warp", "blend"]),
+    ("backend", &["cache", "correct"]),
+    ("runtime", &["cache", "fence", "geom", "rig", "views", "warp", "blend", "correct", "backend"]),
+    ("intercept", &["cache", "digest", "fence", "rig", "views", "correct", "backend", "runtime"]),
+    ("ffi", &["cache", "fence", "geom", "rig", "views", "warp", "correct", "backend", "runtime"]),
     ("preload", &["fence", "intercept"]),
 ];
 

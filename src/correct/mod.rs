@@ -32,7 +32,7 @@ pub use arrangement::{Arrangement, ImageSize};
 pub use facets::{FacetCorner, Facets};
 pub use footprints::{Footprints, Texels, footprints};
 pub use hidden::hidden_areas;
-pub use plan::{Approximation, Batch, OutputPass, PixelRect, Plan, Source, build};
+pub use plan::{Approximation, Batch, OutputPass, PixelRect, Plan, Source, build, build_with};
 pub use table::{Table, TablePixel};
 
 pub use crate::views::Tile;

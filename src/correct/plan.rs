@@ -7,6 +7,7 @@ use super::shown::Shown;
 use super::table::Table;
 use super::{beam, blocks, mask, source};
 use crate::blend::{Border, Weights};
+use crate::cache::Cache;
 use crate::error::Result;
 use crate::geom::pencil::RimForms;
 use crate::geom::screen::Bounds;
@@ -247,13 +248,21 @@ pub struct Batch {
 ///
 /// Those of [`views::plan`] and [`WarpMap::new`](crate::warp::WarpMap::new); [`Io`](crate::ErrorKind::Io) or [`InvalidRig`](crate::ErrorKind::InvalidRig) if a mask cannot be read.
 pub fn build(rig: &Rig, request: &Request) -> Result<Plan> {
+    build_with(rig, request, &Cache::none())
+}
+
+/// As [`build`]; `cache` may know which views are chosen and what is in tables, or keeps it.
+///
+/// # Errors
+/// As [`build`].
+pub fn build_with(rig: &Rig, request: &Request, cache: &Cache) -> Result<Plan> {
     let flips = rig.outputs.iter().map(|output| output.flip);
     let rig = &*rig.upright();
     // What is outside of the window is not drawn; its size only has to be one.
     let sizes: Vec<_> = request.output_sizes.iter().map(|&(width, height)| (width.max(1), height.max(1))).collect();
     let sizes = sizes.as_slice();
     let domes = dome_meshes(rig, sizes)?;
-    let views = views::plan_with_reach(rig, request, reach(rig, &domes))?;
+    let views = views::plan_with_reach(rig, request, reach(rig, &domes), cache)?;
     let mut passes = Vec::new();
     let lift = match rig.outputs.iter().any(|output| output.blend.contrast.is_some()) {
         true => Weights::new(rig, sizes)?.greatest_black(),
@@ -261,7 +270,7 @@ pub fn build(rig: &Rig, request: &Request) -> Result<Plan> {
     };
     if !rig.passthrough {
         for (index, ((output, &size), flip)) in rig.outputs.iter().zip(sizes).zip(flips).enumerate() {
-            let source = source::of(rig, index, sizes)?;
+            let source = source::of(rig, index, sizes, cache)?;
             // A table has them in its weights.
             let ramps = if matches!(source, Source::Table(_)) { Vec::new() } else { output.blend.ramps.clone() };
             let mask = output.mask.as_deref().map(mask::load).transpose()?;

@@ -4,6 +4,7 @@ use super::plan::{Light, Neighbour, OpticsSource, ProjectorSource, Source, Way};
 use super::shown::Shown;
 use super::table;
 use crate::blend::Border;
+use crate::cache::Cache;
 use crate::error::Result;
 use crate::geom::fisheye::RadialForm;
 use crate::geom::pencil::RimForms;
@@ -15,19 +16,21 @@ use glam::{DAffine3, DMat3, DVec2, DVec3};
 use std::sync::Arc;
 
 /// The map of output `index` of `rig`, whose outputs have `sizes` pixels: a coarse table where its method asks for one,
-/// else the closed form where there is one, otherwise a table of all pixels.
+/// else the closed form where there is one, otherwise a table of all pixels. `cache` may know tables, or keeps them.
 ///
 /// # Errors
 /// Those of [`Shown::new`].
-pub(super) fn of(rig: &Rig, index: usize, sizes: &[(u32, u32)]) -> Result<Source> {
+pub(super) fn of(rig: &Rig, index: usize, sizes: &[(u32, u32)], cache: &Cache) -> Result<Source> {
     let shown = || Shown::new(rig, index, sizes);
     let size = sizes.get(index).copied().unwrap_or_default();
     let table = match (rig.outputs[index].method, closed_form(rig, index, size)) {
-        (Method::Table { max_error }, _) => table::coarse(&shown()?, max_error),
+        (Method::Table { max_error }, _) => {
+            table::kept(rig, index, sizes, cache, || Ok(table::coarse(&shown()?, max_error)))
+        }
         (_, Some(source)) => return Ok(source),
-        _ => shown()?.table(),
+        _ => table::kept(rig, index, sizes, cache, || Ok(shown()?.table())),
     };
-    Ok(Source::Table(Arc::new(table)))
+    Ok(Source::Table(Arc::new(table?)))
 }
 
 /// A projector whose rays are linear in the pixel.

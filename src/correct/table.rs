@@ -8,8 +8,10 @@
 //! and a byte for each pixel in memory.
 
 mod coarse;
+mod kept;
 
 pub(super) use coarse::coarse;
+pub(super) use kept::kept;
 
 use super::uniforms;
 use crate::views::axes::facing;

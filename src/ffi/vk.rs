@@ -270,6 +270,7 @@ pub(super) unsafe fn create(
     let wanted = options_of(options)?;
     // SAFETY: as promised above.
     let api = unsafe { Api::from_handles(find, options.instance, options.physical_device, options.device) }?;
+    let api = api.with_cache(crate::runtime::cache::of_process());
     let embedded = make(api, rig, wanted)?;
     // SAFETY: writable, as promised above.
     unsafe { *vk = Box::into_raw(Box::new(cupola_vk { embedded })) };

@@ -2,16 +2,27 @@
 
 use super::input::{self, invalid};
 use super::pfm;
+use crate::digest::Digest;
 use crate::error::{Error, ErrorKind, Result};
 use glam::DVec2;
+use std::fmt;
 
 /// Values for each channel of each pixel, 0…1; what they are is said beside them.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, PartialEq)]
 pub struct Levels {
     /// Width and height.
     pub size: (u32, u32),
     /// Red, green and blue, row by row from the top.
     pub values: Vec<[f32; 3]>,
+}
+
+/// A sum stands for the values, all bits of them.
+impl fmt::Debug for Levels {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let values = self.values.iter().flatten().map(|value| f64::from(*value));
+        let sum = format_args!("{:x}", values.collect::<Digest>());
+        f.debug_struct("Levels").field("size", &self.size).field("sum", &sum).finish()
+    }
 }
 
 /// Reads a PNG of 8 or 16 bits or a PFM, grey or colour. `name` is the file's, for messages.

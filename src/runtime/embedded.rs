@@ -2,6 +2,7 @@
 
 pub mod vulkan;
 
+use super::cache;
 use super::session::{Extras, MatrixClass, Session, classify};
 use crate::backend::gl::api::Gl;
 use crate::backend::gl::surface::{Saved, Surface, greatest_texture};
@@ -108,7 +109,7 @@ impl Embedded {
     fn prepare(gl: &Gl, rig: &Rig, size: (u32, u32), es: bool, plan: Planner) -> Result<(Session, Surface, GlBackend)> {
         check_request(rig, size)?;
         let session = plan(rig, size, false, greatest_texture(gl), Extras::default())?;
-        let mut backend = GlBackend::new(gl, es)?;
+        let mut backend = GlBackend::new(gl, es)?.with_cache(gl, cache::of_process());
         if let Err(error) = backend.prepare(gl, session.plan(), false) {
             backend.destroy(gl);
             return Err(error);

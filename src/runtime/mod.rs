@@ -1,5 +1,6 @@
 //! One window's Cupola: rig and plan, what a frame looked like, and what was counted.
 
+pub mod cache;
 pub mod embedded;
 pub mod process;
 pub mod report;

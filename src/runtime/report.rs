@@ -1,5 +1,6 @@
 //! What a run leaves behind: captures and statistics.
 
+use crate::cache::Counts;
 use crate::error::{Error, ErrorKind, Result};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -74,6 +75,8 @@ pub struct Statistics {
     pub outputs_narrowed: u64,
     /// Programs of shaders that were linked: the correction's, and the program's with our epilogue.
     pub shaders_linked: u64,
+    /// Results of long computations that were kept for later starts: found, not found, written.
+    pub cache: Counts,
     /// OpenGL errors of ours; must be 0.
     pub own_errors: u64,
     /// Mean time that the device took for a correction, milliseconds, where it was measured (Vulkan).

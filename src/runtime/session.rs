@@ -1,5 +1,6 @@
 //! A rig at work in a window of a given size.
 
+use super::cache;
 use crate::correct::{self, Plan, uniforms};
 use crate::error::Result;
 pub use crate::geom::Frustum;
@@ -312,12 +313,13 @@ impl Session {
 
 /// Plans `rig` for a program of so many `draws` in a frame, unless the rig itself says what it favours.
 fn plan(rig: &Rig, draws: Option<u32>, request: &Request) -> Result<Plan> {
+    let cache = cache::of_process();
     match draws.filter(|_| rig.views.favour == Favour::Balanced) {
-        None => correct::build(rig, request),
+        None => correct::build_with(rig, request, cache),
         Some(draws) => {
             let mut rig = rig.clone();
             rig.views.favour = Favour::Draws(draws);
-            correct::build(&rig, request)
+            correct::build_with(&rig, request, cache)
         }
     }
 }

@@ -4,6 +4,7 @@
 //! find the opening and the resolution that a view with given axes needs (four samples at a time: `lanes`), `axes` and
 //! `partition` choose axes, `alone` plans views that serve one output, `choose` compares the families of views by what `cost` says, `layout` and `atlas` size and place them,
 //! `curved` gives outputs whose vertices are projected straight to their pixels a picture of their own,
+//! `kept` has a cache remember what was chosen,
 //! `search` looks for better cells than a cube's, for a rig to keep, `idle` finds those that would be drawn for nothing, `survey` and `report` look at the result.
 //!
 //! Resolution at quality 1: a projector or a perspective output gets at least one texel per pixel
@@ -20,6 +21,7 @@ mod curved;
 mod density;
 mod fit;
 mod idle;
+mod kept;
 mod lanes;
 mod layout;
 mod partition;
@@ -33,6 +35,7 @@ pub use cost::cost;
 pub use report::{OutputShare, Report, ViewReport, report};
 pub use survey::{Surveyed, Surveyor, survey};
 
+use crate::cache::Cache;
 use crate::error::{Error, ErrorKind, Result};
 use crate::geom::{Frustum, PictureMap};
 use crate::rig::Rig;
@@ -140,20 +143,20 @@ impl ViewPlan {
 /// too much for one perspective view; [`ErrorKind::Graphics`] if nothing fits into the atlas.
 /// Where only the resolution must be reduced to fit, the plan says so in `notes`.
 pub fn plan(rig: &Rig, request: &Request) -> Result<ViewPlan> {
-    plan_with_reach(rig, request, 0)
+    plan_with_reach(rig, request, 0, &Cache::none())
 }
 
-/// As [`plan`], for outputs that sample up to so many texels beside the exact place.
+/// As [`plan`], for outputs that sample up to so many texels beside the exact place; `cache` may know what is chosen, or keeps it.
 ///
 /// # Errors
 /// As [`plan`].
-pub fn plan_with_reach(rig: &Rig, request: &Request, reach: u32) -> Result<ViewPlan> {
+pub fn plan_with_reach(rig: &Rig, request: &Request, reach: u32, cache: &Cache) -> Result<ViewPlan> {
     // A mirrored picture shows the same directions.
     let rig = &*rig.upright();
     let outputs: &[_] = if rig.passthrough { &[] } else { &rig.outputs };
     check(outputs.len(), rig.passthrough, request)?;
     let sights = sights(rig, outputs.len(), request)?;
-    let mut arrangement = choose::arrange(rig, &sights)?;
+    let mut arrangement = kept::arrange(rig, &sights, cache)?;
     loop {
         let plan = layout::place(rig, request, reach, &arrangement.views, &arrangement.notes)?;
         let Some(idle) = idle::find(&plan, &sights) else { return Ok(plan) };

@@ -4,6 +4,7 @@
 //! 0.2 ms for each rectangle.
 
 use super::api::*;
+use super::binaries::Binaries;
 use super::known_state::KnownState;
 use super::program;
 use super::state::{self, Capabilities};
@@ -44,9 +45,16 @@ impl Hidden {
     ///
     /// # Errors
     /// [`Graphics`](crate::ErrorKind::Graphics) where the driver refuses the shader.
-    pub fn new(gl: &Gl, caps: &Capabilities, areas: &[Tile], atlas: (u32, u32)) -> Result<Self> {
+    pub fn new(
+        gl: &Gl,
+        caps: &Capabilities,
+        binaries: &Binaries,
+        areas: &[Tile],
+        atlas: (u32, u32),
+    ) -> Result<Self> {
         let (vertex, fragment) = if caps.gles { texts!("#version 300 es") } else { texts!("#version 330 core") };
-        let program = program::build(gl, &Specialised { vertex, fragment: fragment.to_owned(), samplers: &[] })?;
+        let text = Specialised { vertex, fragment: fragment.to_owned(), samplers: &[] };
+        let program = program::build(gl, &text, binaries)?;
         let corners: Vec<[f32; 2]> = areas
             .iter()
             .flat_map(|tile| {

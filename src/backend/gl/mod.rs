@@ -2,6 +2,7 @@
 
 pub mod accumulation;
 pub mod api;
+mod binaries;
 mod blank;
 pub mod glx;
 pub mod headless;

@@ -1,6 +1,7 @@
 //! Runs a plan on the current context: one draw for each batch of rectangles, one for what is black.
 
 use super::api::*;
+use super::binaries::Binaries;
 use super::blank::{self, Blank, Draw, Shows};
 use super::hidden::Hidden;
 use super::known_state::KnownState;
@@ -8,6 +9,7 @@ use super::program::{self, ATLAS_UNIT, BLACK_UNIT, MASK_UNIT, TABLE_UNIT};
 use super::state::{self, Capabilities};
 use super::textures;
 use super::whole::Whole;
+use crate::cache::Cache;
 use crate::correct::draws::{self, DrawList, FLOATS, Rows, SOURCE_FLOATS};
 use crate::correct::plan::OutputPass;
 use crate::correct::shaders::{Language, Specialised, Stage, specialise};
@@ -64,6 +66,7 @@ struct Names {
 pub struct GlBackend {
     caps: Capabilities,
     stage: Stage,
+    binaries: Binaries,
     names: Names,
     outputs: Vec<Output>,
     whole: Option<Whole>,
@@ -98,6 +101,7 @@ impl GlBackend {
         let backend = Self {
             caps,
             stage,
+            binaries: Binaries::default(),
             names: Names::default(),
             outputs: Vec::new(),
             whole: None,
@@ -110,6 +114,12 @@ impl GlBackend {
         };
         backend.count_errors(gl);
         Ok(backend)
+    }
+
+    /// The same; linked programs are kept by `cache` where the driver gives them out.
+    pub fn with_cache(mut self, gl: &Gl, cache: &Cache) -> Self {
+        self.binaries = Binaries::new(gl, cache.clone(), self.caps.program_binaries);
+        self
     }
 
     /// How many errors our own calls have caused. None of them is left for the program to find.
@@ -167,7 +177,7 @@ impl GlBackend {
             old.destroy(gl);
         }
         if !areas.is_empty() {
-            let hidden = state::while_uploading(gl, &self.caps, || Hidden::new(gl, &self.caps, areas, atlas));
+            let hidden = state::while_uploading(gl, &self.caps, || Hidden::new(gl, &self.caps, &self.binaries, areas, atlas));
             self.hidden = Some(hidden?);
         }
         self.count_errors(gl);
@@ -304,7 +314,7 @@ impl GlBackend {
             Some(program) => program,
             None => {
                 self.linked += 1;
-                program::build(gl, &text)?
+                program::build(gl, &text, &self.binaries)?
             }
         };
         self.names.programs.insert(text, program);

@@ -1,6 +1,7 @@
 //! Compiling the correction shaders.
 
 use super::api::*;
+use super::binaries::Binaries;
 use crate::correct::shaders::Specialised;
 use crate::error::{Error, ErrorKind, Result};
 use std::ffi::CString;
@@ -14,12 +15,15 @@ pub(super) const TABLE_UNIT: u32 = 2;
 /// Texture unit of a picture of black.
 pub(super) const BLACK_UNIT: u32 = 3;
 
-/// Compiles and links; leaves the program current. The caller deletes it.
+/// Compiles and links, or takes what was kept; leaves the program current. The caller deletes it.
 ///
 /// # Errors
 /// [`ErrorKind::Graphics`] with the driver's log.
-pub(super) fn build(gl: &Gl, text: &Specialised) -> Result<u32> {
-    let program = link(gl, text.vertex, &text.fragment)?;
+pub(super) fn build(gl: &Gl, text: &Specialised, binaries: &Binaries) -> Result<u32> {
+    let (vertex, fragment) = (text.vertex, text.fragment.as_str());
+    let program = binaries.program(gl, [vertex, fragment], || linked(gl, vertex, fragment, binaries.are_kept()))?;
+    // SAFETY: a context is current; the program was linked.
+    unsafe { gl.use_program(program) };
     for (uniform, texture) in text.samplers {
         let unit = match *texture {
             "mask" => MASK_UNIT,
@@ -28,14 +32,25 @@ pub(super) fn build(gl: &Gl, text: &Specialised) -> Result<u32> {
             _ => ATLAS_UNIT,
         };
         let Ok(name) = CString::new(*uniform) else { continue };
-        // SAFETY: the program is current; the name ends with a zero.
+        // SAFETY: the program is current; the name ends with a zero; a uniform that the compiler dropped has location −1, which is ignored.
         unsafe { gl.uniform1i(gl.get_uniform_location(program, name.as_ptr()), unit as i32) };
     }
     Ok(program)
 }
 
-/// [`build`] from the texts of its two stages.
+/// The program of two texts, current. The caller deletes it.
+///
+/// # Errors
+/// As for [`build`].
 pub(super) fn link(gl: &Gl, vertex: &str, fragment: &str) -> Result<u32> {
+    let program = linked(gl, vertex, fragment, false)?;
+    // SAFETY: a context is current; the program was linked.
+    unsafe { gl.use_program(program) };
+    Ok(program)
+}
+
+/// The program of two texts, which the driver is asked for afterwards if it is `kept`.
+fn linked(gl: &Gl, vertex: &str, fragment: &str, kept: bool) -> Result<u32> {
     let vertex = compile(gl, GL_VERTEX_SHADER, vertex)?;
     let fragment = compile(gl, GL_FRAGMENT_SHADER, fragment).inspect_err(|_| delete(gl, vertex))?;
     // SAFETY: a context is current; the names are those it gave.
@@ -43,6 +58,9 @@ pub(super) fn link(gl: &Gl, vertex: &str, fragment: &str) -> Result<u32> {
         let program = gl.create_program();
         gl.attach_shader(program, vertex);
         gl.attach_shader(program, fragment);
+        if kept {
+            gl.program_parameteri(program, GL_PROGRAM_BINARY_RETRIEVABLE_HINT, 1);
+        }
         gl.link_program(program);
         program
     };
@@ -60,8 +78,6 @@ pub(super) fn link(gl: &Gl, vertex: &str, fragment: &str) -> Result<u32> {
         unsafe { gl.delete_program(program) };
         return Err(Error::new(ErrorKind::Graphics, format!("The driver cannot link a correction shader: {log}")));
     }
-    // SAFETY: as above; a uniform that the compiler dropped has location −1, which is ignored.
-    unsafe { gl.use_program(program) };
     Ok(program)
 }
 

@@ -26,6 +26,8 @@ pub(super) struct Capabilities {
     clip_distances: bool,
     indexed_blend: bool,
     viewport_array: bool,
+    /// Linked programs can be had from the driver and given back.
+    pub program_binaries: bool,
     draw_buffers: u32,
 }
 
@@ -49,6 +51,7 @@ impl Capabilities {
             clip_distances: !gles,
             indexed_blend: if gles { version >= 32 } else { version >= 30 },
             viewport_array: !gles && version >= 41,
+            program_binaries: version >= if gles { 30 } else { 41 },
             draw_buffers: integer(gl, GL_MAX_DRAW_BUFFERS).clamp(1, MOST_DRAW_BUFFERS as i32) as u32,
         };
         for i in 0..integer(gl, GL_NUM_EXTENSIONS).max(0) as u32 {
@@ -63,6 +66,7 @@ impl Capabilities {
                 b"GL_EXT_sRGB_write_control" => found.framebuffer_srgb = true,
                 b"GL_EXT_texture_sRGB_decode" => found.srgb_decode = true,
                 b"GL_EXT_texture_norm16" => found.norm16 = true,
+                b"GL_ARB_get_program_binary" => found.program_binaries = true,
                 b"GL_EXT_depth_bounds_test" => found.depth_bounds = true,
                 b"GL_EXT_clip_cull_distance" | b"GL_APPLE_clip_distance" => found.clip_distances = true,
                 _ => {}

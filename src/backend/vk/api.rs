@@ -1,6 +1,7 @@
 //! The functions of a program's device.
 
 use super::images::{check_source_format, check_target_format};
+use crate::cache::Cache;
 use crate::error::{Error, ErrorKind, Result};
 use ash::vk;
 use std::ffi::{CStr, c_void};
@@ -16,6 +17,10 @@ pub struct Api {
     pub(super) limits: vk::PhysicalDeviceLimits,
     instance: ash::Instance,
     physical_device: vk::PhysicalDevice,
+    /// Keeps what the driver made of shaders …
+    pub(super) cache: Cache,
+    /// … for this driver on this device.
+    pub(super) driver: Vec<u8>,
 }
 
 impl Api {
@@ -28,7 +33,24 @@ impl Api {
                 instance.get_physical_device_properties(physical_device),
             )
         };
-        Self { device: device.clone(), memory, limits: properties.limits, instance: instance.clone(), physical_device }
+        let numbers = [properties.vendor_id, properties.device_id, properties.driver_version];
+        let mut driver: Vec<u8> = numbers.iter().flat_map(|number| number.to_le_bytes()).collect();
+        driver.extend_from_slice(&properties.pipeline_cache_uuid);
+        Self {
+            device: device.clone(),
+            memory,
+            limits: properties.limits,
+            instance: instance.clone(),
+            physical_device,
+            cache: Cache::none(),
+            driver,
+        }
+    }
+
+    /// The same; pipelines that the driver made are kept by `cache`.
+    pub fn with_cache(mut self, cache: &Cache) -> Self {
+        self.cache = cache.clone();
+        self
     }
 
     /// From handles.

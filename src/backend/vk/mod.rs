@@ -5,6 +5,7 @@
 
 pub mod api;
 mod barrier;
+mod binaries;
 mod descriptors;
 pub mod headless;
 mod images;

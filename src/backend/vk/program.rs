@@ -1,6 +1,7 @@
 //! The fixed objects of the correction: render passes, layouts, samplers, and a pipeline per shader.
 
 use super::api::{Api, refused};
+use super::binaries;
 use crate::correct::Arrangement;
 use crate::correct::draws::{FLOATS, SOURCE_FLOATS};
 use crate::correct::spirv::{Modules, VERTEX_ENTRY, binding};
@@ -94,7 +95,7 @@ impl Common {
     pub fn pipeline(&self, api: &Api, modules: &Modules) -> Result<vk::Pipeline> {
         let vertex = module(api, modules.vertex)?;
         let pipeline = module(api, &modules.fragment).and_then(|fragment| {
-            let pipeline = self.link(api, vertex, fragment, modules);
+            let pipeline = binaries::pipeline(api, modules, |cache| self.link(api, vertex, fragment, modules, cache));
             // SAFETY: ours; a pipeline does not need its modules once it is made.
             unsafe { api.device.destroy_shader_module(fragment, None) };
             pipeline
@@ -110,6 +111,7 @@ impl Common {
         vertex: vk::ShaderModule,
         fragment: vk::ShaderModule,
         modules: &Modules,
+        cache: vk::PipelineCache,
     ) -> Result<vk::Pipeline> {
         let stage =
             |stage, module, name| vk::PipelineShaderStageCreateInfo::default().stage(stage).module(module).name(name);
@@ -151,7 +153,7 @@ impl Common {
             .layout(self.layout)
             .render_pass(self.render_passes[0]);
         // SAFETY: the device is live; everything that the structure names is ours and lives during the call.
-        let made = unsafe { api.device.create_graphics_pipelines(vk::PipelineCache::null(), &[info], None) };
+        let made = unsafe { api.device.create_graphics_pipelines(cache, &[info], None) };
         made.map(|pipelines| pipelines[0]).map_err(|(_, result)| refused("a pipeline of the correction")(result))
     }
 }

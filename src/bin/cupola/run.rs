@@ -56,6 +56,9 @@ pub struct Arguments {
     /// Correct frames in which nothing changed, too, instead of showing the picture of the one before
     #[arg(long)]
     no_reuse: bool,
+    /// Compute everything anew, and keep nothing for the next start
+    #[arg(long)]
+    no_cache: bool,
     /// Which pictures that the program draws off screen are drawn once per view [default: the rig's]
     #[arg(long, value_name = "auto|never|always", value_parser = ["auto", "never", "always"])]
     duplicate: Option<String>,
@@ -131,6 +134,7 @@ fn settings(arguments: &Arguments, rig: &str) -> Result<Environment, Failure> {
     set("CUPOLA_DUPLICATE", arguments.duplicate.as_ref().map(Into::into));
     set("CUPOLA_CULL", arguments.no_cull.then(|| "0".into()));
     set("CUPOLA_MASK", arguments.no_mask.then(|| "0".into()));
+    set("CUPOLA_CACHE", arguments.no_cache.then(|| "0".into()));
     set("CUPOLA_REUSE", arguments.no_reuse.then(|| "0".into()));
     let files =
         [("CUPOLA_CAPTURE", &arguments.capture), ("CUPOLA_STATS", &arguments.stats), ("CUPOLA_LOG", &arguments.log)];

@@ -1,9 +1,11 @@
 //! Nodes with triangles.
 
 use super::Sample;
+use crate::digest::Digest;
 use crate::error::Result;
 use crate::formats::input::invalid;
 use glam::{DVec2, DVec3};
+use std::fmt;
 
 /// Greatest number of nodes of a mesh.
 pub const MOST_NODES: usize = 1 << 20;
@@ -30,11 +32,26 @@ pub struct Node {
 }
 
 /// Triangles over an output; what is shown inside one follows linearly from its three nodes.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, PartialEq)]
 pub struct Mesh {
     nodes: Vec<Node>,
     triangles: Vec<[u32; 3]>,
     index: Index,
+}
+
+/// A sum stands for nodes and triangles, all bits of them; the index follows from these.
+impl fmt::Debug for Mesh {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let of_node = |node: &Node| {
+            let (DVec2 { x, y }, value) = (node.position, node.value);
+            [x, y, value.x, value.y, value.z, node.intensity]
+        };
+        let nodes = self.nodes.iter().flat_map(of_node);
+        let corners = self.triangles.iter().flatten().map(|node| f64::from(*node));
+        let sum = format_args!("{:x}", nodes.chain(corners).collect::<Digest>());
+        let (nodes, triangles) = (self.nodes.len(), self.triangles.len());
+        f.debug_struct("Mesh").field("nodes", &nodes).field("triangles", &triangles).field("sum", &sum).finish()
+    }
 }
 
 impl Mesh {

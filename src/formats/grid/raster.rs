@@ -1,13 +1,24 @@
 //! A value for each pixel.
 
 use super::Sample;
+use crate::digest::Digest;
 use glam::{DVec2, DVec3};
+use std::fmt;
 
 /// A value for each pixel of an output, or for each of a coarser or finer raster over it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, PartialEq)]
 pub struct Raster {
     size: (u32, u32),
     values: Vec<[f32; 3]>,
+}
+
+/// A sum stands for the values, all bits of them.
+impl fmt::Debug for Raster {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let values = self.values.iter().flatten().map(|value| f64::from(*value));
+        let sum = format_args!("{:x}", values.collect::<Digest>());
+        f.debug_struct("Raster").field("size", &self.size).field("sum", &sum).finish()
+    }
 }
 
 impl Raster {

@@ -4,8 +4,10 @@
 //! bring another linear algebra along, and it is a hundred lines.
 
 use super::{Hit, INSET, Rim, Surface, unit};
+use crate::digest::Digest;
 use glam::DVec3;
 use std::collections::HashMap;
+use std::fmt;
 
 /// Greatest number of triangles of a screen.
 pub const MOST_TRIANGLES: usize = 1 << 22;
@@ -25,12 +27,21 @@ pub enum Faces {
 }
 
 /// A screen of triangles. Light stops at the first triangle on its way, whichever side that shows.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, PartialEq)]
 pub struct Mesh {
     triangles: Vec<Triangle>,
     nodes: Vec<Node>,
     faces: Faces,
     size: f64,
+}
+
+/// A sum stands for the triangles, all bits of them.
+impl fmt::Debug for Mesh {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let corners = self.triangles.iter().flatten().flat_map(DVec3::to_array);
+        let sum = format_args!("{:x}", corners.collect::<Digest>());
+        f.debug_struct("Mesh").field("triangles", &self.triangles.len()).field("sum", &sum).field("faces", &self.faces).finish()
+    }
 }
 
 /// A box and what is in it: `count` triangles from `first`, or if that is 0 two nodes, the next one and number `first`.

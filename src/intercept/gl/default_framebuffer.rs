@@ -11,6 +11,7 @@ use crate::backend::gl::{Blank, GlBackend, KnownState, Target};
 use crate::correct::Texels;
 use crate::error::{Error, ErrorKind, Result};
 use crate::intercept::{live, log, settings};
+use crate::runtime::cache;
 use crate::runtime::session::{Extras, Session};
 use std::sync::Arc;
 
@@ -353,7 +354,7 @@ impl DefaultFramebuffer {
         let size = (session.plan().views.atlas.0 as i32, session.plan().views.atlas.1 as i32);
         let surface = Surface::new(gl, size, config.samples, config.srgb)?;
         let resolved = if config.samples > 0 { Some(Surface::new(gl, size, 0, config.srgb)?) } else { None };
-        let mut backend = GlBackend::new(gl, ctx.profile.es)?;
+        let mut backend = GlBackend::new(gl, ctx.profile.es)?.with_cache(gl, cache::of_process());
         let panel = session.panel().is_some();
         backend.prepare(gl, session.plan(), panel)?;
         let closed = super::hidden::prepare(gl, &mut backend, session.plan());

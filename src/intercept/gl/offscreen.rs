@@ -163,7 +163,7 @@ fn own_picture(ctx: &Context, session: &Session, directions: DMat3) -> Plan {
 
 fn copy(ctx: &Context, plan: &Plan, atlas: u32, framebuffer: u32, tile: [i32; 4]) -> Result<()> {
     let gl = ctx.gl;
-    let mut backend = GlBackend::new(gl, ctx.profile.es)?;
+    let mut backend = GlBackend::new(gl, ctx.profile.es)?.with_cache(gl, crate::runtime::cache::of_process());
     backend.prepare(gl, plan, plan.views.panel.is_some())?;
     let [x, y, width, height] = tile;
     let canvas = Canvas::new(gl, width, height);

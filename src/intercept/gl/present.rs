@@ -240,6 +240,7 @@ fn statistics(ctx: &Context, settings: &settings::Settings) -> Statistics {
         outputs_narrowed: ctx.target.as_ref().map_or(0, |t| t.backend().narrowed()),
         shaders_linked: ctx.counts.linked,
         own_errors: ctx.counts.errors,
+        cache: crate::runtime::cache::of_process().counts(),
         ..Statistics::default()
     };
     if let Some(target) = &ctx.target {

@@ -19,6 +19,7 @@ use super::runs::Frame;
 use super::swapchain::Swapchain;
 use crate::backend::vk::Api;
 use crate::intercept::{log, settings};
+use crate::runtime::cache;
 use ash::{ext, khr, prelude::VkResult, vk};
 use std::collections::HashMap;
 use std::ffi::CStr;
@@ -269,7 +270,7 @@ pub unsafe extern "system" fn create(
             let limits = &properties.limits;
             let state = Device {
                 get_device_proc_addr: next,
-                api: Api::new(&parent.functions, physical, &functions),
+                api: Api::new(&parent.functions, physical, &functions).with_cache(cache::of_process()),
                 functions,
                 instance: Arc::clone(&parent),
                 physical,

@@ -230,6 +230,7 @@ fn statistics(device: &Device, managed: &Swapchain, rig: &Rig, frames: u64) -> S
         frames,
         rig: rig.name.clone(),
         driver: device.driver.clone(),
+        cache: crate::runtime::cache::of_process().counts(),
         notes: device.flat_note().into_iter().chain(uncounted).collect(),
         draws_seen: counts.seen,
         panel_draws: counts.flat,

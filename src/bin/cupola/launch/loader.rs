@@ -66,12 +66,8 @@ impl Loader {
 
     /// In the user's cache folder, for environments that are used later.
     pub fn persistent() -> Result<Self, Failure> {
-        let home = || std::env::var_os("HOME").map(|home| PathBuf::from(home).join(".cache"));
-        let cache =
-            std::env::var_os("XDG_CACHE_HOME").map(PathBuf::from).filter(|path| path.is_absolute()).or_else(home);
-        let cache =
-            cache.ok_or_else(|| Failure::new("neither XDG_CACHE_HOME nor HOME says where files can be kept"))?;
-        let folder = cache.join("cupola");
+        let folder = cupola::runtime::cache::user_folder()
+            .ok_or_else(|| Failure::new("neither XDG_CACHE_HOME nor HOME says where files can be kept"))?;
         if folder.join("lib").exists() {
             std::fs::remove_dir_all(folder.join("lib")).map_err(|error| cannot_write(&folder, &error))?;
         }

@@ -1,6 +1,7 @@
-//! A call as it is noted, and sums of what was noted.
+//! A call as it is noted, and what arguments point at.
 
 use super::calls::{self, Kind};
+use crate::digest::Digest;
 
 /// A call as it is noted.
 pub struct Call {
@@ -86,39 +87,15 @@ impl<T> Word for *mut T {
     }
 }
 
-/// Two sums of numbers in their order.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Digest(pub(super) [u64; 2]);
-
-impl Default for Digest {
-    fn default() -> Self {
-        Self([0x9E37_79B9_7F4A_7C15, 0xC2B2_AE3D_27D4_EB4F])
-    }
-}
-
-impl Digest {
-    /// Adds a number.
-    pub fn add(&mut self, word: u64) {
-        let product = u128::from(self.0[0] ^ word).wrapping_mul(0xA076_1D64_78BD_642F_E703_7ED1_A0B4_28DB);
-        self.0[0] = (product as u64) ^ (product >> 64) as u64;
-        self.0[1] = (self.0[1].rotate_left(23) ^ word).wrapping_mul(0x9FB2_1C65_1E98_DF25);
-    }
-
-    /// Adds memory.
-    ///
-    /// # Safety
-    /// `start` must point at `length` bytes.
-    pub unsafe fn add_memory(&mut self, start: u64, length: u64) {
-        self.add(length);
-        if start == 0 || length == 0 {
-            return;
-        }
-        // SAFETY: as promised.
-        let bytes = unsafe { std::slice::from_raw_parts(start as usize as *const u8, length as usize) };
-        let (words, rest) = bytes.as_chunks::<8>();
-        words.iter().for_each(|word| self.add(u64::from_ne_bytes(*word)));
-        let mut last = [0; 8];
-        last[..rest.len()].copy_from_slice(rest);
-        self.add(u64::from_ne_bytes(last));
-    }
+/// Adds memory of the program's.
+///
+/// # Safety
+/// `start` must be 0 or point at `length` bytes.
+pub unsafe fn add_memory(digest: &mut Digest, start: u64, length: u64) {
+    let nothing = start == 0 || length == 0;
+    // SAFETY: as promised.
+    let bytes =
+        if nothing { &[] } else { unsafe { std::slice::from_raw_parts(start as usize as *const u8, length as usize) } };
+    digest.add(length);
+    digest.add_bytes(bytes);
 }

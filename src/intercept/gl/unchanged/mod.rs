@@ -17,7 +17,7 @@ pub mod unknown;
 use super::context::Context;
 use super::counts::Found;
 use crate::backend::gl::api;
-use call::Digest;
+use crate::digest::Digest;
 pub use noting::note_clear;
 use std::sync::atomic::{AtomicU64, Ordering};
 

@@ -2,10 +2,11 @@
 
 use super::super::bound;
 use super::super::context::Context;
-use super::call::{Call, Digest};
+use super::call::{Call, add_memory};
 use super::calls::Kind;
 use super::{LAST, TURNS};
 use crate::backend::gl::api;
+use crate::digest::Digest;
 use std::sync::atomic::Ordering;
 
 /// More bytes of a buffer than this are not looked at.
@@ -100,38 +101,38 @@ unsafe fn note_now(ctx: &mut Context, call: &Call, words: &[u64]) {
                 let times = count.map_or(1, |count| (word(count) as u32 as i32).max(0) as u64);
                 let times = if nowhere { 0 } else { times };
                 add_but(calls, words, pointer);
-                calls.add_memory(word(pointer), times * u64::from(components) * call.size as u64);
+                add_memory(calls, word(pointer), times * u64::from(components) * call.size as u64);
             }
             Kind::Buffers(true) => {
                 calls.add(word(0));
-                calls.add_memory(word(1), 4 * (word(0) as u32 as i32).max(0) as u64);
+                add_memory(calls, word(1), 4 * (word(0) as u32 as i32).max(0) as u64);
             }
             Kind::Parameter { pointer } => {
                 add_but(calls, words, pointer);
                 let name = word(pointer.saturating_sub(1)) as u32;
-                calls.add_memory(word(pointer), parameter_length(name) * call.size as u64);
+                add_memory(calls, word(pointer), parameter_length(name) * call.size as u64);
             }
             Kind::Bytes { size, pointer } => {
                 add_but(calls, words, pointer);
-                calls.add_memory(word(pointer), word(size));
+                add_memory(calls, word(pointer), word(size));
             }
             Kind::Draws { elements } => {
                 let count = (words.last().copied().unwrap_or(0) as u32 as i32).max(0) as u64;
                 let (first, second) = if elements { (1, 3) } else { (1, 2) };
                 calls.add(word(0));
                 calls.add(if elements { word(2) } else { 0 });
-                calls.add_memory(word(first), 4 * count);
-                calls.add_memory(word(second), count * if elements { size_of::<usize>() as u64 } else { 4 });
+                add_memory(calls, word(first), 4 * count);
+                add_memory(calls, word(second), count * if elements { size_of::<usize>() as u64 } else { 4 });
             }
             // Drivers hold matrices in 32 bits. OpenSceneGraph's projections drift by the last of 64.
             Kind::MatrixNumbers if call.size == size_of::<f64>() && word(0) != 0 => {
                 let matrix = (word(0) as usize as *const [f64; 16]).read_unaligned();
                 matrix.iter().for_each(|entry| calls.add((*entry as f32).to_bits().into()));
             }
-            Kind::MatrixNumbers => calls.add_memory(word(0), 16 * call.size as u64),
+            Kind::MatrixNumbers => add_memory(calls, word(0), 16 * call.size as u64),
             Kind::Lists => {
                 add_but(calls, words, 2);
-                calls.add_memory(word(2), (word(0) as u32 as i32).max(0) as u64 * name_size(word(1) as u32));
+                add_memory(calls, word(2), (word(0) as u32 as i32).max(0) as u64 * name_size(word(1) as u32));
             }
             _ => words.iter().for_each(|word| calls.add(*word)),
         }

@@ -1,6 +1,5 @@
 //! What calls may change, by their names, and what is made of their arguments.
 
-use super::call::Digest;
 use super::calls::{Kind, kind};
 
 /// The kind of a call with `arguments` arguments, the last of which points at something if `points`.
@@ -78,34 +77,4 @@ fn numbers_that_are_pointed_at_are_counted() {
         assert_eq!(of(name, 3, true), Kind::Parameter { pointer: 2 }, "{name}");
     }
     assert_eq!(of("glLightModelfv", 2, true), Kind::Parameter { pointer: 1 });
-}
-
-#[test]
-fn sums_tell_order_length_and_every_bit() {
-    let sum = |words: &[u64]| {
-        let mut digest = Digest::default();
-        words.iter().for_each(|word| digest.add(*word));
-        digest
-    };
-    assert_eq!(sum(&[1, 2, 3]), sum(&[1, 2, 3]));
-    let mut seen = vec![sum(&[]), sum(&[0]), sum(&[0, 0]), sum(&[1, 2]), sum(&[2, 1])];
-    for bit in 0..64 {
-        seen.push(sum(&[5, 1 << bit, 7]));
-        seen.push(sum(&[1 << bit]));
-    }
-    // Words that undo what the first multiplication has, so that a product is nothing.
-    seen.push(sum(&[Digest::default().0[0], 1]));
-    seen.push(sum(&[Digest::default().0[0], 2]));
-    for (i, one) in seen.iter().enumerate() {
-        assert!(seen[..i].iter().all(|other| one != other), "{i}");
-    }
-    let memory = |bytes: &[u8]| {
-        let mut digest = Digest::default();
-        // SAFETY: as many bytes as there are.
-        unsafe { digest.add_memory(bytes.as_ptr() as u64, bytes.len() as u64) };
-        digest
-    };
-    assert_ne!(memory(&[1, 2, 3]), memory(&[1, 2, 3, 0]));
-    assert_ne!(memory(&[0; 8]), memory(&[0; 9]));
-    assert_eq!(memory(&[9; 20]), memory(&[9; 20]));
 }

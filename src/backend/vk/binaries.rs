@@ -1,0 +1,61 @@
+//! What the driver made of shaders, kept by the shaders and by the driver on its device.
+//!
+//! Drivers keep what they compile, too, most of them; some only what they are given back.
+
+use super::api::{Api, refused};
+use crate::cache::{Reader, Writer};
+use crate::correct::spirv::Modules;
+use crate::error::Result;
+use ash::vk;
+
+/// Data of so many bytes is a header without anything behind.
+const HEADER: usize = 32;
+
+/// A pipeline by `make`, which is told where the driver finds what it made of the same shaders before, and leaves what it makes.
+///
+/// # Errors
+/// Those of `make`, or what the driver says when it is out of memory.
+pub(super) fn pipeline(
+    api: &Api,
+    modules: &Modules,
+    make: impl Fn(vk::PipelineCache) -> Result<vk::Pipeline>,
+) -> Result<vk::Pipeline> {
+    let words = |words: &[u32]| words.iter().flat_map(|word| word.to_le_bytes()).collect::<Vec<u8>>();
+    let made = api.cache.kept(
+        "pipeline",
+        |key| key.bytes(&api.driver).bytes(&words(modules.vertex)).bytes(&words(&modules.fragment)),
+        |reader| {
+            let known = read(reader)?;
+            with(api, known, |cache| make(cache)).ok().map(|pipeline| (pipeline, Vec::new()))
+        },
+        |(_, data), writer| write(data, writer),
+        || with(api, &[], |cache| Ok((make(cache)?, data(api, cache)))),
+    );
+    made.map(|(pipeline, _)| pipeline)
+}
+
+/// Runs `body` with a cache of the driver's that knows `data`; drivers ignore data of others.
+fn with<T>(api: &Api, data: &[u8], body: impl FnOnce(vk::PipelineCache) -> Result<T>) -> Result<T> {
+    let info = vk::PipelineCacheCreateInfo::default().initial_data(data);
+    // SAFETY: the device is live; the structure is complete.
+    let cache = unsafe { api.device.create_pipeline_cache(&info, None) }.map_err(refused("a cache of pipelines"))?;
+    let result = body(cache);
+    // SAFETY: ours, and a pipeline does not need it once it is made.
+    unsafe { api.device.destroy_pipeline_cache(cache, None) };
+    result
+}
+
+/// What the driver gives out of its cache; empty where that is nothing.
+fn data(api: &Api, cache: vk::PipelineCache) -> Vec<u8> {
+    // SAFETY: ours, with the device live.
+    unsafe { api.device.get_pipeline_cache_data(cache) }.unwrap_or_default()
+}
+
+fn write(data: &[u8], to: &mut Writer) -> bool {
+    to.bytes(data);
+    data.len() > HEADER
+}
+
+fn read<'bytes>(from: &mut Reader<'bytes>) -> Option<&'bytes [u8]> {
+    from.bytes(from.left()).filter(|data| data.len() > HEADER)
+}

@@ -1,0 +1,140 @@
+//! Tables as bytes: a ray for each pixel is most of what a start computes where there are tables.
+
+use super::Table;
+use crate::cache::{Cache, Reader, Writer};
+use crate::error::Result;
+use crate::rig::Rig;
+use glam::DMat3;
+use std::sync::Arc;
+
+/// The table of output `index` of `rig`, whose outputs have `sizes` pixels, by `make`, or what `cache` kept of it.
+///
+/// # Errors
+/// Those of `make`.
+pub(in crate::correct) fn kept(
+    rig: &Rig,
+    index: usize,
+    sizes: &[(u32, u32)],
+    cache: &Cache,
+    make: impl FnOnce() -> Result<Table>,
+) -> Result<Table> {
+    let size = sizes.get(index).copied().unwrap_or_default();
+    cache.kept(
+        "table",
+        |key| key.debug(rig).debug(&index).debug(&sizes),
+        |reader| read(reader).filter(|table| table.size == size),
+        write,
+        make,
+    )
+}
+
+/// Of a table of all pixels only what is lit.
+fn is_stored(table: &Table, entry: usize) -> bool {
+    table.step > 1 || table.lit.get(entry).is_none_or(|lit| *lit)
+}
+
+fn write(table: &Table, to: &mut Writer) -> bool {
+    let Table { size, step, entries, axes, texels, weighted, lit, error } = table;
+    [size.0, size.1, *step, entries.0, entries.1].iter().for_each(|number| to.u32(*number));
+    axes.to_cols_array().iter().for_each(|entry| to.f64(*entry));
+    to.bool(*weighted);
+    to.f64(*error);
+    to.length(lit.len());
+    let bits = |eight: &[bool]| eight.iter().rev().fold(0, |byte, lit| (byte << 1) | u8::from(*lit));
+    to.bytes(&lit.chunks(8).map(bits).collect::<Vec<_>>());
+    to.length(texels.len());
+    for (_, texel) in texels.iter().enumerate().filter(|(entry, _)| is_stored(table, *entry)) {
+        texel.iter().for_each(|part| to.f32(*part));
+    }
+    true
+}
+
+fn read(from: &mut Reader<'_>) -> Option<Table> {
+    let mut number = || from.u32();
+    let (size, step, entries) = ((number()?, number()?), number()?, (number()?, number()?));
+    let axes = DMat3::from_cols_array(&from.finites()?);
+    let (weighted, error) = (from.bool()?, from.finite()?);
+    let area = |(width, height): (u32, u32)| usize::try_from(u64::from(width) * u64::from(height)).ok();
+    let pixels = from.length(0).filter(|pixels| Some(*pixels) == area(size))?;
+    let bits = from.bytes(pixels.div_ceil(8))?;
+    let lit: Vec<bool> = (0..pixels).map(|pixel| bits[pixel / 8] >> (pixel % 8) & 1 == 1).collect();
+    let count = from.length(0).filter(|count| Some(*count) == area(entries))?;
+    // A coarse table has all of its entries, one of all pixels as many as there are pixels.
+    if if step > 1 { count.checked_mul(16)? > from.left() } else { count != pixels || step != 1 } {
+        return None;
+    }
+    let mut table =
+        Table { size, step, entries, axes, texels: vec![[0.0; 4]; count], weighted, lit: Arc::new(lit), error };
+    let mut texels = std::mem::take(&mut table.texels);
+    for (entry, texel) in texels.iter_mut().enumerate() {
+        if is_stored(&table, entry) {
+            let (parts, []) = from.bytes(16)?.as_chunks::<4>() else { return None };
+            for (value, bytes) in texel.iter_mut().zip(parts) {
+                *value = Some(f32::from_le_bytes(*bytes)).filter(|value| value.is_finite())?;
+            }
+        }
+    }
+    table.texels = texels;
+    Some(table)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::correct::table::{TablePixel, coarse};
+    use crate::views::tests::{fisheye, lens, projector, rig};
+    use glam::DVec3;
+
+    fn sample(size: (u32, u32)) -> Table {
+        Table::new(size, |column, row| {
+            let direction = DVec3::new(f64::from(column) - 3.1, f64::from(row) - 2.2, -4.0);
+            (column % 3 != 1).then_some(TablePixel { direction, weight: 0.1 * f64::from(row), dark: 0.01 })
+        })
+    }
+
+    #[test]
+    fn what_is_kept_is_the_table() {
+        let one = rig(vec![projector("p", DVec3::new(0.5, 0.0, 1.0), [20.0, 10.0, 5.0], lens(60.0, 40.0))]);
+        let shown = crate::correct::shown::Shown::new(&one, 0, &[(160, 90)]).expect("a map");
+        let coarse = coarse(&shown, 0.1);
+        assert!(coarse.step() > 1, "a coarse table");
+        for table in [sample((7, 5)), sample((0, 0)), sample((64, 1)), coarse] {
+            let mut writer = Writer::default();
+            assert!(write(&table, &mut writer));
+            let bytes = writer.finish();
+            let mut reader = Reader::new(&bytes);
+            assert_eq!(read(&mut reader), Some(table));
+            assert!(reader.is_at_end());
+            // What is cut off is refused; what is changed is refused or read as something, and no more is asked for than there is.
+            for length in 0..bytes.len().min(2000) {
+                let mut cut = Reader::new(&bytes[..length]);
+                assert!(read(&mut cut).is_none(), "{length}");
+            }
+            for at in 0..bytes.len().min(300) {
+                for change in [0xFF, 0x80, 1] {
+                    let mut other = bytes.clone();
+                    other[at] ^= change;
+                    read(&mut Reader::new(&other));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_table_of_another_rig_is_made_anew() {
+        let cache = Cache::in_memory();
+        let one = rig(vec![fisheye(180.0, 90.0)]);
+        let mut other = one.clone();
+        other.outputs[0].blend.gamma += f64::EPSILON * 2.0;
+        let table = |rig: &Rig, size: (u32, u32)| {
+            let made = kept(rig, 0, &[size], &cache, || Ok(sample(size))).expect("a table");
+            assert_eq!(made, sample(size));
+        };
+        for _ in 0..3 {
+            table(&one, (7, 5));
+            table(&other, (7, 5));
+            table(&one, (7, 6));
+        }
+        assert_eq!(cache.counts().missing, 3);
+    }
+}

@@ -1,0 +1,61 @@
+//! The process's cache of results: `CUPOLA_CACHE`.
+
+use super::process::build_id;
+use crate::cache::Cache;
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
+
+/// The cache of this process: in the folder that `CUPOLA_CACHE` names, else in the user's cache folder; only in memory where that is `0`,
+/// where there is no such folder, or where nothing tells this build of Cupola from others.
+pub fn of_process() -> &'static Cache {
+    static CACHE: OnceLock<Cache> = OnceLock::new();
+    CACHE.get_or_init(|| {
+        // Tests of single functions leave the user's folder alone.
+        let asked = if cfg!(test) { Some("0".into()) } else { std::env::var_os("CUPOLA_CACHE") };
+        let folder = match asked.filter(|value| !value.is_empty()) {
+            Some(value) if value == "0" => None,
+            // The program may go to another folder while it runs.
+            Some(value) => std::path::absolute(value).ok(),
+            None => user_folder().map(|folder| folder.join("results")),
+        };
+        match (folder, build_id()) {
+            (Some(folder), Some(build)) => Cache::in_folder(folder, &build),
+            _ => Cache::in_memory(),
+        }
+    })
+}
+
+/// The folder for files of Cupola that can be made again; `None` where the environment names none.
+pub fn user_folder() -> Option<PathBuf> {
+    folder_of(std::env::var_os("XDG_CACHE_HOME"), std::env::var_os("HOME"))
+}
+
+fn folder_of(cache: Option<OsString>, home: Option<OsString>) -> Option<PathBuf> {
+    // A relative path is invalid there, says the specification of these variables.
+    let absolute = |path: &OsString| Path::new(path).is_absolute();
+    let cache = cache.filter(absolute).map(PathBuf::from);
+    let home = || home.filter(absolute).map(|home| PathBuf::from(home).join(".cache"));
+    Some(cache.or_else(home)?.join("cupola"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_folder_is_where_the_environment_says() {
+        let of = |cache: Option<&str>, home: Option<&str>| folder_of(cache.map(Into::into), home.map(Into::into));
+        assert_eq!(of(Some("/c"), Some("/h")), Some("/c/cupola".into()));
+        assert_eq!(of(Some("c"), Some("/h")), Some("/h/.cache/cupola".into()));
+        assert_eq!(of(None, Some("/h")), Some("/h/.cache/cupola".into()));
+        assert_eq!(of(Some(""), None), None);
+        assert_eq!(of(None, Some("")), None);
+    }
+
+    #[test]
+    fn a_build_has_a_name() {
+        let id = build_id().expect("the linker writes one");
+        assert!(id.len() >= 8 && Some(id) == build_id());
+    }
+}
