@@ -5,6 +5,7 @@
 
 mod behaviour;
 mod blending;
+mod cache;
 mod compare;
 mod controls;
 mod culling;

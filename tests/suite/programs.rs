@@ -177,6 +177,7 @@ impl Run<'_> {
         let program = vulkan_apps()?.join(self.program);
         let mut command = Command::new(env!("CARGO_BIN_EXE_cupola"));
         command.env("CUPOLA_LIBRARY", library()).env("VK_LOADER_DEBUG", "layer");
+        command.envs(self.environment.iter().copied());
         let place = display::place();
         command.args(["run", "--rig", rig, "--capture", "capture.png", "--stats", "stats.json"]).args(self.cupola);
         command.args(["--", "env", "VK_INSTANCE_LAYERS=VK_LAYER_CUPOLA_dome:VK_LAYER_KHRONOS_validation"]);
@@ -359,6 +360,10 @@ impl Finished {
         let what = format!("{program} ({rig})");
         let directory = scratch(program);
         let log = |name: &str| std::fs::File::create(directory.join(name)).expect("a log file can be made");
+        // Not the user's own; that runs share it is a test of its own.
+        if !command.get_envs().any(|(name, _)| name == "CUPOLA_CACHE") {
+            command.env("CUPOLA_CACHE", Path::new(env!("CARGO_TARGET_TMPDIR")).join("results"));
+        }
         let mut child = command
             .current_dir(&directory)
             .env("LIBGL_ALWAYS_SOFTWARE", "1")
