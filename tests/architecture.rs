@@ -19,7 +19,7 @@ const MAY_USE: [(&str, &[&str]); 16] = [
     ("views", &["cache", "geom", "rig", "warp"]),
     ("warp", &["geom", "formats", "rig"]),
     ("blend", &["geom", "rig", "warp"]),
-    ("correct", &["cache", "geom", "rig", "views", "warp", "blend"]),
+    ("correct", &["cache", "digest", "geom", "rig", "views", "warp", "blend"]),
     ("backend", &["cache", "correct"]),
     ("runtime", &["cache", "fence", "geom", "rig", "views", "warp", "blend", "correct", "backend"]),
     ("intercept", &["cache", "digest", "fence", "rig", "views", "correct", "backend", "runtime"]),

@@ -109,14 +109,8 @@ impl Cache {
 
     fn new(files: Option<(PathBuf, Vec<u8>)>) -> Self {
         let zero = || AtomicU64::new(0);
-        let shared = Shared {
-            files,
-            recent: Mutex::default(),
-            read: zero(),
-            missing: zero(),
-            written: zero(),
-            bytes: zero(),
-        };
+        let shared =
+            Shared { files, recent: Mutex::default(), read: zero(), missing: zero(), written: zero(), bytes: zero() };
         Self(Some(Arc::new(shared)))
     }
 

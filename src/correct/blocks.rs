@@ -3,13 +3,16 @@
 //! An output is cut into blocks. What a block needs is read off its corners where that is safe, and
 //! found pixel by pixel where it is not.
 
+mod kept;
+
 use super::plan::{Batch, Mask, Source};
 use super::rectangles::{self, BLOCK};
+use crate::cache::Cache;
 use crate::geom::screen::Bounds;
 use crate::geom::{Frustum, Panorama, QuadraticForm};
 use crate::rig::{Filter, Flip, Rig};
-use crate::views::ViewPlan;
 use crate::views::cone::{Cone, Relation, WIDEST, diameter};
+use crate::views::{View, ViewPlan};
 use glam::{DMat3, DVec2, DVec3};
 
 /// At most so many batches of an output differ only in their neighbours and in the view that they sample.
@@ -51,7 +54,8 @@ enum Class {
 ///
 /// Conservative: a batch lists every view that answers for one of its pixels' centres, and every
 /// neighbour whose picture reaches into it (up to a part of a pixel, where its weight is nil);
-/// blocks that show nothing are in none, nor those that `mask` makes black.
+/// blocks that show nothing are in none, nor those that `mask` makes black. `cache` may know what blocks need, or keeps it.
+#[allow(clippy::too_many_arguments)]
 pub(super) fn batches(
     rig: &Rig,
     index: usize,
@@ -60,10 +64,12 @@ pub(super) fn batches(
     plan: &ViewPlan,
     mask: Option<&Mask>,
     flip: Flip,
+    cache: &Cache,
 ) -> Vec<Batch> {
     let output_views = &plan.output_views[index];
     let examiner = Examiner::new(rig, source, size, plan, output_views, flip);
-    let mut needs = examiner.all();
+    let views: Vec<&View> = output_views.iter().map(|&view| &plan.views[view]).collect();
+    let mut needs = kept::needs(&examiner, &views, cache);
     // With light added to black, what is masked is not black.
     let output = &rig.outputs[index];
     let darkening = mask.filter(|_| output.blend.black_level == 0.0 && output.black.is_none());
@@ -242,6 +248,11 @@ impl<'a> Examiner<'a> {
         }
     }
 
+    /// How many blocks there are.
+    fn blocks(&self) -> usize {
+        self.size.0.div_ceil(BLOCK) as usize * self.size.1.div_ceil(BLOCK) as usize
+    }
+
     /// What every block needs, row by row.
     fn all(&self) -> Vec<Needs> {
         let (columns, rows) = (self.size.0.div_ceil(BLOCK), self.size.1.div_ceil(BLOCK));
@@ -249,7 +260,7 @@ impl<'a> Examiner<'a> {
         let corner_row = |row: u32| -> Vec<Corner> {
             (0..=columns).map(|column| self.corner(position(column, self.size.0), position(row, self.size.1))).collect()
         };
-        let mut needs = Vec::with_capacity((columns * rows) as usize);
+        let mut needs = Vec::with_capacity(self.blocks());
         let mut above = corner_row(0);
         for row in 0..rows {
             let below = corner_row(row + 1);

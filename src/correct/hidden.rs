@@ -3,6 +3,10 @@
 //! A view is a rectangle, what outputs show of it is not: the corners beyond a dome's rim, and what an earlier view answers
 //! for, are drawn for nothing. A program that adapts itself can leave them out.
 
+mod kept;
+
+pub use kept::kept_hidden_areas;
+
 use super::plan::{OutputPass, Plan};
 use super::rectangles::{self, BLOCK};
 use crate::geom::Frustum;

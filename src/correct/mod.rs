@@ -31,7 +31,7 @@ pub mod uniforms;
 pub use arrangement::{Arrangement, ImageSize};
 pub use facets::{FacetCorner, Facets};
 pub use footprints::{Footprints, Texels, footprints};
-pub use hidden::hidden_areas;
+pub use hidden::{hidden_areas, kept_hidden_areas};
 pub use plan::{Approximation, Batch, OutputPass, PixelRect, Plan, Source, build, build_with};
 pub use table::{Table, TablePixel};
 

@@ -14,8 +14,10 @@ pub(super) use coarse::coarse;
 pub(super) use kept::kept;
 
 use super::uniforms;
+use crate::digest::Digest;
 use crate::views::axes::facing;
 use glam::{DMat3, DVec3};
+use std::fmt;
 use std::sync::{Arc, Mutex};
 
 /// What one pixel of a table shows.
@@ -30,7 +32,7 @@ pub struct TablePixel {
 }
 
 /// Directions and weights of an output.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, PartialEq)]
 pub struct Table {
     size: (u32, u32),
     step: u32,
@@ -40,6 +42,24 @@ pub struct Table {
     weighted: bool,
     lit: Arc<Vec<bool>>,
     error: f64,
+}
+
+/// A sum stands for entries and pixels, all bits of them.
+impl fmt::Debug for Table {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { size, step, entries, axes, texels, weighted, lit, error } = self;
+        let mut digest = Digest::default();
+        for [x, y, z, weight] in texels {
+            let pair = |low: &f32, high: &f32| u64::from(low.to_bits()) | u64::from(high.to_bits()) << 32;
+            digest.add(pair(x, y));
+            digest.add(pair(z, weight));
+        }
+        lit.chunks(64).for_each(|part| digest.add(part.iter().fold(0, |bits, lit| bits << 1 | u64::from(*lit))));
+        let sum = format_args!("{digest:x}");
+        let mut table = f.debug_struct("Table");
+        table.field("size", size).field("step", step).field("entries", entries).field("axes", axes);
+        table.field("sum", &sum).field("weighted", weighted).field("error", error).finish()
+    }
 }
 
 /// Every so many pixels are looked at to find the middle of what is shown.

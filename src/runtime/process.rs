@@ -147,7 +147,8 @@ mod tests {
     #[test]
     fn notes_are_found_and_damaged_ones_are_not() {
         let made = |name: &[u8], content: &[u8], kind: u32| {
-            let mut bytes: Vec<u8> = [name.len() as u32, content.len() as u32, kind].iter().flat_map(|n| n.to_ne_bytes()).collect();
+            let mut bytes: Vec<u8> =
+                [name.len() as u32, content.len() as u32, kind].iter().flat_map(|n| n.to_ne_bytes()).collect();
             for part in [name, content] {
                 bytes.extend_from_slice(part);
                 bytes.resize(bytes.len().next_multiple_of(4), 0);

@@ -45,13 +45,7 @@ impl Hidden {
     ///
     /// # Errors
     /// [`Graphics`](crate::ErrorKind::Graphics) where the driver refuses the shader.
-    pub fn new(
-        gl: &Gl,
-        caps: &Capabilities,
-        binaries: &Binaries,
-        areas: &[Tile],
-        atlas: (u32, u32),
-    ) -> Result<Self> {
+    pub fn new(gl: &Gl, caps: &Capabilities, binaries: &Binaries, areas: &[Tile], atlas: (u32, u32)) -> Result<Self> {
         let (vertex, fragment) = if caps.gles { texts!("#version 300 es") } else { texts!("#version 330 core") };
         let text = Specialised { vertex, fragment: fragment.to_owned(), samplers: &[] };
         let program = program::build(gl, &text, binaries)?;

@@ -177,7 +177,8 @@ impl GlBackend {
             old.destroy(gl);
         }
         if !areas.is_empty() {
-            let hidden = state::while_uploading(gl, &self.caps, || Hidden::new(gl, &self.caps, &self.binaries, areas, atlas));
+            let hidden =
+                state::while_uploading(gl, &self.caps, || Hidden::new(gl, &self.caps, &self.binaries, areas, atlas));
             self.hidden = Some(hidden?);
         }
         self.count_errors(gl);

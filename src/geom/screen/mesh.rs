@@ -40,7 +40,11 @@ impl fmt::Debug for Mesh {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let corners = self.triangles.iter().flatten().flat_map(DVec3::to_array);
         let sum = format_args!("{:x}", corners.collect::<Digest>());
-        f.debug_struct("Mesh").field("triangles", &self.triangles.len()).field("sum", &sum).field("faces", &self.faces).finish()
+        f.debug_struct("Mesh")
+            .field("triangles", &self.triangles.len())
+            .field("sum", &sum)
+            .field("faces", &self.faces)
+            .finish()
     }
 }
 
