@@ -6,12 +6,13 @@ use cupola::blend::Weights;
 use cupola::correct::draws::{Rows, draws};
 use cupola::correct::shaders::{Language, Stage, specialise};
 use cupola::correct::{self, Plan};
+use cupola::digest::Digest;
 use cupola::geom::Frustum;
 use cupola::intercept::gl::culling::bounds::{Bounds, Placed, extent, outside};
 use cupola::intercept::gl::culling::position::{Transform, View};
 use cupola::intercept::gl::immediate::commands::Command;
 use cupola::intercept::gl::immediate::recorder::{Recorder, Sets, add_vertex};
-use cupola::intercept::gl::unchanged::call::Digest;
+use cupola::intercept::gl::unchanged::call::add_memory;
 use cupola::rig::{self, Rig};
 use cupola::runtime::session::{Extras, MatrixClass, Session, classify};
 use cupola::views::{self, Request};
@@ -139,7 +140,7 @@ mod draw {
             for i in 0..1000u64 {
                 calls.add(black_box(i));
                 // SAFETY: as many bytes as a matrix has.
-                unsafe { calls.add_memory(matrix.as_ptr() as u64, size_of_val(&matrix) as u64) };
+                unsafe { add_memory(&mut calls, matrix.as_ptr() as u64, size_of_val(&matrix) as u64) };
             }
             calls
         });

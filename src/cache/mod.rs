@@ -222,8 +222,8 @@ fn header(key: Digest, content: &[u8]) -> Vec<u8> {
     [&MAGIC[..], &key.value().to_le_bytes(), &length, &sum(content)].concat()
 }
 
-/// The user whose process this is.
-fn this_user() -> Option<u32> {
+/// The number of the user whose process this is.
+pub fn this_user() -> Option<u32> {
     Some(fs::metadata("/proc/self").ok()?.uid())
 }
 

@@ -50,22 +50,25 @@ enum Class {
     EdgeOverlap,
 }
 
-/// The batches of output `index` of `rig`, of `size` pixels.
+/// What is known of an output's picture beside the rig.
+pub(super) struct Picture<'a> {
+    /// Its map.
+    pub source: &'a Source,
+    /// Width and height in pixels.
+    pub size: (u32, u32),
+    /// What dims it.
+    pub mask: Option<&'a Mask>,
+    /// How it is mirrored in the end.
+    pub flip: Flip,
+}
+
+/// The batches of output `index` of `rig`.
 ///
 /// Conservative: a batch lists every view that answers for one of its pixels' centres, and every
 /// neighbour whose picture reaches into it (up to a part of a pixel, where its weight is nil);
-/// blocks that show nothing are in none, nor those that `mask` makes black. `cache` may know what blocks need, or keeps it.
-#[allow(clippy::too_many_arguments)]
-pub(super) fn batches(
-    rig: &Rig,
-    index: usize,
-    source: &Source,
-    size: (u32, u32),
-    plan: &ViewPlan,
-    mask: Option<&Mask>,
-    flip: Flip,
-    cache: &Cache,
-) -> Vec<Batch> {
+/// blocks that show nothing are in none, nor those that the mask makes black. `cache` may know what blocks need, or keeps it.
+pub(super) fn batches(rig: &Rig, index: usize, picture: &Picture<'_>, plan: &ViewPlan, cache: &Cache) -> Vec<Batch> {
+    let Picture { source, size, mask, flip } = *picture;
     let output_views = &plan.output_views[index];
     let examiner = Examiner::new(rig, source, size, plan, output_views, flip);
     let views: Vec<&View> = output_views.iter().map(|&view| &plan.views[view]).collect();

@@ -276,7 +276,10 @@ pub fn build_with(rig: &Rig, request: &Request, cache: &Cache) -> Result<Plan> {
             let mask = output.mask.as_deref().map(mask::load).transpose()?;
             let batches = match request.output_sizes[index] {
                 (0, 0) => Vec::new(),
-                _ => blocks::batches(rig, index, &source, size, &views, mask.as_ref(), flip, cache),
+                _ => {
+                    let picture = blocks::Picture { source: &source, size, mask: mask.as_ref(), flip };
+                    blocks::batches(rig, index, &picture, &views, cache)
+                }
             };
             let batches = match output.method {
                 Method::Fragment | Method::Vertex | Method::Primitive { .. } => batches,

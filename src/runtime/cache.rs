@@ -1,8 +1,9 @@
 //! The process's cache of results: `CUPOLA_CACHE`.
 
 use super::process::build_id;
-use crate::cache::Cache;
+use crate::cache::{Cache, this_user};
 use std::ffi::OsString;
+use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
@@ -17,13 +18,19 @@ pub fn of_process() -> &'static Cache {
             Some(value) if value == "0" => None,
             // The program may go to another folder while it runs.
             Some(value) => std::path::absolute(value).ok(),
-            None => user_folder().map(|folder| folder.join("results")),
+            None => user_folder().map(|folder| folder.join("results")).filter(|folder| is_own(folder)),
         };
         match (folder, build_id()) {
             (Some(folder), Some(build)) => Cache::in_folder(folder, &build),
             _ => Cache::in_memory(),
         }
     })
+}
+
+/// Whether a folder, or the one in which it would be made, is this user's. With `sudo` the home of another may be named.
+fn is_own(folder: &Path) -> bool {
+    let there = folder.ancestors().find_map(|folder| folder.metadata().ok());
+    there.is_some_and(|folder| Some(folder.uid()) == this_user())
 }
 
 /// The folder for files of Cupola that can be made again; `None` where the environment names none.
@@ -51,6 +58,14 @@ mod tests {
         assert_eq!(of(None, Some("/h")), Some("/h/.cache/cupola".into()));
         assert_eq!(of(Some(""), None), None);
         assert_eq!(of(None, Some("")), None);
+    }
+
+    #[test]
+    fn a_folder_of_this_user_s_is_told() {
+        let made = std::env::temp_dir().join(format!("cupola-own-{}", std::process::id()));
+        std::fs::create_dir(&made).expect("made");
+        assert!(is_own(&made) && is_own(&made.join("not/there")));
+        std::fs::remove_dir(&made).expect("removed");
     }
 
     #[test]

@@ -88,7 +88,8 @@ fn what_is_damaged_is_computed_again() {
     let Some(first) = run("core330_mvp", "idome", &folder, &[]) else { return };
     let same = Same { what: "core330_mvp idome".into(), picture: first.picture("capture.png") };
     let [_, kept, _] = counts(&first);
-    let damage: [(&str, &dyn Fn(&Path)); 4] = [
+    type Damage<'a> = (&'a str, &'a dyn Fn(&Path));
+    let damage: [Damage; 4] = [
         ("bytes", &|path| {
             let mut bytes = std::fs::read(path).expect("a file");
             let middle = bytes.len() / 2;

@@ -26,7 +26,7 @@ pub(super) fn pipeline(
         |key| key.bytes(&api.driver).bytes(&words(modules.vertex)).bytes(&words(&modules.fragment)),
         |reader| {
             let known = read(reader)?;
-            with(api, known, |cache| make(cache)).ok().map(|pipeline| (pipeline, Vec::new()))
+            with(api, known, &make).ok().map(|pipeline| (pipeline, Vec::new()))
         },
         |(_, data), writer| write(data, writer),
         || with(api, &[], |cache| Ok((make(cache)?, data(api, cache)))),

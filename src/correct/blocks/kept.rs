@@ -57,8 +57,8 @@ mod tests {
         let of = |number: u64| Needs {
             views: number << 62 | number,
             neighbours: u128::from(number) << 126 | u128::from(number),
-            dark: number % 3 == 0,
-            lit: number % 2 == 0,
+            dark: number.is_multiple_of(3),
+            lit: number.is_multiple_of(2),
         };
         let needs: Vec<Needs> = (0..200).map(|block| of(block / 7 % 5)).collect();
         let mut writer = Writer::default();
