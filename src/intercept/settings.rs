@@ -36,6 +36,8 @@ pub struct Settings {
     pub mask: Mask,
     /// Draws are left out of views that cannot show them; `CUPOLA_CULL=0` switches that off.
     pub cull: bool,
+    /// … draws of few vertices, too, for which it is not worth it (Vulkan): `CUPOLA_CULL=all`.
+    pub cull_all: bool,
     /// `CUPOLA_REUSE`: whether frames in which nothing changed show the picture of the one before.
     pub reuse: Reuse,
 }
@@ -131,6 +133,7 @@ fn read() -> crate::Result<Settings> {
         offscreen: text("CUPOLA_OFFSCREEN").is_some_and(|v| v == "1"),
         mask,
         cull: text("CUPOLA_CULL").is_none_or(|v| v != "0"),
+        cull_all: text("CUPOLA_CULL").is_some_and(|v| v == "all"),
         reuse,
     })
 }

@@ -46,6 +46,9 @@ pub struct Statistics {
     pub primary_draws: u64,
     /// Draws to the program's own framebuffers that were issued once per view.
     pub duplicated_draws: u64,
+    /// How often a draw that was recorded for each view and the panel was left out of one of them, because it turned out to be out of sight
+    /// there (Vulkan).
+    pub draws_out_of_sight: u64,
     /// Draws of the scene of which it was known where their vertices are.
     pub bounded_draws: u64,
     /// Ranges of buffers that were read back for that, each once until its buffer changes.

@@ -417,3 +417,28 @@ fn deviations(program: &Picture, shown: &Picture) -> (usize, usize) {
     }
     (checked, wrong)
 }
+
+/// Of a scene the panel has nothing and of what is flat the views: such draws are not begun there, and nothing else changes.
+#[test]
+fn what_is_out_of_sight_is_not_drawn() {
+    let every = [("CUPOLA_CULL", "all")];
+    let cases: [(&[&str], bool, u64); 4] = [
+        (&["--cells", "triangles"], false, 1),
+        (&["--cells", "triangles", "--flat", "over"], true, 1 + 4),
+        (&["--cells", "triangles", "--secondary", "--flat", "over"], true, 1 + 4),
+        (&[], false, 0),
+    ];
+    for (extra, small_ones_too, times) in cases {
+        let environment = if small_ones_too { &every[..] } else { &[] };
+        let start =
+            |cupola| Run { environment, cupola, ..Run { extra, ..Run::new("vk_cube") } }.vulkan_under("fisheye");
+        let Some(culled) = start(&[]) else { return };
+        let whole = start(&["--no-cull"]).expect("a display");
+        expect_identical(&culled.picture("capture.png"), &whole.picture("capture.png"), &format!("vk_cube {extra:?}"));
+        let counts = culled.statistics();
+        let frames = counts["frames"].as_u64().expect("a number");
+        assert_eq!(counts["views"].as_array().map(Vec::len), Some(4));
+        assert_eq!(counts["draws_out_of_sight"].as_u64(), Some(times * frames), "{extra:?}");
+        assert_eq!(whole.statistics()["draws_out_of_sight"], 0);
+    }
+}

@@ -4,6 +4,7 @@ use super::device::Device;
 use super::hook::hooks;
 use super::layout::{Layout, Rect};
 use super::offscreen::{self, Made};
+use super::parameters::{Parameters, Placed};
 use super::pipelines::{Pipeline, Variants};
 use super::queries::running;
 use super::recording::{Event, Recording};
@@ -14,29 +15,49 @@ use crate::correct::uniforms::pixels;
 use ash::vk;
 use std::sync::Arc;
 
-/// Issues a draw of the program by `issue`. `vertices`: how many it has, more where that is not known.
+/// How large a draw is.
+#[derive(Clone, Copy)]
+enum Size {
+    /// The program says it.
+    Told(Parameters),
+    /// Only the device knows.
+    Unknown,
+}
+
+impl Size {
+    /// How many vertices it has, more where that is not known.
+    fn vertices(&self) -> u32 {
+        match self {
+            Self::Told(parameters) => parameters.vertices(),
+            Self::Unknown => u32::MAX,
+        }
+    }
+}
+
+/// Issues a draw of the program by `issue`.
 ///
 /// # Safety
-/// The command buffer is being recorded; `issue` records the program's own draw.
-unsafe fn draw(device: &Device, buffer: vk::CommandBuffer, vertices: u32, issue: impl Fn()) {
+/// The command buffer is being recorded; `issue` records the program's own draw, of that `size`.
+unsafe fn draw(device: &Device, buffer: vk::CommandBuffer, size: Size, issue: impl Fn()) {
+    let vertices = size.vertices();
     let few = vertices <= offscreen::FEW;
     let known = device.recordings.with(buffer, |recording| {
         // SAFETY: as promised.
         unsafe {
             match recording.pipeline.clone() {
                 Some(pipeline) if recording.pass.is_some() => {
-                    each_view(device, buffer, recording, (&pipeline, vertices), &issue);
+                    each_view(device, buffer, recording, (&pipeline, size), &issue);
                 }
                 Some(pipeline) => {
                     if device.images.has_candidates() && device.draws_views() {
                         suspect(device, recording, (&pipeline, few));
                     }
                     restore(device, buffer, recording);
-                    running::drawn(recording, None, vertices, 1);
+                    running::drawn(recording, None, vertices, Some(1));
                     issue();
                 }
                 None => {
-                    running::drawn(recording, None, vertices, 1);
+                    running::drawn(recording, None, vertices, Some(1));
                     issue();
                 }
             }
@@ -153,9 +174,10 @@ unsafe fn each_view(
     device: &Device,
     buffer: vk::CommandBuffer,
     recording: &mut Recording,
-    (pipeline, vertices): (&Arc<Pipeline>, u32),
+    (pipeline, size): (&Arc<Pipeline>, Size),
     issue: &dyn Fn(),
 ) {
+    let vertices = size.vertices();
     let few = vertices <= offscreen::FEW;
     let Some(variants) = &pipeline.variants else {
         // Its window space is not that of a tile.
@@ -211,13 +233,13 @@ unsafe fn each_view(
         let y_up = viewport.height < 0.0;
         let kind = Kind { sources, y_up, in_views, off_screen, deep, screen };
         let last = recording.runs.last_mut().filter(|run| run.takes(&layout, &kind));
+        let groups = 2 + if in_views { layout.views.len() } else { 0 };
         let place = match last {
             Some(run) => {
                 run.draws += 1;
                 run.place
             }
             None => {
-                let groups = 2 + if in_views { layout.views.len() } else { 0 };
                 let stride = device.group_stride();
                 let Ok(place) = device.rows.take(device, &mut recording.rows, groups, stride) else {
                     device.give_up("there is no memory for its views");
@@ -230,17 +252,22 @@ unsafe fn each_view(
                 place
             }
         };
-        // Where the program's own lens shows everything, there is no panel.
-        let on_panel = !off_screen && !layout.shows_own_lens();
+        let run = recording.runs.len() - 1;
+        let on_panel = recording.runs[run].is_on_panel();
         let tiles = if in_views { layout.views.len() } else { 0 };
         let times = tiles + usize::from(on_panel) + usize::from(layout.primary.is_some());
-        running::drawn(recording, Some(recording.runs.len() - 1), vertices, times as u32);
+        let placed = match &size {
+            Size::Told(parameters) => Placed::new(device, recording, parameters, groups as u32),
+            Size::Unknown => None,
+        };
+        running::drawn(recording, Some(run), vertices, placed.is_none().then_some(times as u32));
+        recording.runs[run].placed.extend(placed);
         let mut tile = Tile { device, buffer, recording, pipeline, variants, place, viewport, scissor };
         if in_views {
             for (index, (rect, own_lens)) in layout.views.iter().enumerate() {
                 tile.begin(variants.view, index, *rect, *own_lens, layout.window);
                 tile.bind(&of_views, index);
-                issue();
+                tile.issue(&placed, index, issue);
             }
         }
         tile.unbind(&of_views);
@@ -248,12 +275,12 @@ unsafe fn each_view(
         if on_panel {
             tile.begin(variants.panel, tiles, layout.panel, true, layout.window);
             tile.bind(&attached, 0);
-            issue();
+            tile.issue(&placed, tiles, issue);
         }
         if let Some(primary) = layout.primary {
             tile.begin(variants.view, tiles + 1, primary, true, layout.window);
             tile.bind(&attached, 0);
-            issue();
+            tile.issue(&placed, tiles + 1, issue);
         }
         tile.unbind(&attached);
     }
@@ -317,6 +344,20 @@ impl Tile<'_> {
 }
 
 impl Tile<'_> {
+    /// Issues the draw with a group of rows: by its parameters in memory, or else by `issue`.
+    ///
+    /// # Safety
+    /// The command buffer is being recorded.
+    unsafe fn issue(&self, placed: &Option<Placed>, group: usize, issue: &dyn Fn()) {
+        match placed {
+            // SAFETY: as promised; the places are those of this recording.
+            Some(placed) => unsafe {
+                placed.issue(self.device, self.buffer, &self.recording.rows.pieces, group as u32)
+            },
+            None => issue(),
+        }
+    }
+
     /// Lets the next draw see one view of the scene, where the program drew that off screen.
     ///
     /// # Safety
@@ -378,49 +419,49 @@ pub fn rectangle([x, y, width, height]: Rect) -> vk::Rect2D {
 hooks! { draws;
     [c"vkCmdDraw"] cmd_draw: vk::PFN_vkCmdDraw = (
         buffer: vk::CommandBuffer, vertices: u32, instances: u32, first_vertex: u32, first_instance: u32
-    ) { |state, next| draw(&state, buffer, vertices.saturating_mul(instances), || next(buffer, vertices, instances, first_vertex, first_instance)) }
+    ) { |state, next| draw(&state, buffer, Size::Told(Parameters::of_vertices(vertices, instances, first_vertex, first_instance)), || next(buffer, vertices, instances, first_vertex, first_instance)) }
     [c"vkCmdDrawIndexed"] cmd_draw_indexed: vk::PFN_vkCmdDrawIndexed = (
         buffer: vk::CommandBuffer, indices: u32, instances: u32, first_index: u32, vertex_offset: i32, first_instance: u32
-    ) { |state, next| draw(&state, buffer, indices.saturating_mul(instances), || next(buffer, indices, instances, first_index, vertex_offset, first_instance)) }
+    ) { |state, next| draw(&state, buffer, Size::Told(Parameters::of_indices(indices, instances, first_index, vertex_offset, first_instance)), || next(buffer, indices, instances, first_index, vertex_offset, first_instance)) }
     [c"vkCmdDrawIndirect"] cmd_draw_indirect: vk::PFN_vkCmdDrawIndirect = (
         buffer: vk::CommandBuffer, from: vk::Buffer, offset: vk::DeviceSize, count: u32, stride: u32
-    ) { |state, next| draw(&state, buffer, u32::MAX, || next(buffer, from, offset, count, stride)) }
+    ) { |state, next| draw(&state, buffer, Size::Unknown, || next(buffer, from, offset, count, stride)) }
     [c"vkCmdDrawIndexedIndirect"] cmd_draw_indexed_indirect: vk::PFN_vkCmdDrawIndexedIndirect = (
         buffer: vk::CommandBuffer, from: vk::Buffer, offset: vk::DeviceSize, count: u32, stride: u32
-    ) { |state, next| draw(&state, buffer, u32::MAX, || next(buffer, from, offset, count, stride)) }
+    ) { |state, next| draw(&state, buffer, Size::Unknown, || next(buffer, from, offset, count, stride)) }
     [c"vkCmdDrawIndirectCount", c"vkCmdDrawIndirectCountKHR", c"vkCmdDrawIndirectCountAMD"] cmd_draw_indirect_count: vk::PFN_vkCmdDrawIndirectCount = (
         buffer: vk::CommandBuffer, from: vk::Buffer, offset: vk::DeviceSize, counts: vk::Buffer, count_offset: vk::DeviceSize, most: u32, stride: u32
-    ) { |state, next| draw(&state, buffer, u32::MAX, || next(buffer, from, offset, counts, count_offset, most, stride)) }
+    ) { |state, next| draw(&state, buffer, Size::Unknown, || next(buffer, from, offset, counts, count_offset, most, stride)) }
     [c"vkCmdDrawIndexedIndirectCount", c"vkCmdDrawIndexedIndirectCountKHR", c"vkCmdDrawIndexedIndirectCountAMD"] cmd_draw_indexed_indirect_count: vk::PFN_vkCmdDrawIndexedIndirectCount = (
         buffer: vk::CommandBuffer, from: vk::Buffer, offset: vk::DeviceSize, counts: vk::Buffer, count_offset: vk::DeviceSize, most: u32, stride: u32
-    ) { |state, next| draw(&state, buffer, u32::MAX, || next(buffer, from, offset, counts, count_offset, most, stride)) }
+    ) { |state, next| draw(&state, buffer, Size::Unknown, || next(buffer, from, offset, counts, count_offset, most, stride)) }
     [c"vkCmdDrawMultiEXT"] cmd_draw_multi: vk::PFN_vkCmdDrawMultiEXT = (
         buffer: vk::CommandBuffer, count: u32, infos: *const vk::MultiDrawInfoEXT, instances: u32, first_instance: u32, stride: u32
-    ) { |state, next| draw(&state, buffer, u32::MAX, || next(buffer, count, infos, instances, first_instance, stride)) }
+    ) { |state, next| draw(&state, buffer, Size::Unknown, || next(buffer, count, infos, instances, first_instance, stride)) }
     [c"vkCmdDrawMultiIndexedEXT"] cmd_draw_multi_indexed: vk::PFN_vkCmdDrawMultiIndexedEXT = (
         buffer: vk::CommandBuffer, count: u32, infos: *const vk::MultiDrawIndexedInfoEXT, instances: u32, first_instance: u32, stride: u32, vertex_offset: *const i32
-    ) { |state, next| draw(&state, buffer, u32::MAX, || next(buffer, count, infos, instances, first_instance, stride, vertex_offset)) }
+    ) { |state, next| draw(&state, buffer, Size::Unknown, || next(buffer, count, infos, instances, first_instance, stride, vertex_offset)) }
     [c"vkCmdDrawMeshTasksEXT"] cmd_draw_mesh_tasks: vk::PFN_vkCmdDrawMeshTasksEXT = (
         buffer: vk::CommandBuffer, x: u32, y: u32, z: u32
-    ) { |state, next| draw(&state, buffer, u32::MAX, || next(buffer, x, y, z)) }
+    ) { |state, next| draw(&state, buffer, Size::Unknown, || next(buffer, x, y, z)) }
     [c"vkCmdDrawMeshTasksNV"] cmd_draw_mesh_tasks_nv: vk::PFN_vkCmdDrawMeshTasksNV = (
         buffer: vk::CommandBuffer, count: u32, first: u32
-    ) { |state, next| draw(&state, buffer, u32::MAX, || next(buffer, count, first)) }
+    ) { |state, next| draw(&state, buffer, Size::Unknown, || next(buffer, count, first)) }
     [c"vkCmdDrawMeshTasksIndirectEXT"] cmd_draw_mesh_tasks_indirect: vk::PFN_vkCmdDrawMeshTasksIndirectEXT = (
         buffer: vk::CommandBuffer, from: vk::Buffer, offset: vk::DeviceSize, count: u32, stride: u32
-    ) { |state, next| draw(&state, buffer, u32::MAX, || next(buffer, from, offset, count, stride)) }
+    ) { |state, next| draw(&state, buffer, Size::Unknown, || next(buffer, from, offset, count, stride)) }
     [c"vkCmdDrawMeshTasksIndirectNV"] cmd_draw_mesh_tasks_indirect_nv: vk::PFN_vkCmdDrawMeshTasksIndirectNV = (
         buffer: vk::CommandBuffer, from: vk::Buffer, offset: vk::DeviceSize, count: u32, stride: u32
-    ) { |state, next| draw(&state, buffer, u32::MAX, || next(buffer, from, offset, count, stride)) }
+    ) { |state, next| draw(&state, buffer, Size::Unknown, || next(buffer, from, offset, count, stride)) }
     [c"vkCmdDrawMeshTasksIndirectCountEXT"] cmd_draw_mesh_tasks_count: vk::PFN_vkCmdDrawMeshTasksIndirectCountEXT = (
         buffer: vk::CommandBuffer, from: vk::Buffer, offset: vk::DeviceSize, counts: vk::Buffer, count_offset: vk::DeviceSize, most: u32, stride: u32
-    ) { |state, next| draw(&state, buffer, u32::MAX, || next(buffer, from, offset, counts, count_offset, most, stride)) }
+    ) { |state, next| draw(&state, buffer, Size::Unknown, || next(buffer, from, offset, counts, count_offset, most, stride)) }
     [c"vkCmdDrawMeshTasksIndirectCountNV"] cmd_draw_mesh_tasks_count_nv: vk::PFN_vkCmdDrawMeshTasksIndirectCountNV = (
         buffer: vk::CommandBuffer, from: vk::Buffer, offset: vk::DeviceSize, counts: vk::Buffer, count_offset: vk::DeviceSize, most: u32, stride: u32
-    ) { |state, next| draw(&state, buffer, u32::MAX, || next(buffer, from, offset, counts, count_offset, most, stride)) }
+    ) { |state, next| draw(&state, buffer, Size::Unknown, || next(buffer, from, offset, counts, count_offset, most, stride)) }
     [c"vkCmdDrawIndirectByteCountEXT"] cmd_draw_indirect_byte_count: vk::PFN_vkCmdDrawIndirectByteCountEXT = (
         buffer: vk::CommandBuffer, instances: u32, first_instance: u32, counter: vk::Buffer, offset: vk::DeviceSize, counter_offset: u32, stride: u32
-    ) { |state, next| draw(&state, buffer, u32::MAX, || next(buffer, instances, first_instance, counter, offset, counter_offset, stride)) }
+    ) { |state, next| draw(&state, buffer, Size::Unknown, || next(buffer, instances, first_instance, counter, offset, counter_offset, stride)) }
     [c"vkCmdBeginTransformFeedbackEXT"] cmd_begin_transform_feedback: vk::PFN_vkCmdBeginTransformFeedbackEXT = (
         buffer: vk::CommandBuffer, first: u32, count: u32, buffers: *const vk::Buffer, offsets: *const vk::DeviceSize
     ) { |state, next| {

@@ -7,7 +7,7 @@
 //! While a program draws to a swapchain's image, [`passes`] let it draw to an atlas, and [`draws`] issue each draw to
 //! each tile. What is known of the program's objects is in [`images`], [`framebuffers`], [`pipelines`], [`layouts`],
 //! [`descriptors`], [`pushed`] and [`memory`]; of its command buffers in [`recording`]. [`runs`] find its lens when they are
-//! submitted; [`offscreen`] finds scenes that reach the window through images of the program's own, of which there are
+//! submitted, and [`parameters`] leave out what is not to be seen then; [`offscreen`] finds scenes that reach the window through images of the program's own, of which there are
 //! [`prints`] for its shaders. What [`queries`] count is told as the program means it. What cannot be followed is shown flat, on the panel, with the reason in the log.
 
 pub mod canvas;
@@ -33,6 +33,7 @@ pub mod layouts;
 pub mod memory;
 pub mod negotiate;
 pub mod offscreen;
+pub mod parameters;
 pub mod passes;
 pub mod pipelines;
 pub mod present;

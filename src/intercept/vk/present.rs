@@ -235,6 +235,7 @@ fn statistics(device: &Device, managed: &Swapchain, rig: &Rig, frames: u64) -> S
         draws_seen: counts.seen,
         panel_draws: counts.flat,
         duplicated_draws: counts.duplicated,
+        draws_out_of_sight: counts.left_out,
         duplicated_framebuffers: device.images.duplicated().count() as u64,
         single_framebuffers: device.paths.single(rig.views.duplicate),
         coarse_primitives: coarse(device),

@@ -64,8 +64,8 @@ pub enum Event {
         run: Option<usize>,
         /// How many vertices they have.
         vertices: u64,
-        /// How often each is issued.
-        times: u32,
+        /// How often each is issued; `None`: as often as the run is in sight.
+        times: Option<u32>,
     },
 }
 

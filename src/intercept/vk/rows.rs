@@ -1,6 +1,7 @@
 //! Memory for the rows that re-project, one group for each view and the panel, read by shaders when a recorded
 //! command buffer runs. So command buffers stay valid when the program's lens changes. Where vertices are projected to
-//! outputs' pictures, the lens of a picture follows its rows; where they are divided, a counter may be beside them.
+//! outputs' pictures, the lens of a picture follows its rows; where they are divided, a counter may be beside them. The parameters of
+//! large draws lie there, too.
 
 use super::counter::Counter;
 use super::device::Device;
@@ -174,7 +175,8 @@ impl Piece {
         (group, counter): (u64, Option<&Counter>),
     ) -> VkResult<()> {
         let functions = &device.functions;
-        let info = vk::BufferCreateInfo::default().size(PIECE).usage(vk::BufferUsageFlags::UNIFORM_BUFFER);
+        let usage = vk::BufferUsageFlags::UNIFORM_BUFFER | vk::BufferUsageFlags::INDIRECT_BUFFER;
+        let info = vk::BufferCreateInfo::default().size(PIECE).usage(usage);
         let visible = vk::MemoryPropertyFlags::HOST_VISIBLE | vk::MemoryPropertyFlags::HOST_COHERENT;
         let count = layouts.len() as u32;
         let sizes = [
@@ -212,19 +214,28 @@ impl Piece {
         Ok(())
     }
 
+    /// The buffer.
+    pub fn buffer(&self) -> vk::Buffer {
+        self.buffer
+    }
+
     /// Writes a group, with its lens if it has one; nothing where it would not lie in the piece.
     pub fn write(&self, offset: u32, rows: &[f32; FLOATS], lens: Option<&[f32; FLOATS]>) {
-        let mut at = offset as usize;
-        for numbers in std::iter::once(rows).chain(lens) {
-            let next = at + size_of_val(numbers);
-            if next as u64 > PIECE {
-                return;
-            }
-            // SAFETY: the piece stays mapped, and the numbers lie in it; the shaders that read it are not running, since
-            // their command buffer is being submitted.
-            unsafe { std::ptr::copy_nonoverlapping(numbers.as_ptr(), (self.address + at) as *mut f32, FLOATS) };
-            at = next;
+        self.write_words(offset, &rows.map(f32::to_bits));
+        if let Some(lens) = lens {
+            self.write_words(offset + size_of_val(rows) as u32, &lens.map(f32::to_bits));
         }
+    }
+
+    /// Writes numbers; nothing where they would not lie in the piece.
+    pub fn write_words(&self, offset: u32, words: &[u32]) {
+        if u64::from(offset) + size_of_val(words) as u64 > PIECE {
+            return;
+        }
+        let to = (self.address + offset as usize) as *mut u32;
+        // SAFETY: the piece stays mapped, and the numbers lie in it; what reads them is not running, since its command
+        // buffer is being submitted.
+        unsafe { std::ptr::copy_nonoverlapping(words.as_ptr(), to, words.len()) };
     }
 
     fn destroy(&self, device: &Device) {

@@ -6,9 +6,10 @@
 
 use super::device::Device;
 use super::layout::Layout;
+use super::parameters::Placed;
 use super::queries::running::{Running, Worth};
 use super::recording::{Event, Recording};
-use super::rows::Place;
+use super::rows::{Piece, Place};
 use super::spirv::{Matrix, Memory};
 use crate::correct::downward::{lens_down, rows_down};
 use crate::correct::uniforms;
@@ -80,6 +81,10 @@ pub struct Run {
     pub kind: Kind,
     /// How many draws.
     pub draws: u64,
+    /// Those of them that are left out where they are out of sight.
+    pub placed: Vec<Placed>,
+    /// With which groups of rows it is in sight, bit by bit; groups from 63 on always are.
+    in_sight: u64,
     /// What was written last, and for which matrices.
     last: Option<Outcome>,
     matrices: Vec<(u8, [f64; 16])>,
@@ -89,7 +94,40 @@ pub struct Run {
 impl Run {
     /// Draws that are recorded now.
     pub fn new(place: Place, layout: Arc<Layout>, kind: Kind) -> Self {
-        Self { place, layout, kind, draws: 0, last: None, matrices: Vec::new(), lens: None }
+        Self {
+            place,
+            layout,
+            kind,
+            draws: 0,
+            placed: Vec::new(),
+            in_sight: 0,
+            last: None,
+            matrices: Vec::new(),
+            lens: None,
+        }
+    }
+
+    /// How many groups of rows it has: for the views, the panel, and the program's own picture.
+    fn groups(&self) -> u32 {
+        2 + if self.kind.in_views { self.layout.views.len() as u32 } else { 0 }
+    }
+
+    /// Whether something of it may be seen with a group of rows.
+    fn is_in_sight(&self, group: u32) -> bool {
+        self.in_sight >> group.min(63) & 1 == 1
+    }
+
+    /// Whether draws are issued onto the panel: where the program's own lens shows everything there is none.
+    pub fn is_on_panel(&self) -> bool {
+        !self.kind.off_screen && !self.layout.shows_own_lens()
+    }
+
+    /// With how many groups draws are issued, and with how many of these they are in sight.
+    fn times(&self) -> [u32; 2] {
+        let (panel, own) = (self.groups() - 2, self.groups() - 1);
+        let panel = self.is_on_panel().then_some(panel);
+        let issued = (0..self.groups() - 2).chain(panel).chain(self.layout.primary.map(|_| own));
+        [issued.clone().count(), issued.filter(|group| self.is_in_sight(*group)).count()].map(|times| times as u32)
     }
 
     /// Whether a draw of this kind belongs to it.
@@ -109,6 +147,8 @@ pub struct Counts {
     pub in_views: u64,
     /// Those of them that went to pictures of the scene that are drawn off screen.
     pub duplicated: u64,
+    /// How often one was left out of a view or the panel, because it is out of sight there.
+    pub left_out: u64,
     /// How the lens was found.
     pub found: BTreeMap<&'static str, u64>,
 }
@@ -202,12 +242,7 @@ fn run_events(device: &Device, recording: &mut Recording, queries: &mut Vec<Runn
         match event {
             Event::Run(index) => {
                 if let Some(run) = runs.get_mut(*index) {
-                    let piece = rows.pieces.get(run.place.piece);
-                    resolve(device, run, |group, rows, lens| {
-                        if let Some(piece) = piece {
-                            piece.write(group, rows, lens);
-                        }
-                    });
+                    resolve(device, run, &rows.pieces);
                 }
             }
             Event::Copy(from, to, region) => device.memory_of_program.copied(*from, *to, region),
@@ -230,7 +265,8 @@ fn run_events(device: &Device, recording: &mut Recording, queries: &mut Vec<Runn
             Event::Counted { run, vertices, times } => {
                 let run = run.and_then(|index| runs.get(index)).filter(|_| !queries.is_empty());
                 let worth = run.map_or(Worth::ONCE, |run| worth(device, run));
-                queries.iter_mut().for_each(|running| running.add(worth, *vertices, *times));
+                let times = times.or_else(|| run.map(|run| run.times()[1])).unwrap_or(1);
+                queries.iter_mut().for_each(|running| running.add(worth, *vertices, times));
             }
         }
     }
@@ -260,8 +296,8 @@ fn worth(device: &Device, run: &Run) -> Worth {
     Worth { factor: 1.0 / seen, of_scene: !matches!(run.last, Some(Outcome::Flat)) }
 }
 
-/// Finds out what a run is, and writes its rows by `write`: offset of the group, rows, lens of the view's picture.
-fn resolve(device: &Device, run: &mut Run, write: impl Fn(u32, &[f32; 16], Option<&[f32; 16]>)) {
+/// Finds out what a run is, and writes its rows, and what is drawn with them, into the `pieces` of its command buffer.
+fn resolve(device: &Device, run: &mut Run, pieces: &[Piece]) {
     let mut frame = device.frame.lock().unwrap_or_else(PoisonError::into_inner);
     frame.follow(&run.layout);
     let ranked = |source: &Source| matrix(device, source).map(|value| (source.matrix.rank, value));
@@ -297,34 +333,49 @@ fn resolve(device: &Device, run: &mut Run, write: impl Fn(u32, &[f32; 16], Optio
     };
     frame.counts.in_views += if outcome == Outcome::Flat { 0 } else { run.draws };
     frame.counts.duplicated += if kind.off_screen { run.draws } else { 0 };
-    if run.last == Some(outcome) {
-        return;
+    if run.last != Some(outcome) {
+        run.last = Some(outcome);
+        let camera = match outcome {
+            Outcome::Scene(intrinsics) => Some(frame.cameras.index(&intrinsics, &run.layout.session)),
+            _ => None,
+        };
+        let rows = match camera {
+            Some(index) => frame.cameras.get(index).map(|camera| &camera.rows),
+            None => (outcome == Outcome::Behind).then_some(&frame.behind),
+        };
+        write(device, run, outcome, rows, pieces);
     }
-    run.last = Some(outcome);
-    let views = &run.layout.views;
-    let camera = match outcome {
-        Outcome::Scene(intrinsics) => {
-            let index = frame.cameras.index(&intrinsics, &run.layout.session);
-            frame.cameras.get(index).map(|camera| &camera.rows)
+    let [issued, in_sight] = run.times();
+    frame.counts.left_out += run.placed.len() as u64 * u64::from(issued - in_sight);
+}
+
+/// Writes the rows of a run, `of_views` where it is in views, and its draws' parameters.
+fn write(device: &Device, run: &mut Run, outcome: Outcome, of_views: Option<&Vec<[f32; 16]>>, pieces: &[Piece]) {
+    let mut in_sight = 1 << 63;
+    let mut group = |index: u32, rows: &[f32; 16], lens: Option<&[f32; 16]>| {
+        if rows != &OUT_OF_SIGHT {
+            in_sight |= 1u64.checked_shl(index).unwrap_or(0);
         }
-        Outcome::Behind => Some(&frame.behind),
-        Outcome::Flat | Outcome::Screen => None,
+        if let Some(piece) = pieces.get(run.place.piece) {
+            piece.write(run.place.offset + index * device.group_stride(), rows, lens);
+        }
     };
-    let stride = device.group_stride();
+    let views = &run.layout.views;
     for (index, (_, own_lens)) in views.iter().enumerate().filter(|_| run.kind.in_views) {
-        let group = run.place.offset + index as u32 * stride;
         let lens = run.layout.lenses.get(index);
-        match camera.and_then(|rows| rows.get(index)) {
-            _ if *own_lens || outcome == Outcome::Screen => write(group, &IDENTITY, None),
-            Some(rows) if run.kind.y_up => write(group, rows, lens),
-            Some(rows) => write(group, &rows_down(rows), lens.map(lens_down).as_ref()),
-            None => write(group, &OUT_OF_SIGHT, None),
+        let at = index as u32;
+        match of_views.and_then(|rows| rows.get(index)) {
+            _ if *own_lens || outcome == Outcome::Screen => group(at, &IDENTITY, None),
+            Some(rows) if run.kind.y_up => group(at, rows, lens),
+            Some(rows) => group(at, &rows_down(rows), lens.map(lens_down).as_ref()),
+            None => group(at, &OUT_OF_SIGHT, None),
         }
     }
-    let panel = run.place.offset + if run.kind.in_views { views.len() as u32 * stride } else { 0 };
-    let on_panel = outcome == Outcome::Flat && !run.layout.shows_own_lens();
-    write(panel, if on_panel { &IDENTITY } else { &OUT_OF_SIGHT }, None);
-    write(panel + stride, &IDENTITY, None);
+    let panel = run.groups() - 2;
+    group(panel, if outcome == Outcome::Flat && run.is_on_panel() { &IDENTITY } else { &OUT_OF_SIGHT }, None);
+    group(panel + 1, &IDENTITY, None);
+    run.in_sight = in_sight;
+    run.placed.iter().for_each(|placed| placed.write(pieces, run.groups(), |group| run.is_in_sight(group)));
 }
 
 /// Where a shader's matrix is, with the descriptors and push constants that are bound.

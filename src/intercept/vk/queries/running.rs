@@ -73,8 +73,9 @@ impl Running {
     }
 }
 
-/// A draw of so many vertices is issued `times` times, where a query may run; `run`: the index of its run, if it has rows.
-pub fn drawn(recording: &mut Recording, run: Option<usize>, vertices: u32, times: u32) {
+/// A draw of so many vertices is issued `times` times, where a query may run; `None`: as often as its run is in sight. `run`: the
+/// index of its run, if it has rows.
+pub fn drawn(recording: &mut Recording, run: Option<usize>, vertices: u32, times: Option<u32>) {
     if recording.counting == 0 {
         return;
     }
