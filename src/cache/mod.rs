@@ -236,8 +236,8 @@ fn read(path: &Path, key: Digest) -> Option<Vec<u8>> {
     }
     let mut found = [0; HEADER];
     file.read_exact(&mut found).ok()?;
-    let mut content = Vec::with_capacity(about.len() as usize - HEADER);
-    file.read_to_end(&mut content).ok()?;
+    let mut content = Vec::with_capacity((about.len() as usize).saturating_sub(HEADER));
+    file.take(MOST_IN_FILE).read_to_end(&mut content).ok()?;
     if found[..] != header(key, &content)[..] {
         return None;
     }

@@ -19,13 +19,7 @@ pub(in crate::correct) fn kept(
     make: impl FnOnce() -> Result<Table>,
 ) -> Result<Table> {
     let size = sizes.get(index).copied().unwrap_or_default();
-    cache.kept(
-        "table",
-        |key| key.debug(rig).debug(&index).debug(&sizes),
-        |reader| read(reader).filter(|table| table.size == size),
-        write,
-        make,
-    )
+    cache.kept("table", |key| key.debug(rig).debug(&index).debug(&sizes), |reader| read(reader, size), write, make)
 }
 
 /// Of a table of all pixels only what is lit.
@@ -49,9 +43,13 @@ fn write(table: &Table, to: &mut Writer) -> bool {
     true
 }
 
-fn read(from: &mut Reader<'_>) -> Option<Table> {
+/// A table of an output of `size` pixels.
+fn read(from: &mut Reader<'_>, size: (u32, u32)) -> Option<Table> {
     let mut number = || from.u32();
-    let (size, step, entries) = ((number()?, number()?), number()?, (number()?, number()?));
+    let (found, step, entries) = ((number()?, number()?), number()?, (number()?, number()?));
+    if found != size {
+        return None;
+    }
     let axes = DMat3::from_cols_array(&from.finites()?);
     let (weighted, error) = (from.bool()?, from.finite()?);
     let area = |(width, height): (u32, u32)| usize::try_from(u64::from(width) * u64::from(height)).ok();
@@ -103,18 +101,19 @@ mod tests {
             assert!(write(&table, &mut writer));
             let bytes = writer.finish();
             let mut reader = Reader::new(&bytes);
-            assert_eq!(read(&mut reader), Some(table));
+            let size = table.size;
+            assert_eq!(read(&mut reader, size), Some(table));
             assert!(reader.is_at_end());
             // What is cut off is refused; what is changed is refused or read as something, and no more is asked for than there is.
             for length in 0..bytes.len().min(2000) {
                 let mut cut = Reader::new(&bytes[..length]);
-                assert!(read(&mut cut).is_none(), "{length}");
+                assert!(read(&mut cut, size).is_none(), "{length}");
             }
             for at in 0..bytes.len().min(300) {
                 for change in [0xFF, 0x80, 1] {
                     let mut other = bytes.clone();
                     other[at] ^= change;
-                    read(&mut Reader::new(&other));
+                    read(&mut Reader::new(&other), size);
                 }
             }
         }
