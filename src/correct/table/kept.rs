@@ -57,23 +57,26 @@ fn read(from: &mut Reader<'_>, size: (u32, u32)) -> Option<Table> {
     let bits = from.bytes(pixels.div_ceil(8))?;
     let lit: Vec<bool> = (0..pixels).map(|pixel| bits[pixel / 8] >> (pixel % 8) & 1 == 1).collect();
     let count = from.length(0).filter(|count| Some(*count) == area(entries))?;
-    // A coarse table has all of its entries, one of all pixels as many as there are pixels.
-    if if step > 1 { count.checked_mul(16)? > from.left() } else { count != pixels || step != 1 } {
-        return None;
-    }
+    // A coarse table has all of its entries, one of all pixels those that are lit.
+    let stored = match step {
+        0 => return None,
+        1 if count == pixels => lit.iter().filter(|lit| **lit).count(),
+        1 => return None,
+        _ => count,
+    };
+    let (stored, []) = from.bytes(stored.checked_mul(16)?)?.as_chunks::<16>() else { return None };
+    let mut stored = stored.iter();
     let mut table =
         Table { size, step, entries, axes, texels: vec![[0.0; 4]; count], weighted, lit: Arc::new(lit), error };
     let mut texels = std::mem::take(&mut table.texels);
-    for (entry, texel) in texels.iter_mut().enumerate() {
-        if is_stored(&table, entry) {
-            let (parts, []) = from.bytes(16)?.as_chunks::<4>() else { return None };
-            for (value, bytes) in texel.iter_mut().zip(parts) {
-                *value = Some(f32::from_le_bytes(*bytes)).filter(|value| value.is_finite())?;
-            }
-        }
+    let mut finite = true;
+    for (_, texel) in texels.iter_mut().enumerate().filter(|(entry, _)| is_stored(&table, *entry)) {
+        let (parts, _) = stored.next()?.as_chunks::<4>();
+        *texel = std::array::from_fn(|part| f32::from_le_bytes(parts[part]));
+        finite &= texel.iter().all(|value| value.is_finite());
     }
     table.texels = texels;
-    Some(table)
+    finite.then_some(table)
 }
 
 #[cfg(test)]
