@@ -96,6 +96,11 @@ impl Cache {
         Self::default()
     }
 
+    /// Whether it keeps nothing.
+    pub fn is_none(&self) -> bool {
+        self.0.is_none()
+    }
+
     /// Keeps small results for the life of the process.
     pub fn in_memory() -> Self {
         Self::new(None)

@@ -60,12 +60,12 @@ impl Binaries {
 /// A program of what [`store`] wrote; `None` where the driver does not take it, as after it was updated.
 fn load(gl: &Gl, from: &mut Reader<'_>) -> Option<u32> {
     let (format, length) = (from.u32()?, from.length(1)?);
-    let binary = from.bytes(length)?;
+    let (binary, size) = (from.bytes(length)?, i32::try_from(length).ok()?);
     let mut linked = 0;
     // SAFETY: a context is current; the driver looks at its binaries before it believes them, and has as many bytes as are said.
     let program = unsafe {
         let program = gl.create_program();
-        gl.program_binary(program, format, binary.as_ptr().cast(), i32::try_from(length).ok()?);
+        gl.program_binary(program, format, binary.as_ptr().cast(), size);
         gl.get_programiv(program, GL_LINK_STATUS, &mut linked);
         program
     };

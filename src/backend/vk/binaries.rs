@@ -2,7 +2,7 @@
 //!
 //! Drivers keep what they compile, too, most of them; some only what they are given back.
 
-use super::api::{Api, refused};
+use super::api::Api;
 use crate::cache::{Reader, Writer};
 use crate::correct::spirv::Modules;
 use crate::error::Result;
@@ -14,12 +14,15 @@ const HEADER: usize = 32;
 /// A pipeline by `make`, which is told where the driver finds what it made of the same shaders before, and leaves what it makes.
 ///
 /// # Errors
-/// Those of `make`, or what the driver says when it is out of memory.
+/// Those of `make`.
 pub(super) fn pipeline(
     api: &Api,
     modules: &Modules,
     make: impl Fn(vk::PipelineCache) -> Result<vk::Pipeline>,
 ) -> Result<vk::Pipeline> {
+    if api.cache.is_none() {
+        return make(vk::PipelineCache::null());
+    }
     let words = |words: &[u32]| words.iter().flat_map(|word| word.to_le_bytes()).collect::<Vec<u8>>();
     let made = api.cache.kept(
         "pipeline",
@@ -34,19 +37,22 @@ pub(super) fn pipeline(
     made.map(|(pipeline, _)| pipeline)
 }
 
-/// Runs `body` with a cache of the driver's that knows `data`; drivers ignore data of others.
+/// Runs `body` with a cache of the driver's that knows `data`, or with none where it refuses one; drivers ignore data of others.
 fn with<T>(api: &Api, data: &[u8], body: impl FnOnce(vk::PipelineCache) -> Result<T>) -> Result<T> {
     let info = vk::PipelineCacheCreateInfo::default().initial_data(data);
     // SAFETY: the device is live; the structure is complete.
-    let cache = unsafe { api.device.create_pipeline_cache(&info, None) }.map_err(refused("a cache of pipelines"))?;
+    let cache = unsafe { api.device.create_pipeline_cache(&info, None) }.unwrap_or_default();
     let result = body(cache);
-    // SAFETY: ours, and a pipeline does not need it once it is made.
+    // SAFETY: ours or null, and a pipeline does not need it once it is made.
     unsafe { api.device.destroy_pipeline_cache(cache, None) };
     result
 }
 
 /// What the driver gives out of its cache; empty where that is nothing.
 fn data(api: &Api, cache: vk::PipelineCache) -> Vec<u8> {
+    if cache == vk::PipelineCache::null() {
+        return Vec::new();
+    }
     // SAFETY: ours, with the device live.
     unsafe { api.device.get_pipeline_cache_data(cache) }.unwrap_or_default()
 }
