@@ -5,6 +5,7 @@ use super::headless;
 use crate::backend::vk::headless::Headless;
 use crate::backend::vk::memory::Image;
 use crate::backend::vk::{Api, SourceImage, Surface, TargetImage, Use, VkBackend, barrier};
+use crate::cache::Cache;
 use crate::correct::plan::{Mask, build};
 use crate::correct::{Arrangement, Plan};
 use crate::error::{ErrorKind, Result};
@@ -16,7 +17,7 @@ use std::ffi::{CStr, c_void};
 
 /// What makes and what destroys a kind of object, given by (device, structure, allocator, place) and (device, object,
 /// allocator).
-const KINDS: [(&CStr, &CStr); 12] = [
+const KINDS: [(&CStr, &CStr); 13] = [
     (c"vkCreateBuffer", c"vkDestroyBuffer"),
     (c"vkCreateImage", c"vkDestroyImage"),
     (c"vkCreateImageView", c"vkDestroyImageView"),
@@ -29,7 +30,9 @@ const KINDS: [(&CStr, &CStr); 12] = [
     (c"vkCreateRenderPass", c"vkDestroyRenderPass"),
     (c"vkCreateFramebuffer", c"vkDestroyFramebuffer"),
     (c"vkCreateQueryPool", c"vkDestroyQueryPool"),
+    (c"vkCreatePipelineCache", c"vkDestroyPipelineCache"),
 ];
+const PIPELINE_CACHES: usize = KINDS.len() - 1;
 const PIPELINES: usize = KINDS.len();
 
 /// What this thread's device was asked.
@@ -43,6 +46,8 @@ struct Asked {
     calls: usize,
     /// The call that fails.
     fails: Option<usize>,
+    /// What kind of object was refused then.
+    refused: Option<usize>,
     live: HashSet<(usize, u64)>,
     /// Objects destroyed that are none.
     strangers: usize,
@@ -77,7 +82,10 @@ unsafe extern "system" fn make<const KIND: usize>(
     allocator: *const c_void,
     place: *mut u64,
 ) -> vk::Result {
-    let Some(own) = asked(|asked| asked.makers[KIND]) else { return vk::Result::ERROR_DEVICE_LOST };
+    let Some(own) = asked(|asked| asked.makers[KIND]) else {
+        ASKED.with_borrow_mut(|asked| asked.refused = Some(KIND));
+        return vk::Result::ERROR_DEVICE_LOST;
+    };
     // SAFETY: the device's own function of this type, with the caller's arguments.
     unsafe {
         let result = std::mem::transmute::<usize, Make>(own)(device, info, allocator, place);
@@ -131,7 +139,7 @@ macro_rules! for_each_kind {
 
 /// The device with functions that count.
 fn watched(headless: &Headless) -> Api {
-    let (makers, destroyers) = for_each_kind!(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11);
+    let (makers, destroyers) = for_each_kind!(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12);
     let names = KINDS.iter().copied().chain([(c"vkCreateGraphicsPipelines", c"vkDestroyPipeline")]);
     let names: Vec<(&CStr, &CStr)> = names.collect();
     let (instance, device) = (headless.api.instance(), headless.api.device().handle());
@@ -283,4 +291,29 @@ fn whatever_the_device_refuses_is_an_error_and_leaves_nothing() {
         stage.destroy();
         assert_eq!(left(), (0, 0), "call {call}: {error}");
     }
+}
+
+/// What is kept of pipelines is a saving: where the driver refuses that, they are made all the same.
+#[test]
+fn a_refused_cache_of_pipelines_is_no_obstacle() {
+    let headless = headless();
+    let arrangement = Arrangement::Atlas;
+    let plan = plan(arrangement);
+    let (mut refused, mut others) = (0, 0);
+    for call in 0.. {
+        let api = watched(&headless).with_cache(&Cache::in_memory());
+        ASKED.with_borrow_mut(|asked| (asked.calls, asked.fails, asked.refused) = (0, Some(call), None));
+        let mut stage = Stage::new(&api);
+        let result = stage.make(&plan, arrangement, headless.queue_family());
+        let (calls, kind) = ASKED.with_borrow(|asked| (asked.calls, asked.refused));
+        stage.destroy();
+        assert_eq!(left(), (0, 0), "call {call}");
+        if calls <= call {
+            result.expect("nothing failed");
+            break;
+        }
+        assert_eq!(result.is_ok(), kind == Some(PIPELINE_CACHES), "call {call}");
+        *(if result.is_ok() { &mut refused } else { &mut others }) += 1;
+    }
+    assert!(refused > 0 && others > 20, "{refused} caches and {others} others were refused");
 }
