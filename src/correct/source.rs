@@ -64,7 +64,9 @@ fn closed_form(rig: &Rig, index: usize, size: (u32, u32)) -> Option<Source> {
         OutputKind::Mesh(_) => None,
         OutputKind::Domemaster { aperture, tilt } => {
             let offset = offset_of_eye(rig, eye)?;
-            Some(Source::Fisheye { aperture: *aperture, rotation: lens_rotation(*tilt), offset })
+            let pixel = aperture / f64::from(size.0.min(size.1).max(1));
+            let exact = offset == DVec3::ZERO || pixel * (1.0 - offset.length()) >= TOLD_APART;
+            exact.then(|| Source::Fisheye { aperture: *aperture, rotation: lens_rotation(*tilt), offset })
         }
         OutputKind::Panorama { panorama, angles: [yaw, pitch, roll] } => {
             let offset = offset_of_eye(rig, eye)?;
@@ -103,6 +105,10 @@ fn offset_of_eye(rig: &Rig, eye: DVec3) -> Option<DVec3> {
         Some(_) => None,
     }
 }
+
+/// Directions, radians, that a unit vector in f32 plus an offset tells apart with room to spare: each is rounded to 6e-8, and an
+/// eye near the screen sees that enlarged by the part of the radius that is left.
+const TOLD_APART: f64 = 3e-7;
 
 /// A dome's centre that is so far inside a screen, as a part of the way to it, is inside however it is rounded.
 const WELL_INSIDE: f64 = 0.999;

@@ -237,3 +237,16 @@ fn even_light_is_even_on_every_screen() {
         assert!(levels.len() > 1_000 && full > 50, "{screen}: {} dimmed, {full} not", levels.len());
     }
 }
+
+#[test]
+fn a_domemaster_too_narrow_for_its_formula_has_a_table() {
+    let planned = |aperture: f64, aside: f64| {
+        let mut rig = rig(vec![fisheye(aperture, 30.0)]);
+        rig.viewer.position.x = aside;
+        matches!(build(&rig, &request(&[(96, 96)])).unwrap().passes[0].source, Source::Table(_))
+    };
+    assert!(planned(0.0012, 2.0), "pixels of 2e-7 radians");
+    assert!(planned(0.012, 4.9) && !planned(0.012, 2.0), "the nearer the screen, the wider they have to be");
+    assert!(!planned(0.0012, 0.0), "without an offset the formula is exact");
+    assert!(!planned(1.0, 4.0) && !planned(180.0, 4.5));
+}
