@@ -12,7 +12,7 @@
     clippy::unnecessary_cast
 )]
 
-use std::ffi::{c_char, c_void};
+use std::ffi::{CStr, c_char, c_void};
 
 include!(concat!(env!("OUT_DIR"), "/gl_api.rs"));
 
@@ -32,12 +32,17 @@ pub fn core_name(name: &str) -> &str {
 }
 
 impl Gl {
+    /// A string of the driver, `GL_VERSION` and the like, whose context is current; empty where it has none.
+    pub fn text(&self, name: u32) -> String {
+        // SAFETY: the driver's strings end with a zero and live as long as it.
+        unsafe {
+            let text = self.get_string(name);
+            if text.is_null() { String::new() } else { CStr::from_ptr(text.cast()).to_string_lossy().into_owned() }
+        }
+    }
+
     /// Whether the current context is OpenGL ES.
     pub fn is_es(&self) -> bool {
-        // SAFETY: the string is the driver's and lives as long as it.
-        unsafe {
-            let version = self.get_string(GL_VERSION);
-            !version.is_null() && std::ffi::CStr::from_ptr(version.cast()).to_bytes().starts_with(b"OpenGL ES")
-        }
+        self.text(GL_VERSION).starts_with("OpenGL ES")
     }
 }

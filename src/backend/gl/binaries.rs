@@ -5,7 +5,6 @@
 use super::api::*;
 use crate::cache::{Cache, Reader, Writer};
 use crate::error::{Error, Result};
-use std::ffi::CStr;
 
 /// Where linked programs come from and go to.
 #[derive(Default)]
@@ -23,14 +22,7 @@ impl Binaries {
             // SAFETY: a context is current; one value.
             unsafe { gl.get_integerv(GL_NUM_PROGRAM_BINARY_FORMATS, &mut formats) };
         }
-        let text = |name: u32| {
-            // SAFETY: a context is current; its strings end with a zero and live as long as it.
-            unsafe {
-                let text = gl.get_string(name);
-                if text.is_null() { String::new() } else { CStr::from_ptr(text.cast()).to_string_lossy().into_owned() }
-            }
-        };
-        let driver = || [GL_VENDOR, GL_RENDERER, GL_VERSION].map(text).join("\n");
+        let driver = || [GL_VENDOR, GL_RENDERER, GL_VERSION].map(|name| gl.text(name)).join("\n");
         Self { cache, driver: if formats > 0 { driver() } else { String::new() } }
     }
 

@@ -3,7 +3,7 @@
 use super::api::{GL_RENDERER, GL_VENDOR, GL_VERSION, Gl};
 use crate::error::{Error, ErrorKind, Result};
 use libloading::Library;
-use std::ffi::{CStr, c_char, c_int, c_ulong, c_void};
+use std::ffi::{c_char, c_int, c_ulong, c_void};
 use std::ptr::{null, null_mut};
 
 const GLX_DRAWABLE_TYPE: c_int = 0x8010;
@@ -127,12 +127,7 @@ fn on_display(glx: &Glx, display: Handle) -> Result<Driver> {
         let gl = Gl::load(|name| unsafe { (glx.get_proc_address)(name.as_ptr()) });
         // SAFETY: display and context are valid.
         let direct = unsafe { (glx.is_direct)(display, context) } != 0;
-        Ok(Driver {
-            vendor: text(&gl, GL_VENDOR),
-            renderer: text(&gl, GL_RENDERER),
-            version: text(&gl, GL_VERSION),
-            direct,
-        })
+        Ok(Driver { vendor: gl.text(GL_VENDOR), renderer: gl.text(GL_RENDERER), version: gl.text(GL_VERSION), direct })
     } else {
         Err(graphics("GLX gives no context that can be used"))
     };
@@ -145,15 +140,6 @@ fn on_display(glx: &Glx, display: Handle) -> Result<Driver> {
         }
     }
     driver
-}
-
-/// A string of the driver whose context is current.
-fn text(gl: &Gl, name: u32) -> String {
-    // SAFETY: a context is current; the driver's strings end with a zero and live as long as it.
-    unsafe {
-        let text = gl.get_string(name);
-        if text.is_null() { String::new() } else { CStr::from_ptr(text.cast()).to_string_lossy().into_owned() }
-    }
 }
 
 fn graphics(message: impl Into<String>) -> Error {

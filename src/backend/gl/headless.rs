@@ -180,15 +180,8 @@ impl Headless {
 
     /// What the driver calls itself.
     pub fn driver(&self) -> String {
-        let mut parts = Vec::new();
-        for name in [super::api::GL_RENDERER, super::api::GL_VERSION] {
-            // SAFETY: the context is current; the driver's string lives as long as it.
-            let text = unsafe { self.gl.get_string(name) };
-            if !text.is_null() {
-                // SAFETY: GL strings end with a zero.
-                parts.push(unsafe { CStr::from_ptr(text.cast()) }.to_string_lossy().into_owned());
-            }
-        }
+        let mut parts = [super::api::GL_RENDERER, super::api::GL_VERSION].map(|name| self.gl.text(name)).to_vec();
+        parts.retain(|part| !part.is_empty());
         parts.join(", ")
     }
 }

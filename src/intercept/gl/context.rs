@@ -14,7 +14,6 @@ use crate::intercept::camera::Cameras;
 use crate::intercept::settings::{Reuse, settings};
 use crate::runtime::session::{Extras, Session};
 use std::collections::HashSet;
-use std::ffi::CStr;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 
@@ -442,14 +441,10 @@ impl Context {
 }
 
 fn profile(gl: &Gl) -> Profile {
-    // SAFETY: the context is current; the string is the driver's and lives as long as it.
-    let text = unsafe {
-        let version = gl.get_string(api::GL_VERSION);
-        if version.is_null() { "" } else { CStr::from_ptr(version.cast()).to_str().unwrap_or_default() }
-    };
+    let text = gl.text(api::GL_VERSION);
     let (es, numbers) = match text.strip_prefix("OpenGL ES") {
         Some(rest) => (true, rest.trim_start_matches(|c: char| !c.is_ascii_digit())),
-        None => (false, text),
+        None => (false, text.as_str()),
     };
     let mut parts = numbers.split(|c: char| !c.is_ascii_digit()).map(|n| n.parse::<u32>().unwrap_or(0));
     let version = parts.next().unwrap_or(0) * 10 + parts.next().unwrap_or(0);

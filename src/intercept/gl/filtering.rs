@@ -7,15 +7,10 @@
 use super::context::Context;
 use super::hook::hooks;
 use crate::backend::gl::api::{self, Gl};
-use std::ffi::CStr;
 
 /// Whether the driver is such a renderer.
 pub fn is_endless(gl: &Gl) -> bool {
-    // SAFETY: a string of the driver, which lives as long as it.
-    unsafe {
-        let name = gl.get_string(api::GL_RENDERER);
-        !name.is_null() && CStr::from_ptr(name.cast()).to_bytes().starts_with(b"llvmpipe")
-    }
+    gl.text(api::GL_RENDERER).starts_with("llvmpipe")
 }
 
 /// Whether the parameter is left at its default.

@@ -13,7 +13,6 @@ use crate::intercept::kept::{self, Kept};
 use crate::intercept::settings::{self, Reuse};
 use crate::runtime::report::{Picture, Statistics, ViewStatistics};
 use crate::runtime::session::Extras;
-use std::ffi::CStr;
 
 /// Whether the current context draws to `window`.
 fn is_current(window: &Window) -> bool {
@@ -211,18 +210,13 @@ fn keep_report(ctx: &mut Context, settings: &settings::Settings) {
 }
 
 fn statistics(ctx: &Context, settings: &settings::Settings) -> Statistics {
-    // SAFETY: strings of the driver, which live as long as it.
-    let text = |name: u32| unsafe {
-        let text = ctx.gl.get_string(name);
-        if text.is_null() { String::new() } else { CStr::from_ptr(text.cast()).to_string_lossy().into_owned() }
-    };
     let (duplicated_framebuffers, single_framebuffers) = super::duplicate::status(ctx);
     let mut statistics = Statistics {
         frames: ctx.counts.frames,
         hidden_frames: ctx.counts.hidden_frames,
         reused_frames: ctx.counts.reused_frames,
         rig: settings.rig.name.clone(),
-        driver: format!("{}, {}", text(api::GL_VERSION), text(api::GL_RENDERER)),
+        driver: format!("{}, {}", ctx.gl.text(api::GL_VERSION), ctx.gl.text(api::GL_RENDERER)),
         draws_seen: ctx.counts.draws_seen,
         panel_draws: ctx.counts.panel_draws,
         primary_draws: ctx.counts.primary_draws,
