@@ -345,8 +345,10 @@ fn resolve(device: &Device, run: &mut Run, pieces: &[Piece]) {
         };
         write(device, run, outcome, rows, pieces);
     }
-    let [issued, in_sight] = run.times();
-    frame.counts.left_out += run.placed.len() as u64 * u64::from(issued - in_sight);
+    if !run.placed.is_empty() {
+        let [issued, in_sight] = run.times();
+        frame.counts.left_out += run.placed.len() as u64 * u64::from(issued - in_sight);
+    }
 }
 
 /// Writes the rows of a run, `of_views` where it is in views, and its draws' parameters.

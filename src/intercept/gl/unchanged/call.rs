@@ -92,10 +92,9 @@ impl<T> Word for *mut T {
 /// # Safety
 /// `start` must be 0 or point at `length` bytes.
 pub unsafe fn add_memory(digest: &mut Digest, start: u64, length: u64) {
-    let nothing = start == 0 || length == 0;
+    if start == 0 || length == 0 {
+        return digest.add(length);
+    }
     // SAFETY: as promised.
-    let bytes =
-        if nothing { &[] } else { unsafe { std::slice::from_raw_parts(start as usize as *const u8, length as usize) } };
-    digest.add(length);
-    digest.add_bytes(bytes);
+    digest.add_bytes(unsafe { std::slice::from_raw_parts(start as usize as *const u8, length as usize) });
 }
