@@ -83,8 +83,10 @@ fn read(from: &mut Reader<'_>, size: (u32, u32)) -> Option<Table> {
 mod tests {
     use super::*;
     use crate::correct::table::{TablePixel, coarse};
+    use crate::formats::{self, Levels, Node, Raster};
+    use crate::geom::screen::{self, Faces};
     use crate::views::tests::{fisheye, lens, projector, rig};
-    use glam::DVec3;
+    use glam::{DVec2, DVec3};
 
     fn sample(size: (u32, u32)) -> Table {
         Table::new(size, |column, row| {
@@ -120,6 +122,67 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// Large data stands in keys by a sum: one that missed a change would show what an older file said.
+    #[test]
+    fn every_number_of_large_data_counts_in_keys() {
+        fn differ<T: std::fmt::Debug>(values: &[T]) {
+            let texts: Vec<String> = values.iter().map(|value| format!("{value:?}")).collect();
+            for (index, text) in texts.iter().enumerate() {
+                assert!(text.len() < 400, "the numbers themselves are left out: {text}");
+                assert!(!texts[..index].contains(text), "{index}: {text}");
+            }
+        }
+        /// The numbers as they are, and with each of them changed in its last bit.
+        fn nudged<const N: usize>(numbers: [f32; N]) -> Vec<[f32; N]> {
+            let changed = (0..N).map(|at| {
+                let mut other = numbers;
+                other[at] = f32::from_bits(other[at].to_bits() ^ 1);
+                other
+            });
+            std::iter::once(numbers).chain(changed).collect()
+        }
+        let pixels = nudged([0.1, 0.2, 0.3, 0.4, 0.5, 0.6]);
+        let pair = |[a, b, c, d, e, f]: [f32; 6]| vec![[a, b, c], [d, e, f]];
+        let raster = |values| Raster::new((2, 1), pair(values)).expect("two pixels");
+        differ(&pixels.iter().copied().map(raster).collect::<Vec<_>>());
+        differ(&pixels.iter().map(|values| Levels { size: (2, 1), values: pair(*values) }).collect::<Vec<_>>());
+
+        let corners = nudged([0.0, 0.0, 1.0, 1.0, 0.0, 2.0, 0.0, 1.0, 3.0]).into_iter().map(|n| n.map(f64::from));
+        let screens = corners.flat_map(|[a, b, c, d, e, f, g, h, i]| {
+            let triangle = [DVec3::new(a, b, c), DVec3::new(d, e, f), DVec3::new(g, h, i)];
+            [Faces::Front, Faces::Back].map(|faces| screen::Mesh::new(vec![triangle], faces).expect("a triangle"))
+        });
+        differ(&screens.collect::<Vec<_>>());
+
+        let node = |x: f32, y: f32, value: [f32; 3], intensity: f32| Node {
+            position: DVec2::new(x.into(), y.into()),
+            value: DVec3::from_array(value.map(f64::from)),
+            intensity: intensity.into(),
+        };
+        let mesh = |[x, y, a, b, c, intensity]: [f32; 6], turned: bool| {
+            let nodes =
+                vec![node(x, y, [a, b, c], intensity), node(1.0, 0.0, [1.0; 3], 1.0), node(0.0, 1.0, [2.0; 3], 1.0)];
+            formats::Mesh::new("mesh", nodes, vec![if turned { [0, 2, 1] } else { [0, 1, 2] }]).expect("a mesh")
+        };
+        differ(&pixels.iter().flat_map(|n| [mesh(*n, false), mesh(*n, true)]).collect::<Vec<_>>());
+
+        let table = sample((9, 9));
+        let mut tables = vec![table.clone()];
+        for (entry, part) in [(0, 0), (2, 1), (40, 2), (80, 3)] {
+            let mut other = table.clone();
+            other.texels[entry][part] = f32::from_bits(other.texels[entry][part].to_bits() ^ 1);
+            tables.push(other);
+        }
+        for pixel in [0, 63, 64, 80] {
+            let mut other = table.clone();
+            let mut lit = other.lit.to_vec();
+            lit[pixel] = !lit[pixel];
+            other.lit = Arc::new(lit);
+            tables.push(other);
+        }
+        differ(&tables);
     }
 
     #[test]
