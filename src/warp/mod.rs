@@ -8,5 +8,5 @@ mod exact;
 #[cfg(test)]
 pub(crate) mod testing;
 
-pub use accuracy::{MapError, PixelError, compare, compare_each};
+pub use accuracy::{MapError, PixelError, compare, compare_each, displacement};
 pub use exact::{WarpMap, camera_direction, exact_direction, exact_map};

@@ -48,6 +48,56 @@ fn faults_are_counted() {
     assert!(!faulty.is_sound());
 }
 
+#[test]
+fn what_is_shown_elsewhere_is_displaced_by_as_much_as_it_is() {
+    // From two radii away the picture holds the whole sphere, whose silhouette crosses it.
+    let mut whole =
+        rig(FRAC_PI_2, DVec3::new(0.3, -0.2, 0.1), &[projector(DVec3::new(0.0, 0.0, 10.0), 0.0, 0.0, (70.0, 70.0))]);
+    whole.dome.coverage = TAU;
+    let exact = WarpMap::new(&whole, 0, (300, 300), None).expect("valid");
+    let angle = |a: DVec2, b: DVec2| {
+        let (a, b) = (exact.direction(a).expect("shown"), exact.direction(b).expect("shown"));
+        a.cross(b).length().atan2(a.dot(b))
+    };
+    let displaced = |pixel: DVec2, by: DVec2| displacement(&exact, pixel, angle(pixel, pixel + by)).expect("shown");
+    // In the middle, where pixels are square, by what it is moved.
+    for by in [DVec2::new(0.3, 0.4), DVec2::new(-1e-3, 0.0), DVec2::new(0.0, 1e-6)] {
+        let found = displaced(DVec2::new(150.2, 149.7), by) / by.length();
+        // A step along one axis is a diagonal one in the mean.
+        assert!((found - 1.0).abs() < 0.01, "{by}: {found}");
+    }
+    // The silhouette aslant from the middle, where a step along either axis leads inside.
+    let outward = DVec2::splat(0.5f64.sqrt());
+    let at = |distance: f64| DVec2::new(150.2, 149.7) + outward * distance;
+    let (mut shown, mut dark) = (0.0, 200.0);
+    assert!(exact.direction(at(dark)).is_none());
+    for _ in 0..60 {
+        let middle = 0.5 * (shown + dark);
+        if exact.direction(at(middle)).is_some() { shown = middle } else { dark = middle }
+    }
+    for by in [1e-2, 1e-4, 1e-6] {
+        let pixel = at(shown - by);
+        let near = outward * (0.9 * by);
+        let (farther, nearer) = (displaced(pixel, near) / (0.9 * by), displaced(pixel, -near) / (0.9 * by));
+        assert!((1.0..4.0).contains(&farther) && (0.9..2.0).contains(&nearer), "{by}: {farther} {nearer}");
+        // The comparer's own error is far more there: the control.
+        let linear = angle(pixel, pixel + near) / pixel_angle(&exact, pixel).expect("shown");
+        assert!(linear > 5.0 * by, "{by}: {linear}");
+    }
+    // What is wrong by a hundredth of a pixel stays so, wherever it is.
+    let mut random = Random::new(3);
+    for _ in 0..300 {
+        let pixel = DVec2::new(random.range(0.0, 300.0), random.range(0.0, 300.0));
+        let (sine, cosine) = random.range(0.0, TAU).sin_cos();
+        let by = DVec2::new(cosine, sine) * 0.01;
+        if exact.direction(pixel).is_none() || exact.direction(pixel + by).is_none() {
+            continue;
+        }
+        let found = displaced(pixel, by);
+        assert!(found > 0.002, "{pixel} {by}: {found}");
+    }
+}
+
 /// A quadratic form as a shader evaluates it: every coefficient and operation in f32.
 fn evaluate_f32(form: &QuadraticForm, x: f32, y: f32) -> Option<DVec3> {
     let quadratic = |c: &[f64; 6]| {

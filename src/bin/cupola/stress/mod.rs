@@ -7,6 +7,7 @@ mod light;
 mod maps;
 mod report;
 mod rigs;
+mod screens;
 
 use crate::{Failure, terminal};
 use cupola::geom::random::Random;
@@ -32,7 +33,7 @@ pub struct Arguments {
     /// Only these parts [default: all]
     #[arg(long, value_delimiter = ',', value_name = "PART")]
     only: Vec<Part>,
-    /// What computes the maps of the parts maps and light
+    /// What computes the maps of the parts maps, screens and light
     #[arg(long, value_enum, default_value_t = Backend::Gl)]
     backend: Backend,
     /// Answer in JSON
@@ -45,6 +46,8 @@ pub struct Arguments {
 pub enum Part {
     /// The shaders' maps of random rigs, on the graphics driver.
     Maps,
+    /// Those of any lens and any picture of directions on a screen of any shape.
+    Screens,
     /// Re-projection of clip coordinates in f32.
     Clip,
     /// Lenses recovered from products of matrices.
@@ -53,12 +56,12 @@ pub enum Part {
     Light,
 }
 
-const PARTS: [Part; 4] = [Part::Maps, Part::Clip, Part::Lens, Part::Light];
+const PARTS: [Part; 5] = [Part::Maps, Part::Screens, Part::Clip, Part::Lens, Part::Light];
 
 /// Runs the subcommand.
 pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let parts = if arguments.only.is_empty() { PARTS.to_vec() } else { arguments.only.clone() };
-    let on_driver = parts.contains(&Part::Maps) || parts.contains(&Part::Light);
+    let on_driver = parts.iter().any(|part| matches!(part, Part::Maps | Part::Screens | Part::Light));
     let mut report = Report::new(arguments.seed);
     let bar = terminal::progress(arguments.pixels, "pixels");
     let mut case = 0;
@@ -68,11 +71,16 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         for &part in &parts {
             let mut random = Random::new(seed);
             let findings = match (part, &driver) {
-                (Part::Maps, Some(driver)) => maps::case(&mut random, driver),
+                (Part::Maps, Some(driver)) => rigs::any(&mut random)
+                    .map_err(Failure::from)
+                    .and_then(|case| maps::case(&case, &mut random, driver, &maps::DOMES)),
+                (Part::Screens, Some(driver)) => screens::any(&mut random)
+                    .map_err(Failure::from)
+                    .and_then(|case| maps::case(&case, &mut random, driver, &maps::SCREENS)),
                 (Part::Light, Some(driver)) => light::case(&mut random, driver),
                 (Part::Clip, _) => Ok(clip::case(&mut random)),
                 (Part::Lens, _) => Ok(lens::case(&mut random)),
-                (Part::Maps | Part::Light, None) => Ok(Vec::new()),
+                (Part::Maps | Part::Screens | Part::Light, None) => Ok(Vec::new()),
             };
             report.add(seed, findings.unwrap_or_else(|failure| vec![Finding::refusal(failure.message)]));
         }

@@ -3,6 +3,9 @@
 use serde_json::json;
 use std::fmt::Write;
 
+/// So many of the seeds that exceed a bound are named to people.
+const SEEDS_NAMED: usize = 32;
+
 /// One quantity of one case.
 pub struct Finding {
     /// What was measured, with its unit.
@@ -116,6 +119,11 @@ impl Report {
         }
         for worst in self.worst.iter().filter(|worst| !worst.failed.is_empty()) {
             _ = write!(text, "\nOVER THE BOUND: {} (seed {})\n{}\n", worst.quantity, worst.seed, worst.input);
+            let seeds: Vec<String> = worst.failed.iter().take(SEEDS_NAMED).map(u64::to_string).collect();
+            let others = worst.failed.len() - seeds.len();
+            let others =
+                if others > 0 { format!(" and {others} more, all of them with --json") } else { String::new() };
+            _ = writeln!(text, "seeds over it: {}{others}", seeds.join(", "));
         }
         text
     }
@@ -175,5 +183,19 @@ mod tests {
             assert_eq!(report.worst[0].seed, 1, "{value} stays the worst");
             assert!(report.text(2).contains("OVER THE BOUND"));
         }
+    }
+
+    #[test]
+    fn the_seeds_of_all_failures_are_named() {
+        let mut report = Report::new(1);
+        for seed in 1..=40 {
+            report.add(seed, vec![finding(if seed % 2 == 0 { 2.0 + seed as f64 } else { 0.5 })]);
+        }
+        assert!(report.text(40).contains("seeds over it: 2, 4, 6,"), "{}", report.text(40));
+        assert!(!report.text(40).contains("more"), "{}", report.text(40));
+        for seed in 41..=90 {
+            report.add(seed, vec![finding(2.0)]);
+        }
+        assert!(report.text(90).contains("and 38 more"), "{}", report.text(90));
     }
 }

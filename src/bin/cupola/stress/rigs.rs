@@ -24,10 +24,10 @@ pub enum Place {
 }
 
 /// How often a random rig may be refused (a projector that misses the screen) before a plain one is taken.
-const ATTEMPTS: usize = 64;
+pub const ATTEMPTS: usize = 64;
 
 /// The rig that stands in where all random ones are refused.
-const PLAIN: &str = "[[output]]\nkind = \"domemaster\"\n";
+pub const PLAIN: &str = "[[output]]\nkind = \"domemaster\"\n";
 
 /// One value of a list.
 pub fn pick<T: Copy>(random: &mut Random, values: &[T]) -> T {
@@ -157,7 +157,8 @@ fn perspective(random: &mut Random) -> (String, Place) {
     (text, Place::Inside)
 }
 
-fn vector(v: glam::DVec3) -> String {
+/// A vector as rig files have it.
+pub fn vector(v: glam::DVec3) -> String {
     format!("[{:?}, {:?}, {:?}]", v.x, v.y, v.z)
 }
 
