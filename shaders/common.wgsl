@@ -205,17 +205,17 @@ fn smooth_step(t: f32) -> f32 {
     return (t * t) * (3.0 - 2.0 * t);
 }
 
-// A ramp at t, 0…1. Shape 0: smoothstep. Negative: ½ + ½·sin π(t − ½), by its series, exact to 6e-8. Else the power
-// of two halves that are turned about the middle.
+// A ramp at t, 0…1. Shape 0: smoothstep. Negative: ½ − ½·cos πt = sin² ½πt, by a polynomial. Else the power
+// of two halves that are turned about the middle. All are right to a part of 4e-7 of themselves, near 0 too: where all claims on
+// a point are small, its shares are quotients of such values.
 fn ramp_at(t: f32, shape: f32) -> f32 {
     if shape == 0.0 {
         return smooth_step(t);
     }
     if shape < 0.0 {
-        let u = t - 0.5;
-        let s = u * u;
-        return 0.5 + 0.5 * u * (3.14159265 + s * (-5.16771278 + s * (2.55016404 + s * (-0.59926453
-            + s * (0.08214589 - s * 0.00737043)))));
+        let s = t * t;
+        let sine = t * (1.57079632 + s * (-0.64596376 + s * (0.07968992 + s * (-0.00467414 + s * 0.00015167))));
+        return min(sine * sine, 1.0);
     }
     let half_part = 0.5 * pow(2.0 * min(t, 1.0 - t), shape);
     return select(1.0 - half_part, half_part, t < 0.5);

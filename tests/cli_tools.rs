@@ -293,18 +293,23 @@ fn stress_finds_nothing_over_its_bounds() {
         let found = quantities.iter().find(|quantity| quantity["quantity"].as_str().unwrap().starts_with(name));
         found.map_or(0, |quantity| quantity["compared"].as_u64().unwrap())
     };
-    for (name, least) in
-        [("map: ghosts", 50_000), ("light: greatest", 50_000), ("clip: depth", 10_000), ("lens: error", 1_000)]
-    {
+    for (name, least) in [
+        ("map: ghosts", 50_000),
+        ("screen: ghosts", 50_000),
+        ("light: greatest", 50_000),
+        ("clip: depth", 10_000),
+        ("lens: error", 1_000),
+    ] {
         assert!(compared(name) >= least, "{name}: {} compared", compared(name));
     }
 }
 
 /// Single views far out in large atlases, whose places were rounded too much before their offset was added last: 1.07 and
-/// 1.52 times the bound.
+/// 1.52 times the bound. Domemasters of 0.001° and 0.015° for a viewer beside the centre: pixels uncovered, 2.1 times the bound. A
+/// pixel a six thousandth of a pixel of 4096 from a silhouette.
 #[test]
 fn what_stress_found_once_stays_within_its_bounds() {
-    for seed in ["746", "1069"] {
+    for seed in ["746", "1069", "1004684", "2002474", "1003666"] {
         let report = json(&["stress", "--only", "maps", "--seed", seed, "--cases", "1", "--json"]);
         assert_eq!(report["failed"].as_bool(), Some(false), "seed {seed}: {report:#}");
         let quantities = report["quantities"].as_array().unwrap();

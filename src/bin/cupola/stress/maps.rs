@@ -48,9 +48,8 @@ pub const SCREENS: Quantities = Quantities {
     uncovered: "screen: pixels uncovered",
 };
 
-/// What the driver's map of a rig is like, in a picture of a random size.
-pub fn case(case: &Case, random: &mut Random, driver: &Driver, names: &Quantities) -> Result<Vec<Finding>, Failure> {
-    let size = size(random);
+/// What the driver's map of a rig is like in a picture of `size` pixels.
+pub fn case(case: &Case, size: (u32, u32), driver: &Driver, names: &Quantities) -> Result<Vec<Finding>, Failure> {
     let refused =
         |failure: Failure| Failure::new(format!("{}\nsize {}x{}\n{}", failure.message, size.0, size.1, case.text));
     let scale = REFERENCE_WIDTH / f64::from(size.0.max(size.1));

@@ -73,10 +73,10 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
             let findings = match (part, &driver) {
                 (Part::Maps, Some(driver)) => rigs::any(&mut random)
                     .map_err(Failure::from)
-                    .and_then(|case| maps::case(&case, &mut random, driver, &maps::DOMES)),
+                    .and_then(|case| maps::case(&case, maps::size(&mut random), driver, &maps::DOMES)),
                 (Part::Screens, Some(driver)) => screens::any(&mut random)
                     .map_err(Failure::from)
-                    .and_then(|case| maps::case(&case, &mut random, driver, &maps::SCREENS)),
+                    .and_then(|case| maps::case(&case, screens::size(&mut random), driver, &maps::SCREENS)),
                 (Part::Light, Some(driver)) => light::case(&mut random, driver),
                 (Part::Clip, _) => Ok(clip::case(&mut random)),
                 (Part::Lens, _) => Ok(lens::case(&mut random)),

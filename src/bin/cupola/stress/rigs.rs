@@ -1,5 +1,6 @@
 //! Random and adversarial rigs, as texts: what breaks can be kept as a file.
 
+use super::screens;
 use cupola::geom::random::Random;
 use cupola::rig::Rig;
 use std::path::Path;
@@ -50,24 +51,25 @@ pub fn any(random: &mut Random) -> Result<Case, cupola::Error> {
     Ok(Case { rig, text: PLAIN.to_owned(), place: Place::Inside })
 }
 
-/// A rig with 2…12 projectors around the dome, which overlap.
+/// A rig with 2…12 projectors around the dome or in a screen of another shape, which overlap.
 pub fn overlapping(random: &mut Random) -> Result<Case, cupola::Error> {
     for _ in 0..ATTEMPTS {
         let count = 2 + (random.unit() * 11.0) as usize;
         let (mut text, radius) = dome(random, 0.6);
+        if random.unit() < 0.4 {
+            text += &screens::screen(random, radius);
+        }
         let fov = random.range(30.0, 80.0);
         for index in 0..count {
             let position = random.direction() * radius * random.range(0.0, 0.9);
             let yaw = 360.0 * index as f64 / count as f64 - 180.0 + random.range(-20.0, 20.0);
             text += &format!(
-                "[[output]]\nkind = \"projector\"\nposition = {}\nyaw = {yaw}\npitch = {}\nroll = {}\nfov = [{fov}, {}]\n\
-                 blend = {{ ramp = {}, gamma = {} }}\n",
+                "[[output]]\nkind = \"projector\"\nposition = {}\nyaw = {yaw}\npitch = {}\nroll = {}\nfov = [{fov}, {}]\n{}",
                 vector(position),
                 random.range(0.0, 60.0),
                 random.range(-30.0, 30.0),
                 fov * 0.6,
-                random.range(0.02, 0.5),
-                random.range(1.0, 2.6),
+                blend(random),
             );
         }
         if let Ok(rig) = cupola::rig::parse(&text, "stress.toml", Path::new("")) {
@@ -75,6 +77,29 @@ pub fn overlapping(random: &mut Random) -> Result<Case, cupola::Error> {
         }
     }
     any(random)
+}
+
+/// How a projector shares its light.
+fn blend(random: &mut Random) -> String {
+    let power = format!("\"power\", power = {}", random.range(0.5, 4.0));
+    let shape = pick(random, &["\"smoothstep\"", "\"cosine\"", &power]).to_owned();
+    let exponent = random.range(1.0, 2.0);
+    let contrast = format!(", contrast = {}", 10f64.powf(random.range(2.0, 6.0)));
+    let zero = random.range(60.0, 150.0);
+    let ramps = format!(
+        ", ramps = [{{ angle = \"polar\", zero = {zero}, full = {} }}, {{ angle = \"azimuth\", zero = {}, full = {} }}]",
+        zero - random.range(0.5, 30.0),
+        random.range(-180.0, -100.0),
+        random.range(-90.0, 0.0),
+    );
+    format!(
+        "blend = {{ ramp = {}, shape = {shape}, exponent = {}, gamma = {}{}{} }}\n",
+        random.range(0.02, 0.5),
+        pick(random, &[1.0, 1.0, exponent]),
+        random.range(1.0, 2.6),
+        pick(random, &["", "", &contrast]),
+        pick(random, &["", "", &ramps]),
+    )
 }
 
 /// `[dome]` of 5 m or of any size, and `[viewer]`, at most `farthest` radii off the centre.

@@ -1,5 +1,6 @@
 //! Random lenses and pictures of directions on random screens, as texts.
 
+use super::maps;
 use super::rigs::{ATTEMPTS, Case, PLAIN, Place, pick, vector};
 use cupola::geom::random::Random;
 use cupola::rig::Rig;
@@ -40,8 +41,17 @@ fn text(random: &mut Random) -> (String, Place) {
     (head + &output, place)
 }
 
+/// Sizes as those of other pictures, and a few strips of up to 16384 pixels.
+pub fn size(random: &mut Random) -> (u32, u32) {
+    let (long, short) = (16384.0 * random.range(0.1, 1.0), random.range(16.0, 48.0));
+    let strips = [(long as u32, short as u32), (short as u32, long as u32)];
+    let strip = pick(random, &strips);
+    let usual = maps::size(random);
+    pick(random, &[usual, usual, usual, usual, usual, usual, usual, strip])
+}
+
 /// `[screen]`, about as large as the dome's radius and around its centre; or none.
-fn screen(random: &mut Random, radius: f64) -> String {
+pub fn screen(random: &mut Random, radius: f64) -> String {
     let aside = vector(random.direction() * radius * random.range(0.0, 0.3));
     let [a, b, c] = [(); 3].map(|()| radius * random.range(0.7, 1.6));
     let (bottom, top) = (-radius * random.range(0.3, 1.5), radius * random.range(0.3, 1.5));
@@ -71,9 +81,9 @@ fn screen(random: &mut Random, radius: f64) -> String {
     format!("[screen]\n{shape}{pose}")
 }
 
-/// An opening of at most `widest` degrees, some of them keyholes.
+/// An opening of at most `widest` degrees, some of them keyholes down to a millionth of a degree.
 fn opening(random: &mut Random, widest: f64) -> f64 {
-    let (wide, keyhole) = (random.range(1.0, widest), 10f64.powf(random.range(-3.0, 0.0)));
+    let (wide, keyhole) = (random.range(1.0, widest), 10f64.powf(random.range(-6.0, 0.0)));
     pick(random, &[widest, wide, wide, wide, keyhole])
 }
 
