@@ -148,12 +148,11 @@ impl Sight {
             Map::Traced { map, .. } => map.strips(),
             _ => 1,
         };
-        // The first column whose centre is in a strip.
-        let border = |strip: u32| f64::from(strip) * f64::from(self.size.0) / f64::from(count);
-        let first = |strip: u32| (border(strip) - 0.5).ceil().max(0.0);
         let bottom = f64::from(self.size.1) - 0.5;
-        let piece =
-            |strip: u32| [DVec2::splat(0.5).with_x(first(strip) + 0.5), DVec2::new(first(strip + 1) - 0.5, bottom)];
+        let piece = |strip: u32| {
+            let [left, right] = strip_columns(self.size.0, count, strip);
+            [DVec2::new(left, 0.5), DVec2::new(right, bottom)]
+        };
         let beside = 0.5 - self.inset;
         let pieces = (0..count).map(piece).filter(|[low, high]| high.x >= low.x);
         pieces.map(|[low, high]| [low - beside, high + beside]).collect()
@@ -407,9 +406,22 @@ fn traced_sample(map: &WarpMap, pixel: DVec2) -> Option<Sample> {
     (across != DVec3::ZERO).then(|| of_unit_length(direction, outer(across, across) + outer(down, down)))?
 }
 
-/// The pixel position, within the outermost pixel centres, that shows a point of the screen.
+/// The pixel position, within the outermost pixel centres of a picture without leaps, that shows a point of the screen.
+///
+/// On the border of two such pictures rounding would decide which of them is asked what it shows.
 fn traced_pixel(map: &WarpMap, point: DVec3) -> Option<DVec2> {
     let pixel = map.pixel(point)?;
-    let size = DVec2::new(f64::from(map.size().0), f64::from(map.size().1));
-    (pixel.cmpge(DVec2::splat(0.5)).all() && pixel.cmple(size - 0.5).all()).then_some(pixel)
+    let (width, height) = (f64::from(map.size().0), f64::from(map.size().1));
+    let strips = map.strips();
+    let strip = (pixel.x * f64::from(strips) / width).clamp(0.0, f64::from(strips - 1)) as u32;
+    let [left, right] = strip_columns(map.size().0, strips, strip);
+    ((left..=right).contains(&pixel.x) && (0.5..=height - 0.5).contains(&pixel.y)).then_some(pixel)
+}
+
+/// The outermost pixel centres of one of `count` pictures that stand side by side in an output of `width` pixels; the first is beyond the
+/// second where it has none.
+fn strip_columns(width: u32, count: u32, strip: u32) -> [f64; 2] {
+    // The first column whose centre is in a strip.
+    let first = |strip: u32| (f64::from(strip) * f64::from(width) / f64::from(count) - 0.5).ceil().max(0.0);
+    [first(strip) + 0.5, first(strip + 1) - 0.5]
 }
