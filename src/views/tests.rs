@@ -482,6 +482,27 @@ fn near_the_horizon_of_a_cone_no_direction_is_without_a_view() {
     assert!(shown > 100_000 && shown < 40 * size.0, "{shown}");
 }
 
+/// The same of a plane: found by `cupola stress` (seed 10324).
+#[test]
+fn near_the_horizon_of_a_plane_no_direction_is_without_a_view() {
+    let text = "[screen]\nshape = \"plane\"\nsize = [11, 7.3]\nyaw = -23\nposition = [0, 0, -4.4]\n[views]\nquality = 8\n\
+                [viewer]\nyaw = -94\npitch = 79.5\nroll = 163\n[[output]]\nkind = \"cylindrical\"\nlatitudes = [-48, 89]\n";
+    let mut shown = 0;
+    for turn in 0..4 {
+        let output = format!("width = 288\nyaw = {}\npitch = 40.5\nroll = -149.5\n", 90 * turn - 41);
+        let rig = crate::rig::parse(&(text.to_owned() + &output), "plane.toml", std::path::Path::new("")).unwrap();
+        let size = (451, 512);
+        let plan = plan(&rig, &request(&[size])).unwrap();
+        let map = WarpMap::new(&rig, 0, size, None).unwrap();
+        for (x, y) in (0..size.1).flat_map(|y| (0..size.0).map(move |x| (x, y))) {
+            let Some(direction) = map.direction(DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5)) else { continue };
+            assert!(answering(&plan, 0, direction).is_some(), "turn {turn}, column {x}, row {y}");
+            shown += 1;
+        }
+    }
+    assert!(shown > 100_000, "{shown}");
+}
+
 #[test]
 fn degenerate_outputs_are_planned() {
     // One pixel; a projector from outside; one that misses the screen; the viewer at a projector's place.

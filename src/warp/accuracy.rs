@@ -6,6 +6,9 @@ use glam::{DVec2, DVec3};
 /// How far around a pixel the exact map is asked whether the pixel is at an edge of what is shown, pixels.
 const EDGE: f64 = 0.01;
 
+/// Errors greater than this, radians, may be those of a pixel on the border of two pictures that stand side by side.
+const LEAP: f64 = 0.01;
+
 /// How wrong a map is.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MapError {
@@ -24,7 +27,7 @@ pub struct MapError {
     /// Pixels that ought to show nothing and do, or show what is more than 90° away (behind).
     pub ghosts: u64,
     /// Pixels within 0.01 pixel of an edge of what is shown, where one map may show something and the
-    /// other nothing: no fault, and not compared.
+    /// other nothing, or of a border of a cubemap's faces, where they may show different ones: no fault, and not compared.
     pub edge: u64,
 }
 
@@ -84,15 +87,22 @@ pub fn compare_each(
                 (Some(_), None) | (None, Some(_)) if is_edge(exact, pixel) => result.edge += 1,
                 (Some(_), None) => result.uncovered += 1,
                 (None, Some(_)) => result.ghosts += 1,
-                (Some(expected), Some(found)) if expected.dot(found) <= 0.0 => result.ghosts += 1,
                 (Some(expected), Some(found)) => {
+                    // First scaled: the square of a length must neither overflow nor underflow.
+                    let found = (found / found.abs().max_element()).normalize();
+                    let angle = angle_between(found, expected);
+                    if angle > LEAP && is_beside(exact, pixel, found) {
+                        result.edge += 1;
+                        continue;
+                    }
+                    if expected.dot(found) <= 0.0 {
+                        result.ghosts += 1;
+                        continue;
+                    }
                     let Some(size) = pixel_angle(exact, pixel) else {
                         result.edge += 1;
                         continue;
                     };
-                    // First scaled: the square of a length must neither overflow nor underflow.
-                    let found = (found / found.abs().max_element()).normalize();
-                    let angle = found.cross(expected).length().atan2(found.dot(expected));
                     let error = angle / size;
                     each(PixelError { pixel: (x, y), pixels: error, angle });
                     result.compared += 1;
@@ -117,6 +127,22 @@ fn is_edge(exact: &WarpMap, pixel: DVec2) -> bool {
     around.into_iter().any(|(x, y)| exact.direction(pixel + DVec2::new(x, y)).is_some() != here)
 }
 
+/// Whether `found`, of unit length, is what the exact map shows within [`EDGE`] of a pixel.
+fn is_beside(exact: &WarpMap, pixel: DVec2, found: DVec3) -> bool {
+    [EDGE, -EDGE].into_iter().any(|x| {
+        let at = |part: f64| exact.direction(pixel + DVec2::new(part * x, 0.0));
+        match (at(1.0), at(2.0)) {
+            (Some(near), Some(next)) => angle_between(near, found) <= 2.0 * angle_between(near, next),
+            _ => false,
+        }
+    })
+}
+
+/// The angle between two directions of any length, radians.
+fn angle_between(a: DVec3, b: DVec3) -> f64 {
+    a.cross(b).length().atan2(a.dot(b))
+}
+
 /// The root mean square of the angles between horizontal and vertical neighbours, radians for each
 /// pixel; `None` where the map shows too little around to tell.
 pub fn pixel_angle(exact: &WarpMap, pixel: DVec2) -> Option<f64> {
@@ -124,7 +150,7 @@ pub fn pixel_angle(exact: &WarpMap, pixel: DVec2) -> Option<f64> {
         let middle = (exact.direction(pixel)?, 0.0);
         let end = |offset: f64| exact.direction(pixel + axis * offset).map_or(middle, |direction| (direction, offset));
         let ((a, from), (b, to)) = (end(-0.5), end(0.5));
-        (to > from).then(|| a.cross(b).length().atan2(a.dot(b)) / (to - from))
+        (to > from).then(|| angle_between(a, b) / (to - from))
     };
     let (x, y) = (span(DVec2::X)?, span(DVec2::Y)?);
     let size = (0.5 * (x * x + y * y)).sqrt();
@@ -142,9 +168,7 @@ pub fn displacement(exact: &WarpMap, pixel: DVec2, angle: f64) -> Option<f64> {
     let here = exact.direction(pixel)?;
     let most = angle / pixel_angle(exact, pixel)?;
     let turned = |distance: f64| {
-        let to = |way: DVec2| {
-            exact.direction(pixel + way * distance).map_or(0.0, |seen| here.cross(seen).length().atan2(here.dot(seen)))
-        };
+        let to = |way: DVec2| exact.direction(pixel + way * distance).map_or(0.0, |seen| angle_between(here, seen));
         let along = |axis: DVec2| to(axis).max(to(-axis));
         along(DVec2::X).hypot(along(DVec2::Y)) * 0.5f64.sqrt()
     };

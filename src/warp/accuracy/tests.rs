@@ -48,6 +48,29 @@ fn faults_are_counted() {
     assert!(!faulty.is_sound());
 }
 
+/// 5.5 columns for each face: the middle of every eleventh is on a border.
+#[test]
+fn on_the_border_of_two_faces_either_is_right() {
+    let panorama = OutputKind::Panorama { panorama: crate::geom::Panorama::CubeStrip, angles: [0.0; 3] };
+    let mut whole = rig(FRAC_PI_2, DVec3::ZERO, &[panorama]);
+    whole.dome.coverage = TAU;
+    let exact = WarpMap::new(&whole, 0, (33, 40), None).expect("valid");
+    let moved = |by: f64| {
+        let border = |x: u32| x % 11 == 5;
+        compare(&exact, 1, |x, y| exact.direction(centre(x, y) + DVec2::X * if border(x) { by } else { 0.0 }))
+    };
+    let faces = 3 * 40;
+    for by in [0.005, -0.005] {
+        let found = moved(by);
+        assert!(found.is_sound() && found.edge >= faces / 3 && found.max < 0.1, "{by}: {found:?}");
+        assert_eq!(found.compared + found.edge, 33 * 40);
+    }
+    // What is shown farther away is a fault, and so is a face that is nowhere near.
+    assert!(!(moved(0.3).is_sound() && moved(0.3).max < 0.1));
+    let astray = compare(&exact, 1, |x, y| exact.direction(centre(if x == 5 { 20 } else { x }, y)));
+    assert!(!astray.is_sound() || astray.max > 1.0, "{astray:?}");
+}
+
 #[test]
 fn what_is_shown_elsewhere_is_displaced_by_as_much_as_it_is() {
     // From two radii away the picture holds the whole sphere, whose silhouette crosses it.
