@@ -65,15 +65,20 @@ fn closed_form(rig: &Rig, index: usize, size: (u32, u32)) -> Option<Source> {
         OutputKind::Domemaster { aperture, tilt } => {
             let offset = offset_of_eye(rig, eye)?;
             let pixel = aperture / f64::from(size.0.min(size.1).max(1));
-            let exact = offset == DVec3::ZERO || pixel * (1.0 - offset.length()) >= TOLD_APART;
-            exact.then(|| Source::Fisheye { aperture: *aperture, rotation: lens_rotation(*tilt), offset })
+            (offset == DVec3::ZERO || are_told_apart(pixel, offset)).then(|| Source::Fisheye {
+                aperture: *aperture,
+                rotation: lens_rotation(*tilt),
+                offset,
+            })
         }
         OutputKind::Panorama { panorama, angles: [yaw, pitch, roll] } => {
             let offset = offset_of_eye(rig, eye)?;
             // Some measured curves are too wild for the shaders' polynomials.
             let has_formula = !matches!(panorama, Panorama::Fisheye(lens) if RadialForm::of(lens).is_none());
+            // Small angles from the axis keep all their digits; those from the horizon do not.
+            let exact = offset == DVec3::ZERO && panorama.is_circular() || are_told_apart(panorama.pixel(size), offset);
             let rotation = pose::rotation(*yaw, *pitch, *roll);
-            has_formula.then(|| Source::Panorama { panorama: panorama.clone(), rotation, offset })
+            (has_formula && exact).then(|| Source::Panorama { panorama: panorama.clone(), rotation, offset })
         }
         OutputKind::Perspective { angles, frustum } => {
             Some(Source::Perspective { matrix: perspective_rays(*angles, frustum.as_ref()) })
@@ -109,6 +114,11 @@ fn offset_of_eye(rig: &Rig, eye: DVec3) -> Option<DVec3> {
 /// Directions, radians, that a unit vector in f32 plus an offset tells apart with room to spare: each is rounded to 6e-8, and an
 /// eye near the screen sees that enlarged by the part of the radius that is left.
 const TOLD_APART: f64 = 3e-7;
+
+/// Whether f32 tells neighbouring pixels of a picture of directions apart, `pixel` radians wide.
+fn are_told_apart(pixel: f64, offset: DVec3) -> bool {
+    pixel * (1.0 - offset.length()) >= TOLD_APART
+}
 
 /// A dome's centre that is so far inside a screen, as a part of the way to it, is inside however it is rounded.
 const WELL_INSIDE: f64 = 0.999;

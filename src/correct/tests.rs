@@ -2,11 +2,13 @@
 
 use super::plan::{Batch, Plan, Source, build};
 use crate::ErrorKind;
+use crate::geom::Panorama;
+use crate::geom::panorama::Span;
 use crate::geom::random::Random;
-use crate::rig::Rig;
+use crate::rig::{OutputKind, Rig};
 use crate::views::Request;
 use crate::views::sight::UNIT_FRUSTUM;
-use crate::views::tests::{fisheye, lens, projector, random_rig, request, rig};
+use crate::views::tests::{fisheye, lens, output, projector, random_rig, request, rig};
 use crate::warp::WarpMap;
 use glam::{DVec2, DVec3};
 
@@ -249,4 +251,18 @@ fn a_domemaster_too_narrow_for_its_formula_has_a_table() {
     assert!(planned(0.012, 4.9) && !planned(0.012, 2.0), "the nearer the screen, the wider they have to be");
     assert!(!planned(0.0012, 0.0), "without an offset the formula is exact");
     assert!(!planned(1.0, 4.0) && !planned(180.0, 4.5));
+}
+
+#[test]
+fn an_unrolled_picture_too_narrow_for_its_formula_has_a_table() {
+    let planned = |width: f64, latitudes: [f64; 2]| {
+        let span = Span { width, bottom: latitudes[0], top: latitudes[1] };
+        [Panorama::Equirectangular(span), Panorama::Cylindrical(span)].map(|panorama| {
+            let rig = rig(vec![output("wall", OutputKind::Panorama { panorama, angles: [0.1, 0.2, 0.3] })]);
+            matches!(build(&rig, &request(&[(96, 48)])).unwrap().passes[0].source, Source::Table(_))
+        })
+    };
+    assert_eq!(planned(2e-5, [0.5, 0.7]), [true; 2], "columns of 2e-7 radians");
+    assert_eq!(planned(0.1, [0.5, 0.500_001]), [true; 2], "rows of 2e-8");
+    assert_eq!(planned(1e-3, [0.5, 0.501]), [false; 2]);
 }

@@ -2,6 +2,7 @@
 
 use super::{FisheyeLens, lens::Circle};
 use glam::{DVec2, DVec3};
+use std::f64::consts::FRAC_PI_2;
 
 /// How a picture shows directions. Its axes: x right, y up, −z the middle of the picture.
 #[derive(Clone, Debug, PartialEq)]
@@ -108,6 +109,18 @@ impl Panorama {
         }
     }
 
+    /// The nominal angle of a pixel of a picture of `size` pixels, radians: of its width or its height, whichever is less.
+    pub fn pixel(&self, size: (u32, u32)) -> f64 {
+        let (width, height) = (f64::from(size.0.max(1)), f64::from(size.1.max(1)));
+        match self {
+            Self::Fisheye(lens) => lens.aperture / width.min(height),
+            Self::Equirectangular(span) | Self::Cylindrical(span) => {
+                (span.width / width).min((span.top - span.bottom) / height)
+            }
+            Self::CubeStrip => FRAC_PI_2 / (width / STRIP_FACES.len() as f64).max(height),
+        }
+    }
+
     /// Whether the picture is a circle.
     pub fn is_circular(&self) -> bool {
         matches!(self, Self::Fisheye(_))
@@ -127,7 +140,7 @@ mod tests {
     use super::*;
     use crate::geom::Projection;
     use crate::geom::random::Random;
-    use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, TAU};
+    use std::f64::consts::{FRAC_PI_4, TAU};
 
     fn all() -> [Panorama; 4] {
         let whole = Span { width: TAU, bottom: -FRAC_PI_2, top: FRAC_PI_2 };
@@ -157,6 +170,19 @@ mod tests {
             assert_eq!(panorama.direction(DVec2::new(1.1, 0.0), 1.0), None);
             assert_eq!(panorama.direction(DVec2::NAN, 1.0), None);
         }
+    }
+
+    #[test]
+    fn pixels_are_as_wide_as_the_picture_says() {
+        let expected = [4.0 / 640.0, TAU / 1920.0, 1.2 / 640.0, FRAC_PI_2 / 640.0];
+        for (panorama, expected) in all().into_iter().zip(expected) {
+            assert!((panorama.pixel((1920, 640)) / expected - 1.0).abs() < 1e-12, "{panorama:?}");
+        }
+        let [_, equirectangular, ..] = all();
+        // Side by side in the middle.
+        let at = |x: f64| equirectangular.direction(DVec2::new(x, 0.0), 3.0).expect("shown");
+        let apart = at(0.0).cross(at(2.0 / 1920.0)).length().asin();
+        assert!((apart / equirectangular.pixel((1920, 640)) - 1.0).abs() < 1e-6, "{apart}");
     }
 
     #[test]
