@@ -5,7 +5,7 @@ use super::axes::{Aimed, facing};
 use super::cost::beside_texels;
 use super::curved;
 use super::fit::{Fit, mean_direction};
-use super::partition::{Partition, Task, diagram};
+use super::partition::{Partition, Task, WideCell, diagram};
 use super::samples::{COARSE, Samples};
 use super::search::search;
 use super::sight::{Sight, lens_rotation};
@@ -175,13 +175,15 @@ fn mixed(
         let fine: Vec<&Samples> = sharing.iter().map(|&index| &seen[index].fine).collect();
         let task = Task::new(rig, &coarse, &fine);
         let partition = if rig.views.cells.is_empty() {
-            task.best(&frames(rig, &sharing, &coarse))
+            task.best(&frames(rig, &sharing, &coarse)).map_err(|_| {
+                Error::new(ErrorKind::Internal, "a face of the cube of views shows more than a perspective view can")
+            })?
         } else {
             let cells = diagram(&rig.views.cells);
             if let Some(wide) = cells.iter().position(|cell| !task.texels(cell).is_finite()) {
                 return Err(too_wide_cell(wide));
             }
-            task.partition(&cells)
+            task.partition(&cells).map_err(|WideCell(wide)| too_wide_cell(wide))?
         };
         add_parts(&mut arrangement, partition, &sharing);
     }

@@ -42,6 +42,10 @@ pub(crate) struct Partition {
     pub skipped: Vec<DVec3>,
 }
 
+/// The number of a cell that no perspective view can show.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct WideCell(pub usize);
+
 /// What the search for a partition is given.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Task<'a> {
@@ -157,13 +161,17 @@ impl<'a> Task<'a> {
         // Beyond this the plane passes 35° from the middle.
         let shift = golden_section(|shift| self.estimate(&cells(turn, shift)), -0.7, 0.7, 0.02);
         let best = cells(turn, shift);
-        self.estimate(&best).is_finite().then(|| self.partition(&best))
+        self.estimate(&best).is_finite().then(|| self.partition(&best).ok()).flatten()
     }
 
     /// The cheapest partition found: every turn of the cube with its views along the faces, then
     /// the best few with the front face's width and the views' axes searched. Deterministic.
-    pub fn best(&self, frames: &[DMat3]) -> Partition {
-        self.best_cube(frames).map(|(turned, widths)| self.partition(&cells(turned, widths))).unwrap_or_default()
+    ///
+    /// # Errors
+    /// Those of [`Task::partition`].
+    pub fn best(&self, frames: &[DMat3]) -> Result<Partition, WideCell> {
+        self.best_cube(frames)
+            .map_or(Ok(Partition::default()), |(turned, widths)| self.partition(&cells(turned, widths)))
     }
 
     /// The vectors of the [`diagram`] whose cells are the best partition's, but for those that nothing samples.
@@ -267,11 +275,18 @@ impl<'a> Task<'a> {
     }
 
     /// The partition with its views' axes refined, and their openings and resolutions from the finest samples.
-    pub fn partition(&self, cells: &[Cell]) -> Partition {
+    ///
+    /// # Errors
+    /// The cell of which the finest samples, unlike the coarse ones that it was chosen by, show more than a perspective view can.
+    pub fn partition(&self, cells: &[Cell]) -> Result<Partition, WideCell> {
         let mut found = Partition::default();
-        for cell in cells {
+        for (index, cell) in cells.iter().enumerate() {
             let (fine, users) = self.sampled(self.fine, cell);
             let (coarse, _) = self.sampled(self.coarse, cell);
+            if users.is_empty() {
+                found.skipped.push(-cell.axes.z_axis);
+                continue;
+            }
             let (cost, axes) = tilted(cell, &coarse, self.quality);
             let better = refined(&coarse, axes, self.quality);
             // A cell's own axes are kept where others gain nothing.
@@ -282,15 +297,11 @@ impl<'a> Task<'a> {
                 let rotation = axes.transpose();
                 Some(Aimed { rotation, fit: fit(rotation, &fine, self.quality, true)? })
             });
-            match aimed {
-                Some(aimed) if !users.is_empty() => {
-                    found.parts.push(Part { towards: -cell.axes.z_axis, aimed, outputs: users })
-                }
-                _ => found.skipped.push(-cell.axes.z_axis),
-            }
+            let aimed = aimed.ok_or(WideCell(index))?;
+            found.parts.push(Part { towards: -cell.axes.z_axis, aimed, outputs: users });
         }
         self.raise(&mut found);
-        found
+        Ok(found)
     }
 
     /// Raises the resolution of views to what lies outside their cells but inside their openings,

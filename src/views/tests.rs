@@ -503,6 +503,30 @@ fn near_the_horizon_of_a_plane_no_direction_is_without_a_view() {
     assert!(shown > 100_000, "{shown}");
 }
 
+/// Half of what it shows is a little too wide for one view, which only the finest samples told: found by `cupola stress` (seed 20451),
+/// as a picture with one view where it needs two.
+#[test]
+fn a_half_that_turns_out_too_wide_for_a_view_is_not_left_out() {
+    let text = "[dome]\ntilt = 55.24\n[screen]\nshape = \"cone\"\nradii = [7.681984279083114, 6.350391077178101]\n\
+                heights = [-6.203468619614638, 5.833357204954986]\nyaw = -10.383262676688645\n\
+                pitch = -70.45714481953537\nroll = 61.69780493258523\n\
+                position = [-0.369201417067837, 0.32377168065229234, 0.9300123905017869]\n\
+                [viewer]\nyaw = 175.96341901062232\npitch = 87.6621961030742\nroll = -74.7472501578763\n\
+                [[output]]\nkind = \"projector\"\nyaw = -109.45037610813405\npitch = -67.55435240652753\n\
+                roll = 82.72545034966203\n\
+                position = [0.8881619149878764, 0.9265430081400121, -0.7763288393663637]\n\
+                fisheye = { projection = \"orthographic\", size = [0.9643032434864932, 1.329519099790732] }\n";
+    let rig = crate::rig::parse(text, "half.toml", std::path::Path::new("")).unwrap();
+    for size in [(512, 512), (256, 256)] {
+        let plan = plan(&rig, &request(&[size])).unwrap();
+        let map = WarpMap::new(&rig, 0, size, None).unwrap();
+        let places = (0..size.0 * size.1).map(|i| DVec2::new(f64::from(i % size.0), f64::from(i / size.0)) + 0.5);
+        let shown: Vec<DVec3> = places.filter_map(|place| map.direction(place)).collect();
+        let without = shown.iter().filter(|direction| answering(&plan, 0, **direction).is_none()).count();
+        assert!(shown.len() > 20_000 && without == 0, "{without} of {} pixels of {size:?}", shown.len());
+    }
+}
+
 #[test]
 fn degenerate_outputs_are_planned() {
     // One pixel; a projector from outside; one that misses the screen; the viewer at a projector's place.
