@@ -148,5 +148,8 @@ mod tests {
         let viewer = towards * 0.98;
         assert!(matches!(source(viewer.to_array(), [0.0; 3], 10.0), Source::Table(_)));
         assert!(matches!(source([0.0; 3], [0.0; 3], 10.0), Source::Projector(_)), "a viewer in the middle");
+        // Pixels of 7e-7 radians are not told apart where a direction is rounded to some 2e-7.
+        assert!(matches!(source([0.0; 3], [0.0; 3], 0.01), Source::Table(_)));
+        assert!(matches!(source([0.0; 3], [0.0; 3], 0.1), Source::Projector(_)));
     }
 }

@@ -1,6 +1,6 @@
 //! Fisheye projectors, and pinholes before a mirror, whose map has a formula.
 
-use super::rounding::{ANGLE, PIXELS, REFERENCE};
+use super::rounding::{ANGLE, OWN_PIXELS, PIXELS, REFERENCE};
 use crate::geom::fisheye::RadialForm;
 use crate::geom::screen::Bounds;
 use crate::geom::{Lens, Quadric, Sphere};
@@ -150,20 +150,22 @@ impl OpticsSource {
     }
 
     /// The same if f32 is enough for it: if rounding moves what is shown by no more than 0.002 pixels of a picture 4096 wide, or 6·10⁻⁷
-    /// radians, whichever is more, in a picture of `size`.
+    /// radians, whichever is more, in a picture of `size`, but by no more than a quarter of its own pixels.
     pub fn settled(self, size: (u32, u32)) -> Option<Self> {
         let (width, height) = (f64::from(size.0.max(1)), f64::from(size.1.max(1)));
         // A pixel of the reference's size.
-        let pixel = 2.0 * width.max(height) / REFERENCE / DVec2::new(width, height);
+        let own = REFERENCE / width.max(height);
+        let pixel = 2.0 / own / DVec2::new(width, height);
         let place = |i: u32| 2.0 * f64::from(i) / f64::from(PLACES - 1) - 1.0;
         let exact = (0..PLACES * PLACES)
             .map(|i| (place(i % PLACES), place(i / PLACES)))
-            .all(|(x, y)| self.direction(x, y).is_none() || self.is_exact_at(x, y, pixel) == Some(true));
+            .all(|(x, y)| self.direction(x, y).is_none() || self.is_exact_at(x, y, pixel, own) == Some(true));
         (exact && self.is_sound()).then_some(self)
     }
 
-    /// Whether rounding moves little what is shown at a place; `None` where nothing is, there or around.
-    fn is_exact_at(&self, x: f64, y: f64, pixel: DVec2) -> Option<bool> {
+    /// Whether rounding moves little what is shown at a place; `None` where nothing is, there or around. `pixel`: one of the
+    /// reference's size; `own`: how many such a pixel of the picture is wide.
+    fn is_exact_at(&self, x: f64, y: f64, pixel: DVec2, own: f64) -> Option<bool> {
         let seen =
             |x: f64, y: f64, kick: Kick| self.way(x, y, kick).map(|way| self.to_viewer.transform_point3(way.point));
         let way = self.way(x, y, Kick::default())?;
@@ -188,7 +190,8 @@ impl OpticsSource {
             Some(from.cross(to).length().atan2(from.dot(to)))
         };
         let (across, up) = (step(DVec2::new(pixel.x, 0.0))?, step(DVec2::new(0.0, pixel.y))?);
-        let allowed = (PIXELS * (0.5 * (across * across + up * up)).sqrt()).max(ANGLE);
+        let pixel = (0.5 * (across * across + up * up)).sqrt();
+        let allowed = (PIXELS * pixel).max(ANGLE.min(OWN_PIXELS * pixel * own));
         Some(error <= allowed)
     }
 
@@ -290,6 +293,8 @@ mod tests {
             // Light is shared; evened out; the lens is at the wall; before a plane.
             format!("[[output]]\n{fisheye}[[output]]\n{fisheye}"),
             format!("[[output]]\n{fisheye}even_light = 0.5\n"),
+            // Pixels of 2e-7 radians.
+            "[[output]]\nkind = \"projector\"\npitch = 60\nfisheye = { aperture = 0.001 }\n".to_owned(),
             format!("[[output]]\nposition = [0, 0, 4.9]\n{fisheye}"),
             format!(
                 "[screen]\nshape = \"plane\"\nsize = [8, 8]\nposition = [0, 3, 0]\npitch = 90\n[[output]]\n{fisheye}"

@@ -14,6 +14,8 @@ pub(super) const REFERENCE: f64 = 4096.0;
 pub(super) const PIXELS: f64 = 0.002;
 /// An angle that is allowed however narrow the pixels, radians: ten steps of f32.
 pub(super) const ANGLE: f64 = 6e-7;
+/// Yet never more than this of a pixel of the picture's own: narrower ones would not be told apart.
+pub(super) const OWN_PIXELS: f64 = 0.25;
 /// What rounding does to a sum, as a part of its terms: some three half steps of f32. With hundreds of random rigs a driver
 /// came to 0.25 to 1.07 times the estimate where that is near what is allowed.
 const STEP: f64 = 2e-7;
@@ -30,8 +32,8 @@ pub(super) struct Sum {
 }
 
 /// Whether rounding moves little what `source` shows in a picture of `size` pixels, if `sum` is how its forms are added up: directions by
-/// no more than 0.002 pixels of a picture 4096 wide, or 6·10⁻⁷ radians, whichever is more, and rims by a hundredth of
-/// the picture's own pixels.
+/// no more than 0.002 pixels of a picture 4096 wide, or 6·10⁻⁷ radians, whichever is more, but by no more than a quarter of the
+/// picture's own pixels, and rims by a hundredth of them.
 pub(super) fn is_exact(
     source: &ProjectorSource,
     size: (u32, u32),
@@ -62,7 +64,7 @@ pub(super) fn is_exact(
         let spread = terms.length() / value.length();
         let rims =
             source.rim.iter().flat_map(|rim| std::iter::once(&rim.limits).chain(rim.sides.as_ref().map(|s| &s.0)));
-        let within = STEP * spread <= (PIXELS * pixel).max(ANGLE)
+        let within = STEP * spread <= (PIXELS * pixel).max(ANGLE.min(OWN_PIXELS * pixel / scale))
             && rims.into_iter().all(|rim| is_sharp(rim, (x, y), (2.0 / width, 2.0 / height), &sum));
         if !within {
             return false;

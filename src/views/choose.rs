@@ -118,23 +118,40 @@ fn best(rig: &Rig, seen: &[Seen], sights: &[Sight], eye: f64) -> Result<Arrangem
     };
     // Ways that give the same outputs views of their own are the same.
     let mut tried: Vec<Vec<bool>> = Vec::new();
-    let mut cheapest: Option<(f64, Arrangement)> = None;
+    let mut cheapest: Option<((usize, f64), Arrangement)> = None;
+    let mut refused = None;
+    // Outputs that show something and yet have no view.
+    let without = |arrangement: &Arrangement| -> Vec<usize> {
+        let has_one = |index: &usize| arrangement.views.iter().any(|view| view.outputs.contains(index));
+        (0..seen.len()).filter(|&index| of_eye(index) && !seen[index].fine.is_empty()).filter(|i| !has_one(i)).collect()
+    };
     // Of equals the first way counts; the last one is looked at first, since it needs no views of outputs' own and may
     // cost less than these can.
     for way in ways.iter().rev() {
         let wanted: Vec<bool> = (0..seen.len()).map(|index| of_eye(index) && way(index)).collect();
-        let most = cheapest.as_ref().map_or(f64::INFINITY, |(cost, _)| *cost);
+        let most = cheapest.as_ref().filter(|((without, _), _)| *without == 0);
+        let most = most.map_or(f64::INFINITY, |((_, cost), _)| *cost);
         let Some(own) = alone_within(rig, seen, &wanted, most) else { continue };
         if !tried.contains(&own) {
-            let arrangement = mixed(rig, seen, of_eye, |index| own[index])?;
-            let cost = arrangement.cost(rig);
-            if cheapest.as_ref().is_none_or(|(other, _)| cost <= *other) {
-                cheapest = Some((cost, arrangement));
+            match mixed(rig, seen, of_eye, |index| own[index]) {
+                Ok(arrangement) => {
+                    let cost = (without(&arrangement).len(), arrangement.cost(rig));
+                    if cheapest.as_ref().is_none_or(|(other, _)| cost <= *other) {
+                        cheapest = Some((cost, arrangement));
+                    }
+                }
+                Err(error) => refused = Some(error),
             }
             tried.push(own);
         }
     }
-    Ok(cheapest.map(|(_, arrangement)| arrangement).unwrap_or_default())
+    let Some((_, mut arrangement)) = cheapest else { return refused.map_or_else(|| Ok(Arrangement::default()), Err) };
+    let outputs = without(&arrangement);
+    if !outputs.is_empty() && arrangement.views.is_empty() {
+        return Err(without_view(rig, &outputs));
+    }
+    arrangement.notes.extend(outputs.iter().map(|output| without_view(rig, &[*output]).message));
+    Ok(arrangement)
 }
 
 impl From<Aimed> for Wanted {
@@ -175,9 +192,7 @@ fn mixed(
         let fine: Vec<&Samples> = sharing.iter().map(|&index| &seen[index].fine).collect();
         let task = Task::new(rig, &coarse, &fine);
         let partition = if rig.views.cells.is_empty() {
-            task.best(&frames(rig, &sharing, &coarse)).map_err(|_| {
-                Error::new(ErrorKind::Internal, "a face of the cube of views shows more than a perspective view can")
-            })?
+            task.best(&frames(rig, &sharing, &coarse)).ok_or_else(|| without_view(rig, &sharing))?
         } else {
             let cells = diagram(&rig.views.cells);
             if let Some(wide) = cells.iter().position(|cell| !task.texels(cell).is_finite()) {
@@ -215,6 +230,18 @@ pub(crate) fn optimise(
     let task = Task::new(rig, &samples, &samples);
     let known = task.best_vectors(&frames(rig, &indices, &samples));
     Ok(search(&task, &known, views, steps, progress).map(|(cells, _)| cells))
+}
+
+fn without_view(rig: &Rig, outputs: &[usize]) -> Error {
+    let names: Vec<&str> = outputs.iter().map(|&index| rig.outputs[index].name.as_str()).collect();
+    Error::new(
+        ErrorKind::InvalidRig,
+        format!(
+            "output {}: no perspective view can show it: what it shows is far narrower than high, or far higher, or no more than \
+             a part of a pixel; make it wider, or leave it out",
+            names.join(", ")
+        ),
+    )
 }
 
 fn too_wide_cell(index: usize) -> Error {

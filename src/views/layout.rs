@@ -19,6 +19,10 @@ fn guard(filter: Filter) -> f64 {
 /// two views belongs to at least one of them in 32-bit arithmetic too.
 pub(crate) const MARGIN: f64 = 0.21875;
 
+/// By how much it is widened at least, as a tangent: some four times what rounding to 32 bits moves a direction. More than the margin
+/// only where texels are narrower than two millionths.
+const ROUNDING: f64 = 4e-7;
+
 /// Free texels between tiles.
 const GUTTER: u32 = 1;
 
@@ -92,7 +96,8 @@ fn too_small(request: &Request) -> Error {
 
 /// One direction of a view: the sampled part widened by the margin, the opening of the tile, and its texels.
 fn side(low: f64, high: f64, density: f64, guard: f64) -> ((f64, f64), (f64, f64), u32) {
-    let (span, around) = (high - low, 2.0 * (MARGIN + guard));
+    let rounding = (ROUNDING - MARGIN / density).max(0.0);
+    let (span, around) = (high - low + 2.0 * rounding, 2.0 * (MARGIN + guard));
     // 2^20 is far beyond any atlas: the loop that scales down sees it as too large.
     let texels = (span * density + around).max(around + 0.5).ceil().min(1_048_576.0);
     let texel = if span > 0.0 { span / (texels - around) } else { 1.0 / density };
@@ -154,5 +159,24 @@ fn panel(rig: &Rig, tile: Tile) -> View {
         program_lens: true,
         curved: None,
         eye: 0.0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_part_is_widened_by_what_rounding_moves_directions() {
+        // 64 texels of 1e-9, and 64 of 1e-3: what is owned is wider on either side, by 4e-7 at least.
+        for (texel, least) in [(1e-9, ROUNDING), (1e-3, MARGIN * 1e-3)] {
+            let (low, high) = (0.3, 0.3 + 64.0 * texel);
+            let ((from, to), (first, last), texels) = side(low, high, 1.0 / texel, 1.5);
+            for beside in [low - from, to - high] {
+                assert!((0.99..1.5).contains(&(beside / least)), "{texel}: {beside}");
+            }
+            assert!(first < from && to < last && texels >= 64, "{texel}: {texels}");
+            assert!((last - first) / f64::from(texels) <= texel, "{texel}: no coarser");
+        }
     }
 }

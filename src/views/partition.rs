@@ -167,11 +167,10 @@ impl<'a> Task<'a> {
     /// The cheapest partition found: every turn of the cube with its views along the faces, then
     /// the best few with the front face's width and the views' axes searched. Deterministic.
     ///
-    /// # Errors
-    /// Those of [`Task::partition`].
-    pub fn best(&self, frames: &[DMat3]) -> Result<Partition, WideCell> {
-        self.best_cube(frames)
-            .map_or(Ok(Partition::default()), |(turned, widths)| self.partition(&cells(turned, widths)))
+    /// `None` where a cell of it is too wide for a view after all.
+    pub fn best(&self, frames: &[DMat3]) -> Option<Partition> {
+        let (turned, widths) = self.best_cube(frames)?;
+        self.partition(&cells(turned, widths)).ok()
     }
 
     /// The vectors of the [`diagram`] whose cells are the best partition's, but for those that nothing samples.

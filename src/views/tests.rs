@@ -527,6 +527,39 @@ fn a_half_that_turns_out_too_wide_for_a_view_is_not_left_out() {
     }
 }
 
+/// Pixels that are two million times as high as they are wide, found by `cupola stress` (seed 20075) before rigs could not have them.
+#[test]
+fn what_no_view_can_show_is_said_and_leaves_the_others_alone() {
+    let text = "[dome]\ntilt = 5.939462340701425\ncoverage = 338.0065766511442\n[viewer]\nyaw = 162.32071945669628\n\
+                pitch = -15.244128572900536\nroll = -40.18925855138025\n[[output]]\nname = \"sliver\"\n\
+                kind = \"cylindrical\"\nlatitudes = [52.63765739926686, 73.99254228715695]\n\
+                yaw = 62.492429498690456\npitch = -89.40341173761003\nroll = -152.59696422331015\n";
+    let mut rig = parse(text, "sliver.toml", std::path::Path::new("")).expect("valid");
+    let OutputKind::Panorama { panorama: crate::geom::Panorama::Cylindrical(span), .. } = &mut rig.outputs[0].kind
+    else {
+        panic!("a cylindrical picture");
+    };
+    span.width = 8.6e-8;
+    // All faces of all cubes leave it to their neighbours, which costs nothing; a view of its own shows it.
+    let own = plan(&rig, &request(&[(256, 501)])).expect("a plan");
+    assert_eq!(own.views.iter().map(|view| view.name.as_str()).collect::<Vec<_>>(), ["sliver"]);
+    rig.views.method = ViewMethod::Cube;
+    let alone = plan(&rig, &request(&[(256, 501)])).expect_err("nothing could be shown");
+    assert!(alone.kind == ErrorKind::InvalidRig && alone.message.contains("output sliver: no"), "{alone:?}");
+    // Beside another output some of the cubes have a face for it.
+    rig.outputs.push(fisheye(180.0, 90.0));
+    let mut without = 0;
+    for step in 0..18 {
+        rig.outputs[1].kind = OutputKind::Domemaster { aperture: 3.0, tilt: f64::from(step) * PI / 9.0 };
+        let both = plan(&rig, &request(&[(256, 501), (64, 64)])).expect("a plan");
+        let said = both.notes.iter().any(|note| note.contains("output sliver: no"));
+        assert_eq!(said, both.output_views[0].is_empty(), "{:?}", both.notes);
+        assert!(!both.output_views[1].is_empty());
+        without += u32::from(said);
+    }
+    assert!((1..18).contains(&without), "{without}");
+}
+
 #[test]
 fn degenerate_outputs_are_planned() {
     // One pixel; a projector from outside; one that misses the screen; the viewer at a projector's place.

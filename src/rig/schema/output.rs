@@ -61,7 +61,7 @@ const KINDS: [(&str, Kind); 7] = [
     ("mesh", Kind::Mesh),
 ];
 
-const WIDTH: Allowed = Allowed::above(0.0, 360.0, "the angle from side to side in degrees");
+const WIDTH: Allowed = Allowed::closed(0.1, 360.0, "the angle from side to side in degrees");
 const EYE: Allowed = Allowed::closed(-1.0, 1.0, "metres to the right of the viewer's position");
 
 pub(super) fn output(

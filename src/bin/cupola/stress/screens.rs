@@ -114,7 +114,7 @@ fn picture(random: &mut Random) -> String {
         random.range(-90.0, 90.0),
         random.range(-180.0, 180.0)
     );
-    let width = opening(random, 360.0);
+    let width = opening(random, 360.0).max(0.1);
     let low = random.range(-89.0, 80.0);
     let high = low + (89.0 - low) * opening(random, 100.0) / 100.0;
     match random.unit() {
