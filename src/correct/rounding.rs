@@ -23,10 +23,6 @@ const STEP: f64 = 2e-7;
 const RIM: f64 = 0.01;
 /// Places in each direction where the error is estimated.
 const PLACES: u32 = 17;
-/// From so many of them, where it is greatest, greater ones are looked for,
-const CLIMBS: usize = 4;
-/// in steps down to this part of half a picture.
-const LAST_STEP: f64 = 1e-4;
 
 /// A sum of vectors and how large its terms are, component by component.
 #[derive(Clone, Copy, Debug)]
@@ -55,50 +51,26 @@ pub(super) fn is_exact(
         let around = |k: u32| k.saturating_sub(1)..(k + 2).min(PLACES);
         around(i / PLACES).any(|row| around(i % PLACES).any(|column| shown[(row * PLACES + column) as usize]))
     };
-    // What rounding does at a place, as a part of what is allowed.
-    let part = |x: f64, y: f64| {
-        let Sum { value, terms } = sum(&source.direction, x, y)?;
+    for i in (0..PLACES * PLACES).filter(|i| near(*i)) {
+        let (x, y) = at(i);
+        let Some(Sum { value, terms }) = sum(&source.direction, x, y) else { continue };
         let angle = |dx: f64, dy: f64| {
             let seen = |side: f64| source.pencil.evaluate(&source.direction, x + side * dx, y + side * dy);
             let (a, b) = (seen(-0.5)?, seen(0.5)?);
             Some(a.cross(b).length().atan2(a.dot(b)))
         };
-        let (h, v) = (angle(across, 0.0)?, angle(0.0, up)?);
+        let (Some(h), Some(v)) = (angle(across, 0.0), angle(0.0, up)) else { continue };
         let pixel = (0.5 * (h * h + v * v)).sqrt();
-        let allowed = (PIXELS * pixel).max(ANGLE.min(OWN_PIXELS * pixel / scale));
-        Some(STEP * terms.length() / value.length() / allowed)
-    };
-    let mut found = Vec::new();
-    for (x, y) in (0..PLACES * PLACES).filter(|i| near(*i)).map(at) {
-        let Some(here) = part(x, y) else { continue };
+        let spread = terms.length() / value.length();
         let rims =
             source.rim.iter().flat_map(|rim| std::iter::once(&rim.limits).chain(rim.sides.as_ref().map(|s| &s.0)));
-        let within =
-            here <= 1.0 && rims.into_iter().all(|rim| is_sharp(rim, (x, y), (2.0 / width, 2.0 / height), &sum));
+        let within = STEP * spread <= (PIXELS * pixel).max(ANGLE.min(OWN_PIXELS * pixel / scale))
+            && rims.into_iter().all(|rim| is_sharp(rim, (x, y), (2.0 / width, 2.0 / height), &sum));
         if !within {
             return false;
         }
-        found.push((here, (x, y)));
     }
-    found.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let shown_part = |x: f64, y: f64| part(x, y).filter(|_| source.direction(x, y).is_some());
-    found.iter().take(CLIMBS).all(|&(here, place)| climb(here, place, shown_part) <= 1.0)
-}
-
-/// The greatest value of `part` on the way uphill from a place between two others; beyond 1 it need not be known. Rays along the axis of a
-/// cylinder are the reason: around them all terms cancel within a few pixels.
-fn climb(mut here: f64, (mut x, mut y): (f64, f64), part: impl Fn(f64, f64) -> Option<f64>) -> f64 {
-    let mut step = 1.0 / f64::from(PLACES - 1);
-    while step > LAST_STEP && here <= 1.0 {
-        let around = [(step, 0.0), (-step, 0.0), (0.0, step), (0.0, -step)];
-        let places = around.map(|(dx, dy)| ((x + dx).clamp(-1.0, 1.0), (y + dy).clamp(-1.0, 1.0)));
-        let values = places.into_iter().filter_map(|(x, y)| Some((part(x, y)?, x, y)));
-        match values.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|best| best.0 > here) {
-            Some(best) => (here, x, y) = best,
-            None => step *= 0.5,
-        }
-    }
-    here
+    true
 }
 
 /// Whether rounding moves a rim that passes near a place by less than [`RIM`] pixels; `pixel` in normalised coordinates.
