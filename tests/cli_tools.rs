@@ -286,7 +286,7 @@ fn plan_searches_for_cells_and_tells_jumps() {
 
 #[test]
 fn stress_finds_nothing_over_its_bounds() {
-    let report = json(&["stress", "--seed", "9", "--cases", "6", "--json"]);
+    let report = json(&["stress", "--seed", "9", "--cases", "6", "--pixels", "100000000", "--json"]);
     assert_eq!((report["failed"].as_bool(), report["cases"].as_u64()), (Some(false), Some(6)), "{report:#}");
     let compared = |name: &str| {
         let quantities = report["quantities"].as_array().unwrap();
