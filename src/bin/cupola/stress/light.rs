@@ -39,13 +39,7 @@ pub fn case(random: &mut Random, driver: &Driver) -> Result<Vec<Finding>, Failur
         wrong += u64::from(!(0.0..=1.0).contains(&found));
         let mut error = (found - expected).abs();
         if error > WEIGHT {
-            let (mut least, mut greatest) = (expected, expected);
-            for turn in 0..8 {
-                let aside = DVec2::from_angle(f64::from(turn) * FRAC_PI_4) * NEAR;
-                let beside = exact.weight(output, DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5) + aside);
-                let beside = beside.unwrap_or(expected);
-                (least, greatest) = (least.min(beside), greatest.max(beside));
-            }
+            let [least, greatest] = around(&exact, output, (x, y)).unwrap_or([expected; 2]);
             error = error.min((least - found).max(found - greatest).max(0.0));
         }
         if error.is_nan() || error > worst {
@@ -59,4 +53,36 @@ pub fn case(random: &mut Random, driver: &Driver) -> Result<Vec<Finding>, Failur
         finding("light: greatest error of a weight, beyond what is within 0.01 px", worst, WEIGHT),
         finding("light: weights outside 0…1", wrong as f64, 0.0),
     ])
+}
+
+/// The least and the greatest weight at a pixel's middle and within [`NEAR`] of it; `None` where nothing is shown.
+fn around(exact: &Weights<'_>, output: usize, (x, y): (u32, u32)) -> Option<[f64; 2]> {
+    let middle = DVec2::new(f64::from(x), f64::from(y)) + 0.5;
+    let here = exact.weight(output, middle)?;
+    let aside = (0..8).map(|turn| DVec2::from_angle(f64::from(turn) * FRAC_PI_4) * NEAR);
+    let weights = aside.filter_map(|aside| exact.weight(output, middle + aside));
+    Some(weights.fold([here; 2], |[least, greatest], weight| [least.min(weight), greatest.max(weight)]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What is wrong by more than the bound stays so, but where borders cross.
+    #[test]
+    fn what_is_right_around_a_pixel_hides_no_error() {
+        let (size, mut compared, mut wide) = ((64, 64), 0, 0);
+        for seed in 0..6 {
+            let case = rigs::overlapping(&mut Random::new(seed)).expect("a rig");
+            let sizes = vec![size; case.rig.outputs.len()];
+            let exact = Weights::new(&case.rig, &sizes).expect("weights");
+            for place in (0..size.1).flat_map(|y| (0..size.0).map(move |x| (x, y))) {
+                let Some([least, greatest]) = around(&exact, 0, place) else { continue };
+                assert!((0.0..=1.0).contains(&least) && least <= greatest && greatest <= 1.0, "{seed} {place:?}");
+                compared += 1;
+                wide += u32::from(greatest - least > 5.0 * WEIGHT);
+            }
+        }
+        assert!(compared > 10_000 && wide * 50 < compared, "{wide} of {compared}");
+    }
 }
