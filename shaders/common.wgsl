@@ -206,7 +206,7 @@ fn smooth_step(t: f32) -> f32 {
 }
 
 // A ramp at t, 0…1. Shape 0: smoothstep. Negative: ½ − ½·cos πt = sin² ½πt, by a polynomial. Else the power
-// of two halves that are turned about the middle. All are right to a part of 4e-7 of themselves, near 0 too: where all claims on
+// of two halves that are turned about the middle. The first two are right to a part of 4e-7 of themselves, near 0 too: where all claims on
 // a point are small, its shares are quotients of such values.
 fn ramp_at(t: f32, shape: f32) -> f32 {
     if shape == 0.0 {
