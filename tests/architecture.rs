@@ -31,8 +31,12 @@ const MAY_USE: [(&str, &[&str]); 16] = [
 const MAY_BE_UNSAFE: [&str; 6] =
     ["src/ffi/", "src/intercept/", "src/backend/gl/", "src/backend/vk/", "src/preload/", "src/runtime/process.rs"];
 
-/// Where OpenGL may be named: the backend, the interception, and the C interface that hands it over.
-const MAY_KNOW_GL: [&str; 4] = ["src/backend/gl/", "src/intercept/", "src/ffi/", "src/runtime/"];
+/// Where OpenGL itself may be named, its constants and the table of its functions: the backend, the interception, and the C
+/// interface that hands it over.
+const MAY_KNOW_GL: [&str; 4] = ["src/backend/gl/", "src/intercept/gl/", "src/ffi/", "src/runtime/"];
+
+/// Where the modules `backend::gl` and `intercept::gl` may be named, too: what starts them, and a test that compares.
+const MAY_START_GL: [&str; 3] = ["src/bin/", "src/preload/", "src/backend/vk/tests/"];
 
 /// Where Vulkan may be named: the backend, the interception, and the C interface.
 const MAY_KNOW_VULKAN: [&str; 4] = ["src/backend/vk/", "src/intercept/vk/", "src/ffi/", "src/runtime/"];
@@ -179,6 +183,42 @@ fn named_modules(code: &str, prefix: &str) -> BTreeSet<String> {
     modules
 }
 
+/// Names of OpenGL in the code: its constants, the table of its functions, and the modules that use it.
+#[derive(Debug, Default, PartialEq)]
+struct OpenGl {
+    constant: bool,
+    table: bool,
+    module: bool,
+}
+
+impl OpenGl {
+    fn of(code: &str) -> Self {
+        let part = |c: char| c.is_alphanumeric() || c == '_';
+        let constant = code.split(|c| !part(c)).any(|word| {
+            word.strip_prefix("GL_").is_some_and(|rest| rest.starts_with(|c: char| c.is_ascii_uppercase()))
+        });
+        let module = ["backend::", "intercept::"].iter().any(|prefix| {
+            let starts = code.match_indices(prefix);
+            starts.into_iter().any(|(start, _)| named_modules(&code[start..], prefix).contains("gl"))
+        });
+        Self { constant, table: has_word(code, "Gl"), module }
+    }
+
+    /// The first of these names that stands in a file that may not have it.
+    fn violation(&self, path: &str) -> Option<&'static str> {
+        let within = |places: &[&str]| places.iter().any(|place| path.starts_with(place));
+        if within(&MAY_KNOW_GL) {
+            return None;
+        }
+        // Options of the command have a value `Gl`; its code is safe, so that it cannot call a function of the table.
+        let table = self.table && !path.starts_with("src/bin/");
+        let module = self.module && !within(&MAY_START_GL);
+        let names =
+            [(self.constant, "a constant of OpenGL"), (table, "OpenGL's functions"), (module, "a module of OpenGL")];
+        names.into_iter().find_map(|(named, what)| named.then_some(what))
+    }
+}
+
 fn report(findings: &[String]) {
     assert!(findings.is_empty(), "\n{}\n", findings.join("\n"));
 }
@@ -219,6 +259,7 @@ fn modules_use_only_what_they_may() {
 fn words_stand_only_where_they_may() {
     let mut findings = Vec::new();
     let mut complain = |path: &str, what: &str| findings.push(format!("{path}: {what}"));
+    let (mut opengl, mut vulkan) = (OpenGl::default(), false);
     for source in sources(&["src", "build", "tests"], &["rs"]) {
         let code = code_of(&source.text);
         let path = source.path.as_str();
@@ -234,10 +275,16 @@ fn words_stand_only_where_they_may() {
         if !path.starts_with("src/") {
             continue;
         }
-        if ["glow", "gl_api", "GlApi"].iter().any(|word| has_word(&code, word)) && !within(&MAY_KNOW_GL) {
-            complain(path, "OpenGL is named outside the folders that may know it");
+        let names = OpenGl::of(&code);
+        if let Some(what) = names.violation(path) {
+            complain(path, &format!("{what} is named outside the folders that may know it"));
         }
-        if has_word(&code, "ash") && !within(&MAY_KNOW_VULKAN) {
+        opengl.constant |= names.constant;
+        opengl.table |= names.table;
+        opengl.module |= names.module;
+        let names_vulkan = has_word(&code, "ash");
+        vulkan |= names_vulkan;
+        if names_vulkan && !within(&MAY_KNOW_VULKAN) {
             complain(path, "Vulkan is named outside the folders that may know it");
         }
         if COMMAND_ONLY.iter().any(|name| code.contains(&format!("{name}::"))) && !path.starts_with("src/bin/") {
@@ -249,6 +296,9 @@ fn words_stand_only_where_they_may() {
         }
     }
     report(&findings);
+    // A rule about a name that no file has any more would find nothing.
+    assert_eq!(opengl, OpenGl { constant: true, table: true, module: true }, "a name of OpenGL is nowhere");
+    assert!(vulkan, "Vulkan is named nowhere");
 }
 
 #[test]
@@ -294,8 +344,8 @@ fn unwanted(names: &BTreeSet<String>) -> Vec<String> {
 /// The rules above rest on these: each finds what it should, and nothing else.
 #[test]
 fn the_checks_find_violations() {
-    let code = code_of("a // unsafe\n/* unwrap() */ \"unsafe \\\" glow\" r#\"unsafe \"x\" \"# '\"' b");
-    assert!(!has_word(&code, "unsafe") && !has_word(&code, "glow") && !has_word(&code, "unwrap"));
+    let code = code_of("a // unsafe\n/* unwrap() */ \"unsafe \\\" Gl\" r#\"unsafe \"x\" \"# '\"' b");
+    assert!(!has_word(&code, "unsafe") && !has_word(&code, "Gl") && !has_word(&code, "unwrap"));
     assert!(code.starts_with('a') && code.ends_with('b'));
     assert!(has_word("x = unsafe {", "unsafe") && !has_word("#![forbid(unsafe_code)]", "unsafe"));
     let modules = named_modules(
@@ -303,5 +353,21 @@ fn the_checks_find_violations() {
         "crate::",
     );
     assert_eq!(modules.into_iter().collect::<Vec<_>>(), ["error", "geom", "rig", "views"]);
+    let violation = |path: &str, code: &str| OpenGl::of(&code_of(code)).violation(path);
+    for code in ["gl.Enable(GL_BLEND)", "use api::GL_BLEND;", "fn draw(gl: &Gl)", "use crate::backend::gl::headless;"] {
+        assert!(violation("src/correct/plan.rs", code).is_some(), "{code}");
+        assert_eq!(violation("src/backend/gl/state.rs", code), None, "{code}");
+    }
+    for code in
+        ["use crate::backend::{vk, gl::headless};", "use crate::{error, backend::gl};", "crate::intercept::gl::x()"]
+    {
+        assert!(violation("src/backend/vk/device.rs", code).is_some(), "{code}");
+        assert_eq!(violation("src/bin/cupola/map.rs", code), None, "{code}");
+    }
+    assert!(violation("src/bin/cupola/map.rs", "gl.Enable(GL_BLEND)").is_some());
+    for code in ["// GL_BLEND, Gl", "\"GL_BLEND\"", "AGL_B GL_ MAY_KNOW_GL", "GlBackend", "crate::backend::vk::gl::x()"]
+    {
+        assert_eq!(violation("src/correct/plan.rs", code), None, "{code}");
+    }
     assert_eq!(unwanted(&BTreeSet::from(["cupola_x".into(), "__egl_Main".into(), "dlsym".into()])).len(), 1);
 }
