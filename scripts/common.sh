@@ -1,9 +1,9 @@
 # shellcheck shell=bash
-# What the scripts share; to be sourced. Sets the working directory to the project's.
+# Functions that the scripts share; to be sourced. Sets the working directory to the project's.
 
-cd "$(dirname "${BASH_SOURCE[0]}")/.."
+cd "$(dirname "${BASH_SOURCE[0]}")/.." || exit
 
-# Says what happens next.
+# Prints a heading.
 say() {
     printf '\n== %s\n' "$*"
 }
@@ -13,14 +13,40 @@ fail() {
     exit 1
 }
 
-# Installs those of the named Debian packages that are missing. Touches neither network nor system when none is.
-need_packages() {
-    local missing=() package
+# Sets the array `missing` to those of the named Debian packages that are not installed.
+find_missing_packages() {
+    local package
+    missing=()
     for package in "$@"; do
         if [ "$(dpkg-query --show --showformat='${db:Status-Status}' "$package" 2>/dev/null)" != installed ]; then
             missing+=("$package")
         fi
     done
+}
+
+# announce MINUTES GIGABYTES PACKAGE…: prints what the whole script takes on a machine that has nothing yet: processor
+# time, disk below target/, and packages.
+announce() {
+    local minutes=$1 gigabytes=$2 missing free
+    shift 2
+    find_missing_packages "$@"
+    printf 'Takes about %s processor minutes where nothing is built yet (%s cores here), and %s GB of disk.\n' \
+        "$minutes" "$(nproc)" "$gigabytes"
+    if [ ${#missing[@]} -eq 0 ]; then
+        printf 'Debian packages: all %s are installed.\n' $#
+    else
+        printf 'Debian packages to install: %s of %s, with what they depend on: %s\n' ${#missing[@]} $# "${missing[*]}"
+    fi
+    free=$(df --output=avail --block-size=1G . | tail -n 1)
+    if [ "$free" -lt "$gigabytes" ]; then
+        printf 'Warning: only %s GB of disk are free here.\n' "${free// /}"
+    fi
+}
+
+# Installs those of the named Debian packages that are missing. Touches neither network nor system when none is.
+need_packages() {
+    local missing
+    find_missing_packages "$@"
     if [ ${#missing[@]} -eq 0 ]; then
         return
     fi
@@ -31,7 +57,6 @@ need_packages() {
         command -v sudo >/dev/null || fail "run this as root, or install sudo; packages to install: ${missing[*]}"
         as_root=(sudo)
     fi
-    say "installing Debian packages: ${missing[*]}"
     "${as_root[@]}" apt-get update
     "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install --yes --no-install-recommends "${missing[@]}"
 }
@@ -44,7 +69,33 @@ need_cargo() {
     command -v cargo >/dev/null || fail "cargo is missing; install Rust from https://rustup.rs"
 }
 
+# A script queues its steps with add_step and then runs them all, so that the number of steps is always known.
+step_titles=()
+step_commands=()
+
+# add_step TITLE COMMAND…: queues a step.
+add_step() {
+    step_titles+=("$1")
+    shift
+    step_commands+=("${*@Q}")
+}
+
+# Runs the queued steps in their order; the first one that fails ends the script.
+run_steps() {
+    local step count=${#step_titles[@]}
+    for ((step = 0; step < count; step++)); do
+        say "step $((step + 1)) of $count, elapsed $(elapsed): ${step_titles[step]}"
+        eval "${step_commands[step]}"
+    done
+}
+
+# Prints the time since the script's start as mm:ss.
+elapsed() {
+    printf '%02d:%02d' $((SECONDS / 60)) $((SECONDS % 60))
+}
+
 # Packages to build the C programs and to run OpenGL without a graphics card.
+# shellcheck disable=SC2034 # used by the scripts that source this file
 gl_packages=(
     gcc g++ make binutils pkg-config
     libgl-dev libegl-dev libgles-dev libx11-dev libxdamage-dev libglfw3-dev
