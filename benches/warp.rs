@@ -3,12 +3,16 @@
 //! `cargo bench --bench warp [-- WIDTH HEIGHT ROUNDS]`. All passes are timed in turn, round by
 //! round, so that a busy machine slows all alike; the medians of the ratios are reported.
 
-use cupola::backend::gl::trial::{Sampling, Trial, TrialMesh};
 use cupola::correct::Plan;
 use cupola::correct::plan::build;
 use cupola::rig::{self, Rig};
 use cupola::views::Request;
 use std::path::{Path, PathBuf};
+use trial::{Sampling, Trial, TrialMesh};
+
+#[path = "../src/bin/cupola-lab/trial/gl.rs"]
+#[allow(dead_code, reason = "the bench needs only a part of the laboratory's harness")]
+mod trial;
 
 type Failure = Box<dyn std::error::Error>;
 

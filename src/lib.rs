@@ -48,6 +48,9 @@ pub mod geom;
 pub mod intercept;
 pub mod rig;
 pub mod runtime;
+pub mod system;
+#[cfg(test)]
+mod testing;
 pub mod views;
 pub mod warp;
 

@@ -8,8 +8,10 @@ use std::process::Command;
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 
 /// What each module of the library may name of the others. `error` is everybody's.
-const MAY_USE: [(&str, &[&str]); 16] = [
+const MAY_USE: [(&str, &[&str]); 18] = [
     ("error", &[]),
+    ("system", &[]),
+    ("testing", &[]),
     ("fence", &[]),
     ("digest", &[]),
     ("cache", &["digest"]),
@@ -21,25 +23,34 @@ const MAY_USE: [(&str, &[&str]); 16] = [
     ("blend", &["geom", "rig", "warp"]),
     ("correct", &["cache", "digest", "geom", "rig", "views", "warp", "blend"]),
     ("backend", &["cache", "correct"]),
-    ("runtime", &["cache", "fence", "geom", "rig", "views", "warp", "blend", "correct", "backend"]),
+    ("runtime", &["cache", "fence", "system", "geom", "rig", "views", "warp", "blend", "correct", "backend"]),
     ("intercept", &["cache", "digest", "fence", "rig", "views", "correct", "backend", "runtime"]),
     ("ffi", &["cache", "fence", "geom", "rig", "views", "warp", "correct", "backend", "runtime"]),
     ("preload", &["fence", "intercept"]),
 ];
 
-/// Where `unsafe` may be. `process.rs` wraps the few system calls that the standard library lacks.
-const MAY_BE_UNSAFE: [&str; 6] =
-    ["src/ffi/", "src/intercept/", "src/backend/gl/", "src/backend/vk/", "src/preload/", "src/runtime/process.rs"];
+/// Where `unsafe` may be. `system` wraps the few system calls that the standard library lacks.
+const MAY_BE_UNSAFE: [&str; 7] = [
+    "src/ffi/",
+    "src/intercept/",
+    "src/backend/gl/",
+    "src/backend/vk/",
+    "src/preload/",
+    "src/system/",
+    "src/bin/cupola-lab/trial/",
+];
 
-/// Where OpenGL itself may be named, its constants and the table of its functions: the backend, the interception, and the C
-/// interface that hands it over.
-const MAY_KNOW_GL: [&str; 4] = ["src/backend/gl/", "src/intercept/gl/", "src/ffi/", "src/runtime/"];
+/// Where OpenGL itself may be named, its constants and the table of its functions: the backend, the interception, the C
+/// interface that hands it over, and the laboratory's timing.
+const MAY_KNOW_GL: [&str; 5] =
+    ["src/backend/gl/", "src/intercept/gl/", "src/ffi/", "src/runtime/", "src/bin/cupola-lab/trial/"];
 
 /// Where the modules `backend::gl` and `intercept::gl` may be named, too: what starts them, and a test that compares.
 const MAY_START_GL: [&str; 3] = ["src/bin/", "src/preload/", "src/backend/vk/tests/"];
 
-/// Where Vulkan may be named: the backend, the interception, and the C interface.
-const MAY_KNOW_VULKAN: [&str; 4] = ["src/backend/vk/", "src/intercept/vk/", "src/ffi/", "src/runtime/"];
+/// Where Vulkan may be named: the backend, the interception, the C interface, and the laboratory's timing.
+const MAY_KNOW_VULKAN: [&str; 5] =
+    ["src/backend/vk/", "src/intercept/vk/", "src/ffi/", "src/runtime/", "src/bin/cupola-lab/trial/"];
 
 /// Crates for the command alone.
 const COMMAND_ONLY: [&str; 3] = ["clap", "indicatif", "noto_sans_mono_bitmap"];

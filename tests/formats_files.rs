@@ -1,27 +1,13 @@
 //! Calibration files: hostile ones, and what `cupola convert` writes.
 
 mod convert;
+#[path = "../src/testing/random.rs"]
+mod random;
 
 use convert::{convert, cupola, file};
 use cupola::formats::{Raster, bourke, domeprojection, easyblend, mpcdi, pfm, sgct, vwf};
+use random::Random;
 use std::path::Path;
-
-/// A SplitMix64 generator: the same damage in every run.
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    fn below(&mut self, end: usize) -> usize {
-        (self.next() % end.max(1) as u64) as usize
-    }
-}
 
 /// One to four changes: a byte, a bit, a large number, a piece cut out, doubled or replaced, the end cut off.
 fn damaged(good: &[u8], random: &mut Random) -> Vec<u8> {
@@ -35,7 +21,7 @@ fn damaged(good: &[u8], random: &mut Random) -> Vec<u8> {
         let at = random.below(reach);
         let end = (at + 1 + random.below(16)).min(bytes.len());
         match random.below(7) {
-            0 => bytes[at] = random.next() as u8,
+            0 => bytes[at] = random.bits() as u8,
             1 => bytes[at] ^= 1 << random.below(8),
             2 => bytes[at..end].fill([0xff, 0x7f, 0, b'9', b'-'][random.below(5)]),
             3 => drop(bytes.drain(at..end)),
@@ -87,7 +73,7 @@ fn archive() -> mpcdi::Archive {
 /// Damages `good` in many ways. Nothing may panic; what is refused names the file.
 fn survives(good: &[u8], read: impl Fn(&[u8]) -> cupola::Result<()>) {
     read(good).expect("the undamaged file is good");
-    let (mut random, mut refused) = (Random(7), 0);
+    let (mut random, mut refused) = (Random::new(7), 0);
     for _ in 0..4000 {
         if let Err(error) = read(&damaged(good, &mut random)) {
             assert!(error.message.starts_with("some.file") && error.message.len() < 600, "{}", error.message);

@@ -1,7 +1,11 @@
 //! Rigs that people start from: presets and examples load, mean what they say, and light all of their screens.
 
+#[path = "../src/testing/random.rs"]
+mod random;
+
 use cupola::rig::{Camera, DomeAngle, Output, OutputKind, Rig, ViewMethod, load, parse, presets};
 use glam::DVec3;
+use random::Random;
 use std::f64::consts::PI;
 use std::path::Path;
 
@@ -244,21 +248,9 @@ fn rigs_that_are_not_there() {
     assert!(error.message.contains("latin1.toml:2: the file is not UTF-8"), "{error}");
 }
 
-/// A tiny generator of pseudo-random numbers (xorshift64).
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, limit: usize) -> usize {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        (self.0 % limit as u64) as usize
-    }
-}
-
 #[test]
 fn nothing_in_a_file_makes_the_reader_panic() {
-    let mut random = Random(0x9e37_79b9_7f4a_7c15);
+    let mut random = Random::new(1);
     let texts: Vec<&str> = presets().iter().map(|preset| preset.text).collect();
     let pieces = [
         "[",

@@ -156,8 +156,8 @@ pub fn weight(rig: &Rig, output: usize, sizes: &[(u32, u32)], pixel: DVec2) -> O
 mod tests {
     use super::*;
     use crate::blend::smoothstep;
-    use crate::geom::random::Random;
     use crate::geom::{QuadraticForm, Sphere};
+    use crate::testing::random::Random;
     use crate::warp::testing::{output, projector, rig, two_projectors};
     use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 

@@ -52,6 +52,7 @@ fn gaps<'a>(width: u32, rects: impl Iterator<Item = &'a PixelRect>) -> Vec<(u32,
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::testing::random::Random;
 
     fn rect(x: u32, y: u32, width: u32, height: u32) -> PixelRect {
         PixelRect { x, y, width, height }
@@ -66,11 +67,8 @@ mod tests {
 
     #[test]
     fn covers_each_pixel_exactly_once() {
-        let mut seed = 7u64;
-        let mut random = |below: u32| {
-            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (seed >> 33) as u32 % below
-        };
+        let mut random = Random::new(7);
+        let mut random = |end: u32| random.below(end as usize) as u32;
         for _ in 0..300 {
             let size = (1 + random(24), 1 + random(24));
             let rects: Vec<PixelRect> = (0..random(6))

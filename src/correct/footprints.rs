@@ -143,8 +143,8 @@ impl Footprints {
 mod tests {
     use super::footprints;
     use crate::correct::{Plan, build};
-    use crate::geom::random::Random;
     use crate::rig;
+    use crate::testing::random::Random;
     use crate::views::Request;
     use std::path::Path;
 

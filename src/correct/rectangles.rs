@@ -44,19 +44,21 @@ pub(super) fn merge(classes: &[Option<usize>], block: u32, size: (u32, u32), cou
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::testing::random::Random;
 
     #[test]
     fn covers_each_block_once_with_its_own_class() {
         let size = (16 * 7 + 5u32, 16 * 9 + 1u32);
         let (columns, rows) = (size.0.div_ceil(BLOCK), size.1.div_ceil(BLOCK));
-        let mut state = 12345u64;
+        let mut random = Random::new(12345);
+        let mut class = None;
         for blur in [1, 3, 8] {
             let classes: Vec<Option<usize>> = (0..columns * rows)
                 .map(|index| {
                     if index % blur == 0 {
-                        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+                        class = (random.below(4) != 0).then(|| random.below(3));
                     }
-                    (state >> 62 != 0).then_some((state >> 60) as usize % 3)
+                    class
                 })
                 .collect();
             let merged = merge(&classes, BLOCK, size, 3);

@@ -73,7 +73,7 @@ impl Face {
 mod tests {
     use super::*;
     use crate::geom::pose::rotation;
-    use crate::geom::random::Random;
+    use crate::testing::random::Random;
     use std::f64::consts::{FRAC_PI_2, PI};
 
     #[test]

@@ -221,7 +221,7 @@ pub fn polynomial_at(coefficients: &[f64], x: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::geom::Curve;
-    use crate::geom::random::Random;
+    use crate::testing::random::Random;
     use std::f64::consts::{FRAC_PI_2, PI, TAU};
     use std::sync::Arc;
 

@@ -33,7 +33,7 @@ pub fn apply(homography: &DMat3, point: DVec2) -> Option<DVec2> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::random::Random;
+    use crate::testing::random::Random;
 
     #[test]
     fn corners_go_to_corners_and_lines_stay_lines() {

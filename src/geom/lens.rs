@@ -164,8 +164,8 @@ impl Lens {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::random::Random;
     use crate::geom::{Curve, Projection};
+    use crate::testing::random::Random;
     use std::f64::consts::PI;
     use std::sync::Arc;
 

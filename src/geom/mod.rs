@@ -16,7 +16,6 @@ pub mod pose;
 pub mod projection;
 pub mod quadratic;
 pub mod quadric;
-pub mod random;
 pub mod reprojection;
 pub mod screen;
 pub mod sphere;

@@ -68,7 +68,7 @@ impl Optics {
 mod tests {
     use super::*;
     use crate::geom::Frustum;
-    use crate::geom::random::Random;
+    use crate::testing::random::Random;
 
     fn before(mirror: Sphere) -> Optics {
         let frustum = Frustum { left: -0.5, right: 0.5, bottom: -0.35, top: 0.35 };

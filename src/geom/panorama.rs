@@ -139,7 +139,7 @@ fn within(picture: DVec2) -> Option<DVec2> {
 mod tests {
     use super::*;
     use crate::geom::Projection;
-    use crate::geom::random::Random;
+    use crate::testing::random::Random;
     use std::f64::consts::{FRAC_PI_4, TAU};
 
     fn all() -> [Panorama; 4] {

@@ -124,9 +124,9 @@ impl RimForms {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::random::Random;
     use crate::geom::screen::{ClosedForm, Cone, Ellipsoid, Plane, Region, Shape};
     use crate::geom::{Frustum, Pose, Screen};
+    use crate::testing::random::Random;
     use glam::DVec2;
     use std::f64::consts::{PI, TAU};
 

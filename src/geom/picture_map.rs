@@ -116,8 +116,8 @@ impl PictureMap {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::random::Random;
     use crate::geom::{Fisheye, QuadraticForm, Sphere, pose};
+    use crate::testing::random::Random;
     use glam::DMat3;
 
     fn square(aperture: f64, pixels: f64) -> PictureLens {

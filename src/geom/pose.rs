@@ -73,7 +73,7 @@ mod tests {
 
     #[test]
     fn angles_are_found_again() {
-        let mut random = crate::geom::random::Random::new(5);
+        let mut random = crate::testing::random::Random::new(5);
         for _ in 0..1000 {
             let [yaw, pitch, roll] = std::array::from_fn(|_| random.range(-3.1, 3.1));
             for turned in [rotation(yaw, pitch, roll), rotation(yaw, FRAC_PI_2, roll), rotation(yaw, -FRAC_PI_2, roll)]

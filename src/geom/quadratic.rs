@@ -155,8 +155,8 @@ impl QuadraticForm {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::random::Random;
     use crate::geom::{Frustum, Pose};
+    use crate::testing::random::Random;
 
     /// A pinhole somewhere, aimed at a random point near the centre, with an opening that the sphere fills.
     fn pinhole(random: &mut Random, distance: f64) -> (DVec3, DMat3) {

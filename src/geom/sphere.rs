@@ -61,7 +61,7 @@ impl Sphere {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::random::Random;
+    use crate::testing::random::Random;
 
     #[test]
     fn hits_lie_on_the_sphere_and_on_the_ray() {

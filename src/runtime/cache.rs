@@ -1,7 +1,7 @@
 //! The process's cache of results: `CUPOLA_CACHE`.
 
-use super::process::build_id;
 use crate::cache::{Cache, this_user};
+use crate::system::build_id;
 use std::ffi::OsString;
 use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};

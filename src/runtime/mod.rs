@@ -2,7 +2,6 @@
 
 pub mod cache;
 pub mod embedded;
-pub mod process;
 pub mod report;
 pub mod session;
 

@@ -1,13 +1,11 @@
 //! Which outputs get a view of their own, and which share a cube.
 
-use super::alone::{Seen, alone_within, own_view};
+use super::alone::{Seen, alone_within};
 use super::axes::{Aimed, facing};
 use super::cost::beside_texels;
-use super::curved;
 use super::fit::{Fit, mean_direction};
 use super::partition::{Partition, Task, WideCell, diagram};
-use super::samples::{COARSE, Samples};
-use super::search::search;
+use super::samples::Samples;
 use super::sight::{Sight, lens_rotation};
 use crate::error::{Error, ErrorKind, Result};
 use crate::geom::{PictureMap, pose};
@@ -205,33 +203,6 @@ fn mixed(
     Ok(arrangement)
 }
 
-/// Searches for cells with the fewest texels for the outputs that can share views.
-pub(crate) fn optimise(
-    rig: &Rig,
-    sights: &[Sight],
-    views: usize,
-    steps: u32,
-    progress: &mut dyn FnMut(f64),
-) -> Result<Option<Vec<DVec3>>> {
-    let shares = |index: usize| {
-        curved::view(rig, index, sights[index].size).is_none()
-            && own_view(&rig.outputs[index].kind, index, &sights[index], rig.views.method).is_none()
-    };
-    let shared: Vec<(usize, Samples)> = (0..sights.len())
-        .filter(|&index| shares(index))
-        .map(|index| (index, Samples::new(&sights[index], COARSE)))
-        .filter(|(_, samples)| !samples.is_empty())
-        .collect();
-    if shared.is_empty() {
-        return Err(Error::new(ErrorKind::InvalidArgument, "the rig has no outputs that share views"));
-    }
-    let (indices, samples): (Vec<usize>, Vec<&Samples>) =
-        shared.iter().map(|(index, samples)| (*index, samples)).unzip();
-    let task = Task::new(rig, &samples, &samples);
-    let known = task.best_vectors(&frames(rig, &indices, &samples));
-    Ok(search(&task, &known, views, steps, progress).map(|(cells, _)| cells))
-}
-
 fn without_view(rig: &Rig, outputs: &[usize]) -> Error {
     let names: Vec<&str> = outputs.iter().map(|&index| rig.outputs[index].name.as_str()).collect();
     Error::new(
@@ -249,7 +220,7 @@ fn too_wide_cell(index: usize) -> Error {
         ErrorKind::InvalidRig,
         format!(
             "[views] cells: what the outputs show of the cell of cells[{index}] lies more than 83° from any axis, too wide \
-             for one perspective view; use more cells (`cupola plan --optimise` finds some), or leave the key out"
+             for one perspective view; use more cells (`cupola-lab cells` finds some), or leave the key out"
         ),
     )
 }
@@ -293,7 +264,7 @@ fn share_equals(views: &mut Vec<Wanted>) {
 
 /// Frames (local → viewer axes) around which cubes are tried: the viewer's, the domemasters', and
 /// one that looks at the middle of everything seen.
-fn frames(rig: &Rig, sharing: &[usize], samples: &[&Samples]) -> Vec<DMat3> {
+pub(super) fn frames(rig: &Rig, sharing: &[usize], samples: &[&Samples]) -> Vec<DMat3> {
     let middle: DVec3 = samples.iter().map(|samples| mean_direction(samples.iter())).sum();
     let lenses = sharing.iter().filter_map(|&index| match rig.outputs[index].kind {
         OutputKind::Domemaster { tilt, .. } => Some(lens_rotation(tilt)),
@@ -359,7 +330,7 @@ fn no_single_view(name: &str, samples: &Samples) -> Error {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::random::Random;
+    use crate::testing::random::Random;
     use crate::views::tests::{fisheye, lens, projector, rig};
 
     /// The cheapest of all ways, each planned as a whole, the first of equals.

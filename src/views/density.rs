@@ -157,7 +157,7 @@ pub(crate) fn golden_section(cost: impl Fn(f64) -> f64, mut low: f64, mut high: 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::random::Random;
+    use crate::testing::random::Random;
 
     /// Of random ellipses, some of them long.
     fn metrics(random: &mut Random, count: usize) -> Vec<Metric> {

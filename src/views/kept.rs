@@ -115,8 +115,8 @@ fn read_map(from: &mut Reader<'_>) -> Option<PictureMap> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::random::Random;
     use crate::rig::Method;
+    use crate::testing::random::Random;
     use crate::views::tests::{fisheye, lens, projector, rig};
     use std::cell::Cell;
 

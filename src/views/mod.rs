@@ -5,7 +5,7 @@
 //! `partition` choose axes, `alone` plans views that serve one output, `choose` compares the families of views by what `cost` says, `layout` and `atlas` size and place them,
 //! `curved` gives outputs whose vertices are projected straight to their pixels a picture of their own,
 //! `kept` has a cache remember what was chosen,
-//! `search` looks for better cells than a cube's, for a rig to keep, `idle` finds those that would be drawn for nothing, `survey` and `report` look at the result.
+//! `cells` says what given cells cost, `idle` finds those that would be drawn for nothing, `survey` and `report` look at the result.
 //!
 //! Resolution at quality 1: a projector or a perspective output gets at least one texel per pixel
 //! in every direction, everywhere; a domemaster gets its nominal resolution (diameter over aperture)
@@ -14,6 +14,7 @@
 mod alone;
 mod atlas;
 pub(crate) mod axes;
+mod cells;
 mod choose;
 pub(crate) mod cone;
 mod cost;
@@ -27,10 +28,10 @@ mod layout;
 mod partition;
 mod report;
 mod samples;
-mod search;
 pub(crate) mod sight;
 mod survey;
 
+pub use cells::{CellCosts, with_cell_costs};
 pub use cost::cost;
 pub use report::{OutputShare, Report, ViewReport, report};
 pub use survey::{Surveyed, Surveyor, survey};
@@ -39,7 +40,7 @@ use crate::cache::Cache;
 use crate::error::{Error, ErrorKind, Result};
 use crate::geom::{Frustum, PictureMap};
 use crate::rig::Rig;
-use glam::{DMat3, DVec3};
+use glam::DMat3;
 use sight::Sight;
 
 /// A rectangle of the atlas in texels, from the bottom left.
@@ -163,29 +164,6 @@ pub fn plan_with_reach(rig: &Rig, request: &Request, reach: u32, cache: &Cache) 
         let view = arrangement.views.remove(idle);
         arrangement.notes.push(format!("no view {}: the centre of no pixel lies there", view.name));
     }
-}
-
-/// Searches for cells with the fewest texels for `views` views of `rig`, for [`Views::cells`](crate::rig::Views::cells);
-/// minutes rather than milliseconds. `steps`: how many sets of cells are tried (thousands); `progress` is told which part
-/// is done, 0…1. Deterministic. `None` where so few views cannot show what the outputs do.
-///
-/// # Errors
-///
-/// [`ErrorKind::InvalidArgument`] as for [`plan`], for 0 views, and for a rig without outputs that can share views.
-pub fn optimise(
-    rig: &Rig,
-    request: &Request,
-    views: usize,
-    steps: u32,
-    progress: &mut dyn FnMut(f64),
-) -> Result<Option<Vec<DVec3>>> {
-    let rig = &*rig.upright();
-    check(rig.outputs.len(), rig.passthrough, request)?;
-    if views == 0 {
-        return Err(Error::new(ErrorKind::InvalidArgument, "no views can show nothing: at least one is needed"));
-    }
-    let sights = sights(rig, rig.outputs.len(), request)?;
-    choose::optimise(rig, &sights, views, steps, progress)
 }
 
 /// The maps of the first `outputs` outputs.

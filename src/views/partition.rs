@@ -374,7 +374,7 @@ fn tilted(cell: &Cell, samples: &Patch, quality: f64) -> (f64, DMat3) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::random::Random;
+    use crate::testing::random::Random;
 
     #[test]
     fn each_direction_lies_in_the_cell_of_the_vector_with_the_greatest_product_and_in_no_other() {

@@ -316,8 +316,8 @@ fn cut(a: DVec3, b: DVec3, normals: &[DVec3], slack: f64) -> Option<(f64, f64)> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::random::Random;
     use crate::rig::OutputKind;
+    use crate::testing::random::Random;
     use crate::views::tests::{fisheye, lens, output, projector, rig};
 
     #[test]

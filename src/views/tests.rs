@@ -4,8 +4,8 @@ mod complete;
 
 use super::cone::Cone;
 use super::*;
-use crate::geom::random::Random;
 use crate::rig::*;
+use crate::testing::random::Random;
 use crate::warp::{WarpMap, exact_direction};
 use glam::{DMat3, DVec2, DVec3};
 use std::f64::consts::PI;
@@ -258,32 +258,6 @@ fn rigs_with_cells_of_their_own_are_shown_completely_and_cells_that_are_too_wide
         }
     }
     assert!((8..30).contains(&planned), "{planned}");
-}
-
-#[test]
-fn the_search_finds_good_cells_and_the_same_every_time() {
-    let mut rig = rig(vec![fisheye(180.0, 90.0)]);
-    let large = request(&[(4096, 4096)]);
-    let found = |steps: u32, views: usize| {
-        let mut last = 0.0;
-        let cells = optimise(&rig, &large, views, steps, &mut |part| {
-            assert!((last..=1.0).contains(&part));
-            last = part;
-        });
-        assert_eq!(last, 1.0);
-        cells.unwrap()
-    };
-    assert_eq!(found(300, 2), None, "two views cannot show a half sphere");
-    let cells = found(800, 6).expect("six views can");
-    assert_eq!(found(800, 6), Some(cells.clone()));
-    rig.views.cells = cells;
-    let plan_of = |request: &Request| plan(&rig, request).unwrap();
-    let (plan, small) = (plan_of(&large), request(&[(300, 300)]));
-    let report = report(&plan, &rig, &large.output_sizes);
-    // The search begins with the faces of a cube, 1.400 with five views, and goes by coarser samples; with its usual
-    // number of steps six views get below 1.37.
-    assert!(plan.views.len() <= 6 && report.texels_per_pixel < 1.43, "{report}");
-    verify(&rig, &small, &plan_of(&small)).unwrap();
 }
 
 #[test]

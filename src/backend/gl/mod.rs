@@ -14,7 +14,6 @@ mod program;
 mod state;
 pub mod surface;
 mod textures;
-pub mod trial;
 mod whole;
 
 pub use crate::correct::map::MapPixel;

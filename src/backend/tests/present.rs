@@ -5,9 +5,9 @@ use super::picture::Picture;
 use super::plans::*;
 use crate::correct::Plan;
 use crate::correct::plan::{Mask, PixelRect, Source};
-use crate::geom::random::Random;
 use crate::geom::{Frustum, Pose};
 use crate::rig::{AngleRamp, DomeAngle, RampShape};
+use crate::testing::random::Random;
 use crate::views::{Tile, View};
 use glam::{DMat3, DVec3};
 

@@ -15,7 +15,6 @@ mod passes;
 mod program;
 mod surface;
 mod timers;
-pub mod trial;
 
 pub use api::{Api, refused};
 pub use ash;

@@ -1,6 +1,6 @@
-//! `cupola doctor`: what would work here, what would not, and why.
+//! `cupola doctor`: reports which kinds of programs can be corrected on this machine, and why others cannot.
 
-use crate::Failure;
+use crate::failure::Failure;
 use crate::launch::probe::{self, Answer, Way};
 use crate::launch::{Environment, display, library, loader};
 use cupola::backend::vk;
@@ -8,7 +8,7 @@ use serde_json::{Map, Value, json};
 use std::path::Path;
 use std::process::ExitCode;
 
-/// Variables of others that change what `cupola run` does.
+/// Environment variables that change the behaviour of `cupola run`.
 const TELLING: [&str; 15] = [
     "CUPOLA",
     "CUPOLA_RIG",
@@ -27,25 +27,25 @@ const TELLING: [&str; 15] = [
     "LIBGL_ALWAYS_INDIRECT",
 ];
 
-/// Say what works here, what does not, and why.
+/// Report which kinds of programs Cupola can correct on this machine, and why others cannot be corrected.
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Answer in JSON
+    /// Print the result as JSON
     #[arg(long)]
     json: bool,
 }
 
 /// One finding.
 struct Finding {
-    /// A word for machines.
+    /// Name of the subject, also used in JSON.
     key: &'static str,
-    /// As it should be; `None` where it is only told.
+    /// Whether this is as it should be; `None` for mere information.
     good: Option<bool>,
-    /// What was found, and what to do about it.
+    /// The finding, and the remedy if there is one.
     words: String,
 }
 
-/// Runs the subcommand; the exit code is 0 if programs can be corrected by GLX or by EGL.
+/// Runs the subcommand. The exit code is 0 if programs that use GLX or EGL can be corrected.
 pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let mut findings = Vec::new();
     let mut tell = |key, good, words: String| findings.push(Finding { key, good, words });
@@ -71,9 +71,9 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let server = if own_display { display::Server::start((640, 480), scratch.path()).ok() } else { None };
     let display = server.as_ref().map_or_else(Vec::new, display::Server::environment);
     let place = match (&server, std::env::var("DISPLAY")) {
-        (Some(_), _) => "no display here; the following holds on a private Xvfb".to_owned(),
+        (Some(_), _) => "there is no X display; the following results are those of a private Xvfb".to_owned(),
         (None, Ok(name)) => format!("the X display is {name}"),
-        (None, Err(_)) => "there is no X display, and none could be started".to_owned(),
+        (None, Err(_)) => "there is no X display, and Xvfb could not be started".to_owned(),
     };
     tell("display", None, place);
 
@@ -127,7 +127,8 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     Ok(if usable { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
-/// Whether Vulkan programs can be corrected; `None` where there is no Vulkan, which OpenGL programs do not need.
+/// Whether Vulkan programs can be corrected, and a description; `None` where there is no Vulkan driver, which OpenGL
+/// programs do not need.
 fn vulkan(plain: &Environment, hooked: Option<&Environment>) -> (Option<bool>, String) {
     let driver = match probe::ask(Way::Vulkan, plain) {
         Ok(answer) => answer.driver,
@@ -136,18 +137,19 @@ fn vulkan(plain: &Environment, hooked: Option<&Environment>) -> (Option<bool>, S
     let Some(hooked) = hooked else { return (Some(false), format!("{driver}: the library is missing")) };
     match probe::ask(Way::Vulkan, hooked) {
         Ok(answer) if answer.has_cupola() => {
-            let words = "the layer is loaded and programs can be corrected; what is shown flat says why in its log";
+            let words = "the layer is loaded and programs can be corrected; the log says why a program is shown flat";
             (Some(true), format!("{driver}; {words}"))
         }
         Ok(_) => {
-            let words = "the Vulkan loader does not load Cupola's layer; it has to be 1.3.234 or newer";
+            let words =
+                "the Vulkan loader does not load Cupola's layer; version 1.3.234 or later of the loader is needed";
             (Some(false), format!("{driver}: {words}"))
         }
         Err(why) => (Some(false), format!("{driver}, but with Cupola's layer: {why}")),
     }
 }
 
-/// What programs that correct with Vulkan, through the crate or `cupola_vk.h`, find here.
+/// The capabilities of the Vulkan device for programs that embed Cupola, through the crate or `cupola_vk.h`.
 fn vulkan_device(device: Result<&vk::headless::Headless, String>) -> (Option<bool>, String) {
     let device = match device {
         Ok(device) => device,
@@ -155,12 +157,13 @@ fn vulkan_device(device: Result<&vk::headless::Headless, String>) -> (Option<boo
     };
     let formats = device.api.usable_formats();
     if formats.is_empty() {
-        return (
-            Some(false),
-            format!("{}: it can neither filter nor draw to any usual format of images", device.driver),
-        );
+        return (Some(false), format!("{}: no usual image format can be both filtered and drawn to", device.driver));
     }
-    let timed = if device.api.has_timestamps(device.queue_family()) { "times them" } else { "cannot time them" };
+    let timed = if device.api.has_timestamps(device.queue_family()) {
+        "measures their times"
+    } else {
+        "cannot measure their times"
+    };
     let words = format!(
         "{}; corrects pictures of up to {2} × {2} in {1}, and {timed}",
         device.driver,
@@ -170,17 +173,17 @@ fn vulkan_device(device: Result<&vk::headless::Headless, String>) -> (Option<boo
     (Some(true), words)
 }
 
-/// Which programs the layer would show flat on this device.
+/// The programs that the layer shows flat on this device.
 fn vulkan_flat(device: &vk::headless::Headless) -> String {
     format!(
-        "programs are shown flat, and their log says why, if they use all {} descriptor sets of a pipeline, link \
-         pipelines from libraries, use shader objects, draw several views themselves, or bring their scene to the window \
-         by compute shaders or pictures of another size",
+        "a program is shown flat, and the log says why, if it uses all {} descriptor sets of a pipeline, links \
+         pipelines from libraries, uses shader objects, draws several views itself, or copies its scene to the window \
+         with compute shaders or images of another size",
         device.api.descriptor_sets()
     )
 }
 
-/// Whether programs that go this way to the driver can be corrected, with the reason.
+/// Whether programs that use this way to the driver can be corrected, and the reason.
 fn route(way: Way, plain: &Environment, hooked: Option<&Environment>) -> (bool, String) {
     let without = match probe::ask(way, plain) {
         Ok(answer) => answer,
@@ -189,13 +192,13 @@ fn route(way: Way, plain: &Environment, hooked: Option<&Environment>) -> (bool, 
     let driver = &without.driver;
     if !without.has_libglvnd() {
         let words =
-            "the driver is not reached through libglvnd; start programs with libcupola_preload.so in LD_PRELOAD";
+            "programs do not reach the driver through libglvnd; start them with libcupola_preload.so in LD_PRELOAD";
         return (false, format!("{driver}: {words}"));
     }
     if !without.direct {
         return (
             false,
-            format!("{driver}: drawn by the X server and not by the program (indirect); nothing to intercept"),
+            format!("{driver}: the context is indirect, the X server draws; there are no calls to intercept"),
         );
     }
     let vendor =

@@ -1,13 +1,19 @@
-//! The `cupola` command: runs programs on domes, and helps to set domes up.
+//! The `cupola` command: runs programs on domes and helps to set domes up.
 //!
-//! One file for each subcommand. Exit codes: 0 success, 1 failure, 2 wrong arguments or rig; `run` exits
-//! as the program does.
+//! Each subcommand has a file or a folder. Exit codes: 0 success, 1 failure, 2 invalid arguments or an invalid rig;
+//! `run` exits with the program's code. Measuring tools for developers are in the command `cupola-lab`.
 
 #![forbid(unsafe_code)]
 
-mod accuracy;
+#[path = "../shared/arguments.rs"]
 mod arguments;
-mod bench;
+#[path = "../shared/failure.rs"]
+mod failure;
+#[path = "../shared/planning.rs"]
+mod planning;
+#[path = "../shared/terminal.rs"]
+mod terminal;
+
 mod check;
 mod convert;
 mod doctor;
@@ -16,8 +22,6 @@ mod map;
 mod plan;
 mod run;
 mod simulate;
-mod stress;
-mod terminal;
 mod tune;
 
 use clap::Parser;
@@ -40,40 +44,9 @@ enum Command {
     Convert(convert::Arguments),
     Map(map::Arguments),
     Simulate(simulate::Arguments),
-    Accuracy(accuracy::Arguments),
-    Stress(stress::Arguments),
     Tune(tune::Arguments),
-    Bench(bench::Arguments),
     #[command(hide = true)]
     Probe(launch::probe::Arguments),
-}
-
-/// A message for people and the exit code that goes with it.
-struct Failure {
-    message: String,
-    code: u8,
-}
-
-impl Failure {
-    /// A failure with exit code 1.
-    fn new(message: impl Into<String>) -> Self {
-        Self { message: message.into(), code: 1 }
-    }
-
-    /// A failure of what the user gave, with exit code 2.
-    fn usage(message: impl Into<String>) -> Self {
-        Self { message: message.into(), code: 2 }
-    }
-}
-
-impl From<cupola::Error> for Failure {
-    fn from(error: cupola::Error) -> Self {
-        let code = match error.kind {
-            cupola::ErrorKind::InvalidArgument | cupola::ErrorKind::InvalidRig | cupola::ErrorKind::Io => 2,
-            _ => 1,
-        };
-        Self { message: error.message, code }
-    }
 }
 
 fn main() -> ExitCode {
@@ -84,20 +57,9 @@ fn main() -> ExitCode {
         Command::Convert(arguments) => convert::run(&arguments),
         Command::Map(arguments) => map::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
-        Command::Accuracy(arguments) => accuracy::run(&arguments),
-        Command::Stress(arguments) => stress::run(&arguments),
         Command::Tune(arguments) => tune::run(&arguments),
-        Command::Bench(arguments) => bench::run(&arguments),
         Command::Doctor(arguments) => doctor::run(&arguments),
         Command::Probe(arguments) => launch::probe::run(&arguments),
     };
-    match result {
-        Ok(code) => code,
-        Err(failure) => {
-            for line in failure.message.lines() {
-                eprintln!("cupola: {line}");
-            }
-            ExitCode::from(failure.code)
-        }
-    }
+    failure::exit_code("cupola", result)
 }

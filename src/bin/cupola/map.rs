@@ -1,11 +1,11 @@
-//! `cupola map`: where each pixel of an output looks, as a file for other programs.
+//! `cupola map`: writes the direction of each pixel of an output to a file for other programs.
 
-use crate::Failure;
+use crate::failure::Failure;
+use crate::planning::request;
 use crate::terminal;
 use cupola::backend::{gl, vk};
 use cupola::correct::map::MapPixel;
 use cupola::rig::Rig;
-use cupola::views::Request;
 use cupola::warp::{MapError, WarpMap, camera_direction, compare};
 use glam::{DVec2, DVec3};
 use serde_json::json;
@@ -13,34 +13,34 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Write where each pixel of an output looks, as a PFM file.
+/// Write the direction of each pixel of an output to a PFM file.
 ///
-/// The file has three floats for each pixel: a unit vector in the axes of the program's camera, x right,
-/// y up, z backward; three NaN where the output shows nothing. Rows go from the bottom to the top.
+/// The file has three floats for each pixel: a unit vector in the axes of the program's camera (x right, y up,
+/// z backward), or three NaN where the output shows nothing. Rows go from bottom to top.
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Rig file, or a preset's name
+    /// Rig file or name of a preset
     #[arg(value_name = "FILE|PRESET")]
     rig: String,
-    /// The output's name [default: the only one]
+    /// Name of the output [default: the only output]
     #[arg(long, value_name = "NAME")]
     output: Option<String>,
-    /// The file to write
+    /// File to write
     #[arg(short = 'o', long = "out", value_name = "FILE.pfm")]
     file: PathBuf,
-    /// The exact map, ray by ray in double precision (the default)
+    /// Compute the exact map with one ray per pixel in double precision (default)
     #[arg(long, conflicts_with = "gpu")]
     exact: bool,
-    /// The map that the graphics driver computes, and its error against the exact one
+    /// Compute the map on the graphics driver and print its error against the exact map
     #[arg(long)]
     gpu: bool,
-    /// The graphics API that computes it
+    /// Graphics API for --gpu
     #[arg(long, value_enum, default_value_t = Backend::Gl, requires = "gpu")]
     backend: Backend,
-    /// Size of the output in pixels [default: what the rig says, or its place in 1920x1200]
+    /// Size of the output in pixels [default: from the rig, or its part of a window of 1920x1200]
     #[arg(long, value_name = "WxH", value_parser = crate::arguments::size)]
     size: Option<(u32, u32)>,
-    /// Answer in JSON
+    /// Print the result as JSON
     #[arg(long)]
     json: bool,
 }
@@ -88,7 +88,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// The index of the output called `name`; without a name, of the only one.
+/// Index of the output called `name`. Without a name, index of the only output.
 fn find_output(rig: &Rig, name: Option<&str>) -> Result<usize, Failure> {
     let names: Vec<&str> = rig.outputs.iter().map(|output| output.name.as_str()).collect();
     let found = match (name, names.len()) {
@@ -101,11 +101,11 @@ fn find_output(rig: &Rig, name: Option<&str>) -> Result<usize, Failure> {
         Some(name) => {
             Failure::usage(format!("the rig {} has no output {name:?}; it has {}", rig.name, names.join(", ")))
         }
-        None => Failure::usage(format!("which output? --output takes one of {}", names.join(", "))),
+        None => Failure::usage(format!("the rig has several outputs; --output takes one of {}", names.join(", "))),
     })
 }
 
-/// The output's own resolution, or that of its place in the window.
+/// The resolution of an output: its own, or that of its part of the window.
 pub fn native_size(rig: &Rig, output: usize) -> (u32, u32) {
     let place = |window| {
         let [_, _, width, height] = rig.layout(window)[output];
@@ -114,7 +114,7 @@ pub fn native_size(rig: &Rig, output: usize) -> (u32, u32) {
     rig.outputs[output].size.unwrap_or_else(|| place(rig.extent().unwrap_or((1920, 1200))))
 }
 
-/// The exact direction of every pixel centre, row by row from the top, on all processors.
+/// The exact direction of every pixel centre, row by row from the top, computed on all processors.
 fn traced(map: &WarpMap) -> Vec<Option<DVec3>> {
     let (width, height) = (map.size().0 as usize, map.size().1 as usize);
     let mut directions = vec![None; width * height];
@@ -139,23 +139,17 @@ fn traced(map: &WarpMap) -> Vec<Option<DVec3>> {
     directions
 }
 
-/// What the shaders compute without a window, and who ran them.
+/// The directions that the shaders compute, and the name of the driver.
 fn computed(
     rig: &Rig,
     output: usize,
     size: (u32, u32),
     backend: Backend,
 ) -> Result<(Vec<Option<DVec3>>, String), Failure> {
-    let spinner = terminal::spinner("the graphics driver computes");
+    let spinner = terminal::spinner("computing the map on the graphics driver");
     let mut output_sizes: Vec<(u32, u32)> = (0..rig.outputs.len()).map(|index| native_size(rig, index)).collect();
     output_sizes[output] = size;
-    let request = Request {
-        output_sizes,
-        window: (1920, 1200),
-        panel: false,
-        primary: false,
-        max_atlas: crate::check::LARGEST_ATLAS,
-    };
+    let request = request(output_sizes, (1920, 1200));
     let plan = cupola::correct::build(rig, &request)?;
     let (pixels, driver) = match backend {
         Backend::Gl => {

@@ -1,79 +1,79 @@
-//! `cupola run`: starts a program with Cupola between it and its OpenGL driver.
+//! `cupola run`: starts a program with Cupola between the program and its graphics driver.
 
-use crate::Failure;
+use crate::failure::Failure;
 use crate::launch::{Environment, apply, display, loader};
-use cupola::runtime::process;
+use cupola::system::process;
 use std::ffi::OsString;
 use std::os::unix::process::ExitStatusExt;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
-/// Run an OpenGL program on a dome.
+/// Run an OpenGL or Vulkan program on a dome.
 #[derive(clap::Args)]
 #[command(
-    after_help = "CUPOLA=0 in the environment runs the program plainly. Everything after PROGRAM is the program's."
+    after_help = "All arguments after PROGRAM are passed to the program. With CUPOLA=0 in the environment the program runs without Cupola."
 )]
 pub struct Arguments {
-    /// Rig file, or a preset's name [default: $CUPOLA_RIG, or fisheye]
+    /// Rig file or name of a preset [default: $CUPOLA_RIG, or fisheye]
     #[arg(long, short, value_name = "FILE|PRESET")]
     rig: Option<String>,
-    /// Give the program's window this size in pixels
+    /// Set the size of the program's window in pixels
     #[arg(long, value_name = "WxH", value_parser = crate::arguments::size)]
     size: Option<(u32, u32)>,
     /// Run on a private X server without a screen (Xvfb)
     #[arg(long)]
     headless: bool,
-    /// End the program after this many frames, with exit code 0
+    /// End the program after N frames, with exit code 0
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     frames: Option<u64>,
-    /// Write the last frame of each output to this PNG file (several outputs: FILE-NAME.png)
+    /// Write the last frame to a PNG file; with several outputs, one file FILE-NAME.png for each
     #[arg(long, value_name = "FILE.png")]
     capture: Option<PathBuf>,
-    /// Write every view of the last frame to this folder, as PNG files
+    /// Write all views of the last frame as PNG files to a folder
     #[arg(long, value_name = "DIR")]
     capture_views: Option<PathBuf>,
-    /// Write statistics (times, draws, views) to this JSON file
+    /// Write statistics (times, draws, views) to a JSON file
     #[arg(long, value_name = "FILE.json")]
     stats: Option<PathBuf>,
-    /// Adapt the program's camera: zoom=4,move=0,0,-20,yaw=90,pitch=0,roll=0
+    /// Change the program's camera, for example zoom=4,move=0,0,-20,yaw=90,pitch=0,roll=0
     #[arg(long, value_name = "KEY=NUMBER,…", allow_hyphen_values = true)]
     camera: Option<String>,
-    /// Seat the viewer elsewhere: position=0,-0.5,1,yaw=90,pitch=0,roll=0
+    /// Change the viewer's position and orientation, for example position=0,-0.5,1,yaw=90,pitch=0,roll=0
     #[arg(long, value_name = "KEY=NUMBER,…", allow_hyphen_values = true)]
     viewer: Option<String>,
-    /// Make the outputs in another way: fragment, table, mesh, cube-mesh, vertex or primitive, as in mesh,max_error=0.1
+    /// Correction method of the outputs: fragment, table, mesh, cube-mesh, vertex or primitive, for example mesh,max_error=0.1
     #[arg(long, value_name = "METHOD[,KEY=NUMBER]")]
     method: Option<String>,
-    /// Give each output its own resolution, whatever the window's size is; only captures show it
+    /// Use the resolution of each output for captures, independent of the window size
     #[arg(long)]
     offscreen: bool,
-    /// Issue every draw to every view, also where a view cannot show it
+    /// Draw everything in every view (no culling)
     #[arg(long)]
     no_cull: bool,
-    /// Draw the parts of views that no output samples, too
+    /// Also draw the parts of views that no output samples
     #[arg(long)]
     no_mask: bool,
     /// Correct frames in which nothing changed, too, instead of showing the picture of the one before
     #[arg(long)]
     no_reuse: bool,
-    /// Compute everything anew, and keep nothing for the next start
+    /// Do not use the cache of results on disk
     #[arg(long)]
     no_cache: bool,
-    /// Which pictures that the program draws off screen are drawn once per view [default: the rig's]
+    /// Draw scenes that the program renders to textures once per view [default: from the rig]
     #[arg(long, value_name = "auto|never|always", value_parser = ["auto", "never", "always"])]
     duplicate: Option<String>,
-    /// Write Cupola's log of the program to this file
+    /// Also write Cupola's messages to a file
     #[arg(long, value_name = "FILE")]
     log: Option<PathBuf>,
-    /// Start nothing: print the environment as commands for a shell
+    /// Print the environment as shell commands and do not start a program
     #[arg(long)]
     print_environment: bool,
-    /// The program and its arguments
+    /// Program and its arguments
     #[arg(trailing_var_arg = true, required_unless_present = "print_environment")]
     program: Vec<OsString>,
 }
 
-/// Runs the subcommand; the exit code is the program's.
+/// Runs the subcommand. Returns the exit code of the program.
 pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
     let switched_off = std::env::var_os("CUPOLA").is_some_and(|value| value == "0");
     let name = arguments.rig.clone().or_else(|| std::env::var("CUPOLA_RIG").ok()).unwrap_or_else(|| "fisheye".into());
@@ -119,7 +119,7 @@ pub fn run(arguments: Arguments) -> Result<ExitCode, Failure> {
     Ok(ExitCode::from(u8::try_from(code).unwrap_or(1)))
 }
 
-/// The library's own variables.
+/// Environment variables that configure the library.
 fn settings(arguments: &Arguments, rig: &str) -> Result<Environment, Failure> {
     let is_preset = cupola::rig::presets().iter().any(|preset| preset.name == rig);
     let rig = if is_preset { rig.into() } else { absolute(Path::new(rig))? };
@@ -143,18 +143,18 @@ fn settings(arguments: &Arguments, rig: &str) -> Result<Environment, Failure> {
     }
     if let Some(folder) = &arguments.capture_views {
         std::fs::create_dir_all(folder)
-            .map_err(|error| Failure::usage(format!("the folder {} cannot be made: {error}", folder.display())))?;
+            .map_err(|error| Failure::usage(format!("the folder {} cannot be created: {error}", folder.display())))?;
         set("CUPOLA_CAPTURE_VIEWS", Some(absolute(folder)?));
     }
     Ok(environment)
 }
 
-/// The absolute path of a file to be written; its folder has to exist.
+/// Absolute path of a file to be written. Fails if its folder does not exist.
 fn writable_file(file: &Path) -> Result<OsString, Failure> {
     let path = PathBuf::from(absolute(file)?);
     match path.parent().filter(|folder| folder.is_dir()) {
         Some(_) => Ok(path.into()),
-        None => Err(Failure::usage(format!("{}: there is no such folder to write the file into", file.display()))),
+        None => Err(Failure::usage(format!("{}: the folder of this file does not exist", file.display()))),
     }
 }
 
@@ -163,7 +163,7 @@ fn absolute(path: &Path) -> Result<OsString, Failure> {
     Ok(absolute.into())
 }
 
-/// What a shell would say of a program that cannot be started.
+/// The failure for a program that cannot be started, with the exit code that a shell returns.
 fn cannot_start(program: &OsString, error: &std::io::Error) -> Failure {
     let name = program.to_string_lossy();
     match error.kind() {

@@ -1,6 +1,6 @@
-//! `cupola simulate`: what the audience sees when the captured pictures light the dome.
+//! `cupola simulate`: the picture on the dome that captured frames of all outputs add up to.
 
-use crate::Failure;
+use crate::failure::Failure;
 use crate::terminal;
 use cupola::blend::{Picture, Simulation, code_of, simulate};
 use cupola::rig::Rig;
@@ -8,25 +8,25 @@ use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Add up the captured pictures of all outputs on the dome, and tell how even the light is.
+/// Add up the captured pictures of all outputs on the dome and report the uniformity of the light.
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Rig file, or a preset's name
+    /// Rig file or name of a preset
     #[arg(value_name = "FILE|PRESET")]
     rig: String,
-    /// Folder with a picture for each output: NAME.png, or any-NAME.png as `run --capture any.png` writes it
+    /// Folder with a picture for each output: NAME.png, or any-NAME.png as `run --capture any.png` writes them
     #[arg(long, value_name = "DIR", required_unless_present = "white")]
     captures: Option<PathBuf>,
-    /// Use white pictures under the outputs' own weights instead: what uniform light would look like
+    /// Use white pictures, dimmed by the blend weights of each output, instead of captures
     #[arg(long, conflicts_with = "captures")]
     white: bool,
-    /// The picture to write: a fisheye of the dome as the viewer sees it
+    /// Picture to write: a fisheye of the dome as the viewer sees it
     #[arg(short = 'o', long = "out", value_name = "DOME.png")]
     file: PathBuf,
-    /// Width and height of that picture in pixels
+    /// Width and height of the picture in pixels
     #[arg(long, value_name = "N", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(1..=8192))]
     size: u32,
-    /// Answer in JSON
+    /// Print the result as JSON
     #[arg(long)]
     json: bool,
 }
@@ -37,7 +37,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     if rig.outputs.is_empty() {
         return Err(Failure::usage(format!("the rig {} has no outputs", rig.name)));
     }
-    let spinner = terminal::spinner("light is added up");
+    let spinner = terminal::spinner("adding up the light");
     let pictures = match &arguments.captures {
         Some(folder) => captures(&rig, folder)?,
         None => white(&rig)?,
@@ -62,7 +62,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         let outputs = if count == 1 { "output" } else { "outputs" };
         println!("{:6.2} % of the circle lit by {count} {outputs}", share * 100.0);
     }
-    let about = if arguments.white { "" } else { " (of meaning where all pictures are white)" };
+    let about = if arguments.white { "" } else { " (meaningful only if all pictures are white)" };
     println!(
         "light against even white{about}: mean {:.5}, greatest deviation {:.5}, root mean square {:.5}",
         even.mean, even.max, even.rms
@@ -70,7 +70,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// The captured picture of each output, in the rig's order.
+/// The captured picture of each output, in the order of the rig.
 fn captures(rig: &Rig, folder: &Path) -> Result<Vec<Picture>, Failure> {
     let unreadable = |error: std::io::Error| Failure::usage(format!("{} cannot be read: {error}", folder.display()));
     let entries = std::fs::read_dir(folder).map_err(unreadable)?.flatten().map(|entry| entry.path());
@@ -80,10 +80,10 @@ fn captures(rig: &Rig, folder: &Path) -> Result<Vec<Picture>, Failure> {
     names.iter().map(|name| find(name, &names, &files, folder).and_then(|file| read(&file))).collect()
 }
 
-/// The one of `files` that shows the output `name`.
+/// The file in `files` that shows the output `name`.
 fn find(name: &str, names: &[&str], files: &[PathBuf], folder: &Path) -> Result<PathBuf, Failure> {
     let stem = |file: &PathBuf| file.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
-    // `a-back-left` belongs to `back-left` and not to `left`: the longest name that fits has it.
+    // `a-back-left` belongs to `back-left` and not to `left`: the longest name that fits counts.
     let owner = |stem: &str| {
         let fits = |name: &&&str| stem == **name || stem.ends_with(&format!("-{name}"));
         names.iter().filter(fits).max_by_key(|name| name.len()).copied()
@@ -100,7 +100,7 @@ fn find(name: &str, names: &[&str], files: &[PathBuf], folder: &Path) -> Result<
         ))),
         _ => {
             let listed: Vec<String> = found.iter().map(|file| file.display().to_string()).collect();
-            Err(Failure::usage(format!("which picture is that of {name}? there are {}", listed.join(", "))))
+            Err(Failure::usage(format!("several pictures fit the output {name}: {}", listed.join(", "))))
         }
     }
 }
@@ -112,7 +112,7 @@ fn read(file: &Path) -> Result<Picture, Failure> {
     Ok(Picture { width: image.width(), height: image.height(), rgb: image.into_raw() })
 }
 
-/// White pictures, dimmed as the outputs blend.
+/// White pictures, dimmed by the blend weights of the outputs.
 fn white(rig: &Rig) -> Result<Vec<Picture>, Failure> {
     let sizes: Vec<(u32, u32)> = (0..rig.outputs.len()).map(|output| crate::map::native_size(rig, output)).collect();
     let weights = cupola::blend::Weights::new(rig, &sizes)?;
@@ -128,7 +128,7 @@ fn white(rig: &Rig) -> Result<Vec<Picture>, Failure> {
     Ok(sizes.iter().enumerate().map(picture).collect())
 }
 
-/// Which part of the circle is lit by 0, 1, 2 … outputs.
+/// Share of the circle that is lit by 0, 1, 2 … outputs.
 fn shares(simulation: &Simulation) -> Vec<f64> {
     let size = simulation.size as usize;
     let middle = (size as f64 - 1.0) / 2.0;
@@ -146,7 +146,7 @@ fn shares(simulation: &Simulation) -> Vec<f64> {
     counts.iter().map(|count| *count as f64 / total.max(1) as f64).collect()
 }
 
-/// Writes the picture with 8 bits; light above white is cut off.
+/// Writes the picture with 8 bits per channel. Light above white is clamped.
 fn write(file: &Path, simulation: &Simulation) -> Result<(), Failure> {
     let bytes: Vec<u8> = simulation.rgb.iter().map(|value| (value.clamp(0.0, 1.0) * 255.0).round() as u8).collect();
     let kind = image::ExtendedColorType::Rgb8;

@@ -1,20 +1,20 @@
 //! `cupola tune`: changes keys of a rig file, also while a program runs with it.
 
-use crate::Failure;
+use crate::failure::Failure;
 use cupola::rig;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use toml_edit::{DocumentMut, Item, Table, TableLike, Value};
 
-/// Change keys of a rig file; programs that run with it follow within a second.
+/// Change keys of a rig file. Programs that run with this file apply the change within a second.
 ///
-/// The rest of the file stays as it is, with its comments. A change that makes the rig wrong changes nothing.
+/// The rest of the file and its comments are kept. If a change would make the rig invalid, the file is not changed.
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// The rig file
+    /// Rig file
     file: PathBuf,
-    /// Keys with their new values, as in the file: viewer.position=[0,0,1], output.NAME.blend.ramp=0.3; output.*.… is every output
+    /// Keys with their new values, for example viewer.position=[0,0,1] or output.NAME.blend.ramp=0.3; output.* means all outputs
     #[arg(required = true, value_name = "KEY=VALUE")]
     changes: Vec<String>,
 }
@@ -25,7 +25,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let failed = |error: std::io::Error| Failure::new(format!("{file}: {error}"));
     let text = std::fs::read_to_string(&arguments.file).map_err(|error| {
         let hint = if arguments.file.extension().is_none() {
-            "; a preset becomes a file by `cupola check PRESET --print > my.toml`"
+            "; write a preset to a file with `cupola check PRESET --print > my.toml`"
         } else {
             ""
         };
@@ -37,7 +37,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     if changed == text {
         return Ok(ExitCode::SUCCESS);
     }
-    // Whoever reads the file sees the old one or the new one, nothing between.
+    // Readers of the file see the old content or the new content, but no partial content.
     let mut name = arguments.file.file_name().unwrap_or_default().to_owned();
     name.push(format!(".{}", std::process::id()));
     let temporary = folder.join(name);
@@ -46,19 +46,19 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         file.sync_all()
     });
     if let Err(error) = written.and_then(|()| std::fs::rename(&temporary, &arguments.file)) {
-        // It may not even have been made.
+        // The file may not exist.
         _ = std::fs::remove_file(&temporary);
         return Err(failed(error));
     }
     Ok(ExitCode::SUCCESS)
 }
 
-/// The text with all changes made.
+/// The text with all changes applied.
 fn changed(text: &str, changes: &[String]) -> Result<String, String> {
-    let mut document: DocumentMut = text.parse().map_err(|error| format!("this is not TOML: {error}"))?;
+    let mut document: DocumentMut = text.parse().map_err(|error| format!("the file is not valid TOML: {error}"))?;
     for change in changes {
         let (key, value) = change.split_once('=').ok_or_else(|| {
-            format!("{change:?} is no change; expected KEY=VALUE, for example viewer.position=[0,0,1]")
+            format!("{change:?} is not a change; expected KEY=VALUE, for example viewer.position=[0,0,1]")
         })?;
         let value: Value = value.trim().parse().unwrap_or_else(|_| Value::from(value.trim()));
         let path: Vec<&str> = key.trim().split('.').collect();
@@ -70,7 +70,7 @@ fn changed(text: &str, changes: &[String]) -> Result<String, String> {
     Ok(document.to_string())
 }
 
-/// Sets a key of the output that has this name, or this place in the file, from 1; of all for `*`.
+/// Sets a key of the output with this name (`output-N` for the N-th output without a name), or of all outputs for `*`.
 fn outputs(document: &mut DocumentMut, name: &str, path: &[&str], value: &Value) -> Result<(), String> {
     let all = document.get_mut("output").and_then(Item::as_array_of_tables_mut);
     let all = all.ok_or("there is no [[output]] in the file")?;
@@ -85,13 +85,13 @@ fn outputs(document: &mut DocumentMut, name: &str, path: &[&str], value: &Value)
     if found { Ok(()) } else { Err(format!("there is no output {name:?}")) }
 }
 
-/// Sets a key, in tables that are made where there are none.
+/// Sets a key. Missing tables are created.
 fn set(table: &mut dyn TableLike, path: &[&str], value: &Value) -> Result<(), String> {
     match path {
         [] | [""] => Err("a key has no name; expected KEY=VALUE".to_owned()),
         [key] => {
             match table.get_mut(key).and_then(Item::as_value_mut) {
-                // What stands around the old value, such as a comment, stays.
+                // Text around the old value, such as a comment, is kept.
                 Some(old) => {
                     let decor = old.decor().clone();
                     *old = value.clone();
@@ -103,7 +103,7 @@ fn set(table: &mut dyn TableLike, path: &[&str], value: &Value) -> Result<(), St
         }
         [key, rest @ ..] => {
             let inner = table.entry(key).or_insert(Item::Table(Table::new()));
-            let inner = inner.as_table_like_mut().ok_or_else(|| format!("{key} is no table"))?;
+            let inner = inner.as_table_like_mut().ok_or_else(|| format!("{key} is not a table"))?;
             set(inner, rest, value)
         }
     }

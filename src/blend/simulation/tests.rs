@@ -135,7 +135,7 @@ fn pictures_must_fit() {
 fn evenness_of_codes(rig: &Rig, size: (u32, u32), levels: f64, moved: Option<usize>, margin: f64) -> [f64; 2] {
     let sizes = vec![size; rig.outputs.len()];
     let weights = Weights::new(rig, &sizes).expect("valid");
-    let mut random = crate::geom::random::Random::new(17);
+    let mut random = crate::testing::random::Random::new(17);
     let (mut worst, mut squares, mut count) = (0.0f64, 0.0, 0);
     while count < 40_000 {
         let point = random.direction() * rig.dome.radius;

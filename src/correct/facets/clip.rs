@@ -61,7 +61,7 @@ impl HalfSpace {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::random::Random;
+    use crate::testing::random::Random;
 
     fn area(polygon: &[DVec3]) -> f64 {
         let fan = polygon.windows(2).skip(1);

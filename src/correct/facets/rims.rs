@@ -53,7 +53,7 @@ fn lit_parts(rect: &PixelRect, lit: &impl Fn(u32, u32) -> bool) -> Vec<PixelRect
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::random::Random;
+    use crate::testing::random::Random;
 
     #[test]
     fn each_lit_pixel_is_in_one_rectangle_and_no_other() {

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::correct::build;
-use crate::geom::random::Random;
+use crate::testing::random::Random;
 use crate::views::tests::{fisheye, random_rig, request, rig};
 use crate::warp::exact_direction;
 

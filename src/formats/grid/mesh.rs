@@ -250,7 +250,7 @@ impl Index {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::random::Random;
+    use crate::testing::random::Random;
 
     fn node(x: f64, y: f64, value: DVec3) -> Node {
         Node { position: DVec2::new(x, y), value, intensity: 0.5 + 0.1 * x }

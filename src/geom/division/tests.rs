@@ -1,6 +1,6 @@
 use super::*;
-use crate::geom::random::Random;
 use crate::geom::{Frustum, PictureLens};
+use crate::testing::random::Random;
 use std::f64::consts::PI;
 
 fn fisheye(aperture: f64) -> PictureMap {

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::geom::pose::rotation;
-use crate::geom::random::Random;
+use crate::testing::random::Random;
 use glam::{DMat4, DVec3, DVec4};
 
 /// Kinds of depth mapping that programs use: (E, F) for near 1 and a ratio far/near.

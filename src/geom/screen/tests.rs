@@ -1,6 +1,6 @@
 use super::*;
 use crate::geom::Sphere;
-use crate::geom::random::Random;
+use crate::testing::random::Random;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
 /// A fan of triangles on the unit sphere, `n` by `2n`, seen from inside counter-clockwise.

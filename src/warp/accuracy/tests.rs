@@ -1,10 +1,10 @@
 //! The comparer is tried with maps whose errors are known, and with the f32 arithmetic of the shaders.
 
 use super::*;
-use crate::geom::random::Random;
 use crate::geom::screen::{ClosedSurface, HalfSpace};
 use crate::geom::{Frustum, Pencil, Pose, QuadraticForm, Quadric, Sphere, fisheye, pose};
 use crate::rig::{OutputKind, Rig};
+use crate::testing::random::Random;
 use crate::warp::testing::{projector, rig};
 use glam::DMat3;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};

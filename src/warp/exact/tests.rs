@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::geom::Sphere;
-use crate::geom::random::Random;
+use crate::testing::random::Random;
 use crate::warp::testing::{projector, rig, two_projectors};
 use std::f64::consts::PI;
 

@@ -1,5 +1,6 @@
 //! A rig in words, and as JSON.
 
+use super::numbers::{degrees, meters, number};
 use super::words;
 use cupola::geom::{Frustum, Lens, Optics};
 use cupola::rig::{Blend, Camera, DomeAngle, Output, OutputKind, Rig, Transfer, ViewMethod};
@@ -240,21 +241,6 @@ fn opening(frustum: &Frustum) -> String {
     let [left, right, bottom, top] =
         [frustum.left, frustum.right, frustum.bottom, frustum.top].map(|side| degrees(side.atan()));
     format!("from {left} to {right} across and {bottom} to {top} upwards")
-}
-
-pub(super) fn meters([x, y, z]: [f64; 3]) -> String {
-    format!("at ({}, {}, {}) m", number(x), number(y), number(z))
-}
-
-pub(super) fn degrees(radians: f64) -> String {
-    format!("{}°", number(radians.to_degrees()))
-}
-
-/// At most three digits after the point, none that are zero.
-pub(super) fn number(value: f64) -> String {
-    let text = format!("{value:.3}");
-    let text = text.trim_end_matches('0').trim_end_matches('.');
-    if text == "-0" { "0".to_owned() } else { text.to_owned() }
 }
 
 /// The rig and its views for machines: metres, degrees, pixels from the top left, texels from the bottom left.

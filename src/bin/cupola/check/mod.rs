@@ -1,33 +1,31 @@
-//! `cupola check`: is a rig valid, and what does it say?
+//! `cupola check`: validates a rig and describes it.
 
 pub mod describe;
+mod numbers;
 pub mod words;
 
-use crate::Failure;
-use cupola::rig::{Rig, presets};
-use cupola::views::{Request, ViewPlan};
+use crate::failure::Failure;
+use crate::planning::window_request;
+use cupola::rig::presets;
 use serde_json::json;
 use std::process::ExitCode;
 
-/// Greatest texture of today's graphics hardware, for plans that are made without asking one.
-pub const LARGEST_ATLAS: u32 = 16384;
-
-/// Check a rig and describe it in words.
+/// Validate a rig and describe it in words.
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Rig file, or a preset's name
+    /// Rig file or name of a preset
     #[arg(value_name = "FILE|PRESET", required_unless_present = "presets")]
     rig: Option<String>,
-    /// List the presets instead
+    /// List the presets
     #[arg(long, conflicts_with = "rig")]
     presets: bool,
-    /// Size of the window to plan for in pixels [default: what the rig says, or 1920x1200]
+    /// Window size in pixels to plan for [default: from the rig, or 1920x1200]
     #[arg(long, value_name = "WxH", value_parser = crate::arguments::size)]
     size: Option<(u32, u32)>,
-    /// Print the preset's or the rig file's text, to start a file of one's own
+    /// Print the text of the preset or rig file, as a start for a new file
     #[arg(long, conflicts_with_all = ["json", "size"])]
     print: bool,
-    /// Answer in JSON
+    /// Print the result as JSON
     #[arg(long)]
     json: bool,
 }
@@ -51,21 +49,14 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         }
         Err(error) => return Err(error.into()),
     };
-    let window = arguments.size.or_else(|| rig.extent()).unwrap_or((1920, 1200));
-    let plan = plan(&rig, window)?;
+    let request = window_request(&rig, arguments.size);
+    let (window, plan) = (request.window, cupola::views::plan(&rig, &request)?);
     if arguments.json {
         println!("{:#}", describe::json(&rig, window, &plan));
     } else {
         print!("{}", describe::words(&rig, window, &plan));
     }
     Ok(ExitCode::SUCCESS)
-}
-
-/// Plans the views for a window of `window` pixels.
-fn plan(rig: &Rig, window: (u32, u32)) -> Result<ViewPlan, Failure> {
-    let output_sizes = rig.layout(window).iter().map(|[_, _, width, height]| (*width, *height)).collect();
-    let request = Request { output_sizes, window, panel: false, primary: false, max_atlas: LARGEST_ATLAS };
-    Ok(cupola::views::plan(rig, &request)?)
 }
 
 /// The TOML text of a rig.

@@ -1,6 +1,6 @@
 //! Screens, lenses and jumps of the light in words.
 
-use super::describe::{degrees, number};
+use super::numbers::{degrees, number};
 use cupola::blend::Crossing;
 use cupola::geom::screen::{Screen, Shape};
 use cupola::geom::{FisheyeLens, Panorama, Projection};

@@ -1,7 +1,7 @@
 //! What calibration files say about their outputs.
 
-use super::source::Values;
-use crate::Failure;
+use super::options::Values;
+use crate::failure::Failure;
 use cupola::blend::{decode, encode};
 use cupola::formats::{
     Camera, Grid, Levels, Noted, Sample, bourke, domeprojection, easyblend, mpcdi, pfm, read_file, vwf,

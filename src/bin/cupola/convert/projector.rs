@@ -1,7 +1,6 @@
 //! Keys of projectors for the rig file.
 
-use super::rig::tidy;
-use crate::Failure;
+use crate::failure::Failure;
 use cupola::geom::{Frustum, Lens, Optics, Projection, pose};
 use glam::{DMat3, DVec2};
 
@@ -51,4 +50,9 @@ pub fn opening(frustum: &Frustum) -> String {
     let Frustum { left, right, bottom, top } = *frustum;
     let [left, right, bottom, top] = [left, right, bottom, top].map(|side| tidy(side.atan().to_degrees()));
     format!("angles = {{ left = {left:?}, right = {right:?}, bottom = {bottom:?}, top = {top:?} }}\n")
+}
+
+/// Rounded to nine decimal places, without rounding errors in the last digits.
+fn tidy(number: f64) -> f64 {
+    (number * 1e9).round() / 1e9 + 0.0
 }

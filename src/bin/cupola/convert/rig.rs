@@ -1,9 +1,10 @@
 //! Rigs made of calibrations and of other programs' configurations.
 
+use super::options::Values;
 use super::projector;
-use super::source::{Channel, Values};
-use super::target::{Written, file_beside, raster, save};
-use crate::Failure;
+use super::source::Channel;
+use super::written::{Written, file_beside, raster, save};
+use crate::failure::Failure;
 use cupola::blend::decode;
 use cupola::formats::{Raster, mpcdi, pfm};
 use cupola::geom::Optics;
@@ -120,11 +121,7 @@ pub fn mask(file: &Path, size: (u32, u32), light: Vec<f64>) -> Result<String, Fa
     Ok(format!("mask = {{ image = {} }}\n", quoted(&file_name(file))))
 }
 
-/// Without the last digits, which are rounding.
-pub fn tidy(number: f64) -> f64 {
-    (number * 1e9).round() / 1e9 + 0.0
-}
-
+/// The first line of a rig file: where the rig comes from.
 pub fn heading(from: &str) -> String {
     let name = Path::new(from).file_name().unwrap_or_default().to_string_lossy().replace(char::is_control, "");
     format!("# Made of {name} by `cupola convert`.\n")
@@ -151,6 +148,7 @@ fn harmless(name: &str) -> String {
     kept.trim_start_matches(['-', '.']).chars().take(64).collect()
 }
 
+/// The last part of a path.
 pub fn file_name(path: &Path) -> String {
     path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }

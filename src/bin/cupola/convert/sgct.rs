@@ -5,8 +5,8 @@
 
 use super::projector;
 use super::rig::{file_name, heading, mask, quoted};
-use super::target::{Written, file_beside, save};
-use crate::Failure;
+use super::written::{Written, file_beside, save};
+use crate::failure::Failure;
 use cupola::blend::decode;
 use cupola::formats::{Grid, bourke, pfm, read_file, sgct};
 use cupola::rig::Flip;

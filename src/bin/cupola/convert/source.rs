@@ -1,8 +1,8 @@
 //! What is converted: the outputs of a rig, or what a calibration file says.
 
-use super::Arguments;
 use super::calibration::{self, Map};
-use crate::Failure;
+use super::options::{Arguments, Values, ending};
+use crate::failure::Failure;
 use crate::map::native_size;
 use cupola::blend::{GREEN, Weights, code_of, encode};
 use cupola::formats::{Levels, Noted, Sample, mpcdi, read_file, sgct};
@@ -11,28 +11,6 @@ use cupola::rig::{BlackValues, Dome, Flip, Output, OutputKind, Rig};
 use cupola::warp::WarpMap;
 use glam::{DVec2, DVec3};
 use std::path::Path;
-
-/// What the values of a map are.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-pub enum Values {
-    /// Positions in a domemaster of the rig's dome, 0…1 from the bottom left
-    Picture,
-    /// Points on the dome, metres from its centre: x right, y up, z backward
-    Points,
-    /// Directions from the viewer: x right, y up, z backward
-    Directions,
-}
-
-impl Values {
-    /// In words, for people and machines.
-    pub fn words(self) -> &'static str {
-        match self {
-            Self::Picture => "picture",
-            Self::Points => "points",
-            Self::Directions => "directions",
-        }
-    }
-}
 
 /// What was opened.
 pub enum Source {
@@ -89,11 +67,6 @@ pub fn open(arguments: &Arguments) -> Result<Source, Failure> {
     Ok(Source::Rig(Box::new((rig, content))))
 }
 
-/// The ending of a file's name, in lower case.
-pub fn ending(path: &Path) -> String {
-    path.extension().unwrap_or_default().to_string_lossy().to_lowercase()
-}
-
 /// A domemaster of the rig's dome, 1 × 1 so that its pixel positions are parts of the picture.
 fn domemaster(rig: &Rig) -> Result<WarpMap, Failure> {
     let mut rig = rig.clone();
@@ -101,13 +74,6 @@ fn domemaster(rig: &Rig) -> Result<WarpMap, Failure> {
     rig.outputs[0].kind = OutputKind::Domemaster { aperture: rig.dome.coverage, tilt: rig.dome.tilt };
     rig.outputs[0].flip = Flip::default();
     Ok(WarpMap::new(&rig, 0, (1, 1), None)?)
-}
-
-impl Arguments {
-    /// What the values of maps are to be: the profile of an archive decides it too.
-    fn values(&self) -> Values {
-        self.profile.map_or(self.values, super::target::ArchiveProfile::values)
-    }
 }
 
 impl Source {

@@ -1,130 +1,18 @@
 //! What is written.
 
-use super::Arguments;
-use super::source::{Channel, Values, ending};
-use crate::{Failure, terminal};
+use super::options::{ArchiveProfile, ArchiveVersion, Arguments, Format, Values, ending};
+use super::rig;
+use super::source::Channel;
+use super::written::{Written, file_beside, raster, save};
+use crate::failure::Failure;
 use cupola::formats::{Camera, Grid, Raster, bourke, mpcdi, pfm, vwf};
 use cupola::geom::{Frustum, Lens, Optics, Projection, pose};
 use cupola::warp::{MapError, compare};
 use glam::{DMat3, DVec2, DVec3};
-use serde_json::json;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Greatest angle of a side of a camera's picture, degrees.
 const WIDEST_CAMERA: f64 = 85.0;
-
-/// The formats that can be written.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Format {
-    Bourke,
-    Pfm,
-    Vwf,
-    Mpcdi,
-    Rig,
-}
-
-impl Format {
-    /// The format of a file by its name's ending.
-    pub fn of(path: &Path) -> Result<Self, Failure> {
-        match ending(path).as_str() {
-            "data" | "map" => Ok(Self::Bourke),
-            "pfm" => Ok(Self::Pfm),
-            "vwf" => Ok(Self::Vwf),
-            "mpcdi" => Ok(Self::Mpcdi),
-            "toml" => Ok(Self::Rig),
-            other => Err(Failure::usage(format!(
-                "{}: nothing is known to write as {other:?}; expected a name that ends in .data, .map, .pfm, .vwf, .mpcdi or .toml",
-                path.display()
-            ))),
-        }
-    }
-}
-
-/// The profiles of MPCDI archives.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-pub enum ArchiveProfile {
-    /// Positions in one picture
-    #[value(name = "2d")]
-    Flat,
-    /// Positions in a perspective picture of each output's own
-    #[value(name = "3d")]
-    Perspective,
-    /// Points of the screen
-    #[value(name = "a3")]
-    Screen,
-    /// Points of the screen, with the place of each projector
-    #[value(name = "sl")]
-    ShaderLamps,
-}
-
-impl ArchiveProfile {
-    /// What its maps are made of.
-    pub fn values(self) -> Values {
-        match self {
-            Self::Flat => Values::Picture,
-            Self::Perspective => Values::Directions,
-            Self::Screen | Self::ShaderLamps => Values::Points,
-        }
-    }
-}
-
-/// The versions of MPCDI archives.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-pub enum ArchiveVersion {
-    /// 1.0
-    #[value(name = "1")]
-    One,
-    /// 2.0
-    #[value(name = "2")]
-    Two,
-}
-
-/// A file that was written.
-pub struct Written {
-    path: PathBuf,
-    outputs: usize,
-    /// What a map's values are.
-    values: Option<Values>,
-    /// The error of interpolation against the exact map, where there is one.
-    error: Option<MapError>,
-}
-
-impl Written {
-    /// A map of one output.
-    pub fn map(path: PathBuf, values: Values) -> Self {
-        Self { path, outputs: 1, values: Some(values), error: None }
-    }
-
-    /// A rig.
-    pub fn rig(path: PathBuf, outputs: usize) -> Self {
-        Self { path, outputs, values: None, error: None }
-    }
-
-    /// For machines.
-    pub fn json(&self) -> serde_json::Value {
-        let error = self.error.map(
-            |error| json!({ "max": error.max, "rms": error.rms, "uncovered": error.uncovered, "ghosts": error.ghosts }),
-        );
-        json!({
-            "path": self.path.display().to_string(),
-            "outputs": self.outputs,
-            "values": self.values.map(Values::words),
-            "error_pixels": error,
-        })
-    }
-
-    /// For people.
-    pub fn words(&self) -> String {
-        let error = self.error.map_or(String::new(), |error| {
-            format!(
-                "; between its nodes it is at most {:.4} pixels off the exact map (root mean square {:.4}), and leaves out {} pixels",
-                error.max, error.rms, error.uncovered
-            )
-        });
-        let values = self.values.map_or(String::new(), |values| format!(", values: {}", values.words()));
-        format!("{}: outputs: {}{values}{error}", self.path.display(), self.outputs)
-    }
-}
 
 /// Writes the channels as `format`.
 pub fn write(arguments: &Arguments, format: Format, channels: &[Channel]) -> Result<Vec<Written>, Failure> {
@@ -141,7 +29,7 @@ pub fn write(arguments: &Arguments, format: Format, channels: &[Channel]) -> Res
         )));
     }
     match format {
-        Format::Rig => super::rig::from_channels(path, &arguments.from, channels, arguments.projectors),
+        Format::Rig => rig::from_channels(path, &arguments.from, channels, arguments.projectors),
         Format::Bourke if values != Values::Picture => Err(Failure::usage(format!(
             "a warp mesh has positions in a picture, not {}; use --values picture",
             values.words()
@@ -277,48 +165,6 @@ fn each(
         written.push(Written { path, outputs: 1, values: Some(channel.values), error });
     }
     Ok(written)
-}
-
-/// `dome.data` → `dome-left.ENDING`. Names out of files become part of a path: only harmless characters stay.
-pub fn file_beside(path: &Path, index: usize, name: &str, ending: &str) -> PathBuf {
-    let harmless: String = name.chars().filter(|c| c.is_ascii_alphanumeric() || "-_".contains(*c)).take(64).collect();
-    let name = if harmless.is_empty() { format!("{}", index + 1) } else { harmless };
-    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-    path.with_file_name(format!("{stem}-{name}.{ending}"))
-}
-
-/// Writes a file.
-pub fn save(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
-    std::fs::write(path, bytes).map_err(|error| Failure::new(format!("{} cannot be written: {error}", path.display())))
-}
-
-/// What every pixel shows, and its weight on the displayed value (0 where nothing is shown), on all processors.
-pub fn raster(channel: &Channel) -> Result<(Raster, Vec<f32>), Failure> {
-    let (width, height) = (channel.size.0 as usize, channel.size.1 as usize);
-    let mut pixels = vec![([f32::NAN; 3], 0.0); width * height];
-    let bar = terminal::progress(height as u64, "rows");
-    let workers = std::thread::available_parallelism().map_or(1, usize::from);
-    let rows = height.div_ceil(workers);
-    std::thread::scope(|scope| {
-        for (part, band) in pixels.chunks_mut(rows * width).enumerate() {
-            let bar = &bar;
-            scope.spawn(move || {
-                for (row, line) in band.chunks_mut(width).enumerate() {
-                    let y = (part * rows + row) as f64 + 0.5;
-                    for (column, pixel) in line.iter_mut().enumerate() {
-                        if let Some(sample) = channel.sample(DVec2::new(column as f64 + 0.5, y)) {
-                            *pixel = (sample.value.as_vec3().to_array(), sample.intensity as f32);
-                        }
-                    }
-                    bar.inc(1);
-                }
-            });
-        }
-    });
-    bar.finish_and_clear();
-    let (values, weights) = pixels.into_iter().unzip();
-    let raster = Raster::new(channel.size, values).ok_or_else(|| Failure::new("an output has no pixels"))?;
-    Ok((raster, weights))
 }
 
 /// A warp mesh of `nodes` columns and rows, and its error between them.

@@ -1,8 +1,8 @@
 //! A private X server for `--headless`.
 
 use super::Environment;
-use crate::Failure;
-use cupola::runtime::process;
+use crate::failure::Failure;
+use cupola::system::process;
 use std::io::{BufRead, BufReader};
 use std::os::unix::process::CommandExt;
 use std::path::Path;

@@ -1,6 +1,6 @@
 //! The library that goes between a program and its driver: where it is, and whether it can be used.
 
-use crate::Failure;
+use crate::failure::Failure;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 

@@ -2,7 +2,7 @@
 //! for, and the variables that point there.
 
 use super::{Environment, library, probe};
-use crate::Failure;
+use crate::failure::Failure;
 use std::ffi::OsString;
 use std::os::unix::fs::{DirBuilderExt, symlink};
 use std::path::{Path, PathBuf};

@@ -2,7 +2,7 @@
 //! fresh one sees a changed environment.
 
 use super::{Environment, apply};
-use crate::Failure;
+use crate::failure::Failure;
 use cupola::backend::gl::{glx, headless};
 use cupola::backend::vk;
 use serde_json::{Value, json};

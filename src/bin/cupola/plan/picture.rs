@@ -2,7 +2,7 @@
 
 use super::canvas::{Canvas, Color, Letters};
 use super::figures::Figures;
-use crate::Failure;
+use crate::failure::Failure;
 use cupola::geom::Frustum;
 use cupola::geom::cube::Face;
 use cupola::rig::Rig;

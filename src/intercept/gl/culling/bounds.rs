@@ -149,6 +149,7 @@ pub fn extent(view: &View, placed: &Placed) -> Option<[f64; 4]> {
 #[cfg(test)]
 mod tests {
     use super::{Bounds, Placed, Transform, View};
+    use crate::testing::random::Random;
 
     /// Of a projection after a model-view matrix.
     fn outside(
@@ -169,13 +170,10 @@ mod tests {
     /// 90° in both directions, looking along −z.
     const RIGHT_ANGLE: [f64; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, -1.0, -1.0, 0.0, 0.0, -0.2, 0.0];
 
-    /// Numbers that repeat from run to run, −1…1.
+    /// Random numbers in −1…1, the same in every run.
     fn numbers() -> impl FnMut() -> f64 {
-        let mut state = 0x9e37_79b9_7f4a_7c15u64;
-        move || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-        }
+        let mut random = Random::new(1);
+        move || random.range(-1.0, 1.0)
     }
 
     #[test]

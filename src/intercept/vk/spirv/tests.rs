@@ -8,6 +8,7 @@ use crate::correct::Arrangement;
 use crate::correct::shaders::Stage;
 use crate::correct::spirv::{VERTEX_ENTRY, specialise};
 use crate::correct::uniforms::Constants;
+use crate::testing::random::Random;
 use spirv::{Decoration, ExecutionModel, Op, StorageClass};
 use std::collections::HashSet;
 
@@ -114,13 +115,12 @@ fn what_cannot_be_followed_is_refused() {
 #[test]
 fn damaged_modules_do_no_harm() {
     let words = vertex_shader();
-    let mut state = 1u64;
+    let mut random = Random::new(1);
     for _ in 0..3000 {
         let mut damaged = words.to_vec();
         for _ in 0..3 {
-            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            let at = (state >> 33) as usize % damaged.len();
-            damaged[at] ^= 1 << (state >> 59);
+            let at = random.below(damaged.len());
+            damaged[at] ^= 1 << random.below(32);
         }
         let _ = splice(&damaged, ExecutionModel::Vertex, "rectangle_down", 1, true);
         let _ = matrices(&damaged);

@@ -4,6 +4,7 @@ use super::module;
 use crate::correct::division::Input;
 use crate::intercept::vk::spirv::module::{Declarations, Instruction, instructions};
 use crate::intercept::vk::spirv::{Limits, divide, handed};
+use crate::testing::random::Random;
 use spirv::{Decoration, ExecutionModel, Op, StorageClass};
 use std::collections::HashSet;
 
@@ -162,13 +163,12 @@ fn a_stage_is_as_large_as_the_device_allows() {
 #[test]
 fn damaged_shaders_are_divided_or_refused() {
     let [vertex, fragment] = pair();
-    let mut state = 7u64;
+    let mut random = Random::new(7);
     for _ in 0..3000 {
         let mut damaged = [vertex.clone(), fragment.clone()];
         for words in &mut damaged {
-            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            let at = (state >> 33) as usize % words.len();
-            words[at] ^= 1 << (state >> 59);
+            let at = random.below(words.len());
+            words[at] ^= 1 << random.below(32);
         }
         let entries =
             ((&damaged[0][..], ExecutionModel::Vertex, "go"), (&damaged[1][..], ExecutionModel::Fragment, "go"));

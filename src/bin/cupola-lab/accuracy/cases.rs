@@ -1,0 +1,194 @@
+//! The screens, lenses and places that are compared, as rig files.
+
+use crate::failure::Failure;
+use cupola::rig::Rig;
+use std::f64::consts::PI;
+use std::fmt::Write;
+use std::path::PathBuf;
+
+/// A screen with a lens.
+pub struct Row {
+    /// Name of the screen.
+    pub screen: &'static str,
+    /// Name of the lens or the kind of picture.
+    pub lens: &'static str,
+    screen_text: &'static str,
+    output_text: &'static str,
+    /// Radii from the centre at which the lens stands; empty: the picture has no place.
+    distances: &'static [f64],
+}
+
+/// A rig file.
+pub struct Case {
+    /// Its text.
+    pub text: String,
+    /// The projector is outside the screen.
+    pub outside: bool,
+}
+
+/// "Radius" of every screen: lengths are given in parts of it.
+const RADIUS: f64 = 5.0;
+/// Where viewers are, in radii.
+const VIEWERS: [f64; 4] = [0.0, 0.3, 0.6, 0.9];
+const NEAR: &[f64] = &[0.0, 0.3, 0.6, 0.9];
+const NEAR_AND_FAR: &[f64] = &[0.0, 0.3, 0.6, 0.9, 2.0, 10.0, 1e3, 1e6];
+/// The file that the mesh is written to.
+const MESH: &str = "ball.obj";
+
+const SCREENS: [(&str, &str, &[f64]); 8] = [
+    ("sphere", "[dome]\nradius = 5\ntilt = 30\ncoverage = 360\n", NEAR_AND_FAR),
+    ("dome of 170°", "[dome]\nradius = 5\ntilt = 60\ncoverage = 170\n", NEAR_AND_FAR),
+    (
+        "sphere, a part around",
+        "[screen]\nshape = \"sphere\"\nradius = 5\ncoverage = 250\nazimuth = [-110, 140]\npitch = -20\n",
+        NEAR_AND_FAR,
+    ),
+    ("ellipsoid", "[screen]\nshape = \"ellipsoid\"\nradii = [5.5, 4.8, 6]\nyaw = 20\n", NEAR_AND_FAR),
+    ("cylinder", "[screen]\nshape = \"cylinder\"\nradius = 5\nheights = [-3, 3]\n", NEAR_AND_FAR),
+    ("cone", "[screen]\nshape = \"cone\"\nradii = [6, 4.8]\nheights = [-3, 3]\n", NEAR_AND_FAR),
+    ("plane", "[screen]\nshape = \"plane\"\nposition = [0, 0, -5]\nsize = [9, 5]\nyaw = 10\n", NEAR_AND_FAR),
+    ("mesh", "[screen]\nshape = \"mesh\"\nfile = \"ball.obj\"\nscale = 5\n", NEAR),
+];
+
+/// Lenses of projectors; `FOV` stands for an opening that the screen fills from afar.
+const LENSES: [(&str, &str, bool); 9] = [
+    ("pinhole", "FOV\n", true),
+    ("pinhole, shifted", "FOV\nshift = [0.3, -0.4]\n", true),
+    ("pinhole, keystone", "FOV\nkeystone = [[-0.8, -1], [0.9, -0.9], [1, 1], [-1, 0.8]]\n", true),
+    ("Brown–Conrady", "FOV\ndistortion = { radial = [-0.08, 0.01, 0], tangential = [0.002, -0.001] }\n", true),
+    ("fisheye, equidistant", "fisheye = { aperture = 180 }\n", false),
+    (
+        "fisheye, equisolid, squeezed",
+        "fisheye = { projection = \"equisolid\", aperture = 180, size = [1, 1.2] }\n",
+        false,
+    ),
+    ("fisheye, stereographic", "fisheye = { projection = \"stereographic\", aperture = 170 }\n", false),
+    ("fisheye, orthographic", "fisheye = { projection = \"orthographic\", aperture = 170 }\n", false),
+    (
+        "fisheye, measured",
+        "fisheye = { projection = \"measured\", aperture = 160, measured = [[20, 0.25], [40, 0.49], [60, 0.72], [85, 1]] }\n",
+        false,
+    ),
+];
+
+/// Pictures of all directions.
+const PICTURES: [(&str, &str); 9] = [
+    ("domemaster 180°", "kind = \"domemaster\"\naperture = 180\n"),
+    ("domemaster 360°", "kind = \"domemaster\"\naperture = 360\n"),
+    ("domemaster, equisolid", "kind = \"domemaster\"\nprojection = \"equisolid\"\naperture = 220\n"),
+    ("domemaster, stereographic", "kind = \"domemaster\"\nprojection = \"stereographic\"\naperture = 200\n"),
+    ("domemaster, orthographic", "kind = \"domemaster\"\nprojection = \"orthographic\"\naperture = 170\n"),
+    (
+        "domemaster, polynomial",
+        "kind = \"domemaster\"\nprojection = \"polynomial\"\ncoefficients = [1, -0.05, 0.002, 0]\naperture = 180\n",
+    ),
+    ("equirectangular", "kind = \"equirectangular\"\n"),
+    ("cylindrical", "kind = \"cylindrical\"\nlatitudes = [-50, 60]\n"),
+    ("cubemap", "kind = \"cubemap\"\n"),
+];
+
+const MIRROR: &str = "kind = \"projector\"\nposition = [0, -4.3, -2.1]\nyaw = 180\npitch = 24\nfov = [23, 13.5]\n\
+                      mirror = { center = [0, -3.1, 1.4], radius = 1.05 }\n";
+
+/// Every row.
+pub fn rows() -> Vec<Row> {
+    let mut rows = Vec::new();
+    for (screen, screen_text, distances) in SCREENS {
+        for (lens, output_text, narrow) in LENSES {
+            // Of a wide picture nothing would meet a screen far away.
+            let distances = if narrow { distances } else { NEAR };
+            rows.push(Row { screen, lens, screen_text, output_text, distances });
+        }
+        rows.push(Row { screen, lens: "spherical mirror", screen_text, output_text: MIRROR, distances: &[] });
+        if screen != "plane" {
+            let picture = |(lens, output_text)| Row { screen, lens, screen_text, output_text, distances: &[] };
+            rows.extend(PICTURES.map(picture));
+        }
+    }
+    rows
+}
+
+impl Row {
+    /// The rigs of this row.
+    pub fn cases(&self) -> Vec<Case> {
+        let viewer = |part: f64| {
+            let [x, y, z] = [0.48, -0.36, 0.8].map(|axis| axis * part * RADIUS);
+            format!("{}[viewer]\nposition = [{x:?}, {y:?}, {z:?}]\n[[output]]\n", self.screen_text)
+        };
+        let placed = |head: &str, distance: f64| {
+            let [x, y, z] = [0.08, 0.1, 0.9918].map(|axis: f64| axis * distance * RADIUS);
+            let (yaw, pitch) = (-4.0, -5.0);
+            let half = if distance > 1.0 { (0.8 / distance).atan().to_degrees() } else { 30.0 };
+            let fov = format!("fov = [{:?}, {:?}]", 2.0 * half, 1.1 * half);
+            let text = format!(
+                "{head}kind = \"projector\"\nposition = [{x:?}, {y:?}, {z:?}]\nyaw = {yaw:?}\npitch = {pitch:?}\n{}",
+                self.output_text.replace("FOV", &fov)
+            );
+            Case { text, outside: distance > 1.0 }
+        };
+        let of_viewer = |part: f64| -> Vec<Case> {
+            let head = viewer(part);
+            match self.distances {
+                [] => vec![Case { text: head + self.output_text, outside: false }],
+                distances => distances.iter().map(|distance| placed(&head, *distance)).collect(),
+            }
+        };
+        VIEWERS.into_iter().flat_map(of_viewer).collect()
+    }
+}
+
+/// A folder with the mesh, which is removed with it.
+pub struct Folder(PathBuf);
+
+impl Folder {
+    /// Writes the mesh into a folder of its own.
+    pub fn new() -> Result<Self, Failure> {
+        let folder = std::env::temp_dir().join(format!("cupola-accuracy-{}", std::process::id()));
+        let failed = |error: std::io::Error| Failure::new(format!("{} cannot be written: {error}", folder.display()));
+        std::fs::create_dir_all(&folder).map_err(failed)?;
+        let this = Self(folder.clone());
+        std::fs::write(folder.join(MESH), ball(24)).map_err(failed)?;
+        Ok(this)
+    }
+
+    /// The rig of a case; `None` if it is none that a dome could have.
+    pub fn rig(&self, case: &Case) -> Option<Rig> {
+        cupola::rig::parse(&case.text, "accuracy.toml", &self.0).ok()
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        // Left behind, it does no harm.
+        _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+/// A ball of radius 1 as an OBJ file, `rings` rings of faces that are counter-clockwise from inside.
+fn ball(rings: u32) -> String {
+    let mut text = String::from("v 0 1 0\n");
+    let around = 2 * rings;
+    // Writing to a String cannot fail.
+    for ring in 1..rings {
+        for step in 0..around {
+            let (polar, azimuth) = (PI * f64::from(ring) / f64::from(rings), PI * f64::from(step) / f64::from(rings));
+            let (x, y, z) = (polar.sin() * azimuth.cos(), polar.cos(), polar.sin() * azimuth.sin());
+            _ = writeln!(text, "v {x:?} {y:?} {z:?}");
+        }
+    }
+    text += "v 0 -1 0\n";
+    let corner = |ring: u32, step: u32| match ring {
+        0 => 1,
+        _ if ring == rings => 2 + (rings - 1) * around,
+        _ => 2 + (ring - 1) * around + step % around,
+    };
+    for ring in 0..rings {
+        for step in 0..around {
+            let [a, b] = [corner(ring, step), corner(ring, step + 1)];
+            let [c, d] = [corner(ring + 1, step), corner(ring + 1, step + 1)];
+            // Faces at the poles have no area; the reader leaves them out.
+            _ = writeln!(text, "f {a} {c} {b}\nf {b} {c} {d}");
+        }
+    }
+    text
+}

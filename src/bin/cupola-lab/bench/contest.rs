@@ -1,0 +1,146 @@
+//! A scene and all methods on it: times and errors.
+
+use super::methods::{Clock, Directions, Entrants, Method};
+use super::quality::{self, Quality};
+use super::scenes::Scene;
+use crate::failure::Failure;
+use crate::trial::{self, gl::Times};
+use cupola::warp::{MapError, WarpMap, compare_each};
+use std::time::Instant;
+
+/// What was measured on one scene.
+pub struct Contest {
+    /// The scene.
+    pub scene: Scene,
+    /// Who drew it.
+    pub driver: String,
+    /// The methods; the first is the unit of time.
+    pub results: Vec<Outcome>,
+}
+
+/// What was measured of one method.
+pub struct Outcome {
+    /// In words.
+    pub name: String,
+    /// Ours, as it is without being asked for anything.
+    pub is_default: bool,
+    /// Median of its time over that of the first, round by round.
+    pub ratio: f64,
+    /// Quarter and three quarters of the same.
+    pub spread: (f64, f64),
+    /// The same for processor time.
+    pub processor_ratio: f64,
+    /// Median of the time, milliseconds.
+    pub milliseconds: f64,
+    /// Texels of the views that are drawn for it, over the output's pixels.
+    pub texels: Option<f64>,
+    /// Its error, if it corrects anything.
+    pub error: Option<Errors>,
+    /// Its picture of a scene with hard edges, drawn with four samples for each texel, against many samples for each pixel.
+    pub quality: Option<Quality>,
+}
+
+/// The error of a method's map.
+pub struct Errors {
+    /// Greatest, root mean square, and pixels that are wrong altogether.
+    pub map: MapError,
+    /// 99.9 % of the pixels are at most so wrong, output pixels.
+    pub most: f64,
+    /// Greatest angle, minutes of arc.
+    pub minutes: f64,
+    /// Error of each pixel, output pixels, row by row from the top; NaN where nothing is compared.
+    pub pixels: Vec<f32>,
+}
+
+/// Measures all methods on `scene`; `phase` hears what is going on.
+pub fn run(scene: Scene, rounds: u32, phase: impl Fn(String)) -> Result<Contest, Failure> {
+    let exact = WarpMap::new(&scene.rig, 0, scene.size, None)?;
+    let Entrants { mut trial, mut vulkan, methods } = Entrants::new(&scene, &exact)?;
+    let mut round = 0;
+    let mut others: Vec<Vec<f64>> = methods.iter().map(|_| Vec::new()).collect();
+    let mut failed = None;
+    let times = trial.run(rounds, || {
+        round += 1;
+        phase(format!("{}: round {round}", scene.name));
+        // Those that are not OpenGL's, in the same round.
+        for (method, seconds) in methods.iter().zip(&mut others) {
+            match time(method, vulkan.as_mut()) {
+                Ok(taken) => seconds.extend(taken),
+                Err(error) => failed = Some(error),
+            }
+        }
+    })?;
+    if let Some(error) = failed {
+        return Err(error);
+    }
+    phase(format!("{}: pictures", scene.name));
+    let truth = (scene.rig.outputs.len() == 1).then(|| quality::truth(&exact));
+    phase(format!("{}: errors", scene.name));
+    let base = &times[0];
+    let mut results = Vec::new();
+    for (method, other) in methods.into_iter().zip(others) {
+        let own = match &method.clock {
+            Clock::OpenGl(number) => times[*number].clone(),
+            // Without the rounds that warm up.
+            _ => Times { seconds: other[other.len() - base.seconds.len()..].to_vec(), processor: Vec::new() },
+        };
+        let ratios = sorted(own.seconds.iter().zip(&base.seconds).map(|(own, base)| own / base));
+        let picture = truth.as_ref().zip(method.picture(&trial)?);
+        results.push(Outcome {
+            is_default: method.is_default,
+            ratio: quantile(&ratios, 0.5),
+            spread: (quantile(&ratios, 0.25), quantile(&ratios, 0.75)),
+            processor_ratio: processor_ratio(&own, base),
+            milliseconds: quantile(&sorted(own.seconds.iter().copied()), 0.5) * 1e3,
+            texels: method.texels,
+            quality: picture.map(|(truth, picture)| quality::quality(&picture, truth, scene.size.0 as usize)),
+            error: method.map.map(|map| errors(&exact, &map)),
+            name: method.name,
+        });
+    }
+    Ok(Contest { driver: trial.driver(), scene, results })
+}
+
+/// The seconds that a method takes that is not OpenGL's.
+fn time(method: &Method, vulkan: Option<&mut trial::vk::Trial>) -> Result<Option<f64>, Failure> {
+    Ok(match (&method.clock, vulkan) {
+        (Clock::Vulkan(number), Some(vulkan)) => Some(vulkan.time(*number)?),
+        (Clock::Processor(processor), _) => {
+            let started = Instant::now();
+            // The picture is what takes the time.
+            std::hint::black_box(processor.picture());
+            Some(started.elapsed().as_secs_f64())
+        }
+        _ => None,
+    })
+}
+
+fn processor_ratio(own: &Times, base: &Times) -> f64 {
+    quantile(&sorted(own.processor.iter().zip(&base.processor).map(|(own, base)| own / base)), 0.5)
+}
+
+fn errors(exact: &WarpMap, map: &Directions) -> Errors {
+    let (width, height) = (exact.size().0 as usize, exact.size().1 as usize);
+    let mut pixels = vec![f32::NAN; width * height];
+    let (mut all, mut angle) = (Vec::new(), 0.0f64);
+    let look = |x: u32, y: u32| map[y as usize * width + x as usize];
+    let map = compare_each(exact, 1, look, |error| {
+        pixels[error.pixel.1 as usize * width + error.pixel.0 as usize] = error.pixels as f32;
+        all.push(error.pixels);
+        angle = angle.max(error.angle);
+    });
+    Errors { map, most: quantile(&sorted(all.into_iter()), 0.999), minutes: angle.to_degrees() * 60.0, pixels }
+}
+
+/// Values in ascending order.
+pub fn sorted(values: impl Iterator<Item = f64>) -> Vec<f64> {
+    let mut values: Vec<f64> = values.collect();
+    values.sort_by(f64::total_cmp);
+    values
+}
+
+/// The value below which a part of the sorted values lies; NaN if there are none.
+pub fn quantile(sorted: &[f64], part: f64) -> f64 {
+    let index = (part * sorted.len() as f64) as usize;
+    sorted.get(index.min(sorted.len().saturating_sub(1))).copied().unwrap_or(f64::NAN)
+}

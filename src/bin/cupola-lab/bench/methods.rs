@@ -1,0 +1,306 @@
+//! Ways of correcting: what each draws, and the map that it makes.
+
+use super::peers;
+use super::processor::Processor;
+use super::quality;
+use super::scenes::Scene;
+use crate::failure::Failure;
+use crate::planning::request;
+use crate::trial;
+use crate::trial::gl::{Sampling, Trial, TrialMesh};
+use cupola::backend::gl;
+use cupola::correct::table::{Table, TablePixel};
+use cupola::correct::{self, Plan, Source};
+use cupola::formats::{Grid, Mesh, Node};
+use cupola::rig::{Filter, OutputKind, Rig};
+use cupola::warp::WarpMap;
+use glam::{DVec2, DVec3};
+use std::sync::Arc;
+
+/// Direction in viewer axes of each pixel, row by row from the top; `None` where nothing is shown.
+pub type Directions = Vec<Option<DVec3>>;
+
+/// Who measures a method's time.
+pub enum Clock {
+    /// The trial on OpenGL, by this number.
+    OpenGl(usize),
+    /// The trial on Vulkan, by this number.
+    Vulkan(usize),
+    /// It is computed on the processor.
+    Processor(Box<Processor>),
+}
+
+/// A way of correcting that has been entered.
+pub struct Method {
+    /// In words.
+    pub name: String,
+    /// Ours, as it is without being asked for anything.
+    pub is_default: bool,
+    /// Who measures it.
+    pub clock: Clock,
+    /// Texels of the views that are drawn for it, over the output's pixels.
+    pub texels: Option<f64>,
+    /// Its map; `None` for what corrects nothing.
+    pub map: Option<Directions>,
+}
+
+impl Method {
+    /// What it makes of the scene, grey; `None` where it corrects nothing, or on Vulkan, whose shaders are the same.
+    pub fn picture(&self, trial: &Trial) -> Result<Option<Vec<u8>>, Failure> {
+        Ok(match &self.clock {
+            _ if self.map.is_none() => None,
+            Clock::OpenGl(number) => Some(trial.picture(*number)?.into_iter().map(|pixel| pixel[0]).collect()),
+            Clock::Vulkan(_) => None,
+            Clock::Processor(processor) => Some(processor.picture()),
+        })
+    }
+}
+
+/// Everything that is measured on one scene.
+pub struct Entrants {
+    /// What OpenGL draws.
+    pub trial: Trial,
+    /// What Vulkan draws, where there is a device.
+    pub vulkan: Option<trial::vk::Trial>,
+    /// The first is the picture that the others' times are measured in.
+    pub methods: Vec<Method>,
+}
+
+/// Greatest errors of tables and meshes.
+const BOUNDS: [f64; 3] = [0.5, 0.1, 0.02];
+/// Cells along the cube's edge of meshes of the dome.
+const DENSITIES: [u32; 4] = [16, 32, 64, 128];
+/// Filters beside the usual one.
+const FILTERS: [(&str, Filter); 3] = [
+    ("fragment, Catmull-Rom", Filter::CatmullRom),
+    ("fragment, four places", Filter::Bilinear4),
+    ("fragment, Catmull-Rom at four places", Filter::CatmullRom4),
+];
+/// Cells across of meshes that are equally fine everywhere.
+const COLUMNS: [u32; 3] = [16, 64, 256];
+
+impl Entrants {
+    /// All methods for `scene`.
+    pub fn new(scene: &Scene, exact: &WarpMap) -> Result<Self, Failure> {
+        let vulkan = trial::vk::Trial::new(scene.size).ok();
+        let mut this = Self { trial: Trial::new(scene.size)?, vulkan, methods: Vec::new() };
+        let (width, height) = scene.size;
+        let number = this.trial.add_mesh(&TrialMesh::quad(), &Sampling::Picture(width, height))?;
+        this.add("one bilinear picture", Clock::OpenGl(number), None, None);
+        let plan = plan(&scene.rig, scene)?;
+        this.add_plan("fragment (default)", &plan)?;
+        this.methods.iter_mut().skip(1).for_each(|method| method.is_default = true);
+        this.add_vulkan("fragment, Vulkan", &plan)?;
+        this.add_half(scene)?;
+        for method in ["table", "mesh"] {
+            for bound in BOUNDS {
+                let name = format!("{method}, at most {bound} px");
+                let plan = self::plan(&scene.rig.with_method_override(&format!("{method},max_error={bound}"))?, scene)?;
+                this.add_plan(&name, &plan)?;
+                if bound == BOUNDS[1] {
+                    this.add_vulkan(&format!("{name}, Vulkan"), &plan)?;
+                }
+            }
+        }
+        for density in DENSITIES {
+            let rig = scene.rig.with_method_override(&format!("cube-mesh,density={density}"))?;
+            this.add_plan(&format!("cube-mesh, {density} cells"), &self::plan(&rig, scene)?)?;
+        }
+        if scene.rig.outputs.len() == 1 {
+            this.add_plan("table, every pixel", &tabulated(&plan, scene, exact))?;
+            for (name, filter) in FILTERS {
+                let mut rig = scene.rig.clone();
+                rig.views.filter = filter;
+                this.add_plan(name, &self::plan(&rig, scene)?)?;
+            }
+            let processor = Processor::new(&plan, &quality::atlas(&plan));
+            let map = processor.directions();
+            this.add("fragment, processor alone", Clock::Processor(Box::new(processor)), texels(&plan), Some(map));
+            this.add_others(scene, exact, &plan)?;
+        }
+        Ok(this)
+    }
+
+    fn add(&mut self, name: &str, clock: Clock, texels: Option<f64>, map: Option<Directions>) {
+        self.methods.push(Method { name: name.into(), is_default: false, clock, texels, map });
+    }
+
+    /// Our correction by `plan`.
+    fn add_plan(&mut self, name: &str, plan: &Plan) -> Result<(), Failure> {
+        let (number, _) = self.trial.add_plan(plan)?;
+        self.trial.fill(number, &[quality::atlas(plan)])?;
+        let context = self.trial.context();
+        let map = gl::gpu_map(&context.gl, context.is_gles, plan, 0)?;
+        self.add(name, Clock::OpenGl(number), texels(plan), Some(directions(&map)));
+        Ok(())
+    }
+
+    /// Our correction with a mask that leaves the left half black: its time, and no error, since that is meant.
+    fn add_half(&mut self, scene: &Scene) -> Result<(), Failure> {
+        let mask = std::env::temp_dir().join(format!("cupola-bench-{}.png", std::process::id()));
+        let (width, height) = scene.size;
+        let picture =
+            image::GrayImage::from_fn(width, height, |x, _| image::Luma([if 2 * x < width { 0 } else { 255 }]));
+        let failed = |error: image::ImageError| Failure::new(format!("{} cannot be written: {error}", mask.display()));
+        picture.save(&mask).map_err(failed)?;
+        let mut rig = scene.rig.clone();
+        rig.outputs[0].mask = Some(mask.clone());
+        let plan = plan(&rig, scene);
+        // What is left behind is in the way of nobody.
+        let _ = std::fs::remove_file(&mask);
+        let plan = plan?;
+        let (number, _) = self.trial.add_plan(&plan)?;
+        self.add("fragment, half of it masked", Clock::OpenGl(number), texels(&plan), None);
+        Ok(())
+    }
+
+    /// Our correction by `plan` on Vulkan, where there is a device.
+    fn add_vulkan(&mut self, name: &str, plan: &Plan) -> Result<(), Failure> {
+        let Some(vulkan) = &mut self.vulkan else { return Ok(()) };
+        let number = vulkan.add_plan(plan)?;
+        let map = vulkan.map(plan)?;
+        self.add(name, Clock::Vulkan(number), texels(plan), Some(directions(&map)));
+        Ok(())
+    }
+
+    /// How other programs correct.
+    fn add_others(&mut self, scene: &Scene, exact: &WarpMap, plan: &Plan) -> Result<(), Failure> {
+        let (width, height) = scene.size;
+        // Faces as fine as a domemaster's or a projector's middle needs.
+        let side = plan.views.views.iter().map(|view| view.tile.width.max(view.tile.height)).max().unwrap_or(1);
+        for columns in COLUMNS {
+            let rows = (columns * height).div_ceil(width);
+            let name = format!("even mesh of directions {columns}×{rows}, cube map");
+            let mesh = direction_mesh(scene, exact, columns, rows);
+            self.add_peer(scene, exact, peers::Peer { name, mesh, sampling: Sampling::Cube(side), texels: None })?;
+        }
+        for mesh in peers::meshes(scene, exact, side) {
+            self.add_peer(scene, exact, mesh)?;
+        }
+        for formula in peers::formulas(scene, side) {
+            self.add_formula(scene, exact, formula)?;
+        }
+        Ok(())
+    }
+
+    /// A mesh that is drawn, and its map: what linear interpolation makes of its corners.
+    fn add_peer(&mut self, scene: &Scene, exact: &WarpMap, peer: peers::Peer) -> Result<(), Failure> {
+        let mut drawn = TrialMesh { corners: Vec::new(), triangles: peer.mesh.triangles().to_vec() };
+        for node in peer.mesh.nodes() {
+            let [x, y] = node.position.as_vec2().to_array();
+            let [u, v, w] = node.value.as_vec3().to_array();
+            drawn.corners.push([x, y, u, v, w]);
+        }
+        let number = self.trial.add_mesh(&drawn, &peer.sampling)?;
+        self.fill(number, scene, &peer.sampling)?;
+        let direction = meaning(scene, &peer.sampling)?;
+        let grid = Grid::Stretched(peer.mesh);
+        let map = each_pixel(exact, |pixel| direction(grid.sample(pixel, scene.size)?.value));
+        self.add(&peer.name, Clock::OpenGl(number), peer.texels, Some(map));
+        Ok(())
+    }
+
+    /// A formula, and its map: what the driver computes.
+    fn add_formula(&mut self, scene: &Scene, exact: &WarpMap, formula: peers::Formula) -> Result<(), Failure> {
+        let number = self.trial.add_mesh(&TrialMesh::quad(), &formula.sampling)?;
+        self.fill(number, scene, &formula.sampling)?;
+        let places = self.trial.coordinates(&TrialMesh::quad(), &formula.sampling)?;
+        let direction = meaning(scene, &formula.sampling)?;
+        let map = each_pixel(exact, |pixel| {
+            let [x, y, z, _] = places[pixel.y as usize * scene.size.0 as usize + pixel.x as usize].map(f64::from);
+            let value = DVec3::new(x, y, z);
+            // What is not finite is kept, to be counted.
+            if value.is_finite() { direction(value) } else { Some(value) }
+        });
+        self.add(&formula.name, Clock::OpenGl(number), formula.texels, Some(map));
+        Ok(())
+    }
+
+    /// Draws the scene into what a contestant samples.
+    fn fill(&self, number: usize, scene: &Scene, sampling: &Sampling) -> Result<(), Failure> {
+        let pictures = match *sampling.picture() {
+            Sampling::Cube(side) => quality::cube(side),
+            Sampling::Picture(width, height) => {
+                vec![quality::domemaster((width, height), &peers::domemaster(scene)?)]
+            }
+            Sampling::Formula(..) => Vec::new(),
+        };
+        Ok(self.trial.fill(number, &pictures)?)
+    }
+}
+
+/// The plan of a rig's first output.
+fn plan(rig: &Rig, scene: &Scene) -> Result<Plan, Failure> {
+    let request = request(vec![scene.size; rig.outputs.len()], scene.size);
+    Ok(correct::build(rig, &request)?)
+}
+
+/// Texels of the views that a plan's first output samples, over its pixels.
+fn texels(plan: &Plan) -> Option<f64> {
+    let pass = &plan.passes[0];
+    let views: std::collections::BTreeSet<usize> =
+        pass.batches.iter().flat_map(|batch| &batch.views).copied().collect();
+    let texels = views.into_iter().map(|view| {
+        let tile = &plan.views.views[view].tile;
+        f64::from(tile.width) * f64::from(tile.height)
+    });
+    Some(texels.sum::<f64>() / f64::from(pass.size.0) / f64::from(pass.size.1))
+}
+
+/// The directions of a map.
+fn directions(map: &[gl::MapPixel]) -> Directions {
+    let direction = |pixel: &gl::MapPixel| pixel.view.map(|_| DVec3::from_array(pixel.direction.map(f64::from)));
+    map.iter().map(direction).collect()
+}
+
+/// `plan` with a table of the exact map in the place of the formula.
+fn tabulated(plan: &Plan, scene: &Scene, exact: &WarpMap) -> Plan {
+    let mut plan = plan.clone();
+    let table = Table::new(scene.size, |column, row| {
+        let pixel = DVec2::new(f64::from(column) + 0.5, f64::from(row) + 0.5);
+        exact.direction(pixel).map(|direction| TablePixel { direction, weight: 1.0, dark: 0.0 })
+    });
+    plan.passes[0].source = Source::Table(Arc::new(table));
+    plan
+}
+
+/// The direction of a coordinate: it is one, or a place in a domemaster.
+fn meaning(scene: &Scene, sampling: &Sampling) -> Result<impl Fn(DVec3) -> Option<DVec3> + use<>, Failure> {
+    let content = match sampling.picture() {
+        Sampling::Picture(..) => Some(peers::domemaster(scene)?),
+        _ => None,
+    };
+    Ok(move |value: DVec3| match &content {
+        Some(content) => content.direction(DVec2::new(value.x, 1.0 - value.y)),
+        None => Some(value),
+    })
+}
+
+/// A function of pixel positions at the centres of all pixels that show something: what other programs draw outside of
+/// a fisheye's circle is no error.
+fn each_pixel(exact: &WarpMap, at: impl Fn(DVec2) -> Option<DVec3>) -> Directions {
+    let (width, height) = exact.size();
+    let at = &at;
+    let row = move |y: u32| {
+        let pixel = move |x: u32| DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
+        (0..width).map(move |x| exact.direction(pixel(x)).and_then(|_| at(pixel(x))))
+    };
+    (0..height).flat_map(row).collect()
+}
+
+/// The exact directions at the nodes of a grid over the output; beyond a fisheye's circle its angle goes on growing.
+fn direction_mesh(scene: &Scene, exact: &WarpMap, columns: u32, rows: u32) -> Mesh {
+    peers::grid_mesh(columns, rows, |part| {
+        let at = 2.0 * part - 1.0;
+        let value = match &scene.rig.outputs[0].kind {
+            OutputKind::Domemaster { aperture, .. } => {
+                let (sine, cosine) = (0.5 * aperture * at.length()).sin_cos();
+                (at.normalize_or_zero() * sine).extend(-cosine)
+            }
+            _ => exact.direction(
+                DVec2::new(part.x, 1.0 - part.y) * DVec2::new(f64::from(exact.size().0), f64::from(exact.size().1)),
+            )?,
+        };
+        Some(Node { position: at, value, intensity: 1.0 })
+    })
+}

@@ -1,0 +1,53 @@
+//! The `cupola-lab` command: measuring tools for developers of Cupola.
+//!
+//! Each subcommand has a folder. Exit codes: 0 success, 1 failure or an exceeded bound, 2 invalid arguments or an
+//! invalid rig. Only `trial` calls graphics drivers directly, and only there is `unsafe` allowed.
+
+#![deny(unsafe_code)]
+
+#[path = "../shared/arguments.rs"]
+mod arguments;
+#[path = "../shared/failure.rs"]
+mod failure;
+#[path = "../shared/planning.rs"]
+mod planning;
+#[path = "../../testing/random.rs"]
+mod random;
+#[path = "../shared/terminal.rs"]
+mod terminal;
+
+mod accuracy;
+mod bench;
+mod cells;
+mod stress;
+#[allow(unsafe_code, reason = "calls OpenGL and Vulkan directly")]
+mod trial;
+
+use clap::Parser;
+use std::process::ExitCode;
+
+/// Measures Cupola: run time, accuracy, behaviour on random input.
+#[derive(Parser)]
+#[command(name = "cupola-lab", version, arg_required_else_help = true)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(clap::Subcommand)]
+enum Command {
+    Bench(bench::Arguments),
+    Accuracy(accuracy::Arguments),
+    Stress(stress::Arguments),
+    Cells(cells::Arguments),
+}
+
+fn main() -> ExitCode {
+    let result = match Arguments::parse().command {
+        Command::Bench(arguments) => bench::run(&arguments),
+        Command::Accuracy(arguments) => accuracy::run(&arguments),
+        Command::Stress(arguments) => stress::run(&arguments),
+        Command::Cells(arguments) => cells::run(&arguments),
+    };
+    failure::exit_code("cupola-lab", result)
+}

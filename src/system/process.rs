@@ -1,0 +1,80 @@
+//! Processes that belong together: signals passed on, and helpers that end with their parent.
+//!
+//! Safe fronts of what the standard library has no safe form of, for the `cupola` command.
+
+use std::io;
+use std::os::unix::process::CommandExt;
+use std::process::{Child, Command, ExitStatus};
+use std::sync::atomic::{AtomicI32, Ordering};
+
+/// The process that signals are passed on to; 0 = none.
+static PROGRAM: AtomicI32 = AtomicI32::new(0);
+
+/// Signals that would end this process and are the program's to decide about.
+const PASSED_ON: [libc::c_int; 4] = [libc::SIGINT, libc::SIGQUIT, libc::SIGTERM, libc::SIGHUP];
+
+/// Makes `command` receive SIGTERM when the thread that spawns it ends, however it ends.
+pub fn end_with_parent(command: &mut Command) -> &mut Command {
+    let parent = std::process::id();
+    let request = move || {
+        // SAFETY: prctl and getppid take and return plain integers here and are safe to call between fork and exec.
+        let failed = unsafe { libc::prctl(libc::PR_SET_PDEATHSIG, libc::SIGTERM as libc::c_ulong) } != 0;
+        if failed {
+            return Err(io::Error::last_os_error());
+        }
+        // SAFETY: as above. The parent may have ended before the request.
+        if unsafe { libc::getppid() } as u32 != parent {
+            return Err(io::ErrorKind::BrokenPipe.into());
+        }
+        Ok(())
+    };
+    // SAFETY: the closure only makes system calls and neither allocates nor takes locks.
+    unsafe { command.pre_exec(request) }
+}
+
+/// Sends SIGTERM to a child that has not been waited for.
+///
+/// # Errors
+/// What the system says, for example that the child belongs to another user by now.
+pub fn terminate(child: &Child) -> io::Result<()> {
+    // SAFETY: kill takes plain integers; the id is the child's, since it has not been waited for.
+    match unsafe { libc::kill(child.id() as libc::pid_t, libc::SIGTERM) } {
+        0 => Ok(()),
+        _ => Err(io::Error::last_os_error()),
+    }
+}
+
+/// Spawns `command` and waits for it. SIGINT, SIGQUIT, SIGTERM and SIGHUP no longer end this process
+/// (for its remaining life) but are passed on, so that it outlives the program and can tidy up. Signals
+/// of the terminal reach the program by themselves and are not sent twice.
+///
+/// # Errors
+/// [`io::ErrorKind::NotFound`] and the like if the program cannot be started.
+pub fn run_in_foreground(command: &mut Command) -> io::Result<ExitStatus> {
+    for signal in PASSED_ON {
+        // SAFETY: all zeroes is a valid sigaction: no flags, an empty mask.
+        let mut action: libc::sigaction = unsafe { std::mem::zeroed() };
+        action.sa_sigaction = pass_on as *const () as libc::sighandler_t;
+        action.sa_flags = libc::SA_SIGINFO | libc::SA_RESTART;
+        // SAFETY: `action` lives during the call, its handler has the three-argument form that the flags announce.
+        if unsafe { libc::sigaction(signal, &action, std::ptr::null_mut()) } != 0 {
+            return Err(io::Error::last_os_error());
+        }
+    }
+    let mut child = command.spawn()?;
+    PROGRAM.store(child.id() as i32, Ordering::SeqCst);
+    let status = child.wait();
+    PROGRAM.store(0, Ordering::SeqCst);
+    status
+}
+
+/// Handler of signals: sends what another process sent on to the program.
+extern "C" fn pass_on(signal: libc::c_int, info: *mut libc::siginfo_t, _context: *mut libc::c_void) {
+    let program = PROGRAM.load(Ordering::SeqCst);
+    // SAFETY: the kernel passes a valid `info` to a handler installed with SA_SIGINFO.
+    let from_process = unsafe { (*info).si_code } <= 0;
+    if program > 0 && from_process {
+        // SAFETY: kill is async-signal-safe and takes plain integers. The signal's sender could have sent it itself.
+        unsafe { libc::kill(program, signal) };
+    }
+}
