@@ -6,13 +6,11 @@ use cupola::blend::Weights;
 use cupola::correct::draws::{Rows, draws};
 use cupola::correct::shaders::{Language, Stage, specialise};
 use cupola::correct::{self, Plan};
-use cupola::digest::Digest;
 use cupola::geom::Frustum;
 use cupola::intercept::gl::culling::bounds::{Bounds, Placed, extent, outside};
 use cupola::intercept::gl::culling::position::{Transform, View};
 use cupola::intercept::gl::immediate::commands::Command;
 use cupola::intercept::gl::immediate::recorder::{Recorder, Sets, add_vertex};
-use cupola::intercept::gl::unchanged::call::add_memory;
 use cupola::rig::{self, Rig};
 use cupola::runtime::session::{Extras, MatrixClass, Session, classify};
 use cupola::views::{self, Request};
@@ -129,21 +127,6 @@ mod draw {
         let session = session(name);
         let MatrixClass::Perspective(lens) = classify(&program_matrix()) else { panic!("it is one") };
         bencher.bench(|| session.rows(black_box(&lens)).map(|rows| rows.x[0]).sum::<f64>());
-    }
-
-    /// A thousand calls of a program, noted.
-    #[divan::bench]
-    fn note(bencher: Bencher) {
-        let matrix = black_box([0.5f32; 16]);
-        bencher.bench(|| {
-            let mut calls = Digest::default();
-            for i in 0..1000u64 {
-                calls.add(black_box(i));
-                // SAFETY: as many bytes as a matrix has.
-                unsafe { add_memory(&mut calls, matrix.as_ptr() as u64, size_of_val(&matrix) as u64) };
-            }
-            calls
-        });
     }
 
     /// Which of five views a box is in, and where.

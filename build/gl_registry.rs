@@ -3,7 +3,6 @@
 
 use super::gl_arrays;
 use super::gl_attributes::{self, Declaration};
-use super::gl_taps;
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
@@ -38,7 +37,7 @@ const EXTRA: &[&str] = &[
 
 /// Rust sources: `Gl` (table and one method per command), constants, `ALIASES`; the commands between `glBegin` and
 /// `glEnd`; those that change vertex arrays; and all that may change a picture.
-pub fn generate() -> [String; 4] {
+pub fn generate() -> [String; 3] {
     let text = std::str::from_utf8(khronos_api::GL_XML).expect("the registry is UTF-8");
     let document = roxmltree::Document::parse(text).expect("the registry is well-formed XML");
     let root = document.root_element();
@@ -51,9 +50,8 @@ pub fn generate() -> [String; 4] {
     });
     table(&commands, &mut out);
     aliases(root, &mut out);
-    let taps = gl_taps::generate(&declarations(root, |_, _| true));
     let declarations: Vec<Declaration> = commands.into_iter().map(|(declaration, _)| declaration).collect();
-    [out, gl_attributes::generate(&declarations), gl_arrays::generate(&declarations), taps]
+    [out, gl_attributes::generate(&declarations), gl_arrays::generate(&declarations)]
 }
 
 fn wanted_commands<'a>(root: roxmltree::Node<'a, '_>) -> BTreeSet<&'a str> {

@@ -2,13 +2,12 @@
 //! correction shaders from WGSL.
 //!
 //! All end as Rust source under `OUT_DIR`, included by `src/backend/gl/api.rs`,
-//! `src/intercept/gl/immediate/commands.rs`, `src/intercept/gl/vertex_arrays/commands.rs`, `src/intercept/gl/unchanged/taps.rs`,
+//! `src/intercept/gl/immediate/commands.rs`, `src/intercept/gl/vertex_arrays/commands.rs`,
 //! `src/correct/shaders.rs`, `src/correct/spirv.rs`, `src/intercept/vk/queries/copies.rs` and `src/intercept/vk/spirv/functions.rs`.
 
 mod gl_arrays;
 mod gl_attributes;
 mod gl_registry;
-mod gl_taps;
 mod projection;
 mod shaders;
 mod spirv;
@@ -18,20 +17,14 @@ use std::path::PathBuf;
 fn main() {
     println!("cargo::rerun-if-changed=build");
     println!("cargo::rerun-if-changed=shaders");
-    for texts in [
-        "src/correct/division.rs",
-        "src/correct/projection.rs",
-        "src/geom/division/rule.rs",
-        "src/intercept/gl/unchanged/calls.rs",
-    ] {
+    for texts in ["src/correct/division.rs", "src/correct/projection.rs", "src/geom/division/rule.rs"] {
         println!("cargo::rerun-if-changed={texts}");
     }
     let out = PathBuf::from(std::env::var_os("OUT_DIR").expect("cargo sets OUT_DIR"));
-    let [table, attributes, arrays, taps] = gl_registry::generate();
+    let [table, attributes, arrays] = gl_registry::generate();
     std::fs::write(out.join("gl_api.rs"), table).expect("OUT_DIR is writable");
     std::fs::write(out.join("gl_attributes.rs"), attributes).expect("OUT_DIR is writable");
     std::fs::write(out.join("gl_arrays.rs"), arrays).expect("OUT_DIR is writable");
-    std::fs::write(out.join("gl_taps.rs"), taps).expect("OUT_DIR is writable");
     let (texts, modules) = shaders::generate();
     std::fs::write(out.join("shaders.rs"), texts).expect("OUT_DIR is writable");
     std::fs::write(out.join("spirv.rs"), modules).expect("OUT_DIR is writable");

@@ -38,19 +38,6 @@ pub struct Settings {
     pub cull: bool,
     /// … draws of few vertices, too, for which it is not worth it (Vulkan): `CUPOLA_CULL=all`.
     pub cull_all: bool,
-    /// `CUPOLA_REUSE`: whether frames in which nothing changed show the picture of the one before.
-    pub reuse: Reuse,
-}
-
-/// `CUPOLA_REUSE`: what is done in a frame in which nothing changed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Reuse {
-    /// `1` (default): it shows the picture of the one before.
-    Yes,
-    /// `0`: it is corrected like any other.
-    No,
-    /// `check`: the same, and pixels that differ from the picture of the one before are said in the log.
-    Check,
 }
 
 /// `CUPOLA_MASK`: closing what no output samples costs a little in each frame, and saves shading.
@@ -105,12 +92,6 @@ fn read() -> crate::Result<Settings> {
         Some("1") => Mask::Always,
         Some(other) => return Err(wrong("CUPOLA_MASK", other, "0")),
     };
-    let reuse = match text("CUPOLA_REUSE").as_deref() {
-        None | Some("1") => Reuse::Yes,
-        Some("0") => Reuse::No,
-        Some("check") => Reuse::Check,
-        Some(other) => return Err(wrong("CUPOLA_REUSE", other, "0")),
-    };
     let duplicate = match text("CUPOLA_DUPLICATE").as_deref() {
         None => None,
         Some("auto") => Some(Duplicate::Auto),
@@ -134,7 +115,6 @@ fn read() -> crate::Result<Settings> {
         mask,
         cull: text("CUPOLA_CULL").is_none_or(|v| v != "0"),
         cull_all: text("CUPOLA_CULL").is_some_and(|v| v == "all"),
-        reuse,
     })
 }
 

@@ -25,11 +25,6 @@ pub struct Statistics {
     pub frames: u64,
     /// Those of them that were not corrected, because the window was not mapped (X11).
     pub hidden_frames: u64,
-    /// Those of them that showed the picture of the one before, because nothing had changed (OpenGL).
-    pub reused_frames: u64,
-    /// Why other frames were not like the ones before (OpenGL): the name of the first call that changed something, `arguments` where
-    /// calls differ, or what else; with the number of frames.
-    pub changed_by: BTreeMap<String, u64>,
     /// Name of the rig.
     pub rig: String,
     /// OpenGL version and driver of the program's context.

@@ -25,7 +25,6 @@ mod reference;
 mod rigs;
 mod semantics;
 mod steady;
-mod unchanged;
 mod vertices;
 mod vulkan;
 mod vulkan_others;

@@ -71,7 +71,6 @@ pub struct KnownState {
     blending: Cell<Option<[u32; 4]>>,
     clear_color: Cell<Option<[f32; 4]>>,
     clear_depth: Cell<Option<f32>>,
-    depth_mask: Cell<Option<u8>>,
 }
 
 impl KnownState {
@@ -82,7 +81,6 @@ impl KnownState {
         self.blending.set(None);
         self.clear_color.set(None);
         self.clear_depth.set(None);
-        self.depth_mask.set(None);
     }
 
     /// State that was once `saved` may have come back, or not.
@@ -92,7 +90,6 @@ impl KnownState {
         keep_same(&self.blending, &saved.blending);
         keep_same(&self.clear_color, &saved.clear_color);
         keep_same(&self.clear_depth, &saved.clear_depth);
-        keep_same(&self.depth_mask, &saved.depth_mask);
     }
 
     /// A switch was set. A context that does not have it refuses that, so that one is believed to be on only if it was
@@ -223,23 +220,6 @@ impl KnownState {
         });
         self.clear_depth.set(Some(depth));
         depth
-    }
-
-    /// Whether depth is written was set.
-    pub fn note_depth_mask(&self, mask: u8) {
-        self.depth_mask.set(Some(u8::from(mask != 0)));
-    }
-
-    /// Whether depth is written.
-    pub fn writes_depth(&self, gl: &Gl) -> bool {
-        let mask = self.depth_mask.get().unwrap_or_else(|| {
-            let mut mask = 0;
-            // SAFETY: writes one value.
-            unsafe { gl.get_booleanv(GL_DEPTH_WRITEMASK, &mut mask) };
-            mask
-        });
-        self.note_depth_mask(mask);
-        mask != 0
     }
 }
 

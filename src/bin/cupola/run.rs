@@ -53,9 +53,6 @@ pub struct Arguments {
     /// Also draw the parts of views that no output samples
     #[arg(long)]
     no_mask: bool,
-    /// Correct frames in which nothing changed, too, instead of showing the picture of the one before
-    #[arg(long)]
-    no_reuse: bool,
     /// Do not use the cache of results on disk
     #[arg(long)]
     no_cache: bool,
@@ -135,7 +132,6 @@ fn settings(arguments: &Arguments, rig: &str) -> Result<Environment, Failure> {
     set("CUPOLA_CULL", arguments.no_cull.then(|| "0".into()));
     set("CUPOLA_MASK", arguments.no_mask.then(|| "0".into()));
     set("CUPOLA_CACHE", arguments.no_cache.then(|| "0".into()));
-    set("CUPOLA_REUSE", arguments.no_reuse.then(|| "0".into()));
     let files =
         [("CUPOLA_CAPTURE", &arguments.capture), ("CUPOLA_STATS", &arguments.stats), ("CUPOLA_LOG", &arguments.log)];
     for (name, file) in files {

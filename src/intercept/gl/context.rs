@@ -11,7 +11,7 @@ use super::raster::Raster;
 use super::window::Window;
 use crate::backend::gl::api::{self, Gl};
 use crate::intercept::camera::Cameras;
-use crate::intercept::settings::{Reuse, settings};
+use crate::intercept::settings::settings;
 use crate::runtime::session::{Extras, Session};
 use std::collections::HashSet;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -141,8 +141,6 @@ pub struct Context {
     pub pipelines: super::pipelines::Pipelines,
     /// The Begin/End that the program is in.
     pub immediate: super::immediate::Immediate,
-    /// Whether frames are like the ones before.
-    pub unchanged: super::unchanged::Unchanged,
     /// How many draws a frame has.
     pub workload: super::workload::Workload,
     /// Where the draw that is being issued comes to be in each view, if that is known.
@@ -245,7 +243,6 @@ impl Context {
             program: None,
             pipelines: Default::default(),
             immediate: Default::default(),
-            unchanged: super::unchanged::Unchanged::new(settings().is_some_and(|s| s.reuse != Reuse::No)),
             workload: Default::default(),
             areas: Vec::new(),
             ranges: Default::default(),

@@ -7,8 +7,6 @@ pub struct Counts {
     pub frames: u64,
     /// Those of them that were not corrected, because nothing of the window could be seen.
     pub hidden_frames: u64,
-    /// Those that showed the picture of the one before, because nothing had changed.
-    pub reused_frames: u64,
     /// Draws of the program to its window.
     pub draws_seen: u64,
     /// Draws issued to each view.

@@ -129,7 +129,6 @@ pub fn take_over(ctx: &mut Context, mut target: Box<DefaultFramebuffer>) {
 
 /// Makes the rest of the context fit a new target.
 fn adopt(ctx: &mut Context) {
-    ctx.unchanged.change("other views");
     super::duplicate::leave(ctx);
     ctx.actual = super::context::Actual::default();
     ctx.projection.clear();

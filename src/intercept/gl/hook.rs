@@ -34,8 +34,6 @@ macro_rules! hooks {
                     return unsafe { $crate::intercept::gl::registry::driver().$method($($p),*) };
                 };
                 let $gl = $ctx.gl;
-                // SAFETY: the program's own arguments.
-                unsafe { $crate::intercept::gl::unchanged::taps::noted!($ctx, $name, $($p: $t),*) };
                 if $ctx.switched_off || (!$between && $ctx.immediate.under_way()) {
                     // SAFETY: as above.
                     return unsafe { $gl.$method($($p),*) };

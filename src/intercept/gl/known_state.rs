@@ -32,7 +32,6 @@ macro_rules! noted {
 noted! {
     "glColorMask" color_mask(red: u8, green: u8, blue: u8, alpha: u8) = |known| known.note_mask([red, green, blue, alpha]);
     "glColorMaski" color_maski(index: u32, red: u8, green: u8, blue: u8, alpha: u8) = |known| known.forget_masks();
-    "glDepthMask" depth_mask(mask: u8) = |known| known.note_depth_mask(mask);
     "glBlendFunc" blend_func(source: u32, destination: u32) = |known| known.note_blending([source, destination, source, destination]);
     "glBlendFuncSeparate" blend_func_separate(source: u32, destination: u32, source_alpha: u32, destination_alpha: u32) = |known|
         known.note_blending([source, destination, source_alpha, destination_alpha]);

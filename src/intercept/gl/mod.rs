@@ -48,7 +48,6 @@ pub mod registry;
 pub mod samplers;
 pub mod state;
 pub mod targets;
-pub mod unchanged;
 pub mod uniforms;
 pub mod vendor;
 pub mod vendor_egl;

@@ -5,12 +5,10 @@ use super::default_framebuffer;
 use super::errors::{take_error, take_own_errors};
 use super::frames;
 use super::registry::{after_panic, current};
-use super::unchanged::{self, Frame};
 use super::window::{Look, Window};
-use crate::backend::gl::Target;
 use crate::backend::gl::api::{self, Gl};
 use crate::intercept::kept::{self, Kept};
-use crate::intercept::settings::{self, Reuse};
+use crate::intercept::settings;
 use crate::runtime::report::{Picture, Statistics, ViewStatistics};
 use crate::runtime::session::Extras;
 
@@ -69,7 +67,6 @@ pub fn show_front(ctx: &mut Context) {
         // SAFETY: state of the window's own framebuffer, which the program never sees.
         in_window(ctx, |gl| unsafe { gl.draw_buffer(api::GL_FRONT_AND_BACK) });
     }
-    ctx.unchanged.change("drawing to the front");
     frame(ctx);
     in_window(ctx, |gl| {
         // SAFETY: as above. Drivers show the front buffer in a flush while it is bound, and only then.
@@ -88,7 +85,6 @@ pub fn leave(ctx: &mut Context) {
     if super::front::draws_to_front(ctx) {
         super::front::show(ctx, true);
     } else {
-        ctx.unchanged.change("another window");
         correct(ctx);
         // The frame may be swapped by a thread without a context, which can read nothing.
         if let (Some(settings), Some(window)) = (settings::settings(), &ctx.window)
@@ -112,21 +108,14 @@ fn in_window(ctx: &Context, run: impl FnOnce(&Gl)) {
 
 /// Corrects the views into the window. Allocates nothing.
 fn correct(ctx: &mut Context) {
-    correct_into(ctx, None);
+    super::counting::aside(ctx, correct_now);
 }
 
-/// Corrects the views into the window, or into another framebuffer in its place.
-pub fn correct_into(ctx: &mut Context, framebuffer: Option<u32>) {
-    super::counting::aside(ctx, |ctx| correct_now(ctx, framebuffer));
-}
-
-fn correct_now(ctx: &mut Context, framebuffer: Option<u32>) {
+fn correct_now(ctx: &mut Context) {
     let Some(target) = ctx.target.take() else { return };
     target.resolve(ctx, None);
     let blank = target.blank();
-    let elsewhere: Option<Vec<_>> = framebuffer
-        .map(|framebuffer| target.outputs().iter().map(|output| Target { framebuffer, ..*output }).collect());
-    let (texture, outputs) = (target.texture(), elsewhere.as_deref().unwrap_or(target.outputs()));
+    let (texture, outputs) = (target.texture(), target.outputs());
     let pending = target.backend().present_but(ctx.gl, texture, outputs, blank.as_ref(), &ctx.known_state);
     if ctx.pending_error == api::GL_NO_ERROR {
         ctx.pending_error = pending;
@@ -140,19 +129,10 @@ fn frame(ctx: &mut Context) {
     let number = ctx.window.as_ref().map_or(ctx.counts.frames, |window| frames::count(window.handle()));
     let last = settings.frames == Some(number);
     let kept = last || settings.frames.is_none();
-    let unchanged = unchanged::end_frame(ctx);
     if is_hidden(ctx) && !(kept && settings.capture.is_some()) {
         ctx.counts.hidden_frames += 1;
     } else {
-        match unchanged {
-            Frame::Kept if settings.reuse == Reuse::Check => {
-                correct(ctx);
-                unchanged::kept::check(ctx);
-            }
-            Frame::Kept if unchanged::kept::show(ctx) => ctx.counts.reused_frames += 1,
-            Frame::Settled if unchanged::kept::keep(ctx) => {}
-            _ => correct(ctx),
-        }
+        correct(ctx);
     }
     if kept {
         keep_report(ctx, settings);
@@ -214,7 +194,6 @@ fn statistics(ctx: &Context, settings: &settings::Settings) -> Statistics {
     let mut statistics = Statistics {
         frames: ctx.counts.frames,
         hidden_frames: ctx.counts.hidden_frames,
-        reused_frames: ctx.counts.reused_frames,
         rig: settings.rig.name.clone(),
         driver: format!("{}, {}", ctx.gl.text(api::GL_VERSION), ctx.gl.text(api::GL_RENDERER)),
         draws_seen: ctx.counts.draws_seen,
@@ -226,7 +205,6 @@ fn statistics(ctx: &Context, settings: &settings::Settings) -> Statistics {
         duplicated_draws: super::duplicate::draws(ctx),
         duplicated_framebuffers,
         single_framebuffers,
-        changed_by: ctx.unchanged.reasons.iter().map(|(why, n)| (why.to_owned(), n)).collect(),
         projection_found: ctx.counts.found.iter().map(|(how, n)| (how.to_owned(), n)).collect(),
         batches_left_out: ctx.target.as_ref().map_or(0, |t| t.backend().left_out()),
         coarse_primitives: (!ctx.uncounted)

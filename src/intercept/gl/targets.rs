@@ -147,7 +147,6 @@ pub fn clear_window(ctx: &mut Context, mask: u32) {
     }
     let cleared = Cleared::by_mask(ctx, mask);
     let color = cleared.color;
-    super::unchanged::note_clear(ctx, mask);
     super::workload::look(ctx, cleared, mask & api::GL_STENCIL_BUFFER_BIT != 0);
     // SAFETY: the program's own call.
     if clear_with(ctx, cleared, |gl| unsafe { gl.clear(mask) }) && color {

@@ -1,7 +1,7 @@
 //! What the vendor wrappers of GLX and EGL have in common.
 
 use crate::intercept::{log, settings};
-use std::ffi::{CStr, c_void};
+use std::ffi::CStr;
 
 /// The entry point of a vendor library of libglvnd, which stays loaded; `None`, and a word in the log, where there
 /// is none. `variable` names the library to a user.
@@ -31,11 +31,10 @@ pub fn wanted() -> bool {
     !settings::switched_off() && settings::settings().is_some()
 }
 
-/// The function of ours that answers `name`, which the driver answers with `real`, unless the rig corrects nothing: then only
-/// frames are counted.
-pub fn hook(name: &str, real: *const c_void) -> Option<*const ()> {
+/// The function of ours that answers `name`, unless the rig corrects nothing: then only frames are counted.
+pub fn hook(name: &str) -> Option<*const ()> {
     let passthrough = settings::settings().is_none_or(|s| s.rig.passthrough);
-    if passthrough { None } else { super::hook::find(name).or_else(|| super::unchanged::taps::find(name, real)) }
+    if passthrough { None } else { super::hook::find(name) }
 }
 
 /// Calls the driver's function `$name` with `$arguments`; `real` in the caller's module finds it.

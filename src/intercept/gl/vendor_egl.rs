@@ -2,7 +2,6 @@
 
 use super::present;
 use super::registry;
-use super::unchanged;
 use super::vendor::{self, noted_calls, real_call};
 use super::window::Window;
 use crate::backend::gl::api::Gl;
@@ -151,13 +150,10 @@ unsafe extern "C" fn get_proc_address(name: *const c_char) -> Pointer {
         "eglReleaseThread" => release_thread as *const (),
         "eglWaitGL" => wait_gl as *const (),
         "eglWaitClient" => wait_client as *const (),
-        "eglBindTexImage" => bind_texture as *const (),
-        "eglCreateImage" => create_image as *const (),
-        "eglCreateImageKHR" => create_image_khr as *const (),
         "eglDestroySurface" => destroy_surface as *const (),
         "eglSetDamageRegionKHR" => set_damage_region as *const (),
         "eglPostSubBufferNV" => post_sub_buffer as *const (),
-        _ => match vendor::hook(text, real) {
+        _ => match vendor::hook(text) {
             Some(hook) => hook,
             None => return real,
         },
@@ -303,12 +299,6 @@ noted_calls! {
         |surface| note_surface(surface, x11_window(display, native));
     c"eglCreatePlatformWindowSurfaceEXT" create_platform_window_surface_ext(display: Pointer, config: Pointer, native: Pointer, attributes: *const c_int) -> Pointer,
         |surface| note_surface(surface, x11_window(display, native));
-    c"eglCreateImage" create_image(display: Pointer, context: Pointer, target: c_uint, buffer: Pointer, attributes: *const isize) -> Pointer,
-        |image| unchanged::give_up_in_the_current_context();
-    c"eglCreateImageKHR" create_image_khr(display: Pointer, context: Pointer, target: c_uint, buffer: Pointer, attributes: *const c_int) -> Pointer,
-        |image| unchanged::give_up_in_the_current_context();
-    c"eglBindTexImage" bind_texture(display: Pointer, surface: Pointer, buffer: c_int) -> c_uint,
-        |ok| unchanged::give_up_in_the_current_context();
     c"eglDestroySurface" destroy_surface(display: Pointer, surface: Pointer) -> c_uint,
         |ok| known(|k| k.surfaces.remove(&(surface as usize)));
 }

@@ -2,7 +2,6 @@
 
 use super::present;
 use super::registry;
-use super::unchanged;
 use super::vendor::{self, noted_calls, real_call};
 use super::window::Window;
 use crate::backend::gl::api::Gl;
@@ -106,15 +105,13 @@ unsafe extern "C" fn get_proc_address(name: *const u8) -> *mut c_void {
         "glXCreatePixmap" => create_pixmap as *const (),
         "glXCreateGLXPixmap" => create_glx_pixmap as *const (),
         "glXCreatePbuffer" => create_pbuffer as *const (),
-        "glXBindTexImageEXT" => bind_texture as *const (),
         "glXDestroyWindow" => destroy_window as *const (),
         "glXDestroyPixmap" => destroy_pixmap as *const (),
         "glXDestroyGLXPixmap" => destroy_glx_pixmap as *const (),
         "glXDestroyPbuffer" => destroy_pbuffer as *const (),
         "glXCopySubBufferMESA" => copy_sub_buffer as *const (),
         "glXWaitGL" => wait_gl as *const (),
-        "glXUseXFont" => use_font as *const (),
-        _ => match vendor::hook(text, real) {
+        _ => match vendor::hook(text) {
             Some(hook) => hook,
             None => return real,
         },
@@ -224,10 +221,6 @@ noted_calls! {
         |drawable| note_drawable(drawable, Drawable::OffScreen);
     c"glXCreatePbuffer" create_pbuffer(display: Pointer, config: Pointer, attributes: *const c_int) -> c_ulong,
         |drawable| note_drawable(drawable, Drawable::OffScreen);
-    // It makes display lists, by calls that nobody sees.
-    c"glXUseXFont" use_font(font: c_ulong, first: c_int, count: c_int, list: c_int) -> (), |done| unchanged::change_in_the_current_context();
-    c"glXBindTexImageEXT" bind_texture(display: Pointer, drawable: c_ulong, buffer: c_int, attributes: *const c_int) -> (),
-        |done| unchanged::give_up_in_the_current_context();
     c"glXDestroyWindow" destroy_window(display: Pointer, drawable: c_ulong) -> (), |done| forget_drawable(drawable);
     c"glXDestroyPixmap" destroy_pixmap(display: Pointer, drawable: c_ulong) -> (), |done| forget_drawable(drawable);
     c"glXDestroyGLXPixmap" destroy_glx_pixmap(display: Pointer, drawable: c_ulong) -> (), |done| forget_drawable(drawable);

@@ -43,11 +43,6 @@ impl Workload {
         self.stencil = true;
     }
 
-    /// Whether stencils may have to outlast a frame.
-    pub fn tests_stencils(&self) -> bool {
-        self.stencil
-    }
-
     /// The number of draws to plan for, a power of two; once, when it is known.
     fn take(&mut self) -> Option<u32> {
         if self.draws.is_some() || self.steady < STEADY_FRAMES {

@@ -122,11 +122,6 @@ impl VertexArrays {
         self.current = Some(place);
     }
 
-    /// Whether what is drawn may come from the arrays that belong to no object: only these can be in the program's memory.
-    pub fn may_be_the_program_s(&mut self) -> bool {
-        self.current().is_none_or(|object| object.name == 0)
-    }
-
     fn current(&mut self) -> Option<&mut Object> {
         self.current.and_then(|place| self.objects.get_mut(place))
     }
