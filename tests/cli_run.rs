@@ -105,7 +105,7 @@ fn wrong_options_start_nothing() {
         (&["--rig", rig][..], "rig.toml:3: output[0].aperture: 400 is out of range"),
         (&["--rig", "fishey"], "did you mean the preset `fisheye`?"),
         (&["--camera", "zom=2"], "did you mean `zoom`?"),
-        (&["--capture", "no/such/folder/a.png"], "no such folder"),
+        (&["--capture", "no/such/folder/a.png"], "the folder of this file does not exist"),
         (&["--size", "0x100"], "WIDTHxHEIGHT"),
         (&["--frames", "0"], "0"),
         (&["--bogus"], "--bogus"),

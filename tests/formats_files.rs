@@ -338,8 +338,8 @@ fn what_cannot_be_converted_is_refused() {
         (&["convert", "fisheye", out, "--output", "x"], "no output \"x\""),
         (&["convert", "fisheye", out, "--values", "points"], "--values picture"),
         (&["convert", "identity", out], "has no outputs"),
-        (&["convert", "fisheye", archive, "--profile", "3d"], "shows too much"),
-        (&["convert", "fisheye", archive, "--profile", "sl"], "no pinhole projector"),
+        (&["convert", "fisheye", archive, "--profile", "3d"], "too wide an angle"),
+        (&["convert", "fisheye", archive, "--profile", "sl"], "needs a pinhole projector"),
         (&["convert", "missing.mpcdi", out], "missing.mpcdi cannot be read"),
     ] {
         let output = cupola(arguments);

@@ -1,4 +1,4 @@
-//! A rig in words, and as JSON.
+//! Description of a rig as text and as JSON.
 
 use super::numbers::{degrees, meters, number};
 use super::words;
@@ -8,7 +8,7 @@ use cupola::views::{self, View, ViewPlan};
 use serde_json::{Value, json};
 use std::fmt::Write;
 
-/// The rig in words, a line per part.
+/// Description of the rig as text, one line for each part.
 pub fn words(rig: &Rig, window: (u32, u32), plan: &ViewPlan) -> String {
     let mut text = String::new();
     // Writing to a string cannot fail.
@@ -19,7 +19,7 @@ pub fn words(rig: &Rig, window: (u32, u32), plan: &ViewPlan) -> String {
 fn describe(text: &mut String, rig: &Rig, window: (u32, u32), plan: &ViewPlan) -> std::fmt::Result {
     writeln!(text, "{} is a valid rig.", rig.name)?;
     if rig.passthrough {
-        return writeln!(text, "The program's own picture is left alone.");
+        return writeln!(text, "The program's own picture is not changed.");
     }
     let dome = &rig.dome;
     writeln!(
@@ -57,7 +57,7 @@ fn describe(text: &mut String, rig: &Rig, window: (u32, u32), plan: &ViewPlan) -
         }
     }
     let method = match rig.views.method {
-        ViewMethod::Auto => "whatever is cheapest",
+        ViewMethod::Auto => "the cheapest arrangement",
         ViewMethod::Cube => "faces of one cube",
         ViewMethod::Single => "one for each output",
     };
@@ -87,14 +87,14 @@ fn describe(text: &mut String, rig: &Rig, window: (u32, u32), plan: &ViewPlan) -
     Ok(())
 }
 
-/// The outputs' sizes in a window.
+/// Sizes of the outputs in a window.
 fn sizes(rig: &Rig, window: (u32, u32)) -> Vec<(u32, u32)> {
     rig.layout(window).iter().map(|[_, _, width, height]| (*width, *height)).collect()
 }
 
-/// Where blending must jump, in words.
+/// Descriptions of the places where the light must change abruptly between outputs.
 fn jumps(rig: &Rig, sizes: &[(u32, u32)]) -> Vec<String> {
-    // A rig that cannot be followed has no crossings to tell of; the planner has said why.
+    // For a rig whose weights cannot be computed, the planner has reported the error.
     cupola::blend::crossings(rig, sizes).unwrap_or_default().iter().map(|crossing| words::jump(rig, crossing)).collect()
 }
 
@@ -127,7 +127,7 @@ fn kind(kind: &OutputKind) -> String {
     }
 }
 
-/// A projector with a lens or a mirror of its own.
+/// Description of a projector with a special lens or a mirror.
 fn special(optics: &Optics) -> String {
     let lens = match &optics.lens {
         Lens::Pinhole { frustum, distortion, keystone } => {
@@ -145,7 +145,7 @@ fn special(optics: &Optics) -> String {
     format!("projector {}, {lens}{mirror}", meters(optics.pose.position.to_array()))
 }
 
-/// How an output is weighted, where it is.
+/// Description of blending, mask, black level and flip of an output; empty if there is none.
 fn extras(output: &Output) -> String {
     let Blend { overlap, ramp, ramps, gamma, transfer, black_level, contrast, dither, .. } = &output.blend;
     let mut parts = Vec::new();
@@ -217,7 +217,7 @@ fn camera(camera: &Camera) -> String {
     parts.join(", ")
 }
 
-/// `, 10° to the right, 5° up` and so on; empty for straight ahead.
+/// Description of angles such as `, 10° to the right, 5° up`; empty for straight ahead.
 fn aim([yaw, pitch, roll]: [f64; 3]) -> String {
     let word = |angle: f64, positive, negative| match angle {
         0.0 => String::new(),
@@ -226,7 +226,7 @@ fn aim([yaw, pitch, roll]: [f64; 3]) -> String {
     word(yaw, "to the right", "to the left") + &word(pitch, "up", "down") + &word(roll, "clockwise", "counterclockwise")
 }
 
-/// An angle from the zenith to the front.
+/// Description of an angle from the zenith towards the front.
 fn upwards(tilt: f64) -> String {
     match tilt.to_degrees().round() as i64 {
         _ if tilt == 0.0 => "straight up".to_owned(),
@@ -243,7 +243,7 @@ fn opening(frustum: &Frustum) -> String {
     format!("from {left} to {right} across and {bottom} to {top} upwards")
 }
 
-/// The rig and its views for machines: metres, degrees, pixels from the top left, texels from the bottom left.
+/// The rig and its views as JSON: metres, degrees, pixels from the top left, texels from the bottom left.
 pub fn json(rig: &Rig, window: (u32, u32), plan: &ViewPlan) -> Value {
     let angles = |[yaw, pitch, roll]: [f64; 3]| json!({ "yaw": yaw.to_degrees(), "pitch": pitch.to_degrees(), "roll": roll.to_degrees() });
     let (viewer, camera) = (&rig.viewer, &rig.camera);
@@ -292,7 +292,7 @@ pub fn json(rig: &Rig, window: (u32, u32), plan: &ViewPlan) -> Value {
     })
 }
 
-/// A view for machines: axes as rows, tangents, texels of the atlas from the bottom left.
+/// A view as JSON: axes as rows, tangents, texels of the atlas from the bottom left.
 pub fn view(view: &View) -> Value {
     json!({
         "name": view.name,

@@ -59,7 +59,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// The TOML text of a rig.
+/// TOML text of a rig file or preset.
 fn text(name: &str) -> Result<String, Failure> {
     match presets().iter().find(|preset| preset.name == name) {
         Some(preset) => Ok(preset.text.to_owned()),

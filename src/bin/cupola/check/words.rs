@@ -1,4 +1,4 @@
-//! Screens, lenses and jumps of the light in words.
+//! Descriptions of screens, lenses and abrupt changes of the light.
 
 use super::numbers::{degrees, number};
 use cupola::blend::Crossing;
@@ -6,7 +6,7 @@ use cupola::geom::screen::{Screen, Shape};
 use cupola::geom::{FisheyeLens, Panorama, Projection};
 use cupola::rig::{Calibration, CalibrationValues, Rig};
 
-/// A screen's shape and size.
+/// Description of the shape and size of a screen.
 pub fn screen(screen: &Screen) -> String {
     let around = |azimuth: Option<[f64; 2]>| match azimuth {
         Some([from, to]) => format!(", from {} to {} around its axis", degrees(from), degrees(to)),
@@ -35,7 +35,7 @@ pub fn screen(screen: &Screen) -> String {
     }
 }
 
-/// A calibration's file, and what its values are.
+/// Description of a calibration: its file and the meaning of its values.
 pub fn calibration(calibration: &Calibration) -> String {
     let values = match calibration.values {
         CalibrationValues::Domemaster { aperture, .. } => {
@@ -48,7 +48,7 @@ pub fn calibration(calibration: &Calibration) -> String {
     format!("as {} says: {values}", calibration.file.display())
 }
 
-/// How a fisheye's radius grows with the angle.
+/// Name of the projection of a fisheye.
 pub fn projection(lens: &FisheyeLens) -> &'static str {
     match lens.projection {
         Projection::Equidistant => "equidistant",
@@ -60,7 +60,7 @@ pub fn projection(lens: &FisheyeLens) -> &'static str {
     }
 }
 
-/// The word for the kind of output that shows a panorama.
+/// The `kind` in a rig file of an output that shows a panorama.
 pub fn kind(panorama: &Panorama) -> &'static str {
     match panorama {
         Panorama::Fisheye(_) => "domemaster",
@@ -70,7 +70,7 @@ pub fn kind(panorama: &Panorama) -> &'static str {
     }
 }
 
-/// What a panorama shows.
+/// Description of a panorama.
 pub fn panorama(panorama: &Panorama) -> String {
     let kind = kind(panorama);
     match panorama {
@@ -83,12 +83,12 @@ pub fn panorama(panorama: &Panorama) -> String {
     }
 }
 
-/// A place where the light of two outputs must jump.
+/// Description of a place where the light of two outputs must change abruptly.
 pub fn jump(rig: &Rig, crossing: &Crossing) -> String {
     let [first, second] = crossing.outputs.map(|index| rig.outputs[index].name.as_str());
     let (polar, azimuth) = (degrees(crossing.polar), degrees(crossing.azimuth));
     format!(
         "the light of {first} and {second} meets abruptly {polar} from the pole, {azimuth} around it: their borders \
-         cross there with no third picture beneath"
+         cross there, and no third output covers the place"
     )
 }

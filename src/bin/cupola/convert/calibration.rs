@@ -1,4 +1,4 @@
-//! What calibration files say about their outputs.
+//! Reading of calibration files.
 
 use super::options::Values;
 use crate::failure::Failure;
@@ -10,30 +10,30 @@ use cupola::geom::{Lens, Optics, Pose};
 use glam::{DVec2, DVec3};
 use std::path::Path;
 
-/// Exponent of the response of displays of which a file does not say it.
+/// Exponent of the display's response where the file does not contain it.
 const USUAL_GAMMA: f64 = 2.2;
-/// Differences of black levels that do not count: half a step of 8 bits.
+/// Greatest difference of black levels that counts as equal: half a step of 8 bits.
 const EVEN: f32 = 0.5 / 255.0;
 
-/// What a calibration file says about one output.
+/// One output in a calibration file.
 pub struct Map {
-    /// Its name; may be empty where the file has only one.
+    /// Name; may be empty if the file has only one output.
     pub name: String,
-    /// Its resolution, if the file says it.
+    /// Resolution, if the file contains it.
     pub size: Option<(u32, u32)>,
-    /// The values; none where only the projector is described.
+    /// The map; `None` if the file describes only the projector.
     pub grid: Option<Grid>,
-    /// What they are.
+    /// Meaning of the values of the map.
     pub values: Values,
-    /// Weights beside those of the grid.
+    /// Weights, in addition to those of the grid.
     pub alpha: Option<mpcdi::Alpha>,
-    /// Light added to black, as a part of white.
+    /// Light added to black, as a fraction of white.
     pub black_level: f64,
-    /// Displayed values that black is raised to, where they are not the same everywhere.
+    /// Displayed values that black is raised to, if they are not the same everywhere.
     pub black: Option<Levels>,
-    /// The camera whose picture the grid's values lie in; they become directions.
+    /// Camera of the picture in which the values of the grid lie. The values are converted to directions.
     camera: Option<Camera>,
-    /// The projector, if it is described.
+    /// The projector, if the file describes it.
     pub lamp: Option<Optics>,
 }
 
@@ -42,7 +42,7 @@ impl Map {
         Self { name, size, grid, values, alpha: None, black_level: 0.0, black: None, camera: None, lamp: None }
     }
 
-    /// With these displayed values of black: as light where they are the same everywhere.
+    /// Sets the displayed values of black. Values that are the same everywhere are converted to light.
     fn with_black(mut self, levels: Option<Levels>) -> Self {
         let Some(levels) = levels else { return self };
         let (low, high) = levels.range();
@@ -54,12 +54,13 @@ impl Map {
         self
     }
 
-    /// Exponent of the display's response. Weights with the exponent 1 are parts of light, of whatever display.
+    /// Exponent of the display's response. Weights with the exponent 1 are fractions of light and say nothing about the
+    /// display.
     pub fn gamma(&self) -> f64 {
         self.alpha.as_ref().map_or(USUAL_GAMMA, |alpha| if alpha.gamma == 1.0 { USUAL_GAMMA } else { alpha.gamma })
     }
 
-    /// What is shown at a pixel of an output of `size` pixels: the value, and the factor on the displayed value.
+    /// Value at a pixel of an output of `size` pixels, and the factor on the displayed value.
     pub fn sample(&self, pixel: DVec2, size: (u32, u32)) -> Option<Sample> {
         let mut sample = self.grid.as_ref()?.sample(pixel, size)?;
         if let Some(alpha) = &self.alpha {
@@ -73,15 +74,15 @@ impl Map {
     }
 }
 
-/// The weight of the pixel that holds a place (0…1 from the top left).
+/// Weight of the pixel at a position (0…1 from the top left).
 fn weight(alpha: &mpcdi::Alpha, part: DVec2) -> f64 {
     let cell = |part: f64, count: u32| ((part * f64::from(count)) as usize).min(count.saturating_sub(1) as usize);
     let index = cell(part.y, alpha.size.1) * alpha.size.0 as usize + cell(part.x, alpha.size.0);
     alpha.weights.get(index).map_or(1.0, |weight| f64::from(*weight))
 }
 
-/// Reads a calibration file; `None` if a name that ends so is that of none. `values`: what those of a map are whose file
-/// does not say it.
+/// Reads a calibration file. Returns `None` if the extension is not that of a calibration file. `values` is the meaning of
+/// the values of maps whose file does not define it.
 pub fn open(name: &str, ending: &str, values: Values) -> Result<Option<Noted<Vec<Map>>>, Failure> {
     let read = || read_file(Path::new(name));
     let single = |grid: Grid, size| vec![Map::new(String::new(), size, Some(grid), values)];
@@ -106,7 +107,9 @@ pub fn open(name: &str, ending: &str, values: Values) -> Result<Option<Noted<Vec
                 (maps[0].values, maps[0].camera) = (Values::Directions, Some(camera));
                 if camera.offset != DVec3::ZERO {
                     let offset = camera.offset;
-                    notes.push(format!("{name}: the eye point is off the origin by {offset}; put the viewer there"));
+                    notes.push(format!(
+                        "{name}: the eye point is at {offset}, not at the origin; set the viewer's position to it"
+                    ));
                 }
             }
             (maps, notes)
@@ -115,7 +118,7 @@ pub fn open(name: &str, ending: &str, values: Values) -> Result<Option<Noted<Vec
             let set = vwf::read(name, &read()?)?;
             let mut notes = set.notes;
             if set.value.iter().any(|map| map.blend.is_some() || map.black.is_some() || map.white.is_some()) {
-                notes.push(format!("{name}: pictures are taken as those of displays with gamma {USUAL_GAMMA}"));
+                notes.push(format!("{name}: the pictures are assumed to be for displays with gamma {USUAL_GAMMA}"));
             }
             (set.value.into_iter().map(vioso).collect(), notes)
         }
@@ -129,7 +132,7 @@ pub fn open(name: &str, ending: &str, values: Values) -> Result<Option<Noted<Vec
     Ok(Some(Noted { value, notes }))
 }
 
-/// A channel of a set of VIOSO's.
+/// A channel of a VIOSO file.
 fn vioso(map: vwf::VwfMap) -> Map {
     let values = if map.points { Values::Points } else { Values::Picture };
     let size = Some(map.raster.size());
@@ -143,7 +146,7 @@ fn vioso(map: vwf::VwfMap) -> Map {
     opened.with_black(map.black)
 }
 
-/// Both weights, at the pixels of the first.
+/// Product of two weights, at the pixels of the first.
 fn product(mut first: mpcdi::Alpha, second: &mpcdi::Alpha) -> mpcdi::Alpha {
     let (width, height) = first.size;
     for (index, value) in (0..width * height).zip(&mut first.weights) {
@@ -153,7 +156,7 @@ fn product(mut first: mpcdi::Alpha, second: &mpcdi::Alpha) -> mpcdi::Alpha {
     first
 }
 
-/// A region of an archive.
+/// A region of an MPCDI archive.
 fn region(region: mpcdi::Region, profile: mpcdi::Profile) -> Map {
     let values = match profile {
         mpcdi::Profile::Flat => Values::Picture,

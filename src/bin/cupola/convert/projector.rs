@@ -1,13 +1,14 @@
-//! Keys of projectors for the rig file.
+//! Keys of projectors in a rig file.
 
 use crate::failure::Failure;
 use cupola::geom::{Frustum, Lens, Optics, Projection, pose};
 use glam::{DMat3, DVec2};
 
-/// The place, the aim and the lens of a projector without a mirror, whose picture is `aspect` times as wide as high.
+/// Keys for position, orientation and lens of a projector without a mirror. `aspect` is the width of its picture divided
+/// by the height.
 ///
 /// # Errors
-/// For lenses that no calibration describes.
+/// Fails for lenses that no calibration file describes.
 pub fn keys(optics: &Optics, aspect: f64) -> Result<String, Failure> {
     let [x, y, z] = optics.pose.position.to_array().map(tidy);
     let aim = angles(&optics.pose.rotation);
@@ -36,16 +37,16 @@ pub fn keys(optics: &Optics, aspect: f64) -> Result<String, Failure> {
 }
 
 fn unknown() -> Failure {
-    Failure::new("a calibration has a lens that is not written into rigs")
+    Failure::new("the calibration has a lens that cannot be written to a rig")
 }
 
-/// A turn.
+/// Keys for an orientation.
 pub fn angles(rotation: &DMat3) -> String {
     let [yaw, pitch, roll] = pose::angles(rotation).map(|angle| tidy(angle.to_degrees()));
     format!("yaw = {yaw:?}\npitch = {pitch:?}\nroll = {roll:?}\n")
 }
 
-/// The opening of a flat picture.
+/// Keys for the opening of a flat picture.
 pub fn opening(frustum: &Frustum) -> String {
     let Frustum { left, right, bottom, top } = *frustum;
     let [left, right, bottom, top] = [left, right, bottom, top].map(|side| tidy(side.atan().to_degrees()));

@@ -1,4 +1,4 @@
-//! Rigs made of calibrations and of other programs' configurations.
+//! Writing of rigs from calibrations and from configurations of other programs.
 
 use super::options::Values;
 use super::projector;
@@ -12,8 +12,8 @@ use glam::DVec3;
 use std::fmt::Write;
 use std::path::Path;
 
-/// Writes a rig with an output for each channel, and a map and weights for each beside it. Channels of which only the
-/// projector is known become projectors, with `projectors` all whose projector is.
+/// Writes a rig with an output for each channel, and a map and weights for each output to separate files. Channels of
+/// which only the projector is known become projectors; with `projectors`, all channels whose projector is known.
 pub fn from_channels(path: &Path, from: &str, channels: &[Channel], projectors: bool) -> Result<Vec<Written>, Failure> {
     let mut text = heading(from);
     let mut written = Vec::new();
@@ -65,13 +65,9 @@ pub fn from_channels(path: &Path, from: &str, channels: &[Channel], projectors: 
         None => {
             let _ = writeln!(
                 text,
-                "radius = {:.4} # metres{}\ntilt = 0.0 # degrees; the file does not say it\ncoverage = 180.0 # degrees; the file does not say it",
+                "radius = {:.4} # metres{}\ntilt = 0.0 # degrees; not in the file\ncoverage = 180.0 # degrees; not in the file",
                 radius.unwrap_or(5.0),
-                if radius.is_some() {
-                    ": the points' mean distance from the origin"
-                } else {
-                    "; the file does not say it"
-                },
+                if radius.is_some() { ": the points' mean distance from the origin" } else { "; not in the file" },
             );
         }
     }
@@ -81,12 +77,12 @@ pub fn from_channels(path: &Path, from: &str, channels: &[Channel], projectors: 
     Ok(written)
 }
 
-/// A channel's name, or its number where it has none.
+/// Name of a channel, or its number if it has no name.
 fn label(channel: &Channel, index: usize) -> String {
     if channel.name.is_empty() { (index + 1).to_string() } else { channel.name.clone() }
 }
 
-/// A projector that a calibration describes. Weights of its own take the place of those that its neighbours would give it.
+/// Keys of a projector that a calibration describes. Weights in the calibration replace blending with neighbours.
 fn described_projector(
     channel: &Channel,
     optics: &Optics,
@@ -105,14 +101,14 @@ fn described_projector(
     Ok(keys)
 }
 
-/// The display's keys of `blend`.
+/// Keys of `blend` that describe the display.
 fn display(channel: &Channel) -> String {
     let level =
         if channel.black_level > 0.0 { format!(", black_level = {:?}", channel.black_level) } else { String::new() };
     format!("gamma = {}{level}", channel.gamma)
 }
 
-/// Writes parts of light as a picture, and gives the key that names it; nothing where all light is let through.
+/// Writes fractions of light as a picture and returns the key that refers to it. Writes nothing if all fractions are 1.
 pub fn mask(file: &Path, size: (u32, u32), light: Vec<f64>) -> Result<String, Failure> {
     if light.iter().all(|light| (light - 1.0).abs() <= 1e-4) {
         return Ok(String::new());
@@ -124,10 +120,10 @@ pub fn mask(file: &Path, size: (u32, u32), light: Vec<f64>) -> Result<String, Fa
 /// The first line of a rig file: where the rig comes from.
 pub fn heading(from: &str) -> String {
     let name = Path::new(from).file_name().unwrap_or_default().to_string_lossy().replace(char::is_control, "");
-    format!("# Made of {name} by `cupola convert`.\n")
+    format!("# Converted from {name} by `cupola convert`.\n")
 }
 
-/// Text as TOML has it.
+/// Text as a TOML string.
 pub fn quoted(text: &str) -> String {
     let mut quoted = String::from("\"");
     for character in text.chars() {
@@ -141,7 +137,7 @@ pub fn quoted(text: &str) -> String {
     quoted
 }
 
-/// A name out of a file as rigs allow it.
+/// A name from a file, reduced to the characters that rigs allow.
 fn harmless(name: &str) -> String {
     let kept: String =
         name.chars().map(|c| if c.is_ascii_alphanumeric() || "-_.".contains(c) { c } else { '-' }).collect();
@@ -153,14 +149,14 @@ pub fn file_name(path: &Path) -> String {
     path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-/// The mean distance of a map's points from the origin.
+/// Mean distance of the points of a map from the origin.
 fn mean_distance(map: &Raster) -> Option<f64> {
     let distances = map.values().iter().map(|value| DVec3::from_array(value.map(f64::from)).length());
     let (sum, count) = distances.filter(|distance| distance.is_finite()).fold((0.0, 0.0), |(s, n), d| (s + d, n + 1.0));
     (count > 0.0 && sum > 0.0).then(|| sum / count)
 }
 
-/// Parts of light as a grey picture of 16 bits.
+/// Fractions of light as a grey PNG picture with 16 bits.
 fn mask_picture((width, height): (u32, u32), light: &[f64]) -> Result<Vec<u8>, Failure> {
     let values = light.iter().map(|light| (light.clamp(0.0, 1.0) * 65535.0).round() as u16).collect();
     let picture: Option<image::ImageBuffer<image::Luma<u16>, Vec<u16>>> =
@@ -168,6 +164,6 @@ fn mask_picture((width, height): (u32, u32), light: &[f64]) -> Result<Vec<u8>, F
     let picture = picture.ok_or_else(|| Failure::new("an output has no pixels"))?;
     let mut bytes = std::io::Cursor::new(Vec::new());
     let written = picture.write_to(&mut bytes, image::ImageFormat::Png);
-    written.map_err(|error| Failure::new(format!("a mask cannot be packed: {error}")))?;
+    written.map_err(|error| Failure::new(format!("a mask cannot be compressed: {error}")))?;
     Ok(bytes.into_inner())
 }

@@ -1,7 +1,7 @@
-//! Rigs made of configurations of SGCT.
+//! Conversion of SGCT configurations to rigs.
 //!
-//! A mirrored viewport without a mesh is a mirrored output. With a mesh it is not: the mesh stays where it is and looks at mirrored
-//! places, so it is written anew, and so is the mask, which is mirrored.
+//! A mirrored viewport without a mesh becomes a mirrored output. A mirrored viewport with a mesh does not: the mesh keeps
+//! its place and gets mirrored values. The mesh and the mirrored mask are written to new files.
 
 use super::projector;
 use super::rig::{file_name, heading, mask, quoted};
@@ -14,8 +14,8 @@ use glam::DVec2;
 use std::fmt::Write;
 use std::path::Path;
 
-/// Writes a rig for each computer of a configuration of SGCT, whose pictures are all those of one eye point. What is
-/// said about it, to people, goes to `notes`.
+/// Writes a rig for each computer of an SGCT configuration. All pictures have the same eye point. Remarks for the user
+/// are added to `notes`.
 pub fn rigs(path: &Path, from: &str, config: &sgct::Config, notes: &mut Vec<String>) -> Result<Vec<Written>, Failure> {
     let mut written = Vec::new();
     for (index, node) in config.nodes.iter().enumerate() {
@@ -37,7 +37,7 @@ pub fn rigs(path: &Path, from: &str, config: &sgct::Config, notes: &mut Vec<Stri
             outputs += 1;
         }
         if outputs == 0 {
-            notes.push(format!("{from}: nothing of the computer {:?} can be shown", node.address));
+            notes.push(format!("{from}: no viewport of the computer {:?} can be converted", node.address));
             continue;
         }
         let file =
@@ -51,14 +51,14 @@ pub fn rigs(path: &Path, from: &str, config: &sgct::Config, notes: &mut Vec<Stri
     }
 }
 
-/// The keys of a viewport's output; `None` for what has no counterpart.
+/// Keys of the output for a viewport; `None` if it has no counterpart.
 fn output(
     viewport: &sgct::Viewport,
     name: &str,
     place: &Place,
     notes: &mut Vec<String>,
 ) -> Result<Option<String>, Failure> {
-    // A warp mesh shows places of what would be the picture without it.
+    // The values of a warp mesh are positions in the picture that would be shown without it.
     let mesh = viewport.mesh.as_deref().filter(|mesh| is_warp_mesh(mesh));
     let shows_places = mesh.is_some() && !matches!(viewport.projection, sgct::Projection::Mirror { .. });
     let anew = shows_places && viewport.mirrored != [false; 2];
@@ -84,7 +84,7 @@ fn output(
             return Ok(None);
         }
     };
-    // A mirror's light is in its mask already.
+    // The mask of a mirror already contains its light.
     if let (Some(mask), false) = (&viewport.mask, matches!(viewport.projection, sgct::Projection::Mirror { .. })) {
         let (size, light) = light_of(mask, if anew { viewport.mirrored } else { [false; 2] }, place)?;
         keys.push_str(&self::mask(&file_beside(place.to, 0, &place.number, "png"), size, light)?);
@@ -95,7 +95,9 @@ fn output(
         let _ = writeln!(keys, "flip = \"{}\"", flip.word());
     }
     if let (Some(mesh), None) = (&viewport.mesh, mesh) {
-        notes.push(format!("{name}: the mesh {mesh} is left out; convert it, and make the output kind = \"mesh\""));
+        notes.push(format!(
+            "{name}: the mesh {mesh} is left out; convert it and use it in an output with kind = \"mesh\""
+        ));
     }
     match viewport.eye {
         Some(sgct::Eye::Left) => keys.push_str("eye = -0.0325\n"),
@@ -105,17 +107,17 @@ fn output(
     Ok(Some(keys))
 }
 
-/// Where a configuration's files are.
+/// Location of the files of a configuration.
 struct Place<'a> {
-    /// The configuration; files that it names are beside it.
+    /// The configuration file. The files that it names are in the same folder.
     from: &'a Path,
-    /// The rig.
+    /// The rig file.
     to: &'a Path,
-    /// Computer and viewport, in names of files.
+    /// Numbers of computer and viewport, for file names.
     number: String,
 }
 
-/// The keys of an output by way of a mirror: what the meshes of the four faces show together becomes one map of directions.
+/// Keys of an output with a mirror. The meshes of the four faces are combined to one map of directions.
 fn mirror(viewport: &sgct::Viewport, tilt: f64, meshes: &[String; 4], place: &Place) -> Result<String, Failure> {
     let [_, _, width, height] = viewport.place;
     let size = (width as u32, height as u32);
@@ -129,7 +131,7 @@ fn mirror(viewport: &sgct::Viewport, tilt: f64, meshes: &[String; 4], place: &Pl
     let mut light = Vec::with_capacity(values.capacity());
     for (row, column) in (0..size.1).flat_map(|row| (0..size.0).map(move |column| (row, column))) {
         let pixel = DVec2::new(f64::from(column), f64::from(row)) + 0.5;
-        // The last one drawn is seen.
+        // The mesh that is drawn last is visible.
         let shown = faces.iter().rev().find_map(|(mesh, axes)| Some((mesh.sample(pixel, size)?, axes)));
         match shown {
             Some((sample, axes)) => {
@@ -156,7 +158,7 @@ fn mirror(viewport: &sgct::Viewport, tilt: f64, meshes: &[String; 4], place: &Pl
     ))
 }
 
-/// Writes a mesh that looks at mirrored places of its picture, and gives its name.
+/// Writes a mesh with mirrored values and returns its file name.
 fn mirrored_mesh(mesh: &str, [across, up]: [bool; 2], place: &Place) -> Result<String, Failure> {
     let path = place.from.with_file_name(mesh);
     let mut mesh = bourke::read(&path.to_string_lossy(), &read_file(&path)?)?.value;
@@ -169,7 +171,7 @@ fn mirrored_mesh(mesh: &str, [across, up]: [bool; 2], place: &Place) -> Result<S
     Ok(file_name(&to))
 }
 
-/// The parts of light that a mask of factors on displayed values leaves, row by row from the top, mirrored.
+/// Fractions of light of a mask of factors on displayed values, row by row from the top, mirrored.
 fn light_of(mask: &str, [across, up]: [bool; 2], place: &Place) -> Result<((u32, u32), Vec<f64>), Failure> {
     let path = place.from.with_file_name(mask);
     let picture = image::load_from_memory(&read_file(&path)?)
@@ -182,9 +184,9 @@ fn light_of(mask: &str, [across, up]: [bool; 2], place: &Place) -> Result<((u32,
     Ok(((width, height), places.map(|(x, y)| decode(weight(x, y), GAMMA)).collect()))
 }
 
-/// Multiplies the light of a picture's pixels by weights that are stretched over it, bilinear.
+/// Multiplies the light of the pixels of a picture by weights that are stretched over it, with bilinear interpolation.
 fn multiply(light: &mut [f64], size: (u32, u32), weights: &[f64], of_weights: (u32, u32)) {
-    // The two of `count` weights about a pixel, and the part of the second.
+    // The two weights next to a pixel, and the share of the second.
     let about = |at: u32, pixels: u32, count: u32| {
         let place = (f64::from(at) + 0.5) * f64::from(count) / f64::from(pixels) - 0.5;
         let place = place.clamp(0.0, f64::from(count - 1));
@@ -203,10 +205,10 @@ fn multiply(light: &mut [f64], size: (u32, u32), weights: &[f64], of_weights: (u
     }
 }
 
-/// The response for which factors on displayed values are made light, as the file does not say it.
+/// Exponent of the display's response that is assumed where the file does not contain it.
 const GAMMA: f64 = 2.2;
 
-/// Whether a file is a mesh that rigs read, by its name.
+/// Whether a file name has the extension of a warp mesh that rigs can use.
 fn is_warp_mesh(name: &str) -> bool {
     let ending = Path::new(name).extension().unwrap_or_default();
     ["data", "map"].iter().any(|known| ending.eq_ignore_ascii_case(known))

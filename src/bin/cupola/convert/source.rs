@@ -1,4 +1,4 @@
-//! What is converted: the outputs of a rig, or what a calibration file says.
+//! Sources of a conversion: the outputs of a rig or of a calibration file.
 
 use super::calibration::{self, Map};
 use super::options::{Arguments, Values, ending};
@@ -12,11 +12,11 @@ use cupola::warp::WarpMap;
 use glam::{DVec2, DVec3};
 use std::path::Path;
 
-/// What was opened.
+/// An opened source.
 pub enum Source {
-    /// A rig, and what a domemaster of its dome shows.
+    /// A rig, and the map of a domemaster of its dome.
     Rig(Box<(Rig, WarpMap)>),
-    /// A configuration of SGCT.
+    /// An SGCT configuration.
     Sgct { config: sgct::Config, notes: Vec<String> },
     /// The maps of a calibration file.
     Maps { maps: Vec<Map>, notes: Vec<String> },
@@ -24,21 +24,21 @@ pub enum Source {
 
 /// One output that is converted.
 pub struct Channel<'source> {
-    /// Its name; may be empty where a file has only one.
+    /// Name; may be empty if the file has only one output.
     pub name: String,
-    /// Its resolution in pixels.
+    /// Resolution in pixels.
     pub size: (u32, u32),
-    /// What the values are.
+    /// Meaning of the values.
     pub values: Values,
-    /// Exponent of the display's response, which turns factors on displayed values into parts of light.
+    /// Exponent of the display's response, which converts factors on displayed values to fractions of light.
     pub gamma: f64,
-    /// Light added to black, as a part of white.
+    /// Light added to black, as a fraction of white.
     pub black_level: f64,
-    /// Displayed values that black is raised to, a pixel for each of the output, where they are not the same everywhere.
+    /// Displayed values that black is raised to, one for each pixel of the output, if they are not the same everywhere.
     pub black: Option<Levels>,
-    /// The projector, if there is one without a mirror, in dome axes.
+    /// The projector in dome axes, if there is one without a mirror.
     pub lamp: Option<Optics>,
-    /// The dome, if a rig tells it.
+    /// The dome, if the source is a rig.
     pub dome: Option<Dome>,
     kind: Kind<'source>,
 }
@@ -48,7 +48,7 @@ enum Kind<'source> {
     Map(&'source Map),
 }
 
-/// Opens what is to be converted; a calibration file is known by its name's ending.
+/// Opens the source of a conversion. Calibration files are recognised by their extension.
 pub fn open(arguments: &Arguments) -> Result<Source, Failure> {
     let name = arguments.from.as_str();
     let ending = ending(Path::new(name));
@@ -67,7 +67,7 @@ pub fn open(arguments: &Arguments) -> Result<Source, Failure> {
     Ok(Source::Rig(Box::new((rig, content))))
 }
 
-/// A domemaster of the rig's dome, 1 × 1 so that its pixel positions are parts of the picture.
+/// The map of a domemaster of the rig's dome. Its size is 1 × 1, so that pixel positions are fractions of the picture.
 fn domemaster(rig: &Rig) -> Result<WarpMap, Failure> {
     let mut rig = rig.clone();
     rig.outputs.truncate(1);
@@ -77,7 +77,7 @@ fn domemaster(rig: &Rig) -> Result<WarpMap, Failure> {
 }
 
 impl Source {
-    /// What was assumed about the file.
+    /// Assumptions about the file, for the user.
     pub fn notes(&self) -> &[String] {
         match self {
             Self::Rig(_) => &[],
@@ -85,7 +85,7 @@ impl Source {
         }
     }
 
-    /// The outputs that are converted, of the wanted sizes.
+    /// The outputs to convert.
     pub fn channels(&self, arguments: &Arguments) -> Result<Vec<Channel<'_>>, Failure> {
         let wanted = |name: &str| arguments.output.as_deref().is_none_or(|wanted| wanted == name);
         let mut channels = Vec::new();
@@ -116,7 +116,7 @@ impl Source {
             Self::Maps { maps, .. } => {
                 for map in maps.iter().filter(|map| wanted(&map.name)) {
                     let size = arguments.size.or(map.size).ok_or_else(|| {
-                        Failure::usage("the file does not say the output's size in pixels; give it with --size WxH")
+                        Failure::usage("the file does not contain the size of the output; give it with --size WxH")
                     })?;
                     let kind = Kind::Map(map);
                     channels.push(Channel {
@@ -140,7 +140,7 @@ impl Source {
     }
 }
 
-/// What an output's black is raised to, displayed values, mirrored as the output is.
+/// Displayed values that the black of an output is raised to, mirrored like the output.
 fn black(output: &Output, size: (u32, u32)) -> Option<Levels> {
     let black = output.black.as_deref()?;
     let mut levels = black.levels.resized(size);
@@ -153,7 +153,7 @@ fn black(output: &Output, size: (u32, u32)) -> Option<Levels> {
     Some(levels)
 }
 
-/// The projector of an output, if it is one without a mirror, and its picture is not mirrored.
+/// The projector of an output; `None` if it has a mirror or a mirrored picture, or if there is none.
 fn lamp(output: &Output) -> Option<Optics> {
     match &output.kind {
         _ if !output.flip.is_none() => None,
@@ -166,14 +166,14 @@ fn lamp(output: &Output) -> Option<Optics> {
     }
 }
 
-/// `sizes` with the one of `index` replaced.
+/// `sizes` with the size at `index` replaced.
 fn with(mut sizes: Vec<(u32, u32)>, index: usize, size: (u32, u32)) -> Vec<(u32, u32)> {
     sizes[index] = size;
     sizes
 }
 
 impl Channel<'_> {
-    /// What is shown at a pixel (from the top left, centres at +½): the value, and the factor on the displayed value.
+    /// Value at a pixel (from the top left, centres at +½), and the factor on the displayed value.
     pub fn sample(&self, pixel: DVec2) -> Option<Sample> {
         match &self.kind {
             Kind::Map(map) => map.sample(pixel, self.size),
@@ -185,24 +185,24 @@ impl Channel<'_> {
         }
     }
 
-    /// What black is raised to: a picture, or a single level, 1 × 1; `None` for nothing.
+    /// Displayed values that black is raised to: a picture, or 1 × 1 for a single level; `None` if black is not raised.
     pub fn levels(&self) -> Option<Levels> {
         let level = encode(self.black_level, self.gamma) as f32;
         self.black.clone().or_else(|| (level > 0.0).then(|| Levels::even((1, 1), level)))
     }
 
-    /// Whether there is a value for each pixel, not only a projector.
+    /// Whether there is a map, not only a projector.
     pub fn has_map(&self) -> bool {
         !matches!(&self.kind, Kind::Map(map) if map.grid.is_none())
     }
 
-    /// The projector that a calibration describes, and its weights.
+    /// The projector that a calibration file describes, and its weights.
     pub fn described_projector(&self) -> Option<(&Optics, Option<&mpcdi::Alpha>)> {
         let Kind::Map(map) = &self.kind else { return None };
         Some((map.lamp.as_ref()?, map.alpha.as_ref()))
     }
 
-    /// The exact map, and the direction that the viewer sees at a value, where a rig tells them.
+    /// The exact map, and the function from a value to the direction that the viewer sees; `None` without a rig.
     pub fn exact(&self) -> Option<(&WarpMap, impl Fn(DVec3) -> Option<DVec3>)> {
         let Kind::Output { map, rig, content, .. } = &self.kind else { return None };
         let values = self.values;
@@ -215,7 +215,7 @@ impl Channel<'_> {
     }
 }
 
-/// The value of a pixel. A picture that has no place on the dome is put where the viewer sees it there.
+/// The value of a pixel. If the pixel has no point on the dome, the point is where the viewer's ray meets the screen.
 fn value(rig: &Rig, content: &WarpMap, map: &WarpMap, values: Values, pixel: DVec2) -> Option<DVec3> {
     if values == Values::Directions {
         return map.direction(pixel);

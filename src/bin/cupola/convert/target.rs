@@ -1,4 +1,4 @@
-//! What is written.
+//! Writing of outputs in the formats of other programs.
 
 use super::options::{ArchiveProfile, ArchiveVersion, Arguments, Format, Values, ending};
 use super::rig;
@@ -11,7 +11,7 @@ use cupola::warp::{MapError, compare};
 use glam::{DMat3, DVec2, DVec3};
 use std::path::Path;
 
-/// Greatest angle of a side of a camera's picture, degrees.
+/// Greatest angle between a side of a camera's picture and its axis, degrees.
 const WIDEST_CAMERA: f64 = 85.0;
 
 /// Writes the channels as `format`.
@@ -24,18 +24,18 @@ pub fn write(arguments: &Arguments, format: Format, channels: &[Channel]) -> Res
     };
     if let Some(channel) = channels.iter().find(|channel| format != Format::Rig && !channel.has_map()) {
         return Err(Failure::usage(format!(
-            "of {:?} only the projector is known, not what it shows: write a rig (.toml), give it its screen, and convert that",
+            "the file describes only the projector of {:?} and contains no map; write a rig (.toml), add its screen, and convert that rig",
             channel.name
         )));
     }
     match format {
         Format::Rig => rig::from_channels(path, &arguments.from, channels, arguments.projectors),
         Format::Bourke if values != Values::Picture => Err(Failure::usage(format!(
-            "a warp mesh has positions in a picture, not {}; use --values picture",
+            "a warp mesh contains positions in a picture, not {}; use --values picture",
             values.words()
         ))),
         Format::Vwf if values == Values::Directions => Err(Failure::usage(
-            "this format has positions in a picture or points, not directions; write a .pfm or .mpcdi file",
+            "this format contains positions in a picture or points, not directions; write a .pfm or .mpcdi file",
         )),
         Format::Bourke => each(path, channels, |channel| mesh(channel, arguments.nodes)),
         Format::Pfm => {
@@ -46,7 +46,7 @@ pub fn write(arguments: &Arguments, format: Format, channels: &[Channel]) -> Res
                 let (raster, weights) = raster(channel)?;
                 let size = raster.size();
                 let picture = |values| vwf::Picture { size, values };
-                // Where nothing is shown nothing is weighed.
+                // Pixels that show nothing have no weight.
                 let weighed =
                     raster.values().iter().zip(&weights).any(|(value, weight)| !value[0].is_nan() && *weight < 1.0);
                 Ok(vwf::VwfMap {
@@ -78,7 +78,7 @@ pub fn write(arguments: &Arguments, format: Format, channels: &[Channel]) -> Res
     }
 }
 
-/// A channel as a region of an archive.
+/// A channel as a region of an MPCDI archive.
 fn region(channel: &Channel, profile: mpcdi::Profile) -> Result<mpcdi::Region, Failure> {
     let (mut warp, weights) = raster(channel)?;
     let (camera, fisheye) = match profile {
@@ -105,7 +105,7 @@ fn region(channel: &Channel, profile: mpcdi::Profile) -> Result<mpcdi::Region, F
     })
 }
 
-/// A channel's projector as profile sl has it: a pinhole, or a fisheye whose radius is a polynomial.
+/// The projector of a channel for profile sl: a pinhole, or a fisheye with a polynomial.
 fn projector(channel: &Channel) -> Result<(Option<Camera>, Option<Optics>), Failure> {
     match &channel.lamp {
         Some(Optics { pose, lens: Lens::Pinhole { frustum, distortion, keystone }, .. })
@@ -120,13 +120,13 @@ fn projector(channel: &Channel) -> Result<(Option<Camera>, Option<Optics>), Fail
             Ok((None, Some(optics.clone())))
         }
         _ => Err(Failure::usage(format!(
-            "output {:?} is no pinhole projector, and none with an equidistant or polynomial fisheye, which profile sl needs, or it is mirrored",
+            "profile sl needs a pinhole projector or one with an equidistant or polynomial fisheye; output {:?} is not, or it is mirrored",
             channel.name
         ))),
     }
 }
 
-/// A camera whose picture has all of the directions, upright and centred on their mean.
+/// A camera whose picture contains all directions, upright and centred on their mean.
 fn looking_at(name: &str, directions: &Raster) -> Result<Camera, Failure> {
     let shown =
         || directions.values().iter().map(|value| DVec3::from_array(value.map(f64::from))).filter(|v| v.is_finite());
@@ -136,21 +136,21 @@ fn looking_at(name: &str, directions: &Raster) -> Result<Camera, Failure> {
     let camera = Camera { offset: DVec3::ZERO, rotation, frustum: plain };
     let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
     for direction in shown() {
-        // Behind the camera: as far out as can be, to be refused below.
+        // Directions behind the camera are infinitely far out and refused below.
         let place = camera.place(direction).unwrap_or(DVec2::INFINITY);
         (low, high) = (low.min(place), high.max(place));
     }
     let widest = WIDEST_CAMERA.to_radians().tan();
     if !(low.cmpge(DVec2::splat(-widest)).all() && high.cmple(DVec2::splat(widest)).all() && low.cmplt(high).all()) {
         return Err(Failure::usage(format!(
-            "output {name:?} shows too much, or nothing, for one perspective picture; write profile 2d or a3"
+            "output {name:?} shows nothing or too wide an angle for one perspective picture; write profile 2d or a3"
         )));
     }
     let frustum = Frustum { left: low.x, right: high.x, bottom: low.y, top: high.y };
     Ok(Camera { frustum, ..camera })
 }
 
-/// Writes a file for each channel: the path itself for the only one, else PATH-NAME.
+/// Writes a file for each channel: to `path` if there is one channel, otherwise to PATH-NAME.
 fn each(
     path: &Path,
     channels: &[Channel],
@@ -167,10 +167,10 @@ fn each(
     Ok(written)
 }
 
-/// A warp mesh of `nodes` columns and rows, and its error between them.
+/// A warp mesh with this number of columns and rows, and its error between the nodes.
 fn mesh(channel: &Channel, (columns, rows): (u32, u32)) -> Result<(Vec<u8>, Option<MapError>), Failure> {
     if columns < 2 || rows < 2 {
-        return Err(Failure::usage("a warp mesh has at least 2x2 nodes"));
+        return Err(Failure::usage("a warp mesh needs at least 2x2 nodes"));
     }
     let (width, height) = (f64::from(channel.size.0), f64::from(channel.size.1));
     let mut nodes = Vec::new();
@@ -187,7 +187,7 @@ fn mesh(channel: &Channel, (columns, rows): (u32, u32)) -> Result<(Vec<u8>, Opti
     let arrangement = bourke::Arrangement::Rectangular;
     let (columns, rows) = (columns as usize, rows as usize);
     let text = bourke::write(&bourke::WarpMesh { arrangement, columns, rows, nodes });
-    // What was rounded in the text counts too.
+    // The error includes the rounding of numbers in the text.
     let grid = Grid::Mesh(bourke::read("the mesh", text.as_bytes())?.value.mesh("the mesh")?);
     let error = channel.exact().map(|(exact, direction)| {
         let seen = |x: u32, y: u32| {

@@ -1,4 +1,4 @@
-//! Files that are written, and the pixels of one output.
+//! Written files, and the pixels of one output.
 
 use super::options::Values;
 use super::source::Channel;
@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 
 /// A file that was written.
 pub struct Written {
-    /// Its path.
+    /// Path of the file.
     pub path: PathBuf,
     /// Number of outputs in it.
     pub outputs: usize,
@@ -33,7 +33,7 @@ impl Written {
         Self { path, outputs, values: None, error: None }
     }
 
-    /// For machines.
+    /// Description as JSON.
     pub fn json(&self) -> serde_json::Value {
         let error = self.error.map(
             |error| json!({ "max": error.max, "rms": error.rms, "uncovered": error.uncovered, "ghosts": error.ghosts }),
@@ -46,11 +46,11 @@ impl Written {
         })
     }
 
-    /// For people.
+    /// Description as text.
     pub fn words(&self) -> String {
         let error = self.error.map_or(String::new(), |error| {
             format!(
-                "; between its nodes it is at most {:.4} pixels off the exact map (root mean square {:.4}), and leaves out {} pixels",
+                "; greatest error between the nodes {:.4} pixels (root mean square {:.4}), {} pixels missing",
                 error.max, error.rms, error.uncovered
             )
         });
@@ -59,7 +59,7 @@ impl Written {
     }
 }
 
-/// `dome.data` → `dome-left.ENDING`. Names out of files become part of a path: only harmless characters stay.
+/// The path for one output: `dome-left.ENDING` for `dome.data`. Only harmless characters of names from files are used.
 pub fn file_beside(path: &Path, index: usize, name: &str, ending: &str) -> PathBuf {
     let harmless: String = name.chars().filter(|c| c.is_ascii_alphanumeric() || "-_".contains(*c)).take(64).collect();
     let name = if harmless.is_empty() { format!("{}", index + 1) } else { harmless };
@@ -72,7 +72,7 @@ pub fn save(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     std::fs::write(path, bytes).map_err(|error| Failure::new(format!("{} cannot be written: {error}", path.display())))
 }
 
-/// What every pixel shows, and its weight on the displayed value (0 where nothing is shown), on all processors.
+/// Value of every pixel, and its weight on the displayed value (0 if nothing is shown). Computed on all processors.
 pub fn raster(channel: &Channel) -> Result<(Raster, Vec<f32>), Failure> {
     let (width, height) = (channel.size.0 as usize, channel.size.1 as usize);
     let mut pixels = vec![([f32::NAN; 3], 0.0); width * height];

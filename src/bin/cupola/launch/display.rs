@@ -10,17 +10,17 @@ use std::process::{Child, Command, Stdio};
 use std::sync::mpsc;
 use std::time::Duration;
 
-/// How long the server may take to start.
+/// Time limit for the start of the server.
 const PATIENCE: Duration = Duration::from_secs(30);
 
-/// A running Xvfb; dropping it ends it.
+/// A running Xvfb. It ends when this is dropped.
 pub struct Server {
     child: Child,
     display: String,
 }
 
 impl Server {
-    /// Starts Xvfb with one screen of `size` pixels; what it has to say goes to a file in `folder`.
+    /// Starts Xvfb with one screen of `size` pixels. Its messages go to a file in `folder`.
     pub fn start(size: (u32, u32), folder: &Path) -> Result<Self, Failure> {
         let words = folder.join("Xvfb.txt");
         let log =
@@ -32,7 +32,7 @@ impl Server {
             .stdin(Stdio::null())
             .stdout(Stdio::piped())
             .stderr(log)
-            // Ctrl-C is for the program; the server has to outlive it.
+            // Ctrl-C must reach the program but not the server, which has to outlive the program.
             .process_group(0);
         let child = process::end_with_parent(&mut command).spawn();
         let mut child = child.map_err(|error| match error.kind() {
@@ -46,14 +46,14 @@ impl Server {
         if let Some(output) = child.stdout.take() {
             std::thread::spawn(move || {
                 let mut line = String::new();
-                // The receiver may have given up by then.
+                // The receiver may have timed out.
                 let _ = sender.send(BufReader::new(output).read_line(&mut line).map(|_| line));
             });
         }
         let number = receiver.recv_timeout(PATIENCE).ok().and_then(Result::ok).unwrap_or_default();
         let server = Self { child, display: format!(":{}", number.trim()) };
         if number.trim().is_empty() {
-            // Ended first, so that it has written all of its reasons.
+            // The server ends first, so that it has written all of its messages.
             drop(server);
             let reason = std::fs::read_to_string(&words).unwrap_or_default();
             return Err(Failure::new(format!("Xvfb did not start:\n{}", reason.trim())));
@@ -61,7 +61,7 @@ impl Server {
         Ok(server)
     }
 
-    /// The variables that lead a program to this server, and not to the user's own display.
+    /// Environment variables that make a program use this server instead of the user's display.
     pub fn environment(&self) -> Environment {
         vec![("DISPLAY", Some(self.display.clone().into())), ("WAYLAND_DISPLAY", None), ("XAUTHORITY", None)]
     }
@@ -69,7 +69,7 @@ impl Server {
 
 impl Drop for Server {
     fn drop(&mut self) {
-        // Asked and not killed, so that it removes its lock file; it may have ended by itself.
+        // SIGTERM lets the server remove its lock file. It may have ended by itself.
         let _ = process::terminate(&self.child);
         let _ = self.child.wait();
     }

@@ -1,10 +1,11 @@
-//! The library that goes between a program and its driver: where it is, and whether it can be used.
+//! Location of `libcupola.so`, and a test whether it can be loaded.
 
 use crate::failure::Failure;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// Finds `libcupola.so`: `CUPOLA_LIBRARY`, next to this command, or in the `lib` folder beside its own.
+/// Finds `libcupola.so`: the path in `CUPOLA_LIBRARY`, or the folder of this command, or `../lib` or `../lib/cupola`
+/// relative to it.
 pub fn find() -> Result<PathBuf, Failure> {
     if let Some(path) = std::env::var_os("CUPOLA_LIBRARY") {
         let path = PathBuf::from(path);
@@ -13,7 +14,8 @@ pub fn find() -> Result<PathBuf, Failure> {
             Err(error) => Err(Failure::new(format!("CUPOLA_LIBRARY={}: {error}", path.display()))),
         };
     }
-    let command = std::env::current_exe().map_err(|error| Failure::new(format!("where am I? {error}")))?;
+    let command = std::env::current_exe()
+        .map_err(|error| Failure::new(format!("the path of this command is unknown: {error}")))?;
     let folder = command.parent().unwrap_or(Path::new("/"));
     let places =
         [folder.join("libcupola.so"), folder.join("../lib/libcupola.so"), folder.join("../lib/cupola/libcupola.so")];
@@ -25,19 +27,20 @@ pub fn find() -> Result<PathBuf, Failure> {
     })
 }
 
-/// Why the dynamic linker or libglvnd would refuse `library` as a vendor with the entry point `entry`, if so.
+/// The reason why the dynamic linker or libglvnd would refuse `library` as a vendor with the entry point `entry`; `None`
+/// if they would accept it.
 pub fn refusal(library: &Path, entry: &str) -> Option<String> {
     let bytes = match std::fs::read(library) {
         Ok(bytes) => bytes,
         Err(error) => return Some(error.to_string()),
     };
-    // Exported names stand in the file's string table, each between two zero bytes.
+    // The string table of the file contains exported names, each between two zero bytes.
     let name = format!("\0{entry}\0");
     if !bytes.windows(name.len()).any(|window| window == name.as_bytes()) {
         return Some(format!("it does not export {entry}"));
     }
-    // In another process, since a broken library can end the one that loads it. The dynamic linker
-    // preloads with all symbols bound, complains where it cannot, and goes on.
+    // The test runs in another process, since a broken library can crash the process that loads it. The dynamic linker
+    // binds all symbols of a preloaded library. If it fails, it prints a message and continues.
     let Ok(command) = std::env::current_exe() else { return None };
     let trial = Command::new(command)
         .arg("--version")

@@ -1,5 +1,5 @@
-//! What leads libglvnd and the Vulkan loader to Cupola: a folder with the library under the names that they ask
-//! for, and the variables that point there.
+//! Files and environment variables that make libglvnd and the Vulkan loader load Cupola: a folder with the library under
+//! the names that they expect, and variables that refer to it.
 
 use super::{Environment, library, probe};
 use crate::failure::Failure;
@@ -7,33 +7,33 @@ use std::ffi::OsString;
 use std::os::unix::fs::{DirBuilderExt, symlink};
 use std::path::{Path, PathBuf};
 
-/// Where libglvnd looks for the list of EGL vendors.
+/// Folders in which libglvnd looks for EGL vendors.
 const EGL_VENDOR_FOLDERS: [&str; 2] = ["/etc/glvnd/egl_vendor.d", "/usr/share/glvnd/egl_vendor.d"];
 
-/// The layer's name, by which the Vulkan loader is asked for it.
+/// Name of the Vulkan layer.
 pub const VULKAN_LAYER: &str = "VK_LAYER_CUPOLA_dome";
 
-/// A private folder that is removed in the end.
+/// A private folder that is removed when this is dropped.
 pub struct Scratch(PathBuf);
 
 impl Scratch {
-    /// Makes the folder, readable by this user only.
+    /// Creates the folder, readable by this user only.
     pub fn new() -> Result<Self, Failure> {
         let parent = std::env::temp_dir();
         let mut last = None;
         for attempt in 0..1000 {
             let path = parent.join(format!("cupola-{}-{attempt}", std::process::id()));
-            // Not "create unless there": somebody else's folder of that name must not be taken over.
+            // This fails if the folder exists: a folder of another user must not be used.
             match std::fs::DirBuilder::new().mode(0o700).create(&path) {
                 Ok(()) => return Ok(Self(path)),
                 Err(error) => last = Some(error),
             }
         }
         let why = last.map_or_else(String::new, |error| error.to_string());
-        Err(Failure::new(format!("no private folder can be made in {}: {why}", parent.display())))
+        Err(Failure::new(format!("no private folder can be created in {}: {why}", parent.display())))
     }
 
-    /// Where it is.
+    /// Path of the folder.
     pub fn path(&self) -> &Path {
         &self.0
     }
@@ -47,14 +47,14 @@ impl Drop for Scratch {
     }
 }
 
-/// The folder, filled.
+/// The folder with the files for the loaders.
 pub struct Loader {
     folder: PathBuf,
     library: PathBuf,
 }
 
 impl Loader {
-    /// In `folder`, which is empty and goes away with the program.
+    /// Creates the files in `folder`, which is empty and is removed when the program ends.
     pub fn temporary(folder: &Path) -> Result<Self, Failure> {
         let library = library::find()?;
         let folder = folder.join("lib");
@@ -64,17 +64,19 @@ impl Loader {
         Ok(Self { folder, library })
     }
 
-    /// In the user's cache folder, for environments that are used later.
+    /// Creates the files in the user's cache folder, for environments that are used later.
     pub fn persistent() -> Result<Self, Failure> {
-        let folder = cupola::runtime::cache::user_folder()
-            .ok_or_else(|| Failure::new("neither XDG_CACHE_HOME nor HOME says where files can be kept"))?;
+        let folder = cupola::runtime::cache::user_folder().ok_or_else(|| {
+            Failure::new("neither XDG_CACHE_HOME nor HOME is set: there is no folder for cached files")
+        })?;
         if folder.join("lib").exists() {
             std::fs::remove_dir_all(folder.join("lib")).map_err(|error| cannot_write(&folder, &error))?;
         }
         Self::temporary(&folder)
     }
 
-    /// The variables that make libglvnd and the Vulkan loader use Cupola, for a program whose display `display` describes.
+    /// Environment variables that make libglvnd and the Vulkan loader use Cupola. `display` holds the variables that
+    /// select the display of the program.
     pub fn environment(&self, display: &Environment) -> Result<Environment, Failure> {
         let mut environment = self.glx(display);
         environment.extend(self.egl()?);
@@ -100,8 +102,8 @@ impl Loader {
         ]
     }
 
-    /// libEGL takes what its list names and nothing else: a vendor that cannot be loaded would leave the
-    /// program without EGL, so the list is replaced only if it will work.
+    /// Variables for libEGL. libEGL loads only the vendors in its list. A vendor that cannot be loaded would leave the
+    /// program without EGL, so the list is replaced only if the library can be loaded.
     fn egl(&self) -> Result<Environment, Failure> {
         let warn = |why: &str| eprintln!("cupola: programs that use EGL will not be corrected: {why}");
         if let Some(why) = library::refusal(&self.library, "__egl_Main") {
@@ -115,8 +117,8 @@ impl Loader {
         }
         let mut files = Vec::new();
         for index in 0..vendors.len() {
-            // libEGL refuses a vendor whose library is loaded already, so several need a copy each. A
-            // copy finds its vendor by the number in its own name.
+            // libEGL refuses a vendor whose library has already been loaded, so each of several vendors needs a copy.
+            // A copy finds its vendor by the number in its file name.
             let library = if vendors.len() == 1 {
                 self.library.clone()
             } else {
@@ -138,7 +140,8 @@ impl Loader {
         ])
     }
 
-    /// The Vulkan loader finds the layer's description in the folder; a layer that it cannot load it leaves out.
+    /// Variables for the Vulkan loader, which reads the description of the layer from the folder. It skips layers that it
+    /// cannot load.
     fn vulkan(&self) -> Result<Environment, Failure> {
         if let Some(why) = library::refusal(&self.library, "vkNegotiateLoaderLayerInterfaceVersion") {
             eprintln!("cupola: programs that use Vulkan will not be corrected: {}: {why}", self.library.display());
@@ -151,14 +154,14 @@ impl Loader {
                 "name": VULKAN_LAYER,
                 "type": "GLOBAL",
                 "library_path": self.library.to_string_lossy(),
-                // Above every version that a program may ask for: loaders leave out layers that are older.
+                // Loaders skip layers with a lower version than the program asks for, so this is above all versions.
                 "api_version": "1.4.999",
                 "implementation_version": "1",
                 "description": "Puts the program on a dome",
             },
         });
         std::fs::write(&file, json.to_string()).map_err(|error| cannot_write(&file, &error))?;
-        // Behind layers that the user asked for, such as the validation layer: nearer to the driver.
+        // Cupola comes after layers that the user has enabled, such as the validation layer: nearer to the driver.
         let list = |name: &str, own: OsString, own_first: bool| {
             let rest = std::env::var_os(name).filter(|rest| !rest.is_empty());
             let parts: Vec<OsString> = match rest {
@@ -175,8 +178,8 @@ impl Loader {
     }
 }
 
-/// The GLX vendor that the program would get without us: what the environment says, or the only one
-/// there is, or the one that a program on that display gets.
+/// The GLX vendor that the program would get without Cupola: the one in the environment, or the only one installed, or
+/// the one that a test program gets on this display.
 fn real_glx_vendor(display: &Environment) -> OsString {
     let named = |name: &str| std::env::var_os(name).filter(|vendor| !vendor.is_empty() && vendor != "cupola");
     if let Some(vendor) = named("CUPOLA_GLX_REAL").or_else(|| named("__GLX_VENDOR_LIBRARY_NAME")) {
@@ -189,8 +192,8 @@ fn real_glx_vendor(display: &Environment) -> OsString {
     answer.as_ref().and_then(|answer| answer.glx_vendor()).unwrap_or("mesa").into()
 }
 
-/// Names of the GLX vendors in the usual library folders. Starting a driver to ask which one is in use
-/// takes a while, and mostly there is only one.
+/// Names of the GLX vendors in the usual library folders. Mostly there is only one, which saves the slow start of a
+/// driver in a test program.
 fn installed_glx_vendors() -> Vec<String> {
     let architecture = format!("/usr/lib/{}-linux-gnu", std::env::consts::ARCH);
     let folders = [architecture.as_str(), "/usr/lib64", "/usr/lib", "/usr/local/lib"];
@@ -204,7 +207,7 @@ fn installed_glx_vendors() -> Vec<String> {
     vendors
 }
 
-/// The libraries of the system's EGL vendors in libglvnd's order, as its icd_enumeration.md describes it.
+/// Libraries of the system's EGL vendors in the order of libglvnd, described in its icd_enumeration.md.
 fn egl_vendors() -> Vec<OsString> {
     let listed = |name: &str| std::env::var_os(name).filter(|value| !value.is_empty());
     let files: Vec<PathBuf> = match (listed("__EGL_VENDOR_LIBRARY_FILENAMES"), listed("__EGL_VENDOR_LIBRARY_DIRS")) {
@@ -223,7 +226,7 @@ fn json_files(folder: &Path) -> Vec<PathBuf> {
     files
 }
 
-/// The library that a vendor's JSON file names; one with a slash is relative to the file.
+/// The library that the JSON file of a vendor names. A name with a slash is relative to the file.
 fn vendor_library(file: &Path) -> Option<OsString> {
     let text = std::fs::read_to_string(file).ok()?;
     let json: serde_json::Value = serde_json::from_str(&text).ok()?;

@@ -1,4 +1,4 @@
-//! What a program needs to be started with Cupola: the library, its place before the driver, a display.
+//! Requirements of a program that is started with Cupola: the library, the loaders' files, a display.
 
 pub mod display;
 pub mod library;
@@ -8,7 +8,7 @@ pub mod probe;
 use std::ffi::OsString;
 use std::process::Command;
 
-/// Variables for a program: name and value, or `None` to remove it.
+/// Environment variables of a program: name and value, or `None` to remove the variable.
 pub type Environment = Vec<(&'static str, Option<OsString>)>;
 
 /// Sets and removes the variables for `command`.

@@ -1,5 +1,5 @@
-//! A process that asks for the driver: drivers can end the process that loads them, and only a
-//! fresh one sees a changed environment.
+//! A separate process that loads a driver and reports its name. Drivers can crash the process that loads them, and only a
+//! new process uses a changed environment.
 
 use super::{Environment, apply};
 use crate::failure::Failure;
@@ -9,58 +9,58 @@ use serde_json::{Value, json};
 use std::process::{Command, ExitCode, Stdio};
 use std::time::{Duration, Instant};
 
-/// How long a driver may take to start.
+/// Time limit for the start of a driver.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// Which way to the driver.
+/// The API through which a program reaches the driver.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Way {
-    /// GLX, on the display that `DISPLAY` names.
+    /// GLX on the display in `DISPLAY`
     Glx,
-    /// EGL, without a surface.
+    /// EGL without a surface
     Egl,
-    /// Vulkan, without a surface.
+    /// Vulkan without a surface
     Vulkan,
 }
 
-/// Ask for the driver (for `cupola run` and `cupola doctor`).
+/// Report the driver (used by `cupola run` and `cupola doctor`).
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Which way to the driver
+    /// API through which the driver is loaded
     way: Way,
 }
 
-/// What the process found.
+/// Answer of the process.
 #[derive(Clone, Debug)]
 pub struct Answer {
-    /// What the driver calls itself.
+    /// Name of the driver.
     pub driver: String,
-    /// The driver draws in the program's process.
+    /// Whether the driver draws in the program's process.
     pub direct: bool,
-    /// File names of the OpenGL libraries and of Cupola's that were loaded.
+    /// File names of the loaded libraries of OpenGL and of Cupola.
     pub libraries: Vec<String>,
 }
 
 impl Answer {
-    /// The name of the GLX vendor behind libglvnd, as `__GLX_VENDOR_LIBRARY_NAME` has it.
+    /// Name of the GLX vendor behind libglvnd, as in `__GLX_VENDOR_LIBRARY_NAME`.
     pub fn glx_vendor(&self) -> Option<&str> {
         let names =
             self.libraries.iter().filter_map(|name| name.strip_prefix("libGLX_")?.split_once(".so").map(|n| n.0));
         names.into_iter().find(|name| *name != "cupola")
     }
 
-    /// Cupola's library was loaded.
+    /// Whether Cupola's library was loaded.
     pub fn has_cupola(&self) -> bool {
         self.libraries.iter().any(|name| name.contains("cupola"))
     }
 
-    /// libglvnd led to the driver.
+    /// Whether libglvnd was loaded.
     pub fn has_libglvnd(&self) -> bool {
         self.libraries.iter().any(|name| name.starts_with("libGLdispatch."))
     }
 }
 
-/// Runs the subcommand: prints what [`ask`] reads.
+/// Runs the subcommand: prints the JSON that [`ask`] reads.
 pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let (driver, direct, libraries);
     match arguments.way {
@@ -102,10 +102,10 @@ fn loaded() -> Vec<String> {
     names
 }
 
-/// Asks in a process of its own, with `environment`.
+/// Loads the driver in a new process with `environment`.
 ///
 /// # Errors
-/// Why there is no driver, in the process's own words.
+/// The message of the process if there is no driver.
 pub fn ask(way: Way, environment: &Environment) -> Result<Answer, String> {
     let name = match way {
         Way::Glx => "glx",
@@ -120,7 +120,7 @@ pub fn ask(way: Way, environment: &Environment) -> Result<Answer, String> {
     let start = Instant::now();
     while child.try_wait().map_err(|error| error.to_string())?.is_none() {
         if start.elapsed() > PATIENCE {
-            // It may end by itself just now.
+            // The process may have ended by itself.
             let _ = child.kill();
             let _ = child.wait();
             return Err(format!("the driver does not answer within {} s", PATIENCE.as_secs()));

@@ -1,11 +1,11 @@
-//! A picture to draw on: colours, lines and letters.
+//! A picture with lines and text.
 
 use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_width};
 
-/// Red, green and blue, 0…1, as they are written.
+/// Red, green and blue, 0…1, as written to the file.
 pub type Color = [f32; 3];
 
-/// The size of letters.
+/// Size of text.
 #[derive(Clone, Copy)]
 pub enum Letters {
     /// 16 pixels high.
@@ -23,7 +23,7 @@ impl Letters {
     }
 }
 
-/// A picture.
+/// A picture in memory.
 pub struct Canvas {
     /// Width in pixels.
     pub width: usize,
@@ -38,7 +38,7 @@ impl Canvas {
         Self { width, height, pixels: vec![color; width * height] }
     }
 
-    /// Lays a colour over a pixel, as opaque as `part` (0…1); nothing outside the picture.
+    /// Blends a colour over a pixel with opacity `part` (0…1). Does nothing outside the picture.
     pub fn blend(&mut self, x: i64, y: i64, color: Color, part: f32) {
         let inside = x >= 0 && y >= 0 && (x as usize) < self.width && (y as usize) < self.height;
         if let Some(pixel) = self.pixels.get_mut(y as usize * self.width + x as usize).filter(|_| inside) {
@@ -48,7 +48,7 @@ impl Canvas {
         }
     }
 
-    /// A smooth line between two places in pixels, `width` pixels wide.
+    /// Draws an antialiased line between two points in pixels.
     pub fn line(&mut self, from: [f64; 2], to: [f64; 2], width: f64, color: Color) {
         let (along, half) = ([to[0] - from[0], to[1] - from[1]], 0.5 * width);
         let squared = along[0] * along[0] + along[1] * along[1];
@@ -65,7 +65,7 @@ impl Canvas {
         }
     }
 
-    /// Writes text with its upper left corner at (x, y); letters that the font lacks are left out.
+    /// Draws text with its upper left corner at (x, y). Characters that the font lacks are left out.
     pub fn text(&mut self, text: &str, x: i64, y: i64, letters: Letters, color: Color) {
         let advance = get_raster_width(FontWeight::Regular, letters.height()) as i64;
         for (letter, left) in text.chars().zip((0..).map(|index| x + index * advance)) {
@@ -78,7 +78,7 @@ impl Canvas {
         }
     }
 
-    /// Writes text around a centre, with a shadow so that it can be read on any ground.
+    /// Draws text around a centre, with a shadow so that it can be read on any background.
     pub fn label(&mut self, text: &str, centre: [f64; 2], color: Color) {
         let letters = Letters::Small;
         let width = text.chars().count() * get_raster_width(FontWeight::Regular, letters.height());

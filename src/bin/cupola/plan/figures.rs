@@ -1,4 +1,4 @@
-//! A plan in numbers, for people and for machines.
+//! Key figures of a plan, as text and as JSON.
 
 use crate::check::{describe, words};
 use cupola::blend;
@@ -9,31 +9,31 @@ use glam::DVec3;
 use serde_json::{Value, json};
 use std::fmt;
 
-/// Pixels that are looked at in each output for the least resolution.
+/// Number of pixels in each output that are examined for the lowest resolution.
 const SURVEYED: u32 = 1 << 18;
 
-/// What a plan costs and gives.
+/// Key figures of a plan.
 pub struct Figures {
-    /// The rig's name.
+    /// Name of the rig.
     pub rig: String,
     window: (u32, u32),
-    /// What the library reports.
+    /// Report of the library.
     pub report: Report,
-    /// Texels of each view that no output samples.
+    /// Number of texels of each view that no output samples.
     pub hidden: Vec<u64>,
-    /// Fewest texels per pixel found; `None` where only the program's own lens is used.
+    /// Lowest number of texels per pixel found; `None` if only the program's own lens is used.
     pub least: Option<f64>,
-    /// In so many directions.
+    /// Number of directions that were examined for it.
     pub directions: u64,
     seconds: f64,
-    /// Where the light must pass abruptly from one output to another: the direction, viewer axes, and what is to be said.
+    /// Places where the light must change abruptly between outputs: direction in the viewer's axes, and description.
     pub jumps: Vec<(DVec3, String)>,
-    /// The outputs whose maps are interpolated.
+    /// Outputs whose maps are interpolated.
     approximations: Vec<(String, Approximation)>,
 }
 
 impl Figures {
-    /// Those of `plan`, which was made for `rig` and `request` in `seconds`.
+    /// The figures of `plan`, which was made for `rig` and `request` in `seconds`.
     pub fn of(rig: &Rig, request: &Request, plan: &Plan, seconds: f64) -> Self {
         let report = views::report(&plan.views, rig, &request.output_sizes);
         let hidden =
@@ -46,7 +46,7 @@ impl Figures {
             }
         });
         let least = (directions > 0).then_some(least);
-        // A rig whose weights cannot be followed has no plan.
+        // A rig whose weights cannot be computed has no plan.
         let crossings = blend::crossings(rig, &request.output_sizes).unwrap_or_default();
         let viewer = rig.viewer_pose();
         let direction = |point: DVec3| viewer.point_to_local(point).normalize_or_zero();
@@ -65,13 +65,13 @@ impl Figures {
         }
     }
 
-    /// Texels that have to be drawn for each pixel, without those that no output samples.
+    /// Number of texels drawn for each pixel, without those that no output samples.
     pub fn sampled_per_pixel(&self) -> f64 {
         let sampled = self.report.view_texels - self.hidden.iter().sum::<u64>();
         if self.report.output_pixels > 0 { sampled as f64 / self.report.output_pixels as f64 } else { 0.0 }
     }
 
-    /// For machines.
+    /// The figures as JSON.
     pub fn json(&self, plan: &ViewPlan) -> Value {
         let views: Vec<Value> = plan
             .views

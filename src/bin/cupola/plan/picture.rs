@@ -1,4 +1,4 @@
-//! The views on the sphere of directions: two halves of it, equal areas, coloured by sharpness.
+//! A picture of the views on the sphere of directions: two halves with equal areas, coloured by sharpness.
 
 use super::canvas::{Canvas, Color, Letters};
 use super::figures::Figures;
@@ -13,11 +13,11 @@ use std::path::Path;
 const RADIUS: f64 = 380.0;
 const TOP: f64 = 120.0;
 const SIZE: (usize, usize) = (1680, 1040);
-/// Pixels of each output that are looked at, for the colours.
+/// Number of pixels of each output that are examined for the colours.
 const SURVEYED: u32 = 3 << 20;
-/// Half the width of an outline and a little more, in radians around a half's centre.
+/// A little more than half the width of an outline, in radians near the centre of a half.
 const INSET: f64 = 0.0065;
-/// Texels per pixel from which on the colour stays.
+/// Number of texels per pixel from which on the colour stays the same.
 const SHARPEST: f64 = 3.0;
 
 const GROUND: Color = [0.075, 0.085, 0.11];
@@ -26,7 +26,7 @@ const GRID: Color = [0.30, 0.33, 0.40];
 const INK: Color = [0.90, 0.92, 0.95];
 const FAINT: Color = [0.60, 0.64, 0.70];
 const JUMP: Color = [1.00, 0.25, 0.25];
-/// Outlines of the views, in turn.
+/// Colours of the outlines of views, used in turn.
 const OUTLINES: [Color; 8] = [
     [1.00, 0.47, 0.36],
     [0.40, 0.76, 1.00],
@@ -38,7 +38,7 @@ const OUTLINES: [Color; 8] = [
     [0.95, 0.95, 0.95],
 ];
 
-/// One half of the sphere: Lambert's equal-area projection of what is around `face`.
+/// One half of the sphere: Lambert's equal-area projection around `face`.
 struct Half {
     face: Face,
     /// Viewer axes → right, up and backward axis of this picture.
@@ -52,10 +52,10 @@ impl Half {
         Self { face, axes: face.rotation(), centre: DVec2::new(x, TOP + RADIUS) }
     }
 
-    /// Where a direction (unit length) is in the picture; `None` in the other half.
+    /// Position of a direction (unit length) in the picture; `None` if it is in the other half.
     fn place(&self, direction: DVec3) -> Option<DVec2> {
         let local = self.axes * direction;
-        // On the rim, both halves show it.
+        // Both halves show directions on the rim.
         (local.z <= 1e-9).then(|| {
             let scale = RADIUS / (1.0 - local.z).max(1.0).sqrt();
             self.centre + DVec2::new(local.x, -local.y) * scale
@@ -74,7 +74,7 @@ impl Half {
     }
 }
 
-/// Draws the plan into a PNG file.
+/// Draws the plan and writes it to a PNG file.
 pub fn write(file: &Path, rig: &Rig, request: &Request, plan: &ViewPlan, figures: &Figures) -> Result<(), Failure> {
     let canvas = draw(rig, request, plan, figures);
     let (width, height) = (canvas.width as u32, canvas.height as u32);
@@ -107,7 +107,7 @@ fn draw(rig: &Rig, request: &Request, plan: &ViewPlan, figures: &Figures) -> Can
             }
         }
         for (direction, _) in &figures.jumps {
-            jump(&mut canvas, half, *direction);
+            cross(&mut canvas, half, *direction);
         }
         let width = half.name().chars().count() as i64 * 8;
         let below = (half.centre.y + RADIUS + 14.0) as i64;
@@ -116,18 +116,18 @@ fn draw(rig: &Rig, request: &Request, plan: &ViewPlan, figures: &Figures) -> Can
     words(&mut canvas, plan, figures);
     legend(&mut canvas);
     if !figures.jumps.is_empty() {
-        let words = "crosses: there the light must pass abruptly from one picture to another";
+        let words = "crosses: the light must change abruptly between outputs there";
         canvas.text(words, 552, SIZE.1 as i64 - 52, Letters::Small, JUMP);
     }
     canvas
 }
 
-/// The sphere where nothing is sampled.
+/// Draws the sphere where nothing is sampled.
 fn ball(canvas: &mut Canvas, half: &Half) {
     for_disc(half, |x, y, distance| canvas.blend(x, y, SPHERE, (RADIUS + 0.5 - distance).clamp(0.0, 1.0) as f32));
 }
 
-/// Calls `visit` for the pixels around a half, with their distance from its centre.
+/// Calls `visit` for the pixels of a half, with their distance from its centre.
 fn for_disc(half: &Half, mut visit: impl FnMut(i64, i64, f64)) {
     let reach = RADIUS as i64 + 2;
     let (x, y) = (half.centre.x as i64, half.centre.y as i64);
@@ -139,10 +139,10 @@ fn for_disc(half: &Half, mut visit: impl FnMut(i64, i64, f64)) {
     }
 }
 
-/// Colours what outputs sample by how sharp it is; the least where several sample it.
+/// Colours the sampled directions by sharpness; by the lowest one where several outputs sample a direction.
 fn shade(canvas: &mut Canvas, half: &Half, seen: &[(DVec3, f32)]) {
-    // Up to twice as fine as the picture, so that borders are smooth; coarser where few pixels were looked at,
-    // so that four fall into a cell of a whole half on average.
+    // The grid is up to twice as fine as the picture, so that borders are smooth. It is coarser if few pixels were
+    // examined, so that on average four of them fall into a cell.
     let scale = (seen.len() as f64 / (4.0 * std::f64::consts::PI * RADIUS * RADIUS)).sqrt().clamp(0.02, 2.0);
     let side = (scale * (2.0 * RADIUS + 4.0)).ceil() as usize;
     let origin = half.centre - RADIUS - 2.0;
@@ -165,7 +165,7 @@ fn shade(canvas: &mut Canvas, half: &Half, seen: &[(DVec3, f32)]) {
         for (u, v) in [(0.25, 0.25), (0.75, 0.25), (0.25, 0.75), (0.75, 0.75)] {
             let texels = filled[cell_at(DVec2::new(x as f64 + u, y as f64 + v))];
             if texels.is_finite() {
-                // Each of the four lays a part over what is left.
+                // Each of the four samples covers a part of what is left.
                 canvas.blend(x, y, color_of(f64::from(texels)), 0.75);
             }
         }
@@ -183,11 +183,11 @@ fn filled(sharpness: &[f32], side: usize, cell: usize) -> f32 {
         (x < side && y < side).then(|| sharpness[y * side + x]).filter(|value| value.is_finite())
     };
     let around: Vec<f32> = [(0, 1), (2, 1), (1, 0), (1, 2)].into_iter().filter_map(|(x, y)| finite(x, y)).collect();
-    // At the border of what is sampled, only one side has values: that is no hole.
+    // At the border of the sampled area only one side has values: this is not a hole.
     if around.len() >= 2 { around.into_iter().fold(f32::INFINITY, f32::min) } else { f32::INFINITY }
 }
 
-/// Dark blue for one texel per pixel, over green to yellow for many.
+/// Colour of a number of texels per pixel: dark blue for one, then green, yellow for many.
 fn color_of(texels: f64) -> Color {
     const STOPS: [Color; 5] =
         [[0.23, 0.22, 0.50], [0.18, 0.38, 0.56], [0.13, 0.55, 0.55], [0.34, 0.72, 0.40], [0.90, 0.86, 0.25]];
@@ -200,7 +200,7 @@ fn color_of(texels: f64) -> Color {
     std::array::from_fn(|channel| STOPS[index][channel] * (1.0 - part) + STOPS[index + 1][channel] * part)
 }
 
-/// Circles of equal pitch and yaw, every 30°, and the rim.
+/// Draws circles of equal pitch and yaw, every 30°, and the rim.
 fn grid(canvas: &mut Canvas, half: &Half) {
     let direction = |yaw: f64, pitch: f64| {
         let (yaw, pitch) = (yaw.to_radians(), pitch.to_radians());
@@ -220,8 +220,8 @@ fn grid(canvas: &mut Canvas, half: &Half) {
     });
 }
 
-/// The four sides of a view's sampled part: parts of great circles, moved inwards by half a line's width so that
-/// those of neighbours lie side by side.
+/// Draws the four sides of the sampled part of a view. They are arcs of great circles, moved inwards by half the width
+/// of a line, so that the outlines of neighbouring views lie side by side.
 fn outline(canvas: &mut Canvas, half: &Half, view: &View, color: Color) {
     if view.program_lens {
         return;
@@ -244,7 +244,7 @@ fn outline(canvas: &mut Canvas, half: &Half, view: &View, color: Color) {
     }
 }
 
-/// An opening whose sides lie [`INSET`] radians further inside, as far as it is wide enough for that.
+/// The opening with its sides moved inwards by [`INSET`] radians, less if the opening is narrow.
 fn moved_inwards(opening: &Frustum) -> Frustum {
     let side = |low: f64, high: f64| {
         let by = |at: f64| (INSET * (1.0 + at * at)).min(0.25 * (high - low));
@@ -254,7 +254,7 @@ fn moved_inwards(opening: &Frustum) -> Frustum {
     Frustum { left, right, bottom, top }
 }
 
-/// A curve of directions, `at(0…1)`, where it lies in this half.
+/// Draws the part of a curve of directions, `at(0…1)`, that lies in this half.
 fn curve(canvas: &mut Canvas, half: &Half, steps: u32, width: f64, color: Color, at: impl Fn(f64) -> DVec3) {
     let mut before = None;
     for step in 0..=steps {
@@ -267,8 +267,8 @@ fn curve(canvas: &mut Canvas, half: &Half, steps: u32, width: f64, color: Color,
     }
 }
 
-/// A cross where the light must jump.
-fn jump(canvas: &mut Canvas, half: &Half, direction: DVec3) {
+/// Draws a cross where the light must change abruptly.
+fn cross(canvas: &mut Canvas, half: &Half, direction: DVec3) {
     let Some(place) = half.place(direction) else { return };
     for (color, width) in [(GROUND, 6.0), (JUMP, 3.0)] {
         for arm in [DVec2::new(9.0, 9.0), DVec2::new(9.0, -9.0)] {
@@ -292,7 +292,7 @@ fn words(canvas: &mut Canvas, plan: &ViewPlan, figures: &Figures) {
     canvas.text(&line, 40, 64, Letters::Small, FAINT);
 }
 
-/// What the colours mean.
+/// Draws the legend of the colours.
 fn legend(canvas: &mut Canvas) {
     let (left, top, width) = (40i64, SIZE.1 as i64 - 72, 480i64);
     for x in 0..width {
@@ -304,6 +304,6 @@ fn legend(canvas: &mut Canvas) {
         let x = left + width * i64::from(tick) / 4;
         canvas.text(&format!("{texels}"), x - 4, top + 20, Letters::Small, FAINT);
     }
-    let words = "texels per pixel, where there are fewest; red: fewer than one; grey: no output looks there";
+    let words = "lowest number of texels per pixel; red: fewer than one; grey: not sampled by an output";
     canvas.text(words, left + width + 32, top, Letters::Small, FAINT);
 }
