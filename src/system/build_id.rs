@@ -1,6 +1,7 @@
 //! The build ID that the linker writes into ELF files.
 
-/// The build ID of this library, or of the program that it is linked into; `None` if the linker wrote none.
+/// The build ID of this library, or of the program that it is linked into; `None` if the linker
+/// wrote none.
 pub fn build_id() -> Option<Vec<u8>> {
     /// Type and owner of the note.
     const NT_GNU_BUILD_ID: u32 = 3;
@@ -16,7 +17,8 @@ pub fn build_id() -> Option<Vec<u8>> {
     /// # Safety
     /// Must be called by `dl_iterate_phdr` with a pointer to a [`Search`].
     unsafe extern "C" fn look(info: *mut libc::dl_phdr_info, _size: usize, search: *mut libc::c_void) -> libc::c_int {
-        // SAFETY: `dl_iterate_phdr` passes a valid `info`, and the [`Search`] is borrowed by nobody else during the call.
+        // SAFETY: `dl_iterate_phdr` passes a valid `info`, and the [`Search`] is borrowed by nobody
+        // else during the call.
         let (info, search) = unsafe { (&*info, &mut *search.cast::<Search>()) };
         if info.dlpi_phdr.is_null() {
             return 0;
@@ -39,13 +41,14 @@ pub fn build_id() -> Option<Vec<u8>> {
     }
 
     let mut search = Search { inside: look as *const () as usize, found: None };
-    // SAFETY: `look` has the signature that `dl_iterate_phdr` expects, and `search` outlives the call.
+    // SAFETY: `look` has the signature that `dl_iterate_phdr` expects, and `search` outlives the
+    // call.
     unsafe { libc::dl_iterate_phdr(Some(look), (&raw mut search).cast()) };
     search.found
 }
 
-/// The content of the first note with this type and owner. A note consists of three numbers, the owner's name and the
-/// content, both padded to a multiple of four bytes.
+/// The content of the first note with this type and owner. A note consists of three numbers, the
+/// owner's name and the content, both padded to a multiple of four bytes.
 fn note(mut notes: &[u8], kind: u32, owner: &[u8]) -> Option<Vec<u8>> {
     loop {
         let (header, rest) = notes.split_at_checked(12)?;

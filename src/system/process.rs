@@ -17,7 +17,8 @@ const PASSED_ON: [libc::c_int; 4] = [libc::SIGINT, libc::SIGQUIT, libc::SIGTERM,
 pub fn end_with_parent(command: &mut Command) -> &mut Command {
     let parent = std::process::id();
     let request = move || {
-        // SAFETY: prctl and getppid take and return plain integers here and are safe to call between fork and exec.
+        // SAFETY: prctl and getppid take and return plain integers here and are safe to call
+        // between fork and exec.
         let failed = unsafe { libc::prctl(libc::PR_SET_PDEATHSIG, libc::SIGTERM as libc::c_ulong) } != 0;
         if failed {
             return Err(io::Error::last_os_error());
@@ -44,9 +45,9 @@ pub fn terminate(child: &Child) -> io::Result<()> {
     }
 }
 
-/// Spawns `command` and waits for it. SIGINT, SIGQUIT, SIGTERM and SIGHUP no longer end this process
-/// (for its remaining life) but are passed on, so that it outlives the program and can tidy up. Signals
-/// of the terminal reach the program by themselves and are not sent twice.
+/// Spawns `command` and waits for it. SIGINT, SIGQUIT, SIGTERM and SIGHUP no longer end this
+/// process (for its remaining life) but are passed on, so that it outlives the program and can tidy
+/// up. Signals of the terminal reach the program by themselves and are not sent twice.
 ///
 /// # Errors
 /// [`io::ErrorKind::NotFound`] and the like if the program cannot be started.
@@ -56,7 +57,8 @@ pub fn run_in_foreground(command: &mut Command) -> io::Result<ExitStatus> {
         let mut action: libc::sigaction = unsafe { std::mem::zeroed() };
         action.sa_sigaction = pass_on as *const () as libc::sighandler_t;
         action.sa_flags = libc::SA_SIGINFO | libc::SA_RESTART;
-        // SAFETY: `action` lives during the call, its handler has the three-argument form that the flags announce.
+        // SAFETY: `action` lives during the call, its handler has the three-argument form that the
+        // flags announce.
         if unsafe { libc::sigaction(signal, &action, std::ptr::null_mut()) } != 0 {
             return Err(io::Error::last_os_error());
         }
@@ -74,7 +76,8 @@ extern "C" fn pass_on(signal: libc::c_int, info: *mut libc::siginfo_t, _context:
     // SAFETY: the kernel passes a valid `info` to a handler installed with SA_SIGINFO.
     let from_process = unsafe { (*info).si_code } <= 0;
     if program > 0 && from_process {
-        // SAFETY: kill is async-signal-safe and takes plain integers. The signal's sender could have sent it itself.
+        // SAFETY: kill is async-signal-safe and takes plain integers. The signal's sender could
+        // have sent it itself.
         unsafe { libc::kill(program, signal) };
     }
 }

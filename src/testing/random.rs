@@ -13,8 +13,8 @@ pub struct Random(u64);
 impl Random {
     /// A generator that gives the same numbers for the same seed.
     ///
-    /// The seed is mixed. Otherwise two seeds that differ by the generator's step would give the same numbers, moved
-    /// by one place.
+    /// The seed is mixed. Otherwise two seeds that differ by the generator's step would give the
+    /// same numbers, moved by one place.
     pub fn new(seed: u64) -> Self {
         Self(mixed(seed))
     }

@@ -18,8 +18,8 @@ pub struct CellCosts<'a> {
 
 impl CellCosts<'_> {
     /// Approximate number of texels of the views for the cells that these vectors define, as
-    /// [`Views::cells`](crate::rig::Views::cells) does; infinite where a cell is too wide for a perspective view. The
-    /// sum stops at the first cell with which it exceeds `limit`.
+    /// [`Views::cells`](crate::rig::Views::cells) does; infinite where a cell is too wide for a
+    /// perspective view. The sum stops at the first cell with which it exceeds `limit`.
     pub fn texels(&self, vectors: &[DVec3], limit: f64) -> f64 {
         let mut sum = 0.0;
         for cell in diagram(vectors) {
@@ -42,11 +42,13 @@ impl CellCosts<'_> {
     }
 }
 
-/// Calls `search` with the costs of cells for the outputs of `rig` that can share views. Returns the result of `search`.
+/// Calls `search` with the costs of cells for the outputs of `rig` that can share views. Returns
+/// the result of `search`.
 ///
 /// # Errors
 ///
-/// [`ErrorKind::InvalidArgument`] as for [`plan`](super::plan), and for a rig without outputs that can share views.
+/// [`ErrorKind::InvalidArgument`] as for [`plan`](super::plan), and for a rig without outputs that
+/// can share views.
 pub fn with_cell_costs<R>(rig: &Rig, request: &Request, search: impl FnOnce(&CellCosts) -> R) -> Result<R> {
     let rig = &*rig.upright();
     check(rig.outputs.len(), rig.passthrough, request)?;

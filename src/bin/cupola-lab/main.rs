@@ -1,7 +1,8 @@
 //! The `cupola-lab` command: measuring tools for developers of Cupola.
 //!
-//! Each subcommand has a folder. Exit codes: 0 success, 1 failure or an exceeded bound, 2 invalid arguments or an
-//! invalid rig. Only `trial` calls graphics drivers directly, and only there is `unsafe` allowed.
+//! Each subcommand has a folder. Exit codes: 0 success, 1 failure or an exceeded bound, 2 invalid
+//! arguments or an invalid rig. Only `trial` calls graphics drivers directly, and only there is
+//! `unsafe` allowed.
 
 #![deny(unsafe_code)]
 

@@ -1,4 +1,5 @@
-//! `cupola doctor`: reports which kinds of programs can be corrected on this machine, and why others cannot.
+//! `cupola doctor`: reports which kinds of programs can be corrected on this machine, and why
+//! others cannot.
 
 use crate::failure::Failure;
 use crate::launch::probe::{self, Answer, Way};
@@ -27,7 +28,8 @@ const TELLING: [&str; 15] = [
     "LIBGL_ALWAYS_INDIRECT",
 ];
 
-/// Report which kinds of programs Cupola can correct on this machine, and why others cannot be corrected.
+/// Report which kinds of programs Cupola can correct on this machine, and why others cannot be
+/// corrected.
 #[derive(clap::Args)]
 pub struct Arguments {
     /// Print the result as JSON
@@ -127,8 +129,8 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     Ok(if usable { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
-/// Whether Vulkan programs can be corrected, and a description; `None` where there is no Vulkan driver, which OpenGL
-/// programs do not need.
+/// Whether Vulkan programs can be corrected, and a description; `None` where there is no Vulkan
+/// driver, which OpenGL programs do not need.
 fn vulkan(plain: &Environment, hooked: Option<&Environment>) -> (Option<bool>, String) {
     let driver = match probe::ask(Way::Vulkan, plain) {
         Ok(answer) => answer.driver,
@@ -149,7 +151,8 @@ fn vulkan(plain: &Environment, hooked: Option<&Environment>) -> (Option<bool>, S
     }
 }
 
-/// The capabilities of the Vulkan device for programs that embed Cupola, through the crate or `cupola_vk.h`.
+/// The capabilities of the Vulkan device for programs that embed Cupola, through the crate or
+/// `cupola_vk.h`.
 fn vulkan_device(device: Result<&vk::headless::Headless, String>) -> (Option<bool>, String) {
     let device = match device {
         Ok(device) => device,

@@ -1,7 +1,8 @@
 //! The `cupola` command: runs programs on domes and helps to set domes up.
 //!
-//! Each subcommand has a file or a folder. Exit codes: 0 success, 1 failure, 2 invalid arguments or an invalid rig;
-//! `run` exits with the program's code. Measuring tools for developers are in the command `cupola-lab`.
+//! Each subcommand has a file or a folder. Exit codes: 0 success, 1 failure, 2 invalid arguments or
+//! an invalid rig; `run` exits with the program's code. Measuring tools for developers are in the
+//! command `cupola-lab`.
 
 #![forbid(unsafe_code)]
 

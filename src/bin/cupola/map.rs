@@ -15,8 +15,9 @@ use std::process::ExitCode;
 
 /// Write the direction of each pixel of an output to a PFM file.
 ///
-/// The file has three floats for each pixel: a unit vector in the axes of the program's camera (x right, y up,
-/// z backward), or three NaN where the output shows nothing. Rows go from bottom to top.
+/// The file has three floats for each pixel: a unit vector in the axes of the program's camera (x
+/// right, y up, z backward), or three NaN where the output shows nothing. Rows go from bottom to
+/// top.
 #[derive(clap::Args)]
 pub struct Arguments {
     /// Rig file or name of a preset
@@ -166,7 +167,8 @@ fn computed(
     Ok((pixels.iter().map(direction).collect(), driver))
 }
 
-/// Writes a colour PFM: a header in text, then little-endian floats from the bottom row to the top one.
+/// Writes a colour PFM: a header in text, then little-endian floats from the bottom row to the top
+/// one.
 fn write_pfm(path: &Path, size: (u32, u32), directions: Vec<Option<DVec3>>) -> Result<(), Failure> {
     let mut bytes = format!("PF\n{} {}\n-1.0\n", size.0, size.1).into_bytes();
     bytes.reserve(directions.len() * 12);

@@ -38,10 +38,12 @@ pub struct Arguments {
     /// Change the program's camera, for example zoom=4,move=0,0,-20,yaw=90,pitch=0,roll=0
     #[arg(long, value_name = "KEY=NUMBER,…", allow_hyphen_values = true)]
     camera: Option<String>,
-    /// Change the viewer's position and orientation, for example position=0,-0.5,1,yaw=90,pitch=0,roll=0
+    /// Change the viewer's position and orientation, for example
+    /// position=0,-0.5,1,yaw=90,pitch=0,roll=0
     #[arg(long, value_name = "KEY=NUMBER,…", allow_hyphen_values = true)]
     viewer: Option<String>,
-    /// Correction method of the outputs: fragment, table, mesh, cube-mesh, vertex or primitive, for example mesh,max_error=0.1
+    /// Correction method of the outputs: fragment, table, mesh, cube-mesh, vertex or primitive, for
+    /// example mesh,max_error=0.1
     #[arg(long, value_name = "METHOD[,KEY=NUMBER]")]
     method: Option<String>,
     /// Use the resolution of each output for captures, independent of the window size

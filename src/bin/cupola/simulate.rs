@@ -14,7 +14,8 @@ pub struct Arguments {
     /// Rig file or name of a preset
     #[arg(value_name = "FILE|PRESET")]
     rig: String,
-    /// Folder with a picture for each output: NAME.png, or any-NAME.png as `run --capture any.png` writes them
+    /// Folder with a picture for each output: NAME.png, or any-NAME.png as `run --capture any.png`
+    /// writes them
     #[arg(long, value_name = "DIR", required_unless_present = "white")]
     captures: Option<PathBuf>,
     /// Use white pictures, dimmed by the blend weights of each output, instead of captures

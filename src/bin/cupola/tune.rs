@@ -9,12 +9,14 @@ use toml_edit::{DocumentMut, Item, Table, TableLike, Value};
 
 /// Change keys of a rig file. Programs that run with this file apply the change within a second.
 ///
-/// The rest of the file and its comments are kept. If a change would make the rig invalid, the file is not changed.
+/// The rest of the file and its comments are kept. If a change would make the rig invalid, the file
+/// is not changed.
 #[derive(clap::Args)]
 pub struct Arguments {
     /// Rig file
     file: PathBuf,
-    /// Keys with their new values, for example viewer.position=[0,0,1] or output.NAME.blend.ramp=0.3; output.* means all outputs
+    /// Keys with their new values, for example viewer.position=[0,0,1] or
+    /// output.NAME.blend.ramp=0.3; output.* means all outputs
     #[arg(required = true, value_name = "KEY=VALUE")]
     changes: Vec<String>,
 }
@@ -70,7 +72,8 @@ fn changed(text: &str, changes: &[String]) -> Result<String, String> {
     Ok(document.to_string())
 }
 
-/// Sets a key of the output with this name (`output-N` for the N-th output without a name), or of all outputs for `*`.
+/// Sets a key of the output with this name (`output-N` for the N-th output without a name), or of
+/// all outputs for `*`.
 fn outputs(document: &mut DocumentMut, name: &str, path: &[&str], value: &Value) -> Result<(), String> {
     let all = document.get_mut("output").and_then(Item::as_array_of_tables_mut);
     let all = all.ok_or("there is no [[output]] in the file")?;

@@ -32,7 +32,8 @@ impl From<cupola::Error> for Failure {
     }
 }
 
-/// Prints a failure to standard error under the name of the command. Returns the exit code of the process.
+/// Prints a failure to standard error under the name of the command. Returns the exit code of the
+/// process.
 pub fn exit_code(command: &str, result: Result<ExitCode, Failure>) -> ExitCode {
     result.unwrap_or_else(|failure| {
         for line in failure.message.lines() {

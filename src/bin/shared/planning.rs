@@ -11,8 +11,8 @@ pub fn request(output_sizes: Vec<(u32, u32)>, window: (u32, u32)) -> Request {
     Request { output_sizes, window, panel: false, primary: false, max_atlas: LARGEST_ATLAS }
 }
 
-/// A request for all outputs of `rig` in a window of `size` pixels. Without a size the rig's own is taken, or
-/// 1920 × 1200.
+/// A request for all outputs of `rig` in a window of `size` pixels. Without a size the rig's own is
+/// taken, or 1920 × 1200.
 pub fn window_request(rig: &Rig, size: Option<(u32, u32)>) -> Request {
     let window = size.or_else(|| rig.extent()).unwrap_or((1920, 1200));
     request(rig.layout(window).iter().map(|[_, _, width, height]| (*width, *height)).collect(), window)

@@ -1,4 +1,4 @@
-//! The screens, lenses and places that are compared, as rig files.
+//! The screens, lenses and positions that are compared, as rig files.
 
 use crate::failure::Failure;
 use cupola::rig::Rig;
@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 use std::fmt::Write;
 use std::path::PathBuf;
 
-/// A screen with a lens.
+/// A combination of a screen and a lens.
 pub struct Row {
     /// Name of the screen.
     pub screen: &'static str,
@@ -14,25 +14,25 @@ pub struct Row {
     pub lens: &'static str,
     screen_text: &'static str,
     output_text: &'static str,
-    /// Radii from the centre at which the lens stands; empty: the picture has no place.
+    /// Distances of the projector from the centre in radii; empty for pictures without a projector.
     distances: &'static [f64],
 }
 
 /// A rig file.
 pub struct Case {
-    /// Its text.
+    /// Text of the file.
     pub text: String,
-    /// The projector is outside the screen.
+    /// Whether the projector is outside the screen.
     pub outside: bool,
 }
 
-/// "Radius" of every screen: lengths are given in parts of it.
+/// "Radius" of every screen. Distances are given in radii.
 const RADIUS: f64 = 5.0;
-/// Where viewers are, in radii.
+/// Distances of viewers from the centre in radii.
 const VIEWERS: [f64; 4] = [0.0, 0.3, 0.6, 0.9];
 const NEAR: &[f64] = &[0.0, 0.3, 0.6, 0.9];
 const NEAR_AND_FAR: &[f64] = &[0.0, 0.3, 0.6, 0.9, 2.0, 10.0, 1e3, 1e6];
-/// The file that the mesh is written to.
+/// File name of the mesh.
 const MESH: &str = "ball.obj";
 
 const SCREENS: [(&str, &str, &[f64]); 8] = [
@@ -50,7 +50,8 @@ const SCREENS: [(&str, &str, &[f64]); 8] = [
     ("mesh", "[screen]\nshape = \"mesh\"\nfile = \"ball.obj\"\nscale = 5\n", NEAR),
 ];
 
-/// Lenses of projectors; `FOV` stands for an opening that the screen fills from afar.
+/// Lenses of projectors. `FOV` is replaced by an opening that the screen fills from the projector's
+/// distance.
 const LENSES: [(&str, &str, bool); 9] = [
     ("pinhole", "FOV\n", true),
     ("pinhole, shifted", "FOV\nshift = [0.3, -0.4]\n", true),
@@ -90,12 +91,12 @@ const PICTURES: [(&str, &str); 9] = [
 const MIRROR: &str = "kind = \"projector\"\nposition = [0, -4.3, -2.1]\nyaw = 180\npitch = 24\nfov = [23, 13.5]\n\
                       mirror = { center = [0, -3.1, 1.4], radius = 1.05 }\n";
 
-/// Every row.
+/// All combinations.
 pub fn rows() -> Vec<Row> {
     let mut rows = Vec::new();
     for (screen, screen_text, distances) in SCREENS {
         for (lens, output_text, narrow) in LENSES {
-            // Of a wide picture nothing would meet a screen far away.
+            // Most rays of a wide picture would miss a distant screen.
             let distances = if narrow { distances } else { NEAR };
             rows.push(Row { screen, lens, screen_text, output_text, distances });
         }
@@ -109,7 +110,7 @@ pub fn rows() -> Vec<Row> {
 }
 
 impl Row {
-    /// The rigs of this row.
+    /// The rigs of this combination.
     pub fn cases(&self) -> Vec<Case> {
         let viewer = |part: f64| {
             let [x, y, z] = [0.48, -0.36, 0.8].map(|axis| axis * part * RADIUS);
@@ -137,11 +138,11 @@ impl Row {
     }
 }
 
-/// A folder with the mesh, which is removed with it.
+/// A folder with the mesh. It is removed when this is dropped.
 pub struct Folder(PathBuf);
 
 impl Folder {
-    /// Writes the mesh into a folder of its own.
+    /// Creates a folder and writes the mesh into it.
     pub fn new() -> Result<Self, Failure> {
         let folder = std::env::temp_dir().join(format!("cupola-accuracy-{}", std::process::id()));
         let failed = |error: std::io::Error| Failure::new(format!("{} cannot be written: {error}", folder.display()));
@@ -151,7 +152,7 @@ impl Folder {
         Ok(this)
     }
 
-    /// The rig of a case; `None` if it is none that a dome could have.
+    /// The rig of a case; `None` if the rig is invalid.
     pub fn rig(&self, case: &Case) -> Option<Rig> {
         cupola::rig::parse(&case.text, "accuracy.toml", &self.0).ok()
     }
@@ -159,12 +160,13 @@ impl Folder {
 
 impl Drop for Folder {
     fn drop(&mut self) {
-        // Left behind, it does no harm.
+        // A folder that cannot be removed does no harm.
         _ = std::fs::remove_dir_all(&self.0);
     }
 }
 
-/// A ball of radius 1 as an OBJ file, `rings` rings of faces that are counter-clockwise from inside.
+/// A sphere of radius 1 as an OBJ file with `rings` rings of faces, which are counter-clockwise
+/// seen from inside.
 fn ball(rings: u32) -> String {
     let mut text = String::from("v 0 1 0\n");
     let around = 2 * rings;
@@ -186,7 +188,7 @@ fn ball(rings: u32) -> String {
         for step in 0..around {
             let [a, b] = [corner(ring, step), corner(ring, step + 1)];
             let [c, d] = [corner(ring + 1, step), corner(ring + 1, step + 1)];
-            // Faces at the poles have no area; the reader leaves them out.
+            // Faces at the poles have no area. The reader skips them.
             _ = writeln!(text, "f {a} {c} {b}\nf {b} {c} {d}");
         }
     }

@@ -1,5 +1,5 @@
-//! `cupola-lab accuracy`: maps that the shaders compute for every screen with every lens, compared with the exact
-//! maps.
+//! `cupola-lab accuracy`: maps that the shaders compute for every screen with every lens, compared
+//! with the exact maps.
 
 mod cases;
 
@@ -16,10 +16,11 @@ use glam::DVec3;
 use serde_json::json;
 use std::process::ExitCode;
 
-/// Compare the maps that the graphics driver computes with the exact maps, for every screen and every lens.
+/// Compare the maps that the graphics driver computes with the exact maps, for every screen and
+/// every lens.
 ///
-/// Errors are in pixels of a picture 3840 pixels wide, or in texels where texels are larger because of the driver's
-/// texture size limit. The exit code is 1 if a bound is exceeded.
+/// Errors are in pixels of a picture 3840 pixels wide, or in texels where texels are larger because
+/// of the driver's texture size limit. The exit code is 1 if a bound is exceeded.
 #[derive(clap::Args)]
 pub struct Arguments {
     /// Size of the compared pictures in pixels
@@ -28,7 +29,8 @@ pub struct Arguments {
     /// Compare only every N-th case
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
     every: u32,
-    /// Compare only every N-th pixel of every N-th row with the exact map; all pixels are checked for NaN and infinity
+    /// Compare only every N-th pixel of every N-th row with the exact map; all pixels are checked
+    /// for NaN and infinity
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
     step: u32,
     /// Print the result as JSON
@@ -40,7 +42,8 @@ pub struct Arguments {
 const REFERENCE_WIDTH: f64 = 3840.0;
 /// Greatest error of a formula with viewer and projector within 0.9 radii of the centre.
 const INSIDE: f64 = 0.002;
-/// Greatest error of projectors outside, and of tables: 5·10⁻⁷ of the width of a view of twice [`REFERENCE_WIDTH`].
+/// Greatest error of projectors outside, and of tables: 5·10⁻⁷ of the width of a view of twice
+/// [`REFERENCE_WIDTH`].
 const OUTSIDE: f64 = 0.004;
 
 /// Result for one screen with one lens.
@@ -48,7 +51,8 @@ struct Found {
     row: Row,
     cases: u32,
     pixels: u64,
-    /// Greatest error of projectors within 0.9 radii, and of those farther out; `None` without such a case.
+    /// Greatest error of projectors within 0.9 radii, and of those farther out; `None` without such
+    /// a case.
     worst: [Option<f64>; 2],
     /// Whether a case exceeds its bound.
     exceeded: bool,
@@ -111,7 +115,8 @@ fn measured(
     };
     let mut greatest = 0.0f64;
     let error = compare_each(&exact, step, look, |found| {
-        // The error of a view that is coarser than the output, because of the size limit, counts in texels.
+        // The error of a view that is coarser than the output, because of the size limit, counts in
+        // texels.
         let coarse = || surveyor.at(found.centre()).and_then(|pixel| pixel.texels_per_pixel).unwrap_or(1.0).min(1.0);
         greatest = greatest.max(found.pixels * if found.pixels * scale > INSIDE { coarse() } else { 1.0 });
     });

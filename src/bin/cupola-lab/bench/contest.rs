@@ -1,4 +1,4 @@
-//! A scene and all methods on it: times and errors.
+//! Measurement of all methods on one scene.
 
 use super::methods::{Clock, Directions, Entrants, Method};
 use super::quality::{self, Quality};
@@ -8,51 +8,53 @@ use crate::trial::{self, gl::Times};
 use cupola::warp::{MapError, WarpMap, compare_each};
 use std::time::Instant;
 
-/// What was measured on one scene.
+/// Results for one scene.
 pub struct Contest {
     /// The scene.
     pub scene: Scene,
-    /// Who drew it.
+    /// Name of the driver.
     pub driver: String,
-    /// The methods; the first is the unit of time.
+    /// Results of the methods. The time of the first is the unit of time.
     pub results: Vec<Outcome>,
 }
 
-/// What was measured of one method.
+/// Results of one method.
 pub struct Outcome {
-    /// In words.
+    /// Name of the method.
     pub name: String,
-    /// Ours, as it is without being asked for anything.
+    /// Whether this is Cupola's default.
     pub is_default: bool,
-    /// Median of its time over that of the first, round by round.
+    /// Median over the rounds of its time divided by that of the first method.
     pub ratio: f64,
-    /// Quarter and three quarters of the same.
+    /// First and third quartile of the same.
     pub spread: (f64, f64),
     /// The same for processor time.
     pub processor_ratio: f64,
-    /// Median of the time, milliseconds.
+    /// Median of the time in milliseconds.
     pub milliseconds: f64,
-    /// Texels of the views that are drawn for it, over the output's pixels.
+    /// Number of texels of the views that it needs, divided by the number of output pixels.
     pub texels: Option<f64>,
-    /// Its error, if it corrects anything.
+    /// Error of its map; `None` for methods that correct nothing.
     pub error: Option<Errors>,
-    /// Its picture of a scene with hard edges, drawn with four samples for each texel, against many samples for each pixel.
+    /// Quality of its picture of a scene with hard edges, drawn with four samples per texel,
+    /// compared with many samples per pixel.
     pub quality: Option<Quality>,
 }
 
-/// The error of a method's map.
+/// Error of the map of a method.
 pub struct Errors {
-    /// Greatest, root mean square, and pixels that are wrong altogether.
+    /// Greatest error, root mean square, and numbers of wrong pixels.
     pub map: MapError,
-    /// 99.9 % of the pixels are at most so wrong, output pixels.
+    /// 99.9th percentile of the error in output pixels.
     pub most: f64,
-    /// Greatest angle, minutes of arc.
+    /// Greatest error in minutes of arc.
     pub minutes: f64,
-    /// Error of each pixel, output pixels, row by row from the top; NaN where nothing is compared.
+    /// Error of each pixel in output pixels, row by row from the top; NaN for pixels that are not
+    /// compared.
     pub pixels: Vec<f32>,
 }
 
-/// Measures all methods on `scene`; `phase` hears what is going on.
+/// Measures all methods on `scene`. `phase` is called with a description of the current step.
 pub fn run(scene: Scene, rounds: u32, phase: impl Fn(String)) -> Result<Contest, Failure> {
     let exact = WarpMap::new(&scene.rig, 0, scene.size, None)?;
     let Entrants { mut trial, mut vulkan, methods } = Entrants::new(&scene, &exact)?;
@@ -62,7 +64,7 @@ pub fn run(scene: Scene, rounds: u32, phase: impl Fn(String)) -> Result<Contest,
     let times = trial.run(rounds, || {
         round += 1;
         phase(format!("{}: round {round}", scene.name));
-        // Those that are not OpenGL's, in the same round.
+        // Methods that do not use OpenGL, in the same round.
         for (method, seconds) in methods.iter().zip(&mut others) {
             match time(method, vulkan.as_mut()) {
                 Ok(taken) => seconds.extend(taken),
@@ -81,7 +83,7 @@ pub fn run(scene: Scene, rounds: u32, phase: impl Fn(String)) -> Result<Contest,
     for (method, other) in methods.into_iter().zip(others) {
         let own = match &method.clock {
             Clock::OpenGl(number) => times[*number].clone(),
-            // Without the rounds that warm up.
+            // Without the warm-up rounds.
             _ => Times { seconds: other[other.len() - base.seconds.len()..].to_vec(), processor: Vec::new() },
         };
         let ratios = sorted(own.seconds.iter().zip(&base.seconds).map(|(own, base)| own / base));
@@ -101,13 +103,13 @@ pub fn run(scene: Scene, rounds: u32, phase: impl Fn(String)) -> Result<Contest,
     Ok(Contest { driver: trial.driver(), scene, results })
 }
 
-/// The seconds that a method takes that is not OpenGL's.
+/// Time in seconds of a method that does not use OpenGL; `None` for other methods.
 fn time(method: &Method, vulkan: Option<&mut trial::vk::Trial>) -> Result<Option<f64>, Failure> {
     Ok(match (&method.clock, vulkan) {
         (Clock::Vulkan(number), Some(vulkan)) => Some(vulkan.time(*number)?),
         (Clock::Processor(processor), _) => {
             let started = Instant::now();
-            // The picture is what takes the time.
+            // The time to measure is that of the picture.
             std::hint::black_box(processor.picture());
             Some(started.elapsed().as_secs_f64())
         }
@@ -139,7 +141,7 @@ pub fn sorted(values: impl Iterator<Item = f64>) -> Vec<f64> {
     values
 }
 
-/// The value below which a part of the sorted values lies; NaN if there are none.
+/// The quantile `part` of sorted values; NaN if there are none.
 pub fn quantile(sorted: &[f64], part: f64) -> f64 {
     let index = (part * sorted.len() as f64) as usize;
     sorted.get(index.min(sorted.len().saturating_sub(1))).copied().unwrap_or(f64::NAN)

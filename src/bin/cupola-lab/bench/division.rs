@@ -1,5 +1,6 @@
-//! Division of primitives whose vertices are projected straight to a picture: triangles against error, divided by the bound
-//! on the error and by fixed levels, as the recipe of 2014 does.
+//! Division of primitives whose vertices are projected directly to a picture: number of triangles
+//! against error. Compares division by a bound on the error with division by fixed levels, as in
+//! the recipe of 2014.
 
 use super::contest::{quantile, sorted};
 use cupola::geom::division::Weights;
@@ -11,44 +12,44 @@ use std::f64::consts::PI;
 use std::fmt::Write;
 use std::time::Instant;
 
-/// What was measured of one way to divide.
+/// Results of one way to divide.
 pub struct Outcome {
-    /// In words.
+    /// Name of the method.
     pub name: String,
-    /// Until the error is small enough, and not by fixed levels.
+    /// Whether triangles are divided by a bound on the error, not by fixed levels.
     pub bounded: bool,
-    /// Triangles that are drawn for each of the scene's.
+    /// Number of triangles that are drawn for each triangle of the scene.
     pub parts: f64,
-    /// Triangles that were not divided far enough.
+    /// Number of triangles that exceed the bound because the limit of divisions was reached.
     pub coarse: usize,
-    /// Greatest error of what lies in the picture, pixels.
+    /// Greatest error within the picture in pixels.
     pub greatest: f64,
-    /// 99.9 % of it is at most so wrong, pixels.
+    /// 99.9th percentile of the error in pixels.
     pub most: f64,
-    /// Microseconds of the processor for each triangle of the scene.
+    /// Processor time for each triangle of the scene in microseconds.
     pub microseconds: f64,
 }
 
-/// What was measured for one picture.
+/// Results for one picture.
 pub struct Divided {
-    /// Its width and height, pixels.
+    /// Width and height in pixels.
     pub size: u32,
-    /// The ways to divide.
+    /// Results of all ways to divide.
     pub outcomes: Vec<Outcome>,
 }
 
-/// Greatest errors that are asked for, pixels.
+/// Bounds on the error in pixels.
 const BOUNDS: [f64; 5] = [4.0, 2.0, 1.0, 0.5, 0.25];
-/// Fixed levels; the recipe has three.
+/// Numbers of fixed levels; the recipe of 2014 has three.
 const LEVELS: [u32; 6] = [0, 1, 2, 3, 4, 5];
-/// Cells along the edges of a room's walls.
+/// Number of cells along each edge of a wall.
 const CELLS: u32 = 2;
-/// Places in a triangle at which its error is measured.
+/// Number of steps along an edge of a triangle between points at which the error is measured.
 const PLACES: u32 = 6;
 
 type Parts = Vec<[Weights; 3]>;
 
-/// Divides the walls of a room for a fisheye of 180°; `quick`: for a quarter of the pixels.
+/// Divides the walls of a room for a fisheye of 180°. `quick`: with a quarter of the pixels.
 pub fn run(quick: bool) -> Divided {
     let size = if quick { 1024 } else { 2048 };
     let pixels = DVec2::splat(f64::from(size));
@@ -77,7 +78,7 @@ pub fn run(quick: bool) -> Divided {
     Divided { size, outcomes }
 }
 
-/// The triangles of the six walls around the viewer, who does not stand in the middle.
+/// The triangles of the six walls of a room. The viewer is not at its centre.
 fn room() -> Vec<[DVec3; 3]> {
     let at = |index: u32| 2.0 * f64::from(index) / f64::from(CELLS) - 1.0;
     let mut triangles = Vec::new();
@@ -91,7 +92,7 @@ fn room() -> Vec<[DVec3; 3]> {
     triangles
 }
 
-/// Four triangles of each, `level` times, by the middles of its edges.
+/// Splits a triangle into four at the midpoints of its edges, recursively `level` times.
 fn halved(level: u32, [a, b, c]: [Weights; 3], parts: &mut Parts) {
     if level == 0 {
         parts.push([a, b, c]);
@@ -139,7 +140,8 @@ fn measure(
     }
 }
 
-/// How far, in pixels, places in a drawn triangle are from where they should be, of those that are in the picture.
+/// Distances in pixels between drawn and exact positions of points of a triangle, for points within
+/// the picture.
 fn errors_of(map: &PictureMap, corners: [DVec3; 3], pixels: DVec2) -> Vec<f64> {
     let drawn: Vec<(DVec2, f64)> = corners
         .iter()
@@ -154,7 +156,7 @@ fn errors_of(map: &PictureMap, corners: [DVec3; 3], pixels: DVec2) -> Vec<f64> {
         let (u, v) = (f64::from(i) / f64::from(PLACES), f64::from(j) / f64::from(PLACES));
         let weights = [u, v, 1.0 - u - v];
         let exact = map.shown(corners[0] * weights[0] + corners[1] * weights[1] + corners[2] * weights[2])?;
-        // As rasterisers interpolate: w is the distance.
+        // Interpolation as in rasterisers; w is the distance.
         let w: f64 = [a.1, b.1, c.1].iter().zip(weights).map(|(w, weight)| w * weight).sum();
         let at = (a.0 * a.1 * weights[0] + b.0 * b.1 * weights[1] + c.0 * c.1 * weights[2]) / w;
         Some(((at - exact) * 0.5 * pixels).length())
@@ -162,7 +164,7 @@ fn errors_of(map: &PictureMap, corners: [DVec3; 3], pixels: DVec2) -> Vec<f64> {
     places.filter_map(error).collect()
 }
 
-/// For people.
+/// The results as a table.
 pub fn table(divided: &Divided) -> String {
     let mut text = format!("triangles of a room, divided for a fisheye of 180°, {0} × {0}\n", divided.size);
     // Writing into a string cannot fail.
@@ -175,7 +177,7 @@ pub fn table(divided: &Divided) -> String {
     text
 }
 
-/// For programs.
+/// The results as JSON.
 pub fn as_json(divided: &Divided) -> Value {
     let outcomes: Vec<Value> = divided
         .outcomes
@@ -194,7 +196,7 @@ pub fn as_json(divided: &Divided) -> Value {
     json!({ "size": divided.size, "ways": outcomes })
 }
 
-/// Triangles against greatest error, both logarithmic, as SVG.
+/// An SVG plot of number of triangles against greatest error, both logarithmic.
 pub fn plot(divided: &Divided) -> String {
     let [left, top, right, bottom] = [80.0, 50.0, 620.0, 440.0];
     let x = |parts: f64| left + (right - left) * (parts.max(0.5) / 0.5).ln() / 8192f64.ln();
@@ -227,7 +229,7 @@ pub fn plot(divided: &Divided) -> String {
         0.5 * (left + right),
         0.5 * (top + bottom)
     );
-    // Names stand on the side where no line is.
+    // Labels are on the side of a point without a line.
     for (bounded, color, anchor, aside, below) in
         [(false, "#36a", "start", 8.0, -6.0), (true, "#d30", "end", -8.0, 14.0)]
     {
@@ -255,7 +257,8 @@ pub fn plot(divided: &Divided) -> String {
 mod tests {
     use super::*;
 
-    /// What is bounded keeps its bound, and needs fewer triangles than three fixed levels for less error.
+    /// Division by a bound keeps the bound, and has a smaller error than three fixed levels with
+    /// fewer triangles.
     #[test]
     fn bounds_are_kept_and_beat_fixed_levels() {
         let divided = run(true);

@@ -1,4 +1,4 @@
-//! Ways of correcting: what each draws, and the map that it makes.
+//! Correction methods: what each of them draws, and its map.
 
 use super::peers;
 use super::processor::Processor;
@@ -17,35 +17,37 @@ use cupola::warp::WarpMap;
 use glam::{DVec2, DVec3};
 use std::sync::Arc;
 
-/// Direction in viewer axes of each pixel, row by row from the top; `None` where nothing is shown.
+/// Direction in the viewer's axes of each pixel, row by row from the top; `None` where nothing is
+/// shown.
 pub type Directions = Vec<Option<DVec3>>;
 
-/// Who measures a method's time.
+/// How the time of a method is measured.
 pub enum Clock {
-    /// The trial on OpenGL, by this number.
+    /// By the trial on OpenGL, under this number.
     OpenGl(usize),
-    /// The trial on Vulkan, by this number.
+    /// By the trial on Vulkan, under this number.
     Vulkan(usize),
-    /// It is computed on the processor.
+    /// By running it on the processor.
     Processor(Box<Processor>),
 }
 
-/// A way of correcting that has been entered.
+/// A correction method that takes part in the measurement.
 pub struct Method {
-    /// In words.
+    /// Name of the method.
     pub name: String,
-    /// Ours, as it is without being asked for anything.
+    /// Whether this is Cupola's default.
     pub is_default: bool,
-    /// Who measures it.
+    /// How its time is measured.
     pub clock: Clock,
-    /// Texels of the views that are drawn for it, over the output's pixels.
+    /// Number of texels of the views that it needs, divided by the number of output pixels.
     pub texels: Option<f64>,
-    /// Its map; `None` for what corrects nothing.
+    /// Its map; `None` for methods that correct nothing.
     pub map: Option<Directions>,
 }
 
 impl Method {
-    /// What it makes of the scene, grey; `None` where it corrects nothing, or on Vulkan, whose shaders are the same.
+    /// Its grey picture of the scene; `None` for methods that correct nothing, and on Vulkan, whose
+    /// shaders are the same as on OpenGL.
     pub fn picture(&self, trial: &Trial) -> Result<Option<Vec<u8>>, Failure> {
         Ok(match &self.clock {
             _ if self.map.is_none() => None,
@@ -56,27 +58,27 @@ impl Method {
     }
 }
 
-/// Everything that is measured on one scene.
+/// All methods that are measured on one scene.
 pub struct Entrants {
-    /// What OpenGL draws.
+    /// Methods on OpenGL.
     pub trial: Trial,
-    /// What Vulkan draws, where there is a device.
+    /// Methods on Vulkan, if there is a device.
     pub vulkan: Option<trial::vk::Trial>,
-    /// The first is the picture that the others' times are measured in.
+    /// The methods. The first is the plain picture whose time is the unit of time.
     pub methods: Vec<Method>,
 }
 
-/// Greatest errors of tables and meshes.
+/// Bounds on the error of tables and meshes in pixels.
 const BOUNDS: [f64; 3] = [0.5, 0.1, 0.02];
-/// Cells along the cube's edge of meshes of the dome.
+/// Numbers of cells along an edge of the cube in meshes of the dome.
 const DENSITIES: [u32; 4] = [16, 32, 64, 128];
-/// Filters beside the usual one.
+/// Filters other than the default.
 const FILTERS: [(&str, Filter); 3] = [
     ("fragment, Catmull-Rom", Filter::CatmullRom),
     ("fragment, four places", Filter::Bilinear4),
     ("fragment, Catmull-Rom at four places", Filter::CatmullRom4),
 ];
-/// Cells across of meshes that are equally fine everywhere.
+/// Numbers of columns of uniform meshes.
 const COLUMNS: [u32; 3] = [16, 64, 256];
 
 impl Entrants {
@@ -125,7 +127,7 @@ impl Entrants {
         self.methods.push(Method { name: name.into(), is_default: false, clock, texels, map });
     }
 
-    /// Our correction by `plan`.
+    /// Adds Cupola's correction with `plan`.
     fn add_plan(&mut self, name: &str, plan: &Plan) -> Result<(), Failure> {
         let (number, _) = self.trial.add_plan(plan)?;
         self.trial.fill(number, &[quality::atlas(plan)])?;
@@ -135,7 +137,8 @@ impl Entrants {
         Ok(())
     }
 
-    /// Our correction with a mask that leaves the left half black: its time, and no error, since that is meant.
+    /// Adds Cupola's correction with a mask that blacks out the left half. Only its time is
+    /// measured.
     fn add_half(&mut self, scene: &Scene) -> Result<(), Failure> {
         let mask = std::env::temp_dir().join(format!("cupola-bench-{}.png", std::process::id()));
         let (width, height) = scene.size;
@@ -146,7 +149,7 @@ impl Entrants {
         let mut rig = scene.rig.clone();
         rig.outputs[0].mask = Some(mask.clone());
         let plan = plan(&rig, scene);
-        // What is left behind is in the way of nobody.
+        // A file that cannot be removed does no harm.
         let _ = std::fs::remove_file(&mask);
         let plan = plan?;
         let (number, _) = self.trial.add_plan(&plan)?;
@@ -154,7 +157,7 @@ impl Entrants {
         Ok(())
     }
 
-    /// Our correction by `plan` on Vulkan, where there is a device.
+    /// Adds Cupola's correction with `plan` on Vulkan, if there is a device.
     fn add_vulkan(&mut self, name: &str, plan: &Plan) -> Result<(), Failure> {
         let Some(vulkan) = &mut self.vulkan else { return Ok(()) };
         let number = vulkan.add_plan(plan)?;
@@ -163,10 +166,10 @@ impl Entrants {
         Ok(())
     }
 
-    /// How other programs correct.
+    /// Adds the methods of other programs.
     fn add_others(&mut self, scene: &Scene, exact: &WarpMap, plan: &Plan) -> Result<(), Failure> {
         let (width, height) = scene.size;
-        // Faces as fine as a domemaster's or a projector's middle needs.
+        // Resolution of cube faces that the centre of a domemaster or projector needs.
         let side = plan.views.views.iter().map(|view| view.tile.width.max(view.tile.height)).max().unwrap_or(1);
         for columns in COLUMNS {
             let rows = (columns * height).div_ceil(width);
@@ -183,7 +186,7 @@ impl Entrants {
         Ok(())
     }
 
-    /// A mesh that is drawn, and its map: what linear interpolation makes of its corners.
+    /// Adds a mesh. Its map is the linear interpolation of the values at its nodes.
     fn add_peer(&mut self, scene: &Scene, exact: &WarpMap, peer: peers::Peer) -> Result<(), Failure> {
         let mut drawn = TrialMesh { corners: Vec::new(), triangles: peer.mesh.triangles().to_vec() };
         for node in peer.mesh.nodes() {
@@ -200,7 +203,7 @@ impl Entrants {
         Ok(())
     }
 
-    /// A formula, and its map: what the driver computes.
+    /// Adds a formula. Its map is what the driver computes.
     fn add_formula(&mut self, scene: &Scene, exact: &WarpMap, formula: peers::Formula) -> Result<(), Failure> {
         let number = self.trial.add_mesh(&TrialMesh::quad(), &formula.sampling)?;
         self.fill(number, scene, &formula.sampling)?;
@@ -209,14 +212,14 @@ impl Entrants {
         let map = each_pixel(exact, |pixel| {
             let [x, y, z, _] = places[pixel.y as usize * scene.size.0 as usize + pixel.x as usize].map(f64::from);
             let value = DVec3::new(x, y, z);
-            // What is not finite is kept, to be counted.
+            // Values that are not finite are kept, to be counted.
             if value.is_finite() { direction(value) } else { Some(value) }
         });
         self.add(&formula.name, Clock::OpenGl(number), formula.texels, Some(map));
         Ok(())
     }
 
-    /// Draws the scene into what a contestant samples.
+    /// Draws the scene into the textures that a method samples.
     fn fill(&self, number: usize, scene: &Scene, sampling: &Sampling) -> Result<(), Failure> {
         let pictures = match *sampling.picture() {
             Sampling::Cube(side) => quality::cube(side),
@@ -229,13 +232,14 @@ impl Entrants {
     }
 }
 
-/// The plan of a rig's first output.
+/// A plan for the outputs of a rig, all of the scene's size.
 fn plan(rig: &Rig, scene: &Scene) -> Result<Plan, Failure> {
     let request = request(vec![scene.size; rig.outputs.len()], scene.size);
     Ok(correct::build(rig, &request)?)
 }
 
-/// Texels of the views that a plan's first output samples, over its pixels.
+/// Number of texels of the views that the first output of a plan samples, divided by its number of
+/// pixels.
 fn texels(plan: &Plan) -> Option<f64> {
     let pass = &plan.passes[0];
     let views: std::collections::BTreeSet<usize> =
@@ -253,7 +257,7 @@ fn directions(map: &[gl::MapPixel]) -> Directions {
     map.iter().map(direction).collect()
 }
 
-/// `plan` with a table of the exact map in the place of the formula.
+/// `plan` with a table of the exact map instead of the formula.
 fn tabulated(plan: &Plan, scene: &Scene, exact: &WarpMap) -> Plan {
     let mut plan = plan.clone();
     let table = Table::new(scene.size, |column, row| {
@@ -264,7 +268,8 @@ fn tabulated(plan: &Plan, scene: &Scene, exact: &WarpMap) -> Plan {
     plan
 }
 
-/// The direction of a coordinate: it is one, or a place in a domemaster.
+/// The function from a coordinate to a direction. A coordinate is a direction or a position in a
+/// domemaster.
 fn meaning(scene: &Scene, sampling: &Sampling) -> Result<impl Fn(DVec3) -> Option<DVec3> + use<>, Failure> {
     let content = match sampling.picture() {
         Sampling::Picture(..) => Some(peers::domemaster(scene)?),
@@ -276,8 +281,8 @@ fn meaning(scene: &Scene, sampling: &Sampling) -> Result<impl Fn(DVec3) -> Optio
     })
 }
 
-/// A function of pixel positions at the centres of all pixels that show something: what other programs draw outside of
-/// a fisheye's circle is no error.
+/// Values of a function at the centres of all pixels that show something in the exact map. What
+/// other programs draw outside of a fisheye's circle is not an error.
 fn each_pixel(exact: &WarpMap, at: impl Fn(DVec2) -> Option<DVec3>) -> Directions {
     let (width, height) = exact.size();
     let at = &at;
@@ -288,7 +293,8 @@ fn each_pixel(exact: &WarpMap, at: impl Fn(DVec2) -> Option<DVec3>) -> Direction
     (0..height).flat_map(row).collect()
 }
 
-/// The exact directions at the nodes of a grid over the output; beyond a fisheye's circle its angle goes on growing.
+/// A mesh with the exact directions at the nodes of a grid over the output. Outside of a fisheye's
+/// circle the angle grows further.
 fn direction_mesh(scene: &Scene, exact: &WarpMap, columns: u32, rows: u32) -> Mesh {
     peers::grid_mesh(columns, rows, |part| {
         let at = 2.0 * part - 1.0;

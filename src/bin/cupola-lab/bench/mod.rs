@@ -1,4 +1,5 @@
-//! `cupola-lab bench`: run time and error of Cupola's correction and of the corrections of other programs.
+//! `cupola-lab bench`: run time and error of Cupola's correction and of the corrections of other
+//! programs.
 
 mod contest;
 mod division;
@@ -17,8 +18,9 @@ use std::process::ExitCode;
 
 /// Measure run time and error of Cupola's correction methods and of those of other programs.
 ///
-/// Times are ratios to the time of one bilinear full-screen picture of the same size; all methods are measured in
-/// turn. Errors are those of the map from pixels to directions, compared with the exact map.
+/// Times are ratios to the time of one bilinear full-screen picture of the same size; all methods
+/// are measured in turn. Errors are those of the map from pixels to directions, compared with the
+/// exact map.
 #[derive(clap::Args)]
 pub struct Arguments {
     /// Use small pictures and few rounds (at most two minutes on two processors)

@@ -1,5 +1,5 @@
-//! How other programs correct, rebuilt from their formulas: their error and their cost are those of the formula, not of
-//! the program around it.
+//! Correction methods of other programs, rebuilt from their formulas. Error and cost are those of
+//! the formula, not of the program around it.
 
 use super::scenes::Scene;
 use crate::failure::Failure;
@@ -12,29 +12,31 @@ use cupola::warp::WarpMap;
 use glam::{DMat3, DVec2, DVec3};
 use std::f64::consts::{FRAC_PI_4, PI};
 
-/// A mesh that another program would draw.
+/// A mesh as another program draws it.
 pub struct Peer {
-    /// Whose, in words.
+    /// Name of the program and of the method.
     pub name: String,
-    /// Positions −1…1 over the output, values as `sampling` takes them.
+    /// Positions are −1…1 over the output; the meaning of the values depends on `sampling`.
     pub mesh: Mesh,
-    /// How it is textured.
+    /// How fragments are coloured.
     pub sampling: Sampling,
-    /// Texels drawn into views over the output's pixels, where the program fixes them.
+    /// Number of texels of its views divided by the number of output pixels, where the program
+    /// defines it.
     pub texels: Option<f64>,
 }
 
-/// A formula that another program's shader computes.
+/// A formula in the shader of another program.
 pub struct Formula {
-    /// Whose, in words.
+    /// Name of the program and of the method.
     pub name: String,
-    /// Its shader; the coordinate that it gets is the place in the output, 0…1 from the bottom left.
+    /// Its shader. The coordinate is the position in the output, 0…1 from the bottom left.
     pub sampling: Sampling,
-    /// Texels drawn into views over the output's pixels.
+    /// Number of texels of its views divided by the number of output pixels.
     pub texels: Option<f64>,
 }
 
-/// A picture of the scene's dome as a domemaster of 1 × 1, whose pixel positions are parts of it.
+/// The map of a domemaster of the scene's dome. Its size is 1 × 1, so that pixel positions are
+/// fractions of the picture.
 pub fn domemaster(scene: &Scene) -> Result<WarpMap, Failure> {
     let mut rig = scene.rig.clone();
     rig.outputs.truncate(1);
@@ -43,7 +45,8 @@ pub fn domemaster(scene: &Scene) -> Result<WarpMap, Failure> {
     Ok(WarpMap::new(&rig, 0, (1, 1), None)?)
 }
 
-/// A mesh over a grid of `columns` × `rows` cells; `node` gets parts of the output from its bottom left.
+/// A mesh over a grid of `columns` × `rows` cells. `node` gets positions in the output, 0…1 from
+/// the bottom left.
 pub fn grid_mesh(columns: u32, rows: u32, node: impl Fn(DVec2) -> Option<Node>) -> Mesh {
     let part = |index: u32, count: u32| f64::from(index) / f64::from(count);
     let places = (0..=rows).flat_map(|row| (0..=columns).map(move |column| (column, row)));
@@ -51,18 +54,20 @@ pub fn grid_mesh(columns: u32, rows: u32, node: impl Fn(DVec2) -> Option<Node>) 
     Mesh::from_grid("a grid", columns as usize + 1, rows as usize + 1, &nodes, false).unwrap_or_else(|_| empty())
 }
 
-/// A mesh of nothing.
+/// A mesh without triangles.
 fn empty() -> Mesh {
     Mesh::new("nothing", Vec::new(), Vec::new()).expect("a mesh without triangles is valid")
 }
 
-/// The meshes of other programs for a scene; `side`: texels of a cube's face as fine as the output.
+/// The meshes of other programs for a scene. `side` is the width in texels of a cube face as fine
+/// as the output.
 pub fn meshes(scene: &Scene, exact: &WarpMap, side: u32) -> Vec<Peer> {
     let pixels = f64::from(scene.size.0) * f64::from(scene.size.1);
     let mut peers = Vec::new();
     if scene.is_fisheye() {
         let open_scene_graph = grid_mesh(50, 50, |part| {
-            // Outside the circle the rim's direction is taken on, so that the cells of the rim are wrong.
+            // Outside of the circle the direction of the rim is used, so that cells at the rim are
+            // wrong.
             let at = 2.0 * part - 1.0;
             let inside = at / at.length().max(1.0);
             let value = Fisheye { aperture: PI }.direction(inside.x, inside.y)?;
@@ -122,8 +127,8 @@ fn lattice(size: (u32, u32), pitch: u32, node: impl Fn(DVec2) -> Option<Node>) -
     Mesh::new("a lattice", nodes, triangles).unwrap_or_else(|_| empty())
 }
 
-/// A cube turned by 45° whose faces' triangles are split into four `level` times, inflated to a sphere and flattened to
-/// a fisheye's circle.
+/// A cube turned by 45° whose triangles are split into four `level` times. It is inflated to a
+/// sphere and flattened to the circle of a fisheye.
 fn flattened_cube(level: u32) -> Mesh {
     let lens = Fisheye { aperture: PI };
     let turned = pose::rotation(FRAC_PI_4, 0.0, 0.0);
@@ -137,8 +142,8 @@ fn flattened_cube(level: u32) -> Mesh {
         };
         for (x, y) in (0..cells).flat_map(|y| (0..cells).map(move |x| (x, y))) {
             let corners = [corner(x, y), corner(x + 1, y), corner(x + 1, y + 1), corner(x, y + 1)];
-            // Triangles are in the picture as a whole or not at all; where the picture's rim goes through a cell, along
-            // the diagonal that keeps one.
+            // A triangle is in the picture completely or not at all. A cell at the rim of the
+            // picture is split along the diagonal that keeps one triangle.
             let ahead = |triangle: &[usize; 3]| triangle.iter().all(|&i| -corners[i].z >= -1e-9);
             let kept = [[[0, 1, 2], [0, 2, 3]], [[0, 1, 3], [1, 2, 3]]].map(|split| split.into_iter().filter(ahead));
             let [first, second] = kept.map(Iterator::collect::<Vec<_>>);
@@ -154,7 +159,7 @@ fn flattened_cube(level: u32) -> Mesh {
     Mesh::new("a cube", nodes, triangles).unwrap_or_else(|_| empty())
 }
 
-/// The formulas of other programs for a scene; `side` as for [`meshes`].
+/// The formulas of other programs for a scene. `side` is as for [`meshes`].
 pub fn formulas(scene: &Scene, side: u32) -> Vec<Formula> {
     let pixels = f64::from(scene.size.0) * f64::from(scene.size.1);
     match &scene.rig.outputs[0].kind {
@@ -171,7 +176,8 @@ pub fn formulas(scene: &Scene, side: u32) -> Vec<Formula> {
             }]
         }
         OutputKind::Projector { position, angles: [yaw, pitch, roll], frustum } => {
-            // Lens axes to the dome's, whose pole is straight ahead; the radius is 1.
+            // From the axes of the lens to those of the dome, whose pole is straight ahead. The
+            // radius is 1.
             let rays = pose::rotation(*yaw, *pitch, *roll);
             let row = |index: usize| {
                 let row = rays.row(index);

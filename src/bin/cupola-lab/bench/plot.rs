@@ -1,22 +1,23 @@
-//! Pictures of the results: time against error, and where the errors are.
+//! Pictures of the results: plots of time against error, and maps of the errors.
 
 use super::contest::{Contest, Outcome};
 use crate::failure::Failure;
 use std::fmt::Write;
 use std::path::Path;
 
-/// Width and height of a plot.
+/// Width and height of a plot in pixels.
 const SIZE: (f64, f64) = (1280.0, 600.0);
-/// Left, top, right and bottom of the plot's area.
+/// Left, top, right and bottom of the area with the points.
 const AREA: [f64; 4] = [80.0, 50.0, 880.0, 540.0];
-/// Height of a line of the list of names beside it.
+/// Line height of the list of names.
 const LINE: f64 = 16.0;
-/// Errors below this are drawn there, pixels.
+/// Lower limit of plotted errors in pixels.
 const LEAST_ERROR: f64 = 1e-5;
-/// The error that is drawn in the strongest colour, pixels.
+/// The error with the strongest colour in error maps, in pixels.
 const WORST_SHOWN: f64 = 10.0;
 
-/// Time against greatest error, both logarithmic, as SVG; the methods are numbered by their time.
+/// An SVG plot of time against greatest error, both logarithmic. Methods are numbered by their
+/// time.
 pub fn scatter(contest: &Contest) -> String {
     let mut points: Vec<(&Outcome, f64, f64)> = contest
         .results
@@ -96,7 +97,8 @@ pub fn scatter(contest: &Contest) -> String {
     svg
 }
 
-/// A picture of each method's error: dark = none, over blue and green to red = ten pixels and more, grey = nothing shown.
+/// Writes a picture of the error of each method: dark is none, then blue, green, and red for ten
+/// pixels and more; grey is nothing shown.
 pub fn error_maps(contest: &Contest, directory: &Path) -> Result<(), Failure> {
     let (width, height) = contest.scene.size;
     let step = width.max(height).div_ceil(512).max(1);
@@ -114,7 +116,7 @@ pub fn error_maps(contest: &Contest, directory: &Path) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The colour of an error in pixels, logarithmic over six decades.
+/// The colour of an error in pixels, on a logarithmic scale of six decades.
 fn color(error: f32) -> [u8; 3] {
     if error.is_nan() {
         return [70; 3];

@@ -1,19 +1,19 @@
-//! The correction on the processor: the exact map in f64 and bilinear samples, without a graphics API.
+//! Correction on the processor, without a graphics API: the exact map in f64 and bilinear samples.
 
 use super::quality::in_rows;
 use cupola::correct::Plan;
 use cupola::views::View;
 use glam::{DVec2, DVec3};
 
-/// A plan and the picture that it corrects.
+/// A plan and the atlas that it corrects.
 pub struct Processor {
     plan: Plan,
-    /// Bytes of grey, the first row at the bottom.
+    /// Grey values of the atlas, the first row at the bottom.
     atlas: Vec<u8>,
 }
 
 impl Processor {
-    /// For the first output of `plan` and the texels of its atlas.
+    /// The correction of the first output of `plan`, with the texels of its atlas.
     pub fn new(plan: &Plan, atlas: &[u32]) -> Self {
         Self { plan: plan.clone(), atlas: atlas.iter().map(|texel| texel.to_le_bytes()[0]).collect() }
     }
@@ -24,7 +24,7 @@ impl Processor {
         in_rows(height, |y| (0..width).map(|x| self.direction(x, y).map_or(0, |seen| self.sample(seen))).collect())
     }
 
-    /// What each pixel shows, row by row from the top.
+    /// The direction of each pixel, row by row from the top.
     pub fn directions(&self) -> Vec<Option<DVec3>> {
         let (width, height) = self.plan.passes[0].size;
         in_rows(height, |y| (0..width).map(|x| self.direction(x, y)).collect())
@@ -65,7 +65,7 @@ impl Processor {
     }
 }
 
-/// Where a direction is in a view, in tangents; `None` behind it.
+/// Position of a direction in a view, in tangents; `None` if it is behind the view.
 fn tangent(view: &View, direction: DVec3) -> Option<DVec2> {
     let local = view.rotation * direction;
     (local.z < 0.0).then(|| local.truncate() / -local.z)

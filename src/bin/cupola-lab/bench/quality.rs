@@ -1,30 +1,33 @@
-//! What a correction's picture is worth: against many samples of an analytic scene in each pixel.
+//! Quality of the picture of a correction, compared with many samples per pixel of an analytic
+//! scene.
 
 use cupola::correct::Plan;
 use cupola::views::View;
 use cupola::warp::WarpMap;
 use glam::{DVec2, DVec3};
 
-/// Samples of a texel, as a program with fourfold anti-aliasing draws it.
+/// Sample positions of a texel with four samples, as in multisampling.
 const FOUR: [DVec2; 4] =
     [DVec2::new(0.125, 0.375), DVec2::new(-0.375, 0.125), DVec2::new(-0.125, -0.375), DVec2::new(0.375, -0.125)];
-/// Samples of a pixel across and down, of what it should show.
+/// Number of samples per pixel in each direction for the reference picture.
 const SAMPLES: u32 = 6;
-/// Pixels of a side of the squares whose means and variances are compared.
+/// Width in pixels of the squares whose means and variances are compared.
 const BLOCK: usize = 8;
-/// Squares on the sphere of directions that an edge of the checker's cells goes along.
+/// Number of cells of the checker pattern per radian.
 const CELLS: f64 = 6.0 / std::f64::consts::PI;
 
-/// How near a picture is to the right one.
+/// Similarity of a picture to the reference picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quality {
     /// Peak signal to noise ratio, dB.
     pub psnr: f64,
-    /// Structural similarity (Wang et al. 2004), mean over squares of 8 pixels without overlap; 1 = the same.
+    /// Structural similarity (Wang et al. 2004), mean over squares of 8 pixels without overlap; 1
+    /// for equal pictures.
     pub ssim: f64,
 }
 
-/// A checker in space, black and white: hard edges in all directions, none along a border of pixels, texels or views.
+/// A black and white checker pattern in space. Its edges are not parallel to borders of pixels,
+/// texels or views.
 fn scene(direction: DVec3) -> f64 {
     let turned = DVec3::new(
         direction.dot(DVec3::new(0.64, 0.48, 0.6)),
@@ -35,7 +38,8 @@ fn scene(direction: DVec3) -> f64 {
     f64::from(u8::from((cell.x + cell.y + cell.z).rem_euclid(2.0) == 0.0))
 }
 
-/// A picture of the scene; `towards` is the direction at a place in texels from the first row's first corner.
+/// A picture of the scene. `towards` maps a position in texels, from the first corner of the first
+/// row, to a direction.
 fn drawn(size: (u32, u32), towards: impl Fn(DVec2) -> Option<DVec3> + Sync) -> Vec<u32> {
     let texel = |x: u32, y: u32| {
         let centre = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
@@ -65,7 +69,7 @@ pub fn atlas(plan: &Plan) -> Vec<u32> {
     })
 }
 
-/// The faces of a cube map as OpenGL orders and turns them.
+/// The faces of a cube map in OpenGL's order and orientation.
 pub fn cube(side: u32) -> Vec<Vec<u32>> {
     let axes: [fn(f64, f64) -> DVec3; 6] = [
         |s, t| DVec3::new(1.0, -t, -s),
@@ -84,7 +88,7 @@ pub fn cube(side: u32) -> Vec<Vec<u32>> {
     axes.map(face).into()
 }
 
-/// A domemaster, the first row at the bottom; `content` is that of 1 × 1.
+/// A domemaster, the first row at the bottom. `content` is its map with a size of 1 × 1.
 pub fn domemaster(size: (u32, u32), content: &WarpMap) -> Vec<u32> {
     let whole = DVec2::new(f64::from(size.0), f64::from(size.1));
     drawn(size, |at| {
@@ -93,7 +97,8 @@ pub fn domemaster(size: (u32, u32), content: &WarpMap) -> Vec<u32> {
     })
 }
 
-/// What each pixel should show, 0…1, row by row from the top; NaN where it shows the scene only in part.
+/// The reference value of each pixel, 0…1, row by row from the top; NaN for pixels that show the
+/// scene only in part.
 pub fn truth(exact: &WarpMap) -> Vec<f64> {
     let (width, height) = exact.size();
     let pixel = |x: u32, y: u32| {
@@ -108,7 +113,7 @@ pub fn truth(exact: &WarpMap) -> Vec<f64> {
     in_rows(height, |y| (0..width).map(|x| pixel(x, y)).collect())
 }
 
-/// The quality of a grey picture (0…255, row by row from the top) of a width.
+/// The quality of a grey picture (0…255, row by row from the top) of the given width.
 pub fn quality(picture: &[u8], truth: &[f64], width: usize) -> Quality {
     let pairs: Vec<(f64, f64)> =
         picture.iter().map(|value| f64::from(*value) / 255.0).zip(truth.iter().copied()).collect();
@@ -128,7 +133,7 @@ pub fn quality(picture: &[u8], truth: &[f64], width: usize) -> Quality {
     Quality { psnr: -10.0 * f64::log10(sum / count), ssim: similarity / blocks }
 }
 
-/// The similarity of a square; `None` if something in it is not known.
+/// The structural similarity of a square; `None` if it contains pixels without a reference value.
 fn structural(block: impl Iterator<Item = (f64, f64)>) -> Option<f64> {
     let (mut a, mut b, mut aa, mut bb, mut ab, mut count) = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
     for (x, y) in block {
@@ -137,14 +142,14 @@ fn structural(block: impl Iterator<Item = (f64, f64)>) -> Option<f64> {
     }
     let (a, b) = (a / count, b / count);
     let (variance_a, variance_b, covariance) = (aa / count - a * a, bb / count - b * b, ab / count - a * b);
-    // The constants of the paper, for values up to 1.
+    // Constants of the paper for values up to 1.
     let (c1, c2) = (0.01f64.powi(2), 0.03f64.powi(2));
     let similarity =
         (2.0 * a * b + c1) * (2.0 * covariance + c2) / ((a * a + b * b + c1) * (variance_a + variance_b + c2));
     similarity.is_finite().then_some(similarity)
 }
 
-/// All rows, computed on all processors.
+/// The values of all rows, computed on all processors.
 pub fn in_rows<T: Send>(rows: u32, row: impl Fn(u32) -> Vec<T> + Sync) -> Vec<T> {
     let threads = std::thread::available_parallelism().map_or(1, usize::from) as u32;
     let part = rows.div_ceil(threads).max(1);
@@ -156,7 +161,7 @@ pub fn in_rows<T: Send>(rows: u32, row: impl Fn(u32) -> Vec<T> + Sync) -> Vec<T>
                 scope.spawn(move || rows.flat_map(row).collect::<Vec<T>>())
             })
             .collect();
-        // A thread that panics has said so.
+        // A thread that panics has printed a message.
         parts.into_iter().flat_map(|part| part.join().unwrap_or_default()).collect()
     })
 }

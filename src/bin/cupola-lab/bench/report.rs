@@ -5,7 +5,7 @@ use super::division::{self, Divided};
 use serde_json::{Value, json};
 use std::fmt::Write;
 
-/// For people.
+/// The results of a scene as a table.
 pub fn table(contest: &Contest) -> String {
     let (width, height) = contest.scene.size;
     let mut text = format!("{}, {width} × {height}; {}\n", contest.scene.name, contest.driver);
@@ -47,12 +47,12 @@ pub fn table(contest: &Contest) -> String {
     text
 }
 
-/// Three digits.
+/// A number with four decimal places, or in scientific notation.
 fn short(value: f64) -> String {
     if value == 0.0 || (0.001..1000.0).contains(&value) { format!("{value:.4}") } else { format!("{value:.1e}") }
 }
 
-/// For machines.
+/// The results as JSON.
 pub fn json(contests: &[Contest], divided: Option<&Divided>) -> Value {
     let result = |result: &Outcome| {
         let error = result.error.as_ref().map(|error| {
@@ -93,7 +93,7 @@ pub fn json(contests: &[Contest], divided: Option<&Divided>) -> Value {
     })
 }
 
-/// For spreadsheets.
+/// The results as CSV.
 pub fn csv(contests: &[Contest]) -> String {
     let mut text = String::from(
         "scene,width,height,method,default,time_ratio,time_ratio_low,time_ratio_high,processor_ratio,milliseconds,\

@@ -1,26 +1,26 @@
-//! What is corrected.
+//! The scenes that are measured.
 
 use crate::failure::Failure;
 use cupola::rig::{Rig, parse};
 use std::path::Path;
 
-/// One output of a rig.
+/// A scene: the first output of a rig.
 pub struct Scene {
-    /// In words.
+    /// Name of the scene.
     pub name: &'static str,
-    /// The rig; its first output is corrected.
+    /// The rig. Its first output is corrected.
     pub rig: Rig,
-    /// The output's pixels.
+    /// Size of the output in pixels.
     pub size: (u32, u32),
 }
 
 impl Scene {
-    /// The name as a part of a file's.
+    /// The name as a part of file names.
     pub fn file_name(&self) -> String {
         self.name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '-' }).collect()
     }
 
-    /// The picture is a circle.
+    /// Whether the picture is a circle.
     pub fn is_fisheye(&self) -> bool {
         matches!(self.rig.outputs[0].kind, cupola::rig::OutputKind::Domemaster { .. })
     }
@@ -35,7 +35,7 @@ const BLENDED: &str = "[dome]\ntilt = 90.0\n[[output]]\nkind = \"projector\"\npo
      [[output]]\nkind = \"projector\"\nposition = [0.0, 0.0, 3.0]\nyaw = 40.0\nfov = [60.0, 40.0]\n\
      [[output]]\nkind = \"projector\"\nposition = [0.0, 0.0, 3.0]\nyaw = -40.0\nfov = [60.0, 40.0]\n";
 
-/// All scenes; `quick`: of a quarter of the pixels.
+/// All scenes. `quick`: with a quarter of the pixels.
 pub fn all(quick: bool) -> Result<Vec<Scene>, Failure> {
     let (square, wide) = if quick { ((1024, 1024), (960, 540)) } else { ((2048, 2048), (1920, 1080)) };
     [

@@ -12,7 +12,8 @@ use glam::DVec3;
 use serde_json::json;
 use std::process::ExitCode;
 
-/// Search for the cells of a rig whose views have the fewest texels, and print them for the rig file.
+/// Search for the cells of a rig whose views have the fewest texels, and print them for the rig
+/// file.
 ///
 /// The result is the same in every run.
 #[derive(clap::Args)]
@@ -65,8 +66,8 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// The rig with the cells of the cheapest plan found, and that plan. Without a number of views the plan without cells
-/// competes too.
+/// The rig with the cells of the cheapest plan found, and that plan. Without a number of views the
+/// plan without cells competes too.
 fn best(rig: &Rig, request: &Request, count: Option<usize>, steps: u32) -> Result<(Rig, Plan), Failure> {
     let plain = Rig { views: Views { cells: Vec::new(), ..rig.views.clone() }, ..rig.clone() };
     let counts = count.map_or(1..=MOST_VIEWS, |count| count..=count);

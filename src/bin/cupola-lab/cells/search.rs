@@ -1,20 +1,23 @@
 //! A search for the cells that need the fewest texels with a given number of views.
 //!
-//! The cost of views is neither smooth nor convex in the borders of their cells. The search is an evolution strategy
-//! with one parent (Rechenberg 1973) and several starts: it takes random steps, longer ones after a success and shorter
-//! ones after a failure. It is deterministic, and far too slow for planning: the result is kept in the rig.
+//! The cost of views is neither smooth nor convex in the borders of their cells. The search is an
+//! evolution strategy with one parent (Rechenberg 1973) and several starts: it takes random steps,
+//! longer ones after a success and shorter ones after a failure. It is deterministic, and far too
+//! slow for planning: the result is kept in the rig.
 
 use crate::random::Random;
 use cupola::views::CellCosts;
 use glam::DVec3;
 
-/// Number of different sets of cells from which the search starts. It continues with the best of them.
+/// Number of different sets of cells from which the search starts. It continues with the best of
+/// them.
 const STARTS: u32 = 8;
 
 /// Share of all steps that the starts take together.
 const PART_OF_STARTS: f64 = 0.5;
 
-/// Factors on the length of steps after a success and after a failure. They balance where one step in five succeeds.
+/// Factors on the length of steps after a success and after a failure. They balance where one step
+/// in five succeeds.
 const LONGER: f64 = 1.4;
 const SHORTER: f64 = 0.919;
 
@@ -26,11 +29,11 @@ struct Candidate {
     step: f64,
 }
 
-/// Searches for `count` cells with few texels. Returns the vectors of the cells, as a rig's `[views] cells` has them, or
-/// `None` if no cells were found that perspective views can show.
+/// Searches for `count` cells with few texels. Returns the vectors of the cells, as a rig's
+/// `[views] cells` has them, or `None` if no cells were found that perspective views can show.
 ///
-/// `steps` is the number of sets of cells that are tried, at least a hundred for each view. `progress` is called with
-/// the part that is done, 0…1.
+/// `steps` is the number of sets of cells that are tried, at least a hundred for each view.
+/// `progress` is called with the part that is done, 0…1.
 pub fn search(costs: &CellCosts, count: usize, steps: u32, progress: &mut dyn FnMut(f64)) -> Option<Vec<DVec3>> {
     let (known, directions) = (costs.cube(), costs.directions());
     let steps = steps.max(100 * count as u32);
@@ -62,7 +65,8 @@ pub fn search(costs: &CellCosts, count: usize, steps: u32, progress: &mut dyn Fn
     candidate.cost.is_finite().then_some(candidate.vectors)
 }
 
-/// `count` of the vectors `known`. If there are fewer, some are taken twice, the second time a little moved.
+/// `count` of the vectors `known`. If there are fewer, some are taken twice, the second time a
+/// little moved.
 fn adapted(known: &[DVec3], count: usize, random: &mut Random) -> Vec<DVec3> {
     let vector = |index: usize| match known.get(index % known.len().max(1)) {
         Some(&vector) if index < known.len() => vector,
@@ -140,8 +144,8 @@ mod tests {
         rig.views.cells = cells;
         let plan = plan(&rig, &request).expect("a plan");
         let report = report(&plan, &rig, &request.output_sizes);
-        // The search begins with the faces of a cube, 1.400 with five views, and uses coarse samples. With its usual
-        // number of steps six views get below 1.37.
+        // The search begins with the faces of a cube, 1.400 with five views, and uses coarse
+        // samples. With its usual number of steps six views get below 1.37.
         assert!(plan.views.len() <= 6 && report.texels_per_pixel < 1.43, "{report} {:?}", rig.views.cells);
     }
 }

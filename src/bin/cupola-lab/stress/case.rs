@@ -1,20 +1,20 @@
-//! A random rig, and what random rigs are made of.
+//! A random rig, and helpers for the generation of random rigs.
 
 use crate::random::Random;
 use cupola::rig::Rig;
 use glam::DVec3;
 
-/// A rig that the reader accepts.
+/// A valid random rig.
 pub struct Case {
     /// The rig.
     pub rig: Rig,
-    /// Its file.
+    /// Text of its rig file.
     pub text: String,
-    /// How well-conditioned its geometry is.
+    /// Where viewer and projectors are; it decides on the bound.
     pub place: Place,
 }
 
-/// Where viewer and projectors are, in radii from the dome's centre.
+/// Distance of viewer and projectors from the centre of the dome, in radii.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Place {
     /// Within 0.9.
@@ -23,18 +23,19 @@ pub enum Place {
     Far,
 }
 
-/// How often a random rig may be refused (a projector that misses the screen) before a plain one is taken.
+/// Number of attempts to generate a valid random rig (a projector may miss the screen) before a
+/// plain rig is used.
 pub const ATTEMPTS: usize = 64;
 
-/// The rig that stands in where all random ones are refused.
+/// The rig that is used if all random rigs are invalid.
 pub const PLAIN: &str = "[[output]]\nkind = \"domemaster\"\n";
 
-/// One value of a list.
+/// A random value of a list.
 pub fn pick<T: Copy>(random: &mut Random, values: &[T]) -> T {
     values[((random.unit() * values.len() as f64) as usize).min(values.len() - 1)]
 }
 
-/// A vector as rig files have it.
+/// A vector as text for a rig file.
 pub fn vector(v: DVec3) -> String {
     format!("[{:?}, {:?}, {:?}]", v.x, v.y, v.z)
 }

@@ -1,4 +1,4 @@
-//! Re-projection of clip coordinates as the patched shaders do it, operation by operation in f32, against f64.
+//! Re-projection of clip coordinates with the f32 operations of patched shaders, compared with f64.
 
 use super::case::pick;
 use super::report::Finding;
@@ -7,16 +7,17 @@ use cupola::geom::reprojection::{CameraAdjustment, Intrinsics, MatrixClass, clas
 use cupola::geom::{Face, Frustum};
 use glam::{DMat4, DVec3, DVec4};
 
-/// Vertices of a case.
+/// Number of vertices of a case.
 const VERTICES: u64 = 2_000;
 
-/// Depth: normalised device coordinates.
+/// Bound on the error of the depth in normalised device coordinates.
 const DEPTH: f64 = 5e-7;
-/// Position, in pixels of a view of 2048 texels and 70° to 100°.
-/// Lenses here are random and as skewed as 0.2 to 1.2 on their two sides; a usual one stays below 3.5e-4.
+/// Bound on the error of the position in pixels of a view of 2048 texels and 70° to 100°. The
+/// random frusta here are very asymmetric, with sides of 0.2 to 1.2; with usual frusta the error is
+/// below 3.5e-4.
 const POSITION: f64 = 5e-4;
 
-/// A kind of depth mapping: (E, F) with the near plane at 1.
+/// A random depth mapping: its name, and (E, F) with the near plane at 1.
 fn depth_mapping(random: &mut Random) -> (&'static str, f64, f64) {
     let far = 10f64.powf(random.range(2.0, 9.0));
     let all = [
@@ -29,7 +30,7 @@ fn depth_mapping(random: &mut Random) -> (&'static str, f64, f64) {
     pick(random, &all)
 }
 
-/// The worst vertex of one random lens and view.
+/// The worst vertex of one random frustum and view.
 pub fn case(random: &mut Random) -> Vec<Finding> {
     let (name, e, f) = depth_mapping(random);
     let program = Frustum {
@@ -40,7 +41,7 @@ pub fn case(random: &mut Random) -> Vec<Finding> {
     };
     let mut matrix = program.projection_matrix(1.0, 2.0);
     (matrix.z_axis.z, matrix.w_axis.z) = (e, f);
-    // As it reaches the driver: f32.
+    // Rounded to f32, as it reaches the driver.
     let given = DMat4::from_cols_array(&matrix.to_cols_array().map(single));
     let MatrixClass::Perspective(p) = classify(&given.to_cols_array()) else {
         return vec![finding("clip: projections not recognised", 1.0, 0.0, name)];
@@ -64,7 +65,7 @@ pub fn case(random: &mut Random) -> Vec<Finding> {
         depth = greater(depth, f64::from(z2 / w2) - exact.z / exact.w);
         let off = (f64::from(x2 / w2) - exact.x / exact.w).hypot(f64::from(y2 / w2) - exact.y / exact.w);
         position = greater(position, off * 1024.0);
-        // A sky's vertex: z = w. It has to stay on the far plane, not beyond.
+        // A vertex of a sky with z = w. It must not move beyond the far plane.
         let sky = if clip.w == clip.z { w2 } else { (clip.w + e32 * clip.w) - e32 * w2 };
         lost += u64::from(name == "infinite" && sky > w2);
     }
@@ -75,7 +76,7 @@ pub fn case(random: &mut Random) -> Vec<Finding> {
     ]
 }
 
-/// The vertex in the view's clip coordinates, never leaving f64.
+/// The vertex in the clip coordinates of the view, computed in f64.
 fn exact(view: &Frustum, p: &Intrinsics, eye: DVec3) -> DVec4 {
     let mut matrix = view.projection_matrix(1.0, 2.0);
     matrix.z_axis.z = p.e;

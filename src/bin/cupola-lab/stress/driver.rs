@@ -28,7 +28,8 @@ pub enum Driver {
 }
 
 impl Driver {
-    /// Opens a driver for the case with this seed. OpenGL and OpenGL ES take turns, so that only one context is current.
+    /// Opens a driver for the case with this seed. OpenGL and OpenGL ES take turns, so that only
+    /// one context is current.
     pub fn new(backend: Backend, seed: u64) -> Result<Self, Failure> {
         let api = if seed.is_multiple_of(2) { gl::headless::Api::Core } else { gl::headless::Api::Es3 };
         Ok(match backend {

@@ -1,4 +1,4 @@
-//! Lenses recovered from projections that a program has multiplied with its model and view matrices in f32.
+//! Lenses recovered from products in f32 of projection, view and model matrices.
 
 use super::case::pick;
 use super::clip::single;
@@ -7,13 +7,13 @@ use crate::random::Random;
 use cupola::geom::reprojection::{MatrixClass, classify};
 use glam::{DMat3, DMat4, DVec3, DVec4};
 
-/// Matrices of a case.
+/// Number of matrices of a case.
 const MATRICES: u64 = 500;
 
-/// Relative error of A and C, absolute error of B, D and E.
+/// Bound on the relative error of A and C and on the absolute error of B, D and E.
 const LENS: f64 = 7e-7;
 
-/// The worst of some products of one random lens.
+/// The worst of the products of one random lens.
 pub fn case(random: &mut Random) -> Vec<Finding> {
     let [a, c] = [random.range(0.5, 4.0), random.range(0.5, 4.0)].map(single);
     let [b, d] = [random.range(-0.5, 0.5), random.range(-0.5, 0.5)].map(single);
@@ -61,7 +61,7 @@ pub fn case(random: &mut Random) -> Vec<Finding> {
     ]
 }
 
-/// A product as a program forms it: every operation in f32.
+/// The product of two matrices, with every operation in f32 as in a program.
 fn product(a: DMat4, b: DMat4) -> [f64; 16] {
     let (a, b) = (a.to_cols_array().map(|x| x as f32), b.to_cols_array().map(|x| x as f32));
     std::array::from_fn(|i| f64::from((0..4).map(|k| a[4 * k + i % 4] * b[4 * (i / 4) + k]).sum::<f32>()))

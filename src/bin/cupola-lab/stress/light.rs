@@ -1,4 +1,4 @@
-//! The weights of overlapping projectors as shaders compute them, against f64.
+//! Blend weights of overlapping projectors in f32, as shaders compute them, compared with f64.
 
 use super::driver::Driver;
 use super::maps;
@@ -10,15 +10,16 @@ use cupola::blend::Weights;
 use glam::DVec2;
 use std::f64::consts::FRAC_PI_4;
 
-/// Greatest error of a weight: half a step of 8 bits. It is neared where borders of pictures cross and all
-/// weights are small.
+/// Bound on the error of a weight: half a step of 8 bits. The error is greatest where borders of
+/// pictures cross and all weights are small.
 const WEIGHT: f64 = 2e-3;
 
-/// Where borders of pictures cross, all of a point's light passes from one to another within any distance: what is greatest and least so
-/// near to a pixel's middle is right, pixels.
+/// Distance in pixels around the centre of a pixel in which every exact weight counts as right.
+/// Weights are discontinuous where borders of pictures cross.
 const NEAR: f64 = 0.01;
 
-/// How right the weights of one output of a random group of projectors are; nothing where none are computed.
+/// Errors of the weights of one output of a random group of projectors. Empty if the driver
+/// computes no weights.
 pub fn case(random: &mut Random, driver: &Driver) -> Result<Vec<Finding>, Failure> {
     let case = rigs::overlapping(random)?;
     let size = maps::size(random);
@@ -55,7 +56,8 @@ pub fn case(random: &mut Random, driver: &Driver) -> Result<Vec<Finding>, Failur
     ])
 }
 
-/// The least and the greatest weight at a pixel's middle and within [`NEAR`] of it; `None` where nothing is shown.
+/// The least and the greatest weight at the centre of a pixel and within [`NEAR`] of it; `None` if
+/// nothing is shown.
 fn around(exact: &Weights<'_>, output: usize, (x, y): (u32, u32)) -> Option<[f64; 2]> {
     let middle = DVec2::new(f64::from(x), f64::from(y)) + 0.5;
     let here = exact.weight(output, middle)?;
@@ -68,7 +70,7 @@ fn around(exact: &Weights<'_>, output: usize, (x, y): (u32, u32)) -> Option<[f64
 mod tests {
     use super::*;
 
-    /// What is wrong by more than the bound stays so, but where borders cross.
+    /// The range of weights around a pixel is wider than the bound only where borders cross.
     #[test]
     fn what_is_right_around_a_pixel_hides_no_error() {
         let (size, mut compared, mut wide) = ((64, 64), 0, 0);

@@ -1,4 +1,5 @@
-//! The shaders' map of a random rig, or that of their formulas, against the exact one.
+//! The map of a random rig, as the shaders or their formulas compute it, compared with the exact
+//! map.
 
 use super::case::{Case, Place, pick};
 use super::driver::Driver;
@@ -11,29 +12,33 @@ use cupola::rig::Rig;
 use cupola::views::Surveyor;
 use cupola::warp::{WarpMap, compare_each, displacement};
 
-/// Errors are given in pixels of a picture so wide: what a small picture shows is then held to what a large one needs.
+/// Width in pixels of the picture in whose pixels errors are given. Small pictures then have the
+/// same bounds as large ones.
 const REFERENCE_WIDTH: f64 = 4096.0;
 
-/// Greatest error, in pixels of [`REFERENCE_WIDTH`], with viewer and projector within 0.9 radii of the centre.
+/// Bound on the error, in pixels of [`REFERENCE_WIDTH`], for viewers and projectors within 0.9
+/// radii of the centre.
 const INSIDE: f64 = 0.002;
-/// Elsewhere: near the screen, up to touching it, and outside up to the silhouette.
+/// Bound on the error for projectors near the screen, up to touching it, and outside, up to the
+/// silhouette.
 const FAR: f64 = 0.004;
-/// An angle that is right whatever the pixels' size, radians: directions in f32 have steps of 6e-8, and narrow pictures
-/// have pixels of not much more.
+/// Error in radians that is allowed for any pixel size. Directions in f32 have steps of 6e-8, and
+/// the pixels of narrow pictures are not much larger.
 const ANGLE: f64 = 6e-7;
 
-/// What a part of the report calls what was found of its maps.
+/// Names of the quantities of a part of the report.
 pub struct Quantities {
     inside: &'static str,
     far: &'static str,
     not_finite: &'static str,
     ghosts: &'static str,
     uncovered: &'static str,
-    /// Whether tables may be off as far as what is far: by 5·10⁻⁷ of the width of a view of twice [`REFERENCE_WIDTH`].
+    /// Whether the bound for distant projectors also holds for tables: 5·10⁻⁷ of the width of a
+    /// view of twice [`REFERENCE_WIDTH`].
     far_tables: bool,
 }
 
-/// Of pinholes and domemasters on a dome.
+/// Quantities for pinholes and domemasters on a dome.
 pub const DOMES: Quantities = Quantities {
     inside: "map, within 0.9 radii: error / (0.002 px of 4096 or 6e-7 rad)",
     far: "map, near the screen, outside: error / (0.004 px or 6e-7 rad)",
@@ -43,7 +48,7 @@ pub const DOMES: Quantities = Quantities {
     far_tables: false,
 };
 
-/// Of any lens on any screen.
+/// Quantities for any lens on any screen.
 pub const SCREENS: Quantities = Quantities {
     inside: "screen, within 0.6 radii: error / (0.002 px of 4096 or 6e-7 rad)",
     far: "screen, farther out, tables: error / (0.004 px or 6e-7 rad)",
@@ -53,12 +58,13 @@ pub const SCREENS: Quantities = Quantities {
     far_tables: true,
 };
 
-/// What the driver's map of a rig is like in a picture of `size` pixels.
+/// Errors of the driver's map of a rig in a picture of `size` pixels.
 pub fn case(case: &Case, size: (u32, u32), driver: &Driver, names: &Quantities) -> Result<Vec<Finding>, Failure> {
     let refused =
         |failure: Failure| Failure::new(format!("{}\nsize {}x{}\n{}", failure.message, size.0, size.1, case.text));
     let scale = REFERENCE_WIDTH / f64::from(size.0.max(size.1));
-    // With the views of a picture of the reference's size: those of a small one are fewer and wider.
+    // The views are those of a picture of the reference width. A small picture would have fewer and
+    // wider views.
     let mut rig = case.rig.clone();
     rig.views.quality *= scale;
     let plan = planned(&rig, &[size]).map_err(refused)?;
@@ -73,14 +79,15 @@ pub fn case(case: &Case, size: (u32, u32), driver: &Driver, names: &Quantities) 
     let surveyor = Surveyor::new(&plan.views, &rig, 0, size)?;
     let (mut greatest, mut worst) = (0.0f64, (0, 0));
     let error = compare_each(&exact, 1, look, |found| {
-        // Angle of a pixel of the reference's width.
+        // Angle of a pixel at the reference width.
         let pixel = found.angle / found.pixels / scale;
         let mut part = found.angle / (pixels * pixel).max(ANGLE);
         if part > 1.0 {
-            // A view that the largest picture leaves coarser is judged by its own texels.
+            // The error of a view that is coarser because of the size limit counts in texels.
             let texels = surveyor.at(found.centre()).and_then(|pixel| pixel.texels_per_pixel);
             part *= texels.map_or(1.0, |texels| (texels / scale).min(1.0));
-            // Beside a silhouette what is shown turns much within a small part of a pixel: there it is told by where its place is.
+            // Near a silhouette the direction changes much within a small part of a pixel. The
+            // error there is the distance to the pixel position with this direction.
             let displaced = displacement(&exact, found.centre(), found.angle);
             part = displaced.map_or(part, |displaced| part.min(displaced * scale / pixels));
         }
@@ -105,7 +112,7 @@ pub fn case(case: &Case, size: (u32, u32), driver: &Driver, names: &Quantities) 
     ])
 }
 
-/// A picture of 64…512 pixels in each direction, some odd, some extreme.
+/// A random size of 64…512 pixels in each direction, some odd.
 pub fn size(random: &mut Random) -> (u32, u32) {
     let side = |random: &mut Random| {
         let odd = 64 + (random.unit() * 448.0) as u32;
@@ -114,7 +121,7 @@ pub fn size(random: &mut Random) -> (u32, u32) {
     (side(random), side(random))
 }
 
-/// The plan of a rig whose outputs have `sizes`.
+/// The plan of a rig with outputs of these sizes.
 pub fn planned(rig: &Rig, sizes: &[(u32, u32)]) -> Result<Plan, Failure> {
     let request = request(sizes.to_vec(), (512, 512));
     Ok(cupola::correct::build(rig, &request)?)

@@ -1,4 +1,5 @@
-//! `cupola-lab stress`: random and adversarial rigs, matrices and overlaps, compared with results in f64.
+//! `cupola-lab stress`: random and adversarial rigs, matrices and overlaps, compared with results
+//! in f64.
 
 mod case;
 mod clip;
@@ -19,8 +20,8 @@ use std::process::ExitCode;
 
 /// Search for random input for which Cupola's mathematics or the graphics driver fails.
 ///
-/// Every case has its own seed and can be repeated with `cupola-lab stress --seed SEED --cases 1`. The exit code is 1
-/// if a bound is exceeded.
+/// Every case has its own seed and can be repeated with `cupola-lab stress --seed SEED --cases 1`.
+/// The exit code is 1 if a bound is exceeded.
 #[derive(clap::Args)]
 pub struct Arguments {
     /// Stop after N output pixels have been compared

@@ -1,35 +1,35 @@
-//! What a stress run found: for every quantity its worst value, its bound, and the seed that repeats it.
+//! Report of a stress run: the worst value of every quantity, its bound, and the seed of the case.
 
 use serde_json::json;
 use std::fmt::Write;
 
-/// So many of the seeds that exceed a bound are named to people.
+/// Greatest number of seeds that the text report lists for a bound that is exceeded.
 const SEEDS_NAMED: usize = 32;
 
-/// One quantity of one case.
+/// The value of one quantity in one case.
 pub struct Finding {
-    /// What was measured, with its unit.
+    /// Name of the quantity, with its unit.
     pub quantity: &'static str,
     /// The worst value of the case.
     pub value: f64,
-    /// The greatest value that is right.
+    /// The greatest allowed value.
     pub bound: f64,
-    /// How many pixels, vertices or matrices were compared.
+    /// Number of compared pixels, vertices or matrices.
     pub compared: u64,
     /// Whether these count towards `--pixels`.
     pub pixels: bool,
-    /// The case in words, or the rig.
+    /// Description of the case, or its rig file.
     pub input: String,
 }
 
 impl Finding {
-    /// A valid rig that was refused further on, which must not be.
+    /// The finding for a valid rig that a later step refuses. This counts as an error.
     pub fn refusal(message: String) -> Self {
         Self { quantity: "valid rigs refused", value: 1.0, bound: 0.0, compared: 1, pixels: false, input: message }
     }
 }
 
-/// The worst of all cases.
+/// The worst value of a quantity over all cases.
 struct Worst {
     quantity: &'static str,
     bound: f64,
@@ -37,11 +37,11 @@ struct Worst {
     compared: u64,
     seed: u64,
     input: String,
-    /// The seeds of the cases that exceed the bound.
+    /// Seeds of the cases that exceed the bound.
     failed: Vec<u64>,
 }
 
-/// All that was found so far.
+/// Results of all cases so far.
 pub struct Report {
     first_seed: u64,
     worst: Vec<Worst>,
@@ -49,12 +49,12 @@ pub struct Report {
 }
 
 impl Report {
-    /// Nothing found yet.
+    /// An empty report.
     pub fn new(first_seed: u64) -> Self {
         Self { first_seed, worst: Vec::new(), pixels: 0 }
     }
 
-    /// Pixels compared so far.
+    /// Number of pixels compared so far.
     pub fn compared(&self) -> u64 {
         self.pixels
     }
@@ -64,7 +64,7 @@ impl Report {
         self.worst.iter().any(|worst| !worst.failed.is_empty())
     }
 
-    /// Adds what case `seed` found.
+    /// Adds the findings of the case `seed`.
     pub fn add(&mut self, seed: u64, findings: Vec<Finding>) {
         for found in findings {
             if found.pixels {
@@ -84,7 +84,7 @@ impl Report {
             });
             let worst = &mut self.worst[index];
             worst.compared += found.compared;
-            // Written so that NaN counts as a failure, and as the worst of all.
+            // NaN counts as a failure and as the worst value.
             let within = found.value <= found.bound;
             if !within {
                 worst.failed.push(seed);
@@ -96,7 +96,7 @@ impl Report {
         }
     }
 
-    /// The report for people.
+    /// The report as text.
     pub fn text(&self, cases: u64) -> String {
         let mut text = format!("{cases} cases from seed {}, {} pixels\n\n", self.first_seed, self.pixels);
         // Writing to a String cannot fail.
@@ -128,7 +128,7 @@ impl Report {
         text
     }
 
-    /// The report for machines.
+    /// The report as JSON.
     pub fn json(&self, cases: u64) -> serde_json::Value {
         let quantities: Vec<_> = self
             .worst

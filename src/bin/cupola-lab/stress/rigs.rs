@@ -1,11 +1,12 @@
-//! Random and adversarial rigs, as texts: what breaks can be kept as a file.
+//! Random and adversarial rigs. They are generated as text, so that a rig that fails can be saved
+//! to a file.
 
 use super::case::{ATTEMPTS, Case, PLAIN, Place, pick, vector};
 use super::screens;
 use crate::random::Random;
 use std::path::Path;
 
-/// A rig with one output.
+/// A random rig with one output.
 pub fn any(random: &mut Random) -> Result<Case, cupola::Error> {
     for _ in 0..ATTEMPTS {
         let (text, place) = match random.unit() {
@@ -21,7 +22,7 @@ pub fn any(random: &mut Random) -> Result<Case, cupola::Error> {
     Ok(Case { rig, text: PLAIN.to_owned(), place: Place::Inside })
 }
 
-/// A rig with 2…12 projectors around the dome or in a screen of another shape, which overlap.
+/// A random rig with 2…12 overlapping projectors on a dome or on a screen of another shape.
 pub fn overlapping(random: &mut Random) -> Result<Case, cupola::Error> {
     for _ in 0..ATTEMPTS {
         let count = 2 + (random.unit() * 11.0) as usize;
@@ -49,7 +50,7 @@ pub fn overlapping(random: &mut Random) -> Result<Case, cupola::Error> {
     any(random)
 }
 
-/// How a projector shares its light.
+/// A random `blend` of a projector.
 fn blend(random: &mut Random) -> String {
     let power = format!("\"power\", power = {}", random.range(0.5, 4.0));
     let shape = pick(random, &["\"smoothstep\"", "\"cosine\"", &power]).to_owned();
@@ -72,7 +73,8 @@ fn blend(random: &mut Random) -> String {
     )
 }
 
-/// `[dome]` of 5 m or of any size, and `[viewer]`, at most `farthest` radii off the centre.
+/// A random `[dome]`, mostly of 5 m, and a `[viewer]` at most `farthest` radii from the centre.
+/// Returns the radius too.
 fn dome(random: &mut Random, farthest: f64) -> (String, f64) {
     let radius = if random.unit() < 0.7 { 5.0 } else { 10f64.powf(random.range(-4.0, 6.0)) };
     let coverage = pick(random, &[180.0, 180.0, 360.0, 0.0]);
@@ -91,7 +93,7 @@ fn dome(random: &mut Random, farthest: f64) -> (String, f64) {
     (text, radius)
 }
 
-/// A fisheye, from a keyhole to the whole sphere.
+/// A random domemaster, from 0.001° to the whole sphere.
 fn domemaster(random: &mut Random) -> (String, Place) {
     let farthest = pick(random, &[0.9, 0.9, 0.989]);
     let text = dome(random, farthest).0;
@@ -105,14 +107,14 @@ fn domemaster(random: &mut Random) -> (String, Place) {
     (text, if farthest <= 0.9 { Place::Inside } else { Place::Far })
 }
 
-/// A projector inside, at the surface, or far outside, with any lens shift.
+/// A random projector inside, at the surface, or far outside, with any lens shift.
 fn projector(random: &mut Random) -> (String, Place) {
     let (text, radius) = dome(random, 0.9);
     let inside = random.unit() * 0.9;
     let distance = pick(random, &[0.0, 0.3, 0.6, 0.9, inside, 0.97, 0.999_999, 1.000_001, 1.1, 2.0, 10.0, 1e3, 1e6]);
     let direction = random.direction();
     let position = direction * radius * distance;
-    // Aimed somewhere near the centre, from outside within the sphere's disc.
+    // Aimed near the centre; from outside, within the disc of the sphere.
     let half = if distance > 1.0 { (1.0 / distance).min(1.0).asin() } else { 0.9 };
     let fov = 2.0 * half.to_degrees() * random.range(0.05, 0.9);
     let aim = -direction;
@@ -137,7 +139,7 @@ fn projector(random: &mut Random) -> (String, Place) {
     (text, place)
 }
 
-/// A flat picture, from a keyhole to 178°.
+/// A random flat picture, from 0.01° to 178°.
 fn perspective(random: &mut Random) -> (String, Place) {
     let (usual, wide) = (random.range(1.0, 120.0), random.range(120.0, 178.0));
     let fov = pick(random, &[usual, wide, 0.01]);

@@ -1,4 +1,4 @@
-//! Random lenses and pictures of directions on random screens, as texts.
+//! Random lenses and pictures of directions on random screens, as rig files.
 
 use super::case::{ATTEMPTS, Case, PLAIN, Place, pick, vector};
 use super::maps;
@@ -6,7 +6,8 @@ use crate::random::Random;
 use cupola::rig::Rig;
 use std::path::Path;
 
-/// A rig with one output on a screen of any shape: what has a formula, and what needs a table.
+/// A random rig with one output on a screen of any shape. Some outputs have a formula, others need
+/// a table.
 pub fn any(random: &mut Random) -> Result<Case, cupola::Error> {
     for _ in 0..ATTEMPTS {
         let (text, place) = text(random);
@@ -21,7 +22,7 @@ fn parse(text: &str) -> cupola::Result<Rig> {
     cupola::rig::parse(text, "stress.toml", Path::new(""))
 }
 
-/// A rig's file, which may be refused, and where what shows it is.
+/// A random rig file, which may be invalid, and the place of viewer and projector.
 fn text(random: &mut Random) -> (String, Place) {
     let radius = if random.unit() < 0.7 { 5.0 } else { 10f64.powf(random.range(-2.0, 4.0)) };
     let aside = random.unit() * pick(random, &[0.5, 0.9]);
@@ -36,12 +37,12 @@ fn text(random: &mut Random) -> (String, Place) {
         random.range(-180.0, 180.0),
     );
     let (output, distance) = if random.unit() < 0.4 { (picture(random), 0.0) } else { projector(random, radius) };
-    // What is nearer to a screen than a third of its size is far from its middle.
+    // Screens reach from 0.7 to 1.6 radii, so a place beyond 0.6 radii may be near the screen.
     let place = if viewer.max(distance) <= 0.6 { Place::Inside } else { Place::Far };
     (head + &output, place)
 }
 
-/// Sizes as those of other pictures, and a few strips of up to 16384 pixels.
+/// A random size as in [`maps::size`], or, rarely, a strip of up to 16384 pixels.
 pub fn size(random: &mut Random) -> (u32, u32) {
     let (long, short) = (16384.0 * random.range(0.1, 1.0), random.range(16.0, 48.0));
     let strips = [(long as u32, short as u32), (short as u32, long as u32)];
@@ -50,7 +51,7 @@ pub fn size(random: &mut Random) -> (u32, u32) {
     pick(random, &[usual, usual, usual, usual, usual, usual, usual, strip])
 }
 
-/// `[screen]`, about as large as the dome's radius and around its centre; or none.
+/// A random `[screen]` around the centre of the dome and about as large as its radius; or none.
 pub fn screen(random: &mut Random, radius: f64) -> String {
     let aside = vector(random.direction() * radius * random.range(0.0, 0.3));
     let [a, b, c] = [(); 3].map(|()| radius * random.range(0.7, 1.6));
@@ -81,13 +82,13 @@ pub fn screen(random: &mut Random, radius: f64) -> String {
     format!("[screen]\n{shape}{pose}")
 }
 
-/// An opening of at most `widest` degrees, some of them keyholes down to a millionth of a degree.
+/// A random opening from a millionth of a degree to `widest` degrees.
 fn opening(random: &mut Random, widest: f64) -> f64 {
     let (wide, keyhole) = (random.range(1.0, widest), 10f64.powf(random.range(-6.0, 0.0)));
     pick(random, &[widest, wide, wide, wide, keyhole])
 }
 
-/// A fisheye's curve and aperture.
+/// A random projection and aperture of a fisheye.
 fn curve(random: &mut Random, separator: &str) -> String {
     let [f3, f5] = [random.range(-0.08, 0.05), random.range(-0.005, 0.005)];
     let (curve, widest) = match random.unit() {
@@ -106,7 +107,7 @@ fn curve(random: &mut Random, separator: &str) -> String {
     format!("{curve}{separator}aperture = {}", opening(random, widest))
 }
 
-/// A picture of all directions around the dome's centre.
+/// A random picture of directions around the centre of the dome.
 fn picture(random: &mut Random) -> String {
     let turned = format!(
         "yaw = {}\npitch = {}\nroll = {}\n",
@@ -129,7 +130,7 @@ fn picture(random: &mut Random) -> String {
     }
 }
 
-/// A projector with any lens, and how far it stands from the centre, in radii.
+/// A random projector with any lens, and its distance from the centre in radii.
 fn projector(random: &mut Random, radius: f64) -> (String, f64) {
     let inside = random.unit() * 0.9;
     let distance = pick(random, &[0.0, 0.3, 0.6, inside, inside, 0.95, 2.0, 1e3]);
@@ -163,7 +164,7 @@ fn projector(random: &mut Random, radius: f64) -> (String, f64) {
             format!("fisheye = {{ {}{} }}\n", curve(random, ", "), pick(random, &["", &size]))
         }
         _ => {
-            // Ahead of the lens, as far as it is large.
+            // The mirror is ahead of the lens, at a distance of 1.5 to 4 of its radii.
             let mirror = random.range(0.05, 0.25) * radius;
             let away = mirror * random.range(1.5, 4.0);
             let ahead = -direction * away + random.direction() * 0.3 * mirror;
@@ -203,7 +204,7 @@ mod tests {
             ];
             *pairs.entry((screen, word(&text, &lenses))).or_insert(0) += 1;
         }
-        // Of a plane there are no pictures of all directions.
+        // Pictures of all directions are not possible on a plane.
         assert!(pairs.len() >= 6 * 9 - 4, "{pairs:?}");
         let plain: u32 = pairs.iter().filter(|((_, lens), _)| *lens == "plain").map(|(_, count)| count).sum();
         assert_eq!(plain, 0, "{pairs:?}");

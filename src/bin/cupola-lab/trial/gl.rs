@@ -1,6 +1,7 @@
-//! Passes timed against each other, on a context of our own: ours, and those by which other programs correct.
+//! Timing of corrections on an OpenGL context: Cupola's own and those of other programs.
 //!
-//! All are drawn in turn, round by round, so that a busy machine slows all alike.
+//! All corrections are drawn in turn, round by round, so that other load on the machine affects all
+//! of them equally.
 
 use cupola::backend::gl::api::*;
 use cupola::backend::gl::headless::{Api, Headless};
@@ -9,7 +10,7 @@ use cupola::correct::Plan;
 use cupola::{Error, ErrorKind, Result};
 use std::time::Instant;
 
-/// Rounds that compile and warm up and are not counted.
+/// Number of warm-up rounds, which are not counted.
 const WARM_UP: u32 = 2;
 
 const VERTEX: &str = "#version 330 core
@@ -18,17 +19,17 @@ layout(location = 1) in vec3 coordinate;
 noperspective out vec3 at;
 void main() { at = coordinate; gl_Position = vec4(place, 0.0, 1.0); }";
 
-/// Triangles over the output, each of whose corners has a coordinate for the fragments' colour.
+/// Triangles over the output. Each corner has a coordinate that determines the colour of fragments.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TrialMesh {
-    /// Place (−1…1 from the left and from the bottom) and coordinate of each corner.
+    /// Position (−1…1 from the left and from the bottom) and coordinate of each corner.
     pub corners: Vec<[f32; 5]>,
-    /// Three corners each.
+    /// Indices of the three corners of each triangle.
     pub triangles: Vec<[u32; 3]>,
 }
 
 impl TrialMesh {
-    /// One rectangle over the whole output with coordinates 0…1 from its bottom left.
+    /// A rectangle over the whole output with coordinates 0…1 from the bottom left.
     pub fn quad() -> Self {
         let corner = |x: f32, y: f32| [2.0 * x - 1.0, 2.0 * y - 1.0, x, y, 0.0];
         let corners = vec![corner(0.0, 0.0), corner(1.0, 0.0), corner(1.0, 1.0), corner(0.0, 1.0)];
@@ -36,19 +37,20 @@ impl TrialMesh {
     }
 }
 
-/// How fragments of a mesh get their colour.
+/// How the coordinate of a fragment determines its colour.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Sampling {
-    /// The coordinate's x and y are a place in one picture of so many texels.
+    /// x and y are a position in a picture with this width and height in texels.
     Picture(u32, u32),
-    /// The coordinate is a direction into a cube map with faces of so many texels.
+    /// A direction in a cube map whose faces have this width in texels.
     Cube(u32),
-    /// GLSL that makes another coordinate of it first: the body of `vec3 formula(vec3 at)`; and how that is sampled.
+    /// GLSL that first computes another coordinate, the body of `vec3 formula(vec3 at)`; and how
+    /// the result is sampled.
     Formula(String, Box<Sampling>),
 }
 
 impl Sampling {
-    /// What the last coordinate is looked up in.
+    /// The sampling of the final coordinate.
     pub fn picture(&self) -> &Self {
         match self {
             Self::Formula(_, picture) => picture.picture(),
@@ -57,16 +59,16 @@ impl Sampling {
     }
 }
 
-/// What a pass took in each round.
+/// Times of a correction in each round.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Times {
-    /// From its first call until the driver had finished, seconds.
+    /// Seconds from the first call until the driver has finished.
     pub seconds: Vec<f64>,
-    /// Processor time of all threads, seconds, which other programs disturb less.
+    /// Processor time of all threads in seconds, which other load on the machine affects less.
     pub processor: Vec<f64>,
 }
 
-/// A context, and the passes that are timed on it.
+/// An OpenGL context and the corrections that are timed on it.
 pub struct Trial {
     context: Headless,
     size: (u32, u32),
@@ -77,7 +79,7 @@ pub struct Trial {
 struct Contestant {
     pass: Pass,
     texture: u32,
-    /// Of the texture, or of each of its faces.
+    /// Size of the texture, or of each of its faces.
     extent: (u32, u32),
     times: Times,
 }
@@ -88,17 +90,17 @@ enum Pass {
 }
 
 impl Trial {
-    /// A context and an output of `size` pixels.
+    /// Creates a context and an output of `size` pixels.
     ///
     /// # Errors
-    /// [`ErrorKind::Graphics`] where no context can be had.
+    /// [`ErrorKind::Graphics`] if no context can be created.
     pub fn new(size: (u32, u32)) -> Result<Self> {
         let context = Headless::new(Api::Core)?;
         let framebuffer = framebuffer(&context.gl, size, GL_RGBA8);
         Ok(Self { context, size, framebuffer, contestants: Vec::new() })
     }
 
-    /// What the driver calls itself.
+    /// Name of the driver.
     pub fn driver(&self) -> String {
         self.context.driver()
     }
@@ -108,8 +110,9 @@ impl Trial {
         &self.context
     }
 
-    /// Adds the first output of `plan`, corrected by us. Its number among the results, and the seconds until it had
-    /// been drawn once, with all that the driver does before that.
+    /// Adds Cupola's correction of the first output of `plan`. Returns its number among the
+    /// results, and the seconds until it was drawn for the first time, including preparation and
+    /// compilation by the driver.
     ///
     /// # Errors
     /// Those of [`GlBackend::prepare`].
@@ -137,10 +140,10 @@ impl Trial {
         Ok((self.contestants.len() - 1, seconds))
     }
 
-    /// Adds a mesh. Its number among the results.
+    /// Adds a mesh. Returns its number among the results.
     ///
     /// # Errors
-    /// [`ErrorKind::Graphics`] where the driver refuses the shader.
+    /// [`ErrorKind::Graphics`] if the driver refuses the shader.
     pub fn add_mesh(&mut self, mesh: &TrialMesh, sampling: &Sampling) -> Result<usize> {
         let gl = &self.context.gl;
         let (size, target) = match *sampling.picture() {
@@ -156,10 +159,11 @@ impl Trial {
         Ok(self.contestants.len() - 1)
     }
 
-    /// Where each pixel's fragment of a mesh looks, row by row from the top; what was not drawn has a last number of 0.
+    /// The final coordinate of each pixel of a mesh, row by row from the top. The fourth component
+    /// is 0 where nothing was drawn.
     ///
     /// # Errors
-    /// [`ErrorKind::Graphics`] where the driver refuses the shader or cannot draw into 32-bit floats.
+    /// [`ErrorKind::Graphics`] if the driver refuses the shader or cannot render to 32-bit floats.
     pub fn coordinates(&self, mesh: &TrialMesh, sampling: &Sampling) -> Result<Vec<[f32; 4]>> {
         let gl = &self.context.gl;
         let program = program(gl, &fragment(sampling, true))?;
@@ -170,7 +174,8 @@ impl Trial {
         let (width, height) = (self.size.0 as i32, self.size.1 as i32);
         let framebuffer = framebuffer(gl, self.size, GL_RGBA32F);
         let mut texels = vec![[0.0f32; 4]; self.size.0 as usize * self.size.1 as usize];
-        // SAFETY: the context is current; rows of four floats need no padding, and the array holds width · height of them.
+        // SAFETY: the context is current; rows of four floats need no padding, and the array holds
+        // width · height of them.
         let error = unsafe {
             gl.clear_color(0.0, 0.0, 0.0, 0.0);
             gl.clear(GL_COLOR_BUFFER_BIT);
@@ -181,17 +186,18 @@ impl Trial {
         if error != GL_NO_ERROR {
             return Err(Error::new(
                 ErrorKind::Graphics,
-                format!("the driver raised error {error:#x} for a float target"),
+                format!("the driver reported error {error:#x} for a float target"),
             ));
         }
         Ok(texels.chunks_exact(self.size.0 as usize).rev().flatten().copied().collect())
     }
 
-    /// Puts pictures into what contestant `number` samples, in place of noise: its atlas or picture, or the six faces of its
-    /// cube map in OpenGL's order; row by row from the bottom, as red, green, blue and opaque bytes.
+    /// Replaces the noise in the texture that contestant `number` samples by pictures: one for an
+    /// atlas or picture, six in OpenGL's order for a cube map. Texels are RGBA bytes, row by row
+    /// from the bottom.
     ///
     /// # Errors
-    /// [`ErrorKind::InvalidArgument`] for a number that was not given, and for pictures of another size.
+    /// [`ErrorKind::InvalidArgument`] for an unknown number and for pictures of another size.
     pub fn fill(&self, number: usize, pictures: &[Vec<u32>]) -> Result<()> {
         let contestant = self.contestant(number)?;
         let texels = contestant.extent.0 as usize * contestant.extent.1 as usize;
@@ -212,15 +218,16 @@ impl Trial {
         Ok(())
     }
 
-    /// What contestant `number` draws, red, green, blue and opacity, row by row from the top.
+    /// The picture that contestant `number` draws, RGBA, row by row from the top.
     ///
     /// # Errors
-    /// [`ErrorKind::InvalidArgument`] for a number that was not given.
+    /// [`ErrorKind::InvalidArgument`] for an unknown number.
     pub fn picture(&self, number: usize) -> Result<Vec<[u8; 4]>> {
         let contestant = self.contestant(number)?;
         let (gl, (width, height)) = (&self.context.gl, (self.size.0 as i32, self.size.1 as i32));
         let mut pixels = vec![[0u8; 4]; self.size.0 as usize * self.size.1 as usize];
-        // SAFETY: the context is current; rows of four bytes need no padding, and the array holds width · height of them.
+        // SAFETY: the context is current; rows of four bytes need no padding, and the array holds
+        // width · height of them.
         unsafe {
             gl.bind_framebuffer(GL_FRAMEBUFFER, self.framebuffer);
             gl.clear_color(0.0, 0.0, 0.0, 1.0);
@@ -237,10 +244,11 @@ impl Trial {
         self.contestants.get(number).ok_or_else(missing)
     }
 
-    /// Draws all in turn, `rounds` times; `after` is called after each round. The times in the order of adding.
+    /// Draws all contestants in turn, `rounds` times, and calls `after` after each round. Returns
+    /// the times in the order in which contestants were added.
     ///
     /// # Errors
-    /// [`ErrorKind::Graphics`] if the driver raised an error.
+    /// [`ErrorKind::Graphics`] if the driver reports an error.
     pub fn run(&mut self, rounds: u32, mut after: impl FnMut()) -> Result<Vec<Times>> {
         let gl = &self.context.gl;
         let viewport = [0, 0, self.size.0 as i32, self.size.1 as i32];
@@ -260,14 +268,17 @@ impl Trial {
         // SAFETY: the context is current.
         let error = unsafe { gl.get_error() };
         if error != GL_NO_ERROR {
-            return Err(Error::new(ErrorKind::Graphics, format!("the driver raised error {error:#x} in a trial")));
+            return Err(Error::new(
+                ErrorKind::Graphics,
+                format!("the driver reported error {error:#x} while corrections were timed"),
+            ));
         }
         Ok(self.contestants.iter().map(|contestant| contestant.times.clone()).collect())
     }
 }
 
 impl Contestant {
-    /// What its texture is bound as.
+    /// The target that its texture is bound to.
     fn target(&self) -> u32 {
         match self.pass {
             Pass::Ours(_) => GL_TEXTURE_2D,
@@ -280,7 +291,8 @@ impl Contestant {
             Pass::Ours(backend) => _ = backend.present(gl, self.texture, &[*target]),
             Pass::Mesh { program, vertex_array, indices, target: binding } => {
                 let [x, y, width, height] = target.viewport;
-                // SAFETY: the context is current, the names are its own, and the index buffer holds so many indices.
+                // SAFETY: the context is current, the names are its own, and the index buffer holds
+                // `indices` indices.
                 unsafe {
                     gl.bind_framebuffer(GL_DRAW_FRAMEBUFFER, target.framebuffer);
                     gl.viewport(x, y, width, height);
@@ -296,15 +308,17 @@ impl Contestant {
     }
 }
 
-/// Processor time of all threads of this process so far.
+/// Processor time of all threads of this process so far, in seconds.
 fn processor_seconds() -> f64 {
     let mut now = libc::timespec { tv_sec: 0, tv_nsec: 0 };
-    // SAFETY: the structure is ours. The clock exists on every Linux; without it the time stays 0.
+    // SAFETY: `now` is a valid timespec. The clock exists on every Linux; without it the time stays
+    // 0.
     unsafe { libc::clock_gettime(libc::CLOCK_PROCESS_CPUTIME_ID, &mut now) };
     now.tv_sec as f64 + now.tv_nsec as f64 * 1e-9
 }
 
-/// The fragment shader of a sampling; `coordinates`: it writes where it would look, not what is there.
+/// The fragment shader of a sampling. With `coordinates` it writes the final coordinate instead of
+/// the colour.
 fn fragment(sampling: &Sampling, coordinates: bool) -> String {
     let (sampler, place) = match sampling.picture() {
         Sampling::Picture(..) => ("sampler2D", "where.xy"),
@@ -322,7 +336,7 @@ fn fragment(sampling: &Sampling, coordinates: bool) -> String {
     )
 }
 
-/// The pictures of a texture.
+/// The image targets of a texture target.
 fn faces(target: u32) -> std::ops::Range<u32> {
     if target == GL_TEXTURE_2D {
         GL_TEXTURE_2D..GL_TEXTURE_2D + 1
@@ -331,7 +345,7 @@ fn faces(target: u32) -> std::ops::Range<u32> {
     }
 }
 
-/// A texture of a varied picture: flat, or six faces.
+/// A texture filled with noise, 2D or with six faces.
 fn texture(gl: &Gl, target: u32, size: (u32, u32)) -> u32 {
     let (width, height) = (size.0 as i32, size.1 as i32);
     let pixels: Vec<u32> = (0..size.0 * size.1).map(|i| i.wrapping_mul(2_654_435_761) | 0xff00_0000).collect();
@@ -351,7 +365,7 @@ fn texture(gl: &Gl, target: u32, size: (u32, u32)) -> u32 {
     texture
 }
 
-/// A framebuffer of its own for `size` pixels, bound for drawing and reading.
+/// Creates a framebuffer of `size` pixels and binds it for drawing and reading.
 fn framebuffer(gl: &Gl, size: (u32, u32), format: u32) -> u32 {
     let (mut renderbuffer, mut framebuffer) = (0, 0);
     // SAFETY: the context is current.
@@ -380,7 +394,7 @@ fn program(gl: &Gl, fragment: &str) -> Result<u32> {
         let mut linked = 0;
         gl.get_programiv(program, GL_LINK_STATUS, &mut linked);
         if linked == 0 {
-            return Err(Error::new(ErrorKind::Graphics, "the driver cannot link the shader of a trial"));
+            return Err(Error::new(ErrorKind::Graphics, "the driver cannot link the shader of a correction"));
         }
         Ok(program)
     }
@@ -389,7 +403,8 @@ fn program(gl: &Gl, fragment: &str) -> Result<u32> {
 fn vertex_array(gl: &Gl, mesh: &TrialMesh) -> u32 {
     let (mut vertex_array, mut buffers) = (0, [0; 2]);
     let stride = size_of::<[f32; 5]>() as i32;
-    // SAFETY: the context is current; the slices live during the calls, and the lengths are theirs in bytes.
+    // SAFETY: the context is current; the slices live during the calls, and the sizes are their
+    // lengths in bytes.
     unsafe {
         gl.gen_vertex_arrays(1, &mut vertex_array);
         gl.bind_vertex_array(vertex_array);

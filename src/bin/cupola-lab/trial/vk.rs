@@ -1,4 +1,4 @@
-//! Corrections timed on a device of our own.
+//! Timing of corrections on a Vulkan device.
 
 use cupola::backend::vk::ash::vk;
 use cupola::backend::vk::headless::Headless;
@@ -10,7 +10,7 @@ use std::time::Instant;
 
 const FORMAT: vk::Format = vk::Format::R8G8B8A8_UNORM;
 
-/// A device, and the corrections that are timed on it.
+/// A Vulkan device and the corrections that are timed on it.
 pub struct Trial {
     device: Headless,
     size: (u32, u32),
@@ -19,10 +19,10 @@ pub struct Trial {
 }
 
 impl Trial {
-    /// A device and an output of `size` pixels.
+    /// Creates a device and an output of `size` pixels.
     ///
     /// # Errors
-    /// [`ErrorKind::Graphics`] where there is no device.
+    /// [`ErrorKind::Graphics`] if there is no device.
     pub fn new(size: (u32, u32)) -> Result<Self> {
         let device = Headless::new(&[])?;
         let whole = ImageSize { width: size.0, height: size.1, layers: 1 };
@@ -30,8 +30,8 @@ impl Trial {
         Ok(Self { device, size, target, contestants: Vec::new() })
     }
 
-    /// Adds the first output of `plan`, over views of one colour: what is in them makes no difference to the time. Its
-    /// number.
+    /// Adds the correction of the first output of `plan`. The views have one colour, since their
+    /// content does not affect the time. Returns its number.
     ///
     /// # Errors
     /// Those of [`VkBackend::prepare`].
@@ -54,16 +54,18 @@ impl Trial {
         self.device.fill(views.sources(), &Arrangement::Atlas.images(plan), [0.3, 0.5, 0.7, 1.0])
     }
 
-    /// Corrects once. Seconds from recording until the device has finished.
+    /// Corrects once. Returns the seconds from recording until the device has finished.
     ///
     /// # Errors
-    /// [`ErrorKind::InvalidArgument`] for a number that was not given; [`ErrorKind::Graphics`] if the device fails.
+    /// [`ErrorKind::InvalidArgument`] for an unknown number; [`ErrorKind::Graphics`] if the device
+    /// fails.
     pub fn time(&mut self, number: usize) -> Result<f64> {
         let (device, (width, height)) = (&self.device, self.size);
         let missing = || Error::new(ErrorKind::InvalidArgument, format!("there is no contestant {number}"));
         let (backend, _) = self.contestants.get_mut(number).ok_or_else(missing)?;
         let started = Instant::now();
-        // SAFETY: the command buffer is being recorded, and all images are live and in their layouts.
+        // SAFETY: the command buffer is being recorded, and all images are live and in their
+        // layouts.
         device.run(|commands| unsafe { backend.record(commands, 0, 0, &[[0, 0, width as i32, height as i32]]) })?;
         Ok(started.elapsed().as_secs_f64())
     }

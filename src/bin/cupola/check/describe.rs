@@ -243,7 +243,8 @@ fn opening(frustum: &Frustum) -> String {
     format!("from {left} to {right} across and {bottom} to {top} upwards")
 }
 
-/// The rig and its views as JSON: metres, degrees, pixels from the top left, texels from the bottom left.
+/// The rig and its views as JSON: metres, degrees, pixels from the top left, texels from the bottom
+/// left.
 pub fn json(rig: &Rig, window: (u32, u32), plan: &ViewPlan) -> Value {
     let angles = |[yaw, pitch, roll]: [f64; 3]| json!({ "yaw": yaw.to_degrees(), "pitch": pitch.to_degrees(), "roll": roll.to_degrees() });
     let (viewer, camera) = (&rig.viewer, &rig.camera);

@@ -31,7 +31,8 @@ pub struct Map {
     pub black_level: f64,
     /// Displayed values that black is raised to, if they are not the same everywhere.
     pub black: Option<Levels>,
-    /// Camera of the picture in which the values of the grid lie. The values are converted to directions.
+    /// Camera of the picture in which the values of the grid lie. The values are converted to
+    /// directions.
     camera: Option<Camera>,
     /// The projector, if the file describes it.
     pub lamp: Option<Optics>,
@@ -42,7 +43,8 @@ impl Map {
         Self { name, size, grid, values, alpha: None, black_level: 0.0, black: None, camera: None, lamp: None }
     }
 
-    /// Sets the displayed values of black. Values that are the same everywhere are converted to light.
+    /// Sets the displayed values of black. Values that are the same everywhere are converted to
+    /// light.
     fn with_black(mut self, levels: Option<Levels>) -> Self {
         let Some(levels) = levels else { return self };
         let (low, high) = levels.range();
@@ -54,8 +56,8 @@ impl Map {
         self
     }
 
-    /// Exponent of the display's response. Weights with the exponent 1 are fractions of light and say nothing about the
-    /// display.
+    /// Exponent of the display's response. Weights with the exponent 1 are fractions of light and
+    /// say nothing about the display.
     pub fn gamma(&self) -> f64 {
         self.alpha.as_ref().map_or(USUAL_GAMMA, |alpha| if alpha.gamma == 1.0 { USUAL_GAMMA } else { alpha.gamma })
     }
@@ -81,8 +83,8 @@ fn weight(alpha: &mpcdi::Alpha, part: DVec2) -> f64 {
     alpha.weights.get(index).map_or(1.0, |weight| f64::from(*weight))
 }
 
-/// Reads a calibration file. Returns `None` if the extension is not that of a calibration file. `values` is the meaning of
-/// the values of maps whose file does not define it.
+/// Reads a calibration file. Returns `None` if the extension is not that of a calibration file.
+/// `values` is the meaning of the values of maps whose file does not define it.
 pub fn open(name: &str, ending: &str, values: Values) -> Result<Option<Noted<Vec<Map>>>, Failure> {
     let read = || read_file(Path::new(name));
     let single = |grid: Grid, size| vec![Map::new(String::new(), size, Some(grid), values)];

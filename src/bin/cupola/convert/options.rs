@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 
 /// Convert a rig or a calibration file to the format of another program.
 ///
-/// The extension of a file name selects the format: .data or .map (Bourke's warp mesh), .pfm, .vwf (VIOSO), .mpcdi,
-/// .toml (a rig and its maps). These are only read: .ol (EasyBlend), .csv (domeprojection), .json (SGCT, to a rig).
+/// The extension of a file name selects the format: .data or .map (Bourke's warp mesh), .pfm, .vwf
+/// (VIOSO), .mpcdi, .toml (a rig and its maps). These are only read: .ol (EasyBlend), .csv
+/// (domeprojection), .json (SGCT, to a rig).
 #[derive(clap::Args)]
 pub struct Arguments {
     /// Rig file, name of a preset, or calibration file
@@ -15,7 +16,8 @@ pub struct Arguments {
     /// File to write
     #[arg(value_name = "TO")]
     pub to: PathBuf,
-    /// Name of the output to convert [default: all outputs, each in a file TO-NAME if the format holds only one]
+    /// Name of the output to convert [default: all outputs, each in a file TO-NAME if the format
+    /// holds only one]
     #[arg(long, value_name = "NAME")]
     pub output: Option<String>,
     /// Size of an output in pixels [default: from the rig, or its part of a window of 1920x1200]
@@ -30,7 +32,8 @@ pub struct Arguments {
     /// Version of an MPCDI archive
     #[arg(long, value_enum, default_value_t = ArchiveVersion::One)]
     pub archive_version: ArchiveVersion,
-    /// When writing a rig: write the projectors that an MPCDI archive of profile sl describes, instead of its maps
+    /// When writing a rig: write the projectors that an MPCDI archive of profile sl describes,
+    /// instead of its maps
     #[arg(long)]
     pub projectors: bool,
     /// Number of columns and rows of a warp mesh
@@ -42,7 +45,8 @@ pub struct Arguments {
 }
 
 impl Arguments {
-    /// The meaning of the values of maps. The profile of an archive takes precedence over `--values`.
+    /// The meaning of the values of maps. The profile of an archive takes precedence over
+    /// `--values`.
     pub fn values(&self) -> Values {
         self.profile.map_or(self.values, ArchiveProfile::values)
     }

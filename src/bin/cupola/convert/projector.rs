@@ -4,8 +4,8 @@ use crate::failure::Failure;
 use cupola::geom::{Frustum, Lens, Optics, Projection, pose};
 use glam::{DMat3, DVec2};
 
-/// Keys for position, orientation and lens of a projector without a mirror. `aspect` is the width of its picture divided
-/// by the height.
+/// Keys for position, orientation and lens of a projector without a mirror. `aspect` is the width
+/// of its picture divided by the height.
 ///
 /// # Errors
 /// Fails for lenses that no calibration file describes.

@@ -12,8 +12,9 @@ use glam::DVec3;
 use std::fmt::Write;
 use std::path::Path;
 
-/// Writes a rig with an output for each channel, and a map and weights for each output to separate files. Channels of
-/// which only the projector is known become projectors; with `projectors`, all channels whose projector is known.
+/// Writes a rig with an output for each channel, and a map and weights for each output to separate
+/// files. Channels of which only the projector is known become projectors; with `projectors`, all
+/// channels whose projector is known.
 pub fn from_channels(path: &Path, from: &str, channels: &[Channel], projectors: bool) -> Result<Vec<Written>, Failure> {
     let mut text = heading(from);
     let mut written = Vec::new();
@@ -82,7 +83,8 @@ fn label(channel: &Channel, index: usize) -> String {
     if channel.name.is_empty() { (index + 1).to_string() } else { channel.name.clone() }
 }
 
-/// Keys of a projector that a calibration describes. Weights in the calibration replace blending with neighbours.
+/// Keys of a projector that a calibration describes. Weights in the calibration replace blending
+/// with neighbours.
 fn described_projector(
     channel: &Channel,
     optics: &Optics,
@@ -108,7 +110,8 @@ fn display(channel: &Channel) -> String {
     format!("gamma = {}{level}", channel.gamma)
 }
 
-/// Writes fractions of light as a picture and returns the key that refers to it. Writes nothing if all fractions are 1.
+/// Writes fractions of light as a picture and returns the key that refers to it. Writes nothing if
+/// all fractions are 1.
 pub fn mask(file: &Path, size: (u32, u32), light: Vec<f64>) -> Result<String, Failure> {
     if light.iter().all(|light| (light - 1.0).abs() <= 1e-4) {
         return Ok(String::new());

@@ -1,7 +1,8 @@
 //! Conversion of SGCT configurations to rigs.
 //!
-//! A mirrored viewport without a mesh becomes a mirrored output. A mirrored viewport with a mesh does not: the mesh keeps
-//! its place and gets mirrored values. The mesh and the mirrored mask are written to new files.
+//! A mirrored viewport without a mesh becomes a mirrored output. A mirrored viewport with a mesh
+//! does not: the mesh keeps its place and gets mirrored values. The mesh and the mirrored mask are
+//! written to new files.
 
 use super::projector;
 use super::rig::{file_name, heading, mask, quoted};
@@ -14,8 +15,8 @@ use glam::DVec2;
 use std::fmt::Write;
 use std::path::Path;
 
-/// Writes a rig for each computer of an SGCT configuration. All pictures have the same eye point. Remarks for the user
-/// are added to `notes`.
+/// Writes a rig for each computer of an SGCT configuration. All pictures have the same eye point.
+/// Remarks for the user are added to `notes`.
 pub fn rigs(path: &Path, from: &str, config: &sgct::Config, notes: &mut Vec<String>) -> Result<Vec<Written>, Failure> {
     let mut written = Vec::new();
     for (index, node) in config.nodes.iter().enumerate() {
@@ -117,7 +118,8 @@ struct Place<'a> {
     number: String,
 }
 
-/// Keys of an output with a mirror. The meshes of the four faces are combined to one map of directions.
+/// Keys of an output with a mirror. The meshes of the four faces are combined to one map of
+/// directions.
 fn mirror(viewport: &sgct::Viewport, tilt: f64, meshes: &[String; 4], place: &Place) -> Result<String, Failure> {
     let [_, _, width, height] = viewport.place;
     let size = (width as u32, height as u32);
@@ -184,7 +186,8 @@ fn light_of(mask: &str, [across, up]: [bool; 2], place: &Place) -> Result<((u32,
     Ok(((width, height), places.map(|(x, y)| decode(weight(x, y), GAMMA)).collect()))
 }
 
-/// Multiplies the light of the pixels of a picture by weights that are stretched over it, with bilinear interpolation.
+/// Multiplies the light of the pixels of a picture by weights that are stretched over it, with
+/// bilinear interpolation.
 fn multiply(light: &mut [f64], size: (u32, u32), weights: &[f64], of_weights: (u32, u32)) {
     // The two weights next to a pixel, and the share of the second.
     let about = |at: u32, pixels: u32, count: u32| {

@@ -30,11 +30,13 @@ pub struct Channel<'source> {
     pub size: (u32, u32),
     /// Meaning of the values.
     pub values: Values,
-    /// Exponent of the display's response, which converts factors on displayed values to fractions of light.
+    /// Exponent of the display's response, which converts factors on displayed values to fractions
+    /// of light.
     pub gamma: f64,
     /// Light added to black, as a fraction of white.
     pub black_level: f64,
-    /// Displayed values that black is raised to, one for each pixel of the output, if they are not the same everywhere.
+    /// Displayed values that black is raised to, one for each pixel of the output, if they are not
+    /// the same everywhere.
     pub black: Option<Levels>,
     /// The projector in dome axes, if there is one without a mirror.
     pub lamp: Option<Optics>,
@@ -67,7 +69,8 @@ pub fn open(arguments: &Arguments) -> Result<Source, Failure> {
     Ok(Source::Rig(Box::new((rig, content))))
 }
 
-/// The map of a domemaster of the rig's dome. Its size is 1 × 1, so that pixel positions are fractions of the picture.
+/// The map of a domemaster of the rig's dome. Its size is 1 × 1, so that pixel positions are
+/// fractions of the picture.
 fn domemaster(rig: &Rig) -> Result<WarpMap, Failure> {
     let mut rig = rig.clone();
     rig.outputs.truncate(1);
@@ -153,7 +156,8 @@ fn black(output: &Output, size: (u32, u32)) -> Option<Levels> {
     Some(levels)
 }
 
-/// The projector of an output; `None` if it has a mirror or a mirrored picture, or if there is none.
+/// The projector of an output; `None` if it has a mirror or a mirrored picture, or if there is
+/// none.
 fn lamp(output: &Output) -> Option<Optics> {
     match &output.kind {
         _ if !output.flip.is_none() => None,
@@ -185,7 +189,8 @@ impl Channel<'_> {
         }
     }
 
-    /// Displayed values that black is raised to: a picture, or 1 × 1 for a single level; `None` if black is not raised.
+    /// Displayed values that black is raised to: a picture, or 1 × 1 for a single level; `None` if
+    /// black is not raised.
     pub fn levels(&self) -> Option<Levels> {
         let level = encode(self.black_level, self.gamma) as f32;
         self.black.clone().or_else(|| (level > 0.0).then(|| Levels::even((1, 1), level)))
@@ -202,7 +207,8 @@ impl Channel<'_> {
         Some((map.lamp.as_ref()?, map.alpha.as_ref()))
     }
 
-    /// The exact map, and the function from a value to the direction that the viewer sees; `None` without a rig.
+    /// The exact map, and the function from a value to the direction that the viewer sees; `None`
+    /// without a rig.
     pub fn exact(&self) -> Option<(&WarpMap, impl Fn(DVec3) -> Option<DVec3>)> {
         let Kind::Output { map, rig, content, .. } = &self.kind else { return None };
         let values = self.values;
@@ -215,7 +221,8 @@ impl Channel<'_> {
     }
 }
 
-/// The value of a pixel. If the pixel has no point on the dome, the point is where the viewer's ray meets the screen.
+/// The value of a pixel. If the pixel has no point on the dome, the point is where the viewer's ray
+/// meets the screen.
 fn value(rig: &Rig, content: &WarpMap, map: &WarpMap, values: Values, pixel: DVec2) -> Option<DVec3> {
     if values == Values::Directions {
         return map.direction(pixel);

@@ -59,7 +59,8 @@ impl Written {
     }
 }
 
-/// The path for one output: `dome-left.ENDING` for `dome.data`. Only harmless characters of names from files are used.
+/// The path for one output: `dome-left.ENDING` for `dome.data`. Only harmless characters of names
+/// from files are used.
 pub fn file_beside(path: &Path, index: usize, name: &str, ending: &str) -> PathBuf {
     let harmless: String = name.chars().filter(|c| c.is_ascii_alphanumeric() || "-_".contains(*c)).take(64).collect();
     let name = if harmless.is_empty() { format!("{}", index + 1) } else { harmless };
@@ -72,7 +73,8 @@ pub fn save(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     std::fs::write(path, bytes).map_err(|error| Failure::new(format!("{} cannot be written: {error}", path.display())))
 }
 
-/// Value of every pixel, and its weight on the displayed value (0 if nothing is shown). Computed on all processors.
+/// Value of every pixel, and its weight on the displayed value (0 if nothing is shown). Computed on
+/// all processors.
 pub fn raster(channel: &Channel) -> Result<(Raster, Vec<f32>), Failure> {
     let (width, height) = (channel.size.0 as usize, channel.size.1 as usize);
     let mut pixels = vec![([f32::NAN; 3], 0.0); width * height];

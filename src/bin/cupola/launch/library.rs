@@ -4,8 +4,8 @@ use crate::failure::Failure;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// Finds `libcupola.so`: the path in `CUPOLA_LIBRARY`, or the folder of this command, or `../lib` or `../lib/cupola`
-/// relative to it.
+/// Finds `libcupola.so`: the path in `CUPOLA_LIBRARY`, or the folder of this command, or `../lib`
+/// or `../lib/cupola` relative to it.
 pub fn find() -> Result<PathBuf, Failure> {
     if let Some(path) = std::env::var_os("CUPOLA_LIBRARY") {
         let path = PathBuf::from(path);
@@ -27,8 +27,8 @@ pub fn find() -> Result<PathBuf, Failure> {
     })
 }
 
-/// The reason why the dynamic linker or libglvnd would refuse `library` as a vendor with the entry point `entry`; `None`
-/// if they would accept it.
+/// The reason why the dynamic linker or libglvnd would refuse `library` as a vendor with the entry
+/// point `entry`; `None` if they would accept it.
 pub fn refusal(library: &Path, entry: &str) -> Option<String> {
     let bytes = match std::fs::read(library) {
         Ok(bytes) => bytes,
@@ -39,8 +39,9 @@ pub fn refusal(library: &Path, entry: &str) -> Option<String> {
     if !bytes.windows(name.len()).any(|window| window == name.as_bytes()) {
         return Some(format!("it does not export {entry}"));
     }
-    // The test runs in another process, since a broken library can crash the process that loads it. The dynamic linker
-    // binds all symbols of a preloaded library. If it fails, it prints a message and continues.
+    // The test runs in another process, since a broken library can crash the process that loads it.
+    // The dynamic linker binds all symbols of a preloaded library. If it fails, it prints a message
+    // and continues.
     let Ok(command) = std::env::current_exe() else { return None };
     let trial = Command::new(command)
         .arg("--version")

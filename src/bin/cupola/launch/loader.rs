@@ -1,5 +1,5 @@
-//! Files and environment variables that make libglvnd and the Vulkan loader load Cupola: a folder with the library under
-//! the names that they expect, and variables that refer to it.
+//! Files and environment variables that make libglvnd and the Vulkan loader load Cupola: a folder
+//! with the library under the names that they expect, and variables that refer to it.
 
 use super::{Environment, library, probe};
 use crate::failure::Failure;
@@ -75,8 +75,8 @@ impl Loader {
         Self::temporary(&folder)
     }
 
-    /// Environment variables that make libglvnd and the Vulkan loader use Cupola. `display` holds the variables that
-    /// select the display of the program.
+    /// Environment variables that make libglvnd and the Vulkan loader use Cupola. `display` holds
+    /// the variables that select the display of the program.
     pub fn environment(&self, display: &Environment) -> Result<Environment, Failure> {
         let mut environment = self.glx(display);
         environment.extend(self.egl()?);
@@ -102,8 +102,9 @@ impl Loader {
         ]
     }
 
-    /// Variables for libEGL. libEGL loads only the vendors in its list. A vendor that cannot be loaded would leave the
-    /// program without EGL, so the list is replaced only if the library can be loaded.
+    /// Variables for libEGL. libEGL loads only the vendors in its list. A vendor that cannot be
+    /// loaded would leave the program without EGL, so the list is replaced only if the library can
+    /// be loaded.
     fn egl(&self) -> Result<Environment, Failure> {
         let warn = |why: &str| eprintln!("cupola: programs that use EGL will not be corrected: {why}");
         if let Some(why) = library::refusal(&self.library, "__egl_Main") {
@@ -117,8 +118,8 @@ impl Loader {
         }
         let mut files = Vec::new();
         for index in 0..vendors.len() {
-            // libEGL refuses a vendor whose library has already been loaded, so each of several vendors needs a copy.
-            // A copy finds its vendor by the number in its file name.
+            // libEGL refuses a vendor whose library has already been loaded, so each of several
+            // vendors needs a copy. A copy finds its vendor by the number in its file name.
             let library = if vendors.len() == 1 {
                 self.library.clone()
             } else {
@@ -140,8 +141,8 @@ impl Loader {
         ])
     }
 
-    /// Variables for the Vulkan loader, which reads the description of the layer from the folder. It skips layers that it
-    /// cannot load.
+    /// Variables for the Vulkan loader, which reads the description of the layer from the folder.
+    /// It skips layers that it cannot load.
     fn vulkan(&self) -> Result<Environment, Failure> {
         if let Some(why) = library::refusal(&self.library, "vkNegotiateLoaderLayerInterfaceVersion") {
             eprintln!("cupola: programs that use Vulkan will not be corrected: {}: {why}", self.library.display());
@@ -154,14 +155,16 @@ impl Loader {
                 "name": VULKAN_LAYER,
                 "type": "GLOBAL",
                 "library_path": self.library.to_string_lossy(),
-                // Loaders skip layers with a lower version than the program asks for, so this is above all versions.
+                // Loaders skip layers with a lower version than the program asks for, so this is
+                // above all versions.
                 "api_version": "1.4.999",
                 "implementation_version": "1",
                 "description": "Puts the program on a dome",
             },
         });
         std::fs::write(&file, json.to_string()).map_err(|error| cannot_write(&file, &error))?;
-        // Cupola comes after layers that the user has enabled, such as the validation layer: nearer to the driver.
+        // Cupola comes after layers that the user has enabled, such as the validation layer: nearer
+        // to the driver.
         let list = |name: &str, own: OsString, own_first: bool| {
             let rest = std::env::var_os(name).filter(|rest| !rest.is_empty());
             let parts: Vec<OsString> = match rest {
@@ -178,8 +181,8 @@ impl Loader {
     }
 }
 
-/// The GLX vendor that the program would get without Cupola: the one in the environment, or the only one installed, or
-/// the one that a test program gets on this display.
+/// The GLX vendor that the program would get without Cupola: the one in the environment, or the
+/// only one installed, or the one that a test program gets on this display.
 fn real_glx_vendor(display: &Environment) -> OsString {
     let named = |name: &str| std::env::var_os(name).filter(|vendor| !vendor.is_empty() && vendor != "cupola");
     if let Some(vendor) = named("CUPOLA_GLX_REAL").or_else(|| named("__GLX_VENDOR_LIBRARY_NAME")) {
@@ -192,8 +195,8 @@ fn real_glx_vendor(display: &Environment) -> OsString {
     answer.as_ref().and_then(|answer| answer.glx_vendor()).unwrap_or("mesa").into()
 }
 
-/// Names of the GLX vendors in the usual library folders. Mostly there is only one, which saves the slow start of a
-/// driver in a test program.
+/// Names of the GLX vendors in the usual library folders. Mostly there is only one, which saves the
+/// slow start of a driver in a test program.
 fn installed_glx_vendors() -> Vec<String> {
     let architecture = format!("/usr/lib/{}-linux-gnu", std::env::consts::ARCH);
     let folders = [architecture.as_str(), "/usr/lib64", "/usr/lib", "/usr/local/lib"];
@@ -207,7 +210,8 @@ fn installed_glx_vendors() -> Vec<String> {
     vendors
 }
 
-/// Libraries of the system's EGL vendors in the order of libglvnd, described in its icd_enumeration.md.
+/// Libraries of the system's EGL vendors in the order of libglvnd, described in its
+/// icd_enumeration.md.
 fn egl_vendors() -> Vec<OsString> {
     let listed = |name: &str| std::env::var_os(name).filter(|value| !value.is_empty());
     let files: Vec<PathBuf> = match (listed("__EGL_VENDOR_LIBRARY_FILENAMES"), listed("__EGL_VENDOR_LIBRARY_DIRS")) {

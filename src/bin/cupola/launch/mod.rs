@@ -1,4 +1,5 @@
-//! Requirements of a program that is started with Cupola: the library, the loaders' files, a display.
+//! Requirements of a program that is started with Cupola: the library, the loaders' files, a
+//! display.
 
 pub mod display;
 pub mod library;

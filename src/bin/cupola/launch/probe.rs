@@ -1,5 +1,5 @@
-//! A separate process that loads a driver and reports its name. Drivers can crash the process that loads them, and only a
-//! new process uses a changed environment.
+//! A separate process that loads a driver and reports its name. Drivers can crash the process that
+//! loads them, and only a new process uses a changed environment.
 
 use super::{Environment, apply};
 use crate::failure::Failure;

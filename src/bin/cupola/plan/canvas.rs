@@ -65,7 +65,8 @@ impl Canvas {
         }
     }
 
-    /// Draws text with its upper left corner at (x, y). Characters that the font lacks are left out.
+    /// Draws text with its upper left corner at (x, y). Characters that the font lacks are left
+    /// out.
     pub fn text(&mut self, text: &str, x: i64, y: i64, letters: Letters, color: Color) {
         let advance = get_raster_width(FontWeight::Regular, letters.height()) as i64;
         for (letter, left) in text.chars().zip((0..).map(|index| x + index * advance)) {

@@ -26,7 +26,8 @@ pub struct Figures {
     /// Number of directions that were examined for it.
     pub directions: u64,
     seconds: f64,
-    /// Places where the light must change abruptly between outputs: direction in the viewer's axes, and description.
+    /// Places where the light must change abruptly between outputs: direction in the viewer's axes,
+    /// and description.
     pub jumps: Vec<(DVec3, String)>,
     /// Outputs whose maps are interpolated.
     approximations: Vec<(String, Approximation)>,

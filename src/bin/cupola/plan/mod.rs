@@ -1,4 +1,5 @@
-//! `cupola plan`: the views that a rig needs, their cost, and a picture of them on the sphere of directions.
+//! `cupola plan`: the views that a rig needs, their cost, and a picture of them on the sphere of
+//! directions.
 
 mod canvas;
 mod figures;

@@ -1,4 +1,5 @@
-//! A picture of the views on the sphere of directions: two halves with equal areas, coloured by sharpness.
+//! A picture of the views on the sphere of directions: two halves with equal areas, coloured by
+//! sharpness.
 
 use super::canvas::{Canvas, Color, Letters};
 use super::figures::Figures;
@@ -139,10 +140,11 @@ fn for_disc(half: &Half, mut visit: impl FnMut(i64, i64, f64)) {
     }
 }
 
-/// Colours the sampled directions by sharpness; by the lowest one where several outputs sample a direction.
+/// Colours the sampled directions by sharpness; by the lowest one where several outputs sample a
+/// direction.
 fn shade(canvas: &mut Canvas, half: &Half, seen: &[(DVec3, f32)]) {
-    // The grid is up to twice as fine as the picture, so that borders are smooth. It is coarser if few pixels were
-    // examined, so that on average four of them fall into a cell.
+    // The grid is up to twice as fine as the picture, so that borders are smooth. It is coarser if
+    // few pixels were examined, so that on average four of them fall into a cell.
     let scale = (seen.len() as f64 / (4.0 * std::f64::consts::PI * RADIUS * RADIUS)).sqrt().clamp(0.02, 2.0);
     let side = (scale * (2.0 * RADIUS + 4.0)).ceil() as usize;
     let origin = half.centre - RADIUS - 2.0;
@@ -220,8 +222,9 @@ fn grid(canvas: &mut Canvas, half: &Half) {
     });
 }
 
-/// Draws the four sides of the sampled part of a view. They are arcs of great circles, moved inwards by half the width
-/// of a line, so that the outlines of neighbouring views lie side by side.
+/// Draws the four sides of the sampled part of a view. They are arcs of great circles, moved
+/// inwards by half the width of a line, so that the outlines of neighbouring views lie side by
+/// side.
 fn outline(canvas: &mut Canvas, half: &Half, view: &View, color: Color) {
     if view.program_lens {
         return;
