@@ -1,7 +1,7 @@
-/* Cupola on Vulkan: for programs that draw the views themselves.
+/* Cupola on Vulkan, for programs that draw the views themselves.
  *
- * The grammar is that of cupola.h. A header of its own, so that programs without Vulkan need not have Vulkan's, and so
- * that handles have their own types whichever header comes first.
+ * The conventions are those of cupola.h. This is a separate header so that programs without Vulkan do not need
+ * Vulkan's header.
  *
  * Generated from src/ffi; do not edit.
  */
@@ -18,37 +18,43 @@
 #include "cupola.h"
 
 /*
- The views are tiles of one image: a viewport for each.
+ Arrangement of the views: tiles of one image, each with a viewport of its own.
  */
 #define CUPOLA_VK_ATLAS 0
 
 /*
- The views are layers of one image, a 2D array, all of one size: for programs that draw all of them at once
- (multiview). The smaller views are drawn at more than the planned resolution.
+ Arrangement of the views: layers of one image, a 2D array, all of one size, for programs that draw all
+ views at once (multiview). The smaller views are drawn at more than the planned resolution.
  */
 #define CUPOLA_VK_LAYERS 1
 
 /*
- Each view is an image.
+ Arrangement of the views: each view is an image.
  */
 #define CUPOLA_VK_IMAGES 2
 
 /*
- Cupola on a Vulkan device. Free it with `cupola_vk_destroy`, before the device.
+ A rig on a Vulkan device. Created by `cupola_vk_create` or `cupola_vk_create_projecting`, destroyed by
+ `cupola_vk_destroy` before the device is.
 
- Synchronisation: Cupola submits nothing and uses no queue. `cupola_vk_record` puts barriers before and after what it
- records, so that within one queue nothing else is needed; between queues, and with a swapchain, the program's
- semaphores and fences do what they do without Cupola. The images of a frame may be drawn into again when the fence of
- the submission that read them is signalled; that is what `frames_in_flight` is for. Images belong to the queue family
- of the options (`VK_SHARING_MODE_EXCLUSIVE`), or to all. While a command buffer is pending, or will be submitted
- again, that Cupola recorded into, only `cupola_vk_record` and functions that only tell something may be called. The
- first command buffer that is recorded after `cupola_vk_create` or `cupola_vk_resize` has to be submitted before others,
- and once: it fills masks and tables.
+ One thread at a time may use it. Several objects, on one device too, are independent.
+
+ Synchronisation: the library submits nothing and uses no queue. `cupola_vk_record` records barriers before and
+ after the correction, so that nothing else is needed within one queue; between queues, and with a swapchain,
+ the program's semaphores and fences are the same as without Cupola. The images of a frame may be drawn again
+ when the fence of the submission that read them is signalled; this is what `frames_in_flight` is for. Images
+ belong to the queue family of the options (`VK_SHARING_MODE_EXCLUSIVE`) or are shared by all.
+
+ "Idle" at a function means: no command buffer into which `cupola_vk_record` recorded is pending, and none will be
+ submitted again.
+
+ The first command buffer that is recorded after `cupola_vk_create` or `cupola_vk_resize` fills masks and tables:
+ it has to be submitted before the others, and once.
  */
 typedef struct cupola_vk cupola_vk;
 
 /*
- What to make a `cupola_vk` from. No feature and no extension has to be enabled; Vulkan 1.0 will do.
+ Parameters of `cupola_vk_create`. No feature and no extension has to be enabled; Vulkan 1.0 is enough.
  */
 typedef struct cupola_vk_options {
   /*
@@ -56,58 +62,58 @@ typedef struct cupola_vk_options {
    */
   size_t struct_size;
   /*
-   Finds the functions of `instance`.
+   Function that finds the functions of `instance`. Required.
    */
   PFN_vkGetInstanceProcAddr get_instance_proc_addr;
   /*
-   The program's instance.
+   Instance of the program. It outlives the `cupola_vk`.
    */
   VkInstance instance;
   /*
-   The device's.
+   Physical device of `device`.
    */
   VkPhysicalDevice physical_device;
   /*
-   The program's device; it outlives the `cupola_vk`.
+   Device of the program. It outlives the `cupola_vk`.
    */
   VkDevice device;
   /*
-   Family of the queues that the command buffers are for; it can draw.
+   Family of the queues to which the program submits the command buffers; it supports graphics.
    */
   uint32_t queue_family;
   /*
-   How many frames may be on their way at the same time, 1…16: each has images of its own.
+   Number of frames that may be in flight at the same time, 1 to 16. Each has images of its own.
    */
   uint32_t frames_in_flight;
   /*
-   Width of the picture that all outputs share, pixels, 1…16384.
+   Width in pixels of the picture that all outputs share, 1 to 16384.
    */
   uint32_t width;
   /*
-   Height of the picture, pixels, 1…16384.
+   Height of that picture in pixels, 1 to 16384.
    */
   uint32_t height;
   /*
-   Format of the views of the images that are corrected into; UNORM or float, since what is written is encoded already.
+   Format of the image views of the targets: UNORM or float, since encoded values are written.
    */
   VkFormat target_format;
   /*
-   Format of the images that Cupola makes for the views: UNORM or float, holding encoded values.
-   `VK_FORMAT_UNDEFINED`: the program brings its own (`cupola_vk_set_sources`).
+   Format of the images that the library creates for the views: UNORM or float, with encoded values.
+   `VK_FORMAT_UNDEFINED` (0): the program brings its own images (`cupola_vk_set_sources`).
    */
   VkFormat view_format;
   /*
-   How the views lie in their images: `CUPOLA_VK_ATLAS`, `CUPOLA_VK_LAYERS` or `CUPOLA_VK_IMAGES`.
+   `CUPOLA_VK_ATLAS`, `CUPOLA_VK_LAYERS` or `CUPOLA_VK_IMAGES`.
    */
   uint32_t arrangement;
   /*
-   Other than 0: the program's depth is 1 at the near plane and 0 at the far one.
+   0: depth is 0 at the near plane and 1 at the far plane. Other than 0: the reverse.
    */
   uint32_t reversed_depth;
 } cupola_vk_options;
 
 /*
- A view: what to draw, and where.
+ View: perspective image of the scene that the program draws. All matrices are stored column by column.
  */
 typedef struct cupola_vk_view {
   /*
@@ -115,44 +121,46 @@ typedef struct cupola_vk_view {
    */
   size_t struct_size;
   /*
-   Its number, from 0.
+   Index of the view, from 0.
    */
   uint32_t index;
   /*
-   Number of its image among those of a frame.
+   Index of its image among those of a frame.
    */
   uint32_t image;
   /*
-   Its layer in the image.
+   Array layer of that image.
    */
   uint32_t layer;
   /*
-   Left edge of its viewport, pixels from the left. Set the scissor to the same rectangle.
+   Left edge of the viewport, and of the scissor, in pixels from the left of the image.
    */
   int32_t x;
   /*
-   Top edge of its viewport, pixels from the top.
+   Top edge of the viewport in pixels from the top of the image.
    */
   int32_t y;
   /*
-   Width of its viewport, pixels.
+   Width of the viewport in pixels.
    */
   int32_t width;
   /*
-   Height of its viewport, pixels; positive: the matrices have y down already.
+   Height of the viewport in pixels. It is positive: the matrices have y down.
    */
   int32_t height;
   /*
-   The program's camera axes (x right, y up, -z forward) → clip space of this view (y down, depth 0…1), column by
-   column: use it in place of the program's own projection. It is `frustum_matrix` · `rotation_matrix`.
+   Matrix from the program's camera axes (x right, y up, -z forward) to the clip space of the view (y down,
+   depth 0 to 1): `frustum_matrix` times `rotation_matrix`. It replaces the program's projection matrix; the
+   program's view matrix stays as it is, and with it the lighting.
    */
   float projection_matrix[16];
   /*
-   The program's camera axes → axes of the view, for programs that cull or draw a sky by view.
+   Matrix from the program's camera axes to the axes of the view, for programs that cull or draw a sky
+   by view. It has a translation where the rig moves the camera and in the views of a stereo rig.
    */
   float rotation_matrix[16];
   /*
-   Axes of the view → its clip space: a perspective matrix of the usual form, off-centre.
+   Matrix from the axes of the view to its clip space: an off-centre perspective matrix.
    */
   float frustum_matrix[16];
   /*
@@ -168,107 +176,13 @@ typedef struct cupola_vk_view {
    */
   double frustum_matrix_f64[16];
   /*
-   Its name (`front`, `left`, …), NUL-terminated, cut to 31 bytes.
+   Name of the view (`front`, `left`, ...), UTF-8, NUL-terminated, cut to 31 bytes.
    */
   char name[32];
 } cupola_vk_view;
 
 /*
- An image that holds views.
- */
-typedef struct cupola_vk_source {
-  /*
-   `sizeof(cupola_vk_source)`.
-   */
-  size_t struct_size;
-  /*
-   The image, which has `VK_IMAGE_USAGE_SAMPLED_BIT`. `VK_NULL_HANDLE`: no barrier is recorded for it, and it can be
-   read in `layout` as it is.
-   */
-  VkImage image;
-  /*
-   A view of its first level: 2D; of layers a 2D array, of the first and as many as there are views.
-   */
-  VkImageView view;
-  /*
-   The view's format: UNORM or float, holding encoded values.
-   */
-  VkFormat format;
-  /*
-   Width, pixels.
-   */
-  uint32_t width;
-  /*
-   Height, pixels.
-   */
-  uint32_t height;
-  /*
-   The layout in which the image is when it is corrected, and in which it is left.
-   */
-  VkImageLayout layout;
-  /*
-   The stages that wrote it, and will write it next.
-   */
-  VkPipelineStageFlags stages;
-  /*
-   The accesses by which they do.
-   */
-  VkAccessFlags access;
-} cupola_vk_source;
-
-/*
- An image that is corrected into.
- */
-typedef struct cupola_vk_target {
-  /*
-   `sizeof(cupola_vk_target)`.
-   */
-  size_t struct_size;
-  /*
-   The image, which has `VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT`.
-   */
-  VkImage image;
-  /*
-   A 2D view of its first level and layer, of the options' `target_format`.
-   */
-  VkImageView view;
-  /*
-   Width, pixels.
-   */
-  uint32_t width;
-  /*
-   Height, pixels.
-   */
-  uint32_t height;
-  /*
-   The layout in which it is found. `VK_IMAGE_LAYOUT_UNDEFINED`: what was in it is lost, and black where no output is.
-   */
-  VkImageLayout initial_layout;
-  /*
-   The layout in which it is left, `VK_IMAGE_LAYOUT_PRESENT_SRC_KHR` for instance.
-   */
-  VkImageLayout final_layout;
-  /*
-   The stages that come before and have to be waited for; 0: none. After an acquire, the stages at which the
-   submission waits for the semaphore.
-   */
-  VkPipelineStageFlags before_stages;
-  /*
-   The accesses by which they wrote.
-   */
-  VkAccessFlags before_access;
-  /*
-   The stages that come after and have to wait; 0: none.
-   */
-  VkPipelineStageFlags after_stages;
-  /*
-   The accesses that they will make.
-   */
-  VkAccessFlags after_access;
-} cupola_vk_target;
-
-/*
- Counts since a `cupola_vk` was made.
+ Counts since the creation of a `cupola_vk`.
  */
 typedef struct cupola_vk_statistics {
   /*
@@ -276,33 +190,145 @@ typedef struct cupola_vk_statistics {
    */
   size_t struct_size;
   /*
-   Frames recorded.
+   Number of recorded frames.
    */
   uint64_t frames;
   /*
-   Frames since the last `cupola_vk_resize` of which is known how long the device took to correct them; a frame's
-   time is known when the next one with the same images is recorded. Always 0 on devices without timestamps.
+   Number of frames since the last `cupola_vk_resize` whose time on the device is known. The time of a frame is
+   known when the next frame with the same images is recorded. Always 0 on devices without timestamps.
    */
   uint64_t measured_frames;
   /*
-   The time of all of them, nanoseconds.
+   Sum of these times in nanoseconds.
    */
   uint64_t nanoseconds;
   /*
-   The time of the latest of them, nanoseconds.
+   The latest of these times in nanoseconds.
    */
   uint64_t last_nanoseconds;
 } cupola_vk_statistics;
+
+/*
+ Source: image that holds views of a frame.
+ */
+typedef struct cupola_vk_source {
+  /*
+   `sizeof(cupola_vk_source)`.
+   */
+  size_t struct_size;
+  /*
+   The image, with `VK_IMAGE_USAGE_SAMPLED_BIT`. `VK_NULL_HANDLE`: no barrier is recorded for it, and the
+   program makes it readable by fragment shaders in `layout`.
+   */
+  VkImage image;
+  /*
+   Image view of its first mip level: 2D; with `CUPOLA_VK_LAYERS` a 2D array of as many layers as there are
+   views, from the first on.
+   */
+  VkImageView view;
+  /*
+   Format of the image view: UNORM or float, with encoded values.
+   */
+  VkFormat format;
+  /*
+   Width in pixels.
+   */
+  uint32_t width;
+  /*
+   Height in pixels.
+   */
+  uint32_t height;
+  /*
+   Layout of the image before and after the correction.
+   */
+  VkImageLayout layout;
+  /*
+   Pipeline stages that write the image before the correction and again after it.
+   */
+  VkPipelineStageFlags stages;
+  /*
+   Accesses of these stages.
+   */
+  VkAccessFlags access;
+} cupola_vk_source;
+
+/*
+ Target: image into which a frame is corrected.
+ */
+typedef struct cupola_vk_target {
+  /*
+   `sizeof(cupola_vk_target)`.
+   */
+  size_t struct_size;
+  /*
+   The image, with `VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT`.
+   */
+  VkImage image;
+  /*
+   2D image view of its first mip level and layer, of the options' `target_format`.
+   */
+  VkImageView view;
+  /*
+   Width in pixels.
+   */
+  uint32_t width;
+  /*
+   Height in pixels.
+   */
+  uint32_t height;
+  /*
+   Layout of the image before the correction. `VK_IMAGE_LAYOUT_UNDEFINED`: its contents are lost, and it is
+   black where there is no output.
+   */
+  VkImageLayout initial_layout;
+  /*
+   Layout of the image after the correction, for example `VK_IMAGE_LAYOUT_PRESENT_SRC_KHR`.
+   */
+  VkImageLayout final_layout;
+  /*
+   Pipeline stages before the correction for which it waits; 0 for none. After an acquire: the stages at which
+   the submission waits for the semaphore.
+   */
+  VkPipelineStageFlags before_stages;
+  /*
+   Write accesses of these stages.
+   */
+  VkAccessFlags before_access;
+  /*
+   Pipeline stages after the correction that wait for it; 0 for none.
+   */
+  VkPipelineStageFlags after_stages;
+  /*
+   Accesses of these stages.
+   */
+  VkAccessFlags after_access;
+} cupola_vk_target;
 
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
 
 /*
- Plans `rig` and makes what it needs on the program's device. The rig may be freed afterwards.
+ Plans the views of a rig and creates what they need on the program's device.
+
+ # Parameters
+ - `rig`: the rig. The library copies what it needs; the rig may be freed afterwards.
+ - `options`: device, sizes and formats. Not kept; the handles in it are.
+ - `vk`: receives the new object, on success only.
+
+ # Returns
+ - `CUPOLA_INVALID_ARGUMENT`: a null pointer or handle, a value out of range, an sRGB format, a field that this
+   version does not know, or a rig that corrects nothing (`identity`).
+ - `CUPOLA_GRAPHICS`: the device cannot use a format, lacks a function or has no memory left.
+
+ # Ownership
+ The caller owns `*vk` and destroys it with `cupola_vk_destroy`.
+
+ # Threads
+ Any thread.
 
  # Safety
- `rig` is a live handle; `options` points at a struct of `struct_size` bytes, whose handles are live and belong
+ `rig` is a live handle; `options` points to `options->struct_size` bytes, whose handles are live and belong
  together; `vk` is writable.
  */
 cupola_status cupola_vk_create(const cupola_rig *rig,
@@ -310,19 +336,40 @@ cupola_status cupola_vk_create(const cupola_rig *rig,
                                struct cupola_vk **vk);
 
 /*
- Plans anew for pictures of another size. Sources and targets that the program set are forgotten, and images that
- Cupola made are made anew. If the rig cannot be planned for that size, everything stays; after
- `CUPOLA_GRAPHICS` only another `cupola_vk_resize` or `cupola_vk_destroy` is of use.
+ Plans the views again for a picture of another size. Number and sizes of views and images may change. Sources and
+ targets that the program set are forgotten, and images of the library's are created again.
+
+ # Parameters
+ - `vk`: the object, idle.
+ - `width`, `height`: size of the picture in pixels, 1 to 16384.
+
+ # Returns
+ - `CUPOLA_INVALID_ARGUMENT`: `vk` is null, or the size is out of range. Everything stays.
+ - `CUPOLA_GRAPHICS`: the driver refused a request. Only another `cupola_vk_resize` or `cupola_vk_destroy` is
+   useful afterwards.
+
+ # Threads
+ Any thread.
 
  # Safety
- `vk` is a live handle, and no command buffer pending that was recorded with it.
+ `vk` is a live handle and idle.
  */
 cupola_status cupola_vk_resize(struct cupola_vk *vk,
                                uint32_t width,
                                uint32_t height);
 
 /*
- How many views there are. It changes only with `cupola_vk_resize`.
+ Returns the number of views. Only `cupola_vk_resize` changes it.
+
+ # Parameters
+ - `vk`: the object.
+ - `count`: receives the number, at least 1.
+
+ # Returns
+ - `CUPOLA_INVALID_ARGUMENT`: a null pointer.
+
+ # Threads
+ Any thread.
 
  # Safety
  `vk` is a live handle; `count` is writable.
@@ -330,11 +377,22 @@ cupola_status cupola_vk_resize(struct cupola_vk *vk,
 cupola_status cupola_vk_view_count(struct cupola_vk *vk, uint32_t *count);
 
 /*
- Describes a view for a camera with these planes (0 < near < far; far may be infinite), in the program's own units.
- Set `view->struct_size` before.
+ Describes a view, for a camera with the given near and far planes.
+
+ # Parameters
+ - `vk`: the object.
+ - `index`: index of the view, less than the number that `cupola_vk_view_count` returns.
+ - `near`, `far`: distances of the planes in the program's units, 0 < near < far. `far` may be infinite.
+ - `view`: receives the description. The caller sets `view->struct_size` before.
+
+ # Returns
+ - `CUPOLA_INVALID_ARGUMENT`: a null pointer, a wrong `struct_size`, an index without a view, or wrong planes.
+
+ # Threads
+ Any thread.
 
  # Safety
- `vk` is a live handle; `view` points at a struct of `view->struct_size` bytes.
+ `vk` is a live handle; `view` points to `view->struct_size` writable bytes.
  */
 cupola_status cupola_vk_get_view(struct cupola_vk *vk,
                                  uint32_t index,
@@ -343,7 +401,85 @@ cupola_status cupola_vk_get_view(struct cupola_vk *vk,
                                  struct cupola_vk_view *view);
 
 /*
- How many images hold the views of a frame: as many as there are views with `CUPOLA_VK_IMAGES`, otherwise one.
+ Records the correction of a frame into a command buffer. On an error nothing is recorded. No Vulkan object is
+ created and no device memory allocated.
+
+ Bound pipelines, descriptor sets, vertex buffers, viewports and scissors are undefined afterwards.
+
+ # Parameters
+ - `vk`: the object.
+ - `command_buffer`: primary command buffer in the recording state, outside a render pass, for a queue of the
+   options' family.
+ - `frame`: index of the frame in flight whose sources are read, less than `frames_in_flight`.
+ - `target`: index of the target, as set with `cupola_vk_set_targets`.
+ - `x`, `y`: upper left corner of the picture in the target, in pixels. Parts outside are cut off.
+
+ # Returns
+ - `CUPOLA_INVALID_ARGUMENT`: a null pointer or handle, or a frame or target that was not set.
+
+ # Threads
+ Any thread; that of the command buffer's pool.
+
+ # Safety
+ `vk` and `command_buffer` are live handles; when the command buffer is executed, all images are in the layouts that
+ were given for them.
+ */
+cupola_status cupola_vk_record(struct cupola_vk *vk,
+                               VkCommandBuffer command_buffer,
+                               uint32_t frame,
+                               uint32_t target,
+                               int32_t x,
+                               int32_t y);
+
+/*
+ Returns counts since the creation of the object.
+
+ # Parameters
+ - `vk`: the object.
+ - `statistics`: receives the counts. The caller sets `statistics->struct_size` before.
+
+ # Returns
+ - `CUPOLA_INVALID_ARGUMENT`: a null pointer, or a wrong `struct_size`.
+
+ # Threads
+ Any thread.
+
+ # Safety
+ `vk` is a live handle; `statistics` points to `statistics->struct_size` writable bytes.
+ */
+cupola_status cupola_vk_get_statistics(struct cupola_vk *vk,
+                                       struct cupola_vk_statistics *statistics);
+
+/*
+ Destroys an object and everything that it created on the device.
+
+ # Parameters
+ - `vk`: the object, idle, or null, which does nothing.
+
+ # Returns
+ `CUPOLA_OK`, or `CUPOLA_INTERNAL`.
+
+ # Threads
+ Any thread.
+
+ # Safety
+ `vk` is null, or a live handle that is idle and whose device is live. It must not be used afterwards.
+ */
+cupola_status cupola_vk_destroy(struct cupola_vk *vk);
+
+/*
+ Returns the number of images that hold the views of a frame: the number of views with `CUPOLA_VK_IMAGES`,
+ otherwise 1.
+
+ # Parameters
+ - `vk`: the object.
+ - `count`: receives the number.
+
+ # Returns
+ - `CUPOLA_INVALID_ARGUMENT`: a null pointer.
+
+ # Threads
+ Any thread.
 
  # Safety
  `vk` is a live handle; `count` is writable.
@@ -352,8 +488,20 @@ cupola_status cupola_vk_image_count(struct cupola_vk *vk,
                                     uint32_t *count);
 
 /*
- How large image `index` of a frame is or, where the program brings it, has to be: width and height in pixels, and
- layers. It changes only with `cupola_vk_resize`.
+ Returns the size of an image that holds views. Images that the program brings have to have this size. Only
+ `cupola_vk_resize` changes it.
+
+ # Parameters
+ - `vk`: the object.
+ - `index`: index of the image among those of a frame.
+ - `width`, `height`: receive the size in pixels.
+ - `layers`: receives the number of array layers.
+
+ # Returns
+ - `CUPOLA_INVALID_ARGUMENT`: a null pointer, or an index without an image.
+
+ # Threads
+ Any thread.
 
  # Safety
  `vk` is a live handle; `width`, `height` and `layers` are writable.
@@ -365,11 +513,27 @@ cupola_status cupola_vk_image_size(struct cupola_vk *vk,
                                    uint32_t *layers);
 
 /*
- Describes image `index` of frame `frame` that Cupola made: draw the views into it, and leave it in its `layout`.
- It can be drawn to, cleared and copied. Set `source->struct_size` before.
+ Describes an image that the library created for the views of a frame. The program draws into it and leaves it in its
+ `layout`. The image can be a colour attachment, be cleared and be copied.
+
+ # Parameters
+ - `vk`: the object.
+ - `frame`: index of the frame in flight.
+ - `index`: index of the image among those of a frame.
+ - `source`: receives the description. The caller sets `source->struct_size` before.
+
+ # Returns
+ - `CUPOLA_INVALID_ARGUMENT`: a null pointer, a wrong `struct_size`, or an image that the library did not create.
+
+ # Ownership
+ The image and its view belong to the library. They live until `cupola_vk_resize`, `cupola_vk_set_sources` or
+ `cupola_vk_destroy`.
+
+ # Threads
+ Any thread.
 
  # Safety
- `vk` is a live handle; `source` points at a struct of `source->struct_size` bytes.
+ `vk` is a live handle; `source` points to `source->struct_size` writable bytes.
  */
 cupola_status cupola_vk_get_source(struct cupola_vk *vk,
                                    uint32_t frame,
@@ -377,65 +541,81 @@ cupola_status cupola_vk_get_source(struct cupola_vk *vk,
                                    struct cupola_vk_source *source);
 
 /*
- Says which images the program draws the views into: `cupola_vk_image_count` for the first frame, then for the second,
- and so on for all `frames_in_flight`. Images that Cupola made are destroyed.
+ Sets the images into which the program draws the views. Images of the library's are destroyed.
+
+ # Parameters
+ - `vk`: the object, idle.
+ - `count`: number of `sources`: `frames_in_flight` times the number that `cupola_vk_image_count` returns.
+ - `sources`: the images of the first frame, then those of the second, and so on. The structs lie
+   `sources->struct_size` bytes apart. Not kept; the handles in them are.
+
+ # Returns
+ - `CUPOLA_INVALID_ARGUMENT`: a null pointer or handle, a wrong `struct_size`, a field that this version does not
+   know, or a wrong number, size, layout or sRGB format.
+ - `CUPOLA_GRAPHICS`: the device cannot sample the format, or the driver refused a request.
+
+ # Ownership
+ The images belong to the program. They live until other sources are set, `cupola_vk_resize` or
+ `cupola_vk_destroy`.
+
+ # Threads
+ Any thread.
 
  # Safety
- `vk` is a live handle, and no command buffer pending that was recorded with it; `sources` points at `count` structs
- of `sources->struct_size` bytes, whose handles are live as long as the `cupola_vk`, or others are set.
+ `vk` is a live handle and idle; `sources` points to `count` structs of `sources->struct_size` bytes with live
+ handles.
  */
 cupola_status cupola_vk_set_sources(struct cupola_vk *vk,
                                     uint32_t count,
                                     const struct cupola_vk_source *sources);
 
 /*
- Says which images are corrected into, for `cupola_vk_record` to choose from: those of a swapchain for instance.
+ Sets the images from which `cupola_vk_record` chooses its target, for example those of a swapchain.
+
+ # Parameters
+ - `vk`: the object, idle.
+ - `count`: number of `targets`.
+ - `targets`: the images. The structs lie `targets->struct_size` bytes apart. Not kept; the handles in them are.
+
+ # Returns
+ - `CUPOLA_INVALID_ARGUMENT`: a null pointer or handle, a wrong `struct_size`, a field that this version does not
+   know, or a wrong size or layout.
+ - `CUPOLA_GRAPHICS`: the driver refused a request.
+
+ # Ownership
+ The images belong to the program. They live until other targets are set, `cupola_vk_resize` or
+ `cupola_vk_destroy`.
+
+ # Threads
+ Any thread.
 
  # Safety
- As for `cupola_vk_set_sources`.
+ `vk` is a live handle and idle; `targets` points to `count` structs of `targets->struct_size` bytes with live
+ handles.
  */
 cupola_status cupola_vk_set_targets(struct cupola_vk *vk,
                                     uint32_t count,
                                     const struct cupola_vk_target *targets);
 
 /*
- Records the correction of frame `frame`'s images into target `target`, the left upper corner of the picture at (x, y)
- of it; what lies outside is cut off. On an error nothing is recorded. It makes no object of Vulkan and allocates none
- of its memory. Bound pipelines, descriptor sets, vertex buffers, viewports and scissors are other ones afterwards.
+ Does what `cupola_vk_create` does, for a program that draws all views with the functions of
+ `cupola_vk_projection_source`.
 
- # Safety
- `vk` is a live handle; the command buffer is being recorded, outside a render pass, for a queue of the options'
- family; all images are in the layouts that were said when it is executed.
- */
-cupola_status cupola_vk_record(struct cupola_vk *vk,
-                               VkCommandBuffer command_buffer,
-                               uint32_t frame,
-                               uint32_t target,
-                               int32_t x,
-                               int32_t y);
+ An output with the method `vertex` or `primitive` then has one view, which is its own picture (pixel for pixel,
+ except where layers have to be alike or the rig's `quality` asks for more); the matrices of `cupola_vk_get_view` do
+ not apply to it. Edges between vertices stay straight, so the program's models have to be fine.
 
-/*
- Counts so far. Set `statistics->struct_size` before.
+ # Parameters
+ As for `cupola_vk_create`.
 
- # Safety
- `vk` is a live handle; `statistics` points at a struct of its `struct_size` bytes.
- */
-cupola_status cupola_vk_get_statistics(struct cupola_vk *vk,
-                                       struct cupola_vk_statistics *statistics);
+ # Returns
+ As for `cupola_vk_create`.
 
-/*
- Destroys everything on the device; null is allowed.
+ # Ownership
+ The caller owns `*vk` and destroys it with `cupola_vk_destroy`.
 
- # Safety
- `vk` is a live handle whose device is live, with no command buffer pending that was recorded with it, or null; it
- must not be used again.
- */
-cupola_status cupola_vk_destroy(struct cupola_vk *vk);
-
-/*
- As `cupola_vk_create`, for a program that draws all views by the functions of `cupola_vk_projection_source`. An
- output with the method `vertex` or `primitive` then has one view, which is its own picture (pixel for pixel, but where layers have to be
- alike or the rig's `quality` asks for more); the matrices of `cupola_vk_get_view` do not lead there. Edges between vertices stay straight: the program's models have to be fine.
+ # Threads
+ Any thread.
 
  # Safety
  As for `cupola_vk_create`.
@@ -445,12 +625,21 @@ cupola_status cupola_vk_create_projecting(const cupola_rig *rig,
                                           struct cupola_vk **vk);
 
 /*
- GLSL for the last stage before rasterisation: a uniform block with `vec4 cupola_view[8]` (std140) in descriptor set
- `set` at `binding`, and `vec4 cupola_fix(vec4)`, which takes what the program would give to `gl_Position`, with its own
- projection, to the view. It stands after `#version` (450 or later) and before `main`.
+ Copies GLSL for the last shader stage before rasterisation: a uniform block with `vec4 cupola_view[8]` (std140), and
+ `vec4 cupola_fix(vec4)`, which turns the value for `gl_Position`, computed with the program's own projection, into
+ that of the view. The text belongs between `#version` (450 at least) and `main`.
 
- `buffer`: room for `size` bytes, or null to ask only for the length. `length` (may be null): the whole text's length
- in bytes without the NUL. What does not fit is cut.
+ # Parameters
+ - `set`, `binding`: descriptor set and binding of the uniform block.
+ - `buffer`: room for `size` bytes, or null to get the length only. The text is cut to fit, with its NUL.
+ - `size`: size of the buffer in bytes.
+ - `length`: receives the length of the whole text in bytes without its NUL; may be null.
+
+ # Returns
+ `CUPOLA_OK`, or `CUPOLA_INTERNAL`.
+
+ # Threads
+ Any thread.
 
  # Safety
  `buffer` has room for `size` bytes or is null; `length` is null or writable.
@@ -462,11 +651,24 @@ cupola_status cupola_vk_projection_source(uint32_t set,
                                           size_t *length);
 
 /*
- The 8 vectors of `cupola_view` for a view, if the program draws with the perspective `matrix` (16 numbers, column by
- column; Vulkan's clip space with y down). They change with the view, with the matrix and with the size.
+ Computes the 8 vectors of `cupola_view` for a view. They depend on the view, on the matrix and on the size of the
+ picture.
+
+ # Parameters
+ - `vk`: the object.
+ - `index`: index of the view.
+ - `matrix`: 16 numbers, column by column: the perspective matrix with which the program draws, to Vulkan's clip space
+   with y down.
+ - `vectors`: receives 32 numbers.
+
+ # Returns
+ - `CUPOLA_INVALID_ARGUMENT`: a null pointer, an index without a view, or a matrix that is no perspective.
+
+ # Threads
+ Any thread.
 
  # Safety
- `vk` is a live handle; `matrix` points at 16 numbers, `vectors` at room for 32.
+ `vk` is a live handle; `matrix` points to 16 numbers, `vectors` to room for 32.
  */
 cupola_status cupola_vk_get_projection(struct cupola_vk *vk,
                                        uint32_t index,

@@ -5,10 +5,10 @@ use std::process::Command;
 
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 
-/// A header, its configuration, and the files that it is made from.
+/// A header, its configuration, and the files from which it is generated; modules in them are followed.
 const HEADERS: [(&str, &str, &[&str]); 2] = [
-    ("cupola.h", "cbindgen.toml", &["status", "rig", "map", "gl", "projection", "blend"]),
-    ("cupola_vk.h", "cbindgen_vk.toml", &["vk", "vk_projection"]),
+    ("cupola.h", "cbindgen.toml", &["version", "status", "rig", "map", "gl/mod"]),
+    ("cupola_vk.h", "cbindgen_vk.toml", &["vk/mod"]),
 ];
 
 fn header(config: &str, files: &[&str]) -> String {

@@ -1,19 +1,25 @@
-//! The C ABI: thin, over the public Rust API.
+//! The C ABI, over the public Rust API.
 //!
-//! Grammar: every function is `cupola_<type>_<verb>` and returns a [`cupola_status`]; handles come
-//! first, outputs last, and outputs are written only on success. `_free` and `_destroy` accept null.
-//! Structs that may grow begin with `struct_size`. Strings are UTF-8 and NUL-terminated.
-//! A handle may be used by one thread at a time. No panic crosses this border.
+//! The conventions are those at the top of `include/cupola.h`, which is generated from these files. Here:
+//!
+//! - Each function is written out, so that the generator and readers see it; its body is a closure for
+//!   `status::call`, through which no panic passes.
+//! - Pointers are checked in one place each: `argument` (places for results, texts, arrays), `handle` (opaque
+//!   objects) and `sized` (structs that grow).
+//! - Outputs are checked before and written after everything that can fail.
 
 #![allow(non_camel_case_types)]
 
-pub mod blend;
+mod argument;
 pub mod gl;
+mod handle;
 pub mod map;
-pub mod projection;
 pub mod rig;
+mod sized;
 mod status;
+mod version;
+mod view;
 pub mod vk;
-pub mod vk_projection;
 
-pub use status::{cupola_last_error, cupola_status, cupola_version};
+pub use status::{cupola_last_error, cupola_status};
+pub use version::{CUPOLA_ABI_VERSION, CUPOLA_API_VERSION, cupola_abi_version, cupola_api_version, cupola_version};

@@ -1,10 +1,13 @@
 //! The interface as C calls it: what it answers to wrong arguments, on whatever driver Vulkan finds.
 
+use super::images::*;
 use super::*;
+use crate::backend::vk::ash::vk;
 use crate::backend::vk::headless::Headless;
 use crate::ffi::cupola_last_error;
 use crate::ffi::rig::{cupola_rig_free, cupola_rig_load};
 use cupola_status::*;
+use std::ffi::c_char;
 use std::ptr::{null, null_mut};
 
 fn headless() -> Headless {
@@ -125,7 +128,7 @@ fn views_images_and_what_is_wrong_with_them() {
                 assert!(view.y >= 0 && view.height > 0 && view.y + view.height <= height as i32);
             }
             refused(cupola_vk_image_size(made, images, &mut width, &mut height, &mut layers), wrong, "no image");
-            refused(cupola_vk_image_size(made, 0, null_mut(), &mut height, &mut layers), wrong, "width");
+            refused(cupola_vk_image_size(made, 0, null_mut(), &mut height, &mut layers), wrong, "`width` is null");
 
             let mut source: cupola_vk_source = std::mem::zeroed();
             source.struct_size = size_of::<cupola_vk_source>();

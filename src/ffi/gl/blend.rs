@@ -1,26 +1,28 @@
 //! Blending that an operator adjusts while a program runs.
 
-use super::gl::{cupola_gl, handle};
-use super::status::{call, check_size, cupola_status, null};
+use super::cupola_gl;
 use crate::error::{Error, ErrorKind, Result};
+use crate::ffi::handle::Handle;
+use crate::ffi::sized::{self, Growing, SizedPlace, first_size};
+use crate::ffi::status::{call, cupola_status};
 use crate::rig::{AngleRamp, Blend, DomeAngle, RampShape, Transfer};
 
-/// A ramp `3t² − 2t³`.
+/// Shape of a ramp: `3t^2 - 2t^3`.
 pub const CUPOLA_RAMP_SMOOTHSTEP: u32 = 0;
-/// A ramp `½ − ½·cos(πt)`.
+/// Shape of a ramp: `1/2 - 1/2 cos(pi t)`.
 pub const CUPOLA_RAMP_COSINE: u32 = 1;
-/// A ramp of two halves of a power.
+/// Shape of a ramp: `(2t)^p / 2` for t up to 1/2, and its point reflection beyond.
 pub const CUPOLA_RAMP_POWER: u32 = 2;
 
-/// An angle from the dome's pole.
+/// Angle from the pole of the dome.
 pub const CUPOLA_ANGLE_POLAR: u32 = 0;
-/// An angle around the dome's pole.
+/// Angle around the pole of the dome.
 pub const CUPOLA_ANGLE_AZIMUTH: u32 = 1;
 
-/// Most ramps in angles of the dome.
+/// Greatest number of ramps in angles of the dome.
 pub const CUPOLA_MOST_RAMPS: usize = 8;
 
-/// A ramp in an angle of the dome.
+/// Ramp in an angle of the dome. The struct is an element of `cupola_blend` and never grows.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct cupola_angle_ramp {
@@ -28,49 +30,67 @@ pub struct cupola_angle_ramp {
     pub angle: u32,
     /// `CUPOLA_RAMP_SMOOTHSTEP`, `CUPOLA_RAMP_COSINE` or `CUPOLA_RAMP_POWER`.
     pub shape: u32,
-    /// The power, 0.5…4, of `CUPOLA_RAMP_POWER`.
+    /// Power p of `CUPOLA_RAMP_POWER`, 0.5 to 4; 1 is a straight line. Other shapes ignore it.
     pub power: f64,
-    /// Where the weight is 0, degrees.
+    /// Angle at which the weight is 0, in degrees.
     pub zero: f64,
-    /// Where the weight is 1, degrees.
+    /// Angle at which the weight is 1, in degrees.
     pub full: f64,
 }
 
-/// How an output is blended: the keys of `[output.blend]` in a rig file.
+/// Blending of an output: the keys of `[output.blend]` in a rig file.
 #[repr(C)]
 pub struct cupola_blend {
     /// `sizeof(cupola_blend)`.
     pub struct_size: usize,
-    /// Not 0: the light is shared where projectors overlap.
+    /// Other than 0: the light is shared where projectors overlap. For projectors only.
     pub overlap: u32,
-    /// Shape of the ramp at the borders: `CUPOLA_RAMP_SMOOTHSTEP`, `CUPOLA_RAMP_COSINE` or `CUPOLA_RAMP_POWER`.
+    /// Shape of the ramp at the borders of the picture: `CUPOLA_RAMP_SMOOTHSTEP`, `CUPOLA_RAMP_COSINE` or
+    /// `CUPOLA_RAMP_POWER`.
     pub shape: u32,
-    /// The power, 0.5…4, of `CUPOLA_RAMP_POWER`.
+    /// Power p of `CUPOLA_RAMP_POWER`, 0.5 to 4. Other shapes ignore it.
     pub power: f64,
-    /// Width of that ramp as a part of the picture's width and height, 1e-6…0.5.
+    /// Width of that ramp as a part of the picture's width and height, 1e-6 to 0.5.
     pub ramp: f64,
-    /// Exponent of the picture's claim on a point, 1…2.
+    /// Exponent of the picture's raw weight, 1 to 2.
     pub exponent: f64,
-    /// Exponent of the display's response, 1…4.
+    /// Exponent of the display's response, 1 to 4. Ignored where `srgb` is not 0.
     pub gamma: f64,
-    /// Light added to black, 0…1 (excluded); without effect where the rig file has a picture of black.
+    /// Light added to black, 0 (included) to 1 (excluded). Ignored where the rig has a picture of black.
     pub black_level: f64,
-    /// White over black, at least 10; 0: not evened out.
+    /// White over black, at least 10; 0 where overlaps of black are not evened out.
     pub contrast: f64,
-    /// Bits to dither for, 6…16; 0: not dithered.
+    /// Number of bits for which the picture is dithered, 6 to 16; 0 for no dithering.
     pub dither: u32,
-    /// 1: the display has the response of sRGB; 2: those of the rig, which `gamma` does not describe; 0: `gamma`.
+    /// Response of the display. 0: the power `gamma`. 1: sRGB. 2: the responses in the rig, of each channel or
+    /// measured; only an output that has them accepts it.
     pub srgb: u32,
-    /// How many of `ramps` there are.
+    /// Number of elements of `ramps` that are used, 0 to `CUPOLA_MOST_RAMPS`.
     pub ramp_count: usize,
     /// Ramps in angles of the dome.
     pub ramps: [cupola_angle_ramp; 8],
 }
 
-/// How an output (numbered as in the rig, from 0) is blended now. Set `blend->struct_size` before.
+// SAFETY: `repr(C)` with the size first; numbers only.
+unsafe impl Growing for cupola_blend {
+    const FIRST_SIZE: usize = first_size!(cupola_blend, ramps);
+}
+
+/// Returns the blending of an output.
+///
+/// # Parameters
+/// - `gl`: the object.
+/// - `output`: index of the output in the rig, from 0.
+/// - `blend`: receives the values. The caller sets `blend->struct_size` before.
+///
+/// # Returns
+/// - `CUPOLA_INVALID_ARGUMENT`: a null pointer, a wrong `struct_size`, or an output that does not exist.
+///
+/// # Threads
+/// Any thread; no context is needed.
 ///
 /// # Safety
-/// `gl` is a live handle; `blend` points at a struct of `blend->struct_size` bytes.
+/// `gl` is a live handle; `blend` points to `blend->struct_size` writable bytes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cupola_gl_get_blend(
     gl: *mut cupola_gl,
@@ -78,25 +98,34 @@ pub unsafe extern "C" fn cupola_gl_get_blend(
     blend: *mut cupola_blend,
 ) -> cupola_status {
     call(|| {
-        // SAFETY: as promised above.
-        let gl = unsafe { handle(gl) }?;
-        if blend.is_null() {
-            return Err(null("blend"));
-        }
-        // SAFETY: the size comes first; the rest is written only if it is there.
-        check_size(unsafe { (*blend).struct_size }, size_of::<cupola_blend>(), "blend")?;
-        let described = described(gl.embedded.blend(output as usize)?);
-        // SAFETY: as large as it must be.
-        unsafe { *blend = described };
+        // SAFETY: as this function's contract.
+        let (gl, blend) = unsafe { (cupola_gl::borrow(gl)?, SizedPlace::new(blend, "blend")?) };
+        blend.set(&described(gl.embedded.blend(output as usize)?));
         Ok(())
     })
 }
 
-/// Blends an output otherwise from the next frame on; between frames. Shaders are made anew, which takes
-/// milliseconds; views stay. On an error everything stays.
+/// Changes the blending of an output from the next frame on. Views stay; shaders are compiled again, which takes
+/// milliseconds. On an error everything stays.
+///
+/// To change single values, read all with `cupola_gl_get_blend` first.
+///
+/// # Parameters
+/// - `gl`: the object, outside a frame.
+/// - `output`: index of the output in the rig, from 0.
+/// - `blend`: the values. Not kept.
+///
+/// # Returns
+/// - `CUPOLA_INVALID_ARGUMENT`: a null pointer, a wrong `struct_size`, a field that this version does not know, an
+///   output that does not exist, a value out of its range, or `overlap` for an output that is no projector.
+/// - `CUPOLA_INVALID_STATE`: a frame has begun and not ended.
+/// - `CUPOLA_GRAPHICS`: the driver refused a request.
+///
+/// # Threads
+/// Context current.
 ///
 /// # Safety
-/// `gl` is a live handle whose context is current; `blend` points at a struct of `blend->struct_size` bytes.
+/// `gl` is a live handle; `blend` points to `blend->struct_size` bytes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cupola_gl_set_blend(
     gl: *mut cupola_gl,
@@ -104,15 +133,9 @@ pub unsafe extern "C" fn cupola_gl_set_blend(
     blend: *const cupola_blend,
 ) -> cupola_status {
     call(|| {
-        // SAFETY: as promised above.
-        let gl = unsafe { handle(gl) }?;
-        if blend.is_null() {
-            return Err(null("blend"));
-        }
-        // SAFETY: the size comes first; the rest is read only if it is there.
-        check_size(unsafe { (*blend).struct_size }, size_of::<cupola_blend>(), "blend")?;
-        // SAFETY: as large as it must be.
-        let wanted = wanted(unsafe { &*blend }, gl.embedded.blend(output as usize)?)?;
+        // SAFETY: as this function's contract.
+        let (gl, blend) = unsafe { (cupola_gl::borrow_mut(gl)?, sized::read(blend, "blend")?) };
+        let wanted = wanted(&blend, gl.embedded.blend(output as usize)?)?;
         gl.embedded.set_blend(output as usize, wanted)
     })
 }
@@ -147,7 +170,6 @@ fn described(blend: &Blend) -> cupola_blend {
     }
 }
 
-/// What `given` asks of an output that is blended as `now`.
 fn wanted(given: &cupola_blend, now: &Blend) -> Result<Blend> {
     let ramps = given.ramps.get(..given.ramp_count).ok_or_else(|| {
         let message = format!("blend.ramp_count = {}; right would be 0 to {CUPOLA_MOST_RAMPS}", given.ramp_count);
@@ -200,5 +222,5 @@ fn shape_of(number: u32, power: f64) -> Result<RampShape> {
 }
 
 fn unknown(name: &str, number: u32) -> Error {
-    Error::new(ErrorKind::InvalidArgument, format!("{name} = {number} is none of those that cupola.h names"))
+    Error::new(ErrorKind::InvalidArgument, format!("{name} = {number} is not one of the values in cupola.h"))
 }
