@@ -3,14 +3,14 @@
 //! `cargo bench --bench paths [FILTER]`.
 
 use cupola::blend::Weights;
-use cupola::correct::draws::{Rows, draws};
-use cupola::correct::shaders::{Language, Stage, specialise};
+use cupola::correct::shaders::draws::{Rows, draws};
+use cupola::correct::shaders::glsl::{Language, Stage, specialise};
 use cupola::correct::{self, Plan};
 use cupola::geom::Frustum;
-use cupola::intercept::gl::culling::bounds::{Bounds, Placed, extent, outside};
-use cupola::intercept::gl::culling::position::{Transform, View};
-use cupola::intercept::gl::immediate::commands::Command;
-use cupola::intercept::gl::immediate::recorder::{Recorder, Sets, add_vertex};
+use cupola::intercept::gl::compat::vertex_commands::Command;
+use cupola::intercept::gl::compat::vertex_recorder::{Recorder, Sets, add_vertex};
+use cupola::intercept::gl::draw::culling::bounds::{Bounds, Placed, extent, outside};
+use cupola::intercept::gl::draw::culling::position::{Transform, View};
 use cupola::rig::{self, Rig};
 use cupola::runtime::session::{Extras, MatrixClass, Session, classify};
 use cupola::views::{self, Request};

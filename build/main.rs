@@ -17,7 +17,9 @@ use std::path::PathBuf;
 fn main() {
     println!("cargo::rerun-if-changed=build");
     println!("cargo::rerun-if-changed=shaders");
-    for texts in ["src/correct/division.rs", "src/correct/projection.rs", "src/geom/division/rule.rs"] {
+    for texts in
+        ["src/correct/projected/division.rs", "src/correct/projected/projection.rs", "src/geom/division/rule.rs"]
+    {
         println!("cargo::rerun-if-changed={texts}");
     }
     let out = PathBuf::from(std::env::var_os("OUT_DIR").expect("cargo sets OUT_DIR"));

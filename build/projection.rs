@@ -1,16 +1,16 @@
-//! The GLSL of `src/correct/projection.rs` and `src/correct/division.rs` → SPIR-V functions that are put into a Vulkan
+//! The GLSL of `src/correct/projected/projection.rs` and `src/correct/projected/division.rs` → SPIR-V functions that are put into a Vulkan
 //! program's shader, or into a stage of ours behind it.
 //!
 //! naga makes a whole module; what one function reaches is kept, in three parts that go to three places of
 //! another module. Which words are ids is written down with them, since ids have to be numbered anew there.
 
 #[allow(dead_code, reason = "the library uses the rest")]
-#[path = "../src/correct/division.rs"]
+#[path = "../src/correct/projected/division.rs"]
 mod division;
 #[path = "../src/geom/division/rule.rs"]
 mod rule;
 #[allow(dead_code, reason = "the library uses the rest")]
-#[path = "../src/correct/projection.rs"]
+#[path = "../src/correct/projected/projection.rs"]
 mod texts;
 
 use naga::back::spv;

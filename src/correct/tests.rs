@@ -1,13 +1,13 @@
 //! The passes against brute force: every pixel of several rigs.
 
-use super::plan::{Batch, Plan, Source, build};
 use crate::ErrorKind;
+use crate::correct::plan::builder::{Batch, Plan, Source, build};
 use crate::geom::Panorama;
 use crate::geom::panorama::Span;
 use crate::rig::{OutputKind, Rig};
 use crate::testing::random::Random;
 use crate::views::Request;
-use crate::views::sight::UNIT_FRUSTUM;
+use crate::views::sampling::output_map::UNIT_FRUSTUM;
 use crate::views::tests::{fisheye, lens, output, projector, random_rig, request, rig};
 use crate::warp::WarpMap;
 use glam::{DVec2, DVec3};

@@ -1,7 +1,7 @@
 //! What OpenGL and Vulkan share in the description of a view.
 
 use super::argument::{Place, array, copy_text};
-use crate::correct::uniforms;
+use crate::correct::shaders::uniforms;
 use crate::error::Result;
 use glam::DMat4;
 use std::ffi::c_char;

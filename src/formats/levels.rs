@@ -1,9 +1,10 @@
 //! Pictures of what a display shows where a program shows black.
 
-use super::input::{self, invalid};
+use super::input::invalid;
 use super::pfm;
 use crate::digest::Digest;
 use crate::error::{Error, ErrorKind, Result};
+use crate::formats::input;
 use glam::DVec2;
 use std::fmt;
 

@@ -5,12 +5,13 @@
 //! pictures after a map are blend, black and white. How black is used differs between readers; what it adds to black is the
 //! same in all of them as long as the header's other settings for it are 0…1.
 
-use super::bmp::{self, Bitmap};
+use super::bmp::Bitmap;
 use super::bytes::Bytes;
 use super::grid::Raster;
 use super::input::{Noted, checked_size, invalid};
 use super::levels::Levels;
 use crate::error::Result;
+use crate::formats::bmp;
 
 /// The map's values are points, not positions in a picture.
 const POINTS: u32 = 0x40;

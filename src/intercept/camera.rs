@@ -1,6 +1,6 @@
 //! The program's cameras: which lenses it draws with, and each view's transform for them.
 
-use crate::correct::uniforms;
+use crate::correct::shaders::uniforms;
 use crate::runtime::Session;
 use crate::runtime::session::Intrinsics;
 

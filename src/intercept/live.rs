@@ -4,7 +4,8 @@
 //! more. A file with a mistake changes nothing, and the log says once what is wrong with it.
 
 use super::log;
-use super::settings::{self, Settings};
+use super::settings::Settings;
+use crate::intercept::settings;
 use crate::rig::Rig;
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};

@@ -12,8 +12,8 @@ use std::io::{Seek, Write};
 use std::os::fd::{FromRawFd, IntoRawFd};
 
 // The entries that libGLX and libEGL look for, by their use kept in this library.
-pub use cupola::intercept::gl::vendor_egl::__egl_Main;
-pub use cupola::intercept::gl::vendor_glx::__glx_Main;
+pub use cupola::intercept::gl::entry::egl::__egl_Main;
+pub use cupola::intercept::gl::entry::glx::__glx_Main;
 
 /// Run by the dynamic linker before the program's `main`.
 // SAFETY: a function pointer in the section where the linker expects function pointers.

@@ -7,7 +7,7 @@ use super::session::{Extras, MatrixClass, Session, classify};
 use crate::backend::gl::api::Gl;
 use crate::backend::gl::surface::{Saved, Surface, greatest_texture};
 use crate::backend::gl::{GlBackend, Target};
-use crate::correct::uniforms;
+use crate::correct::shaders::uniforms;
 use crate::error::{Error, ErrorKind, Result};
 use crate::rig::{Blend, Rig, Viewer};
 use crate::views::View;
@@ -212,7 +212,7 @@ impl Embedded {
         })
     }
 
-    /// What `cupola_view` holds for a view in the functions of [`correct::projection`](crate::correct::projection), if the
+    /// What `cupola_view` holds for a view in the functions of [`correct::projection`](crate::correct::projected::projection), if the
     /// program draws with the perspective `matrix` (column by column, as OpenGL has it).
     ///
     /// # Errors

@@ -1,7 +1,9 @@
 //! A rig at work in a window of a given size.
 
 use super::cache;
-use crate::correct::{self, Plan, uniforms};
+use crate::correct;
+use crate::correct::Plan;
+use crate::correct::shaders::uniforms;
 use crate::error::Result;
 pub use crate::geom::Frustum;
 pub use crate::geom::division::{Division, Outcome, Weights};

@@ -11,37 +11,24 @@
 //! in every direction, everywhere; a domemaster gets its nominal resolution (diameter over aperture)
 //! in every direction, everywhere, or that of its own pixels (`[views] resolution = "full"`).
 
-mod alone;
-mod atlas;
-pub(crate) mod axes;
-mod cells;
-mod choose;
-pub(crate) mod cone;
-mod cost;
-mod curved;
-mod density;
-mod fit;
-mod idle;
-mod kept;
-mod lanes;
-mod layout;
-mod partition;
-mod report;
-mod samples;
-pub(crate) mod sight;
-mod survey;
-
-pub use cells::{CellCosts, with_cell_costs};
-pub use cost::cost;
-pub use report::{OutputShare, Report, ViewReport, report};
-pub use survey::{Surveyed, Surveyor, survey};
+pub mod arranging;
+pub mod fitting;
+pub mod placing;
+pub mod reporting;
+pub mod sampling;
+use crate::views::arranging::cached;
+pub use crate::views::arranging::cells::{CellCosts, with_cell_costs};
+pub use crate::views::arranging::cost::cost;
+use crate::views::placing::{idle, layout};
+pub use crate::views::reporting::report::{OutputShare, Report, ViewReport, report};
+pub use crate::views::reporting::survey::{Surveyed, Surveyor, survey};
 
 use crate::cache::Cache;
 use crate::error::{Error, ErrorKind, Result};
 use crate::geom::{Frustum, PictureMap};
 use crate::rig::Rig;
+use crate::views::sampling::output_map::Sight;
 use glam::DMat3;
-use sight::Sight;
 
 /// A rectangle of the atlas in texels, from the bottom left.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -157,7 +144,7 @@ pub fn plan_with_reach(rig: &Rig, request: &Request, reach: u32, cache: &Cache) 
     let outputs: &[_] = if rig.passthrough { &[] } else { &rig.outputs };
     check(outputs.len(), rig.passthrough, request)?;
     let sights = sights(rig, outputs.len(), request)?;
-    let mut arrangement = kept::arrange(rig, &sights, cache)?;
+    let mut arrangement = cached::arrange(rig, &sights, cache)?;
     loop {
         let plan = layout::place(rig, request, reach, &arrangement.views, &arrangement.notes)?;
         let Some(idle) = idle::find(&plan, &sights) else { return Ok(plan) };

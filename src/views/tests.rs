@@ -2,10 +2,10 @@
 
 mod complete;
 
-use super::cone::Cone;
-use super::*;
 use crate::rig::*;
 use crate::testing::random::Random;
+use crate::views::sampling::cone::Cone;
+use crate::views::*;
 use crate::warp::{WarpMap, exact_direction};
 use glam::{DMat3, DVec2, DVec3};
 use std::f64::consts::PI;
@@ -95,7 +95,7 @@ fn verify(rig: &Rig, request: &Request, plan: &ViewPlan) -> std::result::Result<
     let mut used = vec![false; plan.views.len()];
     let scaled_down = plan.notes.iter().any(|note| note.contains("of the resolution asked for"));
     for (output, &size) in request.output_sizes.iter().enumerate().filter(|(_, size)| **size != (0, 0)) {
-        let map = WarpMap::new(rig, output, size, Some(sight::UNIT_FRUSTUM)).unwrap();
+        let map = WarpMap::new(rig, output, size, Some(crate::views::sampling::output_map::UNIT_FRUSTUM)).unwrap();
         for (x, y) in (0..size.1).flat_map(|y| (0..size.0).map(move |x| (x, y))) {
             let wrong = |what: String| Err(format!("{what} at pixel {x}, {y} of output {output}, {rig:?}, {plan:?}"));
             let pixel = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
@@ -385,7 +385,7 @@ fn a_small_atlas_makes_views_coarser_and_says_so() {
     assert!(plan.notes.iter().any(|note| note.contains("% of the resolution")), "{:?}", plan.notes);
     verify(&rig, &request, &plan).unwrap();
     request.window = (300, 80);
-    assert_eq!(super::plan(&rig, &request).unwrap_err().kind, ErrorKind::Graphics);
+    assert_eq!(crate::views::plan(&rig, &request).unwrap_err().kind, ErrorKind::Graphics);
 }
 
 #[test]

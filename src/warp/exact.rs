@@ -3,8 +3,9 @@
 mod calibrated;
 
 use crate::error::{Error, ErrorKind, Result};
+use crate::geom;
 use crate::geom::panorama::STRIP_FACES;
-use crate::geom::{self, Circle, Fisheye, Frustum, Lens, Panorama, Pose, Screen, pose};
+use crate::geom::{Circle, Fisheye, Frustum, Lens, Panorama, Pose, Screen, pose};
 use crate::rig::{Flip, OutputKind, Rig};
 use calibrated::Calibrated;
 use glam::{DMat3, DVec2, DVec3};

@@ -2,10 +2,12 @@
 //!
 //! 32-bit floats: a sum of many pictures must not lose a step of 1/255, and 16-bit ones have 11 bits.
 
-use super::api::{self, Gl};
+use super::api::Gl;
 use super::known_state::KnownState;
 use super::program::{ATLAS_UNIT, link};
-use super::state::{self, Capabilities};
+use super::state::Capabilities;
+use crate::backend::gl::api;
+use crate::backend::gl::state;
 use crate::error::{Error, ErrorKind, Result};
 
 /// What `glAccum` does with the buffer `A` and the colours `C`, by its value `v`.

@@ -1,7 +1,7 @@
 //! Which draws show nothing but the colour of views that hold a single one, and so need not be issued.
 
-use crate::correct::shaders::Pass;
-use crate::correct::uniforms::Constants;
+use crate::correct::shaders::glsl::Pass;
+use crate::correct::shaders::uniforms::Constants;
 use crate::correct::{Footprints, Texels};
 
 /// Views that hold one colour in every texel, or in all but a part.

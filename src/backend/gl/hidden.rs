@@ -7,9 +7,10 @@ use super::api::*;
 use super::binaries::Binaries;
 use super::known_state::KnownState;
 use super::program;
-use super::state::{self, Capabilities};
+use super::state::Capabilities;
+use crate::backend::gl::state;
 use crate::correct::Tile;
-use crate::correct::shaders::Specialised;
+use crate::correct::shaders::glsl::Specialised;
 use crate::error::Result;
 
 /// The texts for OpenGL 3.3 and OpenGL ES 3.0. Texels of the atlas → clip coordinates, at the depth `frame.z`.

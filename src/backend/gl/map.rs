@@ -4,8 +4,8 @@ use super::api::*;
 use super::passes::{GlBackend, Target};
 use super::state::integer;
 use crate::correct::Plan;
-use crate::correct::map::MapPixel;
-use crate::correct::shaders::Stage;
+use crate::correct::shaders::glsl::Stage;
+use crate::correct::shaders::map::MapPixel;
 use crate::error::{Error, ErrorKind, Result};
 
 /// Runs the map of output `output` of `plan` on the current context, which is left as it was. Row 0 is

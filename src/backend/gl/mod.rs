@@ -16,7 +16,7 @@ pub mod surface;
 mod textures;
 mod whole;
 
-pub use crate::correct::map::MapPixel;
+pub use crate::correct::shaders::map::MapPixel;
 pub use blank::Blank;
 pub use known_state::KnownState;
 pub use map::gpu_map;

@@ -2,7 +2,7 @@
 
 use super::api::*;
 use super::binaries::Binaries;
-use crate::correct::shaders::Specialised;
+use crate::correct::shaders::glsl::Specialised;
 use crate::error::{Error, ErrorKind, Result};
 use std::ffi::CString;
 

@@ -4,7 +4,8 @@
 //! asked for and are left to the caller: conditional rendering and queries that count samples or primitives.
 
 use super::api::*;
-use super::known_state::{self, KnownState, MOST_DRAW_BUFFERS, Masks};
+use super::known_state::{KnownState, MOST_DRAW_BUFFERS, Masks};
+use crate::backend::gl::known_state;
 use std::ffi::CStr;
 
 /// What a context can do, found once.

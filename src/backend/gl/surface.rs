@@ -1,6 +1,7 @@
 //! An atlas to draw views into: a framebuffer with colour, depth and stencil.
 
-use super::api::{self, Gl};
+use super::api::Gl;
+use crate::backend::gl::api;
 use crate::error::{Error, ErrorKind, Result};
 
 /// A framebuffer of ours. The methods take the context that it was made on as current.

@@ -3,8 +3,8 @@
 use super::api::*;
 use super::state::Capabilities;
 use crate::correct::Table;
-use crate::correct::black::BlackPicture;
-use crate::correct::plan::Mask;
+use crate::correct::plan::builder::Mask;
+use crate::correct::shaders::black::BlackPicture;
 
 /// A texture of the mask's weights.
 pub(super) fn upload_mask(gl: &Gl, caps: &Capabilities, mask: &Mask) -> u32 {

@@ -4,7 +4,7 @@
 //! where a rectangle takes 1.2 ns and a clear within a scissor that leaves something out 2 ns.
 
 use super::passes::Target;
-use crate::correct::draws::apart;
+use crate::correct::shaders::draws::apart;
 
 /// A framebuffer with less to fill is filled by rectangles: a clear reaches the other pixels, too.
 const WORTHWHILE: f64 = 0.2;

@@ -13,7 +13,7 @@ pub mod sharing;
 pub mod tables;
 
 use crate::correct::Plan;
-use crate::correct::map::MapPixel;
+use crate::correct::shaders::map::MapPixel;
 use picture::Picture;
 
 /// A backend on a driver.

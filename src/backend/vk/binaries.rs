@@ -4,7 +4,7 @@
 
 use super::api::Api;
 use crate::cache::{Reader, Writer};
-use crate::correct::spirv::Modules;
+use crate::correct::shaders::spirv::Modules;
 use crate::error::Result;
 use ash::vk;
 

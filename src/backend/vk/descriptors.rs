@@ -3,7 +3,7 @@
 use super::api::{Api, refused};
 use super::images::SourceImage;
 use super::program::{Common, picture_bindings};
-use crate::correct::spirv::binding;
+use crate::correct::shaders::spirv::binding;
 use crate::correct::{Arrangement, ImageSize};
 use crate::error::{Error, ErrorKind, Result};
 use ash::vk;

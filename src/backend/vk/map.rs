@@ -6,9 +6,9 @@ use super::images::{SourceImage, TargetImage};
 use super::memory::{Buffer, Image};
 use super::passes::VkBackend;
 use crate::correct::Plan;
-use crate::correct::draws::from_top;
-use crate::correct::map::MapPixel;
-use crate::correct::shaders::Stage;
+use crate::correct::shaders::draws::from_top;
+use crate::correct::shaders::glsl::Stage;
+use crate::correct::shaders::map::MapPixel;
 use crate::error::{Error, ErrorKind, Result};
 use ash::vk;
 

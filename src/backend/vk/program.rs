@@ -3,8 +3,8 @@
 use super::api::{Api, refused};
 use super::binaries;
 use crate::correct::Arrangement;
-use crate::correct::draws::{FLOATS, SOURCE_FLOATS};
-use crate::correct::spirv::{Modules, VERTEX_ENTRY, binding};
+use crate::correct::shaders::draws::{FLOATS, SOURCE_FLOATS};
+use crate::correct::shaders::spirv::{Modules, VERTEX_ENTRY, binding};
 use crate::error::Result;
 use ash::vk;
 

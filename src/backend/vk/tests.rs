@@ -10,7 +10,7 @@ use super::headless::Headless;
 use crate::backend::tests::picture::Picture;
 use crate::backend::tests::{Driver, run_all_cases};
 use crate::correct::Plan;
-use crate::correct::map::MapPixel;
+use crate::correct::shaders::map::MapPixel;
 
 run_all_cases!([crate::backend::vk::tests::headless()]);
 

@@ -4,7 +4,7 @@ use crate::failure::Failure;
 use crate::planning::request;
 use crate::terminal;
 use cupola::backend::{gl, vk};
-use cupola::correct::map::MapPixel;
+use cupola::correct::shaders::map::MapPixel;
 use cupola::rig::Rig;
 use cupola::warp::{MapError, WarpMap, camera_direction, compare};
 use glam::{DVec2, DVec3};

@@ -2,7 +2,7 @@
 
 use super::types::cupola_gl_options;
 use super::{create, cupola_gl};
-use crate::correct::projection;
+use crate::correct::projected::projection;
 use crate::ffi::argument::copy_text;
 use crate::ffi::handle::Handle;
 use crate::ffi::rig::cupola_rig;

@@ -1,10 +1,11 @@
 //! The description: which regions there are, and which files belong to each.
 
 use super::Profile;
-use super::extension::{self, Described};
+use super::extension::Described;
 use crate::error::{Error, Result};
 use crate::formats::camera::Camera;
 use crate::formats::input::{checked_size, invalid};
+use crate::formats::mpcdi::extension;
 use crate::formats::text::shown;
 use crate::geom::{Frustum, Lens, Optics, Pose, pose};
 use glam::{DMat3, DVec3};

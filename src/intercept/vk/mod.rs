@@ -1,7 +1,7 @@
 //! Vulkan, as a layer between the loader and the driver.
 //!
 //! The loader asks [`negotiate`] for our two `Get…ProcAddr`. [`instance`] and [`device`] remember the next
-//! layer's functions. A [`swapchain`]'s images are ours: what stands between them and the window is a [`canvas`],
+//! layer's functions. A [`create`]'s images are ours: what stands between them and the window is a [`canvas`],
 //! and [`present`] makes the outputs of it. With nothing to do the loader gets the next layer's own addresses.
 //!
 //! While a program draws to a swapchain's image, [`passes`] let it draw to an atlas, and [`draws`] issue each draw to
@@ -10,47 +10,18 @@
 //! submitted, and [`parameters`] leave out what is not to be seen then; [`offscreen`] finds scenes that reach the window through images of the program's own, of which there are
 //! [`prints`] for its shaders. What [`queries`] count is told as the program means it. What cannot be followed is shown flat, on the panel, with the reason in the log.
 
-pub mod canvas;
-pub mod chain;
-#[cfg(test)]
-mod commands;
-pub mod compute;
-pub mod conditional;
-pub mod copied_sets;
-pub mod copies;
-pub mod counter;
+pub mod commands;
 pub mod descriptors;
-pub mod device;
-pub mod draws;
-pub mod features;
-pub mod framebuffers;
-pub mod hook;
-pub mod image;
-pub mod images;
-pub mod instance;
-pub mod layout;
-pub mod layouts;
-pub mod memory;
-pub mod negotiate;
+pub mod layer;
 pub mod offscreen;
-pub mod parameters;
-pub mod passes;
 pub mod pipelines;
-pub mod present;
-pub mod prints;
-pub mod pushed;
 pub mod queries;
-pub mod readback;
-pub mod recording;
-pub mod rows;
-pub mod runs;
-pub mod spirv;
-pub mod state;
 pub mod submit;
 pub mod swapchain;
-pub mod texels;
-pub mod transfers;
-pub mod unfollowed;
+use crate::intercept::vk::layer::device;
+use crate::intercept::vk::swapchain::{create, present};
+
+pub mod spirv;
 
 /// Our function for a device's function of this name.
 fn hook(name: &[u8]) -> Option<*const ()> {
@@ -58,9 +29,9 @@ fn hook(name: &[u8]) -> Option<*const ()> {
         b"vkDestroyDevice" => device::destroy as *const (),
         b"vkGetDeviceQueue" => device::queue as *const (),
         b"vkGetDeviceQueue2" => device::queue2 as *const (),
-        b"vkCreateSwapchainKHR" => swapchain::create as *const (),
-        b"vkDestroySwapchainKHR" => swapchain::destroy as *const (),
-        b"vkGetSwapchainImagesKHR" => swapchain::images as *const (),
+        b"vkCreateSwapchainKHR" => create::create as *const (),
+        b"vkDestroySwapchainKHR" => create::destroy as *const (),
+        b"vkGetSwapchainImagesKHR" => create::images as *const (),
         b"vkQueuePresentKHR" => present::present as *const (),
         _ => return None,
     })

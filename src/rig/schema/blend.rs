@@ -2,7 +2,8 @@
 
 use super::output::Kind;
 use super::transfer;
-use crate::rig::black::{self, Black, BlackValues};
+use crate::rig::black;
+use crate::rig::black::{Black, BlackValues};
 use crate::rig::problems::Problems;
 use crate::rig::reader::{Allowed, Section};
 use crate::rig::{AngleRamp, Blend, DomeAngle, RampShape};

@@ -1,7 +1,8 @@
 //! `kind = "mesh"`: an output whose map is read from a file.
 
 use super::{OPENING, TILT, angles, lens};
-use crate::rig::calibration::{self, CalibrationValues};
+use crate::rig::calibration;
+use crate::rig::calibration::CalibrationValues;
 use crate::rig::problems::Problems;
 use crate::rig::reader::Section;
 use crate::rig::{Dome, OutputKind};

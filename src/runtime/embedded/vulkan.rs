@@ -4,7 +4,7 @@
 use super::{Planner, check_planes, check_request, joined, no_view, projection, rotation, vectors_of_view};
 use crate::backend::vk::ash::vk;
 use crate::backend::vk::{Api, Recording, SourceImage, Surface, TargetImage, Timing, VkBackend};
-use crate::correct::downward::{lens_down, rows_down};
+use crate::correct::projected::y_down::{lens_down, rows_down};
 use crate::correct::{Arrangement, ImageSize, Plan};
 use crate::error::{Error, ErrorKind, Result};
 use crate::rig::Rig;
@@ -161,7 +161,7 @@ impl EmbeddedVulkan {
         })
     }
 
-    /// What `cupola_view` holds for a view in the functions of [`correct::projection`](crate::correct::projection), if the
+    /// What `cupola_view` holds for a view in the functions of [`correct::projection`](crate::correct::projected::projection), if the
     /// program draws with the perspective `matrix` (column by column) of Vulkan's clip space, with y down.
     ///
     /// # Errors

@@ -1,6 +1,6 @@
 //! Rigs of which planners may leave a part without a view: rims, borders, corners.
 
-use super::*;
+use crate::views::tests::*;
 
 /// Where rays become parallel to the wall of a cone, what a picture shows ends without a rim of the screen.
 #[test]
@@ -114,7 +114,7 @@ fn a_single_lit_pixel_has_a_view() {
     let lit: Vec<DVec3> = centres.filter_map(|pixel| map.direction(pixel)).collect();
     assert_eq!(lit.len(), 1);
     let views = plan(&rig, &request(&[size])).expect("can be planned").views;
-    assert!(views.iter().any(|view| crate::views::cone::Cone::of(view).contains(lit[0])), "{views:?}");
+    assert!(views.iter().any(|view| crate::views::sampling::cone::Cone::of(view).contains(lit[0])), "{views:?}");
 }
 
 /// The rim of the dome crosses faces at their borders, where rounding decides which of them shows it: found by `cupola-lab stress`

@@ -6,7 +6,7 @@ use crate::backend::vk::headless::Headless;
 use crate::backend::vk::memory::Image;
 use crate::backend::vk::{Api, SourceImage, Surface, TargetImage, Use, VkBackend, barrier};
 use crate::cache::Cache;
-use crate::correct::plan::{Mask, build};
+use crate::correct::plan::builder::{Mask, build};
 use crate::correct::{Arrangement, Plan};
 use crate::error::{ErrorKind, Result};
 use crate::{rig, views::Request};

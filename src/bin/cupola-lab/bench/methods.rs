@@ -9,7 +9,7 @@ use crate::planning::request;
 use crate::trial;
 use crate::trial::gl::{Sampling, Trial, TrialMesh};
 use cupola::backend::gl;
-use cupola::correct::table::{Table, TablePixel};
+use cupola::correct::sources::table::{Table, TablePixel};
 use cupola::correct::{self, Plan, Source};
 use cupola::formats::{Grid, Mesh, Node};
 use cupola::rig::{Filter, OutputKind, Rig};

@@ -3,7 +3,7 @@
 use crate::failure::Failure;
 use cupola::backend::{gl, vk};
 use cupola::correct::Plan;
-use cupola::correct::map::MapPixel;
+use cupola::correct::shaders::map::MapPixel;
 use glam::DVec3;
 
 /// Where the maps are computed.

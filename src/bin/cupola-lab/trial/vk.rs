@@ -3,7 +3,7 @@
 use cupola::backend::vk::ash::vk;
 use cupola::backend::vk::headless::Headless;
 use cupola::backend::vk::{Surface, VkBackend, gpu_map};
-use cupola::correct::map::MapPixel;
+use cupola::correct::shaders::map::MapPixel;
 use cupola::correct::{Arrangement, ImageSize, Plan};
 use cupola::{Error, ErrorKind, Result};
 use std::time::Instant;

@@ -1,12 +1,13 @@
 //! The pipelines that are drawn by in the place of a program's. A library has variants, too, and what is linked from
 //! libraries has variants that are linked from theirs.
 
-use super::parts::{Parts, Relinked};
-use super::{Pipeline, Variants, division};
 use crate::intercept::log;
-use crate::intercept::vk::chain::in_chain;
-use crate::intercept::vk::device::Device;
-use crate::intercept::vk::layouts::PipelineLayout;
+use crate::intercept::vk::layer::device::Device;
+use crate::intercept::vk::layer::pnext::in_chain;
+use crate::intercept::vk::pipelines::create_info::{Parts, Relinked};
+use crate::intercept::vk::pipelines::dividing_stage;
+use crate::intercept::vk::pipelines::layouts::PipelineLayout;
+use crate::intercept::vk::pipelines::program_pipelines::{Pipeline, Variants};
 use crate::intercept::vk::spirv;
 use ash::vk;
 use spirv_words::ExecutionModel;
@@ -81,7 +82,7 @@ pub unsafe fn make(device: &Device, cache: vk::PipelineCache, parts: &Parts<'_>)
                     // The words that may be given here are the program's.
                     stages[index].p_next = std::ptr::null();
                     follows = true;
-                    match division::stage(device, parts, &layout) {
+                    match dividing_stage::stage(device, parts, &layout) {
                         Ok(None) => {}
                         Ok(Some(words)) => divided = Some(with_stage(&parts.stages, modules.make(&words)?)),
                         Err(why) => device.pipelines.divided.not(why),
@@ -172,7 +173,7 @@ pub unsafe fn words_of(device: &Device, stage: &vk::PipelineShaderStageCreateInf
     unsafe {
         let given = vk::StructureType::SHADER_MODULE_CREATE_INFO;
         let given = in_chain::<vk::ShaderModuleCreateInfo<'_>>(stage.p_next, given)?;
-        Some(super::super::slice(given.p_code, (given.code_size / 4) as u32).into())
+        Some(crate::intercept::vk::slice(given.p_code, (given.code_size / 4) as u32).into())
     }
 }
 
@@ -270,7 +271,8 @@ unsafe fn create_both(
     };
     let view = create(changed, |variants| variants.view)?;
     // SAFETY: the program's array.
-    let blends = parts.blend.map(|blend| unsafe { super::super::slice(blend.p_attachments, blend.attachment_count) });
+    let blends =
+        parts.blend.map(|blend| unsafe { crate::intercept::vk::slice(blend.p_attachments, blend.attachment_count) });
     let opaque = |b: &vk::PipelineColorBlendAttachmentState| {
         b.blend_enable == vk::FALSE && b.color_write_mask.contains(vk::ColorComponentFlags::A)
     };

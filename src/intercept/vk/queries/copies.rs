@@ -3,11 +3,13 @@
 //! The results of a pool are copied into a buffer of ours, a compute shader makes of them what the program is told, and
 //! that is copied to where the program wants it. Results that are not there yet are those of the last copy.
 
-use super::{ONE, Pool, Queries, results};
 use crate::backend::vk::Buffer;
-use crate::intercept::vk::conditional::unconditionally;
-use crate::intercept::vk::device::Device;
-use ash::{prelude::VkResult, vk};
+use crate::intercept::vk::commands::conditional_render::unconditionally;
+use crate::intercept::vk::layer::device::Device;
+use crate::intercept::vk::queries::results;
+use crate::intercept::vk::queries::scaling::{ONE, Pool, Queries};
+use ash::prelude::VkResult;
+use ash::vk;
 use std::sync::PoisonError;
 
 /// The shader's entry point.

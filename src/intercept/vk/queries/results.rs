@@ -1,6 +1,6 @@
 //! What a program reads of its queries.
 
-use super::{Pool, weighed};
+use crate::intercept::vk::queries::scaling::{Pool, weighed};
 use ash::vk;
 
 /// How results are asked for, beside what the program says of waiting: wide, and with their availability behind them.
@@ -64,8 +64,8 @@ impl Wanted {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Meaning, ONE, Pool, Weights};
     use super::Wanted;
+    use crate::intercept::vk::queries::scaling::{Meaning, ONE, Pool, Weights};
     use ash::vk::QueryResultFlags as F;
 
     #[test]

@@ -1,9 +1,9 @@
 //! Queries while they run: which draws they count, and how often each of those is issued.
 
-use super::{ONE, Pool, Weights};
-use crate::intercept::vk::device::Device;
-use crate::intercept::vk::passes::clear_panel;
-use crate::intercept::vk::recording::{Event, Recording};
+use crate::intercept::vk::commands::passes::clear_panel;
+use crate::intercept::vk::commands::recording::{Event, Recording};
+use crate::intercept::vk::layer::device::Device;
+use crate::intercept::vk::queries::scaling::{ONE, Pool, Weights};
 use ash::vk;
 use std::sync::Arc;
 
@@ -122,8 +122,8 @@ pub fn end(device: &Device, buffer: vk::CommandBuffer, pool: vk::QueryPool, quer
 
 #[cfg(test)]
 mod tests {
-    use super::super::{ONE, Pool, Weights, weighed};
     use super::{Running, Worth};
+    use crate::intercept::vk::queries::scaling::{ONE, Pool, Weights, weighed};
     use std::sync::Arc;
 
     fn query() -> Running {

@@ -3,10 +3,10 @@
 //! The arithmetic is `correct::division`, made SPIR-V by the build. What reads the corners and writes vertices is put together
 //! here: what the vertex shader hands on is declared again, once as an array of the corners' and once as it is.
 
-use super::functions::{Additions, Linked, division, push};
-use super::handed::{Handed, Leaf};
-use super::module::{Declarations, HEADER};
-use crate::correct::division::Input;
+use crate::correct::projected::division::Input;
+use crate::intercept::vk::spirv::functions::{Additions, Linked, division, push};
+use crate::intercept::vk::spirv::handed::{Handed, Leaf};
+use crate::intercept::vk::spirv::module::{Declarations, HEADER};
 use spirv::{
     AddressingModel, BuiltIn, Capability, Decoration, ExecutionMode, ExecutionModel, FunctionControl, MemoryModel, Op,
     Scope, StorageClass,

@@ -1,8 +1,8 @@
 //! The functions that re-project, as the build made SPIR-V of them (`build/projection.rs`), on their way into a program's
 //! module: all ids are numbered anew, and of types that may be there only once the module's own are taken.
 
-use super::module::{Declarations, Instruction, instructions_of};
-use crate::correct::division::Input;
+use crate::correct::projected::division::Input;
+use crate::intercept::vk::spirv::module::{Declarations, Instruction, instructions_of};
 use spirv::{Decoration, Op};
 use std::collections::HashMap;
 

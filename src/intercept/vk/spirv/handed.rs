@@ -1,6 +1,6 @@
 //! What a stage hands on to the next one: variables with locations, and the built-in ones.
 
-use super::module::{Declarations, Instruction, instructions, string};
+use crate::intercept::vk::spirv::module::{Declarations, Instruction, instructions, string};
 use spirv::{BuiltIn, Capability, Decoration, ExecutionModel, Op, StorageClass};
 use std::collections::HashSet;
 

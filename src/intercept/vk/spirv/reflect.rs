@@ -1,7 +1,7 @@
 //! Where a shader's 4×4 matrices are.
 
-use super::module::{Declarations, Instruction, instructions};
 use crate::intercept::lens;
+use crate::intercept::vk::spirv::module::{Declarations, Instruction, instructions};
 use spirv::{BuiltIn, Decoration, Op, StorageClass};
 
 /// The memory that a matrix is in.

@@ -4,8 +4,8 @@
 //! All words of the program stay as they are, known or not; functions, their types and a uniform block are
 //! put in, and the entry point leads to a function of ours that calls the program's.
 
-use super::functions::{Additions, functions, push, push_code};
-use super::module::{Declarations, HEADER, Instruction, instructions, string};
+use crate::intercept::vk::spirv::functions::{Additions, functions, push, push_code};
+use crate::intercept::vk::spirv::module::{Declarations, HEADER, Instruction, instructions, string};
 use spirv::{BuiltIn, Decoration, ExecutionMode, ExecutionModel, FunctionControl, Op, StorageClass};
 
 /// The first version in which an entry point names all variables that it uses.

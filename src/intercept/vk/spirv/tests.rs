@@ -2,12 +2,12 @@
 
 mod division;
 
-use super::module::{Declarations, instructions};
-use super::{Memory, matrices, splice};
 use crate::correct::Arrangement;
-use crate::correct::shaders::Stage;
-use crate::correct::spirv::{VERTEX_ENTRY, specialise};
-use crate::correct::uniforms::Constants;
+use crate::correct::shaders::glsl::Stage;
+use crate::correct::shaders::spirv::{VERTEX_ENTRY, specialise};
+use crate::correct::shaders::uniforms::Constants;
+use crate::intercept::vk::spirv::module::{Declarations, instructions};
+use crate::intercept::vk::spirv::{Memory, matrices, splice};
 use crate::testing::random::Random;
 use spirv::{Decoration, ExecutionModel, Op, StorageClass};
 use std::collections::HashSet;
@@ -95,7 +95,7 @@ fn functions_of_glsl_are_imported_once() {
         assert!(imports[0].offset < model.offset);
         let used = all.iter().filter(|i| i.is(Op::ExtInst)).map(|i| i.operand(2));
         assert!(used.clone().count() > 5 && used.into_iter().all(|set| set == imports[0].operand(0)));
-        assert_eq!(super::module::string(imports[0].rest(1)).0, "GLSL.std.450");
+        assert_eq!(crate::intercept::vk::spirv::module::string(imports[0].rest(1)).0, "GLSL.std.450");
     }
 }
 
@@ -171,7 +171,8 @@ fn decorations_stand_before_types_whatever_the_first_is() {
         let after = splice(&words, ExecutionModel::Vertex, "go", 2, false).expect("a loose position");
         let all = instructions(&after).expect("a module");
         let at = all.iter().position(|i| i.opcode == first).expect("it stays");
-        let is_decoration = |i: &&super::module::Instruction<'_>| i.is(Op::Decorate) || i.is(Op::MemberDecorate);
+        let is_decoration =
+            |i: &&crate::intercept::vk::spirv::module::Instruction<'_>| i.is(Op::Decorate) || i.is(Op::MemberDecorate);
         assert!(all[..at].iter().filter(is_decoration).count() > 3, "ours are there");
         assert_eq!(all[at..].iter().filter(is_decoration).count(), 0);
     }

@@ -1,8 +1,8 @@
 //! What shaders hand on, and the stage that divides, on modules that are put together by hand.
 
-use super::module;
-use crate::correct::division::Input;
+use crate::correct::projected::division::Input;
 use crate::intercept::vk::spirv::module::{Declarations, Instruction, instructions};
+use crate::intercept::vk::spirv::tests::module;
 use crate::intercept::vk::spirv::{Limits, divide, handed};
 use crate::testing::random::Random;
 use spirv::{Decoration, ExecutionModel, Op, StorageClass};

@@ -1,0 +1,11 @@
+//! TODO-NOTE
+
+pub mod arrangement;
+pub mod blocks;
+pub mod blocks_cached;
+pub mod builder;
+pub mod cover;
+pub mod footprints;
+pub mod rectangles;
+pub mod unsampled;
+pub mod unsampled_cached;

@@ -1,0 +1,199 @@
+//! The parts of views that no pixel samples.
+//!
+//! A view is a rectangle, what outputs show of it is not: the corners beyond a dome's rim, and what an earlier view answers
+//! for, are drawn for nothing. A program that adapts itself can leave them out.
+
+pub use crate::correct::plan::unsampled_cached::kept_hidden_areas;
+
+#[cfg(test)]
+mod tests;
+
+use crate::correct::plan::builder::{OutputPass, Plan};
+use crate::correct::plan::rectangles::{self, BLOCK};
+use crate::geom::Frustum;
+use crate::views::sampling::cone::{Cone, Relation, WIDEST, diameter};
+use crate::views::{Tile, View};
+use glam::{DVec2, DVec3};
+
+/// Texels of a sheet's cell, across and up.
+const CELL: u32 = 2;
+
+/// Blocks of pixels that no border crosses are looked at whole; others down to this size in pixels.
+const FINEST: u32 = 1;
+
+/// Directions nearer than this (radians) to the side of a view may be taken for either side in 32-bit arithmetic.
+const ROUNDING: f64 = 1e-5;
+
+/// For each view the rectangles of its tile, in texels of the atlas, that no filter footprint of any output's pixel
+/// touches; disjoint, in cells of 2 texels. Conservative: what is uncertain counts as sampled. Views with the
+/// program's own lens and pictures of outputs have none.
+pub fn hidden_areas(plan: &Plan) -> Vec<Vec<Tile>> {
+    let mut sheets: Vec<Sheet> = plan.views.views.iter().map(|view| Sheet::new(view, plan.views.guard)).collect();
+    for (pass, views) in plan.passes.iter().zip(&plan.views.output_views) {
+        let cones = views.iter().map(|&view| (view, Cone::of(&plan.views.views[view]))).collect();
+        Marker { pass, cones, sheets: &mut sheets }.mark_all();
+    }
+    sheets.iter().zip(&plan.views.views).map(|(sheet, view)| sheet.hidden(view)).collect()
+}
+
+/// Which cells of a view's tile are sampled.
+struct Sheet {
+    columns: u32,
+    rows: u32,
+    sampled: Vec<bool>,
+    frustum: Frustum,
+    /// Texels of the tile.
+    size: DVec2,
+    /// How far from its place a pixel may read, in texels.
+    reach: f64,
+}
+
+impl Sheet {
+    fn new(view: &View, guard: u32) -> Self {
+        let Tile { width, height, .. } = view.tile;
+        let (columns, rows) = (width.div_ceil(CELL), height.div_ceil(CELL));
+        Self {
+            columns,
+            rows,
+            sampled: vec![view.program_lens || view.curved.is_some(); (columns * rows) as usize],
+            frustum: view.frustum,
+            size: DVec2::new(f64::from(width), f64::from(height)),
+            // Filters and the overhang of views reach less far than the guard, which is counted in whole texels.
+            reach: f64::from(guard),
+        }
+    }
+
+    /// Marks the cells that a patch touches, given its corners in the view's axes and how far it departs from their
+    /// quadrilateral (radians).
+    fn mark(&mut self, corners: &[DVec3], margin: f64) {
+        let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+        for corner in corners {
+            // A patch that reaches behind the view, or nearly so, may be anywhere in it.
+            if -corner.z < margin.max(1e-3) {
+                (low, high) = (DVec2::NEG_INFINITY, DVec2::INFINITY);
+                break;
+            }
+            let at = corner.truncate() / -corner.z;
+            // The tangent grows by less than this over the margin, since it lies within the patch's own size.
+            let slack = 2.0 * margin * (1.0 + at.length_squared());
+            (low, high) = (low.min(at - slack), high.max(at + slack));
+        }
+        let corner = DVec2::new(self.frustum.left, self.frustum.bottom);
+        let scale = self.size / DVec2::new(self.frustum.width(), self.frustum.height());
+        let cell = |at: f64, cells: u32| (at / f64::from(CELL)).floor().clamp(-1.0, f64::from(cells)) as i64;
+        let (low, high) = ((low - corner) * scale - self.reach, (high - corner) * scale + self.reach);
+        let (left, right) = (cell(low.x, self.columns), cell(high.x, self.columns));
+        let (bottom, top) = (cell(low.y, self.rows), cell(high.y, self.rows));
+        for row in bottom.max(0)..=top.min(i64::from(self.rows) - 1) {
+            let start = row as usize * self.columns as usize;
+            for column in left.max(0)..=right.min(i64::from(self.columns) - 1) {
+                self.sampled[start + column as usize] = true;
+            }
+        }
+    }
+
+    /// The cells that are not marked, as rectangles of the atlas.
+    fn hidden(&self, view: &View) -> Vec<Tile> {
+        let classes: Vec<Option<usize>> = self.sampled.iter().map(|sampled| (!sampled).then_some(0)).collect();
+        let merged = rectangles::merge(&classes, CELL, (view.tile.width, view.tile.height), 1);
+        merged
+            .into_iter()
+            .flatten()
+            .map(|rect| Tile {
+                x: view.tile.x + rect.x,
+                y: view.tile.y + rect.y,
+                width: rect.width,
+                height: rect.height,
+            })
+            .collect()
+    }
+}
+
+/// Marks what one output samples.
+struct Marker<'a> {
+    pass: &'a OutputPass,
+    /// The views of the output, in order of precedence.
+    cones: Vec<(usize, Cone)>,
+    sheets: &'a mut [Sheet],
+}
+
+impl Marker<'_> {
+    fn mark_all(&mut self) {
+        for rect in self.pass.batches.iter().flat_map(|batch| &batch.rects) {
+            for top in (rect.y..rect.y + rect.height).step_by(BLOCK as usize) {
+                for left in (rect.x..rect.x + rect.width).step_by(BLOCK as usize) {
+                    let (right, bottom) =
+                        ((left + BLOCK).min(rect.x + rect.width), (top + BLOCK).min(rect.y + rect.height));
+                    self.mark_block([left, top, right, bottom]);
+                }
+            }
+        }
+    }
+
+    /// The direction at a pixel position, unit length, if something is shown there.
+    fn direction(&self, x: f64, y: f64) -> Option<DVec3> {
+        let source = &self.pass.source;
+        let (x, y) = source.normalised(self.pass.size, x, y);
+        source.direction(x, y).and_then(DVec3::try_normalize)
+    }
+
+    /// The directions at the corners of a block that is widened by so many pixels, if all show something.
+    fn corners(&self, block: [u32; 4], wider: f64) -> Option<[DVec3; 4]> {
+        let [x0, y0, x1, y1] = block.map(f64::from);
+        let (x0, y0, x1, y1) = (x0 - wider, y0 - wider, x1 + wider, y1 + wider);
+        let corner = |x: f64, y: f64| self.direction(x, y);
+        Some([corner(x0, y0)?, corner(x1, y0)?, corner(x0, y1)?, corner(x1, y1)?])
+    }
+
+    /// Whether a block lies amid what one view shows, at least `margin` radians from the sides of all views and not
+    /// next to what shows nothing: a rectangle around its texels then reaches no hidden ones.
+    fn is_amid(&self, block: [u32; 4], corners: &[DVec3; 4], margin: f64) -> bool {
+        let margin = margin.max(ROUNDING);
+        let relation =
+            self.cones.iter().map(|(_, cone)| cone.relation(corners, margin)).find(|r| *r != Relation::Outside);
+        relation.is_none_or(|relation| relation == Relation::Inside) && self.corners(block, f64::from(BLOCK)).is_some()
+    }
+
+    fn mark_block(&mut self, [left, top, right, bottom]: [u32; 4]) {
+        let smallest = right - left <= FINEST && bottom - top <= FINEST;
+        if let Some(corners) = self.corners([left, top, right, bottom], 0.0) {
+            let size = diameter(&corners);
+            if size < WIDEST && (smallest || self.is_amid([left, top, right, bottom], &corners, size + size * size)) {
+                self.mark_patch(&corners, size * size);
+                return;
+            }
+        }
+        if !smallest {
+            let (middle_x, middle_y) = (left + (right - left).div_ceil(2), top + (bottom - top).div_ceil(2));
+            for (top, bottom) in [(top, middle_y), (middle_y, bottom)].into_iter().filter(|rows| rows.0 < rows.1) {
+                for (left, right) in [(left, middle_x), (middle_x, right)].into_iter().filter(|part| part.0 < part.1) {
+                    self.mark_block([left, top, right, bottom]);
+                }
+            }
+            return;
+        }
+        for (y, x) in (top..bottom).flat_map(|y| (left..right).map(move |x| (y, x))) {
+            let (x, y) = (f64::from(x), f64::from(y));
+            // Not the centre alone: a picture that is scaled when it is presented samples between centres.
+            for (x, y) in [(0.5, 0.5), (0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)].map(|(u, v)| (x + u, y + v)) {
+                if let Some(direction) = self.direction(x, y) {
+                    self.mark_patch(&[direction; 4], ROUNDING);
+                }
+            }
+        }
+    }
+
+    /// Marks a patch of directions in every view that may answer for a part of it.
+    fn mark_patch(&mut self, corners: &[DVec3; 4], margin: f64) {
+        for (view, cone) in &self.cones {
+            let relation = cone.relation(corners, margin.max(ROUNDING));
+            if relation == Relation::Outside {
+                continue;
+            }
+            self.sheets[*view].mark(&cone.localized(corners), margin);
+            if relation == Relation::Inside {
+                break;
+            }
+        }
+    }
+}

@@ -1,0 +1,8 @@
+//! TODO-NOTE
+
+pub mod division;
+pub mod projection;
+pub mod y_down;
+
+// The build script compiles `division.rs` with the same module beside it.
+use crate::geom::division::rule;

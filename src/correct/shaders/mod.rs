@@ -1,0 +1,12 @@
+//! TODO-NOTE
+
+pub mod black;
+pub mod draws;
+pub mod glsl;
+pub mod map;
+pub mod response;
+pub mod spirv;
+pub mod uniforms;
+pub mod uniforms_optics;
+pub mod uniforms_panorama;
+pub mod uniforms_projector;

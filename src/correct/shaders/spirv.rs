@@ -1,0 +1,111 @@
+//! The correction shaders as SPIR-V: modules generated from WGSL at build time, and their specialisation.
+//!
+//! As in [`crate::correct::shaders::glsl`], the values of a pass are constants of the program. They are written over the
+//! constants of a module, not given as specialisation constants: naga does not write those, and drivers
+//! fold plain ones at the latest when they fold the others.
+
+use crate::correct::Arrangement;
+use crate::correct::shaders::glsl::{Pass, Stage};
+use crate::correct::shaders::uniforms::{Constants, MAX_VIEWS};
+
+/// A program in two modules, ready for a pipeline.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Modules {
+    /// The vertex stage, entry point [`VERTEX_ENTRY`]. Attributes as in [`crate::correct::shaders::glsl::Specialised`].
+    pub vertex: &'static [u32],
+    /// The fragment stage.
+    pub fragment: Vec<u32>,
+    /// Name of the fragment stage's entry point.
+    pub fragment_entry: &'static std::ffi::CStr,
+}
+
+/// Name of the vertex stages' entry point.
+pub const VERTEX_ENTRY: &std::ffi::CStr = c"rectangle_down";
+
+/// Where the shaders' resources are bound, all in descriptor set 0.
+pub mod binding {
+    /// The atlas, a 2D image; the layers, a 2D array; or the image of the batch's first view.
+    pub const ATLAS: u32 = 1;
+    /// Its sampler.
+    pub const ATLAS_SAMPLER: u32 = 2;
+    /// The mask's weights, a 2D image.
+    pub const MASK: u32 = 3;
+    /// Its sampler.
+    pub const MASK_SAMPLER: u32 = 4;
+    /// The table of directions and weights, a 2D image that is not filtered.
+    pub const TABLE: u32 = 5;
+    /// The images of the batch's other views, 2D, one after another: only of [`Arrangement::Images`](super::Arrangement).
+    pub const IMAGES: std::ops::Range<u32> = 6..5 + super::MAX_VIEWS as u32;
+    /// What black is raised to, a 2D image.
+    pub const BLACK: u32 = IMAGES.end;
+}
+
+struct PassModules {
+    pass: Pass,
+    arrangement: Arrangement,
+    vertex: &'static [u32],
+    fragments: &'static [FragmentModule],
+}
+
+struct FragmentModule {
+    stage: Stage,
+    words: &'static [u32],
+    /// For each scalar of the constants: index of its word, and whether it is unsigned.
+    slots: &'static [(usize, bool)],
+}
+
+include!(concat!(env!("OUT_DIR"), "/spirv.rs"));
+
+/// The program of `constants` over pictures that lie in `arrangement`.
+///
+/// [`Pass::Black`] has only the stage [`Stage::Present`], which is what any stage gives there, and looks at no
+/// picture; [`Stage::Map`] is that of an atlas.
+pub fn specialise(constants: &Constants, arrangement: Arrangement, stage: Stage) -> Modules {
+    let black = constants.pass() == Pass::Black;
+    let stage = if black { Stage::Present } else { stage };
+    let arrangement = if black || stage == Stage::Map { Arrangement::Atlas } else { arrangement };
+    let wanted = |modules: &&PassModules| modules.pass == constants.pass() && modules.arrangement == arrangement;
+    // MODULES has an entry for each: the build script and a test see to it.
+    let pass = MODULES.iter().find(wanted).unwrap_or(&MODULES[0]);
+    let module = pass.fragments.iter().find(|module| module.stage == stage).unwrap_or(&pass.fragments[0]);
+    let mut fragment = module.words.to_vec();
+    for (&(at, unsigned), &value) in module.slots.iter().zip(constants.values()) {
+        fragment[at] = if unsigned { value as u32 } else { value.to_bits() };
+    }
+    let fragment_entry = if stage == Stage::Map { c"map" } else { c"present" };
+    Modules { vertex: pass.vertex, fragment, fragment_entry }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::correct::shaders::glsl::text_of;
+
+    #[test]
+    fn every_pass_has_its_modules_and_a_place_for_each_constant() {
+        for pass in
+            [Pass::Fisheye, Pass::Projector, Pass::Optics, Pass::Perspective, Pass::Table, Pass::Mesh, Pass::Black]
+        {
+            let scalars: usize = text_of(pass).members.iter().map(|member| member.2).sum();
+            let found: Vec<&PassModules> = MODULES.iter().filter(|modules| modules.pass == pass).collect();
+            assert_eq!(found.len(), if pass == Pass::Black { 1 } else { 3 });
+            assert_eq!(found[0].fragments.len(), if pass == Pass::Black { 1 } else { 2 });
+            for module in found.iter().flat_map(|modules| modules.fragments) {
+                assert_eq!(module.slots.len(), scalars, "{pass:?}");
+                let distinct: std::collections::BTreeSet<usize> = module.slots.iter().map(|slot| slot.0).collect();
+                assert_eq!(distinct.len(), scalars);
+                // SPIR-V's magic number and version 1.0.
+                assert_eq!(module.words[..2], [0x0723_0203, 0x0001_0000]);
+            }
+        }
+    }
+
+    #[test]
+    fn values_are_put_in_bit_by_bit() {
+        let black = specialise(&Constants::black(), Arrangement::Layers, Stage::Map);
+        assert_eq!(black.fragment_entry, c"present");
+        let module = &MODULES[0].fragments[0];
+        let (at, unsigned) = module.slots[0];
+        assert!(!unsigned && module.words[at] != 0, "a marker stands there");
+    }
+}

@@ -1,0 +1,165 @@
+//! Rectangles cut into triangles until these are exact enough.
+//!
+//! All sides are rows or columns of pixels. So a corner in the middle of a neighbour's side lies exactly on it, rounded or
+//! not, and no gap opens between triangles of different size.
+
+use crate::correct::plan::builder::PixelRect;
+use crate::correct::sources::facets::{Facets, WEIGHT_ERROR};
+use crate::correct::sources::surface_sample::{Shown, Sight};
+use glam::DVec2;
+use std::collections::HashMap;
+
+/// The part of the error that measuring at a few places may see, for the whole to stay within the bound.
+const MEASURED: f64 = 0.8;
+
+/// Makes the triangles of one output.
+pub(super) struct Builder<'a> {
+    shown: &'a Shown<'a>,
+    max_error: f64,
+    facets: Facets,
+    /// The corners at whole pixel positions that are shared.
+    numbers: HashMap<(u32, u32), u32>,
+    /// What is seen at whole pixel positions and half-way between.
+    seen: HashMap<(u32, u32), Option<Sight>>,
+}
+
+/// Four corners of a rectangle, from the top left clockwise.
+type Corners = [Sight; 4];
+
+/// How a rectangle is cut.
+#[derive(Clone, Copy)]
+struct Cut {
+    /// From the top left to the bottom right; otherwise the other diagonal.
+    falling: bool,
+    error: f64,
+    fits: bool,
+}
+
+impl<'a> Builder<'a> {
+    pub(super) fn new(shown: &'a Shown<'a>, max_error: f64) -> Self {
+        let facets = Facets { fills: true, ..Facets::default() };
+        Self { shown, max_error, facets, numbers: HashMap::new(), seen: HashMap::new() }
+    }
+
+    pub(super) fn build(mut self, rects: &[PixelRect]) -> Facets {
+        for rect in rects {
+            self.fill(*rect);
+        }
+        self.facets
+    }
+
+    /// What is seen at a place in half pixels.
+    fn see(&mut self, x: u32, y: u32) -> Option<Sight> {
+        let shown = self.shown;
+        *self.seen.entry((x, y)).or_insert_with(|| shown.at(0.5 * DVec2::new(f64::from(x), f64::from(y))))
+    }
+
+    fn fill(&mut self, rect: PixelRect) {
+        let PixelRect { x, y, width, height } = rect;
+        let cut = self.corners(rect).map(|corners| (corners, self.cut(rect, &corners)));
+        match cut {
+            Some((corners, cut)) if cut.fits => self.emit(rect, &corners, cut),
+            _ if width == 1 && height == 1 => self.emit_pixel(rect),
+            _ => {
+                // Across the longer side; both where they are about as long.
+                let columns = if 2 * width > height && width > 1 {
+                    vec![(x, width / 2), (x + width / 2, width - width / 2)]
+                } else {
+                    vec![(x, width)]
+                };
+                let rows = if 2 * height > width && height > 1 {
+                    vec![(y, height / 2), (y + height / 2, height - height / 2)]
+                } else {
+                    vec![(y, height)]
+                };
+                for (y, height) in rows {
+                    for &(x, width) in &columns {
+                        self.fill(PixelRect { x, y, width, height });
+                    }
+                }
+            }
+        }
+    }
+
+    /// What is seen at the corners, if all show something.
+    fn corners(&mut self, rect: PixelRect) -> Option<Corners> {
+        let (left, top) = (2 * rect.x, 2 * rect.y);
+        let (right, bottom) = (left + 2 * rect.width, top + 2 * rect.height);
+        Some([self.see(left, top)?, self.see(right, top)?, self.see(right, bottom)?, self.see(left, bottom)?])
+    }
+
+    /// The better diagonal, and what it errs.
+    fn cut(&mut self, rect: PixelRect, corners: &Corners) -> Cut {
+        let middle = self.see(2 * rect.x + rect.width, 2 * rect.y + rect.height);
+        let departs = |a: Sight, b: Sight| {
+            let mean = (a.vector + b.vector).normalize_or_zero();
+            middle.map_or(0.0, |middle| mean.distance(middle.vector.normalize_or_zero()))
+        };
+        let falling = departs(corners[0], corners[2]) <= departs(corners[1], corners[3]);
+        let mut cut = Cut { falling, error: 0.0, fits: true };
+        // The middles of the sides, of the diagonal and of the triangles' halves.
+        for (across, down) in [(2, 2), (2, 0), (0, 2), (4, 2), (2, 4), (1, 1), (3, 1), (1, 3), (3, 3)] {
+            let place = DVec2::new(
+                f64::from(rect.x) + 0.25 * f64::from(across * rect.width),
+                f64::from(rect.y) + 0.25 * f64::from(down * rect.height),
+            );
+            let even = (across * rect.width).is_multiple_of(2) && (down * rect.height).is_multiple_of(2);
+            let exact = match even {
+                true => self.see(2 * rect.x + across * rect.width / 2, 2 * rect.y + down * rect.height / 2),
+                false => self.shown.at(place),
+            };
+            let found = interpolated(corners, falling, 0.25 * f64::from(across), 0.25 * f64::from(down));
+            let error = exact.and_then(|exact| {
+                let error = self.shown.error(place, found.vector)?;
+                let same_light = (exact.weight - found.weight).abs() <= MEASURED * WEIGHT_ERROR;
+                same_light.then_some(error)
+            });
+            match error {
+                Some(error) if error <= MEASURED * self.max_error => cut.error = cut.error.max(error),
+                _ => return Cut { fits: false, ..cut },
+            }
+        }
+        cut
+    }
+
+    fn emit(&mut self, rect: PixelRect, corners: &Corners, cut: Cut) {
+        let (right, bottom) = (rect.x + rect.width, rect.y + rect.height);
+        let places = [(rect.x, rect.y), (right, rect.y), (right, bottom), (rect.x, bottom)];
+        let mut numbers = [0; 4];
+        for ((number, place), corner) in numbers.iter_mut().zip(places).zip(corners) {
+            let facets = &mut self.facets;
+            *number = *self
+                .numbers
+                .entry(place)
+                .or_insert_with(|| facets.push(DVec2::new(f64::from(place.0), f64::from(place.1)), *corner));
+        }
+        let [a, b, c, d] = numbers;
+        self.facets.triangles.extend(if cut.falling { [[a, c, b], [a, d, c]] } else { [[a, d, b], [b, d, c]] });
+        self.facets.error = self.facets.error.max(cut.error);
+    }
+
+    /// A pixel that shows everywhere what its centre does: the last resort where what is shown leaps.
+    fn emit_pixel(&mut self, rect: PixelRect) {
+        let Some(sight) = self.see(2 * rect.x + 1, 2 * rect.y + 1) else { return };
+        let (x, y) = (f64::from(rect.x), f64::from(rect.y));
+        let [a, b, c, d] = [(x, y), (x + 1.0, y), (x + 1.0, y + 1.0), (x, y + 1.0)]
+            .map(|(x, y)| self.facets.push(DVec2::new(x, y), sight));
+        self.facets.triangles.extend([[a, c, b], [a, d, c]]);
+    }
+}
+
+/// What the triangles of a rectangle show at a place, parts of its width and height from the top left.
+fn interpolated(corners: &Corners, falling: bool, x: f64, y: f64) -> Sight {
+    let [a, b, c, d] = corners;
+    let parts = match falling {
+        // Above the diagonal from a to c, and below.
+        true if x >= y => [1.0 - x, x - y, y, 0.0],
+        true => [1.0 - y, 0.0, x, y - x],
+        // Above the diagonal from b to d, and below.
+        false if x + y <= 1.0 => [1.0 - x - y, x, 0.0, y],
+        false => [0.0, 1.0 - y, x + y - 1.0, 1.0 - x],
+    };
+    let sum = |of: &dyn Fn(&Sight) -> f64| parts.iter().zip([a, b, c, d]).map(|(part, corner)| part * of(corner)).sum();
+    let vector = parts.iter().zip([a, b, c, d]).map(|(part, corner)| corner.vector * *part).sum();
+    Sight { vector, weight: sum(&|corner| corner.weight) }
+}

@@ -1,0 +1,12 @@
+//! TODO-NOTE
+
+pub mod facets;
+pub mod mask;
+pub mod optics;
+pub mod output_source;
+pub mod ray_form;
+pub mod rounding;
+pub mod surface_sample;
+pub mod table;
+pub mod table_cached;
+pub mod table_coarse;

@@ -1,0 +1,249 @@
+//! From an output of a rig to the coefficients of its map.
+
+use crate::blend::Border;
+use crate::cache::Cache;
+use crate::correct::plan::builder::{Light, Neighbour, OpticsSource, ProjectorSource, Source, Way};
+use crate::correct::sources::surface_sample::Shown;
+use crate::correct::sources::table;
+use crate::error::Result;
+use crate::geom::fisheye::RadialForm;
+use crate::geom::pencil::RimForms;
+use crate::geom::screen::{ClosedForm, ClosedSurface, Shape};
+use crate::geom::{Fisheye, Optics, Panorama, Pencil, Quadric, Screen, Sphere, pose};
+use crate::rig::{Method, Output, OutputKind, Rig};
+use crate::views::sampling::output_map::{lens_rotation, perspective_rays, viewer_rotation};
+use glam::{DAffine3, DMat3, DVec2, DVec3};
+use std::sync::Arc;
+
+/// The map of output `index` of `rig`, whose outputs have `sizes` pixels: a coarse table where its method asks for one,
+/// else the closed form where there is one, otherwise a table of all pixels. `cache` may know tables, or keeps them.
+///
+/// # Errors
+/// Those of [`Shown::new`].
+pub(in crate::correct) fn of(rig: &Rig, index: usize, sizes: &[(u32, u32)], cache: &Cache) -> Result<Source> {
+    let shown = || Shown::new(rig, index, sizes);
+    let size = sizes.get(index).copied().unwrap_or_default();
+    let table = match (rig.outputs[index].method, closed_form(rig, index, size)) {
+        (Method::Table { max_error }, _) => {
+            table::kept(rig, index, sizes, cache, || Ok(table::coarse(&shown()?, max_error)))
+        }
+        (_, Some(source)) => return Ok(source),
+        _ => table::kept(rig, index, sizes, cache, || Ok(shown()?.table())),
+    };
+    Ok(Source::Table(Arc::new(table?)))
+}
+
+/// A projector whose rays are linear in the pixel.
+struct Pinhole {
+    position: DVec3,
+    /// Pixel `(x, y, 1)` → ray in dome axes.
+    rays: DMat3,
+}
+
+impl Pinhole {
+    /// `None` for what is no projector, or has another lens, a mirror or weights by area.
+    fn of(kind: &OutputKind) -> Option<Self> {
+        match kind {
+            OutputKind::Projector { position, angles: [yaw, pitch, roll], frustum } => {
+                Some(Self { position: *position, rays: pose::rotation(*yaw, *pitch, *roll) * frustum.rays() })
+            }
+            OutputKind::Optics { optics, even_light: 0.0 } if optics.mirror.is_none() => {
+                Some(Self { position: optics.pose.position, rays: optics.pose.rotation * optics.lens.linear_rays()? })
+            }
+            _ => None,
+        }
+    }
+}
+
+/// The formula of an output of `size` pixels, if there is one that is right everywhere, exact enough in f32, and knows all that its weights depend on.
+fn closed_form(rig: &Rig, index: usize, size: (u32, u32)) -> Option<Source> {
+    let output = &rig.outputs[index];
+    let to_viewer = viewer_rotation(rig).transpose();
+    let eye = rig.eye(output).position;
+    match &output.kind {
+        OutputKind::Mesh(_) => None,
+        OutputKind::Domemaster { aperture, tilt } => {
+            let offset = offset_of_eye(rig, eye)?;
+            let pixel = aperture / f64::from(size.0.min(size.1).max(1));
+            (offset == DVec3::ZERO || are_told_apart(pixel, offset)).then(|| Source::Fisheye {
+                aperture: *aperture,
+                rotation: lens_rotation(*tilt),
+                offset,
+            })
+        }
+        OutputKind::Panorama { panorama, angles: [yaw, pitch, roll] } => {
+            let offset = offset_of_eye(rig, eye)?;
+            // Some measured curves are too wild for the shaders' polynomials.
+            let has_formula = !matches!(panorama, Panorama::Fisheye(lens) if RadialForm::of(lens).is_none());
+            // Small angles from the axis keep all their digits; those from the horizon do not.
+            let exact = offset == DVec3::ZERO && panorama.is_circular() || are_told_apart(panorama.pixel(size), offset);
+            let rotation = pose::rotation(*yaw, *pitch, *roll);
+            (has_formula && exact).then(|| Source::Panorama { panorama: panorama.clone(), rotation, offset })
+        }
+        OutputKind::Perspective { angles, frustum } => {
+            Some(Source::Perspective { matrix: perspective_rays(*angles, frustum.as_ref()) })
+        }
+        OutputKind::Projector { .. } | OutputKind::Optics { .. } => {
+            let pinhole = projector(rig, index, eye, to_viewer).and_then(|source| source.settled(size));
+            match (pinhole, &output.kind) {
+                (Some(source), _) => Some(Source::Projector(Box::new(source))),
+                (None, OutputKind::Optics { optics, even_light: 0.0 }) => {
+                    let source = lens(rig, index, optics, size)?.settled(size)?;
+                    Some(Source::Optics(Box::new(source)))
+                }
+                _ => None,
+            }
+        }
+    }
+}
+
+/// What is added to a unit direction from the dome's centre for an eye elsewhere; `None` where the screen is none on which
+/// this is so.
+fn offset_of_eye(rig: &Rig, eye: DVec3) -> Option<DVec3> {
+    match &rig.screen {
+        None => Some(-(viewer_rotation(rig).transpose() * eye) / rig.dome.radius),
+        // In every direction from inside there is a point, and from the centre it is seen there.
+        Some(Screen { pose, shape: Shape::Ellipsoid(ellipsoid) }) => {
+            let inside = Quadric::ellipsoid(ellipsoid.radii).contains(pose.point_to_local(DVec3::ZERO), WELL_INSIDE);
+            (inside && eye == DVec3::ZERO).then_some(DVec3::ZERO)
+        }
+        Some(_) => None,
+    }
+}
+
+/// Directions, radians, that a unit vector in f32 plus an offset tells apart with room to spare: each is rounded to 6e-8, and an
+/// eye near the screen sees that enlarged by the part of the radius that is left.
+const TOLD_APART: f64 = 3e-7;
+
+/// Whether f32 tells neighbouring pixels of a picture of directions apart, `pixel` radians wide.
+fn are_told_apart(pixel: f64, offset: DVec3) -> bool {
+    pixel * (1.0 - offset.length()) >= TOLD_APART
+}
+
+/// A dome's centre that is so far inside a screen, as a part of the way to it, is inside however it is rounded.
+const WELL_INSIDE: f64 = 0.999;
+
+/// The formula of a pinhole, with every other one as a neighbour if it blends by overlap; `None` for lenses that are no pinholes, for mirrors,
+/// and for screens that have none.
+///
+/// Nor does it hold in two cases outside the surface: for a projector that looks partly away from it, whose rays would
+/// meet it backwards, and beside a neighbour there, of whose light the near side keeps its share although none
+/// arrives. Nor does it know a neighbour's lens that is no pinhole, or its mirror.
+fn projector(rig: &Rig, index: usize, eye: DVec3, to_viewer: DMat3) -> Option<ProjectorSource> {
+    let output = &rig.outputs[index];
+    let Screen { pose, shape } = rig.surface();
+    let ClosedForm { middle, surface, bounds } = shape.closed_form()?;
+    let to_surface = |point: DVec3| pose.point_to_local(point) - middle;
+    let from_surface = pose.rotation;
+    let Pinhole { position, rays } = Pinhole::of(&output.kind)?;
+    let pencil = Pencil { origin: to_surface(position), rays: from_surface.transpose() * rays, surface };
+    let others = rig.outputs.iter().enumerate().filter(|(other, _)| output.blend.overlap && *other != index);
+    let neighbour = |(output, other): (usize, &Output)| {
+        let Some(Pinhole { position, rays }) = Pinhole::of(&other.kind) else {
+            return other.kind.is_projector().then_some(None);
+        };
+        let position = to_surface(position);
+        let lights_all = match &surface {
+            ClosedSurface::Quadric(quadric) => quadric.contains(position, 1.0),
+            ClosedSurface::Plane => true,
+        };
+        let picture = || pencil.seen_from(position, rays.inverse() * from_surface);
+        Some(lights_all.then(|| Neighbour { output, picture: picture(), border: Border::of(&other.blend) }))
+    };
+    let neighbours: Option<Vec<Neighbour>> = others.filter_map(neighbour).collect();
+    let source = ProjectorSource {
+        pencil,
+        direction: pencil.seen_from(to_surface(eye), to_viewer * from_surface),
+        bounds,
+        rim: (!bounds.is_all()).then(|| RimForms::of(&pencil, &bounds)),
+        // Turned about x by the tilt, the pole comes to lie on +y and the front on −z.
+        dome_direction: pencil.seen_from(to_surface(DVec3::ZERO), DMat3::from_rotation_x(rig.dome.tilt) * from_surface),
+        neighbours: neighbours?,
+        border: Border::of(&output.blend),
+        way: Way::Forms,
+    };
+    pencil.looks_at_it().then_some(source)
+}
+
+/// The formula of a projector with any lens, perhaps before a mirror; `None` where it shares its light or its blacks with others, for
+/// lenses without a formula, and for screens that are no quadrics.
+fn lens(rig: &Rig, index: usize, optics: &Optics, size: (u32, u32)) -> Option<OpticsSource> {
+    let output = &rig.outputs[index];
+    let mut others = rig.outputs.iter().enumerate().filter(|(other, _)| *other != index).map(|(_, other)| other);
+    let shares = output.blend.overlap && others.any(|other| other.kind.is_projector());
+    if shares || rig.outputs.iter().any(|output| output.blend.contrast.is_some()) {
+        return None;
+    }
+    let Screen { pose, shape } = rig.surface();
+    let ClosedForm { middle, surface: ClosedSurface::Quadric(quadric), bounds } = shape.closed_form()? else {
+        return None;
+    };
+    let from_surface = DAffine3 { matrix3: pose.rotation, translation: pose.position + pose.rotation * middle };
+    let to_surface = from_surface.inverse();
+    let in_surface = |mirror: Sphere| Sphere { center: to_surface.transform_point3(mirror.center), ..mirror };
+    let seen_from =
+        |eye: DVec3, target: DMat3| DAffine3 { matrix3: target, translation: -(target * eye) } * from_surface;
+    Some(OpticsSource {
+        position: to_surface.transform_point3(optics.pose.position),
+        rotation: to_surface.matrix3 * optics.pose.rotation,
+        light: Light::of(&optics.lens, f64::from(size.0) / f64::from(size.1), optics.mirror.map(in_surface))?,
+        quadric,
+        bounds,
+        to_viewer: seen_from(rig.eye(output).position, viewer_rotation(rig).transpose()),
+        to_dome: seen_from(DVec3::ZERO, DMat3::from_rotation_x(rig.dome.tilt)),
+    })
+}
+
+impl Source {
+    /// The axes in which it computes directions → viewer axes: a rotation.
+    pub(in crate::correct) fn axes(&self) -> DMat3 {
+        match self {
+            Self::Fisheye { rotation, .. } | Self::Panorama { rotation, .. } => *rotation,
+            Self::Table(table) => table.axes(),
+            Self::Projector(_) | Self::Optics(_) | Self::Perspective { .. } => DMat3::IDENTITY,
+        }
+    }
+
+    /// The direction from the viewer at normalised coordinates, viewer axes, any length; `None`
+    /// where the output shows nothing: what the shaders compute, in f64 (of a table of all pixels, what the nearest one shows).
+    pub fn direction(&self, x: f64, y: f64) -> Option<DVec3> {
+        match self {
+            Self::Fisheye { aperture, rotation, offset } => {
+                Fisheye { aperture: *aperture }.direction(x, y).map(|lens| *rotation * lens + *offset)
+            }
+            Self::Projector(projector) => projector.direction(x, y),
+            Self::Optics(optics) => optics.direction(x, y),
+            Self::Panorama { panorama, rotation, offset } => {
+                let direction = match panorama {
+                    Panorama::Fisheye(lens) => lens.direction(DVec2::new(x, y)),
+                    _ => panorama.direction(DVec2::new(x, y), 1.0),
+                };
+                direction.map(|direction| *rotation * direction + *offset)
+            }
+            Self::Perspective { matrix } => Some(*matrix * DVec3::new(x, y, 1.0)),
+            Self::Table(table) => table.at(0.5 * (1.0 + x), 0.5 * (1.0 - y)).map(|pixel| pixel.direction),
+        }
+    }
+
+    /// Normalised coordinates of the pixel position `(column, row)`, from the top left with pixel
+    /// centres at +½, in an output of `size` pixels.
+    pub fn normalised(&self, size: (u32, u32), column: f64, row: f64) -> (f64, f64) {
+        let (width, height) = (f64::from(size.0), f64::from(size.1));
+        let (across, up) = if self.is_circular() { (width.min(height), width.min(height)) } else { (width, height) };
+        ((2.0 * column - width) / across, (height - 2.0 * row) / up)
+    }
+
+    /// Whether the picture is a circle inscribed in the output, and normalised coordinates are units of its radius.
+    pub fn is_circular(&self) -> bool {
+        match self {
+            Self::Fisheye { .. } => true,
+            Self::Panorama { panorama, .. } => panorama.is_circular(),
+            _ => false,
+        }
+    }
+}
+/// Viewer axes → dome axes turned so that the pole is +y and the front −z.
+pub fn dome_axes(rig: &Rig) -> DMat3 {
+    let viewer = &rig.viewer;
+    DMat3::from_rotation_x(rig.dome.tilt) * crate::geom::pose::rotation(viewer.yaw, viewer.pitch, viewer.roll)
+}

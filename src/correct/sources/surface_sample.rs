@@ -1,0 +1,256 @@
+//! What each place of an output shows, exactly: what tables and meshes are made of.
+
+use crate::blend::Weights;
+use crate::correct::sources::table::{Table, TablePixel};
+use crate::error::Result;
+use crate::geom::{Lens, pose};
+use crate::rig::{OutputKind, Rig};
+use crate::warp::WarpMap;
+use crate::warp::accuracy::pixel_angle;
+use glam::{DVec2, DVec3};
+
+/// What one output shows, traced ray by ray in f64.
+pub(in crate::correct) struct Shown<'rig> {
+    map: WarpMap,
+    weights: Weights<'rig>,
+    index: usize,
+    evenness: Option<Evenness>,
+    scale: Scale,
+    /// Some output tells how bright its black is.
+    with_black: bool,
+}
+
+/// What is seen at a place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::correct) struct Sight {
+    /// From the viewer to what is seen, viewer axes; its length is such that interpolation is good, see [`Scale`].
+    pub vector: DVec3,
+    /// Weight in linear light, 0…1.
+    pub weight: f64,
+}
+
+/// How long the vectors from the viewer to the screen are made before they are interpolated over the output.
+///
+/// Only their directions are shown. Over the picture of a pinhole, what is linear in space is a quotient of linear
+/// functions: the screen's point over its distance along the lens's axis. Divided by that distance a flat screen is exact,
+/// and so is any screen for a viewer in the lens.
+enum Scale {
+    /// As far as the screen is.
+    Length,
+    /// Over the distance from `origin` along `axis`, both in dome axes.
+    Depth { origin: DVec3, axis: DVec3 },
+    /// A picture without a place: unit vectors over their part along `axis`, viewer axes.
+    Window { axis: DVec3 },
+}
+
+impl Scale {
+    fn of(kind: &OutputKind) -> Self {
+        let towards = |[yaw, pitch, roll]: [f64; 3]| -pose::rotation(yaw, pitch, roll).z_axis;
+        match kind {
+            OutputKind::Projector { position, angles, .. } => Self::Depth { origin: *position, axis: towards(*angles) },
+            OutputKind::Optics { optics, .. } if optics.mirror.is_none() => match optics.lens {
+                Lens::Pinhole { .. } => {
+                    Self::Depth { origin: optics.pose.position, axis: -optics.pose.rotation.z_axis }
+                }
+                Lens::Fisheye { .. } => Self::Length,
+            },
+            OutputKind::Perspective { angles, .. } => Self::Window { axis: towards(*angles) },
+            _ => Self::Length,
+        }
+    }
+}
+
+impl<'rig> Shown<'rig> {
+    /// What output `index` of `rig` shows; the outputs have `sizes` pixels.
+    ///
+    /// # Errors
+    /// Those of [`WarpMap::new`].
+    pub fn new(rig: &'rig Rig, index: usize, sizes: &[(u32, u32)]) -> Result<Self> {
+        let size = sizes.get(index).copied().unwrap_or_default();
+        let evenness = match &rig.outputs[index].kind {
+            OutputKind::Optics { even_light, .. } if *even_light > 0.0 => {
+                Some(Evenness::of(rig, index, sizes, *even_light)?)
+            }
+            _ => None,
+        };
+        Ok(Self {
+            map: WarpMap::new(rig, index, size, None)?,
+            weights: Weights::new(rig, sizes)?,
+            index,
+            evenness,
+            scale: Scale::of(&rig.outputs[index].kind),
+            with_black: rig.outputs.iter().any(|output| output.blend.contrast.is_some()),
+        })
+    }
+
+    /// The output's size in pixels.
+    pub fn size(&self) -> (u32, u32) {
+        self.map.size()
+    }
+
+    /// What is seen at a pixel position (from the top left, centres at +½); `None` where nothing is shown.
+    pub fn at(&self, pixel: DVec2) -> Option<Sight> {
+        let even = self.evenness.as_ref().map_or(1.0, |evenness| evenness.weight(&self.map, pixel));
+        match self.map.hit(pixel) {
+            Some(hit) => Some(Sight {
+                weight: even * self.weights.calibrated(self.index, pixel) * self.weight(hit),
+                vector: self.vector(hit)?,
+            }),
+            None => {
+                let direction = self.map.direction(pixel)?;
+                let depth = match self.scale {
+                    Scale::Window { axis } => direction.dot(axis),
+                    _ => 1.0,
+                };
+                Some(Sight { vector: direction / depth, weight: self.weights.weight(self.index, pixel)? })
+            }
+        }
+    }
+
+    /// The vector from the viewer to a point of the screen (metres, dome axes); `None` for the viewer's own place.
+    pub fn vector(&self, point: DVec3) -> Option<DVec3> {
+        let vector = self.map.viewer().point_to_local(point);
+        let depth = match self.scale {
+            Scale::Depth { origin, axis } => (point - origin).dot(axis),
+            _ => 1.0,
+        };
+        (vector != DVec3::ZERO && depth > 0.0).then(|| vector / depth)
+    }
+
+    /// The weight at a point of the screen, without what depends on the pixel.
+    pub fn weight(&self, point: DVec3) -> f64 {
+        self.weights.weight_at(self.index, point)
+    }
+
+    /// The error of a vector that is shown at a pixel position; `None` where nothing is to be shown there.
+    pub fn error(&self, pixel: DVec2, vector: DVec3) -> Option<f64> {
+        let exact = self.map.direction(pixel)?;
+        let size = pixel_angle(&self.map, pixel)?;
+        Some(exact.cross(vector).length().atan2(exact.dot(vector)) / size)
+    }
+
+    /// The table of all pixels.
+    pub fn table(&self) -> Table {
+        Table::new(self.size(), |column, row| {
+            let pixel = DVec2::new(f64::from(column) + 0.5, f64::from(row) + 0.5);
+            let sight = self.at(pixel)?;
+            let hit = if self.with_black { self.map.hit(pixel) } else { None };
+            let dark = hit.map_or(0.0, |hit| self.weights.black_at(hit));
+            Some(TablePixel { direction: sight.vector, weight: sight.weight, dark })
+        })
+    }
+}
+
+/// Dimming that evens out the light of pixels of different size on a screen that scatters light evenly: the same
+/// light on a smaller area is brighter by the ratio of the areas, the determinant of the map's Jacobian. Distance and
+/// incidence are both in it. Projectors count as equally bright, so that where they overlap their light is the same.
+struct Evenness {
+    /// Area of the pixels that are not dimmed.
+    reference: f64,
+    strength: f64,
+    /// Areas beforehand, of a picture with many pixels.
+    areas: Option<Areas>,
+}
+
+/// Pixels in each direction that are looked at for the reference.
+const REFERENCE_GRID: u32 = 64;
+/// The part of the pixels that are dimmed; the rest, stretched pixels near grazing light, would darken all others.
+const DIMMED: f64 = 0.9;
+
+impl Evenness {
+    /// For output `index`: dimmed as much as the output needs whose pixels are the largest for their light.
+    fn of(rig: &Rig, index: usize, sizes: &[(u32, u32)], strength: f64) -> Result<Self> {
+        let size = sizes.get(index).copied().unwrap_or_default();
+        let pixels = |(width, height): (u32, u32)| f64::from(width) * f64::from(height);
+        let mut reference = 0.0f64;
+        for (other, (output, &size)) in rig.outputs.iter().zip(sizes).enumerate() {
+            if matches!(output.kind, OutputKind::Optics { even_light, .. } if even_light > 0.0) {
+                let map = WarpMap::new(rig, other, size, None)?;
+                reference = reference.max(Self::large_area(&map) * pixels(size));
+            }
+        }
+        let many = size.0 >= 2 * AREA_CELLS && size.1 >= 2 * AREA_CELLS;
+        let areas = many.then(|| WarpMap::new(rig, index, size, None).map(|map| Areas::of(&map))).transpose()?;
+        Ok(Self { reference: reference / pixels(size), strength, areas })
+    }
+
+    /// The area on the screen that most pixels of a map do not exceed.
+    fn large_area(map: &WarpMap) -> f64 {
+        let size = DVec2::new(f64::from(map.size().0), f64::from(map.size().1));
+        let place = |i: u32| (f64::from(i) + 0.5) / f64::from(REFERENCE_GRID);
+        let grid = (0..REFERENCE_GRID).flat_map(|y| (0..REFERENCE_GRID).map(move |x| DVec2::new(place(x), place(y))));
+        let mut areas: Vec<f64> = grid.filter_map(|part| map.area(part * size)).collect();
+        areas.sort_by(f64::total_cmp);
+        areas.get((areas.len() as f64 * DIMMED) as usize).copied().unwrap_or_default()
+    }
+
+    /// The weight of a pixel, linear light; 1 where its area is not known.
+    fn weight(&self, map: &WarpMap, pixel: DVec2) -> f64 {
+        let area = self.areas.as_ref().and_then(|areas| areas.at(pixel)).or_else(|| map.area(pixel));
+        let ratio = area.filter(|_| self.reference > 0.0).map_or(1.0, |area| area / self.reference);
+        ratio.min(1.0).powf(self.strength)
+    }
+}
+
+/// Cells in each direction in which areas are interpolated. They vary smoothly: over the whole of `idome` interpolation is off by
+/// less than a thousandth, and it saves four fifths of all rays.
+const AREA_CELLS: u32 = 256;
+
+/// The areas that pixels light, at the corners of cells.
+struct Areas {
+    /// From one corner to the next, pixels.
+    step: DVec2,
+    /// Row by row; NaN where a pixel has none.
+    corners: Vec<f64>,
+}
+
+impl Areas {
+    fn of(map: &WarpMap) -> Self {
+        let size = DVec2::new(f64::from(map.size().0), f64::from(map.size().1));
+        // Pixels in the first and last row and column have differences to both sides, too.
+        let step = (size - 1.0) / f64::from(AREA_CELLS);
+        let places = (0..=AREA_CELLS).flat_map(|y| (0..=AREA_CELLS).map(move |x| (f64::from(x), f64::from(y))));
+        let area = |(x, y)| map.area(DVec2::new(x, y) * step + 0.5).unwrap_or(f64::NAN);
+        Self { step, corners: places.map(area).collect() }
+    }
+
+    /// The area at a pixel position; `None` where it is to be found without interpolation: at an edge of what is shown.
+    fn at(&self, pixel: DVec2) -> Option<f64> {
+        let last = f64::from(AREA_CELLS - 1);
+        let place = (pixel - 0.5) / self.step;
+        let cell = place.floor().clamp(DVec2::ZERO, DVec2::splat(last));
+        let part = place - cell;
+        let corner =
+            |x: usize, y: usize| self.corners[(cell.y as usize + y) * (AREA_CELLS as usize + 1) + cell.x as usize + x];
+        let row = |y: usize| corner(0, y) * (1.0 - part.x) + corner(1, y) * part.x;
+        let area = row(0) * (1.0 - part.y) + row(1) * part.y;
+        area.is_finite().then_some(area)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn areas_between_cells_corners_are_those_of_pixels() {
+        let rig = crate::rig::load("idome").expect("a preset");
+        let size = (640, 640);
+        let map = WarpMap::new(&rig, 0, size, None).expect("a map");
+        let areas = Areas::of(&map);
+        let (mut compared, mut worst) = (0, 0.0f64);
+        for (x, y) in (0..size.1).flat_map(|y| (0..size.0).map(move |x| (x, y))).step_by(7) {
+            let pixel = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
+            if let (Some(between), Some(exact)) = (areas.at(pixel), map.area(pixel)) {
+                compared += 1;
+                worst = worst.max((between / exact - 1.0).abs());
+            }
+        }
+        println!("{compared} areas, off by {worst:.2e}");
+        assert!(compared > 10_000 && worst < 1e-3, "{compared}: {worst}");
+        // A cell aside is noticed.
+        let aside = DVec2::new(320.5, 200.5);
+        let (there, here) = (areas.at(aside + areas.step), map.area(aside));
+        assert!((there.expect("shown") / here.expect("shown") - 1.0).abs() > 1e-3);
+    }
+}

@@ -1,0 +1,206 @@
+//! Tables as bytes: a ray for each pixel is most of what a start computes where there are tables.
+
+use crate::cache::{Cache, Reader, Writer};
+use crate::correct::sources::table::Table;
+use crate::error::Result;
+use crate::rig::Rig;
+use glam::DMat3;
+use std::sync::Arc;
+
+/// The table of output `index` of `rig`, whose outputs have `sizes` pixels, by `make`, or what `cache` kept of it.
+///
+/// # Errors
+/// Those of `make`.
+pub(in crate::correct) fn kept(
+    rig: &Rig,
+    index: usize,
+    sizes: &[(u32, u32)],
+    cache: &Cache,
+    make: impl FnOnce() -> Result<Table>,
+) -> Result<Table> {
+    let size = sizes.get(index).copied().unwrap_or_default();
+    cache.kept("table", |key| key.debug(rig).debug(&index).debug(&sizes), |reader| read(reader, size), write, make)
+}
+
+/// Of a table of all pixels only what is lit.
+fn is_stored(table: &Table, entry: usize) -> bool {
+    table.step > 1 || table.lit.get(entry).is_none_or(|lit| *lit)
+}
+
+fn write(table: &Table, to: &mut Writer) -> bool {
+    let Table { size, step, entries, axes, texels, weighted, lit, error } = table;
+    [size.0, size.1, *step, entries.0, entries.1].iter().for_each(|number| to.u32(*number));
+    axes.to_cols_array().iter().for_each(|entry| to.f64(*entry));
+    to.bool(*weighted);
+    to.f64(*error);
+    to.length(lit.len());
+    let bits = |eight: &[bool]| eight.iter().rev().fold(0, |byte, lit| (byte << 1) | u8::from(*lit));
+    to.bytes(&lit.chunks(8).map(bits).collect::<Vec<_>>());
+    to.length(texels.len());
+    for (_, texel) in texels.iter().enumerate().filter(|(entry, _)| is_stored(table, *entry)) {
+        texel.iter().for_each(|part| to.f32(*part));
+    }
+    true
+}
+
+/// A table of an output of `size` pixels.
+fn read(from: &mut Reader<'_>, size: (u32, u32)) -> Option<Table> {
+    let mut number = || from.u32();
+    let (found, step, entries) = ((number()?, number()?), number()?, (number()?, number()?));
+    if found != size {
+        return None;
+    }
+    let axes = DMat3::from_cols_array(&from.finites()?);
+    let (weighted, error) = (from.bool()?, from.finite()?);
+    let area = |(width, height): (u32, u32)| usize::try_from(u64::from(width) * u64::from(height)).ok();
+    let pixels = from.length(0).filter(|pixels| Some(*pixels) == area(size))?;
+    let bits = from.bytes(pixels.div_ceil(8))?;
+    let lit: Vec<bool> = (0..pixels).map(|pixel| bits[pixel / 8] >> (pixel % 8) & 1 == 1).collect();
+    let count = from.length(0).filter(|count| Some(*count) == area(entries))?;
+    // A coarse table has all of its entries, one of all pixels those that are lit.
+    let stored = match step {
+        0 => return None,
+        1 if count == pixels => lit.iter().filter(|lit| **lit).count(),
+        1 => return None,
+        _ => count,
+    };
+    let (stored, []) = from.bytes(stored.checked_mul(16)?)?.as_chunks::<16>() else { return None };
+    let mut stored = stored.iter();
+    let mut table =
+        Table { size, step, entries, axes, texels: vec![[0.0; 4]; count], weighted, lit: Arc::new(lit), error };
+    let mut texels = std::mem::take(&mut table.texels);
+    let mut finite = true;
+    for (_, texel) in texels.iter_mut().enumerate().filter(|(entry, _)| is_stored(&table, *entry)) {
+        let (parts, _) = stored.next()?.as_chunks::<4>();
+        *texel = std::array::from_fn(|part| f32::from_le_bytes(parts[part]));
+        finite &= texel.iter().all(|value| value.is_finite());
+    }
+    table.texels = texels;
+    finite.then_some(table)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::correct::sources::table::TablePixel;
+    use crate::correct::sources::table_coarse::coarse;
+    use crate::formats::{self, Levels, Node, Raster};
+    use crate::geom::screen::{self, Faces};
+    use crate::views::tests::{fisheye, lens, projector, rig};
+    use glam::{DVec2, DVec3};
+
+    fn sample(size: (u32, u32)) -> Table {
+        Table::new(size, |column, row| {
+            let direction = DVec3::new(f64::from(column) - 3.1, f64::from(row) - 2.2, -4.0);
+            (column % 3 != 1).then_some(TablePixel { direction, weight: 0.1 * f64::from(row), dark: 0.01 })
+        })
+    }
+
+    #[test]
+    fn what_is_kept_is_the_table() {
+        let one = rig(vec![projector("p", DVec3::new(0.5, 0.0, 1.0), [20.0, 10.0, 5.0], lens(60.0, 40.0))]);
+        let shown = crate::correct::sources::surface_sample::Shown::new(&one, 0, &[(160, 90)]).expect("a map");
+        let coarse = coarse(&shown, 0.1);
+        assert!(coarse.step() > 1, "a coarse table");
+        for table in [sample((7, 5)), sample((0, 0)), sample((64, 1)), coarse] {
+            let mut writer = Writer::default();
+            assert!(write(&table, &mut writer));
+            let bytes = writer.finish();
+            let mut reader = Reader::new(&bytes);
+            let size = table.size;
+            assert_eq!(read(&mut reader, size), Some(table));
+            assert!(reader.is_at_end());
+            // What is cut off is refused; what is changed is refused or read as something, and no more is asked for than there is.
+            for length in 0..bytes.len().min(2000) {
+                let mut cut = Reader::new(&bytes[..length]);
+                assert!(read(&mut cut, size).is_none(), "{length}");
+            }
+            for at in 0..bytes.len().min(300) {
+                for change in [0xFF, 0x80, 1] {
+                    let mut other = bytes.clone();
+                    other[at] ^= change;
+                    read(&mut Reader::new(&other), size);
+                }
+            }
+        }
+    }
+
+    /// Large data stands in keys by a sum: one that missed a change would show what an older file said.
+    #[test]
+    fn every_number_of_large_data_counts_in_keys() {
+        fn differ<T: std::fmt::Debug>(values: &[T]) {
+            let texts: Vec<String> = values.iter().map(|value| format!("{value:?}")).collect();
+            for (index, text) in texts.iter().enumerate() {
+                assert!(text.len() < 400, "the numbers themselves are left out: {text}");
+                assert!(!texts[..index].contains(text), "{index}: {text}");
+            }
+        }
+        /// The numbers as they are, and with each of them changed in its last bit.
+        fn nudged<const N: usize>(numbers: [f32; N]) -> Vec<[f32; N]> {
+            let changed = (0..N).map(|at| {
+                let mut other = numbers;
+                other[at] = f32::from_bits(other[at].to_bits() ^ 1);
+                other
+            });
+            std::iter::once(numbers).chain(changed).collect()
+        }
+        let pixels = nudged([0.1, 0.2, 0.3, 0.4, 0.5, 0.6]);
+        let pair = |[a, b, c, d, e, f]: [f32; 6]| vec![[a, b, c], [d, e, f]];
+        let raster = |values| Raster::new((2, 1), pair(values)).expect("two pixels");
+        differ(&pixels.iter().copied().map(raster).collect::<Vec<_>>());
+        differ(&pixels.iter().map(|values| Levels { size: (2, 1), values: pair(*values) }).collect::<Vec<_>>());
+
+        let corners = nudged([0.0, 0.0, 1.0, 1.0, 0.0, 2.0, 0.0, 1.0, 3.0]).into_iter().map(|n| n.map(f64::from));
+        let screens = corners.flat_map(|[a, b, c, d, e, f, g, h, i]| {
+            let triangle = [DVec3::new(a, b, c), DVec3::new(d, e, f), DVec3::new(g, h, i)];
+            [Faces::Front, Faces::Back].map(|faces| screen::Mesh::new(vec![triangle], faces).expect("a triangle"))
+        });
+        differ(&screens.collect::<Vec<_>>());
+
+        let node = |x: f32, y: f32, value: [f32; 3], intensity: f32| Node {
+            position: DVec2::new(x.into(), y.into()),
+            value: DVec3::from_array(value.map(f64::from)),
+            intensity: intensity.into(),
+        };
+        let mesh = |[x, y, a, b, c, intensity]: [f32; 6], turned: bool| {
+            let nodes =
+                vec![node(x, y, [a, b, c], intensity), node(1.0, 0.0, [1.0; 3], 1.0), node(0.0, 1.0, [2.0; 3], 1.0)];
+            formats::Mesh::new("mesh", nodes, vec![if turned { [0, 2, 1] } else { [0, 1, 2] }]).expect("a mesh")
+        };
+        differ(&pixels.iter().flat_map(|n| [mesh(*n, false), mesh(*n, true)]).collect::<Vec<_>>());
+
+        let table = sample((9, 9));
+        let mut tables = vec![table.clone()];
+        for (entry, part) in [(0, 0), (2, 1), (40, 2), (80, 3)] {
+            let mut other = table.clone();
+            other.texels[entry][part] = f32::from_bits(other.texels[entry][part].to_bits() ^ 1);
+            tables.push(other);
+        }
+        for pixel in [0, 63, 64, 80] {
+            let mut other = table.clone();
+            let mut lit = other.lit.to_vec();
+            lit[pixel] = !lit[pixel];
+            other.lit = Arc::new(lit);
+            tables.push(other);
+        }
+        differ(&tables);
+    }
+
+    #[test]
+    fn a_table_of_another_rig_is_made_anew() {
+        let cache = Cache::in_memory();
+        let one = rig(vec![fisheye(180.0, 90.0)]);
+        let mut other = one.clone();
+        other.outputs[0].blend.gamma += f64::EPSILON * 2.0;
+        let table = |rig: &Rig, size: (u32, u32)| {
+            let made = kept(rig, 0, &[size], &cache, || Ok(sample(size))).expect("a table");
+            assert_eq!(made, sample(size));
+        };
+        for _ in 0..3 {
+            table(&one, (7, 5));
+            table(&other, (7, 5));
+            table(&one, (7, 6));
+        }
+        assert_eq!(cache.counts().missing, 3);
+    }
+}

@@ -1,0 +1,183 @@
+//! Tables with fewer entries than pixels, between which shaders interpolate.
+
+use crate::correct::shaders::uniforms;
+use crate::correct::sources::facets::WEIGHT_ERROR;
+use crate::correct::sources::surface_sample::Shown;
+use crate::correct::sources::table::{Table, TablePixel, in_parts};
+use glam::{DVec2, DVec3};
+use std::sync::Mutex;
+
+/// How far apart entries may be, in pixels: powers of two, so that the parts of a step are exact.
+const STEPS: [u32; 7] = [128, 64, 32, 16, 8, 4, 2];
+
+/// The coarsest table of `shown` that errs by at most `max_error` pixels and [`WEIGHT_ERROR`] of the light, measured
+/// at the centre of every pixel; one of all pixels, which is exact, where no coarser one does.
+///
+/// Interpolation errs by the square of the step: four times less for half of it. Entries beyond a rim are continued from
+/// within.
+pub(in crate::correct) fn coarse(shown: &Shown, max_error: f64) -> Table {
+    let exact = shown.table();
+    let finest = exact.finest_steps();
+    let fits = |step| {
+        let table = Table::with_step(shown, &exact, step);
+        let error = table.error_within(&exact, &finest, max_error)?;
+        Some(Table { error, ..table })
+    };
+    STEPS.into_iter().find_map(fits).unwrap_or(exact)
+}
+
+impl Table {
+    /// The entries of `shown`, `step` pixels apart, in the axes of `exact`.
+    fn with_step(shown: &Shown, exact: &Self, step: u32) -> Self {
+        let size = exact.size;
+        let entries = (size.0.div_ceil(step) + 1, size.1.div_ceil(step) + 1);
+        let to_axes = exact.axes.transpose();
+        let at = |column: i64, row: i64| -> Option<[f64; 4]> {
+            let sight = shown.at(f64::from(step) * DVec2::new(column as f64, row as f64))?;
+            let vector = to_axes * sight.vector;
+            Some([vector.x, vector.y, vector.z, sight.weight])
+        };
+        let (columns, rows) = (i64::from(entries.0), i64::from(entries.1));
+        let mut known: Vec<Option<[f64; 4]>> =
+            (0..rows).flat_map(|row| (0..columns).map(move |column| (column, row))).map(|(c, r)| at(c, r)).collect();
+        // Twice, for corners between two rims.
+        for _ in 0..2 {
+            known = continued(&known, columns, rows);
+        }
+        // Shaders know no distances: the longest vector gets length 1.
+        let longest =
+            known.iter().flatten().map(|v| DVec3::new(v[0], v[1], v[2]).length()).fold(f64::MIN_POSITIVE, f64::max);
+        let texels = known
+            .iter()
+            .map(|entry| entry.map_or([0.0; 4], |[x, y, z, w]| uniforms::texel(DVec3::new(x, y, z) / longest, w)))
+            .collect();
+        Self {
+            size,
+            step,
+            entries,
+            texels,
+            axes: exact.axes,
+            weighted: exact.weighted,
+            lit: exact.lit.clone(),
+            error: 0.0,
+        }
+    }
+
+    /// The angle of each pixel's finer step to its neighbours, radians, by tens of rows and columns.
+    fn finest_steps(&self) -> Vec<f64> {
+        let (width, height) = (self.size.0 as usize, self.size.1 as usize);
+        let direction = |column: usize, row: usize| {
+            let [x, y, z, _] = self.texels[row * width + column].map(f64::from);
+            DVec3::new(x, y, z)
+        };
+        let step = |index: usize| {
+            let (column, row) = (index % width, index / width);
+            let own = direction(column, row);
+            let to = |column: usize, row: usize| {
+                let other = direction(column, row);
+                (other != DVec3::ZERO).then(|| own.cross(other).length())
+            };
+            let across = (column + 1 < width).then(|| to(column + 1, row)).flatten();
+            let across = across.or_else(|| to(column.checked_sub(1)?, row));
+            let down = (row + 1 < height).then(|| to(column, row + 1)).flatten();
+            let down = down.or_else(|| to(column, row.checked_sub(1)?));
+            match (across, down) {
+                (Some(across), Some(down)) => (0.5 * (across * across + down * down)).sqrt(),
+                (Some(one), None) | (None, Some(one)) => one,
+                (None, None) => 0.0,
+            }
+        };
+        (0..width * height).map(step).collect()
+    }
+
+    /// How far this table is from `exact` at the worst pixel's centre, in pixels, whose angles are `pixels`; `None` where
+    /// that is more than `max_error`, or weights differ by more than [`WEIGHT_ERROR`].
+    fn error_within(&self, exact: &Self, pixels: &[f64], max_error: f64) -> Option<f64> {
+        let width = self.size.0 as usize;
+        let worst = Mutex::new(Some(0.0f64));
+        let row_error = |row: usize| {
+            (0..width).try_fold(0.0f64, |worst, column| {
+                let index = row * width + column;
+                let [x, y, z, weight] = exact.texels[index].map(f64::from);
+                let expected = DVec3::new(x, y, z);
+                if expected == DVec3::ZERO {
+                    return Some(worst);
+                }
+                let [x, y, z, found_weight] = self.interpolated(column as f64 + 0.5, row as f64 + 0.5);
+                let found = DVec3::new(x, y, z);
+                let angle = expected.cross(found).length().atan2(expected.dot(found));
+                let good = angle <= max_error * pixels[index] && (weight - found_weight).abs() <= WEIGHT_ERROR;
+                good.then(|| if angle > 0.0 { worst.max(angle / pixels[index]) } else { worst })
+            })
+        };
+        let mut rows: Vec<usize> = (0..self.size.1 as usize).collect();
+        in_parts(&mut rows, 1, self.size.1 as usize, &|_, part: &mut [usize]| {
+            for &mut row in part {
+                // Nothing is left in a lock that another thread broke: the table counts as too coarse then.
+                let failed = worst.lock().map_or(true, |worst| worst.is_none());
+                let error = if failed { return } else { row_error(row) };
+                if let Ok(mut worst) = worst.lock() {
+                    *worst = worst.zip(error).map(|(worst, error)| worst.max(error));
+                }
+            }
+        });
+        worst.into_inner().ok().flatten()
+    }
+
+    /// Between the four entries around a pixel position: what shaders compute.
+    pub(in crate::correct) fn interpolated(&self, across: f64, down: f64) -> [f64; 4] {
+        let at = |place: f64, entries: u32| {
+            let place = place.max(0.0) / f64::from(self.step);
+            let first = place.floor().min(f64::from(entries) - 2.0);
+            (first as usize, place - first)
+        };
+        let ((column, x), (row, y)) = (at(across, self.entries.0), at(down, self.entries.1));
+        let entry = |column: usize, row: usize| self.texels[row * self.entries.0 as usize + column].map(f64::from);
+        let mix = |a: [f64; 4], b: [f64; 4], part: f64| std::array::from_fn(|i| a[i] * (1.0 - part) + b[i] * part);
+        let row_at = |row: usize| -> [f64; 4] { mix(entry(column, row), entry(column + 1, row), x) };
+        mix(row_at(row), row_at(row + 1), y)
+    }
+
+    /// What shows at a place, parts of width and height, of a table with steps.
+    pub(in crate::correct) fn between(&self, across: f64, down: f64) -> TablePixel {
+        let [x, y, z, weight] = self.interpolated(across * f64::from(self.size.0), down * f64::from(self.size.1));
+        TablePixel { direction: self.axes * DVec3::new(x, y, z), weight, dark: 0.0 }
+    }
+}
+
+/// The entries, those that are missing next to known ones continued: by the mean of the parabolas through the next three
+/// in a row, or of the lines through the next two.
+fn continued(known: &[Option<[f64; 4]>], columns: i64, rows: i64) -> Vec<Option<[f64; 4]>> {
+    let at = |column: i64, row: i64| {
+        let inside = (0..columns).contains(&column) && (0..rows).contains(&row);
+        if inside { known[(row * columns + column) as usize] } else { None }
+    };
+    let fill = |column: i64, row: i64| {
+        let directions = (-1..=1).flat_map(|x| (-1..=1).map(move |y| (x, y))).filter(|&step| step != (0, 0));
+        let mut best: Vec<[f64; 4]> = Vec::new();
+        for points in [3, 2] {
+            best.extend(directions.clone().filter_map(|(x, y)| {
+                let next = |distance: i64| at(column + x * distance, row + y * distance);
+                let (a, b) = (next(1)?, next(2)?);
+                Some(match points {
+                    3 => {
+                        let c = next(3)?;
+                        std::array::from_fn(|i| 3.0 * (a[i] - b[i]) + c[i])
+                    }
+                    _ => std::array::from_fn(|i| 2.0 * a[i] - b[i]),
+                })
+            }));
+            if !best.is_empty() {
+                break;
+            }
+        }
+        let count = best.len() as f64;
+        best.into_iter()
+            .reduce(|sum, one| std::array::from_fn(|i| sum[i] + one[i]))
+            .map(|sum| sum.map(|value| value / count))
+    };
+    (0..rows)
+        .flat_map(|row| (0..columns).map(move |column| (column, row)))
+        .map(|(column, row)| at(column, row).or_else(|| fill(column, row)))
+        .collect()
+}

@@ -1,0 +1,260 @@
+//! Begin/End: recorded, and then issued like any other draw.
+//!
+//! While the program is between Begin and End the driver is, too, but gets no vertices: so it says the
+//! program's errors as it would without us. What cannot be played back (elements of arrays, display lists
+//! in between) is compiled into a list of the driver's instead.
+
+use crate::backend::gl::api::{self, Gl};
+use crate::intercept::gl::compat::vertex_recorder::Recorder;
+use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::context::hooks::hooks;
+use crate::intercept::gl::draw::culling::bounds::Bounds;
+use crate::intercept::gl::draw::issue::{Changes, draw};
+use crate::intercept::gl::draw::wide_primitives::Shape;
+use crate::intercept::gl::projected_vertices::fixed_function::substitute;
+use crate::intercept::gl::projected_vertices::fixed_function::vertices::Vertices;
+use crate::intercept::gl::projected_vertices::lens;
+use std::ffi::c_void;
+
+/// Where the program is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Phase {
+    /// Outside of Begin/End, or in one that is passed on as it comes.
+    #[default]
+    Outside,
+    /// Commands are recorded.
+    Recording,
+    /// Commands go into a list of ours, and are recorded besides.
+    IntoList,
+}
+
+/// The Begin/End that the program is in.
+pub struct Immediate {
+    /// Where the program is.
+    pub phase: Phase,
+    mode: u32,
+    pub(super) recorder: Recorder,
+    /// Around the vertices since `glBegin`.
+    pub(super) bounds: Bounds,
+    /// Our list for what cannot be played back; 0 = not made yet.
+    list: u32,
+    /// Attributes that were recorded from here on hold after the list.
+    trailing: usize,
+}
+
+impl Default for Immediate {
+    fn default() -> Self {
+        let (phase, recorder, bounds) = (Phase::Outside, Recorder::default(), Bounds::EMPTY);
+        Self { phase, mode: 0, recorder, bounds, list: 0, trailing: 0 }
+    }
+}
+
+impl Immediate {
+    /// Between `glBegin` and `glEnd` of a draw of ours.
+    pub fn under_way(&self) -> bool {
+        self.phase != Phase::Outside
+    }
+
+    fn begin(&mut self, mode: u32) {
+        self.phase = Phase::Recording;
+        self.mode = mode;
+        self.recorder.clear();
+        self.bounds = Bounds::EMPTY;
+        self.trailing = 0;
+    }
+}
+
+/// What cannot be played back is coming: from here on, and with what came already, a list is compiled.
+pub fn into_list(ctx: &mut Context) {
+    if ctx.immediate.phase == Phase::Recording && ctx.recording.is_some() {
+        give_to_list(ctx);
+    }
+    if ctx.immediate.phase == Phase::Recording {
+        // SAFETY: the driver is between Begin and End, where it can neither be asked nor compile.
+        unsafe { ctx.gl.end() };
+        if ctx.immediate.list == 0 {
+            ctx.immediate.list = crate::intercept::gl::compat::display_lists::own_name(ctx);
+        }
+        let (gl, immediate) = (ctx.gl, &mut ctx.immediate);
+        // SAFETY: the list is ours, and ends with the program's End.
+        unsafe {
+            let current = Current::get(gl, [true; 3]);
+            gl.new_list(immediate.list, api::GL_COMPILE);
+            current.set(gl);
+            gl.begin(immediate.mode);
+            immediate.recorder.play(gl);
+        }
+        immediate.phase = Phase::IntoList;
+    }
+    if ctx.immediate.under_way() {
+        ctx.immediate.bounds.add_unknown();
+        // An element, or a list, may set attributes itself: those that came before no longer hold.
+        ctx.immediate.trailing = ctx.immediate.recorder.place();
+    }
+}
+
+/// Colour, normal and texture coordinate, those that are wanted.
+struct Current([Option<[f32; 4]>; 3]);
+
+impl Current {
+    fn get(gl: &Gl, wanted: [bool; 3]) -> Self {
+        let names = [api::GL_CURRENT_COLOR, api::GL_CURRENT_NORMAL, api::GL_CURRENT_TEXTURE_COORDS];
+        Self(std::array::from_fn(|i| {
+            wanted[i].then(|| {
+                let mut value = [0.0; 4];
+                // SAFETY: writes four floats at most.
+                unsafe { gl.get_floatv(names[i], value.as_mut_ptr()) };
+                value
+            })
+        }))
+    }
+
+    /// Sets them to what they were. Before the first vertex also what is so already: Mesa gives vertices
+    /// a wrong value of an attribute that comes only after them, unless it was set before them.
+    fn set(&self, gl: &Gl) {
+        let [color, normal, texture] = &self.0;
+        // SAFETY: reads three or four floats.
+        unsafe {
+            if let Some(color) = color {
+                gl.color4fv(color.as_ptr());
+            }
+            if let Some(normal) = normal {
+                gl.normal3fv(normal.as_ptr());
+            }
+            if let Some(texture) = texture {
+                gl.tex_coord4fv(texture.as_ptr());
+            }
+        }
+    }
+}
+
+/// Issues what was recorded between Begin and End.
+fn issue(ctx: &mut Context, mode: u32, bounds: Bounds, recorder: &Recorder) {
+    ctx.outlines.shape = Shape::of_mode(mode);
+    let current = Current::get(ctx.gl, recorder.sets_late());
+    let changes = if recorder.sets_others_late() {
+        Changes::Attributes
+    } else if recorder.sets_anything() {
+        Changes::Alike
+    } else {
+        Changes::Nothing
+    };
+    let whole = |_: &mut Context, gl: &Gl| {
+        // SAFETY: the program's own commands, outside of its Begin/End.
+        unsafe {
+            gl.begin(mode);
+            current.set(gl);
+            recorder.play(gl);
+            gl.end();
+        }
+    };
+    if !substitute::reads(ctx, mode) {
+        draw(ctx, changes, |_| bounds, whole);
+        return;
+    }
+    let vertices = Vertices::of_recorded(ctx.gl, mode, recorder);
+    // SAFETY: the program's own attributes: materials count for all vertices, all else is set with each of them.
+    unsafe { recorder.play_attributes(ctx.gl, 0) };
+    substitute::draw_read(ctx, changes, bounds, &vertices, whole);
+    // SAFETY: as above; between vertices others were set.
+    unsafe { recorder.play_attributes(ctx.gl, 0) };
+}
+
+/// Issues what was recorded since `glBegin`.
+fn issue_recorded(ctx: &mut Context) {
+    let recorder = std::mem::take(&mut ctx.immediate.recorder);
+    issue(ctx, ctx.immediate.mode, ctx.immediate.bounds, &recorder);
+    ctx.immediate.recorder = recorder;
+}
+
+/// Whether Begin/End becomes a command of its own in the list that is compiled, so that it can be divided when the list runs.
+fn is_kept_apart(ctx: &Context) -> bool {
+    ctx.recording.is_some() && !ctx.views_only && lens::division_asked_for()
+}
+
+/// What was recorded becomes a command of the list that is compiled.
+fn keep_apart(ctx: &mut Context) {
+    let (mode, bounds) = (ctx.immediate.mode, ctx.immediate.bounds);
+    let recorder = std::mem::take(&mut ctx.immediate.recorder);
+    crate::intercept::gl::compat::display_lists::now_or_later(ctx, move |ctx| issue(ctx, mode, bounds, &recorder));
+}
+
+/// What was recorded, and what comes until the program's End, goes into the list that is compiled as it is.
+fn give_to_list(ctx: &mut Context) {
+    crate::intercept::gl::compat::display_lists::will_draw(ctx, false);
+    let Some(recording) = &mut ctx.recording else { return };
+    recording.bounds.add_unknown();
+    ctx.immediate.phase = Phase::Outside;
+    // SAFETY: the program's own commands, into the list that the driver compiles.
+    unsafe {
+        ctx.gl.begin(ctx.immediate.mode);
+        ctx.immediate.recorder.play(ctx.gl);
+    }
+}
+
+/// Issues the list that stands for a Begin/End. What is current afterwards is what the program set last, but a
+/// list that ends with an attribute after its last vertex leaves something else on Mesa: it is set again.
+fn issue_list(ctx: &mut Context) {
+    let (list, bounds, trailing) = (ctx.immediate.list, ctx.immediate.bounds, ctx.immediate.trailing);
+    ctx.outlines.shape = Shape::of_mode(ctx.immediate.mode);
+    // SAFETY: a list of ours.
+    draw(ctx, Changes::Attributes, |_| bounds, |_, gl| unsafe { gl.call_list(list) });
+    // SAFETY: attributes of the program's.
+    unsafe { ctx.immediate.recorder.play_attributes(ctx.gl, trailing) };
+}
+
+hooks! {
+    between;
+    "glBegin" begin(mode: u32) = |ctx, gl| {
+        if is_kept_apart(ctx) && !ctx.immediate.under_way() && mode <= api::GL_POLYGON {
+            ctx.immediate.begin(mode);
+            return;
+        } else if ctx.recording.is_some() {
+            crate::intercept::gl::compat::display_lists::will_draw(ctx, false);
+        } else if ctx.session().is_none() || ctx.picking {
+            crate::intercept::gl::draw::issue::plain_program(ctx);
+        } else if !ctx.immediate.under_way() && mode <= api::GL_PATCHES {
+            ctx.immediate.begin(mode);
+        }
+        gl.begin(mode);
+    };
+    "glEnd" end() = |ctx, gl| {
+        if ctx.recording.is_some() && ctx.immediate.phase == Phase::Recording {
+            ctx.immediate.phase = Phase::Outside;
+            keep_apart(ctx);
+            return;
+        }
+        gl.end();
+        match std::mem::take(&mut ctx.immediate.phase) {
+            Phase::Outside => {}
+            Phase::Recording => issue_recorded(ctx),
+            Phase::IntoList => {
+                gl.end_list();
+                issue_list(ctx);
+            }
+        }
+    };
+    "glEndList" end_list() = |ctx, gl| {
+        if ctx.recording.is_some() {
+            // A primitive whose end is in another list.
+            into_list(ctx);
+        }
+        if ctx.immediate.under_way() { gl.end_list() } else { crate::intercept::gl::compat::display_lists::finish_recording(ctx) }
+    };
+    "glCallList" call_list(list: u32) = |ctx, gl| {
+        if ctx.immediate.under_way() {
+            into_list(ctx);
+            gl.call_list(list);
+        } else {
+            crate::intercept::gl::compat::display_lists::call_list(ctx, list);
+        }
+    };
+    "glCallLists" call_lists(count: i32, kind: u32, names: *const c_void) = |ctx, gl| {
+        if ctx.immediate.under_way() {
+            into_list(ctx);
+            gl.call_lists(count, kind, names);
+        } else {
+            crate::intercept::gl::compat::display_lists::call_lists(ctx, count, kind, names);
+        }
+    };
+}

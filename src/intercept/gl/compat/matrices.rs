@@ -1,0 +1,233 @@
+//! The fixed-function projection: what the program has in `GL_PROJECTION`, and each view's.
+
+use crate::backend::gl::api;
+use crate::intercept::gl::compat::display_lists::Command;
+use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::context::hooks::hooks;
+use crate::runtime::Session;
+use crate::runtime::session::{MatrixClass, classify};
+
+/// The program's `GL_PROJECTION` and what follows from it.
+pub struct Projection {
+    /// The matrix may have changed since it was read.
+    pub changed: bool,
+    /// As the program set it, column by column.
+    pub matrix: [f64; 16],
+    /// What it is.
+    pub class: MatrixClass,
+    /// Each view's projection in its place.
+    pub per_view: Vec<[f64; 16]>,
+    /// `GL_MODELVIEW`, unless it may have changed since it was read.
+    model_view: Option<[f64; 16]>,
+}
+
+impl Default for Projection {
+    fn default() -> Self {
+        Self { changed: true, matrix: [0.0; 16], class: MatrixClass::Other, per_view: Vec::new(), model_view: None }
+    }
+}
+
+impl Projection {
+    fn update(&mut self, matrix: [f64; 16], session: &Session) {
+        self.changed = false;
+        if matrix == self.matrix && !self.per_view.is_empty() {
+            return;
+        }
+        self.matrix = matrix;
+        self.class = classify(&matrix);
+        self.per_view.clear();
+        if let MatrixClass::Perspective(intrinsics) = &self.class {
+            self.per_view.extend(session.rows(intrinsics).map(|rows| multiply(&rows.matrix(), &matrix)));
+        }
+    }
+
+    /// The program may have changed the matrix of `mode`.
+    pub fn touch(&mut self, mode: u32) {
+        match mode {
+            api::GL_PROJECTION => self.changed = true,
+            api::GL_MODELVIEW => self.model_view = None,
+            _ => {}
+        }
+    }
+
+    /// The views changed: nothing is valid any more.
+    pub fn clear(&mut self) {
+        self.changed = true;
+        self.per_view.clear();
+    }
+}
+
+/// Brings the shadow of `GL_PROJECTION` up to date; asks the driver only after a change.
+pub fn refresh(ctx: &mut Context) {
+    if !ctx.projection.changed {
+        return;
+    }
+    let Some(session) = Context::session_of(&ctx.target, &ctx.lent) else { return };
+    let mut matrix = [0.0; 16];
+    // SAFETY: writes sixteen doubles; the context has a fixed-function pipeline.
+    unsafe { ctx.gl.get_doublev(api::GL_PROJECTION_MATRIX, matrix.as_mut_ptr()) };
+    ctx.projection.update(matrix, session);
+}
+
+/// `GL_MODELVIEW`; asks the driver only after a change.
+pub fn model_view(ctx: &mut Context) -> [f64; 16] {
+    let gl = ctx.gl;
+    *ctx.projection.model_view.get_or_insert_with(|| {
+        let mut matrix = [0.0; 16];
+        // SAFETY: writes sixteen doubles; the context has a fixed-function pipeline.
+        unsafe { gl.get_doublev(api::GL_MODELVIEW_MATRIX, matrix.as_mut_ptr()) };
+        matrix
+    })
+}
+
+/// Loads `matrix` into `GL_PROJECTION`, whatever the matrix mode is.
+pub fn load_projection(ctx: &Context, matrix: &[f64; 16]) {
+    let mode = ctx.believed.matrix_mode;
+    // SAFETY: reads sixteen doubles; the matrix mode is put back.
+    unsafe {
+        if mode != api::GL_PROJECTION {
+            ctx.gl.matrix_mode(api::GL_PROJECTION);
+        }
+        ctx.gl.load_matrixd(matrix.as_ptr());
+        if mode != api::GL_PROJECTION {
+            ctx.gl.matrix_mode(mode);
+        }
+    }
+}
+
+/// The product of two matrices, column by column.
+pub fn multiply(a: &[f64; 16], b: &[f64; 16]) -> [f64; 16] {
+    let mut product = [0.0; 16];
+    for (to, from) in product.chunks_exact_mut(4).zip(b.chunks_exact(4)) {
+        for (column, factor) in a.chunks_exact(4).zip(from) {
+            for (sum, entry) in to.iter_mut().zip(column) {
+                *sum += entry * factor;
+            }
+        }
+    }
+    product
+}
+
+/// Runs a matrix command of the program, or records it into the list that is being compiled.
+fn matrix_command(ctx: &mut Context, command: Command, run: impl FnOnce()) {
+    if ctx.compiling() {
+        crate::intercept::gl::compat::display_lists::record(ctx, command);
+        return;
+    }
+    run();
+    ctx.projection.touch(ctx.believed.matrix_mode);
+}
+
+/// Runs a command on the matrix of `mode` (GL_EXT_direct_state_access), or records it like [`matrix_command`].
+fn named(ctx: &mut Context, mode: u32, command: Command, run: impl FnOnce()) {
+    let followed = matches!(mode, api::GL_PROJECTION | api::GL_MODELVIEW);
+    if !ctx.compiling() || !followed {
+        run();
+        ctx.projection.touch(mode);
+        return;
+    }
+    crate::intercept::gl::compat::display_lists::now_or_later(ctx, move |ctx| {
+        let before = std::mem::replace(&mut ctx.believed.matrix_mode, mode);
+        // SAFETY: one of the two matrices that every context with lists has; the mode is put back.
+        unsafe { ctx.gl.matrix_mode(mode) };
+        crate::intercept::gl::compat::display_lists::run(ctx, &command, 0);
+        ctx.believed.matrix_mode = before;
+        // SAFETY: as above.
+        unsafe { ctx.gl.matrix_mode(before) };
+    });
+}
+
+fn array<T: Copy + Into<f64>>(pointer: *const T) -> [f64; 16] {
+    // SAFETY: the program passes sixteen numbers to a matrix command.
+    std::array::from_fn(|i| unsafe { (*pointer.add(i)).into() })
+}
+
+fn transposed(m: [f64; 16]) -> [f64; 16] {
+    std::array::from_fn(|i| m[i % 4 * 4 + i / 4])
+}
+
+hooks! {
+    "glMatrixLoadIdentityEXT" matrix_load_identity_ext(mode: u32) = |ctx, gl|
+        named(ctx, mode, Command::LoadIdentity, || gl.matrix_load_identity_ext(mode));
+    "glMatrixLoadfEXT" matrix_loadf_ext(mode: u32, m: *const f32) = |ctx, gl|
+        named(ctx, mode, Command::LoadMatrix(array(m)), || gl.matrix_loadf_ext(mode, m));
+    "glMatrixLoaddEXT" matrix_loadd_ext(mode: u32, m: *const f64) = |ctx, gl|
+        named(ctx, mode, Command::LoadMatrix(array(m)), || gl.matrix_loadd_ext(mode, m));
+    "glMatrixMultfEXT" matrix_multf_ext(mode: u32, m: *const f32) = |ctx, gl|
+        named(ctx, mode, Command::MultMatrix(array(m)), || gl.matrix_multf_ext(mode, m));
+    "glMatrixMultdEXT" matrix_multd_ext(mode: u32, m: *const f64) = |ctx, gl|
+        named(ctx, mode, Command::MultMatrix(array(m)), || gl.matrix_multd_ext(mode, m));
+    "glMatrixFrustumEXT" matrix_frustum_ext(mode: u32, l: f64, r: f64, b: f64, t: f64, n: f64, f: f64) = |ctx, gl|
+        named(ctx, mode, Command::Frustum([l, r, b, t, n, f]), || gl.matrix_frustum_ext(mode, l, r, b, t, n, f));
+    "glMatrixOrthoEXT" matrix_ortho_ext(mode: u32, l: f64, r: f64, b: f64, t: f64, n: f64, f: f64) = |ctx, gl|
+        named(ctx, mode, Command::Ortho([l, r, b, t, n, f]), || gl.matrix_ortho_ext(mode, l, r, b, t, n, f));
+    "glMatrixRotatefEXT" matrix_rotatef_ext(mode: u32, a: f32, x: f32, y: f32, z: f32) = |ctx, gl|
+        named(ctx, mode, Command::Rotate([a, x, y, z].map(f64::from)), || gl.matrix_rotatef_ext(mode, a, x, y, z));
+    "glMatrixRotatedEXT" matrix_rotated_ext(mode: u32, a: f64, x: f64, y: f64, z: f64) = |ctx, gl|
+        named(ctx, mode, Command::Rotate([a, x, y, z]), || gl.matrix_rotated_ext(mode, a, x, y, z));
+    "glMatrixScalefEXT" matrix_scalef_ext(mode: u32, x: f32, y: f32, z: f32) = |ctx, gl|
+        named(ctx, mode, Command::Scale([x, y, z].map(f64::from)), || gl.matrix_scalef_ext(mode, x, y, z));
+    "glMatrixScaledEXT" matrix_scaled_ext(mode: u32, x: f64, y: f64, z: f64) = |ctx, gl|
+        named(ctx, mode, Command::Scale([x, y, z]), || gl.matrix_scaled_ext(mode, x, y, z));
+    "glMatrixTranslatefEXT" matrix_translatef_ext(mode: u32, x: f32, y: f32, z: f32) = |ctx, gl|
+        named(ctx, mode, Command::Translate([x, y, z].map(f64::from)), || gl.matrix_translatef_ext(mode, x, y, z));
+    "glMatrixTranslatedEXT" matrix_translated_ext(mode: u32, x: f64, y: f64, z: f64) = |ctx, gl|
+        named(ctx, mode, Command::Translate([x, y, z]), || gl.matrix_translated_ext(mode, x, y, z));
+    "glMatrixPushEXT" matrix_push_ext(mode: u32) = |ctx, gl| named(ctx, mode, Command::PushMatrix, || gl.matrix_push_ext(mode));
+    "glMatrixPopEXT" matrix_pop_ext(mode: u32) = |ctx, gl| named(ctx, mode, Command::PopMatrix, || gl.matrix_pop_ext(mode));
+    "glMatrixMode" matrix_mode(mode: u32) = |ctx, gl| {
+        if ctx.compiling() {
+            crate::intercept::gl::compat::display_lists::record(ctx, Command::MatrixMode(mode));
+        } else {
+            gl.matrix_mode(mode);
+            ctx.believed.matrix_mode = mode;
+        }
+    };
+    "glLoadIdentity" load_identity() = |ctx, gl| matrix_command(ctx, Command::LoadIdentity, || gl.load_identity());
+    "glLoadMatrixf" load_matrixf(m: *const f32) = |ctx, gl| matrix_command(ctx, Command::LoadMatrix(array(m)), || gl.load_matrixf(m));
+    "glLoadMatrixd" load_matrixd(m: *const f64) = |ctx, gl| matrix_command(ctx, Command::LoadMatrix(array(m)), || gl.load_matrixd(m));
+    "glMultMatrixf" mult_matrixf(m: *const f32) = |ctx, gl| matrix_command(ctx, Command::MultMatrix(array(m)), || gl.mult_matrixf(m));
+    "glMultMatrixd" mult_matrixd(m: *const f64) = |ctx, gl| matrix_command(ctx, Command::MultMatrix(array(m)), || gl.mult_matrixd(m));
+    "glLoadTransposeMatrixf" load_transpose_matrixf(m: *const f32) = |ctx, gl|
+        matrix_command(ctx, Command::LoadMatrix(transposed(array(m))), || gl.load_transpose_matrixf(m));
+    "glLoadTransposeMatrixd" load_transpose_matrixd(m: *const f64) = |ctx, gl|
+        matrix_command(ctx, Command::LoadMatrix(transposed(array(m))), || gl.load_transpose_matrixd(m));
+    "glMultTransposeMatrixf" mult_transpose_matrixf(m: *const f32) = |ctx, gl|
+        matrix_command(ctx, Command::MultMatrix(transposed(array(m))), || gl.mult_transpose_matrixf(m));
+    "glMultTransposeMatrixd" mult_transpose_matrixd(m: *const f64) = |ctx, gl|
+        matrix_command(ctx, Command::MultMatrix(transposed(array(m))), || gl.mult_transpose_matrixd(m));
+    "glFrustum" frustum(l: f64, r: f64, b: f64, t: f64, n: f64, f: f64) = |ctx, gl|
+        matrix_command(ctx, Command::Frustum([l, r, b, t, n, f]), || gl.frustum(l, r, b, t, n, f));
+    "glOrtho" ortho(l: f64, r: f64, b: f64, t: f64, n: f64, f: f64) = |ctx, gl|
+        matrix_command(ctx, Command::Ortho([l, r, b, t, n, f]), || gl.ortho(l, r, b, t, n, f));
+    "glRotatef" rotatef(a: f32, x: f32, y: f32, z: f32) = |ctx, gl|
+        matrix_command(ctx, Command::Rotate([a.into(), x.into(), y.into(), z.into()]), || gl.rotatef(a, x, y, z));
+    "glRotated" rotated(a: f64, x: f64, y: f64, z: f64) = |ctx, gl|
+        matrix_command(ctx, Command::Rotate([a, x, y, z]), || gl.rotated(a, x, y, z));
+    "glScalef" scalef(x: f32, y: f32, z: f32) = |ctx, gl|
+        matrix_command(ctx, Command::Scale([x.into(), y.into(), z.into()]), || gl.scalef(x, y, z));
+    "glScaled" scaled(x: f64, y: f64, z: f64) = |ctx, gl|
+        matrix_command(ctx, Command::Scale([x, y, z]), || gl.scaled(x, y, z));
+    "glTranslatef" translatef(x: f32, y: f32, z: f32) = |ctx, gl|
+        matrix_command(ctx, Command::Translate([x.into(), y.into(), z.into()]), || gl.translatef(x, y, z));
+    "glTranslated" translated(x: f64, y: f64, z: f64) = |ctx, gl|
+        matrix_command(ctx, Command::Translate([x, y, z]), || gl.translated(x, y, z));
+    "glPushMatrix" push_matrix() = |ctx, gl| matrix_command(ctx, Command::PushMatrix, || gl.push_matrix());
+    "glPopMatrix" pop_matrix() = |ctx, gl| matrix_command(ctx, Command::PopMatrix, || gl.pop_matrix());
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{multiply, transposed};
+
+    #[test]
+    fn products_are_column_by_column() {
+        let a: [f64; 16] = std::array::from_fn(|i| i as f64);
+        let identity: [f64; 16] = std::array::from_fn(|i| f64::from(u8::from(i % 5 == 0)));
+        assert_eq!(multiply(&a, &identity), a);
+        assert_eq!(multiply(&identity, &a), a);
+        // (A B)ᵀ = Bᵀ Aᵀ tells the order of the factors.
+        let b: [f64; 16] = std::array::from_fn(|i| (i * i) as f64);
+        assert_eq!(transposed(multiply(&a, &b)), multiply(&transposed(b), &transposed(a)));
+    }
+}

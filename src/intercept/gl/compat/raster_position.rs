@@ -1,0 +1,434 @@
+//! The raster position, and what is drawn at it: bitmaps and pixel rectangles.
+//!
+//! The driver transforms a raster position once, when it is set. On the flat panel that is right.
+//! A position in the scene has another place in every view, so it is kept with its model-view
+//! matrix and set again in each view before something is drawn there.
+
+use crate::backend::gl::api::{self, Gl};
+use crate::intercept::gl::compat::display_lists::Command;
+use crate::intercept::gl::compat::matrices::load_projection;
+use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::context::hooks::hooks;
+use crate::intercept::gl::draw::issue::{Changes, Place, Repeats, own_window_space, place};
+use crate::intercept::gl::queries::scaling::{self, Weights};
+use std::ffi::c_void;
+
+/// Where the raster position belongs.
+#[derive(Clone, Default)]
+pub struct Raster {
+    scene: Option<ScenePosition>,
+    /// The origin of the tile in whose pixels the driver has it; the program has it in its window's.
+    origin: [i32; 2],
+    /// Each view's projection when the position was set.
+    projections: Vec<[f64; 16]>,
+}
+
+impl Raster {
+    /// The origin of the window in the driver's raster position.
+    pub fn origin(&self) -> [i32; 2] {
+        self.origin
+    }
+
+    /// A new position is set; the origin of the old one. The place for projections is used again.
+    fn forget(&mut self) -> [i32; 2] {
+        self.scene = None;
+        std::mem::take(&mut self.origin)
+    }
+
+    /// What is put back with this position.
+    pub fn saved(&self) -> Self {
+        if self.scene.is_some() { self.clone() } else { Self { origin: self.origin, ..Self::default() } }
+    }
+}
+
+/// A raster position in the scene.
+#[derive(Clone)]
+struct ScenePosition {
+    object: [f64; 4],
+    model_view: [f64; 16],
+    /// What the position took with it: the colour, lit where light is on, and a texture coordinate.
+    color: [f32; 4],
+    texture: [f32; 4],
+    /// The range of depths in which it was set.
+    depths: [f64; 2],
+    /// How far bitmaps moved it since, in pixels.
+    moved: [f32; 2],
+}
+
+/// `glRasterPos`.
+pub fn set_position(ctx: &mut Context, object: [f64; 4]) {
+    let gl = ctx.gl;
+    let old = ctx.raster.forget();
+    if ctx.redirected() && !ctx.picking {
+        let place = place(ctx);
+        if place == Place::FixedScene {
+            let mut model_view = [0.0; 16];
+            let (mut texture, mut depths) = ([0.0; 4], [0.0; 2]);
+            // SAFETY: writes eighteen doubles and four floats; a raster position implies a fixed-function pipeline.
+            unsafe {
+                gl.get_doublev(api::GL_MODELVIEW_MATRIX, model_view.as_mut_ptr());
+                gl.get_doublev(api::GL_DEPTH_RANGE, depths.as_mut_ptr());
+                gl.get_floatv(api::GL_CURRENT_TEXTURE_COORDS, texture.as_mut_ptr());
+            }
+            ctx.raster.projections.clone_from(&ctx.projection.per_view);
+            ctx.raster.scene =
+                Some(ScenePosition { object, model_view, color: [0.0; 4], texture, depths, moved: [0.0; 2] });
+            // The driver's own state too, for queries: as in the program's window.
+            ctx.set_viewport(ctx.believed.viewport);
+        } else {
+            ctx.raster.origin = flat_window_space(ctx);
+        }
+    } else if ctx.target.is_some() {
+        // In a framebuffer of the program's own, or for picking, there are no tiles.
+        ctx.set_viewport(ctx.believed.viewport);
+    }
+    // SAFETY: the program's own call.
+    unsafe { gl.raster_pos4d(object[0], object[1], object[2], object[3]) };
+    if !is_valid(gl) {
+        // What is clipped leaves its numbers where they were.
+        ctx.raster.origin = old;
+    }
+    if ctx.raster.scene.is_some() {
+        let color = taken_color(ctx, object);
+        ctx.raster.scene.iter_mut().for_each(|scene| scene.color = color);
+    }
+}
+
+/// The colour that the raster position took with it: lit, also where it is clipped away in the program's window and OpenGL
+/// has lit none.
+fn taken_color(ctx: &Context, object: [f64; 4]) -> [f32; 4] {
+    let gl = ctx.gl;
+    let mut color = [0.0; 4];
+    // SAFETY: writes four floats. What is current, the raster position with it, is pushed and popped.
+    unsafe {
+        if is_valid(gl) {
+            gl.get_floatv(api::GL_CURRENT_RASTER_COLOR, color.as_mut_ptr());
+            return color;
+        }
+        gl.get_floatv(api::GL_CURRENT_COLOR, color.as_mut_ptr());
+        if ctx.attribute_stack.len() >= crate::intercept::gl::context::window_state::ATTRIBUTE_DEPTH {
+            return color;
+        }
+        gl.push_attrib(api::GL_CURRENT_BIT);
+        // Everything is in the middle of the picture.
+        let mut middle = [0.0; 16];
+        middle[15] = 1.0;
+        load_projection(ctx, &middle);
+        gl.raster_pos4d(object[0], object[1], object[2], object[3]);
+        if is_valid(gl) {
+            gl.get_floatv(api::GL_CURRENT_RASTER_COLOR, color.as_mut_ptr());
+        }
+        load_projection(ctx, &ctx.projection.matrix);
+        gl.pop_attrib();
+    }
+    color
+}
+
+/// `glWindowPos`.
+pub fn set_window_position(ctx: &mut Context, position: [f64; 3]) {
+    ctx.raster.forget();
+    if ctx.redirected() && !ctx.picking {
+        ctx.raster.origin = flat_window_space(ctx);
+    }
+    let [x, y, z] = position;
+    let [left, bottom] = ctx.raster.origin.map(f64::from);
+    // SAFETY: the program's own call, moved to the panel.
+    unsafe { ctx.gl.window_pos3d(x + left, y + bottom, z) };
+}
+
+/// Prepares the flat tile; its origin in the atlas.
+fn flat_window_space(ctx: &mut Context) -> [i32; 2] {
+    crate::intercept::gl::framebuffer::default_framebuffer::want_panel(ctx);
+    let tile = ctx.target.as_ref().and_then(|t| t.flat_tiles().into_iter().flatten().next());
+    match tile {
+        Some((tile, _)) => {
+            own_window_space(ctx, tile);
+            [tile[0], tile[1]]
+        }
+        None => [0, 0],
+    }
+}
+
+/// Draws at the raster position what `changes` so much. `false` if the caller should treat it as any other draw.
+pub fn draw_at_raster(ctx: &mut Context, changes: Changes, issue: impl Fn(&Gl)) -> bool {
+    if ctx.picking || (!ctx.redirected() && ctx.raster.origin == [0, 0]) {
+        return false;
+    }
+    // Bitmaps reach over the border of their tile.
+    ctx.outlines.cut = true;
+    if !ctx.redirected() {
+        scaling::weigh(ctx, Weights::ONCE);
+        move_origin(ctx, [0, 0]);
+        issue(ctx.gl);
+        return true;
+    }
+    ctx.counts.draws_seen += 1;
+    ctx.frame_begun = true;
+    match ctx.raster.scene.take() {
+        Some(position) => draw_in_scene(ctx, position, changes, &issue),
+        None => draw_flat(ctx, changes, &issue),
+    }
+    true
+}
+
+/// Draws at a raster position in the scene.
+fn draw_in_scene(ctx: &mut Context, mut position: ScenePosition, changes: Changes, issue: &dyn Fn(&Gl)) {
+    let gl = ctx.gl;
+    // Within what is pushed here.
+    let repeats = Repeats::new(changes, ctx, 1);
+    crate::intercept::gl::compat::matrices::refresh(ctx);
+    let Some(mut target) = ctx.target.take() else { return };
+    let before = raster_position(gl);
+    let mode = ctx.believed.matrix_mode;
+    // What is current, the raster position with it, is put back; a full stack has no place left for it.
+    let keeps = ctx.attribute_stack.len() < crate::intercept::gl::context::window_state::ATTRIBUTE_DEPTH;
+    // SAFETY: attributes and the model-view matrix are pushed and popped, the projection is put back below.
+    unsafe {
+        if keeps {
+            gl.push_attrib(api::GL_CURRENT_BIT);
+        }
+        gl.matrix_mode(api::GL_MODELVIEW);
+        gl.push_matrix();
+        gl.load_matrixd(position.model_view.as_ptr());
+        gl.matrix_mode(mode);
+    }
+    let present = Present::of(gl);
+    let set = || {
+        present.set_again(gl, &position);
+        move_by(gl, position.moved[0], position.moved[1]);
+    };
+    // In the program's own window the position is where it was set, whatever its viewport and projection are now.
+    let as_set = |tile: [i32; 4]| {
+        if !keeps {
+            set();
+            return;
+        }
+        // SAFETY: takes up what was pushed above, and leaves it pushed.
+        unsafe {
+            gl.pop_attrib();
+            gl.push_attrib(api::GL_CURRENT_BIT);
+        }
+        if is_valid(gl) {
+            move_by(gl, tile[0] as f32, tile[1] as f32);
+        }
+    };
+    scaling::weigh(ctx, Weights::ONCE);
+    for index in 0..target.session.views().len() {
+        let Some(projection) = ctx.raster.projections.get(index).copied() else { break };
+        let (tile, own_lens) = target.session.tile(index);
+        if own_lens {
+            own_window_space(ctx, tile);
+            as_set(tile);
+        } else {
+            ctx.set_scissor(Some(tile));
+            ctx.set_viewport(tile);
+            load_projection(ctx, &projection);
+            set();
+        }
+        repeats.unchanged(gl, false, || issue(gl));
+        target.issued(index);
+    }
+    load_projection(ctx, &ctx.projection.matrix);
+    if let Some(tile) = target.primary() {
+        scaling::weigh(ctx, Weights { samples: 0.0, ..Weights::ONCE });
+        own_window_space(ctx, tile);
+        as_set(tile);
+        repeats.unchanged(gl, false, || issue(gl));
+        ctx.counts.primary_draws += 1;
+    }
+    if !keeps {
+        ctx.set_viewport(ctx.believed.viewport);
+        set();
+    }
+    // SAFETY: the pairs of the pushes above.
+    unsafe {
+        gl.matrix_mode(api::GL_MODELVIEW);
+        gl.pop_matrix();
+        gl.matrix_mode(mode);
+        if keeps {
+            gl.pop_attrib();
+        }
+    }
+    // Once more where the program's window would be, out of sight: it moves the position as it should.
+    ctx.set_viewport(ctx.believed.viewport);
+    ctx.set_scissor(Some([0, 0, 0, 0]));
+    issue(gl);
+    let after = raster_position(gl);
+    position.moved = [position.moved[0] + after[0] - before[0], position.moved[1] + after[1] - before[1]];
+    ctx.raster.scene = Some(position);
+    ctx.target = Some(target);
+}
+
+/// What setting a position again would change, as it is when a draw begins.
+struct Present {
+    /// Whether each of [`Present::SWITCHES`] is on.
+    on: [bool; 2],
+    color: [f32; 4],
+    texture: [f32; 4],
+    depths: [f64; 2],
+}
+
+impl Present {
+    /// The colour of a position is lit already, and the material, which may follow what is current, must not follow it.
+    const SWITCHES: [u32; 2] = [api::GL_LIGHTING, api::GL_COLOR_MATERIAL];
+
+    fn of(gl: &Gl) -> Self {
+        let (mut color, mut texture, mut depths) = ([0.0; 4], [0.0; 4], [0.0; 2]);
+        // SAFETY: plain state; writes four floats twice, and two doubles.
+        let on = unsafe {
+            gl.get_floatv(api::GL_CURRENT_COLOR, color.as_mut_ptr());
+            gl.get_floatv(api::GL_CURRENT_TEXTURE_COORDS, texture.as_mut_ptr());
+            gl.get_doublev(api::GL_DEPTH_RANGE, depths.as_mut_ptr());
+            Self::SWITCHES.map(|switch| gl.is_enabled(switch) != 0)
+        };
+        Self { on, color, texture, depths }
+    }
+
+    /// Sets a position of the scene again, with the colour and the texture coordinate that it took with it, and in the range
+    /// of depths of that time; all else stays.
+    fn set_again(&self, gl: &Gl, position: &ScenePosition) {
+        let [x, y, z, w] = position.object;
+        let on = || Self::SWITCHES.iter().zip(self.on).filter(|(_, on)| *on).map(|(switch, _)| *switch);
+        // SAFETY: the program's own position; the rest is put back.
+        unsafe {
+            on().for_each(|switch| gl.disable(switch));
+            gl.depth_range(position.depths[0], position.depths[1]);
+            gl.color4fv(position.color.as_ptr());
+            gl.tex_coord4fv(position.texture.as_ptr());
+            gl.raster_pos4d(x, y, z, w);
+            gl.depth_range(self.depths[0], self.depths[1]);
+            gl.color4fv(self.color.as_ptr());
+            gl.tex_coord4fv(self.texture.as_ptr());
+            on().for_each(|switch| gl.enable(switch));
+        }
+    }
+}
+
+/// Draws at a raster position on the flat panel, and in the other pictures that show it.
+fn draw_flat(ctx: &mut Context, changes: Changes, issue: &dyn Fn(&Gl)) {
+    let gl = ctx.gl;
+    crate::intercept::gl::framebuffer::default_framebuffer::want_panel(ctx);
+    ctx.counts.panel_draws += 1;
+    let Some(tiles) = ctx.target.as_ref().map(|t| t.flat_tiles()) else { return };
+    let repeats = Repeats::new(changes, ctx, 0);
+    let (mut before, pictures) = (None, tiles.iter().flatten().count());
+    for (number, (tile, _)) in tiles.into_iter().flatten().enumerate() {
+        let samples = if number == 0 { 1.0 } else { 0.0 };
+        scaling::weigh(ctx, Weights { samples, ..Weights::ONCE });
+        own_window_space(ctx, tile);
+        move_origin(ctx, [tile[0], tile[1]]);
+        let begin = raster_position(gl);
+        // Each picture's drawing begins where the first one's began.
+        let [x, y] = [begin[0] - tile[0] as f32, begin[1] - tile[1] as f32];
+        let [first_x, first_y] = *before.get_or_insert([x, y]);
+        move_by(gl, first_x - x, first_y - y);
+        repeats.unchanged(gl, number + 1 == pictures, || issue(gl));
+    }
+}
+
+/// The driver's raster position gets another tile's origin. One that is not valid cannot be moved, and draws nothing.
+fn move_origin(ctx: &mut Context, origin: [i32; 2]) {
+    let [x, y] = ctx.raster.origin;
+    if [x, y] != origin && is_valid(ctx.gl) {
+        move_by(ctx.gl, (origin[0] - x) as f32, (origin[1] - y) as f32);
+        ctx.raster.origin = origin;
+    }
+}
+
+/// Whether the raster position lay within the clip volume when it was set.
+fn is_valid(gl: &Gl) -> bool {
+    let mut valid = 0;
+    // SAFETY: writes one boolean.
+    unsafe { gl.get_booleanv(api::GL_CURRENT_RASTER_POSITION_VALID, &mut valid) };
+    valid != 0
+}
+
+/// Moves the raster position by pixels.
+fn move_by(gl: &Gl, x: f32, y: f32) {
+    if x != 0.0 || y != 0.0 {
+        // SAFETY: an empty bitmap only moves the raster position.
+        unsafe { gl.bitmap(0, 0, 0.0, 0.0, x, y, std::ptr::null()) };
+    }
+}
+
+fn raster_position(gl: &Gl) -> [f32; 2] {
+    let mut position = [0f32; 4];
+    // SAFETY: writes four floats.
+    unsafe { gl.get_floatv(api::GL_CURRENT_RASTER_POSITION, position.as_mut_ptr()) };
+    [position[0], position[1]]
+}
+
+/// A command that draws at the raster position.
+pub fn raster_command(ctx: &mut Context, issue: impl Fn(&Gl)) {
+    let gl = ctx.gl;
+    if ctx.recording.is_some() {
+        crate::intercept::gl::compat::display_lists::will_draw(ctx, true);
+        issue(gl);
+    } else if !draw_at_raster(ctx, Changes::Nothing, &issue) {
+        issue(gl);
+    }
+}
+
+fn raster_position_command(ctx: &mut Context, position: [f64; 4]) {
+    if ctx.compiling() {
+        crate::intercept::gl::compat::display_lists::record(ctx, Command::RasterPosition(position));
+    } else {
+        set_position(ctx, position);
+    }
+}
+
+fn window_position_command(ctx: &mut Context, position: [f64; 3]) {
+    if ctx.compiling() {
+        crate::intercept::gl::compat::display_lists::record(ctx, Command::WindowPosition(position));
+    } else {
+        set_window_position(ctx, position);
+    }
+}
+
+/// The program's array of N numbers, padded like OpenGL pads positions.
+///
+/// # Safety
+/// `v` must point at `N` numbers.
+unsafe fn padded<T: Copy + Into<f64>, const N: usize>(v: *const T) -> [f64; 4] {
+    // SAFETY: as promised above.
+    std::array::from_fn(|i| if i < N { unsafe { (*v.add(i)).into() } } else { f64::from(u8::from(i == 3)) })
+}
+
+macro_rules! raster_hooks {
+    ($( $t:ty: $p2:literal $m2:ident $p2v:literal $m2v:ident $p3:literal $m3:ident $p3v:literal $m3v:ident
+        $p4:literal $m4:ident $p4v:literal $m4v:ident $w2:literal $n2:ident $w2v:literal $n2v:ident $w3:literal $n3:ident $w3v:literal $n3v:ident; )*) => {
+        hooks! {
+            $(
+                $p2 $m2(x: $t, y: $t) = |ctx, _gl| raster_position_command(ctx, [x.into(), y.into(), 0.0, 1.0]);
+                $p2v $m2v(v: *const $t) = |ctx, _gl| raster_position_command(ctx, padded::<_, 2>(v));
+                $p3 $m3(x: $t, y: $t, z: $t) = |ctx, _gl| raster_position_command(ctx, [x.into(), y.into(), z.into(), 1.0]);
+                $p3v $m3v(v: *const $t) = |ctx, _gl| raster_position_command(ctx, padded::<_, 3>(v));
+                $p4 $m4(x: $t, y: $t, z: $t, w: $t) = |ctx, _gl| raster_position_command(ctx, [x.into(), y.into(), z.into(), w.into()]);
+                $p4v $m4v(v: *const $t) = |ctx, _gl| raster_position_command(ctx, padded::<_, 4>(v));
+                $w2 $n2(x: $t, y: $t) = |ctx, _gl| window_position_command(ctx, [x.into(), y.into(), 0.0]);
+                $w2v $n2v(v: *const $t) = |ctx, _gl| { let [x, y, z, _] = padded::<_, 2>(v); window_position_command(ctx, [x, y, z]) };
+                $w3 $n3(x: $t, y: $t, z: $t) = |ctx, _gl| window_position_command(ctx, [x.into(), y.into(), z.into()]);
+                $w3v $n3v(v: *const $t) = |ctx, _gl| { let [x, y, z, _] = padded::<_, 3>(v); window_position_command(ctx, [x, y, z]) };
+            )*
+            "glBitmap" bitmap(w: i32, h: i32, x: f32, y: f32, dx: f32, dy: f32, bits: *const u8) = |ctx, _gl|
+                raster_command(ctx, |gl| gl.bitmap(w, h, x, y, dx, dy, bits));
+            "glDrawPixels" draw_pixels(w: i32, h: i32, format: u32, kind: u32, pixels: *const c_void) = |ctx, _gl|
+                raster_command(ctx, |gl| gl.draw_pixels(w, h, format, kind, pixels));
+        }
+    };
+}
+
+raster_hooks! {
+    f64: "glRasterPos2d" raster_pos2d "glRasterPos2dv" raster_pos2dv "glRasterPos3d" raster_pos3d "glRasterPos3dv" raster_pos3dv
+        "glRasterPos4d" raster_pos4d "glRasterPos4dv" raster_pos4dv "glWindowPos2d" window_pos2d "glWindowPos2dv" window_pos2dv
+        "glWindowPos3d" window_pos3d "glWindowPos3dv" window_pos3dv;
+    f32: "glRasterPos2f" raster_pos2f "glRasterPos2fv" raster_pos2fv "glRasterPos3f" raster_pos3f "glRasterPos3fv" raster_pos3fv
+        "glRasterPos4f" raster_pos4f "glRasterPos4fv" raster_pos4fv "glWindowPos2f" window_pos2f "glWindowPos2fv" window_pos2fv
+        "glWindowPos3f" window_pos3f "glWindowPos3fv" window_pos3fv;
+    i32: "glRasterPos2i" raster_pos2i "glRasterPos2iv" raster_pos2iv "glRasterPos3i" raster_pos3i "glRasterPos3iv" raster_pos3iv
+        "glRasterPos4i" raster_pos4i "glRasterPos4iv" raster_pos4iv "glWindowPos2i" window_pos2i "glWindowPos2iv" window_pos2iv
+        "glWindowPos3i" window_pos3i "glWindowPos3iv" window_pos3iv;
+    i16: "glRasterPos2s" raster_pos2s "glRasterPos2sv" raster_pos2sv "glRasterPos3s" raster_pos3s "glRasterPos3sv" raster_pos3sv
+        "glRasterPos4s" raster_pos4s "glRasterPos4sv" raster_pos4sv "glWindowPos2s" window_pos2s "glWindowPos2sv" window_pos2sv
+        "glWindowPos3s" window_pos3s "glWindowPos3sv" window_pos3sv;
+}

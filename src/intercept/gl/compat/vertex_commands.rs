@@ -1,0 +1,172 @@
+//! Vertices and their attributes: recorded between Begin and End, watched while a list is compiled.
+//!
+//! The rows come from the registry (`build/gl_attributes.rs`). Commands that do not fit that form, but are
+//! allowed between Begin and End, are below it; [`crate::intercept::gl::compat::begin_end::into_list`] serves what cannot be played back.
+
+use crate::backend::gl::api::{self, Gl};
+use crate::intercept::gl::compat::begin_end::Phase;
+use crate::intercept::gl::compat::vertex_recorder::{Number, Sets, add_vertex};
+use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::context::hooks::hooks;
+
+/// Notes a command of the program. `false`: it is to be passed on.
+#[inline]
+fn note<T: Number>(ctx: &mut Context, command: Command, sets: Sets, prefix: &[u64], values: &[T]) -> bool {
+    if ctx.immediate.phase == Phase::Outside && ctx.recording.is_none() {
+        return false;
+    }
+    if sets.is_vertex(prefix) {
+        let bounds = match &mut ctx.recording {
+            Some(list) if ctx.immediate.phase == Phase::Outside => &mut list.bounds,
+            _ => &mut ctx.immediate.bounds,
+        };
+        add_vertex(bounds, sets, values);
+    }
+    if ctx.immediate.phase != Phase::Outside {
+        ctx.immediate.recorder.push(command, sets, prefix, values);
+    }
+    ctx.immediate.phase == Phase::Recording
+}
+
+/// The program's array of `N` numbers.
+///
+/// # Safety
+/// `v` points at `N` numbers.
+unsafe fn array<T: Copy, const N: usize>(v: *const T) -> [T; N] {
+    // SAFETY: as promised above; nothing is said about its alignment.
+    std::array::from_fn(|i| unsafe { v.add(i).read_unaligned() })
+}
+
+/// Notes a property of a material, which has as many numbers as its name says. `false`: it is to be passed on.
+fn note_material<T: Number + Default>(
+    ctx: &mut Context,
+    command: Command,
+    [face, name]: [u32; 2],
+    value: impl Fn(usize) -> T,
+) -> bool {
+    let count = match name {
+        api::GL_AMBIENT | api::GL_DIFFUSE | api::GL_SPECULAR | api::GL_EMISSION | api::GL_AMBIENT_AND_DIFFUSE => 4,
+        api::GL_COLOR_INDEXES => 3,
+        api::GL_SHININESS => 1,
+        // An error, for the driver to say.
+        _ => return false,
+    };
+    let values: [T; 4] = std::array::from_fn(|i| if i < count { value(i) } else { T::default() });
+    note(ctx, command, Sets::Material, &[face.into(), name.into()], &values)
+}
+
+/// Something that makes vertices in a way that cannot be played back.
+fn elsewhere(ctx: &mut Context) {
+    crate::intercept::gl::compat::begin_end::into_list(ctx);
+    if let Some(list) = &mut ctx.recording {
+        list.bounds.add_unknown();
+    }
+}
+
+macro_rules! attribute_commands {
+    ({ $( $name:literal $method:ident ($($p:ident: $t:ty),*) as $array:ident = $sets:ident [$($before:ident),*] $values:expr; )* }
+     { $( $vector:ident ($($place:literal: $kind:ty),*) $start:literal $plain:literal; )* }) => {
+        /// A command that can be played back.
+        #[derive(Clone, Copy, Debug)]
+        #[allow(non_camel_case_types, missing_docs)] // Each is the OpenGL command of its name.
+        #[repr(u16)]
+        pub enum Command {
+            $( $vector, )*
+            materialfv,
+            materialiv,
+        }
+
+        /// By the number of a command: calls the driver with its words.
+        static PLAY: &[unsafe fn(&Gl, *const u64)] = &[
+            // SAFETY: as `play` is promised.
+            $( |gl, words| unsafe { gl.$vector($( *words.add($place) as $kind, )* words.add($start).cast()) }, )*
+            // SAFETY: as above.
+            |gl, words| unsafe { gl.materialfv(*words as u32, *words.add(1) as u32, words.add(2).cast()) },
+            // SAFETY: as above.
+            |gl, words| unsafe { gl.materialiv(*words as u32, *words.add(1) as u32, words.add(2).cast()) },
+        ];
+
+        /// By the number of a command: whether its components are numbers as they are, neither packed nor of 16 bits nor
+        /// for integers of shaders.
+        static PLAIN: &[bool] = &[$( $plain, )* true, true];
+
+        hooks! {
+            between;
+            $( $name $method($($p: $t),*) = |ctx, gl| {
+                if !note(ctx, Command::$array, Sets::$sets, &[$(u64::from($before)),*], &$values) {
+                    gl.$method($($p),*);
+                }
+            }; )*
+            "glMaterialf" materialf(face: u32, name: u32, value: f32) = |ctx, gl| {
+                if !note_material(ctx, Command::materialfv, [face, name], |_| value) { gl.materialf(face, name, value) }
+            };
+            "glMaterialfv" materialfv(face: u32, name: u32, values: *const f32) = |ctx, gl| {
+                if !note_material(ctx, Command::materialfv, [face, name], |i| values.add(i).read_unaligned()) {
+                    gl.materialfv(face, name, values);
+                }
+            };
+            "glMateriali" materiali(face: u32, name: u32, value: i32) = |ctx, gl| {
+                if !note_material(ctx, Command::materialiv, [face, name], |_| value) { gl.materiali(face, name, value) }
+            };
+            "glMaterialiv" materialiv(face: u32, name: u32, values: *const i32) = |ctx, gl| {
+                if !note_material(ctx, Command::materialiv, [face, name], |i| values.add(i).read_unaligned()) {
+                    gl.materialiv(face, name, values);
+                }
+            };
+            "glArrayElement" array_element(i: i32) = |ctx, gl| {
+                elsewhere(ctx);
+                gl.array_element(i);
+            };
+            "glEvalPoint1" eval_point1(i: i32) = |ctx, gl| {
+                elsewhere(ctx);
+                gl.eval_point1(i);
+            };
+            "glEvalPoint2" eval_point2(i: i32, j: i32) = |ctx, gl| {
+                elsewhere(ctx);
+                gl.eval_point2(i, j);
+            };
+        }
+    };
+}
+
+include!(concat!(env!("OUT_DIR"), "/gl_attributes.rs"));
+
+/// Calls the driver with a command that was recorded.
+///
+/// # Safety
+/// The context of `gl` must be current; `words` must be what was recorded for the command of this number.
+pub unsafe fn play(gl: &Gl, number: u16, words: *const u64) {
+    if let Some(command) = PLAY.get(usize::from(number)) {
+        // SAFETY: as promised.
+        unsafe { command(gl, words) };
+    }
+}
+
+/// Whether the components of the command of this number are numbers as they are.
+pub fn is_plain(number: u16) -> bool {
+    PLAIN.get(usize::from(number)).copied().unwrap_or(false)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::HOOKS;
+
+    #[test]
+    fn every_kind_of_command_is_found_in_the_registry() {
+        let known = |name: &str| HOOKS.iter().any(|hook| hook.name == name);
+        for name in ["glVertex2s", "glVertex4dv", "glVertexP3uiv", "glVertex3hNV", "glVertex2bOES", "glColor4ubv"] {
+            assert!(known(name), "{name}");
+        }
+        for name in ["glVertexAttrib4Nusv", "glVertexAttribI4bv", "glVertexAttribL1ui64vARB", "glVertexAttribP2ui"] {
+            assert!(known(name), "{name}");
+        }
+        for name in
+            ["glMultiTexCoord3sv", "glTexCoordP1ui", "glFogCoorddv", "glEdgeFlag", "glIndexubv", "glEvalCoord2f"]
+        {
+            assert!(known(name), "{name}");
+        }
+        for name in ["glVertexPointer", "glColorMask", "glVertexAttribDivisor", "glIndexMask", "glColorMaterial"] {
+            assert!(!known(name), "{name}");
+        }
+    }
+}

@@ -1,0 +1,42 @@
+//! OpenGL's error flag, which the program's calls and ours share.
+
+use crate::backend::gl::api::{self, Gl};
+use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::log;
+
+/// Keeps an error of the program's, so that those that follow are ours.
+pub fn take_error(ctx: &mut Context) {
+    // SAFETY: asks for the error flag; there are a handful of them at most.
+    for _ in 0..8 {
+        let error = unsafe { ctx.gl.get_error() };
+        if error == api::GL_NO_ERROR {
+            break;
+        }
+        if ctx.pending_error == api::GL_NO_ERROR {
+            ctx.pending_error = error;
+        }
+    }
+}
+
+/// Takes errors out of the driver that are nobody's: answers to questions that it need not know.
+pub fn drop_errors(gl: &Gl) {
+    // SAFETY: asks for the error flag; there are a handful of them at most.
+    for _ in 0..8 {
+        if unsafe { gl.get_error() } == api::GL_NO_ERROR {
+            break;
+        }
+    }
+}
+
+/// Counts the errors since [`take_error`] as ours.
+pub fn take_own_errors(ctx: &mut Context) {
+    // SAFETY: as above.
+    for _ in 0..8 {
+        let error = unsafe { ctx.gl.get_error() };
+        if error == api::GL_NO_ERROR {
+            break;
+        }
+        ctx.counts.errors += 1;
+        log::once(&format!("an OpenGL call of ours failed with error 0x{error:04X}"));
+    }
+}

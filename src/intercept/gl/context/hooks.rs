@@ -1,0 +1,59 @@
+//! Definition of hooks: functions that answer OpenGL entry points.
+
+/// A name of the API and the function of ours that answers it.
+pub struct Hook {
+    /// The entry point's core name.
+    pub name: &'static str,
+    /// Our function, with the entry point's own signature.
+    pub address: *const (),
+}
+
+// SAFETY: an address of a function never changes and may be read from any thread.
+unsafe impl Sync for Hook {}
+
+/// Defines hooks and the table `HOOKS` of them.
+///
+/// Each body gets the current context (`$ctx`) and the driver's table (`$gl`). Without a context
+/// of ours the call goes straight to the driver; so it does after a panic, which switches the
+/// context off: interception fails open. Between Begin and End of a draw of ours it goes to the driver,
+/// too, which says that it is not allowed there; hooks of what is allowed say so by `between;`.
+macro_rules! hooks {
+    (between; $($hooks:tt)*) => {
+        $crate::intercept::gl::context::hooks::hooks! { @between true; $($hooks)* }
+    };
+    (@between $between:literal; $( $name:literal $method:ident ( $($p:ident : $t:ty),* ) $(-> $r:ty)? = |$ctx:ident, $gl:ident| $body:expr; )*) => {
+        $(
+            // Some bodies need no unsafe call; the block below serves them all.
+            #[allow(unused_unsafe)]
+            unsafe extern "system" fn $method($($p: $t),*) $(-> $r)? {
+                let Some($ctx) = $crate::intercept::gl::context::current::current() else {
+                    // SAFETY: the program's own call, passed on with its own arguments.
+                    return unsafe { $crate::intercept::gl::context::current::driver().$method($($p),*) };
+                };
+                let $gl = $ctx.gl;
+                if $ctx.switched_off || (!$between && $ctx.immediate.under_way()) {
+                    // SAFETY: as above.
+                    return unsafe { $gl.$method($($p),*) };
+                }
+                // SAFETY: what the bodies call are the driver's functions, with the program's
+                // arguments or with our own objects, on the thread whose context this is.
+                match $crate::fence::guard(|| unsafe { $body }) {
+                    Some(answer) => answer,
+                    None => {
+                        $crate::intercept::gl::context::current::after_panic($name);
+                        // SAFETY: as above.
+                        unsafe { $gl.$method($($p),*) }
+                    }
+                }
+            }
+        )*
+        /// The hooks of this file.
+        pub static HOOKS: &[$crate::intercept::gl::context::hooks::Hook] = &[
+            $( $crate::intercept::gl::context::hooks::Hook { name: $name, address: $method as *const () }, )*
+        ];
+    };
+    ($($hooks:tt)*) => {
+        $crate::intercept::gl::context::hooks::hooks! { @between false; $($hooks)* }
+    };
+}
+pub(crate) use hooks;

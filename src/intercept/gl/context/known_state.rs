@@ -1,0 +1,47 @@
+//! The calls that set what is followed of a context's state ([`KnownState`]), so that draws and corrections need not ask for it.
+//!
+//! What a display list may set is not known after it ran; what `glPopAttrib` brings back is known where it did not differ.
+
+use crate::backend::gl::KnownState;
+use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::context::hooks::hooks;
+
+/// The program has called what sets some of it: `note` says what, unless the call goes into a list, or may be refused.
+pub fn note(ctx: &mut Context, note: impl FnOnce(&KnownState)) {
+    if let Some(recording) = &mut ctx.recording {
+        recording.sets_state = true;
+    } else if ctx.takes_calls() {
+        note(&ctx.known_state);
+    } else {
+        ctx.known_state.forget();
+    }
+}
+
+/// Defines hooks of calls that are passed on and noted.
+macro_rules! noted {
+    ($( $name:literal $method:ident ( $($p:ident : $t:ty),* ) = |$known:ident| $note:expr; )*) => {
+        hooks! {
+            $( $name $method($($p: $t),*) = |ctx, gl| {
+                gl.$method($($p),*);
+                note(ctx, |$known| $note);
+            }; )*
+        }
+    };
+}
+
+noted! {
+    "glColorMask" color_mask(red: u8, green: u8, blue: u8, alpha: u8) = |known| known.note_mask([red, green, blue, alpha]);
+    "glColorMaski" color_maski(index: u32, red: u8, green: u8, blue: u8, alpha: u8) = |known| known.forget_masks();
+    "glBlendFunc" blend_func(source: u32, destination: u32) = |known| known.note_blending([source, destination, source, destination]);
+    "glBlendFuncSeparate" blend_func_separate(source: u32, destination: u32, source_alpha: u32, destination_alpha: u32) = |known|
+        known.note_blending([source, destination, source_alpha, destination_alpha]);
+    "glBlendFunci" blend_funci(buffer: u32, source: u32, destination: u32) = |known| known.forget_blending();
+    "glBlendFuncSeparatei" blend_func_separatei(buffer: u32, source: u32, destination: u32, source_alpha: u32, destination_alpha: u32) = |known|
+        known.forget_blending();
+    "glClearColor" clear_color(red: f32, green: f32, blue: f32, alpha: f32) = |known| known.note_clear_color(Some([red, green, blue, alpha]));
+    "glClearColorIiEXT" clear_color_ii_ext(red: i32, green: i32, blue: i32, alpha: i32) = |known| known.note_clear_color(None);
+    "glClearColorIuiEXT" clear_color_iui_ext(red: u32, green: u32, blue: u32, alpha: u32) = |known| known.note_clear_color(None);
+    "glClearDepth" clear_depth(depth: f64) = |known| known.forget_clear_depth();
+    "glClearDepthf" clear_depthf(depth: f32) = |known| known.forget_clear_depth();
+    "glClearDepthdNV" clear_depthd_nv(depth: f64) = |known| known.forget_clear_depth();
+}

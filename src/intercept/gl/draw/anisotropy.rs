@@ -1,0 +1,47 @@
+//! Anisotropic filtering, which Mesa's software renderer cannot do everywhere in a view.
+//!
+//! llvmpipe (22.3 and later) adds up all texels of a pixel's footprint, in loops that nothing limits. In a view that is
+//! turned to the side surfaces reach the eye at flatter angles than in the program's own picture: where a
+//! footprint is billions of texels long, drawing does not end. There, textures are filtered without anisotropy.
+
+use crate::backend::gl::api::{self, Gl};
+use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::context::hooks::hooks;
+
+/// Whether the driver is such a renderer.
+pub fn is_endless(gl: &Gl) -> bool {
+    gl.text(api::GL_RENDERER).starts_with("llvmpipe")
+}
+
+/// Whether the parameter is left at its default.
+fn left_out(ctx: &Context, parameter: u32) -> bool {
+    let turned = |t: &crate::intercept::gl::framebuffer::default_framebuffer::DefaultFramebuffer| {
+        t.session.views().iter().any(|v| !v.program_lens)
+    };
+    parameter == api::GL_TEXTURE_MAX_ANISOTROPY && ctx.endless_anisotropy && ctx.target.as_deref().is_some_and(turned)
+}
+
+macro_rules! filtering_hooks {
+    ($( $name:literal $method:ident ($object:ident, $value:ty); )*) => {
+        hooks! {
+            $( $name $method($object: u32, parameter: u32, value: $value) = |ctx, gl| {
+                if !left_out(ctx, parameter) { gl.$method($object, parameter, value) }
+            }; )*
+        }
+    };
+}
+
+filtering_hooks! {
+    "glTexParameterf" tex_parameterf(target, f32);
+    "glTexParameteri" tex_parameteri(target, i32);
+    "glTexParameterfv" tex_parameterfv(target, *const f32);
+    "glTexParameteriv" tex_parameteriv(target, *const i32);
+    "glTextureParameterf" texture_parameterf(texture, f32);
+    "glTextureParameteri" texture_parameteri(texture, i32);
+    "glTextureParameterfv" texture_parameterfv(texture, *const f32);
+    "glTextureParameteriv" texture_parameteriv(texture, *const i32);
+    "glSamplerParameterf" sampler_parameterf(sampler, f32);
+    "glSamplerParameteri" sampler_parameteri(sampler, i32);
+    "glSamplerParameterfv" sampler_parameterfv(sampler, *const f32);
+    "glSamplerParameteriv" sampler_parameteriv(sampler, *const i32);
+}

@@ -1,0 +1,38 @@
+//! Transform feedback: whether it is recording, since a draw must be recorded once, not once per view.
+
+use crate::backend::gl::api::{self, Gl};
+use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::context::hooks::hooks;
+
+/// Asks the driver where it knows (OpenGL 4.0, OpenGL ES 3.0); elsewhere `recording` is what it is.
+fn follow(ctx: &mut Context, recording: bool) {
+    let known = ctx.profile.version >= if ctx.profile.es { 30 } else { 40 };
+    ctx.feedback = recording;
+    if known {
+        let (mut active, mut paused) = (0, 0);
+        // SAFETY: each query writes one boolean.
+        unsafe {
+            ctx.gl.get_booleanv(api::GL_TRANSFORM_FEEDBACK_ACTIVE, &mut active);
+            ctx.gl.get_booleanv(api::GL_TRANSFORM_FEEDBACK_PAUSED, &mut paused);
+        }
+        ctx.feedback = active != 0 && paused == 0;
+    }
+}
+
+/// Runs a command of the program, which may be a part of a display list; `recording`: whether it records after it.
+fn command(ctx: &mut Context, recording: bool, issue: impl Fn(&Gl) + Send + Sync + 'static) {
+    crate::intercept::gl::compat::display_lists::now_or_later(ctx, move |ctx| {
+        issue(ctx.gl);
+        follow(ctx, recording);
+    });
+}
+
+hooks! {
+    "glBeginTransformFeedback" begin_transform_feedback(mode: u32) = |ctx, _gl|
+        command(ctx, true, move |gl| gl.begin_transform_feedback(mode));
+    "glEndTransformFeedback" end_transform_feedback() = |ctx, _gl| command(ctx, false, |gl| gl.end_transform_feedback());
+    "glPauseTransformFeedback" pause_transform_feedback() = |ctx, _gl| command(ctx, false, |gl| gl.pause_transform_feedback());
+    "glResumeTransformFeedback" resume_transform_feedback() = |ctx, _gl| command(ctx, true, |gl| gl.resume_transform_feedback());
+    "glBindTransformFeedback" bind_transform_feedback(target: u32, name: u32) = |ctx, _gl|
+        command(ctx, false, move |gl| gl.bind_transform_feedback(target, name));
+}

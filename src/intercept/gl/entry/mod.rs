@@ -1,0 +1,6 @@
+//! TODO-NOTE
+
+pub mod egl;
+pub mod glx;
+pub mod table;
+pub mod vendor;

@@ -1,0 +1,64 @@
+//! What the vendor wrappers of GLX and EGL have in common.
+
+use crate::intercept::{log, settings};
+use std::ffi::CStr;
+
+/// The entry point of a vendor library of libglvnd, which stays loaded; `None`, and a word in the log, where there
+/// is none. `variable` names the library to a user.
+///
+/// # Safety
+/// `T` must be the type of the function that libglvnd calls `symbol`.
+pub unsafe fn entry<T: Copy>(file: &str, symbol: &CStr, variable: &str) -> Option<T> {
+    // SAFETY: the vendor library is what libglvnd itself would have loaded.
+    let Ok(library) = (unsafe { libloading::Library::new(file) }) else {
+        log::once(&format!("{file} cannot be loaded; {variable} names your vendor library"));
+        return None;
+    };
+    let library = Box::leak(Box::new(library));
+    // SAFETY: as promised.
+    match unsafe { library.get::<T>(symbol.to_bytes_with_nul()) } {
+        Ok(entry) => Some(*entry),
+        Err(_) => {
+            let symbol = symbol.to_string_lossy();
+            log::once(&format!("{file} has no {symbol}: it is not a vendor library of libglvnd"));
+            None
+        }
+    }
+}
+
+/// Whether the program's calls are to go through our functions.
+pub fn wanted() -> bool {
+    !settings::switched_off() && settings::settings().is_some()
+}
+
+/// The function of ours that answers `name`, unless the rig corrects nothing: then only frames are counted.
+pub fn hook(name: &str) -> Option<*const ()> {
+    let passthrough = settings::settings().is_none_or(|s| s.rig.passthrough);
+    if passthrough { None } else { crate::intercept::gl::entry::table::find(name) }
+}
+
+/// Calls the driver's function `$name` with `$arguments`; `real` in the caller's module finds it.
+macro_rules! real_call {
+    ($name:literal, ($($t:ty),*) -> $r:ty, $($a:expr),* $(,)?) => {{
+        // SAFETY: the driver's function of this name has this signature; the arguments are the program's.
+        unsafe {
+            let function: unsafe extern "C" fn($($t),*) -> $r = std::mem::transmute(real($name));
+            function($($a),*)
+        }
+    }};
+}
+pub(crate) use real_call;
+
+/// Functions that pass a call on and then note something about its `$answer`.
+macro_rules! noted_calls {
+    ($( $name:literal $function:ident ( $($p:ident: $t:ty),* ) -> $r:ty, |$answer:ident| $note:expr; )*) => {
+        $(
+            unsafe extern "C" fn $function($($p: $t),*) -> $r {
+                let $answer = $crate::intercept::gl::entry::vendor::real_call!($name, ($($t),*) -> $r, $($p),*);
+                $note;
+                $answer
+            }
+        )*
+    };
+}
+pub(crate) use noted_calls;

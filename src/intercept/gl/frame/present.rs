@@ -1,0 +1,317 @@
+//! The end of a frame: correct it into the window, count, capture.
+
+use crate::backend::gl::api::{self, Gl};
+use crate::intercept::gl::context::current::{after_panic, current};
+use crate::intercept::gl::context::errors::{take_error, take_own_errors};
+use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::context::window::{Look, Window};
+use crate::intercept::gl::frame::frame_number;
+use crate::intercept::gl::framebuffer::default_framebuffer;
+use crate::intercept::kept::{self, Kept};
+use crate::intercept::settings;
+use crate::runtime::report::{Picture, Statistics, ViewStatistics};
+use crate::runtime::session::Extras;
+
+/// Whether the current context draws to `window`.
+fn is_current(window: &Window) -> bool {
+    current().and_then(|c| c.window.as_ref()).is_some_and(|current| current.handle() == window.handle())
+}
+
+/// Whether the current context draws to `window` and corrects what it draws.
+pub fn corrects(window: &Window) -> bool {
+    is_current(window) && current().is_some_and(|c| !c.switched_off && c.target.is_some())
+}
+
+/// Runs a swap of `window` (`None`: a drawable that is none), with the corrected picture in its back buffer.
+pub fn swap<R>(window: Option<Window>, swap: impl FnOnce() -> R) -> R {
+    let ours = window.as_ref().is_some_and(is_current);
+    if ours {
+        before_swap();
+    }
+    let answer = swap();
+    if ours {
+        after_swap();
+    } else if let Some(window) = window {
+        frame_number::swapped_elsewhere(&window);
+    }
+    answer
+}
+
+/// Before the window is swapped: its back buffer gets the corrected picture.
+fn before_swap() {
+    let Some(ctx) = current().filter(|c| !c.switched_off) else { return };
+    let show = || {
+        frame(ctx);
+        if ctx.target.as_ref().is_some_and(|t| !t.config().double_buffered) {
+            // SAFETY: a swap of a window with one buffer is a flush.
+            in_window(ctx, |gl| unsafe { gl.flush() });
+        }
+    };
+    if crate::fence::guard(show).is_none() {
+        after_panic("presenting a frame");
+    }
+}
+
+/// After the window was swapped: the next frame begins.
+fn after_swap() {
+    let Some(ctx) = current().filter(|c| !c.switched_off) else { return };
+    if crate::fence::guard(|| next_frame(ctx)).is_none() {
+        after_panic("beginning a frame");
+    }
+}
+
+/// A program that draws to the front buffer wants to see it: that is a frame, without a swap.
+pub fn show_front(ctx: &mut Context) {
+    let double = ctx.target.as_ref().is_some_and(|t| t.config().double_buffered);
+    if double {
+        // SAFETY: state of the window's own framebuffer, which the program never sees.
+        in_window(ctx, |gl| unsafe { gl.draw_buffer(api::GL_FRONT_AND_BACK) });
+    }
+    frame(ctx);
+    in_window(ctx, |gl| {
+        // SAFETY: as above. Drivers show the front buffer in a flush while it is bound, and only then.
+        unsafe {
+            gl.flush();
+            if double {
+                gl.draw_buffer(api::GL_BACK);
+            }
+        }
+    });
+    next_frame(ctx);
+}
+
+/// The program turns to another window before it swaps this one.
+pub fn leave(ctx: &mut Context) {
+    if crate::intercept::gl::frame::front_buffer::draws_to_front(ctx) {
+        crate::intercept::gl::frame::front_buffer::show(ctx, true);
+    } else {
+        correct(ctx);
+        // The frame may be swapped by a thread without a context, which can read nothing.
+        if let (Some(settings), Some(window)) = (settings::settings(), &ctx.window)
+            && settings.frames == Some(frame_number::next(window.handle()))
+        {
+            keep_report(ctx, settings);
+        }
+    }
+}
+
+/// Runs `run` with the window's own framebuffer bound for drawing.
+fn in_window(ctx: &Context, run: impl FnOnce(&Gl)) {
+    let Some(target) = &ctx.target else { return };
+    let bound = if ctx.believed.draw_framebuffer == 0 { target.framebuffer() } else { ctx.believed.draw_framebuffer };
+    // SAFETY: the binding is put back.
+    unsafe { ctx.gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, 0) };
+    run(ctx.gl);
+    // SAFETY: as above.
+    unsafe { ctx.gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, bound) };
+}
+
+/// Corrects the views into the window. Allocates nothing.
+fn correct(ctx: &mut Context) {
+    crate::intercept::gl::queries::scaling::aside(ctx, correct_now);
+}
+
+fn correct_now(ctx: &mut Context) {
+    let Some(target) = ctx.target.take() else { return };
+    target.resolve(ctx, None);
+    let blank = target.blank();
+    let (texture, outputs) = (target.texture(), target.outputs());
+    let pending = target.backend().present_but(ctx.gl, texture, outputs, blank.as_ref(), &ctx.known_state);
+    if ctx.pending_error == api::GL_NO_ERROR {
+        ctx.pending_error = pending;
+    }
+    ctx.target = Some(target);
+}
+
+fn frame(ctx: &mut Context) {
+    ctx.counts.frames += 1;
+    let Some(settings) = settings::settings() else { return correct(ctx) };
+    let number = ctx.window.as_ref().map_or(ctx.counts.frames, |window| frame_number::count(window.handle()));
+    let last = settings.frames == Some(number);
+    let kept = last || settings.frames.is_none();
+    if is_hidden(ctx) && !(kept && settings.capture.is_some()) {
+        ctx.counts.hidden_frames += 1;
+    } else {
+        correct(ctx);
+    }
+    if kept {
+        keep_report(ctx, settings);
+    }
+    if last {
+        kept::end_program();
+    }
+}
+
+/// Whether nothing of the window can be seen: neither after the last swap nor now. So windows that are seen cost one
+/// question in a frame, and those that come back are corrected at once.
+fn is_hidden(ctx: &Context) -> bool {
+    ctx.hidden && ctx.window.as_ref().is_some_and(|window| window.look().hidden)
+}
+
+fn next_frame(ctx: &mut Context) {
+    ctx.cameras.end_frame();
+    ctx.background.end_frame();
+    ctx.viewport_area = [0, ctx.viewport_area[0]];
+    ctx.frame_begun = false;
+    crate::intercept::gl::offscreen::view_copies::end_frame(ctx);
+    crate::intercept::gl::vertex_input::buffers::of(ctx).end_frame();
+    ctx.workload.end_frame(ctx.counts.draws_seen);
+    follow_size(ctx);
+    default_framebuffer::follow_rig(ctx);
+}
+
+/// Looks at the window, and plans anew where it has another size than the plan. Only between frames.
+pub fn follow_size(ctx: &mut Context) {
+    let Some(window) = ctx.window.clone() else { return };
+    let Look { size, hidden } = window.look();
+    ctx.hidden = hidden;
+    if ctx.target.as_ref().is_some_and(|t| t.size() != size) {
+        let mut extras = Extras::default();
+        if let Some(old) = ctx.target.take() {
+            extras = old.extras();
+            crate::intercept::gl::offscreen::view_copies::clear(ctx);
+            old.destroy(ctx.gl);
+        }
+        ctx.viewport_area = [0; 2];
+        default_framebuffer::attach(ctx, extras);
+    }
+}
+
+fn keep_report(ctx: &mut Context, settings: &settings::Settings) {
+    if settings.stats.is_none() && settings.capture.is_none() && settings.capture_views.is_none() {
+        return;
+    }
+    take_error(ctx);
+    let statistics = settings.stats.is_some().then(|| statistics(ctx, settings));
+    let pictures = if settings.capture.is_some() { output_pictures(ctx, settings) } else { Vec::new() };
+    let views = if settings.capture_views.is_some() { view_pictures(ctx) } else { Vec::new() };
+    take_own_errors(ctx);
+    kept::keep(Kept { statistics, pictures, views });
+}
+
+fn statistics(ctx: &Context, settings: &settings::Settings) -> Statistics {
+    let (duplicated_framebuffers, single_framebuffers) = crate::intercept::gl::offscreen::report::status(ctx);
+    let mut statistics = Statistics {
+        frames: ctx.counts.frames,
+        hidden_frames: ctx.counts.hidden_frames,
+        rig: settings.rig.name.clone(),
+        driver: format!("{}, {}", ctx.gl.text(api::GL_VERSION), ctx.gl.text(api::GL_RENDERER)),
+        draws_seen: ctx.counts.draws_seen,
+        panel_draws: ctx.counts.panel_draws,
+        primary_draws: ctx.counts.primary_draws,
+        bounded_draws: ctx.counts.bounded_draws,
+        ranges_read: ctx.ranges.reads,
+        closings: ctx.counts.closings,
+        duplicated_draws: crate::intercept::gl::offscreen::view_copies::draws(ctx),
+        duplicated_framebuffers,
+        single_framebuffers,
+        projection_found: ctx.counts.found.iter().map(|(how, n)| (how.to_owned(), n)).collect(),
+        batches_left_out: ctx.target.as_ref().map_or(0, |t| t.backend().left_out()),
+        coarse_primitives: (!ctx.uncounted)
+            .then(|| ctx.fixed.coarse + ctx.coarse.as_ref().map_or(0, |counter| counter.read(ctx.gl).into())),
+        outputs_narrowed: ctx.target.as_ref().map_or(0, |t| t.backend().narrowed()),
+        shaders_linked: ctx.counts.linked,
+        own_errors: ctx.counts.errors,
+        cache: crate::runtime::cache::of_process().counts(),
+        ..Statistics::default()
+    };
+    if let Some(target) = &ctx.target {
+        statistics.own_errors += target.backend().errors();
+        for pass in &target.session.plan().passes {
+            let rects = pass.batches.iter().flat_map(|batch| &batch.rects);
+            statistics.output_pixels += u64::from(pass.size.0) * u64::from(pass.size.1);
+            statistics.corrected_pixels +=
+                rects.map(|rect| u64::from(rect.width) * u64::from(rect.height)).sum::<u64>();
+        }
+        statistics.notes.clone_from(&target.session.plan().views.notes);
+        statistics.views = target
+            .session
+            .views()
+            .iter()
+            .zip(target.counts())
+            .enumerate()
+            .zip(crate::intercept::gl::offscreen::view_copies::counts(ctx))
+            .map(|((index, (view, (draws_issued, draws_culled))), off_screen)| ViewStatistics {
+                name: view.name.clone(),
+                width: view.tile.width,
+                height: view.tile.height,
+                closed_texels: target.closed().get(index).copied().unwrap_or(0),
+                draws_issued,
+                draws_culled,
+                duplicated_draws_issued: off_screen[0],
+                duplicated_draws_culled: off_screen[1],
+            })
+            .collect();
+    }
+    statistics
+}
+
+/// The outputs of the frame that was just corrected.
+fn output_pictures(ctx: &mut Context, settings: &settings::Settings) -> Vec<Picture> {
+    let gl = ctx.gl;
+    let Some(target) = &ctx.target else {
+        let Some(window) = &ctx.window else { return Vec::new() };
+        let (width, height) = window.size();
+        return vec![read_back(gl, 0, "window", [0, 0, width as i32, height as i32])];
+    };
+    let names = target.session.rig().outputs.iter().map(|o| o.name.as_str());
+    if settings.offscreen {
+        return names
+            .enumerate()
+            .filter_map(|(i, name)| crate::intercept::gl::frame::capture::picture(ctx, i, name))
+            .collect();
+    }
+    names.zip(target.session.viewports()).map(|(name, rect)| read_back(gl, 0, name, rect)).collect()
+}
+
+/// Every view, the panel and the program's own picture.
+fn view_pictures(ctx: &Context) -> Vec<Picture> {
+    let Some(target) = &ctx.target else { return Vec::new() };
+    let session = &target.session;
+    let mut pictures = Vec::new();
+    for (i, view) in session.views().iter().enumerate() {
+        pictures.push(read_back(ctx.gl, target.readable_framebuffer(), &view.name, session.tile(i).0));
+    }
+    for (name, tile) in [("panel", session.panel()), ("primary", session.primary())] {
+        if let Some(tile) = tile {
+            pictures.push(read_back(ctx.gl, target.readable_framebuffer(), name, tile));
+        }
+    }
+    pictures
+}
+
+/// Reads a rectangle of a framebuffer. Bindings and pixel storage are put back.
+pub fn read_back(gl: &Gl, framebuffer: u32, name: &str, rect: [i32; 4]) -> Picture {
+    let [x, y, width, height] = rect.map(|v| v.max(0));
+    let mut rgba = vec![0; width as usize * height as usize * 4];
+    while_reading(gl, framebuffer, || {
+        // SAFETY: reads exactly the bytes that `rgba` has room for.
+        unsafe { gl.read_pixels(x, y, width, height, api::GL_RGBA, api::GL_UNSIGNED_BYTE, rgba.as_mut_ptr().cast()) };
+    });
+    Picture { name: name.to_owned(), width: width as u32, height: height as u32, rgba }
+}
+
+/// Runs `work`, which reads a framebuffer into memory without gaps between rows. Bindings and pixel storage are put back.
+pub fn while_reading(gl: &Gl, framebuffer: u32, work: impl FnOnce()) {
+    const STORE: [u32; 4] =
+        [api::GL_PACK_ALIGNMENT, api::GL_PACK_ROW_LENGTH, api::GL_PACK_SKIP_ROWS, api::GL_PACK_SKIP_PIXELS];
+    // SAFETY: plain state and bindings; all is put back.
+    unsafe {
+        let (mut bound, mut buffer) = (0, 0);
+        let mut store = [0; 4];
+        gl.get_integerv(api::GL_READ_FRAMEBUFFER_BINDING, &mut bound);
+        gl.get_integerv(api::GL_PIXEL_PACK_BUFFER_BINDING, &mut buffer);
+        for (value, name) in store.iter_mut().zip(STORE) {
+            gl.get_integerv(name, value);
+            gl.pixel_storei(name, i32::from(name == api::GL_PACK_ALIGNMENT));
+        }
+        gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, framebuffer);
+        gl.bind_buffer(api::GL_PIXEL_PACK_BUFFER, 0);
+        work();
+        gl.bind_buffer(api::GL_PIXEL_PACK_BUFFER, buffer as u32);
+        gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, bound as u32);
+        for (value, name) in store.iter().zip(STORE) {
+            gl.pixel_storei(name, *value);
+        }
+    }
+}

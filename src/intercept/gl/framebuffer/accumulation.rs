@@ -1,0 +1,108 @@
+//! `glAccum`: motion blur and the like, of all views at once.
+
+use crate::backend::gl::accumulation::{Accumulation, Operation};
+use crate::backend::gl::api;
+use crate::intercept::gl::context::errors::{take_error, take_own_errors};
+use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::context::hooks::hooks;
+use crate::intercept::gl::draw::issue::intersect;
+use crate::intercept::log;
+
+/// Where in the atlas an operation on the program's window counts: all of it, or the parts of its own pictures that lie
+/// within its scissor. A scissor around most of the window is taken for the whole, as for clears.
+fn parts(ctx: &Context) -> Vec<[i32; 4]> {
+    let Some(target) = &ctx.target else { return Vec::new() };
+    let (width, height) = target.size();
+    let window = [0, 0, width as i32, height as i32];
+    let part = ctx.believed.scissor_test.then(|| intersect(ctx.believed.scissor, window));
+    let most = |[_, _, w, h]: [i32; 4]| 2 * i64::from(w) * i64::from(h) > i64::from(width) * i64::from(height);
+    if part.is_none_or(most) {
+        let (width, height) = target.session.plan().views.atlas;
+        return vec![[0, 0, width as i32, height as i32]];
+    }
+    let tiles = target.flat_tiles().into_iter().flatten();
+    tiles.map(|(tile, _)| intersect(ctx.believed.scissor, tile)).collect()
+}
+
+/// Runs `work` with the buffer, which is made when it is first needed.
+fn with(ctx: &mut Context, work: impl FnOnce(&mut Context, &Accumulation)) {
+    crate::intercept::gl::queries::scaling::aside(ctx, |ctx| {
+        take_error(ctx);
+        let gl = ctx.gl;
+        let atlas = ctx.target.as_ref().map(|t| t.session.plan().views.atlas);
+        let size = atlas.map_or((0, 0), |(width, height)| (width as i32, height as i32));
+        // The tiles moved: what was accumulated is lost, for a frame.
+        if let Some(old) = ctx.accumulation.take_if(|old| old.size() != size) {
+            old.destroy(gl);
+        }
+        let buffer = match ctx.accumulation.take() {
+            Some(buffer) => Ok(buffer),
+            None => Accumulation::new(gl, size),
+        };
+        match buffer {
+            Ok(buffer) => {
+                work(ctx, &buffer);
+                ctx.accumulation = Some(buffer);
+            }
+            Err(error) => log::once(&format!("what the program accumulates is left out: {error}")),
+        }
+        take_own_errors(ctx);
+    });
+}
+
+/// Whether the window has such a buffer, which is then ours.
+fn is_ours(ctx: &Context) -> bool {
+    ctx.redirected() && ctx.target.as_ref().is_some_and(|t| t.config().accumulation_bits > 0)
+}
+
+fn accumulate(ctx: &mut Context, name: u32, value: f32) {
+    let operation = match name {
+        api::GL_ACCUM => Operation::Accumulate,
+        api::GL_LOAD => Operation::Load,
+        api::GL_ADD => Operation::Add,
+        api::GL_MULT => Operation::Multiply,
+        api::GL_RETURN => Operation::Return,
+        _ => {
+            // SAFETY: an error of the program's, for the driver to say.
+            unsafe { ctx.gl.accum(name, value) };
+            return;
+        }
+    };
+    if !is_ours(ctx) || !ctx.reads_redirected() {
+        // SAFETY: the program's own call.
+        unsafe { ctx.gl.accum(name, value) };
+        return;
+    }
+    if ctx.picking || ctx.discard {
+        return;
+    }
+    ctx.frame_begun = true;
+    let parts = parts(ctx);
+    with(ctx, |ctx, buffer| {
+        if let Some(target) = ctx.target.as_mut().filter(|_| operation == Operation::Return) {
+            target.content.forget();
+        }
+        let Some(target) = &ctx.target else { return };
+        if operation != Operation::Return {
+            target.resolve(ctx, None);
+        }
+        buffer.operate(ctx.gl, operation, value, target.texture(), target.framebuffer(), &parts);
+    });
+}
+
+/// `glClear` of the accumulation buffer.
+pub fn clear(ctx: &mut Context) {
+    if !is_ours(ctx) || ctx.picking || ctx.discard {
+        return;
+    }
+    let mut colour = [0.0f32; 4];
+    // SAFETY: writes four floats.
+    unsafe { ctx.gl.get_floatv(api::GL_ACCUM_CLEAR_VALUE, colour.as_mut_ptr()) };
+    let parts = parts(ctx);
+    with(ctx, |ctx, buffer| buffer.clear(ctx.gl, colour, &parts));
+}
+
+hooks! {
+    "glAccum" accum(operation: u32, value: f32) = |ctx, _gl|
+        crate::intercept::gl::compat::display_lists::now_or_later(ctx, move |ctx| accumulate(ctx, operation, value));
+}

@@ -1,0 +1,358 @@
+//! Framebuffers: the program's 0 is ours; clears, draw and read buffers, copies into the window.
+
+use crate::backend::gl::api::{self, Gl};
+use crate::intercept::gl::compat::display_lists::Command;
+use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::context::hooks::hooks;
+use crate::intercept::gl::draw::issue::{intersect, own_window_space};
+use crate::intercept::gl::framebuffer::unsampled_areas::Cleared;
+
+/// Binds what the program's framebuffer `name` stands for.
+pub fn bind(ctx: &mut Context, target: u32, name: u32) {
+    let was_redirected = ctx.redirected();
+    let ours = ctx.target.as_ref().map_or(0, |t| t.framebuffer());
+    let real = if name == 0 { ours } else { name };
+    let draws = matches!(target, api::GL_FRAMEBUFFER | api::GL_DRAW_FRAMEBUFFER);
+    let was_redirected = was_redirected || (draws && crate::intercept::gl::offscreen::view_copies::rebound(ctx));
+    let reads = matches!(target, api::GL_FRAMEBUFFER | api::GL_READ_FRAMEBUFFER);
+    // SAFETY: the program's own call, with our framebuffer in place of its window's.
+    unsafe {
+        ctx.gl.bind_framebuffer(target, real);
+        if reads && name == 0 && ctx.reads_elsewhere {
+            ctx.gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, 0);
+        }
+    }
+    if draws {
+        ctx.believed.draw_framebuffer = name;
+    }
+    if reads {
+        ctx.believed.read_framebuffer = name;
+    }
+    if was_redirected && !ctx.redirected() {
+        ctx.restore_window_space();
+    }
+}
+
+/// Whether `target` is the window, to which nothing can be attached; the program then has its error.
+fn refuses_attachments(ctx: &mut Context, target: u32) -> bool {
+    let reads = target == api::GL_READ_FRAMEBUFFER;
+    let window = if reads { ctx.reads_redirected() } else { ctx.redirected() };
+    let changed = if reads { ctx.believed.read_framebuffer } else { ctx.believed.draw_framebuffer };
+    crate::intercept::gl::offscreen::view_copies::forget(ctx, changed);
+    if window && ctx.pending_error == api::GL_NO_ERROR {
+        ctx.pending_error = api::GL_INVALID_OPERATION;
+    }
+    window
+}
+
+/// A clear of the program: of everything that is its picture. `true`: of every view.
+pub fn clear_with(ctx: &mut Context, cleared: Cleared, issue: impl Fn(&Gl)) -> bool {
+    let gl = ctx.gl;
+    if let Some(target) = ctx.target.as_mut().filter(|_| cleared.color) {
+        target.content.forget();
+    }
+    if !ctx.redirected() || ctx.picking {
+        if !crate::intercept::gl::offscreen::view_copies::clear_with(ctx, &issue) {
+            issue(gl);
+        }
+        return false;
+    }
+    ctx.frame_begun = true;
+    crate::intercept::gl::offscreen::displayed::window_changed(ctx);
+    let Some(target) = &ctx.target else { return false };
+    let (width, height) = target.size();
+    let window = [0, 0, width as i32, height as i32];
+    let part = ctx.believed.scissor_test.then(|| intersect(ctx.believed.scissor, window));
+    // A scissor around (most of) the window is how many programs say "my viewport".
+    let whole = part.is_none_or(|[_, _, w, h]| 2 * i64::from(w) * i64::from(h) > i64::from(width) * i64::from(height));
+    let own_pictures = target.flat_tiles().into_iter().flatten().any(|(_, panel)| !panel);
+    if whole && (part.is_none() || !own_pictures) {
+        ctx.set_scissor(None);
+        issue(gl);
+        if let Some(depth) = cleared.depth {
+            crate::intercept::gl::framebuffer::unsampled_areas::close(ctx, depth);
+        }
+        if cleared.color {
+            clear_panel(ctx);
+        }
+        return true;
+    }
+    if whole {
+        // The views as a whole, the program's own pictures to the pixel.
+        clear_views(ctx, gl, &issue);
+        if cleared.color {
+            clear_panel(ctx);
+        }
+    }
+    if !whole {
+        crate::intercept::gl::framebuffer::default_framebuffer::want_panel(ctx);
+    }
+    let Some(target) = &ctx.target else { return false };
+    for (tile, panel) in target.flat_tiles().into_iter().flatten() {
+        if !(panel && whole) {
+            own_window_space(ctx, tile);
+            issue(gl);
+        }
+    }
+    false
+}
+
+/// `glClearBuffer`, which may be a part of a display list.
+///
+/// # Safety
+/// `value` must be null or point at as many numbers as the buffer has, as the program promises OpenGL.
+unsafe fn clear_by<T: Copy + Default + Send + Sync + 'static>(
+    ctx: &mut Context,
+    cleared: Cleared,
+    buffer: u32,
+    value: *const T,
+    issue: impl Fn(&Gl, *const T) + Send + Sync + 'static,
+) {
+    if value.is_null() {
+        return;
+    }
+    let count = if buffer == api::GL_COLOR { 4 } else { 1 };
+    // SAFETY: as promised.
+    let value: [T; 4] = std::array::from_fn(|i| if i < count { unsafe { *value.add(i) } } else { T::default() });
+    crate::intercept::gl::compat::display_lists::now_or_later(ctx, move |ctx| {
+        clear_with(ctx, cleared, |gl| issue(gl, value.as_ptr()));
+    });
+}
+
+/// A clear of all views but those with the program's own lens.
+fn clear_views(ctx: &mut Context, gl: &Gl, issue: impl Fn(&Gl)) {
+    let views = ctx.target.as_ref().map_or(0, |t| t.session.views().len());
+    for view in 0..views {
+        let Some((tile, own_lens)) = ctx.target.as_ref().map(|t| t.session.tile(view)) else { return };
+        if !own_lens {
+            ctx.set_scissor(Some(tile));
+            issue(gl);
+        }
+    }
+}
+
+/// The panel is a pane of glass: what is cleared away is seen through.
+pub fn clear_panel(ctx: &mut Context) {
+    if let Some(panel) = ctx.target.as_ref().and_then(|t| t.panel()) {
+        // The gutter goes with it, or the filter would mix the clear colour into its borders.
+        ctx.set_scissor(Some([panel[0] - 1, panel[1] - 1, panel[2] + 2, panel[3] + 2]));
+        crate::intercept::gl::framebuffer::default_framebuffer::clear_transparent(ctx.gl, &ctx.known_state);
+    }
+}
+
+/// `glClear`.
+pub fn clear_window(ctx: &mut Context, mask: u32) {
+    if mask & api::GL_ACCUM_BUFFER_BIT != 0 {
+        crate::intercept::gl::framebuffer::accumulation::clear(ctx);
+    }
+    let cleared = Cleared::by_mask(ctx, mask);
+    let color = cleared.color;
+    crate::intercept::gl::frame::draw_count::look(ctx, cleared, mask & api::GL_STENCIL_BUFFER_BIT != 0);
+    // SAFETY: the program's own call.
+    if clear_with(ctx, cleared, |gl| unsafe { gl.clear(mask) }) && color {
+        crate::intercept::gl::draw::culling::cleared_views::note_clear(ctx);
+    }
+}
+
+/// Whether `buffer` is a name of the window's colour buffers.
+fn is_window_buffer(buffer: u32) -> bool {
+    matches!(
+        buffer,
+        api::GL_FRONT | api::GL_BACK | api::GL_LEFT | api::GL_FRONT_LEFT | api::GL_BACK_LEFT | api::GL_FRONT_AND_BACK
+    )
+}
+
+/// What stands for a buffer of the window in our framebuffer; names that are wrong stay wrong.
+fn attachment(buffer: u32) -> u32 {
+    match buffer {
+        api::GL_NONE => buffer,
+        _ if is_window_buffer(buffer) => api::GL_COLOR_ATTACHMENT0,
+        // Names of buffers that this window has not: a window's buffer is none of ours, with the same error.
+        api::GL_RIGHT
+        | api::GL_FRONT_RIGHT
+        | api::GL_BACK_RIGHT
+        | api::GL_AUX0..=api::GL_AUX3
+        | api::GL_COLOR_ATTACHMENT0..=api::GL_COLOR_ATTACHMENT31 => api::GL_BACK,
+        // Let the driver say the error of an unknown name.
+        _ => u32::MAX,
+    }
+}
+
+/// `glDrawBuffer`.
+pub fn select_draw_buffer(ctx: &mut Context, buffer: u32) {
+    let gl = ctx.gl;
+    // SAFETY: the program's own call, translated.
+    unsafe {
+        if ctx.redirected() {
+            gl.draw_buffer(attachment(buffer));
+            if is_window_buffer(buffer) || buffer == api::GL_NONE {
+                ctx.believed.draw_buffer = buffer;
+            }
+        } else {
+            crate::intercept::gl::offscreen::view_copies::forget(ctx, ctx.believed.draw_framebuffer);
+            gl.draw_buffer(buffer);
+        }
+    }
+}
+
+/// `glReadBuffer`.
+pub fn select_read_buffer(ctx: &mut Context, buffer: u32) {
+    let gl = ctx.gl;
+    // SAFETY: the program's own call, translated.
+    unsafe {
+        if ctx.reads_redirected() {
+            gl.read_buffer(attachment(buffer));
+            if is_window_buffer(buffer) || buffer == api::GL_NONE {
+                ctx.believed.read_buffer = buffer;
+            }
+        } else {
+            gl.read_buffer(buffer);
+        }
+    }
+}
+
+/// `glDrawBuffers`.
+///
+/// # Safety
+/// `buffers` must be null or point at `count` names, as the program promises OpenGL.
+pub unsafe fn select_draw_buffers(ctx: &mut Context, count: i32, buffers: *const u32) {
+    let gl = ctx.gl;
+    if !ctx.redirected() || buffers.is_null() || !(1..=16).contains(&count) {
+        crate::intercept::gl::offscreen::view_copies::forget(ctx, ctx.believed.draw_framebuffer);
+        // SAFETY: the program's own call.
+        unsafe { gl.draw_buffers(count, buffers) };
+        return;
+    }
+    // SAFETY: the program passes `count` names.
+    let names = unsafe { std::slice::from_raw_parts(buffers, count as usize) };
+    let mut translated = [api::GL_NONE; 16];
+    for (real, name) in translated.iter_mut().zip(names) {
+        *real = attachment(*name);
+    }
+    if is_window_buffer(names[0]) || names[0] == api::GL_NONE {
+        ctx.believed.draw_buffer = names[0];
+    }
+    // SAFETY: as many names as it says.
+    unsafe { gl.draw_buffers(count, translated.as_ptr()) };
+}
+
+/// A copy of a rectangle into the window: onto the flat panel and the program's own picture.
+#[allow(clippy::too_many_arguments)] // glBlitFramebuffer's own.
+pub fn blit(ctx: &mut Context, mut source: [i32; 4], destination: [i32; 4], mask: u32, filter: u32) {
+    let gl = ctx.gl;
+    if crate::intercept::gl::offscreen::copies::blit(ctx, source, destination, mask, filter) {
+        if ctx.redirected() {
+            ctx.frame_begun = true;
+            ctx.background.note_scene();
+            if let Some(target) = &mut ctx.target {
+                target.content.forget();
+            }
+            clear_panel(ctx);
+        }
+        return;
+    }
+    if ctx.reads_redirected() {
+        let origin = crate::intercept::gl::framebuffer::read_back::prepare(ctx);
+        source = [source[0] + origin[0], source[1] + origin[1], source[2] + origin[0], source[3] + origin[1]];
+    }
+    let issue = |d: [i32; 4]| {
+        // SAFETY: the program's own call, moved to a tile.
+        unsafe {
+            gl.blit_framebuffer(source[0], source[1], source[2], source[3], d[0], d[1], d[2], d[3], mask, filter)
+        };
+    };
+    if !ctx.redirected() {
+        crate::intercept::gl::offscreen::view_copies::leave(ctx);
+        issue(destination);
+        crate::intercept::gl::framebuffer::read_back::finish(ctx);
+        return;
+    }
+    ctx.frame_begun = true;
+    crate::intercept::gl::framebuffer::default_framebuffer::want_panel(ctx);
+    let Some(target) = &ctx.target else { return };
+    for (tile, _) in target.flat_tiles().into_iter().flatten() {
+        own_window_space(ctx, tile);
+        let [x0, y0, x1, y1] = destination;
+        issue([x0 + tile[0], y0 + tile[1], x1 + tile[0], y1 + tile[1]]);
+    }
+    crate::intercept::gl::framebuffer::read_back::finish(ctx);
+}
+
+hooks! {
+    "glBindFramebuffer" bind_framebuffer(target: u32, name: u32) = |ctx, _gl| bind(ctx, target, name);
+    // A window's buffers cannot be replaced; without us the driver would say so.
+    "glFramebufferTexture" framebuffer_texture(target: u32, attachment: u32, texture: u32, level: i32) = |ctx, gl| {
+        if !refuses_attachments(ctx, target) { gl.framebuffer_texture(target, attachment, texture, level) }
+    };
+    "glFramebufferTexture2D" framebuffer_texture2_d(target: u32, attachment: u32, kind: u32, texture: u32, level: i32) = |ctx, gl| {
+        if !refuses_attachments(ctx, target) { gl.framebuffer_texture2_d(target, attachment, kind, texture, level) }
+    };
+    "glFramebufferTextureLayer" framebuffer_texture_layer(target: u32, attachment: u32, texture: u32, level: i32, layer: i32) = |ctx, gl| {
+        if !refuses_attachments(ctx, target) { gl.framebuffer_texture_layer(target, attachment, texture, level, layer) }
+    };
+    "glFramebufferRenderbuffer" framebuffer_renderbuffer(target: u32, attachment: u32, kind: u32, name: u32) = |ctx, gl| {
+        if !refuses_attachments(ctx, target) { gl.framebuffer_renderbuffer(target, attachment, kind, name) }
+    };
+    "glDeleteFramebuffers" delete_framebuffers(count: i32, names: *const u32) = |ctx, gl| {
+        let deleted: Vec<u32> = if names.is_null() { Vec::new() } else {
+            std::slice::from_raw_parts(names, usize::try_from(count).unwrap_or(0)).to_vec()
+        };
+        for name in &deleted {
+            crate::intercept::gl::offscreen::view_copies::delete(ctx, *name);
+        }
+        gl.delete_framebuffers(count, names);
+        // Deleting the bound framebuffer binds the window's, which is ours.
+        if ctx.believed.draw_framebuffer != 0 && deleted.contains(&ctx.believed.draw_framebuffer) {
+            bind(ctx, api::GL_DRAW_FRAMEBUFFER, 0);
+        }
+        if ctx.believed.read_framebuffer != 0 && deleted.contains(&ctx.believed.read_framebuffer) {
+            bind(ctx, api::GL_READ_FRAMEBUFFER, 0);
+        }
+    };
+    "glIsFramebuffer" is_framebuffer(name: u32) -> u8 = |ctx, gl| {
+        if ctx.target.as_ref().is_some_and(|t| t.is_ours(name)) { 0 } else { gl.is_framebuffer(name) }
+    };
+    "glClear" clear(mask: u32) = |ctx, _gl| {
+        if ctx.compiling() { crate::intercept::gl::compat::display_lists::record(ctx, Command::Clear(mask)) } else { clear_window(ctx, mask) }
+    };
+    "glClearBufferfv" clear_bufferfv(buffer: u32, index: i32, value: *const f32) = |ctx, _gl|
+        clear_by(ctx, Cleared::by_floats(buffer, index, value), buffer, value, move |gl, value| gl.clear_bufferfv(buffer, index, value));
+    "glClearBufferiv" clear_bufferiv(buffer: u32, index: i32, value: *const i32) = |ctx, _gl|
+        clear_by(ctx, Cleared::by_integers(buffer, index, value), buffer, value, move |gl, value| gl.clear_bufferiv(buffer, index, value));
+    "glClearBufferuiv" clear_bufferuiv(buffer: u32, index: i32, value: *const u32) = |ctx, _gl|
+        clear_by(ctx, Cleared::by_integers(buffer, index, value), buffer, value, move |gl, value| gl.clear_bufferuiv(buffer, index, value));
+    "glClearBufferfi" clear_bufferfi(buffer: u32, index: i32, depth: f32, stencil: i32) = |ctx, _gl|
+        crate::intercept::gl::compat::display_lists::now_or_later(ctx, move |ctx| {
+            let cleared = Cleared::by_pair(buffer, index, depth, stencil);
+            // SAFETY: the program's own call.
+            clear_with(ctx, cleared, |gl| unsafe { gl.clear_bufferfi(buffer, index, depth, stencil) });
+        });
+    "glDrawBuffer" draw_buffer(buffer: u32) = |ctx, _gl| {
+        if ctx.compiling() { crate::intercept::gl::compat::display_lists::record(ctx, Command::DrawBuffer(buffer)) } else { select_draw_buffer(ctx, buffer) }
+    };
+    "glReadBuffer" read_buffer(buffer: u32) = |ctx, _gl| {
+        if ctx.compiling() { crate::intercept::gl::compat::display_lists::record(ctx, Command::ReadBuffer(buffer)) } else { select_read_buffer(ctx, buffer) }
+    };
+    "glDrawBuffers" draw_buffers(count: i32, buffers: *const u32) = |ctx, _gl| {
+        if buffers.is_null() || !(1..=16).contains(&count) {
+            select_draw_buffers(ctx, count, buffers);
+        } else {
+            let mut names = [api::GL_NONE; 16];
+            names[..count as usize].copy_from_slice(std::slice::from_raw_parts(buffers, count as usize));
+            // SAFETY: as many names as it says.
+            crate::intercept::gl::compat::display_lists::now_or_later(ctx, move |ctx| unsafe { select_draw_buffers(ctx, count, names.as_ptr()) });
+        }
+    };
+    "glBlitFramebuffer" blit_framebuffer(x0: i32, y0: i32, x1: i32, y1: i32, u0: i32, v0: i32, u1: i32, v1: i32, mask: u32, filter: u32) =
+        |ctx, _gl| crate::intercept::gl::compat::display_lists::now_or_later(ctx, move |ctx| blit(ctx, [x0, y0, x1, y1], [u0, v0, u1, v1], mask, filter));
+    "glInvalidateFramebuffer" invalidate_framebuffer(target: u32, count: i32, attachments: *const u32) = |ctx, gl| {
+        // A hint; for the window it would have to be translated for nothing.
+        if !ctx.redirected() { gl.invalidate_framebuffer(target, count, attachments) }
+    };
+    "glDiscardFramebufferEXT" discard_framebuffer_ext(target: u32, count: i32, attachments: *const u32) = |ctx, gl| {
+        if !ctx.redirected() { gl.discard_framebuffer_ext(target, count, attachments) }
+    };
+    "glInvalidateSubFramebuffer" invalidate_sub_framebuffer(target: u32, count: i32, attachments: *const u32, x: i32, y: i32, w: i32, h: i32) = |ctx, gl| {
+        if !ctx.redirected() { gl.invalidate_sub_framebuffer(target, count, attachments, x, y, w, h) }
+    };
+}

@@ -1,0 +1,565 @@
+//! What stands in for a window's framebuffer: one atlas of the rig's views.
+
+use crate::backend::gl::api::{self, Gl};
+use crate::backend::gl::surface::{Surface, greatest_texture};
+use crate::backend::gl::{Blank, GlBackend, KnownState, Target};
+use crate::correct::Texels;
+use crate::error::{Error, ErrorKind, Result};
+use crate::intercept::gl::context::errors::{take_error, take_own_errors};
+use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::context::window::Window;
+use crate::intercept::gl::draw::culling::cleared_views::Content;
+use crate::intercept::gl::framebuffer::config::Config;
+use crate::intercept::{live, log, settings};
+use crate::runtime::cache;
+use crate::runtime::session::{Extras, Session};
+use std::sync::Arc;
+
+/// The atlas and what corrects it.
+pub struct DefaultFramebuffer {
+    /// Rig and plan for the window's size.
+    pub session: Arc<Session>,
+    /// Which state of the rig's file it follows.
+    version: u64,
+    config: Config,
+    surface: Surface,
+    /// The surface's picture with one sample per pixel, where it has several.
+    resolved: Option<Surface>,
+    backend: GlBackend,
+    /// For each view the lens to which vertices are projected; empty where all views are perspective ones.
+    pub lenses: Vec<[f32; 16]>,
+    /// What the views hold.
+    pub content: Content,
+    issued: Vec<u64>,
+    culled: Vec<u64>,
+    /// Texels of each view that are closed for drawing; empty where none are.
+    closed: Vec<u64>,
+    /// Where each output is in the window.
+    outputs: Vec<Target>,
+}
+
+/// Puts our framebuffer in place of the window's. Where that fails the program keeps its own.
+pub fn attach(ctx: &mut Context, extras: Extras) {
+    let Some(settings) = settings::settings() else { return };
+    let Some(window) = ctx.window.clone() else { return };
+    if settings.rig.passthrough {
+        return;
+    }
+    crate::intercept::gl::context::debug_output::quietly(ctx, |ctx| attach_now(ctx, &window, settings, extras));
+}
+
+fn attach_now(ctx: &mut Context, window: &Window, settings: &settings::Settings, extras: Extras) {
+    take_error(ctx);
+    match DefaultFramebuffer::new(ctx, window, settings, extras) {
+        Ok(target) => put(ctx, target),
+        Err(error) => log::once(&format!("this window keeps its own picture: {error}")),
+    }
+    take_own_errors(ctx);
+}
+
+/// Puts a new one, which is cleared, in place of the window's framebuffer.
+fn put(ctx: &mut Context, target: DefaultFramebuffer) {
+    ctx.counts.linked += target.backend.linked();
+    ctx.target = Some(Box::new(target));
+    adopt(ctx);
+    let gl = ctx.gl;
+    // SAFETY: state of ours and of our framebuffer.
+    unsafe {
+        ctx.set_scissor(None);
+        clear_everything(gl);
+    }
+}
+
+/// Goes on with the rig as its file is now; only between frames. Where that cannot be planned or made, everything stays.
+pub fn follow_rig(ctx: &mut Context) {
+    let version = live::version();
+    if ctx.target.as_ref().is_none_or(|target| target.version == version) {
+        return;
+    }
+    crate::intercept::gl::context::debug_output::quietly(ctx, |ctx| {
+        let (Some(settings), Some(window)) = (settings::settings(), ctx.window.clone()) else { return };
+        let Some(mut old) = ctx.target.take() else { return };
+        take_error(ctx);
+        let extras = ctx.workload.extras(old.extras());
+        match DefaultFramebuffer::new(ctx, &window, settings, extras) {
+            Ok(new) => {
+                crate::intercept::gl::offscreen::view_copies::clear(ctx);
+                old.destroy(ctx.gl);
+                put(ctx, new);
+            }
+            Err(error) => {
+                log::once(&format!("the rig stays as it was: {error}"));
+                old.version = version;
+                ctx.target = Some(old);
+            }
+        }
+        take_own_errors(ctx);
+    });
+}
+
+/// Puts what stood for a window earlier in its place again, if the window is still of that kind.
+pub fn resume(ctx: &mut Context, window: &Window, target: Box<DefaultFramebuffer>) {
+    take_error(ctx);
+    if target.config == Config::of_window(ctx.gl, &ctx.profile, window) {
+        ctx.target = Some(target);
+        adopt(ctx);
+    } else {
+        target.destroy(ctx.gl);
+    }
+    take_own_errors(ctx);
+}
+
+/// Goes on with a picture that another context of the group began.
+pub fn take_over(ctx: &mut Context, mut target: Box<DefaultFramebuffer>) {
+    take_error(ctx);
+    match target.rehome(ctx.gl) {
+        Ok(()) => {
+            ctx.target = Some(target);
+            adopt(ctx);
+            ctx.frame_begun = true;
+        }
+        Err(error) => {
+            log::once(&format!("what another context drew to this window is lost: {error}"));
+            target.destroy(ctx.gl);
+            attach(ctx, Extras::default());
+        }
+    }
+    take_own_errors(ctx);
+}
+
+/// Makes the rest of the context fit a new target.
+fn adopt(ctx: &mut Context) {
+    crate::intercept::gl::offscreen::view_copies::leave(ctx);
+    ctx.actual = crate::intercept::gl::context::gl_context::Actual::default();
+    ctx.projection.clear();
+    ctx.counting.forget_views();
+    ctx.cameras.clear();
+    ctx.background.clear();
+    let Some(target) = &ctx.target else { return };
+    let framebuffer = target.framebuffer();
+    // SAFETY: binds our framebuffer where the program's window is bound.
+    unsafe {
+        if ctx.believed.read_framebuffer == 0 {
+            ctx.gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, ctx.window_for_reading());
+        }
+        if ctx.believed.draw_framebuffer == 0 {
+            ctx.gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, framebuffer);
+            if ctx.believed.draw_buffer == api::GL_NONE {
+                ctx.gl.draw_buffers(1, &api::GL_NONE);
+            }
+        }
+    }
+}
+
+/// Reserves the flat panel, from its first use on.
+pub fn want_panel(ctx: &mut Context) {
+    let needed = ctx
+        .target
+        .as_ref()
+        .is_some_and(|t| t.session.panel().is_none() && t.session.views().iter().any(|v| !v.program_lens));
+    if needed {
+        enlarge(ctx, |extras| extras.panel = true);
+    }
+}
+
+/// Plans anew for a program of so many draws in a frame. What is drawn already is lost.
+pub fn plan_for(ctx: &mut Context, draws: u32) {
+    let Some(old) = ctx.target.take() else { return };
+    let extras = Extras { draws: Some(draws), ..old.extras() };
+    let same = |new: &Session| new.views() == old.session.views();
+    match old.session.with(extras) {
+        Ok(new) if !same(&new) => {
+            crate::intercept::gl::offscreen::view_copies::clear(ctx);
+            old.destroy(ctx.gl);
+            attach(ctx, extras);
+        }
+        Ok(_) => ctx.target = Some(old),
+        Err(error) => {
+            log::once(&format!("the views stay as they are: {error}"));
+            ctx.target = Some(old);
+        }
+    }
+}
+
+/// Plans anew with more tiles; what is drawn already moves to its new place.
+fn enlarge(ctx: &mut Context, add: impl FnOnce(&mut Extras)) {
+    crate::intercept::gl::queries::scaling::aside(ctx, |ctx| enlarge_now(ctx, add));
+}
+
+fn enlarge_now(ctx: &mut Context, add: impl FnOnce(&mut Extras)) {
+    let Some(old) = ctx.target.take() else { return };
+    take_error(ctx);
+    let mut extras = old.extras();
+    add(&mut extras);
+    match old.enlarged(ctx, extras) {
+        Ok(new) => {
+            ctx.counts.linked += new.backend.linked();
+            ctx.target = Some(Box::new(new));
+            let gl = ctx.gl;
+            adopt(ctx);
+            ctx.set_scissor(None);
+            if let Some(new) = &ctx.target {
+                // SAFETY: copies between two framebuffers of ours; the bindings are put back by `adopt`.
+                unsafe {
+                    gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, new.surface.framebuffer());
+                    clear_everything(gl);
+                    copy_tiles(gl, &old, new);
+                    gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, ctx.believed.read_framebuffer);
+                    gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, ctx.believed.draw_framebuffer);
+                }
+            }
+            adopt(ctx);
+            old.destroy(gl);
+        }
+        Err(error) => {
+            log::once(&format!("flat drawing is left out: {error}"));
+            ctx.target = Some(old);
+        }
+    }
+    take_own_errors(ctx);
+}
+
+/// # Safety
+/// Both framebuffers must live; the caller puts the bindings back.
+unsafe fn copy_tiles(gl: &Gl, old: &DefaultFramebuffer, new: &DefaultFramebuffer) {
+    if old.surface.samples() > 0 {
+        // Multisampled pictures cannot be copied to another place; the next frame draws them.
+        return;
+    }
+    let tiles = |t: &DefaultFramebuffer| {
+        let views = (0..t.session.views().len()).map(|i| Some(t.session.tile(i).0));
+        views.chain([t.session.panel(), t.session.primary()]).collect::<Vec<_>>()
+    };
+    let (from, mut to) = (tiles(old), tiles(new));
+    if from.len() > 2 && new.session.primary().is_some() && old.session.primary().is_none() {
+        // A new primary picture begins with the flat one, which it contains.
+        let last = to.len() - 1;
+        to[last] = None;
+    }
+    let mask = api::GL_COLOR_BUFFER_BIT | api::GL_DEPTH_BUFFER_BIT | api::GL_STENCIL_BUFFER_BIT;
+    // SAFETY: as promised.
+    unsafe { gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, old.surface.framebuffer()) };
+    for (from, to) in from.into_iter().zip(to) {
+        if let (Some([x, y, w, h]), Some([u, v, _, _])) = (from, to) {
+            // SAFETY: both rectangles lie in their framebuffers.
+            unsafe { gl.blit_framebuffer(x, y, x + w, y + h, u, v, u + w, v + h, mask, api::GL_NEAREST) };
+        }
+    }
+    if let (Some([x, y, w, h]), Some([u, v, _, _]), None) =
+        (old.session.panel(), new.session.primary(), old.session.primary())
+    {
+        // SAFETY: as above.
+        unsafe { gl.blit_framebuffer(x, y, x + w, y + h, u, v, u + w, v + h, mask, api::GL_NEAREST) };
+    }
+}
+
+/// Binds what the program's reads of its window come from; the origin of its picture there.
+pub fn bind_for_reading(ctx: &mut Context) -> [i32; 2] {
+    let own_picture = |t: &DefaultFramebuffer| {
+        t.primary().or_else(|| t.flat_tiles().into_iter().flatten().find(|(_, panel)| !panel).map(|tile| tile.0))
+    };
+    if ctx.target.as_ref().is_some_and(|t| own_picture(t).is_none()) {
+        enlarge(ctx, |extras| extras.primary = true);
+        crate::intercept::gl::queries::scaling::aside(ctx, crate::intercept::gl::frame::capture::fill_primary);
+    }
+    let Some(tile) = ctx.target.as_ref().and_then(|t| own_picture(t)) else { return [0, 0] };
+    crate::intercept::gl::queries::scaling::aside(ctx, |ctx| {
+        if let Some(target) = &ctx.target {
+            target.resolve(ctx, Some(tile));
+        }
+        make_opaque(ctx, tile);
+    });
+    let Some(target) = &ctx.target else { return [0, 0] };
+    // SAFETY: a framebuffer of ours; `end_reading` puts the program's back.
+    unsafe { ctx.gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, target.readable().framebuffer()) };
+    [tile[0], tile[1]]
+}
+
+/// A window without alpha has alpha 1 wherever it is read; ours has what the program drew. Of the program's own picture
+/// the correction takes the colours only.
+fn make_opaque(ctx: &mut Context, tile: [i32; 4]) {
+    let gl = ctx.gl;
+    let Some(target) = ctx.target.as_ref().filter(|t| t.config.alpha_bits == 0) else { return };
+    let framebuffer = target.readable().framebuffer();
+    ctx.set_scissor(Some(tile));
+    let mut bound = 0;
+    let mut mask = [0u8; 4];
+    // SAFETY: clears a part of a framebuffer of ours; binding and mask are put back.
+    unsafe {
+        gl.get_integerv(api::GL_DRAW_FRAMEBUFFER_BINDING, &mut bound);
+        gl.get_booleanv(api::GL_COLOR_WRITEMASK, mask.as_mut_ptr());
+        gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, framebuffer);
+        gl.color_mask(0, 0, 0, 1);
+        gl.clear_bufferfv(api::GL_COLOR, 0, [0.0f32, 0.0, 0.0, 1.0].as_ptr());
+        gl.color_mask(mask[0], mask[1], mask[2], mask[3]);
+        gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, bound as u32);
+    }
+    if !ctx.redirected() {
+        ctx.restore_window_space();
+    }
+}
+
+/// The pair of [`bind_for_reading`].
+pub fn end_reading(ctx: &mut Context) {
+    if ctx.reads_redirected()
+        && let Some(target) = &ctx.target
+    {
+        // SAFETY: what the program's window stands for.
+        unsafe { ctx.gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, target.framebuffer()) };
+    }
+}
+
+/// Clears the bound framebuffer's colour within the scissor to transparent black.
+pub fn clear_transparent(gl: &Gl, known: &KnownState) {
+    let mask = known.mask(gl);
+    // SAFETY: the colour mask is put back.
+    unsafe {
+        gl.color_mask(1, 1, 1, 1);
+        gl.clear_bufferfv(api::GL_COLOR, 0, [0.0f32; 4].as_ptr());
+        gl.color_mask(mask[0], mask[1], mask[2], mask[3]);
+    }
+}
+
+/// # Safety
+/// Our framebuffer must be bound for drawing, with the scissor test off.
+unsafe fn clear_everything(gl: &Gl) {
+    clear_transparent(gl, &KnownState::default());
+    let mut depth = 0u8;
+    let mut stencil = 0;
+    // SAFETY: the masks are put back.
+    unsafe {
+        gl.get_booleanv(api::GL_DEPTH_WRITEMASK, &mut depth);
+        gl.get_integerv(api::GL_STENCIL_WRITEMASK, &mut stencil);
+        gl.depth_mask(1);
+        gl.stencil_mask(u32::MAX);
+        gl.clear_bufferfi(api::GL_DEPTH_STENCIL, 0, 1.0, 0);
+        gl.depth_mask(depth);
+        gl.stencil_mask(stencil as u32);
+    }
+}
+
+impl DefaultFramebuffer {
+    fn new(ctx: &Context, window: &Window, settings: &settings::Settings, extras: Extras) -> Result<Self> {
+        let gl = ctx.gl;
+        let live = live::rig().ok_or_else(|| Error::new(ErrorKind::InvalidState, "there is no rig"))?;
+        let plan = crate::intercept::gl::projected_vertices::lens::planner(ctx, &live.rig);
+        let session = plan(&live.rig, window.size(), settings.offscreen, greatest_texture(gl), extras)?;
+        let config = Config::of_window(gl, &ctx.profile, window);
+        Self::with_session(ctx, session, config, live.version)
+    }
+
+    fn with_session(ctx: &Context, session: Session, config: Config, version: u64) -> Result<Self> {
+        let gl = ctx.gl;
+        let size = (session.plan().views.atlas.0 as i32, session.plan().views.atlas.1 as i32);
+        let surface = Surface::new(gl, size, config.samples, config.srgb)?;
+        let resolved = if config.samples > 0 { Some(Surface::new(gl, size, 0, config.srgb)?) } else { None };
+        let mut backend = GlBackend::new(gl, ctx.profile.es)?.with_cache(gl, cache::of_process());
+        let panel = session.panel().is_some();
+        backend.prepare(gl, session.plan(), panel)?;
+        let closed = crate::intercept::gl::framebuffer::unsampled_areas::prepare(gl, &mut backend, session.plan());
+        let (issued, culled) = (vec![0; session.views().len()], vec![0; session.views().len()]);
+        let outputs: Vec<_> = session.viewports().map(|viewport| Target { framebuffer: 0, viewport }).collect();
+        backend.own_framebuffer(&outputs, session.window());
+        let lenses = session.lenses();
+        let session = Arc::new(session);
+        Ok(Self {
+            session,
+            version,
+            lenses,
+            config,
+            surface,
+            resolved,
+            backend,
+            content: Content::default(),
+            issued,
+            culled,
+            closed,
+            outputs,
+        })
+    }
+
+    /// The same with more tiles.
+    fn enlarged(&self, ctx: &Context, extras: Extras) -> Result<Self> {
+        let mut new = Self::with_session(ctx, self.session.with(extras)?, self.config, self.version)?;
+        new.issued.clone_from(&self.issued);
+        new.culled.clone_from(&self.culled);
+        Ok(new)
+    }
+
+    /// The tiles that the program has been seen to need.
+    pub fn extras(&self) -> Extras {
+        self.session.extras()
+    }
+
+    /// Size of the window that it stands for.
+    pub fn size(&self) -> (u32, u32) {
+        self.session.window()
+    }
+
+    /// The window's own configuration.
+    pub fn config(&self) -> &Config {
+        &self.config
+    }
+
+    /// What the program's framebuffer 0 really is.
+    pub fn framebuffer(&self) -> u32 {
+        self.surface.framebuffer()
+    }
+
+    /// Whether `name` is a framebuffer of ours.
+    pub fn is_ours(&self, name: u32) -> bool {
+        name == self.surface.framebuffer() || self.resolved.as_ref().is_some_and(|r| r.framebuffer() == name)
+    }
+
+    /// The tile of the flat panel.
+    pub fn panel(&self) -> Option<[i32; 4]> {
+        self.session.panel()
+    }
+
+    /// The tile of the program's own picture.
+    pub fn primary(&self) -> Option<[i32; 4]> {
+        self.session.primary()
+    }
+
+    /// Where flat drawing goes, and whether each is the panel (whose alpha counts).
+    pub fn flat_tiles(&self) -> [Option<([i32; 4], bool)>; 3] {
+        let own = (0..self.session.views().len()).map(|i| self.session.tile(i)).find(|(_, own_lens)| *own_lens);
+        [own.map(|(tile, _)| (tile, false)), self.panel().map(|t| (t, true)), self.primary().map(|t| (t, false))]
+    }
+
+    /// A draw went to a view.
+    pub fn issued(&mut self, view: usize) {
+        self.content.draw(view);
+        if let Some(count) = self.issued.get_mut(view) {
+            *count += 1;
+        }
+    }
+
+    /// A draw went to a view, into these texels.
+    pub fn issued_within(&mut self, view: usize, texels: Texels) {
+        self.content.draw_within(view, texels);
+        if let Some(count) = self.issued.get_mut(view) {
+            *count += 1;
+        }
+    }
+
+    /// A draw was left out of a view that cannot show it.
+    pub fn culled(&mut self, view: usize) {
+        if let Some(count) = self.culled.get_mut(view) {
+            *count += 1;
+        }
+    }
+
+    /// Draws issued to each view so far, and draws left out.
+    pub fn counts(&self) -> impl Iterator<Item = (u64, u64)> + '_ {
+        self.issued.iter().copied().zip(self.culled.iter().copied())
+    }
+
+    /// Texels of each view that are closed for drawing, because no output samples them; empty where none are.
+    pub fn closed(&self) -> &[u64] {
+        &self.closed
+    }
+
+    /// Where the correction of each output goes.
+    pub fn outputs(&self) -> &[Target] {
+        &self.outputs
+    }
+
+    /// The views that need not be corrected.
+    pub fn blank(&self) -> Option<Blank<'_>> {
+        // A view with the program's own lens gets flat drawing, too.
+        let followed =
+            settings::settings().is_some_and(|s| s.cull) && !self.session.views().iter().any(|v| v.program_lens);
+        self.content.blank().filter(|_| followed)
+    }
+
+    /// The correction.
+    pub fn backend(&self) -> &GlBackend {
+        &self.backend
+    }
+
+    /// The texture with the atlas, one sample per pixel.
+    pub fn texture(&self) -> u32 {
+        self.readable().texture()
+    }
+
+    fn readable(&self) -> &Surface {
+        self.resolved.as_ref().unwrap_or(&self.surface)
+    }
+
+    /// The framebuffer that can be read from, once [`DefaultFramebuffer::resolve`] has run.
+    pub fn readable_framebuffer(&self) -> u32 {
+        self.readable().framebuffer()
+    }
+
+    /// Resolves the samples of `part`, or of everything. The program's bindings are put back.
+    pub fn resolve(&self, ctx: &Context, part: Option<[i32; 4]>) {
+        let Some(resolved) = &self.resolved else { return };
+        let gl = ctx.gl;
+        let [x, y, w, h] = part.unwrap_or([0, 0, self.surface.size().0, self.surface.size().1]);
+        let real = |name: u32| if name == 0 { self.framebuffer() } else { name };
+        let reads =
+            if ctx.reads_elsewhere { ctx.believed.read_framebuffer } else { real(ctx.believed.read_framebuffer) };
+        // SAFETY: copies between framebuffers of ours; scissor and bindings are put back.
+        unsafe {
+            let scissor = gl.is_enabled(api::GL_SCISSOR_TEST) != 0;
+            if scissor {
+                gl.disable(api::GL_SCISSOR_TEST);
+            }
+            gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, self.surface.framebuffer());
+            gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, resolved.framebuffer());
+            gl.blit_framebuffer(x, y, x + w, y + h, x, y, x + w, y + h, api::GL_COLOR_BUFFER_BIT, api::GL_NEAREST);
+            if part.is_some() {
+                let depth = api::GL_DEPTH_BUFFER_BIT | api::GL_STENCIL_BUFFER_BIT;
+                gl.blit_framebuffer(x, y, x + w, y + h, x, y, x + w, y + h, depth, api::GL_NEAREST);
+            }
+            gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, reads);
+            gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, real(ctx.believed.draw_framebuffer));
+            if scissor {
+                gl.enable(api::GL_SCISSOR_TEST);
+            }
+        }
+    }
+
+    /// The objects that contexts do not share.
+    pub fn own_objects(&self) -> OwnObjects {
+        let resolved = self.resolved.as_ref().map_or(0, Surface::framebuffer);
+        OwnObjects { framebuffers: [self.surface.framebuffer(), resolved], vertex_array: self.backend.vertex_array() }
+    }
+
+    /// Makes those anew, in the current context, around the shared ones.
+    fn rehome(&mut self, gl: &Gl) -> Result<()> {
+        self.surface.rehome(gl)?;
+        if let Some(resolved) = &mut self.resolved {
+            resolved.rehome(gl)?;
+        }
+        self.backend.rehome(gl);
+        Ok(())
+    }
+
+    /// Deletes everything in the context, which must be current.
+    pub fn destroy(mut self, gl: &Gl) {
+        self.backend.destroy(gl);
+        self.surface.destroy(gl);
+        if let Some(resolved) = self.resolved.take() {
+            resolved.destroy(gl);
+        }
+    }
+}
+
+/// Names of a picture's objects in the context that drew it before.
+pub struct OwnObjects {
+    framebuffers: [u32; 2],
+    vertex_array: u32,
+}
+
+impl OwnObjects {
+    /// Deletes them in their context, which must be current.
+    pub fn destroy(&self, gl: &Gl) {
+        // SAFETY: objects of ours; the name 0 is ignored.
+        unsafe {
+            gl.delete_framebuffers(2, self.framebuffers.as_ptr());
+            gl.delete_vertex_arrays(1, &self.vertex_array);
+        }
+    }
+}

@@ -1,0 +1,115 @@
+//! Framebuffers by their name (OpenGL 4.5): the program's 0 is ours here too.
+//!
+//! A command on the window's framebuffer runs as its elder that works on a binding, with the binding
+//! put back. Other framebuffers keep the newer commands, but where the scissor counts, which is a tile's
+//! while the window is bound.
+
+use crate::backend::gl::api;
+use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::context::hooks::hooks;
+use crate::intercept::gl::framebuffer::bindings;
+use crate::intercept::gl::framebuffer::unsampled_areas::Cleared;
+
+/// Runs `run` with the program's framebuffers bound for drawing and reading; `None` = as it is.
+fn bound<R>(ctx: &mut Context, draw: Option<u32>, read: Option<u32>, run: impl FnOnce(&mut Context) -> R) -> R {
+    let before = [ctx.believed.draw_framebuffer, ctx.believed.read_framebuffer];
+    let change = |ctx: &mut Context, target: u32, from: u32, to: u32| {
+        if from != to {
+            bindings::bind(ctx, target, to);
+        }
+    };
+    change(ctx, api::GL_DRAW_FRAMEBUFFER, before[0], draw.unwrap_or(before[0]));
+    change(ctx, api::GL_READ_FRAMEBUFFER, before[1], read.unwrap_or(before[1]));
+    let answer = run(ctx);
+    let now = [ctx.believed.draw_framebuffer, ctx.believed.read_framebuffer];
+    change(ctx, api::GL_DRAW_FRAMEBUFFER, now[0], before[0]);
+    change(ctx, api::GL_READ_FRAMEBUFFER, now[1], before[1]);
+    answer
+}
+
+/// Whether `name` is the window, and the window is ours.
+fn is_window(ctx: &Context, name: u32) -> bool {
+    name == 0 && ctx.target.is_some()
+}
+
+macro_rules! clears {
+    ($( $name:literal $method:ident $bound:ident ( $($p:ident: $t:ty),* ) by $how:ident; )*) => {
+        hooks! {
+            $( $name $method(framebuffer: u32, buffer: u32, $($p: $t),*) = |ctx, gl| {
+                if ctx.target.is_none() {
+                    gl.$method(framebuffer, buffer, $($p),*);
+                } else {
+                    bound(ctx, Some(framebuffer), None, |ctx| {
+                        _ = bindings::clear_with(ctx, Cleared::$how(buffer, $($p),*), |gl| gl.$bound(buffer, $($p),*));
+                    });
+                }
+            }; )*
+            "glNamedFramebufferDrawBuffer" named_framebuffer_draw_buffer(framebuffer: u32, buffer: u32) = |ctx, gl| {
+                if is_window(ctx, framebuffer) {
+                    bound(ctx, Some(0), None, |ctx| bindings::select_draw_buffer(ctx, buffer));
+                } else {
+                    crate::intercept::gl::offscreen::view_copies::forget(ctx, framebuffer);
+                    gl.named_framebuffer_draw_buffer(framebuffer, buffer);
+                }
+            };
+            "glNamedFramebufferDrawBuffers" named_framebuffer_draw_buffers(framebuffer: u32, count: i32, buffers: *const u32) = |ctx, gl| {
+                if is_window(ctx, framebuffer) {
+                    bound(ctx, Some(0), None, |ctx| bindings::select_draw_buffers(ctx, count, buffers));
+                } else {
+                    crate::intercept::gl::offscreen::view_copies::forget(ctx, framebuffer);
+                    gl.named_framebuffer_draw_buffers(framebuffer, count, buffers);
+                }
+            };
+            "glNamedFramebufferReadBuffer" named_framebuffer_read_buffer(framebuffer: u32, buffer: u32) = |ctx, gl| {
+                if is_window(ctx, framebuffer) {
+                    bound(ctx, None, Some(0), |ctx| bindings::select_read_buffer(ctx, buffer));
+                } else {
+                    gl.named_framebuffer_read_buffer(framebuffer, buffer);
+                }
+            };
+            "glBlitNamedFramebuffer" blit_named_framebuffer(read: u32, draw: u32, x0: i32, y0: i32, x1: i32, y1: i32, u0: i32, v0: i32, u1: i32, v1: i32, mask: u32, filter: u32) = |ctx, gl| {
+                if ctx.target.is_none() {
+                    gl.blit_named_framebuffer(read, draw, x0, y0, x1, y1, u0, v0, u1, v1, mask, filter);
+                } else {
+                    bound(ctx, Some(draw), Some(read), |ctx| bindings::blit(ctx, [x0, y0, x1, y1], [u0, v0, u1, v1], mask, filter));
+                }
+            };
+            "glNamedFramebufferTexture" named_framebuffer_texture(framebuffer: u32, attachment: u32, texture: u32, level: i32) = |ctx, gl| {
+                crate::intercept::gl::offscreen::view_copies::forget(ctx, framebuffer);
+                gl.named_framebuffer_texture(framebuffer, attachment, texture, level);
+            };
+            "glNamedFramebufferTextureLayer" named_framebuffer_texture_layer(framebuffer: u32, attachment: u32, texture: u32, level: i32, layer: i32) = |ctx, gl| {
+                crate::intercept::gl::offscreen::view_copies::forget(ctx, framebuffer);
+                gl.named_framebuffer_texture_layer(framebuffer, attachment, texture, level, layer);
+            };
+            "glNamedFramebufferRenderbuffer" named_framebuffer_renderbuffer(framebuffer: u32, attachment: u32, kind: u32, renderbuffer: u32) = |ctx, gl| {
+                crate::intercept::gl::offscreen::view_copies::forget(ctx, framebuffer);
+                gl.named_framebuffer_renderbuffer(framebuffer, attachment, kind, renderbuffer);
+            };
+            "glCheckNamedFramebufferStatus" check_named_framebuffer_status(framebuffer: u32, target: u32) -> u32 = |ctx, gl| {
+                let framebuffer = if framebuffer == 0 { ctx.target.as_ref().map_or(0, |t| t.framebuffer()) } else { framebuffer };
+                gl.check_named_framebuffer_status(framebuffer, target)
+            };
+            "glGetNamedFramebufferAttachmentParameteriv" get_named_framebuffer_attachment_parameteriv(framebuffer: u32, attachment: u32, name: u32, values: *mut i32) = |ctx, gl| {
+                if is_window(ctx, framebuffer) {
+                    bound(ctx, Some(0), None, |ctx| crate::intercept::gl::context::getters::attachment_parameter(ctx, api::GL_DRAW_FRAMEBUFFER, attachment, name, values));
+                } else {
+                    gl.get_named_framebuffer_attachment_parameteriv(framebuffer, attachment, name, values);
+                }
+            };
+            "glInvalidateNamedFramebufferData" invalidate_named_framebuffer_data(framebuffer: u32, count: i32, attachments: *const u32) = |ctx, gl| {
+                if !is_window(ctx, framebuffer) { gl.invalidate_named_framebuffer_data(framebuffer, count, attachments) }
+            };
+            "glInvalidateNamedFramebufferSubData" invalidate_named_framebuffer_sub_data(framebuffer: u32, count: i32, attachments: *const u32, x: i32, y: i32, w: i32, h: i32) = |ctx, gl| {
+                if !is_window(ctx, framebuffer) { gl.invalidate_named_framebuffer_sub_data(framebuffer, count, attachments, x, y, w, h) }
+            };
+        }
+    };
+}
+
+clears! {
+    "glClearNamedFramebufferfv" clear_named_framebufferfv clear_bufferfv(index: i32, value: *const f32) by by_floats;
+    "glClearNamedFramebufferiv" clear_named_framebufferiv clear_bufferiv(index: i32, value: *const i32) by by_integers;
+    "glClearNamedFramebufferuiv" clear_named_framebufferuiv clear_bufferuiv(index: i32, value: *const u32) by by_integers;
+    "glClearNamedFramebufferfi" clear_named_framebufferfi clear_bufferfi(index: i32, depth: f32, stencil: i32) by by_pair;
+}

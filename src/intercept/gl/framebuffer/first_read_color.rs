@@ -1,0 +1,37 @@
+//! Colours of the program's own picture for a read that comes before anything was drawn to it, where views are pictures of
+//! outputs: each pixel takes that of the texel that shows its direction, with the flat panel over it.
+
+use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::framebuffer::default_framebuffer::DefaultFramebuffer;
+use crate::intercept::gl::framebuffer::first_read_depth::{self, Content, find};
+use glam::{DMat3, DVec3};
+
+/// Fills the primary tile. `directions`: a pixel (−1…1 to the right and up, 1) → its direction in the viewer's axes. The
+/// views must be drawn and, where they have several samples, resolved. What no output shows is black.
+pub fn fill(ctx: &Context, target: &DefaultFramebuffer, directions: DMat3) {
+    let Some([x, y, width, height]) = target.primary() else { return };
+    let views = &target.session.plan().views;
+    let atlas = first_read_depth::read(ctx.gl, target.readable_framebuffer(), views.atlas, Content::Color);
+    let texel = |(column, line): (u32, u32)| {
+        let value = atlas.get(line as usize * views.atlas.0 as usize + column as usize).copied().unwrap_or(0);
+        value.to_ne_bytes().map(u16::from)
+    };
+    let part = |i: i32, size: i32| (f64::from(i) + 0.5) / f64::from(size);
+    let pixel = |column: i32, line: i32| {
+        let (right, up) = (part(column, width), part(line, height));
+        let direction = directions * DVec3::new(2.0 * right - 1.0, 2.0 * up - 1.0, 1.0);
+        let mut shown = views.views.iter().filter(|view| !view.program_lens).filter_map(|view| find(view, direction));
+        let scene = shown.next().map_or([0; 4], |(place, _)| texel(place));
+        let flat = views.panel.as_ref().map_or([0; 4], |panel| {
+            let tile = panel.tile;
+            let along = |start: u32, texels: u32, part: f64| start + (part * f64::from(texels)) as u32;
+            texel((along(tile.x, tile.width, right), along(tile.y, tile.height, up)))
+        });
+        // The panel is premultiplied.
+        let over = |i: usize| (flat[i] + (scene[i] * (255 - flat[3]) + 127) / 255).min(255) as u8;
+        u32::from_ne_bytes([over(0), over(1), over(2), 255])
+    };
+    let pixels: Vec<u32> =
+        (0..height).flat_map(|line| (0..width).map(move |column| (column, line))).map(|(c, l)| pixel(c, l)).collect();
+    first_read_depth::write(ctx.gl, target, [x, y, width, height], Content::Color, &pixels);
+}

@@ -1,0 +1,184 @@
+//! Depth and stencil of the program's own picture for a read that comes before anything was drawn to it: each pixel
+//! takes those of the view that shows its direction, from the texel that it falls into.
+
+use crate::backend::gl::api::{self, Gl};
+use crate::correct;
+use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::framebuffer::default_framebuffer::DefaultFramebuffer;
+use crate::runtime::cache;
+use crate::runtime::session::ClipRows;
+use crate::views::{Tile, View};
+use glam::{DMat3, DVec3};
+
+/// Greatest depth of the format.
+const DEEPEST: u32 = (1 << 24) - 1;
+/// The texel of an empty window.
+const EMPTY: u32 = DEEPEST << 8;
+
+/// Fills the primary tile. `directions`: a pixel (−1…1 to the right and up, 1) → its direction in the viewer's axes, as
+/// far as −1 along the program's. The views must be drawn and, where they have several samples, resolved.
+pub fn fill(ctx: &Context, target: &DefaultFramebuffer, directions: DMat3) {
+    // OpenGL ES lets nobody read depth, the program neither.
+    let (Some(lens), Some([x, y, width, height]), false) = (ctx.lens, target.primary(), ctx.profile.es) else { return };
+    let gl = ctx.gl;
+    let plan = target.session.plan();
+    let Some(depths) = Depths::of(gl) else { return };
+    let mut atlas = read(gl, target.readable_framebuffer(), plan.views.atlas, Content::DepthStencil);
+    if !target.closed().is_empty() {
+        let row = plan.views.atlas.0 as usize;
+        for tile in correct::kept_hidden_areas(plan, cache::of_process()).concat() {
+            let columns = tile.x as usize..(tile.x + tile.width) as usize;
+            for line in atlas.chunks_exact_mut(row).skip(tile.y as usize).take(tile.height as usize) {
+                line[columns.clone()].fill(EMPTY);
+            }
+        }
+    }
+    let rows: Vec<ClipRows> = target.session.rows(&lens).collect();
+    let texel = |column: i32, line: i32| {
+        let place = |i: i32, size: i32| (f64::from(i) + 0.5) * 2.0 / f64::from(size) - 1.0;
+        let direction = directions * DVec3::new(place(column, width), place(line, height), 1.0);
+        let views = plan.views.views.iter().zip(&rows);
+        let (rows, farther, texel) = views.filter(|(view, _)| !view.program_lens).find_map(|(view, rows)| {
+            let (texel, farther) = find(view, direction)?;
+            Some((rows, farther, texel))
+        })?;
+        let value = *atlas.get(texel.1 as usize * plan.views.atlas.0 as usize + texel.0 as usize)?;
+        Some(depths.own(value, rows, farther))
+    };
+    let pixels: Vec<u32> = (0..height)
+        .flat_map(|line| (0..width).map(move |column| (column, line)))
+        .map(|(column, line)| texel(column, line).unwrap_or(EMPTY))
+        .collect();
+    write(gl, target, [x, y, width, height], Content::DepthStencil, &pixels);
+}
+
+/// What a tile is filled with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Content {
+    /// 24 bits of depth, 8 of stencil.
+    DepthStencil,
+    /// Red, green, blue and alpha, 8 bits each.
+    Color,
+}
+
+impl Content {
+    /// Format, type, and format of a texture; attachment, and bits of a copy.
+    fn names(self) -> ([u32; 3], [u32; 2]) {
+        match self {
+            Self::DepthStencil => (
+                [api::GL_DEPTH_STENCIL, api::GL_UNSIGNED_INT_24_8, api::GL_DEPTH24_STENCIL8],
+                [api::GL_DEPTH_STENCIL_ATTACHMENT, api::GL_DEPTH_BUFFER_BIT | api::GL_STENCIL_BUFFER_BIT],
+            ),
+            Self::Color => (
+                [api::GL_RGBA, api::GL_UNSIGNED_BYTE, api::GL_RGBA8],
+                [api::GL_COLOR_ATTACHMENT0, api::GL_COLOR_BUFFER_BIT],
+            ),
+        }
+    }
+}
+
+/// The texel of a view that shows a direction, if it answers for it, and how many times as far it is drawn as it is along
+/// the program's axis.
+pub fn find(view: &View, direction: DVec3) -> Option<((u32, u32), f64)> {
+    let seen = view.rotation * direction;
+    let Tile { x, y, width, height } = view.tile;
+    let texel = |part: f64, texels: u32| ((part * f64::from(texels)) as u32).min(texels.saturating_sub(1));
+    if let Some(map) = &view.curved {
+        // The picture of an output, where depth is the distance.
+        let at = map.shown(seen)?;
+        return Some(((x + texel(0.5 + 0.5 * at.x, width), y + texel(0.5 + 0.5 * at.y, height)), direction.length()));
+    }
+    let (right, up) = (seen.x / -seen.z, seen.y / -seen.z);
+    let owned = &view.owned;
+    let shown = seen.z < 0.0 && (owned.left..=owned.right).contains(&right) && (owned.bottom..=owned.top).contains(&up);
+    let column = x + texel((right - view.frustum.left) / view.frustum.width(), width);
+    let line = y + texel((up - view.frustum.bottom) / view.frustum.height(), height);
+    shown.then_some(((column, line), -seen.z))
+}
+
+/// How stored depths follow from those of clip space.
+#[derive(Clone, Copy)]
+struct Depths {
+    /// What normalised −1 (or 0, where the program said so) and 1 are stored as.
+    range: [f64; 2],
+    /// The normalised depth of the nearest.
+    least: f64,
+}
+
+impl Depths {
+    /// As the program has them now; None where all depths are stored as one.
+    fn of(gl: &Gl) -> Option<Self> {
+        let mut range = [0.0f32, 1.0];
+        let mut mode = 0;
+        // SAFETY: the first writes two numbers, the second one.
+        unsafe {
+            gl.get_floatv(api::GL_DEPTH_RANGE, range.as_mut_ptr());
+            if gl.has_clip_control() {
+                gl.get_integerv(api::GL_CLIP_DEPTH_MODE, &mut mode);
+            }
+        }
+        let least = if mode as u32 == api::GL_ZERO_TO_ONE { 0.0 } else { -1.0 };
+        (range[0] != range[1]).then_some(Self { range: range.map(f64::from), least })
+    }
+
+    /// What the program's own picture stores for what a view stores as `texel`, `farther` times as far along the view's
+    /// axis as along the program's. What nothing was drawn to stays so.
+    fn own(&self, texel: u32, rows: &ClipRows, farther: f64) -> u32 {
+        let (depth, stencil) = (texel >> 8, texel & 0xff);
+        if depth == 0 || depth == DEEPEST {
+            return texel;
+        }
+        let [near, far] = self.range;
+        let normalised =
+            self.least + (f64::from(depth) / f64::from(DEEPEST) - near) / (far - near) * (1.0 - self.least);
+        let own = rows.own_depth(normalised, farther);
+        let stored = near + (own - self.least) / (1.0 - self.least) * (far - near);
+        ((stored * f64::from(DEEPEST)).round().clamp(0.0, f64::from(DEEPEST)) as u32) << 8 | stencil
+    }
+}
+
+/// What a framebuffer of ours holds. Bindings and pixel storage are put back.
+pub fn read(gl: &Gl, framebuffer: u32, size: (u32, u32), content: Content) -> Vec<u32> {
+    let mut texels = vec![EMPTY; size.0 as usize * size.1 as usize];
+    let ([format, kind, _], _) = content.names();
+    crate::intercept::gl::frame::present::while_reading(gl, framebuffer, || {
+        // SAFETY: the array has room for just these texels of four bytes.
+        unsafe { gl.read_pixels(0, 0, size.0 as i32, size.1 as i32, format, kind, texels.as_mut_ptr().cast()) };
+    });
+    texels
+}
+
+/// Puts content into a tile of the window's picture. Everything that is touched is put back.
+pub fn write(gl: &Gl, window: &DefaultFramebuffer, [x, y, width, height]: [i32; 4], content: Content, pixels: &[u32]) {
+    let texture = crate::backend::gl::surface::new_texture(gl);
+    let ([format, kind, internal], [attachment, bits]) = content.names();
+    window.backend().while_uploading(gl, || {
+        let start = pixels.as_ptr().cast();
+        // SAFETY: the array holds just as many texels, one after the other.
+        unsafe {
+            gl.bind_texture(api::GL_TEXTURE_2D, texture);
+            gl.tex_image2_d(api::GL_TEXTURE_2D, 0, internal as i32, width, height, 0, format, kind, start);
+        }
+    });
+    // SAFETY: objects of ours; bindings and scissor test are put back.
+    unsafe {
+        let scissor = gl.is_enabled(api::GL_SCISSOR_TEST) != 0;
+        gl.disable(api::GL_SCISSOR_TEST);
+        let (mut read, mut draw, mut own) = (0, 0, 0);
+        gl.get_integerv(api::GL_READ_FRAMEBUFFER_BINDING, &mut read);
+        gl.get_integerv(api::GL_DRAW_FRAMEBUFFER_BINDING, &mut draw);
+        gl.gen_framebuffers(1, &mut own);
+        gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, own);
+        gl.framebuffer_texture2_d(api::GL_READ_FRAMEBUFFER, attachment, api::GL_TEXTURE_2D, texture, 0);
+        gl.read_buffer(if content == Content::Color { attachment } else { api::GL_NONE });
+        gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, window.framebuffer());
+        gl.blit_framebuffer(0, 0, width, height, x, y, x + width, y + height, bits, api::GL_NEAREST);
+        gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, read as u32);
+        gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, draw as u32);
+        gl.delete_framebuffers(1, &own);
+        gl.delete_textures(1, &texture);
+        if scissor {
+            gl.enable(api::GL_SCISSOR_TEST);
+        }
+    }
+}

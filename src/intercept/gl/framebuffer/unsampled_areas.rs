@@ -1,0 +1,118 @@
+//! The parts of views that no output samples: closed by their depth, so that nothing is shaded there.
+//!
+//! A program that clears the depth of its window starts a picture; right after that those parts get the nearest depth,
+//! and what is drawn there fails the depth test before it is shaded. Whatever the program's depth function, range and
+//! clear value are, no pixel of an output changes, because none reads there: with `GL_ALWAYS`, without a depth test or
+//! with a function turned round in the middle of a frame the parts are merely drawn as before. Reads of the program
+//! come from its own picture, which is not closed. What it counts with occlusion queries are then samples that the
+//! audience can see. Not closed are copies of a program's own framebuffers: what it makes of them (a blur, say) may
+//! read beyond the border of what is sampled.
+
+use crate::backend::gl::GlBackend;
+use crate::backend::gl::api::{self, Gl};
+use crate::correct::{self, Plan};
+use crate::intercept::gl::context::errors::{take_error, take_own_errors};
+use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::log;
+use crate::intercept::settings::{self, Mask};
+use crate::runtime::cache;
+use crate::views::Tile;
+
+/// What a program clears.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cleared {
+    /// Colour.
+    pub color: bool,
+    /// Depth, to this value.
+    pub depth: Option<f32>,
+}
+
+impl Cleared {
+    /// By `glClear`.
+    pub fn by_mask(ctx: &Context, mask: u32) -> Self {
+        let depth = mask & api::GL_DEPTH_BUFFER_BIT != 0;
+        let value = || if ctx.redirected() { ctx.known_state.clear_depth(ctx.gl) } else { 1.0 };
+        Self { color: mask & api::GL_COLOR_BUFFER_BIT != 0, depth: depth.then(value) }
+    }
+
+    /// By `glClearBufferfv`, with its arguments.
+    ///
+    /// # Safety
+    /// `value` must be null or point at what is cleared to, as the program promises OpenGL.
+    pub unsafe fn by_floats(buffer: u32, _index: i32, value: *const f32) -> Self {
+        // SAFETY: as promised; a depth is one number.
+        let depth = if buffer == api::GL_DEPTH && !value.is_null() { Some(unsafe { *value }) } else { None };
+        Self { color: buffer == api::GL_COLOR, depth }
+    }
+
+    /// By `glClearBufferiv` and `glClearBufferuiv`, with their arguments.
+    pub fn by_integers<T>(buffer: u32, _index: i32, _value: *const T) -> Self {
+        Self { color: buffer == api::GL_COLOR, depth: None }
+    }
+
+    /// By `glClearBufferfi`, with its arguments.
+    pub fn by_pair(buffer: u32, _index: i32, depth: f32, _stencil: i32) -> Self {
+        Self { color: false, depth: (buffer == api::GL_DEPTH_STENCIL).then_some(depth) }
+    }
+}
+
+/// The least part of all views' texels that has to be hidden for closing to pay.
+const LEAST_PART: f64 = 0.04;
+/// As many texels at least: closing costs as much as shading some ten thousand simple ones.
+const LEAST_TEXELS: u64 = 1 << 17;
+
+/// Gives the backend what is to be closed of a plan; how many texels of each view that is, empty for nothing.
+pub fn prepare(gl: &Gl, backend: &mut GlBackend, plan: &Plan) -> Vec<u64> {
+    let mask = settings::settings().map_or(Mask::Never, |settings| settings.mask);
+    let hidden = if mask == Mask::Never { Vec::new() } else { correct::kept_hidden_areas(plan, cache::of_process()) };
+    let texels: Vec<u64> = hidden.iter().map(|tiles| tiles.iter().map(Tile::area).sum()).collect();
+    let all = plan.views.views.iter().map(|view| view.tile.area()).sum();
+    if !worthwhile(mask, texels.iter().sum(), all) {
+        return Vec::new();
+    }
+    match backend.prepare_hidden(gl, &hidden.concat(), plan.views.atlas) {
+        Ok(()) => texels,
+        Err(error) => {
+            log::once(&format!("what no output samples is drawn all the same: {error}"));
+            Vec::new()
+        }
+    }
+}
+
+/// Whether `hidden` texels of `all` are to be closed.
+fn worthwhile(mask: Mask, hidden: u64, all: u64) -> bool {
+    match mask {
+        Mask::Always => hidden > 0,
+        Mask::Auto => hidden >= LEAST_TEXELS && hidden as f64 >= LEAST_PART * all as f64,
+        Mask::Never => false,
+    }
+}
+
+/// The program cleared all of its window's depth to `cleared`.
+pub fn close(ctx: &mut Context, cleared: f32) {
+    // Feedback that cannot be paused would record our rectangles.
+    if ctx.target.as_ref().is_none_or(|t| t.closed().is_empty())
+        || ctx.feedback && !ctx.gl.has_pause_transform_feedback()
+    {
+        return;
+    }
+    take_error(ctx);
+    if let Some(target) = &ctx.target {
+        let texels = target.backend().close_hidden(ctx.gl, cleared, &ctx.known_state);
+        ctx.counts.closings += u64::from(texels > 0);
+    }
+    take_own_errors(ctx);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_small_part_is_not_closed_unless_asked_for() {
+        assert!(worthwhile(Mask::Auto, 140_000, 2_000_000));
+        assert!(!worthwhile(Mask::Auto, 140_000, 4_000_000) && !worthwhile(Mask::Auto, 100_000, 200_000));
+        assert!(worthwhile(Mask::Always, 10, 2_000_000) && !worthwhile(Mask::Always, 0, 2_000_000));
+        assert!(!worthwhile(Mask::Never, 100_000, 200_000));
+    }
+}

@@ -1,0 +1,372 @@
+//! Copies between framebuffers, and from them into textures, where one side is once per view.
+
+use crate::backend::gl::api;
+use crate::intercept::gl::context::errors::{drop_errors, take_error};
+use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::offscreen::images::{Bindings, Image, Name};
+use crate::intercept::gl::offscreen::single_sample::Canvas;
+use crate::intercept::gl::offscreen::view_copies::{cells, look, make_framebuffer, own_cell, possible, supply, views};
+
+/// A rectangle by two corners, as `glBlitFramebuffer` has it.
+pub type Corners = [i32; 4];
+
+/// One side of a copy.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Side {
+    /// The window: its views.
+    Window,
+    /// A framebuffer that is duplicated, by its place in the list.
+    Twin(usize),
+    /// An image with a twin, by its place in the list.
+    Image(usize),
+    /// What is drawn once only.
+    Single,
+}
+
+/// `glBlitFramebuffer` between the program's framebuffers. `false`: it is to be done as it is.
+pub fn blit(ctx: &mut Context, source: Corners, destination: Corners, mask: u32, filter: u32) -> bool {
+    if !possible(ctx) {
+        return false;
+    }
+    note_blit(ctx, destination, mask);
+    let (from, to) = (read_side(ctx), draw_side(ctx));
+    let fills = to != Side::Window || fills_window(ctx, destination);
+    match (from, to) {
+        (Side::Single, Side::Single | Side::Window) | (Side::Window, Side::Window | Side::Single) => false,
+        (Side::Twin(index), to) if to == Side::Single || !fills => {
+            let set = ctx.duplicates.attached(index);
+            supply(ctx, set, own_cell(ctx));
+            false
+        }
+        _ => {
+            copy_views(ctx, (from, source), (to, destination), mask, filter);
+            true
+        }
+    }
+}
+
+/// Whether a copy covers (nearly) all of the window.
+fn fills_window(ctx: &Context, [x0, y0, x1, y1]: Corners) -> bool {
+    let Some(target) = &ctx.target else { return false };
+    let (width, height) = target.size();
+    let inside = |a: i32, b: i32, size: u32| i64::from(a.max(b).min(size as i32) - a.min(b).max(0)).max(0);
+    10 * inside(x0, x1, width) * inside(y0, y1, height) >= 9 * i64::from(width) * i64::from(height)
+}
+
+/// Whether the window's views show anything: a program that draws nothing in perspective has its picture on the panel.
+fn window_has_scene(ctx: &Context) -> bool {
+    let shown = || ctx.duplicates.images.iter().any(|image| image.shown && image.twin.is_some());
+    ctx.viewport_area.iter().any(|area| *area > 0) || shown()
+}
+
+fn read_side(ctx: &Context) -> Side {
+    if ctx.reads_redirected() {
+        return Side::Window;
+    }
+    let index = ctx.duplicates.position(ctx.believed.read_framebuffer);
+    let index = index.filter(|index| ctx.duplicates.is_duplicated(&ctx.duplicates.framebuffers[*index]));
+    index.map_or(Side::Single, Side::Twin)
+}
+
+fn draw_side(ctx: &mut Context) -> Side {
+    if ctx.redirected() {
+        return Side::Window;
+    }
+    let index = look(ctx);
+    let duplicated = ctx.duplicates.is_duplicated(&ctx.duplicates.framebuffers[index]);
+    if duplicated { Side::Twin(index) } else { Side::Single }
+}
+
+/// Remembers what a copy says about images.
+fn note_blit(ctx: &mut Context, destination: Corners, mask: u32) {
+    if mask & api::GL_COLOR_BUFFER_BIT == 0 {
+        return;
+    }
+    let sources = colours_of_read(ctx);
+    if ctx.redirected() {
+        if fills_window(ctx, destination) {
+            for name in sources.into_iter().flatten() {
+                let Some(image) = ctx.duplicates.image_mut(name) else { continue };
+                let new = !std::mem::replace(&mut image.shown, true);
+                ctx.duplicates.learnt |= new;
+            }
+        }
+        return;
+    }
+    let from_window = ctx.reads_redirected() && window_has_scene(ctx);
+    if !from_window && sources.iter().all(Option::is_none) {
+        return;
+    }
+    let index = look(ctx);
+    let attachments = ctx.duplicates.framebuffers[index].attachments;
+    for name in attachments.into_iter().flatten() {
+        note_copy(ctx, name, &sources, from_window);
+    }
+}
+
+/// Remembers that an image is a copy of others, or of the window.
+fn note_copy(ctx: &mut Context, name: Name, sources: &[Option<Name>], from_window: bool) {
+    let Some(image) = ctx.duplicates.image_mut(name).filter(|image| image.is_colour()) else { return };
+    let mut learnt = from_window && !image.copies_window;
+    image.copies_window |= from_window;
+    for source in sources.iter().flatten() {
+        if *source != name && !image.reads.contains(source) {
+            image.reads.push(*source);
+            learnt = true;
+        }
+    }
+    ctx.duplicates.learnt |= learnt;
+}
+
+/// The colour images of the read framebuffer.
+fn colours_of_read(ctx: &Context) -> [Option<Name>; crate::intercept::gl::offscreen::framebuffers::COLOURS] {
+    let index = ctx.duplicates.position(ctx.believed.read_framebuffer);
+    let mut colours = [None; crate::intercept::gl::offscreen::framebuffers::COLOURS];
+    if let Some(index) = index.filter(|_| ctx.believed.read_framebuffer != 0) {
+        for (colour, name) in colours.iter_mut().zip(ctx.duplicates.framebuffers[index].colours()) {
+            *colour = Some(name);
+        }
+    }
+    colours
+}
+
+/// What a side is for a view: its framebuffer, and where its picture is there.
+struct Place {
+    framebuffer: u32,
+    rect: [i32; 4],
+    /// Width and height of the picture in the program's pixels.
+    size: [i32; 2],
+    samples: i32,
+    format: u32,
+}
+
+impl Place {
+    fn of(ctx: &mut Context, side: Side, view: usize, reads: bool) -> Option<Self> {
+        match side {
+            Side::Window => {
+                let target = ctx.target.as_ref()?;
+                let several = target.config().samples > 0;
+                let framebuffer = if reads && several { target.readable_framebuffer() } else { target.framebuffer() };
+                let (rect, size) = (target.session.tile(view).0, [target.size().0 as i32, target.size().1 as i32]);
+                let samples = if reads { 0 } else { target.config().samples };
+                Some(Self { framebuffer, rect, size, samples, format: window_format(ctx) })
+            }
+            Side::Twin(index) => {
+                let framebuffer = &ctx.duplicates.framebuffers[index];
+                let image = ctx.duplicates.image(framebuffer.images().next()?)?;
+                let rect = image.twin.as_ref()?.cells.cell(view);
+                let (size, samples, format) = (image.size, image.samples, image.format);
+                Some(Self { framebuffer: framebuffer.twin, rect, size, samples, format })
+            }
+            Side::Image(index) => {
+                let image = &mut ctx.duplicates.images[index];
+                let framebuffer = image.twin_framebuffer(ctx.gl, ctx.id);
+                let rect = image.twin.as_ref()?.cells.cell(view);
+                Some(Self { framebuffer, rect, size: image.size, samples: image.samples, format: image.format })
+            }
+            Side::Single => None,
+        }
+    }
+
+    /// Corners of the program's, in the framebuffer.
+    fn corners(&self, corners: Corners) -> Corners {
+        let [x, y, width, height] = self.rect;
+        let scale = |value: i32, size: i32, full: i32| {
+            let scaled = i64::from(value) * i64::from(size);
+            (scaled as f64 / f64::from(full.max(1))).round() as i32
+        };
+        let [x0, y0, x1, y1] = corners;
+        let ([across, up], w, h) = (self.size, width, height);
+        [x + scale(x0, w, across), y + scale(y0, h, up), x + scale(x1, w, across), y + scale(y1, h, up)]
+    }
+}
+
+/// Copies for each view, and for the program's own picture.
+fn copy_views(ctx: &mut Context, from: (Side, Corners), to: (Side, Corners), mask: u32, filter: u32) {
+    let gl = ctx.gl;
+    for side in [from.0, to.0] {
+        if let Side::Twin(index) = side
+            && ctx.duplicates.framebuffers[index].twin == 0
+            && !make_framebuffer(ctx, index)
+        {
+            return;
+        }
+    }
+    if to.0 == Side::Window {
+        crate::intercept::gl::offscreen::displayed::window_changed(ctx);
+    }
+    match to.0 {
+        Side::Twin(index) => ctx.duplicates.changed(index),
+        Side::Image(index) => ctx.duplicates.images[index].changed(),
+        _ => {}
+    }
+    if from.0 == Side::Window
+        && let Some(target) = &ctx.target
+    {
+        target.resolve(ctx, None);
+    }
+    let mut buffer = 0;
+    // SAFETY: writes one integer.
+    unsafe { gl.get_integerv(api::GL_READ_BUFFER, &mut buffer) };
+    // The window has no cell for the program's own picture; it keeps what it was given last.
+    let count = if from.0 == Side::Window || to.0 == Side::Window { views(ctx) } else { cells(ctx) };
+    // SAFETY: framebuffers of ours, or as the program bound them; the bindings are put back.
+    unsafe {
+        let bindings = Bindings::save(gl);
+        for view in 0..count {
+            let Some(target) = Place::of(ctx, to.0, view, false) else { break };
+            let source = Place::of(ctx, from.0, view, true);
+            if let Some(source) = &source {
+                gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, source.framebuffer);
+                if from.0 != Side::Window {
+                    gl.read_buffer(buffer as u32);
+                }
+            }
+            gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, target.framebuffer);
+            ctx.set_scissor(Some(target.rect));
+            let here = match &source {
+                Some(source) => End { corners: source.corners(from.1), samples: source.samples, format: source.format },
+                None => End { corners: from.1, samples: 0, format: target.format },
+            };
+            let there = End { corners: target.corners(to.1), samples: target.samples, format: target.format };
+            resample(ctx, here, there, mask, filter);
+        }
+        bindings.restore(gl);
+    }
+    if to.0 != Side::Window {
+        crate::intercept::gl::offscreen::view_copies::leave(ctx);
+        ctx.restore_window_space();
+    }
+}
+
+/// One end of a copy between the bound framebuffers.
+#[derive(Clone, Copy)]
+pub(in crate::intercept::gl) struct End {
+    /// Where the picture is.
+    pub corners: Corners,
+    /// Samples per pixel; 0 = not multisampled.
+    pub samples: i32,
+    /// The format of its colours.
+    pub format: u32,
+}
+
+/// Copies between the bound framebuffers. To another size it goes by a canvas: samples cannot be scaled, and a
+/// filter would mix in what lies beside the rectangle.
+pub(in crate::intercept::gl) fn resample(ctx: &mut Context, from: End, to: End, mask: u32, filter: u32) {
+    let gl = ctx.gl;
+    let extent = |[x0, y0, x1, y1]: Corners| [(x1 - x0).abs(), (y1 - y0).abs()];
+    let (here, there) = (extent(from.corners), extent(to.corners));
+    let issue = |[x0, y0, x1, y1]: Corners, [u0, v0, u1, v1]: Corners, mask: u32, filter: u32| {
+        // SAFETY: the caller bound both framebuffers.
+        unsafe { gl.blit_framebuffer(x0, y0, x1, y1, u0, v0, u1, v1, mask, filter) };
+    };
+    // Samples are resolved, or given, in their own format only.
+    let alike = from.format == to.format || (from.samples == 0 && to.samples == 0);
+    if here == there && alike {
+        issue(from.corners, to.corners, mask, if mask == api::GL_COLOR_BUFFER_BIT { filter } else { api::GL_NEAREST });
+        return;
+    }
+    let depth = mask & !api::GL_COLOR_BUFFER_BIT;
+    if depth != 0 && (here == there || (from.samples == 0 && to.samples == 0)) {
+        issue(from.corners, to.corners, depth, api::GL_NEAREST);
+    }
+    let colour = api::GL_COLOR_BUFFER_BIT;
+    if mask & colour == 0 {
+        return;
+    }
+    let ([w, h], [across, up]) = (here, there);
+    let (resolved, scaled) = (canvas(ctx, here, from.format), (to.samples > 0).then(|| canvas(ctx, there, to.format)));
+    let Some(resolved) = resolved else { return };
+    // SAFETY: between framebuffers of ours and those that were bound, which are put back.
+    unsafe {
+        let bindings = Bindings::save(gl);
+        let scissor = ctx.actual.scissor.filter(|_| ctx.actual.scissor_test == Some(true));
+        ctx.set_scissor(None);
+        gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, resolved);
+        issue(from.corners, [0, 0, w, h], colour, api::GL_NEAREST);
+        gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, resolved);
+        if let Some(Some(scaled)) = scaled {
+            gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, scaled);
+            issue([0, 0, w, h], [0, 0, across, up], colour, api::GL_LINEAR);
+            gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, scaled);
+        }
+        gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, bindings.draw());
+        ctx.set_scissor(scissor);
+        match scaled {
+            None => issue([0, 0, w, h], to.corners, colour, api::GL_LINEAR),
+            Some(_) => issue([0, 0, across, up], to.corners, colour, api::GL_NEAREST),
+        }
+        bindings.restore(gl);
+    }
+}
+
+/// The format of the window's colours.
+pub(in crate::intercept::gl) fn window_format(ctx: &Context) -> u32 {
+    if ctx.target.as_ref().is_some_and(|target| target.config().srgb) { api::GL_SRGB8_ALPHA8 } else { api::GL_RGBA8 }
+}
+
+/// A framebuffer of ours of this size and format; it is kept.
+fn canvas(ctx: &mut Context, size: [i32; 2], format: u32) -> Option<u32> {
+    if let Some(canvas) = ctx.duplicates.canvases.iter().find(|canvas| canvas.is(size, format)) {
+        return Some(canvas.framebuffer());
+    }
+    let canvas = Canvas::new(ctx.gl, size, format)?;
+    let framebuffer = canvas.framebuffer();
+    ctx.duplicates.canvases.push(canvas);
+    Some(framebuffer)
+}
+
+/// The program copies a rectangle (x, y, width, height) of its read framebuffer into a texture. `true`: it was done for
+/// each view, and the texture itself is not to be touched.
+pub fn into_texture(ctx: &mut Context, texture: u32, level: i32, offset: [i32; 2], source: [i32; 4]) -> bool {
+    let from = read_side(ctx);
+    let Some(index) = image_of(ctx, texture, level).filter(|_| possible(ctx) && from != Side::Single) else {
+        return false;
+    };
+    let image = &ctx.duplicates.images[index];
+    if image.twin.is_none() {
+        return false;
+    }
+    let (mask, [x, y, width, height]) = (image.mask, source);
+    let corners = |x: i32, y: i32| [x, y, x + width, y + height];
+    let to = (Side::Image(index), corners(offset[0], offset[1]));
+    copy_views(ctx, (from, corners(x, y)), to, mask, api::GL_NEAREST);
+    from != Side::Window || cells(ctx) == views(ctx)
+}
+
+/// The program has copied a rectangle of its read framebuffer into a texture itself.
+pub fn noted_into_texture(ctx: &mut Context, texture: u32, level: i32, source: [i32; 4]) {
+    let [x, y, width, height] = source;
+    let whole = fills_window(ctx, [x, y, x + width, y + height]);
+    let from_window = ctx.reads_redirected() && whole && window_has_scene(ctx);
+    let sources = colours_of_read(ctx);
+    if !possible(ctx) || (!from_window && sources.iter().all(Option::is_none)) {
+        return;
+    }
+    let index = match image_of(ctx, texture, level) {
+        Some(index) => index,
+        None => {
+            take_error(ctx);
+            let image = Image::examine_texture(ctx.gl, texture, level);
+            drop_errors(ctx.gl);
+            let Some(image) = image else { return };
+            ctx.duplicates.images.push(image);
+            ctx.duplicates.images.len() - 1
+        }
+    };
+    let name = ctx.duplicates.images[index].name;
+    note_copy(ctx, name, &sources, from_window);
+    if cells(ctx) > views(ctx) {
+        let own = own_cell(ctx);
+        crate::intercept::gl::offscreen::view_copies::without_scissor(ctx, |ctx| {
+            ctx.duplicates.images[index].store(ctx.gl, ctx.id, own)
+        });
+    }
+}
+
+fn image_of(ctx: &Context, texture: u32, level: i32) -> Option<usize> {
+    let mut images = ctx.duplicates.images.iter();
+    images.position(
+        |image| matches!(image.name, Name::Texture { name, level: own, .. } if name == texture && own == level),
+    )
+}

@@ -1,0 +1,153 @@
+//! Whether a flat draw that samples an image fills the window, as one that shows a scene does, or a part of it, as
+//! a map in a corner does. Counted by an occlusion query, once for each kind of draw.
+
+use crate::backend::gl::api::{self, Gl};
+use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::offscreen::sampling::Set;
+
+/// Of more kinds of draws the oldest are forgotten.
+const GREATEST: usize = 64;
+
+/// Flat draws to the window that sample images which are followed.
+#[derive(Default)]
+pub struct Coverage(Vec<Kind>);
+
+/// What draws that cover alike have in common.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Signature {
+    program: u32,
+    sampled: Set,
+    viewport: [i32; 4],
+}
+
+struct Kind {
+    signature: Signature,
+    state: State,
+}
+
+enum State {
+    /// Not measured yet.
+    New,
+    /// The query's name and the samples of the whole window.
+    Measured(u32, i64),
+    Known(bool),
+}
+
+/// The measurement of one draw.
+pub struct Measure(usize);
+
+impl Coverage {
+    /// Images have other places in the list, or the window has another size.
+    pub fn clear(&mut self, gl: &Gl) {
+        for kind in self.0.drain(..) {
+            kind.destroy(gl);
+        }
+    }
+
+    /// A frame ended: asks for the results. `true` if any came.
+    pub fn end_frame(&mut self, gl: &Gl, mut found: impl FnMut(Set)) -> bool {
+        let mut any = false;
+        for kind in &mut self.0 {
+            let State::Measured(query, all) = kind.state else { continue };
+            let mut samples = 0;
+            // SAFETY: a query of ours that has ended; writes one integer.
+            unsafe {
+                gl.get_query_objectuiv(query, api::GL_QUERY_RESULT, &mut samples);
+                gl.delete_queries(1, &query);
+            }
+            let fills = 10 * i64::from(samples) >= 9 * all;
+            kind.state = State::Known(fills);
+            any = true;
+            if fills {
+                found(kind.signature.sampled);
+            }
+        }
+        any
+    }
+}
+
+impl Kind {
+    fn destroy(&self, gl: &Gl) {
+        if let State::Measured(query, _) = self.state {
+            // SAFETY: an object of ours.
+            unsafe { gl.delete_queries(1, &query) };
+        }
+    }
+}
+
+/// Whether the next draw fills the window; `Err`: it is to be measured, if it can be.
+pub fn fills(ctx: &mut Context, sampled: Set) -> Result<bool, Measure> {
+    let program = ctx.program.as_ref().filter(|p| p.draws_vertices()).map_or(0, |p| p.name);
+    let signature = Signature { program, sampled, viewport: ctx.believed.viewport };
+    let kinds = &mut ctx.duplicates.coverage.0;
+    let index = match kinds.iter().position(|kind| kind.signature == signature) {
+        Some(index) => index,
+        None => {
+            if kinds.len() >= GREATEST {
+                kinds.remove(0).destroy(ctx.gl);
+            }
+            kinds.push(Kind { signature, state: State::New });
+            kinds.len() - 1
+        }
+    };
+    match kinds[index].state {
+        State::Known(fills) => Ok(fills),
+        State::Measured(..) => Ok(false),
+        State::New => {
+            if can_measure(ctx) {
+                Err(Measure(index))
+            } else {
+                Ok(assumed(ctx, sampled))
+            }
+        }
+    }
+}
+
+/// OpenGL counts samples, OpenGL ES does not; and a query of the program's must not be disturbed.
+fn can_measure(ctx: &Context) -> bool {
+    if ctx.profile.es || ctx.profile.version < 15 || ctx.counting.any() {
+        return false;
+    }
+    let targets: &[u32] = match ctx.profile.version {
+        43.. => &[api::GL_SAMPLES_PASSED, api::GL_ANY_SAMPLES_PASSED, api::GL_ANY_SAMPLES_PASSED_CONSERVATIVE],
+        33.. => &[api::GL_SAMPLES_PASSED, api::GL_ANY_SAMPLES_PASSED],
+        _ => &[api::GL_SAMPLES_PASSED],
+    };
+    targets.iter().all(|target| {
+        let mut current = 0;
+        // SAFETY: writes one integer.
+        unsafe { ctx.gl.get_queryiv(*target, api::GL_CURRENT_QUERY, &mut current) };
+        current == 0
+    })
+}
+
+/// Without a measurement: what has the window's shape and is not small is taken for its picture.
+fn assumed(ctx: &Context, sampled: Set) -> bool {
+    let Some(target) = &ctx.target else { return false };
+    let images = ctx.duplicates.images.iter().enumerate().take(64);
+    images.filter(|(i, _)| sampled >> i & 1 != 0).any(|(_, image)| {
+        crate::intercept::gl::offscreen::scene_graph::like_window([0, 0, image.size[0], image.size[1]], target.size())
+    })
+}
+
+/// Issues the draw that is measured, in a tile of the window's size.
+pub fn measure(ctx: &mut Context, what: &Measure, issue: impl FnOnce(&mut Context)) {
+    let Some(target) = &ctx.target else { return issue(ctx) };
+    let (width, height) = target.size();
+    let all = i64::from(width) * i64::from(height) * i64::from(target.config().samples.max(1));
+    let gl = ctx.gl;
+    let mut query = 0;
+    // SAFETY: a query of ours around the draw; no other counts samples, as `can_measure` saw.
+    unsafe {
+        gl.gen_queries(1, &mut query);
+        gl.begin_query(api::GL_SAMPLES_PASSED, query);
+    }
+    issue(ctx);
+    // SAFETY: begun above.
+    unsafe { gl.end_query(api::GL_SAMPLES_PASSED) };
+    match ctx.duplicates.coverage.0.get_mut(what.0) {
+        Some(kind) => kind.state = State::Measured(query, all),
+        // SAFETY: an object of ours.
+        None => unsafe { gl.delete_queries(1, &query) },
+    }
+}

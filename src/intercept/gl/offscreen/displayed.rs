@@ -1,0 +1,171 @@
+//! Flat draws to the window that show what was drawn off screen: each view is filled with its own picture.
+
+use crate::backend::gl::api::{self, Gl};
+use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::draw::culling::select::Views;
+use crate::intercept::gl::draw::issue::{Changes, Place, each_view};
+use crate::intercept::gl::offscreen::copies::{End, resample, window_format};
+use crate::intercept::gl::offscreen::coverage;
+use crate::intercept::gl::offscreen::images::Bindings;
+use crate::intercept::gl::offscreen::sampling::{self, Set};
+use crate::intercept::gl::offscreen::single_sample::Canvas;
+use crate::intercept::gl::offscreen::view_copies::{Measure, own_cell, possible, supply, views};
+use std::cell::Cell;
+
+/// What a flat draw to the window does.
+pub enum Shows {
+    /// It fills the window with duplicated pictures.
+    Pictures(Set),
+    /// It is flat, and to be measured.
+    Unknown(Measure),
+    /// It is flat.
+    Nothing,
+}
+
+/// Looks at a flat draw to the window, of which `main` tells whether it has the main viewport.
+pub fn look(ctx: &mut Context, main: bool) -> Shows {
+    if !ctx.duplicates.any() || !possible(ctx) {
+        return Shows::Nothing;
+    }
+    let sampled = sampling::sampled(ctx);
+    if sampled == 0 {
+        return Shows::Nothing;
+    }
+    let fills = if main { coverage::fills(ctx, sampled) } else { Ok(false) };
+    match fills {
+        Err(measure) => Shows::Unknown(measure),
+        Ok(true) => {
+            let mut twins = false;
+            for (_, image) in ctx.duplicates.images.iter_mut().enumerate().filter(|(i, _)| sampled >> i & 1 != 0) {
+                ctx.duplicates.learnt |= !image.shown;
+                image.shown = true;
+                twins |= image.twin.is_some();
+            }
+            if twins { Shows::Pictures(sampled) } else { Shows::Nothing }
+        }
+        Ok(false) => {
+            // A picture in the picture is that of the program's own lens.
+            supply(ctx, sampled, own_cell(ctx));
+            Shows::Nothing
+        }
+    }
+}
+
+/// Pictures of the window's size, one for each view, into which it is shown: there each texel that the program
+/// samples has its pixel, and `gl_FragCoord` is what it would be in the window.
+#[derive(Default)]
+pub struct Shown {
+    canvases: Vec<Canvas>,
+    /// The number of the window's draws after which the canvases had what the views have.
+    current: Option<u64>,
+}
+
+impl Shown {
+    /// Deletes everything.
+    pub fn destroy(&self, gl: &Gl) {
+        for canvas in &self.canvases {
+            canvas.destroy(gl);
+        }
+    }
+}
+
+/// Something else than a draw changed the window.
+pub fn window_changed(ctx: &mut Context) {
+    ctx.duplicates.shown.current = None;
+}
+
+/// Issues a draw that shows the images in `sampled`.
+pub fn show(ctx: &mut Context, changes: Changes, sampled: Set, issue: &mut dyn FnMut(&mut Context, &Gl)) {
+    ctx.background.note_scene();
+    // What was flat until now is covered.
+    crate::intercept::gl::framebuffer::bindings::clear_panel(ctx);
+    if make_canvases(ctx) {
+        show_by_canvas(ctx, changes, sampled, issue);
+        return;
+    }
+    each_view(ctx, changes, views(ctx), Views::ALL, issue, |ctx, view| {
+        supply(ctx, sampled, view);
+        if let Some(target) = &mut ctx.target {
+            let (tile, _) = target.session.tile(view);
+            target.issued(view);
+            ctx.set_scissor(None);
+            ctx.set_viewport(tile);
+        }
+        Place::Flat
+    });
+}
+
+/// Makes the canvases, once. `false` where there can be none: in OpenGL ES a picture with one sample is not copied
+/// to a window with several.
+fn make_canvases(ctx: &mut Context) -> bool {
+    let Some(target) = &ctx.target else { return false };
+    if ctx.profile.es && target.config().samples > 0 {
+        return false;
+    }
+    let size = [target.size().0 as i32, target.size().1 as i32];
+    let (count, format) = (views(ctx), canvas_format(ctx));
+    while ctx.duplicates.shown.canvases.len() < count {
+        let Some(canvas) = Canvas::new(ctx.gl, size, format) else { return false };
+        ctx.duplicates.shown.canvases.push(canvas);
+    }
+    true
+}
+
+/// What is drawn into a canvas is scaled afterwards; more bits than the window's keep that from rounding twice. OpenGL ES
+/// has no such format, and what is encoded as sRGB is so only in 8 bits.
+fn canvas_format(ctx: &Context) -> u32 {
+    match window_format(ctx) {
+        api::GL_RGBA8 if !ctx.profile.es => api::GL_RGBA16,
+        format => format,
+    }
+}
+
+fn show_by_canvas(ctx: &mut Context, changes: Changes, sampled: Set, issue: &mut dyn FnMut(&mut Context, &Gl)) {
+    let Some(target) = &ctx.target else { return };
+    let (window, samples, format) = (target.framebuffer(), target.config().samples, window_format(ctx));
+    let whole = [0, 0, target.size().0 as i32, target.size().1 as i32];
+    // This draw is counted already.
+    let current = ctx.duplicates.shown.current.is_some_and(|number| number + 1 == ctx.counts.draws_seen);
+    let view_now = Cell::new(0);
+    // Copies between a canvas and a view's tile; the canvas stays bound for drawing.
+    let copy = |ctx: &mut Context, view: usize, to_view: bool| {
+        let (Some(canvas), Some(target)) = (ctx.duplicates.shown.canvases.get(view), &ctx.target) else { return };
+        let (canvas, [x, y, width, height]) = (canvas.framebuffer(), target.session.tile(view).0);
+        let tile = End { corners: [x, y, x + width, y + height], samples, format };
+        let picture = End { corners: whole, samples: 0, format: canvas_format(ctx) };
+        let (from, to) =
+            if to_view { ((canvas, picture), (window, tile)) } else { ((window, tile), (canvas, picture)) };
+        // SAFETY: framebuffers of ours; the read binding is put back.
+        unsafe {
+            let bindings = Bindings::save(ctx.gl);
+            ctx.set_scissor(None);
+            ctx.gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, from.0);
+            ctx.gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, to.0);
+            resample(ctx, from.1, to.1, api::GL_COLOR_BUFFER_BIT, api::GL_NEAREST);
+            bindings.restore(ctx.gl);
+        }
+    };
+    let mut by_canvas = |ctx: &mut Context, gl: &Gl| {
+        issue(ctx, gl);
+        copy(ctx, view_now.get(), true);
+    };
+    each_view(ctx, changes, views(ctx), Views::ALL, &mut by_canvas, |ctx, view| {
+        view_now.set(view);
+        supply(ctx, sampled, view);
+        if !current {
+            copy(ctx, view, false);
+        }
+        if let Some(target) = &mut ctx.target {
+            target.issued(view);
+        }
+        if let Some(canvas) = ctx.duplicates.shown.canvases.get(view) {
+            // SAFETY: a framebuffer of ours in place of the window's, which is ours too and put back below.
+            unsafe { ctx.gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, canvas.framebuffer()) };
+        }
+        crate::intercept::gl::draw::issue::own_window_space(ctx, whole);
+        Place::Flat
+    });
+    // SAFETY: what stands for the program's window.
+    unsafe { ctx.gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, window) };
+    ctx.duplicates.shown.current = Some(ctx.counts.draws_seen);
+}

@@ -1,0 +1,155 @@
+//! Draws to the program's own framebuffers: once for each view that can show them.
+
+use crate::backend::gl::api::Gl;
+use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::draw::culling::bounds::Bounds;
+use crate::intercept::gl::draw::culling::select::{self, Views};
+use crate::intercept::gl::draw::issue::{Changes, Place, each_view, own_window_space, place_by_lens};
+use crate::intercept::gl::offscreen::images::Name;
+use crate::intercept::gl::offscreen::sampling::{self, Set};
+use crate::intercept::gl::offscreen::scene_graph;
+use crate::intercept::gl::offscreen::view_copies::{
+    Duplicates, cells, enter, leave, look, own_cell, possible, supply, views, wish, without_scissor,
+};
+use crate::rig::Duplicate;
+use crate::runtime::session::Session;
+use std::cell::Cell;
+
+/// Draws that were issued once per view.
+#[derive(Default)]
+pub struct Issued {
+    /// All of them.
+    pub draws: u64,
+    /// How many of them each view got, and how many were left out of it.
+    views: Vec<[u64; 2]>,
+}
+
+impl Issued {
+    /// A draw went to those of `count` views that are `shown` it.
+    fn count(&mut self, shown: Views, count: usize) {
+        self.draws += 1;
+        self.views.resize(count, [0; 2]);
+        for (index, counts) in self.views.iter_mut().enumerate() {
+            counts[usize::from(!shown.contain(index))] += 1;
+        }
+    }
+
+    /// The views are others.
+    pub fn forget_views(&mut self) {
+        self.views.clear();
+    }
+
+    /// How many draws a view got, and how many were left out of it.
+    pub fn of_view(&self, index: usize) -> [u64; 2] {
+        self.views.get(index).copied().unwrap_or_default()
+    }
+}
+
+/// A draw of vertices within `bounds` to a framebuffer of the program's. `false`: it is single and is to be drawn as it is.
+pub fn draw(
+    ctx: &mut Context,
+    changes: Changes,
+    bounds: impl FnOnce(&mut Context) -> Bounds,
+    issue: &mut dyn FnMut(&mut Context, &Gl),
+) -> bool {
+    if ctx.believed.draw_framebuffer == 0 || ctx.picking || ctx.discard || ctx.feedback || !possible(ctx) {
+        leave(ctx);
+        return false;
+    }
+    let index = look(ctx);
+    let place = place_by_lens(ctx);
+    // What is drawn into the scene samples by places of its own, but for shaders that ask where on the
+    // screen they are.
+    let by_place = ctx.program.as_ref().is_some_and(|program| program.asks_place);
+    let sampled = if place == Place::Flat || by_place { sampling::sampled(ctx) } else { 0 };
+    let attached = ctx.duplicates.attached(index);
+    let sampled = sampled & !attached;
+    note(ctx, index, place, sampled);
+    if !enter(ctx, index) {
+        supply(ctx, sampled, own_cell(ctx));
+        return false;
+    }
+    let shown = match ctx.counting.primitives() {
+        true => Views::ALL,
+        false => select::views_off_screen(ctx, place, bounds, changes),
+    };
+    let count = views(ctx);
+    ctx.duplicates.issued.count(shown, count);
+    if by_place && sampled != 0 {
+        draw_through(ctx, attached, place, sampled, (changes, shown), issue);
+    } else {
+        ctx.duplicates.changed(index);
+        let first = ctx.duplicates.framebuffers[index].images().next();
+        let Some(grid) = first.and_then(|name| Some(ctx.duplicates.image(name)?.twin.as_ref()?.cells)) else {
+            return false;
+        };
+        each_view(ctx, changes, cells(ctx), shown, issue, |ctx, view| {
+            supply(ctx, sampled, view);
+            own_window_space(ctx, grid.cell(view));
+            place
+        });
+    }
+    true
+}
+
+/// A draw whose shader asks where on the screen it is: it goes into the program's own framebuffer, which has each
+/// view's content in turn.
+fn draw_through(
+    ctx: &mut Context,
+    attached: Set,
+    place: Place,
+    sampled: Set,
+    (changes, shown): (Changes, Views),
+    issue: &mut dyn FnMut(&mut Context, &Gl),
+) {
+    leave(ctx);
+    let view_now = Cell::new(0);
+    let mut through = |ctx: &mut Context, gl: &Gl| {
+        issue(ctx, gl);
+        without_scissor(ctx, |ctx| {
+            let images = ctx.duplicates.images.iter_mut().enumerate().take(64);
+            for (_, image) in images.filter(|(i, _)| attached >> i & 1 != 0) {
+                image.store(gl, ctx.id, view_now.get());
+            }
+        });
+    };
+    let count = cells(ctx);
+    each_view(ctx, changes, count, shown, &mut through, |ctx, view| {
+        view_now.set(view);
+        supply(ctx, sampled | attached, view);
+        ctx.restore_window_space();
+        place
+    });
+    // Draws in perspective that sample these images by places of their own find the last view's content, whether it was
+    // drawn to or not.
+    let last = count.saturating_sub(1);
+    if !shown.contain(last) {
+        supply(ctx, sampled | attached, last);
+    }
+}
+
+/// Remembers what a draw says about the framebuffer at `index`.
+fn note(ctx: &mut Context, index: usize, place: Place, sampled: Set) {
+    let Some(window) = ctx.session().map(Session::window) else { return };
+    let alike = wish() == Duplicate::Always || scene_graph::like_window(ctx.believed.viewport, window);
+    let Duplicates { framebuffers, images, learnt, .. } = &mut ctx.duplicates;
+    if place == Place::Flat && sampled == 0 {
+        return;
+    }
+    let names: [Option<Name>; 64] = std::array::from_fn(|i| images.get(i).map(|image| image.name));
+    let sources = |set: Set| names.into_iter().enumerate().filter(move |(i, _)| set >> i & 1 != 0).filter_map(|n| n.1);
+    for name in framebuffers[index].colours() {
+        let Some(image) = images.iter_mut().find(|image| image.name == name) else { continue };
+        if place != Place::Flat {
+            *learnt |= alike && !image.scene;
+            image.scene |= alike;
+            image.other_shape |= !alike;
+        }
+        for source in sources(sampled) {
+            if !image.reads.contains(&source) {
+                image.reads.push(source);
+                *learnt = true;
+            }
+        }
+    }
+}

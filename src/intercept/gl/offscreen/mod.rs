@@ -1,0 +1,13 @@
+//! TODO-NOTE
+
+pub mod copies;
+pub mod coverage;
+pub mod displayed;
+pub mod draws;
+pub mod framebuffers;
+pub mod images;
+pub mod report;
+pub mod sampling;
+pub mod scene_graph;
+pub mod single_sample;
+pub mod view_copies;

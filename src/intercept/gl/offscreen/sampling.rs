@@ -1,0 +1,72 @@
+//! Which of the images that are followed the next draw samples.
+
+use crate::backend::gl::api::{self, Gl};
+use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::offscreen::images::Name;
+
+/// Images by their places in the list, as a set of bits; those after the 64th are not followed.
+pub type Set = u64;
+
+/// The most samplers of a program that are asked about.
+const SAMPLERS: usize = 16;
+
+/// Calls `look` with each texture that the next draw samples.
+fn each_texture(ctx: &Context, mut look: impl FnMut(u32)) {
+    let gl = ctx.gl;
+    let mut active = 0;
+    // SAFETY: asks which textures are bound where the program samples; the active unit is put back.
+    unsafe {
+        gl.get_integerv(api::GL_ACTIVE_TEXTURE, &mut active);
+        match &ctx.program {
+            Some(program) if program.draws_vertices() => {
+                for sampler in program.samplers.iter().take(SAMPLERS) {
+                    let mut unit = 0;
+                    gl.get_uniformiv(program.name, sampler.location, &mut unit);
+                    gl.active_texture(api::GL_TEXTURE0 + unit as u32);
+                    look(bound(gl, sampler.target));
+                }
+            }
+            _ if ctx.profile.compatibility() => {
+                for unit in 0..4 {
+                    gl.active_texture(api::GL_TEXTURE0 + unit);
+                    for target in [api::GL_TEXTURE_2D, api::GL_TEXTURE_RECTANGLE] {
+                        if gl.is_enabled(target) != 0 {
+                            look(bound(gl, target));
+                        }
+                    }
+                }
+            }
+            _ => {}
+        }
+        gl.active_texture(active as u32);
+    }
+}
+
+/// The texture that is bound at the active unit.
+pub fn bound(gl: &Gl, target: u32) -> u32 {
+    let binding = match target {
+        api::GL_TEXTURE_2D => api::GL_TEXTURE_BINDING_2D,
+        api::GL_TEXTURE_RECTANGLE => api::GL_TEXTURE_BINDING_RECTANGLE,
+        api::GL_TEXTURE_2D_MULTISAMPLE => api::GL_TEXTURE_BINDING_2D_MULTISAMPLE,
+        _ => return 0,
+    };
+    let mut texture = 0;
+    // SAFETY: writes one integer.
+    unsafe { gl.get_integerv(binding, &mut texture) };
+    texture as u32
+}
+
+/// The images that the next draw samples.
+pub fn sampled(ctx: &Context) -> Set {
+    let images = &ctx.duplicates.images;
+    if !images.iter().any(|image| matches!(image.name, Name::Texture { .. })) {
+        return 0;
+    }
+    let mut found = 0;
+    each_texture(ctx, |texture| {
+        for (i, image) in images.iter().enumerate().take(64) {
+            found |= Set::from(texture != 0 && image.is_texture(texture)) << i;
+        }
+    });
+    found
+}

@@ -1,0 +1,494 @@
+//! Scenes that a program draws off screen and then shows: each view gets a picture of its own.
+//!
+//! What the program's framebuffers get, sample and are copied to is remembered by their `images`. From the
+//! next frame on each image that lies between a scene and the window (`passes`) has a *twin* with a
+//! cell for each view, and framebuffers of ours with twins stand for the program's (`framebuffers`),
+//! so that draws of the scene change no framebuffer. Cells have the size of the program's own
+//! images: what it believes about them (size, texel, viewport) stays true. Before a flat draw that samples such an
+//! image (`sampling`) is issued to a view, the view's cell is copied into the program's own: filter, wrapping
+//! and sampler objects hold without being followed.
+//!
+//! `draws` issues draws to the twins, but for views that cannot show them. `shown` brings the pictures into the window's
+//! views, `copies` does for `glBlitFramebuffer` and its relatives what draws do, `coverage` tells the picture from a map in
+//! its corner.
+
+pub use crate::intercept::gl::offscreen::coverage::{Measure, measure};
+pub use crate::intercept::gl::offscreen::draws::draw;
+pub use crate::intercept::gl::offscreen::report::{counts, draws, status};
+pub use crate::intercept::gl::offscreen::sampling::bound as bound_texture;
+use crate::intercept::gl::offscreen::{displayed, framebuffers, scene_graph};
+
+use crate::backend::gl::api::Gl;
+use crate::intercept::gl::context::errors::{drop_errors, take_error, take_own_errors};
+use crate::intercept::gl::context::gl_context::{Context, ShareGroup};
+use crate::intercept::gl::draw::issue::own_window_space;
+use crate::intercept::gl::offscreen::coverage::Coverage;
+use crate::intercept::gl::offscreen::draws::Issued;
+use crate::intercept::gl::offscreen::framebuffers::Framebuffer;
+use crate::intercept::gl::offscreen::images::{Image, Name, Pair};
+use crate::intercept::gl::offscreen::sampling::Set;
+use crate::intercept::gl::offscreen::single_sample::Canvas;
+use crate::intercept::{log, settings};
+use crate::rig::Duplicate;
+use std::sync::PoisonError;
+
+/// What is known of the program's framebuffers.
+#[derive(Default)]
+pub struct Duplicates {
+    pub(super) images: Vec<Image>,
+    pub(super) framebuffers: Vec<Framebuffer>,
+    pub(super) coverage: Coverage,
+    /// The twin of the program's draw framebuffer is bound in its place.
+    bound: bool,
+    /// Something was learnt in this frame.
+    pub(super) learnt: bool,
+    /// Twins have one more cell, which is drawn with the program's own lens: it reads its pictures back.
+    own_picture: bool,
+    /// Canvases for copies to another size, each of another size or format.
+    pub(super) canvases: Vec<Canvas>,
+    /// What was shown last.
+    pub(super) shown: displayed::Shown,
+    /// Off-screen draws that were issued once per view.
+    pub(super) issued: Issued,
+    /// Twins deleted so far: framebuffers that stand for the program's may have had them.
+    deleted: u64,
+    /// Framebuffers of other contexts that they are to delete.
+    left: Vec<Pair>,
+    /// It has what the group knows together; otherwise another thread does, and the images are its own.
+    shared: bool,
+}
+
+/// What contexts of a group know together of the images that they share. Toolkits draw a scene in one context and compose
+/// the window in another.
+#[derive(Default)]
+pub struct Travelling {
+    images: Vec<Image>,
+    learnt: bool,
+    own_picture: bool,
+    issued: Issued,
+    deleted: u64,
+    left: Vec<Pair>,
+}
+
+impl Duplicates {
+    /// Whether any image of the program's is followed.
+    pub fn any(&self) -> bool {
+        !self.images.is_empty()
+    }
+
+    /// Gives up what the group knows together: the context is not current any more.
+    pub fn deposit(&mut self, share: &ShareGroup) {
+        if !std::mem::take(&mut self.shared) {
+            return;
+        }
+        let travelling = Travelling {
+            images: std::mem::take(&mut self.images),
+            learnt: std::mem::take(&mut self.learnt),
+            own_picture: self.own_picture,
+            issued: std::mem::take(&mut self.issued),
+            deleted: self.deleted,
+            left: std::mem::take(&mut self.left),
+        };
+        *share.off_screen.lock().unwrap_or_else(PoisonError::into_inner) = Some(travelling);
+    }
+
+    pub(super) fn image(&self, name: Name) -> Option<&Image> {
+        self.images.iter().find(|image| image.name == name)
+    }
+
+    pub(super) fn image_mut(&mut self, name: Name) -> Option<&mut Image> {
+        self.images.iter_mut().find(|image| image.name == name)
+    }
+
+    pub(super) fn position(&self, framebuffer: u32) -> Option<usize> {
+        self.framebuffers.iter().position(|f| f.name == framebuffer)
+    }
+
+    /// Any of the colours of a framebuffer is to be drawn once per view.
+    pub(super) fn is_duplicated(&self, framebuffer: &Framebuffer) -> bool {
+        framebuffer.known
+            && framebuffer.single.is_none()
+            && framebuffer.colours().any(|name| self.image(name).is_some_and(|image| image.twin.is_some()))
+    }
+
+    /// The images of a framebuffer, as a set.
+    pub(super) fn attached(&self, index: usize) -> Set {
+        let mut set = 0;
+        for (i, image) in self.images.iter().enumerate().take(64) {
+            set |= Set::from(self.framebuffers[index].attachments.contains(&Some(image.name))) << i;
+        }
+        set
+    }
+
+    /// A framebuffer was drawn to.
+    pub(super) fn changed(&mut self, index: usize) {
+        for name in self.framebuffers[index].attachments.into_iter().flatten() {
+            if let Some(image) = self.images.iter_mut().find(|image| image.name == name) {
+                image.changed();
+            }
+        }
+    }
+}
+
+/// What the user asked for.
+pub(super) fn wish() -> Duplicate {
+    settings::settings().map_or(Duplicate::Never, |settings| settings.rig.views.duplicate)
+}
+
+/// Whether there is anything to do: views of ours, which are not the program's own picture.
+pub(super) fn possible(ctx: &Context) -> bool {
+    wish() != Duplicate::Never && ctx.session().is_some_and(|s| s.views().iter().any(|v| !v.program_lens))
+}
+
+/// How many views there are.
+pub(super) fn views(ctx: &Context) -> usize {
+    ctx.session().map_or(0, |session| session.views().len())
+}
+
+/// The context became current: what the group knows together is its own until it is not.
+pub fn collect(ctx: &mut Context) {
+    let taken = ctx.share.off_screen.lock().unwrap_or_else(PoisonError::into_inner).take();
+    let Some(taken) = taken else { return };
+    if !ctx.duplicates.images.is_empty() {
+        // Those of a time when another thread had the group's.
+        clear(ctx);
+    }
+    ctx.duplicates.shared = true;
+    let own = &mut ctx.duplicates;
+    let stale = own.deleted != taken.deleted;
+    (own.images, own.learnt, own.own_picture) = (taken.images, taken.learnt, taken.own_picture);
+    (own.deleted, own.issued) = (taken.deleted, taken.issued);
+    own.left.extend(taken.left);
+    let (gl, id) = (ctx.gl, ctx.id);
+    ctx.duplicates.left.retain(|pair| {
+        if pair.context == id {
+            pair.destroy(gl);
+        }
+        pair.context != id
+    });
+    if stale {
+        leave(ctx);
+        ctx.duplicates.coverage.clear(gl);
+        for framebuffer in &mut ctx.duplicates.framebuffers {
+            framebuffer.known = false;
+            framebuffer.destroy_twin(gl);
+        }
+    }
+}
+
+/// Deletes the twin of an image.
+fn destroy_twin(image: &mut Image, gl: &Gl, context: u64, left: &mut Vec<Pair>, deleted: &mut u64) {
+    *deleted += u64::from(image.twin.is_some());
+    left.extend(image.destroy_twin(gl, context));
+}
+
+/// How many cells twins have.
+pub(super) fn cells(ctx: &Context) -> usize {
+    views(ctx) + usize::from(ctx.duplicates.own_picture)
+}
+
+/// The cell that is the program's own picture, or nearest to it: that of the view ahead.
+pub(super) fn own_cell(ctx: &Context) -> usize {
+    let ahead = || ctx.session().map_or(0, |session| session.ahead());
+    if ctx.duplicates.own_picture { views(ctx) } else { ahead() }
+}
+
+/// The program's draw framebuffer is bound itself again, for calls that name its binding.
+pub fn leave(ctx: &mut Context) {
+    if std::mem::take(&mut ctx.duplicates.bound) {
+        // SAFETY: what the program bound.
+        unsafe { ctx.gl.bind_framebuffer(crate::backend::gl::api::GL_DRAW_FRAMEBUFFER, ctx.believed.draw_framebuffer) };
+        ctx.restore_window_space();
+    }
+}
+
+/// The binding changed: nothing of ours stands in its place.
+pub fn rebound(ctx: &mut Context) -> bool {
+    std::mem::take(&mut ctx.duplicates.bound)
+}
+
+/// Attachments or draw buffers of a framebuffer change: they are asked for again.
+pub fn forget(ctx: &mut Context, name: u32) {
+    let Some(index) = ctx.duplicates.position(name) else { return };
+    if ctx.believed.draw_framebuffer == name {
+        leave(ctx);
+    }
+    let framebuffer = &mut ctx.duplicates.framebuffers[index];
+    framebuffer.known = false;
+    framebuffer.destroy_twin(ctx.gl);
+}
+
+/// A framebuffer was deleted: its name is free.
+pub fn delete(ctx: &mut Context, name: u32) {
+    forget(ctx, name);
+    ctx.duplicates.framebuffers.retain(|framebuffer| framebuffer.name != name);
+}
+
+/// The images for which `which` holds were deleted or got another size or format: they are new ones.
+fn forget_images(ctx: &mut Context, which: impl Fn(&Image) -> bool) {
+    while let Some(index) = ctx.duplicates.images.iter().position(&which) {
+        leave(ctx);
+        let mut image = ctx.duplicates.images.remove(index);
+        let Duplicates { left, deleted, .. } = &mut ctx.duplicates;
+        // Images have other places, even if it had no twin.
+        *deleted += u64::from(image.twin.is_none());
+        destroy_twin(&mut image, ctx.gl, ctx.id, left, deleted);
+        for framebuffer in &mut ctx.duplicates.framebuffers {
+            if framebuffer.attachments.contains(&Some(image.name)) {
+                framebuffer.known = false;
+                framebuffer.destroy_twin(ctx.gl);
+            }
+        }
+        // They are known by their places in the list.
+        ctx.duplicates.coverage.clear(ctx.gl);
+    }
+}
+
+/// `forget_images` for a texture.
+pub fn forget_texture(ctx: &mut Context, texture: u32) {
+    forget_images(ctx, |image| image.is_texture(texture));
+}
+
+/// `forget_images` for a renderbuffer.
+pub fn forget_renderbuffer(ctx: &mut Context, renderbuffer: u32) {
+    forget_images(ctx, |image| image.name == Name::Renderbuffer(renderbuffer));
+}
+
+/// Whether a texture is followed that has this size and format already, so that nothing changes.
+pub fn is_alike(ctx: &Context, texture: u32, level: i32, size: [i32; 2]) -> bool {
+    let images = ctx.duplicates.images.iter();
+    let mut same = images.filter(|image| matches!(image.name, Name::Texture { level: own, .. } if own == level));
+    same.any(|image| image.is_texture(texture) && image.size == size)
+}
+
+/// The program put texels of its own into a texture: they are in every view.
+pub fn uploaded(ctx: &mut Context, texture: u32) {
+    if !ctx.duplicates.images.iter().any(|image| image.is_texture(texture) && image.twin.is_some()) {
+        return;
+    }
+    let count = cells(ctx);
+    without_scissor(ctx, |ctx| {
+        for image in ctx.duplicates.images.iter_mut().filter(|image| image.is_texture(texture)) {
+            for index in 0..count {
+                image.store(ctx.gl, ctx.id, index);
+            }
+        }
+    });
+}
+
+/// The program makes smaller pictures of a texture. `true`: they are made when it is sampled.
+pub fn mipmaps(ctx: &mut Context, texture: u32) -> bool {
+    let mut twin = false;
+    for image in ctx.duplicates.images.iter_mut().filter(|image| image.is_texture(texture)) {
+        image.mipmapped = true;
+        image.changed();
+        twin |= image.twin.is_some();
+    }
+    twin
+}
+
+/// The program is about to read a texture: it gets its own picture.
+pub fn before_reading_texture(ctx: &mut Context, texture: u32) {
+    before_reading(ctx, |image| image.is_texture(texture));
+}
+
+/// The program is about to read its read framebuffer: it gets its own picture.
+pub fn before_reading_framebuffer(ctx: &mut Context) {
+    let Some(index) = ctx.duplicates.position(ctx.believed.read_framebuffer) else { return };
+    let attachments = ctx.duplicates.framebuffers[index].attachments;
+    before_reading(ctx, |image| attachments.contains(&Some(image.name)));
+}
+
+fn before_reading(ctx: &mut Context, which: impl Fn(&Image) -> bool) {
+    let mut set = 0;
+    for (i, image) in ctx.duplicates.images.iter_mut().enumerate().take(64).filter(|(_, image)| which(image)) {
+        ctx.duplicates.learnt |= !image.read_back;
+        image.read_back = true;
+        set |= 1 << i;
+    }
+    supply(ctx, set, own_cell(ctx));
+}
+
+/// The views changed: all is learnt anew.
+pub fn clear(ctx: &mut Context) {
+    leave(ctx);
+    let gl = ctx.gl;
+    for mut framebuffer in std::mem::take(&mut ctx.duplicates.framebuffers) {
+        framebuffer.destroy_twin(gl);
+    }
+    let Duplicates { images, left, deleted, issued, .. } = &mut ctx.duplicates;
+    *deleted += 1;
+    issued.forget_views();
+    for mut image in images.drain(..) {
+        destroy_twin(&mut image, gl, ctx.id, left, deleted);
+    }
+    ctx.duplicates.coverage.clear(gl);
+    for canvas in std::mem::take(&mut ctx.duplicates.canvases) {
+        canvas.destroy(gl);
+    }
+    std::mem::take(&mut ctx.duplicates.shown).destroy(gl);
+}
+
+/// A frame ended: what was seen to lie between a scene and the window gets its twin.
+pub fn end_frame(ctx: &mut Context) {
+    let gl = ctx.gl;
+    let Duplicates { coverage, images, learnt, .. } = &mut ctx.duplicates;
+    *learnt |= coverage.end_frame(gl, |set| {
+        for image in images.iter_mut().enumerate().take(64).filter(|(i, _)| set >> i & 1 != 0).map(|(_, image)| image) {
+            image.shown = true;
+        }
+    });
+    if !std::mem::take(&mut ctx.duplicates.learnt) || !possible(ctx) {
+        return;
+    }
+    let wanted = scene_graph::wanted(&ctx.duplicates.images, wish() == Duplicate::Always);
+    let mut images = ctx.duplicates.images.iter().zip(&wanted);
+    if !ctx.duplicates.own_picture && images.any(|(image, wanted)| *wanted && image.read_back) {
+        leave(ctx);
+        ctx.duplicates.own_picture = true;
+        let Duplicates { images, left, deleted, .. } = &mut ctx.duplicates;
+        for image in images {
+            destroy_twin(image, gl, ctx.id, left, deleted);
+        }
+        for framebuffer in &mut ctx.duplicates.framebuffers {
+            framebuffer.destroy_twin(gl);
+        }
+    }
+    for index in (0..wanted.len()).filter(|index| wanted[*index]) {
+        make_twin(ctx, index);
+    }
+}
+
+/// Makes the twin of the image at `index`, if it has none yet.
+fn make_twin(ctx: &mut Context, index: usize) -> bool {
+    let image = &ctx.duplicates.images[index];
+    if image.twin.is_some() || image.refused {
+        return image.twin.is_some();
+    }
+    leave(ctx);
+    take_error(ctx);
+    let count = cells(ctx);
+    without_scissor(ctx, |ctx| {
+        let image = &mut ctx.duplicates.images[index];
+        image.refused = !image.make_twin(ctx.gl, ctx.id, count);
+    });
+    if ctx.duplicates.images[index].refused {
+        // Whatever the driver said about it is answered by this.
+        drop_errors(ctx.gl);
+        log::once("a scene that the program draws off screen is shown flat: the driver gives no copies of it");
+    }
+    take_own_errors(ctx);
+    !ctx.duplicates.images[index].refused
+}
+
+/// Runs `run`, which copies, with the scissor test off.
+pub(super) fn without_scissor(ctx: &mut Context, run: impl FnOnce(&mut Context)) {
+    ctx.set_scissor(None);
+    run(ctx);
+    if !ctx.redirected() && !ctx.duplicates.bound {
+        ctx.restore_window_space();
+    }
+}
+
+/// What is known of the program's draw framebuffer, which is asked for where it is not.
+pub(super) fn look(ctx: &mut Context) -> usize {
+    let name = ctx.believed.draw_framebuffer;
+    let index = ctx.duplicates.position(name).unwrap_or_else(|| {
+        ctx.duplicates.framebuffers.push(Framebuffer::new(name));
+        ctx.duplicates.framebuffers.len() - 1
+    });
+    if !ctx.duplicates.framebuffers[index].known {
+        leave(ctx);
+        take_error(ctx);
+        let Duplicates { framebuffers, images, .. } = &mut ctx.duplicates;
+        framebuffers[index].examine(ctx.gl, images);
+        // Questions that a driver need not know are nobody's errors.
+        drop_errors(ctx.gl);
+    }
+    index
+}
+
+/// Puts the twin of the program's draw framebuffer, which is at `index`, in its place. `false`: it has none.
+pub(super) fn enter(ctx: &mut Context, index: usize) -> bool {
+    if ctx.duplicates.bound {
+        return true;
+    }
+    if !ctx.duplicates.is_duplicated(&ctx.duplicates.framebuffers[index]) {
+        return false;
+    }
+    if ctx.duplicates.framebuffers[index].twin == 0 && !make_framebuffer(ctx, index) {
+        return false;
+    }
+    ctx.duplicates.bound = true;
+    let twin = ctx.duplicates.framebuffers[index].twin;
+    // SAFETY: a framebuffer of ours; `leave` puts the program's back.
+    unsafe { ctx.gl.bind_framebuffer(crate::backend::gl::api::GL_DRAW_FRAMEBUFFER, twin) };
+    true
+}
+
+/// Makes the framebuffer that stands for the one at `index`, with twins of all that is attached.
+pub(super) fn make_framebuffer(ctx: &mut Context, index: usize) -> bool {
+    let attached = ctx.duplicates.framebuffers[index].attachments;
+    let places: [Option<usize>; framebuffers::COLOURS + 2] =
+        attached.map(|name| name.and_then(|name| ctx.duplicates.images.iter().position(|image| image.name == name)));
+    let mut complete = places.into_iter().flatten().all(|place| make_twin(ctx, place));
+    take_error(ctx);
+    if complete {
+        let Duplicates { framebuffers, images, .. } = &mut ctx.duplicates;
+        let twin_of = |name| {
+            let image = images.iter().find(|image| image.name == name);
+            image.and_then(|image| image.twin.as_ref()).map(|twin| twin.renderbuffer)
+        };
+        complete = framebuffers[index].make_twin(ctx.gl, twin_of);
+        drop_errors(ctx.gl);
+    }
+    if !complete {
+        ctx.duplicates.framebuffers[index].single = Some("the driver gives no copies of it");
+        log::once("a scene that the program draws off screen is shown flat: the driver gives no copies of it");
+    }
+    complete
+}
+
+/// Copies cell `view` of the images in `set` into the program's own.
+pub(super) fn supply(ctx: &mut Context, set: Set, view: usize) {
+    let has_twin = |ctx: &Context| {
+        let images = ctx.duplicates.images.iter().enumerate().take(64);
+        images.filter(|(i, _)| set >> i & 1 != 0).any(|(_, image)| image.twin.is_some())
+    };
+    if set == 0 || !has_twin(ctx) {
+        return;
+    }
+    without_scissor(ctx, |ctx| {
+        let images = ctx.duplicates.images.iter_mut().enumerate().take(64);
+        for (_, image) in images.filter(|(i, _)| set >> i & 1 != 0) {
+            image.supply(ctx.gl, ctx.id, view);
+        }
+    });
+}
+
+/// A clear of a framebuffer of the program's. `false`: it is single.
+pub fn clear_with(ctx: &mut Context, issue: &dyn Fn(&Gl)) -> bool {
+    if ctx.believed.draw_framebuffer == 0 || ctx.picking || !possible(ctx) {
+        return false;
+    }
+    let index = look(ctx);
+    if !enter(ctx, index) {
+        return false;
+    }
+    ctx.duplicates.changed(index);
+    let gl = ctx.gl;
+    if !ctx.believed.scissor_test {
+        ctx.set_scissor(None);
+        issue(gl);
+        return true;
+    }
+    let first = ctx.duplicates.framebuffers[index].images().next();
+    let grid = first.and_then(|name| Some(ctx.duplicates.image(name)?.twin.as_ref()?.cells));
+    for view in 0..cells(ctx) {
+        if let Some(grid) = grid {
+            own_window_space(ctx, grid.cell(view));
+            issue(gl);
+        }
+    }
+    true
+}

@@ -1,0 +1,154 @@
+//! Lines, triangles, quadrilaterals and polygons that are divided on the processor, for one view.
+//!
+//! The positions of the new vertices are the program's own, in between; what stands in for the pipeline's vertex stage
+//! projects them, and lights them, as it does the others.
+
+use crate::backend::gl::api::{self, Gl};
+use crate::correct::shaders::uniforms;
+use crate::intercept::gl::compat::matrices;
+use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::projected_vertices::fixed_function::assembly::{self, Triangle};
+use crate::intercept::gl::projected_vertices::fixed_function::vertices::{Attribute, Vertices};
+use crate::runtime::session::Division;
+use glam::DVec3;
+
+/// A draw for one view.
+struct Divided<'a> {
+    gl: &'a Gl,
+    vertices: &'a Vertices,
+    division: Division,
+    /// Of each vertex where it is seen, lens axes.
+    seen: Vec<DVec3>,
+    /// A primitive has the colours, and where it is lit the normal, of its provoking vertex.
+    flat: bool,
+    /// Polygons are drawn as outlines.
+    outlined: bool,
+    coarse: u64,
+}
+
+/// Draws `vertices` for a view to which `rows` lead. What is current afterwards is not said.
+pub fn draw(ctx: &mut Context, vertices: &Vertices, division: Division, rows: &[f32; 16]) {
+    let model_view = matrices::model_view(ctx);
+    let clip = matrices::multiply(&ctx.projection.matrix, &model_view);
+    let seen = (0..vertices.count())
+        .map(|number| {
+            let [x, y, z, w] = vertices.vertex(number).first().map_or([0.0; 4], |position| position.map(f64::from));
+            let at = |row: usize| clip[row] * x + clip[4 + row] * y + clip[8 + row] * z + clip[12 + row] * w;
+            seen(rows, [at(0), at(1), at(2), at(3)])
+        })
+        .collect();
+    let (flat, outlined) = (
+        crate::intercept::gl::projected_vertices::fixed_function::substitute::is_flat(ctx),
+        ctx.outlines.may_outline(),
+    );
+    let mut divided = Divided { gl: ctx.gl, vertices, division, seen, flat, outlined, coarse: 0 };
+    if assembly::fills(vertices.mode) {
+        divided.triangles();
+    } else {
+        divided.lines();
+    }
+    ctx.fixed.coarse += divided.coarse;
+}
+
+/// Draws `vertices` as they are. What is current afterwards is not said.
+pub fn whole(gl: &Gl, vertices: &Result<Vertices, &'static str>) {
+    let Ok(vertices) = vertices else { return };
+    // SAFETY: Begin and End of ours, around vertices with their attributes.
+    unsafe {
+        gl.begin(vertices.mode);
+        for number in 0..vertices.count() {
+            let Some((position, values)) = vertices.vertex(number).split_first() else { continue };
+            vertices.attributes.iter().zip(values).for_each(|(attribute, value)| attribute.set(gl, value));
+            gl.vertex4fv(position.as_ptr());
+        }
+        gl.end();
+    }
+}
+
+/// Where the viewer sees a vertex of these clip coordinates of the program: lens axes, the program's units.
+fn seen(rows: &[f32; 16], [x, y, z, w]: [f64; 4]) -> DVec3 {
+    let q = z + f64::from(rows[12]) * w;
+    let row = |number: usize| {
+        let part = |i: usize| f64::from(rows[4 * number + i]);
+        part(0) * x + part(1) * y + part(2) * w + part(3) * q
+    };
+    DVec3::new(row(0), row(1), -row(2))
+}
+
+impl Divided<'_> {
+    fn triangles(&mut self) {
+        // SAFETY: Begin and End of ours, around vertices only.
+        unsafe { self.gl.begin(api::GL_TRIANGLES) };
+        assembly::triangles(self.vertices.mode, self.vertices.count(), |triangle| {
+            let seen = triangle.corners.map(|corner| self.seen.get(corner).copied().unwrap_or_default());
+            let outcome = self.division.triangle(seen, &mut |part| {
+                for (corner, weights) in part.iter().enumerate() {
+                    let outline = self.outlined.then(|| self.is_outline(&triangle, *weights, part[(corner + 1) % 3]));
+                    self.emit(&triangle.corners, triangle.provoking, *weights, outline);
+                }
+            });
+            self.coarse += outcome.coarse as u64;
+        });
+        // SAFETY: as above.
+        unsafe { self.gl.end() };
+    }
+
+    fn lines(&mut self) {
+        // SAFETY: as for triangles.
+        unsafe { self.gl.begin(api::GL_LINES) };
+        assembly::lines(self.vertices.mode, self.vertices.count(), |ends| {
+            let seen = ends.map(|end| self.seen.get(end).copied().unwrap_or_default());
+            let outcome = self.division.line(seen, &mut |part| {
+                for second in part {
+                    self.emit(&ends, ends[1], DVec3::new(1.0 - second, second, 0.0), None);
+                }
+            });
+            self.coarse += outcome.coarse as u64;
+        });
+        // SAFETY: as for triangles.
+        unsafe { self.gl.end() };
+    }
+
+    /// Whether the edge between two places of a triangle is a part of an outline of the program's.
+    fn is_outline(&self, triangle: &Triangle, from: DVec3, to: DVec3) -> bool {
+        // Both lie on the edge opposite of a corner whose weight is 0.
+        let along = (0..3).find(|corner| from[(corner + 2) % 3] == 0.0 && to[(corner + 2) % 3] == 0.0);
+        let flag = self.vertices.attributes.iter().position(|attribute| *attribute == Attribute::EdgeFlag);
+        along.is_some_and(|edge| {
+            let vertex = self.vertices.vertex(triangle.corners[edge]);
+            let flagged = flag.and_then(|flag| vertex.get(1 + flag)).is_none_or(|value| value[0] != 0.0);
+            triangle.own_edges[edge] && flagged
+        })
+    }
+
+    /// A vertex between those of these numbers.
+    fn emit(&self, corners: &[usize], provoking: usize, weights: DVec3, outline: Option<bool>) {
+        let between = |value: usize| {
+            // A sum of two terms is the same in any order: what two triangles share is the same vertex to the bit.
+            let mut sum = [0.0f64; 4];
+            for (number, weight) in corners.iter().zip(weights.to_array()) {
+                let given = self.vertices.vertex(*number).get(value).copied().unwrap_or_default();
+                (0..4).for_each(|i| sum[i] += weight * f64::from(given[i]));
+            }
+            uniforms::between_vertices(sum)
+        };
+        // SAFETY: between Begin and End of ours.
+        unsafe {
+            for (number, attribute) in self.vertices.attributes.iter().enumerate() {
+                let colours = matches!(attribute, Attribute::Color | Attribute::SecondaryColor | Attribute::Normal);
+                match attribute {
+                    Attribute::EdgeFlag => {}
+                    _ if self.flat && colours => {
+                        let value = self.vertices.vertex(provoking).get(1 + number).copied().unwrap_or_default();
+                        attribute.set(self.gl, &value);
+                    }
+                    _ => attribute.set(self.gl, &between(1 + number)),
+                }
+            }
+            if let Some(outline) = outline {
+                self.gl.edge_flag(u8::from(outline));
+            }
+            self.gl.vertex4fv(between(0).as_ptr());
+        }
+    }
+}

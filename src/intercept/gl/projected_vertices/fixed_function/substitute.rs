@@ -1,0 +1,296 @@
+//! The fixed-function pipeline, whose vertices only shaders can project to a lens: a program of ours stands in for its
+//! vertex stage while a draw of the scene is issued.
+//!
+//! [`pipeline`] is what of the stage is switched on, [`shader_text`] the shader that does the same. There is a program for each
+//! state of the switches that was met. What comes behind the stage (textures, fog, blending) stays the pipeline's own.
+//!
+//! Where primitives have to be divided, [`vertices`] are read from what was recorded or from [`arrays`], become triangles
+//! and lines ([`assembly`]) and are given to the driver with what is between them ([`division`]).
+
+use crate::backend::gl::api::{self, Gl};
+use crate::intercept::gl::compat::display_lists;
+use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::context::hooks::hooks;
+use crate::intercept::gl::draw::culling::bounds::Bounds;
+use crate::intercept::gl::draw::culling::select;
+use crate::intercept::gl::draw::issue::{Changes, draw, draw_command};
+use crate::intercept::gl::draw::wide_primitives::Shape;
+use crate::intercept::gl::projected_vertices::fixed_function::pipeline::Pipeline;
+use crate::intercept::gl::projected_vertices::fixed_function::vertices::{Attribute, Vertices};
+use crate::intercept::gl::projected_vertices::fixed_function::{division, shader_text};
+use crate::intercept::gl::shader::patch::{self, Stage};
+use crate::intercept::gl::shader::programs::{self, Program};
+use crate::runtime::session::Division;
+use std::collections::HashMap;
+use std::sync::Arc;
+
+/// What the processor does with the draw that is being issued.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Processor {
+    /// Nothing.
+    #[default]
+    Nothing,
+    /// It divides primitives where a view needs that.
+    Divides,
+    /// It should, but cannot: why, for the log.
+    Cannot(&'static str),
+}
+
+/// What stands in for the pipeline in a context.
+#[derive(Default)]
+pub struct Fixed {
+    /// What the processor does with the draw that is being issued.
+    pub processor: Processor,
+    /// How the processor divides for the view that is drawn now, and the rows that lead to it.
+    pub view: Option<(Division, [f32; 16])>,
+    /// Primitives that the processor did not divide far enough.
+    pub coarse: u64,
+    /// The switches, or why they cannot be followed; none where they may have changed.
+    known: Option<Result<Pipeline, &'static str>>,
+    programs: HashMap<Pipeline, Arc<Program>>,
+    /// What was switched on for the program that is in use now.
+    in_use: Option<Vec<u32>>,
+}
+
+impl Fixed {
+    /// The switches may have changed.
+    pub fn touch(&mut self) {
+        self.known = None;
+    }
+}
+
+/// Puts a program in use that does what the pipeline's vertex stage does.
+///
+/// # Errors
+/// Why there is none, for the log.
+pub fn begin(ctx: &mut Context) -> Result<(), &'static str> {
+    if ctx.program.is_some() || ctx.pipelines.used != 0 {
+        return Err("a program has shaders for fragments only");
+    }
+    // SAFETY: asks for a switch that the program has used.
+    if ctx.assembly && unsafe { ctx.gl.is_enabled(api::GL_VERTEX_PROGRAM_ARB) } != 0 {
+        return Err("the program's vertices go through a program in assembly language");
+    }
+    if ctx.fixed.known.is_none() {
+        let pipeline = Pipeline::read(ctx);
+        crate::intercept::gl::context::errors::drop_errors(ctx.gl);
+        ctx.fixed.known = Some(pipeline);
+    }
+    let (program, two_sided, separate) = match &ctx.fixed.known {
+        Some(Ok(pipeline)) => {
+            let lighting = pipeline.lighting.unwrap_or_default();
+            (ctx.fixed.programs.get(pipeline).cloned(), lighting.two_sided, lighting.separate_specular)
+        }
+        Some(Err(reason)) => return Err(reason),
+        None => return Err("the state of the pipeline is not known"),
+    };
+    let program = match program {
+        Some(program) => program,
+        None => make(ctx)?,
+    };
+    let gl = ctx.gl;
+    // What lighting decides for the pipeline, switches of their own decide for shaders.
+    let wanted = [(two_sided, api::GL_VERTEX_PROGRAM_TWO_SIDE), (separate, api::GL_COLOR_SUM)];
+    let mut switched = Vec::new();
+    // SAFETY: switches of OpenGL 2.0, put back in `end`; a program of ours.
+    unsafe {
+        for (_, switch) in wanted.into_iter().filter(|(wanted, switch)| *wanted && gl.is_enabled(*switch) == 0) {
+            gl.enable(switch);
+            switched.push(switch);
+        }
+        gl.use_program(program.name);
+    }
+    ctx.pipelines.used = program.name;
+    ctx.program = Some(program);
+    ctx.fixed.in_use = Some(switched);
+    Ok(())
+}
+
+/// The pipeline draws again, if something stood in for it.
+pub fn end(ctx: &mut Context) {
+    let Some(switched) = ctx.fixed.in_use.take() else { return };
+    ctx.program = None;
+    ctx.pipelines.used = 0;
+    // SAFETY: what was so before `begin`.
+    unsafe {
+        for switch in switched {
+            ctx.gl.disable(switch);
+        }
+        ctx.gl.use_program(0);
+    }
+}
+
+/// Whether a primitive has the colour of one vertex, and the normal where there is light.
+pub(super) fn is_flat(ctx: &Context) -> bool {
+    matches!(&ctx.fixed.known, Some(Ok(pipeline)) if pipeline.flat)
+}
+
+/// Whether the processor has to read the vertices of the next draw of `mode`, so that it can divide them for some view.
+pub fn reads(ctx: &Context, mode: u32) -> bool {
+    let divides = ctx
+        .target
+        .as_ref()
+        .is_some_and(|target| target.lenses.iter().any(crate::intercept::gl::projected_vertices::lens::divides));
+    divides && !ctx.picking && !ctx.feedback && ctx.program.is_none() && mode != api::GL_POINTS
+}
+
+/// Issues a draw whose vertices the processor has read, or could not: divided for views that need it, by `whole` for
+/// others.
+pub fn draw_read(
+    ctx: &mut Context,
+    changes: Changes,
+    bounds: Bounds,
+    vertices: &Result<Vertices, &'static str>,
+    mut whole: impl FnMut(&mut Context, &Gl),
+) {
+    let (processor, vertices) = match vertices {
+        Ok(vertices) => (Processor::Divides, Some(vertices)),
+        Err(reason) => (Processor::Cannot(reason), None),
+    };
+    ctx.fixed.processor = processor;
+    draw(
+        ctx,
+        changes,
+        |_| bounds,
+        |ctx, gl| match (ctx.fixed.view.take(), vertices) {
+            (Some((division, rows)), Some(vertices)) => division::draw(ctx, vertices, division, &rows),
+            _ => whole(ctx, gl),
+        },
+    );
+    ctx.fixed.processor = Processor::Nothing;
+}
+
+/// Issues a draw of arrays whose vertices the processor has read, or could not. In a list that is compiled it becomes a
+/// command of its own.
+pub fn draw_arrays(
+    ctx: &mut Context,
+    mode: u32,
+    vertices: Result<Vertices, &'static str>,
+    bounds: impl FnOnce(&mut Context) -> Bounds,
+    issue: impl FnMut(&mut Context, &Gl),
+) {
+    let shape = Shape::of_mode(mode);
+    if !ctx.compiling() {
+        ctx.outlines.shape = shape;
+        let bounds = if select::enabled() { bounds(ctx) } else { Bounds::UNKNOWN };
+        let current = current(ctx, &vertices);
+        draw_read(ctx, Changes::Nothing, bounds, &vertices, issue);
+        put_back(ctx, &current);
+        return;
+    }
+    let Ok(kept) = vertices else {
+        draw_command(ctx, shape, bounds, issue);
+        return;
+    };
+    let vertices = Ok(kept);
+    display_lists::now_or_later(ctx, move |ctx| {
+        ctx.outlines.shape = shape;
+        let current = current(ctx, &vertices);
+        let whole = |_: &mut Context, gl: &Gl| division::whole(gl, &vertices);
+        if reads(ctx, mode) {
+            draw_read(ctx, Changes::Nothing, Bounds::UNKNOWN, &vertices, whole);
+        } else {
+            draw(ctx, Changes::Nothing, |_| Bounds::UNKNOWN, whole);
+        }
+        put_back(ctx, &current);
+    });
+}
+
+/// What is current of the attributes that vertices have.
+fn current(ctx: &Context, vertices: &Result<Vertices, &'static str>) -> Vec<(Attribute, [f32; 4])> {
+    let attributes = vertices.iter().flat_map(|vertices| &vertices.attributes);
+    attributes.map(|attribute| (*attribute, attribute.current(ctx.gl))).collect()
+}
+
+/// Arrays leave it as it was.
+fn put_back(ctx: &Context, current: &[(Attribute, [f32; 4])]) {
+    for (attribute, value) in current {
+        // SAFETY: what `current` found, in the same context.
+        unsafe { attribute.set(ctx.gl, value) };
+    }
+}
+
+/// Links the program for the switches as they are.
+fn make(ctx: &mut Context) -> Result<Arc<Program>, &'static str> {
+    let Some(Ok(pipeline)) = ctx.fixed.known.clone() else { return Err("the state of the pipeline is not known") };
+    let own = shader_text::text(&pipeline);
+    let patched = patch::patch(&own, Stage::Vertex, false, true).unwrap_or_default();
+    let program = crate::intercept::gl::context::debug_output::quietly(ctx, |ctx| {
+        crate::intercept::gl::context::errors::take_error(ctx);
+        let program = programs::of_own_text(ctx, &patched, own.into(), pipeline.flat);
+        crate::intercept::gl::context::errors::drop_errors(ctx.gl);
+        program
+    });
+    ctx.counts.linked += 1;
+    let Some(program) = program.map(Arc::new) else {
+        let reason = "the driver does not link a shader that stands in for the fixed-function pipeline";
+        ctx.fixed.known = Some(Err(reason));
+        return Err(reason);
+    };
+    ctx.fixed.programs.insert(pipeline, program.clone());
+    Ok(program)
+}
+
+/// A command that sets a switch: done now, or cut out of the list that is compiled, so that each draw of the list finds
+/// the program for it.
+pub fn switch(ctx: &mut Context, run: impl Fn(&Gl) + Send + Sync + 'static) {
+    if !crate::intercept::gl::projected_vertices::lens::asked_for() {
+        run(ctx.gl);
+        return;
+    }
+    display_lists::now_or_later(ctx, move |ctx| {
+        ctx.fixed.touch();
+        run(ctx.gl);
+    });
+}
+
+/// The first four numbers of an array, or as many as `name` has: planes and colours have four, all else one.
+///
+/// # Safety
+/// `values` must hold as many, as the program promises OpenGL.
+unsafe fn four<T: Copy + Default>(name: u32, values: *const T) -> [T; 4] {
+    let many = [api::GL_OBJECT_PLANE, api::GL_EYE_PLANE, api::GL_FOG_COLOR, api::GL_LIGHT_MODEL_AMBIENT];
+    let count = if many.contains(&name) { 4 } else { 1 };
+    // SAFETY: as promised; nothing is said about its alignment.
+    std::array::from_fn(|i| if i < count { unsafe { values.add(i).read_unaligned() } } else { T::default() })
+}
+
+hooks! {
+    "glShadeModel" shade_model(mode: u32) = |ctx, _gl| switch(ctx, move |gl| gl.shade_model(mode));
+    "glColorMaterial" color_material(face: u32, mode: u32) = |ctx, _gl| switch(ctx, move |gl| gl.color_material(face, mode));
+    "glLightModelf" light_modelf(name: u32, value: f32) = |ctx, _gl| switch(ctx, move |gl| gl.light_modelf(name, value));
+    "glLightModeli" light_modeli(name: u32, value: i32) = |ctx, _gl| switch(ctx, move |gl| gl.light_modeli(name, value));
+    "glLightModelfv" light_modelfv(name: u32, values: *const f32) = |ctx, _gl| {
+        let values = four(name, values);
+        switch(ctx, move |gl| gl.light_modelfv(name, values.as_ptr()));
+    };
+    "glLightModeliv" light_modeliv(name: u32, values: *const i32) = |ctx, _gl| {
+        let values = four(name, values);
+        switch(ctx, move |gl| gl.light_modeliv(name, values.as_ptr()));
+    };
+    "glFogf" fogf(name: u32, value: f32) = |ctx, _gl| switch(ctx, move |gl| gl.fogf(name, value));
+    "glFogi" fogi(name: u32, value: i32) = |ctx, _gl| switch(ctx, move |gl| gl.fogi(name, value));
+    "glFogfv" fogfv(name: u32, values: *const f32) = |ctx, _gl| {
+        let values = four(name, values);
+        switch(ctx, move |gl| gl.fogfv(name, values.as_ptr()));
+    };
+    "glFogiv" fogiv(name: u32, values: *const i32) = |ctx, _gl| {
+        let values = four(name, values);
+        switch(ctx, move |gl| gl.fogiv(name, values.as_ptr()));
+    };
+    "glTexGenf" tex_genf(coordinate: u32, name: u32, value: f32) = |ctx, _gl| switch(ctx, move |gl| gl.tex_genf(coordinate, name, value));
+    "glTexGend" tex_gend(coordinate: u32, name: u32, value: f64) = |ctx, _gl| switch(ctx, move |gl| gl.tex_gend(coordinate, name, value));
+    "glTexGeni" tex_geni(coordinate: u32, name: u32, value: i32) = |ctx, _gl| switch(ctx, move |gl| gl.tex_geni(coordinate, name, value));
+    "glTexGenfv" tex_genfv(coordinate: u32, name: u32, values: *const f32) = |ctx, _gl| {
+        let values = four(name, values);
+        switch(ctx, move |gl| gl.tex_genfv(coordinate, name, values.as_ptr()));
+    };
+    "glTexGendv" tex_gendv(coordinate: u32, name: u32, values: *const f64) = |ctx, _gl| {
+        let values = four(name, values);
+        switch(ctx, move |gl| gl.tex_gendv(coordinate, name, values.as_ptr()));
+    };
+    "glTexGeniv" tex_geniv(coordinate: u32, name: u32, values: *const i32) = |ctx, _gl| {
+        let values = four(name, values);
+        switch(ctx, move |gl| gl.tex_geniv(coordinate, name, values.as_ptr()));
+    };
+}

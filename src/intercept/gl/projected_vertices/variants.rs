@@ -1,0 +1,328 @@
+//! Programs of ours beside the program's: the same shaders with a stage behind them that divides lines or triangles.
+//!
+//! A program with a geometry stage draws one kind of primitive only, so it cannot be the program's own. The variant is
+//! linked when a draw first needs it; before each draw it gets the values of the program's uniforms.
+
+use crate::backend::gl::api::{self, Gl};
+use crate::correct::projected::projection;
+use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::projected_vertices::division_counter::{Before, Counter};
+use crate::intercept::gl::projected_vertices::geometry_stage::{self, Input, Limits, Passing};
+use crate::intercept::gl::projected_vertices::interface::{self, Interface};
+use crate::intercept::gl::projected_vertices::tessellation::{self, Patch};
+use crate::intercept::gl::projected_vertices::uniform_mirror::Mirror;
+use crate::intercept::gl::shader::patch;
+use crate::intercept::gl::shader::programs::Program;
+use crate::intercept::log;
+use std::ffi::{CStr, CString, c_char};
+use std::sync::{Arc, PoisonError};
+
+/// A program that divides.
+pub struct Variant {
+    name: u32,
+    /// Where rows and lens go.
+    locations: [i32; 2],
+    mirror: Mirror,
+    /// It counts what is not fine enough.
+    counts: bool,
+    /// It draws patches of so many vertices.
+    patch: Option<i32>,
+}
+
+/// What was so before a variant was put in use: the counter's binding, and how many vertices a patch has.
+pub struct InUse(Option<Before>, i32);
+
+/// What a variant divides, and by which stages.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// By a geometry stage.
+    Geometry(Input),
+    /// By tessellation stages.
+    Tessellation(Patch),
+}
+
+/// The variants of a program.
+#[derive(Default)]
+pub struct Variants(Vec<(Kind, State)>);
+
+/// Whether there is one.
+#[derive(Clone, Default)]
+enum State {
+    /// No draw has needed it.
+    #[default]
+    Untried,
+    /// There cannot be one.
+    Refused,
+    /// There is.
+    Made(Arc<Variant>),
+}
+
+impl Variants {
+    fn state(&self, kind: Kind) -> State {
+        self.0.iter().find(|known| known.0 == kind).map_or(State::Untried, |known| known.1.clone())
+    }
+
+    fn set(&mut self, kind: Kind, state: State) {
+        self.0.retain(|known| known.0 != kind);
+        self.0.push((kind, state));
+    }
+
+    /// Deletes them.
+    pub fn destroy(&mut self, gl: &Gl) {
+        for (_, state) in self.0.drain(..) {
+            if let State::Made(variant) = state {
+                // SAFETY: a program of ours; the context shares objects with the one that made it.
+                unsafe { gl.delete_program(variant.name) };
+            }
+        }
+    }
+}
+
+/// The variant of this kind of the program that draws, linked if it is new; `None` where there can be none.
+pub fn of(ctx: &mut Context, kind: Kind) -> Option<Arc<Variant>> {
+    let program = ctx.program.clone()?;
+    let state = program.variants.lock().unwrap_or_else(PoisonError::into_inner).state(kind);
+    match state {
+        State::Made(variant) => Some(variant),
+        State::Refused => None,
+        State::Untried => {
+            let made = crate::intercept::gl::context::debug_output::quietly(ctx, |ctx| {
+                crate::intercept::gl::context::errors::take_error(ctx);
+                let made = make(ctx, &program, kind);
+                crate::intercept::gl::context::errors::drop_errors(ctx.gl);
+                made
+            });
+            ctx.counts.linked += 1;
+            let (state, variant) = match made {
+                Ok(variant) => {
+                    let variant = Arc::new(variant);
+                    (State::Made(variant.clone()), Some(variant))
+                }
+                Err(why) => {
+                    let by = if matches!(kind, Kind::Tessellation(_)) { "tessellated" } else { "divided" };
+                    log::once(&format!("a program's primitives cannot be {by}: {why}"));
+                    (State::Refused, None)
+                }
+            };
+            program.variants.lock().unwrap_or_else(PoisonError::into_inner).set(kind, state);
+            variant
+        }
+    }
+}
+
+impl Variant {
+    /// Puts it in use in place of the program that draws, with the values of its uniforms, for a view of these rows and lens.
+    pub fn begin(&self, ctx: &mut Context, rows: &[f32; 16], lens: &[f32; 16]) -> InUse {
+        let gl = ctx.gl;
+        let counter = ctx.coarse.as_ref().filter(|_| self.counts).map(|counter| counter.begin(gl));
+        // SAFETY: a program of ours; the locations are those of the two halves of our array.
+        unsafe {
+            gl.use_program(self.name);
+            gl.uniform4fv(self.locations[0], projection::ROWS, rows.as_ptr());
+            gl.uniform4fv(self.locations[1], projection::LENS, lens.as_ptr());
+        }
+        self.mirror.copy(gl, ctx.pipelines.used, self.name);
+        let mut vertices = 0;
+        if let Some(own) = self.patch {
+            // SAFETY: asks for and sets a number that OpenGL 4.0 has, put back in `end`.
+            unsafe {
+                gl.get_integerv(api::GL_PATCH_VERTICES, &mut vertices);
+                gl.patch_parameteri(api::GL_PATCH_VERTICES, own);
+            }
+            ctx.outlines.as_patches = true;
+        }
+        InUse(counter, vertices)
+    }
+
+    /// Puts the program's own in use again.
+    pub fn end(&self, ctx: &mut Context, in_use: &InUse) {
+        if self.patch.is_some() {
+            ctx.outlines.as_patches = false;
+            // SAFETY: as `begin` found it.
+            unsafe { ctx.gl.patch_parameteri(api::GL_PATCH_VERTICES, in_use.1) };
+        }
+        if let (Some(counter), InUse(Some(before), _)) = (&ctx.coarse, in_use) {
+            counter.end(ctx.gl, before);
+        }
+        // SAFETY: what the program has in use.
+        unsafe { ctx.gl.use_program(ctx.pipelines.used) };
+    }
+}
+
+/// What the context allows a stage of ours.
+fn limits(ctx: &Context, kind: Kind) -> Limits {
+    let number = |name: u32| {
+        let mut value = 0;
+        // SAFETY: writes one integer.
+        unsafe { ctx.gl.get_integerv(name, &mut value) };
+        usize::try_from(value).unwrap_or(0)
+    };
+    let counters = match kind {
+        Kind::Geometry(_) => api::GL_MAX_GEOMETRY_ATOMIC_COUNTERS,
+        Kind::Tessellation(_) => api::GL_MAX_TESS_CONTROL_ATOMIC_COUNTERS,
+    };
+    let counted = ctx.profile.version >= 42 && number(counters) > 0;
+    let wanted = crate::intercept::settings::settings().is_some_and(|settings| settings.stats.is_some());
+    let bindings = number(api::GL_MAX_ATOMIC_COUNTER_BUFFER_BINDINGS) as u32;
+    Limits {
+        vertices: number(api::GL_MAX_GEOMETRY_OUTPUT_VERTICES),
+        components: number(api::GL_MAX_GEOMETRY_TOTAL_OUTPUT_COMPONENTS),
+        shared: ctx.profile.version >= 40,
+        counter: (counted && wanted && bindings > 0).then(|| bindings - 1),
+        compatibility: ctx.profile.compatibility(),
+    }
+}
+
+fn make(ctx: &mut Context, program: &Program, kind: Kind) -> Result<Variant, &'static str> {
+    if ctx.pipelines.used != program.name {
+        return Err("it belongs to a pipeline");
+    }
+    if ctx.profile.es || ctx.profile.version < 32 {
+        return Err("there are no geometry shaders before OpenGL 3.2");
+    }
+    if program.texts.iter().any(|(kind, _)| *kind == api::GL_GEOMETRY_SHADER) {
+        return Err("it has a geometry shader of its own");
+    }
+    let tessellates = matches!(kind, Kind::Tessellation(_));
+    if tessellates && ctx.profile.version < 40 {
+        return Err("there are no tessellation shaders before OpenGL 4.0");
+    }
+    let has = |wanted: u32| program.texts.iter().any(|(kind, _)| *kind == wanted);
+    let last = if has(api::GL_TESS_EVALUATION_SHADER) { api::GL_TESS_EVALUATION_SHADER } else { api::GL_VERTEX_SHADER };
+    if tessellates && (has(api::GL_TESS_EVALUATION_SHADER) || has(api::GL_TESS_CONTROL_SHADER)) {
+        return Err("it has tessellation shaders of its own");
+    }
+    let index = program
+        .texts
+        .iter()
+        .position(|(kind, source)| *kind == last && patch::has_main(source))
+        .ok_or("its shaders' texts are not known")?;
+    let source = &program.texts[index].1;
+    let bare = patch::strip_comments(source);
+    let mut interface = interface::read(&bare)?;
+    let built_in = if ctx.profile.compatibility() { interface::built_in(&bare) } else { Vec::new() };
+    if ctx.profile.compatibility() {
+        interface.add_texture_coordinates(&bare)?;
+    }
+    let fragments: Vec<_> = program.texts.iter().filter(|(kind, _)| *kind == api::GL_FRAGMENT_SHADER).collect();
+    let numbered = fragments.iter().any(|(_, source)| patch::mentions(source, "gl_PrimitiveID"));
+    let functions = projection::functions(false, true);
+    let limits = limits(ctx, kind);
+    let passing = Passing { number: numbered, flat: program.flat };
+    let (interface, dividing) = match kind {
+        Kind::Geometry(input) => {
+            let text = geometry_stage::text(input, &interface, &built_in, passing, &functions, &limits)
+                .ok_or("the driver's geometry shaders emit too few vertices")?;
+            (interface, vec![(api::GL_GEOMETRY_SHADER, text)])
+        }
+        Kind::Tessellation(patch) => {
+            let interface = tessellation::with_built_in(interface, &built_in, passing);
+            let [control, evaluation] = tessellation::texts(patch, &interface, &functions, &limits);
+            (interface, vec![(api::GL_TESS_CONTROL_SHADER, control), (api::GL_TESS_EVALUATION_SHADER, evaluation)])
+        }
+    };
+    let carrying = patch::carry(source, &interface);
+
+    let gl = ctx.gl;
+    let mut shaders: Vec<u32> = dividing.iter().map(|(stage, text)| compile(gl, *stage, text)).collect();
+    for (number, (kind, source)) in program.texts.iter().enumerate() {
+        shaders.push(compile(gl, *kind, if number == index { &carrying } else { source }));
+    }
+    let outputs: Vec<Interface> =
+        fragments.iter().filter_map(|(_, source)| interface::read(&patch::strip_comments(source)).ok()).collect();
+    let linked = link(gl, program.name, &shaders, &outputs);
+    for shader in shaders {
+        // SAFETY: a shader of ours.
+        unsafe { gl.delete_shader(shader) };
+    }
+    let name = linked?;
+    let location = |index: i32| {
+        let name_of = CString::new(format!("{}[{index}]", projection::UNIFORM)).unwrap_or_default();
+        // SAFETY: a NUL-terminated name.
+        unsafe { gl.get_uniform_location(name, name_of.as_ptr()) }
+    };
+    if let (Some(binding), None) = (limits.counter, &ctx.coarse) {
+        ctx.coarse = Some(Counter::new(gl, binding));
+    }
+    ctx.uncounted |= limits.counter.is_none();
+    Ok(Variant {
+        name,
+        locations: [location(0), location(projection::ROWS)],
+        mirror: Mirror::new(gl, program.name, name),
+        counts: limits.counter.is_some(),
+        patch: match kind {
+            Kind::Geometry(_) => None,
+            Kind::Tessellation(patch) => Some(patch.corners() as i32),
+        },
+    })
+}
+
+/// A shader of ours; what the driver says of it the link tells.
+fn compile(gl: &Gl, kind: u32, source: &str) -> u32 {
+    let length = source.len() as i32;
+    let start = source.as_ptr().cast::<c_char>();
+    // SAFETY: one string with its length.
+    unsafe {
+        let shader = gl.create_shader(kind);
+        gl.shader_source(shader, 1, &start, &length);
+        gl.compile_shader(shader);
+        shader
+    }
+}
+
+/// Links with attributes and fragment outputs where the program `original` has them.
+fn link(gl: &Gl, original: u32, shaders: &[u32], outputs: &[Interface]) -> Result<u32, &'static str> {
+    let mut linked = 0;
+    // SAFETY: objects of ours; names end with NUL; queries write what they have room for.
+    unsafe {
+        let name = gl.create_program();
+        for shader in shaders {
+            gl.attach_shader(name, *shader);
+        }
+        let mut count = 0;
+        gl.get_programiv(original, api::GL_ACTIVE_ATTRIBUTES, &mut count);
+        for index in 0..u32::try_from(count).unwrap_or(0) {
+            let mut attribute: [c_char; 256] = [0; 256];
+            let (mut length, mut size, mut kind) = (0, 0, 0);
+            gl.get_active_attrib(original, index, 256, &mut length, &mut size, &mut kind, attribute.as_mut_ptr());
+            let location = gl.get_attrib_location(original, attribute.as_ptr());
+            if let Ok(location) = u32::try_from(location) {
+                gl.bind_attrib_location(name, location, attribute.as_ptr());
+            }
+        }
+        for output in outputs.iter().flat_map(|interface| &interface.values) {
+            let Ok(text) = CString::new(output.own.as_str()) else { continue };
+            if let Ok(location) = u32::try_from(gl.get_frag_data_location(original, text.as_ptr())) {
+                gl.bind_frag_data_location(name, location, text.as_ptr());
+            }
+        }
+        gl.link_program(name);
+        gl.get_programiv(name, api::GL_LINK_STATUS, &mut linked);
+        if linked != 0 {
+            return Ok(name);
+        }
+        tell(gl, name, shaders);
+        gl.delete_program(name);
+    }
+    Err("it does not link with a stage that divides")
+}
+
+/// What the driver says of a program that does not link, for people who look for the reason.
+fn tell(gl: &Gl, program: u32, shaders: &[u32]) {
+    let mut buffer: [c_char; 512] = [0; 512];
+    let mut say = |read: &dyn Fn(*mut c_char)| {
+        buffer[0] = 0;
+        read(buffer.as_mut_ptr());
+        // SAFETY: the driver ends what it writes with NUL.
+        let words = unsafe { CStr::from_ptr(buffer.as_ptr()) }.to_string_lossy().trim().to_owned();
+        if !words.is_empty() {
+            log::once(&format!("the driver says: {words}"));
+        }
+    };
+    for shader in shaders {
+        // SAFETY: writes at most as much as there is room for.
+        say(&|to| unsafe { gl.get_shader_info_log(*shader, 512, &mut 0, to) });
+    }
+    // SAFETY: as above.
+    say(&|to| unsafe { gl.get_program_info_log(program, 512, &mut 0, to) });
+}

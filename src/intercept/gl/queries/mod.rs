@@ -1,0 +1,4 @@
+//! TODO-NOTE
+
+pub mod results;
+pub mod scaling;

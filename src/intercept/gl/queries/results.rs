@@ -1,0 +1,162 @@
+//! What a program is told of its queries: its own names, and the sums of their parts.
+
+use crate::backend::gl::api;
+use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::queries::scaling::{Count, available, begin, end, invalid};
+
+/// Whether the program's query runs, which is an error where its result is asked for.
+fn refuses(ctx: &mut Context, name: u32) -> bool {
+    let runs = ctx.counting.running.iter().any(|r| r.name == name);
+    if runs {
+        invalid(ctx);
+    }
+    runs
+}
+
+/// What the program asks of a query whose result is in several objects; `None`: the driver answers.
+fn answer(ctx: &mut Context, name: u32, what: u32) -> Option<u64> {
+    let count = ctx.counting.split.get(&name)?;
+    let ready = || count.parts.iter().all(|part| available(ctx.gl, part.0));
+    // Questions of ours write numbers, wherever the program wants its own answer.
+    let buffer = unbind_results(ctx);
+    let answer = match what {
+        api::GL_QUERY_RESULT => Some(count.total(ctx.gl, ctx.counting.wide)),
+        api::GL_QUERY_RESULT_NO_WAIT if ready() => Some(count.total(ctx.gl, ctx.counting.wide)),
+        api::GL_QUERY_RESULT_AVAILABLE => Some(u64::from(ready())),
+        _ => None,
+    };
+    bind_results(ctx, buffer);
+    answer
+}
+
+/// Takes the program's buffer for results away; its name, or 0.
+fn unbind_results(ctx: &Context) -> u32 {
+    let mut buffer = 0;
+    if !ctx.profile.es && ctx.profile.version >= 44 {
+        // SAFETY: writes one integer; the binding is put back by `bind_results`.
+        unsafe {
+            ctx.gl.get_integerv(api::GL_QUERY_BUFFER_BINDING, &mut buffer);
+            bind_results(ctx, 0);
+        }
+    }
+    buffer as u32
+}
+
+fn bind_results(ctx: &Context, buffer: u32) {
+    if !ctx.profile.es && ctx.profile.version >= 44 {
+        // SAFETY: OpenGL 4.4 knows the target.
+        unsafe { ctx.gl.bind_buffer(api::GL_QUERY_BUFFER, buffer) };
+    }
+}
+
+/// Writes an answer where the program wants it: to its memory, or to its buffer at that offset.
+///
+/// # Safety
+/// `values` must be a place for a `T`, or an offset while a buffer for results is bound.
+unsafe fn write<T>(ctx: &Context, value: T, values: *mut T) {
+    let buffer = unbind_results(ctx);
+    bind_results(ctx, buffer);
+    if buffer != 0 {
+        let size = size_of::<T>() as isize;
+        // SAFETY: the driver checks the offset.
+        unsafe { ctx.gl.buffer_sub_data(api::GL_QUERY_BUFFER, values as isize, size, (&raw const value).cast()) };
+    } else if !values.is_null() {
+        // SAFETY: as promised.
+        unsafe { values.write(value) };
+    }
+}
+
+/// The program's name for the query of this kind that runs, if the driver has another object.
+fn current(ctx: &Context, target: u32, index: u32) -> Option<u32> {
+    ctx.counting.running.iter().find(|r| r.target == target && r.index == index).map(|r| r.name)
+}
+
+/// Queries were deleted.
+fn forget(ctx: &mut Context, names: &[u32]) {
+    let gl = ctx.gl;
+    for name in names.iter().filter(|name| **name != 0) {
+        if let Some(number) = ctx.counting.running.iter().position(|r| r.name == *name) {
+            let mut running = ctx.counting.running.swap_remove(number);
+            running.end_part(gl);
+            ctx.counting.give_back(&running.before, *name);
+        }
+        if let Some(count) = ctx.counting.split.remove(name) {
+            ctx.counting.give_back(&count, *name);
+        }
+    }
+}
+
+/// Objects of ours are nothing to the program.
+fn is_own(ctx: &Context, name: u32) -> bool {
+    let part = |count: &Count, of: u32| name != of && count.parts.iter().any(|part| part.0 == name);
+    ctx.counting.own.iter().any(|own| own.1 == name)
+        || ctx.counting.fresh.contains(&name)
+        || ctx.counting.split.iter().any(|(of, count)| part(count, *of))
+        || ctx
+            .counting
+            .running
+            .iter()
+            .any(|r| part(&r.before, r.name) || r.now.is_some_and(|n| n.0 == name && name != r.name))
+}
+
+macro_rules! counting_hooks {
+    ($( $name:literal $method:ident $t:ty, $buffer_name:literal $buffer_method:ident; )*) => {
+        crate::intercept::gl::context::hooks::hooks! {
+            "glBeginQuery" begin_query(target: u32, name: u32) = |ctx, _gl|
+                crate::intercept::gl::compat::display_lists::now_or_later(ctx, move |ctx| begin(ctx, target, 0, name));
+            "glEndQuery" end_query(target: u32) = |ctx, _gl| crate::intercept::gl::compat::display_lists::now_or_later(ctx, move |ctx| end(ctx, target, 0));
+            "glBeginQueryIndexed" begin_query_indexed(target: u32, index: u32, name: u32) = |ctx, _gl|
+                crate::intercept::gl::compat::display_lists::now_or_later(ctx, move |ctx| begin(ctx, target, index, name));
+            "glEndQueryIndexed" end_query_indexed(target: u32, index: u32) = |ctx, _gl|
+                crate::intercept::gl::compat::display_lists::now_or_later(ctx, move |ctx| end(ctx, target, index));
+            "glDeleteQueries" delete_queries(count: i32, names: *const u32) = |ctx, gl| {
+                if !names.is_null() {
+                    forget(ctx, std::slice::from_raw_parts(names, usize::try_from(count).unwrap_or(0)));
+                }
+                gl.delete_queries(count, names);
+            };
+            "glIsQuery" is_query(name: u32) -> u8 = |ctx, gl| if is_own(ctx, name) { 0 } else { gl.is_query(name) };
+            "glGetQueryiv" get_queryiv(target: u32, what: u32, values: *mut i32) = |ctx, gl| {
+                match current(ctx, target, 0).filter(|_| what == api::GL_CURRENT_QUERY && !values.is_null()) {
+                    Some(name) => *values = name as i32,
+                    None => gl.get_queryiv(target, what, values),
+                }
+            };
+            "glGetQueryIndexediv" get_query_indexediv(target: u32, index: u32, what: u32, values: *mut i32) = |ctx, gl| {
+                match current(ctx, target, index).filter(|_| what == api::GL_CURRENT_QUERY && !values.is_null()) {
+                    Some(name) => *values = name as i32,
+                    None => gl.get_query_indexediv(target, index, what, values),
+                }
+            };
+            $(
+                $name $method(name: u32, what: u32, values: *mut $t) = |ctx, gl| {
+                    if !refuses(ctx, name) {
+                        match answer(ctx, name, what) {
+                            Some(count) => write(ctx, <$t>::try_from(count).unwrap_or(<$t>::MAX), values),
+                            None => gl.$method(name, what, values),
+                        }
+                    }
+                };
+                $buffer_name $buffer_method(name: u32, buffer: u32, what: u32, offset: isize) = |ctx, gl| {
+                    crate::intercept::gl::vertex_input::buffers::written_by_device(ctx, buffer);
+                    if !refuses(ctx, name) {
+                        match answer(ctx, name, what) {
+                            Some(count) => {
+                                let value = <$t>::try_from(count).unwrap_or(<$t>::MAX);
+                                gl.named_buffer_sub_data(buffer, offset, size_of::<$t>() as isize, (&raw const value).cast());
+                            }
+                            None => gl.$buffer_method(name, buffer, what, offset),
+                        }
+                    }
+                };
+            )*
+        }
+    };
+}
+
+counting_hooks! {
+    "glGetQueryObjectiv" get_query_objectiv i32, "glGetQueryBufferObjectiv" get_query_buffer_objectiv;
+    "glGetQueryObjectuiv" get_query_objectuiv u32, "glGetQueryBufferObjectuiv" get_query_buffer_objectuiv;
+    "glGetQueryObjecti64v" get_query_objecti64v i64, "glGetQueryBufferObjecti64v" get_query_buffer_objecti64v;
+    "glGetQueryObjectui64v" get_query_objectui64v u64, "glGetQueryBufferObjectui64v" get_query_buffer_objectui64v;
+}

@@ -1,0 +1,127 @@
+//! What a program asks about its shaders: our uniform is not among the answers.
+
+use crate::backend::gl::api;
+use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::context::hooks::hooks;
+use std::ffi::c_char;
+
+/// Index of our uniform among the program's active ones.
+fn hidden(ctx: &Context, program: u32) -> Option<u32> {
+    crate::intercept::gl::shader::programs::record(ctx, program)?.hidden
+}
+
+/// The driver's index for the program's, which does not count ours.
+fn shifted(ctx: &Context, program: u32, index: u32) -> u32 {
+    match hidden(ctx, program) {
+        Some(ours) if index >= ours => index + 1,
+        _ => index,
+    }
+}
+
+/// The program's index for the driver's.
+fn unshifted(ours: u32, index: u32) -> u32 {
+    if index != api::GL_INVALID_INDEX && index > ours { index - 1 } else { index }
+}
+
+/// The driver's index of a resource.
+fn resource(ctx: &Context, program: u32, interface: u32, index: u32) -> u32 {
+    if interface == api::GL_UNIFORM { shifted(ctx, program, index) } else { index }
+}
+
+/// Takes our uniform out of `count` indices that the driver gave.
+///
+/// # Safety
+/// `indices` must be null or point at `count` numbers.
+unsafe fn renumber(ours: Option<u32>, count: i32, indices: *mut i32) {
+    let (Some(ours), Ok(count)) = (ours, usize::try_from(count)) else { return };
+    if !indices.is_null() {
+        // SAFETY: as promised above.
+        for index in unsafe { std::slice::from_raw_parts_mut(indices, count) } {
+            *index = unshifted(ours, *index as u32) as i32;
+        }
+    }
+}
+
+hooks! {
+    "glGetProgramiv" get_programiv(program: u32, name: u32, value: *mut i32) = |ctx, gl| {
+        gl.get_programiv(program, name, value);
+        if !value.is_null() && hidden(ctx, program).is_some() {
+            match name {
+                api::GL_ACTIVE_UNIFORMS => *value -= 1,
+                // A program that keeps binaries would keep our uniform, and miss it without us.
+                api::GL_PROGRAM_BINARY_LENGTH => *value = 0,
+                _ => {}
+            }
+        }
+    };
+    "glGetObjectParameterivARB" get_object_parameteriv_arb(object: u32, name: u32, value: *mut i32) = |ctx, gl| {
+        gl.get_object_parameteriv_arb(object, name, value);
+        if name == api::GL_OBJECT_ACTIVE_UNIFORMS_ARB && !value.is_null() && hidden(ctx, object).is_some() {
+            *value -= 1;
+        }
+    };
+    "glGetActiveUniform" get_active_uniform(program: u32, index: u32, room: i32, length: *mut i32, size: *mut i32, kind: *mut u32, name: *mut c_char) = |ctx, gl|
+        gl.get_active_uniform(program, shifted(ctx, program, index), room, length, size, kind, name);
+    "glGetActiveUniformName" get_active_uniform_name(program: u32, index: u32, room: i32, length: *mut i32, name: *mut c_char) = |ctx, gl|
+        gl.get_active_uniform_name(program, shifted(ctx, program, index), room, length, name);
+    "glGetActiveUniformsiv" get_active_uniformsiv(program: u32, count: i32, indices: *const u32, what: u32, values: *mut i32) = |ctx, gl| {
+        if hidden(ctx, program).is_none() || indices.is_null() {
+            gl.get_active_uniformsiv(program, count, indices, what, values);
+        } else {
+            let given = std::slice::from_raw_parts(indices, usize::try_from(count).unwrap_or(0));
+            let moved: Vec<u32> = given.iter().map(|i| shifted(ctx, program, *i)).collect();
+            gl.get_active_uniformsiv(program, count, moved.as_ptr(), what, values);
+        }
+    };
+    "glGetUniformIndices" get_uniform_indices(program: u32, count: i32, names: *const *const c_char, indices: *mut u32) = |ctx, gl| {
+        gl.get_uniform_indices(program, count, names, indices);
+        renumber(hidden(ctx, program), count, indices.cast());
+    };
+    "glGetActiveUniformBlockiv" get_active_uniform_blockiv(program: u32, block: u32, what: u32, values: *mut i32) = |ctx, gl| {
+        gl.get_active_uniform_blockiv(program, block, what, values);
+        if what == api::GL_UNIFORM_BLOCK_ACTIVE_UNIFORM_INDICES {
+            let mut count = 0;
+            gl.get_active_uniform_blockiv(program, block, api::GL_UNIFORM_BLOCK_ACTIVE_UNIFORMS, &mut count);
+            renumber(hidden(ctx, program), count, values);
+        }
+    };
+    "glGetProgramInterfaceiv" get_program_interfaceiv(program: u32, interface: u32, name: u32, values: *mut i32) = |ctx, gl| {
+        gl.get_program_interfaceiv(program, interface, name, values);
+        let counted = interface == api::GL_UNIFORM && name == api::GL_ACTIVE_RESOURCES && !values.is_null();
+        if counted && hidden(ctx, program).is_some() {
+            *values -= 1;
+        }
+    };
+    "glGetProgramResourceIndex" get_program_resource_index(program: u32, interface: u32, name: *const c_char) -> u32 = |ctx, gl| {
+        let index = gl.get_program_resource_index(program, interface, name);
+        match hidden(ctx, program) {
+            Some(ours) if interface == api::GL_UNIFORM => unshifted(ours, index),
+            _ => index,
+        }
+    };
+    "glGetProgramResourceName" get_program_resource_name(program: u32, interface: u32, index: u32, room: i32, length: *mut i32, name: *mut c_char) = |ctx, gl|
+        gl.get_program_resource_name(program, interface, resource(ctx, program, interface, index), room, length, name);
+    "glGetProgramResourceiv" get_program_resourceiv(program: u32, interface: u32, index: u32, count: i32, what: *const u32, room: i32, length: *mut i32, values: *mut i32) = |ctx, gl| {
+        gl.get_program_resourceiv(program, interface, resource(ctx, program, interface, index), count, what, room, length, values);
+        // A block's list of its uniforms, asked for alone as everybody does, or the numbers around it would be hit.
+        if count == 1 && !what.is_null() && *what == api::GL_ACTIVE_VARIABLES && interface == api::GL_UNIFORM_BLOCK {
+            let mut one = 0;
+            let of_block = [api::GL_NUM_ACTIVE_VARIABLES];
+            gl.get_program_resourceiv(program, interface, index, 1, of_block.as_ptr(), 1, std::ptr::null_mut(), &mut one);
+            renumber(hidden(ctx, program), one.min(room), values);
+        }
+    };
+    "glGetProgramBinary" get_program_binary(program: u32, room: i32, length: *mut i32, format: *mut u32, binary: *mut std::ffi::c_void) = |ctx, gl| {
+        if hidden(ctx, program).is_none() {
+            gl.get_program_binary(program, room, length, format, binary);
+        } else {
+            // As where a driver has no format for binaries, which is what we say.
+            if !length.is_null() {
+                *length = 0;
+            }
+            if ctx.pending_error == api::GL_NO_ERROR {
+                ctx.pending_error = api::GL_INVALID_OPERATION;
+            }
+        }
+    };
+}

@@ -1,0 +1,8 @@
+//! TODO-NOTE
+
+pub mod introspection;
+pub mod patch;
+pub mod program_pipelines;
+pub mod programs;
+pub mod samplers;
+pub mod uniforms;

@@ -1,0 +1,87 @@
+//! Which buffers the program has bound: noted from its calls, and asked for once where these do not tell.
+//!
+//! `GL_ELEMENT_ARRAY_BUFFER` belongs to a vertex array object ([`crate::intercept::gl::vertex_input::vertex_arrays`]).
+
+use crate::backend::gl::api;
+use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::vertex_input::{buffers, vertex_arrays};
+
+/// The targets that are followed, each with the name of its binding.
+const TARGETS: [(u32, u32); 8] = [
+    (api::GL_ARRAY_BUFFER, api::GL_ARRAY_BUFFER_BINDING),
+    (api::GL_UNIFORM_BUFFER, api::GL_UNIFORM_BUFFER_BINDING),
+    (api::GL_COPY_READ_BUFFER, api::GL_COPY_READ_BUFFER_BINDING),
+    (api::GL_COPY_WRITE_BUFFER, api::GL_COPY_WRITE_BUFFER_BINDING),
+    (api::GL_PIXEL_UNPACK_BUFFER, api::GL_PIXEL_UNPACK_BUFFER_BINDING),
+    (api::GL_DRAW_INDIRECT_BUFFER, api::GL_DRAW_INDIRECT_BUFFER_BINDING),
+    (api::GL_DISPATCH_INDIRECT_BUFFER, api::GL_DISPATCH_INDIRECT_BUFFER_BINDING),
+    (api::GL_TEXTURE_BUFFER, api::GL_TEXTURE_BUFFER_BINDING),
+];
+
+/// The buffers that a context has bound; 0 = none.
+pub struct Bound {
+    names: [Option<u32>; TARGETS.len()],
+}
+
+impl Default for Bound {
+    fn default() -> Self {
+        // A new context has none.
+        Self { names: [Some(0); TARGETS.len()] }
+    }
+}
+
+impl Bound {
+    /// Any of them may have changed.
+    pub fn forget(&mut self) {
+        self.names = [None; TARGETS.len()];
+    }
+
+    /// What is bound at `target` may have changed.
+    pub fn forget_one(&mut self, target: u32) {
+        if let Some(place) = place(target) {
+            self.names[place] = None;
+        }
+    }
+}
+
+fn place(target: u32) -> Option<usize> {
+    TARGETS.iter().position(|(followed, _)| *followed == target)
+}
+
+/// The buffer that is bound at `target`; `None`: the target is not followed.
+pub fn buffer(ctx: &mut Context, target: u32) -> Option<u32> {
+    if target == api::GL_ELEMENT_ARRAY_BUFFER {
+        return Some(vertex_arrays::elements(ctx));
+    }
+    let place = place(target)?;
+    if let Some(name) = ctx.bound.names[place] {
+        return Some(name);
+    }
+    let name = ask(ctx, TARGETS[place].1);
+    ctx.bound.names[place] = Some(name);
+    Some(name)
+}
+
+/// The buffer that the driver has at a binding.
+pub fn ask(ctx: &Context, binding: u32) -> u32 {
+    let mut name = 0;
+    // SAFETY: writes one integer.
+    unsafe { ctx.gl.get_integerv(binding, &mut name) };
+    buffers::of(ctx).note_object(name as u32);
+    name as u32
+}
+
+/// The program has bound a buffer: what is bound then, where OpenGL cannot have refused it.
+pub fn certain(ctx: &Context, name: u32) -> Option<u32> {
+    (ctx.takes_calls() && (name == 0 || buffers::of(ctx).is_object(name))).then_some(name)
+}
+
+/// The program has called `glBindBuffer`.
+pub fn note(ctx: &mut Context, target: u32, name: u32) {
+    let bound = certain(ctx, name);
+    if target == api::GL_ELEMENT_ARRAY_BUFFER {
+        vertex_arrays::note_elements(ctx, bound);
+    } else if let Some(place) = place(target) {
+        ctx.bound.names[place] = bound;
+    }
+}

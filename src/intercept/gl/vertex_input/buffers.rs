@@ -1,0 +1,362 @@
+//! Which of the program's buffers hold what they held before: every command that may write to one is seen.
+//!
+//! Only buffers that were seen to get their content by commands are known. What the device itself may write (transform
+//! feedback, storage blocks, read-backs, images over buffers), what stays mapped, and names that came back after a
+//! buffer was deleted (a vertex array may still hold the old one) are not known any more, for good.
+
+use crate::backend::gl::api;
+use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::context::hooks::hooks;
+use crate::intercept::gl::vertex_input::buffer_bindings;
+use std::collections::{HashMap, HashSet};
+use std::ffi::c_void;
+use std::sync::{MutexGuard, PoisonError};
+
+/// The buffers of a group of contexts.
+#[derive(Default)]
+pub struct Buffers {
+    list: HashMap<u32, Buffer>,
+    /// Names that OpenGL has told as those of buffers, not deleted since.
+    objects: HashSet<u32>,
+    /// Grows with every change of a buffer.
+    version: u64,
+    /// Grows with every frame of any context.
+    frame: u64,
+    /// Something went on unseen.
+    lost: bool,
+}
+
+/// What is known of a buffer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Buffer {
+    version: u64,
+    /// The frame of its last change.
+    changed: u64,
+    known: bool,
+}
+
+/// More buffers are not followed.
+const MOST: usize = 1 << 16;
+
+impl Buffers {
+    /// The version of a buffer's content, another one after each change, and whether it has outlasted a frame. `None`:
+    /// it may change unseen.
+    pub fn content(&self, name: u32) -> Option<(u64, bool)> {
+        let buffer = self.list.get(&name).filter(|buffer| buffer.known && !self.lost)?;
+        Some((buffer.version, buffer.changed < self.frame))
+    }
+
+    /// A frame ended.
+    pub fn end_frame(&mut self) {
+        self.frame += 1;
+    }
+
+    /// The number of the frame.
+    pub fn frame(&self) -> u64 {
+        self.frame
+    }
+
+    /// Whether this is certainly a buffer's name.
+    pub fn is_object(&self, name: u32) -> bool {
+        self.objects.contains(&name)
+    }
+
+    /// OpenGL has told that a buffer of this name is bound.
+    pub fn note_object(&mut self, name: u32) {
+        if self.objects.len() < MOST {
+            self.objects.insert(name);
+        }
+    }
+
+    /// Commands were not seen: nothing is known from now on.
+    pub fn lose(&mut self) {
+        self.lost = true;
+    }
+
+    /// The buffer's content was written. `new`: it may have had none before.
+    fn write(&mut self, name: u32, new: bool) {
+        self.version += 1;
+        let (version, changed) = (self.version, self.frame);
+        if let Some(buffer) = self.list.get_mut(&name) {
+            (buffer.version, buffer.changed) = (version, changed);
+        } else if name != 0 && self.list.len() < MOST {
+            self.list.insert(name, Buffer { version, changed, known: new });
+        }
+    }
+
+    /// The buffer may change unseen from now on.
+    fn forget(&mut self, name: u32) {
+        self.write(name, false);
+        if let Some(buffer) = self.list.get_mut(&name) {
+            buffer.known = false;
+        }
+    }
+}
+
+/// The buffers of the context's group.
+pub fn of(ctx: &Context) -> MutexGuard<'_, Buffers> {
+    ctx.share.buffers.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// The device may write to a buffer.
+pub fn written_by_device(ctx: &Context, name: u32) {
+    if name != 0 {
+        of(ctx).forget(name);
+    }
+}
+
+/// The buffer that is bound at `target`; 0 = none, or none that is followed: what is bound elsewhere is not known any more.
+fn bound(ctx: &mut Context, target: u32) -> u32 {
+    buffer_bindings::buffer(ctx, target).unwrap_or(0)
+}
+
+/// Whether what is bound at `target` may be written by the device.
+fn is_written_to(target: u32) -> bool {
+    matches!(
+        target,
+        api::GL_TRANSFORM_FEEDBACK_BUFFER
+            | api::GL_SHADER_STORAGE_BUFFER
+            | api::GL_ATOMIC_COUNTER_BUFFER
+            | api::GL_PIXEL_PACK_BUFFER
+            | api::GL_QUERY_BUFFER
+            | api::GL_TEXTURE_BUFFER
+    )
+}
+
+/// The program wrote to what is bound at `target`; `new`: it got its storage by that.
+fn changed(ctx: &mut Context, target: u32, new: bool) {
+    let name = bound(ctx, target);
+    named_changed(ctx, name, new);
+}
+
+/// The program wrote to a buffer.
+fn named_changed(ctx: &mut Context, name: u32, new: bool) {
+    if name != 0 {
+        of(ctx).write(name, new);
+        crate::intercept::gl::shader::uniforms::buffer_changed(ctx, name);
+    }
+}
+
+/// A buffer is mapped, to be written to.
+fn mapped(ctx: &mut Context, name: u32, access: u32) {
+    named_changed(ctx, name, false);
+    if access & api::GL_MAP_PERSISTENT_BIT != 0 {
+        of(ctx).forget(name);
+    }
+}
+
+/// A buffer got storage that never moves.
+fn stored(ctx: &mut Context, name: u32, flags: u32) {
+    named_changed(ctx, name, true);
+    // OpenGL ES reads a buffer by mapping it.
+    let unreadable = ctx.profile.es && flags & api::GL_MAP_READ_BIT == 0;
+    if unreadable || flags & (api::GL_MAP_PERSISTENT_BIT | api::GL_SPARSE_STORAGE_BIT_ARB) != 0 {
+        of(ctx).forget(name);
+    }
+}
+
+/// A buffer was bound to an indexed binding point.
+fn bound_to(ctx: &mut Context, target: u32, name: u32) {
+    if is_written_to(target) {
+        written_by_device(ctx, name);
+    }
+    ctx.bound.forget_one(target);
+    crate::intercept::gl::shader::uniforms::buffer_bound(ctx, target, name);
+}
+
+/// Names that the program gave, or none.
+///
+/// # Safety
+/// `names` must be null or point at `count` names, as the program promises OpenGL.
+unsafe fn all<'a>(count: i32, names: *const u32) -> &'a [u32] {
+    match usize::try_from(count) {
+        // SAFETY: as promised.
+        Ok(count) if !names.is_null() => unsafe { std::slice::from_raw_parts(names, count) },
+        _ => &[],
+    }
+}
+
+hooks! {
+    "glBufferData" buffer_data(target: u32, size: isize, data: *const c_void, usage: u32) = |ctx, gl| {
+        gl.buffer_data(target, size, data, usage);
+        changed(ctx, target, true);
+    };
+    "glBufferStorage" buffer_storage(target: u32, size: isize, data: *const c_void, flags: u32) = |ctx, gl| {
+        gl.buffer_storage(target, size, data, flags);
+        let name = bound(ctx, target);
+        stored(ctx, name, flags);
+    };
+    "glBufferSubData" buffer_sub_data(target: u32, offset: isize, size: isize, data: *const c_void) = |ctx, gl| {
+        gl.buffer_sub_data(target, offset, size, data);
+        changed(ctx, target, false);
+    };
+    "glNamedBufferData" named_buffer_data(buffer: u32, size: isize, data: *const c_void, usage: u32) = |ctx, gl| {
+        gl.named_buffer_data(buffer, size, data, usage);
+        named_changed(ctx, buffer, true);
+    };
+    "glNamedBufferStorage" named_buffer_storage(buffer: u32, size: isize, data: *const c_void, flags: u32) = |ctx, gl| {
+        gl.named_buffer_storage(buffer, size, data, flags);
+        stored(ctx, buffer, flags);
+    };
+    "glNamedBufferSubData" named_buffer_sub_data(buffer: u32, offset: isize, size: isize, data: *const c_void) = |ctx, gl| {
+        gl.named_buffer_sub_data(buffer, offset, size, data);
+        named_changed(ctx, buffer, false);
+    };
+    "glClearBufferData" clear_buffer_data(target: u32, internal: u32, format: u32, kind: u32, data: *const c_void) = |ctx, gl| {
+        gl.clear_buffer_data(target, internal, format, kind, data);
+        changed(ctx, target, false);
+    };
+    "glClearBufferSubData" clear_buffer_sub_data(target: u32, internal: u32, offset: isize, size: isize, format: u32, kind: u32, data: *const c_void) = |ctx, gl| {
+        gl.clear_buffer_sub_data(target, internal, offset, size, format, kind, data);
+        changed(ctx, target, false);
+    };
+    "glClearNamedBufferData" clear_named_buffer_data(buffer: u32, internal: u32, format: u32, kind: u32, data: *const c_void) = |ctx, gl| {
+        gl.clear_named_buffer_data(buffer, internal, format, kind, data);
+        named_changed(ctx, buffer, false);
+    };
+    "glClearNamedBufferSubData" clear_named_buffer_sub_data(buffer: u32, internal: u32, offset: isize, size: isize, format: u32, kind: u32, data: *const c_void) = |ctx, gl| {
+        gl.clear_named_buffer_sub_data(buffer, internal, offset, size, format, kind, data);
+        named_changed(ctx, buffer, false);
+    };
+    "glInvalidateBufferData" invalidate_buffer_data(buffer: u32) = |ctx, gl| {
+        gl.invalidate_buffer_data(buffer);
+        named_changed(ctx, buffer, false);
+    };
+    "glInvalidateBufferSubData" invalidate_buffer_sub_data(buffer: u32, offset: isize, length: isize) = |ctx, gl| {
+        gl.invalidate_buffer_sub_data(buffer, offset, length);
+        named_changed(ctx, buffer, false);
+    };
+    "glMapBuffer" map_buffer(target: u32, access: u32) -> *mut c_void = |ctx, gl| {
+        changed(ctx, target, false);
+        gl.map_buffer(target, access)
+    };
+    "glMapNamedBuffer" map_named_buffer(buffer: u32, access: u32) -> *mut c_void = |ctx, gl| {
+        named_changed(ctx, buffer, false);
+        gl.map_named_buffer(buffer, access)
+    };
+    "glMapBufferRange" map_buffer_range(target: u32, offset: isize, length: isize, access: u32) -> *mut c_void = |ctx, gl| {
+        let name = bound(ctx, target);
+        mapped(ctx, name, access);
+        gl.map_buffer_range(target, offset, length, access)
+    };
+    "glMapNamedBufferRange" map_named_buffer_range(buffer: u32, offset: isize, length: isize, access: u32) -> *mut c_void = |ctx, gl| {
+        mapped(ctx, buffer, access);
+        gl.map_named_buffer_range(buffer, offset, length, access)
+    };
+    "glUnmapBuffer" unmap_buffer(target: u32) -> u8 = |ctx, gl| {
+        changed(ctx, target, false);
+        gl.unmap_buffer(target)
+    };
+    "glUnmapNamedBuffer" unmap_named_buffer(buffer: u32) -> u8 = |ctx, gl| {
+        named_changed(ctx, buffer, false);
+        gl.unmap_named_buffer(buffer)
+    };
+    "glCopyBufferSubData" copy_buffer_sub_data(read: u32, write: u32, from: isize, to: isize, size: isize) = |ctx, gl| {
+        gl.copy_buffer_sub_data(read, write, from, to, size);
+        changed(ctx, write, false);
+    };
+    "glCopyNamedBufferSubData" copy_named_buffer_sub_data(read: u32, write: u32, from: isize, to: isize, size: isize) = |ctx, gl| {
+        gl.copy_named_buffer_sub_data(read, write, from, to, size);
+        named_changed(ctx, write, false);
+    };
+    "glDeleteBuffers" delete_buffers(count: i32, names: *const u32) = |ctx, gl| {
+        for name in all(count, names) {
+            let mut buffers = of(ctx);
+            buffers.forget(*name);
+            buffers.objects.remove(name);
+        }
+        gl.delete_buffers(count, names);
+        // They are taken out of what they were bound to.
+        ctx.bound.forget();
+        ctx.vertex_arrays.forget();
+    };
+    "glBindBuffer" bind_buffer(target: u32, buffer: u32) = |ctx, gl| {
+        gl.bind_buffer(target, buffer);
+        buffer_bindings::note(ctx, target, buffer);
+        if is_written_to(target) {
+            written_by_device(ctx, buffer);
+        }
+    };
+    "glBindBufferBase" bind_buffer_base(target: u32, index: u32, buffer: u32) = |ctx, gl| {
+        gl.bind_buffer_base(target, index, buffer);
+        bound_to(ctx, target, buffer);
+    };
+    "glBindBufferRange" bind_buffer_range(target: u32, index: u32, buffer: u32, offset: isize, size: isize) = |ctx, gl| {
+        gl.bind_buffer_range(target, index, buffer, offset, size);
+        bound_to(ctx, target, buffer);
+    };
+    "glBindBufferOffsetEXT" bind_buffer_offset_ext(target: u32, index: u32, buffer: u32, offset: isize) = |ctx, gl| {
+        gl.bind_buffer_offset_ext(target, index, buffer, offset);
+        bound_to(ctx, target, buffer);
+    };
+    "glBindBuffersBase" bind_buffers_base(target: u32, first: u32, count: i32, buffers: *const u32) = |ctx, gl| {
+        gl.bind_buffers_base(target, first, count, buffers);
+        all(count, buffers).iter().for_each(|buffer| bound_to(ctx, target, *buffer));
+        bound_to(ctx, target, 0);
+    };
+    "glBindBuffersRange" bind_buffers_range(target: u32, first: u32, count: i32, buffers: *const u32, offsets: *const isize, sizes: *const isize) = |ctx, gl| {
+        gl.bind_buffers_range(target, first, count, buffers, offsets, sizes);
+        all(count, buffers).iter().for_each(|buffer| bound_to(ctx, target, *buffer));
+        bound_to(ctx, target, 0);
+    };
+    "glTransformFeedbackBufferBase" transform_feedback_buffer_base(feedback: u32, index: u32, buffer: u32) = |ctx, gl| {
+        gl.transform_feedback_buffer_base(feedback, index, buffer);
+        written_by_device(ctx, buffer);
+    };
+    "glTransformFeedbackBufferRange" transform_feedback_buffer_range(feedback: u32, index: u32, buffer: u32, offset: isize, size: isize) = |ctx, gl| {
+        gl.transform_feedback_buffer_range(feedback, index, buffer, offset, size);
+        written_by_device(ctx, buffer);
+    };
+    "glTexBuffer" tex_buffer(target: u32, format: u32, buffer: u32) = |ctx, gl| {
+        gl.tex_buffer(target, format, buffer);
+        written_by_device(ctx, buffer);
+    };
+    "glTexBufferRange" tex_buffer_range(target: u32, format: u32, buffer: u32, offset: isize, size: isize) = |ctx, gl| {
+        gl.tex_buffer_range(target, format, buffer, offset, size);
+        written_by_device(ctx, buffer);
+    };
+    "glTextureBuffer" texture_buffer(texture: u32, format: u32, buffer: u32) = |ctx, gl| {
+        gl.texture_buffer(texture, format, buffer);
+        written_by_device(ctx, buffer);
+    };
+    "glTextureBufferRange" texture_buffer_range(texture: u32, format: u32, buffer: u32, offset: isize, size: isize) = |ctx, gl| {
+        gl.texture_buffer_range(texture, format, buffer, offset, size);
+        written_by_device(ctx, buffer);
+    };
+    "glMakeBufferResidentNV" make_buffer_resident_nv(target: u32, access: u32) = |ctx, gl| {
+        gl.make_buffer_resident_nv(target, access);
+        let name = bound(ctx, target);
+        written_by_device(ctx, name);
+    };
+    "glMakeNamedBufferResidentNV" make_named_buffer_resident_nv(buffer: u32, access: u32) = |ctx, gl| {
+        gl.make_named_buffer_resident_nv(buffer, access);
+        written_by_device(ctx, buffer);
+    };
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Buffers;
+
+    #[test]
+    fn a_buffer_is_known_from_its_storage_on_until_it_is_used_otherwise() {
+        let mut buffers = Buffers::default();
+        buffers.write(1, false);
+        assert_eq!(buffers.content(1), None, "its storage was not seen");
+        buffers.write(2, true);
+        let (first, rests) = buffers.content(2).expect("known");
+        assert!(!rests);
+        buffers.end_frame();
+        assert_eq!(buffers.content(2), Some((first, true)));
+        buffers.write(2, false);
+        let (second, rests) = buffers.content(2).expect("known");
+        assert!(second != first && !rests);
+        buffers.forget(2);
+        buffers.write(2, true);
+        assert_eq!(buffers.content(2), None, "a name that came back");
+        assert_eq!(buffers.content(0), None);
+        buffers.write(3, true);
+        buffers.lose();
+        assert_eq!(buffers.content(3), None);
+    }
+}

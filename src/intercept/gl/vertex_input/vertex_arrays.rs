@@ -1,0 +1,317 @@
+//! What the program has set about vertex arrays: asked for once and kept until a call changes it, so that nothing is
+//! asked for in each draw.
+//!
+//! What the usual calls set is noted from their arguments, where OpenGL cannot have refused them; every other call that may
+//! change an array makes it unknown again ([`commands`]). Only attributes that a draw has asked about are kept.
+
+use crate::backend::gl::api::{self, Gl};
+use crate::intercept::gl::context::gl_context::{Context, Profile};
+use crate::intercept::gl::vertex_input::buffer_bindings;
+use std::collections::HashMap;
+use std::ffi::c_void;
+
+/// How the numbers of an array are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Format {
+    /// As OpenGL has it: 1 to 4, or `GL_BGRA`.
+    pub components: usize,
+    /// `GL_FLOAT` and so on.
+    pub kind: u32,
+    /// Integers stand for −1…1 or 0…1.
+    pub normalised: bool,
+    /// The shader gets integers.
+    pub integer: bool,
+    /// The binding that it reads from; the attribute's own number where attributes have none.
+    pub(super) binding: u32,
+    /// Bytes from the beginning of the binding's element.
+    pub(super) offset: usize,
+}
+
+/// Where an array lies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Source {
+    /// 0 = the program's memory.
+    pub buffer: u32,
+    /// Address in the program's memory, or offset in the buffer.
+    pub start: usize,
+    /// Bytes from one element to the next.
+    pub stride: usize,
+}
+
+/// The array of `glVertexPointer`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Pointer {
+    /// 2 to 4.
+    pub components: usize,
+    /// `GL_FLOAT` and so on.
+    pub kind: u32,
+    /// Where it lies.
+    pub source: Source,
+}
+
+/// What is known of a generic attribute.
+pub(super) struct Attribute {
+    pub(super) location: u32,
+    pub(super) on: Option<bool>,
+    pub(super) format: Option<Format>,
+}
+
+/// What is known of a binding.
+pub(super) struct Binding {
+    pub(super) number: u32,
+    pub(super) source: Option<Source>,
+    pub(super) divisor: Option<i32>,
+}
+
+/// What is known of a vertex array object.
+#[derive(Default)]
+pub(super) struct Object {
+    pub(super) name: u32,
+    pub(super) attributes: Vec<Attribute>,
+    pub(super) bindings: Vec<Binding>,
+    /// `GL_VERTEX_ARRAY` is on.
+    pub(super) conventional_on: Option<bool>,
+    pub(super) conventional: Option<Pointer>,
+    /// The buffer of indices.
+    pub(super) elements: Option<u32>,
+}
+
+/// What is known of a context's vertex arrays.
+#[derive(Default)]
+pub struct VertexArrays {
+    /// None while it is not known which object is in use.
+    pub(super) objects: Vec<Object>,
+    /// Places in the list, by name.
+    pub(super) places: HashMap<u32, usize>,
+    /// The place of the object in use.
+    current: Option<usize>,
+    /// The program uses such objects.
+    pub(super) used: bool,
+}
+
+/// More objects are not kept.
+const MOST_OBJECTS: usize = 1 << 12;
+
+impl VertexArrays {
+    /// Anything may have changed.
+    pub fn forget(&mut self) {
+        self.objects.clear();
+        self.places.clear();
+        self.current = None;
+    }
+
+    /// An object may have changed.
+    pub(super) fn forget_object(&mut self, name: u32) {
+        if let Some(object) = self.places.get(&name).and_then(|place| self.objects.get_mut(*place)) {
+            *object = Object { name, ..Object::default() };
+        }
+    }
+
+    /// The object in use is the one of this name.
+    pub(super) fn select(&mut self, name: u32) {
+        if self.objects.len() >= MOST_OBJECTS && !self.places.contains_key(&name) {
+            self.forget();
+        }
+        let next = self.objects.len();
+        let place = *self.places.entry(name).or_insert(next);
+        if place == next {
+            self.objects.push(Object { name, ..Object::default() });
+        }
+        self.current = Some(place);
+    }
+
+    pub(super) fn current(&mut self) -> Option<&mut Object> {
+        self.current.and_then(|place| self.objects.get_mut(place))
+    }
+}
+
+impl Object {
+    pub(super) fn attribute(&mut self, location: u32) -> Option<&mut Attribute> {
+        self.attributes.iter_mut().find(|attribute| attribute.location == location)
+    }
+
+    pub(super) fn binding(&mut self, number: u32) -> Option<&mut Binding> {
+        self.bindings.iter_mut().find(|binding| binding.number == number)
+    }
+
+    pub(super) fn asked_attribute(&mut self, location: u32) -> &mut Attribute {
+        let place = self.attributes.iter().position(|attribute| attribute.location == location);
+        let place = place.unwrap_or_else(|| {
+            self.attributes.push(Attribute { location, on: None, format: None });
+            self.attributes.len() - 1
+        });
+        &mut self.attributes[place]
+    }
+
+    pub(super) fn asked_binding(&mut self, number: u32) -> &mut Binding {
+        let place = self.bindings.iter().position(|binding| binding.number == number);
+        let place = place.unwrap_or_else(|| {
+            self.bindings.push(Binding { number, source: None, divisor: None });
+            self.bindings.len() - 1
+        });
+        &mut self.bindings[place]
+    }
+}
+
+/// The object in use.
+fn object(ctx: &mut Context) -> &mut Object {
+    if ctx.vertex_arrays.current.is_none() {
+        // A context that knows no such objects must not be asked.
+        let name = if ctx.vertex_arrays.used { integer(ctx.gl, api::GL_VERTEX_ARRAY_BINDING) as u32 } else { 0 };
+        ctx.vertex_arrays.select(name);
+    }
+    let arrays = &mut ctx.vertex_arrays;
+    let place = arrays.current.unwrap_or_default();
+    &mut arrays.objects[place]
+}
+
+/// The buffer of indices; 0 = none.
+pub fn elements(ctx: &mut Context) -> u32 {
+    if let Some(name) = object(ctx).elements {
+        return name;
+    }
+    let name = buffer_bindings::ask(ctx, api::GL_ELEMENT_ARRAY_BUFFER_BINDING);
+    object(ctx).elements = Some(name);
+    name
+}
+
+/// The program has bound a buffer of indices; `None`: perhaps.
+pub fn note_elements(ctx: &mut Context, name: Option<u32>) {
+    if let Some(object) = ctx.vertex_arrays.current() {
+        object.elements = name;
+    }
+}
+
+/// The array of `glVertexPointer`, if it is on.
+pub fn conventional(ctx: &mut Context) -> Option<Pointer> {
+    let gl = ctx.gl;
+    let object = object(ctx);
+    // SAFETY: asks for a switch; the context has a fixed-function pipeline.
+    if !*object.conventional_on.get_or_insert_with(|| unsafe { gl.is_enabled(api::GL_VERTEX_ARRAY) } != 0) {
+        return None;
+    }
+    if object.conventional.is_none() {
+        object.conventional = ask_conventional(gl);
+    }
+    object.conventional
+}
+
+fn ask_conventional(gl: &Gl) -> Option<Pointer> {
+    let mut start = std::ptr::null_mut::<c_void>();
+    // SAFETY: writes one pointer; the context has a fixed-function pipeline.
+    unsafe { gl.get_pointerv(api::GL_VERTEX_ARRAY_POINTER, &mut start) };
+    let kind = integer(gl, api::GL_VERTEX_ARRAY_TYPE) as u32;
+    let components = usize::try_from(integer(gl, api::GL_VERTEX_ARRAY_SIZE)).ok()?;
+    let stride = usize::try_from(integer(gl, api::GL_VERTEX_ARRAY_STRIDE)).ok()?;
+    let stride = packed(stride, components, kind);
+    let buffer = integer(gl, api::GL_VERTEX_ARRAY_BUFFER_BINDING) as u32;
+    Some(Pointer { components, kind, source: Source { buffer, start: start as usize, stride } })
+}
+
+/// The real distance between elements: 0 stands for elements without gaps.
+pub(super) fn packed(stride: usize, components: usize, kind: u32) -> usize {
+    if stride == 0 { components * width(kind).unwrap_or_default() } else { stride }
+}
+
+/// Whether a generic attribute is an array.
+pub fn is_on(ctx: &mut Context, location: u32) -> bool {
+    let gl = ctx.gl;
+    let attribute = object(ctx).asked_attribute(location);
+    *attribute.on.get_or_insert_with(|| ask(gl, location, api::GL_VERTEX_ATTRIB_ARRAY_ENABLED) != 0)
+}
+
+/// The array of a generic attribute: its format, where it lies, and after how many instances it goes on (0: never).
+pub fn generic(ctx: &mut Context, location: u32) -> Option<(Format, Source, i32)> {
+    let (gl, profile) = (ctx.gl, ctx.profile);
+    let object = object(ctx);
+    let attribute = object.asked_attribute(location);
+    if attribute.format.is_none() {
+        attribute.format = ask_format(gl, &profile, location);
+    }
+    let format = attribute.format?;
+    let binding = object.asked_binding(format.binding);
+    if binding.source.is_none() {
+        binding.source = ask_source(gl, &profile, location, &format);
+    }
+    let source = binding.source?;
+    let divisor = *binding.divisor.get_or_insert_with(|| ask_divisor(gl, &profile, location, format.binding));
+    Some((format, Source { start: source.start.checked_add(format.offset)?, ..source }, divisor))
+}
+
+/// Whether attributes have bindings, which then count, whatever call set them.
+pub fn has_bindings(profile: &Profile) -> bool {
+    profile.version >= if profile.es { 31 } else { 43 }
+}
+
+fn ask_format(gl: &Gl, profile: &Profile, location: u32) -> Option<Format> {
+    let ask = |name: u32| ask(gl, location, name);
+    let bindings = has_bindings(profile);
+    Some(Format {
+        integer: profile.version >= 30 && ask(api::GL_VERTEX_ATTRIB_ARRAY_INTEGER) != 0,
+        kind: ask(api::GL_VERTEX_ATTRIB_ARRAY_TYPE) as u32,
+        components: usize::try_from(ask(api::GL_VERTEX_ATTRIB_ARRAY_SIZE)).ok()?,
+        normalised: ask(api::GL_VERTEX_ATTRIB_ARRAY_NORMALIZED) != 0,
+        binding: if bindings { ask(api::GL_VERTEX_ATTRIB_BINDING) as u32 } else { location },
+        offset: if bindings { usize::try_from(ask(api::GL_VERTEX_ATTRIB_RELATIVE_OFFSET)).ok()? } else { 0 },
+    })
+}
+
+fn ask_source(gl: &Gl, profile: &Profile, location: u32, format: &Format) -> Option<Source> {
+    if has_bindings(profile) {
+        let ask = |name: u32| ask_binding(gl, format.binding, name);
+        return Some(Source {
+            start: usize::try_from(ask(api::GL_VERTEX_BINDING_OFFSET)).ok()?,
+            buffer: ask(api::GL_VERTEX_BINDING_BUFFER) as u32,
+            stride: usize::try_from(ask(api::GL_VERTEX_BINDING_STRIDE)).ok()?,
+        });
+    }
+    let mut start = std::ptr::null_mut::<c_void>();
+    // SAFETY: writes one pointer.
+    unsafe { gl.get_vertex_attrib_pointerv(location, api::GL_VERTEX_ATTRIB_ARRAY_POINTER, &mut start) };
+    let stride = usize::try_from(ask(gl, location, api::GL_VERTEX_ATTRIB_ARRAY_STRIDE)).ok()?;
+    let buffer = ask(gl, location, api::GL_VERTEX_ATTRIB_ARRAY_BUFFER_BINDING) as u32;
+    Some(Source { buffer, start: start as usize, stride: packed(stride, format.components, format.kind) })
+}
+
+fn ask_divisor(gl: &Gl, profile: &Profile, location: u32, binding: u32) -> i32 {
+    let divisors = profile.version >= if profile.es { 30 } else { 33 };
+    match () {
+        () if has_bindings(profile) => ask_binding(gl, binding, api::GL_VERTEX_BINDING_DIVISOR),
+        () if divisors => ask(gl, location, api::GL_VERTEX_ATTRIB_ARRAY_DIVISOR),
+        () => 0,
+    }
+}
+
+/// One integer of an attribute.
+fn ask(gl: &Gl, location: u32, name: u32) -> i32 {
+    let mut value = 0;
+    // SAFETY: writes one integer; the location is one of a linked program's, or 0.
+    unsafe { gl.get_vertex_attribiv(location, name, &mut value) };
+    value
+}
+
+/// One integer of a binding.
+fn ask_binding(gl: &Gl, binding: u32, name: u32) -> i32 {
+    let mut value = 0;
+    // SAFETY: writes one integer; the binding is an attribute's.
+    unsafe { gl.get_integeri_v(name, binding, &mut value) };
+    value
+}
+
+pub(super) fn integer(gl: &Gl, name: u32) -> i32 {
+    let mut value = 0;
+    // SAFETY: writes one integer.
+    unsafe { gl.get_integerv(name, &mut value) };
+    value
+}
+
+/// Bytes of a number of an array; `None` for types that are not looked through.
+pub fn width(kind: u32) -> Option<usize> {
+    match kind {
+        api::GL_BYTE | api::GL_UNSIGNED_BYTE => Some(1),
+        api::GL_SHORT | api::GL_UNSIGNED_SHORT | api::GL_HALF_FLOAT => Some(2),
+        api::GL_INT | api::GL_UNSIGNED_INT | api::GL_FLOAT => Some(4),
+        api::GL_DOUBLE => Some(8),
+        _ => None,
+    }
+}

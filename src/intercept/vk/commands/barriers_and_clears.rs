@@ -1,0 +1,227 @@
+//! Barriers and clears: the twins' layouts follow the images', clears reach each tile. What is copied from buffer to
+//! buffer is remembered.
+
+use crate::intercept::vk::commands::draws::rectangle;
+use crate::intercept::vk::commands::recording::Event;
+use crate::intercept::vk::layer::device::Device;
+use crate::intercept::vk::layer::hooks::hooks;
+use crate::intercept::vk::swapchain::atlas_layout::{Layout, Rect};
+use ash::vk;
+
+/// Where a clear goes.
+struct Cleared {
+    /// It clears the whole window, and so each view as a whole.
+    whole: bool,
+    /// In views, and in the program's own picture.
+    pictures: Vec<Rect>,
+    /// On the panel; nothing where the program's own lens shows everything, and the panel stays empty.
+    panel: Option<Rect>,
+}
+
+/// Where a clear of `rect` of the window goes.
+fn cleared(layout: &Layout, rect: &vk::Rect2D) -> Cleared {
+    let (width, height) = layout.window;
+    let whole = rect.offset.x <= 0
+        && rect.offset.y <= 0
+        && i64::from(rect.offset.x) + i64::from(rect.extent.width) >= i64::from(width)
+        && i64::from(rect.offset.y) + i64::from(rect.extent.height) >= i64::from(height);
+    let moved =
+        |[x, y, ..]: Rect| [x + rect.offset.x, y + rect.offset.y, rect.extent.width as i32, rect.extent.height as i32];
+    // A part of the window has no place in a view with another lens.
+    let of_view = |(tile, own): &(Rect, bool)| if *own { Some(moved(*tile)) } else { whole.then_some(*tile) };
+    let pictures = layout.views.iter().filter_map(of_view).chain(layout.primary.map(moved)).collect();
+    let panel = match whole {
+        true => Some(layout.glass()),
+        false => (!layout.shows_own_lens()).then(|| moved(layout.panel)),
+    };
+    Cleared { whole, pictures, panel }
+}
+
+/// Clears parts of the window in a pass that is drawn for each view.
+///
+/// # Safety
+/// The command buffer is being recorded, within the pass.
+pub unsafe fn clear(
+    device: &Device,
+    buffer: vk::CommandBuffer,
+    layout: &Layout,
+    what: &[vk::ClearAttachment],
+    rects: &[vk::ClearRect],
+) {
+    let rect = |rect| vk::ClearRect { rect: rectangle(rect), base_array_layer: 0, layer_count: 1 };
+    for given in rects {
+        let Cleared { whole, pictures, panel } = cleared(layout, &given.rect);
+        let (pictures, panel) = (pictures.into_iter().map(rect).collect::<Vec<_>>(), panel.map(rect));
+        // What is cleared as a whole is seen through; what is cleared in part is a picture on the panel.
+        let glass = |clear: &vk::ClearAttachment| match clear.aspect_mask.contains(vk::ImageAspectFlags::COLOR) {
+            true if whole => vk::ClearAttachment { clear_value: vk::ClearValue::default(), ..*clear },
+            _ => *clear,
+        };
+        let on_panel: Vec<_> = what.iter().map(glass).collect();
+        // SAFETY: as promised; the tiles lie in the atlas.
+        unsafe {
+            if !pictures.is_empty() {
+                device.functions.cmd_clear_attachments(buffer, what, &pictures);
+            }
+            if let Some(panel) = panel {
+                device.functions.cmd_clear_attachments(buffer, &on_panel, &[panel]);
+            }
+        }
+    }
+}
+
+/// A barrier for an image.
+trait Barrier: Copy {
+    /// The image, and the layout that it gets.
+    fn target(&self) -> (vk::Image, vk::ImageLayout);
+    /// The same for another image.
+    fn of(self, image: vk::Image) -> Self;
+}
+
+/// Barriers of either kind.
+macro_rules! barriers {
+    ($($kind:ty),+) => { $( impl Barrier for $kind {
+        fn target(&self) -> (vk::Image, vk::ImageLayout) {
+            (self.image, self.new_layout)
+        }
+        fn of(self, image: vk::Image) -> Self {
+            self.image(image)
+        }
+    } )+ };
+}
+barriers!(vk::ImageMemoryBarrier<'_>, vk::ImageMemoryBarrier2<'_>);
+
+/// Barriers of the program, and the same for the twins of their images.
+fn with_twins<B: Barrier>(device: &Device, given: &[B]) -> Vec<B> {
+    let mut all = given.to_vec();
+    for barrier in given {
+        let (image, layout) = barrier.target();
+        device.images.moved(image, layout);
+        all.extend(device.images.twins(image).into_iter().map(|twin| barrier.of(twin)));
+    }
+    all
+}
+
+/// # Safety
+/// `info` must be the program's.
+unsafe fn barriers_of<'a>(info: &vk::DependencyInfo<'a>) -> &'a [vk::ImageMemoryBarrier2<'a>] {
+    // SAFETY: as promised.
+    unsafe { crate::intercept::vk::slice(info.p_image_memory_barriers, info.image_memory_barrier_count) }
+}
+
+hooks! { transfers;
+    [c"vkCmdPipelineBarrier"] cmd_pipeline_barrier: vk::PFN_vkCmdPipelineBarrier = (
+        buffer: vk::CommandBuffer, before: vk::PipelineStageFlags, after: vk::PipelineStageFlags, flags: vk::DependencyFlags,
+        memory_count: u32, memory: *const vk::MemoryBarrier<'_>, buffer_count: u32, buffers: *const vk::BufferMemoryBarrier<'_>,
+        image_count: u32, images: *const vk::ImageMemoryBarrier<'_>
+    ) { |state, next| {
+        let all = with_twins(&state, crate::intercept::vk::slice(images, image_count));
+        next(buffer, before, after, flags, memory_count, memory, buffer_count, buffers, all.len() as u32, all.as_ptr())
+    } }
+    [c"vkCmdPipelineBarrier2", c"vkCmdPipelineBarrier2KHR"] cmd_pipeline_barrier2: vk::PFN_vkCmdPipelineBarrier2 = (
+        buffer: vk::CommandBuffer, info: *const vk::DependencyInfo<'_>
+    ) { |state, next| {
+        let all = with_twins(&state, barriers_of(&*info));
+        next(buffer, &(*info).image_memory_barriers(&all))
+    } }
+    [c"vkCmdWaitEvents"] cmd_wait_events: vk::PFN_vkCmdWaitEvents = (
+        buffer: vk::CommandBuffer, count: u32, events: *const vk::Event, before: vk::PipelineStageFlags, after: vk::PipelineStageFlags,
+        memory_count: u32, memory: *const vk::MemoryBarrier<'_>, buffer_count: u32, buffers: *const vk::BufferMemoryBarrier<'_>,
+        image_count: u32, images: *const vk::ImageMemoryBarrier<'_>
+    ) { |state, next| {
+        let all = with_twins(&state, crate::intercept::vk::slice(images, image_count));
+        next(buffer, count, events, before, after, memory_count, memory, buffer_count, buffers, all.len() as u32, all.as_ptr())
+    } }
+    [c"vkCmdSetEvent2", c"vkCmdSetEvent2KHR"] cmd_set_event2: vk::PFN_vkCmdSetEvent2 = (
+        buffer: vk::CommandBuffer, event: vk::Event, info: *const vk::DependencyInfo<'_>
+    ) { |state, next| {
+        // What waits for the event has to say the same.
+        let all = with_twins(&state, barriers_of(&*info));
+        next(buffer, event, &(*info).image_memory_barriers(&all))
+    } }
+    [c"vkCmdWaitEvents2", c"vkCmdWaitEvents2KHR"] cmd_wait_events2: vk::PFN_vkCmdWaitEvents2 = (
+        buffer: vk::CommandBuffer, count: u32, events: *const vk::Event, infos: *const vk::DependencyInfo<'_>
+    ) { |state, next| {
+        let given = crate::intercept::vk::slice(infos, count);
+        let all: Vec<_> = given.iter().map(|info| with_twins(&state, barriers_of(info))).collect();
+        let changed: Vec<_> = given.iter().zip(&all).map(|(info, all)| (*info).image_memory_barriers(all)).collect();
+        next(buffer, count, events, changed.as_ptr())
+    } }
+    [c"vkCmdClearAttachments"] cmd_clear_attachments: vk::PFN_vkCmdClearAttachments = (
+        buffer: vk::CommandBuffer, count: u32, what: *const vk::ClearAttachment, rect_count: u32, rects: *const vk::ClearRect
+    ) { |state, next| {
+        let layout = state.recordings.with(buffer, |recording| {
+            recording.pass.as_ref().map(|pass| std::sync::Arc::clone(&pass.shown.layout))
+        });
+        match layout.flatten() {
+            Some(layout) => clear(&state, buffer, &layout, crate::intercept::vk::slice(what, count), crate::intercept::vk::slice(rects, rect_count)),
+            None => next(buffer, count, what, rect_count, rects),
+        }
+    } }
+    [c"vkCmdClearColorImage"] cmd_clear_color_image: vk::PFN_vkCmdClearColorImage = (
+        buffer: vk::CommandBuffer, image: vk::Image, layout: vk::ImageLayout, color: *const vk::ClearColorValue, count: u32, ranges: *const vk::ImageSubresourceRange
+    ) { |state, next| {
+        for twin in state.images.twins(image) {
+            next(buffer, twin, layout, color, count, ranges);
+        }
+        next(buffer, image, layout, color, count, ranges)
+    } }
+    [c"vkCmdClearDepthStencilImage"] cmd_clear_depth_stencil_image: vk::PFN_vkCmdClearDepthStencilImage = (
+        buffer: vk::CommandBuffer, image: vk::Image, layout: vk::ImageLayout, value: *const vk::ClearDepthStencilValue, count: u32, ranges: *const vk::ImageSubresourceRange
+    ) { |state, next| {
+        for twin in state.images.twins(image) {
+            next(buffer, twin, layout, value, count, ranges);
+        }
+        next(buffer, image, layout, value, count, ranges)
+    } }
+    [c"vkCmdCopyBuffer"] cmd_copy_buffer: vk::PFN_vkCmdCopyBuffer = (
+        buffer: vk::CommandBuffer, from: vk::Buffer, to: vk::Buffer, count: u32, regions: *const vk::BufferCopy
+    ) { |state, next| {
+        state.recordings.with(buffer, |recording| {
+            let regions = crate::intercept::vk::slice(regions, count).iter();
+            recording.events.extend(regions.map(|region| Event::Copy(from, to, *region)));
+        });
+        next(buffer, from, to, count, regions)
+    } }
+    [c"vkCmdCopyBuffer2", c"vkCmdCopyBuffer2KHR"] cmd_copy_buffer2: vk::PFN_vkCmdCopyBuffer2 = (
+        buffer: vk::CommandBuffer, info: *const vk::CopyBufferInfo2<'_>
+    ) { |state, next| {
+        state.recordings.with(buffer, |recording| {
+            let regions = crate::intercept::vk::slice((*info).p_regions, (*info).region_count).iter();
+            let plain = |r: &vk::BufferCopy2<'_>| vk::BufferCopy { src_offset: r.src_offset, dst_offset: r.dst_offset, size: r.size };
+            recording.events.extend(regions.map(|r| Event::Copy((*info).src_buffer, (*info).dst_buffer, plain(r))));
+        });
+        next(buffer, info)
+    } }
+    [c"vkCmdUpdateBuffer"] cmd_update_buffer: vk::PFN_vkCmdUpdateBuffer = (
+        buffer: vk::CommandBuffer, to: vk::Buffer, offset: vk::DeviceSize, size: vk::DeviceSize, data: *const std::ffi::c_void
+    ) { |state, next| {
+        let bytes = crate::intercept::vk::slice(data.cast::<u8>(), size as u32).to_vec();
+        state.recordings.with(buffer, |recording| recording.events.push(Event::Update(to, offset, bytes)));
+        next(buffer, to, offset, size, data)
+    } }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::cleared;
+    use crate::intercept::vk::layer::features::Vertices;
+    use crate::intercept::vk::swapchain::atlas_layout::Layout;
+    use ash::vk;
+
+    #[test]
+    fn a_whole_clear_reaches_each_view_and_a_part_of_it_the_panel_only() {
+        let rig = crate::rig::load("fisheye").expect("a preset");
+        let layout = Layout::new(&rig, (200, 200), 16384, false, Vertices::Divided).expect("a plan");
+        let whole = vk::Rect2D { offset: vk::Offset2D::default(), extent: vk::Extent2D { width: 200, height: 200 } };
+        let all = cleared(&layout, &whole);
+        assert_eq!((all.whole, all.pictures.len(), all.panel), (true, layout.views.len(), Some(layout.glass())));
+        let part = vk::Rect2D { offset: vk::Offset2D { x: 20, y: 30 }, ..whole };
+        let some = cleared(&layout, &part);
+        assert!(!some.whole && some.pictures.is_empty());
+        let [x, y, ..] = layout.panel;
+        assert_eq!(some.panel, Some([x + 20, y + 30, 200, 200]));
+        let layout = Layout::new(&rig, (200, 200), 16384, true, Vertices::Divided).expect("a plan");
+        assert_eq!(cleared(&layout, &part).pictures, [[20, 30, 200, 200]], "the program's own picture");
+    }
+}

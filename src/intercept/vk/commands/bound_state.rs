@@ -1,0 +1,133 @@
+//! What a program binds and sets while it records.
+
+use crate::intercept::vk::commands::recording::{Bound, PUSH_BYTES};
+use crate::intercept::vk::layer::hooks::hooks;
+use crate::intercept::vk::offscreen::scene_graph::Made;
+use ash::vk;
+
+hooks! { state;
+    [c"vkCmdBindPipeline"] cmd_bind_pipeline: vk::PFN_vkCmdBindPipeline = (
+        buffer: vk::CommandBuffer, point: vk::PipelineBindPoint, pipeline: vk::Pipeline
+    ) { |state, next| {
+        if point == vk::PipelineBindPoint::COMPUTE {
+            state.recordings.with(buffer, |recording| recording.compute.bind(pipeline));
+        }
+        if point == vk::PipelineBindPoint::GRAPHICS {
+            let known = state.pipelines.get(pipeline);
+            state.recordings.with(buffer, |recording| {
+                recording.pipeline = known;
+                recording.current = pipeline;
+            });
+        }
+        next(buffer, point, pipeline)
+    } }
+    [c"vkCmdBindDescriptorSets"] cmd_bind_descriptor_sets: vk::PFN_vkCmdBindDescriptorSets = (
+        buffer: vk::CommandBuffer, point: vk::PipelineBindPoint, layout: vk::PipelineLayout, first: u32, count: u32, sets: *const vk::DescriptorSet, dynamic_count: u32, dynamic: *const u32
+    ) { |state, next| {
+        if point != vk::PipelineBindPoint::GRAPHICS && state.images.has_candidates() {
+            let views = crate::intercept::vk::slice(sets, count).iter().flat_map(|set| state.descriptors.pictures(*set));
+            let images = views.filter_map(|view| state.images.candidate_of(view));
+            images.for_each(|image| state.paths.leads(image, Made::Elsewhere));
+        }
+        if point == vk::PipelineBindPoint::GRAPHICS || point == vk::PipelineBindPoint::COMPUTE {
+            let (sets, mut offsets) = (crate::intercept::vk::slice(sets, count), crate::intercept::vk::slice(dynamic, dynamic_count));
+            let bound: Vec<Bound> = sets.iter().map(|set| {
+                let number = (state.descriptors.dynamic_offsets(*set) as usize).min(offsets.len());
+                let (own, rest) = offsets.split_at(number);
+                offsets = rest;
+                Bound { set: *set, dynamic: own.to_vec(), pushed: None }
+            }).collect();
+            state.recordings.with(buffer, |recording| {
+                if point == vk::PipelineBindPoint::COMPUTE {
+                    return recording.compute.bind_sets(layout, first, bound);
+                }
+                let end = first as usize + bound.len();
+                if recording.bound.len() < end {
+                    recording.bound.resize(end, None);
+                }
+                for (place, bound) in recording.bound.iter_mut().skip(first as usize).zip(bound) {
+                    *place = Some(bound);
+                }
+            });
+        }
+        next(buffer, point, layout, first, count, sets, dynamic_count, dynamic)
+    } }
+    [c"vkCmdPushConstants"] cmd_push_constants: vk::PFN_vkCmdPushConstants = (
+        buffer: vk::CommandBuffer, layout: vk::PipelineLayout, stages: vk::ShaderStageFlags, offset: u32, size: u32, values: *const std::ffi::c_void
+    ) { |state, next| {
+        if stages != vk::ShaderStageFlags::COMPUTE {
+            let values = crate::intercept::vk::slice(values.cast::<u8>(), size);
+            state.recordings.with(buffer, |recording| {
+                let start = (offset as usize).min(PUSH_BYTES);
+                let end = (start + values.len()).min(PUSH_BYTES);
+                recording.push[start..end].copy_from_slice(&values[..end - start]);
+            });
+        }
+        next(buffer, layout, stages, offset, size, values)
+    } }
+    [c"vkCmdSetViewport"] cmd_set_viewport: vk::PFN_vkCmdSetViewport = (
+        buffer: vk::CommandBuffer, first: u32, count: u32, viewports: *const vk::Viewport
+    ) { |state, next| {
+        if let (0, Some(viewport)) = (first, crate::intercept::vk::slice(viewports, count).first()) {
+            state.recordings.with(buffer, |recording| recording.viewport = Some(*viewport));
+        }
+        next(buffer, first, count, viewports)
+    } }
+    [c"vkCmdSetScissor"] cmd_set_scissor: vk::PFN_vkCmdSetScissor = (
+        buffer: vk::CommandBuffer, first: u32, count: u32, scissors: *const vk::Rect2D
+    ) { |state, next| {
+        if let (0, Some(scissor)) = (first, crate::intercept::vk::slice(scissors, count).first()) {
+            state.recordings.with(buffer, |recording| recording.scissor = Some(*scissor));
+        }
+        next(buffer, first, count, scissors)
+    } }
+    [c"vkCmdSetViewportWithCount", c"vkCmdSetViewportWithCountEXT"] cmd_set_viewport_with_count: vk::PFN_vkCmdSetViewportWithCount = (
+        buffer: vk::CommandBuffer, count: u32, viewports: *const vk::Viewport
+    ) { |state, next| {
+        if let Some(viewport) = crate::intercept::vk::slice(viewports, count).first() {
+            state.recordings.with(buffer, |recording| recording.viewport = Some(*viewport));
+        }
+        next(buffer, count, viewports)
+    } }
+    [c"vkCmdSetScissorWithCount", c"vkCmdSetScissorWithCountEXT"] cmd_set_scissor_with_count: vk::PFN_vkCmdSetScissorWithCount = (
+        buffer: vk::CommandBuffer, count: u32, scissors: *const vk::Rect2D
+    ) { |state, next| {
+        if let Some(scissor) = crate::intercept::vk::slice(scissors, count).first() {
+            state.recordings.with(buffer, |recording| recording.scissor = Some(*scissor));
+        }
+        next(buffer, count, scissors)
+    } }
+    [c"vkCmdBindShadersEXT"] cmd_bind_shaders: vk::PFN_vkCmdBindShadersEXT = (
+        buffer: vk::CommandBuffer, count: u32, stages: *const vk::ShaderStageFlags, shaders: *const vk::ShaderEXT
+    ) { |state, next| {
+        state.give_up("shader objects");
+        next(buffer, count, stages, shaders)
+    } }
+}
+
+/// Sets the viewport and scissor of a command buffer; `with_count`: their number, too.
+///
+/// # Safety
+/// The command buffer is being recorded, with a pipeline that takes them so.
+pub unsafe fn set_window(
+    device: &crate::intercept::vk::layer::device::Device,
+    buffer: vk::CommandBuffer,
+    viewport: &vk::Viewport,
+    scissor: &vk::Rect2D,
+    with_count: bool,
+) {
+    let next = &device.next.state;
+    // SAFETY: as promised.
+    unsafe {
+        match (next.cmd_set_viewport_with_count, next.cmd_set_scissor_with_count, with_count) {
+            (Some(set_viewport), Some(set_scissor), true) => {
+                set_viewport(buffer, 1, viewport);
+                set_scissor(buffer, 1, scissor);
+            }
+            _ => {
+                device.functions.cmd_set_viewport(buffer, 0, std::slice::from_ref(viewport));
+                device.functions.cmd_set_scissor(buffer, 0, std::slice::from_ref(scissor));
+            }
+        }
+    }
+}

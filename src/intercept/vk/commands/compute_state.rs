@@ -1,0 +1,86 @@
+//! What a program has bound for its compute shaders, so that it can be put back after one of ours.
+
+use crate::intercept::vk::commands::recording::Bound;
+use crate::intercept::vk::descriptors::push_descriptors::{Pushed, Write};
+use crate::intercept::vk::layer::device::Device;
+use ash::vk;
+
+/// What is bound for compute shaders while a command buffer is recorded.
+#[derive(Default)]
+pub struct Compute {
+    pipeline: vk::Pipeline,
+    /// Descriptor sets, by their number and with the layout that they were bound for, in the order in which that happened:
+    /// a set disturbs earlier ones whose layouts are not compatible with its own.
+    sets: Vec<(u32, vk::PipelineLayout, Bound)>,
+}
+
+impl Compute {
+    /// A pipeline is bound.
+    pub fn bind(&mut self, pipeline: vk::Pipeline) {
+        self.pipeline = pipeline;
+    }
+
+    /// Sets are bound from the number `first` on.
+    pub fn bind_sets(&mut self, layout: vk::PipelineLayout, first: u32, sets: Vec<Bound>) {
+        for (number, bound) in (first..).zip(sets) {
+            self.take(number);
+            self.sets.push((number, layout, bound));
+        }
+    }
+
+    /// Descriptors are pushed.
+    pub fn push(&mut self, layout: vk::PipelineLayout, number: u32, writes: Vec<Write>) {
+        let before = self.take(number).and_then(|bound| bound.pushed);
+        let bound = Bound { pushed: Some(Pushed::after(before, writes)), ..Bound::default() };
+        self.sets.push((number, layout, bound));
+    }
+
+    fn take(&mut self, number: u32) -> Option<Bound> {
+        let known = self.sets.iter().position(|(known, ..)| *known == number)?;
+        Some(self.sets.remove(known).2)
+    }
+
+    /// Binds all of it again.
+    ///
+    /// # Safety
+    /// The command buffer is being recorded.
+    pub unsafe fn restore(&self, device: &Device, buffer: vk::CommandBuffer) {
+        let (functions, point) = (&device.functions, vk::PipelineBindPoint::COMPUTE);
+        // SAFETY: as promised; the program bound it in this command buffer, for these layouts.
+        unsafe {
+            if self.pipeline != vk::Pipeline::null() {
+                functions.cmd_bind_pipeline(buffer, point, self.pipeline);
+            }
+            for (number, layout, bound) in &self.sets {
+                match &bound.pushed {
+                    Some(pushed) => pushed.repeat((device, buffer), point, *layout, *number),
+                    None => functions.cmd_bind_descriptor_sets(
+                        buffer,
+                        point,
+                        *layout,
+                        *number,
+                        &[bound.set],
+                        &bound.dynamic,
+                    ),
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Compute;
+    use crate::intercept::vk::commands::recording::Bound;
+    use ash::vk::{self, Handle};
+
+    #[test]
+    fn what_was_bound_last_comes_last() {
+        let (mut compute, layout) = (Compute::default(), vk::PipelineLayout::null());
+        let set = |number| Bound { set: vk::DescriptorSet::from_raw(number), ..Bound::default() };
+        compute.bind_sets(layout, 0, vec![set(10), set(11), set(12)]);
+        compute.bind_sets(layout, 1, vec![set(21)]);
+        let order: Vec<_> = compute.sets.iter().map(|(number, _, bound)| (*number, bound.set.as_raw())).collect();
+        assert_eq!(order, [(0, 10), (2, 12), (1, 21)]);
+    }
+}

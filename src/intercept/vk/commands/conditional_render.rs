@@ -1,0 +1,83 @@
+//! Conditional rendering: what the program makes depend on a number holds for its own commands only, and not for what
+//! Cupola records between them.
+
+use crate::intercept::vk::layer::device::Device;
+use crate::intercept::vk::layer::hooks::hooks;
+use crate::intercept::vk::queries::running::clear_left;
+use ash::vk;
+
+/// A condition that the program has set outside of passes.
+#[derive(Clone, Copy, Debug)]
+pub struct Condition {
+    buffer: vk::Buffer,
+    offset: vk::DeviceSize,
+    flags: vk::ConditionalRenderingFlagsEXT,
+}
+
+/// Records by `work` without the program's condition, which holds again behind it.
+///
+/// # Safety
+/// The command buffer is being recorded; `work` may begin a pass of commands that are recorded into it, or end one.
+pub unsafe fn unconditionally(device: &Device, buffer: vk::CommandBuffer, work: impl FnOnce()) {
+    let condition = device.recordings.with(buffer, |recording| recording.condition).flatten();
+    let next = &device.next.conditional;
+    let (Some(condition), Some(begin), Some(end)) = (condition, next.cmd_begin, next.cmd_end) else { return work() };
+    let again = vk::ConditionalRenderingBeginInfoEXT::default()
+        .buffer(condition.buffer)
+        .offset(condition.offset)
+        .flags(condition.flags);
+    // SAFETY: as promised; the condition is the program's, and ends where it began, within a pass or outside.
+    unsafe {
+        end(buffer);
+        work();
+        begin(buffer, &again);
+    }
+}
+
+/// A pass is about to begin; `inline`: with commands of its own, not with secondary command buffers. A condition around those
+/// would hold for our commands among them, too, and so the program is shown flat.
+pub fn pass_follows(device: &Device, buffer: vk::CommandBuffer, inline: bool) {
+    let holds = device.recordings.with(buffer, |recording| recording.condition.is_some());
+    if holds == Some(true) && !inline {
+        device.give_up("a condition holds for secondary command buffers");
+    }
+}
+
+/// Begins a pass by `begin`. What the first draw would have to clear of the panel is cleared at once, where a condition holds.
+///
+/// # Safety
+/// As for [`unconditionally`].
+pub unsafe fn begin_pass(device: &Device, buffer: vk::CommandBuffer, begin: impl FnOnce()) {
+    // SAFETY: as promised.
+    unsafe {
+        unconditionally(device, buffer, || {
+            begin();
+            device.recordings.with(buffer, |recording| {
+                if recording.condition.is_some() {
+                    clear_left(device, buffer, recording);
+                }
+            });
+        });
+    }
+}
+
+hooks! { conditional;
+    [c"vkCmdBeginConditionalRenderingEXT"] cmd_begin: vk::PFN_vkCmdBeginConditionalRenderingEXT = (
+        buffer: vk::CommandBuffer, info: *const vk::ConditionalRenderingBeginInfoEXT<'_>
+    ) { |state, next| {
+        state.recordings.with(buffer, |recording| {
+            clear_left(&state, buffer, recording);
+            let within = recording.pass.is_some() || recording.plain.is_some();
+            let given = &*info;
+            let condition = Condition { buffer: given.buffer, offset: given.offset, flags: given.flags };
+            recording.condition = (!within).then_some(condition);
+        });
+        next(buffer, info)
+    } }
+    [c"vkCmdEndConditionalRenderingEXT"] cmd_end: vk::PFN_vkCmdEndConditionalRenderingEXT = (
+        buffer: vk::CommandBuffer
+    ) { |state, next| {
+        state.recordings.with(buffer, |recording| recording.condition = None);
+        next(buffer)
+    } }
+}

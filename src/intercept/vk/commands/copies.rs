@@ -1,0 +1,264 @@
+//! Copies between images: from the program's picture of its window, and between pictures of its scene.
+
+use crate::intercept::vk::commands::recording::Event;
+use crate::intercept::vk::layer::device::Device;
+use crate::intercept::vk::layer::hooks::hooks;
+use crate::intercept::vk::offscreen::images::Shown;
+use crate::intercept::vk::offscreen::scene_graph::Made;
+use crate::intercept::vk::offscreen::view_copies;
+use crate::intercept::vk::swapchain::atlas_layout::Rect;
+use ash::vk;
+use std::sync::Arc;
+
+/// What becomes of a copy.
+enum Becomes {
+    /// It stays the program's.
+    Same,
+    /// It reads the program's own picture at this place of an atlas.
+    Read(vk::Image, Rect),
+    /// All views go from atlas to atlas; the second is what is drawn then.
+    Views(vk::Image, Arc<Shown>),
+}
+
+/// One end of a copy: its image, and the corners of what is copied there.
+type End = (vk::Image, [vk::Offset3D; 2]);
+
+/// Where an image that is copied to goes, for a copy of everything.
+fn end_of(device: &Device, image: vk::Image) -> Made {
+    match device.images.shown_image(image) {
+        Some(shown) if shown.window => Made::Window,
+        _ if device.images.is_candidate(image) => Made::Image(image),
+        _ => Made::Elsewhere,
+    }
+}
+
+/// What a copy becomes. Where that cannot be, the program is shown flat.
+fn becomes(device: &Device, buffer: vk::CommandBuffer, (from, source): End, (to, target): End) -> Becomes {
+    let (read, written) = (device.images.shown_image(from), device.images.shown_image(to));
+    let whole = |image: vk::Image, corners: [vk::Offset3D; 2]| {
+        let (width, height) = device.images.size(image).unwrap_or_default();
+        let [first, last] = corners;
+        (first.x, first.y, last.x, last.y) == (0, 0, width as i32, height as i32)
+    };
+    let everything = whole(from, source) && whole(to, target);
+    if device.images.is_candidate(from) {
+        let made = if everything { end_of(device, to) } else { Made::Elsewhere };
+        // What leaves the window's way is the program's own picture, where there is one.
+        let served = written.is_none() && device.latest_layout().is_some_and(|layout| layout.own().is_some());
+        if made != Made::Elsewhere || !served {
+            device.paths.leads(from, made);
+        }
+    }
+    let drawn = |shown: &Arc<Shown>, in_views| {
+        let event = Event::Drawn(Arc::clone(shown), in_views);
+        device.recordings.with(buffer, |recording| recording.events.push(event));
+    };
+    if !device.draws_views() {
+        written.iter().for_each(|shown| drawn(shown, false));
+        return Becomes::Same;
+    }
+    match (read, written) {
+        (None, Some(shown)) if everything => match device.images.twin_of_size(from, shown.layout.atlas) {
+            Some(twin) => {
+                drawn(&shown, true);
+                Becomes::Views(twin, shown)
+            }
+            None => {
+                if !device.images.is_candidate(from) {
+                    device.give_up("it copies its picture to the window");
+                }
+                drawn(&shown, false);
+                Becomes::Same
+            }
+        },
+        (Some(read), Some(shown)) if everything && Arc::ptr_eq(&read.layout, &shown.layout) => {
+            drawn(&shown, true);
+            Becomes::Views(read.atlas, shown)
+        }
+        (_, Some(shown)) => {
+            device.give_up("it copies its picture to the window");
+            drawn(&shown, false);
+            Becomes::Same
+        }
+        (Some(read), None) => match read.layout.own() {
+            Some(own) => Becomes::Read(read.atlas, own),
+            None => {
+                device.give_up("it copies its picture from the window");
+                Becomes::Same
+            }
+        },
+        (None, None) => Becomes::Same,
+    }
+}
+
+fn moved(offset: vk::Offset3D, [x, y, ..]: Rect) -> vk::Offset3D {
+    vk::Offset3D { x: offset.x + x, y: offset.y + y, z: offset.z }
+}
+
+fn extent(from: vk::Offset3D, size: vk::Extent3D) -> [vk::Offset3D; 2] {
+    let last = vk::Offset3D { x: from.x + size.width as i32, y: from.y + size.height as i32, z: 1 };
+    [from, last]
+}
+
+/// What a copy of nothing copies.
+const NOTHING: [vk::Offset3D; 2] = [vk::Offset3D { x: 0, y: 0, z: 0 }; 2];
+
+/// The whole of an atlas.
+fn atlas(shown: &Shown) -> vk::Extent3D {
+    let (width, height) = shown.layout.atlas;
+    vk::Extent3D { width, height, depth: 1 }
+}
+
+/// What a command copies, blits or resolves from image to image.
+trait Region: Clone {
+    /// The corners of what is read.
+    fn source(&self) -> [vk::Offset3D; 2];
+    /// The corners of what is written.
+    fn target(&self) -> [vk::Offset3D; 2];
+    /// Reads at another place.
+    fn read_at(&mut self, place: Rect);
+    /// Takes all of an image of this size.
+    fn take_all(&mut self, size: vk::Extent3D);
+}
+
+/// Regions with one extent.
+macro_rules! sized {
+    ($($kind:ty),+) => { $( impl Region for $kind {
+        fn source(&self) -> [vk::Offset3D; 2] {
+            extent(self.src_offset, self.extent)
+        }
+        fn target(&self) -> [vk::Offset3D; 2] {
+            extent(self.dst_offset, self.extent)
+        }
+        fn read_at(&mut self, place: Rect) {
+            self.src_offset = moved(self.src_offset, place);
+        }
+        fn take_all(&mut self, size: vk::Extent3D) {
+            self.extent = size;
+        }
+    } )+ };
+}
+sized!(vk::ImageCopy, vk::ImageResolve, vk::ImageCopy2<'_>, vk::ImageResolve2<'_>);
+
+/// Regions with corners.
+macro_rules! scaled {
+    ($($kind:ty),+) => { $( impl Region for $kind {
+        fn source(&self) -> [vk::Offset3D; 2] {
+            self.src_offsets
+        }
+        fn target(&self) -> [vk::Offset3D; 2] {
+            self.dst_offsets
+        }
+        fn read_at(&mut self, place: Rect) {
+            self.src_offsets = self.src_offsets.map(|offset| moved(offset, place));
+        }
+        fn take_all(&mut self, size: vk::Extent3D) {
+            self.src_offsets = extent(vk::Offset3D::default(), size);
+            self.dst_offsets = self.src_offsets;
+        }
+    } )+ };
+}
+scaled!(vk::ImageBlit, vk::ImageBlit2<'_>);
+
+/// Copies, blits or resolves by `next` (from, to, regions): as the program says, or what becomes of it. `to`: the image, and
+/// the layout that it is in.
+///
+/// # Safety
+/// The command buffer is being recorded, outside of a pass; `next` records a command of the program's with other images.
+unsafe fn between<R: Region>(
+    device: &Device,
+    buffer: vk::CommandBuffer,
+    from: vk::Image,
+    (to, layout): (vk::Image, vk::ImageLayout),
+    regions: &[R],
+    next: impl Fn(vk::Image, vk::Image, &[R]),
+) {
+    let only = regions.first().filter(|_| regions.len() == 1);
+    let (source, target) = (only.map_or(NOTHING, R::source), only.map_or(NOTHING, R::target));
+    let changed = |change: &dyn Fn(&mut R)| {
+        let mut changed = regions.to_vec();
+        changed.iter_mut().for_each(change);
+        changed
+    };
+    match becomes(device, buffer, (from, source), (to, target)) {
+        Becomes::Same => next(from, to, regions),
+        Becomes::Read(image, place) => next(image, to, &changed(&|region| region.read_at(place))),
+        Becomes::Views(image, shown) => {
+            next(image, shown.atlas, &changed(&|region| region.take_all(atlas(&shown))));
+            // SAFETY: as promised; the atlas has just been written in this layout.
+            unsafe { view_copies::make(device, buffer, &shown, layout) };
+        }
+    }
+}
+
+/// A copy between an image and a buffer: where an image is read, and whether it was one of the window's.
+fn with_buffer(
+    device: &Device,
+    buffer: vk::CommandBuffer,
+    from: vk::Image,
+    to: vk::Image,
+) -> Option<(vk::Image, Rect)> {
+    match becomes(device, buffer, (from, NOTHING), (to, NOTHING)) {
+        Becomes::Read(image, at) => Some((image, at)),
+        Becomes::Same | Becomes::Views(..) => None,
+    }
+}
+
+hooks! { copies;
+    [c"vkCmdCopyImage"] cmd_copy_image: vk::PFN_vkCmdCopyImage = (
+        buffer: vk::CommandBuffer, from: vk::Image, from_layout: vk::ImageLayout, to: vk::Image, to_layout: vk::ImageLayout, count: u32, regions: *const vk::ImageCopy
+    ) { |state, next| between(&state, buffer, from, (to, to_layout), crate::intercept::vk::slice(regions, count),
+        |f, t, r| next(buffer, f, from_layout, t, to_layout, r.len() as u32, r.as_ptr())) }
+    [c"vkCmdBlitImage"] cmd_blit_image: vk::PFN_vkCmdBlitImage = (
+        buffer: vk::CommandBuffer, from: vk::Image, from_layout: vk::ImageLayout, to: vk::Image, to_layout: vk::ImageLayout, count: u32, regions: *const vk::ImageBlit, filter: vk::Filter
+    ) { |state, next| between(&state, buffer, from, (to, to_layout), crate::intercept::vk::slice(regions, count),
+        |f, t, r| next(buffer, f, from_layout, t, to_layout, r.len() as u32, r.as_ptr(), filter)) }
+    [c"vkCmdResolveImage"] cmd_resolve_image: vk::PFN_vkCmdResolveImage = (
+        buffer: vk::CommandBuffer, from: vk::Image, from_layout: vk::ImageLayout, to: vk::Image, to_layout: vk::ImageLayout, count: u32, regions: *const vk::ImageResolve
+    ) { |state, next| between(&state, buffer, from, (to, to_layout), crate::intercept::vk::slice(regions, count),
+        |f, t, r| next(buffer, f, from_layout, t, to_layout, r.len() as u32, r.as_ptr())) }
+    [c"vkCmdCopyImage2", c"vkCmdCopyImage2KHR"] cmd_copy_image2: vk::PFN_vkCmdCopyImage2 = (
+        buffer: vk::CommandBuffer, info: *const vk::CopyImageInfo2<'_>
+    ) { |state, next| { let given = &*info; between(&state, buffer, given.src_image, (given.dst_image, given.dst_image_layout),
+        crate::intercept::vk::slice(given.p_regions, given.region_count), |f, t, r| next(buffer, &(*given).src_image(f).dst_image(t).regions(r))) } }
+    [c"vkCmdBlitImage2", c"vkCmdBlitImage2KHR"] cmd_blit_image2: vk::PFN_vkCmdBlitImage2 = (
+        buffer: vk::CommandBuffer, info: *const vk::BlitImageInfo2<'_>
+    ) { |state, next| { let given = &*info; between(&state, buffer, given.src_image, (given.dst_image, given.dst_image_layout),
+        crate::intercept::vk::slice(given.p_regions, given.region_count), |f, t, r| next(buffer, &(*given).src_image(f).dst_image(t).regions(r))) } }
+    [c"vkCmdResolveImage2", c"vkCmdResolveImage2KHR"] cmd_resolve_image2: vk::PFN_vkCmdResolveImage2 = (
+        buffer: vk::CommandBuffer, info: *const vk::ResolveImageInfo2<'_>
+    ) { |state, next| { let given = &*info; between(&state, buffer, given.src_image, (given.dst_image, given.dst_image_layout),
+        crate::intercept::vk::slice(given.p_regions, given.region_count), |f, t, r| next(buffer, &(*given).src_image(f).dst_image(t).regions(r))) } }
+    [c"vkCmdCopyBufferToImage"] cmd_copy_buffer_to_image: vk::PFN_vkCmdCopyBufferToImage = (
+        buffer: vk::CommandBuffer, from: vk::Buffer, to: vk::Image, to_layout: vk::ImageLayout, count: u32, regions: *const vk::BufferImageCopy
+    ) { |state, next| {
+        with_buffer(&state, buffer, vk::Image::null(), to);
+        next(buffer, from, to, to_layout, count, regions)
+    } }
+    [c"vkCmdCopyBufferToImage2", c"vkCmdCopyBufferToImage2KHR"] cmd_copy_buffer_to_image2: vk::PFN_vkCmdCopyBufferToImage2 = (
+        buffer: vk::CommandBuffer, info: *const vk::CopyBufferToImageInfo2<'_>
+    ) { |state, next| {
+        with_buffer(&state, buffer, vk::Image::null(), (*info).dst_image);
+        next(buffer, info)
+    } }
+    [c"vkCmdCopyImageToBuffer"] cmd_copy_image_to_buffer: vk::PFN_vkCmdCopyImageToBuffer = (
+        buffer: vk::CommandBuffer, from: vk::Image, from_layout: vk::ImageLayout, to: vk::Buffer, count: u32, regions: *const vk::BufferImageCopy
+    ) { |state, next| match with_buffer(&state, buffer, from, vk::Image::null()) {
+        None => next(buffer, from, from_layout, to, count, regions),
+        Some((image, at)) => {
+            let mut regions = crate::intercept::vk::slice(regions, count).to_vec();
+            regions.iter_mut().for_each(|region| region.image_offset = moved(region.image_offset, at));
+            next(buffer, image, from_layout, to, count, regions.as_ptr())
+        }
+    } }
+    [c"vkCmdCopyImageToBuffer2", c"vkCmdCopyImageToBuffer2KHR"] cmd_copy_image_to_buffer2: vk::PFN_vkCmdCopyImageToBuffer2 = (
+        buffer: vk::CommandBuffer, info: *const vk::CopyImageToBufferInfo2<'_>
+    ) { |state, next| match with_buffer(&state, buffer, (*info).src_image, vk::Image::null()) {
+        None => next(buffer, info),
+        Some((image, at)) => {
+            let mut regions = crate::intercept::vk::slice((*info).p_regions, (*info).region_count).to_vec();
+            regions.iter_mut().for_each(|region| region.image_offset = moved(region.image_offset, at));
+            next(buffer, &(*info).src_image(image).regions(&regions))
+        }
+    } }
+}

@@ -1,0 +1,13 @@
+//! TODO-NOTE
+
+pub mod barriers_and_clears;
+pub mod bound_state;
+pub mod compute_state;
+pub mod conditional_render;
+pub mod copies;
+pub mod draws;
+pub mod framebuffers;
+pub mod indirect;
+pub mod passes;
+pub mod recording;
+pub mod unsupported;

@@ -1,0 +1,471 @@
+//! Passes: where one draws to a swapchain's image, it draws to the atlas in its place.
+
+use crate::backend::vk::COLOR;
+use crate::intercept::vk::commands::draws::rectangle;
+use crate::intercept::vk::commands::framebuffers::Framebuffer;
+use crate::intercept::vk::commands::recording::{Event, Pass, Recording, Settled, Within};
+use crate::intercept::vk::commands::{barriers_and_clears, conditional_render};
+use crate::intercept::vk::layer::device::Device;
+use crate::intercept::vk::layer::hooks::hooks;
+use crate::intercept::vk::layer::pnext::in_chain;
+use crate::intercept::vk::offscreen::images::Shown;
+use crate::intercept::vk::offscreen::view_copies;
+use crate::intercept::vk::queries::running::clear_left;
+use crate::intercept::vk::swapchain::atlas_layout::Layout;
+use ash::prelude::VkResult;
+use ash::vk;
+use std::sync::Arc;
+
+/// Clears the panel of colour attachments: a pane of glass through which everything is seen.
+///
+/// # Safety
+/// The command buffer is being recorded, within a pass that has these attachments.
+pub unsafe fn clear_panel(device: &Device, buffer: vk::CommandBuffer, layout: &Layout, attachments: &[u32]) {
+    if attachments.is_empty() {
+        return;
+    }
+    let clear = |attachment: &u32| vk::ClearAttachment {
+        aspect_mask: vk::ImageAspectFlags::COLOR,
+        color_attachment: *attachment,
+        clear_value: vk::ClearValue::default(),
+    };
+    let clears: Vec<_> = attachments.iter().map(clear).collect();
+    let rect = vk::ClearRect { rect: rectangle(layout.glass()), base_array_layer: 0, layer_count: 1 };
+    // SAFETY: as promised; the panel lies in the atlas.
+    unsafe { device.functions.cmd_clear_attachments(buffer, &clears, &[rect]) };
+}
+
+/// In a pass that has secondary command buffers only, one of ours has to clear the panel.
+///
+/// # Safety
+/// The command buffer is being recorded; the program uses its pool on this thread.
+pub unsafe fn clear_by_secondary(device: &Device, buffer: vk::CommandBuffer, recording: &mut Recording) {
+    let Recording { pass, clearers, pool, .. } = recording;
+    let Some(pass) = pass.as_mut().filter(|pass| !pass.unclear.is_empty()) else { return };
+    let unclear = std::mem::take(&mut pass.unclear);
+    let functions = &device.functions;
+    let mut record = || -> VkResult<vk::CommandBuffer> {
+        let mut rendering = vk::CommandBufferInheritanceRenderingInfo::default();
+        let mut inheritance = vk::CommandBufferInheritanceInfo::default();
+        match &pass.within {
+            Within::Pass { pass, subpass } => inheritance = inheritance.render_pass(*pass).subpass(*subpass),
+            Within::Rendering { colors, depth, stencil, samples } => {
+                rendering = rendering
+                    .color_attachment_formats(colors)
+                    .depth_attachment_format(*depth)
+                    .stencil_attachment_format(*stencil)
+                    .rasterization_samples(*samples);
+                inheritance = inheritance.push_next(&mut rendering);
+            }
+            Within::Inherited => return Err(vk::Result::ERROR_INITIALIZATION_FAILED),
+        }
+        let usage = vk::CommandBufferUsageFlags::RENDER_PASS_CONTINUE | vk::CommandBufferUsageFlags::SIMULTANEOUS_USE;
+        let info = vk::CommandBufferBeginInfo::default().flags(usage).inheritance_info(&inheritance);
+        // SAFETY: as promised; the pass has these attachments.
+        unsafe {
+            let clearer = device.secondary_command_buffer(*pool)?;
+            clearers.push(clearer);
+            functions.begin_command_buffer(clearer, &info)?;
+            clear_panel(device, clearer, &pass.shown.layout, &unclear);
+            functions.end_command_buffer(clearer)?;
+            Ok(clearer)
+        }
+    };
+    match record() {
+        // SAFETY: as promised.
+        Ok(clearer) => unsafe { functions.cmd_execute_commands(buffer, &[clearer]) },
+        Err(error) => device.give_up(&format!("the driver refuses a command buffer: {error}")),
+    }
+}
+
+/// What a pass draws to instead.
+struct Replaced {
+    framebuffer: vk::Framebuffer,
+    /// Attachments, where they are given with the pass.
+    attachments: Option<Vec<vk::ImageView>>,
+    pass: Pass,
+}
+
+/// The attachments of a pass that begins: the framebuffer's, or those that are given with it.
+///
+/// # Safety
+/// `begin` must be the program's, with this framebuffer.
+unsafe fn views_of<'a>(begin: &vk::RenderPassBeginInfo<'a>, framebuffer: &'a Framebuffer) -> &'a [vk::ImageView] {
+    if let Some(attachments) = &framebuffer.attachments {
+        return attachments;
+    }
+    let kind = vk::StructureType::RENDER_PASS_ATTACHMENT_BEGIN_INFO;
+    // SAFETY: as promised.
+    unsafe {
+        in_chain::<vk::RenderPassAttachmentBeginInfo<'_>>(begin.p_next, kind)
+            .map_or(&[], |given| crate::intercept::vk::slice(given.p_attachments, given.attachment_count))
+    }
+}
+
+/// # Safety
+/// `begin` must be the program's.
+unsafe fn replace(device: &Device, begin: &vk::RenderPassBeginInfo<'_>) -> Option<Result<Replaced, String>> {
+    let framebuffer = device.framebuffers.get(begin.framebuffer)?;
+    // SAFETY: as promised.
+    let views = unsafe { views_of(begin, &framebuffer) };
+    let given = framebuffer.attachments.is_none().then_some(views);
+    let shown = framebuffer.shown_now(device).or_else(|| views.iter().find_map(|view| device.images.shown(*view)))?;
+    let replaced = || {
+        let pass = device.framebuffers.pass(begin.render_pass).ok_or("a render pass that is not known")?;
+        if let Some(why) = pass.obstacle {
+            return Err(why.to_owned());
+        }
+        if !is_whole(&begin.render_area, &shown.layout) && !pass.may_grow {
+            return Err("it draws a part of the window at a time".to_owned());
+        }
+        let twin = framebuffer.twin(device, &shown, begin.render_pass, given.unwrap_or_default())?;
+        let attachments = match given.filter(|given| !given.is_empty()) {
+            Some(given) => {
+                let twins = given.iter().map(|view| device.images.twin(device, *view, &shown.layout));
+                Some(twins.collect::<Result<Vec<_>, _>>()?)
+            }
+            None => None,
+        };
+        let within = Within::Pass { pass: begin.render_pass, subpass: 0 };
+        let mut new = Pass::new(Arc::clone(&shown), within, pass.begin_in(0));
+        for (view, layout) in views.iter().zip(&pass.leaves) {
+            match device.images.shown(*view) {
+                Some(scene) if !scene.window => new.scenes.push((scene, *layout)),
+                Some(_) => {}
+                None => {
+                    new.settled.extend(device.images.of(*view).and_then(|image| device.images.settle(image, *layout)))
+                }
+            }
+        }
+        Ok(Replaced { framebuffer: twin, attachments, pass: new })
+    };
+    if !device.draws_views() {
+        return Some(Err(String::new()));
+    }
+    Some(replaced())
+}
+
+fn is_whole(area: &vk::Rect2D, layout: &Layout) -> bool {
+    area.offset == vk::Offset2D::default() && (area.extent.width, area.extent.height) == layout.window
+}
+
+/// The whole atlas.
+fn whole_atlas(layout: &Layout) -> vk::Rect2D {
+    vk::Extent2D { width: layout.atlas.0, height: layout.atlas.1 }.into()
+}
+
+/// Begins a pass by `next`: the program's, or the one that draws to the atlas.
+///
+/// # Safety
+/// `info` must be the program's; `next` begins a pass after the structure that it is given.
+unsafe fn begin(
+    device: &Device,
+    buffer: vk::CommandBuffer,
+    info: &vk::RenderPassBeginInfo<'_>,
+    next: impl Fn(&vk::RenderPassBeginInfo<'_>),
+) {
+    // SAFETY: as promised.
+    let replaced = unsafe { replace(device, info) };
+    let (given_by_pass, framebuffer) = (info.p_next, device.framebuffers.get(info.framebuffer));
+    let replaced = match replaced {
+        Some(Ok(replaced)) => replaced,
+        other => {
+            if let Some(Err(why)) = &other
+                && !why.is_empty()
+            {
+                device.give_up(why);
+            }
+            // SAFETY: as promised.
+            let views = framebuffer.as_ref().map_or(&[][..], |framebuffer| unsafe { views_of(info, framebuffer) });
+            let leaves = device.framebuffers.pass(info.render_pass).map(|pass| pass.leaves.clone());
+            for (view, layout) in views.iter().zip(leaves.iter().flatten()) {
+                device.images.of(*view).into_iter().for_each(|image| device.images.moved(image, *layout));
+            }
+            plain(device, buffer, framebuffer.as_ref().and_then(|framebuffer| framebuffer.shown_now(device)), views);
+            return next(info);
+        }
+    };
+    let mut changed = *info;
+    changed.framebuffer = replaced.framebuffer;
+    changed.render_area = whole_atlas(&replaced.pass.shown.layout);
+    let mut attachments = vk::RenderPassAttachmentBeginInfo::default();
+    if let Some(twins) = &replaced.attachments {
+        // SAFETY: the chain is the program's.
+        let first = unsafe { given_by_pass.cast::<vk::BaseInStructure<'_>>().as_ref() };
+        let first = first.filter(|first| first.s_type == vk::StructureType::RENDER_PASS_ATTACHMENT_BEGIN_INFO);
+        let Some(first) = first else {
+            device.give_up("structures in a chain that are not known");
+            plain(device, buffer, Some(replaced.pass.shown), &[]);
+            return next(info);
+        };
+        attachments = attachments.attachments(twins);
+        attachments.p_next = first.p_next.cast();
+        changed.p_next = std::ptr::from_ref(&attachments).cast();
+    }
+    // SAFETY: as promised.
+    unsafe {
+        conditional_render::begin_pass(device, buffer, || {
+            next(&changed);
+            served(device, buffer, replaced.pass);
+        });
+    }
+}
+
+/// A pass begins that is drawn for each view.
+fn served(device: &Device, buffer: vk::CommandBuffer, pass: Pass) {
+    device.recordings.with(buffer, |recording| {
+        recording.events.push(Event::Drawn(Arc::clone(&pass.shown), true));
+        recording.pass = Some(pass);
+    });
+}
+
+/// A pass begins that is the program's own, with `views` of images.
+fn plain(device: &Device, buffer: vk::CommandBuffer, shown: Option<Arc<Shown>>, views: &[vk::ImageView]) {
+    let candidates = match device.images.has_candidates() {
+        true => views.iter().filter_map(|view| device.images.candidate_of(*view)).collect(),
+        false => Vec::new(),
+    };
+    device.recordings.with(buffer, |recording| {
+        recording.plain = Some(candidates);
+        recording.events.extend(shown.map(|shown| Event::Drawn(shown, false)));
+    });
+}
+
+/// A pass ends by `next`. What it left undone in a pass without draws is done; of the scenes that it drew there are prints
+/// then.
+///
+/// # Safety
+/// The command buffer is being recorded, within the pass.
+unsafe fn end(device: &Device, buffer: vk::CommandBuffer, next: impl FnOnce()) {
+    let pass = device.recordings.with(buffer, |recording| {
+        recording.plain = None;
+        recording.pass.take()
+    });
+    let Some(pass) = pass.flatten() else { return next() };
+    // SAFETY: as promised; behind `next` outside of the pass.
+    unsafe {
+        conditional_render::unconditionally(device, buffer, || {
+            clear_panel(device, buffer, &pass.shown.layout, &pass.unclear);
+            next();
+            for (scene, layout) in &pass.scenes {
+                view_copies::make(device, buffer, scene, *layout);
+            }
+            settle(device, buffer, &pass.settled);
+        });
+    }
+}
+
+/// The next subpass begins by `next`, with attachments of its own.
+///
+/// # Safety
+/// The command buffer is being recorded, within a pass.
+unsafe fn next_subpass(device: &Device, buffer: vk::CommandBuffer, next: impl FnOnce()) {
+    // SAFETY: as promised; what is cleared are attachments of the subpass that ends.
+    device.recordings.with(buffer, |recording| unsafe { clear_left(device, buffer, recording) });
+    next();
+    device.recordings.with(buffer, |recording| {
+        let Some(pass) = &mut recording.pass else { return };
+        let Within::Pass { pass: handle, subpass } = &mut pass.within else { return };
+        *subpass += 1;
+        let known = device.framebuffers.pass(*handle);
+        pass.unclear = known.map(|known| known.begin_in(*subpass as usize)).unwrap_or_default();
+    });
+}
+
+/// Brings images of the program into the layouts in which a pass would have left them.
+///
+/// # Safety
+/// The command buffer is being recorded, outside of a pass.
+unsafe fn settle(device: &Device, buffer: vk::CommandBuffer, settled: &[Settled]) {
+    let change = |settled: &Settled| {
+        let range = vk::ImageSubresourceRange { aspect_mask: settled.aspects, ..COLOR };
+        vk::ImageMemoryBarrier::default()
+            .image(settled.image)
+            .new_layout(settled.layout)
+            .src_access_mask(vk::AccessFlags::MEMORY_WRITE)
+            .dst_access_mask(vk::AccessFlags::MEMORY_READ | vk::AccessFlags::MEMORY_WRITE)
+            .src_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
+            .dst_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
+            .subresource_range(range)
+    };
+    let changes: Vec<_> = settled.iter().map(change).collect();
+    if !changes.is_empty() {
+        let (stages, flags) = (vk::PipelineStageFlags::ALL_COMMANDS, vk::DependencyFlags::empty());
+        // SAFETY: as promised; what the images held is not kept.
+        unsafe { device.functions.cmd_pipeline_barrier(buffer, stages, stages, flags, &[], &[], &changes) };
+    }
+}
+
+/// An attachment with `twin`s in the place of its images.
+fn attachment<'a>(
+    given: &vk::RenderingAttachmentInfo<'a>,
+    twin: &dyn Fn(vk::ImageView) -> Result<vk::ImageView, String>,
+) -> Result<vk::RenderingAttachmentInfo<'a>, String> {
+    let mut changed = *given;
+    changed.image_view = twin(given.image_view)?;
+    changed.resolve_image_view = twin(given.resolve_image_view)?;
+    Ok(changed)
+}
+
+/// Begins dynamic rendering by `next`.
+///
+/// # Safety
+/// As for [`begin`].
+unsafe fn begin_rendering(
+    device: &Device,
+    buffer: vk::CommandBuffer,
+    info: &vk::RenderingInfo<'_>,
+    next: impl Fn(&vk::RenderingInfo<'_>),
+) {
+    // SAFETY: the program's structure.
+    let (colors, given_depth, given_stencil) = unsafe {
+        let colors = crate::intercept::vk::slice(info.p_color_attachments, info.color_attachment_count);
+        (colors, info.p_depth_attachment.as_ref(), info.p_stencil_attachment.as_ref())
+    };
+    let views = colors.iter().flat_map(|color| [color.image_view, color.resolve_image_view]);
+    let views: Vec<vk::ImageView> = views.filter(|view| *view != vk::ImageView::null()).collect();
+    let Some(shown) = views.iter().find_map(|view| device.images.shown(*view)) else {
+        plain(device, buffer, None, &views);
+        return next(info);
+    };
+    let layout = &shown.layout;
+    let twin = |view: vk::ImageView| match view == vk::ImageView::null() {
+        true => Ok(view),
+        false => device.images.twin(device, view, layout),
+    };
+    let whole = is_whole(&info.render_area, layout);
+    let secondary = info.flags.contains(vk::RenderingFlags::CONTENTS_SECONDARY_COMMAND_BUFFERS);
+    let replaced = || -> Result<_, String> {
+        if info.view_mask != 0 || info.layer_count != 1 {
+            return Err("it draws several views itself".to_owned());
+        }
+        let mut all = Attachments {
+            colors: colors.iter().map(|color| attachment(color, &twin)).collect::<Result<_, _>>()?,
+            depth: given_depth.map(|depth| attachment(depth, &twin)).transpose()?,
+            stencil: given_stencil.map(|stencil| attachment(stencil, &twin)).transpose()?,
+        };
+        let clears = if whole { Vec::new() } else { all.keep() };
+        if secondary && !clears.is_empty() {
+            return Err("it clears a part of the window in a pass of secondary command buffers".to_owned());
+        }
+        Ok((all, clears))
+    };
+    let replaced = if device.draws_views() { replaced() } else { Err(String::new()) };
+    let (all, clears) = match replaced {
+        Ok(replaced) => replaced,
+        Err(why) => {
+            if !why.is_empty() {
+                device.give_up(&why);
+            }
+            plain(device, buffer, Some(Arc::clone(&shown)), &views);
+            return next(info);
+        }
+    };
+    let mut changed = (*info).render_area(whole_atlas(layout)).color_attachments(&all.colors);
+    if let Some(depth) = &all.depth {
+        changed = changed.depth_attachment(depth);
+    }
+    if let Some(stencil) = &all.stencil {
+        changed = changed.stencil_attachment(stencil);
+    }
+    let resumed = info.flags.contains(vk::RenderingFlags::RESUMING);
+    let anew = |(_, color): &(u32, &vk::RenderingAttachmentInfo<'_>)| {
+        whole && !resumed && color.image_view != vk::ImageView::null() && color.load_op != vk::AttachmentLoadOp::LOAD
+    };
+    let unclear = (0..).zip(colors).filter(anew).map(|(number, _)| number).collect();
+    let kind = |attachment: &vk::RenderingAttachmentInfo<'_>| device.images.kind(attachment.image_view);
+    let format = |attachment: Option<&vk::RenderingAttachmentInfo<'_>>| attachment.and_then(kind).unwrap_or_default().0;
+    let within = Within::Rendering {
+        colors: colors.iter().map(|color| format(Some(color))).collect(),
+        depth: format(given_depth),
+        stencil: format(given_stencil),
+        samples: colors.iter().find_map(kind).unwrap_or_default().1,
+    };
+    let mut pass = Pass::new(Arc::clone(&shown), within, unclear);
+    if !info.flags.contains(vk::RenderingFlags::SUSPENDING) {
+        let ends = colors.iter().flat_map(|color| {
+            [(color.image_view, color.image_layout), (color.resolve_image_view, color.resolve_image_layout)]
+        });
+        let scenes = ends.filter_map(|(view, layout)| Some((device.images.shown(view)?, layout)));
+        pass.scenes = scenes.filter(|(scene, _)| !scene.window).collect();
+    }
+    // SAFETY: as promised; what is cleared is cleared as soon as the pass has begun, with these attachments.
+    unsafe {
+        conditional_render::begin_pass(device, buffer, || {
+            next(&changed);
+            served(device, buffer, pass);
+            if !resumed && !clears.is_empty() {
+                let area = vk::ClearRect { rect: info.render_area, base_array_layer: 0, layer_count: 1 };
+                barriers_and_clears::clear(device, buffer, layout, &clears, &[area]);
+            }
+        });
+    }
+}
+
+/// What dynamic rendering draws to.
+struct Attachments<'a> {
+    colors: Vec<vk::RenderingAttachmentInfo<'a>>,
+    depth: Option<vk::RenderingAttachmentInfo<'a>>,
+    stencil: Option<vk::RenderingAttachmentInfo<'a>>,
+}
+
+impl Attachments<'_> {
+    /// Keeps what was there; the clears that have to be made in the place of those that are left out.
+    fn keep(&mut self) -> Vec<vk::ClearAttachment> {
+        use vk::ImageAspectFlags as A;
+        let colors = (0..).zip(&mut self.colors).map(|(number, color)| (A::COLOR, number, color));
+        let deep = self.depth.iter_mut().map(|depth| (A::DEPTH, 0, depth));
+        let stencil = self.stencil.iter_mut().map(|stencil| (A::STENCIL, 0, stencil));
+        let mut clears = Vec::new();
+        for (aspect_mask, color_attachment, attachment) in colors.chain(deep).chain(stencil) {
+            if attachment.image_view == vk::ImageView::null() {
+                continue;
+            }
+            let load = std::mem::replace(&mut attachment.load_op, vk::AttachmentLoadOp::LOAD);
+            if load == vk::AttachmentLoadOp::CLEAR {
+                clears.push(vk::ClearAttachment { aspect_mask, color_attachment, clear_value: attachment.clear_value });
+            }
+        }
+        clears
+    }
+}
+
+hooks! { passes;
+    [c"vkCmdBeginRenderPass"] cmd_begin_render_pass: vk::PFN_vkCmdBeginRenderPass = (
+        buffer: vk::CommandBuffer, info: *const vk::RenderPassBeginInfo<'_>, contents: vk::SubpassContents
+    ) { |state, next| {
+        conditional_render::pass_follows(&state, buffer, contents == vk::SubpassContents::INLINE);
+        begin(&state, buffer, &*info, |info| next(buffer, info, contents))
+    } }
+    [c"vkCmdBeginRenderPass2", c"vkCmdBeginRenderPass2KHR"] cmd_begin_render_pass2: vk::PFN_vkCmdBeginRenderPass2 = (
+        buffer: vk::CommandBuffer, info: *const vk::RenderPassBeginInfo<'_>, subpass: *const vk::SubpassBeginInfo<'_>
+    ) { |state, next| {
+        conditional_render::pass_follows(&state, buffer, (*subpass).contents == vk::SubpassContents::INLINE);
+        begin(&state, buffer, &*info, |info| next(buffer, info, subpass))
+    } }
+    [c"vkCmdNextSubpass"] cmd_next_subpass: vk::PFN_vkCmdNextSubpass = (
+        buffer: vk::CommandBuffer, contents: vk::SubpassContents
+    ) { |state, next| next_subpass(&state, buffer, || next(buffer, contents)) }
+    [c"vkCmdNextSubpass2", c"vkCmdNextSubpass2KHR"] cmd_next_subpass2: vk::PFN_vkCmdNextSubpass2 = (
+        buffer: vk::CommandBuffer, begin: *const vk::SubpassBeginInfo<'_>, end: *const vk::SubpassEndInfo<'_>
+    ) { |state, next| next_subpass(&state, buffer, || next(buffer, begin, end)) }
+    [c"vkCmdEndRenderPass"] cmd_end_render_pass: vk::PFN_vkCmdEndRenderPass = (buffer: vk::CommandBuffer) { |state, next| {
+        end(&state, buffer, || next(buffer))
+    } }
+    [c"vkCmdEndRenderPass2", c"vkCmdEndRenderPass2KHR"] cmd_end_render_pass2: vk::PFN_vkCmdEndRenderPass2 = (
+        buffer: vk::CommandBuffer, info: *const vk::SubpassEndInfo<'_>
+    ) { |state, next| {
+        end(&state, buffer, || next(buffer, info))
+    } }
+    [c"vkCmdBeginRendering", c"vkCmdBeginRenderingKHR"] cmd_begin_rendering: vk::PFN_vkCmdBeginRendering = (
+        buffer: vk::CommandBuffer, info: *const vk::RenderingInfo<'_>
+    ) { |state, next| {
+        conditional_render::pass_follows(&state, buffer, !(*info).flags.contains(vk::RenderingFlags::CONTENTS_SECONDARY_COMMAND_BUFFERS));
+        begin_rendering(&state, buffer, &*info, |info| next(buffer, info))
+    } }
+    [c"vkCmdEndRendering", c"vkCmdEndRenderingKHR"] cmd_end_rendering: vk::PFN_vkCmdEndRendering = (
+        buffer: vk::CommandBuffer
+    ) { |state, next| {
+        end(&state, buffer, || next(buffer))
+    } }
+}

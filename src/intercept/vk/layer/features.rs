@@ -1,0 +1,218 @@
+//! What is enabled on a device for us: the geometry stage, where the rig asks for primitives that are divided, and what it counts by.
+
+use crate::intercept::settings;
+use crate::intercept::vk::layer::pnext::{Copied, in_chain, length_for_device};
+use crate::rig::{Method, Rig};
+use ash::vk;
+
+/// What the shaders of a device do with vertices.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Vertices {
+    /// They re-project them to views.
+    Views,
+    /// They can project them to outputs' pictures, too.
+    Projected,
+    /// And divide what lies between them.
+    Divided,
+}
+
+/// What a device is to do with vertices.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Decision {
+    /// What it does.
+    pub vertices: Vertices,
+    /// Why it does not divide, for people.
+    pub undivided: &'static str,
+    /// What divides can count what it does not divide far enough.
+    pub counts: bool,
+}
+
+const LATER: &str = "primitives are divided after a new start";
+const NO_STAGE: &str = "the device has no geometry shaders, primitives are not divided";
+const NO_WAY: &str =
+    "the program asks for features of the device in a way that is not known, primitives are not divided";
+
+/// What is done on a device that has geometry shaders, if they are `offered`, and whether they can count. `rig`: the one at the start;
+/// shaders are made for it, whatever its file says later.
+pub fn decide(rig: Option<&Rig>, offered: impl FnOnce() -> Result<bool, &'static str>) -> Decision {
+    let asks = |wanted: &dyn Fn(&Method) -> bool| {
+        rig.is_some_and(|rig| rig.outputs.iter().any(|output| wanted(&output.method)))
+    };
+    let projects = asks(&|method| method.projects_vertices() && !method.divides());
+    let without = if projects { Vertices::Projected } else { Vertices::Views };
+    if !asks(&Method::divides) {
+        return Decision { vertices: without, undivided: LATER, counts: false };
+    }
+    match offered() {
+        Ok(counts) => Decision { vertices: Vertices::Divided, undivided: "", counts },
+        Err(undivided) => Decision { vertices: without, undivided, counts: false },
+    }
+}
+
+/// The structure that makes a device, as the program gave it or with geometry shaders.
+pub struct Enabled<'a> {
+    /// The structure, of which the rest belongs to this one.
+    pub info: vk::DeviceCreateInfo<'a>,
+    /// What is done with vertices then.
+    pub decision: Decision,
+    _features: Option<Box<vk::PhysicalDeviceFeatures>>,
+    _chain: Option<Copied>,
+}
+
+/// What the rig needs. `looked_after`: Cupola has something to do on the device; `has`: what it has.
+///
+/// # Safety
+/// `given` must be the program's.
+pub unsafe fn enable<'a>(
+    given: &vk::DeviceCreateInfo<'a>,
+    looked_after: bool,
+    has: impl FnOnce() -> vk::PhysicalDeviceFeatures,
+) -> Enabled<'a> {
+    let (mut info, mut features, mut chain) = (*given, None, None);
+    let settings = settings::settings().filter(|_| looked_after);
+    let decision = decide(settings.map(|settings| &settings.rig), || {
+        let has = has();
+        if has.geometry_shader == vk::FALSE {
+            return Err(NO_STAGE);
+        }
+        // Nobody reads the count but the statistics.
+        let wanted = settings.is_some_and(|settings| settings.stats.is_some());
+        let counts = wanted && has.vertex_pipeline_stores_and_atomics == vk::TRUE;
+        // Where the program has geometry shaders itself, nothing has to be changed for them alone.
+        let ways = [counts, false].into_iter();
+        // SAFETY: as promised.
+        let mut ways = ways.filter_map(|counts| unsafe { with_geometry(&mut info, counts) }.zip(Some(counts)));
+        let counts;
+        ((features, chain), counts) = ways.next().ok_or(NO_WAY)?;
+        Ok(counts)
+    });
+    Enabled { info, decision, _features: features, _chain: chain }
+}
+
+/// Copies that `info` leads to then.
+type Copies = (Option<Box<vk::PhysicalDeviceFeatures>>, Option<Copied>);
+
+/// Enables geometry shaders in `info`, with `counts` such that count; the program's structures stay as they are. `None` where that cannot
+/// be done.
+///
+/// # Safety
+/// `info` must be a copy of the program's.
+unsafe fn with_geometry(info: &mut vk::DeviceCreateInfo<'_>, counts: bool) -> Option<Copies> {
+    let complete = |features: &vk::PhysicalDeviceFeatures| {
+        let mut complete = *features;
+        complete.geometry_shader = vk::TRUE;
+        if counts {
+            complete.vertex_pipeline_stores_and_atomics = vk::TRUE;
+        }
+        complete
+    };
+    // SAFETY: as promised.
+    unsafe {
+        let kind = vk::StructureType::PHYSICAL_DEVICE_FEATURES_2;
+        if let Some(given) = in_chain::<vk::PhysicalDeviceFeatures2<'_>>(info.p_next, kind) {
+            let (own, wanted) = (&given.features, complete(&given.features));
+            if (own.geometry_shader, own.vertex_pipeline_stores_and_atomics)
+                == (wanted.geometry_shader, wanted.vertex_pipeline_stores_and_atomics)
+            {
+                return Some((None, None));
+            }
+            let mut chain = Copied::up_to(info.p_next, kind, length_for_device)?;
+            chain.last::<vk::PhysicalDeviceFeatures2<'_>>()?.features = wanted;
+            info.p_next = chain.first();
+            return Some((None, Some(chain)));
+        }
+        let features = Box::new(complete(&info.p_enabled_features.as_ref().copied().unwrap_or_default()));
+        info.p_enabled_features = &raw const *features;
+        Some((Some(features), None))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rig(methods: &[&str]) -> Rig {
+        let mut rig = crate::rig::load("planetarium-6").expect("a preset");
+        for (output, method) in rig.outputs.iter_mut().zip(methods) {
+            output.method = Method::parse(method).expect("a method");
+        }
+        rig
+    }
+
+    #[test]
+    fn a_device_without_the_stage_draws_views() {
+        let decided = |methods: &[&str], offered| decide(Some(&rig(methods)), || offered);
+        let refused = Err(NO_STAGE);
+        let without = |undivided| Decision { vertices: Vertices::Views, undivided, counts: false };
+        assert_eq!(decided(&["primitive"], refused), without(NO_STAGE));
+        assert_eq!(decided(&["primitive", "vertex"], refused).vertices, Vertices::Projected);
+        assert_eq!(decided(&["primitive", "vertex"], Ok(true)).vertices, Vertices::Divided);
+        for counts in [true, false] {
+            let divided = Decision { vertices: Vertices::Divided, undivided: "", counts };
+            assert_eq!(decided(&["primitive-tessellation"], Ok(counts)), divided);
+        }
+    }
+
+    #[test]
+    fn nothing_is_asked_of_a_device_where_the_rig_asks_for_nothing() {
+        let decided = |rig: Option<&Rig>| decide(rig, || panic!("the device is not asked"));
+        assert_eq!(decided(None), Decision { vertices: Vertices::Views, undivided: LATER, counts: false });
+        assert_eq!(decided(Some(&rig(&["fragment"]))).vertices, Vertices::Views);
+        assert_eq!(decided(Some(&rig(&["vertex"]))).vertices, Vertices::Projected);
+    }
+
+    #[test]
+    fn the_stage_is_enabled_beside_what_the_program_enables() {
+        let own = vk::PhysicalDeviceFeatures { wide_lines: vk::TRUE, ..Default::default() };
+        let all = [vk::DeviceCreateInfo::default(), vk::DeviceCreateInfo::default().enabled_features(&own)];
+        for (given, counts) in all.into_iter().flat_map(|given| [(given, true), (given, false)]) {
+            let mut info = given;
+            // SAFETY: structures of our own.
+            unsafe {
+                let _copies = with_geometry(&mut info, counts).expect("there is nothing unknown");
+                let made = *info.p_enabled_features;
+                assert_eq!(made.geometry_shader, vk::TRUE);
+                assert_eq!(made.vertex_pipeline_stores_and_atomics, vk::Bool32::from(counts));
+                assert_eq!(made.wide_lines, given.p_enabled_features.as_ref().map_or(vk::FALSE, |own| own.wide_lines));
+            }
+        }
+        assert_eq!(own.geometry_shader, vk::FALSE, "the program's own stays");
+    }
+
+    #[test]
+    fn the_stage_is_enabled_in_a_chain_whose_beginning_is_known() {
+        let mut before = vk::PhysicalDeviceVulkan12Features::default().host_query_reset(true);
+        let mut own = vk::PhysicalDeviceFeatures2::default();
+        own.features.wide_lines = vk::TRUE;
+        let mut behind = vk::PhysicalDeviceVulkan13Features::default();
+        let behind_at: *const std::ffi::c_void = (&raw const behind).cast();
+        own = own.push_next(&mut behind);
+        before.p_next = (&raw mut own).cast();
+        let given = vk::DeviceCreateInfo { p_next: (&raw const before).cast(), ..Default::default() };
+        let mut info = given;
+        // SAFETY: structures of our own.
+        unsafe {
+            let copies = with_geometry(&mut info, true).expect("all is known");
+            assert!(copies.0.is_none() && info.p_enabled_features.is_null());
+            let kind = vk::StructureType::PHYSICAL_DEVICE_VULKAN_1_2_FEATURES;
+            let first: &vk::PhysicalDeviceVulkan12Features<'_> = in_chain(info.p_next, kind).expect("it is copied");
+            assert_eq!(first.host_query_reset, vk::TRUE);
+            let kind = vk::StructureType::PHYSICAL_DEVICE_FEATURES_2;
+            let made: &vk::PhysicalDeviceFeatures2<'_> = in_chain(info.p_next, kind).expect("it is copied");
+            assert_eq!((made.features.geometry_shader, made.features.wide_lines), (vk::TRUE, vk::TRUE));
+            assert_eq!(made.features.vertex_pipeline_stores_and_atomics, vk::TRUE);
+            assert_eq!(made.p_next.cast_const(), behind_at, "the rest is the program's");
+            let program: &vk::PhysicalDeviceFeatures2<'_> = in_chain(given.p_next, kind).expect("it is there");
+            assert_eq!(program.features.geometry_shader, vk::FALSE, "the program's own stays");
+            // A structure that nobody knows.
+            let mut unknown = vk::BaseInStructure { p_next: given.p_next.cast(), ..Default::default() };
+            unknown.s_type = vk::StructureType::from_raw(77);
+            let mut info = vk::DeviceCreateInfo { p_next: (&raw const unknown).cast(), ..Default::default() };
+            assert!(with_geometry(&mut info, false).is_none());
+            // What the program enables itself needs no change; the counter would.
+            (*before.p_next.cast::<vk::PhysicalDeviceFeatures2<'_>>()).features.geometry_shader = vk::TRUE;
+            assert!(with_geometry(&mut info, true).is_none());
+            assert!(matches!(with_geometry(&mut info, false), Some((None, None))));
+        }
+    }
+}

@@ -1,0 +1,74 @@
+//! Scenes that are drawn off screen follow the window to other views.
+//!
+//! Where the rig's file changes the views, a program that makes a new swapchain may keep the images that it draws its scene
+//! to. They get the new views at once. The prints of the old ones stay as long as recorded commands sample them.
+//! Atlases and other twins stay until the program destroys its image, and are used again if their size comes back: a
+//! barrier that is recorded somewhere may name them.
+
+use crate::intercept::vk::layer::device::Device;
+use crate::intercept::vk::offscreen::images::{Images, Shown};
+use crate::intercept::vk::swapchain::atlas_layout::Layout;
+use ash::vk;
+use std::sync::{Arc, PoisonError};
+
+impl Images {
+    /// The scene that an image holds, if it is drawn for each view.
+    pub fn scene(&self, image: vk::Image) -> Option<Arc<Shown>> {
+        self.shown_image(image).filter(|shown| !shown.window)
+    }
+
+    /// The window has this layout now: images that hold its scene get it, too.
+    ///
+    /// # Errors
+    /// What the driver refuses; then such an image is the program's own.
+    pub fn follow(&self, device: &Device, layout: &Arc<Layout>) -> Result<(), String> {
+        for image in self.duplicated() {
+            let old = {
+                let mut images = self.images.lock().unwrap_or_else(PoisonError::into_inner);
+                let state = images.get_mut(&image).filter(|state| state.size == layout.window);
+                let other = |shown: &mut Arc<Shown>| !Arc::ptr_eq(&shown.layout, layout);
+                state.and_then(|state| state.shown.take_if(other))
+            };
+            if let Some(old) = old {
+                self.retired.lock().unwrap_or_else(PoisonError::into_inner).push(old);
+                self.duplicate(device, image, layout)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether a scene's image is drawn by another layout by now.
+    pub fn is_retired(&self, shown: &Arc<Shown>) -> bool {
+        !shown.window && self.scene(shown.given).is_some_and(|now| !Arc::ptr_eq(&now, shown))
+    }
+
+    /// Destroys what no recorded commands use any more.
+    pub fn sweep(&self, device: &Device) {
+        let unused: Vec<Arc<Shown>> = {
+            let mut retired = self.retired.lock().unwrap_or_else(PoisonError::into_inner);
+            // Recordings hold what they use, and are given up only when the device has finished with them.
+            retired.extract_if(.., |shown| Arc::strong_count(shown) == 1).collect()
+        };
+        unused.iter().for_each(|shown| self.destroy_prints(device, shown));
+    }
+
+    /// Destroys all that was retired, before the device is destroyed.
+    pub fn clear(&self, device: &Device) {
+        let all = std::mem::take(&mut *self.retired.lock().unwrap_or_else(PoisonError::into_inner));
+        all.iter().for_each(|shown| self.destroy_prints(device, shown));
+    }
+
+    /// Destroys the prints of a scene and their views.
+    pub(in crate::intercept::vk) fn destroy_prints(&self, device: &Device, shown: &Shown) {
+        for print in &shown.prints {
+            self.pending.lock().unwrap_or_else(PoisonError::into_inner).retain(|pending| pending.image != print.image);
+            let mut views = self.views.lock().unwrap_or_else(PoisonError::into_inner);
+            let twins = views.values_mut().flat_map(|view| view.twins.extract_if(.., |(of, _)| *of == print.image));
+            // SAFETY: both are ours, and the device has finished with them.
+            unsafe {
+                twins.for_each(|(_, view)| device.functions.destroy_image_view(view, None));
+                print.destroy(device);
+            }
+        }
+    }
+}

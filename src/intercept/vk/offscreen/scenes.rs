@@ -1,0 +1,218 @@
+//! Images of the program that may hold a scene on its way to the window, and the prints of those that do.
+
+use crate::intercept::settings;
+use crate::intercept::vk::layer::device::Device;
+use crate::intercept::vk::offscreen::images::{Image, Images, Pending, Shown};
+use crate::intercept::vk::offscreen::view_copies;
+use crate::intercept::vk::swapchain::atlas_layout::Layout;
+use crate::intercept::vk::swapchain::own_image::OwnImage;
+use crate::rig::Duplicate;
+use ash::vk;
+use std::sync::atomic::Ordering;
+use std::sync::{Arc, PoisonError, Weak};
+
+/// Format, usage and samples of an image.
+pub type Kind = (vk::Format, vk::ImageUsageFlags, vk::SampleCountFlags);
+
+/// Views of the prints of a scene.
+pub struct Prints {
+    /// The scene; what has its place may get the same handles later.
+    of: Weak<Shown>,
+    /// One for each view of the rig.
+    pub views: Vec<vk::ImageView>,
+}
+
+impl Prints {
+    /// The same image for each of `count` views.
+    pub fn same(view: vk::ImageView, count: usize) -> Self {
+        Self { of: Weak::new(), views: vec![view; count] }
+    }
+}
+
+impl PartialEq for Prints {
+    fn eq(&self, other: &Self) -> bool {
+        Weak::ptr_eq(&self.of, &other.of) && self.views == other.views
+    }
+}
+
+impl Image {
+    /// Whether it may hold a scene on its way to the window.
+    pub(in crate::intercept::vk) fn may_hold_scene(&self) -> bool {
+        use vk::ImageUsageFlags as U;
+        self.usage.contains(U::COLOR_ATTACHMENT)
+            && self.usage.intersects(U::SAMPLED | U::TRANSFER_SRC)
+            && self.kind == vk::ImageType::TYPE_2D
+            && (self.mip_levels, self.layers) == (1, 1)
+            && self.shown.as_ref().is_none_or(|shown| !shown.window)
+    }
+
+    /// Whether it has one sample in each pixel: pictures with more cannot be copied into prints.
+    pub(in crate::intercept::vk) fn is_single(&self) -> bool {
+        self.samples == vk::SampleCountFlags::TYPE_1
+    }
+
+    fn kind(&self) -> Kind {
+        (self.format, self.usage, self.samples)
+    }
+}
+
+impl Images {
+    /// The program made an image that can be drawn to.
+    pub(super) fn add(&self, device: &Device, handle: vk::Image, image: Image) {
+        let (kind, size, may) = (image.kind(), image.size, image.may_hold_scene());
+        self.images.lock().unwrap_or_else(PoisonError::into_inner).insert(handle, image);
+        if !may {
+            return;
+        }
+        self.candidates.store(true, Ordering::Relaxed);
+        let known = self.scenes.lock().unwrap_or_else(PoisonError::into_inner).contains(&kind)
+            || settings::settings().is_some_and(|settings| settings.rig.views.duplicate == Duplicate::Always);
+        if let Some(layout) = device.latest_layout().filter(|layout| known && layout.window == size)
+            && let Err(why) = self.duplicate(device, handle, &layout)
+        {
+            device.give_up(&why);
+        }
+    }
+
+    /// Whether some image may hold a scene.
+    pub fn has_candidates(&self) -> bool {
+        self.candidates.load(Ordering::Relaxed)
+    }
+
+    /// Whether an image may hold a scene: it is as large as the window, and can be shown.
+    pub fn is_candidate(&self, image: vk::Image) -> bool {
+        let window = *self.window.lock().unwrap_or_else(PoisonError::into_inner);
+        let images = self.images.lock().unwrap_or_else(PoisonError::into_inner);
+        let fits = images.get(&image).is_some_and(|state| state.may_hold_scene() && Some(state.size) == window);
+        fits && settings::settings().is_some_and(|settings| settings.rig.views.duplicate != Duplicate::Never)
+    }
+
+    /// The image of a view, if it may hold a scene.
+    pub fn candidate_of(&self, view: vk::ImageView) -> Option<vk::Image> {
+        let image = self.views.lock().unwrap_or_else(PoisonError::into_inner).get(&view)?.image;
+        self.is_candidate(image).then_some(image)
+    }
+
+    /// The size of an image.
+    pub fn size(&self, image: vk::Image) -> Option<(u32, u32)> {
+        self.images.lock().unwrap_or_else(PoisonError::into_inner).get(&image).map(|state| state.size)
+    }
+
+    /// An image's twin of this size, if it has one.
+    pub fn twin_of_size(&self, image: vk::Image, size: (u32, u32)) -> Option<vk::Image> {
+        let images = self.images.lock().unwrap_or_else(PoisonError::into_inner);
+        images.get(&image)?.twins.iter().find(|(of, _)| *of == size).map(|(_, twin)| twin.image)
+    }
+
+    /// The images that hold a scene and are drawn for each view.
+    pub fn duplicated(&self) -> impl Iterator<Item = vk::Image> {
+        let images = self.images.lock().unwrap_or_else(PoisonError::into_inner);
+        let of_scene = |shown: &Arc<Shown>| !shown.window;
+        let all: Vec<_> = images
+            .iter()
+            .filter(|(_, state)| state.shown.as_ref().is_some_and(of_scene))
+            .map(|(image, _)| *image)
+            .collect();
+        all.into_iter()
+    }
+
+    /// From now on an image is drawn for each view.
+    ///
+    /// # Errors
+    /// What the driver refuses.
+    pub fn duplicate(&self, device: &Device, image: vk::Image, layout: &Arc<Layout>) -> Result<(), String> {
+        if self.shown_image(image).is_some() {
+            return Ok(());
+        }
+        let (kind, flags, described) = {
+            let images = self.images.lock().unwrap_or_else(PoisonError::into_inner);
+            let Some(state) = images.get(&image).filter(|state| state.size == layout.window) else { return Ok(()) };
+            (state.kind(), state.flags, state.usage.contains(vk::ImageUsageFlags::SAMPLED) && state.is_single())
+        };
+        // The twin is made as for any image that is drawn to; then it is the atlas.
+        let atlas = self.twin_image(device, image, layout, true)?;
+        let mut prints = Vec::new();
+        let tiles = layout.views.iter().map(|(tile, _)| tile).filter(|_| described);
+        for [_, _, width, height] in tiles {
+            let info = vk::ImageCreateInfo::default()
+                .flags(flags)
+                .image_type(vk::ImageType::TYPE_2D)
+                .format(kind.0)
+                .extent(vk::Extent3D { width: (*width).max(1) as u32, height: (*height).max(1) as u32, depth: 1 })
+                .mip_levels(1)
+                .array_layers(1)
+                .samples(vk::SampleCountFlags::TYPE_1)
+                .usage(vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST);
+            // SAFETY: the device is live; the structure is complete.
+            match unsafe { OwnImage::new(device, &info) } {
+                Ok(print) => prints.push(print),
+                Err(error) => {
+                    // SAFETY: ours, and not used yet.
+                    prints.iter().for_each(|print| unsafe { print.destroy(device) });
+                    return Err(format!("the driver refuses an image of {width} × {height}: {error}"));
+                }
+            }
+        }
+        let sampled = |print: &OwnImage| Pending {
+            image: print.image,
+            layout: view_copies::SAMPLED,
+            aspects: vk::ImageAspectFlags::COLOR,
+        };
+        self.pending.lock().unwrap_or_else(PoisonError::into_inner).extend(prints.iter().map(sampled));
+        let shown = Shown {
+            layout: Arc::clone(layout),
+            given: image,
+            atlas,
+            window: false,
+            copied_to: kind.1.contains(vk::ImageUsageFlags::TRANSFER_DST),
+            in_views: false.into(),
+            prints,
+            missed: 0.into(),
+        };
+        if let Some(state) = self.images.lock().unwrap_or_else(PoisonError::into_inner).get_mut(&image) {
+            state.shown = Some(Arc::new(shown));
+        }
+        device.paths.is_scene(image);
+        let mut scenes = self.scenes.lock().unwrap_or_else(PoisonError::into_inner);
+        if !scenes.contains(&kind) {
+            scenes.push(kind);
+        }
+        Ok(())
+    }
+
+    /// The prints of a view's image for draws to a window of `layout`; `None` where the image has none.
+    ///
+    /// # Errors
+    /// What the driver refuses; and where the image has the views of another window or of another state of the rig.
+    pub fn prints(&self, device: &Device, view: vk::ImageView, layout: &Layout) -> Result<Option<Prints>, String> {
+        let (image, info, known) = {
+            let views = self.views.lock().unwrap_or_else(PoisonError::into_inner);
+            let Some(state) = views.get(&view) else { return Ok(None) };
+            let info = vk::ImageViewCreateInfo::default()
+                .view_type(state.kind)
+                .format(state.format)
+                .components(state.components)
+                .subresource_range(state.range);
+            (state.image, info, state.twins.clone())
+        };
+        let Some(shown) = self.shown_image(image).filter(|shown| !shown.prints.is_empty()) else { return Ok(None) };
+        if (shown.layout.version, shown.prints.len()) != (layout.version, layout.views.len()) {
+            return Err("a picture of its scene has other views than the window".to_owned());
+        }
+        let mut all = Vec::with_capacity(shown.prints.len());
+        for print in &shown.prints {
+            if let Some((_, known)) = known.iter().find(|(of, _)| *of == print.image) {
+                all.push(*known);
+                continue;
+            }
+            // SAFETY: the print is live and has the format of the program's image.
+            let made = unsafe { device.functions.create_image_view(&info.image(print.image), None) };
+            let made = made.map_err(|error| format!("the driver refuses a view of an image: {error}"))?;
+            all.push(made);
+            if let Some(state) = self.views.lock().unwrap_or_else(PoisonError::into_inner).get_mut(&view) {
+                state.twins.push((print.image, made));
+            }
+        }
+        Ok(Some(Prints { of: Arc::downgrade(&shown), views: all }))
+    }
+}

@@ -1,0 +1,58 @@
+//! Prints: copies of the views of a scene that is drawn off screen, an image for each, as the program's shaders sample
+//! its own image.
+//!
+//! A pass draws all views into one atlas, so that no draw changes its framebuffer. What samples the image then sees, in
+//! each view, the print of that view: coordinates, filter and wrapping at the borders are as the program has them.
+
+use crate::intercept::vk::layer::device::Device;
+use crate::intercept::vk::offscreen::images::Shown;
+use crate::intercept::vk::swapchain::atlas_layout::Rect;
+use crate::intercept::vk::swapchain::own_image::{
+    ANYTHING, COLOR_LAYER, COPIED_FROM, COPIED_TO, barrier, left_in, ready_in,
+};
+use ash::vk;
+
+/// As a shader finds a print.
+pub const SAMPLED: vk::ImageLayout = vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL;
+
+/// Records the copies of an atlas that has just been drawn and is in `layout`; nothing for a window's. The program's own
+/// image gets the program's own picture, if the atlas has it, and the layout in any case: the passes that the program
+/// recorded for it, which would bring it there, draw to the atlas.
+///
+/// # Safety
+/// The command buffer is being recorded, outside of a pass.
+pub unsafe fn make(device: &Device, buffer: vk::CommandBuffer, shown: &Shown, layout: vk::ImageLayout) {
+    if shown.window {
+        return;
+    }
+    let own = shown.layout.own().filter(|_| shown.copied_to);
+    // SAFETY: as promised; tiles lie in the atlas, and prints are as large as tiles.
+    unsafe {
+        if own.is_none() && shown.prints.is_empty() {
+            return barrier(device, buffer, shown.given, ANYTHING, ready_in(layout));
+        }
+        barrier(device, buffer, shown.atlas, left_in(layout), COPIED_FROM);
+        let copy = |to: vk::Image, [x, y, width, height]: Rect| {
+            let region = vk::ImageCopy::default()
+                .src_subresource(COLOR_LAYER)
+                .src_offset(vk::Offset3D { x, y, z: 0 })
+                .dst_subresource(COLOR_LAYER)
+                .extent(vk::Extent3D { width: width as u32, height: height as u32, depth: 1 });
+            device.functions.cmd_copy_image(buffer, shown.atlas, COPIED_FROM.layout, to, COPIED_TO.layout, &[region]);
+        };
+        for (print, (tile, _)) in shown.prints.iter().zip(&shown.layout.views) {
+            barrier(device, buffer, print.image, ANYTHING, COPIED_TO);
+            copy(print.image, *tile);
+            barrier(device, buffer, print.image, COPIED_TO, ready_in(SAMPLED));
+        }
+        match own {
+            Some(tile) => {
+                barrier(device, buffer, shown.given, ANYTHING, COPIED_TO);
+                copy(shown.given, tile);
+                barrier(device, buffer, shown.given, COPIED_TO, ready_in(layout));
+            }
+            None => barrier(device, buffer, shown.given, ANYTHING, ready_in(layout)),
+        }
+        barrier(device, buffer, shown.atlas, COPIED_FROM, ready_in(layout));
+    }
+}

@@ -1,0 +1,143 @@
+//! Which pipelines get a stage that divides, the stage, and what the statistics say of it.
+
+use crate::correct::projected::division::Input;
+use crate::intercept::log;
+use crate::intercept::vk::layer::device::Device;
+use crate::intercept::vk::layer::pnext::in_chain;
+use crate::intercept::vk::pipelines::create_info::Parts;
+use crate::intercept::vk::pipelines::layouts::PipelineLayout;
+use crate::intercept::vk::pipelines::variants::{name_of, words_of};
+use crate::intercept::vk::spirv;
+use ::spirv::ExecutionModel;
+use ash::vk;
+use std::collections::BTreeMap;
+use std::sync::{Mutex, OnceLock, PoisonError};
+
+const NO_COUNTER: &str = "it needs the feature vertexPipelineStoresAndAtomics of the device";
+const NO_ROOM: &str = "a pipeline has no storage buffer to spare";
+
+/// What the statistics say of division.
+#[derive(Default)]
+pub struct Divided {
+    uncounted: OnceLock<&'static str>,
+    undivided: Mutex<BTreeMap<String, u64>>,
+}
+
+impl Divided {
+    /// What a pipeline draws is not divided; the log says why, once.
+    pub fn not(&self, why: &str) {
+        log::once(&format!("Vulkan: what a pipeline draws is not divided: {why}"));
+        *self.undivided.lock().unwrap_or_else(PoisonError::into_inner).entry(why.to_owned()).or_default() += 1;
+    }
+
+    /// How many pipelines are not divided, by reason.
+    pub fn undivided(&self) -> BTreeMap<String, u64> {
+        self.undivided.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    /// Why some pipeline that is divided does not count what is not fine enough.
+    pub fn uncounted(&self) -> Option<&'static str> {
+        self.uncounted.get().copied()
+    }
+}
+
+/// The words of a geometry stage that reads rows by our set of `layout`, and counts by it; `None` where nothing is to be divided.
+///
+/// # Errors
+/// Why what could be divided is not, for the log.
+///
+/// # Safety
+/// `parts` must be of a pipeline that the program has just made, and that can be followed.
+pub unsafe fn stage(
+    device: &Device,
+    parts: &Parts<'_>,
+    layout: &PipelineLayout,
+) -> Result<Option<Vec<u32>>, &'static str> {
+    let stage_of = |flag: vk::ShaderStageFlags| parts.stages.iter().find(|stage| stage.stage == flag);
+    let others = |stage: &vk::PipelineShaderStageCreateInfo<'_>| {
+        ![vk::ShaderStageFlags::VERTEX, vk::ShaderStageFlags::FRAGMENT].contains(&stage.stage)
+    };
+    if !device.divides() {
+        return Ok(None);
+    }
+    if parts.stages.iter().any(others) {
+        return Err("it has geometry or tessellation shaders of its own");
+    }
+    if !parts.shades_all() {
+        return Err("it is linked from libraries that have its shaders apart");
+    }
+    // SAFETY: as promised; a pipeline with a vertex shader has these structures.
+    unsafe {
+        let feedback = vk::StructureType::PIPELINE_CREATION_FEEDBACK_CREATE_INFO;
+        let feedback = in_chain::<vk::PipelineCreationFeedbackCreateInfo<'_>>(parts.info.p_next, feedback);
+        if feedback.is_some_and(|feedback| feedback.pipeline_stage_creation_feedback_count > 0) {
+            return Err("the program asks how each of its stages is made");
+        }
+        let raster = parts.info.p_rasterization_state.as_ref();
+        if raster.is_some_and(|raster| raster.polygon_mode == vk::PolygonMode::POINT) {
+            return Ok(None);
+        }
+        let Some(input) = input(device, parts)? else { return Ok(None) };
+        let Some(vertex) = stage_of(vk::ShaderStageFlags::VERTEX) else { return Ok(None) };
+        const UNKNOWN: &str = "its shaders' words are not known";
+        let fragment = stage_of(vk::ShaderStageFlags::FRAGMENT);
+        let fragment = match fragment {
+            Some(stage) => Some((words_of(device, stage).ok_or(UNKNOWN)?, name_of(stage))),
+            None => None,
+        };
+        let (words, name) = (words_of(device, vertex).ok_or(UNKNOWN)?, name_of(vertex));
+        let fragment = fragment.as_ref().map(|(words, name)| (&words[..], ExecutionModel::Fragment, name.as_str()));
+        let handed = spirv::handed((&words, ExecutionModel::Vertex, &name), fragment)?;
+        let provoking = if provokes_last(parts)? { input.corners() - 1 } else { 0 };
+        let limits = &device.limits;
+        let limits = spirv::Limits {
+            vertices: limits.max_geometry_output_vertices,
+            all_components: limits.max_geometry_total_output_components,
+            components: [limits.max_geometry_input_components, limits.max_geometry_output_components],
+            runs: limits.max_geometry_shader_invocations,
+        };
+        let words = spirv::divide(input, &handed, provoking, (layout.ours, layout.counts), &limits)?;
+        if !layout.counts {
+            let _ = device.pipelines.divided.uncounted.set(if device.vertices.counts { NO_ROOM } else { NO_COUNTER });
+        }
+        Ok(Some(words))
+    }
+}
+
+/// What the pipeline draws, if it can be divided.
+///
+/// # Safety
+/// As for [`stage`].
+unsafe fn input(device: &Device, parts: &Parts<'_>) -> Result<Option<Input>, &'static str> {
+    if device.topologies_change && parts.dynamic.contains(&vk::DynamicState::PRIMITIVE_TOPOLOGY) {
+        return Err("commands may change what kind of primitives it draws");
+    }
+    // SAFETY: as promised; of a topology that commands set the class is given here.
+    let assembly = unsafe { parts.info.p_input_assembly_state.as_ref() };
+    use vk::PrimitiveTopology as T;
+    Ok(match assembly.map(|assembly| assembly.topology) {
+        Some(T::TRIANGLE_LIST | T::TRIANGLE_STRIP | T::TRIANGLE_FAN) => Some(Input::Triangles),
+        Some(T::LINE_LIST | T::LINE_STRIP) => Some(Input::Lines),
+        Some(T::POINT_LIST) => None,
+        _ => return Err("it draws primitives with neighbours"),
+    })
+}
+
+/// Whether the last vertex of a primitive has its values that are not interpolated.
+///
+/// # Safety
+/// As for [`stage`].
+unsafe fn provokes_last(parts: &Parts<'_>) -> Result<bool, &'static str> {
+    if parts.dynamic.contains(&vk::DynamicState::PROVOKING_VERTEX_MODE_EXT) {
+        return Err("commands may change which of its vertices is the provoking one");
+    }
+    let kind = vk::StructureType::PIPELINE_RASTERIZATION_PROVOKING_VERTEX_STATE_CREATE_INFO_EXT;
+    // SAFETY: as promised.
+    let given = unsafe {
+        let raster = parts.info.p_rasterization_state.as_ref();
+        raster.and_then(|raster| {
+            in_chain::<vk::PipelineRasterizationProvokingVertexStateCreateInfoEXT<'_>>(raster.p_next, kind)
+        })
+    };
+    Ok(given.is_some_and(|given| given.provoking_vertex_mode == vk::ProvokingVertexModeEXT::LAST_VERTEX))
+}

@@ -1,0 +1,85 @@
+//! Counts what the dividing stage did not divide far enough, for the statistics.
+
+use crate::intercept::vk::layer::device::Device;
+use ash::prelude::VkResult;
+use ash::vk;
+
+/// Bytes of a number.
+const LENGTH: u64 = size_of::<u32>() as u64;
+
+/// A number in a buffer of ours, to which stages add.
+pub struct Counter {
+    buffer: vk::Buffer,
+    memory: vk::DeviceMemory,
+    address: usize,
+}
+
+impl Counter {
+    /// A counter at 0.
+    ///
+    /// # Errors
+    /// The driver's.
+    pub fn new(device: &Device) -> VkResult<Self> {
+        let mut counter = Self { buffer: vk::Buffer::null(), memory: vk::DeviceMemory::null(), address: 0 };
+        counter.fill(device).inspect_err(|_| counter.destroy(device))?;
+        Ok(counter)
+    }
+
+    fn fill(&mut self, device: &Device) -> VkResult<()> {
+        let functions = &device.functions;
+        let info = vk::BufferCreateInfo::default().size(LENGTH).usage(vk::BufferUsageFlags::STORAGE_BUFFER);
+        let visible = vk::MemoryPropertyFlags::HOST_VISIBLE | vk::MemoryPropertyFlags::HOST_COHERENT;
+        // SAFETY: makes objects of ours on a live device; they are kept in `self` as soon as they are made. The memory is as
+        // long as the number, and nothing uses it yet.
+        unsafe {
+            self.buffer = functions.create_buffer(&info, None)?;
+            let needs = functions.get_buffer_memory_requirements(self.buffer);
+            let near = device.memory_type(needs.memory_type_bits, visible | vk::MemoryPropertyFlags::DEVICE_LOCAL);
+            let kind = near.or_else(|| device.memory_type(needs.memory_type_bits, visible)).unwrap_or(0);
+            let allocation = vk::MemoryAllocateInfo::default().allocation_size(needs.size).memory_type_index(kind);
+            self.memory = functions.allocate_memory(&allocation, None)?;
+            functions.bind_buffer_memory(self.buffer, self.memory, 0)?;
+            let flags = vk::MemoryMapFlags::empty();
+            let address = functions.map_memory(self.memory, 0, vk::WHOLE_SIZE, flags)?.cast::<u32>();
+            address.write_volatile(0);
+            self.address = address as usize;
+        }
+        Ok(())
+    }
+
+    /// The number, for a descriptor.
+    pub fn descriptor(&self) -> vk::DescriptorBufferInfo {
+        vk::DescriptorBufferInfo { buffer: self.buffer, offset: 0, range: LENGTH }
+    }
+
+    /// Lets the host see what was counted before, once the commands are done.
+    ///
+    /// # Safety
+    /// The command buffer is being recorded, outside of render passes, for queues that draw.
+    pub unsafe fn show(device: &Device, buffer: vk::CommandBuffer) {
+        let seen = vk::MemoryBarrier::default()
+            .src_access_mask(vk::AccessFlags::SHADER_WRITE)
+            .dst_access_mask(vk::AccessFlags::HOST_READ);
+        let (from, to) = (vk::PipelineStageFlags::GEOMETRY_SHADER, vk::PipelineStageFlags::HOST);
+        // SAFETY: as promised; a device that counts has geometry shaders.
+        unsafe {
+            let functions = &device.functions;
+            functions.cmd_pipeline_barrier(buffer, from, to, vk::DependencyFlags::empty(), &[seen], &[], &[]);
+        }
+    }
+
+    /// What the device has counted, of the commands that are done at least.
+    pub fn read(&self) -> u32 {
+        // SAFETY: the memory stays mapped; the device changes the number as a whole.
+        unsafe { (self.address as *const u32).read_volatile() }
+    }
+
+    /// Destroys it.
+    pub fn destroy(&self, device: &Device) {
+        // SAFETY: ours or null; the device has finished with them.
+        unsafe {
+            device.functions.destroy_buffer(self.buffer, None);
+            device.functions.free_memory(self.memory, None);
+        }
+    }
+}

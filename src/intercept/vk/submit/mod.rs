@@ -1,0 +1,6 @@
+//! TODO-NOTE
+
+pub mod draw_groups;
+pub mod host_memory;
+pub mod queue;
+pub mod view_constants;

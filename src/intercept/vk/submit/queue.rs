@@ -1,0 +1,92 @@
+//! Submissions: what recorded command buffers draw gets its rows.
+
+use crate::intercept::vk::layer::device::Device;
+use crate::intercept::vk::layer::hooks::hooks;
+use crate::intercept::vk::offscreen::images::Pending;
+use crate::intercept::vk::submit::draw_groups;
+use ash::prelude::VkResult;
+use ash::vk;
+use std::sync::PoisonError;
+
+/// Command buffers are submitted to a queue.
+///
+/// # Safety
+/// The program submits on this queue, so that no other thread uses it.
+unsafe fn submitted(device: &Device, queue: vk::Queue, buffers: impl Iterator<Item = vk::CommandBuffer>) {
+    for buffer in buffers {
+        device.recordings.with(buffer, |recording| draw_groups::submitted(device, recording));
+    }
+    let pending = device.images.take_pending();
+    if !pending.is_empty() {
+        // SAFETY: as promised.
+        if let Err(error) = unsafe { bring(device, queue, &pending) } {
+            device.give_up(&format!("the driver refuses commands: {error}"));
+        }
+    }
+}
+
+/// Brings new twins into the layouts that the program believes its images to be in. Happens once for each, and
+/// is waited for.
+///
+/// # Safety
+/// As for [`submitted`].
+unsafe fn bring(device: &Device, queue: vk::Queue, pending: &[Pending]) -> VkResult<()> {
+    let family = device.queues.lock().unwrap_or_else(PoisonError::into_inner).get(&queue).copied().unwrap_or(0);
+    let functions = &device.functions;
+    let barrier = |pending: &Pending| {
+        let range = vk::ImageSubresourceRange {
+            aspect_mask: pending.aspects,
+            level_count: 1,
+            layer_count: 1,
+            ..Default::default()
+        };
+        vk::ImageMemoryBarrier::default()
+            .image(pending.image)
+            .new_layout(pending.layout)
+            .dst_access_mask(vk::AccessFlags::MEMORY_READ | vk::AccessFlags::MEMORY_WRITE)
+            .src_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
+            .dst_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
+            .subresource_range(range)
+    };
+    let barriers: Vec<_> = pending.iter().map(barrier).collect();
+    let info = vk::CommandPoolCreateInfo::default().queue_family_index(family);
+    // SAFETY: as promised; the pool is destroyed after the device has finished with it.
+    unsafe {
+        let pool = functions.create_command_pool(&info, None)?;
+        let run = || {
+            let buffer = device.command_buffer(pool)?;
+            functions.begin_command_buffer(buffer, &vk::CommandBufferBeginInfo::default())?;
+            let stages = vk::PipelineStageFlags::ALL_COMMANDS;
+            functions.cmd_pipeline_barrier(buffer, stages, stages, vk::DependencyFlags::empty(), &[], &[], &barriers);
+            functions.end_command_buffer(buffer)?;
+            let fence = functions.create_fence(&vk::FenceCreateInfo::default(), None)?;
+            let work = vk::SubmitInfo::default().command_buffers(std::slice::from_ref(&buffer));
+            let done = functions
+                .queue_submit(queue, &[work], fence)
+                .and_then(|()| functions.wait_for_fences(&[fence], true, u64::MAX));
+            functions.destroy_fence(fence, None);
+            done
+        };
+        let result = run();
+        functions.destroy_command_pool(pool, None);
+        result
+    }
+}
+
+hooks! { submit;
+    [c"vkQueueSubmit"] queue_submit: vk::PFN_vkQueueSubmit = (
+        queue: vk::Queue, count: u32, submits: *const vk::SubmitInfo<'_>, fence: vk::Fence
+    ) -> vk::Result { |state, next| {
+        let batches = crate::intercept::vk::slice(submits, count).iter();
+        submitted(&state, queue, batches.flat_map(|s| crate::intercept::vk::slice(s.p_command_buffers, s.command_buffer_count)).copied());
+        next(queue, count, submits, fence)
+    } }
+    [c"vkQueueSubmit2", c"vkQueueSubmit2KHR"] queue_submit2: vk::PFN_vkQueueSubmit2 = (
+        queue: vk::Queue, count: u32, submits: *const vk::SubmitInfo2<'_>, fence: vk::Fence
+    ) -> vk::Result { |state, next| {
+        let batches = crate::intercept::vk::slice(submits, count).iter();
+        let buffers = batches.flat_map(|s| crate::intercept::vk::slice(s.p_command_buffer_infos, s.command_buffer_info_count));
+        submitted(&state, queue, buffers.map(|info| info.command_buffer));
+        next(queue, count, submits, fence)
+    } }
+}

@@ -1,0 +1,250 @@
+//! Memory for the rows that re-project, one group for each view and the panel, read by shaders when a recorded
+//! command buffer runs. So command buffers stay valid when the program's lens changes. Where vertices are projected to
+//! outputs' pictures, the lens of a picture follows its rows; where they are divided, a counter may be beside them. The parameters of
+//! large draws lie there, too.
+
+use crate::intercept::vk::layer::device::Device;
+use crate::intercept::vk::pipelines::division_counter::Counter;
+use ash::prelude::VkResult;
+use ash::vk;
+use std::sync::{Mutex, OnceLock, PoisonError};
+
+/// Floats of a group's rows, and of the lens that may follow them.
+const FLOATS: usize = 16;
+
+/// Bytes of a piece of memory.
+const PIECE: u64 = 1 << 16;
+
+/// A piece of memory with its descriptor.
+pub struct Piece {
+    buffer: vk::Buffer,
+    memory: vk::DeviceMemory,
+    pool: vk::DescriptorPool,
+    /// Its descriptor sets, whose offset is given when one is bound: without the counter, and with it.
+    sets: [vk::DescriptorSet; 2],
+    address: usize,
+}
+
+/// Where the rows of one run of draws are.
+#[derive(Clone, Copy, Debug)]
+pub struct Place {
+    /// Which piece of the command buffer's.
+    pub piece: usize,
+    /// Offset in it, bytes.
+    pub offset: u32,
+}
+
+/// The device's pieces that no command buffer has.
+pub struct Rows {
+    lenses: bool,
+    counts: bool,
+    counter: OnceLock<Option<Counter>>,
+    /// Without the counter, and with it.
+    set_layouts: [OnceLock<Option<vk::DescriptorSetLayout>>; 2],
+    free: Mutex<Vec<Piece>>,
+}
+
+/// Those of a command buffer.
+#[derive(Default)]
+pub struct Taken {
+    /// The pieces.
+    pub pieces: Vec<Piece>,
+    used: u64,
+}
+
+impl Rows {
+    /// No memory yet. `lenses`: for groups with lenses; `counts`: what divides may count.
+    pub fn new(lenses: bool, counts: bool) -> Self {
+        Self { lenses, counts, counter: OnceLock::new(), set_layouts: Default::default(), free: Mutex::default() }
+    }
+
+    /// Whether groups have lenses.
+    pub fn have_lenses(&self) -> bool {
+        self.lenses
+    }
+
+    /// Bytes of a group.
+    pub fn group(&self) -> u64 {
+        (if self.lenses { 2 } else { 1 }) * (FLOATS * size_of::<f32>()) as u64
+    }
+
+    /// What counts on this device, if anything does.
+    pub fn counter(&self, device: &Device) -> Option<&Counter> {
+        self.counter.get_or_init(|| self.counts.then(|| Counter::new(device).ok()).flatten()).as_ref()
+    }
+
+    /// What was counted, if anything could be.
+    pub fn counted(&self) -> Option<u32> {
+        self.counter.get()?.as_ref().map(Counter::read)
+    }
+
+    /// The layout of the set that shaders read rows by, and count by with `counts`; `None` where the driver refuses it.
+    pub fn set_layout(&self, device: &Device, counts: bool) -> Option<vk::DescriptorSetLayout> {
+        *self.set_layouts[usize::from(counts)].get_or_init(|| {
+            let rows = vk::DescriptorSetLayoutBinding::default()
+                .descriptor_type(vk::DescriptorType::UNIFORM_BUFFER_DYNAMIC)
+                .descriptor_count(1)
+                .stage_flags(vk::ShaderStageFlags::ALL_GRAPHICS);
+            let counter = vk::DescriptorSetLayoutBinding::default()
+                .binding(1)
+                .descriptor_type(vk::DescriptorType::STORAGE_BUFFER)
+                .descriptor_count(1)
+                .stage_flags(vk::ShaderStageFlags::GEOMETRY);
+            let bindings = [rows, counter];
+            let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings[..1 + usize::from(counts)]);
+            // SAFETY: the device is live.
+            unsafe { device.functions.create_descriptor_set_layout(&info, None) }.ok()
+        })
+    }
+
+    /// Room for `groups` groups, each `stride` bytes from the last.
+    ///
+    /// # Errors
+    /// The driver's.
+    pub fn take(&self, device: &Device, taken: &mut Taken, groups: usize, stride: u32) -> VkResult<Place> {
+        let length = groups as u64 * u64::from(stride);
+        if taken.pieces.is_empty() || taken.used + length > PIECE {
+            let free = self.free.lock().unwrap_or_else(PoisonError::into_inner).pop();
+            let piece = match free {
+                Some(piece) => piece,
+                None => self.make(device)?,
+            };
+            taken.pieces.push(piece);
+            taken.used = 0;
+        }
+        let place = Place { piece: taken.pieces.len() - 1, offset: taken.used as u32 };
+        taken.used += length;
+        Ok(place)
+    }
+
+    /// A command buffer needs its pieces no more.
+    pub fn give_back(&self, taken: &mut Taken) {
+        taken.used = 0;
+        self.free.lock().unwrap_or_else(PoisonError::into_inner).append(&mut taken.pieces);
+    }
+
+    fn make(&self, device: &Device) -> VkResult<Piece> {
+        let counter = self.counter(device);
+        let layouts: Option<Vec<vk::DescriptorSetLayout>> = [false, true]
+            .into_iter()
+            .take(1 + counter.iter().count())
+            .map(|counts| self.set_layout(device, counts))
+            .collect();
+        let layouts = layouts.ok_or(vk::Result::ERROR_INITIALIZATION_FAILED)?;
+        let mut piece = Piece {
+            buffer: vk::Buffer::null(),
+            memory: vk::DeviceMemory::null(),
+            pool: vk::DescriptorPool::null(),
+            sets: Default::default(),
+            address: 0,
+        };
+        match piece.fill(device, &layouts, (self.group(), counter)) {
+            Ok(()) => Ok(piece),
+            Err(error) => {
+                piece.destroy(device);
+                Err(error)
+            }
+        }
+    }
+
+    /// Destroys what is left, before the device is destroyed.
+    pub fn destroy(&self, device: &Device) {
+        for piece in self.free.lock().unwrap_or_else(PoisonError::into_inner).drain(..) {
+            piece.destroy(device);
+        }
+        for layout in self.set_layouts.iter().filter_map(|layout| layout.get().copied().flatten()) {
+            // SAFETY: ours; nothing uses it any more.
+            unsafe { device.functions.destroy_descriptor_set_layout(layout, None) };
+        }
+        if let Some(Some(counter)) = self.counter.get() {
+            counter.destroy(device);
+        }
+    }
+}
+
+impl Piece {
+    /// Its descriptor set, with the counter or without.
+    pub fn set(&self, counts: bool) -> vk::DescriptorSet {
+        self.sets[usize::from(counts)]
+    }
+
+    /// With a set for each of the `layouts`.
+    fn fill(
+        &mut self,
+        device: &Device,
+        layouts: &[vk::DescriptorSetLayout],
+        (group, counter): (u64, Option<&Counter>),
+    ) -> VkResult<()> {
+        let functions = &device.functions;
+        let usage = vk::BufferUsageFlags::UNIFORM_BUFFER | vk::BufferUsageFlags::INDIRECT_BUFFER;
+        let info = vk::BufferCreateInfo::default().size(PIECE).usage(usage);
+        let visible = vk::MemoryPropertyFlags::HOST_VISIBLE | vk::MemoryPropertyFlags::HOST_COHERENT;
+        let count = layouts.len() as u32;
+        let sizes = [
+            vk::DescriptorPoolSize { ty: vk::DescriptorType::UNIFORM_BUFFER_DYNAMIC, descriptor_count: count },
+            vk::DescriptorPoolSize { ty: vk::DescriptorType::STORAGE_BUFFER, descriptor_count: 1 },
+        ];
+        let pool = vk::DescriptorPoolCreateInfo::default().max_sets(count).pool_sizes(&sizes[..layouts.len()]);
+        // SAFETY: makes objects of ours on a live device; they are kept in `self` as soon as they are made.
+        unsafe {
+            self.buffer = functions.create_buffer(&info, None)?;
+            let needs = functions.get_buffer_memory_requirements(self.buffer);
+            let kind = device.memory_type(needs.memory_type_bits, visible).unwrap_or(0);
+            let allocation = vk::MemoryAllocateInfo::default().allocation_size(needs.size).memory_type_index(kind);
+            self.memory = functions.allocate_memory(&allocation, None)?;
+            functions.bind_buffer_memory(self.buffer, self.memory, 0)?;
+            let flags = vk::MemoryMapFlags::empty();
+            self.address = functions.map_memory(self.memory, 0, vk::WHOLE_SIZE, flags)? as usize;
+            self.pool = functions.create_descriptor_pool(&pool, None)?;
+            let info = vk::DescriptorSetAllocateInfo::default().descriptor_pool(self.pool).set_layouts(layouts);
+            let sets = functions.allocate_descriptor_sets(&info)?;
+            self.sets.iter_mut().zip(&sets).for_each(|(place, set)| *place = *set);
+            let rows = [vk::DescriptorBufferInfo { buffer: self.buffer, offset: 0, range: group }];
+            let rows = |set| {
+                let kind = vk::DescriptorType::UNIFORM_BUFFER_DYNAMIC;
+                vk::WriteDescriptorSet::default().dst_set(set).descriptor_type(kind).buffer_info(&rows)
+            };
+            let mut writes: Vec<_> = sets.iter().map(|set| rows(*set)).collect();
+            let counter = counter.map(|counter| [counter.descriptor()]);
+            if let Some(counter) = &counter {
+                let write = vk::WriteDescriptorSet::default().dst_set(self.set(true)).dst_binding(1);
+                writes.push(write.descriptor_type(vk::DescriptorType::STORAGE_BUFFER).buffer_info(counter));
+            }
+            functions.update_descriptor_sets(&writes, &[]);
+        }
+        Ok(())
+    }
+
+    /// The buffer.
+    pub fn buffer(&self) -> vk::Buffer {
+        self.buffer
+    }
+
+    /// Writes a group, with its lens if it has one; nothing where it would not lie in the piece.
+    pub fn write(&self, offset: u32, rows: &[f32; FLOATS], lens: Option<&[f32; FLOATS]>) {
+        self.write_words(offset, &rows.map(f32::to_bits));
+        if let Some(lens) = lens {
+            self.write_words(offset + size_of_val(rows) as u32, &lens.map(f32::to_bits));
+        }
+    }
+
+    /// Writes numbers; nothing where they would not lie in the piece.
+    pub fn write_words(&self, offset: u32, words: &[u32]) {
+        if u64::from(offset) + size_of_val(words) as u64 > PIECE {
+            return;
+        }
+        let to = (self.address + offset as usize) as *mut u32;
+        // SAFETY: the piece stays mapped, and the numbers lie in it; what reads them is not running, since its command
+        // buffer is being submitted.
+        unsafe { std::ptr::copy_nonoverlapping(words.as_ptr(), to, words.len()) };
+    }
+
+    fn destroy(&self, device: &Device) {
+        // SAFETY: ours or null; the device has finished with them.
+        unsafe {
+            device.functions.destroy_descriptor_pool(self.pool, None);
+            device.functions.destroy_buffer(self.buffer, None);
+            device.functions.free_memory(self.memory, None);
+        }
+    }
+}

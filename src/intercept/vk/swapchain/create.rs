@@ -1,0 +1,315 @@
+//! Swapchains: the program draws into images of ours; the real ones get the corrected picture.
+
+use crate::error::{Error, ErrorKind, Result};
+use crate::intercept::live::{self, Live};
+use crate::intercept::log;
+use crate::intercept::settings::{self, Settings};
+use crate::intercept::vk::layer::device::{self, Device};
+use crate::intercept::vk::layer::features::Vertices;
+use crate::intercept::vk::swapchain::atlas_layout::Layout;
+use crate::intercept::vk::swapchain::formats::{Texels, is_usual};
+use crate::intercept::vk::swapchain::stand_in::{Canvas, Show};
+use crate::rig::{Method, Rig};
+use ash::prelude::VkResult;
+use ash::vk;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// A swapchain of the program.
+pub struct Swapchain {
+    /// Size of its images.
+    pub extent: vk::Extent2D,
+    /// How their texels lie in memory.
+    pub texels: Texels,
+    /// What images of its surface can be used for.
+    supported: vk::ImageUsageFlags,
+    /// The real images.
+    pub real: Vec<vk::Image>,
+    /// What stands before them; `None`: the program has the real images.
+    pub canvas: Option<Canvas>,
+    /// After a failure: the program's own picture.
+    pub failed: bool,
+    /// Which state of the rig's file it follows.
+    pub version: u64,
+}
+
+impl Swapchain {
+    /// The image that the program has as number `index`.
+    pub fn given(&self, index: usize) -> Option<vk::Image> {
+        match &self.canvas {
+            Some(canvas) => canvas.given(index),
+            None => self.real.get(index).copied(),
+        }
+    }
+
+    /// Goes on with the rig as its file is now, before a picture is made. Where only the correction changes, it is made
+    /// anew; images and views of the program's belong to the views that it has drawn, so that others need a new swapchain:
+    /// whether the program should be asked for one. What cannot be planned or made changes nothing.
+    ///
+    /// # Safety
+    /// The device must be live, and no other thread may present this swapchain meanwhile.
+    pub unsafe fn follow_rig(&mut self, device: &Device) -> bool {
+        let version = live::version();
+        let Some(canvas) = self.canvas.as_mut().filter(|_| !self.failed && self.version != version) else {
+            return false;
+        };
+        self.version = version;
+        let Some(live) = live::rig() else { return false };
+        let (window, read) = (canvas.layout.window, canvas.layout.read);
+        let adopted = plan(device, &live.rig, window, read).and_then(|new| {
+            let layout = Layout { version, ..new };
+            let (old, new) = (&canvas.layout.plan.views, &layout.plan.views);
+            // What is recorded already has the program's camera as the rig adapted it.
+            let same = canvas.layout.session.rig().camera == layout.session.rig().camera
+                && (&old.views, &old.panel, old.atlas) == (&new.views, &new.panel, new.atlas);
+            // SAFETY: as promised.
+            same.then(|| unsafe { canvas.adopt(device, Arc::new(layout)) }).transpose()
+        });
+        match adopted {
+            Ok(Some(())) => false,
+            Ok(None) => {
+                log::once(
+                    "Vulkan: the rig's views have changed; a window follows when the program makes its next swapchain, as after a change of size",
+                );
+                true
+            }
+            Err(error) => {
+                log::once(&format!("Vulkan: the rig stays as it was: {}", error.message));
+                false
+            }
+        }
+    }
+
+    /// What the next picture of image `index` is made of; `None`: it is presented as it is.
+    pub fn show(&self, index: usize) -> Option<Show> {
+        let in_views = self.canvas.as_ref()?.in_views(index);
+        Some(match (self.failed, in_views) {
+            (true, true) => Show::Tile,
+            (true, false) => Show::Own,
+            (false, true) => Show::Views,
+            (false, false) => Show::Panel,
+        })
+    }
+}
+
+/// Plans a rig for a window. What outputs lose is told.
+fn plan(device: &Device, rig: &Rig, size: (u32, u32), read: bool) -> Result<Layout> {
+    let (vertices, undivided) = (device.vertices.vertices, device.vertices.undivided);
+    let projects = vertices != Vertices::Views;
+    let has = |lost: &dyn Fn(&Method) -> bool| rig.outputs.iter().any(|output| lost(&output.method));
+    let reasons = [
+        (!device.divides() && has(&Method::divides), undivided),
+        (!projects && has(&|m| m.projects_vertices() && !m.divides()), "vertices are projected after a new start"),
+    ];
+    for (_, why) in reasons.iter().filter(|(lost, _)| *lost) {
+        log::once(&format!("Vulkan: {why}: outputs that ask for it are made by method \"fragment\" instead"));
+    }
+    Layout::new(rig, size, device.greatest_image(), read, vertices)
+}
+
+/// Why a swapchain is left alone.
+fn obstacle(info: &vk::SwapchainCreateInfoKHR<'_>) -> Option<String> {
+    if Texels::of(info.image_format).is_none() {
+        let kinds = "supported are RGBA and BGRA of 8 bits, RGB of 10 bits and RGBA of 16-bit floats";
+        return Some(format!("images of {:?}; {kinds}", info.image_format));
+    }
+    if !is_usual(info.image_color_space) {
+        return Some(format!("colours in the space {:?}, which are not encoded as sRGB's are", info.image_color_space));
+    }
+    if info.image_array_layers != 1 || info.flags.contains(vk::SwapchainCreateFlagsKHR::PROTECTED) {
+        return Some("layered or protected images".to_owned());
+    }
+    let shared = [vk::PresentModeKHR::SHARED_DEMAND_REFRESH, vk::PresentModeKHR::SHARED_CONTINUOUS_REFRESH];
+    shared.contains(&info.present_mode).then(|| "images that are shown while they are drawn".to_owned())
+}
+
+/// `vkCreateSwapchainKHR`.
+///
+/// # Safety
+/// Called by the program.
+pub unsafe extern "system" fn create(
+    handle: vk::Device,
+    info: *const vk::SwapchainCreateInfoKHR<'_>,
+    allocator: *const vk::AllocationCallbacks<'_>,
+    swapchain: *mut vk::SwapchainKHR,
+) -> vk::Result {
+    let Some(device) = device::get(handle) else { return vk::Result::ERROR_INITIALIZATION_FAILED };
+    // SAFETY: the program's structure.
+    let given = unsafe { &*info };
+    // SAFETY: the program's own call; the structure differs in its usage and flags only.
+    let next = |info: &vk::SwapchainCreateInfoKHR<'_>| unsafe {
+        (device.swapchain.create_swapchain_khr)(handle, info, allocator, swapchain)
+    };
+    let Some(settings) = settings::settings().filter(|_| device.active) else { return next(given) };
+    if let Some(why) = obstacle(given) {
+        log::once(&format!("Vulkan: a window keeps the program's own picture: {why}"));
+        return next(given);
+    }
+    let passthrough = settings.rig.passthrough;
+    let mut changed = *given;
+    let wanted = if passthrough {
+        vk::ImageUsageFlags::empty()
+    } else {
+        vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_DST
+    };
+    let read = settings.capture.as_ref().map_or(vk::ImageUsageFlags::empty(), |_| vk::ImageUsageFlags::TRANSFER_SRC);
+    // SAFETY: the program's own call.
+    let supported = unsafe { supported_usage(&device, given) };
+    if !supported.contains(wanted | read) {
+        log::once("Vulkan: a window keeps the program's own picture: its images cannot be drawn to or copied");
+        return next(given);
+    }
+    changed.image_usage |= wanted | read;
+    if !passthrough {
+        // The correction's views of the images are made at once, which needs their memory.
+        changed.flags &= !vk::SwapchainCreateFlagsKHR::DEFERRED_MEMORY_ALLOCATION_EXT;
+    }
+    let result = next(&changed);
+    if result != vk::Result::SUCCESS {
+        return result;
+    }
+    // SAFETY: the driver has just made it.
+    let made = unsafe { *swapchain };
+    let live = live::rig();
+    let built = crate::fence::guard(|| {
+        // SAFETY: objects of a live device.
+        unsafe {
+            build(&device, made, given, supported, live.as_ref().filter(|_| !passthrough).map(|live| (live, settings)))
+        }
+    });
+    match built {
+        Some(Ok(built)) => {
+            let mut all = device.swapchains.lock().unwrap_or_else(PoisonError::into_inner);
+            all.insert(made, Arc::new(Mutex::new(built)));
+        }
+        Some(Err(error)) => log::once(&format!("Vulkan: a window keeps the program's own picture: {}", error.message)),
+        None => log::once("Vulkan: a window keeps the program's own picture after a failure"),
+    }
+    vk::Result::SUCCESS
+}
+
+/// What images of a new swapchain's surface can be used for: all, where the driver does not say. It is not asked again for a
+/// swapchain that follows another: it answers by way of the display's server, and the longer the program's call takes until
+/// the driver has it, the likelier the window has another size by then.
+///
+/// # Safety
+/// The structure must be one that the program passes for this device.
+unsafe fn supported_usage(device: &Device, info: &vk::SwapchainCreateInfoKHR<'_>) -> vk::ImageUsageFlags {
+    if let Some(old) = device.managed(info.old_swapchain) {
+        return old.lock().unwrap_or_else(PoisonError::into_inner).supported;
+    }
+    let mut capabilities = vk::SurfaceCapabilitiesKHR::default();
+    let ask = device.instance.surface.get_physical_device_surface_capabilities_khr;
+    // SAFETY: the program's surface.
+    match unsafe { ask(device.physical, info.surface, &mut capabilities) } {
+        vk::Result::SUCCESS => capabilities.supported_usage_flags,
+        _ => !vk::ImageUsageFlags::empty(),
+    }
+}
+
+/// # Safety
+/// The swapchain must have just been made on the device.
+unsafe fn build(
+    device: &Device,
+    swapchain: vk::SwapchainKHR,
+    info: &vk::SwapchainCreateInfoKHR<'_>,
+    supported: vk::ImageUsageFlags,
+    corrected: Option<(&Live, &Settings)>,
+) -> Result<Swapchain> {
+    // SAFETY: as promised.
+    let real = unsafe { real_images(device, swapchain) }
+        .map_err(|error| Error::new(ErrorKind::Graphics, format!("the driver does not tell its images: {error}")))?;
+    let canvas = match corrected {
+        None => {
+            real.iter().for_each(|image| device.images.declare(*image, info.image_usage));
+            None
+        }
+        Some((live, settings)) => {
+            let size = (info.image_extent.width, info.image_extent.height);
+            let read = info.image_usage.contains(vk::ImageUsageFlags::TRANSFER_SRC);
+            let layout = match device.layout(size, read).filter(|known| known.version == live.version) {
+                Some(known) => known,
+                None => {
+                    let new = plan(device, &live.rig, size, read)?;
+                    Arc::new(Layout { version: live.version, ..new })
+                }
+            };
+            // SAFETY: as promised.
+            let canvas = unsafe { Canvas::new(device, info, &real, Arc::clone(&layout), settings.stats.is_some())? };
+            if let Err(why) = device.images.follow(device, &layout) {
+                device.give_up(&why);
+            }
+            Some(canvas)
+        }
+    };
+    let texels = Texels::of(info.image_format).unwrap_or(Texels::Rgba8);
+    let version = corrected.map_or(0, |(live, _)| live.version);
+    Ok(Swapchain { extent: info.image_extent, texels, supported, real, canvas, failed: false, version })
+}
+
+/// # Safety
+/// The swapchain must belong to the device.
+unsafe fn real_images(device: &Device, swapchain: vk::SwapchainKHR) -> VkResult<Vec<vk::Image>> {
+    let ask = device.swapchain.get_swapchain_images_khr;
+    let (handle, mut count) = (device.functions.handle(), 0);
+    // SAFETY: asks for the number, then for as many.
+    unsafe {
+        ask(handle, swapchain, &mut count, std::ptr::null_mut()).result()?;
+        let mut images = vec![vk::Image::null(); count as usize];
+        ask(handle, swapchain, &mut count, images.as_mut_ptr()).result()?;
+        Ok(images)
+    }
+}
+
+/// `vkGetSwapchainImagesKHR`.
+///
+/// # Safety
+/// Called by the program.
+pub unsafe extern "system" fn images(
+    handle: vk::Device,
+    swapchain: vk::SwapchainKHR,
+    count: *mut u32,
+    images: *mut vk::Image,
+) -> vk::Result {
+    let Some(device) = device::get(handle) else { return vk::Result::ERROR_INITIALIZATION_FAILED };
+    let Some(managed) = device.managed(swapchain) else {
+        // SAFETY: the program's own call.
+        return unsafe { (device.swapchain.get_swapchain_images_khr)(handle, swapchain, count, images) };
+    };
+    let managed = managed.lock().unwrap_or_else(PoisonError::into_inner);
+    let all: Vec<vk::Image> = (0..managed.real.len()).filter_map(|index| managed.given(index)).collect();
+    // SAFETY: `count` is the program's, and `images` has room for as many as it says.
+    unsafe {
+        if images.is_null() {
+            *count = all.len() as u32;
+            return vk::Result::SUCCESS;
+        }
+        let copied = all.len().min(*count as usize);
+        std::ptr::copy_nonoverlapping(all.as_ptr(), images, copied);
+        *count = copied as u32;
+        if copied < all.len() { vk::Result::INCOMPLETE } else { vk::Result::SUCCESS }
+    }
+}
+
+/// `vkDestroySwapchainKHR`.
+///
+/// # Safety
+/// Called by the program.
+pub unsafe extern "system" fn destroy(
+    handle: vk::Device,
+    swapchain: vk::SwapchainKHR,
+    allocator: *const vk::AllocationCallbacks<'_>,
+) {
+    let Some(device) = device::get(handle) else { return };
+    let managed = device.swapchains.lock().unwrap_or_else(PoisonError::into_inner).remove(&swapchain);
+    // SAFETY: the program has finished with the swapchain; our own commands are waited for.
+    unsafe {
+        (device.swapchain.destroy_swapchain_khr)(handle, swapchain, allocator);
+        if let Some(managed) = managed {
+            let mut managed = managed.lock().unwrap_or_else(PoisonError::into_inner);
+            managed.real.iter().for_each(|image| device.images.hide(*image));
+            if let Some(mut canvas) = managed.canvas.take() {
+                canvas.destroy(&device);
+            }
+        }
+    }
+}

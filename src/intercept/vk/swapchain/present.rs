@@ -1,0 +1,264 @@
+//! The end of a frame: the picture is corrected, counted, captured and presented.
+
+use crate::backend::vk::Timing;
+use crate::error::{Error, ErrorKind, Result};
+use crate::intercept::kept::{self, Kept};
+use crate::intercept::vk::layer::device::{self, Device};
+use crate::intercept::vk::swapchain::create::Swapchain;
+use crate::intercept::vk::swapchain::read_back;
+use crate::intercept::{log, settings};
+use crate::rig::Rig;
+use crate::runtime::report::{Picture, Statistics, ViewStatistics};
+use ash::vk;
+use std::sync::PoisonError;
+use std::sync::atomic::Ordering;
+
+/// `vkQueuePresentKHR`.
+///
+/// # Safety
+/// Called by the program.
+pub unsafe extern "system" fn present(queue: vk::Queue, info: *const vk::PresentInfoKHR<'_>) -> vk::Result {
+    let Some(device) = device::get(queue) else { return vk::Result::ERROR_INITIALIZATION_FAILED };
+    // SAFETY: the program's structure.
+    let mut changed = unsafe { *info };
+    let frames = device.frames.fetch_add(1, Ordering::Relaxed) + 1;
+    let settings = settings::settings();
+    let last = settings.is_some_and(|settings| settings.frames == Some(frames));
+    let (mut ready, mut outdated) = (None, false);
+    // SAFETY: the program presents on this queue, so that no other thread uses it.
+    let prepared = crate::fence::guard(|| unsafe {
+        outdated = follow_rig(&device, &changed);
+        prepare(&device, queue, &changed, frames, last, &mut ready);
+    });
+    if prepared.is_none() {
+        log::once("Vulkan: a frame could not be corrected after a failure");
+    }
+    if let Some(ready) = &ready {
+        // What the program's semaphores stand for, ours were signalled after.
+        changed = changed.wait_semaphores(ready);
+    }
+    // SAFETY: the program's own call; the structure differs in what is waited for.
+    let result = unsafe { (device.swapchain.queue_present_khr)(queue, &changed) };
+    if last {
+        kept::end_program();
+    }
+    if result == vk::Result::SUCCESS && outdated { vk::Result::SUBOPTIMAL_KHR } else { result }
+}
+
+/// Lets what is presented follow the rig's file; whether the program should make new swapchains.
+///
+/// # Safety
+/// As for [`present`].
+unsafe fn follow_rig(device: &Device, info: &vk::PresentInfoKHR<'_>) -> bool {
+    // SAFETY: the lengths and arrays of the program's structure.
+    let swapchains = unsafe { crate::intercept::vk::slice(info.p_swapchains, info.swapchain_count) };
+    let mut outdated = false;
+    for handle in swapchains {
+        if let Some(managed) = device.managed(*handle) {
+            // SAFETY: as promised.
+            outdated |= unsafe { managed.lock().unwrap_or_else(PoisonError::into_inner).follow_rig(device) };
+        }
+    }
+    outdated
+}
+
+/// Corrects each image that is presented; `ready` gets what the presentation has to wait for in the place of the
+/// program's semaphores, where those were waited for here.
+///
+/// # Safety
+/// As for [`present`].
+unsafe fn prepare(
+    device: &Device,
+    queue: vk::Queue,
+    info: &vk::PresentInfoKHR<'_>,
+    frames: u64,
+    last: bool,
+    ready: &mut Option<Vec<vk::Semaphore>>,
+) {
+    device.frame.lock().unwrap_or_else(PoisonError::into_inner).end();
+    crate::intercept::vk::offscreen::scene_graph::decide(device);
+    let Some(settings) = settings::settings() else { return };
+    let pictures = settings.capture.is_some() || settings.capture_views.is_some();
+    let keep = (last || settings.frames.is_none()) && (pictures || settings.stats.is_some());
+    // SAFETY: the lengths and arrays of the program's structure; empty arrays may be null.
+    let (swapchains, indices, mut waits) = unsafe {
+        (
+            crate::intercept::vk::slice(info.p_swapchains, info.swapchain_count),
+            crate::intercept::vk::slice(info.p_image_indices, info.swapchain_count),
+            crate::intercept::vk::slice(info.p_wait_semaphores, info.wait_semaphore_count),
+        )
+    };
+    let family = device.queues.lock().unwrap_or_else(PoisonError::into_inner).get(&queue).copied().unwrap_or(0);
+    for (handle, &index) in swapchains.iter().zip(indices) {
+        let Some(managed) = device.managed(*handle) else { continue };
+        let mut managed = managed.lock().unwrap_or_else(PoisonError::into_inner);
+        // SAFETY: as above.
+        if let Some(signal) = unsafe { make(device, (queue, family), &mut managed, index as usize, waits) } {
+            ready.get_or_insert_default().push(signal);
+            // The first submission waits for everything; what follows on the queue comes after it.
+            waits = &[];
+        }
+        if !keep {
+            continue;
+        }
+        let mut kept = Kept { statistics: None, pictures: Vec::new(), views: Vec::new() };
+        if pictures {
+            // SAFETY: as above.
+            match unsafe { captured(device, (queue, family), &managed, index as usize, waits, settings) } {
+                Ok((outputs, views)) => {
+                    (kept.pictures, kept.views) = (outputs, views);
+                    ready.get_or_insert_default();
+                    waits = &[];
+                }
+                Err(error) => log::once(&format!("Vulkan: a frame could not be captured: {error}")),
+            }
+        }
+        if let (true, Some(canvas)) = (last, &managed.canvas) {
+            // What is counted in this frame is counted then.
+            // SAFETY: the device is live.
+            unsafe { canvas.wait(device) };
+        }
+        kept.statistics = settings.stats.is_some().then(|| statistics(device, &managed, &settings.rig, frames));
+        device.kept.store(kept::keep(kept), Ordering::Relaxed);
+    }
+}
+
+/// Makes the window's picture: the corrected one, or after a failure the program's own.
+///
+/// # Safety
+/// As for [`present`].
+unsafe fn make(
+    device: &Device,
+    queue: (vk::Queue, u32),
+    managed: &mut Swapchain,
+    index: usize,
+    waits: &[vk::Semaphore],
+) -> Option<vk::Semaphore> {
+    loop {
+        let show = managed.show(index)?;
+        let canvas = managed.canvas.as_mut()?;
+        // SAFETY: as promised.
+        match unsafe { canvas.submit(device, queue, index, show, waits) } {
+            Ok(signal) => return Some(signal),
+            Err(error) if managed.failed => {
+                log::once(&format!("Vulkan: a frame is lost: {}", error.message));
+                return None;
+            }
+            Err(error) => {
+                log::once(&format!("Vulkan: the window has the program's own picture from now on: {}", error.message));
+                managed.failed = true;
+            }
+        }
+    }
+}
+
+/// The outputs of the frame that was just made, and the pictures that they were made of.
+///
+/// # Safety
+/// As for [`present`].
+unsafe fn captured(
+    device: &Device,
+    queue: (vk::Queue, u32),
+    managed: &Swapchain,
+    index: usize,
+    mut waits: &[vk::Semaphore],
+    settings: &settings::Settings,
+) -> Result<(Vec<Picture>, Vec<Picture>)> {
+    let failed = |error: vk::Result| Error::new(ErrorKind::Graphics, error.to_string());
+    let vk::Extent2D { width, height } = managed.extent;
+    let texels = managed.texels;
+    let cut = |bytes: &[u8], name: &str, rect: [u32; 4]| read_back::cut(bytes, width, texels, name, rect);
+    let (Some(&real), Some(given)) = (managed.real.get(index), managed.given(index)) else {
+        return Ok(Default::default());
+    };
+    let mut read = |image| {
+        // SAFETY: the images are live, as large as the window, and can be copied.
+        let bytes =
+            unsafe { read_back::read(device, queue, (image, texels.size()), managed.extent, waits) }.map_err(failed);
+        waits = &[];
+        bytes
+    };
+    let shown = read(real)?;
+    let now = managed.canvas.as_ref().map(|canvas| canvas.layout.session.rig());
+    let rig = now.unwrap_or(&settings.rig);
+    let names = rig.outputs.iter().map(|output| output.name.as_str());
+    let outputs = match &managed.canvas {
+        Some(_) => names.zip(rig.layout((width, height))).map(|(name, rect)| cut(&shown, name, rect)).collect(),
+        None => vec![cut(&shown, names.into_iter().next().unwrap_or("window"), [0, 0, width, height])],
+    };
+    if settings.capture_views.is_none() {
+        return Ok((outputs, Vec::new()));
+    }
+    let views = match &managed.canvas {
+        Some(canvas) if canvas.in_views(index) => {
+            let (layout, atlas) = (&canvas.layout, canvas.atlas(index).unwrap_or_default());
+            let extent = vk::Extent2D { width: layout.atlas.0, height: layout.atlas.1 };
+            // SAFETY: the atlas is as large as its layout says, and ready as an image that is presented.
+            let bytes =
+                unsafe { read_back::read(device, queue, (atlas, texels.size()), extent, &[]) }.map_err(failed)?;
+            let tiles = layout.tiles();
+            tiles.map(|(name, rect)| read_back::cut(&bytes, extent.width, texels, name, rect)).collect()
+        }
+        _ => vec![cut(&read(given)?, "program", [0, 0, width, height])],
+    };
+    Ok((outputs, views))
+}
+
+/// Mean time of a correction in milliseconds, if any was measured.
+fn mean(timing: Timing) -> Option<f64> {
+    (timing.corrections > 0).then(|| timing.total * 1e-6 / timing.corrections as f64)
+}
+
+/// What was not divided far enough so far, if that is counted.
+fn coarse(device: &Device) -> Option<u64> {
+    let counts = device.pipelines.divided.uncounted().is_none();
+    counts.then(|| device.rows.counted().unwrap_or(0).into())
+}
+
+/// The device has done all that it was told, and is about to be destroyed: what was kept of its last frame was not complete, where
+/// nobody knew that it would be the last.
+pub fn count_again(device: &Device) {
+    kept::amend(device.kept.load(Ordering::Relaxed), |statistics| statistics.coarse_primitives = coarse(device));
+}
+
+fn statistics(device: &Device, managed: &Swapchain, rig: &Rig, frames: u64) -> Statistics {
+    let counts = device.frame.lock().unwrap_or_else(PoisonError::into_inner).counts.clone();
+    let divided = &device.pipelines.divided;
+    let uncounted =
+        divided.uncounted().map(|why| format!("Vulkan: what is not divided far enough is not counted: {why}"));
+    let mut statistics = Statistics {
+        frames,
+        rig: rig.name.clone(),
+        driver: device.driver.clone(),
+        cache: crate::runtime::cache::of_process().counts(),
+        notes: device.flat_note().into_iter().chain(uncounted).collect(),
+        draws_seen: counts.seen,
+        panel_draws: counts.flat,
+        duplicated_draws: counts.duplicated,
+        draws_out_of_sight: counts.left_out,
+        duplicated_framebuffers: device.images.duplicated().count() as u64,
+        single_framebuffers: device.paths.single(rig.views.duplicate),
+        coarse_primitives: coarse(device),
+        undivided_pipelines: divided.undivided(),
+        projection_found: counts.found.iter().map(|(how, draws)| ((*how).to_owned(), *draws)).collect(),
+        ..Statistics::default()
+    };
+    let view = |name: &str, width, height, draws_issued| ViewStatistics {
+        name: name.to_owned(),
+        width,
+        height,
+        draws_issued,
+        ..ViewStatistics::default()
+    };
+    match &managed.canvas {
+        Some(canvas) if device.draws_views() => {
+            let session = &canvas.layout.session;
+            statistics.notes.extend(session.plan().views.notes.iter().cloned());
+            let views = session.views().iter();
+            statistics.correction_milliseconds = mean(canvas.timing());
+            statistics.views = views.map(|v| view(&v.name, v.tile.width, v.tile.height, counts.in_views)).collect();
+        }
+        _ => statistics.views = vec![view("program", managed.extent.width, managed.extent.height, 0)],
+    }
+    statistics
+}

@@ -1,0 +1,378 @@
+//! Which outputs get a view of their own, and which share a cube.
+
+use crate::error::{Error, ErrorKind, Result};
+use crate::geom::{PictureMap, pose};
+use crate::rig::{OutputKind, Rig, ViewMethod};
+use crate::views::arranging::cost::beside_texels;
+use crate::views::arranging::dedicated::{Seen, alone_within};
+use crate::views::arranging::partition::{Partition, Task, WideCell, diagram};
+use crate::views::fitting::axes::{Aimed, facing};
+use crate::views::fitting::fit::{Fit, mean_direction};
+use crate::views::sampling::output_map::{Sight, lens_rotation};
+use crate::views::sampling::samples::Samples;
+use glam::{DMat3, DVec3};
+
+/// At quality 1 no view gets more texels than this for each pixel of the outputs that it serves.
+///
+/// Where a projector's light grazes the screen close to its lens, or a lens crams a large part of its picture into a
+/// point, pixels shrink without bound, and a view as fine as the finest of them would fit into no atlas. The bar leaves
+/// alone what is merely oblique: a 90° × 60° lens at 0.9 radii needs 7.
+const MOST_TEXELS_PER_PIXEL: f64 = 64.0;
+
+/// A view before it has a place and its final size.
+#[derive(Clone, Debug)]
+pub(crate) struct Wanted {
+    /// Name for people.
+    pub name: String,
+    /// Viewer axes → view axes.
+    pub rotation: DMat3,
+    /// The sampled part and the resolution it needs.
+    pub fit: Fit,
+    /// The sampled part is exactly so many pixels, one texel each at quality 1.
+    pub exact: Option<(u32, u32)>,
+    /// Drawn with the program's own projection.
+    pub program_lens: bool,
+    /// Vertices are projected straight to the output's pixels.
+    pub curved: Option<PictureMap>,
+    /// How far to the right of the viewer's position it is seen from, metres.
+    pub eye: f64,
+    /// The outputs that sample it.
+    pub outputs: Vec<usize>,
+}
+
+/// The views of a rig, and remarks for people.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Arrangement {
+    /// In order of precedence.
+    pub views: Vec<Wanted>,
+    /// What was left out, and why.
+    pub notes: Vec<String>,
+}
+
+impl Arrangement {
+    /// In texels.
+    fn cost(&self, rig: &Rig) -> f64 {
+        cost(rig, &self.views)
+    }
+}
+
+/// What views cost together, in texels.
+pub(crate) fn cost(rig: &Rig, views: &[Wanted]) -> f64 {
+    views.iter().map(|view| view.fit.texels() + beside_texels(rig)).sum()
+}
+
+/// Chooses the views for outputs of the given sizes.
+pub(crate) fn arrange(rig: &Rig, sights: &[Sight]) -> Result<Arrangement> {
+    let quality = rig.views.quality;
+    let mut notes = Vec::new();
+    let mut seen = Vec::new();
+    for (index, (output, sight)) in rig.outputs.iter().zip(sights).enumerate() {
+        let this = Seen::new(rig, index, sight);
+        let single = rig.views.method == ViewMethod::Single && rig.views.cells.is_empty();
+        if sight.size == (0, 0) {
+            notes.push(format!("output {} has no views: it lies outside of the window", output.name));
+        } else if this.fine.is_empty() {
+            notes.push(format!("output {} shows nothing: no ray of it meets the dome's screen", output.name));
+        } else if single && this.own(rig, index).is_empty() {
+            return Err(no_single_view(&output.name, &this.fine));
+        }
+        seen.push(this);
+    }
+
+    // What an eye sees from another place is another view: only outputs of the same eye share views.
+    let mut eyes: Vec<f64> = Vec::new();
+    for output in &rig.outputs {
+        if !eyes.contains(&output.eye) {
+            eyes.push(output.eye);
+        }
+    }
+    let mut arrangement = Arrangement::default();
+    for eye in eyes {
+        let mut of_eye = best(rig, &seen, sights, eye)?;
+        for view in &mut of_eye.views {
+            view.eye = eye;
+            view.name = free_name(&view.name, &arrangement.views);
+        }
+        arrangement.views.append(&mut of_eye.views);
+        arrangement.notes.append(&mut of_eye.notes);
+    }
+    notes.append(&mut arrangement.notes);
+    notes.extend(arrangement.views.iter_mut().filter_map(|view| limit(view, sights, quality)));
+    arrangement.notes = notes;
+    Ok(arrangement)
+}
+
+/// The cheapest arrangement for the outputs of one eye.
+fn best(rig: &Rig, seen: &[Seen], sights: &[Sight], eye: f64) -> Result<Arrangement> {
+    let of_eye = |index: usize| rig.outputs[index].eye == eye;
+    // Always alone: what needs no resampling then, or is drawn with the program's own lens.
+    let alone = |index: usize| seen[index].is_exact();
+    let is_circle = |index: usize| sights[index].is_circular();
+    let ways: &[&dyn Fn(usize) -> bool] = match rig.views.method {
+        _ if !rig.views.cells.is_empty() => &[&alone],
+        ViewMethod::Cube => &[&alone],
+        ViewMethod::Single => &[&|_| true],
+        ViewMethod::Auto => &[&|_| true, &|index| alone(index) || !is_circle(index), &alone],
+    };
+    // Ways that give the same outputs views of their own are the same.
+    let mut tried: Vec<Vec<bool>> = Vec::new();
+    let mut cheapest: Option<((usize, f64), Arrangement)> = None;
+    let mut refused = None;
+    // Outputs that show something and yet have no view.
+    let without = |arrangement: &Arrangement| -> Vec<usize> {
+        let has_one = |index: &usize| arrangement.views.iter().any(|view| view.outputs.contains(index));
+        (0..seen.len()).filter(|&index| of_eye(index) && !seen[index].fine.is_empty()).filter(|i| !has_one(i)).collect()
+    };
+    // Of equals the first way counts; the last one is looked at first, since it needs no views of outputs' own and may
+    // cost less than these can.
+    for way in ways.iter().rev() {
+        let wanted: Vec<bool> = (0..seen.len()).map(|index| of_eye(index) && way(index)).collect();
+        let most = cheapest.as_ref().filter(|((without, _), _)| *without == 0);
+        let most = most.map_or(f64::INFINITY, |((_, cost), _)| *cost);
+        let Some(own) = alone_within(rig, seen, &wanted, most) else { continue };
+        if !tried.contains(&own) {
+            match mixed(rig, seen, of_eye, |index| own[index]) {
+                Ok(arrangement) => {
+                    let cost = (without(&arrangement).len(), arrangement.cost(rig));
+                    if cheapest.as_ref().is_none_or(|(other, _)| cost <= *other) {
+                        cheapest = Some((cost, arrangement));
+                    }
+                }
+                Err(error) => refused = Some(error),
+            }
+            tried.push(own);
+        }
+    }
+    let Some((_, mut arrangement)) = cheapest else { return refused.map_or_else(|| Ok(Arrangement::default()), Err) };
+    let outputs = without(&arrangement);
+    if !outputs.is_empty() && arrangement.views.is_empty() {
+        return Err(without_view(rig, &outputs));
+    }
+    arrangement.notes.extend(outputs.iter().map(|output| without_view(rig, &[*output]).message));
+    Ok(arrangement)
+}
+
+impl From<Aimed> for Wanted {
+    fn from(aimed: Aimed) -> Self {
+        Self {
+            name: String::new(),
+            rotation: aimed.rotation,
+            fit: aimed.fit,
+            exact: None,
+            program_lens: false,
+            curved: None,
+            eye: 0.0,
+            outputs: Vec::new(),
+        }
+    }
+}
+
+/// Of the outputs that `chosen` names: views of their own for those that `alone` names, which have some; shared cells for
+/// the others.
+fn mixed(
+    rig: &Rig,
+    seen: &[Seen],
+    chosen: impl Fn(usize) -> bool,
+    alone: impl Fn(usize) -> bool,
+) -> Result<Arrangement> {
+    let mut arrangement = Arrangement::default();
+    let mut sharing = Vec::new();
+    for (index, this) in seen.iter().enumerate().filter(|(index, _)| chosen(*index)) {
+        if alone(index) {
+            arrangement.views.extend(this.own(rig, index).iter().cloned());
+        } else if !this.fine.is_empty() {
+            sharing.push(index);
+        }
+    }
+    share_equals(&mut arrangement.views);
+    if !sharing.is_empty() {
+        let coarse: Vec<&Samples> = sharing.iter().map(|&index| &seen[index].coarse).collect();
+        let fine: Vec<&Samples> = sharing.iter().map(|&index| &seen[index].fine).collect();
+        let task = Task::new(rig, &coarse, &fine);
+        let partition = if rig.views.cells.is_empty() {
+            task.best(&frames(rig, &sharing, &coarse)).ok_or_else(|| without_view(rig, &sharing))?
+        } else {
+            let cells = diagram(&rig.views.cells);
+            if let Some(wide) = cells.iter().position(|cell| !task.texels(cell).is_finite()) {
+                return Err(too_wide_cell(wide));
+            }
+            task.partition(&cells).map_err(|WideCell(wide)| too_wide_cell(wide))?
+        };
+        add_parts(&mut arrangement, partition, &sharing);
+    }
+    Ok(arrangement)
+}
+
+fn without_view(rig: &Rig, outputs: &[usize]) -> Error {
+    let names: Vec<&str> = outputs.iter().map(|&index| rig.outputs[index].name.as_str()).collect();
+    Error::new(
+        ErrorKind::InvalidRig,
+        format!(
+            "output {}: no perspective view can show it: what it shows is far narrower than high, or far higher, or no more than \
+             a part of a pixel; make it wider, or leave it out",
+            names.join(", ")
+        ),
+    )
+}
+
+fn too_wide_cell(index: usize) -> Error {
+    Error::new(
+        ErrorKind::InvalidRig,
+        format!(
+            "[views] cells: what the outputs show of the cell of cells[{index}] lies more than 83° from any axis, too wide \
+             for one perspective view; use more cells (`cupola-lab cells` finds some), or leave the key out"
+        ),
+    )
+}
+
+/// Makes a view coarser that is finer than [`MOST_TEXELS_PER_PIXEL`] allows; what to tell people then.
+fn limit(view: &mut Wanted, sights: &[Sight], quality: f64) -> Option<String> {
+    let pixels = |&output: &usize| f64::from(sights[output].size.0) * f64::from(sights[output].size.1);
+    let asked = view.fit.texels() / (quality * quality) / view.outputs.iter().map(pixels).sum::<f64>();
+    if view.exact.is_some() || asked <= MOST_TEXELS_PER_PIXEL {
+        return None;
+    }
+    let scale = (MOST_TEXELS_PER_PIXEL / asked).sqrt();
+    view.fit.density *= scale;
+    Some(format!(
+        "view {} has {:.1} % of the resolution asked for, in each direction: the smallest of its outputs' pixels \
+         would take {asked:.0} texels for each pixel",
+        view.name,
+        100.0 * scale,
+    ))
+}
+
+/// Merges views that are the same in everything but the outputs.
+fn share_equals(views: &mut Vec<Wanted>) {
+    let mut kept: Vec<Wanted> = Vec::with_capacity(views.len());
+    for view in views.drain(..) {
+        let same = |other: &&mut Wanted| {
+            other.rotation == view.rotation
+                && other.fit.extent == view.fit.extent
+                && other.fit.density == view.fit.density
+                && other.exact == view.exact
+                && other.program_lens == view.program_lens
+                && other.curved == view.curved
+        };
+        match kept.iter_mut().find(same) {
+            Some(other) => other.outputs.extend(view.outputs),
+            None => kept.push(view),
+        }
+    }
+    *views = kept;
+}
+
+/// Frames (local → viewer axes) around which cubes are tried: the viewer's, the domemasters', and
+/// one that looks at the middle of everything seen.
+pub(in crate::views) fn frames(rig: &Rig, sharing: &[usize], samples: &[&Samples]) -> Vec<DMat3> {
+    let middle: DVec3 = samples.iter().map(|samples| mean_direction(samples.iter())).sum();
+    let lenses = sharing.iter().filter_map(|&index| match rig.outputs[index].kind {
+        OutputKind::Domemaster { tilt, .. } => Some(lens_rotation(tilt)),
+        OutputKind::Panorama { angles: [yaw, pitch, roll], .. } => Some(pose::rotation(yaw, pitch, roll)),
+        _ => None,
+    });
+    let mut frames: Vec<DMat3> = Vec::new();
+    for frame in lenses.chain([DMat3::IDENTITY, facing(middle)]) {
+        if !frames.iter().any(|other| other.abs_diff_eq(frame, 1e-6)) {
+            frames.push(frame);
+        }
+    }
+    frames
+}
+
+fn add_parts(arrangement: &mut Arrangement, partition: Partition, sharing: &[usize]) {
+    for part in partition.parts {
+        let name = free_name(&direction_name(part.towards), &arrangement.views);
+        let outputs = part.outputs.iter().map(|&index| sharing[index]).collect();
+        arrangement.views.push(Wanted { name, outputs, ..Wanted::from(part.aimed) });
+    }
+    for direction in partition.skipped {
+        arrangement
+            .notes
+            .push(format!("no view {}: nothing that the outputs show lies there", direction_name(direction)));
+    }
+}
+
+/// A direction in words: `front`, `up`, `front-left` …
+fn direction_name(direction: DVec3) -> String {
+    // A third of the way to the next axis counts as between the two.
+    const SHARE: f64 = 0.38;
+    let word = |part: f64, positive: &'static str, negative: &'static str| {
+        (part.abs() > SHARE).then_some(if part > 0.0 { positive } else { negative })
+    };
+    let words =
+        [word(direction.y, "up", "down"), word(-direction.z, "front", "back"), word(direction.x, "right", "left")];
+    words.into_iter().flatten().collect::<Vec<_>>().join("-")
+}
+
+fn free_name(name: &str, views: &[Wanted]) -> String {
+    let taken = |candidate: &str| views.iter().any(|view| view.name == candidate);
+    if !taken(name) {
+        return name.to_owned();
+    }
+    let numbered = |number: usize| format!("{name}-{number}");
+    (2..=views.len() + 2).map(numbered).find(|candidate| !taken(candidate)).unwrap_or_else(|| numbered(views.len() + 3))
+}
+
+fn no_single_view(name: &str, samples: &Samples) -> Error {
+    let middle = mean_direction(samples.iter());
+    let widest = samples.iter().map(|sample| sample.direction.angle_between(middle)).fold(0.0, f64::max);
+    Error::new(
+        ErrorKind::InvalidRig,
+        format!(
+            "[views] method = \"single\": output {name} sees directions up to {:.0}° from their middle, and one \
+             perspective view can show 83° at most; use method = \"auto\" or \"cube\", or a narrower output",
+            widest.to_degrees(),
+        ),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::random::Random;
+    use crate::views::tests::{fisheye, lens, projector, rig};
+
+    /// The cheapest of all ways, each planned as a whole, the first of equals.
+    fn exhaustive(rig: &Rig, seen: &[Seen], sights: &[Sight]) -> Arrangement {
+        let ways: [&dyn Fn(usize) -> bool; 3] = [&|_| true, &|index| !sights[index].is_circular(), &|_| false];
+        let own = |index: usize| !seen[index].own(rig, index).is_empty();
+        let planned = |way: &&dyn Fn(usize) -> bool| mixed(rig, seen, |_| true, |i| way(i) && own(i)).expect("a plan");
+        let arrangements: Vec<Arrangement> = ways.iter().map(planned).collect();
+        arrangements.into_iter().min_by(|a, b| a.cost(rig).total_cmp(&b.cost(rig))).expect("three")
+    }
+
+    #[test]
+    fn what_is_not_planned_would_have_cost_more() {
+        let mut random = Random::new(11);
+        let (mut shared, mut unplanned) = (0, 0);
+        for round in 0..24 {
+            let count = 1 + round % 5;
+            let mut outputs: Vec<_> = (0..count)
+                .map(|index| {
+                    let yaw = f64::from(index) * 360.0 / f64::from(count) + random.range(-5.0, 5.0);
+                    let (width, height) = (random.range(30.0, 110.0), random.range(30.0, 70.0));
+                    projector("p", random.vector(-0.5, 0.5), [yaw, random.range(0.0, 60.0), 0.0], lens(width, height))
+                })
+                .collect();
+            if round % 3 == 0 {
+                outputs.push(outputs[0].clone());
+            }
+            if round % 4 == 0 {
+                outputs.push(fisheye(180.0, random.range(0.0, 90.0)));
+            }
+            let rig = rig(outputs);
+            let side = [40, 200, 700][round as usize % 3];
+            let sight = |index: usize| Sight::new(&rig, index, (side, side)).expect("a map");
+            let sights: Vec<Sight> = (0..rig.outputs.len()).map(sight).collect();
+            let seen =
+                || -> Vec<Seen> { sights.iter().enumerate().map(|(i, sight)| Seen::new(&rig, i, sight)).collect() };
+            let (quick, whole) = (seen(), seen());
+            let best = best(&rig, &quick, &sights, 0.0).expect("a plan");
+            assert_eq!(format!("{best:?}"), format!("{:?}", exhaustive(&rig, &whole, &sights)), "{rig:?}");
+            shared += usize::from(best.views.iter().any(|view| view.outputs.len() > 1));
+            unplanned += quick.iter().filter(|seen| !seen.is_planned()).count();
+        }
+        assert!(shared > 3 && unplanned > 3, "{shared} share views, {unplanned} outputs were not planned for alone");
+    }
+}

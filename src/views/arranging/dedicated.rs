@@ -1,0 +1,148 @@
+//! The views that outputs can have to themselves.
+
+use crate::geom::pose;
+use crate::rig::{OutputKind, Rig, ViewMethod};
+use crate::views::arranging::choose::{Wanted, cost};
+use crate::views::arranging::cost::beside_texels;
+use crate::views::arranging::partition::Task;
+use crate::views::arranging::projected;
+use crate::views::fitting::axes;
+use crate::views::fitting::fit::{Fit, Patch, mean_direction};
+use crate::views::sampling::output_map::{Sight, UNIT_FRUSTUM};
+use crate::views::sampling::samples::{COARSE, FINE, Samples};
+use glam::{DMat3, DVec2, DVec3};
+use std::cell::OnceCell;
+
+/// An output that shows directions farther than this from their middle (cosine of 65°) may get two views.
+const NARROW: f64 = 0.4226;
+
+/// An output, sampled at two levels.
+pub(crate) struct Seen {
+    pub coarse: Samples,
+    pub fine: Samples,
+    /// The view that it has by what it is.
+    given: Option<Wanted>,
+    /// The tight view, or the two, that it can have to itself, once somebody asks; empty where that is not possible.
+    tight: OnceCell<Vec<Wanted>>,
+}
+
+impl Seen {
+    /// Output number `index` of `rig`.
+    pub fn new(rig: &Rig, index: usize, sight: &Sight) -> Self {
+        let (coarse, fine) = (Samples::new(sight, COARSE), Samples::new(sight, FINE));
+        let output = &rig.outputs[index];
+        let given = || {
+            projected::view(rig, index, sight.size).or_else(|| own_view(&output.kind, index, sight, rig.views.method))
+        };
+        let given = (!fine.is_empty()).then(given).flatten();
+        let given = given.map(|view| Wanted { name: output.name.clone(), outputs: vec![index], ..view });
+        Self { coarse, fine, given, tight: OnceCell::new() }
+    }
+
+    /// The views that it can have to itself; of output number `index`, named after it.
+    pub fn own(&self, rig: &Rig, index: usize) -> &[Wanted] {
+        match &self.given {
+            Some(given) => std::slice::from_ref(given),
+            None if self.fine.is_empty() || rig.views.method == ViewMethod::Cube || !rig.views.cells.is_empty() => &[],
+            None => self.tight.get_or_init(|| {
+                let mut views = tight_views(rig, self);
+                let (name, several) = (&rig.outputs[index].name, views.len() > 1);
+                for (number, view) in (1..).zip(&mut views) {
+                    view.name = if several { format!("{name}-{number}") } else { name.clone() };
+                    view.outputs = vec![index];
+                }
+                views
+            }),
+        }
+    }
+
+    /// Whether its own views have been planned.
+    #[cfg(test)]
+    pub fn is_planned(&self) -> bool {
+        self.tight.get().is_some()
+    }
+
+    /// It needs no resampling, or is drawn with the program's own lens.
+    pub fn is_exact(&self) -> bool {
+        self.given.as_ref().is_some_and(|given| given.exact.is_some())
+    }
+
+    /// Whether all that it shows lies so near to the `middle` that it certainly can have a view of its own.
+    fn has_narrow_picture(&self, middle: DVec3) -> bool {
+        !self.fine.is_empty() && self.fine.iter().all(|sample| sample.direction.dot(middle) > NARROW)
+    }
+}
+
+/// Which of the outputs that are `wanted` alone can have views of their own; `None` where those are found to cost more than
+/// `most` texels together. Views are costly to plan: no more are than needed to tell.
+pub(crate) fn alone_within(rig: &Rig, seen: &[Seen], wanted: &[bool], most: f64) -> Option<Vec<bool>> {
+    // Outputs that show the same share a view.
+    let mut middles: Vec<DVec3> = Vec::new();
+    let mut counted = Vec::new();
+    for (this, wanted) in seen.iter().zip(wanted) {
+        let middle = mean_direction(this.coarse.iter());
+        counted.push(*wanted && this.has_narrow_picture(middle) && !middles.contains(&middle));
+        middles.push(middle);
+    }
+    let mut least = counted.iter().filter(|counted| **counted).count() as f64 * beside_texels(rig);
+    let mut own = vec![false; seen.len()];
+    for (index, this) in seen.iter().enumerate().filter(|(index, _)| wanted[*index]) {
+        if least > most {
+            return None;
+        }
+        let views = this.own(rig, index);
+        own[index] = !views.is_empty();
+        if counted[index] {
+            least += cost(rig, views) - beside_texels(rig);
+        }
+    }
+    Some(own)
+}
+
+/// The view of a perspective output: its own picture, texel for pixel.
+pub(crate) fn own_view(kind: &OutputKind, index: usize, sight: &Sight, method: ViewMethod) -> Option<Wanted> {
+    let OutputKind::Perspective { angles, frustum } = kind else { return None };
+    if method == ViewMethod::Cube && frustum.is_some() {
+        return None;
+    }
+    let (width, height) = sight.size;
+    let extent = frustum.unwrap_or(UNIT_FRUSTUM);
+    let rotation = match frustum {
+        Some(_) => pose::rotation(angles[0], angles[1], angles[2]).transpose(),
+        None => DMat3::IDENTITY,
+    };
+    let density = DVec2::new(f64::from(width) / extent.width(), f64::from(height) / extent.height());
+    Some(Wanted {
+        name: String::new(),
+        rotation,
+        fit: Fit { extent, density },
+        exact: Some((width, height)),
+        program_lens: frustum.is_none(),
+        curved: None,
+        eye: 0.0,
+        outputs: vec![index],
+    })
+}
+
+/// The tight view of an output, or two of them where that is cheaper: one shows a wide picture at the sharpness that its
+/// far end needs, and halves need less. With `method = "single"` it is one.
+fn tight_views(rig: &Rig, seen: &Seen) -> Vec<Wanted> {
+    let quality = rig.views.quality;
+    let samples = Patch::of(&seen.coarse);
+    let single = axes::tightest(&samples, &Patch::of(&seen.fine), quality);
+    let middle = samples.middle();
+    let least = seen.coarse.iter().map(|sample| sample.direction.dot(middle)).fold(1.0, f64::min);
+    let one: Vec<Wanted> = single.map(Wanted::from).into_iter().collect();
+    // Two views cost at least what submitting the draws twice does.
+    let cheap = !one.is_empty() && cost(rig, &one) <= 2.0 * beside_texels(rig);
+    if rig.views.method == ViewMethod::Single || least > NARROW || cheap {
+        return one;
+    }
+    let (coarse, fine) = ([&seen.coarse], [&seen.fine]);
+    let task = Task::new(rig, &coarse, &fine);
+    let two: Vec<Wanted> = task
+        .halves(middle)
+        .map(|partition| partition.parts.into_iter().map(|part| Wanted::from(part.aimed)).collect())
+        .unwrap_or_default();
+    if one.is_empty() || !two.is_empty() && cost(rig, &two) < cost(rig, &one) { two } else { one }
+}

@@ -1,0 +1,9 @@
+//! TODO-NOTE
+
+pub mod cached;
+pub mod cells;
+pub mod choose;
+pub mod cost;
+pub mod dedicated;
+pub mod partition;
+pub mod projected;

@@ -1,0 +1,195 @@
+//! The opening and the resolution that a view with given axes needs.
+//!
+//! A view's picture coordinates are `u = x/−z`, `w = y/−z`. Around a sample, one output pixel is
+//! the disc `M·Mᵀ` in `(u, w)`, with M the 2×2 derivative of `(u, w)` by the pixel. With `F = diag(f_x, f_y)`
+//! texels per unit, no output pixel covers less than a texel in any direction iff all singular
+//! values of `F·M` are at least 1, that is `F² ⪰ G` with `G = (M·Mᵀ)⁻¹`. For a ratio
+//! `r = f_x²/f_y²` the least `f_y²` is the greatest eigenvalue of `diag(r^−½, 1)·G·diag(r^−½, 1)`
+//! over all samples: in closed form, so that only r is searched.
+
+use crate::geom::Frustum;
+use crate::views::fitting::density::{Metrics, density, least_squared_up};
+use crate::views::fitting::lanes::{LANES, Lanes};
+use crate::views::sampling::output_map::Sample;
+use crate::views::sampling::samples::Samples;
+use glam::{DMat3, DVec2, DVec3};
+
+/// The shortage of resolution between samples that is made good in advance: over a 64th of a picture, twice what the
+/// curvature of any map seen so far hides.
+const RESERVE: f64 = 1.0001;
+
+/// Directions with a smaller cosine from the axis (83°) are not drawn in perspective: the tangent is above 8.
+pub(crate) const LEAST_COSINE: f64 = 0.12;
+
+/// What a view with given axes needs.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Fit {
+    /// The sampled part.
+    pub extent: Frustum,
+    /// Texels per unit of tangent, across and up.
+    pub density: DVec2,
+}
+
+impl Fit {
+    /// Texels of the sampled part.
+    pub fn texels(&self) -> f64 {
+        self.extent.width() * self.extent.height() * self.density.x * self.density.y
+    }
+}
+
+/// Samples that are fitted many times, four by four.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Patch {
+    /// What is missing of the last four is like the first of them.
+    fours: Vec<Four>,
+    middle: DVec3,
+}
+
+/// Four samples: their directions, and their spreads (symmetric: xx, yy, zz, xy, xz, yz).
+#[derive(Clone, Copy, Debug)]
+struct Four {
+    direction: [Lanes; 3],
+    spread: [Lanes; 6],
+}
+
+impl Four {
+    fn of(samples: &[Sample]) -> Self {
+        let lanes = |part: &dyn Fn(&Sample) -> f64| {
+            Lanes(std::array::from_fn(|lane| part(samples.get(lane).unwrap_or(&samples[0]))))
+        };
+        // Column, row.
+        let spread = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
+        Self {
+            direction: std::array::from_fn(|axis| lanes(&|sample| sample.direction[axis])),
+            spread: spread.map(|(column, row)| lanes(&|sample| sample.spread.col(column)[row])),
+        }
+    }
+}
+
+impl Patch {
+    /// Of these.
+    pub fn new(samples: &[Sample]) -> Self {
+        Self { fours: samples.chunks(LANES).map(Four::of).collect(), middle: mean_direction(samples.iter()) }
+    }
+
+    /// Of all of an output's.
+    pub fn of(samples: &Samples) -> Self {
+        Self::new(&samples.iter().copied().collect::<Vec<_>>())
+    }
+
+    /// The mean of their directions, of unit length; straight ahead where there is none.
+    pub fn middle(&self) -> DVec3 {
+        self.middle
+    }
+}
+
+/// What a view with axes `rotation` (viewer → view) needs to show `samples` with `quality` texels
+/// per pixel; `None` if there are none, or one lies too far from the axis for a perspective view.
+///
+/// `fine` searches the ratio of the two resolutions to 1e-4 instead of some per cent.
+pub(crate) fn fit(rotation: DMat3, samples: &Patch, quality: f64, fine: bool) -> Option<Fit> {
+    let axes = Axes::new(rotation);
+    // Twice through the directions costs less than metrics that are not needed.
+    let nearest = samples.fours.iter().fold(Lanes::all(f64::INFINITY), |least, four| least.min(axes.ahead(four)));
+    if nearest.least() < LEAST_COSINE {
+        return None;
+    }
+    let mut metrics = Vec::with_capacity(samples.fours.len());
+    let (mut low, mut high) = ([Lanes::all(f64::INFINITY); 2], [Lanes::all(f64::NEG_INFINITY); 2]);
+    for four in &samples.fours {
+        let (at, metric) = axes.project(four);
+        for axis in 0..2 {
+            (low[axis], high[axis]) = (low[axis].min(at[axis]), high[axis].max(at[axis]));
+        }
+        metrics.push(metric);
+    }
+    let extent =
+        Frustum { left: low[0].least(), right: high[0].greatest(), bottom: low[1].least(), top: high[1].greatest() };
+    Some(Fit { extent, density: density(&metrics, fine)? * (quality * RESERVE) })
+}
+
+impl Fit {
+    /// Raises the resolution to what `others`, shown by the same view, need too.
+    pub fn raise(&mut self, rotation: DMat3, others: &[Sample], quality: f64) {
+        let axes = Axes::new(rotation);
+        let shown: Vec<Sample> = others.iter().filter(|sample| axes.shows(sample)).copied().collect();
+        let metrics: Vec<Metrics> = shown.chunks(LANES).map(|four| axes.project(&Four::of(four)).1).collect();
+        if let Some(needed) = density(&metrics, true) {
+            self.density = self.density.max(needed * (quality * RESERVE));
+        }
+    }
+}
+
+/// Texels per pixel around a sample in the direction in which there are fewest, in a view with axes `rotation`
+/// (viewer → view) and `density` texels per unit of tangent; `None` too far from its axis.
+pub(crate) fn sharpness(rotation: DMat3, density: DVec2, sample: &Sample) -> Option<f64> {
+    let axes = Axes::new(rotation);
+    if !axes.shows(sample) {
+        return None;
+    }
+    let (_, metric) = axes.project(&Four::of(std::slice::from_ref(sample)));
+    let squared = density * density;
+    let scaled = Metrics {
+        across: metric.across / Lanes::all(squared.x),
+        mixed: metric.mixed / Lanes::all(density.x * density.y),
+        up: metric.up / Lanes::all(squared.y),
+    };
+    Some(1.0 / least_squared_up(&[scaled], 0.0).sqrt())
+}
+
+/// Axes of a view: the rows of its rotation (viewer → view).
+struct Axes {
+    rows: [[Lanes; 3]; 3],
+    rotation: DMat3,
+}
+
+impl Axes {
+    fn new(rotation: DMat3) -> Self {
+        let rows = rotation.transpose();
+        let lanes = |row: DVec3| row.to_array().map(Lanes::all);
+        Self { rows: [lanes(rows.x_axis), lanes(rows.y_axis), lanes(rows.z_axis)], rotation }
+    }
+
+    /// Whether a sample is near enough to the axis.
+    fn shows(&self, sample: &Sample) -> bool {
+        -(self.rotation * sample.direction).z >= LEAST_COSINE
+    }
+
+    /// The cosines of the angles from the axis.
+    #[inline(always)]
+    fn ahead(&self, four: &Four) -> Lanes {
+        -dot(&self.rows[2], &four.direction)
+    }
+
+    /// Where four samples lie in the view, and their metrics there.
+    #[inline(always)]
+    fn project(&self, four: &Four) -> ([Lanes; 2], Metrics) {
+        let nearness = Lanes::all(-1.0) / dot(&self.rows[2], &four.direction);
+        let at = [dot(&self.rows[0], &four.direction) * nearness, dot(&self.rows[1], &four.direction) * nearness];
+        // Rows of d(u, w)/d(direction), in viewer axes and without the factor `nearness`.
+        let row =
+            |k: usize| -> [Lanes; 3] { std::array::from_fn(|axis| self.rows[k][axis] + self.rows[2][axis] * at[k]) };
+        let (across, up) = (row(0), row(1));
+        let [xx, yy, zz, xy, xz, yz] = four.spread;
+        let spread = |v: &[Lanes; 3]| [dot(&[xx, xy, xz], v), dot(&[xy, yy, yz], v), dot(&[xz, yz, zz], v)];
+        let (spread_across, spread_up) = (spread(&across), spread(&up));
+        let scale = nearness * nearness;
+        let (xx, xy, yy) =
+            (dot(&across, &spread_across) * scale, dot(&across, &spread_up) * scale, dot(&up, &spread_up) * scale);
+        // A pixel that is seen edge-on would ask for endless resolution; it gets a finite amount.
+        let least = (Lanes::all(1e-6) * xx * yy).max(Lanes::all(f64::MIN_POSITIVE));
+        let determinant = least.max(xx * yy - xy * xy);
+        (at, Metrics { across: yy / determinant, mixed: -xy / determinant, up: xx / determinant })
+    }
+}
+
+/// Scalar products.
+#[inline(always)]
+fn dot(a: &[Lanes; 3], b: &[Lanes; 3]) -> Lanes {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// The mean direction, or straight ahead where there is none.
+pub(crate) fn mean_direction<'a>(samples: impl Iterator<Item = &'a Sample>) -> DVec3 {
+    samples.map(|sample| sample.direction).sum::<DVec3>().normalize_or(DVec3::NEG_Z)
+}

@@ -1,0 +1,6 @@
+//! TODO-NOTE
+
+pub mod axes;
+pub mod density;
+pub mod fit;
+pub mod lanes;

@@ -1,0 +1,92 @@
+//! Views that no pixel samples after all.
+//!
+//! The planner reasons about the continuous picture of an output. Where that reaches into a cell by
+//! less than a pixel, no pixel's centre may lie in it; and where views overlap, an earlier one may
+//! answer for everything that a later one shows. Such a view would be drawn for nothing.
+
+use crate::views::ViewPlan;
+use crate::views::sampling::cone::{Cone, Relation, WIDEST, diameter};
+use crate::views::sampling::output_map::Sight;
+use glam::{DVec2, DVec3};
+
+/// A view that is not idle mostly shows in some of so many pixels of an output, across and down.
+const FEW: u32 = 24;
+
+/// A view that answers for no pixel of any output, if there is one.
+pub(crate) fn find(plan: &ViewPlan, sights: &[Sight]) -> Option<usize> {
+    (0..plan.views.len()).find(|&index| {
+        !sights.iter().zip(&plan.output_views).any(|(sight, views)| {
+            let earlier =
+                views.iter().take_while(|&&view| view != index).map(|&view| Cone::of(&plan.views[view])).collect();
+            let search = Search { sight, view: Cone::of(&plan.views[index]), earlier };
+            views.contains(&index) && (search.finds_at_once() || search.finds([0, 0, sight.size.0, sight.size.1]))
+        })
+    })
+}
+
+/// The search for a pixel of one output that a view answers for.
+struct Search<'a> {
+    sight: &'a Sight,
+    view: Cone,
+    /// The views that take precedence.
+    earlier: Vec<Cone>,
+}
+
+impl Search<'_> {
+    /// The direction at a pixel's centre, unit length.
+    fn direction(&self, x: u32, y: u32) -> Option<DVec3> {
+        self.sight.direction(DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5))
+    }
+
+    /// Whether the view answers for a direction.
+    fn answers(&self, direction: DVec3) -> bool {
+        self.view.contains(direction) && !self.earlier.iter().any(|other| other.contains(direction))
+    }
+
+    /// Whether there is such a pixel among a few.
+    fn finds_at_once(&self) -> bool {
+        let pixel = |step: u32, length: u32| (u64::from(2 * step + 1) * u64::from(length) / u64::from(2 * FEW)) as u32;
+        let (width, height) = self.sight.size;
+        let places = (0..FEW).flat_map(|row| (0..FEW).map(move |column| (pixel(column, width), pixel(row, height))));
+        places.filter_map(|(x, y)| self.direction(x, y)).any(|direction| self.answers(direction))
+    }
+
+    /// Whether such a pixel is in a block (left, top, right, bottom, the latter two excluded):
+    /// by quarters, but for blocks that lie clear of the view or inside an earlier one.
+    fn finds(&self, block: [u32; 4]) -> bool {
+        let [left, top, right, bottom] = block;
+        let (middle_x, middle_y) = (left + (right - left) / 2, top + (bottom - top) / 2);
+        if self.direction(middle_x, middle_y).is_some_and(|direction| self.answers(direction)) {
+            return true;
+        }
+        if right - left <= 1 && bottom - top <= 1 || self.hopeless(block) {
+            return false;
+        }
+        let (middle_x, middle_y) = (left + (right - left).div_ceil(2), top + (bottom - top).div_ceil(2));
+        let quarters = [
+            [left, top, middle_x, middle_y],
+            [middle_x, top, right, middle_y],
+            [left, middle_y, middle_x, bottom],
+            [middle_x, middle_y, right, bottom],
+        ];
+        quarters.into_iter().filter(|part| part[0] < part[2] && part[1] < part[3]).any(|part| self.finds(part))
+    }
+
+    /// Whether the corners of a block tell that no pixel of it is answered by the view.
+    fn hopeless(&self, block: [u32; 4]) -> bool {
+        let [left, top, right, bottom] = block;
+        let places = [(left, top), (right - 1, top), (left, bottom - 1), (right - 1, bottom - 1)];
+        let mut corners = [DVec3::ZERO; 4];
+        for (corner, (x, y)) in corners.iter_mut().zip(places) {
+            match self.direction(x, y) {
+                Some(direction) => *corner = direction,
+                None => return false,
+            }
+        }
+        let size = diameter(&corners);
+        let margin = size * size;
+        size < WIDEST
+            && (self.view.relation(&corners, margin) == Relation::Outside
+                || self.earlier.iter().any(|other| other.relation(&corners, margin) == Relation::Inside))
+    }
+}

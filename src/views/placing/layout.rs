@@ -1,0 +1,183 @@
+//! Sizes and places of the views in the atlas.
+
+use crate::error::{Error, ErrorKind, Result};
+use crate::geom::{Frustum, pose};
+use crate::rig::{Filter, Rig};
+use crate::views::arranging::choose::Wanted;
+use crate::views::placing::atlas;
+use crate::views::{Request, Tile, View, ViewPlan};
+
+/// Texels around the sampled part of a tile.
+///
+/// Bilinear filtering at the very border of the sampled part reads half a texel beyond it, a cubic
+/// kernel one and a half; an eighth is the overhang of views (`correct::uniforms`), the rest for the rounding of 32-bit
+/// shaders. Places beside a pixel's centre need no more: each is looked up in the view that answers for it.
+fn guard(filter: Filter) -> f64 {
+    if filter.is_cubic() { 1.65625 } else { 0.65625 }
+}
+
+/// Texels by which the sampled part is widened to each side, so that a direction on the border of
+/// two views belongs to at least one of them in 32-bit arithmetic too.
+pub(crate) const MARGIN: f64 = 0.21875;
+
+/// By how much it is widened at least, as a tangent: some four times what rounding to 32 bits moves a direction. More than the margin
+/// only where texels are narrower than two millionths.
+const ROUNDING: f64 = 4e-7;
+
+/// Free texels between tiles.
+const GUTTER: u32 = 1;
+
+/// Below this part of the resolution asked for the views are a texel each, and what does not fit is the window.
+const LEAST_SCALE: f64 = 1e-5;
+
+/// Sizes the views, scales them down until the atlas holds them, and places them.
+/// `reach`: texels that the guard is wider than filters need.
+pub(crate) fn place(rig: &Rig, request: &Request, reach: u32, wanted: &[Wanted], notes: &[String]) -> Result<ViewPlan> {
+    let mut notes = notes.to_vec();
+    let limit = request.max_atlas;
+    let quality = rig.views.quality;
+    let guard = guard(rig.views.filter) + f64::from(reach);
+    let mut scale = 1.0;
+    let (mut views, tiles, size) = loop {
+        let views: Vec<View> = wanted.iter().map(|wanted| sized(wanted, quality, scale, guard)).collect();
+        if let Some((tiles, size)) = pack(request, &views, limit) {
+            break (views, tiles, size);
+        }
+        let largest = views.iter().map(|view| view.tile.width.max(view.tile.height)).max().unwrap_or(0);
+        if scale < LEAST_SCALE {
+            return Err(too_small(request));
+        }
+        scale *= if largest > limit { (f64::from(limit) / f64::from(largest)).min(0.98) } else { 0.98 };
+    };
+    if scale < 1.0 {
+        notes.push(format!(
+            "the views have {:.1} % of the resolution asked for, in each direction: an atlas of {limit}×{limit} texels holds no more",
+            100.0 * scale
+        ));
+    }
+    let mut tiles = tiles.into_iter();
+    let primary = request.primary.then(|| tiles.next()).flatten();
+    for view in &mut views {
+        if let Some(tile) = tiles.next() {
+            view.tile = tile;
+        }
+    }
+    let panel = request.panel.then(|| tiles.next()).flatten().map(|tile| panel(rig, tile));
+    let uses = |output: usize| (0..wanted.len()).filter(|&view| wanted[view].outputs.contains(&output)).collect();
+    Ok(ViewPlan {
+        output_views: (0..rig.outputs.len()).map(uses).collect(),
+        views,
+        atlas: size,
+        panel,
+        primary,
+        guard: guard.ceil() as u32,
+        reach,
+        notes,
+    })
+}
+
+fn pack(request: &Request, views: &[View], limit: u32) -> Option<(Vec<Tile>, (u32, u32))> {
+    let primary = request.primary.then_some(request.window);
+    let panel = request.panel.then_some(request.window);
+    let sizes: Vec<(u32, u32)> =
+        primary.into_iter().chain(views.iter().map(|view| (view.tile.width, view.tile.height))).chain(panel).collect();
+    atlas::pack(&sizes, GUTTER, limit)
+}
+
+fn too_small(request: &Request) -> Error {
+    let (width, height) = request.window;
+    Error::new(
+        ErrorKind::Graphics,
+        format!(
+            "an atlas of {limit}×{limit} texels is too small for {width}×{height} pixels of the program's window beside the views; a smaller window would fit",
+            limit = request.max_atlas
+        ),
+    )
+}
+
+/// One direction of a view: the sampled part widened by the margin, the opening of the tile, and its texels.
+fn side(low: f64, high: f64, density: f64, guard: f64) -> ((f64, f64), (f64, f64), u32) {
+    let rounding = (ROUNDING - MARGIN / density).max(0.0);
+    let (span, around) = (high - low + 2.0 * rounding, 2.0 * (MARGIN + guard));
+    // 2^20 is far beyond any atlas: the loop that scales down sees it as too large.
+    let texels = (span * density + around).max(around + 0.5).ceil().min(1_048_576.0);
+    let texel = if span > 0.0 { span / (texels - around) } else { 1.0 / density };
+    let middle = 0.5 * (low + high);
+    let whole = 0.5 * texel * texels;
+    let half = whole - texel * guard;
+    ((middle - half, middle + half), (middle - whole, middle + whole), texels as u32)
+}
+
+/// The view in its final size, at no place yet.
+fn sized(wanted: &Wanted, quality: f64, scale: f64, guard: f64) -> View {
+    let extent = wanted.fit.extent;
+    let (owned, frustum, (width, height)) = match wanted.exact {
+        Some((width, height)) => {
+            let texels = |pixels: u32| (f64::from(pixels) * quality * scale).ceil().clamp(1.0, 1_048_576.0) as u32;
+            let (width, height) = (texels(width), texels(height));
+            let guard = if wanted.program_lens || wanted.curved.is_some() { 0 } else { guard.ceil() as u32 };
+            let across = extent.width() / f64::from(width) * f64::from(guard);
+            let up = extent.height() / f64::from(height) * f64::from(guard);
+            let whole = Frustum {
+                left: extent.left - across,
+                right: extent.right + across,
+                bottom: extent.bottom - up,
+                top: extent.top + up,
+            };
+            (extent, whole, (width + 2 * guard, height + 2 * guard))
+        }
+        None => {
+            let density = wanted.fit.density * scale;
+            let (x, whole_x, width) = side(extent.left, extent.right, density.x, guard);
+            let (y, whole_y, height) = side(extent.bottom, extent.top, density.y, guard);
+            let frustum = |x: (f64, f64), y: (f64, f64)| Frustum { left: x.0, right: x.1, bottom: y.0, top: y.1 };
+            (frustum(x, y), frustum(whole_x, whole_y), (width, height))
+        }
+    };
+    View {
+        name: wanted.name.clone(),
+        rotation: wanted.rotation,
+        frustum,
+        owned,
+        tile: Tile { x: 0, y: 0, width, height },
+        program_lens: wanted.program_lens,
+        curved: wanted.curved,
+        eye: wanted.eye,
+    }
+}
+
+/// The flat panel: a window in front of the viewer.
+fn panel(rig: &Rig, tile: Tile) -> View {
+    let half = (0.5 * rig.overlay.width).tan();
+    let half_up = half * f64::from(tile.height) / f64::from(tile.width);
+    let frustum = Frustum { left: -half, right: half, bottom: -half_up, top: half_up };
+    View {
+        name: "panel".to_owned(),
+        rotation: pose::rotation(rig.overlay.yaw, rig.overlay.pitch, 0.0).transpose(),
+        frustum,
+        owned: frustum,
+        tile,
+        program_lens: true,
+        curved: None,
+        eye: 0.0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_part_is_widened_by_what_rounding_moves_directions() {
+        // 64 texels of 1e-9, and 64 of 1e-3: what is owned is wider on either side, by 4e-7 at least.
+        for (texel, least) in [(1e-9, ROUNDING), (1e-3, MARGIN * 1e-3)] {
+            let (low, high) = (0.3, 0.3 + 64.0 * texel);
+            let ((from, to), (first, last), texels) = side(low, high, 1.0 / texel, 1.5);
+            for beside in [low - from, to - high] {
+                assert!((0.99..1.5).contains(&(beside / least)), "{texel}: {beside}");
+            }
+            assert!(first < from && to < last && texels >= 64, "{texel}: {texels}");
+            assert!((last - first) / f64::from(texels) <= texel, "{texel}: no coarser");
+        }
+    }
+}

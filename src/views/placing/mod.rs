@@ -1,0 +1,5 @@
+//! TODO-NOTE
+
+pub mod atlas;
+pub mod idle;
+pub mod layout;

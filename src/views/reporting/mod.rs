@@ -1,0 +1,4 @@
+//! TODO-NOTE
+
+pub mod report;
+pub mod survey;

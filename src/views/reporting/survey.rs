@@ -1,0 +1,93 @@
+//! What a plan gives to the pixels of the outputs, looked at pixel by pixel.
+
+use crate::error::Result;
+use crate::rig::Rig;
+use crate::views::fitting::fit::sharpness;
+use crate::views::sampling::cone::Cone;
+use crate::views::sampling::output_map::Sight;
+use crate::views::{View, ViewPlan};
+use glam::{DVec2, DVec3};
+
+/// A pixel of an output and what shows it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Surveyed {
+    /// Index of the output.
+    pub output: usize,
+    /// The direction that the pixel's centre shows, viewer axes, unit length.
+    pub direction: DVec3,
+    /// Index of the view that answers for it.
+    pub view: usize,
+    /// Texels per pixel in the direction in which there are fewest of them, a domemaster's pixels taken as the
+    /// planner takes them (`[views] resolution`); `None` in views with the program's own lens, and where vertices are
+    /// projected straight to the output.
+    pub texels_per_pixel: Option<f64>,
+}
+
+/// Looks at pixels of one output.
+pub struct Surveyor<'a> {
+    plan: &'a ViewPlan,
+    output: usize,
+    sight: Sight,
+    cones: Vec<(usize, Cone)>,
+}
+
+impl<'a> Surveyor<'a> {
+    /// For output `output` of `rig` with `size` pixels, whose views `plan` has.
+    ///
+    /// # Errors
+    /// Those of [`WarpMap::new`](crate::warp::WarpMap::new).
+    pub fn new(plan: &'a ViewPlan, rig: &Rig, output: usize, size: (u32, u32)) -> Result<Self> {
+        let sight = Sight::new(rig, output, size)?;
+        let views = plan.output_views.get(output).map_or(&[][..], Vec::as_slice);
+        let cones = views.iter().map(|&view| (view, Cone::of(&plan.views[view]))).collect();
+        Ok(Self { plan, output, sight, cones })
+    }
+
+    /// What a pixel position (from the top left, centres at +½) shows; `None` where that is nothing.
+    pub fn at(&self, pixel: DVec2) -> Option<Surveyed> {
+        let sample = self.sight.sample(pixel)?;
+        let &(view, _) = self.cones.iter().find(|(_, cone)| cone.contains(sample.direction))?;
+        let answering = &self.plan.views[view];
+        let texels_per_pixel = (!answering.program_lens && answering.curved.is_none())
+            .then(|| sharpness(answering.rotation, density(answering), &sample))
+            .flatten();
+        Some(Surveyed { output: self.output, direction: sample.direction, view, texels_per_pixel })
+    }
+}
+
+/// Calls `visit` for pixels of all outputs that show something, row by row and evenly spread: every pixel of an output
+/// with at most `most` of them, else about `most`. Sizes beyond the rig's outputs are ignored, and so are outputs without
+/// pixels.
+pub fn survey(plan: &ViewPlan, rig: &Rig, sizes: &[(u32, u32)], most: u32, mut visit: impl FnMut(&Surveyed)) {
+    let outputs = rig.outputs.iter().zip(sizes).zip(&plan.output_views);
+    for (output, ((_, &size), _)) in outputs.enumerate() {
+        if size.0 == 0 || size.1 == 0 {
+            continue;
+        }
+        let Ok(surveyor) = Surveyor::new(plan, rig, output, size) else { continue };
+        let step = (f64::from(size.0) * f64::from(size.1) / f64::from(most.max(1))).sqrt().max(1.0);
+        let (columns, rows) = (steps(size.0, step), steps(size.1, step));
+        for (row, column) in (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column))) {
+            let pixel = DVec2::new(centre(column, columns, size.0), centre(row, rows, size.1));
+            if let Some(surveyed) = surveyor.at(pixel) {
+                visit(&surveyed);
+            }
+        }
+    }
+}
+
+/// How many steps of a length there are along a side.
+fn steps(pixels: u32, step: f64) -> u32 {
+    (f64::from(pixels) / step).round().clamp(1.0, f64::from(pixels)) as u32
+}
+
+/// The centre of the pixel in the middle of a step.
+fn centre(index: u32, steps: u32, pixels: u32) -> f64 {
+    ((f64::from(index) + 0.5) * f64::from(pixels) / f64::from(steps)).floor() + 0.5
+}
+
+/// Texels of a view per unit of tangent, across and up.
+fn density(view: &View) -> DVec2 {
+    DVec2::new(f64::from(view.tile.width), f64::from(view.tile.height))
+        / DVec2::new(view.frustum.width(), view.frustum.height())
+}

@@ -1,0 +1,94 @@
+//! The directions that a view answers for, and how small patches of directions lie to them.
+//!
+//! A view's part, like a projector's picture, is a convex cone with four sides. What a block of
+//! pixels shows is a small curved patch: it departs from the flat quadrilateral of its corners by at
+//! most about its diameter squared, so that a patch whose corners all lie deeper than that
+//! inside (or all beyond one side) lies inside (beyond) entirely.
+
+use crate::geom::Frustum;
+use crate::views::View;
+use glam::{DMat3, DVec3};
+
+/// Patches wider than this (radians) are not judged by their corners.
+pub(crate) const WIDEST: f64 = 0.2;
+
+/// A convex cone with four sides.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Cone {
+    /// Any axes → the cone's, in which it looks along −z.
+    axes: DMat3,
+    /// Inward unit normals of the left, right, bottom and top side, in the cone's axes.
+    normals: [DVec3; 4],
+    /// It has no sides: all directions are deep inside.
+    whole: bool,
+}
+
+/// How a patch lies to a cone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Relation {
+    /// All of it is inside.
+    Inside,
+    /// All of it is outside.
+    Outside,
+    /// Its corners do not tell.
+    Unclear,
+}
+
+impl Cone {
+    /// The cone with the given axes (any axes → its own) and opening.
+    pub fn new(axes: DMat3, opening: &Frustum) -> Self {
+        let normals = [
+            DVec3::new(1.0, 0.0, opening.left),
+            DVec3::new(-1.0, 0.0, -opening.right),
+            DVec3::new(0.0, 1.0, opening.bottom),
+            DVec3::new(0.0, -1.0, -opening.top),
+        ];
+        Self { axes, normals: normals.map(DVec3::normalize_or_zero), whole: false }
+    }
+
+    /// What `view` answers for; the picture of an output for all directions.
+    pub fn of(view: &View) -> Self {
+        Self { whole: view.curved.is_some(), ..Self::new(view.rotation, &view.owned) }
+    }
+
+    /// The inward unit normals of the left, right, bottom and top side, in the outer axes.
+    pub fn sides(&self) -> [DVec3; 4] {
+        self.normals.map(|normal| self.axes.transpose() * normal)
+    }
+
+    /// How far a direction lies inside each side; radians near it, for a direction of unit length.
+    pub fn depths(&self, direction: DVec3) -> [f64; 4] {
+        let local = self.axes * direction;
+        self.normals.map(|normal| if self.whole { f64::INFINITY } else { normal.dot(local) })
+    }
+
+    /// Directions in the cone's own axes.
+    pub fn localized(&self, directions: &[DVec3; 4]) -> [DVec3; 4] {
+        directions.map(|direction| self.axes * direction)
+    }
+
+    /// Whether a direction lies inside.
+    pub fn contains(&self, direction: DVec3) -> bool {
+        self.depths(direction).iter().all(|&depth| depth >= 0.0)
+    }
+
+    /// How the patch with these corners, all of unit length, lies to the cone, if it departs from
+    /// their quadrilateral by `margin` at most.
+    pub fn relation(&self, corners: &[DVec3; 4], margin: f64) -> Relation {
+        let depths = corners.map(|corner| self.depths(corner));
+        let mut inside = true;
+        for side in 0..4 {
+            let of_side = depths.map(|depths| depths[side]);
+            if of_side.iter().all(|&depth| depth < -margin) {
+                return Relation::Outside;
+            }
+            inside &= of_side.iter().all(|&depth| depth > margin);
+        }
+        if inside { Relation::Inside } else { Relation::Unclear }
+    }
+}
+
+/// The distance across a patch with the corners upper left, upper right, lower left, lower right.
+pub(crate) fn diameter(corners: &[DVec3; 4]) -> f64 {
+    corners[0].distance(corners[3]).max(corners[1].distance(corners[2]))
+}
