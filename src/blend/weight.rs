@@ -202,12 +202,12 @@ mod tests {
         }
         let weights = Weights::new(&rig, &[(1000, 600); 2]).expect("valid");
         // Half-way both have the same weight.
-        let middle = DVec3::new(FRAC_PI_4.sin().mul_add(0.0, (PI / 8.0).sin()), 0.0, -(PI / 8.0).cos()) * 5.0;
+        let middle = DVec3::new((PI / 8.0).sin(), 0.0, -(PI / 8.0).cos()) * 5.0;
         assert!((weights.weight_at(0, middle) - 0.5).abs() < 1e-14);
         // Straight ahead, the right one has just begun: its own edge.
         let x = 500.0 + 500.0 * 0.1;
         let t = (1.0 - 0.55) / 0.5;
-        let own = smoothstep(t) * 1.0;
+        let own = smoothstep(t);
         let angle = 0.1f64.atan() - FRAC_PI_4;
         let other = smoothstep((0.5 + 0.5 * angle.tan()) / 0.5);
         let found = weights.weight(0, DVec2::new(x, 300.0)).expect("shown");
