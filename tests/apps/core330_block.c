@@ -4,7 +4,7 @@
  */
 #include "common/app.h"
 #include "common/mesh.h"
-#include "common/program.h"
+#include "common/shader.h"
 
 #include <string.h>
 
@@ -22,8 +22,6 @@ static const char vertex[] =
     "    shade = colour * tint.rgb;\n"
     "    gl_Position = projection * (modelview * vec4(position, 1.0));\n"
     "}\n";
-static const char fragment[] =
-    "#version 330 core\nin vec3 shade;\nout vec4 result;\nvoid main() { result = vec4(shade, 1.0); }\n";
 
 enum { BLOCK_FLOATS = 4 + 16 + 16, BINDING = 3 };
 
@@ -34,7 +32,7 @@ static GLint stride;
 static void setup(app *a)
 {
     (void)a;
-    const shader_source stages[] = {{GL_VERTEX_SHADER, vertex}, {GL_FRAGMENT_SHADER, fragment}};
+    const shader_source stages[] = {{GL_VERTEX_SHADER, vertex}, {GL_FRAGMENT_SHADER, shader_shade}};
     program = program_build(stages, 2);
     glUniformBlockBinding(program, glGetUniformBlockIndex(program, "Camera"), BINDING);
     GLint alignment = 256;

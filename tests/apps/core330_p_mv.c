@@ -1,7 +1,7 @@
 /* Direction test in a core 3.3 context with one uniform for the projection and one for the model-view matrix. */
 #include "common/app.h"
 #include "common/mesh.h"
-#include "common/program.h"
+#include "common/shader.h"
 
 static const char vertex[] =
     "#version 330 core\n"
@@ -15,38 +15,31 @@ static const char vertex[] =
     "    vec4 eye = MV * vec4(position, 1.0);\n"
     "    gl_Position = P * eye;\n"
     "}\n";
-static const char fragment[] =
-    "#version 330 core\nin vec3 shade;\nout vec4 result;\nvoid main() { result = vec4(shade, 1.0); }\n";
 
 static mesh cube;
-static GLuint program;
-static GLint projection, modelview;
+static shader_pair pair;
 
 static void setup(app *a)
 {
     (void)a;
-    const shader_source stages[] = {{GL_VERTEX_SHADER, vertex}, {GL_FRAGMENT_SHADER, fragment}};
-    program = program_build(stages, 2);
-    projection = glGetUniformLocation(program, "P");
-    modelview = glGetUniformLocation(program, "MV");
+    const shader_source stages[] = {{GL_VERTEX_SHADER, vertex}, {GL_FRAGMENT_SHADER, shader_shade}};
+    pair = shader_pair_build(stages, 2, "P", "MV");
     cube = mesh_cube();
 }
 
 static void draw(app *a)
 {
     app_clear();
-    glUseProgram(program);
-    glUniformMatrix4fv(projection, 1, GL_FALSE, a->projection.m);
-    glUniformMatrix4fv(modelview, 1, GL_FALSE, a->modelview.m);
+    shader_pair_use(&pair, a);
     mesh_bind(&cube);
     glDrawElements(GL_TRIANGLES, CUBE_INDICES, GL_UNSIGNED_SHORT, NULL);
 
     GLfloat value[16];
     GLint bound = 0;
-    glGetUniformfv(program, projection, value);
+    glGetUniformfv(pair.program, pair.projection, value);
     glGetIntegerv(GL_CURRENT_PROGRAM, &bound);
     app_check(a, value[0] == a->projection.m[0], "glGetUniform does not tell the projection that was set");
-    app_check(a, (GLuint)bound == program, "GL_CURRENT_PROGRAM is %d instead of %u", bound, program);
+    app_check(a, (GLuint)bound == pair.program, "GL_CURRENT_PROGRAM is %d instead of %u", bound, pair.program);
 }
 
 int main(int argc, char **argv)

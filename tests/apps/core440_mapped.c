@@ -4,7 +4,7 @@
  */
 #include "common/app.h"
 #include "common/mesh.h"
-#include "common/program.h"
+#include "common/shader.h"
 
 #include <string.h>
 
@@ -21,8 +21,6 @@ static const char vertex[] =
     "    shade = colour;\n"
     "    gl_Position = projection * (modelview * vec4(position, 1.0));\n"
     "}\n";
-static const char fragment[] =
-    "#version 330 core\nin vec3 shade;\nout vec4 result;\nvoid main() { result = vec4(shade, 1.0); }\n";
 
 static mesh cube;
 static float *block;
@@ -30,7 +28,7 @@ static float *block;
 static void setup(app *a)
 {
     (void)a;
-    const shader_source stages[] = {{GL_VERTEX_SHADER, vertex}, {GL_FRAGMENT_SHADER, fragment}};
+    const shader_source stages[] = {{GL_VERTEX_SHADER, vertex}, {GL_FRAGMENT_SHADER, shader_shade}};
     const GLbitfield flags = GL_MAP_WRITE_BIT | GL_MAP_PERSISTENT_BIT | GL_MAP_COHERENT_BIT;
     enum { SIZE = 32 * sizeof(float) };
     GLuint program = program_build(stages, 2), buffer;

@@ -1,7 +1,7 @@
 /* Direction test in core 4.0 in which each face of the cube is drawn by another kind of draw call. */
 #include "common/app.h"
 #include "common/mesh.h"
-#include "common/program.h"
+#include "common/shader.h"
 
 #include <stddef.h>
 
@@ -19,8 +19,6 @@ static const char vertex[] =
     "    shade = 0.5 + 0.5 * place;\n"
     "    gl_Position = P * (MV * vec4(place, 1.0));\n"
     "}\n";
-static const char fragment[] =
-    "#version 330 core\nin vec3 shade;\nout vec4 result;\nvoid main() { result = vec4(shade, 1.0); }\n";
 
 static mesh cube;
 static GLuint program, expanded_array, expanded, commands;
@@ -29,7 +27,7 @@ static GLint projection, modelview, rows;
 static void setup(app *a)
 {
     (void)a;
-    const shader_source stages[] = {{GL_VERTEX_SHADER, vertex}, {GL_FRAGMENT_SHADER, fragment}};
+    const shader_source stages[] = {{GL_VERTEX_SHADER, vertex}, {GL_FRAGMENT_SHADER, shader_shade}};
     program = program_build(stages, 2);
     projection = glGetUniformLocation(program, "P");
     modelview = glGetUniformLocation(program, "MV");

@@ -10,7 +10,7 @@
 #include "common/image.h"
 #include "common/matrix.h"
 #include "common/mesh.h"
-#include "common/program.h"
+#include "common/shader.h"
 #include "common/states.h"
 #include "common/surfaceless.h"
 #include "common/target.h"
@@ -60,8 +60,6 @@ static const char vertex[] =
     "uniform mat4 MV;\n"
     "out vec3 shade;\n"
     "void main() { shade = colour; gl_Position = P * (MV * vec4(position, 1.0)); }\n";
-static const char fragment[] =
-    "#version 330 core\nin vec3 shade;\nout vec4 result;\nvoid main() { result = vec4(shade, 1.0); }\n";
 
 static mesh cube;
 static GLuint program;
@@ -361,7 +359,7 @@ int main(int argc, char **argv)
     check_directions(rig, size);
 
     surfaceless_open();
-    const shader_source stages[] = {{GL_VERTEX_SHADER, vertex}, {GL_FRAGMENT_SHADER, fragment}};
+    const shader_source stages[] = {{GL_VERTEX_SHADER, vertex}, {GL_FRAGMENT_SHADER, shader_shade}};
     program = program_build(stages, 2);
     cube = mesh_cube();
     check_creation(rig, options);

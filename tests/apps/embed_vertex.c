@@ -10,7 +10,7 @@
 #include "common/gl.h"
 #include "common/image.h"
 #include "common/matrix.h"
-#include "common/program.h"
+#include "common/shader.h"
 #include "common/surfaceless.h"
 #include "common/target.h"
 
@@ -43,8 +43,6 @@ static const char body[] =
     "uniform mat4 MV;\n"
     "out vec3 shade;\n"
     "void main() { shade = colour; gl_Position = cupola_fix(P * (MV * vec4(position, 1.0))); }\n";
-static const char fragment[] =
-    "#version 330 core\nin vec3 shade;\nout vec4 result;\nvoid main() { result = vec4(shade, 1.0); }\n";
 
 static GLuint program;
 static cell_array built;
@@ -61,7 +59,7 @@ static void build_program(void)
     int end = sprintf(text, "%s", head);
     CHECK(cupola_gl_projection_source(0, text + end, length + 1, NULL) == CUPOLA_OK);
     sprintf(text + end + (int)length, "%s", body);
-    const shader_source stages[] = {{GL_VERTEX_SHADER, text}, {GL_FRAGMENT_SHADER, fragment}};
+    const shader_source stages[] = {{GL_VERTEX_SHADER, text}, {GL_FRAGMENT_SHADER, shader_shade}};
     program = program_build(stages, 2);
     free(text);
 }

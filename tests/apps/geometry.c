@@ -1,7 +1,7 @@
 /* Direction test whose last stage before rasterisation is a geometry shader, which projects. */
 #include "common/app.h"
 #include "common/mesh.h"
-#include "common/program.h"
+#include "common/shader.h"
 
 static const char vertex[] =
     "#version 330 core\n"
@@ -36,30 +36,23 @@ static const char geometry[] =
     "        EndPrimitive();\n"
     "    }\n"
     "}\n";
-static const char fragment[] =
-    "#version 330 core\nin vec3 shade;\nout vec4 result;\nvoid main() { result = vec4(shade, 1.0); }\n";
 
 static mesh cube;
-static GLuint program;
-static GLint projection, modelview;
+static shader_pair pair;
 
 static void setup(app *a)
 {
     (void)a;
     const shader_source stages[] = {
-        {GL_VERTEX_SHADER, vertex}, {GL_GEOMETRY_SHADER, geometry}, {GL_FRAGMENT_SHADER, fragment}};
-    program = program_build(stages, 3);
-    projection = glGetUniformLocation(program, "P");
-    modelview = glGetUniformLocation(program, "MV");
+        {GL_VERTEX_SHADER, vertex}, {GL_GEOMETRY_SHADER, geometry}, {GL_FRAGMENT_SHADER, shader_shade}};
+    pair = shader_pair_build(stages, 3, "P", "MV");
     cube = mesh_cube();
 }
 
 static void draw(app *a)
 {
     app_clear();
-    glUseProgram(program);
-    glUniformMatrix4fv(projection, 1, GL_FALSE, a->projection.m);
-    glUniformMatrix4fv(modelview, 1, GL_FALSE, a->modelview.m);
+    shader_pair_use(&pair, a);
     mesh_bind(&cube);
     glDrawElements(GL_TRIANGLES, CUBE_INDICES, GL_UNSIGNED_SHORT, NULL);
 }

@@ -1,7 +1,7 @@
 /* Direction test in GLES 2 through EGL: ESSL 100, attributes, one matrix for view and one for projection. */
 #include "common/app.h"
 #include "common/mesh.h"
-#include "common/program.h"
+#include "common/shader.h"
 
 static const char vertex[] =
     "attribute vec3 position;\n"
@@ -17,25 +17,20 @@ static const char fragment[] =
     "precision highp float;\nvarying vec3 shade;\nvoid main() { gl_FragColor = vec4(shade, 1.0); }\n";
 
 static mesh cube;
-static GLuint program;
-static GLint projection, modelview;
+static shader_pair pair;
 
 static void setup(app *a)
 {
     (void)a;
     const shader_source stages[] = {{GL_VERTEX_SHADER, vertex}, {GL_FRAGMENT_SHADER, fragment}};
-    program = program_build(stages, 2);
-    projection = glGetUniformLocation(program, "projection");
-    modelview = glGetUniformLocation(program, "modelview");
+    pair = shader_pair_build(stages, 2, "projection", "modelview");
     cube = mesh_cube();
 }
 
 static void draw(app *a)
 {
     app_clear();
-    glUseProgram(program);
-    glUniformMatrix4fv(projection, 1, GL_FALSE, a->projection.m);
-    glUniformMatrix4fv(modelview, 1, GL_FALSE, a->modelview.m);
+    shader_pair_use(&pair, a);
     mesh_bind(&cube);
     glDrawElements(GL_TRIANGLES, CUBE_INDICES, GL_UNSIGNED_SHORT, 0);
 }

@@ -1,7 +1,7 @@
 /* Direction test in a core 3.3 context by a shader that has no matrix: it computes its own lens and camera. */
 #include "common/app.h"
 #include "common/mesh.h"
-#include "common/program.h"
+#include "common/shader.h"
 
 static const char vertex[] =
     "#version 330 core\n"
@@ -15,8 +15,6 @@ static const char vertex[] =
     "    vec3 eye = vec3(dot(axes[0], position), dot(axes[1], position), dot(axes[2], position));\n"
     "    gl_Position = vec4(lens.xy * eye.xy, lens.z * eye.z + lens.w, -eye.z);\n"
     "}\n";
-static const char fragment[] =
-    "#version 330 core\nin vec3 shade;\nout vec4 result;\nvoid main() { result = vec4(shade, 1.0); }\n";
 
 static mesh cube;
 static GLuint program;
@@ -24,7 +22,7 @@ static GLuint program;
 static void setup(app *a)
 {
     (void)a;
-    const shader_source stages[] = {{GL_VERTEX_SHADER, vertex}, {GL_FRAGMENT_SHADER, fragment}};
+    const shader_source stages[] = {{GL_VERTEX_SHADER, vertex}, {GL_FRAGMENT_SHADER, shader_shade}};
     program = program_build(stages, 2);
     cube = mesh_cube();
 }

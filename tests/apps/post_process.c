@@ -4,7 +4,7 @@
  */
 #include "common/app.h"
 #include "common/mesh.h"
-#include "common/program.h"
+#include "common/shader.h"
 
 static const char vertex[] = "#version 330 core\n"
                              "layout(location = 0) in vec3 position;\n"
@@ -12,8 +12,6 @@ static const char vertex[] = "#version 330 core\n"
                              "uniform mat4 MVP;\n"
                              "out vec3 shade;\n"
                              "void main() { shade = colour; gl_Position = MVP * vec4(position, 1.0); }\n";
-static const char fragment[] =
-    "#version 330 core\nin vec3 shade;\nout vec4 result;\nvoid main() { result = vec4(shade, 1.0); }\n";
 static const char screen_vertex[] =
     "#version 330 core\n"
     "out vec2 place;\n"
@@ -55,7 +53,7 @@ static void attach(int i, int width, int height, int depth)
 
 static void setup(app *a)
 {
-    const shader_source stages[] = {{GL_VERTEX_SHADER, vertex}, {GL_FRAGMENT_SHADER, fragment}};
+    const shader_source stages[] = {{GL_VERTEX_SHADER, vertex}, {GL_FRAGMENT_SHADER, shader_shade}};
     const shader_source changes[] = {{GL_VERTEX_SHADER, screen_vertex}, {GL_FRAGMENT_SHADER, screen_fragment}};
     const shader_source undoes[] = {{GL_VERTEX_SHADER, screen_vertex}, {GL_FRAGMENT_SHADER, undo_fragment}};
     scene = program_build(stages, 2);

@@ -4,7 +4,7 @@
  */
 #include "common/app.h"
 #include "common/mesh.h"
-#include "common/program.h"
+#include "common/shader.h"
 #include "common/states.h"
 
 #include <string.h>
@@ -17,8 +17,6 @@ static const char vertex[] =
     "uniform mat4 MV;\n"
     "out vec3 shade;\n"
     "void main() { shade = colour; gl_Position = P * (MV * vec4(position, 1.0)); }\n";
-static const char fragment[] =
-    "#version 330 core\nin vec3 shade;\nout vec4 result;\nvoid main() { result = vec4(shade, 1.0); }\n";
 
 static mesh cube;
 static GLuint program;
@@ -32,7 +30,7 @@ static void compare(app *a, const char *when)
 
 static void setup(app *a)
 {
-    const shader_source stages[] = {{GL_VERTEX_SHADER, vertex}, {GL_FRAGMENT_SHADER, fragment}};
+    const shader_source stages[] = {{GL_VERTEX_SHADER, vertex}, {GL_FRAGMENT_SHADER, shader_shade}};
     program = program_build(stages, 2);
     cube = mesh_cube();
     glUseProgram(program);

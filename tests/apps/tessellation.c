@@ -1,7 +1,7 @@
 /* Direction test whose last stage before rasterisation is a tessellation evaluation shader, which projects. */
 #include "common/app.h"
 #include "common/mesh.h"
-#include "common/program.h"
+#include "common/shader.h"
 
 static const char vertex[] =
     "#version 400 core\n"
@@ -35,8 +35,7 @@ static const char fragment[] =
     "#version 400 core\nin vec3 shade;\nout vec4 result;\nvoid main() { result = vec4(shade, 1.0); }\n";
 
 static mesh cube;
-static GLuint program;
-static GLint projection, modelview;
+static shader_pair pair;
 
 static void setup(app *a)
 {
@@ -47,9 +46,7 @@ static void setup(app *a)
         {GL_TESS_EVALUATION_SHADER, evaluation},
         {GL_FRAGMENT_SHADER, fragment},
     };
-    program = program_build(stages, 4);
-    projection = glGetUniformLocation(program, "P");
-    modelview = glGetUniformLocation(program, "MV");
+    pair = shader_pair_build(stages, 4, "P", "MV");
     cube = mesh_cube();
     glPatchParameteri(GL_PATCH_VERTICES, 3);
 }
@@ -57,9 +54,7 @@ static void setup(app *a)
 static void draw(app *a)
 {
     app_clear();
-    glUseProgram(program);
-    glUniformMatrix4fv(projection, 1, GL_FALSE, a->projection.m);
-    glUniformMatrix4fv(modelview, 1, GL_FALSE, a->modelview.m);
+    shader_pair_use(&pair, a);
     mesh_bind(&cube);
     glDrawElements(GL_PATCHES, CUBE_INDICES, GL_UNSIGNED_SHORT, NULL);
 }

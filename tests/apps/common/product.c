@@ -1,6 +1,6 @@
 #include "product.h"
 
-#include "program.h"
+#include "shader.h"
 
 static const char vertex[] =
     "#version 330 core\n"
@@ -12,15 +12,13 @@ static const char vertex[] =
     "    shade = colour;\n"
     "    gl_Position = MVP * vec4(position, 1.0);\n"
     "}\n";
-static const char fragment[] =
-    "#version 330 core\nin vec3 shade;\nout vec4 result;\nvoid main() { result = vec4(shade, 1.0); }\n";
 
 static GLuint program;
 static GLint location;
 
 void product_program(void)
 {
-    const shader_source stages[] = {{GL_VERTEX_SHADER, vertex}, {GL_FRAGMENT_SHADER, fragment}};
+    const shader_source stages[] = {{GL_VERTEX_SHADER, vertex}, {GL_FRAGMENT_SHADER, shader_shade}};
     program = program_build(stages, 2);
     location = glGetUniformLocation(program, "MVP");
 }

@@ -1,6 +1,7 @@
 #include "window.h"
 
 #include "gl.h"
+#include "x11.h"
 
 #include <X11/Xutil.h>
 #include <stdio.h>
@@ -11,18 +12,6 @@ static void fail(const char *message)
 {
     fprintf(stderr, "%s\n", message);
     exit(1);
-}
-
-static Bool is_map_of(Display *display, XEvent *event, XPointer wanted)
-{
-    (void)display;
-    return event->type == MapNotify && event->xmap.window == *(Window *)(void *)wanted;
-}
-
-static Bool is_configure_of(Display *display, XEvent *event, XPointer wanted)
-{
-    (void)display;
-    return event->type == ConfigureNotify && event->xconfigure.window == *(Window *)(void *)wanted;
 }
 
 void window_create_x11(window *w, const window_request *request, void *visual_info)
@@ -39,9 +28,7 @@ void window_create_x11(window *w, const window_request *request, void *visual_in
     w->width = request->width;
     w->height = request->height;
     XStoreName(w->display, w->window, "cupola test");
-    XMapWindow(w->display, w->window);
-    XEvent event;
-    XIfEvent(w->display, &event, is_map_of, (XPointer)&w->window);
+    x11_map(w->display, w->window);
 }
 
 static void open_on(window *w, const window_request *request)
@@ -63,9 +50,7 @@ window window_open(const window_request *request)
 {
     window w;
     memset(&w, 0, sizeof w);
-    w.display = XOpenDisplay(NULL);
-    if (w.display == NULL)
-        fail("cannot open the X display (is DISPLAY set?)");
+    w.display = x11_open();
     open_on(&w, request);
     return w;
 }
@@ -103,11 +88,7 @@ void window_swap(const window *w)
 
 void window_resize(window *w, int width, int height)
 {
-    XResizeWindow(w->display, w->window, (unsigned)width, (unsigned)height);
-    XEvent event;
-    do {
-        XIfEvent(w->display, &event, is_configure_of, (XPointer)&w->window);
-    } while (event.xconfigure.width != width || event.xconfigure.height != height);
+    x11_resize(w->display, w->window, width, height);
     w->width = width;
     w->height = height;
 }

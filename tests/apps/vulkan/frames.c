@@ -64,6 +64,18 @@ bool end_frame(const vulkan_window *w, const frame_objects *objects, VkCommandBu
     return presented == VK_SUCCESS;
 }
 
+void run_frames(const vulkan_window *w, const frame_objects *objects, VkCommandBuffer commands, int count,
+                const char *shot, void (*record)(uint32_t index))
+{
+    for (int number = 0; number < count; number++) {
+        const uint32_t index = next_image(w, objects);
+        record(index);
+        end_frame(w, objects, commands, index);
+        if (shot != NULL)
+            window_shot(w, shot);
+    }
+}
+
 void change_layout(VkCommandBuffer commands, VkImage image, VkImageAspectFlags aspect, VkImageLayout from,
                    VkImageLayout to)
 {

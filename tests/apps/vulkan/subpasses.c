@@ -220,13 +220,7 @@ int main(int argc, char **argv)
 {
     parse(argc, argv);
     open_all();
-    for (int number = 0; number < options.direction.frames; number++) {
-        const uint32_t index = next_image(&w, &objects);
-        record(index);
-        end_frame(&w, &objects, commands, index);
-        if (options.direction.shot != NULL)
-            window_shot(&w, options.direction.shot);
-    }
+    run_frames(&w, &objects, commands, options.direction.frames, options.direction.shot, record);
     close_all();
     return 0;
 }

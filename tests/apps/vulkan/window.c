@@ -1,5 +1,7 @@
 #include "window.h"
 
+#include "../common/x11.h"
+
 #include <X11/Xutil.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -14,30 +16,12 @@ void expect(VkResult result, const char *what)
     }
 }
 
-static Bool is_map_of(Display *display, XEvent *event, XPointer wanted)
-{
-    (void)display;
-    return event->type == MapNotify && event->xmap.window == *(Window *)(void *)wanted;
-}
-
-static Bool is_configure_of(Display *display, XEvent *event, XPointer wanted)
-{
-    (void)display;
-    return event->type == ConfigureNotify && event->xconfigure.window == *(Window *)(void *)wanted;
-}
-
 static void open_x11(vulkan_window *w, int x, int y, uint32_t width, uint32_t height)
 {
-    w->display = XOpenDisplay(NULL);
-    if (w->display == NULL) {
-        fprintf(stderr, "cannot open the X display (is DISPLAY set?)\n");
-        exit(1);
-    }
+    w->display = x11_open();
     w->window = XCreateSimpleWindow(w->display, DefaultRootWindow(w->display), x, y, width, height, 0, 0, 0);
     XSelectInput(w->display, w->window, StructureNotifyMask);
-    XMapWindow(w->display, w->window);
-    XEvent event;
-    XIfEvent(w->display, &event, is_map_of, (XPointer)&w->window);
+    x11_map(w->display, w->window);
 }
 
 static bool has_extension(const vulkan_window *w, const char *name)
@@ -174,11 +158,7 @@ void window_open(vulkan_window *w, int x, int y, uint32_t width, uint32_t height
 
 void window_ask_size(vulkan_window *w, uint32_t width, uint32_t height)
 {
-    XResizeWindow(w->display, w->window, width, height);
-    XEvent event;
-    do {
-        XIfEvent(w->display, &event, is_configure_of, (XPointer)&w->window);
-    } while (event.xconfigure.width != (int)width || event.xconfigure.height != (int)height);
+    x11_resize(w->display, w->window, (int)width, (int)height);
 }
 
 static void free_views(vulkan_window *w)
