@@ -47,8 +47,8 @@
 
  - 1: 0.1 as it was first published: rigs, exact directions, OpenGL (`cupola_gl_...`), blending, projecting
    shaders, and Vulkan (`cupola_vk_...`).
- - 2: `cupola_abi_version`, `cupola_api_version` and their macros; structs of smaller and larger `struct_size`
-   are served.
+ - 2: `cupola_abi_version`, `cupola_api_version` and their macros; `cupola_set_log_callback`; structs of
+   smaller and larger `struct_size` are served.
  */
 #define CUPOLA_API_VERSION 2
 
@@ -118,6 +118,28 @@ typedef enum cupola_status {
 } cupola_status;
 
 /*
+ Importance of a message. Numbers never change, and later versions may add some.
+ */
+typedef enum cupola_log_level {
+  /*
+   A defect of the library.
+   */
+  CUPOLA_LOG_ERROR = 1,
+  /*
+   The picture may be wrong or worse than expected.
+   */
+  CUPOLA_LOG_WARNING = 2,
+  /*
+   What the library does, at creation and when sizes change.
+   */
+  CUPOLA_LOG_INFO = 3,
+  /*
+   Details for developers.
+   */
+  CUPOLA_LOG_DEBUG = 4,
+} cupola_log_level;
+
+/*
  A rig on an OpenGL context. Created by `cupola_gl_create` or `cupola_gl_create_projecting`, destroyed
  by `cupola_gl_destroy`.
 
@@ -132,6 +154,19 @@ typedef struct cupola_gl cupola_gl;
  may use it at the same time.
  */
 typedef struct cupola_rig cupola_rig;
+
+/*
+ Receives a message of the library (see `cupola_set_log_callback`).
+
+ `message` is one line of UTF-8 without a newline at its end, NUL-terminated, valid during the call. `user` is the
+ pointer that was passed to `cupola_set_log_callback`.
+
+ The callback may be called from any thread that calls the library, and from several at the same time. It returns
+ normally: a `longjmp` or a C++ exception out of it is undefined behaviour. It may call functions of the library,
+ except `cupola_set_log_callback` and those with a handle that is in use by the call from which the message
+ comes; messages of these calls are discarded.
+ */
+typedef void (*cupola_log_callback)(enum cupola_log_level level, const char *message, void *user);
 
 /*
  Function of OpenGL. Cast it to its own type before the call.
@@ -494,6 +529,33 @@ enum cupola_status cupola_rig_output_count(const struct cupola_rig *rig, uint32_
  `rig` is a live handle or null. It must not be used afterwards.
  */
 enum cupola_status cupola_rig_free(struct cupola_rig *rig);
+
+/*
+ Sets the function that receives the messages of the library, or removes it. There is one for the whole process.
+
+ Without a callback, warnings of an injected library (`cupola run`) go to standard error and to the file that
+ `CUPOLA_LOG` names; other messages are discarded. With a callback, it receives all of them instead.
+
+ # Parameters
+ - `callback`: the function, or null to remove the one before.
+ - `user`: passed to the callback; may be null.
+
+ # Returns
+ - `CUPOLA_INVALID_STATE`: called from the callback, or the program is written in Rust and has a logger of its own.
+
+ # Ownership
+ `user` belongs to the program. It has to live until this function has returned from setting another callback or
+ from the removal: then the callback before is not running and will not be called again.
+
+ # Threads
+ Any thread. The function waits for calls of the callback before; so the caller must not hold a lock that this
+ callback needs.
+
+ # Safety
+ `callback` can be called from any thread with `user`.
+ */
+enum cupola_status cupola_set_log_callback(cupola_log_callback callback,
+                                           void *user);
 
 /*
  Computes the direction that a pixel of an output shows, in double precision and without a GPU.

@@ -1,13 +1,15 @@
-//! The C interface: the committed header is what the source says, and compiles as C99 and C++17.
+//! The C interface: the committed headers are what the source says, compile as C99 and C++17, and keep what was published.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 use std::process::Command;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 
 /// A header, its configuration, and the files from which it is generated; modules in them are followed.
 const HEADERS: [(&str, &str, &[&str]); 2] = [
-    ("cupola.h", "cbindgen.toml", &["version", "status", "rig", "map", "gl/mod"]),
+    ("cupola.h", "cbindgen.toml", &["version", "status", "rig", "log", "map", "gl/mod"]),
     ("cupola_vk.h", "cbindgen_vk.toml", &["vk/mod"]),
 ];
 
@@ -70,4 +72,143 @@ fn a_wrong_use_does_not_compile() {
     let wrong = USE.replace("cupola_rig *rig", "cupola_gl *rig");
     assert!(compile("cc", &["-std=c99"], &wrong).is_err());
     assert!(compile("c++", &["-std=c++17"], &wrong).is_err());
+}
+
+#[test]
+fn the_documentation_has_the_versions() {
+    let header = std::fs::read_to_string(Path::new(ROOT).join("include/cupola.h")).expect("a header");
+    let number = |name: &str| {
+        let line = header.lines().find_map(|line| line.strip_prefix(&format!("#define {name} "))).expect(name);
+        line.parse::<u32>().expect("a number")
+    };
+    let row = format!("| {} | {} |", number("CUPOLA_ABI_VERSION"), number("CUPOLA_API_VERSION"));
+    let page = std::fs::read_to_string(Path::new(ROOT).join("docs/embedding.md")).expect("the page");
+    assert!(page.contains(&row), "docs/embedding.md has no row {row}");
+}
+
+/// Headers of the first published version, which programs were compiled with.
+const FIRST_VERSION: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/abi/0.1");
+
+/// Declarations of a header.
+struct Declared {
+    /// Functions, types without a body and types of functions, each on one line.
+    statements: BTreeSet<String>,
+    /// Fields of structs: name of the struct, name of the field.
+    fields: Vec<(String, String)>,
+    /// Constants: macros and values of enumerations.
+    constants: Vec<String>,
+}
+
+fn declared(text: &str) -> Declared {
+    let mut found = Declared { statements: BTreeSet::new(), fields: Vec::new(), constants: Vec::new() };
+    let mut code = String::new();
+    let mut rest = text;
+    while let Some((before, after)) = rest.split_once("/*") {
+        code.push_str(before);
+        rest = after.split_once("*/").expect("the comment ends").1;
+    }
+    code.push_str(rest);
+    let (mut body, mut only_cpp) = (String::new(), false);
+    for line in code.lines() {
+        if let Some(directive) = line.strip_prefix('#') {
+            only_cpp = directive.starts_with("ifdef __cplusplus") || (only_cpp && !directive.starts_with("endif"));
+            let name = directive.strip_prefix("define ").and_then(|define| define.split_once(' '));
+            found.constants.extend(name.map(|(name, _)| name.to_owned()));
+        } else if !only_cpp {
+            body.push_str(line);
+            body.push('\n');
+        }
+    }
+    let mut lines = body.lines();
+    let mut statement = String::new();
+    while let Some(line) = lines.next() {
+        if let Some(start) = line.strip_suffix('{') {
+            let words: Vec<&str> = start.split_whitespace().collect();
+            let ["typedef", kind, name] = words[..] else { panic!("not understood: {line}") };
+            for inner in lines.by_ref().take_while(|line| !line.starts_with('}')) {
+                let inner = inner.trim().trim_end_matches([',', ';']);
+                let last = |text: &str| text.rsplit([' ', '*']).next().unwrap_or_default().to_owned();
+                match kind {
+                    _ if inner.is_empty() => {}
+                    "struct" => found.fields.push((name.into(), last(inner.split('[').next().unwrap_or_default()))),
+                    _ => found.constants.push(inner.split(' ').next().unwrap_or_default().to_owned()),
+                }
+            }
+            continue;
+        }
+        statement.push_str(line);
+        statement.push(' ');
+        if let Some(whole) = statement.trim_end().strip_suffix(';') {
+            found.statements.insert(whole.split_whitespace().collect::<Vec<_>>().join(" "));
+            statement.clear();
+        }
+    }
+    found
+}
+
+/// What a compiler says to fields (offset, size) and constants, with the headers in `folder`.
+fn layout(folder: &Path, header: &str, declared: &Declared) -> String {
+    let mut text = format!("#include <stddef.h>\n#include <stdio.h>\n#include <{header}>\nint main(void) {{\n");
+    for (name, field) in &declared.fields {
+        text += &format!(
+            "printf(\"{name}.{field} %zu %zu\\n\", offsetof({name}, {field}), sizeof((({name} *)0)->{field}));\n"
+        );
+    }
+    for constant in &declared.constants {
+        text += &format!("printf(\"{constant} %lld\\n\", (long long)({constant}));\n");
+    }
+    text += "return 0; }\n";
+    static COUNT: AtomicUsize = AtomicUsize::new(0);
+    let name = format!("layout-{}-{}", std::process::id(), COUNT.fetch_add(1, Ordering::Relaxed));
+    let program = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    let source = program.with_extension("c");
+    std::fs::write(&source, text).expect("the target directory is writable");
+    let made = Command::new("cc").arg("-I").arg(folder).arg("-o").arg(&program).arg(&source).output();
+    let made = made.expect("cc can be started");
+    assert!(made.status.success(), "{header}: {}", String::from_utf8_lossy(&made.stderr));
+    let output = Command::new(&program).output().expect("it was built");
+    let _ = (std::fs::remove_file(&program), std::fs::remove_file(&source));
+    String::from_utf8(output.stdout).expect("names and numbers")
+}
+
+#[test]
+fn what_was_published_stays_as_it_is() {
+    for header in ["cupola.h", "cupola_vk.h"] {
+        if header == "cupola_vk.h" && !Path::new("/usr/include/vulkan/vulkan_core.h").exists() {
+            println!("SKIP: there is no header of Vulkan's");
+            continue;
+        }
+        let (first, now) = (Path::new(FIRST_VERSION), Path::new(ROOT).join("include"));
+        let read = |folder: &Path| std::fs::read_to_string(folder.join(header)).expect("a header");
+        let published = declared(&read(first));
+        let missing: Vec<_> = published.statements.difference(&declared(&read(&now)).statements).cloned().collect();
+        assert!(missing.is_empty(), "{header} lacks {missing:#?}");
+        let (before, after) = (layout(first, header, &published), layout(&now, header, &published));
+        assert_eq!(before, after, "{header}");
+        // The checks see something.
+        let (functions, fields) = if header == "cupola.h" { (20, 30) } else { (14, 50) };
+        assert!(published.statements.len() > functions && published.fields.len() > fields, "{header}");
+    }
+}
+
+#[test]
+fn a_change_of_what_was_published_is_seen() {
+    let text = std::fs::read_to_string(Path::new(FIRST_VERSION).join("cupola.h")).expect("a header");
+    let published = declared(&text);
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("changed-header");
+    std::fs::create_dir_all(&folder).expect("the target directory is writable");
+    let changed = |from: &str, to: &str| {
+        assert!(text.contains(from), "{from}");
+        let text = text.replacen(from, to, 1);
+        std::fs::write(folder.join("cupola.h"), &text).expect("the target directory is writable");
+        let same = declared(&text).statements.is_superset(&published.statements);
+        same && layout(&folder, "cupola.h", &published) == layout(Path::new(FIRST_VERSION), "cupola.h", &published)
+    };
+    assert!(changed("int32_t x;", "int32_t x; "), "control");
+    assert!(!changed("  uint32_t width;", "  uint64_t width;"));
+    assert!(!changed("  uint64_t errors;", "  uint32_t added;\n  uint64_t errors;"));
+    assert!(!changed("CUPOLA_IO = 3", "CUPOLA_IO = 13"));
+    assert!(!changed("#define CUPOLA_RAMP_POWER 2", "#define CUPOLA_RAMP_POWER 3"));
+    assert!(!changed("double yaw,", "float yaw,"));
+    assert!(!changed("enum cupola_status cupola_rig_free(struct cupola_rig *rig);", ""));
 }

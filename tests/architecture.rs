@@ -8,11 +8,12 @@ use std::process::Command;
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 
 /// What each module of the library may name of the others. `error` is everybody's.
-const MAY_USE: [(&str, &[&str]); 18] = [
+const MAY_USE: [(&str, &[&str]); 19] = [
     ("error", &[]),
     ("system", &[]),
     ("testing", &[]),
     ("fence", &[]),
+    ("message", &[]),
     ("digest", &[]),
     ("cache", &["digest"]),
     ("geom", &["digest"]),
@@ -24,8 +25,8 @@ const MAY_USE: [(&str, &[&str]); 18] = [
     ("correct", &["cache", "digest", "geom", "rig", "views", "warp", "blend"]),
     ("backend", &["cache", "correct"]),
     ("runtime", &["cache", "fence", "system", "geom", "rig", "views", "warp", "blend", "correct", "backend"]),
-    ("intercept", &["cache", "digest", "fence", "rig", "views", "correct", "backend", "runtime"]),
-    ("ffi", &["cache", "fence", "geom", "rig", "views", "warp", "correct", "backend", "runtime"]),
+    ("intercept", &["cache", "digest", "fence", "message", "rig", "views", "correct", "backend", "runtime"]),
+    ("ffi", &["cache", "fence", "message", "geom", "rig", "views", "warp", "correct", "backend", "runtime"]),
     ("preload", &["fence", "intercept"]),
 ];
 

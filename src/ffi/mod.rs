@@ -13,6 +13,7 @@
 mod argument;
 pub mod gl;
 mod handle;
+pub mod log;
 pub mod map;
 pub mod rig;
 mod sized;

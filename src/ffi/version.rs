@@ -16,8 +16,8 @@ pub const CUPOLA_ABI_VERSION: u32 = 1;
 ///
 /// - 1: 0.1 as it was first published: rigs, exact directions, OpenGL (`cupola_gl_...`), blending, projecting
 ///   shaders, and Vulkan (`cupola_vk_...`).
-/// - 2: `cupola_abi_version`, `cupola_api_version` and their macros; structs of smaller and larger `struct_size`
-///   are served.
+/// - 2: `cupola_abi_version`, `cupola_api_version` and their macros; `cupola_set_log_callback`; structs of
+///   smaller and larger `struct_size` are served.
 pub const CUPOLA_API_VERSION: u32 = 2;
 
 /// Returns the `CUPOLA_ABI_VERSION` of the library. The macro is that of the header with which the program was

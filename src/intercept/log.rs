@@ -1,19 +1,22 @@
-//! What went wrong, once: to standard error and to the file that `CUPOLA_LOG` names.
+//! Warnings of the interception, each once. They go to the program's callback for messages, else to standard error and to
+//! the file that `CUPOLA_LOG` names.
 
+use crate::message;
 use std::collections::HashSet;
 use std::io::Write;
 use std::sync::Mutex;
 
 static SEEN: Mutex<Option<HashSet<String>>> = Mutex::new(None);
 
-/// Says `message` the first time it comes; later repetitions are silent.
-pub fn once(message: &str) {
+/// Logs a warning the first time; repetitions are left out.
+pub fn once(text: &str) {
     let fresh = match SEEN.lock() {
-        Ok(mut seen) => seen.get_or_insert_with(HashSet::new).insert(message.to_owned()),
+        Ok(mut seen) => seen.get_or_insert_with(HashSet::new).insert(text.to_owned()),
         Err(_) => false,
     };
     if fresh {
-        write(message);
+        message::set_default(write);
+        ::log::warn!(target: message::INTERCEPT, "{text}");
     }
 }
 

@@ -116,7 +116,10 @@ impl Embedded {
         }
         let atlas = session.plan().views.atlas;
         match Surface::new(gl, (atlas.0 as i32, atlas.1 as i32), 0, false) {
-            Ok(surface) => Ok((session, surface, backend)),
+            Ok(surface) => {
+                log_plan(rig, &session);
+                Ok((session, surface, backend))
+            }
             Err(error) => {
                 backend.destroy(gl);
                 Err(error)
@@ -325,6 +328,18 @@ fn vectors_of_view(session: &Session, index: usize, matrix: &[f64; 16]) -> Resul
 /// One after the other.
 fn joined(rows: &[f32; 16], lens: &[f32; 16]) -> [f32; 32] {
     std::array::from_fn(|i| if i < 16 { rows[i] } else { lens[i - 16] })
+}
+
+fn log_plan(rig: &Rig, session: &Session) {
+    let ((width, height), plan) = (session.window(), &session.plan().views);
+    let (count, (atlas_width, atlas_height)) = (plan.views.len(), plan.atlas);
+    log::info!(
+        "rig {}: {width} x {height} pixels from {count} views in an atlas of {atlas_width} x {atlas_height} texels",
+        rig.name
+    );
+    for note in &plan.notes {
+        log::warn!("rig {}: {note}", rig.name);
+    }
 }
 
 fn no_view(index: usize, count: usize) -> Error {

@@ -71,7 +71,7 @@ static void draw(const cupola_gl_view *view, void *user)
     glGetIntegerv(GL_VIEWPORT, viewport);
     CHECK(viewport[0] == view->x && viewport[1] == view->y);
     CHECK(viewport[2] == view->width && viewport[3] == view->height);
-    CHECK(view->struct_size == sizeof *view && memchr(view->name, 0, sizeof view->name) != NULL && view->name[0] != 0);
+    CHECK(view->struct_size >= sizeof *view && memchr(view->name, 0, sizeof view->name) != NULL && view->name[0] != 0);
     for (int i = 0; i < 16; i++) {
         double product = 0.0;
         for (int k = 0; k < 4; k++)

@@ -3,15 +3,47 @@
 use crate::compare::{Shown, compare, expect_good, expect_similar};
 use crate::dialects::{shown_by_fisheye, shown_by_window};
 use crate::picture::Picture;
-use crate::programs::{embedding, validated, watched};
+use crate::programs::{
+    Finished, embedding, embedding_of_first_version, validated, validated_of_first_version, watched,
+};
 use crate::reference::{Fisheye, ProgramCamera};
 
 /// `embed` judges status codes, error texts, kept state and exact directions itself; its pictures are judged here.
 #[test]
 fn the_c_interface_without_a_window() {
-    let camera = ProgramCamera { yaw: 33.0, pitch: -17.0 };
     let Some(finished) = embedding("embed", &["256", "33", "-17"], &[]) else { return };
-    let finished = finished.expect_success();
+    expect_pictures_of_embed(&finished.expect_success());
+}
+
+/// The same program, compiled with the headers of 0.1 as they were first published: all of it has to work and to look as
+/// it did.
+#[test]
+fn a_program_of_the_first_version() {
+    let Some(finished) = embedding_of_first_version("embed", &["256", "33", "-17"]) else { return };
+    let first = finished.expect_success();
+    expect_pictures_of_embed(&first);
+    let Some(finished) = embedding("embed", &["256", "33", "-17"], &[]) else { return };
+    let current = finished.expect_success();
+    for file in ["views.ppm", "callback.ppm", "moved.ppm"] {
+        assert_eq!(first.picture(file).difference(&current.picture(file)), (0, 0), "{file}");
+    }
+    // The two programs are not one file.
+    let headers = ["include/cupola.h", "tests/abi/0.1/cupola.h"]
+        .map(|path| std::fs::read_to_string(format!("{}/{path}", env!("CARGO_MANIFEST_DIR"))).expect("a header"));
+    assert!(headers[0].contains("cupola_abi_version") && !headers[1].contains("cupola_abi_version"));
+}
+
+/// A program of a later version, whose structs are larger.
+#[test]
+fn a_program_of_a_later_version() {
+    let Some(finished) = embedding("embed_versions", &["256", "33", "-17"], &[]) else { return };
+    let picture = finished.expect_success().picture("later.ppm");
+    let circle = Fisheye { width: 256.0, height: 256.0, aperture: 180.0, tilt: 90.0 };
+    expect_good(&compare(&picture, shown_by_fisheye(circle, CAMERA)), &picture, "embed_versions later.ppm");
+}
+
+fn expect_pictures_of_embed(finished: &Finished) {
+    let camera = CAMERA;
     for (file, size) in [("views.ppm", 256), ("callback.ppm", 192)] {
         let picture = finished.picture(file);
         assert_eq!((picture.width, picture.height), (size, size));
@@ -53,10 +85,12 @@ fn a_shader_of_the_program_s_own_projects_to_the_picture() {
 
 const CAMERA: ProgramCamera = ProgramCamera { yaw: 33.0, pitch: -17.0 };
 
-/// What `vk_dome` shows on a domemaster of 256 × 256 pixels.
+/// For `vk_dome`: a domemaster of 256 × 256 pixels.
+const DOMEMASTER: [&str; 10] =
+    ["--yaw", "33", "--pitch", "-17", "--size", "256x256", "--frames", "5", "--picture", "dome.ppm"];
+
 fn vulkan(options: &[&str]) -> Option<Picture> {
-    let common = ["--yaw", "33", "--pitch", "-17", "--size", "256x256", "--frames", "5", "--picture", "dome.ppm"];
-    Some(validated("vk_dome", &[&common[..], options].concat())?.picture("dome.ppm"))
+    Some(validated("vk_dome", &[&DOMEMASTER[..], options].concat())?.picture("dome.ppm"))
 }
 
 /// Without Cupola: the example draws what the reference says that it draws.
@@ -66,6 +100,18 @@ fn the_vulkan_example_without_cupola() {
     let Some(finished) = validated("vk_plain", &options) else { return };
     let picture = finished.picture("plain.ppm");
     expect_good(&compare(&picture, shown_by_window((256, 192), 75.0, CAMERA)), &picture, "vk_plain");
+}
+
+/// The same example, compiled with the headers of 0.1 as they were first published.
+#[test]
+fn the_vulkan_example_of_the_first_version() {
+    for views in ["atlas", "layers", "images"] {
+        let options = ["--views", views, "--one-by-one", "--own-images"];
+        let Some(current) = vulkan(&options) else { return };
+        let all = [&DOMEMASTER[..], &options].concat();
+        let Some(first) = validated_of_first_version("vk_dome", &all) else { return };
+        assert_eq!(first.picture("dome.ppm").difference(&current), (0, 0), "{views}");
+    }
 }
 
 /// However the views lie in memory, and whoever made the images: what f64 predicts, and what OpenGL shows.

@@ -272,9 +272,31 @@ pub fn embedding(program: &str, arguments: &[&str], environment: &[(&str, &str)]
     Finished::of(command, program, "embedding")
 }
 
+/// For make: the folder of the headers of the first published version.
+const FIRST_HEADERS: &str = concat!("INCLUDE=", env!("CARGO_MANIFEST_DIR"), "/tests/abi/0.1");
+
+/// As [`embedding`], for a program that was compiled with the headers of the first published version.
+pub fn embedding_of_first_version(program: &str, arguments: &[&str]) -> Option<Finished> {
+    static BUILT: OnceLock<PathBuf> = OnceLock::new();
+    let folder = BUILT.get_or_init(|| {
+        let directory = Path::new(env!("CARGO_TARGET_TMPDIR")).join("apps-0.1");
+        let output = Command::new("make")
+            .args(["-s", "-C", concat!(env!("CARGO_MANIFEST_DIR"), "/tests/apps"), "first_version", FIRST_HEADERS])
+            .arg(format!("OUT={}", directory.display()))
+            .arg(format!("CUPOLA={}", library().with_file_name("").display()))
+            .output()
+            .expect("make can be started");
+        assert!(output.status.success(), "programs do not build:\n{}", String::from_utf8_lossy(&output.stderr));
+        directory
+    });
+    let mut command = Command::new(folder.join(program));
+    command.args(arguments).env("LD_LIBRARY_PATH", library().with_file_name(""));
+    Finished::of(command, program, "embedding, 0.1")
+}
+
 /// Builds the Vulkan programs of `sources` into `folder`. `None`, with a visible line, where they cannot be built or
 /// watched over.
-fn build_vulkan(sources: &str, folder: &str) -> Option<PathBuf> {
+fn build_vulkan(sources: &str, folder: &str, settings: &[&str]) -> Option<PathBuf> {
     let directory = Path::new(env!("CARGO_TARGET_TMPDIR")).join(folder);
     let layers = Path::new("/usr/share/vulkan/explicit_layer.d/VkLayer_khronos_validation.json");
     let missing = [
@@ -290,6 +312,7 @@ fn build_vulkan(sources: &str, folder: &str) -> Option<PathBuf> {
     }
     let output = Command::new("make")
         .args(["-s", "-C", &format!("{}/{sources}", env!("CARGO_MANIFEST_DIR")), "vulkan"])
+        .args(settings)
         .arg(format!("OUT={}", directory.display()))
         .arg(format!("CUPOLA={}", library().with_file_name("").display()))
         .output()
@@ -302,13 +325,13 @@ fn build_vulkan(sources: &str, folder: &str) -> Option<PathBuf> {
 /// The folder of the built Vulkan examples.
 fn vulkan_examples() -> Option<&'static Path> {
     static BUILT: OnceLock<Option<PathBuf>> = OnceLock::new();
-    BUILT.get_or_init(|| build_vulkan("examples/c", "c-examples")).as_deref()
+    BUILT.get_or_init(|| build_vulkan("examples/c", "c-examples", &[])).as_deref()
 }
 
 /// The folder of the built Vulkan test programs.
 fn vulkan_apps() -> Option<&'static Path> {
     static BUILT: OnceLock<Option<PathBuf>> = OnceLock::new();
-    BUILT.get_or_init(|| build_vulkan("tests/apps/vulkan", "apps-vulkan")).as_deref()
+    BUILT.get_or_init(|| build_vulkan("tests/apps/vulkan", "apps-vulkan", &[])).as_deref()
 }
 
 /// The validation layer watches over synchronisation, too.
@@ -325,7 +348,11 @@ fn validating(command: &mut Command) {
 /// Runs a Vulkan example under the validation layer, which watches over synchronisation too. `None` where that cannot be
 /// done.
 pub fn watched(program: &str, arguments: &[&str]) -> Option<Finished> {
-    let mut command = Command::new(vulkan_examples()?.join(program));
+    watched_in(vulkan_examples()?, program, arguments)
+}
+
+fn watched_in(folder: &Path, program: &str, arguments: &[&str]) -> Option<Finished> {
+    let mut command = Command::new(folder.join(program));
     command.args(arguments);
     validating(&mut command);
     let finished = Finished::of(command, program, "watched")?;
@@ -336,6 +363,13 @@ pub fn watched(program: &str, arguments: &[&str]) -> Option<Finished> {
 /// As [`watched`]; the program has to end well, and the layer to say nothing.
 pub fn validated(program: &str, arguments: &[&str]) -> Option<Finished> {
     Some(watched(program, arguments)?.expect_success().expect_no_validation_messages())
+}
+
+/// As [`validated`], for an example that was compiled with the headers of the first published version.
+pub fn validated_of_first_version(program: &str, arguments: &[&str]) -> Option<Finished> {
+    static BUILT: OnceLock<Option<PathBuf>> = OnceLock::new();
+    let folder = BUILT.get_or_init(|| build_vulkan("examples/c", "c-examples-0.1", &[FIRST_HEADERS])).as_deref()?;
+    Some(watched_in(folder, program, arguments)?.expect_success().expect_no_validation_messages())
 }
 
 /// What a run left behind.

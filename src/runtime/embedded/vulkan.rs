@@ -1,7 +1,7 @@
 //! The embedded form on Vulkan: the program draws the views into images, and has their correction recorded into its
 //! own command buffers.
 
-use super::{Planner, check_planes, check_request, joined, no_view, projection, rotation, vectors_of_view};
+use super::{Planner, check_planes, check_request, joined, log_plan, no_view, projection, rotation, vectors_of_view};
 use crate::backend::vk::ash::vk;
 use crate::backend::vk::{Api, Recording, SourceImage, Surface, TargetImage, Timing, VkBackend};
 use crate::correct::projected::y_down::{lens_down, rows_down};
@@ -249,6 +249,7 @@ impl EmbeddedVulkan {
 fn prepare(api: &Api, rig: &Rig, options: &VulkanOptions, plan: Planner) -> Result<(Session, Plan)> {
     check_request(rig, options.size)?;
     let session = plan(rig, options.size, false, api.largest_image(), Extras::default())?;
+    log_plan(rig, &session);
     let plan = options.arrangement.arrange(session.plan().clone());
     Ok((session, plan))
 }
