@@ -2,20 +2,22 @@
  *
  * Conventions:
  *
- * - Functions are called cupola_<type>_<verb>. Handles come first, results last. Each function returns a
- *   cupola_status, except those that return a version. cupola_last_error copies the message of an error.
+ * - Functions are called cupola_<type>_<verb>. Handles come first, results last. Each function
+ *   returns a cupola_status, except those that return a version. cupola_last_error copies the
+ *   message of an error.
  * - Any function may return CUPOLA_INVALID_ARGUMENT for a pointer that is null or misaligned, and
- *   CUPOLA_INTERNAL for a defect of the library. CUPOLA_OK is success and is listed only where nothing else
- *   is. Results are written on success only.
- * - Ownership: what a _create, _load or _parse function returns belongs to the caller, who passes it to _destroy
- *   or _free once. These accept null. Other pointers are not kept after the call.
- * - Threads: functions with different handles may be called at the same time from several threads, those with
- *   the same handle only where it says so. A handle may move from one thread to another.
- * - Structs that begin with struct_size may grow at their end in later versions. The caller sets struct_size to
- *   sizeof of its own struct and all fields that it does not use to 0. A library of another version serves it:
- *   missing fields count as 0; unknown fields of parameters have to be 0, else the call returns
- *   CUPOLA_INVALID_ARGUMENT; unknown fields of results become 0, and struct_size stays. In every version 0 is the
- *   default of a field that was added after the first one.
+ *   CUPOLA_INTERNAL for a defect of the library. CUPOLA_OK is success and is listed only where
+ *   nothing else is. Results are written on success only.
+ * - Ownership: what a _create, _load or _parse function returns belongs to the caller, who passes
+ *   it to _destroy or _free once. These accept null. Other pointers are not kept after the call.
+ * - Threads: functions with different handles may be called at the same time from several threads,
+ *   those with the same handle only where it says so. A handle may move from one thread to another.
+ * - Structs that begin with struct_size may grow at their end in later versions. The caller sets
+ *   struct_size to sizeof of its own struct and all fields that it does not use to 0. A library of
+ *   another version serves it: missing fields count as 0; unknown fields of parameters have to be
+ *   0, else the call returns CUPOLA_INVALID_ARGUMENT; unknown fields of results become 0, and
+ *   struct_size stays. In every version 0 is the default of a field that was added after the first
+ *   one.
  * - Texts are UTF-8 and NUL-terminated. Angles are in degrees, lengths in metres.
  *
  * Generated from src/ffi; do not edit.
@@ -33,22 +35,23 @@
 /*
  Version of the binary interface. A program works with a library of the same number only.
 
- It grows when a function or a field is removed or changed, so that compiled programs have to be compiled
- again. Additions do not change it. History:
+ It grows when a function or a field is removed or changed, so that compiled programs have to be
+ compiled again. Additions do not change it. History:
 
  - 1: since 0.1.
  */
 #define CUPOLA_ABI_VERSION 1
 
 /*
- Version of the interface's contents. A program works with a library of the same or a greater number.
+ Version of the interface's contents. A program works with a library of the same or a greater
+ number.
 
  It grows with each addition. History:
 
- - 1: 0.1 as it was first published: rigs, exact directions, OpenGL (`cupola_gl_...`), blending, projecting
-   shaders, and Vulkan (`cupola_vk_...`).
- - 2: `cupola_abi_version`, `cupola_api_version` and their macros; `cupola_set_log_callback`; structs of
-   smaller and larger `struct_size` are served.
+ - 1: 0.1 as it was first published: rigs, exact directions, OpenGL (`cupola_gl_...`), blending,
+   projecting shaders, and Vulkan (`cupola_vk_...`).
+ - 2: `cupola_abi_version`, `cupola_api_version` and their macros; `cupola_set_log_callback`;
+   structs of smaller and larger `struct_size` are served.
  */
 #define CUPOLA_API_VERSION 2
 
@@ -83,8 +86,8 @@
 #define CUPOLA_MOST_RAMPS 8
 
 /*
- Result of a call. `cupola_last_error` copies the message of an error. Numbers never change, and later
- versions may add some.
+ Result of a call. `cupola_last_error` copies the message of an error. Numbers never change, and
+ later versions may add some.
  */
 typedef enum cupola_status {
   /*
@@ -140,31 +143,31 @@ typedef enum cupola_log_level {
 } cupola_log_level;
 
 /*
- A rig on an OpenGL context. Created by `cupola_gl_create` or `cupola_gl_create_projecting`, destroyed
- by `cupola_gl_destroy`.
+ A rig on an OpenGL context. Created by `cupola_gl_create` or `cupola_gl_create_projecting`,
+ destroyed by `cupola_gl_destroy`.
 
- One thread at a time may use it. Functions that say "context current" need the context current in the
- calling thread on which the object was created.
+ One thread at a time may use it. Functions that say "context current" need the context current
+ in the calling thread on which the object was created.
  */
 typedef struct cupola_gl cupola_gl;
 
 /*
  A rig: description of screen, viewer and outputs (projectors, domemasters, windows). Created by
- `cupola_rig_load` or `cupola_rig_parse`, freed by `cupola_rig_free`. It does not change; several threads
- may use it at the same time.
+ `cupola_rig_load` or `cupola_rig_parse`, freed by `cupola_rig_free`. It does not change; several
+ threads may use it at the same time.
  */
 typedef struct cupola_rig cupola_rig;
 
 /*
  Receives a message of the library (see `cupola_set_log_callback`).
 
- `message` is one line of UTF-8 without a newline at its end, NUL-terminated, valid during the call. `user` is the
- pointer that was passed to `cupola_set_log_callback`.
+ `message` is one line of UTF-8 without a newline at its end, NUL-terminated, valid during the
+ call. `user` is the pointer that was passed to `cupola_set_log_callback`.
 
- The callback may be called from any thread that calls the library, and from several at the same time. It returns
- normally: a `longjmp` or a C++ exception out of it is undefined behaviour. It may call functions of the library,
- except `cupola_set_log_callback` and those with a handle that is in use by the call from which the message
- comes; messages of these calls are discarded.
+ The callback may be called from any thread that calls the library, and from several at the same
+ time. It returns normally: a `longjmp` or a C++ exception out of it is undefined behaviour. It
+ may call functions of the library, except `cupola_set_log_callback` and those with a handle that
+ is in use by the call from which the message comes; messages of these calls are discarded.
  */
 typedef void (*cupola_log_callback)(enum cupola_log_level level, const char *message, void *user);
 
@@ -176,8 +179,8 @@ typedef void (*cupola_gl_function)(void);
 /*
  Returns the address of an OpenGL function, or NULL where the context has none of that name.
 
- `name` is NUL-terminated and valid during the call. The function has to find functions of OpenGL 1.0
- too, as `glXGetProcAddressARB`, `eglGetProcAddress` and `glfwGetProcAddress` do.
+ `name` is NUL-terminated and valid during the call. The function has to find functions of OpenGL
+ 1.0 too, as `glXGetProcAddressARB`, `eglGetProcAddress` and `glfwGetProcAddress` do.
  */
 typedef cupola_gl_function (*cupola_gl_get_proc_address)(const char *name);
 
@@ -204,7 +207,8 @@ typedef struct cupola_gl_options {
 } cupola_gl_options;
 
 /*
- View: perspective image of the scene that the program draws. All matrices are stored column by column.
+ View: perspective image of the scene that the program draws. All matrices are stored column by
+ column.
  */
 typedef struct cupola_gl_view {
   /*
@@ -232,19 +236,20 @@ typedef struct cupola_gl_view {
    */
   int32_t height;
   /*
-   Matrix from the program's camera axes (x right, y up, -z forward) to the clip space of the view:
-   `frustum_matrix` times `rotation_matrix`. It replaces the program's projection matrix; the program's
-   view matrix stays as it is, and with it the lighting.
+   Matrix from the program's camera axes (x right, y up, -z forward) to the clip space of the
+   view: `frustum_matrix` times `rotation_matrix`. It replaces the program's projection matrix;
+   the program's view matrix stays as it is, and with it the lighting.
    */
   float projection_matrix[16];
   /*
-   Matrix from the program's camera axes to the axes of the view, for programs that cull or draw a sky
-   by view. It has a translation where the rig moves the camera and in the views of a stereo rig.
+   Matrix from the program's camera axes to the axes of the view, for programs that cull or
+   draw a sky by view. It has a translation where the rig moves the camera and in the views of
+   a stereo rig.
    */
   float rotation_matrix[16];
   /*
-   Matrix from the axes of the view to its clip space: an off-centre perspective matrix as that of
-   `glFrustum`.
+   Matrix from the axes of the view to its clip space: an off-centre perspective matrix as that
+   of `glFrustum`.
    */
   float frustum_matrix[16];
   /*
@@ -326,8 +331,8 @@ typedef struct cupola_blend {
    */
   uint32_t overlap;
   /*
-   Shape of the ramp at the borders of the picture: `CUPOLA_RAMP_SMOOTHSTEP`, `CUPOLA_RAMP_COSINE` or
-   `CUPOLA_RAMP_POWER`.
+   Shape of the ramp at the borders of the picture: `CUPOLA_RAMP_SMOOTHSTEP`,
+   `CUPOLA_RAMP_COSINE` or `CUPOLA_RAMP_POWER`.
    */
   uint32_t shape;
   /*
@@ -347,7 +352,8 @@ typedef struct cupola_blend {
    */
   double gamma;
   /*
-   Light added to black, 0 (included) to 1 (excluded). Ignored where the rig has a picture of black.
+   Light added to black, 0 (included) to 1 (excluded). Ignored where the rig has a picture of
+   black.
    */
   double black_level;
   /*
@@ -359,8 +365,8 @@ typedef struct cupola_blend {
    */
   uint32_t dither;
   /*
-   Response of the display. 0: the power `gamma`. 1: sRGB. 2: the responses in the rig, of each channel or
-   measured; only an output that has them accepts it.
+   Response of the display. 0: the power `gamma`. 1: sRGB. 2: the responses in the rig, of each
+   channel or measured; only an output that has them accepts it.
    */
   uint32_t srgb;
   /*
@@ -376,8 +382,8 @@ typedef struct cupola_blend {
 /*
  Draws the program's scene into the current view (see `cupola_gl_draw_frame`).
 
- `view` is valid during the call; its `struct_size` is that of the library, which may be larger or
- smaller than the program's. `user` is the pointer that was passed to `cupola_gl_draw_frame`.
+ `view` is valid during the call; its `struct_size` is that of the library, which may be larger
+ or smaller than the program's. `user` is the pointer that was passed to `cupola_gl_draw_frame`.
  */
 typedef void (*cupola_gl_draw)(const struct cupola_gl_view *view, void *user);
 
@@ -386,8 +392,8 @@ extern "C" {
 #endif // __cplusplus
 
 /*
- Returns the `CUPOLA_ABI_VERSION` of the library. The macro is that of the header with which the program was
- compiled; where the two differ, the program must not use the library.
+ Returns the `CUPOLA_ABI_VERSION` of the library. The macro is that of the header with which the
+ program was compiled; where the two differ, the program must not use the library.
 
  # Threads
  Any thread.
@@ -395,7 +401,8 @@ extern "C" {
 uint32_t cupola_abi_version(void);
 
 /*
- Returns the `CUPOLA_API_VERSION` of the library. Functions and fields of later versions are missing in it.
+ Returns the `CUPOLA_API_VERSION` of the library. Functions and fields of later versions are
+ missing in it.
 
  # Threads
  Any thread.
@@ -403,8 +410,8 @@ uint32_t cupola_abi_version(void);
 uint32_t cupola_api_version(void);
 
 /*
- Returns the version of the library's package: major, minor and patch. To find out what the library can do,
- use `cupola_api_version`.
+ Returns the version of the library's package: major, minor and patch. To find out what the
+ library can do, use `cupola_api_version`.
 
  # Parameters
  - `major`, `minor`, `patch`: receive the numbers; each may be null.
@@ -418,16 +425,15 @@ uint32_t cupola_api_version(void);
  # Safety
  Each pointer is null or writable.
  */
-enum cupola_status cupola_version(uint32_t *major,
-                                  uint32_t *minor,
-                                  uint32_t *patch);
+enum cupola_status cupola_version(uint32_t *major, uint32_t *minor, uint32_t *patch);
 
 /*
- Copies the message of the last error of the calling thread. It is empty before the first error and stays
- until the next one; success does not change it.
+ Copies the message of the last error of the calling thread. It is empty before the first error
+ and stays until the next one; success does not change it.
 
  # Parameters
- - `buffer`: room for `size` bytes, or null to get the length only. The message is cut to fit, with its NUL.
+ - `buffer`: room for `size` bytes, or null to get the length only. The message is cut to fit,
+   with its NUL.
  - `size`: size of the buffer in bytes.
  - `length`: receives the length of the whole message in bytes without its NUL; may be null.
 
@@ -440,21 +446,21 @@ enum cupola_status cupola_version(uint32_t *major,
  # Safety
  `buffer` has room for `size` bytes or is null; `length` is null or writable.
  */
-enum cupola_status cupola_last_error(char *buffer,
-                                     size_t size,
-                                     size_t *length);
+enum cupola_status cupola_last_error(char *buffer, size_t size, size_t *length);
 
 /*
  Loads a rig from a preset or from a file.
 
  # Parameters
- - `name_or_path`: name of a preset (`fisheye`, `planetarium-6`, ...) or path of a rig file, UTF-8.
+ - `name_or_path`: name of a preset (`fisheye`, `planetarium-6`, ...) or path of a rig file,
+   UTF-8.
  - `rig`: receives the new rig, on success only.
 
  # Returns
  - `CUPOLA_INVALID_ARGUMENT`: a null pointer, or a text that is not UTF-8.
  - `CUPOLA_IO`: there is no such preset and no such file, or the file cannot be read.
- - `CUPOLA_INVALID_RIG`: the file has mistakes; `cupola_last_error` names all of them with their lines.
+ - `CUPOLA_INVALID_RIG`: the file has mistakes; `cupola_last_error` names all of them with their
+   lines.
 
  # Ownership
  The caller owns `*rig` and frees it with `cupola_rig_free`.
@@ -465,22 +471,22 @@ enum cupola_status cupola_last_error(char *buffer,
  # Safety
  `name_or_path` is NUL-terminated; `rig` is writable.
  */
-enum cupola_status cupola_rig_load(const char *name_or_path,
-                                   struct cupola_rig **rig);
+enum cupola_status cupola_rig_load(const char *name_or_path, struct cupola_rig **rig);
 
 /*
  Reads a rig from a text in the format of rig files (TOML).
 
  # Parameters
  - `toml`: the text, UTF-8.
- - `directory`: folder in which the files that the text names (masks, pictures of black, models) are
-   looked up, UTF-8.
+ - `directory`: folder in which the files that the text names (masks, pictures of black, models)
+   are looked up, UTF-8.
  - `rig`: receives the new rig, on success only.
 
  # Returns
  - `CUPOLA_INVALID_ARGUMENT`: a null pointer, or a text that is not UTF-8.
  - `CUPOLA_IO`: a file that the text names cannot be read.
- - `CUPOLA_INVALID_RIG`: the text has mistakes; `cupola_last_error` names all of them with their lines.
+ - `CUPOLA_INVALID_RIG`: the text has mistakes; `cupola_last_error` names all of them with their
+   lines.
 
  # Ownership
  The caller owns `*rig` and frees it with `cupola_rig_free`.
@@ -531,31 +537,34 @@ enum cupola_status cupola_rig_output_count(const struct cupola_rig *rig, uint32_
 enum cupola_status cupola_rig_free(struct cupola_rig *rig);
 
 /*
- Sets the function that receives the messages of the library, or removes it. There is one for the whole process.
+ Sets the function that receives the messages of the library, or removes it. There is one for the
+ whole process.
 
- Without a callback, warnings of an injected library (`cupola run`) go to standard error and to the file that
- `CUPOLA_LOG` names; other messages are discarded. With a callback, it receives all of them instead.
+ Without a callback, warnings of an injected library (`cupola run`) go to standard error and to
+ the file that `CUPOLA_LOG` names; other messages are discarded. With a callback, it receives all
+ of them instead.
 
  # Parameters
  - `callback`: the function, or null to remove the one before.
  - `user`: passed to the callback; may be null.
 
  # Returns
- - `CUPOLA_INVALID_STATE`: called from the callback, or the program is written in Rust and has a logger of its own.
+ - `CUPOLA_INVALID_STATE`: called from the callback, or the program is written in Rust and has a
+   logger of its own.
 
  # Ownership
- `user` belongs to the program. It has to live until this function has returned from setting another callback or
- from the removal: then the callback before is not running and will not be called again.
+ `user` belongs to the program. It has to live until this function has returned from setting
+ another callback or from the removal: then the callback before is not running and will not be
+ called again.
 
  # Threads
- Any thread. The function waits for calls of the callback before; so the caller must not hold a lock that this
- callback needs.
+ Any thread. The function waits for calls of the callback before; so the caller must not hold a
+ lock that this callback needs.
 
  # Safety
  `callback` can be called from any thread with `user`.
  */
-enum cupola_status cupola_set_log_callback(cupola_log_callback callback,
-                                           void *user);
+enum cupola_status cupola_set_log_callback(cupola_log_callback callback, void *user);
 
 /*
  Computes the direction that a pixel of an output shows, in double precision and without a GPU.
@@ -565,12 +574,12 @@ enum cupola_status cupola_set_log_callback(cupola_log_callback callback,
  - `output`: index of the output, from 0.
  - `width`, `height`: size of the output in pixels, at least 1.
  - `column`, `row`: point in pixels from the top left corner; centres of pixels are at + 0.5.
- - `direction`: receives 3 numbers: a unit vector in the axes of the program's camera (x right, y up,
-   -z forward), or 3 NaN where the point shows nothing.
+ - `direction`: receives 3 numbers: a unit vector in the axes of the program's camera (x right, y
+   up, -z forward), or 3 NaN where the point shows nothing.
 
  # Returns
- - `CUPOLA_INVALID_ARGUMENT`: a null pointer, an output that does not exist, a size of 0, or a point that
-   is not finite.
+ - `CUPOLA_INVALID_ARGUMENT`: a null pointer, an output that does not exist, a size of 0, or a
+   point that is not finite.
 
  # Threads
  Any thread, and several at the same time with the same rig.
@@ -587,8 +596,8 @@ enum cupola_status cupola_map_direction(const struct cupola_rig *rig,
                                         double *direction);
 
 /*
- Plans the views of a rig and creates what they need on the current context, which must be OpenGL 3.3 or
- OpenGL ES 3.0 at least, with a window or without one (surfaceless).
+ Plans the views of a rig and creates what they need on the current context, which must be OpenGL
+ 3.3 or OpenGL ES 3.0 at least, with a window or without one (surfaceless).
 
  # Parameters
  - `rig`: the rig. The library copies what it needs; the rig may be freed afterwards.
@@ -596,8 +605,8 @@ enum cupola_status cupola_map_direction(const struct cupola_rig *rig,
  - `gl`: receives the new object, on success only.
 
  # Returns
- - `CUPOLA_INVALID_ARGUMENT`: a null pointer, a size out of range, a field that this version does not know,
-   or a rig that corrects nothing (`identity`).
+ - `CUPOLA_INVALID_ARGUMENT`: a null pointer, a size out of range, a field that this version does
+   not know, or a rig that corrects nothing (`identity`).
  - `CUPOLA_GRAPHICS`: the context is too old, lacks a function or has no memory left.
 
  # Ownership
@@ -607,16 +616,16 @@ enum cupola_status cupola_map_direction(const struct cupola_rig *rig,
  Context current. Several objects, in several threads, are independent.
 
  # Safety
- `rig` is a live handle; `options` points to `options->struct_size` bytes; `gl` is writable; a context is
- current whose functions `get_proc_address` finds.
+ `rig` is a live handle; `options` points to `options->struct_size` bytes; `gl` is writable; a
+ context is current whose functions `get_proc_address` finds.
  */
 enum cupola_status cupola_gl_create(const struct cupola_rig *rig,
                                     const struct cupola_gl_options *options,
                                     struct cupola_gl **gl);
 
 /*
- Plans the views again for a picture of another size. Number and tiles of the views may change. On an error
- the old size stays.
+ Plans the views again for a picture of another size. Number and tiles of the views may change.
+ On an error the old size stays.
 
  # Parameters
  - `gl`: the object, outside a frame.
@@ -633,16 +642,14 @@ enum cupola_status cupola_gl_create(const struct cupola_rig *rig,
  # Safety
  `gl` is a live handle.
  */
-enum cupola_status cupola_gl_resize(struct cupola_gl *gl,
-                                    uint32_t width,
-                                    uint32_t height);
+enum cupola_status cupola_gl_resize(struct cupola_gl *gl, uint32_t width, uint32_t height);
 
 /*
- Moves and turns the viewer, for whose place the picture is correct, and plans the views again. Number and
- tiles of the views may change. On an error the old viewer stays.
+ Moves and turns the viewer, for whose place the picture is correct, and plans the views again.
+ Number and tiles of the views may change. On an error the old viewer stays.
 
- This takes about as long as `cupola_gl_create`: it is for a viewer who takes another seat, not for a
- tracked one.
+ This takes about as long as `cupola_gl_create`: it is for a viewer who takes another seat, not
+ for a tracked one.
 
  # Parameters
  - `gl`: the object, outside a frame.
@@ -690,11 +697,13 @@ enum cupola_status cupola_gl_view_count(struct cupola_gl *gl, uint32_t *count);
  # Parameters
  - `gl`: the object.
  - `index`: index of the view, less than the number that `cupola_gl_view_count` returns.
- - `near`, `far`: distances of the planes in the program's units, 0 < near < far. `far` may be infinite.
+ - `near`, `far`: distances of the planes in the program's units, 0 < near < far. `far` may be
+   infinite.
  - `view`: receives the description. The caller sets `view->struct_size` before.
 
  # Returns
- - `CUPOLA_INVALID_ARGUMENT`: a null pointer, a wrong `struct_size`, an index without a view, or wrong planes.
+ - `CUPOLA_INVALID_ARGUMENT`: a null pointer, a wrong `struct_size`, an index without a view, or
+   wrong planes.
 
  # Threads
  Any thread; no context is needed.
@@ -753,7 +762,8 @@ enum cupola_status cupola_gl_destroy(struct cupola_gl *gl);
  - `blend`: receives the values. The caller sets `blend->struct_size` before.
 
  # Returns
- - `CUPOLA_INVALID_ARGUMENT`: a null pointer, a wrong `struct_size`, or an output that does not exist.
+ - `CUPOLA_INVALID_ARGUMENT`: a null pointer, a wrong `struct_size`, or an output that does not
+   exist.
 
  # Threads
  Any thread; no context is needed.
@@ -766,8 +776,8 @@ enum cupola_status cupola_gl_get_blend(struct cupola_gl *gl,
                                        struct cupola_blend *blend);
 
 /*
- Changes the blending of an output from the next frame on. Views stay; shaders are compiled again, which takes
- milliseconds. On an error everything stays.
+ Changes the blending of an output from the next frame on. Views stay; shaders are compiled
+ again, which takes milliseconds. On an error everything stays.
 
  To change single values, read all with `cupola_gl_get_blend` first.
 
@@ -777,8 +787,9 @@ enum cupola_status cupola_gl_get_blend(struct cupola_gl *gl,
  - `blend`: the values. Not kept.
 
  # Returns
- - `CUPOLA_INVALID_ARGUMENT`: a null pointer, a wrong `struct_size`, a field that this version does not know, an
-   output that does not exist, a value out of its range, or `overlap` for an output that is no projector.
+ - `CUPOLA_INVALID_ARGUMENT`: a null pointer, a wrong `struct_size`, a field that this version
+   does not know, an output that does not exist, a value out of its range, or `overlap` for an
+   output that is no projector.
  - `CUPOLA_INVALID_STATE`: a frame has begun and not ended.
  - `CUPOLA_GRAPHICS`: the driver refused a request.
 
@@ -811,14 +822,14 @@ enum cupola_status cupola_gl_set_blend(struct cupola_gl *gl,
 enum cupola_status cupola_gl_begin_frame(struct cupola_gl *gl);
 
 /*
- Begins a view: binds its tile for drawing and sets viewport and scissor to it. The program then clears the
- tile and draws the scene with the view's matrices. A program that draws into a framebuffer of its own in
- between binds the earlier one again.
+ Begins a view: binds its tile for drawing and sets viewport and scissor to it. The program then
+ clears the tile and draws the scene with the view's matrices. A program that draws into a
+ framebuffer of its own in between binds the earlier one again.
 
  # Parameters
  - `gl`: the object, inside a frame and outside a view.
- - `index`: index of the view, less than the number that `cupola_gl_view_count` returns. A view may be drawn
-   more than once in a frame.
+ - `index`: index of the view, less than the number that `cupola_gl_view_count` returns. A view
+   may be drawn more than once in a frame.
 
  # Returns
  - `CUPOLA_INVALID_ARGUMENT`: `gl` is null, or there is no such view.
@@ -830,8 +841,7 @@ enum cupola_status cupola_gl_begin_frame(struct cupola_gl *gl);
  # Safety
  `gl` is a live handle.
  */
-enum cupola_status cupola_gl_begin_view(struct cupola_gl *gl,
-                                        uint32_t index);
+enum cupola_status cupola_gl_begin_view(struct cupola_gl *gl, uint32_t index);
 
 /*
  Ends a view: framebuffer bindings, viewport and scissor become what they were before it.
@@ -852,8 +862,8 @@ enum cupola_status cupola_gl_begin_view(struct cupola_gl *gl,
 enum cupola_status cupola_gl_end_view(struct cupola_gl *gl);
 
 /*
- Ends a frame: corrects the views into a framebuffer. All state of the context is the same afterwards. An
- OpenGL error that was pending is kept for `cupola_gl_take_error`.
+ Ends a frame: corrects the views into a framebuffer. All state of the context is the same
+ afterwards. An OpenGL error that was pending is kept for `cupola_gl_take_error`.
 
  # Parameters
  - `gl`: the object, inside a frame and outside a view.
@@ -876,18 +886,20 @@ enum cupola_status cupola_gl_end_frame(struct cupola_gl *gl,
                                        int32_t y);
 
 /*
- Draws a whole frame: begins it, calls `draw` for each view between its begin and its end, and ends it.
+ Draws a whole frame: begins it, calls `draw` for each view between its begin and its end, and
+ ends it.
 
  # Parameters
  - `gl`: the object, outside a frame.
  - `near`, `far`: as for `cupola_gl_get_view`.
- - `draw`: draws the scene into one view. It must not call functions with the same `gl`, and it returns
-   normally: a `longjmp` or a C++ exception out of it is undefined behaviour.
+ - `draw`: draws the scene into one view. It must not call functions with the same `gl`, and it
+   returns normally: a `longjmp` or a C++ exception out of it is undefined behaviour.
  - `user`: passed to `draw`; may be null.
  - `framebuffer`, `x`, `y`: as for `cupola_gl_end_frame`.
 
  # Returns
- - `CUPOLA_INVALID_ARGUMENT`: `gl` or `draw` is null, or the planes are wrong. `draw` was not called.
+ - `CUPOLA_INVALID_ARGUMENT`: `gl` or `draw` is null, or the planes are wrong. `draw` was not
+   called.
  - `CUPOLA_INVALID_STATE`: a frame has begun and not ended.
 
  # Threads
@@ -906,8 +918,8 @@ enum cupola_status cupola_gl_draw_frame(struct cupola_gl *gl,
                                         int32_t y);
 
 /*
- Returns the OpenGL error that the program had pending at the end of a frame, and forgets it. Of several
- frames the oldest error is kept.
+ Returns the OpenGL error that the program had pending at the end of a frame, and forgets it. Of
+ several frames the oldest error is kept.
 
  # Parameters
  - `gl`: the object.
@@ -922,16 +934,15 @@ enum cupola_status cupola_gl_draw_frame(struct cupola_gl *gl,
  # Safety
  `gl` is a live handle; `error` is writable.
  */
-enum cupola_status cupola_gl_take_error(struct cupola_gl *gl,
-                                        uint32_t *error);
+enum cupola_status cupola_gl_take_error(struct cupola_gl *gl, uint32_t *error);
 
 /*
  Does what `cupola_gl_create` does, for a program that draws all views with the functions of
  `cupola_gl_projection_source`.
 
- An output with the method `vertex` or `primitive` then has one view, which is its own picture, pixel for
- pixel; the matrices of `cupola_gl_get_view` do not apply to it. Edges between vertices stay straight, so
- the program's models have to be fine.
+ An output with the method `vertex` or `primitive` then has one view, which is its own picture,
+ pixel for pixel; the matrices of `cupola_gl_get_view` do not apply to it. Edges between vertices
+ stay straight, so the program's models have to be fine.
 
  # Parameters
  As for `cupola_gl_create`.
@@ -954,12 +965,14 @@ enum cupola_status cupola_gl_create_projecting(const struct cupola_rig *rig,
 
 /*
  Copies GLSL for the last shader stage before rasterisation: `uniform vec4 cupola_view[8]`, and
- `vec4 cupola_fix(vec4)`, which turns the value for `gl_Position`, computed with the program's own projection,
- into that of the view. The text belongs between `#version` (GLSL 1.20 or ESSL 3.00 at least) and `main`.
+ `vec4 cupola_fix(vec4)`, which turns the value for `gl_Position`, computed with the program's
+ own projection, into that of the view. The text belongs between `#version` (GLSL 1.20 or ESSL
+ 3.00 at least) and `main`.
 
  # Parameters
  - `for_es`: 0 for GLSL, any other value for ESSL.
- - `buffer`: room for `size` bytes, or null to get the length only. The text is cut to fit, with its NUL.
+ - `buffer`: room for `size` bytes, or null to get the length only. The text is cut to fit, with
+   its NUL.
  - `size`: size of the buffer in bytes.
  - `length`: receives the length of the whole text in bytes without its NUL; may be null.
 
@@ -978,8 +991,8 @@ enum cupola_status cupola_gl_projection_source(int32_t for_es,
                                                size_t *length);
 
 /*
- Computes the 8 vectors of the uniform `cupola_view` for a view. They depend on the view, on the matrix and on
- the size of the picture.
+ Computes the 8 vectors of the uniform `cupola_view` for a view. They depend on the view, on the
+ matrix and on the size of the picture.
 
  # Parameters
  - `gl`: the object.
@@ -988,7 +1001,8 @@ enum cupola_status cupola_gl_projection_source(int32_t for_es,
  - `vectors`: receives 32 numbers.
 
  # Returns
- - `CUPOLA_INVALID_ARGUMENT`: a null pointer, an index without a view, or a matrix that is no perspective.
+ - `CUPOLA_INVALID_ARGUMENT`: a null pointer, an index without a view, or a matrix that is no
+   perspective.
 
  # Threads
  Any thread; no context is needed.

@@ -1,7 +1,7 @@
 /* Cupola on Vulkan, for programs that draw the views themselves.
  *
- * The conventions are those of cupola.h. This is a separate header so that programs without Vulkan do not need
- * Vulkan's header.
+ * The conventions are those of cupola.h. This is a separate header so that programs without Vulkan
+ * do not need Vulkan's header.
  *
  * Generated from src/ffi; do not edit.
  */
@@ -23,8 +23,9 @@
 #define CUPOLA_VK_ATLAS 0
 
 /*
- Arrangement of the views: layers of one image, a 2D array, all of one size, for programs that draw all
- views at once (multiview). The smaller views are drawn at more than the planned resolution.
+ Arrangement of the views: layers of one image, a 2D array, all of one size, for programs that
+ draw all views at once (multiview). The smaller views are drawn at more than the planned
+ resolution.
  */
 #define CUPOLA_VK_LAYERS 1
 
@@ -34,27 +35,29 @@
 #define CUPOLA_VK_IMAGES 2
 
 /*
- A rig on a Vulkan device. Created by `cupola_vk_create` or `cupola_vk_create_projecting`, destroyed by
- `cupola_vk_destroy` before the device is.
+ A rig on a Vulkan device. Created by `cupola_vk_create` or `cupola_vk_create_projecting`,
+ destroyed by `cupola_vk_destroy` before the device is.
 
  One thread at a time may use it. Several objects, on one device too, are independent.
 
- Synchronisation: the library submits nothing and uses no queue. `cupola_vk_record` records barriers before and
- after the correction, so that nothing else is needed within one queue; between queues, and with a swapchain,
- the program's semaphores and fences are the same as without Cupola. The images of a frame may be drawn again
- when the fence of the submission that read them is signalled; this is what `frames_in_flight` is for. Images
- belong to the queue family of the options (`VK_SHARING_MODE_EXCLUSIVE`) or are shared by all.
+ Synchronisation: the library submits nothing and uses no queue. `cupola_vk_record` records
+ barriers before and after the correction, so that nothing else is needed within one queue;
+ between queues, and with a swapchain, the program's semaphores and fences are the same as
+ without Cupola. The images of a frame may be drawn again when the fence of the submission that
+ read them is signalled; this is what `frames_in_flight` is for. Images belong to the queue
+ family of the options (`VK_SHARING_MODE_EXCLUSIVE`) or are shared by all.
 
- "Idle" at a function means: no command buffer into which `cupola_vk_record` recorded is pending, and none will be
- submitted again.
+ "Idle" at a function means: no command buffer into which `cupola_vk_record` recorded is pending,
+ and none will be submitted again.
 
- The first command buffer that is recorded after `cupola_vk_create` or `cupola_vk_resize` fills masks and tables:
- it has to be submitted before the others, and once.
+ The first command buffer that is recorded after `cupola_vk_create` or `cupola_vk_resize` fills
+ masks and tables: it has to be submitted before the others, and once.
  */
 typedef struct cupola_vk cupola_vk;
 
 /*
- Parameters of `cupola_vk_create`. No feature and no extension has to be enabled; Vulkan 1.0 is enough.
+ Parameters of `cupola_vk_create`. No feature and no extension has to be enabled; Vulkan 1.0 is
+ enough.
  */
 typedef struct cupola_vk_options {
   /*
@@ -82,7 +85,8 @@ typedef struct cupola_vk_options {
    */
   uint32_t queue_family;
   /*
-   Number of frames that may be in flight at the same time, 1 to 16. Each has images of its own.
+   Number of frames that may be in flight at the same time, 1 to 16. Each has images of its
+   own.
    */
   uint32_t frames_in_flight;
   /*
@@ -98,8 +102,9 @@ typedef struct cupola_vk_options {
    */
   VkFormat target_format;
   /*
-   Format of the images that the library creates for the views: UNORM or float, with encoded values.
-   `VK_FORMAT_UNDEFINED` (0): the program brings its own images (`cupola_vk_set_sources`).
+   Format of the images that the library creates for the views: UNORM or float, with encoded
+   values. `VK_FORMAT_UNDEFINED` (0): the program brings its own images
+   (`cupola_vk_set_sources`).
    */
   VkFormat view_format;
   /*
@@ -113,7 +118,8 @@ typedef struct cupola_vk_options {
 } cupola_vk_options;
 
 /*
- View: perspective image of the scene that the program draws. All matrices are stored column by column.
+ View: perspective image of the scene that the program draws. All matrices are stored column by
+ column.
  */
 typedef struct cupola_vk_view {
   /*
@@ -149,14 +155,16 @@ typedef struct cupola_vk_view {
    */
   int32_t height;
   /*
-   Matrix from the program's camera axes (x right, y up, -z forward) to the clip space of the view (y down,
-   depth 0 to 1): `frustum_matrix` times `rotation_matrix`. It replaces the program's projection matrix; the
-   program's view matrix stays as it is, and with it the lighting.
+   Matrix from the program's camera axes (x right, y up, -z forward) to the clip space of the
+   view (y down, depth 0 to 1): `frustum_matrix` times `rotation_matrix`. It replaces the
+   program's projection matrix; the program's view matrix stays as it is, and with it the
+   lighting.
    */
   float projection_matrix[16];
   /*
-   Matrix from the program's camera axes to the axes of the view, for programs that cull or draw a sky
-   by view. It has a translation where the rig moves the camera and in the views of a stereo rig.
+   Matrix from the program's camera axes to the axes of the view, for programs that cull or
+   draw a sky by view. It has a translation where the rig moves the camera and in the views of
+   a stereo rig.
    */
   float rotation_matrix[16];
   /*
@@ -194,8 +202,9 @@ typedef struct cupola_vk_statistics {
    */
   uint64_t frames;
   /*
-   Number of frames since the last `cupola_vk_resize` whose time on the device is known. The time of a frame is
-   known when the next frame with the same images is recorded. Always 0 on devices without timestamps.
+   Number of frames since the last `cupola_vk_resize` whose time on the device is known. The
+   time of a frame is known when the next frame with the same images is recorded. Always 0 on
+   devices without timestamps.
    */
   uint64_t measured_frames;
   /*
@@ -217,13 +226,13 @@ typedef struct cupola_vk_source {
    */
   size_t struct_size;
   /*
-   The image, with `VK_IMAGE_USAGE_SAMPLED_BIT`. `VK_NULL_HANDLE`: no barrier is recorded for it, and the
-   program makes it readable by fragment shaders in `layout`.
+   The image, with `VK_IMAGE_USAGE_SAMPLED_BIT`. `VK_NULL_HANDLE`: no barrier is recorded for
+   it, and the program makes it readable by fragment shaders in `layout`.
    */
   VkImage image;
   /*
-   Image view of its first mip level: 2D; with `CUPOLA_VK_LAYERS` a 2D array of as many layers as there are
-   views, from the first on.
+   Image view of its first mip level: 2D; with `CUPOLA_VK_LAYERS` a 2D array of as many layers
+   as there are views, from the first on.
    */
   VkImageView view;
   /*
@@ -277,8 +286,8 @@ typedef struct cupola_vk_target {
    */
   uint32_t height;
   /*
-   Layout of the image before the correction. `VK_IMAGE_LAYOUT_UNDEFINED`: its contents are lost, and it is
-   black where there is no output.
+   Layout of the image before the correction. `VK_IMAGE_LAYOUT_UNDEFINED`: its contents are
+   lost, and it is black where there is no output.
    */
   VkImageLayout initial_layout;
   /*
@@ -286,8 +295,8 @@ typedef struct cupola_vk_target {
    */
   VkImageLayout final_layout;
   /*
-   Pipeline stages before the correction for which it waits; 0 for none. After an acquire: the stages at which
-   the submission waits for the semaphore.
+   Pipeline stages before the correction for which it waits; 0 for none. After an acquire: the
+   stages at which the submission waits for the semaphore.
    */
   VkPipelineStageFlags before_stages;
   /*
@@ -317,8 +326,8 @@ extern "C" {
  - `vk`: receives the new object, on success only.
 
  # Returns
- - `CUPOLA_INVALID_ARGUMENT`: a null pointer or handle, a value out of range, an sRGB format, a field that this
-   version does not know, or a rig that corrects nothing (`identity`).
+ - `CUPOLA_INVALID_ARGUMENT`: a null pointer or handle, a value out of range, an sRGB format, a
+   field that this version does not know, or a rig that corrects nothing (`identity`).
  - `CUPOLA_GRAPHICS`: the device cannot use a format, lacks a function or has no memory left.
 
  # Ownership
@@ -328,16 +337,17 @@ extern "C" {
  Any thread.
 
  # Safety
- `rig` is a live handle; `options` points to `options->struct_size` bytes, whose handles are live and belong
- together; `vk` is writable.
+ `rig` is a live handle; `options` points to `options->struct_size` bytes, whose handles are live
+ and belong together; `vk` is writable.
  */
 cupola_status cupola_vk_create(const cupola_rig *rig,
                                const struct cupola_vk_options *options,
                                struct cupola_vk **vk);
 
 /*
- Plans the views again for a picture of another size. Number and sizes of views and images may change. Sources and
- targets that the program set are forgotten, and images of the library's are created again.
+ Plans the views again for a picture of another size. Number and sizes of views and images may
+ change. Sources and targets that the program set are forgotten, and images of the library's are
+ created again.
 
  # Parameters
  - `vk`: the object, idle.
@@ -345,8 +355,8 @@ cupola_status cupola_vk_create(const cupola_rig *rig,
 
  # Returns
  - `CUPOLA_INVALID_ARGUMENT`: `vk` is null, or the size is out of range. Everything stays.
- - `CUPOLA_GRAPHICS`: the driver refused a request. Only another `cupola_vk_resize` or `cupola_vk_destroy` is
-   useful afterwards.
+ - `CUPOLA_GRAPHICS`: the driver refused a request. Only another `cupola_vk_resize` or
+   `cupola_vk_destroy` is useful afterwards.
 
  # Threads
  Any thread.
@@ -354,9 +364,7 @@ cupola_status cupola_vk_create(const cupola_rig *rig,
  # Safety
  `vk` is a live handle and idle.
  */
-cupola_status cupola_vk_resize(struct cupola_vk *vk,
-                               uint32_t width,
-                               uint32_t height);
+cupola_status cupola_vk_resize(struct cupola_vk *vk, uint32_t width, uint32_t height);
 
 /*
  Returns the number of views. Only `cupola_vk_resize` changes it.
@@ -382,11 +390,13 @@ cupola_status cupola_vk_view_count(struct cupola_vk *vk, uint32_t *count);
  # Parameters
  - `vk`: the object.
  - `index`: index of the view, less than the number that `cupola_vk_view_count` returns.
- - `near`, `far`: distances of the planes in the program's units, 0 < near < far. `far` may be infinite.
+ - `near`, `far`: distances of the planes in the program's units, 0 < near < far. `far` may be
+   infinite.
  - `view`: receives the description. The caller sets `view->struct_size` before.
 
  # Returns
- - `CUPOLA_INVALID_ARGUMENT`: a null pointer, a wrong `struct_size`, an index without a view, or wrong planes.
+ - `CUPOLA_INVALID_ARGUMENT`: a null pointer, a wrong `struct_size`, an index without a view, or
+   wrong planes.
 
  # Threads
  Any thread.
@@ -401,18 +411,20 @@ cupola_status cupola_vk_get_view(struct cupola_vk *vk,
                                  struct cupola_vk_view *view);
 
 /*
- Records the correction of a frame into a command buffer. On an error nothing is recorded. No Vulkan object is
- created and no device memory allocated.
+ Records the correction of a frame into a command buffer. On an error nothing is recorded. No
+ Vulkan object is created and no device memory allocated.
 
- Bound pipelines, descriptor sets, vertex buffers, viewports and scissors are undefined afterwards.
+ Bound pipelines, descriptor sets, vertex buffers, viewports and scissors are undefined
+ afterwards.
 
  # Parameters
  - `vk`: the object.
- - `command_buffer`: primary command buffer in the recording state, outside a render pass, for a queue of the
-   options' family.
+ - `command_buffer`: primary command buffer in the recording state, outside a render pass, for a
+   queue of the options' family.
  - `frame`: index of the frame in flight whose sources are read, less than `frames_in_flight`.
  - `target`: index of the target, as set with `cupola_vk_set_targets`.
- - `x`, `y`: upper left corner of the picture in the target, in pixels. Parts outside are cut off.
+ - `x`, `y`: upper left corner of the picture in the target, in pixels. Parts outside are cut
+   off.
 
  # Returns
  - `CUPOLA_INVALID_ARGUMENT`: a null pointer or handle, or a frame or target that was not set.
@@ -421,8 +433,8 @@ cupola_status cupola_vk_get_view(struct cupola_vk *vk,
  Any thread; that of the command buffer's pool.
 
  # Safety
- `vk` and `command_buffer` are live handles; when the command buffer is executed, all images are in the layouts that
- were given for them.
+ `vk` and `command_buffer` are live handles; when the command buffer is executed, all images are
+ in the layouts that were given for them.
  */
 cupola_status cupola_vk_record(struct cupola_vk *vk,
                                VkCommandBuffer command_buffer,
@@ -463,13 +475,14 @@ cupola_status cupola_vk_get_statistics(struct cupola_vk *vk,
  Any thread.
 
  # Safety
- `vk` is null, or a live handle that is idle and whose device is live. It must not be used afterwards.
+ `vk` is null, or a live handle that is idle and whose device is live. It must not be used
+ afterwards.
  */
 cupola_status cupola_vk_destroy(struct cupola_vk *vk);
 
 /*
- Returns the number of images that hold the views of a frame: the number of views with `CUPOLA_VK_IMAGES`,
- otherwise 1.
+ Returns the number of images that hold the views of a frame: the number of views with
+ `CUPOLA_VK_IMAGES`, otherwise 1.
 
  # Parameters
  - `vk`: the object.
@@ -484,12 +497,11 @@ cupola_status cupola_vk_destroy(struct cupola_vk *vk);
  # Safety
  `vk` is a live handle; `count` is writable.
  */
-cupola_status cupola_vk_image_count(struct cupola_vk *vk,
-                                    uint32_t *count);
+cupola_status cupola_vk_image_count(struct cupola_vk *vk, uint32_t *count);
 
 /*
- Returns the size of an image that holds views. Images that the program brings have to have this size. Only
- `cupola_vk_resize` changes it.
+ Returns the size of an image that holds views. Images that the program brings have to have this
+ size. Only `cupola_vk_resize` changes it.
 
  # Parameters
  - `vk`: the object.
@@ -513,8 +525,8 @@ cupola_status cupola_vk_image_size(struct cupola_vk *vk,
                                    uint32_t *layers);
 
 /*
- Describes an image that the library created for the views of a frame. The program draws into it and leaves it in its
- `layout`. The image can be a colour attachment, be cleared and be copied.
+ Describes an image that the library created for the views of a frame. The program draws into it
+ and leaves it in its `layout`. The image can be a colour attachment, be cleared and be copied.
 
  # Parameters
  - `vk`: the object.
@@ -523,11 +535,12 @@ cupola_status cupola_vk_image_size(struct cupola_vk *vk,
  - `source`: receives the description. The caller sets `source->struct_size` before.
 
  # Returns
- - `CUPOLA_INVALID_ARGUMENT`: a null pointer, a wrong `struct_size`, or an image that the library did not create.
+ - `CUPOLA_INVALID_ARGUMENT`: a null pointer, a wrong `struct_size`, or an image that the library
+   did not create.
 
  # Ownership
- The image and its view belong to the library. They live until `cupola_vk_resize`, `cupola_vk_set_sources` or
- `cupola_vk_destroy`.
+ The image and its view belong to the library. They live until `cupola_vk_resize`,
+ `cupola_vk_set_sources` or `cupola_vk_destroy`.
 
  # Threads
  Any thread.
@@ -545,13 +558,14 @@ cupola_status cupola_vk_get_source(struct cupola_vk *vk,
 
  # Parameters
  - `vk`: the object, idle.
- - `count`: number of `sources`: `frames_in_flight` times the number that `cupola_vk_image_count` returns.
+ - `count`: number of `sources`: `frames_in_flight` times the number that `cupola_vk_image_count`
+   returns.
  - `sources`: the images of the first frame, then those of the second, and so on. The structs lie
    `sources->struct_size` bytes apart. Not kept; the handles in them are.
 
  # Returns
- - `CUPOLA_INVALID_ARGUMENT`: a null pointer or handle, a wrong `struct_size`, a field that this version does not
-   know, or a wrong number, size, layout or sRGB format.
+ - `CUPOLA_INVALID_ARGUMENT`: a null pointer or handle, a wrong `struct_size`, a field that this
+   version does not know, or a wrong number, size, layout or sRGB format.
  - `CUPOLA_GRAPHICS`: the device cannot sample the format, or the driver refused a request.
 
  # Ownership
@@ -562,24 +576,26 @@ cupola_status cupola_vk_get_source(struct cupola_vk *vk,
  Any thread.
 
  # Safety
- `vk` is a live handle and idle; `sources` points to `count` structs of `sources->struct_size` bytes with live
- handles.
+ `vk` is a live handle and idle; `sources` points to `count` structs of `sources->struct_size`
+ bytes with live handles.
  */
 cupola_status cupola_vk_set_sources(struct cupola_vk *vk,
                                     uint32_t count,
                                     const struct cupola_vk_source *sources);
 
 /*
- Sets the images from which `cupola_vk_record` chooses its target, for example those of a swapchain.
+ Sets the images from which `cupola_vk_record` chooses its target, for example those of a
+ swapchain.
 
  # Parameters
  - `vk`: the object, idle.
  - `count`: number of `targets`.
- - `targets`: the images. The structs lie `targets->struct_size` bytes apart. Not kept; the handles in them are.
+ - `targets`: the images. The structs lie `targets->struct_size` bytes apart. Not kept; the
+   handles in them are.
 
  # Returns
- - `CUPOLA_INVALID_ARGUMENT`: a null pointer or handle, a wrong `struct_size`, a field that this version does not
-   know, or a wrong size or layout.
+ - `CUPOLA_INVALID_ARGUMENT`: a null pointer or handle, a wrong `struct_size`, a field that this
+   version does not know, or a wrong size or layout.
  - `CUPOLA_GRAPHICS`: the driver refused a request.
 
  # Ownership
@@ -590,8 +606,8 @@ cupola_status cupola_vk_set_sources(struct cupola_vk *vk,
  Any thread.
 
  # Safety
- `vk` is a live handle and idle; `targets` points to `count` structs of `targets->struct_size` bytes with live
- handles.
+ `vk` is a live handle and idle; `targets` points to `count` structs of `targets->struct_size`
+ bytes with live handles.
  */
 cupola_status cupola_vk_set_targets(struct cupola_vk *vk,
                                     uint32_t count,
@@ -601,9 +617,10 @@ cupola_status cupola_vk_set_targets(struct cupola_vk *vk,
  Does what `cupola_vk_create` does, for a program that draws all views with the functions of
  `cupola_vk_projection_source`.
 
- An output with the method `vertex` or `primitive` then has one view, which is its own picture (pixel for pixel,
- except where layers have to be alike or the rig's `quality` asks for more); the matrices of `cupola_vk_get_view` do
- not apply to it. Edges between vertices stay straight, so the program's models have to be fine.
+ An output with the method `vertex` or `primitive` then has one view, which is its own picture
+ (pixel for pixel, except where layers have to be alike or the rig's `quality` asks for more);
+ the matrices of `cupola_vk_get_view` do not apply to it. Edges between vertices stay straight,
+ so the program's models have to be fine.
 
  # Parameters
  As for `cupola_vk_create`.
@@ -625,13 +642,15 @@ cupola_status cupola_vk_create_projecting(const cupola_rig *rig,
                                           struct cupola_vk **vk);
 
 /*
- Copies GLSL for the last shader stage before rasterisation: a uniform block with `vec4 cupola_view[8]` (std140), and
- `vec4 cupola_fix(vec4)`, which turns the value for `gl_Position`, computed with the program's own projection, into
- that of the view. The text belongs between `#version` (450 at least) and `main`.
+ Copies GLSL for the last shader stage before rasterisation: a uniform block with `vec4
+ cupola_view[8]` (std140), and `vec4 cupola_fix(vec4)`, which turns the value for `gl_Position`,
+ computed with the program's own projection, into that of the view. The text belongs between
+ `#version` (450 at least) and `main`.
 
  # Parameters
  - `set`, `binding`: descriptor set and binding of the uniform block.
- - `buffer`: room for `size` bytes, or null to get the length only. The text is cut to fit, with its NUL.
+ - `buffer`: room for `size` bytes, or null to get the length only. The text is cut to fit, with
+   its NUL.
  - `size`: size of the buffer in bytes.
  - `length`: receives the length of the whole text in bytes without its NUL; may be null.
 
@@ -651,18 +670,19 @@ cupola_status cupola_vk_projection_source(uint32_t set,
                                           size_t *length);
 
 /*
- Computes the 8 vectors of `cupola_view` for a view. They depend on the view, on the matrix and on the size of the
- picture.
+ Computes the 8 vectors of `cupola_view` for a view. They depend on the view, on the matrix and
+ on the size of the picture.
 
  # Parameters
  - `vk`: the object.
  - `index`: index of the view.
- - `matrix`: 16 numbers, column by column: the perspective matrix with which the program draws, to Vulkan's clip space
-   with y down.
+ - `matrix`: 16 numbers, column by column: the perspective matrix with which the program draws,
+   to Vulkan's clip space with y down.
  - `vectors`: receives 32 numbers.
 
  # Returns
- - `CUPOLA_INVALID_ARGUMENT`: a null pointer, an index without a view, or a matrix that is no perspective.
+ - `CUPOLA_INVALID_ARGUMENT`: a null pointer, an index without a view, or a matrix that is no
+   perspective.
 
  # Threads
  Any thread.

@@ -1,9 +1,9 @@
 //! Messages of the library, and who receives them.
 //!
 //! Modules say something through the [`log`] crate, under targets that begin with `cupola`. A Rust
-//! program receives it with a logger of its own. C programs, and programs into which Cupola is injected,
-//! have the logger of this module: it passes each message to the receiver that is set, else to
-//! the default one, which only the interception has.
+//! program receives it with a logger of its own. C programs, and programs into which Cupola is
+//! injected, have the logger of this module: it passes each message to the receiver that is set,
+//! else to the default one, which only the interception has.
 
 use crate::error::{Error, ErrorKind, Result};
 use log::{Level, LevelFilter, Log, Metadata, Record};
@@ -23,8 +23,8 @@ thread_local! {
     static RECEIVING: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Sets who receives messages, or nobody. When this returns, the receiver before is not running and will not be
-/// called again.
+/// Sets who receives messages, or nobody. When this returns, the receiver before is not running and
+/// will not be called again.
 ///
 /// # Errors
 /// [`ErrorKind::InvalidState`] if a receiver calls this, or if the process has another logger.

@@ -61,10 +61,40 @@ fn compile(compiler: &str, arguments: &[&str], text: &str) -> Result<(), String>
 
 const USE: &str = "#include <cupola.h>\nint use(void);\nint use(void) { cupola_rig *rig = 0; return cupola_rig_load(\"fisheye\", &rig) == CUPOLA_OK; }\n";
 
+/// Vulkan's own header.
+const VULKAN: &str = "/usr/include/vulkan/vulkan_core.h";
+
+/// A callback, and structs of both headers.
+const CALLBACK: &str = r#"
+#ifdef __cplusplus
+extern "C"
+#endif
+void hear(cupola_log_level level, const char *message, void *user);
+int use(void);
+int use(void)
+{
+    cupola_gl_view view;
+    cupola_vk_view other;
+    view.struct_size = sizeof view;
+    other.struct_size = sizeof other;
+    return cupola_set_log_callback(hear, &view) == CUPOLA_OK && view.struct_size < other.struct_size &&
+           cupola_abi_version() == CUPOLA_ABI_VERSION;
+}
+"#;
+
 #[test]
 fn the_header_is_c99_and_cpp17() {
     assert_eq!(compile("cc", &["-std=c99"], USE), Ok(()));
     assert_eq!(compile("c++", &["-std=c++17"], USE), Ok(()));
+    if !Path::new(VULKAN).exists() {
+        println!("SKIP: there is no header of Vulkan's");
+        return;
+    }
+    for order in [["cupola.h", "cupola_vk.h"], ["cupola_vk.h", "cupola.h"]] {
+        let both = order.map(|header| format!("#include <{header}>\n")).concat() + CALLBACK;
+        assert_eq!(compile("cc", &["-std=c99"], &both), Ok(()));
+        assert_eq!(compile("c++", &["-std=c++17"], &both), Ok(()));
+    }
 }
 
 #[test]
@@ -174,7 +204,7 @@ fn layout(folder: &Path, header: &str, declared: &Declared) -> String {
 #[test]
 fn what_was_published_stays_as_it_is() {
     for header in ["cupola.h", "cupola_vk.h"] {
-        if header == "cupola_vk.h" && !Path::new("/usr/include/vulkan/vulkan_core.h").exists() {
+        if header == "cupola_vk.h" && !Path::new(VULKAN).exists() {
             println!("SKIP: there is no header of Vulkan's");
             continue;
         }

@@ -35,7 +35,8 @@ impl<T> Place<T> {
 
     /// Writes the result.
     pub(super) fn set(self, value: T) {
-        // SAFETY: `Place::new` found the pointer aligned and not null, and its caller promises the rest.
+        // SAFETY: `Place::new` found the pointer aligned and not null, and its caller promises the
+        // rest.
         unsafe { self.0.write(value) };
     }
 }
@@ -62,7 +63,8 @@ pub(super) unsafe fn text<'a>(text: *const c_char, name: &str) -> Result<&'a str
         .map_err(|_| Error::new(ErrorKind::InvalidArgument, format!("`{name}` is not UTF-8")))
 }
 
-/// Copies a text into the caller's buffer, cut to `size` bytes with its NUL, and writes its whole length.
+/// Copies a text into the caller's buffer, cut to `size` bytes with its NUL, and writes its whole
+/// length.
 ///
 /// # Safety
 /// `buffer` is null or has room for `size` bytes; `length` is null or writable.

@@ -21,20 +21,21 @@ pub enum cupola_log_level {
 
 /// Receives a message of the library (see `cupola_set_log_callback`).
 ///
-/// `message` is one line of UTF-8 without a newline at its end, NUL-terminated, valid during the call. `user` is the
-/// pointer that was passed to `cupola_set_log_callback`.
+/// `message` is one line of UTF-8 without a newline at its end, NUL-terminated, valid during the
+/// call. `user` is the pointer that was passed to `cupola_set_log_callback`.
 ///
-/// The callback may be called from any thread that calls the library, and from several at the same time. It returns
-/// normally: a `longjmp` or a C++ exception out of it is undefined behaviour. It may call functions of the library,
-/// except `cupola_set_log_callback` and those with a handle that is in use by the call from which the message
-/// comes; messages of these calls are discarded.
+/// The callback may be called from any thread that calls the library, and from several at the same
+/// time. It returns normally: a `longjmp` or a C++ exception out of it is undefined behaviour. It
+/// may call functions of the library, except `cupola_set_log_callback` and those with a handle that
+/// is in use by the call from which the message comes; messages of these calls are discarded.
 pub type cupola_log_callback =
     Option<unsafe extern "C" fn(level: cupola_log_level, message: *const c_char, user: *mut c_void)>;
 
 /// Pointer of the program's, which the library passes on and does not use.
 struct User(*mut c_void);
 
-// SAFETY: the caller of `cupola_set_log_callback` promises that the callback may be called from any thread with it.
+// SAFETY: the caller of `cupola_set_log_callback` promises that the callback may be called from any
+// thread with it.
 unsafe impl Send for User {}
 // SAFETY: as above.
 unsafe impl Sync for User {}
@@ -45,25 +46,29 @@ impl User {
     }
 }
 
-/// Sets the function that receives the messages of the library, or removes it. There is one for the whole process.
+/// Sets the function that receives the messages of the library, or removes it. There is one for the
+/// whole process.
 ///
-/// Without a callback, warnings of an injected library (`cupola run`) go to standard error and to the file that
-/// `CUPOLA_LOG` names; other messages are discarded. With a callback, it receives all of them instead.
+/// Without a callback, warnings of an injected library (`cupola run`) go to standard error and to
+/// the file that `CUPOLA_LOG` names; other messages are discarded. With a callback, it receives all
+/// of them instead.
 ///
 /// # Parameters
 /// - `callback`: the function, or null to remove the one before.
 /// - `user`: passed to the callback; may be null.
 ///
 /// # Returns
-/// - `CUPOLA_INVALID_STATE`: called from the callback, or the program is written in Rust and has a logger of its own.
+/// - `CUPOLA_INVALID_STATE`: called from the callback, or the program is written in Rust and has a
+///   logger of its own.
 ///
 /// # Ownership
-/// `user` belongs to the program. It has to live until this function has returned from setting another callback or
-/// from the removal: then the callback before is not running and will not be called again.
+/// `user` belongs to the program. It has to live until this function has returned from setting
+/// another callback or from the removal: then the callback before is not running and will not be
+/// called again.
 ///
 /// # Threads
-/// Any thread. The function waits for calls of the callback before; so the caller must not hold a lock that this
-/// callback needs.
+/// Any thread. The function waits for calls of the callback before; so the caller must not hold a
+/// lock that this callback needs.
 ///
 /// # Safety
 /// `callback` can be called from any thread with `user`.

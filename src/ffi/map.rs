@@ -15,12 +15,12 @@ use glam::DVec2;
 /// - `output`: index of the output, from 0.
 /// - `width`, `height`: size of the output in pixels, at least 1.
 /// - `column`, `row`: point in pixels from the top left corner; centres of pixels are at + 0.5.
-/// - `direction`: receives 3 numbers: a unit vector in the axes of the program's camera (x right, y up,
-///   -z forward), or 3 NaN where the point shows nothing.
+/// - `direction`: receives 3 numbers: a unit vector in the axes of the program's camera (x right, y
+///   up, -z forward), or 3 NaN where the point shows nothing.
 ///
 /// # Returns
-/// - `CUPOLA_INVALID_ARGUMENT`: a null pointer, an output that does not exist, a size of 0, or a point that
-///   is not finite.
+/// - `CUPOLA_INVALID_ARGUMENT`: a null pointer, an output that does not exist, a size of 0, or a
+///   point that is not finite.
 ///
 /// # Threads
 /// Any thread, and several at the same time with the same rig.

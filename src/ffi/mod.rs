@@ -1,11 +1,12 @@
 //! The C ABI, over the public Rust API.
 //!
-//! The conventions are those at the top of `include/cupola.h`, which is generated from these files. Here:
+//! The conventions are those at the top of `include/cupola.h`, which is generated from these files.
+//! Here:
 //!
-//! - Each function is written out, so that the generator and readers see it; its body is a closure for
-//!   `status::call`, through which no panic passes.
-//! - Pointers are checked in one place each: `argument` (places for results, texts, arrays), `handle` (opaque
-//!   objects) and `sized` (structs that grow).
+//! - Each function is written out, so that the generator and readers see it; its body is a closure
+//!   for `status::call`, through which no panic passes.
+//! - Pointers are checked in one place each: `argument` (places for results, texts, arrays),
+//!   `handle` (opaque objects) and `sized` (structs that grow).
 //! - Outputs are checked before and written after everything that can fail.
 
 #![allow(non_camel_case_types)]

@@ -8,8 +8,8 @@ use std::ffi::c_char;
 use std::path::Path;
 
 /// A rig: description of screen, viewer and outputs (projectors, domemasters, windows). Created by
-/// `cupola_rig_load` or `cupola_rig_parse`, freed by `cupola_rig_free`. It does not change; several threads
-/// may use it at the same time.
+/// `cupola_rig_load` or `cupola_rig_parse`, freed by `cupola_rig_free`. It does not change; several
+/// threads may use it at the same time.
 pub struct cupola_rig {
     pub(super) rig: Rig,
 }
@@ -21,13 +21,15 @@ impl Handle for cupola_rig {
 /// Loads a rig from a preset or from a file.
 ///
 /// # Parameters
-/// - `name_or_path`: name of a preset (`fisheye`, `planetarium-6`, ...) or path of a rig file, UTF-8.
+/// - `name_or_path`: name of a preset (`fisheye`, `planetarium-6`, ...) or path of a rig file,
+///   UTF-8.
 /// - `rig`: receives the new rig, on success only.
 ///
 /// # Returns
 /// - `CUPOLA_INVALID_ARGUMENT`: a null pointer, or a text that is not UTF-8.
 /// - `CUPOLA_IO`: there is no such preset and no such file, or the file cannot be read.
-/// - `CUPOLA_INVALID_RIG`: the file has mistakes; `cupola_last_error` names all of them with their lines.
+/// - `CUPOLA_INVALID_RIG`: the file has mistakes; `cupola_last_error` names all of them with their
+///   lines.
 ///
 /// # Ownership
 /// The caller owns `*rig` and frees it with `cupola_rig_free`.
@@ -51,14 +53,15 @@ pub unsafe extern "C" fn cupola_rig_load(name_or_path: *const c_char, rig: *mut 
 ///
 /// # Parameters
 /// - `toml`: the text, UTF-8.
-/// - `directory`: folder in which the files that the text names (masks, pictures of black, models) are
-///   looked up, UTF-8.
+/// - `directory`: folder in which the files that the text names (masks, pictures of black, models)
+///   are looked up, UTF-8.
 /// - `rig`: receives the new rig, on success only.
 ///
 /// # Returns
 /// - `CUPOLA_INVALID_ARGUMENT`: a null pointer, or a text that is not UTF-8.
 /// - `CUPOLA_IO`: a file that the text names cannot be read.
-/// - `CUPOLA_INVALID_RIG`: the text has mistakes; `cupola_last_error` names all of them with their lines.
+/// - `CUPOLA_INVALID_RIG`: the text has mistakes; `cupola_last_error` names all of them with their
+///   lines.
 ///
 /// # Ownership
 /// The caller owns `*rig` and frees it with `cupola_rig_free`.

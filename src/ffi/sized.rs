@@ -1,16 +1,16 @@
 //! Structs that grow at their end from version to version.
 //!
-//! Such a struct begins with `struct_size`, which the caller sets to its own `sizeof`. So the library
-//! knows which fields the caller has:
+//! Such a struct begins with `struct_size`, which the caller sets to its own `sizeof`. So the
+//! library knows which fields the caller has:
 //!
-//! - A smaller struct comes from a caller of an older version. Its missing fields are read as 0, and
-//!   only the fields that it has are written. A struct smaller than the first published version is
-//!   refused.
-//! - A larger struct comes from a caller of a newer version. It is read if all bytes that this version
-//!   does not know are 0, else it is refused. In results these bytes become 0.
+//! - A smaller struct comes from a caller of an older version. Its missing fields are read as 0,
+//!   and only the fields that it has are written. A struct smaller than the first published version
+//!   is refused.
+//! - A larger struct comes from a caller of a newer version. It is read if all bytes that this
+//!   version does not know are 0, else it is refused. In results these bytes become 0.
 //!
-//! Rules for a new field: it stands at the end, it begins where the struct of the version before ended
-//! (never in its padding), and 0 means what the library did without the field.
+//! Rules for a new field: it stands at the end, it begins where the struct of the version before
+//! ended (never in its padding), and 0 means what the library did without the field.
 
 use super::argument::{check_pointer, null};
 use crate::error::{Error, ErrorKind, Result};
@@ -19,8 +19,8 @@ use std::mem::MaybeUninit;
 /// Struct of the C ABI that may grow.
 ///
 /// # Safety
-/// The type is `repr(C)`, its first field is `struct_size: usize`, and zero bytes and all values that C
-/// can write are valid for each field.
+/// The type is `repr(C)`, its first field is `struct_size: usize`, and zero bytes and all values
+/// that C can write are valid for each field.
 pub(super) unsafe trait Growing: Sized {
     /// Size in bytes of the first published version.
     const FIRST_SIZE: usize;
@@ -44,7 +44,8 @@ const LARGEST: usize = 4096;
 /// Reads a struct of the caller's.
 ///
 /// # Safety
-/// `from` is null, misaligned, or points to a struct of as many readable bytes as its `struct_size` says.
+/// `from` is null, misaligned, or points to a struct of as many readable bytes as its `struct_size`
+/// says.
 pub(super) unsafe fn read<T: Growing>(from: *const T, name: &str) -> Result<T> {
     // SAFETY: as this function's contract.
     let size = unsafe { given_size(from, name) }?;
@@ -52,11 +53,12 @@ pub(super) unsafe fn read<T: Growing>(from: *const T, name: &str) -> Result<T> {
     unsafe { read_sized(from, size, name) }
 }
 
-/// Reads an array of structs, which lie as far apart as the `struct_size` of the first one says; that of
-/// the others is not looked at.
+/// Reads an array of structs, which lie as far apart as the `struct_size` of the first one says;
+/// that of the others is not looked at.
 ///
 /// # Safety
-/// `first` is null, misaligned, or points to `count` structs of as many readable bytes as the first one says.
+/// `first` is null, misaligned, or points to `count` structs of as many readable bytes as the first
+/// one says.
 pub(super) unsafe fn read_array<T: Growing>(first: *const T, count: u32, name: &str) -> Result<Vec<T>> {
     if first.is_null() {
         return Err(null(name));
@@ -80,21 +82,22 @@ impl<T: Growing> SizedPlace<T> {
     /// Checks the pointer and the size.
     ///
     /// # Safety
-    /// `place` is null, misaligned, or points to a struct of as many bytes as its `struct_size` says, which are
-    /// writable until [`SizedPlace::set`] returns.
+    /// `place` is null, misaligned, or points to a struct of as many bytes as its `struct_size`
+    /// says, which are writable until [`SizedPlace::set`] returns.
     pub(super) unsafe fn new(place: *mut T, name: &str) -> Result<Self> {
         // SAFETY: as this function's contract.
         let size = unsafe { given_size(place, name) }?;
         Ok(Self { place, size })
     }
 
-    /// Writes the fields that the caller has. Its `struct_size` stays; what this version does not know becomes 0.
+    /// Writes the fields that the caller has. Its `struct_size` stays; what this version does not
+    /// know becomes 0.
     pub(super) fn set(self, value: &T) {
         let known = self.size.min(size_of::<T>());
         let head = size_of::<usize>();
         let (from, to) = (std::ptr::from_ref(value).cast::<u8>(), self.place.cast::<u8>());
-        // SAFETY: `head` ≤ `known` ≤ the sizes of both structs (a first version has more than its size), and
-        // `SizedPlace::new`'s caller promises `self.size` writable bytes.
+        // SAFETY: `head` ≤ `known` ≤ the sizes of both structs (a first version has more than its
+        // size), and `SizedPlace::new`'s caller promises `self.size` writable bytes.
         unsafe {
             std::ptr::copy_nonoverlapping(from.add(head), to.add(head), known - head);
             to.add(known).write_bytes(0, self.size - known);
@@ -138,8 +141,8 @@ unsafe fn read_sized<T: Growing>(from: *const T, size: usize, name: &str) -> Res
         return Err(Error::new(ErrorKind::InvalidArgument, message));
     }
     let mut value = MaybeUninit::<T>::zeroed();
-    // SAFETY: `known` bytes are readable there and writable here. Fields that were not copied stay 0, which is
-    // valid, as all that C can write is: `Growing` promises both.
+    // SAFETY: `known` bytes are readable there and writable here. Fields that were not copied stay
+    // 0, which is valid, as all that C can write is: `Growing` promises both.
     unsafe {
         std::ptr::copy_nonoverlapping(bytes, value.as_mut_ptr().cast::<u8>(), known);
         Ok(value.assume_init())

@@ -5,8 +5,8 @@ use crate::error::{Error, ErrorKind, Result};
 use std::cell::RefCell;
 use std::ffi::c_char;
 
-/// Result of a call. `cupola_last_error` copies the message of an error. Numbers never change, and later
-/// versions may add some.
+/// Result of a call. `cupola_last_error` copies the message of an error. Numbers never change, and
+/// later versions may add some.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(C)]
 pub enum cupola_status {
@@ -56,11 +56,12 @@ pub(super) fn call(body: impl FnOnce() -> Result<()>) -> cupola_status {
     }
 }
 
-/// Copies the message of the last error of the calling thread. It is empty before the first error and stays
-/// until the next one; success does not change it.
+/// Copies the message of the last error of the calling thread. It is empty before the first error
+/// and stays until the next one; success does not change it.
 ///
 /// # Parameters
-/// - `buffer`: room for `size` bytes, or null to get the length only. The message is cut to fit, with its NUL.
+/// - `buffer`: room for `size` bytes, or null to get the length only. The message is cut to fit,
+///   with its NUL.
 /// - `size`: size of the buffer in bytes.
 /// - `length`: receives the length of the whole message in bytes without its NUL; may be null.
 ///

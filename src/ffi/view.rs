@@ -17,7 +17,8 @@ pub(super) struct Matrices {
 }
 
 impl Matrices {
-    /// From the axes of the view to clip space, and from the program's camera axes to those of the view.
+    /// From the axes of the view to clip space, and from the program's camera axes to those of the
+    /// view.
     pub(super) fn new(frustum: DMat4, rotation: DMat4) -> Self {
         let projection = frustum * rotation;
         Self {

@@ -45,8 +45,8 @@ pub struct cupola_blend {
     pub struct_size: usize,
     /// Other than 0: the light is shared where projectors overlap. For projectors only.
     pub overlap: u32,
-    /// Shape of the ramp at the borders of the picture: `CUPOLA_RAMP_SMOOTHSTEP`, `CUPOLA_RAMP_COSINE` or
-    /// `CUPOLA_RAMP_POWER`.
+    /// Shape of the ramp at the borders of the picture: `CUPOLA_RAMP_SMOOTHSTEP`,
+    /// `CUPOLA_RAMP_COSINE` or `CUPOLA_RAMP_POWER`.
     pub shape: u32,
     /// Power p of `CUPOLA_RAMP_POWER`, 0.5 to 4. Other shapes ignore it.
     pub power: f64,
@@ -56,14 +56,15 @@ pub struct cupola_blend {
     pub exponent: f64,
     /// Exponent of the display's response, 1 to 4. Ignored where `srgb` is not 0.
     pub gamma: f64,
-    /// Light added to black, 0 (included) to 1 (excluded). Ignored where the rig has a picture of black.
+    /// Light added to black, 0 (included) to 1 (excluded). Ignored where the rig has a picture of
+    /// black.
     pub black_level: f64,
     /// White over black, at least 10; 0 where overlaps of black are not evened out.
     pub contrast: f64,
     /// Number of bits for which the picture is dithered, 6 to 16; 0 for no dithering.
     pub dither: u32,
-    /// Response of the display. 0: the power `gamma`. 1: sRGB. 2: the responses in the rig, of each channel or
-    /// measured; only an output that has them accepts it.
+    /// Response of the display. 0: the power `gamma`. 1: sRGB. 2: the responses in the rig, of each
+    /// channel or measured; only an output that has them accepts it.
     pub srgb: u32,
     /// Number of elements of `ramps` that are used, 0 to `CUPOLA_MOST_RAMPS`.
     pub ramp_count: usize,
@@ -84,7 +85,8 @@ unsafe impl Growing for cupola_blend {
 /// - `blend`: receives the values. The caller sets `blend->struct_size` before.
 ///
 /// # Returns
-/// - `CUPOLA_INVALID_ARGUMENT`: a null pointer, a wrong `struct_size`, or an output that does not exist.
+/// - `CUPOLA_INVALID_ARGUMENT`: a null pointer, a wrong `struct_size`, or an output that does not
+///   exist.
 ///
 /// # Threads
 /// Any thread; no context is needed.
@@ -105,8 +107,8 @@ pub unsafe extern "C" fn cupola_gl_get_blend(
     })
 }
 
-/// Changes the blending of an output from the next frame on. Views stay; shaders are compiled again, which takes
-/// milliseconds. On an error everything stays.
+/// Changes the blending of an output from the next frame on. Views stay; shaders are compiled
+/// again, which takes milliseconds. On an error everything stays.
 ///
 /// To change single values, read all with `cupola_gl_get_blend` first.
 ///
@@ -116,8 +118,9 @@ pub unsafe extern "C" fn cupola_gl_get_blend(
 /// - `blend`: the values. Not kept.
 ///
 /// # Returns
-/// - `CUPOLA_INVALID_ARGUMENT`: a null pointer, a wrong `struct_size`, a field that this version does not know, an
-///   output that does not exist, a value out of its range, or `overlap` for an output that is no projector.
+/// - `CUPOLA_INVALID_ARGUMENT`: a null pointer, a wrong `struct_size`, a field that this version
+///   does not know, an output that does not exist, a value out of its range, or `overlap` for an
+///   output that is no projector.
 /// - `CUPOLA_INVALID_STATE`: a frame has begun and not ended.
 /// - `CUPOLA_GRAPHICS`: the driver refused a request.
 ///

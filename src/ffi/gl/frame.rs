@@ -28,14 +28,14 @@ pub unsafe extern "C" fn cupola_gl_begin_frame(gl: *mut cupola_gl) -> cupola_sta
     call(|| unsafe { cupola_gl::borrow_mut(gl) }?.embedded.begin_frame())
 }
 
-/// Begins a view: binds its tile for drawing and sets viewport and scissor to it. The program then clears the
-/// tile and draws the scene with the view's matrices. A program that draws into a framebuffer of its own in
-/// between binds the earlier one again.
+/// Begins a view: binds its tile for drawing and sets viewport and scissor to it. The program then
+/// clears the tile and draws the scene with the view's matrices. A program that draws into a
+/// framebuffer of its own in between binds the earlier one again.
 ///
 /// # Parameters
 /// - `gl`: the object, inside a frame and outside a view.
-/// - `index`: index of the view, less than the number that `cupola_gl_view_count` returns. A view may be drawn
-///   more than once in a frame.
+/// - `index`: index of the view, less than the number that `cupola_gl_view_count` returns. A view
+///   may be drawn more than once in a frame.
 ///
 /// # Returns
 /// - `CUPOLA_INVALID_ARGUMENT`: `gl` is null, or there is no such view.
@@ -72,8 +72,8 @@ pub unsafe extern "C" fn cupola_gl_end_view(gl: *mut cupola_gl) -> cupola_status
     call(|| unsafe { cupola_gl::borrow_mut(gl) }?.embedded.end_view())
 }
 
-/// Ends a frame: corrects the views into a framebuffer. All state of the context is the same afterwards. An
-/// OpenGL error that was pending is kept for `cupola_gl_take_error`.
+/// Ends a frame: corrects the views into a framebuffer. All state of the context is the same
+/// afterwards. An OpenGL error that was pending is kept for `cupola_gl_take_error`.
 ///
 /// # Parameters
 /// - `gl`: the object, inside a frame and outside a view.
@@ -103,18 +103,20 @@ fn end(gl: &mut cupola_gl, framebuffer: u32, x: i32, y: i32) -> Result<()> {
     Ok(())
 }
 
-/// Draws a whole frame: begins it, calls `draw` for each view between its begin and its end, and ends it.
+/// Draws a whole frame: begins it, calls `draw` for each view between its begin and its end, and
+/// ends it.
 ///
 /// # Parameters
 /// - `gl`: the object, outside a frame.
 /// - `near`, `far`: as for `cupola_gl_get_view`.
-/// - `draw`: draws the scene into one view. It must not call functions with the same `gl`, and it returns
-///   normally: a `longjmp` or a C++ exception out of it is undefined behaviour.
+/// - `draw`: draws the scene into one view. It must not call functions with the same `gl`, and it
+///   returns normally: a `longjmp` or a C++ exception out of it is undefined behaviour.
 /// - `user`: passed to `draw`; may be null.
 /// - `framebuffer`, `x`, `y`: as for `cupola_gl_end_frame`.
 ///
 /// # Returns
-/// - `CUPOLA_INVALID_ARGUMENT`: `gl` or `draw` is null, or the planes are wrong. `draw` was not called.
+/// - `CUPOLA_INVALID_ARGUMENT`: `gl` or `draw` is null, or the planes are wrong. `draw` was not
+///   called.
 /// - `CUPOLA_INVALID_STATE`: a frame has begun and not ended.
 ///
 /// # Threads
@@ -154,8 +156,8 @@ pub unsafe extern "C" fn cupola_gl_draw_frame(
     })
 }
 
-/// Returns the OpenGL error that the program had pending at the end of a frame, and forgets it. Of several
-/// frames the oldest error is kept.
+/// Returns the OpenGL error that the program had pending at the end of a frame, and forgets it. Of
+/// several frames the oldest error is kept.
 ///
 /// # Parameters
 /// - `gl`: the object.

@@ -19,11 +19,11 @@ use crate::runtime::embedded::Embedded;
 use glam::DVec3;
 use std::ffi::c_void;
 
-/// A rig on an OpenGL context. Created by `cupola_gl_create` or `cupola_gl_create_projecting`, destroyed
-/// by `cupola_gl_destroy`.
+/// A rig on an OpenGL context. Created by `cupola_gl_create` or `cupola_gl_create_projecting`,
+/// destroyed by `cupola_gl_destroy`.
 ///
-/// One thread at a time may use it. Functions that say "context current" need the context current in the
-/// calling thread on which the object was created.
+/// One thread at a time may use it. Functions that say "context current" need the context current
+/// in the calling thread on which the object was created.
 pub struct cupola_gl {
     embedded: Embedded,
     pending_error: u32,
@@ -33,8 +33,8 @@ impl Handle for cupola_gl {
     const NAME: &'static str = "gl";
 }
 
-/// Plans the views of a rig and creates what they need on the current context, which must be OpenGL 3.3 or
-/// OpenGL ES 3.0 at least, with a window or without one (surfaceless).
+/// Plans the views of a rig and creates what they need on the current context, which must be OpenGL
+/// 3.3 or OpenGL ES 3.0 at least, with a window or without one (surfaceless).
 ///
 /// # Parameters
 /// - `rig`: the rig. The library copies what it needs; the rig may be freed afterwards.
@@ -42,8 +42,8 @@ impl Handle for cupola_gl {
 /// - `gl`: receives the new object, on success only.
 ///
 /// # Returns
-/// - `CUPOLA_INVALID_ARGUMENT`: a null pointer, a size out of range, a field that this version does not know,
-///   or a rig that corrects nothing (`identity`).
+/// - `CUPOLA_INVALID_ARGUMENT`: a null pointer, a size out of range, a field that this version does
+///   not know, or a rig that corrects nothing (`identity`).
 /// - `CUPOLA_GRAPHICS`: the context is too old, lacks a function or has no memory left.
 ///
 /// # Ownership
@@ -53,8 +53,8 @@ impl Handle for cupola_gl {
 /// Context current. Several objects, in several threads, are independent.
 ///
 /// # Safety
-/// `rig` is a live handle; `options` points to `options->struct_size` bytes; `gl` is writable; a context is
-/// current whose functions `get_proc_address` finds.
+/// `rig` is a live handle; `options` points to `options->struct_size` bytes; `gl` is writable; a
+/// context is current whose functions `get_proc_address` finds.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cupola_gl_create(
     rig: *const cupola_rig,
@@ -86,8 +86,8 @@ unsafe fn create(
     Ok(())
 }
 
-/// Plans the views again for a picture of another size. Number and tiles of the views may change. On an error
-/// the old size stays.
+/// Plans the views again for a picture of another size. Number and tiles of the views may change.
+/// On an error the old size stays.
 ///
 /// # Parameters
 /// - `gl`: the object, outside a frame.
@@ -109,11 +109,11 @@ pub unsafe extern "C" fn cupola_gl_resize(gl: *mut cupola_gl, width: u32, height
     call(|| unsafe { cupola_gl::borrow_mut(gl) }?.embedded.resize((width, height)))
 }
 
-/// Moves and turns the viewer, for whose place the picture is correct, and plans the views again. Number and
-/// tiles of the views may change. On an error the old viewer stays.
+/// Moves and turns the viewer, for whose place the picture is correct, and plans the views again.
+/// Number and tiles of the views may change. On an error the old viewer stays.
 ///
-/// This takes about as long as `cupola_gl_create`: it is for a viewer who takes another seat, not for a
-/// tracked one.
+/// This takes about as long as `cupola_gl_create`: it is for a viewer who takes another seat, not
+/// for a tracked one.
 ///
 /// # Parameters
 /// - `gl`: the object, outside a frame.
@@ -175,11 +175,13 @@ pub unsafe extern "C" fn cupola_gl_view_count(gl: *mut cupola_gl, count: *mut u3
 /// # Parameters
 /// - `gl`: the object.
 /// - `index`: index of the view, less than the number that `cupola_gl_view_count` returns.
-/// - `near`, `far`: distances of the planes in the program's units, 0 < near < far. `far` may be infinite.
+/// - `near`, `far`: distances of the planes in the program's units, 0 < near < far. `far` may be
+///   infinite.
 /// - `view`: receives the description. The caller sets `view->struct_size` before.
 ///
 /// # Returns
-/// - `CUPOLA_INVALID_ARGUMENT`: a null pointer, a wrong `struct_size`, an index without a view, or wrong planes.
+/// - `CUPOLA_INVALID_ARGUMENT`: a null pointer, a wrong `struct_size`, an index without a view, or
+///   wrong planes.
 ///
 /// # Threads
 /// Any thread; no context is needed.

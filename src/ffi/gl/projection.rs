@@ -14,9 +14,9 @@ use std::ffi::c_char;
 /// Does what `cupola_gl_create` does, for a program that draws all views with the functions of
 /// `cupola_gl_projection_source`.
 ///
-/// An output with the method `vertex` or `primitive` then has one view, which is its own picture, pixel for
-/// pixel; the matrices of `cupola_gl_get_view` do not apply to it. Edges between vertices stay straight, so
-/// the program's models have to be fine.
+/// An output with the method `vertex` or `primitive` then has one view, which is its own picture,
+/// pixel for pixel; the matrices of `cupola_gl_get_view` do not apply to it. Edges between vertices
+/// stay straight, so the program's models have to be fine.
 ///
 /// # Parameters
 /// As for `cupola_gl_create`.
@@ -43,12 +43,14 @@ pub unsafe extern "C" fn cupola_gl_create_projecting(
 }
 
 /// Copies GLSL for the last shader stage before rasterisation: `uniform vec4 cupola_view[8]`, and
-/// `vec4 cupola_fix(vec4)`, which turns the value for `gl_Position`, computed with the program's own projection,
-/// into that of the view. The text belongs between `#version` (GLSL 1.20 or ESSL 3.00 at least) and `main`.
+/// `vec4 cupola_fix(vec4)`, which turns the value for `gl_Position`, computed with the program's
+/// own projection, into that of the view. The text belongs between `#version` (GLSL 1.20 or ESSL
+/// 3.00 at least) and `main`.
 ///
 /// # Parameters
 /// - `for_es`: 0 for GLSL, any other value for ESSL.
-/// - `buffer`: room for `size` bytes, or null to get the length only. The text is cut to fit, with its NUL.
+/// - `buffer`: room for `size` bytes, or null to get the length only. The text is cut to fit, with
+///   its NUL.
 /// - `size`: size of the buffer in bytes.
 /// - `length`: receives the length of the whole text in bytes without its NUL; may be null.
 ///
@@ -74,8 +76,8 @@ pub unsafe extern "C" fn cupola_gl_projection_source(
     })
 }
 
-/// Computes the 8 vectors of the uniform `cupola_view` for a view. They depend on the view, on the matrix and on
-/// the size of the picture.
+/// Computes the 8 vectors of the uniform `cupola_view` for a view. They depend on the view, on the
+/// matrix and on the size of the picture.
 ///
 /// # Parameters
 /// - `gl`: the object.
@@ -84,7 +86,8 @@ pub unsafe extern "C" fn cupola_gl_projection_source(
 /// - `vectors`: receives 32 numbers.
 ///
 /// # Returns
-/// - `CUPOLA_INVALID_ARGUMENT`: a null pointer, an index without a view, or a matrix that is no perspective.
+/// - `CUPOLA_INVALID_ARGUMENT`: a null pointer, an index without a view, or a matrix that is no
+///   perspective.
 ///
 /// # Threads
 /// Any thread; no context is needed.

@@ -8,14 +8,14 @@ pub type cupola_gl_function = Option<unsafe extern "C" fn()>;
 
 /// Returns the address of an OpenGL function, or NULL where the context has none of that name.
 ///
-/// `name` is NUL-terminated and valid during the call. The function has to find functions of OpenGL 1.0
-/// too, as `glXGetProcAddressARB`, `eglGetProcAddress` and `glfwGetProcAddress` do.
+/// `name` is NUL-terminated and valid during the call. The function has to find functions of OpenGL
+/// 1.0 too, as `glXGetProcAddressARB`, `eglGetProcAddress` and `glfwGetProcAddress` do.
 pub type cupola_gl_get_proc_address = Option<unsafe extern "C" fn(name: *const c_char) -> cupola_gl_function>;
 
 /// Draws the program's scene into the current view (see `cupola_gl_draw_frame`).
 ///
-/// `view` is valid during the call; its `struct_size` is that of the library, which may be larger or
-/// smaller than the program's. `user` is the pointer that was passed to `cupola_gl_draw_frame`.
+/// `view` is valid during the call; its `struct_size` is that of the library, which may be larger
+/// or smaller than the program's. `user` is the pointer that was passed to `cupola_gl_draw_frame`.
 pub type cupola_gl_draw = Option<unsafe extern "C" fn(view: *const cupola_gl_view, user: *mut c_void)>;
 
 /// Parameters of `cupola_gl_create`.
@@ -36,7 +36,8 @@ unsafe impl Growing for cupola_gl_options {
     const FIRST_SIZE: usize = first_size!(cupola_gl_options, height);
 }
 
-/// View: perspective image of the scene that the program draws. All matrices are stored column by column.
+/// View: perspective image of the scene that the program draws. All matrices are stored column by
+/// column.
 #[repr(C)]
 pub struct cupola_gl_view {
     /// `sizeof(cupola_gl_view)`.
@@ -51,15 +52,16 @@ pub struct cupola_gl_view {
     pub width: i32,
     /// Height of the tile in pixels.
     pub height: i32,
-    /// Matrix from the program's camera axes (x right, y up, -z forward) to the clip space of the view:
-    /// `frustum_matrix` times `rotation_matrix`. It replaces the program's projection matrix; the program's
-    /// view matrix stays as it is, and with it the lighting.
+    /// Matrix from the program's camera axes (x right, y up, -z forward) to the clip space of the
+    /// view: `frustum_matrix` times `rotation_matrix`. It replaces the program's projection matrix;
+    /// the program's view matrix stays as it is, and with it the lighting.
     pub projection_matrix: [f32; 16],
-    /// Matrix from the program's camera axes to the axes of the view, for programs that cull or draw a sky
-    /// by view. It has a translation where the rig moves the camera and in the views of a stereo rig.
+    /// Matrix from the program's camera axes to the axes of the view, for programs that cull or
+    /// draw a sky by view. It has a translation where the rig moves the camera and in the views of
+    /// a stereo rig.
     pub rotation_matrix: [f32; 16],
-    /// Matrix from the axes of the view to its clip space: an off-centre perspective matrix as that of
-    /// `glFrustum`.
+    /// Matrix from the axes of the view to its clip space: an off-centre perspective matrix as that
+    /// of `glFrustum`.
     pub frustum_matrix: [f32; 16],
     /// `projection_matrix` in double precision.
     pub projection_matrix_f64: [f64; 16],

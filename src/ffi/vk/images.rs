@@ -9,8 +9,8 @@ use crate::ffi::handle::Handle;
 use crate::ffi::sized::{SizedPlace, read_array};
 use crate::ffi::status::{call, cupola_status};
 
-/// Returns the number of images that hold the views of a frame: the number of views with `CUPOLA_VK_IMAGES`,
-/// otherwise 1.
+/// Returns the number of images that hold the views of a frame: the number of views with
+/// `CUPOLA_VK_IMAGES`, otherwise 1.
 ///
 /// # Parameters
 /// - `vk`: the object.
@@ -34,8 +34,8 @@ pub unsafe extern "C" fn cupola_vk_image_count(vk: *mut cupola_vk, count: *mut u
     })
 }
 
-/// Returns the size of an image that holds views. Images that the program brings have to have this size. Only
-/// `cupola_vk_resize` changes it.
+/// Returns the size of an image that holds views. Images that the program brings have to have this
+/// size. Only `cupola_vk_resize` changes it.
 ///
 /// # Parameters
 /// - `vk`: the object.
@@ -77,8 +77,8 @@ pub unsafe extern "C" fn cupola_vk_image_size(
     })
 }
 
-/// Describes an image that the library created for the views of a frame. The program draws into it and leaves it in its
-/// `layout`. The image can be a colour attachment, be cleared and be copied.
+/// Describes an image that the library created for the views of a frame. The program draws into it
+/// and leaves it in its `layout`. The image can be a colour attachment, be cleared and be copied.
 ///
 /// # Parameters
 /// - `vk`: the object.
@@ -87,11 +87,12 @@ pub unsafe extern "C" fn cupola_vk_image_size(
 /// - `source`: receives the description. The caller sets `source->struct_size` before.
 ///
 /// # Returns
-/// - `CUPOLA_INVALID_ARGUMENT`: a null pointer, a wrong `struct_size`, or an image that the library did not create.
+/// - `CUPOLA_INVALID_ARGUMENT`: a null pointer, a wrong `struct_size`, or an image that the library
+///   did not create.
 ///
 /// # Ownership
-/// The image and its view belong to the library. They live until `cupola_vk_resize`, `cupola_vk_set_sources` or
-/// `cupola_vk_destroy`.
+/// The image and its view belong to the library. They live until `cupola_vk_resize`,
+/// `cupola_vk_set_sources` or `cupola_vk_destroy`.
 ///
 /// # Threads
 /// Any thread.
@@ -131,13 +132,14 @@ pub unsafe extern "C" fn cupola_vk_get_source(
 ///
 /// # Parameters
 /// - `vk`: the object, idle.
-/// - `count`: number of `sources`: `frames_in_flight` times the number that `cupola_vk_image_count` returns.
+/// - `count`: number of `sources`: `frames_in_flight` times the number that `cupola_vk_image_count`
+///   returns.
 /// - `sources`: the images of the first frame, then those of the second, and so on. The structs lie
 ///   `sources->struct_size` bytes apart. Not kept; the handles in them are.
 ///
 /// # Returns
-/// - `CUPOLA_INVALID_ARGUMENT`: a null pointer or handle, a wrong `struct_size`, a field that this version does not
-///   know, or a wrong number, size, layout or sRGB format.
+/// - `CUPOLA_INVALID_ARGUMENT`: a null pointer or handle, a wrong `struct_size`, a field that this
+///   version does not know, or a wrong number, size, layout or sRGB format.
 /// - `CUPOLA_GRAPHICS`: the device cannot sample the format, or the driver refused a request.
 ///
 /// # Ownership
@@ -148,8 +150,8 @@ pub unsafe extern "C" fn cupola_vk_get_source(
 /// Any thread.
 ///
 /// # Safety
-/// `vk` is a live handle and idle; `sources` points to `count` structs of `sources->struct_size` bytes with live
-/// handles.
+/// `vk` is a live handle and idle; `sources` points to `count` structs of `sources->struct_size`
+/// bytes with live handles.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cupola_vk_set_sources(
     vk: *mut cupola_vk,
@@ -172,16 +174,18 @@ pub unsafe extern "C" fn cupola_vk_set_sources(
     })
 }
 
-/// Sets the images from which `cupola_vk_record` chooses its target, for example those of a swapchain.
+/// Sets the images from which `cupola_vk_record` chooses its target, for example those of a
+/// swapchain.
 ///
 /// # Parameters
 /// - `vk`: the object, idle.
 /// - `count`: number of `targets`.
-/// - `targets`: the images. The structs lie `targets->struct_size` bytes apart. Not kept; the handles in them are.
+/// - `targets`: the images. The structs lie `targets->struct_size` bytes apart. Not kept; the
+///   handles in them are.
 ///
 /// # Returns
-/// - `CUPOLA_INVALID_ARGUMENT`: a null pointer or handle, a wrong `struct_size`, a field that this version does not
-///   know, or a wrong size or layout.
+/// - `CUPOLA_INVALID_ARGUMENT`: a null pointer or handle, a wrong `struct_size`, a field that this
+///   version does not know, or a wrong size or layout.
 /// - `CUPOLA_GRAPHICS`: the driver refused a request.
 ///
 /// # Ownership
@@ -192,8 +196,8 @@ pub unsafe extern "C" fn cupola_vk_set_sources(
 /// Any thread.
 ///
 /// # Safety
-/// `vk` is a live handle and idle; `targets` points to `count` structs of `targets->struct_size` bytes with live
-/// handles.
+/// `vk` is a live handle and idle; `targets` points to `count` structs of `targets->struct_size`
+/// bytes with live handles.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cupola_vk_set_targets(
     vk: *mut cupola_vk,

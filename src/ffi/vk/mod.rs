@@ -1,4 +1,5 @@
-//! Vulkan: a program draws the views into images, and has the correction recorded into its command buffers.
+//! Vulkan: a program draws the views into images, and has the correction recorded into its command
+//! buffers.
 
 pub mod images;
 pub mod projection;
@@ -18,22 +19,23 @@ use crate::error::{Error, ErrorKind, Result};
 use crate::rig::Rig;
 use crate::runtime::embedded::vulkan::{EmbeddedVulkan, VulkanOptions};
 
-/// A rig on a Vulkan device. Created by `cupola_vk_create` or `cupola_vk_create_projecting`, destroyed by
-/// `cupola_vk_destroy` before the device is.
+/// A rig on a Vulkan device. Created by `cupola_vk_create` or `cupola_vk_create_projecting`,
+/// destroyed by `cupola_vk_destroy` before the device is.
 ///
 /// One thread at a time may use it. Several objects, on one device too, are independent.
 ///
-/// Synchronisation: the library submits nothing and uses no queue. `cupola_vk_record` records barriers before and
-/// after the correction, so that nothing else is needed within one queue; between queues, and with a swapchain,
-/// the program's semaphores and fences are the same as without Cupola. The images of a frame may be drawn again
-/// when the fence of the submission that read them is signalled; this is what `frames_in_flight` is for. Images
-/// belong to the queue family of the options (`VK_SHARING_MODE_EXCLUSIVE`) or are shared by all.
+/// Synchronisation: the library submits nothing and uses no queue. `cupola_vk_record` records
+/// barriers before and after the correction, so that nothing else is needed within one queue;
+/// between queues, and with a swapchain, the program's semaphores and fences are the same as
+/// without Cupola. The images of a frame may be drawn again when the fence of the submission that
+/// read them is signalled; this is what `frames_in_flight` is for. Images belong to the queue
+/// family of the options (`VK_SHARING_MODE_EXCLUSIVE`) or are shared by all.
 ///
-/// "Idle" at a function means: no command buffer into which `cupola_vk_record` recorded is pending, and none will be
-/// submitted again.
+/// "Idle" at a function means: no command buffer into which `cupola_vk_record` recorded is pending,
+/// and none will be submitted again.
 ///
-/// The first command buffer that is recorded after `cupola_vk_create` or `cupola_vk_resize` fills masks and tables:
-/// it has to be submitted before the others, and once.
+/// The first command buffer that is recorded after `cupola_vk_create` or `cupola_vk_resize` fills
+/// masks and tables: it has to be submitted before the others, and once.
 pub struct cupola_vk {
     embedded: EmbeddedVulkan,
 }
@@ -71,8 +73,8 @@ fn options_of(options: &cupola_vk_options) -> Result<VulkanOptions> {
 /// - `vk`: receives the new object, on success only.
 ///
 /// # Returns
-/// - `CUPOLA_INVALID_ARGUMENT`: a null pointer or handle, a value out of range, an sRGB format, a field that this
-///   version does not know, or a rig that corrects nothing (`identity`).
+/// - `CUPOLA_INVALID_ARGUMENT`: a null pointer or handle, a value out of range, an sRGB format, a
+///   field that this version does not know, or a rig that corrects nothing (`identity`).
 /// - `CUPOLA_GRAPHICS`: the device cannot use a format, lacks a function or has no memory left.
 ///
 /// # Ownership
@@ -82,8 +84,8 @@ fn options_of(options: &cupola_vk_options) -> Result<VulkanOptions> {
 /// Any thread.
 ///
 /// # Safety
-/// `rig` is a live handle; `options` points to `options->struct_size` bytes, whose handles are live and belong
-/// together; `vk` is writable.
+/// `rig` is a live handle; `options` points to `options->struct_size` bytes, whose handles are live
+/// and belong together; `vk` is writable.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cupola_vk_create(
     rig: *const cupola_rig,
@@ -116,8 +118,9 @@ unsafe fn create(
     Ok(())
 }
 
-/// Plans the views again for a picture of another size. Number and sizes of views and images may change. Sources and
-/// targets that the program set are forgotten, and images of the library's are created again.
+/// Plans the views again for a picture of another size. Number and sizes of views and images may
+/// change. Sources and targets that the program set are forgotten, and images of the library's are
+/// created again.
 ///
 /// # Parameters
 /// - `vk`: the object, idle.
@@ -125,8 +128,8 @@ unsafe fn create(
 ///
 /// # Returns
 /// - `CUPOLA_INVALID_ARGUMENT`: `vk` is null, or the size is out of range. Everything stays.
-/// - `CUPOLA_GRAPHICS`: the driver refused a request. Only another `cupola_vk_resize` or `cupola_vk_destroy` is
-///   useful afterwards.
+/// - `CUPOLA_GRAPHICS`: the driver refused a request. Only another `cupola_vk_resize` or
+///   `cupola_vk_destroy` is useful afterwards.
 ///
 /// # Threads
 /// Any thread.
@@ -168,11 +171,13 @@ pub unsafe extern "C" fn cupola_vk_view_count(vk: *mut cupola_vk, count: *mut u3
 /// # Parameters
 /// - `vk`: the object.
 /// - `index`: index of the view, less than the number that `cupola_vk_view_count` returns.
-/// - `near`, `far`: distances of the planes in the program's units, 0 < near < far. `far` may be infinite.
+/// - `near`, `far`: distances of the planes in the program's units, 0 < near < far. `far` may be
+///   infinite.
 /// - `view`: receives the description. The caller sets `view->struct_size` before.
 ///
 /// # Returns
-/// - `CUPOLA_INVALID_ARGUMENT`: a null pointer, a wrong `struct_size`, an index without a view, or wrong planes.
+/// - `CUPOLA_INVALID_ARGUMENT`: a null pointer, a wrong `struct_size`, an index without a view, or
+///   wrong planes.
 ///
 /// # Threads
 /// Any thread.
@@ -214,18 +219,20 @@ pub unsafe extern "C" fn cupola_vk_get_view(
     })
 }
 
-/// Records the correction of a frame into a command buffer. On an error nothing is recorded. No Vulkan object is
-/// created and no device memory allocated.
+/// Records the correction of a frame into a command buffer. On an error nothing is recorded. No
+/// Vulkan object is created and no device memory allocated.
 ///
-/// Bound pipelines, descriptor sets, vertex buffers, viewports and scissors are undefined afterwards.
+/// Bound pipelines, descriptor sets, vertex buffers, viewports and scissors are undefined
+/// afterwards.
 ///
 /// # Parameters
 /// - `vk`: the object.
-/// - `command_buffer`: primary command buffer in the recording state, outside a render pass, for a queue of the
-///   options' family.
+/// - `command_buffer`: primary command buffer in the recording state, outside a render pass, for a
+///   queue of the options' family.
 /// - `frame`: index of the frame in flight whose sources are read, less than `frames_in_flight`.
 /// - `target`: index of the target, as set with `cupola_vk_set_targets`.
-/// - `x`, `y`: upper left corner of the picture in the target, in pixels. Parts outside are cut off.
+/// - `x`, `y`: upper left corner of the picture in the target, in pixels. Parts outside are cut
+///   off.
 ///
 /// # Returns
 /// - `CUPOLA_INVALID_ARGUMENT`: a null pointer or handle, or a frame or target that was not set.
@@ -234,8 +241,8 @@ pub unsafe extern "C" fn cupola_vk_get_view(
 /// Any thread; that of the command buffer's pool.
 ///
 /// # Safety
-/// `vk` and `command_buffer` are live handles; when the command buffer is executed, all images are in the layouts that
-/// were given for them.
+/// `vk` and `command_buffer` are live handles; when the command buffer is executed, all images are
+/// in the layouts that were given for them.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cupola_vk_record(
     vk: *mut cupola_vk,
@@ -303,7 +310,8 @@ pub unsafe extern "C" fn cupola_vk_get_statistics(
 /// Any thread.
 ///
 /// # Safety
-/// `vk` is null, or a live handle that is idle and whose device is live. It must not be used afterwards.
+/// `vk` is null, or a live handle that is idle and whose device is live. It must not be used
+/// afterwards.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cupola_vk_destroy(vk: *mut cupola_vk) -> cupola_status {
     call(|| {

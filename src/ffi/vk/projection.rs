@@ -14,9 +14,10 @@ use std::ffi::c_char;
 /// Does what `cupola_vk_create` does, for a program that draws all views with the functions of
 /// `cupola_vk_projection_source`.
 ///
-/// An output with the method `vertex` or `primitive` then has one view, which is its own picture (pixel for pixel,
-/// except where layers have to be alike or the rig's `quality` asks for more); the matrices of `cupola_vk_get_view` do
-/// not apply to it. Edges between vertices stay straight, so the program's models have to be fine.
+/// An output with the method `vertex` or `primitive` then has one view, which is its own picture
+/// (pixel for pixel, except where layers have to be alike or the rig's `quality` asks for more);
+/// the matrices of `cupola_vk_get_view` do not apply to it. Edges between vertices stay straight,
+/// so the program's models have to be fine.
 ///
 /// # Parameters
 /// As for `cupola_vk_create`.
@@ -42,13 +43,15 @@ pub unsafe extern "C" fn cupola_vk_create_projecting(
     call(|| unsafe { create(rig, options, vk, EmbeddedVulkan::projecting) })
 }
 
-/// Copies GLSL for the last shader stage before rasterisation: a uniform block with `vec4 cupola_view[8]` (std140), and
-/// `vec4 cupola_fix(vec4)`, which turns the value for `gl_Position`, computed with the program's own projection, into
-/// that of the view. The text belongs between `#version` (450 at least) and `main`.
+/// Copies GLSL for the last shader stage before rasterisation: a uniform block with `vec4
+/// cupola_view[8]` (std140), and `vec4 cupola_fix(vec4)`, which turns the value for `gl_Position`,
+/// computed with the program's own projection, into that of the view. The text belongs between
+/// `#version` (450 at least) and `main`.
 ///
 /// # Parameters
 /// - `set`, `binding`: descriptor set and binding of the uniform block.
-/// - `buffer`: room for `size` bytes, or null to get the length only. The text is cut to fit, with its NUL.
+/// - `buffer`: room for `size` bytes, or null to get the length only. The text is cut to fit, with
+///   its NUL.
 /// - `size`: size of the buffer in bytes.
 /// - `length`: receives the length of the whole text in bytes without its NUL; may be null.
 ///
@@ -75,18 +78,19 @@ pub unsafe extern "C" fn cupola_vk_projection_source(
     })
 }
 
-/// Computes the 8 vectors of `cupola_view` for a view. They depend on the view, on the matrix and on the size of the
-/// picture.
+/// Computes the 8 vectors of `cupola_view` for a view. They depend on the view, on the matrix and
+/// on the size of the picture.
 ///
 /// # Parameters
 /// - `vk`: the object.
 /// - `index`: index of the view.
-/// - `matrix`: 16 numbers, column by column: the perspective matrix with which the program draws, to Vulkan's clip space
-///   with y down.
+/// - `matrix`: 16 numbers, column by column: the perspective matrix with which the program draws,
+///   to Vulkan's clip space with y down.
 /// - `vectors`: receives 32 numbers.
 ///
 /// # Returns
-/// - `CUPOLA_INVALID_ARGUMENT`: a null pointer, an index without a view, or a matrix that is no perspective.
+/// - `CUPOLA_INVALID_ARGUMENT`: a null pointer, an index without a view, or a matrix that is no
+///   perspective.
 ///
 /// # Threads
 /// Any thread.

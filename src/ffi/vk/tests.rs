@@ -1,4 +1,5 @@
-//! The interface as C calls it: what it answers to wrong arguments, on whatever driver Vulkan finds.
+//! The interface as C calls it: what it answers to wrong arguments, on whatever driver Vulkan
+//! finds.
 
 use super::images::*;
 use super::*;
@@ -105,7 +106,8 @@ fn views_images_and_what_is_wrong_with_them() {
     let (mut made, wrong) = (null_mut(), CUPOLA_INVALID_ARGUMENT);
     for arrangement in [CUPOLA_VK_ATLAS, CUPOLA_VK_LAYERS, CUPOLA_VK_IMAGES] {
         let wanted = cupola_vk_options { arrangement, ..options(&headless) };
-        // SAFETY: live handles and places that are large enough, but for those that are looked at before they are used.
+        // SAFETY: live handles and places that are large enough, but for those that are looked at
+        // before they are used.
         unsafe {
             assert_eq!(cupola_vk_create(rig, &wanted, &mut made), CUPOLA_OK);
             let (mut views, mut images, [mut width, mut height, mut layers]) = (0, 0, [0; 3]);

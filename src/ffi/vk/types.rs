@@ -21,13 +21,15 @@ pub type PFN_vkGetInstanceProcAddr = Option<vk::PFN_vkGetInstanceProcAddr>;
 
 /// Arrangement of the views: tiles of one image, each with a viewport of its own.
 pub const CUPOLA_VK_ATLAS: u32 = 0;
-/// Arrangement of the views: layers of one image, a 2D array, all of one size, for programs that draw all
-/// views at once (multiview). The smaller views are drawn at more than the planned resolution.
+/// Arrangement of the views: layers of one image, a 2D array, all of one size, for programs that
+/// draw all views at once (multiview). The smaller views are drawn at more than the planned
+/// resolution.
 pub const CUPOLA_VK_LAYERS: u32 = 1;
 /// Arrangement of the views: each view is an image.
 pub const CUPOLA_VK_IMAGES: u32 = 2;
 
-/// Parameters of `cupola_vk_create`. No feature and no extension has to be enabled; Vulkan 1.0 is enough.
+/// Parameters of `cupola_vk_create`. No feature and no extension has to be enabled; Vulkan 1.0 is
+/// enough.
 #[repr(C)]
 pub struct cupola_vk_options {
     /// `sizeof(cupola_vk_options)`.
@@ -42,7 +44,8 @@ pub struct cupola_vk_options {
     pub device: VkDevice,
     /// Family of the queues to which the program submits the command buffers; it supports graphics.
     pub queue_family: u32,
-    /// Number of frames that may be in flight at the same time, 1 to 16. Each has images of its own.
+    /// Number of frames that may be in flight at the same time, 1 to 16. Each has images of its
+    /// own.
     pub frames_in_flight: u32,
     /// Width in pixels of the picture that all outputs share, 1 to 16384.
     pub width: u32,
@@ -50,8 +53,9 @@ pub struct cupola_vk_options {
     pub height: u32,
     /// Format of the image views of the targets: UNORM or float, since encoded values are written.
     pub target_format: VkFormat,
-    /// Format of the images that the library creates for the views: UNORM or float, with encoded values.
-    /// `VK_FORMAT_UNDEFINED` (0): the program brings its own images (`cupola_vk_set_sources`).
+    /// Format of the images that the library creates for the views: UNORM or float, with encoded
+    /// values. `VK_FORMAT_UNDEFINED` (0): the program brings its own images
+    /// (`cupola_vk_set_sources`).
     pub view_format: VkFormat,
     /// `CUPOLA_VK_ATLAS`, `CUPOLA_VK_LAYERS` or `CUPOLA_VK_IMAGES`.
     pub arrangement: u32,
@@ -64,7 +68,8 @@ unsafe impl Growing for cupola_vk_options {
     const FIRST_SIZE: usize = first_size!(cupola_vk_options, reversed_depth);
 }
 
-/// View: perspective image of the scene that the program draws. All matrices are stored column by column.
+/// View: perspective image of the scene that the program draws. All matrices are stored column by
+/// column.
 #[repr(C)]
 pub struct cupola_vk_view {
     /// `sizeof(cupola_vk_view)`.
@@ -83,12 +88,14 @@ pub struct cupola_vk_view {
     pub width: i32,
     /// Height of the viewport in pixels. It is positive: the matrices have y down.
     pub height: i32,
-    /// Matrix from the program's camera axes (x right, y up, -z forward) to the clip space of the view (y down,
-    /// depth 0 to 1): `frustum_matrix` times `rotation_matrix`. It replaces the program's projection matrix; the
-    /// program's view matrix stays as it is, and with it the lighting.
+    /// Matrix from the program's camera axes (x right, y up, -z forward) to the clip space of the
+    /// view (y down, depth 0 to 1): `frustum_matrix` times `rotation_matrix`. It replaces the
+    /// program's projection matrix; the program's view matrix stays as it is, and with it the
+    /// lighting.
     pub projection_matrix: [f32; 16],
-    /// Matrix from the program's camera axes to the axes of the view, for programs that cull or draw a sky
-    /// by view. It has a translation where the rig moves the camera and in the views of a stereo rig.
+    /// Matrix from the program's camera axes to the axes of the view, for programs that cull or
+    /// draw a sky by view. It has a translation where the rig moves the camera and in the views of
+    /// a stereo rig.
     pub rotation_matrix: [f32; 16],
     /// Matrix from the axes of the view to its clip space: an off-centre perspective matrix.
     pub frustum_matrix: [f32; 16],
@@ -112,11 +119,11 @@ unsafe impl Growing for cupola_vk_view {
 pub struct cupola_vk_source {
     /// `sizeof(cupola_vk_source)`.
     pub struct_size: usize,
-    /// The image, with `VK_IMAGE_USAGE_SAMPLED_BIT`. `VK_NULL_HANDLE`: no barrier is recorded for it, and the
-    /// program makes it readable by fragment shaders in `layout`.
+    /// The image, with `VK_IMAGE_USAGE_SAMPLED_BIT`. `VK_NULL_HANDLE`: no barrier is recorded for
+    /// it, and the program makes it readable by fragment shaders in `layout`.
     pub image: VkImage,
-    /// Image view of its first mip level: 2D; with `CUPOLA_VK_LAYERS` a 2D array of as many layers as there are
-    /// views, from the first on.
+    /// Image view of its first mip level: 2D; with `CUPOLA_VK_LAYERS` a 2D array of as many layers
+    /// as there are views, from the first on.
     pub view: VkImageView,
     /// Format of the image view: UNORM or float, with encoded values.
     pub format: VkFormat,
@@ -150,13 +157,13 @@ pub struct cupola_vk_target {
     pub width: u32,
     /// Height in pixels.
     pub height: u32,
-    /// Layout of the image before the correction. `VK_IMAGE_LAYOUT_UNDEFINED`: its contents are lost, and it is
-    /// black where there is no output.
+    /// Layout of the image before the correction. `VK_IMAGE_LAYOUT_UNDEFINED`: its contents are
+    /// lost, and it is black where there is no output.
     pub initial_layout: VkImageLayout,
     /// Layout of the image after the correction, for example `VK_IMAGE_LAYOUT_PRESENT_SRC_KHR`.
     pub final_layout: VkImageLayout,
-    /// Pipeline stages before the correction for which it waits; 0 for none. After an acquire: the stages at which
-    /// the submission waits for the semaphore.
+    /// Pipeline stages before the correction for which it waits; 0 for none. After an acquire: the
+    /// stages at which the submission waits for the semaphore.
     pub before_stages: VkPipelineStageFlags,
     /// Write accesses of these stages.
     pub before_access: VkAccessFlags,
@@ -178,8 +185,9 @@ pub struct cupola_vk_statistics {
     pub struct_size: usize,
     /// Number of recorded frames.
     pub frames: u64,
-    /// Number of frames since the last `cupola_vk_resize` whose time on the device is known. The time of a frame is
-    /// known when the next frame with the same images is recorded. Always 0 on devices without timestamps.
+    /// Number of frames since the last `cupola_vk_resize` whose time on the device is known. The
+    /// time of a frame is known when the next frame with the same images is recorded. Always 0 on
+    /// devices without timestamps.
     pub measured_frames: u64,
     /// Sum of these times in nanoseconds.
     pub nanoseconds: u64,
