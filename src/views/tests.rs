@@ -260,6 +260,33 @@ fn rigs_with_cells_of_their_own_are_shown_completely_and_cells_that_are_too_wide
     assert!((8..30).contains(&planned), "{planned}");
 }
 
+/// Six cells that `cupola-lab cells` finds for this rig with 800 steps.
+#[test]
+fn cells_that_the_search_finds_show_everything_and_cost_what_was_estimated() {
+    let mut rig = rig(vec![fisheye(180.0, 90.0)]);
+    let (large, small) = (request(&[(4096, 4096)]), request(&[(300, 300)]));
+    let cells = [
+        DVec3::new(-0.0196, 0.0109, -0.7955),
+        DVec3::new(0.9963, -0.0017, -0.0113),
+        DVec3::new(-0.992, 0.0023, -0.006),
+        DVec3::new(0.0024, 1.0027, -0.0013),
+        DVec3::new(0.0041, -1.0016, 0.0028),
+        DVec3::new(0.0535, 0.0446, -0.9142),
+    ];
+    let [found, cube, wide] = with_cell_costs(&rig, &large, |costs| {
+        let cube = costs.cube();
+        assert_eq!(cube.len(), 5);
+        [&cells[..], &cube, &cube[..1]].map(|cells| costs.texels(cells, f64::INFINITY))
+    })
+    .unwrap();
+    assert!(found < cube && wide.is_infinite(), "{found} {cube} {wide}");
+    rig.views.cells = cells.to_vec();
+    let plan_of = |request: &Request| plan(&rig, request).unwrap();
+    let texels = report(&plan_of(&large), &rig, &large.output_sizes).view_texels as f64;
+    assert!((0.97..1.03).contains(&(texels / found)), "{texels} {found}");
+    verify(&rig, &small, &plan_of(&small)).unwrap();
+}
+
 #[test]
 fn a_wide_projector_near_the_screen_gets_two_views() {
     let rig = rig(vec![projector("wide", DVec3::new(0.0, 0.0, 4.5), [0.0; 3], lens(90.0, 60.0))]);

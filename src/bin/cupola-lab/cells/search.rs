@@ -125,7 +125,7 @@ mod tests {
 
     #[test]
     fn the_search_finds_good_cells_and_the_same_every_time() {
-        let text = "[[output]]\nkind = \"domemaster\"\naperture = 180\ntilt = 90\n";
+        let text = "[dome]\ncoverage = 360\n[[output]]\nkind = \"domemaster\"\naperture = 180\ntilt = 90\n";
         let mut rig = cupola::rig::parse(text, "rig.toml", Path::new("")).expect("a rig");
         let request = crate::planning::request(vec![(4096, 4096)], (4096, 4096));
         let found = |steps: u32, views: usize| {
