@@ -4,7 +4,7 @@
 //! round, so that a busy machine slows all alike; the medians of the ratios are reported.
 
 use cupola::correct::Plan;
-use cupola::correct::plan::builder::build;
+use cupola::correct::build;
 use cupola::rig::{self, Rig};
 use cupola::views::Request;
 use std::path::{Path, PathBuf};

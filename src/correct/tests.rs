@@ -1,7 +1,9 @@
 //! The passes against brute force: every pixel of several rigs.
 
 use crate::ErrorKind;
-use crate::correct::plan::builder::{Batch, Plan, Source, build};
+use crate::correct::passes::output_pass::{Batch, Plan};
+use crate::correct::passes::source::Source;
+use crate::correct::plan::builder::build;
 use crate::geom::Panorama;
 use crate::geom::panorama::Span;
 use crate::rig::{OutputKind, Rig};

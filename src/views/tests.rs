@@ -2,6 +2,8 @@
 
 mod complete;
 
+use crate::error::ErrorKind;
+use crate::geom::Frustum;
 use crate::rig::*;
 use crate::testing::random::Random;
 use crate::views::sampling::cone::Cone;

@@ -2,9 +2,9 @@
 
 use super::api::*;
 use super::state::Capabilities;
+use crate::correct::BlackPicture;
+use crate::correct::Mask;
 use crate::correct::Table;
-use crate::correct::plan::builder::Mask;
-use crate::correct::shaders::black::BlackPicture;
 
 /// A texture of the mask's weights.
 pub(super) fn upload_mask(gl: &Gl, caps: &Capabilities, mask: &Mask) -> u32 {

@@ -171,7 +171,7 @@ pub fn a_perspective_picture(driver: &dyn Driver) {
     let size = (300, 200);
     let frustum = Frustum { left: -0.7, right: 1.1, bottom: -0.6, top: 0.3 };
     let turn = crate::geom::Pose::new(DVec3::ZERO, 0.4, 0.2, 0.1).rotation;
-    let source = crate::correct::plan::builder::Source::Perspective { matrix: turn * frustum.rays() };
+    let source = crate::correct::Source::Perspective { matrix: turn * frustum.rays() };
     let plan = Plan { views: cube_views(400, turn), passes: vec![pass(size, source, (0..6).collect(), false)] };
     let exact = |c, r| {
         let (x, y) = normalised(size, c, r);

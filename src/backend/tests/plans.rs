@@ -1,7 +1,7 @@
 //! Plans made by hand, and what they show, computed independently in f64.
 
 use crate::blend::Border;
-use crate::correct::plan::builder::{Batch, Neighbour, OutputPass, PixelRect, Plan, ProjectorSource, Source, Way};
+use crate::correct::{Batch, Neighbour, OutputPass, PixelRect, Plan, ProjectorSource, Source, Way};
 use crate::geom::screen::{Bounds, ClosedSurface};
 use crate::geom::{Fisheye, Frustum, Pencil, Pose, Quadric, Sphere};
 use crate::rig::Blend;

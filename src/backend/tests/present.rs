@@ -4,7 +4,7 @@ use super::Driver;
 use super::picture::Picture;
 use super::plans::*;
 use crate::correct::Plan;
-use crate::correct::plan::builder::{Mask, PixelRect, Source};
+use crate::correct::{Mask, PixelRect, Source};
 use crate::geom::{Frustum, Pose};
 use crate::rig::{AngleRamp, DomeAngle, RampShape};
 use crate::testing::random::Random;

@@ -1,7 +1,7 @@
 //! Every preset, planned, prepared and compared with the exact source of each output.
 
 use super::Driver;
-use crate::correct::plan::builder::build;
+use crate::correct::build;
 use crate::rig;
 use crate::views::Request;
 use glam::DVec3;

@@ -3,7 +3,7 @@
 use super::Driver;
 use super::picture::Picture;
 use crate::correct::Plan;
-use crate::correct::plan::builder::build;
+use crate::correct::build;
 use crate::rig::{Filter, OutputKind, ViewMethod};
 use crate::testing::random::Random;
 use crate::views::tests::{fisheye, output, projector, request, rig};

@@ -4,7 +4,7 @@ use super::Driver;
 use super::picture::Picture;
 use super::plans::*;
 use crate::blend::Border;
-use crate::correct::plan::builder::{Mask, Plan, Source};
+use crate::correct::{Mask, Plan, Source};
 use crate::geom::{Frustum, Pose};
 use crate::rig::{RampShape, Transfer};
 use glam::DVec3;

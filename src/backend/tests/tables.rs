@@ -4,7 +4,7 @@ use super::Driver;
 use super::picture::Picture;
 use super::plans::*;
 use crate::blend::{Weights, code_of};
-use crate::correct::plan::builder::{Plan, Source};
+use crate::correct::{Plan, Source};
 use crate::correct::{Table, TablePixel};
 use crate::warp::{WarpMap, compare};
 use glam::{DVec2, DVec3};

@@ -7,7 +7,7 @@ use super::images::{SourceImage, TargetImage, check_target_format};
 use super::memory::{Buffer, Image};
 use super::program::Common;
 use super::timers::{Timers, Timing};
-use crate::correct::plan::builder::OutputPass;
+use crate::correct::OutputPass;
 use crate::correct::shaders::draws::{Rows, apart, draws};
 use crate::correct::shaders::glsl::{Pass, Stage};
 use crate::correct::shaders::spirv::{Modules, specialise};

@@ -4,8 +4,10 @@
 //! found pixel by pixel where it is not.
 
 use crate::cache::Cache;
+use crate::correct::passes::mask::Mask;
+use crate::correct::passes::output_pass::Batch;
+use crate::correct::passes::source::Source;
 use crate::correct::plan::blocks_cached;
-use crate::correct::plan::builder::{Batch, Mask, Source};
 use crate::correct::plan::rectangles::{self, BLOCK};
 use crate::geom::screen::Bounds;
 use crate::geom::{Frustum, Panorama, QuadraticForm};

@@ -1,6 +1,7 @@
 //! Which parts of an output sample which parts of the views, coarsely: so that only what was drawn to is corrected.
 
-use crate::correct::plan::builder::{OutputPass, Plan, Source};
+use crate::correct::passes::output_pass::{OutputPass, Plan};
+use crate::correct::passes::source::Source;
 use crate::rig::Flip;
 use crate::views::View;
 use glam::{DVec2, DVec3};
@@ -142,7 +143,8 @@ impl Footprints {
 #[cfg(test)]
 mod tests {
     use super::footprints;
-    use crate::correct::{Plan, build};
+    use crate::correct::passes::output_pass::Plan;
+    use crate::correct::plan::builder::build;
     use crate::rig;
     use crate::testing::random::Random;
     use crate::views::Request;

@@ -1,6 +1,5 @@
 //! TODO-NOTE
 
-pub mod arrangement;
 pub mod blocks;
 pub mod blocks_cached;
 pub mod builder;

@@ -3,12 +3,10 @@
 //! A view is a rectangle, what outputs show of it is not: the corners beyond a dome's rim, and what an earlier view answers
 //! for, are drawn for nothing. A program that adapts itself can leave them out.
 
-pub use crate::correct::plan::unsampled_cached::kept_hidden_areas;
-
 #[cfg(test)]
 mod tests;
 
-use crate::correct::plan::builder::{OutputPass, Plan};
+use crate::correct::passes::output_pass::{OutputPass, Plan};
 use crate::correct::plan::rectangles::{self, BLOCK};
 use crate::geom::Frustum;
 use crate::views::sampling::cone::{Cone, Relation, WIDEST, diameter};

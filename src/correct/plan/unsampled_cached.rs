@@ -1,7 +1,7 @@
 //! The parts that no pixel samples as bytes.
 
 use crate::cache::{Cache, Reader, Writer};
-use crate::correct::plan::builder::Plan;
+use crate::correct::passes::output_pass::Plan;
 use crate::correct::plan::unsampled::hidden_areas;
 use crate::views::Tile;
 use std::convert::Infallible;
@@ -49,7 +49,7 @@ fn read(from: &mut Reader<'_>, views: usize) -> Option<Vec<Vec<Tile>>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::correct::build;
+    use crate::correct::plan::builder::build;
     use crate::views::tests::{fisheye, request, rig};
 
     #[test]

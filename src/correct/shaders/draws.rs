@@ -1,9 +1,10 @@
 //! The draw calls of a plan: which triangles with which constants.
 
-use crate::correct::plan::builder::{OutputPass, PixelRect, Plan};
+use crate::correct::passes::facets::Facets;
+use crate::correct::passes::output_pass::{OutputPass, Plan};
+use crate::correct::passes::rectangle::PixelRect;
 use crate::correct::plan::cover::uncovered;
 use crate::correct::shaders::uniforms::{Constants, constants, copies_texels, facet_corner, rectangle};
-use crate::correct::sources::facets::Facets;
 use crate::error::Result;
 use crate::geom::Frustum;
 use crate::views::{Tile, View};

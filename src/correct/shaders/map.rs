@@ -1,6 +1,6 @@
 //! What the shaders' map says of a pixel.
 
-use crate::correct::plan::builder::Plan;
+use crate::correct::passes::output_pass::Plan;
 use crate::correct::shaders::uniforms::direction_at;
 use glam::DVec2;
 

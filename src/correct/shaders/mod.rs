@@ -1,6 +1,5 @@
 //! TODO-NOTE
 
-pub mod black;
 pub mod draws;
 pub mod glsl;
 pub mod map;

@@ -4,7 +4,7 @@
 //! constants of a module, not given as specialisation constants: naga does not write those, and drivers
 //! fold plain ones at the latest when they fold the others.
 
-use crate::correct::Arrangement;
+use crate::correct::passes::view_images::Arrangement;
 use crate::correct::shaders::glsl::{Pass, Stage};
 use crate::correct::shaders::uniforms::{Constants, MAX_VIEWS};
 

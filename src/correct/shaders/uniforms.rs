@@ -2,12 +2,14 @@
 //! in f64 and rounded once.
 
 use crate::blend::code_of;
-use crate::correct::plan::builder::{Batch, OutputPass, PixelRect, Plan, Source};
+use crate::correct::passes::facets::FacetCorner;
+use crate::correct::passes::output_pass::{Batch, OutputPass, Plan};
+use crate::correct::passes::rectangle::PixelRect;
+use crate::correct::passes::source::Source;
 use crate::correct::shaders::draws::FLOATS;
 use crate::correct::shaders::glsl::{Pass, text_of};
 use crate::correct::shaders::response::encoding_polynomial;
 use crate::correct::shaders::{uniforms_optics, uniforms_panorama, uniforms_projector};
-use crate::correct::sources::facets::FacetCorner;
 use crate::error::{Error, ErrorKind, Result};
 use crate::geom::division::rule::EDGE_SHARE;
 use crate::geom::fisheye::{MOST_COEFFICIENTS, RadialForm, sine_cosine_polynomials};
@@ -81,11 +83,6 @@ pub fn picture_lens(map: &PictureMap, pixels: DVec2, max_error: f64) -> [f32; 16
 /// What lies between vertices, for the driver that gets it as one.
 pub fn between_vertices(value: [f64; 4]) -> [f32; 4] {
     value.map(|part| part as f32)
-}
-
-/// A pixel of a table: direction and weight, rounded once.
-pub(in crate::correct) fn texel(direction: DVec3, weight: f64) -> [f32; 4] {
-    [direction.x as f32, direction.y as f32, direction.z as f32, weight as f32]
 }
 
 /// A length in pixels as viewports take it; exact below 2^24.

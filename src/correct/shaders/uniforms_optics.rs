@@ -1,6 +1,7 @@
 //! The constants of the pass of a projector with a fisheye or a mirror.
 
-use crate::correct::plan::builder::{Batch, Light, OpticsSource};
+use crate::correct::passes::optics::{Light, OpticsSource};
+use crate::correct::passes::output_pass::Batch;
 use crate::correct::shaders::uniforms::{Constants, radial};
 use crate::error::Result;
 use crate::geom::screen::{HalfSpace, Join};

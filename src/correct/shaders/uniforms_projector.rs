@@ -1,9 +1,11 @@
 //! The constants of a projector's pass.
 
 use crate::blend::{Border, LEAST_RAMP};
-use crate::correct::plan::builder::{Batch, ProjectorSource};
+use crate::correct::passes::output_pass::Batch;
+use crate::correct::passes::source::ProjectorSource;
+use crate::correct::passes::source::Way;
 use crate::correct::shaders::uniforms::{Constants, MAX_NEIGHBOURS, limit, shape};
-use crate::correct::sources::ray_form::{Beam, Way};
+use crate::correct::sources::ray_form::Beam;
 use crate::error::{Error, ErrorKind, Result};
 use crate::geom::QuadraticForm;
 use crate::geom::screen::Join;

@@ -1,8 +1,6 @@
 //! TODO-NOTE
 
 pub mod facets;
-pub mod mask;
-pub mod optics;
 pub mod output_source;
 pub mod ray_form;
 pub mod rounding;

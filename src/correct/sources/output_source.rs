@@ -2,17 +2,18 @@
 
 use crate::blend::Border;
 use crate::cache::Cache;
-use crate::correct::plan::builder::{Light, Neighbour, OpticsSource, ProjectorSource, Source, Way};
+use crate::correct::passes::optics::{Light, OpticsSource};
+use crate::correct::passes::source::{Neighbour, ProjectorSource, Source, Way};
 use crate::correct::sources::surface_sample::Shown;
-use crate::correct::sources::table;
+use crate::correct::sources::{table_cached, table_coarse};
 use crate::error::Result;
 use crate::geom::fisheye::RadialForm;
 use crate::geom::pencil::RimForms;
 use crate::geom::screen::{ClosedForm, ClosedSurface, Shape};
-use crate::geom::{Fisheye, Optics, Panorama, Pencil, Quadric, Screen, Sphere, pose};
+use crate::geom::{Optics, Panorama, Pencil, Quadric, Screen, Sphere, pose};
 use crate::rig::{Method, Output, OutputKind, Rig};
 use crate::views::sampling::output_map::{lens_rotation, perspective_rays, viewer_rotation};
-use glam::{DAffine3, DMat3, DVec2, DVec3};
+use glam::{DAffine3, DMat3, DVec3};
 use std::sync::Arc;
 
 /// The map of output `index` of `rig`, whose outputs have `sizes` pixels: a coarse table where its method asks for one,
@@ -25,10 +26,10 @@ pub(in crate::correct) fn of(rig: &Rig, index: usize, sizes: &[(u32, u32)], cach
     let size = sizes.get(index).copied().unwrap_or_default();
     let table = match (rig.outputs[index].method, closed_form(rig, index, size)) {
         (Method::Table { max_error }, _) => {
-            table::kept(rig, index, sizes, cache, || Ok(table::coarse(&shown()?, max_error)))
+            table_cached::kept(rig, index, sizes, cache, || Ok(table_coarse::coarse(&shown()?, max_error)))
         }
         (_, Some(source)) => return Ok(source),
-        _ => table::kept(rig, index, sizes, cache, || Ok(shown()?.table())),
+        _ => table_cached::kept(rig, index, sizes, cache, || Ok(shown()?.table())),
     };
     Ok(Source::Table(Arc::new(table?)))
 }
@@ -194,54 +195,6 @@ fn lens(rig: &Rig, index: usize, optics: &Optics, size: (u32, u32)) -> Option<Op
     })
 }
 
-impl Source {
-    /// The axes in which it computes directions → viewer axes: a rotation.
-    pub(in crate::correct) fn axes(&self) -> DMat3 {
-        match self {
-            Self::Fisheye { rotation, .. } | Self::Panorama { rotation, .. } => *rotation,
-            Self::Table(table) => table.axes(),
-            Self::Projector(_) | Self::Optics(_) | Self::Perspective { .. } => DMat3::IDENTITY,
-        }
-    }
-
-    /// The direction from the viewer at normalised coordinates, viewer axes, any length; `None`
-    /// where the output shows nothing: what the shaders compute, in f64 (of a table of all pixels, what the nearest one shows).
-    pub fn direction(&self, x: f64, y: f64) -> Option<DVec3> {
-        match self {
-            Self::Fisheye { aperture, rotation, offset } => {
-                Fisheye { aperture: *aperture }.direction(x, y).map(|lens| *rotation * lens + *offset)
-            }
-            Self::Projector(projector) => projector.direction(x, y),
-            Self::Optics(optics) => optics.direction(x, y),
-            Self::Panorama { panorama, rotation, offset } => {
-                let direction = match panorama {
-                    Panorama::Fisheye(lens) => lens.direction(DVec2::new(x, y)),
-                    _ => panorama.direction(DVec2::new(x, y), 1.0),
-                };
-                direction.map(|direction| *rotation * direction + *offset)
-            }
-            Self::Perspective { matrix } => Some(*matrix * DVec3::new(x, y, 1.0)),
-            Self::Table(table) => table.at(0.5 * (1.0 + x), 0.5 * (1.0 - y)).map(|pixel| pixel.direction),
-        }
-    }
-
-    /// Normalised coordinates of the pixel position `(column, row)`, from the top left with pixel
-    /// centres at +½, in an output of `size` pixels.
-    pub fn normalised(&self, size: (u32, u32), column: f64, row: f64) -> (f64, f64) {
-        let (width, height) = (f64::from(size.0), f64::from(size.1));
-        let (across, up) = if self.is_circular() { (width.min(height), width.min(height)) } else { (width, height) };
-        ((2.0 * column - width) / across, (height - 2.0 * row) / up)
-    }
-
-    /// Whether the picture is a circle inscribed in the output, and normalised coordinates are units of its radius.
-    pub fn is_circular(&self) -> bool {
-        match self {
-            Self::Fisheye { .. } => true,
-            Self::Panorama { panorama, .. } => panorama.is_circular(),
-            _ => false,
-        }
-    }
-}
 /// Viewer axes → dome axes turned so that the pole is +y and the front −z.
 pub fn dome_axes(rig: &Rig) -> DMat3 {
     let viewer = &rig.viewer;

@@ -1,6 +1,6 @@
 //! The rays of a projector inside its screen, from which its forms follow with fewer operations.
 
-use crate::correct::plan::builder::ProjectorSource;
+use crate::correct::passes::source::{ProjectorSource, Way};
 use crate::correct::sources::rounding::{self, Sum};
 use crate::geom::quadratic::{linear_at, product, quadratic_at, squared};
 use crate::geom::screen::ClosedSurface;
@@ -23,24 +23,11 @@ pub(in crate::correct) struct Beam {
     depth: f64,
 }
 
-/// How the forms of a projector are computed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Way {
-    /// As they are.
-    Forms,
-    /// `linear`: before a plane.
-    Linear,
-    /// `offset·√D + linear'`: the fewest operations before a quadric.
-    Root,
-    /// `offset/t + linear`.
-    Distance,
-}
-
 /// Inside the surface, as the forms take it: up to this part of its radius.
 const INSIDE: f64 = 0.95;
 
 /// The cheapest way for pictures of `size` that rounding leaves exact enough, if there is one.
-pub(in crate::correct) fn way(source: &ProjectorSource, size: (u32, u32)) -> Option<Way> {
+fn way(source: &ProjectorSource, size: (u32, u32)) -> Option<Way> {
     let beam = Beam::of(&source.pencil);
     let ways: &[Way] = match &source.pencil.surface {
         ClosedSurface::Plane => &[Way::Linear],
@@ -57,6 +44,14 @@ pub(in crate::correct) fn way(source: &ProjectorSource, size: (u32, u32)) -> Opt
             _ => rounding::of_form(form, x, y),
         })
     })
+}
+
+impl ProjectorSource {
+    /// The same, computed in the cheapest way that is exact enough for pictures of `size`; `None` if none is.
+    pub fn settled(mut self, size: (u32, u32)) -> Option<Self> {
+        self.way = way(&self, size)?;
+        Some(self)
+    }
 }
 
 impl Beam {
@@ -105,7 +100,8 @@ impl Beam {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::correct::plan::builder::{Source, build};
+    use crate::correct::passes::source::Source;
+    use crate::correct::plan::builder::build;
     use crate::rig;
     use crate::views::Request;
     use std::path::Path;

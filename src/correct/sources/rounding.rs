@@ -3,19 +3,12 @@
 //! Each term of a sum is rounded to a part of its own size. Where terms cancel, as they do when the viewer is near the
 //! lit screen or the projector near the wall behind it, the sum is small and its error is not.
 
-use crate::correct::plan::builder::ProjectorSource;
+use crate::correct::passes::source::ProjectorSource;
+use crate::correct::passes::tolerance::{ANGLE, OWN_PIXELS, PIXELS, REFERENCE};
 use crate::geom::QuadraticForm;
 use crate::geom::quadratic::{linear_at, quadratic_at};
 use glam::DVec3;
 
-/// Width of the picture in whose pixels errors are estimated: what a small picture shows is then held to what a large one needs.
-pub(in crate::correct) const REFERENCE: f64 = 4096.0;
-/// The error that is allowed, in such pixels.
-pub(in crate::correct) const PIXELS: f64 = 0.002;
-/// An angle that is allowed however narrow the pixels, radians: ten steps of f32.
-pub(in crate::correct) const ANGLE: f64 = 6e-7;
-/// Yet never more than this of a pixel of the picture's own: narrower ones would not be told apart.
-pub(in crate::correct) const OWN_PIXELS: f64 = 0.25;
 /// What rounding does to a sum, as a part of its terms: some three half steps of f32. With hundreds of random rigs a driver
 /// came to 0.25 to 1.07 times the estimate where that is near what is allowed.
 const STEP: f64 = 2e-7;

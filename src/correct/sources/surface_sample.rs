@@ -1,7 +1,7 @@
 //! What each place of an output shows, exactly: what tables and meshes are made of.
 
 use crate::blend::Weights;
-use crate::correct::sources::table::{Table, TablePixel};
+use crate::correct::passes::table::{Table, TablePixel};
 use crate::error::Result;
 use crate::geom::{Lens, pose};
 use crate::rig::{OutputKind, Rig};

@@ -7,57 +7,10 @@
 //! 5e-7 of the view's width, a thousandth of a texel for a view 2000 texels wide. Memory: 16 bytes per pixel. A coarser one is as exact as was asked for, and takes 16 bytes for each entry
 //! and a byte for each pixel in memory.
 
-pub(in crate::correct) use crate::correct::sources::table_cached::kept;
-pub(in crate::correct) use crate::correct::sources::table_coarse::coarse;
-
-use crate::correct::shaders::uniforms;
-use crate::digest::Digest;
+use crate::correct::passes::table::{Table, TablePixel};
+use crate::correct::single;
 use crate::views::fitting::axes::facing;
-use glam::{DMat3, DVec3};
-use std::fmt;
 use std::sync::{Arc, Mutex};
-
-/// What one pixel of a table shows.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TablePixel {
-    /// Direction from the viewer, viewer axes, any length but 0.
-    pub direction: DVec3,
-    /// Weight in linear light, 0…1: everything that is known beforehand, except masks.
-    pub weight: f64,
-    /// Light of the blacks of all outputs there, as a part of white, ≥ 0.
-    pub dark: f64,
-}
-
-/// Directions and weights of an output.
-#[derive(Clone, PartialEq)]
-pub struct Table {
-    pub(super) size: (u32, u32),
-    pub(super) step: u32,
-    pub(super) entries: (u32, u32),
-    pub(super) axes: DMat3,
-    pub(super) texels: Vec<[f32; 4]>,
-    pub(super) weighted: bool,
-    pub(super) lit: Arc<Vec<bool>>,
-    pub(super) error: f64,
-}
-
-/// A sum stands for entries and pixels, all bits of them.
-impl fmt::Debug for Table {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { size, step, entries, axes, texels, weighted, lit, error } = self;
-        let mut digest = Digest::default();
-        for [x, y, z, weight] in texels {
-            let pair = |low: &f32, high: &f32| u64::from(low.to_bits()) | u64::from(high.to_bits()) << 32;
-            digest.add(pair(x, y));
-            digest.add(pair(z, weight));
-        }
-        lit.chunks(64).for_each(|part| digest.add(part.iter().fold(0, |bits, lit| bits << 1 | u64::from(*lit))));
-        let sum = format_args!("{digest:x}");
-        let mut table = f.debug_struct("Table");
-        table.field("size", size).field("step", step).field("entries", entries).field("axes", axes);
-        table.field("sum", &sum).field("weighted", weighted).field("error", error).finish()
-    }
-}
 
 /// Every so many pixels are looked at to find the middle of what is shown.
 const COARSE_STEP: usize = 16;
@@ -90,7 +43,7 @@ impl Table {
             for (row, line) in part.chunks_mut(columns.max(1)).enumerate() {
                 for (column, texel) in line.iter_mut().enumerate() {
                     if let Some(pixel) = unit(column as u32, (first_row + row) as u32) {
-                        *texel = uniforms::texel(to_axes * pixel.direction * (1.0 + pixel.dark), pixel.weight);
+                        *texel = single::texel(to_axes * pixel.direction * (1.0 + pixel.dark), pixel.weight);
                     }
                 }
             }
@@ -99,58 +52,6 @@ impl Table {
         let lit: Vec<bool> = texels.iter().map(|texel| texel[..3] != [0.0; 3]).collect();
         let weighted = texels.iter().zip(&lit).any(|(texel, lit)| texel[3] != 1.0 && *lit);
         Self { size, step: 1, entries: size, axes, texels, weighted, lit: Arc::new(lit), error: 0.0 }
-    }
-
-    /// Number of entries across and down.
-    pub fn entries(&self) -> (u32, u32) {
-        self.entries
-    }
-
-    /// How far apart entries are in pixels. 1: each is that of a pixel's centre. Otherwise the first one is at the
-    /// output's top left corner.
-    pub fn step(&self) -> u32 {
-        self.step
-    }
-
-    /// The table's axes → viewer axes.
-    pub fn axes(&self) -> DMat3 {
-        self.axes
-    }
-
-    /// Direction in the table's axes, of length 1 or less, and weight of each entry, row by row from the top; a direction
-    /// of (0, 0, 0) shows nothing.
-    pub fn texels(&self) -> &[[f32; 4]] {
-        &self.texels
-    }
-
-    /// The greatest error at a pixel's centre, in pixels of the output; 0 for a table of all pixels.
-    pub fn error(&self) -> f64 {
-        self.error
-    }
-
-    /// Some weight is not 1.
-    pub fn is_weighted(&self) -> bool {
-        self.weighted
-    }
-
-    /// What is shown at a place (0…1 from the left and from the top, limited to it): what the nearest pixel shows, or, if
-    /// that shows anything and entries are farther apart, what lies between them.
-    pub fn at(&self, across: f64, down: f64) -> Option<TablePixel> {
-        let index = |part: f64, count: u32| ((part * f64::from(count)).max(0.0) as usize).min(count as usize - 1);
-        if self.texels.is_empty() {
-            return None;
-        }
-        let pixel = index(down, self.size.1) * self.size.0 as usize + index(across, self.size.0);
-        if !self.lit[pixel] {
-            return None;
-        }
-        if self.step > 1 {
-            return Some(self.between(across, down));
-        }
-        let [x, y, z, weight] = self.texels[pixel];
-        let local = DVec3::new(f64::from(x), f64::from(y), f64::from(z));
-        let dark = (local.length() - 1.0).max(0.0);
-        Some(TablePixel { direction: self.axes * local, weight: f64::from(weight), dark })
     }
 }
 
@@ -182,6 +83,7 @@ pub(super) fn in_parts<T: Send>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::DVec3;
 
     #[test]
     fn what_is_degenerate_shows_nothing() {

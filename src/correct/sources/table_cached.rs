@@ -1,7 +1,7 @@
 //! Tables as bytes: a ray for each pixel is most of what a start computes where there are tables.
 
 use crate::cache::{Cache, Reader, Writer};
-use crate::correct::sources::table::Table;
+use crate::correct::passes::table::Table;
 use crate::error::Result;
 use crate::rig::Rig;
 use glam::DMat3;
@@ -82,7 +82,7 @@ fn read(from: &mut Reader<'_>, size: (u32, u32)) -> Option<Table> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::correct::sources::table::TablePixel;
+    use crate::correct::passes::table::TablePixel;
     use crate::correct::sources::table_coarse::coarse;
     use crate::formats::{self, Levels, Node, Raster};
     use crate::geom::screen::{self, Faces};

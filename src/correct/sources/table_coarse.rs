@@ -1,9 +1,10 @@
 //! Tables with fewer entries than pixels, between which shaders interpolate.
 
-use crate::correct::shaders::uniforms;
+use crate::correct::passes::table::Table;
+use crate::correct::single;
 use crate::correct::sources::facets::WEIGHT_ERROR;
 use crate::correct::sources::surface_sample::Shown;
-use crate::correct::sources::table::{Table, TablePixel, in_parts};
+use crate::correct::sources::table::in_parts;
 use glam::{DVec2, DVec3};
 use std::sync::Mutex;
 
@@ -49,7 +50,7 @@ impl Table {
             known.iter().flatten().map(|v| DVec3::new(v[0], v[1], v[2]).length()).fold(f64::MIN_POSITIVE, f64::max);
         let texels = known
             .iter()
-            .map(|entry| entry.map_or([0.0; 4], |[x, y, z, w]| uniforms::texel(DVec3::new(x, y, z) / longest, w)))
+            .map(|entry| entry.map_or([0.0; 4], |[x, y, z, w]| single::texel(DVec3::new(x, y, z) / longest, w)))
             .collect();
         Self {
             size,
@@ -122,26 +123,6 @@ impl Table {
             }
         });
         worst.into_inner().ok().flatten()
-    }
-
-    /// Between the four entries around a pixel position: what shaders compute.
-    pub(in crate::correct) fn interpolated(&self, across: f64, down: f64) -> [f64; 4] {
-        let at = |place: f64, entries: u32| {
-            let place = place.max(0.0) / f64::from(self.step);
-            let first = place.floor().min(f64::from(entries) - 2.0);
-            (first as usize, place - first)
-        };
-        let ((column, x), (row, y)) = (at(across, self.entries.0), at(down, self.entries.1));
-        let entry = |column: usize, row: usize| self.texels[row * self.entries.0 as usize + column].map(f64::from);
-        let mix = |a: [f64; 4], b: [f64; 4], part: f64| std::array::from_fn(|i| a[i] * (1.0 - part) + b[i] * part);
-        let row_at = |row: usize| -> [f64; 4] { mix(entry(column, row), entry(column + 1, row), x) };
-        mix(row_at(row), row_at(row + 1), y)
-    }
-
-    /// What shows at a place, parts of width and height, of a table with steps.
-    pub(in crate::correct) fn between(&self, across: f64, down: f64) -> TablePixel {
-        let [x, y, z, weight] = self.interpolated(across * f64::from(self.size.0), down * f64::from(self.size.1));
-        TablePixel { direction: self.axes * DVec3::new(x, y, z), weight, dark: 0.0 }
     }
 }
 

@@ -3,11 +3,13 @@
 use crate::error::{Error, ErrorKind, Result};
 use crate::rig::Rig;
 use crate::views::arranging::choose::frames;
+use crate::views::arranging::cost::PlannerOptions;
 use crate::views::arranging::dedicated::own_view;
 use crate::views::arranging::partition::{Task, diagram};
 use crate::views::arranging::projected;
+use crate::views::sampling::output_map;
 use crate::views::sampling::samples::{COARSE, Samples};
-use crate::views::{Request, check, sights};
+use crate::views::view_plan::Request;
 use glam::{DMat3, DVec3};
 
 /// Cost of cells for the outputs of a rig that share views. Made by [`with_cell_costs`].
@@ -52,8 +54,8 @@ impl CellCosts<'_> {
 /// can share views.
 pub fn with_cell_costs<R>(rig: &Rig, request: &Request, search: impl FnOnce(&CellCosts) -> R) -> Result<R> {
     let rig = &*rig.upright();
-    check(rig.outputs.len(), rig.passthrough, request)?;
-    let sights = sights(rig, rig.outputs.len(), request)?;
+    request.check(rig.outputs.len(), rig.passthrough)?;
+    let sights = output_map::all(rig, rig.outputs.len(), request)?;
     let shares = |index: usize| {
         projected::view(rig, index, sights[index].size).is_none()
             && own_view(&rig.outputs[index].kind, index, &sights[index], rig.views.method).is_none()
@@ -68,6 +70,6 @@ pub fn with_cell_costs<R>(rig: &Rig, request: &Request, search: impl FnOnce(&Cel
     }
     let (indices, samples): (Vec<usize>, Vec<&Samples>) =
         shared.iter().map(|(index, samples)| (*index, samples)).unzip();
-    let task = Task::new(rig, &samples, &samples);
+    let task = Task::new(&PlannerOptions::of(rig), &samples, &samples);
     Ok(search(&CellCosts { task, frames: frames(rig, &indices, &samples) }))
 }

@@ -1,14 +1,14 @@
 //! Which outputs get a view of their own, and which share a cube.
 
 use crate::error::{Error, ErrorKind, Result};
-use crate::geom::{PictureMap, pose};
+use crate::geom::pose;
 use crate::rig::{OutputKind, Rig, ViewMethod};
-use crate::views::arranging::cost::beside_texels;
+use crate::views::arranging::cost::PlannerOptions;
 use crate::views::arranging::dedicated::{Seen, alone_within};
 use crate::views::arranging::partition::{Partition, Task, WideCell, diagram};
-use crate::views::fitting::axes::{Aimed, facing};
-use crate::views::fitting::fit::{Fit, mean_direction};
-use crate::views::sampling::output_map::{Sight, lens_rotation};
+use crate::views::arranging::planned_view::{Arrangement, Wanted};
+use crate::views::fitting::axes::facing;
+use crate::views::sampling::output_map::{Sight, lens_rotation, mean_direction};
 use crate::views::sampling::samples::Samples;
 use glam::{DMat3, DVec3};
 
@@ -19,51 +19,9 @@ use glam::{DMat3, DVec3};
 /// alone what is merely oblique: a 90° × 60° lens at 0.9 radii needs 7.
 const MOST_TEXELS_PER_PIXEL: f64 = 64.0;
 
-/// A view before it has a place and its final size.
-#[derive(Clone, Debug)]
-pub(crate) struct Wanted {
-    /// Name for people.
-    pub name: String,
-    /// Viewer axes → view axes.
-    pub rotation: DMat3,
-    /// The sampled part and the resolution it needs.
-    pub fit: Fit,
-    /// The sampled part is exactly so many pixels, one texel each at quality 1.
-    pub exact: Option<(u32, u32)>,
-    /// Drawn with the program's own projection.
-    pub program_lens: bool,
-    /// Vertices are projected straight to the output's pixels.
-    pub curved: Option<PictureMap>,
-    /// How far to the right of the viewer's position it is seen from, metres.
-    pub eye: f64,
-    /// The outputs that sample it.
-    pub outputs: Vec<usize>,
-}
-
-/// The views of a rig, and remarks for people.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Arrangement {
-    /// In order of precedence.
-    pub views: Vec<Wanted>,
-    /// What was left out, and why.
-    pub notes: Vec<String>,
-}
-
-impl Arrangement {
-    /// In texels.
-    fn cost(&self, rig: &Rig) -> f64 {
-        cost(rig, &self.views)
-    }
-}
-
-/// What views cost together, in texels.
-pub(crate) fn cost(rig: &Rig, views: &[Wanted]) -> f64 {
-    views.iter().map(|view| view.fit.texels() + beside_texels(rig)).sum()
-}
-
 /// Chooses the views for outputs of the given sizes.
 pub(crate) fn arrange(rig: &Rig, sights: &[Sight]) -> Result<Arrangement> {
-    let quality = rig.views.quality;
+    let options = PlannerOptions::of(rig);
     let mut notes = Vec::new();
     let mut seen = Vec::new();
     for (index, (output, sight)) in rig.outputs.iter().zip(sights).enumerate() {
@@ -73,7 +31,7 @@ pub(crate) fn arrange(rig: &Rig, sights: &[Sight]) -> Result<Arrangement> {
             notes.push(format!("output {} has no views: it lies outside of the window", output.name));
         } else if this.fine.is_empty() {
             notes.push(format!("output {} shows nothing: no ray of it meets the dome's screen", output.name));
-        } else if single && this.own(rig, index).is_empty() {
+        } else if single && this.own(&options).is_empty() {
             return Err(no_single_view(&output.name, &this.fine));
         }
         seen.push(this);
@@ -97,13 +55,14 @@ pub(crate) fn arrange(rig: &Rig, sights: &[Sight]) -> Result<Arrangement> {
         arrangement.notes.append(&mut of_eye.notes);
     }
     notes.append(&mut arrangement.notes);
-    notes.extend(arrangement.views.iter_mut().filter_map(|view| limit(view, sights, quality)));
+    notes.extend(arrangement.views.iter_mut().filter_map(|view| limit(view, sights, options.quality)));
     arrangement.notes = notes;
     Ok(arrangement)
 }
 
 /// The cheapest arrangement for the outputs of one eye.
 fn best(rig: &Rig, seen: &[Seen], sights: &[Sight], eye: f64) -> Result<Arrangement> {
+    let options = PlannerOptions::of(rig);
     let of_eye = |index: usize| rig.outputs[index].eye == eye;
     // Always alone: what needs no resampling then, or is drawn with the program's own lens.
     let alone = |index: usize| seen[index].is_exact();
@@ -129,11 +88,11 @@ fn best(rig: &Rig, seen: &[Seen], sights: &[Sight], eye: f64) -> Result<Arrangem
         let wanted: Vec<bool> = (0..seen.len()).map(|index| of_eye(index) && way(index)).collect();
         let most = cheapest.as_ref().filter(|((without, _), _)| *without == 0);
         let most = most.map_or(f64::INFINITY, |((_, cost), _)| *cost);
-        let Some(own) = alone_within(rig, seen, &wanted, most) else { continue };
+        let Some(own) = alone_within(&options, seen, &wanted, most) else { continue };
         if !tried.contains(&own) {
             match mixed(rig, seen, of_eye, |index| own[index]) {
                 Ok(arrangement) => {
-                    let cost = (without(&arrangement).len(), arrangement.cost(rig));
+                    let cost = (without(&arrangement).len(), arrangement.cost(&options));
                     if cheapest.as_ref().is_none_or(|(other, _)| cost <= *other) {
                         cheapest = Some((cost, arrangement));
                     }
@@ -152,21 +111,6 @@ fn best(rig: &Rig, seen: &[Seen], sights: &[Sight], eye: f64) -> Result<Arrangem
     Ok(arrangement)
 }
 
-impl From<Aimed> for Wanted {
-    fn from(aimed: Aimed) -> Self {
-        Self {
-            name: String::new(),
-            rotation: aimed.rotation,
-            fit: aimed.fit,
-            exact: None,
-            program_lens: false,
-            curved: None,
-            eye: 0.0,
-            outputs: Vec::new(),
-        }
-    }
-}
-
 /// Of the outputs that `chosen` names: views of their own for those that `alone` names, which have some; shared cells for
 /// the others.
 fn mixed(
@@ -175,11 +119,12 @@ fn mixed(
     chosen: impl Fn(usize) -> bool,
     alone: impl Fn(usize) -> bool,
 ) -> Result<Arrangement> {
+    let options = PlannerOptions::of(rig);
     let mut arrangement = Arrangement::default();
     let mut sharing = Vec::new();
     for (index, this) in seen.iter().enumerate().filter(|(index, _)| chosen(*index)) {
         if alone(index) {
-            arrangement.views.extend(this.own(rig, index).iter().cloned());
+            arrangement.views.extend(this.own(&options).iter().cloned());
         } else if !this.fine.is_empty() {
             sharing.push(index);
         }
@@ -188,7 +133,7 @@ fn mixed(
     if !sharing.is_empty() {
         let coarse: Vec<&Samples> = sharing.iter().map(|&index| &seen[index].coarse).collect();
         let fine: Vec<&Samples> = sharing.iter().map(|&index| &seen[index].fine).collect();
-        let task = Task::new(rig, &coarse, &fine);
+        let task = Task::new(&options, &coarse, &fine);
         let partition = if rig.views.cells.is_empty() {
             task.best(&frames(rig, &sharing, &coarse)).ok_or_else(|| without_view(rig, &sharing))?
         } else {
@@ -336,17 +281,18 @@ mod tests {
     /// The cheapest of all ways, each planned as a whole, the first of equals.
     fn exhaustive(rig: &Rig, seen: &[Seen], sights: &[Sight]) -> Arrangement {
         let ways: [&dyn Fn(usize) -> bool; 3] = [&|_| true, &|index| !sights[index].is_circular(), &|_| false];
-        let own = |index: usize| !seen[index].own(rig, index).is_empty();
+        let options = PlannerOptions::of(rig);
+        let own = |index: usize| !seen[index].own(&options).is_empty();
         let planned = |way: &&dyn Fn(usize) -> bool| mixed(rig, seen, |_| true, |i| way(i) && own(i)).expect("a plan");
         let arrangements: Vec<Arrangement> = ways.iter().map(planned).collect();
-        arrangements.into_iter().min_by(|a, b| a.cost(rig).total_cmp(&b.cost(rig))).expect("three")
+        arrangements.into_iter().min_by(|a, b| a.cost(&options).total_cmp(&b.cost(&options))).expect("three")
     }
 
     #[test]
     fn what_is_not_planned_would_have_cost_more() {
         let mut random = Random::new(11);
         let (mut shared, mut unplanned) = (0, 0);
-        for round in 0..24 {
+        for round in 0u32..24 {
             let count = 1 + round % 5;
             let mut outputs: Vec<_> = (0..count)
                 .map(|index| {

@@ -1,7 +1,7 @@
 //! What a view costs beside its texels, in texels: submitting the program's draws once more.
 
-use crate::rig::{Favour, Rig};
-use crate::views::ViewPlan;
+use crate::rig::{Favour, Rig, ViewMethod};
+use crate::views::view_plan::ViewPlan;
 
 /// A thousand draws at 1–2 µs are 1–2 ms. In that time a graphics card shades 5–10 million texels
 /// with an overdraw of 2, and a software rasteriser about 0.3 million: 2²⁰ lies between.
@@ -10,18 +10,45 @@ const TEXELS_PER_VIEW: f64 = 1_048_576.0;
 /// The draws of a frame that this is for.
 const USUAL_DRAWS: f64 = 1024.0;
 
-/// Of a view; for a rig that favours one or the other 16 times as much, or as little.
-pub(crate) fn beside_texels(rig: &Rig) -> f64 {
-    match rig.views.favour {
-        Favour::Balanced => TEXELS_PER_VIEW,
-        Favour::Processor => 16.0 * TEXELS_PER_VIEW,
-        Favour::Graphics => TEXELS_PER_VIEW / 16.0,
-        Favour::Draws(draws) => TEXELS_PER_VIEW / USUAL_DRAWS * f64::from(draws),
+/// The keys of `[views]` that the steps of the planner read.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct PlannerOptions {
+    /// Texels per pixel.
+    pub quality: f64,
+    /// Families of views that are allowed.
+    pub method: ViewMethod,
+    /// Which resource is scarce.
+    pub favour: Favour,
+    /// The rig gives the cells of the shared views.
+    pub given_cells: bool,
+}
+
+impl PlannerOptions {
+    /// Returns the options of a rig.
+    pub fn of(rig: &Rig) -> Self {
+        let views = &rig.views;
+        Self {
+            quality: views.quality,
+            method: views.method,
+            favour: views.favour,
+            given_cells: !views.cells.is_empty(),
+        }
+    }
+
+    /// Cost of a view beside its texels, in texels; 16 times as much, or as little, for a rig that favours one resource.
+    pub fn texels_per_draw_set(&self) -> f64 {
+        match self.favour {
+            Favour::Balanced => TEXELS_PER_VIEW,
+            Favour::Processor => 16.0 * TEXELS_PER_VIEW,
+            Favour::Graphics => TEXELS_PER_VIEW / 16.0,
+            Favour::Draws(draws) => TEXELS_PER_VIEW / USUAL_DRAWS * f64::from(draws),
+        }
     }
 }
 
 /// What a plan for `rig` costs in a frame, in texels: its views' own, and for each view what submitting the program's draws
 /// once more costs.
 pub fn cost(plan: &ViewPlan, rig: &Rig) -> f64 {
-    plan.views.iter().map(|view| view.tile.area() as f64 + beside_texels(rig)).sum()
+    let beside = PlannerOptions::of(rig).texels_per_draw_set();
+    plan.views.iter().map(|view| view.tile.area() as f64 + beside).sum()
 }

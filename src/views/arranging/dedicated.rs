@@ -2,13 +2,13 @@
 
 use crate::geom::pose;
 use crate::rig::{OutputKind, Rig, ViewMethod};
-use crate::views::arranging::choose::{Wanted, cost};
-use crate::views::arranging::cost::beside_texels;
+use crate::views::arranging::cost::PlannerOptions;
 use crate::views::arranging::partition::Task;
+use crate::views::arranging::planned_view::{Wanted, cost};
 use crate::views::arranging::projected;
 use crate::views::fitting::axes;
-use crate::views::fitting::fit::{Fit, Patch, mean_direction};
-use crate::views::sampling::output_map::{Sight, UNIT_FRUSTUM};
+use crate::views::fitting::fit::{Fit, Patch};
+use crate::views::sampling::output_map::{Sight, UNIT_FRUSTUM, mean_direction};
 use crate::views::sampling::samples::{COARSE, FINE, Samples};
 use glam::{DMat3, DVec2, DVec3};
 use std::cell::OnceCell;
@@ -24,6 +24,8 @@ pub(crate) struct Seen {
     given: Option<Wanted>,
     /// The tight view, or the two, that it can have to itself, once somebody asks; empty where that is not possible.
     tight: OnceCell<Vec<Wanted>>,
+    /// The output's index and name.
+    output: (usize, String),
 }
 
 impl Seen {
@@ -36,20 +38,20 @@ impl Seen {
         };
         let given = (!fine.is_empty()).then(given).flatten();
         let given = given.map(|view| Wanted { name: output.name.clone(), outputs: vec![index], ..view });
-        Self { coarse, fine, given, tight: OnceCell::new() }
+        Self { coarse, fine, given, tight: OnceCell::new(), output: (index, output.name.clone()) }
     }
 
-    /// The views that it can have to itself; of output number `index`, named after it.
-    pub fn own(&self, rig: &Rig, index: usize) -> &[Wanted] {
+    /// The views that it can have to itself, named after it.
+    pub fn own(&self, options: &PlannerOptions) -> &[Wanted] {
         match &self.given {
             Some(given) => std::slice::from_ref(given),
-            None if self.fine.is_empty() || rig.views.method == ViewMethod::Cube || !rig.views.cells.is_empty() => &[],
+            None if self.fine.is_empty() || options.method == ViewMethod::Cube || options.given_cells => &[],
             None => self.tight.get_or_init(|| {
-                let mut views = tight_views(rig, self);
-                let (name, several) = (&rig.outputs[index].name, views.len() > 1);
+                let mut views = tight_views(options, self);
+                let ((index, name), several) = (&self.output, views.len() > 1);
                 for (number, view) in (1..).zip(&mut views) {
                     view.name = if several { format!("{name}-{number}") } else { name.clone() };
-                    view.outputs = vec![index];
+                    view.outputs = vec![*index];
                 }
                 views
             }),
@@ -75,7 +77,7 @@ impl Seen {
 
 /// Which of the outputs that are `wanted` alone can have views of their own; `None` where those are found to cost more than
 /// `most` texels together. Views are costly to plan: no more are than needed to tell.
-pub(crate) fn alone_within(rig: &Rig, seen: &[Seen], wanted: &[bool], most: f64) -> Option<Vec<bool>> {
+pub(crate) fn alone_within(options: &PlannerOptions, seen: &[Seen], wanted: &[bool], most: f64) -> Option<Vec<bool>> {
     // Outputs that show the same share a view.
     let mut middles: Vec<DVec3> = Vec::new();
     let mut counted = Vec::new();
@@ -84,16 +86,16 @@ pub(crate) fn alone_within(rig: &Rig, seen: &[Seen], wanted: &[bool], most: f64)
         counted.push(*wanted && this.has_narrow_picture(middle) && !middles.contains(&middle));
         middles.push(middle);
     }
-    let mut least = counted.iter().filter(|counted| **counted).count() as f64 * beside_texels(rig);
+    let mut least = counted.iter().filter(|counted| **counted).count() as f64 * options.texels_per_draw_set();
     let mut own = vec![false; seen.len()];
     for (index, this) in seen.iter().enumerate().filter(|(index, _)| wanted[*index]) {
         if least > most {
             return None;
         }
-        let views = this.own(rig, index);
+        let views = this.own(options);
         own[index] = !views.is_empty();
         if counted[index] {
-            least += cost(rig, views) - beside_texels(rig);
+            least += cost(options, views) - options.texels_per_draw_set();
         }
     }
     Some(own)
@@ -126,23 +128,23 @@ pub(crate) fn own_view(kind: &OutputKind, index: usize, sight: &Sight, method: V
 
 /// The tight view of an output, or two of them where that is cheaper: one shows a wide picture at the sharpness that its
 /// far end needs, and halves need less. With `method = "single"` it is one.
-fn tight_views(rig: &Rig, seen: &Seen) -> Vec<Wanted> {
-    let quality = rig.views.quality;
+fn tight_views(options: &PlannerOptions, seen: &Seen) -> Vec<Wanted> {
+    let quality = options.quality;
     let samples = Patch::of(&seen.coarse);
     let single = axes::tightest(&samples, &Patch::of(&seen.fine), quality);
     let middle = samples.middle();
     let least = seen.coarse.iter().map(|sample| sample.direction.dot(middle)).fold(1.0, f64::min);
     let one: Vec<Wanted> = single.map(Wanted::from).into_iter().collect();
     // Two views cost at least what submitting the draws twice does.
-    let cheap = !one.is_empty() && cost(rig, &one) <= 2.0 * beside_texels(rig);
-    if rig.views.method == ViewMethod::Single || least > NARROW || cheap {
+    let cheap = !one.is_empty() && cost(options, &one) <= 2.0 * options.texels_per_draw_set();
+    if options.method == ViewMethod::Single || least > NARROW || cheap {
         return one;
     }
     let (coarse, fine) = ([&seen.coarse], [&seen.fine]);
-    let task = Task::new(rig, &coarse, &fine);
+    let task = Task::new(options, &coarse, &fine);
     let two: Vec<Wanted> = task
         .halves(middle)
         .map(|partition| partition.parts.into_iter().map(|part| Wanted::from(part.aimed)).collect())
         .unwrap_or_default();
-    if one.is_empty() || !two.is_empty() && cost(rig, &two) < cost(rig, &one) { two } else { one }
+    if one.is_empty() || !two.is_empty() && cost(options, &two) < cost(options, &one) { two } else { one }
 }

@@ -6,4 +6,5 @@ pub mod choose;
 pub mod cost;
 pub mod dedicated;
 pub mod partition;
+pub mod planned_view;
 pub mod projected;

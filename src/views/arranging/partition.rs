@@ -4,12 +4,11 @@
 //! wider than 90°, or any others that planes through the viewer bound ([`diagram`]). A cell that is sampled only in part gets axes of its own: the view that shows a half
 //! face is tighter when it is tilted towards that half, and a triangle needs another roll than a square.
 
-use crate::rig::{Favour, Rig};
-use crate::views::arranging::cost::beside_texels;
+use crate::rig::Favour;
+use crate::views::arranging::cost::PlannerOptions;
 use crate::views::fitting::axes::{Aimed, facing, refined, texels};
 use crate::views::fitting::density::golden_section;
-use crate::views::fitting::fit::{Patch, fit};
-use crate::views::placing::layout::MARGIN;
+use crate::views::fitting::fit::{MARGIN, Patch, fit};
 use crate::views::sampling::cone::Cone;
 use crate::views::sampling::output_map::Sample;
 use crate::views::sampling::samples::Samples;
@@ -133,15 +132,15 @@ fn turns(frames: &[DMat3]) -> Vec<DMat3> {
 }
 
 impl<'a> Task<'a> {
-    /// The task for the outputs of `rig` with these samples, at least one of them.
-    pub fn new(rig: &Rig, coarse: &'a [&'a Samples], fine: &'a [&'a Samples]) -> Self {
+    /// The task for outputs with these samples, at least one of them.
+    pub fn new(options: &PlannerOptions, coarse: &'a [&'a Samples], fine: &'a [&'a Samples]) -> Self {
         Self {
             coarse,
             fine,
-            quality: rig.views.quality,
+            quality: options.quality,
             pixel: finest_pixel(coarse),
-            beside: beside_texels(rig),
-            any_height: rig.views.favour == Favour::Processor,
+            beside: options.texels_per_draw_set(),
+            any_height: options.favour == Favour::Processor,
         }
     }
 

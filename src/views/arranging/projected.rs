@@ -2,7 +2,7 @@
 
 use crate::geom::{PictureLens, PictureMap, pose};
 use crate::rig::{Output, OutputKind, Rig};
-use crate::views::arranging::choose::Wanted;
+use crate::views::arranging::planned_view::Wanted;
 use crate::views::fitting::fit::Fit;
 use crate::views::sampling::output_map::{UNIT_FRUSTUM, lens_rotation, viewer_rotation};
 use glam::{DMat3, DVec2, DVec3};

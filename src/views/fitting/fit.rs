@@ -10,7 +10,7 @@
 use crate::geom::Frustum;
 use crate::views::fitting::density::{Metrics, density, least_squared_up};
 use crate::views::fitting::lanes::{LANES, Lanes};
-use crate::views::sampling::output_map::Sample;
+use crate::views::sampling::output_map::{Sample, mean_direction};
 use crate::views::sampling::samples::Samples;
 use glam::{DMat3, DVec2, DVec3};
 
@@ -20,6 +20,10 @@ const RESERVE: f64 = 1.0001;
 
 /// Directions with a smaller cosine from the axis (83°) are not drawn in perspective: the tangent is above 8.
 pub(crate) const LEAST_COSINE: f64 = 0.12;
+
+/// Texels by which the sampled part is widened to each side, so that a direction on the border of
+/// two views belongs to at least one of them in 32-bit arithmetic too.
+pub(crate) const MARGIN: f64 = 0.21875;
 
 /// What a view with given axes needs.
 #[derive(Clone, Copy, Debug)]
@@ -187,9 +191,4 @@ impl Axes {
 #[inline(always)]
 fn dot(a: &[Lanes; 3], b: &[Lanes; 3]) -> Lanes {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-/// The mean direction, or straight ahead where there is none.
-pub(crate) fn mean_direction<'a>(samples: impl Iterator<Item = &'a Sample>) -> DVec3 {
-    samples.map(|sample| sample.direction).sum::<DVec3>().normalize_or(DVec3::NEG_Z)
 }

@@ -1,6 +1,6 @@
 //! Packing tiles into the atlas.
 
-use crate::views::Tile;
+use crate::views::view_plan::Tile;
 
 /// Where rectangles of the given sizes go, and the width and height that hold them all. The first
 /// lies at the origin. At least `gutter` texels stay free between any two.

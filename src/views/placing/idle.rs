@@ -4,9 +4,9 @@
 //! less than a pixel, no pixel's centre may lie in it; and where views overlap, an earlier one may
 //! answer for everything that a later one shows. Such a view would be drawn for nothing.
 
-use crate::views::ViewPlan;
 use crate::views::sampling::cone::{Cone, Relation, WIDEST, diameter};
 use crate::views::sampling::output_map::Sight;
+use crate::views::view_plan::ViewPlan;
 use glam::{DVec2, DVec3};
 
 /// A view that is not idle mostly shows in some of so many pixels of an output, across and down.

@@ -3,9 +3,10 @@
 use crate::error::{Error, ErrorKind, Result};
 use crate::geom::{Frustum, pose};
 use crate::rig::{Filter, Rig};
-use crate::views::arranging::choose::Wanted;
+use crate::views::arranging::planned_view::Wanted;
+use crate::views::fitting::fit::MARGIN;
 use crate::views::placing::atlas;
-use crate::views::{Request, Tile, View, ViewPlan};
+use crate::views::view_plan::{Request, Tile, View, ViewPlan};
 
 /// Texels around the sampled part of a tile.
 ///
@@ -15,10 +16,6 @@ use crate::views::{Request, Tile, View, ViewPlan};
 fn guard(filter: Filter) -> f64 {
     if filter.is_cubic() { 1.65625 } else { 0.65625 }
 }
-
-/// Texels by which the sampled part is widened to each side, so that a direction on the border of
-/// two views belongs to at least one of them in 32-bit arithmetic too.
-pub(crate) const MARGIN: f64 = 0.21875;
 
 /// By how much it is widened at least, as a tangent: some four times what rounding to 32 bits moves a direction. More than the margin
 /// only where texels are narrower than two millionths.

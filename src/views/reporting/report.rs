@@ -3,7 +3,7 @@
 use crate::rig::Rig;
 use crate::views::sampling::cone::Cone;
 use crate::views::sampling::output_map::Sight;
-use crate::views::{Tile, ViewPlan};
+use crate::views::view_plan::{Tile, ViewPlan};
 use glam::DVec2;
 use serde::Serialize;
 use std::fmt;

@@ -5,7 +5,7 @@ use crate::rig::Rig;
 use crate::views::fitting::fit::sharpness;
 use crate::views::sampling::cone::Cone;
 use crate::views::sampling::output_map::Sight;
-use crate::views::{View, ViewPlan};
+use crate::views::view_plan::{View, ViewPlan};
 use glam::{DVec2, DVec3};
 
 /// A pixel of an output and what shows it.

@@ -6,7 +6,7 @@
 //! inside (or all beyond one side) lies inside (beyond) entirely.
 
 use crate::geom::Frustum;
-use crate::views::View;
+use crate::views::view_plan::View;
 use glam::{DMat3, DVec3};
 
 /// Patches wider than this (radians) are not judged by their corners.

@@ -6,6 +6,7 @@
 use crate::error::{Error, ErrorKind, Result};
 use crate::geom::{Fisheye, Frustum, Pose, Sphere, pose};
 use crate::rig::{Output, OutputKind, Resolution, Rig};
+use crate::views::view_plan::Request;
 use crate::warp::WarpMap;
 use glam::{DMat3, DVec2, DVec3};
 
@@ -17,6 +18,11 @@ pub(crate) struct Sample {
     /// `J·Jᵀ`, where J holds the change of the direction over one pixel to the right and over one
     /// pixel down: the shape of a pixel's disc on the sphere of directions, in squared radians.
     pub spread: DMat3,
+}
+
+/// The mean direction, or straight ahead where there is none.
+pub(crate) fn mean_direction<'a>(samples: impl Iterator<Item = &'a Sample>) -> DVec3 {
+    samples.map(|sample| sample.direction).sum::<DVec3>().normalize_or(DVec3::NEG_Z)
 }
 
 /// The map of one output.
@@ -80,6 +86,12 @@ pub(crate) fn perspective_rays(angles: [f64; 3], frustum: Option<&Frustum>) -> D
         Some(frustum) => pose::rotation(angles[0], angles[1], angles[2]) * frustum.rays(),
         None => UNIT_FRUSTUM.rays(),
     }
+}
+
+/// The maps of the first `outputs` outputs.
+pub(in crate::views) fn all(rig: &Rig, outputs: usize, request: &Request) -> Result<Vec<Sight>> {
+    let sizes = request.output_sizes.iter().take(outputs).enumerate();
+    sizes.map(|(index, &size)| Sight::new(rig, index, size)).collect()
 }
 
 impl Sight {

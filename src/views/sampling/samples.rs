@@ -3,8 +3,7 @@
 //! Lines rather than points: where a line crosses the side of a view it can be cut exactly there,
 //! so that the openings and resolutions of cropped views do not depend on where samples happen to lie.
 
-use crate::views::fitting::fit::mean_direction;
-use crate::views::sampling::output_map::{Sample, Sight};
+use crate::views::sampling::output_map::{Sample, Sight, mean_direction};
 use glam::{DMat3, DVec2, DVec3};
 
 /// How finely an output is sampled.

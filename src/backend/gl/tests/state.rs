@@ -218,8 +218,7 @@ fn odd_state_spoils_nothing_and_is_put_back() {
         let context = headless(api);
         let gl = &context.gl;
         let mut plan = fisheye_plan((128, 96), 3.0, DVec3::ZERO);
-        plan.passes[0].mask =
-            Some(crate::correct::plan::builder::Mask { width: 3, height: 1, weights: vec![65_535; 3] });
+        plan.passes[0].mask = Some(crate::correct::Mask { width: 3, height: 1, weights: vec![65_535; 3] });
         let atlas = Picture::new(plan.views.atlas, |x, y| [(x * 5) as u8, (y * 3) as u8, 99, 255]);
         let texture = atlas.texture(gl, GL_RGBA8);
         let show = || {

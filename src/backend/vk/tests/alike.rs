@@ -5,7 +5,7 @@ use crate::backend::gl::headless::{Api, Headless};
 use crate::backend::tests::Driver;
 use crate::backend::tests::picture::Picture;
 use crate::backend::tests::present::waves;
-use crate::correct::plan::builder::build;
+use crate::correct::build;
 use crate::rig;
 use crate::views::Request;
 

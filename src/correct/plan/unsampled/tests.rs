@@ -1,7 +1,7 @@
 //! Hidden areas against every pixel of random rigs.
 
 use super::*;
-use crate::correct::build;
+use crate::correct::plan::builder::build;
 use crate::testing::random::Random;
 use crate::views::tests::{fisheye, random_rig, request, rig};
 use crate::warp::exact_direction;

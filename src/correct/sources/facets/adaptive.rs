@@ -3,8 +3,9 @@
 //! All sides are rows or columns of pixels. So a corner in the middle of a neighbour's side lies exactly on it, rounded or
 //! not, and no gap opens between triangles of different size.
 
-use crate::correct::plan::builder::PixelRect;
-use crate::correct::sources::facets::{Facets, WEIGHT_ERROR};
+use crate::correct::passes::facets::Facets;
+use crate::correct::passes::rectangle::PixelRect;
+use crate::correct::sources::facets::WEIGHT_ERROR;
 use crate::correct::sources::surface_sample::{Shown, Sight};
 use glam::DVec2;
 use std::collections::HashMap;

@@ -7,7 +7,7 @@
 //! on the dome and is exact. Between corners the error is about 0.4 times the square of a cell's angle, seen from the centre.
 
 use crate::blend::Border;
-use crate::correct::sources::facets::Facets;
+use crate::correct::passes::facets::Facets;
 use crate::correct::sources::facets::clip::HalfSpace;
 use crate::correct::sources::surface_sample::{Shown, Sight};
 use crate::geom::cube::Face;

@@ -1,6 +1,8 @@
 //! The pixels that show something, as rectangles: what has no test for rims in its shader is drawn only there.
 
-use crate::correct::plan::builder::{Batch, PixelRect, Source};
+use crate::correct::passes::output_pass::Batch;
+use crate::correct::passes::rectangle::PixelRect;
+use crate::correct::passes::source::Source;
 
 /// The batch without the pixels that show nothing.
 pub(in crate::correct) fn only_lit(batch: Batch, source: &Source, size: (u32, u32)) -> Batch {

@@ -1,9 +1,20 @@
-//! Weight images from files.
+//! Weight images: reading, and which pixels they leave black or white.
 
-use crate::correct::plan::builder::{Mask, PixelRect};
+use crate::correct::passes::rectangle::PixelRect;
 use crate::error::{Error, ErrorKind, Result};
 use crate::rig::Flip;
 use std::path::Path;
+
+/// A weight image.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mask {
+    /// Width in pixels.
+    pub width: u32,
+    /// Height in pixels.
+    pub height: u32,
+    /// Weights, 16 bit, row by row from the top.
+    pub weights: Vec<u16>,
+}
 
 /// Reads a weight image: a PNG of 8 or 16 bits, grey or colour (its luma counts; transparency does not).
 ///

@@ -1,6 +1,6 @@
 //! How the pictures of the views lie in memory.
 
-use crate::correct::plan::builder::Plan;
+use crate::correct::passes::output_pass::Plan;
 use crate::views::{Tile, ViewPlan};
 
 /// How the pictures of the views lie in memory.

@@ -1,6 +1,6 @@
 //! Fisheye projectors, and pinholes before a mirror, whose map has a formula.
 
-use crate::correct::sources::rounding::{ANGLE, OWN_PIXELS, PIXELS, REFERENCE};
+use crate::correct::passes::tolerance::{ANGLE, OWN_PIXELS, PIXELS, REFERENCE};
 use crate::geom::fisheye::RadialForm;
 use crate::geom::screen::Bounds;
 use crate::geom::{Lens, Quadric, Sphere};
@@ -216,7 +216,8 @@ impl OpticsSource {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::correct::plan::builder::{Source, build};
+    use crate::correct::passes::source::Source;
+    use crate::correct::plan::builder::build;
     use crate::rig;
     use crate::views::Request;
     use crate::warp::WarpMap;

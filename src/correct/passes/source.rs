@@ -1,0 +1,150 @@
+//! How a pixel of an output becomes a direction: the coefficients, and their evaluation in f64.
+
+use crate::blend::Border;
+use crate::correct::passes::optics::OpticsSource;
+use crate::correct::passes::table::Table;
+use crate::geom::pencil::RimForms;
+use crate::geom::screen::Bounds;
+use crate::geom::{Fisheye, Panorama, Pencil, QuadraticForm};
+use glam::{DMat3, DVec2, DVec3};
+use std::sync::Arc;
+
+/// How a pixel of an output becomes a direction. `(x, y)` are the pixel's normalised
+/// coordinates: −1…1 from left to right and from bottom to top, at pixel centres, scaled so for
+/// [`Source::Fisheye`] that the inscribed circle is the unit circle.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Source {
+    /// `v = rotation·(q·S(|q|²), −C(|q|²)) + offset` with `q = (x, y)·aperture/2`, in viewer axes (metres per dome radius).
+    Fisheye {
+        /// Whole opening angle, radians.
+        aperture: f64,
+        /// Lens axes → viewer axes.
+        rotation: DMat3,
+        /// Minus the viewer's position over the dome's radius, in viewer axes.
+        offset: DVec3,
+    },
+    /// Viewer direction by the closed form, in viewer axes.
+    Projector(Box<ProjectorSource>),
+    /// `v = matrix·(x, y, 1)`, in viewer axes.
+    Perspective {
+        /// Homogeneous pixel → direction.
+        matrix: DMat3,
+    },
+    /// `v = rotation·u + offset`, in viewer axes (metres per dome radius), with u the panorama's unit direction. `(x, y)`
+    /// are scaled as for [`Source::Fisheye`] if the panorama is a circle.
+    Panorama {
+        /// How the picture shows directions.
+        panorama: Panorama,
+        /// Picture axes → viewer axes.
+        rotation: DMat3,
+        /// As for [`Source::Fisheye`].
+        offset: DVec3,
+    },
+    /// Viewer direction by following the ray through a lens, and perhaps by way of a mirror.
+    Optics(Box<OpticsSource>),
+    /// Viewer direction and weight of each pixel, computed beforehand. The weight has everything in it but
+    /// the mask: a pass with a table has no ramps and no neighbours of its own.
+    Table(Arc<Table>),
+}
+
+/// The forms of a projector.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ProjectorSource {
+    /// Its rays and what they light, in the axes of the surface.
+    pub pencil: Pencil,
+    /// Viewer direction, viewer axes.
+    pub direction: QuadraticForm,
+    /// The part of the surface that is screen.
+    pub bounds: Bounds,
+    /// Whether a pixel's point is there; `None` = the whole surface is screen.
+    pub rim: Option<RimForms>,
+    /// From the dome's centre to the point, times a positive factor, dome axes turned so that the pole is +y and the front −z; for ramps in dome angles.
+    pub dome_direction: QuadraticForm,
+    /// For every projector that can overlap this one: its homogeneous picture coordinates (`x/z`, `y/z` in −1…1, `z > 0` in front) of this pixel's hit, and its ramp.
+    pub neighbours: Vec<Neighbour>,
+    /// This projector's own claim on points.
+    pub border: Border,
+    /// How the forms are computed.
+    pub way: Way,
+}
+
+impl ProjectorSource {
+    /// Viewer direction at normalised coordinates, any length; `None` where the ray does not end on the screen.
+    pub fn direction(&self, x: f64, y: f64) -> Option<DVec3> {
+        let direction = self.pencil.evaluate(&self.direction, x, y)?;
+        self.rim.as_ref().is_none_or(|rim| rim.allow(&self.pencil, x, y)).then_some(direction)
+    }
+}
+
+/// Another projector, as seen from a pixel's hit on the screen.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Neighbour {
+    /// Index of the output.
+    pub output: usize,
+    /// Its homogeneous picture coordinates.
+    pub picture: QuadraticForm,
+    /// Its claim on points.
+    pub border: Border,
+}
+
+/// How the forms of a projector are computed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Way {
+    /// As they are.
+    Forms,
+    /// `linear`: before a plane.
+    Linear,
+    /// `offset·√D + linear'`: the fewest operations before a quadric.
+    Root,
+    /// `offset/t + linear`.
+    Distance,
+}
+
+impl Source {
+    /// The axes in which it computes directions → viewer axes: a rotation.
+    pub(in crate::correct) fn axes(&self) -> DMat3 {
+        match self {
+            Self::Fisheye { rotation, .. } | Self::Panorama { rotation, .. } => *rotation,
+            Self::Table(table) => table.axes(),
+            Self::Projector(_) | Self::Optics(_) | Self::Perspective { .. } => DMat3::IDENTITY,
+        }
+    }
+
+    /// The direction from the viewer at normalised coordinates, viewer axes, any length; `None`
+    /// where the output shows nothing: what the shaders compute, in f64 (of a table of all pixels, what the nearest one shows).
+    pub fn direction(&self, x: f64, y: f64) -> Option<DVec3> {
+        match self {
+            Self::Fisheye { aperture, rotation, offset } => {
+                Fisheye { aperture: *aperture }.direction(x, y).map(|lens| *rotation * lens + *offset)
+            }
+            Self::Projector(projector) => projector.direction(x, y),
+            Self::Optics(optics) => optics.direction(x, y),
+            Self::Panorama { panorama, rotation, offset } => {
+                let direction = match panorama {
+                    Panorama::Fisheye(lens) => lens.direction(DVec2::new(x, y)),
+                    _ => panorama.direction(DVec2::new(x, y), 1.0),
+                };
+                direction.map(|direction| *rotation * direction + *offset)
+            }
+            Self::Perspective { matrix } => Some(*matrix * DVec3::new(x, y, 1.0)),
+            Self::Table(table) => table.at(0.5 * (1.0 + x), 0.5 * (1.0 - y)).map(|pixel| pixel.direction),
+        }
+    }
+
+    /// Normalised coordinates of the pixel position `(column, row)`, from the top left with pixel
+    /// centres at +½, in an output of `size` pixels.
+    pub fn normalised(&self, size: (u32, u32), column: f64, row: f64) -> (f64, f64) {
+        let (width, height) = (f64::from(size.0), f64::from(size.1));
+        let (across, up) = if self.is_circular() { (width.min(height), width.min(height)) } else { (width, height) };
+        ((2.0 * column - width) / across, (height - 2.0 * row) / up)
+    }
+
+    /// Whether the picture is a circle inscribed in the output, and normalised coordinates are units of its radius.
+    pub fn is_circular(&self) -> bool {
+        match self {
+            Self::Fisheye { .. } => true,
+            Self::Panorama { panorama, .. } => panorama.is_circular(),
+            _ => false,
+        }
+    }
+}

@@ -1,0 +1,122 @@
+//! Directions and weights of an output as numbers for each pixel, or for some.
+
+use crate::digest::Digest;
+use glam::{DMat3, DVec3};
+use std::fmt;
+use std::sync::Arc;
+
+/// What one pixel of a table shows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TablePixel {
+    /// Direction from the viewer, viewer axes, any length but 0.
+    pub direction: DVec3,
+    /// Weight in linear light, 0…1: everything that is known beforehand, except masks.
+    pub weight: f64,
+    /// Light of the blacks of all outputs there, as a part of white, ≥ 0.
+    pub dark: f64,
+}
+
+/// Directions and weights of an output.
+#[derive(Clone, PartialEq)]
+pub struct Table {
+    pub(in crate::correct) size: (u32, u32),
+    pub(in crate::correct) step: u32,
+    pub(in crate::correct) entries: (u32, u32),
+    pub(in crate::correct) axes: DMat3,
+    pub(in crate::correct) texels: Vec<[f32; 4]>,
+    pub(in crate::correct) weighted: bool,
+    pub(in crate::correct) lit: Arc<Vec<bool>>,
+    pub(in crate::correct) error: f64,
+}
+
+/// A sum stands for entries and pixels, all bits of them.
+impl fmt::Debug for Table {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { size, step, entries, axes, texels, weighted, lit, error } = self;
+        let mut digest = Digest::default();
+        for [x, y, z, weight] in texels {
+            let pair = |low: &f32, high: &f32| u64::from(low.to_bits()) | u64::from(high.to_bits()) << 32;
+            digest.add(pair(x, y));
+            digest.add(pair(z, weight));
+        }
+        lit.chunks(64).for_each(|part| digest.add(part.iter().fold(0, |bits, lit| bits << 1 | u64::from(*lit))));
+        let sum = format_args!("{digest:x}");
+        let mut table = f.debug_struct("Table");
+        table.field("size", size).field("step", step).field("entries", entries).field("axes", axes);
+        table.field("sum", &sum).field("weighted", weighted).field("error", error).finish()
+    }
+}
+
+impl Table {
+    /// Number of entries across and down.
+    pub fn entries(&self) -> (u32, u32) {
+        self.entries
+    }
+
+    /// How far apart entries are in pixels. 1: each is that of a pixel's centre. Otherwise the first one is at the
+    /// output's top left corner.
+    pub fn step(&self) -> u32 {
+        self.step
+    }
+
+    /// The table's axes → viewer axes.
+    pub fn axes(&self) -> DMat3 {
+        self.axes
+    }
+
+    /// Direction in the table's axes, of length 1 or less, and weight of each entry, row by row from the top; a direction
+    /// of (0, 0, 0) shows nothing.
+    pub fn texels(&self) -> &[[f32; 4]] {
+        &self.texels
+    }
+
+    /// The greatest error at a pixel's centre, in pixels of the output; 0 for a table of all pixels.
+    pub fn error(&self) -> f64 {
+        self.error
+    }
+
+    /// Some weight is not 1.
+    pub fn is_weighted(&self) -> bool {
+        self.weighted
+    }
+
+    /// What is shown at a place (0…1 from the left and from the top, limited to it): what the nearest pixel shows, or, if
+    /// that shows anything and entries are farther apart, what lies between them.
+    pub fn at(&self, across: f64, down: f64) -> Option<TablePixel> {
+        let index = |part: f64, count: u32| ((part * f64::from(count)).max(0.0) as usize).min(count as usize - 1);
+        if self.texels.is_empty() {
+            return None;
+        }
+        let pixel = index(down, self.size.1) * self.size.0 as usize + index(across, self.size.0);
+        if !self.lit[pixel] {
+            return None;
+        }
+        if self.step > 1 {
+            return Some(self.between(across, down));
+        }
+        let [x, y, z, weight] = self.texels[pixel];
+        let local = DVec3::new(f64::from(x), f64::from(y), f64::from(z));
+        let dark = (local.length() - 1.0).max(0.0);
+        Some(TablePixel { direction: self.axes * local, weight: f64::from(weight), dark })
+    }
+
+    /// Between the four entries around a pixel position: what shaders compute.
+    pub(in crate::correct) fn interpolated(&self, across: f64, down: f64) -> [f64; 4] {
+        let at = |place: f64, entries: u32| {
+            let place = place.max(0.0) / f64::from(self.step);
+            let first = place.floor().min(f64::from(entries) - 2.0);
+            (first as usize, place - first)
+        };
+        let ((column, x), (row, y)) = (at(across, self.entries.0), at(down, self.entries.1));
+        let entry = |column: usize, row: usize| self.texels[row * self.entries.0 as usize + column].map(f64::from);
+        let mix = |a: [f64; 4], b: [f64; 4], part: f64| std::array::from_fn(|i| a[i] * (1.0 - part) + b[i] * part);
+        let row_at = |row: usize| -> [f64; 4] { mix(entry(column, row), entry(column + 1, row), x) };
+        mix(row_at(row), row_at(row + 1), y)
+    }
+
+    /// What shows at a place, parts of width and height, of a table with steps.
+    pub(in crate::correct) fn between(&self, across: f64, down: f64) -> TablePixel {
+        let [x, y, z, weight] = self.interpolated(across * f64::from(self.size.0), down * f64::from(self.size.1));
+        TablePixel { direction: self.axes * DVec3::new(x, y, z), weight, dark: 0.0 }
+    }
+}

@@ -1,0 +1,64 @@
+//! Views before they have a place, and what an arrangement of them costs.
+
+use crate::geom::PictureMap;
+use crate::views::arranging::cost::PlannerOptions;
+use crate::views::fitting::axes::Aimed;
+use crate::views::fitting::fit::Fit;
+use glam::DMat3;
+
+/// A view before it has a place and its final size.
+#[derive(Clone, Debug)]
+pub(crate) struct Wanted {
+    /// Name for people.
+    pub name: String,
+    /// Viewer axes → view axes.
+    pub rotation: DMat3,
+    /// The sampled part and the resolution it needs.
+    pub fit: Fit,
+    /// The sampled part is exactly so many pixels, one texel each at quality 1.
+    pub exact: Option<(u32, u32)>,
+    /// Drawn with the program's own projection.
+    pub program_lens: bool,
+    /// Vertices are projected straight to the output's pixels.
+    pub curved: Option<PictureMap>,
+    /// How far to the right of the viewer's position it is seen from, metres.
+    pub eye: f64,
+    /// The outputs that sample it.
+    pub outputs: Vec<usize>,
+}
+
+/// The views of a rig, and remarks for people.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Arrangement {
+    /// In order of precedence.
+    pub views: Vec<Wanted>,
+    /// What was left out, and why.
+    pub notes: Vec<String>,
+}
+
+impl Arrangement {
+    /// In texels.
+    pub fn cost(&self, options: &PlannerOptions) -> f64 {
+        cost(options, &self.views)
+    }
+}
+
+/// What views cost together, in texels.
+pub(crate) fn cost(options: &PlannerOptions, views: &[Wanted]) -> f64 {
+    views.iter().map(|view| view.fit.texels() + options.texels_per_draw_set()).sum()
+}
+
+impl From<Aimed> for Wanted {
+    fn from(aimed: Aimed) -> Self {
+        Self {
+            name: String::new(),
+            rotation: aimed.rotation,
+            fit: aimed.fit,
+            exact: None,
+            program_lens: false,
+            curved: None,
+            eye: 0.0,
+            outputs: Vec::new(),
+        }
+    }
+}

@@ -1,0 +1,110 @@
+//! Types of the planner's question and answer: request, views, tiles, plan.
+
+use crate::error::{Error, ErrorKind, Result};
+use crate::geom::{Frustum, PictureMap};
+use glam::DMat3;
+
+/// A rectangle of the atlas in texels, from the bottom left.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Tile {
+    /// Left edge.
+    pub x: u32,
+    /// Bottom edge.
+    pub y: u32,
+    /// Width.
+    pub width: u32,
+    /// Height.
+    pub height: u32,
+}
+
+impl Tile {
+    /// How many texels it has.
+    pub fn area(&self) -> u64 {
+        u64::from(self.width) * u64::from(self.height)
+    }
+}
+
+/// One picture of the program's world; a perspective one mostly.
+#[derive(Clone, Debug, PartialEq)]
+pub struct View {
+    /// Name for people: `front`, `left`, `projector-3` …
+    pub name: String,
+    /// Axes of the viewer → axes of the view.
+    pub rotation: DMat3,
+    /// Opening of the whole tile, guard included.
+    pub frustum: Frustum,
+    /// The part of the opening that outputs sample: what this view answers for.
+    pub owned: Frustum,
+    /// Where it is in the atlas.
+    pub tile: Tile,
+    /// Drawn with the program's own projection, whatever `frustum` says.
+    pub program_lens: bool,
+    /// It is the picture of an output, pixel for pixel, to which vertices are projected by this map; `rotation` leads to
+    /// its axes, and the openings stand for nothing.
+    pub curved: Option<PictureMap>,
+    /// How far to the right of the viewer's position it is seen from, metres.
+    pub eye: f64,
+}
+
+/// What the planner is asked.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Request {
+    /// Resolution of each output in pixels, in the rig's order; (0, 0) of one that is not shown, which gets no views.
+    pub output_sizes: Vec<(u32, u32)>,
+    /// Size of the program's window in pixels.
+    pub window: (u32, u32),
+    /// Reserve a tile for flat drawing, of the window's size.
+    pub panel: bool,
+    /// Reserve a tile for the program's own picture, of the window's size, at the atlas origin.
+    pub primary: bool,
+    /// Greatest width and height of the atlas.
+    pub max_atlas: u32,
+}
+
+/// The views and where they are.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ViewPlan {
+    /// The views; where two show a direction, the first one answers.
+    pub views: Vec<View>,
+    /// For each output the indices of the views that it samples.
+    pub output_views: Vec<Vec<usize>>,
+    /// Width and height of the atlas in texels; [`ViewPlan::NO_ATLAS`]: each view has a picture of its own.
+    pub atlas: (u32, u32),
+    /// The flat panel: tile, and its rotation and opening as a view (`program_lens` is true).
+    pub panel: Option<View>,
+    /// The program's own picture.
+    pub primary: Option<Tile>,
+    /// Texels around the sampled part of each tile (none around those with `program_lens`).
+    pub guard: u32,
+    /// So many of these are there because outputs sample beside the exact place: so far beyond its part a view answers, too.
+    pub reach: u32,
+    /// Remarks for people: what was left out or scaled down, and why.
+    pub notes: Vec<String>,
+}
+
+impl ViewPlan {
+    /// The size of an atlas that is none.
+    pub const NO_ATLAS: (u32, u32) = (0, 0);
+
+    /// Width and height in texels of the picture in which `view` has its tile.
+    pub fn picture_size(&self, view: &View) -> (u32, u32) {
+        if self.atlas == Self::NO_ATLAS { (view.tile.width, view.tile.height) } else { self.atlas }
+    }
+}
+
+impl Request {
+    /// Returns an error where the request does not fit `outputs` outputs.
+    pub(in crate::views) fn check(&self, outputs: usize, passthrough: bool) -> Result<()> {
+        let invalid = |message: String| Err(Error::new(ErrorKind::InvalidArgument, message));
+        if !passthrough && self.output_sizes.len() != outputs {
+            return invalid(format!("{} output sizes were given for {outputs} outputs", self.output_sizes.len()));
+        }
+        if let Some(index) = self.output_sizes.iter().position(|size| (size.0 == 0) != (size.1 == 0)) {
+            return invalid(format!("output {index} has no pixels"));
+        }
+        if (self.panel || self.primary) && (self.window.0 == 0 || self.window.1 == 0) {
+            return invalid("the window has no pixels".to_owned());
+        }
+        Ok(())
+    }
+}
