@@ -1,9 +1,21 @@
 //! The rules of `docs/architecture.md` that a machine can check: who may use what, where `unsafe` and
 //! OpenGL may be, how long a file may be, what the library exports.
 
+#[path = "../src/bin/cupola-lab/structure/circles.rs"]
+mod circles;
+#[path = "../src/bin/cupola-lab/structure/rules.rs"]
+mod rules;
+#[path = "../src/bin/cupola-lab/structure/source.rs"]
+mod source;
+#[path = "../src/bin/cupola-lab/structure/uses.rs"]
+mod uses;
+
+use circles::circles;
+use source::{Source, code_of};
 use std::collections::BTreeSet;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
+use uses::Uses;
 
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 
@@ -64,90 +76,11 @@ const LONGEST_FILE: usize = 600;
 /// Names that `libcupola.so` may export, besides `cupola_*`.
 const ENTRY_POINTS: [&str; 3] = ["__glx_Main", "__egl_Main", "vkNegotiateLoaderLayerInterfaceVersion"];
 
-struct Source {
-    /// Relative to the package.
-    path: String,
-    text: String,
-}
-
-fn walk(directory: &Path, found: &mut Vec<PathBuf>) {
-    let Ok(entries) = std::fs::read_dir(directory) else { return };
-    for entry in entries.flatten() {
-        let path = entry.path();
-        if path.is_dir() {
-            walk(&path, found);
-        } else {
-            found.push(path);
-        }
-    }
-}
-
 /// The text files below the given folders.
 fn sources(folders: &[&str], extensions: &[&str]) -> Vec<Source> {
-    let mut paths = Vec::new();
-    for folder in folders {
-        walk(&Path::new(ROOT).join(folder), &mut paths);
-    }
-    paths.sort();
-    let wanted = |path: &PathBuf| path.extension().and_then(|e| e.to_str()).is_some_and(|e| extensions.contains(&e));
-    let sources: Vec<Source> = paths
-        .iter()
-        .filter(|path| wanted(path))
-        .map(|path| Source {
-            path: path.strip_prefix(ROOT).expect("below the package").to_string_lossy().into_owned(),
-            text: std::fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display())),
-        })
-        .collect();
+    let sources = source::sources(Path::new(ROOT), folders, extensions).expect("files can be read");
     assert!(!sources.is_empty(), "no files below {folders:?}");
     sources
-}
-
-/// The text without comments and without the content of strings and characters, so that words are code.
-fn code_of(text: &str) -> String {
-    let mut code = String::with_capacity(text.len());
-    let mut rest = text;
-    while let Some(first) = rest.chars().next() {
-        let skip = if rest.starts_with("//") {
-            rest.find('\n').unwrap_or(rest.len())
-        } else if rest.starts_with("/*") {
-            rest.find("*/").map_or(rest.len(), |end| end + 2)
-        } else if let Some(hashes) = raw_string(rest) {
-            let end = format!("\"{}", "#".repeat(hashes));
-            let start = hashes + 2;
-            rest[start..].find(&end).map_or(rest.len(), |found| start + found + end.len())
-        } else if first == '"' {
-            let mut escaped = false;
-            let end = rest[1..].find(|c: char| {
-                let closes = c == '"' && !escaped;
-                escaped = c == '\\' && !escaped;
-                closes
-            });
-            end.map_or(rest.len(), |end| end + 2)
-        } else if rest.starts_with("'\"'") {
-            3
-        } else {
-            code.push(first);
-            first.len_utf8()
-        };
-        rest = &rest[skip..];
-    }
-    code
-}
-
-/// The code of a file without its unit tests, which may use what they need.
-fn code_without_tests(source: &Source) -> String {
-    if source.path.contains("/tests/") || source.path.ends_with("/tests.rs") {
-        return String::new();
-    }
-    let code = code_of(&source.text);
-    code.split("#[cfg(test)]\nmod tests {").next().unwrap_or_default().to_owned()
-}
-
-/// How many hashes a raw string that starts here has.
-fn raw_string(text: &str) -> Option<usize> {
-    let after = text.strip_prefix('r')?;
-    let hashes = after.len() - after.trim_start_matches('#').len();
-    after[hashes..].starts_with('"').then_some(hashes)
 }
 
 /// Whether `word` stands alone in the code.
@@ -242,7 +175,7 @@ fn modules_use_only_what_they_may() {
     for source in sources(&["src"], &["rs"]) {
         let inner = source.path.trim_start_matches("src/");
         let own = inner.split(['/', '.']).next().unwrap_or_default();
-        let code = code_without_tests(&source);
+        let code = source.code_without_tests();
         if own == "lib" {
             continue;
         }
@@ -303,7 +236,7 @@ fn words_stand_only_where_they_may() {
             complain(path, "a crate of the command is named in the library");
         }
         let exact = ["src/geom/", "src/rig/", "src/views/", "src/warp/", "src/blend/", "src/correct/"];
-        if within(&exact) && !within(&MAY_ROUND) && code_without_tests(&source).contains(" as f32") {
+        if within(&exact) && !within(&MAY_ROUND) && source.code_without_tests().contains(" as f32") {
             complain(path, &format!("f64 becomes f32 outside {MAY_ROUND:?}"));
         }
     }
@@ -322,6 +255,30 @@ fn files_are_short() {
         .filter(|(lines, _)| *lines > LONGEST_FILE)
         .map(|(lines, path)| format!("{path} has {lines} lines, more than {LONGEST_FILE}"))
         .collect();
+    report(&findings);
+}
+
+/// Inside the large folders uses run down, too. `ORDERS` records how many still run up, and how
+/// many files use each other in a circle; neither number may grow.
+#[test]
+fn rooms_use_only_rooms_below_them() {
+    let uses = Uses::between(&sources(&["src"], &["rs"]), "src");
+    let mut findings = Vec::new();
+    for order in &rules::ORDERS {
+        let own = uses.within(order.folder);
+        findings.extend(
+            rules::unlisted(&own, order).iter().map(|room| format!("{}: no place for the room {room}", order.folder)),
+        );
+        let against = rules::against_the_order(&own, order);
+        if against.len() > order.most_against {
+            let (all, folder) = (against.join("\n    "), order.folder);
+            findings.push(format!("{folder}: {} uses run up, not {}:\n    {all}", against.len(), order.most_against));
+        }
+        if let Some(largest) = circles(&own).first().filter(|circle| circle.len() > order.largest_circle) {
+            let (all, folder) = (largest.join("\n    "), order.folder);
+            findings.push(format!("{folder}: {} files are a circle:\n    {all}", largest.len()));
+        }
+    }
     report(&findings);
 }
 
@@ -382,4 +339,31 @@ fn the_checks_find_violations() {
         assert_eq!(violation("src/correct/plan.rs", code), None, "{code}");
     }
     assert_eq!(unwanted(&BTreeSet::from(["cupola_x".into(), "__egl_Main".into(), "dlsym".into()])).len(), 1);
+}
+
+/// The rule for rooms finds a use that runs up, a circle, and a use through a door (`pub use`).
+#[test]
+fn the_order_of_rooms_finds_violations() {
+    let file = |path: &str, text: &str| Source { path: path.into(), text: text.into() };
+    let sources = [
+        file("src/lib.rs", "pub mod a;\npub mod b;"),
+        file("src/a/mod.rs", "pub mod top;\npub use crate::a::top::Door;"),
+        file("src/a/top.rs", "use crate::b::{ground::X, other as y}; // use crate::b;\npub struct Door;"),
+        file("src/b/mod.rs", "pub mod ground;\npub mod other;"),
+        file("src/b/ground.rs", "fn f() { super::other::g(); }\n#[cfg(test)]\nmod tests { use crate::a::top; }"),
+        file("src/b/other.rs", "use crate::a::Door;"),
+    ];
+    let uses = Uses::between(&sources, "src");
+    let of = |path: &str| -> Vec<&str> {
+        let index = uses.files.iter().position(|file| file == path).expect("a file");
+        uses.of[index].iter().map(|target| &*uses.files[*target]).collect()
+    };
+    assert_eq!(of("src/a/top.rs"), ["src/b/ground.rs", "src/b/other.rs"]);
+    assert_eq!(of("src/b/ground.rs"), ["src/b/other.rs"]);
+    assert_eq!(of("src/b/other.rs"), ["src/a/top.rs"]);
+    assert_eq!(circles(&uses), [["src/a/top.rs", "src/b/ground.rs", "src/b/other.rs"]]);
+    let order = rules::Order { folder: "src", rooms: &["a"], most_against: 0, largest_circle: 0 };
+    assert_eq!(rules::unlisted(&uses, &order), ["b"]);
+    let order = rules::Order { folder: "src", rooms: &["a", "b"], most_against: 0, largest_circle: 0 };
+    assert_eq!(rules::against_the_order(&uses, &order), ["src/b/other.rs → src/a/top.rs"]);
 }

@@ -21,6 +21,7 @@ mod accuracy;
 mod bench;
 mod cells;
 mod stress;
+mod structure;
 #[allow(unsafe_code, reason = "calls OpenGL and Vulkan directly")]
 mod trial;
 
@@ -41,6 +42,7 @@ enum Command {
     Accuracy(accuracy::Arguments),
     Stress(stress::Arguments),
     Cells(cells::Arguments),
+    Structure(structure::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -49,6 +51,7 @@ fn main() -> ExitCode {
         Command::Accuracy(arguments) => accuracy::run(&arguments),
         Command::Stress(arguments) => stress::run(&arguments),
         Command::Cells(arguments) => cells::run(&arguments),
+        Command::Structure(arguments) => structure::run(&arguments),
     };
     failure::exit_code("cupola-lab", result)
 }
