@@ -128,6 +128,11 @@ fn named_modules(code: &str, prefix: &str) -> BTreeSet<String> {
     modules
 }
 
+/// Whether the code has an attribute that no harness but the usual one sees.
+fn is_lost_test(code: &str) -> bool {
+    code.contains("#[test]") || code.contains("#[ignore")
+}
+
 /// Names of OpenGL in the code: its constants, the table of its functions, and the modules that use it.
 #[derive(Debug, Default, PartialEq)]
 struct OpenGl {
@@ -216,6 +221,10 @@ fn words_stand_only_where_they_may() {
         }
         if has_word(&code, "unsafe") && !within(&MAY_BE_UNSAFE) {
             complain(path, "unsafe code outside the folders that may have it");
+        }
+        let own_harness = within(&["tests/suite/", "tests/cli_run.rs"]);
+        if own_harness && is_lost_test(&code) {
+            complain(path, "#[test] has no effect here: the list of `tests!` names what runs");
         }
         if !path.starts_with("src/") {
             continue;
@@ -322,6 +331,7 @@ fn the_checks_find_violations() {
         "crate::",
     );
     assert_eq!(modules.into_iter().collect::<Vec<_>>(), ["error", "geom", "rig", "views"]);
+    assert!(is_lost_test("#[test]\nfn lost() {}") && !is_lost_test("tests! { found }"));
     let violation = |path: &str, code: &str| OpenGl::of(&code_of(code)).violation(path);
     for code in ["gl.Enable(GL_BLEND)", "use api::GL_BLEND;", "fn draw(gl: &Gl)", "use crate::backend::gl::headless;"] {
         assert!(violation("src/correct/plan.rs", code).is_some(), "{code}");

@@ -1,5 +1,6 @@
 //! Programs that judge themselves: OpenGL must answer them as it does without Cupola.
 
+use crate::harness::tests;
 use crate::programs::Run;
 
 fn judges_itself(program: &str, frames: usize) {
@@ -21,8 +22,9 @@ fn judges_itself_under(program: &str, frames: usize, rigs: &[&str]) {
 
 macro_rules! behaviour {
     ($($name:ident: $frames:literal),* $(,)?) => {
-        $(#[test]
-        fn $name() {
+        tests![$($name),*, a_first_read_of_depth];
+
+        $(fn $name() {
             judges_itself(stringify!($name), $frames);
         })*
     };
@@ -43,7 +45,6 @@ behaviour! {
 }
 
 /// Not under a rig of projectors: they show less than the program sees, and no view has the depth of what none shows.
-#[test]
 fn a_first_read_of_depth() {
     judges_itself_under("first_depth", 4, &["identity", "identity-captured", "fisheye"]);
 }

@@ -1,9 +1,15 @@
 //! The light of all projectors together, on a white scene: the same everywhere.
 
+use crate::harness::tests;
 use crate::picture::Picture;
 use crate::programs::{Run, scratch};
 use crate::reference::{Dome, Projector};
 use crate::rigs;
+
+tests! {
+    the_light_of_planetarium_6_keeps_the_bar,
+    small_pictures_add_up_and_wrong_ones_do_not,
+}
 
 const GAMMA: f64 = 2.2;
 
@@ -47,7 +53,6 @@ fn extremes(projectors: &[Projector], dome: &Dome, pictures: &[Picture], gamma: 
 const BAR: f64 = 0.006;
 
 /// The projectors' own resolution, as an audience sees it: by `cupola simulate`, which follows the viewer's rays.
-#[test]
 fn the_light_of_planetarium_6_keeps_the_bar() {
     let run = Run { cupola: &["--offscreen"], frames: 2, cupola_frames: 2, ..Run::new("white") };
     let Some(finished) = run.under("planetarium-6") else { return };
@@ -77,7 +82,6 @@ fn the_light_of_planetarium_6_keeps_the_bar() {
     assert!(least < 1.0 - BAR, "a dimmed projector is not noticed: {least:.5}");
 }
 
-#[test]
 fn small_pictures_add_up_and_wrong_ones_do_not() {
     let (size, columns) = ((200, 150), 3);
     let mut rig = rigs::projectors("planetarium-6", size, columns);

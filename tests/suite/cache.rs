@@ -1,9 +1,18 @@
 //! What a start computes is kept for the next one, and changes no picture.
 
 use crate::compare::expect_identical;
+use crate::harness::tests;
 use crate::programs::{Finished, Run, embedding, scratch};
 use cupola::digest::Digest;
 use std::path::{Path, PathBuf};
+
+tests! {
+    the_second_start_computes_nothing_and_shows_the_same,
+    what_is_damaged_is_computed_again,
+    a_folder_that_cannot_be_changes_nothing,
+    vulkan_programs_start_from_it_too,
+    embedding_programs_start_from_it_too,
+}
 
 fn folder() -> PathBuf {
     scratch("results").join("new")
@@ -42,7 +51,6 @@ impl Same {
     }
 }
 
-#[test]
 fn the_second_start_computes_nothing_and_shows_the_same() {
     let cases = [
         ("core330_mvp", "fisheye", "capture.png", true),
@@ -82,7 +90,6 @@ fn replaced(path: &Path, from: usize) {
     std::fs::write(path, bytes).expect("written");
 }
 
-#[test]
 fn what_is_damaged_is_computed_again() {
     let folder = folder();
     let Some(first) = run("core330_mvp", "idome", &folder, &[]) else { return };
@@ -114,7 +121,6 @@ fn what_is_damaged_is_computed_again() {
     }
 }
 
-#[test]
 fn a_folder_that_cannot_be_changes_nothing() {
     let Some(first) = run("glsl120", "fisheye", &folder(), &[]) else { return };
     let same = Same { what: "glsl120".into(), picture: first.picture("capture.png") };
@@ -124,7 +130,6 @@ fn a_folder_that_cannot_be_changes_nothing() {
     assert!(read == 0 && missing > 1 && written == 0);
 }
 
-#[test]
 fn vulkan_programs_start_from_it_too() {
     let folder = folder();
     let environment = [("CUPOLA_CACHE", folder.to_str().expect("a UTF-8 path"))];
@@ -139,7 +144,6 @@ fn vulkan_programs_start_from_it_too() {
     assert_eq!([read >= 2, written == 0], [true, true], "{read} {written}");
 }
 
-#[test]
 fn embedding_programs_start_from_it_too() {
     let folder = folder();
     let environment = [("CUPOLA_CACHE", folder.to_str().expect("a UTF-8 path"))];

@@ -2,11 +2,27 @@
 
 use crate::compare::{Shown, compare};
 use crate::dialects::{shown_by_fisheye, shown_by_projector, shown_by_window};
+use crate::display;
+use crate::harness::{self, tests};
 use crate::picture::Picture;
+use crate::programs::scratch;
 use crate::reference::{
     Dome, Fisheye, Opening, ProgramCamera, Projector, Turn, add_scaled, cube_colour, dot, normalised,
 };
+use libtest_mimic::Completion;
 use std::panic::catch_unwind;
+use std::process::Command;
+
+tests! {
+    the_harness_tells_what_became_of_a_test,
+    a_display_is_there,
+    what_is_missing_counts_as_ignored,
+    the_domemaster_comparer_fails_wrong_pictures,
+    the_perspective_comparer_fails_wrong_pictures,
+    the_projector_comparer_fails_wrong_pictures,
+    the_reference_is_consistent,
+    the_picture_comparers_fail_wrong_pictures,
+}
 
 const CAMERA: ProgramCamera = ProgramCamera { yaw: 33.0, pitch: -17.0 };
 
@@ -22,7 +38,6 @@ fn turned(yaw: f64, pitch: f64) -> ProgramCamera {
     ProgramCamera { yaw: CAMERA.yaw + yaw, pitch: CAMERA.pitch + pitch }
 }
 
-#[test]
 fn the_domemaster_comparer_fails_wrong_pictures() {
     let right = Fisheye { width: 256.0, height: 256.0, aperture: 180.0, tilt: 90.0 };
     let judge = |picture: &Picture| compare(picture, shown_by_fisheye(right, CAMERA));
@@ -55,7 +70,6 @@ fn the_domemaster_comparer_fails_wrong_pictures() {
     assert!(!compare(&picture, |_, _| Shown::Unknown).good());
 }
 
-#[test]
 fn the_perspective_comparer_fails_wrong_pictures() {
     let size = (256, 192);
     let judge = |picture: &Picture| compare(picture, shown_by_window(size, 75.0, CAMERA));
@@ -76,7 +90,6 @@ fn projector() -> (Projector, Dome) {
     (projector, Dome { radius: 5.0, tilt: 20.0, coverage: 190.0, viewer, viewer_turn, camera_turn: still })
 }
 
-#[test]
 fn the_projector_comparer_fails_wrong_pictures() {
     let (right, dome) = projector();
     let picture_of =
@@ -92,7 +105,6 @@ fn the_projector_comparer_fails_wrong_pictures() {
 }
 
 /// The reference against itself: what it projects, it hits; what it turns, it turns back.
-#[test]
 fn the_reference_is_consistent() {
     let (projector, dome) = projector();
     for (x, y) in [(0.5, 0.5), (100.0, 75.0), (13.25, 140.5), (199.5, 3.0)] {
@@ -122,7 +134,6 @@ fn the_reference_is_consistent() {
     assert!(close(master.direction(100.0, 50.0), [1.0, 0.0, 0.0]));
 }
 
-#[test]
 fn the_picture_comparers_fail_wrong_pictures() {
     use crate::compare::{expect_identical, expect_similar};
     let right = Picture::from_fn(40, 30, |x, y| [x as u8, y as u8, 7]);
@@ -136,4 +147,44 @@ fn the_picture_comparers_fail_wrong_pictures() {
     wrong = right.clone();
     wrong.pixels[17][1] += 2;
     assert!(catch_unwind(|| expect_similar(&wrong, &right, 1, 1e-3, "control")).is_err(), "2/255 are too many");
+}
+
+/// Ignored without a display, for the next test.
+fn a_display_is_there() {
+    let _ = display::get();
+}
+
+fn what_is_missing_counts_as_ignored() {
+    let (name, times) = ("controls::a_display_is_there", scratch("times").join("times.txt"));
+    let run = |variables: &[(&str, &str)]| {
+        let mut command = Command::new(std::env::current_exe().expect("a path of this program"));
+        command
+            .args(["--exact", name])
+            .env("PATH", "")
+            .env_remove("CUPOLA_REQUIRE_GL")
+            .env("CUPOLA_TEST_TIMES", &times);
+        let output = command.envs(variables.iter().copied()).output().expect("this program can be started");
+        (output.status.success(), String::from_utf8_lossy(&output.stdout).into_owned())
+    };
+    let (succeeded, words) = run(&[]);
+    assert!(succeeded && words.contains("0 passed; 0 failed; 1 ignored"), "{words}");
+    let (succeeded, words) = run(&[("CUPOLA_REQUIRE_GL", "1")]);
+    assert!(!succeeded && words.contains("0 passed; 1 failed; 0 ignored"), "{words}");
+    assert!(words.contains("no X server"), "{words}");
+    let lines = std::fs::read_to_string(times).expect("times of the tests");
+    let named =
+        |line: &str| line.split_once(' ').is_some_and(|(time, test)| time.parse::<f64>().is_ok() && test == name);
+    assert!(lines.lines().count() == 2 && lines.lines().all(named), "{lines}");
+}
+
+fn the_harness_tells_what_became_of_a_test() {
+    let of =
+        |test: fn()| std::thread::spawn(move || harness::outcome(test)).join().expect("the harness catches panics");
+    assert!(matches!(of(|| ()), Ok(Completion::Completed)));
+    let failed = of(|| {
+        harness::note("a line");
+        assert_eq!(1, 2);
+    });
+    let words = failed.err().and_then(|failed| failed.message().map(str::to_owned)).expect("a message");
+    assert!(words.contains("a line") && words.contains("controls.rs") && words.contains("left: 1"), "{words}");
 }

@@ -1,7 +1,22 @@
 //! Draws that a view cannot show are left out of it, and no pixel changes by that.
 
 use crate::compare::expect_identical;
+use crate::harness::tests;
 use crate::programs::Run;
+
+tests! {
+    pictures_stay_what_they_are,
+    views_to_the_sides_get_nothing_of_what_is_ahead,
+    a_program_of_few_draws_gets_the_views_that_suit_it,
+    state_that_a_draw_leaves_survives_being_left_out,
+    what_changes_in_a_buffer_is_seen,
+    positions_of_every_form_are_where_they_are_drawn,
+    views_to_the_sides_get_nothing_of_what_is_ahead_off_screen,
+    what_opengl_answers_about_draws_off_screen_stays,
+    pictures_that_are_drawn_off_screen_stay_what_they_are,
+    random_scenes_off_screen_stay_what_they_are,
+    what_is_read_of_an_image_is_whole,
+}
 
 /// The same picture to the byte, with and without; the statistics of the run with.
 fn same_picture(program: &str, rig: &str) -> Option<serde_json::Value> {
@@ -37,7 +52,6 @@ fn off_screen(counts: &serde_json::Value) -> Vec<[u64; 2]> {
     views.map(|view| ["duplicated_draws_issued", "duplicated_draws_culled"].map(|key| number(view, key))).collect()
 }
 
-#[test]
 fn pictures_stay_what_they_are() {
     let programs = ["immediate", "display_list", "client_arrays", "glsl120", "core330_mvp", "draws", "rectangles"];
     for program in programs.into_iter().chain([
@@ -54,7 +68,6 @@ fn pictures_stay_what_they_are() {
     }
 }
 
-#[test]
 fn views_to_the_sides_get_nothing_of_what_is_ahead() {
     // What is in buffers is known from the second frame on, so that the first draws to all views.
     for (program, frames) in [("ahead", 0), ("fixed_buffers", 1), ("buffers", 1)] {
@@ -86,7 +99,6 @@ fn nothing_at_the_sides(counts: &[serde_json::Value], unknown: u64, frames: u64)
 }
 
 /// Once it is known that a frame has few draws, another view costs less than what straddles two: five upright ones.
-#[test]
 fn a_program_of_few_draws_gets_the_views_that_suit_it() {
     let run = |frames: usize| Run { frames, cupola_frames: frames, ..Run::new("ahead") };
     let names = |counts: &serde_json::Value| -> Vec<String> {
@@ -111,7 +123,6 @@ fn a_program_of_few_draws_gets_the_views_that_suit_it() {
     assert_eq!(names(&same(run(16), rig).expect("there is a display")).len(), 4);
 }
 
-#[test]
 fn state_that_a_draw_leaves_survives_being_left_out() {
     let run = Run::new("ahead");
     let Some(plain) = run.plain() else { return };
@@ -142,7 +153,6 @@ const CHANGES: [&str; 16] = [
     "block_bound",
 ];
 
-#[test]
 fn what_changes_in_a_buffer_is_seen() {
     let run = |mode: &'static [&'static str]| Run { frames: 6, cupola_frames: 6, extra: mode, ..Run::new("buffers") };
     let Some(still) = run(&[]).under("fisheye") else { return };
@@ -159,7 +169,6 @@ fn what_changes_in_a_buffer_is_seen() {
     assert!(kept["bounded_draws"].as_u64() > Some(0), "{kept:#}");
 }
 
-#[test]
 fn positions_of_every_form_are_where_they_are_drawn() {
     for rig in ["fisheye", "planetarium-6"] {
         let Some(counts) = same(Run { frames: 4, cupola_frames: 4, ..Run::new("positions") }, rig) else { return };
@@ -174,7 +183,6 @@ fn positions_of_every_form_are_where_they_are_drawn() {
 }
 
 /// The same for scenes that a program draws into framebuffers of its own, and then shows.
-#[test]
 fn views_to_the_sides_get_nothing_of_what_is_ahead_off_screen() {
     for program in ["ahead", "fixed_buffers"] {
         let run = Run { frames: 4, cupola_frames: 4, extra: &["--fbo"], ..Run::new(program) };
@@ -190,7 +198,6 @@ fn views_to_the_sides_get_nothing_of_what_is_ahead_off_screen() {
 }
 
 /// State and counts, of which the programs judge what they are told.
-#[test]
 fn what_opengl_answers_about_draws_off_screen_stays() {
     for (program, extra) in [
         ("ahead", ["--fbo"].as_slice()),
@@ -208,7 +215,6 @@ fn what_opengl_answers_about_draws_off_screen_stays() {
 }
 
 /// Some of them have nothing that can be left out.
-#[test]
 fn pictures_that_are_drawn_off_screen_stay_what_they_are() {
     let programs = ["positions", "outlines", "immediate_ways", "rectangles", "gles2", "gles3", "counting", "occlusion"];
     for program in programs {
@@ -222,7 +228,6 @@ fn pictures_that_are_drawn_off_screen_stay_what_they_are() {
 }
 
 /// Things in all directions, by every kind of draw, through every way to the window.
-#[test]
 fn random_scenes_off_screen_stay_what_they_are() {
     for mode in ["blit", "samples", "chain", "lamps", "ahead"] {
         for (seed, rig) in [("1", "fisheye"), ("2", "fisheye-210"), ("3", "fisheye")] {
@@ -242,7 +247,6 @@ fn random_scenes_off_screen_stay_what_they_are() {
 }
 
 /// What the program reads of its image has everything in it, whatever the views show.
-#[test]
 fn what_is_read_of_an_image_is_whole() {
     let extra = ["--mode", "chain", "--answers", "own.ppm"];
     let run = Run { frames: 4, cupola_frames: 4, extra: &extra, ..Run::new("scattered") };

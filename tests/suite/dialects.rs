@@ -3,10 +3,24 @@
 use crate::compare::{
     EDGE, Limits, Report, Shown, TOLERANCE, compare, compare_with, expect_good, expect_identical, expect_similar,
 };
+use crate::harness::tests;
 use crate::picture::Picture;
 use crate::programs::{Finished, Run, scratch};
 use crate::reference::{Dome, Fisheye, Opening, ProgramCamera, Projector, Vector, cube_colour, cube_face, cube_point};
 use crate::rigs;
+
+tests! {
+    a_shader_without_a_matrix,
+    a_program_that_loads_gl_by_dlopen,
+    desktop_gl_through_egl,
+    a_multisampled_window,
+    tight_planes,
+    an_srgb_window,
+    a_zoomed_camera,
+    a_domemaster_of_210_degrees,
+    an_output_outside_of_the_window_costs_nothing_and_the_others_are_as_without_it,
+    ; modules immediate, display_list, client_arrays, glsl120, core330_p_mv, core330_mvp, core330_block, geometry, tessellation, gles2, gles3, draws, rectangles
+}
 
 /// Lenses and turns of the camera; all views, and the seams between them, are seen by some of them.
 pub const CAMERAS: [(f64, f64, f64); 3] = [(60.0, 0.0, 0.0), (90.0, 33.0, -17.0), (110.0, -128.0, 41.0)];
@@ -110,7 +124,6 @@ pub fn given_lens<'a>(name: &str, run: &Run<'a>, under: impl Fn(&Run<'a>, &str) 
     let _ = std::fs::remove_file(path);
 }
 
-#[test]
 fn a_shader_without_a_matrix() {
     plain("no_matrix");
     let (fov, yaw, pitch) = CAMERAS[1];
@@ -188,27 +201,23 @@ pub fn identity_captured(program: &str) {
 macro_rules! dialect {
     ($name:ident) => {
         mod $name {
-            #[test]
+            crate::harness::tests![plain, fisheye, presented, planetarium, identity, identity_captured];
+
             fn plain() {
                 super::plain(stringify!($name));
             }
-            #[test]
             fn fisheye() {
                 super::fisheye(stringify!($name), &[]);
             }
-            #[test]
             fn presented() {
                 super::presented(stringify!($name));
             }
-            #[test]
             fn planetarium() {
                 super::planetarium(stringify!($name));
             }
-            #[test]
             fn identity() {
                 super::identity(stringify!($name));
             }
-            #[test]
             fn identity_captured() {
                 super::identity_captured(stringify!($name));
             }
@@ -230,18 +239,15 @@ dialect!(gles3);
 dialect!(draws);
 dialect!(rectangles);
 
-#[test]
 fn a_program_that_loads_gl_by_dlopen() {
     fisheye("cube_dlopen", &[]);
 }
 
-#[test]
 fn desktop_gl_through_egl() {
     fisheye("immediate", &["--egl"]);
     fisheye("core330_mvp", &["--egl"]);
 }
 
-#[test]
 fn a_multisampled_window() {
     fisheye("core330_p_mv", &["--samples", "4"]);
     fisheye("display_list", &["--samples", "4"]);
@@ -249,7 +255,6 @@ fn a_multisampled_window() {
 
 /// The program's planes just hold the cube. Turned views see its corners, which are farther than the far plane
 /// is along their axes, and its faces at a slant, nearer than the near plane: nothing may be cut.
-#[test]
 fn tight_planes() {
     for program in ["immediate", "core330_mvp"] {
         for yaw in [0.0, 45.0] {
@@ -264,7 +269,6 @@ fn tight_planes() {
 }
 
 /// A window that encodes what is written to it as sRGB.
-#[test]
 fn an_srgb_window() {
     let encoded = |direction: Vector| {
         cube_colour(direction).map(|c| if c <= 0.0031308 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 })
@@ -287,7 +291,6 @@ fn an_srgb_window() {
 }
 
 /// `--camera zoom` scales the tangents of what the program draws.
-#[test]
 fn a_zoomed_camera() {
     let run = Run { cupola: &["--camera", "zoom=2"], ..Run::new("core330_p_mv") };
     let Some(finished) = run.under("fisheye") else { return };
@@ -302,7 +305,6 @@ fn a_zoomed_camera() {
 }
 
 /// A planetarium's domemaster: the zenith in the middle, the front at the bottom.
-#[test]
 fn a_domemaster_of_210_degrees() {
     let run = Run::new("core330_mvp");
     let Some(finished) = run.under("fisheye-210") else { return };
@@ -313,7 +315,6 @@ fn a_domemaster_of_210_degrees() {
 }
 
 /// A rig for a wall of screens, tried out in a smaller window.
-#[test]
 fn an_output_outside_of_the_window_costs_nothing_and_the_others_are_as_without_it() {
     let dome = "[dome]\nradius = 5\n[[output]]\nname = \"dome\"\nkind = \"domemaster\"\nwindow = [0, 0, 240, 240]\n";
     let outside =

@@ -2,14 +2,27 @@
 
 use crate::compare::{Shown, compare, expect_good, expect_similar};
 use crate::dialects::{shown_by_fisheye, shown_by_window};
+use crate::harness::tests;
 use crate::picture::Picture;
 use crate::programs::{
     Finished, embedding, embedding_of_first_version, validated, validated_of_first_version, watched,
 };
 use crate::reference::{Fisheye, ProgramCamera};
 
+tests! {
+    the_c_interface_without_a_window,
+    a_program_of_the_first_version,
+    a_program_of_a_later_version,
+    a_shader_of_the_program_s_own_projects_to_the_picture,
+    the_vulkan_example_without_cupola,
+    the_vulkan_example_of_the_first_version,
+    the_vulkan_example_in_every_arrangement,
+    the_vulkan_example_with_multiview,
+    the_vulkan_example_with_other_rigs,
+    the_validation_layer_is_heard,
+}
+
 /// `embed` judges status codes, error texts, kept state and exact directions itself; its pictures are judged here.
-#[test]
 fn the_c_interface_without_a_window() {
     let Some(finished) = embedding("embed", &["256", "33", "-17"], &[]) else { return };
     expect_pictures_of_embed(&finished.expect_success());
@@ -17,7 +30,6 @@ fn the_c_interface_without_a_window() {
 
 /// The same program, compiled with the headers of 0.1 as they were first published: all of it has to work and to look as
 /// it did.
-#[test]
 fn a_program_of_the_first_version() {
     let Some(finished) = embedding_of_first_version("embed", &["256", "33", "-17"]) else { return };
     let first = finished.expect_success();
@@ -34,7 +46,6 @@ fn a_program_of_the_first_version() {
 }
 
 /// A program of a later version, whose structs are larger.
-#[test]
 fn a_program_of_a_later_version() {
     let Some(finished) = embedding("embed_versions", &["256", "33", "-17"], &[]) else { return };
     let picture = finished.expect_success().picture("later.ppm");
@@ -70,7 +81,6 @@ fn expect_pictures_of_embed(finished: &Finished) {
 }
 
 /// A program whose shader projects to the picture itself, with the library's functions in its text.
-#[test]
 fn a_shader_of_the_program_s_own_projects_to_the_picture() {
     let Some(finished) = embedding("embed_vertex", &["256", "33", "-17"], &[]) else { return };
     let finished = finished.expect_success();
@@ -94,7 +104,6 @@ fn vulkan(options: &[&str]) -> Option<Picture> {
 }
 
 /// Without Cupola: the example draws what the reference says that it draws.
-#[test]
 fn the_vulkan_example_without_cupola() {
     let options = ["--yaw", "33", "--pitch", "-17", "--size", "256x192", "--picture", "plain.ppm"];
     let Some(finished) = validated("vk_plain", &options) else { return };
@@ -103,7 +112,6 @@ fn the_vulkan_example_without_cupola() {
 }
 
 /// The same example, compiled with the headers of 0.1 as they were first published.
-#[test]
 fn the_vulkan_example_of_the_first_version() {
     for views in ["atlas", "layers", "images"] {
         let options = ["--views", views, "--one-by-one", "--own-images"];
@@ -115,7 +123,6 @@ fn the_vulkan_example_of_the_first_version() {
 }
 
 /// However the views lie in memory, and whoever made the images: what f64 predicts, and what OpenGL shows.
-#[test]
 fn the_vulkan_example_in_every_arrangement() {
     let circle = Fisheye { width: 256.0, height: 256.0, aperture: 180.0, tilt: 90.0 };
     let forms: [&[&str]; 6] = [
@@ -138,7 +145,6 @@ fn the_vulkan_example_in_every_arrangement() {
 }
 
 /// Drawn all at once. Mesa's lavapipe draws triangles that it has to clip into a wrong view, as without Cupola.
-#[test]
 fn the_vulkan_example_with_multiview() {
     let Some(at_once) = vulkan(&["--views", "layers"]) else { return };
     let Some(one_by_one) = vulkan(&["--views", "layers", "--one-by-one"]) else { return };
@@ -147,7 +153,6 @@ fn the_vulkan_example_with_multiview() {
 }
 
 /// Projectors, tables, masks and pictures of black, whose values the first command buffer copies.
-#[test]
 fn the_vulkan_example_with_other_rigs() {
     let masked = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/rigs/masked-fisheye.toml");
     let black = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("black.toml");
@@ -169,7 +174,6 @@ fn the_vulkan_example_with_other_rigs() {
 }
 
 /// Control: when the layer has something to say, it is heard. No device takes so wide an image.
-#[test]
 fn the_validation_layer_is_heard() {
     let Some(finished) = watched("vk_plain", &["--size", "100000x16"]) else { return };
     assert!(finished.messages().contains("VUID-VkImageCreateInfo"), "{}", finished.messages());

@@ -2,7 +2,16 @@
 //! drawing, and windows that are not on the screen are not corrected.
 
 use crate::compare::expect_identical;
+use crate::harness::tests;
 use crate::programs::Run;
+
+tests! {
+    pictures_of_all_dialects_stay_what_they_are,
+    pictures_of_programs_with_odd_state_stay_what_they_are,
+    several_outputs_and_views_that_overlap_stay_what_they_are,
+    windows_that_are_not_on_the_screen_are_not_corrected,
+    a_capture_of_a_window_that_is_not_on_the_screen_is_corrected,
+}
 
 /// The same picture to the byte with and without; the statistics of the run with.
 fn same_picture(program: &str, rig: &str) -> Option<serde_json::Value> {
@@ -23,7 +32,6 @@ fn same_picture_of(size: (usize, usize), program: &str, rig: &str) -> Option<ser
     Some(counts)
 }
 
-#[test]
 fn pictures_of_all_dialects_stay_what_they_are() {
     let dialects = ["immediate", "display_list", "client_arrays", "glsl120", "core330_p_mv", "core330_mvp"];
     let more = ["core330_block", "geometry", "tessellation", "gles2", "gles3", "separable", "cube_dlopen"];
@@ -35,7 +43,6 @@ fn pictures_of_all_dialects_stay_what_they_are() {
     }
 }
 
-#[test]
 fn pictures_of_programs_with_odd_state_stay_what_they_are() {
     let odd =
         ["hud", "text", "state", "occlusion", "feedback", "multisample", "post_process", "scissor", "conditional"];
@@ -44,7 +51,6 @@ fn pictures_of_programs_with_odd_state_stay_what_they_are() {
     }
 }
 
-#[test]
 fn several_outputs_and_views_that_overlap_stay_what_they_are() {
     for program in ["core330_mvp", "immediate"] {
         let Some(counts) = same_picture_of((1200, 480), program, "planetarium-6") else { return };
@@ -52,7 +58,6 @@ fn several_outputs_and_views_that_overlap_stay_what_they_are() {
     }
 }
 
-#[test]
 fn windows_that_are_not_on_the_screen_are_not_corrected() {
     let after = |frames: usize| Run { frames, cupola_frames: frames, ..Run::new("unmapped") }.under("fisheye");
     let (Some(before), Some(back)) = (after(2), after(9)) else { return };
@@ -64,7 +69,6 @@ fn windows_that_are_not_on_the_screen_are_not_corrected() {
     expect_identical(&back.picture("capture.png"), &before.picture("capture.png"), "a window that came back");
 }
 
-#[test]
 fn a_capture_of_a_window_that_is_not_on_the_screen_is_corrected() {
     let frames = |frames| Run { frames, cupola_frames: frames, ..Run::new("unmapped") };
     let (Some(hidden), Some(seen)) = (frames(5).under("fisheye"), frames(9).under("fisheye")) else { return };

@@ -2,8 +2,17 @@
 
 use crate::compare::{compare, expect_good, expect_identical};
 use crate::dialects::shown_by_fisheye;
+use crate::harness::tests;
 use crate::programs::Run;
 use crate::reference::{Fisheye, ProgramCamera};
+
+tests! {
+    preloaded_into_a_program_that_links_gl,
+    preloaded_into_a_program_that_loads_gl_by_dlopen,
+    preloaded_into_a_program_that_uses_egl,
+    a_program_that_is_left_alone_shows_its_own_picture,
+    the_kill_switch_works_under_the_launcher,
+}
 
 /// `LD_PRELOAD` alone gives the domemaster that `cupola run` gives.
 fn preloaded(program: &str) {
@@ -15,17 +24,14 @@ fn preloaded(program: &str) {
     expect_good(&report, &picture, &format!("{program} fisheye preloaded"));
 }
 
-#[test]
 fn preloaded_into_a_program_that_links_gl() {
     preloaded("immediate");
 }
 
-#[test]
 fn preloaded_into_a_program_that_loads_gl_by_dlopen() {
     preloaded("cube_dlopen");
 }
 
-#[test]
 fn preloaded_into_a_program_that_uses_egl() {
     preloaded("gles3");
 }
@@ -35,7 +41,6 @@ const STAY_OUT: [(&str, &str); 3] =
     [("CUPOLA", "0"), ("CUPOLA_RIG", "/no/such/rig.toml"), ("CUPOLA_CAMERA", "zoom=nothing")];
 
 /// The kill switch, and settings that are wrong, leave the program its own picture and exit status.
-#[test]
 fn a_program_that_is_left_alone_shows_its_own_picture() {
     for program in ["immediate", "gles3"] {
         let run = Run { extra: &["--shot", "shot.ppm"], ..Run::new(program) };
@@ -59,7 +64,6 @@ fn a_program_that_is_left_alone_shows_its_own_picture() {
     }
 }
 
-#[test]
 fn the_kill_switch_works_under_the_launcher() {
     let run = Run { extra: &["--shot", "shot.ppm"], ..Run::new("core330_mvp") };
     let (Some(plain), Some(under)) = (run.plain(), Run { environment: &[("CUPOLA", "0")], ..run }.under("fisheye"))

@@ -1,11 +1,26 @@
 //! The rig's file changes while a program runs with it.
 
 use crate::compare::{expect_identical, expect_similar, far};
+use crate::harness::{note, tests};
 use crate::picture::Picture;
 use crate::programs::{Finished, Run, scratch};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;
+
+tests! {
+    ramps_follow_the_file,
+    the_viewer_follows_the_file,
+    ramps_follow_the_file_on_vulkan,
+    scenes_off_screen_follow_the_file_on_vulkan,
+    a_file_with_a_mistake_changes_nothing,
+    methods_that_project_vertices_need_a_new_start,
+    methods_follow_the_file,
+    the_stage_that_divides_follows_the_file,
+    lists_get_views_where_primitives_are_divided_later,
+    methods_follow_the_file_on_vulkan,
+    a_vulkan_window_that_is_not_made_anew_stays_as_it_is,
+}
 
 const RIG: &str =
     "[[output]]\nkind = \"domemaster\"\n[output.blend]\nramps = [{ angle = \"polar\", zero = 90, full = 80 }]\n";
@@ -136,23 +151,19 @@ fn fragment_and_primitive(file: &Path) {
     primitive(file);
 }
 
-#[test]
 fn ramps_follow_the_file() {
     Case::opengl(Run::new("core330_mvp"), "ramps").follows(ramps);
 }
 
-#[test]
 fn the_viewer_follows_the_file() {
     Case::opengl(Run::new("immediate"), "viewer").follows(viewer);
 }
 
-#[test]
 fn ramps_follow_the_file_on_vulkan() {
     Case::vulkan(Run::new("vk_cube"), "vulkan").follows(ramps);
 }
 
 /// Other views: the program makes a new swapchain, and keeps the pictures that it draws its scene to.
-#[test]
 fn scenes_off_screen_follow_the_file_on_vulkan() {
     for way in ["post", "chain", "blit"] {
         let extra = ["--way", way];
@@ -160,7 +171,6 @@ fn scenes_off_screen_follow_the_file_on_vulkan() {
     }
 }
 
-#[test]
 fn a_file_with_a_mistake_changes_nothing() {
     let case = Case::opengl(Run::new("core330_mvp"), "mistake");
     let Some(found) = case.changed_meanwhile(mistake, REFUSED) else { return };
@@ -192,7 +202,6 @@ const NOT_DIVIDED: &str = "primitives are divided after a new start: outputs tha
 const NEXT_SWAPCHAIN: &str = "a window follows when the program makes its next swapchain";
 
 /// Shaders and lists that were made for views know nothing else.
-#[test]
 fn methods_that_project_vertices_need_a_new_start() {
     for change in [vertex as fn(&Path), primitive] {
         let opengl = Case::opengl(Run::new("core330_mvp"), "later");
@@ -208,7 +217,6 @@ fn methods_that_project_vertices_need_a_new_start() {
 }
 
 /// Where vertices are projected from the start, what lies between them may be divided later, with shaders and without.
-#[test]
 fn methods_follow_the_file() {
     for program in ["core330_mvp", "immediate"] {
         let case = Case { start: vertex, ..Case::opengl(Run::new(program), "divided") };
@@ -223,7 +231,6 @@ fn methods_follow_the_file() {
 }
 
 /// By which stage is what the file says now.
-#[test]
 fn the_stage_that_divides_follows_the_file() {
     let case = Case { start: tessellation, ..Case::opengl(Run::new("core330_mvp"), "stage") };
     let Some(found) = case.changed_meanwhile(geometry, FOLLOWED) else { return };
@@ -231,7 +238,7 @@ fn the_stage_that_divides_follows_the_file() {
     let picture = expected.picture("capture.png");
     expect_identical(&found.picture("capture.png"), &picture, "the stage");
     let (differ, worst) = before.picture("capture.png").difference(&picture);
-    println!("{differ} pixels tell the stages apart, the worst by {worst}/255");
+    note(format_args!("{differ} pixels tell the stages apart, the worst by {worst}/255"));
     assert!(differ > 20, "the stages cannot be told apart");
 }
 
@@ -245,7 +252,6 @@ fn there_and_back(case: &Case) -> Option<()> {
 }
 
 /// Lists that the driver compiled before primitives were to be divided cannot be divided: the window gets views.
-#[test]
 fn lists_get_views_where_primitives_are_divided_later() {
     let case = Case { start: vertex, ..Case::opengl(Run::new("display_list"), "lists") };
     let Some(found) = case.changed_meanwhile(primitive, FOLLOWED) else { return };
@@ -262,7 +268,6 @@ fn expect_rounded(found: &Picture, expected: &Picture, what: &str) {
 
 /// A device that was made for division goes to views and back with a new swapchain each time; one that was made for vertices gets
 /// views where primitives are to be divided.
-#[test]
 fn methods_follow_the_file_on_vulkan() {
     let case = |extra, start, name| {
         let run = Run { extra, ..Run::new("vk_scenes") };
@@ -283,7 +288,6 @@ fn methods_follow_the_file_on_vulkan() {
 }
 
 /// A program that makes no new swapchain keeps the picture that it has.
-#[test]
 fn a_vulkan_window_that_is_not_made_anew_stays_as_it_is() {
     let case = Case { start: primitive, ..Case::vulkan(Run::new("vk_cube"), "kept") };
     stays(&case, fragment, NEXT_SWAPCHAIN);

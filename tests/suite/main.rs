@@ -3,6 +3,9 @@
 //! Nothing here uses Cupola's own geometry: [`reference`] computes from a rig's numbers which
 //! direction a pixel shows, on its own. See `docs/testing.md`.
 
+// A test that is in no list.
+#![deny(dead_code)]
+
 mod behaviour;
 mod blending;
 mod cache;
@@ -12,6 +15,8 @@ mod culling;
 mod dialects;
 mod display;
 mod embedding;
+#[path = "../harness/mod.rs"]
+mod harness;
 mod hidden;
 mod injection;
 mod live;
@@ -32,3 +37,33 @@ mod vulkan_primitives;
 mod vulkan_queries;
 mod vulkan_vertices;
 mod wayland;
+
+harness::tests! {
+    ; modules
+    behaviour,
+    blending,
+    cache,
+    controls,
+    culling,
+    dialects,
+    embedding,
+    hidden,
+    injection,
+    live,
+    offscreen,
+    outlines,
+    random_order,
+    semantics,
+    steady,
+    vertices,
+    vulkan,
+    vulkan_others,
+    vulkan_primitives,
+    vulkan_queries,
+    vulkan_vertices,
+    wayland,
+}
+
+fn main() -> std::process::ExitCode {
+    harness::run(tests())
+}

@@ -2,8 +2,27 @@
 
 use crate::compare::{EDGE, Limits, TOLERANCE, compare, compare_with, expect_good};
 use crate::dialects::{camera_of, fisheye, identity, plain, planetarium, shown_by_fisheye, shown_by_window};
+use crate::harness::tests;
 use crate::programs::{Finished, Run};
 use crate::reference::{Fisheye, cube_colour, cube_face};
+
+tests! {
+    a_program_with_its_own_fbo,
+    a_multisampled_window_of_a_program_with_its_own_fbo,
+    an_own_fbo_that_is_read_back,
+    a_program_with_post_processing,
+    a_toolkit_s_two_contexts,
+    duplication_can_be_switched_off_and_forced,
+    samples_that_are_resolved,
+    depth_and_several_attachments,
+    a_pass_that_asks_where_on_the_screen_it_is,
+    sizes_other_than_the_window_s,
+    smaller_pictures_of_the_scene,
+    copies_into_textures,
+    attachments_and_textures_that_change,
+    old_and_new_entry_points,
+    a_flat_scene_is_found_wrong,
+}
 
 const CIRCLE: Fisheye = Fisheye { width: 256.0, height: 256.0, aperture: 180.0, tilt: 90.0 };
 
@@ -31,7 +50,6 @@ fn sharp(mode: &str) {
 
 /// What a program draws into an FBO of its own and then shows, by a copy or by a textured quad, is a scene for
 /// every view. GLES 2 shows it by a quad without filtering.
-#[test]
 fn a_program_with_its_own_fbo() {
     for program in ["immediate", "client_arrays", "glsl120", "core330_mvp", "core330_block", "gles2", "gles3"] {
         fisheye(program, &["--fbo"]);
@@ -44,14 +62,12 @@ fn a_program_with_its_own_fbo() {
 }
 
 /// A multisampled window shows it as well.
-#[test]
 fn a_multisampled_window_of_a_program_with_its_own_fbo() {
     fisheye("immediate", &["--fbo", "--samples", "4"]);
     fisheye("post_process", &["--samples", "4"]);
 }
 
 /// What a program reads back is its own picture, also while the dome shows each view's.
-#[test]
 fn an_own_fbo_that_is_read_back() {
     let run = Run { extra: &["--fbo", "--dump", "dump.ppm"], ..Run::new("core330_mvp") };
     let Some(finished) = run.under("fisheye") else { return };
@@ -69,7 +85,6 @@ fn an_own_fbo_that_is_read_back() {
 }
 
 /// A chain of passes: the scene, a change of its colours, and the window; a shadow map besides stays single.
-#[test]
 fn a_program_with_post_processing() {
     plain("post_process");
     fisheye("post_process", &[]);
@@ -85,7 +100,6 @@ fn a_program_with_post_processing() {
 }
 
 /// A context without a window draws the scene, another one composes the window of it.
-#[test]
 fn a_toolkit_s_two_contexts() {
     plain("toolkit");
     fisheye("toolkit", &[]);
@@ -98,7 +112,6 @@ fn a_toolkit_s_two_contexts() {
 }
 
 /// The user's word goes before what is seen.
-#[test]
 fn duplication_can_be_switched_off_and_forced() {
     let run = Run { cupola: &["--duplicate", "never"], ..Run::new("post_process") };
     let Some(finished) = run.under("fisheye") else { return };
@@ -111,26 +124,22 @@ fn duplication_can_be_switched_off_and_forced() {
     assert_eq!(statistics["duplicated_draws"].as_u64(), Some(6), "{statistics:#}");
 }
 
-#[test]
 fn samples_that_are_resolved() {
     sharp("resolve");
     sharp("resolve_to_window");
     sharp("samples");
 }
 
-#[test]
 fn depth_and_several_attachments() {
     sharp("depth");
     sharp("apart");
 }
 
 /// A pass over the scene that finds what it lights by its place on the screen.
-#[test]
 fn a_pass_that_asks_where_on_the_screen_it_is() {
     sharp("light");
 }
 
-#[test]
 fn sizes_other_than_the_window_s() {
     passes("bloom", BLURRED_EDGE, &[]);
     passes("twice", SUPERSAMPLED, &[]);
@@ -138,12 +147,10 @@ fn sizes_other_than_the_window_s() {
     sharp("rectangle");
 }
 
-#[test]
 fn smaller_pictures_of_the_scene() {
     passes("mipmap", BLURRED_EDGE, &[]);
 }
 
-#[test]
 fn copies_into_textures() {
     sharp("copied");
     sharp("copied_window");
@@ -155,13 +162,11 @@ fn copies_into_textures() {
 }
 
 /// A texture that is specified anew is learnt anew, which takes a frame; the last of six is beyond it.
-#[test]
 fn attachments_and_textures_that_change() {
     sharp("attached_again");
     sharp("respecified");
 }
 
-#[test]
 fn old_and_new_entry_points() {
     fisheye("ext_framebuffer", &[]);
     sharp("blit");
@@ -169,7 +174,6 @@ fn old_and_new_entry_points() {
 }
 
 /// The comparison sees a scene that is flat, whichever way it is shown.
-#[test]
 fn a_flat_scene_is_found_wrong() {
     for mode in ["plain", "blit", "copied"] {
         let run = Run { extra: &["--mode", mode], cupola: &["--duplicate", "never"], ..Run::new("passes") };

@@ -1,8 +1,13 @@
 //! Wide points and lines stay in their view: what is lit lies near what was drawn there.
 
+use crate::harness::tests;
 use crate::picture::Picture;
 use crate::programs::Run;
 use crate::reference::{Fisheye, Vector, dot};
+
+tests! {
+    what_is_wider_than_the_gutter_is_cut_at_its_tile,
+}
 
 /// Number i of `tests/apps/outlines.c`: where it is, and its colour.
 fn marks() -> Vec<(Vector, [f64; 3])> {
@@ -40,7 +45,6 @@ fn stray(picture: &Picture, apart: f64) -> (usize, usize) {
 /// Half a mark's diagonal: 43 texels of a view, of which 100 are a radian at 256 × 256, and some for its distance.
 const APART: f64 = 30.0;
 
-#[test]
 fn what_is_wider_than_the_gutter_is_cut_at_its_tile() {
     let run = Run { yaw: 0.0, pitch: 0.0, ..Run::new("outlines") };
     let Some(finished) = run.under("fisheye") else { return };

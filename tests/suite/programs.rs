@@ -1,9 +1,9 @@
 //! Builds the C programs and runs them, plainly and under `cupola run`.
 
 use crate::display::{self, Compositor, Display, Place};
+use crate::harness::{missing, note};
 use crate::picture::Picture;
 use std::collections::BTreeSet;
-use std::io::Write;
 use std::os::unix::process::CommandExt;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
@@ -188,7 +188,7 @@ impl Run<'_> {
     }
 }
 
-/// Runs a program of the system under `cupola run`. `None`, with a visible line, where it is not installed, and
+/// Runs a program of the system under `cupola run`. `None` where it is not installed, and
 /// where there is no display.
 pub fn installed(program: &str, arguments: &[&str], rig: &str, cupola: &[&str]) -> Option<Finished> {
     installed_on(display::get()?, program, arguments, rig, cupola)
@@ -253,13 +253,12 @@ pub fn resized(rig: Option<&str>, sizes: &str, program: &[&str]) -> Option<Finis
     Some(finished)
 }
 
-/// Whether a program of the system is there; with a visible line where it is not.
+/// Whether a program of the system is there.
 fn is_installed(program: &str) -> bool {
     let folders = std::env::var_os("PATH").unwrap_or_default();
     let installed = std::env::split_paths(&folders).any(|folder| folder.join(program).is_file());
     if !installed {
-        // Past the test harness, which would swallow a print of a passing test.
-        let _ = writeln!(std::io::stderr(), "SKIP: {program} is not installed");
+        missing(format_args!("{program} is not installed"));
     }
     installed
 }
@@ -294,21 +293,18 @@ pub fn embedding_of_first_version(program: &str, arguments: &[&str]) -> Option<F
     Finished::of(command, program, "embedding, 0.1")
 }
 
-/// Builds the Vulkan programs of `sources` into `folder`. `None`, with a visible line, where they cannot be built or
-/// watched over.
-fn build_vulkan(sources: &str, folder: &str, settings: &[&str]) -> Option<PathBuf> {
+/// Builds the Vulkan programs of `sources` into `folder`; fails with what is missing to build or to watch over them.
+fn build_vulkan(sources: &str, folder: &str, settings: &[&str]) -> Result<PathBuf, &'static str> {
     let directory = Path::new(env!("CARGO_TARGET_TMPDIR")).join(folder);
     let layers = Path::new("/usr/share/vulkan/explicit_layer.d/VkLayer_khronos_validation.json");
-    let missing = [
+    let needed = [
         (!layers.exists(), "the validation layer (Debian: vulkan-validationlayers)"),
         (Command::new("glslangValidator").arg("-v").output().is_err(), "glslangValidator (glslang-tools)"),
         (!Path::new("/usr/include/vulkan/vulkan.h").exists(), "Vulkan's headers (libvulkan-dev)"),
         (!Path::new("/usr/include/X11/extensions/Xdamage.h").exists(), "X's headers for damages (libxdamage-dev)"),
     ];
-    if let Some((_, what)) = missing.iter().find(|(missing, _)| *missing) {
-        assert!(std::env::var_os("CUPOLA_REQUIRE_GL").is_none(), "there is no {what}");
-        let _ = writeln!(std::io::stderr(), "SKIP: Vulkan's C programs, there is no {what}");
-        return None;
+    if let Some((_, what)) = needed.iter().find(|(missing, _)| *missing) {
+        return Err(what);
     }
     let output = Command::new("make")
         .args(["-s", "-C", &format!("{}/{sources}", env!("CARGO_MANIFEST_DIR")), "vulkan"])
@@ -319,19 +315,25 @@ fn build_vulkan(sources: &str, folder: &str, settings: &[&str]) -> Option<PathBu
         .expect("make can be started");
     let words = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "the Vulkan programs of {sources} do not build:\n{words}");
-    Some(directory)
+    Ok(directory)
+}
+
+/// The folder, if it was built.
+fn available(built: &'static Result<PathBuf, &str>) -> Option<&'static Path> {
+    let refused = |what: &&&str| missing(format_args!("no {what}"));
+    built.as_deref().inspect_err(refused).ok()
 }
 
 /// The folder of the built Vulkan examples.
 fn vulkan_examples() -> Option<&'static Path> {
-    static BUILT: OnceLock<Option<PathBuf>> = OnceLock::new();
-    BUILT.get_or_init(|| build_vulkan("examples/c", "c-examples", &[])).as_deref()
+    static BUILT: OnceLock<Result<PathBuf, &str>> = OnceLock::new();
+    available(BUILT.get_or_init(|| build_vulkan("examples/c", "c-examples", &[])))
 }
 
 /// The folder of the built Vulkan test programs.
 fn vulkan_apps() -> Option<&'static Path> {
-    static BUILT: OnceLock<Option<PathBuf>> = OnceLock::new();
-    BUILT.get_or_init(|| build_vulkan("tests/apps/vulkan", "apps-vulkan", &[])).as_deref()
+    static BUILT: OnceLock<Result<PathBuf, &str>> = OnceLock::new();
+    available(BUILT.get_or_init(|| build_vulkan("tests/apps/vulkan", "apps-vulkan", &[])))
 }
 
 /// The validation layer watches over synchronisation, too.
@@ -367,8 +369,8 @@ pub fn validated(program: &str, arguments: &[&str]) -> Option<Finished> {
 
 /// As [`validated`], for an example that was compiled with the headers of the first published version.
 pub fn validated_of_first_version(program: &str, arguments: &[&str]) -> Option<Finished> {
-    static BUILT: OnceLock<Option<PathBuf>> = OnceLock::new();
-    let folder = BUILT.get_or_init(|| build_vulkan("examples/c", "c-examples-0.1", &[FIRST_HEADERS])).as_deref()?;
+    static BUILT: OnceLock<Result<PathBuf, &str>> = OnceLock::new();
+    let folder = available(BUILT.get_or_init(|| build_vulkan("examples/c", "c-examples-0.1", &[FIRST_HEADERS])))?;
     Some(watched_in(folder, program, arguments)?.expect_success().expect_no_validation_messages())
 }
 
@@ -450,7 +452,7 @@ impl Finished {
     /// the second by no more than a set of atlases.
     pub fn expect_flat_memory(&self, file: &str, count: usize) {
         let pages: Vec<u64> = self.text(file).lines().map(|line| line.parse().expect("a number of pages")).collect();
-        println!("{}: resident pages: {pages:?}", self.what);
+        note(format_args!("{}: resident pages: {pages:?}", self.what));
         assert_eq!(pages.len(), count, "{}", self.what);
         let quarter = count / 4;
         let (early, late) = (pages[quarter..2 * quarter].iter().max(), pages[count - quarter..].iter().max());

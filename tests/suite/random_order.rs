@@ -1,7 +1,15 @@
 //! OpenGL in random order: a program is told under Cupola, to the letter, what it is told without.
 
 use crate::compare::expect_identical;
+use crate::harness::tests;
 use crate::programs::{Finished, Run};
+
+tests! {
+    the_program_s_own_picture_and_state,
+    with_views_besides,
+    arrays_that_change_between_draws,
+    another_seed_gets_other_answers,
+}
 
 /// The answers that a program of random calls gets without Cupola and under `rig`.
 fn answers(seed: &str, rig: &str) -> Option<[String; 2]> {
@@ -23,7 +31,6 @@ fn expect_same(seed: u32, rig: &str) {
     assert_eq!(plain.lines().count(), under.lines().count(), "seed {seed}, {rig}: one has more answers");
 }
 
-#[test]
 fn the_program_s_own_picture_and_state() {
     // 13 copies pixels while it blends, in a window that can do sRGB; in 20 and 36 a raster position in light takes a colour
     // that the material follows, in 25 the range of depths changes after it, and lists set state after what they draw at it; in 261 the projection changes.
@@ -32,7 +39,6 @@ fn the_program_s_own_picture_and_state() {
     }
 }
 
-#[test]
 fn with_views_besides() {
     // 25 and 31 as above; in 56 two errors come before the program asks for one; in 99 a list's colours change the material.
     for seed in (21..=23).chain([25, 31, 56, 99]) {
@@ -43,7 +49,6 @@ fn with_views_besides() {
 
 /// Vertex arrays are changed by calls of every kind between draws. Who takes a draw for one from what was set before leaves it
 /// out of views that show it.
-#[test]
 fn arrays_that_change_between_draws() {
     for seed in [1, 2, 3, 4, 5, 6, 7, 9, 10, 17] {
         let seed = seed.to_string();
@@ -71,7 +76,6 @@ fn arrays_that_change_between_draws() {
     }
 }
 
-#[test]
 fn another_seed_gets_other_answers() {
     let [Some([one, _]), Some([other, _])] = ["1", "2"].map(|seed| answers(seed, "identity")) else { return };
     assert_ne!(one, other);

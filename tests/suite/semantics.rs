@@ -1,6 +1,25 @@
 //! What OpenGL promises a program beyond pictures with a swap, where drawing each view might break it.
 
+use crate::harness::tests;
 use crate::programs::Run;
+
+tests! {
+    transform_feedback_records_a_draw_once,
+    a_pipeline_of_separable_programs,
+    names_that_a_program_never_asked_for_are_free,
+    a_window_with_one_buffer_shows_what_one_with_two_shows,
+    the_window_by_its_name_and_our_uniform_by_none,
+    a_window_that_is_swapped_while_another_is_current,
+    ways_to_set_colours_and_corners,
+    attributes_after_the_last_vertex,
+    a_condition_that_is_open_across_a_swap_holds_for_the_program_only,
+    a_full_stack_of_attributes_stays_full,
+    the_accumulation_buffer_is_that_of_every_view,
+    a_lens_in_memory_that_stays_mapped,
+    two_contexts_draw_one_picture,
+    a_swap_without_a_current_context_is_a_frame,
+    a_frame_asks_the_x_server_once,
+}
 
 /// Runs a program that judges itself, plainly and under several rigs.
 fn judges_itself(program: &str) {
@@ -21,23 +40,19 @@ fn judges_itself_with(program: &str, extra: &[&str]) {
     }
 }
 
-#[test]
 fn transform_feedback_records_a_draw_once() {
     judges_itself("feedback");
 }
 
-#[test]
 fn a_pipeline_of_separable_programs() {
     judges_itself("separable");
     crate::dialects::fisheye("separable", &[]);
 }
 
-#[test]
 fn names_that_a_program_never_asked_for_are_free() {
     judges_itself("own_names");
 }
 
-#[test]
 fn a_window_with_one_buffer_shows_what_one_with_two_shows() {
     let shots = [&["--shot", "shot.ppm"][..], &["--shot", "shot.ppm", "--single"]].map(|extra| {
         // The program itself ends, after its shot; Cupola would end it before.
@@ -48,56 +63,46 @@ fn a_window_with_one_buffer_shows_what_one_with_two_shows() {
     assert_eq!(double.difference(&single), (0, 0));
 }
 
-#[test]
 fn the_window_by_its_name_and_our_uniform_by_none() {
     judges_itself("direct_state");
 }
 
-#[test]
 fn a_window_that_is_swapped_while_another_is_current() {
     judges_itself("one_context");
 }
 
-#[test]
 fn ways_to_set_colours_and_corners() {
     crate::dialects::plain("immediate_ways");
     crate::dialects::fisheye("immediate_ways", &[]);
     judges_itself("immediate_ways");
 }
 
-#[test]
 fn attributes_after_the_last_vertex() {
     judges_itself("trailing_attribute");
 }
 
-#[test]
 fn a_condition_that_is_open_across_a_swap_holds_for_the_program_only() {
     crate::dialects::fisheye("conditional", &[]);
     judges_itself("conditional");
 }
 
-#[test]
 fn a_full_stack_of_attributes_stays_full() {
     judges_itself("attribute_stack");
 }
 
-#[test]
 fn the_accumulation_buffer_is_that_of_every_view() {
     crate::dialects::fisheye("accumulate", &["--accumulation"]);
     judges_itself_with("accumulate", &["--accumulation"]);
 }
 
-#[test]
 fn a_lens_in_memory_that_stays_mapped() {
     crate::dialects::fisheye("core440_mapped", &[]);
 }
 
-#[test]
 fn two_contexts_draw_one_picture() {
     crate::dialects::fisheye("two_contexts", &[]);
 }
 
-#[test]
 fn a_swap_without_a_current_context_is_a_frame() {
     crate::dialects::fisheye("no_context", &[]);
 }
@@ -108,7 +113,6 @@ fn requests(words: &str) -> Option<u32> {
 }
 
 /// One question, for size and visibility: Xlib sends its two requests together and waits once.
-#[test]
 fn a_frame_asks_the_x_server_once() {
     const QUESTION: u32 = 2;
     let run = Run { frames: 5, cupola_frames: 6, ..Run::new("requests") };

@@ -3,8 +3,21 @@
 //! `tests/apps/preload/allocations.c` counts the calls of malloc and its kin that come from Cupola's library, in
 //! frames 20…199; `tests/apps/preload/calls.c` counts calls of OpenGL between Cupola and the driver.
 
+use crate::harness::tests;
 use crate::programs::{Finished, Run, embedding, preload, scratch};
 use std::collections::BTreeMap;
+
+tests! {
+    fixed_function_programs,
+    programs_with_shaders,
+    gles_programs,
+    scenes_that_are_drawn_off_screen,
+    several_projectors,
+    the_c_interface,
+    a_frame_that_is_not_steady_is_seen,
+    draws_ask_for_nothing,
+    no_call_is_made_for_nothing,
+}
 
 const FRAMES: usize = 200;
 
@@ -42,7 +55,6 @@ fn steady(program: &str, extra: &[&str], rig: &str) {
     assert_eq!(linked(&finished), early, "{program} {extra:?} {rig}: shaders are linked in steady frames");
 }
 
-#[test]
 fn fixed_function_programs() {
     for program in
         ["immediate", "immediate_ways", "display_list", "client_arrays", "draws", "rectangles", "hud", "text"]
@@ -51,7 +63,6 @@ fn fixed_function_programs() {
     }
 }
 
-#[test]
 fn programs_with_shaders() {
     for program in ["glsl120", "core330_p_mv", "core330_mvp", "core330_block", "geometry", "tessellation"] {
         steady(program, &[], "fisheye");
@@ -59,26 +70,22 @@ fn programs_with_shaders() {
     steady("core330_mvp", &["--samples", "4"], "fisheye");
 }
 
-#[test]
 fn gles_programs() {
     steady("gles2", &[], "fisheye");
     steady("gles3", &[], "fisheye");
 }
 
-#[test]
 fn scenes_that_are_drawn_off_screen() {
     steady("core330_mvp", &["--fbo"], "fisheye");
     steady("immediate", &["--fbo"], "fisheye");
     steady("post_process", &[], "fisheye");
 }
 
-#[test]
 fn several_projectors() {
     steady("immediate", &[], "planetarium-6");
     steady("core330_block", &[], "planetarium-6");
 }
 
-#[test]
 fn the_c_interface() {
     let environment = [("LD_PRELOAD", &*preload("allocations")), ("STEADY_REPORT", "steady.txt")];
     let Some(finished) = embedding("embed", &["96", "0", "0", "200"], &environment) else { return };
@@ -87,7 +94,6 @@ fn the_c_interface() {
 }
 
 /// A window that changes its size now and then is planned anew each time: the counter must see it.
-#[test]
 fn a_frame_that_is_not_steady_is_seen() {
     let Some(finished) = counted("resize", &[], "fisheye") else { return };
     let (number, text) = allocations(&finished);
@@ -127,7 +133,6 @@ fn calls_per_frame(program: &str, rig: &str) -> Option<BTreeMap<String, u64>> {
 }
 
 /// Vertex arrays are asked about once, not in each draw; so are switches, masks and the like, not in each frame.
-#[test]
 fn draws_ask_for_nothing() {
     // The first has 136 draws in a frame, the second eight, with five changes of the matrices; the last sets its arrays for each draw.
     for (program, most) in [("positions", 16), ("fixed_buffers", 24), ("hud", 26), ("client_arrays", 23)] {
@@ -142,7 +147,6 @@ fn draws_ask_for_nothing() {
     }
 }
 
-#[test]
 fn no_call_is_made_for_nothing() {
     for (program, most) in [("core330_mvp", 95), ("immediate", 370)] {
         let Some(plain) = calls_per_frame(program, "identity") else { return };

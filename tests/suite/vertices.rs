@@ -2,16 +2,36 @@
 
 use crate::compare::{Shown, compare, expect_good, expect_identical, expect_points, far};
 use crate::dialects::{camera_of, shown_by_fisheye};
+use crate::harness::{note, tests};
 use crate::picture::Picture;
 use crate::programs::{Finished, Run, scratch};
 use crate::projected::{CIRCLE, Projectors, against_the_map, on_opengl, run};
 use crate::reference::{Fisheye, Vector, dot};
 
+tests! {
+    fine_triangles_are_where_the_exact_map_has_them,
+    large_triangles_stay_straight_between_their_vertices,
+    points_are_where_the_exact_map_has_them,
+    every_projector_gets_its_own_pass_and_blends,
+    the_fixed_function_pipeline_s_vertices_are_where_the_exact_map_has_them,
+    what_stands_in_for_the_pipeline_lights_as_it_does,
+    other_programs_get_views,
+    divided_triangles_are_where_the_exact_map_has_them,
+    tessellated_primitives_are_where_the_exact_map_has_them,
+    the_processor_divides_what_goes_through_the_fixed_function_pipeline,
+    triangles_around_the_antipode_are_not_smeared,
+    what_is_not_divided_far_enough_is_counted,
+    what_is_not_counted_is_not_said_to_be_nothing,
+    divided_triangles_are_right_for_every_projector,
+    the_first_read_is_the_program_s_own_picture,
+    the_measured_error_follows_the_bound,
+    a_greater_error_is_cheaper_and_worse,
+}
+
 fn fisheye(run: &Run) -> Option<Finished> {
     on_opengl(run, "fisheye")
 }
 
-#[test]
 fn fine_triangles_are_where_the_exact_map_has_them() {
     let cupola = ["--method", "vertex"];
     for mode in ["triangles", "ball"] {
@@ -26,7 +46,6 @@ fn fine_triangles_are_where_the_exact_map_has_them() {
 }
 
 /// What the paper says of the method, and what tells that the comparer would notice.
-#[test]
 fn large_triangles_stay_straight_between_their_vertices() {
     let run = run("core330_mvp", &[], &["--method", "vertex"]);
     let Some(finished) = fisheye(&run) else { return };
@@ -34,7 +53,6 @@ fn large_triangles_stay_straight_between_their_vertices() {
     assert!(report.wrong > report.compared / 4, "{} of {} pixels are wrong", report.wrong, report.compared);
 }
 
-#[test]
 fn points_are_where_the_exact_map_has_them() {
     let extra = ["--mode", "points"];
     let run = run("fine", &extra, &["--method", "vertex"]);
@@ -43,7 +61,6 @@ fn points_are_where_the_exact_map_has_them() {
     expect_points(&picture, [0; 3], shown_by_fisheye(CIRCLE, camera_of(&run)));
 }
 
-#[test]
 fn every_projector_gets_its_own_pass_and_blends() {
     let projectors = Projectors::new();
     let vertex = run("fine", &[], &["--method", "vertex"]);
@@ -55,7 +72,6 @@ fn every_projector_gets_its_own_pass_and_blends() {
 }
 
 /// By Begin/End, lists, arrays in memory and in buffers.
-#[test]
 fn the_fixed_function_pipeline_s_vertices_are_where_the_exact_map_has_them() {
     for mode in ["triangles", "list", "arrays", "buffers"] {
         let extra = ["--mode", mode];
@@ -69,7 +85,6 @@ fn the_fixed_function_pipeline_s_vertices_are_where_the_exact_map_has_them() {
 }
 
 /// Lights, materials, fog, generated texture coordinates, clip planes: as the pipeline itself has them.
-#[test]
 fn what_stands_in_for_the_pipeline_lights_as_it_does() {
     let start = |mode: &str, method: &str| {
         let (extra, cupola) = (["--mode", mode], ["--method", method]);
@@ -88,7 +103,6 @@ fn what_stands_in_for_the_pipeline_lights_as_it_does() {
 }
 
 /// What cannot be served is shown as without the method, and the log says why.
-#[test]
 fn other_programs_get_views() {
     // A geometry stage of its own, and materials that change between vertices.
     for program in ["geometry", "immediate_ways"] {
@@ -115,7 +129,6 @@ fn divided(program: &str, extra: &[&str], method: &str) -> Option<Finished> {
 }
 
 /// Large triangles that are divided, whatever the shaders that draw them look like.
-#[test]
 fn divided_triangles_are_where_the_exact_map_has_them() {
     for program in ["core330_mvp", "core330_block", "glsl120"] {
         if divided(program, &[], "primitive").is_none() {
@@ -125,7 +138,6 @@ fn divided_triangles_are_where_the_exact_map_has_them() {
 }
 
 /// By tessellation shaders, where the primitives' vertices are their own; quadrilaterals of compatibility contexts, too.
-#[test]
 fn tessellated_primitives_are_where_the_exact_map_has_them() {
     let cases: [(&str, &[&str]); 4] =
         [("core330_mvp", &[]), ("glsl120", &[]), ("core330_block", &[]), ("fixed_fine", &["--mode", "buffers"])];
@@ -137,7 +149,6 @@ fn tessellated_primitives_are_where_the_exact_map_has_them() {
 
 /// Triangles, quadrilaterals and strips of the fixed-function pipeline: by Begin/End, in lists, from arrays. No geometry
 /// stage takes all of them, the processor does.
-#[test]
 fn the_processor_divides_what_goes_through_the_fixed_function_pipeline() {
     for program in ["immediate", "display_list", "client_arrays"] {
         if divided(program, &[], "primitive").is_none() {
@@ -147,7 +158,6 @@ fn the_processor_divides_what_goes_through_the_fixed_function_pipeline() {
 }
 
 /// A lens that shows what is behind: triangles around the antipode of its axis are not smeared over the picture.
-#[test]
 fn triangles_around_the_antipode_are_not_smeared() {
     let aperture = 240.0;
     let file = scratch("rig").join("wide.toml");
@@ -162,7 +172,6 @@ fn triangles_around_the_antipode_are_not_smeared() {
 }
 
 /// Of the sphere around the antipode no stage can make enough parts: that is counted. The processor can.
-#[test]
 fn what_is_not_divided_far_enough_is_counted() {
     let file = scratch("rig").join("whole.toml");
     std::fs::write(&file, "[[output]]\nkind = \"domemaster\"\naperture = 360\ntilt = 90\n")
@@ -184,7 +193,6 @@ fn what_is_not_divided_far_enough_is_counted() {
 }
 
 /// Before OpenGL 4.2 no shader counts: nobody says that there is nothing to count.
-#[test]
 fn what_is_not_counted_is_not_said_to_be_nothing() {
     for (version, counts) in [("4.5", true), ("4.1", false)] {
         let environment = [("MESA_GL_VERSION_OVERRIDE", version)];
@@ -196,7 +204,6 @@ fn what_is_not_counted_is_not_said_to_be_nothing() {
     }
 }
 
-#[test]
 fn divided_triangles_are_right_for_every_projector() {
     let projectors = Projectors::new();
     let run = run("core330_mvp", &[], &["--method", "primitive,max_error=0.25"]);
@@ -205,7 +212,6 @@ fn divided_triangles_are_right_for_every_projector() {
 }
 
 /// What a program reads before anything was drawn for it comes from the outputs' pictures: colours, depths, stencils.
-#[test]
 fn the_first_read_is_the_program_s_own_picture() {
     let judged = Run { frames: 4, cupola_frames: 4, cupola: &["--method", "primitive"], ..Run::new("first_depth") };
     if fisheye(&judged).is_none() {
@@ -270,7 +276,6 @@ fn displaced(picture: &Picture, shown: impl Fn(f64, f64) -> Shown) -> (f64, usiz
 }
 
 /// Edges are no farther from where they should be than was asked for, whatever divides.
-#[test]
 fn the_measured_error_follows_the_bound() {
     let circle = Fisheye { width: 1024.0, height: 1024.0, ..CIRCLE };
     let measured = |method: &str| {
@@ -283,7 +288,7 @@ fn the_measured_error_follows_the_bound() {
         let mut last = 0.0;
         for bound in [0.25, 0.5, 1.0, 2.0, 4.0] {
             let Some((worst, count)) = measured(&format!("{method},max_error={bound}")) else { return };
-            println!("{method}, {bound} px allowed: {worst:.3} px, {count} pixels");
+            note(format_args!("{method}, {bound} px allowed: {worst:.3} px, {count} pixels"));
             // Rasterisers place corners on a grid of 1/256 pixel.
             assert!(worst <= bound + 0.01, "{method}, {bound} px: {worst} px");
             assert!(worst >= 0.5 * last, "a greater error is made use of");
@@ -296,7 +301,6 @@ fn the_measured_error_follows_the_bound() {
 }
 
 /// The error that is allowed is the error that is made, more or less; and what has no room left is counted.
-#[test]
 fn a_greater_error_is_cheaper_and_worse() {
     let worst = |max_error: &str| {
         let method = format!("primitive,max_error={max_error}");

@@ -3,10 +3,40 @@
 
 use crate::compare::{compare, compare_with, expect_good, expect_identical, expect_similar};
 use crate::dialects::{CAMERAS, camera_of, planetarium_of, shown_by_fisheye, shown_by_window};
+use crate::harness::tests;
 use crate::picture::Picture;
 use crate::programs::Run;
 use crate::reference::{Fisheye, Vector, cube_colour, cube_face};
-use std::io::Write;
+
+tests! {
+    the_cube_without_cupola,
+    every_way_of_drawing_fills_the_dome,
+    every_lens_and_turn,
+    six_projectors,
+    identity_changes_no_byte,
+    identity_captured_loses_nothing,
+    a_lens_that_the_rig_gives,
+    an_srgb_swapchain,
+    as_with_opengl,
+    flat_drawing_over_and_behind_the_scene,
+    a_program_that_reads_the_window_is_shown_flat,
+    scenes_that_are_drawn_off_screen,
+    scenes_off_screen_from_the_first_frame_on,
+    scenes_off_screen_with_the_programs_own_lens,
+    a_scene_off_screen_that_is_read,
+    six_projectors_of_scenes_off_screen,
+    scenes_off_screen_that_stay_flat,
+    a_window_that_is_read,
+    the_newest_ways_to_present,
+    pipelines_that_are_linked,
+    programs_that_stay_flat_say_why,
+    passes_of_two_subpasses,
+    a_part_of_the_window,
+    the_window_is_resized,
+    many_sizes_leave_nothing_behind,
+    the_panel_is_where_the_angles_say,
+    what_is_out_of_sight_is_not_drawn,
+}
 
 /// The ways in which the cube is drawn: how its pass begins, where its matrix is, and what else programs do.
 const WAYS: [&[&str]; 12] = [
@@ -31,7 +61,6 @@ fn run<'a>(extra: &'a [&'a str], (fov, yaw, pitch): (f64, f64, f64)) -> Run<'a> 
 }
 
 /// Without Cupola the program draws what the reference says that it draws, in every way.
-#[test]
 fn the_cube_without_cupola() {
     for way in WAYS {
         let extra = [way, &["--shot", "shot.ppm"]].concat();
@@ -44,7 +73,6 @@ fn the_cube_without_cupola() {
 }
 
 /// However it is written: each pixel of the domemaster shows its direction, and nothing is flat.
-#[test]
 fn every_way_of_drawing_fills_the_dome() {
     for (index, way) in WAYS.into_iter().enumerate() {
         let run = run(way, CAMERAS[index % CAMERAS.len()]);
@@ -58,7 +86,6 @@ fn every_way_of_drawing_fills_the_dome() {
     }
 }
 
-#[test]
 fn every_lens_and_turn() {
     for camera in CAMERAS {
         let run = run(&["--shot", "shot.ppm"], camera);
@@ -69,14 +96,12 @@ fn every_lens_and_turn() {
     }
 }
 
-#[test]
 fn six_projectors() {
     for way in &WAYS[..4] {
         planetarium_of("vk_cube", way, Run::vulkan_under);
     }
 }
 
-#[test]
 fn identity_changes_no_byte() {
     for way in &WAYS[..6] {
         let extra = [way, &["--shot", "shot.ppm"][..]].concat();
@@ -88,7 +113,6 @@ fn identity_changes_no_byte() {
 }
 
 /// The program's own lens through atlas and correction: byte for byte the window's picture.
-#[test]
 fn identity_captured_loses_nothing() {
     for (way, camera) in [WAYS[0], WAYS[3], WAYS[5]].into_iter().zip(CAMERAS) {
         let extra = [way, &["--shot", "shot.ppm"][..]].concat();
@@ -100,13 +124,11 @@ fn identity_captured_loses_nothing() {
 }
 
 /// A shader that has no matrix: the rig says what the program's lens is, and without it the picture is flat.
-#[test]
 fn a_lens_that_the_rig_gives() {
     crate::dialects::given_lens("vulkan", &run(&["--columns"], CAMERAS[1]), Run::vulkan_under);
 }
 
 /// Images that encode what is written to them.
-#[test]
 fn an_srgb_swapchain() {
     let run = run(&["--srgb"], CAMERAS[1]);
     let Some(finished) = run.vulkan_under("fisheye") else { return };
@@ -120,7 +142,6 @@ fn an_srgb_swapchain() {
 }
 
 /// The same scene and rig with OpenGL: the pictures differ by rounding.
-#[test]
 fn as_with_opengl() {
     let vulkan = run(&[], CAMERAS[1]);
     let opengl = Run { program: "core330_mvp", ..vulkan.clone() };
@@ -130,7 +151,6 @@ fn as_with_opengl() {
 }
 
 /// What is drawn flat after the scene lies on the panel, in front of it; what is drawn before it lies behind.
-#[test]
 fn flat_drawing_over_and_behind_the_scene() {
     for way in [&["--matrix", "push"][..], &["--matrix", "dynamic", "--pass", "dynamic"], &["--matrix", "pushed"]] {
         let over = [way, &["--flat", "over"]].concat();
@@ -149,7 +169,6 @@ fn flat_drawing_over_and_behind_the_scene() {
 }
 
 /// What cannot be followed is shown flat, and the reason is told.
-#[test]
 fn a_program_that_reads_the_window_is_shown_flat() {
     let run = run(&["--copy-window"], CAMERAS[1]);
     let Some(finished) = run.vulkan_under("fisheye") else { return };
@@ -163,7 +182,6 @@ fn scenes<'a>(extra: &'a [&'a str]) -> Run<'a> {
 }
 
 /// A scene that reaches the window through pictures of the program's own is drawn for each view, however it is shown.
-#[test]
 fn scenes_that_are_drawn_off_screen() {
     for way in ["post", "chain", "passes", "blit", "resolve"] {
         let extra = ["--way", way];
@@ -180,7 +198,6 @@ fn scenes_that_are_drawn_off_screen() {
 }
 
 /// By the rig's wish pictures are drawn for each view before they were seen on the window.
-#[test]
 fn scenes_off_screen_from_the_first_frame_on() {
     let run = Run { cupola: &["--duplicate", "always"], frames: 1, cupola_frames: 1, ..scenes(&["--way", "chain"]) };
     let Some(finished) = run.vulkan_under("fisheye") else { return };
@@ -189,7 +206,6 @@ fn scenes_off_screen_from_the_first_frame_on() {
 }
 
 /// With the program's own lens what is drawn off screen is, byte for byte, what the window shows without Cupola.
-#[test]
 fn scenes_off_screen_with_the_programs_own_lens() {
     for way in ["post", "passes", "blit"] {
         let extra = ["--way", way, "--shot", "shot.ppm"];
@@ -202,7 +218,6 @@ fn scenes_off_screen_with_the_programs_own_lens() {
 }
 
 /// What a program reads of a picture that it draws off screen is its own, and the dome shows each view's.
-#[test]
 fn a_scene_off_screen_that_is_read() {
     let extra = ["--way", "post", "--picture", "own.ppm"];
     let run = scenes(&extra);
@@ -214,13 +229,11 @@ fn a_scene_off_screen_that_is_read() {
 }
 
 /// Six projectors of what is drawn off screen.
-#[test]
 fn six_projectors_of_scenes_off_screen() {
     planetarium_of("vk_scenes", &["--way", "post"], Run::vulkan_under);
 }
 
 /// By the rig's wish, and where a shader asks for its place, it stays flat; the statistics say so.
-#[test]
 fn scenes_off_screen_that_stay_flat() {
     let run_never = Run { cupola: &["--duplicate", "never"], ..scenes(&["--way", "post"]) };
     let Some(never) = run_never.vulkan_under("fisheye") else { return };
@@ -233,7 +246,6 @@ fn scenes_off_screen_that_stay_flat() {
 }
 
 /// What a program reads from its window is its own picture, and the dome shows each view's.
-#[test]
 fn a_window_that_is_read() {
     let extra = ["--way", "read", "--picture", "own.ppm"];
     let run = scenes(&extra);
@@ -251,7 +263,6 @@ fn a_window_that_is_read() {
 }
 
 /// The newest ways to submit and to present change nothing; what the device has none of, the program says.
-#[test]
 fn the_newest_ways_to_present() {
     let extra = ["--way", "newest"];
     let run = scenes(&extra);
@@ -259,12 +270,11 @@ fn the_newest_ways_to_present() {
     let picture = finished.picture("capture.png");
     expect_good(&compare(&picture, shown_by_fisheye(CIRCLE, camera_of(&run))), &picture, "vk_scenes newest");
     for line in finished.words().lines().filter(|line| line.starts_with("SKIP")) {
-        let _ = writeln!(std::io::stderr(), "{line}");
+        eprintln!("{line}");
     }
 }
 
 /// Pipelines that are linked, from libraries of shaders and of outputs or of each part alone, are drawn for each view.
-#[test]
 fn pipelines_that_are_linked() {
     for way in ["library", "parts"] {
         let extra = ["--way", way, "--shot", "shot.ppm"];
@@ -284,7 +294,6 @@ fn pipelines_that_are_linked() {
 }
 
 /// Programs that cannot be followed are flat, say why, and get no message of the validation layer that they had not before.
-#[test]
 fn programs_that_stay_flat_say_why() {
     let reasons = [
         ("multiview", "notes", "several views itself"),
@@ -306,7 +315,6 @@ fn programs_that_stay_flat_say_why() {
 
 /// A pass of two subpasses: what the second draws to the window is drawn for each view, with a panel that is clear, and so is what
 /// the first drew off screen and the second reads at the same pixel.
-#[test]
 fn passes_of_two_subpasses() {
     for way in ["second", "input"] {
         let extra = ["--way", way, "--shot", "shot.ppm"];
@@ -325,7 +333,6 @@ fn passes_of_two_subpasses() {
 }
 
 /// Passes over a part of the window: what they draw or clear there lies on the panel, and the scene stays.
-#[test]
 fn a_part_of_the_window() {
     for way in ["part", "clear"] {
         let extra = ["--way", way, "--shot", "shot.ppm"];
@@ -342,7 +349,6 @@ fn a_part_of_the_window() {
 }
 
 /// The window gets other sizes in mid-run; the last one is as right as the first.
-#[test]
 fn the_window_is_resized() {
     let more = ["--resizes", "6", "--shot", "shot.ppm"];
     for way in [WAYS[0], WAYS[4], WAYS[9]] {
@@ -359,7 +365,6 @@ fn the_window_is_resized() {
 
 /// Many changes of size under the validation layer, which tells at the end of whatever was made and not destroyed. What
 /// is resident after the last does not exceed what it was after a few by more than one set of atlases.
-#[test]
 fn many_sizes_leave_nothing_behind() {
     let more = ["--resizes", "20", "--memory", "memory.txt"];
     for way in [WAYS[0], WAYS[4]] {
@@ -372,7 +377,6 @@ fn many_sizes_leave_nothing_behind() {
 
 /// A program that is shown flat: each pixel of the domemaster against the program's picture, from the definitions of
 /// the fisheye and the panel.
-#[test]
 fn the_panel_is_where_the_angles_say() {
     let run = run(&["--copy-window"], CAMERAS[1]);
     let run = Run { cupola: &["--capture-views", "views"], ..run };
@@ -419,7 +423,6 @@ fn deviations(program: &Picture, shown: &Picture) -> (usize, usize) {
 }
 
 /// Of a scene the panel has nothing and of what is flat the views: such draws are not begun there, and nothing else changes.
-#[test]
 fn what_is_out_of_sight_is_not_drawn() {
     let every = [("CUPOLA_CULL", "all")];
     let cases: [(&[&str], bool, u64); 4] = [

@@ -2,7 +2,14 @@
 
 use crate::compare::expect_similar;
 use crate::display;
+use crate::harness::tests;
 use crate::programs::{Finished, installed, installed_on, resized};
+
+tests! {
+    vkcube_is_drawn_for_each_view,
+    vkcube_in_a_window_of_10_bits,
+    vkcube_through_twenty_sizes_in_a_thousand_frames,
+}
 
 const SIZE: &str = "300";
 
@@ -13,7 +20,6 @@ fn cube(rig: &str, more: &[&str]) -> Option<Finished> {
 }
 
 /// Its cube is on the dome, its matrix is in a block.
-#[test]
 fn vkcube_is_drawn_for_each_view() {
     let Some(under) = cube("fisheye", &["--capture-views", "views"]) else { return };
     let statistics = under.statistics();
@@ -27,7 +33,6 @@ fn vkcube_is_drawn_for_each_view() {
 }
 
 /// Windows of 10 bits for each colour show what those of 8 bits show.
-#[test]
 fn vkcube_in_a_window_of_10_bits() {
     let Some(display) = display::own(30) else { return };
     let options = ["--frames", "12", "--capture", "capture.png"];
@@ -43,7 +48,6 @@ fn vkcube_in_a_window_of_10_bits() {
 
 /// In a thousand frames of twenty sizes the validation layer says nothing that it does not say without Cupola, which covers what
 /// was made and is not destroyed, and memory does not grow.
-#[test]
 fn vkcube_through_twenty_sizes_in_a_thousand_frames() {
     let program = ["vkcube", "--width", "321", "--height", "243", "--c", "1000"];
     let (Some(plain), Some(under)) = (resized(None, "20", &program), resized(Some("fisheye"), "20", &program)) else {

@@ -2,12 +2,31 @@
 
 use crate::compare::{EDGE, Shown, compare_with, expect_good, expect_identical, expect_similar, far};
 use crate::dialects::{camera_of, shown_by_fisheye};
+use crate::harness::{note, tests};
 use crate::picture::Picture;
 use crate::programs::{Finished, Run, installed, scratch};
 use crate::projected::{
     CIRCLE, GREY, Projectors, against_the_map, expect_one_pass, on_vulkan, run, vk_cube, vulkan_fisheye,
 };
 use crate::reference::{Vector, cube_colour, cube_face, cube_point};
+
+tests! {
+    large_triangles_are_where_the_exact_map_has_them,
+    a_greater_error_is_worse,
+    as_with_opengl_and_by_either_stage,
+    all_that_shaders_hand_on_arrives,
+    clip_distances_are_handed_on,
+    what_is_not_divided_far_enough_is_counted,
+    as_many_are_coarse_as_with_opengl,
+    lines_are_divided,
+    what_cannot_be_divided_is_projected,
+    libraries_with_all_shaders_are_divided,
+    every_projector_gets_its_own_pass_and_blends,
+    outputs_with_other_methods_beside,
+    flat_drawing_over_and_behind_the_scene,
+    scenes_that_are_drawn_off_screen,
+    vkcube_in_one_pass,
+}
 
 /// With half a pixel allowed.
 const DIVIDED: [&str; 2] = ["--method", "primitive,max_error=0.5"];
@@ -26,7 +45,6 @@ fn expect_divided(finished: &Finished, what: &str) {
 }
 
 /// However the program draws.
-#[test]
 fn large_triangles_are_where_the_exact_map_has_them() {
     let ways: [&[&str]; 4] = [
         &["--pass", "1", "--matrix", "push"],
@@ -44,7 +62,6 @@ fn large_triangles_are_where_the_exact_map_has_them() {
 }
 
 /// The error that is allowed is the error that is made, more or less; without division it is seen at once.
-#[test]
 fn a_greater_error_is_worse() {
     let worst = |method: &str| {
         let cupola = ["--method", method];
@@ -56,7 +73,7 @@ fn a_greater_error_is_worse() {
     let mut last = 0.0;
     for (bound, allowed) in [("0.25", 2.0), ("0.5", 2.0), ("2", 8.0), ("8", 32.0)] {
         let Some((worst, _)) = worst(&format!("primitive,max_error={bound}")) else { return };
-        println!("{bound} px allowed: {worst:.2}/255");
+        note(format_args!("{bound} px allowed: {worst:.2}/255"));
         assert!(worst <= allowed && worst >= 0.5 * last, "{bound} px: {worst:.2}/255 after {last:.2}/255");
         last = worst;
     }
@@ -66,7 +83,6 @@ fn a_greater_error_is_worse() {
 }
 
 /// Both APIs divide by the same functions; a stage of either kind is ours.
-#[test]
 fn as_with_opengl_and_by_either_stage() {
     let vulkan = vk_cube(&[], &DIVIDED);
     let opengl = Run { program: "core330_mvp", ..vulkan.clone() };
@@ -80,7 +96,6 @@ fn as_with_opengl_and_by_either_stage() {
 }
 
 /// Values of many types are handed on, and by the right vertex where they are flat: whatever contradicts has another colour.
-#[test]
 fn all_that_shaders_hand_on_arrives() {
     let cases: [&[&str]; 5] = [
         &["--shape", "list", "--number"],
@@ -102,7 +117,6 @@ fn all_that_shaders_hand_on_arrives() {
 }
 
 /// What is beyond a plane of the program's own stays clipped.
-#[test]
 fn clip_distances_are_handed_on() {
     for method in ["primitive,max_error=1", "fragment"] {
         let cupola = ["--method", method];
@@ -138,7 +152,6 @@ fn whole() -> String {
 
 /// What a run of the stage has no room for is counted, whether Cupola ends the program or it ends itself, of triangles and of lines.
 /// What suffices counts nothing.
-#[test]
 fn what_is_not_divided_far_enough_is_counted() {
     for (shape, rig) in [("list", "fisheye".to_owned()), ("lines", whole())] {
         let count = |max_error: &str, frames: usize, ends: &[&str]| {
@@ -151,20 +164,19 @@ fn what_is_not_divided_far_enough_is_counted() {
         let (Some(ended), Some(none)) = (count("0.05", 9, &["--frames", "5"]), count("2", 5, &[])) else { return };
         let told =
             format!("{shape}: {one} in a frame, {five} in five, {ended} if it is ended then, {none} of 2 pixels");
-        println!("{told}");
+        note(format_args!("{told}"));
         assert!(one > 0 && five == 5 * one && ended == five && none == 0, "{told}");
     }
 }
 
 /// Of the sphere around the antipode no stage can make enough parts, on either API.
-#[test]
 fn as_many_are_coarse_as_with_opengl() {
     let rig = &whole();
     let vulkan = vk_cube(&[], &["--method", "primitive"]);
     let opengl = Run { program: "core330_mvp", ..vulkan.clone() };
     let (Some(vulkan), Some(opengl)) = (vulkan.vulkan_under(rig), opengl.under(rig)) else { return };
     let (vulkan, opengl) = (coarse(&vulkan), coarse(&opengl.expect_success()));
-    println!("coarse: {vulkan} on Vulkan, {opengl} on OpenGL");
+    note(format_args!("coarse: {vulkan} on Vulkan, {opengl} on OpenGL"));
     assert!(opengl > 0 && vulkan < 2 * opengl && opengl < 2 * vulkan, "{vulkan} on Vulkan, {opengl} on OpenGL");
 }
 
@@ -186,7 +198,6 @@ fn lines(picture: &Picture, run: &Run) -> (usize, f64) {
     (lit, worst)
 }
 
-#[test]
 fn lines_are_divided() {
     let cases: [&[&str]; 3] = [
         &["--shape", "lines"],
@@ -209,7 +220,6 @@ fn lines_are_divided() {
 }
 
 /// What is not divided is drawn as with the method `vertex`, and the log says why, once.
-#[test]
 fn what_cannot_be_divided_is_projected() {
     let cases: [(&str, &[&str], &str); 4] = [
         ("vk_handed", &["--cull"], "cull distances"),
@@ -239,7 +249,6 @@ fn what_cannot_be_divided_is_projected() {
 }
 
 /// A library that has all shaders has the stage, too; features are enabled in a chain of structures there.
-#[test]
 fn libraries_with_all_shaders_are_divided() {
     let extra = ["--way", "library"];
     let run = run("vk_scenes", &extra, &DIVIDED);
@@ -250,7 +259,6 @@ fn libraries_with_all_shaders_are_divided() {
 }
 
 /// Projectors away from the middle of the dome, with their own lenses, which blend.
-#[test]
 fn every_projector_gets_its_own_pass_and_blends() {
     let divided = ["--method", "primitive,max_error=0.25"];
     let projectors = Projectors::new();
@@ -263,7 +271,6 @@ fn every_projector_gets_its_own_pass_and_blends() {
 }
 
 /// Of two outputs one is divided, one is made of a view.
-#[test]
 fn outputs_with_other_methods_beside() {
     let output = |name: &str, left: u32, method: &str| {
         format!(
@@ -283,7 +290,6 @@ fn outputs_with_other_methods_beside() {
 }
 
 /// What is flat is neither divided nor projected, over the scene and before it.
-#[test]
 fn flat_drawing_over_and_behind_the_scene() {
     let start = |flat: &str, method: &str| {
         let (extra, cupola) = (["--flat", flat], ["--method", method]);
@@ -299,7 +305,6 @@ fn flat_drawing_over_and_behind_the_scene() {
 }
 
 /// What a program draws off screen first is divided, too.
-#[test]
 fn scenes_that_are_drawn_off_screen() {
     let direct = vk_cube(&[], &DIVIDED);
     let Some(expected) = vulkan_fisheye(&direct) else { return };
@@ -314,7 +319,6 @@ fn scenes_that_are_drawn_off_screen() {
 }
 
 /// A program that others wrote: its cube is where it is with views.
-#[test]
 fn vkcube_in_one_pass() {
     let start = |method: &str| {
         let cupola = ["--method", method, "--headless", "--frames", "12", "--capture", "capture.png"];

@@ -2,9 +2,17 @@
 
 use crate::compare::{compare, expect_good};
 use crate::dialects::{camera_of, shown_by_fisheye};
+use crate::harness::tests;
 use crate::programs::{Finished, Run};
 use crate::reference::Fisheye;
 use std::collections::BTreeMap;
+
+tests! {
+    the_counts_without_cupola,
+    what_is_projected_straight_to_an_output_is_counted_like_the_program_s_own,
+    a_draw_for_each_view_is_one_draw_to_its_queries,
+    drawing_on_condition,
+}
 
 const CIRCLE: Fisheye = Fisheye { width: 256.0, height: 256.0, aperture: 180.0, tilt: 90.0 };
 
@@ -33,7 +41,6 @@ fn read(counts: &BTreeMap<String, (u64, u64)>) -> BTreeMap<&str, u64> {
 
 /// What the program's own picture has, from its lens: the nearest and the farthest face of a small cube, the first of which has
 /// a third of the picture's height, and what they hide of each other is not hidden.
-#[test]
 fn the_counts_without_cupola() {
     for way in WAYS {
         let extra = [way, &["--counts", "counts.txt"]].concat();
@@ -53,7 +60,6 @@ fn the_counts_without_cupola() {
 }
 
 /// A picture to which vertices are projected has other sizes of what it shows than views.
-#[test]
 fn what_is_projected_straight_to_an_output_is_counted_like_the_program_s_own() {
     for way in WAYS {
         let extra = [way, &["--counts", "counts.txt"]].concat();
@@ -70,7 +76,6 @@ fn what_is_projected_straight_to_an_output_is_counted_like_the_program_s_own() {
 
 /// What is counted once is counted once, and what no view shows is nothing; what only a view shows is more than that. The samples
 /// of what the program's own picture shows are as many as it has, but for the views' density.
-#[test]
 fn a_draw_for_each_view_is_one_draw_to_its_queries() {
     // The last time with draws that are left out where they are out of sight, small ones, too.
     let all: &[(&str, &str)] = &[("CUPOLA_CULL", "all")];
@@ -108,7 +113,6 @@ fn a_draw_for_each_view_is_one_draw_to_its_queries() {
 
 /// A program that draws what a query of the last frame saw: it draws where only a view shows something, and does not where nothing is
 /// seen; then the panel stays as clear as it was.
-#[test]
 fn drawing_on_condition() {
     let condition = |extra: &[&str]| {
         let run = Run { extra, ..run(&[]) };

@@ -2,11 +2,26 @@
 
 use crate::compare::{compare, expect_good, expect_points, expect_similar, far};
 use crate::dialects::{camera_of, shown_by_fisheye};
+use crate::harness::tests;
 use crate::programs::{Finished, Run, installed};
 use crate::projected::{
     CIRCLE, GREY, Projectors, against_the_map, expect_one_pass, on_vulkan, vk_cube, vulkan_fisheye,
 };
 use crate::reference::Fisheye;
+
+tests! {
+    fine_triangles_are_where_the_exact_map_has_them,
+    other_stages_project,
+    what_is_nearer_hides_what_is_farther,
+    large_triangles_stay_straight_between_their_vertices,
+    points_are_where_the_exact_map_has_them,
+    as_with_opengl,
+    every_projector_gets_its_own_pass_and_blends,
+    flat_drawing_over_and_behind_the_scene,
+    scenes_that_are_drawn_off_screen,
+    vkcube_in_one_pass,
+    a_shader_of_the_program_s_own_projects_to_the_picture,
+}
 
 /// The ways in which the cube is drawn: how its pass begins, where its matrix is, which way up, with which samples.
 const WAYS: [&[&str]; 6] = [
@@ -18,7 +33,6 @@ const WAYS: [&[&str]; 6] = [
     &["--pass", "dynamic", "--matrix", "pushed", "--fixed"],
 ];
 
-#[test]
 fn fine_triangles_are_where_the_exact_map_has_them() {
     for (way, cells) in WAYS.into_iter().zip(["triangles", "ball"].into_iter().cycle()) {
         let extra = [way, &["--cells", cells]].concat();
@@ -31,7 +45,6 @@ fn fine_triangles_are_where_the_exact_map_has_them() {
 }
 
 /// The last stage that projects is a geometry shader, or a tessellation shader.
-#[test]
 fn other_stages_project() {
     for stage in ["geometry", "tessellation"] {
         let extra = ["--cells", "triangles", "--stage", stage];
@@ -49,7 +62,6 @@ fn other_stages_project() {
 }
 
 /// What is behind what, with depth that is the distance: a ball hides all that is drawn around it later.
-#[test]
 fn what_is_nearer_hides_what_is_farther() {
     for turned in [&[][..], &["--flip"]] {
         let extra = [&["--cells", "behind"], turned].concat();
@@ -61,7 +73,6 @@ fn what_is_nearer_hides_what_is_farther() {
 }
 
 /// What tells that the comparer would notice.
-#[test]
 fn large_triangles_stay_straight_between_their_vertices() {
     let run = vk_cube(&[], &["--method", "vertex"]);
     let Some(finished) = vulkan_fisheye(&run) else { return };
@@ -69,7 +80,6 @@ fn large_triangles_stay_straight_between_their_vertices() {
     assert!(report.wrong > report.compared / 4, "{} of {} pixels are wrong", report.wrong, report.compared);
 }
 
-#[test]
 fn points_are_where_the_exact_map_has_them() {
     let run = vk_cube(&["--cells", "points"], &["--method", "vertex"]);
     let Some(finished) = vulkan_fisheye(&run) else { return };
@@ -78,7 +88,6 @@ fn points_are_where_the_exact_map_has_them() {
 }
 
 /// Both APIs have the same functions.
-#[test]
 fn as_with_opengl() {
     let vulkan = vk_cube(&["--cells", "triangles"], &["--method", "vertex"]);
     let opengl = Run { program: "fine", extra: &[], ..vulkan.clone() };
@@ -88,7 +97,6 @@ fn as_with_opengl() {
 }
 
 /// Projectors away from the middle of the dome, in both directions of y.
-#[test]
 fn every_projector_gets_its_own_pass_and_blends() {
     let (vertex, fine, flipped) =
         (["--method", "vertex"], ["--cells", "triangles"], ["--cells", "triangles", "--flip"]);
@@ -102,7 +110,6 @@ fn every_projector_gets_its_own_pass_and_blends() {
 }
 
 /// What is flat is where it is with views: on the panel after the scene, behind it before the scene.
-#[test]
 fn flat_drawing_over_and_behind_the_scene() {
     let start = |flat: &str, method: &str| {
         let (extra, cupola) = (["--cells", "triangles", "--flat", flat], ["--method", method]);
@@ -118,7 +125,6 @@ fn flat_drawing_over_and_behind_the_scene() {
 }
 
 /// What a program draws off screen first has its vertices projected, too.
-#[test]
 fn scenes_that_are_drawn_off_screen() {
     let vertex = ["--method", "vertex"];
     let direct = vk_cube(&[], &vertex);
@@ -138,7 +144,6 @@ fn scenes_that_are_drawn_off_screen() {
 }
 
 /// A program that others wrote: its cube is where it is with views, but for edges that stay straight.
-#[test]
 fn vkcube_in_one_pass() {
     let start = |method: &str| {
         let cupola = ["--method", method, "--headless", "--frames", "12", "--capture", "capture.png"];
@@ -152,7 +157,6 @@ fn vkcube_in_one_pass() {
 }
 
 /// A shader of the program's own that projects to the picture, with the library's functions in its text, however the views lie.
-#[test]
 fn a_shader_of_the_program_s_own_projects_to_the_picture() {
     for method in ["vertex", "fragment"] {
         for views in ["atlas", "layers", "images"] {

@@ -2,12 +2,17 @@
 
 use crate::compare::expect_identical;
 use crate::display::Compositor;
+use crate::harness::tests;
 use crate::programs::{Finished, installed, installed_in};
+
+tests! {
+    vkcube_is_as_in_a_window_of_x11,
+    opengl_draws_scenes_and_panels,
+}
 
 const FRAMES: &str = "5";
 
 /// The cube turns by the frame: the window system must not matter.
-#[test]
 fn vkcube_is_as_in_a_window_of_x11() {
     let options = ["--frames", FRAMES, "--capture", "capture.png", "--stats", "stats.json"];
     let Some(compositor) = Compositor::start() else { return };
@@ -21,7 +26,6 @@ fn vkcube_is_as_in_a_window_of_x11() {
 }
 
 /// A scene of OpenGL ES in a window of 300², and what is flat in a window that fills the screen.
-#[test]
 fn opengl_draws_scenes_and_panels() {
     let options = ["--frames", FRAMES, "--capture", "capture.png", "--stats", "stats.json"];
     let Some(compositor) = Compositor::start() else { return };
