@@ -79,6 +79,22 @@ fn links_lead_to_files_and_headings() {
 }
 
 #[test]
+fn files_that_pages_name_are_there() {
+    let mut count = 0;
+    for (page, text) in pages() {
+        for word in prose(&text).iter().flat_map(|line| line.split('`').skip(1).step_by(2)) {
+            let named = ["src/", "tests/", "examples/", "benches/", "scripts/", "include/"];
+            let is_path = word.chars().all(|letter| letter.is_ascii_alphanumeric() || "/_-.".contains(letter));
+            if is_path && named.iter().any(|folder| word.starts_with(folder)) {
+                assert!(Path::new(ROOT).join(word).exists(), "{}: there is no {word}", page.display());
+                count += 1;
+            }
+        }
+    }
+    assert!(count > 50, "{count} files");
+}
+
+#[test]
 fn pages_and_lines_are_short() {
     for (page, text) in pages() {
         for (index, line) in text.lines().enumerate() {
