@@ -9,5 +9,6 @@ pub mod kept;
 pub mod lens;
 pub mod live;
 pub mod log;
+pub mod scene;
 pub mod settings;
 pub mod vk;

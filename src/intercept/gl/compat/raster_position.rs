@@ -10,7 +10,8 @@ use crate::intercept::gl::compat::matrices::load_projection;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::draw::issue::{Changes, Place, Repeats, own_window_space, place};
-use crate::intercept::gl::queries::scaling::{self, Weights};
+use crate::intercept::gl::queries::scaling;
+use crate::intercept::scene::query_weights::QueryWeights;
 use std::ffi::c_void;
 
 /// Where the raster position belongs.
@@ -157,7 +158,7 @@ pub fn draw_at_raster(ctx: &mut Context, changes: Changes, issue: impl Fn(&Gl)) 
     // Bitmaps reach over the border of their tile.
     ctx.outlines.cut = true;
     if !ctx.redirected() {
-        scaling::weigh(ctx, Weights::ONCE);
+        scaling::weigh(ctx, QueryWeights::ONCE);
         move_origin(ctx, [0, 0]);
         issue(ctx.gl);
         return true;
@@ -212,7 +213,7 @@ fn draw_in_scene(ctx: &mut Context, mut position: ScenePosition, changes: Change
             move_by(gl, tile[0] as f32, tile[1] as f32);
         }
     };
-    scaling::weigh(ctx, Weights::ONCE);
+    scaling::weigh(ctx, QueryWeights::ONCE);
     for index in 0..target.session.views().len() {
         let Some(projection) = ctx.raster.projections.get(index).copied() else { break };
         let (tile, own_lens) = target.session.tile(index);
@@ -230,7 +231,7 @@ fn draw_in_scene(ctx: &mut Context, mut position: ScenePosition, changes: Change
     }
     load_projection(ctx, &ctx.projection.matrix);
     if let Some(tile) = target.primary() {
-        scaling::weigh(ctx, Weights { samples: 0.0, ..Weights::ONCE });
+        scaling::weigh(ctx, QueryWeights { samples: 0.0, ..QueryWeights::ONCE });
         own_window_space(ctx, tile);
         as_set(tile);
         repeats.unchanged(gl, false, || issue(gl));
@@ -314,7 +315,7 @@ fn draw_flat(ctx: &mut Context, changes: Changes, issue: &dyn Fn(&Gl)) {
     let (mut before, pictures) = (None, tiles.iter().flatten().count());
     for (number, (tile, _)) in tiles.into_iter().flatten().enumerate() {
         let samples = if number == 0 { 1.0 } else { 0.0 };
-        scaling::weigh(ctx, Weights { samples, ..Weights::ONCE });
+        scaling::weigh(ctx, QueryWeights { samples, ..QueryWeights::ONCE });
         own_window_space(ctx, tile);
         move_origin(ctx, [tile[0], tile[1]]);
         let begin = raster_position(gl);

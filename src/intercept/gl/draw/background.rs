@@ -1,21 +1,16 @@
-//! Flat drawing behind the scene: a sky or a gradient that a program draws first.
-//!
-//! The flat panel lies over everything, which is right for menus and labels. What a program draws flat
-//! *before* its scene belongs behind it, so it goes into the views themselves, where the panel would
-//! be: a flat clip position is a point of the panel, seen with the panel's opening as a lens. Whether
-//! a scene follows is known from the frame before.
+//! Flat drawing behind the scene ([`FrameOrder`]): it goes into the views themselves, where the
+//! panel would be. A flat clip position is a point of the panel, seen with the panel's opening as a
+//! lens.
 
 use crate::correct::shaders::uniforms;
 use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::scene::frame_order::FrameOrder;
 use crate::runtime::session::{ClipRows, Session};
 
 /// What is known about flat drawing before the scene.
 #[derive(Default)]
 pub struct Background {
-    /// The last frame drew flat things before its scene.
-    active: bool,
-    flat_first: bool,
-    scene: bool,
+    order: FrameOrder,
     rows: Vec<ClipRows>,
     shader_rows: Vec<[f32; 16]>,
     /// The fixed-function projection that `per_view` is made from.
@@ -24,21 +19,19 @@ pub struct Background {
 }
 
 impl Background {
-    /// The scene was drawn to.
+    /// Notes a draw of the scene.
     pub fn note_scene(&mut self) {
-        self.scene = true;
+        self.order.note_scene();
     }
 
-    /// Something flat was drawn.
+    /// Notes a flat draw.
     pub fn note_flat(&mut self) {
-        self.flat_first |= !self.scene;
+        self.order.note_flat();
     }
 
-    /// A frame ended.
+    /// Ends the frame.
     pub fn end_frame(&mut self) {
-        self.active = self.flat_first && self.scene;
-        self.flat_first = false;
-        self.scene = false;
+        self.order.end_frame();
     }
 
     /// The views changed: nothing is valid any more.
@@ -79,7 +72,7 @@ impl Background {
 
 /// Whether a flat draw with the present state goes behind the scene.
 pub fn is_behind(ctx: &mut Context) -> bool {
-    if !ctx.background.active || ctx.background.scene || !crate::intercept::gl::draw::issue::main_viewport(ctx) {
+    if !ctx.background.order.is_behind() || !crate::intercept::gl::draw::issue::main_viewport(ctx) {
         return false;
     }
     let Some(target) = &ctx.target else { return false };

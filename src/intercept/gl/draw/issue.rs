@@ -9,8 +9,10 @@ use crate::intercept::gl::draw::culling::bounds::Bounds;
 use crate::intercept::gl::draw::culling::select;
 use crate::intercept::gl::draw::wide_primitives::Shape;
 use crate::intercept::gl::offscreen::displayed::{self, Shows};
-use crate::intercept::gl::queries::scaling::{self, Weights};
+use crate::intercept::gl::queries::scaling;
 use crate::intercept::gl::shader::programs::Lens;
+use crate::intercept::scene::query_weights::QueryWeights;
+use crate::intercept::scene::viewport;
 use crate::runtime::session::MatrixClass;
 use std::ffi::c_void;
 
@@ -62,7 +64,7 @@ fn draw_to_views(
     let gl = ctx.gl;
     if !ctx.redirected() {
         if !crate::intercept::gl::offscreen::view_copies::draw(ctx, changes, bounds, &mut issue) {
-            scaling::weigh(ctx, Weights::ONCE);
+            scaling::weigh(ctx, QueryWeights::ONCE);
             plain_program(ctx);
             issue(ctx, gl);
         }
@@ -72,7 +74,7 @@ fn draw_to_views(
     if ctx.picking || ctx.discard {
         // Picking and feedback answer in the program's own window coordinates and draw nothing. Where nothing reaches
         // the window, what the draw computes (transform feedback, say) it computes once.
-        scaling::weigh(ctx, Weights::ONCE);
+        scaling::weigh(ctx, QueryWeights::ONCE);
         ctx.set_viewport(ctx.believed.viewport);
         plain_program(ctx);
         issue(ctx, gl);
@@ -116,7 +118,7 @@ fn draw_to_views(
     if ctx.counting.any() {
         let primitives = 1.0 / (views + usize::from(primary.is_some())) as f64;
         let samples = scaling::scene_samples(ctx, &target.session, false);
-        scaling::weigh(ctx, Weights { samples, primitives });
+        scaling::weigh(ctx, QueryWeights { samples, primitives });
     }
     let repeats = Repeats::new(changes, ctx, 0);
     let mut projection_loaded = false;
@@ -190,7 +192,7 @@ fn draw_to_views(
     restore_projection(ctx, &mut projection_loaded);
     if let Some(tile) = primary {
         if ctx.counting.any() {
-            scaling::weigh(ctx, Weights { samples: 0.0, primitives: 1.0 / (views + 1) as f64 });
+            scaling::weigh(ctx, QueryWeights { samples: 0.0, primitives: 1.0 / (views + 1) as f64 });
         }
         own_window_space(ctx, tile);
         plain_program(ctx);
@@ -226,7 +228,7 @@ pub fn each_view(
                 (Place::FixedScene | Place::Scene(_), Some(session)) => scaling::scene_samples(ctx, session, true),
                 _ => share,
             };
-            scaling::weigh(ctx, Weights { samples, primitives: share });
+            scaling::weigh(ctx, QueryWeights { samples, primitives: share });
         }
         let mut divided = None;
         match place {
@@ -278,7 +280,7 @@ fn flat(
         own_window_space(ctx, *tile);
         let last = pictures == number + 1;
         let samples = if number == 0 { 1.0 } else { 0.0 };
-        scaling::weigh(ctx, Weights { samples, primitives: 1.0 / pictures as f64 });
+        scaling::weigh(ctx, QueryWeights { samples, primitives: 1.0 / pictures as f64 });
         let blending = panel.then(|| PanelBlend::begin(gl, &ctx.known_state));
         repeats.around(gl, number, last, || match &measure {
             Some(measure) if number == 0 => {
@@ -353,9 +355,8 @@ pub fn place_by_lens(ctx: &mut Context) -> Place {
 pub fn main_viewport(ctx: &Context) -> bool {
     // In the first frame the first viewport counts: the window may just have got another size.
     let reference = if ctx.viewport_area[1] > 0 { ctx.viewport_area[1] } else { ctx.viewport_area[0] };
-    let [_, _, width, height] = ctx.believed.viewport.map(i64::from);
-    // More than half, so that side-by-side pictures stay what they are.
-    width * height * 2 > reference
+    let [_, _, width, height] = ctx.believed.viewport.map(f64::from);
+    viewport::is_main(width, height, reference as f64)
 }
 
 /// Puts the program's own projection back, if a view's was loaded.

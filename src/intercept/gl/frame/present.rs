@@ -8,6 +8,7 @@ use crate::intercept::gl::context::window::{Look, Window};
 use crate::intercept::gl::frame::frame_number;
 use crate::intercept::gl::framebuffer::default_framebuffer;
 use crate::intercept::kept::{self, Kept};
+use crate::intercept::scene::report;
 use crate::intercept::settings;
 use crate::runtime::report::{Picture, Statistics, ViewStatistics};
 use crate::runtime::session::Extras;
@@ -191,11 +192,9 @@ fn keep_report(ctx: &mut Context, settings: &settings::Settings) {
 
 fn statistics(ctx: &Context, settings: &settings::Settings) -> Statistics {
     let (duplicated_framebuffers, single_framebuffers) = crate::intercept::gl::offscreen::report::status(ctx);
+    let driver = format!("{}, {}", ctx.gl.text(api::GL_VERSION), ctx.gl.text(api::GL_RENDERER));
     let mut statistics = Statistics {
-        frames: ctx.counts.frames,
         hidden_frames: ctx.counts.hidden_frames,
-        rig: settings.rig.name.clone(),
-        driver: format!("{}, {}", ctx.gl.text(api::GL_VERSION), ctx.gl.text(api::GL_RENDERER)),
         draws_seen: ctx.counts.draws_seen,
         panel_draws: ctx.counts.panel_draws,
         primary_draws: ctx.counts.primary_draws,
@@ -212,18 +211,11 @@ fn statistics(ctx: &Context, settings: &settings::Settings) -> Statistics {
         outputs_narrowed: ctx.target.as_ref().map_or(0, |t| t.backend().narrowed()),
         shaders_linked: ctx.counts.linked,
         own_errors: ctx.counts.errors,
-        cache: crate::runtime::cache::of_process().counts(),
-        ..Statistics::default()
+        ..report::begin(ctx.counts.frames, &settings.rig.name, driver)
     };
     if let Some(target) = &ctx.target {
         statistics.own_errors += target.backend().errors();
-        for pass in &target.session.plan().passes {
-            let rects = pass.batches.iter().flat_map(|batch| &batch.rects);
-            statistics.output_pixels += u64::from(pass.size.0) * u64::from(pass.size.1);
-            statistics.corrected_pixels +=
-                rects.map(|rect| u64::from(rect.width) * u64::from(rect.height)).sum::<u64>();
-        }
-        statistics.notes.clone_from(&target.session.plan().views.notes);
+        report::add_plan(&mut statistics, &target.session);
         statistics.views = target
             .session
             .views()

@@ -126,7 +126,11 @@ fn assumed(ctx: &Context, sampled: Set) -> bool {
     let Some(target) = &ctx.target else { return false };
     let images = ctx.duplicates.images.iter().enumerate().take(64);
     images.filter(|(i, _)| sampled >> i & 1 != 0).any(|(_, image)| {
-        crate::intercept::gl::offscreen::scene_graph::like_window([0, 0, image.size[0], image.size[1]], target.size())
+        crate::intercept::scene::viewport::has_shape_of_window(
+            image.size[0].into(),
+            image.size[1].into(),
+            target.size(),
+        )
     })
 }
 

@@ -7,10 +7,10 @@ use crate::intercept::gl::draw::culling::select::{self, Views};
 use crate::intercept::gl::draw::issue::{Changes, Place, each_view, own_window_space, place_by_lens};
 use crate::intercept::gl::offscreen::images::Name;
 use crate::intercept::gl::offscreen::sampling::{self, Set};
-use crate::intercept::gl::offscreen::scene_graph;
 use crate::intercept::gl::offscreen::view_copies::{
     Duplicates, cells, enter, leave, look, own_cell, possible, supply, views, wish, without_scissor,
 };
+use crate::intercept::scene::viewport;
 use crate::rig::Duplicate;
 use crate::runtime::session::Session;
 use std::cell::Cell;
@@ -131,7 +131,8 @@ fn draw_through(
 /// Remembers what a draw says about the framebuffer at `index`.
 fn note(ctx: &mut Context, index: usize, place: Place, sampled: Set) {
     let Some(window) = ctx.session().map(Session::window) else { return };
-    let alike = wish() == Duplicate::Always || scene_graph::like_window(ctx.believed.viewport, window);
+    let [_, _, width, height] = ctx.believed.viewport;
+    let alike = wish() == Duplicate::Always || viewport::has_shape_of_window(width.into(), height.into(), window);
     let Duplicates { framebuffers, images, learnt, .. } = &mut ctx.duplicates;
     if place == Place::Flat && sampled == 0 {
         return;

@@ -5,7 +5,7 @@ use crate::backend::gl::api::{self, Gl};
 use crate::backend::gl::surface::greatest_texture;
 
 /// An image of the program's.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Name {
     /// A level of a texture, and what it is bound to.
     Texture {

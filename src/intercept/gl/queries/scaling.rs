@@ -13,6 +13,7 @@
 use crate::backend::gl::api::{self, Gl};
 use crate::intercept::gl::context::errors::take_error;
 use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::scene::query_weights::{Quantity, QueryWeights, weight};
 use crate::runtime::Session;
 use crate::runtime::session::Intrinsics;
 use std::collections::HashMap;
@@ -55,35 +56,22 @@ pub(super) struct Count {
     pub(super) sum: f64,
 }
 
-/// What a query's count is multiplied by.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Weights {
-    /// Samples and fragments; 0 = they are not counted.
-    pub samples: f64,
-    /// Primitives, vertices and what shaders do with them.
-    pub primitives: f64,
-}
-
-impl Weights {
-    /// What is issued once, as the program means it.
-    pub const ONCE: Self = Self { samples: 1.0, primitives: 1.0 };
-
-    fn of(&self, target: u32) -> f64 {
-        match target {
-            api::GL_SAMPLES_PASSED | api::GL_FRAGMENT_SHADER_INVOCATIONS => self.samples,
-            api::GL_PRIMITIVES_GENERATED
-            | api::GL_VERTICES_SUBMITTED
-            | api::GL_PRIMITIVES_SUBMITTED
-            | api::GL_VERTEX_SHADER_INVOCATIONS
-            | api::GL_TESS_CONTROL_SHADER_PATCHES
-            | api::GL_TESS_EVALUATION_SHADER_INVOCATIONS
-            | api::GL_GEOMETRY_SHADER_INVOCATIONS
-            | api::GL_GEOMETRY_SHADER_PRIMITIVES_EMITTED
-            | api::GL_CLIPPING_INPUT_PRIMITIVES
-            | api::GL_CLIPPING_OUTPUT_PRIMITIVES => self.primitives,
-            // Time, whether anything was seen, and what transform feedback wrote, which is paused for repetitions.
-            _ => 1.0,
-        }
+/// What a query of this target counts.
+fn quantity(target: u32) -> Quantity {
+    match target {
+        api::GL_SAMPLES_PASSED | api::GL_FRAGMENT_SHADER_INVOCATIONS => Quantity::Samples,
+        api::GL_PRIMITIVES_GENERATED
+        | api::GL_VERTICES_SUBMITTED
+        | api::GL_PRIMITIVES_SUBMITTED
+        | api::GL_VERTEX_SHADER_INVOCATIONS
+        | api::GL_TESS_CONTROL_SHADER_PATCHES
+        | api::GL_TESS_EVALUATION_SHADER_INVOCATIONS
+        | api::GL_GEOMETRY_SHADER_INVOCATIONS
+        | api::GL_GEOMETRY_SHADER_PRIMITIVES_EMITTED
+        | api::GL_CLIPPING_INPUT_PRIMITIVES
+        | api::GL_CLIPPING_OUTPUT_PRIMITIVES => Quantity::Primitives,
+        // Transform feedback is paused for the repetitions of a draw.
+        _ => Quantity::Unscaled,
     }
 }
 
@@ -112,7 +100,7 @@ impl Counting {
 
     /// Whether it is counted how many primitives there are, so that no draw may be left out.
     pub fn primitives(&self) -> bool {
-        self.running.iter().any(|r| Weights { samples: 1.0, primitives: 0.0 }.of(r.target) == 0.0)
+        self.running.iter().any(|r| quantity(r.target) == Quantity::Primitives)
     }
 
     /// The views changed.
@@ -226,11 +214,11 @@ impl Count {
 }
 
 /// The next draw counts with these weights.
-pub fn weigh(ctx: &mut Context, weights: Weights) {
+pub fn weigh(ctx: &mut Context, weights: QueryWeights) {
     let gl = ctx.gl;
     for number in 0..ctx.counting.running.len() {
         let running = &mut ctx.counting.running[number];
-        let wanted = weights.of(running.target);
+        let wanted = weights.of(quantity(running.target));
         match &mut running.now {
             Some((_, weight)) if weight.is_none_or(|w| w == wanted) && wanted > 0.0 => *weight = Some(wanted),
             None if wanted == 0.0 => {}
@@ -267,8 +255,7 @@ pub fn scene_samples(ctx: &mut Context, session: &Session, off_screen: bool) -> 
     if ctx.counting.seen != seen {
         let [_, _, width, height] = ctx.believed.viewport.map(f64::from);
         let own = width * height;
-        let worth = own / session.samples(&lens, own, off_screen);
-        ctx.counting.worth = if worth.is_finite() && worth > 0.0 { worth } else { 1.0 };
+        ctx.counting.worth = weight(own, session.samples(&lens, own, off_screen));
         ctx.counting.seen = seen;
     }
     ctx.counting.worth
@@ -331,15 +318,14 @@ pub fn condition(ctx: &Context, name: u32) -> u32 {
 
 #[cfg(test)]
 mod tests {
-    use super::{Weights, api, kind};
+    use super::{Quantity, api, kind, quantity};
 
     #[test]
     fn each_kind_of_query_has_its_weight() {
-        let weights = Weights { samples: 0.5, primitives: 0.25 };
-        assert_eq!(weights.of(api::GL_SAMPLES_PASSED), 0.5);
-        assert_eq!(weights.of(api::GL_PRIMITIVES_GENERATED), 0.25);
+        assert_eq!(quantity(api::GL_SAMPLES_PASSED), Quantity::Samples);
+        assert_eq!(quantity(api::GL_PRIMITIVES_GENERATED), Quantity::Primitives);
         for whole in [api::GL_TIME_ELAPSED, api::GL_ANY_SAMPLES_PASSED, api::GL_TRANSFORM_FEEDBACK_PRIMITIVES_WRITTEN] {
-            assert_eq!(weights.of(whole), 1.0);
+            assert_eq!(quantity(whole), Quantity::Unscaled);
         }
     }
 

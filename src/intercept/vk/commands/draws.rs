@@ -1,6 +1,7 @@
 //! A draw of the program → one draw per view, and one on the panel.
 
 use crate::correct::shaders::uniforms::pixels;
+use crate::intercept::scene;
 use crate::intercept::vk::commands::bound_state::set_window;
 use crate::intercept::vk::commands::indirect::{Parameters, Placed};
 use crate::intercept::vk::commands::recording::{Event, Recording};
@@ -78,10 +79,10 @@ fn suspect(device: &Device, recording: &mut Recording, (pipeline, few): (&Pipeli
     scene_graph::drawn(device, recording, matrices, (main, few));
 }
 
-/// Whether a viewport shows the picture and not one within it: more than half, so that side-by-side pictures stay what
-/// they are.
+/// Whether a viewport shows the main picture of an image of this size.
 fn is_main(viewport: &vk::Viewport, (width, height): (u32, u32)) -> bool {
-    f64::from(viewport.width) * f64::from(viewport.height.abs()) * 2.0 > f64::from(width) * f64::from(height)
+    let area = f64::from(width) * f64::from(height);
+    scene::viewport::is_main(viewport.width.into(), viewport.height.abs().into(), area)
 }
 
 /// A set with which the program's shaders see each view of the scene, where it drew that off screen, and the twins of

@@ -4,13 +4,14 @@
 //! found that perspective draws reach and that lead to the window: by a flat draw of a few vertices over all of it
 //! that samples the image, or by a copy of the whole. From then on they are drawn once for each view.
 
+use crate::intercept::scene::image_graph::{self, ImageGraph};
 use crate::intercept::vk::commands::recording::Recording;
 use crate::intercept::vk::layer::device::Device;
 use crate::intercept::vk::submit::draw_groups::{self, Source};
 use crate::intercept::{lens, settings};
 use crate::rig::Duplicate;
 use ash::vk;
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{BTreeMap, HashSet};
 use std::sync::{Mutex, PoisonError};
 
 /// A draw of as many vertices covers a viewport: one triangle, or a square.
@@ -19,23 +20,13 @@ pub const FEW: u32 = 6;
 /// Passes that were recorded before, for the program's own image, are given up after so many.
 pub const PATIENCE: u32 = 8;
 
-/// What is made of an image.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Made {
-    /// A part of the window's picture.
-    Window,
-    /// Another image that may hold a scene.
-    Image(vk::Image),
-    /// Something that cannot be followed.
-    Elsewhere,
-}
+/// What is made of an image of the program.
+pub type Made = image_graph::Made<vk::Image>;
 
 /// What was seen of the program's images.
 #[derive(Default)]
 struct Seen {
-    /// Images that perspective draws reach.
-    scenes: HashSet<vk::Image>,
-    made: HashMap<vk::Image, HashSet<Made>>,
+    graph: ImageGraph<vk::Image>,
     /// Something was seen for the first time.
     news: bool,
 }
@@ -50,29 +41,27 @@ impl Paths {
     /// Something is made of `image`.
     pub fn leads(&self, image: vk::Image, to: Made) {
         let mut seen = self.seen.lock().unwrap_or_else(PoisonError::into_inner);
-        let news = seen.made.entry(image).or_default().insert(to);
+        let news = seen.graph.note_made(image, to);
         seen.news |= news;
     }
 
     /// Perspective draws reach `image`.
     pub fn is_scene(&self, image: vk::Image) {
         let mut seen = self.seen.lock().unwrap_or_else(PoisonError::into_inner);
-        let news = seen.scenes.insert(image);
+        let news = seen.graph.note_scene(image);
         seen.news |= news;
     }
 
     /// Whether something is made of `image` that cannot be followed.
     fn strays(&self, image: vk::Image) -> bool {
         let seen = self.seen.lock().unwrap_or_else(PoisonError::into_inner);
-        seen.made.get(&image).is_some_and(|made| made.contains(&Made::Elsewhere))
+        seen.graph.makes(image, Made::Elsewhere)
     }
 
     /// An image is gone.
     pub fn forget(&self, image: vk::Image) {
         let mut seen = self.seen.lock().unwrap_or_else(PoisonError::into_inner);
-        seen.scenes.remove(&image);
-        seen.made.remove(&image);
-        seen.made.values_mut().for_each(|made| _ = made.remove(&Made::Image(image)));
+        seen.graph.forget(image);
     }
 
     /// The images that have to be drawn for each view, if something new was seen since this was asked last.
@@ -86,11 +75,10 @@ impl Paths {
         let seen = self.seen.lock().unwrap_or_else(PoisonError::into_inner);
         let chosen = seen.chosen(rule);
         let mut reasons = BTreeMap::new();
-        for image in seen.scenes.iter().filter(|image| !chosen.contains(image)) {
-            let made = seen.made.get(image);
+        for image in seen.graph.scenes().filter(|image| !chosen.contains(image)) {
             let reason = match rule {
                 Duplicate::Never => "the rig says so",
-                _ if made.is_some_and(|made| made.contains(&Made::Elsewhere)) => {
+                _ if seen.graph.makes(image, Made::Elsewhere) => {
                     "it is read by compute shaders, in parts, or by passes of another size"
                 }
                 _ => "it was not seen on the window",
@@ -107,39 +95,7 @@ impl Seen {
         if rule == Duplicate::Never {
             return HashSet::new();
         }
-        let nothing = HashSet::new();
-        let made = |image: &vk::Image| self.made.get(image).unwrap_or(&nothing).iter();
-        let next = |image: &vk::Image| {
-            made(image).filter_map(|made| if let Made::Image(to) = made { Some(*to) } else { None })
-        };
-        let mut chosen = self.scenes.clone();
-        let mut new: Vec<vk::Image> = chosen.iter().copied().collect();
-        while let Some(image) = new.pop() {
-            new.extend(next(&image).filter(|to| chosen.insert(*to)));
-        }
-        loop {
-            // Of those that are left, which reach the window?
-            let mut shown: HashSet<vk::Image> =
-                chosen.iter().copied().filter(|image| made(image).any(|made| *made == Made::Window)).collect();
-            while let Some(image) =
-                chosen.iter().copied().find(|image| !shown.contains(image) && next(image).any(|to| shown.contains(&to)))
-            {
-                shown.insert(image);
-            }
-            let follows = |image: &vk::Image| {
-                let kept = |made: &Made| match made {
-                    Made::Window => true,
-                    Made::Image(to) => chosen.contains(to),
-                    Made::Elsewhere => false,
-                };
-                (rule == Duplicate::Always || shown.contains(image)) && made(image).all(kept)
-            };
-            let left: HashSet<vk::Image> = chosen.iter().copied().filter(follows).collect();
-            if left.len() == chosen.len() {
-                return left;
-            }
-            chosen = left;
-        }
+        self.graph.followed(rule == Duplicate::Always)
     }
 }
 

@@ -65,14 +65,15 @@ impl Wanted {
 #[cfg(test)]
 mod tests {
     use super::Wanted;
-    use crate::intercept::vk::queries::scaling::{Meaning, ONE, Pool, Weights};
+    use crate::intercept::scene::query_weights::{Quantity, QueryWeights};
+    use crate::intercept::vk::queries::scaling::Pool;
     use ash::vk::QueryResultFlags as F;
 
     #[test]
     fn results_have_the_form_that_is_asked_for_and_stay_within_their_memory() {
-        let half = Weights { samples: ONE / 2, primitives: ONE };
-        let meanings = vec![Meaning::Primitives, Meaning::Samples];
-        let pool = Pool::new(meanings, vec![Weights::ONCE, half, half]);
+        let half = QueryWeights { samples: 0.5, primitives: 1.0 };
+        let meanings = vec![Quantity::Primitives, Quantity::Samples];
+        let pool = Pool::new(meanings, vec![QueryWeights::ONCE, half, half]);
         // Of the query 1, and of 2, which is not available.
         let raw = [10, 20, 1, 30, 40, 0];
         let write = |length: usize, size: usize, flags| {

@@ -1,9 +1,10 @@
 //! Queries while they run: which draws they count, and how often each of those is issued.
 
+use crate::intercept::scene::query_weights::{QueryWeights, weight};
 use crate::intercept::vk::commands::passes::clear_panel;
 use crate::intercept::vk::commands::recording::{Event, Recording};
 use crate::intercept::vk::layer::device::Device;
-use crate::intercept::vk::queries::scaling::{ONE, Pool, Weights};
+use crate::intercept::vk::queries::scaling::Pool;
 use ash::vk;
 use std::sync::Arc;
 
@@ -35,11 +36,6 @@ pub struct Running {
     issued: f64,
 }
 
-/// A factor with 32 bits behind the point.
-fn fixed(factor: f64) -> u64 {
-    if factor.is_finite() && factor > 0.0 { (factor * ONE as f64).round() as u64 } else { ONE }
-}
-
 impl Running {
     /// A query that begins.
     pub fn new(pool: Arc<Pool>, query: u32) -> Self {
@@ -62,9 +58,9 @@ impl Running {
     }
 
     /// The weights of what it counted.
-    fn weights(&self) -> Weights {
+    fn weights(&self) -> QueryWeights {
         let samples = self.worth.unwrap_or(Worth::ONCE).factor;
-        Weights { samples: fixed(samples), primitives: fixed(self.drawn / self.issued) }
+        QueryWeights { samples, primitives: weight(self.drawn, self.issued) }
     }
 
     /// It ends.
@@ -123,7 +119,8 @@ pub fn end(device: &Device, buffer: vk::CommandBuffer, pool: vk::QueryPool, quer
 #[cfg(test)]
 mod tests {
     use super::{Running, Worth};
-    use crate::intercept::vk::queries::scaling::{ONE, Pool, Weights, weighed};
+    use crate::intercept::scene::query_weights::QueryWeights;
+    use crate::intercept::vk::queries::scaling::{Pool, fixed, weighed};
     use std::sync::Arc;
 
     fn query() -> Running {
@@ -137,12 +134,12 @@ mod tests {
         running.add(Worth { factor: 0.5, of_scene: true }, 36, 6);
         running.add(Worth { factor: 0.25, of_scene: true }, 6, 7);
         let weights = running.weights();
-        assert_eq!(weighed(30 + 36 * 6 + 6 * 7, weights.primitives), 30 + 36 + 6);
-        assert_eq!(weights.samples, ONE / 2, "the first draw of a scene says it");
+        assert_eq!(weighed(30 + 36 * 6 + 6 * 7, fixed(weights.primitives)), 30 + 36 + 6);
+        assert_eq!(weights.samples, 0.5, "the first draw of a scene says it");
     }
 
     #[test]
     fn what_counts_nothing_has_usual_weights() {
-        assert_eq!(query().weights(), Weights::ONCE);
+        assert_eq!(query().weights(), QueryWeights::ONCE);
     }
 }

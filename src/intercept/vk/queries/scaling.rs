@@ -1,17 +1,15 @@
 //! Queries that count what a program draws, though each draw is issued once per view.
 //!
-//! A query counts all that is issued while it runs. What the program is told is that number times a weight, which is
-//! known when the command buffer is submitted, as what its draws are is known then:
+//! A query counts all that is issued while it runs. What the program is told is that number times a
+//! weight ([`QueryWeights`]), which is known when the command buffer is submitted, as what its draws
+//! are is known then. Each draw is issued a known number of times, so that counts of primitives are
+//! exact where all draws of a query are issued as often, or where the program says how large they
+//! are.
 //!
-//! - samples: those of all views together, scaled so that what fills the program's own picture counts as many as that
-//!   has. What only a view beside that picture shows is counted too, or the program would leave it out on the dome;
-//! - primitives, vertices and what shaders do with them: once. Each draw is issued a known number of times, so that this
-//!   is exact where all draws of a query are issued as often, or where the program says how large they are;
-//! - time, and what compute shaders do: as it is.
-//!
-//! What was counted at all counts at least one. [`running`] finds the weights, `results` tells the program what it
+//! [`running`] finds the weights, `results` tells the program what it
 //! reads, `copies` what a command copies for it.
 
+use crate::intercept::scene::query_weights::{Quantity, QueryWeights};
 use crate::intercept::vk::layer::device::Device;
 use crate::intercept::vk::layer::hooks::hooks;
 use crate::intercept::vk::queries::copies::{self, Scratch, Weigher};
@@ -25,26 +23,9 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 /// A weight of one: weights have 32 bits behind the point.
 pub(super) const ONE: u64 = 1 << 32;
 
-/// What the counts of one query are multiplied by, with 32 bits behind the point.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Weights {
-    /// Samples, and fragments.
-    pub samples: u64,
-    /// Vertices, primitives, and what shaders do with them.
-    pub primitives: u64,
-}
-
-impl Weights {
-    /// Counts stay what they are.
-    pub const ONCE: Self = Self { samples: ONE, primitives: ONE };
-
-    fn of(&self, meaning: Meaning) -> u64 {
-        match meaning {
-            Meaning::Samples => self.samples,
-            Meaning::Primitives => self.primitives,
-            Meaning::Itself => ONE,
-        }
-    }
+/// A weight with 32 bits behind the point.
+pub(super) fn fixed(weight: f64) -> u64 {
+    if weight.is_finite() && weight > 0.0 { (weight * ONE as f64).round() as u64 } else { ONE }
 }
 
 /// `count` × `weight`, rounded; more than nothing if `count` is.
@@ -53,32 +34,21 @@ pub(super) fn weighed(count: u64, weight: u64) -> u64 {
     u64::try_from(product).unwrap_or(u64::MAX).max(u64::from(count > 0))
 }
 
-/// What one number of a result is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Meaning {
-    /// Samples or fragments.
-    Samples,
-    /// Vertices, primitives, runs of the stages before rasterisation.
-    Primitives,
-    /// What counts as it is.
-    Itself,
-}
-
 /// What the numbers of a query's result are; empty for queries whose numbers are the program's as they are.
-fn meanings(info: &vk::QueryPoolCreateInfo<'_>) -> Vec<Meaning> {
+fn meanings(info: &vk::QueryPoolCreateInfo<'_>) -> Vec<Quantity> {
     use vk::QueryPipelineStatisticFlags as S;
     match info.query_type {
-        vk::QueryType::OCCLUSION => vec![Meaning::Samples],
+        vk::QueryType::OCCLUSION => vec![Quantity::Samples],
         vk::QueryType::PRIMITIVES_GENERATED_EXT | vk::QueryType::MESH_PRIMITIVES_GENERATED_EXT => {
-            vec![Meaning::Primitives]
+            vec![Quantity::Primitives]
         }
         vk::QueryType::PIPELINE_STATISTICS => {
             let bits = (0..u32::BITS).map(|bit| S::from_raw(1 << bit));
             let of = |bit| match bit {
-                S::FRAGMENT_SHADER_INVOCATIONS => Meaning::Samples,
+                S::FRAGMENT_SHADER_INVOCATIONS => Quantity::Samples,
                 // What clipping leaves of a primitive is left in the views that show it.
-                S::CLIPPING_PRIMITIVES | S::COMPUTE_SHADER_INVOCATIONS => Meaning::Itself,
-                _ => Meaning::Primitives,
+                S::CLIPPING_PRIMITIVES | S::COMPUTE_SHADER_INVOCATIONS => Quantity::Unscaled,
+                _ => Quantity::Primitives,
             };
             bits.filter(|bit| info.pipeline_statistics.contains(*bit)).map(of).collect()
         }
@@ -88,9 +58,9 @@ fn meanings(info: &vk::QueryPoolCreateInfo<'_>) -> Vec<Meaning> {
 
 /// A pool of queries that count.
 pub struct Pool {
-    pub(super) meanings: Vec<Meaning>,
+    pub(super) meanings: Vec<Quantity>,
     /// The queries' weights, as of their last submission.
-    pub(super) weights: Mutex<Vec<Weights>>,
+    pub(super) weights: Mutex<Vec<QueryWeights>>,
     /// What copies of its results need, once there is one.
     pub(super) scratch: Mutex<Option<Scratch>>,
 }
@@ -99,12 +69,12 @@ impl Pool {
     /// The weight of each number of a query's result.
     pub(super) fn weights(&self, query: u32) -> impl Iterator<Item = u64> + '_ {
         let all = self.weights.lock().unwrap_or_else(PoisonError::into_inner);
-        let weights = all.get(query as usize).copied().unwrap_or(Weights::ONCE);
-        self.meanings.iter().map(move |meaning| weights.of(*meaning))
+        let weights = all.get(query as usize).copied().unwrap_or(QueryWeights::ONCE);
+        self.meanings.iter().map(move |quantity| fixed(weights.of(*quantity)))
     }
 
     /// A query that is submitted will count with these weights.
-    pub(super) fn weigh(&self, device: &Device, query: u32, new: Weights) {
+    pub(super) fn weigh(&self, device: &Device, query: u32, new: QueryWeights) {
         match self.weights.lock().unwrap_or_else(PoisonError::into_inner).get_mut(query as usize) {
             Some(weights) if *weights != new => *weights = new,
             _ => return,
@@ -115,7 +85,7 @@ impl Pool {
     }
 
     /// Of queries whose weights are these.
-    pub(super) fn new(meanings: Vec<Meaning>, weights: Vec<Weights>) -> Self {
+    pub(super) fn new(meanings: Vec<Quantity>, weights: Vec<QueryWeights>) -> Self {
         Self { meanings, weights: Mutex::new(weights), scratch: Mutex::default() }
     }
 }
@@ -155,7 +125,7 @@ hooks! { queries;
         let result = next(device, info, allocator, made);
         let meanings = meanings(&*info);
         if result == vk::Result::SUCCESS && !meanings.is_empty() {
-            let weights = vec![Weights::ONCE; (*info).query_count as usize];
+            let weights = vec![QueryWeights::ONCE; (*info).query_count as usize];
             let mut pools = state.queries.pools.lock().unwrap_or_else(PoisonError::into_inner);
             pools.insert(*made, Arc::new(Pool::new(meanings, weights)));
         }
@@ -215,7 +185,7 @@ hooks! { queries;
 
 #[cfg(test)]
 mod tests {
-    use super::{Meaning, ONE, meanings, weighed};
+    use super::{ONE, Quantity, meanings, weighed};
     use ash::vk;
 
     #[test]
@@ -234,7 +204,7 @@ mod tests {
         let asked = S::FRAGMENT_SHADER_INVOCATIONS | S::INPUT_ASSEMBLY_VERTICES | S::COMPUTE_SHADER_INVOCATIONS;
         let info = vk::QueryPoolCreateInfo::default().query_type(vk::QueryType::PIPELINE_STATISTICS);
         let all = meanings(&info.pipeline_statistics(asked));
-        assert_eq!(all, [Meaning::Primitives, Meaning::Samples, Meaning::Itself]);
+        assert_eq!(all, [Quantity::Primitives, Quantity::Samples, Quantity::Unscaled]);
         assert!(meanings(&info.query_type(vk::QueryType::TIMESTAMP)).is_empty());
     }
 }

@@ -8,6 +8,7 @@ use crate::correct::projected::y_down::{lens_down, rows_down};
 use crate::correct::shaders::uniforms;
 use crate::intercept::camera::Cameras;
 use crate::intercept::lens;
+use crate::intercept::scene::frame_order::FrameOrder;
 use crate::intercept::vk::commands::indirect::Placed;
 use crate::intercept::vk::commands::recording::{Event, Recording};
 use crate::intercept::vk::layer::device::Device;
@@ -162,10 +163,7 @@ pub struct Frame {
     behind: Vec<[f32; 16]>,
     /// The lens for which it was last found out how many samples show what it sees, and how many.
     sampled: Option<(Intrinsics, f64)>,
-    flat_first: bool,
-    scene: bool,
-    /// The last frame drew flat things before its scene.
-    flat_was_first: bool,
+    order: FrameOrder,
     /// What was counted.
     pub counts: Counts,
 }
@@ -173,8 +171,7 @@ pub struct Frame {
 impl Frame {
     /// A frame ended.
     pub fn end(&mut self) {
-        self.flat_was_first = self.flat_first && self.scene;
-        (self.flat_first, self.scene) = (false, false);
+        self.order.end_frame();
         self.cameras.end_frame();
     }
 
@@ -316,20 +313,20 @@ fn resolve(device: &Device, run: &mut Run, pieces: &[Piece]) {
     let in_views = kind.in_views && device.draws_views();
     let outcome = match run.lens.filter(|_| in_views) {
         Some((intrinsics, how)) => {
-            frame.scene = true;
+            frame.order.note_scene();
             *frame.counts.found.entry(how).or_default() += run.draws;
             Outcome::Scene(intrinsics)
         }
         None if kind.screen && in_views => {
-            frame.scene = true;
+            frame.order.note_scene();
             Outcome::Screen
         }
         // What is flat in a picture of the scene has no other place than the views.
         None if kind.off_screen => Outcome::Behind,
         None => {
             frame.counts.flat += run.draws;
-            frame.flat_first |= !frame.scene;
-            let behind = in_views && frame.flat_was_first && !frame.scene;
+            frame.order.note_flat();
+            let behind = in_views && frame.order.is_behind();
             if behind { Outcome::Behind } else { Outcome::Flat }
         }
     };

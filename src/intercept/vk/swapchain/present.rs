@@ -3,6 +3,7 @@
 use crate::backend::vk::Timing;
 use crate::error::{Error, ErrorKind, Result};
 use crate::intercept::kept::{self, Kept};
+use crate::intercept::scene::report;
 use crate::intercept::vk::layer::device::{self, Device};
 use crate::intercept::vk::swapchain::create::Swapchain;
 use crate::intercept::vk::swapchain::read_back;
@@ -227,10 +228,6 @@ fn statistics(device: &Device, managed: &Swapchain, rig: &Rig, frames: u64) -> S
     let uncounted =
         divided.uncounted().map(|why| format!("Vulkan: what is not divided far enough is not counted: {why}"));
     let mut statistics = Statistics {
-        frames,
-        rig: rig.name.clone(),
-        driver: device.driver.clone(),
-        cache: crate::runtime::cache::of_process().counts(),
         notes: device.flat_note().into_iter().chain(uncounted).collect(),
         draws_seen: counts.seen,
         panel_draws: counts.flat,
@@ -241,7 +238,7 @@ fn statistics(device: &Device, managed: &Swapchain, rig: &Rig, frames: u64) -> S
         coarse_primitives: coarse(device),
         undivided_pipelines: divided.undivided(),
         projection_found: counts.found.iter().map(|(how, draws)| ((*how).to_owned(), *draws)).collect(),
-        ..Statistics::default()
+        ..report::begin(frames, &rig.name, device.driver.clone())
     };
     let view = |name: &str, width, height, draws_issued| ViewStatistics {
         name: name.to_owned(),
@@ -253,7 +250,7 @@ fn statistics(device: &Device, managed: &Swapchain, rig: &Rig, frames: u64) -> S
     match &managed.canvas {
         Some(canvas) if device.draws_views() => {
             let session = &canvas.layout.session;
-            statistics.notes.extend(session.plan().views.notes.iter().cloned());
+            report::add_plan(&mut statistics, session);
             let views = session.views().iter();
             statistics.correction_milliseconds = mean(canvas.timing());
             statistics.views = views.map(|v| view(&v.name, v.tile.width, v.tile.height, counts.in_views)).collect();

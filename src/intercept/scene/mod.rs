@@ -1,0 +1,23 @@
+//! What both APIs decide about a program's frame, without naming either of them.
+//!
+//! - [`viewport`]: does a viewport hold the program's main picture?
+//! - [`frame_order`]: does flat drawing lie behind the scene?
+//! - [`image_graph`]: which images lie between a scene and the window?
+//! - [`query_weights`]: what does a query's count become for the program?
+//! - [`report`]: what do the statistics say of a plan?
+//!
+//! ```text
+//! draw ─ main viewport? ─ lens known? ─ yes → scene, once per view
+//!              │               │
+//!              no              no
+//!              ▼               ▼
+//!            flat ◄──── flat; behind, if the last frame drew flat things before its scene
+//! ```
+//!
+//! The rooms of OpenGL and Vulkan collect the facts and issue the draws.
+
+pub mod frame_order;
+pub mod image_graph;
+pub mod query_weights;
+pub mod report;
+pub mod viewport;

@@ -1,0 +1,37 @@
+//! Viewports: the program's main picture, pictures within it, and pictures of the window's shape.
+
+/// Whether a viewport of `width` × `height` pixels shows the main picture and not one within it: it
+/// covers more than half of `picture_area`, so that side-by-side pictures stay what they are.
+pub fn is_main(width: f64, height: f64, picture_area: f64) -> bool {
+    width * height * 2.0 > picture_area
+}
+
+/// Whether a picture has the window's shape, up to rounding to whole pixels, and at least a quarter
+/// of its width. Then it holds the scene as the window would, and not what a lamp or a mirror sees.
+pub fn has_shape_of_window(width: i64, height: i64, window: (u32, u32)) -> bool {
+    let (across, up) = (i64::from(window.0), i64::from(window.1));
+    4 * width >= across && (width * up - height * across).abs() <= across.max(up)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{has_shape_of_window, is_main};
+
+    #[test]
+    fn more_than_half_is_the_main_picture() {
+        let area = 640.0 * 480.0;
+        assert!(is_main(640.0, 480.0, area) && is_main(640.0, 241.0, area));
+        assert!(!is_main(320.0, 480.0, area) && !is_main(640.0, 240.0, area) && !is_main(0.0, 0.0, area));
+    }
+
+    #[test]
+    fn shapes() {
+        let window = (1280, 720);
+        for [width, height] in [[1280, 720], [640, 360], [320, 180], [427, 240], [2560, 1440]] {
+            assert!(has_shape_of_window(width, height, window), "{width} × {height}");
+        }
+        for [width, height] in [[1024, 1024], [64, 36], [2048, 1024], [1280, 700], [0, 0]] {
+            assert!(!has_shape_of_window(width, height, window), "{width} × {height}");
+        }
+    }
+}
