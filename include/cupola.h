@@ -13,7 +13,7 @@
  * - Threads: functions with different handles may be called at the same time from several threads,
  *   those with the same handle only where it says so. A handle may move from one thread to another.
  * - Structs that begin with struct_size may grow at their end in later versions. The caller sets
- *   struct_size to sizeof of its own struct and all fields that it does not use to 0. A library of
+ *   struct_size to sizeof of its own struct and, in parameters, unused fields to 0. A library of
  *   another version serves it: missing fields count as 0; unknown fields of parameters have to be
  *   0, else the call returns CUPOLA_INVALID_ARGUMENT; unknown fields of results become 0, and
  *   struct_size stays. In every version 0 is the default of a field that was added after the first
@@ -161,13 +161,13 @@ typedef struct cupola_rig cupola_rig;
 /*
  Receives a message of the library (see `cupola_set_log_callback`).
 
- `message` is one line of UTF-8 without a newline at its end, NUL-terminated, valid during the
- call. `user` is the pointer that was passed to `cupola_set_log_callback`.
+ `message` is UTF-8 without a newline at its end, NUL-terminated, valid during the call. `user`
+ is the pointer that was passed to `cupola_set_log_callback`.
 
- The callback may be called from any thread that calls the library, and from several at the same
- time. It returns normally: a `longjmp` or a C++ exception out of it is undefined behaviour. It
- may call functions of the library, except `cupola_set_log_callback` and those with a handle that
- is in use by the call from which the message comes; messages of these calls are discarded.
+ The callback may be called from any thread, and from several at the same time. It returns
+ normally: a `longjmp` or a C++ exception out of it is undefined behaviour. It may call functions
+ of the library, except `cupola_set_log_callback` and those with a handle that is in use by the
+ call from which the message comes; messages of these calls are discarded.
  */
 typedef void (*cupola_log_callback)(enum cupola_log_level level, const char *message, void *user);
 

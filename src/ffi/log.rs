@@ -21,13 +21,13 @@ pub enum cupola_log_level {
 
 /// Receives a message of the library (see `cupola_set_log_callback`).
 ///
-/// `message` is one line of UTF-8 without a newline at its end, NUL-terminated, valid during the
-/// call. `user` is the pointer that was passed to `cupola_set_log_callback`.
+/// `message` is UTF-8 without a newline at its end, NUL-terminated, valid during the call. `user`
+/// is the pointer that was passed to `cupola_set_log_callback`.
 ///
-/// The callback may be called from any thread that calls the library, and from several at the same
-/// time. It returns normally: a `longjmp` or a C++ exception out of it is undefined behaviour. It
-/// may call functions of the library, except `cupola_set_log_callback` and those with a handle that
-/// is in use by the call from which the message comes; messages of these calls are discarded.
+/// The callback may be called from any thread, and from several at the same time. It returns
+/// normally: a `longjmp` or a C++ exception out of it is undefined behaviour. It may call functions
+/// of the library, except `cupola_set_log_callback` and those with a handle that is in use by the
+/// call from which the message comes; messages of these calls are discarded.
 pub type cupola_log_callback =
     Option<unsafe extern "C" fn(level: cupola_log_level, message: *const c_char, user: *mut c_void)>;
 

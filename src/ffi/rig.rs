@@ -18,6 +18,12 @@ impl Handle for cupola_rig {
     const NAME: &'static str = "rig";
 }
 
+// Several threads may use one rig.
+const _: fn() = || {
+    fn is_shared<T: Send + Sync>() {}
+    is_shared::<cupola_rig>();
+};
+
 /// Loads a rig from a preset or from a file.
 ///
 /// # Parameters
