@@ -1,6 +1,8 @@
 //! Compares a picture with predicted directions.
 
+use crate::harness::note;
 use crate::picture::Picture;
+use crate::programs::Finished;
 use crate::reference::{Vector, cube_colour, cube_face};
 use std::path::{Path, PathBuf};
 
@@ -59,7 +61,12 @@ pub struct Report {
 impl Report {
     /// Nothing is wrong, and enough was compared to say so.
     pub fn good(&self) -> bool {
-        self.wrong == 0 && self.lit == 0 && self.compared * 2 > self.picture.pixels.len()
+        self.wrong == 0 && self.lit == 0 && self.share() > 0.5
+    }
+
+    /// Pixels that were compared, as a part of all.
+    pub fn share(&self) -> f64 {
+        self.compared as f64 / self.picture.pixels.len() as f64
     }
 }
 
@@ -72,7 +79,8 @@ pub fn compare_with(
     colour: impl Fn(Vector) -> Vector,
     cell: impl Fn(Vector) -> usize,
 ) -> Report {
-    let Limits { tolerance, edge, rim } = limits.into();
+    let limits = limits.into();
+    let surroundings = Surroundings::new((picture.width, picture.height), limits.edge, &shown, &cell);
     let mut report = Report {
         compared: 0,
         wrong: 0,
@@ -82,39 +90,32 @@ pub fn compare_with(
         lit: 0,
         picture: Picture::from_fn(picture.width, picture.height, |_, _| [0; 3]),
     };
-    // Places around a pixel's centre at which it must still be the same kind of thing.
-    let ring: Vec<(f64, f64)> = (0..16)
-        .map(|index| (f64::from(index) * std::f64::consts::TAU / 16.0).sin_cos())
-        .flat_map(|(sin, cos)| [(edge * cos, edge * sin), (0.5 * edge * cos, 0.5 * edge * sin)])
-        .collect();
     for y in 0..picture.height {
         for x in 0..picture.width {
-            let (centre_x, centre_y) = (x as f64 + 0.5, y as f64 + 0.5);
-            let mut around = ring.iter().map(|(dx, dy)| shown(centre_x + dx, centre_y + dy));
             let found = picture.at(x, y);
-            match shown(centre_x, centre_y) {
+            match surroundings.centre(x, y) {
                 Shown::Unknown => {}
                 Shown::Black => {
-                    if around.all(|place| place == Shown::Black) {
+                    if surroundings.all(x, y, |place| place == Kind::Black) {
                         report.black += 1;
                         report.lit += usize::from(found != [0; 3]);
                     }
                 }
                 Shown::Direction(direction) => {
-                    let own = cell(direction);
-                    let differs = |place| match place {
-                        Shown::Direction(direction) => cell(direction) != own,
-                        Shown::Black => rim,
-                        Shown::Unknown => false,
+                    let own = Kind::Cell(cell(direction));
+                    let same = |place| match place {
+                        Kind::Cell(_) => place == own,
+                        Kind::Black => !limits.rim,
+                        Kind::Unknown => true,
                     };
-                    if around.any(differs) {
+                    if !surroundings.all(x, y, same) {
                         continue;
                     }
                     let expected = colour(direction).map(|channel| 255.0 * channel);
                     let off = [0, 1, 2].map(|channel| (f64::from(found[channel]) - expected[channel]).abs());
                     let worst = off.into_iter().fold(0.0, f64::max);
                     report.compared += 1;
-                    report.wrong += usize::from(worst > tolerance);
+                    report.wrong += usize::from(worst > limits.tolerance);
                     if worst > report.worst {
                         (report.worst, report.worst_at) = (worst, (x, y));
                     }
@@ -125,6 +126,73 @@ pub fn compare_with(
         }
     }
     report
+}
+
+/// [`Shown`] without the direction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Kind {
+    Cell(usize),
+    Black,
+    Unknown,
+}
+
+/// What is shown around each pixel's centre. Where all the centres that a circle encloses show one thing, so does the circle;
+/// only elsewhere the circle's own places are looked up.
+pub struct Surroundings<F, C> {
+    shown: F,
+    cell: C,
+    /// Places around a pixel's centre at which it must still be the same kind of thing.
+    ring: Vec<(f64, f64)>,
+    /// Number of pixels beyond the picture's edges of which `centres` and `kinds` know.
+    margin: usize,
+    width: usize,
+    centres: Vec<Shown>,
+    kinds: Vec<Kind>,
+}
+
+impl<F: Fn(f64, f64) -> Shown, C: Fn(Vector) -> usize> Surroundings<F, C> {
+    /// For circles of `edge` pixels.
+    pub fn new(size: (usize, usize), edge: f64, shown: F, cell: C) -> Self {
+        let ring = (0..16)
+            .map(|index| (f64::from(index) * std::f64::consts::TAU / 16.0).sin_cos())
+            .flat_map(|(sin, cos)| [(edge * cos, edge * sin), (0.5 * edge * cos, 0.5 * edge * sin)])
+            .collect();
+        let margin = edge.ceil() as usize;
+        let (width, height) = (size.0 + 2 * margin, size.1 + 2 * margin);
+        let place = |index: usize| index as f64 - margin as f64 + 0.5;
+        let centres: Vec<Shown> =
+            (0..width * height).map(|index| shown(place(index % width), place(index / width))).collect();
+        let mut this = Self { shown, cell, ring, margin, width, kinds: Vec::new(), centres };
+        this.kinds = this.centres.iter().map(|centre| this.kind(*centre)).collect();
+        this
+    }
+
+    fn kind(&self, shown: Shown) -> Kind {
+        match shown {
+            Shown::Direction(direction) => Kind::Cell((self.cell)(direction)),
+            Shown::Black => Kind::Black,
+            Shown::Unknown => Kind::Unknown,
+        }
+    }
+
+    /// What a pixel's centre shows.
+    pub fn centre(&self, x: usize, y: usize) -> Shown {
+        self.centres[(y + self.margin) * self.width + x + self.margin]
+    }
+
+    /// Whether all places around a pixel's centre fulfil `condition`, which the centre does.
+    pub fn all(&self, x: usize, y: usize, condition: impl Fn(Kind) -> bool) -> bool {
+        let own = self.kinds[(y + self.margin) * self.width + x + self.margin];
+        let side = 2 * self.margin + 1;
+        let mut rows = self.kinds[y * self.width + x..].chunks(self.width).take(side);
+        rows.all(|row| row[..side].iter().all(|kind| *kind == own)) || self.all_of_ring(x, y, condition)
+    }
+
+    /// [`Self::all`], but by the circle's own places alone.
+    pub fn all_of_ring(&self, x: usize, y: usize, condition: impl Fn(Kind) -> bool) -> bool {
+        let (x, y) = (x as f64 + 0.5, y as f64 + 0.5);
+        self.ring.iter().all(|(dx, dy)| condition(self.kind((self.shown)(x + dx, y + dy))))
+    }
 }
 
 /// [`compare_with`] for the plain colour cube.
@@ -141,16 +209,16 @@ pub fn expect_good(report: &Report, picture: &Picture, what: &str) {
     picture.save(&wrong);
     report.picture.save(&difference);
     panic!(
-        "{what}: {} of {} pixels are wrong, the worst by {:.1}/255 at column {} row {}; {} of {} black pixels are lit; \
-         {} pixels in all\n  picture    {}\n  difference {} (×32)",
+        "{what}: {} of {} pixels ({:.1} % of the picture) are wrong, the worst by {:.1}/255 at column {} row {}; \
+         {} of {} black pixels are lit\n  picture    {}\n  difference {} (×32)",
         report.wrong,
         report.compared,
+        100.0 * report.share(),
         report.worst,
         report.worst_at.0,
         report.worst_at.1,
         report.lit,
         report.black,
-        picture.pixels.len(),
         wrong.display(),
         difference.display()
     );
@@ -161,9 +229,19 @@ pub fn expect_identical(found: &Picture, expected: &Picture, what: &str) {
     expect_similar(found, expected, 0, 0.0, what);
 }
 
+/// Panics where two runs did not capture the same outputs, or the pictures differ at all.
+pub fn expect_identical_captures(found: &Finished, expected: &Finished, what: &str) {
+    let (found, expected) = (found.captures(), expected.captures());
+    assert!(found.keys().eq(expected.keys()), "{what}: {:?} instead of {:?}", found.keys(), expected.keys());
+    for ((name, found), expected) in found.iter().zip(expected.values()) {
+        expect_identical(found, expected, &format!("{what}, {name}"));
+    }
+}
+
 /// Panics where more than `part` of the pixels differ or one of them by more than `step`, and leaves both under target/.
 pub fn expect_similar(found: &Picture, expected: &Picture, step: u8, part: f64, what: &str) {
     let (count, worst) = found.difference(expected);
+    note(format_args!("{what}: {count} pixels differ, the worst by {worst}/255"));
     if worst <= step && count as f64 <= part * found.pixels.len() as f64 {
         return;
     }

@@ -9,11 +9,13 @@ use crate::programs::scratch;
 use crate::reference::{
     Dome, Fisheye, Opening, ProgramCamera, Projector, Turn, add_scaled, cube_colour, dot, normalised,
 };
+use crate::vkcube;
 use libtest_mimic::Completion;
 use std::panic::catch_unwind;
 use std::process::Command;
 
 tests! {
+    the_place_of_vkcube_is_judged,
     the_harness_tells_what_became_of_a_test,
     a_display_is_there,
     what_is_missing_counts_as_ignored,
@@ -187,4 +189,15 @@ fn the_harness_tells_what_became_of_a_test() {
     });
     let words = failed.err().and_then(|failed| failed.message().map(str::to_owned)).expect("a message");
     assert!(words.contains("a line") && words.contains("controls.rs") && words.contains("left: 1"), "{words}");
+}
+
+fn the_place_of_vkcube_is_judged() {
+    // 16.4 and 28.8 pixels from the middle are the outlines of the balls in the cube and around it.
+    let cube = |radius, moved_by| vkcube::cube(&vkcube::disc(radius, moved_by));
+    assert!(matches!(cube(20.0, 0.0), Ok(1200..=1320)), "{:?}", cube(20.0, 0.0));
+    for (radius, moved_by) in [(0.0, 0.0), (14.0, 0.0), (31.0, 0.0), (20.0, 12.0), (20.0, 100.0)] {
+        assert!(cube(radius, moved_by).is_err(), "a disc of {radius} pixels, {moved_by} off the middle");
+    }
+    let off = |moved_by| vkcube::off(&vkcube::disc(20.0, moved_by), &vkcube::disc(20.0, 0.0));
+    assert!(off(0.0) == 0.0 && off(1.0) < 0.04 && off(2.5) > 0.04, "{} {} {}", off(0.0), off(1.0), off(2.5));
 }

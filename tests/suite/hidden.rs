@@ -1,7 +1,7 @@
 //! What cannot be seen is not done, and no pixel of an output changes by that: what no output samples is closed for
 //! drawing, and windows that are not on the screen are not corrected.
 
-use crate::compare::expect_identical;
+use crate::compare::{expect_identical, expect_identical_captures};
 use crate::harness::tests;
 use crate::programs::Run;
 
@@ -25,10 +25,8 @@ fn same_picture_of(size: (usize, usize), program: &str, rig: &str) -> Option<ser
     let [with, without] = [with.under(rig)?, without.under(rig)?].map(|f| f.expect_success().expect_no_gl_errors());
     let (counts, all) = (with.statistics(), without.statistics());
     assert_eq!(all["closings"], 0, "{program}: --no-mask closes nothing");
-    if with.wrote("capture.png") {
-        let what = format!("{program} {rig}, what is hidden closed");
-        expect_identical(&with.picture("capture.png"), &without.picture("capture.png"), &what);
-    }
+    let what = format!("{program} {rig}, what is hidden closed");
+    expect_identical_captures(&with, &without, &what);
     Some(counts)
 }
 

@@ -31,6 +31,7 @@ mod rigs;
 mod semantics;
 mod steady;
 mod vertices;
+mod vkcube;
 mod vulkan;
 mod vulkan_others;
 mod vulkan_primitives;

@@ -3,7 +3,7 @@
 use crate::display::{self, Compositor, Display, Place};
 use crate::harness::{missing, note};
 use crate::picture::Picture;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::os::unix::process::CommandExt;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
@@ -501,6 +501,16 @@ impl Finished {
             String::from_utf8_lossy(&self.output.stderr)
         );
         Picture::load(&path)
+    }
+
+    /// The pictures of all outputs that the run captured, by the names of their files; there is one at least.
+    pub fn captures(&self) -> BTreeMap<String, Picture> {
+        let files = std::fs::read_dir(&self.directory).expect("the folder of a run").flatten();
+        let names = files.filter_map(|file| file.file_name().into_string().ok());
+        let captures = names.filter(|name| name.starts_with("capture") && name.ends_with(".png"));
+        let pictures: BTreeMap<String, Picture> = captures.map(|name| (name.clone(), self.picture(&name))).collect();
+        assert!(!pictures.is_empty(), "{}: nothing is captured\n{}", self.what, self.words());
+        pictures
     }
 
     /// What `cupola simulate` says of the captured pictures, on a dome of `size` × `size` pixels.

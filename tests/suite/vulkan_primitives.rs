@@ -1,14 +1,15 @@
 //! Method `primitive` in Vulkan programs: triangles and lines that a stage of ours divides, against the exact map.
 
-use crate::compare::{EDGE, Shown, compare_with, expect_good, expect_identical, expect_similar, far};
+use crate::compare::{EDGE, Limits, Shown, TOLERANCE, compare_with, expect_good, expect_identical, expect_similar};
 use crate::dialects::{camera_of, shown_by_fisheye};
 use crate::harness::{note, tests};
 use crate::picture::Picture;
-use crate::programs::{Finished, Run, installed, scratch};
+use crate::programs::{Finished, Run, scratch};
 use crate::projected::{
     CIRCLE, GREY, Projectors, against_the_map, expect_one_pass, on_vulkan, run, vk_cube, vulkan_fisheye,
 };
 use crate::reference::{Vector, cube_colour, cube_face, cube_point};
+use crate::vkcube::{self, expect_cube};
 
 tests! {
     large_triangles_are_where_the_exact_map_has_them,
@@ -30,6 +31,9 @@ tests! {
 
 /// With half a pixel allowed.
 const DIVIDED: [&str; 2] = ["--method", "primitive,max_error=0.5"];
+
+/// With a whole pixel allowed: 2.37/255 was found, in 16 of 49,000 pixels more than the usual tolerance.
+const OF_ONE_PIXEL: Limits = Limits { tolerance: TOLERANCE + 0.5, edge: EDGE, rim: false };
 
 /// What the log says of a pipeline that is drawn as with the method `vertex`.
 const UNDIVIDED: &str = "what a pipeline draws is not divided";
@@ -84,11 +88,14 @@ fn a_greater_error_is_worse() {
 
 /// Both APIs divide by the same functions; a stage of either kind is ours.
 fn as_with_opengl_and_by_either_stage() {
-    let vulkan = vk_cube(&[], &DIVIDED);
-    let opengl = Run { program: "core330_mvp", ..vulkan.clone() };
-    let (Some(vulkan), Some(opengl)) = (vulkan_fisheye(&vulkan), opengl.under("fisheye")) else { return };
+    let run = vk_cube(&[], &DIVIDED);
+    let opengl = Run { program: "core330_mvp", ..run.clone() };
+    let (Some(vulkan), Some(opengl)) = (vulkan_fisheye(&run), opengl.under("fisheye")) else { return };
     let (found, expected) = (vulkan.picture("capture.png"), opengl.expect_success().picture("capture.png"));
-    expect_similar(&found, &expected, 3, 1.0, "Vulkan against OpenGL");
+    for (picture, api) in [(&found, "Vulkan"), (&expected, "OpenGL")] {
+        expect_good(&against_the_map(&run, picture), picture, &format!("large triangles on {api}"));
+    }
+    expect_similar(&found, &expected, 1, 1e-3, "Vulkan against OpenGL");
     let tessellated = ["--method", "primitive-tessellation,max_error=0.5"];
     let Some(finished) = vulkan_fisheye(&vk_cube(&[], &tessellated)) else { return };
     expect_identical(&finished.picture("capture.png"), &found, "primitive-tessellation");
@@ -105,20 +112,21 @@ fn all_that_shaders_hand_on_arrives() {
         &["--shape", "fan"],
     ];
     for extra in cases {
-        // More is handed on than there is room for with a smaller error; of a pixel's width colours change by 1.6/255.
+        // More is handed on than there is room for with a smaller error.
         let run = run("vk_handed", extra, &["--method", "primitive,max_error=1"]);
         let Some(finished) = vulkan_fisheye(&run) else { return };
         let picture = finished.picture("capture.png");
-        let report = against_the_map(&run, &picture);
-        let (compared, all) = (report.compared, picture.pixels.len());
-        assert!(report.worst < 4.0 && 2 * compared > all, "{extra:?}: {:.2}/255, {compared} pixels", report.worst);
+        let report =
+            compare_with(&picture, OF_ONE_PIXEL, shown_by_fisheye(CIRCLE, camera_of(&run)), cube_colour, cube_face);
+        note(format_args!("{extra:?}: {:.2}/255", report.worst));
+        expect_good(&report, &picture, &format!("vk_handed {extra:?}"));
         expect_divided(&finished, &format!("{extra:?}"));
     }
 }
 
 /// What is beyond a plane of the program's own stays clipped.
 fn clip_distances_are_handed_on() {
-    for method in ["primitive,max_error=1", "fragment"] {
+    for (method, limits) in [("primitive,max_error=1", OF_ONE_PIXEL), ("fragment", EDGE.into())] {
         let cupola = ["--method", method];
         let run = run("vk_handed", &["--clip"], &cupola);
         let Some(finished) = vulkan_fisheye(&run) else { return };
@@ -129,10 +137,11 @@ fn clip_distances_are_handed_on() {
             false => cube_colour(direction),
         };
         let cell = |direction: Vector| 2 * cube_face(direction) + usize::from(clipped(direction));
-        let report = compare_with(&picture, EDGE, shown_by_fisheye(CIRCLE, camera_of(&run)), colour, cell);
+        let report = compare_with(&picture, limits, shown_by_fisheye(CIRCLE, camera_of(&run)), colour, cell);
         let grey = picture.pixels.iter().filter(|pixel| **pixel == GREY).count();
         assert!(grey > 2000, "{grey} pixels are clipped");
-        assert!(report.worst < 4.0, "{method}: {:.2}/255 at {:?}", report.worst, report.worst_at);
+        note(format_args!("{method}: {:.2}/255, {grey} pixels", report.worst));
+        expect_good(&report, &picture, &format!("vk_handed, clipped, {method}"));
     }
 }
 
@@ -177,7 +186,8 @@ fn as_many_are_coarse_as_with_opengl() {
     let (Some(vulkan), Some(opengl)) = (vulkan.vulkan_under(rig), opengl.under(rig)) else { return };
     let (vulkan, opengl) = (coarse(&vulkan), coarse(&opengl.expect_success()));
     note(format_args!("coarse: {vulkan} on Vulkan, {opengl} on OpenGL"));
-    assert!(opengl > 0 && vulkan < 2 * opengl && opengl < 2 * vulkan, "{vulkan} on Vulkan, {opengl} on OpenGL");
+    // 273 on both of Mesa's software renderers.
+    assert!(opengl > 0 && vulkan.abs_diff(opengl) * 50 <= opengl, "{vulkan} on Vulkan, {opengl} on OpenGL");
 }
 
 /// How many pixels of lines are seen, and by how much their colours are off from those of the places.
@@ -211,8 +221,9 @@ fn lines_are_divided() {
             Some((lines(&finished.picture("capture.png"), &run), finished))
         };
         let Some(((lit, worst), finished)) = start(&DIVIDED) else { return };
+        note(format_args!("{extra:?}: {lit} pixels, {worst:.2}/255"));
         // A pixel's width is 1.6/255 at most.
-        assert!(lit > 700 && worst < 4.0, "{extra:?}: {lit} pixels, {worst:.2}/255");
+        assert!((1100..1350).contains(&lit) && worst < 3.0, "{extra:?}: {lit} pixels, {worst:.2}/255");
         expect_divided(&finished, &format!("{extra:?}"));
         let Some(((_, worst), _)) = start(&["--method", "vertex"]) else { return };
         assert!(worst > 20.0, "{extra:?}: what is not divided is seen: {worst:.2}/255");
@@ -297,8 +308,8 @@ fn flat_drawing_over_and_behind_the_scene() {
     };
     let (Some(found), Some(expected)) = (start("over", DIVIDED[1]), start("over", "fragment")) else { return };
     assert_eq!(found.statistics()["panel_draws"], 5);
-    let far = far(&found.picture("capture.png"), &expected.picture("capture.png"));
-    assert!(far < 0.01, "{far} of the pixels are off");
+    let (found, expected) = (found.picture("capture.png"), expected.picture("capture.png"));
+    expect_similar(&found, &expected, 2, 1.0, "flat over the scene");
     let Some(behind) = start("before", DIVIDED[1]) else { return };
     let picture = behind.picture("capture.png");
     expect_good(&against_the_map(&vk_cube(&[], &[]), &picture), &picture, "vk_cube, primitive, with a background");
@@ -314,19 +325,18 @@ fn scenes_that_are_drawn_off_screen() {
     };
     let statistics = found.statistics();
     assert_eq!(statistics["duplicated_framebuffers"], 1, "{statistics:#}");
-    let far = far(&found.picture("capture.png"), &expected.picture("capture.png"));
-    assert!(far < 0.02, "{far} of the pixels are off");
+    let (found, expected) = (found.picture("capture.png"), expected.picture("capture.png"));
+    expect_identical(&found, &expected, "drawn off screen");
 }
 
 /// A program that others wrote: its cube is where it is with views.
 fn vkcube_in_one_pass() {
-    let start = |method: &str| {
-        let cupola = ["--method", method, "--headless", "--frames", "12", "--capture", "capture.png"];
-        let cupola = [&cupola[..], &["--stats", "stats.json"]].concat();
-        installed("vkcube", &["--width", "300", "--height", "300"], "fisheye", &cupola).map(Finished::expect_success)
-    };
+    let start = |method: &str| vkcube::fisheye(&["--method", method]);
     let (Some(found), Some(expected)) = (start("primitive"), start("fragment")) else { return };
     expect_divided(&found, "vkcube");
-    let far = far(&found.picture("capture.png"), &expected.picture("capture.png"));
-    assert!(far < 0.02, "{far} of the pixels are off");
+    let [found, expected] = [found, expected].map(|finished| finished.picture("capture.png"));
+    let cubes = [&found, &expected].map(|picture| expect_cube(picture, "vkcube"));
+    let off = vkcube::off(&found, &expected);
+    note(format_args!("{cubes:?} pixels of cubes, {off:.3} of them are off"));
+    assert!(off < 0.04, "{off:.3} of the cube's pixels are off");
 }

@@ -1,13 +1,14 @@
 //! Method `vertex` in Vulkan programs: vertices that are projected straight to an output, against the exact map.
 
-use crate::compare::{compare, expect_good, expect_points, expect_similar, far};
+use crate::compare::{compare, expect_good, expect_identical, expect_points, expect_similar};
 use crate::dialects::{camera_of, shown_by_fisheye};
-use crate::harness::tests;
-use crate::programs::{Finished, Run, installed};
+use crate::harness::{note, tests};
+use crate::programs::Run;
 use crate::projected::{
     CIRCLE, GREY, Projectors, against_the_map, expect_one_pass, on_vulkan, vk_cube, vulkan_fisheye,
 };
 use crate::reference::Fisheye;
+use crate::vkcube::{self, expect_cube};
 
 tests! {
     fine_triangles_are_where_the_exact_map_has_them,
@@ -117,8 +118,8 @@ fn flat_drawing_over_and_behind_the_scene() {
     };
     let (Some(found), Some(expected)) = (start("over", "vertex"), start("over", "fragment")) else { return };
     assert_eq!(found.statistics()["panel_draws"], 5);
-    let far = far(&found.picture("capture.png"), &expected.picture("capture.png"));
-    assert!(far < 0.01, "{far} of the pixels are off");
+    let (found, expected) = (found.picture("capture.png"), expected.picture("capture.png"));
+    expect_similar(&found, &expected, 2, 1.0, "flat over the scene");
     let Some(behind) = start("before", "vertex") else { return };
     let picture = behind.picture("capture.png");
     expect_good(&against_the_map(&vk_cube(&[], &[]), &picture), &picture, "vk_cube, vertex, with a background");
@@ -138,22 +139,21 @@ fn scenes_that_are_drawn_off_screen() {
         let statistics = found.statistics();
         assert_eq!(statistics["views"].as_array().map(Vec::len), Some(1), "{way}: {statistics:#}");
         assert_eq!(statistics["duplicated_framebuffers"], 1, "{way}: {statistics:#}");
-        let far = far(&found.picture("capture.png"), &expected.picture("capture.png"));
-        assert!(far < 0.02, "{way}: {far} of the pixels are off");
+        let (found, expected) = (found.picture("capture.png"), expected.picture("capture.png"));
+        expect_identical(&found, &expected, way);
     }
 }
 
 /// A program that others wrote: its cube is where it is with views, but for edges that stay straight.
 fn vkcube_in_one_pass() {
-    let start = |method: &str| {
-        let cupola = ["--method", method, "--headless", "--frames", "12", "--capture", "capture.png"];
-        let cupola = [&cupola[..], &["--stats", "stats.json"]].concat();
-        installed("vkcube", &["--width", "300", "--height", "300"], "fisheye", &cupola).map(Finished::expect_success)
-    };
+    let start = |method: &str| vkcube::fisheye(&["--method", method]);
     let (Some(found), Some(expected)) = (start("vertex"), start("fragment")) else { return };
     expect_one_pass(&found, "vkcube");
-    let far = far(&found.picture("capture.png"), &expected.picture("capture.png"));
-    assert!(far < 0.02, "{far} of the pixels are off");
+    let [found, expected] = [found, expected].map(|finished| finished.picture("capture.png"));
+    let cubes = [&found, &expected].map(|picture| expect_cube(picture, "vkcube"));
+    let off = vkcube::off(&found, &expected);
+    note(format_args!("{cubes:?} pixels of cubes, {off:.3} of them are off"));
+    assert!(off < 0.04, "{off:.3} of the cube's pixels are off");
 }
 
 /// A shader of the program's own that projects to the picture, with the library's functions in its text, however the views lie.
