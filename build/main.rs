@@ -3,8 +3,9 @@
 //!
 //! All end as Rust source under `OUT_DIR`, included by `src/backend/gl/api.rs`,
 //! `src/intercept/gl/immediate/commands.rs`, `src/intercept/gl/vertex_arrays/commands.rs`,
-//! `src/correct/shaders.rs`, `src/correct/spirv.rs`, `src/intercept/vk/queries/copies.rs` and `src/intercept/vk/spirv/functions.rs`.
+//! `src/correct/shaders/{constants,glsl,spirv}.rs`, `src/intercept/vk/queries/copies.rs` and `src/intercept/vk/spirv/functions.rs`.
 
+mod constants;
 mod gl_arrays;
 mod gl_attributes;
 mod gl_registry;
@@ -27,8 +28,9 @@ fn main() {
     std::fs::write(out.join("gl_api.rs"), table).expect("OUT_DIR is writable");
     std::fs::write(out.join("gl_attributes.rs"), attributes).expect("OUT_DIR is writable");
     std::fs::write(out.join("gl_arrays.rs"), arrays).expect("OUT_DIR is writable");
-    let (texts, modules) = shaders::generate();
+    let [texts, modules, constants] = shaders::generate();
     std::fs::write(out.join("shaders.rs"), texts).expect("OUT_DIR is writable");
+    std::fs::write(out.join("shader_constants.rs"), constants).expect("OUT_DIR is writable");
     std::fs::write(out.join("spirv.rs"), modules).expect("OUT_DIR is writable");
     std::fs::write(out.join("queries_spirv.rs"), shaders::queries()).expect("OUT_DIR is writable");
     std::fs::write(out.join("projection_spirv.rs"), projection::generate()).expect("OUT_DIR is writable");

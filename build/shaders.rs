@@ -2,8 +2,9 @@
 //! source is linked into the injected library.
 //!
 //! Of each text the uniform block is cut out: at run time its values are put in as a constant
-//! (see `src/correct/shaders.rs`).
+//! (see `src/correct/shaders/glsl.rs`).
 
+use crate::constants::Types;
 use naga::back::glsl;
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 use naga::{Module, ScalarKind, ShaderStage, TypeInner};
@@ -24,8 +25,9 @@ const PASSES: &[(&str, &[&str], &[&str])] = &[
 /// Name and source of the arrangements of the views' pictures. OpenGL has only the first.
 const ARRANGEMENTS: [(&str, &str); 3] = [("Atlas", "atlas.wgsl"), ("Layers", "layers.wgsl"), ("Images", "images.wgsl")];
 
-/// Rust source with the generated shader texts, and with the SPIR-V modules.
-pub fn generate() -> (String, String) {
+/// Rust source with the generated shader texts, with the SPIR-V modules, and with the types of constants.
+pub fn generate() -> [String; 3] {
+    let mut types = Types::default();
     let mut out = String::from("static PASSES: &[PassText] = &[\n");
     let mut modules = String::from("static MODULES: &[PassModules] = &[\n");
     for (name, files, entries) in PASSES {
@@ -41,7 +43,7 @@ pub fn generate() -> (String, String) {
                 .unwrap_or_else(|e| panic!("shaders: {name}, {file}: {}", e.emit_to_string(&source)));
             let first = arrangement == ARRANGEMENTS[0].0;
             if first {
-                pass(name, entries, &module, &info, &mut out);
+                types.add(name, &module, &pass(name, entries, &module, &info, &mut out));
             }
             // The map is that of the first.
             let entries: Vec<&str> = entries.iter().copied().filter(|entry| first || *entry == "present").collect();
@@ -52,7 +54,7 @@ pub fn generate() -> (String, String) {
     }
     out.push_str("];\n");
     modules.push_str("];\n");
-    (out, modules)
+    [out, modules, types.source()]
 }
 
 /// Rust source with the compute shader that gives counts of queries their weights, as SPIR-V.
@@ -67,21 +69,16 @@ fn read(file: &str) -> String {
     std::fs::read_to_string(format!("shaders/{file}")).unwrap_or_else(|e| panic!("shaders/{file}: {e}"))
 }
 
-fn pass(name: &str, entries: &[&str], module: &Module, info: &ModuleInfo, out: &mut String) {
+/// Appends the texts of one pass; path and number of scalars of each member of its constants.
+fn pass(name: &str, entries: &[&str], module: &Module, info: &ModuleInfo, out: &mut String) -> Vec<(String, usize)> {
     let constants = module.global_variables.iter().find(|(_, v)| v.name.as_deref() == Some("constants"));
     let mut members = Vec::new();
     let mut constructor = String::new();
     if let Some((_, variable)) = constants {
         walk(module, variable.ty, "", &mut members, &mut constructor);
     }
-    writeln!(out, "PassText {{ pass: Pass::{name}, constructor: {constructor:?}, members: &[")
+    writeln!(out, "PassText {{ pass: Pass::{name}, constructor: {constructor:?}, texts: &[")
         .expect("writing to a String");
-    let mut first = 0;
-    for (path, count) in &members {
-        writeln!(out, "({path:?}, {first}, {count}),").expect("writing to a String");
-        first += count;
-    }
-    out.push_str("], texts: &[\n");
     for (language, version) in [
         ("Glsl330", glsl::Version::Desktop(330)),
         ("Essl300", glsl::Version::Embedded { version: 300, is_webgl: false }),
@@ -99,6 +96,7 @@ fn pass(name: &str, entries: &[&str], module: &Module, info: &ModuleInfo, out: &
         }
     }
     out.push_str("]},\n");
+    members
 }
 
 /// The text and its combined samplers: uniform name and texture name.

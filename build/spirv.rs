@@ -2,7 +2,7 @@
 //!
 //! The uniform block of a pass becomes a private variable with a constant initialiser. Each of its
 //! scalars is built as a marker, a number that nothing else in the module has; the places of the markers
-//! are written down, and the values are put in there at run time (see `src/correct/spirv.rs`).
+//! are written down, and the values are put in there at run time (see `src/correct/shaders/spirv.rs`).
 
 use naga::back::spv;
 use naga::valid::{Capabilities, ValidationFlags, Validator};

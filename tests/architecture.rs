@@ -69,7 +69,7 @@ const MAY_KNOW_VULKAN: [&str; 5] =
 const COMMAND_ONLY: [&str; 3] = ["clap", "indicatif", "noto_sans_mono_bitmap"];
 
 /// Where f64 becomes f32: what shaders get, and the pixels of the picture that the simulation writes.
-const MAY_ROUND: [&str; 2] = ["src/correct/shaders/uniforms.rs", "src/blend/simulation.rs"];
+const MAY_ROUND: [&str; 2] = ["src/correct/single.rs", "src/blend/simulation.rs"];
 
 const LONGEST_FILE: usize = 600;
 

@@ -1,6 +1,31 @@
-//! Where f64 becomes f32, beside the constants of passes.
+//! The only place where f64 becomes f32: every coefficient is folded in f64 and rounded once.
 
-use glam::DVec3;
+use glam::{DMat3, DMat4, DVec3};
+
+/// Rounds a number.
+pub(in crate::correct) fn value(exact: f64) -> f32 {
+    exact as f32
+}
+
+/// Rounds numbers.
+pub fn values<const N: usize>(exact: [f64; N]) -> [f32; N] {
+    exact.map(|value| value as f32)
+}
+
+/// Rounds a matrix, column by column.
+pub(in crate::correct) fn matrix3(exact: DMat3) -> [f32; 9] {
+    values(exact.to_cols_array())
+}
+
+/// Rounds a matrix, column by column.
+pub fn matrix4(exact: &DMat4) -> [f32; 16] {
+    values(exact.to_cols_array())
+}
+
+/// Converts a length in pixels; exact below 2^24.
+pub fn pixels(length: i32) -> f32 {
+    length as f32
+}
 
 /// A pixel of a table: direction and weight, rounded once.
 pub(in crate::correct) fn texel(direction: DVec3, weight: f64) -> [f32; 4] {

@@ -1,7 +1,7 @@
 //! What OpenGL and Vulkan share in the description of a view.
 
 use super::argument::{Place, array, copy_text};
-use crate::correct::shaders::uniforms;
+use crate::correct::single;
 use crate::error::Result;
 use glam::DMat4;
 use std::ffi::c_char;
@@ -22,9 +22,9 @@ impl Matrices {
     pub(super) fn new(frustum: DMat4, rotation: DMat4) -> Self {
         let projection = frustum * rotation;
         Self {
-            projection: uniforms::matrix(&projection),
-            rotation: uniforms::matrix(&rotation),
-            frustum: uniforms::matrix(&frustum),
+            projection: single::matrix4(&projection),
+            rotation: single::matrix4(&rotation),
+            frustum: single::matrix4(&frustum),
             projection_f64: projection.to_cols_array(),
             rotation_f64: rotation.to_cols_array(),
             frustum_f64: frustum.to_cols_array(),

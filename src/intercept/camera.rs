@@ -1,6 +1,6 @@
 //! The program's cameras: which lenses it draws with, and each view's transform for them.
 
-use crate::correct::shaders::uniforms;
+use crate::correct::projected::matrices;
 use crate::runtime::Session;
 use crate::runtime::session::Intrinsics;
 
@@ -39,7 +39,7 @@ impl Cameras {
             self.clear();
         }
         let mut rows = self.spare.pop().unwrap_or_default();
-        rows.extend(session.rows(intrinsics).map(|rows| uniforms::clip_rows(&rows)));
+        rows.extend(session.rows(intrinsics).map(|rows| matrices::clip_rows(&rows)));
         self.list.push(Camera { intrinsics: *intrinsics, rows, used: true });
         self.list.len() - 1
     }

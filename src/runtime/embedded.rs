@@ -7,7 +7,7 @@ use super::session::{Extras, MatrixClass, Session, classify};
 use crate::backend::gl::api::Gl;
 use crate::backend::gl::surface::{Saved, Surface, greatest_texture};
 use crate::backend::gl::{GlBackend, Target};
-use crate::correct::shaders::uniforms;
+use crate::correct::projected::matrices;
 use crate::error::{Error, ErrorKind, Result};
 use crate::rig::{Blend, Rig, Viewer};
 use crate::views::View;
@@ -322,7 +322,7 @@ fn vectors_of_view(session: &Session, index: usize, matrix: &[f64; 16]) -> Resul
         return Err(Error::new(ErrorKind::InvalidArgument, message));
     };
     let rows = session.rows(&lens).nth(index).ok_or_else(|| no_view(index, session.views().len()))?;
-    Ok((uniforms::clip_rows(&rows), session.lenses().get(index).copied().unwrap_or_default()))
+    Ok((matrices::clip_rows(&rows), session.lenses().get(index).copied().unwrap_or_default()))
 }
 
 /// One after the other.

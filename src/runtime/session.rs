@@ -3,7 +3,7 @@
 use super::cache;
 use crate::correct;
 use crate::correct::Plan;
-use crate::correct::shaders::uniforms;
+use crate::correct::projected::matrices;
 use crate::error::Result;
 pub use crate::geom::Frustum;
 pub use crate::geom::division::{Division, Outcome, Weights};
@@ -157,7 +157,7 @@ impl Session {
         }
         let lens = |(index, view): (usize, &View)| {
             let Some(map) = &view.curved else { return [0.0; 16] };
-            uniforms::picture_lens(map, pixels(view), self.max_error(index).unwrap_or(0.0))
+            matrices::picture_lens(map, pixels(view), self.max_error(index).unwrap_or(0.0))
         };
         self.views().iter().enumerate().map(lens).collect()
     }

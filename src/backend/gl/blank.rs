@@ -1,7 +1,6 @@
 //! Which draws show nothing but the colour of views that hold a single one, and so need not be issued.
 
-use crate::correct::shaders::glsl::Pass;
-use crate::correct::shaders::uniforms::Constants;
+use crate::correct::shaders::constants::Constants;
 use crate::correct::{Footprints, Texels};
 
 /// Views that hold one colour in every texel, or in all but a part.
@@ -80,16 +79,11 @@ impl Draw {
 
 /// What a draw with these constants makes of a single colour.
 pub(super) fn shows(constants: &Constants) -> Shows {
-    // A shader without the constant may do anything.
-    let set = |name: &str| match constants.member(name) {
-        [] => true,
-        values => values.iter().any(|value| *value != 0.0),
-    };
-    if constants.pass() == Pass::Black {
-        Shows::Black
-    } else if ["with_panel", "with_black", "black", "lift"].iter().any(|name| set(&format!("shared_part.{name}"))) {
+    // Only the pass that shows black has no views.
+    let Some(shared) = constants.shared() else { return Shows::Black };
+    if shared.with_panel != 0 || shared.with_black != 0 || shared.black != [0.0; 3] || shared.lift != 0.0 {
         Shows::Other
-    } else if set("shared_part.weighted") || set("shared_part.edge") {
+    } else if shared.weighted != 0 || shared.edge != 0 {
         Shows::Black
     } else {
         Shows::Same

@@ -8,8 +8,9 @@ use super::memory::{Buffer, Image};
 use super::program::Common;
 use super::timers::{Timers, Timing};
 use crate::correct::OutputPass;
+use crate::correct::shaders::constants::Pass;
 use crate::correct::shaders::draws::{Rows, apart, draws};
-use crate::correct::shaders::glsl::{Pass, Stage};
+use crate::correct::shaders::glsl::Stage;
 use crate::correct::shaders::spirv::{Modules, specialise};
 use crate::correct::{Arrangement, ImageSize, Plan, Source};
 use crate::error::{Error, ErrorKind, Result};
@@ -439,7 +440,7 @@ impl VkBackend {
         if right == left || bottom == top {
             return;
         }
-        let [x, y, across, down] = [x, y, width, height].map(crate::correct::shaders::uniforms::pixels);
+        let [x, y, across, down] = [x, y, width, height].map(crate::correct::single::pixels);
         let viewport = vk::Viewport { x, y, width: across, height: down, min_depth: 0.0, max_depth: 1.0 };
         let scissor = vk::Rect2D {
             offset: vk::Offset2D { x: left, y: top },

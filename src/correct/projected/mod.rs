@@ -1,6 +1,7 @@
 //! TODO-NOTE
 
 pub mod division;
+pub mod matrices;
 pub mod projection;
 pub mod y_down;
 

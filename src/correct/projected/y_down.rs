@@ -1,6 +1,6 @@
 //! Rows and lenses for Vulkan, whose clip coordinates have y down.
 
-/// The rows of [`clip_rows`](crate::correct::shaders::uniforms::clip_rows) that take clip coordinates whose y points down to such ones.
+/// The rows of [`clip_rows`](crate::correct::projected::matrices::clip_rows) that take clip coordinates whose y points down to such ones.
 pub fn rows_down(rows: &[f32; 16]) -> [f32; 16] {
     std::array::from_fn(|i| {
         let (row, column) = (i / 4, i % 4);
@@ -9,7 +9,7 @@ pub fn rows_down(rows: &[f32; 16]) -> [f32; 16] {
     })
 }
 
-/// The lens of [`picture_lens`](crate::correct::shaders::uniforms::picture_lens) behind such rows, whose directions have y down: viewer, lens and
+/// The lens of [`picture_lens`](crate::correct::projected::matrices::picture_lens) behind such rows, whose directions have y down: viewer, lens and
 /// offset are mirrored.
 pub fn lens_down(lens: &[f32; 16]) -> [f32; 16] {
     std::array::from_fn(|i| if [1, 5, 11].contains(&i) { 0.0 - lens[i] } else { lens[i] })
@@ -18,7 +18,7 @@ pub fn lens_down(lens: &[f32; 16]) -> [f32; 16] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::correct::shaders::uniforms::picture_lens;
+    use crate::correct::projected::matrices::picture_lens;
     use crate::geom::{Frustum, PictureLens, PictureMap};
     use glam::{DVec2, DVec3};
     use std::f64::consts::PI;

@@ -4,16 +4,14 @@ use crate::correct::passes::facets::Facets;
 use crate::correct::passes::output_pass::{OutputPass, Plan};
 use crate::correct::passes::rectangle::PixelRect;
 use crate::correct::plan::cover::uncovered;
-use crate::correct::shaders::uniforms::{Constants, constants, copies_texels, facet_corner, rectangle};
+use crate::correct::shaders::constants::Constants;
+use crate::correct::shaders::uniforms::{constants, copies_texels, facet_corner, rectangle};
 use crate::error::Result;
 use crate::geom::Frustum;
 use crate::views::{Tile, View};
 use glam::{DMat3, DVec3};
 
-/// Floats per vertex: clip coordinates (x, y), the source's coordinates: (x, y, 0, 0) or a direction and a weight.
-pub const FLOATS: usize = 6;
-/// How many of them are the source's coordinates, the last ones.
-pub const SOURCE_FLOATS: usize = 4;
+pub use crate::correct::shaders::uniforms::{FLOATS, SOURCE_FLOATS};
 
 /// One draw call: triangles that share a shader.
 #[derive(Clone, Debug, PartialEq)]

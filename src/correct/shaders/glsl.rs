@@ -5,29 +5,8 @@
 //! (10.5 ms against 3.3 ms for one pass at 1080p on llvmpipe), and only a constant lets the
 //! compiler drop the branches of a pass that a batch does not need.
 
-use crate::correct::shaders::uniforms::Constants;
+use crate::correct::shaders::constants::{Constants, Pass};
 use std::fmt::Write;
-
-/// Which correction.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Pass {
-    /// A fisheye picture.
-    Fisheye,
-    /// A projector that lights a sphere.
-    Projector,
-    /// A projector with a fisheye, or with a mirror.
-    Optics,
-    /// A flat perspective picture.
-    Perspective,
-    /// An unrolled picture of all directions.
-    Panorama,
-    /// Directions and weights from a texture.
-    Table,
-    /// Directions and weights at the corners of triangles.
-    Mesh,
-    /// Nothing: black.
-    Black,
-}
 
 /// The language of a text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -60,12 +39,10 @@ pub struct Specialised {
 }
 
 /// The generated texts of one pass.
-pub(in crate::correct) struct PassText {
+struct PassText {
     pass: Pass,
     /// The constant's constructor: `%` stands for a float, `#` for an unsigned number.
     constructor: &'static str,
-    /// Path, index of the first scalar, number of scalars.
-    pub(in crate::correct) members: &'static [(&'static str, usize, usize)],
     texts: &'static [StageText],
 }
 
@@ -81,7 +58,7 @@ struct StageText {
 include!(concat!(env!("OUT_DIR"), "/shaders.rs"));
 
 /// The generated texts of `pass`.
-pub(in crate::correct) fn text_of(pass: Pass) -> &'static PassText {
+fn text_of(pass: Pass) -> &'static PassText {
     // PASSES has an entry for each: the build script and a test see to it.
     PASSES.iter().find(|text| text.pass == pass).unwrap_or(&PASSES[0])
 }
@@ -94,13 +71,13 @@ pub fn specialise(constants: &Constants, language: Language, stage: Stage) -> Sp
     let stage = if constants.pass() == Pass::Black { Stage::Present } else { stage };
     let text = pass.texts.iter().find(|t| t.language == language && t.stage == stage).unwrap_or(&pass.texts[0]);
     let (head, declaration, tail) = text.fragment;
-    let mut fragment = String::with_capacity(head.len() + tail.len() + 16 * constants.values().len() + 64);
+    let mut fragment = String::with_capacity(head.len() + tail.len() + 16 * constants.scalars().len() + 64);
     fragment.push_str(head);
     if !declaration.is_empty() {
         fragment.push_str("const ");
         fragment.push_str(declaration);
         fragment.push_str(" = ");
-        write_constructor(pass.constructor, constants.values(), &mut fragment);
+        write_constructor(pass.constructor, constants.scalars(), &mut fragment);
         fragment.push(';');
     }
     fragment.push_str(tail);
@@ -124,6 +101,7 @@ fn write_constructor(constructor: &str, values: &[f32], out: &mut String) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::correct::shaders::constants::members;
 
     #[test]
     fn every_pass_has_its_texts_in_both_languages() {
@@ -140,7 +118,7 @@ mod tests {
             let text = text_of(pass);
             assert_eq!(text.pass, pass);
             let placeholders = text.constructor.matches(['%', '#']).count();
-            assert_eq!(text.members.iter().map(|m| m.2).sum::<usize>(), placeholders, "{pass:?}");
+            assert_eq!(members(pass).iter().map(|member| member.1).sum::<usize>(), placeholders, "{pass:?}");
             for language in [Language::Glsl330, Language::Essl300] {
                 let stages = text.texts.iter().filter(|t| t.language == language).count();
                 assert_eq!(stages, if pass == Pass::Black { 1 } else { 2 });

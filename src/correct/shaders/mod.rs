@@ -1,8 +1,10 @@
 //! TODO-NOTE
 
+pub mod constants;
 pub mod draws;
 pub mod glsl;
 pub mod map;
+pub mod polynomials;
 pub mod response;
 pub mod spirv;
 pub mod uniforms;

@@ -5,8 +5,8 @@
 //! fold plain ones at the latest when they fold the others.
 
 use crate::correct::passes::view_images::Arrangement;
-use crate::correct::shaders::glsl::{Pass, Stage};
-use crate::correct::shaders::uniforms::{Constants, MAX_VIEWS};
+use crate::correct::shaders::constants::{Constants, MAX_VIEWS, Pass};
+use crate::correct::shaders::glsl::Stage;
 
 /// A program in two modules, ready for a pipeline.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
@@ -69,7 +69,7 @@ pub fn specialise(constants: &Constants, arrangement: Arrangement, stage: Stage)
     let pass = MODULES.iter().find(wanted).unwrap_or(&MODULES[0]);
     let module = pass.fragments.iter().find(|module| module.stage == stage).unwrap_or(&pass.fragments[0]);
     let mut fragment = module.words.to_vec();
-    for (&(at, unsigned), &value) in module.slots.iter().zip(constants.values()) {
+    for (&(at, unsigned), &value) in module.slots.iter().zip(constants.scalars()) {
         fragment[at] = if unsigned { value as u32 } else { value.to_bits() };
     }
     let fragment_entry = if stage == Stage::Map { c"map" } else { c"present" };
@@ -79,14 +79,14 @@ pub fn specialise(constants: &Constants, arrangement: Arrangement, stage: Stage)
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::correct::shaders::glsl::text_of;
+    use crate::correct::shaders::constants::members;
 
     #[test]
     fn every_pass_has_its_modules_and_a_place_for_each_constant() {
         for pass in
             [Pass::Fisheye, Pass::Projector, Pass::Optics, Pass::Perspective, Pass::Table, Pass::Mesh, Pass::Black]
         {
-            let scalars: usize = text_of(pass).members.iter().map(|member| member.2).sum();
+            let scalars: usize = members(pass).iter().map(|member| member.1).sum();
             let found: Vec<&PassModules> = MODULES.iter().filter(|modules| modules.pass == pass).collect();
             assert_eq!(found.len(), if pass == Pass::Black { 1 } else { 3 });
             assert_eq!(found[0].fragments.len(), if pass == Pass::Black { 1 } else { 2 });

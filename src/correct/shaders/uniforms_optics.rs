@@ -2,55 +2,60 @@
 
 use crate::correct::passes::optics::{Light, OpticsSource};
 use crate::correct::passes::output_pass::Batch;
-use crate::correct::shaders::uniforms::{Constants, radial};
+use crate::correct::shaders::constants::{OpticsConstants, Shared, Values};
+use crate::correct::shaders::polynomials::radial;
+use crate::correct::single;
 use crate::error::Result;
 use crate::geom::screen::{HalfSpace, Join};
 use glam::{DAffine3, DMat3, DVec3};
 
-/// Sets what only such projectors have; `base`: viewer axes → base.
-pub(in crate::correct) fn set(out: &mut Constants, source: &OpticsSource, batch: &Batch, base: DMat3) -> Result<()> {
+/// Returns the constants of such a projector; `base`: viewer axes → base.
+pub(super) fn values(source: &OpticsSource, batch: &Batch, base: DMat3, shared_part: Shared) -> Result<Values> {
+    let to_base = DAffine3 { matrix3: base, translation: DVec3::ZERO } * source.to_viewer;
+    let mut out = OpticsConstants {
+        shared_part,
+        weights: single::values(source.quadric.weights.to_array()),
+        to_base: single::matrix3(to_base.matrix3),
+        shift: single::values(to_base.translation.to_array()),
+        dome: single::matrix3(source.to_dome.matrix3),
+        dome_shift: single::values(source.to_dome.translation.to_array()),
+        ..OpticsConstants::default()
+    };
     match &source.light {
         Light::Fisheye { form, scale, offset } => {
-            out.set_flag("fisheye", true)?;
-            out.set("disc", &[scale.x, scale.y, offset.x, offset.y])?;
-            radial(out, form)?;
-            out.set_matrix("rays", source.rotation)?;
-            out.set("origin", &source.position.to_array())?;
-            out.set("level", &[source.quadric.depth(source.position)])?;
+            out.fisheye = 1;
+            out.disc = single::values([scale.x, scale.y, offset.x, offset.y]);
+            (out.sine, out.cosine, out.root) = radial(form)?;
+            out.rays = single::matrix3(source.rotation);
+            out.origin = single::values(source.position.to_array());
+            out.level = single::value(source.quadric.depth(source.position));
         }
         Light::Mirror { rays, mirror } => {
-            out.set_flag("with_mirror", true)?;
-            out.set_matrix("rays", source.rotation * *rays)?;
-            out.set("radius", &[mirror.radius])?;
-            out.set_matrix("moment", source.moment(rays, mirror))?;
-            out.set("origin", &mirror.center.to_array())?;
-            out.set("level", &[source.quadric.level])?;
+            out.with_mirror = 1;
+            out.rays = single::matrix3(source.rotation * *rays);
+            out.radius = single::value(mirror.radius);
+            out.moment = single::matrix3(source.moment(rays, mirror));
+            out.origin = single::values(mirror.center.to_array());
+            out.level = single::value(source.quadric.level);
         }
     }
-    out.set("weights", &source.quadric.weights.to_array())?;
-    let to_base = DAffine3 { matrix3: base, translation: DVec3::ZERO } * source.to_viewer;
-    out.set_matrix("to_base", to_base.matrix3)?;
-    out.set("shift", &to_base.translation.to_array())?;
-    out.set_matrix("dome", source.to_dome.matrix3)?;
-    out.set("dome_shift", &source.to_dome.translation.to_array())?;
     if batch.edge && !source.bounds.is_all() {
         let sides = source.bounds.sides.as_ref();
-        out.set("rim", &[sides.map_or(1.0, |sides| if sides.join == Join::Both { 2.0 } else { 3.0 })])?;
-        for (i, space) in source.bounds.limits.iter().enumerate() {
-            half_space(out, &format!("limits[{i}]"), space.as_ref())?;
+        out.rim = sides.map_or(1, |sides| if sides.join == Join::Both { 2 } else { 3 });
+        for (to, space) in out.limits.iter_mut().zip(&source.bounds.limits) {
+            *to = half_space(space.as_ref());
         }
-        for (i, space) in sides.iter().flat_map(|sides| &sides.spaces).enumerate() {
-            half_space(out, &format!("sides[{i}]"), Some(space))?;
+        for (to, space) in out.sides.iter_mut().zip(sides.iter().flat_map(|sides| &sides.spaces)) {
+            *to = half_space(Some(space));
         }
     }
-    Ok(())
+    Ok(Values::Optics(Box::new(out)))
 }
 
-/// Sets a half-space; all of space where there is none, or it says only that there is a point at all.
-fn half_space(out: &mut Constants, path: &str, space: Option<&HalfSpace>) -> Result<()> {
-    let [x, y, z, w] = match space {
-        Some(space) if space.normal != DVec3::ZERO => space.normal.extend(-space.distance).to_array(),
+/// A half-space as the shaders take it; all of space where there is none, or it says only that there is a point at all.
+fn half_space(space: Option<&HalfSpace>) -> [f32; 4] {
+    match space {
+        Some(space) if space.normal != DVec3::ZERO => single::values(space.normal.extend(-space.distance).to_array()),
         _ => [0.0; 4],
-    };
-    out.set(path, &[x, y, z, w])
+    }
 }

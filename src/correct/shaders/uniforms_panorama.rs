@@ -1,30 +1,60 @@
 //! The constants of a panorama's pass.
 
-use crate::correct::shaders::uniforms::{Constants, circular, radial};
+use crate::correct::shaders::constants::{FisheyeConstants, PanoramaConstants, Shared, Values};
+use crate::correct::shaders::polynomials::{circular, radial};
+use crate::correct::single;
 use crate::error::{Error, ErrorKind, Result};
 use crate::geom::Panorama;
 use crate::geom::fisheye::RadialForm;
+use glam::{DMat3, DVec3};
 
-/// Sets what says how a panorama shows directions.
-pub(in crate::correct) fn set(out: &mut Constants, panorama: &Panorama) -> Result<()> {
+/// Where a panorama's unit directions lead.
+pub(super) struct Axes {
+    /// Picture axes → base.
+    pub rotation: DMat3,
+    /// What is added, in base.
+    pub shift: DVec3,
+    /// Picture axes → dome axes.
+    pub dome: DMat3,
+    /// Something is added.
+    pub off_centre: bool,
+}
+
+/// Returns the constants of a panorama.
+pub(super) fn values(panorama: &Panorama, axes: &Axes, shared_part: Shared) -> Result<Values> {
+    let (rotation, dome) = (single::matrix3(axes.rotation), single::matrix3(axes.dome));
+    let shift = single::values(axes.shift.to_array());
+    let mut out = PanoramaConstants { shared_part, rotation, shift, dome, ..PanoramaConstants::default() };
     match panorama {
         Panorama::Fisheye(lens) => {
             let form = RadialForm::of(lens)
                 .ok_or_else(|| Error::new(ErrorKind::Internal, "A lens without a closed form was not made a table."))?;
-            radial(out, &form)
+            let (sine, cosine, root) = radial(&form)?;
+            let off_centre = axes.off_centre.into();
+            return Ok(Values::Fisheye(Box::new(FisheyeConstants {
+                shared_part,
+                sine,
+                cosine,
+                root,
+                off_centre,
+                rotation,
+                shift,
+                dome,
+            })));
         }
         Panorama::Equirectangular(span) => {
-            circular(out, ["sine", "cosine"], span.width)?;
-            circular(out, ["up_sine", "up_cosine"], span.top - span.bottom)?;
+            (out.sine, out.cosine) = circular(span.width)?;
+            (out.up_sine, out.up_cosine) = circular(span.top - span.bottom)?;
             let (sine, cosine) = (0.5 * (span.bottom + span.top)).sin_cos();
-            out.set("middle", &[sine, cosine])
+            out.middle = single::values([sine, cosine]);
         }
         Panorama::Cylindrical(span) => {
-            out.set("kind", &[1.0])?;
-            circular(out, ["sine", "cosine"], span.width)?;
+            out.kind = 1;
+            (out.sine, out.cosine) = circular(span.width)?;
             let (middle, half) = span.heights();
-            out.set("middle", &[middle, half])
+            out.middle = single::values([middle, half]);
         }
-        Panorama::CubeStrip => out.set("kind", &[2.0]),
+        Panorama::CubeStrip => out.kind = 2,
     }
+    Ok(Values::Panorama(Box::new(out)))
 }

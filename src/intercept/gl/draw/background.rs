@@ -2,7 +2,7 @@
 //! panel would be. A flat clip position is a point of the panel, seen with the panel's opening as a
 //! lens.
 
-use crate::correct::shaders::uniforms;
+use crate::correct::projected::matrices;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::scene::frame_order::FrameOrder;
 use crate::runtime::session::{ClipRows, Session};
@@ -54,7 +54,7 @@ impl Background {
     fn prepare(&mut self, session: &Session, projection: &[f64; 16]) -> bool {
         if self.rows.is_empty() {
             self.rows = session.panel_rows();
-            self.shader_rows = self.rows.iter().map(uniforms::clip_rows).collect();
+            self.shader_rows = self.rows.iter().map(matrices::clip_rows).collect();
             self.matrix = None;
         }
         if self.matrix.as_ref() != Some(projection) {

@@ -3,9 +3,9 @@
 mod division;
 
 use crate::correct::Arrangement;
+use crate::correct::shaders::constants::Constants;
 use crate::correct::shaders::glsl::Stage;
 use crate::correct::shaders::spirv::{VERTEX_ENTRY, specialise};
-use crate::correct::shaders::uniforms::Constants;
 use crate::intercept::vk::spirv::module::{Declarations, instructions};
 use crate::intercept::vk::spirv::{Memory, matrices, splice};
 use crate::testing::random::Random;

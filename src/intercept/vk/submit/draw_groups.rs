@@ -4,8 +4,8 @@
 //! is (scene or flat, and with which lens) is decided when the command buffer is submitted, and the rows that
 //! shaders read decide what is seen: a draw that does not belong to a view is moved out of its sight.
 
+use crate::correct::projected::matrices;
 use crate::correct::projected::y_down::{lens_down, rows_down};
-use crate::correct::shaders::uniforms;
 use crate::intercept::camera::Cameras;
 use crate::intercept::lens;
 use crate::intercept::scene::frame_order::FrameOrder;
@@ -180,7 +180,7 @@ impl Frame {
             self.layout = Some(Arc::clone(layout));
             self.cameras.clear();
             self.sampled = None;
-            self.behind = layout.session.panel_rows().iter().map(uniforms::clip_rows).collect();
+            self.behind = layout.session.panel_rows().iter().map(matrices::clip_rows).collect();
         }
     }
 }

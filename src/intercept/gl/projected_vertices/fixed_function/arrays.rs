@@ -4,7 +4,7 @@
 //! have to wait.
 
 use crate::backend::gl::api::{self, Gl};
-use crate::correct::shaders::uniforms;
+use crate::correct::single;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::draw::culling::position_layout::number;
 use crate::intercept::gl::draw::culling::ranges::{self, index_at, index_width};
@@ -274,7 +274,7 @@ impl Array {
             let read = unsafe { number(at.add(index * width), self.kind) };
             *part = if self.normalised { part_of_one(read, self.kind) } else { read };
         }
-        uniforms::between_vertices(value)
+        single::values(value)
     }
 }
 

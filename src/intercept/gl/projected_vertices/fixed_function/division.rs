@@ -4,7 +4,7 @@
 //! projects them, and lights them, as it does the others.
 
 use crate::backend::gl::api::{self, Gl};
-use crate::correct::shaders::uniforms;
+use crate::correct::single;
 use crate::intercept::gl::compat::matrices;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::projected_vertices::fixed_function::assembly::{self, Triangle};
@@ -130,7 +130,7 @@ impl Divided<'_> {
                 let given = self.vertices.vertex(*number).get(value).copied().unwrap_or_default();
                 (0..4).for_each(|i| sum[i] += weight * f64::from(given[i]));
             }
-            uniforms::between_vertices(sum)
+            single::values(sum)
         };
         // SAFETY: between Begin and End of ours.
         unsafe {

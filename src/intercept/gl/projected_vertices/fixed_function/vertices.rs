@@ -1,7 +1,7 @@
 //! Vertices of the fixed-function pipeline as numbers, so that there can be some between them.
 
 use crate::backend::gl::api::{self, Gl};
-use crate::correct::shaders::uniforms;
+use crate::correct::single;
 use crate::intercept::gl::compat::vertex_recorder::{Recorded, Recorder, Sets};
 
 /// An attribute that the pipeline reads.
@@ -156,5 +156,5 @@ fn numbers(command: &Recorded, normalised: bool) -> Option<[f32; 4]> {
     for (index, number) in value.iter_mut().enumerate().take(command.count) {
         *number = command.number(index, normalised)?;
     }
-    Some(uniforms::between_vertices(value))
+    Some(single::values(value))
 }
