@@ -24,7 +24,7 @@ pub fn ramp(shape: RampShape, t: f64) -> f64 {
 }
 
 /// How a projector's claim on the light of a point falls towards its borders, and how dark it can be.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Border {
     /// Width of the ramp, as a part of the picture's width and height.
     pub width: f64,

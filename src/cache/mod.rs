@@ -4,18 +4,15 @@
 //! What is kept is a saving and nothing else: a file that is missing, damaged, of another build or somebody else's is computed again,
 //! and where nothing can be written nothing is kept. A file appears under its name when it is whole.
 
-mod bytes;
 #[cfg(test)]
 mod tests;
 
-pub use bytes::{Reader, Writer};
-
 use crate::digest::Digest;
-use serde::Serialize;
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
-use std::fmt::{self, Write as _};
 use std::fs::{self, File, OpenOptions};
-use std::io::{Read, Write as _};
+use std::io::{Read, Write};
 use std::os::unix::fs::{DirBuilderExt, MetadataExt, OpenOptionsExt};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -39,7 +36,7 @@ const REMEMBERED: usize = 64;
 const RENEWED_AFTER: Duration = Duration::from_secs(24 * 60 * 60);
 
 /// What files begin with.
-const MAGIC: &[u8; 16] = b"cupola cache 1\r\n";
+const MAGIC: &[u8; 16] = b"cupola cache 2\r\n";
 /// Magic, key, length and sum of the content.
 const HEADER: usize = 16 + 16 + 8 + 16;
 
@@ -70,23 +67,25 @@ struct Shared {
     bytes: AtomicU64,
 }
 
-/// What a result is computed from, as a sum: [`Digest`].
-#[derive(Debug, Default)]
-pub struct Key(Digest);
+/// Returns a value as bytes: postcard's format, without names. `None` for what has none, as a path that is no text.
+pub fn encode(value: &(impl Serialize + ?Sized)) -> Option<Vec<u8>> {
+    postcard::to_stdvec(value).ok()
+}
 
-impl Key {
-    /// Adds a value as [`Debug`](fmt::Debug) writes it: all of the value must show there. Numbers do, to the bit but for kinds of NaN.
-    pub fn debug(mut self, value: &impl fmt::Debug) -> Self {
-        // Adding cannot fail, and an implementation of Debug that fails would have nothing to say.
-        let _ = write!(self.0, "{value:?}");
-        self.0.add(0);
-        self
-    }
+/// Returns the value that all of `bytes` mean; `None` where they make no sense.
+pub fn decode<'bytes, T: Deserialize<'bytes>>(bytes: &'bytes [u8]) -> Option<T> {
+    let (value, rest) = postcard::take_from_bytes(bytes).ok()?;
+    rest.is_empty().then_some(value)
+}
 
-    /// Adds bytes and how many they are.
-    pub fn bytes(mut self, bytes: &[u8]) -> Self {
-        self.0.add_bytes(bytes);
-        self
+/// Bytes in a value that is encoded: they are copied as they are.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(transparent)]
+pub struct RawBytes<'bytes>(#[serde(borrow)] pub &'bytes [u8]);
+
+impl Serialize for RawBytes<'_> {
+    fn serialize<S: serde::Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        to.serialize_bytes(self.0)
     }
 }
 
@@ -126,39 +125,49 @@ impl Cache {
         Counts { read: count(&shared.read), missing: count(&shared.missing), written: count(&shared.written) }
     }
 
-    /// The result of `compute`, or what was kept of one for the same `key` and `kind` (lower case letters, `-`).
-    ///
-    /// `decode` gets what `encode` wrote, or anything else that somebody put there: it says `None` where that makes no
-    /// sense. `encode` returns `false` where the result is not to be kept. Nothing is kept of an error.
+    /// Returns the result of `compute`, or the cached one for the same `kind` (lower case letters, `-`) and `key`.
+    /// What is read from a file counts only if `is_sound`: anybody may have written it.
     ///
     /// # Errors
-    /// Those of `compute`.
-    pub fn kept<T, E>(
+    /// Those of `compute`; nothing is cached of them.
+    pub fn cached<T: Serialize + DeserializeOwned, E>(
         &self,
         kind: &str,
-        key: impl FnOnce(Key) -> Key,
-        decode: impl FnOnce(&mut Reader<'_>) -> Option<T>,
-        encode: impl FnOnce(&T, &mut Writer) -> bool,
+        key: &impl Serialize,
+        is_sound: impl FnOnce(&T) -> bool,
+        compute: impl FnOnce() -> Result<T, E>,
+    ) -> Result<T, E> {
+        self.cached_as(kind, key, |bytes| decode(bytes).filter(is_sound), |value| encode(value), compute)
+    }
+
+    /// As [`Cache::cached`], with own functions between the value and its bytes.
+    ///
+    /// `decode` gets what `encode` returned, or anything else that somebody put there: it returns `None` where that makes
+    /// no sense. `encode` returns `None` where the result is not to be cached.
+    ///
+    /// # Errors
+    /// Those of `compute`; nothing is cached of them.
+    pub fn cached_as<T, E>(
+        &self,
+        kind: &str,
+        key: &impl Serialize,
+        decode: impl FnOnce(&[u8]) -> Option<T>,
+        encode: impl FnOnce(&T) -> Option<Vec<u8>>,
         compute: impl FnOnce() -> Result<T, E>,
     ) -> Result<T, E> {
         let Some(shared) = &self.0 else { return compute() };
-        let mut key = key(Key::default().bytes(kind.as_bytes()));
-        if let Some((_, build)) = &shared.files {
-            key.0.add_bytes(build);
-        }
-        let name = format!("{kind}-{:032x}", key.0);
-        let whole = |bytes: &[u8]| {
-            let mut reader = Reader::new(bytes);
-            decode(&mut reader).filter(|_| reader.is_at_end())
-        };
-        if let Some(known) = shared.find(&name, key.0).and_then(|bytes| whole(&bytes)) {
+        let build = shared.files.as_ref().map_or(&[][..], |(_, build)| build);
+        let sum = |to: &mut dyn Write| postcard::to_io(&(kind, key, build), to).ok().map(|_| ());
+        // A value that cannot be serialised cannot be told from others.
+        let Some(key) = Digest::of_written(sum) else { return compute() };
+        let name = format!("{kind}-{key:032x}");
+        if let Some(known) = shared.find(&name, key).and_then(|bytes| decode(&bytes)) {
             return Ok(known);
         }
         shared.missing.fetch_add(1, Ordering::Relaxed);
         let value = compute()?;
-        let mut writer = Writer::default();
-        if encode(&value, &mut writer) {
-            shared.keep(name, key.0, writer.finish());
+        if let Some(bytes) = encode(&value) {
+            shared.keep(name, key, bytes);
         }
         Ok(value)
     }
@@ -216,15 +225,9 @@ impl Shared {
     }
 }
 
-fn sum(content: &[u8]) -> [u8; 16] {
-    let mut digest = Digest::default();
-    digest.add_bytes(content);
-    digest.value().to_le_bytes()
-}
-
 fn header(key: Digest, content: &[u8]) -> Vec<u8> {
     let length = (content.len() as u64).to_le_bytes();
-    [&MAGIC[..], &key.value().to_le_bytes(), &length, &sum(content)].concat()
+    [&MAGIC[..], &key.value().to_le_bytes(), &length, &Digest::of(content).value().to_le_bytes()].concat()
 }
 
 /// The number of the user whose process this is.

@@ -36,14 +36,10 @@ impl Drop for Folder {
 /// The square of a number, and whether it was computed.
 fn square(cache: &Cache, number: u32) -> (u32, bool) {
     let computed = Cell::new(false);
-    let value: Result<u32, Infallible> = cache.kept(
+    let value: Result<u32, Infallible> = cache.cached(
         "square",
-        |key| key.debug(&number),
-        |reader| reader.u32(),
-        |value, writer| {
-            writer.u32(*value);
-            true
-        },
+        &number,
+        |_| true,
         || {
             computed.set(true);
             Ok(number * number)
@@ -113,15 +109,12 @@ fn damaged_files_are_computed_again() {
 #[test]
 fn content_that_makes_no_sense_is_computed_again() {
     let cache = Cache::in_memory();
-    let keep = |length: usize| {
-        let value: Result<&str, Infallible> = cache.kept(
+    let keep = |length: u8| {
+        let value: Result<&str, Infallible> = cache.cached_as(
             "kind",
-            |key| key,
-            |reader| reader.bytes(3).map(|_| "decoded"),
-            |_, writer| {
-                writer.bytes(&vec![0; length]);
-                true
-            },
+            &(),
+            |bytes| decode::<[u8; 3]>(bytes).map(|_| "decoded"),
+            |_| Some(vec![0; length.into()]),
             || Ok("computed"),
         );
         value.expect("cannot fail")
@@ -136,9 +129,9 @@ fn content_that_makes_no_sense_is_computed_again() {
 fn errors_and_what_is_not_to_be_kept_are_not() {
     let folder = Folder::new("errors");
     let cache = folder.cache();
-    let failed: Result<u32, &str> = cache.kept("kind", |key| key, |reader| reader.u32(), |_, _| true, || Err("no"));
+    let failed: Result<u32, &str> = cache.cached("kind", &(), |_| true, || Err("no"));
     assert_eq!(failed, Err("no"));
-    let refused: Result<u32, &str> = cache.kept("kind", |key| key, |reader| reader.u32(), |_, _| false, || Ok(1));
+    let refused: Result<u32, &str> = cache.cached_as("kind", &(), |bytes| decode(bytes), |_| None, || Ok(1));
     assert_eq!((refused, folder.files().len()), (Ok(1), 0));
 }
 
@@ -213,4 +206,30 @@ fn many_at_once_get_what_they_ask_for() {
         }
     });
     assert_eq!(folder.files().len(), 5, "{:?}", folder.files());
+}
+
+/// What is decoded but not sound is computed again, and so is everything whose key has no bytes.
+#[test]
+fn unsound_values_and_keys_without_bytes_are_computed_again() {
+    use std::ffi::OsStr;
+    use std::os::unix::ffi::OsStrExt;
+    let cache = Cache::in_memory();
+    let ask = |sound: bool| {
+        let value: Result<u32, Infallible> = cache.cached("kind", &(), |_| sound, || Ok(1));
+        (value.expect("cannot fail"), cache.counts().missing)
+    };
+    assert_eq!([ask(true), ask(true), ask(false)], [(1, 1), (1, 1), (1, 2)]);
+    let no_text = Path::new(OsStr::from_bytes(b"\xFF"));
+    let value: Result<u32, Infallible> = cache.cached("kind", &no_text, |_| true, || Ok(2));
+    assert_eq!((value, cache.counts().missing), (Ok(2), 2));
+}
+
+#[test]
+fn bytes_are_copied_and_nothing_may_follow() {
+    let value = (7u32, RawBytes(&[1, 2, 3]));
+    let bytes = encode(&value).expect("bytes");
+    let (number, raw) = decode::<(u32, RawBytes<'_>)>(&bytes).expect("a value");
+    assert_eq!((number, raw.0), (7, &[1u8, 2, 3][..]));
+    assert!(decode::<(u32, RawBytes<'_>)>(&[&bytes[..], &[0]].concat()).is_none());
+    assert!(decode::<(u32, RawBytes<'_>)>(&bytes[..bytes.len() - 1]).is_none());
 }

@@ -6,6 +6,7 @@ use crate::digest::Digest;
 use crate::error::{Error, ErrorKind, Result};
 use crate::formats::input;
 use glam::DVec2;
+use serde::{Serialize, Serializer};
 use std::fmt;
 
 /// Values for each channel of each pixel, 0…1; what they are is said beside them.
@@ -17,11 +18,23 @@ pub struct Levels {
     pub values: Vec<[f32; 3]>,
 }
 
+impl Levels {
+    fn sum(&self) -> Digest {
+        self.values.iter().flatten().map(|value| f64::from(*value)).collect()
+    }
+}
+
+/// As [`Debug`](fmt::Debug): a sum stands for the values.
+impl Serialize for Levels {
+    fn serialize<S: Serializer>(&self, to: S) -> std::result::Result<S::Ok, S::Error> {
+        (self.size, self.sum()).serialize(to)
+    }
+}
+
 /// A sum stands for the values, all bits of them.
 impl fmt::Debug for Levels {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let values = self.values.iter().flatten().map(|value| f64::from(*value));
-        let sum = format_args!("{:x}", values.collect::<Digest>());
+        let sum = format_args!("{:x}", self.sum());
         f.debug_struct("Levels").field("size", &self.size).field("sum", &sum).finish()
     }
 }

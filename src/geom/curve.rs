@@ -3,7 +3,7 @@
 /// A rising curve through the origin and measured nodes: a piecewise cubic with a continuous first derivative that
 /// rises wherever the nodes do (Fritsch and Carlson, *Monotone piecewise cubic interpolation*, 1980; the slopes are
 /// the harmonic means of their neighbours', which is within their bound).
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Curve {
     /// Abscissa, ordinate and slope; the origin first.
     nodes: Vec<[f64; 3]>,

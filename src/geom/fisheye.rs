@@ -66,7 +66,7 @@ pub const ATAN_COEFFICIENTS: [f64; 8] =
 /// `v = ((x, y)·(S(s) + sine_root·w), −(C(s) + cosine_root·w))`, `w = √(1 − squeeze·s)`, any length.
 ///
 /// Stereographic, equisolid and orthographic lenses have this form exactly; the others are fitted.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct RadialForm {
     /// Coefficients of S, the constant first.
     pub sine: Vec<f64>,

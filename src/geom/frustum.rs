@@ -4,7 +4,7 @@ use glam::{DMat3, DMat4, DVec3, DVec4};
 
 /// The four sides of a perspective view, as tangents: the intersections of its sides with the
 /// plane one unit in front of it. `left < right`, `bottom < top`.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Frustum {
     /// x of the left side at unit distance.
     pub left: f64,
@@ -17,6 +17,11 @@ pub struct Frustum {
 }
 
 impl Frustum {
+    /// Whether all sides are finite.
+    pub fn is_finite(&self) -> bool {
+        [self.left, self.right, self.bottom, self.top].iter().all(|side| side.is_finite())
+    }
+
     /// No opening: the axis alone.
     pub const POINT: Self = Self { left: 0.0, right: 0.0, bottom: 0.0, top: 0.0 };
 

@@ -8,7 +8,7 @@ use super::{FisheyeLens, Frustum, homography};
 use glam::{DMat3, DVec2, DVec3};
 
 /// A lens of a projector.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub enum Lens {
     /// A pinhole, perhaps distorted.
     Pinhole {
@@ -30,7 +30,7 @@ pub enum Lens {
 }
 
 /// Where the circle of a fisheye is in a picture.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub enum Circle {
     /// As large as it fits, in the middle.
     Inscribed,
@@ -66,7 +66,7 @@ impl Circle {
 
 /// Radial and tangential distortion of a pinhole's tangents after Brown (1966) and Conrady (1919):
 /// `(x, y)·(1 + k₁r² + k₂r⁴ + k₃r⁶) + (2p₁xy + p₂(r² + 2x²), p₁(r² + 2y²) + 2p₂xy)` is where the ray `(x, y, −1)` appears.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Distortion {
     /// k₁, k₂, k₃.
     pub radial: [f64; 3],

@@ -4,7 +4,7 @@ use super::{Lens, Pose, Sphere};
 use glam::{DVec2, DVec3};
 
 /// How light leaves a projector: through its lens, and perhaps by way of a mirror.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Optics {
     /// Where the lens is and how it is turned, in dome axes.
     pub pose: Pose,

@@ -5,7 +5,7 @@ use glam::{DVec2, DVec3};
 use std::f64::consts::FRAC_PI_2;
 
 /// How a picture shows directions. Its axes: x right, y up, −z the middle of the picture.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub enum Panorama {
     /// A circle, inscribed and centred, black around it.
     Fisheye(FisheyeLens),
@@ -19,7 +19,7 @@ pub enum Panorama {
 }
 
 /// The part of the directions that an unrolled picture shows.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Span {
     /// Longitude from side to side, radians, 0 < width ≤ 2π.
     pub width: f64,

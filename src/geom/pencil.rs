@@ -7,7 +7,7 @@ use glam::{DAffine3, DMat3, DVec3};
 
 /// The rays `origin + t·rays·(x, y, 1)` of a pinhole's pixels (x and y in −1…1) before a surface, all in the surface's own
 /// axes.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Pencil {
     /// Where the rays begin.
     pub origin: DVec3,
@@ -93,7 +93,7 @@ impl Pencil {
 }
 
 /// What tells whether the point of a pencil's pixel is on the part of its surface that is screen.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct RimForms {
     /// All three components are ≥ 0 there.
     pub limits: QuadraticForm,

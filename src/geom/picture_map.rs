@@ -10,7 +10,7 @@ use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
 
 /// Viewer, spherical dome and lens, all in the lens's axes and in radii of the dome.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct PictureMap {
     /// Where the viewer is, from the dome's centre; inside the dome.
     pub viewer: DVec3,
@@ -21,7 +21,7 @@ pub struct PictureMap {
 }
 
 /// A lens whose picture fills −1…1 from left to right and from bottom to top.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub enum PictureLens {
     /// An equidistant fisheye.
     Fisheye {
@@ -53,6 +53,17 @@ pub const LEAST_AHEAD: f64 = 0.05;
 const GIVEN_UP: f64 = 1.0;
 
 impl PictureMap {
+    /// Whether all numbers are finite.
+    pub fn is_finite(&self) -> bool {
+        let lens = match &self.lens {
+            PictureLens::Pinhole(frustum) => frustum.is_finite(),
+            PictureLens::Fisheye { aperture, circle, pixels } => {
+                aperture.is_finite() && circle.is_finite() && pixels.is_finite()
+            }
+        };
+        lens && self.viewer.is_finite() && self.position.is_finite()
+    }
+
     /// The direction from the lens, lens axes, any length, to the point of the dome in which the viewer sees a vertex in
     /// `direction` (lens axes, any length but 0).
     pub fn from_lens(&self, direction: DVec3) -> DVec3 {

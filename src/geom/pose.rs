@@ -3,7 +3,7 @@
 use glam::{DMat3, DVec3};
 
 /// A position and an orientation in a parent frame (right-handed, x right, y up, −z forward).
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Pose {
     /// Where the origin of the posed frame is, in the parent frame.
     pub position: DVec3,

@@ -6,7 +6,7 @@ use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
 /// A fisheye lens.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct FisheyeLens {
     /// How the radius grows with the angle.
     pub projection: Projection,
@@ -15,7 +15,7 @@ pub struct FisheyeLens {
 }
 
 /// How the radius of a fisheye's picture grows with the angle θ from its axis (scale apart: the rim has radius 1).
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub enum Projection {
     /// θ.
     Equidistant,

@@ -11,7 +11,7 @@ use glam::{DAffine3, DMat3, DVec3};
 /// `t = (−b ± √D)/a` with `a = d·d`, `b = o·d`, `D = level·a − |o × d|²`, the latter weighted by products of two weights.
 /// Scaled by `a > 0`, the far hit of a sphere is `d × (o × d) + d·√D`, and others' alike; with `d` linear in the pixel, its first term is
 /// quadratic. All cancellations between large numbers happen here, in f64, before the coefficients are rounded.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct QuadraticForm {
     /// The quadratic part, a row per component of `s`.
     pub q: [[f64; 6]; 3],

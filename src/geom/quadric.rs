@@ -4,7 +4,7 @@ use super::Sphere;
 use glam::DVec3;
 
 /// The points with `Σ weights·p² = level`. Its inside, from where it is lit, is where the sum is less.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Quadric {
     /// Weights of x², y², z². All ≥ 0, or that of y² < 0 for a double cone.
     pub weights: DVec3,

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 /// A sphere.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Sphere {
     /// Centre, metres.
     pub center: DVec3,

@@ -5,7 +5,7 @@ use crate::formats::{Levels, levels, read_file};
 use std::path::{Path, PathBuf};
 
 /// What black is raised to in each pixel, read from a file.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Black {
     /// The file.
     pub file: PathBuf,
@@ -16,7 +16,7 @@ pub struct Black {
 }
 
 /// What the values of a picture of black are.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
 pub enum BlackValues {
     /// What is shown: values as the display gets them.
     #[default]

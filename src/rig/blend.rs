@@ -4,7 +4,7 @@ use super::Transfer;
 use crate::error::{Error, ErrorKind, Result};
 
 /// How the weight of an output's pixels is found, and what its display makes of values.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Blend {
     /// Weight from the overlap of all projectors (partition of unity).
     pub overlap: bool,
@@ -81,7 +81,7 @@ impl Blend {
 }
 
 /// How a ramp rises from 0 to 1.
-#[derive(Clone, Copy, Debug, PartialEq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Default, serde::Serialize)]
 pub enum RampShape {
     /// `3t² − 2t³`: continuous with its first derivative; steepest slope 1.5.
     #[default]
@@ -94,7 +94,7 @@ pub enum RampShape {
 }
 
 /// A ramp in an angle of the dome: 0 at `zero`, 1 at `full`.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct AngleRamp {
     /// Which angle.
     pub angle: DomeAngle,
@@ -107,7 +107,7 @@ pub struct AngleRamp {
 }
 
 /// An angle on the dome.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 pub enum DomeAngle {
     /// From the dome's pole, 0…π.
     Polar,

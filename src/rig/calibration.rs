@@ -6,7 +6,7 @@ use crate::geom::Frustum;
 use std::path::{Path, PathBuf};
 
 /// A calibration that another program made, read from its file.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Calibration {
     /// The file.
     pub file: PathBuf,
@@ -17,7 +17,7 @@ pub struct Calibration {
 }
 
 /// What the values of a calibration mean.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub enum CalibrationValues {
     /// Places (0…1 from the bottom left) in an equidistant fisheye picture of the dome.
     Domemaster {

@@ -3,7 +3,7 @@
 use glam::DVec2;
 
 /// How the finished picture of an output is mirrored, with everything that is in it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
 pub struct Flip {
     /// Left and right are exchanged.
     pub horizontal: bool,

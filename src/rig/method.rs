@@ -10,7 +10,7 @@ use crate::error::{Error, ErrorKind, Result};
 ///
 /// Errors are in pixels of the output: the angle between what a pixel shows and what it should show, over the
 /// angle that a pixel spans there.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub enum Method {
     /// A ray for each pixel: the exact formula where there is one, otherwise an exact table of all pixels.
     #[default]
@@ -43,7 +43,7 @@ pub enum Method {
 }
 
 /// Which stage of the graphics processor divides.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
 pub enum Divider {
     /// A geometry shader: every strip and fan, up to so many parts as it can emit.
     #[default]

@@ -40,7 +40,7 @@ pub use presets::{Preset, presets};
 pub use response::{RESPONSE_STEPS, Response, Transfer};
 
 /// Everything a rig file says.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Rig {
     /// Name: the preset's, or the file's.
     pub name: String,
@@ -75,7 +75,7 @@ impl Rig {
 }
 
 /// A spherical dome, centred at the origin.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Dome {
     /// Radius, metres, > 0.
     pub radius: f64,
@@ -86,7 +86,7 @@ pub struct Dome {
 }
 
 /// The correct point of view.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Viewer {
     /// Metres from the dome's centre.
     pub position: DVec3,
@@ -99,7 +99,7 @@ pub struct Viewer {
 }
 
 /// How the program's own camera is adapted.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Camera {
     /// Factor on the tangents of every direction that the program draws, > 0.
     pub zoom: f64,
@@ -119,7 +119,7 @@ pub struct Camera {
 }
 
 /// How the planner chooses views for outputs that do not say so themselves.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 pub enum ViewMethod {
     /// The cheaper of the others.
     Auto,
@@ -130,7 +130,7 @@ pub enum ViewMethod {
 }
 
 /// How views are chosen.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Views {
     /// Which family of views.
     pub method: ViewMethod,
@@ -164,7 +164,7 @@ impl Default for Views {
 }
 
 /// What a texel is enough for in a domemaster.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 pub enum Resolution {
     /// Its nominal pixel: aperture over diameter, in every direction.
     Nominal,
@@ -174,7 +174,7 @@ pub enum Resolution {
 }
 
 /// Which pictures that a program draws off screen are drawn once per view.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 pub enum Duplicate {
     /// Those that are seen to be the scene's, on their way to the window.
     Auto,
@@ -188,7 +188,7 @@ pub enum Duplicate {
 /// (rotated grid, a quarter of them at each), whose mean is shown.
 ///
 /// Sharper than bilinear is worth its time only with anti-aliased views, four places with `quality` above 1.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, serde::Serialize)]
 pub enum Filter {
     /// The 2×2 nearest texels.
     #[default]
@@ -218,7 +218,7 @@ impl Filter {
 }
 
 /// What the planner saves: each view costs the program's draws once more, each texel costs shading.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 pub enum Favour {
     /// As for a program of about a thousand draws in a frame.
     Balanced,
@@ -231,7 +231,7 @@ pub enum Favour {
 }
 
 /// Where flat drawing appears: a window in front of the viewer, as wide as `width` says and with the window's aspect.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Overlay {
     /// Direction of its centre, right-positive, radians from the viewer's forward direction.
     pub yaw: f64,
@@ -242,7 +242,7 @@ pub struct Overlay {
 }
 
 /// One picture that is presented.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Output {
     /// Name, unique in the rig; letters, digits, `-`, `_`, `.`.
     pub name: String,
@@ -267,7 +267,7 @@ pub struct Output {
 }
 
 /// What an output is.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub enum OutputKind {
     /// An equidistant fisheye picture, circle inscribed and centred.
     Domemaster {

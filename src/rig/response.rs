@@ -4,7 +4,7 @@ use crate::geom::Curve;
 use std::sync::Arc;
 
 /// How light follows from an encoded value.
-#[derive(Clone, Debug, PartialEq, Default)]
+#[derive(Clone, Debug, PartialEq, Default, serde::Serialize)]
 pub enum Transfer {
     /// A power, `gamma`, the same for all channels.
     #[default]
@@ -33,9 +33,15 @@ pub const RESPONSE_STEPS: usize = 32;
 /// On the fourth root displays are nearly straight, most of all near black, and the shaders need no power. Both
 /// directions are made of the same places, so that one undoes the other. The straight lines are off the curve by at
 /// most 6·10⁻⁴ of white for displays like a power of 1.8…2.4, by 1.6·10⁻³ (0.4 steps of 8 bits) for those of 1…4.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Response {
+    #[serde(serialize_with = "as_slice")]
     codes: [f64; RESPONSE_STEPS + 1],
+}
+
+/// Serialises an array of any length.
+fn as_slice<S: serde::Serializer>(numbers: &[f64], to: S) -> std::result::Result<S::Ok, S::Error> {
+    serde::Serialize::serialize(numbers, to)
 }
 
 impl Response {

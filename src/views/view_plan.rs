@@ -5,7 +5,7 @@ use crate::geom::{Frustum, PictureMap};
 use glam::DMat3;
 
 /// A rectangle of the atlas in texels, from the bottom left.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Tile {
     /// Left edge.
     pub x: u32,
@@ -25,7 +25,7 @@ impl Tile {
 }
 
 /// One picture of the program's world; a perspective one mostly.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct View {
     /// Name for people: `front`, `left`, `projector-3` …
     pub name: String,

@@ -84,9 +84,7 @@ fn replaced(path: &Path, from: usize) {
     let mut bytes = std::fs::read(path).expect("a file");
     let (header, content) = bytes.split_at_mut(56);
     content[from..].iter_mut().for_each(|byte| *byte = !*byte);
-    let mut digest = Digest::default();
-    digest.add_bytes(content);
-    header[40..].copy_from_slice(&digest.value().to_le_bytes());
+    header[40..].copy_from_slice(&Digest::of(content).value().to_le_bytes());
     std::fs::write(path, bytes).expect("written");
 }
 

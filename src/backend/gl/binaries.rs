@@ -3,7 +3,7 @@
 //! Drivers keep what they compile, too, most of them; what is saved beside that is reading the shaders' language.
 
 use super::api::*;
-use crate::cache::{Cache, Reader, Writer};
+use crate::cache::{self, Cache, RawBytes};
 use crate::error::{Error, Result};
 
 /// Where linked programs come from and go to.
@@ -39,20 +39,15 @@ impl Binaries {
         if !self.are_kept() {
             return link();
         }
-        self.cache.kept::<_, Error>(
-            "program",
-            |key| texts.iter().fold(key.bytes(self.driver.as_bytes()), |key, text| key.bytes(text.as_bytes())),
-            |reader| load(gl, reader),
-            |program, writer| store(gl, *program, writer),
-            link,
-        )
+        let key = (&self.driver, texts);
+        self.cache.cached_as::<_, Error>("program", &key, |bytes| load(gl, bytes), |program| store(gl, *program), link)
     }
 }
 
 /// A program of what [`store`] wrote; `None` where the driver does not take it, as after it was updated.
-fn load(gl: &Gl, from: &mut Reader<'_>) -> Option<u32> {
-    let (format, length) = (from.u32()?, from.length(1)?);
-    let (binary, size) = (from.bytes(length)?, i32::try_from(length).ok()?);
+fn load(gl: &Gl, bytes: &[u8]) -> Option<u32> {
+    let (format, RawBytes(binary)) = cache::decode::<(u32, RawBytes<'_>)>(bytes)?;
+    let size = i32::try_from(binary.len()).ok()?;
     let mut linked = 0;
     // SAFETY: a context is current; the driver looks at its binaries before it believes them, and has as many bytes as are said.
     let program = unsafe {
@@ -72,20 +67,17 @@ fn load(gl: &Gl, from: &mut Reader<'_>) -> Option<u32> {
     Some(program)
 }
 
-/// Whether the driver gave the program out.
-fn store(gl: &Gl, program: u32, to: &mut Writer) -> bool {
+/// Returns format and bytes of a program; `None` where the driver does not give it out.
+fn store(gl: &Gl, program: u32) -> Option<Vec<u8>> {
     let (mut length, mut written, mut format) = (0, 0, 0);
     // SAFETY: a context is current; one value.
     unsafe { gl.get_programiv(program, GL_PROGRAM_BINARY_LENGTH, &mut length) };
     let mut binary = vec![0u8; usize::try_from(length).unwrap_or(0)];
     if binary.is_empty() {
-        return false;
+        return None;
     }
     // SAFETY: the driver writes no more bytes than there are.
     unsafe { gl.get_program_binary(program, length, &mut written, &mut format, binary.as_mut_ptr().cast()) };
-    let Some(binary) = usize::try_from(written).ok().and_then(|written| binary.get(..written)) else { return false };
-    to.u32(format);
-    to.length(binary.len());
-    to.bytes(binary);
-    !binary.is_empty()
+    let binary = binary.get(..usize::try_from(written).ok()?).filter(|binary| !binary.is_empty())?;
+    cache::encode(&(format, RawBytes(binary)))
 }

@@ -3,7 +3,6 @@
 //! Drivers keep what they compile, too, most of them; some only what they are given back.
 
 use super::api::Api;
-use crate::cache::{Reader, Writer};
 use crate::correct::shaders::spirv::Modules;
 use crate::error::Result;
 use ash::vk;
@@ -23,15 +22,14 @@ pub(super) fn pipeline(
     if api.cache.is_none() {
         return make(vk::PipelineCache::null());
     }
-    let words = |words: &[u32]| words.iter().flat_map(|word| word.to_le_bytes()).collect::<Vec<u8>>();
-    let made = api.cache.kept(
+    let made = api.cache.cached_as(
         "pipeline",
-        |key| key.bytes(&api.driver).bytes(&words(modules.vertex)).bytes(&words(&modules.fragment)),
-        |reader| {
-            let known = read(reader)?;
+        &(&api.driver, modules.vertex, &modules.fragment),
+        |known| {
+            let known = Some(known).filter(|data| data.len() > HEADER)?;
             with(api, known, &make).ok().map(|pipeline| (pipeline, Vec::new()))
         },
-        |(_, data), writer| write(data, writer),
+        |(_, data)| Some(data.clone()).filter(|data| data.len() > HEADER),
         || with(api, &[], |cache| Ok((make(cache)?, data(api, cache)))),
     );
     made.map(|(pipeline, _)| pipeline)
@@ -55,13 +53,4 @@ fn data(api: &Api, cache: vk::PipelineCache) -> Vec<u8> {
     }
     // SAFETY: ours, with the device live.
     unsafe { api.device.get_pipeline_cache_data(cache) }.unwrap_or_default()
-}
-
-fn write(data: &[u8], to: &mut Writer) -> bool {
-    to.bytes(data);
-    data.len() > HEADER
-}
-
-fn read<'bytes>(from: &mut Reader<'bytes>) -> Option<&'bytes [u8]> {
-    from.bytes(from.left()).filter(|data| data.len() > HEADER)
 }

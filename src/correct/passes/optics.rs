@@ -7,7 +7,7 @@ use crate::geom::{Lens, Quadric, Sphere};
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 
 /// A fisheye projector, or a pinhole before a mirror, inside a quadric. All in the surface's axes.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct OpticsSource {
     /// Where the lens is.
     pub position: DVec3,
@@ -26,7 +26,7 @@ pub struct OpticsSource {
 }
 
 /// What becomes of a place of the picture (−1…1 from left to right and from bottom to top).
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub enum Light {
     /// It goes through a fisheye.
     Fisheye {

@@ -1,7 +1,7 @@
 //! Rectangles of pixels.
 
 /// A rectangle of an output in pixels, from the top left.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct PixelRect {
     /// Left edge.
     pub x: u32,

@@ -12,7 +12,7 @@ use std::sync::Arc;
 /// How a pixel of an output becomes a direction. `(x, y)` are the pixel's normalised
 /// coordinates: −1…1 from left to right and from bottom to top, at pixel centres, scaled so for
 /// [`Source::Fisheye`] that the inscribed circle is the unit circle.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub enum Source {
     /// `v = rotation·(q·S(|q|²), −C(|q|²)) + offset` with `q = (x, y)·aperture/2`, in viewer axes (metres per dome radius).
     Fisheye {
@@ -48,7 +48,7 @@ pub enum Source {
 }
 
 /// The forms of a projector.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct ProjectorSource {
     /// Its rays and what they light, in the axes of the surface.
     pub pencil: Pencil,
@@ -77,7 +77,7 @@ impl ProjectorSource {
 }
 
 /// Another projector, as seen from a pixel's hit on the screen.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Neighbour {
     /// Index of the output.
     pub output: usize,
@@ -88,7 +88,7 @@ pub struct Neighbour {
 }
 
 /// How the forms of a projector are computed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 pub enum Way {
     /// As they are.
     Forms,

@@ -2,6 +2,7 @@
 
 use crate::digest::Digest;
 use glam::{DMat3, DVec3};
+use serde::{Serialize, Serializer};
 use std::fmt;
 use std::sync::Arc;
 
@@ -32,22 +33,30 @@ pub struct Table {
 /// A sum stands for entries and pixels, all bits of them.
 impl fmt::Debug for Table {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { size, step, entries, axes, texels, weighted, lit, error } = self;
-        let mut digest = Digest::default();
-        for [x, y, z, weight] in texels {
-            let pair = |low: &f32, high: &f32| u64::from(low.to_bits()) | u64::from(high.to_bits()) << 32;
-            digest.add(pair(x, y));
-            digest.add(pair(z, weight));
-        }
-        lit.chunks(64).for_each(|part| digest.add(part.iter().fold(0, |bits, lit| bits << 1 | u64::from(*lit))));
-        let sum = format_args!("{digest:x}");
+        let Self { size, step, entries, axes, weighted, error, .. } = self;
+        let sum = format_args!("{:x}", self.sum());
         let mut table = f.debug_struct("Table");
         table.field("size", size).field("step", step).field("entries", entries).field("axes", axes);
         table.field("sum", &sum).field("weighted", weighted).field("error", error).finish()
     }
 }
 
+/// As [`Debug`](fmt::Debug): a sum stands for entries and pixels.
+impl Serialize for Table {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        let Self { size, step, entries, axes, weighted, error, .. } = self;
+        (size, step, entries, axes, self.sum(), weighted, error).serialize(to)
+    }
+}
+
 impl Table {
+    fn sum(&self) -> Digest {
+        let texels = self.texels.iter().flatten().map(|part| f64::from(*part));
+        // Parts of 32 pixels, as exact numbers.
+        let bits = |part: &[bool]| part.iter().fold(0, |bits: u32, lit| bits << 1 | u32::from(*lit));
+        texels.chain(self.lit.chunks(32).map(|part| f64::from(bits(part)))).collect()
+    }
+
     /// Number of entries across and down.
     pub fn entries(&self) -> (u32, u32) {
         self.entries

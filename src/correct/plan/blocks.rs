@@ -26,7 +26,7 @@ const LEAST_PART: f64 = 0.02;
 const LEAST_BLOCKS: usize = 48;
 
 /// What a block needs. Views and neighbours are sets of bits; bit 63 or 127 stands for all from there on.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub(super) struct Needs {
     pub(super) views: u64,
     pub(super) neighbours: u128,

@@ -1,59 +1,37 @@
-//! What blocks need as bytes: where nothing is known between pixels, finding it looks at them all.
+//! Cached needs of blocks: where nothing is known between pixels, finding them looks at all pixels.
 
-use crate::cache::{Cache, Reader, Writer};
+use crate::cache::Cache;
 use crate::correct::plan::blocks::{Examiner, Needs};
 use crate::views::View;
 use std::convert::Infallible;
 
-/// [`Examiner::all`] for an output with these views, or what `cache` kept of it.
+/// Returns [`Examiner::all`] for an output with these views, or what `cache` has of it.
 pub(super) fn needs(examiner: &Examiner<'_>, views: &[&View], cache: &Cache) -> Vec<Needs> {
     let Examiner { source, size, filter, flip, views: _, neighbours: _ } = examiner;
-    let found: Result<_, Infallible> = cache.kept(
-        "blocks",
-        |key| key.debug(source).debug(size).debug(filter).debug(flip).debug(&views),
-        |reader| read(reader, examiner.blocks()),
-        |needs, writer| write(needs, writer),
-        || Ok(examiner.all()),
-    );
-    let Ok(needs) = found;
-    needs
+    let key = (source, size, filter, flip, views);
+    let is_sound = |runs: &Vec<(u32, Needs)>| is_sound(runs, examiner.blocks());
+    let found: Result<_, Infallible> = cache.cached("blocks", &key, is_sound, || Ok(runs(&examiner.all())));
+    let Ok(runs) = found;
+    runs.iter().flat_map(|(length, needs)| std::iter::repeat_n(*needs, *length as usize)).collect()
 }
 
-/// Runs of blocks that need the same.
-fn write(needs: &[Needs], to: &mut Writer) -> bool {
-    for run in needs.chunk_by(|one, other| one == other) {
-        to.u32(run.len() as u32);
-        let Needs { views, neighbours, dark, lit } = run[0];
-        to.bytes(&views.to_le_bytes());
-        to.bytes(&neighbours.to_le_bytes());
-        to.bool(dark);
-        to.bool(lit);
-    }
-    true
+/// Runs of blocks with the same needs, with their lengths.
+fn runs(needs: &[Needs]) -> Vec<(u32, Needs)> {
+    needs.chunk_by(|one, other| one == other).map(|run| (run.len() as u32, run[0])).collect()
 }
 
-/// So many blocks.
-fn read(from: &mut Reader<'_>, blocks: usize) -> Option<Vec<Needs>> {
-    let mut needs = Vec::with_capacity(blocks);
-    while needs.len() < blocks {
-        let run = from.u32()? as usize;
-        let views = u64::from_le_bytes(from.bytes(8)?.try_into().ok()?);
-        let neighbours = u128::from_le_bytes(from.bytes(16)?.try_into().ok()?);
-        let (dark, lit) = (from.bool()?, from.bool()?);
-        if run == 0 || run > blocks - needs.len() {
-            return None;
-        }
-        needs.resize(needs.len() + run, Needs { views, neighbours, dark, lit });
-    }
-    Some(needs)
+/// Whether the runs are those of so many blocks.
+fn is_sound(runs: &[(u32, Needs)], blocks: usize) -> bool {
+    runs.iter().map(|(length, _)| u64::from(*length)).sum::<u64>() == blocks as u64
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cache::{decode, encode};
 
     #[test]
-    fn what_is_kept_is_what_was_found() {
+    fn what_is_cached_is_what_was_found() {
         let of = |number: u64| Needs {
             views: number << 62 | number,
             neighbours: u128::from(number) << 126 | u128::from(number),
@@ -61,15 +39,13 @@ mod tests {
             lit: number.is_multiple_of(2),
         };
         let needs: Vec<Needs> = (0..200).map(|block| of(block / 7 % 5)).collect();
-        let mut writer = Writer::default();
-        assert!(write(&needs, &mut writer));
-        let bytes = writer.finish();
+        let runs = runs(&needs);
+        let bytes = encode(&runs).expect("bytes");
         assert!(bytes.len() < 200 * 7, "runs: {}", bytes.len());
-        assert_eq!(read(&mut Reader::new(&bytes), 200).as_ref(), Some(&needs));
-        assert_eq!(read(&mut Reader::new(&bytes), 201), None);
-        assert_eq!(read(&mut Reader::new(&bytes), 197), None);
+        assert_eq!(decode::<Vec<(u32, Needs)>>(&bytes).as_ref(), Some(&runs));
+        assert!(is_sound(&runs, 200) && !is_sound(&runs, 201) && !is_sound(&runs, 197));
         for length in 0..bytes.len() {
-            assert_eq!(read(&mut Reader::new(&bytes[..length]), 200), None);
+            assert_eq!(decode::<Vec<(u32, Needs)>>(&bytes[..length]), None);
         }
     }
 }

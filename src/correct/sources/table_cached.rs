@@ -1,13 +1,14 @@
-//! Tables as bytes: a ray for each pixel is most of what a start computes where there are tables.
+//! Cached tables: a ray for each pixel is most of what a start computes where there are tables.
 
-use crate::cache::{Cache, Reader, Writer};
+use crate::cache::{self, Cache, RawBytes};
 use crate::correct::passes::table::Table;
 use crate::error::Result;
 use crate::rig::Rig;
 use glam::DMat3;
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// The table of output `index` of `rig`, whose outputs have `sizes` pixels, by `make`, or what `cache` kept of it.
+/// Returns the table of output `index` of `rig`, whose outputs have `sizes` pixels, by `make`, or what `cache` has of it.
 ///
 /// # Errors
 /// Those of `make`.
@@ -19,64 +20,77 @@ pub(in crate::correct) fn kept(
     make: impl FnOnce() -> Result<Table>,
 ) -> Result<Table> {
     let size = sizes.get(index).copied().unwrap_or_default();
-    cache.kept("table", |key| key.debug(rig).debug(&index).debug(&sizes), |reader| read(reader, size), write, make)
+    cache.cached_as("table", &(rig, index, sizes), |bytes| read(bytes, size), write, make)
 }
 
-/// Of a table of all pixels only what is lit.
-fn is_stored(table: &Table, entry: usize) -> bool {
-    table.step > 1 || table.lit.get(entry).is_none_or(|lit| *lit)
+/// A table in a file. Pixels and numbers are raw bytes, which are copied in large pieces.
+#[derive(Serialize, Deserialize)]
+struct CachedTable<'bytes> {
+    size: (u32, u32),
+    step: u32,
+    entries: (u32, u32),
+    axes: DMat3,
+    weighted: bool,
+    error: f64,
+    /// A bit for each pixel that shows something, the first one lowest.
+    #[serde(borrow)]
+    lit: RawBytes<'bytes>,
+    /// Four f32, little end first, of each entry that is stored.
+    #[serde(borrow)]
+    texels: RawBytes<'bytes>,
 }
 
-fn write(table: &Table, to: &mut Writer) -> bool {
-    let Table { size, step, entries, axes, texels, weighted, lit, error } = table;
-    [size.0, size.1, *step, entries.0, entries.1].iter().for_each(|number| to.u32(*number));
-    axes.to_cols_array().iter().for_each(|entry| to.f64(*entry));
-    to.bool(*weighted);
-    to.f64(*error);
-    to.length(lit.len());
+/// Whether an entry is stored: of a table of all pixels only those that show something.
+fn is_stored(step: u32, lit: &[bool], entry: usize) -> bool {
+    step > 1 || lit.get(entry).is_none_or(|lit| *lit)
+}
+
+fn write(table: &Table) -> Option<Vec<u8>> {
     let bits = |eight: &[bool]| eight.iter().rev().fold(0, |byte, lit| (byte << 1) | u8::from(*lit));
-    to.bytes(&lit.chunks(8).map(bits).collect::<Vec<_>>());
-    to.length(texels.len());
-    for (_, texel) in texels.iter().enumerate().filter(|(entry, _)| is_stored(table, *entry)) {
-        texel.iter().for_each(|part| to.f32(*part));
+    let lit: Vec<u8> = table.lit.chunks(8).map(bits).collect();
+    let stored = table.texels.iter().enumerate().filter(|(entry, _)| is_stored(table.step, &table.lit, *entry));
+    let mut texels = Vec::with_capacity(16 * table.texels.len());
+    for (_, texel) in stored {
+        texel.iter().for_each(|part| texels.extend_from_slice(&part.to_le_bytes()));
     }
-    true
+    cache::encode(&CachedTable {
+        size: table.size,
+        step: table.step,
+        entries: table.entries,
+        axes: table.axes,
+        weighted: table.weighted,
+        error: table.error,
+        lit: RawBytes(&lit),
+        texels: RawBytes(&texels),
+    })
 }
 
 /// A table of an output of `size` pixels.
-fn read(from: &mut Reader<'_>, size: (u32, u32)) -> Option<Table> {
-    let mut number = || from.u32();
-    let (found, step, entries) = ((number()?, number()?), number()?, (number()?, number()?));
-    if found != size {
+fn read(bytes: &[u8], size: (u32, u32)) -> Option<Table> {
+    let CachedTable { size: found, step, entries, axes, weighted, error, lit: RawBytes(bits), texels } =
+        cache::decode(bytes)?;
+    let area = |(width, height): (u32, u32)| usize::try_from(u64::from(width) * u64::from(height)).ok();
+    let (pixels, count) = (area(size)?, area(entries)?);
+    let is_sound = found == size && axes.is_finite() && error.is_finite() && bits.len() == pixels.div_ceil(8);
+    // A table of all pixels has an entry for each.
+    if !is_sound || step == 0 || (step == 1 && count != pixels) {
         return None;
     }
-    let axes = DMat3::from_cols_array(&from.finites()?);
-    let (weighted, error) = (from.bool()?, from.finite()?);
-    let area = |(width, height): (u32, u32)| usize::try_from(u64::from(width) * u64::from(height)).ok();
-    let pixels = from.length(0).filter(|pixels| Some(*pixels) == area(size))?;
-    let bits = from.bytes(pixels.div_ceil(8))?;
     let lit: Vec<bool> = (0..pixels).map(|pixel| bits[pixel / 8] >> (pixel % 8) & 1 == 1).collect();
-    let count = from.length(0).filter(|count| Some(*count) == area(entries))?;
-    // A coarse table has all of its entries, one of all pixels those that are lit.
-    let stored = match step {
-        0 => return None,
-        1 if count == pixels => lit.iter().filter(|lit| **lit).count(),
-        1 => return None,
-        _ => count,
-    };
-    let (stored, []) = from.bytes(stored.checked_mul(16)?)?.as_chunks::<16>() else { return None };
-    let mut stored = stored.iter();
-    let mut table =
-        Table { size, step, entries, axes, texels: vec![[0.0; 4]; count], weighted, lit: Arc::new(lit), error };
-    let mut texels = std::mem::take(&mut table.texels);
+    let stored = if step == 1 { lit.iter().filter(|lit| **lit).count() } else { count };
+    let (values, []) = texels.0.as_chunks::<16>() else { return None };
+    if values.len() != stored {
+        return None;
+    }
+    let mut values = values.iter();
+    let mut texels = vec![[0.0; 4]; count];
     let mut finite = true;
-    for (_, texel) in texels.iter_mut().enumerate().filter(|(entry, _)| is_stored(&table, *entry)) {
-        let (parts, _) = stored.next()?.as_chunks::<4>();
+    for (_, texel) in texels.iter_mut().enumerate().filter(|(entry, _)| is_stored(step, &lit, *entry)) {
+        let (parts, _) = values.next()?.as_chunks::<4>();
         *texel = std::array::from_fn(|part| f32::from_le_bytes(parts[part]));
         finite &= texel.iter().all(|value| value.is_finite());
     }
-    table.texels = texels;
-    finite.then_some(table)
+    finite.then_some(Table { size, step, entries, axes, texels, weighted, lit: Arc::new(lit), error })
 }
 
 #[cfg(test)]
@@ -97,29 +111,24 @@ mod tests {
     }
 
     #[test]
-    fn what_is_kept_is_the_table() {
+    fn what_is_cached_is_the_table() {
         let one = rig(vec![projector("p", DVec3::new(0.5, 0.0, 1.0), [20.0, 10.0, 5.0], lens(60.0, 40.0))]);
         let shown = crate::correct::sources::surface_sample::Shown::new(&one, 0, &[(160, 90)]).expect("a map");
         let coarse = coarse(&shown, 0.1);
         assert!(coarse.step() > 1, "a coarse table");
         for table in [sample((7, 5)), sample((0, 0)), sample((64, 1)), coarse] {
-            let mut writer = Writer::default();
-            assert!(write(&table, &mut writer));
-            let bytes = writer.finish();
-            let mut reader = Reader::new(&bytes);
+            let bytes = write(&table).expect("bytes");
             let size = table.size;
-            assert_eq!(read(&mut reader, size), Some(table));
-            assert!(reader.is_at_end());
+            assert_eq!(read(&bytes, size), Some(table));
             // What is cut off is refused; what is changed is refused or read as something, and no more is asked for than there is.
             for length in 0..bytes.len().min(2000) {
-                let mut cut = Reader::new(&bytes[..length]);
-                assert!(read(&mut cut, size).is_none(), "{length}");
+                assert!(read(&bytes[..length], size).is_none(), "{length}");
             }
             for at in 0..bytes.len().min(300) {
                 for change in [0xFF, 0x80, 1] {
                     let mut other = bytes.clone();
                     other[at] ^= change;
-                    read(&mut Reader::new(&other), size);
+                    read(&other, size);
                 }
             }
         }
@@ -128,11 +137,14 @@ mod tests {
     /// Large data stands in keys by a sum: one that missed a change would show what an older file said.
     #[test]
     fn every_number_of_large_data_counts_in_keys() {
-        fn differ<T: std::fmt::Debug>(values: &[T]) {
-            let texts: Vec<String> = values.iter().map(|value| format!("{value:?}")).collect();
-            for (index, text) in texts.iter().enumerate() {
-                assert!(text.len() < 400, "the numbers themselves are left out: {text}");
-                assert!(!texts[..index].contains(text), "{index}: {text}");
+        fn differ<T: Serialize + std::fmt::Debug>(values: &[T]) {
+            let texts = values.iter().map(|value| format!("{value:?}").into_bytes());
+            let keys = values.iter().map(|value| cache::encode(value).expect("bytes"));
+            for found in [texts.collect::<Vec<_>>(), keys.collect()] {
+                for (index, one) in found.iter().enumerate() {
+                    assert!(one.len() < 400, "the numbers themselves are left out: {one:?}");
+                    assert!(!found[..index].contains(one), "{index}: {one:?}");
+                }
             }
         }
         /// The numbers as they are, and with each of them changed in its last bit.

@@ -5,6 +5,7 @@ use crate::digest::Digest;
 use crate::error::Result;
 use crate::formats::input::invalid;
 use glam::{DVec2, DVec3};
+use serde::{Serialize, Serializer};
 use std::fmt;
 
 /// Greatest number of nodes of a mesh.
@@ -42,19 +43,30 @@ pub struct Mesh {
 /// A sum stands for nodes and triangles, all bits of them; the index follows from these.
 impl fmt::Debug for Mesh {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let sum = format_args!("{:x}", self.sum());
+        let (nodes, triangles) = (self.nodes.len(), self.triangles.len());
+        f.debug_struct("Mesh").field("nodes", &nodes).field("triangles", &triangles).field("sum", &sum).finish()
+    }
+}
+
+/// As [`Debug`](fmt::Debug): a sum stands for the numbers.
+impl Serialize for Mesh {
+    fn serialize<S: Serializer>(&self, to: S) -> std::result::Result<S::Ok, S::Error> {
+        (self.nodes.len(), self.triangles.len(), self.sum()).serialize(to)
+    }
+}
+
+impl Mesh {
+    fn sum(&self) -> Digest {
         let of_node = |node: &Node| {
             let (DVec2 { x, y }, value) = (node.position, node.value);
             [x, y, value.x, value.y, value.z, node.intensity]
         };
         let nodes = self.nodes.iter().flat_map(of_node);
         let corners = self.triangles.iter().flatten().map(|node| f64::from(*node));
-        let sum = format_args!("{:x}", nodes.chain(corners).collect::<Digest>());
-        let (nodes, triangles) = (self.nodes.len(), self.triangles.len());
-        f.debug_struct("Mesh").field("nodes", &nodes).field("triangles", &triangles).field("sum", &sum).finish()
+        nodes.chain(corners).collect()
     }
-}
 
-impl Mesh {
     /// A mesh from its nodes and its triangles, of either orientation. Where triangles lie over each other the
     /// later one is seen. `name` is the file's, for messages.
     ///

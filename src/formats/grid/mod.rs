@@ -18,7 +18,7 @@ pub struct Sample {
 }
 
 /// A calibration of one output.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub enum Grid {
     /// Nodes with triangles; an output of another aspect than the mesh's shows more or less at the sides.
     Mesh(Mesh),

@@ -3,6 +3,7 @@
 use super::Sample;
 use crate::digest::Digest;
 use glam::{DVec2, DVec3};
+use serde::{Serialize, Serializer};
 use std::fmt;
 
 /// A value for each pixel of an output, or for each of a coarser or finer raster over it.
@@ -15,13 +16,23 @@ pub struct Raster {
 /// A sum stands for the values, all bits of them.
 impl fmt::Debug for Raster {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let values = self.values.iter().flatten().map(|value| f64::from(*value));
-        let sum = format_args!("{:x}", values.collect::<Digest>());
+        let sum = format_args!("{:x}", self.sum());
         f.debug_struct("Raster").field("size", &self.size).field("sum", &sum).finish()
     }
 }
 
+/// As [`Debug`](fmt::Debug): a sum stands for the numbers.
+impl Serialize for Raster {
+    fn serialize<S: Serializer>(&self, to: S) -> std::result::Result<S::Ok, S::Error> {
+        (self.size, self.sum()).serialize(to)
+    }
+}
+
 impl Raster {
+    fn sum(&self) -> Digest {
+        self.values.iter().flatten().map(|value| f64::from(*value)).collect()
+    }
+
     /// A raster of `size` (width, height) from its values, row by row from the top; three NaN (or one of
     /// them NaN) where nothing is shown. `None` if the size is zero or not that of the values.
     pub fn new(size: (u32, u32), values: Vec<[f32; 3]>) -> Option<Self> {

@@ -6,7 +6,7 @@ use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 
 /// A surface whose points along a ray follow from a root at most.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub enum ClosedSurface {
     /// Lit from inside.
     Quadric(Quadric),
@@ -15,7 +15,7 @@ pub enum ClosedSurface {
 }
 
 /// The points with `normal·p ≥ distance`.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct HalfSpace {
     /// Unit normal, or 0 with a distance < 0: all points. Of those, a pixel's form says whether there is any.
     pub normal: DVec3,
@@ -31,7 +31,7 @@ impl HalfSpace {
 }
 
 /// How two half-spaces make one part of space.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 pub enum Join {
     /// What is in both.
     Both,
@@ -40,7 +40,7 @@ pub enum Join {
 }
 
 /// Two half-spaces.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Sides {
     /// They.
     pub spaces: [HalfSpace; 2],
@@ -49,7 +49,7 @@ pub struct Sides {
 }
 
 /// The part of a surface that is screen.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Bounds {
     /// It is in all of these.
     pub limits: [Option<HalfSpace>; 3],

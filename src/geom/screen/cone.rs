@@ -6,7 +6,7 @@ use glam::DVec3;
 use std::f64::consts::TAU;
 
 /// A part of the wall of a cone or cylinder around the y axis, lit from inside.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Cone {
     /// Height (y) of the bottom and of the top rim, metres; bottom < top.
     pub heights: [f64; 2],

@@ -6,6 +6,7 @@
 use super::{Hit, INSET, Rim, Surface, unit};
 use crate::digest::Digest;
 use glam::DVec3;
+use serde::{Serialize, Serializer};
 use std::collections::HashMap;
 use std::fmt;
 
@@ -16,7 +17,7 @@ pub const MOST_TRIANGLES: usize = 1 << 22;
 pub type Triangle = [DVec3; 3];
 
 /// Which side of its triangles is screen. The other side stops light and shows nothing.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 pub enum Faces {
     /// The side from which corners run counter-clockwise.
     Front,
@@ -38,8 +39,7 @@ pub struct Mesh {
 /// A sum stands for the triangles, all bits of them.
 impl fmt::Debug for Mesh {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let corners = self.triangles.iter().flatten().flat_map(DVec3::to_array);
-        let sum = format_args!("{:x}", corners.collect::<Digest>());
+        let sum = format_args!("{:x}", self.sum());
         f.debug_struct("Mesh")
             .field("triangles", &self.triangles.len())
             .field("sum", &sum)
@@ -64,7 +64,18 @@ const PADDING: f64 = 1e-12;
 /// Deepest tree: halving [`MOST_TRIANGLES`] takes 22 steps.
 const DEEPEST: usize = 64;
 
+/// As [`Debug`](fmt::Debug): a sum stands for the numbers.
+impl Serialize for Mesh {
+    fn serialize<S: Serializer>(&self, to: S) -> std::result::Result<S::Ok, S::Error> {
+        (self.triangles.len(), self.sum(), self.faces).serialize(to)
+    }
+}
+
 impl Mesh {
+    fn sum(&self) -> Digest {
+        self.triangles.iter().flatten().flat_map(DVec3::to_array).collect()
+    }
+
     /// A screen of `triangles`; those without area are left out. `None` without any, with more than
     /// [`MOST_TRIANGLES`], or with corners that are not finite.
     pub fn new(triangles: Vec<Triangle>, faces: Faces) -> Option<Self> {

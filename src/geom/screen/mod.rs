@@ -62,7 +62,7 @@ pub trait Surface {
 }
 
 /// The shape of a screen.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub enum Shape {
     /// A part of a sphere or an ellipsoid, lit from inside.
     Ellipsoid(Ellipsoid),
@@ -75,7 +75,7 @@ pub enum Shape {
 }
 
 /// A screen somewhere in the dome's axes.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Screen {
     /// The shape's own axes → dome axes.
     pub pose: Pose,

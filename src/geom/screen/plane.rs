@@ -5,7 +5,7 @@ use glam::{DVec2, DVec3};
 use std::f64::consts::TAU;
 
 /// A rectangle in the plane z = 0 around the origin, lit from either side: by projection from the front or through it.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Plane {
     /// Width and height, metres, > 0.
     pub size: DVec2,

@@ -5,7 +5,7 @@ use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 
 /// Angles around a surface's centre: from its pole (+y), and around it (0 = front, −z; to the right positive).
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Region {
     /// Greatest angle from the pole, radians, 0…π; π = all.
     pub polar: f64,

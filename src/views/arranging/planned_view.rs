@@ -7,7 +7,7 @@ use crate::views::fitting::fit::Fit;
 use glam::DMat3;
 
 /// A view before it has a place and its final size.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Wanted {
     /// Name for people.
     pub name: String,
@@ -28,7 +28,7 @@ pub(crate) struct Wanted {
 }
 
 /// The views of a rig, and remarks for people.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Arrangement {
     /// In order of precedence.
     pub views: Vec<Wanted>,

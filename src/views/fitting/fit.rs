@@ -26,7 +26,7 @@ pub(crate) const LEAST_COSINE: f64 = 0.12;
 pub(crate) const MARGIN: f64 = 0.21875;
 
 /// What a view with given axes needs.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Fit {
     /// The sampled part.
     pub extent: Frustum,

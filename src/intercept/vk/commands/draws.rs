@@ -1,7 +1,7 @@
 //! A draw of the program → one draw per view, and one on the panel.
 
-use crate::intercept::scene;
 use crate::correct::single::pixels;
+use crate::intercept::scene;
 use crate::intercept::vk::commands::bound_state::set_window;
 use crate::intercept::vk::commands::indirect::{Parameters, Placed};
 use crate::intercept::vk::commands::recording::{Event, Recording};
