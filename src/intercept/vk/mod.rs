@@ -16,35 +16,7 @@ pub mod layer;
 pub mod offscreen;
 pub mod pipelines;
 pub mod queries;
+pub mod spirv;
+pub mod state;
 pub mod submit;
 pub mod swapchain;
-use crate::intercept::vk::layer::device;
-use crate::intercept::vk::swapchain::{create, present};
-
-pub mod spirv;
-
-/// Our function for a device's function of this name.
-fn hook(name: &[u8]) -> Option<*const ()> {
-    Some(match name {
-        b"vkDestroyDevice" => device::destroy as *const (),
-        b"vkGetDeviceQueue" => device::queue as *const (),
-        b"vkGetDeviceQueue2" => device::queue2 as *const (),
-        b"vkCreateSwapchainKHR" => create::create as *const (),
-        b"vkDestroySwapchainKHR" => create::destroy as *const (),
-        b"vkGetSwapchainImagesKHR" => create::images as *const (),
-        b"vkQueuePresentKHR" => present::present as *const (),
-        _ => return None,
-    })
-}
-
-/// An array of a program's structure; an empty one may be null.
-///
-/// # Safety
-/// `pointer` must point at `count` elements, or be null.
-unsafe fn slice<'a, T>(pointer: *const T, count: u32) -> &'a [T] {
-    if count == 0 || pointer.is_null() {
-        return &[];
-    }
-    // SAFETY: as promised.
-    unsafe { std::slice::from_raw_parts(pointer, count as usize) }
-}

@@ -1,11 +1,11 @@
 //! Barriers and clears: the twins' layouts follow the images', clears reach each tile. What is copied from buffer to
 //! buffer is remembered.
 
-use crate::intercept::vk::commands::draws::rectangle;
-use crate::intercept::vk::commands::recording::Event;
-use crate::intercept::vk::layer::device::Device;
-use crate::intercept::vk::layer::hooks::hooks;
-use crate::intercept::vk::swapchain::atlas_layout::{Layout, Rect};
+use crate::intercept::vk::state::atlas_layout::{Layout, Rect, rectangle};
+use crate::intercept::vk::state::device::Device;
+use crate::intercept::vk::state::hooks::hooks;
+use crate::intercept::vk::state::recording::Event;
+use crate::intercept::vk::state::structures::slice;
 use ash::vk;
 
 /// Where a clear goes.
@@ -61,10 +61,10 @@ pub unsafe fn clear(
         // SAFETY: as promised; the tiles lie in the atlas.
         unsafe {
             if !pictures.is_empty() {
-                device.functions.cmd_clear_attachments(buffer, what, &pictures);
+                device.driver.functions.cmd_clear_attachments(buffer, what, &pictures);
             }
             if let Some(panel) = panel {
-                device.functions.cmd_clear_attachments(buffer, &on_panel, &[panel]);
+                device.driver.functions.cmd_clear_attachments(buffer, &on_panel, &[panel]);
             }
         }
     }
@@ -106,59 +106,59 @@ fn with_twins<B: Barrier>(device: &Device, given: &[B]) -> Vec<B> {
 /// `info` must be the program's.
 unsafe fn barriers_of<'a>(info: &vk::DependencyInfo<'a>) -> &'a [vk::ImageMemoryBarrier2<'a>] {
     // SAFETY: as promised.
-    unsafe { crate::intercept::vk::slice(info.p_image_memory_barriers, info.image_memory_barrier_count) }
+    unsafe { slice(info.p_image_memory_barriers, info.image_memory_barrier_count) }
 }
 
-hooks! { transfers;
-    [c"vkCmdPipelineBarrier"] cmd_pipeline_barrier: vk::PFN_vkCmdPipelineBarrier = (
+hooks! {
+    cmd_pipeline_barrier = (
         buffer: vk::CommandBuffer, before: vk::PipelineStageFlags, after: vk::PipelineStageFlags, flags: vk::DependencyFlags,
         memory_count: u32, memory: *const vk::MemoryBarrier<'_>, buffer_count: u32, buffers: *const vk::BufferMemoryBarrier<'_>,
         image_count: u32, images: *const vk::ImageMemoryBarrier<'_>
     ) { |state, next| {
-        let all = with_twins(&state, crate::intercept::vk::slice(images, image_count));
+        let all = with_twins(&state, slice(images, image_count));
         next(buffer, before, after, flags, memory_count, memory, buffer_count, buffers, all.len() as u32, all.as_ptr())
     } }
-    [c"vkCmdPipelineBarrier2", c"vkCmdPipelineBarrier2KHR"] cmd_pipeline_barrier2: vk::PFN_vkCmdPipelineBarrier2 = (
+    cmd_pipeline_barrier2 = (
         buffer: vk::CommandBuffer, info: *const vk::DependencyInfo<'_>
     ) { |state, next| {
         let all = with_twins(&state, barriers_of(&*info));
         next(buffer, &(*info).image_memory_barriers(&all))
     } }
-    [c"vkCmdWaitEvents"] cmd_wait_events: vk::PFN_vkCmdWaitEvents = (
+    cmd_wait_events = (
         buffer: vk::CommandBuffer, count: u32, events: *const vk::Event, before: vk::PipelineStageFlags, after: vk::PipelineStageFlags,
         memory_count: u32, memory: *const vk::MemoryBarrier<'_>, buffer_count: u32, buffers: *const vk::BufferMemoryBarrier<'_>,
         image_count: u32, images: *const vk::ImageMemoryBarrier<'_>
     ) { |state, next| {
-        let all = with_twins(&state, crate::intercept::vk::slice(images, image_count));
+        let all = with_twins(&state, slice(images, image_count));
         next(buffer, count, events, before, after, memory_count, memory, buffer_count, buffers, all.len() as u32, all.as_ptr())
     } }
-    [c"vkCmdSetEvent2", c"vkCmdSetEvent2KHR"] cmd_set_event2: vk::PFN_vkCmdSetEvent2 = (
+    cmd_set_event2 = (
         buffer: vk::CommandBuffer, event: vk::Event, info: *const vk::DependencyInfo<'_>
     ) { |state, next| {
         // What waits for the event has to say the same.
         let all = with_twins(&state, barriers_of(&*info));
         next(buffer, event, &(*info).image_memory_barriers(&all))
     } }
-    [c"vkCmdWaitEvents2", c"vkCmdWaitEvents2KHR"] cmd_wait_events2: vk::PFN_vkCmdWaitEvents2 = (
+    cmd_wait_events2 = (
         buffer: vk::CommandBuffer, count: u32, events: *const vk::Event, infos: *const vk::DependencyInfo<'_>
     ) { |state, next| {
-        let given = crate::intercept::vk::slice(infos, count);
+        let given = slice(infos, count);
         let all: Vec<_> = given.iter().map(|info| with_twins(&state, barriers_of(info))).collect();
         let changed: Vec<_> = given.iter().zip(&all).map(|(info, all)| (*info).image_memory_barriers(all)).collect();
         next(buffer, count, events, changed.as_ptr())
     } }
-    [c"vkCmdClearAttachments"] cmd_clear_attachments: vk::PFN_vkCmdClearAttachments = (
+    cmd_clear_attachments = (
         buffer: vk::CommandBuffer, count: u32, what: *const vk::ClearAttachment, rect_count: u32, rects: *const vk::ClearRect
     ) { |state, next| {
         let layout = state.recordings.with(buffer, |recording| {
             recording.pass.as_ref().map(|pass| std::sync::Arc::clone(&pass.shown.layout))
         });
         match layout.flatten() {
-            Some(layout) => clear(&state, buffer, &layout, crate::intercept::vk::slice(what, count), crate::intercept::vk::slice(rects, rect_count)),
+            Some(layout) => clear(&state, buffer, &layout, slice(what, count), slice(rects, rect_count)),
             None => next(buffer, count, what, rect_count, rects),
         }
     } }
-    [c"vkCmdClearColorImage"] cmd_clear_color_image: vk::PFN_vkCmdClearColorImage = (
+    cmd_clear_color_image = (
         buffer: vk::CommandBuffer, image: vk::Image, layout: vk::ImageLayout, color: *const vk::ClearColorValue, count: u32, ranges: *const vk::ImageSubresourceRange
     ) { |state, next| {
         for twin in state.images.twins(image) {
@@ -166,7 +166,7 @@ hooks! { transfers;
         }
         next(buffer, image, layout, color, count, ranges)
     } }
-    [c"vkCmdClearDepthStencilImage"] cmd_clear_depth_stencil_image: vk::PFN_vkCmdClearDepthStencilImage = (
+    cmd_clear_depth_stencil_image = (
         buffer: vk::CommandBuffer, image: vk::Image, layout: vk::ImageLayout, value: *const vk::ClearDepthStencilValue, count: u32, ranges: *const vk::ImageSubresourceRange
     ) { |state, next| {
         for twin in state.images.twins(image) {
@@ -174,29 +174,29 @@ hooks! { transfers;
         }
         next(buffer, image, layout, value, count, ranges)
     } }
-    [c"vkCmdCopyBuffer"] cmd_copy_buffer: vk::PFN_vkCmdCopyBuffer = (
+    cmd_copy_buffer = (
         buffer: vk::CommandBuffer, from: vk::Buffer, to: vk::Buffer, count: u32, regions: *const vk::BufferCopy
     ) { |state, next| {
         state.recordings.with(buffer, |recording| {
-            let regions = crate::intercept::vk::slice(regions, count).iter();
+            let regions = slice(regions, count).iter();
             recording.events.extend(regions.map(|region| Event::Copy(from, to, *region)));
         });
         next(buffer, from, to, count, regions)
     } }
-    [c"vkCmdCopyBuffer2", c"vkCmdCopyBuffer2KHR"] cmd_copy_buffer2: vk::PFN_vkCmdCopyBuffer2 = (
+    cmd_copy_buffer2 = (
         buffer: vk::CommandBuffer, info: *const vk::CopyBufferInfo2<'_>
     ) { |state, next| {
         state.recordings.with(buffer, |recording| {
-            let regions = crate::intercept::vk::slice((*info).p_regions, (*info).region_count).iter();
+            let regions = slice((*info).p_regions, (*info).region_count).iter();
             let plain = |r: &vk::BufferCopy2<'_>| vk::BufferCopy { src_offset: r.src_offset, dst_offset: r.dst_offset, size: r.size };
             recording.events.extend(regions.map(|r| Event::Copy((*info).src_buffer, (*info).dst_buffer, plain(r))));
         });
         next(buffer, info)
     } }
-    [c"vkCmdUpdateBuffer"] cmd_update_buffer: vk::PFN_vkCmdUpdateBuffer = (
+    cmd_update_buffer = (
         buffer: vk::CommandBuffer, to: vk::Buffer, offset: vk::DeviceSize, size: vk::DeviceSize, data: *const std::ffi::c_void
     ) { |state, next| {
-        let bytes = crate::intercept::vk::slice(data.cast::<u8>(), size as u32).to_vec();
+        let bytes = slice(data.cast::<u8>(), size as u32).to_vec();
         state.recordings.with(buffer, |recording| recording.events.push(Event::Update(to, offset, bytes)));
         next(buffer, to, offset, size, data)
     } }
@@ -205,8 +205,8 @@ hooks! { transfers;
 #[cfg(test)]
 mod tests {
     use super::cleared;
-    use crate::intercept::vk::layer::features::Vertices;
-    use crate::intercept::vk::swapchain::atlas_layout::Layout;
+    use crate::intercept::vk::state::atlas_layout::Layout;
+    use crate::intercept::vk::state::vertices::Vertices;
     use ash::vk;
 
     #[test]

@@ -1,12 +1,14 @@
 //! What a program binds and sets while it records.
 
-use crate::intercept::vk::commands::recording::{Bound, PUSH_BYTES};
-use crate::intercept::vk::layer::hooks::hooks;
-use crate::intercept::vk::offscreen::scene_graph::Made;
+use crate::intercept::vk::state::bindings::Bound;
+use crate::intercept::vk::state::hooks::hooks;
+use crate::intercept::vk::state::recording::PUSH_BYTES;
+use crate::intercept::vk::state::scene_paths::Made;
+use crate::intercept::vk::state::structures::slice;
 use ash::vk;
 
-hooks! { state;
-    [c"vkCmdBindPipeline"] cmd_bind_pipeline: vk::PFN_vkCmdBindPipeline = (
+hooks! {
+    cmd_bind_pipeline = (
         buffer: vk::CommandBuffer, point: vk::PipelineBindPoint, pipeline: vk::Pipeline
     ) { |state, next| {
         if point == vk::PipelineBindPoint::COMPUTE {
@@ -21,16 +23,16 @@ hooks! { state;
         }
         next(buffer, point, pipeline)
     } }
-    [c"vkCmdBindDescriptorSets"] cmd_bind_descriptor_sets: vk::PFN_vkCmdBindDescriptorSets = (
+    cmd_bind_descriptor_sets = (
         buffer: vk::CommandBuffer, point: vk::PipelineBindPoint, layout: vk::PipelineLayout, first: u32, count: u32, sets: *const vk::DescriptorSet, dynamic_count: u32, dynamic: *const u32
     ) { |state, next| {
         if point != vk::PipelineBindPoint::GRAPHICS && state.images.has_candidates() {
-            let views = crate::intercept::vk::slice(sets, count).iter().flat_map(|set| state.descriptors.pictures(*set));
+            let views = slice(sets, count).iter().flat_map(|set| state.descriptors.pictures(*set));
             let images = views.filter_map(|view| state.images.candidate_of(view));
             images.for_each(|image| state.paths.leads(image, Made::Elsewhere));
         }
         if point == vk::PipelineBindPoint::GRAPHICS || point == vk::PipelineBindPoint::COMPUTE {
-            let (sets, mut offsets) = (crate::intercept::vk::slice(sets, count), crate::intercept::vk::slice(dynamic, dynamic_count));
+            let (sets, mut offsets) = (slice(sets, count), slice(dynamic, dynamic_count));
             let bound: Vec<Bound> = sets.iter().map(|set| {
                 let number = (state.descriptors.dynamic_offsets(*set) as usize).min(offsets.len());
                 let (own, rest) = offsets.split_at(number);
@@ -52,11 +54,11 @@ hooks! { state;
         }
         next(buffer, point, layout, first, count, sets, dynamic_count, dynamic)
     } }
-    [c"vkCmdPushConstants"] cmd_push_constants: vk::PFN_vkCmdPushConstants = (
+    cmd_push_constants = (
         buffer: vk::CommandBuffer, layout: vk::PipelineLayout, stages: vk::ShaderStageFlags, offset: u32, size: u32, values: *const std::ffi::c_void
     ) { |state, next| {
         if stages != vk::ShaderStageFlags::COMPUTE {
-            let values = crate::intercept::vk::slice(values.cast::<u8>(), size);
+            let values = slice(values.cast::<u8>(), size);
             state.recordings.with(buffer, |recording| {
                 let start = (offset as usize).min(PUSH_BYTES);
                 let end = (start + values.len()).min(PUSH_BYTES);
@@ -65,39 +67,39 @@ hooks! { state;
         }
         next(buffer, layout, stages, offset, size, values)
     } }
-    [c"vkCmdSetViewport"] cmd_set_viewport: vk::PFN_vkCmdSetViewport = (
+    cmd_set_viewport = (
         buffer: vk::CommandBuffer, first: u32, count: u32, viewports: *const vk::Viewport
     ) { |state, next| {
-        if let (0, Some(viewport)) = (first, crate::intercept::vk::slice(viewports, count).first()) {
+        if let (0, Some(viewport)) = (first, slice(viewports, count).first()) {
             state.recordings.with(buffer, |recording| recording.viewport = Some(*viewport));
         }
         next(buffer, first, count, viewports)
     } }
-    [c"vkCmdSetScissor"] cmd_set_scissor: vk::PFN_vkCmdSetScissor = (
+    cmd_set_scissor = (
         buffer: vk::CommandBuffer, first: u32, count: u32, scissors: *const vk::Rect2D
     ) { |state, next| {
-        if let (0, Some(scissor)) = (first, crate::intercept::vk::slice(scissors, count).first()) {
+        if let (0, Some(scissor)) = (first, slice(scissors, count).first()) {
             state.recordings.with(buffer, |recording| recording.scissor = Some(*scissor));
         }
         next(buffer, first, count, scissors)
     } }
-    [c"vkCmdSetViewportWithCount", c"vkCmdSetViewportWithCountEXT"] cmd_set_viewport_with_count: vk::PFN_vkCmdSetViewportWithCount = (
+    cmd_set_viewport_with_count = (
         buffer: vk::CommandBuffer, count: u32, viewports: *const vk::Viewport
     ) { |state, next| {
-        if let Some(viewport) = crate::intercept::vk::slice(viewports, count).first() {
+        if let Some(viewport) = slice(viewports, count).first() {
             state.recordings.with(buffer, |recording| recording.viewport = Some(*viewport));
         }
         next(buffer, count, viewports)
     } }
-    [c"vkCmdSetScissorWithCount", c"vkCmdSetScissorWithCountEXT"] cmd_set_scissor_with_count: vk::PFN_vkCmdSetScissorWithCount = (
+    cmd_set_scissor_with_count = (
         buffer: vk::CommandBuffer, count: u32, scissors: *const vk::Rect2D
     ) { |state, next| {
-        if let Some(scissor) = crate::intercept::vk::slice(scissors, count).first() {
+        if let Some(scissor) = slice(scissors, count).first() {
             state.recordings.with(buffer, |recording| recording.scissor = Some(*scissor));
         }
         next(buffer, count, scissors)
     } }
-    [c"vkCmdBindShadersEXT"] cmd_bind_shaders: vk::PFN_vkCmdBindShadersEXT = (
+    cmd_bind_shaders = (
         buffer: vk::CommandBuffer, count: u32, stages: *const vk::ShaderStageFlags, shaders: *const vk::ShaderEXT
     ) { |state, next| {
         state.give_up("shader objects");
@@ -110,13 +112,13 @@ hooks! { state;
 /// # Safety
 /// The command buffer is being recorded, with a pipeline that takes them so.
 pub unsafe fn set_window(
-    device: &crate::intercept::vk::layer::device::Device,
+    device: &crate::intercept::vk::state::device::Device,
     buffer: vk::CommandBuffer,
     viewport: &vk::Viewport,
     scissor: &vk::Rect2D,
     with_count: bool,
 ) {
-    let next = &device.next.state;
+    let next = &device.next;
     // SAFETY: as promised.
     unsafe {
         match (next.cmd_set_viewport_with_count, next.cmd_set_scissor_with_count, with_count) {
@@ -125,8 +127,8 @@ pub unsafe fn set_window(
                 set_scissor(buffer, 1, scissor);
             }
             _ => {
-                device.functions.cmd_set_viewport(buffer, 0, std::slice::from_ref(viewport));
-                device.functions.cmd_set_scissor(buffer, 0, std::slice::from_ref(scissor));
+                device.driver.functions.cmd_set_viewport(buffer, 0, std::slice::from_ref(viewport));
+                device.driver.functions.cmd_set_scissor(buffer, 0, std::slice::from_ref(scissor));
             }
         }
     }

@@ -1,18 +1,11 @@
 //! Conditional rendering: what the program makes depend on a number holds for its own commands only, and not for what
 //! Cupola records between them.
 
-use crate::intercept::vk::layer::device::Device;
-use crate::intercept::vk::layer::hooks::hooks;
-use crate::intercept::vk::queries::running::clear_left;
+use crate::intercept::vk::commands::panel_clears::clear_left;
+use crate::intercept::vk::state::device::Device;
+use crate::intercept::vk::state::hooks::hooks;
+use crate::intercept::vk::state::recording::Condition;
 use ash::vk;
-
-/// A condition that the program has set outside of passes.
-#[derive(Clone, Copy, Debug)]
-pub struct Condition {
-    buffer: vk::Buffer,
-    offset: vk::DeviceSize,
-    flags: vk::ConditionalRenderingFlagsEXT,
-}
 
 /// Records by `work` without the program's condition, which holds again behind it.
 ///
@@ -20,8 +13,12 @@ pub struct Condition {
 /// The command buffer is being recorded; `work` may begin a pass of commands that are recorded into it, or end one.
 pub unsafe fn unconditionally(device: &Device, buffer: vk::CommandBuffer, work: impl FnOnce()) {
     let condition = device.recordings.with(buffer, |recording| recording.condition).flatten();
-    let next = &device.next.conditional;
-    let (Some(condition), Some(begin), Some(end)) = (condition, next.cmd_begin, next.cmd_end) else { return work() };
+    let next = &device.next;
+    let (Some(condition), Some(begin), Some(end)) =
+        (condition, next.cmd_begin_conditional_rendering, next.cmd_end_conditional_rendering)
+    else {
+        return work();
+    };
     let again = vk::ConditionalRenderingBeginInfoEXT::default()
         .buffer(condition.buffer)
         .offset(condition.offset)
@@ -61,8 +58,8 @@ pub unsafe fn begin_pass(device: &Device, buffer: vk::CommandBuffer, begin: impl
     }
 }
 
-hooks! { conditional;
-    [c"vkCmdBeginConditionalRenderingEXT"] cmd_begin: vk::PFN_vkCmdBeginConditionalRenderingEXT = (
+hooks! {
+    cmd_begin_conditional_rendering = (
         buffer: vk::CommandBuffer, info: *const vk::ConditionalRenderingBeginInfoEXT<'_>
     ) { |state, next| {
         state.recordings.with(buffer, |recording| {
@@ -74,7 +71,7 @@ hooks! { conditional;
         });
         next(buffer, info)
     } }
-    [c"vkCmdEndConditionalRenderingEXT"] cmd_end: vk::PFN_vkCmdEndConditionalRenderingEXT = (
+    cmd_end_conditional_rendering = (
         buffer: vk::CommandBuffer
     ) { |state, next| {
         state.recordings.with(buffer, |recording| recording.condition = None);

@@ -1,12 +1,13 @@
 //! Copies between images: from the program's picture of its window, and between pictures of its scene.
 
-use crate::intercept::vk::commands::recording::Event;
-use crate::intercept::vk::layer::device::Device;
-use crate::intercept::vk::layer::hooks::hooks;
-use crate::intercept::vk::offscreen::images::Shown;
-use crate::intercept::vk::offscreen::scene_graph::Made;
 use crate::intercept::vk::offscreen::view_copies;
-use crate::intercept::vk::swapchain::atlas_layout::Rect;
+use crate::intercept::vk::state::atlas_layout::Rect;
+use crate::intercept::vk::state::device::Device;
+use crate::intercept::vk::state::hooks::hooks;
+use crate::intercept::vk::state::recording::Event;
+use crate::intercept::vk::state::scene_paths::Made;
+use crate::intercept::vk::state::shown::Shown;
+use crate::intercept::vk::state::structures::slice;
 use ash::vk;
 use std::sync::Arc;
 
@@ -44,7 +45,8 @@ fn becomes(device: &Device, buffer: vk::CommandBuffer, (from, source): End, (to,
     if device.images.is_candidate(from) {
         let made = if everything { end_of(device, to) } else { Made::Elsewhere };
         // What leaves the window's way is the program's own picture, where there is one.
-        let served = written.is_none() && device.latest_layout().is_some_and(|layout| layout.own().is_some());
+        let served =
+            written.is_none() && device.swapchains.latest_layout().is_some_and(|layout| layout.own().is_some());
         if made != Made::Elsewhere || !served {
             device.paths.leads(from, made);
         }
@@ -204,59 +206,59 @@ fn with_buffer(
     }
 }
 
-hooks! { copies;
-    [c"vkCmdCopyImage"] cmd_copy_image: vk::PFN_vkCmdCopyImage = (
+hooks! {
+    cmd_copy_image = (
         buffer: vk::CommandBuffer, from: vk::Image, from_layout: vk::ImageLayout, to: vk::Image, to_layout: vk::ImageLayout, count: u32, regions: *const vk::ImageCopy
-    ) { |state, next| between(&state, buffer, from, (to, to_layout), crate::intercept::vk::slice(regions, count),
+    ) { |state, next| between(&state, buffer, from, (to, to_layout), slice(regions, count),
         |f, t, r| next(buffer, f, from_layout, t, to_layout, r.len() as u32, r.as_ptr())) }
-    [c"vkCmdBlitImage"] cmd_blit_image: vk::PFN_vkCmdBlitImage = (
+    cmd_blit_image = (
         buffer: vk::CommandBuffer, from: vk::Image, from_layout: vk::ImageLayout, to: vk::Image, to_layout: vk::ImageLayout, count: u32, regions: *const vk::ImageBlit, filter: vk::Filter
-    ) { |state, next| between(&state, buffer, from, (to, to_layout), crate::intercept::vk::slice(regions, count),
+    ) { |state, next| between(&state, buffer, from, (to, to_layout), slice(regions, count),
         |f, t, r| next(buffer, f, from_layout, t, to_layout, r.len() as u32, r.as_ptr(), filter)) }
-    [c"vkCmdResolveImage"] cmd_resolve_image: vk::PFN_vkCmdResolveImage = (
+    cmd_resolve_image = (
         buffer: vk::CommandBuffer, from: vk::Image, from_layout: vk::ImageLayout, to: vk::Image, to_layout: vk::ImageLayout, count: u32, regions: *const vk::ImageResolve
-    ) { |state, next| between(&state, buffer, from, (to, to_layout), crate::intercept::vk::slice(regions, count),
+    ) { |state, next| between(&state, buffer, from, (to, to_layout), slice(regions, count),
         |f, t, r| next(buffer, f, from_layout, t, to_layout, r.len() as u32, r.as_ptr())) }
-    [c"vkCmdCopyImage2", c"vkCmdCopyImage2KHR"] cmd_copy_image2: vk::PFN_vkCmdCopyImage2 = (
+    cmd_copy_image2 = (
         buffer: vk::CommandBuffer, info: *const vk::CopyImageInfo2<'_>
     ) { |state, next| { let given = &*info; between(&state, buffer, given.src_image, (given.dst_image, given.dst_image_layout),
-        crate::intercept::vk::slice(given.p_regions, given.region_count), |f, t, r| next(buffer, &(*given).src_image(f).dst_image(t).regions(r))) } }
-    [c"vkCmdBlitImage2", c"vkCmdBlitImage2KHR"] cmd_blit_image2: vk::PFN_vkCmdBlitImage2 = (
+        slice(given.p_regions, given.region_count), |f, t, r| next(buffer, &(*given).src_image(f).dst_image(t).regions(r))) } }
+    cmd_blit_image2 = (
         buffer: vk::CommandBuffer, info: *const vk::BlitImageInfo2<'_>
     ) { |state, next| { let given = &*info; between(&state, buffer, given.src_image, (given.dst_image, given.dst_image_layout),
-        crate::intercept::vk::slice(given.p_regions, given.region_count), |f, t, r| next(buffer, &(*given).src_image(f).dst_image(t).regions(r))) } }
-    [c"vkCmdResolveImage2", c"vkCmdResolveImage2KHR"] cmd_resolve_image2: vk::PFN_vkCmdResolveImage2 = (
+        slice(given.p_regions, given.region_count), |f, t, r| next(buffer, &(*given).src_image(f).dst_image(t).regions(r))) } }
+    cmd_resolve_image2 = (
         buffer: vk::CommandBuffer, info: *const vk::ResolveImageInfo2<'_>
     ) { |state, next| { let given = &*info; between(&state, buffer, given.src_image, (given.dst_image, given.dst_image_layout),
-        crate::intercept::vk::slice(given.p_regions, given.region_count), |f, t, r| next(buffer, &(*given).src_image(f).dst_image(t).regions(r))) } }
-    [c"vkCmdCopyBufferToImage"] cmd_copy_buffer_to_image: vk::PFN_vkCmdCopyBufferToImage = (
+        slice(given.p_regions, given.region_count), |f, t, r| next(buffer, &(*given).src_image(f).dst_image(t).regions(r))) } }
+    cmd_copy_buffer_to_image = (
         buffer: vk::CommandBuffer, from: vk::Buffer, to: vk::Image, to_layout: vk::ImageLayout, count: u32, regions: *const vk::BufferImageCopy
     ) { |state, next| {
         with_buffer(&state, buffer, vk::Image::null(), to);
         next(buffer, from, to, to_layout, count, regions)
     } }
-    [c"vkCmdCopyBufferToImage2", c"vkCmdCopyBufferToImage2KHR"] cmd_copy_buffer_to_image2: vk::PFN_vkCmdCopyBufferToImage2 = (
+    cmd_copy_buffer_to_image2 = (
         buffer: vk::CommandBuffer, info: *const vk::CopyBufferToImageInfo2<'_>
     ) { |state, next| {
         with_buffer(&state, buffer, vk::Image::null(), (*info).dst_image);
         next(buffer, info)
     } }
-    [c"vkCmdCopyImageToBuffer"] cmd_copy_image_to_buffer: vk::PFN_vkCmdCopyImageToBuffer = (
+    cmd_copy_image_to_buffer = (
         buffer: vk::CommandBuffer, from: vk::Image, from_layout: vk::ImageLayout, to: vk::Buffer, count: u32, regions: *const vk::BufferImageCopy
     ) { |state, next| match with_buffer(&state, buffer, from, vk::Image::null()) {
         None => next(buffer, from, from_layout, to, count, regions),
         Some((image, at)) => {
-            let mut regions = crate::intercept::vk::slice(regions, count).to_vec();
+            let mut regions = slice(regions, count).to_vec();
             regions.iter_mut().for_each(|region| region.image_offset = moved(region.image_offset, at));
             next(buffer, image, from_layout, to, count, regions.as_ptr())
         }
     } }
-    [c"vkCmdCopyImageToBuffer2", c"vkCmdCopyImageToBuffer2KHR"] cmd_copy_image_to_buffer2: vk::PFN_vkCmdCopyImageToBuffer2 = (
+    cmd_copy_image_to_buffer2 = (
         buffer: vk::CommandBuffer, info: *const vk::CopyImageToBufferInfo2<'_>
     ) { |state, next| match with_buffer(&state, buffer, (*info).src_image, vk::Image::null()) {
         None => next(buffer, info),
         Some((image, at)) => {
-            let mut regions = crate::intercept::vk::slice((*info).p_regions, (*info).region_count).to_vec();
+            let mut regions = slice((*info).p_regions, (*info).region_count).to_vec();
             regions.iter_mut().for_each(|region| region.image_offset = moved(region.image_offset, at));
             next(buffer, &(*info).src_image(image).regions(&regions))
         }

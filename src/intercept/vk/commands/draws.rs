@@ -3,16 +3,17 @@
 use crate::correct::single::pixels;
 use crate::intercept::scene;
 use crate::intercept::vk::commands::bound_state::set_window;
-use crate::intercept::vk::commands::indirect::{Parameters, Placed};
-use crate::intercept::vk::commands::recording::{Event, Recording};
-use crate::intercept::vk::layer::device::Device;
-use crate::intercept::vk::layer::hooks::hooks;
-use crate::intercept::vk::offscreen::scene_graph::{self, Made};
-use crate::intercept::vk::pipelines::program_pipelines::{Pipeline, Variants};
-use crate::intercept::vk::queries::running;
-use crate::intercept::vk::submit::draw_groups::{self, Kind, Run};
-use crate::intercept::vk::submit::view_constants::Place;
-use crate::intercept::vk::swapchain::atlas_layout::{Layout, Rect};
+use crate::intercept::vk::offscreen::scene_graph;
+use crate::intercept::vk::pipelines::matrix_sources::source;
+use crate::intercept::vk::state::atlas_layout::{Layout, Rect, rectangle};
+use crate::intercept::vk::state::device::Device;
+use crate::intercept::vk::state::draw_groups::{Kind, Run};
+use crate::intercept::vk::state::draw_parameters::{Parameters, Placed};
+use crate::intercept::vk::state::hooks::hooks;
+use crate::intercept::vk::state::pipelines::{Pipeline, Variants};
+use crate::intercept::vk::state::recording::{Event, Recording, drawn};
+use crate::intercept::vk::state::scene_paths::{FEW, Made};
+use crate::intercept::vk::state::view_constants::Place;
 use ash::vk;
 use std::sync::Arc;
 
@@ -41,7 +42,7 @@ impl Size {
 /// The command buffer is being recorded; `issue` records the program's own draw, of that `size`.
 unsafe fn draw(device: &Device, buffer: vk::CommandBuffer, size: Size, issue: impl Fn()) {
     let vertices = size.vertices();
-    let few = vertices <= scene_graph::FEW;
+    let few = vertices <= FEW;
     let known = device.recordings.with(buffer, |recording| {
         // SAFETY: as promised.
         unsafe {
@@ -54,11 +55,11 @@ unsafe fn draw(device: &Device, buffer: vk::CommandBuffer, size: Size, issue: im
                         suspect(device, recording, (&pipeline, few));
                     }
                     restore(device, buffer, recording);
-                    running::drawn(recording, None, vertices, Some(1));
+                    drawn(recording, None, vertices, Some(1));
                     issue();
                 }
                 None => {
-                    running::drawn(recording, None, vertices, Some(1));
+                    drawn(recording, None, vertices, Some(1));
                     issue();
                 }
             }
@@ -125,15 +126,15 @@ unsafe fn restore(device: &Device, buffer: vk::CommandBuffer, recording: &mut Re
     // SAFETY: as promised; what is bound and set is the program's own.
     unsafe {
         if recording.current != pipeline.own {
-            device.functions.cmd_bind_pipeline(buffer, vk::PipelineBindPoint::GRAPHICS, pipeline.own);
+            device.driver.functions.cmd_bind_pipeline(buffer, vk::PipelineBindPoint::GRAPHICS, pipeline.own);
             recording.current = pipeline.own;
         }
         if recording.disturbed {
             if let (None, Some(viewport)) = (pipeline.viewport, recording.viewport) {
-                device.functions.cmd_set_viewport(buffer, 0, &[viewport]);
+                device.driver.functions.cmd_set_viewport(buffer, 0, &[viewport]);
             }
             if let (None, Some(scissor)) = (pipeline.scissor, recording.scissor) {
-                device.functions.cmd_set_scissor(buffer, 0, &[scissor]);
+                device.driver.functions.cmd_set_scissor(buffer, 0, &[scissor]);
             }
             recording.disturbed = false;
         }
@@ -154,9 +155,9 @@ unsafe fn rebind(device: &Device, buffer: vk::CommandBuffer, recording: &mut Rec
         let Some(bound) = bound else { continue };
         // SAFETY: as promised; the program bound the set, or pushed it, for this place.
         unsafe {
-            let (functions, point) = (&device.functions, vk::PipelineBindPoint::GRAPHICS);
+            let (functions, point) = (&device.driver.functions, vk::PipelineBindPoint::GRAPHICS);
             match &bound.pushed {
-                Some(pushed) => pushed.repeat((device, buffer), point, layout.handle, number),
+                Some(pushed) => pushed.repeat(&device.next, buffer, point, layout.handle, number),
                 None => {
                     let (sets, dynamic) = ([bound.set], &bound.dynamic);
                     functions.cmd_bind_descriptor_sets(buffer, point, layout.handle, number, &sets, dynamic);
@@ -179,10 +180,10 @@ unsafe fn each_view(
     issue: &dyn Fn(),
 ) {
     let vertices = size.vertices();
-    let few = vertices <= scene_graph::FEW;
+    let few = vertices <= FEW;
     let Some(variants) = &pipeline.variants else {
         // Its window space is not that of a tile.
-        device.give_up(&device.pipeline_obstacle());
+        device.give_up(&device.flatness.pipeline_obstacle());
         return;
     };
     // SAFETY: as promised.
@@ -191,7 +192,7 @@ unsafe fn each_view(
         let Some(pass) = &mut recording.pass else { return };
         let unclear = std::mem::take(&mut pass.unclear);
         let layout = Arc::clone(&pass.shown.layout);
-        crate::intercept::vk::commands::passes::clear_panel(device, buffer, &layout, &unclear);
+        crate::intercept::vk::commands::panel_clears::clear_panel(device, buffer, &layout, &unclear);
         let (width, height) = (pixels(layout.window.0 as i32), pixels(layout.window.1 as i32));
         let whole = vk::Viewport { x: 0.0, y: 0.0, width, height, min_depth: 0.0, max_depth: 1.0 };
         let viewport = pipeline.viewport.or(recording.viewport).unwrap_or(whole);
@@ -199,7 +200,7 @@ unsafe fn each_view(
         let main = is_main(&viewport, layout.window);
         let own_lens = layout.views.iter().any(|(_, own)| *own);
         let sources: Vec<_> = match variants.follows && main {
-            true => variants.matrices.iter().filter_map(|m| draw_groups::source(device, recording, m)).collect(),
+            true => variants.matrices.iter().filter_map(|m| source(device, recording, m)).collect(),
             false => Vec::new(),
         };
         let ours = pipeline.layout.as_ref().map_or(0, |layout| layout.ours);
@@ -242,7 +243,7 @@ unsafe fn each_view(
             }
             None => {
                 let stride = device.group_stride();
-                let Ok(place) = device.rows.take(device, &mut recording.rows, groups, stride) else {
+                let Ok(place) = device.rows.take(&device.driver, &mut recording.rows, groups, stride) else {
                     device.give_up("there is no memory for its views");
                     return;
                 };
@@ -261,7 +262,7 @@ unsafe fn each_view(
             Size::Told(parameters) => Placed::new(device, recording, parameters, groups as u32),
             Size::Unknown => None,
         };
-        running::drawn(recording, Some(run), vertices, placed.is_none().then_some(times as u32));
+        drawn(recording, Some(run), vertices, placed.is_none().then_some(times as u32));
         recording.runs[run].placed.extend(placed);
         let mut tile = Tile { device, buffer, recording, pipeline, variants, place, viewport, scissor };
         if in_views {
@@ -319,7 +320,7 @@ impl Tile<'_> {
         unsafe {
             let graphics = vk::PipelineBindPoint::GRAPHICS;
             if self.recording.current != by {
-                device.functions.cmd_bind_pipeline(buffer, graphics, by);
+                device.driver.functions.cmd_bind_pipeline(buffer, graphics, by);
                 self.recording.current = by;
             }
             set_window(device, buffer, &viewport, &scissor, self.variants.with_count);
@@ -328,7 +329,7 @@ impl Tile<'_> {
                 (&self.pipeline.layout, self.recording.rows.pieces.get(self.place.piece))
             {
                 let offset = self.place.offset + group as u32 * device.group_stride();
-                let functions = &device.functions;
+                let functions = &device.driver.functions;
                 functions.cmd_bind_descriptor_sets(
                     buffer,
                     graphics,
@@ -353,7 +354,7 @@ impl Tile<'_> {
         match placed {
             // SAFETY: as promised; the places are those of this recording.
             Some(placed) => unsafe {
-                placed.issue(self.device, self.buffer, &self.recording.rows.pieces, group as u32)
+                placed.issue(&self.device.driver, self.buffer, &self.recording.rows.pieces, group as u32)
             },
             None => issue(),
         }
@@ -367,7 +368,7 @@ impl Tile<'_> {
         let Some(layout) = &self.pipeline.layout else { return };
         for SetOfViews { number, sets, dynamic, .. } in sets {
             let Some(set) = sets.get(view) else { continue };
-            let (functions, graphics) = (&self.device.functions, vk::PipelineBindPoint::GRAPHICS);
+            let (functions, graphics) = (&self.device.driver.functions, vk::PipelineBindPoint::GRAPHICS);
             // SAFETY: as promised; the set is like the program's, which it bound for this place.
             unsafe {
                 functions.cmd_bind_descriptor_sets(self.buffer, graphics, layout.handle, *number, &[*set], dynamic);
@@ -411,59 +412,53 @@ fn cut(scissor: &vk::Rect2D, tile: Rect, window: (u32, u32)) -> vk::Rect2D {
     vk::Rect2D { offset: vk::Offset2D { x, y }, extent: vk::Extent2D { width, height } }
 }
 
-/// A tile as Vulkan takes rectangles.
-pub fn rectangle([x, y, width, height]: Rect) -> vk::Rect2D {
-    let extent = vk::Extent2D { width: width.max(0) as u32, height: height.max(0) as u32 };
-    vk::Rect2D { offset: vk::Offset2D { x, y }, extent }
-}
-
-hooks! { draws;
-    [c"vkCmdDraw"] cmd_draw: vk::PFN_vkCmdDraw = (
+hooks! {
+    cmd_draw = (
         buffer: vk::CommandBuffer, vertices: u32, instances: u32, first_vertex: u32, first_instance: u32
     ) { |state, next| draw(&state, buffer, Size::Told(Parameters::of_vertices(vertices, instances, first_vertex, first_instance)), || next(buffer, vertices, instances, first_vertex, first_instance)) }
-    [c"vkCmdDrawIndexed"] cmd_draw_indexed: vk::PFN_vkCmdDrawIndexed = (
+    cmd_draw_indexed = (
         buffer: vk::CommandBuffer, indices: u32, instances: u32, first_index: u32, vertex_offset: i32, first_instance: u32
     ) { |state, next| draw(&state, buffer, Size::Told(Parameters::of_indices(indices, instances, first_index, vertex_offset, first_instance)), || next(buffer, indices, instances, first_index, vertex_offset, first_instance)) }
-    [c"vkCmdDrawIndirect"] cmd_draw_indirect: vk::PFN_vkCmdDrawIndirect = (
+    cmd_draw_indirect = (
         buffer: vk::CommandBuffer, from: vk::Buffer, offset: vk::DeviceSize, count: u32, stride: u32
     ) { |state, next| draw(&state, buffer, Size::Unknown, || next(buffer, from, offset, count, stride)) }
-    [c"vkCmdDrawIndexedIndirect"] cmd_draw_indexed_indirect: vk::PFN_vkCmdDrawIndexedIndirect = (
+    cmd_draw_indexed_indirect = (
         buffer: vk::CommandBuffer, from: vk::Buffer, offset: vk::DeviceSize, count: u32, stride: u32
     ) { |state, next| draw(&state, buffer, Size::Unknown, || next(buffer, from, offset, count, stride)) }
-    [c"vkCmdDrawIndirectCount", c"vkCmdDrawIndirectCountKHR", c"vkCmdDrawIndirectCountAMD"] cmd_draw_indirect_count: vk::PFN_vkCmdDrawIndirectCount = (
+    cmd_draw_indirect_count = (
         buffer: vk::CommandBuffer, from: vk::Buffer, offset: vk::DeviceSize, counts: vk::Buffer, count_offset: vk::DeviceSize, most: u32, stride: u32
     ) { |state, next| draw(&state, buffer, Size::Unknown, || next(buffer, from, offset, counts, count_offset, most, stride)) }
-    [c"vkCmdDrawIndexedIndirectCount", c"vkCmdDrawIndexedIndirectCountKHR", c"vkCmdDrawIndexedIndirectCountAMD"] cmd_draw_indexed_indirect_count: vk::PFN_vkCmdDrawIndexedIndirectCount = (
+    cmd_draw_indexed_indirect_count = (
         buffer: vk::CommandBuffer, from: vk::Buffer, offset: vk::DeviceSize, counts: vk::Buffer, count_offset: vk::DeviceSize, most: u32, stride: u32
     ) { |state, next| draw(&state, buffer, Size::Unknown, || next(buffer, from, offset, counts, count_offset, most, stride)) }
-    [c"vkCmdDrawMultiEXT"] cmd_draw_multi: vk::PFN_vkCmdDrawMultiEXT = (
+    cmd_draw_multi = (
         buffer: vk::CommandBuffer, count: u32, infos: *const vk::MultiDrawInfoEXT, instances: u32, first_instance: u32, stride: u32
     ) { |state, next| draw(&state, buffer, Size::Unknown, || next(buffer, count, infos, instances, first_instance, stride)) }
-    [c"vkCmdDrawMultiIndexedEXT"] cmd_draw_multi_indexed: vk::PFN_vkCmdDrawMultiIndexedEXT = (
+    cmd_draw_multi_indexed = (
         buffer: vk::CommandBuffer, count: u32, infos: *const vk::MultiDrawIndexedInfoEXT, instances: u32, first_instance: u32, stride: u32, vertex_offset: *const i32
     ) { |state, next| draw(&state, buffer, Size::Unknown, || next(buffer, count, infos, instances, first_instance, stride, vertex_offset)) }
-    [c"vkCmdDrawMeshTasksEXT"] cmd_draw_mesh_tasks: vk::PFN_vkCmdDrawMeshTasksEXT = (
+    cmd_draw_mesh_tasks = (
         buffer: vk::CommandBuffer, x: u32, y: u32, z: u32
     ) { |state, next| draw(&state, buffer, Size::Unknown, || next(buffer, x, y, z)) }
-    [c"vkCmdDrawMeshTasksNV"] cmd_draw_mesh_tasks_nv: vk::PFN_vkCmdDrawMeshTasksNV = (
+    cmd_draw_mesh_tasks_nv = (
         buffer: vk::CommandBuffer, count: u32, first: u32
     ) { |state, next| draw(&state, buffer, Size::Unknown, || next(buffer, count, first)) }
-    [c"vkCmdDrawMeshTasksIndirectEXT"] cmd_draw_mesh_tasks_indirect: vk::PFN_vkCmdDrawMeshTasksIndirectEXT = (
+    cmd_draw_mesh_tasks_indirect = (
         buffer: vk::CommandBuffer, from: vk::Buffer, offset: vk::DeviceSize, count: u32, stride: u32
     ) { |state, next| draw(&state, buffer, Size::Unknown, || next(buffer, from, offset, count, stride)) }
-    [c"vkCmdDrawMeshTasksIndirectNV"] cmd_draw_mesh_tasks_indirect_nv: vk::PFN_vkCmdDrawMeshTasksIndirectNV = (
+    cmd_draw_mesh_tasks_indirect_nv = (
         buffer: vk::CommandBuffer, from: vk::Buffer, offset: vk::DeviceSize, count: u32, stride: u32
     ) { |state, next| draw(&state, buffer, Size::Unknown, || next(buffer, from, offset, count, stride)) }
-    [c"vkCmdDrawMeshTasksIndirectCountEXT"] cmd_draw_mesh_tasks_count: vk::PFN_vkCmdDrawMeshTasksIndirectCountEXT = (
+    cmd_draw_mesh_tasks_count = (
         buffer: vk::CommandBuffer, from: vk::Buffer, offset: vk::DeviceSize, counts: vk::Buffer, count_offset: vk::DeviceSize, most: u32, stride: u32
     ) { |state, next| draw(&state, buffer, Size::Unknown, || next(buffer, from, offset, counts, count_offset, most, stride)) }
-    [c"vkCmdDrawMeshTasksIndirectCountNV"] cmd_draw_mesh_tasks_count_nv: vk::PFN_vkCmdDrawMeshTasksIndirectCountNV = (
+    cmd_draw_mesh_tasks_count_nv = (
         buffer: vk::CommandBuffer, from: vk::Buffer, offset: vk::DeviceSize, counts: vk::Buffer, count_offset: vk::DeviceSize, most: u32, stride: u32
     ) { |state, next| draw(&state, buffer, Size::Unknown, || next(buffer, from, offset, counts, count_offset, most, stride)) }
-    [c"vkCmdDrawIndirectByteCountEXT"] cmd_draw_indirect_byte_count: vk::PFN_vkCmdDrawIndirectByteCountEXT = (
+    cmd_draw_indirect_byte_count = (
         buffer: vk::CommandBuffer, instances: u32, first_instance: u32, counter: vk::Buffer, offset: vk::DeviceSize, counter_offset: u32, stride: u32
     ) { |state, next| draw(&state, buffer, Size::Unknown, || next(buffer, instances, first_instance, counter, offset, counter_offset, stride)) }
-    [c"vkCmdBeginTransformFeedbackEXT"] cmd_begin_transform_feedback: vk::PFN_vkCmdBeginTransformFeedbackEXT = (
+    cmd_begin_transform_feedback = (
         buffer: vk::CommandBuffer, first: u32, count: u32, buffers: *const vk::Buffer, offsets: *const vk::DeviceSize
     ) { |state, next| {
         // Each draw would be captured several times.

@@ -1,73 +1,21 @@
 //! Render passes and framebuffers: which of them draw to a swapchain's image, and their twins.
 
-use crate::intercept::vk::layer::device::Device;
-use crate::intercept::vk::layer::hooks::hooks;
-use crate::intercept::vk::layer::pnext::in_chain;
-use crate::intercept::vk::offscreen::images::{ATLAS_COPIES, Shown};
-use crate::intercept::vk::swapchain::stand_in::{ATLAS_FLAGS, ATLAS_USAGE};
+use crate::intercept::vk::state::device::Device;
+use crate::intercept::vk::state::framebuffers::{Framebuffer, Framebuffers, Later, RenderPass};
+use crate::intercept::vk::state::hooks::hooks;
+use crate::intercept::vk::state::shown::{ATLAS_COPIES, ATLAS_FLAGS, ATLAS_USAGE, Shown};
+use crate::intercept::vk::state::structures::{in_chain, slice};
 use ash::vk;
-use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// A render pass.
-pub struct RenderPass {
-    /// Colour attachments of each subpass, as far as they are used: number there, attachment.
-    pub colors: Vec<Vec<(u32, u32)>>,
-    /// Attachments whose former content is not kept.
-    pub begins_anew: Vec<bool>,
-    /// Outside of a part that is drawn nothing has to be kept, or everything is.
-    pub may_grow: bool,
-    /// The attachments' formats.
-    pub formats: Vec<vk::Format>,
-    /// The layouts in which it leaves its attachments.
-    pub leaves: Vec<vk::ImageLayout>,
-    /// What keeps it from being drawn for each view.
-    pub obstacle: Option<&'static str>,
-}
-
-/// A framebuffer.
-pub struct Framebuffer {
-    /// The render pass that it was made for.
-    pass: vk::RenderPass,
-    /// Its size.
-    pub size: (u32, u32),
-    /// More than one layer.
-    layered: bool,
-    /// Its attachments, unless they are given when a pass begins.
-    pub attachments: Option<Vec<vk::ImageView>>,
-    /// What those that are given later will be like.
-    given_later: Vec<Later>,
-    /// Twins, by the atlas' size; with given attachments there is one.
-    twins: Mutex<Vec<((u32, u32), vk::Framebuffer)>>,
-}
-
-/// An attachment that is given when a pass begins.
-struct Later {
-    flags: vk::ImageCreateFlags,
-    usage: vk::ImageUsageFlags,
-    formats: Vec<vk::Format>,
-}
-
-/// Render passes and framebuffers.
-#[derive(Default)]
-pub struct Framebuffers {
-    passes: Mutex<HashMap<vk::RenderPass, Arc<RenderPass>>>,
-    all: Mutex<HashMap<vk::Framebuffer, Arc<Framebuffer>>>,
-}
-
 impl Framebuffers {
-    /// A render pass.
-    pub fn pass(&self, handle: vk::RenderPass) -> Option<Arc<RenderPass>> {
-        self.passes.lock().unwrap_or_else(PoisonError::into_inner).get(&handle).cloned()
-    }
-
     /// The swapchain's image that some framebuffer for a render pass has.
     pub fn shown_by(&self, device: &Device, pass: vk::RenderPass) -> Option<Arc<Shown>> {
         let all: Vec<_> = {
             let all = self.all.lock().unwrap_or_else(PoisonError::into_inner);
             all.values().filter(|framebuffer| framebuffer.pass == pass).cloned().collect()
         };
-        all.iter().find_map(|framebuffer| framebuffer.shown_now(device))
+        all.iter().find_map(|framebuffer| framebuffer.shown_now(&device.images))
     }
 
     /// The swapchain's image that a framebuffer without images for a render pass may be used with: that of the latest
@@ -78,33 +26,12 @@ impl Framebuffers {
             let all = self.all.lock().unwrap_or_else(PoisonError::into_inner);
             all.values().find(|framebuffer| framebuffer.pass == handle && framebuffer.attachments.is_none())?.size
         };
-        let shown = pass.formats.iter().find_map(|format| device.latest_shown(*format));
+        let shown = pass.formats.iter().find_map(|format| device.swapchains.latest_shown(*format));
         shown.filter(|shown| shown.layout.window == size)
-    }
-
-    /// A framebuffer.
-    pub fn get(&self, handle: vk::Framebuffer) -> Option<Arc<Framebuffer>> {
-        self.all.lock().unwrap_or_else(PoisonError::into_inner).get(&handle).cloned()
-    }
-}
-
-impl RenderPass {
-    /// Colour attachments of a subpass, by their number there, that begin with it and without what they held before.
-    pub fn begin_in(&self, subpass: usize) -> Vec<u32> {
-        let (earlier, colors) = self.colors.split_at(subpass.min(self.colors.len()));
-        let drawn = |attachment: u32| earlier.iter().flatten().any(|(_, known)| *known == attachment);
-        let anew = |attachment: u32| self.begins_anew.get(attachment as usize).copied().unwrap_or(true);
-        let begin = |(_, attachment): &&(u32, u32)| anew(*attachment) && !drawn(*attachment);
-        colors.first().into_iter().flatten().filter(begin).map(|(number, _)| *number).collect()
     }
 }
 
 impl Framebuffer {
-    /// The swapchain's image among the attachments, or one that holds a scene by now.
-    pub fn shown_now(&self, device: &Device) -> Option<Arc<Shown>> {
-        self.attachments.iter().flatten().find_map(|view| device.images.shown(*view))
-    }
-
     /// The framebuffer over the atlas of `shown`, for a render pass like its own. `given`: the attachments of the pass that
     /// begins, where they are given with it.
     ///
@@ -154,7 +81,7 @@ impl Framebuffer {
             }
         }
         // SAFETY: the structures are complete, the twins are as large as the atlas.
-        let made = unsafe { device.functions.create_framebuffer(&info, None) };
+        let made = unsafe { device.driver.functions.create_framebuffer(&info, None) };
         let made = made.map_err(|error| format!("the driver refuses a framebuffer: {error}"))?;
         self.twins.lock().unwrap_or_else(PoisonError::into_inner).push((size, made));
         Ok(made)
@@ -167,16 +94,12 @@ unsafe fn framebuffer(info: &vk::FramebufferCreateInfo<'_>) -> Framebuffer {
     // SAFETY: as promised.
     unsafe {
         let imageless = info.flags.contains(vk::FramebufferCreateFlags::IMAGELESS);
-        let attachments =
-            (!imageless).then(|| crate::intercept::vk::slice(info.p_attachments, info.attachment_count).to_vec());
+        let attachments = (!imageless).then(|| slice(info.p_attachments, info.attachment_count).to_vec());
         let later = vk::StructureType::FRAMEBUFFER_ATTACHMENTS_CREATE_INFO;
         let later = in_chain::<vk::FramebufferAttachmentsCreateInfo<'_>>(info.p_next, later);
-        let later = later.map_or(&[][..], |l| {
-            crate::intercept::vk::slice(l.p_attachment_image_infos, l.attachment_image_info_count)
-        });
-        let formats = |i: &vk::FramebufferAttachmentImageInfo<'_>| {
-            crate::intercept::vk::slice(i.p_view_formats, i.view_format_count).to_vec()
-        };
+        let later = later.map_or(&[][..], |l| slice(l.p_attachment_image_infos, l.attachment_image_info_count));
+        let formats =
+            |i: &vk::FramebufferAttachmentImageInfo<'_>| slice(i.p_view_formats, i.view_format_count).to_vec();
         let given_later = later.iter().map(|i| Later { flags: i.flags, usage: i.usage, formats: formats(i) }).collect();
         Framebuffer {
             pass: info.render_pass,
@@ -204,14 +127,14 @@ fn may_grow(load: vk::AttachmentLoadOp, layout: vk::ImageLayout) -> bool {
 unsafe fn render_pass(info: &vk::RenderPassCreateInfo<'_>) -> RenderPass {
     // SAFETY: as promised.
     unsafe {
-        let subpasses = crate::intercept::vk::slice(info.p_subpasses, info.subpass_count);
+        let subpasses = slice(info.p_subpasses, info.subpass_count);
         let multiview = vk::StructureType::RENDER_PASS_MULTIVIEW_CREATE_INFO;
         let multiview = in_chain::<vk::RenderPassMultiviewCreateInfo<'_>>(info.p_next, multiview);
-        let masks = multiview.map_or(&[][..], |m| crate::intercept::vk::slice(m.p_view_masks, m.subpass_count));
+        let masks = multiview.map_or(&[][..], |m| slice(m.p_view_masks, m.subpass_count));
         let colors = |s: &vk::SubpassDescription<'_>| {
-            used(crate::intercept::vk::slice(s.p_color_attachments, s.color_attachment_count), |r| r.attachment)
+            used(slice(s.p_color_attachments, s.color_attachment_count), |r| r.attachment)
         };
-        let attachments = crate::intercept::vk::slice(info.p_attachments, info.attachment_count).iter();
+        let attachments = slice(info.p_attachments, info.attachment_count).iter();
         RenderPass {
             colors: subpasses.iter().map(colors).collect(),
             begins_anew: attachments.clone().map(|a| anew(a.load_op)).collect(),
@@ -228,11 +151,11 @@ unsafe fn render_pass(info: &vk::RenderPassCreateInfo<'_>) -> RenderPass {
 unsafe fn render_pass2(info: &vk::RenderPassCreateInfo2<'_>) -> RenderPass {
     // SAFETY: as promised.
     unsafe {
-        let subpasses = crate::intercept::vk::slice(info.p_subpasses, info.subpass_count);
+        let subpasses = slice(info.p_subpasses, info.subpass_count);
         let colors = |s: &vk::SubpassDescription2<'_>| {
-            used(crate::intercept::vk::slice(s.p_color_attachments, s.color_attachment_count), |r| r.attachment)
+            used(slice(s.p_color_attachments, s.color_attachment_count), |r| r.attachment)
         };
-        let attachments = crate::intercept::vk::slice(info.p_attachments, info.attachment_count).iter();
+        let attachments = slice(info.p_attachments, info.attachment_count).iter();
         RenderPass {
             colors: subpasses.iter().map(colors).collect(),
             begins_anew: attachments.clone().map(|a| anew(a.load_op)).collect(),
@@ -259,15 +182,8 @@ impl Framebuffers {
     }
 }
 
-impl Next {
-    /// Whether there may be framebuffers without images, which tell how their images may be used.
-    pub fn compares_usage(&self) -> bool {
-        self.create_render_pass2.is_some()
-    }
-}
-
-hooks! { framebuffers;
-    [c"vkCreateRenderPass"] create_render_pass: vk::PFN_vkCreateRenderPass = (
+hooks! {
+    create_render_pass = (
         device: vk::Device, info: *const vk::RenderPassCreateInfo<'_>, allocator: *const vk::AllocationCallbacks<'_>, pass: *mut vk::RenderPass
     ) -> vk::Result { |state, next| {
         let result = next(device, info, allocator, pass);
@@ -276,7 +192,7 @@ hooks! { framebuffers;
         }
         result
     } }
-    [c"vkCreateRenderPass2", c"vkCreateRenderPass2KHR"] create_render_pass2: vk::PFN_vkCreateRenderPass2 = (
+    create_render_pass2 = (
         device: vk::Device, info: *const vk::RenderPassCreateInfo2<'_>, allocator: *const vk::AllocationCallbacks<'_>, pass: *mut vk::RenderPass
     ) -> vk::Result { |state, next| {
         let result = next(device, info, allocator, pass);
@@ -285,20 +201,20 @@ hooks! { framebuffers;
         }
         result
     } }
-    [c"vkDestroyRenderPass"] destroy_render_pass: vk::PFN_vkDestroyRenderPass = (
+    destroy_render_pass = (
         device: vk::Device, pass: vk::RenderPass, allocator: *const vk::AllocationCallbacks<'_>
     ) { |state, next| {
         state.framebuffers.passes.lock().unwrap_or_else(PoisonError::into_inner).remove(&pass);
         next(device, pass, allocator)
     } }
-    [c"vkCreateFramebuffer"] create_framebuffer: vk::PFN_vkCreateFramebuffer = (
+    create_framebuffer = (
         device: vk::Device, info: *const vk::FramebufferCreateInfo<'_>, allocator: *const vk::AllocationCallbacks<'_>, made: *mut vk::Framebuffer
     ) -> vk::Result { |state, next| {
         let result = next(device, info, allocator, made);
         if result == vk::Result::SUCCESS {
             let new = Arc::new(framebuffer(&*info));
             // Made now, while its render pass is there; it need not be later.
-            if let (true, Some(shown)) = (state.draws_views(), new.shown_now(&state))
+            if let (true, Some(shown)) = (state.draws_views(), new.shown_now(&state.images))
                 && let Err(why) = new.twin(&state, &shown, new.pass, &[])
             {
                 state.give_up(&why);
@@ -307,33 +223,15 @@ hooks! { framebuffers;
         }
         result
     } }
-    [c"vkDestroyFramebuffer"] destroy_framebuffer: vk::PFN_vkDestroyFramebuffer = (
+    destroy_framebuffer = (
         device: vk::Device, framebuffer: vk::Framebuffer, allocator: *const vk::AllocationCallbacks<'_>
     ) { |state, next| {
         let gone = state.framebuffers.all.lock().unwrap_or_else(PoisonError::into_inner).remove(&framebuffer);
         if let Some(gone) = gone {
             for (_, twin) in gone.twins.lock().unwrap_or_else(PoisonError::into_inner).drain(..) {
-                state.functions.destroy_framebuffer(twin, None);
+                state.driver.functions.destroy_framebuffer(twin, None);
             }
         }
         next(device, framebuffer, allocator)
     } }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::RenderPass;
-
-    #[test]
-    fn an_attachment_begins_with_the_first_subpass_that_draws_to_it() {
-        let pass = RenderPass {
-            colors: vec![vec![(0, 2), (1, 0)], vec![(0, 0), (1, 1), (2, 3)]],
-            begins_anew: vec![true, true, true, false],
-            may_grow: true,
-            formats: Vec::new(),
-            leaves: Vec::new(),
-            obstacle: None,
-        };
-        assert_eq!((pass.begin_in(0), pass.begin_in(1), pass.begin_in(2)), (vec![0, 1], vec![1], vec![]));
-    }
 }

@@ -1,82 +1,19 @@
 //! Passes: where one draws to a swapchain's image, it draws to the atlas in its place.
 
 use crate::backend::vk::COLOR;
-use crate::intercept::vk::commands::draws::rectangle;
-use crate::intercept::vk::commands::framebuffers::Framebuffer;
-use crate::intercept::vk::commands::recording::{Event, Pass, Recording, Settled, Within};
+use crate::intercept::vk::commands::panel_clears::{clear_left, clear_panel};
 use crate::intercept::vk::commands::{barriers_and_clears, conditional_render};
-use crate::intercept::vk::layer::device::Device;
-use crate::intercept::vk::layer::hooks::hooks;
-use crate::intercept::vk::layer::pnext::in_chain;
-use crate::intercept::vk::offscreen::images::Shown;
 use crate::intercept::vk::offscreen::view_copies;
-use crate::intercept::vk::queries::running::clear_left;
-use crate::intercept::vk::swapchain::atlas_layout::Layout;
-use ash::prelude::VkResult;
+use crate::intercept::vk::state::atlas_layout::Layout;
+use crate::intercept::vk::state::device::Device;
+use crate::intercept::vk::state::framebuffers::Framebuffer;
+use crate::intercept::vk::state::hooks::hooks;
+use crate::intercept::vk::state::images::Settled;
+use crate::intercept::vk::state::recording::{Event, Pass, Within};
+use crate::intercept::vk::state::shown::Shown;
+use crate::intercept::vk::state::structures::{in_chain, slice};
 use ash::vk;
 use std::sync::Arc;
-
-/// Clears the panel of colour attachments: a pane of glass through which everything is seen.
-///
-/// # Safety
-/// The command buffer is being recorded, within a pass that has these attachments.
-pub unsafe fn clear_panel(device: &Device, buffer: vk::CommandBuffer, layout: &Layout, attachments: &[u32]) {
-    if attachments.is_empty() {
-        return;
-    }
-    let clear = |attachment: &u32| vk::ClearAttachment {
-        aspect_mask: vk::ImageAspectFlags::COLOR,
-        color_attachment: *attachment,
-        clear_value: vk::ClearValue::default(),
-    };
-    let clears: Vec<_> = attachments.iter().map(clear).collect();
-    let rect = vk::ClearRect { rect: rectangle(layout.glass()), base_array_layer: 0, layer_count: 1 };
-    // SAFETY: as promised; the panel lies in the atlas.
-    unsafe { device.functions.cmd_clear_attachments(buffer, &clears, &[rect]) };
-}
-
-/// In a pass that has secondary command buffers only, one of ours has to clear the panel.
-///
-/// # Safety
-/// The command buffer is being recorded; the program uses its pool on this thread.
-pub unsafe fn clear_by_secondary(device: &Device, buffer: vk::CommandBuffer, recording: &mut Recording) {
-    let Recording { pass, clearers, pool, .. } = recording;
-    let Some(pass) = pass.as_mut().filter(|pass| !pass.unclear.is_empty()) else { return };
-    let unclear = std::mem::take(&mut pass.unclear);
-    let functions = &device.functions;
-    let mut record = || -> VkResult<vk::CommandBuffer> {
-        let mut rendering = vk::CommandBufferInheritanceRenderingInfo::default();
-        let mut inheritance = vk::CommandBufferInheritanceInfo::default();
-        match &pass.within {
-            Within::Pass { pass, subpass } => inheritance = inheritance.render_pass(*pass).subpass(*subpass),
-            Within::Rendering { colors, depth, stencil, samples } => {
-                rendering = rendering
-                    .color_attachment_formats(colors)
-                    .depth_attachment_format(*depth)
-                    .stencil_attachment_format(*stencil)
-                    .rasterization_samples(*samples);
-                inheritance = inheritance.push_next(&mut rendering);
-            }
-            Within::Inherited => return Err(vk::Result::ERROR_INITIALIZATION_FAILED),
-        }
-        let usage = vk::CommandBufferUsageFlags::RENDER_PASS_CONTINUE | vk::CommandBufferUsageFlags::SIMULTANEOUS_USE;
-        let info = vk::CommandBufferBeginInfo::default().flags(usage).inheritance_info(&inheritance);
-        // SAFETY: as promised; the pass has these attachments.
-        unsafe {
-            let clearer = device.secondary_command_buffer(*pool)?;
-            clearers.push(clearer);
-            functions.begin_command_buffer(clearer, &info)?;
-            clear_panel(device, clearer, &pass.shown.layout, &unclear);
-            functions.end_command_buffer(clearer)?;
-            Ok(clearer)
-        }
-    };
-    match record() {
-        // SAFETY: as promised.
-        Ok(clearer) => unsafe { functions.cmd_execute_commands(buffer, &[clearer]) },
-        Err(error) => device.give_up(&format!("the driver refuses a command buffer: {error}")),
-    }
-}
 
 /// What a pass draws to instead.
 struct Replaced {
@@ -98,7 +35,7 @@ unsafe fn views_of<'a>(begin: &vk::RenderPassBeginInfo<'a>, framebuffer: &'a Fra
     // SAFETY: as promised.
     unsafe {
         in_chain::<vk::RenderPassAttachmentBeginInfo<'_>>(begin.p_next, kind)
-            .map_or(&[], |given| crate::intercept::vk::slice(given.p_attachments, given.attachment_count))
+            .map_or(&[], |given| slice(given.p_attachments, given.attachment_count))
     }
 }
 
@@ -109,7 +46,8 @@ unsafe fn replace(device: &Device, begin: &vk::RenderPassBeginInfo<'_>) -> Optio
     // SAFETY: as promised.
     let views = unsafe { views_of(begin, &framebuffer) };
     let given = framebuffer.attachments.is_none().then_some(views);
-    let shown = framebuffer.shown_now(device).or_else(|| views.iter().find_map(|view| device.images.shown(*view)))?;
+    let shown =
+        framebuffer.shown_now(&device.images).or_else(|| views.iter().find_map(|view| device.images.shown(*view)))?;
     let replaced = || {
         let pass = device.framebuffers.pass(begin.render_pass).ok_or("a render pass that is not known")?;
         if let Some(why) = pass.obstacle {
@@ -181,7 +119,12 @@ unsafe fn begin(
             for (view, layout) in views.iter().zip(leaves.iter().flatten()) {
                 device.images.of(*view).into_iter().for_each(|image| device.images.moved(image, *layout));
             }
-            plain(device, buffer, framebuffer.as_ref().and_then(|framebuffer| framebuffer.shown_now(device)), views);
+            plain(
+                device,
+                buffer,
+                framebuffer.as_ref().and_then(|framebuffer| framebuffer.shown_now(&device.images)),
+                views,
+            );
             return next(info);
         }
     };
@@ -292,7 +235,7 @@ unsafe fn settle(device: &Device, buffer: vk::CommandBuffer, settled: &[Settled]
     if !changes.is_empty() {
         let (stages, flags) = (vk::PipelineStageFlags::ALL_COMMANDS, vk::DependencyFlags::empty());
         // SAFETY: as promised; what the images held is not kept.
-        unsafe { device.functions.cmd_pipeline_barrier(buffer, stages, stages, flags, &[], &[], &changes) };
+        unsafe { device.driver.functions.cmd_pipeline_barrier(buffer, stages, stages, flags, &[], &[], &changes) };
     }
 }
 
@@ -319,7 +262,7 @@ unsafe fn begin_rendering(
 ) {
     // SAFETY: the program's structure.
     let (colors, given_depth, given_stencil) = unsafe {
-        let colors = crate::intercept::vk::slice(info.p_color_attachments, info.color_attachment_count);
+        let colors = slice(info.p_color_attachments, info.color_attachment_count);
         (colors, info.p_depth_attachment.as_ref(), info.p_stencil_attachment.as_ref())
     };
     let views = colors.iter().flat_map(|color| [color.image_view, color.resolve_image_view]);
@@ -430,40 +373,40 @@ impl Attachments<'_> {
     }
 }
 
-hooks! { passes;
-    [c"vkCmdBeginRenderPass"] cmd_begin_render_pass: vk::PFN_vkCmdBeginRenderPass = (
+hooks! {
+    cmd_begin_render_pass = (
         buffer: vk::CommandBuffer, info: *const vk::RenderPassBeginInfo<'_>, contents: vk::SubpassContents
     ) { |state, next| {
         conditional_render::pass_follows(&state, buffer, contents == vk::SubpassContents::INLINE);
         begin(&state, buffer, &*info, |info| next(buffer, info, contents))
     } }
-    [c"vkCmdBeginRenderPass2", c"vkCmdBeginRenderPass2KHR"] cmd_begin_render_pass2: vk::PFN_vkCmdBeginRenderPass2 = (
+    cmd_begin_render_pass2 = (
         buffer: vk::CommandBuffer, info: *const vk::RenderPassBeginInfo<'_>, subpass: *const vk::SubpassBeginInfo<'_>
     ) { |state, next| {
         conditional_render::pass_follows(&state, buffer, (*subpass).contents == vk::SubpassContents::INLINE);
         begin(&state, buffer, &*info, |info| next(buffer, info, subpass))
     } }
-    [c"vkCmdNextSubpass"] cmd_next_subpass: vk::PFN_vkCmdNextSubpass = (
+    cmd_next_subpass = (
         buffer: vk::CommandBuffer, contents: vk::SubpassContents
     ) { |state, next| next_subpass(&state, buffer, || next(buffer, contents)) }
-    [c"vkCmdNextSubpass2", c"vkCmdNextSubpass2KHR"] cmd_next_subpass2: vk::PFN_vkCmdNextSubpass2 = (
+    cmd_next_subpass2 = (
         buffer: vk::CommandBuffer, begin: *const vk::SubpassBeginInfo<'_>, end: *const vk::SubpassEndInfo<'_>
     ) { |state, next| next_subpass(&state, buffer, || next(buffer, begin, end)) }
-    [c"vkCmdEndRenderPass"] cmd_end_render_pass: vk::PFN_vkCmdEndRenderPass = (buffer: vk::CommandBuffer) { |state, next| {
+    cmd_end_render_pass = (buffer: vk::CommandBuffer) { |state, next| {
         end(&state, buffer, || next(buffer))
     } }
-    [c"vkCmdEndRenderPass2", c"vkCmdEndRenderPass2KHR"] cmd_end_render_pass2: vk::PFN_vkCmdEndRenderPass2 = (
+    cmd_end_render_pass2 = (
         buffer: vk::CommandBuffer, info: *const vk::SubpassEndInfo<'_>
     ) { |state, next| {
         end(&state, buffer, || next(buffer, info))
     } }
-    [c"vkCmdBeginRendering", c"vkCmdBeginRenderingKHR"] cmd_begin_rendering: vk::PFN_vkCmdBeginRendering = (
+    cmd_begin_rendering = (
         buffer: vk::CommandBuffer, info: *const vk::RenderingInfo<'_>
     ) { |state, next| {
         conditional_render::pass_follows(&state, buffer, !(*info).flags.contains(vk::RenderingFlags::CONTENTS_SECONDARY_COMMAND_BUFFERS));
         begin_rendering(&state, buffer, &*info, |info| next(buffer, info))
     } }
-    [c"vkCmdEndRendering", c"vkCmdEndRenderingKHR"] cmd_end_rendering: vk::PFN_vkCmdEndRendering = (
+    cmd_end_rendering = (
         buffer: vk::CommandBuffer
     ) { |state, next| {
         end(&state, buffer, || next(buffer))

@@ -3,8 +3,9 @@
 //! With the hooks of the other files these are all commands that could draw, bind or copy past us; a test compares them
 //! with those that there are.
 
-use crate::intercept::vk::layer::device::Device;
-use crate::intercept::vk::layer::hooks::hooks;
+use crate::intercept::vk::state::device::Device;
+use crate::intercept::vk::state::hooks::hooks;
+use crate::intercept::vk::state::structures::slice;
 use ash::vk;
 
 /// Whether an image of the program has a twin, or stands for the window.
@@ -28,62 +29,62 @@ const BINDINGS: &str = "it binds descriptors or constants by commands that are n
 /// The device decides what is drawn.
 const GENERATED: &str = "the device makes its commands";
 
-hooks! { unfollowed;
-    [c"vkCmdBindDescriptorSets2KHR", c"vkCmdBindDescriptorSets2"] cmd_bind_descriptor_sets2: vk::PFN_vkCmdBindDescriptorSets2KHR = (
+hooks! {
+    cmd_bind_descriptor_sets2 = (
         buffer: vk::CommandBuffer, info: *const vk::BindDescriptorSetsInfoKHR<'_>
     ) { |state, next| { state.give_up(BINDINGS); next(buffer, info) } }
-    [c"vkCmdPushConstants2KHR", c"vkCmdPushConstants2"] cmd_push_constants2: vk::PFN_vkCmdPushConstants2KHR = (
+    cmd_push_constants2 = (
         buffer: vk::CommandBuffer, info: *const vk::PushConstantsInfoKHR<'_>
     ) { |state, next| { state.give_up(BINDINGS); next(buffer, info) } }
-    [c"vkCmdPushDescriptorSet2KHR", c"vkCmdPushDescriptorSet2"] cmd_push_descriptor_set2: vk::PFN_vkCmdPushDescriptorSet2KHR = (
+    cmd_push_descriptor_set2 = (
         buffer: vk::CommandBuffer, info: *const vk::PushDescriptorSetInfoKHR<'_>
     ) { |state, next| { state.give_up(BINDINGS); next(buffer, info) } }
-    [c"vkCmdPushDescriptorSetWithTemplate2KHR", c"vkCmdPushDescriptorSetWithTemplate2"] cmd_push_with_template2: vk::PFN_vkCmdPushDescriptorSetWithTemplate2KHR = (
+    cmd_push_with_template2 = (
         buffer: vk::CommandBuffer, info: *const vk::PushDescriptorSetWithTemplateInfoKHR<'_>
     ) { |state, next| { state.give_up(BINDINGS); next(buffer, info) } }
-    [c"vkCmdBindDescriptorBuffersEXT"] cmd_bind_descriptor_buffers: vk::PFN_vkCmdBindDescriptorBuffersEXT = (
+    cmd_bind_descriptor_buffers = (
         buffer: vk::CommandBuffer, count: u32, buffers: *const vk::DescriptorBufferBindingInfoEXT<'_>
     ) { |state, next| { state.give_up(BINDINGS); next(buffer, count, buffers) } }
-    [c"vkCmdBindPipelineShaderGroupNV"] cmd_bind_shader_group: vk::PFN_vkCmdBindPipelineShaderGroupNV = (
+    cmd_bind_shader_group = (
         buffer: vk::CommandBuffer, point: vk::PipelineBindPoint, pipeline: vk::Pipeline, group: u32
     ) { |state, next| { state.give_up(GENERATED); next(buffer, point, pipeline, group) } }
-    [c"vkCmdExecuteGeneratedCommandsNV"] cmd_execute_generated: vk::PFN_vkCmdExecuteGeneratedCommandsNV = (
+    cmd_execute_generated = (
         buffer: vk::CommandBuffer, prepared: vk::Bool32, info: *const vk::GeneratedCommandsInfoNV<'_>
     ) { |state, next| { state.give_up(GENERATED); next(buffer, prepared, info) } }
-    [c"vkCmdDrawClusterHUAWEI"] cmd_draw_cluster: vk::PFN_vkCmdDrawClusterHUAWEI = (
+    cmd_draw_cluster = (
         buffer: vk::CommandBuffer, x: u32, y: u32, z: u32
     ) { |state, next| { state.give_up("it draws clusters"); next(buffer, x, y, z) } }
-    [c"vkCmdDrawClusterIndirectHUAWEI"] cmd_draw_cluster_indirect: vk::PFN_vkCmdDrawClusterIndirectHUAWEI = (
+    cmd_draw_cluster_indirect = (
         buffer: vk::CommandBuffer, from: vk::Buffer, offset: vk::DeviceSize
     ) { |state, next| { state.give_up("it draws clusters"); next(buffer, from, offset) } }
-    [c"vkCmdSubpassShadingHUAWEI"] cmd_subpass_shading: vk::PFN_vkCmdSubpassShadingHUAWEI = (
+    cmd_subpass_shading = (
         buffer: vk::CommandBuffer
     ) { |state, next| { state.give_up("it shades a pass by compute shaders"); next(buffer) } }
-    [c"vkCmdSetDiscardRectangleEXT"] cmd_set_discard_rectangle: vk::PFN_vkCmdSetDiscardRectangleEXT = (
+    cmd_set_discard_rectangle = (
         buffer: vk::CommandBuffer, first: u32, count: u32, rectangles: *const vk::Rect2D
     ) { |state, next| { state.give_up(WINDOW_SPACE); next(buffer, first, count, rectangles) } }
-    [c"vkCmdSetExclusiveScissorNV"] cmd_set_exclusive_scissor: vk::PFN_vkCmdSetExclusiveScissorNV = (
+    cmd_set_exclusive_scissor = (
         buffer: vk::CommandBuffer, first: u32, count: u32, rectangles: *const vk::Rect2D
     ) { |state, next| { state.give_up(WINDOW_SPACE); next(buffer, first, count, rectangles) } }
-    [c"vkCmdSetViewportWScalingNV"] cmd_set_viewport_w_scaling: vk::PFN_vkCmdSetViewportWScalingNV = (
+    cmd_set_viewport_w_scaling = (
         buffer: vk::CommandBuffer, first: u32, count: u32, scalings: *const vk::ViewportWScalingNV
     ) { |state, next| { state.give_up(WINDOW_SPACE); next(buffer, first, count, scalings) } }
-    [c"vkCmdSetViewportSwizzleNV"] cmd_set_viewport_swizzle: vk::PFN_vkCmdSetViewportSwizzleNV = (
+    cmd_set_viewport_swizzle = (
         buffer: vk::CommandBuffer, first: u32, count: u32, swizzles: *const vk::ViewportSwizzleNV
     ) { |state, next| { state.give_up(WINDOW_SPACE); next(buffer, first, count, swizzles) } }
-    [c"vkCmdBindShadingRateImageNV"] cmd_bind_shading_rate_image: vk::PFN_vkCmdBindShadingRateImageNV = (
+    cmd_bind_shading_rate_image = (
         buffer: vk::CommandBuffer, view: vk::ImageView, layout: vk::ImageLayout
     ) { |state, next| { state.give_up(WINDOW_SPACE); next(buffer, view, layout) } }
-    [c"vkCmdBindInvocationMaskHUAWEI"] cmd_bind_invocation_mask: vk::PFN_vkCmdBindInvocationMaskHUAWEI = (
+    cmd_bind_invocation_mask = (
         buffer: vk::CommandBuffer, view: vk::ImageView, layout: vk::ImageLayout
     ) { |state, next| { state.give_up(WINDOW_SPACE); next(buffer, view, layout) } }
-    [c"vkCmdSetRenderingAttachmentLocationsKHR", c"vkCmdSetRenderingAttachmentLocations"] cmd_set_attachment_locations: vk::PFN_vkCmdSetRenderingAttachmentLocationsKHR = (
+    cmd_set_attachment_locations = (
         buffer: vk::CommandBuffer, info: *const vk::RenderingAttachmentLocationInfoKHR<'_>
     ) { |state, next| { state.give_up("its shaders read what they draw to"); next(buffer, info) } }
-    [c"vkCmdSetRenderingInputAttachmentIndicesKHR", c"vkCmdSetRenderingInputAttachmentIndices"] cmd_set_input_indices: vk::PFN_vkCmdSetRenderingInputAttachmentIndicesKHR = (
+    cmd_set_input_indices = (
         buffer: vk::CommandBuffer, info: *const vk::RenderingInputAttachmentIndexInfoKHR<'_>
     ) { |state, next| { state.give_up("its shaders read what they draw to"); next(buffer, info) } }
-    [c"vkCmdCopyMemoryToImageIndirectNV"] cmd_copy_memory_to_image: vk::PFN_vkCmdCopyMemoryToImageIndirectNV = (
+    cmd_copy_memory_to_image = (
         buffer: vk::CommandBuffer, from: vk::DeviceAddress, count: u32, stride: u32, to: vk::Image, layout: vk::ImageLayout, layers: *const vk::ImageSubresourceLayers
     ) { |state, next| {
         if is_followed(&state, to) {
@@ -91,19 +92,19 @@ hooks! { unfollowed;
         }
         next(buffer, from, count, stride, to, layout, layers)
     } }
-    [c"vkCopyMemoryToImageEXT", c"vkCopyMemoryToImage"] copy_memory_to_image: vk::PFN_vkCopyMemoryToImageEXT = (
+    copy_memory_to_image = (
         device: vk::Device, info: *const vk::CopyMemoryToImageInfoEXT<'_>
     ) -> vk::Result { |state, next| { by_host(&state, &[(*info).dst_image]); next(device, info) } }
-    [c"vkCopyImageToMemoryEXT", c"vkCopyImageToMemory"] copy_image_to_memory: vk::PFN_vkCopyImageToMemoryEXT = (
+    copy_image_to_memory = (
         device: vk::Device, info: *const vk::CopyImageToMemoryInfoEXT<'_>
     ) -> vk::Result { |state, next| { by_host(&state, &[(*info).src_image]); next(device, info) } }
-    [c"vkCopyImageToImageEXT", c"vkCopyImageToImage"] copy_image_to_image: vk::PFN_vkCopyImageToImageEXT = (
+    copy_image_to_image = (
         device: vk::Device, info: *const vk::CopyImageToImageInfoEXT<'_>
     ) -> vk::Result { |state, next| { by_host(&state, &[(*info).src_image, (*info).dst_image]); next(device, info) } }
-    [c"vkTransitionImageLayoutEXT", c"vkTransitionImageLayout"] transition_image_layout: vk::PFN_vkTransitionImageLayoutEXT = (
+    transition_image_layout = (
         device: vk::Device, count: u32, changes: *const vk::HostImageLayoutTransitionInfoEXT<'_>
     ) -> vk::Result { |state, next| {
-        let images: Vec<_> = crate::intercept::vk::slice(changes, count).iter().map(|change| change.image).collect();
+        let images: Vec<_> = slice(changes, count).iter().map(|change| change.image).collect();
         by_host(&state, &images);
         next(device, count, changes)
     } }

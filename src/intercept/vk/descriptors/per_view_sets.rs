@@ -1,78 +1,14 @@
 //! Copies of the program's descriptor sets, one for each view, that show its shaders the view's print in the place of a
 //! picture of the scene, and the twin in the place of an attachment that they read.
 
-use crate::intercept::vk::descriptors::sets::SetLayout;
-use crate::intercept::vk::layer::device::Device;
-use crate::intercept::vk::offscreen::scenes::Prints;
-use crate::intercept::vk::swapchain::atlas_layout::Layout;
+use crate::intercept::vk::state::atlas_layout::Layout;
+use crate::intercept::vk::state::descriptors::SetLayout;
+use crate::intercept::vk::state::device::Device;
+use crate::intercept::vk::state::images::Prints;
+use crate::intercept::vk::state::set_contents::{Contents, Copies, DescriptorSlot, Print};
 use ash::vk;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::sync::Arc;
-
-/// A descriptor: binding and element of its array.
-pub type Place = (u32, u32);
-
-/// What a descriptor shows a picture by.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Picture {
-    /// The view of its image.
-    pub view: vk::ImageView,
-    /// The sampler, where the layout has none.
-    pub sampler: vk::Sampler,
-    /// Of an attachment that is read at the pixel that is drawn: the layout that it is in then.
-    pub attachment: Option<vk::ImageLayout>,
-}
-
-/// What was written to a set.
-#[derive(Default)]
-pub struct Contents {
-    written: BTreeSet<Place>,
-    pictures: BTreeMap<Place, Picture>,
-    /// Grows with each change.
-    version: u64,
-}
-
-impl Contents {
-    /// A descriptor is written; with a picture, or with something else.
-    pub fn write(&mut self, place: Place, picture: Option<Picture>) {
-        self.version += 1;
-        self.written.insert(place);
-        match picture {
-            Some(picture) => self.pictures.insert(place, picture),
-            None => self.pictures.remove(&place),
-        };
-    }
-
-    /// The descriptor of another set is copied to one of this.
-    pub fn copy(&mut self, from: &Self, (source, target): (Place, Place)) {
-        if from.written.contains(&source) {
-            self.write(target, from.pictures.get(&source).copied());
-        }
-    }
-
-    /// Views of the images that shaders can sample.
-    pub fn views(&self) -> impl Iterator<Item = vk::ImageView> + '_ {
-        self.pictures.values().filter(|picture| picture.attachment.is_none()).map(|picture| picture.view)
-    }
-
-    /// Whether shaders can read attachments.
-    pub fn reads_attachments(&self) -> bool {
-        self.pictures.values().any(|picture| picture.attachment.is_some())
-    }
-}
-
-/// The copies of a set.
-pub struct Copies {
-    pool: vk::DescriptorPool,
-    version: u64,
-    prints: Vec<Print>,
-    sets: Arc<[vk::DescriptorSet]>,
-    /// Pools of copies that may still be in use.
-    retired: Vec<vk::DescriptorPool>,
-}
-
-/// A descriptor that shows the scene, and what each view sees in its place.
-type Print = (Place, Picture, Prints);
 
 /// A set of the program.
 pub struct Original<'a> {
@@ -148,18 +84,19 @@ impl Copies {
         let refused = |error: vk::Result| format!("the driver refuses descriptors: {error}");
         // SAFETY: the device is live; the layout is the program's, which it has not destroyed.
         unsafe {
-            let pool = device.functions.create_descriptor_pool(&info, None).map_err(refused)?;
+            let pool = device.driver.functions.create_descriptor_pool(&info, None).map_err(refused)?;
             let layouts = vec![handle; views];
             let info = vk::DescriptorSetAllocateInfo::default().descriptor_pool(pool).set_layouts(&layouts);
-            let sets = device.functions.allocate_descriptor_sets(&info);
-            let sets = sets.inspect_err(|_| device.functions.destroy_descriptor_pool(pool, None)).map_err(refused)?;
+            let sets = device.driver.functions.allocate_descriptor_sets(&info);
+            let sets =
+                sets.inspect_err(|_| device.driver.functions.destroy_descriptor_pool(pool, None)).map_err(refused)?;
             Ok(Self { pool, version: 0, prints: Vec::new(), sets: sets.into(), retired: Vec::new() })
         }
     }
 
     fn update(&self, device: &Device, original: &Original<'_>, prints: &[Print]) {
         for (view, set) in self.sets.iter().enumerate() {
-            let copy = |(binding, element): &Place| {
+            let copy = |(binding, element): &DescriptorSlot| {
                 vk::CopyDescriptorSet::default()
                     .src_set(original.set)
                     .src_binding(*binding)
@@ -183,7 +120,7 @@ impl Copies {
                     Some((*place, image))
                 })
                 .collect();
-            let write = |((binding, element), image): &'_ (Place, [vk::DescriptorImageInfo; 1])| {
+            let write = |((binding, element), image): &'_ (DescriptorSlot, [vk::DescriptorImageInfo; 1])| {
                 let kind = original.layout.bindings.get(binding).map_or(vk::DescriptorType::SAMPLED_IMAGE, |b| b.0);
                 let mut write = vk::WriteDescriptorSet::default()
                     .dst_set(*set)
@@ -197,8 +134,8 @@ impl Copies {
             let writes: Vec<_> = infos.iter().map(write).collect();
             // SAFETY: sets of ours that nothing uses now, laid out as the program's; what `writes` points at lives.
             unsafe {
-                device.functions.update_descriptor_sets(&[], &copies);
-                device.functions.update_descriptor_sets(&writes, &[]);
+                device.driver.functions.update_descriptor_sets(&[], &copies);
+                device.driver.functions.update_descriptor_sets(&writes, &[]);
             }
         }
     }
@@ -210,30 +147,7 @@ impl Copies {
             self.retired
                 .iter()
                 .chain([&self.pool])
-                .for_each(|pool| device.functions.destroy_descriptor_pool(*pool, None))
+                .for_each(|pool| device.driver.functions.destroy_descriptor_pool(*pool, None))
         };
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{Contents, Picture};
-    use ash::vk::{self, Handle};
-
-    #[test]
-    fn what_was_written_last_counts() {
-        let picture =
-            |number| Picture { view: vk::ImageView::from_raw(number), sampler: vk::Sampler::null(), attachment: None };
-        let (mut from, mut to) = (Contents::default(), Contents::default());
-        from.write((3, 1), Some(picture(7)));
-        to.copy(&from, ((3, 1), (0, 0)));
-        to.copy(&from, ((9, 9), (1, 0)));
-        assert_eq!(to.views().collect::<Vec<_>>(), [vk::ImageView::from_raw(7)]);
-        assert_eq!(to.written.len(), 1, "what was never written is not copied");
-        let version = to.version;
-        to.write((0, 0), None);
-        assert!(to.views().next().is_none() && to.version > version);
-        to.write((0, 0), Some(Picture { attachment: Some(vk::ImageLayout::GENERAL), ..picture(8) }));
-        assert!(to.views().next().is_none() && to.reads_attachments(), "an attachment is not sampled");
     }
 }

@@ -1,31 +1,11 @@
 //! What is enabled on a device for us: the geometry stage, where the rig asks for primitives that are divided, and what it counts by.
 
 use crate::intercept::settings;
-use crate::intercept::vk::layer::pnext::{Copied, in_chain, length_for_device};
+use crate::intercept::vk::layer::device_structures::length_for_device;
+use crate::intercept::vk::state::structures::{Copied, in_chain};
+use crate::intercept::vk::state::vertices::{Decision, Vertices};
 use crate::rig::{Method, Rig};
 use ash::vk;
-
-/// What the shaders of a device do with vertices.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Vertices {
-    /// They re-project them to views.
-    Views,
-    /// They can project them to outputs' pictures, too.
-    Projected,
-    /// And divide what lies between them.
-    Divided,
-}
-
-/// What a device is to do with vertices.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Decision {
-    /// What it does.
-    pub vertices: Vertices,
-    /// Why it does not divide, for people.
-    pub undivided: &'static str,
-    /// What divides can count what it does not divide far enough.
-    pub counts: bool,
-}
 
 const LATER: &str = "primitives are divided after a new start";
 const NO_STAGE: &str = "the device has no geometry shaders, primitives are not divided";

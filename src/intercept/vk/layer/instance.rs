@@ -1,42 +1,10 @@
-//! Instances: the next layer's functions for each.
+//! Life of an instance: `vkCreateInstance` and `vkDestroyInstance`.
 
-use crate::intercept::vk::layer::negotiate;
+use crate::intercept::vk::layer::chain_links;
+use crate::intercept::vk::state::instance::{INSTANCES, Instance, address, dispatch_key};
 use ash::vk;
 use std::collections::HashMap;
-use std::ffi::c_void;
-use std::sync::{Arc, PoisonError, RwLock};
-
-/// An instance of the program.
-pub struct Instance {
-    /// The next layer's `vkGetInstanceProcAddr`.
-    pub get_instance_proc_addr: vk::PFN_vkGetInstanceProcAddr,
-    /// The next layer's functions.
-    pub functions: ash::Instance,
-    /// Those of `VK_KHR_surface`; they may be called only where the program enabled it.
-    pub surface: ash::khr::surface::InstanceFn,
-}
-
-static INSTANCES: RwLock<Option<HashMap<usize, Arc<Instance>>>> = RwLock::new(None);
-
-/// What all objects that are dispatched by the same table have in common: the table's address.
-///
-/// # Safety
-/// `object` must be a live dispatchable Vulkan object.
-pub unsafe fn dispatch_key(object: u64) -> usize {
-    // SAFETY: the loader keeps its table's address in the first word of each such object.
-    unsafe { *(object as *const usize) }
-}
-
-/// The instance that an instance or a physical device belongs to.
-pub fn get(handle: impl vk::Handle) -> Option<Arc<Instance>> {
-    let object = handle.as_raw();
-    if object == 0 {
-        return None;
-    }
-    // SAFETY: the program passed a live handle to Vulkan.
-    let key = unsafe { dispatch_key(object) };
-    INSTANCES.read().unwrap_or_else(PoisonError::into_inner).as_ref()?.get(&key).cloned()
-}
+use std::sync::{Arc, PoisonError};
 
 /// `vkCreateInstance`.
 ///
@@ -49,7 +17,7 @@ pub unsafe extern "system" fn create(
 ) -> vk::Result {
     // SAFETY: the loader's chain, and the program's own call with its arguments.
     unsafe {
-        let link = info.as_ref().and_then(|info| negotiate::take_instance_link(info.p_next));
+        let link = info.as_ref().and_then(|info| chain_links::take_instance_link(info.p_next));
         let Some(link) = link else { return vk::Result::ERROR_INITIALIZATION_FAILED };
         let next = link.get_instance_proc_addr;
         let Some(create) = next(vk::Instance::null(), c"vkCreateInstance".as_ptr()) else {
@@ -88,9 +56,4 @@ pub unsafe extern "system" fn destroy(handle: vk::Instance, allocator: *const vk
         // SAFETY: the program's own call with its arguments.
         unsafe { (state.functions.fp_v1_0().destroy_instance)(handle, allocator) };
     }
-}
-
-/// A function's address in the form in which tables are filled.
-pub fn address(function: vk::PFN_vkVoidFunction) -> *const c_void {
-    function.map_or(std::ptr::null(), |function| function as *const c_void)
 }

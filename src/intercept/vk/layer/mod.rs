@@ -1,11 +1,11 @@
 //! TODO-NOTE
 
+mod chain_links;
 pub mod device;
+mod device_structures;
 #[cfg(test)]
 mod every_command;
 pub mod features;
-pub mod hooks;
 pub mod instance;
 pub mod negotiate;
-pub mod pnext;
 pub mod table;

@@ -5,18 +5,13 @@
 //! Atlases and other twins stay until the program destroys its image, and are used again if their size comes back: a
 //! barrier that is recorded somewhere may name them.
 
-use crate::intercept::vk::layer::device::Device;
-use crate::intercept::vk::offscreen::images::{Images, Shown};
-use crate::intercept::vk::swapchain::atlas_layout::Layout;
-use ash::vk;
+use crate::intercept::vk::state::atlas_layout::Layout;
+use crate::intercept::vk::state::device::Device;
+use crate::intercept::vk::state::images::Images;
+use crate::intercept::vk::state::shown::Shown;
 use std::sync::{Arc, PoisonError};
 
 impl Images {
-    /// The scene that an image holds, if it is drawn for each view.
-    pub fn scene(&self, image: vk::Image) -> Option<Arc<Shown>> {
-        self.shown_image(image).filter(|shown| !shown.window)
-    }
-
     /// The window has this layout now: images that hold its scene get it, too.
     ///
     /// # Errors
@@ -35,11 +30,6 @@ impl Images {
             }
         }
         Ok(())
-    }
-
-    /// Whether a scene's image is drawn by another layout by now.
-    pub fn is_retired(&self, shown: &Arc<Shown>) -> bool {
-        !shown.window && self.scene(shown.given).is_some_and(|now| !Arc::ptr_eq(&now, shown))
     }
 
     /// Destroys what no recorded commands use any more.
@@ -66,8 +56,8 @@ impl Images {
             let twins = views.values_mut().flat_map(|view| view.twins.extract_if(.., |(of, _)| *of == print.image));
             // SAFETY: both are ours, and the device has finished with them.
             unsafe {
-                twins.for_each(|(_, view)| device.functions.destroy_image_view(view, None));
-                print.destroy(device);
+                twins.for_each(|(_, view)| device.driver.functions.destroy_image_view(view, None));
+                print.destroy(&device.driver);
             }
         }
     }

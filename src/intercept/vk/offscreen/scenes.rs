@@ -1,60 +1,16 @@
 //! Images of the program that may hold a scene on its way to the window, and the prints of those that do.
 
 use crate::intercept::settings;
-use crate::intercept::vk::layer::device::Device;
-use crate::intercept::vk::offscreen::images::{Image, Images, Pending, Shown};
 use crate::intercept::vk::offscreen::view_copies;
-use crate::intercept::vk::swapchain::atlas_layout::Layout;
-use crate::intercept::vk::swapchain::own_image::OwnImage;
+use crate::intercept::vk::state::atlas_layout::Layout;
+use crate::intercept::vk::state::device::Device;
+use crate::intercept::vk::state::images::{Image, Images, Pending, Prints};
+use crate::intercept::vk::state::own_image::OwnImage;
+use crate::intercept::vk::state::shown::Shown;
 use crate::rig::Duplicate;
 use ash::vk;
 use std::sync::atomic::Ordering;
-use std::sync::{Arc, PoisonError, Weak};
-
-/// Format, usage and samples of an image.
-pub type Kind = (vk::Format, vk::ImageUsageFlags, vk::SampleCountFlags);
-
-/// Views of the prints of a scene.
-pub struct Prints {
-    /// The scene; what has its place may get the same handles later.
-    of: Weak<Shown>,
-    /// One for each view of the rig.
-    pub views: Vec<vk::ImageView>,
-}
-
-impl Prints {
-    /// The same image for each of `count` views.
-    pub fn same(view: vk::ImageView, count: usize) -> Self {
-        Self { of: Weak::new(), views: vec![view; count] }
-    }
-}
-
-impl PartialEq for Prints {
-    fn eq(&self, other: &Self) -> bool {
-        Weak::ptr_eq(&self.of, &other.of) && self.views == other.views
-    }
-}
-
-impl Image {
-    /// Whether it may hold a scene on its way to the window.
-    pub(in crate::intercept::vk) fn may_hold_scene(&self) -> bool {
-        use vk::ImageUsageFlags as U;
-        self.usage.contains(U::COLOR_ATTACHMENT)
-            && self.usage.intersects(U::SAMPLED | U::TRANSFER_SRC)
-            && self.kind == vk::ImageType::TYPE_2D
-            && (self.mip_levels, self.layers) == (1, 1)
-            && self.shown.as_ref().is_none_or(|shown| !shown.window)
-    }
-
-    /// Whether it has one sample in each pixel: pictures with more cannot be copied into prints.
-    pub(in crate::intercept::vk) fn is_single(&self) -> bool {
-        self.samples == vk::SampleCountFlags::TYPE_1
-    }
-
-    fn kind(&self) -> Kind {
-        (self.format, self.usage, self.samples)
-    }
-}
+use std::sync::{Arc, PoisonError};
 
 impl Images {
     /// The program made an image that can be drawn to.
@@ -67,53 +23,11 @@ impl Images {
         self.candidates.store(true, Ordering::Relaxed);
         let known = self.scenes.lock().unwrap_or_else(PoisonError::into_inner).contains(&kind)
             || settings::settings().is_some_and(|settings| settings.rig.views.duplicate == Duplicate::Always);
-        if let Some(layout) = device.latest_layout().filter(|layout| known && layout.window == size)
+        if let Some(layout) = device.swapchains.latest_layout().filter(|layout| known && layout.window == size)
             && let Err(why) = self.duplicate(device, handle, &layout)
         {
             device.give_up(&why);
         }
-    }
-
-    /// Whether some image may hold a scene.
-    pub fn has_candidates(&self) -> bool {
-        self.candidates.load(Ordering::Relaxed)
-    }
-
-    /// Whether an image may hold a scene: it is as large as the window, and can be shown.
-    pub fn is_candidate(&self, image: vk::Image) -> bool {
-        let window = *self.window.lock().unwrap_or_else(PoisonError::into_inner);
-        let images = self.images.lock().unwrap_or_else(PoisonError::into_inner);
-        let fits = images.get(&image).is_some_and(|state| state.may_hold_scene() && Some(state.size) == window);
-        fits && settings::settings().is_some_and(|settings| settings.rig.views.duplicate != Duplicate::Never)
-    }
-
-    /// The image of a view, if it may hold a scene.
-    pub fn candidate_of(&self, view: vk::ImageView) -> Option<vk::Image> {
-        let image = self.views.lock().unwrap_or_else(PoisonError::into_inner).get(&view)?.image;
-        self.is_candidate(image).then_some(image)
-    }
-
-    /// The size of an image.
-    pub fn size(&self, image: vk::Image) -> Option<(u32, u32)> {
-        self.images.lock().unwrap_or_else(PoisonError::into_inner).get(&image).map(|state| state.size)
-    }
-
-    /// An image's twin of this size, if it has one.
-    pub fn twin_of_size(&self, image: vk::Image, size: (u32, u32)) -> Option<vk::Image> {
-        let images = self.images.lock().unwrap_or_else(PoisonError::into_inner);
-        images.get(&image)?.twins.iter().find(|(of, _)| *of == size).map(|(_, twin)| twin.image)
-    }
-
-    /// The images that hold a scene and are drawn for each view.
-    pub fn duplicated(&self) -> impl Iterator<Item = vk::Image> {
-        let images = self.images.lock().unwrap_or_else(PoisonError::into_inner);
-        let of_scene = |shown: &Arc<Shown>| !shown.window;
-        let all: Vec<_> = images
-            .iter()
-            .filter(|(_, state)| state.shown.as_ref().is_some_and(of_scene))
-            .map(|(image, _)| *image)
-            .collect();
-        all.into_iter()
     }
 
     /// From now on an image is drawn for each view.
@@ -144,11 +58,11 @@ impl Images {
                 .samples(vk::SampleCountFlags::TYPE_1)
                 .usage(vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST);
             // SAFETY: the device is live; the structure is complete.
-            match unsafe { OwnImage::new(device, &info) } {
+            match unsafe { OwnImage::new(&device.driver, &info) } {
                 Ok(print) => prints.push(print),
                 Err(error) => {
                     // SAFETY: ours, and not used yet.
-                    prints.iter().for_each(|print| unsafe { print.destroy(device) });
+                    prints.iter().for_each(|print| unsafe { print.destroy(&device.driver) });
                     return Err(format!("the driver refuses an image of {width} × {height}: {error}"));
                 }
             }
@@ -206,7 +120,7 @@ impl Images {
                 continue;
             }
             // SAFETY: the print is live and has the format of the program's image.
-            let made = unsafe { device.functions.create_image_view(&info.image(print.image), None) };
+            let made = unsafe { device.driver.functions.create_image_view(&info.image(print.image), None) };
             let made = made.map_err(|error| format!("the driver refuses a view of an image: {error}"))?;
             all.push(made);
             if let Some(state) = self.views.lock().unwrap_or_else(PoisonError::into_inner).get_mut(&view) {

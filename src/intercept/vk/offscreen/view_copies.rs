@@ -4,12 +4,12 @@
 //! A pass draws all views into one atlas, so that no draw changes its framebuffer. What samples the image then sees, in
 //! each view, the print of that view: coordinates, filter and wrapping at the borders are as the program has them.
 
-use crate::intercept::vk::layer::device::Device;
-use crate::intercept::vk::offscreen::images::Shown;
-use crate::intercept::vk::swapchain::atlas_layout::Rect;
-use crate::intercept::vk::swapchain::own_image::{
+use crate::intercept::vk::state::atlas_layout::Rect;
+use crate::intercept::vk::state::device::Device;
+use crate::intercept::vk::state::own_image::{
     ANYTHING, COLOR_LAYER, COPIED_FROM, COPIED_TO, barrier, left_in, ready_in,
 };
+use crate::intercept::vk::state::shown::Shown;
 use ash::vk;
 
 /// As a shader finds a print.
@@ -29,30 +29,37 @@ pub unsafe fn make(device: &Device, buffer: vk::CommandBuffer, shown: &Shown, la
     // SAFETY: as promised; tiles lie in the atlas, and prints are as large as tiles.
     unsafe {
         if own.is_none() && shown.prints.is_empty() {
-            return barrier(device, buffer, shown.given, ANYTHING, ready_in(layout));
+            return barrier(&device.driver, buffer, shown.given, ANYTHING, ready_in(layout));
         }
-        barrier(device, buffer, shown.atlas, left_in(layout), COPIED_FROM);
+        barrier(&device.driver, buffer, shown.atlas, left_in(layout), COPIED_FROM);
         let copy = |to: vk::Image, [x, y, width, height]: Rect| {
             let region = vk::ImageCopy::default()
                 .src_subresource(COLOR_LAYER)
                 .src_offset(vk::Offset3D { x, y, z: 0 })
                 .dst_subresource(COLOR_LAYER)
                 .extent(vk::Extent3D { width: width as u32, height: height as u32, depth: 1 });
-            device.functions.cmd_copy_image(buffer, shown.atlas, COPIED_FROM.layout, to, COPIED_TO.layout, &[region]);
+            device.driver.functions.cmd_copy_image(
+                buffer,
+                shown.atlas,
+                COPIED_FROM.layout,
+                to,
+                COPIED_TO.layout,
+                &[region],
+            );
         };
         for (print, (tile, _)) in shown.prints.iter().zip(&shown.layout.views) {
-            barrier(device, buffer, print.image, ANYTHING, COPIED_TO);
+            barrier(&device.driver, buffer, print.image, ANYTHING, COPIED_TO);
             copy(print.image, *tile);
-            barrier(device, buffer, print.image, COPIED_TO, ready_in(SAMPLED));
+            barrier(&device.driver, buffer, print.image, COPIED_TO, ready_in(SAMPLED));
         }
         match own {
             Some(tile) => {
-                barrier(device, buffer, shown.given, ANYTHING, COPIED_TO);
+                barrier(&device.driver, buffer, shown.given, ANYTHING, COPIED_TO);
                 copy(shown.given, tile);
-                barrier(device, buffer, shown.given, COPIED_TO, ready_in(layout));
+                barrier(&device.driver, buffer, shown.given, COPIED_TO, ready_in(layout));
             }
-            None => barrier(device, buffer, shown.given, ANYTHING, ready_in(layout)),
+            None => barrier(&device.driver, buffer, shown.given, ANYTHING, ready_in(layout)),
         }
-        barrier(device, buffer, shown.atlas, COPIED_FROM, ready_in(layout));
+        barrier(&device.driver, buffer, shown.atlas, COPIED_FROM, ready_in(layout));
     }
 }

@@ -1,7 +1,7 @@
 //! What the structure that makes a pipeline says: all of it, or the parts that a library has. Pointers to what belongs to
 //! other parts are not looked at; they may lead anywhere.
 
-use crate::intercept::vk::layer::pnext::{Copied, in_chain};
+use crate::intercept::vk::state::structures::{Copied, in_chain, slice};
 use ash::vk::{self, GraphicsPipelineLibraryFlagsEXT as Flags};
 use std::ffi::c_void;
 
@@ -36,7 +36,7 @@ impl<'a> Parts<'a> {
             let part = in_chain::<vk::GraphicsPipelineLibraryCreateInfoEXT<'_>>(info.p_next, part);
             let linked = vk::StructureType::PIPELINE_LIBRARY_CREATE_INFO_KHR;
             let linked = in_chain::<vk::PipelineLibraryCreateInfoKHR<'_>>(info.p_next, linked);
-            let libraries = linked.map_or(&[][..], |l| crate::intercept::vk::slice(l.p_libraries, l.library_count));
+            let libraries = linked.map_or(&[][..], |l| slice(l.p_libraries, l.library_count));
             let whole = libraries.is_empty() && !info.flags.contains(vk::PipelineCreateFlags::LIBRARY_KHR);
             let all = Flags::VERTEX_INPUT_INTERFACE
                 | Flags::PRE_RASTERIZATION_SHADERS
@@ -46,13 +46,11 @@ impl<'a> Parts<'a> {
             let before = flags.contains(Flags::PRE_RASTERIZATION_SHADERS);
             let fragment = flags.contains(Flags::FRAGMENT_SHADER);
             let dynamic = info.p_dynamic_state.as_ref().filter(|_| !flags.is_empty());
-            let dynamic =
-                dynamic.map_or(&[][..], |d| crate::intercept::vk::slice(d.p_dynamic_states, d.dynamic_state_count));
+            let dynamic = dynamic.map_or(&[][..], |d| slice(d.p_dynamic_states, d.dynamic_state_count));
             let raster = info.p_rasterization_state.as_ref().filter(|_| before);
             let discards = !dynamic.contains(&vk::DynamicState::RASTERIZER_DISCARD_ENABLE)
                 && raster.is_some_and(|raster| raster.rasterizer_discard_enable == vk::TRUE);
-            let stages =
-                if before || fragment { crate::intercept::vk::slice(info.p_stages, info.stage_count) } else { &[] };
+            let stages = if before || fragment { slice(info.p_stages, info.stage_count) } else { &[] };
             let of_part = |stage: &&vk::PipelineShaderStageCreateInfo<'_>| match stage.stage {
                 vk::ShaderStageFlags::FRAGMENT => fragment,
                 _ => before,
@@ -111,14 +109,14 @@ impl<'a> Parts<'a> {
     pub fn viewport(&self) -> Option<vk::Viewport> {
         let state = self.fixed([vk::DynamicState::VIEWPORT, vk::DynamicState::VIEWPORT_WITH_COUNT])?;
         // SAFETY: the program's array, which is looked at where it is not set by commands.
-        unsafe { crate::intercept::vk::slice(state.p_viewports, state.viewport_count) }.first().copied()
+        unsafe { slice(state.p_viewports, state.viewport_count) }.first().copied()
     }
 
     /// The first scissor, likewise.
     pub fn scissor(&self) -> Option<vk::Rect2D> {
         let state = self.fixed([vk::DynamicState::SCISSOR, vk::DynamicState::SCISSOR_WITH_COUNT])?;
         // SAFETY: as above.
-        unsafe { crate::intercept::vk::slice(state.p_scissors, state.scissor_count) }.first().copied()
+        unsafe { slice(state.p_scissors, state.scissor_count) }.first().copied()
     }
 
     fn fixed(&self, by: [vk::DynamicState; 2]) -> Option<&'a vk::PipelineViewportStateCreateInfo<'a>> {

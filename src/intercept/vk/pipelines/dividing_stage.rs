@@ -1,45 +1,17 @@
 //! Which pipelines get a stage that divides, the stage, and what the statistics say of it.
 
 use crate::correct::projected::division::Input;
-use crate::intercept::log;
-use crate::intercept::vk::layer::device::Device;
-use crate::intercept::vk::layer::pnext::in_chain;
 use crate::intercept::vk::pipelines::create_info::Parts;
-use crate::intercept::vk::pipelines::layouts::PipelineLayout;
-use crate::intercept::vk::pipelines::variants::{name_of, words_of};
+use crate::intercept::vk::pipelines::stages::{name_of, words_of};
 use crate::intercept::vk::spirv;
+use crate::intercept::vk::state::device::Device;
+use crate::intercept::vk::state::pipelines::PipelineLayout;
+use crate::intercept::vk::state::structures::in_chain;
 use ::spirv::ExecutionModel;
 use ash::vk;
-use std::collections::BTreeMap;
-use std::sync::{Mutex, OnceLock, PoisonError};
 
 const NO_COUNTER: &str = "it needs the feature vertexPipelineStoresAndAtomics of the device";
 const NO_ROOM: &str = "a pipeline has no storage buffer to spare";
-
-/// What the statistics say of division.
-#[derive(Default)]
-pub struct Divided {
-    uncounted: OnceLock<&'static str>,
-    undivided: Mutex<BTreeMap<String, u64>>,
-}
-
-impl Divided {
-    /// What a pipeline draws is not divided; the log says why, once.
-    pub fn not(&self, why: &str) {
-        log::once(&format!("Vulkan: what a pipeline draws is not divided: {why}"));
-        *self.undivided.lock().unwrap_or_else(PoisonError::into_inner).entry(why.to_owned()).or_default() += 1;
-    }
-
-    /// How many pipelines are not divided, by reason.
-    pub fn undivided(&self) -> BTreeMap<String, u64> {
-        self.undivided.lock().unwrap_or_else(PoisonError::into_inner).clone()
-    }
-
-    /// Why some pipeline that is divided does not count what is not fine enough.
-    pub fn uncounted(&self) -> Option<&'static str> {
-        self.uncounted.get().copied()
-    }
-}
 
 /// The words of a geometry stage that reads rows by our set of `layout`, and counts by it; `None` where nothing is to be divided.
 ///
@@ -57,7 +29,7 @@ pub unsafe fn stage(
     let others = |stage: &vk::PipelineShaderStageCreateInfo<'_>| {
         ![vk::ShaderStageFlags::VERTEX, vk::ShaderStageFlags::FRAGMENT].contains(&stage.stage)
     };
-    if !device.divides() {
+    if !device.role.divides() {
         return Ok(None);
     }
     if parts.stages.iter().any(others) {
@@ -89,7 +61,7 @@ pub unsafe fn stage(
         let fragment = fragment.as_ref().map(|(words, name)| (&words[..], ExecutionModel::Fragment, name.as_str()));
         let handed = spirv::handed((&words, ExecutionModel::Vertex, &name), fragment)?;
         let provoking = if provokes_last(parts)? { input.corners() - 1 } else { 0 };
-        let limits = &device.limits;
+        let limits = &device.driver.limits;
         let limits = spirv::Limits {
             vertices: limits.max_geometry_output_vertices,
             all_components: limits.max_geometry_total_output_components,
@@ -98,7 +70,8 @@ pub unsafe fn stage(
         };
         let words = spirv::divide(input, &handed, provoking, (layout.ours, layout.counts), &limits)?;
         if !layout.counts {
-            let _ = device.pipelines.divided.uncounted.set(if device.vertices.counts { NO_ROOM } else { NO_COUNTER });
+            let _ =
+                device.pipelines.divided.uncounted.set(if device.role.vertices.counts { NO_ROOM } else { NO_COUNTER });
         }
         Ok(Some(words))
     }
@@ -109,7 +82,7 @@ pub unsafe fn stage(
 /// # Safety
 /// As for [`stage`].
 unsafe fn input(device: &Device, parts: &Parts<'_>) -> Result<Option<Input>, &'static str> {
-    if device.topologies_change && parts.dynamic.contains(&vk::DynamicState::PRIMITIVE_TOPOLOGY) {
+    if device.role.topologies_change && parts.dynamic.contains(&vk::DynamicState::PRIMITIVE_TOPOLOGY) {
         return Err("commands may change what kind of primitives it draws");
     }
     // SAFETY: as promised; of a topology that commands set the class is given here.

@@ -2,16 +2,15 @@
 //! libraries has variants that are linked from theirs.
 
 use crate::intercept::log;
-use crate::intercept::vk::layer::device::Device;
-use crate::intercept::vk::layer::pnext::in_chain;
 use crate::intercept::vk::pipelines::create_info::{Parts, Relinked};
 use crate::intercept::vk::pipelines::dividing_stage;
-use crate::intercept::vk::pipelines::layouts::PipelineLayout;
-use crate::intercept::vk::pipelines::program_pipelines::{Pipeline, Variants};
+use crate::intercept::vk::pipelines::stages::{name_of, words_of};
 use crate::intercept::vk::spirv;
+use crate::intercept::vk::state::device::Device;
+use crate::intercept::vk::state::pipelines::{Pipeline, PipelineLayout, Variants};
+use crate::intercept::vk::state::structures::slice;
 use ash::vk;
 use spirv_words::ExecutionModel;
-use std::ffi::CStr;
 use std::sync::Arc;
 
 /// The crate of SPIR-V's numbers; `spirv` is our own module here.
@@ -50,7 +49,7 @@ pub unsafe fn make(device: &Device, cache: vk::PipelineCache, parts: &Parts<'_>)
     }
     let linked = |library: &vk::Pipeline| device.pipelines.get(*library).filter(|known| known.variants.is_some());
     let linked: Option<Vec<Arc<Pipeline>>> = parts.libraries.iter().map(linked).collect();
-    let linked = linked.ok_or_else(|| device.pipeline_obstacle())?;
+    let linked = linked.ok_or_else(|| device.flatness.pipeline_obstacle())?;
     let layout = layout_of(device, parts, &linked);
     let layout = match parts.shades() || !linked.is_empty() {
         true => Some(layout.ok_or("there is no room for a descriptor set of ours")?),
@@ -125,7 +124,7 @@ impl Modules<'_> {
     fn make(&mut self, words: &[u32]) -> Result<vk::ShaderModule, String> {
         let info = vk::ShaderModuleCreateInfo::default().code(words);
         // SAFETY: the device is live.
-        let made = unsafe { self.device.functions.create_shader_module(&info, None) };
+        let made = unsafe { self.device.driver.functions.create_shader_module(&info, None) };
         self.made.extend(made);
         made.map_err(|error| error.to_string())
     }
@@ -135,7 +134,7 @@ impl Drop for Modules<'_> {
     fn drop(&mut self) {
         for module in self.made.drain(..) {
             // SAFETY: ours; pipelines do not need it once they are made.
-            unsafe { self.device.functions.destroy_shader_module(module, None) };
+            unsafe { self.device.driver.functions.destroy_shader_module(module, None) };
         }
     }
 }
@@ -150,31 +149,6 @@ fn with_stage<'a>(
         .module(module)
         .name(spirv::ENTRY);
     stages.iter().copied().chain([ours]).collect()
-}
-
-/// The name of a stage's entry point.
-///
-/// # Safety
-/// `stage` must be the program's.
-pub unsafe fn name_of(stage: &vk::PipelineShaderStageCreateInfo<'_>) -> String {
-    // SAFETY: as promised.
-    unsafe { CStr::from_ptr(stage.p_name) }.to_string_lossy().into_owned()
-}
-
-/// A stage's words: of its module, or given with it.
-///
-/// # Safety
-/// `stage` must be the program's.
-pub unsafe fn words_of(device: &Device, stage: &vk::PipelineShaderStageCreateInfo<'_>) -> Option<Arc<[u32]>> {
-    if stage.module != vk::ShaderModule::null() {
-        return device.layouts.shader(stage.module);
-    }
-    // SAFETY: as promised.
-    unsafe {
-        let given = vk::StructureType::SHADER_MODULE_CREATE_INFO;
-        let given = in_chain::<vk::ShaderModuleCreateInfo<'_>>(stage.p_next, given)?;
-        Some(crate::intercept::vk::slice(given.p_code, (given.code_size / 4) as u32).into())
-    }
 }
 
 /// The last stage before rasterisation, as an index, with what SPIR-V calls it.
@@ -264,15 +238,14 @@ unsafe fn create_both(
             let chain = chain.transpose()?;
             info.p_next = chain.as_ref().map_or(info.p_next, Relinked::first);
             let mut made = vk::Pipeline::null();
-            let create = device.functions.fp_v1_0().create_graphics_pipelines;
-            let result = create(device.functions.handle(), cache, 1, &info, std::ptr::null(), &mut made);
+            let create = device.driver.functions.fp_v1_0().create_graphics_pipelines;
+            let result = create(device.driver.functions.handle(), cache, 1, &info, std::ptr::null(), &mut made);
             result.result_with_success(made).map_err(|error| format!("the driver refuses a pipeline: {error}"))
         }
     };
     let view = create(changed, |variants| variants.view)?;
     // SAFETY: the program's array.
-    let blends =
-        parts.blend.map(|blend| unsafe { crate::intercept::vk::slice(blend.p_attachments, blend.attachment_count) });
+    let blends = parts.blend.map(|blend| unsafe { slice(blend.p_attachments, blend.attachment_count) });
     let opaque = |b: &vk::PipelineColorBlendAttachmentState| {
         b.blend_enable == vk::FALSE && b.color_write_mask.contains(vk::ColorComponentFlags::A)
     };
@@ -288,7 +261,7 @@ unsafe fn create_both(
         changed = changed.color_blend_state(blend);
     }
     // SAFETY: ours, and not used yet.
-    let undone = |_: &String| unsafe { device.functions.destroy_pipeline(view, None) };
+    let undone = |_: &String| unsafe { device.driver.functions.destroy_pipeline(view, None) };
     Ok((view, create(changed, |variants| variants.panel).inspect_err(undone)?))
 }
 

@@ -5,9 +5,9 @@
 
 use crate::backend::vk::Buffer;
 use crate::intercept::vk::commands::conditional_render::unconditionally;
-use crate::intercept::vk::layer::device::Device;
 use crate::intercept::vk::queries::results;
-use crate::intercept::vk::queries::scaling::{ONE, Pool, Queries};
+use crate::intercept::vk::state::device::Device;
+use crate::intercept::vk::state::queries::{ONE, Pool, Queries, Scratch, Weigher};
 use ash::prelude::VkResult;
 use ash::vk;
 use std::sync::PoisonError;
@@ -19,24 +19,6 @@ const ENTRY: &std::ffi::CStr = c"tell";
 const GROUP: u32 = 64;
 
 include!(concat!(env!("OUT_DIR"), "/queries_spirv.rs"));
-
-/// What gives counts their weights, for all pools of a device.
-pub struct Weigher {
-    set_layout: vk::DescriptorSetLayout,
-    layout: vk::PipelineLayout,
-    pipeline: vk::Pipeline,
-}
-
-/// What the copies of a pool's results need.
-pub struct Scratch {
-    /// The results as they were counted.
-    counted: Buffer,
-    weights: Buffer,
-    /// The results as they are told.
-    told: Buffer,
-    pool: vk::DescriptorPool,
-    set: vk::DescriptorSet,
-}
 
 /// A copy of results that a program asks for.
 #[derive(Clone, Copy, Debug)]
@@ -71,7 +53,7 @@ impl Weigher {
                 .stage_flags(vk::ShaderStageFlags::COMPUTE)
         };
         let bindings: Vec<_> = (0..3).map(binding).collect();
-        let functions = &device.functions;
+        let functions = &device.driver.functions;
         // SAFETY: makes objects of ours on a live device; they are kept in `self` as soon as they are made.
         unsafe {
             let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
@@ -94,9 +76,9 @@ impl Weigher {
     pub fn destroy(&self, device: &Device) {
         // SAFETY: ours or null; nothing uses them any more.
         unsafe {
-            device.functions.destroy_pipeline(self.pipeline, None);
-            device.functions.destroy_pipeline_layout(self.layout, None);
-            device.functions.destroy_descriptor_set_layout(self.set_layout, None);
+            device.driver.functions.destroy_pipeline(self.pipeline, None);
+            device.driver.functions.destroy_pipeline_layout(self.layout, None);
+            device.driver.functions.destroy_descriptor_set_layout(self.set_layout, None);
         }
     }
 }
@@ -123,13 +105,14 @@ impl Scratch {
             set: vk::DescriptorSet::null(),
         };
         let mut make = || -> crate::error::Result<()> {
-            new.counted = Buffer::new(&device.api, size(2 * (numbers + 1)), U::STORAGE_BUFFER | U::TRANSFER_DST)?;
-            new.counted.write(&device.api, 0, &vec![0; size(2 * (numbers + 1))])?;
-            new.weights = Buffer::new(&device.api, 8 + size(2 * numbers), U::STORAGE_BUFFER)?;
+            new.counted =
+                Buffer::new(&device.driver.api, size(2 * (numbers + 1)), U::STORAGE_BUFFER | U::TRANSFER_DST)?;
+            new.counted.write(&device.driver.api, 0, &vec![0; size(2 * (numbers + 1))])?;
+            new.weights = Buffer::new(&device.driver.api, 8 + size(2 * numbers), U::STORAGE_BUFFER)?;
             let head = [numbers as u32, queries].map(u32::to_ne_bytes).concat();
-            new.weights.write(&device.api, 0, &head)?;
-            new.weights.write(&device.api, 8, &ONE.to_ne_bytes().repeat(numbers * count))?;
-            new.told = Buffer::new(&device.api, size(6 * numbers + 3), U::STORAGE_BUFFER | U::TRANSFER_SRC)?;
+            new.weights.write(&device.driver.api, 0, &head)?;
+            new.weights.write(&device.driver.api, 8, &ONE.to_ne_bytes().repeat(numbers * count))?;
+            new.told = Buffer::new(&device.driver.api, size(6 * numbers + 3), U::STORAGE_BUFFER | U::TRANSFER_SRC)?;
             new.describe(device, weigher).map_err(crate::backend::vk::refused("descriptors"))
         };
         if let Err(error) = make() {
@@ -137,7 +120,7 @@ impl Scratch {
             return Err(error);
         }
         for query in 0..queries {
-            new.weigh(device, query, &pool.weights(query).collect::<Vec<_>>());
+            new.weigh(&device.driver, query, &pool.weights(query).collect::<Vec<_>>());
         }
         Ok(new)
     }
@@ -145,7 +128,7 @@ impl Scratch {
     fn describe(&mut self, device: &Device, weigher: &Weigher) -> VkResult<()> {
         let sizes = [vk::DescriptorPoolSize { ty: vk::DescriptorType::STORAGE_BUFFER, descriptor_count: 3 }];
         let info = vk::DescriptorPoolCreateInfo::default().max_sets(1).pool_sizes(&sizes);
-        let functions = &device.functions;
+        let functions = &device.driver.functions;
         // SAFETY: objects of ours on a live device; the buffers are live.
         unsafe {
             self.pool = functions.create_descriptor_pool(&info, None)?;
@@ -169,23 +152,13 @@ impl Scratch {
         Ok(())
     }
 
-    /// A query's numbers will have these weights. A copy of an earlier submission that still runs may see them, too: what a
-    /// query counts seldom becomes something else from one frame to the next.
-    pub fn weigh(&self, device: &Device, query: u32, weights: &[u64]) {
-        let bytes: Vec<u8> = weights.iter().flat_map(|weight| weight.to_ne_bytes()).collect();
-        let offset = 8 + query as usize * bytes.len();
-        if let Err(error) = self.weights.write(&device.api, offset, &bytes) {
-            crate::intercept::log::once(&format!("Vulkan: counts of queries are not scaled: {error}"));
-        }
-    }
-
     /// The program's pool is gone.
     pub fn destroy(&mut self, device: &Device) {
         // SAFETY: ours or null; the program says by destroying its pool that nothing uses it.
-        unsafe { device.functions.destroy_descriptor_pool(self.pool, None) };
+        unsafe { device.driver.functions.destroy_descriptor_pool(self.pool, None) };
         [&mut self.counted, &mut self.weights, &mut self.told]
             .into_iter()
-            .for_each(|buffer| buffer.destroy(&device.api));
+            .for_each(|buffer| buffer.destroy(&device.driver.api));
     }
 
     /// Records the copy of results to where the program wants them; `next` copies results into a buffer.
@@ -201,7 +174,7 @@ impl Scratch {
         next: impl FnOnce(vk::Buffer, u64, u64, vk::QueryResultFlags),
     ) {
         use vk::{AccessFlags as A, PipelineStageFlags as S};
-        let functions = &device.functions;
+        let functions = &device.driver.functions;
         let wait = |(from, written): (S, A), (to, used): (S, A)| {
             let memory = [vk::MemoryBarrier::default().src_access_mask(written).dst_access_mask(used)];
             // SAFETY: as promised.
@@ -270,7 +243,9 @@ impl Queries {
         unsafe {
             unconditionally(device, buffer, || {
                 scratch.copy((device, buffer), weigher, (&pool, queries), wanted, next);
-                device.recordings.with(buffer, |recording| recording.compute.restore(device, buffer));
+                device
+                    .recordings
+                    .with(buffer, |recording| recording.compute.restore(&device.driver, &device.next, buffer));
             });
         }
     }
@@ -279,7 +254,7 @@ impl Queries {
     fn weigher(&self, device: &Device) -> Option<&Weigher> {
         use vk::QueueFlags as Q;
         let computes = |family: &Q| !family.contains(Q::GRAPHICS) || family.contains(Q::COMPUTE);
-        let make = || device.families.iter().all(computes).then(|| Weigher::new(device).ok()).flatten();
+        let make = || device.driver.families.iter().all(computes).then(|| Weigher::new(device).ok()).flatten();
         self.weigher.get_or_init(make).as_ref()
     }
 }

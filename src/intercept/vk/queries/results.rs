@@ -1,6 +1,6 @@
 //! What a program reads of its queries.
 
-use crate::intercept::vk::queries::scaling::{Pool, weighed};
+use crate::intercept::vk::state::queries::{Pool, weighed};
 use ash::vk;
 
 /// How results are asked for, beside what the program says of waiting: wide, and with their availability behind them.
@@ -66,7 +66,7 @@ impl Wanted {
 mod tests {
     use super::Wanted;
     use crate::intercept::scene::query_weights::{Quantity, QueryWeights};
-    use crate::intercept::vk::queries::scaling::Pool;
+    use crate::intercept::vk::state::queries::Pool;
     use ash::vk::QueryResultFlags as F;
 
     #[test]

@@ -1,15 +1,12 @@
 //! Queries while they run: which draws they count, and how often each of those is issued.
 
 use crate::intercept::scene::query_weights::{QueryWeights, weight};
-use crate::intercept::vk::commands::passes::clear_panel;
-use crate::intercept::vk::commands::recording::{Event, Recording};
-use crate::intercept::vk::layer::device::Device;
-use crate::intercept::vk::queries::scaling::Pool;
+use crate::intercept::vk::commands::panel_clears::clear_left;
+use crate::intercept::vk::state::device::Device;
+use crate::intercept::vk::state::queries::Pool;
+use crate::intercept::vk::state::recording::Event;
 use ash::vk;
 use std::sync::Arc;
-
-/// Vertices that a draw is taken to have whose size only the device knows.
-const UNKNOWN_SIZE: u64 = 1 << 10;
 
 /// What the samples of a draw are multiplied by.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -65,20 +62,7 @@ impl Running {
 
     /// It ends.
     pub fn end(self, device: &Device) {
-        self.pool.weigh(device, self.query, self.weights());
-    }
-}
-
-/// A draw of so many vertices is issued `times` times, where a query may run; `None`: as often as its run is in sight. `run`: the
-/// index of its run, if it has rows.
-pub fn drawn(recording: &mut Recording, run: Option<usize>, vertices: u32, times: Option<u32>) {
-    if recording.counting == 0 {
-        return;
-    }
-    let new = if vertices == u32::MAX { UNKNOWN_SIZE } else { vertices.into() };
-    match recording.events.last_mut() {
-        Some(Event::Counted { run: last, vertices, times: t }) if (*last, *t) == (run, times) => *vertices += new,
-        _ => recording.events.push(Event::Counted { run, vertices: new, times }),
+        self.pool.weigh(&device.driver, self.query, self.weights());
     }
 }
 
@@ -96,17 +80,6 @@ pub unsafe fn begin(device: &Device, buffer: vk::CommandBuffer, pool: vk::QueryP
     });
 }
 
-/// Clears what the first draw of a pass would clear of the panel.
-///
-/// # Safety
-/// The command buffer is being recorded.
-pub unsafe fn clear_left(device: &Device, buffer: vk::CommandBuffer, recording: &mut Recording) {
-    let Some(pass) = &mut recording.pass else { return };
-    let unclear = std::mem::take(&mut pass.unclear);
-    // SAFETY: as promised; within the pass.
-    unsafe { clear_panel(device, buffer, &pass.shown.layout, &unclear) };
-}
-
 /// A query ends in a command buffer.
 pub fn end(device: &Device, buffer: vk::CommandBuffer, pool: vk::QueryPool, query: u32) {
     let Some(pool) = device.queries.get(pool) else { return };
@@ -120,7 +93,7 @@ pub fn end(device: &Device, buffer: vk::CommandBuffer, pool: vk::QueryPool, quer
 mod tests {
     use super::{Running, Worth};
     use crate::intercept::scene::query_weights::QueryWeights;
-    use crate::intercept::vk::queries::scaling::{Pool, fixed, weighed};
+    use crate::intercept::vk::state::queries::{Pool, fixed, weighed};
     use std::sync::Arc;
 
     fn query() -> Running {

@@ -10,29 +10,14 @@
 //! reads, `copies` what a command copies for it.
 
 use crate::intercept::scene::query_weights::{Quantity, QueryWeights};
-use crate::intercept::vk::layer::device::Device;
-use crate::intercept::vk::layer::hooks::hooks;
-use crate::intercept::vk::queries::copies::{self, Scratch, Weigher};
-use crate::intercept::vk::queries::results::{self, Wanted};
-use crate::intercept::vk::queries::running;
+use crate::intercept::vk::queries::results::Wanted;
+use crate::intercept::vk::queries::{copies, results, running};
+use crate::intercept::vk::state::device::Device;
+use crate::intercept::vk::state::hooks::hooks;
+use crate::intercept::vk::state::queries::{Pool, Queries};
 use ash::vk;
-use std::collections::HashMap;
 use std::ffi::c_void;
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
-
-/// A weight of one: weights have 32 bits behind the point.
-pub(super) const ONE: u64 = 1 << 32;
-
-/// A weight with 32 bits behind the point.
-pub(super) fn fixed(weight: f64) -> u64 {
-    if weight.is_finite() && weight > 0.0 { (weight * ONE as f64).round() as u64 } else { ONE }
-}
-
-/// `count` × `weight`, rounded; more than nothing if `count` is.
-pub(super) fn weighed(count: u64, weight: u64) -> u64 {
-    let product = (u128::from(count) * u128::from(weight) + u128::from(ONE / 2)) >> 32;
-    u64::try_from(product).unwrap_or(u64::MAX).max(u64::from(count > 0))
-}
+use std::sync::{Arc, PoisonError};
 
 /// What the numbers of a query's result are; empty for queries whose numbers are the program's as they are.
 fn meanings(info: &vk::QueryPoolCreateInfo<'_>) -> Vec<Quantity> {
@@ -56,53 +41,7 @@ fn meanings(info: &vk::QueryPoolCreateInfo<'_>) -> Vec<Quantity> {
     }
 }
 
-/// A pool of queries that count.
-pub struct Pool {
-    pub(super) meanings: Vec<Quantity>,
-    /// The queries' weights, as of their last submission.
-    pub(super) weights: Mutex<Vec<QueryWeights>>,
-    /// What copies of its results need, once there is one.
-    pub(super) scratch: Mutex<Option<Scratch>>,
-}
-
-impl Pool {
-    /// The weight of each number of a query's result.
-    pub(super) fn weights(&self, query: u32) -> impl Iterator<Item = u64> + '_ {
-        let all = self.weights.lock().unwrap_or_else(PoisonError::into_inner);
-        let weights = all.get(query as usize).copied().unwrap_or(QueryWeights::ONCE);
-        self.meanings.iter().map(move |quantity| fixed(weights.of(*quantity)))
-    }
-
-    /// A query that is submitted will count with these weights.
-    pub(super) fn weigh(&self, device: &Device, query: u32, new: QueryWeights) {
-        match self.weights.lock().unwrap_or_else(PoisonError::into_inner).get_mut(query as usize) {
-            Some(weights) if *weights != new => *weights = new,
-            _ => return,
-        }
-        if let Some(scratch) = &*self.scratch.lock().unwrap_or_else(PoisonError::into_inner) {
-            scratch.weigh(device, query, &self.weights(query).collect::<Vec<_>>());
-        }
-    }
-
-    /// Of queries whose weights are these.
-    pub(super) fn new(meanings: Vec<Quantity>, weights: Vec<QueryWeights>) -> Self {
-        Self { meanings, weights: Mutex::new(weights), scratch: Mutex::default() }
-    }
-}
-
-/// The program's pools of queries that count.
-#[derive(Default)]
-pub struct Queries {
-    pools: Mutex<HashMap<vk::QueryPool, Arc<Pool>>>,
-    pub(super) weigher: OnceLock<Option<Weigher>>,
-}
-
 impl Queries {
-    /// A pool, if its queries are weighed.
-    pub fn get(&self, handle: vk::QueryPool) -> Option<Arc<Pool>> {
-        self.pools.lock().unwrap_or_else(PoisonError::into_inner).get(&handle).cloned()
-    }
-
     /// A pool is gone.
     fn forget(&self, device: &Device, handle: vk::QueryPool) {
         let gone = self.pools.lock().unwrap_or_else(PoisonError::into_inner).remove(&handle);
@@ -118,8 +57,8 @@ impl Queries {
     }
 }
 
-hooks! { queries;
-    [c"vkCreateQueryPool"] create_query_pool: vk::PFN_vkCreateQueryPool = (
+hooks! {
+    create_query_pool = (
         device: vk::Device, info: *const vk::QueryPoolCreateInfo<'_>, allocator: *const vk::AllocationCallbacks<'_>, made: *mut vk::QueryPool
     ) -> vk::Result { |state, next| {
         let result = next(device, info, allocator, made);
@@ -131,37 +70,37 @@ hooks! { queries;
         }
         result
     } }
-    [c"vkDestroyQueryPool"] destroy_query_pool: vk::PFN_vkDestroyQueryPool = (
+    destroy_query_pool = (
         device: vk::Device, pool: vk::QueryPool, allocator: *const vk::AllocationCallbacks<'_>
     ) { |state, next| {
         state.queries.forget(&state, pool);
         next(device, pool, allocator)
     } }
-    [c"vkCmdBeginQuery"] cmd_begin_query: vk::PFN_vkCmdBeginQuery = (
+    cmd_begin_query = (
         buffer: vk::CommandBuffer, pool: vk::QueryPool, query: u32, flags: vk::QueryControlFlags
     ) { |state, next| {
         running::begin(&state, buffer, pool, query);
         next(buffer, pool, query, flags)
     } }
-    [c"vkCmdBeginQueryIndexedEXT"] cmd_begin_query_indexed: vk::PFN_vkCmdBeginQueryIndexedEXT = (
+    cmd_begin_query_indexed = (
         buffer: vk::CommandBuffer, pool: vk::QueryPool, query: u32, flags: vk::QueryControlFlags, index: u32
     ) { |state, next| {
         running::begin(&state, buffer, pool, query);
         next(buffer, pool, query, flags, index)
     } }
-    [c"vkCmdEndQuery"] cmd_end_query: vk::PFN_vkCmdEndQuery = (
+    cmd_end_query = (
         buffer: vk::CommandBuffer, pool: vk::QueryPool, query: u32
     ) { |state, next| {
         running::end(&state, buffer, pool, query);
         next(buffer, pool, query)
     } }
-    [c"vkCmdEndQueryIndexedEXT"] cmd_end_query_indexed: vk::PFN_vkCmdEndQueryIndexedEXT = (
+    cmd_end_query_indexed = (
         buffer: vk::CommandBuffer, pool: vk::QueryPool, query: u32, index: u32
     ) { |state, next| {
         running::end(&state, buffer, pool, query);
         next(buffer, pool, query, index)
     } }
-    [c"vkGetQueryPoolResults"] get_query_pool_results: vk::PFN_vkGetQueryPoolResults = (
+    get_query_pool_results = (
         device: vk::Device, pool: vk::QueryPool, first: u32, count: u32, size: usize, data: *mut c_void, stride: vk::DeviceSize, flags: vk::QueryResultFlags
     ) -> vk::Result { |state, next| match state.queries.get(pool) {
         None => next(device, pool, first, count, size, data, stride, flags),
@@ -175,7 +114,7 @@ hooks! { queries;
             result
         }
     } }
-    [c"vkCmdCopyQueryPoolResults"] cmd_copy_query_pool_results: vk::PFN_vkCmdCopyQueryPoolResults = (
+    cmd_copy_query_pool_results = (
         buffer: vk::CommandBuffer, pool: vk::QueryPool, first: u32, count: u32, to: vk::Buffer, offset: vk::DeviceSize, stride: vk::DeviceSize, flags: vk::QueryResultFlags
     ) { |state, next| {
         let wanted = copies::Wanted { queries: (first, count), to, place: (offset, stride), flags };
@@ -185,18 +124,8 @@ hooks! { queries;
 
 #[cfg(test)]
 mod tests {
-    use super::{ONE, Quantity, meanings, weighed};
+    use super::{Quantity, meanings};
     use ash::vk;
-
-    #[test]
-    fn counts_are_multiplied_and_rounded_and_what_was_seen_stays_seen() {
-        assert_eq!([weighed(0, ONE / 1000), weighed(1, ONE / 1000), weighed(1600, ONE / 1000)], [0, 1, 2]);
-        assert_eq!(weighed(36 * 7, ONE / 7), 36);
-        for count in [1, 65535, u64::from(u32::MAX), u64::MAX] {
-            assert_eq!(weighed(count, ONE), count, "one changes nothing");
-            assert_eq!(weighed(count, 3 * ONE), count.saturating_mul(3));
-        }
-    }
 
     #[test]
     fn each_number_has_its_meaning_in_the_order_of_the_bits() {

@@ -6,19 +6,15 @@
 
 use crate::correct::projected::matrices;
 use crate::correct::projected::y_down::{lens_down, rows_down};
-use crate::intercept::camera::Cameras;
 use crate::intercept::lens;
-use crate::intercept::scene::frame_order::FrameOrder;
-use crate::intercept::vk::commands::indirect::Placed;
-use crate::intercept::vk::commands::recording::{Event, Recording};
-use crate::intercept::vk::layer::device::Device;
+use crate::intercept::vk::pipelines::matrix_sources::matrix;
 use crate::intercept::vk::queries::running::{Running, Worth};
-use crate::intercept::vk::spirv::{Matrix, Memory};
-use crate::intercept::vk::submit::view_constants::{Piece, Place};
-use crate::intercept::vk::swapchain::atlas_layout::Layout;
+use crate::intercept::vk::state::atlas_layout::Layout;
+use crate::intercept::vk::state::device::Device;
+use crate::intercept::vk::state::draw_groups::{Frame, Outcome, Run, Source};
+use crate::intercept::vk::state::recording::{Event, Recording};
+use crate::intercept::vk::state::view_constants::Piece;
 use crate::runtime::session::Intrinsics;
-use ash::vk;
-use std::collections::BTreeMap;
 use std::sync::{Arc, PoisonError};
 
 /// Rows that change nothing, to the bit.
@@ -26,147 +22,6 @@ const IDENTITY: [f32; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1
 
 /// Rows that move everything to the right of what is seen: x' = 2w, w' = w.
 const OUT_OF_SIGHT: [f32; 16] = [0.0, 0.0, 2.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0];
-
-/// Where a matrix is, or what it is.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Value {
-    /// Its numbers as they are in memory, column by column.
-    Known([f32; 16]),
-    /// In a buffer, at an offset.
-    Buffer(vk::Buffer, u64),
-}
-
-/// A matrix that may be the projection.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Source {
-    /// How a shader sees it.
-    pub matrix: Matrix,
-    /// Where it is.
-    pub value: Value,
-}
-
-/// What a run turned out to be.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Outcome {
-    Scene(Intrinsics),
-    Flat,
-    Behind,
-    /// A picture of the scene over the whole of each view.
-    Screen,
-}
-
-/// What draws of a run have in common.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Kind {
-    /// Where the lens may be, the likeliest first.
-    pub sources: Vec<Source>,
-    /// Clip coordinates have y up (a viewport of negative height), not down.
-    pub y_up: bool,
-    /// They are issued to the views as well as onto the panel.
-    pub in_views: bool,
-    /// They draw to an image that holds a scene on its way to the window.
-    pub off_screen: bool,
-    /// They are tested by their depth: without a matrix that can be read they may have the lens that the rig gives.
-    pub deep: bool,
-    /// Where they are flat they bring the scene out of such an image, over all of the picture.
-    pub screen: bool,
-}
-
-/// Draws that share a lens.
-pub struct Run {
-    /// Where their rows are.
-    pub place: Place,
-    /// Where the views are.
-    pub layout: Arc<Layout>,
-    /// What they are.
-    pub kind: Kind,
-    /// How many draws.
-    pub draws: u64,
-    /// Those of them that are left out where they are out of sight.
-    pub placed: Vec<Placed>,
-    /// With which groups of rows it is in sight, bit by bit; groups from 63 on always are.
-    in_sight: u64,
-    /// What was written last, and for which matrices.
-    last: Option<Outcome>,
-    matrices: Vec<(u8, [f64; 16])>,
-    lens: Option<(Intrinsics, &'static str)>,
-}
-
-impl Run {
-    /// Draws that are recorded now.
-    pub fn new(place: Place, layout: Arc<Layout>, kind: Kind) -> Self {
-        Self {
-            place,
-            layout,
-            kind,
-            draws: 0,
-            placed: Vec::new(),
-            in_sight: 0,
-            last: None,
-            matrices: Vec::new(),
-            lens: None,
-        }
-    }
-
-    /// How many groups of rows it has: for the views, the panel, and the program's own picture.
-    fn groups(&self) -> u32 {
-        2 + if self.kind.in_views { self.layout.views.len() as u32 } else { 0 }
-    }
-
-    /// Whether something of it may be seen with a group of rows.
-    fn is_in_sight(&self, group: u32) -> bool {
-        self.in_sight >> group.min(63) & 1 == 1
-    }
-
-    /// Whether draws are issued onto the panel: where the program's own lens shows everything there is none.
-    pub fn is_on_panel(&self) -> bool {
-        !self.kind.off_screen && !self.layout.shows_own_lens()
-    }
-
-    /// With how many groups draws are issued, and with how many of these they are in sight.
-    fn times(&self) -> [u32; 2] {
-        let (panel, own) = (self.groups() - 2, self.groups() - 1);
-        let panel = self.is_on_panel().then_some(panel);
-        let issued = (0..self.groups() - 2).chain(panel).chain(self.layout.primary.map(|_| own));
-        [issued.clone().count(), issued.filter(|group| self.is_in_sight(*group)).count()].map(|times| times as u32)
-    }
-
-    /// Whether a draw of this kind belongs to it.
-    pub fn takes(&self, layout: &Arc<Layout>, kind: &Kind) -> bool {
-        Arc::ptr_eq(&self.layout, layout) && self.kind == *kind
-    }
-}
-
-/// What is counted for the statistics.
-#[derive(Clone, Debug, Default)]
-pub struct Counts {
-    /// Draws of the program to its window.
-    pub seen: u64,
-    /// Those that are flat.
-    pub flat: u64,
-    /// Those that were issued to each view.
-    pub in_views: u64,
-    /// Those of them that went to pictures of the scene that are drawn off screen.
-    pub duplicated: u64,
-    /// How often one was left out of a view or the panel, because it is out of sight there.
-    pub left_out: u64,
-    /// How the lens was found.
-    pub found: BTreeMap<&'static str, u64>,
-}
-
-/// The frame that is being submitted.
-#[derive(Default)]
-pub struct Frame {
-    cameras: Cameras,
-    layout: Option<Arc<Layout>>,
-    /// Rows that show the panel in each view, for flat drawing behind the scene.
-    behind: Vec<[f32; 16]>,
-    /// The lens for which it was last found out how many samples show what it sees, and how many.
-    sampled: Option<(Intrinsics, f64)>,
-    order: FrameOrder,
-    /// What was counted.
-    pub counts: Counts,
-}
 
 impl Frame {
     /// A frame ended.
@@ -199,34 +54,6 @@ impl Frame {
     }
 }
 
-/// A matrix out of memory.
-pub fn matrix(device: &Device, source: &Source) -> Option<[f64; 16]> {
-    let raw = match source.value {
-        Value::Known(raw) => raw,
-        Value::Buffer(buffer, offset) => {
-            let stride = source.matrix.stride as usize;
-            let mut bytes = [0; 256];
-            let bytes = bytes.get_mut(..3 * stride + 16)?;
-            if !device.memory_of_program.read(buffer, offset, bytes) {
-                return None;
-            }
-            from_bytes(bytes, stride)?
-        }
-    };
-    let value = raw.map(f64::from);
-    Some(if source.matrix.row_major { lens::transposed(&value) } else { value })
-}
-
-/// Sixteen floats, four by four.
-pub fn from_bytes(bytes: &[u8], stride: usize) -> Option<[f32; 16]> {
-    let mut raw = [0.0; 16];
-    for (i, value) in raw.iter_mut().enumerate() {
-        let at = i / 4 * stride + i % 4 * 4;
-        *value = f32::from_ne_bytes(bytes.get(at..at + 4)?.try_into().ok()?);
-    }
-    Some(raw)
-}
-
 /// A command buffer is submitted: what it draws gets its rows.
 pub fn submitted(device: &Device, recording: &mut Recording) {
     run_events(device, recording, &mut Vec::new());
@@ -248,7 +75,7 @@ fn run_events(device: &Device, recording: &mut Recording, queries: &mut Vec<Runn
                 device.recordings.with(*other, |other| run_events(device, other, queries));
             }
             Event::Drawn(shown, in_views) => {
-                crate::intercept::vk::offscreen::images::drawn(shown, *in_views);
+                crate::intercept::vk::state::shown::drawn(shown, *in_views);
                 if device.images.is_retired(shown) && shown.was_missed() {
                     device.give_up("the commands that draw its scene were recorded before its views changed");
                 }
@@ -379,24 +206,9 @@ fn write(device: &Device, run: &mut Run, outcome: Outcome, of_views: Option<&Vec
     run.placed.iter().for_each(|placed| placed.write(pieces, run.groups(), |group| run.is_in_sight(group)));
 }
 
-/// Where a shader's matrix is, with the descriptors and push constants that are bound.
-pub fn source(device: &Device, recording: &Recording, matrix: &Matrix) -> Option<Source> {
-    let value = match matrix.memory {
-        Memory::Push => {
-            Value::Known(from_bytes(recording.push.get(matrix.offset as usize..)?, matrix.stride as usize)?)
-        }
-        Memory::Buffer { set, binding } => {
-            let bound = recording.bound.get(set as usize)?.as_ref()?;
-            let (buffer, offset) = bound.buffer(device, binding)?;
-            Value::Buffer(buffer, offset + u64::from(matrix.offset))
-        }
-    };
-    Some(Source { matrix: *matrix, value })
-}
-
 #[cfg(test)]
 mod tests {
-    use super::{IDENTITY, OUT_OF_SIGHT, from_bytes};
+    use super::{IDENTITY, OUT_OF_SIGHT};
 
     /// The shader's formula.
     fn apply(rows: &[f32; 16], clip: [f32; 4]) -> [f32; 4] {
@@ -415,13 +227,5 @@ mod tests {
             let [x, _, _, w] = apply(&OUT_OF_SIGHT, clip);
             assert!(x > w || x < -w || w < 0.0, "{clip:?}");
         }
-    }
-
-    #[test]
-    fn numbers_are_read_by_their_stride() {
-        let mut bytes = vec![0; 3 * 32 + 16];
-        bytes[2 * 32 + 4..2 * 32 + 8].copy_from_slice(&7f32.to_ne_bytes());
-        assert_eq!(from_bytes(&bytes, 32).map(|m| m[9]), Some(7.0));
-        assert_eq!(from_bytes(&bytes[..90], 32), None);
     }
 }

@@ -3,4 +3,3 @@
 pub mod draw_groups;
 pub mod host_memory;
 pub mod queue;
-pub mod view_constants;

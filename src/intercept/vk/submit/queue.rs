@@ -1,12 +1,12 @@
 //! Submissions: what recorded command buffers draw gets its rows.
 
-use crate::intercept::vk::layer::device::Device;
-use crate::intercept::vk::layer::hooks::hooks;
-use crate::intercept::vk::offscreen::images::Pending;
+use crate::intercept::vk::state::device::Device;
+use crate::intercept::vk::state::hooks::hooks;
+use crate::intercept::vk::state::images::Pending;
+use crate::intercept::vk::state::structures::slice;
 use crate::intercept::vk::submit::draw_groups;
 use ash::prelude::VkResult;
 use ash::vk;
-use std::sync::PoisonError;
 
 /// Command buffers are submitted to a queue.
 ///
@@ -31,8 +31,8 @@ unsafe fn submitted(device: &Device, queue: vk::Queue, buffers: impl Iterator<It
 /// # Safety
 /// As for [`submitted`].
 unsafe fn bring(device: &Device, queue: vk::Queue, pending: &[Pending]) -> VkResult<()> {
-    let family = device.queues.lock().unwrap_or_else(PoisonError::into_inner).get(&queue).copied().unwrap_or(0);
-    let functions = &device.functions;
+    let family = device.family(queue);
+    let functions = &device.driver.functions;
     let barrier = |pending: &Pending| {
         let range = vk::ImageSubresourceRange {
             aspect_mask: pending.aspects,
@@ -54,7 +54,7 @@ unsafe fn bring(device: &Device, queue: vk::Queue, pending: &[Pending]) -> VkRes
     unsafe {
         let pool = functions.create_command_pool(&info, None)?;
         let run = || {
-            let buffer = device.command_buffer(pool)?;
+            let buffer = device.driver.command_buffer(pool)?;
             functions.begin_command_buffer(buffer, &vk::CommandBufferBeginInfo::default())?;
             let stages = vk::PipelineStageFlags::ALL_COMMANDS;
             functions.cmd_pipeline_barrier(buffer, stages, stages, vk::DependencyFlags::empty(), &[], &[], &barriers);
@@ -73,19 +73,19 @@ unsafe fn bring(device: &Device, queue: vk::Queue, pending: &[Pending]) -> VkRes
     }
 }
 
-hooks! { submit;
-    [c"vkQueueSubmit"] queue_submit: vk::PFN_vkQueueSubmit = (
+hooks! {
+    queue_submit = (
         queue: vk::Queue, count: u32, submits: *const vk::SubmitInfo<'_>, fence: vk::Fence
     ) -> vk::Result { |state, next| {
-        let batches = crate::intercept::vk::slice(submits, count).iter();
-        submitted(&state, queue, batches.flat_map(|s| crate::intercept::vk::slice(s.p_command_buffers, s.command_buffer_count)).copied());
+        let batches = slice(submits, count).iter();
+        submitted(&state, queue, batches.flat_map(|s| slice(s.p_command_buffers, s.command_buffer_count)).copied());
         next(queue, count, submits, fence)
     } }
-    [c"vkQueueSubmit2", c"vkQueueSubmit2KHR"] queue_submit2: vk::PFN_vkQueueSubmit2 = (
+    queue_submit2 = (
         queue: vk::Queue, count: u32, submits: *const vk::SubmitInfo2<'_>, fence: vk::Fence
     ) -> vk::Result { |state, next| {
-        let batches = crate::intercept::vk::slice(submits, count).iter();
-        let buffers = batches.flat_map(|s| crate::intercept::vk::slice(s.p_command_buffer_infos, s.command_buffer_info_count));
+        let batches = slice(submits, count).iter();
+        let buffers = batches.flat_map(|s| slice(s.p_command_buffer_infos, s.command_buffer_info_count));
         submitted(&state, queue, buffers.map(|info| info.command_buffer));
         next(queue, count, submits, fence)
     } }

@@ -4,33 +4,16 @@ use crate::error::{Error, ErrorKind, Result};
 use crate::intercept::live::{self, Live};
 use crate::intercept::log;
 use crate::intercept::settings::{self, Settings};
-use crate::intercept::vk::layer::device::{self, Device};
-use crate::intercept::vk::layer::features::Vertices;
-use crate::intercept::vk::swapchain::atlas_layout::Layout;
-use crate::intercept::vk::swapchain::formats::{Texels, is_usual};
-use crate::intercept::vk::swapchain::stand_in::{Canvas, Show};
+use crate::intercept::vk::state::atlas_layout::Layout;
+use crate::intercept::vk::state::device;
+use crate::intercept::vk::state::device::Device;
+use crate::intercept::vk::state::formats::{Texels, is_usual};
+use crate::intercept::vk::state::swapchains::{Canvas, Show, Swapchain};
+use crate::intercept::vk::state::vertices::Vertices;
 use crate::rig::{Method, Rig};
 use ash::prelude::VkResult;
 use ash::vk;
 use std::sync::{Arc, Mutex, PoisonError};
-
-/// A swapchain of the program.
-pub struct Swapchain {
-    /// Size of its images.
-    pub extent: vk::Extent2D,
-    /// How their texels lie in memory.
-    pub texels: Texels,
-    /// What images of its surface can be used for.
-    supported: vk::ImageUsageFlags,
-    /// The real images.
-    pub real: Vec<vk::Image>,
-    /// What stands before them; `None`: the program has the real images.
-    pub canvas: Option<Canvas>,
-    /// After a failure: the program's own picture.
-    pub failed: bool,
-    /// Which state of the rig's file it follows.
-    pub version: u64,
-}
 
 impl Swapchain {
     /// The image that the program has as number `index`.
@@ -93,17 +76,17 @@ impl Swapchain {
 
 /// Plans a rig for a window. What outputs lose is told.
 fn plan(device: &Device, rig: &Rig, size: (u32, u32), read: bool) -> Result<Layout> {
-    let (vertices, undivided) = (device.vertices.vertices, device.vertices.undivided);
+    let (vertices, undivided) = (device.role.vertices.vertices, device.role.vertices.undivided);
     let projects = vertices != Vertices::Views;
     let has = |lost: &dyn Fn(&Method) -> bool| rig.outputs.iter().any(|output| lost(&output.method));
     let reasons = [
-        (!device.divides() && has(&Method::divides), undivided),
+        (!device.role.divides() && has(&Method::divides), undivided),
         (!projects && has(&|m| m.projects_vertices() && !m.divides()), "vertices are projected after a new start"),
     ];
     for (_, why) in reasons.iter().filter(|(lost, _)| *lost) {
         log::once(&format!("Vulkan: {why}: outputs that ask for it are made by method \"fragment\" instead"));
     }
-    Layout::new(rig, size, device.greatest_image(), read, vertices)
+    Layout::new(rig, size, device.driver.greatest_image(), read, vertices)
 }
 
 /// Why a swapchain is left alone.
@@ -137,9 +120,9 @@ pub unsafe extern "system" fn create(
     let given = unsafe { &*info };
     // SAFETY: the program's own call; the structure differs in its usage and flags only.
     let next = |info: &vk::SwapchainCreateInfoKHR<'_>| unsafe {
-        (device.swapchain.create_swapchain_khr)(handle, info, allocator, swapchain)
+        (device.driver.swapchain.create_swapchain_khr)(handle, info, allocator, swapchain)
     };
-    let Some(settings) = settings::settings().filter(|_| device.active) else { return next(given) };
+    let Some(settings) = settings::settings().filter(|_| device.role.active) else { return next(given) };
     if let Some(why) = obstacle(given) {
         log::once(&format!("Vulkan: a window keeps the program's own picture: {why}"));
         return next(given);
@@ -178,7 +161,7 @@ pub unsafe extern "system" fn create(
     });
     match built {
         Some(Ok(built)) => {
-            let mut all = device.swapchains.lock().unwrap_or_else(PoisonError::into_inner);
+            let mut all = device.swapchains.all.lock().unwrap_or_else(PoisonError::into_inner);
             all.insert(made, Arc::new(Mutex::new(built)));
         }
         Some(Err(error)) => log::once(&format!("Vulkan: a window keeps the program's own picture: {}", error.message)),
@@ -194,13 +177,13 @@ pub unsafe extern "system" fn create(
 /// # Safety
 /// The structure must be one that the program passes for this device.
 unsafe fn supported_usage(device: &Device, info: &vk::SwapchainCreateInfoKHR<'_>) -> vk::ImageUsageFlags {
-    if let Some(old) = device.managed(info.old_swapchain) {
+    if let Some(old) = device.swapchains.managed(info.old_swapchain) {
         return old.lock().unwrap_or_else(PoisonError::into_inner).supported;
     }
     let mut capabilities = vk::SurfaceCapabilitiesKHR::default();
-    let ask = device.instance.surface.get_physical_device_surface_capabilities_khr;
+    let ask = device.driver.instance.surface.get_physical_device_surface_capabilities_khr;
     // SAFETY: the program's surface.
-    match unsafe { ask(device.physical, info.surface, &mut capabilities) } {
+    match unsafe { ask(device.driver.physical, info.surface, &mut capabilities) } {
         vk::Result::SUCCESS => capabilities.supported_usage_flags,
         _ => !vk::ImageUsageFlags::empty(),
     }
@@ -226,7 +209,7 @@ unsafe fn build(
         Some((live, settings)) => {
             let size = (info.image_extent.width, info.image_extent.height);
             let read = info.image_usage.contains(vk::ImageUsageFlags::TRANSFER_SRC);
-            let layout = match device.layout(size, read).filter(|known| known.version == live.version) {
+            let layout = match device.swapchains.layout(size, read).filter(|known| known.version == live.version) {
                 Some(known) => known,
                 None => {
                     let new = plan(device, &live.rig, size, read)?;
@@ -249,8 +232,8 @@ unsafe fn build(
 /// # Safety
 /// The swapchain must belong to the device.
 unsafe fn real_images(device: &Device, swapchain: vk::SwapchainKHR) -> VkResult<Vec<vk::Image>> {
-    let ask = device.swapchain.get_swapchain_images_khr;
-    let (handle, mut count) = (device.functions.handle(), 0);
+    let ask = device.driver.swapchain.get_swapchain_images_khr;
+    let (handle, mut count) = (device.driver.functions.handle(), 0);
     // SAFETY: asks for the number, then for as many.
     unsafe {
         ask(handle, swapchain, &mut count, std::ptr::null_mut()).result()?;
@@ -271,9 +254,9 @@ pub unsafe extern "system" fn images(
     images: *mut vk::Image,
 ) -> vk::Result {
     let Some(device) = device::get(handle) else { return vk::Result::ERROR_INITIALIZATION_FAILED };
-    let Some(managed) = device.managed(swapchain) else {
+    let Some(managed) = device.swapchains.managed(swapchain) else {
         // SAFETY: the program's own call.
-        return unsafe { (device.swapchain.get_swapchain_images_khr)(handle, swapchain, count, images) };
+        return unsafe { (device.driver.swapchain.get_swapchain_images_khr)(handle, swapchain, count, images) };
     };
     let managed = managed.lock().unwrap_or_else(PoisonError::into_inner);
     let all: Vec<vk::Image> = (0..managed.real.len()).filter_map(|index| managed.given(index)).collect();
@@ -300,10 +283,10 @@ pub unsafe extern "system" fn destroy(
     allocator: *const vk::AllocationCallbacks<'_>,
 ) {
     let Some(device) = device::get(handle) else { return };
-    let managed = device.swapchains.lock().unwrap_or_else(PoisonError::into_inner).remove(&swapchain);
+    let managed = device.swapchains.all.lock().unwrap_or_else(PoisonError::into_inner).remove(&swapchain);
     // SAFETY: the program has finished with the swapchain; our own commands are waited for.
     unsafe {
-        (device.swapchain.destroy_swapchain_khr)(handle, swapchain, allocator);
+        (device.driver.swapchain.destroy_swapchain_khr)(handle, swapchain, allocator);
         if let Some(managed) = managed {
             let mut managed = managed.lock().unwrap_or_else(PoisonError::into_inner);
             managed.real.iter().for_each(|image| device.images.hide(*image));

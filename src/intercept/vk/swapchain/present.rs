@@ -4,8 +4,10 @@ use crate::backend::vk::Timing;
 use crate::error::{Error, ErrorKind, Result};
 use crate::intercept::kept::{self, Kept};
 use crate::intercept::scene::report;
-use crate::intercept::vk::layer::device::{self, Device};
-use crate::intercept::vk::swapchain::create::Swapchain;
+use crate::intercept::vk::state::device;
+use crate::intercept::vk::state::device::Device;
+use crate::intercept::vk::state::structures::slice;
+use crate::intercept::vk::state::swapchains::Swapchain;
 use crate::intercept::vk::swapchain::read_back;
 use crate::intercept::{log, settings};
 use crate::rig::Rig;
@@ -22,7 +24,7 @@ pub unsafe extern "system" fn present(queue: vk::Queue, info: *const vk::Present
     let Some(device) = device::get(queue) else { return vk::Result::ERROR_INITIALIZATION_FAILED };
     // SAFETY: the program's structure.
     let mut changed = unsafe { *info };
-    let frames = device.frames.fetch_add(1, Ordering::Relaxed) + 1;
+    let frames = device.presented.frames.fetch_add(1, Ordering::Relaxed) + 1;
     let settings = settings::settings();
     let last = settings.is_some_and(|settings| settings.frames == Some(frames));
     let (mut ready, mut outdated) = (None, false);
@@ -39,7 +41,7 @@ pub unsafe extern "system" fn present(queue: vk::Queue, info: *const vk::Present
         changed = changed.wait_semaphores(ready);
     }
     // SAFETY: the program's own call; the structure differs in what is waited for.
-    let result = unsafe { (device.swapchain.queue_present_khr)(queue, &changed) };
+    let result = unsafe { (device.driver.swapchain.queue_present_khr)(queue, &changed) };
     if last {
         kept::end_program();
     }
@@ -52,10 +54,10 @@ pub unsafe extern "system" fn present(queue: vk::Queue, info: *const vk::Present
 /// As for [`present`].
 unsafe fn follow_rig(device: &Device, info: &vk::PresentInfoKHR<'_>) -> bool {
     // SAFETY: the lengths and arrays of the program's structure.
-    let swapchains = unsafe { crate::intercept::vk::slice(info.p_swapchains, info.swapchain_count) };
+    let swapchains = unsafe { slice(info.p_swapchains, info.swapchain_count) };
     let mut outdated = false;
     for handle in swapchains {
-        if let Some(managed) = device.managed(*handle) {
+        if let Some(managed) = device.swapchains.managed(*handle) {
             // SAFETY: as promised.
             outdated |= unsafe { managed.lock().unwrap_or_else(PoisonError::into_inner).follow_rig(device) };
         }
@@ -84,14 +86,14 @@ unsafe fn prepare(
     // SAFETY: the lengths and arrays of the program's structure; empty arrays may be null.
     let (swapchains, indices, mut waits) = unsafe {
         (
-            crate::intercept::vk::slice(info.p_swapchains, info.swapchain_count),
-            crate::intercept::vk::slice(info.p_image_indices, info.swapchain_count),
-            crate::intercept::vk::slice(info.p_wait_semaphores, info.wait_semaphore_count),
+            slice(info.p_swapchains, info.swapchain_count),
+            slice(info.p_image_indices, info.swapchain_count),
+            slice(info.p_wait_semaphores, info.wait_semaphore_count),
         )
     };
-    let family = device.queues.lock().unwrap_or_else(PoisonError::into_inner).get(&queue).copied().unwrap_or(0);
+    let family = device.family(queue);
     for (handle, &index) in swapchains.iter().zip(indices) {
-        let Some(managed) = device.managed(*handle) else { continue };
+        let Some(managed) = device.swapchains.managed(*handle) else { continue };
         let mut managed = managed.lock().unwrap_or_else(PoisonError::into_inner);
         // SAFETY: as above.
         if let Some(signal) = unsafe { make(device, (queue, family), &mut managed, index as usize, waits) } {
@@ -120,7 +122,7 @@ unsafe fn prepare(
             unsafe { canvas.wait(device) };
         }
         kept.statistics = settings.stats.is_some().then(|| statistics(device, &managed, &settings.rig, frames));
-        device.kept.store(kept::keep(kept), Ordering::Relaxed);
+        device.presented.report.store(kept::keep(kept), Ordering::Relaxed);
     }
 }
 
@@ -219,7 +221,9 @@ fn coarse(device: &Device) -> Option<u64> {
 /// The device has done all that it was told, and is about to be destroyed: what was kept of its last frame was not complete, where
 /// nobody knew that it would be the last.
 pub fn count_again(device: &Device) {
-    kept::amend(device.kept.load(Ordering::Relaxed), |statistics| statistics.coarse_primitives = coarse(device));
+    kept::amend(device.presented.report.load(Ordering::Relaxed), |statistics| {
+        statistics.coarse_primitives = coarse(device)
+    });
 }
 
 fn statistics(device: &Device, managed: &Swapchain, rig: &Rig, frames: u64) -> Statistics {
@@ -228,7 +232,7 @@ fn statistics(device: &Device, managed: &Swapchain, rig: &Rig, frames: u64) -> S
     let uncounted =
         divided.uncounted().map(|why| format!("Vulkan: what is not divided far enough is not counted: {why}"));
     let mut statistics = Statistics {
-        notes: device.flat_note().into_iter().chain(uncounted).collect(),
+        notes: device.flatness.note().into_iter().chain(uncounted).collect(),
         draws_seen: counts.seen,
         panel_draws: counts.flat,
         duplicated_draws: counts.duplicated,
@@ -238,7 +242,7 @@ fn statistics(device: &Device, managed: &Swapchain, rig: &Rig, frames: u64) -> S
         coarse_primitives: coarse(device),
         undivided_pipelines: divided.undivided(),
         projection_found: counts.found.iter().map(|(how, draws)| ((*how).to_owned(), *draws)).collect(),
-        ..report::begin(frames, &rig.name, device.driver.clone())
+        ..report::begin(frames, &rig.name, device.driver.name.clone())
     };
     let view = |name: &str, width, height, draws_issued| ViewStatistics {
         name: name.to_owned(),

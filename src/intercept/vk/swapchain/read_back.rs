@@ -1,8 +1,8 @@
 //! Pictures that are read back from the device, for captures. It is waited for: captures are not a frame's work.
 
-use crate::intercept::vk::layer::device::Device;
-use crate::intercept::vk::swapchain::formats::Texels;
-use crate::intercept::vk::swapchain::own_image::{COLOR_LAYER, COPIED_FROM, PRESENTED, barrier};
+use crate::intercept::vk::state::device::Device;
+use crate::intercept::vk::state::formats::Texels;
+use crate::intercept::vk::state::own_image::{COLOR_LAYER, COPIED_FROM, PRESENTED, barrier};
 use crate::runtime::report::Picture;
 use ash::prelude::VkResult;
 use ash::vk;
@@ -52,7 +52,7 @@ impl Reading {
         extent: vk::Extent2D,
         waits: &[vk::Semaphore],
     ) -> VkResult<Vec<u8>> {
-        let functions = &device.functions;
+        let functions = &device.driver.functions;
         let length = extent.width as usize * extent.height as usize * size;
         let visible = vk::MemoryPropertyFlags::HOST_VISIBLE | vk::MemoryPropertyFlags::HOST_COHERENT;
         let cached = visible | vk::MemoryPropertyFlags::HOST_CACHED;
@@ -61,25 +61,25 @@ impl Reading {
         unsafe {
             self.buffer = functions.create_buffer(&info, None)?;
             let needs = functions.get_buffer_memory_requirements(self.buffer);
-            let kind = device.memory_type(needs.memory_type_bits, cached);
-            let kind = kind.or_else(|| device.memory_type(needs.memory_type_bits, visible)).unwrap_or(0);
+            let kind = device.driver.memory_type(needs.memory_type_bits, cached);
+            let kind = kind.or_else(|| device.driver.memory_type(needs.memory_type_bits, visible)).unwrap_or(0);
             let allocation = vk::MemoryAllocateInfo::default().allocation_size(needs.size).memory_type_index(kind);
             self.memory = functions.allocate_memory(&allocation, None)?;
             functions.bind_buffer_memory(self.buffer, self.memory, 0)?;
             let pool = vk::CommandPoolCreateInfo::default().queue_family_index(family);
             self.pool = functions.create_command_pool(&pool, None)?;
             self.fence = functions.create_fence(&vk::FenceCreateInfo::default(), None)?;
-            let commands = device.command_buffer(self.pool)?;
+            let commands = device.driver.command_buffer(self.pool)?;
             let once = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
             functions.begin_command_buffer(commands, &once)?;
-            barrier(device, commands, image, PRESENTED, COPIED_FROM);
+            barrier(&device.driver, commands, image, PRESENTED, COPIED_FROM);
             let region = vk::BufferImageCopy::default().image_subresource(COLOR_LAYER).image_extent(vk::Extent3D {
                 width: extent.width,
                 height: extent.height,
                 depth: 1,
             });
             functions.cmd_copy_image_to_buffer(commands, image, COPIED_FROM.layout, self.buffer, &[region]);
-            barrier(device, commands, image, COPIED_FROM, PRESENTED);
+            barrier(&device.driver, commands, image, COPIED_FROM, PRESENTED);
             functions.end_command_buffer(commands)?;
             let (buffers, stages) = ([commands], vec![vk::PipelineStageFlags::ALL_COMMANDS; waits.len()]);
             let work =
@@ -94,7 +94,7 @@ impl Reading {
     /// # Safety
     /// The device must have finished with it, or have been lost.
     unsafe fn finish(&self, device: &Device) {
-        let functions = &device.functions;
+        let functions = &device.driver.functions;
         // SAFETY: as promised; destroying null objects does nothing.
         unsafe {
             functions.destroy_fence(self.fence, None);

@@ -3,86 +3,23 @@
 
 use crate::backend::vk::{COLOR, SourceImage, TargetImage, Timing, VkBackend};
 use crate::error::{Error, ErrorKind, Result};
-use crate::intercept::vk::layer::device::Device;
-use crate::intercept::vk::offscreen::images::Shown;
-use crate::intercept::vk::pipelines::division_counter::Counter;
-use crate::intercept::vk::swapchain::atlas_layout::Layout;
-use crate::intercept::vk::swapchain::own_image::{
+use crate::intercept::vk::state::atlas_layout::Layout;
+use crate::intercept::vk::state::device::Device;
+use crate::intercept::vk::state::division_counter::Counter;
+use crate::intercept::vk::state::own_image::{
     ANYTHING, COLOR_LAYER, COPIED_FROM, COPIED_TO, OwnImage, PRESENTED, barrier, color_view,
 };
+use crate::intercept::vk::state::shown::{ATLAS_FLAGS, ATLAS_USAGE, Shown};
+use crate::intercept::vk::state::swapchains::{Canvas, Show, Slot};
 use ash::vk;
+use std::sync::Arc;
 use std::sync::atomic::Ordering;
-use std::sync::{Arc, PoisonError};
-
-/// What an atlas is made with.
-pub const ATLAS_FLAGS: vk::ImageCreateFlags = vk::ImageCreateFlags::MUTABLE_FORMAT;
-/// What it can be used for.
-pub const ATLAS_USAGE: vk::ImageUsageFlags = vk::ImageUsageFlags::from_raw(
-    vk::ImageUsageFlags::COLOR_ATTACHMENT.as_raw()
-        | vk::ImageUsageFlags::SAMPLED.as_raw()
-        | vk::ImageUsageFlags::TRANSFER_DST.as_raw()
-        | vk::ImageUsageFlags::TRANSFER_SRC.as_raw(),
-);
-
-/// What a frame is made of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Show {
-    /// The program's picture as it is.
-    Own,
-    /// What is on the panel's tile, as it is.
-    Tile,
-    /// The program's picture on the panel.
-    Panel,
-    /// The views.
-    Views,
-}
 
 impl Show {
     /// Whether it needs the correction, not only copies.
     fn corrects(self) -> bool {
         matches!(self, Self::Panel | Self::Views)
     }
-}
-
-/// What belongs to one image of the swapchain.
-struct Slot {
-    /// The program's image in the place of the real one.
-    given: OwnImage,
-    /// The views and the panel.
-    atlas: OwnImage,
-    /// What the layer knows of the program's image.
-    shown: Arc<Shown>,
-    /// The atlas as it is, and as if it covered everything behind it.
-    views: [vk::ImageView; 2],
-    /// Signalled when the real image may be presented.
-    ready: vk::Semaphore,
-    /// Signalled when the commands of its last picture are done.
-    done: vk::Fence,
-    /// For each [`Show`]: recorded when first needed, then submitted again and again.
-    commands: [vk::CommandBuffer; 4],
-    /// The source of the correction that was submitted last.
-    submitted: Option<usize>,
-}
-
-/// See the module.
-pub struct Canvas {
-    /// Where everything is.
-    pub layout: Arc<Layout>,
-    real: Vec<vk::Image>,
-    /// Views of the real images, or of the picture in between, which the correction draws into.
-    targets: Vec<vk::ImageView>,
-    /// Where the real images encode what is written to them, the correction is made here and copied.
-    between: Option<OwnImage>,
-    slots: Vec<Slot>,
-    backend: VkBackend,
-    /// The format that the correction reads and writes.
-    format: vk::Format,
-    family: u32,
-    pool: vk::CommandPool,
-    /// The masks are on the device.
-    uploaded: bool,
-    /// Corrections are timed.
-    timed: bool,
 }
 
 /// What the driver refuses, for the log.
@@ -131,7 +68,7 @@ impl Canvas {
             targets: Vec::new(),
             between: None,
             slots: Vec::new(),
-            backend: VkBackend::new(&device.api),
+            backend: VkBackend::new(&device.driver.api),
             format: plain_format(info.image_format),
             family: u32::MAX,
             pool: vk::CommandPool::null(),
@@ -161,13 +98,12 @@ impl Canvas {
             for _ in 0..self.real.len() {
                 let given = given_image(device, info).map_err(refused("an image for the program"))?;
                 let atlas = atlas_image(device, info, self.layout.atlas).map_err(refused("an image for the views"));
-                let atlas = atlas.inspect_err(|_| given.destroy(device))?;
+                let atlas = atlas.inspect_err(|_| given.destroy(&device.driver))?;
                 let layout = Arc::clone(&self.layout);
                 let shown = Arc::new(Shown::of_window(layout, given.image, atlas.image));
                 device.images.show(given.image, info.image_format, Arc::clone(&shown));
                 device.images.declare(given.image, info.image_usage);
-                *device.latest.lock().unwrap_or_else(PoisonError::into_inner) =
-                    Some((info.image_format, Arc::clone(&shown)));
+                device.swapchains.note_shown(info.image_format, Arc::clone(&shown));
                 self.slots.push(Slot {
                     given,
                     atlas,
@@ -180,25 +116,27 @@ impl Canvas {
                 });
                 let Some(slot) = self.slots.last_mut() else { continue };
                 for (view, components) in slot.views.iter_mut().zip([same, opaque]) {
-                    *view = atlas.view(device, plain, components).map_err(refused("a view of an image"))?;
+                    *view = atlas.view(&device.driver, plain, components).map_err(refused("a view of an image"))?;
                 }
                 let semaphore = vk::SemaphoreCreateInfo::default();
-                slot.ready = device.functions.create_semaphore(&semaphore, None).map_err(refused("a semaphore"))?;
+                slot.ready =
+                    device.driver.functions.create_semaphore(&semaphore, None).map_err(refused("a semaphore"))?;
                 let fence = vk::FenceCreateInfo::default().flags(vk::FenceCreateFlags::SIGNALED);
-                slot.done = device.functions.create_fence(&fence, None).map_err(refused("a fence"))?;
+                slot.done = device.driver.functions.create_fence(&fence, None).map_err(refused("a fence"))?;
             }
             if plain == info.image_format {
                 for image in &self.real {
-                    let view = color_view(device, *image, plain, same).map_err(refused("a view of the window"))?;
+                    let view =
+                        color_view(&device.driver, *image, plain, same).map_err(refused("a view of the window"))?;
                     self.targets.push(view);
                 }
             } else {
                 let between = between_image(device, plain, info.image_extent).map_err(refused("an image"))?;
                 self.between = Some(between);
-                self.targets.push(between.view(device, plain, same).map_err(refused("a view of an image"))?);
+                self.targets.push(between.view(&device.driver, plain, same).map_err(refused("a view of an image"))?);
             }
         }
-        let mut backend = std::mem::replace(&mut self.backend, VkBackend::new(&device.api));
+        let mut backend = std::mem::replace(&mut self.backend, VkBackend::new(&device.driver.api));
         let prepared = self.prepare(&mut backend, &self.layout);
         self.backend = backend;
         prepared
@@ -220,7 +158,7 @@ impl Canvas {
     /// # Safety
     /// The device must be live, and no other thread may present this swapchain meanwhile.
     pub unsafe fn adopt(&mut self, device: &Device, layout: Arc<Layout>) -> Result<()> {
-        let mut backend = VkBackend::new(&device.api);
+        let mut backend = VkBackend::new(&device.driver.api);
         let prepared = self.prepare(&mut backend, &layout);
         // SAFETY: as promised; the device has finished with what is destroyed.
         unsafe {
@@ -230,7 +168,7 @@ impl Canvas {
                 return Err(error);
             }
             self.backend.destroy();
-            device.functions.destroy_command_pool(std::mem::take(&mut self.pool), None);
+            device.driver.functions.destroy_command_pool(std::mem::take(&mut self.pool), None);
         }
         // The old backend's times are gone with it.
         self.slots.iter_mut().for_each(|slot| slot.submitted = None);
@@ -330,7 +268,7 @@ impl Canvas {
                 .wait_dst_stage_mask(&stages)
                 .command_buffers(&commands)
                 .signal_semaphores(&ready);
-            let functions = &device.functions;
+            let functions = &device.driver.functions;
             functions.wait_for_fences(&[slot.done], true, u64::MAX).map_err(refused("to wait"))?;
             if let Some(source) = slot.submitted.take() {
                 self.backend.read_timing(source);
@@ -350,7 +288,7 @@ impl Canvas {
     /// # Safety
     /// No other thread may present this swapchain meanwhile.
     unsafe fn commands(&mut self, device: &Device, family: u32, index: usize, show: Show) -> Result<vk::CommandBuffer> {
-        let draws = device.families.get(family as usize).is_some_and(|f| f.contains(vk::QueueFlags::GRAPHICS));
+        let draws = device.driver.families.get(family as usize).is_some_and(|f| f.contains(vk::QueueFlags::GRAPHICS));
         if show.corrects() && !draws {
             return Err(Error::new(ErrorKind::Graphics, "the queue that presents cannot draw"));
         }
@@ -359,11 +297,12 @@ impl Canvas {
             if family != self.family {
                 if self.pool != vk::CommandPool::null() {
                     self.wait(device);
-                    device.functions.destroy_command_pool(self.pool, None);
+                    device.driver.functions.destroy_command_pool(self.pool, None);
                 }
                 self.slots.iter_mut().for_each(|slot| slot.commands = Default::default());
                 let pool = vk::CommandPoolCreateInfo::default().queue_family_index(family);
-                self.pool = device.functions.create_command_pool(&pool, None).map_err(refused("command buffers"))?;
+                self.pool =
+                    device.driver.functions.create_command_pool(&pool, None).map_err(refused("command buffers"))?;
                 self.family = family;
                 if self.timed && draws {
                     self.backend.measure(2 * self.slots.len(), family)?;
@@ -373,15 +312,15 @@ impl Canvas {
             if recorded != vk::CommandBuffer::null() {
                 return Ok(recorded);
             }
-            let buffer = device.command_buffer(self.pool).map_err(refused("a command buffer"))?;
+            let buffer = device.driver.command_buffer(self.pool).map_err(refused("a command buffer"))?;
             let begin = vk::CommandBufferBeginInfo::default();
-            device.functions.begin_command_buffer(buffer, &begin).map_err(refused("to record"))?;
+            device.driver.functions.begin_command_buffer(buffer, &begin).map_err(refused("to record"))?;
             let fills = show.corrects() && !self.uploaded;
             self.record(device, buffer, index, show)?;
-            if show.corrects() && device.vertices.counts {
-                Counter::show(device, buffer);
+            if show.corrects() && device.role.vertices.counts {
+                Counter::show(&device.driver, buffer);
             }
-            device.functions.end_command_buffer(buffer).map_err(refused("to record"))?;
+            device.driver.functions.end_command_buffer(buffer).map_err(refused("to record"))?;
             if fills {
                 // The first one also fills masks and tables, which is done once.
                 self.uploaded = true;
@@ -396,7 +335,7 @@ impl Canvas {
     /// The command buffer is being recorded.
     unsafe fn record(&mut self, device: &Device, buffer: vk::CommandBuffer, index: usize, show: Show) -> Result<()> {
         let (Some(slot), Some(&real)) = (self.slots.get(index), self.real.get(index)) else { return Ok(()) };
-        let functions = &device.functions;
+        let functions = &device.driver.functions;
         let (width, height) = self.layout.window;
         let whole = vk::Extent3D { width, height, depth: 1 };
         let (given, atlas) = (slot.given.image, slot.atlas.image);
@@ -412,32 +351,32 @@ impl Canvas {
                     Show::Tile => (atlas, region.src_offset(vk::Offset3D { x, y, z: 0 })),
                     _ => (given, region),
                 };
-                barrier(device, buffer, from, PRESENTED, COPIED_FROM);
-                barrier(device, buffer, real, ANYTHING, COPIED_TO);
+                barrier(&device.driver, buffer, from, PRESENTED, COPIED_FROM);
+                barrier(&device.driver, buffer, real, ANYTHING, COPIED_TO);
                 copy(from, real, region);
-                barrier(device, buffer, real, COPIED_TO, PRESENTED);
-                barrier(device, buffer, from, COPIED_FROM, PRESENTED);
+                barrier(&device.driver, buffer, real, COPIED_TO, PRESENTED);
+                barrier(&device.driver, buffer, from, COPIED_FROM, PRESENTED);
                 return Ok(());
             }
             if show == Show::Panel {
-                barrier(device, buffer, given, PRESENTED, COPIED_FROM);
-                barrier(device, buffer, atlas, ANYTHING, COPIED_TO);
+                barrier(&device.driver, buffer, given, PRESENTED, COPIED_FROM);
+                barrier(&device.driver, buffer, atlas, ANYTHING, COPIED_TO);
                 let black = vk::ClearColorValue::default();
                 functions.cmd_clear_color_image(buffer, atlas, COPIED_TO.layout, &black, &[COLOR]);
-                barrier(device, buffer, atlas, COPIED_TO, COPIED_TO);
+                barrier(&device.driver, buffer, atlas, COPIED_TO, COPIED_TO);
                 let [x, y, ..] = self.layout.panel;
                 copy(given, atlas, region.dst_offset(vk::Offset3D { x, y, z: 0 }));
-                barrier(device, buffer, given, COPIED_FROM, PRESENTED);
+                barrier(&device.driver, buffer, given, COPIED_FROM, PRESENTED);
             }
             let target = if self.between.is_some() { 0 } else { index };
             self.backend.record(buffer, source_of(index, show), target, &self.layout.outputs)?;
             if show == Show::Panel {
-                barrier(device, buffer, atlas, COPIED_TO, PRESENTED);
+                barrier(&device.driver, buffer, atlas, COPIED_TO, PRESENTED);
             }
             if let Some(between) = &self.between {
-                barrier(device, buffer, real, ANYTHING, COPIED_TO);
+                barrier(&device.driver, buffer, real, ANYTHING, COPIED_TO);
                 copy(between.image, real, region);
-                barrier(device, buffer, real, COPIED_TO, PRESENTED);
+                barrier(&device.driver, buffer, real, COPIED_TO, PRESENTED);
             }
         }
         Ok(())
@@ -452,14 +391,14 @@ impl Canvas {
             self.slots.iter().map(|slot| slot.done).filter(|fence| *fence != vk::Fence::null()).collect();
         if !fences.is_empty() {
             // SAFETY: fences of ours that are signalled or were submitted; a lost device ends the wait with an error.
-            let _ = unsafe { device.functions.wait_for_fences(&fences, true, u64::MAX) };
+            let _ = unsafe { device.driver.functions.wait_for_fences(&fences, true, u64::MAX) };
         }
     }
 
     /// # Safety
     /// Presentations that wait for its semaphores must be over.
     pub unsafe fn destroy(&mut self, device: &Device) {
-        let functions = &device.functions;
+        let functions = &device.driver.functions;
         // SAFETY: as promised; destroying null objects does nothing.
         unsafe {
             self.wait(device);
@@ -473,12 +412,12 @@ impl Canvas {
                 functions.destroy_fence(slot.done, None);
                 slot.views.iter().for_each(|view| functions.destroy_image_view(*view, None));
                 device.images.hide(slot.given.image);
-                device.forget_shown(&slot.shown);
-                slot.atlas.destroy(device);
-                slot.given.destroy(device);
+                device.swapchains.forget_shown(&slot.shown);
+                slot.atlas.destroy(&device.driver);
+                slot.given.destroy(&device.driver);
             }
             if let Some(between) = self.between.take() {
-                between.destroy(device);
+                between.destroy(&device.driver);
             }
         }
     }
@@ -511,7 +450,7 @@ unsafe fn given_image(device: &Device, info: &vk::SwapchainCreateInfoKHR<'_>) ->
         .flags(if mutable { flags } else { vk::ImageCreateFlags::empty() })
         .usage(info.image_usage | vk::ImageUsageFlags::TRANSFER_SRC);
     // SAFETY: as promised.
-    unsafe { OwnImage::new(device, &image) }
+    unsafe { OwnImage::new(&device.driver, &image) }
 }
 
 /// An image for the views; the program's render passes can draw into it, and the correction reads it.
@@ -525,7 +464,7 @@ unsafe fn atlas_image(
 ) -> ash::prelude::VkResult<OwnImage> {
     let image = like(info, size).flags(ATLAS_FLAGS).usage(ATLAS_USAGE);
     // SAFETY: as promised.
-    unsafe { OwnImage::new(device, &image) }
+    unsafe { OwnImage::new(&device.driver, &image) }
 }
 
 /// # Safety
@@ -544,5 +483,5 @@ unsafe fn between_image(
         .samples(vk::SampleCountFlags::TYPE_1)
         .usage(vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_SRC);
     // SAFETY: as promised.
-    unsafe { OwnImage::new(device, &image) }
+    unsafe { OwnImage::new(&device.driver, &image) }
 }

@@ -1,6 +1,6 @@
 //! Counts what the dividing stage did not divide far enough, for the statistics.
 
-use crate::intercept::vk::layer::device::Device;
+use crate::intercept::vk::state::driver::Driver;
 use ash::prelude::VkResult;
 use ash::vk;
 
@@ -19,14 +19,14 @@ impl Counter {
     ///
     /// # Errors
     /// The driver's.
-    pub fn new(device: &Device) -> VkResult<Self> {
+    pub fn new(driver: &Driver) -> VkResult<Self> {
         let mut counter = Self { buffer: vk::Buffer::null(), memory: vk::DeviceMemory::null(), address: 0 };
-        counter.fill(device).inspect_err(|_| counter.destroy(device))?;
+        counter.fill(driver).inspect_err(|_| counter.destroy(driver))?;
         Ok(counter)
     }
 
-    fn fill(&mut self, device: &Device) -> VkResult<()> {
-        let functions = &device.functions;
+    fn fill(&mut self, driver: &Driver) -> VkResult<()> {
+        let functions = &driver.functions;
         let info = vk::BufferCreateInfo::default().size(LENGTH).usage(vk::BufferUsageFlags::STORAGE_BUFFER);
         let visible = vk::MemoryPropertyFlags::HOST_VISIBLE | vk::MemoryPropertyFlags::HOST_COHERENT;
         // SAFETY: makes objects of ours on a live device; they are kept in `self` as soon as they are made. The memory is as
@@ -34,8 +34,8 @@ impl Counter {
         unsafe {
             self.buffer = functions.create_buffer(&info, None)?;
             let needs = functions.get_buffer_memory_requirements(self.buffer);
-            let near = device.memory_type(needs.memory_type_bits, visible | vk::MemoryPropertyFlags::DEVICE_LOCAL);
-            let kind = near.or_else(|| device.memory_type(needs.memory_type_bits, visible)).unwrap_or(0);
+            let near = driver.memory_type(needs.memory_type_bits, visible | vk::MemoryPropertyFlags::DEVICE_LOCAL);
+            let kind = near.or_else(|| driver.memory_type(needs.memory_type_bits, visible)).unwrap_or(0);
             let allocation = vk::MemoryAllocateInfo::default().allocation_size(needs.size).memory_type_index(kind);
             self.memory = functions.allocate_memory(&allocation, None)?;
             functions.bind_buffer_memory(self.buffer, self.memory, 0)?;
@@ -56,14 +56,14 @@ impl Counter {
     ///
     /// # Safety
     /// The command buffer is being recorded, outside of render passes, for queues that draw.
-    pub unsafe fn show(device: &Device, buffer: vk::CommandBuffer) {
+    pub unsafe fn show(driver: &Driver, buffer: vk::CommandBuffer) {
         let seen = vk::MemoryBarrier::default()
             .src_access_mask(vk::AccessFlags::SHADER_WRITE)
             .dst_access_mask(vk::AccessFlags::HOST_READ);
         let (from, to) = (vk::PipelineStageFlags::GEOMETRY_SHADER, vk::PipelineStageFlags::HOST);
         // SAFETY: as promised; a device that counts has geometry shaders.
         unsafe {
-            let functions = &device.functions;
+            let functions = &driver.functions;
             functions.cmd_pipeline_barrier(buffer, from, to, vk::DependencyFlags::empty(), &[seen], &[], &[]);
         }
     }
@@ -75,11 +75,11 @@ impl Counter {
     }
 
     /// Destroys it.
-    pub fn destroy(&self, device: &Device) {
+    pub fn destroy(&self, driver: &Driver) {
         // SAFETY: ours or null; the device has finished with them.
         unsafe {
-            device.functions.destroy_buffer(self.buffer, None);
-            device.functions.free_memory(self.memory, None);
+            driver.functions.destroy_buffer(self.buffer, None);
+            driver.functions.free_memory(self.memory, None);
         }
     }
 }

@@ -3,8 +3,8 @@
 //! outputs' pictures, the lens of a picture follows its rows; where they are divided, a counter may be beside them. The parameters of
 //! large draws lie there, too.
 
-use crate::intercept::vk::layer::device::Device;
-use crate::intercept::vk::pipelines::division_counter::Counter;
+use crate::intercept::vk::state::division_counter::Counter;
+use crate::intercept::vk::state::driver::Driver;
 use ash::prelude::VkResult;
 use ash::vk;
 use std::sync::{Mutex, OnceLock, PoisonError};
@@ -68,9 +68,9 @@ impl Rows {
         (if self.lenses { 2 } else { 1 }) * (FLOATS * size_of::<f32>()) as u64
     }
 
-    /// What counts on this device, if anything does.
-    pub fn counter(&self, device: &Device) -> Option<&Counter> {
-        self.counter.get_or_init(|| self.counts.then(|| Counter::new(device).ok()).flatten()).as_ref()
+    /// What counts on this driver, if anything does.
+    pub fn counter(&self, driver: &Driver) -> Option<&Counter> {
+        self.counter.get_or_init(|| self.counts.then(|| Counter::new(driver).ok()).flatten()).as_ref()
     }
 
     /// What was counted, if anything could be.
@@ -79,7 +79,7 @@ impl Rows {
     }
 
     /// The layout of the set that shaders read rows by, and count by with `counts`; `None` where the driver refuses it.
-    pub fn set_layout(&self, device: &Device, counts: bool) -> Option<vk::DescriptorSetLayout> {
+    pub fn set_layout(&self, driver: &Driver, counts: bool) -> Option<vk::DescriptorSetLayout> {
         *self.set_layouts[usize::from(counts)].get_or_init(|| {
             let rows = vk::DescriptorSetLayoutBinding::default()
                 .descriptor_type(vk::DescriptorType::UNIFORM_BUFFER_DYNAMIC)
@@ -93,7 +93,7 @@ impl Rows {
             let bindings = [rows, counter];
             let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings[..1 + usize::from(counts)]);
             // SAFETY: the device is live.
-            unsafe { device.functions.create_descriptor_set_layout(&info, None) }.ok()
+            unsafe { driver.functions.create_descriptor_set_layout(&info, None) }.ok()
         })
     }
 
@@ -101,13 +101,13 @@ impl Rows {
     ///
     /// # Errors
     /// The driver's.
-    pub fn take(&self, device: &Device, taken: &mut Taken, groups: usize, stride: u32) -> VkResult<Place> {
+    pub fn take(&self, driver: &Driver, taken: &mut Taken, groups: usize, stride: u32) -> VkResult<Place> {
         let length = groups as u64 * u64::from(stride);
         if taken.pieces.is_empty() || taken.used + length > PIECE {
             let free = self.free.lock().unwrap_or_else(PoisonError::into_inner).pop();
             let piece = match free {
                 Some(piece) => piece,
-                None => self.make(device)?,
+                None => self.make(driver)?,
             };
             taken.pieces.push(piece);
             taken.used = 0;
@@ -123,12 +123,12 @@ impl Rows {
         self.free.lock().unwrap_or_else(PoisonError::into_inner).append(&mut taken.pieces);
     }
 
-    fn make(&self, device: &Device) -> VkResult<Piece> {
-        let counter = self.counter(device);
+    fn make(&self, driver: &Driver) -> VkResult<Piece> {
+        let counter = self.counter(driver);
         let layouts: Option<Vec<vk::DescriptorSetLayout>> = [false, true]
             .into_iter()
             .take(1 + counter.iter().count())
-            .map(|counts| self.set_layout(device, counts))
+            .map(|counts| self.set_layout(driver, counts))
             .collect();
         let layouts = layouts.ok_or(vk::Result::ERROR_INITIALIZATION_FAILED)?;
         let mut piece = Piece {
@@ -138,26 +138,26 @@ impl Rows {
             sets: Default::default(),
             address: 0,
         };
-        match piece.fill(device, &layouts, (self.group(), counter)) {
+        match piece.fill(driver, &layouts, (self.group(), counter)) {
             Ok(()) => Ok(piece),
             Err(error) => {
-                piece.destroy(device);
+                piece.destroy(driver);
                 Err(error)
             }
         }
     }
 
     /// Destroys what is left, before the device is destroyed.
-    pub fn destroy(&self, device: &Device) {
+    pub fn destroy(&self, driver: &Driver) {
         for piece in self.free.lock().unwrap_or_else(PoisonError::into_inner).drain(..) {
-            piece.destroy(device);
+            piece.destroy(driver);
         }
         for layout in self.set_layouts.iter().filter_map(|layout| layout.get().copied().flatten()) {
             // SAFETY: ours; nothing uses it any more.
-            unsafe { device.functions.destroy_descriptor_set_layout(layout, None) };
+            unsafe { driver.functions.destroy_descriptor_set_layout(layout, None) };
         }
         if let Some(Some(counter)) = self.counter.get() {
-            counter.destroy(device);
+            counter.destroy(driver);
         }
     }
 }
@@ -171,11 +171,11 @@ impl Piece {
     /// With a set for each of the `layouts`.
     fn fill(
         &mut self,
-        device: &Device,
+        driver: &Driver,
         layouts: &[vk::DescriptorSetLayout],
         (group, counter): (u64, Option<&Counter>),
     ) -> VkResult<()> {
-        let functions = &device.functions;
+        let functions = &driver.functions;
         let usage = vk::BufferUsageFlags::UNIFORM_BUFFER | vk::BufferUsageFlags::INDIRECT_BUFFER;
         let info = vk::BufferCreateInfo::default().size(PIECE).usage(usage);
         let visible = vk::MemoryPropertyFlags::HOST_VISIBLE | vk::MemoryPropertyFlags::HOST_COHERENT;
@@ -189,7 +189,7 @@ impl Piece {
         unsafe {
             self.buffer = functions.create_buffer(&info, None)?;
             let needs = functions.get_buffer_memory_requirements(self.buffer);
-            let kind = device.memory_type(needs.memory_type_bits, visible).unwrap_or(0);
+            let kind = driver.memory_type(needs.memory_type_bits, visible).unwrap_or(0);
             let allocation = vk::MemoryAllocateInfo::default().allocation_size(needs.size).memory_type_index(kind);
             self.memory = functions.allocate_memory(&allocation, None)?;
             functions.bind_buffer_memory(self.buffer, self.memory, 0)?;
@@ -239,12 +239,12 @@ impl Piece {
         unsafe { std::ptr::copy_nonoverlapping(words.as_ptr(), to, words.len()) };
     }
 
-    fn destroy(&self, device: &Device) {
+    fn destroy(&self, driver: &Driver) {
         // SAFETY: ours or null; the device has finished with them.
         unsafe {
-            device.functions.destroy_descriptor_pool(self.pool, None);
-            device.functions.destroy_buffer(self.buffer, None);
-            device.functions.free_memory(self.memory, None);
+            driver.functions.destroy_descriptor_pool(self.pool, None);
+            driver.functions.destroy_buffer(self.buffer, None);
+            driver.functions.free_memory(self.memory, None);
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Images of ours, and what is recorded to use an image.
 
 use crate::backend::vk::{COLOR, Use};
-use crate::intercept::vk::layer::device::Device;
+use crate::intercept::vk::state::driver::Driver;
 use ash::prelude::VkResult;
 use ash::vk;
 
@@ -21,18 +21,18 @@ impl OwnImage {
     ///
     /// # Safety
     /// The device must be live, `info` valid.
-    pub unsafe fn new(device: &Device, info: &vk::ImageCreateInfo<'_>) -> VkResult<Self> {
-        let functions = &device.functions;
+    pub unsafe fn new(driver: &Driver, info: &vk::ImageCreateInfo<'_>) -> VkResult<Self> {
+        let functions = &driver.functions;
         // SAFETY: makes objects of ours; what was made before a failure is destroyed.
         unsafe {
             let image = functions.create_image(info, None)?;
             let needs = functions.get_image_memory_requirements(image);
-            let kind = device.memory_type(needs.memory_type_bits, vk::MemoryPropertyFlags::DEVICE_LOCAL).unwrap_or(0);
+            let kind = driver.memory_type(needs.memory_type_bits, vk::MemoryPropertyFlags::DEVICE_LOCAL).unwrap_or(0);
             let allocation = vk::MemoryAllocateInfo::default().allocation_size(needs.size).memory_type_index(kind);
             let memory =
                 functions.allocate_memory(&allocation, None).inspect_err(|_| functions.destroy_image(image, None))?;
             let own = Self { image, memory };
-            functions.bind_image_memory(image, memory, 0).inspect_err(|_| own.destroy(device))?;
+            functions.bind_image_memory(image, memory, 0).inspect_err(|_| own.destroy(driver))?;
             Ok(own)
         }
     }
@@ -46,21 +46,21 @@ impl OwnImage {
     /// The device must be live, the format one that the image can be seen with.
     pub unsafe fn view(
         &self,
-        device: &Device,
+        driver: &Driver,
         format: vk::Format,
         components: vk::ComponentMapping,
     ) -> VkResult<vk::ImageView> {
         // SAFETY: as promised.
-        unsafe { color_view(device, self.image, format, components) }
+        unsafe { color_view(driver, self.image, format, components) }
     }
 
     /// # Safety
     /// The device must have finished with it.
-    pub unsafe fn destroy(&self, device: &Device) {
+    pub unsafe fn destroy(&self, driver: &Driver) {
         // SAFETY: as promised; both are ours.
         unsafe {
-            device.functions.destroy_image(self.image, None);
-            device.functions.free_memory(self.memory, None);
+            driver.functions.destroy_image(self.image, None);
+            driver.functions.free_memory(self.memory, None);
         }
     }
 }
@@ -73,7 +73,7 @@ impl OwnImage {
 /// # Safety
 /// As for [`OwnImage::view`].
 pub unsafe fn color_view(
-    device: &Device,
+    driver: &Driver,
     image: vk::Image,
     format: vk::Format,
     components: vk::ComponentMapping,
@@ -85,7 +85,7 @@ pub unsafe fn color_view(
         .components(components)
         .subresource_range(COLOR);
     // SAFETY: as promised.
-    unsafe { device.functions.create_image_view(&info, None) }
+    unsafe { driver.functions.create_image_view(&info, None) }
 }
 
 /// The colour of the first level and layer, for copies.
@@ -125,7 +125,7 @@ pub const fn ready_in(layout: vk::ImageLayout) -> Use {
 ///
 /// # Safety
 /// The image must be in that layout, the command buffer being recorded outside a render pass.
-pub unsafe fn barrier(device: &Device, buffer: vk::CommandBuffer, image: vk::Image, from: Use, to: Use) {
+pub unsafe fn barrier(driver: &Driver, buffer: vk::CommandBuffer, image: vk::Image, from: Use, to: Use) {
     // SAFETY: as promised.
-    unsafe { crate::backend::vk::barrier(&device.functions, buffer, (image, 1), from, to) };
+    unsafe { crate::backend::vk::barrier(&driver.functions, buffer, (image, 1), from, to) };
 }

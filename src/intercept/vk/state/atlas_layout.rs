@@ -2,12 +2,19 @@
 
 use crate::correct::Plan;
 use crate::error::{Error, ErrorKind, Result};
-use crate::intercept::vk::layer::features::Vertices;
+use crate::intercept::vk::state::vertices::Vertices;
 use crate::rig::Rig;
 use crate::runtime::session::{Extras, Session};
+use ash::vk;
 
 /// A rectangle: x, y of the top left corner, width, height.
 pub type Rect = [i32; 4];
+
+/// A tile as Vulkan takes rectangles.
+pub fn rectangle([x, y, width, height]: Rect) -> vk::Rect2D {
+    let extent = vk::Extent2D { width: width.max(0) as u32, height: height.max(0) as u32 };
+    vk::Rect2D { offset: vk::Offset2D { x, y }, extent }
+}
 
 /// A rig at work in a window.
 pub struct Layout {
@@ -110,7 +117,7 @@ fn upside_down(plan: &Plan) -> Plan {
 #[cfg(test)]
 mod tests {
     use super::Layout;
-    use crate::intercept::vk::layer::features::Vertices;
+    use crate::intercept::vk::state::vertices::Vertices;
 
     #[test]
     fn the_panel_is_as_large_as_the_window_and_everything_inside() {

@@ -1,76 +1,7 @@
-//! Chains of structures of the program: what is in them, and copies of which something is changed.
+//! Lengths of the structures in the chain of `VkDeviceCreateInfo`.
 
+use crate::intercept::vk::layer::chain_links::LAYER_INFO_LENGTH;
 use ash::vk;
-use std::ffi::c_void;
-
-/// A structure in a chain, by its kind.
-///
-/// # Safety
-/// `chain` must be a chain of Vulkan structures, `T` the one of that kind.
-pub unsafe fn in_chain<'a, T>(chain: *const c_void, kind: vk::StructureType) -> Option<&'a T> {
-    let mut at = chain.cast::<vk::BaseInStructure<'_>>();
-    while !at.is_null() {
-        // SAFETY: each structure begins with its kind and the next one.
-        unsafe {
-            if (*at).s_type == kind {
-                return Some(&*at.cast::<T>());
-            }
-            at = (*at).p_next;
-        }
-    }
-    None
-}
-
-/// A chain like the program's: copies of the structures up to one of a certain kind, of which something may be changed. What
-/// follows is the program's.
-pub struct Copied(Vec<Box<[u64]>>);
-
-impl Copied {
-    /// `None` where there is no structure of the kind `last`, or one before it whose length, bytes, is not known.
-    ///
-    /// # Safety
-    /// `chain` must be the program's.
-    pub unsafe fn up_to(
-        chain: *const c_void,
-        last: vk::StructureType,
-        length: fn(vk::StructureType) -> Option<usize>,
-    ) -> Option<Self> {
-        let mut copies: Vec<Box<[u64]>> = Vec::new();
-        let mut at = chain.cast::<vk::BaseInStructure<'_>>();
-        loop {
-            // SAFETY: as promised; a structure of a known kind is as long as that, and begins with kind and next one.
-            unsafe {
-                let given = at.as_ref()?;
-                let bytes = length(given.s_type)?;
-                let mut copy = vec![0u64; bytes.div_ceil(8)].into_boxed_slice();
-                std::ptr::copy_nonoverlapping(at.cast::<u8>(), copy.as_mut_ptr().cast(), bytes);
-                if let Some(before) = copies.last_mut() {
-                    (*before.as_mut_ptr().cast::<vk::BaseOutStructure<'_>>()).p_next = copy.as_mut_ptr().cast();
-                }
-                copies.push(copy);
-                if given.s_type == last {
-                    return Some(Self(copies));
-                }
-                at = given.p_next;
-            }
-        }
-    }
-
-    /// The first structure.
-    pub fn first(&self) -> *const c_void {
-        self.0.first().map_or(std::ptr::null(), |copy| copy.as_ptr().cast())
-    }
-
-    /// The last one that is a copy.
-    ///
-    /// # Safety
-    /// `T` must be the structure of the kind up to which was copied.
-    pub unsafe fn last<T>(&mut self) -> Option<&mut T> {
-        let last = self.0.last_mut().filter(|copy| 8 * copy.len() >= size_of::<T>())?;
-        // SAFETY: as promised; the copy is aligned as the pointers and numbers of such structures.
-        Some(unsafe { &mut *last.as_mut_ptr().cast::<T>() })
-    }
-}
 
 macro_rules! lengths {
     ($kind:ident; $($structure:ident,)*) => {
@@ -87,7 +18,7 @@ macro_rules! lengths {
 #[rustfmt::skip]
 pub fn length_for_device(kind: vk::StructureType) -> Option<usize> {
     if kind == vk::StructureType::LOADER_DEVICE_CREATE_INFO {
-        return Some(crate::intercept::vk::layer::negotiate::LAYER_INFO_LENGTH);
+        return Some(LAYER_INFO_LENGTH);
     }
     lengths! { kind;
     PhysicalDeviceFeatures2,

@@ -1,8 +1,8 @@
 //! What a program has bound for its compute shaders, so that it can be put back after one of ours.
 
-use crate::intercept::vk::commands::recording::Bound;
-use crate::intercept::vk::descriptors::push_descriptors::{Pushed, Write};
-use crate::intercept::vk::layer::device::Device;
+use crate::intercept::vk::state::bindings::{Bound, Pushed, Write};
+use crate::intercept::vk::state::driver::Driver;
+use crate::intercept::vk::state::entry_points::NextLayer;
 use ash::vk;
 
 /// What is bound for compute shaders while a command buffer is recorded.
@@ -44,8 +44,8 @@ impl Compute {
     ///
     /// # Safety
     /// The command buffer is being recorded.
-    pub unsafe fn restore(&self, device: &Device, buffer: vk::CommandBuffer) {
-        let (functions, point) = (&device.functions, vk::PipelineBindPoint::COMPUTE);
+    pub unsafe fn restore(&self, driver: &Driver, next: &NextLayer, buffer: vk::CommandBuffer) {
+        let (functions, point) = (&driver.functions, vk::PipelineBindPoint::COMPUTE);
         // SAFETY: as promised; the program bound it in this command buffer, for these layouts.
         unsafe {
             if self.pipeline != vk::Pipeline::null() {
@@ -53,7 +53,7 @@ impl Compute {
             }
             for (number, layout, bound) in &self.sets {
                 match &bound.pushed {
-                    Some(pushed) => pushed.repeat((device, buffer), point, *layout, *number),
+                    Some(pushed) => pushed.repeat(next, buffer, point, *layout, *number),
                     None => functions.cmd_bind_descriptor_sets(
                         buffer,
                         point,
@@ -71,7 +71,7 @@ impl Compute {
 #[cfg(test)]
 mod tests {
     use super::Compute;
-    use crate::intercept::vk::commands::recording::Bound;
+    use crate::intercept::vk::state::bindings::Bound;
     use ash::vk::{self, Handle};
 
     #[test]

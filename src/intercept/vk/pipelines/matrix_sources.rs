@@ -1,0 +1,63 @@
+//! Where the matrices that shaders read are, and what they hold.
+
+use crate::intercept::lens;
+use crate::intercept::vk::spirv::{Matrix, Memory};
+use crate::intercept::vk::state::device::Device;
+use crate::intercept::vk::state::draw_groups::{Source, Value};
+use crate::intercept::vk::state::recording::Recording;
+
+/// A matrix out of memory.
+pub fn matrix(device: &Device, source: &Source) -> Option<[f64; 16]> {
+    let raw = match source.value {
+        Value::Known(raw) => raw,
+        Value::Buffer(buffer, offset) => {
+            let stride = source.matrix.stride as usize;
+            let mut bytes = [0; 256];
+            let bytes = bytes.get_mut(..3 * stride + 16)?;
+            if !device.memory_of_program.read(buffer, offset, bytes) {
+                return None;
+            }
+            from_bytes(bytes, stride)?
+        }
+    };
+    let value = raw.map(f64::from);
+    Some(if source.matrix.row_major { lens::transposed(&value) } else { value })
+}
+
+/// Sixteen floats, four by four.
+pub fn from_bytes(bytes: &[u8], stride: usize) -> Option<[f32; 16]> {
+    let mut raw = [0.0; 16];
+    for (i, value) in raw.iter_mut().enumerate() {
+        let at = i / 4 * stride + i % 4 * 4;
+        *value = f32::from_ne_bytes(bytes.get(at..at + 4)?.try_into().ok()?);
+    }
+    Some(raw)
+}
+
+/// Where a shader's matrix is, with the descriptors and push constants that are bound.
+pub fn source(device: &Device, recording: &Recording, matrix: &Matrix) -> Option<Source> {
+    let value = match matrix.memory {
+        Memory::Push => {
+            Value::Known(from_bytes(recording.push.get(matrix.offset as usize..)?, matrix.stride as usize)?)
+        }
+        Memory::Buffer { set, binding } => {
+            let bound = recording.bound.get(set as usize)?.as_ref()?;
+            let (buffer, offset) = bound.buffer(&device.descriptors, binding)?;
+            Value::Buffer(buffer, offset + u64::from(matrix.offset))
+        }
+    };
+    Some(Source { matrix: *matrix, value })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::from_bytes;
+
+    #[test]
+    fn numbers_are_read_by_their_stride() {
+        let mut bytes = vec![0; 3 * 32 + 16];
+        bytes[2 * 32 + 4..2 * 32 + 8].copy_from_slice(&7f32.to_ne_bytes());
+        assert_eq!(from_bytes(&bytes, 32).map(|m| m[9]), Some(7.0));
+        assert_eq!(from_bytes(&bytes[..90], 32), None);
+    }
+}

@@ -1,0 +1,184 @@
+//! What a command buffer has bound: descriptor sets and pushed descriptors.
+
+use crate::intercept::vk::state::descriptors::{Descriptors, TemplateEntry};
+use crate::intercept::vk::state::entry_points::NextLayer;
+use crate::intercept::vk::state::structures::slice;
+use ash::vk;
+
+/// A descriptor set that the program bound.
+#[derive(Clone, Default)]
+pub struct Bound {
+    /// The set.
+    pub(in crate::intercept::vk) set: vk::DescriptorSet,
+    /// Its dynamic offsets.
+    pub(in crate::intercept::vk) dynamic: Vec<u32>,
+    /// In its place: what was pushed.
+    pub(in crate::intercept::vk) pushed: Option<Pushed>,
+}
+
+impl Bound {
+    /// The buffer of a binding, and where it begins.
+    pub fn buffer(&self, descriptors: &Descriptors, binding: u32) -> Option<(vk::Buffer, u64)> {
+        match &self.pushed {
+            Some(pushed) => pushed.buffer(binding),
+            None => descriptors.buffer(self.set, &self.dynamic, binding),
+        }
+    }
+}
+
+/// What descriptors show.
+#[derive(Clone)]
+pub(in crate::intercept::vk) enum Content {
+    Images(Vec<vk::DescriptorImageInfo>),
+    Buffers(Vec<vk::DescriptorBufferInfo>),
+    Texels(Vec<vk::BufferView>),
+}
+
+/// Descriptors of one binding.
+#[derive(Clone)]
+pub struct Write {
+    pub(in crate::intercept::vk) binding: u32,
+    pub(in crate::intercept::vk) element: u32,
+    pub(in crate::intercept::vk) kind: vk::DescriptorType,
+    pub(in crate::intercept::vk) content: Content,
+}
+
+/// What was pushed to a set.
+#[derive(Clone, Default)]
+pub struct Pushed {
+    pub(in crate::intercept::vk) writes: Vec<Write>,
+}
+
+impl Write {
+    /// # Safety
+    /// `write` must be the program's.
+    pub(in crate::intercept::vk) unsafe fn of(write: &vk::WriteDescriptorSet<'_>) -> Option<Self> {
+        let (kind, count) = (write.descriptor_type, write.descriptor_count);
+        // SAFETY: as promised; the kind says which array counts.
+        let content = unsafe {
+            match content_of(kind)? {
+                Content::Images(_) => Content::Images(slice(write.p_image_info, count).to_vec()),
+                Content::Buffers(_) => Content::Buffers(slice(write.p_buffer_info, count).to_vec()),
+                Content::Texels(_) => Content::Texels(slice(write.p_texel_buffer_view, count).to_vec()),
+            }
+        };
+        Some(Self { binding: write.dst_binding, element: write.dst_array_element, kind, content })
+    }
+
+    /// As a template describes it.
+    ///
+    /// # Safety
+    /// `data` must be what the program gives for the template of this entry.
+    pub(in crate::intercept::vk) unsafe fn described(entry: &TemplateEntry, data: *const u8) -> Option<Self> {
+        /// # Safety
+        /// `count` elements lie `stride` bytes from each other.
+        unsafe fn all<T>(first: *const u8, stride: usize, count: u32) -> Vec<T> {
+            // SAFETY: as promised.
+            (0..count as usize).map(|i| unsafe { std::ptr::read_unaligned(first.add(i * stride).cast()) }).collect()
+        }
+        // SAFETY: as promised.
+        let content = unsafe {
+            let first = data.add(entry.offset);
+            match content_of(entry.kind)? {
+                Content::Images(_) => Content::Images(all(first, entry.stride, entry.count)),
+                Content::Buffers(_) => Content::Buffers(all(first, entry.stride, entry.count)),
+                Content::Texels(_) => Content::Texels(all(first, entry.stride, entry.count)),
+            }
+        };
+        Some(Self { binding: entry.binding, element: entry.first, kind: entry.kind, content })
+    }
+
+    /// For the driver; it lives as long as this.
+    pub(in crate::intercept::vk) fn plain(&self) -> vk::WriteDescriptorSet<'_> {
+        let write = vk::WriteDescriptorSet::default()
+            .dst_binding(self.binding)
+            .dst_array_element(self.element)
+            .descriptor_type(self.kind);
+        match &self.content {
+            Content::Images(images) => write.image_info(images),
+            Content::Buffers(buffers) => write.buffer_info(buffers),
+            Content::Texels(views) => write.texel_buffer_view(views),
+        }
+    }
+}
+
+/// An empty list of what descriptors of a kind show; `None` for kinds that are not known.
+pub(in crate::intercept::vk) fn content_of(kind: vk::DescriptorType) -> Option<Content> {
+    use vk::DescriptorType as T;
+    match kind {
+        T::SAMPLER | T::COMBINED_IMAGE_SAMPLER | T::SAMPLED_IMAGE | T::STORAGE_IMAGE | T::INPUT_ATTACHMENT => {
+            Some(Content::Images(Vec::new()))
+        }
+        T::UNIFORM_BUFFER | T::STORAGE_BUFFER => Some(Content::Buffers(Vec::new())),
+        T::UNIFORM_TEXEL_BUFFER | T::STORAGE_TEXEL_BUFFER => Some(Content::Texels(Vec::new())),
+        _ => None,
+    }
+}
+
+impl Pushed {
+    /// The first buffer of a binding, and where it begins.
+    pub fn buffer(&self, binding: u32) -> Option<(vk::Buffer, u64)> {
+        let first = |write: &Write| match &write.content {
+            Content::Buffers(buffers) if (write.binding, write.element) == (binding, 0) => buffers.first().copied(),
+            _ => None,
+        };
+        self.writes.iter().find_map(first).map(|info| (info.buffer, info.offset))
+    }
+
+    /// Descriptors are pushed; what has their place is what they replace.
+    pub(in crate::intercept::vk) fn add(&mut self, write: Write) {
+        self.writes.retain(|known| (known.binding, known.element) != (write.binding, write.element));
+        self.writes.push(write);
+    }
+
+    /// What is there after more was pushed.
+    pub fn after(before: Option<Self>, writes: Vec<Write>) -> Self {
+        let mut pushed = before.unwrap_or_default();
+        writes.into_iter().for_each(|write| pushed.add(write));
+        pushed
+    }
+
+    /// Pushes all of it again as set `number`.
+    ///
+    /// # Safety
+    /// The command buffer is being recorded; the layout is the program's, which pushed it for this place.
+    pub unsafe fn repeat(
+        &self,
+        next: &NextLayer,
+        buffer: vk::CommandBuffer,
+        point: vk::PipelineBindPoint,
+        layout: vk::PipelineLayout,
+        number: u32,
+    ) {
+        let Some(push) = next.cmd_push_descriptor_set else { return };
+        let writes: Vec<_> = self.writes.iter().map(Write::plain).collect();
+        // SAFETY: as promised.
+        unsafe { push(buffer, point, layout, number, writes.len() as u32, writes.as_ptr()) };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Pushed, Write};
+    use ash::vk::{self, Handle};
+
+    #[test]
+    fn what_was_pushed_last_to_a_place_counts() {
+        let mut pushed = Pushed::default();
+        for (binding, buffer, offset) in [(3, 7, 64), (4, 8, 0), (3, 9, 128)] {
+            let info = [vk::DescriptorBufferInfo { buffer: vk::Buffer::from_raw(buffer), offset, range: 64 }];
+            let write = vk::WriteDescriptorSet::default()
+                .dst_binding(binding)
+                .descriptor_type(vk::DescriptorType::UNIFORM_BUFFER)
+                .buffer_info(&info);
+            // SAFETY: the array lives.
+            pushed.add(unsafe { Write::of(&write) }.expect("a known kind"));
+        }
+        assert_eq!(pushed.buffer(3), Some((vk::Buffer::from_raw(9), 128)));
+        assert_eq!(pushed.buffer(4), Some((vk::Buffer::from_raw(8), 0)));
+        assert_eq!((pushed.buffer(5), pushed.writes.len()), (None, 2));
+        let unknown = vk::WriteDescriptorSet::default().descriptor_type(vk::DescriptorType::ACCELERATION_STRUCTURE_KHR);
+        // SAFETY: nothing is looked at.
+        assert!(unsafe { Write::of(&unknown) }.is_none());
+    }
+}

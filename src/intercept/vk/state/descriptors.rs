@@ -1,0 +1,207 @@
+//! Descriptor sets of the program, their layouts and update templates.
+
+use crate::intercept::vk::state::set_contents::{Contents, Copies, Picture};
+use ash::vk;
+use std::collections::{BTreeMap, HashMap};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// The layout of a descriptor set.
+#[derive(Default)]
+pub struct SetLayout {
+    /// Type and number of each binding.
+    pub(in crate::intercept::vk) bindings: BTreeMap<u32, (vk::DescriptorType, u32)>,
+    /// Its descriptors lie in buffers: no set of ours can be bound beside them.
+    pub(in crate::intercept::vk) apart: bool,
+    /// Descriptors may change while they are bound.
+    pub(in crate::intercept::vk) changes_later: bool,
+}
+
+/// Buffers whose offset is given when they are bound.
+pub fn is_dynamic(kind: vk::DescriptorType) -> bool {
+    [vk::DescriptorType::UNIFORM_BUFFER_DYNAMIC, vk::DescriptorType::STORAGE_BUFFER_DYNAMIC].contains(&kind)
+}
+
+pub(in crate::intercept::vk) fn is_buffer(kind: vk::DescriptorType) -> bool {
+    is_dynamic(kind) || [vk::DescriptorType::UNIFORM_BUFFER, vk::DescriptorType::STORAGE_BUFFER].contains(&kind)
+}
+
+impl SetLayout {
+    /// How many dynamic offsets are given when such a set is bound.
+    pub fn dynamic_offsets(&self) -> u32 {
+        self.bindings.values().filter(|(kind, _)| is_dynamic(*kind)).map(|(_, count)| count).sum()
+    }
+
+    /// Which of the dynamic offsets is that of a binding's first descriptor; `None` if it has none.
+    pub(in crate::intercept::vk) fn dynamic_index(&self, binding: u32) -> Option<usize> {
+        self.bindings.get(&binding).filter(|(kind, _)| is_dynamic(*kind))?;
+        let before = self.bindings.range(..binding).filter(|(_, (kind, _))| is_dynamic(*kind));
+        Some(before.map(|(_, (_, count))| *count as usize).sum())
+    }
+}
+
+/// A descriptor set.
+pub(in crate::intercept::vk) struct Set {
+    pub(in crate::intercept::vk) pool: vk::DescriptorPool,
+    pub(in crate::intercept::vk) handle: vk::DescriptorSetLayout,
+    pub(in crate::intercept::vk) layout: Arc<SetLayout>,
+    pub(in crate::intercept::vk) contents: Contents,
+    pub(in crate::intercept::vk) copies: Option<Copies>,
+    /// The first buffer of each binding, and where it begins.
+    pub(in crate::intercept::vk) buffers: HashMap<u32, (vk::Buffer, u64)>,
+}
+
+/// An entry of a template.
+pub struct TemplateEntry {
+    /// The binding that it describes.
+    pub(in crate::intercept::vk) binding: u32,
+    /// The first element there.
+    pub(in crate::intercept::vk) first: u32,
+    /// Kind of the descriptors.
+    pub(in crate::intercept::vk) kind: vk::DescriptorType,
+    /// Their number.
+    pub(in crate::intercept::vk) count: u32,
+    /// Where they begin in the program's data, bytes.
+    pub(in crate::intercept::vk) offset: usize,
+    /// From one to the next, bytes.
+    pub(in crate::intercept::vk) stride: usize,
+}
+
+/// A template for updates of descriptors.
+pub struct Template {
+    /// Its entries.
+    pub(in crate::intercept::vk) entries: Vec<TemplateEntry>,
+    /// Where descriptors are pushed by it: they are for graphics.
+    pub(in crate::intercept::vk) graphics: bool,
+}
+
+/// Descriptor sets and their layouts.
+#[derive(Default)]
+pub struct Descriptors {
+    pub(in crate::intercept::vk) layouts: Mutex<HashMap<vk::DescriptorSetLayout, Arc<SetLayout>>>,
+    pub(in crate::intercept::vk) sets: Mutex<HashMap<vk::DescriptorSet, Set>>,
+    pub(in crate::intercept::vk) templates: Mutex<HashMap<vk::DescriptorUpdateTemplate, Arc<Template>>>,
+    /// Some set has had attachments that shaders can read.
+    pub(in crate::intercept::vk) attachments: AtomicBool,
+}
+
+impl Descriptors {
+    /// A layout.
+    pub fn layout(&self, handle: vk::DescriptorSetLayout) -> Option<Arc<SetLayout>> {
+        self.layouts.lock().unwrap_or_else(PoisonError::into_inner).get(&handle).cloned()
+    }
+
+    /// A template.
+    pub fn template(&self, handle: vk::DescriptorUpdateTemplate) -> Option<Arc<Template>> {
+        self.templates.lock().unwrap_or_else(PoisonError::into_inner).get(&handle).cloned()
+    }
+
+    /// How many dynamic offsets are given when a set is bound.
+    pub fn dynamic_offsets(&self, set: vk::DescriptorSet) -> u32 {
+        let sets = self.sets.lock().unwrap_or_else(PoisonError::into_inner);
+        sets.get(&set).map_or(0, |set| set.layout.dynamic_offsets())
+    }
+
+    /// The buffer of a binding of a set that is bound with `dynamic` offsets, and where it begins.
+    pub fn buffer(&self, set: vk::DescriptorSet, dynamic: &[u32], binding: u32) -> Option<(vk::Buffer, u64)> {
+        let sets = self.sets.lock().unwrap_or_else(PoisonError::into_inner);
+        let state = sets.get(&set)?;
+        let (buffer, offset) = *state.buffers.get(&binding)?;
+        let moved = state.layout.dynamic_index(binding).and_then(|index| dynamic.get(index)).copied();
+        Some((buffer, offset + u64::from(moved.unwrap_or(0))))
+    }
+
+    pub(in crate::intercept::vk) fn describe(
+        &self,
+        set: vk::DescriptorSet,
+        binding: u32,
+        buffer: &vk::DescriptorBufferInfo,
+    ) {
+        if let Some(set) = self.sets.lock().unwrap_or_else(PoisonError::into_inner).get_mut(&set) {
+            set.buffers.insert(binding, (buffer.buffer, buffer.offset));
+        }
+    }
+
+    /// Views of the images that shaders can read by a set.
+    pub fn pictures(&self, set: vk::DescriptorSet) -> Vec<vk::ImageView> {
+        let sets = self.sets.lock().unwrap_or_else(PoisonError::into_inner);
+        sets.get(&set).map_or(Vec::new(), |set| set.contents.views().collect())
+    }
+
+    /// Whether shaders can read attachments by a set.
+    pub fn reads_attachments(&self, set: vk::DescriptorSet) -> bool {
+        let sets = self.sets.lock().unwrap_or_else(PoisonError::into_inner);
+        sets.get(&set).is_some_and(|set| set.contents.reads_attachments())
+    }
+
+    /// Whether any set was written by which shaders can read attachments.
+    pub fn any_attachments(&self) -> bool {
+        self.attachments.load(Ordering::Relaxed)
+    }
+
+    pub(in crate::intercept::vk) fn write(&self, set: vk::DescriptorSet, place: (u32, u32), picture: Option<Picture>) {
+        if picture.is_some_and(|picture| picture.attachment.is_some()) {
+            self.attachments.store(true, Ordering::Relaxed);
+        }
+        if let Some(set) = self.sets.lock().unwrap_or_else(PoisonError::into_inner).get_mut(&set) {
+            set.contents.write(place, picture);
+        }
+    }
+
+    pub(in crate::intercept::vk) fn copy(&self, copy: &vk::CopyDescriptorSet<'_>) {
+        let mut sets = self.sets.lock().unwrap_or_else(PoisonError::into_inner);
+        // Out and in again: both may be one.
+        let mut contents = sets.get_mut(&copy.dst_set).map(|set| std::mem::take(&mut set.contents)).unwrap_or_default();
+        if let Some(from) = sets.get(&copy.src_set).filter(|_| copy.src_set != copy.dst_set) {
+            for index in 0..copy.descriptor_count {
+                let source = (copy.src_binding, copy.src_array_element + index);
+                contents.copy(&from.contents, (source, (copy.dst_binding, copy.dst_array_element + index)));
+            }
+        }
+        if let Some(to) = sets.get_mut(&copy.dst_set) {
+            to.contents = contents;
+        }
+        if copy.src_array_element != 0 || copy.dst_array_element != 0 {
+            return;
+        }
+        let from = sets.get(&copy.src_set).and_then(|set| set.buffers.get(&copy.src_binding)).copied();
+        if let (Some(from), Some(to)) = (from, sets.get_mut(&copy.dst_set)) {
+            to.buffers.insert(copy.dst_binding, from);
+        }
+    }
+}
+
+/// What shaders read pictures by.
+pub fn is_picture(kind: vk::DescriptorType) -> bool {
+    use vk::DescriptorType as T;
+    [T::COMBINED_IMAGE_SAMPLER, T::SAMPLED_IMAGE, T::STORAGE_IMAGE, T::INPUT_ATTACHMENT].contains(&kind)
+}
+
+/// Those of them that pictures of the scene can be exchanged in.
+pub fn is_sampled(kind: vk::DescriptorType) -> bool {
+    [vk::DescriptorType::COMBINED_IMAGE_SAMPLER, vk::DescriptorType::SAMPLED_IMAGE].contains(&kind)
+}
+
+/// What a descriptor of this kind shows a picture by; `None` for those whose picture cannot be exchanged.
+pub(in crate::intercept::vk) fn picture(info: &vk::DescriptorImageInfo, kind: vk::DescriptorType) -> Option<Picture> {
+    let attachment = (kind == vk::DescriptorType::INPUT_ATTACHMENT).then_some(info.image_layout);
+    let picture = Picture { view: info.image_view, sampler: info.sampler, attachment };
+    (is_sampled(kind) || attachment.is_some()).then_some(picture)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::SetLayout;
+    use ash::vk::DescriptorType as T;
+
+    #[test]
+    fn dynamic_offsets_are_in_the_order_of_bindings() {
+        let bindings =
+            [(5, (T::UNIFORM_BUFFER_DYNAMIC, 1)), (1, (T::STORAGE_BUFFER_DYNAMIC, 2)), (3, (T::UNIFORM_BUFFER, 1))];
+        let layout = SetLayout { bindings: bindings.into_iter().collect(), apart: false, changes_later: false };
+        assert_eq!(layout.dynamic_offsets(), 3);
+        assert_eq!(layout.dynamic_index(1), Some(0));
+        assert_eq!(layout.dynamic_index(5), Some(2));
+        assert_eq!(layout.dynamic_index(3), None);
+    }
+}

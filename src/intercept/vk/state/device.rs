@@ -1,0 +1,125 @@
+//! Devices: what Cupola knows of each, in parts.
+
+use crate::intercept::vk::state::descriptors::Descriptors;
+use crate::intercept::vk::state::draw_groups::Frame;
+use crate::intercept::vk::state::driver::Driver;
+use crate::intercept::vk::state::entry_points::NextLayer;
+use crate::intercept::vk::state::flatness::Flatness;
+use crate::intercept::vk::state::framebuffers::Framebuffers;
+use crate::intercept::vk::state::host_memory::HostMemory;
+use crate::intercept::vk::state::images::Images;
+use crate::intercept::vk::state::instance::dispatch_key;
+use crate::intercept::vk::state::pipelines::{Layouts, Pipelines};
+use crate::intercept::vk::state::queries::Queries;
+use crate::intercept::vk::state::recording::Recordings;
+use crate::intercept::vk::state::scene_paths::Paths;
+use crate::intercept::vk::state::swapchains::Swapchains;
+use crate::intercept::vk::state::vertices::{Decision, Vertices};
+use crate::intercept::vk::state::view_constants::Rows;
+use ash::vk;
+use std::collections::HashMap;
+use std::sync::atomic::AtomicU64;
+use std::sync::{Arc, Mutex, PoisonError, RwLock};
+
+/// A device of the program. Each part has its owner: the room that changes it.
+pub struct Device {
+    /// The driver's side; set once.
+    pub(in crate::intercept::vk) driver: Driver,
+    /// The next layer's functions that hooks call.
+    pub(in crate::intercept::vk) next: NextLayer,
+    /// What Cupola does on this device; decided when it is made.
+    pub(in crate::intercept::vk) role: Role,
+    /// Whether draws are issued for each view.
+    pub(in crate::intercept::vk) flatness: Flatness,
+    /// Command buffers (`commands`).
+    pub(in crate::intercept::vk) recordings: Recordings,
+    /// Render passes and framebuffers (`commands`).
+    pub(in crate::intercept::vk) framebuffers: Framebuffers,
+    /// Images (`offscreen`).
+    pub(in crate::intercept::vk) images: Images,
+    /// Which images hold a scene on its way to the window (`offscreen`).
+    pub(in crate::intercept::vk) paths: Paths,
+    /// Shaders and pipeline layouts (`pipelines`).
+    pub(in crate::intercept::vk) layouts: Layouts,
+    /// Pipelines (`pipelines`).
+    pub(in crate::intercept::vk) pipelines: Pipelines,
+    /// Descriptor sets (`descriptors`).
+    pub(in crate::intercept::vk) descriptors: Descriptors,
+    /// Buffers and memory (`submit`).
+    pub(in crate::intercept::vk) memory_of_program: HostMemory,
+    /// HostMemory of the view constants (`commands` takes it, `submit` writes it).
+    pub(in crate::intercept::vk) rows: Rows,
+    /// The frame that is being submitted (`submit`).
+    pub(in crate::intercept::vk) frame: Mutex<Frame>,
+    /// Queries that count (`queries`).
+    pub(in crate::intercept::vk) queries: Queries,
+    /// Swapchains (`swapchain`).
+    pub(in crate::intercept::vk) swapchains: Swapchains,
+    /// The family of each queue that the program asked for (`layer`).
+    pub(in crate::intercept::vk) queues: Mutex<HashMap<vk::Queue, u32>>,
+    /// Frames that were presented, and the report of the last one (`swapchain`).
+    pub(in crate::intercept::vk) presented: Presented,
+}
+
+/// What Cupola does on a device.
+pub struct Role {
+    /// Cupola has something to do here.
+    pub(in crate::intercept::vk) active: bool,
+    /// It corrects pictures, and does not only count and capture.
+    pub(in crate::intercept::vk) corrects: bool,
+    /// What is done with vertices.
+    pub(in crate::intercept::vk) vertices: Decision,
+    /// Commands may change the class of what a pipeline draws.
+    pub(in crate::intercept::vk) topologies_change: bool,
+}
+
+/// Frames that were presented.
+#[derive(Default)]
+pub struct Presented {
+    /// Their number.
+    pub(in crate::intercept::vk) frames: AtomicU64,
+    /// Number of the last report.
+    pub(in crate::intercept::vk) report: AtomicU64,
+}
+
+pub(in crate::intercept::vk) static DEVICES: RwLock<Option<HashMap<usize, Arc<Device>>>> = RwLock::new(None);
+
+/// The device that a device, queue or command buffer belongs to.
+pub fn get(handle: impl vk::Handle) -> Option<Arc<Device>> {
+    let object = handle.as_raw();
+    if object == 0 {
+        return None;
+    }
+    // SAFETY: the program passed a live handle to Vulkan.
+    let key = unsafe { dispatch_key(object) };
+    DEVICES.read().unwrap_or_else(PoisonError::into_inner).as_ref()?.get(&key).cloned()
+}
+
+impl Role {
+    /// Whether primitives are divided where the rig says so.
+    pub fn divides(&self) -> bool {
+        self.vertices.vertices == Vertices::Divided
+    }
+}
+
+impl Device {
+    /// From one group of rows to the next, bytes.
+    pub fn group_stride(&self) -> u32 {
+        (self.rows.group() as u32).max(self.driver.limits.min_uniform_buffer_offset_alignment.min(1 << 12) as u32)
+    }
+
+    /// Whether draws are issued for each view.
+    pub fn draws_views(&self) -> bool {
+        self.flatness.draws_views()
+    }
+
+    /// From now on the program's picture is shown flat; the log says why.
+    pub fn give_up(&self, why: &str) {
+        self.flatness.give_up(why);
+    }
+
+    /// The family of a queue.
+    pub fn family(&self, queue: vk::Queue) -> u32 {
+        self.queues.lock().unwrap_or_else(PoisonError::into_inner).get(&queue).copied().unwrap_or(0)
+    }
+}

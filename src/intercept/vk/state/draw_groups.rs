@@ -1,0 +1,153 @@
+//! Draws of a pass that share one classification, and the frame that is submitted.
+
+use crate::intercept::camera::Cameras;
+use crate::intercept::scene::frame_order::FrameOrder;
+use crate::intercept::vk::spirv::Matrix;
+use crate::intercept::vk::state::atlas_layout::Layout;
+use crate::intercept::vk::state::draw_parameters::Placed;
+use crate::intercept::vk::state::view_constants::Place;
+use crate::runtime::session::Intrinsics;
+use ash::vk;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// Where a matrix is, or what it is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Value {
+    /// Its numbers as they are in memory, column by column.
+    Known([f32; 16]),
+    /// In a buffer, at an offset.
+    Buffer(vk::Buffer, u64),
+}
+
+/// A matrix that may be the projection.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Source {
+    /// How a shader sees it.
+    pub(in crate::intercept::vk) matrix: Matrix,
+    /// Where it is.
+    pub(in crate::intercept::vk) value: Value,
+}
+
+/// What a run turned out to be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::intercept::vk) enum Outcome {
+    Scene(Intrinsics),
+    Flat,
+    Behind,
+    /// A picture of the scene over the whole of each view.
+    Screen,
+}
+
+/// What draws of a run have in common.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Kind {
+    /// Where the lens may be, the likeliest first.
+    pub(in crate::intercept::vk) sources: Vec<Source>,
+    /// Clip coordinates have y up (a viewport of negative height), not down.
+    pub(in crate::intercept::vk) y_up: bool,
+    /// They are issued to the views as well as onto the panel.
+    pub(in crate::intercept::vk) in_views: bool,
+    /// They draw to an image that holds a scene on its way to the window.
+    pub(in crate::intercept::vk) off_screen: bool,
+    /// They are tested by their depth: without a matrix that can be read they may have the lens that the rig gives.
+    pub(in crate::intercept::vk) deep: bool,
+    /// Where they are flat they bring the scene out of such an image, over all of the picture.
+    pub(in crate::intercept::vk) screen: bool,
+}
+
+/// Draws that share a lens.
+pub struct Run {
+    /// Where their rows are.
+    pub(in crate::intercept::vk) place: Place,
+    /// Where the views are.
+    pub(in crate::intercept::vk) layout: Arc<Layout>,
+    /// What they are.
+    pub(in crate::intercept::vk) kind: Kind,
+    /// How many draws.
+    pub(in crate::intercept::vk) draws: u64,
+    /// Those of them that are left out where they are out of sight.
+    pub(in crate::intercept::vk) placed: Vec<Placed>,
+    /// With which groups of rows it is in sight, bit by bit; groups from 63 on always are.
+    pub(in crate::intercept::vk) in_sight: u64,
+    /// What was written last, and for which matrices.
+    pub(in crate::intercept::vk) last: Option<Outcome>,
+    pub(in crate::intercept::vk) matrices: Vec<(u8, [f64; 16])>,
+    pub(in crate::intercept::vk) lens: Option<(Intrinsics, &'static str)>,
+}
+
+impl Run {
+    /// Draws that are recorded now.
+    pub fn new(place: Place, layout: Arc<Layout>, kind: Kind) -> Self {
+        Self {
+            place,
+            layout,
+            kind,
+            draws: 0,
+            placed: Vec::new(),
+            in_sight: 0,
+            last: None,
+            matrices: Vec::new(),
+            lens: None,
+        }
+    }
+
+    /// How many groups of rows it has: for the views, the panel, and the program's own picture.
+    pub(in crate::intercept::vk) fn groups(&self) -> u32 {
+        2 + if self.kind.in_views { self.layout.views.len() as u32 } else { 0 }
+    }
+
+    /// Whether something of it may be seen with a group of rows.
+    pub(in crate::intercept::vk) fn is_in_sight(&self, group: u32) -> bool {
+        self.in_sight >> group.min(63) & 1 == 1
+    }
+
+    /// Whether draws are issued onto the panel: where the program's own lens shows everything there is none.
+    pub fn is_on_panel(&self) -> bool {
+        !self.kind.off_screen && !self.layout.shows_own_lens()
+    }
+
+    /// With how many groups draws are issued, and with how many of these they are in sight.
+    pub(in crate::intercept::vk) fn times(&self) -> [u32; 2] {
+        let (panel, own) = (self.groups() - 2, self.groups() - 1);
+        let panel = self.is_on_panel().then_some(panel);
+        let issued = (0..self.groups() - 2).chain(panel).chain(self.layout.primary.map(|_| own));
+        [issued.clone().count(), issued.filter(|group| self.is_in_sight(*group)).count()].map(|times| times as u32)
+    }
+
+    /// Whether a draw of this kind belongs to it.
+    pub fn takes(&self, layout: &Arc<Layout>, kind: &Kind) -> bool {
+        Arc::ptr_eq(&self.layout, layout) && self.kind == *kind
+    }
+}
+
+/// What is counted for the statistics.
+#[derive(Clone, Debug, Default)]
+pub struct Counts {
+    /// Draws of the program to its window.
+    pub(in crate::intercept::vk) seen: u64,
+    /// Those that are flat.
+    pub(in crate::intercept::vk) flat: u64,
+    /// Those that were issued to each view.
+    pub(in crate::intercept::vk) in_views: u64,
+    /// Those of them that went to pictures of the scene that are drawn off screen.
+    pub(in crate::intercept::vk) duplicated: u64,
+    /// How often one was left out of a view or the panel, because it is out of sight there.
+    pub(in crate::intercept::vk) left_out: u64,
+    /// How the lens was found.
+    pub(in crate::intercept::vk) found: BTreeMap<&'static str, u64>,
+}
+
+/// The frame that is being submitted.
+#[derive(Default)]
+pub struct Frame {
+    pub(in crate::intercept::vk) cameras: Cameras,
+    pub(in crate::intercept::vk) layout: Option<Arc<Layout>>,
+    /// Rows that show the panel in each view, for flat drawing behind the scene.
+    pub(in crate::intercept::vk) behind: Vec<[f32; 16]>,
+    /// The lens for which it was last found out how many samples show what it sees, and how many.
+    pub(in crate::intercept::vk) sampled: Option<(Intrinsics, f64)>,
+    pub(in crate::intercept::vk) order: FrameOrder,
+    /// What was counted.
+    pub(in crate::intercept::vk) counts: Counts,
+}

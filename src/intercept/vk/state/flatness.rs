@@ -1,0 +1,45 @@
+//! Whether draws are issued for each view, and why not.
+
+use crate::intercept::log;
+use std::sync::OnceLock;
+
+/// The reasons for which a device's draws are not issued for each view.
+#[derive(Default)]
+pub struct Flatness {
+    /// Why the program's picture is shown flat; empty as long as it is not.
+    reason: OnceLock<String>,
+    /// Why some pipeline has no variants.
+    pipeline: OnceLock<String>,
+}
+
+impl Flatness {
+    /// Whether draws are issued for each view.
+    pub fn draws_views(&self) -> bool {
+        self.reason.get().is_none()
+    }
+
+    /// From now on the program's picture is shown flat; the log says why.
+    pub fn give_up(&self, why: &str) {
+        if self.reason.set(why.to_owned()).is_ok() {
+            log::once(&self.note().unwrap_or_default());
+        }
+    }
+
+    /// What the log and the statistics say of a program that is shown flat.
+    pub fn note(&self) -> Option<String> {
+        let why = self.reason.get()?;
+        Some(format!(
+            "Vulkan: the program's picture is shown flat, on the panel; its draws are not issued for each view: {why}"
+        ))
+    }
+
+    /// A pipeline has no variants; that matters when it draws to a window.
+    pub fn note_pipeline(&self, why: &str) {
+        let _ = self.pipeline.set(why.to_owned());
+    }
+
+    /// Why some pipeline has no variants.
+    pub fn pipeline_obstacle(&self) -> String {
+        self.pipeline.get().cloned().unwrap_or_else(|| "a pipeline that is not known".to_owned())
+    }
+}

@@ -1,0 +1,101 @@
+//! Render passes and framebuffers of the program.
+
+use crate::intercept::vk::state::images::Images;
+use crate::intercept::vk::state::shown::Shown;
+use ash::vk;
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// A render pass.
+pub struct RenderPass {
+    /// Colour attachments of each subpass, as far as they are used: number there, attachment.
+    pub(in crate::intercept::vk) colors: Vec<Vec<(u32, u32)>>,
+    /// Attachments whose former content is not kept.
+    pub(in crate::intercept::vk) begins_anew: Vec<bool>,
+    /// Outside of a part that is drawn nothing has to be kept, or everything is.
+    pub(in crate::intercept::vk) may_grow: bool,
+    /// The attachments' formats.
+    pub(in crate::intercept::vk) formats: Vec<vk::Format>,
+    /// The layouts in which it leaves its attachments.
+    pub(in crate::intercept::vk) leaves: Vec<vk::ImageLayout>,
+    /// What keeps it from being drawn for each view.
+    pub(in crate::intercept::vk) obstacle: Option<&'static str>,
+}
+
+/// A framebuffer.
+pub struct Framebuffer {
+    /// The render pass that it was made for.
+    pub(in crate::intercept::vk) pass: vk::RenderPass,
+    /// Its size.
+    pub(in crate::intercept::vk) size: (u32, u32),
+    /// More than one layer.
+    pub(in crate::intercept::vk) layered: bool,
+    /// Its attachments, unless they are given when a pass begins.
+    pub(in crate::intercept::vk) attachments: Option<Vec<vk::ImageView>>,
+    /// What those that are given later will be like.
+    pub(in crate::intercept::vk) given_later: Vec<Later>,
+    /// Twins, by the atlas' size; with given attachments there is one.
+    pub(in crate::intercept::vk) twins: Mutex<Vec<((u32, u32), vk::Framebuffer)>>,
+}
+
+/// An attachment that is given when a pass begins.
+pub(in crate::intercept::vk) struct Later {
+    pub(in crate::intercept::vk) flags: vk::ImageCreateFlags,
+    pub(in crate::intercept::vk) usage: vk::ImageUsageFlags,
+    pub(in crate::intercept::vk) formats: Vec<vk::Format>,
+}
+
+/// Render passes and framebuffers.
+#[derive(Default)]
+pub struct Framebuffers {
+    pub(in crate::intercept::vk) passes: Mutex<HashMap<vk::RenderPass, Arc<RenderPass>>>,
+    pub(in crate::intercept::vk) all: Mutex<HashMap<vk::Framebuffer, Arc<Framebuffer>>>,
+}
+
+impl RenderPass {
+    /// Colour attachments of a subpass, by their number there, that begin with it and without what they held before.
+    pub fn begin_in(&self, subpass: usize) -> Vec<u32> {
+        let (earlier, colors) = self.colors.split_at(subpass.min(self.colors.len()));
+        let drawn = |attachment: u32| earlier.iter().flatten().any(|(_, known)| *known == attachment);
+        let anew = |attachment: u32| self.begins_anew.get(attachment as usize).copied().unwrap_or(true);
+        let begin = |(_, attachment): &&(u32, u32)| anew(*attachment) && !drawn(*attachment);
+        colors.first().into_iter().flatten().filter(begin).map(|(number, _)| *number).collect()
+    }
+}
+
+impl Framebuffers {
+    /// A render pass.
+    pub fn pass(&self, handle: vk::RenderPass) -> Option<Arc<RenderPass>> {
+        self.passes.lock().unwrap_or_else(PoisonError::into_inner).get(&handle).cloned()
+    }
+
+    /// A framebuffer.
+    pub fn get(&self, handle: vk::Framebuffer) -> Option<Arc<Framebuffer>> {
+        self.all.lock().unwrap_or_else(PoisonError::into_inner).get(&handle).cloned()
+    }
+}
+
+impl Framebuffer {
+    /// The swapchain's image among the attachments, or one that holds a scene by now.
+    pub fn shown_now(&self, images: &Images) -> Option<Arc<Shown>> {
+        self.attachments.iter().flatten().find_map(|view| images.shown(*view))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::RenderPass;
+
+    #[test]
+    fn an_attachment_begins_with_the_first_subpass_that_draws_to_it() {
+        let pass = RenderPass {
+            colors: vec![vec![(0, 2), (1, 0)], vec![(0, 0), (1, 1), (2, 3)]],
+            begins_anew: vec![true, true, true, false],
+            may_grow: true,
+            formats: Vec::new(),
+            leaves: Vec::new(),
+            obstacle: None,
+        };
+        assert_eq!((pass.begin_in(0), pass.begin_in(1), pass.begin_in(2)), (vec![0, 1], vec![1], vec![]));
+    }
+}

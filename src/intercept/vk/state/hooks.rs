@@ -1,0 +1,51 @@
+//! Definition of hooks: functions that answer Vulkan entry points.
+
+use std::ffi::CStr;
+
+/// A function of Vulkan and the function of ours that answers it.
+pub struct Hook {
+    /// The names that it goes by.
+    pub names: &'static [&'static CStr],
+    /// Our function, with the signature that Vulkan gives it.
+    pub address: *const (),
+}
+
+// SAFETY: an address of a function never changes and may be read from any thread.
+unsafe impl Sync for Hook {}
+
+/// Defines hooks, and the table `HOOKS` of them. Each has the name of an entry of
+/// [`entry_points`](crate::intercept::vk::state::entry_points).
+///
+/// Each body gets the device (`$device`) and the next layer's function (`$next`). After a panic the
+/// program is shown flat from then on, and the call goes to the next layer.
+macro_rules! hooks {
+    ($( $method:ident = ($first:ident : $ft:ty $(, $p:ident : $t:ty)*) $(-> $r:ty)? { |$device:ident, $next:ident| $body:expr } )*) => {
+        $(
+            // Some bodies need no unsafe call; the block below serves them all.
+            #[allow(unused_unsafe)]
+            unsafe extern "system" fn $method($first: $ft $(, $p: $t)*) $(-> $r)? {
+                let Some($device) = $crate::intercept::vk::state::device::get($first) else { return Default::default() };
+                let Some($next) = $device.next.$method else { return Default::default() };
+                // SAFETY: what the bodies call are the next layer's functions, with the program's arguments or with
+                // our own objects.
+                match $crate::fence::guard(|| unsafe { $body }) {
+                    Some(answer) => answer,
+                    None => {
+                        $device.give_up("a failure of Cupola's");
+                        // SAFETY: the program's own call, passed on with its own arguments.
+                        unsafe { $next($first $(, $p)*) }
+                    }
+                }
+            }
+        )*
+
+        /// The hooks of this file.
+        pub static HOOKS: &[$crate::intercept::vk::state::hooks::Hook] = &[
+            $( $crate::intercept::vk::state::hooks::Hook {
+                names: $crate::intercept::vk::state::entry_points::names::$method,
+                address: $method as *const (),
+            }, )*
+        ];
+    };
+}
+pub(crate) use hooks;

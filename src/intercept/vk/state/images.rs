@@ -1,0 +1,280 @@
+//! Images of the program, and what stands for them while views are drawn.
+
+use crate::intercept::settings;
+use crate::intercept::vk::state::own_image::OwnImage;
+use crate::intercept::vk::state::shown::Shown;
+use crate::rig::Duplicate;
+use ash::vk;
+use std::collections::HashMap;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError, Weak};
+
+/// What is known of an image.
+pub(in crate::intercept::vk) struct Image {
+    pub(in crate::intercept::vk) flags: vk::ImageCreateFlags,
+    pub(in crate::intercept::vk) kind: vk::ImageType,
+    pub(in crate::intercept::vk) format: vk::Format,
+    pub(in crate::intercept::vk) size: (u32, u32),
+    pub(in crate::intercept::vk) mip_levels: u32,
+    pub(in crate::intercept::vk) layers: u32,
+    pub(in crate::intercept::vk) samples: vk::SampleCountFlags,
+    pub(in crate::intercept::vk) usage: vk::ImageUsageFlags,
+    /// The layout that was recorded last.
+    pub(in crate::intercept::vk) layout: vk::ImageLayout,
+    /// Shaders read it.
+    pub(in crate::intercept::vk) described: bool,
+    pub(in crate::intercept::vk) shown: Option<Arc<Shown>>,
+    pub(in crate::intercept::vk) twins: Vec<((u32, u32), OwnImage)>,
+}
+
+/// What is known of an image's view.
+pub(in crate::intercept::vk) struct View {
+    pub(in crate::intercept::vk) image: vk::Image,
+    pub(in crate::intercept::vk) kind: vk::ImageViewType,
+    pub(in crate::intercept::vk) format: vk::Format,
+    pub(in crate::intercept::vk) components: vk::ComponentMapping,
+    pub(in crate::intercept::vk) range: vk::ImageSubresourceRange,
+    /// Twins, by the image that they are views of.
+    pub(in crate::intercept::vk) twins: Vec<(vk::Image, vk::ImageView)>,
+}
+
+/// An image of ours that has to be brought into a layout before anything is submitted.
+#[derive(Clone, Copy)]
+pub struct Pending {
+    /// The image.
+    pub(in crate::intercept::vk) image: vk::Image,
+    /// The layout that the program believes it to be in.
+    pub(in crate::intercept::vk) layout: vk::ImageLayout,
+    /// What it has.
+    pub(in crate::intercept::vk) aspects: vk::ImageAspectFlags,
+}
+
+/// Format, usage and samples of an image.
+pub type ImageKind = (vk::Format, vk::ImageUsageFlags, vk::SampleCountFlags);
+
+/// Images and their views.
+#[derive(Default)]
+pub struct Images {
+    pub(in crate::intercept::vk) images: Mutex<HashMap<vk::Image, Image>>,
+    pub(in crate::intercept::vk) views: Mutex<HashMap<vk::ImageView, View>>,
+    pub(in crate::intercept::vk) pending: Mutex<Vec<Pending>>,
+    /// What the program asked for, of images that can be used for more.
+    pub(in crate::intercept::vk) declared: Mutex<HashMap<vk::Image, vk::ImageUsageFlags>>,
+    /// Some image may hold a scene.
+    pub(in crate::intercept::vk) candidates: AtomicBool,
+    /// The size of the latest window.
+    pub(in crate::intercept::vk) window: Mutex<Option<(u32, u32)>>,
+    /// Kinds of images that were found to hold a scene: after a change of size they are known at once.
+    pub(in crate::intercept::vk) scenes: Mutex<Vec<ImageKind>>,
+    /// What scenes were drawn by before, as long as recorded commands use it.
+    pub(in crate::intercept::vk) retired: Mutex<Vec<Arc<Shown>>>,
+}
+
+/// What a format has.
+pub fn aspects(format: vk::Format) -> vk::ImageAspectFlags {
+    use vk::{Format as F, ImageAspectFlags as A};
+    match format {
+        F::D16_UNORM | F::X8_D24_UNORM_PACK32 | F::D32_SFLOAT => A::DEPTH,
+        F::S8_UINT => A::STENCIL,
+        F::D16_UNORM_S8_UINT | F::D24_UNORM_S8_UINT | F::D32_SFLOAT_S8_UINT => A::DEPTH | A::STENCIL,
+        _ => A::COLOR,
+    }
+}
+
+/// An image of the program that has to be brought into a layout.
+#[derive(Clone, Copy, Debug)]
+pub struct Settled {
+    /// The image.
+    pub(in crate::intercept::vk) image: vk::Image,
+    /// What it has.
+    pub(in crate::intercept::vk) aspects: vk::ImageAspectFlags,
+    /// The layout.
+    pub(in crate::intercept::vk) layout: vk::ImageLayout,
+}
+
+impl Image {
+    /// Whether it may hold a scene on its way to the window.
+    pub(in crate::intercept::vk) fn may_hold_scene(&self) -> bool {
+        use vk::ImageUsageFlags as U;
+        self.usage.contains(U::COLOR_ATTACHMENT)
+            && self.usage.intersects(U::SAMPLED | U::TRANSFER_SRC)
+            && self.kind == vk::ImageType::TYPE_2D
+            && (self.mip_levels, self.layers) == (1, 1)
+            && self.shown.as_ref().is_none_or(|shown| !shown.window)
+    }
+
+    /// Whether it has one sample in each pixel: pictures with more cannot be copied into prints.
+    pub(in crate::intercept::vk) fn is_single(&self) -> bool {
+        self.samples == vk::SampleCountFlags::TYPE_1
+    }
+
+    pub(in crate::intercept::vk) fn kind(&self) -> ImageKind {
+        (self.format, self.usage, self.samples)
+    }
+}
+
+impl Images {
+    /// The swapchain's image that is seen through a view.
+    pub fn shown(&self, view: vk::ImageView) -> Option<Arc<Shown>> {
+        let image = self.views.lock().unwrap_or_else(PoisonError::into_inner).get(&view)?.image;
+        self.shown_image(image)
+    }
+
+    /// The swapchain's image.
+    pub fn shown_image(&self, image: vk::Image) -> Option<Arc<Shown>> {
+        self.images.lock().unwrap_or_else(PoisonError::into_inner).get(&image)?.shown.clone()
+    }
+
+    /// The program has `image` in the place of a swapchain's. It is brought into the layout in which passes leave it:
+    /// those that draw to the atlas do not change it.
+    pub fn show(&self, image: vk::Image, format: vk::Format, shown: Arc<Shown>) {
+        let new = Image {
+            flags: vk::ImageCreateFlags::empty(),
+            kind: vk::ImageType::TYPE_2D,
+            format,
+            size: shown.layout.window,
+            mip_levels: 1,
+            layers: 1,
+            samples: vk::SampleCountFlags::TYPE_1,
+            usage: vk::ImageUsageFlags::empty(),
+            layout: vk::ImageLayout::UNDEFINED,
+            described: false,
+            shown: Some(shown),
+            twins: Vec::new(),
+        };
+        *self.window.lock().unwrap_or_else(PoisonError::into_inner) = Some(new.size);
+        self.images.lock().unwrap_or_else(PoisonError::into_inner).insert(image, new);
+        let layout = vk::ImageLayout::PRESENT_SRC_KHR;
+        let pending = Pending { image, layout, aspects: vk::ImageAspectFlags::COLOR };
+        self.pending.lock().unwrap_or_else(PoisonError::into_inner).push(pending);
+    }
+
+    /// The program asked for `usage` only; its views of the image are for no more, as those who compare it expect.
+    pub fn declare(&self, image: vk::Image, usage: vk::ImageUsageFlags) {
+        self.declared.lock().unwrap_or_else(PoisonError::into_inner).insert(image, usage);
+    }
+
+    /// An image of a swapchain is gone.
+    pub fn hide(&self, image: vk::Image) {
+        self.declared.lock().unwrap_or_else(PoisonError::into_inner).remove(&image);
+        self.images.lock().unwrap_or_else(PoisonError::into_inner).remove(&image);
+        self.pending.lock().unwrap_or_else(PoisonError::into_inner).retain(|pending| pending.image != image);
+    }
+
+    /// Format and samples of what a view shows.
+    pub fn kind(&self, view: vk::ImageView) -> Option<(vk::Format, vk::SampleCountFlags)> {
+        let (image, format) = {
+            let views = self.views.lock().unwrap_or_else(PoisonError::into_inner);
+            views.get(&view).map(|view| (view.image, view.format))?
+        };
+        self.images.lock().unwrap_or_else(PoisonError::into_inner).get(&image).map(|image| (format, image.samples))
+    }
+
+    /// The twins of an image, whose layouts follow the image's.
+    pub fn twins(&self, image: vk::Image) -> Vec<vk::Image> {
+        let images = self.images.lock().unwrap_or_else(PoisonError::into_inner);
+        let Some(state) = images.get(&image) else { return Vec::new() };
+        let twins = state.twins.iter().map(|(_, twin)| twin.image);
+        // The atlas of a scene is among the twins.
+        let window = state.shown.iter().filter(|shown| shown.window);
+        window.map(|shown| shown.atlas).chain(twins).collect()
+    }
+
+    /// The program recorded that an image changes its layout.
+    pub fn moved(&self, image: vk::Image, layout: vk::ImageLayout) {
+        if let Some(state) = self.images.lock().unwrap_or_else(PoisonError::into_inner).get_mut(&image) {
+            state.layout = layout;
+        }
+    }
+
+    /// A pass would have brought an image into a layout, but draws to its twin. What has to be brought there in its place.
+    pub fn settle(&self, image: vk::Image, layout: vk::ImageLayout) -> Option<Settled> {
+        let mut images = self.images.lock().unwrap_or_else(PoisonError::into_inner);
+        let state = images.get_mut(&image).filter(|state| state.layout != layout)?;
+        state.layout = layout;
+        Some(Settled { image, aspects: aspects(state.format), layout })
+    }
+
+    /// The image of a view.
+    pub fn of(&self, view: vk::ImageView) -> Option<vk::Image> {
+        self.views.lock().unwrap_or_else(PoisonError::into_inner).get(&view).map(|view| view.image)
+    }
+
+    /// What has to be done before the next submission.
+    pub fn take_pending(&self) -> Vec<Pending> {
+        std::mem::take(&mut self.pending.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+
+    /// Whether some image may hold a scene.
+    pub fn has_candidates(&self) -> bool {
+        self.candidates.load(Ordering::Relaxed)
+    }
+
+    /// Whether an image may hold a scene: it is as large as the window, and can be shown.
+    pub fn is_candidate(&self, image: vk::Image) -> bool {
+        let window = *self.window.lock().unwrap_or_else(PoisonError::into_inner);
+        let images = self.images.lock().unwrap_or_else(PoisonError::into_inner);
+        let fits = images.get(&image).is_some_and(|state| state.may_hold_scene() && Some(state.size) == window);
+        fits && settings::settings().is_some_and(|settings| settings.rig.views.duplicate != Duplicate::Never)
+    }
+
+    /// The image of a view, if it may hold a scene.
+    pub fn candidate_of(&self, view: vk::ImageView) -> Option<vk::Image> {
+        let image = self.views.lock().unwrap_or_else(PoisonError::into_inner).get(&view)?.image;
+        self.is_candidate(image).then_some(image)
+    }
+
+    /// The size of an image.
+    pub fn size(&self, image: vk::Image) -> Option<(u32, u32)> {
+        self.images.lock().unwrap_or_else(PoisonError::into_inner).get(&image).map(|state| state.size)
+    }
+
+    /// An image's twin of this size, if it has one.
+    pub fn twin_of_size(&self, image: vk::Image, size: (u32, u32)) -> Option<vk::Image> {
+        let images = self.images.lock().unwrap_or_else(PoisonError::into_inner);
+        images.get(&image)?.twins.iter().find(|(of, _)| *of == size).map(|(_, twin)| twin.image)
+    }
+
+    /// The images that hold a scene and are drawn for each view.
+    pub fn duplicated(&self) -> impl Iterator<Item = vk::Image> {
+        let images = self.images.lock().unwrap_or_else(PoisonError::into_inner);
+        let of_scene = |shown: &Arc<Shown>| !shown.window;
+        let all: Vec<_> = images
+            .iter()
+            .filter(|(_, state)| state.shown.as_ref().is_some_and(of_scene))
+            .map(|(image, _)| *image)
+            .collect();
+        all.into_iter()
+    }
+
+    /// The scene that an image holds, if it is drawn for each view.
+    pub fn scene(&self, image: vk::Image) -> Option<Arc<Shown>> {
+        self.shown_image(image).filter(|shown| !shown.window)
+    }
+
+    /// Whether a scene's image is drawn by another layout by now.
+    pub fn is_retired(&self, shown: &Arc<Shown>) -> bool {
+        !shown.window && self.scene(shown.given).is_some_and(|now| !Arc::ptr_eq(&now, shown))
+    }
+}
+
+/// Views of the prints of a scene.
+pub struct Prints {
+    /// The scene; what has its place may get the same handles later.
+    pub(in crate::intercept::vk) of: Weak<Shown>,
+    /// One for each view of the rig.
+    pub(in crate::intercept::vk) views: Vec<vk::ImageView>,
+}
+
+impl Prints {
+    /// The same image for each of `count` views.
+    pub fn same(view: vk::ImageView, count: usize) -> Self {
+        Self { of: Weak::new(), views: vec![view; count] }
+    }
+}
+
+impl PartialEq for Prints {
+    fn eq(&self, other: &Self) -> bool {
+        Weak::ptr_eq(&self.of, &other.of) && self.views == other.views
+    }
+}

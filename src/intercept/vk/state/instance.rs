@@ -1,0 +1,43 @@
+//! Instances: the next layer's functions for each.
+
+use ash::vk;
+use std::collections::HashMap;
+use std::ffi::c_void;
+use std::sync::{Arc, PoisonError, RwLock};
+
+/// An instance of the program.
+pub struct Instance {
+    /// The next layer's `vkGetInstanceProcAddr`.
+    pub(in crate::intercept::vk) get_instance_proc_addr: vk::PFN_vkGetInstanceProcAddr,
+    /// The next layer's functions.
+    pub(in crate::intercept::vk) functions: ash::Instance,
+    /// Those of `VK_KHR_surface`; they may be called only where the program enabled it.
+    pub(in crate::intercept::vk) surface: ash::khr::surface::InstanceFn,
+}
+
+pub(in crate::intercept::vk) static INSTANCES: RwLock<Option<HashMap<usize, Arc<Instance>>>> = RwLock::new(None);
+
+/// What all objects that are dispatched by the same table have in common: the table's address.
+///
+/// # Safety
+/// `object` must be a live dispatchable Vulkan object.
+pub unsafe fn dispatch_key(object: u64) -> usize {
+    // SAFETY: the loader keeps its table's address in the first word of each such object.
+    unsafe { *(object as *const usize) }
+}
+
+/// The instance that an instance or a physical device belongs to.
+pub fn get(handle: impl vk::Handle) -> Option<Arc<Instance>> {
+    let object = handle.as_raw();
+    if object == 0 {
+        return None;
+    }
+    // SAFETY: the program passed a live handle to Vulkan.
+    let key = unsafe { dispatch_key(object) };
+    INSTANCES.read().unwrap_or_else(PoisonError::into_inner).as_ref()?.get(&key).cloned()
+}
+
+/// A function's address in the form in which tables are filled.
+pub fn address(function: vk::PFN_vkVoidFunction) -> *const c_void {
+    function.map_or(std::ptr::null(), |function| function as *const c_void)
+}

@@ -1,0 +1,30 @@
+//! TODO-NOTE
+
+pub mod atlas_layout;
+pub mod bindings;
+pub mod compute_bindings;
+pub mod descriptors;
+pub mod device;
+pub mod division_counter;
+pub mod draw_groups;
+pub mod draw_parameters;
+pub mod driver;
+pub mod entry_points;
+pub mod flatness;
+pub mod formats;
+pub mod framebuffers;
+pub mod hooks;
+pub mod host_memory;
+pub mod images;
+pub mod instance;
+pub mod own_image;
+pub mod pipelines;
+pub mod queries;
+pub mod recording;
+pub mod scene_paths;
+pub mod set_contents;
+pub mod shown;
+pub mod structures;
+pub mod swapchains;
+pub mod vertices;
+pub mod view_constants;

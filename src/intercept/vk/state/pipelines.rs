@@ -1,0 +1,123 @@
+//! Pipelines of the program and their layouts, with what is drawn by in their place.
+
+use crate::intercept::log;
+use crate::intercept::vk::spirv::Matrix;
+use ash::vk;
+use std::collections::{BTreeMap, HashMap};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+
+/// A pipeline layout. The driver's object lives as long as a pipeline needs it, though the program may destroy it
+/// before.
+pub struct PipelineLayout {
+    /// The driver's object.
+    pub(in crate::intercept::vk) handle: vk::PipelineLayout,
+    /// Number of the set of ours.
+    pub(in crate::intercept::vk) ours: u32,
+    /// The set has the counter, too.
+    pub(in crate::intercept::vk) counts: bool,
+    pub(in crate::intercept::vk) destroy: (vk::PFN_vkDestroyPipelineLayout, vk::Device),
+}
+
+impl Drop for PipelineLayout {
+    fn drop(&mut self) {
+        let (destroy, device) = self.destroy;
+        // SAFETY: made by us, without callbacks; the device outlives what is kept of it.
+        unsafe { destroy(device, self.handle, std::ptr::null()) };
+    }
+}
+
+/// Shaders and pipeline layouts.
+#[derive(Default)]
+pub struct Layouts {
+    pub(in crate::intercept::vk) shaders: Mutex<HashMap<vk::ShaderModule, Arc<[u32]>>>,
+    pub(in crate::intercept::vk) layouts: Mutex<HashMap<vk::PipelineLayout, Arc<PipelineLayout>>>,
+}
+
+impl Layouts {
+    /// A shader's words.
+    pub fn shader(&self, module: vk::ShaderModule) -> Option<Arc<[u32]>> {
+        self.shaders.lock().unwrap_or_else(PoisonError::into_inner).get(&module).cloned()
+    }
+
+    /// A pipeline layout.
+    pub fn layout(&self, handle: vk::PipelineLayout) -> Option<Arc<PipelineLayout>> {
+        self.layouts.lock().unwrap_or_else(PoisonError::into_inner).get(&handle).cloned()
+    }
+
+    /// Forgets all, before the device is destroyed.
+    pub fn clear(&self) {
+        self.layouts.lock().unwrap_or_else(PoisonError::into_inner).clear();
+    }
+}
+
+/// A graphics pipeline of the program, or a library of which some are linked.
+pub struct Pipeline {
+    /// The program's.
+    pub(in crate::intercept::vk) own: vk::Pipeline,
+    /// Its layout, if that has a set of ours.
+    pub(in crate::intercept::vk) layout: Option<Arc<PipelineLayout>>,
+    /// What is drawn by in its place.
+    pub(in crate::intercept::vk) variants: Option<Variants>,
+    /// The program's viewport, unless it is set by commands.
+    pub(in crate::intercept::vk) viewport: Option<vk::Viewport>,
+    /// Its scissor, likewise.
+    pub(in crate::intercept::vk) scissor: Option<vk::Rect2D>,
+}
+
+/// The pipelines for the views. Their viewport and scissor are set by commands.
+pub struct Variants {
+    /// Draws into a view, and wherever the program's own picture is drawn.
+    pub(in crate::intercept::vk) view: vk::Pipeline,
+    /// Its shader re-projects; where it could not be followed, what is drawn is flat.
+    pub(in crate::intercept::vk) follows: bool,
+    /// Draws onto the panel.
+    pub(in crate::intercept::vk) panel: vk::Pipeline,
+    /// Where its shaders' matrices are.
+    pub(in crate::intercept::vk) matrices: Vec<Matrix>,
+    /// Number of viewports and scissors is set by commands, too.
+    pub(in crate::intercept::vk) with_count: bool,
+    /// Its fragment shader asks where on the screen it is.
+    pub(in crate::intercept::vk) asks_place: bool,
+    /// What it draws is tested by its depth.
+    pub(in crate::intercept::vk) deep: bool,
+}
+
+/// The program's pipelines.
+#[derive(Default)]
+pub struct Pipelines {
+    pub(in crate::intercept::vk) all: Mutex<HashMap<vk::Pipeline, Arc<Pipeline>>>,
+    /// What the statistics say of those that are divided, or should be.
+    pub(in crate::intercept::vk) divided: Divided,
+}
+
+/// What the statistics say of division.
+#[derive(Default)]
+pub struct Divided {
+    pub(in crate::intercept::vk) uncounted: OnceLock<&'static str>,
+    pub(in crate::intercept::vk) undivided: Mutex<BTreeMap<String, u64>>,
+}
+
+impl Divided {
+    /// What a pipeline draws is not divided; the log says why, once.
+    pub fn not(&self, why: &str) {
+        log::once(&format!("Vulkan: what a pipeline draws is not divided: {why}"));
+        *self.undivided.lock().unwrap_or_else(PoisonError::into_inner).entry(why.to_owned()).or_default() += 1;
+    }
+
+    /// How many pipelines are not divided, by reason.
+    pub fn undivided(&self) -> BTreeMap<String, u64> {
+        self.undivided.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    /// Why some pipeline that is divided does not count what is not fine enough.
+    pub fn uncounted(&self) -> Option<&'static str> {
+        self.uncounted.get().copied()
+    }
+}
+
+impl Pipelines {
+    /// A graphics pipeline.
+    pub fn get(&self, handle: vk::Pipeline) -> Option<Arc<Pipeline>> {
+        self.all.lock().unwrap_or_else(PoisonError::into_inner).get(&handle).cloned()
+    }
+}

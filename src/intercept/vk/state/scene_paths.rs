@@ -1,0 +1,158 @@
+//! Which of the program's images hold a scene on its way to the window, as far as this was seen.
+
+use crate::intercept::scene::image_graph::{self, ImageGraph};
+use crate::rig::Duplicate;
+use ash::vk;
+use std::collections::{BTreeMap, HashSet};
+use std::sync::{Mutex, PoisonError};
+
+/// A draw of as many vertices covers a viewport: one triangle, or a square.
+pub const FEW: u32 = 6;
+
+/// What is made of an image of the program.
+pub type Made = image_graph::Made<vk::Image>;
+
+/// What was seen of the program's images.
+#[derive(Default)]
+pub(in crate::intercept::vk) struct Seen {
+    pub(in crate::intercept::vk) graph: ImageGraph<vk::Image>,
+    /// Something was seen for the first time.
+    pub(in crate::intercept::vk) news: bool,
+}
+
+/// See the module.
+#[derive(Default)]
+pub struct Paths {
+    pub(in crate::intercept::vk) seen: Mutex<Seen>,
+}
+
+impl Paths {
+    /// Something is made of `image`.
+    pub fn leads(&self, image: vk::Image, to: Made) {
+        let mut seen = self.seen.lock().unwrap_or_else(PoisonError::into_inner);
+        let news = seen.graph.note_made(image, to);
+        seen.news |= news;
+    }
+
+    /// Perspective draws reach `image`.
+    pub fn is_scene(&self, image: vk::Image) {
+        let mut seen = self.seen.lock().unwrap_or_else(PoisonError::into_inner);
+        let news = seen.graph.note_scene(image);
+        seen.news |= news;
+    }
+
+    /// Whether something is made of `image` that cannot be followed.
+    pub(in crate::intercept::vk) fn strays(&self, image: vk::Image) -> bool {
+        let seen = self.seen.lock().unwrap_or_else(PoisonError::into_inner);
+        seen.graph.makes(image, Made::Elsewhere)
+    }
+
+    /// An image is gone.
+    pub fn forget(&self, image: vk::Image) {
+        let mut seen = self.seen.lock().unwrap_or_else(PoisonError::into_inner);
+        seen.graph.forget(image);
+    }
+
+    /// The images that have to be drawn for each view, if something new was seen since this was asked last.
+    pub(in crate::intercept::vk) fn news(&self, rule: Duplicate) -> Option<HashSet<vk::Image>> {
+        let mut seen = self.seen.lock().unwrap_or_else(PoisonError::into_inner);
+        std::mem::take(&mut seen.news).then(|| seen.chosen(rule))
+    }
+
+    /// Why images that perspective draws reach are drawn once only, with their number.
+    pub fn single(&self, rule: Duplicate) -> BTreeMap<String, u64> {
+        let seen = self.seen.lock().unwrap_or_else(PoisonError::into_inner);
+        let chosen = seen.chosen(rule);
+        let mut reasons = BTreeMap::new();
+        for image in seen.graph.scenes().filter(|image| !chosen.contains(image)) {
+            let reason = match rule {
+                Duplicate::Never => "the rig says so",
+                _ if seen.graph.makes(image, Made::Elsewhere) => {
+                    "it is read by compute shaders, in parts, or by passes of another size"
+                }
+                _ => "it was not seen on the window",
+            };
+            *reasons.entry(reason.to_owned()).or_default() += 1;
+        }
+        reasons
+    }
+}
+
+impl Seen {
+    /// Those images between a scene and the window of which nothing is made that cannot be followed.
+    pub(in crate::intercept::vk) fn chosen(&self, rule: Duplicate) -> HashSet<vk::Image> {
+        if rule == Duplicate::Never {
+            return HashSet::new();
+        }
+        self.graph.followed(rule == Duplicate::Always)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Made, Paths};
+    use crate::rig::Duplicate;
+    use ash::vk::{self, Handle};
+    use std::collections::HashSet;
+
+    fn image(number: u64) -> vk::Image {
+        vk::Image::from_raw(number)
+    }
+
+    fn chosen(paths: &Paths, rule: Duplicate) -> Vec<u64> {
+        let seen = paths.seen.lock().expect("no panic");
+        let mut all: Vec<u64> = seen.chosen(rule).into_iter().map(Handle::as_raw).collect();
+        all.sort_unstable();
+        all
+    }
+
+    #[test]
+    fn what_lies_between_a_scene_and_the_window_is_chosen() {
+        let paths = Paths::default();
+        paths.is_scene(image(1));
+        paths.is_scene(image(5));
+        assert!(chosen(&paths, Duplicate::Auto).is_empty(), "nothing is on the window yet");
+        paths.leads(image(1), Made::Image(image(2)));
+        paths.leads(image(2), Made::Window);
+        paths.leads(image(9), Made::Window);
+        assert_eq!(chosen(&paths, Duplicate::Auto), [1, 2], "5 goes nowhere, 9 is no scene");
+        assert_eq!(chosen(&paths, Duplicate::Always), [1, 2, 5]);
+        assert!(chosen(&paths, Duplicate::Never).is_empty());
+        assert_eq!(paths.single(Duplicate::Auto).values().sum::<u64>(), 1);
+    }
+
+    #[test]
+    fn what_cannot_be_followed_takes_with_it_what_it_is_made_of() {
+        let paths = Paths::default();
+        paths.is_scene(image(1));
+        paths.leads(image(1), Made::Image(image(2)));
+        paths.leads(image(1), Made::Window);
+        paths.leads(image(2), Made::Window);
+        paths.leads(image(2), Made::Elsewhere);
+        assert!(chosen(&paths, Duplicate::Auto).is_empty());
+        paths.forget(image(2));
+        assert_eq!(chosen(&paths, Duplicate::Auto), [1]);
+    }
+
+    #[test]
+    fn news_are_told_once() {
+        let paths = Paths::default();
+        assert!(paths.news(Duplicate::Auto).is_none());
+        paths.is_scene(image(1));
+        paths.leads(image(1), Made::Window);
+        assert_eq!(paths.news(Duplicate::Auto), Some(HashSet::from([image(1)])));
+        paths.leads(image(1), Made::Window);
+        assert!(paths.news(Duplicate::Auto).is_none());
+    }
+
+    #[test]
+    fn images_in_a_circle_do_no_harm() {
+        let paths = Paths::default();
+        paths.is_scene(image(1));
+        paths.leads(image(1), Made::Image(image(2)));
+        paths.leads(image(2), Made::Image(image(1)));
+        assert!(chosen(&paths, Duplicate::Auto).is_empty());
+        paths.leads(image(2), Made::Window);
+        assert_eq!(chosen(&paths, Duplicate::Auto), [1, 2]);
+    }
+}

@@ -1,0 +1,94 @@
+//! What the program wrote to a descriptor set, and the copies of the set for each view.
+
+use crate::intercept::vk::state::images::Prints;
+use ash::vk;
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+/// A descriptor: binding and element of its array.
+pub type DescriptorSlot = (u32, u32);
+
+/// What a descriptor shows a picture by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Picture {
+    /// The view of its image.
+    pub(in crate::intercept::vk) view: vk::ImageView,
+    /// The sampler, where the layout has none.
+    pub(in crate::intercept::vk) sampler: vk::Sampler,
+    /// Of an attachment that is read at the pixel that is drawn: the layout that it is in then.
+    pub(in crate::intercept::vk) attachment: Option<vk::ImageLayout>,
+}
+
+/// What was written to a set.
+#[derive(Default)]
+pub struct Contents {
+    pub(in crate::intercept::vk) written: BTreeSet<DescriptorSlot>,
+    pub(in crate::intercept::vk) pictures: BTreeMap<DescriptorSlot, Picture>,
+    /// Grows with each change.
+    pub(in crate::intercept::vk) version: u64,
+}
+
+impl Contents {
+    /// A descriptor is written; with a picture, or with something else.
+    pub fn write(&mut self, place: DescriptorSlot, picture: Option<Picture>) {
+        self.version += 1;
+        self.written.insert(place);
+        match picture {
+            Some(picture) => self.pictures.insert(place, picture),
+            None => self.pictures.remove(&place),
+        };
+    }
+
+    /// The descriptor of another set is copied to one of this.
+    pub fn copy(&mut self, from: &Self, (source, target): (DescriptorSlot, DescriptorSlot)) {
+        if from.written.contains(&source) {
+            self.write(target, from.pictures.get(&source).copied());
+        }
+    }
+
+    /// Views of the images that shaders can sample.
+    pub fn views(&self) -> impl Iterator<Item = vk::ImageView> + '_ {
+        self.pictures.values().filter(|picture| picture.attachment.is_none()).map(|picture| picture.view)
+    }
+
+    /// Whether shaders can read attachments.
+    pub fn reads_attachments(&self) -> bool {
+        self.pictures.values().any(|picture| picture.attachment.is_some())
+    }
+}
+
+/// The copies of a set.
+pub struct Copies {
+    pub(in crate::intercept::vk) pool: vk::DescriptorPool,
+    pub(in crate::intercept::vk) version: u64,
+    pub(in crate::intercept::vk) prints: Vec<Print>,
+    pub(in crate::intercept::vk) sets: Arc<[vk::DescriptorSet]>,
+    /// Pools of copies that may still be in use.
+    pub(in crate::intercept::vk) retired: Vec<vk::DescriptorPool>,
+}
+
+/// A descriptor that shows the scene, and what each view sees in its place.
+pub(in crate::intercept::vk) type Print = (DescriptorSlot, Picture, Prints);
+
+#[cfg(test)]
+mod tests {
+    use super::{Contents, Picture};
+    use ash::vk::{self, Handle};
+
+    #[test]
+    fn what_was_written_last_counts() {
+        let picture =
+            |number| Picture { view: vk::ImageView::from_raw(number), sampler: vk::Sampler::null(), attachment: None };
+        let (mut from, mut to) = (Contents::default(), Contents::default());
+        from.write((3, 1), Some(picture(7)));
+        to.copy(&from, ((3, 1), (0, 0)));
+        to.copy(&from, ((9, 9), (1, 0)));
+        assert_eq!(to.views().collect::<Vec<_>>(), [vk::ImageView::from_raw(7)]);
+        assert_eq!(to.written.len(), 1, "what was never written is not copied");
+        let version = to.version;
+        to.write((0, 0), None);
+        assert!(to.views().next().is_none() && to.version > version);
+        to.write((0, 0), Some(Picture { attachment: Some(vk::ImageLayout::GENERAL), ..picture(8) }));
+        assert!(to.views().next().is_none() && to.reads_attachments(), "an attachment is not sampled");
+    }
+}

@@ -1,0 +1,72 @@
+//! Images that are drawn for each view, with their atlas.
+
+use crate::intercept::vk::state::atlas_layout::Layout;
+use crate::intercept::vk::state::own_image::OwnImage;
+use ash::vk;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+
+/// What an atlas is made with.
+pub const ATLAS_FLAGS: vk::ImageCreateFlags = vk::ImageCreateFlags::MUTABLE_FORMAT;
+
+/// What it can be used for.
+pub const ATLAS_USAGE: vk::ImageUsageFlags = vk::ImageUsageFlags::from_raw(
+    vk::ImageUsageFlags::COLOR_ATTACHMENT.as_raw()
+        | vk::ImageUsageFlags::SAMPLED.as_raw()
+        | vk::ImageUsageFlags::TRANSFER_DST.as_raw()
+        | vk::ImageUsageFlags::TRANSFER_SRC.as_raw(),
+);
+
+/// What atlases of scenes can be used for beside what the program's image can.
+pub const ATLAS_COPIES: vk::ImageUsageFlags = vk::ImageUsageFlags::from_raw(
+    vk::ImageUsageFlags::TRANSFER_SRC.as_raw() | vk::ImageUsageFlags::TRANSFER_DST.as_raw(),
+);
+
+/// Passes that were recorded before, for the program's own image, are given up after so many.
+pub const PATIENCE: u32 = 8;
+
+/// An image of a swapchain, or one that holds a scene on its way to the window.
+pub struct Shown {
+    /// Where in the atlas everything is.
+    pub(in crate::intercept::vk) layout: Arc<Layout>,
+    /// The program's image.
+    pub(in crate::intercept::vk) given: vk::Image,
+    /// The atlas.
+    pub(in crate::intercept::vk) atlas: vk::Image,
+    /// It is a swapchain's.
+    pub(in crate::intercept::vk) window: bool,
+    /// The program's image can be copied to.
+    pub(in crate::intercept::vk) copied_to: bool,
+    /// The latest frame is in the atlas, not in the program's picture.
+    pub(in crate::intercept::vk) in_views: AtomicBool,
+    /// Of a scene that shaders sample: an image for each view.
+    pub(in crate::intercept::vk) prints: Vec<OwnImage>,
+    /// How often the program's own image was drawn to since the views are.
+    pub(in crate::intercept::vk) missed: AtomicU32,
+}
+
+impl Shown {
+    /// A swapchain's image, with its atlas.
+    pub fn of_window(layout: Arc<Layout>, given: vk::Image, atlas: vk::Image) -> Self {
+        Self {
+            layout,
+            given,
+            atlas,
+            window: true,
+            copied_to: false,
+            in_views: false.into(),
+            prints: Vec::new(),
+            missed: 0.into(),
+        }
+    }
+
+    /// Commands for the program's own image ran; whether that is so again and again.
+    pub fn was_missed(&self) -> bool {
+        !self.window && self.missed.fetch_add(1, Ordering::Relaxed) > PATIENCE
+    }
+}
+
+/// Marks what the next picture of a swapchain's image is made of.
+pub fn drawn(shown: &Shown, in_views: bool) {
+    shown.in_views.store(in_views, Ordering::Relaxed);
+}

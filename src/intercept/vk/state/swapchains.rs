@@ -1,0 +1,127 @@
+//! Swapchains of the program and what stands in for their images.
+
+use crate::backend::vk::VkBackend;
+use crate::intercept::vk::state::atlas_layout::Layout;
+use crate::intercept::vk::state::formats::Texels;
+use crate::intercept::vk::state::own_image::OwnImage;
+use crate::intercept::vk::state::shown::Shown;
+use ash::vk;
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// What a frame is made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Show {
+    /// The program's picture as it is.
+    Own,
+    /// What is on the panel's tile, as it is.
+    Tile,
+    /// The program's picture on the panel.
+    Panel,
+    /// The views.
+    Views,
+}
+
+/// What belongs to one image of the swapchain.
+pub(in crate::intercept::vk) struct Slot {
+    /// The program's image in the place of the real one.
+    pub(in crate::intercept::vk) given: OwnImage,
+    /// The views and the panel.
+    pub(in crate::intercept::vk) atlas: OwnImage,
+    /// What the layer knows of the program's image.
+    pub(in crate::intercept::vk) shown: Arc<Shown>,
+    /// The atlas as it is, and as if it covered everything behind it.
+    pub(in crate::intercept::vk) views: [vk::ImageView; 2],
+    /// Signalled when the real image may be presented.
+    pub(in crate::intercept::vk) ready: vk::Semaphore,
+    /// Signalled when the commands of its last picture are done.
+    pub(in crate::intercept::vk) done: vk::Fence,
+    /// For each [`Show`]: recorded when first needed, then submitted again and again.
+    pub(in crate::intercept::vk) commands: [vk::CommandBuffer; 4],
+    /// The source of the correction that was submitted last.
+    pub(in crate::intercept::vk) submitted: Option<usize>,
+}
+
+/// See the module.
+pub struct Canvas {
+    /// Where everything is.
+    pub(in crate::intercept::vk) layout: Arc<Layout>,
+    pub(in crate::intercept::vk) real: Vec<vk::Image>,
+    /// Views of the real images, or of the picture in between, which the correction draws into.
+    pub(in crate::intercept::vk) targets: Vec<vk::ImageView>,
+    /// Where the real images encode what is written to them, the correction is made here and copied.
+    pub(in crate::intercept::vk) between: Option<OwnImage>,
+    pub(in crate::intercept::vk) slots: Vec<Slot>,
+    pub(in crate::intercept::vk) backend: VkBackend,
+    /// The format that the correction reads and writes.
+    pub(in crate::intercept::vk) format: vk::Format,
+    pub(in crate::intercept::vk) family: u32,
+    pub(in crate::intercept::vk) pool: vk::CommandPool,
+    /// The masks are on the device.
+    pub(in crate::intercept::vk) uploaded: bool,
+    /// Corrections are timed.
+    pub(in crate::intercept::vk) timed: bool,
+}
+
+/// A swapchain of the program.
+pub struct Swapchain {
+    /// Size of its images.
+    pub(in crate::intercept::vk) extent: vk::Extent2D,
+    /// How their texels lie in memory.
+    pub(in crate::intercept::vk) texels: Texels,
+    /// What images of its surface can be used for.
+    pub(in crate::intercept::vk) supported: vk::ImageUsageFlags,
+    /// The real images.
+    pub(in crate::intercept::vk) real: Vec<vk::Image>,
+    /// What stands before them; `None`: the program has the real images.
+    pub(in crate::intercept::vk) canvas: Option<Canvas>,
+    /// After a failure: the program's own picture.
+    pub(in crate::intercept::vk) failed: bool,
+    /// Which state of the rig's file it follows.
+    pub(in crate::intercept::vk) version: u64,
+}
+
+/// The swapchains that Cupola looks after.
+#[derive(Default)]
+pub struct Swapchains {
+    pub(in crate::intercept::vk) all: Mutex<HashMap<vk::SwapchainKHR, Arc<Mutex<Swapchain>>>>,
+    /// The image of a swapchain that was made last, with its format.
+    latest: Mutex<Option<(vk::Format, Arc<Shown>)>>,
+}
+
+impl Swapchains {
+    /// The swapchain, if Cupola looks after it.
+    pub fn managed(&self, handle: vk::SwapchainKHR) -> Option<Arc<Mutex<Swapchain>>> {
+        self.all.lock().unwrap_or_else(PoisonError::into_inner).get(&handle).cloned()
+    }
+
+    /// The swapchain's image that was made last, if it has this format.
+    pub fn latest_shown(&self, format: vk::Format) -> Option<Arc<Shown>> {
+        let latest = self.latest.lock().unwrap_or_else(PoisonError::into_inner);
+        latest.as_ref().filter(|(known, _)| *known == format).map(|(_, shown)| Arc::clone(shown))
+    }
+
+    /// The layout of the latest swapchain.
+    pub fn latest_layout(&self) -> Option<Arc<Layout>> {
+        let latest = self.latest.lock().unwrap_or_else(PoisonError::into_inner);
+        latest.as_ref().map(|(_, shown)| Arc::clone(&shown.layout))
+    }
+
+    /// The layout of the latest swapchain, if it serves a window of this size.
+    pub fn layout(&self, size: (u32, u32), read: bool) -> Option<Arc<Layout>> {
+        self.latest_layout().filter(|layout| (layout.window, layout.read) == (size, read))
+    }
+
+    /// An image of a swapchain is gone.
+    pub fn forget_shown(&self, gone: &Arc<Shown>) {
+        let mut latest = self.latest.lock().unwrap_or_else(PoisonError::into_inner);
+        if latest.as_ref().is_some_and(|(_, shown)| Arc::ptr_eq(shown, gone)) {
+            *latest = None;
+        }
+    }
+
+    /// An image of a swapchain was made.
+    pub fn note_shown(&self, format: vk::Format, shown: Arc<Shown>) {
+        *self.latest.lock().unwrap_or_else(PoisonError::into_inner) = Some((format, shown));
+    }
+}
