@@ -166,8 +166,9 @@ fn the_vulkan_example_with_other_rigs() {
         let Some(atlas) = vulkan(&options("atlas")) else { return };
         let Some(images) = vulkan(&options("images")) else { return };
         let Some(layers) = vulkan(&options("layers")) else { return };
-        expect_similar(&images, &atlas, 1, 1.0, &format!("{rig}, images against an atlas"));
-        expect_similar(&layers, &atlas, 3, 1.0, &format!("{rig}, layers against an atlas"));
+        expect_similar(&images, &atlas, 1, 1e-3, &format!("{rig}, images against an atlas"));
+        // Layers have texels of their own: a third of the pixels are off by 1/255, a few of them by 2/255.
+        expect_similar(&layers, &atlas, 2, 0.5, &format!("{rig}, layers against an atlas"));
         let lit = atlas.pixels.iter().filter(|pixel| **pixel != [0; 3]).count();
         assert!(lit * 10 > atlas.pixels.len(), "{rig}: {lit} pixels are lit");
     }
