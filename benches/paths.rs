@@ -69,9 +69,9 @@ mod start {
 
     /// The parts of views that no output samples.
     #[divan::bench(args = RIGS)]
-    fn hidden_areas(bencher: Bencher, name: &str) {
+    fn unsampled_areas(bencher: Bencher, name: &str) {
         let plan = super::plan(&rig(name));
-        bencher.bench(|| correct::hidden_areas(black_box(&plan)));
+        bencher.bench(|| correct::unsampled_areas(black_box(&plan)));
     }
 
     /// Which parts of outputs sample which parts of views.

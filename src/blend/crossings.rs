@@ -1,9 +1,9 @@
-//! Where shares must jump: the borders of two pictures cross with no third picture beneath.
+//! Points where blend weights must jump: the edges of two pictures cross with no third picture beneath.
 //!
 //! Next to such a point, one side belongs to the first projector alone, the other side to the second alone, and
 //! between them the shares pass from 0 to 1 within an angle that shrinks to nothing. No ramp can help; another picture can.
 
-use super::{Border, Weights};
+use super::{EdgeWeight, Weights};
 use crate::error::Result;
 use crate::rig::Rig;
 use crate::warp::WarpMap;
@@ -26,7 +26,7 @@ pub struct Crossing {
 const STEPS: u32 = 256;
 /// Halvings of a step: far below a pixel.
 const HALVINGS: u32 = 30;
-/// A third claim on the light that is at least this makes the shares pass gently.
+/// A raw weight of a third projector of at least this much makes the weights continuous.
 const ENOUGH: f64 = 0.01;
 
 /// The points of the screen where the shares of overlapping outputs jump, for outputs of these sizes (pixels).
@@ -44,8 +44,9 @@ pub fn crossings(rig: &Rig, sizes: &[(u32, u32)]) -> Result<Vec<Crossing>> {
         for &(second, other) in &sharing[place + 1..] {
             for point in crossings_of(map, other) {
                 let beneath = sharing.iter().filter(|(third, _)| ![first, second].contains(third));
-                let claim = beneath.map(|(third, map)| claim(&Border::of(&rig.outputs[*third].blend), map, point));
-                if claim.sum::<f64>() < ENOUGH {
+                let raw_weight =
+                    beneath.map(|(third, map)| raw_weight(&EdgeWeight::of(&rig.outputs[*third].blend), map, point));
+                if raw_weight.sum::<f64>() < ENOUGH {
                     let [polar, azimuth] = weights.angles(point);
                     found.push(Crossing { outputs: [first, second], point, polar, azimuth });
                 }
@@ -55,10 +56,10 @@ pub fn crossings(rig: &Rig, sizes: &[(u32, u32)]) -> Result<Vec<Crossing>> {
     Ok(found)
 }
 
-/// The claim of a projector on a point.
-fn claim(border: &Border, map: &WarpMap, point: DVec3) -> f64 {
+/// Returns the raw weight of a projector at a point.
+fn raw_weight(edge_weight: &EdgeWeight, map: &WarpMap, point: DVec3) -> f64 {
     let size = DVec2::new(f64::from(map.size().0), f64::from(map.size().1));
-    map.pixel(point).map_or(0.0, |pixel| border.claim(pixel / size))
+    map.pixel(point).map_or(0.0, |pixel| edge_weight.raw_weight(pixel / size))
 }
 
 /// Where the border of one picture on the screen goes into another or out of it, but for places where the screen ends.
@@ -111,8 +112,8 @@ mod tests {
                 (direction + (across * cosine + up * sine) * 1e-5) * two.dome.radius
             });
             let lit = around.filter(|point| weights.projectors().all(|(_, map)| map.pixel(*point).is_some()));
-            let shares: Vec<f64> = lit.map(|point| weights.weight_at(0, point)).collect();
-            let (least, most) = shares.iter().fold((1.0f64, 0.0f64), |(l, m), s| (l.min(*s), m.max(*s)));
+            let is_shared: Vec<f64> = lit.map(|point| weights.weight_at(0, point)).collect();
+            let (least, most) = is_shared.iter().fold((1.0f64, 0.0f64), |(l, m), s| (l.min(*s), m.max(*s)));
             assert!(least < 0.2 && most > 0.8, "{crossing:?}: {least} to {most}");
         }
         let upper =

@@ -12,7 +12,7 @@ mod simulation;
 mod weight;
 
 pub use crossings::{Crossing, crossings};
-pub use ramp::{Border, LEAST_RAMP, ramp, smoothstep};
+pub use ramp::{EdgeWeight, LEAST_RAMP, ramp, smoothstep};
 pub use simulation::{Picture, Simulation, Uniformity, simulate};
 pub use weight::{Weights, weight};
 

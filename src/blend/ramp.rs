@@ -1,4 +1,4 @@
-//! Shapes of ramps, and claims on points.
+//! Shapes of ramps, and raw blend weights.
 
 use crate::rig::{Blend, RampShape};
 use glam::DVec2;
@@ -23,28 +23,28 @@ pub fn ramp(shape: RampShape, t: f64) -> f64 {
     }
 }
 
-/// How a projector's claim on the light of a point falls towards its borders, and how dark it can be.
+/// How the raw weight of a projector falls towards the edges of its picture, and how dark its black is.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-pub struct Border {
+pub struct EdgeWeight {
     /// Width of the ramp, as a part of the picture's width and height.
     pub width: f64,
     /// Its shape.
     pub shape: RampShape,
-    /// Exponent of the claim.
+    /// Exponent of the raw weight.
     pub exponent: f64,
     /// Light of black, as a part of white.
     pub black: f64,
 }
 
-impl Border {
-    /// The border of an output's picture.
+impl EdgeWeight {
+    /// Returns the edge weight of an output's picture.
     pub fn of(blend: &Blend) -> Self {
         Self { width: blend.ramp, shape: blend.shape, exponent: blend.exponent, black: blend.black() }
     }
 
-    /// The claim on a point at a position in the picture (parts of width and height, 0…1 inside):
+    /// Returns the raw weight of a point at a position in the picture (parts of width and height, 0…1 inside):
     /// the product over the four sides of `ramp(distance/width)`, to the power of the exponent. 0 outside.
-    pub fn claim(&self, part: DVec2) -> f64 {
+    pub fn raw_weight(&self, part: DVec2) -> f64 {
         let width = self.width.max(LEAST_RAMP);
         let sides = [part.x, 1.0 - part.x, part.y, 1.0 - part.y];
         sides.into_iter().map(|distance| ramp(self.shape, distance / width)).product::<f64>().powf(self.exponent)

@@ -1,6 +1,6 @@
 //! The weight of a pixel.
 
-use super::ramp::{Border, LEAST_RAMP, ramp};
+use super::ramp::{EdgeWeight, LEAST_RAMP, ramp};
 use super::{GREEN, light_of};
 use crate::error::Result;
 use crate::geom::pose;
@@ -63,8 +63,8 @@ impl<'rig> Weights<'rig> {
     /// lights it; alone, it has all of it, to the very edge of its picture. Ramps in dome angles are multiplied in.
     pub fn weight_at(&self, output: usize, point: DVec3) -> f64 {
         let Some(described) = self.rig.outputs.get(output) else { return 0.0 };
-        let shares = described.blend.overlap && self.is_projector(output);
-        self.ramps_at(output, point) * if shares { self.share_at(output, point) } else { 1.0 }
+        let is_shared = described.blend.overlap && self.is_projector(output);
+        self.ramps_at(output, point) * if is_shared { self.overlap_weight_at(output, point) } else { 1.0 }
     }
 
     /// Whether an output lights the dome.
@@ -109,11 +109,11 @@ impl<'rig> Weights<'rig> {
     }
 
     /// `e_k / Σ e_j` at a point.
-    fn share_at(&self, output: usize, point: DVec3) -> f64 {
+    fn overlap_weight_at(&self, output: usize, point: DVec3) -> f64 {
         let edge = |index: usize, map: &WarpMap, pixel: DVec2| {
             let (width, height) = map.size();
             let part = pixel / DVec2::new(f64::from(width), f64::from(height));
-            Border::of(&self.rig.outputs[index].blend).claim(part)
+            EdgeWeight::of(&self.rig.outputs[index].blend).raw_weight(part)
         };
         let others = self.projectors().filter(|(index, _)| *index != output);
         let covering = others.filter_map(|(index, map)| Some(edge(index, map, map.pixel(point)?)));

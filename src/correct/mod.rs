@@ -1,4 +1,8 @@
 //! From rig and views to passes, independent of the graphics API.
+//!
+//! `passes` holds the types, `sources` finds how an output's pixels become directions, `plan` builds the passes, `shaders`
+//! turns them into constants, programs and draws. `projected` serves programs whose vertices are projected to outputs.
+//! Each room uses only those before it. `single` is the only place where f64 becomes f32.
 
 pub mod passes;
 pub mod plan;
@@ -15,12 +19,12 @@ pub use crate::correct::passes::mask::Mask;
 pub use crate::correct::passes::optics::{Light, OpticsSource};
 pub use crate::correct::passes::output_pass::{Approximation, Batch, OutputPass, Plan};
 pub use crate::correct::passes::rectangle::PixelRect;
-pub use crate::correct::passes::source::{Neighbour, ProjectorSource, Source, Way};
+pub use crate::correct::passes::source::{EvaluationMethod, Neighbour, ProjectorSource, Source};
 pub use crate::correct::passes::table::{Table, TablePixel};
 pub use crate::correct::passes::view_images::{Arrangement, ImageSize};
 pub use crate::correct::plan::builder::{build, build_with};
 pub use crate::correct::plan::footprints::{Footprints, Texels, footprints};
-pub use crate::correct::plan::unsampled::hidden_areas;
-pub use crate::correct::plan::unsampled_cached::kept_hidden_areas;
+pub use crate::correct::plan::unsampled::unsampled_areas;
+pub use crate::correct::plan::unsampled_cached::cached_unsampled_areas;
 
 pub use crate::views::Tile;

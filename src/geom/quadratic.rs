@@ -82,7 +82,7 @@ impl QuadraticForm {
     /// `map`: to an eye's axes, or to homogeneous picture coordinates, such as [`super::Frustum::picture`] after a lens's axes.
     ///
     /// The form does not tell rays that meet the surface from rays whose backward extension meets it:
-    /// [`super::Pencil::looks_at_it`] must hold, and of a double cone half of the rays from inside have a negative scale.
+    /// [`super::PinholeRays::looks_at_it`] must hold, and of a double cone half of the rays from inside have a negative scale.
     pub fn on(origin: DVec3, rays: DMat3, quadric: &Quadric, map: DAffine3) -> Self {
         let direction = LinearVector::of(rays);
         let moment = LinearVector(direction.0.map(|column| origin.cross(column)));

@@ -21,23 +21,23 @@ use crate::views::view_plan::{Request, ViewPlan};
 /// too much for one perspective view; [`ErrorKind::Graphics`] if nothing fits into the atlas.
 /// Where only the resolution must be reduced to fit, the plan says so in `notes`.
 pub fn plan(rig: &Rig, request: &Request) -> Result<ViewPlan> {
-    plan_with_reach(rig, request, 0, &Cache::none())
+    plan_with_margin(rig, request, 0, &Cache::none())
 }
 
 /// As [`plan`], for outputs that sample up to so many texels beside the exact place; `cache` may know what is chosen, or keeps it.
 ///
 /// # Errors
 /// As [`plan`].
-pub fn plan_with_reach(rig: &Rig, request: &Request, reach: u32, cache: &Cache) -> Result<ViewPlan> {
+pub fn plan_with_margin(rig: &Rig, request: &Request, margin: u32, cache: &Cache) -> Result<ViewPlan> {
     // A mirrored picture shows the same directions.
     let rig = &*rig.upright();
     let outputs: &[_] = if rig.passthrough { &[] } else { &rig.outputs };
     request.check(outputs.len(), rig.passthrough)?;
-    let sights = output_map::all(rig, outputs.len(), request)?;
-    let mut arrangement = cached::arrange(rig, &sights, cache)?;
+    let output_maps = output_map::all(rig, outputs.len(), request)?;
+    let mut arrangement = cached::arrange(rig, &output_maps, cache)?;
     loop {
-        let plan = layout::place(rig, request, reach, &arrangement.views, &arrangement.notes)?;
-        let Some(idle) = idle::find(&plan, &sights) else { return Ok(plan) };
+        let plan = layout::place(rig, request, margin, &arrangement.views, &arrangement.notes)?;
+        let Some(idle) = idle::find(&plan, &output_maps) else { return Ok(plan) };
         let view = arrangement.views.remove(idle);
         arrangement.notes.push(format!("no view {}: the centre of no pixel lies there", view.name));
     }

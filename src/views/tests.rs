@@ -452,7 +452,7 @@ fn an_output_outside_of_the_window_has_no_views() {
     let mut random = Random::new(77);
     for round in 0..40 {
         let (mut rig, mut request) = random_rig(&mut random);
-        let alone = plan(&rig, &request).unwrap();
+        let is_dedicated = plan(&rig, &request).unwrap();
         // Of a kind that shares views, or has its own.
         let other = match round % 3 {
             0 => fisheye(360.0, 0.0),
@@ -462,7 +462,7 @@ fn an_output_outside_of_the_window_has_no_views() {
         rig.outputs.push(other);
         request.output_sizes.push((0, 0));
         let (views, passes) = (plan(&rig, &request).unwrap(), crate::correct::build(&rig, &request).unwrap().passes);
-        assert_eq!(views.views, alone.views);
+        assert_eq!(views.views, is_dedicated.views);
         assert!(views.output_views.last().unwrap().is_empty() && passes.last().unwrap().batches.is_empty());
         assert!(views.notes.iter().any(|note| note.contains("outside of the window")), "{:?}", views.notes);
         verify(&rig, &request, &views).unwrap();

@@ -77,7 +77,7 @@ pub struct ViewPlan {
     /// Texels around the sampled part of each tile (none around those with `program_lens`).
     pub guard: u32,
     /// So many of these are there because outputs sample beside the exact place: so far beyond its part a view answers, too.
-    pub reach: u32,
+    pub margin: u32,
     /// Remarks for people: what was left out or scaled down, and why.
     pub notes: Vec<String>,
 }

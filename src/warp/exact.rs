@@ -213,7 +213,7 @@ impl WarpMap {
     }
 
     /// How many pictures stand side by side in the output, each of the same width; between them what is shown leaps.
-    pub fn strips(&self) -> u32 {
+    pub fn cubemap_faces(&self) -> u32 {
         match &self.optics {
             Optics::Panorama { panorama: Panorama::CubeStrip, .. } => STRIP_FACES.len() as u32,
             _ => 1,

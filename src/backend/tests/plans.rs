@@ -1,9 +1,9 @@
 //! Plans made by hand, and what they show, computed independently in f64.
 
-use crate::blend::Border;
-use crate::correct::{Batch, Neighbour, OutputPass, PixelRect, Plan, ProjectorSource, Source, Way};
+use crate::blend::EdgeWeight;
+use crate::correct::{Batch, EvaluationMethod, Neighbour, OutputPass, PixelRect, Plan, ProjectorSource, Source};
 use crate::geom::screen::{Bounds, ClosedSurface};
-use crate::geom::{Fisheye, Frustum, Pencil, Pose, Quadric, Sphere};
+use crate::geom::{Fisheye, Frustum, PinholeRays, Pose, Quadric, Sphere};
 use crate::rig::Blend;
 use crate::views::{Tile, View, ViewPlan};
 use glam::{DMat3, DVec3};
@@ -28,7 +28,7 @@ pub fn view_plan(views: Vec<View>, atlas: (u32, u32)) -> ViewPlan {
         panel: None,
         primary: None,
         guard: GUARD,
-        reach: 0,
+        margin: 0,
         notes: Vec::new(),
     }
 }
@@ -97,8 +97,8 @@ impl Projector {
         Self { pose: Pose::new(position, 0.2, 0.3, 0.05), frustum, ramp: 0.2 }
     }
 
-    pub fn border(&self) -> Border {
-        Border { width: self.ramp, ..Border::of(&Blend::default()) }
+    pub fn border(&self) -> EdgeWeight {
+        EdgeWeight { width: self.ramp, ..EdgeWeight::of(&Blend::default()) }
     }
 
     pub fn rays(&self) -> DMat3 {
@@ -131,8 +131,8 @@ impl Projector {
 
     pub fn source(&self, viewer: &Pose, others: &[Projector]) -> ProjectorSource {
         let surface = ClosedSurface::Quadric(Quadric::ellipsoid(DVec3::ONE));
-        let pencil = Pencil { origin: self.pose.position, rays: self.rays(), surface };
-        let form = |eye, target| pencil.seen_from(eye, target);
+        let pinhole = PinholeRays { origin: self.pose.position, rays: self.rays(), surface };
+        let form = |eye, target| pinhole.seen_from(eye, target);
         let neighbours = others
             .iter()
             .enumerate()
@@ -143,14 +143,14 @@ impl Projector {
             })
             .collect();
         ProjectorSource {
-            pencil,
+            pinhole,
             direction: form(viewer.position, viewer.rotation.transpose()),
             bounds: Bounds::default(),
             rim: None,
             dome_direction: form(DVec3::ZERO, DMat3::IDENTITY),
             neighbours,
             border: self.border(),
-            way: Way::Forms,
+            evaluation: EvaluationMethod::Forms,
         }
         .settled((1920, 1080))
         .expect("f32 is enough")

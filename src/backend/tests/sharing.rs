@@ -3,7 +3,7 @@
 use super::Driver;
 use super::picture::Picture;
 use super::plans::*;
-use crate::blend::Border;
+use crate::blend::EdgeWeight;
 use crate::correct::{Mask, Plan, Source};
 use crate::geom::{Frustum, Pose};
 use crate::rig::{RampShape, Transfer};
@@ -130,7 +130,7 @@ pub fn in_8_bits_the_sum_of_two_stays_within_the_quantisation(driver: &dyn Drive
 }
 
 /// The plan of projector `index` with the borders of all as `border` gives them.
-fn with_borders(projectors: &[Projector], index: usize, border: &dyn Fn(usize) -> Border) -> Plan {
+fn with_borders(projectors: &[Projector], index: usize, border: &dyn Fn(usize) -> EdgeWeight) -> Plan {
     let mut plan = projector_plan(&projectors[index], &others(projectors, index), SIZE);
     if let Source::Projector(source) = &mut plan.passes[0].source {
         source.border = border(index);
@@ -157,15 +157,17 @@ pub fn shapes_and_exponents_are_those_of_f64(driver: &dyn Driver) {
         (RampShape::Power(2.0), 1.5),
         (RampShape::Smoothstep, 2.0),
     ] {
-        let border = |index: usize| Border { width: projectors[index].ramp, shape, exponent, black: 0.0 };
+        let border = |index: usize| EdgeWeight { width: projectors[index].ramp, shape, exponent, black: 0.0 };
         let (mut worst, mut shared) = (0.0f64, 0);
         for index in 0..3 {
             let map = driver.map(&with_borders(&projectors, index, &border), 0);
             for (at, pixel) in map.iter().enumerate() {
                 let (x, y) = normalised(SIZE, at as u32 % SIZE.0, at as u32 / SIZE.0);
                 let point = projectors[index].hit(x, y).expect("from inside every ray hits");
-                let claims: Vec<(usize, f64)> =
-                    covering(&projectors, point).into_iter().map(|(k, place)| (k, border(k).claim(place))).collect();
+                let claims: Vec<(usize, f64)> = covering(&projectors, point)
+                    .into_iter()
+                    .map(|(k, place)| (k, border(k).raw_weight(place)))
+                    .collect();
                 let sum: f64 = claims.iter().map(|(_, claim)| claim).sum();
                 if claims.len() > 1 && sum >= MEAGRE {
                     let own: f64 = claims.iter().filter(|(k, _)| *k == index).map(|(_, claim)| claim).sum();
@@ -188,7 +190,7 @@ pub fn blacks_are_evened_out(driver: &dyn Driver) {
     let powers = Transfer::Powers([1.8, 2.2, 2.6]);
     for transfer in [Transfer::Power, Transfer::Srgb, powers, Transfer::Measured(measured.into())] {
         let display = crate::rig::Blend { transfer: transfer.clone(), ..Default::default() };
-        let border = |index: usize| Border { black: blacks[index], ..projectors[index].border() };
+        let border = |index: usize| EdgeWeight { black: blacks[index], ..projectors[index].border() };
         for white in [0.0, 1.0] {
             for index in 0..3 {
                 let mut plan = with_borders(&projectors, index, &border);

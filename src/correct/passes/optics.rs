@@ -78,7 +78,7 @@ struct Kick {
 }
 
 /// The way of a ray.
-struct Way {
+struct RayPath {
     /// How far before the surface it sets out, see [`Quadric::depth`], as a part of its level there.
     depth: f64,
     /// How far from the mirror's outline it meets it, 0…1; 1 without a mirror.
@@ -103,7 +103,7 @@ impl OpticsSource {
 
     /// Where the light of a place ends on the surface, screen or not.
     pub fn hit(&self, x: f64, y: f64) -> Option<DVec3> {
-        self.way(x, y, Kick::default()).map(|way| way.point)
+        self.path(x, y, Kick::default()).map(|path| path.point)
     }
 
     /// `(x, y, 1)` → moment of the ray around a mirror's centre, in its radii.
@@ -114,7 +114,7 @@ impl OpticsSource {
     }
 
     /// What the shader computes.
-    fn way(&self, x: f64, y: f64, kick: Kick) -> Option<Way> {
+    fn path(&self, x: f64, y: f64, kick: Kick) -> Option<RayPath> {
         let (mut ray, start, incidence);
         match &self.light {
             Light::Fisheye { form, scale, offset } => {
@@ -146,7 +146,7 @@ impl OpticsSource {
         let reach = along + (along * along + self.quadric.product(ray, ray) * depth).max(0.0).sqrt();
         let point = start + ray * (depth / reach * (1.0 + kick.distance));
         let around = self.quadric.weights.abs().dot(start * start) + self.quadric.level;
-        (reach > 0.0).then(|| Way { depth: depth / around, incidence, point: point + kick.point * point.length() })
+        (reach > 0.0).then(|| RayPath { depth: depth / around, incidence, point: point + kick.point * point.length() })
     }
 
     /// The same if f32 is enough for it: if rounding moves what is shown by no more than 0.002 pixels of a picture 4096 wide, or 6·10⁻⁷
@@ -167,20 +167,20 @@ impl OpticsSource {
     /// reference's size; `own`: how many such a pixel of the picture is wide.
     fn is_exact_at(&self, x: f64, y: f64, pixel: DVec2, own: f64) -> Option<bool> {
         let seen =
-            |x: f64, y: f64, kick: Kick| self.way(x, y, kick).map(|way| self.to_viewer.transform_point3(way.point));
-        let way = self.way(x, y, Kick::default())?;
-        let exact = self.to_viewer.transform_point3(way.point);
+            |x: f64, y: f64, kick: Kick| self.path(x, y, kick).map(|path| self.to_viewer.transform_point3(path.point));
+        let path = self.path(x, y, Kick::default())?;
+        let exact = self.to_viewer.transform_point3(path.point);
         let angle = |moved: DVec3| exact.cross(moved).length().atan2(exact.dot(moved));
         let bounces = f64::from(u8::from(matches!(self.light, Light::Mirror { .. })));
         let kicks = [DVec3::X, DVec3::Y, DVec3::Z].into_iter().flat_map(|axis| {
             [
                 Kick { ray: axis * STEP, ..Kick::default() },
                 Kick { moment: axis * STEP, ..Kick::default() },
-                Kick { reflected: axis * bounces * STEP / way.incidence, ..Kick::default() },
+                Kick { reflected: axis * bounces * STEP / path.incidence, ..Kick::default() },
                 Kick { point: axis * STEP, ..Kick::default() },
             ]
         });
-        let along = Kick { distance: STEP / way.depth, ..Kick::default() };
+        let along = Kick { distance: STEP / path.depth, ..Kick::default() };
         // Roundings are independent of each other.
         let squared = |kick: Kick| seen(x, y, kick).map_or(f64::INFINITY, angle).powi(2);
         let error = kicks.chain([along]).map(squared).sum::<f64>().sqrt();

@@ -1,11 +1,11 @@
 //! How a pixel of an output becomes a direction: the coefficients, and their evaluation in f64.
 
-use crate::blend::Border;
+use crate::blend::EdgeWeight;
 use crate::correct::passes::optics::OpticsSource;
 use crate::correct::passes::table::Table;
-use crate::geom::pencil::RimForms;
+use crate::geom::pinhole_rays::RimForms;
 use crate::geom::screen::Bounds;
-use crate::geom::{Fisheye, Panorama, Pencil, QuadraticForm};
+use crate::geom::{Fisheye, Panorama, PinholeRays, QuadraticForm};
 use glam::{DMat3, DVec2, DVec3};
 use std::sync::Arc;
 
@@ -51,7 +51,7 @@ pub enum Source {
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct ProjectorSource {
     /// Its rays and what they light, in the axes of the surface.
-    pub pencil: Pencil,
+    pub pinhole: PinholeRays,
     /// Viewer direction, viewer axes.
     pub direction: QuadraticForm,
     /// The part of the surface that is screen.
@@ -63,16 +63,16 @@ pub struct ProjectorSource {
     /// For every projector that can overlap this one: its homogeneous picture coordinates (`x/z`, `y/z` in −1…1, `z > 0` in front) of this pixel's hit, and its ramp.
     pub neighbours: Vec<Neighbour>,
     /// This projector's own claim on points.
-    pub border: Border,
+    pub border: EdgeWeight,
     /// How the forms are computed.
-    pub way: Way,
+    pub evaluation: EvaluationMethod,
 }
 
 impl ProjectorSource {
     /// Viewer direction at normalised coordinates, any length; `None` where the ray does not end on the screen.
     pub fn direction(&self, x: f64, y: f64) -> Option<DVec3> {
-        let direction = self.pencil.evaluate(&self.direction, x, y)?;
-        self.rim.as_ref().is_none_or(|rim| rim.allow(&self.pencil, x, y)).then_some(direction)
+        let direction = self.pinhole.evaluate(&self.direction, x, y)?;
+        self.rim.as_ref().is_none_or(|rim| rim.allow(&self.pinhole, x, y)).then_some(direction)
     }
 }
 
@@ -84,12 +84,12 @@ pub struct Neighbour {
     /// Its homogeneous picture coordinates.
     pub picture: QuadraticForm,
     /// Its claim on points.
-    pub border: Border,
+    pub border: EdgeWeight,
 }
 
 /// How the forms of a projector are computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
-pub enum Way {
+pub enum EvaluationMethod {
     /// As they are.
     Forms,
     /// `linear`: before a plane.

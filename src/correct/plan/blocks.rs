@@ -296,7 +296,7 @@ impl<'a> Examiner<'a> {
     fn corner(&self, x: u32, y: u32) -> Corner {
         let (x, y) = self.normalised(f64::from(x), f64::from(y));
         let on_surface = match self.source {
-            Source::Projector(projector) => projector.pencil.hit(x, y),
+            Source::Projector(projector) => projector.pinhole.hit(x, y),
             Source::Optics(optics) => optics.hit(x, y),
             _ => None,
         };

@@ -9,7 +9,7 @@ use crate::correct::passes::output_pass::{Batch, OutputPass, Plan};
 use crate::correct::passes::rectangle::PixelRect;
 use crate::correct::passes::source::Source;
 use crate::correct::plan::blocks;
-use crate::correct::sources::surface_sample::Shown;
+use crate::correct::sources::surface_sample::SurfaceSampler;
 use crate::correct::sources::{facets, output_source};
 use crate::error::Result;
 use crate::rig::{Method, Rig};
@@ -40,7 +40,7 @@ pub fn build_with(rig: &Rig, request: &Request, cache: &Cache) -> Result<Plan> {
     let sizes: Vec<_> = request.output_sizes.iter().map(|&(width, height)| (width.max(1), height.max(1))).collect();
     let sizes = sizes.as_slice();
     let domes = dome_meshes(rig, sizes)?;
-    let views = views::plan_with_reach(rig, request, reach(rig, &domes), cache)?;
+    let views = views::plan_with_margin(rig, request, margin(rig, &domes), cache)?;
     let mut passes = Vec::new();
     let lift = match rig.outputs.iter().any(|output| output.blend.contrast.is_some()) {
         true => Weights::new(rig, sizes)?.greatest_black(),
@@ -66,7 +66,7 @@ pub fn build_with(rig: &Rig, request: &Request, cache: &Cache) -> Result<Plan> {
                     _ => batches,
                 },
                 Method::Mesh { max_error } => {
-                    meshed(only_lit(batches, &source, size), &Shown::new(rig, index, sizes)?, max_error)
+                    meshed(only_lit(batches, &source, size), &SurfaceSampler::new(rig, index, sizes)?, max_error)
                 }
                 Method::CubeMesh { .. } => with_dome(batches, &views.output_views[index], domes[index].clone()),
             };
@@ -103,7 +103,7 @@ const MOST_REACH: f64 = 64.0;
 const TEXELS_PER_PIXEL: f64 = 4.0;
 
 /// How far beside its exact place an output may sample a view, texels.
-fn reach(rig: &Rig, domes: &[Option<Arc<Facets>>]) -> u32 {
+fn margin(rig: &Rig, domes: &[Option<Arc<Facets>>]) -> u32 {
     // An output's own picture is not sampled beside its place.
     let sampling = rig.outputs.iter().zip(domes).filter(|(output, _)| !output.method.projects_vertices());
     let errors = sampling.map(|(output, dome)| {
@@ -119,8 +119,8 @@ fn dome_meshes(rig: &Rig, sizes: &[(u32, u32)]) -> Result<Vec<Option<Arc<Facets>
     outputs
         .map(|(index, output)| match output.method {
             Method::CubeMesh { density } => {
-                let shown = Shown::new(rig, index, sizes)?;
-                Ok(Some(Arc::new(facets::dome_facets(rig, index, &shown, density))))
+                let sampler = SurfaceSampler::new(rig, index, sizes)?;
+                Ok(Some(Arc::new(facets::dome_facets(rig, index, &sampler, density))))
             }
             _ => Ok(None),
         })
@@ -129,13 +129,13 @@ fn dome_meshes(rig: &Rig, sizes: &[(u32, u32)]) -> Result<Vec<Option<Arc<Facets>
 
 /// The batches without pixels that show nothing.
 fn only_lit(batches: Vec<Batch>, source: &Source, size: (u32, u32)) -> Vec<Batch> {
-    batches.into_iter().map(|batch| facets::rims::only_lit(batch, source, size)).collect()
+    batches.into_iter().map(|batch| facets::lit_parts::only_lit(batch, source, size)).collect()
 }
 
 /// The batches, drawn as triangles with a greatest error in pixels.
-fn meshed(batches: Vec<Batch>, shown: &Shown, max_error: f64) -> Vec<Batch> {
+fn meshed(batches: Vec<Batch>, sampler: &SurfaceSampler, max_error: f64) -> Vec<Batch> {
     let meshed = |batch: Batch| {
-        let facets = Some(Arc::new(Facets::within(shown, &batch.rects, max_error)));
+        let facets = Some(Arc::new(Facets::within(sampler, &batch.rects, max_error)));
         // The weights are in the corners.
         Batch { facets, neighbours: Vec::new(), ..batch }
     };

@@ -101,8 +101,8 @@ fn part(plan: &Plan, lattice: &[Option<DVec3>], view: &View, place: [u32; 2]) ->
     // Where only some samples are in the view, little is known of what lies between them.
     let partly = all().count() < (SAMPLES * SAMPLES) as usize;
     let apart = if partly { 2.0 * step + 0.1 * size.max_element() } else { step };
-    let reach = DVec2::splat(apart + f64::from(plan.views.guard) + 2.0);
-    let (from, to) = ((least - reach).max(low), (greatest + reach).min(low + size));
+    let margin = DVec2::splat(apart + f64::from(plan.views.guard) + 2.0);
+    let (from, to) = ((least - margin).max(low), (greatest + margin).min(low + size));
     (from.x < to.x && from.y < to.y)
         .then(|| [from.x.floor() as i32, from.y.floor() as i32, to.x.ceil() as i32, to.y.ceil() as i32])
 }

@@ -25,7 +25,7 @@ const ROUNDING: f64 = 1e-5;
 /// For each view the rectangles of its tile, in texels of the atlas, that no filter footprint of any output's pixel
 /// touches; disjoint, in cells of 2 texels. Conservative: what is uncertain counts as sampled. Views with the
 /// program's own lens and pictures of outputs have none.
-pub fn hidden_areas(plan: &Plan) -> Vec<Vec<Tile>> {
+pub fn unsampled_areas(plan: &Plan) -> Vec<Vec<Tile>> {
     let mut sheets: Vec<Sheet> = plan.views.views.iter().map(|view| Sheet::new(view, plan.views.guard)).collect();
     for (pass, views) in plan.passes.iter().zip(&plan.views.output_views) {
         let cones = views.iter().map(|&view| (view, Cone::of(&plan.views.views[view]))).collect();
@@ -43,7 +43,7 @@ struct Sheet {
     /// Texels of the tile.
     size: DVec2,
     /// How far from its place a pixel may read, in texels.
-    reach: f64,
+    margin: f64,
 }
 
 impl Sheet {
@@ -57,7 +57,7 @@ impl Sheet {
             frustum: view.frustum,
             size: DVec2::new(f64::from(width), f64::from(height)),
             // Filters and the overhang of views reach less far than the guard, which is counted in whole texels.
-            reach: f64::from(guard),
+            margin: f64::from(guard),
         }
     }
 
@@ -79,7 +79,7 @@ impl Sheet {
         let corner = DVec2::new(self.frustum.left, self.frustum.bottom);
         let scale = self.size / DVec2::new(self.frustum.width(), self.frustum.height());
         let cell = |at: f64, cells: u32| (at / f64::from(CELL)).floor().clamp(-1.0, f64::from(cells)) as i64;
-        let (low, high) = ((low - corner) * scale - self.reach, (high - corner) * scale + self.reach);
+        let (low, high) = ((low - corner) * scale - self.margin, (high - corner) * scale + self.margin);
         let (left, right) = (cell(low.x, self.columns), cell(high.x, self.columns));
         let (bottom, top) = (cell(low.y, self.rows), cell(high.y, self.rows));
         for row in bottom.max(0)..=top.min(i64::from(self.rows) - 1) {

@@ -2,12 +2,12 @@
 
 use crate::cache::Cache;
 use crate::correct::passes::output_pass::Plan;
-use crate::correct::plan::unsampled::hidden_areas;
+use crate::correct::plan::unsampled::unsampled_areas;
 use crate::views::Tile;
 use std::convert::Infallible;
 
-/// Returns [`hidden_areas`], or what `cache` has of it.
-pub fn kept_hidden_areas(plan: &Plan, cache: &Cache) -> Vec<Vec<Tile>> {
+/// Returns [`unsampled_areas`], or what `cache` has of it.
+pub fn cached_unsampled_areas(plan: &Plan, cache: &Cache) -> Vec<Vec<Tile>> {
     let views = &plan.views;
     let passes = plan.passes.iter().map(|pass| {
         let rects = pass.batches.iter().flat_map(|batch| &batch.rects);
@@ -15,7 +15,7 @@ pub fn kept_hidden_areas(plan: &Plan, cache: &Cache) -> Vec<Vec<Tile>> {
     });
     let key = (&views.views, &views.output_views, views.guard, passes.collect::<Vec<_>>());
     let is_sound = |areas: &Vec<Vec<Tile>>| areas.len() == plan.views.views.len();
-    let found: Result<_, Infallible> = cache.cached("unsampled", &key, is_sound, || Ok(hidden_areas(plan)));
+    let found: Result<_, Infallible> = cache.cached("unsampled", &key, is_sound, || Ok(unsampled_areas(plan)));
     let Ok(areas) = found;
     areas
 }
@@ -33,9 +33,9 @@ mod tests {
         for _ in 0..2 {
             for aperture in [180.0, 180.5] {
                 let plan = plan(aperture);
-                let areas = hidden_areas(&plan);
+                let areas = unsampled_areas(&plan);
                 assert!(areas.iter().any(|tiles| !tiles.is_empty()));
-                assert_eq!(kept_hidden_areas(&plan, &cache), areas);
+                assert_eq!(cached_unsampled_areas(&plan, &cache), areas);
             }
         }
         assert_eq!(cache.counts().missing, 2);

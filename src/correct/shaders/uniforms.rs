@@ -26,11 +26,11 @@ pub const SOURCE_FLOATS: usize = 4;
 
 /// How far, in texels, a view also answers for beyond its own part: nothing falls between two
 /// views by rounding. What filters need beside it is in the guard (`views::layout`).
-const OVERHANG: f64 = 0.125;
+const OVERLAP: f64 = 0.125;
 
 /// How far a view of a plan also answers, texels.
-fn overhang(views: &ViewPlan) -> f64 {
-    OVERHANG + f64::from(views.reach)
+fn overlap(views: &ViewPlan) -> f64 {
+    OVERLAP + f64::from(views.margin)
 }
 
 /// A view as the shaders take it.
@@ -43,8 +43,8 @@ struct Placement {
 }
 
 impl Placement {
-    /// `part` of the opening of `view` answers; texels beyond it, too, up to `overhang`.
-    fn new(view: &View, part: &Frustum, overhang: f64, views: &ViewPlan) -> Self {
+    /// `part` of the opening of `view` answers; texels beyond it, too, up to `overlap`.
+    fn new(view: &View, part: &Frustum, overlap: f64, views: &ViewPlan) -> Self {
         let atlas = views.picture_size(view);
         let tile = DVec2::new(f64::from(view.tile.width), f64::from(view.tile.height));
         let origin = DVec2::new(f64::from(view.tile.x), f64::from(view.tile.y));
@@ -52,7 +52,7 @@ impl Placement {
         let opening = DVec2::new(view.frustum.width(), view.frustum.height());
         let corner = DVec2::new(view.frustum.left, view.frustum.bottom);
         let centre = DVec2::new(part.left + part.right, part.bottom + part.top) / 2.0;
-        let half = DVec2::new(part.width(), part.height()) / 2.0 + overhang * opening / tile;
+        let half = DVec2::new(part.width(), part.height()) / 2.0 + overlap * opening / tile;
         let transform = DMat3::from_cols(
             DVec3::new(1.0 / half.x, 0.0, 0.0),
             DVec3::new(0.0, 1.0 / half.y, 0.0),
@@ -147,7 +147,7 @@ pub fn copies_texels(plan: &Plan, pass: &OutputPass, batch: &Batch) -> bool {
     if pass.filter != Filter::Bilinear && !samples_program_lens(plan, batch) {
         return false;
     }
-    let placement = Placement::new(view, &view.owned, overhang(&plan.views), &plan.views);
+    let placement = Placement::new(view, &view.owned, overlap(&plan.views), &plan.views);
     let map = placement.scaled() * view.rotation * *matrix;
     let (width, height) = (f64::from(pass.size.0), f64::from(pass.size.1));
     let atlas = plan.views.picture_size(view);
@@ -219,7 +219,7 @@ fn views(plan: &Plan, pass: &OutputPass, batch: &Batch, panel: Option<&View>) ->
         let view = plan.views.views.get(index).ok_or_else(|| {
             Error::new(ErrorKind::Internal, format!("A batch samples view {index}, which the plan does not have."))
         })?;
-        let placement = Placement::new(view, &view.owned, overhang(&plan.views), &plan.views);
+        let placement = Placement::new(view, &view.owned, overlap(&plan.views), &plan.views);
         placements.push((index, view.rotation, placement));
     }
     let mut out = Shared::default();

@@ -1,12 +1,12 @@
 //! The constants of a projector's pass.
 
-use crate::blend::{Border, LEAST_RAMP};
+use crate::blend::{EdgeWeight, LEAST_RAMP};
 use crate::correct::passes::output_pass::Batch;
-use crate::correct::passes::source::{ProjectorSource, Way};
+use crate::correct::passes::source::{EvaluationMethod, ProjectorSource};
 use crate::correct::shaders::constants::{Form, MAX_NEIGHBOURS, Neighbour, ProjectorConstants, Shared, Values, limit};
 use crate::correct::shaders::polynomials::shape;
 use crate::correct::single;
-use crate::correct::sources::ray_form::Beam;
+use crate::correct::sources::ray_form::RayForm;
 use crate::error::{Error, ErrorKind, Result};
 use crate::geom::QuadraticForm;
 use crate::geom::screen::Join;
@@ -15,20 +15,21 @@ use glam::DMat3;
 /// Returns the constants of a projector; `base`: viewer axes → base.
 pub(super) fn values(source: &ProjectorSource, batch: &Batch, base: DMat3, shared_part: Shared) -> Result<Values> {
     limit("neighbours", batch.neighbours.len(), MAX_NEIGHBOURS)?;
-    let way = source.way;
-    let beam = Beam::of(&source.pencil).filter(|_| matches!(way, Way::Root | Way::Distance));
-    let form = |form: &QuadraticForm| shader_form(form, way, beam.as_ref());
-    let discriminant = beam.as_ref().map_or(source.direction.d, Beam::discriminant);
+    let evaluation = source.evaluation;
+    let ray_form = RayForm::of(&source.pinhole)
+        .filter(|_| matches!(evaluation, EvaluationMethod::Root | EvaluationMethod::Distance));
+    let form = |form: &QuadraticForm| shader_form(form, evaluation, ray_form.as_ref());
+    let discriminant = ray_form.as_ref().map_or(source.direction.d, RayForm::discriminant);
     let mut out = ProjectorConstants {
         shared_part,
         direction: form(&source.direction.transformed(base)),
         dome: form(&source.dome_direction),
         discriminant: quadratic_polynomial(&discriminant),
-        way: match way {
-            Way::Forms => 0,
-            Way::Linear => 1,
-            Way::Root => 2,
-            Way::Distance => 3,
+        way: match evaluation {
+            EvaluationMethod::Forms => 0,
+            EvaluationMethod::Linear => 1,
+            EvaluationMethod::Root => 2,
+            EvaluationMethod::Distance => 3,
         },
         neighbour_count: batch.neighbours.len() as u32,
         border: border(&source.border),
@@ -51,32 +52,35 @@ pub(super) fn values(source: &ProjectorSource, batch: &Batch, base: DMat3, share
         })?;
         *to = Neighbour { picture: form(&neighbour.picture), border: border(&neighbour.border) };
     }
-    if let Some(beam) = beam.as_ref().filter(|_| way == Way::Distance) {
-        out.squared = quadratic_polynomial(&beam.squared);
-        out.along = single::values(beam.along);
+    if let Some(ray_form) = ray_form.as_ref().filter(|_| evaluation == EvaluationMethod::Distance) {
+        out.squared = quadratic_polynomial(&ray_form.squared);
+        out.along = single::values(ray_form.along);
     }
     Ok(Values::Projector(Box::new(out)))
 }
 
 /// A picture's border as the shaders take it: 1/(2·width), shape, exponent, black.
-fn border(border: &Border) -> [f32; 4] {
+fn border(border: &EdgeWeight) -> [f32; 4] {
     single::values([0.5 / border.width.max(LEAST_RAMP), shape(border.shape), border.exponent, border.black])
 }
 
 /// The coefficients of a form that the shaders read; the others are 0.
-fn shader_form(form: &QuadraticForm, way: Way, beam: Option<&Beam>) -> Form {
-    let linear = beam.filter(|_| way == Way::Root).map_or(form.l, |beam| beam.freed(form));
+fn shader_form(form: &QuadraticForm, evaluation: EvaluationMethod, ray_form: Option<&RayForm>) -> Form {
+    let linear =
+        ray_form.filter(|_| evaluation == EvaluationMethod::Root).map_or(form.l, |ray_form| ray_form.freed(form));
     let [l_x, l_y, l_one] = [0, 1, 2].map(|k| single::values([0, 1, 2].map(|i: usize| linear[i][k])));
     let out = Form { l_x, l_y, l_one, ..Form::default() };
-    match way {
-        Way::Forms => {
+    match evaluation {
+        EvaluationMethod::Forms => {
             // The order of the coefficients: x², y², xy, x, y, 1.
             let [q_xx, q_yy, q_xy, q_x, q_y, q_one] =
                 [0, 1, 2, 3, 4, 5].map(|k| single::values([form.q[0][k], form.q[1][k], form.q[2][k]]));
             Form { q_xx, q_yy, q_xy, q_x, q_y, q_one, ..out }
         }
-        Way::Linear => out,
-        Way::Root | Way::Distance => Form { offset: single::values(form.offset.to_array()), ..out },
+        EvaluationMethod::Linear => out,
+        EvaluationMethod::Root | EvaluationMethod::Distance => {
+            Form { offset: single::values(form.offset.to_array()), ..out }
+        }
     }
 }
 

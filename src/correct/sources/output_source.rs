@@ -1,16 +1,16 @@
 //! From an output of a rig to the coefficients of its map.
 
-use crate::blend::Border;
+use crate::blend::EdgeWeight;
 use crate::cache::Cache;
 use crate::correct::passes::optics::{Light, OpticsSource};
-use crate::correct::passes::source::{Neighbour, ProjectorSource, Source, Way};
-use crate::correct::sources::surface_sample::Shown;
+use crate::correct::passes::source::{EvaluationMethod, Neighbour, ProjectorSource, Source};
+use crate::correct::sources::surface_sample::SurfaceSampler;
 use crate::correct::sources::{table_cached, table_coarse};
 use crate::error::Result;
 use crate::geom::fisheye::RadialForm;
-use crate::geom::pencil::RimForms;
+use crate::geom::pinhole_rays::RimForms;
 use crate::geom::screen::{ClosedForm, ClosedSurface, Shape};
-use crate::geom::{Optics, Panorama, Pencil, Quadric, Screen, Sphere, pose};
+use crate::geom::{Optics, Panorama, PinholeRays, Quadric, Screen, Sphere, pose};
 use crate::rig::{Method, Output, OutputKind, Rig};
 use crate::views::sampling::output_map::{lens_rotation, perspective_rays, viewer_rotation};
 use glam::{DAffine3, DMat3, DVec3};
@@ -20,9 +20,9 @@ use std::sync::Arc;
 /// else the closed form where there is one, otherwise a table of all pixels. `cache` may know tables, or keeps them.
 ///
 /// # Errors
-/// Those of [`Shown::new`].
+/// Those of [`SurfaceSampler::new`].
 pub(in crate::correct) fn of(rig: &Rig, index: usize, sizes: &[(u32, u32)], cache: &Cache) -> Result<Source> {
-    let shown = || Shown::new(rig, index, sizes);
+    let shown = || SurfaceSampler::new(rig, index, sizes);
     let size = sizes.get(index).copied().unwrap_or_default();
     let table = match (rig.outputs[index].method, closed_form(rig, index, size)) {
         (Method::Table { max_error }, _) => {
@@ -137,7 +137,7 @@ fn projector(rig: &Rig, index: usize, eye: DVec3, to_viewer: DMat3) -> Option<Pr
     let to_surface = |point: DVec3| pose.point_to_local(point) - middle;
     let from_surface = pose.rotation;
     let Pinhole { position, rays } = Pinhole::of(&output.kind)?;
-    let pencil = Pencil { origin: to_surface(position), rays: from_surface.transpose() * rays, surface };
+    let pinhole = PinholeRays { origin: to_surface(position), rays: from_surface.transpose() * rays, surface };
     let others = rig.outputs.iter().enumerate().filter(|(other, _)| output.blend.overlap && *other != index);
     let neighbour = |(output, other): (usize, &Output)| {
         let Some(Pinhole { position, rays }) = Pinhole::of(&other.kind) else {
@@ -148,22 +148,23 @@ fn projector(rig: &Rig, index: usize, eye: DVec3, to_viewer: DMat3) -> Option<Pr
             ClosedSurface::Quadric(quadric) => quadric.contains(position, 1.0),
             ClosedSurface::Plane => true,
         };
-        let picture = || pencil.seen_from(position, rays.inverse() * from_surface);
-        Some(lights_all.then(|| Neighbour { output, picture: picture(), border: Border::of(&other.blend) }))
+        let picture = || pinhole.seen_from(position, rays.inverse() * from_surface);
+        Some(lights_all.then(|| Neighbour { output, picture: picture(), border: EdgeWeight::of(&other.blend) }))
     };
     let neighbours: Option<Vec<Neighbour>> = others.filter_map(neighbour).collect();
     let source = ProjectorSource {
-        pencil,
-        direction: pencil.seen_from(to_surface(eye), to_viewer * from_surface),
+        pinhole,
+        direction: pinhole.seen_from(to_surface(eye), to_viewer * from_surface),
         bounds,
-        rim: (!bounds.is_all()).then(|| RimForms::of(&pencil, &bounds)),
+        rim: (!bounds.is_all()).then(|| RimForms::of(&pinhole, &bounds)),
         // Turned about x by the tilt, the pole comes to lie on +y and the front on −z.
-        dome_direction: pencil.seen_from(to_surface(DVec3::ZERO), DMat3::from_rotation_x(rig.dome.tilt) * from_surface),
+        dome_direction: pinhole
+            .seen_from(to_surface(DVec3::ZERO), DMat3::from_rotation_x(rig.dome.tilt) * from_surface),
         neighbours: neighbours?,
-        border: Border::of(&output.blend),
-        way: Way::Forms,
+        border: EdgeWeight::of(&output.blend),
+        evaluation: EvaluationMethod::Forms,
     };
-    pencil.looks_at_it().then_some(source)
+    pinhole.looks_at_it().then_some(source)
 }
 
 /// The formula of a projector with any lens, perhaps before a mirror; `None` where it shares its light or its blacks with others, for

@@ -1,10 +1,10 @@
 //! The rays of a projector inside its screen, from which its forms follow with fewer operations.
 
-use crate::correct::passes::source::{ProjectorSource, Way};
+use crate::correct::passes::source::{EvaluationMethod, ProjectorSource};
 use crate::correct::sources::rounding::{self, Sum};
 use crate::geom::quadratic::{linear_at, product, quadratic_at, squared};
 use crate::geom::screen::ClosedSurface;
-use crate::geom::{Pencil, QuadraticForm, Quadric};
+use crate::geom::{PinholeRays, QuadraticForm, Quadric};
 use glam::DVec3;
 
 /// The rays `o + t·d` of a projector inside a quadric. Each
@@ -14,7 +14,7 @@ use glam::DVec3;
 ///
 /// Near the surface `√D + b` cancels; `offset/t + linear`, with `1/t = a/(√D − b)`, does not, unless a vanishes, as it does in a double
 /// cone. Farther out `D` itself cancels, and only the forms' own coefficients, which are rounded after the cancellation, are exact.
-pub(in crate::correct) struct Beam {
+pub(in crate::correct) struct RayForm {
     /// a = d·d over `[x², y², xy, x, y, 1]`.
     pub squared: [f64; 6],
     /// b = o·d over `[x, y, 1]`.
@@ -27,20 +27,22 @@ pub(in crate::correct) struct Beam {
 const INSIDE: f64 = 0.95;
 
 /// The cheapest way for pictures of `size` that rounding leaves exact enough, if there is one.
-fn way(source: &ProjectorSource, size: (u32, u32)) -> Option<Way> {
-    let beam = Beam::of(&source.pencil);
-    let ways: &[Way] = match &source.pencil.surface {
-        ClosedSurface::Plane => &[Way::Linear],
-        ClosedSurface::Quadric(quadric) => match (&beam, quadric.is_convex()) {
-            (Some(_), true) => &[Way::Root, Way::Distance, Way::Forms],
-            (Some(_), false) => &[Way::Root],
-            (None, true) => &[Way::Forms],
+fn evaluation(source: &ProjectorSource, size: (u32, u32)) -> Option<EvaluationMethod> {
+    let ray_form = RayForm::of(&source.pinhole);
+    let methods: &[EvaluationMethod] = match &source.pinhole.surface {
+        ClosedSurface::Plane => &[EvaluationMethod::Linear],
+        ClosedSurface::Quadric(quadric) => match (&ray_form, quadric.is_convex()) {
+            (Some(_), true) => &[EvaluationMethod::Root, EvaluationMethod::Distance, EvaluationMethod::Forms],
+            (Some(_), false) => &[EvaluationMethod::Root],
+            (None, true) => &[EvaluationMethod::Forms],
             (None, false) => &[],
         },
     };
-    ways.iter().copied().find(|&way| {
-        rounding::is_exact(source, size, |form, x, y| match (&beam, way) {
-            (Some(beam), Way::Root | Way::Distance) => Some(beam.sum(way, form, x, y)),
+    methods.iter().copied().find(|&evaluation| {
+        rounding::is_exact(source, size, |form, x, y| match (&ray_form, evaluation) {
+            (Some(ray_form), EvaluationMethod::Root | EvaluationMethod::Distance) => {
+                Some(ray_form.sum(evaluation, form, x, y))
+            }
             _ => rounding::of_form(form, x, y),
         })
     })
@@ -49,29 +51,29 @@ fn way(source: &ProjectorSource, size: (u32, u32)) -> Option<Way> {
 impl ProjectorSource {
     /// The same, computed in the cheapest way that is exact enough for pictures of `size`; `None` if none is.
     pub fn settled(mut self, size: (u32, u32)) -> Option<Self> {
-        self.way = way(&self, size)?;
+        self.evaluation = evaluation(&self, size)?;
         Some(self)
     }
 }
 
-impl Beam {
+impl RayForm {
     /// `None` for a projector outside its quadric or near it, and before a plane.
-    pub fn of(pencil: &Pencil) -> Option<Self> {
-        let ClosedSurface::Quadric(quadric) = &pencil.surface else { return None };
-        pencil.is_inside(INSIDE).then(|| Self::new(pencil, quadric))
+    pub fn of(pinhole: &PinholeRays) -> Option<Self> {
+        let ClosedSurface::Quadric(quadric) = &pinhole.surface else { return None };
+        pinhole.is_inside(INSIDE).then(|| Self::new(pinhole, quadric))
     }
 
-    fn new(pencil: &Pencil, quadric: &Quadric) -> Self {
-        let rays = pencil.rays;
-        let along = [rays.x_axis, rays.y_axis, rays.z_axis].map(|ray| quadric.product(pencil.origin, ray));
-        Self { squared: squared(rays, quadric), along, depth: quadric.depth(pencil.origin) }
+    fn new(pinhole: &PinholeRays, quadric: &Quadric) -> Self {
+        let rays = pinhole.rays;
+        let along = [rays.x_axis, rays.y_axis, rays.z_axis].map(|ray| quadric.product(pinhole.origin, ray));
+        Self { squared: squared(rays, quadric), along, depth: quadric.depth(pinhole.origin) }
     }
 
     /// What a form adds up at a pixel.
-    fn sum(&self, way: Way, form: &QuadraticForm, x: f64, y: f64) -> Sum {
+    fn sum(&self, evaluation: EvaluationMethod, form: &QuadraticForm, x: f64, y: f64) -> Sum {
         let offset = form.offset;
         let (root, from_root) = rounding::root(&self.discriminant(), x, y);
-        let (linear, factor, spread) = if way == Way::Distance {
+        let (linear, factor, spread) = if evaluation == EvaluationMethod::Distance {
             let a = quadratic_at(&self.squared, x, y);
             let below = root - linear_at(&self.along, x, y);
             let terms = (from_root + rounding::linear_terms(&self.along, x, y)) / below;
@@ -119,21 +121,21 @@ mod tests {
         build(&rig, &request).expect("can be planned").passes.remove(0).source
     }
 
-    fn way_of(source: &Source) -> Option<Way> {
+    fn evaluation_of(source: &Source) -> Option<EvaluationMethod> {
         let Source::Projector(projector) = source else { return None };
-        Some(projector.way)
+        Some(projector.evaluation)
     }
 
     #[test]
     fn the_cheapest_way_is_taken_that_rounding_allows() {
         let near = source([0.0; 3], [0.0, 0.0, 0.3], 60.0);
-        assert_eq!(way_of(&near), Some(Way::Root));
+        assert_eq!(evaluation_of(&near), Some(EvaluationMethod::Root));
         let far = source([0.0; 3], [0.0, 0.0, 0.9], 60.0);
-        assert_ne!(way_of(&far), Some(Way::Root));
+        assert_ne!(evaluation_of(&far), Some(EvaluationMethod::Root));
         // Nearer to the wall than the beam goes, and outside: the forms themselves.
         for distance in [0.97, 2.0] {
             let outside = source([0.0; 3], [0.0, -0.5 * distance, 0.8 * distance], 20.0);
-            assert!(way_of(&outside) == Some(Way::Forms), "{distance}");
+            assert!(evaluation_of(&outside) == Some(EvaluationMethod::Forms), "{distance}");
         }
     }
 

@@ -48,7 +48,7 @@ pub(in crate::correct) fn is_exact(
         let (x, y) = at(i);
         let Some(Sum { value, terms }) = sum(&source.direction, x, y) else { continue };
         let angle = |dx: f64, dy: f64| {
-            let seen = |side: f64| source.pencil.evaluate(&source.direction, x + side * dx, y + side * dy);
+            let seen = |side: f64| source.pinhole.evaluate(&source.direction, x + side * dx, y + side * dy);
             let (a, b) = (seen(-0.5)?, seen(0.5)?);
             Some(a.cross(b).length().atan2(a.dot(b)))
         };

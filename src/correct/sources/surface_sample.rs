@@ -10,7 +10,7 @@ use crate::warp::accuracy::pixel_angle;
 use glam::{DVec2, DVec3};
 
 /// What one output shows, traced ray by ray in f64.
-pub(in crate::correct) struct Shown<'rig> {
+pub(in crate::correct) struct SurfaceSampler<'rig> {
     map: WarpMap,
     weights: Weights<'rig>,
     index: usize,
@@ -22,7 +22,7 @@ pub(in crate::correct) struct Shown<'rig> {
 
 /// What is seen at a place.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::correct) struct Sight {
+pub(in crate::correct) struct SurfaceSample {
     /// From the viewer to what is seen, viewer axes; its length is such that interpolation is good, see [`Scale`].
     pub vector: DVec3,
     /// Weight in linear light, 0…1.
@@ -60,7 +60,7 @@ impl Scale {
     }
 }
 
-impl<'rig> Shown<'rig> {
+impl<'rig> SurfaceSampler<'rig> {
     /// What output `index` of `rig` shows; the outputs have `sizes` pixels.
     ///
     /// # Errors
@@ -89,10 +89,10 @@ impl<'rig> Shown<'rig> {
     }
 
     /// What is seen at a pixel position (from the top left, centres at +½); `None` where nothing is shown.
-    pub fn at(&self, pixel: DVec2) -> Option<Sight> {
+    pub fn at(&self, pixel: DVec2) -> Option<SurfaceSample> {
         let even = self.evenness.as_ref().map_or(1.0, |evenness| evenness.weight(&self.map, pixel));
         match self.map.hit(pixel) {
-            Some(hit) => Some(Sight {
+            Some(hit) => Some(SurfaceSample {
                 weight: even * self.weights.calibrated(self.index, pixel) * self.weight(hit),
                 vector: self.vector(hit)?,
             }),
@@ -102,7 +102,7 @@ impl<'rig> Shown<'rig> {
                     Scale::Window { axis } => direction.dot(axis),
                     _ => 1.0,
                 };
-                Some(Sight { vector: direction / depth, weight: self.weights.weight(self.index, pixel)? })
+                Some(SurfaceSample { vector: direction / depth, weight: self.weights.weight(self.index, pixel)? })
             }
         }
     }
@@ -133,10 +133,10 @@ impl<'rig> Shown<'rig> {
     pub fn table(&self) -> Table {
         Table::new(self.size(), |column, row| {
             let pixel = DVec2::new(f64::from(column) + 0.5, f64::from(row) + 0.5);
-            let sight = self.at(pixel)?;
+            let sample = self.at(pixel)?;
             let hit = if self.with_black { self.map.hit(pixel) } else { None };
             let dark = hit.map_or(0.0, |hit| self.weights.black_at(hit));
-            Some(TablePixel { direction: sight.vector, weight: sight.weight, dark })
+            Some(TablePixel { direction: sample.vector, weight: sample.weight, dark })
         })
     }
 }

@@ -113,7 +113,7 @@ mod tests {
     #[test]
     fn what_is_cached_is_the_table() {
         let one = rig(vec![projector("p", DVec3::new(0.5, 0.0, 1.0), [20.0, 10.0, 5.0], lens(60.0, 40.0))]);
-        let shown = crate::correct::sources::surface_sample::Shown::new(&one, 0, &[(160, 90)]).expect("a map");
+        let shown = crate::correct::sources::surface_sample::SurfaceSampler::new(&one, 0, &[(160, 90)]).expect("a map");
         let coarse = coarse(&shown, 0.1);
         assert!(coarse.step() > 1, "a coarse table");
         for table in [sample((7, 5)), sample((0, 0)), sample((64, 1)), coarse] {

@@ -3,7 +3,7 @@
 use crate::correct::passes::table::Table;
 use crate::correct::single;
 use crate::correct::sources::facets::WEIGHT_ERROR;
-use crate::correct::sources::surface_sample::Shown;
+use crate::correct::sources::surface_sample::SurfaceSampler;
 use crate::correct::sources::table::in_parts;
 use glam::{DVec2, DVec3};
 use std::sync::Mutex;
@@ -11,16 +11,16 @@ use std::sync::Mutex;
 /// How far apart entries may be, in pixels: powers of two, so that the parts of a step are exact.
 const STEPS: [u32; 7] = [128, 64, 32, 16, 8, 4, 2];
 
-/// The coarsest table of `shown` that errs by at most `max_error` pixels and [`WEIGHT_ERROR`] of the light, measured
+/// The coarsest table of `sampler` that errs by at most `max_error` pixels and [`WEIGHT_ERROR`] of the light, measured
 /// at the centre of every pixel; one of all pixels, which is exact, where no coarser one does.
 ///
 /// Interpolation errs by the square of the step: four times less for half of it. Entries beyond a rim are continued from
 /// within.
-pub(in crate::correct) fn coarse(shown: &Shown, max_error: f64) -> Table {
-    let exact = shown.table();
+pub(in crate::correct) fn coarse(sampler: &SurfaceSampler, max_error: f64) -> Table {
+    let exact = sampler.table();
     let finest = exact.finest_steps();
     let fits = |step| {
-        let table = Table::with_step(shown, &exact, step);
+        let table = Table::with_step(sampler, &exact, step);
         let error = table.error_within(&exact, &finest, max_error)?;
         Some(Table { error, ..table })
     };
@@ -28,15 +28,15 @@ pub(in crate::correct) fn coarse(shown: &Shown, max_error: f64) -> Table {
 }
 
 impl Table {
-    /// The entries of `shown`, `step` pixels apart, in the axes of `exact`.
-    fn with_step(shown: &Shown, exact: &Self, step: u32) -> Self {
+    /// The entries of `sampler`, `step` pixels apart, in the axes of `exact`.
+    fn with_step(sampler: &SurfaceSampler, exact: &Self, step: u32) -> Self {
         let size = exact.size;
         let entries = (size.0.div_ceil(step) + 1, size.1.div_ceil(step) + 1);
         let to_axes = exact.axes.transpose();
         let at = |column: i64, row: i64| -> Option<[f64; 4]> {
-            let sight = shown.at(f64::from(step) * DVec2::new(column as f64, row as f64))?;
-            let vector = to_axes * sight.vector;
-            Some([vector.x, vector.y, vector.z, sight.weight])
+            let sample = sampler.at(f64::from(step) * DVec2::new(column as f64, row as f64))?;
+            let vector = to_axes * sample.vector;
+            Some([vector.x, vector.y, vector.z, sample.weight])
         };
         let (columns, rows) = (i64::from(entries.0), i64::from(entries.1));
         let mut known: Vec<Option<[f64; 4]>> =

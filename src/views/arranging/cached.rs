@@ -5,18 +5,18 @@ use crate::cache::Cache;
 use crate::error::Result;
 use crate::rig::Rig;
 use crate::views::arranging::choose;
-use crate::views::arranging::planned_view::{Arrangement, Wanted};
-use crate::views::sampling::output_map::Sight;
+use crate::views::arranging::planned_view::{Arrangement, PlannedView};
+use crate::views::sampling::output_map::OutputMap;
 
 /// Returns [`choose::arrange`], or what `cache` has of it.
-pub(in crate::views) fn arrange(rig: &Rig, sights: &[Sight], cache: &Cache) -> Result<Arrangement> {
-    let sizes: Vec<_> = sights.iter().map(|sight| sight.size).collect();
-    let is_sound = |found: &Arrangement| found.views.iter().all(|view| is_sound(view, sights.len()));
-    cache.cached("views", &(rig, sizes), is_sound, || choose::arrange(rig, sights))
+pub(in crate::views) fn arrange(rig: &Rig, output_maps: &[OutputMap], cache: &Cache) -> Result<Arrangement> {
+    let sizes: Vec<_> = output_maps.iter().map(|output_map| output_map.size).collect();
+    let is_sound = |found: &Arrangement| found.views.iter().all(|view| is_sound(view, output_maps.len()));
+    cache.cached("views", &(rig, sizes), is_sound, || choose::arrange(rig, output_maps))
 }
 
 /// Whether the numbers of a view are finite, and its outputs are some of so many.
-fn is_sound(view: &Wanted, outputs: usize) -> bool {
+fn is_sound(view: &PlannedView, outputs: usize) -> bool {
     view.rotation.is_finite()
         && view.fit.extent.is_finite()
         && view.fit.density.is_finite()
@@ -34,8 +34,8 @@ mod tests {
     use crate::views::tests::{fisheye, lens, projector, rig};
     use std::cell::Cell;
 
-    fn sights(rig: &Rig, size: (u32, u32)) -> Vec<Sight> {
-        (0..rig.outputs.len()).map(|index| Sight::new(rig, index, size).expect("a map")).collect()
+    fn output_maps(rig: &Rig, size: (u32, u32)) -> Vec<OutputMap> {
+        (0..rig.outputs.len()).map(|index| OutputMap::new(rig, index, size).expect("a map")).collect()
     }
 
     #[test]
@@ -53,12 +53,12 @@ mod tests {
             }
             outputs[0].eye = if round % 3 == 0 { 0.03 } else { 0.0 };
             let rig = rig(outputs);
-            let sights = sights(&rig, (64, 48));
-            let planned = choose::arrange(&rig, &sights).expect("a plan");
+            let output_maps = output_maps(&rig, (64, 48));
+            let planned = choose::arrange(&rig, &output_maps).expect("a plan");
             curved += planned.views.iter().filter(|view| view.curved.is_some()).count();
             let bytes = encode(&planned).expect("bytes");
             let read = |bytes: &[u8]| {
-                let sound = |found: &Arrangement| found.views.iter().all(|view| is_sound(view, sights.len()));
+                let sound = |found: &Arrangement| found.views.iter().all(|view| is_sound(view, output_maps.len()));
                 decode::<Arrangement>(bytes).filter(sound)
             };
             let cached = read(&bytes).expect("an arrangement");
@@ -83,9 +83,9 @@ mod tests {
         let planned = Cell::new(0);
         let plan = |rig: &Rig, size| {
             let before = cache.counts().missing;
-            let sights = sights(rig, size);
-            let kept = arrange(rig, &sights, &cache).expect("a plan");
-            let fresh = choose::arrange(rig, &sights).expect("a plan");
+            let output_maps = output_maps(rig, size);
+            let kept = arrange(rig, &output_maps, &cache).expect("a plan");
+            let fresh = choose::arrange(rig, &output_maps).expect("a plan");
             assert_eq!(format!("{kept:?}"), format!("{fresh:?}"));
             planned.set(planned.get() + cache.counts().missing - before);
         };

@@ -55,14 +55,14 @@ impl CellCosts<'_> {
 pub fn with_cell_costs<R>(rig: &Rig, request: &Request, search: impl FnOnce(&CellCosts) -> R) -> Result<R> {
     let rig = &*rig.upright();
     request.check(rig.outputs.len(), rig.passthrough)?;
-    let sights = output_map::all(rig, rig.outputs.len(), request)?;
+    let output_maps = output_map::all(rig, rig.outputs.len(), request)?;
     let shares = |index: usize| {
-        projected::view(rig, index, sights[index].size).is_none()
-            && own_view(&rig.outputs[index].kind, index, &sights[index], rig.views.method).is_none()
+        projected::view(rig, index, output_maps[index].size).is_none()
+            && own_view(&rig.outputs[index].kind, index, &output_maps[index], rig.views.method).is_none()
     };
-    let shared: Vec<(usize, Samples)> = (0..sights.len())
+    let shared: Vec<(usize, Samples)> = (0..output_maps.len())
         .filter(|&index| shares(index))
-        .map(|index| (index, Samples::new(&sights[index], COARSE)))
+        .map(|index| (index, Samples::new(&output_maps[index], COARSE)))
         .filter(|(_, samples)| !samples.is_empty())
         .collect();
     if shared.is_empty() {

@@ -4,11 +4,11 @@ use crate::error::{Error, ErrorKind, Result};
 use crate::geom::pose;
 use crate::rig::{OutputKind, Rig, ViewMethod};
 use crate::views::arranging::cost::PlannerOptions;
-use crate::views::arranging::dedicated::{Seen, alone_within};
+use crate::views::arranging::dedicated::{OutputSamples, dedicated_within};
 use crate::views::arranging::partition::{Partition, Task, WideCell, diagram};
-use crate::views::arranging::planned_view::{Arrangement, Wanted};
+use crate::views::arranging::planned_view::{Arrangement, PlannedView};
 use crate::views::fitting::axes::facing;
-use crate::views::sampling::output_map::{Sight, lens_rotation, mean_direction};
+use crate::views::sampling::output_map::{OutputMap, lens_rotation, mean_direction};
 use crate::views::sampling::samples::Samples;
 use glam::{DMat3, DVec3};
 
@@ -20,21 +20,21 @@ use glam::{DMat3, DVec3};
 const MOST_TEXELS_PER_PIXEL: f64 = 64.0;
 
 /// Chooses the views for outputs of the given sizes.
-pub(crate) fn arrange(rig: &Rig, sights: &[Sight]) -> Result<Arrangement> {
+pub(crate) fn arrange(rig: &Rig, output_maps: &[OutputMap]) -> Result<Arrangement> {
     let options = PlannerOptions::of(rig);
     let mut notes = Vec::new();
-    let mut seen = Vec::new();
-    for (index, (output, sight)) in rig.outputs.iter().zip(sights).enumerate() {
-        let this = Seen::new(rig, index, sight);
+    let mut sampled = Vec::new();
+    for (index, (output, output_map)) in rig.outputs.iter().zip(output_maps).enumerate() {
+        let this = OutputSamples::new(rig, index, output_map);
         let single = rig.views.method == ViewMethod::Single && rig.views.cells.is_empty();
-        if sight.size == (0, 0) {
+        if output_map.size == (0, 0) {
             notes.push(format!("output {} has no views: it lies outside of the window", output.name));
         } else if this.fine.is_empty() {
             notes.push(format!("output {} shows nothing: no ray of it meets the dome's screen", output.name));
         } else if single && this.own(&options).is_empty() {
             return Err(no_single_view(&output.name, &this.fine));
         }
-        seen.push(this);
+        sampled.push(this);
     }
 
     // What an eye sees from another place is another view: only outputs of the same eye share views.
@@ -46,7 +46,7 @@ pub(crate) fn arrange(rig: &Rig, sights: &[Sight]) -> Result<Arrangement> {
     }
     let mut arrangement = Arrangement::default();
     for eye in eyes {
-        let mut of_eye = best(rig, &seen, sights, eye)?;
+        let mut of_eye = best(rig, &sampled, output_maps, eye)?;
         for view in &mut of_eye.views {
             view.eye = eye;
             view.name = free_name(&view.name, &arrangement.views);
@@ -55,23 +55,23 @@ pub(crate) fn arrange(rig: &Rig, sights: &[Sight]) -> Result<Arrangement> {
         arrangement.notes.append(&mut of_eye.notes);
     }
     notes.append(&mut arrangement.notes);
-    notes.extend(arrangement.views.iter_mut().filter_map(|view| limit(view, sights, options.quality)));
+    notes.extend(arrangement.views.iter_mut().filter_map(|view| limit(view, output_maps, options.quality)));
     arrangement.notes = notes;
     Ok(arrangement)
 }
 
 /// The cheapest arrangement for the outputs of one eye.
-fn best(rig: &Rig, seen: &[Seen], sights: &[Sight], eye: f64) -> Result<Arrangement> {
+fn best(rig: &Rig, sampled: &[OutputSamples], output_maps: &[OutputMap], eye: f64) -> Result<Arrangement> {
     let options = PlannerOptions::of(rig);
     let of_eye = |index: usize| rig.outputs[index].eye == eye;
     // Always alone: what needs no resampling then, or is drawn with the program's own lens.
-    let alone = |index: usize| seen[index].is_exact();
-    let is_circle = |index: usize| sights[index].is_circular();
+    let is_dedicated = |index: usize| sampled[index].is_exact();
+    let is_circle = |index: usize| output_maps[index].is_circular();
     let ways: &[&dyn Fn(usize) -> bool] = match rig.views.method {
-        _ if !rig.views.cells.is_empty() => &[&alone],
-        ViewMethod::Cube => &[&alone],
+        _ if !rig.views.cells.is_empty() => &[&is_dedicated],
+        ViewMethod::Cube => &[&is_dedicated],
         ViewMethod::Single => &[&|_| true],
-        ViewMethod::Auto => &[&|_| true, &|index| alone(index) || !is_circle(index), &alone],
+        ViewMethod::Auto => &[&|_| true, &|index| is_dedicated(index) || !is_circle(index), &is_dedicated],
     };
     // Ways that give the same outputs views of their own are the same.
     let mut tried: Vec<Vec<bool>> = Vec::new();
@@ -80,17 +80,20 @@ fn best(rig: &Rig, seen: &[Seen], sights: &[Sight], eye: f64) -> Result<Arrangem
     // Outputs that show something and yet have no view.
     let without = |arrangement: &Arrangement| -> Vec<usize> {
         let has_one = |index: &usize| arrangement.views.iter().any(|view| view.outputs.contains(index));
-        (0..seen.len()).filter(|&index| of_eye(index) && !seen[index].fine.is_empty()).filter(|i| !has_one(i)).collect()
+        (0..sampled.len())
+            .filter(|&index| of_eye(index) && !sampled[index].fine.is_empty())
+            .filter(|i| !has_one(i))
+            .collect()
     };
     // Of equals the first way counts; the last one is looked at first, since it needs no views of outputs' own and may
     // cost less than these can.
     for way in ways.iter().rev() {
-        let wanted: Vec<bool> = (0..seen.len()).map(|index| of_eye(index) && way(index)).collect();
+        let wanted: Vec<bool> = (0..sampled.len()).map(|index| of_eye(index) && way(index)).collect();
         let most = cheapest.as_ref().filter(|((without, _), _)| *without == 0);
         let most = most.map_or(f64::INFINITY, |((_, cost), _)| *cost);
-        let Some(own) = alone_within(&options, seen, &wanted, most) else { continue };
+        let Some(own) = dedicated_within(&options, sampled, &wanted, most) else { continue };
         if !tried.contains(&own) {
-            match mixed(rig, seen, of_eye, |index| own[index]) {
+            match mixed(rig, sampled, of_eye, |index| own[index]) {
                 Ok(arrangement) => {
                     let cost = (without(&arrangement).len(), arrangement.cost(&options));
                     if cheapest.as_ref().is_none_or(|(other, _)| cost <= *other) {
@@ -111,19 +114,19 @@ fn best(rig: &Rig, seen: &[Seen], sights: &[Sight], eye: f64) -> Result<Arrangem
     Ok(arrangement)
 }
 
-/// Of the outputs that `chosen` names: views of their own for those that `alone` names, which have some; shared cells for
+/// Of the outputs that `chosen` names: views of their own for those that `is_dedicated` names, which have some; shared cells for
 /// the others.
 fn mixed(
     rig: &Rig,
-    seen: &[Seen],
+    sampled: &[OutputSamples],
     chosen: impl Fn(usize) -> bool,
-    alone: impl Fn(usize) -> bool,
+    is_dedicated: impl Fn(usize) -> bool,
 ) -> Result<Arrangement> {
     let options = PlannerOptions::of(rig);
     let mut arrangement = Arrangement::default();
     let mut sharing = Vec::new();
-    for (index, this) in seen.iter().enumerate().filter(|(index, _)| chosen(*index)) {
-        if alone(index) {
+    for (index, this) in sampled.iter().enumerate().filter(|(index, _)| chosen(*index)) {
+        if is_dedicated(index) {
             arrangement.views.extend(this.own(&options).iter().cloned());
         } else if !this.fine.is_empty() {
             sharing.push(index);
@@ -131,8 +134,8 @@ fn mixed(
     }
     share_equals(&mut arrangement.views);
     if !sharing.is_empty() {
-        let coarse: Vec<&Samples> = sharing.iter().map(|&index| &seen[index].coarse).collect();
-        let fine: Vec<&Samples> = sharing.iter().map(|&index| &seen[index].fine).collect();
+        let coarse: Vec<&Samples> = sharing.iter().map(|&index| &sampled[index].coarse).collect();
+        let fine: Vec<&Samples> = sharing.iter().map(|&index| &sampled[index].fine).collect();
         let task = Task::new(&options, &coarse, &fine);
         let partition = if rig.views.cells.is_empty() {
             task.best(&frames(rig, &sharing, &coarse)).ok_or_else(|| without_view(rig, &sharing))?
@@ -171,8 +174,8 @@ fn too_wide_cell(index: usize) -> Error {
 }
 
 /// Makes a view coarser that is finer than [`MOST_TEXELS_PER_PIXEL`] allows; what to tell people then.
-fn limit(view: &mut Wanted, sights: &[Sight], quality: f64) -> Option<String> {
-    let pixels = |&output: &usize| f64::from(sights[output].size.0) * f64::from(sights[output].size.1);
+fn limit(view: &mut PlannedView, output_maps: &[OutputMap], quality: f64) -> Option<String> {
+    let pixels = |&output: &usize| f64::from(output_maps[output].size.0) * f64::from(output_maps[output].size.1);
     let asked = view.fit.texels() / (quality * quality) / view.outputs.iter().map(pixels).sum::<f64>();
     if view.exact.is_some() || asked <= MOST_TEXELS_PER_PIXEL {
         return None;
@@ -188,10 +191,10 @@ fn limit(view: &mut Wanted, sights: &[Sight], quality: f64) -> Option<String> {
 }
 
 /// Merges views that are the same in everything but the outputs.
-fn share_equals(views: &mut Vec<Wanted>) {
-    let mut kept: Vec<Wanted> = Vec::with_capacity(views.len());
+fn share_equals(views: &mut Vec<PlannedView>) {
+    let mut kept: Vec<PlannedView> = Vec::with_capacity(views.len());
     for view in views.drain(..) {
-        let same = |other: &&mut Wanted| {
+        let same = |other: &&mut PlannedView| {
             other.rotation == view.rotation
                 && other.fit.extent == view.fit.extent
                 && other.fit.density == view.fit.density
@@ -229,7 +232,7 @@ fn add_parts(arrangement: &mut Arrangement, partition: Partition, sharing: &[usi
     for part in partition.parts {
         let name = free_name(&direction_name(part.towards), &arrangement.views);
         let outputs = part.outputs.iter().map(|&index| sharing[index]).collect();
-        arrangement.views.push(Wanted { name, outputs, ..Wanted::from(part.aimed) });
+        arrangement.views.push(PlannedView { name, outputs, ..PlannedView::from(part.oriented) });
     }
     for direction in partition.skipped {
         arrangement
@@ -250,7 +253,7 @@ fn direction_name(direction: DVec3) -> String {
     words.into_iter().flatten().collect::<Vec<_>>().join("-")
 }
 
-fn free_name(name: &str, views: &[Wanted]) -> String {
+fn free_name(name: &str, views: &[PlannedView]) -> String {
     let taken = |candidate: &str| views.iter().any(|view| view.name == candidate);
     if !taken(name) {
         return name.to_owned();
@@ -279,11 +282,12 @@ mod tests {
     use crate::views::tests::{fisheye, lens, projector, rig};
 
     /// The cheapest of all ways, each planned as a whole, the first of equals.
-    fn exhaustive(rig: &Rig, seen: &[Seen], sights: &[Sight]) -> Arrangement {
-        let ways: [&dyn Fn(usize) -> bool; 3] = [&|_| true, &|index| !sights[index].is_circular(), &|_| false];
+    fn exhaustive(rig: &Rig, sampled: &[OutputSamples], output_maps: &[OutputMap]) -> Arrangement {
+        let ways: [&dyn Fn(usize) -> bool; 3] = [&|_| true, &|index| !output_maps[index].is_circular(), &|_| false];
         let options = PlannerOptions::of(rig);
-        let own = |index: usize| !seen[index].own(&options).is_empty();
-        let planned = |way: &&dyn Fn(usize) -> bool| mixed(rig, seen, |_| true, |i| way(i) && own(i)).expect("a plan");
+        let own = |index: usize| !sampled[index].own(&options).is_empty();
+        let planned =
+            |way: &&dyn Fn(usize) -> bool| mixed(rig, sampled, |_| true, |i| way(i) && own(i)).expect("a plan");
         let arrangements: Vec<Arrangement> = ways.iter().map(planned).collect();
         arrangements.into_iter().min_by(|a, b| a.cost(&options).total_cmp(&b.cost(&options))).expect("three")
     }
@@ -309,15 +313,16 @@ mod tests {
             }
             let rig = rig(outputs);
             let side = [40, 200, 700][round as usize % 3];
-            let sight = |index: usize| Sight::new(&rig, index, (side, side)).expect("a map");
-            let sights: Vec<Sight> = (0..rig.outputs.len()).map(sight).collect();
-            let seen =
-                || -> Vec<Seen> { sights.iter().enumerate().map(|(i, sight)| Seen::new(&rig, i, sight)).collect() };
-            let (quick, whole) = (seen(), seen());
-            let best = best(&rig, &quick, &sights, 0.0).expect("a plan");
-            assert_eq!(format!("{best:?}"), format!("{:?}", exhaustive(&rig, &whole, &sights)), "{rig:?}");
+            let output_map = |index: usize| OutputMap::new(&rig, index, (side, side)).expect("a map");
+            let output_maps: Vec<OutputMap> = (0..rig.outputs.len()).map(output_map).collect();
+            let sampled = || -> Vec<OutputSamples> {
+                output_maps.iter().enumerate().map(|(i, output_map)| OutputSamples::new(&rig, i, output_map)).collect()
+            };
+            let (quick, whole) = (sampled(), sampled());
+            let best = best(&rig, &quick, &output_maps, 0.0).expect("a plan");
+            assert_eq!(format!("{best:?}"), format!("{:?}", exhaustive(&rig, &whole, &output_maps)), "{rig:?}");
             shared += usize::from(best.views.iter().any(|view| view.outputs.len() > 1));
-            unplanned += quick.iter().filter(|seen| !seen.is_planned()).count();
+            unplanned += quick.iter().filter(|sampled| !sampled.is_planned()).count();
         }
         assert!(shared > 3 && unplanned > 3, "{shared} share views, {unplanned} outputs were not planned for alone");
     }

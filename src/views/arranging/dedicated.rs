@@ -4,11 +4,11 @@ use crate::geom::pose;
 use crate::rig::{OutputKind, Rig, ViewMethod};
 use crate::views::arranging::cost::PlannerOptions;
 use crate::views::arranging::partition::Task;
-use crate::views::arranging::planned_view::{Wanted, cost};
+use crate::views::arranging::planned_view::{PlannedView, cost};
 use crate::views::arranging::projected;
 use crate::views::fitting::axes;
 use crate::views::fitting::fit::{Fit, Patch};
-use crate::views::sampling::output_map::{Sight, UNIT_FRUSTUM, mean_direction};
+use crate::views::sampling::output_map::{OutputMap, UNIT_FRUSTUM, mean_direction};
 use crate::views::sampling::samples::{COARSE, FINE, Samples};
 use glam::{DMat3, DVec2, DVec3};
 use std::cell::OnceCell;
@@ -17,32 +17,33 @@ use std::cell::OnceCell;
 const NARROW: f64 = 0.4226;
 
 /// An output, sampled at two levels.
-pub(crate) struct Seen {
+pub(crate) struct OutputSamples {
     pub coarse: Samples,
     pub fine: Samples,
     /// The view that it has by what it is.
-    given: Option<Wanted>,
+    given: Option<PlannedView>,
     /// The tight view, or the two, that it can have to itself, once somebody asks; empty where that is not possible.
-    tight: OnceCell<Vec<Wanted>>,
+    tight: OnceCell<Vec<PlannedView>>,
     /// The output's index and name.
     output: (usize, String),
 }
 
-impl Seen {
+impl OutputSamples {
     /// Output number `index` of `rig`.
-    pub fn new(rig: &Rig, index: usize, sight: &Sight) -> Self {
-        let (coarse, fine) = (Samples::new(sight, COARSE), Samples::new(sight, FINE));
+    pub fn new(rig: &Rig, index: usize, output_map: &OutputMap) -> Self {
+        let (coarse, fine) = (Samples::new(output_map, COARSE), Samples::new(output_map, FINE));
         let output = &rig.outputs[index];
         let given = || {
-            projected::view(rig, index, sight.size).or_else(|| own_view(&output.kind, index, sight, rig.views.method))
+            projected::view(rig, index, output_map.size)
+                .or_else(|| own_view(&output.kind, index, output_map, rig.views.method))
         };
         let given = (!fine.is_empty()).then(given).flatten();
-        let given = given.map(|view| Wanted { name: output.name.clone(), outputs: vec![index], ..view });
+        let given = given.map(|view| PlannedView { name: output.name.clone(), outputs: vec![index], ..view });
         Self { coarse, fine, given, tight: OnceCell::new(), output: (index, output.name.clone()) }
     }
 
     /// The views that it can have to itself, named after it.
-    pub fn own(&self, options: &PlannerOptions) -> &[Wanted] {
+    pub fn own(&self, options: &PlannerOptions) -> &[PlannedView] {
         match &self.given {
             Some(given) => std::slice::from_ref(given),
             None if self.fine.is_empty() || options.method == ViewMethod::Cube || options.given_cells => &[],
@@ -77,18 +78,23 @@ impl Seen {
 
 /// Which of the outputs that are `wanted` alone can have views of their own; `None` where those are found to cost more than
 /// `most` texels together. Views are costly to plan: no more are than needed to tell.
-pub(crate) fn alone_within(options: &PlannerOptions, seen: &[Seen], wanted: &[bool], most: f64) -> Option<Vec<bool>> {
+pub(crate) fn dedicated_within(
+    options: &PlannerOptions,
+    sampled: &[OutputSamples],
+    wanted: &[bool],
+    most: f64,
+) -> Option<Vec<bool>> {
     // Outputs that show the same share a view.
     let mut middles: Vec<DVec3> = Vec::new();
     let mut counted = Vec::new();
-    for (this, wanted) in seen.iter().zip(wanted) {
+    for (this, wanted) in sampled.iter().zip(wanted) {
         let middle = mean_direction(this.coarse.iter());
         counted.push(*wanted && this.has_narrow_picture(middle) && !middles.contains(&middle));
         middles.push(middle);
     }
     let mut least = counted.iter().filter(|counted| **counted).count() as f64 * options.texels_per_draw_set();
-    let mut own = vec![false; seen.len()];
-    for (index, this) in seen.iter().enumerate().filter(|(index, _)| wanted[*index]) {
+    let mut own = vec![false; sampled.len()];
+    for (index, this) in sampled.iter().enumerate().filter(|(index, _)| wanted[*index]) {
         if least > most {
             return None;
         }
@@ -102,19 +108,24 @@ pub(crate) fn alone_within(options: &PlannerOptions, seen: &[Seen], wanted: &[bo
 }
 
 /// The view of a perspective output: its own picture, texel for pixel.
-pub(crate) fn own_view(kind: &OutputKind, index: usize, sight: &Sight, method: ViewMethod) -> Option<Wanted> {
+pub(crate) fn own_view(
+    kind: &OutputKind,
+    index: usize,
+    output_map: &OutputMap,
+    method: ViewMethod,
+) -> Option<PlannedView> {
     let OutputKind::Perspective { angles, frustum } = kind else { return None };
     if method == ViewMethod::Cube && frustum.is_some() {
         return None;
     }
-    let (width, height) = sight.size;
+    let (width, height) = output_map.size;
     let extent = frustum.unwrap_or(UNIT_FRUSTUM);
     let rotation = match frustum {
         Some(_) => pose::rotation(angles[0], angles[1], angles[2]).transpose(),
         None => DMat3::IDENTITY,
     };
     let density = DVec2::new(f64::from(width) / extent.width(), f64::from(height) / extent.height());
-    Some(Wanted {
+    Some(PlannedView {
         name: String::new(),
         rotation,
         fit: Fit { extent, density },
@@ -128,23 +139,23 @@ pub(crate) fn own_view(kind: &OutputKind, index: usize, sight: &Sight, method: V
 
 /// The tight view of an output, or two of them where that is cheaper: one shows a wide picture at the sharpness that its
 /// far end needs, and halves need less. With `method = "single"` it is one.
-fn tight_views(options: &PlannerOptions, seen: &Seen) -> Vec<Wanted> {
+fn tight_views(options: &PlannerOptions, sampled: &OutputSamples) -> Vec<PlannedView> {
     let quality = options.quality;
-    let samples = Patch::of(&seen.coarse);
-    let single = axes::tightest(&samples, &Patch::of(&seen.fine), quality);
+    let samples = Patch::of(&sampled.coarse);
+    let single = axes::tightest(&samples, &Patch::of(&sampled.fine), quality);
     let middle = samples.middle();
-    let least = seen.coarse.iter().map(|sample| sample.direction.dot(middle)).fold(1.0, f64::min);
-    let one: Vec<Wanted> = single.map(Wanted::from).into_iter().collect();
+    let least = sampled.coarse.iter().map(|sample| sample.direction.dot(middle)).fold(1.0, f64::min);
+    let one: Vec<PlannedView> = single.map(PlannedView::from).into_iter().collect();
     // Two views cost at least what submitting the draws twice does.
     let cheap = !one.is_empty() && cost(options, &one) <= 2.0 * options.texels_per_draw_set();
     if options.method == ViewMethod::Single || least > NARROW || cheap {
         return one;
     }
-    let (coarse, fine) = ([&seen.coarse], [&seen.fine]);
+    let (coarse, fine) = ([&sampled.coarse], [&sampled.fine]);
     let task = Task::new(options, &coarse, &fine);
-    let two: Vec<Wanted> = task
+    let two: Vec<PlannedView> = task
         .halves(middle)
-        .map(|partition| partition.parts.into_iter().map(|part| Wanted::from(part.aimed)).collect())
+        .map(|partition| partition.parts.into_iter().map(|part| PlannedView::from(part.oriented)).collect())
         .unwrap_or_default();
     if one.is_empty() || !two.is_empty() && cost(options, &two) < cost(options, &one) { two } else { one }
 }

@@ -6,7 +6,7 @@
 
 use crate::rig::Favour;
 use crate::views::arranging::cost::PlannerOptions;
-use crate::views::fitting::axes::{Aimed, facing, refined, texels};
+use crate::views::fitting::axes::{OrientedView, facing, refined, texels};
 use crate::views::fitting::density::golden_section;
 use crate::views::fitting::fit::{MARGIN, Patch, fit};
 use crate::views::sampling::cone::Cone;
@@ -27,7 +27,7 @@ pub(crate) struct Part {
     /// The middle of its cell, viewer axes.
     pub towards: DVec3,
     /// Axes, opening and resolution.
-    pub aimed: Aimed,
+    pub oriented: OrientedView,
     /// Which of the outputs given sample it.
     pub outputs: Vec<usize>,
 }
@@ -291,12 +291,12 @@ impl<'a> Task<'a> {
             let least = if axes == cell.axes { 0.995 * cost } else { cost };
             let gains = texels(&coarse, better, self.quality) < least;
             let choices = [if gains { better } else { axes }, axes, cell.axes];
-            let aimed = choices.into_iter().find_map(|axes| {
+            let oriented = choices.into_iter().find_map(|axes| {
                 let rotation = axes.transpose();
-                Some(Aimed { rotation, fit: fit(rotation, &fine, self.quality, true)? })
+                Some(OrientedView { rotation, fit: fit(rotation, &fine, self.quality, true)? })
             });
-            let aimed = aimed.ok_or(WideCell(index))?;
-            found.parts.push(Part { towards: -cell.axes.z_axis, aimed, outputs: users });
+            let oriented = oriented.ok_or(WideCell(index))?;
+            found.parts.push(Part { towards: -cell.axes.z_axis, oriented, outputs: users });
         }
         self.raise(&mut found);
         Ok(found)
@@ -310,14 +310,14 @@ impl<'a> Task<'a> {
         const DEPTH: f64 = 0.04;
         let mut earlier: Vec<(Cone, Vec<usize>)> = Vec::new();
         for part in &mut partition.parts {
-            let cone = Cone::new(part.aimed.rotation, &part.aimed.fit.extent);
+            let cone = Cone::new(part.oriented.rotation, &part.oriented.fit.extent);
             let left = |output: usize, sample: &Sample| {
                 !earlier.iter().any(|(other, outputs)| {
                     outputs.contains(&output) && other.depths(sample.direction).iter().all(|&depth| depth > DEPTH)
                 })
             };
             // The margin that `layout` adds is answered for too.
-            let margin = MARGIN / part.aimed.fit.density.min_element();
+            let margin = MARGIN / part.oriented.fit.density.min_element();
             let others: Vec<Sample> = part
                 .outputs
                 .iter()
@@ -327,7 +327,7 @@ impl<'a> Task<'a> {
                 .filter(|(output, sample)| left(*output, sample))
                 .map(|(_, sample)| sample)
                 .collect();
-            part.aimed.fit.raise(part.aimed.rotation, &others, self.quality);
+            part.oriented.fit.raise(part.oriented.rotation, &others, self.quality);
             earlier.push((cone, part.outputs.clone()));
         }
     }

@@ -2,13 +2,13 @@
 
 use crate::geom::PictureMap;
 use crate::views::arranging::cost::PlannerOptions;
-use crate::views::fitting::axes::Aimed;
+use crate::views::fitting::axes::OrientedView;
 use crate::views::fitting::fit::Fit;
 use glam::DMat3;
 
 /// A view before it has a place and its final size.
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
-pub(crate) struct Wanted {
+pub(crate) struct PlannedView {
     /// Name for people.
     pub name: String,
     /// Viewer axes → view axes.
@@ -31,7 +31,7 @@ pub(crate) struct Wanted {
 #[derive(Clone, Debug, Default, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Arrangement {
     /// In order of precedence.
-    pub views: Vec<Wanted>,
+    pub views: Vec<PlannedView>,
     /// What was left out, and why.
     pub notes: Vec<String>,
 }
@@ -44,16 +44,16 @@ impl Arrangement {
 }
 
 /// What views cost together, in texels.
-pub(crate) fn cost(options: &PlannerOptions, views: &[Wanted]) -> f64 {
+pub(crate) fn cost(options: &PlannerOptions, views: &[PlannedView]) -> f64 {
     views.iter().map(|view| view.fit.texels() + options.texels_per_draw_set()).sum()
 }
 
-impl From<Aimed> for Wanted {
-    fn from(aimed: Aimed) -> Self {
+impl From<OrientedView> for PlannedView {
+    fn from(oriented: OrientedView) -> Self {
         Self {
             name: String::new(),
-            rotation: aimed.rotation,
-            fit: aimed.fit,
+            rotation: oriented.rotation,
+            fit: oriented.fit,
             exact: None,
             program_lens: false,
             curved: None,

@@ -2,16 +2,16 @@
 
 use crate::geom::{PictureLens, PictureMap, pose};
 use crate::rig::{Output, OutputKind, Rig};
-use crate::views::arranging::planned_view::Wanted;
+use crate::views::arranging::planned_view::PlannedView;
 use crate::views::fitting::fit::Fit;
 use crate::views::sampling::output_map::{UNIT_FRUSTUM, lens_rotation, viewer_rotation};
 use glam::{DMat3, DVec2, DVec3};
 
 /// The view of an output of `size` pixels; `None` where its method or its kind does not project vertices.
-pub(in crate::views) fn view(rig: &Rig, index: usize, size: (u32, u32)) -> Option<Wanted> {
+pub(in crate::views) fn view(rig: &Rig, index: usize, size: (u32, u32)) -> Option<PlannedView> {
     let output = &rig.outputs[index];
     let (rotation, map) = map(rig, output, size).filter(|_| output.method.projects_vertices())?;
-    Some(Wanted {
+    Some(PlannedView {
         name: String::new(),
         rotation,
         fit: Fit { extent: UNIT_FRUSTUM, density: 0.5 * pixels(size) },

@@ -8,7 +8,7 @@ use glam::{DMat3, DVec3};
 
 /// A view's axes, opening and resolution.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Aimed {
+pub(crate) struct OrientedView {
     /// Viewer axes → view axes.
     pub rotation: DMat3,
     /// Opening and resolution.
@@ -19,7 +19,7 @@ pub(crate) struct Aimed {
 /// directions), or `None` where some direction would lie more than 83° from any axis tried.
 ///
 /// A grid of 3×3 axes and 4 rolls around the mean direction, then [`refined`] from the best two. Deterministic.
-pub(crate) fn tightest(coarse: &Patch, fine: &Patch, quality: f64) -> Option<Aimed> {
+pub(crate) fn tightest(coarse: &Patch, fine: &Patch, quality: f64) -> Option<OrientedView> {
     let base = facing(coarse.middle());
     let mut starts: Vec<(f64, DMat3)> = Vec::new();
     for yaw in [0.0, -0.2, 0.2] {
@@ -35,7 +35,7 @@ pub(crate) fn tightest(coarse: &Patch, fine: &Patch, quality: f64) -> Option<Aim
     best.map(|start| refined(coarse, start.1, quality))
         .filter_map(|axes| {
             let rotation = axes.transpose();
-            Some(Aimed { rotation, fit: fit(rotation, fine, quality, true)? })
+            Some(OrientedView { rotation, fit: fit(rotation, fine, quality, true)? })
         })
         .min_by(|a, b| a.fit.texels().total_cmp(&b.fit.texels()))
 }

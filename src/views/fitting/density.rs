@@ -1,14 +1,14 @@
 //! The least resolutions across and up that satisfy many metrics at once: the solution of [`crate::views::fitting::fit`]'s problem.
 
-use crate::views::fitting::lanes::{LANES, Lanes};
-use glam::DVec2;
+use crate::views::fitting::lanes::{LANES, greater, greatest, least, lesser};
+use glam::{DVec2, DVec4};
 
 /// The metrics `G` of samples: squared pixels per unit of tangent, `[[across, mixed], [mixed, up]]`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::views) struct Metrics {
-    pub across: Lanes,
-    pub mixed: Lanes,
-    pub up: Lanes,
+    pub across: DVec4,
+    pub mixed: DVec4,
+    pub up: DVec4,
 }
 
 /// One of them.
@@ -22,13 +22,13 @@ struct Metric {
 impl Metrics {
     /// The one in a lane.
     fn get(&self, lane: usize) -> Metric {
-        Metric { across: self.across.0[lane], mixed: self.mixed.0[lane], up: self.up.0[lane] }
+        Metric { across: self.across[lane], mixed: self.mixed[lane], up: self.up[lane] }
     }
 
     /// Up to four; what is missing is like the first.
     fn of(metrics: &[Metric]) -> Self {
         let lanes = |part: fn(&Metric) -> f64| {
-            Lanes(std::array::from_fn(|lane| part(metrics.get(lane).unwrap_or(&metrics[0]))))
+            DVec4::from_array(std::array::from_fn(|lane| part(metrics.get(lane).unwrap_or(&metrics[0]))))
         };
         Self { across: lanes(|m| m.across), mixed: lanes(|m| m.mixed), up: lanes(|m| m.up) }
     }
@@ -39,11 +39,11 @@ impl Metrics {
 ///
 /// `fine` searches the ratio of the two to 1e-4 instead of some per cent.
 pub(in crate::views) fn density(metrics: &[Metrics], fine: bool) -> Option<DVec2> {
-    let (mut across, mut up) = (Lanes::all(0.0), Lanes::all(0.0));
+    let (mut across, mut up) = (DVec4::splat(0.0), DVec4::splat(0.0));
     for four in metrics {
-        (across, up) = (across.max(four.across), up.max(four.up));
+        (across, up) = (greater(across, four.across), greater(up, four.up));
     }
-    let (across, up) = (across.greatest(), up.greatest());
+    let (across, up) = (greatest(across), greatest(up));
     if !(across > 0.0 && up > 0.0 && across.is_finite() && up.is_finite()) {
         return None;
     }
@@ -89,50 +89,51 @@ fn valley(last: u32, cost: impl Fn(u32) -> f64) -> u32 {
 
 /// The metrics but for those that others imply (`G ⪯ G'`), as far as the few greatest ones tell.
 fn undominated(metrics: &[Metrics]) -> Vec<Metrics> {
-    let sizes: [fn(&Metrics) -> Lanes; 4] = [|m| m.across, |m| m.up, |m| m.across + m.up, |m| m.across * m.up];
-    let pivots: Vec<Metric> = sizes.iter().filter_map(|size| greatest(metrics, size)).collect();
-    let all = |part: fn(&Metric) -> f64| -> Vec<Lanes> { pivots.iter().map(part).map(Lanes::all).collect() };
+    let sizes: [fn(&Metrics) -> DVec4; 4] = [|m| m.across, |m| m.up, |m| m.across + m.up, |m| m.across * m.up];
+    let pivots: Vec<Metric> = sizes.iter().filter_map(|size| metric_of_greatest(metrics, size)).collect();
+    let all = |part: fn(&Metric) -> f64| -> Vec<DVec4> { pivots.iter().map(part).map(DVec4::splat).collect() };
     let (across, mixed, up) = (all(|m| m.across), all(|m| m.mixed), all(|m| m.up));
     let mut kept = pivots.clone();
     for four in metrics {
         // Above 0 where a pivot implies a metric: its excess has a positive determinant and element, and so no
         // negative eigenvalue.
-        let mut implied = Lanes::all(f64::NEG_INFINITY);
+        let mut implied = DVec4::splat(f64::NEG_INFINITY);
         for ((across, mixed), up) in across.iter().zip(&mixed).zip(&up) {
             let (across, mixed, up) = (*across - four.across, *mixed - four.mixed, *up - four.up);
-            implied = implied.max((across * up - mixed * mixed).min(across));
+            implied = greater(implied, lesser(across * up - mixed * mixed, across));
         }
-        if implied.least() <= 0.0 {
-            kept.extend((0..LANES).filter(|&lane| implied.0[lane] <= 0.0).map(|lane| four.get(lane)));
+        if least(implied) <= 0.0 {
+            kept.extend((0..LANES).filter(|&lane| implied[lane] <= 0.0).map(|lane| four.get(lane)));
         }
     }
     kept.chunks(LANES).map(Metrics::of).collect()
 }
 
 /// The metric of the greatest size.
-fn greatest(metrics: &[Metrics], size: impl Fn(&Metrics) -> Lanes) -> Option<Metric> {
-    let mut greatest = Lanes::all(f64::NEG_INFINITY);
+fn metric_of_greatest(metrics: &[Metrics], size: impl Fn(&Metrics) -> DVec4) -> Option<Metric> {
+    let mut sizes = DVec4::splat(f64::NEG_INFINITY);
     for four in metrics {
-        greatest = greatest.max(size(four));
+        sizes = greater(sizes, size(four));
     }
-    let greatest = greatest.greatest();
+    let greatest = greatest(sizes);
     metrics.iter().rev().find_map(|four| {
         let sizes = size(four);
-        (0..LANES).rev().find(|&lane| sizes.0[lane] == greatest).map(|lane| four.get(lane))
+        (0..LANES).rev().find(|&lane| sizes[lane] == greatest).map(|lane| four.get(lane))
     })
 }
 
 /// The least `f_y²` for `f_x²/f_y² = exp(log_ratio)`.
 pub(in crate::views) fn least_squared_up(metrics: &[Metrics], log_ratio: f64) -> f64 {
-    let (inverse, root) = (Lanes::all((-log_ratio).exp()), Lanes::all((-0.5 * log_ratio).exp()));
-    let half = Lanes::all(0.5);
-    let mut greatest = Lanes::all(0.0);
+    let (inverse, root) = (DVec4::splat((-log_ratio).exp()), DVec4::splat((-0.5 * log_ratio).exp()));
+    let half = DVec4::splat(0.5);
+    let mut eigenvalues = DVec4::splat(0.0);
     for four in metrics {
         let (across, mixed) = (four.across * inverse, four.mixed * root);
         let difference = half * (across - four.up);
-        greatest = greatest.max(half * (across + four.up) + (difference * difference + mixed * mixed).sqrt());
+        eigenvalues =
+            greater(eigenvalues, half * (across + four.up) + (difference * difference + mixed * mixed).sqrt());
     }
-    greatest.greatest()
+    greatest(eigenvalues)
 }
 
 /// The place of a minimum of `cost` between `low` and `high`, to `tolerance` (Kiefer 1953).

@@ -9,10 +9,10 @@
 
 use crate::geom::Frustum;
 use crate::views::fitting::density::{Metrics, density, least_squared_up};
-use crate::views::fitting::lanes::{LANES, Lanes};
+use crate::views::fitting::lanes::{LANES, greater, greatest, least, lesser};
 use crate::views::sampling::output_map::{Sample, mean_direction};
 use crate::views::sampling::samples::Samples;
-use glam::{DMat3, DVec2, DVec3};
+use glam::{DMat3, DVec2, DVec3, DVec4};
 
 /// The shortage of resolution between samples that is made good in advance: over a 64th of a picture, twice what the
 /// curvature of any map seen so far hides.
@@ -52,14 +52,14 @@ pub(crate) struct Patch {
 /// Four samples: their directions, and their spreads (symmetric: xx, yy, zz, xy, xz, yz).
 #[derive(Clone, Copy, Debug)]
 struct Four {
-    direction: [Lanes; 3],
-    spread: [Lanes; 6],
+    direction: [DVec4; 3],
+    spread: [DVec4; 6],
 }
 
 impl Four {
     fn of(samples: &[Sample]) -> Self {
         let lanes = |part: &dyn Fn(&Sample) -> f64| {
-            Lanes(std::array::from_fn(|lane| part(samples.get(lane).unwrap_or(&samples[0]))))
+            DVec4::from_array(std::array::from_fn(|lane| part(samples.get(lane).unwrap_or(&samples[0]))))
         };
         // Column, row.
         let spread = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
@@ -94,21 +94,21 @@ impl Patch {
 pub(crate) fn fit(rotation: DMat3, samples: &Patch, quality: f64, fine: bool) -> Option<Fit> {
     let axes = Axes::new(rotation);
     // Twice through the directions costs less than metrics that are not needed.
-    let nearest = samples.fours.iter().fold(Lanes::all(f64::INFINITY), |least, four| least.min(axes.ahead(four)));
-    if nearest.least() < LEAST_COSINE {
+    let nearest = samples.fours.iter().fold(DVec4::splat(f64::INFINITY), |found, four| lesser(found, axes.ahead(four)));
+    if least(nearest) < LEAST_COSINE {
         return None;
     }
     let mut metrics = Vec::with_capacity(samples.fours.len());
-    let (mut low, mut high) = ([Lanes::all(f64::INFINITY); 2], [Lanes::all(f64::NEG_INFINITY); 2]);
+    let (mut low, mut high) = ([DVec4::splat(f64::INFINITY); 2], [DVec4::splat(f64::NEG_INFINITY); 2]);
     for four in &samples.fours {
         let (at, metric) = axes.project(four);
         for axis in 0..2 {
-            (low[axis], high[axis]) = (low[axis].min(at[axis]), high[axis].max(at[axis]));
+            (low[axis], high[axis]) = (lesser(low[axis], at[axis]), greater(high[axis], at[axis]));
         }
         metrics.push(metric);
     }
     let extent =
-        Frustum { left: low[0].least(), right: high[0].greatest(), bottom: low[1].least(), top: high[1].greatest() };
+        Frustum { left: least(low[0]), right: greatest(high[0]), bottom: least(low[1]), top: greatest(high[1]) };
     Some(Fit { extent, density: density(&metrics, fine)? * (quality * RESERVE) })
 }
 
@@ -134,23 +134,23 @@ pub(crate) fn sharpness(rotation: DMat3, density: DVec2, sample: &Sample) -> Opt
     let (_, metric) = axes.project(&Four::of(std::slice::from_ref(sample)));
     let squared = density * density;
     let scaled = Metrics {
-        across: metric.across / Lanes::all(squared.x),
-        mixed: metric.mixed / Lanes::all(density.x * density.y),
-        up: metric.up / Lanes::all(squared.y),
+        across: metric.across / DVec4::splat(squared.x),
+        mixed: metric.mixed / DVec4::splat(density.x * density.y),
+        up: metric.up / DVec4::splat(squared.y),
     };
     Some(1.0 / least_squared_up(&[scaled], 0.0).sqrt())
 }
 
 /// Axes of a view: the rows of its rotation (viewer → view).
 struct Axes {
-    rows: [[Lanes; 3]; 3],
+    rows: [[DVec4; 3]; 3],
     rotation: DMat3,
 }
 
 impl Axes {
     fn new(rotation: DMat3) -> Self {
         let rows = rotation.transpose();
-        let lanes = |row: DVec3| row.to_array().map(Lanes::all);
+        let lanes = |row: DVec3| row.to_array().map(DVec4::splat);
         Self { rows: [lanes(rows.x_axis), lanes(rows.y_axis), lanes(rows.z_axis)], rotation }
     }
 
@@ -161,34 +161,34 @@ impl Axes {
 
     /// The cosines of the angles from the axis.
     #[inline(always)]
-    fn ahead(&self, four: &Four) -> Lanes {
+    fn ahead(&self, four: &Four) -> DVec4 {
         -dot(&self.rows[2], &four.direction)
     }
 
     /// Where four samples lie in the view, and their metrics there.
     #[inline(always)]
-    fn project(&self, four: &Four) -> ([Lanes; 2], Metrics) {
-        let nearness = Lanes::all(-1.0) / dot(&self.rows[2], &four.direction);
+    fn project(&self, four: &Four) -> ([DVec4; 2], Metrics) {
+        let nearness = DVec4::splat(-1.0) / dot(&self.rows[2], &four.direction);
         let at = [dot(&self.rows[0], &four.direction) * nearness, dot(&self.rows[1], &four.direction) * nearness];
         // Rows of d(u, w)/d(direction), in viewer axes and without the factor `nearness`.
         let row =
-            |k: usize| -> [Lanes; 3] { std::array::from_fn(|axis| self.rows[k][axis] + self.rows[2][axis] * at[k]) };
+            |k: usize| -> [DVec4; 3] { std::array::from_fn(|axis| self.rows[k][axis] + self.rows[2][axis] * at[k]) };
         let (across, up) = (row(0), row(1));
         let [xx, yy, zz, xy, xz, yz] = four.spread;
-        let spread = |v: &[Lanes; 3]| [dot(&[xx, xy, xz], v), dot(&[xy, yy, yz], v), dot(&[xz, yz, zz], v)];
+        let spread = |v: &[DVec4; 3]| [dot(&[xx, xy, xz], v), dot(&[xy, yy, yz], v), dot(&[xz, yz, zz], v)];
         let (spread_across, spread_up) = (spread(&across), spread(&up));
         let scale = nearness * nearness;
         let (xx, xy, yy) =
             (dot(&across, &spread_across) * scale, dot(&across, &spread_up) * scale, dot(&up, &spread_up) * scale);
         // A pixel that is seen edge-on would ask for endless resolution; it gets a finite amount.
-        let least = (Lanes::all(1e-6) * xx * yy).max(Lanes::all(f64::MIN_POSITIVE));
-        let determinant = least.max(xx * yy - xy * xy);
+        let least = greater(DVec4::splat(1e-6) * xx * yy, DVec4::splat(f64::MIN_POSITIVE));
+        let determinant = greater(least, xx * yy - xy * xy);
         (at, Metrics { across: yy / determinant, mixed: -xy / determinant, up: xx / determinant })
     }
 }
 
 /// Scalar products.
 #[inline(always)]
-fn dot(a: &[Lanes; 3], b: &[Lanes; 3]) -> Lanes {
+fn dot(a: &[DVec4; 3], b: &[DVec4; 3]) -> DVec4 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }

@@ -1,78 +1,45 @@
-//! Four numbers at a time.
+//! Four numbers at a time, as [`DVec4`]: compilers make vector instructions of them, and the results are those of
+//! single numbers to the bit.
 //!
-//! Plain arrays, of which compilers make vector instructions; what is computed is to the bit what single numbers give.
+//! `DVec4::max` returns its argument where either is no number. The functions here keep the value that was found so far.
 
-use std::ops::{Add, Div, Mul, Neg, Sub};
+use glam::DVec4;
 
 /// How many numbers.
 pub(in crate::views) const LANES: usize = 4;
 
-/// Numbers that are computed alike.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::views) struct Lanes(pub [f64; LANES]);
-
-impl Lanes {
-    /// The same number in all.
-    pub fn all(value: f64) -> Self {
-        Self([value; LANES])
-    }
-
-    /// The results of `of`.
-    #[inline(always)]
-    fn each(self, other: Self, of: impl Fn(f64, f64) -> f64) -> Self {
-        Self(std::array::from_fn(|lane| of(self.0[lane], other.0[lane])))
-    }
-
-    /// The greater ones; those of `self` where one is no number.
-    #[inline(always)]
-    pub fn max(self, other: Self) -> Self {
-        self.each(other, |a, b| if b > a { b } else { a })
-    }
-
-    /// The smaller ones; those of `self` where one is no number.
-    #[inline(always)]
-    pub fn min(self, other: Self) -> Self {
-        self.each(other, |a, b| if b < a { b } else { a })
-    }
-
-    /// The square roots.
-    #[inline(always)]
-    pub fn sqrt(self) -> Self {
-        Self(self.0.map(f64::sqrt))
-    }
-
-    /// The greatest of them that is a number.
-    pub fn greatest(self) -> f64 {
-        self.0.into_iter().fold(f64::NEG_INFINITY, f64::max)
-    }
-
-    /// The least of them that is a number.
-    pub fn least(self) -> f64 {
-        self.0.into_iter().fold(f64::INFINITY, f64::min)
-    }
+/// The greater ones; those of `found` where one is no number.
+#[inline(always)]
+pub(in crate::views) fn greater(found: DVec4, other: DVec4) -> DVec4 {
+    other.max(found)
 }
 
-/// Operators, number by number.
-macro_rules! operators {
-    ($($trait:ident $method:ident $operator:tt),*) => {
-        $(impl $trait for Lanes {
-            type Output = Self;
-
-            #[inline(always)]
-            fn $method(self, other: Self) -> Self {
-                self.each(other, |a, b| a $operator b)
-            }
-        })*
-    };
+/// The smaller ones; those of `found` where one is no number.
+#[inline(always)]
+pub(in crate::views) fn lesser(found: DVec4, other: DVec4) -> DVec4 {
+    other.min(found)
 }
 
-operators!(Add add +, Sub sub -, Mul mul *, Div div /);
+/// The greatest of them that is a number.
+pub(in crate::views) fn greatest(numbers: DVec4) -> f64 {
+    numbers.to_array().into_iter().fold(f64::NEG_INFINITY, f64::max)
+}
 
-impl Neg for Lanes {
-    type Output = Self;
+/// The least of them that is a number.
+pub(in crate::views) fn least(numbers: DVec4) -> f64 {
+    numbers.to_array().into_iter().fold(f64::INFINITY, f64::min)
+}
 
-    #[inline(always)]
-    fn neg(self) -> Self {
-        Self(self.0.map(|value| -value))
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_no_number_changes_nothing() {
+        let (found, nan) = (DVec4::new(1.0, -2.0, 0.0, f64::NAN), DVec4::new(f64::NAN, 3.0, f64::NAN, 4.0));
+        assert_eq!(greater(found, nan).to_array()[..3], [1.0, 3.0, 0.0]);
+        assert_eq!(lesser(found, nan).to_array()[..3], [1.0, -2.0, 0.0]);
+        assert!(greater(found, nan).w.is_nan() && lesser(found, nan).w.is_nan());
+        assert_eq!((greatest(nan), least(nan)), (4.0, 3.0));
     }
 }

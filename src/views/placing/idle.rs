@@ -5,7 +5,7 @@
 //! answer for everything that a later one shows. Such a view would be drawn for nothing.
 
 use crate::views::sampling::cone::{Cone, Relation, WIDEST, diameter};
-use crate::views::sampling::output_map::Sight;
+use crate::views::sampling::output_map::OutputMap;
 use crate::views::view_plan::ViewPlan;
 use glam::{DVec2, DVec3};
 
@@ -13,20 +13,21 @@ use glam::{DVec2, DVec3};
 const FEW: u32 = 24;
 
 /// A view that answers for no pixel of any output, if there is one.
-pub(crate) fn find(plan: &ViewPlan, sights: &[Sight]) -> Option<usize> {
+pub(crate) fn find(plan: &ViewPlan, output_maps: &[OutputMap]) -> Option<usize> {
     (0..plan.views.len()).find(|&index| {
-        !sights.iter().zip(&plan.output_views).any(|(sight, views)| {
+        !output_maps.iter().zip(&plan.output_views).any(|(output_map, views)| {
             let earlier =
                 views.iter().take_while(|&&view| view != index).map(|&view| Cone::of(&plan.views[view])).collect();
-            let search = Search { sight, view: Cone::of(&plan.views[index]), earlier };
-            views.contains(&index) && (search.finds_at_once() || search.finds([0, 0, sight.size.0, sight.size.1]))
+            let search = Search { output_map, view: Cone::of(&plan.views[index]), earlier };
+            views.contains(&index)
+                && (search.finds_at_once() || search.finds([0, 0, output_map.size.0, output_map.size.1]))
         })
     })
 }
 
 /// The search for a pixel of one output that a view answers for.
 struct Search<'a> {
-    sight: &'a Sight,
+    output_map: &'a OutputMap,
     view: Cone,
     /// The views that take precedence.
     earlier: Vec<Cone>,
@@ -35,7 +36,7 @@ struct Search<'a> {
 impl Search<'_> {
     /// The direction at a pixel's centre, unit length.
     fn direction(&self, x: u32, y: u32) -> Option<DVec3> {
-        self.sight.direction(DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5))
+        self.output_map.direction(DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5))
     }
 
     /// Whether the view answers for a direction.
@@ -46,7 +47,7 @@ impl Search<'_> {
     /// Whether there is such a pixel among a few.
     fn finds_at_once(&self) -> bool {
         let pixel = |step: u32, length: u32| (u64::from(2 * step + 1) * u64::from(length) / u64::from(2 * FEW)) as u32;
-        let (width, height) = self.sight.size;
+        let (width, height) = self.output_map.size;
         let places = (0..FEW).flat_map(|row| (0..FEW).map(move |column| (pixel(column, width), pixel(row, height))));
         places.filter_map(|(x, y)| self.direction(x, y)).any(|direction| self.answers(direction))
     }

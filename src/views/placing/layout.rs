@@ -3,7 +3,7 @@
 use crate::error::{Error, ErrorKind, Result};
 use crate::geom::{Frustum, pose};
 use crate::rig::{Filter, Rig};
-use crate::views::arranging::planned_view::Wanted;
+use crate::views::arranging::planned_view::PlannedView;
 use crate::views::fitting::fit::MARGIN;
 use crate::views::placing::atlas;
 use crate::views::view_plan::{Request, Tile, View, ViewPlan};
@@ -28,15 +28,21 @@ const GUTTER: u32 = 1;
 const LEAST_SCALE: f64 = 1e-5;
 
 /// Sizes the views, scales them down until the atlas holds them, and places them.
-/// `reach`: texels that the guard is wider than filters need.
-pub(crate) fn place(rig: &Rig, request: &Request, reach: u32, wanted: &[Wanted], notes: &[String]) -> Result<ViewPlan> {
+/// `margin`: texels that the guard is wider than filters need.
+pub(crate) fn place(
+    rig: &Rig,
+    request: &Request,
+    margin: u32,
+    planned: &[PlannedView],
+    notes: &[String],
+) -> Result<ViewPlan> {
     let mut notes = notes.to_vec();
     let limit = request.max_atlas;
     let quality = rig.views.quality;
-    let guard = guard(rig.views.filter) + f64::from(reach);
+    let guard = guard(rig.views.filter) + f64::from(margin);
     let mut scale = 1.0;
     let (mut views, tiles, size) = loop {
-        let views: Vec<View> = wanted.iter().map(|wanted| sized(wanted, quality, scale, guard)).collect();
+        let views: Vec<View> = planned.iter().map(|planned| sized(planned, quality, scale, guard)).collect();
         if let Some((tiles, size)) = pack(request, &views, limit) {
             break (views, tiles, size);
         }
@@ -60,7 +66,7 @@ pub(crate) fn place(rig: &Rig, request: &Request, reach: u32, wanted: &[Wanted],
         }
     }
     let panel = request.panel.then(|| tiles.next()).flatten().map(|tile| panel(rig, tile));
-    let uses = |output: usize| (0..wanted.len()).filter(|&view| wanted[view].outputs.contains(&output)).collect();
+    let uses = |output: usize| (0..planned.len()).filter(|&view| planned[view].outputs.contains(&output)).collect();
     Ok(ViewPlan {
         output_views: (0..rig.outputs.len()).map(uses).collect(),
         views,
@@ -68,7 +74,7 @@ pub(crate) fn place(rig: &Rig, request: &Request, reach: u32, wanted: &[Wanted],
         panel,
         primary,
         guard: guard.ceil() as u32,
-        reach,
+        margin,
         notes,
     })
 }
@@ -106,13 +112,13 @@ fn side(low: f64, high: f64, density: f64, guard: f64) -> ((f64, f64), (f64, f64
 }
 
 /// The view in its final size, at no place yet.
-fn sized(wanted: &Wanted, quality: f64, scale: f64, guard: f64) -> View {
-    let extent = wanted.fit.extent;
-    let (owned, frustum, (width, height)) = match wanted.exact {
+fn sized(planned: &PlannedView, quality: f64, scale: f64, guard: f64) -> View {
+    let extent = planned.fit.extent;
+    let (owned, frustum, (width, height)) = match planned.exact {
         Some((width, height)) => {
             let texels = |pixels: u32| (f64::from(pixels) * quality * scale).ceil().clamp(1.0, 1_048_576.0) as u32;
             let (width, height) = (texels(width), texels(height));
-            let guard = if wanted.program_lens || wanted.curved.is_some() { 0 } else { guard.ceil() as u32 };
+            let guard = if planned.program_lens || planned.curved.is_some() { 0 } else { guard.ceil() as u32 };
             let across = extent.width() / f64::from(width) * f64::from(guard);
             let up = extent.height() / f64::from(height) * f64::from(guard);
             let whole = Frustum {
@@ -124,7 +130,7 @@ fn sized(wanted: &Wanted, quality: f64, scale: f64, guard: f64) -> View {
             (extent, whole, (width + 2 * guard, height + 2 * guard))
         }
         None => {
-            let density = wanted.fit.density * scale;
+            let density = planned.fit.density * scale;
             let (x, whole_x, width) = side(extent.left, extent.right, density.x, guard);
             let (y, whole_y, height) = side(extent.bottom, extent.top, density.y, guard);
             let frustum = |x: (f64, f64), y: (f64, f64)| Frustum { left: x.0, right: x.1, bottom: y.0, top: y.1 };
@@ -132,14 +138,14 @@ fn sized(wanted: &Wanted, quality: f64, scale: f64, guard: f64) -> View {
         }
     };
     View {
-        name: wanted.name.clone(),
-        rotation: wanted.rotation,
+        name: planned.name.clone(),
+        rotation: planned.rotation,
         frustum,
         owned,
         tile: Tile { x: 0, y: 0, width, height },
-        program_lens: wanted.program_lens,
-        curved: wanted.curved,
-        eye: wanted.eye,
+        program_lens: planned.program_lens,
+        curved: planned.curved,
+        eye: planned.eye,
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::rig::Rig;
 use crate::views::sampling::cone::Cone;
-use crate::views::sampling::output_map::Sight;
+use crate::views::sampling::output_map::OutputMap;
 use crate::views::view_plan::{Tile, ViewPlan};
 use glam::DVec2;
 use serde::Serialize;
@@ -64,8 +64,8 @@ pub fn report(plan: &ViewPlan, rig: &Rig, sizes: &[(u32, u32)]) -> Report {
         rig.outputs.iter().zip(sizes).enumerate().filter(|(_, (_, size))| size.0 > 0 && size.1 > 0).collect();
     let mut coverage: Vec<Vec<OutputShare>> = vec![Vec::new(); plan.views.len()];
     for (&(index, (output, &size)), sampled) in outputs.iter().zip(&plan.output_views) {
-        let Ok(sight) = Sight::new(rig, index, size) else { continue };
-        let shares = shares(plan, &sight, sampled);
+        let Ok(output_map) = OutputMap::new(rig, index, size) else { continue };
+        let shares = shares(plan, &output_map, sampled);
         for (&view, share) in sampled.iter().zip(shares) {
             coverage[view].push(OutputShare { output: output.name.clone(), share });
         }
@@ -112,15 +112,16 @@ pub fn report(plan: &ViewPlan, rig: &Rig, sizes: &[(u32, u32)]) -> Report {
 }
 
 /// For each of the views `sampled`, the part of the lit pixels that it answers for.
-fn shares(plan: &ViewPlan, sight: &Sight, sampled: &[usize]) -> Vec<f64> {
+fn shares(plan: &ViewPlan, output_map: &OutputMap, sampled: &[usize]) -> Vec<f64> {
     let cones: Vec<Cone> = sampled.iter().map(|&view| Cone::of(&plan.views[view])).collect();
     let mut counts = vec![0u32; cones.len()];
     let mut lit = 0u32;
-    let (columns, rows) = (sight.size.0.min(GRID), sight.size.1.min(GRID));
-    let step = DVec2::new(f64::from(sight.size.0) / f64::from(columns), f64::from(sight.size.1) / f64::from(rows));
+    let (columns, rows) = (output_map.size.0.min(GRID), output_map.size.1.min(GRID));
+    let step =
+        DVec2::new(f64::from(output_map.size.0) / f64::from(columns), f64::from(output_map.size.1) / f64::from(rows));
     for (row, column) in (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column))) {
         let at = DVec2::new(f64::from(column) + 0.5, f64::from(row) + 0.5) * step;
-        let Some(sample) = sight.sample(at) else { continue };
+        let Some(sample) = output_map.sample(at) else { continue };
         lit += 1;
         if let Some(view) = cones.iter().position(|cone| cone.contains(sample.direction)) {
             counts[view] += 1;

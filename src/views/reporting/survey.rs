@@ -4,7 +4,7 @@ use crate::error::Result;
 use crate::rig::Rig;
 use crate::views::fitting::fit::sharpness;
 use crate::views::sampling::cone::Cone;
-use crate::views::sampling::output_map::Sight;
+use crate::views::sampling::output_map::OutputMap;
 use crate::views::view_plan::{View, ViewPlan};
 use glam::{DVec2, DVec3};
 
@@ -27,7 +27,7 @@ pub struct Surveyed {
 pub struct Surveyor<'a> {
     plan: &'a ViewPlan,
     output: usize,
-    sight: Sight,
+    output_map: OutputMap,
     cones: Vec<(usize, Cone)>,
 }
 
@@ -37,15 +37,15 @@ impl<'a> Surveyor<'a> {
     /// # Errors
     /// Those of [`WarpMap::new`](crate::warp::WarpMap::new).
     pub fn new(plan: &'a ViewPlan, rig: &Rig, output: usize, size: (u32, u32)) -> Result<Self> {
-        let sight = Sight::new(rig, output, size)?;
+        let output_map = OutputMap::new(rig, output, size)?;
         let views = plan.output_views.get(output).map_or(&[][..], Vec::as_slice);
         let cones = views.iter().map(|&view| (view, Cone::of(&plan.views[view]))).collect();
-        Ok(Self { plan, output, sight, cones })
+        Ok(Self { plan, output, output_map, cones })
     }
 
     /// What a pixel position (from the top left, centres at +½) shows; `None` where that is nothing.
     pub fn at(&self, pixel: DVec2) -> Option<Surveyed> {
-        let sample = self.sight.sample(pixel)?;
+        let sample = self.output_map.sample(pixel)?;
         let &(view, _) = self.cones.iter().find(|(_, cone)| cone.contains(sample.direction))?;
         let answering = &self.plan.views[view];
         let texels_per_pixel = (!answering.program_lens && answering.curved.is_none())

@@ -27,7 +27,7 @@ pub(crate) fn mean_direction<'a>(samples: impl Iterator<Item = &'a Sample>) -> D
 
 /// The map of one output.
 #[derive(Clone, Debug)]
-pub(crate) struct Sight {
+pub(crate) struct OutputMap {
     /// Resolution in pixels; (0, 0) of an output that is not shown.
     pub size: (u32, u32),
     /// How far from the picture's sides the outermost places are that are sampled, in pixels.
@@ -89,12 +89,12 @@ pub(crate) fn perspective_rays(angles: [f64; 3], frustum: Option<&Frustum>) -> D
 }
 
 /// The maps of the first `outputs` outputs.
-pub(in crate::views) fn all(rig: &Rig, outputs: usize, request: &Request) -> Result<Vec<Sight>> {
+pub(in crate::views) fn all(rig: &Rig, outputs: usize, request: &Request) -> Result<Vec<OutputMap>> {
     let sizes = request.output_sizes.iter().take(outputs).enumerate();
-    sizes.map(|(index, &size)| Sight::new(rig, index, size)).collect()
+    sizes.map(|(index, &size)| OutputMap::new(rig, index, size)).collect()
 }
 
-impl Sight {
+impl OutputMap {
     /// The map of output `index` of `rig` at `size` pixels.
     ///
     /// # Errors
@@ -157,7 +157,7 @@ impl Sight {
     /// top left and bottom right.
     pub fn pieces(&self) -> Vec<[DVec2; 2]> {
         let count = match &self.map {
-            Map::Traced { map, .. } => map.strips(),
+            Map::Traced { map, .. } => map.cubemap_faces(),
             _ => 1,
         };
         let bottom = f64::from(self.size.1) - 0.5;
@@ -186,7 +186,7 @@ impl Sight {
         (pixel - center) / half * DVec2::new(1.0, -1.0)
     }
 
-    /// Normalised picture coordinates → pixel position: the inverse of [`Sight::normalised`].
+    /// Normalised picture coordinates → pixel position: the inverse of [`OutputMap::normalised`].
     pub fn pixel(&self, normalised: DVec2) -> DVec2 {
         let (center, half) = self.frame();
         center + normalised * half * DVec2::new(1.0, -1.0)
@@ -223,7 +223,7 @@ impl Sight {
         }
     }
 
-    /// The direction seen at a pixel position, as [`Sight::sample`] has it, for less work.
+    /// The direction seen at a pixel position, as [`OutputMap::sample`] has it, for less work.
     pub fn direction(&self, pixel: DVec2) -> Option<DVec3> {
         let at = self.normalised(pixel);
         let seen = match &self.map {
@@ -240,7 +240,7 @@ impl Sight {
 
     /// Where what an output shows may end inside its picture: the rims of the screen, and the outline of a dome as a
     /// projector outside sees it. Each gives the samples along it (0…1) that lie within the outermost pixel centres.
-    pub fn rims(&self) -> Vec<Rim<'_>> {
+    pub fn boundary_curves(&self) -> Vec<BoundaryCurve<'_>> {
         match &self.map {
             Map::Projector(map) => {
                 let distance = map.origin.length();
@@ -248,15 +248,16 @@ impl Sight {
                 let outline = (distance > map.radius)
                     .then(|| Circle { axis: map.origin / distance, cosine: map.radius / distance - 1e-6 });
                 let cap = map.least_cosine.map(|cosine| Circle { axis: map.pole, cosine });
-                let sampled = |circle: Circle| -> Rim<'_> { Box::new(move |turn| self.on_circle(map, &circle, turn)) };
+                let sampled =
+                    |circle: Circle| -> BoundaryCurve<'_> { Box::new(move |turn| self.on_circle(map, &circle, turn)) };
                 cap.into_iter().chain(outline).map(sampled).collect()
             }
             Map::Traced { map, .. } => {
-                let mut rims: Vec<Rim<'_>> = Vec::new();
+                let mut curves: Vec<BoundaryCurve<'_>> = Vec::new();
                 for rim in map.screen().rims().into_iter().chain(map.screen().horizon()) {
-                    rims.push(Box::new(move |part| self.sample(traced_pixel(map, rim(part))?)));
+                    curves.push(Box::new(move |part| self.sample(traced_pixel(map, rim(part))?)));
                 }
-                rims
+                curves
             }
             _ => Vec::new(),
         }
@@ -315,7 +316,7 @@ impl Sight {
 }
 
 /// The samples along a line (0…1), where it is in the picture.
-pub(crate) type Rim<'a> = Box<dyn Fn(f64) -> Option<Sample> + 'a>;
+pub(crate) type BoundaryCurve<'a> = Box<dyn Fn(f64) -> Option<Sample> + 'a>;
 
 /// A circle on the dome around `axis`.
 #[derive(Clone, Copy, Debug)]
@@ -386,11 +387,11 @@ const STEPS: [f64; 4] = [0.5, 0.05, 0.005, 0.0005];
 fn traced_sample(map: &WarpMap, pixel: DVec2) -> Option<Sample> {
     let direction = map.direction(pixel)?;
     // What lies across the border of two pictures is no neighbour.
-    let strips = f64::from(map.strips());
-    let strip = (pixel.x * strips / f64::from(map.size().0)).floor();
+    let cubemap_faces = f64::from(map.cubemap_faces());
+    let strip = (pixel.x * cubemap_faces / f64::from(map.size().0)).floor();
     let beside = |x: f64| {
-        let from_left = x * strips / f64::from(map.size().0) - strip;
-        strips == 1.0 || (from_left > 0.0 && from_left < 1.0)
+        let from_left = x * cubemap_faces / f64::from(map.size().0) - strip;
+        cubemap_faces == 1.0 || (from_left > 0.0 && from_left < 1.0)
     };
     let along = |axis: DVec2| {
         let there = |offset: f64| {
@@ -424,9 +425,9 @@ fn traced_sample(map: &WarpMap, pixel: DVec2) -> Option<Sample> {
 fn traced_pixel(map: &WarpMap, point: DVec3) -> Option<DVec2> {
     let pixel = map.pixel(point)?;
     let (width, height) = (f64::from(map.size().0), f64::from(map.size().1));
-    let strips = map.strips();
-    let strip = (pixel.x * f64::from(strips) / width).clamp(0.0, f64::from(strips - 1)) as u32;
-    let [left, right] = strip_columns(map.size().0, strips, strip);
+    let cubemap_faces = map.cubemap_faces();
+    let strip = (pixel.x * f64::from(cubemap_faces) / width).clamp(0.0, f64::from(cubemap_faces - 1)) as u32;
+    let [left, right] = strip_columns(map.size().0, cubemap_faces, strip);
     ((left..=right).contains(&pixel.x) && (0.5..=height - 0.5).contains(&pixel.y)).then_some(pixel)
 }
 

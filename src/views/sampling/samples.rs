@@ -3,7 +3,7 @@
 //! Lines rather than points: where a line crosses the side of a view it can be cut exactly there,
 //! so that the openings and resolutions of cropped views do not depend on where samples happen to lie.
 
-use crate::views::sampling::output_map::{Sample, Sight, mean_direction};
+use crate::views::sampling::output_map::{OutputMap, Sample, mean_direction};
 use glam::{DMat3, DVec2, DVec3};
 
 /// How finely an output is sampled.
@@ -29,7 +29,7 @@ const REFINEMENTS: u32 = 5;
 /// The directions that one output shows.
 #[derive(Clone, Debug)]
 pub(crate) struct Samples {
-    sight: Sight,
+    output_map: OutputMap,
     /// Lines: consecutive samples are neighbours in the picture.
     pub lines: Vec<Vec<Sample>>,
     cap: Cap,
@@ -80,21 +80,21 @@ fn sine_of(cosine: f64) -> f64 {
 }
 
 impl Samples {
-    /// Samples `sight`: the outermost places of pixels (or the rim of the circle), and a grid inside.
-    pub fn new(sight: &Sight, fineness: Fineness) -> Self {
+    /// Samples `output_map`: the outermost places of pixels (or the rim of the circle), and a grid inside.
+    pub fn new(output_map: &OutputMap, fineness: Fineness) -> Self {
         let cap = Cap { axis: DVec3::NEG_Z, cosine: -1.0 };
-        let mut samples = Self { sight: sight.clone(), lines: Vec::new(), cap };
-        if sight.size == (0, 0) {
+        let mut samples = Self { output_map: output_map.clone(), lines: Vec::new(), cap };
+        if output_map.size == (0, 0) {
             return samples;
         }
-        if sight.is_circular() {
-            samples.add_disc(sight, fineness)
+        if output_map.is_circular() {
+            samples.add_disc(output_map, fineness)
         } else {
-            sight.pieces().into_iter().for_each(|piece| samples.add_rectangle(sight, piece, fineness))
+            output_map.pieces().into_iter().for_each(|piece| samples.add_rectangle(output_map, piece, fineness))
         }
         // The rim of a mesh is in many pieces.
-        let steps = if sight.is_smooth() { 4 * fineness.border } else { 2 };
-        for rim in sight.rims() {
+        let steps = if output_map.is_smooth() { 4 * fineness.border } else { 2 };
+        for rim in output_map.boundary_curves() {
             samples.add_line(steps, rim);
         }
         samples.cap = Cap::around(samples.iter());
@@ -142,7 +142,7 @@ impl Samples {
             }
             // The point by `slack` beyond both sides; of a narrowed cone it has to be shown itself: its corner may lie on a rim.
             let direction = (edge - (first + second) * (slack / (1.0 + first.dot(second)))).normalize_or(edge);
-            let sample = self.sight.sample_towards(if slack < 0.0 { direction } else { edge })?;
+            let sample = self.output_map.sample_towards(if slack < 0.0 { direction } else { edge })?;
             Some(Sample { direction, ..sample })
         })
     }
@@ -152,21 +152,21 @@ impl Samples {
         self.lines.is_empty()
     }
 
-    fn add_rectangle(&mut self, sight: &Sight, [low, high]: [DVec2; 2], fineness: Fineness) {
+    fn add_rectangle(&mut self, output_map: &OutputMap, [low, high]: [DVec2; 2], fineness: Fineness) {
         let at = |x: f64, y: f64| low + (high - low) * DVec2::new(x, y);
         // What stands out of a mesh may be small.
-        let cells = if sight.is_smooth() { fineness.cells } else { 4 * fineness.cells };
+        let cells = if output_map.is_smooth() { fineness.cells } else { 4 * fineness.cells };
         for index in 1..cells {
             let part = f64::from(index) / f64::from(cells);
-            self.add_line(cells, |t| sight.sample(at(t, part)));
-            self.add_line(cells, |t| sight.sample(at(part, t)));
+            self.add_line(cells, |t| output_map.sample(at(t, part)));
+            self.add_line(cells, |t| output_map.sample(at(part, t)));
         }
-        self.add_sides(sight, [low, high], fineness);
+        self.add_sides(output_map, [low, high], fineness);
     }
 
-    fn add_disc(&mut self, sight: &Sight, fineness: Fineness) {
+    fn add_disc(&mut self, output_map: &OutputMap, fineness: Fineness) {
         let polar = |radius: f64, turn: f64| {
-            sight.sample(sight.pixel(DVec2::from_angle(turn * std::f64::consts::TAU) * radius))
+            output_map.sample(output_map.pixel(DVec2::from_angle(turn * std::f64::consts::TAU) * radius))
         };
         let spokes = 4 * fineness.cells;
         for index in 0..spokes {
@@ -177,20 +177,20 @@ impl Samples {
         }
         // Just within the circle: rounding must not push the rim out of it.
         self.add_line(4 * fineness.border, |t| polar(1.0 - 1e-12, t));
-        let ends = [DVec2::X, DVec2::Y, -DVec2::X, -DVec2::Y].map(|end| sight.pixel(end));
-        for piece @ [low, high] in sight.pieces() {
+        let ends = [DVec2::X, DVec2::Y, -DVec2::X, -DVec2::Y].map(|end| output_map.pixel(end));
+        for piece @ [low, high] in output_map.pieces() {
             // A circle that the picture cuts off ends at the picture's sides.
             if ends.iter().any(|end| end.cmplt(low - 1.0).any() || end.cmpgt(high + 1.0).any()) {
-                self.add_sides(sight, piece, fineness);
+                self.add_sides(output_map, piece, fineness);
             }
         }
     }
 
-    fn add_sides(&mut self, sight: &Sight, [low, high]: [DVec2; 2], fineness: Fineness) {
+    fn add_sides(&mut self, output_map: &OutputMap, [low, high]: [DVec2; 2], fineness: Fineness) {
         let at = |x: f64, y: f64| low + (high - low) * DVec2::new(x, y);
         for side in [0.0, 1.0] {
-            self.add_line(fineness.border, |t| sight.sample(at(t, side)));
-            self.add_line(fineness.border, |t| sight.sample(at(side, t)));
+            self.add_line(fineness.border, |t| output_map.sample(at(t, side)));
+            self.add_line(fineness.border, |t| output_map.sample(at(side, t)));
         }
     }
 
@@ -329,10 +329,10 @@ mod tests {
         ]);
         rig.viewer.position = DVec3::new(0.3, -0.2, 0.4);
         for index in 0..rig.outputs.len() {
-            let sight = Sight::new(&rig, index, (320, 200)).expect("a map");
+            let output_map = OutputMap::new(&rig, index, (320, 200)).expect("a map");
             for _ in 0..500 {
                 let pixel = DVec2::new(random.range(0.0, 320.0), random.range(0.0, 200.0));
-                assert_eq!(sight.direction(pixel), sight.sample(pixel).map(|sample| sample.direction));
+                assert_eq!(output_map.direction(pixel), output_map.sample(pixel).map(|sample| sample.direction));
             }
         }
     }
@@ -347,7 +347,7 @@ mod tests {
         ]);
         let (mut none, mut all, mut some) = (0, 0, 0);
         for index in 0..rig.outputs.len() {
-            let samples = Samples::new(&Sight::new(&rig, index, (320, 200)).expect("a map"), COARSE);
+            let samples = Samples::new(&OutputMap::new(&rig, index, (320, 200)).expect("a map"), COARSE);
             let everything = samples.iter().count();
             for _ in 0..300 {
                 // Cones of all widths: three sides around an axis.

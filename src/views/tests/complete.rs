@@ -82,8 +82,8 @@ fn what_no_view_can_show_is_said_and_leaves_the_others_alone() {
     let own = plan(&rig, &request(&[(256, 501)])).expect("a plan");
     assert_eq!(own.views.iter().map(|view| view.name.as_str()).collect::<Vec<_>>(), ["sliver"]);
     rig.views.method = ViewMethod::Cube;
-    let alone = plan(&rig, &request(&[(256, 501)])).expect_err("nothing could be shown");
-    assert!(alone.kind == ErrorKind::InvalidRig && alone.message.contains("output sliver: no"), "{alone:?}");
+    let refused = plan(&rig, &request(&[(256, 501)])).expect_err("nothing could be shown");
+    assert!(refused.kind == ErrorKind::InvalidRig && refused.message.contains("output sliver: no"), "{refused:?}");
     // Beside another output some of the cubes have a face for it.
     rig.outputs.push(fisheye(180.0, 90.0));
     let mut without = 0;

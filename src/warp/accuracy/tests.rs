@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::geom::screen::{ClosedSurface, HalfSpace};
-use crate::geom::{Frustum, Pencil, Pose, QuadraticForm, Quadric, Sphere, fisheye, pose};
+use crate::geom::{Frustum, PinholeRays, Pose, QuadraticForm, Quadric, Sphere, fisheye, pose};
 use crate::rig::{OutputKind, Rig};
 use crate::testing::random::Random;
 use crate::warp::testing::{projector, rig};
@@ -244,7 +244,7 @@ fn projectors_anywhere_are_sound_in_f32() {
         let pole = DVec3::new(0.0, rig.dome.tilt.cos(), -rig.dome.tilt.sin());
         let limit = HalfSpace { normal: pole, distance: rig.dome.radius * (0.5 * rig.dome.coverage).cos() };
         let surface = ClosedSurface::Quadric(Quadric::from(&sphere));
-        let cap = Pencil { origin: position, rays, surface }.within([Some(limit), None, None]);
+        let cap = PinholeRays { origin: position, rays, surface }.within([Some(limit), None, None]);
         let error = compare(&exact, 47, |x, y| {
             let (x, y) = ((x as f32 + 0.5) / 1920.0 - 1.0, 1.0 - (y as f32 + 0.5) / 1080.0);
             let on_screen = rig.dome.coverage >= TAU || evaluate_f32(&cap, x, y)?.x >= 0.0;

@@ -45,8 +45,8 @@ fn text(random: &mut Random) -> (String, Place) {
 /// A random size as in [`maps::size`], or, rarely, a strip of up to 16384 pixels.
 pub fn size(random: &mut Random) -> (u32, u32) {
     let (long, short) = (16384.0 * random.range(0.1, 1.0), random.range(16.0, 48.0));
-    let strips = [(long as u32, short as u32), (short as u32, long as u32)];
-    let strip = pick(random, &strips);
+    let cubemap_faces = [(long as u32, short as u32), (short as u32, long as u32)];
+    let strip = pick(random, &cubemap_faces);
     let usual = maps::size(random);
     pick(random, &[usual, usual, usual, usual, usual, usual, usual, strip])
 }

@@ -38,7 +38,7 @@ impl Figures {
     pub fn of(rig: &Rig, request: &Request, plan: &Plan, seconds: f64) -> Self {
         let report = views::report(&plan.views, rig, &request.output_sizes);
         let hidden =
-            correct::hidden_areas(plan).iter().map(|tiles| tiles.iter().map(views::Tile::area).sum()).collect();
+            correct::unsampled_areas(plan).iter().map(|tiles| tiles.iter().map(views::Tile::area).sum()).collect();
         let (mut least, mut directions) = (f64::INFINITY, 0);
         views::survey(&plan.views, rig, &request.output_sizes, SURVEYED, |seen| {
             if let Some(density) = seen.texels_per_pixel {

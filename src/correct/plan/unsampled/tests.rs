@@ -40,7 +40,7 @@ fn no_pixel_reads_from_a_hidden_part() {
     for round in 0..30 {
         let (rig, request) = random_rig(&mut random);
         let plan = build(&rig, &request).unwrap();
-        assert_eq!(wrongly_hidden(&rig, &plan, &hidden_areas(&plan)), 0, "{round}");
+        assert_eq!(wrongly_hidden(&rig, &plan, &unsampled_areas(&plan)), 0, "{round}");
     }
 }
 
@@ -48,7 +48,7 @@ fn no_pixel_reads_from_a_hidden_part() {
 fn of_a_dome_in_five_views_little_more_is_open_than_is_shown() {
     let plan = build(&rig(vec![fisheye(180.0, 90.0)]), &request(&[(4096, 4096)])).unwrap();
     let texels: u64 = plan.views.views.iter().map(|view| view.tile.area()).sum();
-    let hidden: u64 = hidden_areas(&plan).iter().flatten().map(Tile::area).sum();
+    let hidden: u64 = unsampled_areas(&plan).iter().flatten().map(Tile::area).sum();
     let disc = std::f64::consts::PI * 2048.0 * 2048.0;
     let open = (texels - hidden) as f64 / disc;
     assert!(plan.views.views.len() == 5 && open <= 1.27, "{open}");
@@ -58,7 +58,7 @@ fn of_a_dome_in_five_views_little_more_is_open_than_is_shown() {
 fn the_check_notices_what_is_hidden_too_much_and_much_of_a_dome_is_hidden() {
     let rig = rig(vec![fisheye(180.0, 90.0)]);
     let plan = build(&rig, &request(&[(1024, 1024)])).unwrap();
-    let mut hidden = hidden_areas(&plan);
+    let mut hidden = unsampled_areas(&plan);
     let texels: u64 = hidden.iter().flatten().map(Tile::area).sum();
     // Two of the four views are rectangles around triangles.
     assert!(texels > 200_000, "{texels}");

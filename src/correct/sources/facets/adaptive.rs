@@ -6,7 +6,7 @@
 use crate::correct::passes::facets::Facets;
 use crate::correct::passes::rectangle::PixelRect;
 use crate::correct::sources::facets::WEIGHT_ERROR;
-use crate::correct::sources::surface_sample::{Shown, Sight};
+use crate::correct::sources::surface_sample::{SurfaceSample, SurfaceSampler};
 use glam::DVec2;
 use std::collections::HashMap;
 
@@ -15,17 +15,17 @@ const MEASURED: f64 = 0.8;
 
 /// Makes the triangles of one output.
 pub(super) struct Builder<'a> {
-    shown: &'a Shown<'a>,
+    sampler: &'a SurfaceSampler<'a>,
     max_error: f64,
     facets: Facets,
     /// The corners at whole pixel positions that are shared.
     numbers: HashMap<(u32, u32), u32>,
     /// What is seen at whole pixel positions and half-way between.
-    seen: HashMap<(u32, u32), Option<Sight>>,
+    seen: HashMap<(u32, u32), Option<SurfaceSample>>,
 }
 
 /// Four corners of a rectangle, from the top left clockwise.
-type Corners = [Sight; 4];
+type Corners = [SurfaceSample; 4];
 
 /// How a rectangle is cut.
 #[derive(Clone, Copy)]
@@ -37,9 +37,9 @@ struct Cut {
 }
 
 impl<'a> Builder<'a> {
-    pub(super) fn new(shown: &'a Shown<'a>, max_error: f64) -> Self {
+    pub(super) fn new(sampler: &'a SurfaceSampler<'a>, max_error: f64) -> Self {
         let facets = Facets { fills: true, ..Facets::default() };
-        Self { shown, max_error, facets, numbers: HashMap::new(), seen: HashMap::new() }
+        Self { sampler, max_error, facets, numbers: HashMap::new(), seen: HashMap::new() }
     }
 
     pub(super) fn build(mut self, rects: &[PixelRect]) -> Facets {
@@ -50,9 +50,9 @@ impl<'a> Builder<'a> {
     }
 
     /// What is seen at a place in half pixels.
-    fn see(&mut self, x: u32, y: u32) -> Option<Sight> {
-        let shown = self.shown;
-        *self.seen.entry((x, y)).or_insert_with(|| shown.at(0.5 * DVec2::new(f64::from(x), f64::from(y))))
+    fn see(&mut self, x: u32, y: u32) -> Option<SurfaceSample> {
+        let sampler = self.sampler;
+        *self.seen.entry((x, y)).or_insert_with(|| sampler.at(0.5 * DVec2::new(f64::from(x), f64::from(y))))
     }
 
     fn fill(&mut self, rect: PixelRect) {
@@ -92,7 +92,7 @@ impl<'a> Builder<'a> {
     /// The better diagonal, and what it errs.
     fn cut(&mut self, rect: PixelRect, corners: &Corners) -> Cut {
         let middle = self.see(2 * rect.x + rect.width, 2 * rect.y + rect.height);
-        let departs = |a: Sight, b: Sight| {
+        let departs = |a: SurfaceSample, b: SurfaceSample| {
             let mean = (a.vector + b.vector).normalize_or_zero();
             middle.map_or(0.0, |middle| mean.distance(middle.vector.normalize_or_zero()))
         };
@@ -107,11 +107,11 @@ impl<'a> Builder<'a> {
             let even = (across * rect.width).is_multiple_of(2) && (down * rect.height).is_multiple_of(2);
             let exact = match even {
                 true => self.see(2 * rect.x + across * rect.width / 2, 2 * rect.y + down * rect.height / 2),
-                false => self.shown.at(place),
+                false => self.sampler.at(place),
             };
             let found = interpolated(corners, falling, 0.25 * f64::from(across), 0.25 * f64::from(down));
             let error = exact.and_then(|exact| {
-                let error = self.shown.error(place, found.vector)?;
+                let error = self.sampler.error(place, found.vector)?;
                 let same_light = (exact.weight - found.weight).abs() <= MEASURED * WEIGHT_ERROR;
                 same_light.then_some(error)
             });
@@ -141,16 +141,16 @@ impl<'a> Builder<'a> {
 
     /// A pixel that shows everywhere what its centre does: the last resort where what is shown leaps.
     fn emit_pixel(&mut self, rect: PixelRect) {
-        let Some(sight) = self.see(2 * rect.x + 1, 2 * rect.y + 1) else { return };
+        let Some(sample) = self.see(2 * rect.x + 1, 2 * rect.y + 1) else { return };
         let (x, y) = (f64::from(rect.x), f64::from(rect.y));
         let [a, b, c, d] = [(x, y), (x + 1.0, y), (x + 1.0, y + 1.0), (x, y + 1.0)]
-            .map(|(x, y)| self.facets.push(DVec2::new(x, y), sight));
+            .map(|(x, y)| self.facets.push(DVec2::new(x, y), sample));
         self.facets.triangles.extend([[a, c, b], [a, d, c]]);
     }
 }
 
 /// What the triangles of a rectangle show at a place, parts of its width and height from the top left.
-fn interpolated(corners: &Corners, falling: bool, x: f64, y: f64) -> Sight {
+fn interpolated(corners: &Corners, falling: bool, x: f64, y: f64) -> SurfaceSample {
     let [a, b, c, d] = corners;
     let parts = match falling {
         // Above the diagonal from a to c, and below.
@@ -160,7 +160,9 @@ fn interpolated(corners: &Corners, falling: bool, x: f64, y: f64) -> Sight {
         false if x + y <= 1.0 => [1.0 - x - y, x, 0.0, y],
         false => [0.0, 1.0 - y, x + y - 1.0, 1.0 - x],
     };
-    let sum = |of: &dyn Fn(&Sight) -> f64| parts.iter().zip([a, b, c, d]).map(|(part, corner)| part * of(corner)).sum();
+    let sum = |of: &dyn Fn(&SurfaceSample) -> f64| {
+        parts.iter().zip([a, b, c, d]).map(|(part, corner)| part * of(corner)).sum()
+    };
     let vector = parts.iter().zip([a, b, c, d]).map(|(part, corner)| corner.vector * *part).sum();
-    Sight { vector, weight: sum(&|corner| corner.weight) }
+    SurfaceSample { vector, weight: sum(&|corner| corner.weight) }
 }

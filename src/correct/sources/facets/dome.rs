@@ -6,10 +6,10 @@
 //! ramps, so that weights at the corners can fade there; for a domemaster by the formula of its lens. Each corner lies
 //! on the dome and is exact. Between corners the error is about 0.4 times the square of a cell's angle, seen from the centre.
 
-use crate::blend::Border;
+use crate::blend::EdgeWeight;
 use crate::correct::passes::facets::Facets;
 use crate::correct::sources::facets::clip::HalfSpace;
-use crate::correct::sources::surface_sample::{Shown, Sight};
+use crate::correct::sources::surface_sample::{SurfaceSample, SurfaceSampler};
 use crate::geom::cube::Face;
 use crate::geom::{Fisheye, Frustum, Lens, Pose, Sphere, pose};
 use crate::rig::{Output, OutputKind, Rig};
@@ -25,10 +25,10 @@ const MEASURED: usize = 8192;
 
 /// The triangles of output `index` of `rig` with `density` cells along the edge of the cube; nothing for outputs that are
 /// neither projectors with plain lenses nor equidistant domemasters.
-pub(in crate::correct) fn dome_facets(rig: &Rig, index: usize, shown: &Shown, density: u32) -> Facets {
+pub(in crate::correct) fn dome_facets(rig: &Rig, index: usize, sampler: &SurfaceSampler, density: u32) -> Facets {
     let Some(picture) = Picture::of(rig, &rig.outputs[index]) else { return Facets::default() };
     let cuts = picture.cuts(rig, index);
-    let mut builder = Builder { shown, picture, facets: Facets::default(), numbers: HashMap::new() };
+    let mut builder = Builder { sampler, picture, facets: Facets::default(), numbers: HashMap::new() };
     for triangle in inflated_cube(density, builder.picture.cube(rig), rig.dome.radius) {
         builder.add(&triangle, &cuts);
     }
@@ -112,7 +112,7 @@ impl Picture {
                 for output in rig.outputs.iter().filter(|_| own.blend.overlap) {
                     let Some((pose, frustum)) = pinhole(output) else { continue };
                     // A ramp ends at this part of the picture's half; wider ones have a crease in the middle.
-                    let inner = (1.0 - 2.0 * Border::of(&output.blend).width).abs().min(1.0);
+                    let inner = (1.0 - 2.0 * EdgeWeight::of(&output.blend).width).abs().min(1.0);
                     split.extend(sides(&pose, &frustum, inner));
                     if !std::ptr::eq(output, own) {
                         split.extend(sides(&pose, &frustum, 1.0));
@@ -177,7 +177,7 @@ fn sides(pose: &Pose, frustum: &Frustum, part: f64) -> [HalfSpace; 4] {
 
 /// Collects the triangles of one output.
 struct Builder<'a> {
-    shown: &'a Shown<'a>,
+    sampler: &'a SurfaceSampler<'a>,
     picture: Picture,
     facets: Facets,
     /// Corners by the bits of their points.
@@ -210,18 +210,18 @@ impl Builder<'_> {
 
     /// The number of the corner at a point; `None` if the viewer stands there.
     fn number(&mut self, point: DVec3) -> Option<u32> {
-        let (shown, picture, facets) = (self.shown, &self.picture, &mut self.facets);
+        let (sampler, picture, facets) = (self.sampler, &self.picture, &mut self.facets);
         *self.numbers.entry(point.to_array().map(f64::to_bits)).or_insert_with(|| {
             let (place, hit) = picture.place(point);
-            let sight = Sight { vector: shown.vector(hit)?, weight: shown.weight(hit) };
-            Some(facets.push(pixel(shown, picture, place), sight))
+            let sample = SurfaceSample { vector: sampler.vector(hit)?, weight: sampler.weight(hit) };
+            Some(facets.push(pixel(sampler, picture, place), sample))
         })
     }
 
     /// The greatest error of some triangles, in their middles and those of their sides, pixels.
     fn measured(&self) -> f64 {
         let step = (self.facets.triangles.len() / MEASURED).max(1);
-        let (width, height) = self.shown.size();
+        let (width, height) = self.sampler.size();
         let mut worst = 0.0f64;
         for triangle in self.facets.triangles.iter().step_by(step) {
             let corners = triangle.map(|number| self.facets.corners[number as usize]);
@@ -234,7 +234,7 @@ impl Builder<'_> {
                 }
                 let inside =
                     place.cmpgt(DVec2::ZERO).all() && place.x < f64::from(width) && place.y < f64::from(height);
-                if inside && let Some(error) = self.shown.error(place, direction) {
+                if inside && let Some(error) = self.sampler.error(place, direction) {
                     worst = worst.max(error);
                 }
             }
@@ -244,8 +244,8 @@ impl Builder<'_> {
 }
 
 /// The pixel position of a place in the output.
-fn pixel(shown: &Shown, picture: &Picture, place: DVec2) -> DVec2 {
-    let (width, height) = (f64::from(shown.size().0), f64::from(shown.size().1));
+fn pixel(sampler: &SurfaceSampler, picture: &Picture, place: DVec2) -> DVec2 {
+    let (width, height) = (f64::from(sampler.size().0), f64::from(sampler.size().1));
     let half = match picture {
         Picture::Circle { .. } => DVec2::splat(0.5 * width.min(height)),
         Picture::Projector { .. } => 0.5 * DVec2::new(width, height),

@@ -26,7 +26,7 @@ pub fn fill(ctx: &Context, target: &DefaultFramebuffer, directions: DMat3) {
     let mut atlas = read(gl, target.readable_framebuffer(), plan.views.atlas, Content::DepthStencil);
     if !target.closed().is_empty() {
         let row = plan.views.atlas.0 as usize;
-        for tile in correct::kept_hidden_areas(plan, cache::of_process()).concat() {
+        for tile in correct::cached_unsampled_areas(plan, cache::of_process()).concat() {
             let columns = tile.x as usize..(tile.x + tile.width) as usize;
             for line in atlas.chunks_exact_mut(row).skip(tile.y as usize).take(tile.height as usize) {
                 line[columns.clone()].fill(EMPTY);

@@ -64,7 +64,8 @@ const LEAST_TEXELS: u64 = 1 << 17;
 /// Gives the backend what is to be closed of a plan; how many texels of each view that is, empty for nothing.
 pub fn prepare(gl: &Gl, backend: &mut GlBackend, plan: &Plan) -> Vec<u64> {
     let mask = settings::settings().map_or(Mask::Never, |settings| settings.mask);
-    let hidden = if mask == Mask::Never { Vec::new() } else { correct::kept_hidden_areas(plan, cache::of_process()) };
+    let hidden =
+        if mask == Mask::Never { Vec::new() } else { correct::cached_unsampled_areas(plan, cache::of_process()) };
     let texels: Vec<u64> = hidden.iter().map(|tiles| tiles.iter().map(Tile::area).sum()).collect();
     let all = plan.views.views.iter().map(|view| view.tile.area()).sum();
     if !worthwhile(mask, texels.iter().sum(), all) {

@@ -8,7 +8,7 @@ use glam::{DAffine3, DMat3, DVec3};
 /// The rays `origin + t·rays·(x, y, 1)` of a pinhole's pixels (x and y in −1…1) before a surface, all in the surface's own
 /// axes.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-pub struct Pencil {
+pub struct PinholeRays {
     /// Where the rays begin.
     pub origin: DVec3,
     /// Pixel `(x, y, 1)` → ray.
@@ -17,7 +17,7 @@ pub struct Pencil {
     pub surface: ClosedSurface,
 }
 
-impl Pencil {
+impl PinholeRays {
     /// The form of what an eye sees at each pixel, turned by `target`.
     pub fn seen_from(&self, eye: DVec3, target: DMat3) -> QuadraticForm {
         self.mapped(DAffine3 { matrix3: target, translation: -(target * eye) })
@@ -92,7 +92,7 @@ impl Pencil {
     }
 }
 
-/// What tells whether the point of a pencil's pixel is on the part of its surface that is screen.
+/// What tells whether the point of a pixel is on the part of its surface that is screen.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct RimForms {
     /// All three components are ≥ 0 there.
@@ -103,14 +103,14 @@ pub struct RimForms {
 
 impl RimForms {
     /// The forms of `bounds`.
-    pub fn of(pencil: &Pencil, bounds: &Bounds) -> Self {
-        let side = |sides: &Sides| (pencil.within([Some(sides.spaces[0]), Some(sides.spaces[1]), None]), sides.join);
-        Self { limits: pencil.within(bounds.limits), sides: bounds.sides.as_ref().map(side) }
+    pub fn of(pinhole: &PinholeRays, bounds: &Bounds) -> Self {
+        let side = |sides: &Sides| (pinhole.within([Some(sides.spaces[0]), Some(sides.spaces[1]), None]), sides.join);
+        Self { limits: pinhole.within(bounds.limits), sides: bounds.sides.as_ref().map(side) }
     }
 
-    /// Whether a pixel's point is on the screen, `pencil` being theirs.
-    pub fn allow(&self, pencil: &Pencil, x: f64, y: f64) -> bool {
-        let holds = |form: &QuadraticForm| pencil.evaluate(form, x, y).map(|value| value.cmpge(DVec3::ZERO));
+    /// Whether a pixel's point is on the screen, `pinhole` being theirs.
+    pub fn allow(&self, pinhole: &PinholeRays, x: f64, y: f64) -> bool {
+        let holds = |form: &QuadraticForm| pinhole.evaluate(form, x, y).map(|value| value.cmpge(DVec3::ZERO));
         let within = holds(&self.limits).is_some_and(|limits| limits.all());
         within
             && self.sides.as_ref().is_none_or(|(form, join)| match (holds(form), join) {
@@ -163,25 +163,25 @@ mod tests {
                 let place = random.direction() * random.range(0.0, if inside { 1.2 } else { 9.0 });
                 let (yaw, pitch) = (random.range(-PI, PI), random.range(-1.5, 1.5));
                 let rays = Pose::new(place, yaw, pitch, 0.3).rotation * Frustum::symmetric(0.8, 0.6).rays();
-                let pencil = Pencil { origin: place - middle, rays, surface };
-                if !pencil.looks_at_it() {
+                let pinhole = PinholeRays { origin: place - middle, rays, surface };
+                if !pinhole.looks_at_it() {
                     continue;
                 }
                 let (eye, target) = (random.vector(-1.0, 1.0), random.rotation());
-                let form = pencil.seen_from(eye - middle, target);
-                let aside = pencil.seen_from(eye - middle + DVec3::X * 1e-3, target);
-                let rims = RimForms::of(&pencil, &bounds);
+                let form = pinhole.seen_from(eye - middle, target);
+                let aside = pinhole.seen_from(eye - middle + DVec3::X * 1e-3, target);
+                let rims = RimForms::of(&pinhole, &bounds);
                 for _ in 0..20 {
                     let (x, y) = (random.range(-1.0, 1.0), random.range(-1.0, 1.0));
                     let traced = screen.hit(place, rays * DVec3::new(x, y, 1.0)).map(|hit| hit.point);
-                    let point = pencil.hit(x, y);
+                    let point = pinhole.hit(x, y);
                     // Nobody knows on which side of a rim a point on it is.
                     if point.is_some_and(|point| bounds.hold_all(&[point; 4], 1e-9).is_none()) {
                         continue;
                     }
                     let point = point.filter(|point| bounds.contain(*point));
-                    assert_eq!(traced.is_some(), point.is_some(), "{screen:?} {pencil:?} {x} {y}");
-                    assert_eq!(rims.allow(&pencil, x, y), point.is_some(), "{screen:?} {pencil:?} {x} {y}");
+                    assert_eq!(traced.is_some(), point.is_some(), "{screen:?} {pinhole:?} {x} {y}");
+                    assert_eq!(rims.allow(&pinhole, x, y), point.is_some(), "{screen:?} {pinhole:?} {x} {y}");
                     let (Some(traced), Some(point)) = (traced, point) else {
                         dark[index] += 1;
                         continue;
@@ -189,9 +189,9 @@ mod tests {
                     lit[index] += 1;
                     assert!(traced.distance(point + middle) < 1e-9, "{screen:?}: {traced} {point}");
                     let seen = (target * (traced - eye)).normalize();
-                    let shown = pencil.evaluate(&form, x, y).unwrap_or_default().normalize();
+                    let shown = pinhole.evaluate(&form, x, y).unwrap_or_default().normalize();
                     assert!(shown.distance(seen) < 1e-9, "{screen:?}: {shown} {seen}");
-                    let wrong = pencil.evaluate(&aside, x, y).unwrap_or_default().normalize();
+                    let wrong = pinhole.evaluate(&aside, x, y).unwrap_or_default().normalize();
                     noticed = noticed.max(wrong.distance(seen));
                 }
             }
