@@ -43,10 +43,11 @@ const MAY_USE: [(&str, &[&str]); 19] = [
 ];
 
 /// Where `unsafe` may be. `system` wraps the few system calls that the standard library lacks.
-const MAY_BE_UNSAFE: [&str; 7] = [
+const MAY_BE_UNSAFE: [&str; 8] = [
     "src/ffi/",
     "src/intercept/",
     "src/backend/gl/",
+    "src/backend/null/",
     "src/backend/vk/",
     "src/preload/",
     "src/system/",
@@ -55,8 +56,14 @@ const MAY_BE_UNSAFE: [&str; 7] = [
 
 /// Where OpenGL itself may be named, its constants and the table of its functions: the backend, the interception, the C
 /// interface that hands it over, and the laboratory's timing.
-const MAY_KNOW_GL: [&str; 5] =
-    ["src/backend/gl/", "src/intercept/gl/", "src/ffi/", "src/runtime/", "src/bin/cupola-lab/trial/"];
+const MAY_KNOW_GL: [&str; 6] = [
+    "src/backend/gl/",
+    "src/backend/null/",
+    "src/intercept/gl/",
+    "src/ffi/",
+    "src/runtime/",
+    "src/bin/cupola-lab/trial/",
+];
 
 /// Where the modules `backend::gl` and `intercept::gl` may be named, too: what starts them, and a test that compares.
 const MAY_START_GL: [&str; 3] = ["src/bin/", "src/preload/", "src/backend/vk/tests/"];

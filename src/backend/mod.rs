@@ -2,5 +2,7 @@
 
 pub mod gl;
 #[cfg(test)]
+pub mod null;
+#[cfg(test)]
 mod tests;
 pub mod vk;

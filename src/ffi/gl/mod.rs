@@ -3,6 +3,8 @@
 pub mod blend;
 pub mod frame;
 pub mod projection;
+#[cfg(test)]
+mod tests;
 pub mod types;
 
 use self::types::{cupola_gl_options, cupola_gl_statistics, cupola_gl_view};

@@ -1,0 +1,86 @@
+//! A driver that draws nothing: an OpenGL function table that records what a plan makes Cupola do,
+//! so that planning, passes and the C interface are tested without a driver.
+//!
+//! ```text
+//! rig → plan → GlBackend, Embedded or the C interface → Gl table ─ find() → Record
+//! ```
+//!
+//! Each thread has a record of its own, as each thread has a current context of its own. It counts
+//! the objects that are alive, so that leaks are seen, and raises an error at a chosen call.
+
+mod functions;
+mod tests;
+
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+
+pub use functions::find;
+
+/// One draw call that the driver was given.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct DrawCall {
+    /// Framebuffer that is bound for drawing; 0 is the window.
+    pub framebuffer: u32,
+    /// Viewport: x, y, width, height in pixels from the bottom left.
+    pub viewport: [i32; 4],
+    /// Program in use.
+    pub program: u32,
+    /// Number of indices or vertices.
+    pub count: i32,
+}
+
+/// What the driver was told since [`reset`].
+#[derive(Clone, Debug, Default)]
+pub struct Record {
+    /// The draw calls, in order.
+    pub draws: Vec<DrawCall>,
+    /// Number of programs that were linked.
+    pub linked: u32,
+    /// Number of objects that were generated and not deleted, by kind.
+    pub alive: BTreeMap<&'static str, i64>,
+    /// Number of calls that reached the driver.
+    pub calls: u64,
+    names: u32,
+    framebuffers: [u32; 2],
+    program: u32,
+    viewport: [i32; 4],
+    /// The call from which on the error flag is set, once.
+    fails_at: Option<u64>,
+    error: u32,
+}
+
+thread_local! {
+    static RECORD: RefCell<Record> = RefCell::default();
+}
+
+/// Begins a new record, of a context whose window has this viewport.
+pub fn reset(viewport: [i32; 4]) {
+    RECORD.set(Record { viewport, ..Record::default() });
+}
+
+/// Lets the error flag be `GL_OUT_OF_MEMORY` after the call of this number.
+pub fn fail_at(call: u64) {
+    RECORD.with_borrow_mut(|record| record.fails_at = Some(call));
+}
+
+/// The record of this thread.
+pub fn recorded() -> Record {
+    RECORD.with_borrow(Clone::clone)
+}
+
+/// The function table of the driver.
+pub fn driver() -> crate::backend::gl::api::Gl {
+    crate::backend::gl::api::Gl::load(find)
+}
+
+/// Counts a call, and notes it.
+fn note<R>(work: impl FnOnce(&mut Record) -> R) -> R {
+    RECORD.with_borrow_mut(|record| {
+        record.calls += 1;
+        if record.fails_at.is_some_and(|at| record.calls >= at) {
+            record.fails_at = None;
+            record.error = crate::backend::gl::api::GL_OUT_OF_MEMORY;
+        }
+        work(record)
+    })
+}
