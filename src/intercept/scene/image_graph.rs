@@ -68,7 +68,7 @@ impl<Id: Copy + Eq + Hash> ImageGraph<Id> {
     /// The images that lie on a way from a scene to the window. `always`: also those whose way to
     /// the window is not known.
     pub fn between(&self, always: bool) -> HashSet<Id> {
-        let mut images = self.from_scenes();
+        let mut images = self.reached();
         if !always {
             let shown = self.to_window(&images);
             images.retain(|image| shown.contains(image));
@@ -79,7 +79,7 @@ impl<Id: Copy + Eq + Hash> ImageGraph<Id> {
     /// Those of [`between`](Self::between) of which nothing is made that does not belong to them: an
     /// image of which something else is made takes with it the images that it is made of.
     pub fn followed(&self, always: bool) -> HashSet<Id> {
-        let mut images = self.from_scenes();
+        let mut images = self.reached();
         loop {
             let shown = self.to_window(&images);
             let kept = |made: &Made<Id>| match made {
@@ -105,7 +105,7 @@ impl<Id: Copy + Eq + Hash> ImageGraph<Id> {
     }
 
     /// The scenes, and all that is made of them.
-    fn from_scenes(&self) -> HashSet<Id> {
+    fn reached(&self) -> HashSet<Id> {
         let mut found = self.scenes.clone();
         let mut new: Vec<Id> = found.iter().copied().collect();
         while let Some(image) = new.pop() {
