@@ -5,6 +5,7 @@
 //! framebuffer is ours ([`default_framebuffer`]), and each draw to it is issued once per view
 //! ([`draw`]).
 
+pub mod app_state;
 pub mod compat;
 pub mod context;
 pub mod draw;
@@ -12,7 +13,9 @@ pub mod entry;
 pub mod frame;
 pub mod framebuffer;
 pub mod offscreen;
+pub mod per_view;
 pub mod projected_vertices;
 pub mod queries;
 pub mod shader;
+pub mod state;
 pub mod vertex_input;

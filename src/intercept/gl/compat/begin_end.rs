@@ -5,64 +5,21 @@
 //! in between) is compiled into a list of the driver's instead.
 
 use crate::backend::gl::api::{self, Gl};
-use crate::intercept::gl::compat::vertex_recorder::Recorder;
+use crate::intercept::gl::compat::display_lists;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
-use crate::intercept::gl::draw::culling::bounds::Bounds;
-use crate::intercept::gl::draw::issue::{Changes, draw};
-use crate::intercept::gl::draw::wide_primitives::Shape;
+use crate::intercept::gl::context::{list_recording, methods};
+use crate::intercept::gl::draw::commands::draw;
+use crate::intercept::gl::draw::divided;
+use crate::intercept::gl::per_view::issue::plain_program;
 use crate::intercept::gl::projected_vertices::fixed_function::substitute;
 use crate::intercept::gl::projected_vertices::fixed_function::vertices::Vertices;
-use crate::intercept::gl::projected_vertices::lens;
+use crate::intercept::gl::state::begin_end::Phase;
+use crate::intercept::gl::state::bounds::Bounds;
+use crate::intercept::gl::state::draw::Changes;
+use crate::intercept::gl::state::primitives::Shape;
+use crate::intercept::gl::state::vertex_recorder::Recorder;
 use std::ffi::c_void;
-
-/// Where the program is.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Phase {
-    /// Outside of Begin/End, or in one that is passed on as it comes.
-    #[default]
-    Outside,
-    /// Commands are recorded.
-    Recording,
-    /// Commands go into a list of ours, and are recorded besides.
-    IntoList,
-}
-
-/// The Begin/End that the program is in.
-pub struct Immediate {
-    /// Where the program is.
-    pub phase: Phase,
-    mode: u32,
-    pub(super) recorder: Recorder,
-    /// Around the vertices since `glBegin`.
-    pub(super) bounds: Bounds,
-    /// Our list for what cannot be played back; 0 = not made yet.
-    list: u32,
-    /// Attributes that were recorded from here on hold after the list.
-    trailing: usize,
-}
-
-impl Default for Immediate {
-    fn default() -> Self {
-        let (phase, recorder, bounds) = (Phase::Outside, Recorder::default(), Bounds::EMPTY);
-        Self { phase, mode: 0, recorder, bounds, list: 0, trailing: 0 }
-    }
-}
-
-impl Immediate {
-    /// Between `glBegin` and `glEnd` of a draw of ours.
-    pub fn under_way(&self) -> bool {
-        self.phase != Phase::Outside
-    }
-
-    fn begin(&mut self, mode: u32) {
-        self.phase = Phase::Recording;
-        self.mode = mode;
-        self.recorder.clear();
-        self.bounds = Bounds::EMPTY;
-        self.trailing = 0;
-    }
-}
 
 /// What cannot be played back is coming: from here on, and with what came already, a list is compiled.
 pub fn into_list(ctx: &mut Context) {
@@ -73,7 +30,7 @@ pub fn into_list(ctx: &mut Context) {
         // SAFETY: the driver is between Begin and End, where it can neither be asked nor compile.
         unsafe { ctx.gl.end() };
         if ctx.immediate.list == 0 {
-            ctx.immediate.list = crate::intercept::gl::compat::display_lists::own_name(ctx);
+            ctx.immediate.list = list_recording::own_name(ctx);
         }
         let (gl, immediate) = (ctx.gl, &mut ctx.immediate);
         // SAFETY: the list is ours, and ends with the program's End.
@@ -155,7 +112,7 @@ fn issue(ctx: &mut Context, mode: u32, bounds: Bounds, recorder: &Recorder) {
     let vertices = Vertices::of_recorded(ctx.gl, mode, recorder);
     // SAFETY: the program's own attributes: materials count for all vertices, all else is set with each of them.
     unsafe { recorder.play_attributes(ctx.gl, 0) };
-    substitute::draw_read(ctx, changes, bounds, &vertices, whole);
+    divided::draw_read(ctx, changes, bounds, &vertices, whole);
     // SAFETY: as above; between vertices others were set.
     unsafe { recorder.play_attributes(ctx.gl, 0) };
 }
@@ -169,19 +126,19 @@ fn issue_recorded(ctx: &mut Context) {
 
 /// Whether Begin/End becomes a command of its own in the list that is compiled, so that it can be divided when the list runs.
 fn is_kept_apart(ctx: &Context) -> bool {
-    ctx.recording.is_some() && !ctx.views_only && lens::division_asked_for()
+    ctx.recording.is_some() && !ctx.views_only && methods::division_asked_for()
 }
 
 /// What was recorded becomes a command of the list that is compiled.
 fn keep_apart(ctx: &mut Context) {
     let (mode, bounds) = (ctx.immediate.mode, ctx.immediate.bounds);
     let recorder = std::mem::take(&mut ctx.immediate.recorder);
-    crate::intercept::gl::compat::display_lists::now_or_later(ctx, move |ctx| issue(ctx, mode, bounds, &recorder));
+    list_recording::now_or_later(ctx, move |ctx| issue(ctx, mode, bounds, &recorder));
 }
 
 /// What was recorded, and what comes until the program's End, goes into the list that is compiled as it is.
 fn give_to_list(ctx: &mut Context) {
-    crate::intercept::gl::compat::display_lists::will_draw(ctx, false);
+    list_recording::will_draw(ctx, false);
     let Some(recording) = &mut ctx.recording else { return };
     recording.bounds.add_unknown();
     ctx.immediate.phase = Phase::Outside;
@@ -210,9 +167,9 @@ hooks! {
             ctx.immediate.begin(mode);
             return;
         } else if ctx.recording.is_some() {
-            crate::intercept::gl::compat::display_lists::will_draw(ctx, false);
+            list_recording::will_draw(ctx, false);
         } else if ctx.session().is_none() || ctx.picking {
-            crate::intercept::gl::draw::issue::plain_program(ctx);
+            plain_program(ctx);
         } else if !ctx.immediate.under_way() && mode <= api::GL_PATCHES {
             ctx.immediate.begin(mode);
         }
@@ -239,14 +196,14 @@ hooks! {
             // A primitive whose end is in another list.
             into_list(ctx);
         }
-        if ctx.immediate.under_way() { gl.end_list() } else { crate::intercept::gl::compat::display_lists::finish_recording(ctx) }
+        if ctx.immediate.under_way() { gl.end_list() } else { display_lists::finish_recording(ctx) }
     };
     "glCallList" call_list(list: u32) = |ctx, gl| {
         if ctx.immediate.under_way() {
             into_list(ctx);
             gl.call_list(list);
         } else {
-            crate::intercept::gl::compat::display_lists::call_list(ctx, list);
+            display_lists::call_list(ctx, list);
         }
     };
     "glCallLists" call_lists(count: i32, kind: u32, names: *const c_void) = |ctx, gl| {
@@ -254,7 +211,7 @@ hooks! {
             into_list(ctx);
             gl.call_lists(count, kind, names);
         } else {
-            crate::intercept::gl::compat::display_lists::call_lists(ctx, count, kind, names);
+            display_lists::call_lists(ctx, count, kind, names);
         }
     };
 }

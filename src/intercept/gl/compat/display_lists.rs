@@ -4,169 +4,22 @@
 //! in real lists of the driver (the first under the program's own name); commands that we follow
 //! (matrices, viewport, clears, nested lists …) are kept beside them and run through our hooks.
 
-use crate::backend::gl::api::{self, Gl};
+use crate::backend::gl::api;
+use crate::intercept::gl::app_state::window_state;
+use crate::intercept::gl::compat::raster_position;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
-use crate::intercept::gl::draw::culling::bounds::Bounds;
-use crate::intercept::gl::draw::issue::{Changes, draw};
-use std::collections::HashMap;
+use crate::intercept::gl::context::list_recording::{Command, Item, Recording, record};
+use crate::intercept::gl::draw::commands::draw;
+use crate::intercept::gl::framebuffer::bindings;
+use crate::intercept::gl::shader::programs;
+use crate::intercept::gl::state::bounds::Bounds;
+use crate::intercept::gl::state::draw::Changes;
 use std::ffi::c_void;
 use std::sync::{Arc, PoisonError};
 
-/// A command that runs once, not once per view.
-#[derive(Clone, Debug, PartialEq)]
-#[allow(missing_docs)] // Each is the OpenGL command of its name.
-pub enum Command {
-    MatrixMode(u32),
-    LoadIdentity,
-    LoadMatrix([f64; 16]),
-    MultMatrix([f64; 16]),
-    Frustum([f64; 6]),
-    Ortho([f64; 6]),
-    Rotate([f64; 4]),
-    Scale([f64; 3]),
-    Translate([f64; 3]),
-    PushMatrix,
-    PopMatrix,
-    Viewport([i32; 4]),
-    Scissor([i32; 4]),
-    ScissorTest(bool),
-    PushAttributes(u32),
-    PopAttributes,
-    UseProgram(u32),
-    Clear(u32),
-    DrawBuffer(u32),
-    ReadBuffer(u32),
-    RasterPosition([f64; 4]),
-    WindowPosition([f64; 3]),
-    CallList(u32),
-    /// Offsets to be added to `glListBase` when the list runs.
-    CallLists(Vec<u32>),
-    ListBase(u32),
-    Later(Later),
-}
-
-/// Any other command, as what it does when the list runs.
-#[derive(Clone)]
-pub struct Later(Arc<dyn Fn(&mut Context) + Send + Sync>);
-
-impl std::fmt::Debug for Later {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str("Later")
-    }
-}
-
-impl PartialEq for Later {
-    fn eq(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.0, &other.0)
-    }
-}
-
-/// Does what a command of the program does: now, or whenever the list runs that is being compiled.
-pub fn now_or_later(ctx: &mut Context, run: impl Fn(&mut Context) + Send + Sync + 'static) {
-    if ctx.compiling() { record(ctx, Command::Later(Later(Arc::new(run)))) } else { run(ctx) }
-}
-
-/// A part of a list.
-#[derive(Clone, Debug)]
-enum Item {
-    /// A real list of the driver.
-    Real { list: u32, draws: bool, raster: bool, sets_state: bool, bounds: Bounds },
-    /// A command of ours.
-    Command(Command),
-}
-
-/// The program's lists that are more than one real list.
-#[derive(Default)]
-pub struct Lists {
-    items: HashMap<u32, Arc<Vec<Item>>>,
-    /// Names of ours that are in no use.
-    own: Vec<u32>,
-}
-
-/// So many names are taken from OpenGL for ours at once.
-const OWN_NAMES: u32 = 1024;
-
-/// Old programs use names from 1 on that they never asked for. Ours are this far from them.
-const PROGRAM_NAMES: u32 = 8192;
-
-/// A name for a list of our own, which no program takes by itself.
-pub fn own_name(ctx: &Context) -> u32 {
-    let gl = ctx.gl;
-    let mut lists = ctx.share.lists.lock().unwrap_or_else(PoisonError::into_inner);
-    if lists.own.is_empty() {
-        // SAFETY: takes names, and gives those back that are not for us.
-        let first = unsafe {
-            let first = gl.gen_lists((PROGRAM_NAMES + OWN_NAMES) as i32);
-            gl.delete_lists(first, PROGRAM_NAMES as i32);
-            first + PROGRAM_NAMES
-        };
-        lists.own.extend((first..first + OWN_NAMES).rev());
-    }
-    lists.own.pop().unwrap_or_default()
-}
-
-/// The list that is being compiled.
-pub struct Recording {
-    list: u32,
-    execute: bool,
-    items: Vec<Item>,
-    real: u32,
-    /// The present real list draws something.
-    draws: bool,
-    /// … at the raster position.
-    raster: bool,
-    /// It sets what is followed.
-    pub sets_state: bool,
-    /// Around the vertices of the present real list.
-    pub bounds: Bounds,
-}
-
 /// Lists may call lists this deep, as OpenGL says at least.
 const DEEPEST: u32 = 64;
-
-/// A draw comes into the list that is compiled, at the `raster` position or not. Each of these gets a real list without the
-/// other, as they are issued in different ways. Not between `glBegin` and `glEnd`.
-pub fn will_draw(ctx: &mut Context, raster: bool) {
-    if ctx.recording.as_ref().is_some_and(|recording| recording.draws && recording.raster != raster) {
-        next_part(ctx, None);
-    }
-    if let Some(recording) = &mut ctx.recording {
-        recording.draws = true;
-        recording.raster = raster;
-    }
-}
-
-/// Ends the present real list, keeps `command`, and begins another.
-pub fn record(ctx: &mut Context, command: Command) {
-    next_part(ctx, Some(command));
-}
-
-fn next_part(ctx: &mut Context, command: Option<Command>) {
-    let gl = ctx.gl;
-    if let Some(recording) = &mut ctx.recording {
-        recording.end_part(gl);
-    }
-    let real = own_name(ctx);
-    let Some(recording) = &mut ctx.recording else { return };
-    recording.items.extend(command.map(Item::Command));
-    recording.real = real;
-    // SAFETY: a list of our own; the program is compiling, and the list that was open has just ended.
-    unsafe { gl.new_list(real, api::GL_COMPILE) };
-}
-
-impl Recording {
-    fn end_part(&mut self, gl: &Gl) {
-        // SAFETY: ends the list that we, or the program, began.
-        unsafe { gl.end_list() };
-        let Self { real: list, draws, raster, sets_state, bounds, .. } = *self;
-        self.items.push(Item::Real { list, draws, raster, sets_state, bounds });
-        self.draws = false;
-        self.sets_state = false;
-        self.raster = false;
-        self.bounds = Bounds::EMPTY;
-    }
-}
 
 /// Runs a list of the program.
 fn call(ctx: &mut Context, list: u32, depth: u32) {
@@ -205,11 +58,7 @@ fn call(ctx: &mut Context, list: u32, depth: u32) {
 fn run_real(ctx: &mut Context, list: u32, draws: bool, raster: bool, bounds: &Bounds) {
     let gl = ctx.gl;
     // SAFETY: a list that exists, or the program's own call.
-    if raster
-        && crate::intercept::gl::compat::raster_position::draw_at_raster(ctx, Changes::Anything, |gl| unsafe {
-            gl.call_list(list)
-        })
-    {
+    if raster && raster_position::draw_at_raster(ctx, Changes::Anything, |gl| unsafe { gl.call_list(list) }) {
         return;
     }
     if draws {
@@ -269,18 +118,14 @@ pub fn run(ctx: &mut Context, command: &Command, depth: u32) {
                 ctx.restore_window_space();
             }
         }
-        Command::PushAttributes(mask) => crate::intercept::gl::context::window_state::push_attributes(ctx, *mask),
-        Command::PopAttributes => crate::intercept::gl::context::window_state::pop_attributes(ctx),
-        Command::UseProgram(program) => crate::intercept::gl::shader::programs::select(ctx, *program),
-        Command::Clear(mask) => crate::intercept::gl::framebuffer::bindings::clear_window(ctx, *mask),
-        Command::DrawBuffer(buffer) => crate::intercept::gl::framebuffer::bindings::select_draw_buffer(ctx, *buffer),
-        Command::ReadBuffer(buffer) => crate::intercept::gl::framebuffer::bindings::select_read_buffer(ctx, *buffer),
-        Command::RasterPosition(position) => {
-            crate::intercept::gl::compat::raster_position::set_position(ctx, *position)
-        }
-        Command::WindowPosition(position) => {
-            crate::intercept::gl::compat::raster_position::set_window_position(ctx, *position)
-        }
+        Command::PushAttributes(mask) => window_state::push_attributes(ctx, *mask),
+        Command::PopAttributes => window_state::pop_attributes(ctx),
+        Command::UseProgram(program) => programs::select(ctx, *program),
+        Command::Clear(mask) => bindings::clear_window(ctx, *mask),
+        Command::DrawBuffer(buffer) => bindings::select_draw_buffer(ctx, *buffer),
+        Command::ReadBuffer(buffer) => bindings::select_read_buffer(ctx, *buffer),
+        Command::RasterPosition(position) => raster_position::set_position(ctx, *position),
+        Command::WindowPosition(position) => raster_position::set_window_position(ctx, *position),
         Command::CallList(list) => call(ctx, *list, depth + 1),
         Command::CallLists(offsets) => {
             for offset in offsets {
@@ -363,7 +208,7 @@ pub fn finish_recording(ctx: &mut Context) {
 }
 
 /// Forgets what the lists were, and empties our parts of them.
-fn forget(ctx: &Context, first: u32, count: u32) {
+pub(in crate::intercept::gl) fn forget(ctx: &Context, first: u32, count: u32) {
     let mut lists = ctx.share.lists.lock().unwrap_or_else(PoisonError::into_inner);
     if (count as usize) < lists.items.len() {
         for list in first..first.saturating_add(count) {
@@ -373,27 +218,6 @@ fn forget(ctx: &Context, first: u32, count: u32) {
         let known: Vec<u32> = lists.items.keys().copied().filter(|list| list.wrapping_sub(first) < count).collect();
         for list in known {
             lists.forget(ctx, list);
-        }
-    }
-}
-
-impl Lists {
-    fn forget(&mut self, ctx: &Context, list: u32) {
-        let Some(items) = self.items.remove(&list) else { return };
-        for item in items.iter() {
-            if let Item::Real { list: part, .. } = item
-                && *part != list
-            {
-                // The name stays ours, or the driver might give it to the program.
-                self.own.push(*part);
-                if !ctx.compiling() {
-                    // SAFETY: a list of our own that nothing else names; an empty one takes its place.
-                    unsafe {
-                        ctx.gl.new_list(*part, api::GL_COMPILE);
-                        ctx.gl.end_list();
-                    }
-                }
-            }
         }
     }
 }

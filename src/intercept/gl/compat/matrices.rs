@@ -1,117 +1,15 @@
 //! The fixed-function projection: what the program has in `GL_PROJECTION`, and each view's.
 
 use crate::backend::gl::api;
-use crate::intercept::gl::compat::display_lists::Command;
+use crate::intercept::gl::compat::display_lists;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
-use crate::runtime::Session;
-use crate::runtime::session::{MatrixClass, classify};
-
-/// The program's `GL_PROJECTION` and what follows from it.
-pub struct Projection {
-    /// The matrix may have changed since it was read.
-    pub changed: bool,
-    /// As the program set it, column by column.
-    pub matrix: [f64; 16],
-    /// What it is.
-    pub class: MatrixClass,
-    /// Each view's projection in its place.
-    pub per_view: Vec<[f64; 16]>,
-    /// `GL_MODELVIEW`, unless it may have changed since it was read.
-    model_view: Option<[f64; 16]>,
-}
-
-impl Default for Projection {
-    fn default() -> Self {
-        Self { changed: true, matrix: [0.0; 16], class: MatrixClass::Other, per_view: Vec::new(), model_view: None }
-    }
-}
-
-impl Projection {
-    fn update(&mut self, matrix: [f64; 16], session: &Session) {
-        self.changed = false;
-        if matrix == self.matrix && !self.per_view.is_empty() {
-            return;
-        }
-        self.matrix = matrix;
-        self.class = classify(&matrix);
-        self.per_view.clear();
-        if let MatrixClass::Perspective(intrinsics) = &self.class {
-            self.per_view.extend(session.rows(intrinsics).map(|rows| multiply(&rows.matrix(), &matrix)));
-        }
-    }
-
-    /// The program may have changed the matrix of `mode`.
-    pub fn touch(&mut self, mode: u32) {
-        match mode {
-            api::GL_PROJECTION => self.changed = true,
-            api::GL_MODELVIEW => self.model_view = None,
-            _ => {}
-        }
-    }
-
-    /// The views changed: nothing is valid any more.
-    pub fn clear(&mut self) {
-        self.changed = true;
-        self.per_view.clear();
-    }
-}
-
-/// Brings the shadow of `GL_PROJECTION` up to date; asks the driver only after a change.
-pub fn refresh(ctx: &mut Context) {
-    if !ctx.projection.changed {
-        return;
-    }
-    let Some(session) = Context::session_of(&ctx.target, &ctx.lent) else { return };
-    let mut matrix = [0.0; 16];
-    // SAFETY: writes sixteen doubles; the context has a fixed-function pipeline.
-    unsafe { ctx.gl.get_doublev(api::GL_PROJECTION_MATRIX, matrix.as_mut_ptr()) };
-    ctx.projection.update(matrix, session);
-}
-
-/// `GL_MODELVIEW`; asks the driver only after a change.
-pub fn model_view(ctx: &mut Context) -> [f64; 16] {
-    let gl = ctx.gl;
-    *ctx.projection.model_view.get_or_insert_with(|| {
-        let mut matrix = [0.0; 16];
-        // SAFETY: writes sixteen doubles; the context has a fixed-function pipeline.
-        unsafe { gl.get_doublev(api::GL_MODELVIEW_MATRIX, matrix.as_mut_ptr()) };
-        matrix
-    })
-}
-
-/// Loads `matrix` into `GL_PROJECTION`, whatever the matrix mode is.
-pub fn load_projection(ctx: &Context, matrix: &[f64; 16]) {
-    let mode = ctx.believed.matrix_mode;
-    // SAFETY: reads sixteen doubles; the matrix mode is put back.
-    unsafe {
-        if mode != api::GL_PROJECTION {
-            ctx.gl.matrix_mode(api::GL_PROJECTION);
-        }
-        ctx.gl.load_matrixd(matrix.as_ptr());
-        if mode != api::GL_PROJECTION {
-            ctx.gl.matrix_mode(mode);
-        }
-    }
-}
-
-/// The product of two matrices, column by column.
-pub fn multiply(a: &[f64; 16], b: &[f64; 16]) -> [f64; 16] {
-    let mut product = [0.0; 16];
-    for (to, from) in product.chunks_exact_mut(4).zip(b.chunks_exact(4)) {
-        for (column, factor) in a.chunks_exact(4).zip(from) {
-            for (sum, entry) in to.iter_mut().zip(column) {
-                *sum += entry * factor;
-            }
-        }
-    }
-    product
-}
+use crate::intercept::gl::context::list_recording::{self, Command};
 
 /// Runs a matrix command of the program, or records it into the list that is being compiled.
 fn matrix_command(ctx: &mut Context, command: Command, run: impl FnOnce()) {
     if ctx.compiling() {
-        crate::intercept::gl::compat::display_lists::record(ctx, command);
+        list_recording::record(ctx, command);
         return;
     }
     run();
@@ -126,11 +24,11 @@ fn named(ctx: &mut Context, mode: u32, command: Command, run: impl FnOnce()) {
         ctx.projection.touch(mode);
         return;
     }
-    crate::intercept::gl::compat::display_lists::now_or_later(ctx, move |ctx| {
+    list_recording::now_or_later(ctx, move |ctx| {
         let before = std::mem::replace(&mut ctx.believed.matrix_mode, mode);
         // SAFETY: one of the two matrices that every context with lists has; the mode is put back.
         unsafe { ctx.gl.matrix_mode(mode) };
-        crate::intercept::gl::compat::display_lists::run(ctx, &command, 0);
+        display_lists::run(ctx, &command, 0);
         ctx.believed.matrix_mode = before;
         // SAFETY: as above.
         unsafe { ctx.gl.matrix_mode(before) };
@@ -177,7 +75,7 @@ hooks! {
     "glMatrixPopEXT" matrix_pop_ext(mode: u32) = |ctx, gl| named(ctx, mode, Command::PopMatrix, || gl.matrix_pop_ext(mode));
     "glMatrixMode" matrix_mode(mode: u32) = |ctx, gl| {
         if ctx.compiling() {
-            crate::intercept::gl::compat::display_lists::record(ctx, Command::MatrixMode(mode));
+            list_recording::record(ctx, Command::MatrixMode(mode));
         } else {
             gl.matrix_mode(mode);
             ctx.believed.matrix_mode = mode;
@@ -218,7 +116,8 @@ hooks! {
 
 #[cfg(test)]
 mod tests {
-    use super::{multiply, transposed};
+    use super::transposed;
+    use crate::intercept::gl::state::projection::multiply;
 
     #[test]
     fn products_are_column_by_column() {

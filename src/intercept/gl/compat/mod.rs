@@ -5,4 +5,3 @@ pub mod display_lists;
 pub mod matrices;
 pub mod raster_position;
 pub mod vertex_commands;
-pub mod vertex_recorder;

@@ -5,56 +5,20 @@
 //! matrix and set again in each view before something is drawn there.
 
 use crate::backend::gl::api::{self, Gl};
-use crate::intercept::gl::compat::display_lists::Command;
-use crate::intercept::gl::compat::matrices::load_projection;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
-use crate::intercept::gl::draw::issue::{Changes, Place, Repeats, own_window_space, place};
+use crate::intercept::gl::context::list_recording::{self, Command};
+use crate::intercept::gl::context::matrices::{self, load_projection};
+use crate::intercept::gl::framebuffer::{default_framebuffer, read_back};
+use crate::intercept::gl::per_view::classify::place;
+use crate::intercept::gl::per_view::issue::Repeats;
+use crate::intercept::gl::per_view::window_space::own_window_space;
 use crate::intercept::gl::queries::scaling;
+use crate::intercept::gl::state::attribute_stack;
+use crate::intercept::gl::state::draw::{Changes, Place};
+use crate::intercept::gl::state::raster_position::ScenePosition;
 use crate::intercept::scene::query_weights::QueryWeights;
 use std::ffi::c_void;
-
-/// Where the raster position belongs.
-#[derive(Clone, Default)]
-pub struct Raster {
-    scene: Option<ScenePosition>,
-    /// The origin of the tile in whose pixels the driver has it; the program has it in its window's.
-    origin: [i32; 2],
-    /// Each view's projection when the position was set.
-    projections: Vec<[f64; 16]>,
-}
-
-impl Raster {
-    /// The origin of the window in the driver's raster position.
-    pub fn origin(&self) -> [i32; 2] {
-        self.origin
-    }
-
-    /// A new position is set; the origin of the old one. The place for projections is used again.
-    fn forget(&mut self) -> [i32; 2] {
-        self.scene = None;
-        std::mem::take(&mut self.origin)
-    }
-
-    /// What is put back with this position.
-    pub fn saved(&self) -> Self {
-        if self.scene.is_some() { self.clone() } else { Self { origin: self.origin, ..Self::default() } }
-    }
-}
-
-/// A raster position in the scene.
-#[derive(Clone)]
-struct ScenePosition {
-    object: [f64; 4],
-    model_view: [f64; 16],
-    /// What the position took with it: the colour, lit where light is on, and a texture coordinate.
-    color: [f32; 4],
-    texture: [f32; 4],
-    /// The range of depths in which it was set.
-    depths: [f64; 2],
-    /// How far bitmaps moved it since, in pixels.
-    moved: [f32; 2],
-}
 
 /// `glRasterPos`.
 pub fn set_position(ctx: &mut Context, object: [f64; 4]) {
@@ -107,7 +71,7 @@ fn taken_color(ctx: &Context, object: [f64; 4]) -> [f32; 4] {
             return color;
         }
         gl.get_floatv(api::GL_CURRENT_COLOR, color.as_mut_ptr());
-        if ctx.attribute_stack.len() >= crate::intercept::gl::context::window_state::ATTRIBUTE_DEPTH {
+        if ctx.attribute_stack.len() >= attribute_stack::ATTRIBUTE_DEPTH {
             return color;
         }
         gl.push_attrib(api::GL_CURRENT_BIT);
@@ -139,7 +103,7 @@ pub fn set_window_position(ctx: &mut Context, position: [f64; 3]) {
 
 /// Prepares the flat tile; its origin in the atlas.
 fn flat_window_space(ctx: &mut Context) -> [i32; 2] {
-    crate::intercept::gl::framebuffer::default_framebuffer::want_panel(ctx);
+    default_framebuffer::want_panel(ctx);
     let tile = ctx.target.as_ref().and_then(|t| t.flat_tiles().into_iter().flatten().next());
     match tile {
         Some((tile, _)) => {
@@ -177,12 +141,12 @@ fn draw_in_scene(ctx: &mut Context, mut position: ScenePosition, changes: Change
     let gl = ctx.gl;
     // Within what is pushed here.
     let repeats = Repeats::new(changes, ctx, 1);
-    crate::intercept::gl::compat::matrices::refresh(ctx);
+    matrices::refresh(ctx);
     let Some(mut target) = ctx.target.take() else { return };
     let before = raster_position(gl);
     let mode = ctx.believed.matrix_mode;
     // What is current, the raster position with it, is put back; a full stack has no place left for it.
-    let keeps = ctx.attribute_stack.len() < crate::intercept::gl::context::window_state::ATTRIBUTE_DEPTH;
+    let keeps = ctx.attribute_stack.len() < attribute_stack::ATTRIBUTE_DEPTH;
     // SAFETY: attributes and the model-view matrix are pushed and popped, the projection is put back below.
     unsafe {
         if keeps {
@@ -308,7 +272,7 @@ impl Present {
 /// Draws at a raster position on the flat panel, and in the other pictures that show it.
 fn draw_flat(ctx: &mut Context, changes: Changes, issue: &dyn Fn(&Gl)) {
     let gl = ctx.gl;
-    crate::intercept::gl::framebuffer::default_framebuffer::want_panel(ctx);
+    default_framebuffer::want_panel(ctx);
     ctx.counts.panel_draws += 1;
     let Some(tiles) = ctx.target.as_ref().map(|t| t.flat_tiles()) else { return };
     let repeats = Repeats::new(changes, ctx, 0);
@@ -363,7 +327,7 @@ fn raster_position(gl: &Gl) -> [f32; 2] {
 pub fn raster_command(ctx: &mut Context, issue: impl Fn(&Gl)) {
     let gl = ctx.gl;
     if ctx.recording.is_some() {
-        crate::intercept::gl::compat::display_lists::will_draw(ctx, true);
+        list_recording::will_draw(ctx, true);
         issue(gl);
     } else if !draw_at_raster(ctx, Changes::Nothing, &issue) {
         issue(gl);
@@ -372,7 +336,7 @@ pub fn raster_command(ctx: &mut Context, issue: impl Fn(&Gl)) {
 
 fn raster_position_command(ctx: &mut Context, position: [f64; 4]) {
     if ctx.compiling() {
-        crate::intercept::gl::compat::display_lists::record(ctx, Command::RasterPosition(position));
+        list_recording::record(ctx, Command::RasterPosition(position));
     } else {
         set_position(ctx, position);
     }
@@ -380,7 +344,7 @@ fn raster_position_command(ctx: &mut Context, position: [f64; 4]) {
 
 fn window_position_command(ctx: &mut Context, position: [f64; 3]) {
     if ctx.compiling() {
-        crate::intercept::gl::compat::display_lists::record(ctx, Command::WindowPosition(position));
+        list_recording::record(ctx, Command::WindowPosition(position));
     } else {
         set_window_position(ctx, position);
     }
@@ -415,6 +379,14 @@ macro_rules! raster_hooks {
                 raster_command(ctx, |gl| gl.bitmap(w, h, x, y, dx, dy, bits));
             "glDrawPixels" draw_pixels(w: i32, h: i32, format: u32, kind: u32, pixels: *const c_void) = |ctx, _gl|
                 raster_command(ctx, |gl| gl.draw_pixels(w, h, format, kind, pixels));
+            "glCopyPixels" copy_pixels(x: i32, y: i32, w: i32, h: i32, kind: u32) = |ctx, _gl|
+                list_recording::now_or_later(ctx, move |ctx| {
+                    let origin = if ctx.reads_redirected() { read_back::prepare(ctx) } else { [0, 0] };
+                    let (x, y) = (x + origin[0], y + origin[1]);
+                    // SAFETY: the program's own call, moved to where its picture is.
+                    raster_command(ctx, |gl| unsafe { gl.copy_pixels(x, y, w, h, kind) });
+                    read_back::finish(ctx);
+                });
         }
     };
 }

@@ -3,11 +3,13 @@
 //! The rows come from the registry (`build/gl_attributes.rs`). Commands that do not fit that form, but are
 //! allowed between Begin and End, are below it; [`crate::intercept::gl::compat::begin_end::into_list`] serves what cannot be played back.
 
-use crate::backend::gl::api::{self, Gl};
-use crate::intercept::gl::compat::begin_end::Phase;
-use crate::intercept::gl::compat::vertex_recorder::{Number, Sets, add_vertex};
+use crate::backend::gl::api;
+use crate::intercept::gl::compat::begin_end;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
+use crate::intercept::gl::state::begin_end::Phase;
+use crate::intercept::gl::state::vertex_commands::Command;
+use crate::intercept::gl::state::vertex_recorder::{Number, Sets, add_vertex};
 
 /// Notes a command of the program. `false`: it is to be passed on.
 #[inline]
@@ -57,7 +59,7 @@ fn note_material<T: Number + Default>(
 
 /// Something that makes vertices in a way that cannot be played back.
 fn elsewhere(ctx: &mut Context) {
-    crate::intercept::gl::compat::begin_end::into_list(ctx);
+    begin_end::into_list(ctx);
     if let Some(list) = &mut ctx.recording {
         list.bounds.add_unknown();
     }
@@ -65,31 +67,7 @@ fn elsewhere(ctx: &mut Context) {
 
 macro_rules! attribute_commands {
     ({ $( $name:literal $method:ident ($($p:ident: $t:ty),*) as $array:ident = $sets:ident [$($before:ident),*] $values:expr; )* }
-     { $( $vector:ident ($($place:literal: $kind:ty),*) $start:literal $plain:literal; )* }) => {
-        /// A command that can be played back.
-        #[derive(Clone, Copy, Debug)]
-        #[allow(non_camel_case_types, missing_docs)] // Each is the OpenGL command of its name.
-        #[repr(u16)]
-        pub enum Command {
-            $( $vector, )*
-            materialfv,
-            materialiv,
-        }
-
-        /// By the number of a command: calls the driver with its words.
-        static PLAY: &[unsafe fn(&Gl, *const u64)] = &[
-            // SAFETY: as `play` is promised.
-            $( |gl, words| unsafe { gl.$vector($( *words.add($place) as $kind, )* words.add($start).cast()) }, )*
-            // SAFETY: as above.
-            |gl, words| unsafe { gl.materialfv(*words as u32, *words.add(1) as u32, words.add(2).cast()) },
-            // SAFETY: as above.
-            |gl, words| unsafe { gl.materialiv(*words as u32, *words.add(1) as u32, words.add(2).cast()) },
-        ];
-
-        /// By the number of a command: whether its components are numbers as they are, neither packed nor of 16 bits nor
-        /// for integers of shaders.
-        static PLAIN: &[bool] = &[$( $plain, )* true, true];
-
+     { $( $arrays:tt )* }) => {
         hooks! {
             between;
             $( $name $method($($p: $t),*) = |ctx, gl| {
@@ -130,22 +108,6 @@ macro_rules! attribute_commands {
 }
 
 include!(concat!(env!("OUT_DIR"), "/gl_attributes.rs"));
-
-/// Calls the driver with a command that was recorded.
-///
-/// # Safety
-/// The context of `gl` must be current; `words` must be what was recorded for the command of this number.
-pub unsafe fn play(gl: &Gl, number: u16, words: *const u64) {
-    if let Some(command) = PLAY.get(usize::from(number)) {
-        // SAFETY: as promised.
-        unsafe { command(gl, words) };
-    }
-}
-
-/// Whether the components of the command of this number are numbers as they are.
-pub fn is_plain(number: u16) -> bool {
-    PLAIN.get(usize::from(number)).copied().unwrap_or(false)
-}
 
 #[cfg(test)]
 mod tests {

@@ -56,4 +56,5 @@ macro_rules! hooks {
         $crate::intercept::gl::context::hooks::hooks! { @between false; $($hooks)* }
     };
 }
+
 pub(crate) use hooks;

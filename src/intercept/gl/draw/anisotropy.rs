@@ -4,20 +4,14 @@
 //! turned to the side surfaces reach the eye at flatter angles than in the program's own picture: where a
 //! footprint is billions of texels long, drawing does not end. There, textures are filtered without anisotropy.
 
-use crate::backend::gl::api::{self, Gl};
+use crate::backend::gl::api;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
-
-/// Whether the driver is such a renderer.
-pub fn is_endless(gl: &Gl) -> bool {
-    gl.text(api::GL_RENDERER).starts_with("llvmpipe")
-}
+use crate::intercept::gl::state::default_framebuffer::DefaultFramebuffer;
 
 /// Whether the parameter is left at its default.
 fn left_out(ctx: &Context, parameter: u32) -> bool {
-    let turned = |t: &crate::intercept::gl::framebuffer::default_framebuffer::DefaultFramebuffer| {
-        t.session.views().iter().any(|v| !v.program_lens)
-    };
+    let turned = |t: &DefaultFramebuffer| t.session.views().iter().any(|v| !v.program_lens);
     parameter == api::GL_TEXTURE_MAX_ANISOTROPY && ctx.endless_anisotropy && ctx.target.as_deref().is_some_and(turned)
 }
 

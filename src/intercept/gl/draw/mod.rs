@@ -1,9 +1,8 @@
 //! TODO-NOTE
 
 pub mod anisotropy;
-pub mod background;
-pub mod conditional_render;
-pub mod culling;
-pub mod issue;
+pub mod arrays;
+pub mod commands;
+pub mod divided;
+pub mod fallback;
 pub mod transform_feedback;
-pub mod wide_primitives;

@@ -3,6 +3,7 @@
 use crate::backend::gl::api::{self, Gl};
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
+use crate::intercept::gl::context::list_recording;
 
 /// Asks the driver where it knows (OpenGL 4.0, OpenGL ES 3.0); elsewhere `recording` is what it is.
 fn follow(ctx: &mut Context, recording: bool) {
@@ -21,7 +22,7 @@ fn follow(ctx: &mut Context, recording: bool) {
 
 /// Runs a command of the program, which may be a part of a display list; `recording`: whether it records after it.
 fn command(ctx: &mut Context, recording: bool, issue: impl Fn(&Gl) + Send + Sync + 'static) {
-    crate::intercept::gl::compat::display_lists::now_or_later(ctx, move |ctx| {
+    list_recording::now_or_later(ctx, move |ctx| {
         issue(ctx.gl);
         follow(ctx, recording);
     });

@@ -2,15 +2,18 @@
 
 use crate::backend::gl::api::Gl;
 use crate::intercept::gl::context::current;
-use crate::intercept::gl::context::window::Window;
+use crate::intercept::gl::entry::contexts;
 use crate::intercept::gl::entry::vendor::{self, noted_calls, real_call};
-use crate::intercept::gl::frame::present;
+use crate::intercept::gl::frame::{front_buffer, present};
+use crate::intercept::gl::state::window::Window;
 use std::collections::HashMap;
 use std::ffi::{CStr, c_char, c_int, c_uint, c_ulong, c_void};
 use std::sync::{Mutex, OnceLock, PoisonError};
 
 type Pointer = *mut c_void;
+
 type GetProcAddress = unsafe extern "C" fn(*const c_char) -> Pointer;
+
 type GetPlatformDisplay = unsafe extern "C" fn(c_uint, Pointer, *const isize) -> Pointer;
 
 /// libglvnd's `__EGLapiImports`: what a vendor gives to libEGL.
@@ -32,8 +35,11 @@ pub struct Imports {
 type Main = unsafe extern "C" fn(u32, *const c_void, Pointer, *mut Imports) -> c_uint;
 
 static REAL: OnceLock<GetProcAddress> = OnceLock::new();
+
 static REAL_DISPLAY: OnceLock<GetPlatformDisplay> = OnceLock::new();
+
 static DRIVER: OnceLock<Gl> = OnceLock::new();
+
 static KNOWN: Mutex<Option<Known>> = Mutex::new(None);
 
 /// X11 displays below EGL's, and X11 windows below surfaces.
@@ -177,11 +183,11 @@ fn window(display: Pointer, surface: Pointer) -> Option<Window> {
 }
 
 unsafe extern "C" fn make_current(display: Pointer, draw: Pointer, read: Pointer, context: Pointer) -> c_uint {
-    current::leaving(context as usize, window(display, draw).as_ref());
+    contexts::leaving(context as usize, window(display, draw).as_ref());
     let ok =
         real_call!(c"eglMakeCurrent", (Pointer, Pointer, Pointer, Pointer) -> c_uint, display, draw, read, context);
     if let (true, Some(gl)) = (ok != 0, DRIVER.get()) {
-        current::make_current(context as usize, gl, window(display, draw), read != draw);
+        contexts::make_current(context as usize, gl, window(display, draw), read != draw);
     }
     ok
 }
@@ -194,21 +200,21 @@ unsafe extern "C" fn swap_buffers(display: Pointer, surface: Pointer) -> c_uint 
 }
 
 unsafe extern "C" fn release_thread() -> c_uint {
-    current::leaving(0, None);
+    contexts::leaving(0, None);
     let ok = real_call!(c"eglReleaseThread", () -> c_uint,);
     if let (true, Some(gl)) = (ok != 0, DRIVER.get()) {
-        current::make_current(0, gl, None, false);
+        contexts::make_current(0, gl, None, false);
     }
     ok
 }
 
 unsafe extern "C" fn wait_gl() -> c_uint {
-    crate::intercept::gl::frame::front_buffer::show_current();
+    front_buffer::show_current();
     real_call!(c"eglWaitGL", () -> c_uint,)
 }
 
 unsafe extern "C" fn wait_client() -> c_uint {
-    crate::intercept::gl::frame::front_buffer::show_current();
+    front_buffer::show_current();
     real_call!(c"eglWaitClient", () -> c_uint,)
 }
 
@@ -289,9 +295,9 @@ fn x11_window(display: Pointer, native: Pointer) -> c_ulong {
 
 noted_calls! {
     c"eglCreateContext" create_context(display: Pointer, config: Pointer, share: Pointer, attributes: *const c_int) -> Pointer,
-        |context| current::created(context as usize, share as usize);
+        |context| contexts::created(context as usize, share as usize);
     c"eglDestroyContext" destroy_context(display: Pointer, context: Pointer) -> c_uint, |ok| if ok != 0 {
-        current::destroyed(context as usize);
+        contexts::destroyed(context as usize);
     };
     c"eglCreateWindowSurface" create_window_surface(display: Pointer, config: Pointer, native: c_ulong, attributes: *const c_int) -> Pointer,
         |surface| note_surface(surface, native);

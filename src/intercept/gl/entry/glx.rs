@@ -2,9 +2,10 @@
 
 use crate::backend::gl::api::Gl;
 use crate::intercept::gl::context::current;
-use crate::intercept::gl::context::window::Window;
+use crate::intercept::gl::entry::contexts;
 use crate::intercept::gl::entry::vendor::{self, noted_calls, real_call};
-use crate::intercept::gl::frame::present;
+use crate::intercept::gl::frame::{front_buffer, present};
+use crate::intercept::gl::state::window::Window;
 use std::collections::HashMap;
 use std::ffi::{CStr, c_char, c_int, c_ulong, c_void};
 use std::sync::{Mutex, OnceLock, PoisonError};
@@ -28,6 +29,7 @@ pub struct Imports {
 type Main = unsafe extern "C" fn(u32, *const c_void, *mut c_void, *mut Imports) -> c_int;
 
 static REAL: OnceLock<GetProcAddress> = OnceLock::new();
+
 static DRIVER: OnceLock<Gl> = OnceLock::new();
 
 /// Drawables that are not windows, and the X windows of `GLXWindow`s.
@@ -143,19 +145,19 @@ fn note_drawable(drawable: c_ulong, kind: Drawable) {
 
 fn now_current(ok: c_int, display: Pointer, drawable: c_ulong, read: c_ulong, context: Pointer) {
     if let (true, Some(gl)) = (ok != 0, DRIVER.get()) {
-        current::make_current(context as usize, gl, window(display, drawable), read != drawable);
+        contexts::make_current(context as usize, gl, window(display, drawable), read != drawable);
     }
 }
 
 unsafe extern "C" fn make_current(display: Pointer, drawable: c_ulong, context: Pointer) -> c_int {
-    current::leaving(context as usize, window(display, drawable).as_ref());
+    contexts::leaving(context as usize, window(display, drawable).as_ref());
     let ok = real_call!(c"glXMakeCurrent", (Pointer, c_ulong, Pointer) -> c_int, display, drawable, context);
     now_current(ok, display, drawable, drawable, context);
     ok
 }
 
 unsafe extern "C" fn make_context_current(display: Pointer, draw: c_ulong, read: c_ulong, context: Pointer) -> c_int {
-    current::leaving(context as usize, window(display, draw).as_ref());
+    contexts::leaving(context as usize, window(display, draw).as_ref());
     let ok = real_call!(c"glXMakeContextCurrent", (Pointer, c_ulong, c_ulong, Pointer) -> c_int, display, draw, read, context);
     now_current(ok, display, draw, read, context);
     ok
@@ -180,7 +182,7 @@ unsafe extern "C" fn copy_sub_buffer(display: Pointer, drawable: c_ulong, x: c_i
 }
 
 unsafe extern "C" fn wait_gl() {
-    crate::intercept::gl::frame::front_buffer::show_current();
+    front_buffer::show_current();
     real_call!(c"glXWaitGL", () -> (),);
 }
 
@@ -205,14 +207,14 @@ fn forget_drawable(drawable: c_ulong) {
 
 noted_calls! {
     c"glXCreateContext" create_context(display: Pointer, visual: Pointer, share: Pointer, direct: c_int) -> Pointer,
-        |context| current::created(context as usize, share as usize);
+        |context| contexts::created(context as usize, share as usize);
     c"glXCreateNewContext" create_new_context(display: Pointer, config: Pointer, kind: c_int, share: Pointer, direct: c_int) -> Pointer,
-        |context| current::created(context as usize, share as usize);
+        |context| contexts::created(context as usize, share as usize);
     c"glXCreateContextWithConfigSGIX" create_context_with_config(display: Pointer, config: Pointer, kind: c_int, share: Pointer, direct: c_int) -> Pointer,
-        |context| current::created(context as usize, share as usize);
+        |context| contexts::created(context as usize, share as usize);
     c"glXCreateContextAttribsARB" create_context_attribs(display: Pointer, config: Pointer, share: Pointer, direct: c_int, attributes: *const c_int) -> Pointer,
-        |context| current::created(context as usize, share as usize);
-    c"glXDestroyContext" destroy_context(display: Pointer, context: Pointer) -> (), |done| current::destroyed(context as usize);
+        |context| contexts::created(context as usize, share as usize);
+    c"glXDestroyContext" destroy_context(display: Pointer, context: Pointer) -> (), |done| contexts::destroyed(context as usize);
     c"glXCreateWindow" create_window(display: Pointer, config: Pointer, x11: c_ulong, attributes: *const c_int) -> c_ulong,
         |drawable| note_drawable(drawable, Drawable::Window(x11));
     c"glXCreatePixmap" create_pixmap(display: Pointer, config: Pointer, pixmap: c_ulong, attributes: *const c_int) -> c_ulong,

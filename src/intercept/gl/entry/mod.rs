@@ -1,5 +1,7 @@
 //! TODO-NOTE
 
+pub mod attach;
+pub mod contexts;
 pub mod egl;
 pub mod glx;
 pub mod table;

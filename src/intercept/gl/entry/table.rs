@@ -1,5 +1,16 @@
 //! The table of all hooks: how a name finds its function.
 
+use crate::intercept::gl::app_state::{getters, indexed_viewports, known_state, window_state};
+use crate::intercept::gl::compat::{begin_end, display_lists, matrices, raster_position, vertex_commands};
+use crate::intercept::gl::draw::{anisotropy, arrays, commands, transform_feedback};
+use crate::intercept::gl::frame::front_buffer;
+use crate::intercept::gl::framebuffer::{accumulation, bindings, direct_state, read_back, textures};
+use crate::intercept::gl::per_view::culling::max_width;
+use crate::intercept::gl::per_view::wide_primitives;
+use crate::intercept::gl::projected_vertices::fixed_function::substitute;
+use crate::intercept::gl::queries::{conditional_render, results};
+use crate::intercept::gl::shader::{introspection, program_pipelines, programs, uniforms};
+use crate::intercept::gl::vertex_input::{buffers, vertex_array_commands};
 use std::collections::HashMap;
 use std::sync::OnceLock;
 
@@ -8,36 +19,36 @@ pub fn find(name: &str) -> Option<*const ()> {
     static TABLE: OnceLock<HashMap<&'static str, usize>> = OnceLock::new();
     let table = TABLE.get_or_init(|| {
         let files = [
-            crate::intercept::gl::framebuffer::accumulation::HOOKS,
-            crate::intercept::gl::vertex_input::buffers::HOOKS,
-            crate::intercept::gl::draw::conditional_render::HOOKS,
-            crate::intercept::gl::queries::results::HOOKS,
-            crate::intercept::gl::draw::culling::arrays::HOOKS,
-            crate::intercept::gl::draw::culling::max_width::HOOKS,
-            crate::intercept::gl::draw::issue::HOOKS,
-            crate::intercept::gl::draw::transform_feedback::HOOKS,
-            crate::intercept::gl::draw::anisotropy::HOOKS,
-            crate::intercept::gl::context::known_state::HOOKS,
-            crate::intercept::gl::frame::front_buffer::HOOKS,
-            crate::intercept::gl::compat::begin_end::HOOKS,
-            crate::intercept::gl::compat::vertex_commands::HOOKS,
-            crate::intercept::gl::context::indexed_viewports::HOOKS,
-            crate::intercept::gl::compat::display_lists::HOOKS,
-            crate::intercept::gl::compat::matrices::HOOKS,
-            crate::intercept::gl::framebuffer::direct_state::HOOKS,
-            crate::intercept::gl::draw::wide_primitives::HOOKS,
-            crate::intercept::gl::shader::program_pipelines::HOOKS,
-            crate::intercept::gl::shader::programs::HOOKS,
-            crate::intercept::gl::shader::introspection::HOOKS,
-            crate::intercept::gl::shader::uniforms::HOOKS,
-            crate::intercept::gl::vertex_input::vertex_array_commands::HOOKS,
-            crate::intercept::gl::projected_vertices::fixed_function::substitute::HOOKS,
-            crate::intercept::gl::context::getters::HOOKS,
-            crate::intercept::gl::compat::raster_position::HOOKS,
-            crate::intercept::gl::shader::samplers::HOOKS,
-            crate::intercept::gl::context::window_state::HOOKS,
-            crate::intercept::gl::framebuffer::bindings::HOOKS,
-            crate::intercept::gl::framebuffer::read_back::HOOKS,
+            accumulation::HOOKS,
+            buffers::HOOKS,
+            conditional_render::HOOKS,
+            results::HOOKS,
+            arrays::HOOKS,
+            max_width::HOOKS,
+            commands::HOOKS,
+            transform_feedback::HOOKS,
+            anisotropy::HOOKS,
+            known_state::HOOKS,
+            front_buffer::HOOKS,
+            begin_end::HOOKS,
+            vertex_commands::HOOKS,
+            indexed_viewports::HOOKS,
+            display_lists::HOOKS,
+            matrices::HOOKS,
+            direct_state::HOOKS,
+            wide_primitives::HOOKS,
+            program_pipelines::HOOKS,
+            programs::HOOKS,
+            introspection::HOOKS,
+            uniforms::HOOKS,
+            vertex_array_commands::HOOKS,
+            substitute::HOOKS,
+            getters::HOOKS,
+            raster_position::HOOKS,
+            textures::HOOKS,
+            window_state::HOOKS,
+            bindings::HOOKS,
+            read_back::HOOKS,
         ];
         files.iter().flat_map(|hooks| hooks.iter()).map(|hook| (hook.name, hook.address as usize)).collect()
     });

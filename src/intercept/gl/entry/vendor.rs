@@ -1,5 +1,6 @@
 //! What the vendor wrappers of GLX and EGL have in common.
 
+use crate::intercept::gl::entry::table;
 use crate::intercept::{log, settings};
 use std::ffi::CStr;
 
@@ -34,7 +35,7 @@ pub fn wanted() -> bool {
 /// The function of ours that answers `name`, unless the rig corrects nothing: then only frames are counted.
 pub fn hook(name: &str) -> Option<*const ()> {
     let passthrough = settings::settings().is_none_or(|s| s.rig.passthrough);
-    if passthrough { None } else { crate::intercept::gl::entry::table::find(name) }
+    if passthrough { None } else { table::find(name) }
 }
 
 /// Calls the driver's function `$name` with `$arguments`; `real` in the caller's module finds it.
@@ -47,6 +48,7 @@ macro_rules! real_call {
         }
     }};
 }
+
 pub(crate) use real_call;
 
 /// Functions that pass a call on and then note something about its `$answer`.
@@ -61,4 +63,5 @@ macro_rules! noted_calls {
         )*
     };
 }
+
 pub(crate) use noted_calls;

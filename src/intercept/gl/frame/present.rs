@@ -4,14 +4,17 @@ use crate::backend::gl::api::{self, Gl};
 use crate::intercept::gl::context::current::{after_panic, current};
 use crate::intercept::gl::context::errors::{take_error, take_own_errors};
 use crate::intercept::gl::context::gl_context::Context;
-use crate::intercept::gl::context::window::{Look, Window};
-use crate::intercept::gl::frame::frame_number;
-use crate::intercept::gl::framebuffer::default_framebuffer;
+use crate::intercept::gl::context::own_calls;
+use crate::intercept::gl::context::read_pixels::read_back;
+use crate::intercept::gl::frame::{capture, frame_number, front_buffer};
+use crate::intercept::gl::framebuffer::default_framebuffer::{self, follow_size};
+use crate::intercept::gl::offscreen::view_copies;
+use crate::intercept::gl::state::window::Window;
+use crate::intercept::gl::vertex_input::buffers;
 use crate::intercept::kept::{self, Kept};
 use crate::intercept::scene::report;
 use crate::intercept::settings;
 use crate::runtime::report::{Picture, Statistics, ViewStatistics};
-use crate::runtime::session::Extras;
 
 /// Whether the current context draws to `window`.
 fn is_current(window: &Window) -> bool {
@@ -83,8 +86,8 @@ pub fn show_front(ctx: &mut Context) {
 
 /// The program turns to another window before it swaps this one.
 pub fn leave(ctx: &mut Context) {
-    if crate::intercept::gl::frame::front_buffer::draws_to_front(ctx) {
-        crate::intercept::gl::frame::front_buffer::show(ctx, true);
+    if front_buffer::draws_to_front(ctx) {
+        front_buffer::show(ctx, true);
     } else {
         correct(ctx);
         // The frame may be swapped by a thread without a context, which can read nothing.
@@ -109,7 +112,7 @@ fn in_window(ctx: &Context, run: impl FnOnce(&Gl)) {
 
 /// Corrects the views into the window. Allocates nothing.
 fn correct(ctx: &mut Context) {
-    crate::intercept::gl::queries::scaling::aside(ctx, correct_now);
+    own_calls::aside(ctx, correct_now);
 }
 
 fn correct_now(ctx: &mut Context) {
@@ -154,28 +157,11 @@ fn next_frame(ctx: &mut Context) {
     ctx.background.end_frame();
     ctx.viewport_area = [0, ctx.viewport_area[0]];
     ctx.frame_begun = false;
-    crate::intercept::gl::offscreen::view_copies::end_frame(ctx);
-    crate::intercept::gl::vertex_input::buffers::of(ctx).end_frame();
+    view_copies::end_frame(ctx);
+    buffers::of(ctx).end_frame();
     ctx.workload.end_frame(ctx.counts.draws_seen);
     follow_size(ctx);
     default_framebuffer::follow_rig(ctx);
-}
-
-/// Looks at the window, and plans anew where it has another size than the plan. Only between frames.
-pub fn follow_size(ctx: &mut Context) {
-    let Some(window) = ctx.window.clone() else { return };
-    let Look { size, hidden } = window.look();
-    ctx.hidden = hidden;
-    if ctx.target.as_ref().is_some_and(|t| t.size() != size) {
-        let mut extras = Extras::default();
-        if let Some(old) = ctx.target.take() {
-            extras = old.extras();
-            crate::intercept::gl::offscreen::view_copies::clear(ctx);
-            old.destroy(ctx.gl);
-        }
-        ctx.viewport_area = [0; 2];
-        default_framebuffer::attach(ctx, extras);
-    }
 }
 
 fn keep_report(ctx: &mut Context, settings: &settings::Settings) {
@@ -201,7 +187,7 @@ fn statistics(ctx: &Context, settings: &settings::Settings) -> Statistics {
         bounded_draws: ctx.counts.bounded_draws,
         ranges_read: ctx.ranges.reads,
         closings: ctx.counts.closings,
-        duplicated_draws: crate::intercept::gl::offscreen::view_copies::draws(ctx),
+        duplicated_draws: crate::intercept::gl::offscreen::report::draws(ctx),
         duplicated_framebuffers,
         single_framebuffers,
         projection_found: ctx.counts.found.iter().map(|(how, n)| (how.to_owned(), n)).collect(),
@@ -222,7 +208,7 @@ fn statistics(ctx: &Context, settings: &settings::Settings) -> Statistics {
             .iter()
             .zip(target.counts())
             .enumerate()
-            .zip(crate::intercept::gl::offscreen::view_copies::counts(ctx))
+            .zip(crate::intercept::gl::offscreen::report::counts(ctx))
             .map(|((index, (view, (draws_issued, draws_culled))), off_screen)| ViewStatistics {
                 name: view.name.clone(),
                 width: view.tile.width,
@@ -248,10 +234,7 @@ fn output_pictures(ctx: &mut Context, settings: &settings::Settings) -> Vec<Pict
     };
     let names = target.session.rig().outputs.iter().map(|o| o.name.as_str());
     if settings.offscreen {
-        return names
-            .enumerate()
-            .filter_map(|(i, name)| crate::intercept::gl::frame::capture::picture(ctx, i, name))
-            .collect();
+        return names.enumerate().filter_map(|(i, name)| capture::picture(ctx, i, name)).collect();
     }
     names.zip(target.session.viewports()).map(|(name, rect)| read_back(gl, 0, name, rect)).collect()
 }
@@ -270,40 +253,4 @@ fn view_pictures(ctx: &Context) -> Vec<Picture> {
         }
     }
     pictures
-}
-
-/// Reads a rectangle of a framebuffer. Bindings and pixel storage are put back.
-pub fn read_back(gl: &Gl, framebuffer: u32, name: &str, rect: [i32; 4]) -> Picture {
-    let [x, y, width, height] = rect.map(|v| v.max(0));
-    let mut rgba = vec![0; width as usize * height as usize * 4];
-    while_reading(gl, framebuffer, || {
-        // SAFETY: reads exactly the bytes that `rgba` has room for.
-        unsafe { gl.read_pixels(x, y, width, height, api::GL_RGBA, api::GL_UNSIGNED_BYTE, rgba.as_mut_ptr().cast()) };
-    });
-    Picture { name: name.to_owned(), width: width as u32, height: height as u32, rgba }
-}
-
-/// Runs `work`, which reads a framebuffer into memory without gaps between rows. Bindings and pixel storage are put back.
-pub fn while_reading(gl: &Gl, framebuffer: u32, work: impl FnOnce()) {
-    const STORE: [u32; 4] =
-        [api::GL_PACK_ALIGNMENT, api::GL_PACK_ROW_LENGTH, api::GL_PACK_SKIP_ROWS, api::GL_PACK_SKIP_PIXELS];
-    // SAFETY: plain state and bindings; all is put back.
-    unsafe {
-        let (mut bound, mut buffer) = (0, 0);
-        let mut store = [0; 4];
-        gl.get_integerv(api::GL_READ_FRAMEBUFFER_BINDING, &mut bound);
-        gl.get_integerv(api::GL_PIXEL_PACK_BUFFER_BINDING, &mut buffer);
-        for (value, name) in store.iter_mut().zip(STORE) {
-            gl.get_integerv(name, value);
-            gl.pixel_storei(name, i32::from(name == api::GL_PACK_ALIGNMENT));
-        }
-        gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, framebuffer);
-        gl.bind_buffer(api::GL_PIXEL_PACK_BUFFER, 0);
-        work();
-        gl.bind_buffer(api::GL_PIXEL_PACK_BUFFER, buffer as u32);
-        gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, bound as u32);
-        for (value, name) in store.iter().zip(STORE) {
-            gl.pixel_storei(name, *value);
-        }
-    }
 }

@@ -5,7 +5,8 @@ use crate::backend::gl::api;
 use crate::intercept::gl::context::errors::{take_error, take_own_errors};
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
-use crate::intercept::gl::draw::issue::intersect;
+use crate::intercept::gl::context::{list_recording, own_calls};
+use crate::intercept::gl::per_view::window_space::intersect;
 use crate::intercept::log;
 
 /// Where in the atlas an operation on the program's window counts: all of it, or the parts of its own pictures that lie
@@ -26,7 +27,7 @@ fn parts(ctx: &Context) -> Vec<[i32; 4]> {
 
 /// Runs `work` with the buffer, which is made when it is first needed.
 fn with(ctx: &mut Context, work: impl FnOnce(&mut Context, &Accumulation)) {
-    crate::intercept::gl::queries::scaling::aside(ctx, |ctx| {
+    own_calls::aside(ctx, |ctx| {
         take_error(ctx);
         let gl = ctx.gl;
         let atlas = ctx.target.as_ref().map(|t| t.session.plan().views.atlas);
@@ -104,5 +105,5 @@ pub fn clear(ctx: &mut Context) {
 
 hooks! {
     "glAccum" accum(operation: u32, value: f32) = |ctx, _gl|
-        crate::intercept::gl::compat::display_lists::now_or_later(ctx, move |ctx| accumulate(ctx, operation, value));
+        list_recording::now_or_later(ctx, move |ctx| accumulate(ctx, operation, value));
 }

@@ -1,11 +1,15 @@
 //! Framebuffers: the program's 0 is ours; clears, draw and read buffers, copies into the window.
 
 use crate::backend::gl::api::{self, Gl};
-use crate::intercept::gl::compat::display_lists::Command;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
-use crate::intercept::gl::draw::issue::{intersect, own_window_space};
-use crate::intercept::gl::framebuffer::unsampled_areas::Cleared;
+use crate::intercept::gl::context::list_recording::{self, Command};
+use crate::intercept::gl::framebuffer::unsampled_areas::{self, Cleared};
+use crate::intercept::gl::framebuffer::{accumulation, default_framebuffer, read_back, replan};
+use crate::intercept::gl::offscreen::{copies, displayed, view_copies};
+use crate::intercept::gl::per_view::culling::cleared_views;
+use crate::intercept::gl::per_view::panel::clear_panel;
+use crate::intercept::gl::per_view::window_space::{intersect, own_window_space};
 
 /// Binds what the program's framebuffer `name` stands for.
 pub fn bind(ctx: &mut Context, target: u32, name: u32) {
@@ -13,7 +17,7 @@ pub fn bind(ctx: &mut Context, target: u32, name: u32) {
     let ours = ctx.target.as_ref().map_or(0, |t| t.framebuffer());
     let real = if name == 0 { ours } else { name };
     let draws = matches!(target, api::GL_FRAMEBUFFER | api::GL_DRAW_FRAMEBUFFER);
-    let was_redirected = was_redirected || (draws && crate::intercept::gl::offscreen::view_copies::rebound(ctx));
+    let was_redirected = was_redirected || (draws && view_copies::rebound(ctx));
     let reads = matches!(target, api::GL_FRAMEBUFFER | api::GL_READ_FRAMEBUFFER);
     // SAFETY: the program's own call, with our framebuffer in place of its window's.
     unsafe {
@@ -38,7 +42,7 @@ fn refuses_attachments(ctx: &mut Context, target: u32) -> bool {
     let reads = target == api::GL_READ_FRAMEBUFFER;
     let window = if reads { ctx.reads_redirected() } else { ctx.redirected() };
     let changed = if reads { ctx.believed.read_framebuffer } else { ctx.believed.draw_framebuffer };
-    crate::intercept::gl::offscreen::view_copies::forget(ctx, changed);
+    view_copies::forget(ctx, changed);
     if window && ctx.pending_error == api::GL_NO_ERROR {
         ctx.pending_error = api::GL_INVALID_OPERATION;
     }
@@ -52,13 +56,13 @@ pub fn clear_with(ctx: &mut Context, cleared: Cleared, issue: impl Fn(&Gl)) -> b
         target.content.forget();
     }
     if !ctx.redirected() || ctx.picking {
-        if !crate::intercept::gl::offscreen::view_copies::clear_with(ctx, &issue) {
+        if !view_copies::clear_with(ctx, &issue) {
             issue(gl);
         }
         return false;
     }
     ctx.frame_begun = true;
-    crate::intercept::gl::offscreen::displayed::window_changed(ctx);
+    displayed::window_changed(ctx);
     let Some(target) = &ctx.target else { return false };
     let (width, height) = target.size();
     let window = [0, 0, width as i32, height as i32];
@@ -70,7 +74,7 @@ pub fn clear_with(ctx: &mut Context, cleared: Cleared, issue: impl Fn(&Gl)) -> b
         ctx.set_scissor(None);
         issue(gl);
         if let Some(depth) = cleared.depth {
-            crate::intercept::gl::framebuffer::unsampled_areas::close(ctx, depth);
+            unsampled_areas::close(ctx, depth);
         }
         if cleared.color {
             clear_panel(ctx);
@@ -85,7 +89,7 @@ pub fn clear_with(ctx: &mut Context, cleared: Cleared, issue: impl Fn(&Gl)) -> b
         }
     }
     if !whole {
-        crate::intercept::gl::framebuffer::default_framebuffer::want_panel(ctx);
+        default_framebuffer::want_panel(ctx);
     }
     let Some(target) = &ctx.target else { return false };
     for (tile, panel) in target.flat_tiles().into_iter().flatten() {
@@ -114,7 +118,7 @@ unsafe fn clear_by<T: Copy + Default + Send + Sync + 'static>(
     let count = if buffer == api::GL_COLOR { 4 } else { 1 };
     // SAFETY: as promised.
     let value: [T; 4] = std::array::from_fn(|i| if i < count { unsafe { *value.add(i) } } else { T::default() });
-    crate::intercept::gl::compat::display_lists::now_or_later(ctx, move |ctx| {
+    list_recording::now_or_later(ctx, move |ctx| {
         clear_with(ctx, cleared, |gl| issue(gl, value.as_ptr()));
     });
 }
@@ -131,26 +135,17 @@ fn clear_views(ctx: &mut Context, gl: &Gl, issue: impl Fn(&Gl)) {
     }
 }
 
-/// The panel is a pane of glass: what is cleared away is seen through.
-pub fn clear_panel(ctx: &mut Context) {
-    if let Some(panel) = ctx.target.as_ref().and_then(|t| t.panel()) {
-        // The gutter goes with it, or the filter would mix the clear colour into its borders.
-        ctx.set_scissor(Some([panel[0] - 1, panel[1] - 1, panel[2] + 2, panel[3] + 2]));
-        crate::intercept::gl::framebuffer::default_framebuffer::clear_transparent(ctx.gl, &ctx.known_state);
-    }
-}
-
 /// `glClear`.
 pub fn clear_window(ctx: &mut Context, mask: u32) {
     if mask & api::GL_ACCUM_BUFFER_BIT != 0 {
-        crate::intercept::gl::framebuffer::accumulation::clear(ctx);
+        accumulation::clear(ctx);
     }
     let cleared = Cleared::by_mask(ctx, mask);
     let color = cleared.color;
-    crate::intercept::gl::frame::draw_count::look(ctx, cleared, mask & api::GL_STENCIL_BUFFER_BIT != 0);
+    replan::look(ctx, cleared, mask & api::GL_STENCIL_BUFFER_BIT != 0);
     // SAFETY: the program's own call.
     if clear_with(ctx, cleared, |gl| unsafe { gl.clear(mask) }) && color {
-        crate::intercept::gl::draw::culling::cleared_views::note_clear(ctx);
+        cleared_views::note_clear(ctx);
     }
 }
 
@@ -189,7 +184,7 @@ pub fn select_draw_buffer(ctx: &mut Context, buffer: u32) {
                 ctx.believed.draw_buffer = buffer;
             }
         } else {
-            crate::intercept::gl::offscreen::view_copies::forget(ctx, ctx.believed.draw_framebuffer);
+            view_copies::forget(ctx, ctx.believed.draw_framebuffer);
             gl.draw_buffer(buffer);
         }
     }
@@ -218,7 +213,7 @@ pub fn select_read_buffer(ctx: &mut Context, buffer: u32) {
 pub unsafe fn select_draw_buffers(ctx: &mut Context, count: i32, buffers: *const u32) {
     let gl = ctx.gl;
     if !ctx.redirected() || buffers.is_null() || !(1..=16).contains(&count) {
-        crate::intercept::gl::offscreen::view_copies::forget(ctx, ctx.believed.draw_framebuffer);
+        view_copies::forget(ctx, ctx.believed.draw_framebuffer);
         // SAFETY: the program's own call.
         unsafe { gl.draw_buffers(count, buffers) };
         return;
@@ -240,7 +235,7 @@ pub unsafe fn select_draw_buffers(ctx: &mut Context, count: i32, buffers: *const
 #[allow(clippy::too_many_arguments)] // glBlitFramebuffer's own.
 pub fn blit(ctx: &mut Context, mut source: [i32; 4], destination: [i32; 4], mask: u32, filter: u32) {
     let gl = ctx.gl;
-    if crate::intercept::gl::offscreen::copies::blit(ctx, source, destination, mask, filter) {
+    if copies::blit(ctx, source, destination, mask, filter) {
         if ctx.redirected() {
             ctx.frame_begun = true;
             ctx.background.note_scene();
@@ -252,7 +247,7 @@ pub fn blit(ctx: &mut Context, mut source: [i32; 4], destination: [i32; 4], mask
         return;
     }
     if ctx.reads_redirected() {
-        let origin = crate::intercept::gl::framebuffer::read_back::prepare(ctx);
+        let origin = read_back::prepare(ctx);
         source = [source[0] + origin[0], source[1] + origin[1], source[2] + origin[0], source[3] + origin[1]];
     }
     let issue = |d: [i32; 4]| {
@@ -262,23 +257,25 @@ pub fn blit(ctx: &mut Context, mut source: [i32; 4], destination: [i32; 4], mask
         };
     };
     if !ctx.redirected() {
-        crate::intercept::gl::offscreen::view_copies::leave(ctx);
+        view_copies::leave(ctx);
         issue(destination);
-        crate::intercept::gl::framebuffer::read_back::finish(ctx);
+        read_back::finish(ctx);
         return;
     }
     ctx.frame_begun = true;
-    crate::intercept::gl::framebuffer::default_framebuffer::want_panel(ctx);
+    default_framebuffer::want_panel(ctx);
     let Some(target) = &ctx.target else { return };
     for (tile, _) in target.flat_tiles().into_iter().flatten() {
         own_window_space(ctx, tile);
         let [x0, y0, x1, y1] = destination;
         issue([x0 + tile[0], y0 + tile[1], x1 + tile[0], y1 + tile[1]]);
     }
-    crate::intercept::gl::framebuffer::read_back::finish(ctx);
+    read_back::finish(ctx);
 }
 
 hooks! {
+    "glGetFramebufferAttachmentParameteriv" get_framebuffer_attachment_parameteriv(target: u32, attachment: u32, name: u32, values: *mut i32) = |ctx, _gl|
+        attachment_parameter(ctx, target, attachment, name, values);
     "glBindFramebuffer" bind_framebuffer(target: u32, name: u32) = |ctx, _gl| bind(ctx, target, name);
     // A window's buffers cannot be replaced; without us the driver would say so.
     "glFramebufferTexture" framebuffer_texture(target: u32, attachment: u32, texture: u32, level: i32) = |ctx, gl| {
@@ -298,7 +295,7 @@ hooks! {
             std::slice::from_raw_parts(names, usize::try_from(count).unwrap_or(0)).to_vec()
         };
         for name in &deleted {
-            crate::intercept::gl::offscreen::view_copies::delete(ctx, *name);
+            view_copies::delete(ctx, *name);
         }
         gl.delete_framebuffers(count, names);
         // Deleting the bound framebuffer binds the window's, which is ours.
@@ -313,7 +310,7 @@ hooks! {
         if ctx.target.as_ref().is_some_and(|t| t.is_ours(name)) { 0 } else { gl.is_framebuffer(name) }
     };
     "glClear" clear(mask: u32) = |ctx, _gl| {
-        if ctx.compiling() { crate::intercept::gl::compat::display_lists::record(ctx, Command::Clear(mask)) } else { clear_window(ctx, mask) }
+        if ctx.compiling() { list_recording::record(ctx, Command::Clear(mask)) } else { clear_window(ctx, mask) }
     };
     "glClearBufferfv" clear_bufferfv(buffer: u32, index: i32, value: *const f32) = |ctx, _gl|
         clear_by(ctx, Cleared::by_floats(buffer, index, value), buffer, value, move |gl, value| gl.clear_bufferfv(buffer, index, value));
@@ -322,16 +319,16 @@ hooks! {
     "glClearBufferuiv" clear_bufferuiv(buffer: u32, index: i32, value: *const u32) = |ctx, _gl|
         clear_by(ctx, Cleared::by_integers(buffer, index, value), buffer, value, move |gl, value| gl.clear_bufferuiv(buffer, index, value));
     "glClearBufferfi" clear_bufferfi(buffer: u32, index: i32, depth: f32, stencil: i32) = |ctx, _gl|
-        crate::intercept::gl::compat::display_lists::now_or_later(ctx, move |ctx| {
+        list_recording::now_or_later(ctx, move |ctx| {
             let cleared = Cleared::by_pair(buffer, index, depth, stencil);
             // SAFETY: the program's own call.
             clear_with(ctx, cleared, |gl| unsafe { gl.clear_bufferfi(buffer, index, depth, stencil) });
         });
     "glDrawBuffer" draw_buffer(buffer: u32) = |ctx, _gl| {
-        if ctx.compiling() { crate::intercept::gl::compat::display_lists::record(ctx, Command::DrawBuffer(buffer)) } else { select_draw_buffer(ctx, buffer) }
+        if ctx.compiling() { list_recording::record(ctx, Command::DrawBuffer(buffer)) } else { select_draw_buffer(ctx, buffer) }
     };
     "glReadBuffer" read_buffer(buffer: u32) = |ctx, _gl| {
-        if ctx.compiling() { crate::intercept::gl::compat::display_lists::record(ctx, Command::ReadBuffer(buffer)) } else { select_read_buffer(ctx, buffer) }
+        if ctx.compiling() { list_recording::record(ctx, Command::ReadBuffer(buffer)) } else { select_read_buffer(ctx, buffer) }
     };
     "glDrawBuffers" draw_buffers(count: i32, buffers: *const u32) = |ctx, _gl| {
         if buffers.is_null() || !(1..=16).contains(&count) {
@@ -340,11 +337,11 @@ hooks! {
             let mut names = [api::GL_NONE; 16];
             names[..count as usize].copy_from_slice(std::slice::from_raw_parts(buffers, count as usize));
             // SAFETY: as many names as it says.
-            crate::intercept::gl::compat::display_lists::now_or_later(ctx, move |ctx| unsafe { select_draw_buffers(ctx, count, names.as_ptr()) });
+            list_recording::now_or_later(ctx, move |ctx| unsafe { select_draw_buffers(ctx, count, names.as_ptr()) });
         }
     };
     "glBlitFramebuffer" blit_framebuffer(x0: i32, y0: i32, x1: i32, y1: i32, u0: i32, v0: i32, u1: i32, v1: i32, mask: u32, filter: u32) =
-        |ctx, _gl| crate::intercept::gl::compat::display_lists::now_or_later(ctx, move |ctx| blit(ctx, [x0, y0, x1, y1], [u0, v0, u1, v1], mask, filter));
+        |ctx, _gl| list_recording::now_or_later(ctx, move |ctx| blit(ctx, [x0, y0, x1, y1], [u0, v0, u1, v1], mask, filter));
     "glInvalidateFramebuffer" invalidate_framebuffer(target: u32, count: i32, attachments: *const u32) = |ctx, gl| {
         // A hint; for the window it would have to be translated for nothing.
         if !ctx.redirected() { gl.invalidate_framebuffer(target, count, attachments) }
@@ -355,4 +352,27 @@ hooks! {
     "glInvalidateSubFramebuffer" invalidate_sub_framebuffer(target: u32, count: i32, attachments: *const u32, x: i32, y: i32, w: i32, h: i32) = |ctx, gl| {
         if !ctx.redirected() { gl.invalidate_sub_framebuffer(target, count, attachments, x, y, w, h) }
     };
+}
+
+/// `glGetFramebufferAttachmentParameteriv`: the window's buffers are our attachments.
+///
+/// # Safety
+/// `values` must be null or a place for one number, as the program promises OpenGL.
+pub unsafe fn attachment_parameter(ctx: &mut Context, target: u32, attachment: u32, name: u32, values: *mut i32) {
+    let window = if target == api::GL_READ_FRAMEBUFFER { ctx.reads_redirected() } else { ctx.redirected() };
+    // SAFETY: the program's own call, with a place for one number.
+    unsafe {
+        if window && name == api::GL_FRAMEBUFFER_ATTACHMENT_OBJECT_TYPE && !values.is_null() {
+            *values = api::GL_FRAMEBUFFER_DEFAULT as i32;
+        } else {
+            let attachment = match attachment {
+                _ if !window => attachment,
+                api::GL_DEPTH => api::GL_DEPTH_ATTACHMENT,
+                api::GL_STENCIL => api::GL_STENCIL_ATTACHMENT,
+                _ => api::GL_COLOR_ATTACHMENT0,
+            };
+            view_copies::leave(ctx);
+            ctx.gl.get_framebuffer_attachment_parameteriv(target, attachment, name, values);
+        }
+    }
 }

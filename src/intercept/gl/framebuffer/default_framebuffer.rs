@@ -2,41 +2,23 @@
 
 use crate::backend::gl::api::{self, Gl};
 use crate::backend::gl::surface::{Surface, greatest_texture};
-use crate::backend::gl::{Blank, GlBackend, KnownState, Target};
-use crate::correct::Texels;
+use crate::backend::gl::{GlBackend, KnownState, Target};
 use crate::error::{Error, ErrorKind, Result};
 use crate::intercept::gl::context::errors::{take_error, take_own_errors};
 use crate::intercept::gl::context::gl_context::Context;
-use crate::intercept::gl::context::window::Window;
-use crate::intercept::gl::draw::culling::cleared_views::Content;
-use crate::intercept::gl::framebuffer::config::Config;
+use crate::intercept::gl::context::{methods, own_calls};
+use crate::intercept::gl::framebuffer::{default_framebuffer, first_read, unsampled_areas};
+use crate::intercept::gl::offscreen::view_copies;
+use crate::intercept::gl::per_view::panel::clear_transparent;
+use crate::intercept::gl::state::cleared_views::Content;
+use crate::intercept::gl::state::default_framebuffer::DefaultFramebuffer;
+use crate::intercept::gl::state::window::{Look, Window};
+use crate::intercept::gl::state::window_config::Config;
+use crate::intercept::gl::state::window_space::Actual;
 use crate::intercept::{live, log, settings};
 use crate::runtime::cache;
 use crate::runtime::session::{Extras, Session};
 use std::sync::Arc;
-
-/// The atlas and what corrects it.
-pub struct DefaultFramebuffer {
-    /// Rig and plan for the window's size.
-    pub session: Arc<Session>,
-    /// Which state of the rig's file it follows.
-    version: u64,
-    config: Config,
-    surface: Surface,
-    /// The surface's picture with one sample per pixel, where it has several.
-    resolved: Option<Surface>,
-    backend: GlBackend,
-    /// For each view the lens to which vertices are projected; empty where all views are perspective ones.
-    pub lenses: Vec<[f32; 16]>,
-    /// What the views hold.
-    pub content: Content,
-    issued: Vec<u64>,
-    culled: Vec<u64>,
-    /// Texels of each view that are closed for drawing; empty where none are.
-    closed: Vec<u64>,
-    /// Where each output is in the window.
-    outputs: Vec<Target>,
-}
 
 /// Puts our framebuffer in place of the window's. Where that fails the program keeps its own.
 pub fn attach(ctx: &mut Context, extras: Extras) {
@@ -45,7 +27,7 @@ pub fn attach(ctx: &mut Context, extras: Extras) {
     if settings.rig.passthrough {
         return;
     }
-    crate::intercept::gl::context::debug_output::quietly(ctx, |ctx| attach_now(ctx, &window, settings, extras));
+    own_calls::quietly(ctx, |ctx| attach_now(ctx, &window, settings, extras));
 }
 
 fn attach_now(ctx: &mut Context, window: &Window, settings: &settings::Settings, extras: Extras) {
@@ -76,14 +58,14 @@ pub fn follow_rig(ctx: &mut Context) {
     if ctx.target.as_ref().is_none_or(|target| target.version == version) {
         return;
     }
-    crate::intercept::gl::context::debug_output::quietly(ctx, |ctx| {
+    own_calls::quietly(ctx, |ctx| {
         let (Some(settings), Some(window)) = (settings::settings(), ctx.window.clone()) else { return };
         let Some(mut old) = ctx.target.take() else { return };
         take_error(ctx);
         let extras = ctx.workload.extras(old.extras());
         match DefaultFramebuffer::new(ctx, &window, settings, extras) {
             Ok(new) => {
-                crate::intercept::gl::offscreen::view_copies::clear(ctx);
+                view_copies::clear(ctx);
                 old.destroy(ctx.gl);
                 put(ctx, new);
             }
@@ -129,8 +111,8 @@ pub fn take_over(ctx: &mut Context, mut target: Box<DefaultFramebuffer>) {
 
 /// Makes the rest of the context fit a new target.
 fn adopt(ctx: &mut Context) {
-    crate::intercept::gl::offscreen::view_copies::leave(ctx);
-    ctx.actual = crate::intercept::gl::context::gl_context::Actual::default();
+    view_copies::leave(ctx);
+    ctx.actual = Actual::default();
     ctx.projection.clear();
     ctx.counting.forget_views();
     ctx.cameras.clear();
@@ -169,7 +151,7 @@ pub fn plan_for(ctx: &mut Context, draws: u32) {
     let same = |new: &Session| new.views() == old.session.views();
     match old.session.with(extras) {
         Ok(new) if !same(&new) => {
-            crate::intercept::gl::offscreen::view_copies::clear(ctx);
+            view_copies::clear(ctx);
             old.destroy(ctx.gl);
             attach(ctx, extras);
         }
@@ -183,7 +165,7 @@ pub fn plan_for(ctx: &mut Context, draws: u32) {
 
 /// Plans anew with more tiles; what is drawn already moves to its new place.
 fn enlarge(ctx: &mut Context, add: impl FnOnce(&mut Extras)) {
-    crate::intercept::gl::queries::scaling::aside(ctx, |ctx| enlarge_now(ctx, add));
+    own_calls::aside(ctx, |ctx| enlarge_now(ctx, add));
 }
 
 fn enlarge_now(ctx: &mut Context, add: impl FnOnce(&mut Extras)) {
@@ -260,10 +242,10 @@ pub fn bind_for_reading(ctx: &mut Context) -> [i32; 2] {
     };
     if ctx.target.as_ref().is_some_and(|t| own_picture(t).is_none()) {
         enlarge(ctx, |extras| extras.primary = true);
-        crate::intercept::gl::queries::scaling::aside(ctx, crate::intercept::gl::frame::capture::fill_primary);
+        own_calls::aside(ctx, first_read::fill_primary);
     }
     let Some(tile) = ctx.target.as_ref().and_then(|t| own_picture(t)) else { return [0, 0] };
-    crate::intercept::gl::queries::scaling::aside(ctx, |ctx| {
+    own_calls::aside(ctx, |ctx| {
         if let Some(target) = &ctx.target {
             target.resolve(ctx, Some(tile));
         }
@@ -309,17 +291,6 @@ pub fn end_reading(ctx: &mut Context) {
     }
 }
 
-/// Clears the bound framebuffer's colour within the scissor to transparent black.
-pub fn clear_transparent(gl: &Gl, known: &KnownState) {
-    let mask = known.mask(gl);
-    // SAFETY: the colour mask is put back.
-    unsafe {
-        gl.color_mask(1, 1, 1, 1);
-        gl.clear_bufferfv(api::GL_COLOR, 0, [0.0f32; 4].as_ptr());
-        gl.color_mask(mask[0], mask[1], mask[2], mask[3]);
-    }
-}
-
 /// # Safety
 /// Our framebuffer must be bound for drawing, with the scissor test off.
 unsafe fn clear_everything(gl: &Gl) {
@@ -342,7 +313,7 @@ impl DefaultFramebuffer {
     fn new(ctx: &Context, window: &Window, settings: &settings::Settings, extras: Extras) -> Result<Self> {
         let gl = ctx.gl;
         let live = live::rig().ok_or_else(|| Error::new(ErrorKind::InvalidState, "there is no rig"))?;
-        let plan = crate::intercept::gl::projected_vertices::lens::planner(ctx, &live.rig);
+        let plan = methods::planner(ctx, &live.rig);
         let session = plan(&live.rig, window.size(), settings.offscreen, greatest_texture(gl), extras)?;
         let config = Config::of_window(gl, &ctx.profile, window);
         Self::with_session(ctx, session, config, live.version)
@@ -356,7 +327,7 @@ impl DefaultFramebuffer {
         let mut backend = GlBackend::new(gl, ctx.profile.es)?.with_cache(gl, cache::of_process());
         let panel = session.panel().is_some();
         backend.prepare(gl, session.plan(), panel)?;
-        let closed = crate::intercept::gl::framebuffer::unsampled_areas::prepare(gl, &mut backend, session.plan());
+        let closed = unsampled_areas::prepare(gl, &mut backend, session.plan());
         let (issued, culled) = (vec![0; session.views().len()], vec![0; session.views().len()]);
         let outputs: Vec<_> = session.viewports().map(|viewport| Target { framebuffer: 0, viewport }).collect();
         backend.own_framebuffer(&outputs, session.window());
@@ -384,112 +355,6 @@ impl DefaultFramebuffer {
         new.issued.clone_from(&self.issued);
         new.culled.clone_from(&self.culled);
         Ok(new)
-    }
-
-    /// The tiles that the program has been seen to need.
-    pub fn extras(&self) -> Extras {
-        self.session.extras()
-    }
-
-    /// Size of the window that it stands for.
-    pub fn size(&self) -> (u32, u32) {
-        self.session.window()
-    }
-
-    /// The window's own configuration.
-    pub fn config(&self) -> &Config {
-        &self.config
-    }
-
-    /// What the program's framebuffer 0 really is.
-    pub fn framebuffer(&self) -> u32 {
-        self.surface.framebuffer()
-    }
-
-    /// Whether `name` is a framebuffer of ours.
-    pub fn is_ours(&self, name: u32) -> bool {
-        name == self.surface.framebuffer() || self.resolved.as_ref().is_some_and(|r| r.framebuffer() == name)
-    }
-
-    /// The tile of the flat panel.
-    pub fn panel(&self) -> Option<[i32; 4]> {
-        self.session.panel()
-    }
-
-    /// The tile of the program's own picture.
-    pub fn primary(&self) -> Option<[i32; 4]> {
-        self.session.primary()
-    }
-
-    /// Where flat drawing goes, and whether each is the panel (whose alpha counts).
-    pub fn flat_tiles(&self) -> [Option<([i32; 4], bool)>; 3] {
-        let own = (0..self.session.views().len()).map(|i| self.session.tile(i)).find(|(_, own_lens)| *own_lens);
-        [own.map(|(tile, _)| (tile, false)), self.panel().map(|t| (t, true)), self.primary().map(|t| (t, false))]
-    }
-
-    /// A draw went to a view.
-    pub fn issued(&mut self, view: usize) {
-        self.content.draw(view);
-        if let Some(count) = self.issued.get_mut(view) {
-            *count += 1;
-        }
-    }
-
-    /// A draw went to a view, into these texels.
-    pub fn issued_within(&mut self, view: usize, texels: Texels) {
-        self.content.draw_within(view, texels);
-        if let Some(count) = self.issued.get_mut(view) {
-            *count += 1;
-        }
-    }
-
-    /// A draw was left out of a view that cannot show it.
-    pub fn culled(&mut self, view: usize) {
-        if let Some(count) = self.culled.get_mut(view) {
-            *count += 1;
-        }
-    }
-
-    /// Draws issued to each view so far, and draws left out.
-    pub fn counts(&self) -> impl Iterator<Item = (u64, u64)> + '_ {
-        self.issued.iter().copied().zip(self.culled.iter().copied())
-    }
-
-    /// Texels of each view that are closed for drawing, because no output samples them; empty where none are.
-    pub fn closed(&self) -> &[u64] {
-        &self.closed
-    }
-
-    /// Where the correction of each output goes.
-    pub fn outputs(&self) -> &[Target] {
-        &self.outputs
-    }
-
-    /// The views that need not be corrected.
-    pub fn blank(&self) -> Option<Blank<'_>> {
-        // A view with the program's own lens gets flat drawing, too.
-        let followed =
-            settings::settings().is_some_and(|s| s.cull) && !self.session.views().iter().any(|v| v.program_lens);
-        self.content.blank().filter(|_| followed)
-    }
-
-    /// The correction.
-    pub fn backend(&self) -> &GlBackend {
-        &self.backend
-    }
-
-    /// The texture with the atlas, one sample per pixel.
-    pub fn texture(&self) -> u32 {
-        self.readable().texture()
-    }
-
-    fn readable(&self) -> &Surface {
-        self.resolved.as_ref().unwrap_or(&self.surface)
-    }
-
-    /// The framebuffer that can be read from, once [`DefaultFramebuffer::resolve`] has run.
-    pub fn readable_framebuffer(&self) -> u32 {
-        self.readable().framebuffer()
     }
 
     /// Resolves the samples of `part`, or of everything. The program's bindings are put back.
@@ -520,46 +385,21 @@ impl DefaultFramebuffer {
             }
         }
     }
-
-    /// The objects that contexts do not share.
-    pub fn own_objects(&self) -> OwnObjects {
-        let resolved = self.resolved.as_ref().map_or(0, Surface::framebuffer);
-        OwnObjects { framebuffers: [self.surface.framebuffer(), resolved], vertex_array: self.backend.vertex_array() }
-    }
-
-    /// Makes those anew, in the current context, around the shared ones.
-    fn rehome(&mut self, gl: &Gl) -> Result<()> {
-        self.surface.rehome(gl)?;
-        if let Some(resolved) = &mut self.resolved {
-            resolved.rehome(gl)?;
-        }
-        self.backend.rehome(gl);
-        Ok(())
-    }
-
-    /// Deletes everything in the context, which must be current.
-    pub fn destroy(mut self, gl: &Gl) {
-        self.backend.destroy(gl);
-        self.surface.destroy(gl);
-        if let Some(resolved) = self.resolved.take() {
-            resolved.destroy(gl);
-        }
-    }
 }
 
-/// Names of a picture's objects in the context that drew it before.
-pub struct OwnObjects {
-    framebuffers: [u32; 2],
-    vertex_array: u32,
-}
-
-impl OwnObjects {
-    /// Deletes them in their context, which must be current.
-    pub fn destroy(&self, gl: &Gl) {
-        // SAFETY: objects of ours; the name 0 is ignored.
-        unsafe {
-            gl.delete_framebuffers(2, self.framebuffers.as_ptr());
-            gl.delete_vertex_arrays(1, &self.vertex_array);
+/// Looks at the window, and plans anew where it has another size than the plan. Only between frames.
+pub fn follow_size(ctx: &mut Context) {
+    let Some(window) = ctx.window.clone() else { return };
+    let Look { size, hidden } = window.look();
+    ctx.hidden = hidden;
+    if ctx.target.as_ref().is_some_and(|t| t.size() != size) {
+        let mut extras = Extras::default();
+        if let Some(old) = ctx.target.take() {
+            extras = old.extras();
+            view_copies::clear(ctx);
+            old.destroy(ctx.gl);
         }
+        ctx.viewport_area = [0; 2];
+        default_framebuffer::attach(ctx, extras);
     }
 }

@@ -9,6 +9,7 @@ use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::framebuffer::bindings;
 use crate::intercept::gl::framebuffer::unsampled_areas::Cleared;
+use crate::intercept::gl::offscreen::view_copies;
 
 /// Runs `run` with the program's framebuffers bound for drawing and reading; `None` = as it is.
 fn bound<R>(ctx: &mut Context, draw: Option<u32>, read: Option<u32>, run: impl FnOnce(&mut Context) -> R) -> R {
@@ -48,7 +49,7 @@ macro_rules! clears {
                 if is_window(ctx, framebuffer) {
                     bound(ctx, Some(0), None, |ctx| bindings::select_draw_buffer(ctx, buffer));
                 } else {
-                    crate::intercept::gl::offscreen::view_copies::forget(ctx, framebuffer);
+                    view_copies::forget(ctx, framebuffer);
                     gl.named_framebuffer_draw_buffer(framebuffer, buffer);
                 }
             };
@@ -56,7 +57,7 @@ macro_rules! clears {
                 if is_window(ctx, framebuffer) {
                     bound(ctx, Some(0), None, |ctx| bindings::select_draw_buffers(ctx, count, buffers));
                 } else {
-                    crate::intercept::gl::offscreen::view_copies::forget(ctx, framebuffer);
+                    view_copies::forget(ctx, framebuffer);
                     gl.named_framebuffer_draw_buffers(framebuffer, count, buffers);
                 }
             };
@@ -75,15 +76,15 @@ macro_rules! clears {
                 }
             };
             "glNamedFramebufferTexture" named_framebuffer_texture(framebuffer: u32, attachment: u32, texture: u32, level: i32) = |ctx, gl| {
-                crate::intercept::gl::offscreen::view_copies::forget(ctx, framebuffer);
+                view_copies::forget(ctx, framebuffer);
                 gl.named_framebuffer_texture(framebuffer, attachment, texture, level);
             };
             "glNamedFramebufferTextureLayer" named_framebuffer_texture_layer(framebuffer: u32, attachment: u32, texture: u32, level: i32, layer: i32) = |ctx, gl| {
-                crate::intercept::gl::offscreen::view_copies::forget(ctx, framebuffer);
+                view_copies::forget(ctx, framebuffer);
                 gl.named_framebuffer_texture_layer(framebuffer, attachment, texture, level, layer);
             };
             "glNamedFramebufferRenderbuffer" named_framebuffer_renderbuffer(framebuffer: u32, attachment: u32, kind: u32, renderbuffer: u32) = |ctx, gl| {
-                crate::intercept::gl::offscreen::view_copies::forget(ctx, framebuffer);
+                view_copies::forget(ctx, framebuffer);
                 gl.named_framebuffer_renderbuffer(framebuffer, attachment, kind, renderbuffer);
             };
             "glCheckNamedFramebufferStatus" check_named_framebuffer_status(framebuffer: u32, target: u32) -> u32 = |ctx, gl| {
@@ -92,7 +93,7 @@ macro_rules! clears {
             };
             "glGetNamedFramebufferAttachmentParameteriv" get_named_framebuffer_attachment_parameteriv(framebuffer: u32, attachment: u32, name: u32, values: *mut i32) = |ctx, gl| {
                 if is_window(ctx, framebuffer) {
-                    bound(ctx, Some(0), None, |ctx| crate::intercept::gl::context::getters::attachment_parameter(ctx, api::GL_DRAW_FRAMEBUFFER, attachment, name, values));
+                    bound(ctx, Some(0), None, |ctx| bindings::attachment_parameter(ctx, api::GL_DRAW_FRAMEBUFFER, attachment, name, values));
                 } else {
                     gl.get_named_framebuffer_attachment_parameteriv(framebuffer, attachment, name, values);
                 }

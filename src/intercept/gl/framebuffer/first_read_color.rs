@@ -2,8 +2,8 @@
 //! outputs: each pixel takes that of the texel that shows its direction, with the flat panel over it.
 
 use crate::intercept::gl::context::gl_context::Context;
-use crate::intercept::gl::framebuffer::default_framebuffer::DefaultFramebuffer;
 use crate::intercept::gl::framebuffer::first_read_depth::{self, Content, find};
+use crate::intercept::gl::state::default_framebuffer::DefaultFramebuffer;
 use glam::{DMat3, DVec3};
 
 /// Fills the primary tile. `directions`: a pixel (−1…1 to the right and up, 1) → its direction in the viewer's axes. The

@@ -4,7 +4,8 @@
 use crate::backend::gl::api::{self, Gl};
 use crate::correct;
 use crate::intercept::gl::context::gl_context::Context;
-use crate::intercept::gl::framebuffer::default_framebuffer::DefaultFramebuffer;
+use crate::intercept::gl::context::read_pixels;
+use crate::intercept::gl::state::default_framebuffer::DefaultFramebuffer;
 use crate::runtime::cache;
 use crate::runtime::session::ClipRows;
 use crate::views::{Tile, View};
@@ -12,6 +13,7 @@ use glam::{DMat3, DVec3};
 
 /// Greatest depth of the format.
 const DEEPEST: u32 = (1 << 24) - 1;
+
 /// The texel of an empty window.
 const EMPTY: u32 = DEEPEST << 8;
 
@@ -141,7 +143,7 @@ impl Depths {
 pub fn read(gl: &Gl, framebuffer: u32, size: (u32, u32), content: Content) -> Vec<u32> {
     let mut texels = vec![EMPTY; size.0 as usize * size.1 as usize];
     let ([format, kind, _], _) = content.names();
-    crate::intercept::gl::frame::present::while_reading(gl, framebuffer, || {
+    read_pixels::while_reading(gl, framebuffer, || {
         // SAFETY: the array has room for just these texels of four bytes.
         unsafe { gl.read_pixels(0, 0, size.0 as i32, size.1 as i32, format, kind, texels.as_mut_ptr().cast()) };
     });

@@ -58,6 +58,7 @@ impl Cleared {
 
 /// The least part of all views' texels that has to be hidden for closing to pay.
 const LEAST_PART: f64 = 0.04;
+
 /// As many texels at least: closing costs as much as shading some ten thousand simple ones.
 const LEAST_TEXELS: u64 = 1 << 17;
 

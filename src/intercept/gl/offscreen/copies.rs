@@ -3,9 +3,13 @@
 use crate::backend::gl::api;
 use crate::intercept::gl::context::errors::{drop_errors, take_error};
 use crate::intercept::gl::context::gl_context::Context;
-use crate::intercept::gl::offscreen::images::{Bindings, Image, Name};
-use crate::intercept::gl::offscreen::single_sample::Canvas;
-use crate::intercept::gl::offscreen::view_copies::{cells, look, make_framebuffer, own_cell, possible, supply, views};
+use crate::intercept::gl::offscreen::displayed;
+use crate::intercept::gl::offscreen::view_copies::{
+    self, cells, look, make_framebuffer, own_cell, possible, supply, views,
+};
+use crate::intercept::gl::state::offscreen::framebuffers;
+use crate::intercept::gl::state::offscreen::images::{Bindings, Image, Name};
+use crate::intercept::gl::state::offscreen::single_sample::Canvas;
 
 /// A rectangle by two corners, as `glBlitFramebuffer` has it.
 pub type Corners = [i32; 4];
@@ -119,9 +123,9 @@ fn note_copy(ctx: &mut Context, name: Name, sources: &[Option<Name>], from_windo
 }
 
 /// The colour images of the read framebuffer.
-fn colours_of_read(ctx: &Context) -> [Option<Name>; crate::intercept::gl::offscreen::framebuffers::COLOURS] {
+fn colours_of_read(ctx: &Context) -> [Option<Name>; framebuffers::COLOURS] {
     let index = ctx.duplicates.position(ctx.believed.read_framebuffer);
-    let mut colours = [None; crate::intercept::gl::offscreen::framebuffers::COLOURS];
+    let mut colours = [None; framebuffers::COLOURS];
     if let Some(index) = index.filter(|_| ctx.believed.read_framebuffer != 0) {
         for (colour, name) in colours.iter_mut().zip(ctx.duplicates.framebuffers[index].colours()) {
             *colour = Some(name);
@@ -193,7 +197,7 @@ fn copy_views(ctx: &mut Context, from: (Side, Corners), to: (Side, Corners), mas
         }
     }
     if to.0 == Side::Window {
-        crate::intercept::gl::offscreen::displayed::window_changed(ctx);
+        displayed::window_changed(ctx);
     }
     match to.0 {
         Side::Twin(index) => ctx.duplicates.changed(index),
@@ -234,7 +238,7 @@ fn copy_views(ctx: &mut Context, from: (Side, Corners), to: (Side, Corners), mas
         bindings.restore(gl);
     }
     if to.0 != Side::Window {
-        crate::intercept::gl::offscreen::view_copies::leave(ctx);
+        view_copies::leave(ctx);
         ctx.restore_window_space();
     }
 }
@@ -358,9 +362,7 @@ pub fn noted_into_texture(ctx: &mut Context, texture: u32, level: i32, source: [
     note_copy(ctx, name, &sources, from_window);
     if cells(ctx) > views(ctx) {
         let own = own_cell(ctx);
-        crate::intercept::gl::offscreen::view_copies::without_scissor(ctx, |ctx| {
-            ctx.duplicates.images[index].store(ctx.gl, ctx.id, own)
-        });
+        view_copies::without_scissor(ctx, |ctx| ctx.duplicates.images[index].store(ctx.gl, ctx.id, own));
     }
 }
 

@@ -1,79 +1,13 @@
 //! Whether a flat draw that samples an image fills the window, as one that shows a scene does, or a part of it, as
 //! a map in a corner does. Counted by an occlusion query, once for each kind of draw.
 
-use crate::backend::gl::api::{self, Gl};
+use crate::backend::gl::api;
 use crate::intercept::gl::context::gl_context::Context;
-use crate::intercept::gl::offscreen::sampling::Set;
+use crate::intercept::gl::state::offscreen::coverage::{Kind, Measure, Signature, State};
+use crate::intercept::gl::state::offscreen::images::Set;
 
 /// Of more kinds of draws the oldest are forgotten.
 const GREATEST: usize = 64;
-
-/// Flat draws to the window that sample images which are followed.
-#[derive(Default)]
-pub struct Coverage(Vec<Kind>);
-
-/// What draws that cover alike have in common.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Signature {
-    program: u32,
-    sampled: Set,
-    viewport: [i32; 4],
-}
-
-struct Kind {
-    signature: Signature,
-    state: State,
-}
-
-enum State {
-    /// Not measured yet.
-    New,
-    /// The query's name and the samples of the whole window.
-    Measured(u32, i64),
-    Known(bool),
-}
-
-/// The measurement of one draw.
-pub struct Measure(usize);
-
-impl Coverage {
-    /// Images have other places in the list, or the window has another size.
-    pub fn clear(&mut self, gl: &Gl) {
-        for kind in self.0.drain(..) {
-            kind.destroy(gl);
-        }
-    }
-
-    /// A frame ended: asks for the results. `true` if any came.
-    pub fn end_frame(&mut self, gl: &Gl, mut found: impl FnMut(Set)) -> bool {
-        let mut any = false;
-        for kind in &mut self.0 {
-            let State::Measured(query, all) = kind.state else { continue };
-            let mut samples = 0;
-            // SAFETY: a query of ours that has ended; writes one integer.
-            unsafe {
-                gl.get_query_objectuiv(query, api::GL_QUERY_RESULT, &mut samples);
-                gl.delete_queries(1, &query);
-            }
-            let fills = 10 * i64::from(samples) >= 9 * all;
-            kind.state = State::Known(fills);
-            any = true;
-            if fills {
-                found(kind.signature.sampled);
-            }
-        }
-        any
-    }
-}
-
-impl Kind {
-    fn destroy(&self, gl: &Gl) {
-        if let State::Measured(query, _) = self.state {
-            // SAFETY: an object of ours.
-            unsafe { gl.delete_queries(1, &query) };
-        }
-    }
-}
 
 /// Whether the next draw fills the window; `Err`: it is to be measured, if it can be.
 pub fn fills(ctx: &mut Context, sampled: Set) -> Result<bool, Measure> {

@@ -2,14 +2,16 @@
 
 use crate::backend::gl::api::{self, Gl};
 use crate::intercept::gl::context::gl_context::Context;
-use crate::intercept::gl::draw::culling::select::Views;
-use crate::intercept::gl::draw::issue::{Changes, Place, each_view};
 use crate::intercept::gl::offscreen::copies::{End, resample, window_format};
-use crate::intercept::gl::offscreen::coverage;
-use crate::intercept::gl::offscreen::images::Bindings;
-use crate::intercept::gl::offscreen::sampling::{self, Set};
-use crate::intercept::gl::offscreen::single_sample::Canvas;
-use crate::intercept::gl::offscreen::view_copies::{Measure, own_cell, possible, supply, views};
+use crate::intercept::gl::offscreen::view_copies::{own_cell, possible, supply, views};
+use crate::intercept::gl::offscreen::{coverage, sampling};
+use crate::intercept::gl::per_view::issue::each_view;
+use crate::intercept::gl::per_view::{panel, window_space};
+use crate::intercept::gl::state::draw::{Changes, Place};
+use crate::intercept::gl::state::offscreen::coverage::Measure;
+use crate::intercept::gl::state::offscreen::images::{Bindings, Set};
+use crate::intercept::gl::state::offscreen::single_sample::Canvas;
+use crate::intercept::gl::state::views::Views;
 use std::cell::Cell;
 
 /// What a flat draw to the window does.
@@ -51,24 +53,6 @@ pub fn look(ctx: &mut Context, main: bool) -> Shows {
     }
 }
 
-/// Pictures of the window's size, one for each view, into which it is shown: there each texel that the program
-/// samples has its pixel, and `gl_FragCoord` is what it would be in the window.
-#[derive(Default)]
-pub struct Shown {
-    canvases: Vec<Canvas>,
-    /// The number of the window's draws after which the canvases had what the views have.
-    current: Option<u64>,
-}
-
-impl Shown {
-    /// Deletes everything.
-    pub fn destroy(&self, gl: &Gl) {
-        for canvas in &self.canvases {
-            canvas.destroy(gl);
-        }
-    }
-}
-
 /// Something else than a draw changed the window.
 pub fn window_changed(ctx: &mut Context) {
     ctx.duplicates.shown.current = None;
@@ -78,7 +62,7 @@ pub fn window_changed(ctx: &mut Context) {
 pub fn show(ctx: &mut Context, changes: Changes, sampled: Set, issue: &mut dyn FnMut(&mut Context, &Gl)) {
     ctx.background.note_scene();
     // What was flat until now is covered.
-    crate::intercept::gl::framebuffer::bindings::clear_panel(ctx);
+    panel::clear_panel(ctx);
     if make_canvases(ctx) {
         show_by_canvas(ctx, changes, sampled, issue);
         return;
@@ -162,7 +146,7 @@ fn show_by_canvas(ctx: &mut Context, changes: Changes, sampled: Set, issue: &mut
             // SAFETY: a framebuffer of ours in place of the window's, which is ours too and put back below.
             unsafe { ctx.gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, canvas.framebuffer()) };
         }
-        crate::intercept::gl::draw::issue::own_window_space(ctx, whole);
+        window_space::own_window_space(ctx, whole);
         Place::Flat
     });
     // SAFETY: what stands for the program's window.

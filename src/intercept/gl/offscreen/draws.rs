@@ -2,48 +2,23 @@
 
 use crate::backend::gl::api::Gl;
 use crate::intercept::gl::context::gl_context::Context;
-use crate::intercept::gl::draw::culling::bounds::Bounds;
-use crate::intercept::gl::draw::culling::select::{self, Views};
-use crate::intercept::gl::draw::issue::{Changes, Place, each_view, own_window_space, place_by_lens};
-use crate::intercept::gl::offscreen::images::Name;
-use crate::intercept::gl::offscreen::sampling::{self, Set};
+use crate::intercept::gl::offscreen::sampling;
 use crate::intercept::gl::offscreen::view_copies::{
-    Duplicates, cells, enter, leave, look, own_cell, possible, supply, views, wish, without_scissor,
+    cells, enter, leave, look, own_cell, possible, supply, views, wish, without_scissor,
 };
+use crate::intercept::gl::per_view::classify::place_by_lens;
+use crate::intercept::gl::per_view::culling::select;
+use crate::intercept::gl::per_view::issue::each_view;
+use crate::intercept::gl::per_view::window_space::own_window_space;
+use crate::intercept::gl::state::bounds::Bounds;
+use crate::intercept::gl::state::draw::{Changes, Place};
+use crate::intercept::gl::state::offscreen::copies::Duplicates;
+use crate::intercept::gl::state::offscreen::images::{Name, Set};
+use crate::intercept::gl::state::views::Views;
 use crate::intercept::scene::viewport;
 use crate::rig::Duplicate;
 use crate::runtime::session::Session;
 use std::cell::Cell;
-
-/// Draws that were issued once per view.
-#[derive(Default)]
-pub struct Issued {
-    /// All of them.
-    pub draws: u64,
-    /// How many of them each view got, and how many were left out of it.
-    views: Vec<[u64; 2]>,
-}
-
-impl Issued {
-    /// A draw went to those of `count` views that are `shown` it.
-    fn count(&mut self, shown: Views, count: usize) {
-        self.draws += 1;
-        self.views.resize(count, [0; 2]);
-        for (index, counts) in self.views.iter_mut().enumerate() {
-            counts[usize::from(!shown.contain(index))] += 1;
-        }
-    }
-
-    /// The views are others.
-    pub fn forget_views(&mut self) {
-        self.views.clear();
-    }
-
-    /// How many draws a view got, and how many were left out of it.
-    pub fn of_view(&self, index: usize) -> [u64; 2] {
-        self.views.get(index).copied().unwrap_or_default()
-    }
-}
 
 /// A draw of vertices within `bounds` to a framebuffer of the program's. `false`: it is single and is to be drawn as it is.
 pub fn draw(

@@ -1,9 +1,9 @@
 //! What the statistics say of the program's framebuffers.
 
 use crate::intercept::gl::context::gl_context::Context;
-use crate::intercept::gl::offscreen::framebuffers::Framebuffer;
-use crate::intercept::gl::offscreen::images::Image;
 use crate::intercept::gl::offscreen::view_copies::{possible, wish};
+use crate::intercept::gl::state::offscreen::framebuffers::Framebuffer;
+use crate::intercept::gl::state::offscreen::images::Image;
 use crate::rig::Duplicate;
 use std::collections::BTreeMap;
 

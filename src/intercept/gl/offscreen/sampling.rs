@@ -2,10 +2,7 @@
 
 use crate::backend::gl::api::{self, Gl};
 use crate::intercept::gl::context::gl_context::Context;
-use crate::intercept::gl::offscreen::images::Name;
-
-/// Images by their places in the list, as a set of bits; those after the 64th are not followed.
-pub type Set = u64;
+use crate::intercept::gl::state::offscreen::images::{Name, Set};
 
 /// The most samplers of a program that are asked about.
 const SAMPLERS: usize = 16;

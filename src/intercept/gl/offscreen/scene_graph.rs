@@ -1,6 +1,6 @@
 //! Which of the program's images lie between a scene and the window.
 
-use crate::intercept::gl::offscreen::images::Image;
+use crate::intercept::gl::state::offscreen::images::Image;
 use crate::intercept::scene::image_graph::{ImageGraph, Made};
 
 /// For each image whether it is to be drawn once per view. `always`: also where it was not seen on its way to
@@ -25,7 +25,7 @@ pub fn wanted(images: &[Image], always: bool) -> Vec<bool> {
 #[cfg(test)]
 mod tests {
     use super::wanted;
-    use crate::intercept::gl::offscreen::images::{Image, Name};
+    use crate::intercept::gl::state::offscreen::images::{Image, Name};
 
     fn image(name: u32, set: impl FnOnce(&mut Image)) -> Image {
         let plain = Image::new(Name::Renderbuffer(name), [64, 64, 0, 0, 0, 0, 0]).expect("a size that images have");

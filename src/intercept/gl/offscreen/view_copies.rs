@@ -12,123 +12,17 @@
 //! views, `copies` does for `glBlitFramebuffer` and its relatives what draws do, `coverage` tells the picture from a map in
 //! its corner.
 
-pub use crate::intercept::gl::offscreen::coverage::{Measure, measure};
-pub use crate::intercept::gl::offscreen::draws::draw;
-pub use crate::intercept::gl::offscreen::report::{counts, draws, status};
-pub use crate::intercept::gl::offscreen::sampling::bound as bound_texture;
-use crate::intercept::gl::offscreen::{displayed, framebuffers, scene_graph};
-
 use crate::backend::gl::api::Gl;
 use crate::intercept::gl::context::errors::{drop_errors, take_error, take_own_errors};
-use crate::intercept::gl::context::gl_context::{Context, ShareGroup};
-use crate::intercept::gl::draw::issue::own_window_space;
-use crate::intercept::gl::offscreen::coverage::Coverage;
-use crate::intercept::gl::offscreen::draws::Issued;
-use crate::intercept::gl::offscreen::framebuffers::Framebuffer;
-use crate::intercept::gl::offscreen::images::{Image, Name, Pair};
-use crate::intercept::gl::offscreen::sampling::Set;
-use crate::intercept::gl::offscreen::single_sample::Canvas;
+use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::offscreen::scene_graph;
+use crate::intercept::gl::per_view::window_space::own_window_space;
+use crate::intercept::gl::state::offscreen::copies::Duplicates;
+use crate::intercept::gl::state::offscreen::framebuffers::{self, Framebuffer};
+use crate::intercept::gl::state::offscreen::images::{Image, Name, Pair, Set};
 use crate::intercept::{log, settings};
 use crate::rig::Duplicate;
 use std::sync::PoisonError;
-
-/// What is known of the program's framebuffers.
-#[derive(Default)]
-pub struct Duplicates {
-    pub(super) images: Vec<Image>,
-    pub(super) framebuffers: Vec<Framebuffer>,
-    pub(super) coverage: Coverage,
-    /// The twin of the program's draw framebuffer is bound in its place.
-    bound: bool,
-    /// Something was learnt in this frame.
-    pub(super) learnt: bool,
-    /// Twins have one more cell, which is drawn with the program's own lens: it reads its pictures back.
-    own_picture: bool,
-    /// Canvases for copies to another size, each of another size or format.
-    pub(super) canvases: Vec<Canvas>,
-    /// What was shown last.
-    pub(super) shown: displayed::Shown,
-    /// Off-screen draws that were issued once per view.
-    pub(super) issued: Issued,
-    /// Twins deleted so far: framebuffers that stand for the program's may have had them.
-    deleted: u64,
-    /// Framebuffers of other contexts that they are to delete.
-    left: Vec<Pair>,
-    /// It has what the group knows together; otherwise another thread does, and the images are its own.
-    shared: bool,
-}
-
-/// What contexts of a group know together of the images that they share. Toolkits draw a scene in one context and compose
-/// the window in another.
-#[derive(Default)]
-pub struct Travelling {
-    images: Vec<Image>,
-    learnt: bool,
-    own_picture: bool,
-    issued: Issued,
-    deleted: u64,
-    left: Vec<Pair>,
-}
-
-impl Duplicates {
-    /// Whether any image of the program's is followed.
-    pub fn any(&self) -> bool {
-        !self.images.is_empty()
-    }
-
-    /// Gives up what the group knows together: the context is not current any more.
-    pub fn deposit(&mut self, share: &ShareGroup) {
-        if !std::mem::take(&mut self.shared) {
-            return;
-        }
-        let travelling = Travelling {
-            images: std::mem::take(&mut self.images),
-            learnt: std::mem::take(&mut self.learnt),
-            own_picture: self.own_picture,
-            issued: std::mem::take(&mut self.issued),
-            deleted: self.deleted,
-            left: std::mem::take(&mut self.left),
-        };
-        *share.off_screen.lock().unwrap_or_else(PoisonError::into_inner) = Some(travelling);
-    }
-
-    pub(super) fn image(&self, name: Name) -> Option<&Image> {
-        self.images.iter().find(|image| image.name == name)
-    }
-
-    pub(super) fn image_mut(&mut self, name: Name) -> Option<&mut Image> {
-        self.images.iter_mut().find(|image| image.name == name)
-    }
-
-    pub(super) fn position(&self, framebuffer: u32) -> Option<usize> {
-        self.framebuffers.iter().position(|f| f.name == framebuffer)
-    }
-
-    /// Any of the colours of a framebuffer is to be drawn once per view.
-    pub(super) fn is_duplicated(&self, framebuffer: &Framebuffer) -> bool {
-        framebuffer.known
-            && framebuffer.single.is_none()
-            && framebuffer.colours().any(|name| self.image(name).is_some_and(|image| image.twin.is_some()))
-    }
-
-    /// The images of a framebuffer, as a set.
-    pub(super) fn attached(&self, index: usize) -> Set {
-        let mut set = 0;
-        for (i, image) in self.images.iter().enumerate().take(64) {
-            set |= Set::from(self.framebuffers[index].attachments.contains(&Some(image.name))) << i;
-        }
-        set
-    }
-
-    /// A framebuffer was drawn to.
-    pub(super) fn changed(&mut self, index: usize) {
-        for name in self.framebuffers[index].attachments.into_iter().flatten() {
-            if let Some(image) = self.images.iter_mut().find(|image| image.name == name) {
-                image.changed();
-            }
-        }
-    }
-}
 
 /// What the user asked for.
 pub(super) fn wish() -> Duplicate {

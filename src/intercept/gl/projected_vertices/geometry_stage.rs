@@ -1,8 +1,7 @@
 //! The geometry stage that divides triangles and lines: `correct::division` with what a program's own shaders hand on. What
 //! is not divided far enough is counted where there are atomic counters.
 
-pub use crate::correct::projected::division::Input;
-use crate::correct::projected::division::{cuts, division};
+use crate::correct::projected::division::{Input, cuts, division};
 use crate::intercept::gl::projected_vertices::interface::Interface;
 use std::fmt::Write;
 
@@ -32,6 +31,7 @@ pub struct Passing {
 
 /// Name of the counter of what is not fine enough.
 pub const COUNTER: &str = "cupola_coarse";
+
 /// What the carriers of values are called, with a number behind.
 pub const CARRIER: &str = "cupola_carried_";
 

@@ -3,6 +3,7 @@
 //! The outputs become plain variables, which are copied into outputs of ours at the end of `main`; the stage behind reads
 //! these and has outputs with the names, qualifiers and places that the fragment stage expects.
 
+use crate::intercept::gl::shader::patch;
 use std::ops::Range;
 
 /// A value that is handed on.
@@ -42,11 +43,7 @@ const LONGEST: usize = 32;
 /// The built-in outputs that `bare` names, with their types.
 pub fn built_in(bare: &str) -> Vec<(&'static str, &'static str)> {
     let kind = |name: &str| if name == "gl_FogFragCoord" { "float" } else { "vec4" };
-    BUILT_IN
-        .into_iter()
-        .filter(|name| crate::intercept::gl::shader::patch::mentions(bare, name))
-        .map(|name| (name, kind(name)))
-        .collect()
+    BUILT_IN.into_iter().filter(|name| patch::mentions(bare, name)).map(|name| (name, kind(name))).collect()
 }
 
 /// The outputs of `bare`, a stage's text without comments.
@@ -54,7 +51,7 @@ pub fn built_in(bare: &str) -> Vec<(&'static str, &'static str)> {
 /// # Errors
 /// Why they cannot be handed on, for the log.
 pub fn read(bare: &str) -> Result<Interface, &'static str> {
-    if LEFT_OUT.iter().any(|name| crate::intercept::gl::shader::patch::mentions(bare, name)) {
+    if LEFT_OUT.iter().any(|name| patch::mentions(bare, name)) {
         return Err("a shader sets clip distances, layers or viewports");
     }
     let mut interface = Interface::default();
@@ -162,7 +159,7 @@ impl Interface {
         let handed = format!("cupola_{name}");
         let mut fields = String::new();
         for member in members.split(';').filter(|member| !member.trim().is_empty()) {
-            let (_, member) = crate::intercept::gl::projected_vertices::interface::layout(member);
+            let (_, member) = self::layout(member);
             let kept = |word: &&str| {
                 !["flat", "smooth", "noperspective", "centroid", "sample", "highp", "mediump", "lowp"].contains(word)
             };

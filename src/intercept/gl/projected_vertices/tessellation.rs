@@ -8,18 +8,8 @@
 use crate::correct::projected::division;
 use crate::intercept::gl::projected_vertices::geometry_stage::{CARRIER, COUNTER, Limits, Passing};
 use crate::intercept::gl::projected_vertices::interface::{Interface, Value};
+use crate::intercept::gl::state::primitives::Patch;
 use std::fmt::Write;
-
-/// What is divided.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Patch {
-    /// Triangles, each with three vertices of its own.
-    Triangles,
-    /// Lines, each with two vertices of its own.
-    Lines,
-    /// Quadrilaterals, each with four vertices of its own.
-    Quads,
-}
 
 /// What the values of the control stage are called, with a number behind.
 const HANDED: &str = "cupola_handed_";
@@ -48,49 +38,6 @@ cupola_coarse_edge = true;
 return 64.0;
 }
 ";
-
-impl Patch {
-    /// Vertices of one.
-    pub fn corners(self) -> usize {
-        match self {
-            Self::Triangles => 3,
-            Self::Lines => 2,
-            Self::Quads => 4,
-        }
-    }
-
-    /// How the evaluation stage divides it. The primitive's corners run as those of its parts.
-    fn layout(self) -> &'static str {
-        match self {
-            Self::Triangles => "triangles, equal_spacing, ccw",
-            Self::Lines => "isolines, equal_spacing",
-            Self::Quads => "quads, equal_spacing, ccw",
-        }
-    }
-
-    /// The outer levels: which edges they are of (OpenGL 4.0, section 2.12.2).
-    fn edges(self) -> &'static [[usize; 2]] {
-        match self {
-            Self::Triangles => &[[1, 2], [2, 0], [0, 1]],
-            Self::Lines => &[[0, 1]],
-            Self::Quads => &[[3, 0], [0, 1], [1, 2], [2, 3]],
-        }
-    }
-
-    /// The weights of the corners at a place in the patch.
-    fn weights(self) -> [&'static str; 4] {
-        match self {
-            Self::Triangles => ["gl_TessCoord.x", "gl_TessCoord.y", "gl_TessCoord.z", "0.0"],
-            Self::Lines => ["1.0 - gl_TessCoord.x", "gl_TessCoord.x", "0.0", "0.0"],
-            Self::Quads => [
-                "(1.0 - gl_TessCoord.x) * (1.0 - gl_TessCoord.y)",
-                "gl_TessCoord.x * (1.0 - gl_TessCoord.y)",
-                "gl_TessCoord.x * gl_TessCoord.y",
-                "(1.0 - gl_TessCoord.x) * gl_TessCoord.y",
-            ],
-        }
-    }
-}
 
 /// `interface` with the built-in outputs `built_in` as values of their own.
 pub fn with_built_in(mut interface: Interface, built_in: &[(&str, &str)], passing: Passing) -> Interface {

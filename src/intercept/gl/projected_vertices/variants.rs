@@ -6,77 +6,18 @@
 use crate::backend::gl::api::{self, Gl};
 use crate::correct::projected::projection;
 use crate::intercept::gl::context::gl_context::Context;
-use crate::intercept::gl::projected_vertices::division_counter::{Before, Counter};
-use crate::intercept::gl::projected_vertices::geometry_stage::{self, Input, Limits, Passing};
+use crate::intercept::gl::context::{errors, own_calls};
+use crate::intercept::gl::projected_vertices::geometry_stage::{self, Limits, Passing};
 use crate::intercept::gl::projected_vertices::interface::{self, Interface};
-use crate::intercept::gl::projected_vertices::tessellation::{self, Patch};
-use crate::intercept::gl::projected_vertices::uniform_mirror::Mirror;
+use crate::intercept::gl::projected_vertices::{carriers, tessellation};
 use crate::intercept::gl::shader::patch;
-use crate::intercept::gl::shader::programs::Program;
+use crate::intercept::gl::state::division_counter::Counter;
+use crate::intercept::gl::state::programs::Program;
+use crate::intercept::gl::state::uniform_mirror::Mirror;
+use crate::intercept::gl::state::variants::{InUse, Kind, State, Variant};
 use crate::intercept::log;
 use std::ffi::{CStr, CString, c_char};
 use std::sync::{Arc, PoisonError};
-
-/// A program that divides.
-pub struct Variant {
-    name: u32,
-    /// Where rows and lens go.
-    locations: [i32; 2],
-    mirror: Mirror,
-    /// It counts what is not fine enough.
-    counts: bool,
-    /// It draws patches of so many vertices.
-    patch: Option<i32>,
-}
-
-/// What was so before a variant was put in use: the counter's binding, and how many vertices a patch has.
-pub struct InUse(Option<Before>, i32);
-
-/// What a variant divides, and by which stages.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
-    /// By a geometry stage.
-    Geometry(Input),
-    /// By tessellation stages.
-    Tessellation(Patch),
-}
-
-/// The variants of a program.
-#[derive(Default)]
-pub struct Variants(Vec<(Kind, State)>);
-
-/// Whether there is one.
-#[derive(Clone, Default)]
-enum State {
-    /// No draw has needed it.
-    #[default]
-    Untried,
-    /// There cannot be one.
-    Refused,
-    /// There is.
-    Made(Arc<Variant>),
-}
-
-impl Variants {
-    fn state(&self, kind: Kind) -> State {
-        self.0.iter().find(|known| known.0 == kind).map_or(State::Untried, |known| known.1.clone())
-    }
-
-    fn set(&mut self, kind: Kind, state: State) {
-        self.0.retain(|known| known.0 != kind);
-        self.0.push((kind, state));
-    }
-
-    /// Deletes them.
-    pub fn destroy(&mut self, gl: &Gl) {
-        for (_, state) in self.0.drain(..) {
-            if let State::Made(variant) = state {
-                // SAFETY: a program of ours; the context shares objects with the one that made it.
-                unsafe { gl.delete_program(variant.name) };
-            }
-        }
-    }
-}
 
 /// The variant of this kind of the program that draws, linked if it is new; `None` where there can be none.
 pub fn of(ctx: &mut Context, kind: Kind) -> Option<Arc<Variant>> {
@@ -86,10 +27,10 @@ pub fn of(ctx: &mut Context, kind: Kind) -> Option<Arc<Variant>> {
         State::Made(variant) => Some(variant),
         State::Refused => None,
         State::Untried => {
-            let made = crate::intercept::gl::context::debug_output::quietly(ctx, |ctx| {
-                crate::intercept::gl::context::errors::take_error(ctx);
+            let made = own_calls::quietly(ctx, |ctx| {
+                errors::take_error(ctx);
                 let made = make(ctx, &program, kind);
-                crate::intercept::gl::context::errors::drop_errors(ctx.gl);
+                errors::drop_errors(ctx.gl);
                 made
             });
             ctx.counts.linked += 1;
@@ -221,7 +162,7 @@ fn make(ctx: &mut Context, program: &Program, kind: Kind) -> Result<Variant, &'s
             (interface, vec![(api::GL_TESS_CONTROL_SHADER, control), (api::GL_TESS_EVALUATION_SHADER, evaluation)])
         }
     };
-    let carrying = patch::carry(source, &interface);
+    let carrying = carriers::carry(source, &interface);
 
     let gl = ctx.gl;
     let mut shaders: Vec<u32> = dividing.iter().map(|(stage, text)| compile(gl, *stage, text)).collect();

@@ -1,4 +1,5 @@
 //! TODO-NOTE
 
+pub mod conditional_render;
 pub mod results;
 pub mod scaling;

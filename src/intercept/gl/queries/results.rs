@@ -2,7 +2,10 @@
 
 use crate::backend::gl::api;
 use crate::intercept::gl::context::gl_context::Context;
-use crate::intercept::gl::queries::scaling::{Count, available, begin, end, invalid};
+use crate::intercept::gl::context::{hooks, list_recording};
+use crate::intercept::gl::queries::scaling::{begin, end, invalid};
+use crate::intercept::gl::state::query_scaling::{Count, available};
+use crate::intercept::gl::vertex_input::buffers;
 
 /// Whether the program's query runs, which is an error where its result is asked for.
 fn refuses(ctx: &mut Context, name: u32) -> bool {
@@ -101,14 +104,14 @@ fn is_own(ctx: &Context, name: u32) -> bool {
 
 macro_rules! counting_hooks {
     ($( $name:literal $method:ident $t:ty, $buffer_name:literal $buffer_method:ident; )*) => {
-        crate::intercept::gl::context::hooks::hooks! {
+        hooks::hooks! {
             "glBeginQuery" begin_query(target: u32, name: u32) = |ctx, _gl|
-                crate::intercept::gl::compat::display_lists::now_or_later(ctx, move |ctx| begin(ctx, target, 0, name));
-            "glEndQuery" end_query(target: u32) = |ctx, _gl| crate::intercept::gl::compat::display_lists::now_or_later(ctx, move |ctx| end(ctx, target, 0));
+                list_recording::now_or_later(ctx, move |ctx| begin(ctx, target, 0, name));
+            "glEndQuery" end_query(target: u32) = |ctx, _gl| list_recording::now_or_later(ctx, move |ctx| end(ctx, target, 0));
             "glBeginQueryIndexed" begin_query_indexed(target: u32, index: u32, name: u32) = |ctx, _gl|
-                crate::intercept::gl::compat::display_lists::now_or_later(ctx, move |ctx| begin(ctx, target, index, name));
+                list_recording::now_or_later(ctx, move |ctx| begin(ctx, target, index, name));
             "glEndQueryIndexed" end_query_indexed(target: u32, index: u32) = |ctx, _gl|
-                crate::intercept::gl::compat::display_lists::now_or_later(ctx, move |ctx| end(ctx, target, index));
+                list_recording::now_or_later(ctx, move |ctx| end(ctx, target, index));
             "glDeleteQueries" delete_queries(count: i32, names: *const u32) = |ctx, gl| {
                 if !names.is_null() {
                     forget(ctx, std::slice::from_raw_parts(names, usize::try_from(count).unwrap_or(0)));
@@ -138,7 +141,7 @@ macro_rules! counting_hooks {
                     }
                 };
                 $buffer_name $buffer_method(name: u32, buffer: u32, what: u32, offset: isize) = |ctx, gl| {
-                    crate::intercept::gl::vertex_input::buffers::written_by_device(ctx, buffer);
+                    buffers::written_by_device(ctx, buffer);
                     if !refuses(ctx, name) {
                         match answer(ctx, name, what) {
                             Some(count) => {

@@ -3,11 +3,12 @@
 use crate::backend::gl::api;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
+use crate::intercept::gl::shader::programs;
 use std::ffi::c_char;
 
 /// Index of our uniform among the program's active ones.
 fn hidden(ctx: &Context, program: u32) -> Option<u32> {
-    crate::intercept::gl::shader::programs::record(ctx, program)?.hidden
+    programs::record(ctx, program)?.hidden
 }
 
 /// The driver's index for the program's, which does not count ours.

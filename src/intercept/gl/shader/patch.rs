@@ -5,8 +5,6 @@
 //! so that its text stays untouched and its line numbers right.
 
 use crate::correct::projected::projection::functions;
-use crate::intercept::gl::projected_vertices::geometry_stage;
-use crate::intercept::gl::projected_vertices::interface::Interface;
 use std::borrow::Cow;
 
 /// A stage that can be the last one before rasterisation.
@@ -55,19 +53,6 @@ pub fn patch(source: &str, stage: Stage, es_context: bool, curved: bool) -> Opti
     })
 }
 
-/// `source`, a stage of desktop OpenGL that hands on what `interface` says, with its outputs in carriers for a stage of
-/// ours behind it.
-pub fn carry(source: &str, interface: &Interface) -> String {
-    let edited = interface.edited(source);
-    let bare = strip_comments(&edited);
-    let out = if version(&bare, false).0 < 130 { "varying" } else { "out" };
-    let (declarations, copies) = geometry_stage::carriers(interface, out);
-    let (head, body) = edited.split_at(end_of_version_line(&edited, &bare));
-    format!(
-        "{head}#define main cupola_main\n{body}\n#undef main\n{declarations}void main() {{ cupola_main();{copies} }}\n"
-    )
-}
-
 /// Whether a shader's text has the `main` of its stage.
 pub fn has_main(source: &str) -> bool {
     defines_main(&strip_comments(source))
@@ -113,7 +98,7 @@ pub fn strip_comments(source: &str) -> Cow<'_, str> {
 
 /// Version number and whether it is ESSL; no `#version` means GLSL 110, or ESSL 100
 /// on an ES context (many desktop texts name precisions too, for `#ifdef GL_ES`).
-fn version(bare: &str, es_context: bool) -> (u32, bool) {
+pub(in crate::intercept::gl) fn version(bare: &str, es_context: bool) -> (u32, bool) {
     for line in bare.lines() {
         let Some(rest) = line.trim_start().strip_prefix('#').map(str::trim_start) else { continue };
         if let Some(rest) = rest.strip_prefix("version") {
@@ -125,7 +110,7 @@ fn version(bare: &str, es_context: bool) -> (u32, bool) {
     if es_context { (100, true) } else { (110, false) }
 }
 
-fn end_of_version_line(source: &str, bare: &str) -> usize {
+pub(in crate::intercept::gl) fn end_of_version_line(source: &str, bare: &str) -> usize {
     end_of_directive(source, bare, "version")
 }
 

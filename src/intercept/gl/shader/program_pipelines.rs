@@ -1,57 +1,10 @@
 //! Program pipelines: separable programs, of which the last before rasterisation draws the view.
 
-use crate::backend::gl::api;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
-use crate::intercept::gl::shader::programs::{self, Lens, Program};
-use std::collections::HashMap;
+use crate::intercept::gl::shader::programs;
+use crate::intercept::gl::state::programs::{Lens, Program};
 use std::sync::Arc;
-
-/// The pipelines of a context.
-#[derive(Default)]
-pub struct Pipelines {
-    pipelines: HashMap<u32, Stages>,
-    bound: u32,
-    /// `glUseProgram`, which goes before any pipeline; 0 = none.
-    pub used: u32,
-}
-
-/// The programs of a pipeline that Cupola follows, by their names; 0 = none.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-struct Stages {
-    vertex: u32,
-    evaluation: u32,
-    geometry: u32,
-    /// `glActiveShaderProgram`.
-    active: u32,
-}
-
-impl Stages {
-    /// The programs before rasterisation, the last one first.
-    fn last_first(&self) -> [u32; 3] {
-        [self.geometry, self.evaluation, self.vertex]
-    }
-
-    /// `glUseProgramStages` with a program that has the stages `present`.
-    fn set(&mut self, stages: u32, program: u32, present: u32) {
-        let slots = [
-            (api::GL_VERTEX_SHADER_BIT, &mut self.vertex),
-            (api::GL_TESS_EVALUATION_SHADER_BIT, &mut self.evaluation),
-            (api::GL_GEOMETRY_SHADER_BIT, &mut self.geometry),
-        ];
-        for (bit, slot) in slots {
-            if stages & bit != 0 {
-                *slot = if present & bit != 0 { program } else { 0 };
-            }
-        }
-    }
-}
-
-impl Pipelines {
-    fn stages(&self) -> Stages {
-        self.pipelines.get(&self.bound).copied().unwrap_or_default()
-    }
-}
 
 /// What now draws: the program in use, or else the pipeline's last program before rasterisation.
 pub fn choose(ctx: &mut Context) {
@@ -64,7 +17,7 @@ pub fn choose(ctx: &mut Context) {
     ctx.program = programs::record(ctx, last);
     for earlier in names.into_iter().filter(|name| *name != 0 && *name != last) {
         if let Some(program) = programs::record(ctx, earlier) {
-            programs::send(ctx, &program, &programs::IDENTITY);
+            programs::send(ctx, &program, &crate::intercept::gl::state::programs::IDENTITY);
         }
     }
 }
@@ -117,19 +70,4 @@ hooks! {
         }
         choose(ctx);
     };
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{Stages, api};
-
-    #[test]
-    fn a_stage_that_a_program_lacks_becomes_empty() {
-        let mut stages = Stages::default();
-        stages.set(api::GL_GEOMETRY_SHADER_BIT, 7, api::GL_GEOMETRY_SHADER_BIT);
-        stages.set(api::GL_VERTEX_SHADER_BIT | api::GL_FRAGMENT_SHADER_BIT, 3, api::GL_VERTEX_SHADER_BIT);
-        assert_eq!(stages.last_first(), [7, 0, 3]);
-        stages.set(api::GL_ALL_SHADER_BITS, 5, api::GL_VERTEX_SHADER_BIT);
-        assert_eq!(stages.last_first(), [0, 0, 5]);
-    }
 }

@@ -2,94 +2,29 @@
 
 use crate::backend::gl::api::{self, Gl};
 use crate::correct::projected::projection;
-use crate::intercept::gl::compat::display_lists::Command;
-use crate::intercept::gl::context::gl_context::{Context, Profile};
+use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
-use crate::intercept::gl::draw::culling::position::Position;
-use crate::intercept::gl::projected_vertices::variants::Variants;
+use crate::intercept::gl::context::list_recording::{self, Command};
+use crate::intercept::gl::context::{matrices, methods};
 use crate::intercept::gl::shader::patch::{self, Stage};
-use crate::intercept::gl::shader::uniforms::{self, Uniforms};
+use crate::intercept::gl::shader::{program_pipelines, samplers, uniforms};
+use crate::intercept::gl::state::profile::Profile;
+use crate::intercept::gl::state::programs::{Lens, Position, Program};
+use crate::intercept::gl::vertex_input::buffers;
 use crate::intercept::log;
-use crate::runtime::session::{Intrinsics, MatrixClass, Session};
+use crate::runtime::session::{MatrixClass, Session};
 use std::collections::HashMap;
 use std::ffi::{CStr, CString, c_char, c_void};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Rows that change nothing: the program's own picture.
-pub const IDENTITY: [f32; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0];
-
-/// Shaders and programs of a group of contexts.
-#[derive(Default)]
-pub struct Programs {
-    sources: HashMap<u32, Arc<str>>,
-    programs: HashMap<u32, Arc<Program>>,
-}
-
-/// A linked program.
-pub struct Program {
-    /// Its OpenGL name.
-    pub name: u32,
-    /// Where the rows of the re-projection go; −1 = it is not patched.
-    location: i32,
-    /// Where the lens of a view goes; −1 = all views are perspective ones.
-    lens_location: i32,
-    /// Index of our uniform among the active ones, to be hidden.
-    pub hidden: Option<u32>,
-    /// The bits of its stages that lie before rasterisation, as for `glUseProgramStages`.
-    stages: u32,
-    /// It uses the fixed-function matrices.
-    fixed_matrices: bool,
-    /// Its samplers of textures that can be drawn into.
-    pub samplers: Vec<crate::intercept::gl::shader::samplers::Sampler>,
-    /// Where its vertices are, where that is proven.
-    pub position: Option<Position>,
-    /// Its fragments ask where on the screen they are.
-    pub asks_place: bool,
-    /// Its 4×4 matrices.
-    pub uniforms: Mutex<Uniforms>,
-    uploaded: Mutex<Uploaded>,
-    /// The kinds and texts of its shaders, if its primitives may have to be divided.
-    pub texts: Vec<(u32, Arc<str>)>,
-    /// A primitive has the colour of its last vertex.
-    pub flat: bool,
-    /// What divides them.
-    pub variants: Mutex<Variants>,
-}
-
-/// What a program has of a view.
-#[derive(Default)]
-struct Uploaded {
-    rows: Option<[f32; 16]>,
-    lens: Option<[f32; 16]>,
-}
-
-/// What a program draws with.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Lens {
-    /// A perspective, and how it was found.
-    Perspective(Intrinsics, &'static str),
-    /// No perspective.
-    Flat,
-}
-
 impl Program {
-    /// Whether vertices go through its own shaders rather than the fixed-function pipeline.
-    pub fn draws_vertices(&self) -> bool {
-        self.stages != 0
-    }
-
-    /// The bits of its stages before rasterisation.
-    pub fn stages(&self) -> u32 {
-        self.stages
-    }
-
     /// The lens that its matrices hold now.
     pub fn lens(&self, ctx: &mut Context) -> Lens {
         if self.location < 0 {
             return Lens::Flat;
         }
         if self.fixed_matrices {
-            crate::intercept::gl::compat::matrices::refresh(ctx);
+            matrices::refresh(ctx);
             if let MatrixClass::Perspective(intrinsics) = ctx.projection.class {
                 return Lens::Perspective(intrinsics, "fixed-function matrix in a shader");
             }
@@ -98,7 +33,7 @@ impl Program {
         if !uniforms.any() && !self.fixed_matrices {
             return given(ctx);
         }
-        uniforms.lens(ctx.gl, ctx.buffer_generation, &crate::intercept::gl::vertex_input::buffers::of(ctx))
+        uniforms.lens(ctx.gl, ctx.buffer_generation, &buffers::of(ctx))
     }
 }
 
@@ -158,7 +93,7 @@ pub fn select(ctx: &mut Context, name: u32) {
     // SAFETY: the program's own call.
     unsafe { ctx.gl.use_program(name) };
     ctx.pipelines.used = name;
-    crate::intercept::gl::shader::program_pipelines::choose(ctx);
+    program_pipelines::choose(ctx);
 }
 
 /// The record of a program, for queries about it.
@@ -257,8 +192,7 @@ fn link(ctx: &mut Context, program: u32) {
         forget(gl, programs.programs.remove(&program));
         shaders.iter().filter_map(|s| Some((s.0, programs.sources.get(&s.0)?.clone()))).collect()
     };
-    let patched =
-        patched_stage(&sources, &shaders, ctx.profile.es, crate::intercept::gl::projected_vertices::lens::asked_for());
+    let patched = patched_stage(&sources, &shaders, ctx.profile.es, methods::asked_for());
     let mut linked = false;
     if let Some((shader, original, text)) = &patched {
         linked = link_patched(gl, program, *shader, original, text);
@@ -283,7 +217,7 @@ fn link(ctx: &mut Context, program: u32) {
         .any(|source| words.iter().any(|word| patch::mentions(source, word)));
     let mut fragments = shaders.iter().filter(|s| s.1 == api::GL_FRAGMENT_SHADER).filter_map(|s| sources.get(&s.0));
     let texts = shaders.iter().filter_map(|s| Some((s.1, sources.get(&s.0)?.clone())));
-    let texts = if crate::intercept::gl::projected_vertices::lens::asked_for() { texts.collect() } else { Vec::new() };
+    let texts = if methods::asked_for() { texts.collect() } else { Vec::new() };
     let mut record = read_program(gl, &ctx.profile, program, linked, stages, fixed_matrices);
     record.texts = texts;
     record.asks_place = fragments.any(|source| patch::mentions(source, "gl_FragCoord"));
@@ -403,7 +337,7 @@ fn read_program(gl: &Gl, profile: &Profile, name: u32, patched: bool, stages: u3
         hidden,
         stages,
         fixed_matrices,
-        samplers: crate::intercept::gl::shader::samplers::of_program(gl, name),
+        samplers: samplers::of_program(gl, name),
         position: None,
         asks_place: false,
         uniforms: Mutex::new(uniforms),
@@ -426,7 +360,7 @@ hooks! {
         gl.delete_shader(shader)
     };
     "glUseProgram" use_program(program: u32) = |ctx, _gl| {
-        if ctx.compiling() { crate::intercept::gl::compat::display_lists::record(ctx, Command::UseProgram(program)) } else { select(ctx, program) }
+        if ctx.compiling() { list_recording::record(ctx, Command::UseProgram(program)) } else { select(ctx, program) }
     };
     "glLinkProgram" link_program(program: u32) = |ctx, _gl| link(ctx, program);
     "glDeleteObjectARB" delete_object_arb(object: u32) = |ctx, gl| {

@@ -6,8 +6,9 @@
 use crate::backend::gl::api;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
+use crate::intercept::gl::state::vertex_arrays::{Format, Pointer, Source, packed};
 use crate::intercept::gl::vertex_input::buffer_bindings;
-use crate::intercept::gl::vertex_input::vertex_arrays::{Format, Pointer, Source, has_bindings, integer, packed};
+use crate::intercept::gl::vertex_input::vertex_arrays::{has_bindings, integer};
 use std::ffi::c_void;
 
 /// The object in use can be changed: core profiles have none called 0.

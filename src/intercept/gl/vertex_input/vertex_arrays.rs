@@ -5,153 +5,11 @@
 //! change an array makes it unknown again ([`commands`]). Only attributes that a draw has asked about are kept.
 
 use crate::backend::gl::api::{self, Gl};
-use crate::intercept::gl::context::gl_context::{Context, Profile};
+use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::state::profile::Profile;
+use crate::intercept::gl::state::vertex_arrays::{Format, Object, Pointer, Source, packed};
 use crate::intercept::gl::vertex_input::buffer_bindings;
-use std::collections::HashMap;
 use std::ffi::c_void;
-
-/// How the numbers of an array are written.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Format {
-    /// As OpenGL has it: 1 to 4, or `GL_BGRA`.
-    pub components: usize,
-    /// `GL_FLOAT` and so on.
-    pub kind: u32,
-    /// Integers stand for −1…1 or 0…1.
-    pub normalised: bool,
-    /// The shader gets integers.
-    pub integer: bool,
-    /// The binding that it reads from; the attribute's own number where attributes have none.
-    pub(super) binding: u32,
-    /// Bytes from the beginning of the binding's element.
-    pub(super) offset: usize,
-}
-
-/// Where an array lies.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Source {
-    /// 0 = the program's memory.
-    pub buffer: u32,
-    /// Address in the program's memory, or offset in the buffer.
-    pub start: usize,
-    /// Bytes from one element to the next.
-    pub stride: usize,
-}
-
-/// The array of `glVertexPointer`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Pointer {
-    /// 2 to 4.
-    pub components: usize,
-    /// `GL_FLOAT` and so on.
-    pub kind: u32,
-    /// Where it lies.
-    pub source: Source,
-}
-
-/// What is known of a generic attribute.
-pub(super) struct Attribute {
-    pub(super) location: u32,
-    pub(super) on: Option<bool>,
-    pub(super) format: Option<Format>,
-}
-
-/// What is known of a binding.
-pub(super) struct Binding {
-    pub(super) number: u32,
-    pub(super) source: Option<Source>,
-    pub(super) divisor: Option<i32>,
-}
-
-/// What is known of a vertex array object.
-#[derive(Default)]
-pub(super) struct Object {
-    pub(super) name: u32,
-    pub(super) attributes: Vec<Attribute>,
-    pub(super) bindings: Vec<Binding>,
-    /// `GL_VERTEX_ARRAY` is on.
-    pub(super) conventional_on: Option<bool>,
-    pub(super) conventional: Option<Pointer>,
-    /// The buffer of indices.
-    pub(super) elements: Option<u32>,
-}
-
-/// What is known of a context's vertex arrays.
-#[derive(Default)]
-pub struct VertexArrays {
-    /// None while it is not known which object is in use.
-    pub(super) objects: Vec<Object>,
-    /// Places in the list, by name.
-    pub(super) places: HashMap<u32, usize>,
-    /// The place of the object in use.
-    current: Option<usize>,
-    /// The program uses such objects.
-    pub(super) used: bool,
-}
-
-/// More objects are not kept.
-const MOST_OBJECTS: usize = 1 << 12;
-
-impl VertexArrays {
-    /// Anything may have changed.
-    pub fn forget(&mut self) {
-        self.objects.clear();
-        self.places.clear();
-        self.current = None;
-    }
-
-    /// An object may have changed.
-    pub(super) fn forget_object(&mut self, name: u32) {
-        if let Some(object) = self.places.get(&name).and_then(|place| self.objects.get_mut(*place)) {
-            *object = Object { name, ..Object::default() };
-        }
-    }
-
-    /// The object in use is the one of this name.
-    pub(super) fn select(&mut self, name: u32) {
-        if self.objects.len() >= MOST_OBJECTS && !self.places.contains_key(&name) {
-            self.forget();
-        }
-        let next = self.objects.len();
-        let place = *self.places.entry(name).or_insert(next);
-        if place == next {
-            self.objects.push(Object { name, ..Object::default() });
-        }
-        self.current = Some(place);
-    }
-
-    pub(super) fn current(&mut self) -> Option<&mut Object> {
-        self.current.and_then(|place| self.objects.get_mut(place))
-    }
-}
-
-impl Object {
-    pub(super) fn attribute(&mut self, location: u32) -> Option<&mut Attribute> {
-        self.attributes.iter_mut().find(|attribute| attribute.location == location)
-    }
-
-    pub(super) fn binding(&mut self, number: u32) -> Option<&mut Binding> {
-        self.bindings.iter_mut().find(|binding| binding.number == number)
-    }
-
-    pub(super) fn asked_attribute(&mut self, location: u32) -> &mut Attribute {
-        let place = self.attributes.iter().position(|attribute| attribute.location == location);
-        let place = place.unwrap_or_else(|| {
-            self.attributes.push(Attribute { location, on: None, format: None });
-            self.attributes.len() - 1
-        });
-        &mut self.attributes[place]
-    }
-
-    pub(super) fn asked_binding(&mut self, number: u32) -> &mut Binding {
-        let place = self.bindings.iter().position(|binding| binding.number == number);
-        let place = place.unwrap_or_else(|| {
-            self.bindings.push(Binding { number, source: None, divisor: None });
-            self.bindings.len() - 1
-        });
-        &mut self.bindings[place]
-    }
-}
 
 /// The object in use.
 fn object(ctx: &mut Context) -> &mut Object {
@@ -206,11 +64,6 @@ fn ask_conventional(gl: &Gl) -> Option<Pointer> {
     let stride = packed(stride, components, kind);
     let buffer = integer(gl, api::GL_VERTEX_ARRAY_BUFFER_BINDING) as u32;
     Some(Pointer { components, kind, source: Source { buffer, start: start as usize, stride } })
-}
-
-/// The real distance between elements: 0 stands for elements without gaps.
-pub(super) fn packed(stride: usize, components: usize, kind: u32) -> usize {
-    if stride == 0 { components * width(kind).unwrap_or_default() } else { stride }
 }
 
 /// Whether a generic attribute is an array.
@@ -303,15 +156,4 @@ pub(super) fn integer(gl: &Gl, name: u32) -> i32 {
     // SAFETY: writes one integer.
     unsafe { gl.get_integerv(name, &mut value) };
     value
-}
-
-/// Bytes of a number of an array; `None` for types that are not looked through.
-pub fn width(kind: u32) -> Option<usize> {
-    match kind {
-        api::GL_BYTE | api::GL_UNSIGNED_BYTE => Some(1),
-        api::GL_SHORT | api::GL_UNSIGNED_SHORT | api::GL_HALF_FLOAT => Some(2),
-        api::GL_INT | api::GL_UNSIGNED_INT | api::GL_FLOAT => Some(4),
-        api::GL_DOUBLE => Some(8),
-        _ => None,
-    }
 }

@@ -6,14 +6,16 @@
 use crate::backend::gl::api::{self, Gl};
 use crate::correct::single;
 use crate::intercept::gl::context::gl_context::Context;
-use crate::intercept::gl::draw::culling::position_layout::number;
-use crate::intercept::gl::draw::culling::ranges::{self, index_at, index_width};
-use crate::intercept::gl::projected_vertices::fixed_function::assembly;
+use crate::intercept::gl::context::methods;
 use crate::intercept::gl::projected_vertices::fixed_function::vertices::{Attribute, Vertices};
-use crate::intercept::gl::vertex_input::vertex_arrays::{self, width};
+use crate::intercept::gl::projected_vertices::fixed_function::{assembly, substitute};
+use crate::intercept::gl::state::fixed_pipeline;
+use crate::intercept::gl::state::vertex_arrays::width;
+pub use crate::intercept::gl::state::vertex_ranges::Vertices as Range;
+use crate::intercept::gl::vertex_input::position_layout::number;
+use crate::intercept::gl::vertex_input::ranges::{self, index_at, index_width};
+use crate::intercept::gl::vertex_input::vertex_arrays;
 use std::ffi::c_void;
-
-pub use crate::intercept::gl::draw::culling::ranges::Vertices as Range;
 
 /// Larger arrays are not read.
 const MOST_BYTES: usize = ranges::MOST_BYTES;
@@ -130,12 +132,8 @@ pub unsafe fn read(ctx: &mut Context, mode: u32, range: Range) -> Option<Result<
     if matches!(range, Range::Range { count: ..=0, .. } | Range::Elements { count: ..=0, .. }) {
         return None;
     }
-    let apart =
-        ctx.compiling() && !ctx.views_only && crate::intercept::gl::projected_vertices::lens::division_asked_for();
-    if !apart && !crate::intercept::gl::projected_vertices::fixed_function::substitute::reads(ctx, mode)
-        || !ctx.profile.compatibility()
-        || ctx.program.is_some()
-    {
+    let apart = ctx.compiling() && !ctx.views_only && methods::division_asked_for();
+    if !apart && !substitute::reads(ctx, mode) || !ctx.profile.compatibility() || ctx.program.is_some() {
         return None;
     }
     let mut arrays = vec![array(ctx.gl, &POSITION, None)?];
@@ -184,10 +182,7 @@ fn textures(gl: &Gl, arrays: &mut Vec<Array>) {
     unsafe {
         gl.get_integerv(api::GL_CLIENT_ACTIVE_TEXTURE, &mut active);
         gl.get_integerv(api::GL_MAX_TEXTURE_COORDS, &mut units);
-        for unit in 0..u32::try_from(units)
-            .unwrap_or(0)
-            .min(crate::intercept::gl::projected_vertices::fixed_function::pipeline::UNITS as u32)
-        {
+        for unit in 0..u32::try_from(units).unwrap_or(0).min(fixed_pipeline::UNITS as u32) {
             gl.client_active_texture(api::GL_TEXTURE0 + unit);
             arrays.extend(array(gl, &TEXTURE, Some(Attribute::Texture(unit))));
         }
@@ -239,7 +234,7 @@ unsafe fn numbers(ctx: &mut Context, range: Range) -> Option<Vec<usize>> {
         }
         Range::Elements { count, kind, indices, base } => {
             let (count, width) = (usize::try_from(count).ok()?, index_width(kind)?);
-            if crate::intercept::gl::draw::culling::arrays::restarts(ctx) {
+            if ranges::restarts(ctx) {
                 return None;
             }
             let read = match vertex_arrays::elements(ctx) {

@@ -5,10 +5,12 @@
 
 use crate::backend::gl::api::{self, Gl};
 use crate::correct::single;
-use crate::intercept::gl::compat::matrices;
 use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::context::matrices;
 use crate::intercept::gl::projected_vertices::fixed_function::assembly::{self, Triangle};
+use crate::intercept::gl::projected_vertices::fixed_function::substitute;
 use crate::intercept::gl::projected_vertices::fixed_function::vertices::{Attribute, Vertices};
+use crate::intercept::gl::state::projection;
 use crate::runtime::session::Division;
 use glam::DVec3;
 
@@ -29,7 +31,7 @@ struct Divided<'a> {
 /// Draws `vertices` for a view to which `rows` lead. What is current afterwards is not said.
 pub fn draw(ctx: &mut Context, vertices: &Vertices, division: Division, rows: &[f32; 16]) {
     let model_view = matrices::model_view(ctx);
-    let clip = matrices::multiply(&ctx.projection.matrix, &model_view);
+    let clip = projection::multiply(&ctx.projection.matrix, &model_view);
     let seen = (0..vertices.count())
         .map(|number| {
             let [x, y, z, w] = vertices.vertex(number).first().map_or([0.0; 4], |position| position.map(f64::from));
@@ -37,10 +39,7 @@ pub fn draw(ctx: &mut Context, vertices: &Vertices, division: Division, rows: &[
             seen(rows, [at(0), at(1), at(2), at(3)])
         })
         .collect();
-    let (flat, outlined) = (
-        crate::intercept::gl::projected_vertices::fixed_function::substitute::is_flat(ctx),
-        ctx.outlines.may_outline(),
-    );
+    let (flat, outlined) = (substitute::is_flat(ctx), ctx.outlines.may_outline());
     let mut divided = Divided { gl: ctx.gl, vertices, division, seen, flat, outlined, coarse: 0 };
     if assembly::fills(vertices.mode) {
         divided.triangles();

@@ -8,56 +8,16 @@
 //! and lines ([`assembly`]) and are given to the driver with what is between them ([`division`]).
 
 use crate::backend::gl::api::{self, Gl};
-use crate::intercept::gl::compat::display_lists;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
-use crate::intercept::gl::draw::culling::bounds::Bounds;
-use crate::intercept::gl::draw::culling::select;
-use crate::intercept::gl::draw::issue::{Changes, draw, draw_command};
-use crate::intercept::gl::draw::wide_primitives::Shape;
-use crate::intercept::gl::projected_vertices::fixed_function::pipeline::Pipeline;
-use crate::intercept::gl::projected_vertices::fixed_function::vertices::{Attribute, Vertices};
-use crate::intercept::gl::projected_vertices::fixed_function::{division, shader_text};
+use crate::intercept::gl::context::{errors, list_recording, methods, own_calls};
+use crate::intercept::gl::projected_vertices::fixed_function::shader_text;
+use crate::intercept::gl::projected_vertices::lens;
 use crate::intercept::gl::shader::patch::{self, Stage};
-use crate::intercept::gl::shader::programs::{self, Program};
-use crate::runtime::session::Division;
-use std::collections::HashMap;
+use crate::intercept::gl::shader::programs;
+use crate::intercept::gl::state::fixed_pipeline::Pipeline;
+use crate::intercept::gl::state::programs::Program;
 use std::sync::Arc;
-
-/// What the processor does with the draw that is being issued.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Processor {
-    /// Nothing.
-    #[default]
-    Nothing,
-    /// It divides primitives where a view needs that.
-    Divides,
-    /// It should, but cannot: why, for the log.
-    Cannot(&'static str),
-}
-
-/// What stands in for the pipeline in a context.
-#[derive(Default)]
-pub struct Fixed {
-    /// What the processor does with the draw that is being issued.
-    pub processor: Processor,
-    /// How the processor divides for the view that is drawn now, and the rows that lead to it.
-    pub view: Option<(Division, [f32; 16])>,
-    /// Primitives that the processor did not divide far enough.
-    pub coarse: u64,
-    /// The switches, or why they cannot be followed; none where they may have changed.
-    known: Option<Result<Pipeline, &'static str>>,
-    programs: HashMap<Pipeline, Arc<Program>>,
-    /// What was switched on for the program that is in use now.
-    in_use: Option<Vec<u32>>,
-}
-
-impl Fixed {
-    /// The switches may have changed.
-    pub fn touch(&mut self) {
-        self.known = None;
-    }
-}
 
 /// Puts a program in use that does what the pipeline's vertex stage does.
 ///
@@ -73,7 +33,7 @@ pub fn begin(ctx: &mut Context) -> Result<(), &'static str> {
     }
     if ctx.fixed.known.is_none() {
         let pipeline = Pipeline::read(ctx);
-        crate::intercept::gl::context::errors::drop_errors(ctx.gl);
+        errors::drop_errors(ctx.gl);
         ctx.fixed.known = Some(pipeline);
     }
     let (program, two_sided, separate) = match &ctx.fixed.known {
@@ -127,87 +87,8 @@ pub(super) fn is_flat(ctx: &Context) -> bool {
 
 /// Whether the processor has to read the vertices of the next draw of `mode`, so that it can divide them for some view.
 pub fn reads(ctx: &Context, mode: u32) -> bool {
-    let divides = ctx
-        .target
-        .as_ref()
-        .is_some_and(|target| target.lenses.iter().any(crate::intercept::gl::projected_vertices::lens::divides));
+    let divides = ctx.target.as_ref().is_some_and(|target| target.lenses.iter().any(lens::divides));
     divides && !ctx.picking && !ctx.feedback && ctx.program.is_none() && mode != api::GL_POINTS
-}
-
-/// Issues a draw whose vertices the processor has read, or could not: divided for views that need it, by `whole` for
-/// others.
-pub fn draw_read(
-    ctx: &mut Context,
-    changes: Changes,
-    bounds: Bounds,
-    vertices: &Result<Vertices, &'static str>,
-    mut whole: impl FnMut(&mut Context, &Gl),
-) {
-    let (processor, vertices) = match vertices {
-        Ok(vertices) => (Processor::Divides, Some(vertices)),
-        Err(reason) => (Processor::Cannot(reason), None),
-    };
-    ctx.fixed.processor = processor;
-    draw(
-        ctx,
-        changes,
-        |_| bounds,
-        |ctx, gl| match (ctx.fixed.view.take(), vertices) {
-            (Some((division, rows)), Some(vertices)) => division::draw(ctx, vertices, division, &rows),
-            _ => whole(ctx, gl),
-        },
-    );
-    ctx.fixed.processor = Processor::Nothing;
-}
-
-/// Issues a draw of arrays whose vertices the processor has read, or could not. In a list that is compiled it becomes a
-/// command of its own.
-pub fn draw_arrays(
-    ctx: &mut Context,
-    mode: u32,
-    vertices: Result<Vertices, &'static str>,
-    bounds: impl FnOnce(&mut Context) -> Bounds,
-    issue: impl FnMut(&mut Context, &Gl),
-) {
-    let shape = Shape::of_mode(mode);
-    if !ctx.compiling() {
-        ctx.outlines.shape = shape;
-        let bounds = if select::enabled() { bounds(ctx) } else { Bounds::UNKNOWN };
-        let current = current(ctx, &vertices);
-        draw_read(ctx, Changes::Nothing, bounds, &vertices, issue);
-        put_back(ctx, &current);
-        return;
-    }
-    let Ok(kept) = vertices else {
-        draw_command(ctx, shape, bounds, issue);
-        return;
-    };
-    let vertices = Ok(kept);
-    display_lists::now_or_later(ctx, move |ctx| {
-        ctx.outlines.shape = shape;
-        let current = current(ctx, &vertices);
-        let whole = |_: &mut Context, gl: &Gl| division::whole(gl, &vertices);
-        if reads(ctx, mode) {
-            draw_read(ctx, Changes::Nothing, Bounds::UNKNOWN, &vertices, whole);
-        } else {
-            draw(ctx, Changes::Nothing, |_| Bounds::UNKNOWN, whole);
-        }
-        put_back(ctx, &current);
-    });
-}
-
-/// What is current of the attributes that vertices have.
-fn current(ctx: &Context, vertices: &Result<Vertices, &'static str>) -> Vec<(Attribute, [f32; 4])> {
-    let attributes = vertices.iter().flat_map(|vertices| &vertices.attributes);
-    attributes.map(|attribute| (*attribute, attribute.current(ctx.gl))).collect()
-}
-
-/// Arrays leave it as it was.
-fn put_back(ctx: &Context, current: &[(Attribute, [f32; 4])]) {
-    for (attribute, value) in current {
-        // SAFETY: what `current` found, in the same context.
-        unsafe { attribute.set(ctx.gl, value) };
-    }
 }
 
 /// Links the program for the switches as they are.
@@ -215,10 +96,10 @@ fn make(ctx: &mut Context) -> Result<Arc<Program>, &'static str> {
     let Some(Ok(pipeline)) = ctx.fixed.known.clone() else { return Err("the state of the pipeline is not known") };
     let own = shader_text::text(&pipeline);
     let patched = patch::patch(&own, Stage::Vertex, false, true).unwrap_or_default();
-    let program = crate::intercept::gl::context::debug_output::quietly(ctx, |ctx| {
-        crate::intercept::gl::context::errors::take_error(ctx);
+    let program = own_calls::quietly(ctx, |ctx| {
+        errors::take_error(ctx);
         let program = programs::of_own_text(ctx, &patched, own.into(), pipeline.flat);
-        crate::intercept::gl::context::errors::drop_errors(ctx.gl);
+        errors::drop_errors(ctx.gl);
         program
     });
     ctx.counts.linked += 1;
@@ -234,11 +115,11 @@ fn make(ctx: &mut Context) -> Result<Arc<Program>, &'static str> {
 /// A command that sets a switch: done now, or cut out of the list that is compiled, so that each draw of the list finds
 /// the program for it.
 pub fn switch(ctx: &mut Context, run: impl Fn(&Gl) + Send + Sync + 'static) {
-    if !crate::intercept::gl::projected_vertices::lens::asked_for() {
+    if !methods::asked_for() {
         run(ctx.gl);
         return;
     }
-    display_lists::now_or_later(ctx, move |ctx| {
+    list_recording::now_or_later(ctx, move |ctx| {
         ctx.fixed.touch();
         run(ctx.gl);
     });

@@ -1,0 +1,91 @@
+//! What a program asks about its state: what it set, not what a view needs.
+
+use crate::backend::gl::api;
+use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::context::hooks::hooks;
+
+/// Up to four numbers that answer `glGet` for state that we follow.
+fn believed(ctx: &mut Context, name: u32) -> Option<([f64; 4], usize)> {
+    let four = |v: [i32; 4]| Some((v.map(f64::from), 4));
+    let one = |v: f64| Some(([v, 0.0, 0.0, 0.0], 1));
+    ctx.target.as_ref()?;
+    match name {
+        api::GL_VIEWPORT => four(ctx.believed.viewport),
+        api::GL_SCISSOR_BOX => four(ctx.believed.scissor),
+        api::GL_SCISSOR_TEST => one(f64::from(u8::from(ctx.believed.scissor_test))),
+        api::GL_DRAW_FRAMEBUFFER_BINDING => one(ctx.believed.draw_framebuffer.into()),
+        api::GL_READ_FRAMEBUFFER_BINDING => one(ctx.believed.read_framebuffer.into()),
+        api::GL_DRAW_BUFFER | api::GL_DRAW_BUFFER0 if ctx.redirected() => one(ctx.believed.draw_buffer.into()),
+        api::GL_READ_BUFFER if ctx.reads_redirected() => one(ctx.believed.read_buffer.into()),
+        api::GL_NUM_PROGRAM_BINARY_FORMATS => one(0.0),
+        _ if ctx.believed.draw_framebuffer == 0 => {
+            let config = ctx.target.as_ref()?.config();
+            match name {
+                api::GL_DOUBLEBUFFER => one(f64::from(u8::from(config.double_buffered))),
+                api::GL_STEREO => one(0.0),
+                api::GL_SAMPLES => one(config.samples.into()),
+                api::GL_SAMPLE_BUFFERS => one(f64::from(u8::from(config.samples > 0))),
+                api::GL_ALPHA_BITS => one(config.alpha_bits.into()),
+                api::GL_DEPTH_BITS => one(config.depth_bits.into()),
+                api::GL_STENCIL_BITS => one(config.stencil_bits.into()),
+                api::GL_ACCUM_RED_BITS
+                | api::GL_ACCUM_GREEN_BITS
+                | api::GL_ACCUM_BLUE_BITS
+                | api::GL_ACCUM_ALPHA_BITS => one(config.accumulation_bits.into()),
+                _ => None,
+            }
+        }
+        _ => None,
+    }
+}
+
+/// The raster position as in the program's window.
+fn raster_position(ctx: &Context, values: &mut [f64; 4]) {
+    let [x, y] = ctx.raster.origin();
+    values[0] -= f64::from(x);
+    values[1] -= f64::from(y);
+}
+
+macro_rules! getters {
+    ($( $name:literal $method:ident $t:ty, $convert:expr; )*) => {
+        hooks! {
+            $( $name $method(name: u32, values: *mut $t) = |ctx, gl| {
+                if values.is_null() {
+                    gl.$method(name, values);
+                } else if name == api::GL_CURRENT_RASTER_POSITION && ctx.target.is_some() {
+                    let mut position = [0.0; 4];
+                    gl.get_doublev(name, position.as_mut_ptr());
+                    raster_position(ctx, &mut position);
+                    for (i, value) in position.into_iter().enumerate() {
+                        *values.add(i) = $convert(value);
+                    }
+                } else if let Some((answer, count)) = believed(ctx, name) {
+                    for (i, value) in answer.into_iter().take(count).enumerate() {
+                        *values.add(i) = $convert(value);
+                    }
+                } else {
+                    gl.$method(name, values);
+                }
+            }; )*
+            "glIsEnabled" is_enabled(cap: u32) -> u8 = |ctx, gl| {
+                if cap == api::GL_SCISSOR_TEST && ctx.target.is_some() { u8::from(ctx.believed.scissor_test) } else { gl.is_enabled(cap) }
+            };
+            "glGetError" get_error() -> u32 = |ctx, gl| {
+                // The first error counts until it is asked for; what came later is forgotten, as drivers do.
+                let later = gl.get_error();
+                match std::mem::take(&mut ctx.pending_error) {
+                    api::GL_NO_ERROR => later,
+                    error => error,
+                }
+            };
+        }
+    };
+}
+
+getters! {
+    "glGetIntegerv" get_integerv i32, |v: f64| v as i32;
+    "glGetInteger64v" get_integer64v i64, |v: f64| v as i64;
+    "glGetFloatv" get_floatv f32, |v: f64| v as f32;
+    "glGetDoublev" get_doublev f64, |v: f64| v;
+    "glGetBooleanv" get_booleanv u8, |v: f64| u8::from(v != 0.0);
+}

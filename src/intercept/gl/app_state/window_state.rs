@@ -1,0 +1,168 @@
+//! Window-space state: what the program set, and what the driver has while a view is drawn.
+
+use crate::backend::gl::api;
+use crate::intercept::gl::app_state::known_state;
+use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::context::hooks::hooks;
+use crate::intercept::gl::context::list_recording::{self, Command};
+use crate::intercept::gl::framebuffer::default_framebuffer;
+use crate::intercept::gl::projected_vertices::fixed_function::substitute;
+use crate::intercept::gl::state::attribute_stack::{ATTRIBUTE_DEPTH, Pushed};
+use crate::intercept::gl::state::fixed_pipeline::Pipeline;
+
+/// `glPushAttrib`.
+pub fn push_attributes(ctx: &mut Context, mask: u32) {
+    // SAFETY: the program's own call.
+    unsafe { ctx.gl.push_attrib(mask) };
+    // As deep as OpenGL's own, which ignores what exceeds it.
+    if ctx.attribute_stack.len() < ATTRIBUTE_DEPTH {
+        let raster = (mask & api::GL_CURRENT_BIT != 0).then(|| ctx.raster.saved());
+        let (believed, list_base, known) = (ctx.believed.clone(), ctx.list_base, ctx.known_state.clone());
+        ctx.attribute_stack.push(Pushed { mask, believed, list_base, known, raster });
+    }
+}
+
+/// `glPopAttrib`: what comes back in the driver are tiles of ours, so what the program believes
+/// comes back from our own stack.
+pub fn pop_attributes(ctx: &mut Context) {
+    // SAFETY: the program's own call.
+    unsafe { ctx.gl.pop_attrib() };
+    ctx.fixed.touch();
+    let Some(Pushed { mask, believed: saved, list_base, known, raster }) = ctx.attribute_stack.pop() else {
+        ctx.known_state.forget();
+        return;
+    };
+    ctx.known_state.restored(&known);
+    if let Some(raster) = raster {
+        ctx.raster = raster;
+    }
+    if mask & api::GL_VIEWPORT_BIT != 0 {
+        ctx.believed.viewport = saved.viewport;
+        ctx.actual.viewport = None;
+    }
+    if mask & api::GL_SCISSOR_BIT != 0 {
+        ctx.believed.scissor = saved.scissor;
+        ctx.actual.scissor = None;
+    }
+    if mask & (api::GL_SCISSOR_BIT | api::GL_ENABLE_BIT) != 0 {
+        ctx.believed.scissor_test = saved.scissor_test;
+        ctx.actual.scissor_test = None;
+    }
+    if mask & api::GL_ENABLE_BIT != 0 && ctx.profile.version >= 30 {
+        ctx.discard = ctx.known_state.is_on(ctx.gl, api::GL_RASTERIZER_DISCARD);
+    }
+    if mask & api::GL_TRANSFORM_BIT != 0 {
+        ctx.believed.matrix_mode = saved.matrix_mode;
+    }
+    if mask & api::GL_LIST_BIT != 0 {
+        ctx.list_base = list_base;
+    }
+    if mask & api::GL_COLOR_BUFFER_BIT != 0 {
+        ctx.believed.draw_buffer = saved.draw_buffer;
+    }
+    if mask & api::GL_PIXEL_MODE_BIT != 0 {
+        ctx.believed.read_buffer = saved.read_buffer;
+    }
+    if ctx.session().is_some() && !ctx.redirected() {
+        ctx.restore_window_space();
+    }
+}
+
+/// A viewport of the program.
+pub fn set_program_viewport(ctx: &mut Context, rect: [i32; 4]) {
+    ctx.believed.viewport = rect;
+    let new_size = ctx.target.as_ref().is_some_and(|t| t.size() != (rect[2] as u32, rect[3] as u32));
+    if new_size && !ctx.frame_begun && ctx.redirected() {
+        // Perhaps the window has it already.
+        default_framebuffer::follow_size(ctx);
+    }
+    if !ctx.redirected() {
+        ctx.set_viewport(rect);
+    }
+}
+
+/// A scissor rectangle of the program.
+pub fn set_program_scissor(ctx: &mut Context, rect: [i32; 4]) {
+    ctx.believed.scissor = rect;
+    if !ctx.redirected() {
+        ctx.actual.scissor = Some(rect);
+        // SAFETY: the program's own command.
+        unsafe { ctx.gl.scissor(rect[0], rect[1], rect[2], rect[3]) };
+    }
+}
+
+/// The program's scissor test.
+pub fn set_scissor_test(ctx: &mut Context, on: bool) {
+    if ctx.compiling() {
+        list_recording::record(ctx, Command::ScissorTest(on));
+    } else {
+        ctx.believed.scissor_test = on;
+        if !ctx.redirected() {
+            ctx.actual.scissor_test = Some(on);
+            // SAFETY: the program's own command.
+            unsafe { if on { ctx.gl.enable(api::GL_SCISSOR_TEST) } else { ctx.gl.disable(api::GL_SCISSOR_TEST) } };
+        }
+    }
+}
+
+hooks! {
+    "glViewport" viewport(x: i32, y: i32, width: i32, height: i32) = |ctx, gl| {
+        if width < 0 || height < 0 {
+            // The driver says the error.
+            gl.viewport(x, y, width, height);
+        } else if ctx.compiling() {
+            list_recording::record(ctx, Command::Viewport([x, y, width, height]));
+        } else {
+            set_program_viewport(ctx, [x, y, width, height]);
+        }
+    };
+    "glScissor" scissor(x: i32, y: i32, width: i32, height: i32) = |ctx, gl| {
+        if width < 0 || height < 0 {
+            gl.scissor(x, y, width, height);
+        } else if ctx.compiling() {
+            list_recording::record(ctx, Command::Scissor([x, y, width, height]));
+        } else {
+            set_program_scissor(ctx, [x, y, width, height]);
+        }
+    };
+    "glEnable" enable(cap: u32) = |ctx, gl| {
+        match cap {
+            api::GL_SCISSOR_TEST => set_scissor_test(ctx, true),
+            _ => {
+                ctx.discard |= cap == api::GL_RASTERIZER_DISCARD;
+                ctx.assembly |= cap == api::GL_VERTEX_PROGRAM_ARB;
+                if cap == api::GL_STENCIL_TEST {
+                    ctx.workload.note_stencil();
+                }
+                if matches!(cap, api::GL_POINT_SPRITE | api::GL_VERTEX_PROGRAM_POINT_SIZE) {
+                    ctx.widest.note_unknown();
+                }
+                if Pipeline::has(cap) { substitute::switch(ctx, move |gl| gl.enable(cap)) } else { gl.enable(cap) }
+                known_state::note(ctx, |known| known.note(cap, true));
+            }
+        }
+    };
+    "glDisable" disable(cap: u32) = |ctx, gl| {
+        match cap {
+            api::GL_SCISSOR_TEST => set_scissor_test(ctx, false),
+            _ => {
+                ctx.discard &= cap != api::GL_RASTERIZER_DISCARD;
+                if Pipeline::has(cap) { substitute::switch(ctx, move |gl| gl.disable(cap)) } else { gl.disable(cap) }
+                known_state::note(ctx, |known| known.note(cap, false));
+            }
+        }
+    };
+    "glRenderMode" render_mode(mode: u32) -> i32 = |ctx, gl| {
+        ctx.picking = mode != api::GL_RENDER;
+        if ctx.picking && ctx.redirected() {
+            ctx.set_viewport(ctx.believed.viewport);
+        }
+        gl.render_mode(mode)
+    };
+    "glPushAttrib" push_attrib(mask: u32) = |ctx, _gl| {
+        if ctx.compiling() { list_recording::record(ctx, Command::PushAttributes(mask)) } else { push_attributes(ctx, mask) }
+    };
+    "glPopAttrib" pop_attrib() = |ctx, _gl| {
+        if ctx.compiling() { list_recording::record(ctx, Command::PopAttributes) } else { pop_attributes(ctx) }
+    };
+}

@@ -1,0 +1,180 @@
+//! Recording of display lists: commands that are kept beside the lists of the driver.
+
+use crate::backend::gl::api::{self, Gl};
+use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::state::bounds::Bounds;
+use std::collections::HashMap;
+use std::sync::{Arc, PoisonError};
+
+/// A command that runs once, not once per view.
+#[derive(Clone, Debug, PartialEq)]
+#[allow(missing_docs)] // Each is the OpenGL command of its name.
+pub enum Command {
+    MatrixMode(u32),
+    LoadIdentity,
+    LoadMatrix([f64; 16]),
+    MultMatrix([f64; 16]),
+    Frustum([f64; 6]),
+    Ortho([f64; 6]),
+    Rotate([f64; 4]),
+    Scale([f64; 3]),
+    Translate([f64; 3]),
+    PushMatrix,
+    PopMatrix,
+    Viewport([i32; 4]),
+    Scissor([i32; 4]),
+    ScissorTest(bool),
+    PushAttributes(u32),
+    PopAttributes,
+    UseProgram(u32),
+    Clear(u32),
+    DrawBuffer(u32),
+    ReadBuffer(u32),
+    RasterPosition([f64; 4]),
+    WindowPosition([f64; 3]),
+    CallList(u32),
+    /// Offsets to be added to `glListBase` when the list runs.
+    CallLists(Vec<u32>),
+    ListBase(u32),
+    Later(Later),
+}
+
+/// Any other command, as what it does when the list runs.
+#[derive(Clone)]
+pub struct Later(pub(in crate::intercept::gl) Arc<dyn Fn(&mut Context) + Send + Sync>);
+
+impl std::fmt::Debug for Later {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("Later")
+    }
+}
+
+impl PartialEq for Later {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
+}
+
+/// Does what a command of the program does: now, or whenever the list runs that is being compiled.
+pub fn now_or_later(ctx: &mut Context, run: impl Fn(&mut Context) + Send + Sync + 'static) {
+    if ctx.compiling() { record(ctx, Command::Later(Later(Arc::new(run)))) } else { run(ctx) }
+}
+
+/// A part of a list.
+#[derive(Clone, Debug)]
+pub(in crate::intercept::gl) enum Item {
+    /// A real list of the driver.
+    Real { list: u32, draws: bool, raster: bool, sets_state: bool, bounds: Bounds },
+    /// A command of ours.
+    Command(Command),
+}
+
+/// The program's lists that are more than one real list.
+#[derive(Default)]
+pub struct Lists {
+    pub(in crate::intercept::gl) items: HashMap<u32, Arc<Vec<Item>>>,
+    /// Names of ours that are in no use.
+    own: Vec<u32>,
+}
+
+/// So many names are taken from OpenGL for ours at once.
+pub(in crate::intercept::gl) const OWN_NAMES: u32 = 1024;
+
+/// Old programs use names from 1 on that they never asked for. Ours are this far from them.
+pub(in crate::intercept::gl) const PROGRAM_NAMES: u32 = 8192;
+
+/// A name for a list of our own, which no program takes by itself.
+pub fn own_name(ctx: &Context) -> u32 {
+    let gl = ctx.gl;
+    let mut lists = ctx.share.lists.lock().unwrap_or_else(PoisonError::into_inner);
+    if lists.own.is_empty() {
+        // SAFETY: takes names, and gives those back that are not for us.
+        let first = unsafe {
+            let first = gl.gen_lists((PROGRAM_NAMES + OWN_NAMES) as i32);
+            gl.delete_lists(first, PROGRAM_NAMES as i32);
+            first + PROGRAM_NAMES
+        };
+        lists.own.extend((first..first + OWN_NAMES).rev());
+    }
+    lists.own.pop().unwrap_or_default()
+}
+
+/// The list that is being compiled.
+pub struct Recording {
+    pub(in crate::intercept::gl) list: u32,
+    pub(in crate::intercept::gl) execute: bool,
+    pub(in crate::intercept::gl) items: Vec<Item>,
+    pub(in crate::intercept::gl) real: u32,
+    /// The present real list draws something.
+    pub(in crate::intercept::gl) draws: bool,
+    /// … at the raster position.
+    pub(in crate::intercept::gl) raster: bool,
+    /// It sets what is followed.
+    pub sets_state: bool,
+    /// Around the vertices of the present real list.
+    pub bounds: Bounds,
+}
+
+/// A draw comes into the list that is compiled, at the `raster` position or not. Each of these gets a real list without the
+/// other, as they are issued in different ways. Not between `glBegin` and `glEnd`.
+pub fn will_draw(ctx: &mut Context, raster: bool) {
+    if ctx.recording.as_ref().is_some_and(|recording| recording.draws && recording.raster != raster) {
+        next_part(ctx, None);
+    }
+    if let Some(recording) = &mut ctx.recording {
+        recording.draws = true;
+        recording.raster = raster;
+    }
+}
+
+/// Ends the present real list, keeps `command`, and begins another.
+pub fn record(ctx: &mut Context, command: Command) {
+    next_part(ctx, Some(command));
+}
+
+pub(in crate::intercept::gl) fn next_part(ctx: &mut Context, command: Option<Command>) {
+    let gl = ctx.gl;
+    if let Some(recording) = &mut ctx.recording {
+        recording.end_part(gl);
+    }
+    let real = own_name(ctx);
+    let Some(recording) = &mut ctx.recording else { return };
+    recording.items.extend(command.map(Item::Command));
+    recording.real = real;
+    // SAFETY: a list of our own; the program is compiling, and the list that was open has just ended.
+    unsafe { gl.new_list(real, api::GL_COMPILE) };
+}
+
+impl Recording {
+    pub(in crate::intercept::gl) fn end_part(&mut self, gl: &Gl) {
+        // SAFETY: ends the list that we, or the program, began.
+        unsafe { gl.end_list() };
+        let Self { real: list, draws, raster, sets_state, bounds, .. } = *self;
+        self.items.push(Item::Real { list, draws, raster, sets_state, bounds });
+        self.draws = false;
+        self.sets_state = false;
+        self.raster = false;
+        self.bounds = Bounds::EMPTY;
+    }
+}
+
+impl Lists {
+    pub(in crate::intercept::gl) fn forget(&mut self, ctx: &Context, list: u32) {
+        let Some(items) = self.items.remove(&list) else { return };
+        for item in items.iter() {
+            if let Item::Real { list: part, .. } = item
+                && *part != list
+            {
+                // The name stays ours, or the driver might give it to the program.
+                self.own.push(*part);
+                if !ctx.compiling() {
+                    // SAFETY: a list of our own that nothing else names; an empty one takes its place.
+                    unsafe {
+                        ctx.gl.new_list(*part, api::GL_COMPILE);
+                        ctx.gl.end_list();
+                    }
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,131 @@
+//! Draws from arrays, and where their vertices are.
+//!
+//! Arrays in the program's memory are looked through at every draw, since they may change without a call. Arrays
+//! in buffers are read once and then known until the buffer changes ([`crate::intercept::gl::vertex_input::ranges`]).
+
+use crate::backend::gl::api::Gl;
+use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::context::hooks::hooks;
+use crate::intercept::gl::draw::commands::draw_command;
+use crate::intercept::gl::draw::divided;
+use crate::intercept::gl::per_view::culling::position;
+use crate::intercept::gl::projected_vertices::fixed_function;
+use crate::intercept::gl::state::bounds::Bounds;
+use crate::intercept::gl::state::primitives::Shape;
+use crate::intercept::gl::state::vertex_ranges::{Layout, Vertices};
+use crate::intercept::gl::vertex_input::ranges::{self, index_at, index_width, restarts};
+use crate::intercept::gl::vertex_input::vertex_arrays;
+use std::ffi::c_void;
+
+/// Around `vertices` of the arrays that the program has set.
+///
+/// # Safety
+/// They are the program's, who promises OpenGL that its arrays hold them.
+pub unsafe fn around(ctx: &mut Context, vertices: Vertices) -> Bounds {
+    // SAFETY: as promised.
+    unsafe { find(ctx, vertices) }.unwrap_or(Bounds::UNKNOWN)
+}
+
+/// # Safety
+/// As for [`around`].
+unsafe fn find(ctx: &mut Context, vertices: Vertices) -> Option<Bounds> {
+    let (array, components) = position::array(ctx)?;
+    let layout = Layout::of(ctx, array, components)?;
+    match vertices {
+        Vertices::Range { first, count } => {
+            let (start, count) = (usize::try_from(first).ok()?, usize::try_from(count).ok()?);
+            if layout.buffer == 0 {
+                // SAFETY: as promised.
+                Some(unsafe { ranges::in_memory(&layout, layout.start as *const u8, start..start + count) })
+            } else if ctx.compiling() {
+                // It is looked through once, when the list takes it over.
+                ranges::in_buffer(ctx.gl, &ctx.profile, &layout, start..start + count)
+            } else {
+                Some(ranges::around(ctx, layout, vertices, 0))
+            }
+        }
+        Vertices::Elements { count, kind, indices, base } => {
+            if restarts(ctx) {
+                return None;
+            }
+            let buffer = vertex_arrays::elements(ctx);
+            if buffer != 0 {
+                let known = layout.buffer != 0 && !ctx.compiling();
+                return known.then(|| ranges::around(ctx, layout, vertices, buffer));
+            }
+            index_width(kind).filter(|_| !indices.is_null() && base == 0)?;
+            let numbers = 0..usize::try_from(count).ok()?;
+            // SAFETY: as promised: `count` indices of the type `kind`.
+            let numbers = numbers.map(|number| unsafe { index_at(indices.cast(), kind, number) } as usize);
+            if layout.buffer == 0 {
+                // SAFETY: as promised.
+                Some(unsafe { ranges::in_memory(&layout, layout.start as *const u8, numbers) })
+            } else if ctx.compiling() {
+                ranges::in_buffer(ctx.gl, &ctx.profile, &layout, numbers)
+            } else {
+                None
+            }
+        }
+    }
+}
+
+/// Around all of several draws; `vertices` gives those of each.
+///
+/// # Safety
+/// As for [`around`], for each of the draws.
+unsafe fn around_all(ctx: &mut Context, draws: i32, vertices: impl Fn(usize) -> Vertices) -> Bounds {
+    let mut bounds = Bounds::EMPTY;
+    for index in 0..usize::try_from(draws).unwrap_or(0) {
+        // SAFETY: as promised.
+        bounds.join(&unsafe { around(ctx, vertices(index)) });
+        if bounds.known().is_none() {
+            return Bounds::UNKNOWN;
+        }
+    }
+    bounds
+}
+
+/// Hooks of draws whose vertices are those of the arrays that the program has set. Instances show the same vertices:
+/// of what tells them apart nothing is proven, so that the positions of a proven draw do not depend on it.
+macro_rules! array_hooks {
+    ($( $name:literal $method:ident ( $($p:ident : $t:ty),* ) of $vertices:expr; )*) => {
+        hooks! {
+            $( $name $method(mode: u32, $($p: $t),*) = |ctx, _gl| {
+                let read = fixed_function::arrays::read(ctx, mode, $vertices);
+                let bounds = |ctx: &mut Context| around(ctx, $vertices);
+                let issue = |ctx: &mut Context, gl: &Gl| gl.$method(ctx.outlines.issued(mode), $($p),*);
+                ctx.outlines.mode = Some(mode);
+                match read {
+                    Some(vertices) => divided::draw_arrays(ctx, mode, vertices, bounds, issue),
+                    None => draw_command(ctx, Shape::of_mode(mode), bounds, issue),
+                }
+            }; )*
+            "glMultiDrawArrays" multi_draw_arrays(mode: u32, first: *const i32, count: *const i32, draws: i32) = |ctx, _gl| {
+                let vertices = |i: usize| Vertices::Range { first: *first.add(i), count: *count.add(i) };
+                draw_command(ctx, Shape::of_mode(mode), |ctx: &mut Context| around_all(ctx, draws, vertices), |_, gl| {
+                    gl.multi_draw_arrays(mode, first, count, draws);
+                });
+            };
+            "glMultiDrawElements" multi_draw_elements(mode: u32, count: *const i32, kind: u32, indices: *const *const c_void, draws: i32) = |ctx, _gl| {
+                let vertices = |i: usize| Vertices::Elements { count: *count.add(i), kind, indices: *indices.add(i), base: 0 };
+                draw_command(ctx, Shape::of_mode(mode), |ctx: &mut Context| around_all(ctx, draws, vertices), |_, gl| {
+                    gl.multi_draw_elements(mode, count, kind, indices, draws);
+                });
+            };
+        }
+    };
+}
+
+array_hooks! {
+    "glDrawArrays" draw_arrays(first: i32, count: i32) of Vertices::Range { first, count };
+    "glDrawArraysInstanced" draw_arrays_instanced(first: i32, count: i32, instances: i32) of Vertices::Range { first, count };
+    "glDrawArraysInstancedBaseInstance" draw_arrays_instanced_base_instance(first: i32, count: i32, instances: i32, instance: u32) of Vertices::Range { first, count };
+    "glDrawElements" draw_elements(count: i32, kind: u32, indices: *const c_void) of Vertices::Elements { count, kind, indices, base: 0 };
+    "glDrawElementsInstanced" draw_elements_instanced(count: i32, kind: u32, indices: *const c_void, instances: i32) of Vertices::Elements { count, kind, indices, base: 0 };
+    "glDrawElementsInstancedBaseInstance" draw_elements_instanced_base_instance(count: i32, kind: u32, indices: *const c_void, instances: i32, instance: u32) of Vertices::Elements { count, kind, indices, base: 0 };
+    "glDrawElementsBaseVertex" draw_elements_base_vertex(count: i32, kind: u32, indices: *const c_void, base: i32) of Vertices::Elements { count, kind, indices, base };
+    "glDrawElementsInstancedBaseVertex" draw_elements_instanced_base_vertex(count: i32, kind: u32, indices: *const c_void, instances: i32, base: i32) of Vertices::Elements { count, kind, indices, base };
+    "glDrawElementsInstancedBaseVertexBaseInstance" draw_elements_instanced_base_vertex_base_instance(count: i32, kind: u32, indices: *const c_void, instances: i32, base: i32, instance: u32) of Vertices::Elements { count, kind, indices, base };
+    "glDrawRangeElements" draw_range_elements(start: u32, end: u32, count: i32, kind: u32, indices: *const c_void) of Vertices::Elements { count, kind, indices, base: 0 };
+    "glDrawRangeElementsBaseVertex" draw_range_elements_base_vertex(start: u32, end: u32, count: i32, kind: u32, indices: *const c_void, base: i32) of Vertices::Elements { count, kind, indices, base };
+}

@@ -1,0 +1,93 @@
+//! Draws of the fixed-function pipeline whose primitives the processor divides.
+
+use crate::backend::gl::api::Gl;
+use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::context::list_recording;
+use crate::intercept::gl::draw::commands::{draw, draw_command};
+use crate::intercept::gl::per_view::culling::select;
+use crate::intercept::gl::projected_vertices::fixed_function::division;
+use crate::intercept::gl::projected_vertices::fixed_function::substitute::reads;
+use crate::intercept::gl::projected_vertices::fixed_function::vertices::{Attribute, Vertices};
+use crate::intercept::gl::state::bounds::Bounds;
+use crate::intercept::gl::state::draw::Changes;
+use crate::intercept::gl::state::fixed_function::Processor;
+use crate::intercept::gl::state::primitives::Shape;
+
+/// Issues a draw whose vertices the processor has read, or could not: divided for views that need it, by `whole` for
+/// others.
+pub fn draw_read(
+    ctx: &mut Context,
+    changes: Changes,
+    bounds: Bounds,
+    vertices: &Result<Vertices, &'static str>,
+    mut whole: impl FnMut(&mut Context, &Gl),
+) {
+    let (processor, vertices) = match vertices {
+        Ok(vertices) => (Processor::Divides, Some(vertices)),
+        Err(reason) => (Processor::Cannot(reason), None),
+    };
+    ctx.fixed.processor = processor;
+    draw(
+        ctx,
+        changes,
+        |_| bounds,
+        |ctx, gl| match (ctx.fixed.view.take(), vertices) {
+            (Some((division, rows)), Some(vertices)) => division::draw(ctx, vertices, division, &rows),
+            _ => whole(ctx, gl),
+        },
+    );
+    ctx.fixed.processor = Processor::Nothing;
+}
+
+/// Issues a draw of arrays whose vertices the processor has read, or could not. In a list that is compiled it becomes a
+/// command of its own.
+pub fn draw_arrays(
+    ctx: &mut Context,
+    mode: u32,
+    vertices: Result<Vertices, &'static str>,
+    bounds: impl FnOnce(&mut Context) -> Bounds,
+    issue: impl FnMut(&mut Context, &Gl),
+) {
+    let shape = Shape::of_mode(mode);
+    if !ctx.compiling() {
+        ctx.outlines.shape = shape;
+        let bounds = if select::enabled() { bounds(ctx) } else { Bounds::UNKNOWN };
+        let current = current(ctx, &vertices);
+        draw_read(ctx, Changes::Nothing, bounds, &vertices, issue);
+        put_back(ctx, &current);
+        return;
+    }
+    let Ok(kept) = vertices else {
+        draw_command(ctx, shape, bounds, issue);
+        return;
+    };
+    let vertices = Ok(kept);
+    list_recording::now_or_later(ctx, move |ctx| {
+        ctx.outlines.shape = shape;
+        let current = current(ctx, &vertices);
+        let whole = |_: &mut Context, gl: &Gl| division::whole(gl, &vertices);
+        if reads(ctx, mode) {
+            draw_read(ctx, Changes::Nothing, Bounds::UNKNOWN, &vertices, whole);
+        } else {
+            draw(ctx, Changes::Nothing, |_| Bounds::UNKNOWN, whole);
+        }
+        put_back(ctx, &current);
+    });
+}
+
+/// What is current of the attributes that vertices have.
+pub(in crate::intercept::gl) fn current(
+    ctx: &Context,
+    vertices: &Result<Vertices, &'static str>,
+) -> Vec<(Attribute, [f32; 4])> {
+    let attributes = vertices.iter().flat_map(|vertices| &vertices.attributes);
+    attributes.map(|attribute| (*attribute, attribute.current(ctx.gl))).collect()
+}
+
+/// Arrays leave it as it was.
+pub(in crate::intercept::gl) fn put_back(ctx: &Context, current: &[(Attribute, [f32; 4])]) {
+    for (attribute, value) in current {
+        // SAFETY: what `current` found, in the same context.
+        unsafe { attribute.set(ctx.gl, value) };
+    }
+}

@@ -1,0 +1,69 @@
+//! Programs whose vertices cannot be projected straight to an output get views, as with the method `fragment`.
+
+use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::context::matrices;
+use crate::intercept::gl::framebuffer::default_framebuffer;
+use crate::intercept::gl::offscreen::view_copies;
+use crate::intercept::gl::projected_vertices::fixed_function::substitute;
+use crate::intercept::gl::projected_vertices::lens;
+use crate::intercept::gl::state::draw::Place;
+use crate::intercept::gl::state::fixed_function::Processor;
+use crate::intercept::gl::state::primitives::Shape;
+use crate::intercept::log;
+use crate::runtime::session::MatrixClass;
+
+/// Looks whether the next draw can be served where vertices are projected, and puts a program in the place of the
+/// fixed-function pipeline; gives the window views where not.
+pub fn look(ctx: &mut Context) {
+    let projects = ctx.target.as_ref().is_some_and(|target| !target.lenses.is_empty());
+    if !projects
+        || ctx.picking
+        || ctx.program.as_ref().is_some_and(|program| program.draws_vertices())
+        || !ctx.profile.compatibility()
+    {
+        return;
+    }
+    matrices::refresh(ctx);
+    if matches!(ctx.projection.class, MatrixClass::Perspective(_))
+        && let Err(reason) = substitute::begin(ctx)
+    {
+        use_views(ctx, reason);
+    }
+}
+
+/// The same for a draw at `place` whose primitives have to be divided. Whether the window has views now.
+pub fn look_divided(ctx: &mut Context, place: Place) -> bool {
+    let divides = ctx.target.as_ref().is_some_and(|target| target.lenses.iter().any(lens::divides));
+    let in_program = ctx.program.as_ref().is_some_and(|program| program.draws_vertices());
+    if !divides || !in_program || !matches!(place, Place::Scene(_) | Place::Background) {
+        return false;
+    }
+    if let Processor::Cannot(reason) = ctx.fixed.processor {
+        use_views(ctx, reason);
+        return true;
+    }
+    let drawn = ctx.outlines.drawn;
+    match drawn {
+        Shape::Points => return false,
+        _ if ctx.fixed.processor == Processor::Divides || lens::variant(ctx).is_some() => {
+            return false;
+        }
+        Shape::Triangles | Shape::Lines => use_views(ctx, "a program's primitives cannot be divided"),
+        _ => use_views(ctx, "a program draws quadrilaterals, patches or lists in a way that cannot be divided"),
+    }
+    true
+}
+
+/// From now on this context's windows have views. The frame that is being drawn begins anew with the next draw.
+pub fn use_views(ctx: &mut Context, reason: &str) {
+    if ctx.views_only {
+        return;
+    }
+    ctx.views_only = true;
+    log::once(&format!("{reason}: the outputs are made by method \"fragment\" instead"));
+    let Some(target) = ctx.target.take() else { return };
+    let extras = target.extras();
+    view_copies::clear(ctx);
+    target.destroy(ctx.gl);
+    default_framebuffer::attach(ctx, extras);
+}

@@ -1,0 +1,47 @@
+//! A framebuffer of ours with one texture.
+
+use crate::backend::gl::api::{self, Gl};
+
+/// A framebuffer with one texture of 8 bits.
+pub struct Canvas {
+    /// Its OpenGL name.
+    pub framebuffer: u32,
+    texture: u32,
+}
+
+impl Canvas {
+    /// Of so many pixels.
+    pub fn new(gl: &Gl, width: i32, height: i32) -> Self {
+        let mut canvas = Self { framebuffer: 0, texture: 0 };
+        // SAFETY: makes objects of ours; the bindings that are touched are put back.
+        unsafe {
+            let (mut bound, mut texture) = (0, 0);
+            gl.get_integerv(api::GL_DRAW_FRAMEBUFFER_BINDING, &mut bound);
+            gl.get_integerv(api::GL_TEXTURE_BINDING_2D, &mut texture);
+            gl.gen_framebuffers(1, &mut canvas.framebuffer);
+            gl.gen_textures(1, &mut canvas.texture);
+            gl.bind_texture(api::GL_TEXTURE_2D, canvas.texture);
+            gl.tex_storage2_d(api::GL_TEXTURE_2D, 1, api::GL_RGBA8, width, height);
+            gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, canvas.framebuffer);
+            gl.framebuffer_texture2_d(
+                api::GL_DRAW_FRAMEBUFFER,
+                api::GL_COLOR_ATTACHMENT0,
+                api::GL_TEXTURE_2D,
+                canvas.texture,
+                0,
+            );
+            gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, bound as u32);
+            gl.bind_texture(api::GL_TEXTURE_2D, texture as u32);
+        }
+        canvas
+    }
+
+    /// Deletes it in its context, which must be current.
+    pub fn destroy(self, gl: &Gl) {
+        // SAFETY: objects of ours.
+        unsafe {
+            gl.delete_framebuffers(1, &self.framebuffer);
+            gl.delete_textures(1, &self.texture);
+        }
+    }
+}

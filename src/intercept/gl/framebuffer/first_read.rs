@@ -1,0 +1,146 @@
+//! The program's own picture, resampled from the views for its first read.
+
+use crate::backend::gl::{GlBackend, Target, api};
+use crate::correct::{Batch, OutputPass, PixelRect, Plan, Source};
+use crate::error::Result;
+use crate::intercept::gl::context::errors::{take_error, take_own_errors};
+use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::framebuffer::canvas::Canvas;
+use crate::intercept::gl::framebuffer::{first_read_color, first_read_depth};
+use crate::intercept::log;
+use crate::rig::{Camera, Filter, Transfer};
+use crate::runtime::session::{Frustum, Session};
+use glam::DMat3;
+
+/// Fills the tile of the program's own picture from the views, for a read that comes before
+/// anything was drawn to it.
+pub fn fill_primary(ctx: &mut Context) {
+    let Some(target) = ctx.target.take() else { return };
+    take_error(ctx);
+    let camera = &target.session.rig().camera;
+    let directions = own_directions(ctx, camera);
+    if let (Some(tile), Some(directions)) = (target.primary(), directions) {
+        let plan = own_picture(ctx, &target.session, directions);
+        let (width, height) = plan.views.atlas;
+        target.resolve(ctx, Some([0, 0, width as i32, height as i32]));
+        if !target.lenses.is_empty() {
+            // Pictures of outputs are no views that a pass could sample.
+            first_read_color::fill(ctx, &target, directions);
+        } else if let Err(error) = copy(ctx, &plan, target.texture(), target.framebuffer(), tile) {
+            log::once(&format!("the first picture that the program reads is black: {error}"));
+        }
+        first_read_depth::fill(ctx, &target, directions);
+    }
+    ctx.target = Some(target);
+    take_own_errors(ctx);
+}
+
+/// A pixel of the program's own picture (−1…1 to the right and up, 1) → its direction in the viewer's axes, as far as
+/// −1 along the program's. None before the program's lens is known.
+pub(in crate::intercept::gl) fn own_directions(ctx: &Context, camera: &Camera) -> Option<DMat3> {
+    let lens = ctx.lens?;
+    let zoom = camera.zoom;
+    let tangents = DMat3::from_cols_array(&[
+        zoom / lens.a,
+        0.0,
+        0.0,
+        0.0,
+        zoom / lens.c,
+        0.0,
+        zoom * lens.b / lens.a,
+        zoom * lens.d / lens.c,
+        -1.0,
+    ]);
+    Some(crate::runtime::session::camera_rotation(camera) * tangents)
+}
+
+/// The pass that shows what the program's own lens sees, from the same views.
+pub(in crate::intercept::gl) fn own_picture(ctx: &Context, session: &Session, directions: DMat3) -> Plan {
+    let (plan, size) = (session.plan(), session.window());
+    let rect = PixelRect { x: 0, y: 0, width: size.0, height: size.1 };
+    let views = (0..plan.views.views.len()).collect();
+    let pass = OutputPass {
+        name: "primary".to_owned(),
+        size,
+        source: Source::Perspective { matrix: directions },
+        batches: vec![Batch {
+            views,
+            neighbours: Vec::new(),
+            edge: true,
+            masked: false,
+            rects: vec![rect],
+            facets: None,
+        }],
+        mask: None,
+        filter: Filter::Bilinear,
+        gamma: 1.0,
+        transfer: Transfer::Power,
+        black_level: 0.0,
+        black: None,
+        lift: 0.0,
+        dither: 0.0,
+        flip: crate::rig::Flip::default(),
+        ramps: Vec::new(),
+        dome_rotation: DMat3::IDENTITY,
+    };
+    let mut views = plan.views.clone();
+    if let (Some(panel), Some(lens)) = (&mut views.panel, ctx.lens) {
+        // In the program's own picture the panel fills the whole window.
+        let camera = &session.rig().camera;
+        let own = lens.frustum();
+        panel.rotation = crate::runtime::session::camera_rotation(camera).transpose();
+        panel.frustum = Frustum {
+            left: camera.zoom * own.left,
+            right: camera.zoom * own.right,
+            bottom: camera.zoom * own.bottom,
+            top: camera.zoom * own.top,
+        };
+        panel.owned = panel.frustum;
+    }
+    Plan { views, passes: vec![pass] }
+}
+
+pub(in crate::intercept::gl) fn copy(
+    ctx: &Context,
+    plan: &Plan,
+    atlas: u32,
+    framebuffer: u32,
+    tile: [i32; 4],
+) -> Result<()> {
+    let gl = ctx.gl;
+    let mut backend = GlBackend::new(gl, ctx.profile.es)?.with_cache(gl, crate::runtime::cache::of_process());
+    backend.prepare(gl, plan, plan.views.panel.is_some())?;
+    let [x, y, width, height] = tile;
+    let canvas = Canvas::new(gl, width, height);
+    backend.present(gl, atlas, &[Target { framebuffer: canvas.framebuffer, viewport: [0, 0, width, height] }]);
+    // SAFETY: copies between framebuffers of ours; bindings and scissor test are put back.
+    unsafe {
+        let scissor = gl.is_enabled(api::GL_SCISSOR_TEST) != 0;
+        gl.disable(api::GL_SCISSOR_TEST);
+        let (mut read, mut draw) = (0, 0);
+        gl.get_integerv(api::GL_READ_FRAMEBUFFER_BINDING, &mut read);
+        gl.get_integerv(api::GL_DRAW_FRAMEBUFFER_BINDING, &mut draw);
+        gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, canvas.framebuffer);
+        gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, framebuffer);
+        gl.blit_framebuffer(
+            0,
+            0,
+            width,
+            height,
+            x,
+            y,
+            x + width,
+            y + height,
+            api::GL_COLOR_BUFFER_BIT,
+            api::GL_NEAREST,
+        );
+        gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, read as u32);
+        gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, draw as u32);
+        if scissor {
+            gl.enable(api::GL_SCISSOR_TEST);
+        }
+    }
+    canvas.destroy(gl);
+    backend.destroy(gl);
+    Ok(())
+}

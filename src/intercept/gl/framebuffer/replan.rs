@@ -1,0 +1,36 @@
+//! How many draws a frame of the program has: it says how dear another view is, which decides how many there are.
+//!
+//! The first plan is for a program of a thousand draws. Once the number has been steady for some frames, the views are
+//! planned anew for it, at a clear that begins a frame, so that nothing that was drawn is lost. It happens once. The
+//! number is that of the program's own draws, whether or not some of them are left out of views: what is left out never
+//! changes a picture.
+
+use crate::backend::gl::api;
+use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::context::own_calls;
+use crate::intercept::gl::framebuffer::default_framebuffer;
+use crate::intercept::gl::framebuffer::unsampled_areas::Cleared;
+
+/// The program clears its window. If nothing of what is there can be seen afterwards, this is the moment for other views.
+pub fn look(ctx: &mut Context, cleared: Cleared, stencil: bool) {
+    let begins = !ctx.frame_begun && ctx.redirected() && !ctx.picking && !ctx.believed.scissor_test;
+    let whole = cleared.color && cleared.depth.is_some() && (stencil || !ctx.workload.stencil);
+    let kept = ctx.condition.is_some() || ctx.discard || ctx.accumulation.is_some();
+    if !begins || !whole || kept || ctx.workload.draws.is_some() || !writes_all(ctx) {
+        return;
+    }
+    if let Some(draws) = ctx.workload.take() {
+        own_calls::aside(ctx, |ctx| default_framebuffer::plan_for(ctx, draws));
+    }
+}
+
+/// Whether a clear reaches all of colour and depth.
+fn writes_all(ctx: &Context) -> bool {
+    let (mut color, mut depth) = ([0u8; 4], 0u8);
+    // SAFETY: writes four values, and one.
+    unsafe {
+        ctx.gl.get_booleanv(api::GL_COLOR_WRITEMASK, color.as_mut_ptr());
+        ctx.gl.get_booleanv(api::GL_DEPTH_WRITEMASK, &mut depth);
+    }
+    color[..3].iter().all(|on| *on != 0) && depth != 0 && ctx.believed.draw_buffer != api::GL_NONE
+}

@@ -1,0 +1,167 @@
+//! The samplers of a program, and images that stop being what they were.
+
+use crate::backend::gl::api;
+use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::context::hooks::hooks;
+use crate::intercept::gl::context::list_recording;
+use crate::intercept::gl::framebuffer::read_back;
+use crate::intercept::gl::offscreen::{copies, sampling, view_copies};
+use std::ffi::c_void;
+
+/// The texture that is bound at `target` where images of it are followed; 0 = none.
+fn bound(ctx: &Context, target: u32) -> u32 {
+    if ctx.duplicates.any() && !ctx.compiling() { sampling::bound(ctx.gl, target) } else { 0 }
+}
+
+/// A level of a texture is given a size, and texels where `filled`.
+fn specified(ctx: &mut Context, texture: u32, level: i32, size: [i32; 2], issue: impl FnOnce(), filled: bool) {
+    let same = texture != 0 && view_copies::is_alike(ctx, texture, level, size);
+    if texture != 0 && !same {
+        view_copies::forget_texture(ctx, texture);
+    }
+    issue();
+    if same && filled {
+        view_copies::uploaded(ctx, texture);
+    }
+}
+
+/// A texture gets storage that is new in any case.
+fn stored(ctx: &mut Context, texture: u32) {
+    if texture != 0 {
+        view_copies::forget_texture(ctx, texture);
+    }
+}
+
+/// The renderbuffer that is bound gets storage.
+fn stored_bound_renderbuffer(ctx: &mut Context) {
+    if ctx.duplicates.any() {
+        let mut renderbuffer = 0;
+        // SAFETY: writes one integer.
+        unsafe { ctx.gl.get_integerv(api::GL_RENDERBUFFER_BINDING, &mut renderbuffer) };
+        view_copies::forget_renderbuffer(ctx, renderbuffer as u32);
+    }
+}
+
+/// A copy from the read framebuffer into a level of a texture, which may be one for each view.
+fn copied(
+    ctx: &mut Context,
+    texture: u32,
+    level: i32,
+    offset: [i32; 2],
+    source: [i32; 4],
+    issue: impl FnOnce(&mut Context),
+) {
+    if texture != 0 && copies::into_texture(ctx, texture, level, offset, source) {
+        return;
+    }
+    issue(ctx);
+    if texture != 0 {
+        copies::noted_into_texture(ctx, texture, level, source);
+    }
+}
+
+hooks! {
+    "glTexImage2D" tex_image2_d(target: u32, level: i32, internal: i32, w: i32, h: i32, border: i32, format: u32, kind: u32, pixels: *const c_void) = |ctx, gl| {
+        let texture = bound(ctx, target);
+        specified(ctx, texture, level, [w, h], || gl.tex_image2_d(target, level, internal, w, h, border, format, kind, pixels), !pixels.is_null());
+    };
+    "glTexSubImage2D" tex_sub_image2_d(target: u32, level: i32, x: i32, y: i32, w: i32, h: i32, format: u32, kind: u32, pixels: *const c_void) = |ctx, gl| {
+        gl.tex_sub_image2_d(target, level, x, y, w, h, format, kind, pixels);
+        view_copies::uploaded(ctx, bound(ctx, target));
+    };
+    "glTextureSubImage2D" texture_sub_image2_d(texture: u32, level: i32, x: i32, y: i32, w: i32, h: i32, format: u32, kind: u32, pixels: *const c_void) = |ctx, gl| {
+        gl.texture_sub_image2_d(texture, level, x, y, w, h, format, kind, pixels);
+        view_copies::uploaded(ctx, texture);
+    };
+    "glTexImage2DMultisample" tex_image2_d_multisample(target: u32, samples: i32, internal: u32, w: i32, h: i32, fixed: u8) = |ctx, gl| {
+        let texture = bound(ctx, target);
+        stored(ctx, texture);
+        gl.tex_image2_d_multisample(target, samples, internal, w, h, fixed);
+    };
+    "glTexStorage2D" tex_storage2_d(target: u32, levels: i32, internal: u32, w: i32, h: i32) = |ctx, gl| {
+        let texture = bound(ctx, target);
+        stored(ctx, texture);
+        gl.tex_storage2_d(target, levels, internal, w, h);
+    };
+    "glTextureStorage2D" texture_storage2_d(texture: u32, levels: i32, internal: u32, w: i32, h: i32) = |ctx, gl| {
+        stored(ctx, texture);
+        gl.texture_storage2_d(texture, levels, internal, w, h);
+    };
+    "glRenderbufferStorage" renderbuffer_storage(target: u32, internal: u32, w: i32, h: i32) = |ctx, gl| {
+        stored_bound_renderbuffer(ctx);
+        gl.renderbuffer_storage(target, internal, w, h);
+    };
+    "glRenderbufferStorageMultisample" renderbuffer_storage_multisample(target: u32, samples: i32, internal: u32, w: i32, h: i32) = |ctx, gl| {
+        stored_bound_renderbuffer(ctx);
+        gl.renderbuffer_storage_multisample(target, samples, internal, w, h);
+    };
+    "glNamedRenderbufferStorage" named_renderbuffer_storage(renderbuffer: u32, internal: u32, w: i32, h: i32) = |ctx, gl| {
+        view_copies::forget_renderbuffer(ctx, renderbuffer);
+        gl.named_renderbuffer_storage(renderbuffer, internal, w, h);
+    };
+    "glNamedRenderbufferStorageMultisample" named_renderbuffer_storage_multisample(renderbuffer: u32, samples: i32, internal: u32, w: i32, h: i32) = |ctx, gl| {
+        view_copies::forget_renderbuffer(ctx, renderbuffer);
+        gl.named_renderbuffer_storage_multisample(renderbuffer, samples, internal, w, h);
+    };
+    "glGenerateMipmap" generate_mipmap(target: u32) = |ctx, gl| {
+        let texture = bound(ctx, target);
+        if texture == 0 || !view_copies::mipmaps(ctx, texture) { gl.generate_mipmap(target) }
+    };
+    "glGenerateTextureMipmap" generate_texture_mipmap(texture: u32) = |ctx, gl| {
+        if !view_copies::mipmaps(ctx, texture) { gl.generate_texture_mipmap(texture) }
+    };
+    "glGetTexImage" get_tex_image(target: u32, level: i32, format: u32, kind: u32, pixels: *mut c_void) = |ctx, gl| {
+        let texture = bound(ctx, target);
+        view_copies::before_reading_texture(ctx, texture);
+        gl.get_tex_image(target, level, format, kind, pixels);
+    };
+    "glGetTextureImage" get_texture_image(texture: u32, level: i32, format: u32, kind: u32, size: i32, pixels: *mut c_void) = |ctx, gl| {
+        view_copies::before_reading_texture(ctx, texture);
+        gl.get_texture_image(texture, level, format, kind, size, pixels);
+    };
+    "glCopyTexImage2D" copy_tex_image2_d(target: u32, level: i32, format: u32, x: i32, y: i32, w: i32, h: i32, border: i32) = |ctx, _gl|
+        list_recording::now_or_later(ctx, move |ctx| {
+            let gl = ctx.gl;
+            let texture = sampling::bound(gl, target);
+            if texture != 0 && !view_copies::is_alike(ctx, texture, level, [w, h]) {
+                view_copies::forget_texture(ctx, texture);
+            }
+            copied(ctx, texture, level, [0, 0], [x, y, w, h], |ctx| {
+                // SAFETY: the program's own call, moved to where its picture is.
+                read_back::read(ctx, x, y, |x, y| unsafe { gl.copy_tex_image2_d(target, level, format, x, y, w, h, border) });
+            });
+        });
+    "glCopyTexSubImage2D" copy_tex_sub_image2_d(target: u32, level: i32, dx: i32, dy: i32, x: i32, y: i32, w: i32, h: i32) = |ctx, _gl|
+        list_recording::now_or_later(ctx, move |ctx| {
+            let gl = ctx.gl;
+            let texture = sampling::bound(gl, target);
+            copied(ctx, texture, level, [dx, dy], [x, y, w, h], |ctx| {
+                // SAFETY: as above.
+                read_back::read(ctx, x, y, |x, y| unsafe { gl.copy_tex_sub_image2_d(target, level, dx, dy, x, y, w, h) });
+            });
+        });
+    "glCopyTextureSubImage2D" copy_texture_sub_image2_d(texture: u32, level: i32, dx: i32, dy: i32, x: i32, y: i32, w: i32, h: i32) = |ctx, _gl|
+        list_recording::now_or_later(ctx, move |ctx| {
+            let gl = ctx.gl;
+            copied(ctx, texture, level, [dx, dy], [x, y, w, h], |ctx| {
+                // SAFETY: as above.
+                read_back::read(ctx, x, y, |x, y| unsafe { gl.copy_texture_sub_image2_d(texture, level, dx, dy, x, y, w, h) });
+            });
+        });
+    "glDeleteTextures" delete_textures(count: i32, names: *const u32) = |ctx, gl| {
+        if ctx.duplicates.any() && !names.is_null() {
+            for name in std::slice::from_raw_parts(names, usize::try_from(count).unwrap_or(0)) {
+                view_copies::forget_texture(ctx, *name);
+            }
+        }
+        gl.delete_textures(count, names);
+    };
+    "glDeleteRenderbuffers" delete_renderbuffers(count: i32, names: *const u32) = |ctx, gl| {
+        if ctx.duplicates.any() && !names.is_null() {
+            for name in std::slice::from_raw_parts(names, usize::try_from(count).unwrap_or(0)) {
+                view_copies::forget_renderbuffer(ctx, *name);
+            }
+        }
+        gl.delete_renderbuffers(count, names);
+    };
+}

@@ -1,0 +1,18 @@
+//! Flat drawing behind the scene ([`FrameOrder`]): it goes into the views themselves, where the
+//! panel would be. A flat clip position is a point of the panel, seen with the panel's opening as a
+//! lens.
+
+use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::per_view::classify;
+
+/// Whether a flat draw with the present state goes behind the scene.
+pub fn is_behind(ctx: &mut Context) -> bool {
+    if !ctx.background.order.is_behind() || !classify::main_viewport(ctx) {
+        return false;
+    }
+    let Some(target) = &ctx.target else { return false };
+    let (width, height) = target.size();
+    let [x, y, across, up] = ctx.believed.scissor.map(i64::from);
+    let whole = x <= 0 && y <= 0 && x + across >= width.into() && y + up >= height.into();
+    (whole || !ctx.believed.scissor_test) && ctx.background.prepare(&target.session, &ctx.projection.matrix)
+}

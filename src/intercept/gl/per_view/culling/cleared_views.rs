@@ -1,0 +1,69 @@
+//! Views that hold nothing but the colour of the last clear, and where others hold more: their part of the correction is
+//! that colour, but for where something was drawn.
+
+use crate::backend::gl::api;
+use crate::intercept::gl::context::gl_context::Context;
+
+/// The program cleared all views' colours by `glClear`, to what it believes to have set.
+pub fn note_clear(ctx: &mut Context) {
+    let unconditional = ctx.condition.is_none() && !ctx.discard && ctx.believed.draw_buffer != api::GL_NONE;
+    let (gl, state) = (ctx.gl, &ctx.known_state);
+    let srgb = ctx.target.as_ref().is_some_and(|t| t.config().srgb);
+    // OpenGL ES converts wherever the window can.
+    let converts = srgb && (ctx.profile.es || state.is_on(gl, api::GL_FRAMEBUFFER_SRGB));
+    let (mask, [red, green, blue, _]) = (state.mask(gl), state.clear_color(gl));
+    let known = unconditional && !converts && mask[..3].iter().all(|on| *on != 0);
+    if let Some(target) = &mut ctx.target {
+        target.content.clear(if known { stored([red, green, blue]) } else { None });
+    }
+}
+
+/// A colour as 8 bits hold it. `None` where the driver may round either way.
+fn stored(color: [f32; 3]) -> Option<[f32; 3]> {
+    let steps = color.map(|c| 255.0 * c.clamp(0.0, 1.0));
+    let certain = steps.iter().all(|s| (s - s.round()).abs() < 0.49);
+    certain.then(|| steps.map(|s| s.round() / 255.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::stored;
+    use crate::intercept::gl::state::cleared_views::Content;
+
+    #[test]
+    fn only_views_that_nothing_came_into_are_blank() {
+        let mut content = Content::default();
+        assert!(content.blank().is_none(), "nothing is known before the first clear");
+        content.clear(Some([0.0; 3]));
+        content.draw(1);
+        content.draw(63);
+        assert_eq!(content.blank().map(|b| b.views), Some(!(2 | 1 << 63)));
+        content.clear(Some([1.0; 3]));
+        assert_eq!(content.blank().map(|b| b.views), Some(u64::MAX));
+        content.draw(64);
+        assert!(content.blank().is_none(), "views beyond the bits are not followed");
+    }
+
+    #[test]
+    fn what_was_touched_grows_until_a_clear() {
+        let mut content = Content::default();
+        content.clear(Some([0.0; 3]));
+        content.draw_within(2, [10, 20, 30, 40]);
+        content.draw_within(2, [25, 5, 60, 30]);
+        let touched = |content: &Content, view: usize| content.blank().map(|b| b.touched[view]);
+        assert_eq!(touched(&content, 2), Some([10, 5, 60, 40]));
+        assert!(touched(&content, 1).is_some_and(|[x0, _, x1, _]| x0 > x1), "nothing");
+        content.draw(2);
+        assert_eq!(touched(&content, 2).map(|t| t[2]), Some(i32::MAX));
+        content.clear(Some([0.0; 3]));
+        assert!(touched(&content, 2).is_some_and(|[x0, _, x1, _]| x0 > x1));
+    }
+
+    #[test]
+    fn colours_that_may_round_either_way_are_not_known() {
+        assert_eq!(stored([0.0, 1.0, 2.0]), Some([0.0, 1.0, 1.0]));
+        assert_eq!(stored([0.3, 0.0, -1.0]), None, "76.5 steps");
+        assert_eq!(stored([100.2 / 255.0, 0.0, 0.0]), Some([100.0 / 255.0, 0.0, 0.0]));
+        assert_eq!(stored([f32::NAN, 0.0, 0.0]), None);
+    }
+}

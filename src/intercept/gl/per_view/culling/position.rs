@@ -1,0 +1,136 @@
+//! What takes a draw's positions to clip coordinates: an array and matrices.
+
+use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::context::matrices;
+use crate::intercept::gl::state::draw::Place;
+use crate::intercept::gl::state::programs::{Array, Factor, Position, Program};
+use crate::intercept::gl::state::projection::multiply;
+use crate::intercept::gl::vertex_input::buffers;
+use std::sync::PoisonError;
+
+/// A product of matrices, column by column.
+#[derive(Clone, Copy, Debug)]
+pub struct Transform {
+    /// The product.
+    pub matrix: [f64; 16],
+    /// The product of the entries' sizes, which bounds how far 32-bit numbers may be off.
+    pub sizes: [f64; 16],
+}
+
+impl Transform {
+    const NONE: Self = {
+        let matrix = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
+        Self { matrix, sizes: matrix }
+    };
+
+    /// A matrix.
+    pub fn of(matrix: &[f64; 16]) -> Self {
+        Self { matrix: *matrix, sizes: matrix.map(f64::abs) }
+    }
+
+    /// `self` after `first`.
+    pub fn after(&self, first: &Self) -> Self {
+        Self { matrix: multiply(&self.matrix, &first.matrix), sizes: multiply(&self.sizes, &first.sizes) }
+    }
+}
+
+/// What takes eye or clip coordinates of the program to clip coordinates of a view.
+#[derive(Clone, Copy, Debug)]
+pub struct View {
+    /// The rows of x, y and w.
+    pub rows: [[f64; 4]; 3],
+    /// Their entries' sizes, as in [`Transform`].
+    pub sizes: [[f64; 4]; 3],
+}
+
+impl View {
+    /// By a matrix, column by column.
+    pub fn of(matrix: &[f64; 16]) -> Self {
+        let rows = [0, 1, 3].map(|row| std::array::from_fn(|column| matrix[4 * column + row]));
+        Self { rows, sizes: rows.map(|row: [f64; 4]| row.map(f64::abs)) }
+    }
+
+    /// By the rows that a patched shader re-projects by (`glsl::patch`).
+    pub fn of_rows(rows: &[f32; 16]) -> Self {
+        let e = f64::from(rows[12]);
+        let of = |row: usize| -> [f64; 4] { std::array::from_fn(|k| rows[4 * row + k].into()) };
+        Self {
+            rows: [0, 1, 2].map(of).map(|[x, y, w, q]| [x, y, q, w + q * e]),
+            sizes: [0, 1, 2].map(of).map(|[x, y, w, q]| [x.abs(), y.abs(), q.abs(), w.abs() + (q * e).abs()]),
+        }
+    }
+}
+
+/// The array of positions of what is drawn now, and how many of its components count; `None`: not known.
+pub fn array(ctx: &Context) -> Option<(Array, usize)> {
+    match ctx.program.as_ref().filter(|program| program.draws_vertices()) {
+        Some(program) => {
+            // In a pipeline a stage of another program may come after it.
+            let position = program.position.as_ref().filter(|_| ctx.pipelines.used == program.name)?;
+            Some((position.array, position.components))
+        }
+        None => (ctx.profile.compatibility() && !ctx.assembly).then_some((Array::Conventional, 4)),
+    }
+}
+
+/// What takes positions of the scene at `place` to the program's eye or clip coordinates, whichever the views' own
+/// transforms start from; `None`: not known.
+pub fn transform(ctx: &mut Context, place: Place) -> Option<Transform> {
+    match place {
+        Place::FixedScene => (!ctx.assembly).then(|| Transform::of(&matrices::model_view(ctx))),
+        Place::Scene(_) => {
+            let program = ctx.program.clone().filter(|program| ctx.pipelines.used == program.name)?;
+            clip(ctx, &program, program.position.as_ref()?)
+        }
+        Place::Flat | Place::Background => None,
+    }
+}
+
+fn clip(ctx: &mut Context, program: &Program, position: &Position) -> Option<Transform> {
+    let mut product = Transform::NONE;
+    for factor in &position.factors {
+        let next = match factor {
+            Factor::ModelView => matrices::model_view(ctx),
+            Factor::Projection => {
+                matrices::refresh(ctx);
+                ctx.projection.matrix
+            }
+            Factor::Uniform(number) => {
+                let uniforms = program.uniforms.lock().unwrap_or_else(PoisonError::into_inner);
+                let buffers = buffers::of(ctx);
+                uniforms.matrix(*number, &buffers)?
+            }
+        };
+        product = product.after(&Transform::of(&next));
+    }
+    Some(product)
+}
+
+/// What takes them from there to the clip coordinates of the view `index`.
+pub fn of_view(ctx: &Context, place: Place, index: usize) -> Option<View> {
+    match place {
+        Place::FixedScene => ctx.projection.per_view.get(index).map(View::of),
+        Place::Scene(camera) => ctx.cameras.get(camera)?.rows.get(index).map(View::of_rows),
+        Place::Flat | Place::Background => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::View;
+
+    /// The epilogue of patched shaders, step by step.
+    #[test]
+    fn rows_become_those_that_shaders_apply() {
+        let rows: [f32; 16] = std::array::from_fn(|i| ((i * 7 + 3) % 11) as f32 - 5.0);
+        let view = View::of_rows(&rows);
+        let [x, y, z, w] = [0.3, -1.7, 2.2, 5.0];
+        let q = z + f64::from(rows[12]) * w;
+        for (index, [a, b, c, d]) in view.rows.into_iter().enumerate() {
+            let r: [f64; 4] = std::array::from_fn(|k| rows[4 * index + k].into());
+            let expected = r[0] * x + r[1] * y + r[2] * w + r[3] * q;
+            assert!((a * x + b * y + c * z + d * w - expected).abs() < 1e-12);
+        }
+        assert!(view.sizes.as_flattened().iter().zip(view.rows.as_flattened()).all(|(size, m)| *size >= m.abs()));
+    }
+}

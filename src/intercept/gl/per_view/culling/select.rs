@@ -1,0 +1,127 @@
+//! Leaves out draws from the views that cannot show them.
+//!
+//! Only where that is proven: vertices whose places are known, and matrices that are known, be it the
+//! fixed-function pipeline's or those of a shader whose text says what it does with them ([`proof`]). Everything else
+//! goes to every view. Views that got nothing are not corrected either ([`cleared_views`]).
+
+use crate::correct::Texels;
+use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::per_view::culling::bounds::{Placed, extent, outside};
+use crate::intercept::gl::per_view::culling::position::{self, View};
+use crate::intercept::gl::state::bounds::Bounds;
+use crate::intercept::gl::state::cleared_views;
+use crate::intercept::gl::state::draw::{Changes, Place};
+use crate::intercept::gl::state::views::Views;
+use crate::runtime::session::Session;
+
+/// Whether draws may be left out at all.
+pub fn enabled() -> bool {
+    crate::intercept::settings::settings().is_some_and(|s| s.cull)
+}
+
+/// The views of the window that can show a draw at `place` of vertices within `bounds`, which are asked for where they may
+/// matter.
+///
+/// A draw that no view shows still goes to the last one where it `changes` state, or where more than its
+/// picture counts (transform feedback).
+pub fn views(ctx: &mut Context, place: Place, bounds: impl FnOnce(&mut Context) -> Bounds, changes: Changes) -> Views {
+    let Some(known) = Known::of(ctx, place, bounds) else { return Views::ALL };
+    let mut areas = std::mem::take(&mut ctx.areas);
+    areas.clear();
+    let Some(target) = &ctx.target else { return Views::ALL };
+    let session = &target.session;
+    let count = session.views().len().min(64);
+    let mut seen = 0;
+    for index in 0..count {
+        let (tile, _) = session.tile(index);
+        let look = known.look(ctx, session, index, [tile[2], tile[3]]);
+        seen |= u64::from(!look.hidden) << index;
+        let part = look.view.filter(|_| !look.hidden).and_then(|view| extent(&view, &known.placed));
+        areas.push(match part {
+            _ if look.hidden => cleared_views::NOTHING,
+            Some(part) => texels(part, tile, known.margin),
+            None => texels([-1.0, -1.0, 1.0, 1.0], tile, known.margin),
+        });
+    }
+    ctx.areas = areas;
+    Views { seen: at_least(ctx, seen, count, changes), bounded: true }
+}
+
+/// As [`views`], for a draw to a framebuffer of the program's: a view's part of it is its viewport.
+pub fn views_off_screen(
+    ctx: &mut Context,
+    place: Place,
+    bounds: impl FnOnce(&mut Context) -> Bounds,
+    changes: Changes,
+) -> Views {
+    let Some(known) = Known::of(ctx, place, bounds) else { return Views::ALL };
+    let Some(session) = ctx.session() else { return Views::ALL };
+    let [_, _, width, height] = ctx.believed.viewport;
+    let count = session.views().len().min(64);
+    let shows = |index: usize| !known.look(ctx, session, index, [width, height]).hidden;
+    let seen = (0..count).fold(0, |seen, index| seen | u64::from(shows(index)) << index);
+    Views { seen: at_least(ctx, seen, count, changes), bounded: false }
+}
+
+/// The views that show a draw, or the last of them where it must not be lost.
+fn at_least(ctx: &Context, seen: u64, count: usize, changes: Changes) -> u64 {
+    let needed = seen == 0 && (changes != Changes::Nothing || ctx.feedback);
+    if needed { 1 << (count.max(1) - 1) } else { seen }
+}
+
+/// A draw of which it is known where it comes to be.
+struct Known {
+    place: Place,
+    /// Around its vertices, where the views' own transforms start from.
+    placed: Placed,
+    /// So many pixels beside a view still matter to it.
+    margin: f64,
+}
+
+/// What a view shows of a draw.
+struct Look {
+    /// What takes its vertices to the view; `None`: not known.
+    view: Option<View>,
+    /// The view shows nothing of it.
+    hidden: bool,
+}
+
+impl Known {
+    fn of(ctx: &mut Context, place: Place, bounds: impl FnOnce(&mut Context) -> Bounds) -> Option<Self> {
+        let margin = ctx.widest.margin();
+        // Where a picture is curved, a box is not what is around its corners.
+        let curved = ctx.session().is_none_or(|session| session.views().iter().any(|view| view.curved.is_some()));
+        if !enabled() || !margin.is_finite() || curved {
+            return None;
+        }
+        let model = position::transform(ctx, place)?;
+        let (low, high) = bounds(ctx).known()?;
+        ctx.counts.bounded_draws += 1;
+        Some(Self { place, placed: Placed::of(&model, low, high), margin })
+    }
+
+    /// Looks from the view `index`, whose picture has so many pixels across and up.
+    fn look(&self, ctx: &Context, session: &Session, index: usize, size: [i32; 2]) -> Look {
+        let (_, own_lens) = session.tile(index);
+        let view = position::of_view(ctx, self.place, index).filter(|_| !own_lens);
+        let beside = size.map(|pixels| 2.0 * self.margin / f64::from(pixels.max(1)));
+        let hidden = view.as_ref().is_some_and(|view| outside(view, &self.placed, beside));
+        Look { view, hidden }
+    }
+}
+
+/// The texels of the atlas within `margin` of a part of a picture (left, bottom, right, top; −1…1), as far as they are the
+/// tile's, or so near to it that a wide line may reach them.
+fn texels([left, bottom, right, top]: [f64; 4], tile: [i32; 4], margin: f64) -> Texels {
+    let along = |at: f64, axis: usize| {
+        let length = f64::from(tile[axis + 2]);
+        let inside = (0.5 * (1.0 + at) * length).clamp(0.0, length);
+        f64::from(tile[axis]) + inside
+    };
+    [
+        (along(left, 0) - margin).floor() as i32,
+        (along(bottom, 1) - margin).floor() as i32,
+        (along(right, 0) + margin).ceil() as i32,
+        (along(top, 1) + margin).ceil() as i32,
+    ]
+}

@@ -1,0 +1,51 @@
+//! The flat panel: its blending and its clears.
+
+use crate::backend::gl::KnownState;
+use crate::backend::gl::api::{self, Gl};
+use crate::intercept::gl::context::gl_context::Context;
+
+/// While the panel is drawn, its alpha collects how much of it is covered, for the composition.
+pub(in crate::intercept::gl) struct PanelBlend {
+    factors: [u32; 4],
+}
+
+impl PanelBlend {
+    pub(in crate::intercept::gl) fn begin(gl: &Gl, known: &KnownState) -> Option<Self> {
+        if !known.is_on(gl, api::GL_BLEND) {
+            return None;
+        }
+        let factors = known.blending(gl);
+        let covers = factors[1] == api::GL_ONE_MINUS_SRC_ALPHA;
+        let (source, destination) =
+            if covers { (api::GL_ONE, api::GL_ONE_MINUS_SRC_ALPHA) } else { (api::GL_ZERO, api::GL_ONE) };
+        // SAFETY: sets plain state; put back in `end`.
+        unsafe { gl.blend_func_separate(factors[0], factors[1], source, destination) };
+        Some(Self { factors })
+    }
+
+    pub(in crate::intercept::gl) fn end(self, gl: &Gl) {
+        let [source, destination, source_alpha, destination_alpha] = self.factors;
+        // SAFETY: puts back what `begin` found.
+        unsafe { gl.blend_func_separate(source, destination, source_alpha, destination_alpha) };
+    }
+}
+
+/// The panel is a pane of glass: what is cleared away is seen through.
+pub fn clear_panel(ctx: &mut Context) {
+    if let Some(panel) = ctx.target.as_ref().and_then(|t| t.panel()) {
+        // The gutter goes with it, or the filter would mix the clear colour into its borders.
+        ctx.set_scissor(Some([panel[0] - 1, panel[1] - 1, panel[2] + 2, panel[3] + 2]));
+        clear_transparent(ctx.gl, &ctx.known_state);
+    }
+}
+
+/// Clears the bound framebuffer's colour within the scissor to transparent black.
+pub fn clear_transparent(gl: &Gl, known: &KnownState) {
+    let mask = known.mask(gl);
+    // SAFETY: the colour mask is put back.
+    unsafe {
+        gl.color_mask(1, 1, 1, 1);
+        gl.clear_bufferfv(api::GL_COLOR, 0, [0.0f32; 4].as_ptr());
+        gl.color_mask(mask[0], mask[1], mask[2], mask[3]);
+    }
+}

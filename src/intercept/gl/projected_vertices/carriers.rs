@@ -1,0 +1,18 @@
+//! Outputs of a stage, carried to a stage of ours behind it.
+
+use crate::intercept::gl::projected_vertices::geometry_stage;
+use crate::intercept::gl::projected_vertices::interface::Interface;
+use crate::intercept::gl::shader::patch::{end_of_version_line, strip_comments, version};
+
+/// `source`, a stage of desktop OpenGL that hands on what `interface` says, with its outputs in carriers for a stage of
+/// ours behind it.
+pub fn carry(source: &str, interface: &Interface) -> String {
+    let edited = interface.edited(source);
+    let bare = strip_comments(&edited);
+    let out = if version(&bare, false).0 < 130 { "varying" } else { "out" };
+    let (declarations, copies) = geometry_stage::carriers(interface, out);
+    let (head, body) = edited.split_at(end_of_version_line(&edited, &bare));
+    format!(
+        "{head}#define main cupola_main\n{body}\n#undef main\n{declarations}void main() {{ cupola_main();{copies} }}\n"
+    )
+}

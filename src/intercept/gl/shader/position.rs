@@ -1,0 +1,30 @@
+//! Positions of a program that are proven from the text of its vertex shader.
+
+use crate::backend::gl::api::Gl;
+use crate::intercept::gl::shader::prover::{self, Attribute, Proof};
+use crate::intercept::gl::state::programs::{Array, Factor, Position};
+use crate::intercept::gl::state::uniforms::Uniforms;
+use std::ffi::CString;
+
+impl Position {
+    /// For a linked program whose only stage before rasterisation is the vertex shader `source`.
+    pub fn of_shader(gl: &Gl, program: u32, source: &str, es_context: bool, uniforms: &Uniforms) -> Option<Self> {
+        let Proof { factors, attribute, components } = prover::prove(source, es_context)?;
+        let array = match attribute {
+            Attribute::Conventional => Array::Conventional,
+            Attribute::Named(name) => {
+                let name = CString::new(name).ok()?;
+                // SAFETY: a name that ends with a zero.
+                let location = unsafe { gl.get_attrib_location(program, name.as_ptr()) };
+                Array::Generic(u32::try_from(location).ok()?)
+            }
+        };
+        let factor = |factor: prover::Factor| match factor {
+            prover::Factor::ModelView => Some(Factor::ModelView),
+            prover::Factor::Projection => Some(Factor::Projection),
+            prover::Factor::Uniform(name) => uniforms.number(&name).map(Factor::Uniform),
+        };
+        let factors = factors.into_iter().map(factor).collect::<Option<_>>()?;
+        Some(Self { array, components, factors })
+    }
+}

@@ -1,0 +1,185 @@
+//! The atlas that stands in for a window's framebuffer, and what corrects it.
+
+use crate::backend::gl::api::Gl;
+use crate::backend::gl::surface::Surface;
+use crate::backend::gl::{Blank, GlBackend, Target};
+use crate::correct::Texels;
+use crate::error::Result;
+use crate::intercept::gl::state::cleared_views::Content;
+use crate::intercept::gl::state::window_config::Config;
+use crate::intercept::settings;
+use crate::runtime::session::{Extras, Session};
+use std::sync::Arc;
+
+/// The atlas and what corrects it.
+pub struct DefaultFramebuffer {
+    /// Rig and plan for the window's size.
+    pub session: Arc<Session>,
+    /// Which state of the rig's file it follows.
+    pub(in crate::intercept::gl) version: u64,
+    pub(in crate::intercept::gl) config: Config,
+    pub(in crate::intercept::gl) surface: Surface,
+    /// The surface's picture with one sample per pixel, where it has several.
+    pub(in crate::intercept::gl) resolved: Option<Surface>,
+    pub(in crate::intercept::gl) backend: GlBackend,
+    /// For each view the lens to which vertices are projected; empty where all views are perspective ones.
+    pub lenses: Vec<[f32; 16]>,
+    /// What the views hold.
+    pub content: Content,
+    pub(in crate::intercept::gl) issued: Vec<u64>,
+    pub(in crate::intercept::gl) culled: Vec<u64>,
+    /// Texels of each view that are closed for drawing; empty where none are.
+    pub(in crate::intercept::gl) closed: Vec<u64>,
+    /// Where each output is in the window.
+    pub(in crate::intercept::gl) outputs: Vec<Target>,
+}
+
+impl DefaultFramebuffer {
+    /// The tiles that the program has been seen to need.
+    pub fn extras(&self) -> Extras {
+        self.session.extras()
+    }
+
+    /// Size of the window that it stands for.
+    pub fn size(&self) -> (u32, u32) {
+        self.session.window()
+    }
+
+    /// The window's own configuration.
+    pub fn config(&self) -> &Config {
+        &self.config
+    }
+
+    /// What the program's framebuffer 0 really is.
+    pub fn framebuffer(&self) -> u32 {
+        self.surface.framebuffer()
+    }
+
+    /// Whether `name` is a framebuffer of ours.
+    pub fn is_ours(&self, name: u32) -> bool {
+        name == self.surface.framebuffer() || self.resolved.as_ref().is_some_and(|r| r.framebuffer() == name)
+    }
+
+    /// The tile of the flat panel.
+    pub fn panel(&self) -> Option<[i32; 4]> {
+        self.session.panel()
+    }
+
+    /// The tile of the program's own picture.
+    pub fn primary(&self) -> Option<[i32; 4]> {
+        self.session.primary()
+    }
+
+    /// Where flat drawing goes, and whether each is the panel (whose alpha counts).
+    pub fn flat_tiles(&self) -> [Option<([i32; 4], bool)>; 3] {
+        let own = (0..self.session.views().len()).map(|i| self.session.tile(i)).find(|(_, own_lens)| *own_lens);
+        [own.map(|(tile, _)| (tile, false)), self.panel().map(|t| (t, true)), self.primary().map(|t| (t, false))]
+    }
+
+    /// A draw went to a view.
+    pub fn issued(&mut self, view: usize) {
+        self.content.draw(view);
+        if let Some(count) = self.issued.get_mut(view) {
+            *count += 1;
+        }
+    }
+
+    /// A draw went to a view, into these texels.
+    pub fn issued_within(&mut self, view: usize, texels: Texels) {
+        self.content.draw_within(view, texels);
+        if let Some(count) = self.issued.get_mut(view) {
+            *count += 1;
+        }
+    }
+
+    /// A draw was left out of a view that cannot show it.
+    pub fn culled(&mut self, view: usize) {
+        if let Some(count) = self.culled.get_mut(view) {
+            *count += 1;
+        }
+    }
+
+    /// Draws issued to each view so far, and draws left out.
+    pub fn counts(&self) -> impl Iterator<Item = (u64, u64)> + '_ {
+        self.issued.iter().copied().zip(self.culled.iter().copied())
+    }
+
+    /// Texels of each view that are closed for drawing, because no output samples them; empty where none are.
+    pub fn closed(&self) -> &[u64] {
+        &self.closed
+    }
+
+    /// Where the correction of each output goes.
+    pub fn outputs(&self) -> &[Target] {
+        &self.outputs
+    }
+
+    /// The views that need not be corrected.
+    pub fn blank(&self) -> Option<Blank<'_>> {
+        // A view with the program's own lens gets flat drawing, too.
+        let followed =
+            settings::settings().is_some_and(|s| s.cull) && !self.session.views().iter().any(|v| v.program_lens);
+        self.content.blank().filter(|_| followed)
+    }
+
+    /// The correction.
+    pub fn backend(&self) -> &GlBackend {
+        &self.backend
+    }
+
+    /// The texture with the atlas, one sample per pixel.
+    pub fn texture(&self) -> u32 {
+        self.readable().texture()
+    }
+
+    pub(in crate::intercept::gl) fn readable(&self) -> &Surface {
+        self.resolved.as_ref().unwrap_or(&self.surface)
+    }
+
+    /// The framebuffer that can be read from, once [`DefaultFramebuffer::resolve`] has run.
+    pub fn readable_framebuffer(&self) -> u32 {
+        self.readable().framebuffer()
+    }
+
+    /// The objects that contexts do not share.
+    pub fn own_objects(&self) -> OwnObjects {
+        let resolved = self.resolved.as_ref().map_or(0, Surface::framebuffer);
+        OwnObjects { framebuffers: [self.surface.framebuffer(), resolved], vertex_array: self.backend.vertex_array() }
+    }
+
+    /// Makes those anew, in the current context, around the shared ones.
+    pub(in crate::intercept::gl) fn rehome(&mut self, gl: &Gl) -> Result<()> {
+        self.surface.rehome(gl)?;
+        if let Some(resolved) = &mut self.resolved {
+            resolved.rehome(gl)?;
+        }
+        self.backend.rehome(gl);
+        Ok(())
+    }
+
+    /// Deletes everything in the context, which must be current.
+    pub fn destroy(mut self, gl: &Gl) {
+        self.backend.destroy(gl);
+        self.surface.destroy(gl);
+        if let Some(resolved) = self.resolved.take() {
+            resolved.destroy(gl);
+        }
+    }
+}
+
+/// Names of a picture's objects in the context that drew it before.
+pub struct OwnObjects {
+    framebuffers: [u32; 2],
+    vertex_array: u32,
+}
+
+impl OwnObjects {
+    /// Deletes them in their context, which must be current.
+    pub fn destroy(&self, gl: &Gl) {
+        // SAFETY: objects of ours; the name 0 is ignored.
+        unsafe {
+            gl.delete_framebuffers(2, self.framebuffers.as_ptr());
+            gl.delete_vertex_arrays(1, &self.vertex_array);
+        }
+    }
+}

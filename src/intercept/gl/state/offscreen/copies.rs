@@ -1,0 +1,107 @@
+//! What is known of the program's framebuffers and of the images in them.
+
+use crate::intercept::gl::state::offscreen::coverage::Coverage;
+use crate::intercept::gl::state::offscreen::displayed::Shown;
+use crate::intercept::gl::state::offscreen::framebuffers::Framebuffer;
+use crate::intercept::gl::state::offscreen::images::{Image, Name, Pair, Set};
+use crate::intercept::gl::state::offscreen::issued::Issued;
+use crate::intercept::gl::state::offscreen::single_sample::Canvas;
+use std::sync::{Mutex, PoisonError};
+
+/// What is known of the program's framebuffers.
+#[derive(Default)]
+pub struct Duplicates {
+    pub(in crate::intercept::gl) images: Vec<Image>,
+    pub(in crate::intercept::gl) framebuffers: Vec<Framebuffer>,
+    pub(in crate::intercept::gl) coverage: Coverage,
+    /// The twin of the program's draw framebuffer is bound in its place.
+    pub(in crate::intercept::gl) bound: bool,
+    /// Something was learnt in this frame.
+    pub(in crate::intercept::gl) learnt: bool,
+    /// Twins have one more cell, which is drawn with the program's own lens: it reads its pictures back.
+    pub(in crate::intercept::gl) own_picture: bool,
+    /// Canvases for copies to another size, each of another size or format.
+    pub(in crate::intercept::gl) canvases: Vec<Canvas>,
+    /// What was shown last.
+    pub(in crate::intercept::gl) shown: Shown,
+    /// Off-screen draws that were issued once per view.
+    pub(in crate::intercept::gl) issued: Issued,
+    /// Twins deleted so far: framebuffers that stand for the program's may have had them.
+    pub(in crate::intercept::gl) deleted: u64,
+    /// Framebuffers of other contexts that they are to delete.
+    pub(in crate::intercept::gl) left: Vec<Pair>,
+    /// It has what the group knows together; otherwise another thread does, and the images are its own.
+    pub(in crate::intercept::gl) shared: bool,
+}
+
+/// What contexts of a group know together of the images that they share. Toolkits draw a scene in one context and compose
+/// the window in another.
+#[derive(Default)]
+pub struct Travelling {
+    pub(in crate::intercept::gl) images: Vec<Image>,
+    pub(in crate::intercept::gl) learnt: bool,
+    pub(in crate::intercept::gl) own_picture: bool,
+    pub(in crate::intercept::gl) issued: Issued,
+    pub(in crate::intercept::gl) deleted: u64,
+    pub(in crate::intercept::gl) left: Vec<Pair>,
+}
+
+impl Duplicates {
+    /// Whether any image of the program's is followed.
+    pub fn any(&self) -> bool {
+        !self.images.is_empty()
+    }
+
+    /// Gives up what the group knows together: the context is not current any more.
+    pub fn deposit(&mut self, group: &Mutex<Option<Travelling>>) {
+        if !std::mem::take(&mut self.shared) {
+            return;
+        }
+        let travelling = Travelling {
+            images: std::mem::take(&mut self.images),
+            learnt: std::mem::take(&mut self.learnt),
+            own_picture: self.own_picture,
+            issued: std::mem::take(&mut self.issued),
+            deleted: self.deleted,
+            left: std::mem::take(&mut self.left),
+        };
+        *group.lock().unwrap_or_else(PoisonError::into_inner) = Some(travelling);
+    }
+
+    pub(in crate::intercept::gl) fn image(&self, name: Name) -> Option<&Image> {
+        self.images.iter().find(|image| image.name == name)
+    }
+
+    pub(in crate::intercept::gl) fn image_mut(&mut self, name: Name) -> Option<&mut Image> {
+        self.images.iter_mut().find(|image| image.name == name)
+    }
+
+    pub(in crate::intercept::gl) fn position(&self, framebuffer: u32) -> Option<usize> {
+        self.framebuffers.iter().position(|f| f.name == framebuffer)
+    }
+
+    /// Any of the colours of a framebuffer is to be drawn once per view.
+    pub(in crate::intercept::gl) fn is_duplicated(&self, framebuffer: &Framebuffer) -> bool {
+        framebuffer.known
+            && framebuffer.single.is_none()
+            && framebuffer.colours().any(|name| self.image(name).is_some_and(|image| image.twin.is_some()))
+    }
+
+    /// The images of a framebuffer, as a set.
+    pub(in crate::intercept::gl) fn attached(&self, index: usize) -> Set {
+        let mut set = 0;
+        for (i, image) in self.images.iter().enumerate().take(64) {
+            set |= Set::from(self.framebuffers[index].attachments.contains(&Some(image.name))) << i;
+        }
+        set
+    }
+
+    /// A framebuffer was drawn to.
+    pub(in crate::intercept::gl) fn changed(&mut self, index: usize) {
+        for name in self.framebuffers[index].attachments.into_iter().flatten() {
+            if let Some(image) = self.images.iter_mut().find(|image| image.name == name) {
+                image.changed();
+            }
+        }
+    }
+}

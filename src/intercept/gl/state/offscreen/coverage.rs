@@ -1,0 +1,71 @@
+//! Flat draws to the window that sample images that are followed.
+
+use crate::backend::gl::api::{self, Gl};
+use crate::intercept::gl::state::offscreen::images::Set;
+
+/// Flat draws to the window that sample images which are followed.
+#[derive(Default)]
+pub struct Coverage(pub(in crate::intercept::gl) Vec<Kind>);
+
+/// What draws that cover alike have in common.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::intercept::gl) struct Signature {
+    pub(in crate::intercept::gl) program: u32,
+    pub(in crate::intercept::gl) sampled: Set,
+    pub(in crate::intercept::gl) viewport: [i32; 4],
+}
+
+pub(in crate::intercept::gl) struct Kind {
+    pub(in crate::intercept::gl) signature: Signature,
+    pub(in crate::intercept::gl) state: State,
+}
+
+pub(in crate::intercept::gl) enum State {
+    /// Not measured yet.
+    New,
+    /// The query's name and the samples of the whole window.
+    Measured(u32, i64),
+    Known(bool),
+}
+
+/// The measurement of one draw.
+pub struct Measure(pub(in crate::intercept::gl) usize);
+
+impl Coverage {
+    /// Images have other places in the list, or the window has another size.
+    pub fn clear(&mut self, gl: &Gl) {
+        for kind in self.0.drain(..) {
+            kind.destroy(gl);
+        }
+    }
+
+    /// A frame ended: asks for the results. `true` if any came.
+    pub fn end_frame(&mut self, gl: &Gl, mut found: impl FnMut(Set)) -> bool {
+        let mut any = false;
+        for kind in &mut self.0 {
+            let State::Measured(query, all) = kind.state else { continue };
+            let mut samples = 0;
+            // SAFETY: a query of ours that has ended; writes one integer.
+            unsafe {
+                gl.get_query_objectuiv(query, api::GL_QUERY_RESULT, &mut samples);
+                gl.delete_queries(1, &query);
+            }
+            let fills = 10 * i64::from(samples) >= 9 * all;
+            kind.state = State::Known(fills);
+            any = true;
+            if fills {
+                found(kind.signature.sampled);
+            }
+        }
+        any
+    }
+}
+
+impl Kind {
+    pub(in crate::intercept::gl) fn destroy(&self, gl: &Gl) {
+        if let State::Measured(query, _) = self.state {
+            // SAFETY: an object of ours.
+            unsafe { gl.delete_queries(1, &query) };
+        }
+    }
+}

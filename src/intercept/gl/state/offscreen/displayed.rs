@@ -1,0 +1,22 @@
+//! Pictures of the window's size, one for each view.
+
+use crate::backend::gl::api::Gl;
+use crate::intercept::gl::state::offscreen::single_sample::Canvas;
+
+/// Pictures of the window's size, one for each view, into which it is shown: there each texel that the program
+/// samples has its pixel, and `gl_FragCoord` is what it would be in the window.
+#[derive(Default)]
+pub struct Shown {
+    pub(in crate::intercept::gl) canvases: Vec<Canvas>,
+    /// The number of the window's draws after which the canvases had what the views have.
+    pub(in crate::intercept::gl) current: Option<u64>,
+}
+
+impl Shown {
+    /// Deletes everything.
+    pub fn destroy(&self, gl: &Gl) {
+        for canvas in &self.canvases {
+            canvas.destroy(gl);
+        }
+    }
+}

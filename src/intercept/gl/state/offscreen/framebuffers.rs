@@ -1,0 +1,158 @@
+//! The program's framebuffers that it draws into, what is attached to them, and what stands for them.
+
+use crate::backend::gl::api::{self, Gl};
+use crate::intercept::gl::state::offscreen::images::{self, Bindings, Image, Name};
+
+/// The most colour attachments that are followed.
+pub const COLOURS: usize = 8;
+
+/// What is attached to a framebuffer: colours, depth, stencil.
+pub type Attachments = [Option<Name>; COLOURS + 2];
+
+/// Where depth and stencil are in [`Attachments`].
+const DEPTH: usize = COLOURS;
+const STENCIL: usize = COLOURS + 1;
+
+/// A framebuffer of the program's.
+pub struct Framebuffer {
+    /// Its OpenGL name.
+    pub name: u32,
+    /// What is attached, where it is `known`.
+    pub attachments: Attachments,
+    /// Nothing was changed since `attachments` were asked for.
+    pub known: bool,
+    /// Why it cannot be duplicated, whatever is drawn.
+    pub single: Option<&'static str>,
+    /// The framebuffer of ours with the twins of what is attached; 0 = none.
+    pub twin: u32,
+}
+
+impl Framebuffer {
+    /// One of which nothing is known.
+    pub fn new(name: u32) -> Self {
+        Self { name, attachments: [None; COLOURS + 2], known: false, single: None, twin: 0 }
+    }
+
+    /// The images that are attached.
+    pub fn images(&self) -> impl Iterator<Item = Name> + '_ {
+        self.attachments.iter().flatten().copied()
+    }
+
+    /// The colour images that are attached.
+    pub fn colours(&self) -> impl Iterator<Item = Name> + '_ {
+        self.attachments[..COLOURS].iter().flatten().copied()
+    }
+
+    /// Asks the driver what is attached, while the framebuffer is bound for drawing, and adds images that
+    /// are new to `images`. Errors may be left.
+    pub fn examine(&mut self, gl: &Gl, images: &mut Vec<Image>) {
+        self.known = true;
+        self.single = None;
+        let mut attachments = [None; COLOURS + 2];
+        let mut size = None;
+        for (index, attachment) in attachments.iter_mut().enumerate() {
+            match look(gl, point(index)) {
+                Attached::Nothing => {}
+                Attached::Other(reason) => self.single = self.single.or(Some(reason)),
+                Attached::Image(image) => {
+                    *attachment = Some(image.name);
+                    if size.is_some_and(|size| size != image.size) {
+                        self.single = Some("its attachments have several sizes");
+                    }
+                    size = Some(image.size);
+                    if !images.iter().any(|known| known.name == image.name) {
+                        images.push(*image);
+                    }
+                }
+            }
+        }
+        if attachments != self.attachments {
+            self.attachments = attachments;
+            self.destroy_twin(gl);
+        }
+    }
+
+    /// Makes the framebuffer of ours, of images that all have twins. Bindings are put back; errors may be left.
+    pub fn make_twin(&mut self, gl: &Gl, twin_of: impl Fn(Name) -> Option<u32>) -> bool {
+        let mut buffers = [api::GL_NONE; COLOURS];
+        // SAFETY: makes an object of ours; the bindings are put back.
+        let complete = unsafe {
+            let bindings = Bindings::save(gl);
+            gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, self.name);
+            for (i, buffer) in buffers.iter_mut().enumerate() {
+                let mut value = 0;
+                gl.get_integerv(api::GL_DRAW_BUFFER0 + i as u32, &mut value);
+                *buffer = value as u32;
+            }
+            if self.twin == 0 {
+                gl.gen_framebuffers(1, &mut self.twin);
+            }
+            gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, self.twin);
+            for (index, attachment) in self.attachments.iter().enumerate() {
+                if let Some(renderbuffer) = attachment.and_then(&twin_of) {
+                    images::attach(gl, point(index), Name::Renderbuffer(renderbuffer));
+                }
+            }
+            gl.draw_buffers(COLOURS as i32, buffers.as_ptr());
+            let status = gl.check_framebuffer_status(api::GL_DRAW_FRAMEBUFFER);
+            bindings.restore(gl);
+            status == api::GL_FRAMEBUFFER_COMPLETE && gl.get_error() == api::GL_NO_ERROR
+        };
+        if !complete {
+            self.destroy_twin(gl);
+        }
+        complete
+    }
+
+    /// Deletes the framebuffer of ours.
+    pub fn destroy_twin(&mut self, gl: &Gl) {
+        let name = std::mem::take(&mut self.twin);
+        if name != 0 {
+            // SAFETY: an object of ours.
+            unsafe { gl.delete_framebuffers(1, &name) };
+        }
+    }
+}
+
+/// The point of attachment at an index of [`Attachments`].
+fn point(index: usize) -> u32 {
+    match index {
+        DEPTH => api::GL_DEPTH_ATTACHMENT,
+        STENCIL => api::GL_STENCIL_ATTACHMENT,
+        colour => api::GL_COLOR_ATTACHMENT0 + colour as u32,
+    }
+}
+
+/// What is attached at a point.
+enum Attached {
+    Nothing,
+    Image(Box<Image>),
+    Other(&'static str),
+}
+
+/// Looks at a point of the framebuffer that is bound for drawing.
+fn look(gl: &Gl, point: u32) -> Attached {
+    let ask = |what: u32| {
+        let mut answer = 0;
+        // SAFETY: writes one integer about the program's framebuffer.
+        unsafe { gl.get_framebuffer_attachment_parameteriv(api::GL_DRAW_FRAMEBUFFER, point, what, &mut answer) };
+        answer
+    };
+    let name = |()| ask(api::GL_FRAMEBUFFER_ATTACHMENT_OBJECT_NAME) as u32;
+    let image = match ask(api::GL_FRAMEBUFFER_ATTACHMENT_OBJECT_TYPE) as u32 {
+        api::GL_RENDERBUFFER => Image::examine_renderbuffer(gl, name(())),
+        api::GL_TEXTURE => {
+            if ask(api::GL_FRAMEBUFFER_ATTACHMENT_TEXTURE_CUBE_MAP_FACE) != 0 {
+                return Attached::Other("it is a face of a cube map");
+            }
+            if ask(api::GL_FRAMEBUFFER_ATTACHMENT_LAYERED) != 0 {
+                return Attached::Other("it has layers");
+            }
+            Image::examine_texture(gl, name(()), ask(api::GL_FRAMEBUFFER_ATTACHMENT_TEXTURE_LEVEL))
+        }
+        _ => return Attached::Nothing,
+    };
+    image.map_or(Attached::Other("it is a layer of a texture, or the driver does not tell its size"), |image| {
+        Attached::Image(Box::new(image))
+    })
+}

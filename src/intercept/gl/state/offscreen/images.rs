@@ -1,0 +1,481 @@
+//! What a program draws into off screen: levels of textures, and renderbuffers. A *twin* of such an image has
+//! a cell of the image's size for each view.
+
+use crate::backend::gl::api::{self, Gl};
+use crate::backend::gl::surface::greatest_texture;
+
+/// An image of the program's.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Name {
+    /// A level of a texture, and what it is bound to.
+    Texture {
+        /// Its OpenGL name.
+        name: u32,
+        /// `GL_TEXTURE_2D`, `GL_TEXTURE_RECTANGLE` or `GL_TEXTURE_2D_MULTISAMPLE`.
+        target: u32,
+        /// The level of its mipmap.
+        level: i32,
+    },
+    /// A renderbuffer.
+    Renderbuffer(u32),
+}
+
+/// An image that the program draws or copies into.
+pub struct Image {
+    /// Which one.
+    pub name: Name,
+    /// Width and height.
+    pub size: [i32; 2],
+    /// Samples per pixel; 0 = not multisampled.
+    pub samples: i32,
+    /// Its sized internal format.
+    pub format: u32,
+    /// Its parts, as for `glBlitFramebuffer`: colour, or depth and stencil.
+    pub mask: u32,
+    /// It gets perspective draws that look like the scene's.
+    pub scene: bool,
+    /// It gets perspective draws of another shape: a shadow map, say.
+    pub other_shape: bool,
+    /// Copies of the window are made into it.
+    pub copies_window: bool,
+    /// It fills the window when it is shown.
+    pub shown: bool,
+    /// What it is made from.
+    pub reads: Vec<Name>,
+    /// The program reads it back.
+    pub read_back: bool,
+    /// The program makes smaller pictures of it (`glGenerateMipmap`).
+    pub mipmapped: bool,
+    /// The driver gives no twin.
+    pub refused: bool,
+    /// What it is drawn into in its place.
+    pub twin: Option<Twin>,
+}
+
+/// What stands for an image.
+pub struct Twin {
+    /// The renderbuffer with the cells.
+    pub renderbuffer: u32,
+    /// Framebuffers to copy by, of each context that did.
+    pairs: Vec<Pair>,
+    /// Where the cells are.
+    pub cells: Cells,
+    /// Which cell the program's image has the content of.
+    holds: Option<usize>,
+}
+
+/// Framebuffers of one context: with the twin, and with the program's image.
+#[derive(Clone, Copy)]
+pub struct Pair {
+    /// The context that has them.
+    pub context: u64,
+    ours: u32,
+    own: u32,
+}
+
+impl Pair {
+    /// Deletes them in their context, which must be current.
+    pub fn destroy(&self, gl: &Gl) {
+        // SAFETY: objects of ours; the name 0 is ignored.
+        unsafe { gl.delete_framebuffers(2, [self.ours, self.own].as_ptr()) };
+    }
+}
+
+/// Cells of equal size, row by row from the bottom left.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Cells {
+    columns: i32,
+    size: [i32; 2],
+}
+
+impl Cells {
+    fn new(size: [i32; 2], count: usize) -> Self {
+        let count = count.max(1) as i32;
+        Self { columns: (1..=count).find(|columns| columns * columns >= count).unwrap_or(1), size }
+    }
+
+    fn extent(&self, count: usize) -> [i32; 2] {
+        [self.columns * self.size[0], (count as i32 + self.columns - 1) / self.columns * self.size[1]]
+    }
+
+    /// x, y, width and height of a cell.
+    pub fn cell(&self, index: usize) -> [i32; 4] {
+        let (index, [width, height]) = (index as i32, self.size);
+        [index % self.columns * width, index / self.columns * height, width, height]
+    }
+}
+
+impl Image {
+    /// An image of which nothing is known but what the driver says. `None` if it is none that can have a twin:
+    /// a layer, a face of a cube, no image at all. Bindings are put back; errors may be left.
+    pub fn examine_texture(gl: &Gl, texture: u32, level: i32) -> Option<Self> {
+        let targets = [
+            (api::GL_TEXTURE_2D, api::GL_TEXTURE_BINDING_2D),
+            (api::GL_TEXTURE_RECTANGLE, api::GL_TEXTURE_BINDING_RECTANGLE),
+            (api::GL_TEXTURE_2D_MULTISAMPLE, api::GL_TEXTURE_BINDING_2D_MULTISAMPLE),
+        ];
+        targets.into_iter().find_map(|(target, binding)| {
+            let mut answers = [0; 7];
+            let is_one = with_texture(gl, target, binding, texture, || {
+                let names = [
+                    api::GL_TEXTURE_WIDTH,
+                    api::GL_TEXTURE_HEIGHT,
+                    api::GL_TEXTURE_SAMPLES,
+                    api::GL_TEXTURE_INTERNAL_FORMAT,
+                    api::GL_TEXTURE_RED_SIZE,
+                    api::GL_TEXTURE_DEPTH_SIZE,
+                    api::GL_TEXTURE_STENCIL_SIZE,
+                ];
+                for (answer, name) in answers.iter_mut().zip(names) {
+                    // SAFETY: writes one integer.
+                    unsafe { gl.get_tex_level_parameteriv(target, level, name, answer) };
+                }
+            });
+            is_one.then(|| Self::new(Name::Texture { name: texture, target, level }, answers)).flatten()
+        })
+    }
+
+    /// As [`Image::examine_texture`].
+    pub fn examine_renderbuffer(gl: &Gl, renderbuffer: u32) -> Option<Self> {
+        let names = [
+            api::GL_RENDERBUFFER_WIDTH,
+            api::GL_RENDERBUFFER_HEIGHT,
+            api::GL_RENDERBUFFER_SAMPLES,
+            api::GL_RENDERBUFFER_INTERNAL_FORMAT,
+            api::GL_RENDERBUFFER_RED_SIZE,
+            api::GL_RENDERBUFFER_DEPTH_SIZE,
+            api::GL_RENDERBUFFER_STENCIL_SIZE,
+        ];
+        let mut answers = [0; 7];
+        // SAFETY: the binding is put back; each question writes one integer.
+        unsafe {
+            let mut bound = 0;
+            gl.get_integerv(api::GL_RENDERBUFFER_BINDING, &mut bound);
+            gl.bind_renderbuffer(api::GL_RENDERBUFFER, renderbuffer);
+            for (answer, name) in answers.iter_mut().zip(names) {
+                gl.get_renderbuffer_parameteriv(api::GL_RENDERBUFFER, name, answer);
+            }
+            gl.bind_renderbuffer(api::GL_RENDERBUFFER, bound as u32);
+        }
+        Self::new(Name::Renderbuffer(renderbuffer), answers)
+    }
+
+    /// An image of which nothing is known yet but the answers: width, height, samples, format, bits of red, depth and stencil.
+    pub(in crate::intercept::gl) fn new(name: Name, answers: [i32; 7]) -> Option<Self> {
+        let [width, height, samples, format, red, depth, stencil] = answers;
+        let mut mask = 0;
+        if depth > 0 {
+            mask |= api::GL_DEPTH_BUFFER_BIT;
+        }
+        if stencil > 0 {
+            mask |= api::GL_STENCIL_BUFFER_BIT;
+        }
+        if mask == 0 {
+            mask = api::GL_COLOR_BUFFER_BIT;
+        }
+        (width > 0 && height > 0).then(|| Self {
+            name,
+            size: [width, height],
+            samples,
+            format: sized(format as u32, red, depth),
+            mask,
+            scene: false,
+            other_shape: false,
+            copies_window: false,
+            shown: false,
+            reads: Vec::new(),
+            read_back: false,
+            mipmapped: false,
+            refused: false,
+            twin: None,
+        })
+    }
+
+    /// It holds colours.
+    pub fn is_colour(&self) -> bool {
+        self.mask & api::GL_COLOR_BUFFER_BIT != 0
+    }
+
+    /// Whether `name` is the OpenGL name of its texture.
+    pub fn is_texture(&self, name: u32) -> bool {
+        matches!(self.name, Name::Texture { name: own, .. } if own == name)
+    }
+
+    /// The point of a framebuffer that it is attached to when it is copied.
+    fn point(&self) -> u32 {
+        match self.mask {
+            api::GL_COLOR_BUFFER_BIT => api::GL_COLOR_ATTACHMENT0,
+            api::GL_DEPTH_BUFFER_BIT => api::GL_DEPTH_ATTACHMENT,
+            api::GL_STENCIL_BUFFER_BIT => api::GL_STENCIL_ATTACHMENT,
+            _ => api::GL_DEPTH_STENCIL_ATTACHMENT,
+        }
+    }
+
+    /// Makes the twin with `count` cells, in the context `context`, which is current. All bindings are put back; errors may
+    /// be left. `false` if the driver gives none.
+    pub fn make_twin(&mut self, gl: &Gl, context: u64, count: usize) -> bool {
+        let cells = Cells::new(self.size, count);
+        let [width, height] = cells.extent(count);
+        if width.max(height) as u32 > greatest_texture(gl) {
+            return false;
+        }
+        let mut twin = Twin { renderbuffer: 0, pairs: Vec::new(), cells, holds: None };
+        // SAFETY: makes an object of ours; the binding is put back.
+        unsafe {
+            let mut renderbuffer = 0;
+            gl.get_integerv(api::GL_RENDERBUFFER_BINDING, &mut renderbuffer);
+            gl.gen_renderbuffers(1, &mut twin.renderbuffer);
+            gl.bind_renderbuffer(api::GL_RENDERBUFFER, twin.renderbuffer);
+            if self.samples > 0 {
+                let samples = self.samples;
+                gl.renderbuffer_storage_multisample(api::GL_RENDERBUFFER, samples, self.format, width, height);
+            } else {
+                gl.renderbuffer_storage(api::GL_RENDERBUFFER, self.format, width, height);
+            }
+            gl.bind_renderbuffer(api::GL_RENDERBUFFER, renderbuffer as u32);
+        }
+        self.twin = Some(twin);
+        // SAFETY: asks for the error flag.
+        if self.pair(gl, context).is_none() || unsafe { gl.get_error() } != api::GL_NO_ERROR {
+            self.destroy_twin(gl, context);
+            return false;
+        }
+        // What it holds already is in every view until it is drawn again.
+        for index in 0..count {
+            self.store(gl, context, index);
+        }
+        true
+    }
+
+    /// The framebuffers to copy by in `context`, which is current. Bindings are put back. `None`: there is no twin, or
+    /// the driver gives none.
+    fn pair(&mut self, gl: &Gl, context: u64) -> Option<Pair> {
+        let twin = self.twin.as_ref()?;
+        if let Some(pair) = twin.pairs.iter().find(|pair| pair.context == context) {
+            return Some(*pair);
+        }
+        let mut pair = Pair { context, ours: 0, own: 0 };
+        // SAFETY: makes objects of ours; bindings are put back.
+        let complete = unsafe {
+            let bindings = Bindings::save(gl);
+            gl.gen_framebuffers(1, &mut pair.ours);
+            gl.gen_framebuffers(1, &mut pair.own);
+            let own = self.attach_for_copies(gl, pair.own, self.name);
+            let ours = self.attach_for_copies(gl, pair.ours, Name::Renderbuffer(twin.renderbuffer));
+            bindings.restore(gl);
+            own && ours
+        };
+        if !complete {
+            pair.destroy(gl);
+            return None;
+        }
+        self.twin.as_mut()?.pairs.push(pair);
+        Some(pair)
+    }
+
+    /// The framebuffer with the twin alone, in `context`, which is current; 0 where there is none.
+    pub fn twin_framebuffer(&mut self, gl: &Gl, context: u64) -> u32 {
+        self.pair(gl, context).map_or(0, |pair| pair.ours)
+    }
+
+    /// # Safety
+    /// `framebuffer` must be one of ours. It stays bound.
+    unsafe fn attach_for_copies(&self, gl: &Gl, framebuffer: u32, image: Name) -> bool {
+        // SAFETY: as promised; the image lives.
+        unsafe {
+            gl.bind_framebuffer(api::GL_FRAMEBUFFER, framebuffer);
+            attach(gl, self.point(), image);
+            if !self.is_colour() {
+                gl.draw_buffers(1, &api::GL_NONE);
+                gl.read_buffer(api::GL_NONE);
+            }
+            gl.check_framebuffer_status(api::GL_FRAMEBUFFER) == api::GL_FRAMEBUFFER_COMPLETE
+        }
+    }
+
+    /// The twin was drawn to: the program's image is none of its cells any more.
+    pub fn changed(&mut self) {
+        if let Some(twin) = &mut self.twin {
+            twin.holds = None;
+        }
+    }
+
+    /// Copies cell `index` into the program's own image, with the smaller pictures that the program asked for.
+    /// The scissor test must be off; bindings are put back.
+    pub fn supply(&mut self, gl: &Gl, context: u64, index: usize) {
+        if self.twin.as_ref().is_none_or(|twin| twin.holds == Some(index)) {
+            return;
+        }
+        let (mask, mipmapped) = (self.mask, self.mipmapped);
+        let Some(pair) = self.pair(gl, context) else { return };
+        let Some(twin) = &mut self.twin else { return };
+        let from = twin.cells.cell(index);
+        copy(gl, (pair.ours, from), (pair.own, [0, 0, from[2], from[3]]), mask);
+        twin.holds = Some(index);
+        if let (true, Name::Texture { name, target: api::GL_TEXTURE_2D, .. }) = (mipmapped, self.name) {
+            with_texture(gl, api::GL_TEXTURE_2D, api::GL_TEXTURE_BINDING_2D, name, || {
+                // SAFETY: the program's texture is bound; it has asked for this.
+                unsafe { gl.generate_mipmap(api::GL_TEXTURE_2D) };
+            });
+        }
+    }
+
+    /// The reverse of [`Image::supply`].
+    pub fn store(&mut self, gl: &Gl, context: u64, index: usize) {
+        let mask = self.mask;
+        let Some(pair) = self.pair(gl, context) else { return };
+        let Some(twin) = &mut self.twin else { return };
+        let to = twin.cells.cell(index);
+        copy(gl, (pair.own, [0, 0, to[2], to[3]]), (pair.ours, to), mask);
+        twin.holds = Some(index);
+    }
+
+    /// Deletes the twin in `context`, which is current; what is left to be deleted in other contexts.
+    pub fn destroy_twin(&mut self, gl: &Gl, context: u64) -> Vec<Pair> {
+        let Some(mut twin) = self.twin.take() else { return Vec::new() };
+        // SAFETY: an object of ours; the name 0 is ignored.
+        unsafe { gl.delete_renderbuffers(1, &twin.renderbuffer) };
+        twin.pairs.retain(|pair| {
+            if pair.context == context {
+                pair.destroy(gl);
+            }
+            pair.context != context
+        });
+        twin.pairs
+    }
+}
+
+/// Attaches an image to the framebuffer that is bound for drawing.
+///
+/// # Safety
+/// The framebuffer must be one of ours, and the image must live.
+pub unsafe fn attach(gl: &Gl, point: u32, image: Name) {
+    // SAFETY: as promised.
+    unsafe {
+        match image {
+            Name::Texture { name, target, level } => {
+                gl.framebuffer_texture2_d(api::GL_DRAW_FRAMEBUFFER, point, target, name, level);
+            }
+            Name::Renderbuffer(name) => {
+                gl.framebuffer_renderbuffer(api::GL_DRAW_FRAMEBUFFER, point, api::GL_RENDERBUFFER, name);
+            }
+        }
+    }
+}
+
+/// Copies between rectangles (x, y, width, height) of one size in two framebuffers; bindings are put back. The
+/// scissor test must be off.
+fn copy(gl: &Gl, from: (u32, [i32; 4]), to: (u32, [i32; 4]), mask: u32) {
+    let ([x, y, width, height], [u, v, across, up]) = (from.1, to.1);
+    // SAFETY: framebuffers of ours, or bindings as the program made them, that are put back.
+    unsafe {
+        let bindings = Bindings::save(gl);
+        gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, from.0);
+        gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, to.0);
+        gl.blit_framebuffer(x, y, x + width, y + height, u, v, u + across, v + up, mask, api::GL_NEAREST);
+        bindings.restore(gl);
+    }
+}
+
+/// The framebuffers that are bound, to be put back.
+pub struct Bindings {
+    draw: i32,
+    read: i32,
+}
+
+impl Bindings {
+    /// # Safety
+    /// A context must be current.
+    pub unsafe fn save(gl: &Gl) -> Self {
+        let mut bindings = Self { draw: 0, read: 0 };
+        // SAFETY: each writes one integer.
+        unsafe {
+            gl.get_integerv(api::GL_DRAW_FRAMEBUFFER_BINDING, &mut bindings.draw);
+            gl.get_integerv(api::GL_READ_FRAMEBUFFER_BINDING, &mut bindings.read);
+        }
+        bindings
+    }
+
+    /// What was bound for drawing.
+    pub fn draw(&self) -> u32 {
+        self.draw as u32
+    }
+
+    /// # Safety
+    /// The context of `save` must be current.
+    pub unsafe fn restore(&self, gl: &Gl) {
+        // SAFETY: puts back what was bound.
+        unsafe {
+            gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, self.read as u32);
+            gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, self.draw as u32);
+        }
+    }
+}
+
+/// Runs `run` with a texture bound; `false`, and nothing is run, if it is none of `target`. The program's binding
+/// is put back.
+fn with_texture(gl: &Gl, target: u32, binding: u32, texture: u32, run: impl FnOnce()) -> bool {
+    let (mut before, mut bound) = (0, 0);
+    // SAFETY: the binding is put back.
+    unsafe {
+        gl.get_integerv(binding, &mut before);
+        gl.bind_texture(target, texture);
+        gl.get_integerv(binding, &mut bound);
+        let is_one = bound as u32 == texture && texture != 0;
+        if is_one {
+            run();
+        }
+        gl.bind_texture(target, before as u32);
+        is_one
+    }
+}
+
+/// The sized format for one that leaves its size to the driver, by the bits of red and of depth that it chose.
+fn sized(format: u32, red: i32, depth: i32) -> u32 {
+    match (format, red, depth) {
+        (4 | api::GL_RGBA | api::GL_BGRA, 16, _) => api::GL_RGBA16F,
+        (4 | api::GL_RGBA | api::GL_BGRA, 32, _) => api::GL_RGBA32F,
+        (4 | api::GL_RGBA | api::GL_BGRA, ..) => api::GL_RGBA8,
+        (3 | api::GL_RGB, 16, _) => api::GL_RGB16F,
+        (3 | api::GL_RGB, 32, _) => api::GL_RGB32F,
+        (3 | api::GL_RGB, ..) => api::GL_RGB8,
+        (api::GL_SRGB | api::GL_SRGB_ALPHA, ..) => api::GL_SRGB8_ALPHA8,
+        (api::GL_RED, ..) => api::GL_R8,
+        (api::GL_RG, ..) => api::GL_RG8,
+        (api::GL_DEPTH_COMPONENT, _, 16) => api::GL_DEPTH_COMPONENT16,
+        (api::GL_DEPTH_COMPONENT, _, 32) => api::GL_DEPTH_COMPONENT32,
+        (api::GL_DEPTH_COMPONENT, ..) => api::GL_DEPTH_COMPONENT24,
+        (api::GL_DEPTH_STENCIL, ..) => api::GL_DEPTH24_STENCIL8,
+        (other, ..) => other,
+    }
+}
+
+/// Images by their places in the list, as a set of bits; those after the 64th are not followed.
+pub type Set = u64;
+
+#[cfg(test)]
+mod tests {
+    use super::{Cells, sized};
+    use crate::backend::gl::api;
+
+    #[test]
+    fn cells_are_apart_and_inside() {
+        for count in 1..33 {
+            let cells = Cells::new([7, 5], count);
+            let [width, height] = cells.extent(count);
+            let all: Vec<_> = (0..count).map(|index| cells.cell(index)).collect();
+            for (i, [x, y, w, h]) in all.iter().enumerate() {
+                assert!(x % 7 == 0 && y % 5 == 0 && x + w <= width && y + h <= height);
+                assert!(!all[..i].contains(&all[i]));
+            }
+        }
+    }
+
+    #[test]
+    fn formats_without_a_size_get_the_driver_s() {
+        assert_eq!(sized(api::GL_RGBA, 8, 0), api::GL_RGBA8);
+        assert_eq!(sized(api::GL_RGBA, 16, 0), api::GL_RGBA16F);
+        assert_eq!(sized(api::GL_DEPTH_COMPONENT, 0, 16), api::GL_DEPTH_COMPONENT16);
+        assert_eq!(sized(api::GL_R11F_G11F_B10F, 11, 0), api::GL_R11F_G11F_B10F);
+    }
+}

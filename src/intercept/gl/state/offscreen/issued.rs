@@ -1,0 +1,33 @@
+//! Off-screen draws that were issued once per view.
+
+use crate::intercept::gl::state::views::Views;
+
+/// Draws that were issued once per view.
+#[derive(Default)]
+pub struct Issued {
+    /// All of them.
+    pub draws: u64,
+    /// How many of them each view got, and how many were left out of it.
+    views: Vec<[u64; 2]>,
+}
+
+impl Issued {
+    /// A draw went to those of `count` views that are `shown` it.
+    pub(in crate::intercept::gl) fn count(&mut self, shown: Views, count: usize) {
+        self.draws += 1;
+        self.views.resize(count, [0; 2]);
+        for (index, counts) in self.views.iter_mut().enumerate() {
+            counts[usize::from(!shown.contain(index))] += 1;
+        }
+    }
+
+    /// The views are others.
+    pub fn forget_views(&mut self) {
+        self.views.clear();
+    }
+
+    /// How many draws a view got, and how many were left out of it.
+    pub fn of_view(&self, index: usize) -> [u64; 2] {
+        self.views.get(index).copied().unwrap_or_default()
+    }
+}

@@ -1,0 +1,60 @@
+//! Pictures of our own, with one sample per pixel: for what cannot be done in a view of another size.
+
+use crate::backend::gl::api::{self, Gl};
+use crate::intercept::gl::state::offscreen::images::{self, Bindings, Name};
+
+/// A framebuffer with colours only.
+pub struct Canvas {
+    framebuffer: u32,
+    renderbuffer: u32,
+    size: [i32; 2],
+    format: u32,
+}
+
+impl Canvas {
+    /// A canvas of this size (width, height) and sized format. Bindings are put back; errors may be left. `None` where
+    /// the driver gives none.
+    pub fn new(gl: &Gl, size: [i32; 2], format: u32) -> Option<Self> {
+        let mut canvas = Self { framebuffer: 0, renderbuffer: 0, size, format };
+        // SAFETY: makes objects of ours; the bindings are put back.
+        let complete = unsafe {
+            let bindings = Bindings::save(gl);
+            let mut bound = 0;
+            gl.get_integerv(api::GL_RENDERBUFFER_BINDING, &mut bound);
+            gl.gen_renderbuffers(1, &mut canvas.renderbuffer);
+            gl.bind_renderbuffer(api::GL_RENDERBUFFER, canvas.renderbuffer);
+            gl.renderbuffer_storage(api::GL_RENDERBUFFER, format, size[0], size[1]);
+            gl.bind_renderbuffer(api::GL_RENDERBUFFER, bound as u32);
+            gl.gen_framebuffers(1, &mut canvas.framebuffer);
+            gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, canvas.framebuffer);
+            images::attach(gl, api::GL_COLOR_ATTACHMENT0, Name::Renderbuffer(canvas.renderbuffer));
+            let status = gl.check_framebuffer_status(api::GL_DRAW_FRAMEBUFFER);
+            bindings.restore(gl);
+            status == api::GL_FRAMEBUFFER_COMPLETE
+        };
+        if complete {
+            return Some(canvas);
+        }
+        canvas.destroy(gl);
+        None
+    }
+
+    /// Its OpenGL name.
+    pub fn framebuffer(&self) -> u32 {
+        self.framebuffer
+    }
+
+    /// Whether it has this size and format.
+    pub fn is(&self, size: [i32; 2], format: u32) -> bool {
+        self.size == size && self.format == format
+    }
+
+    /// Deletes it.
+    pub fn destroy(&self, gl: &Gl) {
+        // SAFETY: objects of ours; the name 0 is ignored.
+        unsafe {
+            gl.delete_framebuffers(1, &self.framebuffer);
+            gl.delete_renderbuffers(1, &self.renderbuffer);
+        }
+    }
+}

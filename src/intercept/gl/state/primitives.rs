@@ -1,0 +1,134 @@
+//! Primitives of the next draw, and of the one that is being issued.
+
+use crate::backend::gl::api;
+
+/// What a draw consists of.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Shape {
+    /// Anything: a display list, say.
+    #[default]
+    Unknown,
+    /// Points.
+    Points,
+    /// Lines.
+    Lines,
+    /// Triangles, strips or fans of them.
+    Triangles,
+    /// Quadrilaterals, strips of them, or polygons.
+    Filled,
+}
+
+impl Shape {
+    /// Of a draw of this mode.
+    pub fn of_mode(mode: u32) -> Self {
+        match mode {
+            api::GL_POINTS => Self::Points,
+            api::GL_LINES
+            | api::GL_LINE_LOOP
+            | api::GL_LINE_STRIP
+            | api::GL_LINES_ADJACENCY
+            | api::GL_LINE_STRIP_ADJACENCY => Self::Lines,
+            api::GL_TRIANGLES..=api::GL_TRIANGLE_FAN => Self::Triangles,
+            api::GL_QUADS..=api::GL_POLYGON => Self::Filled,
+            _ => Self::Unknown,
+        }
+    }
+}
+
+/// How the program draws outlines.
+#[derive(Default)]
+pub struct Outlines {
+    /// What the next draw consists of, where its hook knows.
+    pub shape: Shape,
+    /// What the draw that is being issued consists of.
+    pub drawn: Shape,
+    /// The mode of the next draw, where its hook can issue it as patches.
+    pub mode: Option<u32>,
+    /// The patches that the draw that is being issued can be issued as.
+    pub patch: Option<Patch>,
+    /// It is issued as these now.
+    pub as_patches: bool,
+    /// `glPolygonMode` was another than `GL_FILL`. It counts for good: a list or a pop may bring it back.
+    pub(in crate::intercept::gl) polygons: bool,
+    /// The draw that is being issued may leave its tile.
+    pub cut: bool,
+}
+
+impl Outlines {
+    /// What a hook issues a draw of `mode` as.
+    pub fn issued(&self, mode: u32) -> u32 {
+        if self.as_patches { api::GL_PATCHES } else { mode }
+    }
+
+    /// Polygons may be drawn as outlines.
+    pub fn may_outline(&self) -> bool {
+        self.polygons
+    }
+}
+
+/// What is divided.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Patch {
+    /// Triangles, each with three vertices of its own.
+    Triangles,
+    /// Lines, each with two vertices of its own.
+    Lines,
+    /// Quadrilaterals, each with four vertices of its own.
+    Quads,
+}
+
+impl Patch {
+    /// Vertices of one.
+    pub fn corners(self) -> usize {
+        match self {
+            Self::Triangles => 3,
+            Self::Lines => 2,
+            Self::Quads => 4,
+        }
+    }
+
+    /// How the evaluation stage divides it. The primitive's corners run as those of its parts.
+    pub(in crate::intercept::gl) fn layout(self) -> &'static str {
+        match self {
+            Self::Triangles => "triangles, equal_spacing, ccw",
+            Self::Lines => "isolines, equal_spacing",
+            Self::Quads => "quads, equal_spacing, ccw",
+        }
+    }
+
+    /// The outer levels: which edges they are of (OpenGL 4.0, section 2.12.2).
+    pub(in crate::intercept::gl) fn edges(self) -> &'static [[usize; 2]] {
+        match self {
+            Self::Triangles => &[[1, 2], [2, 0], [0, 1]],
+            Self::Lines => &[[0, 1]],
+            Self::Quads => &[[3, 0], [0, 1], [1, 2], [2, 3]],
+        }
+    }
+
+    /// The weights of the corners at a place in the patch.
+    pub(in crate::intercept::gl) fn weights(self) -> [&'static str; 4] {
+        match self {
+            Self::Triangles => ["gl_TessCoord.x", "gl_TessCoord.y", "gl_TessCoord.z", "0.0"],
+            Self::Lines => ["1.0 - gl_TessCoord.x", "gl_TessCoord.x", "0.0", "0.0"],
+            Self::Quads => [
+                "(1.0 - gl_TessCoord.x) * (1.0 - gl_TessCoord.y)",
+                "gl_TessCoord.x * (1.0 - gl_TessCoord.y)",
+                "gl_TessCoord.x * gl_TessCoord.y",
+                "(1.0 - gl_TessCoord.x) * gl_TessCoord.y",
+            ],
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Shape, api};
+
+    #[test]
+    fn modes_have_shapes() {
+        assert_eq!(Shape::of_mode(api::GL_POINTS), Shape::Points);
+        assert_eq!(Shape::of_mode(api::GL_LINE_STRIP), Shape::Lines);
+        assert_eq!(Shape::of_mode(api::GL_QUAD_STRIP), Shape::Filled);
+        assert_eq!(Shape::of_mode(api::GL_PATCHES), Shape::Unknown);
+    }
+}

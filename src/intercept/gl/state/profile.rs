@@ -1,0 +1,47 @@
+//! Version and profile of a context.
+
+use crate::backend::gl::api::{self, Gl};
+
+/// Which OpenGL a context speaks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Profile {
+    /// OpenGL ES.
+    pub es: bool,
+    /// Desktop OpenGL without the fixed-function pipeline.
+    pub core: bool,
+    /// Major · 10 + minor.
+    pub version: u32,
+}
+
+impl Profile {
+    /// Desktop OpenGL with the fixed-function pipeline.
+    pub fn compatibility(&self) -> bool {
+        !self.es && !self.core
+    }
+}
+
+pub(in crate::intercept::gl) fn profile(gl: &Gl) -> Profile {
+    let text = gl.text(api::GL_VERSION);
+    let (es, numbers) = match text.strip_prefix("OpenGL ES") {
+        Some(rest) => (true, rest.trim_start_matches(|c: char| !c.is_ascii_digit())),
+        None => (false, text.as_str()),
+    };
+    let mut parts = numbers.split(|c: char| !c.is_ascii_digit()).map(|n| n.parse::<u32>().unwrap_or(0));
+    let version = parts.next().unwrap_or(0) * 10 + parts.next().unwrap_or(0);
+    let (mut mask, mut flags) = (0, 0);
+    if !es && version >= 30 {
+        // SAFETY: the query exists since OpenGL 3.0 and writes one integer.
+        unsafe { gl.get_integerv(api::GL_CONTEXT_FLAGS, &mut flags) };
+    }
+    let forward = flags as u32 & api::GL_CONTEXT_FLAG_FORWARD_COMPATIBLE_BIT != 0;
+    if !es && version >= 32 {
+        // SAFETY: the query exists since OpenGL 3.2 and writes one integer.
+        unsafe { gl.get_integerv(api::GL_CONTEXT_PROFILE_MASK, &mut mask) };
+    }
+    Profile { es, core: forward || mask as u32 & api::GL_CONTEXT_CORE_PROFILE_BIT != 0, version }
+}
+
+/// Whether the driver is such a renderer.
+pub fn is_endless(gl: &Gl) -> bool {
+    gl.text(api::GL_RENDERER).starts_with("llvmpipe")
+}

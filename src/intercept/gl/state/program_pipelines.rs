@@ -1,0 +1,65 @@
+//! Program pipelines.
+
+use crate::backend::gl::api;
+use std::collections::HashMap;
+
+/// The pipelines of a context.
+#[derive(Default)]
+pub struct Pipelines {
+    pub(in crate::intercept::gl) pipelines: HashMap<u32, Stages>,
+    pub(in crate::intercept::gl) bound: u32,
+    /// `glUseProgram`, which goes before any pipeline; 0 = none.
+    pub used: u32,
+}
+
+/// The programs of a pipeline that Cupola follows, by their names; 0 = none.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(in crate::intercept::gl) struct Stages {
+    vertex: u32,
+    evaluation: u32,
+    geometry: u32,
+    /// `glActiveShaderProgram`.
+    pub(in crate::intercept::gl) active: u32,
+}
+
+impl Stages {
+    /// The programs before rasterisation, the last one first.
+    pub(in crate::intercept::gl) fn last_first(&self) -> [u32; 3] {
+        [self.geometry, self.evaluation, self.vertex]
+    }
+
+    /// `glUseProgramStages` with a program that has the stages `present`.
+    pub(in crate::intercept::gl) fn set(&mut self, stages: u32, program: u32, present: u32) {
+        let slots = [
+            (api::GL_VERTEX_SHADER_BIT, &mut self.vertex),
+            (api::GL_TESS_EVALUATION_SHADER_BIT, &mut self.evaluation),
+            (api::GL_GEOMETRY_SHADER_BIT, &mut self.geometry),
+        ];
+        for (bit, slot) in slots {
+            if stages & bit != 0 {
+                *slot = if present & bit != 0 { program } else { 0 };
+            }
+        }
+    }
+}
+
+impl Pipelines {
+    pub(in crate::intercept::gl) fn stages(&self) -> Stages {
+        self.pipelines.get(&self.bound).copied().unwrap_or_default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Stages, api};
+
+    #[test]
+    fn a_stage_that_a_program_lacks_becomes_empty() {
+        let mut stages = Stages::default();
+        stages.set(api::GL_GEOMETRY_SHADER_BIT, 7, api::GL_GEOMETRY_SHADER_BIT);
+        stages.set(api::GL_VERTEX_SHADER_BIT | api::GL_FRAGMENT_SHADER_BIT, 3, api::GL_VERTEX_SHADER_BIT);
+        assert_eq!(stages.last_first(), [7, 0, 3]);
+        stages.set(api::GL_ALL_SHADER_BITS, 5, api::GL_VERTEX_SHADER_BIT);
+        assert_eq!(stages.last_first(), [0, 0, 5]);
+    }
+}

@@ -1,0 +1,68 @@
+//! The fixed-function projection of the program and of each view.
+
+use crate::backend::gl::api;
+use crate::runtime::Session;
+use crate::runtime::session::{MatrixClass, classify};
+
+/// The program's `GL_PROJECTION` and what follows from it.
+pub struct Projection {
+    /// The matrix may have changed since it was read.
+    pub changed: bool,
+    /// As the program set it, column by column.
+    pub matrix: [f64; 16],
+    /// What it is.
+    pub class: MatrixClass,
+    /// Each view's projection in its place.
+    pub per_view: Vec<[f64; 16]>,
+    /// `GL_MODELVIEW`, unless it may have changed since it was read.
+    pub(in crate::intercept::gl) model_view: Option<[f64; 16]>,
+}
+
+impl Default for Projection {
+    fn default() -> Self {
+        Self { changed: true, matrix: [0.0; 16], class: MatrixClass::Other, per_view: Vec::new(), model_view: None }
+    }
+}
+
+impl Projection {
+    pub(in crate::intercept::gl) fn update(&mut self, matrix: [f64; 16], session: &Session) {
+        self.changed = false;
+        if matrix == self.matrix && !self.per_view.is_empty() {
+            return;
+        }
+        self.matrix = matrix;
+        self.class = classify(&matrix);
+        self.per_view.clear();
+        if let MatrixClass::Perspective(intrinsics) = &self.class {
+            self.per_view.extend(session.rows(intrinsics).map(|rows| multiply(&rows.matrix(), &matrix)));
+        }
+    }
+
+    /// The program may have changed the matrix of `mode`.
+    pub fn touch(&mut self, mode: u32) {
+        match mode {
+            api::GL_PROJECTION => self.changed = true,
+            api::GL_MODELVIEW => self.model_view = None,
+            _ => {}
+        }
+    }
+
+    /// The views changed: nothing is valid any more.
+    pub fn clear(&mut self) {
+        self.changed = true;
+        self.per_view.clear();
+    }
+}
+
+/// The product of two matrices, column by column.
+pub fn multiply(a: &[f64; 16], b: &[f64; 16]) -> [f64; 16] {
+    let mut product = [0.0; 16];
+    for (to, from) in product.chunks_exact_mut(4).zip(b.chunks_exact(4)) {
+        for (column, factor) in a.chunks_exact(4).zip(from) {
+            for (sum, entry) in to.iter_mut().zip(column) {
+                *sum += entry * factor;
+            }
+        }
+    }
+    product
+}

@@ -1,0 +1,43 @@
+//! The raster position.
+
+/// Where the raster position belongs.
+#[derive(Clone, Default)]
+pub struct Raster {
+    pub(in crate::intercept::gl) scene: Option<ScenePosition>,
+    /// The origin of the tile in whose pixels the driver has it; the program has it in its window's.
+    pub(in crate::intercept::gl) origin: [i32; 2],
+    /// Each view's projection when the position was set.
+    pub(in crate::intercept::gl) projections: Vec<[f64; 16]>,
+}
+
+impl Raster {
+    /// The origin of the window in the driver's raster position.
+    pub fn origin(&self) -> [i32; 2] {
+        self.origin
+    }
+
+    /// A new position is set; the origin of the old one. The place for projections is used again.
+    pub(in crate::intercept::gl) fn forget(&mut self) -> [i32; 2] {
+        self.scene = None;
+        std::mem::take(&mut self.origin)
+    }
+
+    /// What is put back with this position.
+    pub fn saved(&self) -> Self {
+        if self.scene.is_some() { self.clone() } else { Self { origin: self.origin, ..Self::default() } }
+    }
+}
+
+/// A raster position in the scene.
+#[derive(Clone)]
+pub(in crate::intercept::gl) struct ScenePosition {
+    pub(in crate::intercept::gl) object: [f64; 4],
+    pub(in crate::intercept::gl) model_view: [f64; 16],
+    /// What the position took with it: the colour, lit where light is on, and a texture coordinate.
+    pub(in crate::intercept::gl) color: [f32; 4],
+    pub(in crate::intercept::gl) texture: [f32; 4],
+    /// The range of depths in which it was set.
+    pub(in crate::intercept::gl) depths: [f64; 2],
+    /// How far bitmaps moved it since, in pixels.
+    pub(in crate::intercept::gl) moved: [f32; 2],
+}

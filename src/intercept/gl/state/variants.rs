@@ -1,0 +1,69 @@
+//! Programs of ours beside a program of the program's, which divide primitives.
+
+use crate::backend::gl::api::Gl;
+use crate::correct::projected::division::Input;
+use crate::intercept::gl::state::division_counter::Before;
+use crate::intercept::gl::state::primitives::Patch;
+use crate::intercept::gl::state::uniform_mirror::Mirror;
+use std::sync::Arc;
+
+/// A program that divides.
+pub struct Variant {
+    pub(in crate::intercept::gl) name: u32,
+    /// Where rows and lens go.
+    pub(in crate::intercept::gl) locations: [i32; 2],
+    pub(in crate::intercept::gl) mirror: Mirror,
+    /// It counts what is not fine enough.
+    pub(in crate::intercept::gl) counts: bool,
+    /// It draws patches of so many vertices.
+    pub(in crate::intercept::gl) patch: Option<i32>,
+}
+
+/// What was so before a variant was put in use: the counter's binding, and how many vertices a patch has.
+pub struct InUse(pub(in crate::intercept::gl) Option<Before>, pub(in crate::intercept::gl) i32);
+
+/// What a variant divides, and by which stages.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// By a geometry stage.
+    Geometry(Input),
+    /// By tessellation stages.
+    Tessellation(Patch),
+}
+
+/// The variants of a program.
+#[derive(Default)]
+pub struct Variants(Vec<(Kind, State)>);
+
+/// Whether there is one.
+#[derive(Clone, Default)]
+pub(in crate::intercept::gl) enum State {
+    /// No draw has needed it.
+    #[default]
+    Untried,
+    /// There cannot be one.
+    Refused,
+    /// There is.
+    Made(Arc<Variant>),
+}
+
+impl Variants {
+    pub(in crate::intercept::gl) fn state(&self, kind: Kind) -> State {
+        self.0.iter().find(|known| known.0 == kind).map_or(State::Untried, |known| known.1.clone())
+    }
+
+    pub(in crate::intercept::gl) fn set(&mut self, kind: Kind, state: State) {
+        self.0.retain(|known| known.0 != kind);
+        self.0.push((kind, state));
+    }
+
+    /// Deletes them.
+    pub fn destroy(&mut self, gl: &Gl) {
+        for (_, state) in self.0.drain(..) {
+            if let State::Made(variant) = state {
+                // SAFETY: a program of ours; the context shares objects with the one that made it.
+                unsafe { gl.delete_program(variant.name) };
+            }
+        }
+    }
+}

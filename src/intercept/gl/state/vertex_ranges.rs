@@ -1,0 +1,108 @@
+//! Boxes around ranges of vertices in buffers.
+
+use crate::intercept::gl::state::bounds::Bounds;
+use std::collections::HashMap;
+use std::ffi::c_void;
+
+/// The vertices of a draw.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Vertices {
+    /// These, one after the other.
+    Range {
+        /// The first.
+        first: i32,
+        /// How many.
+        count: i32,
+    },
+    /// Those that indices name.
+    Elements {
+        /// How many indices.
+        count: i32,
+        /// Their type.
+        kind: u32,
+        /// Their address, or their offset in the buffer of indices.
+        indices: *const c_void,
+        /// What is added to each.
+        base: i32,
+    },
+}
+
+/// Boxes that are known.
+#[derive(Default)]
+pub struct Ranges {
+    pub(in crate::intercept::gl) known: HashMap<Key, Known>,
+    /// The frame of what follows; those of the group count, since a context without a window swaps nothing.
+    frame: u64,
+    /// Bytes read in this frame.
+    spent: usize,
+    /// There is no room for more in this frame.
+    pub(in crate::intercept::gl) full: bool,
+    /// Ranges read so far.
+    pub reads: u64,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(in crate::intercept::gl) struct Key {
+    pub(in crate::intercept::gl) layout: Layout,
+    pub(in crate::intercept::gl) vertices: Vertices,
+    /// The buffer of indices; 0 without indices.
+    pub(in crate::intercept::gl) indices: u32,
+}
+
+pub(in crate::intercept::gl) struct Known {
+    /// Of the buffer of positions, and of that of indices.
+    pub(in crate::intercept::gl) versions: [u64; 2],
+    pub(in crate::intercept::gl) bounds: Bounds,
+}
+
+/// More ranges are not kept.
+pub(in crate::intercept::gl) const MOST_RANGES: usize = 1 << 14;
+
+/// The most bytes that are read in a frame, if it is more than one range.
+pub(in crate::intercept::gl) const MOST_BYTES_IN_FRAME: usize = 16 << 20;
+
+impl Ranges {
+    /// Goes on in this frame.
+    pub(in crate::intercept::gl) fn follow(&mut self, frame: u64) {
+        if frame != self.frame {
+            (self.frame, self.spent, self.full) = (frame, 0, false);
+        }
+    }
+
+    pub(in crate::intercept::gl) fn afford(&mut self, bytes: usize) -> bool {
+        let affordable = self.spent == 0 || self.spent.saturating_add(bytes) <= MOST_BYTES_IN_FRAME;
+        self.spent += if affordable { bytes } else { 0 };
+        affordable
+    }
+}
+
+/// The array of positions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Layout {
+    /// 0 = the program's memory.
+    pub buffer: u32,
+    /// Address in the program's memory, or offset in the buffer.
+    pub start: usize,
+    /// Bytes from one position to the next.
+    pub stride: usize,
+    pub(in crate::intercept::gl) components: usize,
+    pub(in crate::intercept::gl) kind: u32,
+    /// Integers stand for −1…1 or 0…1.
+    pub(in crate::intercept::gl) normalised: bool,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{MOST_BYTES_IN_FRAME, Ranges};
+
+    #[test]
+    fn a_frame_reads_so_many_bytes_or_one_range() {
+        let mut ranges = Ranges::default();
+        assert!(ranges.afford(2 * MOST_BYTES_IN_FRAME) && !ranges.afford(1));
+        ranges.follow(0);
+        assert!(!ranges.afford(1), "the same frame");
+        ranges.follow(1);
+        assert!(ranges.afford(MOST_BYTES_IN_FRAME - 10) && ranges.afford(10) && !ranges.afford(1));
+        assert!(!ranges.afford(usize::MAX));
+    }
+}

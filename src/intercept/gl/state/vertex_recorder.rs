@@ -1,0 +1,416 @@
+//! The commands of one Begin/End, kept as they came and played back once per view.
+//!
+//! Values are not converted: each command is played back by the driver's own entry point that takes the same
+//! components as an array, so that OpenGL's rules for integers, packed numbers and generic attributes are the
+//! driver's. The memory is used again for the next Begin/End.
+
+use crate::backend::gl::api::{self, Gl};
+use crate::intercept::gl::state::bounds::Bounds;
+use crate::intercept::gl::state::vertex_commands::{self, Command};
+
+/// What a command sets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Sets {
+    /// A vertex, by its coordinates.
+    Position,
+    /// A vertex, whose coordinates only the driver knows.
+    Vertex,
+    /// The generic attribute of this number; number 0 is the position.
+    Generic,
+    /// … by numbers that the driver converts.
+    ConvertedGeneric,
+    /// The colour.
+    Color,
+    /// The secondary colour.
+    SecondaryColor,
+    /// The normal.
+    Normal,
+    /// The fog coordinate.
+    Fog,
+    /// The colour index.
+    Index,
+    /// The edge flag.
+    EdgeFlag,
+    /// The texture coordinates of the first unit.
+    Texture,
+    /// Those of the unit in the first parameter.
+    TextureUnit,
+    /// A property of the material.
+    Material,
+}
+
+/// Units of texture coordinates, and generic attributes, that are told apart.
+const NUMBERED: u64 = 27;
+const COLOR: u64 = 1;
+const NORMAL: u64 = 1 << 1;
+const TEXTURE: u64 = 1 << 2;
+
+/// What is not told apart.
+const OTHER: u64 = 1 << 63;
+
+impl Sets {
+    /// In the order of their numbers.
+    const ALL: [Self; 13] = [
+        Self::Position,
+        Self::Vertex,
+        Self::Generic,
+        Self::ConvertedGeneric,
+        Self::Color,
+        Self::SecondaryColor,
+        Self::Normal,
+        Self::Fog,
+        Self::Index,
+        Self::EdgeFlag,
+        Self::Texture,
+        Self::TextureUnit,
+        Self::Material,
+    ];
+
+    /// Whether it makes a vertex.
+    pub fn is_vertex(self, prefix: &[u64]) -> bool {
+        let first = prefix.first().copied().unwrap_or(0);
+        match self {
+            Self::Position | Self::Vertex => true,
+            Self::Generic | Self::ConvertedGeneric => first == 0,
+            _ => false,
+        }
+    }
+
+    /// The bit of what it sets.
+    fn bit(self, prefix: &[u64]) -> u64 {
+        let first = prefix.first().copied().unwrap_or(0);
+        let numbered = |start: u64, number: u64| if number < NUMBERED { 1 << (start + number) } else { OTHER };
+        match self {
+            Self::Position | Self::Vertex => 0,
+            Self::Material => OTHER,
+            Self::Color => COLOR,
+            Self::Normal => NORMAL,
+            Self::Texture => TEXTURE,
+            Self::SecondaryColor => 1 << 3,
+            Self::Fog => 1 << 4,
+            Self::Index => 1 << 5,
+            Self::EdgeFlag => 1 << 6,
+            Self::TextureUnit => match first.wrapping_sub(api::GL_TEXTURE0.into()) {
+                0 => TEXTURE,
+                unit => numbered(8, unit),
+            },
+            Self::Generic | Self::ConvertedGeneric => numbered(8 + NUMBERED, first),
+        }
+    }
+}
+
+/// A number of the program's.
+pub trait Number: Copy {
+    /// The number of its type.
+    const KIND: u8;
+
+    /// Its value.
+    fn value(self) -> f64;
+}
+
+/// By the number of a type: reads one of it, and says which part of 1 it stands for where it is an integer.
+///
+/// # Safety
+/// The address must be that of a number of this type.
+type Read = unsafe fn(*const u8) -> (f64, f64);
+
+macro_rules! numbers {
+    ($($kind:literal $t:ident $part:expr;)*) => {
+        $( impl Number for $t {
+            const KIND: u8 = $kind;
+
+            fn value(self) -> f64 {
+                self as f64
+            }
+        } )*
+        static READ: &[Read] = &[$( |at| {
+            // SAFETY: as the type promises; nothing is said about the alignment.
+            let value = unsafe { at.cast::<$t>().read_unaligned() }.value();
+            let part: fn(f64) -> f64 = $part;
+            (value, part(value))
+        }, )*];
+    };
+}
+
+// What integers stand for where they are colours or normals: OpenGL 2.1, table 2.9.
+numbers! {
+    0 f32 |c| c;
+    1 f64 |c| c;
+    2 i8 |c| (2.0 * c + 1.0) / 255.0;
+    3 u8 |c| c / 255.0;
+    4 i16 |c| (2.0 * c + 1.0) / 65_535.0;
+    5 u16 |c| c / 65_535.0;
+    6 i32 |c| (2.0 * c + 1.0) / 4_294_967_295.0;
+    7 u32 |c| c / 4_294_967_295.0;
+    8 i64 |c| c;
+    9 u64 |c| c;
+}
+
+/// A box around a vertex of these numbers; missing coordinates are 0, 0, 1 as OpenGL says.
+pub fn add_vertex<T: Number>(bounds: &mut Bounds, sets: Sets, values: &[T]) {
+    if matches!(sets, Sets::Position | Sets::Generic) {
+        let mut position = [0.0, 0.0, 0.0, 1.0];
+        for (coordinate, value) in position.iter_mut().zip(values) {
+            *coordinate = value.value();
+        }
+        bounds.add(position);
+    } else {
+        bounds.add_unknown();
+    }
+}
+
+/// A command's head is one word: which command, how many words follow, whether it makes a vertex, the type of its
+/// components, what it sets, how many components there are and how many words before them.
+const LENGTH: u32 = 16;
+const VERTEX: u64 = 1 << 32;
+const KIND: u32 = 33;
+const SETS: u32 = 37;
+const COUNT: u32 = 41;
+const BEFORE: u32 = 45;
+
+/// A command that was recorded.
+#[derive(Clone, Copy, Debug)]
+pub struct Recorded<'a> {
+    /// What it sets.
+    pub sets: Sets,
+    /// Its first parameter before the components: a unit, the number of an attribute. 0 where there is none.
+    pub prefix: u64,
+    /// How many components.
+    pub count: usize,
+    /// They are numbers as they are.
+    pub plain: bool,
+    vertex: bool,
+    kind: u8,
+    components: &'a [u64],
+}
+
+impl Recorded<'_> {
+    /// Whether it makes a vertex.
+    pub fn is_vertex(&self) -> bool {
+        self.vertex
+    }
+
+    /// A component. `normalised`: integers stand for parts of 1.
+    pub fn number(&self, index: usize, normalised: bool) -> Option<f64> {
+        let read = READ.get(usize::from(self.kind))?;
+        // The largest types fill a word.
+        let width = [4, 8, 1, 1, 2, 2, 4, 4, 8, 8].get(usize::from(self.kind))?;
+        if index >= self.count || (index + 1) * width > size_of_val(self.components) {
+            return None;
+        }
+        // SAFETY: inside the components, whose type `push` kept.
+        let (value, part) = unsafe { read(self.components.as_ptr().cast::<u8>().add(index * width)) };
+        Some(if normalised { part } else { value })
+    }
+}
+
+/// What came since `glBegin`.
+#[derive(Default)]
+pub struct Recorder {
+    /// Of each command its head, its parameters before the components (a word each), and the components.
+    words: Vec<u64>,
+    /// What was set since `glBegin`, a bit each.
+    set: u64,
+    vertices: bool,
+    /// What was set only after a vertex.
+    late: u64,
+}
+
+impl Recorder {
+    /// Forgets everything but the memory.
+    pub fn clear(&mut self) {
+        self.words.clear();
+        (self.set, self.vertices, self.late) = (0, false, 0);
+    }
+
+    /// Keeps a command, with its parameters before the components and those.
+    #[inline]
+    pub fn push<T: Number>(&mut self, command: Command, sets: Sets, prefix: &[u64], values: &[T]) {
+        let vertex = sets.is_vertex(prefix);
+        if vertex {
+            self.vertices = true;
+        } else {
+            let bit = sets.bit(prefix);
+            if bit == OTHER || (self.vertices && self.set & bit == 0) {
+                self.late |= bit;
+            }
+            self.set |= bit;
+        }
+        let length = prefix.len() + size_of_val(values).div_ceil(size_of::<u64>());
+        let head = command as u64
+            | (length as u64) << LENGTH
+            | if vertex { VERTEX } else { 0 }
+            | u64::from(T::KIND) << KIND
+            | (sets as u64) << SETS
+            | (values.len() as u64) << COUNT
+            | (prefix.len() as u64) << BEFORE;
+        self.words.reserve(1 + length);
+        self.words.push(head);
+        self.words.extend_from_slice(prefix);
+        let start = self.words.len();
+        self.words.resize(start + length - prefix.len(), 0);
+        // SAFETY: the words from `start` on have room for the values, which are plain numbers.
+        unsafe {
+            let room = self.words.as_mut_ptr().add(start).cast::<u8>();
+            std::ptr::copy_nonoverlapping(values.as_ptr().cast::<u8>(), room, size_of_val(values));
+        }
+    }
+
+    /// Whether colour, normal and texture coordinate were set only after a vertex: playing back again would
+    /// give them to the first vertices.
+    pub fn sets_late(&self) -> [bool; 3] {
+        [COLOR, NORMAL, TEXTURE].map(|bit| self.late & bit != 0)
+    }
+
+    /// The same for anything else.
+    pub fn sets_others_late(&self) -> bool {
+        self.late & !(COLOR | NORMAL | TEXTURE) != 0
+    }
+
+    /// Whether anything was set besides vertices.
+    pub fn sets_anything(&self) -> bool {
+        self.set != 0
+    }
+
+    /// Where the next command will be: a place to play back from.
+    pub fn place(&self) -> usize {
+        self.words.len()
+    }
+
+    /// The commands, one after the other.
+    pub fn commands(&self) -> impl Iterator<Item = Recorded<'_>> {
+        let mut rest = self.words.as_slice();
+        std::iter::from_fn(move || {
+            let (head, after) = rest.split_first()?;
+            let (words, next) = after.split_at_checked((head >> LENGTH) as u16 as usize)?;
+            rest = next;
+            let (prefix, components) = words.split_at_checked((head >> BEFORE & 7) as usize)?;
+            Some(Recorded {
+                sets: *Sets::ALL.get((head >> SETS & 15) as usize)?,
+                prefix: prefix.first().copied().unwrap_or(0),
+                count: (head >> COUNT & 15) as usize,
+                plain: vertex_commands::is_plain(*head as u16),
+                vertex: head & VERTEX != 0,
+                kind: (head >> KIND & 15) as u8,
+                components,
+            })
+        })
+    }
+
+    /// Calls the driver with every command.
+    ///
+    /// # Safety
+    /// The context of `gl` must be current, between Begin and End.
+    pub unsafe fn play(&self, gl: &Gl) {
+        // SAFETY: as promised.
+        unsafe { self.play_from(gl, 0, true) };
+    }
+
+    /// Calls the driver with the commands from the place `start` on that make no vertex.
+    ///
+    /// # Safety
+    /// The context of `gl` must be current.
+    pub unsafe fn play_attributes(&self, gl: &Gl, start: usize) {
+        // SAFETY: as promised.
+        unsafe { self.play_from(gl, start, false) };
+    }
+
+    unsafe fn play_from(&self, gl: &Gl, start: usize, vertices: bool) {
+        let mut rest = self.words.get(start..).unwrap_or_default();
+        while let [head, after @ ..] = rest {
+            let length = (head >> LENGTH) as u16 as usize;
+            let Some((values, next)) = after.split_at_checked(length) else { return };
+            if vertices || head & VERTEX == 0 {
+                // SAFETY: the words that `push` kept for this command.
+                unsafe { vertex_commands::play(gl, *head as u16, values.as_ptr()) };
+            }
+            rest = next;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Recorder, Sets};
+    use crate::intercept::gl::state::vertex_commands::Command;
+
+    #[test]
+    fn what_comes_only_after_a_vertex_is_late() {
+        let mut recorder = Recorder::default();
+        recorder.push(Command::color3fv, Sets::Color, &[], &[1.0f32; 3]);
+        recorder.push(Command::vertex3fv, Sets::Position, &[], &[1.0f32; 3]);
+        recorder.push(Command::color3fv, Sets::Color, &[], &[0.0f32; 3]);
+        assert_eq!((recorder.sets_late(), recorder.sets_others_late()), ([false; 3], false));
+        recorder.push(Command::normal3fv, Sets::Normal, &[], &[0.0f32; 3]);
+        recorder.push(Command::multi_tex_coord2fv, Sets::TextureUnit, &[0x84C0], &[0.0f32; 2]);
+        assert_eq!((recorder.sets_late(), recorder.sets_others_late()), ([false, true, true], false));
+        recorder.push(Command::vertex_attrib1fv, Sets::Generic, &[3], &[0.0f32]);
+        assert!(recorder.sets_others_late());
+        recorder.clear();
+        assert!(!recorder.sets_anything() && !recorder.sets_others_late());
+    }
+
+    #[test]
+    fn materials_and_high_numbers_are_always_late() {
+        for (sets, prefix) in [(Sets::Material, [0x408, 0x1600]), (Sets::Generic, [999, 0])] {
+            let mut recorder = Recorder::default();
+            recorder.push(Command::vertex_attrib4fv, sets, &prefix, &[0.0f32; 4]);
+            assert!(recorder.sets_others_late(), "{sets:?}");
+        }
+    }
+
+    /// Numbers of all types come back as they were given, and integers as parts of 1 where they stand for these.
+    #[test]
+    fn commands_can_be_read() {
+        let mut recorder = Recorder::default();
+        recorder.push(Command::color4ubv, Sets::Color, &[], &[255u8, 0, 51, 255]);
+        recorder.push(Command::multi_tex_coord2dv, Sets::TextureUnit, &[0x84C1], &[0.25f64, -3.0]);
+        recorder.push(Command::normal3sv, Sets::Normal, &[], &[i16::MAX, i16::MIN, 0]);
+        recorder.push(Command::vertex2iv, Sets::Position, &[], &[7i32, -9]);
+        recorder.push(Command::color_p3uiv, Sets::Color, &[], &[7u32]);
+        let read: Vec<_> = recorder
+            .commands()
+            .map(|command| {
+                let numbers = |parts| (0..5).map_while(|i| command.number(i, parts)).collect::<Vec<_>>();
+                (command.sets, command.prefix, command.is_vertex(), command.plain, numbers(false), numbers(true))
+            })
+            .collect();
+        assert_eq!(read[0].5, [1.0, 0.0, 0.2, 1.0]);
+        assert_eq!((read[1].0, read[1].1, &read[1].4), (Sets::TextureUnit, 0x84C1, &vec![0.25, -3.0]));
+        assert_eq!((read[2].5[0], read[2].5[1], read[2].4[1]), (1.0, -1.0, f64::from(i16::MIN)));
+        assert_eq!((read[3].2, read[3].3, &read[3].4), (true, true, &vec![7.0, -9.0]));
+        assert!(!read[4].3 && read.len() == 5, "packed numbers are not plain");
+    }
+
+    /// `Sets::ALL` is in the order of the numbers.
+    #[test]
+    fn what_is_set_is_found_by_its_number() {
+        for (number, sets) in Sets::ALL.into_iter().enumerate() {
+            assert_eq!(sets as usize, number, "{sets:?}");
+        }
+    }
+
+    #[test]
+    fn generic_attribute_0_is_a_vertex() {
+        assert!(Sets::Generic.is_vertex(&[0]) && !Sets::Generic.is_vertex(&[1]));
+        assert!(!Sets::Color.is_vertex(&[]));
+    }
+
+    /// The memory of one Begin/End serves the next.
+    #[test]
+    fn nothing_is_allocated_again() {
+        let mut recorder = Recorder::default();
+        let fill = |recorder: &mut Recorder| {
+            for _ in 0..100 {
+                recorder.push(Command::vertex_attrib4_nubv, Sets::ConvertedGeneric, &[0], &[1u8, 2, 3, 4]);
+            }
+        };
+        fill(&mut recorder);
+        let (length, memory) = (recorder.place(), recorder.words.as_ptr());
+        assert_eq!(length, 300);
+        recorder.clear();
+        fill(&mut recorder);
+        assert_eq!((recorder.place(), recorder.words.as_ptr()), (length, memory));
+    }
+}

@@ -1,0 +1,233 @@
+//! The program's window: its size, and whether it can be seen.
+
+use crate::backend::gl::api::{self, Gl};
+use crate::intercept::gl::state::profile::Profile;
+use std::ffi::{c_int, c_long, c_uint, c_ulong, c_void};
+use std::sync::OnceLock;
+
+/// `glXQueryDrawable`.
+pub type QueryDrawable = unsafe extern "system" fn(*mut c_void, c_ulong, c_int, *mut c_uint);
+
+/// `eglQuerySurface`.
+pub type QuerySurface = unsafe extern "system" fn(*mut c_void, *mut c_void, i32, *mut i32) -> c_uint;
+
+/// A window of the program, as its window system knows it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Window {
+    /// Through GLX.
+    Glx {
+        /// `Display*`.
+        display: usize,
+        /// `GLXDrawable`.
+        drawable: c_ulong,
+        /// The X11 window that it is, or is made for.
+        x11: c_ulong,
+        /// The driver's `glXQueryDrawable`.
+        query: usize,
+    },
+    /// Through EGL.
+    Egl {
+        /// `EGLDisplay`.
+        display: usize,
+        /// `EGLSurface`.
+        surface: usize,
+        /// The X11 display and window below, where it is X11.
+        x11: Option<(usize, c_ulong)>,
+        /// The driver's `eglQuerySurface`.
+        query: usize,
+    },
+}
+
+/// How a window is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Look {
+    /// Its size in pixels, at least 1 × 1.
+    pub size: (u32, u32),
+    /// Nothing of it can be seen: it, or a window that it lies in, is not mapped. Known of X11 windows only.
+    pub hidden: bool,
+}
+
+const GLX_WIDTH: c_int = 0x801D;
+const GLX_HEIGHT: c_int = 0x801E;
+const EGL_HEIGHT: i32 = 0x3056;
+const EGL_WIDTH: i32 = 0x3057;
+
+impl Window {
+    /// What its window system calls it.
+    pub fn handle(&self) -> usize {
+        match *self {
+            Self::Glx { drawable, .. } => drawable as usize,
+            Self::Egl { surface, .. } => surface,
+        }
+    }
+
+    /// How it is now. One question to the X server where there is one: the window systems' own would be two for the size
+    /// alone.
+    pub fn look(&self) -> Look {
+        let x11 = match *self {
+            Self::Glx { display, x11, .. } => x11_attributes(display, x11),
+            Self::Egl { x11: Some((display, window)), .. } => x11_attributes(display, window),
+            Self::Egl { .. } => None,
+        };
+        let (width, height) = match &x11 {
+            Some(x11) => (x11.width.max(0) as u32, x11.height.max(0) as u32),
+            None => self.asked_size(),
+        };
+        let size = (width.clamp(1, 16384), height.clamp(1, 16384));
+        Look { size, hidden: x11.is_some_and(|x11| x11.map_state != IS_VIEWABLE) }
+    }
+
+    /// Its size in pixels, at least 1 × 1.
+    pub fn size(&self) -> (u32, u32) {
+        self.look().size
+    }
+
+    /// Its size as GLX or EGL have it.
+    fn asked_size(&self) -> (u32, u32) {
+        match *self {
+            Self::Glx { display, drawable, query, .. } => {
+                let (mut width, mut height) = (0, 0);
+                // SAFETY: the address is the driver's glXQueryDrawable; display and drawable are those
+                // that the program made current.
+                unsafe {
+                    let query: QueryDrawable = std::mem::transmute(query);
+                    query(display as *mut c_void, drawable, GLX_WIDTH, &mut width);
+                    query(display as *mut c_void, drawable, GLX_HEIGHT, &mut height);
+                }
+                (width, height)
+            }
+            Self::Egl { display, surface, query, .. } => {
+                let (mut width, mut height) = (0, 0);
+                // SAFETY: as above, for eglQuerySurface.
+                unsafe {
+                    let query: QuerySurface = std::mem::transmute(query);
+                    query(display as *mut c_void, surface as *mut c_void, EGL_WIDTH, &mut width);
+                    query(display as *mut c_void, surface as *mut c_void, EGL_HEIGHT, &mut height);
+                }
+                (width.max(0) as u32, height.max(0) as u32)
+            }
+        }
+    }
+
+    /// Whether it has a back buffer; its own framebuffer must be bound for drawing.
+    pub fn double_buffered(&self, gl: &Gl, profile: &Profile) -> bool {
+        if profile.es {
+            return true;
+        }
+        let mut double = 1;
+        // SAFETY: writes one integer about the framebuffer that is bound.
+        unsafe { gl.get_integerv(api::GL_DOUBLEBUFFER, &mut double) };
+        double != 0
+    }
+
+    /// Gives its top-level X11 window this size; nothing happens where it is not X11.
+    pub fn resize(&self, size: (u32, u32)) {
+        let (display, window) = match *self {
+            Self::Glx { display, x11, .. } => (display, x11),
+            Self::Egl { x11: Some((display, window)), .. } => (display, window),
+            Self::Egl { .. } => return,
+        };
+        if display != 0
+            && let Some(x11) = x11()
+            && self.size() != size
+        {
+            x11.resize(display as *mut c_void, window, size);
+        }
+    }
+}
+
+/// Xlib's `XWindowAttributes`.
+#[repr(C)]
+struct Attributes {
+    /// x, y.
+    _place: [c_int; 2],
+    width: c_int,
+    height: c_int,
+    /// Border width, depth.
+    _border: [c_int; 2],
+    _visual: *mut c_void,
+    _root: c_ulong,
+    /// Class, bit gravity, window gravity, backing store.
+    _kinds: [c_int; 4],
+    /// Backing planes, backing pixel.
+    _backing: [c_ulong; 2],
+    _save_under: c_int,
+    _colormap: c_ulong,
+    _map_installed: c_int,
+    map_state: c_int,
+    /// All event masks, yours, not propagated.
+    _masks: [c_long; 3],
+    _override_redirect: c_int,
+    _screen: *mut c_void,
+}
+
+/// A window is mapped, and so are all that it lies in.
+const IS_VIEWABLE: c_int = 2;
+
+/// The attributes of an X11 window; `None` where Xlib is missing or the server does not say.
+fn x11_attributes(display: usize, window: c_ulong) -> Option<Attributes> {
+    if display == 0 || window == 0 {
+        return None;
+    }
+    let get = x11()?.get_window_attributes;
+    let mut attributes = std::mem::MaybeUninit::<Attributes>::zeroed();
+    // SAFETY: display and window are live objects of the program; the answer has its place, of which zeros are valid, too.
+    unsafe {
+        let ok = get(display as *mut c_void, window, attributes.as_mut_ptr());
+        (ok != 0).then(|| attributes.assume_init())
+    }
+}
+
+/// The few calls of Xlib that look at a window and place it. The program has it loaded; we link nothing.
+struct X11 {
+    query_tree:
+        unsafe extern "C" fn(*mut c_void, c_ulong, *mut c_ulong, *mut c_ulong, *mut *mut c_ulong, *mut c_uint) -> c_int,
+    get_window_attributes: unsafe extern "C" fn(*mut c_void, c_ulong, *mut Attributes) -> c_int,
+    move_resize: unsafe extern "C" fn(*mut c_void, c_ulong, c_int, c_int, c_uint, c_uint) -> c_int,
+    sync: unsafe extern "C" fn(*mut c_void, c_int) -> c_int,
+    free: unsafe extern "C" fn(*mut c_void) -> c_int,
+}
+
+fn x11() -> Option<&'static X11> {
+    static LIBRARY: OnceLock<Option<X11>> = OnceLock::new();
+    LIBRARY
+        .get_or_init(|| {
+            // SAFETY: Xlib has no initialisers that could misbehave, and the signatures are its own.
+            unsafe {
+                let library = Box::leak(Box::new(libloading::Library::new("libX11.so.6").ok()?));
+                Some(X11 {
+                    query_tree: *library.get(b"XQueryTree\0").ok()?,
+                    get_window_attributes: *library.get(b"XGetWindowAttributes\0").ok()?,
+                    move_resize: *library.get(b"XMoveResizeWindow\0").ok()?,
+                    sync: *library.get(b"XSync\0").ok()?,
+                    free: *library.get(b"XFree\0").ok()?,
+                })
+            }
+        })
+        .as_ref()
+}
+
+impl X11 {
+    fn resize(&self, display: *mut c_void, window: c_ulong, size: (u32, u32)) {
+        // SAFETY: display and window are live objects of the program; XQueryTree's list is freed.
+        unsafe {
+            let mut top = window;
+            // Toolkits put the GL window into others; the outermost one below the root sets the size.
+            for _ in 0..16 {
+                let (mut root, mut parent, mut children, mut count) = (0, 0, std::ptr::null_mut(), 0);
+                if (self.query_tree)(display, top, &mut root, &mut parent, &mut children, &mut count) == 0 {
+                    break;
+                }
+                if !children.is_null() {
+                    (self.free)(children.cast());
+                }
+                if parent == root || parent == 0 {
+                    break;
+                }
+                top = parent;
+            }
+            (self.move_resize)(display, top, 0, 0, size.0, size.1);
+            (self.sync)(display, 0);
+        }
+    }
+}

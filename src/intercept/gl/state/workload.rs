@@ -1,0 +1,90 @@
+//! Number of draws in a frame.
+
+use crate::runtime::session::Extras;
+
+/// What has been seen so far.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Workload {
+    /// Draws seen when the frame began.
+    before: u64,
+    /// Draws of the last frame.
+    last: u64,
+    /// Frames with about as many draws.
+    steady: u32,
+    /// The program tests stencils, which may have to outlast a frame.
+    pub(in crate::intercept::gl) stencil: bool,
+    /// What the views are planned for, once that is known.
+    pub(in crate::intercept::gl) draws: Option<u32>,
+}
+
+/// So many frames in a row must have about as many draws.
+pub(in crate::intercept::gl) const STEADY_FRAMES: u32 = 8;
+
+impl Workload {
+    /// A frame ended, with so many draws seen since the beginning.
+    pub fn end_frame(&mut self, seen: u64) {
+        let draws = seen - self.before;
+        let alike = draws > 0 && draws.abs_diff(self.last) * 4 <= self.last.max(draws);
+        self.steady = if alike { self.steady + 1 } else { 0 };
+        (self.before, self.last) = (seen, draws);
+    }
+
+    /// The program switched the stencil test on.
+    pub fn note_stencil(&mut self) {
+        self.stencil = true;
+    }
+
+    /// The number of draws to plan for, a power of two; once, when it is known.
+    pub(in crate::intercept::gl) fn take(&mut self) -> Option<u32> {
+        if self.draws.is_some() || self.steady < STEADY_FRAMES {
+            return None;
+        }
+        self.draws = Some(u32::try_from(self.last).unwrap_or(u32::MAX).clamp(FEWEST, MOST).next_power_of_two());
+        self.draws
+    }
+
+    /// `extras` with the number of draws, once it is known: views that did not depend on it may do so for another rig.
+    pub fn extras(&self, extras: Extras) -> Extras {
+        Extras { draws: self.draws.or(extras.draws), ..extras }
+    }
+}
+
+/// What else a view costs is worth as many draws.
+pub(in crate::intercept::gl) const FEWEST: u32 = 16;
+pub(in crate::intercept::gl) const MOST: u32 = 1 << 14;
+
+#[cfg(test)]
+mod tests {
+    use super::{STEADY_FRAMES, Workload};
+
+    #[test]
+    fn the_number_is_known_once_it_is_steady_and_given_once() {
+        let mut load = Workload::default();
+        let mut seen = 0;
+        let mut frame = |load: &mut Workload, draws: u64| {
+            seen += draws;
+            load.end_frame(seen);
+        };
+        for draws in [0, 0, 500, 3, 3, 3] {
+            frame(&mut load, draws);
+            assert_eq!(load.take(), None);
+        }
+        for _ in 0..STEADY_FRAMES {
+            frame(&mut load, 100);
+        }
+        assert_eq!(load.take(), None, "the first of them was a jump");
+        frame(&mut load, 110);
+        assert_eq!(load.take(), Some(128));
+        frame(&mut load, 110);
+        assert_eq!(load.take(), None);
+    }
+
+    #[test]
+    fn very_few_and_very_many_draws_are_bounded() {
+        for (draws, planned) in [(1, 16), (1_000_000, 16_384)] {
+            let mut load = Workload::default();
+            (0..=STEADY_FRAMES as u64).for_each(|frame| load.end_frame((frame + 1) * draws));
+            assert_eq!(load.take(), Some(planned));
+        }
+    }
+}
