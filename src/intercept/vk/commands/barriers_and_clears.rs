@@ -1,7 +1,7 @@
-//! Barriers and clears: the twins' layouts follow the images', clears reach each tile. What is copied from buffer to
+//! Barriers and clears: the atlas copies' layouts follow the images', clears reach each tile. What is copied from buffer to
 //! buffer is remembered.
 
-use crate::intercept::vk::state::atlas_layout::{Layout, Rect, rectangle};
+use crate::intercept::vk::state::atlas_layout::{AtlasLayout, Rect, rectangle};
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::hooks::hooks;
 use crate::intercept::vk::state::recording::Event;
@@ -19,7 +19,7 @@ struct Cleared {
 }
 
 /// Where a clear of `rect` of the window goes.
-fn cleared(layout: &Layout, rect: &vk::Rect2D) -> Cleared {
+fn cleared(layout: &AtlasLayout, rect: &vk::Rect2D) -> Cleared {
     let (width, height) = layout.window;
     let whole = rect.offset.x <= 0
         && rect.offset.y <= 0
@@ -31,7 +31,7 @@ fn cleared(layout: &Layout, rect: &vk::Rect2D) -> Cleared {
     let of_view = |(tile, own): &(Rect, bool)| if *own { Some(moved(*tile)) } else { whole.then_some(*tile) };
     let pictures = layout.views.iter().filter_map(of_view).chain(layout.primary.map(moved)).collect();
     let panel = match whole {
-        true => Some(layout.glass()),
+        true => Some(layout.panel_with_border()),
         false => (!layout.shows_own_lens()).then(|| moved(layout.panel)),
     };
     Cleared { whole, pictures, panel }
@@ -44,7 +44,7 @@ fn cleared(layout: &Layout, rect: &vk::Rect2D) -> Cleared {
 pub unsafe fn clear(
     device: &Device,
     buffer: vk::CommandBuffer,
-    layout: &Layout,
+    layout: &AtlasLayout,
     what: &[vk::ClearAttachment],
     rects: &[vk::ClearRect],
 ) {
@@ -53,11 +53,12 @@ pub unsafe fn clear(
         let Cleared { whole, pictures, panel } = cleared(layout, &given.rect);
         let (pictures, panel) = (pictures.into_iter().map(rect).collect::<Vec<_>>(), panel.map(rect));
         // What is cleared as a whole is seen through; what is cleared in part is a picture on the panel.
-        let glass = |clear: &vk::ClearAttachment| match clear.aspect_mask.contains(vk::ImageAspectFlags::COLOR) {
-            true if whole => vk::ClearAttachment { clear_value: vk::ClearValue::default(), ..*clear },
-            _ => *clear,
-        };
-        let on_panel: Vec<_> = what.iter().map(glass).collect();
+        let panel_with_border =
+            |clear: &vk::ClearAttachment| match clear.aspect_mask.contains(vk::ImageAspectFlags::COLOR) {
+                true if whole => vk::ClearAttachment { clear_value: vk::ClearValue::default(), ..*clear },
+                _ => *clear,
+            };
+        let on_panel: Vec<_> = what.iter().map(panel_with_border).collect();
         // SAFETY: as promised; the tiles lie in the atlas.
         unsafe {
             if !pictures.is_empty() {
@@ -91,13 +92,13 @@ macro_rules! barriers {
 }
 barriers!(vk::ImageMemoryBarrier<'_>, vk::ImageMemoryBarrier2<'_>);
 
-/// Barriers of the program, and the same for the twins of their images.
-fn with_twins<B: Barrier>(device: &Device, given: &[B]) -> Vec<B> {
+/// Barriers of the program, and the same for the atlas copies of their images.
+fn with_atlas_copies<B: Barrier>(device: &Device, given: &[B]) -> Vec<B> {
     let mut all = given.to_vec();
     for barrier in given {
         let (image, layout) = barrier.target();
         device.images.moved(image, layout);
-        all.extend(device.images.twins(image).into_iter().map(|twin| barrier.of(twin)));
+        all.extend(device.images.atlas_copies(image).into_iter().map(|atlas_copy| barrier.of(atlas_copy)));
     }
     all
 }
@@ -115,13 +116,13 @@ hooks! {
         memory_count: u32, memory: *const vk::MemoryBarrier<'_>, buffer_count: u32, buffers: *const vk::BufferMemoryBarrier<'_>,
         image_count: u32, images: *const vk::ImageMemoryBarrier<'_>
     ) { |state, next| {
-        let all = with_twins(&state, slice(images, image_count));
+        let all = with_atlas_copies(&state, slice(images, image_count));
         next(buffer, before, after, flags, memory_count, memory, buffer_count, buffers, all.len() as u32, all.as_ptr())
     } }
     cmd_pipeline_barrier2 = (
         buffer: vk::CommandBuffer, info: *const vk::DependencyInfo<'_>
     ) { |state, next| {
-        let all = with_twins(&state, barriers_of(&*info));
+        let all = with_atlas_copies(&state, barriers_of(&*info));
         next(buffer, &(*info).image_memory_barriers(&all))
     } }
     cmd_wait_events = (
@@ -129,21 +130,21 @@ hooks! {
         memory_count: u32, memory: *const vk::MemoryBarrier<'_>, buffer_count: u32, buffers: *const vk::BufferMemoryBarrier<'_>,
         image_count: u32, images: *const vk::ImageMemoryBarrier<'_>
     ) { |state, next| {
-        let all = with_twins(&state, slice(images, image_count));
+        let all = with_atlas_copies(&state, slice(images, image_count));
         next(buffer, count, events, before, after, memory_count, memory, buffer_count, buffers, all.len() as u32, all.as_ptr())
     } }
     cmd_set_event2 = (
         buffer: vk::CommandBuffer, event: vk::Event, info: *const vk::DependencyInfo<'_>
     ) { |state, next| {
         // What waits for the event has to say the same.
-        let all = with_twins(&state, barriers_of(&*info));
+        let all = with_atlas_copies(&state, barriers_of(&*info));
         next(buffer, event, &(*info).image_memory_barriers(&all))
     } }
     cmd_wait_events2 = (
         buffer: vk::CommandBuffer, count: u32, events: *const vk::Event, infos: *const vk::DependencyInfo<'_>
     ) { |state, next| {
         let given = slice(infos, count);
-        let all: Vec<_> = given.iter().map(|info| with_twins(&state, barriers_of(info))).collect();
+        let all: Vec<_> = given.iter().map(|info| with_atlas_copies(&state, barriers_of(info))).collect();
         let changed: Vec<_> = given.iter().zip(&all).map(|(info, all)| (*info).image_memory_barriers(all)).collect();
         next(buffer, count, events, changed.as_ptr())
     } }
@@ -151,7 +152,7 @@ hooks! {
         buffer: vk::CommandBuffer, count: u32, what: *const vk::ClearAttachment, rect_count: u32, rects: *const vk::ClearRect
     ) { |state, next| {
         let layout = state.recordings.with(buffer, |recording| {
-            recording.pass.as_ref().map(|pass| std::sync::Arc::clone(&pass.shown.layout))
+            recording.pass.as_ref().map(|pass| std::sync::Arc::clone(&pass.target.layout))
         });
         match layout.flatten() {
             Some(layout) => clear(&state, buffer, &layout, slice(what, count), slice(rects, rect_count)),
@@ -161,16 +162,16 @@ hooks! {
     cmd_clear_color_image = (
         buffer: vk::CommandBuffer, image: vk::Image, layout: vk::ImageLayout, color: *const vk::ClearColorValue, count: u32, ranges: *const vk::ImageSubresourceRange
     ) { |state, next| {
-        for twin in state.images.twins(image) {
-            next(buffer, twin, layout, color, count, ranges);
+        for atlas_copy in state.images.atlas_copies(image) {
+            next(buffer, atlas_copy, layout, color, count, ranges);
         }
         next(buffer, image, layout, color, count, ranges)
     } }
     cmd_clear_depth_stencil_image = (
         buffer: vk::CommandBuffer, image: vk::Image, layout: vk::ImageLayout, value: *const vk::ClearDepthStencilValue, count: u32, ranges: *const vk::ImageSubresourceRange
     ) { |state, next| {
-        for twin in state.images.twins(image) {
-            next(buffer, twin, layout, value, count, ranges);
+        for atlas_copy in state.images.atlas_copies(image) {
+            next(buffer, atlas_copy, layout, value, count, ranges);
         }
         next(buffer, image, layout, value, count, ranges)
     } }
@@ -205,23 +206,28 @@ hooks! {
 #[cfg(test)]
 mod tests {
     use super::cleared;
-    use crate::intercept::vk::state::atlas_layout::Layout;
-    use crate::intercept::vk::state::vertices::Vertices;
+    use crate::intercept::vk::state::atlas_layout::AtlasLayout;
+    use crate::intercept::vk::state::vertices::VertexProcessing;
     use ash::vk;
 
     #[test]
     fn a_whole_clear_reaches_each_view_and_a_part_of_it_the_panel_only() {
         let rig = crate::rig::load("fisheye").expect("a preset");
-        let layout = Layout::new(&rig, (200, 200), 16384, false, Vertices::Divided).expect("a plan");
+        let layout =
+            AtlasLayout::new(&rig, (200, 200), 16384, false, VertexProcessing::DivisionStatistics).expect("a plan");
         let whole = vk::Rect2D { offset: vk::Offset2D::default(), extent: vk::Extent2D { width: 200, height: 200 } };
         let all = cleared(&layout, &whole);
-        assert_eq!((all.whole, all.pictures.len(), all.panel), (true, layout.views.len(), Some(layout.glass())));
+        assert_eq!(
+            (all.whole, all.pictures.len(), all.panel),
+            (true, layout.views.len(), Some(layout.panel_with_border()))
+        );
         let part = vk::Rect2D { offset: vk::Offset2D { x: 20, y: 30 }, ..whole };
         let some = cleared(&layout, &part);
         assert!(!some.whole && some.pictures.is_empty());
         let [x, y, ..] = layout.panel;
         assert_eq!(some.panel, Some([x + 20, y + 30, 200, 200]));
-        let layout = Layout::new(&rig, (200, 200), 16384, true, Vertices::Divided).expect("a plan");
+        let layout =
+            AtlasLayout::new(&rig, (200, 200), 16384, true, VertexProcessing::DivisionStatistics).expect("a plan");
         assert_eq!(cleared(&layout, &part).pictures, [[20, 30, 200, 200]], "the program's own picture");
     }
 }

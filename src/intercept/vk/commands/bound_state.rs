@@ -1,9 +1,9 @@
 //! What a program binds and sets while it records.
 
-use crate::intercept::vk::state::bindings::Bound;
+use crate::intercept::vk::state::bindings::BoundSet;
 use crate::intercept::vk::state::hooks::hooks;
 use crate::intercept::vk::state::recording::PUSH_BYTES;
-use crate::intercept::vk::state::scene_paths::Made;
+use crate::intercept::vk::state::scene_graph::Made;
 use crate::intercept::vk::state::structures::slice;
 use ash::vk;
 
@@ -17,8 +17,8 @@ hooks! {
         if point == vk::PipelineBindPoint::GRAPHICS {
             let known = state.pipelines.get(pipeline);
             state.recordings.with(buffer, |recording| {
-                recording.pipeline = known;
-                recording.current = pipeline;
+                recording.graphics.pipeline = known;
+                recording.graphics.current = pipeline;
             });
         }
         next(buffer, point, pipeline)
@@ -29,25 +29,25 @@ hooks! {
         if point != vk::PipelineBindPoint::GRAPHICS && state.images.has_candidates() {
             let views = slice(sets, count).iter().flat_map(|set| state.descriptors.pictures(*set));
             let images = views.filter_map(|view| state.images.candidate_of(view));
-            images.for_each(|image| state.paths.leads(image, Made::Elsewhere));
+            images.for_each(|image| state.scene_graph.note_made(image, Made::Elsewhere));
         }
         if point == vk::PipelineBindPoint::GRAPHICS || point == vk::PipelineBindPoint::COMPUTE {
             let (sets, mut offsets) = (slice(sets, count), slice(dynamic, dynamic_count));
-            let bound: Vec<Bound> = sets.iter().map(|set| {
+            let bound: Vec<BoundSet> = sets.iter().map(|set| {
                 let number = (state.descriptors.dynamic_offsets(*set) as usize).min(offsets.len());
                 let (own, rest) = offsets.split_at(number);
                 offsets = rest;
-                Bound { set: *set, dynamic: own.to_vec(), pushed: None }
+                BoundSet { set: *set, dynamic: own.to_vec(), pushed: None }
             }).collect();
             state.recordings.with(buffer, |recording| {
                 if point == vk::PipelineBindPoint::COMPUTE {
                     return recording.compute.bind_sets(layout, first, bound);
                 }
                 let end = first as usize + bound.len();
-                if recording.bound.len() < end {
-                    recording.bound.resize(end, None);
+                if recording.graphics.bound.len() < end {
+                    recording.graphics.bound.resize(end, None);
                 }
-                for (place, bound) in recording.bound.iter_mut().skip(first as usize).zip(bound) {
+                for (place, bound) in recording.graphics.bound.iter_mut().skip(first as usize).zip(bound) {
                     *place = Some(bound);
                 }
             });
@@ -62,7 +62,7 @@ hooks! {
             state.recordings.with(buffer, |recording| {
                 let start = (offset as usize).min(PUSH_BYTES);
                 let end = (start + values.len()).min(PUSH_BYTES);
-                recording.push[start..end].copy_from_slice(&values[..end - start]);
+                recording.graphics.push[start..end].copy_from_slice(&values[..end - start]);
             });
         }
         next(buffer, layout, stages, offset, size, values)
@@ -71,7 +71,7 @@ hooks! {
         buffer: vk::CommandBuffer, first: u32, count: u32, viewports: *const vk::Viewport
     ) { |state, next| {
         if let (0, Some(viewport)) = (first, slice(viewports, count).first()) {
-            state.recordings.with(buffer, |recording| recording.viewport = Some(*viewport));
+            state.recordings.with(buffer, |recording| recording.graphics.viewport = Some(*viewport));
         }
         next(buffer, first, count, viewports)
     } }
@@ -79,7 +79,7 @@ hooks! {
         buffer: vk::CommandBuffer, first: u32, count: u32, scissors: *const vk::Rect2D
     ) { |state, next| {
         if let (0, Some(scissor)) = (first, slice(scissors, count).first()) {
-            state.recordings.with(buffer, |recording| recording.scissor = Some(*scissor));
+            state.recordings.with(buffer, |recording| recording.graphics.scissor = Some(*scissor));
         }
         next(buffer, first, count, scissors)
     } }
@@ -87,7 +87,7 @@ hooks! {
         buffer: vk::CommandBuffer, count: u32, viewports: *const vk::Viewport
     ) { |state, next| {
         if let Some(viewport) = slice(viewports, count).first() {
-            state.recordings.with(buffer, |recording| recording.viewport = Some(*viewport));
+            state.recordings.with(buffer, |recording| recording.graphics.viewport = Some(*viewport));
         }
         next(buffer, count, viewports)
     } }
@@ -95,7 +95,7 @@ hooks! {
         buffer: vk::CommandBuffer, count: u32, scissors: *const vk::Rect2D
     ) { |state, next| {
         if let Some(scissor) = slice(scissors, count).first() {
-            state.recordings.with(buffer, |recording| recording.scissor = Some(*scissor));
+            state.recordings.with(buffer, |recording| recording.graphics.scissor = Some(*scissor));
         }
         next(buffer, count, scissors)
     } }

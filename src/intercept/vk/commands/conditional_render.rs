@@ -1,7 +1,7 @@
 //! Conditional rendering: what the program makes depend on a number holds for its own commands only, and not for what
 //! Cupola records between them.
 
-use crate::intercept::vk::commands::panel_clears::clear_left;
+use crate::intercept::vk::commands::panel_clears::clear_pending;
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::hooks::hooks;
 use crate::intercept::vk::state::recording::Condition;
@@ -51,7 +51,7 @@ pub unsafe fn begin_pass(device: &Device, buffer: vk::CommandBuffer, begin: impl
             begin();
             device.recordings.with(buffer, |recording| {
                 if recording.condition.is_some() {
-                    clear_left(device, buffer, recording);
+                    clear_pending(device, buffer, recording);
                 }
             });
         });
@@ -63,7 +63,7 @@ hooks! {
         buffer: vk::CommandBuffer, info: *const vk::ConditionalRenderingBeginInfoEXT<'_>
     ) { |state, next| {
         state.recordings.with(buffer, |recording| {
-            clear_left(&state, buffer, recording);
+            clear_pending(&state, buffer, recording);
             let within = recording.pass.is_some() || recording.plain.is_some();
             let given = &*info;
             let condition = Condition { buffer: given.buffer, offset: given.offset, flags: given.flags };

@@ -5,20 +5,20 @@ use crate::intercept::vk::state::atlas_layout::Rect;
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::hooks::hooks;
 use crate::intercept::vk::state::recording::Event;
-use crate::intercept::vk::state::scene_paths::Made;
-use crate::intercept::vk::state::shown::Shown;
+use crate::intercept::vk::state::scene_graph::Made;
 use crate::intercept::vk::state::structures::slice;
+use crate::intercept::vk::state::view_target::ViewTarget;
 use ash::vk;
 use std::sync::Arc;
 
 /// What becomes of a copy.
-enum Becomes {
+enum CopyPlan {
     /// It stays the program's.
     Same,
     /// It reads the program's own picture at this place of an atlas.
     Read(vk::Image, Rect),
     /// All views go from atlas to atlas; the second is what is drawn then.
-    Views(vk::Image, Arc<Shown>),
+    Views(vk::Image, Arc<ViewTarget>),
 }
 
 /// One end of a copy: its image, and the corners of what is copied there.
@@ -26,70 +26,70 @@ type End = (vk::Image, [vk::Offset3D; 2]);
 
 /// Where an image that is copied to goes, for a copy of everything.
 fn end_of(device: &Device, image: vk::Image) -> Made {
-    match device.images.shown_image(image) {
-        Some(shown) if shown.window => Made::Window,
+    match device.images.target_of_image(image) {
+        Some(target) if target.window => Made::Window,
         _ if device.images.is_candidate(image) => Made::Image(image),
         _ => Made::Elsewhere,
     }
 }
 
 /// What a copy becomes. Where that cannot be, the program is shown flat.
-fn becomes(device: &Device, buffer: vk::CommandBuffer, (from, source): End, (to, target): End) -> Becomes {
-    let (read, written) = (device.images.shown_image(from), device.images.shown_image(to));
+fn becomes(device: &Device, buffer: vk::CommandBuffer, (from, src): End, (to, dst): End) -> CopyPlan {
+    let (read, written) = (device.images.target_of_image(from), device.images.target_of_image(to));
     let whole = |image: vk::Image, corners: [vk::Offset3D; 2]| {
         let (width, height) = device.images.size(image).unwrap_or_default();
         let [first, last] = corners;
         (first.x, first.y, last.x, last.y) == (0, 0, width as i32, height as i32)
     };
-    let everything = whole(from, source) && whole(to, target);
+    let everything = whole(from, src) && whole(to, dst);
     if device.images.is_candidate(from) {
         let made = if everything { end_of(device, to) } else { Made::Elsewhere };
         // What leaves the window's way is the program's own picture, where there is one.
         let served =
             written.is_none() && device.swapchains.latest_layout().is_some_and(|layout| layout.own().is_some());
         if made != Made::Elsewhere || !served {
-            device.paths.leads(from, made);
+            device.scene_graph.note_made(from, made);
         }
     }
-    let drawn = |shown: &Arc<Shown>, in_views| {
-        let event = Event::Drawn(Arc::clone(shown), in_views);
+    let drawn = |target: &Arc<ViewTarget>, in_views| {
+        let event = Event::Drawn(Arc::clone(target), in_views);
         device.recordings.with(buffer, |recording| recording.events.push(event));
     };
     if !device.draws_views() {
-        written.iter().for_each(|shown| drawn(shown, false));
-        return Becomes::Same;
+        written.iter().for_each(|target| drawn(target, false));
+        return CopyPlan::Same;
     }
     match (read, written) {
-        (None, Some(shown)) if everything => match device.images.twin_of_size(from, shown.layout.atlas) {
-            Some(twin) => {
-                drawn(&shown, true);
-                Becomes::Views(twin, shown)
+        (None, Some(target)) if everything => match device.images.atlas_copy_of_size(from, target.layout.atlas) {
+            Some(atlas_copy) => {
+                drawn(&target, true);
+                CopyPlan::Views(atlas_copy, target)
             }
             None => {
                 if !device.images.is_candidate(from) {
                     device.give_up("it copies its picture to the window");
                 }
-                drawn(&shown, false);
-                Becomes::Same
+                drawn(&target, false);
+                CopyPlan::Same
             }
         },
-        (Some(read), Some(shown)) if everything && Arc::ptr_eq(&read.layout, &shown.layout) => {
-            drawn(&shown, true);
-            Becomes::Views(read.atlas, shown)
+        (Some(read), Some(target)) if everything && Arc::ptr_eq(&read.layout, &target.layout) => {
+            drawn(&target, true);
+            CopyPlan::Views(read.atlas, target)
         }
-        (_, Some(shown)) => {
+        (_, Some(target)) => {
             device.give_up("it copies its picture to the window");
-            drawn(&shown, false);
-            Becomes::Same
+            drawn(&target, false);
+            CopyPlan::Same
         }
         (Some(read), None) => match read.layout.own() {
-            Some(own) => Becomes::Read(read.atlas, own),
+            Some(own) => CopyPlan::Read(read.atlas, own),
             None => {
                 device.give_up("it copies its picture from the window");
-                Becomes::Same
+                CopyPlan::Same
             }
         },
-        (None, None) => Becomes::Same,
+        (None, None) => CopyPlan::Same,
     }
 }
 
@@ -106,17 +106,17 @@ fn extent(from: vk::Offset3D, size: vk::Extent3D) -> [vk::Offset3D; 2] {
 const NOTHING: [vk::Offset3D; 2] = [vk::Offset3D { x: 0, y: 0, z: 0 }; 2];
 
 /// The whole of an atlas.
-fn atlas(shown: &Shown) -> vk::Extent3D {
-    let (width, height) = shown.layout.atlas;
+fn atlas(target: &ViewTarget) -> vk::Extent3D {
+    let (width, height) = target.layout.atlas;
     vk::Extent3D { width, height, depth: 1 }
 }
 
 /// What a command copies, blits or resolves from image to image.
 trait Region: Clone {
     /// The corners of what is read.
-    fn source(&self) -> [vk::Offset3D; 2];
+    fn src(&self) -> [vk::Offset3D; 2];
     /// The corners of what is written.
-    fn target(&self) -> [vk::Offset3D; 2];
+    fn dst(&self) -> [vk::Offset3D; 2];
     /// Reads at another place.
     fn read_at(&mut self, place: Rect);
     /// Takes all of an image of this size.
@@ -126,10 +126,10 @@ trait Region: Clone {
 /// Regions with one extent.
 macro_rules! sized {
     ($($kind:ty),+) => { $( impl Region for $kind {
-        fn source(&self) -> [vk::Offset3D; 2] {
+        fn src(&self) -> [vk::Offset3D; 2] {
             extent(self.src_offset, self.extent)
         }
-        fn target(&self) -> [vk::Offset3D; 2] {
+        fn dst(&self) -> [vk::Offset3D; 2] {
             extent(self.dst_offset, self.extent)
         }
         fn read_at(&mut self, place: Rect) {
@@ -145,10 +145,10 @@ sized!(vk::ImageCopy, vk::ImageResolve, vk::ImageCopy2<'_>, vk::ImageResolve2<'_
 /// Regions with corners.
 macro_rules! scaled {
     ($($kind:ty),+) => { $( impl Region for $kind {
-        fn source(&self) -> [vk::Offset3D; 2] {
+        fn src(&self) -> [vk::Offset3D; 2] {
             self.src_offsets
         }
-        fn target(&self) -> [vk::Offset3D; 2] {
+        fn dst(&self) -> [vk::Offset3D; 2] {
             self.dst_offsets
         }
         fn read_at(&mut self, place: Rect) {
@@ -176,19 +176,19 @@ unsafe fn between<R: Region>(
     next: impl Fn(vk::Image, vk::Image, &[R]),
 ) {
     let only = regions.first().filter(|_| regions.len() == 1);
-    let (source, target) = (only.map_or(NOTHING, R::source), only.map_or(NOTHING, R::target));
+    let (src, dst) = (only.map_or(NOTHING, R::src), only.map_or(NOTHING, R::dst));
     let changed = |change: &dyn Fn(&mut R)| {
         let mut changed = regions.to_vec();
         changed.iter_mut().for_each(change);
         changed
     };
-    match becomes(device, buffer, (from, source), (to, target)) {
-        Becomes::Same => next(from, to, regions),
-        Becomes::Read(image, place) => next(image, to, &changed(&|region| region.read_at(place))),
-        Becomes::Views(image, shown) => {
-            next(image, shown.atlas, &changed(&|region| region.take_all(atlas(&shown))));
+    match becomes(device, buffer, (from, src), (to, dst)) {
+        CopyPlan::Same => next(from, to, regions),
+        CopyPlan::Read(image, place) => next(image, to, &changed(&|region| region.read_at(place))),
+        CopyPlan::Views(image, target) => {
+            next(image, target.atlas, &changed(&|region| region.take_all(atlas(&target))));
             // SAFETY: as promised; the atlas has just been written in this layout.
-            unsafe { view_copies::make(device, buffer, &shown, layout) };
+            unsafe { view_copies::make(device, buffer, &target, layout) };
         }
     }
 }
@@ -201,8 +201,8 @@ fn with_buffer(
     to: vk::Image,
 ) -> Option<(vk::Image, Rect)> {
     match becomes(device, buffer, (from, NOTHING), (to, NOTHING)) {
-        Becomes::Read(image, at) => Some((image, at)),
-        Becomes::Same | Becomes::Views(..) => None,
+        CopyPlan::Read(image, at) => Some((image, at)),
+        CopyPlan::Same | CopyPlan::Views(..) => None,
     }
 }
 

@@ -5,32 +5,32 @@ use crate::intercept::scene;
 use crate::intercept::vk::commands::bound_state::set_window;
 use crate::intercept::vk::offscreen::scene_graph;
 use crate::intercept::vk::pipelines::matrix_sources::source;
-use crate::intercept::vk::state::atlas_layout::{Layout, Rect, rectangle};
+use crate::intercept::vk::state::atlas_layout::{AtlasLayout, Rect, rectangle};
 use crate::intercept::vk::state::device::Device;
-use crate::intercept::vk::state::draw_groups::{Kind, Run};
-use crate::intercept::vk::state::draw_parameters::{Parameters, Placed};
+use crate::intercept::vk::state::draw_groups::{DrawFacts, DrawGroup};
+use crate::intercept::vk::state::draw_parameters::{DrawParameters, IndirectDraw};
 use crate::intercept::vk::state::hooks::hooks;
 use crate::intercept::vk::state::pipelines::{Pipeline, Variants};
 use crate::intercept::vk::state::recording::{Event, Recording, drawn};
-use crate::intercept::vk::state::scene_paths::{FEW, Made};
-use crate::intercept::vk::state::view_constants::Place;
+use crate::intercept::vk::state::scene_graph::{COVERING_VERTICES, Made};
+use crate::intercept::vk::state::view_constants::ChunkOffset;
 use ash::vk;
 use std::sync::Arc;
 
 /// How large a draw is.
 #[derive(Clone, Copy)]
-enum Size {
+enum DrawSize {
     /// The program says it.
-    Told(Parameters),
+    Known(DrawParameters),
     /// Only the device knows.
     Unknown,
 }
 
-impl Size {
+impl DrawSize {
     /// How many vertices it has, more where that is not known.
     fn vertices(&self) -> u32 {
         match self {
-            Self::Told(parameters) => parameters.vertices(),
+            Self::Known(parameters) => parameters.vertices(),
             Self::Unknown => u32::MAX,
         }
     }
@@ -40,19 +40,19 @@ impl Size {
 ///
 /// # Safety
 /// The command buffer is being recorded; `issue` records the program's own draw, of that `size`.
-unsafe fn draw(device: &Device, buffer: vk::CommandBuffer, size: Size, issue: impl Fn()) {
+unsafe fn draw(device: &Device, buffer: vk::CommandBuffer, size: DrawSize, issue: impl Fn()) {
     let vertices = size.vertices();
-    let few = vertices <= FEW;
+    let covers_viewport = vertices <= COVERING_VERTICES;
     let known = device.recordings.with(buffer, |recording| {
         // SAFETY: as promised.
         unsafe {
-            match recording.pipeline.clone() {
+            match recording.graphics.pipeline.clone() {
                 Some(pipeline) if recording.pass.is_some() => {
                     each_view(device, buffer, recording, (&pipeline, size), &issue);
                 }
                 Some(pipeline) => {
                     if device.images.has_candidates() && device.draws_views() {
-                        suspect(device, recording, (&pipeline, few));
+                        suspect(device, recording, (&pipeline, covers_viewport));
                     }
                     restore(device, buffer, recording);
                     drawn(recording, None, vertices, Some(1));
@@ -71,13 +71,13 @@ unsafe fn draw(device: &Device, buffer: vk::CommandBuffer, size: Size, issue: im
 }
 
 /// A draw in a pass of the program's own says what it may be of the scene.
-fn suspect(device: &Device, recording: &mut Recording, (pipeline, few): (&Pipeline, bool)) {
+fn suspect(device: &Device, recording: &mut Recording, (pipeline, covers_viewport): (&Pipeline, bool)) {
     let targets = recording.plain.iter().flatten();
     let size = targets.filter_map(|target| device.images.size(*target)).next();
-    let viewport = pipeline.viewport.or(recording.viewport).unwrap_or_default();
+    let viewport = pipeline.viewport.or(recording.graphics.viewport).unwrap_or_default();
     let main = size.is_some_and(|size| is_main(&viewport, size));
     let matrices = pipeline.variants.as_ref().map_or(&[][..], |variants| &variants.matrices);
-    scene_graph::drawn(device, recording, matrices, (main, few));
+    scene_graph::drawn(device, recording, matrices, (main, covers_viewport));
 }
 
 /// Whether a viewport shows the main picture of an image of this size.
@@ -86,7 +86,7 @@ fn is_main(viewport: &vk::Viewport, (width, height): (u32, u32)) -> bool {
     scene::viewport::is_main(viewport.width.into(), viewport.height.abs().into(), area)
 }
 
-/// A set with which the program's shaders see each view of the scene, where it drew that off screen, and the twins of
+/// A set with which the program's shaders see each view of the scene, where it drew that off screen, and the atlas copies of
 /// attachments that they read.
 struct SetOfViews {
     number: u32,
@@ -102,12 +102,12 @@ type OfViews = Vec<SetOfViews>;
 
 /// # Errors
 /// Why there are none.
-fn sets_of_views(device: &Device, recording: &Recording, layout: &Layout, ours: u32) -> Result<OfViews, String> {
+fn sets_of_views(device: &Device, recording: &Recording, layout: &AtlasLayout, ours: u32) -> Result<OfViews, String> {
     let mut all = Vec::new();
     if !device.images.has_candidates() && !device.descriptors.any_attachments() {
         return Ok(all);
     }
-    for (number, bound) in (0..ours).zip(&recording.bound) {
+    for (number, bound) in (0..ours).zip(&recording.graphics.bound) {
         let Some(bound) = bound else { continue };
         if let Some(sets) = device.descriptors.of_views(device, bound.set, layout)? {
             let attachments = device.descriptors.reads_attachments(bound.set);
@@ -122,21 +122,21 @@ fn sets_of_views(device: &Device, recording: &Recording, layout: &Layout, ours: 
 /// # Safety
 /// The command buffer is being recorded.
 unsafe fn restore(device: &Device, buffer: vk::CommandBuffer, recording: &mut Recording) {
-    let Some(pipeline) = recording.pipeline.clone() else { return };
+    let Some(pipeline) = recording.graphics.pipeline.clone() else { return };
     // SAFETY: as promised; what is bound and set is the program's own.
     unsafe {
-        if recording.current != pipeline.own {
+        if recording.graphics.current != pipeline.own {
             device.driver.functions.cmd_bind_pipeline(buffer, vk::PipelineBindPoint::GRAPHICS, pipeline.own);
-            recording.current = pipeline.own;
+            recording.graphics.current = pipeline.own;
         }
-        if recording.disturbed {
-            if let (None, Some(viewport)) = (pipeline.viewport, recording.viewport) {
+        if recording.graphics.disturbed {
+            if let (None, Some(viewport)) = (pipeline.viewport, recording.graphics.viewport) {
                 device.driver.functions.cmd_set_viewport(buffer, 0, &[viewport]);
             }
-            if let (None, Some(scissor)) = (pipeline.scissor, recording.scissor) {
+            if let (None, Some(scissor)) = (pipeline.scissor, recording.graphics.scissor) {
                 device.driver.functions.cmd_set_scissor(buffer, 0, &[scissor]);
             }
-            recording.disturbed = false;
+            recording.graphics.disturbed = false;
         }
         rebind(device, buffer, recording, &pipeline);
     }
@@ -147,11 +147,11 @@ unsafe fn restore(device: &Device, buffer: vk::CommandBuffer, recording: &mut Re
 /// # Safety
 /// The command buffer is being recorded.
 unsafe fn rebind(device: &Device, buffer: vk::CommandBuffer, recording: &mut Recording, pipeline: &Pipeline) {
-    let (Some(from), Some(layout)) = (recording.displaced, &pipeline.layout) else { return };
+    let (Some(from), Some(layout)) = (recording.graphics.displaced, &pipeline.layout) else { return };
     if from >= layout.ours {
         return;
     }
-    for (number, bound) in (0..layout.ours).zip(&recording.bound).filter(|(number, _)| *number >= from) {
+    for (number, bound) in (0..layout.ours).zip(&recording.graphics.bound).filter(|(number, _)| *number >= from) {
         let Some(bound) = bound else { continue };
         // SAFETY: as promised; the program bound the set, or pushed it, for this place.
         unsafe {
@@ -165,7 +165,7 @@ unsafe fn rebind(device: &Device, buffer: vk::CommandBuffer, recording: &mut Rec
             }
         }
     }
-    recording.displaced = None;
+    recording.graphics.displaced = None;
 }
 
 /// Issues a draw to each view and onto the panel.
@@ -176,11 +176,11 @@ unsafe fn each_view(
     device: &Device,
     buffer: vk::CommandBuffer,
     recording: &mut Recording,
-    (pipeline, size): (&Arc<Pipeline>, Size),
+    (pipeline, size): (&Arc<Pipeline>, DrawSize),
     issue: &dyn Fn(),
 ) {
     let vertices = size.vertices();
-    let few = vertices <= FEW;
+    let covers_viewport = vertices <= COVERING_VERTICES;
     let Some(variants) = &pipeline.variants else {
         // Its window space is not that of a tile.
         device.give_up(&device.flatness.pipeline_obstacle());
@@ -190,13 +190,13 @@ unsafe fn each_view(
     unsafe {
         rebind(device, buffer, recording, pipeline);
         let Some(pass) = &mut recording.pass else { return };
-        let unclear = std::mem::take(&mut pass.unclear);
-        let layout = Arc::clone(&pass.shown.layout);
-        crate::intercept::vk::commands::panel_clears::clear_panel(device, buffer, &layout, &unclear);
+        let uncleared_panels = std::mem::take(&mut pass.uncleared_panels);
+        let layout = Arc::clone(&pass.target.layout);
+        crate::intercept::vk::commands::panel_clears::clear_panel(device, buffer, &layout, &uncleared_panels);
         let (width, height) = (pixels(layout.window.0 as i32), pixels(layout.window.1 as i32));
         let whole = vk::Viewport { x: 0.0, y: 0.0, width, height, min_depth: 0.0, max_depth: 1.0 };
-        let viewport = pipeline.viewport.or(recording.viewport).unwrap_or(whole);
-        let scissor = pipeline.scissor.or(recording.scissor).unwrap_or(whole_window(&layout));
+        let viewport = pipeline.viewport.or(recording.graphics.viewport).unwrap_or(whole);
+        let scissor = pipeline.scissor.or(recording.graphics.scissor).unwrap_or(whole_window(&layout));
         let main = is_main(&viewport, layout.window);
         let own_lens = layout.views.iter().any(|(_, own)| *own);
         let sources: Vec<_> = match variants.follows && main {
@@ -213,17 +213,17 @@ unsafe fn each_view(
         };
         let pictures = scene_graph::pictures(device, recording);
         let Some(pass) = &mut recording.pass else { return };
-        let made = match pass.shown.window {
-            _ if !main || !few && sources.is_empty() => Made::Elsewhere,
+        let made = match pass.target.window {
+            _ if !main || !covers_viewport && sources.is_empty() => Made::Elsewhere,
             true => Made::Window,
-            false => Made::Image(pass.shown.given),
+            false => Made::Image(pass.target.given),
         };
         for picture in pictures {
-            device.paths.leads(picture, made);
+            device.scene_graph.note_made(picture, made);
             device.images.scene(picture).into_iter().for_each(|scene| recording.samples(scene));
         }
         let Some(pass) = &mut recording.pass else { return };
-        let (screen, off_screen) = (!of_views.is_empty() && main && few, !pass.shown.window);
+        let (screen, off_screen) = (!of_views.is_empty() && main && covers_viewport, !pass.target.window);
         if screen && variants.asks_place {
             device.give_up("a shader that reads a picture of its scene asks for its place on the screen");
         }
@@ -233,37 +233,38 @@ unsafe fn each_view(
         let in_views = own_lens || main && (screen || variants.follows && may_be_behind);
         pass.scene |= !sources.is_empty() || screen || deep;
         let y_up = viewport.height < 0.0;
-        let kind = Kind { sources, y_up, in_views, off_screen, deep, screen };
-        let last = recording.runs.last_mut().filter(|run| run.takes(&layout, &kind));
-        let groups = 2 + if in_views { layout.views.len() } else { 0 };
+        let kind = DrawFacts { sources, y_up, in_views, off_screen, deep, screen };
+        let last = recording.draw_groups.last_mut().filter(|group| group.takes(&layout, &kind));
+        let slots = 2 + if in_views { layout.views.len() } else { 0 };
         let place = match last {
-            Some(run) => {
-                run.draws += 1;
-                run.place
+            Some(group) => {
+                group.draws += 1;
+                group.place
             }
             None => {
-                let stride = device.group_stride();
-                let Ok(place) = device.rows.take(&device.driver, &mut recording.rows, groups, stride) else {
+                let stride = device.slot_stride();
+                let Ok(place) = device.view_constants.take(&device.driver, &mut recording.constants, slots, stride)
+                else {
                     device.give_up("there is no memory for its views");
                     return;
                 };
-                recording.events.push(Event::Run(recording.runs.len()));
-                let mut run = Run::new(place, Arc::clone(&layout), kind);
-                run.draws = 1;
-                recording.runs.push(run);
+                recording.events.push(Event::DrawGroup(recording.draw_groups.len()));
+                let mut group = DrawGroup::new(place, Arc::clone(&layout), kind);
+                group.draws = 1;
+                recording.draw_groups.push(group);
                 place
             }
         };
-        let run = recording.runs.len() - 1;
-        let on_panel = recording.runs[run].is_on_panel();
+        let group = recording.draw_groups.len() - 1;
+        let on_panel = recording.draw_groups[group].is_on_panel();
         let tiles = if in_views { layout.views.len() } else { 0 };
         let times = tiles + usize::from(on_panel) + usize::from(layout.primary.is_some());
         let placed = match &size {
-            Size::Told(parameters) => Placed::new(device, recording, parameters, groups as u32),
-            Size::Unknown => None,
+            DrawSize::Known(parameters) => IndirectDraw::new(device, recording, parameters, slots as u32),
+            DrawSize::Unknown => None,
         };
-        drawn(recording, Some(run), vertices, placed.is_none().then_some(times as u32));
-        recording.runs[run].placed.extend(placed);
+        drawn(recording, Some(group), vertices, placed.is_none().then_some(times as u32));
+        recording.draw_groups[group].placed.extend(placed);
         let mut tile = Tile { device, buffer, recording, pipeline, variants, place, viewport, scissor };
         if in_views {
             for (index, (rect, own_lens)) in layout.views.iter().enumerate() {
@@ -288,7 +289,7 @@ unsafe fn each_view(
     }
 }
 
-fn whole_window(layout: &Layout) -> vk::Rect2D {
+fn whole_window(layout: &AtlasLayout) -> vk::Rect2D {
     vk::Extent2D { width: layout.window.0, height: layout.window.1 }.into()
 }
 
@@ -299,7 +300,7 @@ struct Tile<'a> {
     recording: &'a mut Recording,
     pipeline: &'a Pipeline,
     variants: &'a Variants,
-    place: Place,
+    place: ChunkOffset,
     viewport: vk::Viewport,
     scissor: vk::Rect2D,
 }
@@ -309,7 +310,7 @@ impl Tile<'_> {
     ///
     /// # Safety
     /// The command buffer is being recorded.
-    unsafe fn begin(&mut self, by: vk::Pipeline, group: usize, tile: Rect, own: bool, window: (u32, u32)) {
+    unsafe fn begin(&mut self, by: vk::Pipeline, slot: usize, tile: Rect, own: bool, window: (u32, u32)) {
         let (device, buffer) = (self.device, self.buffer);
         let (viewport, scissor) = if own {
             (moved(&self.viewport, tile), cut(&self.scissor, tile, window))
@@ -319,42 +320,42 @@ impl Tile<'_> {
         // SAFETY: as promised.
         unsafe {
             let graphics = vk::PipelineBindPoint::GRAPHICS;
-            if self.recording.current != by {
+            if self.recording.graphics.current != by {
                 device.driver.functions.cmd_bind_pipeline(buffer, graphics, by);
-                self.recording.current = by;
+                self.recording.graphics.current = by;
             }
             set_window(device, buffer, &viewport, &scissor, self.variants.with_count);
-            self.recording.disturbed = true;
-            if let (Some(layout), Some(piece)) =
-                (&self.pipeline.layout, self.recording.rows.pieces.get(self.place.piece))
+            self.recording.graphics.disturbed = true;
+            if let (Some(layout), Some(chunk)) =
+                (&self.pipeline.layout, self.recording.constants.chunks.get(self.place.chunk))
             {
-                let offset = self.place.offset + group as u32 * device.group_stride();
+                let offset = self.place.offset + slot as u32 * device.slot_stride();
                 let functions = &device.driver.functions;
                 functions.cmd_bind_descriptor_sets(
                     buffer,
                     graphics,
                     layout.handle,
                     layout.ours,
-                    &[piece.set(layout.counts)],
+                    &[chunk.set(layout.counts)],
                     &[offset],
                 );
-                let from = self.recording.displaced.map_or(layout.ours, |from| from.min(layout.ours));
-                self.recording.displaced = Some(from);
+                let from = self.recording.graphics.displaced.map_or(layout.ours, |from| from.min(layout.ours));
+                self.recording.graphics.displaced = Some(from);
             }
         }
     }
 }
 
 impl Tile<'_> {
-    /// Issues the draw with a group of rows: by its parameters in memory, or else by `issue`.
+    /// Issues the draw with a slot of view constants: by its parameters in memory, or else by `issue`.
     ///
     /// # Safety
     /// The command buffer is being recorded.
-    unsafe fn issue(&self, placed: &Option<Placed>, group: usize, issue: &dyn Fn()) {
+    unsafe fn issue(&self, placed: &Option<IndirectDraw>, slot: usize, issue: &dyn Fn()) {
         match placed {
             // SAFETY: as promised; the places are those of this recording.
             Some(placed) => unsafe {
-                placed.issue(&self.device.driver, self.buffer, &self.recording.rows.pieces, group as u32)
+                placed.issue(&self.device.driver, self.buffer, &self.recording.constants.chunks, slot as u32)
             },
             None => issue(),
         }
@@ -382,7 +383,8 @@ impl Tile<'_> {
     /// The command buffer is being recorded.
     unsafe fn unbind(&mut self, sets: &OfViews) {
         let Some(first) = sets.first().map(|set| set.number) else { return };
-        self.recording.displaced = Some(self.recording.displaced.map_or(first, |from| from.min(first)));
+        self.recording.graphics.displaced =
+            Some(self.recording.graphics.displaced.map_or(first, |from| from.min(first)));
         // SAFETY: as promised.
         unsafe { rebind(self.device, self.buffer, self.recording, self.pipeline) };
     }
@@ -415,49 +417,49 @@ fn cut(scissor: &vk::Rect2D, tile: Rect, window: (u32, u32)) -> vk::Rect2D {
 hooks! {
     cmd_draw = (
         buffer: vk::CommandBuffer, vertices: u32, instances: u32, first_vertex: u32, first_instance: u32
-    ) { |state, next| draw(&state, buffer, Size::Told(Parameters::of_vertices(vertices, instances, first_vertex, first_instance)), || next(buffer, vertices, instances, first_vertex, first_instance)) }
+    ) { |state, next| draw(&state, buffer, DrawSize::Known(DrawParameters::of_vertices(vertices, instances, first_vertex, first_instance)), || next(buffer, vertices, instances, first_vertex, first_instance)) }
     cmd_draw_indexed = (
         buffer: vk::CommandBuffer, indices: u32, instances: u32, first_index: u32, vertex_offset: i32, first_instance: u32
-    ) { |state, next| draw(&state, buffer, Size::Told(Parameters::of_indices(indices, instances, first_index, vertex_offset, first_instance)), || next(buffer, indices, instances, first_index, vertex_offset, first_instance)) }
+    ) { |state, next| draw(&state, buffer, DrawSize::Known(DrawParameters::of_indices(indices, instances, first_index, vertex_offset, first_instance)), || next(buffer, indices, instances, first_index, vertex_offset, first_instance)) }
     cmd_draw_indirect = (
         buffer: vk::CommandBuffer, from: vk::Buffer, offset: vk::DeviceSize, count: u32, stride: u32
-    ) { |state, next| draw(&state, buffer, Size::Unknown, || next(buffer, from, offset, count, stride)) }
+    ) { |state, next| draw(&state, buffer, DrawSize::Unknown, || next(buffer, from, offset, count, stride)) }
     cmd_draw_indexed_indirect = (
         buffer: vk::CommandBuffer, from: vk::Buffer, offset: vk::DeviceSize, count: u32, stride: u32
-    ) { |state, next| draw(&state, buffer, Size::Unknown, || next(buffer, from, offset, count, stride)) }
+    ) { |state, next| draw(&state, buffer, DrawSize::Unknown, || next(buffer, from, offset, count, stride)) }
     cmd_draw_indirect_count = (
         buffer: vk::CommandBuffer, from: vk::Buffer, offset: vk::DeviceSize, counts: vk::Buffer, count_offset: vk::DeviceSize, most: u32, stride: u32
-    ) { |state, next| draw(&state, buffer, Size::Unknown, || next(buffer, from, offset, counts, count_offset, most, stride)) }
+    ) { |state, next| draw(&state, buffer, DrawSize::Unknown, || next(buffer, from, offset, counts, count_offset, most, stride)) }
     cmd_draw_indexed_indirect_count = (
         buffer: vk::CommandBuffer, from: vk::Buffer, offset: vk::DeviceSize, counts: vk::Buffer, count_offset: vk::DeviceSize, most: u32, stride: u32
-    ) { |state, next| draw(&state, buffer, Size::Unknown, || next(buffer, from, offset, counts, count_offset, most, stride)) }
+    ) { |state, next| draw(&state, buffer, DrawSize::Unknown, || next(buffer, from, offset, counts, count_offset, most, stride)) }
     cmd_draw_multi = (
         buffer: vk::CommandBuffer, count: u32, infos: *const vk::MultiDrawInfoEXT, instances: u32, first_instance: u32, stride: u32
-    ) { |state, next| draw(&state, buffer, Size::Unknown, || next(buffer, count, infos, instances, first_instance, stride)) }
+    ) { |state, next| draw(&state, buffer, DrawSize::Unknown, || next(buffer, count, infos, instances, first_instance, stride)) }
     cmd_draw_multi_indexed = (
         buffer: vk::CommandBuffer, count: u32, infos: *const vk::MultiDrawIndexedInfoEXT, instances: u32, first_instance: u32, stride: u32, vertex_offset: *const i32
-    ) { |state, next| draw(&state, buffer, Size::Unknown, || next(buffer, count, infos, instances, first_instance, stride, vertex_offset)) }
+    ) { |state, next| draw(&state, buffer, DrawSize::Unknown, || next(buffer, count, infos, instances, first_instance, stride, vertex_offset)) }
     cmd_draw_mesh_tasks = (
         buffer: vk::CommandBuffer, x: u32, y: u32, z: u32
-    ) { |state, next| draw(&state, buffer, Size::Unknown, || next(buffer, x, y, z)) }
+    ) { |state, next| draw(&state, buffer, DrawSize::Unknown, || next(buffer, x, y, z)) }
     cmd_draw_mesh_tasks_nv = (
         buffer: vk::CommandBuffer, count: u32, first: u32
-    ) { |state, next| draw(&state, buffer, Size::Unknown, || next(buffer, count, first)) }
+    ) { |state, next| draw(&state, buffer, DrawSize::Unknown, || next(buffer, count, first)) }
     cmd_draw_mesh_tasks_indirect = (
         buffer: vk::CommandBuffer, from: vk::Buffer, offset: vk::DeviceSize, count: u32, stride: u32
-    ) { |state, next| draw(&state, buffer, Size::Unknown, || next(buffer, from, offset, count, stride)) }
+    ) { |state, next| draw(&state, buffer, DrawSize::Unknown, || next(buffer, from, offset, count, stride)) }
     cmd_draw_mesh_tasks_indirect_nv = (
         buffer: vk::CommandBuffer, from: vk::Buffer, offset: vk::DeviceSize, count: u32, stride: u32
-    ) { |state, next| draw(&state, buffer, Size::Unknown, || next(buffer, from, offset, count, stride)) }
+    ) { |state, next| draw(&state, buffer, DrawSize::Unknown, || next(buffer, from, offset, count, stride)) }
     cmd_draw_mesh_tasks_count = (
         buffer: vk::CommandBuffer, from: vk::Buffer, offset: vk::DeviceSize, counts: vk::Buffer, count_offset: vk::DeviceSize, most: u32, stride: u32
-    ) { |state, next| draw(&state, buffer, Size::Unknown, || next(buffer, from, offset, counts, count_offset, most, stride)) }
+    ) { |state, next| draw(&state, buffer, DrawSize::Unknown, || next(buffer, from, offset, counts, count_offset, most, stride)) }
     cmd_draw_mesh_tasks_count_nv = (
         buffer: vk::CommandBuffer, from: vk::Buffer, offset: vk::DeviceSize, counts: vk::Buffer, count_offset: vk::DeviceSize, most: u32, stride: u32
-    ) { |state, next| draw(&state, buffer, Size::Unknown, || next(buffer, from, offset, counts, count_offset, most, stride)) }
+    ) { |state, next| draw(&state, buffer, DrawSize::Unknown, || next(buffer, from, offset, counts, count_offset, most, stride)) }
     cmd_draw_indirect_byte_count = (
         buffer: vk::CommandBuffer, instances: u32, first_instance: u32, counter: vk::Buffer, offset: vk::DeviceSize, counter_offset: u32, stride: u32
-    ) { |state, next| draw(&state, buffer, Size::Unknown, || next(buffer, instances, first_instance, counter, offset, counter_offset, stride)) }
+    ) { |state, next| draw(&state, buffer, DrawSize::Unknown, || next(buffer, instances, first_instance, counter, offset, counter_offset, stride)) }
     cmd_begin_transform_feedback = (
         buffer: vk::CommandBuffer, first: u32, count: u32, buffers: *const vk::Buffer, offsets: *const vk::DeviceSize
     ) { |state, next| {

@@ -1,33 +1,33 @@
-//! Render passes and framebuffers: which of them draw to a swapchain's image, and their twins.
+//! Render passes and framebuffers: which of them draw to a swapchain's image, and their atlas copies.
 
 use crate::intercept::vk::state::device::Device;
-use crate::intercept::vk::state::framebuffers::{Framebuffer, Framebuffers, Later, RenderPass};
+use crate::intercept::vk::state::framebuffers::{Framebuffer, Framebuffers, LaterAttachment, RenderPass};
 use crate::intercept::vk::state::hooks::hooks;
-use crate::intercept::vk::state::shown::{ATLAS_COPIES, ATLAS_FLAGS, ATLAS_USAGE, Shown};
 use crate::intercept::vk::state::structures::{in_chain, slice};
+use crate::intercept::vk::state::view_target::{ATLAS_COPY_USAGE, ATLAS_FLAGS, ATLAS_USAGE, ViewTarget};
 use ash::vk;
 use std::sync::{Arc, Mutex, PoisonError};
 
 impl Framebuffers {
     /// The swapchain's image that some framebuffer for a render pass has.
-    pub fn shown_by(&self, device: &Device, pass: vk::RenderPass) -> Option<Arc<Shown>> {
+    pub fn target_by_pass(&self, device: &Device, pass: vk::RenderPass) -> Option<Arc<ViewTarget>> {
         let all: Vec<_> = {
             let all = self.all.lock().unwrap_or_else(PoisonError::into_inner);
             all.values().filter(|framebuffer| framebuffer.pass == pass).cloned().collect()
         };
-        all.iter().find_map(|framebuffer| framebuffer.shown_now(&device.images))
+        all.iter().find_map(|framebuffer| framebuffer.target_now(&device.images))
     }
 
     /// The swapchain's image that a framebuffer without images for a render pass may be used with: that of the latest
     /// window, if size and format are its own.
-    pub fn shown_later(&self, device: &Device, handle: vk::RenderPass) -> Option<Arc<Shown>> {
+    pub fn target_later(&self, device: &Device, handle: vk::RenderPass) -> Option<Arc<ViewTarget>> {
         let pass = self.pass(handle)?;
         let size = {
             let all = self.all.lock().unwrap_or_else(PoisonError::into_inner);
             all.values().find(|framebuffer| framebuffer.pass == handle && framebuffer.attachments.is_none())?.size
         };
-        let shown = pass.formats.iter().find_map(|format| device.swapchains.latest_shown(*format));
-        shown.filter(|shown| shown.layout.window == size)
+        let target = pass.formats.iter().find_map(|format| device.swapchains.latest_target(*format));
+        target.filter(|target| target.layout.window == size)
     }
 }
 
@@ -37,19 +37,20 @@ impl Framebuffer {
     ///
     /// # Errors
     /// Why there is none.
-    pub fn twin(
+    pub fn atlas_copy(
         &self,
         device: &Device,
-        shown: &Shown,
+        target: &ViewTarget,
         pass: vk::RenderPass,
         given: &[vk::ImageView],
     ) -> Result<vk::Framebuffer, String> {
-        let size = shown.layout.atlas;
-        let known = self.twins.lock().unwrap_or_else(PoisonError::into_inner).iter().find(|t| t.0 == size).map(|t| t.1);
+        let size = target.layout.atlas;
+        let known =
+            self.atlas_copies.lock().unwrap_or_else(PoisonError::into_inner).iter().find(|t| t.0 == size).map(|t| t.1);
         if let Some(known) = known {
             return Ok(known);
         }
-        if self.layered || self.size != shown.layout.window {
+        if self.layered || self.size != target.layout.window {
             return Err("it draws to layers, or to a part of the window".to_owned());
         }
         let mut info = vk::FramebufferCreateInfo::default().render_pass(pass).width(size.0).height(size.1).layers(1);
@@ -58,16 +59,16 @@ impl Framebuffer {
         let mut later;
         match &self.attachments {
             Some(attachments) => {
-                let twin = |view: &vk::ImageView| device.images.twin(device, *view, &shown.layout);
-                views = attachments.iter().map(twin).collect::<Result<_, _>>()?;
+                let atlas_copy = |view: &vk::ImageView| device.images.atlas_copy(device, *view, &target.layout);
+                views = attachments.iter().map(atlas_copy).collect::<Result<_, _>>()?;
                 info = info.attachments(&views);
             }
             None => {
-                let image = |(index, later): (usize, &'_ Later)| {
-                    let shown = given.get(index).and_then(|view| device.images.shown(*view));
-                    let (flags, usage) = match shown {
-                        Some(shown) if shown.window => (ATLAS_FLAGS, ATLAS_USAGE),
-                        Some(_) => (later.flags, later.usage | ATLAS_COPIES),
+                let image = |(index, later): (usize, &'_ LaterAttachment)| {
+                    let target = given.get(index).and_then(|view| device.images.target(*view));
+                    let (flags, usage) = match target {
+                        Some(target) if target.window => (ATLAS_FLAGS, ATLAS_USAGE),
+                        Some(_) => (later.flags, later.usage | ATLAS_COPY_USAGE),
                         None => (later.flags, later.usage),
                     };
                     let info = vk::FramebufferAttachmentImageInfo::default().flags(flags).usage(usage);
@@ -80,10 +81,10 @@ impl Framebuffer {
                 info.attachment_count = images.len() as u32;
             }
         }
-        // SAFETY: the structures are complete, the twins are as large as the atlas.
+        // SAFETY: the structures are complete, the atlas copies are as large as the atlas.
         let made = unsafe { device.driver.functions.create_framebuffer(&info, None) };
         let made = made.map_err(|error| format!("the driver refuses a framebuffer: {error}"))?;
-        self.twins.lock().unwrap_or_else(PoisonError::into_inner).push((size, made));
+        self.atlas_copies.lock().unwrap_or_else(PoisonError::into_inner).push((size, made));
         Ok(made)
     }
 }
@@ -100,14 +101,15 @@ unsafe fn framebuffer(info: &vk::FramebufferCreateInfo<'_>) -> Framebuffer {
         let later = later.map_or(&[][..], |l| slice(l.p_attachment_image_infos, l.attachment_image_info_count));
         let formats =
             |i: &vk::FramebufferAttachmentImageInfo<'_>| slice(i.p_view_formats, i.view_format_count).to_vec();
-        let given_later = later.iter().map(|i| Later { flags: i.flags, usage: i.usage, formats: formats(i) }).collect();
+        let given_later =
+            later.iter().map(|i| LaterAttachment { flags: i.flags, usage: i.usage, formats: formats(i) }).collect();
         Framebuffer {
             pass: info.render_pass,
             size: (info.width, info.height),
             layered: info.layers != 1,
             attachments,
             given_later,
-            twins: Mutex::default(),
+            atlas_copies: Mutex::default(),
         }
     }
 }
@@ -214,8 +216,8 @@ hooks! {
         if result == vk::Result::SUCCESS {
             let new = Arc::new(framebuffer(&*info));
             // Made now, while its render pass is there; it need not be later.
-            if let (true, Some(shown)) = (state.draws_views(), new.shown_now(&state.images))
-                && let Err(why) = new.twin(&state, &shown, new.pass, &[])
+            if let (true, Some(target)) = (state.draws_views(), new.target_now(&state.images))
+                && let Err(why) = new.atlas_copy(&state, &target, new.pass, &[])
             {
                 state.give_up(&why);
             }
@@ -228,8 +230,8 @@ hooks! {
     ) { |state, next| {
         let gone = state.framebuffers.all.lock().unwrap_or_else(PoisonError::into_inner).remove(&framebuffer);
         if let Some(gone) = gone {
-            for (_, twin) in gone.twins.lock().unwrap_or_else(PoisonError::into_inner).drain(..) {
-                state.driver.functions.destroy_framebuffer(twin, None);
+            for (_, atlas_copy) in gone.atlas_copies.lock().unwrap_or_else(PoisonError::into_inner).drain(..) {
+                state.driver.functions.destroy_framebuffer(atlas_copy, None);
             }
         }
         next(device, framebuffer, allocator)

@@ -1,6 +1,6 @@
 //! Clears of the panel that a pass owes: a pane of glass through which everything is seen.
 
-use crate::intercept::vk::state::atlas_layout::{Layout, rectangle};
+use crate::intercept::vk::state::atlas_layout::{AtlasLayout, rectangle};
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::recording::{Recording, Within};
 use ash::prelude::VkResult;
@@ -10,7 +10,7 @@ use ash::vk;
 ///
 /// # Safety
 /// The command buffer is being recorded, within a pass that has these attachments.
-pub unsafe fn clear_panel(device: &Device, buffer: vk::CommandBuffer, layout: &Layout, attachments: &[u32]) {
+pub unsafe fn clear_panel(device: &Device, buffer: vk::CommandBuffer, layout: &AtlasLayout, attachments: &[u32]) {
     if attachments.is_empty() {
         return;
     }
@@ -20,7 +20,7 @@ pub unsafe fn clear_panel(device: &Device, buffer: vk::CommandBuffer, layout: &L
         clear_value: vk::ClearValue::default(),
     };
     let clears: Vec<_> = attachments.iter().map(clear).collect();
-    let rect = vk::ClearRect { rect: rectangle(layout.glass()), base_array_layer: 0, layer_count: 1 };
+    let rect = vk::ClearRect { rect: rectangle(layout.panel_with_border()), base_array_layer: 0, layer_count: 1 };
     // SAFETY: as promised; the panel lies in the atlas.
     unsafe { device.driver.functions.cmd_clear_attachments(buffer, &clears, &[rect]) };
 }
@@ -29,11 +29,11 @@ pub unsafe fn clear_panel(device: &Device, buffer: vk::CommandBuffer, layout: &L
 ///
 /// # Safety
 /// The command buffer is being recorded.
-pub unsafe fn clear_left(device: &Device, buffer: vk::CommandBuffer, recording: &mut Recording) {
+pub unsafe fn clear_pending(device: &Device, buffer: vk::CommandBuffer, recording: &mut Recording) {
     let Some(pass) = &mut recording.pass else { return };
-    let unclear = std::mem::take(&mut pass.unclear);
+    let uncleared_panels = std::mem::take(&mut pass.uncleared_panels);
     // SAFETY: as promised; within the pass.
-    unsafe { clear_panel(device, buffer, &pass.shown.layout, &unclear) };
+    unsafe { clear_panel(device, buffer, &pass.target.layout, &uncleared_panels) };
 }
 
 /// In a pass that has secondary command buffers only, one of ours has to clear the panel.
@@ -42,8 +42,8 @@ pub unsafe fn clear_left(device: &Device, buffer: vk::CommandBuffer, recording: 
 /// The command buffer is being recorded; the program uses its pool on this thread.
 pub unsafe fn clear_by_secondary(device: &Device, buffer: vk::CommandBuffer, recording: &mut Recording) {
     let Recording { pass, clearers, pool, .. } = recording;
-    let Some(pass) = pass.as_mut().filter(|pass| !pass.unclear.is_empty()) else { return };
-    let unclear = std::mem::take(&mut pass.unclear);
+    let Some(pass) = pass.as_mut().filter(|pass| !pass.uncleared_panels.is_empty()) else { return };
+    let uncleared_panels = std::mem::take(&mut pass.uncleared_panels);
     let functions = &device.driver.functions;
     let mut record = || -> VkResult<vk::CommandBuffer> {
         let mut rendering = vk::CommandBufferInheritanceRenderingInfo::default();
@@ -67,7 +67,7 @@ pub unsafe fn clear_by_secondary(device: &Device, buffer: vk::CommandBuffer, rec
             let clearer = device.driver.secondary_command_buffer(*pool)?;
             clearers.push(clearer);
             functions.begin_command_buffer(clearer, &info)?;
-            clear_panel(device, clearer, &pass.shown.layout, &unclear);
+            clear_panel(device, clearer, &pass.target.layout, &uncleared_panels);
             functions.end_command_buffer(clearer)?;
             Ok(clearer)
         }

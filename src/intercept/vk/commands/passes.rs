@@ -1,17 +1,17 @@
 //! Passes: where one draws to a swapchain's image, it draws to the atlas in its place.
 
 use crate::backend::vk::COLOR;
-use crate::intercept::vk::commands::panel_clears::{clear_left, clear_panel};
+use crate::intercept::vk::commands::panel_clears::{clear_panel, clear_pending};
 use crate::intercept::vk::commands::{barriers_and_clears, conditional_render};
 use crate::intercept::vk::offscreen::view_copies;
-use crate::intercept::vk::state::atlas_layout::Layout;
+use crate::intercept::vk::state::atlas_layout::AtlasLayout;
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::framebuffers::Framebuffer;
 use crate::intercept::vk::state::hooks::hooks;
-use crate::intercept::vk::state::images::Settled;
+use crate::intercept::vk::state::images::LayoutChange;
 use crate::intercept::vk::state::recording::{Event, Pass, Within};
-use crate::intercept::vk::state::shown::Shown;
 use crate::intercept::vk::state::structures::{in_chain, slice};
+use crate::intercept::vk::state::view_target::ViewTarget;
 use ash::vk;
 use std::sync::Arc;
 
@@ -46,36 +46,36 @@ unsafe fn replace(device: &Device, begin: &vk::RenderPassBeginInfo<'_>) -> Optio
     // SAFETY: as promised.
     let views = unsafe { views_of(begin, &framebuffer) };
     let given = framebuffer.attachments.is_none().then_some(views);
-    let shown =
-        framebuffer.shown_now(&device.images).or_else(|| views.iter().find_map(|view| device.images.shown(*view)))?;
+    let target =
+        framebuffer.target_now(&device.images).or_else(|| views.iter().find_map(|view| device.images.target(*view)))?;
     let replaced = || {
         let pass = device.framebuffers.pass(begin.render_pass).ok_or("a render pass that is not known")?;
         if let Some(why) = pass.obstacle {
             return Err(why.to_owned());
         }
-        if !is_whole(&begin.render_area, &shown.layout) && !pass.may_grow {
+        if !is_whole(&begin.render_area, &target.layout) && !pass.may_grow {
             return Err("it draws a part of the window at a time".to_owned());
         }
-        let twin = framebuffer.twin(device, &shown, begin.render_pass, given.unwrap_or_default())?;
+        let atlas_copy = framebuffer.atlas_copy(device, &target, begin.render_pass, given.unwrap_or_default())?;
         let attachments = match given.filter(|given| !given.is_empty()) {
             Some(given) => {
-                let twins = given.iter().map(|view| device.images.twin(device, *view, &shown.layout));
-                Some(twins.collect::<Result<Vec<_>, _>>()?)
+                let atlas_copies = given.iter().map(|view| device.images.atlas_copy(device, *view, &target.layout));
+                Some(atlas_copies.collect::<Result<Vec<_>, _>>()?)
             }
             None => None,
         };
         let within = Within::Pass { pass: begin.render_pass, subpass: 0 };
-        let mut new = Pass::new(Arc::clone(&shown), within, pass.begin_in(0));
+        let mut new = Pass::new(Arc::clone(&target), within, pass.begin_in(0));
         for (view, layout) in views.iter().zip(&pass.leaves) {
-            match device.images.shown(*view) {
+            match device.images.target(*view) {
                 Some(scene) if !scene.window => new.scenes.push((scene, *layout)),
                 Some(_) => {}
-                None => {
-                    new.settled.extend(device.images.of(*view).and_then(|image| device.images.settle(image, *layout)))
-                }
+                None => new
+                    .layout_changes
+                    .extend(device.images.of(*view).and_then(|image| device.images.change_layout(image, *layout))),
             }
         }
-        Ok(Replaced { framebuffer: twin, attachments, pass: new })
+        Ok(Replaced { framebuffer: atlas_copy, attachments, pass: new })
     };
     if !device.draws_views() {
         return Some(Err(String::new()));
@@ -83,12 +83,12 @@ unsafe fn replace(device: &Device, begin: &vk::RenderPassBeginInfo<'_>) -> Optio
     Some(replaced())
 }
 
-fn is_whole(area: &vk::Rect2D, layout: &Layout) -> bool {
+fn is_whole(area: &vk::Rect2D, layout: &AtlasLayout) -> bool {
     area.offset == vk::Offset2D::default() && (area.extent.width, area.extent.height) == layout.window
 }
 
 /// The whole atlas.
-fn whole_atlas(layout: &Layout) -> vk::Rect2D {
+fn whole_atlas(layout: &AtlasLayout) -> vk::Rect2D {
     vk::Extent2D { width: layout.atlas.0, height: layout.atlas.1 }.into()
 }
 
@@ -122,7 +122,7 @@ unsafe fn begin(
             plain(
                 device,
                 buffer,
-                framebuffer.as_ref().and_then(|framebuffer| framebuffer.shown_now(&device.images)),
+                framebuffer.as_ref().and_then(|framebuffer| framebuffer.target_now(&device.images)),
                 views,
             );
             return next(info);
@@ -130,18 +130,18 @@ unsafe fn begin(
     };
     let mut changed = *info;
     changed.framebuffer = replaced.framebuffer;
-    changed.render_area = whole_atlas(&replaced.pass.shown.layout);
+    changed.render_area = whole_atlas(&replaced.pass.target.layout);
     let mut attachments = vk::RenderPassAttachmentBeginInfo::default();
-    if let Some(twins) = &replaced.attachments {
+    if let Some(atlas_copies) = &replaced.attachments {
         // SAFETY: the chain is the program's.
         let first = unsafe { given_by_pass.cast::<vk::BaseInStructure<'_>>().as_ref() };
         let first = first.filter(|first| first.s_type == vk::StructureType::RENDER_PASS_ATTACHMENT_BEGIN_INFO);
         let Some(first) = first else {
             device.give_up("structures in a chain that are not known");
-            plain(device, buffer, Some(replaced.pass.shown), &[]);
+            plain(device, buffer, Some(replaced.pass.target), &[]);
             return next(info);
         };
-        attachments = attachments.attachments(twins);
+        attachments = attachments.attachments(atlas_copies);
         attachments.p_next = first.p_next.cast();
         changed.p_next = std::ptr::from_ref(&attachments).cast();
     }
@@ -157,24 +157,24 @@ unsafe fn begin(
 /// A pass begins that is drawn for each view.
 fn served(device: &Device, buffer: vk::CommandBuffer, pass: Pass) {
     device.recordings.with(buffer, |recording| {
-        recording.events.push(Event::Drawn(Arc::clone(&pass.shown), true));
+        recording.events.push(Event::Drawn(Arc::clone(&pass.target), true));
         recording.pass = Some(pass);
     });
 }
 
 /// A pass begins that is the program's own, with `views` of images.
-fn plain(device: &Device, buffer: vk::CommandBuffer, shown: Option<Arc<Shown>>, views: &[vk::ImageView]) {
+fn plain(device: &Device, buffer: vk::CommandBuffer, target: Option<Arc<ViewTarget>>, views: &[vk::ImageView]) {
     let candidates = match device.images.has_candidates() {
         true => views.iter().filter_map(|view| device.images.candidate_of(*view)).collect(),
         false => Vec::new(),
     };
     device.recordings.with(buffer, |recording| {
         recording.plain = Some(candidates);
-        recording.events.extend(shown.map(|shown| Event::Drawn(shown, false)));
+        recording.events.extend(target.map(|target| Event::Drawn(target, false)));
     });
 }
 
-/// A pass ends by `next`. What it left undone in a pass without draws is done; of the scenes that it drew there are prints
+/// A pass ends by `next`. What it left undone in a pass without draws is done; of the scenes that it drew there are view copies
 /// then.
 ///
 /// # Safety
@@ -188,12 +188,12 @@ unsafe fn end(device: &Device, buffer: vk::CommandBuffer, next: impl FnOnce()) {
     // SAFETY: as promised; behind `next` outside of the pass.
     unsafe {
         conditional_render::unconditionally(device, buffer, || {
-            clear_panel(device, buffer, &pass.shown.layout, &pass.unclear);
+            clear_panel(device, buffer, &pass.target.layout, &pass.uncleared_panels);
             next();
             for (scene, layout) in &pass.scenes {
                 view_copies::make(device, buffer, scene, *layout);
             }
-            settle(device, buffer, &pass.settled);
+            change_layout(device, buffer, &pass.layout_changes);
         });
     }
 }
@@ -204,14 +204,14 @@ unsafe fn end(device: &Device, buffer: vk::CommandBuffer, next: impl FnOnce()) {
 /// The command buffer is being recorded, within a pass.
 unsafe fn next_subpass(device: &Device, buffer: vk::CommandBuffer, next: impl FnOnce()) {
     // SAFETY: as promised; what is cleared are attachments of the subpass that ends.
-    device.recordings.with(buffer, |recording| unsafe { clear_left(device, buffer, recording) });
+    device.recordings.with(buffer, |recording| unsafe { clear_pending(device, buffer, recording) });
     next();
     device.recordings.with(buffer, |recording| {
         let Some(pass) = &mut recording.pass else { return };
         let Within::Pass { pass: handle, subpass } = &mut pass.within else { return };
         *subpass += 1;
         let known = device.framebuffers.pass(*handle);
-        pass.unclear = known.map(|known| known.begin_in(*subpass as usize)).unwrap_or_default();
+        pass.uncleared_panels = known.map(|known| known.begin_in(*subpass as usize)).unwrap_or_default();
     });
 }
 
@@ -219,19 +219,19 @@ unsafe fn next_subpass(device: &Device, buffer: vk::CommandBuffer, next: impl Fn
 ///
 /// # Safety
 /// The command buffer is being recorded, outside of a pass.
-unsafe fn settle(device: &Device, buffer: vk::CommandBuffer, settled: &[Settled]) {
-    let change = |settled: &Settled| {
-        let range = vk::ImageSubresourceRange { aspect_mask: settled.aspects, ..COLOR };
+unsafe fn change_layout(device: &Device, buffer: vk::CommandBuffer, layout_changes: &[LayoutChange]) {
+    let change = |layout_changes: &LayoutChange| {
+        let range = vk::ImageSubresourceRange { aspect_mask: layout_changes.aspects, ..COLOR };
         vk::ImageMemoryBarrier::default()
-            .image(settled.image)
-            .new_layout(settled.layout)
+            .image(layout_changes.image)
+            .new_layout(layout_changes.layout)
             .src_access_mask(vk::AccessFlags::MEMORY_WRITE)
             .dst_access_mask(vk::AccessFlags::MEMORY_READ | vk::AccessFlags::MEMORY_WRITE)
             .src_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
             .dst_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
             .subresource_range(range)
     };
-    let changes: Vec<_> = settled.iter().map(change).collect();
+    let changes: Vec<_> = layout_changes.iter().map(change).collect();
     if !changes.is_empty() {
         let (stages, flags) = (vk::PipelineStageFlags::ALL_COMMANDS, vk::DependencyFlags::empty());
         // SAFETY: as promised; what the images held is not kept.
@@ -239,14 +239,14 @@ unsafe fn settle(device: &Device, buffer: vk::CommandBuffer, settled: &[Settled]
     }
 }
 
-/// An attachment with `twin`s in the place of its images.
+/// An attachment with `atlas copy`s in the place of its images.
 fn attachment<'a>(
     given: &vk::RenderingAttachmentInfo<'a>,
-    twin: &dyn Fn(vk::ImageView) -> Result<vk::ImageView, String>,
+    atlas_copy: &dyn Fn(vk::ImageView) -> Result<vk::ImageView, String>,
 ) -> Result<vk::RenderingAttachmentInfo<'a>, String> {
     let mut changed = *given;
-    changed.image_view = twin(given.image_view)?;
-    changed.resolve_image_view = twin(given.resolve_image_view)?;
+    changed.image_view = atlas_copy(given.image_view)?;
+    changed.resolve_image_view = atlas_copy(given.resolve_image_view)?;
     Ok(changed)
 }
 
@@ -267,14 +267,14 @@ unsafe fn begin_rendering(
     };
     let views = colors.iter().flat_map(|color| [color.image_view, color.resolve_image_view]);
     let views: Vec<vk::ImageView> = views.filter(|view| *view != vk::ImageView::null()).collect();
-    let Some(shown) = views.iter().find_map(|view| device.images.shown(*view)) else {
+    let Some(target) = views.iter().find_map(|view| device.images.target(*view)) else {
         plain(device, buffer, None, &views);
         return next(info);
     };
-    let layout = &shown.layout;
-    let twin = |view: vk::ImageView| match view == vk::ImageView::null() {
+    let layout = &target.layout;
+    let atlas_copy = |view: vk::ImageView| match view == vk::ImageView::null() {
         true => Ok(view),
-        false => device.images.twin(device, view, layout),
+        false => device.images.atlas_copy(device, view, layout),
     };
     let whole = is_whole(&info.render_area, layout);
     let secondary = info.flags.contains(vk::RenderingFlags::CONTENTS_SECONDARY_COMMAND_BUFFERS);
@@ -283,9 +283,9 @@ unsafe fn begin_rendering(
             return Err("it draws several views itself".to_owned());
         }
         let mut all = Attachments {
-            colors: colors.iter().map(|color| attachment(color, &twin)).collect::<Result<_, _>>()?,
-            depth: given_depth.map(|depth| attachment(depth, &twin)).transpose()?,
-            stencil: given_stencil.map(|stencil| attachment(stencil, &twin)).transpose()?,
+            colors: colors.iter().map(|color| attachment(color, &atlas_copy)).collect::<Result<_, _>>()?,
+            depth: given_depth.map(|depth| attachment(depth, &atlas_copy)).transpose()?,
+            stencil: given_stencil.map(|stencil| attachment(stencil, &atlas_copy)).transpose()?,
         };
         let clears = if whole { Vec::new() } else { all.keep() };
         if secondary && !clears.is_empty() {
@@ -300,7 +300,7 @@ unsafe fn begin_rendering(
             if !why.is_empty() {
                 device.give_up(&why);
             }
-            plain(device, buffer, Some(Arc::clone(&shown)), &views);
+            plain(device, buffer, Some(Arc::clone(&target)), &views);
             return next(info);
         }
     };
@@ -315,7 +315,7 @@ unsafe fn begin_rendering(
     let anew = |(_, color): &(u32, &vk::RenderingAttachmentInfo<'_>)| {
         whole && !resumed && color.image_view != vk::ImageView::null() && color.load_op != vk::AttachmentLoadOp::LOAD
     };
-    let unclear = (0..).zip(colors).filter(anew).map(|(number, _)| number).collect();
+    let uncleared_panels = (0..).zip(colors).filter(anew).map(|(number, _)| number).collect();
     let kind = |attachment: &vk::RenderingAttachmentInfo<'_>| device.images.kind(attachment.image_view);
     let format = |attachment: Option<&vk::RenderingAttachmentInfo<'_>>| attachment.and_then(kind).unwrap_or_default().0;
     let within = Within::Rendering {
@@ -324,12 +324,12 @@ unsafe fn begin_rendering(
         stencil: format(given_stencil),
         samples: colors.iter().find_map(kind).unwrap_or_default().1,
     };
-    let mut pass = Pass::new(Arc::clone(&shown), within, unclear);
+    let mut pass = Pass::new(Arc::clone(&target), within, uncleared_panels);
     if !info.flags.contains(vk::RenderingFlags::SUSPENDING) {
         let ends = colors.iter().flat_map(|color| {
             [(color.image_view, color.image_layout), (color.resolve_image_view, color.resolve_image_layout)]
         });
-        let scenes = ends.filter_map(|(view, layout)| Some((device.images.shown(view)?, layout)));
+        let scenes = ends.filter_map(|(view, layout)| Some((device.images.target(view)?, layout)));
         pass.scenes = scenes.filter(|(scene, _)| !scene.window).collect();
     }
     // SAFETY: as promised; what is cleared is cleared as soon as the pass has begun, with these attachments.

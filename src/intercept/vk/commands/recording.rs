@@ -4,8 +4,8 @@
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::hooks::hooks;
 use crate::intercept::vk::state::recording::{Event, Pass, Recording, Recordings, Within};
-use crate::intercept::vk::state::shown::Shown;
 use crate::intercept::vk::state::structures::{in_chain, slice};
+use crate::intercept::vk::state::view_target::ViewTarget;
 use ash::vk;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -19,7 +19,7 @@ impl Recordings {
         for (handle, recording) in known {
             let mut state = recording.lock().unwrap_or_else(PoisonError::into_inner);
             if of(handle, &state) {
-                device.rows.give_back(&mut state.rows);
+                device.view_constants.give_back(&mut state.constants);
                 self.all.write().unwrap_or_else(PoisonError::into_inner).remove(&handle);
             }
         }
@@ -30,7 +30,7 @@ impl Recordings {
 ///
 /// # Safety
 /// `info` must be the program's.
-unsafe fn inherited(device: &Device, info: &vk::CommandBufferBeginInfo<'_>) -> Option<Arc<Shown>> {
+unsafe fn inherited(device: &Device, info: &vk::CommandBufferBeginInfo<'_>) -> Option<Arc<ViewTarget>> {
     if !info.flags.contains(vk::CommandBufferUsageFlags::RENDER_PASS_CONTINUE) || !device.draws_views() {
         return None;
     }
@@ -38,17 +38,17 @@ unsafe fn inherited(device: &Device, info: &vk::CommandBufferBeginInfo<'_>) -> O
     unsafe {
         let inheritance = info.p_inheritance_info.as_ref()?;
         if let Some(framebuffer) = device.framebuffers.get(inheritance.framebuffer) {
-            return framebuffer.shown_now(&device.images);
+            return framebuffer.target_now(&device.images);
         }
         if inheritance.render_pass != vk::RenderPass::null() {
             let framebuffers = &device.framebuffers;
-            let shown = framebuffers.shown_by(device, inheritance.render_pass);
-            return shown.or_else(|| framebuffers.shown_later(device, inheritance.render_pass));
+            let target = framebuffers.target_by_pass(device, inheritance.render_pass);
+            return target.or_else(|| framebuffers.target_later(device, inheritance.render_pass));
         }
         let rendering = vk::StructureType::COMMAND_BUFFER_INHERITANCE_RENDERING_INFO;
         let rendering = in_chain::<vk::CommandBufferInheritanceRenderingInfo<'_>>(inheritance.p_next, rendering)?;
         let formats = slice(rendering.p_color_attachment_formats, rendering.color_attachment_count);
-        device.swapchains.latest_shown(*formats.first()?)
+        device.swapchains.latest_target(*formats.first()?)
     }
 }
 
@@ -114,13 +114,13 @@ hooks! {
     begin_command_buffer = (
         buffer: vk::CommandBuffer, info: *const vk::CommandBufferBeginInfo<'_>
     ) -> vk::Result { |state, next| {
-        let (shown, candidates) = (inherited(&state, &*info), candidates(&state, &*info));
+        let (target, candidates) = (inherited(&state, &*info), candidates(&state, &*info));
         let counted = inherits_queries(&*info);
         state.recordings.with(buffer, |recording| {
-            recording.begin(&state.driver, &state.rows);
+            recording.begin(&state.driver, &state.view_constants);
             recording.counting = counted.into();
-            recording.plain = candidates.filter(|_| shown.is_none());
-            recording.pass = shown.map(|shown| Pass::new(shown, Within::Inherited, Vec::new()));
+            recording.plain = candidates.filter(|_| target.is_none());
+            recording.pass = target.map(|target| Pass::new(target, Within::Inherited, Vec::new()));
         });
         next(buffer, info)
     } }

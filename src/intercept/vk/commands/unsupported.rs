@@ -8,9 +8,9 @@ use crate::intercept::vk::state::hooks::hooks;
 use crate::intercept::vk::state::structures::slice;
 use ash::vk;
 
-/// Whether an image of the program has a twin, or stands for the window.
+/// Whether an image of the program has a atlas copy, or stands for the window.
 fn is_followed(device: &Device, image: vk::Image) -> bool {
-    device.images.shown_image(image).is_some() || !device.images.twins(image).is_empty()
+    device.images.target_of_image(image).is_some() || !device.images.atlas_copies(image).is_empty()
 }
 
 /// The processor reads or writes images without a command.

@@ -1,17 +1,17 @@
-//! Copies of the program's descriptor sets, one for each view, that show its shaders the view's print in the place of a
-//! picture of the scene, and the twin in the place of an attachment that they read.
+//! Copies of the program's descriptor sets, one for each view, that show its shaders the view's view copy in the place of a
+//! picture of the scene, and the atlas copy in the place of an attachment that they read.
 
-use crate::intercept::vk::state::atlas_layout::Layout;
+use crate::intercept::vk::state::atlas_layout::AtlasLayout;
 use crate::intercept::vk::state::descriptors::SetLayout;
 use crate::intercept::vk::state::device::Device;
-use crate::intercept::vk::state::images::Prints;
-use crate::intercept::vk::state::set_contents::{Contents, Copies, DescriptorSlot, Print};
+use crate::intercept::vk::state::images::ViewCopies;
+use crate::intercept::vk::state::set_contents::{Contents, CopiedDescriptor, Copies, DescriptorSlot};
 use ash::vk;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// A set of the program.
-pub struct Original<'a> {
+pub struct ProgramSet<'a> {
     /// The set.
     pub set: vk::DescriptorSet,
     /// Its layout, if the program still has it.
@@ -31,24 +31,26 @@ impl Copies {
     pub fn of(
         kept: &mut Option<Self>,
         device: &Device,
-        original: &Original<'_>,
-        layout: &Layout,
+        original: &ProgramSet<'_>,
+        layout: &AtlasLayout,
     ) -> Result<Option<Arc<[vk::DescriptorSet]>>, String> {
-        let mut prints = Vec::new();
+        let mut view_copies = Vec::new();
         for (place, picture) in &original.contents.pictures {
-            let print = match picture.attachment {
-                Some(_) => Some(Prints::same(device.images.twin(device, picture.view, layout)?, layout.views.len())),
-                None => device.images.prints(device, picture.view, layout)?,
+            let view_copy = match picture.attachment {
+                Some(_) => {
+                    Some(ViewCopies::same(device.images.atlas_copy(device, picture.view, layout)?, layout.views.len()))
+                }
+                None => device.images.view_copies(device, picture.view, layout)?,
             };
-            prints.extend(print.map(|print| (*place, *picture, print)));
+            view_copies.extend(view_copy.map(|view_copy| (*place, *picture, view_copy)));
         }
-        if prints.is_empty() {
+        if view_copies.is_empty() {
             return Ok(None);
         }
         let views = layout.views.len();
         let version = original.contents.version;
         // Without a change by the program the copies may be in use.
-        let in_use = |kept: &Self| kept.version == version && kept.prints != prints;
+        let in_use = |kept: &Self| kept.version == version && kept.view_copies != view_copies;
         if kept.as_ref().is_some_and(|kept| kept.sets.len() != views || in_use(kept)) {
             let mut new = Self::new(device, original, views)?;
             if let Some(old) = kept.take() {
@@ -63,13 +65,13 @@ impl Copies {
         };
         if copies.version != version {
             copies.version = version;
-            copies.update(device, original, &prints);
-            copies.prints = prints;
+            copies.update(device, original, &view_copies);
+            copies.view_copies = view_copies;
         }
         Ok(Some(Arc::clone(&copies.sets)))
     }
 
-    fn new(device: &Device, original: &Original<'_>, views: usize) -> Result<Self, String> {
+    fn new(device: &Device, original: &ProgramSet<'_>, views: usize) -> Result<Self, String> {
         let handle = original.handle.ok_or("a descriptor set whose layout is gone")?;
         if original.layout.changes_later {
             return Err("its descriptors may change after they are bound".to_owned());
@@ -90,11 +92,11 @@ impl Copies {
             let sets = device.driver.functions.allocate_descriptor_sets(&info);
             let sets =
                 sets.inspect_err(|_| device.driver.functions.destroy_descriptor_pool(pool, None)).map_err(refused)?;
-            Ok(Self { pool, version: 0, prints: Vec::new(), sets: sets.into(), retired: Vec::new() })
+            Ok(Self { pool, version: 0, view_copies: Vec::new(), sets: sets.into(), retired: Vec::new() })
         }
     }
 
-    fn update(&self, device: &Device, original: &Original<'_>, prints: &[Print]) {
+    fn update(&self, device: &Device, original: &ProgramSet<'_>, view_copies: &[CopiedDescriptor]) {
         for (view, set) in self.sets.iter().enumerate() {
             let copy = |(binding, element): &DescriptorSlot| {
                 vk::CopyDescriptorSet::default()
@@ -107,12 +109,12 @@ impl Copies {
                     .descriptor_count(1)
             };
             let copies: Vec<_> = original.contents.written.iter().map(copy).collect();
-            let infos: Vec<_> = prints
+            let infos: Vec<_> = view_copies
                 .iter()
-                .filter_map(|(place, picture, prints)| {
+                .filter_map(|(place, picture, view_copies)| {
                     let image = [vk::DescriptorImageInfo {
                         sampler: picture.sampler,
-                        image_view: *prints.views.get(view)?,
+                        image_view: *view_copies.views.get(view)?,
                         image_layout: picture
                             .attachment
                             .unwrap_or(crate::intercept::vk::offscreen::view_copies::SAMPLED),

@@ -1,13 +1,13 @@
 //! Descriptors that a program pushes into a command buffer. They are kept, so that the lens is found in them, and are pushed
 //! again where a set of ours took their place.
 
-use crate::intercept::vk::state::bindings::{Bound, Content, Pushed, Write};
+use crate::intercept::vk::state::bindings::{BoundSet, Content, Pushed, Write};
 use crate::intercept::vk::state::descriptors;
 use crate::intercept::vk::state::descriptors::Template;
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::hooks::hooks;
 use crate::intercept::vk::state::recording::Recording;
-use crate::intercept::vk::state::scene_paths::Made;
+use crate::intercept::vk::state::scene_graph::Made;
 use crate::intercept::vk::state::structures::slice;
 use ash::vk;
 
@@ -20,18 +20,18 @@ fn seen(device: &Device, write: &Write) {
     for view in images.iter().map(|info| info.image_view).filter(|_| descriptors::is_picture(write.kind)) {
         device.images.described(device, view, write.kind);
         let scene = device.images.candidate_of(view).filter(|_| device.images.has_candidates());
-        scene.into_iter().for_each(|image| device.paths.leads(image, Made::Elsewhere));
+        scene.into_iter().for_each(|image| device.scene_graph.note_made(image, Made::Elsewhere));
     }
 }
 
 /// Keeps what was pushed for graphics as set `number`.
 fn keep(recording: &mut Recording, number: usize, writes: Vec<Write>) {
-    if recording.bound.len() <= number {
-        recording.bound.resize(number + 1, None);
+    if recording.graphics.bound.len() <= number {
+        recording.graphics.bound.resize(number + 1, None);
     }
-    let place = &mut recording.bound[number];
+    let place = &mut recording.graphics.bound[number];
     let before = place.take().and_then(|bound| bound.pushed);
-    *place = Some(Bound { pushed: Some(Pushed::after(before, writes)), ..Bound::default() });
+    *place = Some(BoundSet { pushed: Some(Pushed::after(before, writes)), ..BoundSet::default() });
 }
 
 /// All of these descriptors, if all are of known kinds.

@@ -1,7 +1,7 @@
 //! Descriptor sets of the program: which buffer a binding leads to.
 
-use crate::intercept::vk::descriptors::per_view_sets::Original;
-use crate::intercept::vk::state::atlas_layout::Layout;
+use crate::intercept::vk::descriptors::per_view_sets::ProgramSet;
+use crate::intercept::vk::state::atlas_layout::AtlasLayout;
 use crate::intercept::vk::state::descriptors::{
     Descriptors, Set, SetLayout, Template, TemplateEntry, is_buffer, is_picture, picture,
 };
@@ -36,13 +36,13 @@ impl Descriptors {
         &self,
         device: &Device,
         handle: vk::DescriptorSet,
-        layout: &Layout,
+        layout: &AtlasLayout,
     ) -> Result<Option<Arc<[vk::DescriptorSet]>>, String> {
         let mut sets = self.sets.lock().unwrap_or_else(PoisonError::into_inner);
         let Some(set) = sets.get_mut(&handle) else { return Ok(None) };
         let known = self.layout(set.handle).filter(|known| Arc::ptr_eq(known, &set.layout));
         let original =
-            Original { set: handle, handle: known.map(|_| set.handle), layout: &set.layout, contents: &set.contents };
+            ProgramSet { set: handle, handle: known.map(|_| set.handle), layout: &set.layout, contents: &set.contents };
         Copies::of(&mut set.copies, device, &original, layout)
     }
 }
@@ -169,8 +169,8 @@ hooks! {
                 for index in 0..entry.count as usize {
                     let info = std::ptr::read_unaligned(place.add(index * entry.stride).cast::<vk::DescriptorImageInfo>());
                     state.images.described(&state, info.image_view, entry.kind);
-                    let shown = picture(&info, entry.kind);
-                    state.descriptors.write(set, (entry.binding, entry.first + index as u32), shown);
+                    let new = picture(&info, entry.kind);
+                    state.descriptors.write(set, (entry.binding, entry.first + index as u32), new);
                 }
             }
             if !is_picture(entry.kind) {

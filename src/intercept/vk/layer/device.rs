@@ -9,8 +9,8 @@ use crate::intercept::vk::state::entry_points::NextLayer;
 use crate::intercept::vk::state::instance;
 use crate::intercept::vk::state::instance::{Instance, address, dispatch_key};
 use crate::intercept::vk::state::structures::slice;
-use crate::intercept::vk::state::vertices::Vertices;
-use crate::intercept::vk::state::view_constants::Rows;
+use crate::intercept::vk::state::vertices::VertexProcessing;
+use crate::intercept::vk::state::view_constants::ConstantPool;
 use crate::intercept::{log, settings};
 use crate::runtime::cache;
 use ash::{ext, khr, vk};
@@ -55,12 +55,15 @@ pub unsafe extern "system" fn create(
                 recordings: Default::default(),
                 framebuffers: Default::default(),
                 images: Default::default(),
-                paths: Default::default(),
+                scene_graph: Default::default(),
                 layouts: Default::default(),
                 pipelines: Default::default(),
                 descriptors: Default::default(),
-                memory_of_program: Default::default(),
-                rows: Rows::new(enabled.decision.vertices != Vertices::Views, enabled.decision.counts),
+                host_memory: Default::default(),
+                view_constants: ConstantPool::new(
+                    enabled.decision.vertices != VertexProcessing::Views,
+                    enabled.decision.counts,
+                ),
                 frame: Default::default(),
                 queries: Default::default(),
                 swapchains: Default::default(),
@@ -177,7 +180,7 @@ pub unsafe extern "system" fn destroy(handle: vk::Device, allocator: *const vk::
         state.images.clear(&state);
         state.layouts.clear();
         state.queries.clear(&state);
-        state.rows.destroy(&state.driver);
+        state.view_constants.destroy(&state.driver);
         // SAFETY: the program's own call with its arguments.
         unsafe { (state.driver.functions.fp_v1_0().destroy_device)(handle, allocator) };
     }

@@ -3,7 +3,7 @@
 use crate::intercept::settings;
 use crate::intercept::vk::layer::device_structures::length_for_device;
 use crate::intercept::vk::state::structures::{Copied, in_chain};
-use crate::intercept::vk::state::vertices::{Decision, Vertices};
+use crate::intercept::vk::state::vertices::{VertexDecision, VertexProcessing};
 use crate::rig::{Method, Rig};
 use ash::vk;
 
@@ -14,18 +14,18 @@ const NO_WAY: &str =
 
 /// What is done on a device that has geometry shaders, if they are `offered`, and whether they can count. `rig`: the one at the start;
 /// shaders are made for it, whatever its file says later.
-pub fn decide(rig: Option<&Rig>, offered: impl FnOnce() -> Result<bool, &'static str>) -> Decision {
+pub fn decide(rig: Option<&Rig>, offered: impl FnOnce() -> Result<bool, &'static str>) -> VertexDecision {
     let asks = |wanted: &dyn Fn(&Method) -> bool| {
         rig.is_some_and(|rig| rig.outputs.iter().any(|output| wanted(&output.method)))
     };
     let projects = asks(&|method| method.projects_vertices() && !method.divides());
-    let without = if projects { Vertices::Projected } else { Vertices::Views };
+    let without = if projects { VertexProcessing::Projected } else { VertexProcessing::Views };
     if !asks(&Method::divides) {
-        return Decision { vertices: without, undivided: LATER, counts: false };
+        return VertexDecision { vertices: without, undivided: LATER, counts: false };
     }
     match offered() {
-        Ok(counts) => Decision { vertices: Vertices::Divided, undivided: "", counts },
-        Err(undivided) => Decision { vertices: without, undivided, counts: false },
+        Ok(counts) => VertexDecision { vertices: VertexProcessing::DivisionStatistics, undivided: "", counts },
+        Err(undivided) => VertexDecision { vertices: without, undivided, counts: false },
     }
 }
 
@@ -34,7 +34,7 @@ pub struct Enabled<'a> {
     /// The structure, of which the rest belongs to this one.
     pub info: vk::DeviceCreateInfo<'a>,
     /// What is done with vertices then.
-    pub decision: Decision,
+    pub decision: VertexDecision,
     _features: Option<Box<vk::PhysicalDeviceFeatures>>,
     _chain: Option<Copied>,
 }
@@ -123,12 +123,12 @@ mod tests {
     fn a_device_without_the_stage_draws_views() {
         let decided = |methods: &[&str], offered| decide(Some(&rig(methods)), || offered);
         let refused = Err(NO_STAGE);
-        let without = |undivided| Decision { vertices: Vertices::Views, undivided, counts: false };
+        let without = |undivided| VertexDecision { vertices: VertexProcessing::Views, undivided, counts: false };
         assert_eq!(decided(&["primitive"], refused), without(NO_STAGE));
-        assert_eq!(decided(&["primitive", "vertex"], refused).vertices, Vertices::Projected);
-        assert_eq!(decided(&["primitive", "vertex"], Ok(true)).vertices, Vertices::Divided);
+        assert_eq!(decided(&["primitive", "vertex"], refused).vertices, VertexProcessing::Projected);
+        assert_eq!(decided(&["primitive", "vertex"], Ok(true)).vertices, VertexProcessing::DivisionStatistics);
         for counts in [true, false] {
-            let divided = Decision { vertices: Vertices::Divided, undivided: "", counts };
+            let divided = VertexDecision { vertices: VertexProcessing::DivisionStatistics, undivided: "", counts };
             assert_eq!(decided(&["primitive-tessellation"], Ok(counts)), divided);
         }
     }
@@ -136,9 +136,12 @@ mod tests {
     #[test]
     fn nothing_is_asked_of_a_device_where_the_rig_asks_for_nothing() {
         let decided = |rig: Option<&Rig>| decide(rig, || panic!("the device is not asked"));
-        assert_eq!(decided(None), Decision { vertices: Vertices::Views, undivided: LATER, counts: false });
-        assert_eq!(decided(Some(&rig(&["fragment"]))).vertices, Vertices::Views);
-        assert_eq!(decided(Some(&rig(&["vertex"]))).vertices, Vertices::Projected);
+        assert_eq!(
+            decided(None),
+            VertexDecision { vertices: VertexProcessing::Views, undivided: LATER, counts: false }
+        );
+        assert_eq!(decided(Some(&rig(&["fragment"]))).vertices, VertexProcessing::Views);
+        assert_eq!(decided(Some(&rig(&["vertex"]))).vertices, VertexProcessing::Projected);
     }
 
     #[test]

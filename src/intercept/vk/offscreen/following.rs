@@ -1,14 +1,14 @@
 //! Scenes that are drawn off screen follow the window to other views.
 //!
 //! Where the rig's file changes the views, a program that makes a new swapchain may keep the images that it draws its scene
-//! to. They get the new views at once. The prints of the old ones stay as long as recorded commands sample them.
-//! Atlases and other twins stay until the program destroys its image, and are used again if their size comes back: a
+//! to. They get the new views at once. The view copies of the old ones stay as long as recorded commands sample them.
+//! Atlases and other atlas copies stay until the program destroys its image, and are used again if their size comes back: a
 //! barrier that is recorded somewhere may name them.
 
-use crate::intercept::vk::state::atlas_layout::Layout;
+use crate::intercept::vk::state::atlas_layout::AtlasLayout;
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::images::Images;
-use crate::intercept::vk::state::shown::Shown;
+use crate::intercept::vk::state::view_target::ViewTarget;
 use std::sync::{Arc, PoisonError};
 
 impl Images {
@@ -16,13 +16,13 @@ impl Images {
     ///
     /// # Errors
     /// What the driver refuses; then such an image is the program's own.
-    pub fn follow(&self, device: &Device, layout: &Arc<Layout>) -> Result<(), String> {
+    pub fn follow(&self, device: &Device, layout: &Arc<AtlasLayout>) -> Result<(), String> {
         for image in self.duplicated() {
             let old = {
                 let mut images = self.images.lock().unwrap_or_else(PoisonError::into_inner);
                 let state = images.get_mut(&image).filter(|state| state.size == layout.window);
-                let other = |shown: &mut Arc<Shown>| !Arc::ptr_eq(&shown.layout, layout);
-                state.and_then(|state| state.shown.take_if(other))
+                let other = |target: &mut Arc<ViewTarget>| !Arc::ptr_eq(&target.layout, layout);
+                state.and_then(|state| state.target.take_if(other))
             };
             if let Some(old) = old {
                 self.retired.lock().unwrap_or_else(PoisonError::into_inner).push(old);
@@ -34,30 +34,34 @@ impl Images {
 
     /// Destroys what no recorded commands use any more.
     pub fn sweep(&self, device: &Device) {
-        let unused: Vec<Arc<Shown>> = {
+        let unused: Vec<Arc<ViewTarget>> = {
             let mut retired = self.retired.lock().unwrap_or_else(PoisonError::into_inner);
             // Recordings hold what they use, and are given up only when the device has finished with them.
-            retired.extract_if(.., |shown| Arc::strong_count(shown) == 1).collect()
+            retired.extract_if(.., |target| Arc::strong_count(target) == 1).collect()
         };
-        unused.iter().for_each(|shown| self.destroy_prints(device, shown));
+        unused.iter().for_each(|target| self.destroy_view_copies(device, target));
     }
 
     /// Destroys all that was retired, before the device is destroyed.
     pub fn clear(&self, device: &Device) {
         let all = std::mem::take(&mut *self.retired.lock().unwrap_or_else(PoisonError::into_inner));
-        all.iter().for_each(|shown| self.destroy_prints(device, shown));
+        all.iter().for_each(|target| self.destroy_view_copies(device, target));
     }
 
-    /// Destroys the prints of a scene and their views.
-    pub(in crate::intercept::vk) fn destroy_prints(&self, device: &Device, shown: &Shown) {
-        for print in &shown.prints {
-            self.pending.lock().unwrap_or_else(PoisonError::into_inner).retain(|pending| pending.image != print.image);
+    /// Destroys the view copies of a scene and their views.
+    pub(in crate::intercept::vk) fn destroy_view_copies(&self, device: &Device, target: &ViewTarget) {
+        for view_copy in &target.view_copies {
+            self.pending
+                .lock()
+                .unwrap_or_else(PoisonError::into_inner)
+                .retain(|pending| pending.image != view_copy.image);
             let mut views = self.views.lock().unwrap_or_else(PoisonError::into_inner);
-            let twins = views.values_mut().flat_map(|view| view.twins.extract_if(.., |(of, _)| *of == print.image));
+            let atlas_copies =
+                views.values_mut().flat_map(|view| view.atlas_copies.extract_if(.., |(of, _)| *of == view_copy.image));
             // SAFETY: both are ours, and the device has finished with them.
             unsafe {
-                twins.for_each(|(_, view)| device.driver.functions.destroy_image_view(view, None));
-                print.destroy(&device.driver);
+                atlas_copies.for_each(|(_, view)| device.driver.functions.destroy_image_view(view, None));
+                view_copy.destroy(&device.driver);
             }
         }
     }

@@ -1,24 +1,24 @@
-//! Images of the program, and the twins that stand for them while views are drawn.
+//! Images of the program, and the atlas copies that stand for them while views are drawn.
 //!
-//! A swapchain's image has an atlas as its twin, and so has an image that holds a scene on its way to the window. What a
-//! pass draws to together with them (depth, samples) gets a twin as large as the atlas. [`scenes`] has what is done with
+//! A swapchain's image has an atlas as its atlas copy, and so has an image that holds a scene on its way to the window. What a
+//! pass draws to together with them (depth, samples) gets a atlas copy as large as the atlas. [`scenes`] has what is done with
 //! images that may hold a scene, [`following`] what becomes of them when the window gets other views.
 
-use crate::intercept::vk::state::atlas_layout::Layout;
+use crate::intercept::vk::state::atlas_layout::AtlasLayout;
 use crate::intercept::vk::state::descriptors;
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::hooks::hooks;
-use crate::intercept::vk::state::images::{Image, Images, Pending, View, aspects};
+use crate::intercept::vk::state::images::{Image, Images, PendingLayout, View, aspects};
 use crate::intercept::vk::state::own_image::OwnImage;
-use crate::intercept::vk::state::scene_paths::Made;
-use crate::intercept::vk::state::shown::ATLAS_COPIES;
+use crate::intercept::vk::state::scene_graph::Made;
 use crate::intercept::vk::state::structures::in_chain;
+use crate::intercept::vk::state::view_target::ATLAS_COPY_USAGE;
 use ash::vk;
 use std::sync::PoisonError;
 
 impl Images {
-    /// A shader can read the image of a view, by a descriptor of this `kind`: what it shows must not be drawn to a twin in its
-    /// place, unless it is read as an attachment, which has a twin as well.
+    /// A shader can read the image of a view, by a descriptor of this `kind`: what it shows must not be drawn to a atlas copy in its
+    /// place, unless it is read as an attachment, which has a atlas copy as well.
     pub fn described(&self, device: &Device, view: vk::ImageView, kind: vk::DescriptorType) {
         let attachment = kind == vk::DescriptorType::INPUT_ATTACHMENT;
         let image = self.views.lock().unwrap_or_else(PoisonError::into_inner).get(&view).map(|view| view.image);
@@ -27,22 +27,27 @@ impl Images {
         let Some(state) = images.get_mut(&image) else { return };
         state.described |= !attachment;
         if !(descriptors::is_sampled(kind) && state.is_single()) && state.may_hold_scene() {
-            device.paths.leads(image, Made::Elsewhere);
+            device.scene_graph.note_made(image, Made::Elsewhere);
         }
-        // Of a scene there are prints.
-        let drawn = state.shown.as_ref().map_or(!attachment && !state.twins.is_empty(), |shown| shown.window);
+        // Of a scene there are view copies.
+        let drawn = state.target.as_ref().map_or(!attachment && !state.atlas_copies.is_empty(), |target| target.window);
         drop(images);
         if drawn {
             device.give_up("its shaders read what it draws together with the window");
         }
     }
 
-    /// The view of the twin of a view's image, for passes into the atlas of `layout`.
+    /// The view of the atlas copy of a view's image, for passes into the atlas of `layout`.
     ///
     /// # Errors
     /// Why there is none.
-    pub fn twin(&self, device: &Device, view: vk::ImageView, layout: &Layout) -> Result<vk::ImageView, String> {
-        let (image, twins) = {
+    pub fn atlas_copy(
+        &self,
+        device: &Device,
+        view: vk::ImageView,
+        layout: &AtlasLayout,
+    ) -> Result<vk::ImageView, String> {
+        let (image, atlas_copies) = {
             let views = self.views.lock().unwrap_or_else(PoisonError::into_inner);
             let state = views.get(&view).ok_or("it draws to an image view that is not known")?;
             let single = [vk::ImageViewType::TYPE_2D].contains(&state.kind)
@@ -51,51 +56,51 @@ impl Images {
             if !single {
                 return Err("it draws to layers or levels of images together with the window".to_owned());
             }
-            (state.image, state.twins.clone())
+            (state.image, state.atlas_copies.clone())
         };
         let refused = |error: vk::Result| format!("the driver refuses an image: {error}");
-        let twin = self.twin_image(device, image, layout, false)?;
-        if let Some((_, known)) = twins.iter().find(|(image, _)| *image == twin) {
+        let atlas_copy = self.atlas_copy_image(device, image, layout, false)?;
+        if let Some((_, known)) = atlas_copies.iter().find(|(image, _)| *image == atlas_copy) {
             return Ok(*known);
         }
         let info = {
             let views = self.views.lock().unwrap_or_else(PoisonError::into_inner);
             let state = views.get(&view).ok_or("an image view is gone")?;
             vk::ImageViewCreateInfo::default()
-                .image(twin)
+                .image(atlas_copy)
                 .view_type(state.kind)
                 .format(state.format)
                 .components(state.components)
                 .subresource_range(state.range)
         };
-        // SAFETY: the twin is live and has the format and aspects of the program's image.
+        // SAFETY: the atlas copy is live and has the format and aspects of the program's image.
         let made = unsafe { device.driver.functions.create_image_view(&info, None) }.map_err(refused)?;
         if let Some(state) = self.views.lock().unwrap_or_else(PoisonError::into_inner).get_mut(&view) {
-            state.twins.push((twin, made));
+            state.atlas_copies.push((atlas_copy, made));
         }
         Ok(made)
     }
 
     /// `scene`: it becomes the atlas of a scene.
-    pub(super) fn twin_image(
+    pub(super) fn atlas_copy_image(
         &self,
         device: &Device,
         image: vk::Image,
-        layout: &Layout,
+        layout: &AtlasLayout,
         scene: bool,
     ) -> Result<vk::Image, String> {
         let size = layout.atlas;
         let (info, format, believed) = {
             let images = self.images.lock().unwrap_or_else(PoisonError::into_inner);
             let state = images.get(&image).ok_or("it draws to an image that is not known")?;
-            if let Some(shown) = &state.shown {
-                let fits = shown.layout.atlas == size;
+            if let Some(target) = &state.target {
+                let fits = target.layout.atlas == size;
                 return fits
-                    .then_some(shown.atlas)
+                    .then_some(target.atlas)
                     .ok_or_else(|| "it draws to windows of two sizes at once".to_owned());
             }
-            if let Some((_, twin)) = state.twins.iter().find(|(of, _)| *of == size) {
-                return Ok(twin.image);
+            if let Some((_, atlas_copy)) = state.atlas_copies.iter().find(|(of, _)| *of == size) {
+                return Ok(atlas_copy.image);
             }
             if state.described && !scene {
                 return Err("its shaders read what it draws together with the window".to_owned());
@@ -111,24 +116,25 @@ impl Images {
                 .mip_levels(1)
                 .array_layers(1)
                 .samples(state.samples)
-                .usage(state.usage | if scene { ATLAS_COPIES } else { vk::ImageUsageFlags::empty() });
+                .usage(state.usage | if scene { ATLAS_COPY_USAGE } else { vk::ImageUsageFlags::empty() });
             (info, state.format, state.layout)
         };
         // SAFETY: the device is live; the image differs from one of the program's in its size.
-        let twin = unsafe { OwnImage::new(&device.driver, &info) };
-        let twin = twin.map_err(|error| format!("the driver refuses an image of {} × {}: {error}", size.0, size.1))?;
+        let atlas_copy = unsafe { OwnImage::new(&device.driver, &info) };
+        let atlas_copy =
+            atlas_copy.map_err(|error| format!("the driver refuses an image of {} × {}: {error}", size.0, size.1))?;
         if believed != vk::ImageLayout::UNDEFINED {
-            let pending = Pending { image: twin.image, layout: believed, aspects: aspects(format) };
+            let pending = PendingLayout { image: atlas_copy.image, layout: believed, aspects: aspects(format) };
             self.pending.lock().unwrap_or_else(PoisonError::into_inner).push(pending);
         }
         if let Some(state) = self.images.lock().unwrap_or_else(PoisonError::into_inner).get_mut(&image) {
-            state.twins.push((size, twin));
+            state.atlas_copies.push((size, atlas_copy));
         }
-        Ok(twin.image)
+        Ok(atlas_copy.image)
     }
 }
 
-/// The first level and layer that an attachment's image needs to have no more of for a twin.
+/// The first level and layer that an attachment's image needs to have no more of for a atlas copy.
 fn may_be_attachment(info: &vk::ImageCreateInfo<'_>) -> bool {
     use vk::ImageUsageFlags as U;
     info.usage.intersects(U::COLOR_ATTACHMENT | U::DEPTH_STENCIL_ATTACHMENT)
@@ -152,8 +158,8 @@ hooks! {
                 usage: info.usage,
                 layout: vk::ImageLayout::UNDEFINED,
                 described: false,
-                shown: None,
-                twins: Vec::new(),
+                target: None,
+                atlas_copies: Vec::new(),
             };
             state.images.add(&state, *image, new);
         }
@@ -163,14 +169,14 @@ hooks! {
         device: vk::Device, image: vk::Image, allocator: *const vk::AllocationCallbacks<'_>
     ) { |state, next| {
         let gone = state.images.images.lock().unwrap_or_else(PoisonError::into_inner).remove(&image);
-        for (_, twin) in gone.iter().flat_map(|image| &image.twins) {
-            state.images.pending.lock().unwrap_or_else(PoisonError::into_inner).retain(|p| p.image != twin.image);
-            twin.destroy(&state.driver);
+        for (_, atlas_copy) in gone.iter().flat_map(|image| &image.atlas_copies) {
+            state.images.pending.lock().unwrap_or_else(PoisonError::into_inner).retain(|p| p.image != atlas_copy.image);
+            atlas_copy.destroy(&state.driver);
         }
-        if let Some(shown) = gone.as_ref().and_then(|image| image.shown.as_ref()) {
-            state.images.destroy_prints(&state, shown);
+        if let Some(target) = gone.as_ref().and_then(|image| image.target.as_ref()) {
+            state.images.destroy_view_copies(&state, target);
         }
-        state.paths.forget(image);
+        state.scene_graph.forget(image);
         next(device, image, allocator)
     } }
     create_image_view = (
@@ -194,7 +200,7 @@ hooks! {
                 format: info.format,
                 components: info.components,
                 range: info.subresource_range,
-                twins: Vec::new(),
+                atlas_copies: Vec::new(),
             };
             state.images.views.lock().unwrap_or_else(PoisonError::into_inner).insert(*view, new);
         }
@@ -204,8 +210,8 @@ hooks! {
         device: vk::Device, view: vk::ImageView, allocator: *const vk::AllocationCallbacks<'_>
     ) { |state, next| {
         let gone = state.images.views.lock().unwrap_or_else(PoisonError::into_inner).remove(&view);
-        for (_, twin) in gone.iter().flat_map(|view| &view.twins) {
-            state.driver.functions.destroy_image_view(*twin, None);
+        for (_, atlas_copy) in gone.iter().flat_map(|view| &view.atlas_copies) {
+            state.driver.functions.destroy_image_view(*atlas_copy, None);
         }
         next(device, view, allocator)
     } }

@@ -6,9 +6,9 @@
 
 use crate::intercept::vk::pipelines::matrix_sources::{matrix, source};
 use crate::intercept::vk::state::device::Device;
-use crate::intercept::vk::state::draw_groups::Source;
+use crate::intercept::vk::state::draw_groups::MatrixSource;
 use crate::intercept::vk::state::recording::Recording;
-use crate::intercept::vk::state::scene_paths::Made;
+use crate::intercept::vk::state::scene_graph::Made;
 use crate::intercept::{lens, settings};
 use ash::vk;
 
@@ -16,7 +16,7 @@ use ash::vk;
 pub fn decide(device: &Device) {
     device.images.sweep(device);
     let Some(settings) = settings::settings() else { return };
-    let Some(chosen) = device.paths.news(settings.rig.views.duplicate) else { return };
+    let Some(chosen) = device.scene_graph.news(settings.rig.views.duplicate) else { return };
     if !device.draws_views() {
         return;
     }
@@ -26,7 +26,7 @@ pub fn decide(device: &Device) {
             return device.give_up(&why);
         }
     }
-    if device.images.duplicated().any(|image| device.paths.strays(image)) {
+    if device.images.duplicated().any(|image| device.scene_graph.is_lost(image)) {
         device.give_up("a picture of its scene is used in a way that was not seen before");
     }
 }
@@ -37,19 +37,19 @@ pub fn drawn(
     device: &Device,
     recording: &mut Recording,
     matrices: &[crate::intercept::vk::spirv::Matrix],
-    (main, few): (bool, bool),
+    (main, covers_viewport): (bool, bool),
 ) {
     let Some(targets) = recording.plain.clone() else { return };
-    let follows = main && (few || !matrices.is_empty()) && !targets.is_empty();
+    let follows = main && (covers_viewport || !matrices.is_empty()) && !targets.is_empty();
     for picture in pictures(device, recording) {
         let made = targets.iter().map(|target| Made::Image(*target)).filter(|_| follows);
         let elsewhere = (!follows).then_some(Made::Elsewhere);
-        made.chain(elsewhere).for_each(|made| device.paths.leads(picture, made));
+        made.chain(elsewhere).for_each(|made| device.scene_graph.note_made(picture, made));
     }
     if !main || targets.is_empty() {
         return;
     }
-    let sources: Vec<Source> = matrices.iter().filter_map(|matrix| source(device, recording, matrix)).collect();
+    let sources: Vec<MatrixSource> = matrices.iter().filter_map(|matrix| source(device, recording, matrix)).collect();
     recording.suspect(targets, sources);
 }
 
@@ -58,23 +58,27 @@ pub fn pictures(device: &Device, recording: &Recording) -> Vec<vk::Image> {
     if !device.images.has_candidates() {
         return Vec::new();
     }
-    let sets =
-        recording.pipeline.as_ref().and_then(|pipeline| pipeline.layout.as_ref()).map_or(0, |layout| layout.ours);
-    let bound = recording.bound.iter().take(sets as usize).flatten();
+    let sets = recording
+        .graphics
+        .pipeline
+        .as_ref()
+        .and_then(|pipeline| pipeline.layout.as_ref())
+        .map_or(0, |layout| layout.ours);
+    let bound = recording.graphics.bound.iter().take(sets as usize).flatten();
     let images = bound.flat_map(|bound| device.descriptors.pictures(bound.set)).collect::<Vec<_>>();
     images.into_iter().filter_map(|view| device.images.candidate_of(view)).collect()
 }
 
 /// Draws with these matrices ran in passes to these images.
-pub fn ran(device: &Device, targets: &[vk::Image], sources: &[Source]) {
+pub fn ran(device: &Device, targets: &[vk::Image], sources: &[MatrixSource]) {
     let matrices: Vec<_> =
         sources.iter().filter_map(|source| matrix(device, source).map(|m| (source.matrix.rank, m))).collect();
     if lens::find(matrices.iter().map(|(rank, value)| (*rank, value))).is_none() {
         return;
     }
     for target in targets {
-        device.paths.is_scene(*target);
-        if device.images.shown_image(*target).is_some_and(|shown| shown.was_missed()) {
+        device.scene_graph.note_scene(*target);
+        if device.images.target_of_image(*target).is_some_and(|target| target.was_missed()) {
             device.give_up("the commands that draw its scene were recorded before it was seen on the window");
         }
     }

@@ -1,12 +1,12 @@
-//! Images of the program that may hold a scene on its way to the window, and the prints of those that do.
+//! Images of the program that may hold a scene on its way to the window, and the view copies of those that do.
 
 use crate::intercept::settings;
 use crate::intercept::vk::offscreen::view_copies;
-use crate::intercept::vk::state::atlas_layout::Layout;
+use crate::intercept::vk::state::atlas_layout::AtlasLayout;
 use crate::intercept::vk::state::device::Device;
-use crate::intercept::vk::state::images::{Image, Images, Pending, Prints};
+use crate::intercept::vk::state::images::{Image, Images, PendingLayout, ViewCopies};
 use crate::intercept::vk::state::own_image::OwnImage;
-use crate::intercept::vk::state::shown::Shown;
+use crate::intercept::vk::state::view_target::ViewTarget;
 use crate::rig::Duplicate;
 use ash::vk;
 use std::sync::atomic::Ordering;
@@ -34,8 +34,8 @@ impl Images {
     ///
     /// # Errors
     /// What the driver refuses.
-    pub fn duplicate(&self, device: &Device, image: vk::Image, layout: &Arc<Layout>) -> Result<(), String> {
-        if self.shown_image(image).is_some() {
+    pub fn duplicate(&self, device: &Device, image: vk::Image, layout: &Arc<AtlasLayout>) -> Result<(), String> {
+        if self.target_of_image(image).is_some() {
             return Ok(());
         }
         let (kind, flags, described) = {
@@ -43,9 +43,9 @@ impl Images {
             let Some(state) = images.get(&image).filter(|state| state.size == layout.window) else { return Ok(()) };
             (state.kind(), state.flags, state.usage.contains(vk::ImageUsageFlags::SAMPLED) && state.is_single())
         };
-        // The twin is made as for any image that is drawn to; then it is the atlas.
-        let atlas = self.twin_image(device, image, layout, true)?;
-        let mut prints = Vec::new();
+        // The atlas copy is made as for any image that is drawn to; then it is the atlas.
+        let atlas = self.atlas_copy_image(device, image, layout, true)?;
+        let mut view_copies = Vec::new();
         let tiles = layout.views.iter().map(|(tile, _)| tile).filter(|_| described);
         for [_, _, width, height] in tiles {
             let info = vk::ImageCreateInfo::default()
@@ -59,34 +59,34 @@ impl Images {
                 .usage(vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST);
             // SAFETY: the device is live; the structure is complete.
             match unsafe { OwnImage::new(&device.driver, &info) } {
-                Ok(print) => prints.push(print),
+                Ok(view_copy) => view_copies.push(view_copy),
                 Err(error) => {
                     // SAFETY: ours, and not used yet.
-                    prints.iter().for_each(|print| unsafe { print.destroy(&device.driver) });
+                    view_copies.iter().for_each(|view_copy| unsafe { view_copy.destroy(&device.driver) });
                     return Err(format!("the driver refuses an image of {width} × {height}: {error}"));
                 }
             }
         }
-        let sampled = |print: &OwnImage| Pending {
-            image: print.image,
+        let sampled = |view_copy: &OwnImage| PendingLayout {
+            image: view_copy.image,
             layout: view_copies::SAMPLED,
             aspects: vk::ImageAspectFlags::COLOR,
         };
-        self.pending.lock().unwrap_or_else(PoisonError::into_inner).extend(prints.iter().map(sampled));
-        let shown = Shown {
+        self.pending.lock().unwrap_or_else(PoisonError::into_inner).extend(view_copies.iter().map(sampled));
+        let target = ViewTarget {
             layout: Arc::clone(layout),
             given: image,
             atlas,
             window: false,
             copied_to: kind.1.contains(vk::ImageUsageFlags::TRANSFER_DST),
             in_views: false.into(),
-            prints,
+            view_copies,
             missed: 0.into(),
         };
         if let Some(state) = self.images.lock().unwrap_or_else(PoisonError::into_inner).get_mut(&image) {
-            state.shown = Some(Arc::new(shown));
+            state.target = Some(Arc::new(target));
         }
-        device.paths.is_scene(image);
+        device.scene_graph.note_scene(image);
         let mut scenes = self.scenes.lock().unwrap_or_else(PoisonError::into_inner);
         if !scenes.contains(&kind) {
             scenes.push(kind);
@@ -94,11 +94,16 @@ impl Images {
         Ok(())
     }
 
-    /// The prints of a view's image for draws to a window of `layout`; `None` where the image has none.
+    /// The view copies of a view's image for draws to a window of `layout`; `None` where the image has none.
     ///
     /// # Errors
     /// What the driver refuses; and where the image has the views of another window or of another state of the rig.
-    pub fn prints(&self, device: &Device, view: vk::ImageView, layout: &Layout) -> Result<Option<Prints>, String> {
+    pub fn view_copies(
+        &self,
+        device: &Device,
+        view: vk::ImageView,
+        layout: &AtlasLayout,
+    ) -> Result<Option<ViewCopies>, String> {
         let (image, info, known) = {
             let views = self.views.lock().unwrap_or_else(PoisonError::into_inner);
             let Some(state) = views.get(&view) else { return Ok(None) };
@@ -107,26 +112,28 @@ impl Images {
                 .format(state.format)
                 .components(state.components)
                 .subresource_range(state.range);
-            (state.image, info, state.twins.clone())
+            (state.image, info, state.atlas_copies.clone())
         };
-        let Some(shown) = self.shown_image(image).filter(|shown| !shown.prints.is_empty()) else { return Ok(None) };
-        if (shown.layout.version, shown.prints.len()) != (layout.version, layout.views.len()) {
+        let Some(target) = self.target_of_image(image).filter(|target| !target.view_copies.is_empty()) else {
+            return Ok(None);
+        };
+        if (target.layout.version, target.view_copies.len()) != (layout.version, layout.views.len()) {
             return Err("a picture of its scene has other views than the window".to_owned());
         }
-        let mut all = Vec::with_capacity(shown.prints.len());
-        for print in &shown.prints {
-            if let Some((_, known)) = known.iter().find(|(of, _)| *of == print.image) {
+        let mut all = Vec::with_capacity(target.view_copies.len());
+        for view_copy in &target.view_copies {
+            if let Some((_, known)) = known.iter().find(|(of, _)| *of == view_copy.image) {
                 all.push(*known);
                 continue;
             }
-            // SAFETY: the print is live and has the format of the program's image.
-            let made = unsafe { device.driver.functions.create_image_view(&info.image(print.image), None) };
+            // SAFETY: the view copy is live and has the format of the program's image.
+            let made = unsafe { device.driver.functions.create_image_view(&info.image(view_copy.image), None) };
             let made = made.map_err(|error| format!("the driver refuses a view of an image: {error}"))?;
             all.push(made);
             if let Some(state) = self.views.lock().unwrap_or_else(PoisonError::into_inner).get_mut(&view) {
-                state.twins.push((print.image, made));
+                state.atlas_copies.push((view_copy.image, made));
             }
         }
-        Ok(Some(Prints { of: Arc::downgrade(&shown), views: all }))
+        Ok(Some(ViewCopies { of: Arc::downgrade(&target), views: all }))
     }
 }

@@ -2,17 +2,17 @@
 //! its own image.
 //!
 //! A pass draws all views into one atlas, so that no draw changes its framebuffer. What samples the image then sees, in
-//! each view, the print of that view: coordinates, filter and wrapping at the borders are as the program has them.
+//! each view, the view copy of that view: coordinates, filter and wrapping at the borders are as the program has them.
 
 use crate::intercept::vk::state::atlas_layout::Rect;
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::own_image::{
     ANYTHING, COLOR_LAYER, COPIED_FROM, COPIED_TO, barrier, left_in, ready_in,
 };
-use crate::intercept::vk::state::shown::Shown;
+use crate::intercept::vk::state::view_target::ViewTarget;
 use ash::vk;
 
-/// As a shader finds a print.
+/// As a shader finds a view copy.
 pub const SAMPLED: vk::ImageLayout = vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL;
 
 /// Records the copies of an atlas that has just been drawn and is in `layout`; nothing for a window's. The program's own
@@ -21,17 +21,17 @@ pub const SAMPLED: vk::ImageLayout = vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL;
 ///
 /// # Safety
 /// The command buffer is being recorded, outside of a pass.
-pub unsafe fn make(device: &Device, buffer: vk::CommandBuffer, shown: &Shown, layout: vk::ImageLayout) {
-    if shown.window {
+pub unsafe fn make(device: &Device, buffer: vk::CommandBuffer, target: &ViewTarget, layout: vk::ImageLayout) {
+    if target.window {
         return;
     }
-    let own = shown.layout.own().filter(|_| shown.copied_to);
-    // SAFETY: as promised; tiles lie in the atlas, and prints are as large as tiles.
+    let own = target.layout.own().filter(|_| target.copied_to);
+    // SAFETY: as promised; tiles lie in the atlas, and view copies are as large as tiles.
     unsafe {
-        if own.is_none() && shown.prints.is_empty() {
-            return barrier(&device.driver, buffer, shown.given, ANYTHING, ready_in(layout));
+        if own.is_none() && target.view_copies.is_empty() {
+            return barrier(&device.driver, buffer, target.given, ANYTHING, ready_in(layout));
         }
-        barrier(&device.driver, buffer, shown.atlas, left_in(layout), COPIED_FROM);
+        barrier(&device.driver, buffer, target.atlas, left_in(layout), COPIED_FROM);
         let copy = |to: vk::Image, [x, y, width, height]: Rect| {
             let region = vk::ImageCopy::default()
                 .src_subresource(COLOR_LAYER)
@@ -40,26 +40,26 @@ pub unsafe fn make(device: &Device, buffer: vk::CommandBuffer, shown: &Shown, la
                 .extent(vk::Extent3D { width: width as u32, height: height as u32, depth: 1 });
             device.driver.functions.cmd_copy_image(
                 buffer,
-                shown.atlas,
+                target.atlas,
                 COPIED_FROM.layout,
                 to,
                 COPIED_TO.layout,
                 &[region],
             );
         };
-        for (print, (tile, _)) in shown.prints.iter().zip(&shown.layout.views) {
-            barrier(&device.driver, buffer, print.image, ANYTHING, COPIED_TO);
-            copy(print.image, *tile);
-            barrier(&device.driver, buffer, print.image, COPIED_TO, ready_in(SAMPLED));
+        for (view_copy, (tile, _)) in target.view_copies.iter().zip(&target.layout.views) {
+            barrier(&device.driver, buffer, view_copy.image, ANYTHING, COPIED_TO);
+            copy(view_copy.image, *tile);
+            barrier(&device.driver, buffer, view_copy.image, COPIED_TO, ready_in(SAMPLED));
         }
         match own {
             Some(tile) => {
-                barrier(&device.driver, buffer, shown.given, ANYTHING, COPIED_TO);
-                copy(shown.given, tile);
-                barrier(&device.driver, buffer, shown.given, COPIED_TO, ready_in(layout));
+                barrier(&device.driver, buffer, target.given, ANYTHING, COPIED_TO);
+                copy(target.given, tile);
+                barrier(&device.driver, buffer, target.given, COPIED_TO, ready_in(layout));
             }
-            None => barrier(&device.driver, buffer, shown.given, ANYTHING, ready_in(layout)),
+            None => barrier(&device.driver, buffer, target.given, ANYTHING, ready_in(layout)),
         }
-        barrier(&device.driver, buffer, shown.atlas, COPIED_FROM, ready_in(layout));
+        barrier(&device.driver, buffer, target.atlas, COPIED_FROM, ready_in(layout));
     }
 }

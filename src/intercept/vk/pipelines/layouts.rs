@@ -1,5 +1,5 @@
 //! Shaders and pipeline layouts. Each pipeline layout has one more descriptor set than the program asked for: the
-//! rows of the view that is drawn, and the counter of what is not divided far enough.
+//! view constants of the view that is drawn, and the counter of what is not divided far enough.
 
 use crate::intercept::vk::state::descriptors::SetLayout;
 use crate::intercept::vk::state::device::Device;
@@ -56,8 +56,8 @@ hooks! {
         device: vk::Device, info: *const vk::PipelineLayoutCreateInfo<'_>, allocator: *const vk::AllocationCallbacks<'_>, layout: *mut vk::PipelineLayout
     ) -> vk::Result { |state, next| {
         let given = &*info;
-        let room = room(&state, given).map(|(number, counts)| (number, counts && state.rows.counter(&state.driver).is_some()));
-        let set = room.and_then(|(_, counts)| state.rows.set_layout(&state.driver, counts));
+        let room = room(&state, given).map(|(number, counts)| (number, counts && state.view_constants.counter(&state.driver).is_some()));
+        let set = room.and_then(|(_, counts)| state.view_constants.set_layout(&state.driver, counts));
         let Some(((number, counts), set)) = room.zip(set) else { return next(device, info, allocator, layout) };
         let mut sets = slice(given.p_set_layouts, given.set_layout_count).to_vec();
         sets.push(set);

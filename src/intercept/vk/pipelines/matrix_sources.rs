@@ -3,18 +3,18 @@
 use crate::intercept::lens;
 use crate::intercept::vk::spirv::{Matrix, Memory};
 use crate::intercept::vk::state::device::Device;
-use crate::intercept::vk::state::draw_groups::{Source, Value};
+use crate::intercept::vk::state::draw_groups::{MatrixSource, MatrixValue};
 use crate::intercept::vk::state::recording::Recording;
 
 /// A matrix out of memory.
-pub fn matrix(device: &Device, source: &Source) -> Option<[f64; 16]> {
+pub fn matrix(device: &Device, source: &MatrixSource) -> Option<[f64; 16]> {
     let raw = match source.value {
-        Value::Known(raw) => raw,
-        Value::Buffer(buffer, offset) => {
+        MatrixValue::Known(raw) => raw,
+        MatrixValue::Buffer(buffer, offset) => {
             let stride = source.matrix.stride as usize;
             let mut bytes = [0; 256];
             let bytes = bytes.get_mut(..3 * stride + 16)?;
-            if !device.memory_of_program.read(buffer, offset, bytes) {
+            if !device.host_memory.read(buffer, offset, bytes) {
                 return None;
             }
             from_bytes(bytes, stride)?
@@ -35,18 +35,19 @@ pub fn from_bytes(bytes: &[u8], stride: usize) -> Option<[f32; 16]> {
 }
 
 /// Where a shader's matrix is, with the descriptors and push constants that are bound.
-pub fn source(device: &Device, recording: &Recording, matrix: &Matrix) -> Option<Source> {
+pub fn source(device: &Device, recording: &Recording, matrix: &Matrix) -> Option<MatrixSource> {
     let value = match matrix.memory {
-        Memory::Push => {
-            Value::Known(from_bytes(recording.push.get(matrix.offset as usize..)?, matrix.stride as usize)?)
-        }
+        Memory::Push => MatrixValue::Known(from_bytes(
+            recording.graphics.push.get(matrix.offset as usize..)?,
+            matrix.stride as usize,
+        )?),
         Memory::Buffer { set, binding } => {
-            let bound = recording.bound.get(set as usize)?.as_ref()?;
+            let bound = recording.graphics.bound.get(set as usize)?.as_ref()?;
             let (buffer, offset) = bound.buffer(&device.descriptors, binding)?;
-            Value::Buffer(buffer, offset + u64::from(matrix.offset))
+            MatrixValue::Buffer(buffer, offset + u64::from(matrix.offset))
         }
     };
-    Some(Source { matrix: *matrix, value })
+    Some(MatrixSource { matrix: *matrix, value })
 }
 
 #[cfg(test)]

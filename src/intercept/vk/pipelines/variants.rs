@@ -177,7 +177,7 @@ unsafe fn spliced(
     // SAFETY: as promised.
     let (words, entry) = unsafe { (words_of(device, &stages[index]), name_of(&stages[index])) };
     let words = words.ok_or("a shader whose words are not known")?;
-    Ok((index, spirv::splice(&words, model, &entry, ours, device.rows.have_lenses())?))
+    Ok((index, spirv::splice(&words, model, &entry, ours, device.view_constants.have_lenses())?))
 }
 
 /// While the panel is drawn, its alpha collects how much of it is covered, for the composition.

@@ -7,7 +7,7 @@ use crate::backend::vk::Buffer;
 use crate::intercept::vk::commands::conditional_render::unconditionally;
 use crate::intercept::vk::queries::results;
 use crate::intercept::vk::state::device::Device;
-use crate::intercept::vk::state::queries::{ONE, Pool, Queries, Scratch, Weigher};
+use crate::intercept::vk::state::queries::{ONE, Pool, Queries, QueryScaler, Scratch};
 use ash::prelude::VkResult;
 use ash::vk;
 use std::sync::PoisonError;
@@ -22,7 +22,7 @@ include!(concat!(env!("OUT_DIR"), "/queries_spirv.rs"));
 
 /// A copy of results that a program asks for.
 #[derive(Clone, Copy, Debug)]
-pub struct Wanted {
+pub struct WantedResults {
     /// The first query and how many there are.
     pub queries: (u32, u32),
     /// Where they go.
@@ -33,7 +33,7 @@ pub struct Wanted {
     pub flags: vk::QueryResultFlags,
 }
 
-impl Weigher {
+impl QueryScaler {
     fn new(device: &Device) -> VkResult<Self> {
         let mut new = Self {
             set_layout: vk::DescriptorSetLayout::null(),
@@ -93,14 +93,14 @@ fn form(flags: vk::QueryResultFlags, numbers: u64, queries: u64) -> (u64, u64) {
 }
 
 impl Scratch {
-    fn new(device: &Device, weigher: &Weigher, pool: &Pool, queries: u32) -> crate::error::Result<Self> {
+    fn new(device: &Device, scaler: &QueryScaler, pool: &Pool, queries: u32) -> crate::error::Result<Self> {
         use vk::BufferUsageFlags as U;
-        let (numbers, count) = (pool.meanings.len(), queries as usize);
+        let (numbers, count) = (pool.quantities.len(), queries as usize);
         let size = |words: usize| 4 * words * count;
         let mut new = Self {
             counted: Buffer::default(),
             weights: Buffer::default(),
-            told: Buffer::default(),
+            scaled: Buffer::default(),
             pool: vk::DescriptorPool::null(),
             set: vk::DescriptorSet::null(),
         };
@@ -112,33 +112,33 @@ impl Scratch {
             let head = [numbers as u32, queries].map(u32::to_ne_bytes).concat();
             new.weights.write(&device.driver.api, 0, &head)?;
             new.weights.write(&device.driver.api, 8, &ONE.to_ne_bytes().repeat(numbers * count))?;
-            new.told = Buffer::new(&device.driver.api, size(6 * numbers + 3), U::STORAGE_BUFFER | U::TRANSFER_SRC)?;
-            new.describe(device, weigher).map_err(crate::backend::vk::refused("descriptors"))
+            new.scaled = Buffer::new(&device.driver.api, size(6 * numbers + 3), U::STORAGE_BUFFER | U::TRANSFER_SRC)?;
+            new.describe(device, scaler).map_err(crate::backend::vk::refused("descriptors"))
         };
         if let Err(error) = make() {
             new.destroy(device);
             return Err(error);
         }
         for query in 0..queries {
-            new.weigh(&device.driver, query, &pool.weights(query).collect::<Vec<_>>());
+            new.set_weights(&device.driver, query, &pool.weights(query).collect::<Vec<_>>());
         }
         Ok(new)
     }
 
-    fn describe(&mut self, device: &Device, weigher: &Weigher) -> VkResult<()> {
+    fn describe(&mut self, device: &Device, scaler: &QueryScaler) -> VkResult<()> {
         let sizes = [vk::DescriptorPoolSize { ty: vk::DescriptorType::STORAGE_BUFFER, descriptor_count: 3 }];
         let info = vk::DescriptorPoolCreateInfo::default().max_sets(1).pool_sizes(&sizes);
         let functions = &device.driver.functions;
         // SAFETY: objects of ours on a live device; the buffers are live.
         unsafe {
             self.pool = functions.create_descriptor_pool(&info, None)?;
-            let layouts = [weigher.set_layout];
+            let layouts = [scaler.set_layout];
             let info = vk::DescriptorSetAllocateInfo::default().descriptor_pool(self.pool).set_layouts(&layouts);
             self.set = functions.allocate_descriptor_sets(&info)?.first().copied().unwrap_or_default();
             let whole = |buffer: &Buffer| {
                 [vk::DescriptorBufferInfo { buffer: buffer.handle, offset: 0, range: vk::WHOLE_SIZE }]
             };
-            let buffers = [&self.counted, &self.weights, &self.told].map(whole);
+            let buffers = [&self.counted, &self.weights, &self.scaled].map(whole);
             let write = |(number, buffer): (u32, &'_ [vk::DescriptorBufferInfo; 1])| {
                 let mut write = vk::WriteDescriptorSet::default().dst_set(self.set).dst_binding(number);
                 write.descriptor_type = vk::DescriptorType::STORAGE_BUFFER;
@@ -156,7 +156,7 @@ impl Scratch {
     pub fn destroy(&mut self, device: &Device) {
         // SAFETY: ours or null; the program says by destroying its pool that nothing uses it.
         unsafe { device.driver.functions.destroy_descriptor_pool(self.pool, None) };
-        [&mut self.counted, &mut self.weights, &mut self.told]
+        [&mut self.counted, &mut self.weights, &mut self.scaled]
             .into_iter()
             .for_each(|buffer| buffer.destroy(&device.driver.api));
     }
@@ -168,9 +168,9 @@ impl Scratch {
     unsafe fn copy(
         &self,
         (device, buffer): (&Device, vk::CommandBuffer),
-        weigher: &Weigher,
+        scaler: &QueryScaler,
         (pool, queries): (&Pool, u32),
-        wanted: &Wanted,
+        wanted: &WantedResults,
         next: impl FnOnce(vk::Buffer, u64, u64, vk::QueryResultFlags),
     ) {
         use vk::{AccessFlags as A, PipelineStageFlags as S};
@@ -191,12 +191,12 @@ impl Scratch {
         let point = vk::PipelineBindPoint::COMPUTE;
         // SAFETY: as promised; pipeline and set are of one layout.
         unsafe {
-            functions.cmd_bind_pipeline(buffer, point, weigher.pipeline);
-            functions.cmd_bind_descriptor_sets(buffer, point, weigher.layout, 0, &[self.set], &[]);
+            functions.cmd_bind_pipeline(buffer, point, scaler.pipeline);
+            functions.cmd_bind_descriptor_sets(buffer, point, scaler.layout, 0, &[self.set], &[]);
             functions.cmd_dispatch(buffer, queries.div_ceil(GROUP), 1, 1);
         }
         wait(computed, (S::TRANSFER, A::TRANSFER_READ));
-        let (begin, length) = form(wanted.flags, pool.meanings.len() as u64, queries.into());
+        let (begin, length) = form(wanted.flags, pool.quantities.len() as u64, queries.into());
         let (to, apart) = wanted.place;
         let together = count < 2 || apart == length;
         let region = |index: u64| vk::BufferCopy {
@@ -206,7 +206,7 @@ impl Scratch {
         };
         let regions: Vec<_> = (0..if together { 1 } else { count.into() }).map(region).collect();
         // SAFETY: as promised; the program's buffer is there to be copied to, and has room for the results.
-        unsafe { functions.cmd_copy_buffer(buffer, self.told.handle, wanted.to, &regions) };
+        unsafe { functions.cmd_copy_buffer(buffer, self.scaled.handle, wanted.to, &regions) };
     }
 }
 
@@ -220,18 +220,18 @@ impl Queries {
         &self,
         (device, buffer): (&Device, vk::CommandBuffer),
         handle: vk::QueryPool,
-        wanted: &Wanted,
+        wanted: &WantedResults,
         next: impl Fn(vk::Buffer, u64, u64, vk::QueryResultFlags),
     ) {
         let plainly = || next(wanted.to, wanted.place.0, wanted.place.1, wanted.flags);
-        let (Some(pool), Some(weigher)) = (self.get(handle).filter(|_| wanted.queries.1 > 0), self.weigher(device))
+        let (Some(pool), Some(scaler)) = (self.get(handle).filter(|_| wanted.queries.1 > 0), self.scaler(device))
         else {
             return plainly();
         };
         let queries = pool.weights.lock().unwrap_or_else(PoisonError::into_inner).len() as u32;
         let mut scratch = pool.scratch.lock().unwrap_or_else(PoisonError::into_inner);
         if scratch.is_none() {
-            match Scratch::new(device, weigher, &pool, queries) {
+            match Scratch::new(device, scaler, &pool, queries) {
                 Ok(new) => *scratch = Some(new),
                 Err(error) => {
                     crate::intercept::log::once(&format!("Vulkan: counts of queries are copied as they are: {error}"));
@@ -242,7 +242,7 @@ impl Queries {
         // SAFETY: as promised.
         unsafe {
             unconditionally(device, buffer, || {
-                scratch.copy((device, buffer), weigher, (&pool, queries), wanted, next);
+                scratch.copy((device, buffer), scaler, (&pool, queries), wanted, next);
                 device
                     .recordings
                     .with(buffer, |recording| recording.compute.restore(&device.driver, &device.next, buffer));
@@ -251,11 +251,11 @@ impl Queries {
     }
 
     /// What gives counts their weights; `None` where queues that draw need not compute, and where the driver refuses it.
-    fn weigher(&self, device: &Device) -> Option<&Weigher> {
+    fn scaler(&self, device: &Device) -> Option<&QueryScaler> {
         use vk::QueueFlags as Q;
         let computes = |family: &Q| !family.contains(Q::GRAPHICS) || family.contains(Q::COMPUTE);
-        let make = || device.driver.families.iter().all(computes).then(|| Weigher::new(device).ok()).flatten();
-        self.weigher.get_or_init(make).as_ref()
+        let make = || device.driver.families.iter().all(computes).then(|| QueryScaler::new(device).ok()).flatten();
+        self.scaler.get_or_init(make).as_ref()
     }
 }
 

@@ -1,6 +1,6 @@
 //! What a program reads of its queries.
 
-use crate::intercept::vk::state::queries::{Pool, weighed};
+use crate::intercept::vk::state::queries::{Pool, scaled};
 use ash::vk;
 
 /// How results are asked for, beside what the program says of waiting: wide, and with their availability behind them.
@@ -11,7 +11,7 @@ pub const RAW: vk::QueryResultFlags = vk::QueryResultFlags::from_raw(
 impl Pool {
     /// From one raw result to the next: its numbers, and whether they are available.
     pub fn stride(&self) -> usize {
-        self.meanings.len() + 1
+        self.quantities.len() + 1
     }
 
     /// The same in bytes.
@@ -21,7 +21,7 @@ impl Pool {
 }
 
 /// Where a program wants results, and in which form.
-pub struct Wanted {
+pub struct WantedResults {
     /// Where they go.
     pub to: *mut u8,
     /// How many bytes are there.
@@ -32,7 +32,7 @@ pub struct Wanted {
     pub flags: vk::QueryResultFlags,
 }
 
-impl Wanted {
+impl WantedResults {
     /// Writes the results of the queries from `first` on, of which the driver says `raw`. What is not available leaves its
     /// place as it is, unless the program asked for what there is.
     ///
@@ -43,11 +43,11 @@ impl Wanted {
         let length = if self.flags.contains(F::TYPE_64) { 8 } else { 4 };
         for (index, result) in raw.chunks_exact(pool.stride()).enumerate() {
             let Some((available, counts)) = result.split_last() else { return };
-            let told = *available != 0 || self.flags.contains(F::PARTIAL);
-            let weighed =
-                counts.iter().zip(pool.weights(first + index as u32)).map(|(c, w)| told.then(|| weighed(*c, w)));
+            let readable = *available != 0 || self.flags.contains(F::PARTIAL);
+            let scaled =
+                counts.iter().zip(pool.weights(first + index as u32)).map(|(c, w)| readable.then(|| scaled(*c, w)));
             let availability = self.flags.contains(F::WITH_AVAILABILITY).then_some(Some(*available));
-            for (place, value) in weighed.chain(availability).enumerate() {
+            for (place, value) in scaled.chain(availability).enumerate() {
                 let at = index * self.stride + place * length;
                 let Some(value) = value.filter(|_| at + length <= self.size) else { continue };
                 // SAFETY: within the program's memory, which need not be aligned.
@@ -64,7 +64,7 @@ impl Wanted {
 
 #[cfg(test)]
 mod tests {
-    use super::Wanted;
+    use super::WantedResults;
     use crate::intercept::scene::query_weights::{Quantity, QueryWeights};
     use crate::intercept::vk::state::queries::Pool;
     use ash::vk::QueryResultFlags as F;
@@ -72,13 +72,13 @@ mod tests {
     #[test]
     fn results_have_the_form_that_is_asked_for_and_stay_within_their_memory() {
         let half = QueryWeights { samples: 0.5, primitives: 1.0 };
-        let meanings = vec![Quantity::Primitives, Quantity::Samples];
-        let pool = Pool::new(meanings, vec![QueryWeights::ONCE, half, half]);
+        let quantities = vec![Quantity::Primitives, Quantity::Samples];
+        let pool = Pool::new(quantities, vec![QueryWeights::ONCE, half, half]);
         // Of the query 1, and of 2, which is not available.
         let raw = [10, 20, 1, 30, 40, 0];
         let write = |length: usize, size: usize, flags| {
             let mut to = [7_u32; 12];
-            let wanted = Wanted { to: to.as_mut_ptr().cast(), size, stride: length * 4, flags };
+            let wanted = WantedResults { to: to.as_mut_ptr().cast(), size, stride: length * 4, flags };
             // SAFETY: `size` bytes are in the array.
             unsafe { wanted.write(&pool, 1, &raw) };
             to

@@ -1,7 +1,7 @@
 //! Queries while they run: which draws they count, and how often each of those is issued.
 
 use crate::intercept::scene::query_weights::{QueryWeights, weight};
-use crate::intercept::vk::commands::panel_clears::clear_left;
+use crate::intercept::vk::commands::panel_clears::clear_pending;
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::queries::Pool;
 use crate::intercept::vk::state::recording::Event;
@@ -10,33 +10,33 @@ use std::sync::Arc;
 
 /// What the samples of a draw are multiplied by.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Worth {
+pub struct SampleScale {
     /// The factor.
     pub factor: f64,
     /// The draw is one of the scene.
     pub of_scene: bool,
 }
 
-impl Worth {
+impl SampleScale {
     /// A draw that is issued once.
     pub const ONCE: Self = Self { factor: 1.0, of_scene: false };
 }
 
 /// A query of a command buffer that is submitted.
-pub struct Running {
+pub struct RunningQuery {
     pool: Arc<Pool>,
     query: u32,
-    worth: Option<Worth>,
+    sample_scale: Option<SampleScale>,
     /// Vertices of the program's draws.
     drawn: f64,
     /// How many were issued of them.
     issued: f64,
 }
 
-impl Running {
+impl RunningQuery {
     /// A query that begins.
     pub fn new(pool: Arc<Pool>, query: u32) -> Self {
-        Self { pool, query, worth: None, drawn: 0.0, issued: 0.0 }
+        Self { pool, query, sample_scale: None, drawn: 0.0, issued: 0.0 }
     }
 
     /// Whether it is this one.
@@ -46,9 +46,9 @@ impl Running {
 
     /// Draws of so many `vertices` are issued so many `times`. Where draws of a scene are counted together with others, they
     /// say what samples are worth.
-    pub fn add(&mut self, worth: Worth, vertices: u64, times: u32) {
-        if self.worth.is_none_or(|known| worth.of_scene && !known.of_scene) {
-            self.worth = Some(worth);
+    pub fn add(&mut self, sample_scale: SampleScale, vertices: u64, times: u32) {
+        if self.sample_scale.is_none_or(|known| sample_scale.of_scene && !known.of_scene) {
+            self.sample_scale = Some(sample_scale);
         }
         self.drawn += vertices as f64;
         self.issued += vertices as f64 * f64::from(times);
@@ -56,13 +56,13 @@ impl Running {
 
     /// The weights of what it counted.
     fn weights(&self) -> QueryWeights {
-        let samples = self.worth.unwrap_or(Worth::ONCE).factor;
+        let samples = self.sample_scale.unwrap_or(SampleScale::ONCE).factor;
         QueryWeights { samples, primitives: weight(self.drawn, self.issued) }
     }
 
     /// It ends.
     pub fn end(self, device: &Device) {
-        self.pool.weigh(&device.driver, self.query, self.weights());
+        self.pool.set_weights(&device.driver, self.query, self.weights());
     }
 }
 
@@ -74,7 +74,7 @@ pub unsafe fn begin(device: &Device, buffer: vk::CommandBuffer, pool: vk::QueryP
     let Some(pool) = device.queries.get(pool) else { return };
     device.recordings.with(buffer, |recording| {
         // SAFETY: as promised.
-        unsafe { clear_left(device, buffer, recording) };
+        unsafe { clear_pending(device, buffer, recording) };
         recording.counting += 1;
         recording.events.push(Event::BeginQuery(pool, query));
     });
@@ -91,23 +91,23 @@ pub fn end(device: &Device, buffer: vk::CommandBuffer, pool: vk::QueryPool, quer
 
 #[cfg(test)]
 mod tests {
-    use super::{Running, Worth};
+    use super::{RunningQuery, SampleScale};
     use crate::intercept::scene::query_weights::QueryWeights;
-    use crate::intercept::vk::state::queries::{Pool, fixed, weighed};
+    use crate::intercept::vk::state::queries::{Pool, fixed, scaled};
     use std::sync::Arc;
 
-    fn query() -> Running {
-        Running::new(Arc::new(Pool::new(Vec::new(), Vec::new())), 2)
+    fn query() -> RunningQuery {
+        RunningQuery::new(Arc::new(Pool::new(Vec::new(), Vec::new())), 2)
     }
 
     #[test]
     fn what_is_issued_at_different_numbers_is_counted_once() {
         let mut running = query();
-        running.add(Worth::ONCE, 30, 1);
-        running.add(Worth { factor: 0.5, of_scene: true }, 36, 6);
-        running.add(Worth { factor: 0.25, of_scene: true }, 6, 7);
+        running.add(SampleScale::ONCE, 30, 1);
+        running.add(SampleScale { factor: 0.5, of_scene: true }, 36, 6);
+        running.add(SampleScale { factor: 0.25, of_scene: true }, 6, 7);
         let weights = running.weights();
-        assert_eq!(weighed(30 + 36 * 6 + 6 * 7, fixed(weights.primitives)), 30 + 36 + 6);
+        assert_eq!(scaled(30 + 36 * 6 + 6 * 7, fixed(weights.primitives)), 30 + 36 + 6);
         assert_eq!(weights.samples, 0.5, "the first draw of a scene says it");
     }
 

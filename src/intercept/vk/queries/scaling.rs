@@ -10,7 +10,7 @@
 //! reads, `copies` what a command copies for it.
 
 use crate::intercept::scene::query_weights::{Quantity, QueryWeights};
-use crate::intercept::vk::queries::results::Wanted;
+use crate::intercept::vk::queries::results::WantedResults;
 use crate::intercept::vk::queries::{copies, results, running};
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::hooks::hooks;
@@ -20,7 +20,7 @@ use std::ffi::c_void;
 use std::sync::{Arc, PoisonError};
 
 /// What the numbers of a query's result are; empty for queries whose numbers are the program's as they are.
-fn meanings(info: &vk::QueryPoolCreateInfo<'_>) -> Vec<Quantity> {
+fn quantities(info: &vk::QueryPoolCreateInfo<'_>) -> Vec<Quantity> {
     use vk::QueryPipelineStatisticFlags as S;
     match info.query_type {
         vk::QueryType::OCCLUSION => vec![Quantity::Samples],
@@ -53,7 +53,7 @@ impl Queries {
     pub fn clear(&self, device: &Device) {
         let all: Vec<_> = self.pools.lock().unwrap_or_else(PoisonError::into_inner).keys().copied().collect();
         all.into_iter().for_each(|handle| self.forget(device, handle));
-        self.weigher.get().iter().copied().flatten().for_each(|weigher| weigher.destroy(device));
+        self.scaler.get().iter().copied().flatten().for_each(|scaler| scaler.destroy(device));
     }
 }
 
@@ -62,11 +62,11 @@ hooks! {
         device: vk::Device, info: *const vk::QueryPoolCreateInfo<'_>, allocator: *const vk::AllocationCallbacks<'_>, made: *mut vk::QueryPool
     ) -> vk::Result { |state, next| {
         let result = next(device, info, allocator, made);
-        let meanings = meanings(&*info);
-        if result == vk::Result::SUCCESS && !meanings.is_empty() {
+        let quantities = quantities(&*info);
+        if result == vk::Result::SUCCESS && !quantities.is_empty() {
             let weights = vec![QueryWeights::ONCE; (*info).query_count as usize];
             let mut pools = state.queries.pools.lock().unwrap_or_else(PoisonError::into_inner);
-            pools.insert(*made, Arc::new(Pool::new(meanings, weights)));
+            pools.insert(*made, Arc::new(Pool::new(quantities, weights)));
         }
         result
     } }
@@ -109,7 +109,7 @@ hooks! {
             let (asked, bytes) = (flags | results::RAW, size_of_val(raw.as_slice()));
             let result = next(device, pool, first, count, bytes, raw.as_mut_ptr().cast(), known.stride_in_bytes(), asked);
             if result.as_raw() >= 0 {
-                Wanted { to: data.cast(), size, stride: stride as usize, flags }.write(&known, first, &raw);
+                WantedResults { to: data.cast(), size, stride: stride as usize, flags }.write(&known, first, &raw);
             }
             result
         }
@@ -117,14 +117,14 @@ hooks! {
     cmd_copy_query_pool_results = (
         buffer: vk::CommandBuffer, pool: vk::QueryPool, first: u32, count: u32, to: vk::Buffer, offset: vk::DeviceSize, stride: vk::DeviceSize, flags: vk::QueryResultFlags
     ) { |state, next| {
-        let wanted = copies::Wanted { queries: (first, count), to, place: (offset, stride), flags };
+        let wanted = copies::WantedResults { queries: (first, count), to, place: (offset, stride), flags };
         state.queries.copy((&state, buffer), pool, &wanted, |to, offset, stride, flags| next(buffer, pool, first, count, to, offset, stride, flags))
     } }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Quantity, meanings};
+    use super::{Quantity, quantities};
     use ash::vk;
 
     #[test]
@@ -132,8 +132,8 @@ mod tests {
         use vk::QueryPipelineStatisticFlags as S;
         let asked = S::FRAGMENT_SHADER_INVOCATIONS | S::INPUT_ASSEMBLY_VERTICES | S::COMPUTE_SHADER_INVOCATIONS;
         let info = vk::QueryPoolCreateInfo::default().query_type(vk::QueryType::PIPELINE_STATISTICS);
-        let all = meanings(&info.pipeline_statistics(asked));
+        let all = quantities(&info.pipeline_statistics(asked));
         assert_eq!(all, [Quantity::Primitives, Quantity::Samples, Quantity::Unscaled]);
-        assert!(meanings(&info.query_type(vk::QueryType::TIMESTAMP)).is_empty());
+        assert!(quantities(&info.query_type(vk::QueryType::TIMESTAMP)).is_empty());
     }
 }

@@ -5,7 +5,7 @@
 
 use crate::correct::projected::division::Input;
 use crate::intercept::vk::spirv::functions::{Additions, Linked, division, push};
-use crate::intercept::vk::spirv::handed::{Handed, Leaf};
+use crate::intercept::vk::spirv::handed::{OutputPart, StageOutputs};
 use crate::intercept::vk::spirv::module::{Declarations, HEADER};
 use spirv::{
     AddressingModel, BuiltIn, Capability, Decoration, ExecutionMode, ExecutionModel, FunctionControl, MemoryModel, Op,
@@ -48,7 +48,7 @@ pub const ENTRY: &std::ffi::CStr = c"main";
 /// For people: what the device does not allow, or the shader hands on.
 pub fn divide(
     input: Input,
-    handed: &Handed<'_>,
+    handed: &StageOutputs<'_>,
     provoking: u32,
     (set, counts): (u32, bool),
     limits: &Limits,
@@ -74,7 +74,7 @@ pub fn divide(
 /// The stage as far as it is made.
 struct Stage<'a> {
     to: Additions<'a>,
-    handed: &'a Handed<'a>,
+    handed: &'a StageOutputs<'a>,
     corners: u32,
     /// The vertex shader's types here.
     copied: HashMap<u32, u32>,
@@ -102,7 +102,7 @@ struct Pair<'a> {
     member: Option<u32>,
     /// The one that is emitted.
     to: u32,
-    leaves: &'a [Leaf],
+    leaves: &'a [OutputPart],
 }
 
 impl Interface<'_> {
@@ -368,7 +368,13 @@ impl<'a> Stage<'a> {
     }
 
     /// One number of the corners', by their weights or as the provoking vertex has it.
-    fn hand_on(&mut self, pair: &Pair<'_>, leaf: &Leaf, weights: &[u32], provoking: u32) -> Result<(), &'static str> {
+    fn hand_on(
+        &mut self,
+        pair: &Pair<'_>,
+        leaf: &OutputPart,
+        weights: &[u32],
+        provoking: u32,
+    ) -> Result<(), &'static str> {
         let kind = self.copy(leaf.kind)?;
         let path: Vec<u32> = leaf.path.iter().map(|index| self.number(*index)).collect();
         let member = pair.member.map(|member| self.number(member));

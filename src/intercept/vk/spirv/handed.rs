@@ -5,7 +5,7 @@ use spirv::{BuiltIn, Capability, Decoration, ExecutionModel, Op, StorageClass};
 use std::collections::HashSet;
 
 /// A scalar or vector of 32-bit numbers within a variable.
-pub struct Leaf {
+pub struct OutputPart {
     /// Which members, elements and columns lead to it.
     pub path: Vec<u32>,
     /// Its type.
@@ -23,11 +23,11 @@ pub struct Variable {
     /// What it is.
     pub pointee: u32,
     /// The numbers in it.
-    pub leaves: Vec<Leaf>,
+    pub leaves: Vec<OutputPart>,
 }
 
 /// What a vertex shader hands on.
-pub struct Handed<'a> {
+pub struct StageOutputs<'a> {
     /// Its module.
     pub declared: Declarations<'a>,
     /// What has locations and is read.
@@ -51,7 +51,7 @@ pub struct Distances {
     /// Its type.
     pub kind: u32,
     /// Its elements.
-    pub leaves: Vec<Leaf>,
+    pub leaves: Vec<OutputPart>,
 }
 
 /// Longest array and largest structure that are followed.
@@ -64,12 +64,12 @@ const DEEPEST: usize = 8;
 const INTERPOLATES: ([u32; 1], [u32; 2]) = ([5285], [5286, 5287]);
 
 /// A place between stages: location and component.
-type Place = (u32, u32);
+type ChunkOffset = (u32, u32);
 
 /// A number on its way, with all places that it takes.
 struct Number {
-    leaf: Leaf,
-    places: Vec<Place>,
+    leaf: OutputPart,
+    places: Vec<ChunkOffset>,
 }
 
 /// An entry point: words of a module, stage, name.
@@ -87,7 +87,7 @@ fn interface(all: &[Instruction<'_>], (_, model, name): &Entry<'_>) -> Option<Ve
 ///
 /// # Errors
 /// For people: what cannot be handed on by a stage between them.
-pub fn handed<'a>(vertex: Entry<'a>, fragment: Option<Entry<'_>>) -> Result<Handed<'a>, &'static str> {
+pub fn handed<'a>(vertex: Entry<'a>, fragment: Option<Entry<'_>>) -> Result<StageOutputs<'a>, &'static str> {
     let all = instructions(vertex.0).ok_or("a shader that is not SPIR-V")?;
     let variables = interface(&all, &vertex).ok_or("a shader without its entry point")?;
     let declared = Declarations::new(&all);
@@ -98,7 +98,7 @@ pub fn handed<'a>(vertex: Entry<'a>, fragment: Option<Entry<'_>>) -> Result<Hand
     }
     let clips = has(Capability::ClipDistance);
     let asked = fragment.map_or(Ok(Asked::default()), |fragment| asked(&fragment))?;
-    let mut made = Handed {
+    let mut made = StageOutputs {
         declared,
         variables: Vec::new(),
         position: (0, None),
@@ -118,7 +118,7 @@ pub fn handed<'a>(vertex: Entry<'a>, fragment: Option<Entry<'_>>) -> Result<Hand
                 if let Some((member, kind)) = found.distances.filter(|_| clips) {
                     let mut walk = Walk { location: Some(0), ..Walk::new(&made.declared) };
                     walk.enter(kind)?;
-                    let leaves: Vec<Leaf> = walk.found.into_iter().map(|number| number.leaf).collect();
+                    let leaves: Vec<OutputPart> = walk.found.into_iter().map(|number| number.leaf).collect();
                     made.components += leaves.len() as u32;
                     made.distances = Some(Distances { place: (id, member), kind, leaves });
                 }
@@ -148,9 +148,9 @@ pub fn handed<'a>(vertex: Entry<'a>, fragment: Option<Entry<'_>>) -> Result<Hand
 #[derive(Default)]
 struct Asked {
     /// What it reads.
-    read: HashSet<Place>,
+    read: HashSet<ChunkOffset>,
     /// What of it is not interpolated.
-    flat: HashSet<Place>,
+    flat: HashSet<ChunkOffset>,
     number: bool,
 }
 
@@ -311,7 +311,7 @@ impl<'a> Walk<'a> {
     fn leaf(&mut self, kind: u32, whole: bool, count: u32) -> Result<(), &'static str> {
         let location = self.location.ok_or("a shader hands on what has no location")?;
         let places = (self.component..self.component.saturating_add(count).min(4)).map(|c| (location, c)).collect();
-        let leaf = Leaf { path: self.path.clone(), kind, flat: self.flat || whole, vector: count > 1 };
+        let leaf = OutputPart { path: self.path.clone(), kind, flat: self.flat || whole, vector: count > 1 };
         self.found.push(Number { leaf, places });
         if self.found.len() > LONGEST as usize {
             return Err("a shader hands on more than is followed");

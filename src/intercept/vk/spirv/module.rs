@@ -61,7 +61,7 @@ pub fn string(words: &[u32]) -> (String, usize) {
 }
 
 /// An id, or a member of one.
-type Place = (u32, Option<u32>);
+type ChunkOffset = (u32, Option<u32>);
 
 /// What a module declares before its functions.
 #[derive(Default)]
@@ -69,9 +69,9 @@ pub struct Declarations<'a> {
     /// Types, constants and variables by their id.
     pub by_id: HashMap<u32, Instruction<'a>>,
     /// Decorations: kind, operands.
-    decorations: HashMap<Place, Vec<(u32, &'a [u32])>>,
+    decorations: HashMap<ChunkOffset, Vec<(u32, &'a [u32])>>,
     /// Names.
-    names: HashMap<Place, String>,
+    names: HashMap<ChunkOffset, String>,
     /// Sets of instructions that are imported.
     imports: Vec<(u32, String)>,
 }

@@ -2,7 +2,7 @@
 
 use crate::correct::Plan;
 use crate::error::{Error, ErrorKind, Result};
-use crate::intercept::vk::state::vertices::Vertices;
+use crate::intercept::vk::state::vertices::VertexProcessing;
 use crate::rig::Rig;
 use crate::runtime::session::{Extras, Session};
 use ash::vk;
@@ -17,7 +17,7 @@ pub fn rectangle([x, y, width, height]: Rect) -> vk::Rect2D {
 }
 
 /// A rig at work in a window.
-pub struct Layout {
+pub struct AtlasLayout {
     /// The rig at work.
     pub session: Session,
     /// Its plan, with the tiles where they are in this atlas.
@@ -42,17 +42,17 @@ pub struct Layout {
     pub outputs: Vec<Rect>,
 }
 
-impl Layout {
+impl AtlasLayout {
     /// Plans `rig` in a window of `size` pixels, on a device whose images are up to `max_atlas` wide and high. `read`: the
     /// program may read its own picture. `vertices`: what shaders do with vertices where the rig says so.
     ///
     /// # Errors
     /// Those of the planner.
-    pub fn new(rig: &Rig, size: (u32, u32), max_atlas: u32, read: bool, vertices: Vertices) -> Result<Self> {
+    pub fn new(rig: &Rig, size: (u32, u32), max_atlas: u32, read: bool, vertices: VertexProcessing) -> Result<Self> {
         let plan = match vertices {
-            Vertices::Views => Session::new,
-            Vertices::Projected => Session::undivided,
-            Vertices::Divided => Session::projecting,
+            VertexProcessing::Views => Session::new,
+            VertexProcessing::Projected => Session::undivided,
+            VertexProcessing::DivisionStatistics => Session::projecting,
         };
         let mut session = plan(rig, size, false, max_atlas, Extras { panel: true, ..Extras::default() })?;
         if read && !(0..session.views().len()).any(|index| is_own(session.tile(index), size)) {
@@ -80,7 +80,7 @@ impl Layout {
     }
 
     /// The panel and the texels around it, which the filter reaches at its border.
-    pub fn glass(&self) -> Rect {
+    pub fn panel_with_border(&self) -> Rect {
         let [x, y, width, height] = self.panel;
         let (left, top) = ((x - 1).max(0), (y - 1).max(0));
         let (right, bottom) = (x + width + 1, y + height + 1);
@@ -116,13 +116,14 @@ fn upside_down(plan: &Plan) -> Plan {
 
 #[cfg(test)]
 mod tests {
-    use super::Layout;
-    use crate::intercept::vk::state::vertices::Vertices;
+    use super::AtlasLayout;
+    use crate::intercept::vk::state::vertices::VertexProcessing;
 
     #[test]
     fn the_panel_is_as_large_as_the_window_and_everything_inside() {
         let rig = crate::rig::load("planetarium-6").expect("a preset");
-        let layout = Layout::new(&rig, (900, 420), 16384, false, Vertices::Divided).expect("a plan");
+        let layout =
+            AtlasLayout::new(&rig, (900, 420), 16384, false, VertexProcessing::DivisionStatistics).expect("a plan");
         assert_eq!(layout.panel[2..], [900, 420]);
         assert_eq!(layout.outputs.len(), 6);
         for tile in layout.views.iter().map(|view| &view.0).chain([&layout.panel]) {
@@ -134,7 +135,13 @@ mod tests {
     #[test]
     fn the_programs_own_picture_is_at_the_origin_where_it_is_read() {
         let layout = |rig: &str, read| {
-            Layout::new(&crate::rig::load(rig).expect("a preset"), (90, 42), 16384, read, Vertices::Divided)
+            AtlasLayout::new(
+                &crate::rig::load(rig).expect("a preset"),
+                (90, 42),
+                16384,
+                read,
+                VertexProcessing::DivisionStatistics,
+            )
         };
         let own = |rig: &str, read| layout(rig, read).expect("a plan").own();
         assert_eq!(own("fisheye", false), None);

@@ -7,7 +7,7 @@ use ash::vk;
 
 /// A descriptor set that the program bound.
 #[derive(Clone, Default)]
-pub struct Bound {
+pub struct BoundSet {
     /// The set.
     pub(in crate::intercept::vk) set: vk::DescriptorSet,
     /// Its dynamic offsets.
@@ -16,7 +16,7 @@ pub struct Bound {
     pub(in crate::intercept::vk) pushed: Option<Pushed>,
 }
 
-impl Bound {
+impl BoundSet {
     /// The buffer of a binding, and where it begins.
     pub fn buffer(&self, descriptors: &Descriptors, binding: u32) -> Option<(vk::Buffer, u64)> {
         match &self.pushed {
@@ -31,7 +31,7 @@ impl Bound {
 pub(in crate::intercept::vk) enum Content {
     Images(Vec<vk::DescriptorImageInfo>),
     Buffers(Vec<vk::DescriptorBufferInfo>),
-    Texels(Vec<vk::BufferView>),
+    TexelFormat(Vec<vk::BufferView>),
 }
 
 /// Descriptors of one binding.
@@ -59,7 +59,7 @@ impl Write {
             match content_of(kind)? {
                 Content::Images(_) => Content::Images(slice(write.p_image_info, count).to_vec()),
                 Content::Buffers(_) => Content::Buffers(slice(write.p_buffer_info, count).to_vec()),
-                Content::Texels(_) => Content::Texels(slice(write.p_texel_buffer_view, count).to_vec()),
+                Content::TexelFormat(_) => Content::TexelFormat(slice(write.p_texel_buffer_view, count).to_vec()),
             }
         };
         Some(Self { binding: write.dst_binding, element: write.dst_array_element, kind, content })
@@ -82,7 +82,7 @@ impl Write {
             match content_of(entry.kind)? {
                 Content::Images(_) => Content::Images(all(first, entry.stride, entry.count)),
                 Content::Buffers(_) => Content::Buffers(all(first, entry.stride, entry.count)),
-                Content::Texels(_) => Content::Texels(all(first, entry.stride, entry.count)),
+                Content::TexelFormat(_) => Content::TexelFormat(all(first, entry.stride, entry.count)),
             }
         };
         Some(Self { binding: entry.binding, element: entry.first, kind: entry.kind, content })
@@ -97,7 +97,7 @@ impl Write {
         match &self.content {
             Content::Images(images) => write.image_info(images),
             Content::Buffers(buffers) => write.buffer_info(buffers),
-            Content::Texels(views) => write.texel_buffer_view(views),
+            Content::TexelFormat(views) => write.texel_buffer_view(views),
         }
     }
 }
@@ -110,7 +110,7 @@ pub(in crate::intercept::vk) fn content_of(kind: vk::DescriptorType) -> Option<C
             Some(Content::Images(Vec::new()))
         }
         T::UNIFORM_BUFFER | T::STORAGE_BUFFER => Some(Content::Buffers(Vec::new())),
-        T::UNIFORM_TEXEL_BUFFER | T::STORAGE_TEXEL_BUFFER => Some(Content::Texels(Vec::new())),
+        T::UNIFORM_TEXEL_BUFFER | T::STORAGE_TEXEL_BUFFER => Some(Content::TexelFormat(Vec::new())),
         _ => None,
     }
 }

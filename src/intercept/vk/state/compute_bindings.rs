@@ -1,27 +1,27 @@
 //! What a program has bound for its compute shaders, so that it can be put back after one of ours.
 
-use crate::intercept::vk::state::bindings::{Bound, Pushed, Write};
+use crate::intercept::vk::state::bindings::{BoundSet, Pushed, Write};
 use crate::intercept::vk::state::driver::Driver;
 use crate::intercept::vk::state::entry_points::NextLayer;
 use ash::vk;
 
 /// What is bound for compute shaders while a command buffer is recorded.
 #[derive(Default)]
-pub struct Compute {
+pub struct ComputeBindings {
     pipeline: vk::Pipeline,
     /// Descriptor sets, by their number and with the layout that they were bound for, in the order in which that happened:
     /// a set disturbs earlier ones whose layouts are not compatible with its own.
-    sets: Vec<(u32, vk::PipelineLayout, Bound)>,
+    sets: Vec<(u32, vk::PipelineLayout, BoundSet)>,
 }
 
-impl Compute {
+impl ComputeBindings {
     /// A pipeline is bound.
     pub fn bind(&mut self, pipeline: vk::Pipeline) {
         self.pipeline = pipeline;
     }
 
     /// Sets are bound from the number `first` on.
-    pub fn bind_sets(&mut self, layout: vk::PipelineLayout, first: u32, sets: Vec<Bound>) {
+    pub fn bind_sets(&mut self, layout: vk::PipelineLayout, first: u32, sets: Vec<BoundSet>) {
         for (number, bound) in (first..).zip(sets) {
             self.take(number);
             self.sets.push((number, layout, bound));
@@ -31,11 +31,11 @@ impl Compute {
     /// Descriptors are pushed.
     pub fn push(&mut self, layout: vk::PipelineLayout, number: u32, writes: Vec<Write>) {
         let before = self.take(number).and_then(|bound| bound.pushed);
-        let bound = Bound { pushed: Some(Pushed::after(before, writes)), ..Bound::default() };
+        let bound = BoundSet { pushed: Some(Pushed::after(before, writes)), ..BoundSet::default() };
         self.sets.push((number, layout, bound));
     }
 
-    fn take(&mut self, number: u32) -> Option<Bound> {
+    fn take(&mut self, number: u32) -> Option<BoundSet> {
         let known = self.sets.iter().position(|(known, ..)| *known == number)?;
         Some(self.sets.remove(known).2)
     }
@@ -70,14 +70,14 @@ impl Compute {
 
 #[cfg(test)]
 mod tests {
-    use super::Compute;
-    use crate::intercept::vk::state::bindings::Bound;
+    use super::ComputeBindings;
+    use crate::intercept::vk::state::bindings::BoundSet;
     use ash::vk::{self, Handle};
 
     #[test]
     fn what_was_bound_last_comes_last() {
-        let (mut compute, layout) = (Compute::default(), vk::PipelineLayout::null());
-        let set = |number| Bound { set: vk::DescriptorSet::from_raw(number), ..Bound::default() };
+        let (mut compute, layout) = (ComputeBindings::default(), vk::PipelineLayout::null());
+        let set = |number| BoundSet { set: vk::DescriptorSet::from_raw(number), ..BoundSet::default() };
         compute.bind_sets(layout, 0, vec![set(10), set(11), set(12)]);
         compute.bind_sets(layout, 1, vec![set(21)]);
         let order: Vec<_> = compute.sets.iter().map(|(number, _, bound)| (*number, bound.set.as_raw())).collect();

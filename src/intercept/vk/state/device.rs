@@ -9,13 +9,13 @@ use crate::intercept::vk::state::framebuffers::Framebuffers;
 use crate::intercept::vk::state::host_memory::HostMemory;
 use crate::intercept::vk::state::images::Images;
 use crate::intercept::vk::state::instance::dispatch_key;
-use crate::intercept::vk::state::pipelines::{Layouts, Pipelines};
+use crate::intercept::vk::state::pipelines::{PipelineLayouts, Pipelines};
 use crate::intercept::vk::state::queries::Queries;
 use crate::intercept::vk::state::recording::Recordings;
-use crate::intercept::vk::state::scene_paths::Paths;
+use crate::intercept::vk::state::scene_graph::SceneGraph;
 use crate::intercept::vk::state::swapchains::Swapchains;
-use crate::intercept::vk::state::vertices::{Decision, Vertices};
-use crate::intercept::vk::state::view_constants::Rows;
+use crate::intercept::vk::state::vertices::{VertexDecision, VertexProcessing};
+use crate::intercept::vk::state::view_constants::ConstantPool;
 use ash::vk;
 use std::collections::HashMap;
 use std::sync::atomic::AtomicU64;
@@ -38,17 +38,17 @@ pub struct Device {
     /// Images (`offscreen`).
     pub(in crate::intercept::vk) images: Images,
     /// Which images hold a scene on its way to the window (`offscreen`).
-    pub(in crate::intercept::vk) paths: Paths,
+    pub(in crate::intercept::vk) scene_graph: SceneGraph,
     /// Shaders and pipeline layouts (`pipelines`).
-    pub(in crate::intercept::vk) layouts: Layouts,
+    pub(in crate::intercept::vk) layouts: PipelineLayouts,
     /// Pipelines (`pipelines`).
     pub(in crate::intercept::vk) pipelines: Pipelines,
     /// Descriptor sets (`descriptors`).
     pub(in crate::intercept::vk) descriptors: Descriptors,
     /// Buffers and memory (`submit`).
-    pub(in crate::intercept::vk) memory_of_program: HostMemory,
+    pub(in crate::intercept::vk) host_memory: HostMemory,
     /// HostMemory of the view constants (`commands` takes it, `submit` writes it).
-    pub(in crate::intercept::vk) rows: Rows,
+    pub(in crate::intercept::vk) view_constants: ConstantPool,
     /// The frame that is being submitted (`submit`).
     pub(in crate::intercept::vk) frame: Mutex<Frame>,
     /// Queries that count (`queries`).
@@ -68,7 +68,7 @@ pub struct Role {
     /// It corrects pictures, and does not only count and capture.
     pub(in crate::intercept::vk) corrects: bool,
     /// What is done with vertices.
-    pub(in crate::intercept::vk) vertices: Decision,
+    pub(in crate::intercept::vk) vertices: VertexDecision,
     /// Commands may change the class of what a pipeline draws.
     pub(in crate::intercept::vk) topologies_change: bool,
 }
@@ -98,14 +98,15 @@ pub fn get(handle: impl vk::Handle) -> Option<Arc<Device>> {
 impl Role {
     /// Whether primitives are divided where the rig says so.
     pub fn divides(&self) -> bool {
-        self.vertices.vertices == Vertices::Divided
+        self.vertices.vertices == VertexProcessing::DivisionStatistics
     }
 }
 
 impl Device {
-    /// From one group of rows to the next, bytes.
-    pub fn group_stride(&self) -> u32 {
-        (self.rows.group() as u32).max(self.driver.limits.min_uniform_buffer_offset_alignment.min(1 << 12) as u32)
+    /// From one slot of view constants to the next, bytes.
+    pub fn slot_stride(&self) -> u32 {
+        (self.view_constants.slot() as u32)
+            .max(self.driver.limits.min_uniform_buffer_offset_alignment.min(1 << 12) as u32)
     }
 
     /// Whether draws are issued for each view.

@@ -3,9 +3,9 @@
 use crate::intercept::camera::Cameras;
 use crate::intercept::scene::frame_order::FrameOrder;
 use crate::intercept::vk::spirv::Matrix;
-use crate::intercept::vk::state::atlas_layout::Layout;
-use crate::intercept::vk::state::draw_parameters::Placed;
-use crate::intercept::vk::state::view_constants::Place;
+use crate::intercept::vk::state::atlas_layout::AtlasLayout;
+use crate::intercept::vk::state::draw_parameters::IndirectDraw;
+use crate::intercept::vk::state::view_constants::ChunkOffset;
 use crate::runtime::session::Intrinsics;
 use ash::vk;
 use std::collections::BTreeMap;
@@ -13,7 +13,7 @@ use std::sync::Arc;
 
 /// Where a matrix is, or what it is.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Value {
+pub enum MatrixValue {
     /// Its numbers as they are in memory, column by column.
     Known([f32; 16]),
     /// In a buffer, at an offset.
@@ -22,16 +22,16 @@ pub enum Value {
 
 /// A matrix that may be the projection.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Source {
+pub struct MatrixSource {
     /// How a shader sees it.
     pub(in crate::intercept::vk) matrix: Matrix,
     /// Where it is.
-    pub(in crate::intercept::vk) value: Value,
+    pub(in crate::intercept::vk) value: MatrixValue,
 }
 
-/// What a run turned out to be.
+/// What a group turned out to be.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::intercept::vk) enum Outcome {
+pub(in crate::intercept::vk) enum DrawClass {
     Scene(Intrinsics),
     Flat,
     Behind,
@@ -39,11 +39,11 @@ pub(in crate::intercept::vk) enum Outcome {
     Screen,
 }
 
-/// What draws of a run have in common.
+/// What draws of a group have in common.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Kind {
+pub struct DrawFacts {
     /// Where the lens may be, the likeliest first.
-    pub(in crate::intercept::vk) sources: Vec<Source>,
+    pub(in crate::intercept::vk) sources: Vec<MatrixSource>,
     /// Clip coordinates have y up (a viewport of negative height), not down.
     pub(in crate::intercept::vk) y_up: bool,
     /// They are issued to the views as well as onto the panel.
@@ -57,28 +57,28 @@ pub struct Kind {
 }
 
 /// Draws that share a lens.
-pub struct Run {
-    /// Where their rows are.
-    pub(in crate::intercept::vk) place: Place,
+pub struct DrawGroup {
+    /// Where their view constants are.
+    pub(in crate::intercept::vk) place: ChunkOffset,
     /// Where the views are.
-    pub(in crate::intercept::vk) layout: Arc<Layout>,
+    pub(in crate::intercept::vk) layout: Arc<AtlasLayout>,
     /// What they are.
-    pub(in crate::intercept::vk) kind: Kind,
+    pub(in crate::intercept::vk) kind: DrawFacts,
     /// How many draws.
     pub(in crate::intercept::vk) draws: u64,
     /// Those of them that are left out where they are out of sight.
-    pub(in crate::intercept::vk) placed: Vec<Placed>,
-    /// With which groups of rows it is in sight, bit by bit; groups from 63 on always are.
+    pub(in crate::intercept::vk) placed: Vec<IndirectDraw>,
+    /// With which slots of view constants it is in sight, bit by bit; slots from 63 on always are.
     pub(in crate::intercept::vk) in_sight: u64,
     /// What was written last, and for which matrices.
-    pub(in crate::intercept::vk) last: Option<Outcome>,
+    pub(in crate::intercept::vk) last: Option<DrawClass>,
     pub(in crate::intercept::vk) matrices: Vec<(u8, [f64; 16])>,
     pub(in crate::intercept::vk) lens: Option<(Intrinsics, &'static str)>,
 }
 
-impl Run {
+impl DrawGroup {
     /// Draws that are recorded now.
-    pub fn new(place: Place, layout: Arc<Layout>, kind: Kind) -> Self {
+    pub fn new(place: ChunkOffset, layout: Arc<AtlasLayout>, kind: DrawFacts) -> Self {
         Self {
             place,
             layout,
@@ -92,14 +92,14 @@ impl Run {
         }
     }
 
-    /// How many groups of rows it has: for the views, the panel, and the program's own picture.
-    pub(in crate::intercept::vk) fn groups(&self) -> u32 {
+    /// How many slots of view constants it has: for the views, the panel, and the program's own picture.
+    pub(in crate::intercept::vk) fn slots(&self) -> u32 {
         2 + if self.kind.in_views { self.layout.views.len() as u32 } else { 0 }
     }
 
-    /// Whether something of it may be seen with a group of rows.
-    pub(in crate::intercept::vk) fn is_in_sight(&self, group: u32) -> bool {
-        self.in_sight >> group.min(63) & 1 == 1
+    /// Whether something of it may be seen with a slot of view constants.
+    pub(in crate::intercept::vk) fn is_in_sight(&self, slot: u32) -> bool {
+        self.in_sight >> slot.min(63) & 1 == 1
     }
 
     /// Whether draws are issued onto the panel: where the program's own lens shows everything there is none.
@@ -107,16 +107,16 @@ impl Run {
         !self.kind.off_screen && !self.layout.shows_own_lens()
     }
 
-    /// With how many groups draws are issued, and with how many of these they are in sight.
+    /// With how many slots draws are issued, and with how many of these they are in sight.
     pub(in crate::intercept::vk) fn times(&self) -> [u32; 2] {
-        let (panel, own) = (self.groups() - 2, self.groups() - 1);
+        let (panel, own) = (self.slots() - 2, self.slots() - 1);
         let panel = self.is_on_panel().then_some(panel);
-        let issued = (0..self.groups() - 2).chain(panel).chain(self.layout.primary.map(|_| own));
-        [issued.clone().count(), issued.filter(|group| self.is_in_sight(*group)).count()].map(|times| times as u32)
+        let issued = (0..self.slots() - 2).chain(panel).chain(self.layout.primary.map(|_| own));
+        [issued.clone().count(), issued.filter(|slot| self.is_in_sight(*slot)).count()].map(|times| times as u32)
     }
 
     /// Whether a draw of this kind belongs to it.
-    pub fn takes(&self, layout: &Arc<Layout>, kind: &Kind) -> bool {
+    pub fn takes(&self, layout: &Arc<AtlasLayout>, kind: &DrawFacts) -> bool {
         Arc::ptr_eq(&self.layout, layout) && self.kind == *kind
     }
 }
@@ -142,8 +142,8 @@ pub struct Counts {
 #[derive(Default)]
 pub struct Frame {
     pub(in crate::intercept::vk) cameras: Cameras,
-    pub(in crate::intercept::vk) layout: Option<Arc<Layout>>,
-    /// Rows that show the panel in each view, for flat drawing behind the scene.
+    pub(in crate::intercept::vk) layout: Option<Arc<AtlasLayout>>,
+    /// Matrices that show the panel in each view, for flat drawing behind the scene.
     pub(in crate::intercept::vk) behind: Vec<[f32; 16]>,
     /// The lens for which it was last found out how many samples show what it sees, and how many.
     pub(in crate::intercept::vk) sampled: Option<(Intrinsics, f64)>,

@@ -1,7 +1,7 @@
 //! Parameters of draws in memory that is written when a recorded command buffer runs.
 
 use crate::intercept::vk::state::driver::Driver;
-use crate::intercept::vk::state::view_constants::{Piece, Place};
+use crate::intercept::vk::state::view_constants::{ChunkOffset, ConstantChunk};
 use ash::vk;
 
 /// Bytes of a draw's parameters, of either kind.
@@ -9,13 +9,13 @@ pub(in crate::intercept::vk) const BYTES: u32 = 20;
 
 /// What `vkCmdDraw` and `vkCmdDrawIndexed` are told, as memory has it for their indirect kinds.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Parameters {
+pub struct DrawParameters {
     /// Vertices or indices, instances, and what comes first.
     pub(in crate::intercept::vk) numbers: [u32; 5],
     pub(in crate::intercept::vk) indexed: bool,
 }
 
-impl Parameters {
+impl DrawParameters {
     /// Of `vkCmdDraw`.
     pub fn of_vertices(vertices: u32, instances: u32, first_vertex: u32, first_instance: u32) -> Self {
         Self { numbers: [vertices, instances, first_vertex, first_instance, 0], indexed: false }
@@ -37,42 +37,42 @@ impl Parameters {
     }
 
     /// The same, or the same for no instances.
-    pub(in crate::intercept::vk) fn shown(&self, in_sight: bool) -> [u32; 5] {
+    pub(in crate::intercept::vk) fn visible(&self, in_sight: bool) -> [u32; 5] {
         let [count, instances, rest @ ..] = self.numbers;
         let [a, b, c] = rest;
         [count, if in_sight { instances } else { 0 }, a, b, c]
     }
 }
 
-/// Parameters with their places in memory, one for each group of rows.
+/// Parameters with their places in memory, one for each slot of view constants.
 #[derive(Clone, Copy, Debug)]
-pub struct Placed {
-    pub(in crate::intercept::vk) place: Place,
-    pub(in crate::intercept::vk) parameters: Parameters,
+pub struct IndirectDraw {
+    pub(in crate::intercept::vk) place: ChunkOffset,
+    pub(in crate::intercept::vk) parameters: DrawParameters,
 }
 
-impl Placed {
-    /// Writes what is drawn with each of so many groups.
-    pub fn write(&self, pieces: &[Piece], groups: u32, in_sight: impl Fn(u32) -> bool) {
-        let Some(piece) = pieces.get(self.place.piece) else { return };
-        for group in 0..groups {
-            piece.write_words(self.place.offset + group * BYTES, &self.parameters.shown(in_sight(group)));
+impl IndirectDraw {
+    /// Writes what is drawn with each of so many slots.
+    pub fn write(&self, chunks: &[ConstantChunk], slots: u32, in_sight: impl Fn(u32) -> bool) {
+        let Some(chunk) = chunks.get(self.place.chunk) else { return };
+        for slot in 0..slots {
+            chunk.write_words(self.place.offset + slot * BYTES, &self.parameters.visible(in_sight(slot)));
         }
     }
 
-    /// Issues the draw with a group of rows.
+    /// Issues the draw with a slot of view constants.
     ///
     /// # Safety
-    /// The command buffer is being recorded, and `pieces` are its own.
-    pub unsafe fn issue(&self, driver: &Driver, buffer: vk::CommandBuffer, pieces: &[Piece], group: u32) {
-        let Some(piece) = pieces.get(self.place.piece) else { return };
-        let (functions, offset) = (&driver.functions, u64::from(self.place.offset + group * BYTES));
-        // SAFETY: as promised; the parameters lie in the piece, which lives as long as the command buffer needs it.
+    /// The command buffer is being recorded, and `chunks` are its own.
+    pub unsafe fn issue(&self, driver: &Driver, buffer: vk::CommandBuffer, chunks: &[ConstantChunk], slot: u32) {
+        let Some(chunk) = chunks.get(self.place.chunk) else { return };
+        let (functions, offset) = (&driver.functions, u64::from(self.place.offset + slot * BYTES));
+        // SAFETY: as promised; the parameters lie in the chunk, which lives as long as the command buffer needs it.
         unsafe {
             if self.parameters.indexed {
-                functions.cmd_draw_indexed_indirect(buffer, piece.buffer(), offset, 1, BYTES);
+                functions.cmd_draw_indexed_indirect(buffer, chunk.buffer(), offset, 1, BYTES);
             } else {
-                functions.cmd_draw_indirect(buffer, piece.buffer(), offset, 1, BYTES);
+                functions.cmd_draw_indirect(buffer, chunk.buffer(), offset, 1, BYTES);
             }
         }
     }
@@ -80,15 +80,15 @@ impl Placed {
 
 #[cfg(test)]
 mod tests {
-    use super::Parameters;
+    use super::DrawParameters;
 
     #[test]
     fn what_is_out_of_sight_has_no_instances_and_else_everything() {
-        let (vertices, indices) = (Parameters::of_vertices(9, 2, 3, 4), Parameters::of_indices(9, 2, 3, -4, 5));
-        assert_eq!(vertices.shown(true)[..4], [9, 2, 3, 4]);
-        assert_eq!(vertices.shown(false)[..4], [9, 0, 3, 4]);
-        assert_eq!(indices.shown(true), [9, 2, 3, -4i32 as u32, 5]);
-        assert_eq!(indices.shown(false), [9, 0, 3, -4i32 as u32, 5]);
+        let (vertices, indices) = (DrawParameters::of_vertices(9, 2, 3, 4), DrawParameters::of_indices(9, 2, 3, -4, 5));
+        assert_eq!(vertices.visible(true)[..4], [9, 2, 3, 4]);
+        assert_eq!(vertices.visible(false)[..4], [9, 0, 3, 4]);
+        assert_eq!(indices.visible(true), [9, 2, 3, -4i32 as u32, 5]);
+        assert_eq!(indices.visible(false), [9, 0, 3, -4i32 as u32, 5]);
         assert_eq!([vertices.first_instance(), indices.first_instance(), indices.vertices()], [4, 5, 18]);
     }
 }

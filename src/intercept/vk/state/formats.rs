@@ -4,7 +4,7 @@ use ash::vk;
 
 /// How a texel's colours lie in memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Texels {
+pub enum TexelFormat {
     /// Four bytes, red first.
     Rgba8,
     /// Four bytes, blue first.
@@ -17,7 +17,7 @@ pub enum Texels {
     Half,
 }
 
-impl Texels {
+impl TexelFormat {
     /// Those of a format; `None`: such images keep the program's own picture.
     pub fn of(format: vk::Format) -> Option<Self> {
         match format {
@@ -84,23 +84,23 @@ pub fn is_usual(space: vk::ColorSpaceKHR) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::Texels;
+    use super::TexelFormat;
 
     #[test]
     fn every_layout_gives_the_same_color() {
         let ten = |red: u32, green: u32, blue: u32| red | green << 10 | blue << 20 | 3 << 30;
-        assert_eq!(Texels::Rgba8.color(&[1, 2, 3, 9]), [1, 2, 3]);
-        assert_eq!(Texels::Bgra8.color(&[3, 2, 1, 9]), [1, 2, 3]);
-        assert_eq!(Texels::Rgb10.color(&ten(1023, 512, 0).to_ne_bytes()), [255, 128, 0]);
-        assert_eq!(Texels::Bgr10.color(&ten(0, 512, 1023).to_ne_bytes()), [255, 128, 0]);
+        assert_eq!(TexelFormat::Rgba8.color(&[1, 2, 3, 9]), [1, 2, 3]);
+        assert_eq!(TexelFormat::Bgra8.color(&[3, 2, 1, 9]), [1, 2, 3]);
+        assert_eq!(TexelFormat::Rgb10.color(&ten(1023, 512, 0).to_ne_bytes()), [255, 128, 0]);
+        assert_eq!(TexelFormat::Bgr10.color(&ten(0, 512, 1023).to_ne_bytes()), [255, 128, 0]);
         // 1, 0.5, −2.
         let half: Vec<u8> = [0x3c00u16, 0x3800, 0xc000, 0].iter().flat_map(|value| value.to_ne_bytes()).collect();
-        assert_eq!(Texels::Half.color(&half), [255, 128, 0]);
+        assert_eq!(TexelFormat::Half.color(&half), [255, 128, 0]);
     }
 
     #[test]
     fn floats_of_every_kind_are_survived() {
-        let byte = |bits: u16| Texels::Half.color(&bits.to_ne_bytes())[0];
+        let byte = |bits: u16| TexelFormat::Half.color(&bits.to_ne_bytes())[0];
         assert_eq!((byte(0x7c00), byte(0xfc00), byte(0x7e00), byte(0x0001)), (255, 0, 0, 0));
         let mut last = 0;
         for bits in 0..=0x7c00 {

@@ -1,7 +1,7 @@
 //! Render passes and framebuffers of the program.
 
 use crate::intercept::vk::state::images::Images;
-use crate::intercept::vk::state::shown::Shown;
+use crate::intercept::vk::state::view_target::ViewTarget;
 use ash::vk;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -33,13 +33,13 @@ pub struct Framebuffer {
     /// Its attachments, unless they are given when a pass begins.
     pub(in crate::intercept::vk) attachments: Option<Vec<vk::ImageView>>,
     /// What those that are given later will be like.
-    pub(in crate::intercept::vk) given_later: Vec<Later>,
+    pub(in crate::intercept::vk) given_later: Vec<LaterAttachment>,
     /// Twins, by the atlas' size; with given attachments there is one.
-    pub(in crate::intercept::vk) twins: Mutex<Vec<((u32, u32), vk::Framebuffer)>>,
+    pub(in crate::intercept::vk) atlas_copies: Mutex<Vec<((u32, u32), vk::Framebuffer)>>,
 }
 
 /// An attachment that is given when a pass begins.
-pub(in crate::intercept::vk) struct Later {
+pub(in crate::intercept::vk) struct LaterAttachment {
     pub(in crate::intercept::vk) flags: vk::ImageCreateFlags,
     pub(in crate::intercept::vk) usage: vk::ImageUsageFlags,
     pub(in crate::intercept::vk) formats: Vec<vk::Format>,
@@ -77,8 +77,8 @@ impl Framebuffers {
 
 impl Framebuffer {
     /// The swapchain's image among the attachments, or one that holds a scene by now.
-    pub fn shown_now(&self, images: &Images) -> Option<Arc<Shown>> {
-        self.attachments.iter().flatten().find_map(|view| images.shown(*view))
+    pub fn target_now(&self, images: &Images) -> Option<Arc<ViewTarget>> {
+        self.attachments.iter().flatten().find_map(|view| images.target(*view))
     }
 }
 

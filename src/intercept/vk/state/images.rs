@@ -2,7 +2,7 @@
 
 use crate::intercept::settings;
 use crate::intercept::vk::state::own_image::OwnImage;
-use crate::intercept::vk::state::shown::Shown;
+use crate::intercept::vk::state::view_target::ViewTarget;
 use crate::rig::Duplicate;
 use ash::vk;
 use std::collections::HashMap;
@@ -23,8 +23,8 @@ pub(in crate::intercept::vk) struct Image {
     pub(in crate::intercept::vk) layout: vk::ImageLayout,
     /// Shaders read it.
     pub(in crate::intercept::vk) described: bool,
-    pub(in crate::intercept::vk) shown: Option<Arc<Shown>>,
-    pub(in crate::intercept::vk) twins: Vec<((u32, u32), OwnImage)>,
+    pub(in crate::intercept::vk) target: Option<Arc<ViewTarget>>,
+    pub(in crate::intercept::vk) atlas_copies: Vec<((u32, u32), OwnImage)>,
 }
 
 /// What is known of an image's view.
@@ -35,12 +35,12 @@ pub(in crate::intercept::vk) struct View {
     pub(in crate::intercept::vk) components: vk::ComponentMapping,
     pub(in crate::intercept::vk) range: vk::ImageSubresourceRange,
     /// Twins, by the image that they are views of.
-    pub(in crate::intercept::vk) twins: Vec<(vk::Image, vk::ImageView)>,
+    pub(in crate::intercept::vk) atlas_copies: Vec<(vk::Image, vk::ImageView)>,
 }
 
 /// An image of ours that has to be brought into a layout before anything is submitted.
 #[derive(Clone, Copy)]
-pub struct Pending {
+pub struct PendingLayout {
     /// The image.
     pub(in crate::intercept::vk) image: vk::Image,
     /// The layout that the program believes it to be in.
@@ -57,7 +57,7 @@ pub type ImageKind = (vk::Format, vk::ImageUsageFlags, vk::SampleCountFlags);
 pub struct Images {
     pub(in crate::intercept::vk) images: Mutex<HashMap<vk::Image, Image>>,
     pub(in crate::intercept::vk) views: Mutex<HashMap<vk::ImageView, View>>,
-    pub(in crate::intercept::vk) pending: Mutex<Vec<Pending>>,
+    pub(in crate::intercept::vk) pending: Mutex<Vec<PendingLayout>>,
     /// What the program asked for, of images that can be used for more.
     pub(in crate::intercept::vk) declared: Mutex<HashMap<vk::Image, vk::ImageUsageFlags>>,
     /// Some image may hold a scene.
@@ -67,7 +67,7 @@ pub struct Images {
     /// Kinds of images that were found to hold a scene: after a change of size they are known at once.
     pub(in crate::intercept::vk) scenes: Mutex<Vec<ImageKind>>,
     /// What scenes were drawn by before, as long as recorded commands use it.
-    pub(in crate::intercept::vk) retired: Mutex<Vec<Arc<Shown>>>,
+    pub(in crate::intercept::vk) retired: Mutex<Vec<Arc<ViewTarget>>>,
 }
 
 /// What a format has.
@@ -83,7 +83,7 @@ pub fn aspects(format: vk::Format) -> vk::ImageAspectFlags {
 
 /// An image of the program that has to be brought into a layout.
 #[derive(Clone, Copy, Debug)]
-pub struct Settled {
+pub struct LayoutChange {
     /// The image.
     pub(in crate::intercept::vk) image: vk::Image,
     /// What it has.
@@ -100,10 +100,10 @@ impl Image {
             && self.usage.intersects(U::SAMPLED | U::TRANSFER_SRC)
             && self.kind == vk::ImageType::TYPE_2D
             && (self.mip_levels, self.layers) == (1, 1)
-            && self.shown.as_ref().is_none_or(|shown| !shown.window)
+            && self.target.as_ref().is_none_or(|target| !target.window)
     }
 
-    /// Whether it has one sample in each pixel: pictures with more cannot be copied into prints.
+    /// Whether it has one sample in each pixel: pictures with more cannot be copied into view copies.
     pub(in crate::intercept::vk) fn is_single(&self) -> bool {
         self.samples == vk::SampleCountFlags::TYPE_1
     }
@@ -115,37 +115,37 @@ impl Image {
 
 impl Images {
     /// The swapchain's image that is seen through a view.
-    pub fn shown(&self, view: vk::ImageView) -> Option<Arc<Shown>> {
+    pub fn target(&self, view: vk::ImageView) -> Option<Arc<ViewTarget>> {
         let image = self.views.lock().unwrap_or_else(PoisonError::into_inner).get(&view)?.image;
-        self.shown_image(image)
+        self.target_of_image(image)
     }
 
     /// The swapchain's image.
-    pub fn shown_image(&self, image: vk::Image) -> Option<Arc<Shown>> {
-        self.images.lock().unwrap_or_else(PoisonError::into_inner).get(&image)?.shown.clone()
+    pub fn target_of_image(&self, image: vk::Image) -> Option<Arc<ViewTarget>> {
+        self.images.lock().unwrap_or_else(PoisonError::into_inner).get(&image)?.target.clone()
     }
 
     /// The program has `image` in the place of a swapchain's. It is brought into the layout in which passes leave it:
     /// those that draw to the atlas do not change it.
-    pub fn show(&self, image: vk::Image, format: vk::Format, shown: Arc<Shown>) {
+    pub fn show(&self, image: vk::Image, format: vk::Format, target: Arc<ViewTarget>) {
         let new = Image {
             flags: vk::ImageCreateFlags::empty(),
             kind: vk::ImageType::TYPE_2D,
             format,
-            size: shown.layout.window,
+            size: target.layout.window,
             mip_levels: 1,
             layers: 1,
             samples: vk::SampleCountFlags::TYPE_1,
             usage: vk::ImageUsageFlags::empty(),
             layout: vk::ImageLayout::UNDEFINED,
             described: false,
-            shown: Some(shown),
-            twins: Vec::new(),
+            target: Some(target),
+            atlas_copies: Vec::new(),
         };
         *self.window.lock().unwrap_or_else(PoisonError::into_inner) = Some(new.size);
         self.images.lock().unwrap_or_else(PoisonError::into_inner).insert(image, new);
         let layout = vk::ImageLayout::PRESENT_SRC_KHR;
-        let pending = Pending { image, layout, aspects: vk::ImageAspectFlags::COLOR };
+        let pending = PendingLayout { image, layout, aspects: vk::ImageAspectFlags::COLOR };
         self.pending.lock().unwrap_or_else(PoisonError::into_inner).push(pending);
     }
 
@@ -155,7 +155,7 @@ impl Images {
     }
 
     /// An image of a swapchain is gone.
-    pub fn hide(&self, image: vk::Image) {
+    pub fn forget_swapchain_image(&self, image: vk::Image) {
         self.declared.lock().unwrap_or_else(PoisonError::into_inner).remove(&image);
         self.images.lock().unwrap_or_else(PoisonError::into_inner).remove(&image);
         self.pending.lock().unwrap_or_else(PoisonError::into_inner).retain(|pending| pending.image != image);
@@ -170,14 +170,14 @@ impl Images {
         self.images.lock().unwrap_or_else(PoisonError::into_inner).get(&image).map(|image| (format, image.samples))
     }
 
-    /// The twins of an image, whose layouts follow the image's.
-    pub fn twins(&self, image: vk::Image) -> Vec<vk::Image> {
+    /// The atlas copies of an image, whose layouts follow the image's.
+    pub fn atlas_copies(&self, image: vk::Image) -> Vec<vk::Image> {
         let images = self.images.lock().unwrap_or_else(PoisonError::into_inner);
         let Some(state) = images.get(&image) else { return Vec::new() };
-        let twins = state.twins.iter().map(|(_, twin)| twin.image);
-        // The atlas of a scene is among the twins.
-        let window = state.shown.iter().filter(|shown| shown.window);
-        window.map(|shown| shown.atlas).chain(twins).collect()
+        let atlas_copies = state.atlas_copies.iter().map(|(_, atlas_copy)| atlas_copy.image);
+        // The atlas of a scene is among the atlas copies.
+        let window = state.target.iter().filter(|target| target.window);
+        window.map(|target| target.atlas).chain(atlas_copies).collect()
     }
 
     /// The program recorded that an image changes its layout.
@@ -187,12 +187,12 @@ impl Images {
         }
     }
 
-    /// A pass would have brought an image into a layout, but draws to its twin. What has to be brought there in its place.
-    pub fn settle(&self, image: vk::Image, layout: vk::ImageLayout) -> Option<Settled> {
+    /// A pass would have brought an image into a layout, but draws to its atlas copy. What has to be brought there in its place.
+    pub fn change_layout(&self, image: vk::Image, layout: vk::ImageLayout) -> Option<LayoutChange> {
         let mut images = self.images.lock().unwrap_or_else(PoisonError::into_inner);
         let state = images.get_mut(&image).filter(|state| state.layout != layout)?;
         state.layout = layout;
-        Some(Settled { image, aspects: aspects(state.format), layout })
+        Some(LayoutChange { image, aspects: aspects(state.format), layout })
     }
 
     /// The image of a view.
@@ -201,7 +201,7 @@ impl Images {
     }
 
     /// What has to be done before the next submission.
-    pub fn take_pending(&self) -> Vec<Pending> {
+    pub fn take_pending(&self) -> Vec<PendingLayout> {
         std::mem::take(&mut self.pending.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
@@ -229,51 +229,51 @@ impl Images {
         self.images.lock().unwrap_or_else(PoisonError::into_inner).get(&image).map(|state| state.size)
     }
 
-    /// An image's twin of this size, if it has one.
-    pub fn twin_of_size(&self, image: vk::Image, size: (u32, u32)) -> Option<vk::Image> {
+    /// An image's atlas copy of this size, if it has one.
+    pub fn atlas_copy_of_size(&self, image: vk::Image, size: (u32, u32)) -> Option<vk::Image> {
         let images = self.images.lock().unwrap_or_else(PoisonError::into_inner);
-        images.get(&image)?.twins.iter().find(|(of, _)| *of == size).map(|(_, twin)| twin.image)
+        images.get(&image)?.atlas_copies.iter().find(|(of, _)| *of == size).map(|(_, atlas_copy)| atlas_copy.image)
     }
 
     /// The images that hold a scene and are drawn for each view.
     pub fn duplicated(&self) -> impl Iterator<Item = vk::Image> {
         let images = self.images.lock().unwrap_or_else(PoisonError::into_inner);
-        let of_scene = |shown: &Arc<Shown>| !shown.window;
+        let of_scene = |target: &Arc<ViewTarget>| !target.window;
         let all: Vec<_> = images
             .iter()
-            .filter(|(_, state)| state.shown.as_ref().is_some_and(of_scene))
+            .filter(|(_, state)| state.target.as_ref().is_some_and(of_scene))
             .map(|(image, _)| *image)
             .collect();
         all.into_iter()
     }
 
     /// The scene that an image holds, if it is drawn for each view.
-    pub fn scene(&self, image: vk::Image) -> Option<Arc<Shown>> {
-        self.shown_image(image).filter(|shown| !shown.window)
+    pub fn scene(&self, image: vk::Image) -> Option<Arc<ViewTarget>> {
+        self.target_of_image(image).filter(|target| !target.window)
     }
 
     /// Whether a scene's image is drawn by another layout by now.
-    pub fn is_retired(&self, shown: &Arc<Shown>) -> bool {
-        !shown.window && self.scene(shown.given).is_some_and(|now| !Arc::ptr_eq(&now, shown))
+    pub fn is_retired(&self, target: &Arc<ViewTarget>) -> bool {
+        !target.window && self.scene(target.given).is_some_and(|now| !Arc::ptr_eq(&now, target))
     }
 }
 
-/// Views of the prints of a scene.
-pub struct Prints {
+/// Views of the view copies of a scene.
+pub struct ViewCopies {
     /// The scene; what has its place may get the same handles later.
-    pub(in crate::intercept::vk) of: Weak<Shown>,
+    pub(in crate::intercept::vk) of: Weak<ViewTarget>,
     /// One for each view of the rig.
     pub(in crate::intercept::vk) views: Vec<vk::ImageView>,
 }
 
-impl Prints {
+impl ViewCopies {
     /// The same image for each of `count` views.
     pub fn same(view: vk::ImageView, count: usize) -> Self {
         Self { of: Weak::new(), views: vec![view; count] }
     }
 }
 
-impl PartialEq for Prints {
+impl PartialEq for ViewCopies {
     fn eq(&self, other: &Self) -> bool {
         Weak::ptr_eq(&self.of, &other.of) && self.views == other.views
     }

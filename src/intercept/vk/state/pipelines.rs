@@ -28,12 +28,12 @@ impl Drop for PipelineLayout {
 
 /// Shaders and pipeline layouts.
 #[derive(Default)]
-pub struct Layouts {
+pub struct PipelineLayouts {
     pub(in crate::intercept::vk) shaders: Mutex<HashMap<vk::ShaderModule, Arc<[u32]>>>,
     pub(in crate::intercept::vk) layouts: Mutex<HashMap<vk::PipelineLayout, Arc<PipelineLayout>>>,
 }
 
-impl Layouts {
+impl PipelineLayouts {
     /// A shader's words.
     pub fn shader(&self, module: vk::ShaderModule) -> Option<Arc<[u32]>> {
         self.shaders.lock().unwrap_or_else(PoisonError::into_inner).get(&module).cloned()
@@ -87,17 +87,17 @@ pub struct Variants {
 pub struct Pipelines {
     pub(in crate::intercept::vk) all: Mutex<HashMap<vk::Pipeline, Arc<Pipeline>>>,
     /// What the statistics say of those that are divided, or should be.
-    pub(in crate::intercept::vk) divided: Divided,
+    pub(in crate::intercept::vk) divided: DivisionStatistics,
 }
 
 /// What the statistics say of division.
 #[derive(Default)]
-pub struct Divided {
+pub struct DivisionStatistics {
     pub(in crate::intercept::vk) uncounted: OnceLock<&'static str>,
     pub(in crate::intercept::vk) undivided: Mutex<BTreeMap<String, u64>>,
 }
 
-impl Divided {
+impl DivisionStatistics {
     /// What a pipeline draws is not divided; the log says why, once.
     pub fn not(&self, why: &str) {
         log::once(&format!("Vulkan: what a pipeline draws is not divided: {why}"));

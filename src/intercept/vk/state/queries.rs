@@ -17,14 +17,14 @@ pub(in crate::intercept::vk) fn fixed(weight: f64) -> u64 {
 }
 
 /// `count` × `weight`, rounded; more than nothing if `count` is.
-pub(in crate::intercept::vk) fn weighed(count: u64, weight: u64) -> u64 {
+pub(in crate::intercept::vk) fn scaled(count: u64, weight: u64) -> u64 {
     let product = (u128::from(count) * u128::from(weight) + u128::from(ONE / 2)) >> 32;
     u64::try_from(product).unwrap_or(u64::MAX).max(u64::from(count > 0))
 }
 
 /// A pool of queries that count.
 pub struct Pool {
-    pub(in crate::intercept::vk) meanings: Vec<Quantity>,
+    pub(in crate::intercept::vk) quantities: Vec<Quantity>,
     /// The queries' weights, as of their last submission.
     pub(in crate::intercept::vk) weights: Mutex<Vec<QueryWeights>>,
     /// What copies of its results need, once there is one.
@@ -36,23 +36,23 @@ impl Pool {
     pub(in crate::intercept::vk) fn weights(&self, query: u32) -> impl Iterator<Item = u64> + '_ {
         let all = self.weights.lock().unwrap_or_else(PoisonError::into_inner);
         let weights = all.get(query as usize).copied().unwrap_or(QueryWeights::ONCE);
-        self.meanings.iter().map(move |quantity| fixed(weights.of(*quantity)))
+        self.quantities.iter().map(move |quantity| fixed(weights.of(*quantity)))
     }
 
     /// A query that is submitted will count with these weights.
-    pub(in crate::intercept::vk) fn weigh(&self, driver: &Driver, query: u32, new: QueryWeights) {
+    pub(in crate::intercept::vk) fn set_weights(&self, driver: &Driver, query: u32, new: QueryWeights) {
         match self.weights.lock().unwrap_or_else(PoisonError::into_inner).get_mut(query as usize) {
             Some(weights) if *weights != new => *weights = new,
             _ => return,
         }
         if let Some(scratch) = &*self.scratch.lock().unwrap_or_else(PoisonError::into_inner) {
-            scratch.weigh(driver, query, &self.weights(query).collect::<Vec<_>>());
+            scratch.set_weights(driver, query, &self.weights(query).collect::<Vec<_>>());
         }
     }
 
     /// Of queries whose weights are these.
-    pub(in crate::intercept::vk) fn new(meanings: Vec<Quantity>, weights: Vec<QueryWeights>) -> Self {
-        Self { meanings, weights: Mutex::new(weights), scratch: Mutex::default() }
+    pub(in crate::intercept::vk) fn new(quantities: Vec<Quantity>, weights: Vec<QueryWeights>) -> Self {
+        Self { quantities, weights: Mutex::new(weights), scratch: Mutex::default() }
     }
 }
 
@@ -60,11 +60,11 @@ impl Pool {
 #[derive(Default)]
 pub struct Queries {
     pub(in crate::intercept::vk) pools: Mutex<HashMap<vk::QueryPool, Arc<Pool>>>,
-    pub(in crate::intercept::vk) weigher: OnceLock<Option<Weigher>>,
+    pub(in crate::intercept::vk) scaler: OnceLock<Option<QueryScaler>>,
 }
 
 /// What gives counts their weights, for all pools of a device.
-pub struct Weigher {
+pub struct QueryScaler {
     pub(in crate::intercept::vk) set_layout: vk::DescriptorSetLayout,
     pub(in crate::intercept::vk) layout: vk::PipelineLayout,
     pub(in crate::intercept::vk) pipeline: vk::Pipeline,
@@ -76,13 +76,13 @@ pub struct Scratch {
     pub(in crate::intercept::vk) counted: Buffer,
     pub(in crate::intercept::vk) weights: Buffer,
     /// The results as they are told.
-    pub(in crate::intercept::vk) told: Buffer,
+    pub(in crate::intercept::vk) scaled: Buffer,
     pub(in crate::intercept::vk) pool: vk::DescriptorPool,
     pub(in crate::intercept::vk) set: vk::DescriptorSet,
 }
 
 impl Queries {
-    /// A pool, if its queries are weighed.
+    /// A pool, if its queries are scaled.
     pub fn get(&self, handle: vk::QueryPool) -> Option<Arc<Pool>> {
         self.pools.lock().unwrap_or_else(PoisonError::into_inner).get(&handle).cloned()
     }
@@ -91,7 +91,7 @@ impl Queries {
 impl Scratch {
     /// A query's numbers will have these weights. A copy of an earlier submission that still runs may see them, too: what a
     /// query counts seldom becomes something else from one frame to the next.
-    pub fn weigh(&self, driver: &Driver, query: u32, weights: &[u64]) {
+    pub fn set_weights(&self, driver: &Driver, query: u32, weights: &[u64]) {
         let bytes: Vec<u8> = weights.iter().flat_map(|weight| weight.to_ne_bytes()).collect();
         let offset = 8 + query as usize * bytes.len();
         if let Err(error) = self.weights.write(&driver.api, offset, &bytes) {
@@ -102,15 +102,15 @@ impl Scratch {
 
 #[cfg(test)]
 mod tests {
-    use super::{ONE, weighed};
+    use super::{ONE, scaled};
 
     #[test]
     fn counts_are_multiplied_and_rounded_and_what_was_seen_stays_seen() {
-        assert_eq!([weighed(0, ONE / 1000), weighed(1, ONE / 1000), weighed(1600, ONE / 1000)], [0, 1, 2]);
-        assert_eq!(weighed(36 * 7, ONE / 7), 36);
+        assert_eq!([scaled(0, ONE / 1000), scaled(1, ONE / 1000), scaled(1600, ONE / 1000)], [0, 1, 2]);
+        assert_eq!(scaled(36 * 7, ONE / 7), 36);
         for count in [1, 65535, u64::from(u32::MAX), u64::MAX] {
-            assert_eq!(weighed(count, ONE), count, "one changes nothing");
-            assert_eq!(weighed(count, 3 * ONE), count.saturating_mul(3));
+            assert_eq!(scaled(count, ONE), count, "one changes nothing");
+            assert_eq!(scaled(count, 3 * ONE), count.saturating_mul(3));
         }
     }
 }

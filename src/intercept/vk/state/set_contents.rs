@@ -1,6 +1,6 @@
 //! What the program wrote to a descriptor set, and the copies of the set for each view.
 
-use crate::intercept::vk::state::images::Prints;
+use crate::intercept::vk::state::images::ViewCopies;
 use ash::vk;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -61,14 +61,14 @@ impl Contents {
 pub struct Copies {
     pub(in crate::intercept::vk) pool: vk::DescriptorPool,
     pub(in crate::intercept::vk) version: u64,
-    pub(in crate::intercept::vk) prints: Vec<Print>,
+    pub(in crate::intercept::vk) view_copies: Vec<CopiedDescriptor>,
     pub(in crate::intercept::vk) sets: Arc<[vk::DescriptorSet]>,
     /// Pools of copies that may still be in use.
     pub(in crate::intercept::vk) retired: Vec<vk::DescriptorPool>,
 }
 
 /// A descriptor that shows the scene, and what each view sees in its place.
-pub(in crate::intercept::vk) type Print = (DescriptorSlot, Picture, Prints);
+pub(in crate::intercept::vk) type CopiedDescriptor = (DescriptorSlot, Picture, ViewCopies);
 
 #[cfg(test)]
 mod tests {

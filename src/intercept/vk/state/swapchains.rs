@@ -1,17 +1,17 @@
 //! Swapchains of the program and what stands in for their images.
 
 use crate::backend::vk::VkBackend;
-use crate::intercept::vk::state::atlas_layout::Layout;
-use crate::intercept::vk::state::formats::Texels;
+use crate::intercept::vk::state::atlas_layout::AtlasLayout;
+use crate::intercept::vk::state::formats::TexelFormat;
 use crate::intercept::vk::state::own_image::OwnImage;
-use crate::intercept::vk::state::shown::Shown;
+use crate::intercept::vk::state::view_target::ViewTarget;
 use ash::vk;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// What a frame is made of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Show {
+pub enum PictureSource {
     /// The program's picture as it is.
     Own,
     /// What is on the panel's tile, as it is.
@@ -29,7 +29,7 @@ pub(in crate::intercept::vk) struct Slot {
     /// The views and the panel.
     pub(in crate::intercept::vk) atlas: OwnImage,
     /// What the layer knows of the program's image.
-    pub(in crate::intercept::vk) shown: Arc<Shown>,
+    pub(in crate::intercept::vk) target: Arc<ViewTarget>,
     /// The atlas as it is, and as if it covered everything behind it.
     pub(in crate::intercept::vk) views: [vk::ImageView; 2],
     /// Signalled when the real image may be presented.
@@ -43,9 +43,9 @@ pub(in crate::intercept::vk) struct Slot {
 }
 
 /// See the module.
-pub struct Canvas {
+pub struct StandIn {
     /// Where everything is.
-    pub(in crate::intercept::vk) layout: Arc<Layout>,
+    pub(in crate::intercept::vk) layout: Arc<AtlasLayout>,
     pub(in crate::intercept::vk) real: Vec<vk::Image>,
     /// Views of the real images, or of the picture in between, which the correction draws into.
     pub(in crate::intercept::vk) targets: Vec<vk::ImageView>,
@@ -68,13 +68,13 @@ pub struct Swapchain {
     /// Size of its images.
     pub(in crate::intercept::vk) extent: vk::Extent2D,
     /// How their texels lie in memory.
-    pub(in crate::intercept::vk) texels: Texels,
+    pub(in crate::intercept::vk) texel_format: TexelFormat,
     /// What images of its surface can be used for.
     pub(in crate::intercept::vk) supported: vk::ImageUsageFlags,
     /// The real images.
     pub(in crate::intercept::vk) real: Vec<vk::Image>,
     /// What stands before them; `None`: the program has the real images.
-    pub(in crate::intercept::vk) canvas: Option<Canvas>,
+    pub(in crate::intercept::vk) stand_in: Option<StandIn>,
     /// After a failure: the program's own picture.
     pub(in crate::intercept::vk) failed: bool,
     /// Which state of the rig's file it follows.
@@ -86,7 +86,7 @@ pub struct Swapchain {
 pub struct Swapchains {
     pub(in crate::intercept::vk) all: Mutex<HashMap<vk::SwapchainKHR, Arc<Mutex<Swapchain>>>>,
     /// The image of a swapchain that was made last, with its format.
-    latest: Mutex<Option<(vk::Format, Arc<Shown>)>>,
+    latest: Mutex<Option<(vk::Format, Arc<ViewTarget>)>>,
 }
 
 impl Swapchains {
@@ -96,32 +96,32 @@ impl Swapchains {
     }
 
     /// The swapchain's image that was made last, if it has this format.
-    pub fn latest_shown(&self, format: vk::Format) -> Option<Arc<Shown>> {
+    pub fn latest_target(&self, format: vk::Format) -> Option<Arc<ViewTarget>> {
         let latest = self.latest.lock().unwrap_or_else(PoisonError::into_inner);
-        latest.as_ref().filter(|(known, _)| *known == format).map(|(_, shown)| Arc::clone(shown))
+        latest.as_ref().filter(|(known, _)| *known == format).map(|(_, target)| Arc::clone(target))
     }
 
     /// The layout of the latest swapchain.
-    pub fn latest_layout(&self) -> Option<Arc<Layout>> {
+    pub fn latest_layout(&self) -> Option<Arc<AtlasLayout>> {
         let latest = self.latest.lock().unwrap_or_else(PoisonError::into_inner);
-        latest.as_ref().map(|(_, shown)| Arc::clone(&shown.layout))
+        latest.as_ref().map(|(_, target)| Arc::clone(&target.layout))
     }
 
     /// The layout of the latest swapchain, if it serves a window of this size.
-    pub fn layout(&self, size: (u32, u32), read: bool) -> Option<Arc<Layout>> {
+    pub fn layout(&self, size: (u32, u32), read: bool) -> Option<Arc<AtlasLayout>> {
         self.latest_layout().filter(|layout| (layout.window, layout.read) == (size, read))
     }
 
     /// An image of a swapchain is gone.
-    pub fn forget_shown(&self, gone: &Arc<Shown>) {
+    pub fn forget_target(&self, gone: &Arc<ViewTarget>) {
         let mut latest = self.latest.lock().unwrap_or_else(PoisonError::into_inner);
-        if latest.as_ref().is_some_and(|(_, shown)| Arc::ptr_eq(shown, gone)) {
+        if latest.as_ref().is_some_and(|(_, target)| Arc::ptr_eq(target, gone)) {
             *latest = None;
         }
     }
 
     /// An image of a swapchain was made.
-    pub fn note_shown(&self, format: vk::Format, shown: Arc<Shown>) {
-        *self.latest.lock().unwrap_or_else(PoisonError::into_inner) = Some((format, shown));
+    pub fn note_target(&self, format: vk::Format, target: Arc<ViewTarget>) {
+        *self.latest.lock().unwrap_or_else(PoisonError::into_inner) = Some((format, target));
     }
 }

@@ -1,6 +1,6 @@
-//! Memory for the rows that re-project, one group for each view and the panel, read by shaders when a recorded
+//! Memory for the rows that re-project, one slot for each view and the panel, read by shaders when a recorded
 //! command buffer runs. So command buffers stay valid when the program's lens changes. Where vertices are projected to
-//! outputs' pictures, the lens of a picture follows its rows; where they are divided, a counter may be beside them. The parameters of
+//! outputs' pictures, the lens of a picture follows its view constants; where they are divided, a counter may be beside them. The parameters of
 //! large draws lie there, too.
 
 use crate::intercept::vk::state::division_counter::Counter;
@@ -9,14 +9,14 @@ use ash::prelude::VkResult;
 use ash::vk;
 use std::sync::{Mutex, OnceLock, PoisonError};
 
-/// Floats of a group's rows, and of the lens that may follow them.
+/// Floats of a slot's rows, and of the lens that may follow them.
 const FLOATS: usize = 16;
 
-/// Bytes of a piece of memory.
-const PIECE: u64 = 1 << 16;
+/// Bytes of a chunk of memory.
+const CHUNK_BYTES: u64 = 1 << 16;
 
-/// A piece of memory with its descriptor.
-pub struct Piece {
+/// A chunk of memory with its descriptor.
+pub struct ConstantChunk {
     buffer: vk::Buffer,
     memory: vk::DeviceMemory,
     pool: vk::DescriptorPool,
@@ -27,44 +27,44 @@ pub struct Piece {
 
 /// Where the rows of one run of draws are.
 #[derive(Clone, Copy, Debug)]
-pub struct Place {
-    /// Which piece of the command buffer's.
-    pub piece: usize,
+pub struct ChunkOffset {
+    /// Which chunk of the command buffer's.
+    pub chunk: usize,
     /// Offset in it, bytes.
     pub offset: u32,
 }
 
-/// The device's pieces that no command buffer has.
-pub struct Rows {
+/// The device's chunks that no command buffer has.
+pub struct ConstantPool {
     lenses: bool,
     counts: bool,
     counter: OnceLock<Option<Counter>>,
     /// Without the counter, and with it.
     set_layouts: [OnceLock<Option<vk::DescriptorSetLayout>>; 2],
-    free: Mutex<Vec<Piece>>,
+    free: Mutex<Vec<ConstantChunk>>,
 }
 
 /// Those of a command buffer.
 #[derive(Default)]
-pub struct Taken {
-    /// The pieces.
-    pub pieces: Vec<Piece>,
+pub struct ConstantChunks {
+    /// The chunks.
+    pub chunks: Vec<ConstantChunk>,
     used: u64,
 }
 
-impl Rows {
-    /// No memory yet. `lenses`: for groups with lenses; `counts`: what divides may count.
+impl ConstantPool {
+    /// No memory yet. `lenses`: for slots with lenses; `counts`: what divides may count.
     pub fn new(lenses: bool, counts: bool) -> Self {
         Self { lenses, counts, counter: OnceLock::new(), set_layouts: Default::default(), free: Mutex::default() }
     }
 
-    /// Whether groups have lenses.
+    /// Whether slots have lenses.
     pub fn have_lenses(&self) -> bool {
         self.lenses
     }
 
-    /// Bytes of a group.
-    pub fn group(&self) -> u64 {
+    /// Bytes of a slot.
+    pub fn slot(&self) -> u64 {
         (if self.lenses { 2 } else { 1 }) * (FLOATS * size_of::<f32>()) as u64
     }
 
@@ -97,33 +97,39 @@ impl Rows {
         })
     }
 
-    /// Room for `groups` groups, each `stride` bytes from the last.
+    /// Room for `slots` slots, each `stride` bytes from the last.
     ///
     /// # Errors
     /// The driver's.
-    pub fn take(&self, driver: &Driver, taken: &mut Taken, groups: usize, stride: u32) -> VkResult<Place> {
-        let length = groups as u64 * u64::from(stride);
-        if taken.pieces.is_empty() || taken.used + length > PIECE {
+    pub fn take(
+        &self,
+        driver: &Driver,
+        taken: &mut ConstantChunks,
+        slots: usize,
+        stride: u32,
+    ) -> VkResult<ChunkOffset> {
+        let length = slots as u64 * u64::from(stride);
+        if taken.chunks.is_empty() || taken.used + length > CHUNK_BYTES {
             let free = self.free.lock().unwrap_or_else(PoisonError::into_inner).pop();
-            let piece = match free {
-                Some(piece) => piece,
+            let chunk = match free {
+                Some(chunk) => chunk,
                 None => self.make(driver)?,
             };
-            taken.pieces.push(piece);
+            taken.chunks.push(chunk);
             taken.used = 0;
         }
-        let place = Place { piece: taken.pieces.len() - 1, offset: taken.used as u32 };
+        let place = ChunkOffset { chunk: taken.chunks.len() - 1, offset: taken.used as u32 };
         taken.used += length;
         Ok(place)
     }
 
-    /// A command buffer needs its pieces no more.
-    pub fn give_back(&self, taken: &mut Taken) {
+    /// A command buffer needs its chunks no more.
+    pub fn give_back(&self, taken: &mut ConstantChunks) {
         taken.used = 0;
-        self.free.lock().unwrap_or_else(PoisonError::into_inner).append(&mut taken.pieces);
+        self.free.lock().unwrap_or_else(PoisonError::into_inner).append(&mut taken.chunks);
     }
 
-    fn make(&self, driver: &Driver) -> VkResult<Piece> {
+    fn make(&self, driver: &Driver) -> VkResult<ConstantChunk> {
         let counter = self.counter(driver);
         let layouts: Option<Vec<vk::DescriptorSetLayout>> = [false, true]
             .into_iter()
@@ -131,17 +137,17 @@ impl Rows {
             .map(|counts| self.set_layout(driver, counts))
             .collect();
         let layouts = layouts.ok_or(vk::Result::ERROR_INITIALIZATION_FAILED)?;
-        let mut piece = Piece {
+        let mut chunk = ConstantChunk {
             buffer: vk::Buffer::null(),
             memory: vk::DeviceMemory::null(),
             pool: vk::DescriptorPool::null(),
             sets: Default::default(),
             address: 0,
         };
-        match piece.fill(driver, &layouts, (self.group(), counter)) {
-            Ok(()) => Ok(piece),
+        match chunk.fill(driver, &layouts, (self.slot(), counter)) {
+            Ok(()) => Ok(chunk),
             Err(error) => {
-                piece.destroy(driver);
+                chunk.destroy(driver);
                 Err(error)
             }
         }
@@ -149,8 +155,8 @@ impl Rows {
 
     /// Destroys what is left, before the device is destroyed.
     pub fn destroy(&self, driver: &Driver) {
-        for piece in self.free.lock().unwrap_or_else(PoisonError::into_inner).drain(..) {
-            piece.destroy(driver);
+        for chunk in self.free.lock().unwrap_or_else(PoisonError::into_inner).drain(..) {
+            chunk.destroy(driver);
         }
         for layout in self.set_layouts.iter().filter_map(|layout| layout.get().copied().flatten()) {
             // SAFETY: ours; nothing uses it any more.
@@ -162,7 +168,7 @@ impl Rows {
     }
 }
 
-impl Piece {
+impl ConstantChunk {
     /// Its descriptor set, with the counter or without.
     pub fn set(&self, counts: bool) -> vk::DescriptorSet {
         self.sets[usize::from(counts)]
@@ -173,11 +179,11 @@ impl Piece {
         &mut self,
         driver: &Driver,
         layouts: &[vk::DescriptorSetLayout],
-        (group, counter): (u64, Option<&Counter>),
+        (slot, counter): (u64, Option<&Counter>),
     ) -> VkResult<()> {
         let functions = &driver.functions;
         let usage = vk::BufferUsageFlags::UNIFORM_BUFFER | vk::BufferUsageFlags::INDIRECT_BUFFER;
-        let info = vk::BufferCreateInfo::default().size(PIECE).usage(usage);
+        let info = vk::BufferCreateInfo::default().size(CHUNK_BYTES).usage(usage);
         let visible = vk::MemoryPropertyFlags::HOST_VISIBLE | vk::MemoryPropertyFlags::HOST_COHERENT;
         let count = layouts.len() as u32;
         let sizes = [
@@ -199,7 +205,7 @@ impl Piece {
             let info = vk::DescriptorSetAllocateInfo::default().descriptor_pool(self.pool).set_layouts(layouts);
             let sets = functions.allocate_descriptor_sets(&info)?;
             self.sets.iter_mut().zip(&sets).for_each(|(place, set)| *place = *set);
-            let rows = [vk::DescriptorBufferInfo { buffer: self.buffer, offset: 0, range: group }];
+            let rows = [vk::DescriptorBufferInfo { buffer: self.buffer, offset: 0, range: slot }];
             let rows = |set| {
                 let kind = vk::DescriptorType::UNIFORM_BUFFER_DYNAMIC;
                 vk::WriteDescriptorSet::default().dst_set(set).descriptor_type(kind).buffer_info(&rows)
@@ -220,7 +226,7 @@ impl Piece {
         self.buffer
     }
 
-    /// Writes a group, with its lens if it has one; nothing where it would not lie in the piece.
+    /// Writes a slot, with its lens if it has one; nothing where it would not lie in the chunk.
     pub fn write(&self, offset: u32, rows: &[f32; FLOATS], lens: Option<&[f32; FLOATS]>) {
         self.write_words(offset, &rows.map(f32::to_bits));
         if let Some(lens) = lens {
@@ -228,13 +234,13 @@ impl Piece {
         }
     }
 
-    /// Writes numbers; nothing where they would not lie in the piece.
+    /// Writes numbers; nothing where they would not lie in the chunk.
     pub fn write_words(&self, offset: u32, words: &[u32]) {
-        if u64::from(offset) + size_of_val(words) as u64 > PIECE {
+        if u64::from(offset) + size_of_val(words) as u64 > CHUNK_BYTES {
             return;
         }
         let to = (self.address + offset as usize) as *mut u32;
-        // SAFETY: the piece stays mapped, and the numbers lie in it; what reads them is not running, since its command
+        // SAFETY: the chunk stays mapped, and the numbers lie in it; what reads them is not running, since its command
         // buffer is being submitted.
         unsafe { std::ptr::copy_nonoverlapping(words.as_ptr(), to, words.len()) };
     }

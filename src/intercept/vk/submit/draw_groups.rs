@@ -8,19 +8,19 @@ use crate::correct::projected::matrices;
 use crate::correct::projected::y_down::{lens_down, rows_down};
 use crate::intercept::lens;
 use crate::intercept::vk::pipelines::matrix_sources::matrix;
-use crate::intercept::vk::queries::running::{Running, Worth};
-use crate::intercept::vk::state::atlas_layout::Layout;
+use crate::intercept::vk::queries::running::{RunningQuery, SampleScale};
+use crate::intercept::vk::state::atlas_layout::AtlasLayout;
 use crate::intercept::vk::state::device::Device;
-use crate::intercept::vk::state::draw_groups::{Frame, Outcome, Run, Source};
+use crate::intercept::vk::state::draw_groups::{DrawClass, DrawGroup, Frame, MatrixSource};
 use crate::intercept::vk::state::recording::{Event, Recording};
-use crate::intercept::vk::state::view_constants::Piece;
+use crate::intercept::vk::state::view_constants::ConstantChunk;
 use crate::runtime::session::Intrinsics;
 use std::sync::{Arc, PoisonError};
 
-/// Rows that change nothing, to the bit.
+/// Matrices that change nothing, to the bit.
 const IDENTITY: [f32; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0];
 
-/// Rows that move everything to the right of what is seen: x' = 2w, w' = w.
+/// Matrices that move everything to the right of what is seen: x' = 2w, w' = w.
 const OUT_OF_SIGHT: [f32; 16] = [0.0, 0.0, 2.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0];
 
 impl Frame {
@@ -30,7 +30,7 @@ impl Frame {
         self.cameras.end_frame();
     }
 
-    fn follow(&mut self, layout: &Arc<Layout>) {
+    fn follow(&mut self, layout: &Arc<AtlasLayout>) {
         if self.layout.as_ref().is_none_or(|known| !Arc::ptr_eq(known, layout)) {
             self.layout = Some(Arc::clone(layout));
             self.cameras.clear();
@@ -42,7 +42,7 @@ impl Frame {
 
 impl Frame {
     /// How many samples of all views show what a lens sees; `own`: how many the program's own picture has.
-    fn samples(&mut self, lens: &Intrinsics, layout: &Layout, own: f64) -> f64 {
+    fn samples(&mut self, lens: &Intrinsics, layout: &AtlasLayout, own: f64) -> f64 {
         let index = self.cameras.index(lens, &layout.session);
         let lens = self.cameras.get(index).map_or(*lens, |camera| camera.intrinsics);
         if let Some((_, samples)) = self.sampled.filter(|(known, _)| *known == lens) {
@@ -54,156 +54,162 @@ impl Frame {
     }
 }
 
-/// A command buffer is submitted: what it draws gets its rows.
+/// A command buffer is submitted: what it draws gets its view constants.
 pub fn submitted(device: &Device, recording: &mut Recording) {
     run_events(device, recording, &mut Vec::new());
 }
 
 /// [`submitted`], while `queries` run.
-fn run_events(device: &Device, recording: &mut Recording, queries: &mut Vec<Running>) {
-    let Recording { events, runs, rows, .. } = recording;
+fn run_events(device: &Device, recording: &mut Recording, queries: &mut Vec<RunningQuery>) {
+    let Recording { events, draw_groups, constants, .. } = recording;
     for event in events.iter() {
         match event {
-            Event::Run(index) => {
-                if let Some(run) = runs.get_mut(*index) {
-                    resolve(device, run, &rows.pieces);
+            Event::DrawGroup(index) => {
+                if let Some(group) = draw_groups.get_mut(*index) {
+                    resolve(device, group, &constants.chunks);
                 }
             }
-            Event::Copy(from, to, region) => device.memory_of_program.copied(*from, *to, region),
-            Event::Update(buffer, offset, bytes) => device.memory_of_program.written(*buffer, *offset, bytes.clone()),
+            Event::Copy(from, to, region) => device.host_memory.copied(*from, *to, region),
+            Event::Update(buffer, offset, bytes) => device.host_memory.written(*buffer, *offset, bytes.clone()),
             Event::Execute(other) => {
                 device.recordings.with(*other, |other| run_events(device, other, queries));
             }
-            Event::Drawn(shown, in_views) => {
-                crate::intercept::vk::state::shown::drawn(shown, *in_views);
-                if device.images.is_retired(shown) && shown.was_missed() {
+            Event::Drawn(target, in_views) => {
+                crate::intercept::vk::state::view_target::drawn(target, *in_views);
+                if device.images.is_retired(target) && target.was_missed() {
                     device.give_up("the commands that draw its scene were recorded before its views changed");
                 }
             }
             Event::Suspected(targets, sources) => {
                 crate::intercept::vk::offscreen::scene_graph::ran(device, targets, sources)
             }
-            Event::BeginQuery(pool, query) => queries.push(Running::new(Arc::clone(pool), *query)),
+            Event::BeginQuery(pool, query) => queries.push(RunningQuery::new(Arc::clone(pool), *query)),
             Event::EndQuery(pool, query) => {
                 let ended = queries.iter().position(|running| running.is(pool, *query));
                 ended.into_iter().for_each(|index| queries.swap_remove(index).end(device));
             }
-            Event::Counted { run, vertices, times } => {
-                let run = run.and_then(|index| runs.get(index)).filter(|_| !queries.is_empty());
-                let worth = run.map_or(Worth::ONCE, |run| worth(device, run));
-                let times = times.or_else(|| run.map(|run| run.times()[1])).unwrap_or(1);
-                queries.iter_mut().for_each(|running| running.add(worth, *vertices, times));
+            Event::Counted { group, vertices, times } => {
+                let group = group.and_then(|index| draw_groups.get(index)).filter(|_| !queries.is_empty());
+                let sample_scale = group.map_or(SampleScale::ONCE, |group| sample_scale(device, group));
+                let times = times.or_else(|| group.map(|group| group.times()[1])).unwrap_or(1);
+                queries.iter_mut().for_each(|running| running.add(sample_scale, *vertices, times));
             }
         }
     }
 }
 
-/// What samples of a run's draws are worth in the program's own picture, where what fills that picture counts as many as
+/// What samples of a group's draws are worth in the program's own picture, where what fills that picture counts as many as
 /// it has.
-fn worth(device: &Device, run: &Run) -> Worth {
+fn sample_scale(device: &Device, group: &DrawGroup) -> SampleScale {
     let mut frame = device.frame.lock().unwrap_or_else(PoisonError::into_inner);
-    frame.follow(&run.layout);
-    let layout = &run.layout;
+    frame.follow(&group.layout);
+    let layout = &group.layout;
     let area = |width: f64, height: f64| width * height;
     let own = area(layout.window.0.into(), layout.window.1.into());
     // In pictures with the program's own lens everything is seen once more.
-    let views = if run.kind.in_views { &layout.views[..] } else { &[] };
+    let views = if group.kind.in_views { &layout.views[..] } else { &[] };
     let repeated = f64::from(u8::from(layout.primary.is_some()));
     let same = repeated + views.iter().filter(|(_, own_lens)| *own_lens).count() as f64;
-    let seen = match run.last {
-        Some(Outcome::Scene(lens)) => repeated + frame.samples(&lens, layout, own) / own,
-        Some(Outcome::Screen) => {
+    let seen = match group.last {
+        Some(DrawClass::Scene(lens)) => repeated + frame.samples(&lens, layout, own) / own,
+        Some(DrawClass::Screen) => {
             repeated + views.iter().map(|(tile, _)| area(tile[2].into(), tile[3].into())).sum::<f64>() / own
         }
-        Some(Outcome::Flat) if !run.kind.off_screen && !layout.shows_own_lens() => same + 1.0,
+        Some(DrawClass::Flat) if !group.kind.off_screen && !layout.shows_own_lens() => same + 1.0,
         // At the panel's place in the views, which is about as large as the panel.
         _ => same.max(1.0),
     };
-    Worth { factor: 1.0 / seen, of_scene: !matches!(run.last, Some(Outcome::Flat)) }
+    SampleScale { factor: 1.0 / seen, of_scene: !matches!(group.last, Some(DrawClass::Flat)) }
 }
 
-/// Finds out what a run is, and writes its rows, and what is drawn with them, into the `pieces` of its command buffer.
-fn resolve(device: &Device, run: &mut Run, pieces: &[Piece]) {
+/// Finds out what a group is, and writes its view constants, and what is drawn with them, into the `chunks` of its command buffer.
+fn resolve(device: &Device, group: &mut DrawGroup, chunks: &[ConstantChunk]) {
     let mut frame = device.frame.lock().unwrap_or_else(PoisonError::into_inner);
-    frame.follow(&run.layout);
-    let ranked = |source: &Source| matrix(device, source).map(|value| (source.matrix.rank, value));
-    let kind = &run.kind;
+    frame.follow(&group.layout);
+    let ranked = |source: &MatrixSource| matrix(device, source).map(|value| (source.matrix.rank, value));
+    let kind = &group.kind;
     let matrices: Vec<_> = kind.sources.iter().filter_map(ranked).collect();
-    if matrices != run.matrices {
-        run.lens = lens::find(matrices.iter().map(|(rank, value)| (*rank, value)));
-        run.matrices = matrices;
+    if matrices != group.matrices {
+        group.lens = lens::find(matrices.iter().map(|(rank, value)| (*rank, value)));
+        group.matrices = matrices;
     }
-    if run.matrices.is_empty() && kind.deep {
-        run.lens = run.layout.session.given_lens().map(|lens| (lens, "the rig's lens"));
+    if group.matrices.is_empty() && kind.deep {
+        group.lens = group.layout.session.given_lens().map(|lens| (lens, "the rig's lens"));
     }
-    frame.counts.seen += run.draws;
+    frame.counts.seen += group.draws;
     let in_views = kind.in_views && device.draws_views();
-    let outcome = match run.lens.filter(|_| in_views) {
+    let outcome = match group.lens.filter(|_| in_views) {
         Some((intrinsics, how)) => {
             frame.order.note_scene();
-            *frame.counts.found.entry(how).or_default() += run.draws;
-            Outcome::Scene(intrinsics)
+            *frame.counts.found.entry(how).or_default() += group.draws;
+            DrawClass::Scene(intrinsics)
         }
         None if kind.screen && in_views => {
             frame.order.note_scene();
-            Outcome::Screen
+            DrawClass::Screen
         }
         // What is flat in a picture of the scene has no other place than the views.
-        None if kind.off_screen => Outcome::Behind,
+        None if kind.off_screen => DrawClass::Behind,
         None => {
-            frame.counts.flat += run.draws;
+            frame.counts.flat += group.draws;
             frame.order.note_flat();
             let behind = in_views && frame.order.is_behind();
-            if behind { Outcome::Behind } else { Outcome::Flat }
+            if behind { DrawClass::Behind } else { DrawClass::Flat }
         }
     };
-    frame.counts.in_views += if outcome == Outcome::Flat { 0 } else { run.draws };
-    frame.counts.duplicated += if kind.off_screen { run.draws } else { 0 };
-    if run.last != Some(outcome) {
-        run.last = Some(outcome);
+    frame.counts.in_views += if outcome == DrawClass::Flat { 0 } else { group.draws };
+    frame.counts.duplicated += if kind.off_screen { group.draws } else { 0 };
+    if group.last != Some(outcome) {
+        group.last = Some(outcome);
         let camera = match outcome {
-            Outcome::Scene(intrinsics) => Some(frame.cameras.index(&intrinsics, &run.layout.session)),
+            DrawClass::Scene(intrinsics) => Some(frame.cameras.index(&intrinsics, &group.layout.session)),
             _ => None,
         };
         let rows = match camera {
             Some(index) => frame.cameras.get(index).map(|camera| &camera.rows),
-            None => (outcome == Outcome::Behind).then_some(&frame.behind),
+            None => (outcome == DrawClass::Behind).then_some(&frame.behind),
         };
-        write(device, run, outcome, rows, pieces);
+        write(device, group, outcome, rows, chunks);
     }
-    if !run.placed.is_empty() {
-        let [issued, in_sight] = run.times();
-        frame.counts.left_out += run.placed.len() as u64 * u64::from(issued - in_sight);
+    if !group.placed.is_empty() {
+        let [issued, in_sight] = group.times();
+        frame.counts.left_out += group.placed.len() as u64 * u64::from(issued - in_sight);
     }
 }
 
-/// Writes the rows of a run, `of_views` where it is in views, and its draws' parameters.
-fn write(device: &Device, run: &mut Run, outcome: Outcome, of_views: Option<&Vec<[f32; 16]>>, pieces: &[Piece]) {
+/// Writes the rows of a group, `of_views` where it is in views, and its draws' parameters.
+fn write(
+    device: &Device,
+    group: &mut DrawGroup,
+    outcome: DrawClass,
+    of_views: Option<&Vec<[f32; 16]>>,
+    chunks: &[ConstantChunk],
+) {
     let mut in_sight = 1 << 63;
-    let mut group = |index: u32, rows: &[f32; 16], lens: Option<&[f32; 16]>| {
+    let mut slot = |index: u32, rows: &[f32; 16], lens: Option<&[f32; 16]>| {
         if rows != &OUT_OF_SIGHT {
             in_sight |= 1u64.checked_shl(index).unwrap_or(0);
         }
-        if let Some(piece) = pieces.get(run.place.piece) {
-            piece.write(run.place.offset + index * device.group_stride(), rows, lens);
+        if let Some(chunk) = chunks.get(group.place.chunk) {
+            chunk.write(group.place.offset + index * device.slot_stride(), rows, lens);
         }
     };
-    let views = &run.layout.views;
-    for (index, (_, own_lens)) in views.iter().enumerate().filter(|_| run.kind.in_views) {
-        let lens = run.layout.lenses.get(index);
+    let views = &group.layout.views;
+    for (index, (_, own_lens)) in views.iter().enumerate().filter(|_| group.kind.in_views) {
+        let lens = group.layout.lenses.get(index);
         let at = index as u32;
         match of_views.and_then(|rows| rows.get(index)) {
-            _ if *own_lens || outcome == Outcome::Screen => group(at, &IDENTITY, None),
-            Some(rows) if run.kind.y_up => group(at, rows, lens),
-            Some(rows) => group(at, &rows_down(rows), lens.map(lens_down).as_ref()),
-            None => group(at, &OUT_OF_SIGHT, None),
+            _ if *own_lens || outcome == DrawClass::Screen => slot(at, &IDENTITY, None),
+            Some(rows) if group.kind.y_up => slot(at, rows, lens),
+            Some(rows) => slot(at, &rows_down(rows), lens.map(lens_down).as_ref()),
+            None => slot(at, &OUT_OF_SIGHT, None),
         }
     }
-    let panel = run.groups() - 2;
-    group(panel, if outcome == Outcome::Flat && run.is_on_panel() { &IDENTITY } else { &OUT_OF_SIGHT }, None);
-    group(panel + 1, &IDENTITY, None);
-    run.in_sight = in_sight;
-    run.placed.iter().for_each(|placed| placed.write(pieces, run.groups(), |group| run.is_in_sight(group)));
+    let panel = group.slots() - 2;
+    slot(panel, if outcome == DrawClass::Flat && group.is_on_panel() { &IDENTITY } else { &OUT_OF_SIGHT }, None);
+    slot(panel + 1, &IDENTITY, None);
+    group.in_sight = in_sight;
+    group.placed.iter().for_each(|placed| placed.write(chunks, group.slots(), |slot| group.is_in_sight(slot)));
 }
 
 #[cfg(test)]

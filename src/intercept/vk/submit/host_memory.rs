@@ -22,34 +22,34 @@ hooks! {
         let result = next(device, info, allocator, buffer);
         if result == vk::Result::SUCCESS && may_hold_matrices((*info).usage) {
             let new = KnownBuffer { memory: vk::DeviceMemory::null(), offset: 0, size: (*info).size, written: Vec::new() };
-            state.memory_of_program.buffers.lock().unwrap_or_else(PoisonError::into_inner).insert(*buffer, new);
+            state.host_memory.buffers.lock().unwrap_or_else(PoisonError::into_inner).insert(*buffer, new);
         }
         result
     } }
     destroy_buffer = (
         device: vk::Device, buffer: vk::Buffer, allocator: *const vk::AllocationCallbacks<'_>
     ) { |state, next| {
-        state.memory_of_program.buffers.lock().unwrap_or_else(PoisonError::into_inner).remove(&buffer);
+        state.host_memory.buffers.lock().unwrap_or_else(PoisonError::into_inner).remove(&buffer);
         next(device, buffer, allocator)
     } }
     bind_buffer_memory = (
         device: vk::Device, buffer: vk::Buffer, memory: vk::DeviceMemory, offset: vk::DeviceSize
     ) -> vk::Result { |state, next| {
-        state.memory_of_program.bound(buffer, memory, offset);
+        state.host_memory.bound(buffer, memory, offset);
         next(device, buffer, memory, offset)
     } }
     bind_buffer_memory2 = (
         device: vk::Device, count: u32, infos: *const vk::BindBufferMemoryInfo<'_>
     ) -> vk::Result { |state, next| {
         for info in slice(infos, count) {
-            state.memory_of_program.bound(info.buffer, info.memory, info.memory_offset);
+            state.host_memory.bound(info.buffer, info.memory, info.memory_offset);
         }
         next(device, count, infos)
     } }
     map_memory = (
         device: vk::Device, memory: vk::DeviceMemory, offset: vk::DeviceSize, size: vk::DeviceSize, flags: vk::MemoryMapFlags, data: *mut *mut std::ffi::c_void
     ) -> vk::Result { |state, next| {
-        if let Some(address) = state.memory_of_program.address(memory) {
+        if let Some(address) = state.host_memory.address(memory) {
             *data = (address + offset as usize) as *mut _;
             return vk::Result::SUCCESS;
         }
@@ -57,7 +57,7 @@ hooks! {
             return next(device, memory, offset, size, flags, data);
         }
         let address = *data as usize;
-        state.memory_of_program.map(memory, address);
+        state.host_memory.map(memory, address);
         *data = (address + offset as usize) as *mut _;
         vk::Result::SUCCESS
     } }
@@ -68,14 +68,14 @@ hooks! {
         if !given.p_next.is_null() || !given.flags.is_empty() {
             return next(device, info, data);
         }
-        let address = match state.memory_of_program.address(given.memory) {
+        let address = match state.host_memory.address(given.memory) {
             Some(address) => address,
             None => {
                 let whole = vk::MemoryMapInfoKHR { offset: 0, size: vk::WHOLE_SIZE, ..given };
                 if next(device, &whole, data) != vk::Result::SUCCESS {
                     return next(device, info, data);
                 }
-                state.memory_of_program.map(given.memory, *data as usize);
+                state.host_memory.map(given.memory, *data as usize);
                 *data as usize
             }
         };
@@ -83,19 +83,19 @@ hooks! {
         vk::Result::SUCCESS
     } }
     unmap_memory = (device: vk::Device, memory: vk::DeviceMemory) { |state, next| {
-        if state.memory_of_program.address(memory).is_none() {
+        if state.host_memory.address(memory).is_none() {
             next(device, memory);
         }
     } }
     unmap_memory2 = (
         device: vk::Device, info: *const vk::MemoryUnmapInfoKHR<'_>
     ) -> vk::Result { |state, next| {
-        if state.memory_of_program.address((*info).memory).is_some() { vk::Result::SUCCESS } else { next(device, info) }
+        if state.host_memory.address((*info).memory).is_some() { vk::Result::SUCCESS } else { next(device, info) }
     } }
     free_memory = (
         device: vk::Device, memory: vk::DeviceMemory, allocator: *const vk::AllocationCallbacks<'_>
     ) { |state, next| {
-        state.memory_of_program.mapped.lock().unwrap_or_else(PoisonError::into_inner).remove(&memory);
+        state.host_memory.mapped.lock().unwrap_or_else(PoisonError::into_inner).remove(&memory);
         next(device, memory, allocator)
     } }
 }

@@ -1,8 +1,8 @@
-//! Submissions: what recorded command buffers draw gets its rows.
+//! Submissions: what recorded command buffers draw gets its view constants.
 
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::hooks::hooks;
-use crate::intercept::vk::state::images::Pending;
+use crate::intercept::vk::state::images::PendingLayout;
 use crate::intercept::vk::state::structures::slice;
 use crate::intercept::vk::submit::draw_groups;
 use ash::prelude::VkResult;
@@ -25,15 +25,15 @@ unsafe fn submitted(device: &Device, queue: vk::Queue, buffers: impl Iterator<It
     }
 }
 
-/// Brings new twins into the layouts that the program believes its images to be in. Happens once for each, and
+/// Brings new atlas copies into the layouts that the program believes its images to be in. Happens once for each, and
 /// is waited for.
 ///
 /// # Safety
 /// As for [`submitted`].
-unsafe fn bring(device: &Device, queue: vk::Queue, pending: &[Pending]) -> VkResult<()> {
+unsafe fn bring(device: &Device, queue: vk::Queue, pending: &[PendingLayout]) -> VkResult<()> {
     let family = device.family(queue);
     let functions = &device.driver.functions;
-    let barrier = |pending: &Pending| {
+    let barrier = |pending: &PendingLayout| {
         let range = vk::ImageSubresourceRange {
             aspect_mask: pending.aspects,
             level_count: 1,

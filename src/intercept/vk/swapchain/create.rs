@@ -4,12 +4,12 @@ use crate::error::{Error, ErrorKind, Result};
 use crate::intercept::live::{self, Live};
 use crate::intercept::log;
 use crate::intercept::settings::{self, Settings};
-use crate::intercept::vk::state::atlas_layout::Layout;
+use crate::intercept::vk::state::atlas_layout::AtlasLayout;
 use crate::intercept::vk::state::device;
 use crate::intercept::vk::state::device::Device;
-use crate::intercept::vk::state::formats::{Texels, is_usual};
-use crate::intercept::vk::state::swapchains::{Canvas, Show, Swapchain};
-use crate::intercept::vk::state::vertices::Vertices;
+use crate::intercept::vk::state::formats::{TexelFormat, is_usual};
+use crate::intercept::vk::state::swapchains::{PictureSource, StandIn, Swapchain};
+use crate::intercept::vk::state::vertices::VertexProcessing;
 use crate::rig::{Method, Rig};
 use ash::prelude::VkResult;
 use ash::vk;
@@ -18,8 +18,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 impl Swapchain {
     /// The image that the program has as number `index`.
     pub fn given(&self, index: usize) -> Option<vk::Image> {
-        match &self.canvas {
-            Some(canvas) => canvas.given(index),
+        match &self.stand_in {
+            Some(stand_in) => stand_in.given(index),
             None => self.real.get(index).copied(),
         }
     }
@@ -32,20 +32,20 @@ impl Swapchain {
     /// The device must be live, and no other thread may present this swapchain meanwhile.
     pub unsafe fn follow_rig(&mut self, device: &Device) -> bool {
         let version = live::version();
-        let Some(canvas) = self.canvas.as_mut().filter(|_| !self.failed && self.version != version) else {
+        let Some(stand_in) = self.stand_in.as_mut().filter(|_| !self.failed && self.version != version) else {
             return false;
         };
         self.version = version;
         let Some(live) = live::rig() else { return false };
-        let (window, read) = (canvas.layout.window, canvas.layout.read);
+        let (window, read) = (stand_in.layout.window, stand_in.layout.read);
         let adopted = plan(device, &live.rig, window, read).and_then(|new| {
-            let layout = Layout { version, ..new };
-            let (old, new) = (&canvas.layout.plan.views, &layout.plan.views);
+            let layout = AtlasLayout { version, ..new };
+            let (old, new) = (&stand_in.layout.plan.views, &layout.plan.views);
             // What is recorded already has the program's camera as the rig adapted it.
-            let same = canvas.layout.session.rig().camera == layout.session.rig().camera
+            let same = stand_in.layout.session.rig().camera == layout.session.rig().camera
                 && (&old.views, &old.panel, old.atlas) == (&new.views, &new.panel, new.atlas);
             // SAFETY: as promised.
-            same.then(|| unsafe { canvas.adopt(device, Arc::new(layout)) }).transpose()
+            same.then(|| unsafe { stand_in.adopt(device, Arc::new(layout)) }).transpose()
         });
         match adopted {
             Ok(Some(())) => false,
@@ -63,21 +63,21 @@ impl Swapchain {
     }
 
     /// What the next picture of image `index` is made of; `None`: it is presented as it is.
-    pub fn show(&self, index: usize) -> Option<Show> {
-        let in_views = self.canvas.as_ref()?.in_views(index);
+    pub fn show(&self, index: usize) -> Option<PictureSource> {
+        let in_views = self.stand_in.as_ref()?.in_views(index);
         Some(match (self.failed, in_views) {
-            (true, true) => Show::Tile,
-            (true, false) => Show::Own,
-            (false, true) => Show::Views,
-            (false, false) => Show::Panel,
+            (true, true) => PictureSource::Tile,
+            (true, false) => PictureSource::Own,
+            (false, true) => PictureSource::Views,
+            (false, false) => PictureSource::Panel,
         })
     }
 }
 
 /// Plans a rig for a window. What outputs lose is told.
-fn plan(device: &Device, rig: &Rig, size: (u32, u32), read: bool) -> Result<Layout> {
+fn plan(device: &Device, rig: &Rig, size: (u32, u32), read: bool) -> Result<AtlasLayout> {
     let (vertices, undivided) = (device.role.vertices.vertices, device.role.vertices.undivided);
-    let projects = vertices != Vertices::Views;
+    let projects = vertices != VertexProcessing::Views;
     let has = |lost: &dyn Fn(&Method) -> bool| rig.outputs.iter().any(|output| lost(&output.method));
     let reasons = [
         (!device.role.divides() && has(&Method::divides), undivided),
@@ -86,12 +86,12 @@ fn plan(device: &Device, rig: &Rig, size: (u32, u32), read: bool) -> Result<Layo
     for (_, why) in reasons.iter().filter(|(lost, _)| *lost) {
         log::once(&format!("Vulkan: {why}: outputs that ask for it are made by method \"fragment\" instead"));
     }
-    Layout::new(rig, size, device.driver.greatest_image(), read, vertices)
+    AtlasLayout::new(rig, size, device.driver.greatest_image(), read, vertices)
 }
 
 /// Why a swapchain is left alone.
 fn obstacle(info: &vk::SwapchainCreateInfoKHR<'_>) -> Option<String> {
-    if Texels::of(info.image_format).is_none() {
+    if TexelFormat::of(info.image_format).is_none() {
         let kinds = "supported are RGBA and BGRA of 8 bits, RGB of 10 bits and RGBA of 16-bit floats";
         return Some(format!("images of {:?}; {kinds}", info.image_format));
     }
@@ -201,7 +201,7 @@ unsafe fn build(
     // SAFETY: as promised.
     let real = unsafe { real_images(device, swapchain) }
         .map_err(|error| Error::new(ErrorKind::Graphics, format!("the driver does not tell its images: {error}")))?;
-    let canvas = match corrected {
+    let stand_in = match corrected {
         None => {
             real.iter().for_each(|image| device.images.declare(*image, info.image_usage));
             None
@@ -213,20 +213,20 @@ unsafe fn build(
                 Some(known) => known,
                 None => {
                     let new = plan(device, &live.rig, size, read)?;
-                    Arc::new(Layout { version: live.version, ..new })
+                    Arc::new(AtlasLayout { version: live.version, ..new })
                 }
             };
             // SAFETY: as promised.
-            let canvas = unsafe { Canvas::new(device, info, &real, Arc::clone(&layout), settings.stats.is_some())? };
+            let stand_in = unsafe { StandIn::new(device, info, &real, Arc::clone(&layout), settings.stats.is_some())? };
             if let Err(why) = device.images.follow(device, &layout) {
                 device.give_up(&why);
             }
-            Some(canvas)
+            Some(stand_in)
         }
     };
-    let texels = Texels::of(info.image_format).unwrap_or(Texels::Rgba8);
+    let texel_format = TexelFormat::of(info.image_format).unwrap_or(TexelFormat::Rgba8);
     let version = corrected.map_or(0, |(live, _)| live.version);
-    Ok(Swapchain { extent: info.image_extent, texels, supported, real, canvas, failed: false, version })
+    Ok(Swapchain { extent: info.image_extent, texel_format, supported, real, stand_in, failed: false, version })
 }
 
 /// # Safety
@@ -289,9 +289,9 @@ pub unsafe extern "system" fn destroy(
         (device.driver.swapchain.destroy_swapchain_khr)(handle, swapchain, allocator);
         if let Some(managed) = managed {
             let mut managed = managed.lock().unwrap_or_else(PoisonError::into_inner);
-            managed.real.iter().for_each(|image| device.images.hide(*image));
-            if let Some(mut canvas) = managed.canvas.take() {
-                canvas.destroy(&device);
+            managed.real.iter().for_each(|image| device.images.forget_swapchain_image(*image));
+            if let Some(mut stand_in) = managed.stand_in.take() {
+                stand_in.destroy(&device);
             }
         }
     }

@@ -116,10 +116,10 @@ unsafe fn prepare(
                 Err(error) => log::once(&format!("Vulkan: a frame could not be captured: {error}")),
             }
         }
-        if let (true, Some(canvas)) = (last, &managed.canvas) {
+        if let (true, Some(stand_in)) = (last, &managed.stand_in) {
             // What is counted in this frame is counted then.
             // SAFETY: the device is live.
-            unsafe { canvas.wait(device) };
+            unsafe { stand_in.wait(device) };
         }
         kept.statistics = settings.stats.is_some().then(|| statistics(device, &managed, &settings.rig, frames));
         device.presented.report.store(kept::keep(kept), Ordering::Relaxed);
@@ -139,9 +139,9 @@ unsafe fn make(
 ) -> Option<vk::Semaphore> {
     loop {
         let show = managed.show(index)?;
-        let canvas = managed.canvas.as_mut()?;
+        let stand_in = managed.stand_in.as_mut()?;
         // SAFETY: as promised.
-        match unsafe { canvas.submit(device, queue, index, show, waits) } {
+        match unsafe { stand_in.submit(device, queue, index, show, waits) } {
             Ok(signal) => return Some(signal),
             Err(error) if managed.failed => {
                 log::once(&format!("Vulkan: a frame is lost: {}", error.message));
@@ -169,38 +169,38 @@ unsafe fn captured(
 ) -> Result<(Vec<Picture>, Vec<Picture>)> {
     let failed = |error: vk::Result| Error::new(ErrorKind::Graphics, error.to_string());
     let vk::Extent2D { width, height } = managed.extent;
-    let texels = managed.texels;
-    let cut = |bytes: &[u8], name: &str, rect: [u32; 4]| read_back::cut(bytes, width, texels, name, rect);
+    let texel_format = managed.texel_format;
+    let cut = |bytes: &[u8], name: &str, rect: [u32; 4]| read_back::cut(bytes, width, texel_format, name, rect);
     let (Some(&real), Some(given)) = (managed.real.get(index), managed.given(index)) else {
         return Ok(Default::default());
     };
     let mut read = |image| {
         // SAFETY: the images are live, as large as the window, and can be copied.
-        let bytes =
-            unsafe { read_back::read(device, queue, (image, texels.size()), managed.extent, waits) }.map_err(failed);
+        let bytes = unsafe { read_back::read(device, queue, (image, texel_format.size()), managed.extent, waits) }
+            .map_err(failed);
         waits = &[];
         bytes
     };
-    let shown = read(real)?;
-    let now = managed.canvas.as_ref().map(|canvas| canvas.layout.session.rig());
+    let corrected = read(real)?;
+    let now = managed.stand_in.as_ref().map(|stand_in| stand_in.layout.session.rig());
     let rig = now.unwrap_or(&settings.rig);
     let names = rig.outputs.iter().map(|output| output.name.as_str());
-    let outputs = match &managed.canvas {
-        Some(_) => names.zip(rig.layout((width, height))).map(|(name, rect)| cut(&shown, name, rect)).collect(),
-        None => vec![cut(&shown, names.into_iter().next().unwrap_or("window"), [0, 0, width, height])],
+    let outputs = match &managed.stand_in {
+        Some(_) => names.zip(rig.layout((width, height))).map(|(name, rect)| cut(&corrected, name, rect)).collect(),
+        None => vec![cut(&corrected, names.into_iter().next().unwrap_or("window"), [0, 0, width, height])],
     };
     if settings.capture_views.is_none() {
         return Ok((outputs, Vec::new()));
     }
-    let views = match &managed.canvas {
-        Some(canvas) if canvas.in_views(index) => {
-            let (layout, atlas) = (&canvas.layout, canvas.atlas(index).unwrap_or_default());
+    let views = match &managed.stand_in {
+        Some(stand_in) if stand_in.in_views(index) => {
+            let (layout, atlas) = (&stand_in.layout, stand_in.atlas(index).unwrap_or_default());
             let extent = vk::Extent2D { width: layout.atlas.0, height: layout.atlas.1 };
             // SAFETY: the atlas is as large as its layout says, and ready as an image that is presented.
             let bytes =
-                unsafe { read_back::read(device, queue, (atlas, texels.size()), extent, &[]) }.map_err(failed)?;
+                unsafe { read_back::read(device, queue, (atlas, texel_format.size()), extent, &[]) }.map_err(failed)?;
             let tiles = layout.tiles();
-            tiles.map(|(name, rect)| read_back::cut(&bytes, extent.width, texels, name, rect)).collect()
+            tiles.map(|(name, rect)| read_back::cut(&bytes, extent.width, texel_format, name, rect)).collect()
         }
         _ => vec![cut(&read(given)?, "program", [0, 0, width, height])],
     };
@@ -215,7 +215,7 @@ fn mean(timing: Timing) -> Option<f64> {
 /// What was not divided far enough so far, if that is counted.
 fn coarse(device: &Device) -> Option<u64> {
     let counts = device.pipelines.divided.uncounted().is_none();
-    counts.then(|| device.rows.counted().unwrap_or(0).into())
+    counts.then(|| device.view_constants.counted().unwrap_or(0).into())
 }
 
 /// The device has done all that it was told, and is about to be destroyed: what was kept of its last frame was not complete, where
@@ -238,7 +238,7 @@ fn statistics(device: &Device, managed: &Swapchain, rig: &Rig, frames: u64) -> S
         duplicated_draws: counts.duplicated,
         draws_out_of_sight: counts.left_out,
         duplicated_framebuffers: device.images.duplicated().count() as u64,
-        single_framebuffers: device.paths.single(rig.views.duplicate),
+        single_framebuffers: device.scene_graph.single(rig.views.duplicate),
         coarse_primitives: coarse(device),
         undivided_pipelines: divided.undivided(),
         projection_found: counts.found.iter().map(|(how, draws)| ((*how).to_owned(), *draws)).collect(),
@@ -251,12 +251,12 @@ fn statistics(device: &Device, managed: &Swapchain, rig: &Rig, frames: u64) -> S
         draws_issued,
         ..ViewStatistics::default()
     };
-    match &managed.canvas {
-        Some(canvas) if device.draws_views() => {
-            let session = &canvas.layout.session;
+    match &managed.stand_in {
+        Some(stand_in) if device.draws_views() => {
+            let session = &stand_in.layout.session;
             report::add_plan(&mut statistics, session);
             let views = session.views().iter();
-            statistics.correction_milliseconds = mean(canvas.timing());
+            statistics.correction_milliseconds = mean(stand_in.timing());
             statistics.views = views.map(|v| view(&v.name, v.tile.width, v.tile.height, counts.in_views)).collect();
         }
         _ => statistics.views = vec![view("program", managed.extent.width, managed.extent.height, 0)],

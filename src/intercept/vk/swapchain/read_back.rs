@@ -1,7 +1,7 @@
 //! Pictures that are read back from the device, for captures. It is waited for: captures are not a frame's work.
 
 use crate::intercept::vk::state::device::Device;
-use crate::intercept::vk::state::formats::Texels;
+use crate::intercept::vk::state::formats::TexelFormat;
 use crate::intercept::vk::state::own_image::{COLOR_LAYER, COPIED_FROM, PRESENTED, barrier};
 use crate::runtime::report::Picture;
 use ash::prelude::VkResult;
@@ -107,12 +107,18 @@ impl Reading {
 
 /// A rectangle (x, y from the top left, width, height; within the picture) of a picture with rows of `stride` pixels
 /// from the top.
-pub fn cut(bytes: &[u8], stride: u32, texels: Texels, name: &str, [x, y, width, height]: [u32; 4]) -> Picture {
+pub fn cut(
+    bytes: &[u8],
+    stride: u32,
+    texel_format: TexelFormat,
+    name: &str,
+    [x, y, width, height]: [u32; 4],
+) -> Picture {
     let mut rgba = Vec::with_capacity(width as usize * height as usize * 4);
     for row in (y..y + height).rev() {
-        let start = (row as usize * stride as usize + x as usize) * texels.size();
-        for texel in bytes[start..start + width as usize * texels.size()].chunks_exact(texels.size()) {
-            let [red, green, blue] = texels.color(texel);
+        let start = (row as usize * stride as usize + x as usize) * texel_format.size();
+        for texel in bytes[start..start + width as usize * texel_format.size()].chunks_exact(texel_format.size()) {
+            let [red, green, blue] = texel_format.color(texel);
             rgba.extend([red, green, blue, 255]);
         }
     }
@@ -121,14 +127,14 @@ pub fn cut(bytes: &[u8], stride: u32, texels: Texels, name: &str, [x, y, width, 
 
 #[cfg(test)]
 mod tests {
-    use super::{Texels, cut};
+    use super::{TexelFormat, cut};
 
     #[test]
     fn a_rectangle_is_cut_and_turned() {
         // 2 × 3 pixels, each with its number in every channel but for the order.
         let bytes: Vec<u8> = (0..6).flat_map(|n| [n, 10 + n, 20 + n, 99]).collect();
-        let picture = cut(&bytes, 2, Texels::Bgra8, "a", [1, 1, 1, 2]);
+        let picture = cut(&bytes, 2, TexelFormat::Bgra8, "a", [1, 1, 1, 2]);
         assert_eq!(picture.rgba, [25, 15, 5, 255, 23, 13, 3, 255], "rows from the bottom, red first");
-        assert_eq!(cut(&bytes, 2, Texels::Rgba8, "a", [0, 0, 1, 1]).rgba, [0, 10, 20, 255]);
+        assert_eq!(cut(&bytes, 2, TexelFormat::Rgba8, "a", [0, 0, 1, 1]).rgba, [0, 10, 20, 255]);
     }
 }

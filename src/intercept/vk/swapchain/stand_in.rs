@@ -3,19 +3,19 @@
 
 use crate::backend::vk::{COLOR, SourceImage, TargetImage, Timing, VkBackend};
 use crate::error::{Error, ErrorKind, Result};
-use crate::intercept::vk::state::atlas_layout::Layout;
+use crate::intercept::vk::state::atlas_layout::AtlasLayout;
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::division_counter::Counter;
 use crate::intercept::vk::state::own_image::{
     ANYTHING, COLOR_LAYER, COPIED_FROM, COPIED_TO, OwnImage, PRESENTED, barrier, color_view,
 };
-use crate::intercept::vk::state::shown::{ATLAS_FLAGS, ATLAS_USAGE, Shown};
-use crate::intercept::vk::state::swapchains::{Canvas, Show, Slot};
+use crate::intercept::vk::state::swapchains::{PictureSource, Slot, StandIn};
+use crate::intercept::vk::state::view_target::{ATLAS_FLAGS, ATLAS_USAGE, ViewTarget};
 use ash::vk;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
-impl Show {
+impl PictureSource {
     /// Whether it needs the correction, not only copies.
     fn corrects(self) -> bool {
         matches!(self, Self::Panel | Self::Views)
@@ -27,9 +27,9 @@ fn refused(what: &str) -> impl Fn(vk::Result) -> Error + '_ {
     move |result| Error::new(ErrorKind::Graphics, format!("the driver refuses {what}: {result}"))
 }
 
-/// Which of the [`Canvas::sources`] the correction of image `index` reads.
-fn source_of(index: usize, show: Show) -> usize {
-    2 * index + usize::from(show == Show::Panel)
+/// Which of the [`StandIn::sources`] the correction of image `index` reads.
+fn source_of(index: usize, show: PictureSource) -> usize {
+    2 * index + usize::from(show == PictureSource::Panel)
 }
 
 fn missing(index: usize) -> Error {
@@ -46,7 +46,7 @@ pub fn plain_format(format: vk::Format) -> vk::Format {
     }
 }
 
-impl Canvas {
+impl StandIn {
     /// For the swapchain that the driver made after `info`, with its `real` images. `timed`: it is measured how long the
     /// device takes.
     ///
@@ -59,10 +59,10 @@ impl Canvas {
         device: &Device,
         info: &vk::SwapchainCreateInfoKHR<'_>,
         real: &[vk::Image],
-        layout: Arc<Layout>,
+        layout: Arc<AtlasLayout>,
         timed: bool,
     ) -> Result<Self> {
-        let mut canvas = Self {
+        let mut stand_in = Self {
             layout,
             real: real.to_vec(),
             targets: Vec::new(),
@@ -77,10 +77,10 @@ impl Canvas {
         };
         // SAFETY: as promised; after a failure what was made is destroyed.
         unsafe {
-            match canvas.build(device, info) {
-                Ok(()) => Ok(canvas),
+            match stand_in.build(device, info) {
+                Ok(()) => Ok(stand_in),
                 Err(error) => {
-                    canvas.destroy(device);
+                    stand_in.destroy(device);
                     Err(error)
                 }
             }
@@ -88,7 +88,7 @@ impl Canvas {
     }
 
     /// # Safety
-    /// As for [`Canvas::new`].
+    /// As for [`StandIn::new`].
     unsafe fn build(&mut self, device: &Device, info: &vk::SwapchainCreateInfoKHR<'_>) -> Result<()> {
         let plain = plain_format(info.image_format);
         let same = vk::ComponentMapping::default();
@@ -100,14 +100,14 @@ impl Canvas {
                 let atlas = atlas_image(device, info, self.layout.atlas).map_err(refused("an image for the views"));
                 let atlas = atlas.inspect_err(|_| given.destroy(&device.driver))?;
                 let layout = Arc::clone(&self.layout);
-                let shown = Arc::new(Shown::of_window(layout, given.image, atlas.image));
-                device.images.show(given.image, info.image_format, Arc::clone(&shown));
+                let target = Arc::new(ViewTarget::of_window(layout, given.image, atlas.image));
+                device.images.show(given.image, info.image_format, Arc::clone(&target));
                 device.images.declare(given.image, info.image_usage);
-                device.swapchains.note_shown(info.image_format, Arc::clone(&shown));
+                device.swapchains.note_target(info.image_format, Arc::clone(&target));
                 self.slots.push(Slot {
                     given,
                     atlas,
-                    shown,
+                    target,
                     views: Default::default(),
                     ready: vk::Semaphore::null(),
                     done: vk::Fence::null(),
@@ -142,8 +142,8 @@ impl Canvas {
         prepared
     }
 
-    /// Makes a backend ready to correct by a plan whose views lie as those of this canvas.
-    fn prepare(&self, backend: &mut VkBackend, layout: &Layout) -> Result<()> {
+    /// Makes a backend ready to correct by a plan whose views lie as those of this stand-in image.
+    fn prepare(&self, backend: &mut VkBackend, layout: &AtlasLayout) -> Result<()> {
         backend.prepare(&layout.plan, true, self.format)?;
         backend.set_sources(&self.sources(self.format))?;
         backend.set_targets(&self.target_images(self.format))
@@ -157,7 +157,7 @@ impl Canvas {
     ///
     /// # Safety
     /// The device must be live, and no other thread may present this swapchain meanwhile.
-    pub unsafe fn adopt(&mut self, device: &Device, layout: Arc<Layout>) -> Result<()> {
+    pub unsafe fn adopt(&mut self, device: &Device, layout: Arc<AtlasLayout>) -> Result<()> {
         let mut backend = VkBackend::new(&device.driver.api);
         let prepared = self.prepare(&mut backend, &layout);
         // SAFETY: as promised; the device has finished with what is destroyed.
@@ -237,7 +237,7 @@ impl Canvas {
 
     /// Whether the latest frame in image `index` is in the views.
     pub fn in_views(&self, index: usize) -> bool {
-        self.slots.get(index).is_some_and(|slot| slot.shown.in_views.load(Ordering::Relaxed))
+        self.slots.get(index).is_some_and(|slot| slot.target.in_views.load(Ordering::Relaxed))
     }
 
     /// Makes the window's picture `index` on a queue of a family, after `waits`. Returns the semaphore that says
@@ -255,7 +255,7 @@ impl Canvas {
         device: &Device,
         (queue, family): (vk::Queue, u32),
         index: usize,
-        show: Show,
+        show: PictureSource,
         waits: &[vk::Semaphore],
     ) -> Result<vk::Semaphore> {
         // SAFETY: as promised; the command buffer is recorded, and not pending any more.
@@ -287,7 +287,13 @@ impl Canvas {
     ///
     /// # Safety
     /// No other thread may present this swapchain meanwhile.
-    unsafe fn commands(&mut self, device: &Device, family: u32, index: usize, show: Show) -> Result<vk::CommandBuffer> {
+    unsafe fn commands(
+        &mut self,
+        device: &Device,
+        family: u32,
+        index: usize,
+        show: PictureSource,
+    ) -> Result<vk::CommandBuffer> {
         let draws = device.driver.families.get(family as usize).is_some_and(|f| f.contains(vk::QueueFlags::GRAPHICS));
         if show.corrects() && !draws {
             return Err(Error::new(ErrorKind::Graphics, "the queue that presents cannot draw"));
@@ -333,7 +339,13 @@ impl Canvas {
 
     /// # Safety
     /// The command buffer is being recorded.
-    unsafe fn record(&mut self, device: &Device, buffer: vk::CommandBuffer, index: usize, show: Show) -> Result<()> {
+    unsafe fn record(
+        &mut self,
+        device: &Device,
+        buffer: vk::CommandBuffer,
+        index: usize,
+        show: PictureSource,
+    ) -> Result<()> {
         let (Some(slot), Some(&real)) = (self.slots.get(index), self.real.get(index)) else { return Ok(()) };
         let functions = &device.driver.functions;
         let (width, height) = self.layout.window;
@@ -348,7 +360,7 @@ impl Canvas {
             if !show.corrects() {
                 let [x, y, ..] = self.layout.panel;
                 let (from, region) = match show {
-                    Show::Tile => (atlas, region.src_offset(vk::Offset3D { x, y, z: 0 })),
+                    PictureSource::Tile => (atlas, region.src_offset(vk::Offset3D { x, y, z: 0 })),
                     _ => (given, region),
                 };
                 barrier(&device.driver, buffer, from, PRESENTED, COPIED_FROM);
@@ -358,7 +370,7 @@ impl Canvas {
                 barrier(&device.driver, buffer, from, COPIED_FROM, PRESENTED);
                 return Ok(());
             }
-            if show == Show::Panel {
+            if show == PictureSource::Panel {
                 barrier(&device.driver, buffer, given, PRESENTED, COPIED_FROM);
                 barrier(&device.driver, buffer, atlas, ANYTHING, COPIED_TO);
                 let black = vk::ClearColorValue::default();
@@ -370,7 +382,7 @@ impl Canvas {
             }
             let target = if self.between.is_some() { 0 } else { index };
             self.backend.record(buffer, source_of(index, show), target, &self.layout.outputs)?;
-            if show == Show::Panel {
+            if show == PictureSource::Panel {
                 barrier(&device.driver, buffer, atlas, COPIED_TO, PRESENTED);
             }
             if let Some(between) = &self.between {
@@ -411,8 +423,8 @@ impl Canvas {
                 functions.destroy_semaphore(slot.ready, None);
                 functions.destroy_fence(slot.done, None);
                 slot.views.iter().for_each(|view| functions.destroy_image_view(*view, None));
-                device.images.hide(slot.given.image);
-                device.swapchains.forget_shown(&slot.shown);
+                device.images.forget_swapchain_image(slot.given.image);
+                device.swapchains.forget_target(&slot.target);
                 slot.atlas.destroy(&device.driver);
                 slot.given.destroy(&device.driver);
             }

@@ -7,7 +7,7 @@ use std::collections::{BTreeMap, HashSet};
 use std::sync::{Mutex, PoisonError};
 
 /// A draw of as many vertices covers a viewport: one triangle, or a square.
-pub const FEW: u32 = 6;
+pub const COVERING_VERTICES: u32 = 6;
 
 /// What is made of an image of the program.
 pub type Made = image_graph::Made<vk::Image>;
@@ -22,27 +22,27 @@ pub(in crate::intercept::vk) struct Seen {
 
 /// See the module.
 #[derive(Default)]
-pub struct Paths {
+pub struct SceneGraph {
     pub(in crate::intercept::vk) seen: Mutex<Seen>,
 }
 
-impl Paths {
+impl SceneGraph {
     /// Something is made of `image`.
-    pub fn leads(&self, image: vk::Image, to: Made) {
+    pub fn note_made(&self, image: vk::Image, to: Made) {
         let mut seen = self.seen.lock().unwrap_or_else(PoisonError::into_inner);
         let news = seen.graph.note_made(image, to);
         seen.news |= news;
     }
 
     /// Perspective draws reach `image`.
-    pub fn is_scene(&self, image: vk::Image) {
+    pub fn note_scene(&self, image: vk::Image) {
         let mut seen = self.seen.lock().unwrap_or_else(PoisonError::into_inner);
         let news = seen.graph.note_scene(image);
         seen.news |= news;
     }
 
     /// Whether something is made of `image` that cannot be followed.
-    pub(in crate::intercept::vk) fn strays(&self, image: vk::Image) -> bool {
+    pub(in crate::intercept::vk) fn is_lost(&self, image: vk::Image) -> bool {
         let seen = self.seen.lock().unwrap_or_else(PoisonError::into_inner);
         seen.graph.makes(image, Made::Elsewhere)
     }
@@ -90,7 +90,7 @@ impl Seen {
 
 #[cfg(test)]
 mod tests {
-    use super::{Made, Paths};
+    use super::{Made, SceneGraph};
     use crate::rig::Duplicate;
     use ash::vk::{self, Handle};
     use std::collections::HashSet;
@@ -99,7 +99,7 @@ mod tests {
         vk::Image::from_raw(number)
     }
 
-    fn chosen(paths: &Paths, rule: Duplicate) -> Vec<u64> {
+    fn chosen(paths: &SceneGraph, rule: Duplicate) -> Vec<u64> {
         let seen = paths.seen.lock().expect("no panic");
         let mut all: Vec<u64> = seen.chosen(rule).into_iter().map(Handle::as_raw).collect();
         all.sort_unstable();
@@ -108,13 +108,13 @@ mod tests {
 
     #[test]
     fn what_lies_between_a_scene_and_the_window_is_chosen() {
-        let paths = Paths::default();
-        paths.is_scene(image(1));
-        paths.is_scene(image(5));
+        let paths = SceneGraph::default();
+        paths.note_scene(image(1));
+        paths.note_scene(image(5));
         assert!(chosen(&paths, Duplicate::Auto).is_empty(), "nothing is on the window yet");
-        paths.leads(image(1), Made::Image(image(2)));
-        paths.leads(image(2), Made::Window);
-        paths.leads(image(9), Made::Window);
+        paths.note_made(image(1), Made::Image(image(2)));
+        paths.note_made(image(2), Made::Window);
+        paths.note_made(image(9), Made::Window);
         assert_eq!(chosen(&paths, Duplicate::Auto), [1, 2], "5 goes nowhere, 9 is no scene");
         assert_eq!(chosen(&paths, Duplicate::Always), [1, 2, 5]);
         assert!(chosen(&paths, Duplicate::Never).is_empty());
@@ -123,12 +123,12 @@ mod tests {
 
     #[test]
     fn what_cannot_be_followed_takes_with_it_what_it_is_made_of() {
-        let paths = Paths::default();
-        paths.is_scene(image(1));
-        paths.leads(image(1), Made::Image(image(2)));
-        paths.leads(image(1), Made::Window);
-        paths.leads(image(2), Made::Window);
-        paths.leads(image(2), Made::Elsewhere);
+        let paths = SceneGraph::default();
+        paths.note_scene(image(1));
+        paths.note_made(image(1), Made::Image(image(2)));
+        paths.note_made(image(1), Made::Window);
+        paths.note_made(image(2), Made::Window);
+        paths.note_made(image(2), Made::Elsewhere);
         assert!(chosen(&paths, Duplicate::Auto).is_empty());
         paths.forget(image(2));
         assert_eq!(chosen(&paths, Duplicate::Auto), [1]);
@@ -136,23 +136,23 @@ mod tests {
 
     #[test]
     fn news_are_told_once() {
-        let paths = Paths::default();
+        let paths = SceneGraph::default();
         assert!(paths.news(Duplicate::Auto).is_none());
-        paths.is_scene(image(1));
-        paths.leads(image(1), Made::Window);
+        paths.note_scene(image(1));
+        paths.note_made(image(1), Made::Window);
         assert_eq!(paths.news(Duplicate::Auto), Some(HashSet::from([image(1)])));
-        paths.leads(image(1), Made::Window);
+        paths.note_made(image(1), Made::Window);
         assert!(paths.news(Duplicate::Auto).is_none());
     }
 
     #[test]
     fn images_in_a_circle_do_no_harm() {
-        let paths = Paths::default();
-        paths.is_scene(image(1));
-        paths.leads(image(1), Made::Image(image(2)));
-        paths.leads(image(2), Made::Image(image(1)));
+        let paths = SceneGraph::default();
+        paths.note_scene(image(1));
+        paths.note_made(image(1), Made::Image(image(2)));
+        paths.note_made(image(2), Made::Image(image(1)));
         assert!(chosen(&paths, Duplicate::Auto).is_empty());
-        paths.leads(image(2), Made::Window);
+        paths.note_made(image(2), Made::Window);
         assert_eq!(chosen(&paths, Duplicate::Auto), [1, 2]);
     }
 }

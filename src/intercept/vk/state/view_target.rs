@@ -1,6 +1,6 @@
 //! Images that are drawn for each view, with their atlas.
 
-use crate::intercept::vk::state::atlas_layout::Layout;
+use crate::intercept::vk::state::atlas_layout::AtlasLayout;
 use crate::intercept::vk::state::own_image::OwnImage;
 use ash::vk;
 use std::sync::Arc;
@@ -18,7 +18,7 @@ pub const ATLAS_USAGE: vk::ImageUsageFlags = vk::ImageUsageFlags::from_raw(
 );
 
 /// What atlases of scenes can be used for beside what the program's image can.
-pub const ATLAS_COPIES: vk::ImageUsageFlags = vk::ImageUsageFlags::from_raw(
+pub const ATLAS_COPY_USAGE: vk::ImageUsageFlags = vk::ImageUsageFlags::from_raw(
     vk::ImageUsageFlags::TRANSFER_SRC.as_raw() | vk::ImageUsageFlags::TRANSFER_DST.as_raw(),
 );
 
@@ -26,9 +26,9 @@ pub const ATLAS_COPIES: vk::ImageUsageFlags = vk::ImageUsageFlags::from_raw(
 pub const PATIENCE: u32 = 8;
 
 /// An image of a swapchain, or one that holds a scene on its way to the window.
-pub struct Shown {
+pub struct ViewTarget {
     /// Where in the atlas everything is.
-    pub(in crate::intercept::vk) layout: Arc<Layout>,
+    pub(in crate::intercept::vk) layout: Arc<AtlasLayout>,
     /// The program's image.
     pub(in crate::intercept::vk) given: vk::Image,
     /// The atlas.
@@ -40,14 +40,14 @@ pub struct Shown {
     /// The latest frame is in the atlas, not in the program's picture.
     pub(in crate::intercept::vk) in_views: AtomicBool,
     /// Of a scene that shaders sample: an image for each view.
-    pub(in crate::intercept::vk) prints: Vec<OwnImage>,
+    pub(in crate::intercept::vk) view_copies: Vec<OwnImage>,
     /// How often the program's own image was drawn to since the views are.
     pub(in crate::intercept::vk) missed: AtomicU32,
 }
 
-impl Shown {
+impl ViewTarget {
     /// A swapchain's image, with its atlas.
-    pub fn of_window(layout: Arc<Layout>, given: vk::Image, atlas: vk::Image) -> Self {
+    pub fn of_window(layout: Arc<AtlasLayout>, given: vk::Image, atlas: vk::Image) -> Self {
         Self {
             layout,
             given,
@@ -55,7 +55,7 @@ impl Shown {
             window: true,
             copied_to: false,
             in_views: false.into(),
-            prints: Vec::new(),
+            view_copies: Vec::new(),
             missed: 0.into(),
         }
     }
@@ -67,6 +67,6 @@ impl Shown {
 }
 
 /// Marks what the next picture of a swapchain's image is made of.
-pub fn drawn(shown: &Shown, in_views: bool) {
-    shown.in_views.store(in_views, Ordering::Relaxed);
+pub fn drawn(target: &ViewTarget, in_views: bool) {
+    target.in_views.store(in_views, Ordering::Relaxed);
 }
