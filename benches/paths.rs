@@ -115,6 +115,7 @@ mod start {
 
 mod draw {
     use super::*;
+    use cupola::correct::projected::matrices::ReprojectionMatrix;
 
     /// What a program's matrix is.
     #[divan::bench]
@@ -133,11 +134,12 @@ mod draw {
     /// Which of five views a box is in, and where.
     #[divan::bench]
     fn cull(bencher: Bencher) {
-        let rows: [[f32; 16]; 5] = std::array::from_fn(|view| {
+        let rows: [ReprojectionMatrix; 5] = std::array::from_fn(|view| {
             let turn = view as f32 * 1.1;
             let (sine, cosine) = turn.sin_cos();
             let e = -1.0002;
-            [cosine, 0.0, -sine, 0.0, 0.0, 1.0, 0.1, 0.0, sine, 0.0, cosine, 0.0, e, 1.0, 0.0, 0.0]
+            let rows = [cosine, 0.0, -sine, 0.0, 0.0, 1.0, 0.1, 0.0, sine, 0.0, cosine, 0.0, e, 1.0, 0.0, 0.0];
+            ReprojectionMatrix::from_array(rows)
         });
         let model = Transform::of(&program_matrix());
         bencher.bench(|| {

@@ -23,7 +23,7 @@ pub use crate::correct::passes::source::{EvaluationMethod, Neighbour, ProjectorS
 pub use crate::correct::passes::table::{Table, TablePixel};
 pub use crate::correct::passes::view_images::{Arrangement, ImageSize};
 pub use crate::correct::plan::builder::{build, build_with};
-pub use crate::correct::plan::footprints::{Footprints, Texels, footprints};
+pub use crate::correct::plan::footprints::{Footprints, TexelSpan, footprints};
 pub use crate::correct::plan::unsampled::unsampled_areas;
 pub use crate::correct::plan::unsampled_cached::cached_unsampled_areas;
 

@@ -1,6 +1,6 @@
 //! The program's cameras: which lenses it draws with, and each view's transform for them.
 
-use crate::correct::projected::matrices;
+use crate::correct::projected::matrices::ReprojectionMatrix;
 use crate::runtime::Session;
 use crate::runtime::session::Intrinsics;
 
@@ -9,7 +9,7 @@ pub struct Camera {
     /// The lens.
     pub intrinsics: Intrinsics,
     /// Rows for every view, as the patched shaders take them.
-    pub rows: Vec<[f32; 16]>,
+    pub rows: Vec<ReprojectionMatrix>,
     used: bool,
 }
 
@@ -19,7 +19,7 @@ pub struct Camera {
 pub struct Cameras {
     list: Vec<Camera>,
     /// Memory of cameras that were forgotten, for new ones: a lens that changes in every frame allocates nothing.
-    spare: Vec<Vec<[f32; 16]>>,
+    spare: Vec<Vec<ReprojectionMatrix>>,
 }
 
 /// Lenses that differ by less are one: matrices recovered from 32-bit products scatter by 4e-7.
@@ -39,7 +39,7 @@ impl Cameras {
             self.clear();
         }
         let mut rows = self.spare.pop().unwrap_or_default();
-        rows.extend(session.rows(intrinsics).map(|rows| matrices::clip_rows(&rows)));
+        rows.extend(session.rows(intrinsics).map(|rows| ReprojectionMatrix::of(&rows)));
         self.list.push(Camera { intrinsics: *intrinsics, rows, used: true });
         self.list.len() - 1
     }
@@ -69,7 +69,7 @@ impl Cameras {
     }
 }
 
-fn forget(camera: &mut Camera, spare: &mut Vec<Vec<[f32; 16]>>) {
+fn forget(camera: &mut Camera, spare: &mut Vec<Vec<ReprojectionMatrix>>) {
     let mut rows = std::mem::take(&mut camera.rows);
     rows.clear();
     spare.push(rows);

@@ -7,7 +7,7 @@ use super::session::{Extras, MatrixClass, Session, classify};
 use crate::backend::gl::api::Gl;
 use crate::backend::gl::surface::{Saved, Surface, greatest_texture};
 use crate::backend::gl::{GlBackend, Target};
-use crate::correct::projected::matrices;
+use crate::correct::projected::matrices::{LensConstants, ReprojectionMatrix};
 use crate::error::{Error, ErrorKind, Result};
 use crate::rig::{Blend, Rig, Viewer};
 use crate::views::View;
@@ -316,17 +316,18 @@ impl Embedded {
 }
 
 /// Rows and lens of a view for a program with this matrix.
-fn vectors_of_view(session: &Session, index: usize, matrix: &[f64; 16]) -> Result<([f32; 16], [f32; 16])> {
+fn vectors_of_view(session: &Session, index: usize, matrix: &[f64; 16]) -> Result<(ReprojectionMatrix, LensConstants)> {
     let MatrixClass::Perspective(lens) = classify(matrix) else {
         let message = "the matrix is no perspective one: right would be that of glFrustum or gluPerspective";
         return Err(Error::new(ErrorKind::InvalidArgument, message));
     };
     let rows = session.rows(&lens).nth(index).ok_or_else(|| no_view(index, session.views().len()))?;
-    Ok((matrices::clip_rows(&rows), session.lenses().get(index).copied().unwrap_or_default()))
+    Ok((ReprojectionMatrix::of(&rows), session.lenses().get(index).copied().unwrap_or_default()))
 }
 
 /// One after the other.
-fn joined(rows: &[f32; 16], lens: &[f32; 16]) -> [f32; 32] {
+fn joined(rows: &ReprojectionMatrix, lens: &LensConstants) -> [f32; 32] {
+    let (rows, lens) = (rows.to_array(), lens.to_array());
     std::array::from_fn(|i| if i < 16 { rows[i] } else { lens[i - 16] })
 }
 

@@ -3,7 +3,7 @@
 use super::cache;
 use crate::correct;
 use crate::correct::Plan;
-use crate::correct::projected::matrices;
+use crate::correct::projected::matrices::LensConstants;
 use crate::error::Result;
 pub use crate::geom::Frustum;
 pub use crate::geom::division::{Division, Outcome, Weights};
@@ -151,13 +151,13 @@ impl Session {
 
     /// For each view the lens of its picture, as patched shaders take it; zeros for perspective ones. Empty where all views
     /// are.
-    pub fn lenses(&self) -> Vec<[f32; 16]> {
+    pub fn lenses(&self) -> Vec<LensConstants> {
         if self.views().iter().all(|view| view.curved.is_none()) {
             return Vec::new();
         }
         let lens = |(index, view): (usize, &View)| {
-            let Some(map) = &view.curved else { return [0.0; 16] };
-            matrices::picture_lens(map, pixels(view), self.max_error(index).unwrap_or(0.0))
+            let Some(map) = &view.curved else { return LensConstants::default() };
+            LensConstants::of(map, pixels(view), self.max_error(index).unwrap_or(0.0))
         };
         self.views().iter().enumerate().map(lens).collect()
     }

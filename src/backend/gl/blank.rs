@@ -1,7 +1,7 @@
 //! Which draws show nothing but the colour of views that hold a single one, and so need not be issued.
 
 use crate::correct::shaders::constants::Constants;
-use crate::correct::{Footprints, Texels};
+use crate::correct::{Footprints, TexelSpan};
 
 /// Views that hold one colour in every texel, or in all but a part.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -11,7 +11,7 @@ pub struct Blank<'a> {
     /// Red, green and blue as they are stored: multiples of 1/255.
     pub color: [f32; 3],
     /// For each view the texels of the atlas that may hold something else; views beyond the list may everywhere.
-    pub touched: &'a [Texels],
+    pub touched: &'a [TexelSpan],
 }
 
 /// What becomes of the colour of views that hold a single one.

@@ -13,8 +13,45 @@ const SAMPLES: u32 = 5;
 /// Samples of an output, across and down.
 const SIDE: u32 = CELLS * (SAMPLES - 1) + 1;
 
-/// A rectangle of texels of the atlas: left, bottom, right, top; the last two are the first beyond it.
-pub type Texels = [i32; 4];
+/// Rectangle of texels of the atlas, from the bottom left.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TexelSpan {
+    /// First column.
+    pub left: i32,
+    /// First row.
+    pub bottom: i32,
+    /// First column beyond it.
+    pub right: i32,
+    /// First row beyond it.
+    pub top: i32,
+}
+
+impl TexelSpan {
+    /// No texels.
+    pub const NOTHING: Self = Self { left: i32::MAX, bottom: i32::MAX, right: i32::MIN, top: i32::MIN };
+    /// All texels.
+    pub const EVERYTHING: Self = Self { left: i32::MIN, bottom: i32::MIN, right: i32::MAX, top: i32::MAX };
+
+    /// Whether it has no texels.
+    pub fn is_empty(&self) -> bool {
+        self.left >= self.right || self.bottom >= self.top
+    }
+
+    /// Whether both have a texel in common.
+    pub fn meets(&self, other: &Self) -> bool {
+        self.left < other.right && other.left < self.right && self.bottom < other.top && other.bottom < self.top
+    }
+
+    /// Returns the smallest one that contains both.
+    pub fn union(&self, other: &Self) -> Self {
+        Self {
+            left: self.left.min(other.left),
+            bottom: self.bottom.min(other.bottom),
+            right: self.right.max(other.right),
+            top: self.top.max(other.top),
+        }
+    }
+}
 
 /// What a cell samples of a view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,7 +59,7 @@ struct Part {
     /// The cell, from the left and from the top.
     place: [u32; 2],
     view: usize,
-    texels: Texels,
+    texels: TexelSpan,
 }
 
 /// The parts of one output.
@@ -67,7 +104,7 @@ fn direction(pass: &OutputPass, place: [u32; 2]) -> Option<DVec3> {
 }
 
 /// What the cell at `place` may sample of a view: around its samples, and as far again as neighbouring ones are apart.
-fn part(plan: &Plan, lattice: &[Option<DVec3>], view: &View, place: [u32; 2]) -> Option<Texels> {
+fn part(plan: &Plan, lattice: &[Option<DVec3>], view: &View, place: [u32; 2]) -> Option<TexelSpan> {
     let tile = &view.tile;
     let (low, size) =
         (DVec2::new(f64::from(tile.x), f64::from(tile.y)), DVec2::new(f64::from(tile.width), f64::from(tile.height)));
@@ -103,19 +140,21 @@ fn part(plan: &Plan, lattice: &[Option<DVec3>], view: &View, place: [u32; 2]) ->
     let apart = if partly { 2.0 * step + 0.1 * size.max_element() } else { step };
     let margin = DVec2::splat(apart + f64::from(plan.views.guard) + 2.0);
     let (from, to) = ((least - margin).max(low), (greatest + margin).min(low + size));
-    (from.x < to.x && from.y < to.y)
-        .then(|| [from.x.floor() as i32, from.y.floor() as i32, to.x.ceil() as i32, to.y.ceil() as i32])
+    (from.x < to.x && from.y < to.y).then(|| TexelSpan {
+        left: from.x.floor() as i32,
+        bottom: from.y.floor() as i32,
+        right: to.x.ceil() as i32,
+        top: to.y.ceil() as i32,
+    })
 }
 
 impl Footprints {
     /// A rectangle of the output (x, y, width, height in pixels from its bottom left) outside of which no pixel samples
     /// the texels that are `touched` of the views (by their numbers; of those beyond the list everything is).
-    pub fn sampling(&self, touched: &[Texels]) -> [u32; 4] {
+    pub fn sampling(&self, touched: &[TexelSpan]) -> [u32; 4] {
         let (mut low, mut high) = ([CELLS; 2], [0; 2]);
         for part in &self.parts {
-            let [x0, y0, x1, y1] = part.texels;
-            let meets = touched.get(part.view).is_none_or(|t| t[0] < x1 && x0 < t[2] && t[1] < y1 && y0 < t[3]);
-            if meets {
+            if touched.get(part.view).is_none_or(|texels| texels.meets(&part.texels)) {
                 for k in 0..2 {
                     low[k] = low[k].min(part.place[k]);
                     high[k] = high[k].max(part.place[k] + 1);
@@ -142,7 +181,7 @@ impl Footprints {
 
 #[cfg(test)]
 mod tests {
-    use super::footprints;
+    use super::{TexelSpan, footprints};
     use crate::correct::passes::output_pass::Plan;
     use crate::correct::plan::builder::build;
     use crate::rig;
@@ -173,11 +212,11 @@ mod tests {
             let mut narrowed = 0;
             for _ in 0..60 {
                 let view = views[(random.unit() * views.len() as f64) as usize];
-                let mut touched = vec![[0; 4]; plan.views.views.len()];
+                let mut touched = vec![TexelSpan::NOTHING; plan.views.views.len()];
                 let tile = plan.views.views[view].tile;
                 let (x, y) = (random.unit() * f64::from(tile.width), random.unit() * f64::from(tile.height));
                 let (x, y) = (tile.x as i32 + x as i32, tile.y as i32 + y as i32);
-                touched[view] = [x, y, x + 9, y + 5];
+                touched[view] = TexelSpan { left: x, bottom: y, right: x + 9, top: y + 5 };
                 let [left, bottom, width, height] = footprints.sampling(&touched);
                 narrowed += u32::from(u64::from(width) * u64::from(height) * 4 < u64::from(size.0) * u64::from(size.1));
                 for row in 0..size.1 {
@@ -215,7 +254,7 @@ mod tests {
     fn nothing_touched_needs_nothing_and_everything_everything() {
         let plan = planned(DOME, (300, 300));
         let footprints = footprints(&plan, &plan.passes[0], &plan.views.output_views[0]).expect("smooth");
-        assert_eq!(footprints.sampling(&[[0; 4]; 8]), [0; 4]);
+        assert_eq!(footprints.sampling(&[TexelSpan::NOTHING; 8]), [0; 4]);
         assert_eq!(footprints.sampling(&[]), [0, 0, 300, 300]);
         let table = planned("[[output]]\nkind = \"equirectangular\"\n", (200, 100));
         assert!(super::footprints(&table, &table.passes[0], &table.views.output_views[0]).is_none());

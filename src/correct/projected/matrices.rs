@@ -5,39 +5,128 @@ use crate::geom::division::rule::EDGE_SHARE;
 use crate::geom::picture_map::LEAST_AHEAD;
 use crate::geom::reprojection::ClipRows;
 use crate::geom::{PictureLens, PictureMap};
-use glam::{DVec2, DVec4};
+use glam::DVec2;
 
-/// The rows of a re-projection as patched shaders take them: x, y, w, and (E, depth factor, depth offset, 1 for rows to
-/// the axes of a curved picture's lens, otherwise 0).
-pub fn clip_rows(rows: &ClipRows) -> [f32; 16] {
-    let last = [rows.e, rows.depth[0], rows.depth[1], f64::from(u8::from(rows.curved))];
-    let exact = [rows.x, rows.y, rows.w, last];
-    single::values(std::array::from_fn(|i| exact[i / 4][i % 4]))
+/// Reprojection matrix: takes clip coordinates (x, y, z, w) of the program to those of a view.
+///
+/// The rows are applied to (x, y, w, q), with q = z + pole·w.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ReprojectionMatrix {
+    /// Row of the view's x.
+    pub x: [f32; 4],
+    /// Row of the view's y.
+    pub y: [f32; 4],
+    /// Row of the view's w.
+    pub w: [f32; 4],
+    /// How the view's depth follows from q and w.
+    pub depth: DepthTerms,
 }
 
-/// The lens of an output's own picture as patched shaders take it: (viewer, 1 − |viewer|²), (lens, 1 for a fisheye),
-/// (scale, offset, of a fisheye half the aperture), (limit, error, half of the width, half of the height). The last three are in pixels: what the middle of
-/// an edge may be off before it is cut (0: nothing is divided), and the picture's size. A fisheye's point is its direction in the picture times the angle from the axis
-/// times scale; its limit is the angle from which on there is no picture. A pinhole's is tangent times scale minus offset;
-/// its limit is the least part of a direction along the axis.
-pub fn picture_lens(map: &PictureMap, pixels: DVec2, max_error: f64) -> [f32; 16] {
-    let (fisheye, scale, offset, limit) = match map.lens {
-        PictureLens::Fisheye { aperture, circle, .. } => {
-            // A fisheye's picture is not moved: there is room for half of its aperture.
-            (1.0, circle * 2.0 / aperture, DVec2::new(0.5 * aperture, 0.0), map.limit())
+/// Depth of a view: z = factor·(q − pole·w) + offset·w, with the view's w.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DepthTerms {
+    /// E of the program's projection.
+    pub pole: f32,
+    /// Factor on the depth.
+    pub factor: f32,
+    /// Offset of the depth.
+    pub offset: f32,
+    /// 1 where the rows lead to the axes of an output's lens, otherwise 0.
+    pub to_lens: f32,
+}
+
+impl ReprojectionMatrix {
+    /// Number of its numbers.
+    pub const LENGTH: usize = 16;
+
+    /// The matrix that changes no bit of any coordinate.
+    pub const IDENTITY: Self =
+        Self::from_array([1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0]);
+
+    /// Rounds the rows of a reprojection.
+    pub fn of(rows: &ClipRows) -> Self {
+        let [pole, factor, offset] = single::values([rows.e, rows.depth[0], rows.depth[1]]);
+        let depth = DepthTerms { pole, factor, offset, to_lens: f32::from(u8::from(rows.curved)) };
+        Self { x: single::values(rows.x), y: single::values(rows.y), w: single::values(rows.w), depth }
+    }
+
+    /// Returns the matrix of the numbers that [`ReprojectionMatrix::to_array`] returns.
+    pub const fn from_array([a, b, c, d, e, f, g, h, i, j, k, l, pole, factor, offset, to_lens]: [f32; 16]) -> Self {
+        let depth = DepthTerms { pole, factor, offset, to_lens };
+        Self { x: [a, b, c, d], y: [e, f, g, h], w: [i, j, k, l], depth }
+    }
+
+    /// Returns the numbers in the order in which patched shaders take them, row by row.
+    pub fn to_array(&self) -> [f32; 16] {
+        let DepthTerms { pole, factor, offset, to_lens } = self.depth;
+        let rows = [self.x, self.y, self.w, [pole, factor, offset, to_lens]];
+        std::array::from_fn(|i| rows[i / 4][i % 4])
+    }
+}
+
+/// Lens of an output's own picture; zeros stand for a perspective view.
+///
+/// A fisheye's point is its direction in the picture times the angle from the axis times `scale`; its limit is the angle
+/// from which on there is no picture. A pinhole's point is tangent times `scale` minus `offset`; its limit is the least
+/// part of a direction along the axis.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LensConstants {
+    /// Place of the viewer.
+    pub viewer: [f32; 3],
+    /// 1 − |viewer|².
+    pub inside: f32,
+    /// Place of the lens.
+    pub position: [f32; 3],
+    /// 1 for a fisheye, otherwise 0.
+    pub fisheye: f32,
+    /// Scale of the picture.
+    pub scale: [f32; 2],
+    /// Offset of the picture; of a fisheye half the aperture and 0.
+    pub offset: [f32; 2],
+    /// Where the picture ends.
+    pub limit: f32,
+    /// Greatest error in the middle of an edge before it is cut, pixels; 0: nothing is divided.
+    pub max_error: f32,
+    /// Half of the picture's width and height, pixels.
+    pub half_size: [f32; 2],
+}
+
+impl LensConstants {
+    /// Returns the constants for a picture of so many pixels.
+    pub fn of(map: &PictureMap, pixels: DVec2, max_error: f64) -> Self {
+        let (fisheye, scale, offset, limit) = match map.lens {
+            PictureLens::Fisheye { aperture, circle, .. } => {
+                // A fisheye's picture is not moved: there is room for half of its aperture.
+                (1.0, circle * 2.0 / aperture, DVec2::new(0.5 * aperture, 0.0), map.limit())
+            }
+            PictureLens::Pinhole(frustum) => {
+                let ((half_x, half_y), (middle_x, middle_y)) = (frustum.half_size(), frustum.middle());
+                let half = DVec2::new(half_x, half_y);
+                (0.0, 1.0 / half, DVec2::new(middle_x, middle_y) / half, LEAST_AHEAD)
+            }
+        };
+        Self {
+            viewer: single::values(map.viewer.to_array()),
+            inside: single::value((1.0 - map.viewer.length_squared()).max(0.0)),
+            position: single::values(map.position.to_array()),
+            fisheye,
+            scale: single::values(scale.to_array()),
+            offset: single::values(offset.to_array()),
+            limit: single::value(limit),
+            max_error: single::value(EDGE_SHARE * max_error),
+            half_size: single::values((0.5 * pixels).to_array()),
         }
-        PictureLens::Pinhole(frustum) => {
-            let ((half_x, half_y), (middle_x, middle_y)) = (frustum.half_size(), frustum.middle());
-            let half = DVec2::new(half_x, half_y);
-            (0.0, 1.0 / half, DVec2::new(middle_x, middle_y) / half, LEAST_AHEAD)
-        }
-    };
-    let inside = (1.0 - map.viewer.length_squared()).max(0.0);
-    let vectors = [
-        map.viewer.extend(inside),
-        map.position.extend(fisheye),
-        DVec4::new(scale.x, scale.y, offset.x, offset.y),
-        DVec4::new(limit, EDGE_SHARE * max_error, 0.5 * pixels.x, 0.5 * pixels.y),
-    ];
-    single::values(std::array::from_fn(|i| vectors[i / 4][i % 4]))
+    }
+
+    /// Whether primitives have to be divided for a view with this lens.
+    pub fn divides(&self) -> bool {
+        self.max_error > 0.0
+    }
+
+    /// Returns the numbers in the order in which patched shaders take them.
+    pub fn to_array(&self) -> [f32; 16] {
+        let ([a, b, c], [d, e, f], [g, h], [i, j]) = (self.viewer, self.position, self.scale, self.offset);
+        let [width, height] = self.half_size;
+        [a, b, c, self.inside, d, e, f, self.fisheye, g, h, i, j, self.limit, self.max_error, width, height]
+    }
 }

@@ -4,7 +4,6 @@
 use super::{Planner, check_planes, check_request, joined, log_plan, no_view, projection, rotation, vectors_of_view};
 use crate::backend::vk::ash::vk;
 use crate::backend::vk::{Api, Recording, SourceImage, Surface, TargetImage, Timing, VkBackend};
-use crate::correct::projected::y_down::{lens_down, rows_down};
 use crate::correct::{Arrangement, ImageSize, Plan};
 use crate::error::{Error, ErrorKind, Result};
 use crate::rig::Rig;
@@ -168,7 +167,7 @@ impl EmbeddedVulkan {
     /// [`ErrorKind::InvalidArgument`] for an index that does not exist, or a matrix that is no perspective.
     pub fn projection(&self, index: usize, matrix: &[f64; 16]) -> Result<[f32; 32]> {
         let (rows, lens) = vectors_of_view(&self.session, index, matrix)?;
-        Ok(joined(&rows_down(&rows), &lens_down(&lens)))
+        Ok(joined(&rows.y_down(), &lens.y_down()))
     }
 
     /// Format of the images that are corrected into.

@@ -109,7 +109,7 @@ pub struct Context {
     /// How many draws a frame has.
     pub workload: Workload,
     /// Where the draw that is being issued comes to be in each view, if that is known.
-    pub areas: Vec<crate::correct::Texels>,
+    pub areas: Vec<crate::correct::TexelSpan>,
     /// Where draws from buffers are.
     pub ranges: Ranges,
     /// Vertex arrays.

@@ -1,5 +1,6 @@
 //! Programs whose vertices cannot be projected straight to an output get views, as with the method `fragment`.
 
+use crate::correct::projected::matrices::LensConstants;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::matrices;
 use crate::intercept::gl::framebuffer::default_framebuffer;
@@ -33,7 +34,7 @@ pub fn look(ctx: &mut Context) {
 
 /// The same for a draw at `place` whose primitives have to be divided. Whether the window has views now.
 pub fn look_divided(ctx: &mut Context, place: Place) -> bool {
-    let divides = ctx.target.as_ref().is_some_and(|target| target.lenses.iter().any(lens::divides));
+    let divides = ctx.target.as_ref().is_some_and(|target| target.lenses.iter().any(LensConstants::divides));
     let in_program = ctx.program.as_ref().is_some_and(|program| program.draws_vertices());
     if !divides || !in_program || !matches!(place, Place::Scene(_) | Place::Background) {
         return false;

@@ -6,6 +6,7 @@
 //! served, [`fallback`] gives its window views.
 
 use crate::correct::projected::division::Input;
+use crate::correct::projected::matrices::{LensConstants, ReprojectionMatrix};
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::methods::tessellation_asked_for;
 use crate::intercept::gl::projected_vertices::variants;
@@ -14,11 +15,6 @@ use crate::intercept::gl::state::primitives::Shape;
 use crate::intercept::gl::state::variants::{InUse, Kind, Variant};
 use crate::runtime::session::Division;
 use std::sync::Arc;
-
-/// Whether primitives have to be divided for a view with this lens.
-pub fn divides(lens: &[f32; 16]) -> bool {
-    lens[13] > 0.0
-}
 
 /// What divides the draw that is being issued, the best first; points need not be divided.
 fn kinds(ctx: &Context) -> [Option<Kind>; 2] {
@@ -40,8 +36,8 @@ pub fn variant(ctx: &mut Context) -> Option<Arc<Variant>> {
 /// nothing has to be divided or the processor does it. `division`: how the view's primitives are divided.
 pub fn begin(
     ctx: &mut Context,
-    rows: &[f32; 16],
-    lens: Option<&[f32; 16]>,
+    rows: &ReprojectionMatrix,
+    lens: Option<&LensConstants>,
     division: Option<Division>,
 ) -> Option<(Arc<Variant>, InUse)> {
     let (lens, division) = (lens?, division?);

@@ -4,6 +4,7 @@
 //! linked when a draw first needs it; before each draw it gets the values of the program's uniforms.
 
 use crate::backend::gl::api::{self, Gl};
+use crate::correct::projected::matrices::{LensConstants, ReprojectionMatrix};
 use crate::correct::projected::projection;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::{errors, own_calls};
@@ -53,14 +54,14 @@ pub fn of(ctx: &mut Context, kind: Kind) -> Option<Arc<Variant>> {
 
 impl Variant {
     /// Puts it in use in place of the program that draws, with the values of its uniforms, for a view of these rows and lens.
-    pub fn begin(&self, ctx: &mut Context, rows: &[f32; 16], lens: &[f32; 16]) -> InUse {
+    pub fn begin(&self, ctx: &mut Context, rows: &ReprojectionMatrix, lens: &LensConstants) -> InUse {
         let gl = ctx.gl;
         let counter = ctx.coarse.as_ref().filter(|_| self.counts).map(|counter| counter.begin(gl));
         // SAFETY: a program of ours; the locations are those of the two halves of our array.
         unsafe {
             gl.use_program(self.name);
-            gl.uniform4fv(self.locations[0], projection::ROWS, rows.as_ptr());
-            gl.uniform4fv(self.locations[1], projection::LENS, lens.as_ptr());
+            gl.uniform4fv(self.locations[0], projection::ROWS, rows.to_array().as_ptr());
+            gl.uniform4fv(self.locations[1], projection::LENS, lens.to_array().as_ptr());
         }
         self.mirror.copy(gl, ctx.pipelines.used, self.name);
         let mut vertices = 0;

@@ -1,6 +1,7 @@
 //! The program's shaders: patched when they are linked, and which lens they draw with.
 
 use crate::backend::gl::api::{self, Gl};
+use crate::correct::projected::matrices::{LensConstants, ReprojectionMatrix};
 use crate::correct::projected::projection;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
@@ -46,31 +47,31 @@ fn given(ctx: &Context) -> Lens {
 }
 
 /// Sends `rows` to the program that draws, unless it has them.
-pub fn upload(ctx: &Context, rows: &[f32; 16]) {
+pub fn upload(ctx: &Context, rows: &ReprojectionMatrix) {
     if let Some(program) = &ctx.program {
         send(ctx, program, rows);
     }
 }
 
 /// Sends `rows` to a program, which is the one in use or belongs to a pipeline.
-pub fn send(ctx: &Context, program: &Program, rows: &[f32; 16]) {
+pub fn send(ctx: &Context, program: &Program, rows: &ReprojectionMatrix) {
     if program.location < 0 {
         return;
     }
     let mut uploaded = program.uploaded.lock().unwrap_or_else(PoisonError::into_inner);
     if uploaded.rows.as_ref() != Some(rows) {
-        set_vectors(ctx, program, program.location, rows);
+        set_vectors(ctx, program, program.location, &rows.to_array());
         uploaded.rows = Some(*rows);
     }
 }
 
 /// Sends the rows of a view to the program that draws, and the lens to whose axes they lead, if they lead to one.
-pub fn upload_view(ctx: &Context, rows: &[f32; 16], lens: Option<&[f32; 16]>) {
+pub fn upload_view(ctx: &Context, rows: &ReprojectionMatrix, lens: Option<&LensConstants>) {
     upload(ctx, rows);
     let (Some(program), Some(lens)) = (&ctx.program, lens) else { return };
     let mut uploaded = program.uploaded.lock().unwrap_or_else(PoisonError::into_inner);
     if program.lens_location >= 0 && uploaded.lens.as_ref() != Some(lens) {
-        set_vectors(ctx, program, program.lens_location, lens);
+        set_vectors(ctx, program, program.lens_location, &lens.to_array());
         uploaded.lens = Some(*lens);
     }
 }

@@ -1,6 +1,6 @@
 //! Flat drawing before the scene.
 
-use crate::correct::projected::matrices;
+use crate::correct::projected::matrices::ReprojectionMatrix;
 use crate::intercept::gl::state::projection;
 use crate::intercept::scene::frame_order::FrameOrder;
 use crate::runtime::session::{ClipRows, Session};
@@ -10,7 +10,7 @@ use crate::runtime::session::{ClipRows, Session};
 pub struct Background {
     pub(in crate::intercept::gl) order: FrameOrder,
     rows: Vec<ClipRows>,
-    shader_rows: Vec<[f32; 16]>,
+    shader_rows: Vec<ReprojectionMatrix>,
     /// The fixed-function projection that `per_view` is made from.
     matrix: Option<[f64; 16]>,
     per_view: Vec<[f64; 16]>,
@@ -40,7 +40,7 @@ impl Background {
     }
 
     /// A view's rows, for the program's shaders.
-    pub fn shader_rows(&self, view: usize) -> Option<&[f32; 16]> {
+    pub fn shader_rows(&self, view: usize) -> Option<&ReprojectionMatrix> {
         self.shader_rows.get(view)
     }
 
@@ -52,7 +52,7 @@ impl Background {
     pub(in crate::intercept::gl) fn prepare(&mut self, session: &Session, projection: &[f64; 16]) -> bool {
         if self.rows.is_empty() {
             self.rows = session.panel_rows();
-            self.shader_rows = self.rows.iter().map(matrices::clip_rows).collect();
+            self.shader_rows = self.rows.iter().map(ReprojectionMatrix::of).collect();
             self.matrix = None;
         }
         if self.matrix.as_ref() != Some(projection) {

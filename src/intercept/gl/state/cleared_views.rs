@@ -1,7 +1,7 @@
 //! Views whose content is known to be the clear colour, but for a part.
 
 use crate::backend::gl::Blank;
-use crate::correct::Texels;
+use crate::correct::TexelSpan;
 
 /// What each view holds.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -11,35 +11,30 @@ pub struct Content {
     /// The views that were drawn to since, a bit each.
     drawn: u64,
     /// For each view the texels of the atlas that were drawn to.
-    touched: [Texels; VIEWS],
+    touched: [TexelSpan; VIEWS],
 }
 
 /// More views are not followed.
 pub(in crate::intercept::gl) const VIEWS: usize = 64;
 
-/// No texels.
-pub const NOTHING: Texels = [i32::MAX, i32::MAX, i32::MIN, i32::MIN];
-pub(in crate::intercept::gl) const EVERYTHING: Texels = [i32::MIN, i32::MIN, i32::MAX, i32::MAX];
-
 impl Default for Content {
     fn default() -> Self {
-        Self { cleared: None, drawn: 0, touched: [NOTHING; VIEWS] }
+        Self { cleared: None, drawn: 0, touched: [TexelSpan::NOTHING; VIEWS] }
     }
 }
 
 impl Content {
     /// Something came into a view, somewhere.
     pub fn draw(&mut self, view: usize) {
-        self.draw_within(view, EVERYTHING);
+        self.draw_within(view, TexelSpan::EVERYTHING);
     }
 
     /// Something came into these texels of a view.
-    pub fn draw_within(&mut self, view: usize, [left, bottom, right, top]: Texels) {
+    pub fn draw_within(&mut self, view: usize, texels: TexelSpan) {
         match self.touched.get_mut(view) {
             Some(touched) => {
                 self.drawn |= 1 << view;
-                let [x0, y0, x1, y1] = *touched;
-                *touched = [x0.min(left), y0.min(bottom), x1.max(right), y1.max(top)];
+                *touched = touched.union(&texels);
             }
             None => self.forget(),
         }

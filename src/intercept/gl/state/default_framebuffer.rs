@@ -3,7 +3,8 @@
 use crate::backend::gl::api::Gl;
 use crate::backend::gl::surface::Surface;
 use crate::backend::gl::{Blank, GlBackend, Target};
-use crate::correct::Texels;
+use crate::correct::TexelSpan;
+use crate::correct::projected::matrices::LensConstants;
 use crate::error::Result;
 use crate::intercept::gl::state::cleared_views::Content;
 use crate::intercept::gl::state::window_config::Config;
@@ -23,7 +24,7 @@ pub struct DefaultFramebuffer {
     pub(in crate::intercept::gl) resolved: Option<Surface>,
     pub(in crate::intercept::gl) backend: GlBackend,
     /// For each view the lens to which vertices are projected; empty where all views are perspective ones.
-    pub lenses: Vec<[f32; 16]>,
+    pub lenses: Vec<LensConstants>,
     /// What the views hold.
     pub content: Content,
     pub(in crate::intercept::gl) issued: Vec<u64>,
@@ -85,7 +86,7 @@ impl DefaultFramebuffer {
     }
 
     /// A draw went to a view, into these texels.
-    pub fn issued_within(&mut self, view: usize, texels: Texels) {
+    pub fn issued_within(&mut self, view: usize, texels: TexelSpan) {
         self.content.draw_within(view, texels);
         if let Some(count) = self.issued.get_mut(view) {
             *count += 1;

@@ -1,5 +1,6 @@
 //! State of what stands in for the fixed-function pipeline.
 
+use crate::correct::projected::matrices::ReprojectionMatrix;
 use crate::intercept::gl::state::fixed_pipeline::Pipeline;
 use crate::intercept::gl::state::programs::Program;
 use crate::runtime::session::Division;
@@ -24,7 +25,7 @@ pub struct Fixed {
     /// What the processor does with the draw that is being issued.
     pub processor: Processor,
     /// How the processor divides for the view that is drawn now, and the rows that lead to it.
-    pub view: Option<(Division, [f32; 16])>,
+    pub view: Option<(Division, ReprojectionMatrix)>,
     /// Primitives that the processor did not divide far enough.
     pub coarse: u64,
     /// The switches, or why they cannot be followed; none where they may have changed.

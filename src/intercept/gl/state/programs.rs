@@ -1,5 +1,6 @@
 //! Linked programs.
 
+use crate::correct::projected::matrices::{LensConstants, ReprojectionMatrix};
 use crate::intercept::gl::state::uniforms::Uniforms;
 use crate::intercept::gl::state::variants::Variants;
 use crate::runtime::session::Intrinsics;
@@ -7,7 +8,7 @@ use std::collections::HashMap;
 use std::sync::{Arc, Mutex};
 
 /// Rows that change nothing: the program's own picture.
-pub const IDENTITY: [f32; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0];
+pub const IDENTITY: ReprojectionMatrix = ReprojectionMatrix::IDENTITY;
 
 /// Shaders and programs of a group of contexts.
 #[derive(Default)]
@@ -50,8 +51,8 @@ pub struct Program {
 /// What a program has of a view.
 #[derive(Default)]
 pub(in crate::intercept::gl) struct Uploaded {
-    pub(in crate::intercept::gl) rows: Option<[f32; 16]>,
-    pub(in crate::intercept::gl) lens: Option<[f32; 16]>,
+    pub(in crate::intercept::gl) rows: Option<ReprojectionMatrix>,
+    pub(in crate::intercept::gl) lens: Option<LensConstants>,
 }
 
 /// What a program draws with.

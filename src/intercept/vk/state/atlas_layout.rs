@@ -1,6 +1,7 @@
 //! Where in an atlas and in a window everything is, from the top left as Vulkan counts.
 
 use crate::correct::Plan;
+use crate::correct::projected::matrices::LensConstants;
 use crate::error::{Error, ErrorKind, Result};
 use crate::intercept::vk::state::vertices::VertexProcessing;
 use crate::rig::Rig;
@@ -37,7 +38,7 @@ pub struct AtlasLayout {
     /// The views, and whether they are drawn with the program's own lens.
     pub views: Vec<(Rect, bool)>,
     /// For each view the lens of its picture, as shaders take it; empty where all views are perspective ones.
-    pub lenses: Vec<[f32; 16]>,
+    pub lenses: Vec<LensConstants>,
     /// Where each output is in the window.
     pub outputs: Vec<Rect>,
 }

@@ -1,5 +1,6 @@
 //! Draws of a pass that share one classification, and the frame that is submitted.
 
+use crate::correct::projected::matrices::ReprojectionMatrix;
 use crate::intercept::camera::Cameras;
 use crate::intercept::scene::frame_order::FrameOrder;
 use crate::intercept::vk::spirv::Matrix;
@@ -144,7 +145,7 @@ pub struct Frame {
     pub(in crate::intercept::vk) cameras: Cameras,
     pub(in crate::intercept::vk) layout: Option<Arc<AtlasLayout>>,
     /// Matrices that show the panel in each view, for flat drawing behind the scene.
-    pub(in crate::intercept::vk) behind: Vec<[f32; 16]>,
+    pub(in crate::intercept::vk) behind: Vec<ReprojectionMatrix>,
     /// The lens for which it was last found out how many samples show what it sees, and how many.
     pub(in crate::intercept::vk) sampled: Option<(Intrinsics, f64)>,
     pub(in crate::intercept::vk) order: FrameOrder,

@@ -4,8 +4,7 @@
 //! is (scene or flat, and with which lens) is decided when the command buffer is submitted, and the rows that
 //! shaders read decide what is seen: a draw that does not belong to a view is moved out of its sight.
 
-use crate::correct::projected::matrices;
-use crate::correct::projected::y_down::{lens_down, rows_down};
+use crate::correct::projected::matrices::{LensConstants, ReprojectionMatrix};
 use crate::intercept::lens;
 use crate::intercept::vk::pipelines::matrix_sources::matrix;
 use crate::intercept::vk::queries::running::{RunningQuery, SampleScale};
@@ -18,10 +17,11 @@ use crate::runtime::session::Intrinsics;
 use std::sync::{Arc, PoisonError};
 
 /// Matrices that change nothing, to the bit.
-const IDENTITY: [f32; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0];
+const IDENTITY: ReprojectionMatrix = ReprojectionMatrix::IDENTITY;
 
 /// Matrices that move everything to the right of what is seen: x' = 2w, w' = w.
-const OUT_OF_SIGHT: [f32; 16] = [0.0, 0.0, 2.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0];
+const OUT_OF_SIGHT: ReprojectionMatrix =
+    ReprojectionMatrix::from_array([0.0, 0.0, 2.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0]);
 
 impl Frame {
     /// A frame ended.
@@ -35,7 +35,7 @@ impl Frame {
             self.layout = Some(Arc::clone(layout));
             self.cameras.clear();
             self.sampled = None;
-            self.behind = layout.session.panel_rows().iter().map(matrices::clip_rows).collect();
+            self.behind = layout.session.panel_rows().iter().map(ReprojectionMatrix::of).collect();
         }
     }
 }
@@ -182,16 +182,20 @@ fn write(
     device: &Device,
     group: &mut DrawGroup,
     outcome: DrawClass,
-    of_views: Option<&Vec<[f32; 16]>>,
+    of_views: Option<&Vec<ReprojectionMatrix>>,
     chunks: &[ConstantChunk],
 ) {
     let mut in_sight = 1 << 63;
-    let mut slot = |index: u32, rows: &[f32; 16], lens: Option<&[f32; 16]>| {
+    let mut slot = |index: u32, rows: &ReprojectionMatrix, lens: Option<&LensConstants>| {
         if rows != &OUT_OF_SIGHT {
             in_sight |= 1u64.checked_shl(index).unwrap_or(0);
         }
         if let Some(chunk) = chunks.get(group.place.chunk) {
-            chunk.write(group.place.offset + index * device.slot_stride(), rows, lens);
+            chunk.write(
+                group.place.offset + index * device.slot_stride(),
+                &rows.to_array(),
+                lens.map(LensConstants::to_array).as_ref(),
+            );
         }
     };
     let views = &group.layout.views;
@@ -201,7 +205,7 @@ fn write(
         match of_views.and_then(|rows| rows.get(index)) {
             _ if *own_lens || outcome == DrawClass::Screen => slot(at, &IDENTITY, None),
             Some(rows) if group.kind.y_up => slot(at, rows, lens),
-            Some(rows) => slot(at, &rows_down(rows), lens.map(lens_down).as_ref()),
+            Some(rows) => slot(at, &rows.y_down(), lens.map(LensConstants::y_down).as_ref()),
             None => slot(at, &OUT_OF_SIGHT, None),
         }
     }
@@ -215,9 +219,11 @@ fn write(
 #[cfg(test)]
 mod tests {
     use super::{IDENTITY, OUT_OF_SIGHT};
+    use crate::correct::projected::matrices::ReprojectionMatrix;
 
     /// The shader's formula.
-    fn apply(rows: &[f32; 16], clip: [f32; 4]) -> [f32; 4] {
+    fn apply(matrix: &ReprojectionMatrix, clip: [f32; 4]) -> [f32; 4] {
+        let rows = matrix.to_array();
         let [x, y, z, w] = clip;
         let q = z + rows[12] * w;
         let dot = |row: usize| rows[row] * x + rows[row + 1] * y + rows[row + 2] * w + rows[row + 3] * q;

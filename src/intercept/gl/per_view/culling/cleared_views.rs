@@ -28,6 +28,7 @@ fn stored(color: [f32; 3]) -> Option<[f32; 3]> {
 #[cfg(test)]
 mod tests {
     use super::stored;
+    use crate::correct::TexelSpan;
     use crate::intercept::gl::state::cleared_views::Content;
 
     #[test]
@@ -48,15 +49,15 @@ mod tests {
     fn what_was_touched_grows_until_a_clear() {
         let mut content = Content::default();
         content.clear(Some([0.0; 3]));
-        content.draw_within(2, [10, 20, 30, 40]);
-        content.draw_within(2, [25, 5, 60, 30]);
+        content.draw_within(2, TexelSpan { left: 10, bottom: 20, right: 30, top: 40 });
+        content.draw_within(2, TexelSpan { left: 25, bottom: 5, right: 60, top: 30 });
         let touched = |content: &Content, view: usize| content.blank().map(|b| b.touched[view]);
-        assert_eq!(touched(&content, 2), Some([10, 5, 60, 40]));
-        assert!(touched(&content, 1).is_some_and(|[x0, _, x1, _]| x0 > x1), "nothing");
+        assert_eq!(touched(&content, 2), Some(TexelSpan { left: 10, bottom: 5, right: 60, top: 40 }));
+        assert!(touched(&content, 1).is_some_and(|texels| texels.is_empty()), "nothing");
         content.draw(2);
-        assert_eq!(touched(&content, 2).map(|t| t[2]), Some(i32::MAX));
+        assert_eq!(touched(&content, 2).map(|texels| texels.right), Some(i32::MAX));
         content.clear(Some([0.0; 3]));
-        assert!(touched(&content, 2).is_some_and(|[x0, _, x1, _]| x0 > x1));
+        assert!(touched(&content, 2).is_some_and(|texels| texels.is_empty()));
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! What takes a draw's positions to clip coordinates: an array and matrices.
 
+use crate::correct::projected::matrices::ReprojectionMatrix;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::matrices;
 use crate::intercept::gl::state::draw::Place;
@@ -51,12 +52,12 @@ impl View {
     }
 
     /// By the rows that a patched shader re-projects by (`glsl::patch`).
-    pub fn of_rows(rows: &[f32; 16]) -> Self {
-        let e = f64::from(rows[12]);
-        let of = |row: usize| -> [f64; 4] { std::array::from_fn(|k| rows[4 * row + k].into()) };
+    pub fn of_rows(matrix: &ReprojectionMatrix) -> Self {
+        let e = f64::from(matrix.depth.pole);
+        let rows = [matrix.x, matrix.y, matrix.w].map(|row| row.map(f64::from));
         Self {
-            rows: [0, 1, 2].map(of).map(|[x, y, w, q]| [x, y, q, w + q * e]),
-            sizes: [0, 1, 2].map(of).map(|[x, y, w, q]| [x.abs(), y.abs(), q.abs(), w.abs() + (q * e).abs()]),
+            rows: rows.map(|[x, y, w, q]| [x, y, q, w + q * e]),
+            sizes: rows.map(|[x, y, w, q]| [x.abs(), y.abs(), q.abs(), w.abs() + (q * e).abs()]),
         }
     }
 }
@@ -118,12 +119,13 @@ pub fn of_view(ctx: &Context, place: Place, index: usize) -> Option<View> {
 #[cfg(test)]
 mod tests {
     use super::View;
+    use crate::correct::projected::matrices::ReprojectionMatrix;
 
     /// The epilogue of patched shaders, step by step.
     #[test]
     fn rows_become_those_that_shaders_apply() {
         let rows: [f32; 16] = std::array::from_fn(|i| ((i * 7 + 3) % 11) as f32 - 5.0);
-        let view = View::of_rows(&rows);
+        let view = View::of_rows(&ReprojectionMatrix::from_array(rows));
         let [x, y, z, w] = [0.3, -1.7, 2.2, 5.0];
         let q = z + f64::from(rows[12]) * w;
         for (index, [a, b, c, d]) in view.rows.into_iter().enumerate() {

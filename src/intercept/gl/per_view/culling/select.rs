@@ -2,14 +2,13 @@
 //!
 //! Only where that is proven: vertices whose places are known, and matrices that are known, be it the
 //! fixed-function pipeline's or those of a shader whose text says what it does with them ([`proof`]). Everything else
-//! goes to every view. Views that got nothing are not corrected either ([`cleared_views`]).
+//! goes to every view. Views that got nothing are not corrected either ([`cleared_views`](crate::intercept::gl::state::cleared_views)).
 
-use crate::correct::Texels;
+use crate::correct::TexelSpan;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::per_view::culling::bounds::{Placed, extent, outside};
 use crate::intercept::gl::per_view::culling::position::{self, View};
 use crate::intercept::gl::state::bounds::Bounds;
-use crate::intercept::gl::state::cleared_views;
 use crate::intercept::gl::state::draw::{Changes, Place};
 use crate::intercept::gl::state::views::Views;
 use crate::runtime::session::Session;
@@ -38,7 +37,7 @@ pub fn views(ctx: &mut Context, place: Place, bounds: impl FnOnce(&mut Context) 
         seen |= u64::from(!look.hidden) << index;
         let part = look.view.filter(|_| !look.hidden).and_then(|view| extent(&view, &known.placed));
         areas.push(match part {
-            _ if look.hidden => cleared_views::NOTHING,
+            _ if look.hidden => crate::correct::TexelSpan::NOTHING,
             Some(part) => texels(part, tile, known.margin),
             None => texels([-1.0, -1.0, 1.0, 1.0], tile, known.margin),
         });
@@ -112,16 +111,16 @@ impl Known {
 
 /// The texels of the atlas within `margin` of a part of a picture (left, bottom, right, top; −1…1), as far as they are the
 /// tile's, or so near to it that a wide line may reach them.
-fn texels([left, bottom, right, top]: [f64; 4], tile: [i32; 4], margin: f64) -> Texels {
+fn texels([left, bottom, right, top]: [f64; 4], tile: [i32; 4], margin: f64) -> TexelSpan {
     let along = |at: f64, axis: usize| {
         let length = f64::from(tile[axis + 2]);
         let inside = (0.5 * (1.0 + at) * length).clamp(0.0, length);
         f64::from(tile[axis]) + inside
     };
-    [
-        (along(left, 0) - margin).floor() as i32,
-        (along(bottom, 1) - margin).floor() as i32,
-        (along(right, 0) + margin).ceil() as i32,
-        (along(top, 1) + margin).ceil() as i32,
-    ]
+    TexelSpan {
+        left: (along(left, 0) - margin).floor() as i32,
+        bottom: (along(bottom, 1) - margin).floor() as i32,
+        right: (along(right, 0) + margin).ceil() as i32,
+        top: (along(top, 1) + margin).ceil() as i32,
+    }
 }

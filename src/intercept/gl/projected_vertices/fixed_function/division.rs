@@ -4,6 +4,7 @@
 //! projects them, and lights them, as it does the others.
 
 use crate::backend::gl::api::{self, Gl};
+use crate::correct::projected::matrices::ReprojectionMatrix;
 use crate::correct::single;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::matrices;
@@ -29,7 +30,7 @@ struct Divided<'a> {
 }
 
 /// Draws `vertices` for a view to which `rows` lead. What is current afterwards is not said.
-pub fn draw(ctx: &mut Context, vertices: &Vertices, division: Division, rows: &[f32; 16]) {
+pub fn draw(ctx: &mut Context, vertices: &Vertices, division: Division, rows: &ReprojectionMatrix) {
     let model_view = matrices::model_view(ctx);
     let clip = projection::multiply(&ctx.projection.matrix, &model_view);
     let seen = (0..vertices.count())
@@ -65,13 +66,13 @@ pub fn whole(gl: &Gl, vertices: &Result<Vertices, &'static str>) {
 }
 
 /// Where the viewer sees a vertex of these clip coordinates of the program: lens axes, the program's units.
-fn seen(rows: &[f32; 16], [x, y, z, w]: [f64; 4]) -> DVec3 {
-    let q = z + f64::from(rows[12]) * w;
-    let row = |number: usize| {
-        let part = |i: usize| f64::from(rows[4 * number + i]);
-        part(0) * x + part(1) * y + part(2) * w + part(3) * q
+fn seen(rows: &ReprojectionMatrix, [x, y, z, w]: [f64; 4]) -> DVec3 {
+    let q = z + f64::from(rows.depth.pole) * w;
+    let row = |row: [f32; 4]| {
+        let [of_x, of_y, of_w, of_q] = row.map(f64::from);
+        of_x * x + of_y * y + of_w * w + of_q * q
     };
-    DVec3::new(row(0), row(1), -row(2))
+    DVec3::new(row(rows.x), row(rows.y), -row(rows.w))
 }
 
 impl Divided<'_> {

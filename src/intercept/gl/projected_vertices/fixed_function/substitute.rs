@@ -8,11 +8,11 @@
 //! and lines ([`assembly`]) and are given to the driver with what is between them ([`division`]).
 
 use crate::backend::gl::api::{self, Gl};
+use crate::correct::projected::matrices::LensConstants;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::context::{errors, list_recording, methods, own_calls};
 use crate::intercept::gl::projected_vertices::fixed_function::shader_text;
-use crate::intercept::gl::projected_vertices::lens;
 use crate::intercept::gl::shader::patch::{self, Stage};
 use crate::intercept::gl::shader::programs;
 use crate::intercept::gl::state::fixed_pipeline::Pipeline;
@@ -87,7 +87,7 @@ pub(super) fn is_flat(ctx: &Context) -> bool {
 
 /// Whether the processor has to read the vertices of the next draw of `mode`, so that it can divide them for some view.
 pub fn reads(ctx: &Context, mode: u32) -> bool {
-    let divides = ctx.target.as_ref().is_some_and(|target| target.lenses.iter().any(lens::divides));
+    let divides = ctx.target.as_ref().is_some_and(|target| target.lenses.iter().any(LensConstants::divides));
     divides && !ctx.picking && !ctx.feedback && ctx.program.is_none() && mode != api::GL_POINTS
 }
 
