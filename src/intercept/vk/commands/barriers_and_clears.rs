@@ -1,7 +1,7 @@
 //! Barriers and clears: the atlas copies' layouts follow the images', clears reach each tile. What is copied from buffer to
 //! buffer is remembered.
 
-use crate::intercept::vk::state::atlas_layout::{AtlasLayout, Rect, rectangle};
+use crate::intercept::vk::state::atlas_layout::{AtlasLayout, AtlasRect, ViewTile};
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::hooks::hooks;
 use crate::intercept::vk::state::recording::Event;
@@ -13,9 +13,9 @@ struct Cleared {
     /// It clears the whole window, and so each view as a whole.
     whole: bool,
     /// In views, and in the program's own picture.
-    pictures: Vec<Rect>,
+    pictures: Vec<AtlasRect>,
     /// On the panel; nothing where the program's own lens shows everything, and the panel stays empty.
-    panel: Option<Rect>,
+    panel: Option<AtlasRect>,
 }
 
 /// Where a clear of `rect` of the window goes.
@@ -25,10 +25,14 @@ fn cleared(layout: &AtlasLayout, rect: &vk::Rect2D) -> Cleared {
         && rect.offset.y <= 0
         && i64::from(rect.offset.x) + i64::from(rect.extent.width) >= i64::from(width)
         && i64::from(rect.offset.y) + i64::from(rect.extent.height) >= i64::from(height);
-    let moved =
-        |[x, y, ..]: Rect| [x + rect.offset.x, y + rect.offset.y, rect.extent.width as i32, rect.extent.height as i32];
+    let moved = |tile: AtlasRect| AtlasRect {
+        x: tile.x + rect.offset.x,
+        y: tile.y + rect.offset.y,
+        width: rect.extent.width as i32,
+        height: rect.extent.height as i32,
+    };
     // A part of the window has no place in a view with another lens.
-    let of_view = |(tile, own): &(Rect, bool)| if *own { Some(moved(*tile)) } else { whole.then_some(*tile) };
+    let of_view = |view: &ViewTile| if view.own_lens { Some(moved(view.rect)) } else { whole.then_some(view.rect) };
     let pictures = layout.views.iter().filter_map(of_view).chain(layout.primary.map(moved)).collect();
     let panel = match whole {
         true => Some(layout.panel_with_border()),
@@ -48,7 +52,7 @@ pub unsafe fn clear(
     what: &[vk::ClearAttachment],
     rects: &[vk::ClearRect],
 ) {
-    let rect = |rect| vk::ClearRect { rect: rectangle(rect), base_array_layer: 0, layer_count: 1 };
+    let rect = |rect| vk::ClearRect { rect: AtlasRect::to_vk(rect), base_array_layer: 0, layer_count: 1 };
     for given in rects {
         let Cleared { whole, pictures, panel } = cleared(layout, &given.rect);
         let (pictures, panel) = (pictures.into_iter().map(rect).collect::<Vec<_>>(), panel.map(rect));
@@ -205,7 +209,7 @@ hooks! {
 
 #[cfg(test)]
 mod tests {
-    use super::cleared;
+    use super::{AtlasRect, cleared};
     use crate::intercept::vk::state::atlas_layout::AtlasLayout;
     use crate::intercept::vk::state::vertices::VertexProcessing;
     use ash::vk;
@@ -224,10 +228,14 @@ mod tests {
         let part = vk::Rect2D { offset: vk::Offset2D { x: 20, y: 30 }, ..whole };
         let some = cleared(&layout, &part);
         assert!(!some.whole && some.pictures.is_empty());
-        let [x, y, ..] = layout.panel;
-        assert_eq!(some.panel, Some([x + 20, y + 30, 200, 200]));
+        let AtlasRect { x, y, .. } = layout.panel;
+        assert_eq!(some.panel, Some([x + 20, y + 30, 200, 200].into()));
         let layout =
             AtlasLayout::new(&rig, (200, 200), 16384, true, VertexProcessing::DivisionStatistics).expect("a plan");
-        assert_eq!(cleared(&layout, &part).pictures, [[20, 30, 200, 200]], "the program's own picture");
+        assert_eq!(
+            cleared(&layout, &part).pictures,
+            [AtlasRect::from([20, 30, 200, 200])],
+            "the program's own picture"
+        );
     }
 }

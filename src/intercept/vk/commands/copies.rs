@@ -1,7 +1,7 @@
 //! Copies between images: from the program's picture of its window, and between pictures of its scene.
 
 use crate::intercept::vk::offscreen::view_copies;
-use crate::intercept::vk::state::atlas_layout::Rect;
+use crate::intercept::vk::state::atlas_layout::AtlasRect;
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::hooks::hooks;
 use crate::intercept::vk::state::recording::Event;
@@ -16,7 +16,7 @@ enum CopyPlan {
     /// It stays the program's.
     Same,
     /// It reads the program's own picture at this place of an atlas.
-    Read(vk::Image, Rect),
+    Read(vk::Image, AtlasRect),
     /// All views go from atlas to atlas; the second is what is drawn then.
     Views(vk::Image, Arc<ViewTarget>),
 }
@@ -93,7 +93,7 @@ fn becomes(device: &Device, buffer: vk::CommandBuffer, (from, src): End, (to, ds
     }
 }
 
-fn moved(offset: vk::Offset3D, [x, y, ..]: Rect) -> vk::Offset3D {
+fn moved(offset: vk::Offset3D, AtlasRect { x, y, .. }: AtlasRect) -> vk::Offset3D {
     vk::Offset3D { x: offset.x + x, y: offset.y + y, z: offset.z }
 }
 
@@ -118,7 +118,7 @@ trait Region: Clone {
     /// The corners of what is written.
     fn dst(&self) -> [vk::Offset3D; 2];
     /// Reads at another place.
-    fn read_at(&mut self, place: Rect);
+    fn read_at(&mut self, place: AtlasRect);
     /// Takes all of an image of this size.
     fn take_all(&mut self, size: vk::Extent3D);
 }
@@ -132,7 +132,7 @@ macro_rules! sized {
         fn dst(&self) -> [vk::Offset3D; 2] {
             extent(self.dst_offset, self.extent)
         }
-        fn read_at(&mut self, place: Rect) {
+        fn read_at(&mut self, place: AtlasRect) {
             self.src_offset = moved(self.src_offset, place);
         }
         fn take_all(&mut self, size: vk::Extent3D) {
@@ -151,7 +151,7 @@ macro_rules! scaled {
         fn dst(&self) -> [vk::Offset3D; 2] {
             self.dst_offsets
         }
-        fn read_at(&mut self, place: Rect) {
+        fn read_at(&mut self, place: AtlasRect) {
             self.src_offsets = self.src_offsets.map(|offset| moved(offset, place));
         }
         fn take_all(&mut self, size: vk::Extent3D) {
@@ -199,7 +199,7 @@ fn with_buffer(
     buffer: vk::CommandBuffer,
     from: vk::Image,
     to: vk::Image,
-) -> Option<(vk::Image, Rect)> {
+) -> Option<(vk::Image, AtlasRect)> {
     match becomes(device, buffer, (from, NOTHING), (to, NOTHING)) {
         CopyPlan::Read(image, at) => Some((image, at)),
         CopyPlan::Same | CopyPlan::Views(..) => None,

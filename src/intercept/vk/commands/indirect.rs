@@ -12,19 +12,21 @@ use crate::intercept::vk::state::recording::Recording;
 /// Draws of fewer vertices are not worth fetching parameters for: on lavapipe that costs as much as some hundred of them.
 const FEWEST: u32 = 1 << 10;
 
-impl IndirectDraw {
-    /// Memory for a draw that is issued with so many slots of view constants; `None` where it is not worth it, or not to be had.
-    pub fn new(device: &Device, recording: &mut Recording, parameters: &DrawParameters, slots: u32) -> Option<Self> {
-        let settings = settings::settings().filter(|settings| settings.cull)?;
-        let covers_viewport = parameters.vertices() < FEWEST && !settings.cull_all;
-        if covers_viewport || parameters.first_instance() != 0 {
-            return None;
-        }
-        // Matrices that come behind lie where descriptors may point.
-        let stride = device.slot_stride();
-        let strides = (slots * BYTES).div_ceil(stride);
-        let place =
-            device.view_constants.take(&device.driver, &mut recording.constants, strides as usize, stride).ok()?;
-        Some(Self { place, parameters: *parameters })
+/// Memory for a draw that is issued with so many slots of view constants; `None` where it is not worth it, or not to be had.
+pub fn place(
+    device: &Device,
+    recording: &mut Recording,
+    parameters: &DrawParameters,
+    slots: u32,
+) -> Option<IndirectDraw> {
+    let settings = settings::settings().filter(|settings| settings.cull)?;
+    let covers_viewport = parameters.vertices() < FEWEST && !settings.cull_all;
+    if covers_viewport || parameters.first_instance() != 0 {
+        return None;
     }
+    // Matrices that come behind lie where descriptors may point.
+    let stride = device.slot_stride();
+    let strides = (slots * BYTES).div_ceil(stride);
+    let place = device.view_constants.take(&device.driver, &mut recording.constants, strides as usize, stride).ok()?;
+    Some(IndirectDraw { at: place, parameters: *parameters })
 }

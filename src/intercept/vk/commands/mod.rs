@@ -9,5 +9,8 @@ pub mod framebuffers;
 pub mod indirect;
 pub mod panel_clears;
 pub mod passes;
+pub mod rebind;
 pub mod recording;
+pub mod replicate;
+pub mod tiles;
 pub mod unsupported;

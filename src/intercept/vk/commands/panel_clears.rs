@@ -1,6 +1,6 @@
 //! Clears of the panel that a pass owes: a pane of glass through which everything is seen.
 
-use crate::intercept::vk::state::atlas_layout::{AtlasLayout, rectangle};
+use crate::intercept::vk::state::atlas_layout::AtlasLayout;
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::recording::{Recording, Within};
 use ash::prelude::VkResult;
@@ -20,7 +20,7 @@ pub unsafe fn clear_panel(device: &Device, buffer: vk::CommandBuffer, layout: &A
         clear_value: vk::ClearValue::default(),
     };
     let clears: Vec<_> = attachments.iter().map(clear).collect();
-    let rect = vk::ClearRect { rect: rectangle(layout.panel_with_border()), base_array_layer: 0, layer_count: 1 };
+    let rect = vk::ClearRect { rect: layout.panel_with_border().to_vk(), base_array_layer: 0, layer_count: 1 };
     // SAFETY: as promised; the panel lies in the atlas.
     unsafe { device.driver.functions.cmd_clear_attachments(buffer, &clears, &[rect]) };
 }

@@ -31,22 +31,31 @@ pub fn decide(device: &Device) {
     }
 }
 
+/// What a draw covers.
+#[derive(Clone, Copy, Debug)]
+pub struct Cover {
+    /// Its viewport shows the main picture of its target.
+    pub main_picture: bool,
+    /// It has so few vertices that it may be one triangle or square over its viewport.
+    pub few_vertices: bool,
+}
+
 /// What a draw in a pass that is not drawn for each view says of the images that it draws to. The matrices that it may use
 /// are looked at when the commands run.
-pub fn drawn(
+pub fn note_draw(
     device: &Device,
     recording: &mut Recording,
     matrices: &[crate::intercept::vk::spirv::Matrix],
-    (main, covers_viewport): (bool, bool),
+    cover: Cover,
 ) {
     let Some(targets) = recording.plain.clone() else { return };
-    let follows = main && (covers_viewport || !matrices.is_empty()) && !targets.is_empty();
+    let follows = cover.main_picture && (cover.few_vertices || !matrices.is_empty()) && !targets.is_empty();
     for picture in pictures(device, recording) {
         let made = targets.iter().map(|target| Made::Image(*target)).filter(|_| follows);
         let elsewhere = (!follows).then_some(Made::Elsewhere);
         made.chain(elsewhere).for_each(|made| device.scene_graph.note_made(picture, made));
     }
-    if !main || targets.is_empty() {
+    if !cover.main_picture || targets.is_empty() {
         return;
     }
     let sources: Vec<MatrixSource> = matrices.iter().filter_map(|matrix| source(device, recording, matrix)).collect();

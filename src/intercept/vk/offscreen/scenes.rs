@@ -3,6 +3,7 @@
 use crate::intercept::settings;
 use crate::intercept::vk::offscreen::view_copies;
 use crate::intercept::vk::state::atlas_layout::AtlasLayout;
+use crate::intercept::vk::state::atlas_layout::AtlasRect;
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::images::{Image, Images, PendingLayout, ViewCopies};
 use crate::intercept::vk::state::own_image::OwnImage;
@@ -46,13 +47,13 @@ impl Images {
         // The atlas copy is made as for any image that is drawn to; then it is the atlas.
         let atlas = self.atlas_copy_image(device, image, layout, true)?;
         let mut view_copies = Vec::new();
-        let tiles = layout.views.iter().map(|(tile, _)| tile).filter(|_| described);
-        for [_, _, width, height] in tiles {
+        let tiles = layout.views.iter().map(|view| view.rect).filter(|_| described);
+        for AtlasRect { width, height, .. } in tiles {
             let info = vk::ImageCreateInfo::default()
                 .flags(flags)
                 .image_type(vk::ImageType::TYPE_2D)
                 .format(kind.0)
-                .extent(vk::Extent3D { width: (*width).max(1) as u32, height: (*height).max(1) as u32, depth: 1 })
+                .extent(vk::Extent3D { width: width.max(1) as u32, height: height.max(1) as u32, depth: 1 })
                 .mip_levels(1)
                 .array_layers(1)
                 .samples(vk::SampleCountFlags::TYPE_1)

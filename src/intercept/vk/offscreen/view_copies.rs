@@ -4,7 +4,7 @@
 //! A pass draws all views into one atlas, so that no draw changes its framebuffer. What samples the image then sees, in
 //! each view, the view copy of that view: coordinates, filter and wrapping at the borders are as the program has them.
 
-use crate::intercept::vk::state::atlas_layout::Rect;
+use crate::intercept::vk::state::atlas_layout::AtlasRect;
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::own_image::{
     ANYTHING, COLOR_LAYER, COPIED_FROM, COPIED_TO, barrier, left_in, ready_in,
@@ -32,12 +32,12 @@ pub unsafe fn make(device: &Device, buffer: vk::CommandBuffer, target: &ViewTarg
             return barrier(&device.driver, buffer, target.given, ANYTHING, ready_in(layout));
         }
         barrier(&device.driver, buffer, target.atlas, left_in(layout), COPIED_FROM);
-        let copy = |to: vk::Image, [x, y, width, height]: Rect| {
+        let copy = |to: vk::Image, tile: AtlasRect| {
             let region = vk::ImageCopy::default()
                 .src_subresource(COLOR_LAYER)
-                .src_offset(vk::Offset3D { x, y, z: 0 })
+                .src_offset(tile.offset())
                 .dst_subresource(COLOR_LAYER)
-                .extent(vk::Extent3D { width: width as u32, height: height as u32, depth: 1 });
+                .extent(tile.extent());
             device.driver.functions.cmd_copy_image(
                 buffer,
                 target.atlas,
@@ -47,9 +47,9 @@ pub unsafe fn make(device: &Device, buffer: vk::CommandBuffer, target: &ViewTarg
                 &[region],
             );
         };
-        for (view_copy, (tile, _)) in target.view_copies.iter().zip(&target.layout.views) {
+        for (view_copy, view) in target.view_copies.iter().zip(&target.layout.views) {
             barrier(&device.driver, buffer, view_copy.image, ANYTHING, COPIED_TO);
-            copy(view_copy.image, *tile);
+            copy(view_copy.image, view.rect);
             barrier(&device.driver, buffer, view_copy.image, COPIED_TO, ready_in(SAMPLED));
         }
         match own {

@@ -8,13 +8,65 @@ use crate::rig::Rig;
 use crate::runtime::session::{Extras, Session};
 use ash::vk;
 
-/// A rectangle: x, y of the top left corner, width, height.
-pub type Rect = [i32; 4];
+/// A rectangle of an atlas or a window. Its origin is the top left corner, as in Vulkan.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct AtlasRect {
+    /// Left edge.
+    pub x: i32,
+    /// Upper edge.
+    pub y: i32,
+    pub(in crate::intercept::vk) width: i32,
+    pub(in crate::intercept::vk) height: i32,
+}
 
-/// A tile as Vulkan takes rectangles.
-pub fn rectangle([x, y, width, height]: Rect) -> vk::Rect2D {
-    let extent = vk::Extent2D { width: width.max(0) as u32, height: height.max(0) as u32 };
-    vk::Rect2D { offset: vk::Offset2D { x, y }, extent }
+impl From<[i32; 4]> for AtlasRect {
+    fn from([x, y, width, height]: [i32; 4]) -> Self {
+        Self { x, y, width, height }
+    }
+}
+
+impl AtlasRect {
+    /// The same for Vulkan.
+    pub fn to_vk(self) -> vk::Rect2D {
+        let extent = vk::Extent2D { width: self.width.max(0) as u32, height: self.height.max(0) as u32 };
+        vk::Rect2D { offset: vk::Offset2D { x: self.x, y: self.y }, extent }
+    }
+
+    /// Its upper left corner, for copies.
+    pub fn offset(self) -> vk::Offset3D {
+        vk::Offset3D { x: self.x, y: self.y, z: 0 }
+    }
+
+    /// Its size, for copies.
+    pub fn extent(self) -> vk::Extent3D {
+        vk::Extent3D { width: self.width.max(0) as u32, height: self.height.max(0) as u32, depth: 1 }
+    }
+
+    /// Number of texels.
+    pub fn area(self) -> f64 {
+        f64::from(self.width) * f64::from(self.height)
+    }
+}
+
+/// The tile of a view.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ViewTile {
+    /// Its place in the atlas.
+    pub rect: AtlasRect,
+    /// The view is drawn with the program's own lens, and so in the program's window space.
+    pub own_lens: bool,
+}
+
+impl ViewTile {
+    fn of(session: &Session, index: usize) -> Self {
+        let (rect, own_lens) = session.tile(index);
+        Self { rect: rect.into(), own_lens }
+    }
+
+    /// Whether it is drawn with the program's own lens and as large as its window.
+    fn is_window(&self, (width, height): (u32, u32)) -> bool {
+        self.own_lens && (self.rect.width, self.rect.height) == (width as i32, height as i32)
+    }
 }
 
 /// A rig at work in a window.
@@ -30,17 +82,17 @@ pub struct AtlasLayout {
     /// Size of the atlas.
     pub atlas: (u32, u32),
     /// The panel, as large as the window.
-    pub panel: Rect,
+    pub panel: AtlasRect,
     /// A tile with the program's own picture beside the views, where the program may read its window.
-    pub primary: Option<Rect>,
+    pub primary: Option<AtlasRect>,
     /// The program may read its own picture.
     pub read: bool,
-    /// The views, and whether they are drawn with the program's own lens.
-    pub views: Vec<(Rect, bool)>,
+    /// The tiles of the views.
+    pub views: Vec<ViewTile>,
     /// For each view the lens of its picture, as shaders take it; empty where all views are perspective ones.
     pub lenses: Vec<LensConstants>,
     /// Where each output is in the window.
-    pub outputs: Vec<Rect>,
+    pub outputs: Vec<[i32; 4]>,
 }
 
 impl AtlasLayout {
@@ -56,49 +108,46 @@ impl AtlasLayout {
             VertexProcessing::DivisionStatistics => Session::projecting,
         };
         let mut session = plan(rig, size, false, max_atlas, Extras { panel: true, ..Extras::default() })?;
-        if read && !(0..session.views().len()).any(|index| is_own(session.tile(index), size)) {
+        if read && !(0..session.views().len()).any(|index| ViewTile::of(&session, index).is_window(size)) {
             session = session.with(Extras { primary: true, ..session.extras() })?;
         }
         let plan = upside_down(session.plan());
         let atlas = plan.views.atlas;
         let panel = session.panel().ok_or_else(|| Error::new(ErrorKind::Internal, "the plan has no panel"))?;
-        let views: Vec<(Rect, bool)> = (0..session.views().len()).map(|index| session.tile(index)).collect();
+        let views = (0..session.views().len()).map(|index| ViewTile::of(&session, index)).collect();
         let outputs = session.viewports_from_top((0, 0));
-        let primary = session.primary();
+        let primary = session.primary().map(AtlasRect::from);
+        let panel = panel.into();
         let lenses = session.lenses();
         Ok(Self { window: size, version: 0, atlas, panel, primary, read, views, lenses, outputs, session, plan })
     }
 
     /// Whether every view has the program's own lens, so that nothing is shown on the panel.
     pub fn shows_own_lens(&self) -> bool {
-        self.views.iter().all(|(_, own)| *own)
+        self.views.iter().all(|view| view.own_lens)
     }
 
     /// Where the program's own picture is, texel by texel, if it is drawn.
-    pub fn own(&self) -> Option<Rect> {
-        let own = self.views.iter().find(|view| is_own(**view, self.window)).map(|view| view.0);
+    pub fn own(&self) -> Option<AtlasRect> {
+        let own = self.views.iter().find(|view| view.is_window(self.window)).map(|view| view.rect);
         self.primary.or(own)
     }
 
     /// The panel and the texels around it, which the filter reaches at its border.
-    pub fn panel_with_border(&self) -> Rect {
-        let [x, y, width, height] = self.panel;
+    pub fn panel_with_border(&self) -> AtlasRect {
+        let AtlasRect { x, y, width, height } = self.panel;
         let (left, top) = ((x - 1).max(0), (y - 1).max(0));
         let (right, bottom) = (x + width + 1, y + height + 1);
-        [left, top, right.min(self.atlas.0 as i32) - left, bottom.min(self.atlas.1 as i32) - top]
+        let (width, height) = (right.min(self.atlas.0 as i32) - left, bottom.min(self.atlas.1 as i32) - top);
+        AtlasRect { x: left, y: top, width, height }
     }
 
     /// Names of the views and the panel, and where they are in the atlas.
     pub fn tiles(&self) -> impl Iterator<Item = (&str, [u32; 4])> {
         let names = self.session.views().iter().map(|view| view.name.as_str()).chain(["panel"]);
-        let rects = self.views.iter().map(|(rect, _)| *rect).chain([self.panel]);
-        names.zip(rects.map(|rect| rect.map(|length| length.max(0) as u32)))
+        let rects = self.views.iter().map(|view| view.rect).chain([self.panel]);
+        names.zip(rects.map(|rect| [rect.x, rect.y, rect.width, rect.height].map(|length| length.max(0) as u32)))
     }
-}
-
-/// Whether a tile is drawn with the program's own lens and as large as its window.
-fn is_own((tile, own): (Rect, bool), (width, height): (u32, u32)) -> bool {
-    own && (tile[2], tile[3]) == (width as i32, height as i32)
 }
 
 /// The plan whose tiles begin as many rows below the atlas' top as those of `plan` begin above its bottom. So what is
@@ -125,11 +174,11 @@ mod tests {
         let rig = crate::rig::load("planetarium-6").expect("a preset");
         let layout =
             AtlasLayout::new(&rig, (900, 420), 16384, false, VertexProcessing::DivisionStatistics).expect("a plan");
-        assert_eq!(layout.panel[2..], [900, 420]);
+        assert_eq!((layout.panel.width, layout.panel.height), (900, 420));
         assert_eq!(layout.outputs.len(), 6);
-        for tile in layout.views.iter().map(|view| &view.0).chain([&layout.panel]) {
-            assert!(tile[0] >= 0 && tile[1] >= 0, "{tile:?}");
-            assert!(tile[0] + tile[2] <= layout.atlas.0 as i32 && tile[1] + tile[3] <= layout.atlas.1 as i32);
+        for tile in layout.views.iter().map(|view| view.rect).chain([layout.panel]) {
+            assert!(tile.x >= 0 && tile.y >= 0, "{tile:?}");
+            assert!(tile.x + tile.width <= layout.atlas.0 as i32 && tile.y + tile.height <= layout.atlas.1 as i32);
         }
     }
 
@@ -146,8 +195,8 @@ mod tests {
         };
         let own = |rig: &str, read| layout(rig, read).expect("a plan").own();
         assert_eq!(own("fisheye", false), None);
-        assert_eq!(own("fisheye", true), Some([0, 0, 90, 42]));
-        assert_eq!(own("identity-captured", false), Some([0, 0, 90, 42]));
+        assert_eq!(own("fisheye", true), Some([0, 0, 90, 42].into()));
+        assert_eq!(own("identity-captured", false), Some([0, 0, 90, 42].into()));
         assert_eq!(layout("identity-captured", true).expect("a plan").primary, None, "a view shows it already");
     }
 }

@@ -60,15 +60,15 @@ pub struct DrawFacts {
 /// Draws that share a lens.
 pub struct DrawGroup {
     /// Where their view constants are.
-    pub(in crate::intercept::vk) place: ChunkOffset,
+    pub(in crate::intercept::vk) constants: ChunkOffset,
     /// Where the views are.
     pub(in crate::intercept::vk) layout: Arc<AtlasLayout>,
     /// What they are.
-    pub(in crate::intercept::vk) kind: DrawFacts,
+    pub(in crate::intercept::vk) facts: DrawFacts,
     /// How many draws.
     pub(in crate::intercept::vk) draws: u64,
     /// Those of them that are left out where they are out of sight.
-    pub(in crate::intercept::vk) placed: Vec<IndirectDraw>,
+    pub(in crate::intercept::vk) indirect: Vec<IndirectDraw>,
     /// With which slots of view constants it is in sight, bit by bit; slots from 63 on always are.
     pub(in crate::intercept::vk) in_sight: u64,
     /// What was written last, and for which matrices.
@@ -79,13 +79,13 @@ pub struct DrawGroup {
 
 impl DrawGroup {
     /// Draws that are recorded now.
-    pub fn new(place: ChunkOffset, layout: Arc<AtlasLayout>, kind: DrawFacts) -> Self {
+    pub fn new(constants: ChunkOffset, layout: Arc<AtlasLayout>, facts: DrawFacts) -> Self {
         Self {
-            place,
+            constants,
             layout,
-            kind,
+            facts,
             draws: 0,
-            placed: Vec::new(),
+            indirect: Vec::new(),
             in_sight: 0,
             last: None,
             matrices: Vec::new(),
@@ -95,7 +95,7 @@ impl DrawGroup {
 
     /// How many slots of view constants it has: for the views, the panel, and the program's own picture.
     pub(in crate::intercept::vk) fn slots(&self) -> u32 {
-        2 + if self.kind.in_views { self.layout.views.len() as u32 } else { 0 }
+        2 + if self.facts.in_views { self.layout.views.len() as u32 } else { 0 }
     }
 
     /// Whether something of it may be seen with a slot of view constants.
@@ -105,7 +105,7 @@ impl DrawGroup {
 
     /// Whether draws are issued onto the panel: where the program's own lens shows everything there is none.
     pub fn is_on_panel(&self) -> bool {
-        !self.kind.off_screen && !self.layout.shows_own_lens()
+        !self.facts.off_screen && !self.layout.shows_own_lens()
     }
 
     /// With how many slots draws are issued, and with how many of these they are in sight.
@@ -116,9 +116,9 @@ impl DrawGroup {
         [issued.clone().count(), issued.filter(|slot| self.is_in_sight(*slot)).count()].map(|times| times as u32)
     }
 
-    /// Whether a draw of this kind belongs to it.
-    pub fn takes(&self, layout: &Arc<AtlasLayout>, kind: &DrawFacts) -> bool {
-        Arc::ptr_eq(&self.layout, layout) && self.kind == *kind
+    /// Whether a draw of this facts belongs to it.
+    pub fn takes(&self, layout: &Arc<AtlasLayout>, facts: &DrawFacts) -> bool {
+        Arc::ptr_eq(&self.layout, layout) && self.facts == *facts
     }
 }
 

@@ -1,6 +1,7 @@
 //! Parameters of draws in memory that is written when a recorded command buffer runs.
 
 use crate::intercept::vk::state::driver::Driver;
+use crate::intercept::vk::state::scene_graph::COVERING_VERTICES;
 use crate::intercept::vk::state::view_constants::{ChunkOffset, ConstantChunk};
 use ash::vk;
 
@@ -44,19 +45,43 @@ impl DrawParameters {
     }
 }
 
+/// Size of a draw.
+#[derive(Clone, Copy)]
+pub enum DrawSize {
+    /// The program says it.
+    Known(DrawParameters),
+    /// Only the device knows it.
+    Unknown,
+}
+
+impl DrawSize {
+    /// Number of vertices; the largest number where only the device knows it.
+    pub fn vertices(&self) -> u32 {
+        match self {
+            Self::Known(parameters) => parameters.vertices(),
+            Self::Unknown => u32::MAX,
+        }
+    }
+
+    /// Whether it has so few vertices that it may be one triangle or square over a viewport.
+    pub fn may_cover_viewport(&self) -> bool {
+        self.vertices() <= COVERING_VERTICES
+    }
+}
+
 /// Parameters with their places in memory, one for each slot of view constants.
 #[derive(Clone, Copy, Debug)]
 pub struct IndirectDraw {
-    pub(in crate::intercept::vk) place: ChunkOffset,
+    pub(in crate::intercept::vk) at: ChunkOffset,
     pub(in crate::intercept::vk) parameters: DrawParameters,
 }
 
 impl IndirectDraw {
     /// Writes what is drawn with each of so many slots.
     pub fn write(&self, chunks: &[ConstantChunk], slots: u32, in_sight: impl Fn(u32) -> bool) {
-        let Some(chunk) = chunks.get(self.place.chunk) else { return };
+        let Some(chunk) = chunks.get(self.at.chunk) else { return };
         for slot in 0..slots {
-            chunk.write_words(self.place.offset + slot * BYTES, &self.parameters.visible(in_sight(slot)));
+            chunk.write_words(self.at.offset + slot * BYTES, &self.parameters.visible(in_sight(slot)));
         }
     }
 
@@ -65,8 +90,8 @@ impl IndirectDraw {
     /// # Safety
     /// The command buffer is being recorded, and `chunks` are its own.
     pub unsafe fn issue(&self, driver: &Driver, buffer: vk::CommandBuffer, chunks: &[ConstantChunk], slot: u32) {
-        let Some(chunk) = chunks.get(self.place.chunk) else { return };
-        let (functions, offset) = (&driver.functions, u64::from(self.place.offset + slot * BYTES));
+        let Some(chunk) = chunks.get(self.at.chunk) else { return };
+        let (functions, offset) = (&driver.functions, u64::from(self.at.offset + slot * BYTES));
         // SAFETY: as promised; the parameters lie in the chunk, which lives as long as the command buffer needs it.
         unsafe {
             if self.parameters.indexed {

@@ -113,6 +113,13 @@ pub struct GraphicsState {
     pub(in crate::intercept::vk) disturbed: bool,
 }
 
+impl GraphicsState {
+    /// Sets of ours are bound from this number on, in the place of the program's.
+    pub fn displace_from(&mut self, number: u32) {
+        self.displaced = Some(self.displaced.map_or(number, |from| from.min(number)));
+    }
+}
+
 impl Default for GraphicsState {
     fn default() -> Self {
         Self {
@@ -240,7 +247,7 @@ const UNKNOWN_SIZE: u64 = 1 << 10;
 
 /// A draw of so many vertices is issued `times` times, where a query may run; `None`: as often as its group is in sight. `run`: the
 /// index of its group, if it has rows.
-pub fn drawn(recording: &mut Recording, group: Option<usize>, vertices: u32, times: Option<u32>) {
+pub fn count_draw(recording: &mut Recording, group: Option<usize>, vertices: u32, times: Option<u32>) {
     if recording.counting == 0 {
         return;
     }

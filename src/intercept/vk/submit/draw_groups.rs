@@ -107,15 +107,13 @@ fn sample_scale(device: &Device, group: &DrawGroup) -> SampleScale {
     let area = |width: f64, height: f64| width * height;
     let own = area(layout.window.0.into(), layout.window.1.into());
     // In pictures with the program's own lens everything is seen once more.
-    let views = if group.kind.in_views { &layout.views[..] } else { &[] };
+    let views = if group.facts.in_views { &layout.views[..] } else { &[] };
     let repeated = f64::from(u8::from(layout.primary.is_some()));
-    let same = repeated + views.iter().filter(|(_, own_lens)| *own_lens).count() as f64;
+    let same = repeated + views.iter().filter(|view| view.own_lens).count() as f64;
     let seen = match group.last {
         Some(DrawClass::Scene(lens)) => repeated + frame.samples(&lens, layout, own) / own,
-        Some(DrawClass::Screen) => {
-            repeated + views.iter().map(|(tile, _)| area(tile[2].into(), tile[3].into())).sum::<f64>() / own
-        }
-        Some(DrawClass::Flat) if !group.kind.off_screen && !layout.shows_own_lens() => same + 1.0,
+        Some(DrawClass::Screen) => repeated + views.iter().map(|view| view.rect.area()).sum::<f64>() / own,
+        Some(DrawClass::Flat) if !group.facts.off_screen && !layout.shows_own_lens() => same + 1.0,
         // At the panel's place in the views, which is about as large as the panel.
         _ => same.max(1.0),
     };
@@ -127,29 +125,29 @@ fn resolve(device: &Device, group: &mut DrawGroup, chunks: &[ConstantChunk]) {
     let mut frame = device.frame.lock().unwrap_or_else(PoisonError::into_inner);
     frame.follow(&group.layout);
     let ranked = |source: &MatrixSource| matrix(device, source).map(|value| (source.matrix.rank, value));
-    let kind = &group.kind;
-    let matrices: Vec<_> = kind.sources.iter().filter_map(ranked).collect();
+    let facts = &group.facts;
+    let matrices: Vec<_> = facts.sources.iter().filter_map(ranked).collect();
     if matrices != group.matrices {
         group.lens = lens::find(matrices.iter().map(|(rank, value)| (*rank, value)));
         group.matrices = matrices;
     }
-    if group.matrices.is_empty() && kind.deep {
+    if group.matrices.is_empty() && facts.deep {
         group.lens = group.layout.session.given_lens().map(|lens| (lens, "the rig's lens"));
     }
     frame.counts.seen += group.draws;
-    let in_views = kind.in_views && device.draws_views();
+    let in_views = facts.in_views && device.draws_views();
     let outcome = match group.lens.filter(|_| in_views) {
         Some((intrinsics, how)) => {
             frame.order.note_scene();
             *frame.counts.found.entry(how).or_default() += group.draws;
             DrawClass::Scene(intrinsics)
         }
-        None if kind.screen && in_views => {
+        None if facts.screen && in_views => {
             frame.order.note_scene();
             DrawClass::Screen
         }
         // What is flat in a picture of the scene has no other place than the views.
-        None if kind.off_screen => DrawClass::Behind,
+        None if facts.off_screen => DrawClass::Behind,
         None => {
             frame.counts.flat += group.draws;
             frame.order.note_flat();
@@ -158,7 +156,7 @@ fn resolve(device: &Device, group: &mut DrawGroup, chunks: &[ConstantChunk]) {
         }
     };
     frame.counts.in_views += if outcome == DrawClass::Flat { 0 } else { group.draws };
-    frame.counts.duplicated += if kind.off_screen { group.draws } else { 0 };
+    frame.counts.duplicated += if facts.off_screen { group.draws } else { 0 };
     if group.last != Some(outcome) {
         group.last = Some(outcome);
         let camera = match outcome {
@@ -171,9 +169,9 @@ fn resolve(device: &Device, group: &mut DrawGroup, chunks: &[ConstantChunk]) {
         };
         write(device, group, outcome, rows, chunks);
     }
-    if !group.placed.is_empty() {
+    if !group.indirect.is_empty() {
         let [issued, in_sight] = group.times();
-        frame.counts.left_out += group.placed.len() as u64 * u64::from(issued - in_sight);
+        frame.counts.left_out += group.indirect.len() as u64 * u64::from(issued - in_sight);
     }
 }
 
@@ -190,21 +188,21 @@ fn write(
         if rows != &OUT_OF_SIGHT {
             in_sight |= 1u64.checked_shl(index).unwrap_or(0);
         }
-        if let Some(chunk) = chunks.get(group.place.chunk) {
+        if let Some(chunk) = chunks.get(group.constants.chunk) {
             chunk.write(
-                group.place.offset + index * device.slot_stride(),
+                group.constants.offset + index * device.slot_stride(),
                 &rows.to_array(),
                 lens.map(LensConstants::to_array).as_ref(),
             );
         }
     };
     let views = &group.layout.views;
-    for (index, (_, own_lens)) in views.iter().enumerate().filter(|_| group.kind.in_views) {
+    for (index, view) in views.iter().enumerate().filter(|_| group.facts.in_views) {
         let lens = group.layout.lenses.get(index);
         let at = index as u32;
         match of_views.and_then(|rows| rows.get(index)) {
-            _ if *own_lens || outcome == DrawClass::Screen => slot(at, &IDENTITY, None),
-            Some(rows) if group.kind.y_up => slot(at, rows, lens),
+            _ if view.own_lens || outcome == DrawClass::Screen => slot(at, &IDENTITY, None),
+            Some(rows) if group.facts.y_up => slot(at, rows, lens),
             Some(rows) => slot(at, &rows.y_down(), lens.map(LensConstants::y_down).as_ref()),
             None => slot(at, &OUT_OF_SIGHT, None),
         }
@@ -213,7 +211,7 @@ fn write(
     slot(panel, if outcome == DrawClass::Flat && group.is_on_panel() { &IDENTITY } else { &OUT_OF_SIGHT }, None);
     slot(panel + 1, &IDENTITY, None);
     group.in_sight = in_sight;
-    group.placed.iter().for_each(|placed| placed.write(chunks, group.slots(), |slot| group.is_in_sight(slot)));
+    group.indirect.iter().for_each(|indirect| indirect.write(chunks, group.slots(), |slot| group.is_in_sight(slot)));
 }
 
 #[cfg(test)]

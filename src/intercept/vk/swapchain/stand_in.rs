@@ -358,9 +358,9 @@ impl StandIn {
                 functions.cmd_copy_image(buffer, from, COPIED_FROM.layout, to, COPIED_TO.layout, &[region])
             };
             if !show.corrects() {
-                let [x, y, ..] = self.layout.panel;
+                let at = self.layout.panel.offset();
                 let (from, region) = match show {
-                    PictureSource::Tile => (atlas, region.src_offset(vk::Offset3D { x, y, z: 0 })),
+                    PictureSource::Tile => (atlas, region.src_offset(at)),
                     _ => (given, region),
                 };
                 barrier(&device.driver, buffer, from, PRESENTED, COPIED_FROM);
@@ -376,8 +376,8 @@ impl StandIn {
                 let black = vk::ClearColorValue::default();
                 functions.cmd_clear_color_image(buffer, atlas, COPIED_TO.layout, &black, &[COLOR]);
                 barrier(&device.driver, buffer, atlas, COPIED_TO, COPIED_TO);
-                let [x, y, ..] = self.layout.panel;
-                copy(given, atlas, region.dst_offset(vk::Offset3D { x, y, z: 0 }));
+                let at = self.layout.panel.offset();
+                copy(given, atlas, region.dst_offset(at));
                 barrier(&device.driver, buffer, given, COPIED_FROM, PRESENTED);
             }
             let target = if self.between.is_some() { 0 } else { index };

@@ -1,0 +1,215 @@
+//! A draw of the program becomes one draw per view, one on the panel and one in the primary view.
+//!
+//! ```text
+//! draw_to_views ─ classify: what is known of the draw while it is recorded (DrawFacts)
+//!               ─ select:   its draw group, with memory for the view constants of each tile
+//!               ─ issue:    one draw per tile
+//! ```
+//!
+//! Whether the draw is of the scene or flat is decided when the command buffer is submitted
+//! (`submit::draw_groups`); until then all tiles that may show it get the draw.
+
+use crate::intercept::vk::commands::indirect;
+use crate::intercept::vk::commands::panel_clears::clear_pending;
+use crate::intercept::vk::commands::rebind::rebind;
+use crate::intercept::vk::commands::tiles::{PerViewSet, ProgramWindow, TileDraws, is_main};
+use crate::intercept::vk::offscreen::scene_graph;
+use crate::intercept::vk::pipelines::matrix_sources::source;
+use crate::intercept::vk::state::atlas_layout::{AtlasLayout, ViewTile};
+use crate::intercept::vk::state::device::Device;
+use crate::intercept::vk::state::draw_groups::{DrawFacts, DrawGroup, MatrixSource};
+use crate::intercept::vk::state::draw_parameters::{DrawSize, IndirectDraw};
+use crate::intercept::vk::state::pipelines::{Pipeline, Variants};
+use crate::intercept::vk::state::recording::{Event, Recording, count_draw};
+use crate::intercept::vk::state::scene_graph::Made;
+use crate::intercept::vk::state::view_constants::ChunkOffset;
+use ash::vk;
+use std::sync::Arc;
+
+/// A draw of the program.
+pub struct ProgramDraw<'a> {
+    pub(in crate::intercept::vk) device: &'a Device,
+    pub(in crate::intercept::vk) buffer: vk::CommandBuffer,
+    pub(in crate::intercept::vk) pipeline: &'a Pipeline,
+    pub(in crate::intercept::vk) size: DrawSize,
+    /// Records the program's own draw.
+    pub(in crate::intercept::vk) issue: &'a dyn Fn(),
+}
+
+/// What is known of a draw while it is recorded.
+struct Classified {
+    facts: DrawFacts,
+    program: ProgramWindow,
+    sets: Vec<PerViewSet>,
+}
+
+/// Where a draw goes.
+struct Selected {
+    constants: ChunkOffset,
+    /// Number of views that it is issued to.
+    views: usize,
+    on_panel: bool,
+    indirect: Option<IndirectDraw>,
+}
+
+/// Issues a draw to each view, onto the panel and into the primary view.
+///
+/// # Safety
+/// The command buffer is being recorded, within a pass that draws to an atlas.
+pub unsafe fn draw_to_views(draw: &ProgramDraw<'_>, recording: &mut Recording) {
+    let Some(variants) = &draw.pipeline.variants else {
+        // Its window space is not that of a tile.
+        draw.device.give_up(&draw.device.flatness.pipeline_obstacle());
+        return;
+    };
+    // SAFETY: as promised.
+    unsafe {
+        rebind(draw.device, draw.buffer, recording, draw.pipeline);
+        clear_pending(draw.device, draw.buffer, recording);
+        let Some(layout) = recording.pass.as_ref().map(|pass| Arc::clone(&pass.target.layout)) else { return };
+        let Some(classified) = classify(draw, recording, variants, &layout) else { return };
+        let Classified { facts, program, sets } = classified;
+        let Some(selected) = select(draw, recording, &layout, facts) else { return };
+        let Selected { constants, views, on_panel, indirect } = selected;
+        let (device, buffer, pipeline, window) = (draw.device, draw.buffer, draw.pipeline, layout.window);
+        let tiles = TileDraws { device, buffer, recording, pipeline, variants, constants, program, window, indirect };
+        issue(tiles, &layout, views, on_panel, sets, draw.issue);
+    }
+}
+
+/// Finds out what can be known of a draw while it is recorded; `None` where it cannot be followed.
+fn classify(
+    draw: &ProgramDraw<'_>,
+    recording: &mut Recording,
+    variants: &Variants,
+    layout: &AtlasLayout,
+) -> Option<Classified> {
+    let device = draw.device;
+    let program = ProgramWindow::of(recording, draw.pipeline, layout);
+    let main = is_main(&program.viewport, layout.window);
+    let covers = draw.size.may_cover_viewport();
+    let sources: Vec<MatrixSource> = match variants.follows && main {
+        true => variants.matrices.iter().filter_map(|m| source(device, recording, m)).collect(),
+        false => Vec::new(),
+    };
+    let ours = draw.pipeline.layout.as_ref().map_or(0, |layout| layout.ours);
+    let sets = per_view_sets(device, recording, layout, ours).inspect_err(|why| device.give_up(why)).ok()?;
+    note_pictures(device, recording, main && (covers || !sources.is_empty()));
+    let pass = recording.pass.as_mut()?;
+    let (screen, off_screen) = (!sets.is_empty() && main && covers, !pass.target.window);
+    if screen && variants.asks_place {
+        device.give_up("a shader that reads a picture of its scene asks for its place on the screen");
+    }
+    let deep = variants.deep && main && layout.session.given_lens().is_some();
+    // A flat draw may have to go behind the scene, if none was drawn yet.
+    let may_be_behind = !sources.is_empty() || !pass.scene || off_screen || deep;
+    let own_lens = layout.views.iter().any(|view| view.own_lens);
+    let in_views = own_lens || main && (screen || variants.follows && may_be_behind);
+    pass.scene |= !sources.is_empty() || screen || deep;
+    let y_up = program.viewport.height < 0.0;
+    Some(Classified { facts: DrawFacts { sources, y_up, in_views, off_screen, deep, screen }, program, sets })
+}
+
+/// Notes what the pass makes of images that may hold a scene and that the draw's shaders can sample. `follows`: it
+/// shows all of them.
+fn note_pictures(device: &Device, recording: &mut Recording, follows: bool) {
+    let pictures = scene_graph::pictures(device, recording);
+    let Some(pass) = &recording.pass else { return };
+    let made = match pass.target.window {
+        _ if !follows => Made::Elsewhere,
+        true => Made::Window,
+        false => Made::Image(pass.target.given),
+    };
+    for picture in pictures {
+        device.scene_graph.note_made(picture, made);
+        device.images.scene(picture).into_iter().for_each(|scene| recording.samples(scene));
+    }
+}
+
+/// The copies for each view of the program's sets, as far as a draw needs any.
+///
+/// # Errors
+/// Why there are none.
+fn per_view_sets(
+    device: &Device,
+    recording: &Recording,
+    layout: &AtlasLayout,
+    ours: u32,
+) -> Result<Vec<PerViewSet>, String> {
+    let mut all = Vec::new();
+    if !device.images.has_candidates() && !device.descriptors.any_attachments() {
+        return Ok(all);
+    }
+    for (number, bound) in (0..ours).zip(&recording.graphics.bound) {
+        let Some(bound) = bound else { continue };
+        if let Some(sets) = device.descriptors.of_views(device, bound.set, layout)? {
+            let attachments = device.descriptors.reads_attachments(bound.set);
+            all.push(PerViewSet { number, sets, dynamic: bound.dynamic.clone(), attachments });
+        }
+    }
+    Ok(all)
+}
+
+/// Finds the draw group of a draw, or makes it, with memory for its view constants; `None` where there is none.
+fn select(
+    draw: &ProgramDraw<'_>,
+    recording: &mut Recording,
+    layout: &Arc<AtlasLayout>,
+    facts: DrawFacts,
+) -> Option<Selected> {
+    let device = draw.device;
+    let views = if facts.in_views { layout.views.len() } else { 0 };
+    // One for each view, one for the panel and one for the primary view.
+    let slots = 2 + views;
+    let same = recording.draw_groups.last_mut().filter(|group| group.takes(layout, &facts));
+    if same.is_none() {
+        let stride = device.slot_stride();
+        let taken = device.view_constants.take(&device.driver, &mut recording.constants, slots, stride);
+        let constants = taken.inspect_err(|_| device.give_up("there is no memory for its views")).ok()?;
+        recording.events.push(Event::DrawGroup(recording.draw_groups.len()));
+        recording.draw_groups.push(DrawGroup::new(constants, Arc::clone(layout), facts));
+    }
+    let index = recording.draw_groups.len() - 1;
+    let indirect = match &draw.size {
+        DrawSize::Known(parameters) => indirect::place(device, recording, parameters, slots as u32),
+        DrawSize::Unknown => None,
+    };
+    let group = &mut recording.draw_groups[index];
+    group.draws += 1;
+    group.indirect.extend(indirect);
+    let (constants, on_panel) = (group.constants, group.is_on_panel());
+    let times = views + usize::from(on_panel) + usize::from(layout.primary.is_some());
+    count_draw(recording, Some(index), draw.size.vertices(), indirect.is_none().then_some(times as u32));
+    Some(Selected { constants, views, on_panel, indirect })
+}
+
+/// Issues a draw into the tiles of `views` views, onto the panel and into the primary view.
+///
+/// # Safety
+/// The command buffer is being recorded, within a pass that draws to the atlas.
+unsafe fn issue(
+    mut tiles: TileDraws<'_>,
+    layout: &AtlasLayout,
+    views: usize,
+    on_panel: bool,
+    mut sets: Vec<PerViewSet>,
+    own: &dyn Fn(),
+) {
+    let (in_view, on_glass) = (tiles.variants.view, tiles.variants.panel);
+    let window_space = |rect| ViewTile { rect, own_lens: true };
+    // SAFETY: as promised.
+    unsafe {
+        for (index, tile) in layout.views.iter().enumerate().take(views) {
+            tiles.issue(in_view, index, tile, &sets, index, own);
+        }
+        tiles.unbind(&sets);
+        sets.retain(|set| set.attachments);
+        if on_panel {
+            tiles.issue(on_glass, views, &window_space(layout.panel), &sets, 0, own);
+        }
+        if let Some(primary) = layout.primary {
+            tiles.issue(in_view, views + 1, &window_space(primary), &sets, 0, own);
+        }
+        tiles.unbind(&sets);
+    }
+}

@@ -1,0 +1,203 @@
+//! A draw into a tile of the atlas: viewport and scissor, pipeline, view constants and descriptor sets.
+
+use crate::correct::single::pixels;
+use crate::intercept::scene;
+use crate::intercept::vk::commands::bound_state::set_window;
+use crate::intercept::vk::commands::rebind::rebind;
+use crate::intercept::vk::state::atlas_layout::{AtlasLayout, AtlasRect, ViewTile};
+use crate::intercept::vk::state::device::Device;
+use crate::intercept::vk::state::draw_parameters::IndirectDraw;
+use crate::intercept::vk::state::pipelines::{Pipeline, Variants};
+use crate::intercept::vk::state::recording::Recording;
+use crate::intercept::vk::state::view_constants::ChunkOffset;
+use ash::vk;
+use std::sync::Arc;
+
+/// Copies of one of the program's descriptor sets: with them its shaders see, in each view, that view
+/// of the scene where it was drawn off screen, and the atlas copies of attachments that they read.
+pub struct PerViewSet {
+    /// Number of the set.
+    pub(in crate::intercept::vk) number: u32,
+    /// One copy for each view.
+    pub(in crate::intercept::vk) sets: Arc<[vk::DescriptorSet]>,
+    /// Dynamic offsets of the program's set.
+    pub(in crate::intercept::vk) dynamic: Vec<u32>,
+    /// It has attachments, so that the program's own set fits no pass that draws to the atlas.
+    pub(in crate::intercept::vk) attachments: bool,
+}
+
+/// Viewport and scissor of the program for a draw.
+pub struct ProgramWindow {
+    pub(in crate::intercept::vk) viewport: vk::Viewport,
+    pub(in crate::intercept::vk) scissor: vk::Rect2D,
+}
+
+impl ProgramWindow {
+    /// Those of the pipeline, or those that commands set, or the whole window.
+    pub fn of(recording: &Recording, pipeline: &Pipeline, layout: &AtlasLayout) -> Self {
+        let (width, height) = (pixels(layout.window.0 as i32), pixels(layout.window.1 as i32));
+        let viewport = vk::Viewport { x: 0.0, y: 0.0, width, height, min_depth: 0.0, max_depth: 1.0 };
+        let scissor = vk::Extent2D { width: layout.window.0, height: layout.window.1 }.into();
+        Self {
+            viewport: pipeline.viewport.or(recording.graphics.viewport).unwrap_or(viewport),
+            scissor: pipeline.scissor.or(recording.graphics.scissor).unwrap_or(scissor),
+        }
+    }
+}
+
+/// What draws into the tiles of an atlas need.
+pub struct TileDraws<'a> {
+    pub(in crate::intercept::vk) device: &'a Device,
+    pub(in crate::intercept::vk) buffer: vk::CommandBuffer,
+    pub(in crate::intercept::vk) recording: &'a mut Recording,
+    pub(in crate::intercept::vk) pipeline: &'a Pipeline,
+    pub(in crate::intercept::vk) variants: &'a Variants,
+    pub(in crate::intercept::vk) constants: ChunkOffset,
+    pub(in crate::intercept::vk) program: ProgramWindow,
+    /// Size of the program's window.
+    pub(in crate::intercept::vk) window: (u32, u32),
+    /// The draw's parameters in memory, if the device reads them there.
+    pub(in crate::intercept::vk) indirect: Option<IndirectDraw>,
+}
+
+impl TileDraws<'_> {
+    /// Issues the draw into a tile by the pipeline `by`, with the view constants of `slot` and the copies
+    /// for `view` of the sets; `issue` records the program's own draw.
+    ///
+    /// # Safety
+    /// The command buffer is being recorded, in a pass that draws to the atlas.
+    pub unsafe fn issue(
+        &mut self,
+        by: vk::Pipeline,
+        slot: usize,
+        tile: &ViewTile,
+        sets: &[PerViewSet],
+        view: usize,
+        issue: &dyn Fn(),
+    ) {
+        // SAFETY: as promised; the parameters are those of this recording.
+        unsafe {
+            self.begin(by, slot, tile);
+            self.bind(sets, view);
+            match &self.indirect {
+                Some(draw) => {
+                    let chunks = &self.recording.constants.chunks;
+                    draw.issue(&self.device.driver, self.buffer, chunks, slot as u32);
+                }
+                None => issue(),
+            }
+        }
+    }
+
+    /// Binds the pipeline and the view constants, sets viewport and scissor.
+    ///
+    /// # Safety
+    /// The command buffer is being recorded.
+    unsafe fn begin(&mut self, by: vk::Pipeline, slot: usize, tile: &ViewTile) {
+        let (device, buffer) = (self.device, self.buffer);
+        let ProgramWindow { viewport, scissor } = &self.program;
+        let (viewport, scissor) = match tile.own_lens {
+            true => (move_to_tile(viewport, tile.rect), cut_to_tile(scissor, tile.rect, self.window)),
+            false => (fill_tile(viewport, tile.rect), tile.rect.to_vk()),
+        };
+        // SAFETY: as promised.
+        unsafe {
+            let graphics = vk::PipelineBindPoint::GRAPHICS;
+            let functions = &device.driver.functions;
+            if self.recording.graphics.current != by {
+                functions.cmd_bind_pipeline(buffer, graphics, by);
+                self.recording.graphics.current = by;
+            }
+            set_window(device, buffer, &viewport, &scissor, self.variants.with_count);
+            self.recording.graphics.disturbed = true;
+            let chunk = self.recording.constants.chunks.get(self.constants.chunk);
+            if let (Some(layout), Some(chunk)) = (&self.pipeline.layout, chunk) {
+                let offset = self.constants.offset + slot as u32 * device.slot_stride();
+                let set = [chunk.set(layout.counts)];
+                functions.cmd_bind_descriptor_sets(buffer, graphics, layout.handle, layout.ours, &set, &[offset]);
+                self.recording.graphics.displace_from(layout.ours);
+            }
+        }
+    }
+
+    /// Binds the copies of the program's sets for a view.
+    ///
+    /// # Safety
+    /// The command buffer is being recorded.
+    unsafe fn bind(&mut self, sets: &[PerViewSet], view: usize) {
+        let Some(layout) = &self.pipeline.layout else { return };
+        for PerViewSet { number, sets, dynamic, .. } in sets {
+            let Some(set) = sets.get(view) else { continue };
+            let (functions, graphics) = (&self.device.driver.functions, vk::PipelineBindPoint::GRAPHICS);
+            // SAFETY: as promised; the set is like the program's, which it bound for this place.
+            unsafe {
+                functions.cmd_bind_descriptor_sets(self.buffer, graphics, layout.handle, *number, &[*set], dynamic);
+            }
+        }
+    }
+
+    /// Puts the program's own sets back in the place of their copies.
+    ///
+    /// # Safety
+    /// The command buffer is being recorded.
+    pub unsafe fn unbind(&mut self, sets: &[PerViewSet]) {
+        let Some(first) = sets.first().map(|set| set.number) else { return };
+        self.recording.graphics.displace_from(first);
+        // SAFETY: as promised.
+        unsafe { rebind(self.device, self.buffer, self.recording, self.pipeline) };
+    }
+}
+
+/// Whether a viewport shows the main picture of an image of this size.
+pub fn is_main(viewport: &vk::Viewport, (width, height): (u32, u32)) -> bool {
+    let area = f64::from(width) * f64::from(height);
+    scene::viewport::is_main(viewport.width.into(), viewport.height.abs().into(), area)
+}
+
+/// A viewport moved to a tile.
+fn move_to_tile(viewport: &vk::Viewport, tile: AtlasRect) -> vk::Viewport {
+    vk::Viewport { x: viewport.x + pixels(tile.x), y: viewport.y + pixels(tile.y), ..*viewport }
+}
+
+/// A viewport over the whole of a tile, the same way up.
+fn fill_tile(viewport: &vk::Viewport, AtlasRect { x, y, width, height }: AtlasRect) -> vk::Viewport {
+    let (y, height) = if viewport.height < 0.0 { (y + height, -height) } else { (y, height) };
+    vk::Viewport { x: pixels(x), y: pixels(y), width: pixels(width), height: pixels(height), ..*viewport }
+}
+
+/// A scissor moved to a tile and cut at the borders of the window that it stands for.
+fn cut_to_tile(scissor: &vk::Rect2D, tile: AtlasRect, window: (u32, u32)) -> vk::Rect2D {
+    let axis = |offset: i32, extent: u32, window: u32, tile: i32| {
+        let end = i64::from(offset) + i64::from(extent);
+        let end = end.clamp(0, i64::from(window)) as i32;
+        let start = offset.clamp(0, end);
+        (tile + start, (end - start) as u32)
+    };
+    let (x, width) = axis(scissor.offset.x, scissor.extent.width, window.0, tile.x);
+    let (y, height) = axis(scissor.offset.y, scissor.extent.height, window.1, tile.y);
+    vk::Rect2D { offset: vk::Offset2D { x, y }, extent: vk::Extent2D { width, height } }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{cut_to_tile, fill_tile};
+    use crate::intercept::vk::state::atlas_layout::AtlasRect;
+    use ash::vk;
+
+    #[test]
+    fn a_scissor_is_cut_at_the_window_and_moved() {
+        let scissor =
+            |x, y, width, height| vk::Rect2D { offset: vk::Offset2D { x, y }, extent: vk::Extent2D { width, height } };
+        let tile = AtlasRect::from([1000, 10, 200, 100]);
+        assert_eq!(cut_to_tile(&scissor(20, 30, 50, 40), tile, (200, 100)), scissor(1020, 40, 50, 40));
+        assert_eq!(cut_to_tile(&scissor(150, 0, 5000, u32::MAX), tile, (200, 100)), scissor(1150, 10, 50, 100));
+        assert_eq!(cut_to_tile(&scissor(300, 0, 10, 10), tile, (200, 100)).extent.width, 0);
+    }
+
+    #[test]
+    fn an_upside_down_viewport_stays_so() {
+        let given = vk::Viewport { x: 0.0, y: 90.0, width: 50.0, height: -90.0, min_depth: 0.25, max_depth: 1.0 };
+        let filled = fill_tile(&given, AtlasRect::from([100, 200, 30, 40]));
+        assert_eq!((filled.y, filled.height, filled.min_depth), (240.0, -40.0, 0.25));
+    }
+}
