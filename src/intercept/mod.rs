@@ -9,6 +9,7 @@ pub mod kept;
 pub mod lens;
 pub mod live;
 pub mod log;
+pub mod obstacle;
 pub mod scene;
 pub mod settings;
 pub mod vk;

@@ -102,7 +102,7 @@ hooks! {
     cmd_bind_shaders = (
         buffer: vk::CommandBuffer, count: u32, stages: *const vk::ShaderStageFlags, shaders: *const vk::ShaderEXT
     ) { |state, next| {
-        state.give_up("shader objects");
+        state.show_flat("shader objects");
         next(buffer, count, stages, shaders)
     } }
 }

@@ -67,7 +67,7 @@ fn becomes(device: &Device, buffer: vk::CommandBuffer, (from, src): End, (to, ds
             }
             None => {
                 if !device.images.is_candidate(from) {
-                    device.give_up("it copies its picture to the window");
+                    device.show_flat("it copies its picture to the window");
                 }
                 drawn(&target, false);
                 CopyPlan::Same
@@ -78,14 +78,14 @@ fn becomes(device: &Device, buffer: vk::CommandBuffer, (from, src): End, (to, ds
             CopyPlan::Views(read.atlas, target)
         }
         (_, Some(target)) => {
-            device.give_up("it copies its picture to the window");
+            device.show_flat("it copies its picture to the window");
             drawn(&target, false);
             CopyPlan::Same
         }
         (Some(read), None) => match read.layout.own() {
             Some(own) => CopyPlan::Read(read.atlas, own),
             None => {
-                device.give_up("it copies its picture from the window");
+                device.show_flat("it copies its picture from the window");
                 CopyPlan::Same
             }
         },

@@ -1,5 +1,6 @@
 //! Render passes and framebuffers: which of them draw to a swapchain's image, and their atlas copies.
 
+use crate::intercept::obstacle::Obstacle;
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::framebuffers::{Framebuffer, Framebuffers, LaterAttachment, RenderPass};
 use crate::intercept::vk::state::hooks::hooks;
@@ -43,7 +44,7 @@ impl Framebuffer {
         target: &ViewTarget,
         pass: vk::RenderPass,
         given: &[vk::ImageView],
-    ) -> Result<vk::Framebuffer, String> {
+    ) -> Result<vk::Framebuffer, Obstacle> {
         let size = target.layout.atlas;
         let known =
             self.atlas_copies.lock().unwrap_or_else(PoisonError::into_inner).iter().find(|t| t.0 == size).map(|t| t.1);
@@ -51,7 +52,7 @@ impl Framebuffer {
             return Ok(known);
         }
         if self.layered || self.size != target.layout.window {
-            return Err("it draws to layers, or to a part of the window".to_owned());
+            return Err("it draws to layers, or to a part of the window".into());
         }
         let mut info = vk::FramebufferCreateInfo::default().render_pass(pass).width(size.0).height(size.1).layers(1);
         let views: Vec<vk::ImageView>;
@@ -219,7 +220,7 @@ hooks! {
             if let (true, Some(target)) = (state.draws_views(), new.target_now(&state.images))
                 && let Err(why) = new.atlas_copy(&state, &target, new.pass, &[])
             {
-                state.give_up(&why);
+                state.show_flat(why);
             }
             state.framebuffers.all.lock().unwrap_or_else(PoisonError::into_inner).insert(*made, new);
         }

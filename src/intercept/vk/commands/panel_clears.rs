@@ -75,6 +75,6 @@ pub unsafe fn clear_by_secondary(device: &Device, buffer: vk::CommandBuffer, rec
     match record() {
         // SAFETY: as promised.
         Ok(clearer) => unsafe { functions.cmd_execute_commands(buffer, &[clearer]) },
-        Err(error) => device.give_up(&format!("the driver refuses a command buffer: {error}")),
+        Err(error) => device.show_flat(format!("the driver refuses a command buffer: {error}")),
     }
 }

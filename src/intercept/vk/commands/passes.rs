@@ -1,6 +1,7 @@
 //! Passes: where one draws to a swapchain's image, it draws to the atlas in its place.
 
 use crate::backend::vk::COLOR;
+use crate::intercept::obstacle::Obstacle;
 use crate::intercept::vk::commands::panel_clears::{clear_panel, clear_pending};
 use crate::intercept::vk::commands::{barriers_and_clears, conditional_render};
 use crate::intercept::vk::offscreen::view_copies;
@@ -41,7 +42,7 @@ unsafe fn views_of<'a>(begin: &vk::RenderPassBeginInfo<'a>, framebuffer: &'a Fra
 
 /// # Safety
 /// `begin` must be the program's.
-unsafe fn replace(device: &Device, begin: &vk::RenderPassBeginInfo<'_>) -> Option<Result<Replaced, String>> {
+unsafe fn replace(device: &Device, begin: &vk::RenderPassBeginInfo<'_>) -> Option<Result<Replaced, Obstacle>> {
     let framebuffer = device.framebuffers.get(begin.framebuffer)?;
     // SAFETY: as promised.
     let views = unsafe { views_of(begin, &framebuffer) };
@@ -51,10 +52,10 @@ unsafe fn replace(device: &Device, begin: &vk::RenderPassBeginInfo<'_>) -> Optio
     let replaced = || {
         let pass = device.framebuffers.pass(begin.render_pass).ok_or("a render pass that is not known")?;
         if let Some(why) = pass.obstacle {
-            return Err(why.to_owned());
+            return Err(why.into());
         }
         if !is_whole(&begin.render_area, &target.layout) && !pass.may_grow {
-            return Err("it draws a part of the window at a time".to_owned());
+            return Err("it draws a part of the window at a time".into());
         }
         let atlas_copy = framebuffer.atlas_copy(device, &target, begin.render_pass, given.unwrap_or_default())?;
         let attachments = match given.filter(|given| !given.is_empty()) {
@@ -78,7 +79,7 @@ unsafe fn replace(device: &Device, begin: &vk::RenderPassBeginInfo<'_>) -> Optio
         Ok(Replaced { framebuffer: atlas_copy, attachments, pass: new })
     };
     if !device.draws_views() {
-        return Some(Err(String::new()));
+        return Some(Err(Obstacle::AlreadyFlat));
     }
     Some(replaced())
 }
@@ -108,10 +109,8 @@ unsafe fn begin(
     let replaced = match replaced {
         Some(Ok(replaced)) => replaced,
         other => {
-            if let Some(Err(why)) = &other
-                && !why.is_empty()
-            {
-                device.give_up(why);
+            if let Some(Err(why)) = other {
+                device.show_flat(why);
             }
             // SAFETY: as promised.
             let views = framebuffer.as_ref().map_or(&[][..], |framebuffer| unsafe { views_of(info, framebuffer) });
@@ -137,7 +136,7 @@ unsafe fn begin(
         let first = unsafe { given_by_pass.cast::<vk::BaseInStructure<'_>>().as_ref() };
         let first = first.filter(|first| first.s_type == vk::StructureType::RENDER_PASS_ATTACHMENT_BEGIN_INFO);
         let Some(first) = first else {
-            device.give_up("structures in a chain that are not known");
+            device.show_flat("structures in a chain that are not known");
             plain(device, buffer, Some(replaced.pass.target), &[]);
             return next(info);
         };
@@ -242,8 +241,8 @@ unsafe fn change_layout(device: &Device, buffer: vk::CommandBuffer, layout_chang
 /// An attachment with `atlas copy`s in the place of its images.
 fn attachment<'a>(
     given: &vk::RenderingAttachmentInfo<'a>,
-    atlas_copy: &dyn Fn(vk::ImageView) -> Result<vk::ImageView, String>,
-) -> Result<vk::RenderingAttachmentInfo<'a>, String> {
+    atlas_copy: &dyn Fn(vk::ImageView) -> Result<vk::ImageView, Obstacle>,
+) -> Result<vk::RenderingAttachmentInfo<'a>, Obstacle> {
     let mut changed = *given;
     changed.image_view = atlas_copy(given.image_view)?;
     changed.resolve_image_view = atlas_copy(given.resolve_image_view)?;
@@ -278,9 +277,9 @@ unsafe fn begin_rendering(
     };
     let whole = is_whole(&info.render_area, layout);
     let secondary = info.flags.contains(vk::RenderingFlags::CONTENTS_SECONDARY_COMMAND_BUFFERS);
-    let replaced = || -> Result<_, String> {
+    let replaced = || -> Result<_, Obstacle> {
         if info.view_mask != 0 || info.layer_count != 1 {
-            return Err("it draws several views itself".to_owned());
+            return Err("it draws several views itself".into());
         }
         let mut all = Attachments {
             colors: colors.iter().map(|color| attachment(color, &atlas_copy)).collect::<Result<_, _>>()?,
@@ -289,17 +288,15 @@ unsafe fn begin_rendering(
         };
         let clears = if whole { Vec::new() } else { all.keep() };
         if secondary && !clears.is_empty() {
-            return Err("it clears a part of the window in a pass of secondary command buffers".to_owned());
+            return Err("it clears a part of the window in a pass of secondary command buffers".into());
         }
         Ok((all, clears))
     };
-    let replaced = if device.draws_views() { replaced() } else { Err(String::new()) };
+    let replaced = if device.draws_views() { replaced() } else { Err(Obstacle::AlreadyFlat) };
     let (all, clears) = match replaced {
         Ok(replaced) => replaced,
         Err(why) => {
-            if !why.is_empty() {
-                device.give_up(&why);
-            }
+            device.show_flat(why);
             plain(device, buffer, Some(Arc::clone(&target)), &views);
             return next(info);
         }

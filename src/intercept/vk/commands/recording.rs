@@ -139,7 +139,7 @@ hooks! {
         if let Some(Some(views)) = in_pass
             && kinds.iter().flatten().any(|kind| *kind != views)
         {
-            state.give_up("its secondary command buffers do not say what they draw to");
+            state.show_flat("its secondary command buffers do not say what they draw to");
         }
         next(buffer, count, others)
     } }

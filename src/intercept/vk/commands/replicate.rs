@@ -9,6 +9,7 @@
 //! Whether the draw is of the scene or flat is decided when the command buffer is submitted
 //! (`submit::draw_groups`); until then all tiles that may show it get the draw.
 
+use crate::intercept::obstacle::Obstacle;
 use crate::intercept::vk::commands::indirect;
 use crate::intercept::vk::commands::panel_clears::clear_pending;
 use crate::intercept::vk::commands::rebind::rebind;
@@ -59,7 +60,7 @@ struct Selected {
 pub unsafe fn draw_to_views(draw: &ProgramDraw<'_>, recording: &mut Recording) {
     let Some(variants) = &draw.pipeline.variants else {
         // Its window space is not that of a tile.
-        draw.device.give_up(&draw.device.flatness.pipeline_obstacle());
+        draw.device.show_flat(draw.device.flatness.pipeline_obstacle());
         return;
     };
     // SAFETY: as promised.
@@ -93,12 +94,12 @@ fn classify(
         false => Vec::new(),
     };
     let ours = draw.pipeline.layout.as_ref().map_or(0, |layout| layout.ours);
-    let sets = per_view_sets(device, recording, layout, ours).inspect_err(|why| device.give_up(why)).ok()?;
+    let sets = per_view_sets(device, recording, layout, ours).map_err(|why| device.show_flat(why)).ok()?;
     note_pictures(device, recording, main && (covers || !sources.is_empty()));
     let pass = recording.pass.as_mut()?;
     let (screen, off_screen) = (!sets.is_empty() && main && covers, !pass.target.window);
     if screen && variants.asks_place {
-        device.give_up("a shader that reads a picture of its scene asks for its place on the screen");
+        device.show_flat("a shader that reads a picture of its scene asks for its place on the screen");
     }
     let deep = variants.deep && main && layout.session.given_lens().is_some();
     // A flat draw may have to go behind the scene, if none was drawn yet.
@@ -135,7 +136,7 @@ fn per_view_sets(
     recording: &Recording,
     layout: &AtlasLayout,
     ours: u32,
-) -> Result<Vec<PerViewSet>, String> {
+) -> Result<Vec<PerViewSet>, Obstacle> {
     let mut all = Vec::new();
     if !device.images.has_candidates() && !device.descriptors.any_attachments() {
         return Ok(all);
@@ -165,7 +166,7 @@ fn select(
     if same.is_none() {
         let stride = device.slot_stride();
         let taken = device.view_constants.take(&device.driver, &mut recording.constants, slots, stride);
-        let constants = taken.inspect_err(|_| device.give_up("there is no memory for its views")).ok()?;
+        let constants = taken.inspect_err(|_| device.show_flat("there is no memory for its views")).ok()?;
         recording.events.push(Event::DrawGroup(recording.draw_groups.len()));
         recording.draw_groups.push(DrawGroup::new(constants, Arc::clone(layout), facts));
     }

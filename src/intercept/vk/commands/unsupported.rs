@@ -16,7 +16,7 @@ fn is_followed(device: &Device, image: vk::Image) -> bool {
 /// The processor reads or writes images without a command.
 fn by_host(device: &Device, images: &[vk::Image]) {
     if images.iter().any(|image| is_followed(device, *image)) {
-        device.give_up("it changes images of its picture without commands");
+        device.show_flat("it changes images of its picture without commands");
     }
 }
 
@@ -32,63 +32,63 @@ const GENERATED: &str = "the device makes its commands";
 hooks! {
     cmd_bind_descriptor_sets2 = (
         buffer: vk::CommandBuffer, info: *const vk::BindDescriptorSetsInfoKHR<'_>
-    ) { |state, next| { state.give_up(BINDINGS); next(buffer, info) } }
+    ) { |state, next| { state.show_flat(BINDINGS); next(buffer, info) } }
     cmd_push_constants2 = (
         buffer: vk::CommandBuffer, info: *const vk::PushConstantsInfoKHR<'_>
-    ) { |state, next| { state.give_up(BINDINGS); next(buffer, info) } }
+    ) { |state, next| { state.show_flat(BINDINGS); next(buffer, info) } }
     cmd_push_descriptor_set2 = (
         buffer: vk::CommandBuffer, info: *const vk::PushDescriptorSetInfoKHR<'_>
-    ) { |state, next| { state.give_up(BINDINGS); next(buffer, info) } }
+    ) { |state, next| { state.show_flat(BINDINGS); next(buffer, info) } }
     cmd_push_with_template2 = (
         buffer: vk::CommandBuffer, info: *const vk::PushDescriptorSetWithTemplateInfoKHR<'_>
-    ) { |state, next| { state.give_up(BINDINGS); next(buffer, info) } }
+    ) { |state, next| { state.show_flat(BINDINGS); next(buffer, info) } }
     cmd_bind_descriptor_buffers = (
         buffer: vk::CommandBuffer, count: u32, buffers: *const vk::DescriptorBufferBindingInfoEXT<'_>
-    ) { |state, next| { state.give_up(BINDINGS); next(buffer, count, buffers) } }
+    ) { |state, next| { state.show_flat(BINDINGS); next(buffer, count, buffers) } }
     cmd_bind_shader_group = (
         buffer: vk::CommandBuffer, point: vk::PipelineBindPoint, pipeline: vk::Pipeline, group: u32
-    ) { |state, next| { state.give_up(GENERATED); next(buffer, point, pipeline, group) } }
+    ) { |state, next| { state.show_flat(GENERATED); next(buffer, point, pipeline, group) } }
     cmd_execute_generated = (
         buffer: vk::CommandBuffer, prepared: vk::Bool32, info: *const vk::GeneratedCommandsInfoNV<'_>
-    ) { |state, next| { state.give_up(GENERATED); next(buffer, prepared, info) } }
+    ) { |state, next| { state.show_flat(GENERATED); next(buffer, prepared, info) } }
     cmd_draw_cluster = (
         buffer: vk::CommandBuffer, x: u32, y: u32, z: u32
-    ) { |state, next| { state.give_up("it draws clusters"); next(buffer, x, y, z) } }
+    ) { |state, next| { state.show_flat("it draws clusters"); next(buffer, x, y, z) } }
     cmd_draw_cluster_indirect = (
         buffer: vk::CommandBuffer, from: vk::Buffer, offset: vk::DeviceSize
-    ) { |state, next| { state.give_up("it draws clusters"); next(buffer, from, offset) } }
+    ) { |state, next| { state.show_flat("it draws clusters"); next(buffer, from, offset) } }
     cmd_subpass_shading = (
         buffer: vk::CommandBuffer
-    ) { |state, next| { state.give_up("it shades a pass by compute shaders"); next(buffer) } }
+    ) { |state, next| { state.show_flat("it shades a pass by compute shaders"); next(buffer) } }
     cmd_set_discard_rectangle = (
         buffer: vk::CommandBuffer, first: u32, count: u32, rectangles: *const vk::Rect2D
-    ) { |state, next| { state.give_up(WINDOW_SPACE); next(buffer, first, count, rectangles) } }
+    ) { |state, next| { state.show_flat(WINDOW_SPACE); next(buffer, first, count, rectangles) } }
     cmd_set_exclusive_scissor = (
         buffer: vk::CommandBuffer, first: u32, count: u32, rectangles: *const vk::Rect2D
-    ) { |state, next| { state.give_up(WINDOW_SPACE); next(buffer, first, count, rectangles) } }
+    ) { |state, next| { state.show_flat(WINDOW_SPACE); next(buffer, first, count, rectangles) } }
     cmd_set_viewport_w_scaling = (
         buffer: vk::CommandBuffer, first: u32, count: u32, scalings: *const vk::ViewportWScalingNV
-    ) { |state, next| { state.give_up(WINDOW_SPACE); next(buffer, first, count, scalings) } }
+    ) { |state, next| { state.show_flat(WINDOW_SPACE); next(buffer, first, count, scalings) } }
     cmd_set_viewport_swizzle = (
         buffer: vk::CommandBuffer, first: u32, count: u32, swizzles: *const vk::ViewportSwizzleNV
-    ) { |state, next| { state.give_up(WINDOW_SPACE); next(buffer, first, count, swizzles) } }
+    ) { |state, next| { state.show_flat(WINDOW_SPACE); next(buffer, first, count, swizzles) } }
     cmd_bind_shading_rate_image = (
         buffer: vk::CommandBuffer, view: vk::ImageView, layout: vk::ImageLayout
-    ) { |state, next| { state.give_up(WINDOW_SPACE); next(buffer, view, layout) } }
+    ) { |state, next| { state.show_flat(WINDOW_SPACE); next(buffer, view, layout) } }
     cmd_bind_invocation_mask = (
         buffer: vk::CommandBuffer, view: vk::ImageView, layout: vk::ImageLayout
-    ) { |state, next| { state.give_up(WINDOW_SPACE); next(buffer, view, layout) } }
+    ) { |state, next| { state.show_flat(WINDOW_SPACE); next(buffer, view, layout) } }
     cmd_set_attachment_locations = (
         buffer: vk::CommandBuffer, info: *const vk::RenderingAttachmentLocationInfoKHR<'_>
-    ) { |state, next| { state.give_up("its shaders read what they draw to"); next(buffer, info) } }
+    ) { |state, next| { state.show_flat("its shaders read what they draw to"); next(buffer, info) } }
     cmd_set_input_indices = (
         buffer: vk::CommandBuffer, info: *const vk::RenderingInputAttachmentIndexInfoKHR<'_>
-    ) { |state, next| { state.give_up("its shaders read what they draw to"); next(buffer, info) } }
+    ) { |state, next| { state.show_flat("its shaders read what they draw to"); next(buffer, info) } }
     cmd_copy_memory_to_image = (
         buffer: vk::CommandBuffer, from: vk::DeviceAddress, count: u32, stride: u32, to: vk::Image, layout: vk::ImageLayout, layers: *const vk::ImageSubresourceLayers
     ) { |state, next| {
         if is_followed(&state, to) {
-            state.give_up("it copies its picture to the window");
+            state.show_flat("it copies its picture to the window");
         }
         next(buffer, from, count, stride, to, layout, layers)
     } }

@@ -1,6 +1,7 @@
 //! Copies of the program's descriptor sets, one for each view, that show its shaders the view's view copy in the place of a
 //! picture of the scene, and the atlas copy in the place of an attachment that they read.
 
+use crate::intercept::obstacle::Obstacle;
 use crate::intercept::vk::state::atlas_layout::AtlasLayout;
 use crate::intercept::vk::state::descriptors::SetLayout;
 use crate::intercept::vk::state::device::Device;
@@ -33,7 +34,7 @@ impl Copies {
         device: &Device,
         original: &ProgramSet<'_>,
         layout: &AtlasLayout,
-    ) -> Result<Option<Arc<[vk::DescriptorSet]>>, String> {
+    ) -> Result<Option<Arc<[vk::DescriptorSet]>>, Obstacle> {
         let mut view_copies = Vec::new();
         for (place, picture) in &original.contents.pictures {
             let view_copy = match picture.attachment {
@@ -71,10 +72,10 @@ impl Copies {
         Ok(Some(Arc::clone(&copies.sets)))
     }
 
-    fn new(device: &Device, original: &ProgramSet<'_>, views: usize) -> Result<Self, String> {
+    fn new(device: &Device, original: &ProgramSet<'_>, views: usize) -> Result<Self, Obstacle> {
         let handle = original.handle.ok_or("a descriptor set whose layout is gone")?;
         if original.layout.changes_later {
-            return Err("its descriptors may change after they are bound".to_owned());
+            return Err("its descriptors may change after they are bound".into());
         }
         let mut sizes: BTreeMap<vk::DescriptorType, u32> = BTreeMap::new();
         for (kind, count) in original.layout.bindings.values().filter(|(_, count)| *count > 0) {

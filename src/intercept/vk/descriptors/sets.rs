@@ -1,5 +1,6 @@
 //! Descriptor sets of the program: which buffer a binding leads to.
 
+use crate::intercept::obstacle::Obstacle;
 use crate::intercept::vk::descriptors::per_view_sets::ProgramSet;
 use crate::intercept::vk::state::atlas_layout::AtlasLayout;
 use crate::intercept::vk::state::descriptors::{
@@ -37,7 +38,7 @@ impl Descriptors {
         device: &Device,
         handle: vk::DescriptorSet,
         layout: &AtlasLayout,
-    ) -> Result<Option<Arc<[vk::DescriptorSet]>>, String> {
+    ) -> Result<Option<Arc<[vk::DescriptorSet]>>, Obstacle> {
         let mut sets = self.sets.lock().unwrap_or_else(PoisonError::into_inner);
         let Some(set) = sets.get_mut(&handle) else { return Ok(None) };
         let known = self.layout(set.handle).filter(|known| Arc::ptr_eq(known, &set.layout));

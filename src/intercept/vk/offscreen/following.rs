@@ -5,6 +5,7 @@
 //! Atlases and other atlas copies stay until the program destroys its image, and are used again if their size comes back: a
 //! barrier that is recorded somewhere may name them.
 
+use crate::intercept::obstacle::Obstacle;
 use crate::intercept::vk::state::atlas_layout::AtlasLayout;
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::images::Images;
@@ -16,7 +17,7 @@ impl Images {
     ///
     /// # Errors
     /// What the driver refuses; then such an image is the program's own.
-    pub fn follow(&self, device: &Device, layout: &Arc<AtlasLayout>) -> Result<(), String> {
+    pub fn follow(&self, device: &Device, layout: &Arc<AtlasLayout>) -> Result<(), Obstacle> {
         for image in self.duplicated() {
             let old = {
                 let mut images = self.images.lock().unwrap_or_else(PoisonError::into_inner);

@@ -4,6 +4,7 @@
 //! pass draws to together with them (depth, samples) gets a atlas copy as large as the atlas. [`scenes`] has what is done with
 //! images that may hold a scene, [`following`] what becomes of them when the window gets other views.
 
+use crate::intercept::obstacle::Obstacle;
 use crate::intercept::vk::state::atlas_layout::AtlasLayout;
 use crate::intercept::vk::state::descriptors;
 use crate::intercept::vk::state::device::Device;
@@ -33,7 +34,7 @@ impl Images {
         let drawn = state.target.as_ref().map_or(!attachment && !state.atlas_copies.is_empty(), |target| target.window);
         drop(images);
         if drawn {
-            device.give_up("its shaders read what it draws together with the window");
+            device.show_flat("its shaders read what it draws together with the window");
         }
     }
 
@@ -46,7 +47,7 @@ impl Images {
         device: &Device,
         view: vk::ImageView,
         layout: &AtlasLayout,
-    ) -> Result<vk::ImageView, String> {
+    ) -> Result<vk::ImageView, Obstacle> {
         let (image, atlas_copies) = {
             let views = self.views.lock().unwrap_or_else(PoisonError::into_inner);
             let state = views.get(&view).ok_or("it draws to an image view that is not known")?;
@@ -54,7 +55,7 @@ impl Images {
                 && state.range.base_mip_level == 0
                 && state.range.base_array_layer == 0;
             if !single {
-                return Err("it draws to layers or levels of images together with the window".to_owned());
+                return Err("it draws to layers or levels of images together with the window".into());
             }
             (state.image, state.atlas_copies.clone())
         };
@@ -88,25 +89,23 @@ impl Images {
         image: vk::Image,
         layout: &AtlasLayout,
         scene: bool,
-    ) -> Result<vk::Image, String> {
+    ) -> Result<vk::Image, Obstacle> {
         let size = layout.atlas;
         let (info, format, believed) = {
             let images = self.images.lock().unwrap_or_else(PoisonError::into_inner);
             let state = images.get(&image).ok_or("it draws to an image that is not known")?;
             if let Some(target) = &state.target {
                 let fits = target.layout.atlas == size;
-                return fits
-                    .then_some(target.atlas)
-                    .ok_or_else(|| "it draws to windows of two sizes at once".to_owned());
+                return fits.then_some(target.atlas).ok_or_else(|| "it draws to windows of two sizes at once".into());
             }
             if let Some((_, atlas_copy)) = state.atlas_copies.iter().find(|(of, _)| *of == size) {
                 return Ok(atlas_copy.image);
             }
             if state.described && !scene {
-                return Err("its shaders read what it draws together with the window".to_owned());
+                return Err("its shaders read what it draws together with the window".into());
             }
             if state.kind != vk::ImageType::TYPE_2D || state.mip_levels != 1 || state.layers != 1 {
-                return Err("it draws to layers or levels of images together with the window".to_owned());
+                return Err("it draws to layers or levels of images together with the window".into());
             }
             let info = vk::ImageCreateInfo::default()
                 .flags(state.flags)

@@ -23,11 +23,11 @@ pub fn decide(device: &Device) {
     let Some(layout) = device.swapchains.latest_layout() else { return };
     for image in &chosen {
         if let Err(why) = device.images.duplicate(device, *image, &layout) {
-            return device.give_up(&why);
+            return device.show_flat(why);
         }
     }
     if device.images.duplicated().any(|image| device.scene_graph.is_lost(image)) {
-        device.give_up("a picture of its scene is used in a way that was not seen before");
+        device.show_flat("a picture of its scene is used in a way that was not seen before");
     }
 }
 
@@ -88,7 +88,7 @@ pub fn ran(device: &Device, targets: &[vk::Image], sources: &[MatrixSource]) {
     for target in targets {
         device.scene_graph.note_scene(*target);
         if device.images.target_of_image(*target).is_some_and(|target| target.was_missed()) {
-            device.give_up("the commands that draw its scene were recorded before it was seen on the window");
+            device.show_flat("the commands that draw its scene were recorded before it was seen on the window");
         }
     }
 }

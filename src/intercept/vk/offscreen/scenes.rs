@@ -1,5 +1,6 @@
 //! Images of the program that may hold a scene on its way to the window, and the view copies of those that do.
 
+use crate::intercept::obstacle::Obstacle;
 use crate::intercept::settings;
 use crate::intercept::vk::offscreen::view_copies;
 use crate::intercept::vk::state::atlas_layout::AtlasLayout;
@@ -27,7 +28,7 @@ impl Images {
         if let Some(layout) = device.swapchains.latest_layout().filter(|layout| known && layout.window == size)
             && let Err(why) = self.duplicate(device, handle, &layout)
         {
-            device.give_up(&why);
+            device.show_flat(why);
         }
     }
 
@@ -35,7 +36,7 @@ impl Images {
     ///
     /// # Errors
     /// What the driver refuses.
-    pub fn duplicate(&self, device: &Device, image: vk::Image, layout: &Arc<AtlasLayout>) -> Result<(), String> {
+    pub fn duplicate(&self, device: &Device, image: vk::Image, layout: &Arc<AtlasLayout>) -> Result<(), Obstacle> {
         if self.target_of_image(image).is_some() {
             return Ok(());
         }
@@ -64,7 +65,7 @@ impl Images {
                 Err(error) => {
                     // SAFETY: ours, and not used yet.
                     view_copies.iter().for_each(|view_copy| unsafe { view_copy.destroy(&device.driver) });
-                    return Err(format!("the driver refuses an image of {width} × {height}: {error}"));
+                    return Err(format!("the driver refuses an image of {width} × {height}: {error}").into());
                 }
             }
         }
@@ -104,7 +105,7 @@ impl Images {
         device: &Device,
         view: vk::ImageView,
         layout: &AtlasLayout,
-    ) -> Result<Option<ViewCopies>, String> {
+    ) -> Result<Option<ViewCopies>, Obstacle> {
         let (image, info, known) = {
             let views = self.views.lock().unwrap_or_else(PoisonError::into_inner);
             let Some(state) = views.get(&view) else { return Ok(None) };
@@ -119,7 +120,7 @@ impl Images {
             return Ok(None);
         };
         if (target.layout.version, target.view_copies.len()) != (layout.version, layout.views.len()) {
-            return Err("a picture of its scene has other views than the window".to_owned());
+            return Err("a picture of its scene has other views than the window".into());
         }
         let mut all = Vec::with_capacity(target.view_copies.len());
         for view_copy in &target.view_copies {

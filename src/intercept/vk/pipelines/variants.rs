@@ -2,6 +2,7 @@
 //! libraries has variants that are linked from theirs.
 
 use crate::intercept::log;
+use crate::intercept::obstacle::Obstacle;
 use crate::intercept::vk::pipelines::create_info::{Parts, Relinked};
 use crate::intercept::vk::pipelines::dividing_stage;
 use crate::intercept::vk::pipelines::stages::{name_of, words_of};
@@ -43,9 +44,9 @@ fn layout_of(device: &Device, parts: &Parts<'_>, linked: &[Arc<Pipeline>]) -> Op
 ///
 /// # Safety
 /// `parts` must be of a pipeline that the program has just made.
-pub unsafe fn make(device: &Device, cache: vk::PipelineCache, parts: &Parts<'_>) -> Result<Variants, String> {
+pub unsafe fn make(device: &Device, cache: vk::PipelineCache, parts: &Parts<'_>) -> Result<Variants, Obstacle> {
     if let Some(why) = parts.obstacle() {
-        return Err(why.to_owned());
+        return Err(why.into());
     }
     let linked = |library: &vk::Pipeline| device.pipelines.get(*library).filter(|known| known.variants.is_some());
     let linked: Option<Vec<Arc<Pipeline>>> = parts.libraries.iter().map(linked).collect();
@@ -58,7 +59,7 @@ pub unsafe fn make(device: &Device, cache: vk::PipelineCache, parts: &Parts<'_>)
     let others = linked.iter().filter_map(|library| library.layout.as_ref());
     let alike = |a: &PipelineLayout, b: &PipelineLayout| (a.ours, a.counts) == (b.ours, b.counts);
     if others.clone().any(|other| layout.as_ref().is_some_and(|layout| !alike(layout, other))) {
-        return Err("its libraries have layouts with different sets".to_owned());
+        return Err("its libraries have layouts with different sets".into());
     }
     let libraries = || linked.iter().filter_map(|library| library.variants.as_ref());
     let fragments = parts.stages.iter().filter(|stage| stage.stage == vk::ShaderStageFlags::FRAGMENT);
@@ -84,7 +85,7 @@ pub unsafe fn make(device: &Device, cache: vk::PipelineCache, parts: &Parts<'_>)
                     match dividing_stage::stage(device, parts, &layout) {
                         Ok(None) => {}
                         Ok(Some(words)) => divided = Some(with_stage(&parts.stages, modules.make(&words)?)),
-                        Err(why) => device.pipelines.divided.not(why),
+                        Err(why) => device.pipelines.divided.note_undivided(why),
                     }
                 }
                 Err(why) => log::once(&format!("Vulkan: what a pipeline draws is flat: {why}")),
@@ -92,7 +93,7 @@ pub unsafe fn make(device: &Device, cache: vk::PipelineCache, parts: &Parts<'_>)
         }
         let made = match &divided {
             Some(of_views) => create_both(device, cache, parts, [of_views, &stages], &linked).or_else(|why| {
-                device.pipelines.divided.not(&why);
+                device.pipelines.divided.note_undivided(why.reason().unwrap_or_default());
                 create_both(device, cache, parts, [&stages, &stages], &linked)
             }),
             None => create_both(device, cache, parts, [&stages, &stages], &linked),
@@ -121,12 +122,12 @@ struct Modules<'a> {
 }
 
 impl Modules<'_> {
-    fn make(&mut self, words: &[u32]) -> Result<vk::ShaderModule, String> {
+    fn make(&mut self, words: &[u32]) -> Result<vk::ShaderModule, Obstacle> {
         let info = vk::ShaderModuleCreateInfo::default().code(words);
         // SAFETY: the device is live.
         let made = unsafe { self.device.driver.functions.create_shader_module(&info, None) };
         self.made.extend(made);
-        made.map_err(|error| error.to_string())
+        made.map_err(|error| error.to_string().into())
     }
 }
 
@@ -212,7 +213,7 @@ unsafe fn create_both(
     parts: &Parts<'_>,
     stages: [&[vk::PipelineShaderStageCreateInfo<'_>]; 2],
     linked: &[Arc<Pipeline>],
-) -> Result<(vk::Pipeline, vk::Pipeline), String> {
+) -> Result<(vk::Pipeline, vk::Pipeline), Obstacle> {
     use vk::DynamicState as D;
     let mut states = parts.dynamic.to_vec();
     for (plain, with_count) in [(D::VIEWPORT, D::VIEWPORT_WITH_COUNT), (D::SCISSOR, D::SCISSOR_WITH_COUNT)] {

@@ -1,5 +1,6 @@
 //! Devices: what Cupola knows of each, in parts.
 
+use crate::intercept::obstacle::Obstacle;
 use crate::intercept::vk::state::descriptors::Descriptors;
 use crate::intercept::vk::state::draw_groups::Frame;
 use crate::intercept::vk::state::driver::Driver;
@@ -115,8 +116,8 @@ impl Device {
     }
 
     /// From now on the program's picture is shown flat; the log says why.
-    pub fn give_up(&self, why: &str) {
-        self.flatness.give_up(why);
+    pub fn show_flat(&self, why: impl Into<Obstacle>) {
+        self.flatness.show_flat(&why.into());
     }
 
     /// The family of a queue.

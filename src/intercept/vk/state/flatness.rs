@@ -1,6 +1,7 @@
 //! Whether draws are issued for each view, and why not.
 
 use crate::intercept::log;
+use crate::intercept::obstacle::Obstacle;
 use std::sync::OnceLock;
 
 /// The reasons for which a device's draws are not issued for each view.
@@ -9,7 +10,7 @@ pub struct Flatness {
     /// Why the program's picture is shown flat; empty as long as it is not.
     reason: OnceLock<String>,
     /// Why some pipeline has no variants.
-    pipeline: OnceLock<String>,
+    pipeline: OnceLock<Obstacle>,
 }
 
 impl Flatness {
@@ -19,8 +20,9 @@ impl Flatness {
     }
 
     /// From now on the program's picture is shown flat; the log says why.
-    pub fn give_up(&self, why: &str) {
-        if self.reason.set(why.to_owned()).is_ok() {
+    pub fn show_flat(&self, why: &Obstacle) {
+        let Some(reason) = why.reason() else { return };
+        if self.reason.set(reason.to_owned()).is_ok() {
             log::once(&self.note().unwrap_or_default());
         }
     }
@@ -33,13 +35,13 @@ impl Flatness {
         ))
     }
 
-    /// A pipeline has no variants; that matters when it draws to a window.
-    pub fn note_pipeline(&self, why: &str) {
-        let _ = self.pipeline.set(why.to_owned());
+    /// Notes why a pipeline has no variants; that matters when it draws to a window.
+    pub fn note_pipeline(&self, why: &Obstacle) {
+        let _ = self.pipeline.set(why.clone());
     }
 
     /// Why some pipeline has no variants.
-    pub fn pipeline_obstacle(&self) -> String {
-        self.pipeline.get().cloned().unwrap_or_else(|| "a pipeline that is not known".to_owned())
+    pub fn pipeline_obstacle(&self) -> Obstacle {
+        self.pipeline.get().cloned().unwrap_or_else(|| "a pipeline that is not known".into())
     }
 }

@@ -31,7 +31,7 @@ macro_rules! hooks {
                 match $crate::fence::guard(|| unsafe { $body }) {
                     Some(answer) => answer,
                     None => {
-                        $device.give_up("a failure of Cupola's");
+                        $device.show_flat("a failure of Cupola's");
                         // SAFETY: the program's own call, passed on with its own arguments.
                         unsafe { $next($first $(, $p)*) }
                     }

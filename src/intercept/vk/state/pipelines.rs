@@ -99,7 +99,7 @@ pub struct DivisionStatistics {
 
 impl DivisionStatistics {
     /// What a pipeline draws is not divided; the log says why, once.
-    pub fn not(&self, why: &str) {
+    pub fn note_undivided(&self, why: &str) {
         log::once(&format!("Vulkan: what a pipeline draws is not divided: {why}"));
         *self.undivided.lock().unwrap_or_else(PoisonError::into_inner).entry(why.to_owned()).or_default() += 1;
     }

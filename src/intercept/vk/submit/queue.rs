@@ -20,7 +20,7 @@ unsafe fn submitted(device: &Device, queue: vk::Queue, buffers: impl Iterator<It
     if !pending.is_empty() {
         // SAFETY: as promised.
         if let Err(error) = unsafe { bring(device, queue, &pending) } {
-            device.give_up(&format!("the driver refuses commands: {error}"));
+            device.show_flat(format!("the driver refuses commands: {error}"));
         }
     }
 }

@@ -219,7 +219,7 @@ unsafe fn build(
             // SAFETY: as promised.
             let stand_in = unsafe { StandIn::new(device, info, &real, Arc::clone(&layout), settings.stats.is_some())? };
             if let Err(why) = device.images.follow(device, &layout) {
-                device.give_up(&why);
+                device.show_flat(why);
             }
             Some(stand_in)
         }

@@ -1,0 +1,46 @@
+//! Why drawing is shown flat, or not drawn once per view.
+
+use std::borrow::Cow;
+
+/// What keeps a draw, a pass or a program from being drawn once per view.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Obstacle {
+    /// Everything is shown flat already; the reason for that was reported.
+    AlreadyFlat,
+    /// A reason, for the log and the statistics.
+    Reason(Cow<'static, str>),
+}
+
+impl Obstacle {
+    /// The reason, if there is one to report.
+    pub fn reason(&self) -> Option<&str> {
+        match self {
+            Self::AlreadyFlat => None,
+            Self::Reason(reason) => Some(reason),
+        }
+    }
+}
+
+impl From<&'static str> for Obstacle {
+    fn from(reason: &'static str) -> Self {
+        Self::Reason(Cow::Borrowed(reason))
+    }
+}
+
+impl From<String> for Obstacle {
+    fn from(reason: String) -> Self {
+        Self::Reason(Cow::Owned(reason))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Obstacle;
+
+    #[test]
+    fn a_program_that_is_flat_already_has_nothing_to_report() {
+        assert_eq!(Obstacle::AlreadyFlat.reason(), None);
+        assert_eq!(Obstacle::from("shader objects").reason(), Some("shader objects"));
+        assert_eq!(Obstacle::from(String::new()).reason(), Some(""), "an empty reason is a reason");
+    }
+}
