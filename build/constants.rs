@@ -24,7 +24,8 @@ impl Types {
         self.passes.push((name.to_owned(), constants.is_some(), members.to_vec()));
     }
 
-    /// Name of the Rust type for `ty`, and the statement that appends `value` of that type to the scalars.
+    /// Name of the Rust type for `ty`, and the statement that appends `value` of that type to the
+    /// scalars.
     fn rust(&mut self, module: &Module, ty: Handle<Type>, pass: &str, value: &str) -> (String, String) {
         let floats = |count: usize| (format!("[f32; {count}]"), format!("out.extend({value});"));
         match &module.types[ty].inner {
@@ -43,7 +44,8 @@ impl Types {
         }
     }
 
-    /// Defines the struct for the structure `ty`; its name. Each pass has a structure `Constants` of its own.
+    /// Defines the struct for the structure `ty`; its name. Each pass has a structure `Constants`
+    /// of its own.
     fn define(&mut self, module: &Module, ty: Handle<Type>, pass: &str) -> String {
         let (TypeInner::Struct { members, .. }, Some(name)) = (&module.types[ty].inner, &module.types[ty].name) else {
             panic!("shaders: {pass}: constants are a structure with a name");

@@ -1,9 +1,10 @@
-//! The commands that change vertex arrays, found by their names in the registry, so that none is missed.
+//! The commands that change vertex arrays, found by their names in the registry, so that none is
+//! missed.
 
 use super::gl_attributes::{self, Declaration};
 use std::fmt::Write;
 
-/// How their names begin.
+/// First letters of their names.
 const BEGINNINGS: [&str; 17] = [
     "BindVertexArray",
     "BindVertexBuffer",
@@ -24,7 +25,8 @@ const BEGINNINGS: [&str; 17] = [
     "VertexBuffer",
 ];
 
-/// Those whose arguments tell what is so afterwards: `src/intercept/gl/vertex_arrays/commands.rs` has a hook for each.
+/// Those whose arguments tell what is so afterwards: `src/intercept/gl/vertex_arrays/commands.rs`
+/// has a hook for each.
 const NOTED: [&str; 14] = [
     "glBindVertexArray",
     "glBindVertexArrayAPPLE",
@@ -50,8 +52,9 @@ pub fn is_array_state(name: &str) -> bool {
     !value && BEGINNINGS.iter().any(|beginning| rest.starts_with(beginning))
 }
 
-/// One invocation of the macro `array_commands`: those that are not noted, with the parameter that names an object or `all`,
-/// and the names of the noted ones. `declarations` must hold all commands that [`is_array_state`] names.
+/// One invocation of the macro `array_commands`: those that are not noted, with the parameter that
+/// names an object or `all`, and the names of the noted ones. `declarations` must hold all commands
+/// that [`is_array_state`] names.
 pub fn generate(declarations: &[Declaration]) -> String {
     let mut rows = String::new();
     for Declaration { name, method, parameters } in declarations.iter().filter(|d| is_array_state(&d.name)) {

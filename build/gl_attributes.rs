@@ -1,8 +1,9 @@
-//! The commands that set vertices and their attributes between `glBegin` and `glEnd`, found by their
-//! names in the registry, so that none is missed.
+//! The commands that set vertices and their attributes between `glBegin` and `glEnd`, found by
+//! their names in the registry, so that none is missed.
 //!
-//! `Vertex3fv` is a family, a number of components, their type, and `v` where they come as an array. What has
-//! a family's name but not this form (`VertexPointer`, `ColorMask`, …) is another kind of command.
+//! `Vertex3fv` is a family, a number of components, their type, and `v` where they come as an
+//! array. What has a family's name but not this form (`VertexPointer`, `ColorMask`, …) is another
+//! kind of command.
 
 use std::fmt::Write;
 
@@ -113,12 +114,13 @@ pub fn is_attribute(name: &str) -> bool {
     Form::parse(name).is_some()
 }
 
-/// One invocation of the macro `attribute_commands`, with two tables. `declarations` must hold all commands that
-/// [`is_attribute`] names.
+/// One invocation of the macro `attribute_commands`, with two tables. `declarations` must hold all
+/// commands that [`is_attribute`] names.
 ///
-/// The first: name, parameters, the command that takes the same components as an array, what is set, the parameters
-/// before the components (a unit, a number), the components. The second: the commands that take an array, with
-/// place and type of the parameters before it, its own place, and whether its components are the numbers themselves.
+/// The first: name, parameters, the command that takes the same components as an array, what is
+/// set, the parameters before the components (a unit, a number), the components. The second: the
+/// commands that take an array, with place and type of the parameters before it, its own place, and
+/// whether its components are the numbers themselves.
 pub fn generate(declarations: &[Declaration]) -> String {
     let mut commands = String::new();
     let mut arrays = String::new();

@@ -35,8 +35,9 @@ const EXTRA: &[&str] = &[
     "glPrimitiveRestartIndexNV",
 ];
 
-/// Rust sources: `Gl` (table and one method per command), constants, `ALIASES`; the commands between `glBegin` and
-/// `glEnd`; those that change vertex arrays; and all that may change a picture.
+/// Rust sources: `Gl` (table and one method per command), constants, `ALIASES`; the commands
+/// between `glBegin` and `glEnd`; those that change vertex arrays; and all that may change a
+/// picture.
 pub fn generate() -> [String; 3] {
     let text = std::str::from_utf8(khronos_api::GL_XML).expect("the registry is UTF-8");
     let document = roxmltree::Document::parse(text).expect("the registry is well-formed XML");
@@ -90,7 +91,8 @@ fn enums(root: roxmltree::Node, out: &mut String) {
     }
 }
 
-/// The commands that are `wanted`, by name and by whether they are aliases, each with what it answers.
+/// The commands that are `wanted`, by name and by whether they are aliases, each with what it
+/// answers.
 fn declarations(root: roxmltree::Node, wanted: impl Fn(&str, bool) -> bool) -> Vec<(Declaration, String)> {
     let list = root.children().find(|n| n.has_tag_name("commands")).expect("the registry lists commands");
     let mut found = Vec::new();

@@ -3,7 +3,8 @@
 //!
 //! All end as Rust source under `OUT_DIR`, included by `src/backend/gl/api.rs`,
 //! `src/intercept/gl/immediate/commands.rs`, `src/intercept/gl/vertex_arrays/commands.rs`,
-//! `src/correct/shaders/{constants,glsl,spirv}.rs`, `src/intercept/vk/queries/copies.rs` and `src/intercept/vk/spirv/functions.rs`.
+//! `src/correct/shaders/{constants,glsl,spirv}.rs`, `src/intercept/vk/queries/copies.rs` and
+//! `src/intercept/vk/spirv/functions.rs`.
 
 mod constants;
 mod gl_arrays;
@@ -39,9 +40,9 @@ fn main() {
     println!("cargo::rustc-link-arg=-Wl,-z,nodelete");
     println!("cargo::rustc-link-arg=-Wl,-Bsymbolic");
     // The SONAME answers libGLX's request for a vendor called "cupola" when the preload library is
-    // loaded already. Cargo has no flags for a library among the examples alone, so each other kind of
-    // target gets a name of its own after it, and the last one counts. Executables too: libGLX would
-    // take one of that name for the vendor.
+    // loaded already. Cargo has no flags for a library among the examples alone, so each other kind
+    // of target gets a name of its own after it, and the last one counts. Executables too: libGLX
+    // would take one of that name for the vendor.
     println!("cargo::rustc-link-arg=-Wl,-soname,libGLX_cupola.so.0");
     println!("cargo::rustc-cdylib-link-arg=-Wl,-soname,libcupola.so");
     for kind in ["bins", "tests", "benches"] {

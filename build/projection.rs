@@ -1,8 +1,9 @@
-//! The GLSL of `src/correct/projected/projection.rs` and `src/correct/projected/division.rs` → SPIR-V functions that are put into a Vulkan
-//! program's shader, or into a stage of ours behind it.
+//! The GLSL of `src/correct/projected/projection.rs` and `src/correct/projected/division.rs` →
+//! SPIR-V functions that are put into a Vulkan program's shader, or into a stage of ours behind it.
 //!
-//! naga makes a whole module; what one function reaches is kept, in three parts that go to three places of
-//! another module. Which words are ids is written down with them, since ids have to be numbered anew there.
+//! naga makes a whole module; what one function reaches is kept, in three parts that go to three
+//! places of another module. Which words are ids is written down with them, since ids have to be
+//! numbered anew there.
 
 #[allow(dead_code, reason = "the library uses the rest")]
 #[path = "../src/correct/projected/division.rs"]
@@ -20,7 +21,8 @@ use spirv::{Decoration, Op};
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
-/// Rust source with the functions for views, with those that know lenses, too, and with those that divide.
+/// Rust source with the functions for views, with those that know lenses, too, and with those that
+/// divide.
 pub fn generate() -> String {
     let mut out = String::new();
     let fix = |curved: bool| functions(&texts::vulkan_functions(0, 0, curved), "cupola_fix", &[]);
@@ -43,7 +45,8 @@ pub fn generate() -> String {
 /// An instruction: its opcode, and the words after the first.
 type Instruction = (Op, Vec<u32>);
 
-/// What `main`, which calls `root`, needs of a text. The functions `open` are those of the module into which it is put.
+/// What `main`, which calls `root`, needs of a text. The functions `open` are those of the module
+/// into which it is put.
 fn functions(text: &str, root: &str, open: &[&str]) -> String {
     let call = if open.is_empty() { "" } else { "cupola_divided();" };
     let main = format!("void main() {{ {call} gl_Position = cupola_fix(position); }}");
@@ -58,7 +61,8 @@ fn functions(text: &str, root: &str, open: &[&str]) -> String {
     let (fix, root) = (named("cupola_fix"), named(root));
     let open: Vec<u32> = open.iter().map(|name| named(name)).collect();
 
-    // What the function needs: the functions that it calls, then their types, constants and variables.
+    // What the function needs: the functions that it calls, then their types, constants and
+    // variables.
     let mut needed = BTreeSet::from([root, fix]);
     let mut kept = BTreeSet::new();
     let is_new = |needed: &BTreeSet<u32>, kept: &BTreeSet<u32>, function: u32| {

@@ -1,5 +1,5 @@
-//! WGSL → GLSL 330 / ESSL 300 (and, by `spirv.rs`, SPIR-V), at build time, so that nothing that compiles shaders from
-//! source is linked into the injected library.
+//! WGSL → GLSL 330 / ESSL 300 (and, by `spirv.rs`, SPIR-V), at build time, so that nothing that
+//! compiles shaders from source is linked into the injected library.
 //!
 //! Of each text the uniform block is cut out: at run time its values are put in as a constant
 //! (see `src/correct/shaders/glsl.rs`).
@@ -25,7 +25,8 @@ const PASSES: &[(&str, &[&str], &[&str])] = &[
 /// Name and source of the arrangements of the views' pictures. OpenGL has only the first.
 const ARRANGEMENTS: [(&str, &str); 3] = [("Atlas", "atlas.wgsl"), ("Layers", "layers.wgsl"), ("Images", "images.wgsl")];
 
-/// Rust source with the generated shader texts, with the SPIR-V modules, and with the types of constants.
+/// Rust source with the generated shader texts, with the SPIR-V modules, and with the types of
+/// constants.
 pub fn generate() -> [String; 3] {
     let mut types = Types::default();
     let mut out = String::from("static PASSES: &[PassText] = &[\n");
@@ -115,8 +116,8 @@ fn emit(
     let mut writer = glsl::Writer::new(&mut text, module, info, &options, &pipeline, policies)
         .unwrap_or_else(|e| panic!("shaders: {entry}: {e}"));
     let reflection = writer.write().unwrap_or_else(|e| panic!("shaders: {entry}: {e}"));
-    // Our rectangles are flat, so that both are the same, and this one spares a division in each pixel. WGSL can say
-    // it (`linear`), but then naga refuses ESSL 300, which cannot.
+    // Our rectangles are flat, so that both are the same, and this one spares a division in each
+    // pixel. WGSL can say it (`linear`), but then naga refuses ESSL 300, which cannot.
     if !version.is_es() {
         text = text.replace("smooth in ", "noperspective in ").replace("smooth out ", "noperspective out ");
     }

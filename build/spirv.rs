@@ -1,8 +1,9 @@
 //! WGSL → SPIR-V for Vulkan, at build time.
 //!
 //! The uniform block of a pass becomes a private variable with a constant initialiser. Each of its
-//! scalars is built as a marker, a number that nothing else in the module has; the places of the markers
-//! are written down, and the values are put in there at run time (see `src/correct/shaders/spirv.rs`).
+//! scalars is built as a marker, a number that nothing else in the module has; the places of the
+//! markers are written down, and the values are put in there at run time (see
+//! `src/correct/shaders/spirv.rs`).
 
 use naga::back::spv;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
@@ -39,9 +40,11 @@ pub fn pass(name: &str, arrangement: &str, entries: &[&str], module: &Module, ou
     out.push_str("]},\n");
 }
 
-/// A module for compute shaders, whose buffers are declared as those of Vulkan 1.0 are, as Rust source.
+/// A module for compute shaders, whose buffers are declared as those of Vulkan 1.0 are, as Rust
+/// source.
 pub fn compute(entry: &str, module: &Module) -> String {
-    // What naga writes needs an extension there: a storage class of its own in the place of the uniforms' with a decoration.
+    // What naga writes needs an extension there: a storage class of its own in the place of the
+    // uniforms' with a decoration.
     const STORAGE_BUFFER: u32 = 12;
     const UNIFORM: u32 = 2;
     const BLOCK: u32 = 2;
@@ -66,7 +69,8 @@ pub fn compute(entry: &str, module: &Module) -> String {
     format!("static WORDS: &[u32] = &{words:?};")
 }
 
-/// The words of one entry point, and for each scalar of the constants its place and whether it is unsigned.
+/// The words of one entry point, and for each scalar of the constants its place and whether it is
+/// unsigned.
 fn emit(module: &Module, entry: &str) -> (Vec<u32>, Vec<(usize, bool)>) {
     let mut module = module.clone();
     module.entry_points.retain(|point| point.name == entry);
@@ -87,7 +91,8 @@ fn emit(module: &Module, entry: &str) -> (Vec<u32>, Vec<(usize, bool)>) {
     (words, slots)
 }
 
-/// Makes the uniform `constants`, if there is one, a private variable whose initialiser has a marker for each scalar.
+/// Makes the uniform `constants`, if there is one, a private variable whose initialiser has a
+/// marker for each scalar.
 fn fill_constants(module: &mut Module, markers: &mut Vec<(u32, bool)>) {
     let found = module.global_variables.iter().find(|(_, v)| v.name.as_deref() == Some("constants"));
     let Some((variable, ty)) = found.map(|(handle, v)| (handle, v.ty)) else { return };

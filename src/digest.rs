@@ -45,7 +45,8 @@ impl std::io::Write for Sum {
     }
 }
 
-/// Sum of numbers, all their bits; stands for large data where values are written for people, and in keys.
+/// Sum of numbers, all their bits; stands for large data where values are written for people, and
+/// in keys.
 impl FromIterator<f64> for Digest {
     fn from_iter<T: IntoIterator<Item = f64>>(numbers: T) -> Self {
         let mut sum = Xxh3::new();

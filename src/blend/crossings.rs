@@ -1,7 +1,9 @@
-//! Points where blend weights must jump: the edges of two pictures cross with no third picture beneath.
+//! Points where blend weights must jump: the edges of two pictures cross with no third picture
+//! beneath.
 //!
-//! Next to such a point, one side belongs to the first projector alone, the other side to the second alone, and
-//! between them the shares pass from 0 to 1 within an angle that shrinks to nothing. No ramp can help; another picture can.
+//! Next to such a point, one side belongs to the first projector alone, the other side to the
+//! second alone, and between them the shares pass from 0 to 1 within an angle that shrinks to
+//! nothing. No ramp can help; another picture can.
 
 use super::{EdgeWeight, Weights};
 use crate::error::Result;
@@ -29,7 +31,8 @@ const HALVINGS: u32 = 30;
 /// A raw weight of a third projector of at least this much makes the weights continuous.
 const ENOUGH: f64 = 0.01;
 
-/// The points of the screen where the shares of overlapping outputs jump, for outputs of these sizes (pixels).
+/// The points of the screen where the shares of overlapping outputs jump, for outputs of these
+/// sizes (pixels).
 ///
 /// Two borders that cross within less than a step of each other (1/256 of a side) may be missed.
 ///
@@ -62,7 +65,8 @@ fn raw_weight(edge_weight: &EdgeWeight, map: &WarpMap, point: DVec3) -> f64 {
     map.pixel(point).map_or(0.0, |pixel| edge_weight.raw_weight(pixel / size))
 }
 
-/// Where the border of one picture on the screen goes into another or out of it, but for places where the screen ends.
+/// Where the border of one picture on the screen goes into another or out of it, but for places
+/// where the screen ends.
 fn crossings_of(map: &WarpMap, other: &WarpMap) -> Vec<DVec3> {
     let size = DVec2::new(f64::from(map.size().0), f64::from(map.size().1));
     let corners = [DVec2::ZERO, DVec2::X, DVec2::ONE, DVec2::Y];

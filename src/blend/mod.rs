@@ -1,10 +1,10 @@
 //! Weights of overlapping outputs, and what an audience sees of the sum.
 //!
 //! Weights are parts of **linear light**; a display's response is undone before and applied after
-//! (`encoded = linear^(1/gamma)`). Where several projectors light a point of the dome, the weight of each is
-//! `w_k = e_k / Σ e_j`, with `e` the product over the four sides of its picture of
-//! `ramp(distance / width)`: the weights of a point add up to 1 wherever there is light, and each projector finds
-//! its own from the shared geometry.
+//! (`encoded = linear^(1/gamma)`). Where several projectors light a point of the dome, the weight
+//! of each is `w_k = e_k / Σ e_j`, with `e` the product over the four sides of its picture of
+//! `ramp(distance / width)`: the weights of a point add up to 1 wherever there is light, and each
+//! projector finds its own from the shared geometry.
 
 mod crossings;
 mod ramp;
@@ -28,11 +28,12 @@ pub fn encode(light: f64, gamma: f64) -> f64 {
     light.max(0.0).powf(1.0 / gamma)
 }
 
-/// The channel that stands for all where a weight is given as a factor on displayed values: green, the brightest.
+/// The channel that stands for all where a weight is given as a factor on displayed values: green,
+/// the brightest.
 pub const GREEN: usize = 1;
 
-/// The linear light of an encoded value on the display of `blend`, in a channel (0 red, 1 green, 2 blue; others are
-/// blue). Negative values and NaN are black.
+/// The linear light of an encoded value on the display of `blend`, in a channel (0 red, 1 green, 2
+/// blue; others are blue). Negative values and NaN are black.
 pub fn light_of(encoded: f64, blend: &Blend, channel: usize) -> f64 {
     let encoded = encoded.max(0.0);
     match &blend.transfer {

@@ -3,7 +3,8 @@
 use crate::rig::{Blend, RampShape};
 use glam::DVec2;
 
-/// The least width of a ramp: below it, it is a step of this width (a ramp of width 0 is undefined in shading languages).
+/// The least width of a ramp: below it, it is a step of this width (a ramp of width 0 is undefined
+/// in shading languages).
 pub const LEAST_RAMP: f64 = 1e-6;
 
 /// `3t² − 2t³` for t in 0…1, constant outside: continuous with its first derivative.
@@ -23,7 +24,8 @@ pub fn ramp(shape: RampShape, t: f64) -> f64 {
     }
 }
 
-/// How the raw weight of a projector falls towards the edges of its picture, and how dark its black is.
+/// How the raw weight of a projector falls towards the edges of its picture, and how dark its black
+/// is.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct EdgeWeight {
     /// Width of the ramp, as a part of the picture's width and height.
@@ -42,8 +44,9 @@ impl EdgeWeight {
         Self { width: blend.ramp, shape: blend.shape, exponent: blend.exponent, black: blend.black() }
     }
 
-    /// Returns the raw weight of a point at a position in the picture (parts of width and height, 0…1 inside):
-    /// the product over the four sides of `ramp(distance/width)`, to the power of the exponent. 0 outside.
+    /// Returns the raw weight of a point at a position in the picture (parts of width and height,
+    /// 0…1 inside): the product over the four sides of `ramp(distance/width)`, to the power of the
+    /// exponent. 0 outside.
     pub fn raw_weight(&self, part: DVec2) -> f64 {
         let width = self.width.max(LEAST_RAMP);
         let sides = [part.x, 1.0 - part.x, part.y, 1.0 - part.y];

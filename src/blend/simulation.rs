@@ -15,29 +15,30 @@ pub struct Picture {
     pub width: u32,
     /// Height in pixels.
     pub height: u32,
-    /// Red, green and blue of each pixel, row by row from the top, as sent to the display: encoded, 0…1.
+    /// Red, green and blue of each pixel, row by row from the top, as sent to the display: encoded,
+    /// 0…1.
     pub rgb: Vec<f32>,
 }
 
-/// What the audience sees.
+/// Picture that the audience sees.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Simulation {
     /// Width and height in pixels.
     pub size: u32,
-    /// Red, green and blue of each pixel, row by row from the top, encoded for the first output's display.
-    /// Not limited to 1: light adds up.
+    /// Red, green and blue of each pixel, row by row from the top, encoded for the first output's
+    /// display. Not limited to 1: light adds up.
     pub rgb: Vec<f32>,
-    /// How many outputs light each pixel.
+    /// Number of outputs that light each pixel.
     pub coverage: Vec<u8>,
-    /// How even the light is.
+    /// Evenness of the light.
     pub uniformity: Uniformity,
 }
 
-/// How even the summed light is, relative to full white. It means something for white pictures, where the summed
-/// linear light is the sum of the weights and ought to be 1.
+/// Evenness of the summed light, relative to full white. It means something for white pictures,
+/// where the summed linear light is the sum of the weights and ought to be 1.
 ///
-/// Counted are pixels that at least one output lights, except where a bilinear sample would mix in a pixel that
-/// lies outside the circle of its output or off the screen, and is rightly black.
+/// Counted are pixels that at least one output lights, except where a bilinear sample would mix in
+/// a pixel that lies outside the circle of its output or off the screen, and is rightly black.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Uniformity {
     /// Greatest deviation of the light (mean of the three primaries) from 1.
@@ -54,7 +55,7 @@ pub struct Uniformity {
 struct Light {
     /// Summed linear light.
     rgb: [f64; 3],
-    /// How many outputs contribute.
+    /// Number of outputs that contribute.
     coverage: u8,
     /// No sample touches a pixel that shows nothing.
     whole: bool,
@@ -67,15 +68,17 @@ struct Source<'a> {
     blend: &'a Blend,
 }
 
-/// Simulates the dome: an equidistant picture, `size` pixels wide and high, of what the viewer sees when each
-/// output of `rig` shows its picture (in the rig's order).
+/// Simulates the dome: an equidistant picture, `size` pixels wide and high, of what the viewer sees
+/// when each output of `rig` shows its picture (in the rig's order).
 ///
-/// The picture's centre is towards the dome's pole, in the viewer's frame, turned as a domemaster of that tilt is;
-/// its aperture is the dome's coverage, at least 180°. For each pixel the viewer's ray is followed to the
-/// dome, and the light of all outputs at that point is summed in linear light (each sampled bilinearly, its display's response undone, the light of its black added).
+/// The picture's centre is towards the dome's pole, in the viewer's frame, turned as a domemaster
+/// of that tilt is; its aperture is the dome's coverage, at least 180°. For each pixel the viewer's
+/// ray is followed to the dome, and the light of all outputs at that point is summed in linear
+/// light (each sampled bilinearly, its display's response undone, the light of its black added).
 /// Perspective outputs, which are not on the dome, are seen as windows in front of the viewer.
 ///
-/// Fails with [`ErrorKind::InvalidArgument`] if the pictures do not fit the rig, or an output needs the program's lens.
+/// Fails with [`ErrorKind::InvalidArgument`] if the pictures do not fit the rig, or an output needs
+/// the program's lens.
 pub fn simulate(rig: &Rig, pictures: &[Picture], size: u32) -> Result<Simulation> {
     let sources = sources(rig, pictures)?;
     let lens = Fisheye { aperture: rig.dome.coverage.max(PI) };
@@ -144,8 +147,8 @@ fn light_at(sources: &[Source<'_>], point: DVec3) -> Light {
 }
 
 impl Source<'_> {
-    /// Linear light at a position by bilinear interpolation, clamped at the border, and whether all four
-    /// pixels show something.
+    /// Linear light at a position by bilinear interpolation, clamped at the border, and whether all
+    /// four pixels show something.
     fn sample(&self, pixel: DVec2) -> ([f64; 3], bool) {
         let corner = pixel - 0.5;
         let base = corner.floor();

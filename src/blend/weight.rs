@@ -13,11 +13,13 @@ const BLACK_GRID: u32 = 64;
 
 /// The weights of all outputs of a rig, in f64: the reference for shaders.
 ///
-/// Not included are mask images, which are files, and the black level, which is added after the weight.
+/// Not included are mask images, which are files, and the black level, which is added after the
+/// weight.
 #[derive(Clone, Debug)]
 pub struct Weights<'rig> {
     rig: &'rig Rig,
-    /// For each output its map; `None` where the output needs the program's own lens (its weight is 1).
+    /// For each output its map; `None` where the output needs the program's own lens (its weight is
+    /// 1).
     maps: Vec<Option<WarpMap>>,
     /// Axes in which the pole is +y and the front −z → dome axes.
     pole_axes: DMat3,
@@ -26,8 +28,8 @@ pub struct Weights<'rig> {
 }
 
 impl<'rig> Weights<'rig> {
-    /// Prepares the weights of `rig` for outputs of these sizes (width, height in pixels), in the rig's order.
-    /// Fails with [`crate::ErrorKind::InvalidArgument`] if a size is missing or zero.
+    /// Prepares the weights of `rig` for outputs of these sizes (width, height in pixels), in the
+    /// rig's order. Fails with [`crate::ErrorKind::InvalidArgument`] if a size is missing or zero.
     pub fn new(rig: &'rig Rig, sizes: &[(u32, u32)]) -> Result<Self> {
         let map = |(index, output): (usize, &crate::rig::Output)| match output.kind {
             OutputKind::Perspective { frustum: None, .. } => Ok(None),
@@ -38,17 +40,20 @@ impl<'rig> Weights<'rig> {
         Ok(Self { rig, maps, pole_axes: pose::rotation(0.0, -rig.dome.tilt, 0.0), viewer_axes })
     }
 
-    /// The weight of a pixel (from the top left, centres at +½): 0…1, and `None` where the output shows nothing.
+    /// The weight of a pixel (from the top left, centres at +½): 0…1, and `None` where the output
+    /// shows nothing.
     pub fn weight(&self, output: usize, pixel: DVec2) -> Option<f64> {
         let Some(map) = self.maps.get(output)? else { return Some(1.0) };
         match map.hit(pixel) {
             Some(hit) => Some(self.weight_at(output, hit) * self.calibrated(output, pixel)),
-            // A window has no place on the dome: nothing to share with, and angles are those of its directions.
+            // A window has no place on the dome: nothing to share with, and angles are those of its
+            // directions.
             None => map.direction(pixel).map(|direction| self.ramps_at(output, self.viewer_axes * direction)),
         }
     }
 
-    /// The part of the light that a calibration's file leaves a pixel of its output; 1 for all other outputs.
+    /// The part of the light that a calibration's file leaves a pixel of its output; 1 for all
+    /// other outputs.
     pub fn calibrated(&self, output: usize, pixel: DVec2) -> f64 {
         let map = self.maps.get(output).and_then(Option::as_ref);
         match (map, self.rig.outputs.get(output)) {
@@ -59,8 +64,9 @@ impl<'rig> Weights<'rig> {
 
     /// The weight of an output at a point of the dome (metres, dome axes) which it lights.
     ///
-    /// A projector whose rig asks for blending from overlap shares the point with every other projector that
-    /// lights it; alone, it has all of it, to the very edge of its picture. Ramps in dome angles are multiplied in.
+    /// A projector whose rig asks for blending from overlap shares the point with every other
+    /// projector that lights it; alone, it has all of it, to the very edge of its picture. Ramps in
+    /// dome angles are multiplied in.
     pub fn weight_at(&self, output: usize, point: DVec3) -> f64 {
         let Some(described) = self.rig.outputs.get(output) else { return 0.0 };
         let is_shared = described.blend.overlap && self.is_projector(output);
@@ -78,7 +84,8 @@ impl<'rig> Weights<'rig> {
         mapped.filter(|(index, _)| self.is_projector(*index))
     }
 
-    /// Angle of a point (any length) from the dome's pole, and around it (0 = front, right-positive); radians.
+    /// Angle of a point (any length) from the dome's pole, and around it (0 = front,
+    /// right-positive); radians.
     pub(super) fn angles(&self, point: DVec3) -> [f64; 2] {
         let local = self.pole_axes.transpose() * point;
         [local.x.hypot(local.z).atan2(local.y), local.x.atan2(-local.z)]
@@ -96,8 +103,9 @@ impl<'rig> Weights<'rig> {
         covering.map(|(index, _)| self.rig.outputs[index].blend.black()).sum()
     }
 
-    /// The most light that remains anywhere on the screen when all outputs show black, as a part of white: found at
-    /// 64 × 64 pixels of each output, so that a smaller corner of an overlap may be missed and stay brighter by one black.
+    /// The most light that remains anywhere on the screen when all outputs show black, as a part of
+    /// white: found at 64 × 64 pixels of each output, so that a smaller corner of an overlap may be
+    /// missed and stay brighter by one black.
     pub fn greatest_black(&self) -> f64 {
         let part = |i: u32| (f64::from(i % BLACK_GRID) + 0.5) / f64::from(BLACK_GRID);
         let place = |i: u32| DVec2::new(part(i), part(i / BLACK_GRID));
@@ -190,8 +198,8 @@ mod tests {
 
     #[test]
     fn a_known_overlap_has_known_weights() {
-        // Two pictures of 90°, side by side from the centre, the right one turned by 45°: they share from
-        // 0° to 45°. Ramps as wide as half the picture.
+        // Two pictures of 90°, side by side from the centre, the right one turned by 45°: they
+        // share from 0° to 45°. Ramps as wide as half the picture.
         let mut rig = rig(
             FRAC_PI_2,
             DVec3::ZERO,
@@ -249,8 +257,8 @@ mod tests {
 
     #[test]
     fn weights_in_f32_add_up_too() {
-        // As in goal G12, but each projector finds its own share of a point, from its own rounded pixel
-        // position (1/16,000 of a pixel), not all of them at the same one.
+        // As in goal G12, but each projector finds its own weight of a point, from its own rounded
+        // pixel position (1/16,000 of a pixel), not all of them at the same one.
         let rig = crate::rig::load("planetarium-6").expect("an embedded preset");
         let sphere = Sphere { center: DVec3::ZERO, radius: rig.dome.radius };
         let pinhole = |k: usize| match rig.outputs[k].kind {

@@ -1,8 +1,9 @@
-//! Results of long computations, kept by what they were computed from: in files for the next start, and small ones in
-//! memory for the next time they are asked for.
+//! Results of long computations, kept by what they were computed from: in files for the next start,
+//! and small ones in memory for the next time they are asked for.
 //!
-//! What is kept is a saving and nothing else: a file that is missing, damaged, of another build or somebody else's is computed again,
-//! and where nothing can be written nothing is kept. A file appears under its name when it is whole.
+//! What is kept is a saving and nothing else: a file that is missing, damaged, of another build or
+//! somebody else's is computed again, and where nothing can be written nothing is kept. A file
+//! appears under its name when it is whole.
 
 #[cfg(test)]
 mod tests;
@@ -23,9 +24,10 @@ use std::time::{Duration, SystemTime};
 const MOST_BYTES: u64 = 1 << 30;
 /// A file has at most so many: a table of 4096² pixels.
 const MOST_IN_FILE: u64 = MOST_BYTES / 4;
-/// How many files there may be when a process begins to write some.
+/// Greatest number of files when a process begins to write.
 const MOST_FILES: usize = 4096;
-/// A process writes at most so many bytes and files: one whose rig or size changes all the time does not fill the disk.
+/// A process writes at most so many bytes and files: one whose rig or size changes all the time
+/// does not fill the disk.
 const MOST_WRITTEN: u64 = MOST_BYTES / 2;
 const MOST_WRITTEN_FILES: u64 = 512;
 /// Contents of at most so many bytes stay in memory …
@@ -35,12 +37,12 @@ const REMEMBERED: usize = 64;
 /// The time of a file that is used is renewed when it is older than this.
 const RENEWED_AFTER: Duration = Duration::from_secs(24 * 60 * 60);
 
-/// What files begin with.
+/// First bytes of a file.
 const MAGIC: &[u8; 16] = b"cupola cache 2\r\n";
 /// Magic, key, length and sum of the content.
 const HEADER: usize = 16 + 16 + 8 + 16;
 
-/// What was asked of a cache so far.
+/// Numbers of requests to a cache.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Counts {
     /// Results that were found in files.
@@ -51,7 +53,7 @@ pub struct Counts {
     pub written: u64,
 }
 
-/// Where results are kept. Cheap to clone; clones are the same cache.
+/// Cache of results. Cheap to clone; clones share their content.
 #[derive(Clone, Debug, Default)]
 pub struct Cache(Option<Arc<Shared>>);
 
@@ -67,7 +69,8 @@ struct Shared {
     bytes: AtomicU64,
 }
 
-/// Returns a value as bytes: postcard's format, without names. `None` for what has none, as a path that is no text.
+/// Returns a value as bytes: postcard's format, without names. `None` for what has none, as a path
+/// that is no text.
 pub fn encode(value: &(impl Serialize + ?Sized)) -> Option<Vec<u8>> {
     postcard::to_stdvec(value).ok()
 }
@@ -90,7 +93,7 @@ impl Serialize for RawBytes<'_> {
 }
 
 impl Cache {
-    /// Keeps nothing.
+    /// Returns a cache that keeps nothing.
     pub fn none() -> Self {
         Self::default()
     }
@@ -105,8 +108,9 @@ impl Cache {
         Self::new(None)
     }
 
-    /// Keeps results in files in `folder`, which is made when it is needed, readable by this user only. `build` tells
-    /// the code that computes them from other code that may compute something else.
+    /// Keeps results in files in `folder`, which is made when it is needed, readable by this user
+    /// only. `build` tells the code that computes them from other code that may compute something
+    /// else.
     pub fn in_folder(folder: PathBuf, build: &[u8]) -> Self {
         Self::new(Some((folder, build.to_vec())))
     }
@@ -118,15 +122,16 @@ impl Cache {
         Self(Some(Arc::new(shared)))
     }
 
-    /// What was asked so far.
+    /// Returns the numbers of requests so far.
     pub fn counts(&self) -> Counts {
         let Some(shared) = &self.0 else { return Counts::default() };
         let count = |number: &AtomicU64| number.load(Ordering::Relaxed);
         Counts { read: count(&shared.read), missing: count(&shared.missing), written: count(&shared.written) }
     }
 
-    /// Returns the result of `compute`, or the cached one for the same `kind` (lower case letters, `-`) and `key`.
-    /// What is read from a file counts only if `is_sound`: anybody may have written it.
+    /// Returns the result of `compute`, or the cached one for the same `kind` (lower case letters,
+    /// `-`) and `key`. What is read from a file counts only if `is_sound`: anybody may have written
+    /// it.
     ///
     /// # Errors
     /// Those of `compute`; nothing is cached of them.
@@ -142,8 +147,9 @@ impl Cache {
 
     /// As [`Cache::cached`], with own functions between the value and its bytes.
     ///
-    /// `decode` gets what `encode` returned, or anything else that somebody put there: it returns `None` where that makes
-    /// no sense. `encode` returns `None` where the result is not to be cached.
+    /// `decode` gets what `encode` returned, or anything else that somebody put there: it returns
+    /// `None` where that makes no sense. `encode` returns `None` where the result is not to be
+    /// cached.
     ///
     /// # Errors
     /// Those of `compute`; nothing is cached of them.
@@ -287,8 +293,9 @@ fn write(folder: &Path, name: &str, key: Digest, content: &[u8]) -> Option<()> {
     result.ok()
 }
 
-/// Removes the files longest not used, until there are at most three quarters of `bytes` and of `files` of them, where
-/// there are more than that; parts of files that nobody finished count like others.
+/// Removes the files longest not used, until there are at most three quarters of `bytes` and of
+/// `files` of them, where there are more than that; parts of files that nobody finished count like
+/// others.
 fn sweep(folder: &Path, bytes: u64, files: usize) {
     let Ok(entries) = fs::read_dir(folder) else { return };
     let mut known: Vec<(SystemTime, u64, PathBuf)> = entries

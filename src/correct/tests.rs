@@ -32,7 +32,8 @@ fn painted(plan: &Plan, output: usize) -> Vec<Option<usize>> {
     painted
 }
 
-/// Checks every pixel of every output against the exact map; returns how many show something, or what is wrong.
+/// Checks every pixel of every output against the exact map; returns how many show something, or
+/// what is wrong.
 fn check(rig: &Rig, plan: &Plan) -> Result<usize, String> {
     let mut lit = 0;
     for (index, pass) in plan.passes.iter().enumerate() {
@@ -197,7 +198,8 @@ fn times() {
     }
 }
 
-/// Distance and incidence: a pixel of the solid angle Ω makes an area of r²·Ω/cos i bright, whatever the screen.
+/// Distance and incidence: a pixel of the solid angle Ω makes an area of r²·Ω/cos i bright,
+/// whatever the screen.
 #[test]
 fn even_light_is_even_on_every_screen() {
     let (position, fov) = (DVec3::new(0.4, -0.3, 1.0), [60.0f64, 40.0]);
@@ -225,7 +227,8 @@ fn even_light_is_even_on_every_screen() {
             let ray = DVec3::new((2.0 * across - 1.0) * tangents[0], (1.0 - 2.0 * down) * tangents[1], -1.0);
             let hit = rig.surface().hit(position, ray).unwrap();
             let (away, towards) = (hit.point - position, ray.normalize());
-            // In units of the pixel's tangents; the cube of the length is the slant of the picture's plane and its distance.
+            // In units of the pixel's tangents; the cube of the length is the slant of the
+            // picture's plane and its distance.
             let solid_angle = ray.length().powi(-3);
             let area = away.length_squared() * solid_angle / hit.normal.dot(towards).abs();
             let weight = table.at(across, down).unwrap().weight;

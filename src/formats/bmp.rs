@@ -1,5 +1,6 @@
-//! Windows bitmaps without compression, of 8 bits, 16 bits or 32-bit floats for each of three or four channels, as
-//! VIOSO's sets have them: weights in more bits than other readers of bitmaps know.
+//! Windows bitmaps without compression, of 8 bits, 16 bits or 32-bit floats for each of three or
+//! four channels, as VIOSO's sets have them: weights in more bits than other readers of bitmaps
+//! know.
 
 use super::bytes::Bytes;
 use super::input::{checked_size, invalid};
@@ -13,14 +14,17 @@ const HEADERS: usize = 14 + 40;
 pub(super) struct Bitmap {
     /// Width and height in pixels.
     pub size: (u32, u32),
-    /// Red, green and blue, 0…1 of the greatest of its bits, row by row from the top; of floats as they are, within 0…1.
+    /// Red, green and blue, 0…1 of the greatest of its bits, row by row from the top; of floats as
+    /// they are, within 0…1.
     pub values: Vec<[f32; 3]>,
 }
 
-/// Reads a bitmap whose `bytes` begin with `BM`; `None` for one without pixels. `name` is the file's, for messages.
+/// Reads a bitmap whose `bytes` begin with `BM`; `None` for one without pixels. `name` is the
+/// file's, for messages.
 ///
 /// # Errors
-/// [`InvalidRig`](crate::ErrorKind::InvalidRig) with the reason: what is cut off, compressed, has a palette, or is too large.
+/// [`InvalidRig`](crate::ErrorKind::InvalidRig) with the reason: what is cut off, compressed, has a
+/// palette, or is too large.
 pub(super) fn read(name: &str, bytes: &[u8]) -> Result<Option<Bitmap>> {
     let mut file = Bytes::new(name, bytes);
     file.take(10, "a picture's header")?;
@@ -73,7 +77,7 @@ pub(super) fn read(name: &str, bytes: &[u8]) -> Result<Option<Bitmap>> {
     Ok(Some(Bitmap { size, values }))
 }
 
-/// How finely a bitmap is written.
+/// Precision of a bitmap.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Bits {
     /// 8 bits for each of three channels.
@@ -101,10 +105,12 @@ const fn headers(length: u32, width: u32, height: u32, bits: u8) -> [u8; HEADERS
     bytes
 }
 
-/// A bitmap of these values (0…1, row by row from the top). `name` is that of the map that it belongs to.
+/// A bitmap of these values (0…1, row by row from the top). `name` is that of the map that it
+/// belongs to.
 ///
 /// # Errors
-/// [`InvalidRig`](crate::ErrorKind::InvalidRig) if they are not as many as the size says, or too many for the format.
+/// [`InvalidRig`](crate::ErrorKind::InvalidRig) if they are not as many as the size says, or too
+/// many for the format.
 pub(super) fn write(name: &str, size: (u32, u32), values: &[[f32; 3]], bits: Bits) -> Result<Vec<u8>> {
     let (columns, rows) = (size.0 as usize, size.1 as usize);
     let each = if bits == Bits::Eight { 1 } else { 2 };

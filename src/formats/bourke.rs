@@ -1,9 +1,10 @@
-//! Paul Bourke's warp mesh: a text file with the mesh's type, its columns and rows, and a line `x y u v i` for each
-//! node, row by row from the bottom.
+//! Paul Bourke's warp mesh: a text file with the mesh's type, its columns and rows, and a line `x y
+//! u v i` for each node, row by row from the bottom.
 //!
-//! x and y are half heights of the output from its middle, u and v parts of the input picture from the bottom
-//! left, i is a factor on the displayed value. A negative i, or u or v outside 0…1, takes the node out, and with
-//! it the cells around it. Type 2 is a grid; in type 1, polar, the last column is followed by the first.
+//! x and y are half heights of the output from its middle, u and v parts of the input picture from
+//! the bottom left, i is a factor on the displayed value. A negative i, or u or v outside 0…1,
+//! takes the node out, and with it the cells around it. Type 2 is a grid; in type 1, polar, the
+//! last column is followed by the first.
 
 use super::grid::{Mesh, Node};
 use super::input::Noted;
@@ -12,12 +13,12 @@ use crate::error::Result;
 use glam::{DVec2, DVec3};
 use std::fmt::Write;
 
-/// How far outside 0…1 a u or v is rounding and not a sign.
+/// Greatest distance of u or v outside 0…1 that counts as rounding.
 const ROUNDING: f64 = 1e-6;
 /// Greatest number of columns and of rows.
 const LONGEST_SIDE: usize = 1 << 14;
 
-/// How the columns of a mesh are arranged.
+/// Arrangement of a mesh's columns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Arrangement {
     /// Type 1: columns go around, the last is followed by the first.

@@ -21,7 +21,7 @@ impl<'a> Bytes<'a> {
         self.at
     }
 
-    /// How many bytes are left.
+    /// Returns the number of bytes that are left.
     pub(super) fn left(&self) -> usize {
         self.all.len() - self.at
     }

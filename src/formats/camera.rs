@@ -15,8 +15,8 @@ pub struct Camera {
 }
 
 impl Camera {
-    /// The ray of a place in the picture (parts of width and height from the bottom left); not of unit length, so that
-    /// rays between two places lie on a line.
+    /// The ray of a place in the picture (parts of width and height from the bottom left); not of
+    /// unit length, so that rays between two places lie on a line.
     pub fn ray(&self, place: DVec2) -> DVec3 {
         let frustum = &self.frustum;
         let (x, y) = (frustum.left + place.x * frustum.width(), frustum.bottom + place.y * frustum.height());

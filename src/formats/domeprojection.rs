@@ -1,7 +1,9 @@
-//! domeprojection.com's warp mesh: a text file with a line `x;y;u;v;column;row` for each node, in any order.
+//! domeprojection.com's warp mesh: a text file with a line `x;y;u;v;column;row` for each node, in
+//! any order.
 //!
-//! x and y are parts of the output's width and height from the top left, u and v parts of the input picture,
-//! from the left and from the top. Lines that begin with a letter or a sign of comment are headings.
+//! x and y are parts of the output's width and height from the top left, u and v parts of the input
+//! picture, from the left and from the top. Lines that begin with a letter or a sign of comment are
+//! headings.
 
 use super::grid::{Grid, MOST_NODES, Mesh, Node};
 use super::input::{Noted, invalid};
@@ -11,10 +13,11 @@ use glam::{DVec2, DVec3};
 
 /// Greatest number of a column or a row.
 const LONGEST_SIDE: usize = 1 << 14;
-/// What a line has.
+/// Values of a line.
 const NODE: &str = "a node: x;y;u;v;column;row";
 
-/// Reads a warp mesh; values are (u, v, 0) with v from the bottom. `name` is the file's, for messages.
+/// Reads a warp mesh; values are (u, v, 0) with v from the bottom. `name` is the file's, for
+/// messages.
 ///
 /// Accepted with a note: nodes that are missing in the grid; cells beside them are not drawn.
 ///

@@ -1,8 +1,10 @@
-//! Scalable Display's EasyBlend meshes (`.ol`): text with a key on each line, then nodes, then triangles.
+//! Scalable Display's EasyBlend meshes (`.ol`): text with a key on each line, then nodes, then
+//! triangles.
 //!
-//! A node is `x y intensity s t`: x and y in pixels of the projector, the intensity 0…255 on displayed values, s and
-//! t in the picture of a perspective camera that the file describes. The picture's orientation is not said and readers
-//! differ in it; both ways that are in use are told apart by which of s and t follows x.
+//! A node is `x y intensity s t`: x and y in pixels of the projector, the intensity 0…255 on
+//! displayed values, s and t in the picture of a perspective camera that the file describes. The
+//! picture's orientation is not said and readers differ in it; both ways that are in use are told
+//! apart by which of s and t follows x.
 
 use super::camera::Camera;
 use super::grid::{Grid, MOST_NODES, Mesh, Node};
@@ -39,7 +41,7 @@ pub struct EasyBlend {
     pub grid: Grid,
 }
 
-/// What the keys of a file say.
+/// Values of a file's keys.
 #[derive(Default)]
 struct Keys {
     vertices: Option<usize>,
@@ -228,7 +230,8 @@ impl Keys {
 mod tests {
     use super::*;
 
-    /// Two triangles over 200 × 100 pixels, with the words before the nodes and the nodes themselves.
+    /// Two triangles over 200 × 100 pixels, with the words before the nodes and the nodes
+    /// themselves.
     fn text(keys: &str, nodes: [&str; 4]) -> String {
         let nodes = nodes.join("\n");
         format!(

@@ -9,12 +9,13 @@ pub const LONGEST_FILE: u64 = 1 << 30;
 /// Greatest number of pixels of a map or a picture: 8192 × 8192.
 pub const MOST_PIXELS: u64 = 1 << 26;
 
-/// What a reader found, and what it had to assume.
+/// Result of a reader, with its assumptions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Noted<T> {
-    /// What the file says.
+    /// Content of the file.
     pub value: T,
-    /// What the file leaves open or says in a way that readers disagree about, and how it was taken; for people.
+    /// What the file leaves open or says in a way that readers disagree about, and how it was
+    /// taken; for people.
     pub notes: Vec<String>,
 }
 

@@ -42,7 +42,8 @@ impl fmt::Debug for Levels {
 /// Reads a PNG of 8 or 16 bits or a PFM, grey or colour. `name` is the file's, for messages.
 ///
 /// # Errors
-/// [`ErrorKind::InvalidRig`] with the reason: a file of another kind, or a value that is not 0…1, with its pixel.
+/// [`ErrorKind::InvalidRig`] with the reason: a file of another kind, or a value that is not 0…1,
+/// with its pixel.
 pub fn read(name: &str, bytes: &[u8]) -> Result<Levels> {
     if !pfm::is_pfm(bytes) {
         return read_png(name, bytes);
@@ -87,7 +88,8 @@ impl Levels {
         values.fold((f32::INFINITY, 0.0f32), |(low, high), value| (low.min(*value), high.max(*value)))
     }
 
-    /// The values at a place (0…1 from the top left), interpolated between the centres of pixels as textures are.
+    /// The values at a place (0…1 from the top left), interpolated between the centres of pixels as
+    /// textures are.
     pub fn at(&self, part: DVec2) -> [f64; 3] {
         let place = part * DVec2::new(f64::from(self.size.0), f64::from(self.size.1)) - 0.5;
         let (first, part) = (place.floor(), place - place.floor());
@@ -115,7 +117,8 @@ impl Levels {
     /// As a PNG of 16 bits, grey where all channels are the same.
     ///
     /// # Errors
-    /// [`ErrorKind::InvalidRig`] if there are not as many values as the size says, [`ErrorKind::Internal`] if packing fails.
+    /// [`ErrorKind::InvalidRig`] if there are not as many values as the size says,
+    /// [`ErrorKind::Internal`] if packing fails.
     pub fn png(&self, name: &str) -> Result<Vec<u8>> {
         let code = |value: &f32| (value.clamp(0.0, 1.0) * 65535.0).round() as u16;
         let (width, height) = self.size;

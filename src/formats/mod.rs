@@ -6,10 +6,11 @@
 //! within limits, numbers that are none are refused. Where other readers of a format disagree, ours
 //! takes what can be told apart and says in its `notes` what it assumed.
 //!
-//! The way of a calibration: a format's module makes a [`Grid`] (nodes with triangles, or a value for
-//! each pixel) of it; a rig's output gives the grid's values their meaning (a position in a picture, a
-//! point, a direction). At run time only [`bourke`], [`pfm`], [`obj`] and [`levels`] are read; `cupola convert` turns all
-//! other formats into these, so that the injected library carries no archive and no XML.
+//! The way of a calibration: a format's module makes a [`Grid`] (nodes with triangles, or a value
+//! for each pixel) of it; a rig's output gives the grid's values their meaning (a position in a
+//! picture, a point, a direction). At run time only [`bourke`], [`pfm`], [`obj`] and [`levels`] are
+//! read; `cupola convert` turns all other formats into these, so that the injected library carries
+//! no archive and no XML.
 
 mod bmp;
 mod bytes;

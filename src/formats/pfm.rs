@@ -1,5 +1,5 @@
-//! PFM, the portable float map: `PF` (three channels) or `Pf` (one), width and height, a scale whose sign
-//! is the byte order, then 32-bit floats row by row from the **bottom**.
+//! PFM, the portable float map: `PF` (three channels) or `Pf` (one), width and height, a scale
+//! whose sign is the byte order, then 32-bit floats row by row from the **bottom**.
 //!
 //! Calibrations mark pixels that show nothing with NaN. The scale's size is not applied: writers of
 //! calibrations give 1, and readers ignore it.
@@ -20,8 +20,9 @@ pub fn is_pfm(bytes: &[u8]) -> bool {
 /// Reads a PFM file; one channel gives three equal values. `name` is the file's, for messages.
 ///
 /// # Errors
-/// [`InvalidRig`](crate::ErrorKind::InvalidRig) with the reason if the header is none, there are not as many bytes
-/// as it says (nothing is allocated before that is known), or a value is infinite.
+/// [`InvalidRig`](crate::ErrorKind::InvalidRig) with the reason if the header is none, there are
+/// not as many bytes as it says (nothing is allocated before that is known), or a value is
+/// infinite.
 pub fn read(name: &str, bytes: &[u8]) -> Result<Raster> {
     let channels = match bytes.get(..2) {
         Some(b"PF") => 3,
@@ -86,8 +87,8 @@ pub fn read(name: &str, bytes: &[u8]) -> Result<Raster> {
     Raster::new(size, values).ok_or_else(|| invalid(name, "has no pixels"))
 }
 
-/// The bytes of a PFM file with three channels, little-endian, of values row by row from the top. Their number must
-/// be a multiple of the width; NaN are written as they are.
+/// The bytes of a PFM file with three channels, little-endian, of values row by row from the top.
+/// Their number must be a multiple of the width; NaN are written as they are.
 pub fn write(width: u32, values: &[[f32; 3]]) -> Vec<u8> {
     let height = values.len() / width.max(1) as usize;
     let mut bytes = format!("PF\n{width} {height}\n-1.0\n").into_bytes();

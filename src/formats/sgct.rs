@@ -1,12 +1,15 @@
-//! Configurations of SGCT (JSON): the computers of a cluster, their windows, and what each viewport shows.
+//! Configurations of SGCT (JSON): the computers of a cluster, their windows, and what each viewport
+//! shows.
 //!
-//! What is read are the geometry and the names of the files beside it; how SGCT synchronises, buffers and tracks is not.
-//! Its axes are ours: x right, y up, z backward; yaw to the right, pitch up, roll clockwise.
+//! What is read are the geometry and the names of the files beside it; how SGCT synchronises,
+//! buffers and tracks is not. Its axes are ours: x right, y up, z backward; yaw to the right, pitch
+//! up, roll clockwise.
 //!
-//! A window with `mirrorx` or `mirrory` is drawn without, as one picture. Then each viewport's mesh, or its rectangle, is drawn where it
-//! always is, but looks at the mirrored place *of the window*; and each mask at the mirrored place of its viewport. So a
-//! viewport shows the picture of the one that lies at its mirrored place, itself where it is alone, and the mesh stays
-//! as it is but for the places that its nodes look at.
+//! A window with `mirrorx` or `mirrory` is drawn without, as one picture. Then each viewport's
+//! mesh, or its rectangle, is drawn where it always is, but looks at the mirrored place *of the
+//! window*; and each mask at the mirrored place of its viewport. So a viewport shows the picture of
+//! the one that lies at its mirrored place, itself where it is alone, and the mesh stays as it is
+//! but for the places that its nodes look at.
 
 use super::input::{Noted, invalid};
 use crate::error::Result;
@@ -43,7 +46,7 @@ pub struct Node {
 pub struct Viewport {
     /// Place on the desktop: x, y, width, height in pixels from the top left.
     pub place: [i64; 4],
-    /// What is shown.
+    /// Content.
     pub projection: Projection,
     /// The file of its warp mesh.
     pub mesh: Option<String>,
@@ -51,7 +54,8 @@ pub struct Viewport {
     pub mask: Option<String>,
     /// The eye that it is for, where it is for one.
     pub eye: Option<Eye>,
-    /// Along x and along y: the picture and the mask are mirrored, the mesh looks at mirrored places.
+    /// Along x and along y: the picture and the mask are mirrored, the mesh looks at mirrored
+    /// places.
     pub mirrored: [bool; 2],
 }
 
@@ -64,7 +68,7 @@ pub enum Eye {
     Right,
 }
 
-/// What a viewport shows.
+/// Content of a viewport.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Projection {
     /// A flat picture seen from the eye point.
@@ -85,18 +89,20 @@ pub enum Projection {
     Mirror {
         /// By so much less than 45° the cube is turned up, radians.
         tilt: f64,
-        /// The files of the meshes in the order in which they are drawn, later ones over earlier ones.
+        /// The files of the meshes in the order in which they are drawn, later ones over earlier
+        /// ones.
         meshes: [String; 4],
     },
     /// Another kind, by SGCT's name.
     Other(String),
 }
 
-/// The keys of a mirror's meshes in the order in which they are drawn. What is called the bottom is the face straight ahead, which a tilt of 0 turns up
-/// by 45°.
+/// The keys of a mirror's meshes in the order in which they are drawn. What is called the bottom is
+/// the face straight ahead, which a tilt of 0 turns up by 45°.
 const MIRROR_MESHES: [&str; 4] = ["bottom", "left", "right", "top"];
 
-/// The axes of each of these faces → the axes of the configuration; a face is seen along −z, 90° wide and high.
+/// The axes of each of these faces → the axes of the configuration; a face is seen along −z, 90°
+/// wide and high.
 pub fn mirror_faces(tilt: f64) -> [DMat3; 4] {
     let up = DMat3::from_rotation_x(FRAC_PI_4 - tilt);
     let faces = [
@@ -267,7 +273,8 @@ fn projection(key: &Key, viewer: DVec3) -> Result<Projection> {
     })
 }
 
-/// The flat picture in a rectangle, given by its lower left, upper left and upper right corner as seen from the eye.
+/// The flat picture in a rectangle, given by its lower left, upper left and upper right corner as
+/// seen from the eye.
 fn plane(key: &Key, [low, upper, right]: [DVec3; 3]) -> Result<Projection> {
     let flat = || key.wrong("its plane has no area or goes through the eye point");
     let x = (right - upper).try_normalize().ok_or_else(flat)?;

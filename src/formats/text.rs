@@ -12,7 +12,8 @@ pub(super) struct Lines<'a> {
 }
 
 impl<'a> Lines<'a> {
-    /// The lines of `bytes`, which must be UTF-8 (with or without a byte order mark), of the file `name`.
+    /// The lines of `bytes`, which must be UTF-8 (with or without a byte order mark), of the file
+    /// `name`.
     pub(super) fn new(name: &'a str, bytes: &'a [u8]) -> Result<Self> {
         let text = std::str::from_utf8(bytes).map_err(|error| {
             let line = 1 + bytes[..error.valid_up_to()].iter().filter(|&&byte| byte == b'\n').count();
@@ -50,7 +51,8 @@ impl<'a> Lines<'a> {
         number.ok_or_else(|| self.wrong(format!("{} is no number that can be used; expected {what}", shown(word))))
     }
 
-    /// A whole number of at least `least` and at most `greatest` out of the line that was last given.
+    /// A whole number of at least `least` and at most `greatest` out of the line that was last
+    /// given.
     pub(super) fn count(&self, word: &str, what: &str, least: usize, greatest: usize) -> Result<usize> {
         let count = word.parse::<usize>().ok().filter(|count| (least..=greatest).contains(count));
         count.ok_or_else(|| {

@@ -1,9 +1,11 @@
-//! VIOSO's `.vwf`: for each channel a header, four floats for each pixel, and pictures (BMP) of weights.
+//! VIOSO's `.vwf`: for each channel a header, four floats for each pixel, and pictures (BMP) of
+//! weights.
 //!
 //! A two-dimensional map has u, v (from the top left), 1 where the pixel shows something, 0; a
-//! three-dimensional one the point in metres and 1. Encrypted and compressed maps are refused. The set's
-//! pictures after a map are blend, black and white. How black is used differs between readers; what it adds to black is the
-//! same in all of them as long as the header's other settings for it are 0…1.
+//! three-dimensional one the point in metres and 1. Encrypted and compressed maps are refused. The
+//! set's pictures after a map are blend, black and white. How black is used differs between
+//! readers; what it adds to black is the same in all of them as long as the header's other settings
+//! for it are 0…1.
 
 use super::bmp::Bitmap;
 use super::bytes::Bytes;
@@ -35,7 +37,8 @@ const MOST_BLOCKS: u32 = 1024;
 pub struct VwfMap {
     /// Its name; may be empty.
     pub name: String,
-    /// Values are points (metres, in the axes of the program that measured them), not positions in a picture (0…1 from the bottom left).
+    /// Values are points (metres, in the axes of the program that measured them), not positions in
+    /// a picture (0…1 from the bottom left).
     pub points: bool,
     /// The values, NaN where nothing is shown.
     pub raster: Raster,
@@ -183,11 +186,12 @@ fn map(name: &str, file: &mut Bytes) -> Result<(VwfMap, f32)> {
     Ok((VwfMap { name, points, raster, blend: None, black: None, white: None }, scale))
 }
 
-/// The bytes of a set with these maps and their pictures (16 bits; 8 bits of black, as readers expect).
+/// The bytes of a set with these maps and their pictures (16 bits; 8 bits of black, as readers
+/// expect).
 ///
 /// # Errors
-/// [`InvalidRig`](crate::ErrorKind::InvalidRig) if a map is too large for the format, or a picture has not as many values as
-/// its size says.
+/// [`InvalidRig`](crate::ErrorKind::InvalidRig) if a map is too large for the format, or a picture
+/// has not as many values as its size says.
 pub fn write(maps: &[VwfMap]) -> Result<Vec<u8>> {
     let mut bytes = b"vwf1".to_vec();
     let pictures = maps.iter().map(|map| map.pictures().len());
@@ -206,7 +210,8 @@ pub fn write(maps: &[VwfMap]) -> Result<Vec<u8>> {
             bytes.extend(number.to_le_bytes());
         }
         bytes.extend([1.0f32; 4].iter().chain(&[0.0; 4]).flat_map(|value| value.to_le_bytes()));
-        // The picture is not split over several channels: nothing but the factor of black is not zero.
+        // The picture is not split over several channels: nothing but the factor of black is not
+        // zero.
         let mut settings = [0.0f32; 16];
         settings[BLACK_SCALE] = if map.black.is_some() { 1.0 } else { 0.0 };
         bytes.extend(settings.iter().flat_map(|value| value.to_le_bytes()));

@@ -1,8 +1,9 @@
 //! Measured curves.
 
-/// A rising curve through the origin and measured nodes: a piecewise cubic with a continuous first derivative that
-/// rises wherever the nodes do (Fritsch and Carlson, *Monotone piecewise cubic interpolation*, 1980; the slopes are
-/// the harmonic means of their neighbours', which is within their bound).
+/// A rising curve through the origin and measured nodes: a piecewise cubic with a continuous first
+/// derivative that rises wherever the nodes do (Fritsch and Carlson, *Monotone piecewise cubic
+/// interpolation*, 1980; the slopes are the harmonic means of their neighbours', which is within
+/// their bound).
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Curve {
     /// Abscissa, ordinate and slope; the origin first.
@@ -10,8 +11,9 @@ pub struct Curve {
 }
 
 impl Curve {
-    /// The curve through (0, 0) and `points`, at least one; `None` unless both numbers of each point are finite and
-    /// greater than those of the point before. A point (0, 0) may be given, too.
+    /// The curve through (0, 0) and `points`, at least one; `None` unless both numbers of each
+    /// point are finite and greater than those of the point before. A point (0, 0) may be given,
+    /// too.
     pub fn new(points: &[[f64; 2]]) -> Option<Self> {
         let given = points.strip_prefix(&[[0.0, 0.0]]).unwrap_or(points);
         let mut nodes = vec![[0.0; 3]];

@@ -1,8 +1,10 @@
-//! Division of lines and triangles until the straight edges that a rasteriser draws are near enough to the curves that a
-//! picture of a dome should show (Kooima, Roberts & SubbaRao 2008, section 2.2).
+//! Division of lines and triangles until the straight edges that a rasteriser draws are near enough
+//! to the curves that a picture of a dome should show (Kooima, Roberts & SubbaRao 2008, section
+//! 2.2).
 //!
-//! Whether an edge is cut depends on its two ends alone, and it is cut at a place that depends on them alone. So two
-//! triangles with a common edge stay without a gap, however deep each of them is divided.
+//! Whether an edge is cut depends on its two ends alone, and it is cut at a place that depends on
+//! them alone. So two triangles with a common edge stay without a gap, however deep each of them is
+//! divided.
 
 pub mod rule;
 
@@ -11,10 +13,10 @@ use super::{PictureLens, PictureMap};
 use glam::{DVec2, DVec3};
 use rule::{EDGE_SHARE, NARROWEST, OUTSIDE, WIDEST, WIDTH_SQUARED};
 
-/// How often a part is cut from a primitive at most; each cut halves one, two or three of its edges.
+/// Greatest number of cuts of a primitive; each cut halves one, two or three of its edges.
 pub const DEEPEST: u32 = 24;
 
-/// What is divided for.
+/// Target of the division.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Division {
     /// The picture.
@@ -30,12 +32,12 @@ pub struct Division {
 /// Weights of a primitive's corners.
 pub type Weights = DVec3;
 
-/// What became of a primitive.
+/// Result of dividing a primitive.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Outcome {
     /// Into how many it was divided; those that are nowhere near the picture do not count.
     pub parts: usize,
-    /// How many of them were not divided far enough.
+    /// Number of parts that were not divided far enough.
     pub coarse: usize,
 }
 
@@ -47,8 +49,8 @@ struct Corner {
 }
 
 impl Division {
-    /// The widest edge, radians. Edges that lead through the middle of a fisheye are straight however wide they are; what is
-    /// amid a triangle of them grows with the square of their width.
+    /// The widest edge, radians. Edges that lead through the middle of a fisheye are straight
+    /// however wide they are; what is amid a triangle of them grows with the square of their width.
     pub fn widest(&self) -> f64 {
         let scale = match self.map.lens {
             PictureLens::Fisheye { aperture, circle, .. } => circle * 2.0 / aperture,
@@ -61,7 +63,8 @@ impl Division {
         (WIDTH_SQUARED * self.max_error / pixels_per_radian).sqrt().min(WIDEST)
     }
 
-    /// Whether the edge between two vertices, as the viewer sees them in lens axes, is too straight.
+    /// Whether the edge between two vertices, as the viewer sees them in lens axes, is too
+    /// straight.
     pub fn cuts(&self, a: DVec3, b: DVec3) -> bool {
         let (a, b) = (a.normalize_or_zero(), b.normalize_or_zero());
         let sum = a + b;
@@ -81,8 +84,8 @@ impl Division {
         }
     }
 
-    /// Whether an edge with these ends and middle is so far outside the picture that its shape does not count: beyond the
-    /// circle of a fisheye, or beyond one side.
+    /// Whether an edge with these ends and middle is so far outside the picture that its shape does
+    /// not count: beyond the circle of a fisheye, or beyond one side.
     fn is_outside(&self, places: [DVec2; 3]) -> bool {
         match self.map.lens {
             PictureLens::Fisheye { circle, .. } => places.iter().all(|at| (*at / circle).length() > OUTSIDE),
@@ -100,7 +103,8 @@ impl Division {
         if from + to > 0.0 { from / (from + to) } else { 0.5 }
     }
 
-    /// Divides a triangle; `emit` gets the weights of the corners at each part's corners, in the triangle's own order.
+    /// Divides a triangle; `emit` gets the weights of the corners at each part's corners, in the
+    /// triangle's own order.
     pub fn triangle(&self, corners: [DVec3; 3], emit: &mut dyn FnMut([Weights; 3])) -> Outcome {
         let axes = [DVec3::X, DVec3::Y, DVec3::Z];
         let whole = std::array::from_fn(|i| Corner { at: corners[i], weights: axes[i] });
@@ -158,7 +162,8 @@ impl Division {
         seen && low.max_element() <= OUTSIDE && high.min_element() >= -OUTSIDE
     }
 
-    /// The triangles into which one falls when its edges are cut that have to be; itself if there are none.
+    /// The triangles into which one falls when its edges are cut that have to be; itself if there
+    /// are none.
     fn parts(&self, triangle: &[Corner; 3]) -> Vec<[Corner; 3]> {
         let cut = |i: usize| self.cuts(triangle[i].at, triangle[(i + 1) % 3].at);
         let cuts = [cut(0), cut(1), cut(2)];

@@ -3,10 +3,12 @@
 use super::{FisheyeLens, Projection};
 use glam::{DVec2, DVec3};
 
-/// An equidistant fisheye: the distance from the image's centre grows in proportion to the angle from the axis.
+/// An equidistant fisheye: the distance from the image's centre grows in proportion to the angle
+/// from the axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fisheye {
-    /// The whole opening angle in radians, 0 < aperture ≤ 2π; the rim of the unit disc lies at half of it.
+    /// The whole opening angle in radians, 0 < aperture ≤ 2π; the rim of the unit disc lies at half
+    /// of it.
     pub aperture: f64,
 }
 
@@ -42,28 +44,31 @@ impl Fisheye {
 }
 
 /// Polynomials of the lens `v = (q·S(s), −C(s))`, with `q = (x, y)·aperture/2` and `s = |q|²`: S is
-/// `sin√s/√s` and C is `cos√s`, both entire functions of s, so no root, division or singular axis remains.
+/// `sin√s/√s` and C is `cos√s`, both entire functions of s, so no root, division or singular axis
+/// remains.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FisheyePolynomials {
     /// Coefficients of S, the constant first.
     pub sine: Vec<f64>,
     /// Coefficients of C, the constant first.
     pub cosine: Vec<f64>,
-    /// Greatest distance of the fitted vector from the exact unit vector over the whole disc, i.e. radians.
+    /// Greatest distance of the fitted vector from the exact unit vector over the whole disc, i.e.
+    /// radians.
     pub residual: f64,
 }
 
 /// Greatest residual of [`sine_cosine_polynomials`], in pixels of a picture 4096 wide.
 pub const FISHEYE_RESIDUAL_PIXELS: f64 = 1e-4;
 
-/// Coefficients `P` of `atan(x) ≈ x + x·s·P(s)`, `s = x²`, for 0 ≤ x ≤ 1, the constant first. Relative
-/// error ≤ 1.7e-8 (minimax, Remez exchange), evaluated with additions and multiplications only, which every driver rounds correctly.
-/// For other arguments: `atan2(y, x)` from `min/max` of the absolute values and the octant.
+/// Coefficients `P` of `atan(x) ≈ x + x·s·P(s)`, `s = x²`, for 0 ≤ x ≤ 1, the constant first.
+/// Relative error ≤ 1.7e-8 (minimax, Remez exchange), evaluated with additions and multiplications
+/// only, which every driver rounds correctly. For other arguments: `atan2(y, x)` from `min/max` of
+/// the absolute values and the octant.
 pub const ATAN_COEFFICIENTS: [f64; 8] =
     [-0.3333315274, 0.1999377284, -0.1421105534, 0.1066600478, -0.0755221462, 0.043211865, -0.0163679307, 0.0029206929];
 
-/// What a shader needs for a fisheye of any projection, with r = 1 at the rim and s = r²:
-/// `v = ((x, y)·(S(s) + sine_root·w), −(C(s) + cosine_root·w))`, `w = √(1 − squeeze·s)`, any length.
+/// Polynomials for a fisheye of any projection, with r = 1 at the rim and s = r²: `v = ((x,
+/// y)·(S(s) + sine_root·w), −(C(s) + cosine_root·w))`, `w = √(1 − squeeze·s)`, any length.
 ///
 /// Stereographic, equisolid and orthographic lenses have this form exactly; the others are fitted.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
@@ -72,7 +77,7 @@ pub struct RadialForm {
     pub sine: Vec<f64>,
     /// Coefficients of C, the constant first.
     pub cosine: Vec<f64>,
-    /// What is taken off under the root.
+    /// Number that is subtracted under the root.
     pub squeeze: f64,
     /// Factor of the root in the part across the axis.
     pub sine_root: f64,
@@ -84,7 +89,8 @@ pub struct RadialForm {
 pub const MOST_COEFFICIENTS: usize = 8;
 
 impl RadialForm {
-    /// The form of a lens; `None` where no polynomials of [`MOST_COEFFICIENTS`] come within [`FISHEYE_RESIDUAL_PIXELS`].
+    /// The form of a lens; `None` where no polynomials of [`MOST_COEFFICIENTS`] come within
+    /// [`FISHEYE_RESIDUAL_PIXELS`].
     pub fn of(lens: &FisheyeLens) -> Option<Self> {
         let polynomials = |sine, cosine| Self { sine, cosine, squeeze: 0.0, sine_root: 0.0, cosine_root: 0.0 };
         let half = 0.5 * lens.aperture;
@@ -130,8 +136,8 @@ impl RadialForm {
     }
 }
 
-/// Fits the polynomials for an aperture (radians, 0 < aperture ≤ 2π): interpolation at Chebyshev nodes
-/// in s, of the lowest degrees whose residual stays below [`FISHEYE_RESIDUAL_PIXELS`].
+/// Fits the polynomials for an aperture (radians, 0 < aperture ≤ 2π): interpolation at Chebyshev
+/// nodes in s, of the lowest degrees whose residual stays below [`FISHEYE_RESIDUAL_PIXELS`].
 pub fn sine_cosine_polynomials(aperture: f64) -> FisheyePolynomials {
     let limit = 0.5 * aperture;
     let end = limit * limit;
@@ -154,7 +160,8 @@ fn sine_quotient(s: f64) -> f64 {
     if root > 0.0 { root.sin() / root } else { 1.0 }
 }
 
-/// Where a fit over 0…`end` is judged; dense enough that nothing is missed between extrema of the error.
+/// Where a fit over 0…`end` is judged; dense enough that nothing is missed between extrema of the
+/// error.
 fn samples(end: f64) -> impl Iterator<Item = f64> {
     (0..=2000).map(move |i| end * f64::from(i) / 2000.0)
 }
@@ -244,7 +251,8 @@ mod tests {
                 let radius = 0.999 * f64::from(step) / 1_000.0;
                 let point = DVec2::from_angle(0.7) * radius;
                 let (found, exact) = (form.direction(point).normalize(), lens.direction(point).expect("inside"));
-                // At the rim of 360° and of an orthographic half sphere a pixel has no definite angle.
+                // At the rim of 360° and of an orthographic half sphere a pixel has no definite
+                // angle.
                 let pixel = lens.slope(radius).min(1e3) * 2.0 / 4096.0;
                 assert!(found.distance(exact) <= allowed * pixel.max(1e-3), "{lens:?} {radius}: {found} {exact}");
             }
@@ -273,7 +281,8 @@ mod tests {
                 let Some(direction) = lens.direction(point.x, point.y) else { panic!("inside the disc") };
                 assert!((direction.length() - 1.0).abs() < 1e-14);
                 let scale = 10f64.powf(random.range(-300.0, 300.0));
-                // At the rim of 360° the azimuth itself is ill-conditioned: the whole circle is one direction.
+                // At the rim of 360° the azimuth itself is ill-conditioned: the whole circle is one
+                // direction.
                 let conditioned = 1.0 / direction.truncate().length().max(1e-9);
                 let error = lens.point(direction * scale).distance(point) * (0.5 * aperture).min(1.0);
                 assert!(error < 1e-15 * conditioned + 4e-15, "{aperture} {radius} {error:e}");

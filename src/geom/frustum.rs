@@ -35,7 +35,8 @@ impl Frustum {
         self.top - self.bottom
     }
 
-    /// A frustum about the axis from its whole horizontal and vertical opening angles, radians in 0…π (exclusive).
+    /// A frustum about the axis from its whole horizontal and vertical opening angles, radians in
+    /// 0…π (exclusive).
     pub fn symmetric(fov_x: f64, fov_y: f64) -> Self {
         let (x, y) = ((0.5 * fov_x).tan(), (0.5 * fov_y).tan());
         Self { left: -x, right: x, bottom: -y, top: y }
@@ -59,7 +60,8 @@ impl Frustum {
         tan_x >= self.left && tan_x <= self.right && tan_y >= self.bottom && tan_y <= self.top
     }
 
-    /// Half the width and height at unit distance: the reciprocals of the A and C of a projection matrix.
+    /// Half the width and height at unit distance: the reciprocals of the A and C of a projection
+    /// matrix.
     pub fn half_size(&self) -> (f64, f64) {
         (0.5 * (self.right - self.left), 0.5 * (self.top - self.bottom))
     }
@@ -69,8 +71,8 @@ impl Frustum {
         (0.5 * (self.left + self.right), 0.5 * (self.bottom + self.top))
     }
 
-    /// Takes `(x, y, 1)`, with x and y in −1…1 across the picture (left to right, bottom to top), to
-    /// the direction (tangents, −1) in the frustum's own axes. The inverse of [`Self::picture`].
+    /// Takes `(x, y, 1)`, with x and y in −1…1 across the picture (left to right, bottom to top),
+    /// to the direction (tangents, −1) in the frustum's own axes. The inverse of [`Self::picture`].
     pub fn rays(&self) -> DMat3 {
         let ((half_x, half_y), (middle_x, middle_y)) = (self.half_size(), self.middle());
         DMat3::from_cols(
@@ -91,8 +93,8 @@ impl Frustum {
         )
     }
 
-    /// OpenGL's projection matrix (as `glFrustum` makes it, NDC depth −1…1) with 0 < `near` < `far`;
-    /// an infinite `far` is allowed.
+    /// OpenGL's projection matrix (as `glFrustum` makes it, NDC depth −1…1) with 0 < `near` <
+    /// `far`; an infinite `far` is allowed.
     pub fn projection_matrix(&self, near: f64, far: f64) -> DMat4 {
         let ((half_x, half_y), (middle_x, middle_y)) = (self.half_size(), self.middle());
         let (e, f) = if far.is_infinite() {

@@ -2,9 +2,10 @@
 
 use glam::{DMat3, DVec2, DVec3};
 
-/// The homography that takes the corners (−1, −1), (1, −1), (1, 1), (−1, 1) of a picture to `corners`, in this order:
-/// `(x, y, 1)` → homogeneous, with a positive last component everywhere in the picture. `None` unless the corners are
-/// those of a convex quadrilateral, counter-clockwise.
+/// The homography that takes the corners (−1, −1), (1, −1), (1, 1), (−1, 1) of a picture to
+/// `corners`, in this order: `(x, y, 1)` → homogeneous, with a positive last component everywhere
+/// in the picture. `None` unless the corners are those of a convex quadrilateral,
+/// counter-clockwise.
 ///
 /// The closed form of Heckbert (*Fundamentals of Texture Mapping and Image Warping*, 1989, §2.2.3).
 pub fn from_corners(corners: [DVec2; 4]) -> Option<DMat3> {

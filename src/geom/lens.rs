@@ -1,8 +1,8 @@
 //! Lenses: pinholes, perhaps with Brown–Conrady distortion and keystone, and fisheyes.
 //!
-//! Pictures are measured in −1…1 from left to right and from bottom to top, rays in lens axes (x right, y up, −z
-//! ahead). Both directions are f64; where one of them has no closed form it is iterated to rounding, and a
-//! point at which the iteration does not arrive has no ray.
+//! Pictures are measured in −1…1 from left to right and from bottom to top, rays in lens axes (x
+//! right, y up, −z ahead). Both directions are f64; where one of them has no closed form it is
+//! iterated to rounding, and a point at which the iteration does not arrive has no ray.
 
 use super::{FisheyeLens, Frustum, homography};
 use glam::{DMat3, DVec2, DVec3};
@@ -14,10 +14,10 @@ pub enum Lens {
     Pinhole {
         /// The opening of the picture as it is projected, tangents.
         frustum: Frustum,
-        /// What the lens does to tangents.
+        /// Distortion of tangents by the lens.
         distortion: Distortion,
-        /// What the projector does to the picture before the lens: picture as it is sent, `(x, y, 1)`, → picture as it
-        /// fills the opening, homogeneous ([`homography::from_corners`]).
+        /// What the projector does to the picture before the lens: picture as it is sent, `(x, y,
+        /// 1)`, → picture as it fills the opening, homogeneous ([`homography::from_corners`]).
         keystone: DMat3,
     },
     /// A fisheye.
@@ -65,7 +65,8 @@ impl Circle {
 }
 
 /// Radial and tangential distortion of a pinhole's tangents after Brown (1966) and Conrady (1919):
-/// `(x, y)·(1 + k₁r² + k₂r⁴ + k₃r⁶) + (2p₁xy + p₂(r² + 2x²), p₁(r² + 2y²) + 2p₂xy)` is where the ray `(x, y, −1)` appears.
+/// `(x, y)·(1 + k₁r² + k₂r⁴ + k₃r⁶) + (2p₁xy + p₂(r² + 2x²), p₁(r² + 2y²) + 2p₂xy)` is where the
+/// ray `(x, y, −1)` appears.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Distortion {
     /// k₁, k₂, k₃.
@@ -76,7 +77,8 @@ pub struct Distortion {
 
 /// Steps of an iteration that doubles its digits, with room to spare.
 const NEWTON_STEPS: usize = 30;
-/// Where an undistorted tangent is taken as found: the distance of its image from the point asked for.
+/// Where an undistorted tangent is taken as found: the distance of its image from the point asked
+/// for.
 const ARRIVED: f64 = 1e-13;
 
 impl Distortion {
@@ -99,8 +101,8 @@ impl Distortion {
         (tangent * radial + bent, [by_x, by_y])
     }
 
-    /// The tangent whose image is `image`, to 1e-13; `None` where Newton's method does not arrive, or
-    /// arrives where the picture is folded over (the derivative's determinant is not positive).
+    /// The tangent whose image is `image`, to 1e-13; `None` where Newton's method does not arrive,
+    /// or arrives where the picture is folded over (the derivative's determinant is not positive).
     pub fn undo(&self, image: DVec2) -> Option<DVec2> {
         let allowed = ARRIVED * image.abs().max_element().max(1.0);
         let mut tangent = image;
@@ -126,7 +128,8 @@ impl Lens {
         Self::Pinhole { frustum, distortion: Distortion::default(), keystone: DMat3::IDENTITY }
     }
 
-    /// The rays of an ideal pinhole, with keystone or without: `(x, y, 1)` → ray in lens axes; `None` for other lenses.
+    /// The rays of an ideal pinhole, with keystone or without: `(x, y, 1)` → ray in lens axes;
+    /// `None` for other lenses.
     pub fn linear_rays(&self) -> Option<DMat3> {
         match self {
             Self::Pinhole { frustum, distortion, keystone } if distortion.is_none() => Some(frustum.rays() * *keystone),
@@ -134,7 +137,8 @@ impl Lens {
         }
     }
 
-    /// The ray (any length) of a point of a picture whose width is `aspect` times its height; `None` where there is none.
+    /// The ray (any length) of a point of a picture whose width is `aspect` times its height;
+    /// `None` where there is none.
     pub fn ray(&self, picture: DVec2, aspect: f64) -> Option<DVec3> {
         match self {
             Self::Pinhole { frustum, distortion, keystone } => {

@@ -3,7 +3,7 @@
 use super::{Lens, Pose, Sphere};
 use glam::{DVec2, DVec3};
 
-/// How light leaves a projector: through its lens, and perhaps by way of a mirror.
+/// Optics of a projector: its lens, and perhaps a mirror.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Optics {
     /// Where the lens is and how it is turned, in dome axes.
@@ -18,8 +18,9 @@ pub struct Optics {
 const HALVINGS: usize = 60;
 
 impl Optics {
-    /// Where the light of a point of the picture (−1…1 both ways; its width is `aspect` times its height) sets out for
-    /// the screen, and in which direction (any length); `None` where the lens has no ray or the mirror is missed.
+    /// Where the light of a point of the picture (−1…1 both ways; its width is `aspect` times its
+    /// height) sets out for the screen, and in which direction (any length); `None` where the lens
+    /// has no ray or the mirror is missed.
     pub fn ray(&self, picture: DVec2, aspect: f64) -> Option<(DVec3, DVec3)> {
         let direction = self.pose.direction_to_parent(self.lens.ray(picture, aspect)?);
         let Some(mirror) = self.mirror else { return Some((self.pose.position, direction)) };
@@ -28,8 +29,8 @@ impl Optics {
         Some((point, direction - normal * (2.0 * direction.dot(normal))))
     }
 
-    /// Where a point that the light may reach appears in the picture (perhaps outside −1…1): the inverse of
-    /// following [`Self::ray`]. `None` where no light goes there.
+    /// Where a point that the light may reach appears in the picture (perhaps outside −1…1): the
+    /// inverse of following [`Self::ray`]. `None` where no light goes there.
     pub fn picture(&self, point: DVec3, aspect: f64) -> Option<DVec2> {
         let aim = match &self.mirror {
             Some(mirror) => self.reflection(mirror, point)?,
@@ -40,8 +41,9 @@ impl Optics {
 
     /// The point of the mirror that reflects light to `point`: the problem of Alhazen.
     ///
-    /// It lies in the plane of lens, mirror centre and point, at an angle φ from the lens. The angle of
-    /// incidence grows and the angle of reflection falls with φ, so halving finds where they are equal.
+    /// It lies in the plane of lens, mirror centre and point, at an angle φ from the lens. The
+    /// angle of incidence grows and the angle of reflection falls with φ, so halving finds where
+    /// they are equal.
     fn reflection(&self, mirror: &Sphere, point: DVec3) -> Option<DVec3> {
         let (lens, target) = (self.pose.position - mirror.center, point - mirror.center);
         let (a, b) = (lens.length() / mirror.radius, target.length() / mirror.radius);

@@ -1,10 +1,11 @@
-//! Pictures of all directions around a point: fisheyes, equirectangular and cylindrical pictures, the faces of a cube.
+//! Pictures of all directions around a point: fisheyes, equirectangular and cylindrical pictures,
+//! the faces of a cube.
 
 use super::{FisheyeLens, lens::Circle};
 use glam::{DVec2, DVec3};
 use std::f64::consts::FRAC_PI_2;
 
-/// How a picture shows directions. Its axes: x right, y up, −z the middle of the picture.
+/// Projection of directions to a picture. Its axes: x right, y up, −z the middle of the picture.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub enum Panorama {
     /// A circle, inscribed and centred, black around it.
@@ -13,8 +14,9 @@ pub enum Panorama {
     Equirectangular(Span),
     /// Longitude across in equal steps; heights as on the wall of a cylinder.
     Cylindrical(Span),
-    /// The six faces of a cube, side by side: right, left, up, down, front, back. Each is what a viewer sees who turns
-    /// there by the shortest way from the front (to the back by way of the right).
+    /// The six faces of a cube, side by side: right, left, up, down, front, back. Each is what a
+    /// viewer sees who turns there by the shortest way from the front (to the back by way of the
+    /// right).
     CubeStrip,
 }
 
@@ -53,8 +55,8 @@ impl Span {
 }
 
 impl Panorama {
-    /// The unit direction at a point of a picture (−1…1 both ways) whose width is `aspect` times its height; `None` where
-    /// nothing is shown.
+    /// The unit direction at a point of a picture (−1…1 both ways) whose width is `aspect` times
+    /// its height; `None` where nothing is shown.
     pub fn direction(&self, picture: DVec2, aspect: f64) -> Option<DVec3> {
         if !(picture.abs().cmple(DVec2::ONE).all() && aspect > 0.0) {
             return None;
@@ -82,8 +84,8 @@ impl Panorama {
         }
     }
 
-    /// Where a direction of any length appears; `None` where the picture does not show it. A direction at which a picture
-    /// is torn is put on one of the sides.
+    /// Where a direction of any length appears; `None` where the picture does not show it. A
+    /// direction at which a picture is torn is put on one of the sides.
     pub fn picture(&self, direction: DVec3, aspect: f64) -> Option<DVec2> {
         match self {
             Self::Fisheye(lens) => Some(Circle::Inscribed.to_picture(lens.point(direction)?, aspect)),
@@ -109,7 +111,8 @@ impl Panorama {
         }
     }
 
-    /// The nominal angle of a pixel of a picture of `size` pixels, radians: of its width or its height, whichever is less.
+    /// The nominal angle of a pixel of a picture of `size` pixels, radians: of its width or its
+    /// height, whichever is less.
     pub fn pixel(&self, size: (u32, u32)) -> f64 {
         let (width, height) = (f64::from(size.0.max(1)), f64::from(size.1.max(1)));
         match self {

@@ -1,9 +1,10 @@
-//! Where a vertex appears in an output's picture: the inverse of an output's map, for programs whose vertices are
-//! projected straight to the output.
+//! Where a vertex appears in an output's picture: the inverse of an output's map, for programs
+//! whose vertices are projected straight to the output.
 //!
-//! After Kooima, Roberts & SubbaRao (2008), figure 3: the vertex as the viewer sees it lies behind a point of the dome, and
-//! that point lies somewhere in the picture of the projector (or of the fisheye at the dome's centre) that lights it. No arc
-//! cosine is taken: near the axis and near its antipode it would lose half of the digits.
+//! After Kooima, Roberts & SubbaRao (2008), figure 3: the vertex as the viewer sees it lies behind
+//! a point of the dome, and that point lies somewhere in the picture of the projector (or of the
+//! fisheye at the dome's centre) that lights it. No arc cosine is taken: near the axis and near its
+//! antipode it would lose half of the digits.
 
 use super::Frustum;
 use glam::{DVec2, DVec3};
@@ -29,7 +30,8 @@ pub enum PictureLens {
         aperture: f64,
         /// Half the width and height of its circle in the picture.
         circle: DVec2,
-        /// Width and height of the picture in pixels; near the antipode of the axis they say what is too small to see.
+        /// Width and height of the picture in pixels; near the antipode of the axis they say what
+        /// is too small to see.
         pixels: DVec2,
     },
     /// A pinhole with this opening.
@@ -41,15 +43,17 @@ pub enum PictureLens {
 pub enum Place {
     /// At this point of the picture, which reaches from −1 to 1; finite.
     At(DVec2),
-    /// Nowhere near the picture (behind a pinhole, around the antipode of a fisheye's axis): at infinity in this
-    /// direction, of any length.
+    /// Nowhere near the picture (behind a pinhole, around the antipode of a fisheye's axis): at
+    /// infinity in this direction, of any length.
     Beyond(DVec2),
 }
 
-/// Directions with less than this part of their length along a pinhole's axis are beyond its picture: 87° off it.
+/// Directions with less than this part of their length along a pinhole's axis are beyond its
+/// picture: 87° off it.
 pub const LEAST_AHEAD: f64 = 0.05;
 
-/// Pixels of a fisheye's rim that are given up where it shows the antipode of its axis as a whole circle.
+/// Pixels of a fisheye's rim that are given up where it shows the antipode of its axis as a whole
+/// circle.
 const GIVEN_UP: f64 = 1.0;
 
 impl PictureMap {
@@ -64,8 +68,8 @@ impl PictureMap {
         lens && self.viewer.is_finite() && self.position.is_finite()
     }
 
-    /// The direction from the lens, lens axes, any length, to the point of the dome in which the viewer sees a vertex in
-    /// `direction` (lens axes, any length but 0).
+    /// The direction from the lens, lens axes, any length, to the point of the dome in which the
+    /// viewer sees a vertex in `direction` (lens axes, any length but 0).
     pub fn from_lens(&self, direction: DVec3) -> DVec3 {
         let unit = direction.normalize_or_zero();
         let along = self.viewer.dot(unit);
@@ -73,8 +77,8 @@ impl PictureMap {
         self.viewer - self.position + unit * ((along * along + inside).sqrt() - along)
     }
 
-    /// Where a vertex appears that the viewer sees in `direction` (lens axes, any length). The zero vector is at the
-    /// picture's middle.
+    /// Where a vertex appears that the viewer sees in `direction` (lens axes, any length). The zero
+    /// vector is at the picture's middle.
     pub fn place(&self, direction: DVec3) -> Place {
         let ray = self.from_lens(direction);
         match self.lens {
@@ -101,7 +105,8 @@ impl PictureMap {
         }
     }
 
-    /// The place, −1…1, at which the picture shows what the viewer sees in `direction`; `None` where that is outside of it.
+    /// The place, −1…1, at which the picture shows what the viewer sees in `direction`; `None`
+    /// where that is outside of it.
     pub fn shown(&self, direction: DVec3) -> Option<DVec2> {
         let Place::At(at) = self.place(direction) else { return None };
         let inside = match self.lens {
@@ -111,8 +116,8 @@ impl PictureMap {
         inside.then_some(at)
     }
 
-    /// The angle from the axis, radians, from which on directions are beyond the picture: for a fisheye half-way from its
-    /// rim to the antipode of the axis, and a pixel from that at most.
+    /// The angle from the axis, radians, from which on directions are beyond the picture: for a
+    /// fisheye half-way from its rim to the antipode of the axis, and a pixel from that at most.
     pub fn limit(&self) -> f64 {
         match self.lens {
             PictureLens::Fisheye { aperture, circle, pixels } => {
@@ -264,8 +269,9 @@ mod tests {
         assert!(none == 0 && worst < 1e-3, "{worst} pixels, {none} no numbers");
     }
 
-    /// Two arc cosines in 32 bits over a whole picture of a projector, with a given arc cosine: the greatest distance in
-    /// pixels of what a pixel samples from what it should show, and how many pixels have no number.
+    /// Two arc cosines in 32 bits over a whole picture of a projector, with a given arc cosine: the
+    /// greatest distance in pixels of what a pixel samples from what it should show, and how many
+    /// pixels have no number.
     fn recipe_of_a_projector(arc_cosine: fn(f32) -> f32, pixels: (u32, u32)) -> (f64, usize) {
         let frustum = Frustum::symmetric(60f64.to_radians(), 40f64.to_radians());
         let map = PictureMap {
@@ -308,7 +314,8 @@ mod tests {
         FRAC_PI_2 - x.signum() * (FRAC_PI_2 - (1.0 - a).sqrt() * sum)
     }
 
-    /// What was published fails on whole pictures, by the rounding of its formula and by the driver's arc cosine.
+    /// What was published fails on whole pictures, by the rounding of its formula and by the
+    /// driver's arc cosine.
     #[test]
     fn arc_cosines_fail_over_the_picture_of_a_projector() {
         let (worst, none) = recipe_of_a_projector(driver_s_arc_cosine, (1920, 1080));

@@ -5,15 +5,15 @@ use super::quadratic::linear_at;
 use super::screen::{Bounds, ClosedSurface, HalfSpace, Join, Sides};
 use glam::{DAffine3, DMat3, DVec3};
 
-/// The rays `origin + t·rays·(x, y, 1)` of a pinhole's pixels (x and y in −1…1) before a surface, all in the surface's own
-/// axes.
+/// The rays `origin + t·rays·(x, y, 1)` of a pinhole's pixels (x and y in −1…1) before a surface,
+/// all in the surface's own axes.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct PinholeRays {
     /// Where the rays begin.
     pub origin: DVec3,
     /// Pixel `(x, y, 1)` → ray.
     pub rays: DMat3,
-    /// What they meet.
+    /// Surface that they meet.
     pub surface: ClosedSurface,
 }
 
@@ -23,8 +23,8 @@ impl PinholeRays {
         self.mapped(DAffine3 { matrix3: target, translation: -(target * eye) })
     }
 
-    /// Three half-spaces as the components of a form that are ≥ 0 where a pixel's point is in them; where there are
-    /// fewer, the others are 0.
+    /// Three half-spaces as the components of a form that are ≥ 0 where a pixel's point is in them;
+    /// where there are fewer, the others are 0.
     pub fn within(&self, spaces: [Option<HalfSpace>; 3]) -> QuadraticForm {
         let normals = spaces.map(|space| space.map_or(DVec3::ZERO, |space| space.normal));
         let distances = spaces.map(|space| space.map_or(0.0, |space| space.distance));
@@ -39,12 +39,13 @@ impl PinholeRays {
         }
     }
 
-    /// The value of one of its forms at a pixel, as [`QuadraticForm::evaluate`], also for double cones: `None` where the ray
-    /// does not meet the half that is there.
+    /// The value of one of its forms at a pixel, as [`QuadraticForm::evaluate`], also for double
+    /// cones: `None` where the ray does not meet the half that is there.
     pub fn evaluate(&self, form: &QuadraticForm, x: f64, y: f64) -> Option<DVec3> {
         match &self.surface {
             ClosedSurface::Quadric(quadric) if !quadric.is_convex() => {
-                // offset·a + L·(√D − b), times the factor (√D + b)/a, whose sign tells whether the point is ahead.
+                // offset·a + L·(√D − b), times the factor (√D + b)/a, whose sign tells whether the
+                // point is ahead.
                 let ray = self.rays * DVec3::new(x, y, 1.0);
                 let factor = quadric.product(self.origin, ray) + form.discriminant(x, y).sqrt();
                 let linear = DVec3::from_array(form.l.map(|row| linear_at(&row, x, y)));
@@ -54,9 +55,10 @@ impl PinholeRays {
         }
     }
 
-    /// Whether no pixel (x and y in −1…1) has the surface behind it: the condition under which the forms have no ghosts, but for
-    /// those of double cones, which [`super::screen::Bounds`] tell. True for every pinhole inside; for one outside, or before a plane, whose
-    /// whole picture looks towards the surface.
+    /// Whether no pixel (x and y in −1…1) has the surface behind it: the condition under which the
+    /// forms have no ghosts, but for those of double cones, which [`super::screen::Bounds`] tell.
+    /// True for every pinhole inside; for one outside, or before a plane, whose whole picture looks
+    /// towards the surface.
     pub fn looks_at_it(&self) -> bool {
         let towards = |ray: DVec3| match &self.surface {
             ClosedSurface::Quadric(quadric) => quadric.is_convex() && quadric.product(self.origin, ray) < 0.0,
@@ -68,13 +70,14 @@ impl PinholeRays {
         self.is_inside(1.0) || ahead()
     }
 
-    /// Whether the pinhole is inside a surface that has an inside, no farther from its middle or axis than `part` of the
-    /// way to it.
+    /// Whether the pinhole is inside a surface that has an inside, no farther from its middle or
+    /// axis than `part` of the way to it.
     pub fn is_inside(&self, part: f64) -> bool {
         matches!(&self.surface, ClosedSurface::Quadric(quadric) if quadric.contains(self.origin, part))
     }
 
-    /// Where the ray of a pixel, inside or outside, lights the surface, in its own axes; `None` where it does not.
+    /// Where the ray of a pixel, inside or outside, lights the surface, in its own axes; `None`
+    /// where it does not.
     pub fn hit(&self, x: f64, y: f64) -> Option<DVec3> {
         let ray = self.rays * DVec3::new(x, y, 1.0);
         let distance = match &self.surface {
@@ -92,7 +95,7 @@ impl PinholeRays {
     }
 }
 
-/// What tells whether the point of a pixel is on the part of its surface that is screen.
+/// Forms that tell whether the point of a pixel is on the part of its surface that is screen.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct RimForms {
     /// All three components are ≥ 0 there.

@@ -17,8 +17,9 @@ pub fn rotation(yaw: f64, pitch: f64, roll: f64) -> DMat3 {
     DMat3::from_rotation_y(-yaw) * DMat3::from_rotation_x(pitch) * DMat3::from_rotation_z(-roll)
 }
 
-/// Yaw, pitch and roll (radians) of a rotation: the inverse of [`rotation`], with yaw and roll in −π…π and pitch in
-/// −π/2…π/2. Straight up and down, where yaw and roll turn about the same axis, yaw is 0.
+/// Yaw, pitch and roll (radians) of a rotation: the inverse of [`rotation`], with yaw and roll in
+/// −π…π and pitch in −π/2…π/2. Straight up and down, where yaw and roll turn about the same axis,
+/// yaw is 0.
 pub fn angles(rotation: &DMat3) -> [f64; 3] {
     let forward = -rotation.z_axis;
     let level = forward.x.hypot(forward.z);
@@ -44,12 +45,14 @@ impl Pose {
         self.rotation.transpose() * (parent - self.position)
     }
 
-    /// A direction (or difference of points) of the posed frame in the parent frame; lengths are kept.
+    /// A direction (or difference of points) of the posed frame in the parent frame; lengths are
+    /// kept.
     pub fn direction_to_parent(&self, local: DVec3) -> DVec3 {
         self.rotation * local
     }
 
-    /// A direction (or difference of points) of the parent frame in the posed frame; lengths are kept.
+    /// A direction (or difference of points) of the parent frame in the posed frame; lengths are
+    /// kept.
     pub fn direction_to_local(&self, parent: DVec3) -> DVec3 {
         self.rotation.transpose() * parent
     }

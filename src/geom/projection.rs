@@ -1,4 +1,5 @@
-//! How fisheye lenses put angles into a picture: the published projections, polynomials, and measured curves.
+//! How fisheye lenses put angles into a picture: the published projections, polynomials, and
+//! measured curves.
 
 use super::Curve;
 use glam::{DVec2, DVec3};
@@ -8,13 +9,14 @@ use std::sync::Arc;
 /// A fisheye lens.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct FisheyeLens {
-    /// How the radius grows with the angle.
+    /// Radius as a function of the angle.
     pub projection: Projection,
     /// Whole opening angle, radians; the circle's rim lies at half of it.
     pub aperture: f64,
 }
 
-/// How the radius of a fisheye's picture grows with the angle θ from its axis (scale apart: the rim has radius 1).
+/// How the radius of a fisheye's picture grows with the angle θ from its axis (scale apart: the rim
+/// has radius 1).
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub enum Projection {
     /// θ.
@@ -108,7 +110,7 @@ impl FisheyeLens {
         self.projection.angle(radius * self.projection.radius(limit).0, limit)
     }
 
-    /// How fast the angle grows there, radians per radius of the circle.
+    /// Slope of the angle there, radians per radius of the circle.
     pub fn slope(&self, radius: f64) -> f64 {
         self.projection.radius(0.5 * self.aperture).0 / self.projection.radius(self.angle(radius)).1
     }
@@ -124,8 +126,8 @@ impl FisheyeLens {
         Some(across.extend(-cosine))
     }
 
-    /// The point of the unit disc that shows a direction of any length; `None` beyond the aperture. The
-    /// antipode of the axis is put on the right.
+    /// The point of the unit disc that shows a direction of any length; `None` beyond the aperture.
+    /// The antipode of the axis is put on the right.
     pub fn point(&self, direction: DVec3) -> Option<DVec2> {
         let across = direction.truncate();
         let angle = across.length().atan2(-direction.z);

@@ -1,16 +1,18 @@
-//! The exact closed form of a pinhole ray that meets a sphere, another quadric or a plane and is seen by a perspective view.
+//! The exact closed form of a pinhole ray that meets a sphere, another quadric or a plane and is
+//! seen by a perspective view.
 
 use super::{Quadric, Sphere};
 use glam::{DAffine3, DMat3, DVec3};
 
-/// `s(x, y) = Q(x, y) + L(x, y)·√D(x, y)`: coefficients over the monomials in the order
-/// `[x², y², xy, x, y, 1]` (Q and D) and `[x, y, 1]` (L). `s` is an affine function of the point that the ray meets,
-/// homogeneous, with positive scale; the ray meets the surface iff `D ≥ 0`.
+/// `s(x, y) = Q(x, y) + L(x, y)·√D(x, y)`: coefficients over the monomials in the order `[x², y²,
+/// xy, x, y, 1]` (Q and D) and `[x, y, 1]` (L). `s` is an affine function of the point that the ray
+/// meets, homogeneous, with positive scale; the ray meets the surface iff `D ≥ 0`.
 ///
 /// Derivation: with the surface's [`Quadric::product`] as the dot, the line `o + t·d` meets it at
-/// `t = (−b ± √D)/a` with `a = d·d`, `b = o·d`, `D = level·a − |o × d|²`, the latter weighted by products of two weights.
-/// Scaled by `a > 0`, the far hit of a sphere is `d × (o × d) + d·√D`, and others' alike; with `d` linear in the pixel, its first term is
-/// quadratic. All cancellations between large numbers happen here, in f64, before the coefficients are rounded.
+/// `t = (−b ± √D)/a` with `a = d·d`, `b = o·d`, `D = level·a − |o × d|²`, the latter weighted by
+/// products of two weights. Scaled by `a > 0`, the far hit of a sphere is `d × (o × d) + d·√D`, and
+/// others' alike; with `d` linear in the pixel, its first term is quadratic. All cancellations
+/// between large numbers happen here, in f64, before the coefficients are rounded.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct QuadraticForm {
     /// The quadratic part, a row per component of `s`.
@@ -19,11 +21,13 @@ pub struct QuadraticForm {
     pub l: [[f64; 3]; 3],
     /// The discriminant.
     pub d: [f64; 6],
-    /// The function's value at the pinhole: `Q = offset·a − L·b`. 0 for a plane, where nothing is quadratic.
+    /// The function's value at the pinhole: `Q = offset·a − L·b`. 0 for a plane, where nothing is
+    /// quadratic.
     pub offset: DVec3,
 }
 
-/// Three linear functions of the pixel, as three vectors: `columns[0]·x + columns[1]·y + columns[2]`.
+/// Three linear functions of the pixel, as three vectors: `columns[0]·x + columns[1]·y +
+/// columns[2]`.
 #[derive(Clone, Copy)]
 struct LinearVector([DVec3; 3]);
 
@@ -77,12 +81,14 @@ pub(crate) fn squared(rays: DMat3, quadric: &Quadric) -> [f64; 6] {
 }
 
 impl QuadraticForm {
-    /// The form of a pinhole at `origin` whose pixel `(x, y)` sends the ray `rays·(x, y, 1)`, both in
-    /// the surface's axes, for the point where the ray leaves the inside of `quadric` (of a sphere the **far** hit), taken through
-    /// `map`: to an eye's axes, or to homogeneous picture coordinates, such as [`super::Frustum::picture`] after a lens's axes.
+    /// The form of a pinhole at `origin` whose pixel `(x, y)` sends the ray `rays·(x, y, 1)`, both
+    /// in the surface's axes, for the point where the ray leaves the inside of `quadric` (of a
+    /// sphere the **far** hit), taken through `map`: to an eye's axes, or to homogeneous picture
+    /// coordinates, such as [`super::Frustum::picture`] after a lens's axes.
     ///
-    /// The form does not tell rays that meet the surface from rays whose backward extension meets it:
-    /// [`super::PinholeRays::looks_at_it`] must hold, and of a double cone half of the rays from inside have a negative scale.
+    /// The form does not tell rays that meet the surface from rays whose backward extension meets
+    /// it: [`super::PinholeRays::looks_at_it`] must hold, and of a double cone half of the rays
+    /// from inside have a negative scale.
     pub fn on(origin: DVec3, rays: DMat3, quadric: &Quadric, map: DAffine3) -> Self {
         let direction = LinearVector::of(rays);
         let moment = LinearVector(direction.0.map(|column| origin.cross(column)));
@@ -112,7 +118,8 @@ impl QuadraticForm {
         Self { q: [[0.0; 6]; 3], l: [0, 1, 2].map(|i| linear.row(i)), d, offset: DVec3::ZERO }
     }
 
-    /// [`Self::on`] a sphere anywhere, seen from `eye` and turned by `target` (world axes → the axes wanted).
+    /// [`Self::on`] a sphere anywhere, seen from `eye` and turned by `target` (world axes → the
+    /// axes wanted).
     pub fn new(origin: DVec3, rays: DMat3, sphere: &Sphere, eye: DVec3, target: DMat3) -> Self {
         let map = DAffine3 { matrix3: target, translation: target * (sphere.center - eye) };
         Self::on(origin - sphere.center, rays, &Quadric::from(sphere), map)
@@ -158,7 +165,8 @@ mod tests {
     use crate::geom::{Frustum, Pose};
     use crate::testing::random::Random;
 
-    /// A pinhole somewhere, aimed at a random point near the centre, with an opening that the sphere fills.
+    /// A pinhole somewhere, aimed at a random point near the centre, with an opening that the
+    /// sphere fills.
     fn pinhole(random: &mut Random, distance: f64) -> (DVec3, DMat3) {
         let origin = random.direction() * distance;
         let aim = random.direction() * 0.3 - origin;

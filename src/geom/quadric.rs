@@ -3,7 +3,8 @@
 use super::Sphere;
 use glam::DVec3;
 
-/// The points with `Σ weights·p² = level`. Its inside, from where it is lit, is where the sum is less.
+/// The points with `Σ weights·p² = level`. Its inside, from where it is lit, is where the sum is
+/// less.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Quadric {
     /// Weights of x², y², z². All ≥ 0, or that of y² < 0 for a double cone.
@@ -27,7 +28,8 @@ impl Quadric {
         Self { weights: DVec3::new(1.0, 0.0, 1.0), level: radius * radius, half: 0.0 }
     }
 
-    /// A cone around the y axis with its apex in the origin, whose radius grows by `slope` ≠ 0 with the height.
+    /// A cone around the y axis with its apex in the origin, whose radius grows by `slope` ≠ 0 with
+    /// the height.
     pub fn cone(slope: f64) -> Self {
         Self { weights: DVec3::new(1.0, -slope * slope, 1.0), level: 0.0, half: slope.signum() }
     }
@@ -42,7 +44,8 @@ impl Quadric {
         self.level - self.product(point, point)
     }
 
-    /// Whether a point is inside, no farther from the middle or the axis than `part` of the way to the surface.
+    /// Whether a point is inside, no farther from the middle or the axis than `part` of the way to
+    /// the surface.
     pub fn contains(&self, point: DVec3, part: f64) -> bool {
         let squares = self.weights * point * point;
         let (outward, inward) = (squares.max(DVec3::ZERO).element_sum(), squares.min(DVec3::ZERO).element_sum());

@@ -27,18 +27,18 @@ pub struct Intrinsics {
     pub f: Option<f64>,
 }
 
-/// How a program's camera is adapted to the dome (`[camera]` of a rig).
+/// Adaptation of a program's camera to the dome (`[camera]` of a rig).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CameraAdjustment {
     /// Factor on the tangents of every direction; > 1 enlarges what the program shows.
     pub zoom: f64,
-    /// How far the eye is moved, in the program's own units, along its camera axes.
+    /// Motion of the eye along the camera axes, in the program's own units.
     pub shift: DVec3,
     /// Camera axes of the program → axes of the viewer (orthonormal).
     pub rotation: DMat3,
 }
 
-/// What a 4×4 matrix of a program is.
+/// Class of a program's 4×4 matrix.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MatrixClass {
     /// A perspective projection, alone or times a similarity.
@@ -62,10 +62,11 @@ pub struct ClipRows {
     pub w: [f64; 4],
     /// E of the program's matrix.
     pub e: f64,
-    /// The picture is no perspective: (x', y', −w') is the direction in the axes of its lens, in the program's units.
+    /// The picture is no perspective: (x', y', −w') is the direction in the axes of its lens, in
+    /// the program's units.
     pub curved: bool,
-    /// Depth of the view from the program's depth measured along the view's axis: factor and offset in
-    /// normalised device coordinates; (1, 0) = the program's own planes.
+    /// Depth of the view from the program's depth measured along the view's axis: factor and offset
+    /// in normalised device coordinates; (1, 0) = the program's own planes.
     pub depth: [f64; 2],
 }
 
@@ -94,14 +95,14 @@ impl Default for CameraAdjustment {
 
 /// The rows for a view with axes `rotation` (viewer → view) and opening `frustum`.
 ///
-/// The program's eye coordinates follow from its clip coordinates as `x = (cx + B·cw)/A`, `y = (cy + D·cw)/C`,
-/// `z = −cw`. The eye is moved by `camera.shift` (only if F is known and not 0: `w = q/F`), the
-/// tangents are multiplied by `camera.zoom`, `camera.rotation` and `rotation` are applied, and the view's
-/// own lens with the program's E and F gives `c'`. Depth needs neither F nor a division:
-/// `E·z' + F·w = cz + E·(z' − z)`.
+/// The program's eye coordinates follow from its clip coordinates as `x = (cx + B·cw)/A`, `y = (cy +
+/// D·cw)/C`, `z = −cw`. The eye is moved by `camera.shift` (only if F is known and not 0: `w =
+/// q/F`), the tangents are multiplied by `camera.zoom`, `camera.rotation` and `rotation` are
+/// applied, and the view's own lens with the program's E and F gives `c'`. Depth needs neither F
+/// nor a division: `E·z' + F·w = cz + E·(z' − z)`.
 ///
-/// Scales appear only as ratios of the two lenses, so a view with [`Intrinsics::frustum`], no rotation and
-/// [`CameraAdjustment::NONE`] has exactly the rows (1,0,0,0), (0,1,0,0), (0,0,1,0).
+/// Scales appear only as ratios of the two lenses, so a view with [`Intrinsics::frustum`], no
+/// rotation and [`CameraAdjustment::NONE`] has exactly the rows (1,0,0,0), (0,1,0,0), (0,0,1,0).
 pub fn clip_rows(p: &Intrinsics, camera: &CameraAdjustment, rotation: DMat3, frustum: &Frustum) -> ClipRows {
     let own = p.frustum();
     let ((own_half_x, own_half_y), (own_middle_x, own_middle_y)) = (own.half_size(), own.middle());
@@ -152,18 +153,19 @@ fn positive_zero(x: f64) -> f64 {
 }
 
 impl ClipRows {
-    /// The same rows for a view that is `frustum` wide, with planes so far apart that nothing which the
-    /// program's own planes let through is lost.
+    /// The same rows for a view that is `frustum` wide, with planes so far apart that nothing which
+    /// the program's own planes let through is lost.
     ///
-    /// Many programs fit their near and far planes tightly around what they draw. A view that is turned
-    /// measures depth along its own axis: what lies at the near distance straight ahead of the program
-    /// is nearer by the cosine of the angle to the view's axis. So the view's near plane is the
-    /// program's times the cosine of the view's corner, the far plane the program's times the secant of
-    /// the lens's corner (√3, a cube's, at least). Both follow from E alone: depth in normalised device
-    /// coordinates is `−E + F/d` with `F/near = E − 1`, `F/far = E + 1` in OpenGL's default clip range
-    /// (for a range of 0…1 the planes come out wider still); E ≥ 0 is a reversed depth, from 1 to 0 where
-    /// E < 1, from 1 to −1 else. The view's depth is the image of that under `depth[0]·z + depth[1]`, exactly the
-    /// depth of a lens with the wider planes.
+    /// Many programs fit their near and far planes tightly around what they draw. A view that is
+    /// turned measures depth along its own axis: what lies at the near distance straight ahead of
+    /// the program is nearer by the cosine of the angle to the view's axis. So the view's near
+    /// plane is the program's times the cosine of the view's corner, the far plane the program's
+    /// times the secant of the lens's corner (√3, a cube's, at least). Both follow from E alone:
+    /// depth in normalised device coordinates is `−E + F/d` with `F/near = E − 1`, `F/far = E + 1`
+    /// in OpenGL's default clip range (for a range of 0…1 the planes come out wider still); E ≥ 0
+    /// is a reversed depth, from 1 to 0 where E < 1, from 1 to −1 else. The view's depth is the
+    /// image of that under `depth[0]·z + depth[1]`, exactly the depth of a lens with the wider
+    /// planes.
     pub fn widened(self, p: &Intrinsics, camera: &CameraAdjustment, frustum: &Frustum) -> Self {
         let corner = |f: &Frustum, zoom: f64| {
             let (x, y) = (f.left.abs().max(f.right.abs()), f.bottom.abs().max(f.top.abs()));
@@ -190,14 +192,15 @@ impl ClipRows {
         Self { depth: [scale, at_near - scale * nearest], ..self }
     }
 
-    /// The normalised depth in the program's own picture of what has `depth` in the view; `farther`: how many times as
-    /// far it is along the view's axis as along the program's (w'/w). Holds where the eye is not moved.
+    /// The normalised depth in the program's own picture of what has `depth` in the view;
+    /// `farther`: how many times as far it is along the view's axis as along the program's (w'/w).
+    /// Holds where the eye is not moved.
     pub fn own_depth(&self, depth: f64, farther: f64) -> f64 {
         ((depth - self.depth[1]) / self.depth[0] + self.e) * farther - self.e
     }
 
-    /// The same as one 4×4 matrix (column-major) to be multiplied from the left to the program's projection.
-    /// It lacks the rule `z' = w'` where `cz = cw`, which is not linear.
+    /// The same as one 4×4 matrix (column-major) to be multiplied from the left to the program's
+    /// projection. It lacks the rule `z' = w'` where `cz = cw`, which is not linear.
     pub fn matrix(&self) -> [f64; 16] {
         let e = self.e;
         let linear = |r: &[f64; 4]| [r[0], r[1], r[3], r[2] + e * r[3]];

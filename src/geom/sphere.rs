@@ -16,9 +16,9 @@ impl Sphere {
     /// inside the only hit, from outside the far one. `None` where the ray misses, where the
     /// sphere lies behind it, and for a direction that is zero or not finite.
     ///
-    /// The foot of the perpendicular from the centre is found from `o × d`, not from the
-    /// difference of large squares (Haines, Günther, Akenine-Möller, *Ray Tracing Gems* ch. 7), so the
-    /// error relative to the radius is about 1e-16 times (1 + distance of the origin / radius).
+    /// The foot of the perpendicular from the centre is found from `o × d`, not from the difference
+    /// of large squares (Haines, Günther, Akenine-Möller, *Ray Tracing Gems* ch. 7), so the error
+    /// relative to the radius is about 1e-16 times (1 + distance of the origin / radius).
     pub fn far_hit(&self, origin: DVec3, direction: DVec3) -> Option<DVec3> {
         self.hit(origin, direction, 1.0)
     }
@@ -88,7 +88,8 @@ mod tests {
                 let origin = random.direction() * distance;
                 let target = random.direction();
                 let path = target - origin;
-                // Behind the silhouette as seen from the origin: the far side. Grazing rays are left out.
+                // Behind the silhouette as seen from the origin: the far side. Grazing rays are
+                // left out.
                 let steep = target.dot(path.normalize());
                 if steep.abs() < 0.05 {
                     continue;

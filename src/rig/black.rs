@@ -4,21 +4,21 @@ use crate::error::Result;
 use crate::formats::{Levels, levels, read_file};
 use std::path::{Path, PathBuf};
 
-/// What black is raised to in each pixel, read from a file.
+/// Values for black in each pixel, read from a file.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Black {
     /// The file.
     pub file: PathBuf,
     /// A value for each channel of each pixel; of any size, it is stretched over the output.
     pub levels: Levels,
-    /// What the values are.
+    /// Meaning of the values.
     pub values: BlackValues,
 }
 
-/// What the values of a picture of black are.
+/// Meaning of the values of a picture of black.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
 pub enum BlackValues {
-    /// What is shown: values as the display gets them.
+    /// Displayed values.
     #[default]
     Displayed,
     /// Parts of white in linear light.
@@ -28,8 +28,9 @@ pub enum BlackValues {
 /// Reads the picture: PNG or PFM.
 ///
 /// # Errors
-/// [`ErrorKind::Io`](crate::ErrorKind::Io) if the file cannot be read, [`ErrorKind::InvalidRig`](crate::ErrorKind::InvalidRig) with the
-/// reason if it is no picture or a value is not 0…1.
+/// [`ErrorKind::Io`](crate::ErrorKind::Io) if the file cannot be read,
+/// [`ErrorKind::InvalidRig`](crate::ErrorKind::InvalidRig) with the reason if it is no picture or a
+/// value is not 0…1.
 pub(super) fn read(file: &Path, values: BlackValues) -> Result<Black> {
     let levels = levels::read(&file.display().to_string(), &read_file(file)?)?;
     Ok(Black { file: file.to_owned(), levels, values })

@@ -3,16 +3,18 @@
 use super::Transfer;
 use crate::error::{Error, ErrorKind, Result};
 
-/// How the weight of an output's pixels is found, and what its display makes of values.
+/// Blend weights of an output's pixels, and response of its display.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Blend {
     /// Weight from the overlap of all projectors (partition of unity).
     pub overlap: bool,
-    /// Width of the ramp at a projector's borders, as a part of the picture's width or height, 0 < ramp ≤ 0.5.
+    /// Width of the ramp at a projector's borders, as a part of the picture's width or height, 0 <
+    /// ramp ≤ 0.5.
     pub ramp: f64,
     /// Shape of that ramp.
     pub shape: RampShape,
-    /// Exponent of a projector's claim on a point, before the point is shared out, 1…2: the greater, the shorter the transition.
+    /// Exponent of a projector's claim on a point, before the point is shared out, 1…2: the
+    /// greater, the shorter the transition.
     pub exponent: f64,
     /// Procedural ramps in dome angles, multiplied in.
     pub ramps: Vec<AngleRamp>,
@@ -51,7 +53,8 @@ impl Blend {
         self.contrast.map_or(0.0, f64::recip)
     }
 
-    /// Whether every value is in its range, for values that come from no rig file. Angles of ramps are not looked at.
+    /// Whether every value is in its range, for values that come from no rig file. Angles of ramps
+    /// are not looked at.
     ///
     /// # Errors
     /// [`ErrorKind::InvalidArgument`] with the first value that is not, and what would be right.
@@ -80,7 +83,7 @@ impl Blend {
     }
 }
 
-/// How a ramp rises from 0 to 1.
+/// Shape of a ramp from 0 to 1.
 #[derive(Clone, Copy, Debug, PartialEq, Default, serde::Serialize)]
 pub enum RampShape {
     /// `3t² − 2t³`: continuous with its first derivative; steepest slope 1.5.
@@ -88,8 +91,8 @@ pub enum RampShape {
     Smoothstep,
     /// `½ − ½·cos(πt)`: the same with less curvature at the ends; 1.57.
     Cosine,
-    /// `½·(2t)^p` up to the middle, then the same turned about it (Bourke 2004); steepest slope p. p is 0.5…4; 1 is a
-    /// straight line.
+    /// `½·(2t)^p` up to the middle, then the same turned about it (Bourke 2004); steepest slope p.
+    /// p is 0.5…4; 1 is a straight line.
     Power(f64),
 }
 
@@ -102,7 +105,7 @@ pub struct AngleRamp {
     pub zero: f64,
     /// Where the weight is 1, radians; less or greater than `zero`.
     pub full: f64,
-    /// How it rises.
+    /// Its shape.
     pub shape: RampShape,
 }
 

@@ -12,11 +12,11 @@ pub struct Calibration {
     pub file: PathBuf,
     /// A value for each place of the output.
     pub grid: Grid,
-    /// What the values mean.
+    /// Meaning of the values.
     pub values: CalibrationValues,
 }
 
-/// What the values of a calibration mean.
+/// Meaning of a calibration's values.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub enum CalibrationValues {
     /// Places (0…1 from the bottom left) in an equidistant fisheye picture of the dome.
@@ -28,7 +28,8 @@ pub enum CalibrationValues {
     },
     /// Places (0…1 from the bottom left) in a flat picture as the viewer sees it.
     Perspective {
-        /// Its aim relative to the viewer, radians: right-positive, up-positive, clockwise-positive.
+        /// Its aim relative to the viewer, radians: right-positive, up-positive,
+        /// clockwise-positive.
         angles: [f64; 3],
         /// Its opening.
         frustum: Frustum,
@@ -49,8 +50,8 @@ impl CalibrationValues {
 /// Reads a calibration's file: a warp mesh (`.data`, `.map`) or a float map (`.pfm`).
 ///
 /// # Errors
-/// [`ErrorKind::Io`] if the file cannot be read, [`ErrorKind::InvalidRig`] with place and reason if it is damaged, of
-/// another kind, or a warp mesh whose values are not places in a picture.
+/// [`ErrorKind::Io`] if the file cannot be read, [`ErrorKind::InvalidRig`] with place and reason if
+/// it is damaged, of another kind, or a warp mesh whose values are not places in a picture.
 pub(super) fn read(file: &Path, values: CalibrationValues) -> Result<Calibration> {
     let name = file.display().to_string();
     let invalid = |why: &str| Error::new(ErrorKind::InvalidRig, format!("{name} {why}"));

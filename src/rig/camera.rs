@@ -21,11 +21,13 @@ impl Default for Camera {
 }
 
 impl Camera {
-    /// This camera with what `text` says replaced, in the form `zoom=4,move=0,0,-20,yaw=90`: keys of a
-    /// rig file's `[camera]` in any order, degrees, each at most once; empty text changes nothing.
+    /// This camera with what `text` says replaced, in the form `zoom=4,move=0,0,-20,yaw=90`: keys
+    /// of a rig file's `[camera]` in any order, degrees, each at most once; empty text changes
+    /// nothing.
     ///
     /// # Errors
-    /// [`ErrorKind::InvalidArgument`](crate::ErrorKind::InvalidArgument) for unknown or repeated keys and for numbers missing, unreadable or out of range.
+    /// [`ErrorKind::InvalidArgument`](crate::ErrorKind::InvalidArgument) for unknown or repeated
+    /// keys and for numbers missing, unreadable or out of range.
     pub fn apply_override(&self, text: &str) -> Result<Self> {
         let mut camera = *self;
         let example = "zoom=4,move=0,0,-20,yaw=90,pitch=0,roll=0";

@@ -1,8 +1,9 @@
-//! Pictures that are sent mirrored: for projectors behind a screen, before a flat mirror, or hung upside down.
+//! Pictures that are sent mirrored: for projectors behind a screen, before a flat mirror, or hung
+//! upside down.
 
 use glam::DVec2;
 
-/// How the finished picture of an output is mirrored, with everything that is in it.
+/// Mirroring of the finished picture of an output, with everything that is in it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
 pub struct Flip {
     /// Left and right are exchanged.
@@ -36,7 +37,8 @@ impl Flip {
         DVec2::new(sign(self.horizontal), sign(self.vertical))
     }
 
-    /// Where a pixel position (from the top left) of a picture of `size` pixels comes from, and where it goes.
+    /// Where a pixel position (from the top left) of a picture of `size` pixels comes from, and
+    /// where it goes.
     pub fn pixel(self, pixel: DVec2, size: (u32, u32)) -> DVec2 {
         let (width, height) = (f64::from(size.0), f64::from(size.1));
         DVec2::new(

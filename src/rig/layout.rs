@@ -3,10 +3,11 @@
 use super::Rig;
 
 impl Rig {
-    /// The rectangles (x, y, width, height in pixels from the top left) of the outputs, in their order, in
-    /// a window of `window` pixels. Outputs with a `window` of their own have that, cropped to the window;
-    /// otherwise a single output has the whole window, and several share it in a near-square grid, row by
-    /// row from the top left. A rectangle without pixels has width or height 0.
+    /// The rectangles (x, y, width, height in pixels from the top left) of the outputs, in their
+    /// order, in a window of `window` pixels. Outputs with a `window` of their own have that,
+    /// cropped to the window; otherwise a single output has the whole window, and several share it
+    /// in a near-square grid, row by row from the top left. A rectangle without pixels has width or
+    /// height 0.
     pub fn layout(&self, window: (u32, u32)) -> Vec<[u32; 4]> {
         let columns = self.columns();
         let rows = (self.outputs.len() as u32).div_ceil(columns);
@@ -30,7 +31,8 @@ impl Rig {
     }
 
     /// The size in pixels of a window in which every output has its own resolution: the hull of the
-    /// outputs' `window` rectangles, or the grid of their `size`. `None` where an output says neither.
+    /// outputs' `window` rectangles, or the grid of their `size`. `None` where an output says
+    /// neither.
     pub fn extent(&self) -> Option<(u32, u32)> {
         if self.outputs.is_empty() {
             return None;

@@ -6,38 +6,43 @@ use super::reader::Allowed;
 use super::{Rig, validate};
 use crate::error::{Error, ErrorKind, Result};
 
-/// How an output's picture is made of the views.
+/// Method that makes an output's picture from the views.
 ///
-/// Errors are in pixels of the output: the angle between what a pixel shows and what it should show, over the
-/// angle that a pixel spans there.
+/// Errors are in pixels of the output: the angle between what a pixel shows and what it should
+/// show, over the angle that a pixel spans there.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub enum Method {
-    /// A ray for each pixel: the exact formula where there is one, otherwise an exact table of all pixels.
+    /// A ray for each pixel: the exact formula where there is one, otherwise an exact table of all
+    /// pixels.
     #[default]
     Fragment,
-    /// A table of directions and weights that is interpolated between its entries, as coarse as the greatest error allows.
+    /// A table of directions and weights that is interpolated between its entries, as coarse as the
+    /// greatest error allows.
     Table {
         /// Greatest error in pixels, 0.005…2.
         max_error: f64,
     },
-    /// Triangles over the output with a direction and a weight at each corner, as large as the greatest error allows.
+    /// Triangles over the output with a direction and a weight at each corner, as large as the
+    /// greatest error allows.
     Mesh {
         /// Greatest error in pixels, 0.005…2.
         max_error: f64,
     },
-    /// The dome as a mesh, seen from the projector, or flattened to a domemaster, whatever its error.
+    /// The dome as a mesh, seen from the projector, or flattened to a domemaster, whatever its
+    /// error.
     CubeMesh {
         /// Cells along the edge of the cube whose faces are inflated to the dome, 4…512.
         density: u32,
     },
-    /// The program's vertices are projected straight to the output's pixels, in one pass and without views. What lies
-    /// between vertices is as straight as the program's triangles are.
+    /// The program's vertices are projected straight to the output's pixels, in one pass and
+    /// without views. What lies between vertices is as straight as the program's triangles are.
     Vertex,
     /// As [`Method::Vertex`], with lines and triangles divided until they are curved enough.
     Primitive {
-        /// Greatest distance in pixels of what a divided primitive shows from where it should be, 0.05…16.
+        /// Greatest distance in pixels of what a divided primitive shows from where it should be,
+        /// 0.05…16.
         max_error: f64,
-        /// What divides primitives that shaders draw.
+        /// Stage that divides primitives of programs with shaders.
         by: Divider,
     },
 }
@@ -48,28 +53,31 @@ pub enum Divider {
     /// A geometry shader: every strip and fan, up to so many parts as it can emit.
     #[default]
     Geometry,
-    /// A tessellation shader where there is one and the primitives have vertices of their own, otherwise a geometry shader.
+    /// A tessellation shader where there is one and the primitives have vertices of their own,
+    /// otherwise a geometry shader.
     Tessellation,
 }
 
-/// What `max_error` may be: below, 32-bit interpolation is no more exact; above, pixels would sample what no view has to show.
+/// Range of `max_error`: below, 32-bit interpolation is no more exact; above, pixels would sample
+/// what no view has to show.
 pub(super) const MAX_ERROR: Allowed = Allowed::closed(0.005, 2.0, "an error in pixels");
-/// What it is where nothing is said: a tenth of a pixel is seen by nobody.
+/// Default: a tenth of a pixel is invisible.
 pub(super) const DEFAULT_ERROR: f64 = 0.1;
-/// What `max_error` of divided primitives may be: below, triangles are as small as pixels.
+/// Range of `max_error` of divided primitives: below, triangles are as small as pixels.
 pub(super) const DIVISION_ERROR: Allowed = Allowed::closed(0.05, 16.0, "an error in pixels");
-/// What it is where nothing is said: half a pixel, as a raster is anyway.
+/// Default: half a pixel, the error of any raster.
 pub(super) const DEFAULT_DIVISION_ERROR: f64 = 0.5;
-/// What `density` may be.
+/// Range of `density`.
 pub(super) const DENSITY: Allowed = Allowed::closed(4.0, 512.0, "whole cells along the edge of a cube");
-/// What it is where nothing is said.
+/// Default.
 pub(super) const DEFAULT_DENSITY: f64 = 32.0;
 
 /// The words for the methods, with the keys that go with them.
 const EXAMPLE: &str = "mesh,max_error=0.1";
 
 impl Method {
-    /// The greatest error that is asked for, pixels: 0 for what is exact, `None` for what follows from a density.
+    /// The greatest error that is asked for, pixels: 0 for what is exact, `None` for what follows
+    /// from a density.
     pub fn max_error(&self) -> Option<f64> {
         match self {
             Self::Fragment => Some(0.0),
@@ -90,11 +98,12 @@ impl Method {
         matches!(self, Self::Primitive { .. })
     }
 
-    /// What `text` says, in the form `mesh,max_error=0.1` or `cube-mesh,density=64`: the name, then the keys that go with
-    /// it, which may be absent.
+    /// What `text` says, in the form `mesh,max_error=0.1` or `cube-mesh,density=64`: the name, then
+    /// the keys that go with it, which may be absent.
     ///
     /// # Errors
-    /// [`ErrorKind::InvalidArgument`] for unknown names and keys, and for numbers missing, unreadable or out of range.
+    /// [`ErrorKind::InvalidArgument`] for unknown names and keys, and for numbers missing,
+    /// unreadable or out of range.
     pub fn parse(text: &str) -> Result<Self> {
         let (name, rest) = text.split_once(',').unwrap_or((text, ""));
         let line = OneLine { what: "method", example: EXAMPLE, text: rest };
@@ -139,8 +148,8 @@ pub(super) fn whole(density: f64) -> Option<u32> {
 }
 
 impl Rig {
-    /// The same rig for what cannot serve methods that are `refused`: such outputs have [`Method::Fragment`], which shows the
-    /// same from views.
+    /// The same rig for what cannot serve methods that are `refused`: such outputs have
+    /// [`Method::Fragment`], which shows the same from views.
     pub fn with_views_for(&self, refused: impl Fn(&Method) -> bool) -> Self {
         let mut rig = self.clone();
         for output in rig.outputs.iter_mut().filter(|output| refused(&output.method)) {
@@ -149,10 +158,12 @@ impl Rig {
         rig
     }
 
-    /// The same rig with the method of all outputs replaced by what `text` says, see [`Method::parse`].
+    /// The same rig with the method of all outputs replaced by what `text` says, see
+    /// [`Method::parse`].
     ///
     /// # Errors
-    /// [`ErrorKind::InvalidArgument`] as for [`Method::parse`], and where an output cannot be made in this way.
+    /// [`ErrorKind::InvalidArgument`] as for [`Method::parse`], and where an output cannot be made
+    /// in this way.
     pub fn with_method_override(&self, text: &str) -> Result<Self> {
         let method = Method::parse(text)?;
         let mut rig = self.clone();

@@ -46,19 +46,20 @@ pub struct Rig {
     pub name: String,
     /// The program's own framebuffer is left alone (preset `identity`); `outputs` is empty then.
     pub passthrough: bool,
-    /// The dome: what domemasters and angles of ramps are measured from, and the screen where `screen` says no other.
+    /// The dome: what domemasters and angles of ramps are measured from, and the screen where
+    /// `screen` says no other.
     pub dome: Dome,
     /// What light falls on; `None` = the dome itself. [`Rig::surface`] has either.
     pub screen: Option<crate::geom::Screen>,
     /// The correct point of view.
     pub viewer: Viewer,
-    /// How the program's own camera is adapted.
+    /// Adaptation of the program's own camera.
     pub camera: Camera,
-    /// How views are chosen.
+    /// Choice of the views.
     pub views: Views,
     /// Where flat (orthographic) drawing appears.
     pub overlay: Overlay,
-    /// What is presented.
+    /// The outputs.
     pub outputs: Vec<Output>,
 }
 
@@ -79,7 +80,8 @@ impl Rig {
 pub struct Dome {
     /// Radius, metres, > 0.
     pub radius: f64,
-    /// Angle from straight up to the dome's pole, towards the front, radians: 0 = zenith up, π/2 = pole straight ahead.
+    /// Angle from straight up to the dome's pole, towards the front, radians: 0 = zenith up, π/2 =
+    /// pole straight ahead.
     pub tilt: f64,
     /// Opening angle of the cap that is screen, radians, 0 < coverage ≤ 2π.
     pub coverage: f64,
@@ -98,14 +100,15 @@ pub struct Viewer {
     pub roll: f64,
 }
 
-/// How the program's own camera is adapted.
+/// Adaptation of the program's own camera.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Camera {
     /// Factor on the tangents of every direction that the program draws, > 0.
     pub zoom: f64,
-    /// How far the eye is moved along the program's camera axes, in the program's units.
+    /// Motion of the eye along the program's camera axes, in the program's units.
     pub shift: DVec3,
-    /// The program's units in a metre of the dome, > 0: how far apart the eyes of stereo outputs are for the program.
+    /// The program's units in a metre of the dome, > 0: how far apart the eyes of stereo outputs
+    /// are for the program.
     pub units_per_meter: f64,
     /// The camera is turned right by this, radians.
     pub yaw: f64,
@@ -113,12 +116,12 @@ pub struct Camera {
     pub pitch: f64,
     /// The camera is rolled clockwise by this, radians.
     pub roll: f64,
-    /// The opening of the program's own lens, horizontal and vertical, radians, less than π: for draws of which the
-    /// program's matrices tell none.
+    /// The opening of the program's own lens, horizontal and vertical, radians, less than π: for
+    /// draws of which the program's matrices tell none.
     pub lens: Option<[f64; 2]>,
 }
 
-/// How the planner chooses views for outputs that do not say so themselves.
+/// Choice of views for outputs that do not say so themselves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 pub enum ViewMethod {
     /// The cheaper of the others.
@@ -129,21 +132,22 @@ pub enum ViewMethod {
     Single,
 }
 
-/// How views are chosen.
+/// Choice of the views.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Views {
     /// Which family of views.
     pub method: ViewMethod,
-    /// Factor on the resolution of the views in each direction, 0.1…8; 1 = as many texels as output pixels.
+    /// Factor on the resolution of the views in each direction, 0.1…8; 1 = as many texels as output
+    /// pixels.
     pub quality: f64,
-    /// How the correction samples the views.
+    /// Filter with which the correction samples the views.
     pub filter: Filter,
-    /// What the planner saves where it cannot save both.
+    /// Resource that the planner saves where it cannot save both.
     pub favour: Favour,
-    /// How sharp a domemaster's views are.
+    /// Resolution of a domemaster's views.
     pub resolution: Resolution,
-    /// One view for each of these vectors, viewer axes, any lengths: it shows the directions with which the vector has the
-    /// greatest scalar product. Empty = as `method` says.
+    /// One view for each of these vectors, viewer axes, any lengths: it shows the directions with
+    /// which the vector has the greatest scalar product. Empty = as `method` says.
     pub cells: Vec<DVec3>,
     /// Which pictures that a program draws off screen are drawn once per view.
     pub duplicate: Duplicate,
@@ -163,13 +167,13 @@ impl Default for Views {
     }
 }
 
-/// What a texel is enough for in a domemaster.
+/// Size of a domemaster's pixel that gets a texel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 pub enum Resolution {
     /// Its nominal pixel: aperture over diameter, in every direction.
     Nominal,
-    /// Each of its pixels, which are narrower along the circles around its centre: θ / sin θ as sharp there, at the
-    /// angle θ from the centre.
+    /// Each of its pixels, which are narrower along the circles around its centre: θ / sin θ as
+    /// sharp there, at the angle θ from the centre.
     Full,
 }
 
@@ -184,10 +188,11 @@ pub enum Duplicate {
     Always,
 }
 
-/// How the correction samples the views: a kernel, at the middle of an output's pixel or at four places of it
-/// (rotated grid, a quarter of them at each), whose mean is shown.
+/// Filter with which the correction samples the views: a kernel, at the middle of an output's pixel
+/// or at four places of it (rotated grid, a quarter of them at each), whose mean is shown.
 ///
-/// Sharper than bilinear is worth its time only with anti-aliased views, four places with `quality` above 1.
+/// Sharper than bilinear is worth its time only with anti-aliased views, four places with `quality`
+/// above 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, serde::Serialize)]
 pub enum Filter {
     /// The 2×2 nearest texels.
@@ -202,8 +207,8 @@ pub enum Filter {
 }
 
 impl Filter {
-    /// The four places of a pixel, in pixels from its middle: a grid that is rotated so that edges along rows and
-    /// columns meet four different distances.
+    /// The four places of a pixel, in pixels from its middle: a grid that is rotated so that edges
+    /// along rows and columns meet four different distances.
     pub const FOUR_PLACES: [[f64; 2]; 4] = [[0.125, 0.375], [-0.375, 0.125], [-0.125, -0.375], [0.375, -0.125]];
 
     /// Whether the kernel is Catmull-Rom's.
@@ -217,7 +222,8 @@ impl Filter {
     }
 }
 
-/// What the planner saves: each view costs the program's draws once more, each texel costs shading.
+/// Resource that the planner saves: each view costs the program's draws once more, each texel costs
+/// shading.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 pub enum Favour {
     /// As for a program of about a thousand draws in a frame.
@@ -226,11 +232,13 @@ pub enum Favour {
     Processor,
     /// Fewer texels: for programs of few draws and costly shading.
     Graphics,
-    /// As for a program of so many draws in a frame; what `Balanced` becomes once they are known. No word of rig files.
+    /// As for a program of so many draws in a frame; what `Balanced` becomes once they are known.
+    /// No word of rig files.
     Draws(u32),
 }
 
-/// Where flat drawing appears: a window in front of the viewer, as wide as `width` says and with the window's aspect.
+/// Where flat drawing appears: a window in front of the viewer, as wide as `width` says and with
+/// the window's aspect.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Overlay {
     /// Direction of its centre, right-positive, radians from the viewer's forward direction.
@@ -246,41 +254,46 @@ pub struct Overlay {
 pub struct Output {
     /// Name, unique in the rig; letters, digits, `-`, `_`, `.`.
     pub name: String,
-    /// What it is.
+    /// Kind.
     pub kind: OutputKind,
-    /// How its picture is made of the views.
+    /// Method that makes its picture from the views.
     pub method: Method,
-    /// Its own resolution (width, height in pixels), used off screen; `None` = that of its place in the window.
+    /// Its own resolution (width, height in pixels), used off screen; `None` = that of its place in
+    /// the window.
     pub size: Option<(u32, u32)>,
-    /// Its place in the window: x, y, width, height in pixels, from the top left. `None` = the planner's grid.
+    /// Its place in the window: x, y, width, height in pixels, from the top left. `None` = the
+    /// planner's grid.
     pub window: Option<[u32; 4]>,
-    /// How it blends into its neighbours.
+    /// Blending into its neighbours.
     pub blend: Blend,
     /// A grey image that is multiplied in, absolute path.
     pub mask: Option<PathBuf>,
-    /// What black is raised to, pixel by pixel.
+    /// Values for black, pixel by pixel.
     pub black: Option<std::sync::Arc<Black>>,
-    /// How far to the right of the viewer's position the eye is for which the output is made, metres: stereo.
+    /// Distance of the output's eye to the right of the viewer's position, metres (stereo).
     pub eye: f64,
-    /// How the finished picture is mirrored: everything else means the picture as it is before.
+    /// Mirroring of the finished picture; everything else refers to the picture before it.
     pub flip: Flip,
 }
 
-/// What an output is.
+/// Kinds of outputs.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub enum OutputKind {
     /// An equidistant fisheye picture, circle inscribed and centred.
     Domemaster {
         /// Opening angle, radians, 0 < aperture ≤ 2π.
         aperture: f64,
-        /// Angle from straight up to the circle's centre, towards the front, radians (π/2: the centre is straight ahead).
+        /// Angle from straight up to the circle's centre, towards the front, radians (π/2: the
+        /// centre is straight ahead).
         tilt: f64,
     },
-    /// A picture of all directions from the dome's centre, in other projections than a domemaster's.
+    /// A picture of all directions from the dome's centre, in other projections than a
+    /// domemaster's.
     Panorama {
-        /// How it shows directions.
+        /// Its projection.
         panorama: crate::geom::Panorama,
-        /// Direction of its middle relative to the viewer, radians: right-positive, up-positive, clockwise-positive.
+        /// Direction of its middle relative to the viewer, radians: right-positive, up-positive,
+        /// clockwise-positive.
         angles: [f64; 3],
     },
     /// A pinhole projector, anywhere inside or outside the dome.
@@ -296,16 +309,17 @@ pub enum OutputKind {
     Optics {
         /// Place, lens and mirror, in metres from the dome's centre.
         optics: Box<crate::geom::Optics>,
-        /// How far the pixels' different sizes on the screen are evened out by dimming the small ones, 0…1.
+        /// Part by which small pixels are dimmed for the larger ones' sake, 0…1.
         even_light: f64,
     },
-    /// Whatever a file says about each pixel.
+    /// Calibration of each pixel from a file.
     Mesh(std::sync::Arc<Calibration>),
     /// A flat perspective picture as the viewer would see it through a window.
     Perspective {
         /// Aim relative to the viewer, radians: right-positive, up-positive, clockwise-positive.
         angles: [f64; 3],
-        /// Its opening; `None` = the program's own lens, whatever it is (preset `identity-captured`).
+        /// Its opening; `None` = the program's own lens, whatever it is (preset
+        /// `identity-captured`).
         frustum: Option<crate::geom::Frustum>,
     },
 }
@@ -326,13 +340,16 @@ impl OutputKind {
     }
 }
 
-/// Reads a rig: `name_or_path` is a preset's name (see [`presets()`]) or else the path of a TOML file.
+/// Reads a rig: `name_or_path` is a preset's name (see [`presets()`]) or else the path of a TOML
+/// file.
 ///
-/// A name that is also a file in the working directory means the preset; write `./name` for the file.
+/// A name that is also a file in the working directory means the preset; write `./name` for the
+/// file.
 ///
 /// # Errors
-/// [`ErrorKind::Io`] if there is no such preset and no readable file, [`ErrorKind::InvalidRig`] with
-/// every problem of the file (file, line, key, reason, remedy; one per line) if it is no valid rig.
+/// [`ErrorKind::Io`] if there is no such preset and no readable file, [`ErrorKind::InvalidRig`]
+/// with every problem of the file (file, line, key, reason, remedy; one per line) if it is no valid
+/// rig.
 pub fn load(name_or_path: &str) -> Result<Rig> {
     if let Some(preset) = presets::find(name_or_path) {
         return parse(preset.text, preset.name, Path::new(""));
@@ -347,16 +364,17 @@ pub fn load(name_or_path: &str) -> Result<Rig> {
     parse(&text, name_or_path, path.parent().unwrap_or(Path::new("")))
 }
 
-/// Reads a rig from TOML text. `file_name` stands in messages and, without directory and extension, is
-/// the rig's name where the text gives none; paths in the text are relative to `directory` (empty: the
-/// working directory).
+/// Reads a rig from TOML text. `file_name` stands in messages and, without directory and extension,
+/// is the rig's name where the text gives none; paths in the text are relative to `directory`
+/// (empty: the working directory).
 ///
 /// # Errors
 /// [`ErrorKind::InvalidRig`] with every problem of the text, as [`load`].
 pub fn parse(text: &str, file_name: &str, directory: &Path) -> Result<Rig> {
     let mut problems = problems::Problems::new(text);
     let rig = schema::read(text, file_name, directory, &mut problems);
-    // Values that are missing because they were refused would only raise further, misleading problems.
+    // Values that are missing because they were refused would only raise further, misleading
+    // problems.
     if let Some(rig) = rig.as_ref().filter(|_| problems.is_empty()) {
         validate::check(rig, &mut problems);
     }

@@ -1,4 +1,5 @@
-//! Keys and numbers in one line, as the command line and the environment have them: `yaw=90,move=0,0,-20`.
+//! Keys and numbers in one line, as the command line and the environment have them:
+//! `yaw=90,move=0,0,-20`.
 
 use super::problems::closest;
 use super::reader::Allowed;
@@ -27,7 +28,8 @@ impl<'a> OneLine<'a> {
     /// The keys with their numbers, in the line's order.
     ///
     /// # Errors
-    /// [`ErrorKind::InvalidArgument`] for numbers without a key or that are none, and keys that stand there twice.
+    /// [`ErrorKind::InvalidArgument`] for numbers without a key or that are none, and keys that
+    /// stand there twice.
     pub fn entries(&'a self) -> Result<Vec<Entry<'a>>> {
         let mut entries: Vec<Entry<'a>> = Vec::new();
         for part in self.text.split(',').map(str::trim) {

@@ -3,9 +3,9 @@
 /// A rig that is part of the library.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Preset {
-    /// What [`load`](super::load) knows it as.
+    /// Name for [`load`](super::load).
     pub name: &'static str,
-    /// What it is, in one line.
+    /// Description in one line.
     pub summary: &'static str,
     /// Its TOML text, to be read and adapted.
     pub text: &'static str,

@@ -29,7 +29,8 @@ impl Problems {
         self.lines.insert(path.to_owned(), line);
     }
 
-    /// Adds a problem of the key `path`; where that was not in the file, its nearest parent's line stands.
+    /// Adds a problem of the key `path`; where that was not in the file, its nearest parent's line
+    /// stands.
     pub(super) fn add(&mut self, path: &str, why: impl Into<String>) {
         let mut parent = path;
         let line = loop {
@@ -94,8 +95,8 @@ pub(super) fn closest<'a>(word: &str, known: &[&'a str]) -> Option<&'a str> {
         .map(|(_, candidate)| candidate)
 }
 
-/// The number of single-character insertions, deletions, replacements and swaps of neighbours that turn
-/// `a` into `b` (optimal string alignment distance).
+/// The number of single-character insertions, deletions, replacements and swaps of neighbours that
+/// turn `a` into `b` (optimal string alignment distance).
 fn edit_distance(a: &str, b: &str) -> usize {
     let (a, b): (Vec<char>, Vec<char>) = (a.chars().take(64).collect(), b.chars().take(64).collect());
     let mut rows = vec![vec![0; b.len() + 1]; a.len() + 1];

@@ -1,7 +1,7 @@
 //! Typed values out of a parsed TOML table, each with its key path and line.
 //!
-//! Tables are walked by hand and not deserialised with serde, because serde stops at the first problem
-//! and knows neither the key path nor which keys were possible when something is misspelt.
+//! Tables are walked by hand and not deserialised with serde, because serde stops at the first
+//! problem and knows neither the key path nor which keys were possible when something is misspelt.
 
 use super::problems::{Problems, closest};
 use glam::DVec3;
@@ -328,7 +328,8 @@ impl<'a> Section<'a> {
         sections
     }
 
-    /// Adds a problem for every key that nobody asked for. `elsewhere` says of keys where they belong.
+    /// Adds a problem for every key that nobody asked for. `elsewhere` says of keys where they
+    /// belong.
     pub(super) fn finish(self, elsewhere: &[(&str, &str)], problems: &mut Problems) {
         let known: Vec<&str> = self.asked.iter().copied().collect();
         for (key, _) in self.table.iter().filter(|(key, _)| !self.asked.contains(key.get_ref().as_ref())) {

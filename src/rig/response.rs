@@ -3,7 +3,7 @@
 use crate::geom::Curve;
 use std::sync::Arc;
 
-/// How light follows from an encoded value.
+/// Function from encoded values to light.
 #[derive(Clone, Debug, PartialEq, Default, serde::Serialize)]
 pub enum Transfer {
     /// A power, `gamma`, the same for all channels.
@@ -27,12 +27,13 @@ impl Transfer {
 /// Steps of the light's fourth root between the places of a [`Response`].
 pub const RESPONSE_STEPS: usize = 32;
 
-/// A measured response: the values (0…1) at which the fourth root of the light is 0, 1/32, 2/32 … 1, with straight lines
-/// between these places.
+/// A measured response: the values (0…1) at which the fourth root of the light is 0, 1/32, 2/32 …
+/// 1, with straight lines between these places.
 ///
-/// On the fourth root displays are nearly straight, most of all near black, and the shaders need no power. Both
-/// directions are made of the same places, so that one undoes the other. The straight lines are off the curve by at
-/// most 6·10⁻⁴ of white for displays like a power of 1.8…2.4, by 1.6·10⁻³ (0.4 steps of 8 bits) for those of 1…4.
+/// On the fourth root displays are nearly straight, most of all near black, and the shaders need no
+/// power. Both directions are made of the same places, so that one undoes the other. The straight
+/// lines are off the curve by at most 6·10⁻⁴ of white for displays like a power of 1.8…2.4, by
+/// 1.6·10⁻³ (0.4 steps of 8 bits) for those of 1…4.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Response {
     #[serde(serialize_with = "as_slice")]
@@ -45,9 +46,10 @@ fn as_slice<S: serde::Serializer>(numbers: &[f64], to: S) -> std::result::Result
 }
 
 impl Response {
-    /// From `points`, at least two of value and light, both growing, in any units: the first is black, whose value must be 0 and
-    /// whose light is taken off all others; the last is white. Between them the curve is a monotone cubic of the light's
-    /// fourth root. `None` where they do not grow, are not finite, or do not begin at the value 0.
+    /// From `points`, at least two of value and light, both growing, in any units: the first is
+    /// black, whose value must be 0 and whose light is taken off all others; the last is white.
+    /// Between them the curve is a monotone cubic of the light's fourth root. `None` where they do
+    /// not grow, are not finite, or do not begin at the value 0.
     pub fn measured(points: &[[f64; 2]]) -> Option<Self> {
         let (&[zero, black], &[full, white]) = (points.first()?, points.last()?);
         if zero != 0.0 || !(full > 0.0 && white > black) {
@@ -61,7 +63,7 @@ impl Response {
         codes.windows(2).all(|pair| pair[1] > pair[0]).then_some(Self { codes })
     }
 
-    /// That of a power, 1…4.
+    /// Returns the response of a power, 1…4.
     pub fn power(gamma: f64) -> Self {
         let codes = std::array::from_fn(|step| (step as f64 / RESPONSE_STEPS as f64).powf(4.0 / gamma));
         Self { codes }
@@ -104,8 +106,9 @@ mod tests {
                 let error = (Response::power(gamma).code(code.powf(gamma)) - code).abs();
                 assert!(error < bound, "{gamma} {code}: {error:e}");
             }
-            // Where it was measured, within what the type states: between black and the first step of 8 bits lie places
-            // that nobody knows, and the straight lines from there reach beyond that step.
+            // Where it was measured, within what the type states: between black and the first step
+            // of 8 bits lie places that nobody knows, and the straight lines from there reach
+            // beyond that step.
             let stated = if (1.8..=2.4).contains(&gamma) { 6e-4 } else { 1.6e-3 };
             for step in 0..=255 {
                 let code = f64::from(step) / 255.0;

@@ -6,7 +6,8 @@ use crate::geom::{Pose, pose};
 use glam::DVec3;
 
 impl Dome {
-    /// The dome as a screen: a cap of a sphere around the origin, its pole leaning to the front by the tilt.
+    /// The dome as a screen: a cap of a sphere around the origin, its pole leaning to the front by
+    /// the tilt.
     pub fn screen(&self) -> Screen {
         let region = Region { polar: 0.5 * self.coverage, azimuth: None };
         let pose = Pose { position: DVec3::ZERO, rotation: pose::rotation(0.0, -self.tilt, 0.0) };

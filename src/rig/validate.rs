@@ -14,8 +14,8 @@ const MOST_OUTPUTS: usize = 64;
 const LONGEST_NAME: usize = 64;
 /// Greatest coordinate in a window: the X protocol's.
 const LARGEST_WINDOW: u32 = 32767;
-/// The viewer's greatest distance from the centre over the radius: nearer to the screen its solid angle
-/// as seen by the viewer has no useful resolution anywhere else.
+/// The viewer's greatest distance from the centre over the radius: nearer to the screen its solid
+/// angle as seen by the viewer has no useful resolution anywhere else.
 const VIEWER_LIMIT: f64 = 0.99;
 /// Greatest distance of a projector over the radius for which the correction is exact.
 const PROJECTOR_LIMIT: f64 = 1e6;
@@ -196,7 +196,8 @@ fn unlit(optics: &Optics, screen: &Screen) -> &'static str {
     }
 }
 
-/// Widest domemaster that a mesh of the dome is flattened to, radians: beyond, triangles get too near to the point behind.
+/// Widest domemaster that a mesh of the dome is flattened to, radians: beyond, triangles get too
+/// near to the point behind.
 const WIDEST_FLATTENED: f64 = 1.5 * std::f64::consts::PI;
 
 /// Why an output's picture cannot be made by its method, if so.
@@ -226,7 +227,8 @@ fn impossible_method(rig: &Rig, output: &Output) -> Option<&'static str> {
     })
 }
 
-/// Why vertices cannot be projected straight to an output, if so: that takes a closed form from direction to pixel.
+/// Why vertices cannot be projected straight to an output, if so: that takes a closed form from
+/// direction to pixel.
 fn unprojectable(rig: &Rig, output: &Output) -> Option<&'static str> {
     match &output.kind {
         OutputKind::Domemaster { .. } | OutputKind::Projector { .. } if rig.screen.is_some() => Some(

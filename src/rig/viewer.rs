@@ -10,12 +10,13 @@ use crate::error::{Error, ErrorKind, Result};
 const METRES: Allowed = Allowed::closed(-1e6, 1e6, "metres from the dome's centre");
 
 impl Rig {
-    /// The same rig with what `text` says of the viewer replaced, in the form `position=0,-0.5,1,yaw=90`: keys of a rig
-    /// file's `[viewer]` in any order, metres and degrees, each at most once; empty text changes nothing.
+    /// The same rig with what `text` says of the viewer replaced, in the form
+    /// `position=0,-0.5,1,yaw=90`: keys of a rig file's `[viewer]` in any order, metres and
+    /// degrees, each at most once; empty text changes nothing.
     ///
     /// # Errors
-    /// [`ErrorKind::InvalidArgument`] for unknown or repeated keys, for numbers missing, unreadable or out of range,
-    /// and as [`Self::with_viewer`].
+    /// [`ErrorKind::InvalidArgument`] for unknown or repeated keys, for numbers missing, unreadable
+    /// or out of range, and as [`Self::with_viewer`].
     pub fn with_viewer_override(&self, text: &str) -> Result<Self> {
         let mut viewer = self.viewer;
         let line = OneLine { what: "viewer", example: "position=0,-0.5,1,yaw=90,pitch=0,roll=0", text };
@@ -34,8 +35,8 @@ impl Rig {
     /// The same rig with the viewer elsewhere.
     ///
     /// # Errors
-    /// [`ErrorKind::InvalidArgument`] for numbers that are not finite, and for a place from which the rig could not be
-    /// shown: outside the dome, or next to the screen.
+    /// [`ErrorKind::InvalidArgument`] for numbers that are not finite, and for a place from which
+    /// the rig could not be shown: outside the dome, or next to the screen.
     pub fn with_viewer(&self, viewer: Viewer) -> Result<Self> {
         let Viewer { position, yaw, pitch, roll } = viewer;
         if !(position.is_finite() && [yaw, pitch, roll].iter().all(|angle| angle.is_finite())) {

@@ -1,12 +1,14 @@
 //! The planner: which directions the outputs sample, and the fewest, tightest views that show them.
 //!
-//! One room for each step: `sampling` finds the directions that outputs show, `fitting` the opening and the resolution of
-//! a view with given axes, `arranging` chooses the views, `placing` puts them into the atlas. `planner` runs the steps;
-//! `view_plan` holds the request and the result, `reporting` looks at it. Each room uses only those before it.
+//! One room for each step: `sampling` finds the directions that outputs show, `fitting` the opening
+//! and the resolution of a view with given axes, `arranging` chooses the views, `placing` puts them
+//! into the atlas. `planner` runs the steps; `view_plan` holds the request and the result,
+//! `reporting` looks at it. Each room uses only those before it.
 //!
 //! Resolution at quality 1: a projector or a perspective output gets at least one texel per pixel
-//! in every direction, everywhere; a domemaster gets its nominal resolution (diameter over aperture)
-//! in every direction, everywhere, or that of its own pixels (`[views] resolution = "full"`).
+//! in every direction, everywhere; a domemaster gets its nominal resolution (diameter over
+//! aperture) in every direction, everywhere, or that of its own pixels (`[views] resolution =
+//! "full"`).
 
 pub mod arranging;
 pub mod fitting;

@@ -16,15 +16,16 @@ use crate::views::view_plan::{Request, ViewPlan};
 ///
 /// # Errors
 ///
-/// [`ErrorKind::InvalidArgument`] if one side of a size is 0 or the list of sizes has the wrong length;
-/// [`ErrorKind::InvalidRig`] if `method` is [`Single`](crate::rig::ViewMethod::Single) and an output sees
-/// too much for one perspective view; [`ErrorKind::Graphics`] if nothing fits into the atlas.
-/// Where only the resolution must be reduced to fit, the plan says so in `notes`.
+/// [`ErrorKind::InvalidArgument`] if one side of a size is 0 or the list of sizes has the wrong
+/// length; [`ErrorKind::InvalidRig`] if `method` is [`Single`](crate::rig::ViewMethod::Single) and
+/// an output sees too much for one perspective view; [`ErrorKind::Graphics`] if nothing fits into
+/// the atlas. Where only the resolution must be reduced to fit, the plan says so in `notes`.
 pub fn plan(rig: &Rig, request: &Request) -> Result<ViewPlan> {
     plan_with_margin(rig, request, 0, &Cache::none())
 }
 
-/// As [`plan`], for outputs that sample up to so many texels beside the exact place; `cache` may know what is chosen, or keeps it.
+/// As [`plan`], for outputs that sample up to so many texels beside the exact place; `cache` may
+/// know what is chosen, or keeps it.
 ///
 /// # Errors
 /// As [`plan`].

@@ -1,4 +1,4 @@
-//! The planner against brute force: every pixel, random rigs, and the bars of the design.
+//! The planner against brute force: every pixel, random rigs, and the goals of docs/results.md.
 
 mod complete;
 
@@ -70,7 +70,8 @@ fn answering(plan: &ViewPlan, output: usize, direction: DVec3) -> Option<usize> 
     })
 }
 
-/// Texels per pixel around a pixel: the least over all directions. Of a domemaster, per nominal pixel.
+/// Texels per pixel around a pixel: the least over all directions. Of a domemaster, per nominal
+/// pixel.
 fn least_density(rig: &Rig, output: usize, size: (u32, u32), pixel: DVec2, view: &View) -> Option<f64> {
     const STEP: f64 = 1e-3;
     let at = |offset: DVec2| texel(view, exact_direction(rig, output, size, pixel + offset)?);
@@ -205,7 +206,8 @@ fn the_check_of_plans_notices_what_is_wrong() {
 
 #[test]
 fn the_dome_needs_little_more_than_its_disc() {
-    // Cropped faces of a cube: 1.548 with five views, 2.06 with four. Guards and margins are 2 texels of each side.
+    // Cropped faces of a cube: 1.548 with five views, 2.06 with four. Guards and margins are 2
+    // texels of each side.
     use Favour::{Balanced, Processor};
     let bars = [
         (512, Balanced, 4, 1.91),
@@ -471,7 +473,8 @@ fn an_output_outside_of_the_window_has_no_views() {
 
 #[test]
 fn degenerate_outputs_are_planned() {
-    // One pixel; a projector from outside; one that misses the screen; the viewer at a projector's place.
+    // One pixel; a projector from outside; one that misses the screen; the viewer at a projector's
+    // place.
     let mut rig = rig(vec![
         fisheye(360.0, 0.0),
         projector("outside", DVec3::new(0.0, 1.0, 30.0), [0.0, -2.0, 0.0], lens(30.0, 25.0)),

@@ -18,7 +18,7 @@ pub struct Tile {
 }
 
 impl Tile {
-    /// How many texels it has.
+    /// Returns the number of texels.
     pub fn area(&self) -> u64 {
         u64::from(self.width) * u64::from(self.height)
     }
@@ -35,21 +35,22 @@ pub struct View {
     pub frustum: Frustum,
     /// The part of the opening that outputs sample: what this view answers for.
     pub owned: Frustum,
-    /// Where it is in the atlas.
+    /// Place in the atlas.
     pub tile: Tile,
     /// Drawn with the program's own projection, whatever `frustum` says.
     pub program_lens: bool,
-    /// It is the picture of an output, pixel for pixel, to which vertices are projected by this map; `rotation` leads to
-    /// its axes, and the openings stand for nothing.
+    /// It is the picture of an output, pixel for pixel, to which vertices are projected by this
+    /// map; `rotation` leads to its axes, and the openings stand for nothing.
     pub curved: Option<PictureMap>,
-    /// How far to the right of the viewer's position it is seen from, metres.
+    /// Distance of the eye to the right of the viewer's position, metres.
     pub eye: f64,
 }
 
-/// What the planner is asked.
+/// Input of the planner beside the rig.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Request {
-    /// Resolution of each output in pixels, in the rig's order; (0, 0) of one that is not shown, which gets no views.
+    /// Resolution of each output in pixels, in the rig's order; (0, 0) of one that is not shown,
+    /// which gets no views.
     pub output_sizes: Vec<(u32, u32)>,
     /// Size of the program's window in pixels.
     pub window: (u32, u32),
@@ -68,7 +69,8 @@ pub struct ViewPlan {
     pub views: Vec<View>,
     /// For each output the indices of the views that it samples.
     pub output_views: Vec<Vec<usize>>,
-    /// Width and height of the atlas in texels; [`ViewPlan::NO_ATLAS`]: each view has a picture of its own.
+    /// Width and height of the atlas in texels; [`ViewPlan::NO_ATLAS`]: each view has a picture of
+    /// its own.
     pub atlas: (u32, u32),
     /// The flat panel: tile, and its rotation and opening as a view (`program_lens` is true).
     pub panel: Option<View>,
@@ -76,7 +78,8 @@ pub struct ViewPlan {
     pub primary: Option<Tile>,
     /// Texels around the sampled part of each tile (none around those with `program_lens`).
     pub guard: u32,
-    /// So many of these are there because outputs sample beside the exact place: so far beyond its part a view answers, too.
+    /// Texels among them for outputs whose sampling is approximate: views stay valid this far
+    /// beyond their part.
     pub margin: u32,
     /// Remarks for people: what was left out or scaled down, and why.
     pub notes: Vec<String>,

@@ -3,13 +3,15 @@
 use super::WarpMap;
 use glam::{DVec2, DVec3};
 
-/// How far around a pixel the exact map is asked whether the pixel is at an edge of what is shown, pixels.
+/// Distance around a pixel at which the exact map is asked whether the pixel is at an edge of what
+/// is shown, pixels.
 const EDGE: f64 = 0.01;
 
-/// Errors greater than this, radians, may be those of a pixel on the border of two pictures that stand side by side.
+/// Errors greater than this, radians, may be those of a pixel on the border of two pictures that
+/// stand side by side.
 const LEAP: f64 = 0.01;
 
-/// How wrong a map is.
+/// Errors of a map.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MapError {
     /// Pixels that both maps show, and whose errors are counted below.
@@ -26,8 +28,9 @@ pub struct MapError {
     pub uncovered: u64,
     /// Pixels that ought to show nothing and do, or show what is more than 90° away (behind).
     pub ghosts: u64,
-    /// Pixels within 0.01 pixel of an edge of what is shown, where one map may show something and the
-    /// other nothing, or of a border of a cubemap's faces, where they may show different ones: no fault, and not compared.
+    /// Pixels within 0.01 pixel of an edge of what is shown, where one map may show something and
+    /// the other nothing, or of a border of a cubemap's faces, where they may show different ones:
+    /// no fault, and not compared.
     pub edge: u64,
 }
 
@@ -38,12 +41,13 @@ impl MapError {
     }
 }
 
-/// Compares `map` (column, row → direction in viewer axes, any length; `None` where it shows nothing) with `exact`
-/// at every `step`-th pixel (from 1) in both directions.
+/// Compares `map` (column, row → direction in viewer axes, any length; `None` where it shows
+/// nothing) with `exact` at every `step`-th pixel (from 1) in both directions.
 ///
 /// The error of a pixel is the angle between the two directions over the local angular size of a
-/// pixel: the root mean square of the exact map's two steps, horizontal and vertical.
-/// Near a singular point of a map (the rim of a 360° fisheye) this stays meaningful where a single step shrinks to 0.
+/// pixel: the root mean square of the exact map's two steps, horizontal and vertical. Near a
+/// singular point of a map (the rim of a 360° fisheye) this stays meaningful where a single step
+/// shrinks to 0.
 pub fn compare(exact: &WarpMap, step: u32, map: impl FnMut(u32, u32) -> Option<DVec3>) -> MapError {
     compare_each(exact, step, map, |_| {})
 }
@@ -157,13 +161,15 @@ pub fn pixel_angle(exact: &WarpMap, pixel: DVec2) -> Option<f64> {
     (size > 0.0).then_some(size)
 }
 
-/// How far from a pixel's middle the exact map looks `angle` (radians) elsewhere, output pixels: the distance at which the places
-/// on either side and those above and below, of each the farther, are turned so much, as a root mean square. `None` where a pixel's size is
-/// unknown; at most `angle` over that size.
+/// How far from a pixel's middle the exact map looks `angle` (radians) elsewhere, output pixels:
+/// the distance at which the places on either side and those above and below, of each the farther,
+/// are turned so much, as a root mean square. `None` where a pixel's size is unknown; at most
+/// `angle` over that size.
 ///
-/// Where the map is smooth over that distance this is the error of [`compare`]. Beside a silhouette it is not: directions go
-/// there with the root of the distance, and what is shown a ten thousandth of a pixel beside its place, nearer to the
-/// silhouette than that, is turned by a hundredth of what a pixel spans.
+/// Where the map is smooth over that distance this is the error of [`compare`]. Beside a silhouette
+/// it is not: directions go there with the root of the distance, and what is shown a ten thousandth
+/// of a pixel beside its place, nearer to the silhouette than that, is turned by a hundredth of
+/// what a pixel spans.
 pub fn displacement(exact: &WarpMap, pixel: DVec2, angle: f64) -> Option<f64> {
     let here = exact.direction(pixel)?;
     let most = angle / pixel_angle(exact, pixel)?;

@@ -24,7 +24,7 @@ pub struct WarpMap {
     screen: Screen,
 }
 
-/// How an output makes rays of its pixels.
+/// Function from an output's pixels to rays.
 #[derive(Clone, Debug, PartialEq)]
 enum Optics {
     /// A fisheye picture; the rotation takes lens axes to dome axes.
@@ -35,22 +35,22 @@ enum Optics {
     Projector { pose: Pose, frustum: Frustum },
     /// A projector with another lens, or before a mirror, in the dome's axes.
     Special(geom::Optics),
-    /// What a file says.
+    /// Calibration from a file.
     Calibrated(Box<Calibrated>),
     /// A window in front of the viewer; the rotation takes its axes to viewer axes.
     Perspective { rotation: DMat3, frustum: Frustum },
 }
 
-/// Points of the screen nearer than this part of its size are the same: grazing light is found again to the
-/// square root of rounding only.
+/// Points of the screen nearer than this part of its size are the same: grazing light is found
+/// again to the square root of rounding only.
 const ALIKE: f64 = 1e-6;
 
 impl WarpMap {
     /// The map of output number `output` of `rig` at `size` (width, height in pixels).
     ///
     /// `lens` is the program's own opening, used by a perspective output that has none of its own.
-    /// Fails with [`ErrorKind::InvalidArgument`] if there is no such output, the size is zero, or that
-    /// lens is needed and not given.
+    /// Fails with [`ErrorKind::InvalidArgument`] if there is no such output, the size is zero, or
+    /// that lens is needed and not given.
     pub fn new(rig: &Rig, output: usize, size: (u32, u32), lens: Option<Frustum>) -> Result<Self> {
         let invalid = |message: String| Error::new(ErrorKind::InvalidArgument, message);
         let described = rig.outputs.get(output).ok_or_else(|| {
@@ -105,8 +105,8 @@ impl WarpMap {
 
     /// The direction in which the viewer sees a pixel: unit vector in viewer axes. `None` where the
     /// output shows nothing: outside its picture or its circle, and for projectors where the ray
-    /// lights no screen. (Domemasters and panoramas are pictures of directions and are not cut at the screen's
-    /// rim, but show nothing where the surface does not go on.)
+    /// lights no screen. (Domemasters and panoramas are pictures of directions and are not cut at
+    /// the screen's rim, but show nothing where the surface does not go on.)
     pub fn direction(&self, pixel: DVec2) -> Option<DVec3> {
         match &self.optics {
             Optics::Perspective { rotation, frustum } => {
@@ -140,7 +140,8 @@ impl WarpMap {
         }
     }
 
-    /// A factor on the displayed value of a pixel that a calibration's file gives; 1 for other outputs, 0 where nothing is shown.
+    /// A factor on the displayed value of a pixel that a calibration's file gives; 1 for other
+    /// outputs, 0 where nothing is shown.
     pub fn intensity(&self, pixel: DVec2) -> f64 {
         match &self.optics {
             Optics::Calibrated(map) => {
@@ -191,13 +192,15 @@ impl WarpMap {
         Some(self.screen.unbounded_hit(DVec3::ZERO, direction)?.point)
     }
 
-    /// Whether the light of a pixel, whose ray goes through `point`, ends there and not at another point on the way.
+    /// Whether the light of a pixel, whose ray goes through `point`, ends there and not at another
+    /// point on the way.
     fn lights(&self, pixel: DVec2, point: DVec3) -> bool {
         self.hit(pixel).is_some_and(|hit| hit.distance(point) <= ALIKE * self.screen.size())
     }
 
-    /// The nominal angle of a pixel of a picture that shows all directions alike, radians: a domemaster, a fisheye, an
-    /// equirectangular picture. Where such a picture is stretched around a pole it shows no more detail.
+    /// The nominal angle of a pixel of a picture that shows all directions alike, radians: a
+    /// domemaster, a fisheye, an equirectangular picture. Where such a picture is stretched around
+    /// a pole it shows no more detail.
     pub fn nominal_pitch(&self) -> Option<f64> {
         let extent = match &self.optics {
             Optics::Domemaster { lens, .. } => DVec2::splat(lens.aperture) / self.circle()?.1,
@@ -212,7 +215,8 @@ impl WarpMap {
         Some(0.5 * extent.min_element())
     }
 
-    /// How many pictures stand side by side in the output, each of the same width; between them what is shown leaps.
+    /// Number of cube-map faces side by side in the output, each of the same width; the map is
+    /// discontinuous between them.
     pub fn cubemap_faces(&self) -> u32 {
         match &self.optics {
             Optics::Panorama { panorama: Panorama::CubeStrip, .. } => STRIP_FACES.len() as u32,
@@ -232,8 +236,9 @@ impl WarpMap {
         Some((center, (self.at(circle.to_picture(DVec2::ONE, self.aspect())) - center).abs()))
     }
 
-    /// The area of the screen that a pixel lights, square metres, by differences over half a pixel to each side; `None`
-    /// where the output shows nothing, at the edge of what it shows, or has no place on the dome.
+    /// The area of the screen that a pixel lights, square metres, by differences over half a pixel
+    /// to each side; `None` where the output shows nothing, at the edge of what it shows, or has no
+    /// place on the dome.
     pub fn area(&self, pixel: DVec2) -> Option<f64> {
         let step = |axis: DVec2| Some(self.hit(pixel + 0.5 * axis)? - self.hit(pixel - 0.5 * axis)?);
         Some(step(DVec2::X)?.cross(step(DVec2::Y)?).length())
@@ -249,7 +254,8 @@ impl WarpMap {
         DVec2::new(0.5 * f64::from(self.size.0), 0.5 * f64::from(self.size.1))
     }
 
-    /// A pixel as parts of width and height of the picture that is not mirrored, 0…1 from the left and from the bottom; `None` outside.
+    /// A pixel as parts of width and height of the picture that is not mirrored, 0…1 from the left
+    /// and from the bottom; `None` outside.
     fn picture(&self, pixel: DVec2) -> Option<DVec2> {
         let part = self.flip.pixel(pixel, self.size) / (2.0 * self.middle());
         let inside = part.cmpge(DVec2::ZERO).all() && part.cmple(DVec2::ONE).all();
@@ -279,7 +285,8 @@ fn tangents(frustum: &Frustum, part: DVec2) -> DVec2 {
     DVec2::new(frustum.left, frustum.bottom) + part * DVec2::new(frustum.width(), frustum.height())
 }
 
-/// [`WarpMap::direction`] of a single pixel; `None` also where [`WarpMap::new`] fails without the program's lens.
+/// [`WarpMap::direction`] of a single pixel; `None` also where [`WarpMap::new`] fails without the
+/// program's lens.
 pub fn exact_direction(rig: &Rig, output: usize, size: (u32, u32), pixel: DVec2) -> Option<DVec3> {
     WarpMap::new(rig, output, size, None).ok()?.direction(pixel)
 }

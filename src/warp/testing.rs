@@ -22,7 +22,8 @@ pub(crate) fn output(name: &str, kind: OutputKind) -> Output {
     }
 }
 
-/// A rig with a hemispherical dome of 5 m, its pole `tilt` towards the front, and the viewer at `position`.
+/// A rig with a hemispherical dome of 5 m, its pole `tilt` towards the front, and the viewer at
+/// `position`.
 pub(crate) fn rig(tilt: f64, position: DVec3, kinds: &[OutputKind]) -> Rig {
     Rig {
         name: "test".into(),

@@ -13,7 +13,8 @@ fn picture(size: (u32, u32), gamma: f64, light: impl Fn(DVec2) -> [f64; 3]) -> P
     Picture { width: size.0, height: size.1, rgb: rgb.collect() }
 }
 
-/// White pictures of all outputs, weighted by the reference, and optionally rounded to `levels` codes.
+/// White pictures of all outputs, weighted by the reference, and optionally rounded to `levels`
+/// codes.
 fn white(rig: &Rig, size: (u32, u32), levels: Option<f64>) -> Vec<Picture> {
     let sizes = vec![size; rig.outputs.len()];
     let weights = Weights::new(rig, &sizes).expect("valid");
@@ -36,8 +37,8 @@ fn white_is_white_wherever_there_is_light() {
     assert!(simulation.coverage.contains(&0) && simulation.coverage.contains(&1) && simulation.coverage.contains(&2));
     let even = simulation.uniformity;
     assert!(even.covered_pixels > 10_000 && (even.mean - 1.0).abs() < 1e-3, "{even:?}");
-    // What is left is bilinear interpolation of the ramps at 270 lines, worst where two borders cross:
-    // there the weights jump from one pixel to the next.
+    // What is left is bilinear interpolation of the ramps at 270 lines, worst where two borders
+    // cross: there the weights jump from one pixel to the next.
     let off = |simulation: &Simulation| {
         let light = simulation.rgb.chunks(3).map(|rgb| decode(f64::from(rgb[0]), 2.2));
         light.zip(&simulation.coverage).filter(|(light, count)| **count > 0 && (light - 1.0).abs() > 5.7e-3).count()
@@ -129,9 +130,10 @@ fn pictures_must_fit() {
     assert!(simulation.rgb.is_empty() && simulation.uniformity == Uniformity::default());
 }
 
-/// Greatest and root mean square deviation from 1 of the light at random points of the screen, when all outputs of `rig`
-/// show white in codes of `levels` steps, and the output `moved` shows it one pixel to the right. Points are left out that
-/// are nearer to the top or the bottom of a picture than the part `margin` of its height.
+/// Greatest and root mean square deviation from 1 of the light at random points of the screen, when
+/// all outputs of `rig` show white in codes of `levels` steps, and the output `moved` shows it one
+/// pixel to the right. Points are left out that are nearer to the top or the bottom of a picture
+/// than the part `margin` of its height.
 fn evenness_of_codes(rig: &Rig, size: (u32, u32), levels: f64, moved: Option<usize>, margin: f64) -> [f64; 2] {
     let sizes = vec![size; rig.outputs.len()];
     let weights = Weights::new(rig, &sizes).expect("valid");
@@ -172,8 +174,8 @@ fn codes_of_8_and_10_bits_keep_the_light_even() {
 
 #[test]
 fn a_pixel_of_misalignment_is_hardly_seen_over_a_wide_ramp() {
-    // Two pictures of 1000 pixels from the centre that overlap by 200 of them. Above and below, where their borders cross,
-    // shares jump, and a pixel matters more.
+    // Two pictures of 1000 pixels from the centre that overlap by 200 of them. Above and below,
+    // where their borders cross, shares jump, and a pixel matters more.
     let (half, ramp) = (15f64.to_radians().tan(), 0.2);
     let turn = 15.0 + (half * (1.0 - 2.0 * ramp)).atan().to_degrees();
     let lens = (30.0, 20.0);

@@ -15,7 +15,7 @@ pub struct BlackPicture {
 }
 
 impl BlackPicture {
-    /// That of an output with this display, mirrored as the output is.
+    /// Returns the picture for an output with this display, mirrored as the output is.
     pub(in crate::correct) fn of(black: &Black, display: &Blend, flip: Flip) -> Self {
         let code = |level: f32, channel: usize| {
             let level = f64::from(level);

@@ -5,7 +5,7 @@ use glam::{DVec2, DVec3};
 /// A corner of triangles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FacetCorner {
-    /// Where in the output, pixels from the top left; may be outside of it.
+    /// Place in the output, pixels from the top left; may be outside of it.
     pub place: DVec2,
     /// Direction from the viewer, viewer axes, any length: it is interpolated as it is.
     pub direction: DVec3,
@@ -20,7 +20,8 @@ pub struct Facets {
     pub corners: Vec<FacetCorner>,
     /// Three corners each, as numbers; no two triangles overlap.
     pub triangles: Vec<[u32; 3]>,
-    /// They fill the rectangles that they are drawn in place of. Otherwise the output is made black before.
+    /// They fill the rectangles that they are drawn in place of. Otherwise the output is made black
+    /// before.
     pub fills: bool,
     /// The greatest error that was measured between corners, pixels of the output.
     pub error: f64,

@@ -16,13 +16,15 @@ pub struct Mask {
     pub weights: Vec<u16>,
 }
 
-/// Reads a weight image: a PNG of 8 or 16 bits, grey or colour (its luma counts; transparency does not).
+/// Reads a weight image: a PNG of 8 or 16 bits, grey or colour (its luma counts; transparency does
+/// not).
 ///
 /// The values are taken as linear weights, white = 1.
 ///
 /// # Errors
 ///
-/// [`ErrorKind::Io`] if the file cannot be read, [`ErrorKind::InvalidRig`] if it is no image; both name the path.
+/// [`ErrorKind::Io`] if the file cannot be read, [`ErrorKind::InvalidRig`] if it is no image; both
+/// name the path.
 pub fn load(path: &Path) -> Result<Mask> {
     let failed = |kind, what: &dyn std::fmt::Display| Error::new(kind, format!("mask {}: {what}", path.display()));
     let reader = image::ImageReader::open(path)
@@ -43,8 +45,9 @@ impl Mask {
         Self { weights: flip.items(&self.weights, self.width as usize), ..self }
     }
 
-    /// Whether the weight is 0 everywhere in a block (left, top, right, bottom in pixels, the latter two
-    /// excluded) of an output of `size` pixels, over which the mask is stretched with bilinear filtering.
+    /// Whether the weight is 0 everywhere in a block (left, top, right, bottom in pixels, the
+    /// latter two excluded) of an output of `size` pixels, over which the mask is stretched with
+    /// bilinear filtering.
     pub fn is_black(&self, block: [u32; 4], size: (u32, u32)) -> bool {
         self.is_all(0, block, size)
     }
@@ -54,7 +57,8 @@ impl Mask {
         self.is_all(u16::MAX, block, size)
     }
 
-    /// `rect` without rows and columns of pixels at its borders that are black as for [`Mask::is_black`]; it keeps one pixel.
+    /// `rect` without rows and columns of pixels at its borders that are black as for
+    /// [`Mask::is_black`]; it keeps one pixel.
     pub(in crate::correct) fn trimmed(&self, rect: PixelRect, size: (u32, u32)) -> PixelRect {
         let [mut left, mut top, mut right, mut bottom] = [rect.x, rect.y, rect.x + rect.width, rect.y + rect.height];
         while right - left > 1 && self.is_black([left, top, left + 1, bottom], size) {
@@ -73,7 +77,8 @@ impl Mask {
     }
 
     fn is_all(&self, value: u16, block: [u32; 4], size: (u32, u32)) -> bool {
-        // From the texel before the one that a pixel's edge lies in to the one after it: the filter reads no others.
+        // From the texel before the one that a pixel's edge lies in to the one after it: the filter
+        // reads no others.
         let range = |low: u32, high: u32, pixels: u32, texels: u32| {
             let at = |pixel: u32| u64::from(pixel) * u64::from(texels) / u64::from(pixels.max(1));
             let end = (at(high) + 2).min(u64::from(texels));

@@ -1,9 +1,10 @@
 //! The passes of a frame: the types that a backend gets, and their evaluation in f64.
 //!
-//! A [`Plan`](output_pass::Plan) has a pass for each output. A pass has a source, which turns a pixel into a direction
-//! (`source`, with `optics`, `table` and `facets`), rectangles of pixels that share a shader, and pictures that are
-//! multiplied in or added (`mask`, `black`). `view_images` says how the views' images lie in memory, `tolerance` what
-//! evaluation in f32 may err.
+//! A [`Plan`](output_pass::Plan) has a pass for each output. A pass has a source, which turns a
+//! pixel into a direction (`source`, with `optics`, `table` and `facets`), rectangles of pixels
+//! that share a shader, and pictures that are multiplied in or added (`mask`, `black`).
+//! `view_images` says how the views' images lie in memory, `tolerance` what evaluation in f32 may
+//! err.
 //!
 //! The room builds nothing from a rig: `sources` and `plan` do.
 

@@ -9,23 +9,24 @@ use glam::{DAffine3, DMat3, DVec2, DVec3};
 /// A fisheye projector, or a pinhole before a mirror, inside a quadric. All in the surface's axes.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct OpticsSource {
-    /// Where the lens is.
+    /// Place of the lens.
     pub position: DVec3,
     /// Lens axes → these.
     pub rotation: DMat3,
-    /// How light leaves it.
+    /// Path of the light as it leaves the projector.
     pub light: Light,
-    /// What it lights.
+    /// Surface that it lights.
     pub quadric: Quadric,
     /// The part of it that is screen.
     pub bounds: Bounds,
     /// Point of the screen → from the viewer to there, viewer axes.
     pub to_viewer: DAffine3,
-    /// Point of the screen → from the dome's centre, the pole on +y, the front on −z; for ramps in dome angles.
+    /// Point of the screen → from the dome's centre, the pole on +y, the front on −z; for ramps in
+    /// dome angles.
     pub to_dome: DAffine3,
 }
 
-/// What becomes of a place of the picture (−1…1 from left to right and from bottom to top).
+/// Path of the light from a place of the picture (−1…1 from left to right and from bottom to top).
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub enum Light {
     /// It goes through a fisheye.
@@ -47,8 +48,9 @@ pub enum Light {
 }
 
 impl Light {
-    /// For a lens whose picture is `aspect` times as wide as high; `None` for all but fisheyes without mirror and pinholes without
-    /// distortion before one, and for curves too wild for polynomials.
+    /// For a lens whose picture is `aspect` times as wide as high; `None` for all but fisheyes
+    /// without mirror and pinholes without distortion before one, and for curves too wild for
+    /// polynomials.
     pub fn of(lens: &Lens, aspect: f64, mirror: Option<Sphere>) -> Option<Self> {
         match (lens, mirror) {
             (Lens::Pinhole { .. }, Some(mirror)) => lens.linear_rays().map(|rays| Self::Mirror { rays, mirror }),
@@ -62,12 +64,13 @@ impl Light {
     }
 }
 
-/// What is added on the way of a ray, to learn what rounding does.
+/// Errors that are added to a ray, to estimate the effect of rounding.
 #[derive(Clone, Copy, Debug, Default)]
 struct Kick {
     /// To the ray's direction, unit length.
     ray: DVec3,
-    /// To the moment of the ray around the mirror's centre, over radius and the ray's length, as a part of its terms.
+    /// To the moment of the ray around the mirror's centre, over radius and the ray's length, as a
+    /// part of its terms.
     moment: DVec3,
     /// To the reflected ray's direction.
     reflected: DVec3,
@@ -77,31 +80,32 @@ struct Kick {
     point: DVec3,
 }
 
-/// The way of a ray.
+/// Path of a ray to the screen.
 struct RayPath {
-    /// How far before the surface it sets out, see [`Quadric::depth`], as a part of its level there.
+    /// Distance to the surface at its start, see [`Quadric::depth`], as a part of its level there.
     depth: f64,
-    /// How far from the mirror's outline it meets it, 0…1; 1 without a mirror.
+    /// Distance from the mirror's outline, 0…1; 1 without a mirror.
     incidence: f64,
-    /// Where it ends.
+    /// Its end.
     point: DVec3,
 }
 
-/// How far inside the surface light must set out, as a part of the way to it.
+/// Greatest part of the distance to the surface at which light may start.
 const INSIDE: f64 = 0.95;
-/// What a vector's sum in f32 errs, as a part of its terms: some five half steps.
+/// Error of a vector's sum in f32 as a part of its terms: some five half steps.
 const STEP: f64 = 2.8e-7;
 /// Places in each direction where the error is estimated.
 const PLACES: u32 = 17;
 
 impl OpticsSource {
-    /// The direction from the viewer at normalised coordinates, viewer axes, any length; `None` where nothing is shown.
+    /// The direction from the viewer at normalised coordinates, viewer axes, any length; `None`
+    /// where nothing is shown.
     pub fn direction(&self, x: f64, y: f64) -> Option<DVec3> {
         let point = self.hit(x, y).filter(|point| self.bounds.contain(*point))?;
         Some(self.to_viewer.transform_point3(point))
     }
 
-    /// Where the light of a place ends on the surface, screen or not.
+    /// Returns the point of the surface, screen or not, where the light of a place ends.
     pub fn hit(&self, x: f64, y: f64) -> Option<DVec3> {
         self.path(x, y, Kick::default()).map(|path| path.point)
     }
@@ -113,7 +117,7 @@ impl OpticsSource {
         DMat3::from_cols(before.cross(rays.x_axis), before.cross(rays.y_axis), before.cross(rays.z_axis))
     }
 
-    /// What the shader computes.
+    /// Computes the path as the shader does.
     fn path(&self, x: f64, y: f64, kick: Kick) -> Option<RayPath> {
         let (mut ray, start, incidence);
         match &self.light {
@@ -149,8 +153,9 @@ impl OpticsSource {
         (reach > 0.0).then(|| RayPath { depth: depth / around, incidence, point: point + kick.point * point.length() })
     }
 
-    /// The same if f32 is enough for it: if rounding moves what is shown by no more than 0.002 pixels of a picture 4096 wide, or 6·10⁻⁷
-    /// radians, whichever is more, in a picture of `size`, but by no more than a quarter of its own pixels.
+    /// The same if f32 is enough for it: if rounding moves what is shown by no more than 0.002
+    /// pixels of a picture 4096 wide, or 6·10⁻⁷ radians, whichever is more, in a picture of `size`,
+    /// but by no more than a quarter of its own pixels.
     pub fn settled(self, size: (u32, u32)) -> Option<Self> {
         let (width, height) = (f64::from(size.0.max(1)), f64::from(size.1.max(1)));
         // A pixel of the reference's size.
@@ -163,8 +168,9 @@ impl OpticsSource {
         (exact && self.is_sound()).then_some(self)
     }
 
-    /// Whether rounding moves little what is shown at a place; `None` where nothing is, there or around. `pixel`: one of the
-    /// reference's size; `own`: how many such a pixel of the picture is wide.
+    /// Whether rounding moves little what is shown at a place; `None` where nothing is, there or
+    /// around. `pixel`: one of the reference's size; `own`: how many such a pixel of the picture is
+    /// wide.
     fn is_exact_at(&self, x: f64, y: f64, pixel: DVec2, own: f64) -> Option<bool> {
         let seen =
             |x: f64, y: f64, kick: Kick| self.path(x, y, kick).map(|path| self.to_viewer.transform_point3(path.point));
@@ -195,8 +201,8 @@ impl OpticsSource {
         Some(error <= allowed)
     }
 
-    /// Whether light sets out well inside the surface from everywhere, and the whole picture looks towards a mirror: the formula would
-    /// also meet one behind the lens.
+    /// Whether light sets out well inside the surface from everywhere, and the whole picture looks
+    /// towards a mirror: the formula would also meet one behind the lens.
     fn is_sound(&self) -> bool {
         let quadric = &self.quadric;
         match &self.light {
@@ -258,7 +264,8 @@ mod tests {
         for screen in SCREENS {
             let fisheyes = FISHEYES.map(|fisheye| format!("position = [0.1, -0.3, 0.2]\npitch = 60\n{fisheye}"));
             let mirror = format!("position = [0, -1.29, -0.64]\n{MIRROR}");
-            // By way of the mirror f32 is enough for a viewer in the middle of a dome, and not quite elsewhere.
+            // By way of the mirror f32 is enough for a viewer in the middle of a dome, and not
+            // quite elsewhere.
             let with_viewer = |place: &str, lens: &str| {
                 let viewer = format!("[viewer]\nposition = {place}\nyaw = 20\n");
                 format!("{screen}{viewer}[[output]]\nkind = \"projector\"\n{lens}\n")

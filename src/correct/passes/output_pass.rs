@@ -19,7 +19,8 @@ pub struct Plan {
     pub passes: Vec<OutputPass>,
 }
 
-/// One output's correction. Pixels in no batch are black. All but the mask and the picture of black is that of the picture before it is mirrored.
+/// One output's correction. Pixels in no batch are black. All but the mask and the picture of black
+/// is that of the picture before it is mirrored.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OutputPass {
     /// The output's name.
@@ -30,45 +31,47 @@ pub struct OutputPass {
     pub source: Source,
     /// Rectangles that share a shader.
     pub batches: Vec<Batch>,
-    /// Weight image at the output's resolution or any other; linear light, 0…1, row 0 at the top; mirrored as the picture is.
+    /// Weight image at the output's resolution or any other; linear light, 0…1, row 0 at the top;
+    /// mirrored as the picture is.
     pub mask: Option<Mask>,
     /// Ramps in dome angles, multiplied in.
     pub ramps: Vec<AngleRamp>,
     /// Viewer axes → dome axes turned so that the pole is +y and the front −z; for ramps in dome
     /// angles of outputs other than projectors (those have [`ProjectorSource::dome_direction`]).
     pub dome_rotation: DMat3,
-    /// How the views are sampled; a view with the program's own lens has no guard and is sampled bilinearly.
+    /// Filter of the views; a view with the program's own lens has no guard and is sampled
+    /// bilinearly.
     pub filter: Filter,
     /// Exponent of the display's response, for [`Transfer::Power`].
     pub gamma: f64,
-    /// How light follows from encoded values.
+    /// Response of the display: encoded values to light.
     pub transfer: Transfer,
     /// Linear light added to black (`out = level + (1 − level)·x`).
     pub black_level: f64,
-    /// What black is raised to in each pixel, displayed values, in place of the level; mirrored as the picture is.
+    /// Displayed value of black for each pixel, in place of the level; mirrored as the picture is.
     pub black: Option<BlackPicture>,
-    /// The most light that remains anywhere when all outputs show black, as a part of white; each output adds its share of
-    /// what a point has less. 0 = nothing is added.
+    /// The most light that remains anywhere when all outputs show black, as a part of white; each
+    /// output adds its share of what a point has less. 0 = nothing is added.
     pub lift: f64,
     /// A step of the display's codes, by which values are dithered; 0 = they are not.
     pub dither: f64,
-    /// How the picture is mirrored as it is drawn.
+    /// Mirroring of the picture as it is drawn.
     pub flip: Flip,
 }
 
-/// How an output's map is interpolated.
+/// Interpolation of an output's map.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Approximation {
     /// Between the entries of a table.
     Table {
-        /// How far apart they are, pixels, at least 2.
+        /// Distance between entries, pixels, at least 2.
         step: u32,
         /// Greatest error at a pixel's centre, pixels.
         error: f64,
     },
     /// Between the corners of triangles.
     Triangles {
-        /// How many there are.
+        /// Number of triangles.
         count: usize,
         /// Greatest error that was measured between corners, pixels.
         error: f64,
@@ -88,7 +91,8 @@ impl OutputPass {
         1.0 - filled / (f64::from(self.size.0) * f64::from(self.size.1)).max(1.0)
     }
 
-    /// How the map is interpolated, and what that errs; `None` where each pixel has its own.
+    /// Returns the interpolation of the map and its error; `None` where each pixel has its own
+    /// direction.
     pub fn approximation(&self) -> Option<Approximation> {
         let facets: Vec<&Facets> = self.batches.iter().filter_map(|batch| batch.facets.as_deref()).collect();
         match &self.source {
@@ -109,15 +113,16 @@ impl OutputPass {
 pub struct Batch {
     /// Indices of the views that its pixels sample, in order of precedence.
     pub views: Vec<usize>,
-    /// Indices into the output's neighbours whose pictures overlap here; empty = no blending from overlap.
+    /// Indices into the output's neighbours whose pictures overlap here; empty = no blending from
+    /// overlap.
     pub neighbours: Vec<usize>,
     /// Some pixels show nothing (rim of a circle, off the screen): the shader must test.
     pub edge: bool,
     /// The output's mask, if it has one, is not white there.
     pub masked: bool,
-    /// Where.
+    /// The rectangles.
     pub rects: Vec<PixelRect>,
-    /// Triangles that are drawn in place of the rectangles; what their corners say is shown, not what the output's
-    /// source does.
+    /// Triangles that are drawn in place of the rectangles; what their corners say is shown, not
+    /// what the output's source does.
     pub facets: Option<Arc<Facets>>,
 }

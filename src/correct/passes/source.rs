@@ -14,7 +14,8 @@ use std::sync::Arc;
 /// [`Source::Fisheye`] that the inscribed circle is the unit circle.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub enum Source {
-    /// `v = rotation·(q·S(|q|²), −C(|q|²)) + offset` with `q = (x, y)·aperture/2`, in viewer axes (metres per dome radius).
+    /// `v = rotation·(q·S(|q|²), −C(|q|²)) + offset` with `q = (x, y)·aperture/2`, in viewer axes
+    /// (metres per dome radius).
     Fisheye {
         /// Whole opening angle, radians.
         aperture: f64,
@@ -30,10 +31,10 @@ pub enum Source {
         /// Homogeneous pixel → direction.
         matrix: DMat3,
     },
-    /// `v = rotation·u + offset`, in viewer axes (metres per dome radius), with u the panorama's unit direction. `(x, y)`
-    /// are scaled as for [`Source::Fisheye`] if the panorama is a circle.
+    /// `v = rotation·u + offset`, in viewer axes (metres per dome radius), with u the panorama's
+    /// unit direction. `(x, y)` are scaled as for [`Source::Fisheye`] if the panorama is a circle.
     Panorama {
-        /// How the picture shows directions.
+        /// Projection of the picture.
         panorama: Panorama,
         /// Picture axes → viewer axes.
         rotation: DMat3,
@@ -42,8 +43,8 @@ pub enum Source {
     },
     /// Viewer direction by following the ray through a lens, and perhaps by way of a mirror.
     Optics(Box<OpticsSource>),
-    /// Viewer direction and weight of each pixel, computed beforehand. The weight has everything in it but
-    /// the mask: a pass with a table has no ramps and no neighbours of its own.
+    /// Viewer direction and weight of each pixel, computed beforehand. The weight has everything in
+    /// it but the mask: a pass with a table has no ramps and no neighbours of its own.
     Table(Arc<Table>),
 }
 
@@ -58,18 +59,21 @@ pub struct ProjectorSource {
     pub bounds: Bounds,
     /// Whether a pixel's point is there; `None` = the whole surface is screen.
     pub rim: Option<RimForms>,
-    /// From the dome's centre to the point, times a positive factor, dome axes turned so that the pole is +y and the front −z; for ramps in dome angles.
+    /// From the dome's centre to the point, times a positive factor, dome axes turned so that the
+    /// pole is +y and the front −z; for ramps in dome angles.
     pub dome_direction: QuadraticForm,
-    /// For every projector that can overlap this one: its homogeneous picture coordinates (`x/z`, `y/z` in −1…1, `z > 0` in front) of this pixel's hit, and its ramp.
+    /// For every projector that can overlap this one: its homogeneous picture coordinates (`x/z`,
+    /// `y/z` in −1…1, `z > 0` in front) of this pixel's hit, and its ramp.
     pub neighbours: Vec<Neighbour>,
     /// This projector's own claim on points.
     pub border: EdgeWeight,
-    /// How the forms are computed.
+    /// Evaluation of the forms.
     pub evaluation: EvaluationMethod,
 }
 
 impl ProjectorSource {
-    /// Viewer direction at normalised coordinates, any length; `None` where the ray does not end on the screen.
+    /// Viewer direction at normalised coordinates, any length; `None` where the ray does not end on
+    /// the screen.
     pub fn direction(&self, x: f64, y: f64) -> Option<DVec3> {
         let direction = self.pinhole.evaluate(&self.direction, x, y)?;
         self.rim.as_ref().is_none_or(|rim| rim.allow(&self.pinhole, x, y)).then_some(direction)
@@ -87,7 +91,7 @@ pub struct Neighbour {
     pub border: EdgeWeight,
 }
 
-/// How the forms of a projector are computed.
+/// Evaluation of a projector's forms in shaders.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 pub enum EvaluationMethod {
     /// As they are.
@@ -111,7 +115,8 @@ impl Source {
     }
 
     /// The direction from the viewer at normalised coordinates, viewer axes, any length; `None`
-    /// where the output shows nothing: what the shaders compute, in f64 (of a table of all pixels, what the nearest one shows).
+    /// where the output shows nothing: what the shaders compute, in f64 (of a table of all pixels,
+    /// what the nearest one shows).
     pub fn direction(&self, x: f64, y: f64) -> Option<DVec3> {
         match self {
             Self::Fisheye { aperture, rotation, offset } => {
@@ -139,7 +144,8 @@ impl Source {
         ((2.0 * column - width) / across, (height - 2.0 * row) / up)
     }
 
-    /// Whether the picture is a circle inscribed in the output, and normalised coordinates are units of its radius.
+    /// Whether the picture is a circle inscribed in the output, and normalised coordinates are
+    /// units of its radius.
     pub fn is_circular(&self) -> bool {
         match self {
             Self::Fisheye { .. } => true,

@@ -6,7 +6,7 @@ use serde::{Serialize, Serializer};
 use std::fmt;
 use std::sync::Arc;
 
-/// What one pixel of a table shows.
+/// Direction and weight of one pixel of a table.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TablePixel {
     /// Direction from the viewer, viewer axes, any length but 0.
@@ -62,8 +62,8 @@ impl Table {
         self.entries
     }
 
-    /// How far apart entries are in pixels. 1: each is that of a pixel's centre. Otherwise the first one is at the
-    /// output's top left corner.
+    /// How far apart entries are in pixels. 1: each is that of a pixel's centre. Otherwise the
+    /// first one is at the output's top left corner.
     pub fn step(&self) -> u32 {
         self.step
     }
@@ -73,13 +73,14 @@ impl Table {
         self.axes
     }
 
-    /// Direction in the table's axes, of length 1 or less, and weight of each entry, row by row from the top; a direction
-    /// of (0, 0, 0) shows nothing.
+    /// Direction in the table's axes, of length 1 or less, and weight of each entry, row by row
+    /// from the top; a direction of (0, 0, 0) shows nothing.
     pub fn texels(&self) -> &[[f32; 4]] {
         &self.texels
     }
 
-    /// The greatest error at a pixel's centre, in pixels of the output; 0 for a table of all pixels.
+    /// The greatest error at a pixel's centre, in pixels of the output; 0 for a table of all
+    /// pixels.
     pub fn error(&self) -> f64 {
         self.error
     }
@@ -89,8 +90,9 @@ impl Table {
         self.weighted
     }
 
-    /// What is shown at a place (0…1 from the left and from the top, limited to it): what the nearest pixel shows, or, if
-    /// that shows anything and entries are farther apart, what lies between them.
+    /// What is shown at a place (0…1 from the left and from the top, limited to it): what the
+    /// nearest pixel shows, or, if that shows anything and entries are farther apart, what lies
+    /// between them.
     pub fn at(&self, across: f64, down: f64) -> Option<TablePixel> {
         let index = |part: f64, count: u32| ((part * f64::from(count)).max(0.0) as usize).min(count as usize - 1);
         if self.texels.is_empty() {
@@ -123,7 +125,7 @@ impl Table {
         mix(row_at(row), row_at(row + 1), y)
     }
 
-    /// What shows at a place, parts of width and height, of a table with steps.
+    /// Interpolates between entries at a place, parts of width and height.
     pub(in crate::correct) fn between(&self, across: f64, down: f64) -> TablePixel {
         let [x, y, z, weight] = self.interpolated(across * f64::from(self.size.0), down * f64::from(self.size.1));
         TablePixel { direction: self.axes * DVec3::new(x, y, z), weight, dark: 0.0 }

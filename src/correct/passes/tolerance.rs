@@ -1,6 +1,7 @@
 //! Errors that evaluation in f32 may make in what a pixel shows.
 
-/// Width of the picture in whose pixels errors are estimated: what a small picture shows is then held to what a large one needs.
+/// Width of the picture in whose pixels errors are estimated: what a small picture shows is then
+/// held to what a large one needs.
 pub(in crate::correct) const REFERENCE: f64 = 4096.0;
 /// The error that is allowed, in such pixels.
 pub(in crate::correct) const PIXELS: f64 = 0.002;

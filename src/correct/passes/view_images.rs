@@ -3,14 +3,15 @@
 use crate::correct::passes::output_pass::Plan;
 use crate::views::{Tile, ViewPlan};
 
-/// How the pictures of the views lie in memory.
+/// Arrangement of the views' pictures in memory.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Arrangement {
     /// As tiles of one picture.
     #[default]
     Atlas,
-    /// As the layers of one image, in the views' order, all of the size of the largest: what is drawn to all of them at
-    /// once (multiview) has one viewport. The smaller views are drawn at more than the planned resolution.
+    /// As the layers of one image, in the views' order, all of the size of the largest: what is
+    /// drawn to all of them at once (multiview) has one viewport. The smaller views are drawn at
+    /// more than the planned resolution.
     Layers,
     /// As an image each, as large as its tile is.
     Images,
@@ -28,8 +29,8 @@ pub struct ImageSize {
 }
 
 impl Arrangement {
-    /// The plan, which has an atlas, for views that lie so. Only an atlas has a place for the flat panel and for the
-    /// program's own picture.
+    /// The plan, which has an atlas, for views that lie so. Only an atlas has a place for the flat
+    /// panel and for the program's own picture.
     pub fn arrange(self, mut plan: Plan) -> Plan {
         let views = &mut plan.views;
         if self == Self::Atlas {

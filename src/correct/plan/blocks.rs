@@ -16,16 +16,19 @@ use crate::views::sampling::cone::{Cone, Relation, WIDEST, diameter};
 use crate::views::{View, ViewPlan};
 use glam::{DMat3, DVec2, DVec3};
 
-/// At most so many batches of an output differ only in their neighbours and in the view that they sample.
+/// At most so many batches of an output differ only in their neighbours and in the view that they
+/// sample.
 const MOST_OVERLAPS: usize = 6;
-/// Of these, each has at least this part of the blocks where pictures overlap: a shader for fewer costs more time
-/// to compile than it saves.
+/// Of these, each has at least this part of the blocks where pictures overlap: a shader for fewer
+/// costs more time to compile than it saves.
 const LEAST_PART: f64 = 0.02;
-/// And so many blocks: a shader where pictures overlap takes a software driver a tenth of a second to compile, for which
-/// so few blocks (12,288 pixels at about a nanosecond) would have to be drawn eight thousand times.
+/// And so many blocks: a shader where pictures overlap takes a software driver a tenth of a second
+/// to compile, for which so few blocks (12,288 pixels at about a nanosecond) would have to be drawn
+/// eight thousand times.
 const LEAST_BLOCKS: usize = 48;
 
-/// What a block needs. Views and neighbours are sets of bits; bit 63 or 127 stands for all from there on.
+/// What a block needs. Views and neighbours are sets of bits; bit 63 or 127 stands for all from
+/// there on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub(super) struct Needs {
     pub(super) views: u64,
@@ -47,19 +50,19 @@ enum Class {
     Overlap { neighbours: u128, view: Option<u32> },
     /// Some pixels show nothing.
     Edge,
-    /// Both.
+    /// Some pixels show nothing, and pictures overlap.
     EdgeOverlap,
 }
 
-/// What is known of an output's picture beside the rig.
+/// Properties of an output's picture that the rig does not say.
 pub(in crate::correct) struct Picture<'a> {
     /// Its map.
     pub source: &'a Source,
     /// Width and height in pixels.
     pub size: (u32, u32),
-    /// What dims it.
+    /// Its weight image.
     pub mask: Option<&'a Mask>,
-    /// How it is mirrored in the end.
+    /// Mirroring of the finished picture.
     pub flip: Flip,
 }
 
@@ -67,7 +70,8 @@ pub(in crate::correct) struct Picture<'a> {
 ///
 /// Conservative: a batch lists every view that answers for one of its pixels' centres, and every
 /// neighbour whose picture reaches into it (up to a part of a pixel, where its weight is nil);
-/// blocks that show nothing are in none, nor those that the mask makes black. `cache` may know what blocks need, or keeps it.
+/// blocks that show nothing are in none, nor those that the mask makes black. `cache` may know what
+/// blocks need, or keeps it.
 pub(in crate::correct) fn batches(
     rig: &Rig,
     index: usize,
@@ -157,8 +161,8 @@ fn classify(needs: &Needs) -> Option<Class> {
     })
 }
 
-/// Keeps the most frequent overlaps apart, since each neighbour and the choice of a view cost time in every
-/// pixel, and unites the others, since each shader costs time to compile.
+/// Keeps the most frequent overlaps apart, since each neighbour and the choice of a view cost time
+/// in every pixel, and unites the others, since each shader costs time to compile.
 fn with_fewer_overlaps(mut classes: Vec<Option<Class>>) -> Vec<Option<Class>> {
     let mut overlaps: Vec<(u128, Option<u32>, usize)> = Vec::new();
     for class in &classes {
@@ -174,7 +178,8 @@ fn with_fewer_overlaps(mut classes: Vec<Option<Class>>) -> Vec<Option<Class>> {
     let is_frequent = |count: usize| count >= LEAST_BLOCKS && count as f64 >= LEAST_PART * total as f64;
     let frequent = overlaps.iter().filter(|overlap| is_frequent(overlap.2)).count();
     let rare = &overlaps[frequent.min(MOST_OVERLAPS - 1)..];
-    // The edge has a shader for all neighbours anyway: where one of the two is small, it serves both.
+    // The edge has a shader for all neighbours anyway: where one of the two is small, it serves
+    // both.
     let edge = classes.iter().filter(|class| **class == Some(Class::EdgeOverlap)).count();
     let few: usize = rare.iter().map(|overlap| overlap.2).sum();
     let with_edge = edge > 0 && edge.min(few) < LEAST_BLOCKS;
@@ -219,7 +224,7 @@ pub(super) struct Examiner<'a> {
     pub(super) neighbours: Vec<(QuadraticForm, Cone)>,
 }
 
-/// What is seen at a corner of blocks.
+/// Direction and point at a corner of blocks.
 #[derive(Clone, Copy, Debug, Default)]
 struct Corner {
     /// Direction from the viewer, unit length, where something is shown.
@@ -258,12 +263,12 @@ impl<'a> Examiner<'a> {
         }
     }
 
-    /// How many blocks there are.
+    /// Returns the number of blocks.
     pub(super) fn blocks(&self) -> usize {
         self.size.0.div_ceil(BLOCK) as usize * self.size.1.div_ceil(BLOCK) as usize
     }
 
-    /// What every block needs, row by row.
+    /// Returns the needs of every block, row by row.
     pub(super) fn all(&self) -> Vec<Needs> {
         let (columns, rows) = (self.size.0.div_ceil(BLOCK), self.size.1.div_ceil(BLOCK));
         let position = |index: u32, end: u32| (index * BLOCK).min(end);
@@ -369,7 +374,7 @@ impl<'a> Examiner<'a> {
         None
     }
 
-    /// What the sampled places of a block's pixels need.
+    /// Returns the needs of the sampled places of a block's pixels.
     pub(super) fn by_pixels(&self, block: Block) -> Needs {
         let mut needs = self.by_centres(block);
         if self.filter.has_four_places() && needs.lit {
@@ -392,7 +397,7 @@ impl<'a> Examiner<'a> {
         needs
     }
 
-    /// What the centres of a block's pixels need.
+    /// Returns the needs of the centres of a block's pixels.
     pub(super) fn by_centres(&self, block: Block) -> Needs {
         let mut needs = Needs::default();
         for row in block[1]..block[3] {
@@ -410,8 +415,8 @@ impl<'a> Examiner<'a> {
         needs
     }
 
-    /// The view that answers for a direction: the first that contains it. The planner leaves no gap;
-    /// should rounding make one, the nearest view answers.
+    /// The view that answers for a direction: the first that contains it. The planner leaves no
+    /// gap; should rounding make one, the nearest view answers.
     pub(super) fn answering(&self, direction: DVec3) -> usize {
         let shallowest = |view: &Cone| view.depths(direction).into_iter().fold(f64::INFINITY, f64::min);
         self.views.iter().position(|view| view.contains(direction)).unwrap_or_else(|| {

@@ -16,15 +16,18 @@ use crate::rig::{Method, Rig};
 use crate::views::{self, Request};
 use std::sync::Arc;
 
-/// Plans the views and the passes of `rig`: deterministic, and without a graphics API; it reads the masks' files.
+/// Plans the views and the passes of `rig`: deterministic, and without a graphics API; it reads the
+/// masks' files.
 ///
 /// A rig with `passthrough` has no passes. Every pixel whose centre shows something is in exactly
-/// one batch, and the batch's views contain the one that answers for the pixel; but blocks of pixels that a
-/// mask makes black are in none, if nothing is added to the output's black.
+/// one batch, and the batch's views contain the one that answers for the pixel; but blocks of
+/// pixels that a mask makes black are in none, if nothing is added to the output's black.
 ///
 /// # Errors
 ///
-/// Those of [`views::plan`] and [`WarpMap::new`](crate::warp::WarpMap::new); [`Io`](crate::ErrorKind::Io) or [`InvalidRig`](crate::ErrorKind::InvalidRig) if a mask cannot be read.
+/// Those of [`views::plan`] and [`WarpMap::new`](crate::warp::WarpMap::new);
+/// [`Io`](crate::ErrorKind::Io) or [`InvalidRig`](crate::ErrorKind::InvalidRig) if a mask cannot be
+/// read.
 pub fn build(rig: &Rig, request: &Request) -> Result<Plan> {
     build_with(rig, request, &Cache::none())
 }
@@ -99,10 +102,11 @@ pub fn build_with(rig: &Rig, request: &Request, cache: &Cache) -> Result<Plan> {
 
 /// Views have at most so many texels around what outputs sample, however wrong a mesh is.
 const MOST_REACH: f64 = 64.0;
-/// Texels for a pixel's error: views have one for each pixel in their middle, and 1/cos² of the angle from it, here 60°.
+/// Texels for a pixel's error: views have one for each pixel in their middle, and 1/cos² of the
+/// angle from it, here 60°.
 const TEXELS_PER_PIXEL: f64 = 4.0;
 
-/// How far beside its exact place an output may sample a view, texels.
+/// Returns the greatest distance at which an output samples a view beside the exact place, texels.
 fn margin(rig: &Rig, domes: &[Option<Arc<Facets>>]) -> u32 {
     // An output's own picture is not sampled beside its place.
     let sampling = rig.outputs.iter().zip(domes).filter(|(output, _)| !output.method.projects_vertices());

@@ -1,4 +1,5 @@
-//! Which parts of an output sample which parts of the views, coarsely: so that only what was drawn to is corrected.
+//! Which parts of an output sample which parts of the views, coarsely: so that only what was drawn
+//! to is corrected.
 
 use crate::correct::passes::output_pass::{OutputPass, Plan};
 use crate::correct::passes::source::Source;
@@ -53,7 +54,7 @@ impl TexelSpan {
     }
 }
 
-/// What a cell samples of a view.
+/// Texels of a view that a cell samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Part {
     /// The cell, from the left and from the top.
@@ -70,8 +71,8 @@ pub struct Footprints {
     parts: Vec<Part>,
 }
 
-/// The footprints of the output `pass`, which samples `views` of the plan. `None` for outputs whose map may jump (tables,
-/// pictures of several faces).
+/// The footprints of the output `pass`, which samples `views` of the plan. `None` for outputs whose
+/// map may jump (tables, pictures of several faces).
 pub fn footprints(plan: &Plan, pass: &OutputPass, views: &[usize]) -> Option<Footprints> {
     match pass.source {
         Source::Fisheye { .. } | Source::Projector(_) | Source::Optics(_) | Source::Perspective { .. } => {}
@@ -103,7 +104,8 @@ fn direction(pass: &OutputPass, place: [u32; 2]) -> Option<DVec3> {
     pass.source.direction(x, y)
 }
 
-/// What the cell at `place` may sample of a view: around its samples, and as far again as neighbouring ones are apart.
+/// What the cell at `place` may sample of a view: around its samples, and as far again as
+/// neighbouring ones are apart.
 fn part(plan: &Plan, lattice: &[Option<DVec3>], view: &View, place: [u32; 2]) -> Option<TexelSpan> {
     let tile = &view.tile;
     let (low, size) =
@@ -149,8 +151,9 @@ fn part(plan: &Plan, lattice: &[Option<DVec3>], view: &View, place: [u32; 2]) ->
 }
 
 impl Footprints {
-    /// A rectangle of the output (x, y, width, height in pixels from its bottom left) outside of which no pixel samples
-    /// the texels that are `touched` of the views (by their numbers; of those beyond the list everything is).
+    /// A rectangle of the output (x, y, width, height in pixels from its bottom left) outside of
+    /// which no pixel samples the texels that are `touched` of the views (by their numbers; of
+    /// those beyond the list everything is).
     pub fn sampling(&self, touched: &[TexelSpan]) -> [u32; 4] {
         let (mut low, mut high) = ([CELLS; 2], [0; 2]);
         for part in &self.parts {

@@ -1,9 +1,10 @@
 //! From rig and views to passes.
 //!
-//! `builder` runs the planner of the views and makes a pass for each output. `blocks` cuts an output into squares and finds
-//! what each needs: views, neighbours, a test for pixels that show nothing. `rectangles` merges blocks that share a
-//! shader; `cover` finds what they leave black. From a finished plan, `unsampled` finds the parts of views that no pixel
-//! samples, and `footprints` the pixels that sample a part of a view. Results of both kinds are cached.
+//! `builder` runs the planner of the views and makes a pass for each output. `blocks` cuts an
+//! output into squares and finds what each needs: views, neighbours, a test for pixels that show
+//! nothing. `rectangles` merges blocks that share a shader; `cover` finds what they leave black.
+//! From a finished plan, `unsampled` finds the parts of views that no pixel samples, and
+//! `footprints` the pixels that sample a part of a view. Results of both kinds are cached.
 
 pub mod blocks;
 pub mod blocks_cached;

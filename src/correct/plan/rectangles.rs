@@ -6,7 +6,8 @@ use crate::correct::passes::rectangle::PixelRect;
 pub(in crate::correct) const BLOCK: u32 = 16;
 
 /// Rectangles that cover exactly the blocks of each class, without overlap: `classes` holds a class
-/// per block of `block` × `block` pixels, row by row; the result has an entry for each of the classes `0..count`.
+/// per block of `block` × `block` pixels, row by row; the result has an entry for each of the
+/// classes `0..count`.
 ///
 /// Greedy: runs of equal blocks in a row, and equal runs below each other joined.
 pub(in crate::correct) fn merge(
@@ -17,7 +18,8 @@ pub(in crate::correct) fn merge(
 ) -> Vec<Vec<PixelRect>> {
     let columns = size.0.div_ceil(block);
     let mut merged: Vec<Vec<PixelRect>> = vec![Vec::new(); count];
-    // Rectangles that end at the row above: first block, number of blocks, class, place in `merged`.
+    // Rectangles that end at the row above: first block, number of blocks, class, place in
+    // `merged`.
     let mut open: Vec<(u32, u32, usize, usize)> = Vec::new();
     for (row, blocks) in (0u32..).zip(classes.chunks(columns.max(1) as usize)) {
         let (top, bottom) = (row * block, ((row + 1) * block).min(size.1));

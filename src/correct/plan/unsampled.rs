@@ -1,7 +1,8 @@
 //! The parts of views that no pixel samples.
 //!
-//! A view is a rectangle, what outputs show of it is not: the corners beyond a dome's rim, and what an earlier view answers
-//! for, are drawn for nothing. A program that adapts itself can leave them out.
+//! A view is a rectangle, what outputs show of it is not: the corners beyond a dome's rim, and what
+//! an earlier view answers for, are drawn for nothing. A program that adapts itself can leave them
+//! out.
 
 #[cfg(test)]
 mod tests;
@@ -19,12 +20,13 @@ const CELL: u32 = 2;
 /// Blocks of pixels that no border crosses are looked at whole; others down to this size in pixels.
 const FINEST: u32 = 1;
 
-/// Directions nearer than this (radians) to the side of a view may be taken for either side in 32-bit arithmetic.
+/// Directions nearer than this (radians) to the side of a view may be taken for either side in
+/// 32-bit arithmetic.
 const ROUNDING: f64 = 1e-5;
 
-/// For each view the rectangles of its tile, in texels of the atlas, that no filter footprint of any output's pixel
-/// touches; disjoint, in cells of 2 texels. Conservative: what is uncertain counts as sampled. Views with the
-/// program's own lens and pictures of outputs have none.
+/// For each view the rectangles of its tile, in texels of the atlas, that no filter footprint of
+/// any output's pixel touches; disjoint, in cells of 2 texels. Conservative: what is uncertain
+/// counts as sampled. Views with the program's own lens and pictures of outputs have none.
 pub fn unsampled_areas(plan: &Plan) -> Vec<Vec<Tile>> {
     let mut sheets: Vec<Sheet> = plan.views.views.iter().map(|view| Sheet::new(view, plan.views.guard)).collect();
     for (pass, views) in plan.passes.iter().zip(&plan.views.output_views) {
@@ -42,7 +44,7 @@ struct Sheet {
     frustum: Frustum,
     /// Texels of the tile.
     size: DVec2,
-    /// How far from its place a pixel may read, in texels.
+    /// Greatest distance of a texel that a pixel reads from the pixel's place, in texels.
     margin: f64,
 }
 
@@ -56,13 +58,14 @@ impl Sheet {
             sampled: vec![view.program_lens || view.curved.is_some(); (columns * rows) as usize],
             frustum: view.frustum,
             size: DVec2::new(f64::from(width), f64::from(height)),
-            // Filters and the overhang of views reach less far than the guard, which is counted in whole texels.
+            // Filters and the overhang of views reach less far than the guard, which is counted in
+            // whole texels.
             margin: f64::from(guard),
         }
     }
 
-    /// Marks the cells that a patch touches, given its corners in the view's axes and how far it departs from their
-    /// quadrilateral (radians).
+    /// Marks the cells that a patch touches, given its corners in the view's axes and how far it
+    /// departs from their quadrilateral (radians).
     fn mark(&mut self, corners: &[DVec3], margin: f64) {
         let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
         for corner in corners {
@@ -72,7 +75,8 @@ impl Sheet {
                 break;
             }
             let at = corner.truncate() / -corner.z;
-            // The tangent grows by less than this over the margin, since it lies within the patch's own size.
+            // The tangent grows by less than this over the margin, since it lies within the patch's
+            // own size.
             let slack = 2.0 * margin * (1.0 + at.length_squared());
             (low, high) = (low.min(at - slack), high.max(at + slack));
         }
@@ -135,7 +139,8 @@ impl Marker<'_> {
         source.direction(x, y).and_then(DVec3::try_normalize)
     }
 
-    /// The directions at the corners of a block that is widened by so many pixels, if all show something.
+    /// The directions at the corners of a block that is widened by so many pixels, if all show
+    /// something.
     fn corners(&self, block: [u32; 4], wider: f64) -> Option<[DVec3; 4]> {
         let [x0, y0, x1, y1] = block.map(f64::from);
         let (x0, y0, x1, y1) = (x0 - wider, y0 - wider, x1 + wider, y1 + wider);
@@ -143,8 +148,9 @@ impl Marker<'_> {
         Some([corner(x0, y0)?, corner(x1, y0)?, corner(x0, y1)?, corner(x1, y1)?])
     }
 
-    /// Whether a block lies amid what one view shows, at least `margin` radians from the sides of all views and not
-    /// next to what shows nothing: a rectangle around its texels then reaches no hidden ones.
+    /// Whether a block lies amid what one view shows, at least `margin` radians from the sides of
+    /// all views and not next to what shows nothing: a rectangle around its texels then reaches no
+    /// hidden ones.
     fn is_amid(&self, block: [u32; 4], corners: &[DVec3; 4], margin: f64) -> bool {
         let margin = margin.max(ROUNDING);
         let relation =
@@ -172,7 +178,8 @@ impl Marker<'_> {
         }
         for (y, x) in (top..bottom).flat_map(|y| (left..right).map(move |x| (y, x))) {
             let (x, y) = (f64::from(x), f64::from(y));
-            // Not the centre alone: a picture that is scaled when it is presented samples between centres.
+            // Not the centre alone: a picture that is scaled when it is presented samples between
+            // centres.
             for (x, y) in [(0.5, 0.5), (0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)].map(|(u, v)| (x + u, y + v)) {
                 if let Some(direction) = self.direction(x, y) {
                     self.mark_patch(&[direction; 4], ROUNDING);

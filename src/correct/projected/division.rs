@@ -1,12 +1,13 @@
 //! The GLSL of a geometry stage that divides triangles and lines: `geom::Division` in 32 bits.
 //!
-//! A run of the stage can emit few vertices, so several share a primitive: each follows its own way down the first
-//! cuts. What its share of vertices does not suffice for is emitted as it is. The build makes SPIR-V of the texts, too
-//! (`build/projection.rs`), so that this file uses nothing of the library but the rule's numbers.
+//! A run of the stage can emit few vertices, so several share a primitive: each follows its own way
+//! down the first cuts. What its share of vertices does not suffice for is emitted as it is. The
+//! build makes SPIR-V of the texts, too (`build/projection.rs`), so that this file uses nothing of
+//! the library but the rule's numbers.
 
 use super::rule::{EDGE_SHARE, NARROWEST, OUTSIDE, WIDEST, WIDTH_SQUARED};
 
-/// What is divided.
+/// Kinds of primitives that are divided.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Input {
     /// Triangles, strips and fans of them.
@@ -25,14 +26,15 @@ impl Input {
     }
 }
 
-/// How often a primitive is cut at most: two bits of a number for each.
+/// Greatest number of cuts of a primitive: two bits of a number for each.
 const DEEPEST: usize = 14;
 /// Steps of a run at most: far beyond what its vertices suffice for.
 const STEPS: usize = 8192;
 
-/// `cupola_cuts(a, b)`: whether the edge between two vertices (clip coordinates of the program) is too straight. Ends are put
-/// into an order first, so that both triangles of an edge come to the same result to the bit. What is no number is not cut:
-/// drivers run the stage for primitives that are none, too.
+/// `cupola_cuts(a, b)`: whether the edge between two vertices (clip coordinates of the program) is
+/// too straight. Ends are put into an order first, so that both triangles of an edge come to the
+/// same result to the bit. What is no number is not cut: drivers run the stage for primitives that
+/// are none, too.
 const CUTS: &str = "vec3 cupola_seen(vec4 c) {
 float q = c.z + cupola_view[3].x * c.w;
 vec4 p = vec4(c.xyw, q);
@@ -187,9 +189,10 @@ return cupola_part(gl_in[0].gl_Position, gl_in[1].gl_Position, vec3(1.0, 0.0, 0.
 }
 ";
 
-/// A run's way through the parts of its primitive: to the first that is fine enough, then to the next, each time from the
-/// top. There is no list of what is waiting, because drivers on processors make every access to one a chain of comparisons.
-/// `path` has two bits for each cut, the number of the part that is followed; `counts` how many parts there are, less one.
+/// A run's way through the parts of its primitive: to the first that is fine enough, then to the
+/// next, each time from the top. There is no list of what is waiting, because drivers on processors
+/// make every access to one a chain of comparisons. `path` has two bits for each cut, the number of
+/// the part that is followed; `counts` how many parts there are, less one.
 const MAIN: &str = "void main() {
 cupola_part part = cupola_whole();
 int path = RUN;
@@ -228,8 +231,9 @@ level = 0;
 }
 ";
 
-/// The functions by which edges are judged: `cupola_bent(a, b)` for the edge between two directions, `cupola_cuts` for that
-/// between two vertices, and `cupola_near` for what `cupola_span` was told of.
+/// The functions by which edges are judged: `cupola_bent(a, b)` for the edge between two
+/// directions, `cupola_cuts` for that between two vertices, and `cupola_near` for what
+/// `cupola_span` was told of.
 pub fn cuts() -> String {
     let replace: [(&str, &str); 4] = [
         ("WIDEST", &format!("{WIDEST:?}")),
@@ -244,9 +248,10 @@ fn with_values(text: &str, replace: &[(&str, &str)]) -> String {
     replace.iter().fold(text.to_owned(), |text, (word, value)| text.replace(word, value))
 }
 
-/// The parts of a primitive and the way through them, `main`. Before it stand `cupola_left`, how many parts a run may still emit, and
-/// `cupola_emit(c, u)`, which emits a vertex at `c` with the values that the weights `u` of the corners give it. `shared`:
-/// sixteen runs share a primitive; `count`: what is done where a part is emitted that is not fine enough.
+/// The parts of a primitive and the way through them, `main`. Before it stand `cupola_left`, how
+/// many parts a run may still emit, and `cupola_emit(c, u)`, which emits a vertex at `c` with the
+/// values that the weights `u` of the corners give it. `shared`: sixteen runs share a primitive;
+/// `count`: what is done where a part is emitted that is not fine enough.
 pub fn division(input: Input, shared: bool, count: &str) -> String {
     let replace: [(&str, &str); 5] = [
         ("DEEPEST", &DEEPEST.to_string()),
@@ -262,9 +267,10 @@ pub fn division(input: Input, shared: bool, count: &str) -> String {
     with_values(&[parts, MAIN].concat(), &replace)
 }
 
-/// What a geometry stage of Vulkan has of its own, in the order of [`STAGE_FUNCTIONS`]: which run it is, how many parts
-/// it may emit, where corners of its primitive are, how a vertex is emitted, how a primitive ends, and what is done where a part is
-/// emitted that is not fine enough. What stands here takes their place where the text is translated.
+/// What a geometry stage of Vulkan has of its own, in the order of [`STAGE_FUNCTIONS`]: which run
+/// it is, how many parts it may emit, where corners of its primitive are, how a vertex is emitted,
+/// how a primitive ends, and what is done where a part is emitted that is not fine enough. What
+/// stands here takes their place where the text is translated.
 const OWN: &str = "int cupola_left = 0;
 int cupola_run() { return 0; }
 int cupola_room() { return 0; }
@@ -278,7 +284,8 @@ void cupola_count() {}
 pub const STAGE_FUNCTIONS: [&str; 6] =
     ["cupola_run", "cupola_room", "cupola_corner", "cupola_emit", "cupola_end", "cupola_count"];
 
-/// What comes before the division there: what has no lens, or is not to be divided for it, is emitted as it is.
+/// What comes before the division there: what has no lens, or is not to be divided for it, is
+/// emitted as it is.
 const UNDIVIDED: &str = "void cupola_divided() {
 cupola_left = cupola_room();
 if (cupola_view[3].w == 0.0 || cupola_view[7].y == 0.0) {
@@ -302,7 +309,8 @@ cupola_end();
 }
 ";
 
-/// The geometry stage of Vulkan, `cupola_divided`. Before it stand the functions of `projection::vulkan_functions` with lenses.
+/// The geometry stage of Vulkan, `cupola_divided`. Before it stand the functions of
+/// `projection::vulkan_functions` with lenses.
 pub fn vulkan_division(input: Input) -> String {
     let whole = if input == Input::Triangles { WHOLE_TRIANGLE } else { WHOLE_LINE };
     let divided = division(input, true, "cupola_count();")

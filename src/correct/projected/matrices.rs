@@ -66,9 +66,9 @@ impl ReprojectionMatrix {
 
 /// Lens of an output's own picture; zeros stand for a perspective view.
 ///
-/// A fisheye's point is its direction in the picture times the angle from the axis times `scale`; its limit is the angle
-/// from which on there is no picture. A pinhole's point is tangent times `scale` minus `offset`; its limit is the least
-/// part of a direction along the axis.
+/// A fisheye's point is its direction in the picture times the angle from the axis times `scale`;
+/// its limit is the angle from which on there is no picture. A pinhole's point is tangent times
+/// `scale` minus `offset`; its limit is the least part of a direction along the axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LensConstants {
     /// Place of the viewer.

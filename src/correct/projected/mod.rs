@@ -1,7 +1,9 @@
-//! Shader text and numbers for the methods `vertex` and `primitive`, which project the program's vertices to the output.
+//! Shader text and numbers for the methods `vertex` and `primitive`, which project the program's
+//! vertices to the output.
 //!
-//! `projection` has the functions that are inserted into a program's vertex shader, `division` the stages that cut
-//! primitives where straight edges would err. `matrices` gives both their numbers, `y_down` turns these for Vulkan.
+//! `projection` has the functions that are inserted into a program's vertex shader, `division` the
+//! stages that cut primitives where straight edges would err. `matrices` gives both their numbers,
+//! `y_down` turns these for Vulkan.
 
 pub mod division;
 pub mod matrices;

@@ -12,8 +12,8 @@ impl ReprojectionMatrix {
 }
 
 impl LensConstants {
-    /// Returns the lens behind a matrix of [`ReprojectionMatrix::y_down`], whose directions have y down: viewer, lens and
-    /// offset are mirrored.
+    /// Returns the lens behind a matrix of [`ReprojectionMatrix::y_down`], whose directions have y
+    /// down: viewer, lens and offset are mirrored.
     pub fn y_down(&self) -> Self {
         let ([x, y, z], [a, b, c], [across, up]) = (self.viewer, self.position, self.offset);
         Self { viewer: [x, mirrored(y), z], position: [a, mirrored(b), c], offset: [across, mirrored(up)], ..*self }

@@ -81,8 +81,8 @@ impl Constants {
         self.values.pass()
     }
 
-    /// Rotation from viewer axes to the axes that the views' transforms take; directions at the corners of
-    /// triangles are in these axes.
+    /// Rotation from viewer axes to the axes that the views' transforms take; directions at the
+    /// corners of triangles are in these axes.
     pub(in crate::correct) fn base(&self) -> DMat3 {
         self.base
     }

@@ -16,7 +16,7 @@ pub use crate::correct::shaders::uniforms::{FLOATS, SOURCE_FLOATS};
 /// One draw call: triangles that share a shader.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Draw {
-    /// What specialises the shader.
+    /// Constants that specialise the shader.
     pub constants: Constants,
     /// First index.
     pub first: u32,
@@ -24,7 +24,8 @@ pub struct Draw {
     pub count: u32,
     /// The views that it samples, as numbers in the plan; empty for black.
     pub views: Vec<usize>,
-    /// The batch shows its view 1:1: texels are taken as they are, where the target is as large as the output.
+    /// The batch shows its view 1:1: texels are taken as they are, where the target is as large as
+    /// the output.
     pub nearest: bool,
 }
 
@@ -44,12 +45,13 @@ pub struct DrawList {
 pub enum Rows {
     /// The first row is the bottom one: OpenGL.
     FromBottom,
-    /// The first row is the top one: Vulkan. A tile begins `atlas height − y − height` rows below the first.
+    /// The first row is the top one: Vulkan. A tile begins `atlas height − y − height` rows below
+    /// the first.
     FromTop,
 }
 
-/// The draws of `passes`, outputs of `plan`: one for what is black, and one for each batch. `panel`: the
-/// flat panel is shown where the plan has one.
+/// The draws of `passes`, outputs of `plan`: one for what is black, and one for each batch.
+/// `panel`: the flat panel is shown where the plan has one.
 ///
 /// # Errors
 /// [`crate::ErrorKind::Internal`] where the plan exceeds what shaders take.
@@ -106,8 +108,8 @@ impl DrawList {
         Draw { constants, first, count: self.indices.len() as u32 - first, views: Vec::new(), nearest: false }
     }
 
-    /// Puts what was added from `first` on where it is in the mirrored picture: what is shown at a place stays, the places are
-    /// exchanged.
+    /// Puts what was added from `first` on where it is in the mirrored picture: what is shown at a
+    /// place stays, the places are exchanged.
     fn mirror(&mut self, first: usize, pass: &OutputPass) {
         for vertex in self.vertices[first..].chunks_exact_mut(FLOATS) {
             if pass.flip.horizontal {
@@ -138,8 +140,8 @@ impl DrawList {
     }
 }
 
-/// The same plan over a picture whose first row is the top one: a view from whose picture the rows are
-/// taken in the other order is the mirrored view.
+/// The same plan over a picture whose first row is the top one: a view from whose picture the rows
+/// are taken in the other order is the mirrored view.
 pub fn from_top(plan: &Plan) -> Plan {
     let mut plan = plan.clone();
     let heights: Vec<u32> =

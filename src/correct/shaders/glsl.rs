@@ -17,20 +17,21 @@ pub enum Language {
     Essl300,
 }
 
-/// What the last stage writes.
+/// Output of the last stage.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Stage {
     /// The corrected picture.
     Present,
-    /// The map itself: atlas x, atlas y (0…1), number of the view plus one (0: nothing is shown), weight (linear light).
+    /// The map itself: atlas x, atlas y (0…1), number of the view plus one (0: nothing is shown),
+    /// weight (linear light).
     Map,
 }
 
 /// A program in two texts, ready to be compiled.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Specialised {
-    /// The vertex stage. Attribute 0: clip coordinates (x, y); attribute 1: the source's coordinates: (x, y), or of
-    /// [`Pass::Mesh`] a direction and a weight.
+    /// The vertex stage. Attribute 0: clip coordinates (x, y); attribute 1: the source's
+    /// coordinates: (x, y), or of [`Pass::Mesh`] a direction and a weight.
     pub vertex: &'static str,
     /// The fragment stage.
     pub fragment: String,
@@ -88,7 +89,8 @@ pub fn specialise(constants: &Constants, language: Language, stage: Stage) -> Sp
 fn write_constructor(constructor: &str, values: &[f32], out: &mut String) {
     let mut values = values.iter();
     for c in constructor.chars() {
-        // Writing to a String cannot fail; as many values as placeholders: `Constants` has that length.
+        // Writing to a String cannot fail; as many values as placeholders: `Constants` has that
+        // length.
         match c {
             // The shortest decimal that reads back as the same f32.
             '%' => _ = write!(out, "{:e}", values.next().copied().unwrap_or_default()),

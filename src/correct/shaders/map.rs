@@ -4,12 +4,13 @@ use crate::correct::passes::output_pass::Plan;
 use crate::correct::shaders::uniforms::direction_at;
 use glam::DVec2;
 
-/// What the shaders compute for one pixel of an output.
+/// Result of the shaders for one pixel of an output.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MapPixel {
-    /// Unit direction in viewer axes of the atlas point that is sampled; NaN where nothing is shown.
+    /// Unit direction in viewer axes of the atlas point that is sampled; NaN where nothing is
+    /// shown.
     pub direction: [f32; 3],
-    /// Where in the atlas, 0…1 from its first row.
+    /// Place in the atlas, 0…1 from its first row.
     pub atlas: [f32; 2],
     /// Index of the view that answers; `None` where nothing is shown.
     pub view: Option<usize>,
@@ -18,8 +19,8 @@ pub struct MapPixel {
 }
 
 impl MapPixel {
-    /// From what [`crate::correct::shaders::glsl::Stage::Map`] writes for `plan`, with its views as the shaders got them.
-    /// Only the way back from the atlas to the direction is computed in f64.
+    /// From what [`crate::correct::shaders::glsl::Stage::Map`] writes for `plan`, with its views as
+    /// the shaders got them. Only the way back from the atlas to the direction is computed in f64.
     pub fn new(plan: &Plan, [x, y, number, weight]: [f32; 4]) -> Self {
         // Whole numbers far below 2^24 are exact.
         let index = (number as usize).checked_sub(1);

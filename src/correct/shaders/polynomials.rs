@@ -9,8 +9,8 @@ use crate::rig::RampShape;
 /// Coefficients of a polynomial in two vectors, the constant first.
 pub(super) type Polynomial = [[f32; 4]; 2];
 
-/// The polynomials of an angle of `aperture/2` times a coordinate: sin(angle)/coordinate and cos(angle), over the
-/// coordinate's square.
+/// The polynomials of an angle of `aperture/2` times a coordinate: sin(angle)/coordinate and
+/// cos(angle), over the coordinate's square.
 pub(super) fn circular(aperture: f64) -> Result<(Polynomial, Polynomial)> {
     let half = aperture / 2.0;
     let fitted = sine_cosine_polynomials(aperture);

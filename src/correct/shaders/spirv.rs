@@ -1,8 +1,9 @@
-//! The correction shaders as SPIR-V: modules generated from WGSL at build time, and their specialisation.
+//! The correction shaders as SPIR-V: modules generated from WGSL at build time, and their
+//! specialisation.
 //!
-//! As in [`crate::correct::shaders::glsl`], the values of a pass are constants of the program. They are written over the
-//! constants of a module, not given as specialisation constants: naga does not write those, and drivers
-//! fold plain ones at the latest when they fold the others.
+//! As in [`crate::correct::shaders::glsl`], the values of a pass are constants of the program. They
+//! are written over the constants of a module, not given as specialisation constants: naga does not
+//! write those, and drivers fold plain ones at the latest when they fold the others.
 
 use crate::correct::passes::view_images::Arrangement;
 use crate::correct::shaders::constants::{Constants, MAX_VIEWS, Pass};
@@ -11,7 +12,8 @@ use crate::correct::shaders::glsl::Stage;
 /// A program in two modules, ready for a pipeline.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Modules {
-    /// The vertex stage, entry point [`VERTEX_ENTRY`]. Attributes as in [`crate::correct::shaders::glsl::Specialised`].
+    /// The vertex stage, entry point [`VERTEX_ENTRY`]. Attributes as in
+    /// [`crate::correct::shaders::glsl::Specialised`].
     pub vertex: &'static [u32],
     /// The fragment stage.
     pub fragment: Vec<u32>,
@@ -22,7 +24,7 @@ pub struct Modules {
 /// Name of the vertex stages' entry point.
 pub const VERTEX_ENTRY: &std::ffi::CStr = c"rectangle_down";
 
-/// Where the shaders' resources are bound, all in descriptor set 0.
+/// Bindings of the shaders' resources, all in descriptor set 0.
 pub mod binding {
     /// The atlas, a 2D image; the layers, a 2D array; or the image of the batch's first view.
     pub const ATLAS: u32 = 1;
@@ -34,9 +36,10 @@ pub mod binding {
     pub const MASK_SAMPLER: u32 = 4;
     /// The table of directions and weights, a 2D image that is not filtered.
     pub const TABLE: u32 = 5;
-    /// The images of the batch's other views, 2D, one after another: only of [`Arrangement::Images`](super::Arrangement).
+    /// The images of the batch's other views, 2D, one after another: only of
+    /// [`Arrangement::Images`](super::Arrangement).
     pub const IMAGES: std::ops::Range<u32> = 6..5 + super::MAX_VIEWS as u32;
-    /// What black is raised to, a 2D image.
+    /// The picture of black, a 2D image.
     pub const BLACK: u32 = IMAGES.end;
 }
 
@@ -58,8 +61,8 @@ include!(concat!(env!("OUT_DIR"), "/spirv.rs"));
 
 /// The program of `constants` over pictures that lie in `arrangement`.
 ///
-/// [`Pass::Black`] has only the stage [`Stage::Present`], which is what any stage gives there, and looks at no
-/// picture; [`Stage::Map`] is that of an atlas.
+/// [`Pass::Black`] has only the stage [`Stage::Present`], which is what any stage gives there, and
+/// looks at no picture; [`Stage::Map`] is that of an atlas.
 pub fn specialise(constants: &Constants, arrangement: Arrangement, stage: Stage) -> Modules {
     let black = constants.pass() == Pass::Black;
     let stage = if black { Stage::Present } else { stage };

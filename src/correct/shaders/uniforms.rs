@@ -19,16 +19,17 @@ use crate::rig::{Blend, DomeAngle, Filter, RESPONSE_STEPS, Transfer};
 use crate::views::{View, ViewPlan};
 use glam::{DMat3, DVec2, DVec3};
 
-/// Numbers per vertex: clip coordinates (x, y), the source's coordinates: (x, y, 0, 0) or a direction and a weight.
+/// Numbers per vertex: clip coordinates (x, y), the source's coordinates: (x, y, 0, 0) or a
+/// direction and a weight.
 pub const FLOATS: usize = 6;
 /// Number of the source's coordinates among them, the last ones.
 pub const SOURCE_FLOATS: usize = 4;
 
-/// How far, in texels, a view also answers for beyond its own part: nothing falls between two
-/// views by rounding. What filters need beside it is in the guard (`views::layout`).
+/// Overlap between neighbouring views, in texels, so that rounding leaves no gap. What filters need
+/// beside it is in the guard (`views::layout`).
 const OVERLAP: f64 = 0.125;
 
-/// How far a view of a plan also answers, texels.
+/// Returns the overlap of the views of a plan, texels.
 fn overlap(views: &ViewPlan) -> f64 {
     OVERLAP + f64::from(views.margin)
 }
@@ -69,12 +70,13 @@ impl Placement {
     }
 }
 
-/// The constants of one batch of an output; `panel`: the flat panel is shown where the plan has one.
+/// The constants of one batch of an output; `panel`: the flat panel is shown where the plan has
+/// one.
 ///
 /// # Errors
 /// [`ErrorKind::Internal`] where the plan has more views, neighbours or ramps in one batch than
-/// [`MAX_VIEWS`], [`MAX_NEIGHBOURS`](crate::correct::shaders::constants::MAX_NEIGHBOURS), [`MAX_RAMPS`],
-/// an index that is out of range, or a value that is not finite.
+/// [`MAX_VIEWS`], [`MAX_NEIGHBOURS`](crate::correct::shaders::constants::MAX_NEIGHBOURS),
+/// [`MAX_RAMPS`], an index that is out of range, or a value that is not finite.
 pub fn constants(plan: &Plan, pass: &OutputPass, batch: &Batch, panel: bool) -> Result<Constants> {
     let panel = plan.views.panel.as_ref().filter(|_| panel);
     let (base, shared_part) = views(plan, pass, batch, panel)?;
@@ -126,7 +128,8 @@ pub fn constants(plan: &Plan, pass: &OutputPass, batch: &Batch, panel: bool) -> 
     Constants::new(values, base)
 }
 
-/// From a source's axes (→ viewer axes) to `base`: exactly the identity where that is these axes, so that compilers leave it out.
+/// From a source's axes (→ viewer axes) to `base`: exactly the identity where that is these axes,
+/// so that compilers leave it out.
 fn turned(base: DMat3, axes: DMat3) -> DMat3 {
     if base == axes.transpose() { DMat3::IDENTITY } else { base * axes }
 }
@@ -152,7 +155,8 @@ pub fn copies_texels(plan: &Plan, pass: &OutputPass, batch: &Batch) -> bool {
     let (width, height) = (f64::from(pass.size.0), f64::from(pass.size.1));
     let atlas = plan.views.picture_size(view);
     let atlas = DVec2::new(f64::from(atlas.0), f64::from(atlas.1));
-    // Where the centres of the bottom left pixel and of the others in the corners are in the atlas, in texels.
+    // Where the centres of the bottom left pixel and of the others in the corners are in the atlas,
+    // in texels.
     let place = |column: f64, row: f64| {
         let at = map * DVec3::new((2.0 * column + 1.0) / width - 1.0, (2.0 * row + 1.0) / height - 1.0, 1.0);
         (at.truncate() / at.z + placement.offset) * atlas
@@ -166,8 +170,8 @@ pub fn copies_texels(plan: &Plan, pass: &OutputPass, batch: &Batch) -> bool {
 /// Texels by which a copy may miss a texel's centre.
 const EXACT: f64 = 1e-3;
 
-/// The corners of a rectangle of an output, counter-clockwise from the bottom left: clip coordinates (x, y), then the
-/// source's coordinates (x, y, 0, 0).
+/// The corners of a rectangle of an output, counter-clockwise from the bottom left: clip
+/// coordinates (x, y), then the source's coordinates (x, y, 0, 0).
 pub fn rectangle(pass: &OutputPass, rect: &PixelRect) -> [[f32; FLOATS]; 4] {
     let (width, height) = (f64::from(pass.size.0), f64::from(pass.size.1));
     let (scale_x, scale_y) = source_scale(pass);
@@ -198,7 +202,8 @@ fn source_scale(pass: &OutputPass) -> (f64, f64) {
     }
 }
 
-/// The unit direction (viewer axes) that `view` shows at a point of the atlas (0…1): the inverse of what the shaders do.
+/// The unit direction (viewer axes) that `view` shows at a point of the atlas (0…1): the inverse of
+/// what the shaders do.
 pub fn direction_at(view: &View, atlas: (u32, u32), point: DVec2) -> [f32; 3] {
     let texel = point * DVec2::new(f64::from(atlas.0), f64::from(atlas.1));
     let inside = texel - DVec2::new(f64::from(view.tile.x), f64::from(view.tile.y));
@@ -230,7 +235,8 @@ fn views(plan: &Plan, pass: &OutputPass, batch: &Batch, panel: Option<&View>) ->
             return Ok((placement.scaled() * *rotation, out));
         }
         [(_, rotation, placement)] => placement.transform * *rotation,
-        // The source's own axes: what turns them comes into the views' matrices, and rounds once less.
+        // The source's own axes: what turns them comes into the views' matrices, and rounds once
+        // less.
         _ => pass.source.axes().transpose(),
     };
     let back = base.inverse();

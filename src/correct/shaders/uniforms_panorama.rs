@@ -8,11 +8,11 @@ use crate::geom::Panorama;
 use crate::geom::fisheye::RadialForm;
 use glam::{DMat3, DVec3};
 
-/// Where a panorama's unit directions lead.
+/// Rotations and offset for a panorama's unit directions.
 pub(super) struct Axes {
     /// Picture axes → base.
     pub rotation: DMat3,
-    /// What is added, in base.
+    /// Vector that is added, in base.
     pub shift: DVec3,
     /// Picture axes → dome axes.
     pub dome: DMat3,

@@ -16,8 +16,9 @@ use crate::views::sampling::output_map::{lens_rotation, perspective_rays, viewer
 use glam::{DAffine3, DMat3, DVec3};
 use std::sync::Arc;
 
-/// The map of output `index` of `rig`, whose outputs have `sizes` pixels: a coarse table where its method asks for one,
-/// else the closed form where there is one, otherwise a table of all pixels. `cache` may know tables, or keeps them.
+/// The map of output `index` of `rig`, whose outputs have `sizes` pixels: a coarse table where its
+/// method asks for one, else the closed form where there is one, otherwise a table of all pixels.
+/// `cache` may know tables, or keeps them.
 ///
 /// # Errors
 /// Those of [`SurfaceSampler::new`].
@@ -56,7 +57,8 @@ impl Pinhole {
     }
 }
 
-/// The formula of an output of `size` pixels, if there is one that is right everywhere, exact enough in f32, and knows all that its weights depend on.
+/// The formula of an output of `size` pixels, if there is one that is right everywhere, exact
+/// enough in f32, and knows all that its weights depend on.
 fn closed_form(rig: &Rig, index: usize, size: (u32, u32)) -> Option<Source> {
     let output = &rig.outputs[index];
     let to_viewer = viewer_rotation(rig).transpose();
@@ -98,8 +100,8 @@ fn closed_form(rig: &Rig, index: usize, size: (u32, u32)) -> Option<Source> {
     }
 }
 
-/// What is added to a unit direction from the dome's centre for an eye elsewhere; `None` where the screen is none on which
-/// this is so.
+/// What is added to a unit direction from the dome's centre for an eye elsewhere; `None` where the
+/// screen is none on which this is so.
 fn offset_of_eye(rig: &Rig, eye: DVec3) -> Option<DVec3> {
     match &rig.screen {
         None => Some(-(viewer_rotation(rig).transpose() * eye) / rig.dome.radius),
@@ -112,8 +114,9 @@ fn offset_of_eye(rig: &Rig, eye: DVec3) -> Option<DVec3> {
     }
 }
 
-/// Directions, radians, that a unit vector in f32 plus an offset tells apart with room to spare: each is rounded to 6e-8, and an
-/// eye near the screen sees that enlarged by the part of the radius that is left.
+/// Directions, radians, that a unit vector in f32 plus an offset tells apart with room to spare:
+/// each is rounded to 6e-8, and an eye near the screen sees that enlarged by the part of the radius
+/// that is left.
 const TOLD_APART: f64 = 3e-7;
 
 /// Whether f32 tells neighbouring pixels of a picture of directions apart, `pixel` radians wide.
@@ -121,15 +124,17 @@ fn are_told_apart(pixel: f64, offset: DVec3) -> bool {
     pixel * (1.0 - offset.length()) >= TOLD_APART
 }
 
-/// A dome's centre that is so far inside a screen, as a part of the way to it, is inside however it is rounded.
+/// A dome's centre that is so far inside a screen, as a part of the way to it, is inside however it
+/// is rounded.
 const WELL_INSIDE: f64 = 0.999;
 
-/// The formula of a pinhole, with every other one as a neighbour if it blends by overlap; `None` for lenses that are no pinholes, for mirrors,
-/// and for screens that have none.
+/// The formula of a pinhole, with every other one as a neighbour if it blends by overlap; `None`
+/// for lenses that are no pinholes, for mirrors, and for screens that have none.
 ///
-/// Nor does it hold in two cases outside the surface: for a projector that looks partly away from it, whose rays would
-/// meet it backwards, and beside a neighbour there, of whose light the near side keeps its share although none
-/// arrives. Nor does it know a neighbour's lens that is no pinhole, or its mirror.
+/// Nor does it hold in two cases outside the surface: for a projector that looks partly away from
+/// it, whose rays would meet it backwards, and beside a neighbour there, of whose light the near
+/// side keeps its share although none arrives. Nor does it know a neighbour's lens that is no
+/// pinhole, or its mirror.
 fn projector(rig: &Rig, index: usize, eye: DVec3, to_viewer: DMat3) -> Option<ProjectorSource> {
     let output = &rig.outputs[index];
     let Screen { pose, shape } = rig.surface();
@@ -167,8 +172,9 @@ fn projector(rig: &Rig, index: usize, eye: DVec3, to_viewer: DMat3) -> Option<Pr
     pinhole.looks_at_it().then_some(source)
 }
 
-/// The formula of a projector with any lens, perhaps before a mirror; `None` where it shares its light or its blacks with others, for
-/// lenses without a formula, and for screens that are no quadrics.
+/// The formula of a projector with any lens, perhaps before a mirror; `None` where it shares its
+/// light or its blacks with others, for lenses without a formula, and for screens that are no
+/// quadrics.
 fn lens(rig: &Rig, index: usize, optics: &Optics, size: (u32, u32)) -> Option<OpticsSource> {
     let output = &rig.outputs[index];
     let mut others = rig.outputs.iter().enumerate().filter(|(other, _)| *other != index).map(|(_, other)| other);

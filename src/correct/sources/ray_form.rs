@@ -7,13 +7,14 @@ use crate::geom::screen::ClosedSurface;
 use crate::geom::{PinholeRays, QuadraticForm, Quadric};
 use glam::DVec3;
 
-/// The rays `o + t·d` of a projector inside a quadric. Each
-/// form is `offset·a + linear·(√D − b)`, with `a = d·d`, `b = o·d`, `D = b² + depth·a`. Since
-/// `(√D − b)·(√D + b) = depth·a`, the same direction is `offset·(√D + b) + linear·depth`, and, b being linear in
-/// the pixel, `offset·√D` plus a linear function: one root is all that is not linear.
+/// The rays `o + t·d` of a projector inside a quadric. Each form is `offset·a + linear·(√D − b)`,
+/// with `a = d·d`, `b = o·d`, `D = b² + depth·a`. Since `(√D − b)·(√D + b) = depth·a`, the same
+/// direction is `offset·(√D + b) + linear·depth`, and, b being linear in the pixel, `offset·√D`
+/// plus a linear function: one root is all that is not linear.
 ///
-/// Near the surface `√D + b` cancels; `offset/t + linear`, with `1/t = a/(√D − b)`, does not, unless a vanishes, as it does in a double
-/// cone. Farther out `D` itself cancels, and only the forms' own coefficients, which are rounded after the cancellation, are exact.
+/// Near the surface `√D + b` cancels; `offset/t + linear`, with `1/t = a/(√D − b)`, does not,
+/// unless a vanishes, as it does in a double cone. Farther out `D` itself cancels, and only the
+/// forms' own coefficients, which are rounded after the cancellation, are exact.
 pub(in crate::correct) struct RayForm {
     /// a = d·d over `[x², y², xy, x, y, 1]`.
     pub squared: [f64; 6],
@@ -49,7 +50,8 @@ fn evaluation(source: &ProjectorSource, size: (u32, u32)) -> Option<EvaluationMe
 }
 
 impl ProjectorSource {
-    /// The same, computed in the cheapest way that is exact enough for pictures of `size`; `None` if none is.
+    /// The same, computed in the cheapest way that is exact enough for pictures of `size`; `None`
+    /// if none is.
     pub fn settled(mut self, size: (u32, u32)) -> Option<Self> {
         self.evaluation = evaluation(&self, size)?;
         Some(self)
@@ -69,7 +71,7 @@ impl RayForm {
         Self { squared: squared(rays, quadric), along, depth: quadric.depth(pinhole.origin) }
     }
 
-    /// What a form adds up at a pixel.
+    /// Returns the sum of a form at a pixel.
     fn sum(&self, evaluation: EvaluationMethod, form: &QuadraticForm, x: f64, y: f64) -> Sum {
         let offset = form.offset;
         let (root, from_root) = rounding::root(&self.discriminant(), x, y);
@@ -108,7 +110,7 @@ mod tests {
     use crate::views::Request;
     use std::path::Path;
 
-    /// How the only projector of a rig is computed.
+    /// Source of the only projector of a rig.
     fn source(viewer: [f64; 3], projector: [f64; 3], fov: f64) -> Source {
         let text = format!(
             "[dome]\nradius = 1.0\ncoverage = 360\n[viewer]\nposition = {viewer:?}\n[[output]]\nkind = \"projector\"\n\

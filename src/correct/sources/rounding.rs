@@ -1,7 +1,9 @@
-//! How far rounding to f32 moves what a projector's formula shows: estimated in f64, before there is a shader.
+//! How far rounding to f32 moves what a projector's formula shows: estimated in f64, before there
+//! is a shader.
 //!
-//! Each term of a sum is rounded to a part of its own size. Where terms cancel, as they do when the viewer is near the
-//! lit screen or the projector near the wall behind it, the sum is small and its error is not.
+//! Each term of a sum is rounded to a part of its own size. Where terms cancel, as they do when the
+//! viewer is near the lit screen or the projector near the wall behind it, the sum is small and its
+//! error is not.
 
 use crate::correct::passes::source::ProjectorSource;
 use crate::correct::passes::tolerance::{ANGLE, OWN_PIXELS, PIXELS, REFERENCE};
@@ -9,10 +11,11 @@ use crate::geom::QuadraticForm;
 use crate::geom::quadratic::{linear_at, quadratic_at};
 use glam::DVec3;
 
-/// What rounding does to a sum, as a part of its terms: some three half steps of f32. With hundreds of random rigs a driver
-/// came to 0.25 to 1.07 times the estimate where that is near what is allowed.
+/// Error of a sum by rounding, as a part of its terms: some three half steps of f32. With hundreds
+/// of random rigs a driver came to 0.25 to 1.07 times the estimate where that is near what is
+/// allowed.
 const STEP: f64 = 2e-7;
-/// How far a rim may move, pixels.
+/// Greatest allowed motion of a rim, pixels.
 const RIM: f64 = 0.01;
 /// Places in each direction where the error is estimated.
 const PLACES: u32 = 17;
@@ -24,9 +27,10 @@ pub(in crate::correct) struct Sum {
     pub terms: DVec3,
 }
 
-/// Whether rounding moves little what `source` shows in a picture of `size` pixels, if `sum` is how its forms are added up: directions by
-/// no more than 0.002 pixels of a picture 4096 wide, or 6·10⁻⁷ radians, whichever is more, but by no more than a quarter of the
-/// picture's own pixels, and rims by a hundredth of them.
+/// Whether rounding moves little what `source` shows in a picture of `size` pixels, if `sum` is how
+/// its forms are added up: directions by no more than 0.002 pixels of a picture 4096 wide, or
+/// 6·10⁻⁷ radians, whichever is more, but by no more than a quarter of the picture's own pixels,
+/// and rims by a hundredth of them.
 pub(in crate::correct) fn is_exact(
     source: &ProjectorSource,
     size: (u32, u32),
@@ -66,7 +70,8 @@ pub(in crate::correct) fn is_exact(
     true
 }
 
-/// Whether rounding moves a rim that passes near a place by less than [`RIM`] pixels; `pixel` in normalised coordinates.
+/// Whether rounding moves a rim that passes near a place by less than [`RIM`] pixels; `pixel` in
+/// normalised coordinates.
 fn is_sharp(
     rim: &QuadraticForm,
     (x, y): (f64, f64),
@@ -85,7 +90,8 @@ fn is_sharp(
     })
 }
 
-/// The sum of a form as it stands: quadratic part and linear part times the root. `None` where the ray misses.
+/// The sum of a form as it stands: quadratic part and linear part times the root. `None` where the
+/// ray misses.
 pub(in crate::correct) fn of_form(form: &QuadraticForm, x: f64, y: f64) -> Option<Sum> {
     let value = form.evaluate(x, y)?;
     let (root, from_root) = root(&form.d, x, y);

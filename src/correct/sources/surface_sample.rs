@@ -9,7 +9,7 @@ use crate::warp::WarpMap;
 use crate::warp::accuracy::pixel_angle;
 use glam::{DVec2, DVec3};
 
-/// What one output shows, traced ray by ray in f64.
+/// Samples of one output, traced ray by ray in f64.
 pub(in crate::correct) struct SurfaceSampler<'rig> {
     map: WarpMap,
     weights: Weights<'rig>,
@@ -20,20 +20,21 @@ pub(in crate::correct) struct SurfaceSampler<'rig> {
     with_black: bool,
 }
 
-/// What is seen at a place.
+/// Visible point of a screen at a place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::correct) struct SurfaceSample {
-    /// From the viewer to what is seen, viewer axes; its length is such that interpolation is good, see [`Scale`].
+    /// From the viewer to what is seen, viewer axes; its length is such that interpolation is good,
+    /// see [`Scale`].
     pub vector: DVec3,
     /// Weight in linear light, 0…1.
     pub weight: f64,
 }
 
-/// How long the vectors from the viewer to the screen are made before they are interpolated over the output.
+/// Length of the vectors from the viewer to the screen, which are interpolated over the output.
 ///
-/// Only their directions are shown. Over the picture of a pinhole, what is linear in space is a quotient of linear
-/// functions: the screen's point over its distance along the lens's axis. Divided by that distance a flat screen is exact,
-/// and so is any screen for a viewer in the lens.
+/// Only their directions are shown. Over the picture of a pinhole, what is linear in space is a
+/// quotient of linear functions: the screen's point over its distance along the lens's axis.
+/// Divided by that distance a flat screen is exact, and so is any screen for a viewer in the lens.
 enum Scale {
     /// As far as the screen is.
     Length,
@@ -61,7 +62,7 @@ impl Scale {
 }
 
 impl<'rig> SurfaceSampler<'rig> {
-    /// What output `index` of `rig` shows; the outputs have `sizes` pixels.
+    /// Returns the sampler of output `index` of `rig`; the outputs have `sizes` pixels.
     ///
     /// # Errors
     /// Those of [`WarpMap::new`].
@@ -88,7 +89,8 @@ impl<'rig> SurfaceSampler<'rig> {
         self.map.size()
     }
 
-    /// What is seen at a pixel position (from the top left, centres at +½); `None` where nothing is shown.
+    /// Returns the sample at a pixel position (from the top left, centres at +½); `None` where
+    /// nothing is shown.
     pub fn at(&self, pixel: DVec2) -> Option<SurfaceSample> {
         let even = self.evenness.as_ref().map_or(1.0, |evenness| evenness.weight(&self.map, pixel));
         match self.map.hit(pixel) {
@@ -107,7 +109,8 @@ impl<'rig> SurfaceSampler<'rig> {
         }
     }
 
-    /// The vector from the viewer to a point of the screen (metres, dome axes); `None` for the viewer's own place.
+    /// The vector from the viewer to a point of the screen (metres, dome axes); `None` for the
+    /// viewer's own place.
     pub fn vector(&self, point: DVec3) -> Option<DVec3> {
         let vector = self.map.viewer().point_to_local(point);
         let depth = match self.scale {
@@ -122,7 +125,8 @@ impl<'rig> SurfaceSampler<'rig> {
         self.weights.weight_at(self.index, point)
     }
 
-    /// The error of a vector that is shown at a pixel position; `None` where nothing is to be shown there.
+    /// The error of a vector that is shown at a pixel position; `None` where nothing is to be shown
+    /// there.
     pub fn error(&self, pixel: DVec2, vector: DVec3) -> Option<f64> {
         let exact = self.map.direction(pixel)?;
         let size = pixel_angle(&self.map, pixel)?;
@@ -141,9 +145,10 @@ impl<'rig> SurfaceSampler<'rig> {
     }
 }
 
-/// Dimming that evens out the light of pixels of different size on a screen that scatters light evenly: the same
-/// light on a smaller area is brighter by the ratio of the areas, the determinant of the map's Jacobian. Distance and
-/// incidence are both in it. Projectors count as equally bright, so that where they overlap their light is the same.
+/// Dimming that evens out the light of pixels of different size on a screen that scatters light
+/// evenly: the same light on a smaller area is brighter by the ratio of the areas, the determinant
+/// of the map's Jacobian. Distance and incidence are both in it. Projectors count as equally
+/// bright, so that where they overlap their light is the same.
 struct Evenness {
     /// Area of the pixels that are not dimmed.
     reference: f64,
@@ -154,11 +159,13 @@ struct Evenness {
 
 /// Pixels in each direction that are looked at for the reference.
 const REFERENCE_GRID: u32 = 64;
-/// The part of the pixels that are dimmed; the rest, stretched pixels near grazing light, would darken all others.
+/// The part of the pixels that are dimmed; the rest, stretched pixels near grazing light, would
+/// darken all others.
 const DIMMED: f64 = 0.9;
 
 impl Evenness {
-    /// For output `index`: dimmed as much as the output needs whose pixels are the largest for their light.
+    /// For output `index`: dimmed as much as the output needs whose pixels are the largest for
+    /// their light.
     fn of(rig: &Rig, index: usize, sizes: &[(u32, u32)], strength: f64) -> Result<Self> {
         let size = sizes.get(index).copied().unwrap_or_default();
         let pixels = |(width, height): (u32, u32)| f64::from(width) * f64::from(height);
@@ -192,8 +199,8 @@ impl Evenness {
     }
 }
 
-/// Cells in each direction in which areas are interpolated. They vary smoothly: over the whole of `idome` interpolation is off by
-/// less than a thousandth, and it saves four fifths of all rays.
+/// Cells in each direction in which areas are interpolated. They vary smoothly: over the whole of
+/// `idome` interpolation is off by less than a thousandth, and it saves four fifths of all rays.
 const AREA_CELLS: u32 = 256;
 
 /// The areas that pixels light, at the corners of cells.
@@ -214,7 +221,8 @@ impl Areas {
         Self { step, corners: places.map(area).collect() }
     }
 
-    /// The area at a pixel position; `None` where it is to be found without interpolation: at an edge of what is shown.
+    /// The area at a pixel position; `None` where it is to be found without interpolation: at an
+    /// edge of what is shown.
     fn at(&self, pixel: DVec2) -> Option<f64> {
         let last = f64::from(AREA_CELLS - 1);
         let place = (pixel - 0.5) / self.step;

@@ -1,11 +1,13 @@
-//! Maps that have no closed form, and others on request: directions, weights and the light of black, computed in f64.
+//! Maps that have no closed form, and others on request: directions, weights and the light of
+//! black, computed in f64.
 //!
-//! A table of all pixels holds what a pixel's centre shows, so it is as exact as the f64 map that it was made of, up to
-//! one rounding to f32. The directions are kept in axes of their own that look at the middle of what is
-//! shown: the rounding then is relative to the distance from that middle, and its effect in pixels does not grow
-//! where the opening is narrow. Error of the atlas coordinate, rounding and shader together: at most
-//! 5e-7 of the view's width, a thousandth of a texel for a view 2000 texels wide. Memory: 16 bytes per pixel. A coarser one is as exact as was asked for, and takes 16 bytes for each entry
-//! and a byte for each pixel in memory.
+//! A table of all pixels holds what a pixel's centre shows, so it is as exact as the f64 map that
+//! it was made of, up to one rounding to f32. The directions are kept in axes of their own that
+//! look at the middle of what is shown: the rounding then is relative to the distance from that
+//! middle, and its effect in pixels does not grow where the opening is narrow. Error of the atlas
+//! coordinate, rounding and shader together: at most 5e-7 of the view's width, a thousandth of a
+//! texel for a view 2000 texels wide. Memory: 16 bytes per pixel. A coarser one is as exact as was
+//! asked for, and takes 16 bytes for each entry and a byte for each pixel in memory.
 
 use crate::correct::passes::table::{Table, TablePixel};
 use crate::correct::single;
@@ -18,11 +20,13 @@ const COARSE_STEP: usize = 16;
 const PART_ROWS: usize = 16;
 
 impl Table {
-    /// The table of `at` (column and row from the top left → what the pixel's centre shows, `None` = nothing)
-    /// for an output of `size` pixels. The function is called from several threads at once, and for some pixels twice.
+    /// The table of `at` (column and row from the top left → what the pixel's centre shows, `None`
+    /// = nothing) for an output of `size` pixels. The function is called from several threads at
+    /// once, and for some pixels twice.
     ///
-    /// A direction that is zero or not finite shows nothing; weights are limited to 0…1, blacks to 0 at least, NaN counts
-    /// as 0. The light of black is kept as what a direction's length is more than 1.
+    /// A direction that is zero or not finite shows nothing; weights are limited to 0…1, blacks to
+    /// 0 at least, NaN counts as 0. The light of black is kept as what a direction's length is more
+    /// than 1.
     pub fn new(size: (u32, u32), at: impl Fn(u32, u32) -> Option<TablePixel> + Sync) -> Self {
         let (columns, rows) = (size.0 as usize, size.1 as usize);
         let unit = |column: u32, row: u32| {
@@ -55,7 +59,8 @@ impl Table {
     }
 }
 
-/// Works on the rows of `lines` on all processors; `fill` gets the number of the first row of its part.
+/// Works on the rows of `lines` on all processors; `fill` gets the number of the first row of its
+/// part.
 pub(super) fn in_parts<T: Send>(
     lines: &mut [T],
     columns: usize,

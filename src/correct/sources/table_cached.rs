@@ -8,7 +8,8 @@ use glam::DMat3;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// Returns the table of output `index` of `rig`, whose outputs have `sizes` pixels, by `make`, or what `cache` has of it.
+/// Returns the table of output `index` of `rig`, whose outputs have `sizes` pixels, by `make`, or
+/// what `cache` has of it.
 ///
 /// # Errors
 /// Those of `make`.
@@ -120,7 +121,8 @@ mod tests {
             let bytes = write(&table).expect("bytes");
             let size = table.size;
             assert_eq!(read(&bytes, size), Some(table));
-            // What is cut off is refused; what is changed is refused or read as something, and no more is asked for than there is.
+            // What is cut off is refused; what is changed is refused or read as something, and no
+            // more is asked for than there is.
             for length in 0..bytes.len().min(2000) {
                 assert!(read(&bytes[..length], size).is_none(), "{length}");
             }
@@ -134,7 +136,8 @@ mod tests {
         }
     }
 
-    /// Large data stands in keys by a sum: one that missed a change would show what an older file said.
+    /// Large data stands in keys by a sum: one that missed a change would show what an older file
+    /// said.
     #[test]
     fn every_number_of_large_data_counts_in_keys() {
         fn differ<T: Serialize + std::fmt::Debug>(values: &[T]) {

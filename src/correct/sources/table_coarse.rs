@@ -8,14 +8,15 @@ use crate::correct::sources::table::in_parts;
 use glam::{DVec2, DVec3};
 use std::sync::Mutex;
 
-/// How far apart entries may be, in pixels: powers of two, so that the parts of a step are exact.
+/// Distances between entries, in pixels: powers of two, so that the parts of a step are exact.
 const STEPS: [u32; 7] = [128, 64, 32, 16, 8, 4, 2];
 
-/// The coarsest table of `sampler` that errs by at most `max_error` pixels and [`WEIGHT_ERROR`] of the light, measured
-/// at the centre of every pixel; one of all pixels, which is exact, where no coarser one does.
+/// The coarsest table of `sampler` that errs by at most `max_error` pixels and [`WEIGHT_ERROR`] of
+/// the light, measured at the centre of every pixel; one of all pixels, which is exact, where no
+/// coarser one does.
 ///
-/// Interpolation errs by the square of the step: four times less for half of it. Entries beyond a rim are continued from
-/// within.
+/// Interpolation errs by the square of the step: four times less for half of it. Entries beyond a
+/// rim are continued from within.
 pub(in crate::correct) fn coarse(sampler: &SurfaceSampler, max_error: f64) -> Table {
     let exact = sampler.table();
     let finest = exact.finest_steps();
@@ -64,7 +65,8 @@ impl Table {
         }
     }
 
-    /// The angle of each pixel's finer step to its neighbours, radians, by tens of rows and columns.
+    /// The angle of each pixel's finer step to its neighbours, radians, by tens of rows and
+    /// columns.
     fn finest_steps(&self) -> Vec<f64> {
         let (width, height) = (self.size.0 as usize, self.size.1 as usize);
         let direction = |column: usize, row: usize| {
@@ -91,8 +93,9 @@ impl Table {
         (0..width * height).map(step).collect()
     }
 
-    /// How far this table is from `exact` at the worst pixel's centre, in pixels, whose angles are `pixels`; `None` where
-    /// that is more than `max_error`, or weights differ by more than [`WEIGHT_ERROR`].
+    /// How far this table is from `exact` at the worst pixel's centre, in pixels, whose angles are
+    /// `pixels`; `None` where that is more than `max_error`, or weights differ by more than
+    /// [`WEIGHT_ERROR`].
     fn error_within(&self, exact: &Self, pixels: &[f64], max_error: f64) -> Option<f64> {
         let width = self.size.0 as usize;
         let worst = Mutex::new(Some(0.0f64));
@@ -114,7 +117,8 @@ impl Table {
         let mut rows: Vec<usize> = (0..self.size.1 as usize).collect();
         in_parts(&mut rows, 1, self.size.1 as usize, &|_, part: &mut [usize]| {
             for &mut row in part {
-                // Nothing is left in a lock that another thread broke: the table counts as too coarse then.
+                // Nothing is left in a lock that another thread broke: the table counts as too
+                // coarse then.
                 let failed = worst.lock().map_or(true, |worst| worst.is_none());
                 let error = if failed { return } else { row_error(row) };
                 if let Ok(mut worst) = worst.lock() {
@@ -126,8 +130,8 @@ impl Table {
     }
 }
 
-/// The entries, those that are missing next to known ones continued: by the mean of the parabolas through the next three
-/// in a row, or of the lines through the next two.
+/// The entries, those that are missing next to known ones continued: by the mean of the parabolas
+/// through the next three in a row, or of the lines through the next two.
 fn continued(known: &[Option<[f64; 4]>], columns: i64, rows: i64) -> Vec<Option<[f64; 4]>> {
     let at = |column: i64, row: i64| {
         let inside = (0..columns).contains(&column) && (0..rows).contains(&row);

@@ -12,11 +12,12 @@ use std::fmt;
 pub const MOST_NODES: usize = 1 << 20;
 /// Greatest number of entries of the index: 128 MiB.
 const MOST_ENTRIES: u64 = 1 << 25;
-/// How many times over the area of a mesh the boxes of its triangles may fill it. A grid of squares has 2,
-/// a folded one a few more; beyond this the file is damaged, and finding a pixel's triangle would take too long.
+/// How many times over the area of a mesh the boxes of its triangles may fill it. A grid of squares
+/// has 2, a folded one a few more; beyond this the file is damaged, and finding a pixel's triangle
+/// would take too long.
 const MOST_LAYERS: f64 = 256.0;
 
-/// How far outside a triangle a point may be, in barycentric parts, and still belong to it: no pixel
+/// Distance outside a triangle at which a point still belongs to it, in barycentric parts: no pixel
 /// falls between two triangles by rounding.
 const SLACK: f64 = 1e-9;
 
@@ -26,7 +27,7 @@ pub struct Node {
     /// Where it is in the output: from the middle, x to the right, y up, in the units of the
     /// [`Grid`](super::Grid) that the mesh is in.
     pub position: DVec2,
-    /// What is shown there, see [`Sample::value`].
+    /// Value there, see [`Sample::value`].
     pub value: DVec3,
     /// Factor on the displayed (encoded) value, 0…1.
     pub intensity: f64,
@@ -67,13 +68,13 @@ impl Mesh {
         nodes.chain(corners).collect()
     }
 
-    /// A mesh from its nodes and its triangles, of either orientation. Where triangles lie over each other the
-    /// later one is seen. `name` is the file's, for messages.
+    /// A mesh from its nodes and its triangles, of either orientation. Where triangles lie over
+    /// each other the later one is seen. `name` is the file's, for messages.
     ///
     /// # Errors
-    /// [`InvalidRig`](crate::ErrorKind::InvalidRig) if a triangle names a node that is not there, a number is not
-    /// finite, there are more than [`MOST_NODES`] nodes or three times as many triangles, or the triangles lie over
-    /// each other hundreds of times.
+    /// [`InvalidRig`](crate::ErrorKind::InvalidRig) if a triangle names a node that is not there, a
+    /// number is not finite, there are more than [`MOST_NODES`] nodes or three times as many
+    /// triangles, or the triangles lie over each other hundreds of times.
     pub fn new(name: &str, nodes: Vec<Node>, triangles: Vec<[u32; 3]>) -> Result<Self> {
         let finite = |node: &Node| node.position.is_finite() && node.value.is_finite() && node.intensity.is_finite();
         if nodes.len() > MOST_NODES || triangles.len() > 3 * MOST_NODES {
@@ -95,9 +96,9 @@ impl Mesh {
         }
     }
 
-    /// A mesh from a grid of `columns` × `rows` nodes, row by row; `None` = not to be used: a cell is drawn, as two
-    /// triangles with the diagonal from its first corner, if all four corners are there. `closed`: the last column is
-    /// followed by the first.
+    /// A mesh from a grid of `columns` × `rows` nodes, row by row; `None` = not to be used: a cell
+    /// is drawn, as two triangles with the diagonal from its first corner, if all four corners are
+    /// there. `closed`: the last column is followed by the first.
     ///
     /// # Errors
     /// As [`Self::new`], and if there are not as many nodes as the grid has.
@@ -138,7 +139,8 @@ impl Mesh {
         &self.triangles
     }
 
-    /// What is shown at a place of the output, in the units of the nodes' positions; `None` outside all triangles.
+    /// What is shown at a place of the output, in the units of the nodes' positions; `None` outside
+    /// all triangles.
     pub fn sample(&self, position: DVec2) -> Option<Sample> {
         let candidates = self.index.candidates(position)?;
         candidates.iter().rev().find_map(|triangle| {
@@ -157,7 +159,8 @@ impl Mesh {
     }
 }
 
-/// The parts of the corners of a triangle at `point`; `None` outside, and in triangles without area.
+/// The parts of the corners of a triangle at `point`; `None` outside, and in triangles without
+/// area.
 fn barycentric([a, b, c]: [DVec2; 3], point: DVec2) -> Option<[f64; 3]> {
     let area = (b - a).perp_dot(c - a);
     let second = (point - a).perp_dot(c - a) / area;
@@ -186,8 +189,8 @@ struct Index {
 }
 
 impl Index {
-    /// About as many cells as triangles, fewer where long triangles would fill the lists; `None` if the triangles
-    /// fill the mesh's box too many times over.
+    /// About as many cells as triangles, fewer where long triangles would fill the lists; `None` if
+    /// the triangles fill the mesh's box too many times over.
     fn new(nodes: &[Node], triangles: &[[u32; 3]]) -> Option<Self> {
         let boxes = || triangles.iter().map(|triangle| bounds(triangle.map(|node| nodes[node as usize].position)));
         let low = boxes().fold(DVec2::INFINITY, |low, (corner, _)| low.min(corner));

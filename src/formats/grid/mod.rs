@@ -8,10 +8,11 @@ pub use raster::Raster;
 
 use glam::{DVec2, DVec3};
 
-/// What a calibration says about one place of an output.
+/// Value of a calibration at one place of an output.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
-    /// A position in a picture (x, y in 0…1 from the bottom left), a point or a direction: what it is, the rig says.
+    /// A position in a picture (x, y in 0…1 from the bottom left), a point or a direction: what it
+    /// is, the rig says.
     pub value: DVec3,
     /// Factor on the displayed (encoded) value, 0…1.
     pub intensity: f64,
@@ -20,9 +21,11 @@ pub struct Sample {
 /// A calibration of one output.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub enum Grid {
-    /// Nodes with triangles; an output of another aspect than the mesh's shows more or less at the sides.
+    /// Nodes with triangles; an output of another aspect than the mesh's shows more or less at the
+    /// sides.
     Mesh(Mesh),
-    /// Nodes with triangles whose positions are −1…1 over the width and over the height of any output.
+    /// Nodes with triangles whose positions are −1…1 over the width and over the height of any
+    /// output.
     Stretched(Mesh),
     /// A value for each pixel.
     Raster(Raster),

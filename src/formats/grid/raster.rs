@@ -33,8 +33,9 @@ impl Raster {
         self.values.iter().flatten().map(|value| f64::from(*value)).collect()
     }
 
-    /// A raster of `size` (width, height) from its values, row by row from the top; three NaN (or one of
-    /// them NaN) where nothing is shown. `None` if the size is zero or not that of the values.
+    /// A raster of `size` (width, height) from its values, row by row from the top; three NaN (or
+    /// one of them NaN) where nothing is shown. `None` if the size is zero or not that of the
+    /// values.
     pub fn new(size: (u32, u32), values: Vec<[f32; 3]>) -> Option<Self> {
         let fits = u64::from(size.0) * u64::from(size.1) == values.len() as u64 && !values.is_empty();
         fits.then_some(Self { size, values })
@@ -52,9 +53,9 @@ impl Raster {
 
     /// The value at a place of the output, in parts of its width and height from the top left.
     ///
-    /// Linear between the centres of the raster's pixels, and continued linearly over the outer half of
-    /// the outermost. Nothing is shown where the nearest pixel shows nothing; beside such pixels the
-    /// nearest one's value stands alone.
+    /// Linear between the centres of the raster's pixels, and continued linearly over the outer
+    /// half of the outermost. Nothing is shown where the nearest pixel shows nothing; beside such
+    /// pixels the nearest one's value stands alone.
     pub fn sample(&self, part: DVec2) -> Option<Sample> {
         if !(part.cmpge(DVec2::ZERO).all() && part.cmple(DVec2::ONE).all()) {
             return None;
@@ -76,8 +77,8 @@ impl Raster {
     }
 }
 
-/// The pixel whose centre is the last before `part` (0…1) of `count`, and how far behind it that is, in
-/// pixels: 0…1, and −½…1½ at the ends.
+/// The pixel whose centre is the last before `part` (0…1) of `count`, and how far behind it that
+/// is, in pixels: 0…1, and −½…1½ at the ends.
 fn cell(part: f64, count: u32) -> (u32, f64) {
     let at = part * f64::from(count) - 0.5;
     let first = at.floor().clamp(0.0, f64::from(count.saturating_sub(2)));

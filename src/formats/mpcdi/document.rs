@@ -16,7 +16,7 @@ const MOST_NODES: u32 = 100_000;
 /// Greatest number of regions.
 const MOST_REGIONS: usize = 256;
 
-/// What the description says.
+/// Content of the description.
 pub(super) struct Description {
     pub(super) profile: Profile,
     pub(super) regions: Vec<DescribedRegion>,
@@ -218,8 +218,8 @@ impl Reader<'_, '_> {
         Ok(Frustum { left, right, bottom, top })
     }
 
-    /// Place and axes of a frame: its pitch axis points to the right, its yaw axis down, its roll axis forward. The place
-    /// is along these axes, the axes lead to those of the file.
+    /// Place and axes of a frame: its pitch axis points to the right, its yaw axis down, its roll
+    /// axis forward. The place is along these axes, the axes lead to those of the file.
     fn frame(&self, element: Node) -> Result<(DVec3, DMat3)> {
         let vector = |prefix: &str| {
             let part = |axis: &str| {

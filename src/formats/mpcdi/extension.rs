@@ -1,9 +1,11 @@
-//! Lenses that MPCDI has no words for, in Christie's extension `BufferExtension`: fisheyes, and pictures that are squeezed.
+//! Lenses that MPCDI has no words for, in Christie's extension `BufferExtension`: fisheyes, and
+//! pictures that are squeezed.
 //!
-//! A fisheye's radius is f1·θ + f3·θ³ + f5·θ⁵ + f7·θ⁷ in half widths of the picture. Its offsets are those of the picture
-//! from the axis, in half widths and half heights, as for plane lenses. An anamorphic ratio is the height of a pixel over its
-//! width. The unit of θ is not said and differs between writers. An angle of the squeeze is only named: its public description
-//! says that it is not 0 where the lens is turned in its mount, but not what it turns, from where and which way.
+//! A fisheye's radius is f1·θ + f3·θ³ + f5·θ⁵ + f7·θ⁷ in half widths of the picture. Its offsets
+//! are those of the picture from the axis, in half widths and half heights, as for plane lenses. An
+//! anamorphic ratio is the height of a pixel over its width. The unit of θ is not said and differs
+//! between writers. An angle of the squeeze is only named: its public description says that it is
+//! not 0 where the lens is turned in its mount, but not what it turns, from where and which way.
 
 use super::document::{Reader, named};
 use crate::error::{Error, ErrorKind, Result};
@@ -18,8 +20,9 @@ use std::ops::RangeInclusive;
 /// The name of the extension.
 pub(super) const NAME: &str = "BufferExtension";
 
-/// Where the rim of a fisheye of 180° may lie, in half widths of the picture. The range is narrower than the 57 between a
-/// degree and a radian, so that of the two at most one fits a lens that is nearly equidistant.
+/// Where the rim of a fisheye of 180° may lie, in half widths of the picture. The range is narrower
+/// than the 57 between a degree and a radian, so that of the two at most one fits a lens that is
+/// nearly equidistant.
 const RIM: RangeInclusive<f64> = 0.1..=4.0;
 
 /// What the extension says of a region's lens.
@@ -100,7 +103,8 @@ pub(super) fn lens(
         ));
     }
     if skew != 0.0 {
-        // Axes turned by δ move the rim by up to ‖R·D·Rᵀ − D‖ = |1 − 1/ratio| · |sin δ| radii, D = diag(1, 1/ratio).
+        // Axes turned by δ move the rim by up to ‖R·D·Rᵀ − D‖ = |1 − 1/ratio| · |sin δ| radii, D =
+        // diag(1, 1/ratio).
         let turned = rim * 0.5 * f64::from(size.0) * (1.0 - 1.0 / ratio).abs() * skew.to_radians().sin().abs();
         notes.push(format!(
             "{title}: the angle of its anamorphic lens, {skew}, is not taken over: no public text says what it turns, or which way; \
@@ -118,7 +122,8 @@ fn radius([f1, f3, f5, f7]: &[f64; 4], angle: f64) -> f64 {
     angle * (f1 + square * (f3 + square * (f5 + square * f7)))
 }
 
-/// The extension's text for regions of these names, sizes and projectors; empty if none has a fisheye.
+/// The extension's text for regions of these names, sizes and projectors; empty if none has a
+/// fisheye.
 ///
 /// # Errors
 /// [`ErrorKind::InvalidRig`] for a fisheye that is neither equidistant nor a polynomial.

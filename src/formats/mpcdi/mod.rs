@@ -1,10 +1,12 @@
-//! MPCDI, VESA's exchange format for calibrated displays, versions 1.0 and 2.0: a zip archive with a description in
-//! XML, a PFM for each region, and PNG pictures of weights.
+//! MPCDI, VESA's exchange format for calibrated displays, versions 1.0 and 2.0: a zip archive with
+//! a description in XML, a PFM for each region, and PNG pictures of weights.
 //!
-//! A description alone, without the archive, is read too: it tells where projectors are, and their lenses.
+//! A description alone, without the archive, is read too: it tells where projectors are, and their
+//! lenses.
 //!
-//! Attributes are read whatever their case, since writers differ. Files are taken out of the archive by the names
-//! that the description gives, into memory, within limits that follow from the regions' sizes.
+//! Attributes are read whatever their case, since writers differ. Files are taken out of the
+//! archive by the names that the description gives, into memory, within limits that follow from the
+//! regions' sizes.
 
 mod archive;
 mod document;
@@ -24,7 +26,7 @@ use crate::geom::Optics;
 use archive::Files;
 use glam::{DMat3, DVec3};
 
-/// What the values of the maps mean.
+/// Meaning of the maps' values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Profile {
     /// `2d`: positions in one flat picture.
@@ -71,30 +73,32 @@ pub enum Version {
     Two,
 }
 
-/// What an archive says.
+/// Content of an archive.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Archive {
-    /// What the values mean.
+    /// Meaning of the values.
     pub profile: Profile,
     /// The regions, one for each projector.
     pub regions: Vec<Region>,
 }
 
-/// What one projector shows.
+/// Calibration of one projector.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Region {
     /// Its name.
     pub id: String,
     /// Its resolution in pixels.
     pub size: (u32, u32),
-    /// Position in the picture (0…1 from the bottom left) or point of the screen, NaN where nothing is shown; of any
-    /// resolution. In profile sl it may be missing; the projector is known then.
+    /// Position in the picture (0…1 from the bottom left) or point of the screen, NaN where nothing
+    /// is shown; of any resolution. In profile sl it may be missing; the projector is known then.
     pub warp: Option<Raster>,
     /// Weights, if there are any.
     pub alpha: Option<Alpha>,
-    /// Black levels, if there are any: displayed values that are added after the weights, `x·(1 − level) + level`.
+    /// Black levels, if there are any: displayed values that are added after the weights, `x·(1 −
+    /// level) + level`.
     pub beta: Option<Levels>,
-    /// In profile 3d the camera whose picture the positions lie in, in profile sl the projector, if it is a pinhole.
+    /// In profile 3d the camera whose picture the positions lie in, in profile sl the projector, if
+    /// it is a pinhole.
     pub camera: Option<Camera>,
     /// In profile sl the projector, if it has a fisheye lens.
     pub fisheye: Option<Optics>,
@@ -111,8 +115,9 @@ pub struct Alpha {
     pub gamma: f64,
 }
 
-/// Reads an archive, or a description alone. Points, places and turns are in the axes x right, y up, z backward: where a
-/// frame tells the axes of the file, they are turned. `name` is the file's, for messages.
+/// Reads an archive, or a description alone. Points, places and turns are in the axes x right, y
+/// up, z backward: where a frame tells the axes of the file, they are turned. `name` is the file's,
+/// for messages.
 ///
 /// # Errors
 /// [`InvalidRig`](crate::ErrorKind::InvalidRig) with the file in the archive and the reason.

@@ -124,7 +124,8 @@ fn hostile_archives_are_refused() {
     refused(&with(entities, &map), "not XML");
 }
 
-/// A description alone, as Christie's Mystique writes it (z up, no files), with one region whose lens is said by `lens`.
+/// A description alone, as Christie's Mystique writes it (z up, no files), with one region whose
+/// lens is said by `lens`.
 fn alone(lens: &str) -> Vec<u8> {
     let text = |name: &str, value: f64| format!("<{name}>{value}</{name}>");
     let vector = |name: &str, [x, y, z]: [f64; 3]| {
@@ -174,8 +175,8 @@ fn a_fisheye_is_read_in_radians_or_in_degrees_and_turned_out_of_its_frame() {
         assert!(optics.pose.position.distance(DVec3::new(0.6, -0.4, 0.5)) < 1e-12, "{}", optics.pose.position);
         let turned = pose::rotation(-45f64.to_radians(), 20f64.to_radians(), -30f64.to_radians());
         assert!(optics.pose.rotation.abs_diff_eq(turned, 1e-12));
-        // By hand: the axis lies left of the middle by 0.2 half widths and below it by 0.3 half heights; pixels are higher
-        // than wide by 1.3.
+        // By hand: the axis lies left of the middle by 0.2 half widths and below it by 0.3 half
+        // heights; pixels are higher than wide by 1.3.
         let ray = |x: f64, y: f64| optics.lens.ray(glam::DVec2::new(x, y), 4.0 / 3.0).unwrap();
         assert!(ray(-0.2, -0.3).normalize().distance(DVec3::NEG_Z) < 1e-12);
         let angle = 0.7f64;
@@ -195,7 +196,8 @@ fn the_angle_of_a_squeeze_is_told_with_what_it_may_move() {
         found.notes.into_iter().find(|note| note.contains("angle of its anamorphic lens"))
     };
     for (ratio, angle) in [(1.3, 10.0), (0.75, -3.5), (2.0, 90.0), (1.0, 20.0)] {
-        // The rim is 0.5 · π/2 half widths of 700 pixels from the axis; squeezed along turned axes it lies elsewhere.
+        // The rim is 0.5 · π/2 half widths of 700 pixels from the axis; squeezed along turned axes
+        // it lies elsewhere.
         let squeeze = DMat2::from_diagonal(DVec2::new(1.0, 1.0 / ratio));
         let turn = DMat2::from_angle(f64::to_radians(angle));
         let rim = (0..3600)

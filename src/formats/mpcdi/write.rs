@@ -13,11 +13,13 @@ use zip::write::SimpleFileOptions;
 /// Tangent of the widest side that is written for what is no plane.
 const WIDEST_PLANE: f64 = 50.0;
 
-/// The bytes of an archive. Each region has a buffer of its own that it fills; weights and levels are PNG of 16 bits.
+/// The bytes of an archive. Each region has a buffer of its own that it fills; weights and levels
+/// are PNG of 16 bits.
 ///
 /// # Errors
-/// [`InvalidRig`](ErrorKind::InvalidRig) if the weights or levels of a region are not as many as their size says, or a
-/// region has no camera in a profile that needs one or a lens that the format cannot say, [`Internal`](ErrorKind::Internal) if packing fails.
+/// [`InvalidRig`](ErrorKind::InvalidRig) if the weights or levels of a region are not as many as
+/// their size says, or a region has no camera in a profile that needs one or a lens that the format
+/// cannot say, [`Internal`](ErrorKind::Internal) if packing fails.
 pub fn write(archive: &Archive, version: Version) -> Result<Vec<u8>> {
     let failed = |error: &dyn std::fmt::Display| Error::new(ErrorKind::Internal, format!("packing MPCDI: {error}"));
     let mut zip = zip::ZipWriter::new(Cursor::new(Vec::new()));
@@ -128,7 +130,8 @@ fn frustum(camera: &Camera) -> String {
     )
 }
 
-/// What readers that know no fisheyes may take for the opening: the angles of the middles of the sides, as far as planes go.
+/// What readers that know no fisheyes may take for the opening: the angles of the middles of the
+/// sides, as far as planes go.
 fn nearest_plane(optics: &Optics, size: (u32, u32)) -> Camera {
     let aspect = f64::from(size.0) / f64::from(size.1);
     let side = |x: f64, y: f64| {
@@ -141,7 +144,8 @@ fn nearest_plane(optics: &Optics, size: (u32, u32)) -> Camera {
     Camera { offset: optics.pose.position, rotation: optics.pose.rotation, frustum }
 }
 
-/// Where a camera stands, with the axes of the file: the pitch axis to the right, the yaw axis down, the roll axis forward.
+/// Where a camera stands, with the axes of the file: the pitch axis to the right, the yaw axis
+/// down, the roll axis forward.
 fn frame(DVec3 { x, y, z }: DVec3) -> String {
     let vector =
         |name: &str, [x, y, z]: [f64; 3]| format!("<{name}x>{x}</{name}x><{name}y>{y}</{name}y><{name}z>{z}</{name}z>");

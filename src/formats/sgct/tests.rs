@@ -40,7 +40,8 @@ fn yaw_turns_right_and_angles_become_tangents() {
 
 #[test]
 fn a_plane_is_seen_from_the_user() {
-    // 2 m wide and 1 m high, 2 m before the user, who stands at z = 4, with its left edge straight ahead.
+    // 2 m wide and 1 m high, 2 m before the user, who stands at z = 4, with its left edge straight
+    // ahead.
     let viewport = only(
         r#"{ "projection": { "type": "ProjectionPlane", "lowerleft": { "x": 0, "y": 0, "z": 2 },
         "upperleft": { "x": 0, "y": 1, "z": 2 }, "upperright": { "x": 2, "y": 1, "z": 2 } } }"#,

@@ -17,7 +17,8 @@ fn division(map: PictureMap, max_error: f64) -> Division {
     Division { map, pixels: DVec2::splat(1024.0), max_error, most: 1 << 20 }
 }
 
-/// Where a rasteriser shows the point of a triangle with these weights, each corner's w being its distance.
+/// Where a rasteriser shows the point of a triangle with these weights, each corner's w being its
+/// distance.
 fn drawn(map: &PictureMap, corners: [DVec3; 3], weights: Weights) -> Option<DVec2> {
     let (mut sum, mut w) = (DVec2::ZERO, 0.0);
     for (corner, weight) in corners.into_iter().zip(weights.to_array()) {
@@ -41,7 +42,8 @@ fn at(corners: [DVec3; 3], weights: Weights) -> DVec3 {
     corners[0] * weights.x + corners[1] * weights.y + corners[2] * weights.z
 }
 
-/// The greatest error in pixels of any point of the divided triangles that is in the picture, and how many parts there are.
+/// The greatest error in pixels of any point of the divided triangles that is in the picture, and
+/// how many parts there are.
 fn worst(map: PictureMap, max_error: f64, seed: u64) -> (f64, usize) {
     let division = division(map, max_error);
     let mut random = Random::new(seed);
@@ -158,7 +160,8 @@ fn what_lies_behind_costs_nothing() {
     let behind = [DVec3::new(-0.3, -0.2, 1.0), DVec3::new(0.3, -0.2, 1.0), DVec3::new(0.0, 0.4, 1.0)];
     let outcome = division.triangle(behind, &mut |_| panic!("nothing of it is seen"));
     assert_eq!(outcome, Outcome::default());
-    // Around the antipode of a lens that sees everything, what is drawn is divided down to the ring that is given up.
+    // Around the antipode of a lens that sees everything, what is drawn is divided down to the ring
+    // that is given up.
     let whole = Division { map: fisheye(2.0 * PI), most: 100_000, ..division };
     let mut longest = 0.0f64;
     whole.triangle(behind, &mut |part| {

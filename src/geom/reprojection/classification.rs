@@ -11,16 +11,17 @@ const SKEW_TOLERANCE: f64 = 2e-6;
 /// error is then below about 1e-3 for a matrix formed in f32.
 const OFFSET_SIGNIFICANCE: f64 = 3e-4;
 
-/// What `matrix` (column-major, as OpenGL takes it) is.
+/// Classifies `matrix` (column-major, as OpenGL takes it).
 ///
-/// A bare projection, with zeros where one has zeros, is taken as it is: its entries are returned bit for bit
-/// (apart from the signs below). A projection times model and view matrices, `P·[sR|t]`, is
-/// separated by the RQ decomposition; from f32 products A and C have a relative error ≤ 4e-7, B, D and E an
-/// absolute one of the same size. F is lost where `t` is large against it and is then `None`.
+/// A bare projection, with zeros where one has zeros, is taken as it is: its entries are returned
+/// bit for bit (apart from the signs below). A projection times model and view matrices,
+/// `P·[sR|t]`, is separated by the RQ decomposition; from f32 products A and C have a relative
+/// error ≤ 4e-7, B, D and E an absolute one of the same size. F is lost where `t` is large against
+/// it and is then `None`.
 ///
 /// Signs: the lens is returned as the window shows it. A and C are positive and w grows in front of
-/// the eye; a mirrored (negative determinant), upside-down or left-handed (`w = +z`) program has the
-/// mirror in its eye axes then, and re-projected directions still agree with its own picture.
+/// the eye; a mirrored (negative determinant), upside-down or left-handed (`w = +z`) program has
+/// the mirror in its eye axes then, and re-projected directions still agree with its own picture.
 ///
 /// `Other`: non-finite entries, singular, non-uniform scale or skew (unless it is along the
 /// camera's own axes, where it cannot be told from another lens), or a depth row that is not
@@ -29,7 +30,8 @@ pub fn classify(matrix: &[f64; 16]) -> MatrixClass {
     classify_rows(std::array::from_fn(|row| std::array::from_fn(|column| matrix[4 * column + row])))
 }
 
-/// What the transpose of `matrix` is, for programs that keep matrices row by row and multiply row vectors.
+/// Classifies the transpose of `matrix`, for programs that keep matrices row by row and multiply
+/// row vectors.
 pub fn classify_transposed(matrix: &[f64; 16]) -> MatrixClass {
     classify_rows(std::array::from_fn(|row| std::array::from_fn(|column| matrix[4 * row + column])))
 }
@@ -59,7 +61,8 @@ fn projection(m: &[[f64; 4]; 4]) -> Option<Intrinsics> {
     Some(Intrinsics { a: a.abs(), b: b * -w, c: c.abs(), d: d * -w, e: e * -w, f: Some(f) })
 }
 
-/// A projection times a similarity, by the RQ decomposition of the 3×3 parts of the rows x, y and w.
+/// A projection times a similarity, by the RQ decomposition of the 3×3 parts of the rows x, y and
+/// w.
 fn separated(m: &[[f64; 4]; 4]) -> Option<Intrinsics> {
     let [x, y, z, w] = m.map(|row| DVec3::new(row[0], row[1], row[2]));
     let scale = w.length();

@@ -285,7 +285,8 @@ fn widened_planes_are_those_of_a_wider_lens() {
     }
 }
 
-/// What a tight near plane lets through straight ahead is not cut in a turned view (it was, before).
+/// What a tight near plane lets through straight ahead is not cut in a turned view (it was,
+/// before).
 #[test]
 fn a_turned_view_loses_nothing_to_a_tight_near_plane() {
     let frustum = Frustum { left: -1.0, right: 1.0, bottom: -1.0, top: 1.0 };
@@ -306,7 +307,8 @@ fn a_turned_view_loses_nothing_to_a_tight_near_plane() {
     }
 }
 
-/// A point's depth in the program's own picture follows from that in a view, whatever the planes are.
+/// A point's depth in the program's own picture follows from that in a view, whatever the planes
+/// are.
 #[test]
 fn the_own_depth_follows_from_a_view_s() {
     let frustum = Frustum { left: -1.0, right: 0.8, bottom: -0.5, top: 1.0 };

@@ -17,34 +17,35 @@ pub enum ClosedSurface {
 /// The points with `normal·p ≥ distance`.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct HalfSpace {
-    /// Unit normal, or 0 with a distance < 0: all points. Of those, a pixel's form says whether there is any.
+    /// Unit normal, or 0 with a distance < 0: all points. Of those, a pixel's form says whether
+    /// there is any.
     pub normal: DVec3,
     /// Distance from the origin.
     pub distance: f64,
 }
 
 impl HalfSpace {
-    /// How deep a point is in it, metres.
+    /// Returns the depth of a point in it, metres.
     fn depth(&self, point: DVec3) -> f64 {
         if self.normal == DVec3::ZERO { f64::INFINITY } else { self.normal.dot(point) - self.distance }
     }
 }
 
-/// How two half-spaces make one part of space.
+/// Combination of two half-spaces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 pub enum Join {
-    /// What is in both.
+    /// Points in both.
     Both,
-    /// What is in one of them, or both.
+    /// Points in one of them, or in both.
     Either,
 }
 
 /// Two half-spaces.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Sides {
-    /// They.
+    /// The half-spaces.
     pub spaces: [HalfSpace; 2],
-    /// How they count.
+    /// Their combination.
     pub join: Join,
 }
 
@@ -63,8 +64,8 @@ impl Bounds {
         self.hold_all(&[point; 4], 0.0) == Some(true)
     }
 
-    /// Whether all points of the surface that are no farther than `reach` from each of `points` are on the screen; `None` if
-    /// that is not clear.
+    /// Whether all points of the surface that are no farther than `reach` from each of `points` are
+    /// on the screen; `None` if that is not clear.
     pub fn hold_all(&self, points: &[DVec3; 4], reach: f64) -> Option<bool> {
         let holds = |space: &HalfSpace| {
             let depths = points.map(|point| space.depth(point));
@@ -110,8 +111,8 @@ pub struct ClosedForm {
 }
 
 impl Shape {
-    /// What the shape is a part of; `None` for meshes, and for a cap of an ellipsoid with three different half axes, whose rim
-    /// is in no plane.
+    /// What the shape is a part of; `None` for meshes, and for a cap of an ellipsoid with three
+    /// different half axes, whose rim is in no plane.
     pub fn closed_form(&self) -> Option<ClosedForm> {
         let above = |height: f64| Some(HalfSpace { normal: DVec3::Y, distance: height });
         let below = |height: f64| Some(HalfSpace { normal: DVec3::NEG_Y, distance: -height });

@@ -17,7 +17,7 @@ pub struct Cone {
 }
 
 impl Cone {
-    /// How the radius grows with the height.
+    /// Slope of the radius over the height.
     pub(super) fn slope(&self) -> f64 {
         (self.radii[1] - self.radii[0]) / (self.heights[1] - self.heights[0])
     }
@@ -36,8 +36,9 @@ impl Surface for Cone {
         })
     }
 
-    /// Where the ray leaves the cone's inside: with the distance t, `A·t² + 2B·t + C` is the squared distance from
-    /// the axis less the squared radius, and it grows at the root `(−B + √(B² − AC))/A` alone.
+    /// Where the ray leaves the cone's inside: with the distance t, `A·t² + 2B·t + C` is the
+    /// squared distance from the axis less the squared radius, and it grows at the root `(−B + √(B²
+    /// − AC))/A` alone.
     fn unbounded_hit(&self, origin: DVec3, direction: DVec3) -> Option<Hit> {
         let direction = unit(direction)?;
         let slope = self.slope();
@@ -80,7 +81,8 @@ impl Surface for Cone {
         rims
     }
 
-    /// Directions that are steeper than the wall never meet it. Seen from within, the line is 10⁻⁵ radians from theirs.
+    /// Directions that are steeper than the wall never meet it. Seen from within, the line is 10⁻⁵
+    /// radians from theirs.
     fn horizon(&self) -> Option<Rim<'_>> {
         let slope = self.slope();
         (slope != 0.0).then(|| -> Rim<'_> {

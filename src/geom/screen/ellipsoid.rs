@@ -4,8 +4,8 @@ use super::{Hit, Region, Rim, Surface};
 use crate::geom::Sphere;
 use glam::DVec3;
 
-/// A part of an ellipsoid around the origin, lit from inside: the far hit of a ray, from outside too (the near wall
-/// is where the light comes in).
+/// A part of an ellipsoid around the origin, lit from inside: the far hit of a ray, from outside
+/// too (the near wall is where the light comes in).
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Ellipsoid {
     /// Half axes along x, y, z, metres, > 0.

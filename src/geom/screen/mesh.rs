@@ -1,7 +1,7 @@
 //! Screens of triangles, which may hide parts of themselves.
 //!
-//! A tree of boxes finds the first triangle on a ray. It is own code: crates for it either compute in f32 or
-//! bring another linear algebra along, and it is a hundred lines.
+//! A tree of boxes finds the first triangle on a ray. It is own code: crates for it either compute
+//! in f32 or bring another linear algebra along, and it is a hundred lines.
 
 use super::{Hit, INSET, Rim, Surface, unit};
 use crate::digest::Digest;
@@ -48,7 +48,8 @@ impl fmt::Debug for Mesh {
     }
 }
 
-/// A box and what is in it: `count` triangles from `first`, or if that is 0 two nodes, the next one and number `first`.
+/// A box and what is in it: `count` triangles from `first`, or if that is 0 two nodes, the next one
+/// and number `first`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Node {
     low: DVec3,
@@ -180,7 +181,8 @@ fn bounds(triangles: &[Triangle]) -> (DVec3, DVec3) {
         .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), corner| (low.min(*corner), high.max(*corner)))
 }
 
-/// Orders `triangles`, of which the mesh has `before` in front of them, into a tree, halving them along the longest side.
+/// Orders `triangles`, of which the mesh has `before` in front of them, into a tree, halving them
+/// along the longest side.
 fn build(triangles: &mut [Triangle], before: usize, padding: f64, nodes: &mut Vec<Node>) {
     let (low, high) = bounds(triangles);
     let (low, high) = (low - padding, high + padding);
@@ -201,8 +203,9 @@ fn build(triangles: &mut [Triangle], before: usize, padding: f64, nodes: &mut Ve
     build(right, before + half, padding, nodes);
 }
 
-/// A ray, prepared for the test of Woop, Benthin and Wald (*Watertight Ray/Triangle Intersection*, 2013): space
-/// is sheared so that the ray is its longest axis, and edges that triangles share are judged by the same numbers.
+/// A ray, prepared for the test of Woop, Benthin and Wald (*Watertight Ray/Triangle Intersection*,
+/// 2013): space is sheared so that the ray is its longest axis, and edges that triangles share are
+/// judged by the same numbers.
 struct Ray {
     origin: DVec3,
     inverse: DVec3,
@@ -222,7 +225,8 @@ impl Ray {
 
     /// Whether the ray goes through a box before the distance `nearest`.
     fn meets(&self, node: &Node, nearest: f64) -> bool {
-        // An axis along which the ray does not move gives ±∞, or NaN on a side itself, which min and max pass over.
+        // An axis along which the ray does not move gives ±∞, or NaN on a side itself, which min
+        // and max pass over.
         let (to_low, to_high) = ((node.low - self.origin) * self.inverse, (node.high - self.origin) * self.inverse);
         let sides = |axis: usize| (to_low[axis].min(to_high[axis]), to_low[axis].max(to_high[axis]));
         let (mut enter, mut leave) = (0.0f64, nearest);

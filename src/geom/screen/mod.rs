@@ -1,9 +1,10 @@
 //! Screens: what projectors light, and what a viewer looks at.
 //!
-//! Every shape has axes of its own (+y along its pole or axis, −z its front) and answers one question through
-//! [`Surface`]: where does a ray light it? All is f64 and exact but for rounding; hits are off by about 1e-15
-//! times (1 + distance of the origin / size). The one f32 step comes later, when a table of directions is
-//! written: 6e-8 of the distance from the middle of what an output shows.
+//! Every shape has axes of its own (+y along its pole or axis, −z its front) and answers one
+//! question through [`Surface`]: where does a ray light it? All is f64 and exact but for rounding;
+//! hits are off by about 1e-15 times (1 + distance of the origin / size). The one f32 step comes
+//! later, when a table of directions is written: 6e-8 of the distance from the middle of what an
+//! output shows.
 
 mod closed;
 mod cone;
@@ -35,18 +36,18 @@ pub struct Hit {
 /// A line along the rim of a screen: 0…1 → point.
 pub type Rim<'a> = Box<dyn Fn(f64) -> DVec3 + 'a>;
 
-/// How far within the screen a rim's line runs, as a part of the extent: found again along a ray, its points must not
-/// be off the screen by rounding.
+/// Distance of a rim's line from the edge of the screen, as a part of the extent: found again along
+/// a ray, its points must not be off the screen by rounding.
 const INSET: f64 = 1e-9;
 
 /// A surface in axes of its own.
 pub trait Surface {
-    /// Where the ray from `origin` along `direction` (any length but 0) lights the screen; `None` where it does not,
-    /// and for directions that are zero or not finite.
+    /// Where the ray from `origin` along `direction` (any length but 0) lights the screen; `None`
+    /// where it does not, and for directions that are zero or not finite.
     fn hit(&self, origin: DVec3, direction: DVec3) -> Option<Hit>;
 
-    /// The same on the surface of which the screen is a part: not cut at the screen's rim. Where the shape has no
-    /// such continuation, as [`Self::hit`].
+    /// The same on the surface of which the screen is a part: not cut at the screen's rim. Where
+    /// the shape has no such continuation, as [`Self::hit`].
     fn unbounded_hit(&self, origin: DVec3, direction: DVec3) -> Option<Hit>;
 
     /// Lines along which the screen ends, just within it.
@@ -79,7 +80,7 @@ pub enum Shape {
 pub struct Screen {
     /// The shape's own axes → dome axes.
     pub pose: Pose,
-    /// What it is.
+    /// The shape.
     pub shape: Shape,
 }
 
@@ -129,7 +130,8 @@ impl Screen {
         self.surface().size()
     }
 
-    /// Whether the screen is smooth between its rims, so that what it shows changes smoothly across a picture.
+    /// Whether the screen is smooth between its rims, so that what it shows changes smoothly across
+    /// a picture.
     pub fn is_smooth(&self) -> bool {
         !matches!(self.shape, Shape::Mesh(_))
     }

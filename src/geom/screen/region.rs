@@ -4,7 +4,8 @@ use super::{Rim, inset};
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 
-/// Angles around a surface's centre: from its pole (+y), and around it (0 = front, −z; to the right positive).
+/// Angles around a surface's centre: from its pole (+y), and around it (0 = front, −z; to the right
+/// positive).
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Region {
     /// Greatest angle from the pole, radians, 0…π; π = all.
@@ -17,7 +18,8 @@ impl Region {
     /// The whole surface.
     pub const ALL: Self = Self { polar: PI, azimuth: None };
 
-    /// Whether the direction of `point` from the centre, any length, is in the region; its rims belong to it.
+    /// Whether the direction of `point` from the centre, any length, is in the region; its rims
+    /// belong to it.
     pub fn contains(&self, point: DVec3) -> bool {
         // By the cosine: near the pole, too, as exact as the point.
         let near = self.polar >= PI || point.y >= point.length() * self.polar.cos();
@@ -51,7 +53,8 @@ pub(super) fn within(point: DVec3, [from, to]: [f64; 2]) -> bool {
     (point.x.atan2(-point.z) - from).rem_euclid(TAU) <= to - from
 }
 
-/// The unit direction in which a point at this azimuth moves when it goes around the axis, to the right.
+/// The unit direction in which a point at this azimuth moves when it goes around the axis, to the
+/// right.
 pub(super) fn onward(azimuth: f64) -> DVec3 {
     DVec3::new(azimuth.cos(), 0.0, azimuth.sin())
 }

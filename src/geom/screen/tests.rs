@@ -5,7 +5,8 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
 /// A fan of triangles on the unit sphere, `n` by `2n`, seen from inside counter-clockwise.
 fn ball(n: u32) -> Vec<Triangle> {
-    // The same numbers on both sides of the seam and at the poles: corners that triangles share are equal.
+    // The same numbers on both sides of the seam and at the poles: corners that triangles share are
+    // equal.
     let point = |i: u32, j: u32| {
         let (polar, around) = (PI * f64::from(i) / f64::from(n), PI * f64::from(j % (2 * n)) / f64::from(n));
         if i == 0 || i == n {

@@ -16,7 +16,7 @@ enum Picture {
     Perspective,
 }
 
-/// What the values are.
+/// Meaning of the values.
 #[derive(Clone, Copy, PartialEq)]
 enum Values {
     Picture,

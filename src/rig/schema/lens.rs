@@ -1,5 +1,5 @@
-//! Lenses: the opening of a pinhole (`fov` and `shift`, `angles`, or the program's own `lens`), its `distortion` and
-//! `keystone`, and fisheyes.
+//! Lenses: the opening of a pinhole (`fov` and `shift`, `angles`, or the program's own `lens`), its
+//! `distortion` and `keystone`, and fisheyes.
 
 use super::OPENING;
 use crate::geom::lens::Distortion;
@@ -144,7 +144,7 @@ fn circle(section: &mut Section, problems: &mut Problems) -> Circle {
     }
 }
 
-/// What the projector itself does to the picture, from where it puts the four corners.
+/// Distortion by the projector itself, from the places of the four corners.
 fn keystone(section: &mut Section, problems: &mut Problems) -> DMat3 {
     let allowed = Allowed::closed(
         -2.0,

@@ -1,4 +1,5 @@
-//! The keys of a rig file: what each is called, its range and its default. Degrees become radians here.
+//! The keys of a rig file: what each is called, its range and its default. Degrees become radians
+//! here.
 
 mod blend;
 mod calibration;
@@ -23,7 +24,8 @@ const TILT: Allowed = Allowed::closed(-180.0, 180.0, "an angle in degrees, 0 = z
 const OPENING: Allowed = Allowed::above(0.0, 360.0, "a whole opening angle in degrees");
 const METRES: Allowed = Allowed::closed(-1e6, 1e6, "[x right, y up, z backward] in metres from the dome's centre");
 
-/// Reads the rig in `text`. `None` if it is no TOML at all; otherwise it is usable only if no problem was added.
+/// Reads the rig in `text`. `None` if it is no TOML at all; otherwise it is usable only if no
+/// problem was added.
 pub(in crate::rig) fn read(text: &str, file_name: &str, directory: &Path, problems: &mut Problems) -> Option<Rig> {
     let table = match DeTable::parse(text) {
         Ok(table) => table,

@@ -9,7 +9,8 @@ use crate::rig::{Dome, Flip, Output, OutputKind};
 use glam::DVec3;
 use std::path::Path;
 
-/// Greatest width and height of a picture in pixels: the greatest texture of today's graphics hardware.
+/// Greatest width and height of a picture in pixels: the greatest texture of today's graphics
+/// hardware.
 const LARGEST_PICTURE: u32 = 16384;
 /// Greatest coordinate in a window: the X protocol's.
 const LARGEST_WINDOW: u32 = 32767;

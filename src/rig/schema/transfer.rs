@@ -114,8 +114,9 @@ fn response(points: &[[f64; 2]], path: &str, problems: &mut Problems) -> Option<
     response
 }
 
-/// Reads a file of measurements: lines of a value and its light, or of a value and the light of red, green and blue, with
-/// commas, semicolons or blanks between them; lines that begin with `#` and a first line of words are left out.
+/// Reads a file of measurements: lines of a value and its light, or of a value and the light of
+/// red, green and blue, with commas, semicolons or blanks between them; lines that begin with `#`
+/// and a first line of words are left out.
 fn responses(path: &Path) -> Result<[Response; 3], String> {
     let refused = |why: String| format!("{}: {why}", path.display());
     let file = std::fs::File::open(path).map_err(|error| refused(error.to_string()))?;

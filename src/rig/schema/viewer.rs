@@ -1,4 +1,5 @@
-//! `[viewer]` and `[camera]`: where the right point of view is, and how the program's camera sits in it.
+//! `[viewer]` and `[camera]`: where the right point of view is, and how the program's camera sits
+//! in it.
 
 use super::{METRES, angles};
 use crate::rig::problems::Problems;

@@ -10,7 +10,8 @@ use std::f64::consts::FRAC_1_SQRT_2;
 /// More views than this would cost more than the faces of a cube in any rig.
 const MOST_CELLS: usize = 24;
 
-/// The cells of a cube with an upright edge before the viewer: a hemisphere needs four of them (Bourke 2009).
+/// The cells of a cube with an upright edge before the viewer: a hemisphere needs four of them
+/// (Bourke 2009).
 const ROTATED_CUBE: [DVec3; 6] = [
     DVec3::new(-FRAC_1_SQRT_2, 0.0, -FRAC_1_SQRT_2),
     DVec3::new(FRAC_1_SQRT_2, 0.0, -FRAC_1_SQRT_2),

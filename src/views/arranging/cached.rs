@@ -64,7 +64,8 @@ mod tests {
             let cached = read(&bytes).expect("an arrangement");
             assert_eq!(format!("{planned:?}"), format!("{cached:?}"));
 
-            // Whatever is cut off or changed is refused or read as something, and never the end of the program.
+            // Whatever is cut off or changed is refused or read as something, and never the end of
+            // the program.
             for length in 0..bytes.len() {
                 assert!(read(&bytes[..length]).is_none(), "{length}");
             }

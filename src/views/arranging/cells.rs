@@ -50,8 +50,8 @@ impl CellCosts<'_> {
 ///
 /// # Errors
 ///
-/// [`ErrorKind::InvalidArgument`] as for [`plan`](crate::views::plan), and for a rig without outputs that
-/// can share views.
+/// [`ErrorKind::InvalidArgument`] as for [`plan`](crate::views::plan), and for a rig without
+/// outputs that can share views.
 pub fn with_cell_costs<R>(rig: &Rig, request: &Request, search: impl FnOnce(&CellCosts) -> R) -> Result<R> {
     let rig = &*rig.upright();
     request.check(rig.outputs.len(), rig.passthrough)?;

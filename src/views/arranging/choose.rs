@@ -14,9 +14,10 @@ use glam::{DMat3, DVec3};
 
 /// At quality 1 no view gets more texels than this for each pixel of the outputs that it serves.
 ///
-/// Where a projector's light grazes the screen close to its lens, or a lens crams a large part of its picture into a
-/// point, pixels shrink without bound, and a view as fine as the finest of them would fit into no atlas. The bar leaves
-/// alone what is merely oblique: a 90° × 60° lens at 0.9 radii needs 7.
+/// Where a projector's light grazes the screen close to its lens, or a lens crams a large part of
+/// its picture into a point, pixels shrink without bound, and a view as fine as the finest of them
+/// would fit into no atlas. The bar leaves alone what is merely oblique: a 90° × 60° lens at 0.9
+/// radii needs 7.
 const MOST_TEXELS_PER_PIXEL: f64 = 64.0;
 
 /// Chooses the views for outputs of the given sizes.
@@ -37,7 +38,8 @@ pub(crate) fn arrange(rig: &Rig, output_maps: &[OutputMap]) -> Result<Arrangemen
         sampled.push(this);
     }
 
-    // What an eye sees from another place is another view: only outputs of the same eye share views.
+    // What an eye sees from another place is another view: only outputs of the same eye share
+    // views.
     let mut eyes: Vec<f64> = Vec::new();
     for output in &rig.outputs {
         if !eyes.contains(&output.eye) {
@@ -85,8 +87,8 @@ fn best(rig: &Rig, sampled: &[OutputSamples], output_maps: &[OutputMap], eye: f6
             .filter(|i| !has_one(i))
             .collect()
     };
-    // Of equals the first way counts; the last one is looked at first, since it needs no views of outputs' own and may
-    // cost less than these can.
+    // Of equals the first way counts; the last one is looked at first, since it needs no views of
+    // outputs' own and may cost less than these can.
     for way in ways.iter().rev() {
         let wanted: Vec<bool> = (0..sampled.len()).map(|index| of_eye(index) && way(index)).collect();
         let most = cheapest.as_ref().filter(|((without, _), _)| *without == 0);
@@ -114,8 +116,8 @@ fn best(rig: &Rig, sampled: &[OutputSamples], output_maps: &[OutputMap], eye: f6
     Ok(arrangement)
 }
 
-/// Of the outputs that `chosen` names: views of their own for those that `is_dedicated` names, which have some; shared cells for
-/// the others.
+/// Of the outputs that `chosen` names: views of their own for those that `is_dedicated` names,
+/// which have some; shared cells for the others.
 fn mixed(
     rig: &Rig,
     sampled: &[OutputSamples],
@@ -173,7 +175,8 @@ fn too_wide_cell(index: usize) -> Error {
     )
 }
 
-/// Makes a view coarser that is finer than [`MOST_TEXELS_PER_PIXEL`] allows; what to tell people then.
+/// Makes a view coarser that is finer than [`MOST_TEXELS_PER_PIXEL`] allows; what to tell people
+/// then.
 fn limit(view: &mut PlannedView, output_maps: &[OutputMap], quality: f64) -> Option<String> {
     let pixels = |&output: &usize| f64::from(output_maps[output].size.0) * f64::from(output_maps[output].size.1);
     let asked = view.fit.texels() / (quality * quality) / view.outputs.iter().map(pixels).sum::<f64>();

@@ -35,7 +35,8 @@ impl PlannerOptions {
         }
     }
 
-    /// Cost of a view beside its texels, in texels; 16 times as much, or as little, for a rig that favours one resource.
+    /// Cost of a view beside its texels, in texels; 16 times as much, or as little, for a rig that
+    /// favours one resource.
     pub fn texels_per_draw_set(&self) -> f64 {
         match self.favour {
             Favour::Balanced => TEXELS_PER_VIEW,
@@ -46,8 +47,8 @@ impl PlannerOptions {
     }
 }
 
-/// What a plan for `rig` costs in a frame, in texels: its views' own, and for each view what submitting the program's draws
-/// once more costs.
+/// Returns the cost of a plan for `rig` in a frame, in texels: those of its views, and for each
+/// view what submitting the program's draws once more costs.
 pub fn cost(plan: &ViewPlan, rig: &Rig) -> f64 {
     let beside = PlannerOptions::of(rig).texels_per_draw_set();
     plan.views.iter().map(|view| view.tile.area() as f64 + beside).sum()

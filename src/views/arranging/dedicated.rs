@@ -13,16 +13,18 @@ use crate::views::sampling::samples::{COARSE, FINE, Samples};
 use glam::{DMat3, DVec2, DVec3};
 use std::cell::OnceCell;
 
-/// An output that shows directions farther than this from their middle (cosine of 65°) may get two views.
+/// An output that shows directions farther than this from their middle (cosine of 65°) may get two
+/// views.
 const NARROW: f64 = 0.4226;
 
 /// An output, sampled at two levels.
 pub(crate) struct OutputSamples {
     pub coarse: Samples,
     pub fine: Samples,
-    /// The view that it has by what it is.
+    /// A view that is fixed by the output's kind.
     given: Option<PlannedView>,
-    /// The tight view, or the two, that it can have to itself, once somebody asks; empty where that is not possible.
+    /// The tight view, or the two, that it can have to itself, once somebody asks; empty where that
+    /// is not possible.
     tight: OnceCell<Vec<PlannedView>>,
     /// The output's index and name.
     output: (usize, String),
@@ -70,14 +72,16 @@ impl OutputSamples {
         self.given.as_ref().is_some_and(|given| given.exact.is_some())
     }
 
-    /// Whether all that it shows lies so near to the `middle` that it certainly can have a view of its own.
+    /// Whether all that it shows lies so near to the `middle` that it certainly can have a view of
+    /// its own.
     fn has_narrow_picture(&self, middle: DVec3) -> bool {
         !self.fine.is_empty() && self.fine.iter().all(|sample| sample.direction.dot(middle) > NARROW)
     }
 }
 
-/// Which of the outputs that are `wanted` alone can have views of their own; `None` where those are found to cost more than
-/// `most` texels together. Views are costly to plan: no more are than needed to tell.
+/// Which of the outputs that are `wanted` alone can have views of their own; `None` where those are
+/// found to cost more than `most` texels together. Views are costly to plan: no more are than
+/// needed to tell.
 pub(crate) fn dedicated_within(
     options: &PlannerOptions,
     sampled: &[OutputSamples],
@@ -137,8 +141,8 @@ pub(crate) fn own_view(
     })
 }
 
-/// The tight view of an output, or two of them where that is cheaper: one shows a wide picture at the sharpness that its
-/// far end needs, and halves need less. With `method = "single"` it is one.
+/// The tight view of an output, or two of them where that is cheaper: one shows a wide picture at
+/// the sharpness that its far end needs, and halves need less. With `method = "single"` it is one.
 fn tight_views(options: &PlannerOptions, sampled: &OutputSamples) -> Vec<PlannedView> {
     let quality = options.quality;
     let samples = Patch::of(&sampled.coarse);

@@ -1,8 +1,10 @@
-//! Views that several outputs share: the sphere of directions cut into cells, a view for each that is sampled.
+//! Views that several outputs share: the sphere of directions cut into cells, a view for each that
+//! is sampled.
 //!
-//! The cells are those of a cube, turned in various ways, whose front, upper and lower face may be narrower or
-//! wider than 90°, or any others that planes through the viewer bound ([`diagram`]). A cell that is sampled only in part gets axes of its own: the view that shows a half
-//! face is tighter when it is tilted towards that half, and a triangle needs another roll than a square.
+//! The cells are those of a cube, turned in various ways, whose front, upper and lower face may be
+//! narrower or wider than 90°, or any others that planes through the viewer bound ([`diagram`]). A
+//! cell that is sampled only in part gets axes of its own: the view that shows a half face is
+//! tighter when it is tilted towards that half, and a triangle needs another roll than a square.
 
 use crate::rig::Favour;
 use crate::views::arranging::cost::PlannerOptions;
@@ -18,7 +20,7 @@ use std::f64::consts::FRAC_PI_4;
 /// A cube's upper and lower faces stay as wide as they are unless this part of the cost is enough.
 const WORTH_IT: f64 = 0.998;
 
-/// Of the turns of a cube that are tried, so many are looked at closely.
+/// Number of cube orientations that are refined.
 const BEST_TURNS: usize = 3;
 
 /// A view of a partition.
@@ -45,7 +47,7 @@ pub(crate) struct Partition {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct WideCell(pub usize);
 
-/// What the search for a partition is given.
+/// Input of the search for a partition.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Task<'a> {
     /// The outputs' samples for the search.
@@ -56,10 +58,10 @@ pub(crate) struct Task<'a> {
     pub quality: f64,
     /// Size of the finest pixel, radians.
     pub pixel: f64,
-    /// What a view costs beside its texels.
+    /// Cost of a view beside its texels, in texels.
     pub beside: f64,
-    /// Whether upper and lower faces may be narrower or wider than a cube's: that saves texels, but of those that are
-    /// left more are sampled, and so shaded.
+    /// Whether upper and lower faces may be narrower or wider than a cube's: that saves texels, but
+    /// of those that are left more are sampled, and so shaded.
     any_height: bool,
 }
 
@@ -72,7 +74,7 @@ pub(crate) struct Cell {
     normals: Vec<DVec3>,
 }
 
-/// How wide the faces of a cube are that is no cube.
+/// Widths of the faces of a distorted cube.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Widths {
     /// Tangent to which the front face reaches towards right and left.
@@ -91,7 +93,8 @@ impl Widths {
     }
 }
 
-/// The cells of a cube (`turned`: cube → viewer axes) with such faces: front, right, left, up, down, back.
+/// The cells of a cube (`turned`: cube → viewer axes) with such faces: front, right, left, up,
+/// down, back.
 fn cells(turned: DMat3, widths: Widths) -> [Cell; 6] {
     let vectors = widths.vectors();
     vectors.map(|vector| Cell {
@@ -103,9 +106,9 @@ fn cells(turned: DMat3, widths: Widths) -> [Cell; 6] {
     })
 }
 
-/// The cells of a power diagram on the sphere (Aurenhammer 1987): a direction belongs to the cell of the vector with which
-/// it has the greatest scalar product. Every cell is convex and bounded by planes through the viewer; equal vectors share
-/// a cell.
+/// The cells of a power diagram on the sphere (Aurenhammer 1987): a direction belongs to the cell
+/// of the vector with which it has the greatest scalar product. Every cell is convex and bounded by
+/// planes through the viewer; equal vectors share a cell.
 pub(crate) fn diagram(vectors: &[DVec3]) -> Vec<Cell> {
     let middle = vectors.iter().sum::<DVec3>() / vectors.len().max(1) as f64;
     let cell = |&vector: &DVec3| Cell {
@@ -172,7 +175,8 @@ impl<'a> Task<'a> {
         self.partition(&cells(turned, widths)).ok()
     }
 
-    /// The vectors of the [`diagram`] whose cells are the best partition's, but for those that nothing samples.
+    /// The vectors of the [`diagram`] whose cells are the best partition's, but for those that
+    /// nothing samples.
     pub fn best_vectors(&self, frames: &[DMat3]) -> Vec<DVec3> {
         let Some((turned, widths)) = self.best_cube(frames) else { return Vec::new() };
         let vectors = widths.vectors().map(|vector| turned * vector);
@@ -187,7 +191,8 @@ impl<'a> Task<'a> {
             // What is dearer than the best few need not be known.
             let limit = ranked.get(BEST_TURNS - 1).map_or(i64::MAX, |(cost, ..)| *cost);
             let cost = self.estimate_up_to(&cells(turned, Widths::CUBE), limit);
-            // Behind its equals, and compared to a thousandth: of equals, the first wins whatever the rounding.
+            // Behind its equals, and compared to a thousandth: of equals, the first wins whatever
+            // the rounding.
             let place = ranked.partition_point(|(other, ..)| *other <= rounded(cost));
             ranked.insert(place, (rounded(cost), cost, turned));
         }
@@ -218,7 +223,8 @@ impl<'a> Task<'a> {
         if cost(other) < WORTH_IT * cost(plain) { other } else { plain }
     }
 
-    /// The width of the front face: a cube's, which costs `plain`, or less or more where that is cheaper; and its cost.
+    /// The width of the front face: a cube's, which costs `plain`, or less or more where that is
+    /// cheaper; and its cost.
     fn best_front(&self, turned: DMat3, plain: f64) -> (f64, f64) {
         let cost = |front: f64| self.estimate(&cells(turned, Widths { front, ..Widths::CUBE }));
         let front = golden_section(cost, 0.7, 1.2, 0.03);
@@ -228,13 +234,13 @@ impl<'a> Task<'a> {
 
     /// Directions within so many radians beyond a cell's side are left to the neighbour.
     ///
-    /// A fifth of a pixel: less is shown by the margin of the neighbour, and a dome that ends exactly at a
-    /// side (180° and a cube with an edge forward) must not make views beyond it.
+    /// A fifth of a pixel: less is shown by the margin of the neighbour, and a dome that ends
+    /// exactly at a side (180° and a cube with an edge forward) must not make views beyond it.
     fn ignored(&self) -> f64 {
         (0.2 * self.pixel).clamp(1e-9, 0.02)
     }
 
-    /// What the outputs sample of a cell, and which of them.
+    /// Returns the samples of a cell, and the outputs that sample it.
     fn sampled(&self, outputs: &[&Samples], cell: &Cell) -> (Patch, Vec<usize>) {
         let users: Vec<usize> =
             (0..outputs.len()).filter(|&index| outputs[index].reach_into(&cell.normals, -self.ignored())).collect();
@@ -243,8 +249,8 @@ impl<'a> Task<'a> {
         (Patch::new(&samples), users)
     }
 
-    /// The cost of a partition, with axes only tilted and rolled in steps; infinite where an output is so small, and so near to the
-    /// sides of cells, that it is left to the neighbour by all.
+    /// The cost of a partition, with axes only tilted and rolled in steps; infinite where an output
+    /// is so small, and so near to the sides of cells, that it is left to the neighbour by all.
     pub fn estimate(&self, cells: &[Cell]) -> f64 {
         self.estimate_up_to(cells, i64::MAX)
     }
@@ -266,16 +272,19 @@ impl<'a> Task<'a> {
         if left.contains(&true) { f64::INFINITY } else { cost }
     }
 
-    /// About the texels of a cell's view; 0 where nothing is sampled, infinite where no perspective view can show it.
+    /// About the texels of a cell's view; 0 where nothing is sampled, infinite where no perspective
+    /// view can show it.
     pub fn texels(&self, cell: &Cell) -> f64 {
         let (samples, users) = self.sampled(self.coarse, cell);
         if users.is_empty() { 0.0 } else { tilted(cell, &samples, self.quality).0 }
     }
 
-    /// The partition with its views' axes refined, and their openings and resolutions from the finest samples.
+    /// The partition with its views' axes refined, and their openings and resolutions from the
+    /// finest samples.
     ///
     /// # Errors
-    /// The cell of which the finest samples, unlike the coarse ones that it was chosen by, show more than a perspective view can.
+    /// The cell of which the finest samples, unlike the coarse ones that it was chosen by, show
+    /// more than a perspective view can.
     pub fn partition(&self, cells: &[Cell]) -> Result<Partition, WideCell> {
         let mut found = Partition::default();
         for (index, cell) in cells.iter().enumerate() {

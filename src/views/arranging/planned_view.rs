@@ -21,7 +21,7 @@ pub(crate) struct PlannedView {
     pub program_lens: bool,
     /// Vertices are projected straight to the output's pixels.
     pub curved: Option<PictureMap>,
-    /// How far to the right of the viewer's position it is seen from, metres.
+    /// Distance of the eye to the right of the viewer's position, metres.
     pub eye: f64,
     /// The outputs that sample it.
     pub outputs: Vec<usize>,
@@ -32,18 +32,18 @@ pub(crate) struct PlannedView {
 pub(crate) struct Arrangement {
     /// In order of precedence.
     pub views: Vec<PlannedView>,
-    /// What was left out, and why.
+    /// Remarks: what was left out, and why.
     pub notes: Vec<String>,
 }
 
 impl Arrangement {
-    /// In texels.
+    /// Returns the cost in texels.
     pub fn cost(&self, options: &PlannerOptions) -> f64 {
         cost(options, &self.views)
     }
 }
 
-/// What views cost together, in texels.
+/// Returns the cost of views together, in texels.
 pub(crate) fn cost(options: &PlannerOptions, views: &[PlannedView]) -> f64 {
     views.iter().map(|view| view.fit.texels() + options.texels_per_draw_set()).sum()
 }

@@ -1,4 +1,5 @@
-//! Views of outputs whose vertices are projected straight to their pixels: the output's own picture, pixel for pixel.
+//! Views of outputs whose vertices are projected straight to their pixels: the output's own
+//! picture, pixel for pixel.
 
 use crate::geom::{PictureLens, PictureMap, pose};
 use crate::rig::{Output, OutputKind, Rig};
@@ -7,7 +8,8 @@ use crate::views::fitting::fit::Fit;
 use crate::views::sampling::output_map::{UNIT_FRUSTUM, lens_rotation, viewer_rotation};
 use glam::{DMat3, DVec2, DVec3};
 
-/// The view of an output of `size` pixels; `None` where its method or its kind does not project vertices.
+/// The view of an output of `size` pixels; `None` where its method or its kind does not project
+/// vertices.
 pub(in crate::views) fn view(rig: &Rig, index: usize, size: (u32, u32)) -> Option<PlannedView> {
     let output = &rig.outputs[index];
     let (rotation, map) = map(rig, output, size).filter(|_| output.method.projects_vertices())?;

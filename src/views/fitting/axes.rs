@@ -18,7 +18,8 @@ pub(crate) struct OrientedView {
 /// The single view with the fewest texels that shows `fine` (searched on `coarse`, the same
 /// directions), or `None` where some direction would lie more than 83° from any axis tried.
 ///
-/// A grid of 3×3 axes and 4 rolls around the mean direction, then [`refined`] from the best two. Deterministic.
+/// A grid of 3×3 axes and 4 rolls around the mean direction, then [`refined`] from the best two.
+/// Deterministic.
 pub(crate) fn tightest(coarse: &Patch, fine: &Patch, quality: f64) -> Option<OrientedView> {
     let base = facing(coarse.middle());
     let mut starts: Vec<(f64, DMat3)> = Vec::new();
@@ -47,12 +48,14 @@ pub(crate) fn refined(samples: &Patch, axes: DMat3, quality: f64) -> DMat3 {
     turned(nelder_mead(cost, [0.0; 3], 0.1, 90))
 }
 
-/// Texels that a view with `axes` (local → viewer) needs for `samples`; infinite where it cannot show them.
+/// Texels that a view with `axes` (local → viewer) needs for `samples`; infinite where it cannot
+/// show them.
 pub(crate) fn texels(samples: &Patch, axes: DMat3, quality: f64) -> f64 {
     fit(axes.transpose(), samples, quality, false).map_or(f64::INFINITY, |fit| fit.texels())
 }
 
-/// Axes (local → parent) of a camera that looks along `direction`, upright where that means something.
+/// Axes (local → parent) of a camera that looks along `direction`, upright where that means
+/// something.
 pub(crate) fn facing(direction: DVec3) -> DMat3 {
     let back = -direction.normalize_or(DVec3::NEG_Z);
     let hint = if back.y.abs() > 0.99 { DVec3::NEG_Z * back.y.signum() } else { DVec3::Y };
@@ -60,7 +63,8 @@ pub(crate) fn facing(direction: DVec3) -> DMat3 {
     DMat3::from_cols(right, back.cross(right), back)
 }
 
-/// Minimises `cost` from `start` by the simplex of Nelder and Mead (1965), in at most `steps` steps.
+/// Minimises `cost` from `start` by the simplex of Nelder and Mead (1965), in at most `steps`
+/// steps.
 fn nelder_mead(cost: impl Fn([f64; 3]) -> f64, start: [f64; 3], size: f64, steps: usize) -> [f64; 3] {
     let mut simplex = vec![(cost(start), start)];
     for axis in 0..3 {

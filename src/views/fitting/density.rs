@@ -1,9 +1,11 @@
-//! The least resolutions across and up that satisfy many metrics at once: the solution of [`crate::views::fitting::fit`]'s problem.
+//! The least resolutions across and up that satisfy many metrics at once: the solution of
+//! [`crate::views::fitting::fit`]'s problem.
 
 use crate::views::fitting::lanes::{LANES, greater, greatest, least, lesser};
 use glam::{DVec2, DVec4};
 
-/// The metrics `G` of samples: squared pixels per unit of tangent, `[[across, mixed], [mixed, up]]`.
+/// The metrics `G` of samples: squared pixels per unit of tangent, `[[across, mixed], [mixed,
+/// up]]`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::views) struct Metrics {
     pub across: DVec4,
@@ -34,8 +36,8 @@ impl Metrics {
     }
 }
 
-/// The least product of resolutions, in texels per unit of tangent at quality 1, that satisfies all `metrics`; `None` if
-/// there are none, or no finite ones do.
+/// The least product of resolutions, in texels per unit of tangent at quality 1, that satisfies all
+/// `metrics`; `None` if there are none, or no finite ones do.
 ///
 /// `fine` searches the ratio of the two to 1e-4 instead of some per cent.
 pub(in crate::views) fn density(metrics: &[Metrics], fine: bool) -> Option<DVec2> {
@@ -59,10 +61,11 @@ pub(in crate::views) fn density(metrics: &[Metrics], fine: bool) -> Option<DVec2
     Some(DVec2::new((squared * log_ratio.exp()).sqrt(), squared.sqrt()))
 }
 
-/// Where a convex `cost` is least among 0…`last`; the first of equals. It is asked from the middle on, downhill.
+/// Returns the minimum of a convex `cost` among 0…`last`, the first of equals. The search starts in
+/// the middle and goes downhill.
 ///
-/// That of [`density`] is convex: eigenvalues whose matrix has entries with convex logarithms have one, too (Kingman
-/// 1961), and so has the greatest of many.
+/// That of [`density`] is convex: eigenvalues whose matrix has entries with convex logarithms have
+/// one, too (Kingman 1961), and so has the greatest of many.
 fn valley(last: u32, cost: impl Fn(u32) -> f64) -> u32 {
     let mut at = last / 2;
     let mut here = cost(at);
@@ -95,8 +98,8 @@ fn undominated(metrics: &[Metrics]) -> Vec<Metrics> {
     let (across, mixed, up) = (all(|m| m.across), all(|m| m.mixed), all(|m| m.up));
     let mut kept = pivots.clone();
     for four in metrics {
-        // Above 0 where a pivot implies a metric: its excess has a positive determinant and element, and so no
-        // negative eigenvalue.
+        // Above 0 where a pivot implies a metric: its excess has a positive determinant and
+        // element, and so no negative eigenvalue.
         let mut implied = DVec4::splat(f64::NEG_INFINITY);
         for ((across, mixed), up) in across.iter().zip(&mixed).zip(&up) {
             let (across, mixed, up) = (*across - four.across, *mixed - four.mixed, *up - four.up);

@@ -1,9 +1,9 @@
 //! The opening and the resolution that a view with given axes needs.
 //!
 //! A view's picture coordinates are `u = x/−z`, `w = y/−z`. Around a sample, one output pixel is
-//! the disc `M·Mᵀ` in `(u, w)`, with M the 2×2 derivative of `(u, w)` by the pixel. With `F = diag(f_x, f_y)`
-//! texels per unit, no output pixel covers less than a texel in any direction iff all singular
-//! values of `F·M` are at least 1, that is `F² ⪰ G` with `G = (M·Mᵀ)⁻¹`. For a ratio
+//! the disc `M·Mᵀ` in `(u, w)`, with M the 2×2 derivative of `(u, w)` by the pixel. With `F =
+//! diag(f_x, f_y)` texels per unit, no output pixel covers less than a texel in any direction iff
+//! all singular values of `F·M` are at least 1, that is `F² ⪰ G` with `G = (M·Mᵀ)⁻¹`. For a ratio
 //! `r = f_x²/f_y²` the least `f_y²` is the greatest eigenvalue of `diag(r^−½, 1)·G·diag(r^−½, 1)`
 //! over all samples: in closed form, so that only r is searched.
 
@@ -14,18 +14,19 @@ use crate::views::sampling::output_map::{Sample, mean_direction};
 use crate::views::sampling::samples::Samples;
 use glam::{DMat3, DVec2, DVec3, DVec4};
 
-/// The shortage of resolution between samples that is made good in advance: over a 64th of a picture, twice what the
-/// curvature of any map seen so far hides.
+/// The shortage of resolution between samples that is made good in advance: over a 64th of a
+/// picture, twice what the curvature of any map seen so far hides.
 const RESERVE: f64 = 1.0001;
 
-/// Directions with a smaller cosine from the axis (83°) are not drawn in perspective: the tangent is above 8.
+/// Directions with a smaller cosine from the axis (83°) are not drawn in perspective: the tangent
+/// is above 8.
 pub(crate) const LEAST_COSINE: f64 = 0.12;
 
 /// Texels by which the sampled part is widened to each side, so that a direction on the border of
 /// two views belongs to at least one of them in 32-bit arithmetic too.
 pub(crate) const MARGIN: f64 = 0.21875;
 
-/// What a view with given axes needs.
+/// Opening and resolution that a view with given axes needs.
 #[derive(Clone, Copy, Debug, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Fit {
     /// The sampled part.
@@ -44,7 +45,7 @@ impl Fit {
 /// Samples that are fitted many times, four by four.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Patch {
-    /// What is missing of the last four is like the first of them.
+    /// The last four are filled up with the first of them.
     fours: Vec<Four>,
     middle: DVec3,
 }
@@ -71,12 +72,12 @@ impl Four {
 }
 
 impl Patch {
-    /// Of these.
+    /// Returns a patch of samples.
     pub fn new(samples: &[Sample]) -> Self {
         Self { fours: samples.chunks(LANES).map(Four::of).collect(), middle: mean_direction(samples.iter()) }
     }
 
-    /// Of all of an output's.
+    /// Returns a patch of all samples of an output.
     pub fn of(samples: &Samples) -> Self {
         Self::new(&samples.iter().copied().collect::<Vec<_>>())
     }
@@ -124,8 +125,9 @@ impl Fit {
     }
 }
 
-/// Texels per pixel around a sample in the direction in which there are fewest, in a view with axes `rotation`
-/// (viewer → view) and `density` texels per unit of tangent; `None` too far from its axis.
+/// Texels per pixel around a sample in the direction in which there are fewest, in a view with axes
+/// `rotation` (viewer → view) and `density` texels per unit of tangent; `None` too far from its
+/// axis.
 pub(crate) fn sharpness(rotation: DMat3, density: DVec2, sample: &Sample) -> Option<f64> {
     let axes = Axes::new(rotation);
     if !axes.shows(sample) {
@@ -165,7 +167,7 @@ impl Axes {
         -dot(&self.rows[2], &four.direction)
     }
 
-    /// Where four samples lie in the view, and their metrics there.
+    /// Returns the places of four samples in the view, and their metrics there.
     #[inline(always)]
     fn project(&self, four: &Four) -> ([DVec4; 2], Metrics) {
         let nearness = DVec4::splat(-1.0) / dot(&self.rows[2], &four.direction);

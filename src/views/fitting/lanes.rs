@@ -1,11 +1,12 @@
-//! Four numbers at a time, as [`DVec4`]: compilers make vector instructions of them, and the results are those of
-//! single numbers to the bit.
+//! Four numbers at a time, as [`DVec4`]: compilers make vector instructions of them, and the
+//! results are those of single numbers to the bit.
 //!
-//! `DVec4::max` returns its argument where either is no number. The functions here keep the value that was found so far.
+//! `DVec4::max` returns its argument where either is no number. The functions here keep the value
+//! that was found so far.
 
 use glam::DVec4;
 
-/// How many numbers.
+/// Number of numbers.
 pub(in crate::views) const LANES: usize = 4;
 
 /// The greater ones; those of `found` where one is no number.

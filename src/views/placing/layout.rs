@@ -11,20 +11,22 @@ use crate::views::view_plan::{Request, Tile, View, ViewPlan};
 /// Texels around the sampled part of a tile.
 ///
 /// Bilinear filtering at the very border of the sampled part reads half a texel beyond it, a cubic
-/// kernel one and a half; an eighth is the overhang of views (`correct::uniforms`), the rest for the rounding of 32-bit
-/// shaders. Places beside a pixel's centre need no more: each is looked up in the view that answers for it.
+/// kernel one and a half; an eighth is the overhang of views (`correct::uniforms`), the rest for
+/// the rounding of 32-bit shaders. Places beside a pixel's centre need no more: each is looked up
+/// in the view that answers for it.
 fn guard(filter: Filter) -> f64 {
     if filter.is_cubic() { 1.65625 } else { 0.65625 }
 }
 
-/// By how much it is widened at least, as a tangent: some four times what rounding to 32 bits moves a direction. More than the margin
-/// only where texels are narrower than two millionths.
+/// By how much it is widened at least, as a tangent: some four times what rounding to 32 bits moves
+/// a direction. More than the margin only where texels are narrower than two millionths.
 const ROUNDING: f64 = 4e-7;
 
 /// Free texels between tiles.
 const GUTTER: u32 = 1;
 
-/// Below this part of the resolution asked for the views are a texel each, and what does not fit is the window.
+/// Below this part of the resolution asked for the views are a texel each, and what does not fit is
+/// the window.
 const LEAST_SCALE: f64 = 1e-5;
 
 /// Sizes the views, scales them down until the atlas holds them, and places them.
@@ -98,7 +100,8 @@ fn too_small(request: &Request) -> Error {
     )
 }
 
-/// One direction of a view: the sampled part widened by the margin, the opening of the tile, and its texels.
+/// One direction of a view: the sampled part widened by the margin, the opening of the tile, and
+/// its texels.
 fn side(low: f64, high: f64, density: f64, guard: f64) -> ((f64, f64), (f64, f64), u32) {
     let rounding = (ROUNDING - MARGIN / density).max(0.0);
     let (span, around) = (high - low + 2.0 * rounding, 2.0 * (MARGIN + guard));
@@ -172,7 +175,8 @@ mod tests {
 
     #[test]
     fn a_part_is_widened_by_what_rounding_moves_directions() {
-        // 64 texels of 1e-9, and 64 of 1e-3: what is owned is wider on either side, by 4e-7 at least.
+        // 64 texels of 1e-9, and 64 of 1e-3: what is owned is wider on either side, by 4e-7 at
+        // least.
         for (texel, least) in [(1e-9, ROUNDING), (1e-3, MARGIN * 1e-3)] {
             let (low, high) = (0.3, 0.3 + 64.0 * texel);
             let ((from, to), (first, last), texels) = side(low, high, 1.0 / texel, 1.5);

@@ -1,5 +1,5 @@
-//! What a finished plan gives to outputs: sizes and shares for people and JSON (`report`), and texels per pixel, pixel
-//! by pixel (`survey`).
+//! What a finished plan gives to outputs: sizes and shares for people and JSON (`report`), and
+//! texels per pixel, pixel by pixel (`survey`).
 
 pub mod report;
 pub mod survey;

@@ -30,7 +30,7 @@ pub struct ViewReport {
     pub coverage: Vec<OutputShare>,
 }
 
-/// How much of an output a view shows.
+/// Share of an output that a view shows.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct OutputShare {
     /// The output's name.
@@ -39,14 +39,15 @@ pub struct OutputShare {
     pub share: f64,
 }
 
-/// What a plan costs.
+/// Cost of a plan.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Report {
     /// The views, in order of precedence.
     pub views: Vec<ViewReport>,
     /// Texels of all views.
     pub view_texels: u64,
-    /// Pixels of all outputs that can show something: the circle of a domemaster, every pixel of the others.
+    /// Pixels of all outputs that can show something: the circle of a domemaster, every pixel of
+    /// the others.
     pub output_pixels: u64,
     /// `view_texels / output_pixels`; 0 without outputs.
     pub texels_per_pixel: f64,
@@ -54,11 +55,12 @@ pub struct Report {
     pub atlas: (u32, u32),
     /// Part of the atlas that tiles fill, the panel and the program's own picture included.
     pub atlas_use: f64,
-    /// What was left out or scaled down, and why.
+    /// Remarks: what was left out or scaled down, and why.
     pub notes: Vec<String>,
 }
 
-/// What `plan`, made for `rig` with outputs of `sizes` pixels, costs. Sizes beyond the rig's outputs are ignored.
+/// Returns the cost of `plan`, made for `rig` with outputs of `sizes` pixels. Sizes beyond the
+/// rig's outputs are ignored.
 pub fn report(plan: &ViewPlan, rig: &Rig, sizes: &[(u32, u32)]) -> Report {
     let outputs: Vec<_> =
         rig.outputs.iter().zip(sizes).enumerate().filter(|(_, (_, size))| size.0 > 0 && size.1 > 0).collect();

@@ -17,9 +17,9 @@ pub struct Surveyed {
     pub direction: DVec3,
     /// Index of the view that answers for it.
     pub view: usize,
-    /// Texels per pixel in the direction in which there are fewest of them, a domemaster's pixels taken as the
-    /// planner takes them (`[views] resolution`); `None` in views with the program's own lens, and where vertices are
-    /// projected straight to the output.
+    /// Texels per pixel in the direction in which there are fewest of them, a domemaster's pixels
+    /// taken as the planner takes them (`[views] resolution`); `None` in views with the program's
+    /// own lens, and where vertices are projected straight to the output.
     pub texels_per_pixel: Option<f64>,
 }
 
@@ -43,7 +43,8 @@ impl<'a> Surveyor<'a> {
         Ok(Self { plan, output, output_map, cones })
     }
 
-    /// What a pixel position (from the top left, centres at +½) shows; `None` where that is nothing.
+    /// Returns what a pixel position (from the top left, centres at +½) shows; `None` where that is
+    /// nothing.
     pub fn at(&self, pixel: DVec2) -> Option<Surveyed> {
         let sample = self.output_map.sample(pixel)?;
         let &(view, _) = self.cones.iter().find(|(_, cone)| cone.contains(sample.direction))?;
@@ -55,9 +56,9 @@ impl<'a> Surveyor<'a> {
     }
 }
 
-/// Calls `visit` for pixels of all outputs that show something, row by row and evenly spread: every pixel of an output
-/// with at most `most` of them, else about `most`. Sizes beyond the rig's outputs are ignored, and so are outputs without
-/// pixels.
+/// Calls `visit` for pixels of all outputs that show something, row by row and evenly spread: every
+/// pixel of an output with at most `most` of them, else about `most`. Sizes beyond the rig's
+/// outputs are ignored, and so are outputs without pixels.
 pub fn survey(plan: &ViewPlan, rig: &Rig, sizes: &[(u32, u32)], most: u32, mut visit: impl FnMut(&Surveyed)) {
     let outputs = rig.outputs.iter().zip(sizes).zip(&plan.output_views);
     for (output, ((_, &size), _)) in outputs.enumerate() {
@@ -76,7 +77,7 @@ pub fn survey(plan: &ViewPlan, rig: &Rig, sizes: &[(u32, u32)], most: u32, mut v
     }
 }
 
-/// How many steps of a length there are along a side.
+/// Number of steps of a length along a side.
 fn steps(pixels: u32, step: f64) -> u32 {
     (f64::from(pixels) / step).round().clamp(1.0, f64::from(pixels)) as u32
 }

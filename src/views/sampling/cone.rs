@@ -1,8 +1,8 @@
 //! The directions that a view answers for, and how small patches of directions lie to them.
 //!
 //! A view's part, like a projector's picture, is a convex cone with four sides. What a block of
-//! pixels shows is a small curved patch: it departs from the flat quadrilateral of its corners by at
-//! most about its diameter squared, so that a patch whose corners all lie deeper than that
+//! pixels shows is a small curved patch: it departs from the flat quadrilateral of its corners by
+//! at most about its diameter squared, so that a patch whose corners all lie deeper than that
 //! inside (or all beyond one side) lies inside (beyond) entirely.
 
 use crate::geom::Frustum;
@@ -23,7 +23,7 @@ pub(crate) struct Cone {
     whole: bool,
 }
 
-/// How a patch lies to a cone.
+/// Position of a patch relative to a cone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Relation {
     /// All of it is inside.
@@ -56,7 +56,8 @@ impl Cone {
         self.normals.map(|normal| self.axes.transpose() * normal)
     }
 
-    /// How far a direction lies inside each side; radians near it, for a direction of unit length.
+    /// Returns the depth of a direction inside each side; radians near it, for a direction of unit
+    /// length.
     pub fn depths(&self, direction: DVec3) -> [f64; 4] {
         let local = self.axes * direction;
         self.normals.map(|normal| if self.whole { f64::INFINITY } else { normal.dot(local) })

@@ -1,7 +1,7 @@
 //! What each output looks at: pixel → direction from the viewer, and how far a pixel reaches.
 //!
-//! The planner's own map. Where passes use closed forms it is written as plain ray tracing, so that it is independent
-//! of them; the tests compare the two. For everything else it asks the exact map.
+//! The planner's own map. Where passes use closed forms it is written as plain ray tracing, so that
+//! it is independent of them; the tests compare the two. For everything else it asks the exact map.
 
 use crate::error::{Error, ErrorKind, Result};
 use crate::geom::{Fisheye, Frustum, Pose, Sphere, pose};
@@ -30,7 +30,7 @@ pub(crate) fn mean_direction<'a>(samples: impl Iterator<Item = &'a Sample>) -> D
 pub(crate) struct OutputMap {
     /// Resolution in pixels; (0, 0) of an output that is not shown.
     pub size: (u32, u32),
-    /// How far from the picture's sides the outermost places are that are sampled, in pixels.
+    /// Distance of the outermost sampled places from the picture's sides, in pixels.
     pub inset: f64,
     map: Map,
 }
@@ -153,8 +153,8 @@ impl OutputMap {
         !matches!(&self.map, Map::Traced { map, .. } if !map.screen().is_smooth())
     }
 
-    /// The parts of the picture in which what is shown does not leap: the outermost places of theirs that are sampled,
-    /// top left and bottom right.
+    /// The parts of the picture in which what is shown does not leap: the outermost places of
+    /// theirs that are sampled, top left and bottom right.
     pub fn pieces(&self) -> Vec<[DVec2; 2]> {
         let count = match &self.map {
             Map::Traced { map, .. } => map.cubemap_faces(),
@@ -170,7 +170,8 @@ impl OutputMap {
         pieces.map(|[low, high]| [low - beside, high + beside]).collect()
     }
 
-    /// Centre and half the extent of what normalised coordinates −1…1 span: the circle, or the whole picture.
+    /// Centre and half the extent of what normalised coordinates −1…1 span: the circle, or the
+    /// whole picture.
     fn frame(&self) -> (DVec2, DVec2) {
         let half = 0.5 * DVec2::new(f64::from(self.size.0), f64::from(self.size.1));
         match &self.map {
@@ -195,8 +196,9 @@ impl OutputMap {
     /// The direction seen at a pixel position and the spread of a pixel there; `None` where the
     /// output shows nothing or the viewer stands in the very point that is seen.
     ///
-    /// A domemaster's pixel is a circle of its nominal size, aperture over diameter, on the dome: its own tangential
-    /// resolution beyond that is an artefact of the lens and shows no more detail. With `resolution = "full"` it counts.
+    /// A domemaster's pixel is a circle of its nominal size, aperture over diameter, on the dome:
+    /// its own tangential resolution beyond that is an artefact of the lens and shows no more
+    /// detail. With `resolution = "full"` it counts.
     pub fn sample(&self, pixel: DVec2) -> Option<Sample> {
         let at = self.normalised(pixel);
         match &self.map {
@@ -238,13 +240,15 @@ impl OutputMap {
         (squared > 0.0 && squared.is_finite()).then(|| seen / squared.sqrt())
     }
 
-    /// Where what an output shows may end inside its picture: the rims of the screen, and the outline of a dome as a
-    /// projector outside sees it. Each gives the samples along it (0…1) that lie within the outermost pixel centres.
+    /// Where what an output shows may end inside its picture: the rims of the screen, and the
+    /// outline of a dome as a projector outside sees it. Each gives the samples along it (0…1) that
+    /// lie within the outermost pixel centres.
     pub fn boundary_curves(&self) -> Vec<BoundaryCurve<'_>> {
         match &self.map {
             Map::Projector(map) => {
                 let distance = map.origin.length();
-                // The outline itself is seen edge-on, where no resolution is enough: just within it.
+                // The outline itself is seen edge-on, where no resolution is enough: just within
+                // it.
                 let outline = (distance > map.radius)
                     .then(|| Circle { axis: map.origin / distance, cosine: map.radius / distance - 1e-6 });
                 let cap = map.least_cosine.map(|cosine| Circle { axis: map.pole, cosine });
@@ -302,7 +306,8 @@ impl OutputMap {
         self.sample(self.pixel(at))
     }
 
-    /// Homogeneous → normalised picture coordinates, if they lie within the outermost pixel centres.
+    /// Homogeneous → normalised picture coordinates, if they lie within the outermost pixel
+    /// centres.
     fn within_picture(&self, picture: DVec3) -> Option<DVec2> {
         let at = picture.truncate() / picture.z;
         let low = self.normalised(DVec2::new(0.5, f64::from(self.size.1) - 0.5));
@@ -337,16 +342,16 @@ fn outer(a: DVec3, b: DVec3) -> DMat3 {
     DMat3::from_cols(a * b.x, a * b.y, a * b.z)
 }
 
-/// Where a projector's ray meets the dome.
+/// Point where a projector's ray meets the dome.
 struct Hit {
     point: DVec3,
     ray: DVec3,
-    /// How many rays long the way is.
+    /// Distance to the point, in lengths of the ray.
     distance: f64,
 }
 
 impl Hit {
-    /// How the point moves on the dome when the ray changes by `change`.
+    /// Returns the motion of the point on the dome when the ray changes by `change`.
     fn moved_by(&self, change: DVec3) -> DVec3 {
         // The point stays on the sphere: its motion is across its own radius.
         (change - self.ray * (self.point.dot(change) / self.point.dot(self.ray))) * self.distance
@@ -378,12 +383,12 @@ impl ProjectorMap {
     }
 }
 
-/// How far around a pixel its surroundings are looked for, pixels, in this order.
+/// Distances at which a pixel's surroundings are sampled, pixels, in this order.
 const STEPS: [f64; 4] = [0.5, 0.05, 0.005, 0.0005];
 /// The spread of a pixel by differences, over what is shown of its surroundings.
 ///
-/// Of a picture that shows all directions alike, a pixel is as high as it is (away from the picture's pole), at most
-/// nominally, and as wide.
+/// Of a picture that shows all directions alike, a pixel is as high as it is (away from the
+/// picture's pole), at most nominally, and as wide.
 fn traced_sample(map: &WarpMap, pixel: DVec2) -> Option<Sample> {
     let direction = map.direction(pixel)?;
     // What lies across the border of two pictures is no neighbour.
@@ -410,7 +415,8 @@ fn traced_sample(map: &WarpMap, pixel: DVec2) -> Option<Sample> {
         return of_unit_length(direction, (DMat3::IDENTITY - outer(direction, direction)) * (pitch * pitch));
     }
     let (mut across, mut down) = (along(DVec2::X), along(DVec2::Y));
-    // Where a rim leaves a pixel no neighbours on one axis, it is taken to be as wide as on the other.
+    // Where a rim leaves a pixel no neighbours on one axis, it is taken to be as wide as on the
+    // other.
     if across == DVec3::ZERO {
         across = direction.cross(down);
     } else if down == DVec3::ZERO {
@@ -419,7 +425,8 @@ fn traced_sample(map: &WarpMap, pixel: DVec2) -> Option<Sample> {
     (across != DVec3::ZERO).then(|| of_unit_length(direction, outer(across, across) + outer(down, down)))?
 }
 
-/// The pixel position, within the outermost pixel centres of a picture without leaps, that shows a point of the screen.
+/// The pixel position, within the outermost pixel centres of a picture without leaps, that shows a
+/// point of the screen.
 ///
 /// On the border of two such pictures rounding would decide which of them is asked what it shows.
 fn traced_pixel(map: &WarpMap, point: DVec3) -> Option<DVec2> {
@@ -431,8 +438,8 @@ fn traced_pixel(map: &WarpMap, point: DVec3) -> Option<DVec2> {
     ((left..=right).contains(&pixel.x) && (0.5..=height - 0.5).contains(&pixel.y)).then_some(pixel)
 }
 
-/// The outermost pixel centres of one of `count` pictures that stand side by side in an output of `width` pixels; the first is beyond the
-/// second where it has none.
+/// The outermost pixel centres of one of `count` pictures that stand side by side in an output of
+/// `width` pixels; the first is beyond the second where it has none.
 fn strip_columns(width: u32, count: u32, strip: u32) -> [f64; 2] {
     // The first column whose centre is in a strip.
     let first = |strip: u32| (f64::from(strip) * f64::from(width) / f64::from(count) - 0.5).ceil().max(0.0);

@@ -1,12 +1,13 @@
 //! The directions that an output shows, sampled along lines.
 //!
 //! Lines rather than points: where a line crosses the side of a view it can be cut exactly there,
-//! so that the openings and resolutions of cropped views do not depend on where samples happen to lie.
+//! so that the openings and resolutions of cropped views do not depend on where samples happen to
+//! lie.
 
 use crate::views::sampling::output_map::{OutputMap, Sample, mean_direction};
 use glam::{DMat3, DVec2, DVec3};
 
-/// How finely an output is sampled.
+/// Density of an output's samples.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Fineness {
     /// Cells of the grid in each direction.
@@ -44,7 +45,7 @@ struct Cap {
 }
 
 impl Cap {
-    /// What is nearer to a side than this is looked at closely.
+    /// Greatest distance from a side at which rounding may decide, cosine.
     const ROUNDING: f64 = 1e-9;
 
     /// Around these, of unit length.
@@ -74,13 +75,14 @@ impl Cap {
     }
 }
 
-/// Of an angle up to π, from its cosine.
+/// Returns the sine of an angle up to π, from its cosine.
 fn sine_of(cosine: f64) -> f64 {
     (1.0 - cosine * cosine).max(0.0).sqrt()
 }
 
 impl Samples {
-    /// Samples `output_map`: the outermost places of pixels (or the rim of the circle), and a grid inside.
+    /// Samples `output_map`: the outermost places of pixels (or the rim of the circle), and a grid
+    /// inside.
     pub fn new(output_map: &OutputMap, fineness: Fineness) -> Self {
         let cap = Cap { axis: DVec3::NEG_Z, cosine: -1.0 };
         let mut samples = Self { output_map: output_map.clone(), lines: Vec::new(), cap };
@@ -106,8 +108,10 @@ impl Samples {
         self.lines.iter().flatten()
     }
 
-    /// The samples within a convex cone, given by the inward unit normals of its sides (at least three) and widened by `slack` (radians; negative = narrowed). Lines are cut at the
-    /// sides, and the cone's own edges are sampled too: together these are all the corners of the part shown.
+    /// The samples within a convex cone, given by the inward unit normals of its sides (at least
+    /// three) and widened by `slack` (radians; negative = narrowed). Lines are cut at the sides,
+    /// and the cone's own edges are sampled too: together these are all the corners of the part
+    /// shown.
     pub fn within(&self, normals: &[DVec3], slack: f64) -> Vec<Sample> {
         let mut found: Vec<Sample> = if normals.iter().any(|&normal| self.cap.is_beyond(normal, slack)) {
             Vec::new()
@@ -129,7 +133,7 @@ impl Samples {
         !beyond && of_lines() || self.corners(normals, slack).next().is_some()
     }
 
-    /// What is shown where two sides of a cone meet.
+    /// Returns the samples where two sides of a cone meet.
     fn corners(&self, normals: &[DVec3], slack: f64) -> impl Iterator<Item = Sample> {
         pairs(normals).filter_map(move |(first, second)| {
             let edge = first.cross(second).normalize_or_zero();
@@ -140,7 +144,8 @@ impl Samples {
             if !corner || edge == DVec3::ZERO {
                 return None;
             }
-            // The point by `slack` beyond both sides; of a narrowed cone it has to be shown itself: its corner may lie on a rim.
+            // The point by `slack` beyond both sides; of a narrowed cone it has to be shown itself:
+            // its corner may lie on a rim.
             let direction = (edge - (first + second) * (slack / (1.0 + first.dot(second)))).normalize_or(edge);
             let sample = self.output_map.sample_towards(if slack < 0.0 { direction } else { edge })?;
             Some(Sample { direction, ..sample })

@@ -2,7 +2,8 @@
 
 use crate::views::tests::*;
 
-/// Where rays become parallel to the wall of a cone, what a picture shows ends without a rim of the screen.
+/// Where rays become parallel to the wall of a cone, what a picture shows ends without a rim of the
+/// screen.
 #[test]
 fn near_the_horizon_of_a_cone_no_direction_is_without_a_view() {
     let text = "[screen]\nshape = \"cone\"\nradii = [6, 4.8]\nheights = [-3, 3]\n\
@@ -41,8 +42,8 @@ fn near_the_horizon_of_a_plane_no_direction_is_without_a_view() {
     assert!(shown > 100_000, "{shown}");
 }
 
-/// Half of what it shows is a little too wide for one view, which only the finest samples told: found by `cupola-lab stress` (seed 20451),
-/// as a picture with one view where it needs two.
+/// Half of what it shows is a little too wide for one view, which only the finest samples told:
+/// found by `cupola-lab stress` (seed 20451), as a picture with one view where it needs two.
 #[test]
 fn a_half_that_turns_out_too_wide_for_a_view_is_not_left_out() {
     let text = "[dome]\ntilt = 55.24\n[screen]\nshape = \"cone\"\nradii = [7.681984279083114, 6.350391077178101]\n\
@@ -65,7 +66,8 @@ fn a_half_that_turns_out_too_wide_for_a_view_is_not_left_out() {
     }
 }
 
-/// Pixels that are two million times as high as they are wide, found by `cupola-lab stress` (seed 20075) before rigs could not have them.
+/// Pixels that are two million times as high as they are wide, found by `cupola-lab stress` (seed
+/// 20075) before rigs could not have them.
 #[test]
 fn what_no_view_can_show_is_said_and_leaves_the_others_alone() {
     let text = "[dome]\ntilt = 5.939462340701425\ncoverage = 338.0065766511442\n[viewer]\nyaw = 162.32071945669628\n\
@@ -78,7 +80,8 @@ fn what_no_view_can_show_is_said_and_leaves_the_others_alone() {
         panic!("a cylindrical picture");
     };
     span.width = 8.6e-8;
-    // All faces of all cubes leave it to their neighbours, which costs nothing; a view of its own shows it.
+    // All faces of all cubes leave it to their neighbours, which costs nothing; a view of its own
+    // shows it.
     let own = plan(&rig, &request(&[(256, 501)])).expect("a plan");
     assert_eq!(own.views.iter().map(|view| view.name.as_str()).collect::<Vec<_>>(), ["sliver"]);
     rig.views.method = ViewMethod::Cube;
@@ -98,8 +101,8 @@ fn what_no_view_can_show_is_said_and_leaves_the_others_alone() {
     assert!((1..18).contains(&without), "{without}");
 }
 
-/// Less than a pixel of the screen lies in the picture's corner, and the sides of two cells of the viewer's cube cross there:
-/// found by `cupola-lab stress` (seed 1931).
+/// Less than a pixel of the screen lies in the picture's corner, and the sides of two cells of the
+/// viewer's cube cross there: found by `cupola-lab stress` (seed 1931).
 #[test]
 fn a_single_lit_pixel_has_a_view() {
     let text = "[dome]\nradius = 5\ntilt = -44.08227529026583\ncoverage = 180\n[viewer]\nyaw = -36.818994007683756\n\
@@ -117,8 +120,8 @@ fn a_single_lit_pixel_has_a_view() {
     assert!(views.iter().any(|view| crate::views::sampling::cone::Cone::of(view).contains(lit[0])), "{views:?}");
 }
 
-/// The rim of the dome crosses faces at their borders, where rounding decides which of them shows it: found by `cupola-lab stress`
-/// (seed 10837), as a picture without any view.
+/// The rim of the dome crosses faces at their borders, where rounding decides which of them shows
+/// it: found by `cupola-lab stress` (seed 10837), as a picture without any view.
 #[test]
 fn a_cubemap_that_is_turned_anyhow_has_a_view_for_every_pixel() {
     let mut random = Random::new(3);
@@ -141,7 +144,8 @@ fn a_cubemap_that_is_turned_anyhow_has_a_view_for_every_pixel() {
     }
 }
 
-/// What a lens's circle shows ends at the picture's sides where they cut it off, and there views meet, too.
+/// What a lens's circle shows ends at the picture's sides where they cut it off, and there views
+/// meet, too.
 #[test]
 fn a_circle_that_the_picture_cuts_off_is_shown_completely() {
     let text = "[screen]\nshape = \"ellipsoid\"\nradii = [5.5, 4.8, 6]\nyaw = 20\n[viewer]\nposition = [2.16, -1.62, 3.6]\n\

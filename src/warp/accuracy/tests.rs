@@ -1,4 +1,5 @@
-//! The comparer is tried with maps whose errors are known, and with the f32 arithmetic of the shaders.
+//! The comparer is tried with maps whose errors are known, and with the f32 arithmetic of the
+//! shaders.
 
 use super::*;
 use crate::geom::screen::{ClosedSurface, HalfSpace};
@@ -189,7 +190,8 @@ fn the_fisheye_polynomials_in_f32_meet_the_goal() {
 
 #[test]
 fn the_recipe_with_two_arccosines_is_found_out() {
-    // θ = acos(z), φ = acos(x/sin θ), direction rebuilt from both: NaN near the axis and the meridian y = 0.
+    // θ = acos(z), φ = acos(x/sin θ), direction rebuilt from both: NaN near the axis and the
+    // meridian y = 0.
     let exact = WarpMap::new(&domemaster(PI), 0, (4095, 4095), None).expect("valid");
     // 23 divides 2047: the middle row and column are among the samples.
     let error = compare(&exact, 23, |x, y| {

@@ -23,7 +23,8 @@ pub(super) struct Calibrated {
     inverse: Inverse,
 }
 
-/// A mesh over a fisheye picture of the viewer's directions, around the middle of what is shown; its values are pixels.
+/// A mesh over a fisheye picture of the viewer's directions, around the middle of what is shown;
+/// its values are pixels.
 #[derive(Clone, Debug, PartialEq)]
 struct Inverse {
     /// Axes of the picture → dome axes.
@@ -50,7 +51,7 @@ impl Calibrated {
         map
     }
 
-    /// What the file says about a pixel (from the top left).
+    /// Returns the value of the file for a pixel (from the top left).
     pub(super) fn sample(&self, pixel: DVec2, size: (u32, u32)) -> Option<Sample> {
         self.calibration.grid.sample(pixel, size)
     }
@@ -76,7 +77,8 @@ impl Calibrated {
         }
     }
 
-    /// The pixel that appears at a point of the screen, by Newton's steps from the nearest cell; `None` where there is none.
+    /// The pixel that appears at a point of the screen, by Newton's steps from the nearest cell;
+    /// `None` where there is none.
     pub(super) fn pixel(&self, point: DVec3, size: (u32, u32), screen: &Screen) -> Option<DVec2> {
         let wanted = self.inverse.place(point - self.viewer.position);
         let mut pixel = self.inverse.mesh.as_ref()?.sample(wanted)?.value.truncate();
@@ -120,7 +122,8 @@ impl Calibrated {
         };
         let nodes: Vec<_> = seen.iter().map(node).collect();
         let side = CELLS as usize + 1;
-        // Without a mesh no point has a pixel: simulations stay dark, the map itself is not touched.
+        // Without a mesh no point has a pixel: simulations stay dark, the map itself is not
+        // touched.
         inverse.mesh = Mesh::from_grid("the inverse of a calibration", side, side, &nodes, false).ok();
         inverse
     }

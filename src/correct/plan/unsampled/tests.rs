@@ -6,7 +6,7 @@ use crate::testing::random::Random;
 use crate::views::tests::{fisheye, random_rig, request, rig};
 use crate::warp::exact_direction;
 
-/// How many pixels of a plan's outputs read from a hidden part.
+/// Number of pixels of a plan's outputs that read from an unsampled area.
 fn wrongly_hidden(rig: &crate::rig::Rig, plan: &Plan, hidden: &[Vec<Tile>]) -> usize {
     let mut wrong = 0;
     for (output, pass) in plan.passes.iter().enumerate() {

@@ -1,7 +1,7 @@
 //! Rectangles cut into triangles until these are exact enough.
 //!
-//! All sides are rows or columns of pixels. So a corner in the middle of a neighbour's side lies exactly on it, rounded or
-//! not, and no gap opens between triangles of different size.
+//! All sides are rows or columns of pixels. So a corner in the middle of a neighbour's side lies
+//! exactly on it, rounded or not, and no gap opens between triangles of different size.
 
 use crate::correct::passes::facets::Facets;
 use crate::correct::passes::rectangle::PixelRect;
@@ -10,7 +10,8 @@ use crate::correct::sources::surface_sample::{SurfaceSample, SurfaceSampler};
 use glam::DVec2;
 use std::collections::HashMap;
 
-/// The part of the error that measuring at a few places may see, for the whole to stay within the bound.
+/// The part of the error that measuring at a few places may see, for the whole to stay within the
+/// bound.
 const MEASURED: f64 = 0.8;
 
 /// Makes the triangles of one output.
@@ -20,14 +21,14 @@ pub(super) struct Builder<'a> {
     facets: Facets,
     /// The corners at whole pixel positions that are shared.
     numbers: HashMap<(u32, u32), u32>,
-    /// What is seen at whole pixel positions and half-way between.
+    /// Samples at whole pixel positions and half-way between.
     seen: HashMap<(u32, u32), Option<SurfaceSample>>,
 }
 
 /// Four corners of a rectangle, from the top left clockwise.
 type Corners = [SurfaceSample; 4];
 
-/// How a rectangle is cut.
+/// Diagonal that cuts a rectangle, and its error.
 #[derive(Clone, Copy)]
 struct Cut {
     /// From the top left to the bottom right; otherwise the other diagonal.
@@ -49,7 +50,7 @@ impl<'a> Builder<'a> {
         self.facets
     }
 
-    /// What is seen at a place in half pixels.
+    /// Returns the sample at a place in half pixels.
     fn see(&mut self, x: u32, y: u32) -> Option<SurfaceSample> {
         let sampler = self.sampler;
         *self.seen.entry((x, y)).or_insert_with(|| sampler.at(0.5 * DVec2::new(f64::from(x), f64::from(y))))
@@ -82,7 +83,7 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// What is seen at the corners, if all show something.
+    /// Returns the samples at the corners, if all show something.
     fn corners(&mut self, rect: PixelRect) -> Option<Corners> {
         let (left, top) = (2 * rect.x, 2 * rect.y);
         let (right, bottom) = (left + 2 * rect.width, top + 2 * rect.height);
@@ -139,7 +140,8 @@ impl<'a> Builder<'a> {
         self.facets.error = self.facets.error.max(cut.error);
     }
 
-    /// A pixel that shows everywhere what its centre does: the last resort where what is shown leaps.
+    /// A pixel that shows everywhere what its centre does: the last resort where what is shown
+    /// leaps.
     fn emit_pixel(&mut self, rect: PixelRect) {
         let Some(sample) = self.see(2 * rect.x + 1, 2 * rect.y + 1) else { return };
         let (x, y) = (f64::from(rect.x), f64::from(rect.y));
@@ -149,7 +151,8 @@ impl<'a> Builder<'a> {
     }
 }
 
-/// What the triangles of a rectangle show at a place, parts of its width and height from the top left.
+/// What the triangles of a rectangle show at a place, parts of its width and height from the top
+/// left.
 fn interpolated(corners: &Corners, falling: bool, x: f64, y: f64) -> SurfaceSample {
     let [a, b, c, d] = corners;
     let parts = match falling {

@@ -20,13 +20,13 @@ impl HalfSpace {
         Self { normal: -self.normal, offset: -self.offset }
     }
 
-    /// How far inside a point is, in lengths of the normal.
+    /// Returns the depth of a point inside, in lengths of the normal.
     pub fn depth(&self, point: DVec3) -> f64 {
         self.normal.dot(point) - self.offset
     }
 
-    /// The part of a convex polygon that is inside (Sutherland & Hodgman 1974); empty if none is. Two polygons with a
-    /// common side get the very same points on it.
+    /// The part of a convex polygon that is inside (Sutherland & Hodgman 1974); empty if none is.
+    /// Two polygons with a common side get the very same points on it.
     pub fn clip(&self, polygon: &[DVec3]) -> Vec<DVec3> {
         let mut inside = Vec::with_capacity(polygon.len() + 1);
         let after = polygon.iter().cycle().skip(1);
@@ -45,7 +45,7 @@ impl HalfSpace {
         if inside.len() < 3 { Vec::new() } else { inside }
     }
 
-    /// Both parts of a polygon, those that have an area.
+    /// Returns the parts of a polygon on both sides that have an area.
     pub fn split(&self, polygon: Vec<DVec3>) -> Vec<Vec<DVec3>> {
         let depths = polygon.iter().map(|&point| self.depth(point));
         let (low, high) = depths.fold((0.0f64, 0.0f64), |(low, high), depth| (low.min(depth), high.max(depth)));

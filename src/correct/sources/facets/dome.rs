@@ -1,10 +1,12 @@
 //! The dome as a mesh of triangles, as a projector sees it, or flattened to a domemaster.
 //!
-//! The faces of a cube are cut into triangles and inflated to the dome (Bourke & Felinto 2009, "tessellate, inflate,
-//! flatten"). What of that is seen in the output is drawn: for a projector in perspective (Kooima, Roberts & SubbaRao
-//! 2009, "fixed-function fragment correction"), the mesh being subdivided along the sides of all pictures and of their
-//! ramps, so that weights at the corners can fade there; for a domemaster by the formula of its lens. Each corner lies
-//! on the dome and is exact. Between corners the error is about 0.4 times the square of a cell's angle, seen from the centre.
+//! The faces of a cube are cut into triangles and inflated to the dome (Bourke & Felinto 2009,
+//! "tessellate, inflate, flatten"). What of that is seen in the output is drawn: for a projector in
+//! perspective (Kooima, Roberts & SubbaRao 2009, "fixed-function fragment correction"), the mesh
+//! being subdivided along the sides of all pictures and of their ramps, so that weights at the
+//! corners can fade there; for a domemaster by the formula of its lens. Each corner lies on the
+//! dome and is exact. Between corners the error is about 0.4 times the square of a cell's angle,
+//! seen from the centre.
 
 use crate::blend::EdgeWeight;
 use crate::correct::passes::facets::Facets;
@@ -18,13 +20,14 @@ use glam::{DMat3, DVec2, DVec3};
 use std::collections::HashMap;
 use std::f64::consts::{FRAC_PI_4, TAU};
 
-/// How far before the lens triangles end, as a part of the dome's radius: nearer ones would be all around it.
+/// How far before the lens triangles end, as a part of the dome's radius: nearer ones would be all
+/// around it.
 const NEAR: f64 = 1e-3;
 /// About so many triangles are measured.
 const MEASURED: usize = 8192;
 
-/// The triangles of output `index` of `rig` with `density` cells along the edge of the cube; nothing for outputs that are
-/// neither projectors with plain lenses nor equidistant domemasters.
+/// The triangles of output `index` of `rig` with `density` cells along the edge of the cube;
+/// nothing for outputs that are neither projectors with plain lenses nor equidistant domemasters.
 pub(in crate::correct) fn dome_facets(rig: &Rig, index: usize, sampler: &SurfaceSampler, density: u32) -> Facets {
     let Some(picture) = Picture::of(rig, &rig.outputs[index]) else { return Facets::default() };
     let cuts = picture.cuts(rig, index);
@@ -36,8 +39,8 @@ pub(in crate::correct) fn dome_facets(rig: &Rig, index: usize, sampler: &Surface
     builder.facets
 }
 
-/// The triangles of a cube whose faces are cut into `cells`² squares and inflated to a sphere of a radius; the axes are
-/// those of the cube.
+/// The triangles of a cube whose faces are cut into `cells`² squares and inflated to a sphere of a
+/// radius; the axes are those of the cube.
 fn inflated_cube(cells: u32, axes: DMat3, radius: f64) -> impl Iterator<Item = [DVec3; 3]> {
     Face::ALL.into_iter().flat_map(move |face| {
         let rotation = axes * face.rotation();
@@ -53,7 +56,7 @@ fn inflated_cube(cells: u32, axes: DMat3, radius: f64) -> impl Iterator<Item = [
     })
 }
 
-/// How an output shows the dome; everything in dome axes.
+/// Picture of the dome in an output; everything in dome axes.
 enum Picture {
     Projector { pose: Pose, frustum: Frustum, sphere: Sphere, cap: Option<HalfSpace> },
     Circle { lens: Fisheye, rotation: DMat3, radius: f64 },
@@ -61,7 +64,7 @@ enum Picture {
 
 /// The planes by which triangles are cut.
 struct Cuts {
-    /// What is outside of these is not shown.
+    /// Half-spaces outside of which nothing is shown.
     clipped: Vec<HalfSpace>,
     /// Triangles end here.
     split: Vec<HalfSpace>,
@@ -88,7 +91,8 @@ impl Picture {
         }
     }
 
-    /// The cube's axes → dome axes: an edge forward in a domemaster, so that the rim of 180° goes along diagonals.
+    /// The cube's axes → dome axes: an edge forward in a domemaster, so that the rim of 180° goes
+    /// along diagonals.
     fn cube(&self, rig: &Rig) -> DMat3 {
         match self {
             Self::Projector { .. } => viewer_rotation(rig),
@@ -111,7 +115,8 @@ impl Picture {
                 let mut split = Vec::new();
                 for output in rig.outputs.iter().filter(|_| own.blend.overlap) {
                     let Some((pose, frustum)) = pinhole(output) else { continue };
-                    // A ramp ends at this part of the picture's half; wider ones have a crease in the middle.
+                    // A ramp ends at this part of the picture's half; wider ones have a crease in
+                    // the middle.
                     let inner = (1.0 - 2.0 * EdgeWeight::of(&output.blend).width).abs().min(1.0);
                     split.extend(sides(&pose, &frustum, inner));
                     if !std::ptr::eq(output, own) {
@@ -123,8 +128,8 @@ impl Picture {
         }
     }
 
-    /// Where a point appears: its place in the output's circle or picture, −1…1 from the left and from the bottom, and
-    /// the dome's point there.
+    /// Where a point appears: its place in the output's circle or picture, −1…1 from the left and
+    /// from the bottom, and the dome's point there.
     fn place(&self, point: DVec3) -> (DVec2, DVec3) {
         match self {
             Self::Circle { lens, rotation, radius } => {

@@ -1,4 +1,5 @@
-//! The pixels that show something, as rectangles: what has no test for rims in its shader is drawn only there.
+//! The pixels that show something, as rectangles: what has no test for rims in its shader is drawn
+//! only there.
 
 use crate::correct::passes::output_pass::Batch;
 use crate::correct::passes::rectangle::PixelRect;
@@ -17,7 +18,8 @@ pub(in crate::correct) fn only_lit(batch: Batch, source: &Source, size: (u32, u3
     Batch { rects, edge: false, ..batch }
 }
 
-/// The pixels of `rect` for which `lit` is true, as rectangles: runs, joined where they lie below each other.
+/// The pixels of `rect` for which `lit` is true, as rectangles: runs, joined where they lie below
+/// each other.
 fn lit_parts(rect: &PixelRect, lit: &impl Fn(u32, u32) -> bool) -> Vec<PixelRect> {
     let mut parts: Vec<PixelRect> = Vec::new();
     // Where those that end at the row above begin in `parts`.

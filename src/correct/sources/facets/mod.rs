@@ -1,7 +1,8 @@
 //! Triangles over an output whose corners know what is seen there.
 //!
-//! Between the corners of a triangle direction and weight are linear over the output, and shaders have nothing left to
-//! compute but the view and its texel. The error falls with the square of the triangles' size.
+//! Between the corners of a triangle direction and weight are linear over the output, and shaders
+//! have nothing left to compute but the view and its texel. The error falls with the square of the
+//! triangles' size.
 
 mod adaptive;
 mod clip;
@@ -19,9 +20,10 @@ pub(in crate::correct) use dome::dome_facets;
 pub const WEIGHT_ERROR: f64 = 1e-3;
 
 impl Facets {
-    /// The triangles for rectangles of an output all of whose pixels' centres show something: as large as a greatest
-    /// error in pixels allows. It is measured in the middle of each, of their sides, and between; where what is shown
-    /// leaps, triangles are as small as pixels, and exact at their centres.
+    /// The triangles for rectangles of an output all of whose pixels' centres show something: as
+    /// large as a greatest error in pixels allows. It is measured in the middle of each, of their
+    /// sides, and between; where what is shown leaps, triangles are as small as pixels, and exact
+    /// at their centres.
     pub(in crate::correct) fn within(sampler: &SurfaceSampler, rects: &[PixelRect], max_error: f64) -> Self {
         adaptive::Builder::new(sampler, max_error).build(rects)
     }
