@@ -1,14 +1,50 @@
 //! Vulkan, as a layer between the loader and the driver.
 //!
-//! The loader asks [`negotiate`] for our two `Get…ProcAddr`. [`instance`] and [`device`] remember the next
-//! layer's functions. A [`create`]'s images are ours: what stands between them and the window is a [`stand-in image`],
-//! and [`present`] makes the outputs of it. With nothing to do the loader gets the next layer's own addresses.
+//! # The rooms, from top to bottom
 //!
-//! While a program draws to a swapchain's image, [`passes`] let it draw to an atlas, and [`draws`] issue each draw to
-//! each tile. What is known of the program's objects is in [`images`], [`framebuffers`], [`pipelines`], [`layouts`],
-//! [`descriptors`], [`pushed`] and [`memory`]; of its command buffers in [`recording`]. [`runs`] find its lens when they are
-//! submitted, and [`parameters`] leave out what is not to be seen then; [`offscreen`] finds scenes that reach the window through images of the program's own, of which there are
-//! [`view copies`] for its shaders. What [`queries`] count is told as the program means it. What cannot be followed is shown flat, on the panel, with the reason in the log.
+//! A file uses files of its own room and of the rooms below.
+//!
+//! | room | what it does |
+//! |---|---|
+//! | `layer` | interface to the loader; life of instances and devices; table of hooks |
+//! | `swapchain` | stand-in images for a window; correction and presentation |
+//! | `submit` | what recorded draws turn out to be; view constants; memory of the host |
+//! | `queries` | counts of queries as the program expects them |
+//! | `commands` | recording: passes, draws, clears, copies |
+//! | `descriptors` | descriptor sets, and their copies for each view |
+//! | `offscreen` | scenes that the program draws to images on their way to the window |
+//! | `pipelines` | variants of pipelines for views and panel |
+//! | `state` | what is known of a device, one file per feature; hooks' macro and entry points |
+//! | `spirv` | shaders: matrices, re-projection, division |
+//!
+//! # One draw
+//!
+//! ```text
+//! vkCmdBeginRenderPass   commands::passes        attachments → atlas and atlas copies
+//! vkCmdDraw              commands::draws         hook
+//!                        commands::replicate       classify → select → issue
+//!                        commands::tiles           one draw per view, panel and primary view
+//! vkQueueSubmit          submit::queue           hook
+//!                        submit::draw_groups       matrices → lens → scene, flat or behind
+//!                        state::view_constants     reprojection matrix of each view → memory
+//! ```
+//!
+//! A command buffer may be recorded long before its uniform blocks are filled, and be submitted many
+//! times. So draws are issued to all tiles that may show them, and the matrices that shaders read on
+//! submission move a draw out of the tiles that must not show it.
+//!
+//! # One present
+//!
+//! ```text
+//! vkQueuePresentKHR      swapchain::present      the rig's file is followed; scenes are chosen
+//!                        swapchain::stand_in       atlas → outputs, by backend::vk
+//!                        swapchain::read_back      captures, where they are asked for
+//!                        next layer                the real image is presented
+//! ```
+//!
+//! What cannot be followed is shown flat on the panel, with the [`Obstacle`] in the log.
+//!
+//! [`Obstacle`]: crate::intercept::obstacle::Obstacle
 
 pub mod commands;
 pub mod descriptors;

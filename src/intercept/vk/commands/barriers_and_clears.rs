@@ -1,5 +1,5 @@
-//! Barriers and clears: the atlas copies' layouts follow the images', clears reach each tile. What is copied from buffer to
-//! buffer is remembered.
+//! Barriers and clears: atlas copies follow the layouts of their images, clears reach each tile. Writes
+//! to buffers are recorded as events, for `submit`.
 
 use crate::intercept::vk::state::atlas_layout::{AtlasLayout, AtlasRect, ViewTile};
 use crate::intercept::vk::state::device::Device;

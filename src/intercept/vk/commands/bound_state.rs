@@ -1,4 +1,4 @@
-//! What a program binds and sets while it records.
+//! State that the program binds and sets: pipelines, descriptor sets, push constants, viewports.
 
 use crate::intercept::vk::state::bindings::BoundSet;
 use crate::intercept::vk::state::hooks::hooks;

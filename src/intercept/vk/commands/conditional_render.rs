@@ -1,4 +1,4 @@
-//! Conditional rendering: what the program makes depend on a number holds for its own commands only, and not for what
+//! Conditional rendering: the program's condition holds for its own commands, and not for those that
 //! Cupola records between them.
 
 use crate::intercept::vk::commands::panel_clears::clear_pending;

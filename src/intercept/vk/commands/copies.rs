@@ -1,4 +1,4 @@
-//! Copies between images: from the program's picture of its window, and between pictures of its scene.
+//! Copies between images: from the window's image, to it, and between images of the scene.
 
 use crate::intercept::vk::offscreen::view_copies;
 use crate::intercept::vk::state::atlas_layout::AtlasRect;

@@ -1,4 +1,4 @@
-//! Render passes and framebuffers: which of them draw to a swapchain's image, and their atlas copies.
+//! Render passes and framebuffers: their attachments, and framebuffers over an atlas.
 
 use crate::intercept::obstacle::Obstacle;
 use crate::intercept::vk::state::device::Device;

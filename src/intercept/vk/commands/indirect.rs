@@ -1,8 +1,8 @@
-//! Draws whose parameters lie in memory that is written when a recorded command buffer runs: where they turn out to have nothing to show,
-//! they have no instances.
+//! Draws whose parameters lie in memory that is written on submission: a draw that turns out to show
+//! nothing in a tile gets no instances there.
 //!
-//! Until then a draw may be one of the scene, which the panel does not show, or flat, so that the views do not. What its view constants
-//! would move out of sight is not even begun.
+//! Until then a draw may be one of the scene, which the panel does not show, or flat, which the views do
+//! not show.
 
 use crate::intercept::settings;
 use crate::intercept::vk::state::device::Device;

@@ -1,10 +1,23 @@
-//! TODO-NOTE
+//! Recording: what the program records into command buffers.
+//!
+//! Answers commands that bind state, begin and end passes, draw, clear, copy and set conditions, and
+//! the calls that make command buffers, render passes and framebuffers. Each command buffer has a
+//! `Recording` (`state::recording`), which this room changes while commands are recorded and `submit`
+//! reads when they are submitted.
+//!
+//! ```text
+//! passes ── atlas in place of the framebuffer ── panel_clears
+//! draws ─── replicate ─ tiles ─ rebind
+//!           indirect: parameters in memory, so that a draw that shows nothing can be left out
+//! unsupported: commands that nothing follows; the program is shown flat
+//! ```
 
 pub mod barriers_and_clears;
 pub mod bound_state;
 pub mod conditional_render;
 pub mod copies;
 pub mod draws;
+pub mod dynamic_rendering;
 pub mod framebuffers;
 pub mod indirect;
 pub mod panel_clears;

@@ -2,8 +2,8 @@
 
 use crate::backend::vk::COLOR;
 use crate::intercept::obstacle::Obstacle;
+use crate::intercept::vk::commands::conditional_render;
 use crate::intercept::vk::commands::panel_clears::{clear_panel, clear_pending};
-use crate::intercept::vk::commands::{barriers_and_clears, conditional_render};
 use crate::intercept::vk::offscreen::view_copies;
 use crate::intercept::vk::state::atlas_layout::AtlasLayout;
 use crate::intercept::vk::state::device::Device;
@@ -84,12 +84,13 @@ unsafe fn replace(device: &Device, begin: &vk::RenderPassBeginInfo<'_>) -> Optio
     Some(replaced())
 }
 
-fn is_whole(area: &vk::Rect2D, layout: &AtlasLayout) -> bool {
+/// Whether an area is the whole window.
+pub fn is_whole(area: &vk::Rect2D, layout: &AtlasLayout) -> bool {
     area.offset == vk::Offset2D::default() && (area.extent.width, area.extent.height) == layout.window
 }
 
 /// The whole atlas.
-fn whole_atlas(layout: &AtlasLayout) -> vk::Rect2D {
+pub fn whole_atlas(layout: &AtlasLayout) -> vk::Rect2D {
     vk::Extent2D { width: layout.atlas.0, height: layout.atlas.1 }.into()
 }
 
@@ -154,7 +155,7 @@ unsafe fn begin(
 }
 
 /// A pass begins that is drawn for each view.
-fn served(device: &Device, buffer: vk::CommandBuffer, pass: Pass) {
+pub fn served(device: &Device, buffer: vk::CommandBuffer, pass: Pass) {
     device.recordings.with(buffer, |recording| {
         recording.events.push(Event::Drawn(Arc::clone(&pass.target), true));
         recording.pass = Some(pass);
@@ -162,7 +163,7 @@ fn served(device: &Device, buffer: vk::CommandBuffer, pass: Pass) {
 }
 
 /// A pass begins that is the program's own, with `views` of images.
-fn plain(device: &Device, buffer: vk::CommandBuffer, target: Option<Arc<ViewTarget>>, views: &[vk::ImageView]) {
+pub fn plain(device: &Device, buffer: vk::CommandBuffer, target: Option<Arc<ViewTarget>>, views: &[vk::ImageView]) {
     let candidates = match device.images.has_candidates() {
         true => views.iter().filter_map(|view| device.images.candidate_of(*view)).collect(),
         false => Vec::new(),
@@ -178,7 +179,7 @@ fn plain(device: &Device, buffer: vk::CommandBuffer, target: Option<Arc<ViewTarg
 ///
 /// # Safety
 /// The command buffer is being recorded, within the pass.
-unsafe fn end(device: &Device, buffer: vk::CommandBuffer, next: impl FnOnce()) {
+pub unsafe fn end(device: &Device, buffer: vk::CommandBuffer, next: impl FnOnce()) {
     let pass = device.recordings.with(buffer, |recording| {
         recording.plain = None;
         recording.pass.take()
@@ -238,138 +239,6 @@ unsafe fn change_layout(device: &Device, buffer: vk::CommandBuffer, layout_chang
     }
 }
 
-/// An attachment with `atlas copy`s in the place of its images.
-fn attachment<'a>(
-    given: &vk::RenderingAttachmentInfo<'a>,
-    atlas_copy: &dyn Fn(vk::ImageView) -> Result<vk::ImageView, Obstacle>,
-) -> Result<vk::RenderingAttachmentInfo<'a>, Obstacle> {
-    let mut changed = *given;
-    changed.image_view = atlas_copy(given.image_view)?;
-    changed.resolve_image_view = atlas_copy(given.resolve_image_view)?;
-    Ok(changed)
-}
-
-/// Begins dynamic rendering by `next`.
-///
-/// # Safety
-/// As for [`begin`].
-unsafe fn begin_rendering(
-    device: &Device,
-    buffer: vk::CommandBuffer,
-    info: &vk::RenderingInfo<'_>,
-    next: impl Fn(&vk::RenderingInfo<'_>),
-) {
-    // SAFETY: the program's structure.
-    let (colors, given_depth, given_stencil) = unsafe {
-        let colors = slice(info.p_color_attachments, info.color_attachment_count);
-        (colors, info.p_depth_attachment.as_ref(), info.p_stencil_attachment.as_ref())
-    };
-    let views = colors.iter().flat_map(|color| [color.image_view, color.resolve_image_view]);
-    let views: Vec<vk::ImageView> = views.filter(|view| *view != vk::ImageView::null()).collect();
-    let Some(target) = views.iter().find_map(|view| device.images.target(*view)) else {
-        plain(device, buffer, None, &views);
-        return next(info);
-    };
-    let layout = &target.layout;
-    let atlas_copy = |view: vk::ImageView| match view == vk::ImageView::null() {
-        true => Ok(view),
-        false => device.images.atlas_copy(device, view, layout),
-    };
-    let whole = is_whole(&info.render_area, layout);
-    let secondary = info.flags.contains(vk::RenderingFlags::CONTENTS_SECONDARY_COMMAND_BUFFERS);
-    let replaced = || -> Result<_, Obstacle> {
-        if info.view_mask != 0 || info.layer_count != 1 {
-            return Err("it draws several views itself".into());
-        }
-        let mut all = Attachments {
-            colors: colors.iter().map(|color| attachment(color, &atlas_copy)).collect::<Result<_, _>>()?,
-            depth: given_depth.map(|depth| attachment(depth, &atlas_copy)).transpose()?,
-            stencil: given_stencil.map(|stencil| attachment(stencil, &atlas_copy)).transpose()?,
-        };
-        let clears = if whole { Vec::new() } else { all.keep() };
-        if secondary && !clears.is_empty() {
-            return Err("it clears a part of the window in a pass of secondary command buffers".into());
-        }
-        Ok((all, clears))
-    };
-    let replaced = if device.draws_views() { replaced() } else { Err(Obstacle::AlreadyFlat) };
-    let (all, clears) = match replaced {
-        Ok(replaced) => replaced,
-        Err(why) => {
-            device.show_flat(why);
-            plain(device, buffer, Some(Arc::clone(&target)), &views);
-            return next(info);
-        }
-    };
-    let mut changed = (*info).render_area(whole_atlas(layout)).color_attachments(&all.colors);
-    if let Some(depth) = &all.depth {
-        changed = changed.depth_attachment(depth);
-    }
-    if let Some(stencil) = &all.stencil {
-        changed = changed.stencil_attachment(stencil);
-    }
-    let resumed = info.flags.contains(vk::RenderingFlags::RESUMING);
-    let anew = |(_, color): &(u32, &vk::RenderingAttachmentInfo<'_>)| {
-        whole && !resumed && color.image_view != vk::ImageView::null() && color.load_op != vk::AttachmentLoadOp::LOAD
-    };
-    let uncleared_panels = (0..).zip(colors).filter(anew).map(|(number, _)| number).collect();
-    let kind = |attachment: &vk::RenderingAttachmentInfo<'_>| device.images.kind(attachment.image_view);
-    let format = |attachment: Option<&vk::RenderingAttachmentInfo<'_>>| attachment.and_then(kind).unwrap_or_default().0;
-    let within = Within::Rendering {
-        colors: colors.iter().map(|color| format(Some(color))).collect(),
-        depth: format(given_depth),
-        stencil: format(given_stencil),
-        samples: colors.iter().find_map(kind).unwrap_or_default().1,
-    };
-    let mut pass = Pass::new(Arc::clone(&target), within, uncleared_panels);
-    if !info.flags.contains(vk::RenderingFlags::SUSPENDING) {
-        let ends = colors.iter().flat_map(|color| {
-            [(color.image_view, color.image_layout), (color.resolve_image_view, color.resolve_image_layout)]
-        });
-        let scenes = ends.filter_map(|(view, layout)| Some((device.images.target(view)?, layout)));
-        pass.scenes = scenes.filter(|(scene, _)| !scene.window).collect();
-    }
-    // SAFETY: as promised; what is cleared is cleared as soon as the pass has begun, with these attachments.
-    unsafe {
-        conditional_render::begin_pass(device, buffer, || {
-            next(&changed);
-            served(device, buffer, pass);
-            if !resumed && !clears.is_empty() {
-                let area = vk::ClearRect { rect: info.render_area, base_array_layer: 0, layer_count: 1 };
-                barriers_and_clears::clear(device, buffer, layout, &clears, &[area]);
-            }
-        });
-    }
-}
-
-/// What dynamic rendering draws to.
-struct Attachments<'a> {
-    colors: Vec<vk::RenderingAttachmentInfo<'a>>,
-    depth: Option<vk::RenderingAttachmentInfo<'a>>,
-    stencil: Option<vk::RenderingAttachmentInfo<'a>>,
-}
-
-impl Attachments<'_> {
-    /// Keeps what was there; the clears that have to be made in the place of those that are left out.
-    fn keep(&mut self) -> Vec<vk::ClearAttachment> {
-        use vk::ImageAspectFlags as A;
-        let colors = (0..).zip(&mut self.colors).map(|(number, color)| (A::COLOR, number, color));
-        let deep = self.depth.iter_mut().map(|depth| (A::DEPTH, 0, depth));
-        let stencil = self.stencil.iter_mut().map(|stencil| (A::STENCIL, 0, stencil));
-        let mut clears = Vec::new();
-        for (aspect_mask, color_attachment, attachment) in colors.chain(deep).chain(stencil) {
-            if attachment.image_view == vk::ImageView::null() {
-                continue;
-            }
-            let load = std::mem::replace(&mut attachment.load_op, vk::AttachmentLoadOp::LOAD);
-            if load == vk::AttachmentLoadOp::CLEAR {
-                clears.push(vk::ClearAttachment { aspect_mask, color_attachment, clear_value: attachment.clear_value });
-            }
-        }
-        clears
-    }
-}
-
 hooks! {
     cmd_begin_render_pass = (
         buffer: vk::CommandBuffer, info: *const vk::RenderPassBeginInfo<'_>, contents: vk::SubpassContents
@@ -396,16 +265,5 @@ hooks! {
         buffer: vk::CommandBuffer, info: *const vk::SubpassEndInfo<'_>
     ) { |state, next| {
         end(&state, buffer, || next(buffer, info))
-    } }
-    cmd_begin_rendering = (
-        buffer: vk::CommandBuffer, info: *const vk::RenderingInfo<'_>
-    ) { |state, next| {
-        conditional_render::pass_follows(&state, buffer, !(*info).flags.contains(vk::RenderingFlags::CONTENTS_SECONDARY_COMMAND_BUFFERS));
-        begin_rendering(&state, buffer, &*info, |info| next(buffer, info))
-    } }
-    cmd_end_rendering = (
-        buffer: vk::CommandBuffer
-    ) { |state, next| {
-        end(&state, buffer, || next(buffer))
     } }
 }

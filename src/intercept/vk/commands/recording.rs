@@ -1,5 +1,4 @@
-//! Command buffers of the program: their state while they are recorded, and what has to be known of them when
-//! they are submitted.
+//! Life of command buffers: allocation, begin, execution of secondary ones, end.
 
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::hooks::hooks;

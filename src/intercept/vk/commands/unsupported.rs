@@ -1,7 +1,7 @@
-//! Commands that change what is drawn in ways that are not followed: a program that uses one is shown flat.
+//! Commands that nothing follows: a program that uses one is shown flat.
 //!
-//! With the hooks of the other files these are all commands that could draw, bind or copy past us; a test compares them
-//! with those that there are.
+//! Together with the hooks of the other files these are all commands that draw, bind or copy; a test
+//! compares them with the commands that Vulkan has.
 
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::hooks::hooks;

@@ -1,5 +1,5 @@
-//! Copies of the program's descriptor sets, one for each view, that show its shaders the view's view copy in the place of a
-//! picture of the scene, and the atlas copy in the place of an attachment that they read.
+//! Copies of the program's descriptor sets, one per view: with the view copy in place of an image of
+//! the scene, and the atlas copy in place of an attachment that shaders read.
 
 use crate::intercept::obstacle::Obstacle;
 use crate::intercept::vk::state::atlas_layout::AtlasLayout;

@@ -1,4 +1,4 @@
-//! Descriptor sets of the program: which buffer a binding leads to.
+//! Hooks of descriptor sets, their layouts and update templates.
 
 use crate::intercept::obstacle::Obstacle;
 use crate::intercept::vk::descriptors::per_view_sets::ProgramSet;

@@ -1,4 +1,4 @@
-//! A test that no command gets past us: each one that there is has a hook, or is named here as one that needs none.
+//! Test: each command that Vulkan has is answered by a hook, or is listed here as one that needs none.
 
 use crate::intercept::vk::layer::table;
 use std::collections::BTreeSet;

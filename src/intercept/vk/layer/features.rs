@@ -1,4 +1,5 @@
-//! What is enabled on a device for us: the geometry stage, where the rig asks for primitives that are divided, and what it counts by.
+//! Features that are enabled on a device for us: geometry shaders, where the rig asks for primitives
+//! that are divided, and atomic operations, where the statistics count what is not divided enough.
 
 use crate::intercept::settings;
 use crate::intercept::vk::layer::device_structures::length_for_device;

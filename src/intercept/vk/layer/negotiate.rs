@@ -1,4 +1,5 @@
-//! What the loader and a layer say to each other (Vulkan-Loader, "Loader and Layer Interface", version 2).
+//! `vkNegotiateLoaderLayerInterfaceVersion` and our `Get…ProcAddr` (Vulkan-Loader, "Loader and Layer
+//! Interface", version 2).
 
 use crate::intercept::vk::layer::{device, instance, table};
 use crate::intercept::vk::state::device as devices;

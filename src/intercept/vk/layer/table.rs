@@ -1,7 +1,8 @@
 //! The table of all hooks of a device.
 
 use crate::intercept::vk::commands::{
-    barriers_and_clears, bound_state, conditional_render, copies, draws, framebuffers, passes, recording, unsupported,
+    barriers_and_clears, bound_state, conditional_render, copies, draws, dynamic_rendering, framebuffers, passes,
+    recording, unsupported,
 };
 use crate::intercept::vk::descriptors::{push_descriptors, sets};
 use crate::intercept::vk::layer::device;
@@ -41,6 +42,7 @@ pub fn find(name: &CStr) -> Option<*const ()> {
             conditional_render::HOOKS,
             copies::HOOKS,
             draws::HOOKS,
+            dynamic_rendering::HOOKS,
             framebuffers::HOOKS,
             passes::HOOKS,
             recording::HOOKS,

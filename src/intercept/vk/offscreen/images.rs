@@ -1,8 +1,7 @@
-//! Images of the program, and the atlas copies that stand for them while views are drawn.
+//! Images of the program, and the atlas copies that passes draw to in their place.
 //!
-//! A swapchain's image has an atlas as its atlas copy, and so has an image that holds a scene on its way to the window. What a
-//! pass draws to together with them (depth, samples) gets a atlas copy as large as the atlas. [`scenes`] has what is done with
-//! images that may hold a scene, [`following`] what becomes of them when the window gets other views.
+//! A swapchain's image has an atlas, and so has an image that holds a scene on its way to the window.
+//! Other attachments of the same pass (depth, samples) get a copy as large as the atlas.
 
 use crate::intercept::obstacle::Obstacle;
 use crate::intercept::vk::state::atlas_layout::AtlasLayout;

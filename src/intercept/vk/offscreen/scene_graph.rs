@@ -1,8 +1,8 @@
-//! Scenes that are drawn off screen: which of the program's images hold a scene on its way to the window.
+//! Choice of the images that hold a scene on its way to the window.
 //!
-//! What each image gets, and what is made of it, is remembered as it is recorded. Between two frames those images are
-//! found that perspective draws reach and that lead to the window: by a flat draw of a few vertices over all of it
-//! that samples the image, or by a copy of the whole. From then on they are drawn once for each view.
+//! While commands are recorded, what each image gets and what is made of it is noted. Between two frames
+//! the images are found that perspective draws reach and that lead to the window: by a flat draw of a few
+//! vertices over all of it that samples the image, or by a copy of the whole.
 
 use crate::intercept::vk::pipelines::matrix_sources::{matrix, source};
 use crate::intercept::vk::state::device::Device;

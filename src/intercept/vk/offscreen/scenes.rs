@@ -1,4 +1,4 @@
-//! Images of the program that may hold a scene on its way to the window, and the view copies of those that do.
+//! Images that hold a scene on its way to the window: their atlases and view copies.
 
 use crate::intercept::obstacle::Obstacle;
 use crate::intercept::settings;

@@ -1,8 +1,7 @@
-//! Prints: copies of the views of a scene that is drawn off screen, an image for each, as the program's shaders sample
-//! its own image.
+//! View copies: one image per view of a scene that is drawn off screen, for the program's shaders.
 //!
-//! A pass draws all views into one atlas, so that no draw changes its framebuffer. What samples the image then sees, in
-//! each view, the view copy of that view: coordinates, filter and wrapping at the borders are as the program has them.
+//! A pass draws all views into one atlas, so that no draw changes its framebuffer. Shaders that sample
+//! the image get the view's copy: coordinates, filter and wrapping are as the program has them.
 
 use crate::intercept::vk::state::atlas_layout::AtlasRect;
 use crate::intercept::vk::state::device::Device;

@@ -1,5 +1,5 @@
-//! What the structure that makes a pipeline says: all of it, or the parts that a library has. Pointers to what belongs to
-//! other parts are not looked at; they may lead anywhere.
+//! Create infos of pipelines: of whole pipelines, or of the parts that a library has. Pointers that
+//! belong to other parts may lead anywhere and are not followed.
 
 use crate::intercept::vk::state::structures::{Copied, in_chain, slice};
 use ash::vk::{self, GraphicsPipelineLibraryFlagsEXT as Flags};

@@ -1,4 +1,4 @@
-//! Which pipelines get a stage that divides, the stage, and what the statistics say of it.
+//! The geometry stage that divides primitives: which pipelines get one, and why others do not.
 
 use crate::correct::projected::division::Input;
 use crate::intercept::vk::pipelines::create_info::Parts;

@@ -1,5 +1,5 @@
-//! Shaders and pipeline layouts. Each pipeline layout has one more descriptor set than the program asked for: the
-//! view constants of the view that is drawn, and the counter of what is not divided far enough.
+//! Shader modules and pipeline layouts. Each pipeline layout gets one more descriptor set: the view
+//! constants, and the counter of primitives that are not divided enough.
 
 use crate::intercept::vk::state::descriptors::SetLayout;
 use crate::intercept::vk::state::device::Device;

@@ -1,4 +1,4 @@
-//! Where the matrices that shaders read are, and what they hold.
+//! Matrices that shaders read: where they are, and what they hold.
 
 use crate::intercept::lens;
 use crate::intercept::vk::spirv::{Matrix, Memory};

@@ -1,4 +1,14 @@
-//! TODO-NOTE
+//! Pipelines: `vkCreateGraphicsPipelines`, shader modules and pipeline layouts.
+//!
+//! Each pipeline of the program gets two variants: one draws into a view, with the re-projection
+//! spliced into its last stage before rasterisation, and one draws onto the panel, with alpha that
+//! collects what covers it. Each pipeline layout gets one more descriptor set, for the view constants.
+//! State: `state::pipelines`.
+//!
+//! ```text
+//! create_info (what a structure says) ─ variants ─┬─ spirv::splice
+//!                                                 └─ dividing_stage ─ spirv::divide
+//! ```
 
 pub mod create_info;
 pub mod dividing_stage;

@@ -1,7 +1,4 @@
-//! Pipelines: beside each of the program's, one that draws into a view and one that draws onto the panel.
-//!
-//! `parts` has what a structure says, of a whole pipeline or of a library; `variants` makes the others, `division` the stage that
-//! divides.
+//! Hooks of pipelines.
 
 use crate::intercept::vk::pipelines::create_info::Parts;
 use crate::intercept::vk::pipelines::variants;

@@ -1,4 +1,4 @@
-//! The pipelines that are drawn by in the place of a program's. A library has variants, too, and what is linked from
+//! Variants of the program's pipelines. A library has variants, too; a pipeline that is linked from
 //! libraries has variants that are linked from theirs.
 
 use crate::intercept::log;
@@ -37,17 +37,11 @@ fn layout_of(device: &Device, parts: &Parts<'_>, linked: &[Arc<Pipeline>]) -> Op
     }
 }
 
-/// Makes the variants of a pipeline of the program.
+/// The libraries that a pipeline is linked from, and the layout with a set of ours, if it needs one.
 ///
 /// # Errors
-/// Why it has none.
-///
-/// # Safety
-/// `parts` must be of a pipeline that the program has just made.
-pub unsafe fn make(device: &Device, cache: vk::PipelineCache, parts: &Parts<'_>) -> Result<Variants, Obstacle> {
-    if let Some(why) = parts.obstacle() {
-        return Err(why.into());
-    }
+/// Why it has no variants.
+fn linked_libraries(device: &Device, parts: &Parts<'_>) -> Result<Linked, Obstacle> {
     let linked = |library: &vk::Pipeline| device.pipelines.get(*library).filter(|known| known.variants.is_some());
     let linked: Option<Vec<Arc<Pipeline>>> = parts.libraries.iter().map(linked).collect();
     let linked = linked.ok_or_else(|| device.flatness.pipeline_obstacle())?;
@@ -61,6 +55,24 @@ pub unsafe fn make(device: &Device, cache: vk::PipelineCache, parts: &Parts<'_>)
     if others.clone().any(|other| layout.as_ref().is_some_and(|layout| !alike(layout, other))) {
         return Err("its libraries have layouts with different sets".into());
     }
+    Ok((linked, layout))
+}
+
+/// The libraries that a pipeline is linked from, and its layout.
+type Linked = (Vec<Arc<Pipeline>>, Option<Arc<PipelineLayout>>);
+
+/// Makes the variants of a pipeline of the program.
+///
+/// # Errors
+/// Why it has none.
+///
+/// # Safety
+/// `parts` must be of a pipeline that the program has just made.
+pub unsafe fn make(device: &Device, cache: vk::PipelineCache, parts: &Parts<'_>) -> Result<Variants, Obstacle> {
+    if let Some(why) = parts.obstacle() {
+        return Err(why.into());
+    }
+    let (linked, layout) = linked_libraries(device, parts)?;
     let libraries = || linked.iter().filter_map(|library| library.variants.as_ref());
     let fragments = parts.stages.iter().filter(|stage| stage.stage == vk::ShaderStageFlags::FRAGMENT);
     let mut matrices: Vec<_> = libraries().flat_map(|library| library.matrices.iter().copied()).collect();

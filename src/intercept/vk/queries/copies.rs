@@ -1,7 +1,7 @@
-//! Results that a command copies into a buffer of the program's: they get their weights on the device.
+//! Results of queries that a command copies into a buffer of the program: they are scaled on the device.
 //!
-//! The results of a pool are copied into a buffer of ours, a compute shader makes of them what the program is told, and
-//! that is copied to where the program wants it. Results that are not there yet are those of the last copy.
+//! The results of a pool are copied into a buffer of ours, a compute shader scales them, and they are
+//! copied to where the program wants them. Results that are not available are those of the last copy.
 
 use crate::backend::vk::Buffer;
 use crate::intercept::vk::commands::conditional_render::unconditionally;

@@ -1,4 +1,4 @@
-//! What a program reads of its queries.
+//! Results of queries that the program reads on the host.
 
 use crate::intercept::vk::state::queries::{Pool, scaled};
 use ash::vk;

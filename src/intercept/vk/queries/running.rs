@@ -1,4 +1,4 @@
-//! Queries while they run: which draws they count, and how often each of those is issued.
+//! Queries of a command buffer that is submitted: which draws they count, and how often each is issued.
 
 use crate::intercept::scene::query_weights::{QueryWeights, weight};
 use crate::intercept::vk::commands::panel_clears::clear_pending;

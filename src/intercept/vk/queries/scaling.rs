@@ -1,13 +1,9 @@
-//! Queries that count what a program draws, though each draw is issued once per view.
+//! Hooks of queries that count draws.
 //!
-//! A query counts all that is issued while it runs. What the program is told is that number times a
-//! weight ([`QueryWeights`]), which is known when the command buffer is submitted, as what its draws
-//! are is known then. Each draw is issued a known number of times, so that counts of primitives are
-//! exact where all draws of a query are issued as often, or where the program says how large they
-//! are.
-//!
-//! [`running`] finds the weights, `results` tells the program what it
-//! reads, `copies` what a command copies for it.
+//! A query counts all that is issued while it is active. The program gets that number times a weight
+//! (`QueryWeights`), which is known on submission. Each draw is issued a known number of times, so that
+//! counts of primitives are exact where all draws of a query are issued equally often, or where the
+//! program says how large they are.
 
 use crate::intercept::scene::query_weights::{Quantity, QueryWeights};
 use crate::intercept::vk::queries::results::WantedResults;

@@ -1,4 +1,4 @@
-//! Where in an atlas and in a window everything is, from the top left as Vulkan counts.
+//! Places in an atlas and in a window. The origin is the top left corner, as in Vulkan.
 
 use crate::correct::Plan;
 use crate::correct::projected::matrices::LensConstants;

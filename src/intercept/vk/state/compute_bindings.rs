@@ -1,4 +1,4 @@
-//! What a program has bound for its compute shaders, so that it can be put back after one of ours.
+//! What a program has bound for compute shaders, so that it can be put back after a shader of ours.
 
 use crate::intercept::vk::state::bindings::{BoundSet, Pushed, Write};
 use crate::intercept::vk::state::driver::Driver;

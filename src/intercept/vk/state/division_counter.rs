@@ -1,4 +1,4 @@
-//! Counts what the dividing stage did not divide far enough, for the statistics.
+//! Counter of primitives that the dividing stage did not divide enough, for the statistics.
 
 use crate::intercept::vk::state::driver::Driver;
 use ash::prelude::VkResult;

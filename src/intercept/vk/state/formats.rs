@@ -1,4 +1,4 @@
-//! Formats of a window's images: which are corrected, and what their texels look like.
+//! Formats of a window's images that can be corrected, and their texels.
 
 use ash::vk;
 

@@ -1,4 +1,4 @@
-//! Images of ours, and what is recorded to use an image.
+//! Images of ours, and barriers for them.
 
 use crate::backend::vk::{COLOR, Use};
 use crate::intercept::vk::state::driver::Driver;

@@ -1,7 +1,9 @@
-//! Memory for the rows that re-project, one slot for each view and the panel, read by shaders when a recorded
-//! command buffer runs. So command buffers stay valid when the program's lens changes. Where vertices are projected to
-//! outputs' pictures, the lens of a picture follows its view constants; where they are divided, a counter may be beside them. The parameters of
-//! large draws lie there, too.
+//! Memory for view constants: one slot for each view, for the panel and for the primary view.
+//!
+//! Shaders read it when a recorded command buffer runs, so that command buffers stay valid when the
+//! program's lens changes. A slot holds the reprojection matrix, and the lens constants where vertices
+//! are projected to outputs; a counter of the dividing stage may lie beside it. The parameters of large
+//! draws lie in the same chunks.
 
 use crate::intercept::vk::state::division_counter::Counter;
 use crate::intercept::vk::state::driver::Driver;

@@ -1,8 +1,7 @@
-//! Runs of draws that share a lens: where the lens is found, and the rows that it gives each view.
+//! Draw groups on submission: their lens, and the view constants that it gives each view.
 //!
-//! A command buffer may be recorded long before its uniform blocks are filled, and run many times. So what a draw
-//! is (scene or flat, and with which lens) is decided when the command buffer is submitted, and the rows that
-//! shaders read decide what is seen: a draw that does not belong to a view is moved out of its sight.
+//! A draw's class (scene or flat, and with which lens) is decided when the command buffer is submitted.
+//! The view constants carry out the decision: a draw that does not belong in a tile is moved out of it.
 
 use crate::correct::projected::matrices::{LensConstants, ReprojectionMatrix};
 use crate::intercept::lens;

@@ -1,4 +1,4 @@
-//! Submissions: what recorded command buffers draw gets its view constants.
+//! Submissions: the draws of submitted command buffers get their view constants.
 
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::hooks::hooks;

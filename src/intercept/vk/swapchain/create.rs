@@ -1,4 +1,4 @@
-//! Swapchains: the program draws into images of ours; the real ones get the corrected picture.
+//! Creation of swapchains: the program draws to stand-in images; the real ones get the correction.
 
 use crate::error::{Error, ErrorKind, Result};
 use crate::intercept::live::{self, Live};

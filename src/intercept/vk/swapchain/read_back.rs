@@ -1,4 +1,4 @@
-//! Pictures that are read back from the device, for captures. It is waited for: captures are not a frame's work.
+//! Read-back of images, for captures. Waits for the device: captures are not part of a frame.
 
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::formats::TexelFormat;

@@ -1,5 +1,5 @@
-//! What stands between a program and a window: images for the program to draw into, an atlas for each, and the
-//! command buffers that make the window's picture of them.
+//! Stand-in images for a swapchain, an atlas for each, and the command buffers that make the window's
+//! picture of them.
 
 use crate::backend::vk::{COLOR, SourceImage, TargetImage, Timing, VkBackend};
 use crate::error::{Error, ErrorKind, Result};
@@ -21,6 +21,9 @@ impl PictureSource {
         matches!(self, Self::Panel | Self::Views)
     }
 }
+
+/// Nanoseconds that the last picture of an image may take. A device that takes longer hangs.
+const LONGEST_WAIT: u64 = 60_000_000_000;
 
 /// What the driver refuses, for the log.
 fn refused(what: &str) -> impl Fn(vk::Result) -> Error + '_ {
@@ -240,10 +243,11 @@ impl StandIn {
         self.slots.get(index).is_some_and(|slot| slot.target.in_views.load(Ordering::Relaxed))
     }
 
-    /// Makes the window's picture `index` on a queue of a family, after `waits`. Returns the semaphore that says
-    /// that it can be presented.
+    /// Makes the window's picture `index` on a queue of a family, after `waits`. Returns the semaphore
+    /// that says that it can be presented.
     ///
-    /// The window system handed the image out, so that its last picture is done and nothing is waited for here.
+    /// Waits until the last picture of this image is done, 60 seconds at most. Normally it is
+    /// done: the window system has handed the image out again.
     ///
     /// # Errors
     /// The driver's; and where the family cannot draw. Nothing was submitted then.
@@ -269,7 +273,7 @@ impl StandIn {
                 .command_buffers(&commands)
                 .signal_semaphores(&ready);
             let functions = &device.driver.functions;
-            functions.wait_for_fences(&[slot.done], true, u64::MAX).map_err(refused("to wait"))?;
+            functions.wait_for_fences(&[slot.done], true, LONGEST_WAIT).map_err(refused("to wait"))?;
             if let Some(source) = slot.submitted.take() {
                 self.backend.read_timing(source);
             }

@@ -1,0 +1,204 @@
+//! Dynamic rendering: where it draws to a view target, it draws to the atlas in its place.
+
+use crate::intercept::obstacle::Obstacle;
+use crate::intercept::vk::commands::passes::{end, is_whole, plain, served, whole_atlas};
+use crate::intercept::vk::commands::{barriers_and_clears, conditional_render};
+use crate::intercept::vk::state::atlas_layout::AtlasLayout;
+use crate::intercept::vk::state::device::Device;
+use crate::intercept::vk::state::hooks::hooks;
+use crate::intercept::vk::state::recording::{Pass, Within};
+use crate::intercept::vk::state::structures::slice;
+use crate::intercept::vk::state::view_target::ViewTarget;
+use ash::vk;
+use std::sync::Arc;
+
+/// Attachments of dynamic rendering, as the program gives them.
+struct Given<'a> {
+    info: &'a vk::RenderingInfo<'a>,
+    colors: &'a [vk::RenderingAttachmentInfo<'a>],
+    depth: Option<&'a vk::RenderingAttachmentInfo<'a>>,
+    stencil: Option<&'a vk::RenderingAttachmentInfo<'a>>,
+}
+
+impl<'a> Given<'a> {
+    /// # Safety
+    /// `info` must be the program's.
+    unsafe fn of(info: &'a vk::RenderingInfo<'a>) -> Self {
+        // SAFETY: as promised.
+        unsafe {
+            Self {
+                info,
+                colors: slice(info.p_color_attachments, info.color_attachment_count),
+                depth: info.p_depth_attachment.as_ref(),
+                stencil: info.p_stencil_attachment.as_ref(),
+            }
+        }
+    }
+
+    /// Views of the colours and of what they are resolved to.
+    fn views(&self) -> Vec<vk::ImageView> {
+        let views = self.colors.iter().flat_map(|color| [color.image_view, color.resolve_image_view]);
+        views.filter(|view| *view != vk::ImageView::null()).collect()
+    }
+
+    fn has(&self, flag: vk::RenderingFlags) -> bool {
+        self.info.flags.contains(flag)
+    }
+
+    /// The pass that draws to the atlas of `target`.
+    fn pass(&self, device: &Device, target: &Arc<ViewTarget>) -> Pass {
+        let whole = is_whole(&self.info.render_area, &target.layout) && !self.has(vk::RenderingFlags::RESUMING);
+        let anew = |(_, color): &(u32, &vk::RenderingAttachmentInfo<'_>)| {
+            whole && color.image_view != vk::ImageView::null() && color.load_op != vk::AttachmentLoadOp::LOAD
+        };
+        let uncleared_panels = (0..).zip(self.colors).filter(anew).map(|(number, _)| number).collect();
+        let kind = |given: &vk::RenderingAttachmentInfo<'_>| device.images.kind(given.image_view);
+        let format = |given: Option<&vk::RenderingAttachmentInfo<'_>>| given.and_then(kind).unwrap_or_default().0;
+        let within = Within::Rendering {
+            colors: self.colors.iter().map(|color| format(Some(color))).collect(),
+            depth: format(self.depth),
+            stencil: format(self.stencil),
+            samples: self.colors.iter().find_map(kind).unwrap_or_default().1,
+        };
+        let mut pass = Pass::new(Arc::clone(target), within, uncleared_panels);
+        if !self.has(vk::RenderingFlags::SUSPENDING) {
+            let ends = self.colors.iter().flat_map(|color| {
+                [(color.image_view, color.image_layout), (color.resolve_image_view, color.resolve_image_layout)]
+            });
+            let scenes = ends.filter_map(|(view, layout)| Some((device.images.target(view)?, layout)));
+            pass.scenes = scenes.filter(|(scene, _)| !scene.window).collect();
+        }
+        pass
+    }
+}
+
+/// Begins dynamic rendering by `next`.
+///
+/// # Safety
+/// `info` must be the program's; `next` begins rendering after the structure that it is given.
+pub unsafe fn begin(
+    device: &Device,
+    buffer: vk::CommandBuffer,
+    info: &vk::RenderingInfo<'_>,
+    next: impl Fn(&vk::RenderingInfo<'_>),
+) {
+    // SAFETY: as promised.
+    let given = unsafe { Given::of(info) };
+    let views = given.views();
+    let Some(target) = views.iter().find_map(|view| device.images.target(*view)) else {
+        plain(device, buffer, None, &views);
+        return next(info);
+    };
+    let layout = &target.layout;
+    let (all, clears) = match replace(device, &given, layout) {
+        Ok(replaced) => replaced,
+        Err(why) => {
+            device.show_flat(why);
+            plain(device, buffer, Some(Arc::clone(&target)), &views);
+            return next(info);
+        }
+    };
+    let mut changed = (*info).render_area(whole_atlas(layout)).color_attachments(&all.colors);
+    if let Some(depth) = &all.depth {
+        changed = changed.depth_attachment(depth);
+    }
+    if let Some(stencil) = &all.stencil {
+        changed = changed.stencil_attachment(stencil);
+    }
+    let pass = given.pass(device, &target);
+    // SAFETY: as promised; what is cleared is cleared as soon as the pass has begun, with these attachments.
+    unsafe {
+        conditional_render::begin_pass(device, buffer, || {
+            next(&changed);
+            served(device, buffer, pass);
+            if !given.has(vk::RenderingFlags::RESUMING) && !clears.is_empty() {
+                let area = vk::ClearRect { rect: info.render_area, base_array_layer: 0, layer_count: 1 };
+                barriers_and_clears::clear(device, buffer, layout, &clears, &[area]);
+            }
+        });
+    }
+}
+
+/// The attachments over the atlas, and the clears of a part that the program's attachments make.
+///
+/// # Errors
+/// What keeps them from being replaced.
+fn replace<'a>(
+    device: &Device,
+    given: &Given<'a>,
+    layout: &AtlasLayout,
+) -> Result<(Attachments<'a>, Vec<vk::ClearAttachment>), Obstacle> {
+    if !device.draws_views() {
+        return Err(Obstacle::AlreadyFlat);
+    }
+    if given.info.view_mask != 0 || given.info.layer_count != 1 {
+        return Err("it draws several views itself".into());
+    }
+    let atlas_copy = |view: vk::ImageView| match view == vk::ImageView::null() {
+        true => Ok(view),
+        false => device.images.atlas_copy(device, view, layout),
+    };
+    let mut all = Attachments {
+        colors: given.colors.iter().map(|color| attachment(color, &atlas_copy)).collect::<Result<_, _>>()?,
+        depth: given.depth.map(|depth| attachment(depth, &atlas_copy)).transpose()?,
+        stencil: given.stencil.map(|stencil| attachment(stencil, &atlas_copy)).transpose()?,
+    };
+    let clears = if is_whole(&given.info.render_area, layout) { Vec::new() } else { all.keep() };
+    if given.has(vk::RenderingFlags::CONTENTS_SECONDARY_COMMAND_BUFFERS) && !clears.is_empty() {
+        return Err("it clears a part of the window in a pass of secondary command buffers".into());
+    }
+    Ok((all, clears))
+}
+
+/// An attachment with `atlas copy`s in the place of its images.
+fn attachment<'a>(
+    given: &vk::RenderingAttachmentInfo<'a>,
+    atlas_copy: &dyn Fn(vk::ImageView) -> Result<vk::ImageView, Obstacle>,
+) -> Result<vk::RenderingAttachmentInfo<'a>, Obstacle> {
+    let mut changed = *given;
+    changed.image_view = atlas_copy(given.image_view)?;
+    changed.resolve_image_view = atlas_copy(given.resolve_image_view)?;
+    Ok(changed)
+}
+
+/// What dynamic rendering draws to.
+struct Attachments<'a> {
+    colors: Vec<vk::RenderingAttachmentInfo<'a>>,
+    depth: Option<vk::RenderingAttachmentInfo<'a>>,
+    stencil: Option<vk::RenderingAttachmentInfo<'a>>,
+}
+
+impl Attachments<'_> {
+    /// Keeps what was there; the clears that have to be made in the place of those that are left out.
+    fn keep(&mut self) -> Vec<vk::ClearAttachment> {
+        use vk::ImageAspectFlags as A;
+        let colors = (0..).zip(&mut self.colors).map(|(number, color)| (A::COLOR, number, color));
+        let deep = self.depth.iter_mut().map(|depth| (A::DEPTH, 0, depth));
+        let stencil = self.stencil.iter_mut().map(|stencil| (A::STENCIL, 0, stencil));
+        let mut clears = Vec::new();
+        for (aspect_mask, color_attachment, attachment) in colors.chain(deep).chain(stencil) {
+            if attachment.image_view == vk::ImageView::null() {
+                continue;
+            }
+            let load = std::mem::replace(&mut attachment.load_op, vk::AttachmentLoadOp::LOAD);
+            if load == vk::AttachmentLoadOp::CLEAR {
+                clears.push(vk::ClearAttachment { aspect_mask, color_attachment, clear_value: attachment.clear_value });
+            }
+        }
+        clears
+    }
+}
+
+hooks! {
+    cmd_begin_rendering = (
+        buffer: vk::CommandBuffer, info: *const vk::RenderingInfo<'_>
+    ) { |state, next| {
+        conditional_render::pass_follows(&state, buffer, !(*info).flags.contains(vk::RenderingFlags::CONTENTS_SECONDARY_COMMAND_BUFFERS));
+        begin(&state, buffer, &*info, |info| next(buffer, info))
+    } }
+    cmd_end_rendering = (
+        buffer: vk::CommandBuffer
+    ) { |state, next| {
+        end(&state, buffer, || next(buffer))
+    } }
+}
