@@ -2,7 +2,7 @@
 //! beneath.
 //!
 //! Next to such a point, one side belongs to the first projector alone, the other side to the
-//! second alone, and between them the shares pass from 0 to 1 within an angle that shrinks to
+//! second alone, and between them the weights pass from 0 to 1 within an angle that shrinks to
 //! nothing. No ramp can help; another picture can.
 
 use super::{EdgeWeight, Weights};

@@ -1,8 +1,8 @@
-//! Results of long computations, kept by what they were computed from: in files for the next start,
-//! and small ones in memory for the next time they are asked for.
+//! Cache of results of long computations, found by what they were computed from: in files for the
+//! next start, and small ones in memory for the next time they are asked for.
 //!
-//! What is kept is a saving and nothing else: a file that is missing, damaged, of another build or
-//! somebody else's is computed again, and where nothing can be written nothing is kept. A file
+//! A cached result saves time and nothing else: a file that is missing, damaged, of another build
+//! or somebody else's is computed again, and where nothing can be written nothing is kept. A file
 //! appears under its name when it is whole.
 
 #[cfg(test)]

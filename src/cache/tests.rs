@@ -1,4 +1,4 @@
-//! What is kept, and what is not believed.
+//! What is cached, and what is read from files but not used.
 
 use super::*;
 use std::cell::Cell;

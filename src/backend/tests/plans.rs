@@ -139,7 +139,7 @@ impl Projector {
             .map(|(output, other)| Neighbour {
                 output,
                 picture: form(other.pose.position, other.frustum.picture() * other.pose.rotation.transpose()),
-                border: other.border(),
+                edge_weight: other.border(),
             })
             .collect();
         ProjectorSource {
@@ -149,7 +149,7 @@ impl Projector {
             rim: None,
             dome_direction: form(DVec3::ZERO, DMat3::IDENTITY),
             neighbours,
-            border: self.border(),
+            edge_weight: self.border(),
             evaluation: EvaluationMethod::Forms,
         }
         .settled((1920, 1080))

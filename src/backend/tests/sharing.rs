@@ -133,9 +133,9 @@ pub fn in_8_bits_the_sum_of_two_stays_within_the_quantisation(driver: &dyn Drive
 fn with_borders(projectors: &[Projector], index: usize, border: &dyn Fn(usize) -> EdgeWeight) -> Plan {
     let mut plan = projector_plan(&projectors[index], &others(projectors, index), SIZE);
     if let Source::Projector(source) = &mut plan.passes[0].source {
-        source.border = border(index);
+        source.edge_weight = border(index);
         let rest = (0..projectors.len()).filter(|other| *other != index);
-        source.neighbours.iter_mut().zip(rest).for_each(|(neighbour, other)| neighbour.border = border(other));
+        source.neighbours.iter_mut().zip(rest).for_each(|(neighbour, other)| neighbour.edge_weight = border(other));
     }
     plan
 }

@@ -65,8 +65,8 @@ pub struct ProjectorSource {
     /// For every projector that can overlap this one: its homogeneous picture coordinates (`x/z`,
     /// `y/z` in −1…1, `z > 0` in front) of this pixel's hit, and its ramp.
     pub neighbours: Vec<Neighbour>,
-    /// This projector's own claim on points.
-    pub border: EdgeWeight,
+    /// Raw weight of this projector.
+    pub edge_weight: EdgeWeight,
     /// Evaluation of the forms.
     pub evaluation: EvaluationMethod,
 }
@@ -87,8 +87,8 @@ pub struct Neighbour {
     pub output: usize,
     /// Its homogeneous picture coordinates.
     pub picture: QuadraticForm,
-    /// Its claim on points.
-    pub border: EdgeWeight,
+    /// Its raw weight.
+    pub edge_weight: EdgeWeight,
 }
 
 /// Evaluation of a projector's forms in shaders.

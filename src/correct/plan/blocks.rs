@@ -7,7 +7,7 @@ use crate::cache::Cache;
 use crate::correct::passes::mask::Mask;
 use crate::correct::passes::output_pass::Batch;
 use crate::correct::passes::source::Source;
-use crate::correct::plan::blocks_cached;
+use crate::correct::plan::needs::{self, Needs};
 use crate::correct::plan::rectangles::{self, BLOCK};
 use crate::geom::screen::Bounds;
 use crate::geom::{Frustum, Panorama, QuadraticForm};
@@ -26,18 +26,6 @@ const LEAST_PART: f64 = 0.02;
 /// to compile, for which so few blocks (12,288 pixels at about a nanosecond) would have to be drawn
 /// eight thousand times.
 const LEAST_BLOCKS: usize = 48;
-
-/// What a block needs. Views and neighbours are sets of bits; bit 63 or 127 stands for all from
-/// there on.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-pub(super) struct Needs {
-    pub(super) views: u64,
-    pub(super) neighbours: u128,
-    /// Some pixel shows nothing.
-    pub(super) dark: bool,
-    /// Some pixel shows something.
-    pub(super) lit: bool,
-}
 
 /// A class of blocks that share a shader.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -83,7 +71,8 @@ pub(in crate::correct) fn batches(
     let output_views = &plan.output_views[index];
     let examiner = Examiner::new(rig, source, size, plan, output_views, flip);
     let views: Vec<&View> = output_views.iter().map(|&view| &plan.views[view]).collect();
-    let mut needs = blocks_cached::needs(&examiner, &views, cache);
+    let key = (source, size, examiner.filter, flip, &views);
+    let mut needs = needs::cached(&key, examiner.blocks(), cache, || examiner.all());
     // With light added to black, what is masked is not black.
     let output = &rig.outputs[index];
     let darkening = mask.filter(|_| output.blend.black_level == 0.0 && output.black.is_none());
@@ -196,22 +185,6 @@ fn with_fewer_overlaps(mut classes: Vec<Option<Class>>) -> Vec<Option<Class>> {
         }
     }
     classes
-}
-
-impl Needs {
-    /// The view, where there is just one.
-    pub(super) fn only_view(&self) -> Option<u32> {
-        (self.views.count_ones() == 1).then(|| self.views.trailing_zeros())
-    }
-
-    pub(super) fn and(self, other: &Self) -> Self {
-        Self {
-            views: self.views | other.views,
-            neighbours: self.neighbours | other.neighbours,
-            dark: self.dark | other.dark,
-            lit: self.lit | other.lit,
-        }
-    }
 }
 
 /// Examines the blocks of one output.

@@ -7,10 +7,10 @@
 //! `footprints` the pixels that sample a part of a view. Results of both kinds are cached.
 
 pub mod blocks;
-pub mod blocks_cached;
 pub mod builder;
 pub mod cover;
 pub mod footprints;
+pub mod needs;
 pub mod rectangles;
 pub mod unsampled;
 pub mod unsampled_cached;

@@ -33,7 +33,7 @@ pub fn unsampled_areas(plan: &Plan) -> Vec<Vec<Tile>> {
         let cones = views.iter().map(|&view| (view, Cone::of(&plan.views.views[view]))).collect();
         Marker { pass, cones, sheets: &mut sheets }.mark_all();
     }
-    sheets.iter().zip(&plan.views.views).map(|(sheet, view)| sheet.hidden(view)).collect()
+    sheets.iter().zip(&plan.views.views).map(|(sheet, view)| sheet.unsampled(view)).collect()
 }
 
 /// Which cells of a view's tile are sampled.
@@ -58,7 +58,7 @@ impl Sheet {
             sampled: vec![view.program_lens || view.curved.is_some(); (columns * rows) as usize],
             frustum: view.frustum,
             size: DVec2::new(f64::from(width), f64::from(height)),
-            // Filters and the overhang of views reach less far than the guard, which is counted in
+            // Filters and the overlap of views reach less far than the guard, which is counted in
             // whole texels.
             margin: f64::from(guard),
         }
@@ -95,7 +95,7 @@ impl Sheet {
     }
 
     /// The cells that are not marked, as rectangles of the atlas.
-    fn hidden(&self, view: &View) -> Vec<Tile> {
+    fn unsampled(&self, view: &View) -> Vec<Tile> {
         let classes: Vec<Option<usize>> = self.sampled.iter().map(|sampled| (!sampled).then_some(0)).collect();
         let merged = rectangles::merge(&classes, CELL, (view.tile.width, view.tile.height), 1);
         merged
@@ -150,7 +150,7 @@ impl Marker<'_> {
 
     /// Whether a block lies amid what one view shows, at least `margin` radians from the sides of
     /// all views and not next to what shows nothing: a rectangle around its texels then reaches no
-    /// hidden ones.
+    /// unsampled ones.
     fn is_amid(&self, block: [u32; 4], corners: &[DVec3; 4], margin: f64) -> bool {
         let margin = margin.max(ROUNDING);
         let relation =

@@ -32,7 +32,7 @@ pub(super) fn values(source: &ProjectorSource, batch: &Batch, base: DMat3, share
             EvaluationMethod::Distance => 3,
         },
         neighbour_count: batch.neighbours.len() as u32,
-        border: border(&source.border),
+        border: border(&source.edge_weight),
         ..ProjectorConstants::default()
     };
     if let Some(rim) = source.rim.as_ref().filter(|_| batch.edge) {
@@ -50,7 +50,7 @@ pub(super) fn values(source: &ProjectorSource, batch: &Batch, base: DMat3, share
         let neighbour = source.neighbours.get(index).ok_or_else(|| {
             Error::new(ErrorKind::Internal, format!("A batch blends into neighbour {index}, which is not there."))
         })?;
-        *to = Neighbour { picture: form(&neighbour.picture), border: border(&neighbour.border) };
+        *to = Neighbour { picture: form(&neighbour.picture), border: border(&neighbour.edge_weight) };
     }
     if let Some(ray_form) = ray_form.as_ref().filter(|_| evaluation == EvaluationMethod::Distance) {
         out.squared = quadratic_polynomial(&ray_form.squared);

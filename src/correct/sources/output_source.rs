@@ -27,10 +27,10 @@ pub(in crate::correct) fn of(rig: &Rig, index: usize, sizes: &[(u32, u32)], cach
     let size = sizes.get(index).copied().unwrap_or_default();
     let table = match (rig.outputs[index].method, closed_form(rig, index, size)) {
         (Method::Table { max_error }, _) => {
-            table_cached::kept(rig, index, sizes, cache, || Ok(table_coarse::coarse(&shown()?, max_error)))
+            table_cached::cached(rig, index, sizes, cache, || Ok(table_coarse::coarse(&shown()?, max_error)))
         }
         (_, Some(source)) => return Ok(source),
-        _ => table_cached::kept(rig, index, sizes, cache, || Ok(shown()?.table())),
+        _ => table_cached::cached(rig, index, sizes, cache, || Ok(shown()?.table())),
     };
     Ok(Source::Table(Arc::new(table?)))
 }
@@ -154,7 +154,7 @@ fn projector(rig: &Rig, index: usize, eye: DVec3, to_viewer: DMat3) -> Option<Pr
             ClosedSurface::Plane => true,
         };
         let picture = || pinhole.seen_from(position, rays.inverse() * from_surface);
-        Some(lights_all.then(|| Neighbour { output, picture: picture(), border: EdgeWeight::of(&other.blend) }))
+        Some(lights_all.then(|| Neighbour { output, picture: picture(), edge_weight: EdgeWeight::of(&other.blend) }))
     };
     let neighbours: Option<Vec<Neighbour>> = others.filter_map(neighbour).collect();
     let source = ProjectorSource {
@@ -166,7 +166,7 @@ fn projector(rig: &Rig, index: usize, eye: DVec3, to_viewer: DMat3) -> Option<Pr
         dome_direction: pinhole
             .seen_from(to_surface(DVec3::ZERO), DMat3::from_rotation_x(rig.dome.tilt) * from_surface),
         neighbours: neighbours?,
-        border: EdgeWeight::of(&output.blend),
+        edge_weight: EdgeWeight::of(&output.blend),
         evaluation: EvaluationMethod::Forms,
     };
     pinhole.looks_at_it().then_some(source)

@@ -116,7 +116,7 @@ mod tests {
             "[dome]\nradius = 1.0\ncoverage = 360\n[viewer]\nposition = {viewer:?}\n[[output]]\nkind = \"projector\"\n\
              position = {projector:?}\npitch = 30\nfov = [{fov}, {fov}]\n"
         );
-        let rig = rig::parse(&text, "beam.toml", Path::new("")).expect("valid");
+        let rig = rig::parse(&text, "ray_form.toml", Path::new("")).expect("valid");
         let size = (256, 256);
         let request =
             Request { output_sizes: vec![size], window: size, panel: false, primary: false, max_atlas: 16384 };
@@ -134,7 +134,7 @@ mod tests {
         assert_eq!(evaluation_of(&near), Some(EvaluationMethod::Root));
         let far = source([0.0; 3], [0.0, 0.0, 0.9], 60.0);
         assert_ne!(evaluation_of(&far), Some(EvaluationMethod::Root));
-        // Nearer to the wall than the beam goes, and outside: the forms themselves.
+        // Nearer to the wall than the ray form holds, and outside: the forms themselves.
         for distance in [0.97, 2.0] {
             let outside = source([0.0; 3], [0.0, -0.5 * distance, 0.8 * distance], 20.0);
             assert!(evaluation_of(&outside) == Some(EvaluationMethod::Forms), "{distance}");

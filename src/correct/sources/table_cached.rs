@@ -13,7 +13,7 @@ use std::sync::Arc;
 ///
 /// # Errors
 /// Those of `make`.
-pub(in crate::correct) fn kept(
+pub(in crate::correct) fn cached(
     rig: &Rig,
     index: usize,
     sizes: &[(u32, u32)],
@@ -208,7 +208,7 @@ mod tests {
         let mut other = one.clone();
         other.outputs[0].blend.gamma += f64::EPSILON * 2.0;
         let table = |rig: &Rig, size: (u32, u32)| {
-            let made = kept(rig, 0, &[size], &cache, || Ok(sample(size))).expect("a table");
+            let made = cached(rig, 0, &[size], &cache, || Ok(sample(size))).expect("a table");
             assert_eq!(made, sample(size));
         };
         for _ in 0..3 {

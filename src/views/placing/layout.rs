@@ -11,7 +11,7 @@ use crate::views::view_plan::{Request, Tile, View, ViewPlan};
 /// Texels around the sampled part of a tile.
 ///
 /// Bilinear filtering at the very border of the sampled part reads half a texel beyond it, a cubic
-/// kernel one and a half; an eighth is the overhang of views (`correct::uniforms`), the rest for
+/// kernel one and a half; an eighth is the overlap of views (`correct::uniforms`), the rest for
 /// the rounding of 32-bit shaders. Places beside a pixel's centre need no more: each is looked up
 /// in the view that answers for it.
 fn guard(filter: Filter) -> f64 {

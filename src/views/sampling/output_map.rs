@@ -153,7 +153,7 @@ impl OutputMap {
         !matches!(&self.map, Map::Traced { map, .. } if !map.screen().is_smooth())
     }
 
-    /// The parts of the picture in which what is shown does not leap: the outermost places of
+    /// Returns the parts of the picture without discontinuities: the outermost places of
     /// theirs that are sampled, top left and bottom right.
     pub fn pieces(&self) -> Vec<[DVec2; 2]> {
         let count = match &self.map {
@@ -161,8 +161,8 @@ impl OutputMap {
             _ => 1,
         };
         let bottom = f64::from(self.size.1) - 0.5;
-        let piece = |strip: u32| {
-            let [left, right] = strip_columns(self.size.0, count, strip);
+        let piece = |face: u32| {
+            let [left, right] = face_columns(self.size.0, count, face);
             [DVec2::new(left, 0.5), DVec2::new(right, bottom)]
         };
         let beside = 0.5 - self.inset;
@@ -393,9 +393,9 @@ fn traced_sample(map: &WarpMap, pixel: DVec2) -> Option<Sample> {
     let direction = map.direction(pixel)?;
     // What lies across the border of two pictures is no neighbour.
     let cubemap_faces = f64::from(map.cubemap_faces());
-    let strip = (pixel.x * cubemap_faces / f64::from(map.size().0)).floor();
+    let face = (pixel.x * cubemap_faces / f64::from(map.size().0)).floor();
     let beside = |x: f64| {
-        let from_left = x * cubemap_faces / f64::from(map.size().0) - strip;
+        let from_left = x * cubemap_faces / f64::from(map.size().0) - face;
         cubemap_faces == 1.0 || (from_left > 0.0 && from_left < 1.0)
     };
     let along = |axis: DVec2| {
@@ -425,23 +425,23 @@ fn traced_sample(map: &WarpMap, pixel: DVec2) -> Option<Sample> {
     (across != DVec3::ZERO).then(|| of_unit_length(direction, outer(across, across) + outer(down, down)))?
 }
 
-/// The pixel position, within the outermost pixel centres of a picture without leaps, that shows a
-/// point of the screen.
+/// The pixel position, within the outermost pixel centres of a picture without discontinuities,
+/// that shows a point of the screen.
 ///
 /// On the border of two such pictures rounding would decide which of them is asked what it shows.
 fn traced_pixel(map: &WarpMap, point: DVec3) -> Option<DVec2> {
     let pixel = map.pixel(point)?;
     let (width, height) = (f64::from(map.size().0), f64::from(map.size().1));
     let cubemap_faces = map.cubemap_faces();
-    let strip = (pixel.x * f64::from(cubemap_faces) / width).clamp(0.0, f64::from(cubemap_faces - 1)) as u32;
-    let [left, right] = strip_columns(map.size().0, cubemap_faces, strip);
+    let face = (pixel.x * f64::from(cubemap_faces) / width).clamp(0.0, f64::from(cubemap_faces - 1)) as u32;
+    let [left, right] = face_columns(map.size().0, cubemap_faces, face);
     ((left..=right).contains(&pixel.x) && (0.5..=height - 0.5).contains(&pixel.y)).then_some(pixel)
 }
 
 /// The outermost pixel centres of one of `count` pictures that stand side by side in an output of
 /// `width` pixels; the first is beyond the second where it has none.
-fn strip_columns(width: u32, count: u32, strip: u32) -> [f64; 2] {
-    // The first column whose centre is in a strip.
-    let first = |strip: u32| (f64::from(strip) * f64::from(width) / f64::from(count) - 0.5).ceil().max(0.0);
-    [first(strip) + 0.5, first(strip + 1) - 0.5]
+fn face_columns(width: u32, count: u32, face: u32) -> [f64; 2] {
+    // The first column whose centre is in a face.
+    let first = |face: u32| (f64::from(face) * f64::from(width) / f64::from(count) - 0.5).ceil().max(0.0);
+    [first(face) + 0.5, first(face + 1) - 0.5]
 }

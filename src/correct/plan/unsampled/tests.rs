@@ -7,7 +7,7 @@ use crate::views::tests::{fisheye, random_rig, request, rig};
 use crate::warp::exact_direction;
 
 /// Number of pixels of a plan's outputs that read from an unsampled area.
-fn wrongly_hidden(rig: &crate::rig::Rig, plan: &Plan, hidden: &[Vec<Tile>]) -> usize {
+fn wrongly_unsampled(rig: &crate::rig::Rig, plan: &Plan, unsampled: &[Vec<Tile>]) -> usize {
     let mut wrong = 0;
     for (output, pass) in plan.passes.iter().enumerate() {
         for (x, y) in (0..pass.size.1).flat_map(|y| (0..pass.size.0).map(move |x| (x, y))) {
@@ -28,7 +28,7 @@ fn wrongly_hidden(rig: &crate::rig::Rig, plan: &Plan, hidden: &[Vec<Tile>]) -> u
                     && place.y > f64::from(tile.y) - 0.5
                     && place.y < f64::from(tile.y + tile.height) + 0.5
             };
-            wrong += usize::from(hidden[index].iter().any(reads));
+            wrong += usize::from(unsampled[index].iter().any(reads));
         }
     }
     wrong
@@ -40,7 +40,7 @@ fn no_pixel_reads_from_a_hidden_part() {
     for round in 0..30 {
         let (rig, request) = random_rig(&mut random);
         let plan = build(&rig, &request).unwrap();
-        assert_eq!(wrongly_hidden(&rig, &plan, &unsampled_areas(&plan)), 0, "{round}");
+        assert_eq!(wrongly_unsampled(&rig, &plan, &unsampled_areas(&plan)), 0, "{round}");
     }
 }
 
@@ -48,9 +48,9 @@ fn no_pixel_reads_from_a_hidden_part() {
 fn of_a_dome_in_five_views_little_more_is_open_than_is_shown() {
     let plan = build(&rig(vec![fisheye(180.0, 90.0)]), &request(&[(4096, 4096)])).unwrap();
     let texels: u64 = plan.views.views.iter().map(|view| view.tile.area()).sum();
-    let hidden: u64 = unsampled_areas(&plan).iter().flatten().map(Tile::area).sum();
+    let unsampled: u64 = unsampled_areas(&plan).iter().flatten().map(Tile::area).sum();
     let disc = std::f64::consts::PI * 2048.0 * 2048.0;
-    let open = (texels - hidden) as f64 / disc;
+    let open = (texels - unsampled) as f64 / disc;
     assert!(plan.views.views.len() == 5 && open <= 1.27, "{open}");
 }
 
@@ -58,14 +58,14 @@ fn of_a_dome_in_five_views_little_more_is_open_than_is_shown() {
 fn the_check_notices_what_is_hidden_too_much_and_much_of_a_dome_is_hidden() {
     let rig = rig(vec![fisheye(180.0, 90.0)]);
     let plan = build(&rig, &request(&[(1024, 1024)])).unwrap();
-    let mut hidden = unsampled_areas(&plan);
-    let texels: u64 = hidden.iter().flatten().map(Tile::area).sum();
+    let mut unsampled = unsampled_areas(&plan);
+    let texels: u64 = unsampled.iter().flatten().map(Tile::area).sum();
     // Two of the four views are rectangles around triangles.
     assert!(texels > 200_000, "{texels}");
-    assert_eq!(wrongly_hidden(&rig, &plan, &hidden), 0);
-    let most = hidden.iter_mut().max_by_key(|tiles| tiles.len()).unwrap();
+    assert_eq!(wrongly_unsampled(&rig, &plan, &unsampled), 0);
+    let most = unsampled.iter_mut().max_by_key(|tiles| tiles.len()).unwrap();
     for tile in most.iter_mut() {
         (tile.x, tile.width) = (tile.x.saturating_sub(40), tile.width + 80);
     }
-    assert!(wrongly_hidden(&rig, &plan, &hidden) > 0);
+    assert!(wrongly_unsampled(&rig, &plan, &unsampled) > 0);
 }

@@ -1,16 +1,47 @@
-//! Cached needs of blocks: where nothing is known between pixels, finding them looks at all pixels.
+//! Needs of blocks. They are cached: where nothing is known between pixels, finding them looks at
+//! all pixels.
 
 use crate::cache::Cache;
-use crate::correct::plan::blocks::{Examiner, Needs};
-use crate::views::View;
+use serde::Serialize;
 use std::convert::Infallible;
 
-/// Returns [`Examiner::all`] for an output with these views, or what `cache` has of it.
-pub(super) fn needs(examiner: &Examiner<'_>, views: &[&View], cache: &Cache) -> Vec<Needs> {
-    let Examiner { source, size, filter, flip, views: _, neighbours: _ } = examiner;
-    let key = (source, size, filter, flip, views);
-    let is_sound = |runs: &Vec<(u32, Needs)>| is_sound(runs, examiner.blocks());
-    let found: Result<_, Infallible> = cache.cached("blocks", &key, is_sound, || Ok(runs(&examiner.all())));
+/// Needs of a block. Views and neighbours are sets of bits; bit 63 or 127 stands for all from
+/// there on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub(super) struct Needs {
+    pub(super) views: u64,
+    pub(super) neighbours: u128,
+    /// Some pixel shows nothing.
+    pub(super) dark: bool,
+    /// Some pixel shows something.
+    pub(super) lit: bool,
+}
+
+impl Needs {
+    /// The view, where there is just one.
+    pub(super) fn only_view(&self) -> Option<u32> {
+        (self.views.count_ones() == 1).then(|| self.views.trailing_zeros())
+    }
+
+    pub(super) fn and(self, other: &Self) -> Self {
+        Self {
+            views: self.views | other.views,
+            neighbours: self.neighbours | other.neighbours,
+            dark: self.dark | other.dark,
+            lit: self.lit | other.lit,
+        }
+    }
+}
+
+/// Returns the needs of so many blocks by `compute`, or what `cache` has for `key`.
+pub(super) fn cached(
+    key: &impl Serialize,
+    blocks: usize,
+    cache: &Cache,
+    compute: impl FnOnce() -> Vec<Needs>,
+) -> Vec<Needs> {
+    let is_sound = |runs: &Vec<(u32, Needs)>| is_sound(runs, blocks);
+    let found: Result<_, Infallible> = cache.cached("blocks", key, is_sound, || Ok(runs(&compute())));
     let Ok(runs) = found;
     runs.iter().flat_map(|(length, needs)| std::iter::repeat_n(*needs, *length as usize)).collect()
 }
