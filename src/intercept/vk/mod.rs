@@ -29,9 +29,9 @@
 //!                        state::view_constants     reprojection matrix of each view → memory
 //! ```
 //!
-//! A command buffer may be recorded long before its uniform blocks are filled, and be submitted many
-//! times. So draws are issued to all tiles that may show them, and the matrices that shaders read on
-//! submission move a draw out of the tiles that must not show it.
+//! A command buffer may be recorded long before its uniform blocks are filled, and be submitted
+//! many times. So draws are issued to all tiles that may show them, and the matrices that shaders
+//! read on submission move a draw out of the tiles that must not show it.
 //!
 //! # One present
 //!

@@ -1,5 +1,5 @@
-//! Barriers and clears: atlas copies follow the layouts of their images, clears reach each tile. Writes
-//! to buffers are recorded as events, for `submit`.
+//! Barriers and clears: atlas copies follow the layouts of their images, clears reach each tile.
+//! Writes to buffers are recorded as events, for `submit`.
 
 use crate::intercept::vk::state::atlas_layout::{AtlasLayout, AtlasRect, ViewTile};
 use crate::intercept::vk::state::device::Device;
@@ -14,7 +14,8 @@ struct Cleared {
     whole: bool,
     /// In views, and in the program's own picture.
     pictures: Vec<AtlasRect>,
-    /// On the panel; nothing where the program's own lens shows everything, and the panel stays empty.
+    /// On the panel; nothing where the program's own lens shows everything, and the panel stays
+    /// empty.
     panel: Option<AtlasRect>,
 }
 
@@ -56,7 +57,8 @@ pub unsafe fn clear(
     for given in rects {
         let Cleared { whole, pictures, panel } = cleared(layout, &given.rect);
         let (pictures, panel) = (pictures.into_iter().map(rect).collect::<Vec<_>>(), panel.map(rect));
-        // What is cleared as a whole is seen through; what is cleared in part is a picture on the panel.
+        // What is cleared as a whole is seen through; what is cleared in part is a picture on the
+        // panel.
         let panel_with_border =
             |clear: &vk::ClearAttachment| match clear.aspect_mask.contains(vk::ImageAspectFlags::COLOR) {
                 true if whole => vk::ClearAttachment { clear_value: vk::ClearValue::default(), ..*clear },

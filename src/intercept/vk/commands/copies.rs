@@ -162,11 +162,12 @@ macro_rules! scaled {
 }
 scaled!(vk::ImageBlit, vk::ImageBlit2<'_>);
 
-/// Copies, blits or resolves by `next` (from, to, regions): as the program says, or what becomes of it. `to`: the image, and
-/// the layout that it is in.
+/// Copies, blits or resolves by `next` (from, to, regions): as the program says, or what becomes of
+/// it. `to`: the image, and the layout that it is in.
 ///
 /// # Safety
-/// The command buffer is being recorded, outside of a pass; `next` records a command of the program's with other images.
+/// The command buffer is being recorded, outside of a pass; `next` records a command of the
+/// program's with other images.
 unsafe fn between<R: Region>(
     device: &Device,
     buffer: vk::CommandBuffer,
@@ -193,7 +194,8 @@ unsafe fn between<R: Region>(
     }
 }
 
-/// A copy between an image and a buffer: where an image is read, and whether it was one of the window's.
+/// A copy between an image and a buffer: where an image is read, and whether it was one of the
+/// window's.
 fn with_buffer(
     device: &Device,
     buffer: vk::CommandBuffer,

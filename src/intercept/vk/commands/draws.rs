@@ -1,4 +1,5 @@
-//! Hooks of draws: a draw in a pass that draws to views is issued once per view, others as they are.
+//! Hooks of draws: a draw in a pass that draws to views is issued once per view, others as they
+//! are.
 
 use crate::intercept::vk::commands::rebind::restore;
 use crate::intercept::vk::commands::replicate::{self, ProgramDraw};

@@ -106,7 +106,8 @@ pub unsafe fn begin(
         changed = changed.stencil_attachment(stencil);
     }
     let pass = given.pass(device, &target);
-    // SAFETY: as promised; what is cleared is cleared as soon as the pass has begun, with these attachments.
+    // SAFETY: as promised; what is cleared is cleared as soon as the pass has begun, with these
+    // attachments.
     unsafe {
         conditional_render::begin_pass(device, buffer, || {
             next(&changed);
@@ -169,7 +170,8 @@ struct Attachments<'a> {
 }
 
 impl Attachments<'_> {
-    /// Keeps what was there; the clears that have to be made in the place of those that are left out.
+    /// Keeps what was there; the clears that have to be made in the place of those that are left
+    /// out.
     fn keep(&mut self) -> Vec<vk::ClearAttachment> {
         use vk::ImageAspectFlags as A;
         let colors = (0..).zip(&mut self.colors).map(|(number, color)| (A::COLOR, number, color));

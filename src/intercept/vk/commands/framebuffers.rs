@@ -19,8 +19,8 @@ impl Framebuffers {
         all.iter().find_map(|framebuffer| framebuffer.target_now(&device.images))
     }
 
-    /// The swapchain's image that a framebuffer without images for a render pass may be used with: that of the latest
-    /// window, if size and format are its own.
+    /// The swapchain's image that a framebuffer without images for a render pass may be used with:
+    /// that of the latest window, if size and format are its own.
     pub fn target_later(&self, device: &Device, handle: vk::RenderPass) -> Option<Arc<ViewTarget>> {
         let pass = self.pass(handle)?;
         let size = {
@@ -33,8 +33,8 @@ impl Framebuffers {
 }
 
 impl Framebuffer {
-    /// The framebuffer over the atlas of `shown`, for a render pass like its own. `given`: the attachments of the pass that
-    /// begins, where they are given with it.
+    /// The framebuffer over the atlas of `shown`, for a render pass like its own. `given`: the
+    /// attachments of the pass that begins, where they are given with it.
     ///
     /// # Errors
     /// Why there is none.
@@ -120,7 +120,8 @@ fn anew(load: vk::AttachmentLoadOp) -> bool {
     load != vk::AttachmentLoadOp::LOAD
 }
 
-/// Whether an attachment of which a part is drawn can be drawn as a whole: all of it is kept, or none was.
+/// Whether an attachment of which a part is drawn can be drawn as a whole: all of it is kept, or
+/// none was.
 fn may_grow(load: vk::AttachmentLoadOp, layout: vk::ImageLayout) -> bool {
     load == vk::AttachmentLoadOp::LOAD || layout == vk::ImageLayout::UNDEFINED
 }

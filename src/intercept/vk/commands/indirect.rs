@@ -1,18 +1,20 @@
-//! Draws whose parameters lie in memory that is written on submission: a draw that turns out to show
-//! nothing in a tile gets no instances there.
+//! Draws whose parameters lie in memory that is written on submission: a draw that turns out to
+//! show nothing in a tile gets no instances there.
 //!
-//! Until then a draw may be one of the scene, which the panel does not show, or flat, which the views do
-//! not show.
+//! Until then a draw may be one of the scene, which the panel does not show, or flat, which the
+//! views do not show.
 
 use crate::intercept::settings;
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::draw_parameters::{BYTES, DrawParameters, IndirectDraw};
 use crate::intercept::vk::state::recording::Recording;
 
-/// Draws of fewer vertices are not worth fetching parameters for: on lavapipe that costs as much as some hundred of them.
+/// Draws of fewer vertices are not worth fetching parameters for: on lavapipe that costs as much as
+/// some hundred of them.
 const FEWEST: u32 = 1 << 10;
 
-/// Memory for a draw that is issued with so many slots of view constants; `None` where it is not worth it, or not to be had.
+/// Takes memory for the parameters of a draw that is issued with `slots` slots; `None` where that
+/// does not pay, or where there is no memory.
 pub fn place(
     device: &Device,
     recording: &mut Recording,

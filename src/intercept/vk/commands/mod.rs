@@ -1,9 +1,9 @@
 //! Recording: what the program records into command buffers.
 //!
-//! Answers commands that bind state, begin and end passes, draw, clear, copy and set conditions, and
-//! the calls that make command buffers, render passes and framebuffers. Each command buffer has a
-//! `Recording` (`state::recording`), which this room changes while commands are recorded and `submit`
-//! reads when they are submitted.
+//! Answers commands that bind state, begin and end passes, draw, clear, copy and set conditions,
+//! and the calls that make command buffers, render passes and framebuffers. Each command buffer has
+//! a `Recording` (`state::recording`), which this room changes while commands are recorded and
+//! `submit` reads when they are submitted.
 //!
 //! ```text
 //! passes ── atlas in place of the framebuffer ── panel_clears

@@ -1,4 +1,4 @@
-//! Clears of the panel that a pass owes: a pane of glass through which everything is seen.
+//! Clears of the panel to transparent black, so that the views behind it are seen.
 
 use crate::intercept::vk::state::atlas_layout::AtlasLayout;
 use crate::intercept::vk::state::device::Device;
@@ -6,7 +6,7 @@ use crate::intercept::vk::state::recording::{Recording, Within};
 use ash::prelude::VkResult;
 use ash::vk;
 
-/// Clears the panel of colour attachments: a pane of glass through which everything is seen.
+/// Clears the panel of colour attachments to transparent black.
 ///
 /// # Safety
 /// The command buffer is being recorded, within a pass that has these attachments.

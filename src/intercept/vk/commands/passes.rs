@@ -174,8 +174,8 @@ pub fn plain(device: &Device, buffer: vk::CommandBuffer, target: Option<Arc<View
     });
 }
 
-/// A pass ends by `next`. What it left undone in a pass without draws is done; of the scenes that it drew there are view copies
-/// then.
+/// A pass ends by `next`. What it left undone in a pass without draws is done; of the scenes that
+/// it drew there are view copies then.
 ///
 /// # Safety
 /// The command buffer is being recorded, within the pass.

@@ -51,7 +51,8 @@ unsafe fn inherited(device: &Device, info: &vk::CommandBufferBeginInfo<'_>) -> O
     }
 }
 
-/// The images that may hold a scene among what a secondary command buffer draws to, where it names its framebuffer.
+/// The images that may hold a scene among what a secondary command buffer draws to, where it names
+/// its framebuffer.
 ///
 /// # Safety
 /// `info` must be the program's.

@@ -111,8 +111,8 @@ fn classify(
     Some(Classified { facts: DrawFacts { sources, y_up, in_views, off_screen, deep, screen }, program, sets })
 }
 
-/// Notes what the pass makes of images that may hold a scene and that the draw's shaders can sample. `follows`: it
-/// shows all of them.
+/// Notes what the pass makes of images that may hold a scene and that the draw's shaders can
+/// sample. `follows`: it shows all of them.
 fn note_pictures(device: &Device, recording: &mut Recording, follows: bool) {
     let pictures = scene_graph::pictures(device, recording);
     let Some(pass) = &recording.pass else { return };
@@ -151,7 +151,8 @@ fn per_view_sets(
     Ok(all)
 }
 
-/// Finds the draw group of a draw, or makes it, with memory for its view constants; `None` where there is none.
+/// Finds the draw group of a draw, or makes it, with memory for its view constants; `None` where
+/// there is none.
 fn select(
     draw: &ProgramDraw<'_>,
     recording: &mut Recording,

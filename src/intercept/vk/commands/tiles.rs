@@ -1,4 +1,5 @@
-//! A draw into a tile of the atlas: viewport and scissor, pipeline, view constants and descriptor sets.
+//! A draw into a tile of the atlas: viewport and scissor, pipeline, view constants and descriptor
+//! sets.
 
 use crate::correct::single::pixels;
 use crate::intercept::scene;
@@ -13,8 +14,9 @@ use crate::intercept::vk::state::view_constants::ChunkOffset;
 use ash::vk;
 use std::sync::Arc;
 
-/// Copies of one of the program's descriptor sets: with them its shaders see, in each view, that view
-/// of the scene where it was drawn off screen, and the atlas copies of attachments that they read.
+/// Copies of one of the program's descriptor sets: with them its shaders see, in each view, that
+/// view of the scene where it was drawn off screen, and the atlas copies of attachments that they
+/// read.
 pub struct PerViewSet {
     /// Number of the set.
     pub(in crate::intercept::vk) number: u32,
@@ -61,8 +63,8 @@ pub struct TileDraws<'a> {
 }
 
 impl TileDraws<'_> {
-    /// Issues the draw into a tile by the pipeline `by`, with the view constants of `slot` and the copies
-    /// for `view` of the sets; `issue` records the program's own draw.
+    /// Issues the draw into a tile by the pipeline `by`, with the view constants of `slot` and the
+    /// copies for `view` of the sets; `issue` records the program's own draw.
     ///
     /// # Safety
     /// The command buffer is being recorded, in a pass that draws to the atlas.

@@ -1,7 +1,7 @@
 //! Commands that nothing follows: a program that uses one is shown flat.
 //!
-//! Together with the hooks of the other files these are all commands that draw, bind or copy; a test
-//! compares them with the commands that Vulkan has.
+//! Together with the hooks of the other files these are all commands that draw, bind or copy; a
+//! test compares them with the commands that Vulkan has.
 
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::hooks::hooks;

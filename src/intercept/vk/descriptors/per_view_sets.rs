@@ -1,5 +1,5 @@
-//! Copies of the program's descriptor sets, one per view: with the view copy in place of an image of
-//! the scene, and the atlas copy in place of an attachment that shaders read.
+//! Copies of the program's descriptor sets, one per view: with the view copy in place of an image
+//! of the scene, and the atlas copy in place of an attachment that shaders read.
 
 use crate::intercept::obstacle::Obstacle;
 use crate::intercept::vk::state::atlas_layout::AtlasLayout;
@@ -24,8 +24,9 @@ pub struct ProgramSet<'a> {
 }
 
 impl Copies {
-    /// The copies of a set for the views of `layout`, made or brought up to date; `None` where it shows nothing of the
-    /// scene. The program changes a set only while no commands that use it run, so that its copies are not in use then, either.
+    /// The copies of a set for the views of `layout`, made or brought up to date; `None` where it
+    /// shows nothing of the scene. The program changes a set only while no commands that use it
+    /// run, so that its copies are not in use then, either.
     ///
     /// # Errors
     /// Why there are none.
@@ -135,7 +136,8 @@ impl Copies {
                 write
             };
             let writes: Vec<_> = infos.iter().map(write).collect();
-            // SAFETY: sets of ours that nothing uses now, laid out as the program's; what `writes` points at lives.
+            // SAFETY: sets of ours that nothing uses now, laid out as the program's; what `writes`
+            // points at lives.
             unsafe {
                 device.driver.functions.update_descriptor_sets(&[], &copies);
                 device.driver.functions.update_descriptor_sets(&writes, &[]);

@@ -1,5 +1,5 @@
-//! Push descriptors. They are kept, so that matrices are found in them, and pushed again where a set of
-//! ours took their place.
+//! Push descriptors. They are kept, so that matrices are found in them, and pushed again where a
+//! set of ours took their place.
 
 use crate::intercept::vk::state::bindings::{BoundSet, Content, Pushed, Write};
 use crate::intercept::vk::state::descriptors;

@@ -8,7 +8,8 @@ use std::ffi::c_void;
 /// `VK_LAYER_LINK_INFO`: the structure tells the next layer's functions.
 const LINK_INFO: i32 = 0;
 
-/// `VK_LOADER_DATA_CALLBACK`: the structure has the loader's function for objects that a layer makes.
+/// `VK_LOADER_DATA_CALLBACK`: the structure has the loader's function for objects that a layer
+/// makes.
 const DATA_CALLBACK: i32 = 1;
 
 /// `VkLayerInstanceCreateInfo` and `VkLayerDeviceCreateInfo`, which have the same form.

@@ -18,8 +18,8 @@ use std::collections::HashMap;
 use std::ffi::CStr;
 use std::sync::{Arc, PoisonError};
 
-/// `vkCreateDevice`. Nothing is enabled that the program did not ask for, but geometry shaders, and what they
-/// count by, where the rig needs them.
+/// `vkCreateDevice`. Nothing is enabled that the program did not ask for, but geometry shaders, and
+/// what they count by, where the rig needs them.
 ///
 /// # Safety
 /// Called by the Vulkan loader with the program's arguments.

@@ -1,4 +1,5 @@
-//! Test: each command that Vulkan has is answered by a hook, or is listed here as one that needs none.
+//! Test: each command that Vulkan has is answered by a hook, or is listed here as one that needs
+//! none.
 
 use crate::intercept::vk::layer::table;
 use std::collections::BTreeSet;
@@ -42,8 +43,8 @@ const INPUTS: &str = "
     BindIndexBuffer2KHR BindTransformFeedbackBuffersEXT BindVertexBuffers BindVertexBuffers2 BindVertexBuffers2EXT
 ";
 
-/// Work that draws nothing: of compute, ray tracing and video, on memory and structures of their own. The images that it
-/// writes are described to its shaders, which is seen.
+/// Work that draws nothing: of compute, ray tracing and video, on memory and structures of their
+/// own. The images that it writes are described to its shaders, which is seen.
 const WORK: &str = "
     BeginVideoCodingKHR BuildAccelerationStructureNV BuildAccelerationStructuresIndirectKHR
     BuildAccelerationStructuresKHR BuildMicromapsEXT ControlVideoCodingKHR CopyAccelerationStructureKHR

@@ -1,5 +1,6 @@
-//! Features that are enabled on a device for us: geometry shaders, where the rig asks for primitives
-//! that are divided, and atomic operations, where the statistics count what is not divided enough.
+//! Features that are enabled on a device for us: geometry shaders, where the rig asks for
+//! primitives that are divided, and atomic operations, where the statistics count what is not
+//! divided enough.
 
 use crate::intercept::settings;
 use crate::intercept::vk::layer::device_structures::length_for_device;
@@ -13,8 +14,8 @@ const NO_STAGE: &str = "the device has no geometry shaders, primitives are not d
 const NO_WAY: &str =
     "the program asks for features of the device in a way that is not known, primitives are not divided";
 
-/// What is done on a device that has geometry shaders, if they are `offered`, and whether they can count. `rig`: the one at the start;
-/// shaders are made for it, whatever its file says later.
+/// What is done on a device that has geometry shaders, if they are `offered`, and whether they can
+/// count. `rig`: the one at the start; shaders are made for it, whatever its file says later.
 pub fn decide(rig: Option<&Rig>, offered: impl FnOnce() -> Result<bool, &'static str>) -> VertexDecision {
     let asks = |wanted: &dyn Fn(&Method) -> bool| {
         rig.is_some_and(|rig| rig.outputs.iter().any(|output| wanted(&output.method)))
@@ -40,7 +41,8 @@ pub struct Enabled<'a> {
     _chain: Option<Copied>,
 }
 
-/// What the rig needs. `looked_after`: Cupola has something to do on the device; `has`: what it has.
+/// What the rig needs. `looked_after`: Cupola has something to do on the device; `has`: what it
+/// has.
 ///
 /// # Safety
 /// `given` must be the program's.
@@ -73,8 +75,8 @@ pub unsafe fn enable<'a>(
 /// Copies that `info` leads to then.
 type Copies = (Option<Box<vk::PhysicalDeviceFeatures>>, Option<Copied>);
 
-/// Enables geometry shaders in `info`, with `counts` such that count; the program's structures stay as they are. `None` where that cannot
-/// be done.
+/// Enables geometry shaders in `info`, with `counts` such that count; the program's structures stay
+/// as they are. `None` where that cannot be done.
 ///
 /// # Safety
 /// `info` must be a copy of the program's.

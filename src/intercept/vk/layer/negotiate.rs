@@ -1,5 +1,5 @@
-//! `vkNegotiateLoaderLayerInterfaceVersion` and our `Get…ProcAddr` (Vulkan-Loader, "Loader and Layer
-//! Interface", version 2).
+//! `vkNegotiateLoaderLayerInterfaceVersion` and our `Get…ProcAddr` (Vulkan-Loader, "Loader and
+//! Layer Interface", version 2).
 
 use crate::intercept::vk::layer::{device, instance, table};
 use crate::intercept::vk::state::device as devices;

@@ -1,9 +1,10 @@
 //! Scenes that are drawn off screen follow the window to other views.
 //!
-//! Where the rig's file changes the views, a program that makes a new swapchain may keep the images that it draws its scene
-//! to. They get the new views at once. The view copies of the old ones stay as long as recorded commands sample them.
-//! Atlases and other atlas copies stay until the program destroys its image, and are used again if their size comes back: a
-//! barrier that is recorded somewhere may name them.
+//! Where the rig's file changes the views, a program that makes a new swapchain may keep the images
+//! that it draws its scene to. They get the new views at once. The view copies of the old ones stay
+//! as long as recorded commands sample them. Atlases and other atlas copies stay until the program
+//! destroys its image, and are used again if their size comes back: a barrier that is recorded
+//! somewhere may name them.
 
 use crate::intercept::obstacle::Obstacle;
 use crate::intercept::vk::state::atlas_layout::AtlasLayout;
@@ -37,7 +38,8 @@ impl Images {
     pub fn sweep(&self, device: &Device) {
         let unused: Vec<Arc<ViewTarget>> = {
             let mut retired = self.retired.lock().unwrap_or_else(PoisonError::into_inner);
-            // Recordings hold what they use, and are given up only when the device has finished with them.
+            // Recordings hold what they use, and are given up only when the device has finished
+            // with them.
             retired.extract_if(.., |target| Arc::strong_count(target) == 1).collect()
         };
         unused.iter().for_each(|target| self.destroy_view_copies(device, target));

@@ -1,7 +1,7 @@
 //! Images of the program, and the atlas copies that passes draw to in their place.
 //!
-//! A swapchain's image has an atlas, and so has an image that holds a scene on its way to the window.
-//! Other attachments of the same pass (depth, samples) get a copy as large as the atlas.
+//! A swapchain's image has an atlas, and so has an image that holds a scene on its way to the
+//! window. Other attachments of the same pass (depth, samples) get a copy as large as the atlas.
 
 use crate::intercept::obstacle::Obstacle;
 use crate::intercept::vk::state::atlas_layout::AtlasLayout;
@@ -17,8 +17,9 @@ use ash::vk;
 use std::sync::PoisonError;
 
 impl Images {
-    /// A shader can read the image of a view, by a descriptor of this `kind`: what it shows must not be drawn to a atlas copy in its
-    /// place, unless it is read as an attachment, which has a atlas copy as well.
+    /// A shader can read the image of a view, by a descriptor of this `kind`: what it shows must
+    /// not be drawn to a atlas copy in its place, unless it is read as an attachment, which has a
+    /// atlas copy as well.
     pub fn described(&self, device: &Device, view: vk::ImageView, kind: vk::DescriptorType) {
         let attachment = kind == vk::DescriptorType::INPUT_ATTACHMENT;
         let image = self.views.lock().unwrap_or_else(PoisonError::into_inner).get(&view).map(|view| view.image);

@@ -1,8 +1,8 @@
 //! Choice of the images that hold a scene on its way to the window.
 //!
-//! While commands are recorded, what each image gets and what is made of it is noted. Between two frames
-//! the images are found that perspective draws reach and that lead to the window: by a flat draw of a few
-//! vertices over all of it that samples the image, or by a copy of the whole.
+//! While commands are recorded, what each image gets and what is made of it is noted. Between two
+//! frames the images are found that perspective draws reach and that lead to the window: by a flat
+//! draw of a few vertices over all of it that samples the image, or by a copy of the whole.
 
 use crate::intercept::vk::pipelines::matrix_sources::{matrix, source};
 use crate::intercept::vk::state::device::Device;
@@ -12,7 +12,8 @@ use crate::intercept::vk::state::scene_graph::Made;
 use crate::intercept::{lens, settings};
 use ash::vk;
 
-/// A frame ended: images that were found to hold a scene on its way to the window are drawn for each view from now on.
+/// A frame ended: images that were found to hold a scene on its way to the window are drawn for
+/// each view from now on.
 pub fn decide(device: &Device) {
     device.images.sweep(device);
     let Some(settings) = settings::settings() else { return };
@@ -40,8 +41,8 @@ pub struct Cover {
     pub few_vertices: bool,
 }
 
-/// What a draw in a pass that is not drawn for each view says of the images that it draws to. The matrices that it may use
-/// are looked at when the commands run.
+/// What a draw in a pass that is not drawn for each view says of the images that it draws to. The
+/// matrices that it may use are looked at when the commands run.
 pub fn note_draw(
     device: &Device,
     recording: &mut Recording,

@@ -96,10 +96,12 @@ impl Images {
         Ok(())
     }
 
-    /// The view copies of a view's image for draws to a window of `layout`; `None` where the image has none.
+    /// The view copies of a view's image for draws to a window of `layout`; `None` where the image
+    /// has none.
     ///
     /// # Errors
-    /// What the driver refuses; and where the image has the views of another window or of another state of the rig.
+    /// What the driver refuses; and where the image has the views of another window or of another
+    /// state of the rig.
     pub fn view_copies(
         &self,
         device: &Device,

@@ -1,7 +1,8 @@
 //! View copies: one image per view of a scene that is drawn off screen, for the program's shaders.
 //!
-//! A pass draws all views into one atlas, so that no draw changes its framebuffer. Shaders that sample
-//! the image get the view's copy: coordinates, filter and wrapping are as the program has them.
+//! A pass draws all views into one atlas, so that no draw changes its framebuffer. Shaders that
+//! sample the image get the view's copy: coordinates, filter and wrapping are as the program has
+//! them.
 
 use crate::intercept::vk::state::atlas_layout::AtlasRect;
 use crate::intercept::vk::state::device::Device;
@@ -14,9 +15,10 @@ use ash::vk;
 /// As a shader finds a view copy.
 pub const SAMPLED: vk::ImageLayout = vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL;
 
-/// Records the copies of an atlas that has just been drawn and is in `layout`; nothing for a window's. The program's own
-/// image gets the program's own picture, if the atlas has it, and the layout in any case: the passes that the program
-/// recorded for it, which would bring it there, draw to the atlas.
+/// Records the copies of an atlas that has just been drawn and is in `layout`; nothing for a
+/// window's. The program's own image gets the program's own picture, if the atlas has it, and the
+/// layout in any case: the passes that the program recorded for it, which would bring it there,
+/// draw to the atlas.
 ///
 /// # Safety
 /// The command buffer is being recorded, outside of a pass.

@@ -13,7 +13,8 @@ use ash::vk;
 const NO_COUNTER: &str = "it needs the feature vertexPipelineStoresAndAtomics of the device";
 const NO_ROOM: &str = "a pipeline has no storage buffer to spare";
 
-/// The words of a geometry stage that reads rows by our set of `layout`, and counts by it; `None` where nothing is to be divided.
+/// The words of a geometry stage that reads the view constants by our set of `layout`, and counts
+/// by it; `None` where nothing is to be divided.
 ///
 /// # Errors
 /// Why what could be divided is not, for the log.
@@ -59,7 +60,7 @@ pub unsafe fn stage(
         };
         let (words, name) = (words_of(device, vertex).ok_or(UNKNOWN)?, name_of(vertex));
         let fragment = fragment.as_ref().map(|(words, name)| (&words[..], ExecutionModel::Fragment, name.as_str()));
-        let handed = spirv::handed((&words, ExecutionModel::Vertex, &name), fragment)?;
+        let stage_outputs = spirv::stage_outputs((&words, ExecutionModel::Vertex, &name), fragment)?;
         let provoking = if provokes_last(parts)? { input.corners() - 1 } else { 0 };
         let limits = &device.driver.limits;
         let limits = spirv::Limits {
@@ -68,7 +69,7 @@ pub unsafe fn stage(
             components: [limits.max_geometry_input_components, limits.max_geometry_output_components],
             runs: limits.max_geometry_shader_invocations,
         };
-        let words = spirv::divide(input, &handed, provoking, (layout.ours, layout.counts), &limits)?;
+        let words = spirv::divide(input, &stage_outputs, provoking, (layout.ours, layout.counts), &limits)?;
         if !layout.counts {
             let _ =
                 device.pipelines.divided.uncounted.set(if device.role.vertices.counts { NO_ROOM } else { NO_COUNTER });

@@ -9,7 +9,8 @@ use crate::intercept::vk::state::structures::slice;
 use ash::vk;
 use std::sync::{Arc, PoisonError};
 
-/// The number that our set gets in a layout, if it can have one, and whether there is room for the counter.
+/// The number that our set gets in a layout, if it can have one, and whether there is room for the
+/// counter.
 ///
 /// # Safety
 /// `info` must be the program's.

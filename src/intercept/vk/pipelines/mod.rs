@@ -2,8 +2,8 @@
 //!
 //! Each pipeline of the program gets two variants: one draws into a view, with the re-projection
 //! spliced into its last stage before rasterisation, and one draws onto the panel, with alpha that
-//! collects what covers it. Each pipeline layout gets one more descriptor set, for the view constants.
-//! State: `state::pipelines`.
+//! collects what covers it. Each pipeline layout gets one more descriptor set, for the view
+//! constants. State: `state::pipelines`.
 //!
 //! ```text
 //! create_info (what a structure says) ─ variants ─┬─ spirv::splice

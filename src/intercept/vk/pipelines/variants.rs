@@ -37,7 +37,8 @@ fn layout_of(device: &Device, parts: &Parts<'_>, linked: &[Arc<Pipeline>]) -> Op
     }
 }
 
-/// The libraries that a pipeline is linked from, and the layout with a set of ours, if it needs one.
+/// The libraries that a pipeline is linked from, and the layout with a set of ours, if it needs
+/// one.
 ///
 /// # Errors
 /// Why it has no variants.
@@ -174,7 +175,8 @@ fn last_stage(stages: &[vk::PipelineShaderStageCreateInfo<'_>]) -> Option<(usize
     order.into_iter().find_map(|(flag, model)| stages.iter().position(|s| s.stage == flag).map(|at| (at, model)))
 }
 
-/// The last stage before rasterisation and its words with the epilogue, which reads rows by set `ours`.
+/// The last stage before rasterisation and its words with the epilogue, which reads the view
+/// constants by set `ours`.
 ///
 /// # Errors
 /// Why there are none.
@@ -212,7 +214,8 @@ fn covering(blend: &vk::PipelineColorBlendAttachmentState) -> vk::PipelineColorB
     changed
 }
 
-/// The pipelines for a view and for the panel, each with its stages; the same where nothing tells them apart.
+/// The pipelines for a view and for the panel, each with its stages; the same where nothing tells
+/// them apart.
 ///
 /// # Errors
 /// What the driver refuses, or cannot be linked.

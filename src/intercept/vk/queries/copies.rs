@@ -1,7 +1,9 @@
-//! Results of queries that a command copies into a buffer of the program: they are scaled on the device.
+//! Results of queries that a command copies into a buffer of the program: they are scaled on the
+//! device.
 //!
-//! The results of a pool are copied into a buffer of ours, a compute shader scales them, and they are
-//! copied to where the program wants them. Results that are not available are those of the last copy.
+//! The results of a pool are copied into a buffer of ours, a compute shader scales them, and they
+//! are copied to where the program wants them. Results that are not available are those of the last
+//! copy.
 
 use crate::backend::vk::Buffer;
 use crate::intercept::vk::commands::conditional_render::unconditionally;
@@ -23,7 +25,7 @@ include!(concat!(env!("OUT_DIR"), "/queries_spirv.rs"));
 /// A copy of results that a program asks for.
 #[derive(Clone, Copy, Debug)]
 pub struct WantedResults {
-    /// The first query and how many there are.
+    /// The first query and the number of queries.
     pub queries: (u32, u32),
     /// Where they go.
     pub to: vk::Buffer,
@@ -54,7 +56,8 @@ impl QueryScaler {
         };
         let bindings: Vec<_> = (0..3).map(binding).collect();
         let functions = &device.driver.functions;
-        // SAFETY: makes objects of ours on a live device; they are kept in `self` as soon as they are made.
+        // SAFETY: makes objects of ours on a live device; they are kept in `self` as soon as they
+        // are made.
         unsafe {
             let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
             self.set_layout = functions.create_descriptor_set_layout(&info, None)?;
@@ -83,8 +86,8 @@ impl QueryScaler {
     }
 }
 
-/// How the results of `queries` queries of so many `numbers` lie among those that are told: where those begin, from one to
-/// the next, and how long each is, bytes.
+/// Offset of the results in the form that `flags` asks for, and length of each result, in bytes,
+/// for `queries` queries of `numbers` numbers.
 fn form(flags: vk::QueryResultFlags, numbers: u64, queries: u64) -> (u64, u64) {
     use vk::QueryResultFlags as F;
     let lengths = [8 * numbers, 8 * (numbers + 1), 4 * numbers, 4 * (numbers + 1)];
@@ -161,7 +164,8 @@ impl Scratch {
             .for_each(|buffer| buffer.destroy(&device.driver.api));
     }
 
-    /// Records the copy of results to where the program wants them; `next` copies results into a buffer.
+    /// Records the copy of results to where the program wants them; `next` copies results into a
+    /// buffer.
     ///
     /// # Safety
     /// The command buffer is being recorded, outside of a pass; the results are the pool's.
@@ -205,17 +209,20 @@ impl Scratch {
             size: if together { u64::from(count) * length } else { length },
         };
         let regions: Vec<_> = (0..if together { 1 } else { count.into() }).map(region).collect();
-        // SAFETY: as promised; the program's buffer is there to be copied to, and has room for the results.
+        // SAFETY: as promised; the program's buffer is there to be copied to, and has room for the
+        // results.
         unsafe { functions.cmd_copy_buffer(buffer, self.scaled.handle, wanted.to, &regions) };
     }
 }
 
 impl Queries {
-    /// Records a copy of results with their weights, by `next`, which copies results of the pool: to a buffer, its offset,
-    /// from one result to the next, in which form. Without the means for it the results are copied as they were counted.
+    /// Records a copy of results with their weights, by `next`, which copies results of the pool:
+    /// to a buffer, its offset, from one result to the next, in which form. Without the means for
+    /// it the results are copied as they were counted.
     ///
     /// # Safety
-    /// The command buffer is being recorded, outside of a pass; `wanted` is what the program asks for.
+    /// The command buffer is being recorded, outside of a pass; `wanted` is what the program asks
+    /// for.
     pub unsafe fn copy(
         &self,
         (device, buffer): (&Device, vk::CommandBuffer),
@@ -250,7 +257,8 @@ impl Queries {
         }
     }
 
-    /// What gives counts their weights; `None` where queues that draw need not compute, and where the driver refuses it.
+    /// What gives counts their weights; `None` where queues that draw need not compute, and where
+    /// the driver refuses it.
     fn scaler(&self, device: &Device) -> Option<&QueryScaler> {
         use vk::QueueFlags as Q;
         let computes = |family: &Q| !family.contains(Q::GRAPHICS) || family.contains(Q::COMPUTE);

@@ -3,7 +3,8 @@
 use crate::intercept::vk::state::queries::{Pool, scaled};
 use ash::vk;
 
-/// How results are asked for, beside what the program says of waiting: wide, and with their availability behind them.
+/// How results are asked for, beside what the program says of waiting: wide, and with their
+/// availability behind them.
 pub const RAW: vk::QueryResultFlags = vk::QueryResultFlags::from_raw(
     vk::QueryResultFlags::TYPE_64.as_raw() | vk::QueryResultFlags::WITH_AVAILABILITY.as_raw(),
 );
@@ -24,7 +25,7 @@ impl Pool {
 pub struct WantedResults {
     /// Where they go.
     pub to: *mut u8,
-    /// How many bytes are there.
+    /// Number of bytes there.
     pub size: usize,
     /// From one result to the next, bytes.
     pub stride: usize,
@@ -33,8 +34,8 @@ pub struct WantedResults {
 }
 
 impl WantedResults {
-    /// Writes the results of the queries from `first` on, of which the driver says `raw`. What is not available leaves its
-    /// place as it is, unless the program asked for what there is.
+    /// Writes the results of the queries from `first` on, of which the driver says `raw`. What is
+    /// not available leaves its place as it is, unless the program asked for what there is.
     ///
     /// # Safety
     /// `to` must be the program's memory, with `size` bytes.

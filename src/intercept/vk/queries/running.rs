@@ -1,4 +1,5 @@
-//! Queries of a command buffer that is submitted: which draws they count, and how often each is issued.
+//! Queries of a command buffer that is submitted: which draws they count, and how often each is
+//! issued.
 
 use crate::intercept::scene::query_weights::{QueryWeights, weight};
 use crate::intercept::vk::commands::panel_clears::clear_pending;
@@ -29,7 +30,7 @@ pub struct RunningQuery {
     sample_scale: Option<SampleScale>,
     /// Vertices of the program's draws.
     drawn: f64,
-    /// How many were issued of them.
+    /// Vertices that were issued for them.
     issued: f64,
 }
 
@@ -44,8 +45,8 @@ impl RunningQuery {
         Arc::ptr_eq(&self.pool, pool) && self.query == query
     }
 
-    /// Draws of so many `vertices` are issued so many `times`. Where draws of a scene are counted together with others, they
-    /// say what samples are worth.
+    /// Adds draws of `vertices` vertices that are issued `times` times. Where draws of a scene are
+    /// counted together with others, the scene's scale of samples holds.
     pub fn add(&mut self, sample_scale: SampleScale, vertices: u64, times: u32) {
         if self.sample_scale.is_none_or(|known| sample_scale.of_scene && !known.of_scene) {
             self.sample_scale = Some(sample_scale);

@@ -1,9 +1,9 @@
 //! Hooks of queries that count draws.
 //!
-//! A query counts all that is issued while it is active. The program gets that number times a weight
-//! (`QueryWeights`), which is known on submission. Each draw is issued a known number of times, so that
-//! counts of primitives are exact where all draws of a query are issued equally often, or where the
-//! program says how large they are.
+//! A query counts all that is issued while it is active. The program gets that number times a
+//! weight (`QueryWeights`), which is known on submission. Each draw is issued a known number of
+//! times, so that counts of primitives are exact where all draws of a query are issued equally
+//! often, or where the program says how large they are.
 
 use crate::intercept::scene::query_weights::{Quantity, QueryWeights};
 use crate::intercept::vk::queries::results::WantedResults;
@@ -15,7 +15,8 @@ use ash::vk;
 use std::ffi::c_void;
 use std::sync::{Arc, PoisonError};
 
-/// What the numbers of a query's result are; empty for queries whose numbers are the program's as they are.
+/// What the numbers of a query's result are; empty for queries whose numbers are the program's as
+/// they are.
 fn quantities(info: &vk::QueryPoolCreateInfo<'_>) -> Vec<Quantity> {
     use vk::QueryPipelineStatisticFlags as S;
     match info.query_type {

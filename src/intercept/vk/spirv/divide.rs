@@ -1,12 +1,14 @@
-//! A geometry stage of ours behind a program's vertex shader, which divides triangles or lines and projects what it emits.
+//! A geometry stage of ours behind a program's vertex shader, which divides triangles or lines and
+//! projects what it emits.
 //!
-//! The arithmetic is `correct::division`, made SPIR-V by the build. What reads the corners and writes vertices is put together
-//! here: what the vertex shader hands on is declared again, once as an array of the corners' and once as it is.
+//! The arithmetic is `correct::division`, made SPIR-V by the build. What reads the corners and
+//! writes vertices is put together here: what the vertex shader hands on is declared again, once as
+//! an array of the corners' and once as it is.
 
 use crate::correct::projected::division::Input;
 use crate::intercept::vk::spirv::functions::{Additions, Linked, division, push};
-use crate::intercept::vk::spirv::handed::{OutputPart, StageOutputs};
 use crate::intercept::vk::spirv::module::{Declarations, HEADER};
+use crate::intercept::vk::spirv::stage_outputs::{OutputPart, StageOutputs};
 use spirv::{
     AddressingModel, BuiltIn, Capability, Decoration, ExecutionMode, ExecutionModel, FunctionControl, MemoryModel, Op,
     Scope, StorageClass,
@@ -30,7 +32,8 @@ pub struct Limits {
 const RUNS: u32 = 16;
 /// Components of a vertex that are built in: its position.
 const POSITION: u32 = 4;
-/// Components beside these that a corner may have: the size of its point, a distance of either kind.
+/// Components beside these that a corner may have: the size of its point, a distance of either
+/// kind.
 const BESIDE: u32 = 4;
 /// Types that are copied at most, each of which may be in another.
 const MOST_TYPES: usize = 256;
@@ -41,22 +44,23 @@ const VERSION: u32 = 0x0001_0000;
 /// The name of the stage's entry point.
 pub const ENTRY: &std::ffi::CStr = c"main";
 
-/// The words of the stage. The rows are at binding 0 of `set`; with `counts` a number is at binding 1, to which each part is added that is
-/// not fine enough. `provoking`: the corner whose values a primitive has where they are not interpolated.
+/// The words of the stage. The view constants are at binding 0 of `set`; with `counts` a number is
+/// at binding 1, to which each part is added that is not fine enough. `provoking`: the corner whose
+/// values a primitive has where they are not interpolated.
 ///
 /// # Errors
 /// For people: what the device does not allow, or the shader hands on.
 pub fn divide(
     input: Input,
-    handed: &StageOutputs<'_>,
+    stage_outputs: &StageOutputs<'_>,
     provoking: u32,
     (set, counts): (u32, bool),
     limits: &Limits,
 ) -> Result<Vec<u32>, &'static str> {
     let corners = input.corners();
-    let emitted = POSITION + handed.components + u32::from(handed.number);
+    let emitted = POSITION + stage_outputs.components + u32::from(stage_outputs.number);
     // Of each stage's locations a device has a quarter of its components.
-    let needed = (emitted + BESIDE).max(handed.locations.saturating_mul(4));
+    let needed = (emitted + BESIDE).max(stage_outputs.locations.saturating_mul(4));
     let room = limits.vertices.min(limits.all_components / emitted) / corners;
     if room < FEWEST || limits.runs < RUNS || limits.components.iter().any(|limit| needed > *limit) {
         return Err("a shader hands on more than the device's geometry shaders can");
@@ -64,7 +68,7 @@ pub fn divide(
     let none = Declarations::default();
     let mut additions = Additions::new(1, &none);
     let linked = additions.link(division(input), set);
-    let mut stage = Stage { to: additions, handed, corners, copied: HashMap::new(), numbers: HashMap::new() };
+    let mut stage = Stage { to: additions, stage_outputs, corners, copied: HashMap::new(), numbers: HashMap::new() };
     let interface = stage.declare()?;
     stage.bodies(&linked, &interface, provoking, room)?;
     stage.count(&linked, counts.then_some(set))?;
@@ -74,7 +78,7 @@ pub fn divide(
 /// The stage as far as it is made.
 struct Stage<'a> {
     to: Additions<'a>,
-    handed: &'a StageOutputs<'a>,
+    stage_outputs: &'a StageOutputs<'a>,
     corners: u32,
     /// The vertex shader's types here.
     copied: HashMap<u32, u32>,
@@ -161,7 +165,7 @@ impl<'a> Stage<'a> {
 
     /// A decoration of the vertex shader's, if it is there.
     fn decorate_as(&mut self, from: u32, member: Option<u32>, to: u32, decoration: Decoration) {
-        if let Some(operands) = self.handed.declared.decoration(from, member, decoration) {
+        if let Some(operands) = self.stage_outputs.declared.decoration(from, member, decoration) {
             self.decorate(to, member, decoration, operands);
         }
     }
@@ -176,7 +180,7 @@ impl<'a> Stage<'a> {
             return Err(MISSING);
         }
         self.copied.insert(id, 0);
-        let declared = &self.handed.declared;
+        let declared = &self.stage_outputs.declared;
         let given = declared.by_id.get(&id).copied().ok_or(MISSING)?;
         let copied = match Op::from_u32(given.opcode) {
             Some(op @ (Op::TypeFloat | Op::TypeInt)) => self.to.kind(op, given.rest(1)),
@@ -219,15 +223,15 @@ impl<'a> Stage<'a> {
     }
 
     fn declare(&mut self) -> Result<Interface<'a>, &'static str> {
-        let handed = self.handed;
-        let (_, pointee) = handed.declared.pointee(handed.position.0).ok_or(MISSING)?;
-        let corner = self.corners_of(handed.position.0, pointee)?;
+        let stage_outputs = self.stage_outputs;
+        let (_, pointee) = stage_outputs.declared.pointee(stage_outputs.position.0).ok_or(MISSING)?;
+        let corner = self.corners_of(stage_outputs.position.0, pointee)?;
         let (vector, int) = (self.vector(4), self.int());
         let position = self.variable(StorageClass::Output, vector);
         self.decorate(position, None, Decoration::BuiltIn, &[BuiltIn::Position as u32]);
         let run = self.variable(StorageClass::Input, int);
         self.decorate(run, None, Decoration::BuiltIn, &[BuiltIn::InvocationId as u32]);
-        let number = handed.number.then(|| {
+        let number = stage_outputs.number.then(|| {
             [StorageClass::Input, StorageClass::Output].map(|class| {
                 let id = self.variable(class, int);
                 self.decorate(id, None, Decoration::BuiltIn, &[BuiltIn::PrimitiveId as u32]);
@@ -235,7 +239,7 @@ impl<'a> Stage<'a> {
             })
         });
         let mut pairs = Vec::new();
-        for variable in &handed.variables {
+        for variable in &stage_outputs.variables {
             let from = self.corners_of(variable.id, variable.pointee)?;
             let kind = self.copy(variable.pointee)?;
             let to = self.variable(StorageClass::Output, kind);
@@ -244,9 +248,9 @@ impl<'a> Stage<'a> {
             }
             pairs.push(Pair { from, member: None, to, leaves: &variable.leaves });
         }
-        if let Some(distances) = &handed.distances {
+        if let Some(distances) = &stage_outputs.distances {
             let (variable, member) = distances.place;
-            let from = match variable == handed.position.0 {
+            let from = match variable == stage_outputs.position.0 {
                 true => corner,
                 false => self.corners_of(variable, distances.kind)?,
             };
@@ -291,7 +295,8 @@ impl<'a> Stage<'a> {
         self.made(Op::Load, kind, &[place])
     }
 
-    /// The functions that the arithmetic asks for, in the order of `correct::division::STAGE_FUNCTIONS`.
+    /// The functions that the arithmetic asks for, in the order of
+    /// `correct::division::STAGE_FUNCTIONS`.
     fn bodies(
         &mut self,
         linked: &Linked,
@@ -310,7 +315,7 @@ impl<'a> Stage<'a> {
         self.function(left, int, &[]);
         self.end(Some(room));
 
-        let member = self.handed.position.1.map(|member| self.number(member));
+        let member = self.stage_outputs.position.1.map(|member| self.number(member));
         let index = self.function(corner, vector, &[int]);
         let value = self.load(vector, interface.corner, &[&index[..], member.as_slice()].concat());
         self.end(Some(value));
@@ -340,7 +345,8 @@ impl<'a> Stage<'a> {
         Ok(())
     }
 
-    /// The function that is called where a part is not fine enough: it adds to the number in `set`, if there is one.
+    /// The function that is called where a part is not fine enough: it adds to the number in `set`,
+    /// if there is one.
     fn count(&mut self, linked: &Linked, set: Option<u32>) -> Result<(), &'static str> {
         let [.., count] = linked.open[..] else { return Err(MISSING) };
         let (void, int) = (self.to.kind(Op::TypeVoid, &[]), self.int());
@@ -411,7 +417,7 @@ impl<'a> Stage<'a> {
         let mut words = vec![spirv::MAGIC_NUMBER, VERSION, 0, to.bound(), 0];
         debug_assert_eq!(words.len(), HEADER);
         push(&mut words, Op::Capability, &[Capability::Geometry as u32]);
-        if self.handed.distances.is_some() {
+        if self.stage_outputs.distances.is_some() {
             push(&mut words, Op::Capability, &[Capability::ClipDistance as u32]);
         }
         words.append(&mut to.imports);

@@ -1,5 +1,6 @@
-//! The functions that re-project, as the build made SPIR-V of them (`build/projection.rs`), on their way into a program's
-//! module: all ids are numbered anew, and of types that may be there only once the module's own are taken.
+//! The functions that re-project, as the build made SPIR-V of them (`build/projection.rs`), on
+//! their way into a program's module: all ids are numbered anew, and of types that may be there
+//! only once the module's own are taken.
 
 use crate::correct::projected::division::Input;
 use crate::intercept::vk::spirv::module::{Declarations, Instruction, instructions_of};
@@ -19,12 +20,13 @@ pub struct Functions {
     bodies: Part,
     /// Where the numbers of GLSL's own functions come from.
     import: u32,
-    /// The block with the rows.
+    /// The block with the view constants.
     variable: u32,
     fix: u32,
     /// The function for whose sake they are here: `cupola_fix`, or one that calls it.
     root: u32,
-    /// Functions that the module has to have: those of `correct::division::STAGE_FUNCTIONS`, or none.
+    /// Functions that the module has to have: those of `correct::division::STAGE_FUNCTIONS`, or
+    /// none.
     open: &'static [u32],
     /// The type that `cupola_fix` takes and gives.
     vector: u32,
@@ -34,7 +36,8 @@ pub struct Functions {
 
 include!(concat!(env!("OUT_DIR"), "/projection_spirv.rs"));
 
-/// The functions for views; `lenses`: also for pictures whose lens follows the rows.
+/// The functions for views; `lenses`: also for outputs whose lens constants follow the reprojection
+/// matrix.
 pub fn functions(lenses: bool) -> &'static Functions {
     if lenses { &LENSES } else { &VIEWS }
 }
@@ -65,7 +68,7 @@ pub struct Additions<'a> {
 
 /// The functions where they have been put into a module.
 pub struct Linked {
-    /// The block with the rows.
+    /// The block with the view constants.
     pub variable: u32,
     /// The function that re-projects.
     pub fix: u32,

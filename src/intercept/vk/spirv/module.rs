@@ -34,7 +34,8 @@ impl Instruction<'_> {
 /// Words of the header.
 pub const HEADER: usize = 5;
 
-/// The instructions of a module; `None` unless `words` are one, in the order of bytes of this machine.
+/// The instructions of a module; `None` unless `words` are one, in the order of bytes of this
+/// machine.
 pub fn instructions(words: &[u32]) -> Option<Vec<Instruction<'_>>> {
     if words.len() < HEADER || words[0] != spirv::MAGIC_NUMBER {
         return None;
@@ -53,7 +54,7 @@ pub fn instructions_of(words: &[u32], mut offset: usize) -> Option<Vec<Instructi
     Some(found)
 }
 
-/// A literal string at the start of `words`, and how many words it takes.
+/// A literal string at the start of `words`, and the number of words that it takes.
 pub fn string(words: &[u32]) -> (String, usize) {
     let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_le_bytes()).take_while(|byte| *byte != 0).collect();
     let length = (bytes.len() / 4 + 1).min(words.len());

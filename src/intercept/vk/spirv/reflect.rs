@@ -39,8 +39,8 @@ const MOST: usize = 16;
 /// Deeper than this no program nests its blocks.
 const DEEPEST: usize = 4;
 
-/// The matrices in a shader's uniform blocks, storage blocks and push constants, the likeliest first; of arrays
-/// the first element.
+/// The matrices in a shader's uniform blocks, storage blocks and push constants, the likeliest
+/// first; of arrays the first element.
 pub fn matrices(words: &[u32]) -> Vec<Matrix> {
     let Some(all) = instructions(words) else { return Vec::new() };
     let declared = Declarations::new(&all);

@@ -1,8 +1,9 @@
 //! The splice that lets a program's own shader draw into a view.
 //!
-//! The last stage before rasterisation gets an epilogue that re-projects `gl_Position` (`correct::projection`).
-//! All words of the program stay as they are, known or not; functions, their types and a uniform block are
-//! put in, and the entry point leads to a function of ours that calls the program's.
+//! The last stage before rasterisation gets an epilogue that re-projects `gl_Position`
+//! (`correct::projection`). All words of the program stay as they are, known or not; functions,
+//! their types and a uniform block are put in, and the entry point leads to a function of ours that
+//! calls the program's.
 
 use crate::intercept::vk::spirv::functions::{Additions, functions, push, push_code};
 use crate::intercept::vk::spirv::module::{Declarations, HEADER, Instruction, instructions, string};
@@ -11,8 +12,8 @@ use spirv::{BuiltIn, Decoration, ExecutionMode, ExecutionModel, FunctionControl,
 /// The first version in which an entry point names all variables that it uses.
 const NAMES_ALL: u32 = 0x0001_0400;
 
-/// `words` with the epilogue, or why there is none. The rows are a uniform block at binding 0 of `set`; with `lenses` the lens
-/// of a picture follows them.
+/// `words` with the epilogue, or why there is none. The view constants are a uniform block at
+/// binding 0 of `set`; with `lenses` the lens of a picture follows them.
 ///
 /// # Errors
 /// For people: what the shader does that cannot be followed.
@@ -83,15 +84,17 @@ fn position(declared: &Declarations<'_>, interface: &[u32]) -> Option<Position> 
 struct Entry<'a> {
     point: &'a Instruction<'a>,
     main: u32,
-    /// Our function that takes the program's place; `None`: ours is called at each vertex that is emitted.
+    /// Our function that takes the program's place; `None`: ours is called at each vertex that is
+    /// emitted.
     wrapper: Option<u32>,
     epilogue: u32,
-    /// The block with the rows.
+    /// The block with the view constants.
     variable: u32,
     void: u32,
 }
 
-/// The function that gives `gl_Position` what `fix` makes of it, a `vector`; before that it calls `main`, if one is given.
+/// The function that gives `gl_Position` what `fix` makes of it, a `vector`; before that it calls
+/// `main`, if one is given.
 fn epilogue(to: &mut Additions<'_>, position: Position, (fix, vector): (u32, u32), main: Option<u32>) -> u32 {
     let void = to.kind(Op::TypeVoid, &[]);
     let function = to.kind(Op::TypeFunction, &[void]);
@@ -121,7 +124,8 @@ fn epilogue(to: &mut Additions<'_>, position: Position, (fix, vector): (u32, u32
     made
 }
 
-/// Whether an instruction stands before types, constants and variables (sections 1 to 8 of a module).
+/// Whether an instruction stands before types, constants and variables (sections 1 to 8 of a
+/// module).
 fn before_types(instruction: &Instruction<'_>) -> bool {
     let head = [
         Op::Capability,

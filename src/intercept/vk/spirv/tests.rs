@@ -76,7 +76,8 @@ fn the_rows_are_where_the_layout_has_them() {
     assert_eq!(declared.pointee(id).map(|p| p.0), Some(StorageClass::Uniform as u32));
 }
 
-/// GLSL's own functions are imported once, whether the program does it or not, where a module has its imports.
+/// GLSL's own functions are imported once, whether the program does it or not, where a module has
+/// its imports.
 #[test]
 fn functions_of_glsl_are_imported_once() {
     let entry = VERTEX_ENTRY.to_str().expect("a name");
@@ -137,7 +138,8 @@ fn module(bound: u32, all: &[(u32, &[u32])]) -> Vec<u32> {
     words
 }
 
-/// A stage with the loose `gl_Position` 5, put together by hand; its types begin with `first`, and its function is 7.
+/// A stage with the loose `gl_Position` 5, put together by hand; its types begin with `first`, and
+/// its function is 7.
 fn loose_position(points: &[[u32; 4]], first: (u32, &[u32])) -> Vec<u32> {
     let output = StorageClass::Output as u32;
     let builtin = [5, Decoration::BuiltIn as u32, spirv::BuiltIn::Position as u32];
@@ -164,7 +166,8 @@ fn loose_position(points: &[[u32; 4]], first: (u32, &[u32])) -> Vec<u32> {
 /// Types of extensions may come before all others; decorations come before them.
 #[test]
 fn decorations_stand_before_types_whatever_the_first_is() {
-    // OpTypeAccelerationStructureKHR, OpTypeVoid's twin that no module needs, a number that nobody knows.
+    // OpTypeAccelerationStructureKHR, OpTypeVoid's twin that no module needs, a number that nobody
+    // knows.
     for first in [5341, 6090] {
         let words =
             loose_position(&[[ExecutionModel::Vertex as u32, 7, u32::from_le_bytes(*b"go\0\0"), 5]], (first, &[30]));

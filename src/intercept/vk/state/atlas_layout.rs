@@ -83,21 +83,24 @@ pub struct AtlasLayout {
     pub atlas: (u32, u32),
     /// The panel, as large as the window.
     pub panel: AtlasRect,
-    /// A tile with the program's own picture beside the views, where the program may read its window.
+    /// A tile with the program's own picture beside the views, where the program may read its
+    /// window.
     pub primary: Option<AtlasRect>,
     /// The program may read its own picture.
     pub read: bool,
     /// The tiles of the views.
     pub views: Vec<ViewTile>,
-    /// For each view the lens of its picture, as shaders take it; empty where all views are perspective ones.
+    /// For each view the lens of its picture, as shaders take it; empty where all views are
+    /// perspective ones.
     pub lenses: Vec<LensConstants>,
     /// Where each output is in the window.
     pub outputs: Vec<[i32; 4]>,
 }
 
 impl AtlasLayout {
-    /// Plans `rig` in a window of `size` pixels, on a device whose images are up to `max_atlas` wide and high. `read`: the
-    /// program may read its own picture. `vertices`: what shaders do with vertices where the rig says so.
+    /// Plans `rig` in a window of `size` pixels, on a device whose images are up to `max_atlas`
+    /// wide and high. `read`: the program may read its own picture. `vertices`: what shaders do
+    /// with vertices where the rig says so.
     ///
     /// # Errors
     /// Those of the planner.
@@ -150,9 +153,9 @@ impl AtlasLayout {
     }
 }
 
-/// The plan whose tiles begin as many rows below the atlas' top as those of `plan` begin above its bottom. So what is
-/// drawn with the program's own lens can be at the origin, and is rasterised as the program rasterises it, to the byte:
-/// elsewhere coordinates are larger, and rounded otherwise.
+/// The plan whose tiles begin as many rows below the atlas' top as those of `plan` begin above its
+/// bottom. So what is drawn with the program's own lens can be at the origin, and is rasterised as
+/// the program rasterises it, to the byte: elsewhere coordinates are larger, and rounded otherwise.
 fn upside_down(plan: &Plan) -> Plan {
     let mut plan = plan.clone();
     let views = &mut plan.views;

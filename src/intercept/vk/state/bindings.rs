@@ -141,7 +141,8 @@ impl Pushed {
     /// Pushes all of it again as set `number`.
     ///
     /// # Safety
-    /// The command buffer is being recorded; the layout is the program's, which pushed it for this place.
+    /// The command buffer is being recorded; the layout is the program's, which pushed it for this
+    /// place.
     pub unsafe fn repeat(
         &self,
         next: &NextLayer,

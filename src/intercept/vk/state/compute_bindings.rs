@@ -9,8 +9,9 @@ use ash::vk;
 #[derive(Default)]
 pub struct ComputeBindings {
     pipeline: vk::Pipeline,
-    /// Descriptor sets, by their number and with the layout that they were bound for, in the order in which that happened:
-    /// a set disturbs earlier ones whose layouts are not compatible with its own.
+    /// Descriptor sets, by their number and with the layout that they were bound for, in the order
+    /// in which that happened: a set disturbs earlier ones whose layouts are not compatible with
+    /// its own.
     sets: Vec<(u32, vk::PipelineLayout, BoundSet)>,
 }
 

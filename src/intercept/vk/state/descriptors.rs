@@ -27,7 +27,7 @@ pub(in crate::intercept::vk) fn is_buffer(kind: vk::DescriptorType) -> bool {
 }
 
 impl SetLayout {
-    /// How many dynamic offsets are given when such a set is bound.
+    /// Number of dynamic offsets that are given when such a set is bound.
     pub fn dynamic_offsets(&self) -> u32 {
         self.bindings.values().filter(|(kind, _)| is_dynamic(*kind)).map(|(_, count)| count).sum()
     }
@@ -96,7 +96,7 @@ impl Descriptors {
         self.templates.lock().unwrap_or_else(PoisonError::into_inner).get(&handle).cloned()
     }
 
-    /// How many dynamic offsets are given when a set is bound.
+    /// Number of dynamic offsets that are given when a set is bound.
     pub fn dynamic_offsets(&self, set: vk::DescriptorSet) -> u32 {
         let sets = self.sets.lock().unwrap_or_else(PoisonError::into_inner);
         sets.get(&set).map_or(0, |set| set.layout.dynamic_offsets())
@@ -182,7 +182,8 @@ pub fn is_sampled(kind: vk::DescriptorType) -> bool {
     [vk::DescriptorType::COMBINED_IMAGE_SAMPLER, vk::DescriptorType::SAMPLED_IMAGE].contains(&kind)
 }
 
-/// What a descriptor of this kind shows a picture by; `None` for those whose picture cannot be exchanged.
+/// What a descriptor of this kind shows a picture by; `None` for those whose picture cannot be
+/// exchanged.
 pub(in crate::intercept::vk) fn picture(info: &vk::DescriptorImageInfo, kind: vk::DescriptorType) -> Option<Picture> {
     let attachment = (kind == vk::DescriptorType::INPUT_ATTACHMENT).then_some(info.image_layout);
     let picture = Picture { view: info.image_view, sampler: info.sampler, attachment };

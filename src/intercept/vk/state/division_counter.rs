@@ -29,8 +29,8 @@ impl Counter {
         let functions = &driver.functions;
         let info = vk::BufferCreateInfo::default().size(LENGTH).usage(vk::BufferUsageFlags::STORAGE_BUFFER);
         let visible = vk::MemoryPropertyFlags::HOST_VISIBLE | vk::MemoryPropertyFlags::HOST_COHERENT;
-        // SAFETY: makes objects of ours on a live device; they are kept in `self` as soon as they are made. The memory is as
-        // long as the number, and nothing uses it yet.
+        // SAFETY: makes objects of ours on a live device; they are kept in `self` as soon as they
+        // are made. The memory is as long as the number, and nothing uses it yet.
         unsafe {
             self.buffer = functions.create_buffer(&info, None)?;
             let needs = functions.get_buffer_memory_requirements(self.buffer);

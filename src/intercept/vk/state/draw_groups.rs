@@ -30,7 +30,7 @@ pub struct MatrixSource {
     pub(in crate::intercept::vk) value: MatrixValue,
 }
 
-/// What a group turned out to be.
+/// Class of a group's draws.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::intercept::vk) enum DrawClass {
     Scene(Intrinsics),
@@ -40,7 +40,7 @@ pub(in crate::intercept::vk) enum DrawClass {
     Screen,
 }
 
-/// What draws of a group have in common.
+/// Facts that draws of a group have in common.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DrawFacts {
     /// Where the lens may be, the likeliest first.
@@ -51,7 +51,8 @@ pub struct DrawFacts {
     pub(in crate::intercept::vk) in_views: bool,
     /// They draw to an image that holds a scene on its way to the window.
     pub(in crate::intercept::vk) off_screen: bool,
-    /// They are tested by their depth: without a matrix that can be read they may have the lens that the rig gives.
+    /// They are tested by their depth: without a matrix that can be read they may have the lens
+    /// that the rig gives.
     pub(in crate::intercept::vk) deep: bool,
     /// Where they are flat they bring the scene out of such an image, over all of the picture.
     pub(in crate::intercept::vk) screen: bool,
@@ -65,7 +66,7 @@ pub struct DrawGroup {
     pub(in crate::intercept::vk) layout: Arc<AtlasLayout>,
     /// What they are.
     pub(in crate::intercept::vk) facts: DrawFacts,
-    /// How many draws.
+    /// Number of its draws.
     pub(in crate::intercept::vk) draws: u64,
     /// Those of them that are left out where they are out of sight.
     pub(in crate::intercept::vk) indirect: Vec<IndirectDraw>,
@@ -93,7 +94,7 @@ impl DrawGroup {
         }
     }
 
-    /// How many slots of view constants it has: for the views, the panel, and the program's own picture.
+    /// Number of its slots of view constants: for the views, the panel and the primary view.
     pub(in crate::intercept::vk) fn slots(&self) -> u32 {
         2 + if self.facts.in_views { self.layout.views.len() as u32 } else { 0 }
     }
@@ -103,12 +104,13 @@ impl DrawGroup {
         self.in_sight >> slot.min(63) & 1 == 1
     }
 
-    /// Whether draws are issued onto the panel: where the program's own lens shows everything there is none.
+    /// Whether draws are issued onto the panel: where the program's own lens shows everything there
+    /// is none.
     pub fn is_on_panel(&self) -> bool {
         !self.facts.off_screen && !self.layout.shows_own_lens()
     }
 
-    /// With how many slots draws are issued, and with how many of these they are in sight.
+    /// Number of slots that draws are issued with, and number of those in which they are in sight.
     pub(in crate::intercept::vk) fn times(&self) -> [u32; 2] {
         let (panel, own) = (self.slots() - 2, self.slots() - 1);
         let panel = self.is_on_panel().then_some(panel);
@@ -122,7 +124,7 @@ impl DrawGroup {
     }
 }
 
-/// What is counted for the statistics.
+/// Counts for the statistics.
 #[derive(Clone, Debug, Default)]
 pub struct Counts {
     /// Draws of the program to its window.
@@ -146,7 +148,7 @@ pub struct Frame {
     pub(in crate::intercept::vk) layout: Option<Arc<AtlasLayout>>,
     /// Matrices that show the panel in each view, for flat drawing behind the scene.
     pub(in crate::intercept::vk) behind: Vec<ReprojectionMatrix>,
-    /// The lens for which it was last found out how many samples show what it sees, and how many.
+    /// The lens for which samples were counted last, and their number.
     pub(in crate::intercept::vk) sampled: Option<(Intrinsics, f64)>,
     pub(in crate::intercept::vk) order: FrameOrder,
     /// What was counted.

@@ -8,7 +8,7 @@ use ash::vk;
 /// Bytes of a draw's parameters, of either kind.
 pub(in crate::intercept::vk) const BYTES: u32 = 20;
 
-/// What `vkCmdDraw` and `vkCmdDrawIndexed` are told, as memory has it for their indirect kinds.
+/// Parameters of `vkCmdDraw` or `vkCmdDrawIndexed`, laid out as for their indirect kinds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DrawParameters {
     /// Vertices or indices, instances, and what comes first.
@@ -27,7 +27,7 @@ impl DrawParameters {
         Self { numbers: [indices, instances, first_index, vertex_offset as u32, first_instance], indexed: true }
     }
 
-    /// How many vertices are drawn.
+    /// Number of vertices that are drawn.
     pub fn vertices(&self) -> u32 {
         self.numbers[0].saturating_mul(self.numbers[1])
     }
@@ -77,7 +77,7 @@ pub struct IndirectDraw {
 }
 
 impl IndirectDraw {
-    /// Writes what is drawn with each of so many slots.
+    /// Writes the parameters for each of `slots` slots.
     pub fn write(&self, chunks: &[ConstantChunk], slots: u32, in_sight: impl Fn(u32) -> bool) {
         let Some(chunk) = chunks.get(self.at.chunk) else { return };
         for slot in 0..slots {
@@ -92,7 +92,8 @@ impl IndirectDraw {
     pub unsafe fn issue(&self, driver: &Driver, buffer: vk::CommandBuffer, chunks: &[ConstantChunk], slot: u32) {
         let Some(chunk) = chunks.get(self.at.chunk) else { return };
         let (functions, offset) = (&driver.functions, u64::from(self.at.offset + slot * BYTES));
-        // SAFETY: as promised; the parameters lie in the chunk, which lives as long as the command buffer needs it.
+        // SAFETY: as promised; the parameters lie in the chunk, which lives as long as the command
+        // buffer needs it.
         unsafe {
             if self.parameters.indexed {
                 functions.cmd_draw_indexed_indirect(buffer, chunk.buffer(), offset, 1, BYTES);

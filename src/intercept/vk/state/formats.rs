@@ -54,7 +54,8 @@ impl TexelFormat {
     }
 }
 
-/// A 16-bit float (IEEE 754 binary16) of 0…1 as a byte; what lies outside is cut off, what is no number is 0.
+/// A 16-bit float (IEEE 754 binary16) of 0…1 as a byte; what lies outside is cut off, what is no
+/// number is 0.
 fn from_half(bits: u16) -> u8 {
     let (exponent, fraction) = (i32::from(bits >> 10 & 31), f64::from(bits & 1023));
     let value = match exponent {
@@ -67,8 +68,8 @@ fn from_half(bits: u16) -> u8 {
     (signed.clamp(0.0, 1.0) * 255.0).round() as u8
 }
 
-/// Whether a colour space has its values encoded as a display of the usual kind takes them, which the correction's light
-/// is computed for.
+/// Whether a colour space has its values encoded as a display of the usual kind takes them, which
+/// the correction's light is computed for.
 pub fn is_usual(space: vk::ColorSpaceKHR) -> bool {
     use vk::ColorSpaceKHR as C;
     [

@@ -53,7 +53,8 @@ pub struct Framebuffers {
 }
 
 impl RenderPass {
-    /// Colour attachments of a subpass, by their number there, that begin with it and without what they held before.
+    /// Colour attachments of a subpass, by their number there, that begin with it and without what
+    /// they held before.
     pub fn begin_in(&self, subpass: usize) -> Vec<u32> {
         let (earlier, colors) = self.colors.split_at(subpass.min(self.colors.len()));
         let drawn = |attachment: u32| earlier.iter().flatten().any(|(_, known)| *known == attachment);

@@ -26,8 +26,8 @@ macro_rules! hooks {
             unsafe extern "system" fn $method($first: $ft $(, $p: $t)*) $(-> $r)? {
                 let Some($device) = $crate::intercept::vk::state::device::get($first) else { return Default::default() };
                 let Some($next) = $device.next.$method else { return Default::default() };
-                // SAFETY: what the bodies call are the next layer's functions, with the program's arguments or with
-                // our own objects.
+                // SAFETY: what the bodies call are the next layer's functions, with the program's
+                // arguments or with our own objects.
                 match $crate::fence::guard(|| unsafe { $body }) {
                     Some(answer) => answer,
                     None => {

@@ -64,7 +64,8 @@ pub struct Images {
     pub(in crate::intercept::vk) candidates: AtomicBool,
     /// The size of the latest window.
     pub(in crate::intercept::vk) window: Mutex<Option<(u32, u32)>>,
-    /// Kinds of images that were found to hold a scene: after a change of size they are known at once.
+    /// Kinds of images that were found to hold a scene: after a change of size they are known at
+    /// once.
     pub(in crate::intercept::vk) scenes: Mutex<Vec<ImageKind>>,
     /// What scenes were drawn by before, as long as recorded commands use it.
     pub(in crate::intercept::vk) retired: Mutex<Vec<Arc<ViewTarget>>>,
@@ -103,7 +104,8 @@ impl Image {
             && self.target.as_ref().is_none_or(|target| !target.window)
     }
 
-    /// Whether it has one sample in each pixel: pictures with more cannot be copied into view copies.
+    /// Whether it has one sample in each pixel: pictures with more cannot be copied into view
+    /// copies.
     pub(in crate::intercept::vk) fn is_single(&self) -> bool {
         self.samples == vk::SampleCountFlags::TYPE_1
     }
@@ -125,8 +127,8 @@ impl Images {
         self.images.lock().unwrap_or_else(PoisonError::into_inner).get(&image)?.target.clone()
     }
 
-    /// The program has `image` in the place of a swapchain's. It is brought into the layout in which passes leave it:
-    /// those that draw to the atlas do not change it.
+    /// The program has `image` in the place of a swapchain's. It is brought into the layout in
+    /// which passes leave it: those that draw to the atlas do not change it.
     pub fn show(&self, image: vk::Image, format: vk::Format, target: Arc<ViewTarget>) {
         let new = Image {
             flags: vk::ImageCreateFlags::empty(),
@@ -149,7 +151,8 @@ impl Images {
         self.pending.lock().unwrap_or_else(PoisonError::into_inner).push(pending);
     }
 
-    /// The program asked for `usage` only; its views of the image are for no more, as those who compare it expect.
+    /// The program asked for `usage` only; its views of the image are for no more, as those who
+    /// compare it expect.
     pub fn declare(&self, image: vk::Image, usage: vk::ImageUsageFlags) {
         self.declared.lock().unwrap_or_else(PoisonError::into_inner).insert(image, usage);
     }
@@ -187,7 +190,8 @@ impl Images {
         }
     }
 
-    /// A pass would have brought an image into a layout, but draws to its atlas copy. What has to be brought there in its place.
+    /// A pass would have brought an image into a layout, but draws to its atlas copy. What has to
+    /// be brought there in its place.
     pub fn change_layout(&self, image: vk::Image, layout: vk::ImageLayout) -> Option<LayoutChange> {
         let mut images = self.images.lock().unwrap_or_else(PoisonError::into_inner);
         let state = images.get_mut(&image).filter(|state| state.layout != layout)?;

@@ -6,8 +6,8 @@ use ash::vk;
 use std::collections::{BTreeMap, HashMap};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-/// A pipeline layout. The driver's object lives as long as a pipeline needs it, though the program may destroy it
-/// before.
+/// A pipeline layout. The driver's object lives as long as a pipeline needs it, though the program
+/// may destroy it before.
 pub struct PipelineLayout {
     /// The driver's object.
     pub(in crate::intercept::vk) handle: vk::PipelineLayout,
@@ -104,7 +104,7 @@ impl DivisionStatistics {
         *self.undivided.lock().unwrap_or_else(PoisonError::into_inner).entry(why.to_owned()).or_default() += 1;
     }
 
-    /// How many pipelines are not divided, by reason.
+    /// Number of pipelines that are not divided, by reason.
     pub fn undivided(&self) -> BTreeMap<String, u64> {
         self.undivided.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }

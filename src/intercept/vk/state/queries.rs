@@ -72,10 +72,10 @@ pub struct QueryScaler {
 
 /// What the copies of a pool's results need.
 pub struct Scratch {
-    /// The results as they were counted.
+    /// The results of the driver.
     pub(in crate::intercept::vk) counted: Buffer,
     pub(in crate::intercept::vk) weights: Buffer,
-    /// The results as they are told.
+    /// The scaled results.
     pub(in crate::intercept::vk) scaled: Buffer,
     pub(in crate::intercept::vk) pool: vk::DescriptorPool,
     pub(in crate::intercept::vk) set: vk::DescriptorSet,
@@ -89,8 +89,9 @@ impl Queries {
 }
 
 impl Scratch {
-    /// A query's numbers will have these weights. A copy of an earlier submission that still runs may see them, too: what a
-    /// query counts seldom becomes something else from one frame to the next.
+    /// A query's numbers will have these weights. A copy of an earlier submission that still runs
+    /// may see them, too: what a query counts seldom becomes something else from one frame to the
+    /// next.
     pub fn set_weights(&self, driver: &Driver, query: u32, weights: &[u64]) {
         let bytes: Vec<u8> = weights.iter().flat_map(|weight| weight.to_ne_bytes()).collect();
         let offset = 8 + query as usize * bytes.len();

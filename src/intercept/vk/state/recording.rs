@@ -37,9 +37,9 @@ pub enum Event {
     EndQuery(Arc<Pool>, u32),
     /// Draws that a query may count.
     Counted {
-        /// Their group, if they have rows.
+        /// Index of their group, if they have view constants.
         group: Option<usize>,
-        /// How many vertices they have.
+        /// Number of their vertices.
         vertices: u64,
         /// How often each is issued; `None`: as often as the group is in sight.
         times: Option<u32>,
@@ -62,7 +62,7 @@ pub struct Pass {
     pub(in crate::intercept::vk) layout_changes: Vec<LayoutChange>,
 }
 
-/// How a pass was begun: what a secondary command buffer in it has to be told.
+/// How a pass was begun: what a secondary command buffer in it inherits.
 pub enum Within {
     /// By a render pass.
     Pass {
@@ -153,7 +153,8 @@ pub struct Recording {
     pub(in crate::intercept::vk) draw_groups: Vec<DrawGroup>,
     /// Memory of their view constants.
     pub(in crate::intercept::vk) constants: ConstantChunks,
-    /// Command buffers of ours that clear the panel where the program's pass has only secondary ones.
+    /// Command buffers of ours that clear the panel where the program's pass has only secondary
+    /// ones.
     pub(in crate::intercept::vk) clearers: Vec<vk::CommandBuffer>,
     /// Scenes whose view copies its draws sample.
     pub(in crate::intercept::vk) sampled: Vec<Arc<ViewTarget>>,
@@ -242,11 +243,12 @@ pub struct Condition {
     pub(in crate::intercept::vk) flags: vk::ConditionalRenderingFlagsEXT,
 }
 
-/// Vertices that a draw is taken to have whose size only the device knows.
+/// Number of vertices that is assumed of a draw whose size only the device knows.
 const UNKNOWN_SIZE: u64 = 1 << 10;
 
-/// A draw of so many vertices is issued `times` times, where a query may run; `None`: as often as its group is in sight. `run`: the
-/// index of its group, if it has rows.
+/// Notes a draw of `vertices` vertices that is issued `times` times, if a query may be active;
+/// `None`: as often as its group is in sight. `group`: index of its group, if it has view
+/// constants.
 pub fn count_draw(recording: &mut Recording, group: Option<usize>, vertices: u32, times: Option<u32>) {
     if recording.counting == 0 {
         return;

@@ -53,7 +53,8 @@ impl SceneGraph {
         seen.graph.forget(image);
     }
 
-    /// The images that have to be drawn for each view, if something new was seen since this was asked last.
+    /// The images that have to be drawn for each view, if something new was seen since this was
+    /// asked last.
     pub(in crate::intercept::vk) fn news(&self, rule: Duplicate) -> Option<HashSet<vk::Image>> {
         let mut seen = self.seen.lock().unwrap_or_else(PoisonError::into_inner);
         std::mem::take(&mut seen.news).then(|| seen.chosen(rule))
@@ -79,7 +80,8 @@ impl SceneGraph {
 }
 
 impl Seen {
-    /// Those images between a scene and the window of which nothing is made that cannot be followed.
+    /// Those images between a scene and the window of which nothing is made that cannot be
+    /// followed.
     pub(in crate::intercept::vk) fn chosen(&self, rule: Duplicate) -> HashSet<vk::Image> {
         if rule == Duplicate::Never {
             return HashSet::new();

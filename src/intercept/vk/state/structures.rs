@@ -1,4 +1,5 @@
-//! Structures of the program: their arrays and chains, and copies of chains in which something is changed.
+//! Structures of the program: their arrays and chains, and copies of chains in which something is
+//! changed.
 
 use ash::vk;
 use std::ffi::c_void;
@@ -33,12 +34,13 @@ pub unsafe fn in_chain<'a, T>(chain: *const c_void, kind: vk::StructureType) -> 
     None
 }
 
-/// A chain like the program's: copies of the structures up to one of a certain kind, of which something may be changed. What
-/// follows is the program's.
+/// A chain like the program's: copies of the structures up to one of a certain kind, of which
+/// something may be changed. What follows is the program's.
 pub struct Copied(Vec<Box<[u64]>>);
 
 impl Copied {
-    /// `None` where there is no structure of the kind `last`, or one before it whose length, bytes, is not known.
+    /// `None` where there is no structure of the kind `last`, or one before it whose length, bytes,
+    /// is not known.
     ///
     /// # Safety
     /// `chain` must be the program's.
@@ -50,7 +52,8 @@ impl Copied {
         let mut copies: Vec<Box<[u64]>> = Vec::new();
         let mut at = chain.cast::<vk::BaseInStructure<'_>>();
         loop {
-            // SAFETY: as promised; a structure of a known kind is as long as that, and begins with kind and next one.
+            // SAFETY: as promised; a structure of a known kind is as long as that, and begins with
+            // kind and next one.
             unsafe {
                 let given = at.as_ref()?;
                 let bytes = length(given.s_type)?;

@@ -30,7 +30,7 @@ pub(in crate::intercept::vk) struct Slot {
     pub(in crate::intercept::vk) atlas: OwnImage,
     /// What the layer knows of the program's image.
     pub(in crate::intercept::vk) target: Arc<ViewTarget>,
-    /// The atlas as it is, and as if it covered everything behind it.
+    /// Views of the atlas: as it is, and with alpha 1.
     pub(in crate::intercept::vk) views: [vk::ImageView; 2],
     /// Signalled when the real image may be presented.
     pub(in crate::intercept::vk) ready: vk::Semaphore,
@@ -49,7 +49,8 @@ pub struct StandIn {
     pub(in crate::intercept::vk) real: Vec<vk::Image>,
     /// Views of the real images, or of the picture in between, which the correction draws into.
     pub(in crate::intercept::vk) targets: Vec<vk::ImageView>,
-    /// Where the real images encode what is written to them, the correction is made here and copied.
+    /// Where the real images encode what is written to them, the correction is made here and
+    /// copied.
     pub(in crate::intercept::vk) between: Option<OwnImage>,
     pub(in crate::intercept::vk) slots: Vec<Slot>,
     pub(in crate::intercept::vk) backend: VkBackend,

@@ -1,9 +1,9 @@
 //! Memory for view constants: one slot for each view, for the panel and for the primary view.
 //!
 //! Shaders read it when a recorded command buffer runs, so that command buffers stay valid when the
-//! program's lens changes. A slot holds the reprojection matrix, and the lens constants where vertices
-//! are projected to outputs; a counter of the dividing stage may lie beside it. The parameters of large
-//! draws lie in the same chunks.
+//! program's lens changes. A slot holds the reprojection matrix, and the lens constants where
+//! vertices are projected to outputs; a counter of the dividing stage may lie beside it. The
+//! parameters of large draws lie in the same chunks.
 
 use crate::intercept::vk::state::division_counter::Counter;
 use crate::intercept::vk::state::driver::Driver;
@@ -11,7 +11,7 @@ use ash::prelude::VkResult;
 use ash::vk;
 use std::sync::{Mutex, OnceLock, PoisonError};
 
-/// Floats of a slot's rows, and of the lens that may follow them.
+/// Number of floats of a reprojection matrix, and of the lens constants that may follow it.
 const FLOATS: usize = 16;
 
 /// Bytes of a chunk of memory.
@@ -22,12 +22,13 @@ pub struct ConstantChunk {
     buffer: vk::Buffer,
     memory: vk::DeviceMemory,
     pool: vk::DescriptorPool,
-    /// Its descriptor sets, whose offset is given when one is bound: without the counter, and with it.
+    /// Its descriptor sets, whose offset is given when one is bound: without the counter, and with
+    /// it.
     sets: [vk::DescriptorSet; 2],
     address: usize,
 }
 
-/// Where the rows of one run of draws are.
+/// Place of a draw group's view constants.
 #[derive(Clone, Copy, Debug)]
 pub struct ChunkOffset {
     /// Which chunk of the command buffer's.
@@ -80,7 +81,8 @@ impl ConstantPool {
         self.counter.get()?.as_ref().map(Counter::read)
     }
 
-    /// The layout of the set that shaders read rows by, and count by with `counts`; `None` where the driver refuses it.
+    /// The layout of the set that shaders read the view constants by, and count by with `counts`;
+    /// `None` where the driver refuses it.
     pub fn set_layout(&self, driver: &Driver, counts: bool) -> Option<vk::DescriptorSetLayout> {
         *self.set_layouts[usize::from(counts)].get_or_init(|| {
             let rows = vk::DescriptorSetLayoutBinding::default()
@@ -193,7 +195,8 @@ impl ConstantChunk {
             vk::DescriptorPoolSize { ty: vk::DescriptorType::STORAGE_BUFFER, descriptor_count: 1 },
         ];
         let pool = vk::DescriptorPoolCreateInfo::default().max_sets(count).pool_sizes(&sizes[..layouts.len()]);
-        // SAFETY: makes objects of ours on a live device; they are kept in `self` as soon as they are made.
+        // SAFETY: makes objects of ours on a live device; they are kept in `self` as soon as they
+        // are made.
         unsafe {
             self.buffer = functions.create_buffer(&info, None)?;
             let needs = functions.get_buffer_memory_requirements(self.buffer);
@@ -242,8 +245,8 @@ impl ConstantChunk {
             return;
         }
         let to = (self.address + offset as usize) as *mut u32;
-        // SAFETY: the chunk stays mapped, and the numbers lie in it; what reads them is not running, since its command
-        // buffer is being submitted.
+        // SAFETY: the chunk stays mapped, and the numbers lie in it; what reads them is not
+        // running, since its command buffer is being submitted.
         unsafe { std::ptr::copy_nonoverlapping(words.as_ptr(), to, words.len()) };
     }
 

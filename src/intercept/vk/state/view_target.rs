@@ -22,7 +22,8 @@ pub const ATLAS_COPY_USAGE: vk::ImageUsageFlags = vk::ImageUsageFlags::from_raw(
     vk::ImageUsageFlags::TRANSFER_SRC.as_raw() | vk::ImageUsageFlags::TRANSFER_DST.as_raw(),
 );
 
-/// Passes that were recorded before, for the program's own image, are given up after so many.
+/// Number of passes into the program's own image, recorded before it became a target, after which
+/// it is given up.
 pub const PATIENCE: u32 = 8;
 
 /// An image of a swapchain, or one that holds a scene on its way to the window.

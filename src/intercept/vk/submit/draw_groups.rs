@@ -1,7 +1,8 @@
 //! Draw groups on submission: their lens, and the view constants that it gives each view.
 //!
-//! A draw's class (scene or flat, and with which lens) is decided when the command buffer is submitted.
-//! The view constants carry out the decision: a draw that does not belong in a tile is moved out of it.
+//! A draw's class (scene or flat, and with which lens) is decided when the command buffer is
+//! submitted. The view constants carry out the decision: a draw that does not belong in a tile is
+//! moved out of it.
 
 use crate::correct::projected::matrices::{LensConstants, ReprojectionMatrix};
 use crate::intercept::lens;
@@ -40,7 +41,8 @@ impl Frame {
 }
 
 impl Frame {
-    /// How many samples of all views show what a lens sees; `own`: how many the program's own picture has.
+    /// Number of samples of all views that show what a lens sees; `own`: the number of samples of
+    /// the primary view.
     fn samples(&mut self, lens: &Intrinsics, layout: &AtlasLayout, own: f64) -> f64 {
         let index = self.cameras.index(lens, &layout.session);
         let lens = self.cameras.get(index).map_or(*lens, |camera| camera.intrinsics);
@@ -97,8 +99,8 @@ fn run_events(device: &Device, recording: &mut Recording, queries: &mut Vec<Runn
     }
 }
 
-/// What samples of a group's draws are worth in the program's own picture, where what fills that picture counts as many as
-/// it has.
+/// What samples of a group's draws are worth in the program's own picture, where what fills that
+/// picture counts as many as it has.
 fn sample_scale(device: &Device, group: &DrawGroup) -> SampleScale {
     let mut frame = device.frame.lock().unwrap_or_else(PoisonError::into_inner);
     frame.follow(&group.layout);
@@ -119,7 +121,8 @@ fn sample_scale(device: &Device, group: &DrawGroup) -> SampleScale {
     SampleScale { factor: 1.0 / seen, of_scene: !matches!(group.last, Some(DrawClass::Flat)) }
 }
 
-/// Finds out what a group is, and writes its view constants, and what is drawn with them, into the `chunks` of its command buffer.
+/// Finds out what a group is, and writes its view constants, and what is drawn with them, into the
+/// `chunks` of its command buffer.
 fn resolve(device: &Device, group: &mut DrawGroup, chunks: &[ConstantChunk]) {
     let mut frame = device.frame.lock().unwrap_or_else(PoisonError::into_inner);
     frame.follow(&group.layout);
@@ -174,7 +177,8 @@ fn resolve(device: &Device, group: &mut DrawGroup, chunks: &[ConstantChunk]) {
     }
 }
 
-/// Writes the rows of a group, `of_views` where it is in views, and its draws' parameters.
+/// Writes the view constants of a group (`of_views`: the reprojection matrices, where it is in
+/// views), and the parameters of its draws.
 fn write(
     device: &Device,
     group: &mut DrawGroup,

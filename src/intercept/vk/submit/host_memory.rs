@@ -1,7 +1,7 @@
 //! Buffers and memory of the program.
 //!
-//! Memory that the program maps stays mapped below us until it is freed, so that it can be read at any
-//! time. What commands copy or write into a buffer is kept beside it.
+//! Memory that the program maps stays mapped below us until it is freed, so that it can be read at
+//! any time. What commands copy or write into a buffer is kept beside it.
 
 use crate::intercept::vk::state::hooks::hooks;
 use crate::intercept::vk::state::host_memory::KnownBuffer;

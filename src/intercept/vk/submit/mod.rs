@@ -1,8 +1,8 @@
 //! Submission: `vkQueueSubmit`, and the memory that shaders read then.
 //!
 //! [`draw_groups`] goes through the events of the submitted command buffers in order. It decides of
-//! each group of draws whether it is of the scene, flat, or flat behind the scene, and writes the view
-//! constants of its tiles. [`host_memory`] follows buffers and mapped memory (`vkMapMemory`,
+//! each group of draws whether it is of the scene, flat, or flat behind the scene, and writes the
+//! view constants of its tiles. [`host_memory`] follows buffers and mapped memory (`vkMapMemory`,
 //! `vkBindBufferMemory`, …), so that matrices can be read. State: `Frame`, `HostMemory`.
 
 pub mod draw_groups;

@@ -25,8 +25,8 @@ unsafe fn submitted(device: &Device, queue: vk::Queue, buffers: impl Iterator<It
     }
 }
 
-/// Brings new atlas copies into the layouts that the program believes its images to be in. Happens once for each, and
-/// is waited for.
+/// Brings new atlas copies into the layouts that the program believes its images to be in. Happens
+/// once for each, and is waited for.
 ///
 /// # Safety
 /// As for [`submitted`].

@@ -24,9 +24,10 @@ impl Swapchain {
         }
     }
 
-    /// Goes on with the rig as its file is now, before a picture is made. Where only the correction changes, it is made
-    /// anew; images and views of the program's belong to the views that it has drawn, so that others need a new swapchain:
-    /// whether the program should be asked for one. What cannot be planned or made changes nothing.
+    /// Goes on with the rig as its file is now, before a picture is made. Where only the correction
+    /// changes, it is made anew; images and views of the program's belong to the views that it has
+    /// drawn, so that others need a new swapchain: whether the program should be asked for one.
+    /// What cannot be planned or made changes nothing.
     ///
     /// # Safety
     /// The device must be live, and no other thread may present this swapchain meanwhile.
@@ -74,7 +75,7 @@ impl Swapchain {
     }
 }
 
-/// Plans a rig for a window. What outputs lose is told.
+/// Plans a rig for a window. The log says which outputs are made by another method.
 fn plan(device: &Device, rig: &Rig, size: (u32, u32), read: bool) -> Result<AtlasLayout> {
     let (vertices, undivided) = (device.role.vertices.vertices, device.role.vertices.undivided);
     let projects = vertices != VertexProcessing::Views;
@@ -170,9 +171,10 @@ pub unsafe extern "system" fn create(
     vk::Result::SUCCESS
 }
 
-/// What images of a new swapchain's surface can be used for: all, where the driver does not say. It is not asked again for a
-/// swapchain that follows another: it answers by way of the display's server, and the longer the program's call takes until
-/// the driver has it, the likelier the window has another size by then.
+/// What images of a new swapchain's surface can be used for: all, where the driver does not say. It
+/// is not asked again for a swapchain that follows another: it answers by way of the display's
+/// server, and the longer the program's call takes until the driver has it, the likelier the window
+/// has another size by then.
 ///
 /// # Safety
 /// The structure must be one that the program passes for this device.

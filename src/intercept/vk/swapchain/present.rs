@@ -65,8 +65,8 @@ unsafe fn follow_rig(device: &Device, info: &vk::PresentInfoKHR<'_>) -> bool {
     outdated
 }
 
-/// Corrects each image that is presented; `ready` gets what the presentation has to wait for in the place of the
-/// program's semaphores, where those were waited for here.
+/// Corrects each image that is presented; `ready` gets what the presentation has to wait for in the
+/// place of the program's semaphores, where those were waited for here.
 ///
 /// # Safety
 /// As for [`present`].
@@ -196,7 +196,8 @@ unsafe fn captured(
         Some(stand_in) if stand_in.in_views(index) => {
             let (layout, atlas) = (&stand_in.layout, stand_in.atlas(index).unwrap_or_default());
             let extent = vk::Extent2D { width: layout.atlas.0, height: layout.atlas.1 };
-            // SAFETY: the atlas is as large as its layout says, and ready as an image that is presented.
+            // SAFETY: the atlas is as large as its layout says, and ready as an image that is
+            // presented.
             let bytes =
                 unsafe { read_back::read(device, queue, (atlas, texel_format.size()), extent, &[]) }.map_err(failed)?;
             let tiles = layout.tiles();
@@ -218,8 +219,8 @@ fn coarse(device: &Device) -> Option<u64> {
     counts.then(|| device.view_constants.counted().unwrap_or(0).into())
 }
 
-/// The device has done all that it was told, and is about to be destroyed: what was kept of its last frame was not complete, where
-/// nobody knew that it would be the last.
+/// Completes the exit report of the last frame. The device has finished all work and is about to be
+/// destroyed; the report was incomplete, since the frame was not known to be the last.
 pub fn count_again(device: &Device) {
     kept::amend(device.presented.report.load(Ordering::Relaxed), |statistics| {
         statistics.coarse_primitives = coarse(device)

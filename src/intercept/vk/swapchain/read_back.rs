@@ -7,15 +7,16 @@ use crate::runtime::report::Picture;
 use ash::prelude::VkResult;
 use ash::vk;
 
-/// Reads an image whose texels have `size` bytes, as it is when it is presented, and leaves it so, after `waits`; rows
-/// from the top.
+/// Reads an image whose texels have `size` bytes, as it is when it is presented, and leaves it so,
+/// after `waits`; rows from the top.
 ///
 /// # Errors
 /// The driver's.
 ///
 /// # Safety
-/// `queue`, of `family`, must not be in use by another thread; the image can be copied from, is as large as
-/// `extent` says, and what was submitted to the queue before leaves it ready to be presented.
+/// `queue`, of `family`, must not be in use by another thread; the image can be copied from, is as
+/// large as `extent` says, and what was submitted to the queue before leaves it ready to be
+/// presented.
 pub unsafe fn read(
     device: &Device,
     (queue, family): (vk::Queue, u32),
@@ -105,8 +106,8 @@ impl Reading {
     }
 }
 
-/// A rectangle (x, y from the top left, width, height; within the picture) of a picture with rows of `stride` pixels
-/// from the top.
+/// A rectangle (x, y from the top left, width, height; within the picture) of a picture with rows
+/// of `stride` pixels from the top.
 pub fn cut(
     bytes: &[u8],
     stride: u32,

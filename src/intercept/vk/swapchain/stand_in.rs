@@ -1,5 +1,5 @@
-//! Stand-in images for a swapchain, an atlas for each, and the command buffers that make the window's
-//! picture of them.
+//! Stand-in images for a swapchain, an atlas for each, and the command buffers that make the
+//! window's picture of them.
 
 use crate::backend::vk::{COLOR, SourceImage, TargetImage, Timing, VkBackend};
 use crate::error::{Error, ErrorKind, Result};
@@ -50,8 +50,8 @@ pub fn plain_format(format: vk::Format) -> vk::Format {
 }
 
 impl StandIn {
-    /// For the swapchain that the driver made after `info`, with its `real` images. `timed`: it is measured how long the
-    /// device takes.
+    /// For the swapchain that the driver made after `info`, with its `real` images. `timed`: it is
+    /// measured how long the device takes.
     ///
     /// # Errors
     /// [`ErrorKind::Graphics`] where the driver refuses something.
@@ -152,8 +152,8 @@ impl StandIn {
         backend.set_targets(&self.target_images(self.format))
     }
 
-    /// Corrects by another plan from the next picture on, with the same views in the same window. On an error
-    /// everything stays.
+    /// Corrects by another plan from the next picture on, with the same views in the same window.
+    /// On an error everything stays.
     ///
     /// # Errors
     /// [`ErrorKind::Graphics`] where the driver refuses something.
@@ -243,8 +243,8 @@ impl StandIn {
         self.slots.get(index).is_some_and(|slot| slot.target.in_views.load(Ordering::Relaxed))
     }
 
-    /// Makes the window's picture `index` on a queue of a family, after `waits`. Returns the semaphore
-    /// that says that it can be presented.
+    /// Makes the window's picture `index` on a queue of a family, after `waits`. Returns the
+    /// semaphore that says that it can be presented.
     ///
     /// Waits until the last picture of this image is done, 60 seconds at most. Normally it is
     /// done: the window system has handed the image out again.
@@ -284,7 +284,8 @@ impl StandIn {
         }
     }
 
-    /// The command buffer that makes the window's picture `index`, for queues of `family`; recorded at first.
+    /// The command buffer that makes the window's picture `index`, for queues of `family`; recorded
+    /// at first.
     ///
     /// # Errors
     /// The driver's; and where the family cannot draw.
@@ -406,7 +407,8 @@ impl StandIn {
         let fences: Vec<vk::Fence> =
             self.slots.iter().map(|slot| slot.done).filter(|fence| *fence != vk::Fence::null()).collect();
         if !fences.is_empty() {
-            // SAFETY: fences of ours that are signalled or were submitted; a lost device ends the wait with an error.
+            // SAFETY: fences of ours that are signalled or were submitted; a lost device ends the
+            // wait with an error.
             let _ = unsafe { device.driver.functions.wait_for_fences(&fences, true, u64::MAX) };
         }
     }
@@ -469,7 +471,8 @@ unsafe fn given_image(device: &Device, info: &vk::SwapchainCreateInfoKHR<'_>) ->
     unsafe { OwnImage::new(&device.driver, &image) }
 }
 
-/// An image for the views; the program's render passes can draw into it, and the correction reads it.
+/// An image for the views; the program's render passes can draw into it, and the correction reads
+/// it.
 ///
 /// # Safety
 /// The device must be live.

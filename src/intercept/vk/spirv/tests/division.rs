@@ -3,7 +3,7 @@
 use crate::correct::projected::division::Input;
 use crate::intercept::vk::spirv::module::{Declarations, Instruction, instructions};
 use crate::intercept::vk::spirv::tests::module;
-use crate::intercept::vk::spirv::{Limits, divide, handed};
+use crate::intercept::vk::spirv::{Limits, divide, stage_outputs};
 use crate::testing::random::Random;
 use spirv::{Decoration, ExecutionModel, Op, StorageClass};
 use std::collections::HashSet;
@@ -13,8 +13,8 @@ const VECTOR: u32 = 3;
 const NUMBER: u32 = 4;
 const PAIR: u32 = 5;
 
-/// A stage with the entry point "go", put together by hand, which has variables of these types at these locations and components; the
-/// last says whether they are flat.
+/// A stage with the entry point "go", put together by hand, which has variables of these types at
+/// these locations and components; the last says whether they are flat.
 fn interface(model: ExecutionModel, variables: &[(u32, u32, u32, bool)]) -> Vec<u32> {
     let vertex = model == ExecutionModel::Vertex;
     let class = if vertex { StorageClass::Output } else { StorageClass::Input } as u32;
@@ -78,7 +78,7 @@ fn divided(input: Input, limits: &Limits) -> Result<Vec<u32>, &'static str> {
 fn counting(input: Input, limits: &Limits, counts: bool) -> Result<Vec<u32>, &'static str> {
     let [vertex, fragment] = pair();
     let fragment = (&fragment[..], ExecutionModel::Fragment, "go");
-    divide(input, &handed((&vertex, ExecutionModel::Vertex, "go"), Some(fragment))?, 0, (4, counts), limits)
+    divide(input, &stage_outputs((&vertex, ExecutionModel::Vertex, "go"), Some(fragment))?, 0, (4, counts), limits)
 }
 
 /// A device that allows the least that Vulkan demands.
@@ -88,15 +88,15 @@ const LEAST: Limits = Limits { vertices: 256, all_components: 1024, components: 
 fn what_is_handed_on_is_what_is_read() {
     let [vertex, fragment] = pair();
     let vertex = (&vertex[..], ExecutionModel::Vertex, "go");
-    let all = handed(vertex, Some((&fragment, ExecutionModel::Fragment, "go"))).expect("it is followed");
+    let all = stage_outputs(vertex, Some((&fragment, ExecutionModel::Fragment, "go"))).expect("it is followed");
     let flat: Vec<bool> = all.variables.iter().flat_map(|v| &v.leaves).map(|leaf| leaf.flat).collect();
     assert_eq!((all.components, all.locations, &flat[..]), (7, 3, &[false, true, true][..]));
     // One of the two floats is enough.
     let some = interface(ExecutionModel::Fragment, &[(PAIR, 2, 2, false)]);
-    let some = handed(vertex, Some((&some, ExecutionModel::Fragment, "go"))).expect("it is followed");
+    let some = stage_outputs(vertex, Some((&some, ExecutionModel::Fragment, "go"))).expect("it is followed");
     assert_eq!((some.variables.len(), some.components, some.variables[0].leaves[0].flat), (1, 2, false));
-    assert_eq!(handed(vertex, None).expect("it is followed").components, 0, "depths alone");
-    assert!(handed(vertex, Some((&fragment, ExecutionModel::Fragment, "no"))).is_err());
+    assert_eq!(stage_outputs(vertex, None).expect("it is followed").components, 0, "depths alone");
+    assert!(stage_outputs(vertex, Some((&fragment, ExecutionModel::Fragment, "no"))).is_err());
 }
 
 #[test]
@@ -172,8 +172,8 @@ fn damaged_shaders_are_divided_or_refused() {
         }
         let entries =
             ((&damaged[0][..], ExecutionModel::Vertex, "go"), (&damaged[1][..], ExecutionModel::Fragment, "go"));
-        if let Ok(handed) = handed(entries.0, Some(entries.1)) {
-            let _ = divide(Input::Triangles, &handed, 0, (1, false), &LEAST);
+        if let Ok(stage_outputs) = stage_outputs(entries.0, Some(entries.1)) {
+            let _ = divide(Input::Triangles, &stage_outputs, 0, (1, false), &LEAST);
         }
     }
 }

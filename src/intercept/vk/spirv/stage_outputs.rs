@@ -36,9 +36,9 @@ pub struct StageOutputs<'a> {
     pub position: (u32, Option<u32>),
     /// `gl_ClipDistance`, if it is set.
     pub distances: Option<Distances>,
-    /// How many scalars have locations, or are distances.
+    /// Number of scalars that have locations, or are distances.
     pub components: u32,
-    /// The first location that is free, with those behind it.
+    /// The first location that is free, as are those after it.
     pub locations: u32,
     /// The fragment shader asks for the number of the primitive.
     pub number: bool,
@@ -83,11 +83,12 @@ fn interface(all: &[Instruction<'_>], (_, model, name): &Entry<'_>) -> Option<Ve
     Some(point.rest(2 + string(point.rest(2)).1).to_vec())
 }
 
-/// What the vertex shader `vertex` hands on to `fragment`, if there is one: what that does not read would only take room.
+/// What the vertex shader `vertex` hands on to `fragment`, if there is one: what that does not read
+/// would only take room.
 ///
 /// # Errors
 /// For people: what cannot be handed on by a stage between them.
-pub fn handed<'a>(vertex: Entry<'a>, fragment: Option<Entry<'_>>) -> Result<StageOutputs<'a>, &'static str> {
+pub fn stage_outputs<'a>(vertex: Entry<'a>, fragment: Option<Entry<'_>>) -> Result<StageOutputs<'a>, &'static str> {
     let all = instructions(vertex.0).ok_or("a shader that is not SPIR-V")?;
     let variables = interface(&all, &vertex).ok_or("a shader without its entry point")?;
     let declared = Declarations::new(&all);
