@@ -8,7 +8,7 @@ use crate::intercept::vk::state::recording::Event;
 use crate::intercept::vk::state::structures::slice;
 use ash::vk;
 
-/// Where a clear goes.
+/// Tiles that a clear goes to.
 struct Cleared {
     /// It clears the whole window, and so each view as a whole.
     whole: bool,
@@ -19,7 +19,7 @@ struct Cleared {
     panel: Option<AtlasRect>,
 }
 
-/// Where a clear of `rect` of the window goes.
+/// Tiles that a clear of `rect` of the window goes to.
 fn cleared(layout: &AtlasLayout, rect: &vk::Rect2D) -> Cleared {
     let (width, height) = layout.window;
     let whole = rect.offset.x <= 0

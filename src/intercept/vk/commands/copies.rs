@@ -11,7 +11,7 @@ use crate::intercept::vk::state::view_target::ViewTarget;
 use ash::vk;
 use std::sync::Arc;
 
-/// What becomes of a copy.
+/// Plan for a copy of the program.
 enum CopyPlan {
     /// It stays the program's.
     Same,
@@ -24,7 +24,7 @@ enum CopyPlan {
 /// One end of a copy: its image, and the corners of what is copied there.
 type End = (vk::Image, [vk::Offset3D; 2]);
 
-/// Where an image that is copied to goes, for a copy of everything.
+/// Use of an image that a copy of everything goes to.
 fn end_of(device: &Device, image: vk::Image) -> Made {
     match device.images.target_of_image(image) {
         Some(target) if target.window => Made::Window,
@@ -33,7 +33,7 @@ fn end_of(device: &Device, image: vk::Image) -> Made {
     }
 }
 
-/// What a copy becomes. Where that cannot be, the program is shown flat.
+/// Plans a copy. If it cannot be followed, the program is shown flat.
 fn becomes(device: &Device, buffer: vk::CommandBuffer, (from, src): End, (to, dst): End) -> CopyPlan {
     let (read, written) = (device.images.target_of_image(from), device.images.target_of_image(to));
     let whole = |image: vk::Image, corners: [vk::Offset3D; 2]| {
@@ -102,7 +102,7 @@ fn extent(from: vk::Offset3D, size: vk::Extent3D) -> [vk::Offset3D; 2] {
     [from, last]
 }
 
-/// What a copy of nothing copies.
+/// Corners of an empty copy.
 const NOTHING: [vk::Offset3D; 2] = [vk::Offset3D { x: 0, y: 0, z: 0 }; 2];
 
 /// The whole of an atlas.
@@ -111,7 +111,7 @@ fn atlas(target: &ViewTarget) -> vk::Extent3D {
     vk::Extent3D { width, height, depth: 1 }
 }
 
-/// What a command copies, blits or resolves from image to image.
+/// Region of a command that copies, blits or resolves from image to image.
 trait Region: Clone {
     /// The corners of what is read.
     fn src(&self) -> [vk::Offset3D; 2];

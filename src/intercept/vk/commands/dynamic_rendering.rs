@@ -162,7 +162,7 @@ fn attachment<'a>(
     Ok(changed)
 }
 
-/// What dynamic rendering draws to.
+/// Attachments of dynamic rendering.
 struct Attachments<'a> {
     colors: Vec<vk::RenderingAttachmentInfo<'a>>,
     depth: Option<vk::RenderingAttachmentInfo<'a>>,

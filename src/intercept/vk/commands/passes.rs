@@ -16,7 +16,7 @@ use crate::intercept::vk::state::view_target::ViewTarget;
 use ash::vk;
 use std::sync::Arc;
 
-/// What a pass draws to instead.
+/// Target of a pass in place of the program's.
 struct Replaced {
     framebuffer: vk::Framebuffer,
     /// Attachments, where they are given with the pass.

@@ -25,7 +25,7 @@ impl Recordings {
     }
 }
 
-/// What a secondary command buffer will be executed in, as far as it says.
+/// Target that a secondary command buffer inherits, as far as it says.
 ///
 /// # Safety
 /// `info` must be the program's.

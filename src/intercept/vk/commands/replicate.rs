@@ -37,14 +37,14 @@ pub struct ProgramDraw<'a> {
     pub(in crate::intercept::vk) issue: &'a dyn Fn(),
 }
 
-/// What is known of a draw while it is recorded.
+/// Classification of a draw while it is recorded.
 struct Classified {
     facts: DrawFacts,
     program: ProgramWindow,
     sets: Vec<PerViewSet>,
 }
 
-/// Where a draw goes.
+/// Tiles that a draw goes to.
 struct Selected {
     constants: ChunkOffset,
     /// Number of views that it is issued to.

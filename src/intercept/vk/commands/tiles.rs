@@ -47,7 +47,7 @@ impl ProgramWindow {
     }
 }
 
-/// What draws into the tiles of an atlas need.
+/// Draws into the tiles of an atlas.
 pub struct TileDraws<'a> {
     pub(in crate::intercept::vk) device: &'a Device,
     pub(in crate::intercept::vk) buffer: vk::CommandBuffer,

@@ -20,7 +20,7 @@ fn by_host(device: &Device, images: &[vk::Image]) {
     }
 }
 
-/// Where what is drawn is cut, scaled or thinned out is said in the window's pixels.
+/// Commands that cut, scale or thin out drawing in the window's pixels.
 const WINDOW_SPACE: &str = "what it draws is cut or scaled by places in the window";
 
 /// Descriptors or constants are bound that are not seen.

@@ -17,9 +17,9 @@ pub struct ProgramSet<'a> {
     pub set: vk::DescriptorSet,
     /// Its layout, if the program still has it.
     pub handle: Option<vk::DescriptorSetLayout>,
-    /// What that holds.
+    /// Bindings of the layout.
     pub layout: &'a SetLayout,
-    /// What was written.
+    /// Descriptors that were written.
     pub contents: &'a Contents,
 }
 

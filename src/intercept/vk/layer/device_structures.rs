@@ -13,7 +13,7 @@ macro_rules! lengths {
     };
 }
 
-/// How long a structure is that may come before the features with which a device is made: those
+/// Length of a structure that may come before the features with which a device is made: those
 /// that Vulkan's registry names and the loader's own.
 #[rustfmt::skip]
 pub fn length_for_device(kind: vk::StructureType) -> Option<usize> {

@@ -35,7 +35,7 @@ pub fn decide(rig: Option<&Rig>, offered: impl FnOnce() -> Result<bool, &'static
 pub struct Enabled<'a> {
     /// The structure, of which the rest belongs to this one.
     pub info: vk::DeviceCreateInfo<'a>,
-    /// What is done with vertices then.
+    /// Work on vertices with these features.
     pub decision: VertexDecision,
     _features: Option<Box<vk::PhysicalDeviceFeatures>>,
     _chain: Option<Copied>,

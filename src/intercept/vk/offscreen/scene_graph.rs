@@ -32,7 +32,7 @@ pub fn decide(device: &Device) {
     }
 }
 
-/// What a draw covers.
+/// Area that a draw covers.
 #[derive(Clone, Copy, Debug)]
 pub struct Cover {
     /// Its viewport shows the main picture of its target.

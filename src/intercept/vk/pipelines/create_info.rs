@@ -19,7 +19,7 @@ pub struct Parts<'a> {
     pub viewports: Option<&'a vk::PipelineViewportStateCreateInfo<'a>>,
     /// The test by depth.
     pub depth: Option<&'a vk::PipelineDepthStencilStateCreateInfo<'a>>,
-    /// How colours are written.
+    /// Blending of colours.
     pub blend: Option<&'a vk::PipelineColorBlendStateCreateInfo<'a>>,
     /// The states that commands set.
     pub dynamic: &'a [vk::DynamicState],
@@ -93,7 +93,7 @@ impl<'a> Parts<'a> {
         self.flags.intersects(Flags::PRE_RASTERIZATION_SHADERS | Flags::FRAGMENT_SHADER)
     }
 
-    /// What keeps it from having variants.
+    /// Why it has no variants, if it can have none.
     pub fn obstacle(&self) -> Option<&'static str> {
         let rendering = vk::StructureType::PIPELINE_RENDERING_CREATE_INFO;
         // SAFETY: the program's chain.
@@ -150,7 +150,7 @@ impl Relinked {
     }
 }
 
-/// How long a structure is that may come before the one that names libraries.
+/// Length of a structure that may come before the one that names libraries.
 fn length(kind: vk::StructureType) -> Option<usize> {
     use vk::StructureType as K;
     Some(match kind {

@@ -78,7 +78,7 @@ pub unsafe fn stage(
     }
 }
 
-/// What the pipeline draws, if it can be divided.
+/// Kind of primitives that the pipeline draws, if they can be divided.
 ///
 /// # Safety
 /// As for [`stage`].

@@ -34,7 +34,7 @@ pub fn from_bytes(bytes: &[u8], stride: usize) -> Option<[f32; 16]> {
     Some(raw)
 }
 
-/// Where a shader's matrix is, with the descriptors and push constants that are bound.
+/// Place of a shader's matrix, with the descriptors and push constants that are bound.
 pub fn source(device: &Device, recording: &Recording, matrix: &Matrix) -> Option<MatrixSource> {
     let value = match matrix.memory {
         Memory::Push => MatrixValue::Known(from_bytes(

@@ -15,7 +15,7 @@ use spirv::{
 };
 use std::collections::HashMap;
 
-/// What a device allows a geometry stage.
+/// Limits of a device for a geometry stage.
 #[derive(Clone, Copy, Debug)]
 pub struct Limits {
     /// Vertices that a run emits.
@@ -94,7 +94,7 @@ struct Interface<'a> {
     run: u32,
     /// The number of the primitive, as it comes and as it goes.
     number: Option<[u32; 2]>,
-    /// What the vertex shader hands on.
+    /// Outputs of the vertex shader.
     pairs: Vec<Pair<'a>>,
 }
 

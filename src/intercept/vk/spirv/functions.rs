@@ -18,7 +18,7 @@ pub struct Functions {
     decorations: Part,
     globals: Part,
     bodies: Part,
-    /// Where the numbers of GLSL's own functions come from.
+    /// Id of the import of GLSL's own functions.
     import: u32,
     /// The block with the view constants.
     variable: u32,
@@ -50,7 +50,7 @@ pub fn division(input: Input) -> &'static Functions {
     }
 }
 
-/// What is put into a module, by places.
+/// Additions to a module, by places.
 pub struct Additions<'a> {
     declared: &'a Declarations<'a>,
     next: u32,

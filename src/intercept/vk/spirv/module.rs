@@ -64,7 +64,7 @@ pub fn string(words: &[u32]) -> (String, usize) {
 /// An id, or a member of one.
 type ChunkOffset = (u32, Option<u32>);
 
-/// What a module declares before its functions.
+/// Declarations of a module before its functions.
 #[derive(Default)]
 pub struct Declarations<'a> {
     /// Types, constants and variables by their id.
@@ -141,7 +141,7 @@ impl<'a> Declarations<'a> {
         self.by_id.get(&id).copied().filter(|instruction| instruction.is(op))
     }
 
-    /// What a variable's pointer points at: storage class, type.
+    /// Storage class and type that a variable's pointer points at.
     pub fn pointee(&self, variable: u32) -> Option<(u32, u32)> {
         let pointer = self.get(self.get(variable, Op::Variable)?.operand(0), Op::TypePointer)?;
         Some((pointer.operand(1), pointer.operand(2)))

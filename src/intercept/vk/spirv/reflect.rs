@@ -1,4 +1,4 @@
-//! Where a shader's 4×4 matrices are.
+//! Places of a shader's 4×4 matrices.
 
 use crate::intercept::lens;
 use crate::intercept::vk::spirv::module::{Declarations, Instruction, instructions};
@@ -21,7 +21,7 @@ pub enum Memory {
 /// A 4×4 matrix of 32-bit floats.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Matrix {
-    /// Where it is.
+    /// Its place or value.
     pub memory: Memory,
     /// Offset in bytes.
     pub offset: u32,
@@ -74,7 +74,7 @@ pub fn asks_place(words: &[u32]) -> bool {
     instructions(words).is_some_and(|all| all.iter().any(asks))
 }
 
-/// Where in a block we are.
+/// Place in a block.
 struct Within<'a> {
     memory: Memory,
     offset: u32,

@@ -55,7 +55,7 @@ pub fn splice(
     Ok(put_into(additions, words, &all, &entry))
 }
 
-/// Where `gl_Position` is: the variable, and the member where it is a block.
+/// Place of `gl_Position`: the variable, and the member where it is a block.
 #[derive(Clone, Copy)]
 struct Position {
     variable: u32,

@@ -1,4 +1,4 @@
-//! What a stage hands on to the next one: variables with locations, and the built-in ones.
+//! Outputs of a stage for the next one: variables with locations, and the built-in ones.
 
 use crate::intercept::vk::spirv::module::{Declarations, Instruction, instructions, string};
 use spirv::{BuiltIn, Capability, Decoration, ExecutionModel, Op, StorageClass};
@@ -26,11 +26,11 @@ pub struct Variable {
     pub leaves: Vec<OutputPart>,
 }
 
-/// What a vertex shader hands on.
+/// Outputs of a vertex shader.
 pub struct StageOutputs<'a> {
     /// Its module.
     pub declared: Declarations<'a>,
-    /// What has locations and is read.
+    /// Variables that have locations and are read.
     pub variables: Vec<Variable>,
     /// `gl_Position`, or the block with it: the variable, and the member where it is a block.
     pub position: (u32, Option<u32>),
@@ -145,12 +145,12 @@ pub fn stage_outputs<'a>(vertex: Entry<'a>, fragment: Option<Entry<'_>>) -> Resu
     if made.position.0 == 0 { Err("a shader that writes no gl_Position") } else { Ok(made) }
 }
 
-/// What a fragment shader asks for.
+/// Inputs of a fragment shader.
 #[derive(Default)]
 struct Asked {
-    /// What it reads.
+    /// Variables that it reads.
     read: HashSet<ChunkOffset>,
-    /// What of it is not interpolated.
+    /// Those that are not interpolated.
     flat: HashSet<ChunkOffset>,
     number: bool,
 }
@@ -184,7 +184,7 @@ fn asked(fragment: &Entry<'_>) -> Result<Asked, &'static str> {
     Ok(asked)
 }
 
-/// What is built in, each with the member where the variable is a block.
+/// Built-in variables, each with the member where the variable is a block.
 #[derive(Default)]
 struct BuiltIns {
     /// `gl_Position`.
@@ -239,7 +239,7 @@ fn numbers(declared: &Declarations<'_>, id: u32, pointee: u32) -> Result<Vec<Num
 /// A way through a variable.
 struct Walk<'a> {
     declared: &'a Declarations<'a>,
-    /// Where the next number is.
+    /// Place of the next number.
     location: Option<u32>,
     component: u32,
     flat: bool,

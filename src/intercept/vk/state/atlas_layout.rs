@@ -93,7 +93,7 @@ pub struct AtlasLayout {
     /// For each view the lens of its picture, as shaders take it; empty where all views are
     /// perspective ones.
     pub lenses: Vec<LensConstants>,
-    /// Where each output is in the window.
+    /// Places of the outputs in the window.
     pub outputs: Vec<[i32; 4]>,
 }
 

@@ -26,7 +26,7 @@ impl BoundSet {
     }
 }
 
-/// What descriptors show.
+/// Content of descriptors.
 #[derive(Clone)]
 pub(in crate::intercept::vk) enum Content {
     Images(Vec<vk::DescriptorImageInfo>),
@@ -43,7 +43,7 @@ pub struct Write {
     pub(in crate::intercept::vk) content: Content,
 }
 
-/// What was pushed to a set.
+/// Descriptors that were pushed to a set.
 #[derive(Clone, Default)]
 pub struct Pushed {
     pub(in crate::intercept::vk) writes: Vec<Write>,
@@ -131,7 +131,7 @@ impl Pushed {
         self.writes.push(write);
     }
 
-    /// What is there after more was pushed.
+    /// Content after more was pushed.
     pub fn after(before: Option<Self>, writes: Vec<Write>) -> Self {
         let mut pushed = before.unwrap_or_default();
         writes.into_iter().for_each(|write| pushed.add(write));

@@ -171,7 +171,7 @@ impl Descriptors {
     }
 }
 
-/// What shaders read pictures by.
+/// Whether shaders read images by descriptors of this kind.
 pub fn is_picture(kind: vk::DescriptorType) -> bool {
     use vk::DescriptorType as T;
     [T::COMBINED_IMAGE_SAMPLER, T::SAMPLED_IMAGE, T::STORAGE_IMAGE, T::INPUT_ATTACHMENT].contains(&kind)

@@ -68,7 +68,7 @@ pub struct Role {
     pub(in crate::intercept::vk) active: bool,
     /// It corrects pictures, and does not only count and capture.
     pub(in crate::intercept::vk) corrects: bool,
-    /// What is done with vertices.
+    /// Work on vertices.
     pub(in crate::intercept::vk) vertices: VertexDecision,
     /// Commands may change the class of what a pipeline draws.
     pub(in crate::intercept::vk) topologies_change: bool,

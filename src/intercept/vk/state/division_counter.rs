@@ -68,7 +68,7 @@ impl Counter {
         }
     }
 
-    /// What the device has counted, of the commands that are done at least.
+    /// The count so far, of all commands that are done.
     pub fn read(&self) -> u32 {
         // SAFETY: the memory stays mapped; the device changes the number as a whole.
         unsafe { (self.address as *const u32).read_volatile() }

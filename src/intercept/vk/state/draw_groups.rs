@@ -12,7 +12,7 @@ use ash::vk;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// Where a matrix is, or what it is.
+/// A matrix, or its place in a buffer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MatrixValue {
     /// Its numbers as they are in memory, column by column.
@@ -24,9 +24,9 @@ pub enum MatrixValue {
 /// A matrix that may be the projection.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MatrixSource {
-    /// How a shader sees it.
+    /// Its declaration in a shader.
     pub(in crate::intercept::vk) matrix: Matrix,
-    /// Where it is.
+    /// Its place or value.
     pub(in crate::intercept::vk) value: MatrixValue,
 }
 
@@ -43,7 +43,7 @@ pub(in crate::intercept::vk) enum DrawClass {
 /// Facts that draws of a group have in common.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DrawFacts {
-    /// Where the lens may be, the likeliest first.
+    /// Matrices that may have the lens, the likeliest first.
     pub(in crate::intercept::vk) sources: Vec<MatrixSource>,
     /// Clip coordinates have y up (a viewport of negative height), not down.
     pub(in crate::intercept::vk) y_up: bool,
@@ -54,17 +54,17 @@ pub struct DrawFacts {
     /// They are tested by their depth: without a matrix that can be read they may have the lens
     /// that the rig gives.
     pub(in crate::intercept::vk) deep: bool,
-    /// Where they are flat they bring the scene out of such an image, over all of the picture.
+    /// If they are flat, they bring the scene from such an image to all of the picture.
     pub(in crate::intercept::vk) screen: bool,
 }
 
 /// Draws that share a lens.
 pub struct DrawGroup {
-    /// Where their view constants are.
+    /// Place of their view constants.
     pub(in crate::intercept::vk) constants: ChunkOffset,
-    /// Where the views are.
+    /// Places of the views.
     pub(in crate::intercept::vk) layout: Arc<AtlasLayout>,
-    /// What they are.
+    /// Facts that they share.
     pub(in crate::intercept::vk) facts: DrawFacts,
     /// Number of its draws.
     pub(in crate::intercept::vk) draws: u64,
@@ -72,7 +72,7 @@ pub struct DrawGroup {
     pub(in crate::intercept::vk) indirect: Vec<IndirectDraw>,
     /// With which slots of view constants it is in sight, bit by bit; slots from 63 on always are.
     pub(in crate::intercept::vk) in_sight: u64,
-    /// What was written last, and for which matrices.
+    /// Class that was written last, with its matrices.
     pub(in crate::intercept::vk) last: Option<DrawClass>,
     pub(in crate::intercept::vk) matrices: Vec<(u8, [f64; 16])>,
     pub(in crate::intercept::vk) lens: Option<(Intrinsics, &'static str)>,
@@ -135,9 +135,10 @@ pub struct Counts {
     pub(in crate::intercept::vk) in_views: u64,
     /// Those of them that went to pictures of the scene that are drawn off screen.
     pub(in crate::intercept::vk) duplicated: u64,
-    /// How often one was left out of a view or the panel, because it is out of sight there.
+    /// Number of draws that were left out of a view or the panel, because they are out of sight
+    /// there.
     pub(in crate::intercept::vk) left_out: u64,
-    /// How the lens was found.
+    /// Number of draws by the way in which their lens was found.
     pub(in crate::intercept::vk) found: BTreeMap<&'static str, u64>,
 }
 
@@ -151,6 +152,6 @@ pub struct Frame {
     /// The lens for which samples were counted last, and their number.
     pub(in crate::intercept::vk) sampled: Option<(Intrinsics, f64)>,
     pub(in crate::intercept::vk) order: FrameOrder,
-    /// What was counted.
+    /// Counts for the statistics.
     pub(in crate::intercept::vk) counts: Counts,
 }

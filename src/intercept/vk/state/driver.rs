@@ -28,7 +28,7 @@ pub struct Driver {
     pub(in crate::intercept::vk) memory: vk::PhysicalDeviceMemoryProperties,
     /// Name of the driver's device and its version, for the statistics.
     pub(in crate::intercept::vk) name: String,
-    /// What each queue family can do.
+    /// Capabilities of each queue family.
     pub(in crate::intercept::vk) families: Vec<vk::QueueFlags>,
     /// The loader's function for objects that a layer makes.
     pub(in crate::intercept::vk) set_loader_data: Option<SetDeviceLoaderData>,

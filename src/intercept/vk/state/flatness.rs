@@ -27,7 +27,7 @@ impl Flatness {
         }
     }
 
-    /// What the log and the statistics say of a program that is shown flat.
+    /// Text for the log and the statistics, if the program is shown flat.
     pub fn note(&self) -> Option<String> {
         let why = self.reason.get()?;
         Some(format!(

@@ -2,7 +2,7 @@
 
 use ash::vk;
 
-/// How a texel's colours lie in memory.
+/// Layout of a texel's colours in memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TexelFormat {
     /// Four bytes, red first.

@@ -18,7 +18,7 @@ pub struct RenderPass {
     pub(in crate::intercept::vk) formats: Vec<vk::Format>,
     /// The layouts in which it leaves its attachments.
     pub(in crate::intercept::vk) leaves: Vec<vk::ImageLayout>,
-    /// What keeps it from being drawn for each view.
+    /// Why it cannot be drawn for each view, if so.
     pub(in crate::intercept::vk) obstacle: Option<&'static str>,
 }
 
@@ -32,7 +32,7 @@ pub struct Framebuffer {
     pub(in crate::intercept::vk) layered: bool,
     /// Its attachments, unless they are given when a pass begins.
     pub(in crate::intercept::vk) attachments: Option<Vec<vk::ImageView>>,
-    /// What those that are given later will be like.
+    /// Properties of attachments that are given later.
     pub(in crate::intercept::vk) given_later: Vec<LaterAttachment>,
     /// Twins, by the atlas' size; with given attachments there is one.
     pub(in crate::intercept::vk) atlas_copies: Mutex<Vec<((u32, u32), vk::Framebuffer)>>,

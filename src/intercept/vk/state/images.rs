@@ -9,7 +9,7 @@ use std::collections::HashMap;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError, Weak};
 
-/// What is known of an image.
+/// An image of the program.
 pub(in crate::intercept::vk) struct Image {
     pub(in crate::intercept::vk) flags: vk::ImageCreateFlags,
     pub(in crate::intercept::vk) kind: vk::ImageType,
@@ -27,7 +27,7 @@ pub(in crate::intercept::vk) struct Image {
     pub(in crate::intercept::vk) atlas_copies: Vec<((u32, u32), OwnImage)>,
 }
 
-/// What is known of an image's view.
+/// A view of an image.
 pub(in crate::intercept::vk) struct View {
     pub(in crate::intercept::vk) image: vk::Image,
     pub(in crate::intercept::vk) kind: vk::ImageViewType,
@@ -45,7 +45,7 @@ pub struct PendingLayout {
     pub(in crate::intercept::vk) image: vk::Image,
     /// The layout that the program believes it to be in.
     pub(in crate::intercept::vk) layout: vk::ImageLayout,
-    /// What it has.
+    /// Its aspects.
     pub(in crate::intercept::vk) aspects: vk::ImageAspectFlags,
 }
 
@@ -58,7 +58,7 @@ pub struct Images {
     pub(in crate::intercept::vk) images: Mutex<HashMap<vk::Image, Image>>,
     pub(in crate::intercept::vk) views: Mutex<HashMap<vk::ImageView, View>>,
     pub(in crate::intercept::vk) pending: Mutex<Vec<PendingLayout>>,
-    /// What the program asked for, of images that can be used for more.
+    /// Usage that the program asked for, of images that can be used for more.
     pub(in crate::intercept::vk) declared: Mutex<HashMap<vk::Image, vk::ImageUsageFlags>>,
     /// Some image may hold a scene.
     pub(in crate::intercept::vk) candidates: AtomicBool,
@@ -67,11 +67,11 @@ pub struct Images {
     /// Kinds of images that were found to hold a scene: after a change of size they are known at
     /// once.
     pub(in crate::intercept::vk) scenes: Mutex<Vec<ImageKind>>,
-    /// What scenes were drawn by before, as long as recorded commands use it.
+    /// Former targets of scenes, as long as recorded commands use them.
     pub(in crate::intercept::vk) retired: Mutex<Vec<Arc<ViewTarget>>>,
 }
 
-/// What a format has.
+/// Aspects of a format.
 pub fn aspects(format: vk::Format) -> vk::ImageAspectFlags {
     use vk::{Format as F, ImageAspectFlags as A};
     match format {
@@ -87,7 +87,7 @@ pub fn aspects(format: vk::Format) -> vk::ImageAspectFlags {
 pub struct LayoutChange {
     /// The image.
     pub(in crate::intercept::vk) image: vk::Image,
-    /// What it has.
+    /// Its aspects.
     pub(in crate::intercept::vk) aspects: vk::ImageAspectFlags,
     /// The layout.
     pub(in crate::intercept::vk) layout: vk::ImageLayout,
@@ -204,7 +204,7 @@ impl Images {
         self.views.lock().unwrap_or_else(PoisonError::into_inner).get(&view).map(|view| view.image)
     }
 
-    /// What has to be done before the next submission.
+    /// Takes the layouts that images have to be brought into before the next submission.
     pub fn take_pending(&self) -> Vec<PendingLayout> {
         std::mem::take(&mut self.pending.lock().unwrap_or_else(PoisonError::into_inner))
     }

@@ -17,7 +17,7 @@ pub struct Instance {
 
 pub(in crate::intercept::vk) static INSTANCES: RwLock<Option<HashMap<usize, Arc<Instance>>>> = RwLock::new(None);
 
-/// What all objects that are dispatched by the same table have in common: the table's address.
+/// Address of the dispatch table, which all objects of an instance or a device share.
 ///
 /// # Safety
 /// `object` must be a live dispatchable Vulkan object.

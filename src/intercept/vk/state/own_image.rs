@@ -101,7 +101,7 @@ const fn at_any_time(layout: vk::ImageLayout, access: vk::AccessFlags) -> Use {
     Use { layout, stages: vk::PipelineStageFlags::ALL_COMMANDS, access }
 }
 
-/// What was there does not matter.
+/// Any former content; it is lost.
 pub const ANYTHING: Use = at_any_time(vk::ImageLayout::UNDEFINED, vk::AccessFlags::empty());
 /// As an image is that will be presented, after whatever wrote it.
 pub const PRESENTED: Use = left_in(vk::ImageLayout::PRESENT_SRC_KHR);

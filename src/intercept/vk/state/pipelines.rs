@@ -56,7 +56,7 @@ pub struct Pipeline {
     pub(in crate::intercept::vk) own: vk::Pipeline,
     /// Its layout, if that has a set of ours.
     pub(in crate::intercept::vk) layout: Option<Arc<PipelineLayout>>,
-    /// What is drawn by in its place.
+    /// Pipelines that draw in its place.
     pub(in crate::intercept::vk) variants: Option<Variants>,
     /// The program's viewport, unless it is set by commands.
     pub(in crate::intercept::vk) viewport: Option<vk::Viewport>,
@@ -78,7 +78,7 @@ pub struct Variants {
     pub(in crate::intercept::vk) with_count: bool,
     /// Its fragment shader asks where on the screen it is.
     pub(in crate::intercept::vk) asks_place: bool,
-    /// What it draws is tested by its depth.
+    /// It tests depth.
     pub(in crate::intercept::vk) deep: bool,
 }
 
@@ -86,11 +86,11 @@ pub struct Variants {
 #[derive(Default)]
 pub struct Pipelines {
     pub(in crate::intercept::vk) all: Mutex<HashMap<vk::Pipeline, Arc<Pipeline>>>,
-    /// What the statistics say of those that are divided, or should be.
+    /// Statistics of pipelines that are divided, or should be.
     pub(in crate::intercept::vk) divided: DivisionStatistics,
 }
 
-/// What the statistics say of division.
+/// Statistics of division.
 #[derive(Default)]
 pub struct DivisionStatistics {
     pub(in crate::intercept::vk) uncounted: OnceLock<&'static str>,
@@ -98,7 +98,7 @@ pub struct DivisionStatistics {
 }
 
 impl DivisionStatistics {
-    /// What a pipeline draws is not divided; the log says why, once.
+    /// Notes a pipeline whose primitives are not divided; the log says why, once.
     pub fn note_undivided(&self, why: &str) {
         log::once(&format!("Vulkan: what a pipeline draws is not divided: {why}"));
         *self.undivided.lock().unwrap_or_else(PoisonError::into_inner).entry(why.to_owned()).or_default() += 1;

@@ -27,7 +27,7 @@ pub struct Pool {
     pub(in crate::intercept::vk) quantities: Vec<Quantity>,
     /// The queries' weights, as of their last submission.
     pub(in crate::intercept::vk) weights: Mutex<Vec<QueryWeights>>,
-    /// What copies of its results need, once there is one.
+    /// Buffers for copies of its results, once there is one.
     pub(in crate::intercept::vk) scratch: Mutex<Option<Scratch>>,
 }
 
@@ -63,14 +63,14 @@ pub struct Queries {
     pub(in crate::intercept::vk) scaler: OnceLock<Option<QueryScaler>>,
 }
 
-/// What gives counts their weights, for all pools of a device.
+/// Compute pipeline that scales counts, for all pools of a device.
 pub struct QueryScaler {
     pub(in crate::intercept::vk) set_layout: vk::DescriptorSetLayout,
     pub(in crate::intercept::vk) layout: vk::PipelineLayout,
     pub(in crate::intercept::vk) pipeline: vk::Pipeline,
 }
 
-/// What the copies of a pool's results need.
+/// Buffers for the copies of a pool's results.
 pub struct Scratch {
     /// The results of the driver.
     pub(in crate::intercept::vk) counted: Buffer,

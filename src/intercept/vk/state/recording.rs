@@ -17,7 +17,7 @@ use std::sync::{Arc, Mutex, PoisonError, RwLock};
 /// Bytes of push constants that are looked at; no device of today has more.
 pub const PUSH_BYTES: usize = 256;
 
-/// What happens when a command buffer runs, as far as it matters when it is submitted.
+/// Event when a command buffer runs, as far as it matters on submission.
 pub enum Event {
     /// Draws that share a lens, by their index.
     DrawGroup(usize),
@@ -41,20 +41,20 @@ pub enum Event {
         group: Option<usize>,
         /// Number of their vertices.
         vertices: u64,
-        /// How often each is issued; `None`: as often as the group is in sight.
+        /// Number of times that each is issued; `None`: as often as the group is in sight.
         times: Option<u32>,
     },
 }
 
 /// A pass that is drawn for each view.
 pub struct Pass {
-    /// What it draws to.
+    /// Target of its draws.
     pub(in crate::intercept::vk) target: Arc<ViewTarget>,
     /// A draw of it may have belonged to the scene.
     pub(in crate::intercept::vk) scene: bool,
     /// Colour attachments whose panel has to be cleared by the first commands.
     pub(in crate::intercept::vk) uncleared_panels: Vec<u32>,
-    /// How the pass was begun.
+    /// Kind of command that began the pass.
     pub(in crate::intercept::vk) within: Within,
     /// Scenes that it draws, and the layouts that it leaves them in.
     pub(in crate::intercept::vk) scenes: Vec<(Arc<ViewTarget>, vk::ImageLayout)>,
@@ -62,7 +62,7 @@ pub struct Pass {
     pub(in crate::intercept::vk) layout_changes: Vec<LayoutChange>,
 }
 
-/// How a pass was begun: what a secondary command buffer in it inherits.
+/// Kind of command that began a pass, with what a secondary command buffer in it inherits.
 pub enum Within {
     /// By a render pass.
     Pass {
@@ -93,7 +93,7 @@ impl Pass {
     }
 }
 
-/// What is bound and set for graphics while a command buffer is recorded.
+/// State that is bound and set for graphics while a command buffer is recorded.
 pub struct GraphicsState {
     /// The bound pipeline.
     pub(in crate::intercept::vk) pipeline: Option<Arc<Pipeline>>,
@@ -139,15 +139,15 @@ impl Default for GraphicsState {
 pub struct Recording {
     /// The pool that it is from.
     pub(in crate::intercept::vk) pool: vk::CommandPool,
-    /// What is bound for graphics.
+    /// Bound state for graphics.
     pub(in crate::intercept::vk) graphics: GraphicsState,
-    /// What is bound for compute shaders.
+    /// Bound state for compute shaders.
     pub(in crate::intercept::vk) compute: ComputeBindings,
     /// The pass, if it is drawn for each view.
     pub(in crate::intercept::vk) pass: Option<Pass>,
     /// Within a pass that is not: its images that may hold a scene.
     pub(in crate::intercept::vk) plain: Option<Vec<vk::Image>>,
-    /// What happens when it runs.
+    /// Events when it runs.
     pub(in crate::intercept::vk) events: Vec<Event>,
     /// Its groups of draws.
     pub(in crate::intercept::vk) draw_groups: Vec<DrawGroup>,

@@ -9,10 +9,10 @@ use std::sync::{Mutex, PoisonError};
 /// A draw of as many vertices covers a viewport: one triangle, or a square.
 pub const COVERING_VERTICES: u32 = 6;
 
-/// What is made of an image of the program.
+/// Use of an image of the program.
 pub type Made = image_graph::Made<vk::Image>;
 
-/// What was seen of the program's images.
+/// Uses of the program's images so far.
 #[derive(Default)]
 pub(in crate::intercept::vk) struct Seen {
     pub(in crate::intercept::vk) graph: ImageGraph<vk::Image>,

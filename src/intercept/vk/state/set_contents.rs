@@ -8,7 +8,7 @@ use std::sync::Arc;
 /// A descriptor: binding and element of its array.
 pub type DescriptorSlot = (u32, u32);
 
-/// What a descriptor shows a picture by.
+/// Descriptor of an image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Picture {
     /// The view of its image.
@@ -19,7 +19,7 @@ pub struct Picture {
     pub(in crate::intercept::vk) attachment: Option<vk::ImageLayout>,
 }
 
-/// What was written to a set.
+/// Descriptors that were written to a set.
 #[derive(Default)]
 pub struct Contents {
     pub(in crate::intercept::vk) written: BTreeSet<DescriptorSlot>,

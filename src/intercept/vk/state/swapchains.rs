@@ -9,12 +9,12 @@ use ash::vk;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// What a frame is made of.
+/// Source of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PictureSource {
     /// The program's picture as it is.
     Own,
-    /// What is on the panel's tile, as it is.
+    /// The panel's tile as it is.
     Tile,
     /// The program's picture on the panel.
     Panel,
@@ -22,13 +22,13 @@ pub enum PictureSource {
     Views,
 }
 
-/// What belongs to one image of the swapchain.
+/// Objects for one image of the swapchain.
 pub(in crate::intercept::vk) struct Slot {
     /// The program's image in the place of the real one.
     pub(in crate::intercept::vk) given: OwnImage,
     /// The views and the panel.
     pub(in crate::intercept::vk) atlas: OwnImage,
-    /// What the layer knows of the program's image.
+    /// The program's image as a target of draws.
     pub(in crate::intercept::vk) target: Arc<ViewTarget>,
     /// Views of the atlas: as it is, and with alpha 1.
     pub(in crate::intercept::vk) views: [vk::ImageView; 2],
@@ -44,7 +44,7 @@ pub(in crate::intercept::vk) struct Slot {
 
 /// See the module.
 pub struct StandIn {
-    /// Where everything is.
+    /// Places in the atlas and the window.
     pub(in crate::intercept::vk) layout: Arc<AtlasLayout>,
     pub(in crate::intercept::vk) real: Vec<vk::Image>,
     /// Views of the real images, or of the picture in between, which the correction draws into.
@@ -68,13 +68,13 @@ pub struct StandIn {
 pub struct Swapchain {
     /// Size of its images.
     pub(in crate::intercept::vk) extent: vk::Extent2D,
-    /// How their texels lie in memory.
+    /// Layout of their texels in memory.
     pub(in crate::intercept::vk) texel_format: TexelFormat,
-    /// What images of its surface can be used for.
+    /// Usage that its surface supports.
     pub(in crate::intercept::vk) supported: vk::ImageUsageFlags,
     /// The real images.
     pub(in crate::intercept::vk) real: Vec<vk::Image>,
-    /// What stands before them; `None`: the program has the real images.
+    /// Stand-in images; `None`: the program has the real images.
     pub(in crate::intercept::vk) stand_in: Option<StandIn>,
     /// After a failure: the program's own picture.
     pub(in crate::intercept::vk) failed: bool,

@@ -11,13 +11,13 @@ pub enum VertexProcessing {
     DivisionStatistics,
 }
 
-/// What a device is to do with vertices.
+/// Work of a device's shaders on vertices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct VertexDecision {
-    /// What it does.
+    /// The work.
     pub vertices: VertexProcessing,
     /// Why it does not divide, for people.
     pub undivided: &'static str,
-    /// What divides can count what it does not divide far enough.
+    /// The dividing stage can count primitives that it does not divide enough.
     pub counts: bool,
 }

@@ -71,12 +71,12 @@ impl ConstantPool {
         (if self.lenses { 2 } else { 1 }) * (FLOATS * size_of::<f32>()) as u64
     }
 
-    /// What counts on this driver, if anything does.
+    /// The counter, if this driver can count.
     pub fn counter(&self, driver: &Driver) -> Option<&Counter> {
         self.counter.get_or_init(|| self.counts.then(|| Counter::new(driver).ok()).flatten()).as_ref()
     }
 
-    /// What was counted, if anything could be.
+    /// The count, if there is a counter.
     pub fn counted(&self) -> Option<u32> {
         self.counter.get()?.as_ref().map(Counter::read)
     }

@@ -6,10 +6,10 @@ use ash::vk;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
-/// What an atlas is made with.
+/// Flags of an atlas.
 pub const ATLAS_FLAGS: vk::ImageCreateFlags = vk::ImageCreateFlags::MUTABLE_FORMAT;
 
-/// What it can be used for.
+/// Usage of an atlas.
 pub const ATLAS_USAGE: vk::ImageUsageFlags = vk::ImageUsageFlags::from_raw(
     vk::ImageUsageFlags::COLOR_ATTACHMENT.as_raw()
         | vk::ImageUsageFlags::SAMPLED.as_raw()
@@ -17,7 +17,7 @@ pub const ATLAS_USAGE: vk::ImageUsageFlags = vk::ImageUsageFlags::from_raw(
         | vk::ImageUsageFlags::TRANSFER_SRC.as_raw(),
 );
 
-/// What atlases of scenes can be used for beside what the program's image can.
+/// Usage of a scene's atlas beside that of the program's image.
 pub const ATLAS_COPY_USAGE: vk::ImageUsageFlags = vk::ImageUsageFlags::from_raw(
     vk::ImageUsageFlags::TRANSFER_SRC.as_raw() | vk::ImageUsageFlags::TRANSFER_DST.as_raw(),
 );
@@ -28,7 +28,7 @@ pub const PATIENCE: u32 = 8;
 
 /// An image of a swapchain, or one that holds a scene on its way to the window.
 pub struct ViewTarget {
-    /// Where in the atlas everything is.
+    /// Places in the atlas.
     pub(in crate::intercept::vk) layout: Arc<AtlasLayout>,
     /// The program's image.
     pub(in crate::intercept::vk) given: vk::Image,
@@ -42,7 +42,7 @@ pub struct ViewTarget {
     pub(in crate::intercept::vk) in_views: AtomicBool,
     /// Of a scene that shaders sample: an image for each view.
     pub(in crate::intercept::vk) view_copies: Vec<OwnImage>,
-    /// How often the program's own image was drawn to since the views are.
+    /// Number of times that the program's own image was drawn to since the views are.
     pub(in crate::intercept::vk) missed: AtomicU32,
 }
 

@@ -99,7 +99,7 @@ fn run_events(device: &Device, recording: &mut Recording, queries: &mut Vec<Runn
     }
 }
 
-/// What samples of a group's draws are worth in the program's own picture, where what fills that
+/// Scale from samples of a group's draws to samples of the primary view, where what fills that
 /// picture counts as many as it has.
 fn sample_scale(device: &Device, group: &DrawGroup) -> SampleScale {
     let mut frame = device.frame.lock().unwrap_or_else(PoisonError::into_inner);

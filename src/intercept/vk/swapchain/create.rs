@@ -27,7 +27,7 @@ impl Swapchain {
     /// Goes on with the rig as its file is now, before a picture is made. Where only the correction
     /// changes, it is made anew; images and views of the program's belong to the views that it has
     /// drawn, so that others need a new swapchain: whether the program should be asked for one.
-    /// What cannot be planned or made changes nothing.
+    /// If planning or making fails, nothing changes.
     ///
     /// # Safety
     /// The device must be live, and no other thread may present this swapchain meanwhile.
@@ -63,7 +63,7 @@ impl Swapchain {
         }
     }
 
-    /// What the next picture of image `index` is made of; `None`: it is presented as it is.
+    /// Source of the next picture of image `index`; `None`: it is presented as it is.
     pub fn show(&self, index: usize) -> Option<PictureSource> {
         let in_views = self.stand_in.as_ref()?.in_views(index);
         Some(match (self.failed, in_views) {

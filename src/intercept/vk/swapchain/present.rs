@@ -213,7 +213,7 @@ fn mean(timing: Timing) -> Option<f64> {
     (timing.corrections > 0).then(|| timing.total * 1e-6 / timing.corrections as f64)
 }
 
-/// What was not divided far enough so far, if that is counted.
+/// Number of primitives that were not divided enough so far, if they are counted.
 fn coarse(device: &Device) -> Option<u64> {
     let counts = device.pipelines.divided.uncounted().is_none();
     counts.then(|| device.view_constants.counted().unwrap_or(0).into())

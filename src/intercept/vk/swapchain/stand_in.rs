@@ -25,7 +25,7 @@ impl PictureSource {
 /// Nanoseconds that the last picture of an image may take. A device that takes longer hangs.
 const LONGEST_WAIT: u64 = 60_000_000_000;
 
-/// What the driver refuses, for the log.
+/// Error for an object that the driver refuses.
 fn refused(what: &str) -> impl Fn(vk::Result) -> Error + '_ {
     move |result| Error::new(ErrorKind::Graphics, format!("the driver refuses {what}: {result}"))
 }
@@ -223,7 +223,7 @@ impl StandIn {
         images.zip(&self.targets).map(target).collect()
     }
 
-    /// How long the device took for the corrections so far.
+    /// Time that the device took for the corrections so far.
     pub fn timing(&self) -> Timing {
         self.backend.timing()
     }
