@@ -46,6 +46,7 @@ pub mod ffi;
 pub mod formats;
 pub mod geom;
 pub mod intercept;
+pub(crate) mod lock;
 pub mod message;
 pub mod rig;
 pub mod runtime;

@@ -6,9 +6,10 @@
 //! else to the default one, which only the interception has.
 
 use crate::error::{Error, ErrorKind, Result};
+use crate::lock::SharedLock;
 use log::{Level, LevelFilter, Log, Metadata, Record};
 use std::cell::Cell;
-use std::sync::{OnceLock, PoisonError, RwLock};
+use std::sync::{OnceLock, RwLock};
 
 /// Receives messages, from any thread.
 pub type Receiver = Box<dyn Fn(Level, &str) + Send + Sync>;
@@ -38,7 +39,7 @@ pub fn set_receiver(receiver: Option<Receiver>) -> Result<()> {
     }
     let level = if receiver.is_some() { LevelFilter::Debug } else { LevelFilter::Warn };
     // Messages are passed on under the lock, so that this waits for those that are.
-    let before = std::mem::replace(&mut *RECEIVER.write().unwrap_or_else(PoisonError::into_inner), receiver);
+    let before = std::mem::replace(&mut *RECEIVER.writing(), receiver);
     log::set_max_level(level);
     drop(before);
     Ok(())
@@ -71,7 +72,7 @@ impl Log for Logger {
             return;
         }
         let text = record.args().to_string();
-        let receiver = RECEIVER.read().unwrap_or_else(PoisonError::into_inner);
+        let receiver = RECEIVER.reading();
         if let Some(receiver) = &*receiver {
             RECEIVING.set(true);
             receiver(record.level(), &text);

@@ -9,6 +9,7 @@
 mod tests;
 
 use crate::digest::Digest;
+use crate::lock::Lock;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
@@ -17,7 +18,7 @@ use std::io::{Read, Write};
 use std::os::unix::fs::{DirBuilderExt, MetadataExt, OpenOptionsExt};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, SystemTime};
 
 /// All files together have at most so many bytes; the ones longest not used go first.
@@ -213,7 +214,7 @@ impl Shared {
     }
 
     fn recall(&self, name: &str) -> Option<Arc<Vec<u8>>> {
-        let mut recent = self.recent.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut recent = self.recent.locked();
         let place = recent.iter().position(|(other, _)| other == name)?;
         let found = recent.remove(place)?;
         let content = found.1.clone();
@@ -225,7 +226,7 @@ impl Shared {
         if content.len() > MOST_IN_MEMORY {
             return;
         }
-        let mut recent = self.recent.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut recent = self.recent.locked();
         recent.push_front((name, content.clone()));
         recent.truncate(REMEMBERED);
     }

@@ -1,8 +1,9 @@
 //! What is kept of the latest frame, and written when the program ends.
 
 use super::{log, settings};
+use crate::lock::Lock;
 use crate::runtime::report::{self, Picture, Statistics};
-use std::sync::{Mutex, Once, PoisonError};
+use std::sync::{Mutex, Once};
 
 /// What is written when the program ends.
 pub struct Kept {
@@ -24,14 +25,14 @@ pub fn keep(kept: Kept) -> u64 {
         // SAFETY: registers a function of a library that is never unloaded.
         unsafe { libc::atexit(at_exit) };
     });
-    let mut latest = KEPT.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut latest = KEPT.locked();
     *latest = (Some(kept), latest.1 + 1);
     latest.1
 }
 
 /// Changes the statistics of the frame with this number, if they are those that are kept.
 pub fn amend(number: u64, change: impl FnOnce(&mut Statistics)) {
-    let mut latest = KEPT.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut latest = KEPT.locked();
     let same = latest.1 == number;
     let statistics = latest.0.as_mut().and_then(|kept| kept.statistics.as_mut());
     if let Some(statistics) = statistics.filter(|_| same) {
@@ -57,7 +58,7 @@ extern "C" fn at_exit() {
 
 fn write() {
     let Some(settings) = settings::settings() else { return };
-    let Some(kept) = KEPT.lock().unwrap_or_else(PoisonError::into_inner).0.take() else { return };
+    let Some(kept) = KEPT.locked().0.take() else { return };
     let say = |result: crate::Result<()>| {
         if let Err(error) = result {
             log::once(&error.message);

@@ -6,10 +6,11 @@
 use super::log;
 use super::settings::Settings;
 use crate::intercept::settings;
+use crate::lock::Lock;
 use crate::rig::Rig;
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock};
 use std::time::{Duration, Instant, SystemTime};
 
 /// How often the file is looked at.
@@ -62,7 +63,7 @@ pub fn stamp(path: &Path) -> Option<(Option<SystemTime>, u64)> {
 /// The rig of the moment; `None` where the settings are wrong.
 pub fn rig() -> Option<Live> {
     let settings = settings::settings()?;
-    Some(watch(settings).lock().unwrap_or_else(PoisonError::into_inner).live.clone())
+    Some(watch(settings).locked().live.clone())
 }
 
 /// The rig's version, after a look at its file if the last one was a while ago. For the end of a frame.

@@ -15,8 +15,9 @@ use crate::intercept::gl::framebuffer::bindings;
 use crate::intercept::gl::shader::programs;
 use crate::intercept::gl::state::bounds::Bounds;
 use crate::intercept::gl::state::draw::Changes;
+use crate::lock::Lock;
 use std::ffi::c_void;
-use std::sync::{Arc, PoisonError};
+use std::sync::Arc;
 
 /// Lists may call lists this deep, as OpenGL says at least.
 const DEEPEST: u32 = 64;
@@ -27,7 +28,7 @@ fn call(ctx: &mut Context, list: u32, depth: u32) {
         return;
     }
     let items = {
-        let lists = ctx.share.lists.lock().unwrap_or_else(PoisonError::into_inner);
+        let lists = ctx.share.lists.locked();
         lists.items.get(&list).cloned()
     };
     match items {
@@ -199,7 +200,7 @@ pub fn finish_recording(ctx: &mut Context) {
     }
     forget(ctx, recording.list, 1);
     let list = recording.list;
-    let mut lists = ctx.share.lists.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut lists = ctx.share.lists.locked();
     lists.items.insert(list, Arc::new(recording.items));
     drop(lists);
     if recording.execute {
@@ -209,7 +210,7 @@ pub fn finish_recording(ctx: &mut Context) {
 
 /// Forgets what the lists were, and empties our parts of them.
 pub(in crate::intercept::gl) fn forget(ctx: &Context, first: u32, count: u32) {
-    let mut lists = ctx.share.lists.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut lists = ctx.share.lists.locked();
     if (count as usize) < lists.items.len() {
         for list in first..first.saturating_add(count) {
             lists.forget(ctx, list);

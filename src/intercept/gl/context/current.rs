@@ -3,8 +3,8 @@
 use crate::backend::gl::api::Gl;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::log;
+use crate::lock::Lock;
 use std::cell::Cell;
-use std::sync::PoisonError;
 use std::sync::atomic::{AtomicPtr, Ordering};
 
 thread_local! {
@@ -39,7 +39,7 @@ pub fn after_panic(name: &str) {
     log::once(&format!("a defect in {name}; this context is left alone from now on"));
     if let Some(ctx) = current() {
         ctx.switched_off = true;
-        ctx.share.buffers.lock().unwrap_or_else(PoisonError::into_inner).lose();
+        ctx.share.buffers.locked().lose();
 
         ctx.leave_alone();
     }

@@ -3,8 +3,9 @@
 use crate::backend::gl::api::{self, Gl};
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::state::bounds::Bounds;
+use crate::lock::Lock;
 use std::collections::HashMap;
-use std::sync::{Arc, PoisonError};
+use std::sync::Arc;
 
 /// A command that runs once, not once per view.
 #[derive(Clone, Debug, PartialEq)]
@@ -86,7 +87,7 @@ pub(in crate::intercept::gl) const PROGRAM_NAMES: u32 = 8192;
 /// A name for a list of our own, which no program takes by itself.
 pub fn own_name(ctx: &Context) -> u32 {
     let gl = ctx.gl;
-    let mut lists = ctx.share.lists.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut lists = ctx.share.lists.locked();
     if lists.own.is_empty() {
         // SAFETY: takes names, and gives those back that are not for us.
         let first = unsafe {

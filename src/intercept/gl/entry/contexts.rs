@@ -6,9 +6,10 @@ use crate::intercept::gl::context::gl_context::{Context, ShareGroup};
 use crate::intercept::gl::frame::present;
 use crate::intercept::gl::state::default_framebuffer::DefaultFramebuffer;
 use crate::intercept::gl::state::window::Window;
+use crate::lock::Lock;
 use crate::runtime::session::Session;
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 
 pub(in crate::intercept::gl) static CONTEXTS: Mutex<Option<Contexts>> = Mutex::new(None);
 
@@ -59,7 +60,7 @@ pub(in crate::intercept::gl) fn free(address: usize) {
 }
 
 pub(in crate::intercept::gl) fn contexts<R>(use_them: impl FnOnce(&mut Contexts) -> R) -> R {
-    use_them(CONTEXTS.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert_with(Contexts::default))
+    use_them(CONTEXTS.locked().get_or_insert_with(Contexts::default))
 }
 
 /// Notes that `handle` was created, sharing objects with `shared` (0 = with none).

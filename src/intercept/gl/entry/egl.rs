@@ -6,9 +6,10 @@ use crate::intercept::gl::entry::contexts;
 use crate::intercept::gl::entry::vendor::{self, noted_calls, real_call};
 use crate::intercept::gl::frame::{front_buffer, present};
 use crate::intercept::gl::state::window::Window;
+use crate::lock::Lock;
 use std::collections::HashMap;
 use std::ffi::{CStr, c_char, c_int, c_uint, c_ulong, c_void};
-use std::sync::{Mutex, OnceLock, PoisonError};
+use std::sync::{Mutex, OnceLock};
 
 type Pointer = *mut c_void;
 
@@ -126,7 +127,7 @@ unsafe extern "C" fn get_platform_display(platform: c_uint, native: Pointer, att
 }
 
 fn known<R>(use_it: impl FnOnce(&mut Known) -> R) -> R {
-    use_it(KNOWN.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert_with(Known::default))
+    use_it(KNOWN.locked().get_or_insert_with(Known::default))
 }
 
 /// The driver's function of this name.

@@ -6,9 +6,10 @@ use crate::intercept::gl::entry::contexts;
 use crate::intercept::gl::entry::vendor::{self, noted_calls, real_call};
 use crate::intercept::gl::frame::{front_buffer, present};
 use crate::intercept::gl::state::window::Window;
+use crate::lock::Lock;
 use std::collections::HashMap;
 use std::ffi::{CStr, c_char, c_int, c_ulong, c_void};
-use std::sync::{Mutex, OnceLock, PoisonError};
+use std::sync::{Mutex, OnceLock};
 
 type GetProcAddress = unsafe extern "C" fn(*const u8) -> *mut c_void;
 
@@ -127,7 +128,7 @@ fn window(display: Pointer, drawable: c_ulong) -> Option<Window> {
     if drawable == 0 {
         return None;
     }
-    let drawables = DRAWABLES.lock().unwrap_or_else(PoisonError::into_inner);
+    let drawables = DRAWABLES.locked();
     let x11 = match drawables.as_ref().and_then(|d| d.get(&drawable)) {
         Some(Drawable::OffScreen) => return None,
         Some(Drawable::Window(x11)) => *x11,
@@ -138,7 +139,7 @@ fn window(display: Pointer, drawable: c_ulong) -> Option<Window> {
 
 fn note_drawable(drawable: c_ulong, kind: Drawable) {
     if drawable != 0 {
-        let mut drawables = DRAWABLES.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut drawables = DRAWABLES.locked();
         drawables.get_or_insert_with(HashMap::new).insert(drawable, kind);
     }
 }
@@ -201,7 +202,7 @@ unsafe extern "C" fn swap_buffers_msc(
 
 /// The drawable is gone; its number may come back as something else.
 fn forget_drawable(drawable: c_ulong) {
-    let mut drawables = DRAWABLES.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut drawables = DRAWABLES.locked();
     drawables.get_or_insert_with(HashMap::new).remove(&drawable);
 }
 

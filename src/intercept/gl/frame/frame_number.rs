@@ -1,14 +1,15 @@
 //! Which frame of which window it is, for `--frames`.
 
 use crate::intercept::gl::state::window::Window;
+use crate::lock::Lock;
 use std::collections::HashMap;
-use std::sync::{Mutex, PoisonError};
+use std::sync::Mutex;
 
 /// Presented frames of each window, by its window system's handle.
 static PRESENTED: Mutex<Option<HashMap<usize, u64>>> = Mutex::new(None);
 
 fn with<R>(window: usize, run: impl FnOnce(&mut u64) -> R) -> R {
-    let mut presented = PRESENTED.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut presented = PRESENTED.locked();
     run(presented.get_or_insert_with(HashMap::new).entry(window).or_insert(0))
 }
 

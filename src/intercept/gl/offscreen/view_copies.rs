@@ -21,8 +21,8 @@ use crate::intercept::gl::state::offscreen::copies::Duplicates;
 use crate::intercept::gl::state::offscreen::framebuffers::{self, Framebuffer};
 use crate::intercept::gl::state::offscreen::images::{Image, Name, Pair, Set};
 use crate::intercept::{log, settings};
+use crate::lock::Lock;
 use crate::rig::Duplicate;
-use std::sync::PoisonError;
 
 /// What the user asked for.
 pub(super) fn wish() -> Duplicate {
@@ -41,7 +41,7 @@ pub(super) fn views(ctx: &Context) -> usize {
 
 /// The context became current: what the group knows together is its own until it is not.
 pub fn collect(ctx: &mut Context) {
-    let taken = ctx.share.off_screen.lock().unwrap_or_else(PoisonError::into_inner).take();
+    let taken = ctx.share.off_screen.locked().take();
     let Some(taken) = taken else { return };
     if !ctx.duplicates.images.is_empty() {
         // Those of a time when another thread had the group's.

@@ -17,13 +17,14 @@ use crate::intercept::gl::state::programs::Program;
 use crate::intercept::gl::state::uniform_mirror::Mirror;
 use crate::intercept::gl::state::variants::{InUse, Kind, State, Variant};
 use crate::intercept::log;
+use crate::lock::Lock;
 use std::ffi::{CStr, CString, c_char};
-use std::sync::{Arc, PoisonError};
+use std::sync::Arc;
 
 /// The variant of this kind of the program that draws, linked if it is new; `None` where there can be none.
 pub fn of(ctx: &mut Context, kind: Kind) -> Option<Arc<Variant>> {
     let program = ctx.program.clone()?;
-    let state = program.variants.lock().unwrap_or_else(PoisonError::into_inner).state(kind);
+    let state = program.variants.locked().state(kind);
     match state {
         State::Made(variant) => Some(variant),
         State::Refused => None,
@@ -46,7 +47,7 @@ pub fn of(ctx: &mut Context, kind: Kind) -> Option<Arc<Variant>> {
                     (State::Refused, None)
                 }
             };
-            program.variants.lock().unwrap_or_else(PoisonError::into_inner).set(kind, state);
+            program.variants.locked().set(kind, state);
             variant
         }
     }

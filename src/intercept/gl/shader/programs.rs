@@ -13,10 +13,11 @@ use crate::intercept::gl::state::profile::Profile;
 use crate::intercept::gl::state::programs::{Lens, Position, Program};
 use crate::intercept::gl::vertex_input::buffers;
 use crate::intercept::log;
+use crate::lock::Lock;
 use crate::runtime::session::{MatrixClass, Session};
 use std::collections::HashMap;
 use std::ffi::{CStr, CString, c_char, c_void};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 
 impl Program {
     /// The lens that its matrices hold now.
@@ -30,7 +31,7 @@ impl Program {
                 return Lens::Perspective(intrinsics, "fixed-function matrix in a shader");
             }
         }
-        let mut uniforms = self.uniforms.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut uniforms = self.uniforms.locked();
         if !uniforms.any() && !self.fixed_matrices {
             return given(ctx);
         }
@@ -58,7 +59,7 @@ pub fn send(ctx: &Context, program: &Program, rows: &ReprojectionMatrix) {
     if program.location < 0 {
         return;
     }
-    let mut uploaded = program.uploaded.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut uploaded = program.uploaded.locked();
     if uploaded.rows.as_ref() != Some(rows) {
         set_vectors(ctx, program, program.location, &rows.to_array());
         uploaded.rows = Some(*rows);
@@ -69,7 +70,7 @@ pub fn send(ctx: &Context, program: &Program, rows: &ReprojectionMatrix) {
 pub fn upload_view(ctx: &Context, rows: &ReprojectionMatrix, lens: Option<&LensConstants>) {
     upload(ctx, rows);
     let (Some(program), Some(lens)) = (&ctx.program, lens) else { return };
-    let mut uploaded = program.uploaded.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut uploaded = program.uploaded.locked();
     if program.lens_location >= 0 && uploaded.lens.as_ref() != Some(lens) {
         set_vectors(ctx, program, program.lens_location, &lens.to_array());
         uploaded.lens = Some(*lens);
@@ -99,14 +100,14 @@ pub fn select(ctx: &mut Context, name: u32) {
 
 /// The record of a program, for queries about it.
 pub fn record(ctx: &Context, name: u32) -> Option<Arc<Program>> {
-    ctx.share.programs.lock().unwrap_or_else(PoisonError::into_inner).programs.get(&name).cloned()
+    ctx.share.programs.locked().programs.get(&name).cloned()
 }
 
 /// A block of `name` was bound elsewhere: its matrices are found anew.
 pub fn read_again(ctx: &mut Context, name: u32) {
     let Some(old) = record(ctx, name) else { return };
     let (uniforms, _) = uniforms::read(ctx.gl, &ctx.profile, name, projection::UNIFORM);
-    *old.uniforms.lock().unwrap_or_else(PoisonError::into_inner) = uniforms;
+    *old.uniforms.locked() = uniforms;
 }
 
 fn source_text(count: i32, strings: *const *const c_char, lengths: *const i32) -> Option<Arc<str>> {
@@ -189,7 +190,7 @@ fn link(ctx: &mut Context, program: u32) {
     let shaders = attached(gl, program);
     // Compiling takes long; other threads' contexts use the table meanwhile.
     let sources: HashMap<u32, Arc<str>> = {
-        let mut programs = ctx.share.programs.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut programs = ctx.share.programs.locked();
         forget(gl, programs.programs.remove(&program));
         shaders.iter().filter_map(|s| Some((s.0, programs.sources.get(&s.0)?.clone()))).collect()
     };
@@ -226,11 +227,11 @@ fn link(ctx: &mut Context, program: u32) {
     if let (Some((shader, api::GL_VERTEX_SHADER)), None) = (vertices.next(), vertices.next())
         && let Some(source) = sources.get(shader)
     {
-        let uniforms = record.uniforms.get_mut().unwrap_or_else(PoisonError::into_inner);
+        let uniforms = record.uniforms.unlocked_mut();
         record.position = Position::of_shader(gl, program, source, ctx.profile.es, uniforms);
     }
     let record = Arc::new(record);
-    let mut programs = ctx.share.programs.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut programs = ctx.share.programs.locked();
     programs.programs.insert(program, record.clone());
     drop(programs);
     // Linking a program that is in use puts the new one into use.
@@ -242,7 +243,7 @@ fn link(ctx: &mut Context, program: u32) {
 /// A program's record is out of use, and what stood beside the program with it.
 fn forget(gl: &Gl, record: Option<Arc<Program>>) {
     if let Some(record) = record {
-        record.variants.lock().unwrap_or_else(PoisonError::into_inner).destroy(gl);
+        record.variants.locked().destroy(gl);
     }
 }
 
@@ -353,7 +354,7 @@ hooks! {
     "glShaderSource" shader_source(shader: u32, count: i32, strings: *const *const c_char, lengths: *const i32) = |ctx, gl| {
         gl.shader_source(shader, count, strings, lengths);
         if let Some(text) = source_text(count, strings, lengths) {
-            ctx.share.programs.lock().unwrap_or_else(PoisonError::into_inner).sources.insert(shader, text);
+            ctx.share.programs.locked().sources.insert(shader, text);
         }
     };
     "glDeleteShader" delete_shader(shader: u32) = |_ctx, gl| {
@@ -367,16 +368,16 @@ hooks! {
     "glDeleteObjectARB" delete_object_arb(object: u32) = |ctx, gl| {
         // Programs and shaders have names of one space.
         gl.delete_object_arb(object);
-        forget(gl, ctx.share.programs.lock().unwrap_or_else(PoisonError::into_inner).programs.remove(&object));
+        forget(gl, ctx.share.programs.locked().programs.remove(&object));
     };
     "glProgramBinary" program_binary(program: u32, format: u32, binary: *const c_void, length: i32) = |ctx, gl| {
         // What it was linked to is gone; what it is now was never patched.
         gl.program_binary(program, format, binary, length);
-        forget(gl, ctx.share.programs.lock().unwrap_or_else(PoisonError::into_inner).programs.remove(&program));
+        forget(gl, ctx.share.programs.locked().programs.remove(&program));
     };
     "glDeleteProgram" delete_program(program: u32) = |ctx, gl| {
         gl.delete_program(program);
-        forget(gl, ctx.share.programs.lock().unwrap_or_else(PoisonError::into_inner).programs.remove(&program));
+        forget(gl, ctx.share.programs.locked().programs.remove(&program));
     };
     "glCreateShaderProgramv" create_shader_programv(kind: u32, count: i32, strings: *const *const c_char) -> u32 = |ctx, gl| {
         // As OpenGL describes it in terms of the other commands.
@@ -386,7 +387,7 @@ hooks! {
         }
         gl.shader_source(shader, count, strings, std::ptr::null());
         if let Some(text) = source_text(count, strings, std::ptr::null()) {
-            ctx.share.programs.lock().unwrap_or_else(PoisonError::into_inner).sources.insert(shader, text);
+            ctx.share.programs.locked().sources.insert(shader, text);
         }
         gl.compile_shader(shader);
         let program = gl.create_program();

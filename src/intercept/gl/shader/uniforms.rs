@@ -7,8 +7,8 @@ use crate::intercept::gl::state::profile::Profile;
 use crate::intercept::gl::state::programs::Program;
 use crate::intercept::gl::state::uniforms::{Matrix, Place, Uniforms};
 use crate::intercept::lens::{rank, transposed};
+use crate::lock::Lock;
 use std::ffi::{CStr, c_char};
-use std::sync::PoisonError;
 
 /// Of longer arrays of matrices, which are bones or instances, only the first is looked at.
 const LONGEST: i32 = 8;
@@ -96,7 +96,7 @@ unsafe fn note<T: Copy + Into<f64>>(
     if location < 0 || count < 1 || value.is_null() {
         return;
     }
-    let mut uniforms = program.uniforms.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut uniforms = program.uniforms.locked();
     for element in 0..count.min(LONGEST) {
         // SAFETY: as promised above.
         let matrix = std::array::from_fn(|i| unsafe { (*value.add(16 * element as usize + i)).into() });

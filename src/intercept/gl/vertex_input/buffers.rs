@@ -9,12 +9,13 @@ use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::state::buffers::Buffers;
 use crate::intercept::gl::vertex_input::{buffer_bindings, uniform_blocks};
+use crate::lock::Lock;
 use std::ffi::c_void;
-use std::sync::{MutexGuard, PoisonError};
+use std::sync::MutexGuard;
 
 /// The buffers of the context's group.
 pub fn of(ctx: &Context) -> MutexGuard<'_, Buffers> {
-    ctx.share.buffers.lock().unwrap_or_else(PoisonError::into_inner)
+    ctx.share.buffers.locked()
 }
 
 /// The device may write to a buffer.

@@ -6,14 +6,15 @@ use crate::intercept::vk::state::framebuffers::{Framebuffer, Framebuffers, Later
 use crate::intercept::vk::state::hooks::hooks;
 use crate::intercept::vk::state::structures::{in_chain, slice};
 use crate::intercept::vk::state::view_target::{ATLAS_COPY_USAGE, ATLAS_FLAGS, ATLAS_USAGE, ViewTarget};
+use crate::lock::Lock;
 use ash::vk;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 
 impl Framebuffers {
     /// The swapchain's image that some framebuffer for a render pass has.
     pub fn target_by_pass(&self, device: &Device, pass: vk::RenderPass) -> Option<Arc<ViewTarget>> {
         let all: Vec<_> = {
-            let all = self.all.lock().unwrap_or_else(PoisonError::into_inner);
+            let all = self.all.locked();
             all.values().filter(|framebuffer| framebuffer.pass == pass).cloned().collect()
         };
         all.iter().find_map(|framebuffer| framebuffer.target_now(&device.images))
@@ -24,7 +25,7 @@ impl Framebuffers {
     pub fn target_later(&self, device: &Device, handle: vk::RenderPass) -> Option<Arc<ViewTarget>> {
         let pass = self.pass(handle)?;
         let size = {
-            let all = self.all.lock().unwrap_or_else(PoisonError::into_inner);
+            let all = self.all.locked();
             all.values().find(|framebuffer| framebuffer.pass == handle && framebuffer.attachments.is_none())?.size
         };
         let target = pass.formats.iter().find_map(|format| device.swapchains.latest_target(*format));
@@ -46,8 +47,7 @@ impl Framebuffer {
         given: &[vk::ImageView],
     ) -> Result<vk::Framebuffer, Obstacle> {
         let size = target.layout.atlas;
-        let known =
-            self.atlas_copies.lock().unwrap_or_else(PoisonError::into_inner).iter().find(|t| t.0 == size).map(|t| t.1);
+        let known = self.atlas_copies.locked().iter().find(|t| t.0 == size).map(|t| t.1);
         if let Some(known) = known {
             return Ok(known);
         }
@@ -85,7 +85,7 @@ impl Framebuffer {
         // SAFETY: the structures are complete, the atlas copies are as large as the atlas.
         let made = unsafe { device.driver.functions.create_framebuffer(&info, None) };
         let made = made.map_err(|error| format!("the driver refuses a framebuffer: {error}"))?;
-        self.atlas_copies.lock().unwrap_or_else(PoisonError::into_inner).push((size, made));
+        self.atlas_copies.locked().push((size, made));
         Ok(made)
     }
 }
@@ -182,7 +182,7 @@ fn obstacle(multiview: bool) -> Option<&'static str> {
 
 impl Framebuffers {
     fn add(&self, handle: vk::RenderPass, pass: RenderPass) {
-        self.passes.lock().unwrap_or_else(PoisonError::into_inner).insert(handle, Arc::new(pass));
+        self.passes.locked().insert(handle, Arc::new(pass));
     }
 }
 
@@ -208,7 +208,7 @@ hooks! {
     destroy_render_pass = (
         device: vk::Device, pass: vk::RenderPass, allocator: *const vk::AllocationCallbacks<'_>
     ) { |state, next| {
-        state.framebuffers.passes.lock().unwrap_or_else(PoisonError::into_inner).remove(&pass);
+        state.framebuffers.passes.locked().remove(&pass);
         next(device, pass, allocator)
     } }
     create_framebuffer = (
@@ -223,16 +223,16 @@ hooks! {
             {
                 state.show_flat(why);
             }
-            state.framebuffers.all.lock().unwrap_or_else(PoisonError::into_inner).insert(*made, new);
+            state.framebuffers.all.locked().insert(*made, new);
         }
         result
     } }
     destroy_framebuffer = (
         device: vk::Device, framebuffer: vk::Framebuffer, allocator: *const vk::AllocationCallbacks<'_>
     ) { |state, next| {
-        let gone = state.framebuffers.all.lock().unwrap_or_else(PoisonError::into_inner).remove(&framebuffer);
+        let gone = state.framebuffers.all.locked().remove(&framebuffer);
         if let Some(gone) = gone {
-            for (_, atlas_copy) in gone.atlas_copies.lock().unwrap_or_else(PoisonError::into_inner).drain(..) {
+            for (_, atlas_copy) in gone.atlas_copies.locked().drain(..) {
                 state.driver.functions.destroy_framebuffer(atlas_copy, None);
             }
         }

@@ -5,21 +5,22 @@ use crate::intercept::vk::state::hooks::hooks;
 use crate::intercept::vk::state::recording::{Event, Pass, Recording, Recordings, Within};
 use crate::intercept::vk::state::structures::{in_chain, slice};
 use crate::intercept::vk::state::view_target::ViewTarget;
+use crate::lock::{Lock, SharedLock};
 use ash::vk;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 
 impl Recordings {
     /// Command buffers are gone; `of` says which.
     fn forget(&self, device: &Device, of: impl Fn(vk::CommandBuffer, &Recording) -> bool) {
         let known: Vec<_> = {
-            let all = self.all.read().unwrap_or_else(PoisonError::into_inner);
+            let all = self.all.reading();
             all.iter().map(|(handle, recording)| (*handle, Arc::clone(recording))).collect()
         };
         for (handle, recording) in known {
-            let mut state = recording.lock().unwrap_or_else(PoisonError::into_inner);
+            let mut state = recording.locked();
             if of(handle, &state) {
                 device.view_constants.give_back(&mut state.constants);
-                self.all.write().unwrap_or_else(PoisonError::into_inner).remove(&handle);
+                self.all.writing().remove(&handle);
             }
         }
     }
@@ -86,7 +87,7 @@ hooks! {
     ) -> vk::Result { |state, next| {
         let result = next(device, info, buffers);
         if result == vk::Result::SUCCESS {
-            let mut all = state.recordings.all.write().unwrap_or_else(PoisonError::into_inner);
+            let mut all = state.recordings.all.writing();
             for buffer in slice(buffers, (*info).command_buffer_count) {
                 all.insert(*buffer, Arc::new(Mutex::new(Recording::new((*info).command_pool))));
             }

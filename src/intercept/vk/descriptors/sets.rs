@@ -10,14 +10,15 @@ use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::hooks::hooks;
 use crate::intercept::vk::state::set_contents::{Contents, Copies};
 use crate::intercept::vk::state::structures::slice;
+use crate::lock::Lock;
 use ash::vk;
 use std::collections::HashMap;
-use std::sync::{Arc, PoisonError};
+use std::sync::Arc;
 
 impl Descriptors {
     fn forget(&self, device: &Device, gone: impl Fn(&vk::DescriptorSet, &Set) -> bool) {
         let forgotten: Vec<Copies> = {
-            let mut sets = self.sets.lock().unwrap_or_else(PoisonError::into_inner);
+            let mut sets = self.sets.locked();
             let all = sets.extract_if(|handle, set| gone(handle, set));
             all.filter_map(|(_, set)| set.copies).collect()
         };
@@ -39,7 +40,7 @@ impl Descriptors {
         handle: vk::DescriptorSet,
         layout: &AtlasLayout,
     ) -> Result<Option<Arc<[vk::DescriptorSet]>>, Obstacle> {
-        let mut sets = self.sets.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut sets = self.sets.locked();
         let Some(set) = sets.get_mut(&handle) else { return Ok(None) };
         let known = self.layout(set.handle).filter(|known| Arc::ptr_eq(known, &set.layout));
         let original =
@@ -60,14 +61,14 @@ hooks! {
             let apart = (*info).flags.contains(F::DESCRIPTOR_BUFFER_EXT);
             let changes_later = (*info).flags.contains(F::UPDATE_AFTER_BIND_POOL);
             let new = Arc::new(SetLayout { bindings, apart, changes_later });
-            state.descriptors.layouts.lock().unwrap_or_else(PoisonError::into_inner).insert(*layout, new);
+            state.descriptors.layouts.locked().insert(*layout, new);
         }
         result
     } }
     destroy_descriptor_set_layout = (
         device: vk::Device, layout: vk::DescriptorSetLayout, allocator: *const vk::AllocationCallbacks<'_>
     ) { |state, next| {
-        state.descriptors.layouts.lock().unwrap_or_else(PoisonError::into_inner).remove(&layout);
+        state.descriptors.layouts.locked().remove(&layout);
         next(device, layout, allocator)
     } }
     allocate_descriptor_sets = (
@@ -86,7 +87,7 @@ hooks! {
                     copies: None,
                     buffers: HashMap::new(),
                 };
-                state.descriptors.sets.lock().unwrap_or_else(PoisonError::into_inner).insert(*set, new);
+                state.descriptors.sets.locked().insert(*set, new);
             }
         }
         result
@@ -147,14 +148,14 @@ hooks! {
             };
             let graphics = (*info).pipeline_bind_point == vk::PipelineBindPoint::GRAPHICS;
             let new = Arc::new(Template { entries: entries.iter().map(entry).collect(), graphics });
-            state.descriptors.templates.lock().unwrap_or_else(PoisonError::into_inner).insert(*template, new);
+            state.descriptors.templates.locked().insert(*template, new);
         }
         result
     } }
     destroy_template = (
         device: vk::Device, template: vk::DescriptorUpdateTemplate, allocator: *const vk::AllocationCallbacks<'_>
     ) { |state, next| {
-        state.descriptors.templates.lock().unwrap_or_else(PoisonError::into_inner).remove(&template);
+        state.descriptors.templates.locked().remove(&template);
         next(device, template, allocator)
     } }
     update_with_template = (

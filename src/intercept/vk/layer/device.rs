@@ -12,11 +12,12 @@ use crate::intercept::vk::state::structures::slice;
 use crate::intercept::vk::state::vertices::VertexProcessing;
 use crate::intercept::vk::state::view_constants::ConstantPool;
 use crate::intercept::{log, settings};
+use crate::lock::{Lock, SharedLock};
 use crate::runtime::cache;
 use ash::{ext, khr, vk};
 use std::collections::HashMap;
 use std::ffi::CStr;
-use std::sync::{Arc, PoisonError};
+use std::sync::Arc;
 
 /// `vkCreateDevice`. Nothing is enabled that the program did not ask for, but geometry shaders, and
 /// what they count by, where the rig needs them.
@@ -72,7 +73,7 @@ pub unsafe extern "system" fn create(
                 driver,
             };
             let key = dispatch_key(vk::Handle::as_raw(made));
-            let mut devices = DEVICES.write().unwrap_or_else(PoisonError::into_inner);
+            let mut devices = DEVICES.writing();
             devices.get_or_insert_with(HashMap::new).insert(key, Arc::new(state));
         }
         result
@@ -171,7 +172,7 @@ pub unsafe extern "system" fn destroy(handle: vk::Device, allocator: *const vk::
     }
     // SAFETY: a live handle.
     let key = unsafe { dispatch_key(vk::Handle::as_raw(handle)) };
-    let state = DEVICES.write().unwrap_or_else(PoisonError::into_inner).as_mut().and_then(|all| all.remove(&key));
+    let state = DEVICES.writing().as_mut().and_then(|all| all.remove(&key));
     if let Some(state) = state {
         // All is done now, the last frames too.
         crate::intercept::vk::swapchain::present::count_again(&state);
@@ -195,7 +196,7 @@ pub unsafe extern "system" fn queue(handle: vk::Device, family: u32, index: u32,
     // SAFETY: the program's own call with its arguments.
     unsafe {
         (state.driver.functions.fp_v1_0().get_device_queue)(handle, family, index, queue);
-        state.queues.lock().unwrap_or_else(PoisonError::into_inner).insert(*queue, family);
+        state.queues.locked().insert(*queue, family);
     }
 }
 
@@ -210,7 +211,7 @@ pub unsafe extern "system" fn queue2(handle: vk::Device, info: *const vk::Device
         (state.driver.functions.fp_v1_1().get_device_queue2)(handle, info, queue);
         if *queue != vk::Queue::null() {
             let family = (*info).queue_family_index;
-            state.queues.lock().unwrap_or_else(PoisonError::into_inner).insert(*queue, family);
+            state.queues.locked().insert(*queue, family);
         }
     }
 }

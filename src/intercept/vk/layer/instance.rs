@@ -2,9 +2,10 @@
 
 use crate::intercept::vk::layer::chain_links;
 use crate::intercept::vk::state::instance::{INSTANCES, Instance, address, dispatch_key};
+use crate::lock::SharedLock;
 use ash::vk;
 use std::collections::HashMap;
-use std::sync::{Arc, PoisonError};
+use std::sync::Arc;
 
 /// `vkCreateInstance`.
 ///
@@ -34,7 +35,7 @@ pub unsafe extern "system" fn create(
                 surface: ash::khr::surface::InstanceFn::load(find),
             };
             let key = dispatch_key(vk::Handle::as_raw(made));
-            let mut instances = INSTANCES.write().unwrap_or_else(PoisonError::into_inner);
+            let mut instances = INSTANCES.writing();
             instances.get_or_insert_with(HashMap::new).insert(key, Arc::new(state));
         }
         result
@@ -51,7 +52,7 @@ pub unsafe extern "system" fn destroy(handle: vk::Instance, allocator: *const vk
     }
     // SAFETY: a live handle.
     let key = unsafe { dispatch_key(vk::Handle::as_raw(handle)) };
-    let state = INSTANCES.write().unwrap_or_else(PoisonError::into_inner).as_mut().and_then(|all| all.remove(&key));
+    let state = INSTANCES.writing().as_mut().and_then(|all| all.remove(&key));
     if let Some(state) = state {
         // SAFETY: the program's own call with its arguments.
         unsafe { (state.functions.fp_v1_0().destroy_instance)(handle, allocator) };

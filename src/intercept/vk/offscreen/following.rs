@@ -11,7 +11,8 @@ use crate::intercept::vk::state::atlas_layout::AtlasLayout;
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::images::Images;
 use crate::intercept::vk::state::view_target::ViewTarget;
-use std::sync::{Arc, PoisonError};
+use crate::lock::Lock;
+use std::sync::Arc;
 
 impl Images {
     /// The window has this layout now: images that hold its scene get it, too.
@@ -21,13 +22,13 @@ impl Images {
     pub fn follow(&self, device: &Device, layout: &Arc<AtlasLayout>) -> Result<(), Obstacle> {
         for image in self.duplicated() {
             let old = {
-                let mut images = self.images.lock().unwrap_or_else(PoisonError::into_inner);
+                let mut images = self.images.locked();
                 let state = images.get_mut(&image).filter(|state| state.size == layout.window);
                 let other = |target: &mut Arc<ViewTarget>| !Arc::ptr_eq(&target.layout, layout);
                 state.and_then(|state| state.target.take_if(other))
             };
             if let Some(old) = old {
-                self.retired.lock().unwrap_or_else(PoisonError::into_inner).push(old);
+                self.retired.locked().push(old);
                 self.duplicate(device, image, layout)?;
             }
         }
@@ -37,7 +38,7 @@ impl Images {
     /// Destroys what no recorded commands use any more.
     pub fn sweep(&self, device: &Device) {
         let unused: Vec<Arc<ViewTarget>> = {
-            let mut retired = self.retired.lock().unwrap_or_else(PoisonError::into_inner);
+            let mut retired = self.retired.locked();
             // Recordings hold what they use, and are given up only when the device has finished
             // with them.
             retired.extract_if(.., |target| Arc::strong_count(target) == 1).collect()
@@ -47,18 +48,15 @@ impl Images {
 
     /// Destroys all that was retired, before the device is destroyed.
     pub fn clear(&self, device: &Device) {
-        let all = std::mem::take(&mut *self.retired.lock().unwrap_or_else(PoisonError::into_inner));
+        let all = std::mem::take(&mut *self.retired.locked());
         all.iter().for_each(|target| self.destroy_view_copies(device, target));
     }
 
     /// Destroys the view copies of a scene and their views.
     pub(in crate::intercept::vk) fn destroy_view_copies(&self, device: &Device, target: &ViewTarget) {
         for view_copy in &target.view_copies {
-            self.pending
-                .lock()
-                .unwrap_or_else(PoisonError::into_inner)
-                .retain(|pending| pending.image != view_copy.image);
-            let mut views = self.views.lock().unwrap_or_else(PoisonError::into_inner);
+            self.pending.locked().retain(|pending| pending.image != view_copy.image);
+            let mut views = self.views.locked();
             let atlas_copies =
                 views.values_mut().flat_map(|view| view.atlas_copies.extract_if(.., |(of, _)| *of == view_copy.image));
             // SAFETY: both are ours, and the device has finished with them.

@@ -13,8 +13,8 @@ use crate::intercept::vk::state::own_image::OwnImage;
 use crate::intercept::vk::state::scene_graph::Made;
 use crate::intercept::vk::state::structures::in_chain;
 use crate::intercept::vk::state::view_target::ATLAS_COPY_USAGE;
+use crate::lock::Lock;
 use ash::vk;
-use std::sync::PoisonError;
 
 impl Images {
     /// A shader can read the image of a view, by a descriptor of this `kind`: what it shows must
@@ -22,9 +22,9 @@ impl Images {
     /// atlas copy as well.
     pub fn described(&self, device: &Device, view: vk::ImageView, kind: vk::DescriptorType) {
         let attachment = kind == vk::DescriptorType::INPUT_ATTACHMENT;
-        let image = self.views.lock().unwrap_or_else(PoisonError::into_inner).get(&view).map(|view| view.image);
+        let image = self.views.locked().get(&view).map(|view| view.image);
         let Some(image) = image else { return };
-        let mut images = self.images.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut images = self.images.locked();
         let Some(state) = images.get_mut(&image) else { return };
         state.described |= !attachment;
         if !(descriptors::is_sampled(kind) && state.is_single()) && state.may_hold_scene() {
@@ -49,7 +49,7 @@ impl Images {
         layout: &AtlasLayout,
     ) -> Result<vk::ImageView, Obstacle> {
         let (image, atlas_copies) = {
-            let views = self.views.lock().unwrap_or_else(PoisonError::into_inner);
+            let views = self.views.locked();
             let state = views.get(&view).ok_or("it draws to an image view that is not known")?;
             let single = [vk::ImageViewType::TYPE_2D].contains(&state.kind)
                 && state.range.base_mip_level == 0
@@ -65,7 +65,7 @@ impl Images {
             return Ok(*known);
         }
         let info = {
-            let views = self.views.lock().unwrap_or_else(PoisonError::into_inner);
+            let views = self.views.locked();
             let state = views.get(&view).ok_or("an image view is gone")?;
             vk::ImageViewCreateInfo::default()
                 .image(atlas_copy)
@@ -76,7 +76,7 @@ impl Images {
         };
         // SAFETY: the atlas copy is live and has the format and aspects of the program's image.
         let made = unsafe { device.driver.functions.create_image_view(&info, None) }.map_err(refused)?;
-        if let Some(state) = self.views.lock().unwrap_or_else(PoisonError::into_inner).get_mut(&view) {
+        if let Some(state) = self.views.locked().get_mut(&view) {
             state.atlas_copies.push((atlas_copy, made));
         }
         Ok(made)
@@ -92,7 +92,7 @@ impl Images {
     ) -> Result<vk::Image, Obstacle> {
         let size = layout.atlas;
         let (info, format, believed) = {
-            let images = self.images.lock().unwrap_or_else(PoisonError::into_inner);
+            let images = self.images.locked();
             let state = images.get(&image).ok_or("it draws to an image that is not known")?;
             if let Some(target) = &state.target {
                 let fits = target.layout.atlas == size;
@@ -124,9 +124,9 @@ impl Images {
             atlas_copy.map_err(|error| format!("the driver refuses an image of {} × {}: {error}", size.0, size.1))?;
         if believed != vk::ImageLayout::UNDEFINED {
             let pending = PendingLayout { image: atlas_copy.image, layout: believed, aspects: aspects(format) };
-            self.pending.lock().unwrap_or_else(PoisonError::into_inner).push(pending);
+            self.pending.locked().push(pending);
         }
-        if let Some(state) = self.images.lock().unwrap_or_else(PoisonError::into_inner).get_mut(&image) {
+        if let Some(state) = self.images.locked().get_mut(&image) {
             state.atlas_copies.push((size, atlas_copy));
         }
         Ok(atlas_copy.image)
@@ -167,9 +167,9 @@ hooks! {
     destroy_image = (
         device: vk::Device, image: vk::Image, allocator: *const vk::AllocationCallbacks<'_>
     ) { |state, next| {
-        let gone = state.images.images.lock().unwrap_or_else(PoisonError::into_inner).remove(&image);
+        let gone = state.images.images.locked().remove(&image);
         for (_, atlas_copy) in gone.iter().flat_map(|image| &image.atlas_copies) {
-            state.images.pending.lock().unwrap_or_else(PoisonError::into_inner).retain(|p| p.image != atlas_copy.image);
+            state.images.pending.locked().retain(|p| p.image != atlas_copy.image);
             atlas_copy.destroy(&state.driver);
         }
         if let Some(target) = gone.as_ref().and_then(|image| image.target.as_ref()) {
@@ -181,7 +181,7 @@ hooks! {
     create_image_view = (
         device: vk::Device, info: *const vk::ImageViewCreateInfo<'_>, allocator: *const vk::AllocationCallbacks<'_>, view: *mut vk::ImageView
     ) -> vk::Result { |state, next| {
-        let declared = state.images.declared.lock().unwrap_or_else(PoisonError::into_inner).get(&(*info).image).copied();
+        let declared = state.images.declared.locked().get(&(*info).image).copied();
         let info = &*info;
         let said = in_chain::<vk::ImageViewUsageCreateInfo<'_>>(info.p_next, vk::StructureType::IMAGE_VIEW_USAGE_CREATE_INFO);
         let mut narrowed = vk::ImageViewUsageCreateInfo::default().usage(declared.unwrap_or_default());
@@ -201,14 +201,14 @@ hooks! {
                 range: info.subresource_range,
                 atlas_copies: Vec::new(),
             };
-            state.images.views.lock().unwrap_or_else(PoisonError::into_inner).insert(*view, new);
+            state.images.views.locked().insert(*view, new);
         }
         result
     } }
     destroy_image_view = (
         device: vk::Device, view: vk::ImageView, allocator: *const vk::AllocationCallbacks<'_>
     ) { |state, next| {
-        let gone = state.images.views.lock().unwrap_or_else(PoisonError::into_inner).remove(&view);
+        let gone = state.images.views.locked().remove(&view);
         for (_, atlas_copy) in gone.iter().flat_map(|view| &view.atlas_copies) {
             state.driver.functions.destroy_image_view(*atlas_copy, None);
         }

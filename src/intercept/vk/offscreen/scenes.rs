@@ -9,21 +9,22 @@ use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::images::{Image, Images, PendingLayout, ViewCopies};
 use crate::intercept::vk::state::own_image::OwnImage;
 use crate::intercept::vk::state::view_target::ViewTarget;
+use crate::lock::Lock;
 use crate::rig::Duplicate;
 use ash::vk;
+use std::sync::Arc;
 use std::sync::atomic::Ordering;
-use std::sync::{Arc, PoisonError};
 
 impl Images {
     /// The program made an image that can be drawn to.
     pub(super) fn add(&self, device: &Device, handle: vk::Image, image: Image) {
         let (kind, size, may) = (image.kind(), image.size, image.may_hold_scene());
-        self.images.lock().unwrap_or_else(PoisonError::into_inner).insert(handle, image);
+        self.images.locked().insert(handle, image);
         if !may {
             return;
         }
         self.candidates.store(true, Ordering::Relaxed);
-        let known = self.scenes.lock().unwrap_or_else(PoisonError::into_inner).contains(&kind)
+        let known = self.scenes.locked().contains(&kind)
             || settings::settings().is_some_and(|settings| settings.rig.views.duplicate == Duplicate::Always);
         if let Some(layout) = device.swapchains.latest_layout().filter(|layout| known && layout.window == size)
             && let Err(why) = self.duplicate(device, handle, &layout)
@@ -41,7 +42,7 @@ impl Images {
             return Ok(());
         }
         let (kind, flags, described) = {
-            let images = self.images.lock().unwrap_or_else(PoisonError::into_inner);
+            let images = self.images.locked();
             let Some(state) = images.get(&image).filter(|state| state.size == layout.window) else { return Ok(()) };
             (state.kind(), state.flags, state.usage.contains(vk::ImageUsageFlags::SAMPLED) && state.is_single())
         };
@@ -74,7 +75,7 @@ impl Images {
             layout: view_copies::SAMPLED,
             aspects: vk::ImageAspectFlags::COLOR,
         };
-        self.pending.lock().unwrap_or_else(PoisonError::into_inner).extend(view_copies.iter().map(sampled));
+        self.pending.locked().extend(view_copies.iter().map(sampled));
         let target = ViewTarget {
             layout: Arc::clone(layout),
             given: image,
@@ -85,11 +86,11 @@ impl Images {
             view_copies,
             missed: 0.into(),
         };
-        if let Some(state) = self.images.lock().unwrap_or_else(PoisonError::into_inner).get_mut(&image) {
+        if let Some(state) = self.images.locked().get_mut(&image) {
             state.target = Some(Arc::new(target));
         }
         device.scene_graph.note_scene(image);
-        let mut scenes = self.scenes.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut scenes = self.scenes.locked();
         if !scenes.contains(&kind) {
             scenes.push(kind);
         }
@@ -109,7 +110,7 @@ impl Images {
         layout: &AtlasLayout,
     ) -> Result<Option<ViewCopies>, Obstacle> {
         let (image, info, known) = {
-            let views = self.views.lock().unwrap_or_else(PoisonError::into_inner);
+            let views = self.views.locked();
             let Some(state) = views.get(&view) else { return Ok(None) };
             let info = vk::ImageViewCreateInfo::default()
                 .view_type(state.kind)
@@ -134,7 +135,7 @@ impl Images {
             let made = unsafe { device.driver.functions.create_image_view(&info.image(view_copy.image), None) };
             let made = made.map_err(|error| format!("the driver refuses a view of an image: {error}"))?;
             all.push(made);
-            if let Some(state) = self.views.lock().unwrap_or_else(PoisonError::into_inner).get_mut(&view) {
+            if let Some(state) = self.views.locked().get_mut(&view) {
                 state.atlas_copies.push((view_copy.image, made));
             }
         }

@@ -6,8 +6,9 @@ use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::hooks::hooks;
 use crate::intercept::vk::state::pipelines::PipelineLayout;
 use crate::intercept::vk::state::structures::slice;
+use crate::lock::Lock;
 use ash::vk;
-use std::sync::{Arc, PoisonError};
+use std::sync::Arc;
 
 /// The number that our set gets in a layout, if it can have one, and whether there is room for the
 /// counter.
@@ -43,14 +44,14 @@ hooks! {
         let result = next(device, info, allocator, module);
         if result == vk::Result::SUCCESS {
             let words: Arc<[u32]> = slice((*info).p_code, ((*info).code_size / 4) as u32).into();
-            state.layouts.shaders.lock().unwrap_or_else(PoisonError::into_inner).insert(*module, words);
+            state.layouts.shaders.locked().insert(*module, words);
         }
         result
     } }
     destroy_shader_module = (
         device: vk::Device, module: vk::ShaderModule, allocator: *const vk::AllocationCallbacks<'_>
     ) { |state, next| {
-        state.layouts.shaders.lock().unwrap_or_else(PoisonError::into_inner).remove(&module);
+        state.layouts.shaders.locked().remove(&module);
         next(device, module, allocator)
     } }
     create_pipeline_layout = (
@@ -68,13 +69,13 @@ hooks! {
         }
         let destroy = (state.driver.functions.fp_v1_0().destroy_pipeline_layout, device);
         let new = Arc::new(PipelineLayout { handle: *layout, ours: number, counts, destroy });
-        state.layouts.layouts.lock().unwrap_or_else(PoisonError::into_inner).insert(*layout, new);
+        state.layouts.layouts.locked().insert(*layout, new);
         vk::Result::SUCCESS
     } }
     destroy_pipeline_layout = (
         device: vk::Device, layout: vk::PipelineLayout, allocator: *const vk::AllocationCallbacks<'_>
     ) { |state, next| {
-        let known = state.layouts.layouts.lock().unwrap_or_else(PoisonError::into_inner).remove(&layout);
+        let known = state.layouts.layouts.locked().remove(&layout);
         if known.is_none() {
             next(device, layout, allocator)
         }

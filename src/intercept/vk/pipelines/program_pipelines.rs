@@ -6,13 +6,14 @@ use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::hooks::hooks;
 use crate::intercept::vk::state::pipelines::{Pipeline, Pipelines};
 use crate::intercept::vk::state::structures::slice;
+use crate::lock::Lock;
 use ash::vk;
-use std::sync::{Arc, PoisonError};
+use std::sync::Arc;
 
 impl Pipelines {
     /// Forgets all, before the device is destroyed.
     pub fn clear(&self, device: &Device) {
-        let all = std::mem::take(&mut *self.all.lock().unwrap_or_else(PoisonError::into_inner));
+        let all = std::mem::take(&mut *self.all.locked());
         all.values().for_each(|pipeline| pipeline.destroy(device));
     }
 }
@@ -40,14 +41,14 @@ hooks! {
             let parts = Parts::of(info);
             let made = if parts.is_seen() && state.draws_views() { variants::make(&state, cache, &parts) } else { Err("it is not seen".into()) };
             let new = variants::pipeline(&state, own, &parts, made.inspect_err(|why| state.flatness.note_pipeline(why)).ok());
-            state.pipelines.all.lock().unwrap_or_else(PoisonError::into_inner).insert(own, Arc::new(new));
+            state.pipelines.all.locked().insert(own, Arc::new(new));
         }
         result
     } }
     destroy_pipeline = (
         device: vk::Device, pipeline: vk::Pipeline, allocator: *const vk::AllocationCallbacks<'_>
     ) { |state, next| {
-        let gone = state.pipelines.all.lock().unwrap_or_else(PoisonError::into_inner).remove(&pipeline);
+        let gone = state.pipelines.all.locked().remove(&pipeline);
         if let Some(gone) = gone {
             gone.destroy(&state);
         }

@@ -10,9 +10,9 @@ use crate::intercept::vk::commands::conditional_render::unconditionally;
 use crate::intercept::vk::queries::results;
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::queries::{ONE, Pool, Queries, QueryScaler, Scratch};
+use crate::lock::Lock;
 use ash::prelude::VkResult;
 use ash::vk;
-use std::sync::PoisonError;
 
 /// The shader's entry point.
 const ENTRY: &std::ffi::CStr = c"tell";
@@ -235,8 +235,8 @@ impl Queries {
         else {
             return plainly();
         };
-        let queries = pool.weights.lock().unwrap_or_else(PoisonError::into_inner).len() as u32;
-        let mut scratch = pool.scratch.lock().unwrap_or_else(PoisonError::into_inner);
+        let queries = pool.weights.locked().len() as u32;
+        let mut scratch = pool.scratch.locked();
         if scratch.is_none() {
             match Scratch::new(device, scaler, &pool, queries) {
                 Ok(new) => *scratch = Some(new),

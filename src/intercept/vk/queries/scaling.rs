@@ -11,9 +11,10 @@ use crate::intercept::vk::queries::{copies, results, running};
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::hooks::hooks;
 use crate::intercept::vk::state::queries::{Pool, Queries};
+use crate::lock::Lock;
 use ash::vk;
 use std::ffi::c_void;
-use std::sync::{Arc, PoisonError};
+use std::sync::Arc;
 
 /// What the numbers of a query's result are; empty for queries whose numbers are the program's as
 /// they are.
@@ -41,14 +42,14 @@ fn quantities(info: &vk::QueryPoolCreateInfo<'_>) -> Vec<Quantity> {
 impl Queries {
     /// A pool is gone.
     fn forget(&self, device: &Device, handle: vk::QueryPool) {
-        let gone = self.pools.lock().unwrap_or_else(PoisonError::into_inner).remove(&handle);
-        let scratch = gone.and_then(|gone| gone.scratch.lock().unwrap_or_else(PoisonError::into_inner).take());
+        let gone = self.pools.locked().remove(&handle);
+        let scratch = gone.and_then(|gone| gone.scratch.locked().take());
         scratch.into_iter().for_each(|mut scratch| scratch.destroy(device));
     }
 
     /// Destroys what is ours, before the device is destroyed.
     pub fn clear(&self, device: &Device) {
-        let all: Vec<_> = self.pools.lock().unwrap_or_else(PoisonError::into_inner).keys().copied().collect();
+        let all: Vec<_> = self.pools.locked().keys().copied().collect();
         all.into_iter().for_each(|handle| self.forget(device, handle));
         self.scaler.get().iter().copied().flatten().for_each(|scaler| scaler.destroy(device));
     }
@@ -62,7 +63,7 @@ hooks! {
         let quantities = quantities(&*info);
         if result == vk::Result::SUCCESS && !quantities.is_empty() {
             let weights = vec![QueryWeights::ONCE; (*info).query_count as usize];
-            let mut pools = state.queries.pools.lock().unwrap_or_else(PoisonError::into_inner);
+            let mut pools = state.queries.pools.locked();
             pools.insert(*made, Arc::new(Pool::new(quantities, weights)));
         }
         result

@@ -1,10 +1,11 @@
 //! Descriptor sets of the program, their layouts and update templates.
 
 use crate::intercept::vk::state::set_contents::{Contents, Copies, Picture};
+use crate::lock::Lock;
 use ash::vk;
 use std::collections::{BTreeMap, HashMap};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 
 /// The layout of a descriptor set.
 #[derive(Default)]
@@ -88,23 +89,23 @@ pub struct Descriptors {
 impl Descriptors {
     /// A layout.
     pub fn layout(&self, handle: vk::DescriptorSetLayout) -> Option<Arc<SetLayout>> {
-        self.layouts.lock().unwrap_or_else(PoisonError::into_inner).get(&handle).cloned()
+        self.layouts.locked().get(&handle).cloned()
     }
 
     /// A template.
     pub fn template(&self, handle: vk::DescriptorUpdateTemplate) -> Option<Arc<Template>> {
-        self.templates.lock().unwrap_or_else(PoisonError::into_inner).get(&handle).cloned()
+        self.templates.locked().get(&handle).cloned()
     }
 
     /// Number of dynamic offsets that are given when a set is bound.
     pub fn dynamic_offsets(&self, set: vk::DescriptorSet) -> u32 {
-        let sets = self.sets.lock().unwrap_or_else(PoisonError::into_inner);
+        let sets = self.sets.locked();
         sets.get(&set).map_or(0, |set| set.layout.dynamic_offsets())
     }
 
     /// The buffer of a binding of a set that is bound with `dynamic` offsets, and where it begins.
     pub fn buffer(&self, set: vk::DescriptorSet, dynamic: &[u32], binding: u32) -> Option<(vk::Buffer, u64)> {
-        let sets = self.sets.lock().unwrap_or_else(PoisonError::into_inner);
+        let sets = self.sets.locked();
         let state = sets.get(&set)?;
         let (buffer, offset) = *state.buffers.get(&binding)?;
         let moved = state.layout.dynamic_index(binding).and_then(|index| dynamic.get(index)).copied();
@@ -117,20 +118,20 @@ impl Descriptors {
         binding: u32,
         buffer: &vk::DescriptorBufferInfo,
     ) {
-        if let Some(set) = self.sets.lock().unwrap_or_else(PoisonError::into_inner).get_mut(&set) {
+        if let Some(set) = self.sets.locked().get_mut(&set) {
             set.buffers.insert(binding, (buffer.buffer, buffer.offset));
         }
     }
 
     /// Views of the images that shaders can read by a set.
     pub fn pictures(&self, set: vk::DescriptorSet) -> Vec<vk::ImageView> {
-        let sets = self.sets.lock().unwrap_or_else(PoisonError::into_inner);
+        let sets = self.sets.locked();
         sets.get(&set).map_or(Vec::new(), |set| set.contents.views().collect())
     }
 
     /// Whether shaders can read attachments by a set.
     pub fn reads_attachments(&self, set: vk::DescriptorSet) -> bool {
-        let sets = self.sets.lock().unwrap_or_else(PoisonError::into_inner);
+        let sets = self.sets.locked();
         sets.get(&set).is_some_and(|set| set.contents.reads_attachments())
     }
 
@@ -143,13 +144,13 @@ impl Descriptors {
         if picture.is_some_and(|picture| picture.attachment.is_some()) {
             self.attachments.store(true, Ordering::Relaxed);
         }
-        if let Some(set) = self.sets.lock().unwrap_or_else(PoisonError::into_inner).get_mut(&set) {
+        if let Some(set) = self.sets.locked().get_mut(&set) {
             set.contents.write(place, picture);
         }
     }
 
     pub(in crate::intercept::vk) fn copy(&self, copy: &vk::CopyDescriptorSet<'_>) {
-        let mut sets = self.sets.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut sets = self.sets.locked();
         // Out and in again: both may be one.
         let mut contents = sets.get_mut(&copy.dst_set).map(|set| std::mem::take(&mut set.contents)).unwrap_or_default();
         if let Some(from) = sets.get(&copy.src_set).filter(|_| copy.src_set != copy.dst_set) {

@@ -17,10 +17,11 @@ use crate::intercept::vk::state::scene_graph::SceneGraph;
 use crate::intercept::vk::state::swapchains::Swapchains;
 use crate::intercept::vk::state::vertices::{VertexDecision, VertexProcessing};
 use crate::intercept::vk::state::view_constants::ConstantPool;
+use crate::lock::{Lock, SharedLock};
 use ash::vk;
 use std::collections::HashMap;
 use std::sync::atomic::AtomicU64;
-use std::sync::{Arc, Mutex, PoisonError, RwLock};
+use std::sync::{Arc, Mutex, RwLock};
 
 /// A device of the program. Each part has its owner: the room that changes it.
 pub struct Device {
@@ -93,7 +94,7 @@ pub fn get(handle: impl vk::Handle) -> Option<Arc<Device>> {
     }
     // SAFETY: the program passed a live handle to Vulkan.
     let key = unsafe { dispatch_key(object) };
-    DEVICES.read().unwrap_or_else(PoisonError::into_inner).as_ref()?.get(&key).cloned()
+    DEVICES.reading().as_ref()?.get(&key).cloned()
 }
 
 impl Role {
@@ -122,6 +123,6 @@ impl Device {
 
     /// The family of a queue.
     pub fn family(&self, queue: vk::Queue) -> u32 {
-        self.queues.lock().unwrap_or_else(PoisonError::into_inner).get(&queue).copied().unwrap_or(0)
+        self.queues.locked().get(&queue).copied().unwrap_or(0)
     }
 }

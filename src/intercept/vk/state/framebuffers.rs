@@ -2,9 +2,10 @@
 
 use crate::intercept::vk::state::images::Images;
 use crate::intercept::vk::state::view_target::ViewTarget;
+use crate::lock::Lock;
 use ash::vk;
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 
 /// A render pass.
 pub struct RenderPass {
@@ -67,12 +68,12 @@ impl RenderPass {
 impl Framebuffers {
     /// A render pass.
     pub fn pass(&self, handle: vk::RenderPass) -> Option<Arc<RenderPass>> {
-        self.passes.lock().unwrap_or_else(PoisonError::into_inner).get(&handle).cloned()
+        self.passes.locked().get(&handle).cloned()
     }
 
     /// A framebuffer.
     pub fn get(&self, handle: vk::Framebuffer) -> Option<Arc<Framebuffer>> {
-        self.all.lock().unwrap_or_else(PoisonError::into_inner).get(&handle).cloned()
+        self.all.locked().get(&handle).cloned()
     }
 }
 

@@ -1,8 +1,9 @@
 //! What the program's buffers hold, as far as the host can know it.
 
+use crate::lock::Lock;
 use ash::vk;
 use std::collections::HashMap;
-use std::sync::{Mutex, PoisonError};
+use std::sync::Mutex;
 
 /// A buffer that shaders may read matrices from.
 pub(in crate::intercept::vk) struct KnownBuffer {
@@ -31,7 +32,7 @@ pub struct HostMemory {
 impl HostMemory {
     /// Reads what a buffer holds at `offset`; `false` if that is not known.
     pub fn read(&self, buffer: vk::Buffer, offset: u64, to: &mut [u8]) -> bool {
-        let buffers = self.buffers.lock().unwrap_or_else(PoisonError::into_inner);
+        let buffers = self.buffers.locked();
         let Some(state) = buffers.get(&buffer) else { return false };
         let Some(end) = offset.checked_add(to.len() as u64).filter(|end| *end <= state.size) else { return false };
         let kept = state.written.iter().rev().find(|(at, bytes)| *at <= offset && end <= at + bytes.len() as u64);
@@ -40,7 +41,7 @@ impl HostMemory {
             to.copy_from_slice(&bytes[start..start + to.len()]);
             return true;
         }
-        let mapped = self.mapped.lock().unwrap_or_else(PoisonError::into_inner);
+        let mapped = self.mapped.locked();
         let Some(mapping) = mapped.get(&state.memory) else { return false };
         let from = mapping.address + (state.offset + offset) as usize;
         // SAFETY: all of the memory is mapped, and the buffer lies in it.
@@ -50,7 +51,7 @@ impl HostMemory {
 
     /// Keeps what a command writes into a buffer.
     pub fn written(&self, buffer: vk::Buffer, offset: u64, bytes: Vec<u8>) {
-        let mut buffers = self.buffers.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut buffers = self.buffers.locked();
         let Some(state) = buffers.get_mut(&buffer) else { return };
         let end = offset + bytes.len() as u64;
         state.written.retain(|(at, old)| *at < offset || at + old.len() as u64 > end);
@@ -66,7 +67,7 @@ impl HostMemory {
 
     /// Keeps what a copy brings into a buffer, if both are known.
     pub fn copied(&self, from: vk::Buffer, to: vk::Buffer, region: &vk::BufferCopy) {
-        let wanted = self.buffers.lock().unwrap_or_else(PoisonError::into_inner).contains_key(&to);
+        let wanted = self.buffers.locked().contains_key(&to);
         if !wanted || region.size > MOST_KEPT {
             return;
         }
@@ -77,19 +78,19 @@ impl HostMemory {
     }
 
     pub(in crate::intercept::vk) fn bound(&self, buffer: vk::Buffer, memory: vk::DeviceMemory, offset: u64) {
-        if let Some(state) = self.buffers.lock().unwrap_or_else(PoisonError::into_inner).get_mut(&buffer) {
+        if let Some(state) = self.buffers.locked().get_mut(&buffer) {
             (state.memory, state.offset) = (memory, offset);
         }
     }
 
     /// The address of memory that is mapped already.
     pub(in crate::intercept::vk) fn address(&self, memory: vk::DeviceMemory) -> Option<usize> {
-        self.mapped.lock().unwrap_or_else(PoisonError::into_inner).get(&memory).map(|mapping| mapping.address)
+        self.mapped.locked().get(&memory).map(|mapping| mapping.address)
     }
 
     /// HostMemory is mapped from its beginning from now on.
     pub(in crate::intercept::vk) fn map(&self, memory: vk::DeviceMemory, address: usize) {
-        self.mapped.lock().unwrap_or_else(PoisonError::into_inner).insert(memory, Mapping { address });
+        self.mapped.locked().insert(memory, Mapping { address });
     }
 }
 

@@ -3,11 +3,12 @@
 use crate::intercept::settings;
 use crate::intercept::vk::state::own_image::OwnImage;
 use crate::intercept::vk::state::view_target::ViewTarget;
+use crate::lock::Lock;
 use crate::rig::Duplicate;
 use ash::vk;
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, PoisonError, Weak};
+use std::sync::{Arc, Mutex, Weak};
 
 /// An image of the program.
 pub(in crate::intercept::vk) struct Image {
@@ -118,13 +119,13 @@ impl Image {
 impl Images {
     /// The swapchain's image that is seen through a view.
     pub fn target(&self, view: vk::ImageView) -> Option<Arc<ViewTarget>> {
-        let image = self.views.lock().unwrap_or_else(PoisonError::into_inner).get(&view)?.image;
+        let image = self.views.locked().get(&view)?.image;
         self.target_of_image(image)
     }
 
     /// The swapchain's image.
     pub fn target_of_image(&self, image: vk::Image) -> Option<Arc<ViewTarget>> {
-        self.images.lock().unwrap_or_else(PoisonError::into_inner).get(&image)?.target.clone()
+        self.images.locked().get(&image)?.target.clone()
     }
 
     /// The program has `image` in the place of a swapchain's. It is brought into the layout in
@@ -144,38 +145,38 @@ impl Images {
             target: Some(target),
             atlas_copies: Vec::new(),
         };
-        *self.window.lock().unwrap_or_else(PoisonError::into_inner) = Some(new.size);
-        self.images.lock().unwrap_or_else(PoisonError::into_inner).insert(image, new);
+        *self.window.locked() = Some(new.size);
+        self.images.locked().insert(image, new);
         let layout = vk::ImageLayout::PRESENT_SRC_KHR;
         let pending = PendingLayout { image, layout, aspects: vk::ImageAspectFlags::COLOR };
-        self.pending.lock().unwrap_or_else(PoisonError::into_inner).push(pending);
+        self.pending.locked().push(pending);
     }
 
     /// The program asked for `usage` only; its views of the image are for no more, as those who
     /// compare it expect.
     pub fn declare(&self, image: vk::Image, usage: vk::ImageUsageFlags) {
-        self.declared.lock().unwrap_or_else(PoisonError::into_inner).insert(image, usage);
+        self.declared.locked().insert(image, usage);
     }
 
     /// An image of a swapchain is gone.
     pub fn forget_swapchain_image(&self, image: vk::Image) {
-        self.declared.lock().unwrap_or_else(PoisonError::into_inner).remove(&image);
-        self.images.lock().unwrap_or_else(PoisonError::into_inner).remove(&image);
-        self.pending.lock().unwrap_or_else(PoisonError::into_inner).retain(|pending| pending.image != image);
+        self.declared.locked().remove(&image);
+        self.images.locked().remove(&image);
+        self.pending.locked().retain(|pending| pending.image != image);
     }
 
     /// Format and samples of what a view shows.
     pub fn kind(&self, view: vk::ImageView) -> Option<(vk::Format, vk::SampleCountFlags)> {
         let (image, format) = {
-            let views = self.views.lock().unwrap_or_else(PoisonError::into_inner);
+            let views = self.views.locked();
             views.get(&view).map(|view| (view.image, view.format))?
         };
-        self.images.lock().unwrap_or_else(PoisonError::into_inner).get(&image).map(|image| (format, image.samples))
+        self.images.locked().get(&image).map(|image| (format, image.samples))
     }
 
     /// The atlas copies of an image, whose layouts follow the image's.
     pub fn atlas_copies(&self, image: vk::Image) -> Vec<vk::Image> {
-        let images = self.images.lock().unwrap_or_else(PoisonError::into_inner);
+        let images = self.images.locked();
         let Some(state) = images.get(&image) else { return Vec::new() };
         let atlas_copies = state.atlas_copies.iter().map(|(_, atlas_copy)| atlas_copy.image);
         // The atlas of a scene is among the atlas copies.
@@ -185,7 +186,7 @@ impl Images {
 
     /// The program recorded that an image changes its layout.
     pub fn moved(&self, image: vk::Image, layout: vk::ImageLayout) {
-        if let Some(state) = self.images.lock().unwrap_or_else(PoisonError::into_inner).get_mut(&image) {
+        if let Some(state) = self.images.locked().get_mut(&image) {
             state.layout = layout;
         }
     }
@@ -193,7 +194,7 @@ impl Images {
     /// A pass would have brought an image into a layout, but draws to its atlas copy. What has to
     /// be brought there in its place.
     pub fn change_layout(&self, image: vk::Image, layout: vk::ImageLayout) -> Option<LayoutChange> {
-        let mut images = self.images.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut images = self.images.locked();
         let state = images.get_mut(&image).filter(|state| state.layout != layout)?;
         state.layout = layout;
         Some(LayoutChange { image, aspects: aspects(state.format), layout })
@@ -201,12 +202,12 @@ impl Images {
 
     /// The image of a view.
     pub fn of(&self, view: vk::ImageView) -> Option<vk::Image> {
-        self.views.lock().unwrap_or_else(PoisonError::into_inner).get(&view).map(|view| view.image)
+        self.views.locked().get(&view).map(|view| view.image)
     }
 
     /// Takes the layouts that images have to be brought into before the next submission.
     pub fn take_pending(&self) -> Vec<PendingLayout> {
-        std::mem::take(&mut self.pending.lock().unwrap_or_else(PoisonError::into_inner))
+        std::mem::take(&mut self.pending.locked())
     }
 
     /// Whether some image may hold a scene.
@@ -216,32 +217,32 @@ impl Images {
 
     /// Whether an image may hold a scene: it is as large as the window, and can be shown.
     pub fn is_candidate(&self, image: vk::Image) -> bool {
-        let window = *self.window.lock().unwrap_or_else(PoisonError::into_inner);
-        let images = self.images.lock().unwrap_or_else(PoisonError::into_inner);
+        let window = *self.window.locked();
+        let images = self.images.locked();
         let fits = images.get(&image).is_some_and(|state| state.may_hold_scene() && Some(state.size) == window);
         fits && settings::settings().is_some_and(|settings| settings.rig.views.duplicate != Duplicate::Never)
     }
 
     /// The image of a view, if it may hold a scene.
     pub fn candidate_of(&self, view: vk::ImageView) -> Option<vk::Image> {
-        let image = self.views.lock().unwrap_or_else(PoisonError::into_inner).get(&view)?.image;
+        let image = self.views.locked().get(&view)?.image;
         self.is_candidate(image).then_some(image)
     }
 
     /// The size of an image.
     pub fn size(&self, image: vk::Image) -> Option<(u32, u32)> {
-        self.images.lock().unwrap_or_else(PoisonError::into_inner).get(&image).map(|state| state.size)
+        self.images.locked().get(&image).map(|state| state.size)
     }
 
     /// An image's atlas copy of this size, if it has one.
     pub fn atlas_copy_of_size(&self, image: vk::Image, size: (u32, u32)) -> Option<vk::Image> {
-        let images = self.images.lock().unwrap_or_else(PoisonError::into_inner);
+        let images = self.images.locked();
         images.get(&image)?.atlas_copies.iter().find(|(of, _)| *of == size).map(|(_, atlas_copy)| atlas_copy.image)
     }
 
     /// The images that hold a scene and are drawn for each view.
     pub fn duplicated(&self) -> impl Iterator<Item = vk::Image> {
-        let images = self.images.lock().unwrap_or_else(PoisonError::into_inner);
+        let images = self.images.locked();
         let of_scene = |target: &Arc<ViewTarget>| !target.window;
         let all: Vec<_> = images
             .iter()

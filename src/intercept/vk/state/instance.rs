@@ -1,9 +1,10 @@
 //! Instances: the next layer's functions for each.
 
+use crate::lock::SharedLock;
 use ash::vk;
 use std::collections::HashMap;
 use std::ffi::c_void;
-use std::sync::{Arc, PoisonError, RwLock};
+use std::sync::{Arc, RwLock};
 
 /// An instance of the program.
 pub struct Instance {
@@ -34,7 +35,7 @@ pub fn get(handle: impl vk::Handle) -> Option<Arc<Instance>> {
     }
     // SAFETY: the program passed a live handle to Vulkan.
     let key = unsafe { dispatch_key(object) };
-    INSTANCES.read().unwrap_or_else(PoisonError::into_inner).as_ref()?.get(&key).cloned()
+    INSTANCES.reading().as_ref()?.get(&key).cloned()
 }
 
 /// A function's address in the form in which tables are filled.

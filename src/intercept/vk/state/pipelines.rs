@@ -2,9 +2,10 @@
 
 use crate::intercept::log;
 use crate::intercept::vk::spirv::Matrix;
+use crate::lock::Lock;
 use ash::vk;
 use std::collections::{BTreeMap, HashMap};
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock};
 
 /// A pipeline layout. The driver's object lives as long as a pipeline needs it, though the program
 /// may destroy it before.
@@ -36,17 +37,17 @@ pub struct PipelineLayouts {
 impl PipelineLayouts {
     /// A shader's words.
     pub fn shader(&self, module: vk::ShaderModule) -> Option<Arc<[u32]>> {
-        self.shaders.lock().unwrap_or_else(PoisonError::into_inner).get(&module).cloned()
+        self.shaders.locked().get(&module).cloned()
     }
 
     /// A pipeline layout.
     pub fn layout(&self, handle: vk::PipelineLayout) -> Option<Arc<PipelineLayout>> {
-        self.layouts.lock().unwrap_or_else(PoisonError::into_inner).get(&handle).cloned()
+        self.layouts.locked().get(&handle).cloned()
     }
 
     /// Forgets all, before the device is destroyed.
     pub fn clear(&self) {
-        self.layouts.lock().unwrap_or_else(PoisonError::into_inner).clear();
+        self.layouts.locked().clear();
     }
 }
 
@@ -101,12 +102,12 @@ impl DivisionStatistics {
     /// Notes a pipeline whose primitives are not divided; the log says why, once.
     pub fn note_undivided(&self, why: &str) {
         log::once(&format!("Vulkan: what a pipeline draws is not divided: {why}"));
-        *self.undivided.lock().unwrap_or_else(PoisonError::into_inner).entry(why.to_owned()).or_default() += 1;
+        *self.undivided.locked().entry(why.to_owned()).or_default() += 1;
     }
 
     /// Number of pipelines that are not divided, by reason.
     pub fn undivided(&self) -> BTreeMap<String, u64> {
-        self.undivided.lock().unwrap_or_else(PoisonError::into_inner).clone()
+        self.undivided.locked().clone()
     }
 
     /// Why some pipeline that is divided does not count what is not fine enough.
@@ -118,6 +119,6 @@ impl DivisionStatistics {
 impl Pipelines {
     /// A graphics pipeline.
     pub fn get(&self, handle: vk::Pipeline) -> Option<Arc<Pipeline>> {
-        self.all.lock().unwrap_or_else(PoisonError::into_inner).get(&handle).cloned()
+        self.all.locked().get(&handle).cloned()
     }
 }

@@ -4,9 +4,10 @@ use crate::backend::vk::Buffer;
 use crate::intercept::log;
 use crate::intercept::scene::query_weights::{Quantity, QueryWeights};
 use crate::intercept::vk::state::driver::Driver;
+use crate::lock::Lock;
 use ash::vk;
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock};
 
 /// A weight of one: weights have 32 bits behind the point.
 pub(in crate::intercept::vk) const ONE: u64 = 1 << 32;
@@ -34,18 +35,18 @@ pub struct Pool {
 impl Pool {
     /// The weight of each number of a query's result.
     pub(in crate::intercept::vk) fn weights(&self, query: u32) -> impl Iterator<Item = u64> + '_ {
-        let all = self.weights.lock().unwrap_or_else(PoisonError::into_inner);
+        let all = self.weights.locked();
         let weights = all.get(query as usize).copied().unwrap_or(QueryWeights::ONCE);
         self.quantities.iter().map(move |quantity| fixed(weights.of(*quantity)))
     }
 
     /// A query that is submitted will count with these weights.
     pub(in crate::intercept::vk) fn set_weights(&self, driver: &Driver, query: u32, new: QueryWeights) {
-        match self.weights.lock().unwrap_or_else(PoisonError::into_inner).get_mut(query as usize) {
+        match self.weights.locked().get_mut(query as usize) {
             Some(weights) if *weights != new => *weights = new,
             _ => return,
         }
-        if let Some(scratch) = &*self.scratch.lock().unwrap_or_else(PoisonError::into_inner) {
+        if let Some(scratch) = &*self.scratch.locked() {
             scratch.set_weights(driver, query, &self.weights(query).collect::<Vec<_>>());
         }
     }
@@ -84,7 +85,7 @@ pub struct Scratch {
 impl Queries {
     /// A pool, if its queries are scaled.
     pub fn get(&self, handle: vk::QueryPool) -> Option<Arc<Pool>> {
-        self.pools.lock().unwrap_or_else(PoisonError::into_inner).get(&handle).cloned()
+        self.pools.locked().get(&handle).cloned()
     }
 }
 

@@ -10,9 +10,10 @@ use crate::intercept::vk::state::pipelines::Pipeline;
 use crate::intercept::vk::state::queries::Pool;
 use crate::intercept::vk::state::view_constants::{ConstantChunks, ConstantPool};
 use crate::intercept::vk::state::view_target::ViewTarget;
+use crate::lock::{Lock, SharedLock};
 use ash::vk;
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex, PoisonError, RwLock};
+use std::sync::{Arc, Mutex, RwLock};
 
 /// Bytes of push constants that are looked at; no device of today has more.
 pub const PUSH_BYTES: usize = 256;
@@ -224,13 +225,13 @@ pub struct Recordings {
 impl Recordings {
     /// A command buffer.
     pub fn get(&self, buffer: vk::CommandBuffer) -> Option<Arc<Mutex<Recording>>> {
-        self.all.read().unwrap_or_else(PoisonError::into_inner).get(&buffer).cloned()
+        self.all.reading().get(&buffer).cloned()
     }
 
     /// Calls `run` with the state of a command buffer; `None` where it is not known.
     pub fn with<T>(&self, buffer: vk::CommandBuffer, run: impl FnOnce(&mut Recording) -> T) -> Option<T> {
         let recording = self.get(buffer)?;
-        let mut recording = recording.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut recording = recording.locked();
         Some(run(&mut recording))
     }
 }

@@ -1,10 +1,11 @@
 //! Which of the program's images hold a scene on its way to the window, as far as this was seen.
 
 use crate::intercept::scene::image_graph::{self, ImageGraph};
+use crate::lock::Lock;
 use crate::rig::Duplicate;
 use ash::vk;
 use std::collections::{BTreeMap, HashSet};
-use std::sync::{Mutex, PoisonError};
+use std::sync::Mutex;
 
 /// A draw of as many vertices covers a viewport: one triangle, or a square.
 pub const COVERING_VERTICES: u32 = 6;
@@ -29,40 +30,40 @@ pub struct SceneGraph {
 impl SceneGraph {
     /// Something is made of `image`.
     pub fn note_made(&self, image: vk::Image, to: Made) {
-        let mut seen = self.seen.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut seen = self.seen.locked();
         let news = seen.graph.note_made(image, to);
         seen.news |= news;
     }
 
     /// Perspective draws reach `image`.
     pub fn note_scene(&self, image: vk::Image) {
-        let mut seen = self.seen.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut seen = self.seen.locked();
         let news = seen.graph.note_scene(image);
         seen.news |= news;
     }
 
     /// Whether something is made of `image` that cannot be followed.
     pub(in crate::intercept::vk) fn is_lost(&self, image: vk::Image) -> bool {
-        let seen = self.seen.lock().unwrap_or_else(PoisonError::into_inner);
+        let seen = self.seen.locked();
         seen.graph.makes(image, Made::Elsewhere)
     }
 
     /// An image is gone.
     pub fn forget(&self, image: vk::Image) {
-        let mut seen = self.seen.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut seen = self.seen.locked();
         seen.graph.forget(image);
     }
 
     /// The images that have to be drawn for each view, if something new was seen since this was
     /// asked last.
     pub(in crate::intercept::vk) fn news(&self, rule: Duplicate) -> Option<HashSet<vk::Image>> {
-        let mut seen = self.seen.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut seen = self.seen.locked();
         std::mem::take(&mut seen.news).then(|| seen.chosen(rule))
     }
 
     /// Why images that perspective draws reach are drawn once only, with their number.
     pub fn single(&self, rule: Duplicate) -> BTreeMap<String, u64> {
-        let seen = self.seen.lock().unwrap_or_else(PoisonError::into_inner);
+        let seen = self.seen.locked();
         let chosen = seen.chosen(rule);
         let mut reasons = BTreeMap::new();
         for image in seen.graph.scenes().filter(|image| !chosen.contains(image)) {

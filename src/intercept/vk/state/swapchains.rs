@@ -5,9 +5,10 @@ use crate::intercept::vk::state::atlas_layout::AtlasLayout;
 use crate::intercept::vk::state::formats::TexelFormat;
 use crate::intercept::vk::state::own_image::OwnImage;
 use crate::intercept::vk::state::view_target::ViewTarget;
+use crate::lock::Lock;
 use ash::vk;
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 
 /// Source of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -93,18 +94,18 @@ pub struct Swapchains {
 impl Swapchains {
     /// The swapchain, if Cupola looks after it.
     pub fn managed(&self, handle: vk::SwapchainKHR) -> Option<Arc<Mutex<Swapchain>>> {
-        self.all.lock().unwrap_or_else(PoisonError::into_inner).get(&handle).cloned()
+        self.all.locked().get(&handle).cloned()
     }
 
     /// The swapchain's image that was made last, if it has this format.
     pub fn latest_target(&self, format: vk::Format) -> Option<Arc<ViewTarget>> {
-        let latest = self.latest.lock().unwrap_or_else(PoisonError::into_inner);
+        let latest = self.latest.locked();
         latest.as_ref().filter(|(known, _)| *known == format).map(|(_, target)| Arc::clone(target))
     }
 
     /// The layout of the latest swapchain.
     pub fn latest_layout(&self) -> Option<Arc<AtlasLayout>> {
-        let latest = self.latest.lock().unwrap_or_else(PoisonError::into_inner);
+        let latest = self.latest.locked();
         latest.as_ref().map(|(_, target)| Arc::clone(&target.layout))
     }
 
@@ -115,7 +116,7 @@ impl Swapchains {
 
     /// An image of a swapchain is gone.
     pub fn forget_target(&self, gone: &Arc<ViewTarget>) {
-        let mut latest = self.latest.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut latest = self.latest.locked();
         if latest.as_ref().is_some_and(|(_, target)| Arc::ptr_eq(target, gone)) {
             *latest = None;
         }
@@ -123,6 +124,6 @@ impl Swapchains {
 
     /// An image of a swapchain was made.
     pub fn note_target(&self, format: vk::Format, target: Arc<ViewTarget>) {
-        *self.latest.lock().unwrap_or_else(PoisonError::into_inner) = Some((format, target));
+        *self.latest.locked() = Some((format, target));
     }
 }

@@ -7,9 +7,10 @@
 
 use crate::intercept::vk::state::division_counter::Counter;
 use crate::intercept::vk::state::driver::Driver;
+use crate::lock::Lock;
 use ash::prelude::VkResult;
 use ash::vk;
-use std::sync::{Mutex, OnceLock, PoisonError};
+use std::sync::{Mutex, OnceLock};
 
 /// Number of floats of a reprojection matrix, and of the lens constants that may follow it.
 const FLOATS: usize = 16;
@@ -114,7 +115,7 @@ impl ConstantPool {
     ) -> VkResult<ChunkOffset> {
         let length = slots as u64 * u64::from(stride);
         if taken.chunks.is_empty() || taken.used + length > CHUNK_BYTES {
-            let free = self.free.lock().unwrap_or_else(PoisonError::into_inner).pop();
+            let free = self.free.locked().pop();
             let chunk = match free {
                 Some(chunk) => chunk,
                 None => self.make(driver)?,
@@ -130,7 +131,7 @@ impl ConstantPool {
     /// A command buffer needs its chunks no more.
     pub fn give_back(&self, taken: &mut ConstantChunks) {
         taken.used = 0;
-        self.free.lock().unwrap_or_else(PoisonError::into_inner).append(&mut taken.chunks);
+        self.free.locked().append(&mut taken.chunks);
     }
 
     fn make(&self, driver: &Driver) -> VkResult<ConstantChunk> {
@@ -159,7 +160,7 @@ impl ConstantPool {
 
     /// Destroys what is left, before the device is destroyed.
     pub fn destroy(&self, driver: &Driver) {
-        for chunk in self.free.lock().unwrap_or_else(PoisonError::into_inner).drain(..) {
+        for chunk in self.free.locked().drain(..) {
             chunk.destroy(driver);
         }
         for layout in self.set_layouts.iter().filter_map(|layout| layout.get().copied().flatten()) {

@@ -13,8 +13,9 @@ use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::draw_groups::{DrawClass, DrawGroup, Frame, MatrixSource};
 use crate::intercept::vk::state::recording::{Event, Recording};
 use crate::intercept::vk::state::view_constants::ConstantChunk;
+use crate::lock::Lock;
 use crate::runtime::session::Intrinsics;
-use std::sync::{Arc, PoisonError};
+use std::sync::Arc;
 
 /// Matrices that change nothing, to the bit.
 const IDENTITY: ReprojectionMatrix = ReprojectionMatrix::IDENTITY;
@@ -102,7 +103,7 @@ fn run_events(device: &Device, recording: &mut Recording, queries: &mut Vec<Runn
 /// Scale from samples of a group's draws to samples of the primary view, where what fills that
 /// picture counts as many as it has.
 fn sample_scale(device: &Device, group: &DrawGroup) -> SampleScale {
-    let mut frame = device.frame.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut frame = device.frame.locked();
     frame.follow(&group.layout);
     let layout = &group.layout;
     let area = |width: f64, height: f64| width * height;
@@ -124,7 +125,7 @@ fn sample_scale(device: &Device, group: &DrawGroup) -> SampleScale {
 /// Finds out what a group is, and writes its view constants, and what is drawn with them, into the
 /// `chunks` of its command buffer.
 fn resolve(device: &Device, group: &mut DrawGroup, chunks: &[ConstantChunk]) {
-    let mut frame = device.frame.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut frame = device.frame.locked();
     frame.follow(&group.layout);
     let ranked = |source: &MatrixSource| matrix(device, source).map(|value| (source.matrix.rank, value));
     let facts = &group.facts;

@@ -6,8 +6,8 @@
 use crate::intercept::vk::state::hooks::hooks;
 use crate::intercept::vk::state::host_memory::KnownBuffer;
 use crate::intercept::vk::state::structures::slice;
+use crate::lock::Lock;
 use ash::vk;
-use std::sync::PoisonError;
 
 /// Buffers with these uses can hold matrices, or bring them.
 fn may_hold_matrices(usage: vk::BufferUsageFlags) -> bool {
@@ -22,14 +22,14 @@ hooks! {
         let result = next(device, info, allocator, buffer);
         if result == vk::Result::SUCCESS && may_hold_matrices((*info).usage) {
             let new = KnownBuffer { memory: vk::DeviceMemory::null(), offset: 0, size: (*info).size, written: Vec::new() };
-            state.host_memory.buffers.lock().unwrap_or_else(PoisonError::into_inner).insert(*buffer, new);
+            state.host_memory.buffers.locked().insert(*buffer, new);
         }
         result
     } }
     destroy_buffer = (
         device: vk::Device, buffer: vk::Buffer, allocator: *const vk::AllocationCallbacks<'_>
     ) { |state, next| {
-        state.host_memory.buffers.lock().unwrap_or_else(PoisonError::into_inner).remove(&buffer);
+        state.host_memory.buffers.locked().remove(&buffer);
         next(device, buffer, allocator)
     } }
     bind_buffer_memory = (
@@ -95,7 +95,7 @@ hooks! {
     free_memory = (
         device: vk::Device, memory: vk::DeviceMemory, allocator: *const vk::AllocationCallbacks<'_>
     ) { |state, next| {
-        state.host_memory.mapped.lock().unwrap_or_else(PoisonError::into_inner).remove(&memory);
+        state.host_memory.mapped.locked().remove(&memory);
         next(device, memory, allocator)
     } }
 }

@@ -10,10 +10,11 @@ use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::formats::{TexelFormat, is_usual};
 use crate::intercept::vk::state::swapchains::{PictureSource, StandIn, Swapchain};
 use crate::intercept::vk::state::vertices::VertexProcessing;
+use crate::lock::Lock;
 use crate::rig::{Method, Rig};
 use ash::prelude::VkResult;
 use ash::vk;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 
 impl Swapchain {
     /// The image that the program has as number `index`.
@@ -162,7 +163,7 @@ pub unsafe extern "system" fn create(
     });
     match built {
         Some(Ok(built)) => {
-            let mut all = device.swapchains.all.lock().unwrap_or_else(PoisonError::into_inner);
+            let mut all = device.swapchains.all.locked();
             all.insert(made, Arc::new(Mutex::new(built)));
         }
         Some(Err(error)) => log::once(&format!("Vulkan: a window keeps the program's own picture: {}", error.message)),
@@ -180,7 +181,7 @@ pub unsafe extern "system" fn create(
 /// The structure must be one that the program passes for this device.
 unsafe fn supported_usage(device: &Device, info: &vk::SwapchainCreateInfoKHR<'_>) -> vk::ImageUsageFlags {
     if let Some(old) = device.swapchains.managed(info.old_swapchain) {
-        return old.lock().unwrap_or_else(PoisonError::into_inner).supported;
+        return old.locked().supported;
     }
     let mut capabilities = vk::SurfaceCapabilitiesKHR::default();
     let ask = device.driver.instance.surface.get_physical_device_surface_capabilities_khr;
@@ -260,7 +261,7 @@ pub unsafe extern "system" fn images(
         // SAFETY: the program's own call.
         return unsafe { (device.driver.swapchain.get_swapchain_images_khr)(handle, swapchain, count, images) };
     };
-    let managed = managed.lock().unwrap_or_else(PoisonError::into_inner);
+    let managed = managed.locked();
     let all: Vec<vk::Image> = (0..managed.real.len()).filter_map(|index| managed.given(index)).collect();
     // SAFETY: `count` is the program's, and `images` has room for as many as it says.
     unsafe {
@@ -285,12 +286,12 @@ pub unsafe extern "system" fn destroy(
     allocator: *const vk::AllocationCallbacks<'_>,
 ) {
     let Some(device) = device::get(handle) else { return };
-    let managed = device.swapchains.all.lock().unwrap_or_else(PoisonError::into_inner).remove(&swapchain);
+    let managed = device.swapchains.all.locked().remove(&swapchain);
     // SAFETY: the program has finished with the swapchain; our own commands are waited for.
     unsafe {
         (device.driver.swapchain.destroy_swapchain_khr)(handle, swapchain, allocator);
         if let Some(managed) = managed {
-            let mut managed = managed.lock().unwrap_or_else(PoisonError::into_inner);
+            let mut managed = managed.locked();
             managed.real.iter().for_each(|image| device.images.forget_swapchain_image(*image));
             if let Some(mut stand_in) = managed.stand_in.take() {
                 stand_in.destroy(&device);

@@ -10,10 +10,10 @@ use crate::intercept::vk::state::structures::slice;
 use crate::intercept::vk::state::swapchains::Swapchain;
 use crate::intercept::vk::swapchain::read_back;
 use crate::intercept::{log, settings};
+use crate::lock::Lock;
 use crate::rig::Rig;
 use crate::runtime::report::{Picture, Statistics, ViewStatistics};
 use ash::vk;
-use std::sync::PoisonError;
 use std::sync::atomic::Ordering;
 
 /// `vkQueuePresentKHR`.
@@ -59,7 +59,7 @@ unsafe fn follow_rig(device: &Device, info: &vk::PresentInfoKHR<'_>) -> bool {
     for handle in swapchains {
         if let Some(managed) = device.swapchains.managed(*handle) {
             // SAFETY: as promised.
-            outdated |= unsafe { managed.lock().unwrap_or_else(PoisonError::into_inner).follow_rig(device) };
+            outdated |= unsafe { managed.locked().follow_rig(device) };
         }
     }
     outdated
@@ -78,7 +78,7 @@ unsafe fn prepare(
     last: bool,
     ready: &mut Option<Vec<vk::Semaphore>>,
 ) {
-    device.frame.lock().unwrap_or_else(PoisonError::into_inner).end();
+    device.frame.locked().end();
     crate::intercept::vk::offscreen::scene_graph::decide(device);
     let Some(settings) = settings::settings() else { return };
     let pictures = settings.capture.is_some() || settings.capture_views.is_some();
@@ -94,7 +94,7 @@ unsafe fn prepare(
     let family = device.family(queue);
     for (handle, &index) in swapchains.iter().zip(indices) {
         let Some(managed) = device.swapchains.managed(*handle) else { continue };
-        let mut managed = managed.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut managed = managed.locked();
         // SAFETY: as above.
         if let Some(signal) = unsafe { make(device, (queue, family), &mut managed, index as usize, waits) } {
             ready.get_or_insert_default().push(signal);
@@ -228,7 +228,7 @@ pub fn count_again(device: &Device) {
 }
 
 fn statistics(device: &Device, managed: &Swapchain, rig: &Rig, frames: u64) -> Statistics {
-    let counts = device.frame.lock().unwrap_or_else(PoisonError::into_inner).counts.clone();
+    let counts = device.frame.locked().counts.clone();
     let divided = &device.pipelines.divided;
     let uncounted =
         divided.uncounted().map(|why| format!("Vulkan: what is not divided far enough is not counted: {why}"));

@@ -7,7 +7,7 @@ use crate::intercept::gl::state::draw::Place;
 use crate::intercept::gl::state::programs::{Array, Factor, Position, Program};
 use crate::intercept::gl::state::projection::multiply;
 use crate::intercept::gl::vertex_input::buffers;
-use std::sync::PoisonError;
+use crate::lock::Lock;
 
 /// A product of matrices, column by column.
 #[derive(Clone, Copy, Debug)]
@@ -97,7 +97,7 @@ fn clip(ctx: &mut Context, program: &Program, position: &Position) -> Option<Tra
                 ctx.projection.matrix
             }
             Factor::Uniform(number) => {
-                let uniforms = program.uniforms.lock().unwrap_or_else(PoisonError::into_inner);
+                let uniforms = program.uniforms.locked();
                 let buffers = buffers::of(ctx);
                 uniforms.matrix(*number, &buffers)?
             }

@@ -6,7 +6,8 @@ use crate::intercept::gl::state::offscreen::framebuffers::Framebuffer;
 use crate::intercept::gl::state::offscreen::images::{Image, Name, Pair, Set};
 use crate::intercept::gl::state::offscreen::issued::Issued;
 use crate::intercept::gl::state::offscreen::single_sample::Canvas;
-use std::sync::{Mutex, PoisonError};
+use crate::lock::Lock;
+use std::sync::Mutex;
 
 /// What is known of the program's framebuffers.
 #[derive(Default)]
@@ -65,7 +66,7 @@ impl Duplicates {
             deleted: self.deleted,
             left: std::mem::take(&mut self.left),
         };
-        *group.lock().unwrap_or_else(PoisonError::into_inner) = Some(travelling);
+        *group.locked() = Some(travelling);
     }
 
     pub(in crate::intercept::gl) fn image(&self, name: Name) -> Option<&Image> {
