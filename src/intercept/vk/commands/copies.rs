@@ -172,7 +172,8 @@ unsafe fn between<R: Region>(
     device: &Device,
     buffer: vk::CommandBuffer,
     from: vk::Image,
-    (to, layout): (vk::Image, vk::ImageLayout),
+    to: vk::Image,
+    layout: vk::ImageLayout,
     regions: &[R],
     next: impl Fn(vk::Image, vk::Image, &[R]),
 ) {
@@ -211,27 +212,27 @@ fn with_buffer(
 hooks! {
     cmd_copy_image = (
         buffer: vk::CommandBuffer, from: vk::Image, from_layout: vk::ImageLayout, to: vk::Image, to_layout: vk::ImageLayout, count: u32, regions: *const vk::ImageCopy
-    ) { |state, next| between(&state, buffer, from, (to, to_layout), slice(regions, count),
+    ) { |state, next| between(&state, buffer, from, to, to_layout, slice(regions, count),
         |f, t, r| next(buffer, f, from_layout, t, to_layout, r.len() as u32, r.as_ptr())) }
     cmd_blit_image = (
         buffer: vk::CommandBuffer, from: vk::Image, from_layout: vk::ImageLayout, to: vk::Image, to_layout: vk::ImageLayout, count: u32, regions: *const vk::ImageBlit, filter: vk::Filter
-    ) { |state, next| between(&state, buffer, from, (to, to_layout), slice(regions, count),
+    ) { |state, next| between(&state, buffer, from, to, to_layout, slice(regions, count),
         |f, t, r| next(buffer, f, from_layout, t, to_layout, r.len() as u32, r.as_ptr(), filter)) }
     cmd_resolve_image = (
         buffer: vk::CommandBuffer, from: vk::Image, from_layout: vk::ImageLayout, to: vk::Image, to_layout: vk::ImageLayout, count: u32, regions: *const vk::ImageResolve
-    ) { |state, next| between(&state, buffer, from, (to, to_layout), slice(regions, count),
+    ) { |state, next| between(&state, buffer, from, to, to_layout, slice(regions, count),
         |f, t, r| next(buffer, f, from_layout, t, to_layout, r.len() as u32, r.as_ptr())) }
     cmd_copy_image2 = (
         buffer: vk::CommandBuffer, info: *const vk::CopyImageInfo2<'_>
-    ) { |state, next| { let given = &*info; between(&state, buffer, given.src_image, (given.dst_image, given.dst_image_layout),
+    ) { |state, next| { let given = &*info; between(&state, buffer, given.src_image, given.dst_image, given.dst_image_layout,
         slice(given.p_regions, given.region_count), |f, t, r| next(buffer, &(*given).src_image(f).dst_image(t).regions(r))) } }
     cmd_blit_image2 = (
         buffer: vk::CommandBuffer, info: *const vk::BlitImageInfo2<'_>
-    ) { |state, next| { let given = &*info; between(&state, buffer, given.src_image, (given.dst_image, given.dst_image_layout),
+    ) { |state, next| { let given = &*info; between(&state, buffer, given.src_image, given.dst_image, given.dst_image_layout,
         slice(given.p_regions, given.region_count), |f, t, r| next(buffer, &(*given).src_image(f).dst_image(t).regions(r))) } }
     cmd_resolve_image2 = (
         buffer: vk::CommandBuffer, info: *const vk::ResolveImageInfo2<'_>
-    ) { |state, next| { let given = &*info; between(&state, buffer, given.src_image, (given.dst_image, given.dst_image_layout),
+    ) { |state, next| { let given = &*info; between(&state, buffer, given.src_image, given.dst_image, given.dst_image_layout,
         slice(given.p_regions, given.region_count), |f, t, r| next(buffer, &(*given).src_image(f).dst_image(t).regions(r))) } }
     cmd_copy_buffer_to_image = (
         buffer: vk::CommandBuffer, from: vk::Buffer, to: vk::Image, to_layout: vk::ImageLayout, count: u32, regions: *const vk::BufferImageCopy

@@ -36,8 +36,10 @@ fn keep(recording: &mut Recording, number: usize, writes: Vec<Write>) {
 
 /// All of these descriptors, if all are of known kinds.
 fn pushed(
-    (device, buffer): (&Device, vk::CommandBuffer),
-    (layout, number): (vk::PipelineLayout, u32),
+    device: &Device,
+    buffer: vk::CommandBuffer,
+    layout: vk::PipelineLayout,
+    number: u32,
     graphics: bool,
     writes: Option<Vec<Write>>,
 ) {
@@ -61,14 +63,14 @@ hooks! {
         buffer: vk::CommandBuffer, point: vk::PipelineBindPoint, layout: vk::PipelineLayout, number: u32, count: u32, writes: *const vk::WriteDescriptorSet<'_>
     ) { |state, next| {
         let given = slice(writes, count).iter().map(|write| Write::of(write)).collect();
-        pushed((&state, buffer), (layout, number), point == vk::PipelineBindPoint::GRAPHICS, given);
+        pushed(&state, buffer, layout, number, point == vk::PipelineBindPoint::GRAPHICS, given);
         next(buffer, point, layout, number, count, writes)
     } }
     cmd_push_with_template = (
         buffer: vk::CommandBuffer, template: vk::DescriptorUpdateTemplate, layout: vk::PipelineLayout, number: u32, data: *const std::ffi::c_void
     ) { |state, next| {
         if let Some(known) = state.descriptors.template(template) {
-            pushed((&state, buffer), (layout, number), known.graphics, of_template(&known, data.cast()));
+            pushed(&state, buffer, layout, number, known.graphics, of_template(&known, data.cast()));
         }
         next(buffer, template, layout, number, data)
     } }

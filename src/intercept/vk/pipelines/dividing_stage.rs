@@ -69,7 +69,7 @@ pub unsafe fn stage(
             components: [limits.max_geometry_input_components, limits.max_geometry_output_components],
             runs: limits.max_geometry_shader_invocations,
         };
-        let words = spirv::divide(input, &stage_outputs, provoking, (layout.ours, layout.counts), &limits)?;
+        let words = spirv::divide(input, &stage_outputs, provoking, layout.ours, layout.counts, &limits)?;
         if !layout.counts {
             let _ =
                 device.pipelines.divided.uncounted.set(if device.role.vertices.counts { NO_ROOM } else { NO_COUNTER });

@@ -101,6 +101,7 @@ impl Scratch {
         let (numbers, count) = (pool.quantities.len(), queries as usize);
         let size = |words: usize| 4 * words * count;
         let mut new = Self {
+            queries,
             counted: Buffer::default(),
             weights: Buffer::default(),
             scaled: Buffer::default(),
@@ -171,9 +172,10 @@ impl Scratch {
     /// The command buffer is being recorded, outside of a pass; the results are the pool's.
     unsafe fn copy(
         &self,
-        (device, buffer): (&Device, vk::CommandBuffer),
+        device: &Device,
+        buffer: vk::CommandBuffer,
         scaler: &QueryScaler,
-        (pool, queries): (&Pool, u32),
+        pool: &Pool,
         wanted: &WantedResults,
         next: impl FnOnce(vk::Buffer, u64, u64, vk::QueryResultFlags),
     ) {
@@ -187,6 +189,7 @@ impl Scratch {
             }
         };
         let (first, count) = wanted.queries;
+        let queries = self.queries;
         let stride = pool.stride_in_bytes();
         let (copied, computed) = ((S::TRANSFER, A::TRANSFER_WRITE), (S::COMPUTE_SHADER, A::SHADER_WRITE));
         wait((S::TRANSFER | S::COMPUTE_SHADER, A::TRANSFER_WRITE | A::SHADER_WRITE), copied);
@@ -225,7 +228,8 @@ impl Queries {
     /// for.
     pub unsafe fn copy(
         &self,
-        (device, buffer): (&Device, vk::CommandBuffer),
+        device: &Device,
+        buffer: vk::CommandBuffer,
         handle: vk::QueryPool,
         wanted: &WantedResults,
         next: impl Fn(vk::Buffer, u64, u64, vk::QueryResultFlags),
@@ -249,7 +253,7 @@ impl Queries {
         // SAFETY: as promised.
         unsafe {
             unconditionally(device, buffer, || {
-                scratch.copy((device, buffer), scaler, (&pool, queries), wanted, next);
+                scratch.copy(device, buffer, scaler, &pool, wanted, next);
                 device
                     .recordings
                     .with(buffer, |recording| recording.compute.restore(&device.driver, &device.next, buffer));

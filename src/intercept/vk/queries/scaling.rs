@@ -116,7 +116,7 @@ hooks! {
         buffer: vk::CommandBuffer, pool: vk::QueryPool, first: u32, count: u32, to: vk::Buffer, offset: vk::DeviceSize, stride: vk::DeviceSize, flags: vk::QueryResultFlags
     ) { |state, next| {
         let wanted = copies::WantedResults { queries: (first, count), to, place: (offset, stride), flags };
-        state.queries.copy((&state, buffer), pool, &wanted, |to, offset, stride, flags| next(buffer, pool, first, count, to, offset, stride, flags))
+        state.queries.copy(&state, buffer, pool, &wanted, |to, offset, stride, flags| next(buffer, pool, first, count, to, offset, stride, flags))
     } }
 }
 

@@ -54,7 +54,8 @@ pub fn divide(
     input: Input,
     stage_outputs: &StageOutputs<'_>,
     provoking: u32,
-    (set, counts): (u32, bool),
+    set: u32,
+    counts: bool,
     limits: &Limits,
 ) -> Result<Vec<u32>, &'static str> {
     let corners = input.corners();

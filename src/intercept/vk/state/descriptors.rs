@@ -156,7 +156,7 @@ impl Descriptors {
         if let Some(from) = sets.get(&copy.src_set).filter(|_| copy.src_set != copy.dst_set) {
             for index in 0..copy.descriptor_count {
                 let source = (copy.src_binding, copy.src_array_element + index);
-                contents.copy(&from.contents, (source, (copy.dst_binding, copy.dst_array_element + index)));
+                contents.copy(&from.contents, source, (copy.dst_binding, copy.dst_array_element + index));
             }
         }
         if let Some(to) = sets.get_mut(&copy.dst_set) {

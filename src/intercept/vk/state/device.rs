@@ -3,7 +3,7 @@
 use crate::intercept::obstacle::Obstacle;
 use crate::intercept::vk::state::descriptors::Descriptors;
 use crate::intercept::vk::state::draw_groups::Frame;
-use crate::intercept::vk::state::driver::Driver;
+use crate::intercept::vk::state::driver::{Driver, Queue};
 use crate::intercept::vk::state::entry_points::NextLayer;
 use crate::intercept::vk::state::flatness::Flatness;
 use crate::intercept::vk::state::framebuffers::Framebuffers;
@@ -121,8 +121,9 @@ impl Device {
         self.flatness.show_flat(&why.into());
     }
 
-    /// The family of a queue.
-    pub fn family(&self, queue: vk::Queue) -> u32 {
-        self.queues.locked().get(&queue).copied().unwrap_or(0)
+    /// A queue with its family.
+    pub fn queue(&self, handle: vk::Queue) -> Queue {
+        let queues = self.queues.locked();
+        Queue { handle, family: queues.get(&handle).copied().unwrap_or(0) }
     }
 }

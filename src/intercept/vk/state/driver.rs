@@ -10,6 +10,13 @@ use std::sync::Arc;
 /// `PFN_vkSetDeviceLoaderData`: makes an object of a layer one that can be dispatched.
 pub type SetDeviceLoaderData = unsafe extern "system" fn(vk::Device, *mut c_void) -> vk::Result;
 
+/// A queue and its family.
+#[derive(Clone, Copy, Debug)]
+pub struct Queue {
+    pub(in crate::intercept::vk) handle: vk::Queue,
+    pub(in crate::intercept::vk) family: u32,
+}
+
 /// The driver's side of a device.
 pub struct Driver {
     /// The next layer's `vkGetDeviceProcAddr`.

@@ -80,6 +80,8 @@ pub struct Scratch {
     pub(in crate::intercept::vk) scaled: Buffer,
     pub(in crate::intercept::vk) pool: vk::DescriptorPool,
     pub(in crate::intercept::vk) set: vk::DescriptorSet,
+    /// Number of queries of the pool.
+    pub(in crate::intercept::vk) queries: u32,
 }
 
 impl Queries {

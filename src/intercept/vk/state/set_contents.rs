@@ -40,7 +40,7 @@ impl Contents {
     }
 
     /// The descriptor of another set is copied to one of this.
-    pub fn copy(&mut self, from: &Self, (source, target): (DescriptorSlot, DescriptorSlot)) {
+    pub fn copy(&mut self, from: &Self, source: DescriptorSlot, target: DescriptorSlot) {
         if from.written.contains(&source) {
             self.write(target, from.pictures.get(&source).copied());
         }
@@ -81,8 +81,8 @@ mod tests {
             |number| Picture { view: vk::ImageView::from_raw(number), sampler: vk::Sampler::null(), attachment: None };
         let (mut from, mut to) = (Contents::default(), Contents::default());
         from.write((3, 1), Some(picture(7)));
-        to.copy(&from, ((3, 1), (0, 0)));
-        to.copy(&from, ((9, 9), (1, 0)));
+        to.copy(&from, (3, 1), (0, 0));
+        to.copy(&from, (9, 9), (1, 0));
         assert_eq!(to.views().collect::<Vec<_>>(), [vk::ImageView::from_raw(7)]);
         assert_eq!(to.written.len(), 1, "what was never written is not copied");
         let version = to.version;

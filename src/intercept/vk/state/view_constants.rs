@@ -149,7 +149,7 @@ impl ConstantPool {
             sets: Default::default(),
             address: 0,
         };
-        match chunk.fill(driver, &layouts, (self.slot(), counter)) {
+        match chunk.fill(driver, &layouts, self.slot(), counter) {
             Ok(()) => Ok(chunk),
             Err(error) => {
                 chunk.destroy(driver);
@@ -184,7 +184,8 @@ impl ConstantChunk {
         &mut self,
         driver: &Driver,
         layouts: &[vk::DescriptorSetLayout],
-        (slot, counter): (u64, Option<&Counter>),
+        slot: u64,
+        counter: Option<&Counter>,
     ) -> VkResult<()> {
         let functions = &driver.functions;
         let usage = vk::BufferUsageFlags::UNIFORM_BUFFER | vk::BufferUsageFlags::INDIRECT_BUFFER;

@@ -31,7 +31,7 @@ unsafe fn submitted(device: &Device, queue: vk::Queue, buffers: impl Iterator<It
 /// # Safety
 /// As for [`submitted`].
 unsafe fn bring(device: &Device, queue: vk::Queue, pending: &[PendingLayout]) -> VkResult<()> {
-    let family = device.family(queue);
+    let family = device.queue(queue).family;
     let functions = &device.driver.functions;
     let barrier = |pending: &PendingLayout| {
         let range = vk::ImageSubresourceRange {

@@ -6,6 +6,7 @@ use crate::intercept::kept::{self, Kept};
 use crate::intercept::scene::report;
 use crate::intercept::vk::state::device;
 use crate::intercept::vk::state::device::Device;
+use crate::intercept::vk::state::driver::Queue;
 use crate::intercept::vk::state::structures::slice;
 use crate::intercept::vk::state::swapchains::Swapchain;
 use crate::intercept::vk::swapchain::read_back;
@@ -91,12 +92,12 @@ unsafe fn prepare(
             slice(info.p_wait_semaphores, info.wait_semaphore_count),
         )
     };
-    let family = device.family(queue);
+    let queue = device.queue(queue);
     for (handle, &index) in swapchains.iter().zip(indices) {
         let Some(managed) = device.swapchains.managed(*handle) else { continue };
         let mut managed = managed.locked();
         // SAFETY: as above.
-        if let Some(signal) = unsafe { make(device, (queue, family), &mut managed, index as usize, waits) } {
+        if let Some(signal) = unsafe { make(device, queue, &mut managed, index as usize, waits) } {
             ready.get_or_insert_default().push(signal);
             // The first submission waits for everything; what follows on the queue comes after it.
             waits = &[];
@@ -107,7 +108,7 @@ unsafe fn prepare(
         let mut kept = Kept { statistics: None, pictures: Vec::new(), views: Vec::new() };
         if pictures {
             // SAFETY: as above.
-            match unsafe { captured(device, (queue, family), &managed, index as usize, waits, settings) } {
+            match unsafe { captured(device, queue, &managed, index as usize, waits, settings) } {
                 Ok((outputs, views)) => {
                     (kept.pictures, kept.views) = (outputs, views);
                     ready.get_or_insert_default();
@@ -132,7 +133,7 @@ unsafe fn prepare(
 /// As for [`present`].
 unsafe fn make(
     device: &Device,
-    queue: (vk::Queue, u32),
+    queue: Queue,
     managed: &mut Swapchain,
     index: usize,
     waits: &[vk::Semaphore],
@@ -161,7 +162,7 @@ unsafe fn make(
 /// As for [`present`].
 unsafe fn captured(
     device: &Device,
-    queue: (vk::Queue, u32),
+    queue: Queue,
     managed: &Swapchain,
     index: usize,
     mut waits: &[vk::Semaphore],
@@ -176,7 +177,7 @@ unsafe fn captured(
     };
     let mut read = |image| {
         // SAFETY: the images are live, as large as the window, and can be copied.
-        let bytes = unsafe { read_back::read(device, queue, (image, texel_format.size()), managed.extent, waits) }
+        let bytes = unsafe { read_back::read(device, queue, image, texel_format.size(), managed.extent, waits) }
             .map_err(failed);
         waits = &[];
         bytes
@@ -199,7 +200,7 @@ unsafe fn captured(
             // SAFETY: the atlas is as large as its layout says, and ready as an image that is
             // presented.
             let bytes =
-                unsafe { read_back::read(device, queue, (atlas, texel_format.size()), extent, &[]) }.map_err(failed)?;
+                unsafe { read_back::read(device, queue, atlas, texel_format.size(), extent, &[]) }.map_err(failed)?;
             let tiles = layout.tiles();
             tiles.map(|(name, rect)| read_back::cut(&bytes, extent.width, texel_format, name, rect)).collect()
         }

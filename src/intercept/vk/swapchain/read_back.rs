@@ -1,6 +1,7 @@
 //! Read-back of images, for captures. Waits for the device: captures are not part of a frame.
 
 use crate::intercept::vk::state::device::Device;
+use crate::intercept::vk::state::driver::Queue;
 use crate::intercept::vk::state::formats::TexelFormat;
 use crate::intercept::vk::state::own_image::{COLOR_LAYER, COPIED_FROM, PRESENTED, barrier};
 use crate::runtime::report::Picture;
@@ -14,20 +15,21 @@ use ash::vk;
 /// The driver's.
 ///
 /// # Safety
-/// `queue`, of `family`, must not be in use by another thread; the image can be copied from, is as
+/// `queue` must not be in use by another thread; the image can be copied from, is as
 /// large as `extent` says, and what was submitted to the queue before leaves it ready to be
 /// presented.
 pub unsafe fn read(
     device: &Device,
-    (queue, family): (vk::Queue, u32),
-    (image, size): (vk::Image, usize),
+    queue: Queue,
+    image: vk::Image,
+    size: usize,
     extent: vk::Extent2D,
     waits: &[vk::Semaphore],
 ) -> VkResult<Vec<u8>> {
     let mut reading = Reading::default();
     // SAFETY: as promised; `finish` destroys what was made, after the device has finished with it.
     unsafe {
-        let result = reading.run(device, (queue, family), (image, size), extent, waits);
+        let result = reading.run(device, queue, image, size, extent, waits);
         reading.finish(device);
         result
     }
@@ -48,8 +50,9 @@ impl Reading {
     unsafe fn run(
         &mut self,
         device: &Device,
-        (queue, family): (vk::Queue, u32),
-        (image, size): (vk::Image, usize),
+        queue: Queue,
+        image: vk::Image,
+        size: usize,
         extent: vk::Extent2D,
         waits: &[vk::Semaphore],
     ) -> VkResult<Vec<u8>> {
@@ -67,7 +70,7 @@ impl Reading {
             let allocation = vk::MemoryAllocateInfo::default().allocation_size(needs.size).memory_type_index(kind);
             self.memory = functions.allocate_memory(&allocation, None)?;
             functions.bind_buffer_memory(self.buffer, self.memory, 0)?;
-            let pool = vk::CommandPoolCreateInfo::default().queue_family_index(family);
+            let pool = vk::CommandPoolCreateInfo::default().queue_family_index(queue.family);
             self.pool = functions.create_command_pool(&pool, None)?;
             self.fence = functions.create_fence(&vk::FenceCreateInfo::default(), None)?;
             let commands = device.driver.command_buffer(self.pool)?;
@@ -85,7 +88,7 @@ impl Reading {
             let (buffers, stages) = ([commands], vec![vk::PipelineStageFlags::ALL_COMMANDS; waits.len()]);
             let work =
                 vk::SubmitInfo::default().wait_semaphores(waits).wait_dst_stage_mask(&stages).command_buffers(&buffers);
-            functions.queue_submit(queue, &[work], self.fence)?;
+            functions.queue_submit(queue.handle, &[work], self.fence)?;
             functions.wait_for_fences(&[self.fence], true, u64::MAX)?;
             let bytes = functions.map_memory(self.memory, 0, vk::WHOLE_SIZE, vk::MemoryMapFlags::empty())?;
             Ok(std::slice::from_raw_parts(bytes.cast::<u8>(), length).to_vec())

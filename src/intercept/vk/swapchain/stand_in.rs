@@ -6,6 +6,7 @@ use crate::error::{Error, ErrorKind, Result};
 use crate::intercept::vk::state::atlas_layout::AtlasLayout;
 use crate::intercept::vk::state::device::Device;
 use crate::intercept::vk::state::division_counter::Counter;
+use crate::intercept::vk::state::driver::Queue;
 use crate::intercept::vk::state::own_image::{
     ANYTHING, COLOR_LAYER, COPIED_FROM, COPIED_TO, OwnImage, PRESENTED, barrier, color_view,
 };
@@ -257,14 +258,14 @@ impl StandIn {
     pub unsafe fn submit(
         &mut self,
         device: &Device,
-        (queue, family): (vk::Queue, u32),
+        queue: Queue,
         index: usize,
         show: PictureSource,
         waits: &[vk::Semaphore],
     ) -> Result<vk::Semaphore> {
         // SAFETY: as promised; the command buffer is recorded, and not pending any more.
         unsafe {
-            let commands = [self.commands(device, family, index, show)?];
+            let commands = [self.commands(device, queue.family, index, show)?];
             let Some(slot) = self.slots.get_mut(index) else { return Err(missing(index)) };
             let (ready, stages) = ([slot.ready], vec![vk::PipelineStageFlags::ALL_COMMANDS; waits.len()]);
             let work = vk::SubmitInfo::default()
@@ -278,7 +279,7 @@ impl StandIn {
                 self.backend.read_timing(source);
             }
             functions.reset_fences(&[slot.done]).map_err(refused("to wait"))?;
-            functions.queue_submit(queue, &[work], slot.done).map_err(refused("work"))?;
+            functions.queue_submit(queue.handle, &[work], slot.done).map_err(refused("work"))?;
             slot.submitted = (self.timed && show.corrects()).then_some(source_of(index, show));
             Ok(slot.ready)
         }

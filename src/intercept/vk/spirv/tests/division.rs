@@ -78,7 +78,7 @@ fn divided(input: Input, limits: &Limits) -> Result<Vec<u32>, &'static str> {
 fn counting(input: Input, limits: &Limits, counts: bool) -> Result<Vec<u32>, &'static str> {
     let [vertex, fragment] = pair();
     let fragment = (&fragment[..], ExecutionModel::Fragment, "go");
-    divide(input, &stage_outputs((&vertex, ExecutionModel::Vertex, "go"), Some(fragment))?, 0, (4, counts), limits)
+    divide(input, &stage_outputs((&vertex, ExecutionModel::Vertex, "go"), Some(fragment))?, 0, 4, counts, limits)
 }
 
 /// A device that allows the least that Vulkan demands.
@@ -173,7 +173,7 @@ fn damaged_shaders_are_divided_or_refused() {
         let entries =
             ((&damaged[0][..], ExecutionModel::Vertex, "go"), (&damaged[1][..], ExecutionModel::Fragment, "go"));
         if let Ok(stage_outputs) = stage_outputs(entries.0, Some(entries.1)) {
-            let _ = divide(Input::Triangles, &stage_outputs, 0, (1, false), &LEAST);
+            let _ = divide(Input::Triangles, &stage_outputs, 0, 1, false, &LEAST);
         }
     }
 }
