@@ -9,7 +9,7 @@ use crate::intercept::gl::compat::display_lists;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::context::{list_recording, methods};
-use crate::intercept::gl::draw::commands::draw;
+use crate::intercept::gl::draw::dispatch::draw;
 use crate::intercept::gl::draw::divided;
 use crate::intercept::gl::per_view::issue::plain_program;
 use crate::intercept::gl::projected_vertices::fixed_function::substitute;

@@ -10,7 +10,7 @@ use crate::intercept::gl::compat::raster_position;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::context::list_recording::{Command, Item, Recording, record};
-use crate::intercept::gl::draw::commands::draw;
+use crate::intercept::gl::draw::dispatch::draw;
 use crate::intercept::gl::framebuffer::bindings;
 use crate::intercept::gl::shader::programs;
 use crate::intercept::gl::state::bounds::Bounds;

@@ -3,7 +3,8 @@
 use crate::backend::gl::api::Gl;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::list_recording;
-use crate::intercept::gl::draw::commands::{draw, draw_command};
+use crate::intercept::gl::draw::commands::draw_command;
+use crate::intercept::gl::draw::dispatch::draw;
 use crate::intercept::gl::per_view::culling::select;
 use crate::intercept::gl::projected_vertices::fixed_function::division;
 use crate::intercept::gl::projected_vertices::fixed_function::substitute::reads;

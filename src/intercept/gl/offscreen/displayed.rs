@@ -3,9 +3,9 @@
 use crate::backend::gl::api::{self, Gl};
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::offscreen::copies::{End, resample, window_format};
+use crate::intercept::gl::offscreen::target::each_view;
 use crate::intercept::gl::offscreen::view_copies::{own_cell, possible, supply, views};
 use crate::intercept::gl::offscreen::{coverage, sampling};
-use crate::intercept::gl::per_view::issue::each_view;
 use crate::intercept::gl::per_view::{panel, window_space};
 use crate::intercept::gl::state::draw::{Changes, Place};
 use crate::intercept::gl::state::offscreen::coverage::Measure;

@@ -3,12 +3,12 @@
 use crate::backend::gl::api::Gl;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::offscreen::sampling;
+use crate::intercept::gl::offscreen::target::each_view;
 use crate::intercept::gl::offscreen::view_copies::{
     cells, enter, leave, look, own_cell, possible, supply, views, wish, without_scissor,
 };
 use crate::intercept::gl::per_view::classify::place_by_lens;
 use crate::intercept::gl::per_view::culling::select;
-use crate::intercept::gl::per_view::issue::each_view;
 use crate::intercept::gl::per_view::window_space::own_window_space;
 use crate::intercept::gl::state::bounds::Bounds;
 use crate::intercept::gl::state::draw::{Changes, Place};

@@ -7,4 +7,5 @@ pub mod draws;
 pub mod report;
 pub mod sampling;
 pub mod scene_graph;
+pub mod target;
 pub mod view_copies;

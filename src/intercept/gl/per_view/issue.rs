@@ -8,70 +8,122 @@ use crate::intercept::gl::queries::scaling;
 use crate::intercept::gl::shader::programs;
 use crate::intercept::gl::state::attribute_stack;
 use crate::intercept::gl::state::draw::{Changes, Place};
+use crate::intercept::gl::state::variants::{InUse, Variant};
 use crate::intercept::gl::state::views::Views;
 use crate::intercept::scene::query_weights::QueryWeights;
+use std::sync::Arc;
 
-/// Issues a draw for each of `views` that is `shown` it; `prepare` sets the window space and says where the draw belongs.
-/// What is beyond the number of views is the program's own picture, which gets all draws.
-pub fn each_view(
-    ctx: &mut Context,
-    changes: Changes,
-    views: usize,
-    shown: Views,
-    issue: &mut dyn FnMut(&mut Context, &Gl),
-    prepare: impl Fn(&mut Context, usize) -> Place,
-) {
+/// Where the copies of a draw go: the atlas of the window, or copies per view of a framebuffer of
+/// the program.
+pub trait Target {
+    /// Sets the window space for `view` and returns the class that it is drawn with. `None`: it is
+    /// the program's own picture, with the program's own matrices.
+    fn prepare(&mut self, ctx: &mut Context, view: usize) -> Option<Place>;
+
+    /// Weights of the view in the program's queries.
+    fn weights(&self, ctx: &mut Context, view: usize, class: Option<Place>) -> QueryWeights;
+
+    /// Notes that the draw went to `view`.
+    fn issued(&mut self, _ctx: &mut Context, _view: usize) {}
+
+    /// Notes that the draw was left out of `view`, which cannot show it.
+    fn left_out(&mut self, _ctx: &mut Context, _view: usize) {}
+}
+
+/// Copies of one draw.
+pub struct Copies {
+    /// State that the draw changes.
+    pub changes: Changes,
+    /// Number of the rig's views.
+    pub views: usize,
+    /// Number of copies: those of the rig's views and, after these, the program's own picture, which
+    /// gets all draws.
+    pub count: usize,
+    /// Views that can show the draw.
+    pub shown: Views,
+}
+
+impl Copies {
+    fn contain(&self, view: usize) -> bool {
+        view >= self.views || self.shown.contain(view)
+    }
+}
+
+/// Issues a draw once for each of its copies.
+pub fn issue(ctx: &mut Context, copies: &Copies, target: &mut dyn Target, draw: &mut dyn FnMut(&mut Context, &Gl)) {
     let gl = ctx.gl;
-    let share = 1.0 / views.max(1) as f64;
-    let session = ctx.target.as_ref().map(|target| target.session.clone()).or_else(|| ctx.lent.clone());
-    let own = session.as_ref().map_or(0, |session| session.views().len());
-    let repeats = Repeats::new(changes, ctx, 0);
-    let mut projection_loaded = false;
-    let gets = |view: usize| view >= own || shown.contain(view);
-    let last_shown = (0..views).rev().find(|view| gets(*view));
-    for (number, view) in (0..views).filter(|view| gets(*view)).enumerate() {
-        let place = prepare(ctx, view);
+    let repeats = Repeats::new(copies.changes, ctx, 0);
+    let last = (0..copies.count).rev().find(|view| copies.contain(*view));
+    let (mut projection_loaded, mut number) = (false, 0);
+    for view in 0..copies.count {
+        if !copies.contain(view) {
+            target.left_out(ctx, view);
+            continue;
+        }
+        let class = target.prepare(ctx, view);
         if ctx.counting.any() {
-            let samples = match (place, &session) {
-                (Place::FixedScene | Place::Scene(_), Some(_)) if view >= own => 0.0,
-                (Place::FixedScene | Place::Scene(_), Some(session)) => scaling::scene_samples(ctx, session, true),
-                _ => share,
-            };
-            scaling::weigh(ctx, QueryWeights { samples, primitives: share });
+            let weights = target.weights(ctx, view, class);
+            scaling::weigh(ctx, weights);
         }
-        let mut divided = None;
-        match place {
-            _ if view >= own => {
-                plain_program(ctx);
-                restore_projection(ctx, &mut projection_loaded);
-            }
-            Place::FixedScene => {
-                plain_program(ctx);
-                if let Some(matrix) = ctx.projection.per_view.get(view) {
-                    load_projection(ctx, matrix);
-                    projection_loaded = true;
-                }
-            }
-            Place::Scene(camera) => {
-                if let Some(rows) = ctx.cameras.get(camera).and_then(|c| c.rows.get(view)).copied() {
-                    let lens = ctx.target.as_ref().and_then(|target| target.lenses.get(view)).copied();
-                    programs::upload_view(ctx, &rows, lens.as_ref());
-                    let division = ctx.session().and_then(|session| session.division(view));
-                    divided = lens::begin(ctx, &rows, lens.as_ref(), division);
-                }
-            }
-            Place::Flat | Place::Background => plain_program(ctx),
-        }
-        repeats.around(gl, number, Some(view) == last_shown, || issue(ctx, gl));
+        let divided = load_view(ctx, class, view, &mut projection_loaded);
+        repeats.around(gl, number, Some(view) == last, || draw(ctx, gl));
         if let Some((variant, in_use)) = divided {
             variant.end(ctx, &in_use);
         }
+        target.issued(ctx, view);
+        number += 1;
     }
     restore_projection(ctx, &mut projection_loaded);
 }
 
+/// Gives the program or the fixed-function pipeline the projection of a view. Returns what divides
+/// the primitives of the draw, if something does.
+fn load_view(
+    ctx: &mut Context,
+    class: Option<Place>,
+    view: usize,
+    projection_loaded: &mut bool,
+) -> Option<(Arc<Variant>, InUse)> {
+    let in_program = || ctx.program.as_ref().is_some_and(|program| program.draws_vertices());
+    match class {
+        None => {
+            plain_program(ctx);
+            restore_projection(ctx, projection_loaded);
+        }
+        Some(Place::Flat) => plain_program(ctx),
+        Some(Place::Scene(camera)) => {
+            let rows = ctx.cameras.get(camera).and_then(|camera| camera.rows.get(view)).copied()?;
+            return load_rows(ctx, view, &rows);
+        }
+        Some(Place::Background) if in_program() => {
+            let rows = ctx.background.shader_rows(view).copied()?;
+            return load_rows(ctx, view, &rows);
+        }
+        Some(class) => {
+            plain_program(ctx);
+            let matrix = match class {
+                Place::Background => ctx.background.projection(view),
+                _ => ctx.projection.per_view.get(view),
+            };
+            if let Some(matrix) = matrix {
+                load_projection(ctx, matrix);
+                *projection_loaded = true;
+            }
+        }
+    }
+    None
+}
+
+/// Sends the rows and the lens of a view to the program that draws.
+fn load_rows(ctx: &mut Context, view: usize, rows: &[f32; 16]) -> Option<(Arc<Variant>, InUse)> {
+    let lens = ctx.target.as_ref().and_then(|target| target.lenses.get(view)).copied();
+    programs::upload_view(ctx, rows, lens.as_ref());
+    let division = ctx.session().and_then(|session| session.division(view));
+    lens::begin(ctx, rows, lens.as_ref(), division)
+}
+
 /// Puts the program's own projection back, if a view's was loaded.
-pub(in crate::intercept::gl) fn restore_projection(ctx: &Context, loaded: &mut bool) {
+fn restore_projection(ctx: &Context, loaded: &mut bool) {
     if std::mem::take(loaded) {
         load_projection(ctx, &ctx.projection.matrix);
     }

@@ -1,0 +1,193 @@
+//! Where one draw of the program goes.
+//!
+//! ```text
+//! draw ── to a framebuffer of the program ──────────────── offscreen::draws
+//!    │                                                         │
+//!    └─ to the window ─ classify ─┬─ flat: panel ─────────── flat
+//!                                 ├─ shows an image ──────── offscreen::displayed
+//!                                 └─ scene, background        │
+//!                                        │                    │
+//!                                   select views         select views
+//!                                        └──── per_view::issue ┘
+//! ```
+
+use crate::backend::gl::api::Gl;
+use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::draw::fallback;
+use crate::intercept::gl::framebuffer::default_framebuffer;
+use crate::intercept::gl::offscreen::displayed::{self, Shows};
+use crate::intercept::gl::offscreen::{coverage, draws};
+use crate::intercept::gl::per_view::classify::{main_viewport, place};
+use crate::intercept::gl::per_view::culling::select;
+use crate::intercept::gl::per_view::issue::{Copies, Repeats, Target, plain_program};
+use crate::intercept::gl::per_view::panel::PanelBlend;
+use crate::intercept::gl::per_view::window_space::own_window_space;
+use crate::intercept::gl::per_view::{self, background, wide_primitives};
+use crate::intercept::gl::projected_vertices::fixed_function::substitute;
+use crate::intercept::gl::queries::scaling;
+use crate::intercept::gl::state::bounds::Bounds;
+use crate::intercept::gl::state::draw::{Changes, Place};
+use crate::intercept::gl::state::offscreen::coverage::Measure;
+use crate::intercept::gl::state::views::Views;
+use crate::intercept::scene::query_weights::QueryWeights;
+use crate::runtime::session::Session;
+use std::sync::Arc;
+
+/// Issues a draw of the program: once per view that shows it. `bounds`: around its vertices, asked
+/// for where it matters.
+pub fn draw(
+    ctx: &mut Context,
+    changes: Changes,
+    bounds: impl FnOnce(&mut Context) -> Bounds,
+    mut issue: impl FnMut(&mut Context, &Gl),
+) {
+    wide_primitives::look(ctx);
+    fallback::look(ctx);
+    if ctx.redirected() {
+        draw_to_window(ctx, changes, bounds, &mut issue);
+    } else if !draws::draw(ctx, changes, bounds, &mut issue) {
+        once(ctx, &mut issue);
+    }
+    substitute::end(ctx);
+}
+
+/// Issues a draw once, as the program means it.
+fn once(ctx: &mut Context, issue: &mut dyn FnMut(&mut Context, &Gl)) {
+    let gl = ctx.gl;
+    scaling::weigh(ctx, QueryWeights::ONCE);
+    plain_program(ctx);
+    issue(ctx, gl);
+}
+
+fn draw_to_window(
+    ctx: &mut Context,
+    changes: Changes,
+    bounds: impl FnOnce(&mut Context) -> Bounds,
+    issue: &mut dyn FnMut(&mut Context, &Gl),
+) {
+    ctx.counts.draws_seen += u64::from(!ctx.picking);
+    if ctx.picking || ctx.discard {
+        // Picking and feedback answer in the program's own window coordinates and draw nothing.
+        // Where nothing reaches the window, what the draw computes (transform feedback, say) it
+        // computes once.
+        ctx.set_viewport(ctx.believed.viewport);
+        once(ctx, issue);
+        return;
+    }
+    ctx.frame_begun = true;
+    let Some(class) = perspective_or_flat(ctx, changes, issue) else { return };
+    let shown = match ctx.counting.primitives() {
+        true => Views::ALL,
+        false => select::views(ctx, class, bounds, changes),
+    };
+    let Some(target) = &ctx.target else { return };
+    let (session, primary) = (target.session.clone(), target.primary());
+    if class != Place::Background {
+        let area = i64::from(ctx.believed.viewport[2]) * i64::from(ctx.believed.viewport[3]);
+        ctx.viewport_area[0] = ctx.viewport_area[0].max(area);
+    }
+    let mut window = Window { session, primary, class, shown };
+    let views = window.session.views().len();
+    let count = views + usize::from(window.primary.is_some());
+    per_view::issue::issue(ctx, &Copies { changes, views, count, shown }, &mut window, issue);
+}
+
+/// The class of a draw that goes to the views. `None`: it was flat, and is drawn.
+fn perspective_or_flat(ctx: &mut Context, changes: Changes, issue: &mut dyn FnMut(&mut Context, &Gl)) -> Option<Place> {
+    let mut class = place(ctx);
+    if class == Place::Flat {
+        let main = main_viewport(ctx);
+        let measure = match displayed::look(ctx, main) {
+            Shows::Pictures(sampled) => {
+                displayed::show(ctx, changes, sampled, issue);
+                return None;
+            }
+            Shows::Unknown(measure) => Some(measure),
+            Shows::Nothing => None,
+        };
+        ctx.background.note_flat();
+        if measure.is_some() || !background::is_behind(ctx) {
+            flat(ctx, changes, measure, issue);
+            return None;
+        }
+        class = Place::Background;
+    } else {
+        ctx.background.note_scene();
+    }
+    Some(if fallback::look_divided(ctx, class) { place(ctx) } else { class })
+}
+
+/// The atlas of the window, and in it the program's own picture.
+struct Window {
+    session: Arc<Session>,
+    primary: Option<[i32; 4]>,
+    class: Place,
+    shown: Views,
+}
+
+impl Target for Window {
+    fn prepare(&mut self, ctx: &mut Context, view: usize) -> Option<Place> {
+        let (tile, own_lens) = match self.primary {
+            Some(tile) if view >= self.session.views().len() => (tile, true),
+            _ => self.session.tile(view),
+        };
+        if own_lens {
+            own_window_space(ctx, tile);
+            return None;
+        }
+        ctx.set_scissor(ctx.outlines.cut.then_some(tile));
+        ctx.set_viewport(tile);
+        Some(self.class)
+    }
+
+    fn weights(&self, ctx: &mut Context, view: usize, _class: Option<Place>) -> QueryWeights {
+        let views = self.session.views().len();
+        let primitives = 1.0 / (views + usize::from(self.primary.is_some())) as f64;
+        let samples = if view >= views { 0.0 } else { scaling::scene_samples(ctx, &self.session, false) };
+        QueryWeights { samples, primitives }
+    }
+
+    fn issued(&mut self, ctx: &mut Context, view: usize) {
+        if view >= self.session.views().len() {
+            ctx.counts.primary_draws += 1;
+            return;
+        }
+        let Some(target) = &mut ctx.target else { return };
+        match ctx.areas.get(view).filter(|_| self.shown.bounded()) {
+            Some(area) => target.issued_within(view, *area),
+            None => target.issued(view),
+        }
+    }
+
+    fn left_out(&mut self, ctx: &mut Context, view: usize) {
+        if let Some(target) = &mut ctx.target {
+            target.culled(view);
+        }
+    }
+}
+
+/// A draw that belongs to the flat panel, with the program's own matrices and window space.
+fn flat(ctx: &mut Context, changes: Changes, measure: Option<Measure>, mut issue: impl FnMut(&mut Context, &Gl)) {
+    let gl = ctx.gl;
+    default_framebuffer::want_panel(ctx);
+    let Some(target) = &ctx.target else { return };
+    let tiles = target.flat_tiles();
+    let repeats = Repeats::new(changes, ctx, 0);
+    plain_program(ctx);
+    let pictures = tiles.iter().flatten().count();
+    for (number, (tile, panel)) in tiles.iter().flatten().enumerate() {
+        own_window_space(ctx, *tile);
+        let last = pictures == number + 1;
+        let samples = if number == 0 { 1.0 } else { 0.0 };
+        scaling::weigh(ctx, QueryWeights { samples, primitives: 1.0 / pictures as f64 });
+        let blending = panel.then(|| PanelBlend::begin(gl, &ctx.known_state));
+        repeats.around(gl, number, last, || match &measure {
+            Some(measure) if number == 0 => coverage::measure(ctx, measure, |ctx| issue(ctx, gl)),
+            _ => issue(ctx, gl),
+        });
+        if let Some(blending) = blending.flatten() {
+            blending.end(gl);
+        }
+    }
+    ctx.counts.panel_draws += 1;
+}

@@ -1,0 +1,53 @@
+//! The target of draws that go to copies per view off screen.
+
+use crate::backend::gl::api::Gl;
+use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::per_view::issue::{Copies, Target, issue};
+use crate::intercept::gl::queries::scaling;
+use crate::intercept::gl::state::draw::{Changes, Place};
+use crate::intercept::gl::state::views::Views;
+use crate::intercept::scene::query_weights::QueryWeights;
+use crate::runtime::session::Session;
+use std::sync::Arc;
+
+/// Copies per view, of which `prepare` sets the window space and says what is drawn.
+struct CopiesPerView<F> {
+    session: Option<Arc<Session>>,
+    share: f64,
+    /// What `prepare` said of the present view.
+    class: Place,
+    prepare: F,
+}
+
+/// Issues a draw for each of `count` views that is `shown` it. What is beyond the number of the
+/// rig's views is the program's own picture.
+pub fn each_view(
+    ctx: &mut Context,
+    changes: Changes,
+    count: usize,
+    shown: Views,
+    draw: &mut dyn FnMut(&mut Context, &Gl),
+    prepare: impl Fn(&mut Context, usize) -> Place,
+) {
+    let session = ctx.target.as_ref().map(|target| target.session.clone()).or_else(|| ctx.lent.clone());
+    let views = session.as_ref().map_or(0, |session| session.views().len());
+    let mut target = CopiesPerView { session, share: 1.0 / count.max(1) as f64, class: Place::Flat, prepare };
+    issue(ctx, &Copies { changes, views, count, shown }, &mut target, draw);
+}
+
+impl<F: Fn(&mut Context, usize) -> Place> Target for CopiesPerView<F> {
+    fn prepare(&mut self, ctx: &mut Context, view: usize) -> Option<Place> {
+        self.class = (self.prepare)(ctx, view);
+        let own = self.session.as_ref().map_or(0, |session| session.views().len());
+        (view < own).then_some(self.class)
+    }
+
+    fn weights(&self, ctx: &mut Context, _view: usize, class: Option<Place>) -> QueryWeights {
+        let samples = match (self.class, &self.session) {
+            (Place::FixedScene | Place::Scene(_), Some(_)) if class.is_none() => 0.0,
+            (Place::FixedScene | Place::Scene(_), Some(session)) => scaling::scene_samples(ctx, session, true),
+            _ => self.share,
+        };
+        QueryWeights { samples, primitives: self.share }
+    }
+}
