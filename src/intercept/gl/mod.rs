@@ -1,7 +1,7 @@
 //! OpenGL and OpenGL ES, through GLX and EGL.
 //!
 //! The vendor wrappers ([`vendor_glx`], [`vendor_egl`]) give libglvnd our functions in place of
-//! the driver's (`hook`). A [`context`] remembers what the program believes; its window's
+//! the driver's (`hook`). A [`context`] remembers what the program has set; its window's
 //! framebuffer is ours ([`default_framebuffer`]), and each draw to it is issued once per view
 //! ([`draw`]).
 

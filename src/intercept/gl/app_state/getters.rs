@@ -10,15 +10,15 @@ fn believed(ctx: &mut Context, name: u32) -> Option<([f64; 4], usize)> {
     let one = |v: f64| Some(([v, 0.0, 0.0, 0.0], 1));
     ctx.target.as_ref()?;
     match name {
-        api::GL_VIEWPORT => four(ctx.believed.viewport),
-        api::GL_SCISSOR_BOX => four(ctx.believed.scissor),
-        api::GL_SCISSOR_TEST => one(f64::from(u8::from(ctx.believed.scissor_test))),
-        api::GL_DRAW_FRAMEBUFFER_BINDING => one(ctx.believed.draw_framebuffer.into()),
-        api::GL_READ_FRAMEBUFFER_BINDING => one(ctx.believed.read_framebuffer.into()),
-        api::GL_DRAW_BUFFER | api::GL_DRAW_BUFFER0 if ctx.redirected() => one(ctx.believed.draw_buffer.into()),
-        api::GL_READ_BUFFER if ctx.reads_redirected() => one(ctx.believed.read_buffer.into()),
+        api::GL_VIEWPORT => four(ctx.app.viewport),
+        api::GL_SCISSOR_BOX => four(ctx.app.scissor),
+        api::GL_SCISSOR_TEST => one(f64::from(u8::from(ctx.app.scissor_test))),
+        api::GL_DRAW_FRAMEBUFFER_BINDING => one(ctx.app.draw_framebuffer.into()),
+        api::GL_READ_FRAMEBUFFER_BINDING => one(ctx.app.read_framebuffer.into()),
+        api::GL_DRAW_BUFFER | api::GL_DRAW_BUFFER0 if ctx.redirected() => one(ctx.app.draw_buffer.into()),
+        api::GL_READ_BUFFER if ctx.reads_redirected() => one(ctx.app.read_buffer.into()),
         api::GL_NUM_PROGRAM_BINARY_FORMATS => one(0.0),
-        _ if ctx.believed.draw_framebuffer == 0 => {
+        _ if ctx.app.draw_framebuffer == 0 => {
             let config = ctx.target.as_ref()?.config();
             match name {
                 api::GL_DOUBLEBUFFER => one(f64::from(u8::from(config.double_buffered))),
@@ -68,7 +68,7 @@ macro_rules! getters {
                 }
             }; )*
             "glIsEnabled" is_enabled(cap: u32) -> u8 = |ctx, gl| {
-                if cap == api::GL_SCISSOR_TEST && ctx.target.is_some() { u8::from(ctx.believed.scissor_test) } else { gl.is_enabled(cap) }
+                if cap == api::GL_SCISSOR_TEST && ctx.target.is_some() { u8::from(ctx.app.scissor_test) } else { gl.is_enabled(cap) }
             };
             "glGetError" get_error() -> u32 = |ctx, gl| {
                 // The first error counts until it is asked for; what came later is forgotten, as drivers do.

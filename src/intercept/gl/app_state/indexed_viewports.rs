@@ -74,7 +74,7 @@ hooks! {
     };
     "glIsEnabledi" is_enabledi(cap: u32, index: u32) -> u8 = |ctx, gl| {
         let ours = cap == api::GL_SCISSOR_TEST && index == 0 && ctx.target.is_some();
-        if ours { u8::from(ctx.believed.scissor_test) } else { gl.is_enabledi(cap, index) }
+        if ours { u8::from(ctx.app.scissor_test) } else { gl.is_enabledi(cap, index) }
     };
     "glGetIntegeri_v" get_integeri_v(name: u32, index: u32, values: *mut i32) = |ctx, gl| {
         match believed(ctx, name, index).filter(|_| !values.is_null()) {
@@ -99,8 +99,8 @@ hooks! {
 fn believed(ctx: &Context, name: u32, index: u32) -> Option<[i32; 4]> {
     match name {
         _ if index != 0 || ctx.target.is_none() => None,
-        api::GL_VIEWPORT => Some(ctx.believed.viewport),
-        api::GL_SCISSOR_BOX => Some(ctx.believed.scissor),
+        api::GL_VIEWPORT => Some(ctx.app.viewport),
+        api::GL_SCISSOR_BOX => Some(ctx.app.scissor),
         _ => None,
     }
 }

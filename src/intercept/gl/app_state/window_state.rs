@@ -17,17 +17,17 @@ pub fn push_attributes(ctx: &mut Context, mask: u32) {
     // As deep as OpenGL's own, which ignores what exceeds it.
     if ctx.attribute_stack.len() < ATTRIBUTE_DEPTH {
         let raster = (mask & api::GL_CURRENT_BIT != 0).then(|| ctx.raster.saved());
-        let (believed, list_base, known) = (ctx.believed.clone(), ctx.list_base, ctx.known_state.clone());
+        let (believed, list_base, known) = (ctx.app.clone(), ctx.list_base, ctx.known_state.clone());
         ctx.attribute_stack.push(Pushed { mask, believed, list_base, known, raster });
     }
 }
 
-/// `glPopAttrib`: what comes back in the driver are tiles of ours, so what the program believes
+/// `glPopAttrib`: what comes back in the driver are tiles of ours, so what the program has set
 /// comes back from our own stack.
 pub fn pop_attributes(ctx: &mut Context) {
     // SAFETY: the program's own call.
     unsafe { ctx.gl.pop_attrib() };
-    ctx.fixed.touch();
+    ctx.fixed_function.touch();
     let Some(Pushed { mask, believed: saved, list_base, known, raster }) = ctx.attribute_stack.pop() else {
         ctx.known_state.forget();
         return;
@@ -37,31 +37,31 @@ pub fn pop_attributes(ctx: &mut Context) {
         ctx.raster = raster;
     }
     if mask & api::GL_VIEWPORT_BIT != 0 {
-        ctx.believed.viewport = saved.viewport;
-        ctx.actual.viewport = None;
+        ctx.app.viewport = saved.viewport;
+        ctx.driver_state.viewport = None;
     }
     if mask & api::GL_SCISSOR_BIT != 0 {
-        ctx.believed.scissor = saved.scissor;
-        ctx.actual.scissor = None;
+        ctx.app.scissor = saved.scissor;
+        ctx.driver_state.scissor = None;
     }
     if mask & (api::GL_SCISSOR_BIT | api::GL_ENABLE_BIT) != 0 {
-        ctx.believed.scissor_test = saved.scissor_test;
-        ctx.actual.scissor_test = None;
+        ctx.app.scissor_test = saved.scissor_test;
+        ctx.driver_state.scissor_test = None;
     }
     if mask & api::GL_ENABLE_BIT != 0 && ctx.profile.version >= 30 {
         ctx.discard = ctx.known_state.is_on(ctx.gl, api::GL_RASTERIZER_DISCARD);
     }
     if mask & api::GL_TRANSFORM_BIT != 0 {
-        ctx.believed.matrix_mode = saved.matrix_mode;
+        ctx.app.matrix_mode = saved.matrix_mode;
     }
     if mask & api::GL_LIST_BIT != 0 {
         ctx.list_base = list_base;
     }
     if mask & api::GL_COLOR_BUFFER_BIT != 0 {
-        ctx.believed.draw_buffer = saved.draw_buffer;
+        ctx.app.draw_buffer = saved.draw_buffer;
     }
     if mask & api::GL_PIXEL_MODE_BIT != 0 {
-        ctx.believed.read_buffer = saved.read_buffer;
+        ctx.app.read_buffer = saved.read_buffer;
     }
     if ctx.session().is_some() && !ctx.redirected() {
         ctx.restore_window_space();
@@ -70,7 +70,7 @@ pub fn pop_attributes(ctx: &mut Context) {
 
 /// A viewport of the program.
 pub fn set_program_viewport(ctx: &mut Context, rect: [i32; 4]) {
-    ctx.believed.viewport = rect;
+    ctx.app.viewport = rect;
     let new_size = ctx.target.as_ref().is_some_and(|t| t.size() != (rect[2] as u32, rect[3] as u32));
     if new_size && !ctx.frame_begun && ctx.redirected() {
         // Perhaps the window has it already.
@@ -83,9 +83,9 @@ pub fn set_program_viewport(ctx: &mut Context, rect: [i32; 4]) {
 
 /// A scissor rectangle of the program.
 pub fn set_program_scissor(ctx: &mut Context, rect: [i32; 4]) {
-    ctx.believed.scissor = rect;
+    ctx.app.scissor = rect;
     if !ctx.redirected() {
-        ctx.actual.scissor = Some(rect);
+        ctx.driver_state.scissor = Some(rect);
         // SAFETY: the program's own command.
         unsafe { ctx.gl.scissor(rect[0], rect[1], rect[2], rect[3]) };
     }
@@ -96,9 +96,9 @@ pub fn set_scissor_test(ctx: &mut Context, on: bool) {
     if ctx.compiling() {
         list_recording::record(ctx, Command::ScissorTest(on));
     } else {
-        ctx.believed.scissor_test = on;
+        ctx.app.scissor_test = on;
         if !ctx.redirected() {
-            ctx.actual.scissor_test = Some(on);
+            ctx.driver_state.scissor_test = Some(on);
             // SAFETY: the program's own command.
             unsafe { if on { ctx.gl.enable(api::GL_SCISSOR_TEST) } else { ctx.gl.disable(api::GL_SCISSOR_TEST) } };
         }
@@ -132,10 +132,10 @@ hooks! {
                 ctx.discard |= cap == api::GL_RASTERIZER_DISCARD;
                 ctx.assembly |= cap == api::GL_VERTEX_PROGRAM_ARB;
                 if cap == api::GL_STENCIL_TEST {
-                    ctx.workload.note_stencil();
+                    ctx.draw_count.note_stencil();
                 }
                 if matches!(cap, api::GL_POINT_SPRITE | api::GL_VERTEX_PROGRAM_POINT_SIZE) {
-                    ctx.widest.note_unknown();
+                    ctx.max_width.note_unknown();
                 }
                 if Pipeline::has(cap) { substitute::switch(ctx, move |gl| gl.enable(cap)) } else { gl.enable(cap) }
                 known_state::note(ctx, |known| known.note(cap, true));
@@ -155,7 +155,7 @@ hooks! {
     "glRenderMode" render_mode(mode: u32) -> i32 = |ctx, gl| {
         ctx.picking = mode != api::GL_RENDER;
         if ctx.picking && ctx.redirected() {
-            ctx.set_viewport(ctx.believed.viewport);
+            ctx.set_viewport(ctx.app.viewport);
         }
         gl.render_mode(mode)
     };

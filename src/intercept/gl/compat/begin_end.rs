@@ -87,7 +87,7 @@ impl Current {
 
 /// Issues what was recorded between Begin and End.
 fn issue(ctx: &mut Context, mode: u32, bounds: Bounds, recorder: &Recorder) {
-    ctx.outlines.shape = Shape::of_mode(mode);
+    ctx.wide_primitives.shape = Shape::of_mode(mode);
     let current = Current::get(ctx.gl, recorder.sets_late());
     let changes = if recorder.sets_others_late() {
         Changes::Attributes
@@ -153,7 +153,7 @@ fn give_to_list(ctx: &mut Context) {
 /// list that ends with an attribute after its last vertex leaves something else on Mesa: it is set again.
 fn issue_list(ctx: &mut Context) {
     let (list, bounds, trailing) = (ctx.immediate.list, ctx.immediate.bounds, ctx.immediate.trailing);
-    ctx.outlines.shape = Shape::of_mode(ctx.immediate.mode);
+    ctx.wide_primitives.shape = Shape::of_mode(ctx.immediate.mode);
     // SAFETY: a list of ours.
     draw(ctx, Changes::Attributes, |_| bounds, |_, gl| unsafe { gl.call_list(list) });
     // SAFETY: attributes of the program's.

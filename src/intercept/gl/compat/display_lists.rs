@@ -38,7 +38,7 @@ fn call(ctx: &mut Context, list: u32, depth: u32) {
             ctx.known_state.forget();
             ctx.projection.touch(api::GL_PROJECTION);
             ctx.projection.touch(api::GL_MODELVIEW);
-            ctx.fixed.touch();
+            ctx.fixed_function.touch();
         }
         Some(items) => {
             for item in items.iter() {
@@ -92,29 +92,29 @@ pub fn run(ctx: &mut Context, command: &Command, depth: u32) {
         }
     }
     if matrix {
-        ctx.projection.touch(ctx.believed.matrix_mode);
+        ctx.projection.touch(ctx.app.matrix_mode);
         return;
     }
     match command {
         Command::MatrixMode(mode) => {
             // SAFETY: the program's own command.
             unsafe { gl.matrix_mode(*mode) };
-            ctx.believed.matrix_mode = *mode;
+            ctx.app.matrix_mode = *mode;
         }
         Command::Viewport(rect) => {
-            ctx.believed.viewport = *rect;
+            ctx.app.viewport = *rect;
             if !ctx.redirected() {
                 ctx.set_viewport(*rect);
             }
         }
         Command::Scissor(rect) => {
-            ctx.believed.scissor = *rect;
+            ctx.app.scissor = *rect;
             if !ctx.redirected() {
                 ctx.restore_window_space();
             }
         }
         Command::ScissorTest(on) => {
-            ctx.believed.scissor_test = *on;
+            ctx.app.scissor_test = *on;
             if !ctx.redirected() {
                 ctx.restore_window_space();
             }

@@ -13,7 +13,7 @@ fn matrix_command(ctx: &mut Context, command: Command, run: impl FnOnce()) {
         return;
     }
     run();
-    ctx.projection.touch(ctx.believed.matrix_mode);
+    ctx.projection.touch(ctx.app.matrix_mode);
 }
 
 /// Runs a command on the matrix of `mode` (GL_EXT_direct_state_access), or records it like [`matrix_command`].
@@ -25,11 +25,11 @@ fn named(ctx: &mut Context, mode: u32, command: Command, run: impl FnOnce()) {
         return;
     }
     list_recording::now_or_later(ctx, move |ctx| {
-        let before = std::mem::replace(&mut ctx.believed.matrix_mode, mode);
+        let before = std::mem::replace(&mut ctx.app.matrix_mode, mode);
         // SAFETY: one of the two matrices that every context with lists has; the mode is put back.
         unsafe { ctx.gl.matrix_mode(mode) };
         display_lists::run(ctx, &command, 0);
-        ctx.believed.matrix_mode = before;
+        ctx.app.matrix_mode = before;
         // SAFETY: as above.
         unsafe { ctx.gl.matrix_mode(before) };
     });
@@ -78,7 +78,7 @@ hooks! {
             list_recording::record(ctx, Command::MatrixMode(mode));
         } else {
             gl.matrix_mode(mode);
-            ctx.believed.matrix_mode = mode;
+            ctx.app.matrix_mode = mode;
         }
     };
     "glLoadIdentity" load_identity() = |ctx, gl| matrix_command(ctx, Command::LoadIdentity, || gl.load_identity());

@@ -10,12 +10,12 @@ use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::context::list_recording::{self, Command};
 use crate::intercept::gl::context::matrices::{self, load_projection};
 use crate::intercept::gl::framebuffer::{default_framebuffer, read_back};
-use crate::intercept::gl::per_view::classify::place;
+use crate::intercept::gl::per_view::classify::classify;
 use crate::intercept::gl::per_view::issue::Repeats;
 use crate::intercept::gl::per_view::window_space::own_window_space;
 use crate::intercept::gl::queries::scaling;
 use crate::intercept::gl::state::attribute_stack;
-use crate::intercept::gl::state::draw::{Changes, Place};
+use crate::intercept::gl::state::draw::{Changes, DrawClass};
 use crate::intercept::gl::state::raster_position::ScenePosition;
 use crate::intercept::scene::query_weights::QueryWeights;
 use std::ffi::c_void;
@@ -25,8 +25,8 @@ pub fn set_position(ctx: &mut Context, object: [f64; 4]) {
     let gl = ctx.gl;
     let old = ctx.raster.forget();
     if ctx.redirected() && !ctx.picking {
-        let place = place(ctx);
-        if place == Place::FixedScene {
+        let class = classify(ctx);
+        if class == DrawClass::FixedScene {
             let mut model_view = [0.0; 16];
             let (mut texture, mut depths) = ([0.0; 4], [0.0; 2]);
             // SAFETY: writes eighteen doubles and four floats; a raster position implies a fixed-function pipeline.
@@ -39,13 +39,13 @@ pub fn set_position(ctx: &mut Context, object: [f64; 4]) {
             ctx.raster.scene =
                 Some(ScenePosition { object, model_view, color: [0.0; 4], texture, depths, moved: [0.0; 2] });
             // The driver's own state too, for queries: as in the program's window.
-            ctx.set_viewport(ctx.believed.viewport);
+            ctx.set_viewport(ctx.app.viewport);
         } else {
             ctx.raster.origin = flat_window_space(ctx);
         }
     } else if ctx.target.is_some() {
         // In a framebuffer of the program's own, or for picking, there are no tiles.
-        ctx.set_viewport(ctx.believed.viewport);
+        ctx.set_viewport(ctx.app.viewport);
     }
     // SAFETY: the program's own call.
     unsafe { gl.raster_pos4d(object[0], object[1], object[2], object[3]) };
@@ -120,7 +120,7 @@ pub fn draw_at_raster(ctx: &mut Context, changes: Changes, issue: impl Fn(&Gl)) 
         return false;
     }
     // Bitmaps reach over the border of their tile.
-    ctx.outlines.cut = true;
+    ctx.wide_primitives.cut = true;
     if !ctx.redirected() {
         scaling::weigh(ctx, QueryWeights::ONCE);
         move_origin(ctx, [0, 0]);
@@ -144,7 +144,7 @@ fn draw_in_scene(ctx: &mut Context, mut position: ScenePosition, changes: Change
     matrices::refresh(ctx);
     let Some(mut target) = ctx.target.take() else { return };
     let before = raster_position(gl);
-    let mode = ctx.believed.matrix_mode;
+    let mode = ctx.app.matrix_mode;
     // What is current, the raster position with it, is put back; a full stack has no place left for it.
     let keeps = ctx.attribute_stack.len() < attribute_stack::ATTRIBUTE_DEPTH;
     // SAFETY: attributes and the model-view matrix are pushed and popped, the projection is put back below.
@@ -202,7 +202,7 @@ fn draw_in_scene(ctx: &mut Context, mut position: ScenePosition, changes: Change
         ctx.counts.primary_draws += 1;
     }
     if !keeps {
-        ctx.set_viewport(ctx.believed.viewport);
+        ctx.set_viewport(ctx.app.viewport);
         set();
     }
     // SAFETY: the pairs of the pushes above.
@@ -215,7 +215,7 @@ fn draw_in_scene(ctx: &mut Context, mut position: ScenePosition, changes: Change
         }
     }
     // Once more where the program's window would be, out of sight: it moves the position as it should.
-    ctx.set_viewport(ctx.believed.viewport);
+    ctx.set_viewport(ctx.app.viewport);
     ctx.set_scissor(Some([0, 0, 0, 0]));
     issue(gl);
     let after = raster_position(gl);

@@ -10,23 +10,23 @@ use crate::intercept::gl::state::buffer_bindings::Bound;
 use crate::intercept::gl::state::buffers::Buffers;
 use crate::intercept::gl::state::default_framebuffer::{DefaultFramebuffer, OwnObjects};
 use crate::intercept::gl::state::division_counter::Counter;
-use crate::intercept::gl::state::fixed_function::Fixed;
-use crate::intercept::gl::state::front_buffer::Pace;
-use crate::intercept::gl::state::max_width::Widest;
-use crate::intercept::gl::state::offscreen::copies::{Duplicates, Travelling};
-use crate::intercept::gl::state::primitives::Outlines;
+use crate::intercept::gl::state::draw_count::DrawCount;
+use crate::intercept::gl::state::fixed_function::FixedFunction;
+use crate::intercept::gl::state::front_buffer::FrontBufferThrottle;
+use crate::intercept::gl::state::max_width::MaxWidth;
+use crate::intercept::gl::state::offscreen::view_copies::{SharedViewCopies, ViewCopies};
+use crate::intercept::gl::state::primitives::WidePrimitives;
 use crate::intercept::gl::state::profile::{Profile, profile};
 use crate::intercept::gl::state::program_pipelines::Pipelines;
 use crate::intercept::gl::state::programs::{Program, Programs};
 use crate::intercept::gl::state::projection::Projection;
-use crate::intercept::gl::state::query_scaling::{Condition, Counting};
-use crate::intercept::gl::state::raster_position::Raster;
+use crate::intercept::gl::state::queries::{Condition, Queries};
+use crate::intercept::gl::state::raster_position::RasterPosition;
 use crate::intercept::gl::state::statistics::Counts;
 use crate::intercept::gl::state::vertex_arrays::VertexArrays;
 use crate::intercept::gl::state::vertex_ranges::Ranges;
 use crate::intercept::gl::state::window::Window;
-use crate::intercept::gl::state::window_space::{Actual, Believed};
-use crate::intercept::gl::state::workload::Workload;
+use crate::intercept::gl::state::window_space::{AppState, DriverState};
 use crate::runtime::session::Session;
 use std::collections::HashSet;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -39,7 +39,7 @@ pub struct ShareGroup {
     /// Display lists.
     pub lists: Mutex<Lists>,
     /// What is known of images that are drawn off screen; `None` while a context that is current has it.
-    pub off_screen: Mutex<Option<Travelling>>,
+    pub off_screen: Mutex<Option<SharedViewCopies>>,
     /// What is known of buffers.
     pub buffers: Mutex<Buffers>,
 }
@@ -66,7 +66,7 @@ pub struct Context {
     /// The program's vertices cannot be projected straight to an output: windows have views.
     pub views_only: bool,
     /// What stands in for the fixed-function pipeline where vertices are projected.
-    pub fixed: Fixed,
+    pub fixed_function: FixedFunction,
     /// Counts primitives that were not divided far enough.
     pub coarse: Option<Counter>,
     /// Primitives were divided by stages that cannot count.
@@ -86,12 +86,12 @@ pub struct Context {
     pub reads_elsewhere: bool,
     /// Objects of pictures that were given to other contexts.
     pub left_behind: Vec<OwnObjects>,
-    /// What the program believes.
-    pub believed: Believed,
+    /// What the program has set.
+    pub app: AppState,
     /// `glPushAttrib`.
     pub attribute_stack: Vec<Pushed>,
     /// What the driver has.
-    pub actual: Actual,
+    pub driver_state: DriverState,
     /// The fixed-function projection.
     pub projection: Projection,
     /// Flat drawing behind the scene.
@@ -99,7 +99,7 @@ pub struct Context {
     /// The cameras of the frame.
     pub cameras: Cameras,
     /// Scenes that are drawn off screen.
-    pub duplicates: Duplicates,
+    pub view_copies: ViewCopies,
     /// The program object that draws: the one in use, or a pipeline's.
     pub program: Option<Arc<Program>>,
     /// Program pipelines, and which program is in use.
@@ -107,7 +107,7 @@ pub struct Context {
     /// The Begin/End that the program is in.
     pub immediate: Immediate,
     /// How many draws a frame has.
-    pub workload: Workload,
+    pub draw_count: DrawCount,
     /// Where the draw that is being issued comes to be in each view, if that is known.
     pub areas: Vec<crate::correct::TexelSpan>,
     /// Where draws from buffers are.
@@ -115,13 +115,13 @@ pub struct Context {
     /// Vertex arrays.
     pub vertex_arrays: VertexArrays,
     /// Which buffers are bound.
-    pub bound: Bound,
+    pub buffer_bindings: Bound,
     /// State that need not be asked for.
     pub known_state: crate::backend::gl::KnownState,
     /// The greatest width of points and lines so far.
-    pub widest: Widest,
+    pub max_width: MaxWidth,
     /// Points and lines that may leave their tile.
-    pub outlines: Outlines,
+    pub wide_primitives: WidePrimitives,
     /// The driver's anisotropic filtering may never end.
     pub endless_anisotropy: bool,
     /// A vertex program in assembly language was switched on: the fixed-function matrices may say nothing.
@@ -129,7 +129,7 @@ pub struct Context {
     /// `glRenderMode` is not `GL_RENDER`.
     pub picking: bool,
     /// The raster position.
-    pub raster: Raster,
+    pub raster: RasterPosition,
     /// The display list that is being compiled.
     pub recording: Option<Recording>,
     /// `glListBase`.
@@ -145,13 +145,13 @@ pub struct Context {
     /// The accumulation buffer, once the program used it.
     pub accumulation: Option<crate::backend::gl::accumulation::Accumulation>,
     /// Queries that count what is drawn.
-    pub counting: Counting,
+    pub queries: Queries,
     /// Transform feedback is recording.
     pub feedback: bool,
     /// `GL_RASTERIZER_DISCARD`.
     pub discard: bool,
     /// How often flushes of the front buffer are answered.
-    pub pace: Pace,
+    pub front_buffer: FrontBufferThrottle,
     /// Objects shared with other contexts.
     pub share: Arc<ShareGroup>,
     /// Counts for `--stats`.
@@ -159,7 +159,7 @@ pub struct Context {
     /// Something was drawn since the last swap.
     pub frame_begun: bool,
     /// Nothing of the window could be seen after its last swap.
-    pub hidden: bool,
+    pub occluded: bool,
     /// The lens of the last draw of the scene.
     pub lens: Option<crate::runtime::session::Intrinsics>,
     /// Largest viewport (area) that a scene was drawn to: in this frame, and in the last one.
@@ -169,7 +169,7 @@ pub struct Context {
 impl Context {
     /// A context that has just become current for the first time.
     pub fn new(gl: &'static Gl, share: Arc<ShareGroup>) -> Self {
-        let believed = Believed {
+        let app = AppState {
             draw_framebuffer: 0,
             read_framebuffer: 0,
             viewport: [0; 4],
@@ -185,7 +185,7 @@ impl Context {
             gl,
             profile: profile(gl),
             views_only: false,
-            fixed: Default::default(),
+            fixed_function: Default::default(),
             coarse: None,
             uncounted: false,
             switched_off: false,
@@ -195,28 +195,28 @@ impl Context {
             parked: Vec::new(),
             left_behind: Vec::new(),
             reads_elsewhere: false,
-            believed,
+            app,
             attribute_stack: Vec::new(),
-            actual: Actual::default(),
+            driver_state: DriverState::default(),
             projection: Projection::default(),
             background: Background::default(),
             cameras: Cameras::default(),
-            duplicates: Default::default(),
+            view_copies: Default::default(),
             program: None,
             pipelines: Default::default(),
             immediate: Default::default(),
-            workload: Default::default(),
+            draw_count: Default::default(),
             areas: Vec::new(),
             ranges: Default::default(),
             vertex_arrays: Default::default(),
-            bound: Default::default(),
+            buffer_bindings: Default::default(),
             known_state: Default::default(),
-            widest: Widest::default(),
-            outlines: Default::default(),
+            max_width: MaxWidth::default(),
+            wide_primitives: Default::default(),
             endless_anisotropy: crate::intercept::gl::state::profile::is_endless(gl),
             assembly: false,
             picking: false,
-            raster: Raster::default(),
+            raster: RasterPosition::default(),
             recording: None,
             list_base: 0,
             pending_error: 0,
@@ -224,14 +224,14 @@ impl Context {
             buffer_generation: 0,
             condition: None,
             accumulation: None,
-            counting: Default::default(),
+            queries: Default::default(),
             feedback: false,
             discard: false,
-            pace: Default::default(),
+            front_buffer: Default::default(),
             share,
             counts: Counts::default(),
             frame_begun: false,
-            hidden: false,
+            occluded: false,
             lens: None,
             viewport_area: [0; 2],
         }
@@ -252,12 +252,12 @@ impl Context {
 
     /// The program's draws go to its window, which is ours.
     pub fn redirected(&self) -> bool {
-        self.target.is_some() && self.believed.draw_framebuffer == 0
+        self.target.is_some() && self.app.draw_framebuffer == 0
     }
 
     /// The program's reads come from its window, which is ours.
     pub fn reads_redirected(&self) -> bool {
-        self.target.is_some() && self.believed.read_framebuffer == 0 && !self.reads_elsewhere
+        self.target.is_some() && self.app.read_framebuffer == 0 && !self.reads_elsewhere
     }
 
     /// What reads of the program's framebuffer 0 are bound to.
@@ -279,19 +279,19 @@ impl Context {
     /// Gives the program its own window back, for good.
     pub fn leave_alone(&mut self) {
         if let Some(target) = self.target.take() {
-            let [x, y, width, height] = self.believed.viewport;
-            // SAFETY: puts back what the program believes; the framebuffers are ours.
+            let [x, y, width, height] = self.app.viewport;
+            // SAFETY: puts back what the program has set; the framebuffers are ours.
             unsafe {
-                if self.believed.draw_framebuffer == 0 {
+                if self.app.draw_framebuffer == 0 {
                     self.gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, 0);
                 }
-                if self.believed.read_framebuffer == 0 {
+                if self.app.read_framebuffer == 0 {
                     self.gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, 0);
                 }
                 self.gl.viewport(x, y, width, height);
-                let [x, y, width, height] = self.believed.scissor;
+                let [x, y, width, height] = self.app.scissor;
                 self.gl.scissor(x, y, width, height);
-                if self.believed.scissor_test {
+                if self.app.scissor_test {
                     self.gl.enable(api::GL_SCISSOR_TEST);
                 } else {
                     self.gl.disable(api::GL_SCISSOR_TEST);

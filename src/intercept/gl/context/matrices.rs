@@ -28,7 +28,7 @@ pub fn model_view(ctx: &mut Context) -> [f64; 16] {
 
 /// Loads `matrix` into `GL_PROJECTION`, whatever the matrix mode is.
 pub fn load_projection(ctx: &Context, matrix: &[f64; 16]) {
-    let mode = ctx.believed.matrix_mode;
+    let mode = ctx.app.matrix_mode;
     // SAFETY: reads sixteen doubles; the matrix mode is put back.
     unsafe {
         if mode != api::GL_PROJECTION {

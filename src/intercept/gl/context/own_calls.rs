@@ -17,12 +17,12 @@ pub fn unconditionally<R>(ctx: &mut Context, work: impl FnOnce(&mut Context) -> 
 /// Runs work of ours, which is neither counted nor told of nor subject to the program's conditional rendering.
 pub fn aside<R>(ctx: &mut Context, work: impl FnOnce(&mut Context) -> R) -> R {
     let gl = ctx.gl;
-    for running in &mut ctx.counting.running {
+    for running in &mut ctx.queries.running {
         running.end_part(gl);
     }
     let answer = quietly(ctx, |ctx| unconditionally(ctx, work));
-    for number in 0..ctx.counting.running.len() {
-        ctx.counting.begin_part(gl, number, None);
+    for number in 0..ctx.queries.running.len() {
+        ctx.queries.begin_part(gl, number, None);
     }
     answer
 }

@@ -93,8 +93,8 @@ macro_rules! array_hooks {
             $( $name $method(mode: u32, $($p: $t),*) = |ctx, _gl| {
                 let read = fixed_function::arrays::read(ctx, mode, $vertices);
                 let bounds = |ctx: &mut Context| around(ctx, $vertices);
-                let issue = |ctx: &mut Context, gl: &Gl| gl.$method(ctx.outlines.issued(mode), $($p),*);
-                ctx.outlines.mode = Some(mode);
+                let issue = |ctx: &mut Context, gl: &Gl| gl.$method(ctx.wide_primitives.issued(mode), $($p),*);
+                ctx.wide_primitives.mode = Some(mode);
                 match read {
                     Some(vertices) => divided::draw_arrays(ctx, mode, vertices, bounds, issue),
                     None => draw_command(ctx, Shape::of_mode(mode), bounds, issue),

@@ -28,7 +28,7 @@ pub fn draw_command(
         let gl = ctx.gl;
         issue(ctx, gl);
     } else {
-        ctx.outlines.shape = shape;
+        ctx.wide_primitives.shape = shape;
         draw(ctx, Changes::Nothing, bounds, issue);
     }
 }

@@ -17,7 +17,7 @@ use crate::intercept::gl::draw::fallback;
 use crate::intercept::gl::framebuffer::default_framebuffer;
 use crate::intercept::gl::offscreen::displayed::{self, Shows};
 use crate::intercept::gl::offscreen::{coverage, draws};
-use crate::intercept::gl::per_view::classify::{main_viewport, place};
+use crate::intercept::gl::per_view::classify::{classify, main_viewport};
 use crate::intercept::gl::per_view::culling::select;
 use crate::intercept::gl::per_view::issue::{Copies, Repeats, Target, plain_program};
 use crate::intercept::gl::per_view::panel::PanelBlend;
@@ -26,7 +26,7 @@ use crate::intercept::gl::per_view::{self, background, wide_primitives};
 use crate::intercept::gl::projected_vertices::fixed_function::substitute;
 use crate::intercept::gl::queries::scaling;
 use crate::intercept::gl::state::bounds::Bounds;
-use crate::intercept::gl::state::draw::{Changes, Place};
+use crate::intercept::gl::state::draw::{Changes, DrawClass};
 use crate::intercept::gl::state::offscreen::coverage::Measure;
 use crate::intercept::gl::state::views::Views;
 use crate::intercept::scene::query_weights::QueryWeights;
@@ -70,20 +70,20 @@ fn draw_to_window(
         // Picking and feedback answer in the program's own window coordinates and draw nothing.
         // Where nothing reaches the window, what the draw computes (transform feedback, say) it
         // computes once.
-        ctx.set_viewport(ctx.believed.viewport);
+        ctx.set_viewport(ctx.app.viewport);
         once(ctx, issue);
         return;
     }
     ctx.frame_begun = true;
     let Some(class) = perspective_or_flat(ctx, changes, issue) else { return };
-    let shown = match ctx.counting.primitives() {
+    let shown = match ctx.queries.primitives() {
         true => Views::ALL,
         false => select::views(ctx, class, bounds, changes),
     };
     let Some(target) = &ctx.target else { return };
     let (session, primary) = (target.session.clone(), target.primary());
-    if class != Place::Background {
-        let area = i64::from(ctx.believed.viewport[2]) * i64::from(ctx.believed.viewport[3]);
+    if class != DrawClass::Background {
+        let area = i64::from(ctx.app.viewport[2]) * i64::from(ctx.app.viewport[3]);
         ctx.viewport_area[0] = ctx.viewport_area[0].max(area);
     }
     let mut window = Window { session, primary, class, shown };
@@ -93,9 +93,13 @@ fn draw_to_window(
 }
 
 /// The class of a draw that goes to the views. `None`: it was flat, and is drawn.
-fn perspective_or_flat(ctx: &mut Context, changes: Changes, issue: &mut dyn FnMut(&mut Context, &Gl)) -> Option<Place> {
-    let mut class = place(ctx);
-    if class == Place::Flat {
+fn perspective_or_flat(
+    ctx: &mut Context,
+    changes: Changes,
+    issue: &mut dyn FnMut(&mut Context, &Gl),
+) -> Option<DrawClass> {
+    let mut class = classify(ctx);
+    if class == DrawClass::Flat {
         let main = main_viewport(ctx);
         let measure = match displayed::look(ctx, main) {
             Shows::Pictures(sampled) => {
@@ -110,23 +114,23 @@ fn perspective_or_flat(ctx: &mut Context, changes: Changes, issue: &mut dyn FnMu
             flat(ctx, changes, measure, issue);
             return None;
         }
-        class = Place::Background;
+        class = DrawClass::Background;
     } else {
         ctx.background.note_scene();
     }
-    Some(if fallback::look_divided(ctx, class) { place(ctx) } else { class })
+    Some(if fallback::look_divided(ctx, class) { classify(ctx) } else { class })
 }
 
 /// The atlas of the window, and in it the program's own picture.
 struct Window {
     session: Arc<Session>,
     primary: Option<[i32; 4]>,
-    class: Place,
+    class: DrawClass,
     shown: Views,
 }
 
 impl Target for Window {
-    fn prepare(&mut self, ctx: &mut Context, view: usize) -> Option<Place> {
+    fn prepare(&mut self, ctx: &mut Context, view: usize) -> Option<DrawClass> {
         let (tile, own_lens) = match self.primary {
             Some(tile) if view >= self.session.views().len() => (tile, true),
             _ => self.session.tile(view),
@@ -135,12 +139,12 @@ impl Target for Window {
             own_window_space(ctx, tile);
             return None;
         }
-        ctx.set_scissor(ctx.outlines.cut.then_some(tile));
+        ctx.set_scissor(ctx.wide_primitives.cut.then_some(tile));
         ctx.set_viewport(tile);
         Some(self.class)
     }
 
-    fn weights(&self, ctx: &mut Context, view: usize, _class: Option<Place>) -> QueryWeights {
+    fn weights(&self, ctx: &mut Context, view: usize, _class: Option<DrawClass>) -> QueryWeights {
         let views = self.session.views().len();
         let primitives = 1.0 / (views + usize::from(self.primary.is_some())) as f64;
         let samples = if view >= views { 0.0 } else { scaling::scene_samples(ctx, &self.session, false) };

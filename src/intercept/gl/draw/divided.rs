@@ -27,17 +27,17 @@ pub fn draw_read(
         Ok(vertices) => (Processor::Divides, Some(vertices)),
         Err(reason) => (Processor::Cannot(reason), None),
     };
-    ctx.fixed.processor = processor;
+    ctx.fixed_function.processor = processor;
     draw(
         ctx,
         changes,
         |_| bounds,
-        |ctx, gl| match (ctx.fixed.view.take(), vertices) {
+        |ctx, gl| match (ctx.fixed_function.view.take(), vertices) {
             (Some((division, rows)), Some(vertices)) => division::draw(ctx, vertices, division, &rows),
             _ => whole(ctx, gl),
         },
     );
-    ctx.fixed.processor = Processor::Nothing;
+    ctx.fixed_function.processor = Processor::Nothing;
 }
 
 /// Issues a draw of arrays whose vertices the processor has read, or could not. In a list that is compiled it becomes a
@@ -51,7 +51,7 @@ pub fn draw_arrays(
 ) {
     let shape = Shape::of_mode(mode);
     if !ctx.compiling() {
-        ctx.outlines.shape = shape;
+        ctx.wide_primitives.shape = shape;
         let bounds = if select::enabled() { bounds(ctx) } else { Bounds::UNKNOWN };
         let current = current(ctx, &vertices);
         draw_read(ctx, Changes::Nothing, bounds, &vertices, issue);
@@ -64,7 +64,7 @@ pub fn draw_arrays(
     };
     let vertices = Ok(kept);
     list_recording::now_or_later(ctx, move |ctx| {
-        ctx.outlines.shape = shape;
+        ctx.wide_primitives.shape = shape;
         let current = current(ctx, &vertices);
         let whole = |_: &mut Context, gl: &Gl| division::whole(gl, &vertices);
         if reads(ctx, mode) {

@@ -7,7 +7,7 @@ use crate::intercept::gl::framebuffer::default_framebuffer;
 use crate::intercept::gl::offscreen::view_copies;
 use crate::intercept::gl::projected_vertices::fixed_function::substitute;
 use crate::intercept::gl::projected_vertices::lens;
-use crate::intercept::gl::state::draw::Place;
+use crate::intercept::gl::state::draw::DrawClass;
 use crate::intercept::gl::state::fixed_function::Processor;
 use crate::intercept::gl::state::primitives::Shape;
 use crate::intercept::log;
@@ -32,21 +32,21 @@ pub fn look(ctx: &mut Context) {
     }
 }
 
-/// The same for a draw at `place` whose primitives have to be divided. Whether the window has views now.
-pub fn look_divided(ctx: &mut Context, place: Place) -> bool {
+/// The same for a draw of `class` whose primitives have to be divided. Whether the window has views now.
+pub fn look_divided(ctx: &mut Context, class: DrawClass) -> bool {
     let divides = ctx.target.as_ref().is_some_and(|target| target.lenses.iter().any(LensConstants::divides));
     let in_program = ctx.program.as_ref().is_some_and(|program| program.draws_vertices());
-    if !divides || !in_program || !matches!(place, Place::Scene(_) | Place::Background) {
+    if !divides || !in_program || !matches!(class, DrawClass::Scene(_) | DrawClass::Background) {
         return false;
     }
-    if let Processor::Cannot(reason) = ctx.fixed.processor {
+    if let Processor::Cannot(reason) = ctx.fixed_function.processor {
         use_views(ctx, reason);
         return true;
     }
-    let drawn = ctx.outlines.drawn;
+    let drawn = ctx.wide_primitives.drawn;
     match drawn {
         Shape::Points => return false,
-        _ if ctx.fixed.processor == Processor::Divides || lens::variant(ctx).is_some() => {
+        _ if ctx.fixed_function.processor == Processor::Divides || lens::variant(ctx).is_some() => {
             return false;
         }
         Shape::Triangles | Shape::Lines => use_views(ctx, "a program's primitives cannot be divided"),

@@ -18,7 +18,7 @@ impl Context {
         for objects in std::mem::take(&mut self.left_behind) {
             objects.destroy(self.gl);
         }
-        let first = self.window.is_none() && window.is_some() && self.believed.viewport == [0; 4];
+        let first = self.window.is_none() && window.is_some() && self.app.viewport == [0; 4];
         if self.window != window {
             self.change_window(window);
         }
@@ -33,11 +33,11 @@ impl Context {
         }
         if first {
             let (width, height) = window.size();
-            self.believed.viewport = [0, 0, width as i32, height as i32];
-            self.believed.scissor = self.believed.viewport;
+            self.app.viewport = [0, 0, width as i32, height as i32];
+            self.app.scissor = self.app.viewport;
             if !window.double_buffered(self.gl, &self.profile) {
-                self.believed.draw_buffer = api::GL_FRONT;
-                self.believed.read_buffer = api::GL_FRONT;
+                self.app.draw_buffer = api::GL_FRONT;
+                self.app.read_buffer = api::GL_FRONT;
             }
         }
         if self.target.is_none() {
@@ -45,7 +45,7 @@ impl Context {
                 Some(picture) => default_framebuffer::take_over(self, picture),
                 None => default_framebuffer::attach(self, Extras::default()),
             }
-        } else if self.believed.read_framebuffer == 0 {
+        } else if self.app.read_framebuffer == 0 {
             // SAFETY: what the program's reads come from, which may be another drawable now.
             unsafe { self.gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, self.window_for_reading()) };
         }
@@ -59,11 +59,11 @@ impl Context {
             self.projection.clear();
             self.cameras.clear();
         }
-        if self.believed.viewport == [0; 4] {
+        if self.app.viewport == [0; 4] {
             // SAFETY: each writes four integers.
             unsafe {
-                self.gl.get_integerv(api::GL_VIEWPORT, self.believed.viewport.as_mut_ptr());
-                self.gl.get_integerv(api::GL_SCISSOR_BOX, self.believed.scissor.as_mut_ptr());
+                self.gl.get_integerv(api::GL_VIEWPORT, self.app.viewport.as_mut_ptr());
+                self.gl.get_integerv(api::GL_SCISSOR_BOX, self.app.scissor.as_mut_ptr());
             }
         }
     }
@@ -91,17 +91,17 @@ impl Context {
             self.parked.push((old, target));
             // SAFETY: the program's window is bound in place of ours.
             unsafe {
-                if self.believed.draw_framebuffer == 0 {
+                if self.app.draw_framebuffer == 0 {
                     self.gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, 0);
                 }
-                if self.believed.read_framebuffer == 0 {
+                if self.app.read_framebuffer == 0 {
                     self.gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, 0);
                 }
             }
             self.restore_window_space();
         }
         self.frame_begun = false;
-        self.hidden = false;
+        self.occluded = false;
         if let Some(index) = self.parked.iter().position(|(parked, _)| Some(parked) == self.window.as_ref()) {
             let (window, target) = self.parked.remove(index);
             default_framebuffer::resume(self, &window, target);

@@ -94,7 +94,7 @@ pub fn make_current(handle: usize, gl: &'static Gl, window: Option<Window>, read
         if !left.is_null() {
             // SAFETY: this thread had the context until now, and nobody can have it before the table is free.
             let context = unsafe { &mut *left };
-            context.duplicates.deposit(&context.share.off_screen);
+            context.view_copies.deposit(&context.share.off_screen);
             contexts.release(left_handle, left as usize);
         }
         if handle == 0 {

@@ -4,7 +4,7 @@
 use crate::backend::gl::Target;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::read_pixels;
-use crate::intercept::gl::framebuffer::canvas::Canvas;
+use crate::intercept::gl::framebuffer::own_framebuffer::OwnFramebuffer;
 use crate::runtime::report::Picture;
 
 /// Output `index` at its own resolution, read back.
@@ -13,7 +13,7 @@ pub fn picture(ctx: &Context, index: usize, name: &str) -> Option<Picture> {
     let target = ctx.target.as_ref()?;
     let (width, height) = target.session.plan().passes.get(index)?.size;
     let whole = [0, 0, width as i32, height as i32];
-    let canvas = Canvas::new(gl, whole[2], whole[3]);
+    let canvas = OwnFramebuffer::new(gl, whole[2], whole[3]);
     // The outputs are presented in order; those before this one go nowhere.
     let mut targets = vec![Target { framebuffer: canvas.framebuffer, viewport: [0, 0, 0, 0] }; index];
     targets.push(Target { framebuffer: canvas.framebuffer, viewport: whole });

@@ -13,7 +13,7 @@ use std::time::Instant;
 /// Whether what is drawn is meant to be seen without a swap.
 pub fn draws_to_front(ctx: &Context) -> bool {
     let front = matches!(
-        ctx.believed.draw_buffer,
+        ctx.app.draw_buffer,
         api::GL_FRONT
             | api::GL_FRONT_LEFT
             | api::GL_FRONT_RIGHT
@@ -27,7 +27,7 @@ pub fn draws_to_front(ctx: &Context) -> bool {
 /// The program wants to see what it drew. `finally`: it waits for it, so the picture is never left out.
 pub fn show(ctx: &mut Context, finally: bool) {
     let drawing = ctx.compiling() || ctx.immediate.under_way() || ctx.picking;
-    if ctx.frame_begun && !drawing && draws_to_front(ctx) && (ctx.pace.allows(Instant::now()) || finally) {
+    if ctx.frame_begun && !drawing && draws_to_front(ctx) && (ctx.front_buffer.allows(Instant::now()) || finally) {
         present::show_front(ctx);
     }
 }

@@ -102,7 +102,7 @@ pub fn leave(ctx: &mut Context) {
 /// Runs `run` with the window's own framebuffer bound for drawing.
 fn in_window(ctx: &Context, run: impl FnOnce(&Gl)) {
     let Some(target) = &ctx.target else { return };
-    let bound = if ctx.believed.draw_framebuffer == 0 { target.framebuffer() } else { ctx.believed.draw_framebuffer };
+    let bound = if ctx.app.draw_framebuffer == 0 { target.framebuffer() } else { ctx.app.draw_framebuffer };
     // SAFETY: the binding is put back.
     unsafe { ctx.gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, 0) };
     run(ctx.gl);
@@ -133,7 +133,7 @@ fn frame(ctx: &mut Context) {
     let number = ctx.window.as_ref().map_or(ctx.counts.frames, |window| frame_number::count(window.handle()));
     let last = settings.frames == Some(number);
     let kept = last || settings.frames.is_none();
-    if is_hidden(ctx) && !(kept && settings.capture.is_some()) {
+    if is_occluded(ctx) && !(kept && settings.capture.is_some()) {
         ctx.counts.hidden_frames += 1;
     } else {
         correct(ctx);
@@ -148,8 +148,8 @@ fn frame(ctx: &mut Context) {
 
 /// Whether nothing of the window can be seen: neither after the last swap nor now. So windows that are seen cost one
 /// question in a frame, and those that come back are corrected at once.
-fn is_hidden(ctx: &Context) -> bool {
-    ctx.hidden && ctx.window.as_ref().is_some_and(|window| window.look().hidden)
+fn is_occluded(ctx: &Context) -> bool {
+    ctx.occluded && ctx.window.as_ref().is_some_and(|window| window.look().occluded)
 }
 
 fn next_frame(ctx: &mut Context) {
@@ -159,7 +159,7 @@ fn next_frame(ctx: &mut Context) {
     ctx.frame_begun = false;
     view_copies::end_frame(ctx);
     buffers::of(ctx).end_frame();
-    ctx.workload.end_frame(ctx.counts.draws_seen);
+    ctx.draw_count.end_frame(ctx.counts.draws_seen);
     follow_size(ctx);
     default_framebuffer::follow_rig(ctx);
 }
@@ -193,7 +193,7 @@ fn statistics(ctx: &Context, settings: &settings::Settings) -> Statistics {
         projection_found: ctx.counts.found.iter().map(|(how, n)| (how.to_owned(), n)).collect(),
         batches_left_out: ctx.target.as_ref().map_or(0, |t| t.backend().left_out()),
         coarse_primitives: (!ctx.uncounted)
-            .then(|| ctx.fixed.coarse + ctx.coarse.as_ref().map_or(0, |counter| counter.read(ctx.gl).into())),
+            .then(|| ctx.fixed_function.coarse + ctx.coarse.as_ref().map_or(0, |counter| counter.read(ctx.gl).into())),
         outputs_narrowed: ctx.target.as_ref().map_or(0, |t| t.backend().narrowed()),
         shaders_linked: ctx.counts.linked,
         own_errors: ctx.counts.errors,

@@ -15,14 +15,14 @@ fn parts(ctx: &Context) -> Vec<[i32; 4]> {
     let Some(target) = &ctx.target else { return Vec::new() };
     let (width, height) = target.size();
     let window = [0, 0, width as i32, height as i32];
-    let part = ctx.believed.scissor_test.then(|| intersect(ctx.believed.scissor, window));
+    let part = ctx.app.scissor_test.then(|| intersect(ctx.app.scissor, window));
     let most = |[_, _, w, h]: [i32; 4]| 2 * i64::from(w) * i64::from(h) > i64::from(width) * i64::from(height);
     if part.is_none_or(most) {
         let (width, height) = target.session.plan().views.atlas;
         return vec![[0, 0, width as i32, height as i32]];
     }
     let tiles = target.flat_tiles().into_iter().flatten();
-    tiles.map(|(tile, _)| intersect(ctx.believed.scissor, tile)).collect()
+    tiles.map(|(tile, _)| intersect(ctx.app.scissor, tile)).collect()
 }
 
 /// Runs `work` with the buffer, which is made when it is first needed.

@@ -6,7 +6,7 @@ use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::context::list_recording::{self, Command};
 use crate::intercept::gl::framebuffer::unsampled_areas::{self, Cleared};
 use crate::intercept::gl::framebuffer::{accumulation, default_framebuffer, read_back, replan};
-use crate::intercept::gl::offscreen::{copies, displayed, view_copies};
+use crate::intercept::gl::offscreen::{blits, displayed, view_copies};
 use crate::intercept::gl::per_view::culling::cleared_views;
 use crate::intercept::gl::per_view::panel::clear_panel;
 use crate::intercept::gl::per_view::window_space::{intersect, own_window_space};
@@ -27,10 +27,10 @@ pub fn bind(ctx: &mut Context, target: u32, name: u32) {
         }
     }
     if draws {
-        ctx.believed.draw_framebuffer = name;
+        ctx.app.draw_framebuffer = name;
     }
     if reads {
-        ctx.believed.read_framebuffer = name;
+        ctx.app.read_framebuffer = name;
     }
     if was_redirected && !ctx.redirected() {
         ctx.restore_window_space();
@@ -41,7 +41,7 @@ pub fn bind(ctx: &mut Context, target: u32, name: u32) {
 fn refuses_attachments(ctx: &mut Context, target: u32) -> bool {
     let reads = target == api::GL_READ_FRAMEBUFFER;
     let window = if reads { ctx.reads_redirected() } else { ctx.redirected() };
-    let changed = if reads { ctx.believed.read_framebuffer } else { ctx.believed.draw_framebuffer };
+    let changed = if reads { ctx.app.read_framebuffer } else { ctx.app.draw_framebuffer };
     view_copies::forget(ctx, changed);
     if window && ctx.pending_error == api::GL_NO_ERROR {
         ctx.pending_error = api::GL_INVALID_OPERATION;
@@ -66,7 +66,7 @@ pub fn clear_with(ctx: &mut Context, cleared: Cleared, issue: impl Fn(&Gl)) -> b
     let Some(target) = &ctx.target else { return false };
     let (width, height) = target.size();
     let window = [0, 0, width as i32, height as i32];
-    let part = ctx.believed.scissor_test.then(|| intersect(ctx.believed.scissor, window));
+    let part = ctx.app.scissor_test.then(|| intersect(ctx.app.scissor, window));
     // A scissor around (most of) the window is how many programs say "my viewport".
     let whole = part.is_none_or(|[_, _, w, h]| 2 * i64::from(w) * i64::from(h) > i64::from(width) * i64::from(height));
     let own_pictures = target.flat_tiles().into_iter().flatten().any(|(_, panel)| !panel);
@@ -181,10 +181,10 @@ pub fn select_draw_buffer(ctx: &mut Context, buffer: u32) {
         if ctx.redirected() {
             gl.draw_buffer(attachment(buffer));
             if is_window_buffer(buffer) || buffer == api::GL_NONE {
-                ctx.believed.draw_buffer = buffer;
+                ctx.app.draw_buffer = buffer;
             }
         } else {
-            view_copies::forget(ctx, ctx.believed.draw_framebuffer);
+            view_copies::forget(ctx, ctx.app.draw_framebuffer);
             gl.draw_buffer(buffer);
         }
     }
@@ -198,7 +198,7 @@ pub fn select_read_buffer(ctx: &mut Context, buffer: u32) {
         if ctx.reads_redirected() {
             gl.read_buffer(attachment(buffer));
             if is_window_buffer(buffer) || buffer == api::GL_NONE {
-                ctx.believed.read_buffer = buffer;
+                ctx.app.read_buffer = buffer;
             }
         } else {
             gl.read_buffer(buffer);
@@ -213,7 +213,7 @@ pub fn select_read_buffer(ctx: &mut Context, buffer: u32) {
 pub unsafe fn select_draw_buffers(ctx: &mut Context, count: i32, buffers: *const u32) {
     let gl = ctx.gl;
     if !ctx.redirected() || buffers.is_null() || !(1..=16).contains(&count) {
-        view_copies::forget(ctx, ctx.believed.draw_framebuffer);
+        view_copies::forget(ctx, ctx.app.draw_framebuffer);
         // SAFETY: the program's own call.
         unsafe { gl.draw_buffers(count, buffers) };
         return;
@@ -225,7 +225,7 @@ pub unsafe fn select_draw_buffers(ctx: &mut Context, count: i32, buffers: *const
         *real = attachment(*name);
     }
     if is_window_buffer(names[0]) || names[0] == api::GL_NONE {
-        ctx.believed.draw_buffer = names[0];
+        ctx.app.draw_buffer = names[0];
     }
     // SAFETY: as many names as it says.
     unsafe { gl.draw_buffers(count, translated.as_ptr()) };
@@ -235,7 +235,7 @@ pub unsafe fn select_draw_buffers(ctx: &mut Context, count: i32, buffers: *const
 #[allow(clippy::too_many_arguments)] // glBlitFramebuffer's own.
 pub fn blit(ctx: &mut Context, mut source: [i32; 4], destination: [i32; 4], mask: u32, filter: u32) {
     let gl = ctx.gl;
-    if copies::blit(ctx, source, destination, mask, filter) {
+    if blits::blit(ctx, source, destination, mask, filter) {
         if ctx.redirected() {
             ctx.frame_begun = true;
             ctx.background.note_scene();
@@ -299,10 +299,10 @@ hooks! {
         }
         gl.delete_framebuffers(count, names);
         // Deleting the bound framebuffer binds the window's, which is ours.
-        if ctx.believed.draw_framebuffer != 0 && deleted.contains(&ctx.believed.draw_framebuffer) {
+        if ctx.app.draw_framebuffer != 0 && deleted.contains(&ctx.app.draw_framebuffer) {
             bind(ctx, api::GL_DRAW_FRAMEBUFFER, 0);
         }
-        if ctx.believed.read_framebuffer != 0 && deleted.contains(&ctx.believed.read_framebuffer) {
+        if ctx.app.read_framebuffer != 0 && deleted.contains(&ctx.app.read_framebuffer) {
             bind(ctx, api::GL_READ_FRAMEBUFFER, 0);
         }
     };

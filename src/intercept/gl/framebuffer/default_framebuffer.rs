@@ -14,7 +14,7 @@ use crate::intercept::gl::state::cleared_views::Content;
 use crate::intercept::gl::state::default_framebuffer::DefaultFramebuffer;
 use crate::intercept::gl::state::window::{Look, Window};
 use crate::intercept::gl::state::window_config::Config;
-use crate::intercept::gl::state::window_space::Actual;
+use crate::intercept::gl::state::window_space::DriverState;
 use crate::intercept::{live, log, settings};
 use crate::runtime::cache;
 use crate::runtime::session::{Extras, Session};
@@ -62,7 +62,7 @@ pub fn follow_rig(ctx: &mut Context) {
         let (Some(settings), Some(window)) = (settings::settings(), ctx.window.clone()) else { return };
         let Some(mut old) = ctx.target.take() else { return };
         take_error(ctx);
-        let extras = ctx.workload.extras(old.extras());
+        let extras = ctx.draw_count.extras(old.extras());
         match DefaultFramebuffer::new(ctx, &window, settings, extras) {
             Ok(new) => {
                 view_copies::clear(ctx);
@@ -112,21 +112,21 @@ pub fn take_over(ctx: &mut Context, mut target: Box<DefaultFramebuffer>) {
 /// Makes the rest of the context fit a new target.
 fn adopt(ctx: &mut Context) {
     view_copies::leave(ctx);
-    ctx.actual = Actual::default();
+    ctx.driver_state = DriverState::default();
     ctx.projection.clear();
-    ctx.counting.forget_views();
+    ctx.queries.forget_views();
     ctx.cameras.clear();
     ctx.background.clear();
     let Some(target) = &ctx.target else { return };
     let framebuffer = target.framebuffer();
     // SAFETY: binds our framebuffer where the program's window is bound.
     unsafe {
-        if ctx.believed.read_framebuffer == 0 {
+        if ctx.app.read_framebuffer == 0 {
             ctx.gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, ctx.window_for_reading());
         }
-        if ctx.believed.draw_framebuffer == 0 {
+        if ctx.app.draw_framebuffer == 0 {
             ctx.gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, framebuffer);
-            if ctx.believed.draw_buffer == api::GL_NONE {
+            if ctx.app.draw_buffer == api::GL_NONE {
                 ctx.gl.draw_buffers(1, &api::GL_NONE);
             }
         }
@@ -186,8 +186,8 @@ fn enlarge_now(ctx: &mut Context, add: impl FnOnce(&mut Extras)) {
                     gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, new.surface.framebuffer());
                     clear_everything(gl);
                     copy_tiles(gl, &old, new);
-                    gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, ctx.believed.read_framebuffer);
-                    gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, ctx.believed.draw_framebuffer);
+                    gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, ctx.app.read_framebuffer);
+                    gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, ctx.app.draw_framebuffer);
                 }
             }
             adopt(ctx);
@@ -363,8 +363,7 @@ impl DefaultFramebuffer {
         let gl = ctx.gl;
         let [x, y, w, h] = part.unwrap_or([0, 0, self.surface.size().0, self.surface.size().1]);
         let real = |name: u32| if name == 0 { self.framebuffer() } else { name };
-        let reads =
-            if ctx.reads_elsewhere { ctx.believed.read_framebuffer } else { real(ctx.believed.read_framebuffer) };
+        let reads = if ctx.reads_elsewhere { ctx.app.read_framebuffer } else { real(ctx.app.read_framebuffer) };
         // SAFETY: copies between framebuffers of ours; scissor and bindings are put back.
         unsafe {
             let scissor = gl.is_enabled(api::GL_SCISSOR_TEST) != 0;
@@ -379,7 +378,7 @@ impl DefaultFramebuffer {
                 gl.blit_framebuffer(x, y, x + w, y + h, x, y, x + w, y + h, depth, api::GL_NEAREST);
             }
             gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, reads);
-            gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, real(ctx.believed.draw_framebuffer));
+            gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, real(ctx.app.draw_framebuffer));
             if scissor {
                 gl.enable(api::GL_SCISSOR_TEST);
             }
@@ -390,8 +389,8 @@ impl DefaultFramebuffer {
 /// Looks at the window, and plans anew where it has another size than the plan. Only between frames.
 pub fn follow_size(ctx: &mut Context) {
     let Some(window) = ctx.window.clone() else { return };
-    let Look { size, hidden } = window.look();
-    ctx.hidden = hidden;
+    let Look { size, occluded } = window.look();
+    ctx.occluded = occluded;
     if ctx.target.as_ref().is_some_and(|t| t.size() != size) {
         let mut extras = Extras::default();
         if let Some(old) = ctx.target.take() {

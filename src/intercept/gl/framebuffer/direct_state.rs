@@ -13,7 +13,7 @@ use crate::intercept::gl::offscreen::view_copies;
 
 /// Runs `run` with the program's framebuffers bound for drawing and reading; `None` = as it is.
 fn bound<R>(ctx: &mut Context, draw: Option<u32>, read: Option<u32>, run: impl FnOnce(&mut Context) -> R) -> R {
-    let before = [ctx.believed.draw_framebuffer, ctx.believed.read_framebuffer];
+    let before = [ctx.app.draw_framebuffer, ctx.app.read_framebuffer];
     let change = |ctx: &mut Context, target: u32, from: u32, to: u32| {
         if from != to {
             bindings::bind(ctx, target, to);
@@ -22,7 +22,7 @@ fn bound<R>(ctx: &mut Context, draw: Option<u32>, read: Option<u32>, run: impl F
     change(ctx, api::GL_DRAW_FRAMEBUFFER, before[0], draw.unwrap_or(before[0]));
     change(ctx, api::GL_READ_FRAMEBUFFER, before[1], read.unwrap_or(before[1]));
     let answer = run(ctx);
-    let now = [ctx.believed.draw_framebuffer, ctx.believed.read_framebuffer];
+    let now = [ctx.app.draw_framebuffer, ctx.app.read_framebuffer];
     change(ctx, api::GL_DRAW_FRAMEBUFFER, now[0], before[0]);
     change(ctx, api::GL_READ_FRAMEBUFFER, now[1], before[1]);
     answer

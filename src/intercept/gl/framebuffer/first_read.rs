@@ -5,7 +5,7 @@ use crate::correct::{Batch, OutputPass, PixelRect, Plan, Source};
 use crate::error::Result;
 use crate::intercept::gl::context::errors::{take_error, take_own_errors};
 use crate::intercept::gl::context::gl_context::Context;
-use crate::intercept::gl::framebuffer::canvas::Canvas;
+use crate::intercept::gl::framebuffer::own_framebuffer::OwnFramebuffer;
 use crate::intercept::gl::framebuffer::{first_read_color, first_read_depth};
 use crate::intercept::log;
 use crate::rig::{Camera, Filter, Transfer};
@@ -111,7 +111,7 @@ pub(in crate::intercept::gl) fn copy(
     let mut backend = GlBackend::new(gl, ctx.profile.es)?.with_cache(gl, crate::runtime::cache::of_process());
     backend.prepare(gl, plan, plan.views.panel.is_some())?;
     let [x, y, width, height] = tile;
-    let canvas = Canvas::new(gl, width, height);
+    let canvas = OwnFramebuffer::new(gl, width, height);
     backend.present(gl, atlas, &[Target { framebuffer: canvas.framebuffer, viewport: [0, 0, width, height] }]);
     // SAFETY: copies between framebuffers of ours; bindings and scissor test are put back.
     unsafe {

@@ -5,12 +5,12 @@ use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::context::list_recording;
 use crate::intercept::gl::framebuffer::read_back;
-use crate::intercept::gl::offscreen::{copies, sampling, view_copies};
+use crate::intercept::gl::offscreen::{blits, sampling, view_copies};
 use std::ffi::c_void;
 
 /// The texture that is bound at `target` where images of it are followed; 0 = none.
 fn bound(ctx: &Context, target: u32) -> u32 {
-    if ctx.duplicates.any() && !ctx.compiling() { sampling::bound(ctx.gl, target) } else { 0 }
+    if ctx.view_copies.any() && !ctx.compiling() { sampling::bound(ctx.gl, target) } else { 0 }
 }
 
 /// A level of a texture is given a size, and texels where `filled`.
@@ -34,7 +34,7 @@ fn stored(ctx: &mut Context, texture: u32) {
 
 /// The renderbuffer that is bound gets storage.
 fn stored_bound_renderbuffer(ctx: &mut Context) {
-    if ctx.duplicates.any() {
+    if ctx.view_copies.any() {
         let mut renderbuffer = 0;
         // SAFETY: writes one integer.
         unsafe { ctx.gl.get_integerv(api::GL_RENDERBUFFER_BINDING, &mut renderbuffer) };
@@ -51,12 +51,12 @@ fn copied(
     source: [i32; 4],
     issue: impl FnOnce(&mut Context),
 ) {
-    if texture != 0 && copies::into_texture(ctx, texture, level, offset, source) {
+    if texture != 0 && blits::into_texture(ctx, texture, level, offset, source) {
         return;
     }
     issue(ctx);
     if texture != 0 {
-        copies::noted_into_texture(ctx, texture, level, source);
+        blits::noted_into_texture(ctx, texture, level, source);
     }
 }
 
@@ -149,7 +149,7 @@ hooks! {
             });
         });
     "glDeleteTextures" delete_textures(count: i32, names: *const u32) = |ctx, gl| {
-        if ctx.duplicates.any() && !names.is_null() {
+        if ctx.view_copies.any() && !names.is_null() {
             for name in std::slice::from_raw_parts(names, usize::try_from(count).unwrap_or(0)) {
                 view_copies::forget_texture(ctx, *name);
             }
@@ -157,7 +157,7 @@ hooks! {
         gl.delete_textures(count, names);
     };
     "glDeleteRenderbuffers" delete_renderbuffers(count: i32, names: *const u32) = |ctx, gl| {
-        if ctx.duplicates.any() && !names.is_null() {
+        if ctx.view_copies.any() && !names.is_null() {
             for name in std::slice::from_raw_parts(names, usize::try_from(count).unwrap_or(0)) {
                 view_copies::forget_renderbuffer(ctx, *name);
             }

@@ -56,7 +56,7 @@ impl Cleared {
     }
 }
 
-/// The least part of all views' texels that has to be hidden for closing to pay.
+/// The least part of all views' texels that has to be unsampled for closing to pay.
 const LEAST_PART: f64 = 0.04;
 
 /// As many texels at least: closing costs as much as shading some ten thousand simple ones.
@@ -65,14 +65,14 @@ const LEAST_TEXELS: u64 = 1 << 17;
 /// Gives the backend what is to be closed of a plan; how many texels of each view that is, empty for nothing.
 pub fn prepare(gl: &Gl, backend: &mut GlBackend, plan: &Plan) -> Vec<u64> {
     let mask = settings::settings().map_or(Mask::Never, |settings| settings.mask);
-    let hidden =
+    let unsampled =
         if mask == Mask::Never { Vec::new() } else { correct::cached_unsampled_areas(plan, cache::of_process()) };
-    let texels: Vec<u64> = hidden.iter().map(|tiles| tiles.iter().map(Tile::area).sum()).collect();
+    let texels: Vec<u64> = unsampled.iter().map(|tiles| tiles.iter().map(Tile::area).sum()).collect();
     let all = plan.views.views.iter().map(|view| view.tile.area()).sum();
     if !worthwhile(mask, texels.iter().sum(), all) {
         return Vec::new();
     }
-    match backend.prepare_hidden(gl, &hidden.concat(), plan.views.atlas) {
+    match backend.prepare_hidden(gl, &unsampled.concat(), plan.views.atlas) {
         Ok(()) => texels,
         Err(error) => {
             log::once(&format!("what no output samples is drawn all the same: {error}"));
@@ -81,11 +81,11 @@ pub fn prepare(gl: &Gl, backend: &mut GlBackend, plan: &Plan) -> Vec<u64> {
     }
 }
 
-/// Whether `hidden` texels of `all` are to be closed.
-fn worthwhile(mask: Mask, hidden: u64, all: u64) -> bool {
+/// Whether `unsampled` texels of `all` are to be closed.
+fn worthwhile(mask: Mask, unsampled: u64, all: u64) -> bool {
     match mask {
-        Mask::Always => hidden > 0,
-        Mask::Auto => hidden >= LEAST_TEXELS && hidden as f64 >= LEAST_PART * all as f64,
+        Mask::Always => unsampled > 0,
+        Mask::Auto => unsampled >= LEAST_TEXELS && unsampled as f64 >= LEAST_PART * all as f64,
         Mask::Never => false,
     }
 }

@@ -12,8 +12,8 @@ const GREATEST: usize = 64;
 /// Whether the next draw fills the window; `Err`: it is to be measured, if it can be.
 pub fn fills(ctx: &mut Context, sampled: Set) -> Result<bool, Measure> {
     let program = ctx.program.as_ref().filter(|p| p.draws_vertices()).map_or(0, |p| p.name);
-    let signature = Signature { program, sampled, viewport: ctx.believed.viewport };
-    let kinds = &mut ctx.duplicates.coverage.0;
+    let signature = Signature { program, sampled, viewport: ctx.app.viewport };
+    let kinds = &mut ctx.view_copies.coverage.0;
     let index = match kinds.iter().position(|kind| kind.signature == signature) {
         Some(index) => index,
         None => {
@@ -39,7 +39,7 @@ pub fn fills(ctx: &mut Context, sampled: Set) -> Result<bool, Measure> {
 
 /// OpenGL counts samples, OpenGL ES does not; and a query of the program's must not be disturbed.
 fn can_measure(ctx: &Context) -> bool {
-    if ctx.profile.es || ctx.profile.version < 15 || ctx.counting.any() {
+    if ctx.profile.es || ctx.profile.version < 15 || ctx.queries.any() {
         return false;
     }
     let targets: &[u32] = match ctx.profile.version {
@@ -58,7 +58,7 @@ fn can_measure(ctx: &Context) -> bool {
 /// Without a measurement: what has the window's shape and is not small is taken for its picture.
 fn assumed(ctx: &Context, sampled: Set) -> bool {
     let Some(target) = &ctx.target else { return false };
-    let images = ctx.duplicates.images.iter().enumerate().take(64);
+    let images = ctx.view_copies.images.iter().enumerate().take(64);
     images.filter(|(i, _)| sampled >> i & 1 != 0).any(|(_, image)| {
         crate::intercept::scene::viewport::has_shape_of_window(
             image.size[0].into(),
@@ -83,7 +83,7 @@ pub fn measure(ctx: &mut Context, what: &Measure, issue: impl FnOnce(&mut Contex
     issue(ctx);
     // SAFETY: begun above.
     unsafe { gl.end_query(api::GL_SAMPLES_PASSED) };
-    match ctx.duplicates.coverage.0.get_mut(what.0) {
+    match ctx.view_copies.coverage.0.get_mut(what.0) {
         Some(kind) => kind.state = State::Measured(query, all),
         // SAFETY: an object of ours.
         None => unsafe { gl.delete_queries(1, &query) },

@@ -2,21 +2,21 @@
 
 use crate::backend::gl::api::{self, Gl};
 use crate::intercept::gl::context::gl_context::Context;
-use crate::intercept::gl::offscreen::copies::{End, resample, window_format};
+use crate::intercept::gl::offscreen::blits::{End, resample, window_format};
 use crate::intercept::gl::offscreen::target::each_view;
-use crate::intercept::gl::offscreen::view_copies::{own_cell, possible, supply, views};
+use crate::intercept::gl::offscreen::view_copies::{own_tile, possible, supply, views};
 use crate::intercept::gl::offscreen::{coverage, sampling};
 use crate::intercept::gl::per_view::{panel, window_space};
-use crate::intercept::gl::state::draw::{Changes, Place};
+use crate::intercept::gl::state::draw::{Changes, DrawClass};
 use crate::intercept::gl::state::offscreen::coverage::Measure;
 use crate::intercept::gl::state::offscreen::images::{Bindings, Set};
-use crate::intercept::gl::state::offscreen::single_sample::Canvas;
+use crate::intercept::gl::state::offscreen::single_sample::SingleSampleImage;
 use crate::intercept::gl::state::views::Views;
 use std::cell::Cell;
 
 /// What a flat draw to the window does.
 pub enum Shows {
-    /// It fills the window with duplicated pictures.
+    /// It fills the window with drawn once per view pictures.
     Pictures(Set),
     /// It is flat, and to be measured.
     Unknown(Measure),
@@ -26,7 +26,7 @@ pub enum Shows {
 
 /// Looks at a flat draw to the window, of which `main` tells whether it has the main viewport.
 pub fn look(ctx: &mut Context, main: bool) -> Shows {
-    if !ctx.duplicates.any() || !possible(ctx) {
+    if !ctx.view_copies.any() || !possible(ctx) {
         return Shows::Nothing;
     }
     let sampled = sampling::sampled(ctx);
@@ -37,17 +37,17 @@ pub fn look(ctx: &mut Context, main: bool) -> Shows {
     match fills {
         Err(measure) => Shows::Unknown(measure),
         Ok(true) => {
-            let mut twins = false;
-            for (_, image) in ctx.duplicates.images.iter_mut().enumerate().filter(|(i, _)| sampled >> i & 1 != 0) {
-                ctx.duplicates.learnt |= !image.shown;
-                image.shown = true;
-                twins |= image.twin.is_some();
+            let mut any_copy = false;
+            for (_, image) in ctx.view_copies.images.iter_mut().enumerate().filter(|(i, _)| sampled >> i & 1 != 0) {
+                ctx.view_copies.learnt |= !image.displayed;
+                image.displayed = true;
+                any_copy |= image.view_copy.is_some();
             }
-            if twins { Shows::Pictures(sampled) } else { Shows::Nothing }
+            if any_copy { Shows::Pictures(sampled) } else { Shows::Nothing }
         }
         Ok(false) => {
             // A picture in the picture is that of the program's own lens.
-            supply(ctx, sampled, own_cell(ctx));
+            supply(ctx, sampled, own_tile(ctx));
             Shows::Nothing
         }
     }
@@ -55,7 +55,7 @@ pub fn look(ctx: &mut Context, main: bool) -> Shows {
 
 /// Something else than a draw changed the window.
 pub fn window_changed(ctx: &mut Context) {
-    ctx.duplicates.shown.current = None;
+    ctx.view_copies.displayed.current = None;
 }
 
 /// Issues a draw that shows the images in `sampled`.
@@ -75,7 +75,7 @@ pub fn show(ctx: &mut Context, changes: Changes, sampled: Set, issue: &mut dyn F
             ctx.set_scissor(None);
             ctx.set_viewport(tile);
         }
-        Place::Flat
+        DrawClass::Flat
     });
 }
 
@@ -88,9 +88,9 @@ fn make_canvases(ctx: &mut Context) -> bool {
     }
     let size = [target.size().0 as i32, target.size().1 as i32];
     let (count, format) = (views(ctx), canvas_format(ctx));
-    while ctx.duplicates.shown.canvases.len() < count {
-        let Some(canvas) = Canvas::new(ctx.gl, size, format) else { return false };
-        ctx.duplicates.shown.canvases.push(canvas);
+    while ctx.view_copies.displayed.canvases.len() < count {
+        let Some(canvas) = SingleSampleImage::new(ctx.gl, size, format) else { return false };
+        ctx.view_copies.displayed.canvases.push(canvas);
     }
     true
 }
@@ -109,11 +109,11 @@ fn show_by_canvas(ctx: &mut Context, changes: Changes, sampled: Set, issue: &mut
     let (window, samples, format) = (target.framebuffer(), target.config().samples, window_format(ctx));
     let whole = [0, 0, target.size().0 as i32, target.size().1 as i32];
     // This draw is counted already.
-    let current = ctx.duplicates.shown.current.is_some_and(|number| number + 1 == ctx.counts.draws_seen);
+    let current = ctx.view_copies.displayed.current.is_some_and(|number| number + 1 == ctx.counts.draws_seen);
     let view_now = Cell::new(0);
     // Copies between a canvas and a view's tile; the canvas stays bound for drawing.
     let copy = |ctx: &mut Context, view: usize, to_view: bool| {
-        let (Some(canvas), Some(target)) = (ctx.duplicates.shown.canvases.get(view), &ctx.target) else { return };
+        let (Some(canvas), Some(target)) = (ctx.view_copies.displayed.canvases.get(view), &ctx.target) else { return };
         let (canvas, [x, y, width, height]) = (canvas.framebuffer(), target.session.tile(view).0);
         let tile = End { corners: [x, y, x + width, y + height], samples, format };
         let picture = End { corners: whole, samples: 0, format: canvas_format(ctx) };
@@ -142,14 +142,14 @@ fn show_by_canvas(ctx: &mut Context, changes: Changes, sampled: Set, issue: &mut
         if let Some(target) = &mut ctx.target {
             target.issued(view);
         }
-        if let Some(canvas) = ctx.duplicates.shown.canvases.get(view) {
+        if let Some(canvas) = ctx.view_copies.displayed.canvases.get(view) {
             // SAFETY: a framebuffer of ours in place of the window's, which is ours too and put back below.
             unsafe { ctx.gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, canvas.framebuffer()) };
         }
         window_space::own_window_space(ctx, whole);
-        Place::Flat
+        DrawClass::Flat
     });
     // SAFETY: what stands for the program's window.
     unsafe { ctx.gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, window) };
-    ctx.duplicates.shown.current = Some(ctx.counts.draws_seen);
+    ctx.view_copies.displayed.current = Some(ctx.counts.draws_seen);
 }

@@ -5,15 +5,15 @@ use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::offscreen::sampling;
 use crate::intercept::gl::offscreen::target::each_view;
 use crate::intercept::gl::offscreen::view_copies::{
-    cells, enter, leave, look, own_cell, possible, supply, views, wish, without_scissor,
+    copy_count, duplicate_mode, enter, leave, look, own_tile, possible, supply, views, without_scissor,
 };
-use crate::intercept::gl::per_view::classify::place_by_lens;
+use crate::intercept::gl::per_view::classify::classify_by_projection;
 use crate::intercept::gl::per_view::culling::select;
 use crate::intercept::gl::per_view::window_space::own_window_space;
 use crate::intercept::gl::state::bounds::Bounds;
-use crate::intercept::gl::state::draw::{Changes, Place};
-use crate::intercept::gl::state::offscreen::copies::Duplicates;
+use crate::intercept::gl::state::draw::{Changes, DrawClass};
 use crate::intercept::gl::state::offscreen::images::{Name, Set};
+use crate::intercept::gl::state::offscreen::view_copies::ViewCopies;
 use crate::intercept::gl::state::views::Views;
 use crate::intercept::scene::viewport;
 use crate::rig::Duplicate;
@@ -27,41 +27,41 @@ pub fn draw(
     bounds: impl FnOnce(&mut Context) -> Bounds,
     issue: &mut dyn FnMut(&mut Context, &Gl),
 ) -> bool {
-    if ctx.believed.draw_framebuffer == 0 || ctx.picking || ctx.discard || ctx.feedback || !possible(ctx) {
+    if ctx.app.draw_framebuffer == 0 || ctx.picking || ctx.discard || ctx.feedback || !possible(ctx) {
         leave(ctx);
         return false;
     }
     let index = look(ctx);
-    let place = place_by_lens(ctx);
+    let class = classify_by_projection(ctx);
     // What is drawn into the scene samples by places of its own, but for shaders that ask where on the
     // screen they are.
-    let by_place = ctx.program.as_ref().is_some_and(|program| program.asks_place);
-    let sampled = if place == Place::Flat || by_place { sampling::sampled(ctx) } else { 0 };
-    let attached = ctx.duplicates.attached(index);
+    let by_frag_coord = ctx.program.as_ref().is_some_and(|program| program.reads_frag_coord);
+    let sampled = if class == DrawClass::Flat || by_frag_coord { sampling::sampled(ctx) } else { 0 };
+    let attached = ctx.view_copies.attached(index);
     let sampled = sampled & !attached;
-    note(ctx, index, place, sampled);
+    note(ctx, index, class, sampled);
     if !enter(ctx, index) {
-        supply(ctx, sampled, own_cell(ctx));
+        supply(ctx, sampled, own_tile(ctx));
         return false;
     }
-    let shown = match ctx.counting.primitives() {
+    let shown = match ctx.queries.primitives() {
         true => Views::ALL,
-        false => select::views_off_screen(ctx, place, bounds, changes),
+        false => select::views_off_screen(ctx, class, bounds, changes),
     };
     let count = views(ctx);
-    ctx.duplicates.issued.count(shown, count);
-    if by_place && sampled != 0 {
-        draw_through(ctx, attached, place, sampled, (changes, shown), issue);
+    ctx.view_copies.issued.count(shown, count);
+    if by_frag_coord && sampled != 0 {
+        draw_through(ctx, attached, class, sampled, (changes, shown), issue);
     } else {
-        ctx.duplicates.changed(index);
-        let first = ctx.duplicates.framebuffers[index].images().next();
-        let Some(grid) = first.and_then(|name| Some(ctx.duplicates.image(name)?.twin.as_ref()?.cells)) else {
+        ctx.view_copies.changed(index);
+        let first = ctx.view_copies.framebuffers[index].images().next();
+        let Some(grid) = first.and_then(|name| Some(ctx.view_copies.image(name)?.view_copy.as_ref()?.grid)) else {
             return false;
         };
-        each_view(ctx, changes, cells(ctx), shown, issue, |ctx, view| {
+        each_view(ctx, changes, copy_count(ctx), shown, issue, |ctx, view| {
             supply(ctx, sampled, view);
-            own_window_space(ctx, grid.cell(view));
-            place
+            own_window_space(ctx, grid.tile(view));
+            class
         });
     }
     true
@@ -72,7 +72,7 @@ pub fn draw(
 fn draw_through(
     ctx: &mut Context,
     attached: Set,
-    place: Place,
+    class: DrawClass,
     sampled: Set,
     (changes, shown): (Changes, Views),
     issue: &mut dyn FnMut(&mut Context, &Gl),
@@ -82,18 +82,18 @@ fn draw_through(
     let mut through = |ctx: &mut Context, gl: &Gl| {
         issue(ctx, gl);
         without_scissor(ctx, |ctx| {
-            let images = ctx.duplicates.images.iter_mut().enumerate().take(64);
+            let images = ctx.view_copies.images.iter_mut().enumerate().take(64);
             for (_, image) in images.filter(|(i, _)| attached >> i & 1 != 0) {
                 image.store(gl, ctx.id, view_now.get());
             }
         });
     };
-    let count = cells(ctx);
+    let count = copy_count(ctx);
     each_view(ctx, changes, count, shown, &mut through, |ctx, view| {
         view_now.set(view);
         supply(ctx, sampled | attached, view);
         ctx.restore_window_space();
-        place
+        class
     });
     // Draws in perspective that sample these images by places of their own find the last view's content, whether it was
     // drawn to or not.
@@ -104,19 +104,20 @@ fn draw_through(
 }
 
 /// Remembers what a draw says about the framebuffer at `index`.
-fn note(ctx: &mut Context, index: usize, place: Place, sampled: Set) {
+fn note(ctx: &mut Context, index: usize, class: DrawClass, sampled: Set) {
     let Some(window) = ctx.session().map(Session::window) else { return };
-    let [_, _, width, height] = ctx.believed.viewport;
-    let alike = wish() == Duplicate::Always || viewport::has_shape_of_window(width.into(), height.into(), window);
-    let Duplicates { framebuffers, images, learnt, .. } = &mut ctx.duplicates;
-    if place == Place::Flat && sampled == 0 {
+    let [_, _, width, height] = ctx.app.viewport;
+    let alike =
+        duplicate_mode() == Duplicate::Always || viewport::has_shape_of_window(width.into(), height.into(), window);
+    let ViewCopies { framebuffers, images, learnt, .. } = &mut ctx.view_copies;
+    if class == DrawClass::Flat && sampled == 0 {
         return;
     }
     let names: [Option<Name>; 64] = std::array::from_fn(|i| images.get(i).map(|image| image.name));
     let sources = |set: Set| names.into_iter().enumerate().filter(move |(i, _)| set >> i & 1 != 0).filter_map(|n| n.1);
     for name in framebuffers[index].colours() {
         let Some(image) = images.iter_mut().find(|image| image.name == name) else { continue };
-        if place != Place::Flat {
+        if class != DrawClass::Flat {
             *learnt |= alike && !image.scene;
             image.scene |= alike;
             image.other_shape |= !alike;

@@ -1,6 +1,6 @@
 //! TODO-NOTE
 
-pub mod copies;
+pub mod blits;
 pub mod coverage;
 pub mod displayed;
 pub mod draws;

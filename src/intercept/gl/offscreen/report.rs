@@ -1,17 +1,17 @@
 //! What the statistics say of the program's framebuffers.
 
 use crate::intercept::gl::context::gl_context::Context;
-use crate::intercept::gl::offscreen::view_copies::{possible, wish};
+use crate::intercept::gl::offscreen::view_copies::{duplicate_mode, possible};
 use crate::intercept::gl::state::offscreen::framebuffers::Framebuffer;
 use crate::intercept::gl::state::offscreen::images::Image;
 use crate::rig::Duplicate;
 use std::collections::BTreeMap;
 
-/// How many framebuffers that the program drew to are duplicated, and why how many others are not.
+/// How many framebuffers that the program drew to are drawn once per view, and why how many others are not.
 pub fn status(ctx: &Context) -> (u64, BTreeMap<String, u64>) {
     let mut single: BTreeMap<String, u64> = BTreeMap::new();
     let mut duplicated = 0;
-    for framebuffer in &ctx.duplicates.framebuffers {
+    for framebuffer in &ctx.view_copies.framebuffers {
         match reason(ctx, framebuffer) {
             None => duplicated += 1,
             Some(reason) => *single.entry(reason.to_owned()).or_default() += 1,
@@ -22,23 +22,23 @@ pub fn status(ctx: &Context) -> (u64, BTreeMap<String, u64>) {
 
 /// How many draws to the program's framebuffers were issued once per view.
 pub fn draws(ctx: &Context) -> u64 {
-    ctx.duplicates.issued.draws
+    ctx.view_copies.issued.draws
 }
 
 /// For each view, without end: how many of them it got, and how many were left out of it.
 pub fn counts(ctx: &Context) -> impl Iterator<Item = [u64; 2]> + '_ {
-    (0..).map(|index| ctx.duplicates.issued.of_view(index))
+    (0..).map(|index| ctx.view_copies.issued.of_view(index))
 }
 
 /// Why a framebuffer is drawn once only.
 fn reason(ctx: &Context, framebuffer: &Framebuffer) -> Option<&'static str> {
-    if ctx.duplicates.is_duplicated(framebuffer) {
+    if ctx.view_copies.has_view_copies(framebuffer) {
         return None;
     }
-    let any = |test: fn(&Image) -> bool| framebuffer.colours().filter_map(|name| ctx.duplicates.image(name)).any(test);
+    let any = |test: fn(&Image) -> bool| framebuffer.colours().filter_map(|name| ctx.view_copies.image(name)).any(test);
     Some(match framebuffer.single {
         Some(reason) => reason,
-        None if wish() == Duplicate::Never => "duplicate is \"never\"",
+        None if duplicate_mode() == Duplicate::Never => "duplicate is \"never\"",
         None if !possible(ctx) => "the rig shows the program's own picture",
         None if framebuffer.colours().next().is_none() => "it has no colours, as a shadow map",
         None if any(|image| image.refused) => "the driver gives no copies of it",

@@ -55,7 +55,7 @@ pub fn bound(gl: &Gl, target: u32) -> u32 {
 
 /// The images that the next draw samples.
 pub fn sampled(ctx: &Context) -> Set {
-    let images = &ctx.duplicates.images;
+    let images = &ctx.view_copies.images;
     if !images.iter().any(|image| matches!(image.name, Name::Texture { .. })) {
         return 0;
     }

@@ -11,7 +11,7 @@ pub fn wanted(images: &[Image], always: bool) -> Vec<bool> {
         if image.scene || image.copies_window {
             graph.note_scene(image.name);
         }
-        if image.shown {
+        if image.displayed {
             graph.note_made(image.name, Made::Window);
         }
         for from in &image.reads {
@@ -37,11 +37,11 @@ mod tests {
     #[test]
     fn a_chain_is_wanted_and_what_hangs_beside_it_is_not() {
         let mut images = [
-            image(1, |i| i.shown = true),
+            image(1, |i| i.displayed = true),
             image(2, |i| i.scene = true),
             image(3, |i| i.scene = true),
             image(4, |i| i.reads = vec![Name::Renderbuffer(2)]),
-            image(5, |i| i.shown = true),
+            image(5, |i| i.displayed = true),
         ];
         assert_eq!(wanted(&images, false), [false; 5], "nothing leads from a scene to the window");
         images[0].reads = vec![Name::Renderbuffer(4), Name::Renderbuffer(1)];

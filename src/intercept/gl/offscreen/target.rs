@@ -4,7 +4,7 @@ use crate::backend::gl::api::Gl;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::per_view::issue::{Copies, Target, issue};
 use crate::intercept::gl::queries::scaling;
-use crate::intercept::gl::state::draw::{Changes, Place};
+use crate::intercept::gl::state::draw::{Changes, DrawClass};
 use crate::intercept::gl::state::views::Views;
 use crate::intercept::scene::query_weights::QueryWeights;
 use crate::runtime::session::Session;
@@ -15,7 +15,7 @@ struct CopiesPerView<F> {
     session: Option<Arc<Session>>,
     share: f64,
     /// What `prepare` said of the present view.
-    class: Place,
+    class: DrawClass,
     prepare: F,
 }
 
@@ -27,25 +27,25 @@ pub fn each_view(
     count: usize,
     shown: Views,
     draw: &mut dyn FnMut(&mut Context, &Gl),
-    prepare: impl Fn(&mut Context, usize) -> Place,
+    prepare: impl Fn(&mut Context, usize) -> DrawClass,
 ) {
     let session = ctx.target.as_ref().map(|target| target.session.clone()).or_else(|| ctx.lent.clone());
     let views = session.as_ref().map_or(0, |session| session.views().len());
-    let mut target = CopiesPerView { session, share: 1.0 / count.max(1) as f64, class: Place::Flat, prepare };
+    let mut target = CopiesPerView { session, share: 1.0 / count.max(1) as f64, class: DrawClass::Flat, prepare };
     issue(ctx, &Copies { changes, views, count, shown }, &mut target, draw);
 }
 
-impl<F: Fn(&mut Context, usize) -> Place> Target for CopiesPerView<F> {
-    fn prepare(&mut self, ctx: &mut Context, view: usize) -> Option<Place> {
+impl<F: Fn(&mut Context, usize) -> DrawClass> Target for CopiesPerView<F> {
+    fn prepare(&mut self, ctx: &mut Context, view: usize) -> Option<DrawClass> {
         self.class = (self.prepare)(ctx, view);
         let own = self.session.as_ref().map_or(0, |session| session.views().len());
         (view < own).then_some(self.class)
     }
 
-    fn weights(&self, ctx: &mut Context, _view: usize, class: Option<Place>) -> QueryWeights {
+    fn weights(&self, ctx: &mut Context, _view: usize, class: Option<DrawClass>) -> QueryWeights {
         let samples = match (self.class, &self.session) {
-            (Place::FixedScene | Place::Scene(_), Some(_)) if class.is_none() => 0.0,
-            (Place::FixedScene | Place::Scene(_), Some(session)) => scaling::scene_samples(ctx, session, true),
+            (DrawClass::FixedScene | DrawClass::Scene(_), Some(_)) if class.is_none() => 0.0,
+            (DrawClass::FixedScene | DrawClass::Scene(_), Some(session)) => scaling::scene_samples(ctx, session, true),
             _ => self.share,
         };
         QueryWeights { samples, primitives: self.share }

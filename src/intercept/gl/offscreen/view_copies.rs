@@ -1,14 +1,14 @@
 //! Scenes that a program draws off screen and then shows: each view gets a picture of its own.
 //!
 //! What the program's framebuffers get, sample and are copied to is remembered by their `images`. From the
-//! next frame on each image that lies between a scene and the window (`passes`) has a *twin* with a
-//! cell for each view, and framebuffers of ours with twins stand for the program's (`framebuffers`),
-//! so that draws of the scene change no framebuffer. Cells have the size of the program's own
-//! images: what it believes about them (size, texel, viewport) stays true. Before a flat draw that samples such an
-//! image (`sampling`) is issued to a view, the view's cell is copied into the program's own: filter, wrapping
+//! next frame on each image that lies between a scene and the window (`passes`) has a *view copy* with a
+//! tile for each view, and framebuffers of ours with view copies stand for the program's (`framebuffers`),
+//! so that draws of the scene change no framebuffer. TileGrid have the size of the program's own
+//! images: what it has set about them (size, texel, viewport) stays true. Before a flat draw that samples such an
+//! image (`sampling`) is issued to a view, the view's tile is copied into the program's own: filter, wrapping
 //! and sampler objects hold without being followed.
 //!
-//! `draws` issues draws to the twins, but for views that cannot show them. `shown` brings the pictures into the window's
+//! `draws` issues draws to the view copies, but for views that cannot show them. `shown` brings the pictures into the window's
 //! views, `copies` does for `glBlitFramebuffer` and its relatives what draws do, `coverage` tells the picture from a map in
 //! its corner.
 
@@ -17,21 +17,21 @@ use crate::intercept::gl::context::errors::{drop_errors, take_error, take_own_er
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::offscreen::scene_graph;
 use crate::intercept::gl::per_view::window_space::own_window_space;
-use crate::intercept::gl::state::offscreen::copies::Duplicates;
 use crate::intercept::gl::state::offscreen::framebuffers::{self, Framebuffer};
 use crate::intercept::gl::state::offscreen::images::{Image, Name, Pair, Set};
+use crate::intercept::gl::state::offscreen::view_copies::ViewCopies;
 use crate::intercept::{log, settings};
 use crate::lock::Lock;
 use crate::rig::Duplicate;
 
 /// What the user asked for.
-pub(super) fn wish() -> Duplicate {
+pub(super) fn duplicate_mode() -> Duplicate {
     settings::settings().map_or(Duplicate::Never, |settings| settings.rig.views.duplicate)
 }
 
 /// Whether there is anything to do: views of ours, which are not the program's own picture.
 pub(super) fn possible(ctx: &Context) -> bool {
-    wish() != Duplicate::Never && ctx.session().is_some_and(|s| s.views().iter().any(|v| !v.program_lens))
+    duplicate_mode() != Duplicate::Never && ctx.session().is_some_and(|s| s.views().iter().any(|v| !v.program_lens))
 }
 
 /// How many views there are.
@@ -43,18 +43,18 @@ pub(super) fn views(ctx: &Context) -> usize {
 pub fn collect(ctx: &mut Context) {
     let taken = ctx.share.off_screen.locked().take();
     let Some(taken) = taken else { return };
-    if !ctx.duplicates.images.is_empty() {
+    if !ctx.view_copies.images.is_empty() {
         // Those of a time when another thread had the group's.
         clear(ctx);
     }
-    ctx.duplicates.shared = true;
-    let own = &mut ctx.duplicates;
+    ctx.view_copies.shared = true;
+    let own = &mut ctx.view_copies;
     let stale = own.deleted != taken.deleted;
     (own.images, own.learnt, own.own_picture) = (taken.images, taken.learnt, taken.own_picture);
     (own.deleted, own.issued) = (taken.deleted, taken.issued);
     own.left.extend(taken.left);
     let (gl, id) = (ctx.gl, ctx.id);
-    ctx.duplicates.left.retain(|pair| {
+    ctx.view_copies.left.retain(|pair| {
         if pair.context == id {
             pair.destroy(gl);
         }
@@ -62,79 +62,79 @@ pub fn collect(ctx: &mut Context) {
     });
     if stale {
         leave(ctx);
-        ctx.duplicates.coverage.clear(gl);
-        for framebuffer in &mut ctx.duplicates.framebuffers {
+        ctx.view_copies.coverage.clear(gl);
+        for framebuffer in &mut ctx.view_copies.framebuffers {
             framebuffer.known = false;
-            framebuffer.destroy_twin(gl);
+            framebuffer.destroy_view_copy(gl);
         }
     }
 }
 
-/// Deletes the twin of an image.
-fn destroy_twin(image: &mut Image, gl: &Gl, context: u64, left: &mut Vec<Pair>, deleted: &mut u64) {
-    *deleted += u64::from(image.twin.is_some());
-    left.extend(image.destroy_twin(gl, context));
+/// Deletes the view copy of an image.
+fn destroy_view_copy(image: &mut Image, gl: &Gl, context: u64, left: &mut Vec<Pair>, deleted: &mut u64) {
+    *deleted += u64::from(image.view_copy.is_some());
+    left.extend(image.destroy_view_copy(gl, context));
 }
 
-/// How many cells twins have.
-pub(super) fn cells(ctx: &Context) -> usize {
-    views(ctx) + usize::from(ctx.duplicates.own_picture)
+/// How many tiles view copies have.
+pub(super) fn copy_count(ctx: &Context) -> usize {
+    views(ctx) + usize::from(ctx.view_copies.own_picture)
 }
 
-/// The cell that is the program's own picture, or nearest to it: that of the view ahead.
-pub(super) fn own_cell(ctx: &Context) -> usize {
+/// The tile that is the program's own picture, or nearest to it: that of the view ahead.
+pub(super) fn own_tile(ctx: &Context) -> usize {
     let ahead = || ctx.session().map_or(0, |session| session.ahead());
-    if ctx.duplicates.own_picture { views(ctx) } else { ahead() }
+    if ctx.view_copies.own_picture { views(ctx) } else { ahead() }
 }
 
 /// The program's draw framebuffer is bound itself again, for calls that name its binding.
 pub fn leave(ctx: &mut Context) {
-    if std::mem::take(&mut ctx.duplicates.bound) {
+    if std::mem::take(&mut ctx.view_copies.bound) {
         // SAFETY: what the program bound.
-        unsafe { ctx.gl.bind_framebuffer(crate::backend::gl::api::GL_DRAW_FRAMEBUFFER, ctx.believed.draw_framebuffer) };
+        unsafe { ctx.gl.bind_framebuffer(crate::backend::gl::api::GL_DRAW_FRAMEBUFFER, ctx.app.draw_framebuffer) };
         ctx.restore_window_space();
     }
 }
 
 /// The binding changed: nothing of ours stands in its place.
 pub fn rebound(ctx: &mut Context) -> bool {
-    std::mem::take(&mut ctx.duplicates.bound)
+    std::mem::take(&mut ctx.view_copies.bound)
 }
 
 /// Attachments or draw buffers of a framebuffer change: they are asked for again.
 pub fn forget(ctx: &mut Context, name: u32) {
-    let Some(index) = ctx.duplicates.position(name) else { return };
-    if ctx.believed.draw_framebuffer == name {
+    let Some(index) = ctx.view_copies.position(name) else { return };
+    if ctx.app.draw_framebuffer == name {
         leave(ctx);
     }
-    let framebuffer = &mut ctx.duplicates.framebuffers[index];
+    let framebuffer = &mut ctx.view_copies.framebuffers[index];
     framebuffer.known = false;
-    framebuffer.destroy_twin(ctx.gl);
+    framebuffer.destroy_view_copy(ctx.gl);
 }
 
 /// A framebuffer was deleted: its name is free.
 pub fn delete(ctx: &mut Context, name: u32) {
     forget(ctx, name);
-    ctx.duplicates.framebuffers.retain(|framebuffer| framebuffer.name != name);
+    ctx.view_copies.framebuffers.retain(|framebuffer| framebuffer.name != name);
 }
 
 /// The images for which `which` holds were deleted or got another size or format: they are new ones.
 fn forget_images(ctx: &mut Context, which: impl Fn(&Image) -> bool) {
-    while let Some(index) = ctx.duplicates.images.iter().position(&which) {
+    while let Some(index) = ctx.view_copies.images.iter().position(&which) {
         leave(ctx);
-        let mut image = ctx.duplicates.images.remove(index);
-        let Duplicates { left, deleted, .. } = &mut ctx.duplicates;
-        // Images have other places, even if it had no twin.
-        *deleted += u64::from(image.twin.is_none());
-        destroy_twin(&mut image, ctx.gl, ctx.id, left, deleted);
-        for framebuffer in &mut ctx.duplicates.framebuffers {
+        let mut image = ctx.view_copies.images.remove(index);
+        let ViewCopies { left, deleted, .. } = &mut ctx.view_copies;
+        // Images have other places, even if it had no view copy.
+        *deleted += u64::from(image.view_copy.is_none());
+        destroy_view_copy(&mut image, ctx.gl, ctx.id, left, deleted);
+        for framebuffer in &mut ctx.view_copies.framebuffers {
             if framebuffer.attachments.contains(&Some(image.name)) {
                 framebuffer.known = false;
-                framebuffer.destroy_twin(ctx.gl);
+                framebuffer.destroy_view_copy(ctx.gl);
             }
         }
         // They are known by their places in the list.
-        ctx.duplicates.coverage.clear(ctx.gl);
+        ctx.view_copies.coverage.clear(ctx.gl);
     }
 }
 
@@ -150,19 +150,19 @@ pub fn forget_renderbuffer(ctx: &mut Context, renderbuffer: u32) {
 
 /// Whether a texture is followed that has this size and format already, so that nothing changes.
 pub fn is_alike(ctx: &Context, texture: u32, level: i32, size: [i32; 2]) -> bool {
-    let images = ctx.duplicates.images.iter();
+    let images = ctx.view_copies.images.iter();
     let mut same = images.filter(|image| matches!(image.name, Name::Texture { level: own, .. } if own == level));
     same.any(|image| image.is_texture(texture) && image.size == size)
 }
 
 /// The program put texels of its own into a texture: they are in every view.
 pub fn uploaded(ctx: &mut Context, texture: u32) {
-    if !ctx.duplicates.images.iter().any(|image| image.is_texture(texture) && image.twin.is_some()) {
+    if !ctx.view_copies.images.iter().any(|image| image.is_texture(texture) && image.view_copy.is_some()) {
         return;
     }
-    let count = cells(ctx);
+    let count = copy_count(ctx);
     without_scissor(ctx, |ctx| {
-        for image in ctx.duplicates.images.iter_mut().filter(|image| image.is_texture(texture)) {
+        for image in ctx.view_copies.images.iter_mut().filter(|image| image.is_texture(texture)) {
             for index in 0..count {
                 image.store(ctx.gl, ctx.id, index);
             }
@@ -172,13 +172,13 @@ pub fn uploaded(ctx: &mut Context, texture: u32) {
 
 /// The program makes smaller pictures of a texture. `true`: they are made when it is sampled.
 pub fn mipmaps(ctx: &mut Context, texture: u32) -> bool {
-    let mut twin = false;
-    for image in ctx.duplicates.images.iter_mut().filter(|image| image.is_texture(texture)) {
+    let mut view_copy = false;
+    for image in ctx.view_copies.images.iter_mut().filter(|image| image.is_texture(texture)) {
         image.mipmapped = true;
         image.changed();
-        twin |= image.twin.is_some();
+        view_copy |= image.view_copy.is_some();
     }
-    twin
+    view_copy
 }
 
 /// The program is about to read a texture: it gets its own picture.
@@ -188,113 +188,113 @@ pub fn before_reading_texture(ctx: &mut Context, texture: u32) {
 
 /// The program is about to read its read framebuffer: it gets its own picture.
 pub fn before_reading_framebuffer(ctx: &mut Context) {
-    let Some(index) = ctx.duplicates.position(ctx.believed.read_framebuffer) else { return };
-    let attachments = ctx.duplicates.framebuffers[index].attachments;
+    let Some(index) = ctx.view_copies.position(ctx.app.read_framebuffer) else { return };
+    let attachments = ctx.view_copies.framebuffers[index].attachments;
     before_reading(ctx, |image| attachments.contains(&Some(image.name)));
 }
 
 fn before_reading(ctx: &mut Context, which: impl Fn(&Image) -> bool) {
     let mut set = 0;
-    for (i, image) in ctx.duplicates.images.iter_mut().enumerate().take(64).filter(|(_, image)| which(image)) {
-        ctx.duplicates.learnt |= !image.read_back;
+    for (i, image) in ctx.view_copies.images.iter_mut().enumerate().take(64).filter(|(_, image)| which(image)) {
+        ctx.view_copies.learnt |= !image.read_back;
         image.read_back = true;
         set |= 1 << i;
     }
-    supply(ctx, set, own_cell(ctx));
+    supply(ctx, set, own_tile(ctx));
 }
 
 /// The views changed: all is learnt anew.
 pub fn clear(ctx: &mut Context) {
     leave(ctx);
     let gl = ctx.gl;
-    for mut framebuffer in std::mem::take(&mut ctx.duplicates.framebuffers) {
-        framebuffer.destroy_twin(gl);
+    for mut framebuffer in std::mem::take(&mut ctx.view_copies.framebuffers) {
+        framebuffer.destroy_view_copy(gl);
     }
-    let Duplicates { images, left, deleted, issued, .. } = &mut ctx.duplicates;
+    let ViewCopies { images, left, deleted, issued, .. } = &mut ctx.view_copies;
     *deleted += 1;
     issued.forget_views();
     for mut image in images.drain(..) {
-        destroy_twin(&mut image, gl, ctx.id, left, deleted);
+        destroy_view_copy(&mut image, gl, ctx.id, left, deleted);
     }
-    ctx.duplicates.coverage.clear(gl);
-    for canvas in std::mem::take(&mut ctx.duplicates.canvases) {
+    ctx.view_copies.coverage.clear(gl);
+    for canvas in std::mem::take(&mut ctx.view_copies.canvases) {
         canvas.destroy(gl);
     }
-    std::mem::take(&mut ctx.duplicates.shown).destroy(gl);
+    std::mem::take(&mut ctx.view_copies.displayed).destroy(gl);
 }
 
-/// A frame ended: what was seen to lie between a scene and the window gets its twin.
+/// A frame ended: what was seen to lie between a scene and the window gets its view copy.
 pub fn end_frame(ctx: &mut Context) {
     let gl = ctx.gl;
-    let Duplicates { coverage, images, learnt, .. } = &mut ctx.duplicates;
+    let ViewCopies { coverage, images, learnt, .. } = &mut ctx.view_copies;
     *learnt |= coverage.end_frame(gl, |set| {
         for image in images.iter_mut().enumerate().take(64).filter(|(i, _)| set >> i & 1 != 0).map(|(_, image)| image) {
-            image.shown = true;
+            image.displayed = true;
         }
     });
-    if !std::mem::take(&mut ctx.duplicates.learnt) || !possible(ctx) {
+    if !std::mem::take(&mut ctx.view_copies.learnt) || !possible(ctx) {
         return;
     }
-    let wanted = scene_graph::wanted(&ctx.duplicates.images, wish() == Duplicate::Always);
-    let mut images = ctx.duplicates.images.iter().zip(&wanted);
-    if !ctx.duplicates.own_picture && images.any(|(image, wanted)| *wanted && image.read_back) {
+    let wanted = scene_graph::wanted(&ctx.view_copies.images, duplicate_mode() == Duplicate::Always);
+    let mut images = ctx.view_copies.images.iter().zip(&wanted);
+    if !ctx.view_copies.own_picture && images.any(|(image, wanted)| *wanted && image.read_back) {
         leave(ctx);
-        ctx.duplicates.own_picture = true;
-        let Duplicates { images, left, deleted, .. } = &mut ctx.duplicates;
+        ctx.view_copies.own_picture = true;
+        let ViewCopies { images, left, deleted, .. } = &mut ctx.view_copies;
         for image in images {
-            destroy_twin(image, gl, ctx.id, left, deleted);
+            destroy_view_copy(image, gl, ctx.id, left, deleted);
         }
-        for framebuffer in &mut ctx.duplicates.framebuffers {
-            framebuffer.destroy_twin(gl);
+        for framebuffer in &mut ctx.view_copies.framebuffers {
+            framebuffer.destroy_view_copy(gl);
         }
     }
     for index in (0..wanted.len()).filter(|index| wanted[*index]) {
-        make_twin(ctx, index);
+        make_view_copy(ctx, index);
     }
 }
 
-/// Makes the twin of the image at `index`, if it has none yet.
-fn make_twin(ctx: &mut Context, index: usize) -> bool {
-    let image = &ctx.duplicates.images[index];
-    if image.twin.is_some() || image.refused {
-        return image.twin.is_some();
+/// Makes the view copy of the image at `index`, if it has none yet.
+fn make_view_copy(ctx: &mut Context, index: usize) -> bool {
+    let image = &ctx.view_copies.images[index];
+    if image.view_copy.is_some() || image.refused {
+        return image.view_copy.is_some();
     }
     leave(ctx);
     take_error(ctx);
-    let count = cells(ctx);
+    let count = copy_count(ctx);
     without_scissor(ctx, |ctx| {
-        let image = &mut ctx.duplicates.images[index];
-        image.refused = !image.make_twin(ctx.gl, ctx.id, count);
+        let image = &mut ctx.view_copies.images[index];
+        image.refused = !image.make_view_copy(ctx.gl, ctx.id, count);
     });
-    if ctx.duplicates.images[index].refused {
+    if ctx.view_copies.images[index].refused {
         // Whatever the driver said about it is answered by this.
         drop_errors(ctx.gl);
         log::once("a scene that the program draws off screen is shown flat: the driver gives no copies of it");
     }
     take_own_errors(ctx);
-    !ctx.duplicates.images[index].refused
+    !ctx.view_copies.images[index].refused
 }
 
 /// Runs `run`, which copies, with the scissor test off.
 pub(super) fn without_scissor(ctx: &mut Context, run: impl FnOnce(&mut Context)) {
     ctx.set_scissor(None);
     run(ctx);
-    if !ctx.redirected() && !ctx.duplicates.bound {
+    if !ctx.redirected() && !ctx.view_copies.bound {
         ctx.restore_window_space();
     }
 }
 
 /// What is known of the program's draw framebuffer, which is asked for where it is not.
 pub(super) fn look(ctx: &mut Context) -> usize {
-    let name = ctx.believed.draw_framebuffer;
-    let index = ctx.duplicates.position(name).unwrap_or_else(|| {
-        ctx.duplicates.framebuffers.push(Framebuffer::new(name));
-        ctx.duplicates.framebuffers.len() - 1
+    let name = ctx.app.draw_framebuffer;
+    let index = ctx.view_copies.position(name).unwrap_or_else(|| {
+        ctx.view_copies.framebuffers.push(Framebuffer::new(name));
+        ctx.view_copies.framebuffers.len() - 1
     });
-    if !ctx.duplicates.framebuffers[index].known {
+    if !ctx.view_copies.framebuffers[index].known {
         leave(ctx);
         take_error(ctx);
-        let Duplicates { framebuffers, images, .. } = &mut ctx.duplicates;
+        let ViewCopies { framebuffers, images, .. } = &mut ctx.view_copies;
         framebuffers[index].examine(ctx.gl, images);
         // Questions that a driver need not know are nobody's errors.
         drop_errors(ctx.gl);
@@ -302,58 +302,58 @@ pub(super) fn look(ctx: &mut Context) -> usize {
     index
 }
 
-/// Puts the twin of the program's draw framebuffer, which is at `index`, in its place. `false`: it has none.
+/// Puts the view copy of the program's draw framebuffer, which is at `index`, in its place. `false`: it has none.
 pub(super) fn enter(ctx: &mut Context, index: usize) -> bool {
-    if ctx.duplicates.bound {
+    if ctx.view_copies.bound {
         return true;
     }
-    if !ctx.duplicates.is_duplicated(&ctx.duplicates.framebuffers[index]) {
+    if !ctx.view_copies.has_view_copies(&ctx.view_copies.framebuffers[index]) {
         return false;
     }
-    if ctx.duplicates.framebuffers[index].twin == 0 && !make_framebuffer(ctx, index) {
+    if ctx.view_copies.framebuffers[index].view_copy == 0 && !make_framebuffer(ctx, index) {
         return false;
     }
-    ctx.duplicates.bound = true;
-    let twin = ctx.duplicates.framebuffers[index].twin;
+    ctx.view_copies.bound = true;
+    let view_copy = ctx.view_copies.framebuffers[index].view_copy;
     // SAFETY: a framebuffer of ours; `leave` puts the program's back.
-    unsafe { ctx.gl.bind_framebuffer(crate::backend::gl::api::GL_DRAW_FRAMEBUFFER, twin) };
+    unsafe { ctx.gl.bind_framebuffer(crate::backend::gl::api::GL_DRAW_FRAMEBUFFER, view_copy) };
     true
 }
 
-/// Makes the framebuffer that stands for the one at `index`, with twins of all that is attached.
+/// Makes the framebuffer that stands for the one at `index`, with view copies of all that is attached.
 pub(super) fn make_framebuffer(ctx: &mut Context, index: usize) -> bool {
-    let attached = ctx.duplicates.framebuffers[index].attachments;
+    let attached = ctx.view_copies.framebuffers[index].attachments;
     let places: [Option<usize>; framebuffers::COLOURS + 2] =
-        attached.map(|name| name.and_then(|name| ctx.duplicates.images.iter().position(|image| image.name == name)));
-    let mut complete = places.into_iter().flatten().all(|place| make_twin(ctx, place));
+        attached.map(|name| name.and_then(|name| ctx.view_copies.images.iter().position(|image| image.name == name)));
+    let mut complete = places.into_iter().flatten().all(|place| make_view_copy(ctx, place));
     take_error(ctx);
     if complete {
-        let Duplicates { framebuffers, images, .. } = &mut ctx.duplicates;
-        let twin_of = |name| {
+        let ViewCopies { framebuffers, images, .. } = &mut ctx.view_copies;
+        let view_copy_of = |name| {
             let image = images.iter().find(|image| image.name == name);
-            image.and_then(|image| image.twin.as_ref()).map(|twin| twin.renderbuffer)
+            image.and_then(|image| image.view_copy.as_ref()).map(|view_copy| view_copy.renderbuffer)
         };
-        complete = framebuffers[index].make_twin(ctx.gl, twin_of);
+        complete = framebuffers[index].make_view_copy(ctx.gl, view_copy_of);
         drop_errors(ctx.gl);
     }
     if !complete {
-        ctx.duplicates.framebuffers[index].single = Some("the driver gives no copies of it");
+        ctx.view_copies.framebuffers[index].single = Some("the driver gives no copies of it");
         log::once("a scene that the program draws off screen is shown flat: the driver gives no copies of it");
     }
     complete
 }
 
-/// Copies cell `view` of the images in `set` into the program's own.
+/// Copies tile `view` of the images in `set` into the program's own.
 pub(super) fn supply(ctx: &mut Context, set: Set, view: usize) {
-    let has_twin = |ctx: &Context| {
-        let images = ctx.duplicates.images.iter().enumerate().take(64);
-        images.filter(|(i, _)| set >> i & 1 != 0).any(|(_, image)| image.twin.is_some())
+    let has_view_copy = |ctx: &Context| {
+        let images = ctx.view_copies.images.iter().enumerate().take(64);
+        images.filter(|(i, _)| set >> i & 1 != 0).any(|(_, image)| image.view_copy.is_some())
     };
-    if set == 0 || !has_twin(ctx) {
+    if set == 0 || !has_view_copy(ctx) {
         return;
     }
     without_scissor(ctx, |ctx| {
-        let images = ctx.duplicates.images.iter_mut().enumerate().take(64);
+        let images = ctx.view_copies.images.iter_mut().enumerate().take(64);
         for (_, image) in images.filter(|(i, _)| set >> i & 1 != 0) {
             image.supply(ctx.gl, ctx.id, view);
         }
@@ -362,25 +362,25 @@ pub(super) fn supply(ctx: &mut Context, set: Set, view: usize) {
 
 /// A clear of a framebuffer of the program's. `false`: it is single.
 pub fn clear_with(ctx: &mut Context, issue: &dyn Fn(&Gl)) -> bool {
-    if ctx.believed.draw_framebuffer == 0 || ctx.picking || !possible(ctx) {
+    if ctx.app.draw_framebuffer == 0 || ctx.picking || !possible(ctx) {
         return false;
     }
     let index = look(ctx);
     if !enter(ctx, index) {
         return false;
     }
-    ctx.duplicates.changed(index);
+    ctx.view_copies.changed(index);
     let gl = ctx.gl;
-    if !ctx.believed.scissor_test {
+    if !ctx.app.scissor_test {
         ctx.set_scissor(None);
         issue(gl);
         return true;
     }
-    let first = ctx.duplicates.framebuffers[index].images().next();
-    let grid = first.and_then(|name| Some(ctx.duplicates.image(name)?.twin.as_ref()?.cells));
-    for view in 0..cells(ctx) {
+    let first = ctx.view_copies.framebuffers[index].images().next();
+    let grid = first.and_then(|name| Some(ctx.view_copies.image(name)?.view_copy.as_ref()?.grid));
+    for view in 0..copy_count(ctx) {
         if let Some(grid) = grid {
-            own_window_space(ctx, grid.cell(view));
+            own_window_space(ctx, grid.tile(view));
             issue(gl);
         }
     }

@@ -12,7 +12,7 @@ pub fn is_behind(ctx: &mut Context) -> bool {
     }
     let Some(target) = &ctx.target else { return false };
     let (width, height) = target.size();
-    let [x, y, across, up] = ctx.believed.scissor.map(i64::from);
+    let [x, y, across, up] = ctx.app.scissor.map(i64::from);
     let whole = x <= 0 && y <= 0 && x + across >= width.into() && y + up >= height.into();
-    (whole || !ctx.believed.scissor_test) && ctx.background.prepare(&target.session, &ctx.projection.matrix)
+    (whole || !ctx.app.scissor_test) && ctx.background.prepare(&target.session, &ctx.projection.matrix)
 }

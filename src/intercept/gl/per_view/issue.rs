@@ -7,7 +7,7 @@ use crate::intercept::gl::projected_vertices::lens;
 use crate::intercept::gl::queries::scaling;
 use crate::intercept::gl::shader::programs;
 use crate::intercept::gl::state::attribute_stack;
-use crate::intercept::gl::state::draw::{Changes, Place};
+use crate::intercept::gl::state::draw::{Changes, DrawClass};
 use crate::intercept::gl::state::variants::{InUse, Variant};
 use crate::intercept::gl::state::views::Views;
 use crate::intercept::scene::query_weights::QueryWeights;
@@ -18,10 +18,10 @@ use std::sync::Arc;
 pub trait Target {
     /// Sets the window space for `view` and returns the class that it is drawn with. `None`: it is
     /// the program's own picture, with the program's own matrices.
-    fn prepare(&mut self, ctx: &mut Context, view: usize) -> Option<Place>;
+    fn prepare(&mut self, ctx: &mut Context, view: usize) -> Option<DrawClass>;
 
     /// Weights of the view in the program's queries.
-    fn weights(&self, ctx: &mut Context, view: usize, class: Option<Place>) -> QueryWeights;
+    fn weights(&self, ctx: &mut Context, view: usize, class: Option<DrawClass>) -> QueryWeights;
 
     /// Notes that the draw went to `view`.
     fn issued(&mut self, _ctx: &mut Context, _view: usize) {}
@@ -61,7 +61,7 @@ pub fn issue(ctx: &mut Context, copies: &Copies, target: &mut dyn Target, draw: 
             continue;
         }
         let class = target.prepare(ctx, view);
-        if ctx.counting.any() {
+        if ctx.queries.any() {
             let weights = target.weights(ctx, view, class);
             scaling::weigh(ctx, weights);
         }
@@ -80,7 +80,7 @@ pub fn issue(ctx: &mut Context, copies: &Copies, target: &mut dyn Target, draw: 
 /// the primitives of the draw, if something does.
 fn load_view(
     ctx: &mut Context,
-    class: Option<Place>,
+    class: Option<DrawClass>,
     view: usize,
     projection_loaded: &mut bool,
 ) -> Option<(Arc<Variant>, InUse)> {
@@ -90,19 +90,19 @@ fn load_view(
             plain_program(ctx);
             restore_projection(ctx, projection_loaded);
         }
-        Some(Place::Flat) => plain_program(ctx),
-        Some(Place::Scene(camera)) => {
+        Some(DrawClass::Flat) => plain_program(ctx),
+        Some(DrawClass::Scene(camera)) => {
             let rows = ctx.cameras.get(camera).and_then(|camera| camera.rows.get(view)).copied()?;
             return load_rows(ctx, view, &rows);
         }
-        Some(Place::Background) if in_program() => {
+        Some(DrawClass::Background) if in_program() => {
             let rows = ctx.background.shader_rows(view).copied()?;
             return load_rows(ctx, view, &rows);
         }
         Some(class) => {
             plain_program(ctx);
             let matrix = match class {
-                Place::Background => ctx.background.projection(view),
+                DrawClass::Background => ctx.background.projection(view),
                 _ => ctx.projection.per_view.get(view),
             };
             if let Some(matrix) = matrix {

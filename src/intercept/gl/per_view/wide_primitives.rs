@@ -10,28 +10,28 @@ use crate::intercept::gl::state::primitives::{Patch, Shape};
 
 /// Finds out whether the next draw may leave its tile.
 pub fn look(ctx: &mut Context) {
-    let shape = std::mem::take(&mut ctx.outlines.shape);
-    ctx.outlines.drawn = shape;
-    ctx.outlines.patch = match ctx.outlines.mode.take() {
+    let shape = std::mem::take(&mut ctx.wide_primitives.shape);
+    ctx.wide_primitives.drawn = shape;
+    ctx.wide_primitives.patch = match ctx.wide_primitives.mode.take() {
         Some(api::GL_TRIANGLES) => Some(Patch::Triangles),
         Some(api::GL_LINES) => Some(Patch::Lines),
         Some(api::GL_QUADS) => Some(Patch::Quads),
         _ => None,
     };
     let emits = ctx.program.as_ref().is_some_and(|p| p.stages() & api::GL_GEOMETRY_SHADER_BIT != 0);
-    let wide = ctx.widest.exceeds_gutter();
-    ctx.outlines.cut = match shape {
+    let wide = ctx.max_width.exceeds_gutter();
+    ctx.wide_primitives.cut = match shape {
         _ if emits => wide,
         Shape::Unknown | Shape::Lines => wide,
         // Shaders of OpenGL ES always set the size of points.
         Shape::Points => wide || ctx.profile.es,
-        Shape::Triangles | Shape::Filled => wide && ctx.outlines.polygons,
+        Shape::Triangles | Shape::Filled => wide && ctx.wide_primitives.polygons,
     };
 }
 
 hooks! {
     "glPolygonMode" polygon_mode(face: u32, mode: u32) = |ctx, gl| {
-        ctx.outlines.polygons |= mode != api::GL_FILL;
+        ctx.wide_primitives.polygons |= mode != api::GL_FILL;
         gl.polygon_mode(face, mode);
     };
 }

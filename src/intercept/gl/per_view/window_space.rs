@@ -4,12 +4,12 @@ use crate::intercept::gl::context::gl_context::Context;
 
 /// The program's own viewport and scissor, moved to a tile of the window's size and kept inside it.
 pub fn own_window_space(ctx: &mut Context, tile: [i32; 4]) {
-    let [x, y, width, height] = ctx.believed.viewport;
+    let [x, y, width, height] = ctx.app.viewport;
     ctx.set_viewport([tile[0] + x, tile[1] + y, width, height]);
     let inside = x >= 0 && y >= 0 && x + width <= tile[2] && y + height <= tile[3];
-    let scissor = if ctx.believed.scissor_test {
-        Some(intersect(ctx.believed.scissor, tile))
-    } else if inside && !ctx.outlines.cut {
+    let scissor = if ctx.app.scissor_test {
+        Some(intersect(ctx.app.scissor, tile))
+    } else if inside && !ctx.wide_primitives.cut {
         None
     } else {
         Some(tile)

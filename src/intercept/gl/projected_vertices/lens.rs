@@ -18,8 +18,8 @@ use std::sync::Arc;
 
 /// What divides the draw that is being issued, the best first; points need not be divided.
 fn kinds(ctx: &Context) -> [Option<Kind>; 2] {
-    let patch = ctx.outlines.patch.filter(|_| tessellation_asked_for());
-    let input = match ctx.outlines.drawn {
+    let patch = ctx.wide_primitives.patch.filter(|_| tessellation_asked_for());
+    let input = match ctx.wide_primitives.drawn {
         Shape::Triangles => Some(Input::Triangles),
         Shape::Lines => Some(Input::Lines),
         _ => None,
@@ -41,8 +41,8 @@ pub fn begin(
     division: Option<Division>,
 ) -> Option<(Arc<Variant>, InUse)> {
     let (lens, division) = (lens?, division?);
-    if ctx.fixed.processor == Processor::Divides {
-        ctx.fixed.view = Some((division, *rows));
+    if ctx.fixed_function.processor == Processor::Divides {
+        ctx.fixed_function.view = Some((division, *rows));
         return None;
     }
     // Feedback records what the program's own stages make.

@@ -72,7 +72,7 @@ impl Variant {
                 gl.get_integerv(api::GL_PATCH_VERTICES, &mut vertices);
                 gl.patch_parameteri(api::GL_PATCH_VERTICES, own);
             }
-            ctx.outlines.as_patches = true;
+            ctx.wide_primitives.as_patches = true;
         }
         InUse(counter, vertices)
     }
@@ -80,7 +80,7 @@ impl Variant {
     /// Puts the program's own in use again.
     pub fn end(&self, ctx: &mut Context, in_use: &InUse) {
         if self.patch.is_some() {
-            ctx.outlines.as_patches = false;
+            ctx.wide_primitives.as_patches = false;
             // SAFETY: as `begin` found it.
             unsafe { ctx.gl.patch_parameteri(api::GL_PATCH_VERTICES, in_use.1) };
         }

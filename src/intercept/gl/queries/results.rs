@@ -4,12 +4,12 @@ use crate::backend::gl::api;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::{hooks, list_recording};
 use crate::intercept::gl::queries::scaling::{begin, end, invalid};
-use crate::intercept::gl::state::query_scaling::{Count, available};
+use crate::intercept::gl::state::queries::{Count, available};
 use crate::intercept::gl::vertex_input::buffers;
 
 /// Whether the program's query runs, which is an error where its result is asked for.
 fn refuses(ctx: &mut Context, name: u32) -> bool {
-    let runs = ctx.counting.running.iter().any(|r| r.name == name);
+    let runs = ctx.queries.running.iter().any(|r| r.name == name);
     if runs {
         invalid(ctx);
     }
@@ -18,13 +18,13 @@ fn refuses(ctx: &mut Context, name: u32) -> bool {
 
 /// What the program asks of a query whose result is in several objects; `None`: the driver answers.
 fn answer(ctx: &mut Context, name: u32, what: u32) -> Option<u64> {
-    let count = ctx.counting.split.get(&name)?;
+    let count = ctx.queries.split.get(&name)?;
     let ready = || count.parts.iter().all(|part| available(ctx.gl, part.0));
     // Questions of ours write numbers, wherever the program wants its own answer.
     let buffer = unbind_results(ctx);
     let answer = match what {
-        api::GL_QUERY_RESULT => Some(count.total(ctx.gl, ctx.counting.wide)),
-        api::GL_QUERY_RESULT_NO_WAIT if ready() => Some(count.total(ctx.gl, ctx.counting.wide)),
+        api::GL_QUERY_RESULT => Some(count.total(ctx.gl, ctx.queries.wide)),
+        api::GL_QUERY_RESULT_NO_WAIT if ready() => Some(count.total(ctx.gl, ctx.queries.wide)),
         api::GL_QUERY_RESULT_AVAILABLE => Some(u64::from(ready())),
         _ => None,
     };
@@ -71,20 +71,20 @@ unsafe fn write<T>(ctx: &Context, value: T, values: *mut T) {
 
 /// The program's name for the query of this kind that runs, if the driver has another object.
 fn current(ctx: &Context, target: u32, index: u32) -> Option<u32> {
-    ctx.counting.running.iter().find(|r| r.target == target && r.index == index).map(|r| r.name)
+    ctx.queries.running.iter().find(|r| r.target == target && r.index == index).map(|r| r.name)
 }
 
 /// Queries were deleted.
 fn forget(ctx: &mut Context, names: &[u32]) {
     let gl = ctx.gl;
     for name in names.iter().filter(|name| **name != 0) {
-        if let Some(number) = ctx.counting.running.iter().position(|r| r.name == *name) {
-            let mut running = ctx.counting.running.swap_remove(number);
+        if let Some(number) = ctx.queries.running.iter().position(|r| r.name == *name) {
+            let mut running = ctx.queries.running.swap_remove(number);
             running.end_part(gl);
-            ctx.counting.give_back(&running.before, *name);
+            ctx.queries.give_back(&running.before, *name);
         }
-        if let Some(count) = ctx.counting.split.remove(name) {
-            ctx.counting.give_back(&count, *name);
+        if let Some(count) = ctx.queries.split.remove(name) {
+            ctx.queries.give_back(&count, *name);
         }
     }
 }
@@ -92,11 +92,11 @@ fn forget(ctx: &mut Context, names: &[u32]) {
 /// Objects of ours are nothing to the program.
 fn is_own(ctx: &Context, name: u32) -> bool {
     let part = |count: &Count, of: u32| name != of && count.parts.iter().any(|part| part.0 == name);
-    ctx.counting.own.iter().any(|own| own.1 == name)
-        || ctx.counting.fresh.contains(&name)
-        || ctx.counting.split.iter().any(|(of, count)| part(count, *of))
+    ctx.queries.own.iter().any(|own| own.1 == name)
+        || ctx.queries.fresh.contains(&name)
+        || ctx.queries.split.iter().any(|(of, count)| part(count, *of))
         || ctx
-            .counting
+            .queries
             .running
             .iter()
             .any(|r| part(&r.before, r.name) || r.now.is_some_and(|n| n.0 == name && name != r.name))

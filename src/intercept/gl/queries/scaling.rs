@@ -13,15 +13,15 @@
 use crate::backend::gl::api;
 use crate::intercept::gl::context::errors::take_error;
 use crate::intercept::gl::context::gl_context::Context;
-use crate::intercept::gl::state::query_scaling::{Count, Running, begin_real, end_real, kind, quantity, result};
+use crate::intercept::gl::state::queries::{Count, Running, begin_real, end_real, kind, quantity, result};
 use crate::intercept::scene::query_weights::{QueryWeights, weight};
 use crate::runtime::Session;
 
 /// The next draw counts with these weights.
 pub fn weigh(ctx: &mut Context, weights: QueryWeights) {
     let gl = ctx.gl;
-    for number in 0..ctx.counting.running.len() {
-        let running = &mut ctx.counting.running[number];
+    for number in 0..ctx.queries.running.len() {
+        let running = &mut ctx.queries.running[number];
         let wanted = weights.of(quantity(running.target));
         match &mut running.now {
             Some((_, weight)) if weight.is_none_or(|w| w == wanted) && wanted > 0.0 => *weight = Some(wanted),
@@ -29,7 +29,7 @@ pub fn weigh(ctx: &mut Context, weights: QueryWeights) {
             _ => {
                 running.end_part(gl);
                 if wanted > 0.0 {
-                    ctx.counting.begin_part(gl, number, Some(wanted));
+                    ctx.queries.begin_part(gl, number, Some(wanted));
                 }
             }
         }
@@ -40,21 +40,21 @@ pub fn weigh(ctx: &mut Context, weights: QueryWeights) {
 /// many as it has. `off_screen`: each view has as many samples as that picture.
 pub fn scene_samples(ctx: &mut Context, session: &Session, off_screen: bool) -> f64 {
     let Some(lens) = ctx.lens else { return 1.0 };
-    let seen = Some((lens, ctx.believed.viewport, off_screen));
-    if ctx.counting.seen != seen {
-        let [_, _, width, height] = ctx.believed.viewport.map(f64::from);
+    let seen = Some((lens, ctx.app.viewport, off_screen));
+    if ctx.queries.seen != seen {
+        let [_, _, width, height] = ctx.app.viewport.map(f64::from);
         let own = width * height;
-        ctx.counting.worth = weight(own, session.samples(&lens, own, off_screen));
-        ctx.counting.seen = seen;
+        ctx.queries.worth = weight(own, session.samples(&lens, own, off_screen));
+        ctx.queries.seen = seen;
     }
-    ctx.counting.worth
+    ctx.queries.worth
 }
 
 /// `glBeginQuery`, `glBeginQueryIndexed`.
 pub fn begin(ctx: &mut Context, target: u32, index: u32, name: u32) {
     let gl = ctx.gl;
     let collides = |r: &Running| (kind(r.target) == kind(target) && r.index == index) || r.name == name;
-    if ctx.counting.running.iter().any(collides) {
+    if ctx.queries.running.iter().any(collides) {
         // The driver may have another object of that kind now, or none.
         return invalid(ctx);
     }
@@ -63,12 +63,12 @@ pub fn begin(ctx: &mut Context, target: u32, index: u32, name: u32) {
     // SAFETY: asks for the error flag. Whether the driver takes the query is told by that only.
     match unsafe { gl.get_error() } {
         api::GL_NO_ERROR => {
-            if let Some(old) = ctx.counting.split.remove(&name) {
-                ctx.counting.give_back(&old, name);
+            if let Some(old) = ctx.queries.split.remove(&name) {
+                ctx.queries.give_back(&old, name);
             }
-            ctx.counting.wide = !ctx.profile.es && ctx.profile.version >= 33;
+            ctx.queries.wide = !ctx.profile.es && ctx.profile.version >= 33;
             let before = Count { target, ..Count::default() };
-            ctx.counting.running.push(Running { target, index, name, now: Some((name, None)), before });
+            ctx.queries.running.push(Running { target, index, name, now: Some((name, None)), before });
         }
         error if ctx.pending_error == api::GL_NO_ERROR => ctx.pending_error = error,
         _ => {}
@@ -78,16 +78,16 @@ pub fn begin(ctx: &mut Context, target: u32, index: u32, name: u32) {
 /// `glEndQuery`, `glEndQueryIndexed`.
 pub fn end(ctx: &mut Context, target: u32, index: u32) {
     let gl = ctx.gl;
-    let Some(number) = ctx.counting.running.iter().position(|r| r.target == target && r.index == index) else {
+    let Some(number) = ctx.queries.running.iter().position(|r| r.target == target && r.index == index) else {
         // An error of the program's, for the driver to say.
         end_real(gl, target, index);
         return;
     };
-    let mut running = ctx.counting.running.swap_remove(number);
+    let mut running = ctx.queries.running.swap_remove(number);
     running.end_part(gl);
     let Running { name, before, .. } = running;
     if before.sum > 0.0 || before.parts != [(name, 1.0)] {
-        ctx.counting.split.insert(name, before);
+        ctx.queries.split.insert(name, before);
     }
 }
 
@@ -99,8 +99,7 @@ pub(super) fn invalid(ctx: &mut Context) {
 
 /// The object that conditional rendering goes by, in place of the program's query: one that saw something.
 pub fn condition(ctx: &Context, name: u32) -> u32 {
-    let seen = |count: &Count| {
-        count.parts.iter().find(|part| result(ctx.gl, ctx.counting.wide, part.0) > 0).map(|part| part.0)
-    };
-    ctx.counting.split.get(&name).and_then(seen).unwrap_or(name)
+    let seen =
+        |count: &Count| count.parts.iter().find(|part| result(ctx.gl, ctx.queries.wide, part.0) > 0).map(|part| part.0);
+    ctx.queries.split.get(&name).and_then(seen).unwrap_or(name)
 }

@@ -7,13 +7,13 @@ use crate::intercept::gl::shader::programs;
 use std::ffi::c_char;
 
 /// Index of our uniform among the program's active ones.
-fn hidden(ctx: &Context, program: u32) -> Option<u32> {
-    programs::record(ctx, program)?.hidden
+fn own_uniform(ctx: &Context, program: u32) -> Option<u32> {
+    programs::record(ctx, program)?.own_uniform
 }
 
 /// The driver's index for the program's, which does not count ours.
 fn shifted(ctx: &Context, program: u32, index: u32) -> u32 {
-    match hidden(ctx, program) {
+    match own_uniform(ctx, program) {
         Some(ours) if index >= ours => index + 1,
         _ => index,
     }
@@ -46,7 +46,7 @@ unsafe fn renumber(ours: Option<u32>, count: i32, indices: *mut i32) {
 hooks! {
     "glGetProgramiv" get_programiv(program: u32, name: u32, value: *mut i32) = |ctx, gl| {
         gl.get_programiv(program, name, value);
-        if !value.is_null() && hidden(ctx, program).is_some() {
+        if !value.is_null() && own_uniform(ctx, program).is_some() {
             match name {
                 api::GL_ACTIVE_UNIFORMS => *value -= 1,
                 // A program that keeps binaries would keep our uniform, and miss it without us.
@@ -57,7 +57,7 @@ hooks! {
     };
     "glGetObjectParameterivARB" get_object_parameteriv_arb(object: u32, name: u32, value: *mut i32) = |ctx, gl| {
         gl.get_object_parameteriv_arb(object, name, value);
-        if name == api::GL_OBJECT_ACTIVE_UNIFORMS_ARB && !value.is_null() && hidden(ctx, object).is_some() {
+        if name == api::GL_OBJECT_ACTIVE_UNIFORMS_ARB && !value.is_null() && own_uniform(ctx, object).is_some() {
             *value -= 1;
         }
     };
@@ -66,7 +66,7 @@ hooks! {
     "glGetActiveUniformName" get_active_uniform_name(program: u32, index: u32, room: i32, length: *mut i32, name: *mut c_char) = |ctx, gl|
         gl.get_active_uniform_name(program, shifted(ctx, program, index), room, length, name);
     "glGetActiveUniformsiv" get_active_uniformsiv(program: u32, count: i32, indices: *const u32, what: u32, values: *mut i32) = |ctx, gl| {
-        if hidden(ctx, program).is_none() || indices.is_null() {
+        if own_uniform(ctx, program).is_none() || indices.is_null() {
             gl.get_active_uniformsiv(program, count, indices, what, values);
         } else {
             let given = std::slice::from_raw_parts(indices, usize::try_from(count).unwrap_or(0));
@@ -76,26 +76,26 @@ hooks! {
     };
     "glGetUniformIndices" get_uniform_indices(program: u32, count: i32, names: *const *const c_char, indices: *mut u32) = |ctx, gl| {
         gl.get_uniform_indices(program, count, names, indices);
-        renumber(hidden(ctx, program), count, indices.cast());
+        renumber(own_uniform(ctx, program), count, indices.cast());
     };
     "glGetActiveUniformBlockiv" get_active_uniform_blockiv(program: u32, block: u32, what: u32, values: *mut i32) = |ctx, gl| {
         gl.get_active_uniform_blockiv(program, block, what, values);
         if what == api::GL_UNIFORM_BLOCK_ACTIVE_UNIFORM_INDICES {
             let mut count = 0;
             gl.get_active_uniform_blockiv(program, block, api::GL_UNIFORM_BLOCK_ACTIVE_UNIFORMS, &mut count);
-            renumber(hidden(ctx, program), count, values);
+            renumber(own_uniform(ctx, program), count, values);
         }
     };
     "glGetProgramInterfaceiv" get_program_interfaceiv(program: u32, interface: u32, name: u32, values: *mut i32) = |ctx, gl| {
         gl.get_program_interfaceiv(program, interface, name, values);
         let counted = interface == api::GL_UNIFORM && name == api::GL_ACTIVE_RESOURCES && !values.is_null();
-        if counted && hidden(ctx, program).is_some() {
+        if counted && own_uniform(ctx, program).is_some() {
             *values -= 1;
         }
     };
     "glGetProgramResourceIndex" get_program_resource_index(program: u32, interface: u32, name: *const c_char) -> u32 = |ctx, gl| {
         let index = gl.get_program_resource_index(program, interface, name);
-        match hidden(ctx, program) {
+        match own_uniform(ctx, program) {
             Some(ours) if interface == api::GL_UNIFORM => unshifted(ours, index),
             _ => index,
         }
@@ -109,11 +109,11 @@ hooks! {
             let mut one = 0;
             let of_block = [api::GL_NUM_ACTIVE_VARIABLES];
             gl.get_program_resourceiv(program, interface, index, 1, of_block.as_ptr(), 1, std::ptr::null_mut(), &mut one);
-            renumber(hidden(ctx, program), one.min(room), values);
+            renumber(own_uniform(ctx, program), one.min(room), values);
         }
     };
     "glGetProgramBinary" get_program_binary(program: u32, room: i32, length: *mut i32, format: *mut u32, binary: *mut std::ffi::c_void) = |ctx, gl| {
-        if hidden(ctx, program).is_none() {
+        if own_uniform(ctx, program).is_none() {
             gl.get_program_binary(program, room, length, format, binary);
         } else {
             // As where a driver has no format for binaries, which is what we say.

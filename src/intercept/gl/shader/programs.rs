@@ -222,7 +222,7 @@ fn link(ctx: &mut Context, program: u32) {
     let texts = if methods::asked_for() { texts.collect() } else { Vec::new() };
     let mut record = read_program(gl, &ctx.profile, program, linked, stages, fixed_matrices);
     record.texts = texts;
-    record.asks_place = fragments.any(|source| patch::mentions(source, "gl_FragCoord"));
+    record.reads_frag_coord = fragments.any(|source| patch::mentions(source, "gl_FragCoord"));
     let mut vertices = shaders.iter().filter(|s| s.1 != api::GL_FRAGMENT_SHADER);
     if let (Some((shader, api::GL_VERTEX_SHADER)), None) = (vertices.next(), vertices.next())
         && let Some(source) = sources.get(shader)
@@ -331,17 +331,17 @@ fn read_program(gl: &Gl, profile: &Profile, name: u32, patched: bool, stages: u3
     let half = CString::new(format!("{}[{}]", projection::UNIFORM, projection::ROWS)).unwrap_or_default();
     // SAFETY: as above.
     let lens_location = if location >= 0 { unsafe { gl.get_uniform_location(name, half.as_ptr()) } } else { -1 };
-    let (uniforms, hidden) = uniforms::read(gl, profile, name, projection::UNIFORM);
+    let (uniforms, own_uniform) = uniforms::read(gl, profile, name, projection::UNIFORM);
     Program {
         name,
         location,
         lens_location,
-        hidden,
+        own_uniform,
         stages,
         fixed_matrices,
         samplers: samplers::of_program(gl, name),
         position: None,
-        asks_place: false,
+        reads_frag_coord: false,
         uniforms: Mutex::new(uniforms),
         uploaded: Mutex::default(),
         texts: Vec::new(),

@@ -5,7 +5,7 @@ use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::shader::{program_pipelines, programs};
 use crate::intercept::gl::state::profile::Profile;
 use crate::intercept::gl::state::programs::Program;
-use crate::intercept::gl::state::uniforms::{Matrix, Place, Uniforms};
+use crate::intercept::gl::state::uniforms::{Matrix, MatrixLocation, Uniforms};
 use crate::intercept::lens::{rank, transposed};
 use crate::lock::Lock;
 use std::ffi::{CStr, c_char};
@@ -16,7 +16,7 @@ const LONGEST: i32 = 8;
 /// The 4×4 matrices of a linked program, and the index of the uniform called `ours`.
 pub fn read(gl: &Gl, profile: &Profile, program: u32, ours: &str) -> (Uniforms, Option<u32>) {
     let mut uniforms = Uniforms { generation: u64::MAX, ..Uniforms::default() };
-    let mut hidden = None;
+    let mut own_uniform = None;
     let mut count = 0;
     // SAFETY: writes one integer.
     unsafe { gl.get_programiv(program, api::GL_ACTIVE_UNIFORMS, &mut count) };
@@ -30,7 +30,7 @@ pub fn read(gl: &Gl, profile: &Profile, program: u32, ours: &str) -> (Uniforms, 
         };
         let shown = name.to_string_lossy();
         if shown.strip_suffix("[0]").unwrap_or(&shown) == ours {
-            hidden = Some(index);
+            own_uniform = Some(index);
         }
         if kind != api::GL_FLOAT_MAT4 || shown.starts_with("gl_") {
             continue;
@@ -38,7 +38,7 @@ pub fn read(gl: &Gl, profile: &Profile, program: u32, ours: &str) -> (Uniforms, 
         // SAFETY: a NUL-terminated name.
         let location = unsafe { gl.get_uniform_location(program, name.as_ptr()) };
         let place = if location >= 0 {
-            Some(Place::Uniform(location))
+            Some(MatrixLocation::Uniform(location))
         } else if profile.version >= 31 || (profile.es && profile.version >= 30) {
             block_place(gl, program, index)
         } else {
@@ -54,15 +54,15 @@ pub fn read(gl: &Gl, profile: &Profile, program: u32, ours: &str) -> (Uniforms, 
                 // SAFETY: a 4×4 matrix is sixteen floats.
                 unsafe { gl.get_uniformfv(program, location + element, value.as_mut_ptr()) };
             }
-            let place = place.take().unwrap_or(Place::Uniform(location + element));
+            let place = place.take().unwrap_or(MatrixLocation::Uniform(location + element));
             let value = value.map(f64::from);
             uniforms.matrices.push(Matrix { place, rank: rank(&shown), value, name: (*shown).into(), read: None });
         }
     }
-    (uniforms, hidden)
+    (uniforms, own_uniform)
 }
 
-fn block_place(gl: &Gl, program: u32, index: u32) -> Option<Place> {
+fn block_place(gl: &Gl, program: u32, index: u32) -> Option<MatrixLocation> {
     let ask = |what: u32| {
         let mut answer = -1;
         // SAFETY: one index in, one integer out.
@@ -73,7 +73,7 @@ fn block_place(gl: &Gl, program: u32, index: u32) -> Option<Place> {
     let mut binding = 0;
     // SAFETY: writes one integer.
     unsafe { gl.get_active_uniform_blockiv(program, block, api::GL_UNIFORM_BLOCK_BINDING, &mut binding) };
-    Some(Place::Block {
+    Some(MatrixLocation::Block {
         binding: u32::try_from(binding).ok()?,
         offset: usize::try_from(ask(api::GL_UNIFORM_OFFSET)).ok()?,
         stride: usize::try_from(ask(api::GL_UNIFORM_MATRIX_STRIDE)).ok()?,

@@ -15,7 +15,7 @@ pub enum Changes {
 
 /// Where a draw belongs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Place {
+pub enum DrawClass {
     /// The scene, with the fixed-function projection.
     FixedScene,
     /// The scene, with the camera of this index.

@@ -21,7 +21,7 @@ pub enum Processor {
 
 /// What stands in for the pipeline in a context.
 #[derive(Default)]
-pub struct Fixed {
+pub struct FixedFunction {
     /// What the processor does with the draw that is being issued.
     pub processor: Processor,
     /// How the processor divides for the view that is drawn now, and the rows that lead to it.
@@ -35,7 +35,7 @@ pub struct Fixed {
     pub(in crate::intercept::gl) in_use: Option<Vec<u32>>,
 }
 
-impl Fixed {
+impl FixedFunction {
     /// The switches may have changed.
     pub fn touch(&mut self) {
         self.known = None;

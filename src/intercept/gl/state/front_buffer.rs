@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 /// How often flushes were answered lately.
 #[derive(Default)]
-pub struct Pace {
+pub struct FrontBufferThrottle {
     begun: Option<Instant>,
     shown: u32,
 }
@@ -15,7 +15,7 @@ pub(in crate::intercept::gl) const SPAN: Duration = Duration::from_millis(16);
 /// More flushes in a span than this are those of a program that flushes after each primitive.
 pub(in crate::intercept::gl) const MOST: u32 = 8;
 
-impl Pace {
+impl FrontBufferThrottle {
     /// Whether one more frame may be shown `now`.
     pub(in crate::intercept::gl) fn allows(&mut self, now: Instant) -> bool {
         if self.begun.is_none_or(|begun| now.duration_since(begun) > SPAN) {
@@ -28,13 +28,13 @@ impl Pace {
 
 #[cfg(test)]
 mod tests {
-    use super::{MOST, Pace, SPAN};
+    use super::{FrontBufferThrottle, MOST, SPAN};
     use std::time::Instant;
 
     #[test]
     fn a_flush_after_each_primitive_is_slowed_down_and_a_single_one_never() {
         let start = Instant::now();
-        let mut pace = Pace::default();
+        let mut pace = FrontBufferThrottle::default();
         assert_eq!((0..1000).filter(|_| pace.allows(start)).count(), MOST as usize);
         assert!((1..50).all(|i| pace.allows(start + (SPAN * 2) * i)));
     }

@@ -2,15 +2,15 @@
 
 /// What is wider than a pixel reaches into views that do not show its middle.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Widest(f32);
+pub struct MaxWidth(f32);
 
-impl Default for Widest {
+impl Default for MaxWidth {
     fn default() -> Self {
         Self(1.0)
     }
 }
 
-impl Widest {
+impl MaxWidth {
     /// The program set a point's or a line's width. It counts for good: a display list, or a pop of
     /// attributes, may bring it back at any time.
     pub fn note(&mut self, width: f32) {

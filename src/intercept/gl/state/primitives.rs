@@ -37,7 +37,7 @@ impl Shape {
 
 /// How the program draws outlines.
 #[derive(Default)]
-pub struct Outlines {
+pub struct WidePrimitives {
     /// What the next draw consists of, where its hook knows.
     pub shape: Shape,
     /// What the draw that is being issued consists of.
@@ -54,7 +54,7 @@ pub struct Outlines {
     pub cut: bool,
 }
 
-impl Outlines {
+impl WidePrimitives {
     /// What a hook issues a draw of `mode` as.
     pub fn issued(&self, mode: u32) -> u32 {
         if self.as_patches { api::GL_PATCHES } else { mode }

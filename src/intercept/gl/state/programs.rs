@@ -25,8 +25,8 @@ pub struct Program {
     pub(in crate::intercept::gl) location: i32,
     /// Where the lens of a view goes; −1 = all views are perspective ones.
     pub(in crate::intercept::gl) lens_location: i32,
-    /// Index of our uniform among the active ones, to be hidden.
-    pub hidden: Option<u32>,
+    /// Index of our uniform among the active ones, to be own_uniform.
+    pub own_uniform: Option<u32>,
     /// The bits of its stages that lie before rasterisation, as for `glUseProgramStages`.
     pub(in crate::intercept::gl) stages: u32,
     /// It uses the fixed-function matrices.
@@ -36,7 +36,7 @@ pub struct Program {
     /// Where its vertices are, where that is proven.
     pub position: Option<Position>,
     /// Its fragments ask where on the screen they are.
-    pub asks_place: bool,
+    pub reads_frag_coord: bool,
     /// Its 4×4 matrices.
     pub uniforms: Mutex<Uniforms>,
     pub(in crate::intercept::gl) uploaded: Mutex<Uploaded>,

@@ -2,7 +2,7 @@
 
 /// Where the raster position belongs.
 #[derive(Clone, Default)]
-pub struct Raster {
+pub struct RasterPosition {
     pub(in crate::intercept::gl) scene: Option<ScenePosition>,
     /// The origin of the tile in whose pixels the driver has it; the program has it in its window's.
     pub(in crate::intercept::gl) origin: [i32; 2],
@@ -10,7 +10,7 @@ pub struct Raster {
     pub(in crate::intercept::gl) projections: Vec<[f64; 16]>,
 }
 
-impl Raster {
+impl RasterPosition {
     /// The origin of the window in the driver's raster position.
     pub fn origin(&self) -> [i32; 2] {
         self.origin

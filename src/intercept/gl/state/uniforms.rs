@@ -16,7 +16,7 @@ pub struct Uniforms {
 }
 
 pub(in crate::intercept::gl) struct Matrix {
-    pub(in crate::intercept::gl) place: Place,
+    pub(in crate::intercept::gl) place: MatrixLocation,
     /// How much its name promises: the lower, the sooner it is believed.
     pub(in crate::intercept::gl) rank: u8,
     pub(in crate::intercept::gl) value: [f64; 16],
@@ -25,7 +25,7 @@ pub(in crate::intercept::gl) struct Matrix {
     pub(in crate::intercept::gl) read: Option<(u32, u64)>,
 }
 
-pub(in crate::intercept::gl) enum Place {
+pub(in crate::intercept::gl) enum MatrixLocation {
     /// Its location.
     Uniform(i32),
     /// Binding point of its block, offset in bytes, distance between columns in bytes, row by row.
@@ -61,11 +61,11 @@ impl Uniforms {
     pub fn matrix(&self, number: usize, buffers: &Buffers) -> Option<[f64; 16]> {
         let matrix = self.matrices.get(number)?;
         match (&matrix.place, matrix.read) {
-            (Place::Uniform(_), _) => Some(matrix.value),
-            (Place::Block { .. }, Some((buffer, version))) => {
+            (MatrixLocation::Uniform(_), _) => Some(matrix.value),
+            (MatrixLocation::Block { .. }, Some((buffer, version))) => {
                 buffers.content(buffer).filter(|content| content.0 == version).map(|_| matrix.value)
             }
-            (Place::Block { .. }, None) => None,
+            (MatrixLocation::Block { .. }, None) => None,
         }
     }
 
@@ -82,7 +82,7 @@ impl Uniforms {
         self.live = false;
         for matrix in &mut self.matrices {
             matrix.read = None;
-            if let Place::Block { binding, offset, stride, row_major } = matrix.place
+            if let MatrixLocation::Block { binding, offset, stride, row_major } = matrix.place
                 && let Some((value, mapped, buffer)) = block_matrix(gl, binding, offset, stride)
             {
                 self.live |= mapped;
@@ -98,7 +98,7 @@ impl Uniforms {
     /// A matrix was set by its location.
     pub(in crate::intercept::gl) fn set(&mut self, location: i32, value: &[f64; 16]) {
         for matrix in &mut self.matrices {
-            if matches!(matrix.place, Place::Uniform(at) if at == location) && matrix.value != *value {
+            if matches!(matrix.place, MatrixLocation::Uniform(at) if at == location) && matrix.value != *value {
                 matrix.value = *value;
                 self.lens = None;
             }

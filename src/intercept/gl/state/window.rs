@@ -44,7 +44,7 @@ pub struct Look {
     /// Its size in pixels, at least 1 × 1.
     pub size: (u32, u32),
     /// Nothing of it can be seen: it, or a window that it lies in, is not mapped. Known of X11 windows only.
-    pub hidden: bool,
+    pub occluded: bool,
 }
 
 const GLX_WIDTH: c_int = 0x801D;
@@ -74,7 +74,7 @@ impl Window {
             None => self.asked_size(),
         };
         let size = (width.clamp(1, 16384), height.clamp(1, 16384));
-        Look { size, hidden: x11.is_some_and(|x11| x11.map_state != IS_VIEWABLE) }
+        Look { size, occluded: x11.is_some_and(|x11| x11.map_state != IS_VIEWABLE) }
     }
 
     /// Its size in pixels, at least 1 × 1.

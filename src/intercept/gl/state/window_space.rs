@@ -2,7 +2,7 @@
 
 /// The program's view of its window-space state.
 #[derive(Clone, Debug)]
-pub struct Believed {
+pub struct AppState {
     /// The program's draw framebuffer, 0 = its window.
     pub draw_framebuffer: u32,
     /// The program's read framebuffer.
@@ -23,7 +23,7 @@ pub struct Believed {
 
 /// What is really set in the driver, where known; saves redundant calls.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Actual {
+pub struct DriverState {
     /// The real viewport.
     pub viewport: Option<[i32; 4]>,
     /// The real scissor rectangle.

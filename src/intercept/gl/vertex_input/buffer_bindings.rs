@@ -13,11 +13,11 @@ pub fn buffer(ctx: &mut Context, target: u32) -> Option<u32> {
         return Some(vertex_arrays::elements(ctx));
     }
     let place = place(target)?;
-    if let Some(name) = ctx.bound.names[place] {
+    if let Some(name) = ctx.buffer_bindings.names[place] {
         return Some(name);
     }
     let name = ask(ctx, TARGETS[place].1);
-    ctx.bound.names[place] = Some(name);
+    ctx.buffer_bindings.names[place] = Some(name);
     Some(name)
 }
 
@@ -41,6 +41,6 @@ pub fn note(ctx: &mut Context, target: u32, name: u32) {
     if target == api::GL_ELEMENT_ARRAY_BUFFER {
         vertex_arrays::note_elements(ctx, bound);
     } else if let Some(place) = place(target) {
-        ctx.bound.names[place] = bound;
+        ctx.buffer_bindings.names[place] = bound;
     }
 }

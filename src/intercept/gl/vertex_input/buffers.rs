@@ -80,7 +80,7 @@ fn bound_to(ctx: &mut Context, target: u32, name: u32) {
     if is_written_to(target) {
         written_by_device(ctx, name);
     }
-    ctx.bound.forget_one(target);
+    ctx.buffer_bindings.forget_one(target);
     uniform_blocks::buffer_bound(ctx, target, name);
 }
 
@@ -187,7 +187,7 @@ hooks! {
         }
         gl.delete_buffers(count, names);
         // They are taken out of what they were bound to.
-        ctx.bound.forget();
+        ctx.buffer_bindings.forget();
         ctx.vertex_arrays.forget();
     };
     "glBindBuffer" bind_buffer(target: u32, buffer: u32) = |ctx, gl| {

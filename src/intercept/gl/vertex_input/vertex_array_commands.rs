@@ -242,14 +242,14 @@ macro_rules! array_commands {
             "glPopClientAttrib" pop_client_attrib() = |ctx, gl| {
                 gl.pop_client_attrib();
                 ctx.vertex_arrays.forget();
-                ctx.bound.forget();
+                ctx.buffer_bindings.forget();
                 ctx.known_state.forget_switch(api::GL_PRIMITIVE_RESTART);
             };
         }
     };
     (@changed $ctx:ident all) => {{
         $ctx.vertex_arrays.forget();
-        $ctx.bound.forget();
+        $ctx.buffer_bindings.forget();
         $ctx.known_state.forget_switch(api::GL_PRIMITIVE_RESTART);
     }};
     (@changed $ctx:ident $object:ident) => { $ctx.vertex_arrays.forget_object($object) };

@@ -4,9 +4,9 @@
 use crate::backend::gl::api;
 use crate::intercept::gl::context::gl_context::Context;
 
-/// The program cleared all views' colours by `glClear`, to what it believes to have set.
+/// The program cleared all views' colours by `glClear`, to what it has set to have set.
 pub fn note_clear(ctx: &mut Context) {
-    let unconditional = ctx.condition.is_none() && !ctx.discard && ctx.believed.draw_buffer != api::GL_NONE;
+    let unconditional = ctx.condition.is_none() && !ctx.discard && ctx.app.draw_buffer != api::GL_NONE;
     let (gl, state) = (ctx.gl, &ctx.known_state);
     let srgb = ctx.target.as_ref().is_some_and(|t| t.config().srgb);
     // OpenGL ES converts wherever the window can.

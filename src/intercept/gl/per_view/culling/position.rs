@@ -3,7 +3,7 @@
 use crate::correct::projected::matrices::ReprojectionMatrix;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::matrices;
-use crate::intercept::gl::state::draw::Place;
+use crate::intercept::gl::state::draw::DrawClass;
 use crate::intercept::gl::state::programs::{Array, Factor, Position, Program};
 use crate::intercept::gl::state::projection::multiply;
 use crate::intercept::gl::vertex_input::buffers;
@@ -74,16 +74,16 @@ pub fn array(ctx: &Context) -> Option<(Array, usize)> {
     }
 }
 
-/// What takes positions of the scene at `place` to the program's eye or clip coordinates, whichever the views' own
+/// What takes positions of the scene at `class` to the program's eye or clip coordinates, whichever the views' own
 /// transforms start from; `None`: not known.
-pub fn transform(ctx: &mut Context, place: Place) -> Option<Transform> {
-    match place {
-        Place::FixedScene => (!ctx.assembly).then(|| Transform::of(&matrices::model_view(ctx))),
-        Place::Scene(_) => {
+pub fn transform(ctx: &mut Context, class: DrawClass) -> Option<Transform> {
+    match class {
+        DrawClass::FixedScene => (!ctx.assembly).then(|| Transform::of(&matrices::model_view(ctx))),
+        DrawClass::Scene(_) => {
             let program = ctx.program.clone().filter(|program| ctx.pipelines.used == program.name)?;
             clip(ctx, &program, program.position.as_ref()?)
         }
-        Place::Flat | Place::Background => None,
+        DrawClass::Flat | DrawClass::Background => None,
     }
 }
 
@@ -108,11 +108,11 @@ fn clip(ctx: &mut Context, program: &Program, position: &Position) -> Option<Tra
 }
 
 /// What takes them from there to the clip coordinates of the view `index`.
-pub fn of_view(ctx: &Context, place: Place, index: usize) -> Option<View> {
-    match place {
-        Place::FixedScene => ctx.projection.per_view.get(index).map(View::of),
-        Place::Scene(camera) => ctx.cameras.get(camera)?.rows.get(index).map(View::of_rows),
-        Place::Flat | Place::Background => None,
+pub fn of_view(ctx: &Context, class: DrawClass, index: usize) -> Option<View> {
+    match class {
+        DrawClass::FixedScene => ctx.projection.per_view.get(index).map(View::of),
+        DrawClass::Scene(camera) => ctx.cameras.get(camera)?.rows.get(index).map(View::of_rows),
+        DrawClass::Flat | DrawClass::Background => None,
     }
 }
 

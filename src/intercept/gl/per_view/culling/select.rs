@@ -9,7 +9,7 @@ use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::per_view::culling::bounds::{Placed, extent, outside};
 use crate::intercept::gl::per_view::culling::position::{self, View};
 use crate::intercept::gl::state::bounds::Bounds;
-use crate::intercept::gl::state::draw::{Changes, Place};
+use crate::intercept::gl::state::draw::{Changes, DrawClass};
 use crate::intercept::gl::state::views::Views;
 use crate::runtime::session::Session;
 
@@ -18,13 +18,18 @@ pub fn enabled() -> bool {
     crate::intercept::settings::settings().is_some_and(|s| s.cull)
 }
 
-/// The views of the window that can show a draw at `place` of vertices within `bounds`, which are asked for where they may
+/// The views of the window that can show a draw of `class` of vertices within `bounds`, which are asked for where they may
 /// matter.
 ///
 /// A draw that no view shows still goes to the last one where it `changes` state, or where more than its
 /// picture counts (transform feedback).
-pub fn views(ctx: &mut Context, place: Place, bounds: impl FnOnce(&mut Context) -> Bounds, changes: Changes) -> Views {
-    let Some(known) = Known::of(ctx, place, bounds) else { return Views::ALL };
+pub fn views(
+    ctx: &mut Context,
+    class: DrawClass,
+    bounds: impl FnOnce(&mut Context) -> Bounds,
+    changes: Changes,
+) -> Views {
+    let Some(known) = Known::of(ctx, class, bounds) else { return Views::ALL };
     let mut areas = std::mem::take(&mut ctx.areas);
     areas.clear();
     let Some(target) = &ctx.target else { return Views::ALL };
@@ -34,10 +39,10 @@ pub fn views(ctx: &mut Context, place: Place, bounds: impl FnOnce(&mut Context) 
     for index in 0..count {
         let (tile, _) = session.tile(index);
         let look = known.look(ctx, session, index, [tile[2], tile[3]]);
-        seen |= u64::from(!look.hidden) << index;
-        let part = look.view.filter(|_| !look.hidden).and_then(|view| extent(&view, &known.placed));
+        seen |= u64::from(!look.unseen) << index;
+        let part = look.view.filter(|_| !look.unseen).and_then(|view| extent(&view, &known.placed));
         areas.push(match part {
-            _ if look.hidden => crate::correct::TexelSpan::NOTHING,
+            _ if look.unseen => crate::correct::TexelSpan::NOTHING,
             Some(part) => texels(part, tile, known.margin),
             None => texels([-1.0, -1.0, 1.0, 1.0], tile, known.margin),
         });
@@ -49,15 +54,15 @@ pub fn views(ctx: &mut Context, place: Place, bounds: impl FnOnce(&mut Context) 
 /// As [`views`], for a draw to a framebuffer of the program's: a view's part of it is its viewport.
 pub fn views_off_screen(
     ctx: &mut Context,
-    place: Place,
+    class: DrawClass,
     bounds: impl FnOnce(&mut Context) -> Bounds,
     changes: Changes,
 ) -> Views {
-    let Some(known) = Known::of(ctx, place, bounds) else { return Views::ALL };
+    let Some(known) = Known::of(ctx, class, bounds) else { return Views::ALL };
     let Some(session) = ctx.session() else { return Views::ALL };
-    let [_, _, width, height] = ctx.believed.viewport;
+    let [_, _, width, height] = ctx.app.viewport;
     let count = session.views().len().min(64);
-    let shows = |index: usize| !known.look(ctx, session, index, [width, height]).hidden;
+    let shows = |index: usize| !known.look(ctx, session, index, [width, height]).unseen;
     let seen = (0..count).fold(0, |seen, index| seen | u64::from(shows(index)) << index);
     Views { seen: at_least(ctx, seen, count, changes), bounded: false }
 }
@@ -70,7 +75,7 @@ fn at_least(ctx: &Context, seen: u64, count: usize, changes: Changes) -> u64 {
 
 /// A draw of which it is known where it comes to be.
 struct Known {
-    place: Place,
+    class: DrawClass,
     /// Around its vertices, where the views' own transforms start from.
     placed: Placed,
     /// So many pixels beside a view still matter to it.
@@ -82,30 +87,30 @@ struct Look {
     /// What takes its vertices to the view; `None`: not known.
     view: Option<View>,
     /// The view shows nothing of it.
-    hidden: bool,
+    unseen: bool,
 }
 
 impl Known {
-    fn of(ctx: &mut Context, place: Place, bounds: impl FnOnce(&mut Context) -> Bounds) -> Option<Self> {
-        let margin = ctx.widest.margin();
+    fn of(ctx: &mut Context, class: DrawClass, bounds: impl FnOnce(&mut Context) -> Bounds) -> Option<Self> {
+        let margin = ctx.max_width.margin();
         // Where a picture is curved, a box is not what is around its corners.
         let curved = ctx.session().is_none_or(|session| session.views().iter().any(|view| view.curved.is_some()));
         if !enabled() || !margin.is_finite() || curved {
             return None;
         }
-        let model = position::transform(ctx, place)?;
+        let model = position::transform(ctx, class)?;
         let (low, high) = bounds(ctx).known()?;
         ctx.counts.bounded_draws += 1;
-        Some(Self { place, placed: Placed::of(&model, low, high), margin })
+        Some(Self { class, placed: Placed::of(&model, low, high), margin })
     }
 
     /// Looks from the view `index`, whose picture has so many pixels across and up.
     fn look(&self, ctx: &Context, session: &Session, index: usize, size: [i32; 2]) -> Look {
         let (_, own_lens) = session.tile(index);
-        let view = position::of_view(ctx, self.place, index).filter(|_| !own_lens);
+        let view = position::of_view(ctx, self.class, index).filter(|_| !own_lens);
         let beside = size.map(|pixels| 2.0 * self.margin / f64::from(pixels.max(1)));
-        let hidden = view.as_ref().is_some_and(|view| outside(view, &self.placed, beside));
-        Look { view, hidden }
+        let unseen = view.as_ref().is_some_and(|view| outside(view, &self.placed, beside));
+        Look { view, unseen }
     }
 }
 

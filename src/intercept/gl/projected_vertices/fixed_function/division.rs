@@ -40,14 +40,14 @@ pub fn draw(ctx: &mut Context, vertices: &Vertices, division: Division, rows: &R
             seen(rows, [at(0), at(1), at(2), at(3)])
         })
         .collect();
-    let (flat, outlined) = (substitute::is_flat(ctx), ctx.outlines.may_outline());
+    let (flat, outlined) = (substitute::is_flat(ctx), ctx.wide_primitives.may_outline());
     let mut divided = Divided { gl: ctx.gl, vertices, division, seen, flat, outlined, coarse: 0 };
     if assembly::fills(vertices.mode) {
         divided.triangles();
     } else {
         divided.lines();
     }
-    ctx.fixed.coarse += divided.coarse;
+    ctx.fixed_function.coarse += divided.coarse;
 }
 
 /// Draws `vertices` as they are. What is current afterwards is not said.

@@ -31,15 +31,15 @@ pub fn begin(ctx: &mut Context) -> Result<(), &'static str> {
     if ctx.assembly && unsafe { ctx.gl.is_enabled(api::GL_VERTEX_PROGRAM_ARB) } != 0 {
         return Err("the program's vertices go through a program in assembly language");
     }
-    if ctx.fixed.known.is_none() {
+    if ctx.fixed_function.known.is_none() {
         let pipeline = Pipeline::read(ctx);
         errors::drop_errors(ctx.gl);
-        ctx.fixed.known = Some(pipeline);
+        ctx.fixed_function.known = Some(pipeline);
     }
-    let (program, two_sided, separate) = match &ctx.fixed.known {
+    let (program, two_sided, separate) = match &ctx.fixed_function.known {
         Some(Ok(pipeline)) => {
             let lighting = pipeline.lighting.unwrap_or_default();
-            (ctx.fixed.programs.get(pipeline).cloned(), lighting.two_sided, lighting.separate_specular)
+            (ctx.fixed_function.programs.get(pipeline).cloned(), lighting.two_sided, lighting.separate_specular)
         }
         Some(Err(reason)) => return Err(reason),
         None => return Err("the state of the pipeline is not known"),
@@ -62,13 +62,13 @@ pub fn begin(ctx: &mut Context) -> Result<(), &'static str> {
     }
     ctx.pipelines.used = program.name;
     ctx.program = Some(program);
-    ctx.fixed.in_use = Some(switched);
+    ctx.fixed_function.in_use = Some(switched);
     Ok(())
 }
 
 /// The pipeline draws again, if something stood in for it.
 pub fn end(ctx: &mut Context) {
-    let Some(switched) = ctx.fixed.in_use.take() else { return };
+    let Some(switched) = ctx.fixed_function.in_use.take() else { return };
     ctx.program = None;
     ctx.pipelines.used = 0;
     // SAFETY: what was so before `begin`.
@@ -82,7 +82,7 @@ pub fn end(ctx: &mut Context) {
 
 /// Whether a primitive has the colour of one vertex, and the normal where there is light.
 pub(super) fn is_flat(ctx: &Context) -> bool {
-    matches!(&ctx.fixed.known, Some(Ok(pipeline)) if pipeline.flat)
+    matches!(&ctx.fixed_function.known, Some(Ok(pipeline)) if pipeline.flat)
 }
 
 /// Whether the processor has to read the vertices of the next draw of `mode`, so that it can divide them for some view.
@@ -93,7 +93,9 @@ pub fn reads(ctx: &Context, mode: u32) -> bool {
 
 /// Links the program for the switches as they are.
 fn make(ctx: &mut Context) -> Result<Arc<Program>, &'static str> {
-    let Some(Ok(pipeline)) = ctx.fixed.known.clone() else { return Err("the state of the pipeline is not known") };
+    let Some(Ok(pipeline)) = ctx.fixed_function.known.clone() else {
+        return Err("the state of the pipeline is not known");
+    };
     let own = shader_text::text(&pipeline);
     let patched = patch::patch(&own, Stage::Vertex, false, true).unwrap_or_default();
     let program = own_calls::quietly(ctx, |ctx| {
@@ -105,10 +107,10 @@ fn make(ctx: &mut Context) -> Result<Arc<Program>, &'static str> {
     ctx.counts.linked += 1;
     let Some(program) = program.map(Arc::new) else {
         let reason = "the driver does not link a shader that stands in for the fixed-function pipeline";
-        ctx.fixed.known = Some(Err(reason));
+        ctx.fixed_function.known = Some(Err(reason));
         return Err(reason);
     };
-    ctx.fixed.programs.insert(pipeline, program.clone());
+    ctx.fixed_function.programs.insert(pipeline, program.clone());
     Ok(program)
 }
 
@@ -120,7 +122,7 @@ pub fn switch(ctx: &mut Context, run: impl Fn(&Gl) + Send + Sync + 'static) {
         return;
     }
     list_recording::now_or_later(ctx, move |ctx| {
-        ctx.fixed.touch();
+        ctx.fixed_function.touch();
         run(ctx.gl);
     });
 }

@@ -1,18 +1,18 @@
 //! Pictures of the window's size, one for each view.
 
 use crate::backend::gl::api::Gl;
-use crate::intercept::gl::state::offscreen::single_sample::Canvas;
+use crate::intercept::gl::state::offscreen::single_sample::SingleSampleImage;
 
 /// Pictures of the window's size, one for each view, into which it is shown: there each texel that the program
 /// samples has its pixel, and `gl_FragCoord` is what it would be in the window.
 #[derive(Default)]
-pub struct Shown {
-    pub(in crate::intercept::gl) canvases: Vec<Canvas>,
+pub struct DisplayedPictures {
+    pub(in crate::intercept::gl) canvases: Vec<SingleSampleImage>,
     /// The number of the window's draws after which the canvases had what the views have.
     pub(in crate::intercept::gl) current: Option<u64>,
 }
 
-impl Shown {
+impl DisplayedPictures {
     /// Deletes everything.
     pub fn destroy(&self, gl: &Gl) {
         for canvas in &self.canvases {

@@ -21,16 +21,16 @@ pub struct Framebuffer {
     pub attachments: Attachments,
     /// Nothing was changed since `attachments` were asked for.
     pub known: bool,
-    /// Why it cannot be duplicated, whatever is drawn.
+    /// Why it cannot be drawn once per view, whatever is drawn.
     pub single: Option<&'static str>,
-    /// The framebuffer of ours with the twins of what is attached; 0 = none.
-    pub twin: u32,
+    /// The framebuffer of ours with the view copies of what is attached; 0 = none.
+    pub view_copy: u32,
 }
 
 impl Framebuffer {
     /// One of which nothing is known.
     pub fn new(name: u32) -> Self {
-        Self { name, attachments: [None; COLOURS + 2], known: false, single: None, twin: 0 }
+        Self { name, attachments: [None; COLOURS + 2], known: false, single: None, view_copy: 0 }
     }
 
     /// The images that are attached.
@@ -68,12 +68,12 @@ impl Framebuffer {
         }
         if attachments != self.attachments {
             self.attachments = attachments;
-            self.destroy_twin(gl);
+            self.destroy_view_copy(gl);
         }
     }
 
-    /// Makes the framebuffer of ours, of images that all have twins. Bindings are put back; errors may be left.
-    pub fn make_twin(&mut self, gl: &Gl, twin_of: impl Fn(Name) -> Option<u32>) -> bool {
+    /// Makes the framebuffer of ours, of images that all have view copies. Bindings are put back; errors may be left.
+    pub fn make_view_copy(&mut self, gl: &Gl, view_copy_of: impl Fn(Name) -> Option<u32>) -> bool {
         let mut buffers = [api::GL_NONE; COLOURS];
         // SAFETY: makes an object of ours; the bindings are put back.
         let complete = unsafe {
@@ -84,12 +84,12 @@ impl Framebuffer {
                 gl.get_integerv(api::GL_DRAW_BUFFER0 + i as u32, &mut value);
                 *buffer = value as u32;
             }
-            if self.twin == 0 {
-                gl.gen_framebuffers(1, &mut self.twin);
+            if self.view_copy == 0 {
+                gl.gen_framebuffers(1, &mut self.view_copy);
             }
-            gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, self.twin);
+            gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, self.view_copy);
             for (index, attachment) in self.attachments.iter().enumerate() {
-                if let Some(renderbuffer) = attachment.and_then(&twin_of) {
+                if let Some(renderbuffer) = attachment.and_then(&view_copy_of) {
                     images::attach(gl, point(index), Name::Renderbuffer(renderbuffer));
                 }
             }
@@ -99,14 +99,14 @@ impl Framebuffer {
             status == api::GL_FRAMEBUFFER_COMPLETE && gl.get_error() == api::GL_NO_ERROR
         };
         if !complete {
-            self.destroy_twin(gl);
+            self.destroy_view_copy(gl);
         }
         complete
     }
 
     /// Deletes the framebuffer of ours.
-    pub fn destroy_twin(&mut self, gl: &Gl) {
-        let name = std::mem::take(&mut self.twin);
+    pub fn destroy_view_copy(&mut self, gl: &Gl) {
+        let name = std::mem::take(&mut self.view_copy);
         if name != 0 {
             // SAFETY: an object of ours.
             unsafe { gl.delete_framebuffers(1, &name) };

@@ -1,5 +1,5 @@
-//! What a program draws into off screen: levels of textures, and renderbuffers. A *twin* of such an image has
-//! a cell of the image's size for each view.
+//! What a program draws into off screen: levels of textures, and renderbuffers. A *view copy* of such an image has
+//! a tile of the image's size for each view.
 
 use crate::backend::gl::api::{self, Gl};
 use crate::backend::gl::surface::greatest_texture;
@@ -39,32 +39,32 @@ pub struct Image {
     /// Copies of the window are made into it.
     pub copies_window: bool,
     /// It fills the window when it is shown.
-    pub shown: bool,
+    pub displayed: bool,
     /// What it is made from.
     pub reads: Vec<Name>,
     /// The program reads it back.
     pub read_back: bool,
     /// The program makes smaller pictures of it (`glGenerateMipmap`).
     pub mipmapped: bool,
-    /// The driver gives no twin.
+    /// The driver gives no view copy.
     pub refused: bool,
     /// What it is drawn into in its place.
-    pub twin: Option<Twin>,
+    pub view_copy: Option<ViewCopy>,
 }
 
 /// What stands for an image.
-pub struct Twin {
-    /// The renderbuffer with the cells.
+pub struct ViewCopy {
+    /// The renderbuffer with the tiles.
     pub renderbuffer: u32,
     /// Framebuffers to copy by, of each context that did.
     pairs: Vec<Pair>,
-    /// Where the cells are.
-    pub cells: Cells,
-    /// Which cell the program's image has the content of.
+    /// Where the tiles are.
+    pub grid: TileGrid,
+    /// Which tile the program's image has the content of.
     holds: Option<usize>,
 }
 
-/// Framebuffers of one context: with the twin, and with the program's image.
+/// Framebuffers of one context: with the view copy, and with the program's image.
 #[derive(Clone, Copy)]
 pub struct Pair {
     /// The context that has them.
@@ -81,14 +81,14 @@ impl Pair {
     }
 }
 
-/// Cells of equal size, row by row from the bottom left.
+/// TileGrid of equal size, row by row from the bottom left.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Cells {
+pub struct TileGrid {
     columns: i32,
     size: [i32; 2],
 }
 
-impl Cells {
+impl TileGrid {
     fn new(size: [i32; 2], count: usize) -> Self {
         let count = count.max(1) as i32;
         Self { columns: (1..=count).find(|columns| columns * columns >= count).unwrap_or(1), size }
@@ -98,15 +98,15 @@ impl Cells {
         [self.columns * self.size[0], (count as i32 + self.columns - 1) / self.columns * self.size[1]]
     }
 
-    /// x, y, width and height of a cell.
-    pub fn cell(&self, index: usize) -> [i32; 4] {
+    /// x, y, width and height of a tile.
+    pub fn tile(&self, index: usize) -> [i32; 4] {
         let (index, [width, height]) = (index as i32, self.size);
         [index % self.columns * width, index / self.columns * height, width, height]
     }
 }
 
 impl Image {
-    /// An image of which nothing is known but what the driver says. `None` if it is none that can have a twin:
+    /// An image of which nothing is known but what the driver says. `None` if it is none that can have a view copy:
     /// a layer, a face of a cube, no image at all. Bindings are put back; errors may be left.
     pub fn examine_texture(gl: &Gl, texture: u32, level: i32) -> Option<Self> {
         let targets = [
@@ -182,12 +182,12 @@ impl Image {
             scene: false,
             other_shape: false,
             copies_window: false,
-            shown: false,
+            displayed: false,
             reads: Vec::new(),
             read_back: false,
             mipmapped: false,
             refused: false,
-            twin: None,
+            view_copy: None,
         })
     }
 
@@ -211,21 +211,21 @@ impl Image {
         }
     }
 
-    /// Makes the twin with `count` cells, in the context `context`, which is current. All bindings are put back; errors may
+    /// Makes the view copy with `count` grid, in the context `context`, which is current. All bindings are put back; errors may
     /// be left. `false` if the driver gives none.
-    pub fn make_twin(&mut self, gl: &Gl, context: u64, count: usize) -> bool {
-        let cells = Cells::new(self.size, count);
-        let [width, height] = cells.extent(count);
+    pub fn make_view_copy(&mut self, gl: &Gl, context: u64, count: usize) -> bool {
+        let grid = TileGrid::new(self.size, count);
+        let [width, height] = grid.extent(count);
         if width.max(height) as u32 > greatest_texture(gl) {
             return false;
         }
-        let mut twin = Twin { renderbuffer: 0, pairs: Vec::new(), cells, holds: None };
+        let mut view_copy = ViewCopy { renderbuffer: 0, pairs: Vec::new(), grid, holds: None };
         // SAFETY: makes an object of ours; the binding is put back.
         unsafe {
             let mut renderbuffer = 0;
             gl.get_integerv(api::GL_RENDERBUFFER_BINDING, &mut renderbuffer);
-            gl.gen_renderbuffers(1, &mut twin.renderbuffer);
-            gl.bind_renderbuffer(api::GL_RENDERBUFFER, twin.renderbuffer);
+            gl.gen_renderbuffers(1, &mut view_copy.renderbuffer);
+            gl.bind_renderbuffer(api::GL_RENDERBUFFER, view_copy.renderbuffer);
             if self.samples > 0 {
                 let samples = self.samples;
                 gl.renderbuffer_storage_multisample(api::GL_RENDERBUFFER, samples, self.format, width, height);
@@ -234,10 +234,10 @@ impl Image {
             }
             gl.bind_renderbuffer(api::GL_RENDERBUFFER, renderbuffer as u32);
         }
-        self.twin = Some(twin);
+        self.view_copy = Some(view_copy);
         // SAFETY: asks for the error flag.
         if self.pair(gl, context).is_none() || unsafe { gl.get_error() } != api::GL_NO_ERROR {
-            self.destroy_twin(gl, context);
+            self.destroy_view_copy(gl, context);
             return false;
         }
         // What it holds already is in every view until it is drawn again.
@@ -247,11 +247,11 @@ impl Image {
         true
     }
 
-    /// The framebuffers to copy by in `context`, which is current. Bindings are put back. `None`: there is no twin, or
+    /// The framebuffers to copy by in `context`, which is current. Bindings are put back. `None`: there is no view copy, or
     /// the driver gives none.
     fn pair(&mut self, gl: &Gl, context: u64) -> Option<Pair> {
-        let twin = self.twin.as_ref()?;
-        if let Some(pair) = twin.pairs.iter().find(|pair| pair.context == context) {
+        let view_copy = self.view_copy.as_ref()?;
+        if let Some(pair) = view_copy.pairs.iter().find(|pair| pair.context == context) {
             return Some(*pair);
         }
         let mut pair = Pair { context, ours: 0, own: 0 };
@@ -261,7 +261,7 @@ impl Image {
             gl.gen_framebuffers(1, &mut pair.ours);
             gl.gen_framebuffers(1, &mut pair.own);
             let own = self.attach_for_copies(gl, pair.own, self.name);
-            let ours = self.attach_for_copies(gl, pair.ours, Name::Renderbuffer(twin.renderbuffer));
+            let ours = self.attach_for_copies(gl, pair.ours, Name::Renderbuffer(view_copy.renderbuffer));
             bindings.restore(gl);
             own && ours
         };
@@ -269,12 +269,12 @@ impl Image {
             pair.destroy(gl);
             return None;
         }
-        self.twin.as_mut()?.pairs.push(pair);
+        self.view_copy.as_mut()?.pairs.push(pair);
         Some(pair)
     }
 
-    /// The framebuffer with the twin alone, in `context`, which is current; 0 where there is none.
-    pub fn twin_framebuffer(&mut self, gl: &Gl, context: u64) -> u32 {
+    /// The framebuffer with the view copy alone, in `context`, which is current; 0 where there is none.
+    pub fn view_copy_framebuffer(&mut self, gl: &Gl, context: u64) -> u32 {
         self.pair(gl, context).map_or(0, |pair| pair.ours)
     }
 
@@ -293,25 +293,25 @@ impl Image {
         }
     }
 
-    /// The twin was drawn to: the program's image is none of its cells any more.
+    /// The view copy was drawn to: the program's image is none of its tiles any more.
     pub fn changed(&mut self) {
-        if let Some(twin) = &mut self.twin {
-            twin.holds = None;
+        if let Some(view_copy) = &mut self.view_copy {
+            view_copy.holds = None;
         }
     }
 
-    /// Copies cell `index` into the program's own image, with the smaller pictures that the program asked for.
+    /// Copies tile `index` into the program's own image, with the smaller pictures that the program asked for.
     /// The scissor test must be off; bindings are put back.
     pub fn supply(&mut self, gl: &Gl, context: u64, index: usize) {
-        if self.twin.as_ref().is_none_or(|twin| twin.holds == Some(index)) {
+        if self.view_copy.as_ref().is_none_or(|view_copy| view_copy.holds == Some(index)) {
             return;
         }
         let (mask, mipmapped) = (self.mask, self.mipmapped);
         let Some(pair) = self.pair(gl, context) else { return };
-        let Some(twin) = &mut self.twin else { return };
-        let from = twin.cells.cell(index);
+        let Some(view_copy) = &mut self.view_copy else { return };
+        let from = view_copy.grid.tile(index);
         copy(gl, (pair.ours, from), (pair.own, [0, 0, from[2], from[3]]), mask);
-        twin.holds = Some(index);
+        view_copy.holds = Some(index);
         if let (true, Name::Texture { name, target: api::GL_TEXTURE_2D, .. }) = (mipmapped, self.name) {
             with_texture(gl, api::GL_TEXTURE_2D, api::GL_TEXTURE_BINDING_2D, name, || {
                 // SAFETY: the program's texture is bound; it has asked for this.
@@ -324,24 +324,24 @@ impl Image {
     pub fn store(&mut self, gl: &Gl, context: u64, index: usize) {
         let mask = self.mask;
         let Some(pair) = self.pair(gl, context) else { return };
-        let Some(twin) = &mut self.twin else { return };
-        let to = twin.cells.cell(index);
+        let Some(view_copy) = &mut self.view_copy else { return };
+        let to = view_copy.grid.tile(index);
         copy(gl, (pair.own, [0, 0, to[2], to[3]]), (pair.ours, to), mask);
-        twin.holds = Some(index);
+        view_copy.holds = Some(index);
     }
 
-    /// Deletes the twin in `context`, which is current; what is left to be deleted in other contexts.
-    pub fn destroy_twin(&mut self, gl: &Gl, context: u64) -> Vec<Pair> {
-        let Some(mut twin) = self.twin.take() else { return Vec::new() };
+    /// Deletes the view copy in `context`, which is current; what is left to be deleted in other contexts.
+    pub fn destroy_view_copy(&mut self, gl: &Gl, context: u64) -> Vec<Pair> {
+        let Some(mut view_copy) = self.view_copy.take() else { return Vec::new() };
         // SAFETY: an object of ours; the name 0 is ignored.
-        unsafe { gl.delete_renderbuffers(1, &twin.renderbuffer) };
-        twin.pairs.retain(|pair| {
+        unsafe { gl.delete_renderbuffers(1, &view_copy.renderbuffer) };
+        view_copy.pairs.retain(|pair| {
             if pair.context == context {
                 pair.destroy(gl);
             }
             pair.context != context
         });
-        twin.pairs
+        view_copy.pairs
     }
 }
 
@@ -455,15 +455,15 @@ pub type Set = u64;
 
 #[cfg(test)]
 mod tests {
-    use super::{Cells, sized};
+    use super::{TileGrid, sized};
     use crate::backend::gl::api;
 
     #[test]
-    fn cells_are_apart_and_inside() {
+    fn tiles_are_apart_and_inside() {
         for count in 1..33 {
-            let cells = Cells::new([7, 5], count);
-            let [width, height] = cells.extent(count);
-            let all: Vec<_> = (0..count).map(|index| cells.cell(index)).collect();
+            let grid = TileGrid::new([7, 5], count);
+            let [width, height] = grid.extent(count);
+            let all: Vec<_> = (0..count).map(|index| grid.tile(index)).collect();
             for (i, [x, y, w, h]) in all.iter().enumerate() {
                 assert!(x % 7 == 0 && y % 5 == 0 && x + w <= width && y + h <= height);
                 assert!(!all[..i].contains(&all[i]));

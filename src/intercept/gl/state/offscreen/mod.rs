@@ -1,9 +1,9 @@
 //! TODO-NOTE
 
-pub mod copies;
 pub mod coverage;
 pub mod displayed;
 pub mod framebuffers;
 pub mod images;
 pub mod issued;
 pub mod single_sample;
+pub mod view_copies;

@@ -4,14 +4,14 @@ use crate::backend::gl::api::{self, Gl};
 use crate::intercept::gl::state::offscreen::images::{self, Bindings, Name};
 
 /// A framebuffer with colours only.
-pub struct Canvas {
+pub struct SingleSampleImage {
     framebuffer: u32,
     renderbuffer: u32,
     size: [i32; 2],
     format: u32,
 }
 
-impl Canvas {
+impl SingleSampleImage {
     /// A canvas of this size (width, height) and sized format. Bindings are put back; errors may be left. `None` where
     /// the driver gives none.
     pub fn new(gl: &Gl, size: [i32; 2], format: u32) -> Option<Self> {

@@ -4,7 +4,7 @@ use crate::runtime::session::Extras;
 
 /// What has been seen so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Workload {
+pub struct DrawCount {
     /// Draws seen when the frame began.
     before: u64,
     /// Draws of the last frame.
@@ -20,7 +20,7 @@ pub struct Workload {
 /// So many frames in a row must have about as many draws.
 pub(in crate::intercept::gl) const STEADY_FRAMES: u32 = 8;
 
-impl Workload {
+impl DrawCount {
     /// A frame ended, with so many draws seen since the beginning.
     pub fn end_frame(&mut self, seen: u64) {
         let draws = seen - self.before;
@@ -55,13 +55,13 @@ pub(in crate::intercept::gl) const MOST: u32 = 1 << 14;
 
 #[cfg(test)]
 mod tests {
-    use super::{STEADY_FRAMES, Workload};
+    use super::{DrawCount, STEADY_FRAMES};
 
     #[test]
     fn the_number_is_known_once_it_is_steady_and_given_once() {
-        let mut load = Workload::default();
+        let mut load = DrawCount::default();
         let mut seen = 0;
-        let mut frame = |load: &mut Workload, draws: u64| {
+        let mut frame = |load: &mut DrawCount, draws: u64| {
             seen += draws;
             load.end_frame(seen);
         };
@@ -82,7 +82,7 @@ mod tests {
     #[test]
     fn very_few_and_very_many_draws_are_bounded() {
         for (draws, planned) in [(1, 16), (1_000_000, 16_384)] {
-            let mut load = Workload::default();
+            let mut load = DrawCount::default();
             (0..=STEADY_FRAMES as u64).for_each(|frame| load.end_frame((frame + 1) * draws));
             assert_eq!(load.take(), Some(planned));
         }

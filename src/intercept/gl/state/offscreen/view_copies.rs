@@ -1,30 +1,30 @@
 //! What is known of the program's framebuffers and of the images in them.
 
 use crate::intercept::gl::state::offscreen::coverage::Coverage;
-use crate::intercept::gl::state::offscreen::displayed::Shown;
+use crate::intercept::gl::state::offscreen::displayed::DisplayedPictures;
 use crate::intercept::gl::state::offscreen::framebuffers::Framebuffer;
 use crate::intercept::gl::state::offscreen::images::{Image, Name, Pair, Set};
 use crate::intercept::gl::state::offscreen::issued::Issued;
-use crate::intercept::gl::state::offscreen::single_sample::Canvas;
+use crate::intercept::gl::state::offscreen::single_sample::SingleSampleImage;
 use crate::lock::Lock;
 use std::sync::Mutex;
 
 /// What is known of the program's framebuffers.
 #[derive(Default)]
-pub struct Duplicates {
+pub struct ViewCopies {
     pub(in crate::intercept::gl) images: Vec<Image>,
     pub(in crate::intercept::gl) framebuffers: Vec<Framebuffer>,
     pub(in crate::intercept::gl) coverage: Coverage,
-    /// The twin of the program's draw framebuffer is bound in its place.
+    /// The view copy of the program's draw framebuffer is bound in its place.
     pub(in crate::intercept::gl) bound: bool,
     /// Something was learnt in this frame.
     pub(in crate::intercept::gl) learnt: bool,
-    /// Twins have one more cell, which is drawn with the program's own lens: it reads its pictures back.
+    /// Twins have one more tile, which is drawn with the program's own lens: it reads its pictures back.
     pub(in crate::intercept::gl) own_picture: bool,
     /// Canvases for copies to another size, each of another size or format.
-    pub(in crate::intercept::gl) canvases: Vec<Canvas>,
+    pub(in crate::intercept::gl) canvases: Vec<SingleSampleImage>,
     /// What was shown last.
-    pub(in crate::intercept::gl) shown: Shown,
+    pub(in crate::intercept::gl) displayed: DisplayedPictures,
     /// Off-screen draws that were issued once per view.
     pub(in crate::intercept::gl) issued: Issued,
     /// Twins deleted so far: framebuffers that stand for the program's may have had them.
@@ -38,7 +38,7 @@ pub struct Duplicates {
 /// What contexts of a group know together of the images that they share. Toolkits draw a scene in one context and compose
 /// the window in another.
 #[derive(Default)]
-pub struct Travelling {
+pub struct SharedViewCopies {
     pub(in crate::intercept::gl) images: Vec<Image>,
     pub(in crate::intercept::gl) learnt: bool,
     pub(in crate::intercept::gl) own_picture: bool,
@@ -47,18 +47,18 @@ pub struct Travelling {
     pub(in crate::intercept::gl) left: Vec<Pair>,
 }
 
-impl Duplicates {
+impl ViewCopies {
     /// Whether any image of the program's is followed.
     pub fn any(&self) -> bool {
         !self.images.is_empty()
     }
 
     /// Gives up what the group knows together: the context is not current any more.
-    pub fn deposit(&mut self, group: &Mutex<Option<Travelling>>) {
+    pub fn deposit(&mut self, group: &Mutex<Option<SharedViewCopies>>) {
         if !std::mem::take(&mut self.shared) {
             return;
         }
-        let travelling = Travelling {
+        let travelling = SharedViewCopies {
             images: std::mem::take(&mut self.images),
             learnt: std::mem::take(&mut self.learnt),
             own_picture: self.own_picture,
@@ -82,10 +82,10 @@ impl Duplicates {
     }
 
     /// Any of the colours of a framebuffer is to be drawn once per view.
-    pub(in crate::intercept::gl) fn is_duplicated(&self, framebuffer: &Framebuffer) -> bool {
+    pub(in crate::intercept::gl) fn has_view_copies(&self, framebuffer: &Framebuffer) -> bool {
         framebuffer.known
             && framebuffer.single.is_none()
-            && framebuffer.colours().any(|name| self.image(name).is_some_and(|image| image.twin.is_some()))
+            && framebuffer.colours().any(|name| self.image(name).is_some_and(|image| image.view_copy.is_some()))
     }
 
     /// The images of a framebuffer, as a set.

@@ -5,11 +5,11 @@ use crate::intercept::gl::context::errors::{drop_errors, take_error};
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::offscreen::displayed;
 use crate::intercept::gl::offscreen::view_copies::{
-    self, cells, look, make_framebuffer, own_cell, possible, supply, views,
+    self, copy_count, look, make_framebuffer, own_tile, possible, supply, views,
 };
 use crate::intercept::gl::state::offscreen::framebuffers;
 use crate::intercept::gl::state::offscreen::images::{Bindings, Image, Name};
-use crate::intercept::gl::state::offscreen::single_sample::Canvas;
+use crate::intercept::gl::state::offscreen::single_sample::SingleSampleImage;
 
 /// A rectangle by two corners, as `glBlitFramebuffer` has it.
 pub type Corners = [i32; 4];
@@ -19,9 +19,9 @@ pub type Corners = [i32; 4];
 enum Side {
     /// The window: its views.
     Window,
-    /// A framebuffer that is duplicated, by its place in the list.
-    Twin(usize),
-    /// An image with a twin, by its place in the list.
+    /// A framebuffer that is drawn once per view, by its place in the list.
+    ViewCopies(usize),
+    /// An image with a view copy, by its place in the list.
     Image(usize),
     /// What is drawn once only.
     Single,
@@ -37,9 +37,9 @@ pub fn blit(ctx: &mut Context, source: Corners, destination: Corners, mask: u32,
     let fills = to != Side::Window || fills_window(ctx, destination);
     match (from, to) {
         (Side::Single, Side::Single | Side::Window) | (Side::Window, Side::Window | Side::Single) => false,
-        (Side::Twin(index), to) if to == Side::Single || !fills => {
-            let set = ctx.duplicates.attached(index);
-            supply(ctx, set, own_cell(ctx));
+        (Side::ViewCopies(index), to) if to == Side::Single || !fills => {
+            let set = ctx.view_copies.attached(index);
+            supply(ctx, set, own_tile(ctx));
             false
         }
         _ => {
@@ -59,7 +59,7 @@ fn fills_window(ctx: &Context, [x0, y0, x1, y1]: Corners) -> bool {
 
 /// Whether the window's views show anything: a program that draws nothing in perspective has its picture on the panel.
 fn window_has_scene(ctx: &Context) -> bool {
-    let shown = || ctx.duplicates.images.iter().any(|image| image.shown && image.twin.is_some());
+    let shown = || ctx.view_copies.images.iter().any(|image| image.displayed && image.view_copy.is_some());
     ctx.viewport_area.iter().any(|area| *area > 0) || shown()
 }
 
@@ -67,9 +67,9 @@ fn read_side(ctx: &Context) -> Side {
     if ctx.reads_redirected() {
         return Side::Window;
     }
-    let index = ctx.duplicates.position(ctx.believed.read_framebuffer);
-    let index = index.filter(|index| ctx.duplicates.is_duplicated(&ctx.duplicates.framebuffers[*index]));
-    index.map_or(Side::Single, Side::Twin)
+    let index = ctx.view_copies.position(ctx.app.read_framebuffer);
+    let index = index.filter(|index| ctx.view_copies.has_view_copies(&ctx.view_copies.framebuffers[*index]));
+    index.map_or(Side::Single, Side::ViewCopies)
 }
 
 fn draw_side(ctx: &mut Context) -> Side {
@@ -77,8 +77,8 @@ fn draw_side(ctx: &mut Context) -> Side {
         return Side::Window;
     }
     let index = look(ctx);
-    let duplicated = ctx.duplicates.is_duplicated(&ctx.duplicates.framebuffers[index]);
-    if duplicated { Side::Twin(index) } else { Side::Single }
+    let duplicated = ctx.view_copies.has_view_copies(&ctx.view_copies.framebuffers[index]);
+    if duplicated { Side::ViewCopies(index) } else { Side::Single }
 }
 
 /// Remembers what a copy says about images.
@@ -90,9 +90,9 @@ fn note_blit(ctx: &mut Context, destination: Corners, mask: u32) {
     if ctx.redirected() {
         if fills_window(ctx, destination) {
             for name in sources.into_iter().flatten() {
-                let Some(image) = ctx.duplicates.image_mut(name) else { continue };
-                let new = !std::mem::replace(&mut image.shown, true);
-                ctx.duplicates.learnt |= new;
+                let Some(image) = ctx.view_copies.image_mut(name) else { continue };
+                let new = !std::mem::replace(&mut image.displayed, true);
+                ctx.view_copies.learnt |= new;
             }
         }
         return;
@@ -102,7 +102,7 @@ fn note_blit(ctx: &mut Context, destination: Corners, mask: u32) {
         return;
     }
     let index = look(ctx);
-    let attachments = ctx.duplicates.framebuffers[index].attachments;
+    let attachments = ctx.view_copies.framebuffers[index].attachments;
     for name in attachments.into_iter().flatten() {
         note_copy(ctx, name, &sources, from_window);
     }
@@ -110,7 +110,7 @@ fn note_blit(ctx: &mut Context, destination: Corners, mask: u32) {
 
 /// Remembers that an image is a copy of others, or of the window.
 fn note_copy(ctx: &mut Context, name: Name, sources: &[Option<Name>], from_window: bool) {
-    let Some(image) = ctx.duplicates.image_mut(name).filter(|image| image.is_colour()) else { return };
+    let Some(image) = ctx.view_copies.image_mut(name).filter(|image| image.is_colour()) else { return };
     let mut learnt = from_window && !image.copies_window;
     image.copies_window |= from_window;
     for source in sources.iter().flatten() {
@@ -119,15 +119,15 @@ fn note_copy(ctx: &mut Context, name: Name, sources: &[Option<Name>], from_windo
             learnt = true;
         }
     }
-    ctx.duplicates.learnt |= learnt;
+    ctx.view_copies.learnt |= learnt;
 }
 
 /// The colour images of the read framebuffer.
 fn colours_of_read(ctx: &Context) -> [Option<Name>; framebuffers::COLOURS] {
-    let index = ctx.duplicates.position(ctx.believed.read_framebuffer);
+    let index = ctx.view_copies.position(ctx.app.read_framebuffer);
     let mut colours = [None; framebuffers::COLOURS];
-    if let Some(index) = index.filter(|_| ctx.believed.read_framebuffer != 0) {
-        for (colour, name) in colours.iter_mut().zip(ctx.duplicates.framebuffers[index].colours()) {
+    if let Some(index) = index.filter(|_| ctx.app.read_framebuffer != 0) {
+        for (colour, name) in colours.iter_mut().zip(ctx.view_copies.framebuffers[index].colours()) {
             *colour = Some(name);
         }
     }
@@ -135,7 +135,7 @@ fn colours_of_read(ctx: &Context) -> [Option<Name>; framebuffers::COLOURS] {
 }
 
 /// What a side is for a view: its framebuffer, and where its picture is there.
-struct Place {
+struct Region {
     framebuffer: u32,
     rect: [i32; 4],
     /// Width and height of the picture in the program's pixels.
@@ -144,7 +144,7 @@ struct Place {
     format: u32,
 }
 
-impl Place {
+impl Region {
     fn of(ctx: &mut Context, side: Side, view: usize, reads: bool) -> Option<Self> {
         match side {
             Side::Window => {
@@ -155,17 +155,17 @@ impl Place {
                 let samples = if reads { 0 } else { target.config().samples };
                 Some(Self { framebuffer, rect, size, samples, format: window_format(ctx) })
             }
-            Side::Twin(index) => {
-                let framebuffer = &ctx.duplicates.framebuffers[index];
-                let image = ctx.duplicates.image(framebuffer.images().next()?)?;
-                let rect = image.twin.as_ref()?.cells.cell(view);
+            Side::ViewCopies(index) => {
+                let framebuffer = &ctx.view_copies.framebuffers[index];
+                let image = ctx.view_copies.image(framebuffer.images().next()?)?;
+                let rect = image.view_copy.as_ref()?.grid.tile(view);
                 let (size, samples, format) = (image.size, image.samples, image.format);
-                Some(Self { framebuffer: framebuffer.twin, rect, size, samples, format })
+                Some(Self { framebuffer: framebuffer.view_copy, rect, size, samples, format })
             }
             Side::Image(index) => {
-                let image = &mut ctx.duplicates.images[index];
-                let framebuffer = image.twin_framebuffer(ctx.gl, ctx.id);
-                let rect = image.twin.as_ref()?.cells.cell(view);
+                let image = &mut ctx.view_copies.images[index];
+                let framebuffer = image.view_copy_framebuffer(ctx.gl, ctx.id);
+                let rect = image.view_copy.as_ref()?.grid.tile(view);
                 Some(Self { framebuffer, rect, size: image.size, samples: image.samples, format: image.format })
             }
             Side::Single => None,
@@ -189,8 +189,8 @@ impl Place {
 fn copy_views(ctx: &mut Context, from: (Side, Corners), to: (Side, Corners), mask: u32, filter: u32) {
     let gl = ctx.gl;
     for side in [from.0, to.0] {
-        if let Side::Twin(index) = side
-            && ctx.duplicates.framebuffers[index].twin == 0
+        if let Side::ViewCopies(index) = side
+            && ctx.view_copies.framebuffers[index].view_copy == 0
             && !make_framebuffer(ctx, index)
         {
             return;
@@ -200,8 +200,8 @@ fn copy_views(ctx: &mut Context, from: (Side, Corners), to: (Side, Corners), mas
         displayed::window_changed(ctx);
     }
     match to.0 {
-        Side::Twin(index) => ctx.duplicates.changed(index),
-        Side::Image(index) => ctx.duplicates.images[index].changed(),
+        Side::ViewCopies(index) => ctx.view_copies.changed(index),
+        Side::Image(index) => ctx.view_copies.images[index].changed(),
         _ => {}
     }
     if from.0 == Side::Window
@@ -212,14 +212,14 @@ fn copy_views(ctx: &mut Context, from: (Side, Corners), to: (Side, Corners), mas
     let mut buffer = 0;
     // SAFETY: writes one integer.
     unsafe { gl.get_integerv(api::GL_READ_BUFFER, &mut buffer) };
-    // The window has no cell for the program's own picture; it keeps what it was given last.
-    let count = if from.0 == Side::Window || to.0 == Side::Window { views(ctx) } else { cells(ctx) };
+    // The window has no tile for the program's own picture; it keeps what it was given last.
+    let count = if from.0 == Side::Window || to.0 == Side::Window { views(ctx) } else { copy_count(ctx) };
     // SAFETY: framebuffers of ours, or as the program bound them; the bindings are put back.
     unsafe {
         let bindings = Bindings::save(gl);
         for view in 0..count {
-            let Some(target) = Place::of(ctx, to.0, view, false) else { break };
-            let source = Place::of(ctx, from.0, view, true);
+            let Some(target) = Region::of(ctx, to.0, view, false) else { break };
+            let source = Region::of(ctx, from.0, view, true);
             if let Some(source) = &source {
                 gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, source.framebuffer);
                 if from.0 != Side::Window {
@@ -284,7 +284,7 @@ pub(in crate::intercept::gl) fn resample(ctx: &mut Context, from: End, to: End, 
     // SAFETY: between framebuffers of ours and those that were bound, which are put back.
     unsafe {
         let bindings = Bindings::save(gl);
-        let scissor = ctx.actual.scissor.filter(|_| ctx.actual.scissor_test == Some(true));
+        let scissor = ctx.driver_state.scissor.filter(|_| ctx.driver_state.scissor_test == Some(true));
         ctx.set_scissor(None);
         gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, resolved);
         issue(from.corners, [0, 0, w, h], colour, api::GL_NEAREST);
@@ -311,12 +311,12 @@ pub(in crate::intercept::gl) fn window_format(ctx: &Context) -> u32 {
 
 /// A framebuffer of ours of this size and format; it is kept.
 fn canvas(ctx: &mut Context, size: [i32; 2], format: u32) -> Option<u32> {
-    if let Some(canvas) = ctx.duplicates.canvases.iter().find(|canvas| canvas.is(size, format)) {
+    if let Some(canvas) = ctx.view_copies.canvases.iter().find(|canvas| canvas.is(size, format)) {
         return Some(canvas.framebuffer());
     }
-    let canvas = Canvas::new(ctx.gl, size, format)?;
+    let canvas = SingleSampleImage::new(ctx.gl, size, format)?;
     let framebuffer = canvas.framebuffer();
-    ctx.duplicates.canvases.push(canvas);
+    ctx.view_copies.canvases.push(canvas);
     Some(framebuffer)
 }
 
@@ -327,15 +327,15 @@ pub fn into_texture(ctx: &mut Context, texture: u32, level: i32, offset: [i32; 2
     let Some(index) = image_of(ctx, texture, level).filter(|_| possible(ctx) && from != Side::Single) else {
         return false;
     };
-    let image = &ctx.duplicates.images[index];
-    if image.twin.is_none() {
+    let image = &ctx.view_copies.images[index];
+    if image.view_copy.is_none() {
         return false;
     }
     let (mask, [x, y, width, height]) = (image.mask, source);
     let corners = |x: i32, y: i32| [x, y, x + width, y + height];
     let to = (Side::Image(index), corners(offset[0], offset[1]));
     copy_views(ctx, (from, corners(x, y)), to, mask, api::GL_NEAREST);
-    from != Side::Window || cells(ctx) == views(ctx)
+    from != Side::Window || copy_count(ctx) == views(ctx)
 }
 
 /// The program has copied a rectangle of its read framebuffer into a texture itself.
@@ -354,20 +354,20 @@ pub fn noted_into_texture(ctx: &mut Context, texture: u32, level: i32, source: [
             let image = Image::examine_texture(ctx.gl, texture, level);
             drop_errors(ctx.gl);
             let Some(image) = image else { return };
-            ctx.duplicates.images.push(image);
-            ctx.duplicates.images.len() - 1
+            ctx.view_copies.images.push(image);
+            ctx.view_copies.images.len() - 1
         }
     };
-    let name = ctx.duplicates.images[index].name;
+    let name = ctx.view_copies.images[index].name;
     note_copy(ctx, name, &sources, from_window);
-    if cells(ctx) > views(ctx) {
-        let own = own_cell(ctx);
-        view_copies::without_scissor(ctx, |ctx| ctx.duplicates.images[index].store(ctx.gl, ctx.id, own));
+    if copy_count(ctx) > views(ctx) {
+        let own = own_tile(ctx);
+        view_copies::without_scissor(ctx, |ctx| ctx.view_copies.images[index].store(ctx.gl, ctx.id, own));
     }
 }
 
 fn image_of(ctx: &Context, texture: u32, level: i32) -> Option<usize> {
-    let mut images = ctx.duplicates.images.iter();
+    let mut images = ctx.view_copies.images.iter();
     images.position(
         |image| matches!(image.name, Name::Texture { name, level: own, .. } if name == texture && own == level),
     )

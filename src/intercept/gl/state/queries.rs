@@ -7,7 +7,7 @@ use std::collections::HashMap;
 
 /// The counting queries of a context.
 #[derive(Default)]
-pub struct Counting {
+pub struct Queries {
     pub(in crate::intercept::gl) running: Vec<Running>,
     /// Finished queries whose result is more than what their object says, by the program's name for them.
     pub(in crate::intercept::gl) split: HashMap<u32, Count>,
@@ -79,7 +79,7 @@ pub(in crate::intercept::gl) const OWN_NAMES: usize = 16;
 /// Programs of the old profile use names that they never asked for; ours are this far from them.
 pub(in crate::intercept::gl) const PROGRAM_NAMES: usize = 1024;
 
-impl Counting {
+impl Queries {
     /// Whether any query runs.
     pub fn any(&self) -> bool {
         !self.running.is_empty()

@@ -3,13 +3,13 @@
 use crate::backend::gl::api::{self, Gl};
 
 /// A framebuffer with one texture of 8 bits.
-pub struct Canvas {
+pub struct OwnFramebuffer {
     /// Its OpenGL name.
     pub framebuffer: u32,
     texture: u32,
 }
 
-impl Canvas {
+impl OwnFramebuffer {
     /// Of so many pixels.
     pub fn new(gl: &Gl, width: i32, height: i32) -> Self {
         let mut canvas = Self { framebuffer: 0, texture: 0 };
