@@ -1,47 +1,86 @@
 //! Calls of our own in the context of the program.
+//!
+//! ```text
+//! {
+//!     let ctx: &mut Context = &mut OwnCalls::begin(ctx);   queries, messages and conditions are off
+//!     ctx.gl.…                                             work that the program does not notice
+//! }                                                        all is back, also after a panic
+//! ```
 
 use crate::backend::gl::api;
 use crate::intercept::gl::context::gl_context::Context;
+use std::ops::{Deref, DerefMut};
 
-/// Runs work of ours, which is done whatever the program's condition says.
-pub fn unconditionally<R>(ctx: &mut Context, work: impl FnOnce(&mut Context) -> R) -> R {
-    let Some((query, mode)) = ctx.condition else { return work(ctx) };
-    // SAFETY: conditional rendering is in force, as its hook saw; it is put back.
-    unsafe { ctx.gl.end_conditional_render() };
-    let answer = work(ctx);
-    // SAFETY: the object and mode that were in force.
-    unsafe { ctx.gl.begin_conditional_render(query, mode) };
-    answer
+/// Scope of calls of our own. Scopes that suspend queries do not nest.
+pub struct OwnCalls<'a> {
+    ctx: &'a mut Context,
+    /// Queries and conditional rendering are suspended.
+    suspends: bool,
+    /// Debug output was on.
+    messages: bool,
 }
 
-/// Runs work of ours, which is neither counted nor told of nor subject to the program's conditional rendering.
-pub fn aside<R>(ctx: &mut Context, work: impl FnOnce(&mut Context) -> R) -> R {
-    let gl = ctx.gl;
-    for running in &mut ctx.queries.running {
-        running.end_part(gl);
+impl<'a> OwnCalls<'a> {
+    /// For work that draws: no query counts it, no condition of the program leaves it out, and no
+    /// message about it reaches the program.
+    pub fn begin(ctx: &'a mut Context) -> Self {
+        let gl = ctx.gl;
+        for running in &mut ctx.queries.running {
+            running.end_part(gl);
+        }
+        let mut own = Self::without_messages(ctx);
+        own.suspends = true;
+        if own.condition.is_some() {
+            // SAFETY: conditional rendering is in force, as its hook saw; `drop` puts it back.
+            unsafe { own.gl.end_conditional_render() };
+        }
+        own
     }
-    let answer = quietly(ctx, |ctx| unconditionally(ctx, work));
-    for number in 0..ctx.queries.running.len() {
-        ctx.queries.begin_part(gl, number, None);
+
+    /// For work that draws nothing, such as linking a program.
+    pub fn without_messages(ctx: &'a mut Context) -> Self {
+        let gl = ctx.gl;
+        let knows = ctx.profile.version >= if ctx.profile.es { 32 } else { 43 };
+        let messages = knows && ctx.known_state.is_on(gl, api::GL_DEBUG_OUTPUT);
+        if messages {
+            // SAFETY: a switch that this version has; `drop` puts it back.
+            unsafe { gl.disable(api::GL_DEBUG_OUTPUT) };
+            ctx.known_state.note(api::GL_DEBUG_OUTPUT, false);
+        }
+        Self { ctx, suspends: false, messages }
     }
-    answer
 }
 
-/// Runs work of ours without the program's debug callback.
-pub fn quietly<R>(ctx: &mut Context, work: impl FnOnce(&mut Context) -> R) -> R {
-    let gl = ctx.gl;
-    let knows = ctx.profile.version >= if ctx.profile.es { 32 } else { 43 };
-    let talks = knows && ctx.known_state.is_on(gl, api::GL_DEBUG_OUTPUT);
-    if talks {
-        // SAFETY: a switch that this version has; it is put back.
-        unsafe { gl.disable(api::GL_DEBUG_OUTPUT) };
-        ctx.known_state.note(api::GL_DEBUG_OUTPUT, false);
+impl Deref for OwnCalls<'_> {
+    type Target = Context;
+
+    fn deref(&self) -> &Context {
+        self.ctx
     }
-    let answer = work(ctx);
-    if talks {
-        // SAFETY: as above.
-        unsafe { gl.enable(api::GL_DEBUG_OUTPUT) };
-        ctx.known_state.note(api::GL_DEBUG_OUTPUT, true);
+}
+
+impl DerefMut for OwnCalls<'_> {
+    fn deref_mut(&mut self) -> &mut Context {
+        self.ctx
     }
-    answer
+}
+
+impl Drop for OwnCalls<'_> {
+    fn drop(&mut self) {
+        let gl = self.ctx.gl;
+        if let Some((query, mode)) = self.ctx.condition.filter(|_| self.suspends) {
+            // SAFETY: the object and mode that were in force.
+            unsafe { gl.begin_conditional_render(query, mode) };
+        }
+        if self.messages {
+            // SAFETY: a switch that this version has.
+            unsafe { gl.enable(api::GL_DEBUG_OUTPUT) };
+            self.ctx.known_state.note(api::GL_DEBUG_OUTPUT, true);
+        }
+        if self.suspends {
+            for number in 0..self.ctx.queries.running.len() {
+                self.ctx.queries.begin_part(gl, number, None);
+            }
+        }
+    }
 }

@@ -4,7 +4,7 @@ use crate::backend::gl::api::{self, Gl};
 use crate::intercept::gl::context::current::{after_panic, current};
 use crate::intercept::gl::context::errors::{take_error, take_own_errors};
 use crate::intercept::gl::context::gl_context::Context;
-use crate::intercept::gl::context::own_calls;
+use crate::intercept::gl::context::own_calls::OwnCalls;
 use crate::intercept::gl::context::read_pixels::read_back;
 use crate::intercept::gl::frame::{capture, frame_number, front_buffer};
 use crate::intercept::gl::framebuffer::default_framebuffer::{self, follow_size};
@@ -112,7 +112,7 @@ fn in_window(ctx: &Context, run: impl FnOnce(&Gl)) {
 
 /// Corrects the views into the window. Allocates nothing.
 fn correct(ctx: &mut Context) {
-    own_calls::aside(ctx, correct_now);
+    correct_now(&mut OwnCalls::begin(ctx));
 }
 
 fn correct_now(ctx: &mut Context) {

@@ -5,7 +5,8 @@ use crate::backend::gl::api;
 use crate::intercept::gl::context::errors::{take_error, take_own_errors};
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
-use crate::intercept::gl::context::{list_recording, own_calls};
+use crate::intercept::gl::context::list_recording;
+use crate::intercept::gl::context::own_calls::OwnCalls;
 use crate::intercept::gl::per_view::window_space::intersect;
 use crate::intercept::log;
 
@@ -27,28 +28,27 @@ fn parts(ctx: &Context) -> Vec<[i32; 4]> {
 
 /// Runs `work` with the buffer, which is made when it is first needed.
 fn with(ctx: &mut Context, work: impl FnOnce(&mut Context, &Accumulation)) {
-    own_calls::aside(ctx, |ctx| {
-        take_error(ctx);
-        let gl = ctx.gl;
-        let atlas = ctx.target.as_ref().map(|t| t.session.plan().views.atlas);
-        let size = atlas.map_or((0, 0), |(width, height)| (width as i32, height as i32));
-        // The tiles moved: what was accumulated is lost, for a frame.
-        if let Some(old) = ctx.accumulation.take_if(|old| old.size() != size) {
-            old.destroy(gl);
+    let ctx: &mut Context = &mut OwnCalls::begin(ctx);
+    take_error(ctx);
+    let gl = ctx.gl;
+    let atlas = ctx.target.as_ref().map(|t| t.session.plan().views.atlas);
+    let size = atlas.map_or((0, 0), |(width, height)| (width as i32, height as i32));
+    // The tiles moved: what was accumulated is lost, for a frame.
+    if let Some(old) = ctx.accumulation.take_if(|old| old.size() != size) {
+        old.destroy(gl);
+    }
+    let buffer = match ctx.accumulation.take() {
+        Some(buffer) => Ok(buffer),
+        None => Accumulation::new(gl, size),
+    };
+    match buffer {
+        Ok(buffer) => {
+            work(ctx, &buffer);
+            ctx.accumulation = Some(buffer);
         }
-        let buffer = match ctx.accumulation.take() {
-            Some(buffer) => Ok(buffer),
-            None => Accumulation::new(gl, size),
-        };
-        match buffer {
-            Ok(buffer) => {
-                work(ctx, &buffer);
-                ctx.accumulation = Some(buffer);
-            }
-            Err(error) => log::once(&format!("what the program accumulates is left out: {error}")),
-        }
-        take_own_errors(ctx);
-    });
+        Err(error) => log::once(&format!("what the program accumulates is left out: {error}")),
+    }
+    take_own_errors(ctx);
 }
 
 /// Whether the window has such a buffer, which is then ours.

@@ -6,7 +6,8 @@ use crate::backend::gl::{GlBackend, KnownState, Target};
 use crate::error::{Error, ErrorKind, Result};
 use crate::intercept::gl::context::errors::{take_error, take_own_errors};
 use crate::intercept::gl::context::gl_context::Context;
-use crate::intercept::gl::context::{methods, own_calls};
+use crate::intercept::gl::context::methods;
+use crate::intercept::gl::context::own_calls::OwnCalls;
 use crate::intercept::gl::framebuffer::{default_framebuffer, first_read, unsampled_areas};
 use crate::intercept::gl::offscreen::view_copies;
 use crate::intercept::gl::per_view::panel::clear_transparent;
@@ -27,7 +28,7 @@ pub fn attach(ctx: &mut Context, extras: Extras) {
     if settings.rig.passthrough {
         return;
     }
-    own_calls::quietly(ctx, |ctx| attach_now(ctx, &window, settings, extras));
+    attach_now(&mut OwnCalls::without_messages(ctx), &window, settings, extras);
 }
 
 fn attach_now(ctx: &mut Context, window: &Window, settings: &settings::Settings, extras: Extras) {
@@ -58,25 +59,24 @@ pub fn follow_rig(ctx: &mut Context) {
     if ctx.target.as_ref().is_none_or(|target| target.version == version) {
         return;
     }
-    own_calls::quietly(ctx, |ctx| {
-        let (Some(settings), Some(window)) = (settings::settings(), ctx.window.clone()) else { return };
-        let Some(mut old) = ctx.target.take() else { return };
-        take_error(ctx);
-        let extras = ctx.draw_count.extras(old.extras());
-        match DefaultFramebuffer::new(ctx, &window, settings, extras) {
-            Ok(new) => {
-                view_copies::clear(ctx);
-                old.destroy(ctx.gl);
-                put(ctx, new);
-            }
-            Err(error) => {
-                log::once(&format!("the rig stays as it was: {error}"));
-                old.version = version;
-                ctx.target = Some(old);
-            }
+    let ctx: &mut Context = &mut OwnCalls::without_messages(ctx);
+    let (Some(settings), Some(window)) = (settings::settings(), ctx.window.clone()) else { return };
+    let Some(mut old) = ctx.target.take() else { return };
+    take_error(ctx);
+    let extras = ctx.draw_count.extras(old.extras());
+    match DefaultFramebuffer::new(ctx, &window, settings, extras) {
+        Ok(new) => {
+            view_copies::clear(ctx);
+            old.destroy(ctx.gl);
+            put(ctx, new);
         }
-        take_own_errors(ctx);
-    });
+        Err(error) => {
+            log::once(&format!("the rig stays as it was: {error}"));
+            old.version = version;
+            ctx.target = Some(old);
+        }
+    }
+    take_own_errors(ctx);
 }
 
 /// Puts what stood for a window earlier in its place again, if the window is still of that kind.
@@ -165,7 +165,7 @@ pub fn plan_for(ctx: &mut Context, draws: u32) {
 
 /// Plans anew with more tiles; what is drawn already moves to its new place.
 fn enlarge(ctx: &mut Context, add: impl FnOnce(&mut Extras)) {
-    own_calls::aside(ctx, |ctx| enlarge_now(ctx, add));
+    enlarge_now(&mut OwnCalls::begin(ctx), add);
 }
 
 fn enlarge_now(ctx: &mut Context, add: impl FnOnce(&mut Extras)) {
@@ -242,15 +242,16 @@ pub fn bind_for_reading(ctx: &mut Context) -> [i32; 2] {
     };
     if ctx.target.as_ref().is_some_and(|t| own_picture(t).is_none()) {
         enlarge(ctx, |extras| extras.primary = true);
-        own_calls::aside(ctx, first_read::fill_primary);
+        first_read::fill_primary(&mut OwnCalls::begin(ctx));
     }
     let Some(tile) = ctx.target.as_ref().and_then(|t| own_picture(t)) else { return [0, 0] };
-    own_calls::aside(ctx, |ctx| {
+    {
+        let ctx: &mut Context = &mut OwnCalls::begin(ctx);
         if let Some(target) = &ctx.target {
             target.resolve(ctx, Some(tile));
         }
         make_opaque(ctx, tile);
-    });
+    }
     let Some(target) = &ctx.target else { return [0, 0] };
     // SAFETY: a framebuffer of ours; `end_reading` puts the program's back.
     unsafe { ctx.gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, target.readable().framebuffer()) };

@@ -7,7 +7,7 @@
 
 use crate::backend::gl::api;
 use crate::intercept::gl::context::gl_context::Context;
-use crate::intercept::gl::context::own_calls;
+use crate::intercept::gl::context::own_calls::OwnCalls;
 use crate::intercept::gl::framebuffer::default_framebuffer;
 use crate::intercept::gl::framebuffer::unsampled_areas::Cleared;
 
@@ -20,7 +20,7 @@ pub fn look(ctx: &mut Context, cleared: Cleared, stencil: bool) {
         return;
     }
     if let Some(draws) = ctx.draw_count.take() {
-        own_calls::aside(ctx, |ctx| default_framebuffer::plan_for(ctx, draws));
+        default_framebuffer::plan_for(&mut OwnCalls::begin(ctx), draws);
     }
 }
 

@@ -6,8 +6,9 @@
 use crate::backend::gl::api::{self, Gl};
 use crate::correct::projected::matrices::{LensConstants, ReprojectionMatrix};
 use crate::correct::projected::projection;
+use crate::intercept::gl::context::errors;
 use crate::intercept::gl::context::gl_context::Context;
-use crate::intercept::gl::context::{errors, own_calls};
+use crate::intercept::gl::context::own_calls::OwnCalls;
 use crate::intercept::gl::projected_vertices::geometry_stage::{self, Limits, Passing};
 use crate::intercept::gl::projected_vertices::interface::{self, Interface};
 use crate::intercept::gl::projected_vertices::{carriers, tessellation};
@@ -29,12 +30,13 @@ pub fn of(ctx: &mut Context, kind: Kind) -> Option<Arc<Variant>> {
         State::Made(variant) => Some(variant),
         State::Refused => None,
         State::Untried => {
-            let made = own_calls::quietly(ctx, |ctx| {
+            let made = {
+                let ctx: &mut Context = &mut OwnCalls::without_messages(ctx);
                 errors::take_error(ctx);
                 let made = make(ctx, &program, kind);
                 errors::drop_errors(ctx.gl);
                 made
-            });
+            };
             ctx.counts.linked += 1;
             let (state, variant) = match made {
                 Ok(variant) => {

@@ -11,7 +11,8 @@ use crate::backend::gl::api::{self, Gl};
 use crate::correct::projected::matrices::LensConstants;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
-use crate::intercept::gl::context::{errors, list_recording, methods, own_calls};
+use crate::intercept::gl::context::own_calls::OwnCalls;
+use crate::intercept::gl::context::{errors, list_recording, methods};
 use crate::intercept::gl::projected_vertices::fixed_function::shader_text;
 use crate::intercept::gl::shader::patch::{self, Stage};
 use crate::intercept::gl::shader::programs;
@@ -98,12 +99,13 @@ fn make(ctx: &mut Context) -> Result<Arc<Program>, &'static str> {
     };
     let own = shader_text::text(&pipeline);
     let patched = patch::patch(&own, Stage::Vertex, false, true).unwrap_or_default();
-    let program = own_calls::quietly(ctx, |ctx| {
+    let program = {
+        let ctx: &mut Context = &mut OwnCalls::without_messages(ctx);
         errors::take_error(ctx);
         let program = programs::of_own_text(ctx, &patched, own.into(), pipeline.flat);
         errors::drop_errors(ctx.gl);
         program
-    });
+    };
     ctx.counts.linked += 1;
     let Some(program) = program.map(Arc::new) else {
         let reason = "the driver does not link a shader that stands in for the fixed-function pipeline";
