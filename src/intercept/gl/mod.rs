@@ -1,9 +1,35 @@
 //! OpenGL and OpenGL ES, through GLX and EGL.
 //!
-//! The vendor wrappers ([`vendor_glx`], [`vendor_egl`]) give libglvnd our functions in place of
-//! the driver's (`hook`). A [`context`] remembers what the program has set; its window's
-//! framebuffer is ours ([`default_framebuffer`]), and each draw to it is issued once per view
-//! ([`draw`]).
+//! The window's framebuffer 0 is an atlas of the rig's views, and each draw of the scene is issued
+//! once per view.
+//!
+//! # One draw
+//!
+//! ```text
+//! glDrawElements      draw::arrays            hook; vertices that may have to be looked at
+//!   dispatch          draw::dispatch          to the window, or to a framebuffer of the program?
+//!   classify          per_view::classify      scene, background or flat, by matrix and viewport
+//!   select            per_view::culling       views that can show the draw
+//!   issue             per_view::issue         per view: window space, projection, the driver's call
+//!     projection      shader, context::matrices, projected_vertices
+//!     weights         queries::scaling        what the program's queries count
+//! ```
+//!
+//! # One swap
+//!
+//! ```text
+//! glXSwapBuffers      entry::glx              the driver's function is called in between
+//!   before            frame::present          resolve, correct the views into the window, capture
+//!   after             frame::present          offscreen, cameras, buffers: the frame ends
+//!     size, rig       framebuffer             plan anew where the window or the rig changed
+//! ```
+//!
+//! # Rooms
+//!
+//! A room uses those below it: `entry`, `frame`, `compat`, `app_state`, `draw`, `framebuffer`,
+//! `offscreen`, `per_view`, `projected_vertices`, `shader`, `queries`, `vertex_input`, `context`,
+//! `state`. The data of each feature lies in `state`, below [`context::gl_context::Context`], which
+//! holds it; what a feature does lies in its own room.
 
 pub mod app_state;
 pub mod compat;

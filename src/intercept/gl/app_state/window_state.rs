@@ -6,7 +6,7 @@ use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::context::list_recording::{self, Command};
 use crate::intercept::gl::framebuffer::default_framebuffer;
-use crate::intercept::gl::projected_vertices::fixed_function::substitute;
+use crate::intercept::gl::projected_vertices;
 use crate::intercept::gl::state::attribute_stack::{ATTRIBUTE_DEPTH, Pushed};
 use crate::intercept::gl::state::fixed_pipeline::Pipeline;
 
@@ -137,7 +137,7 @@ hooks! {
                 if matches!(cap, api::GL_POINT_SPRITE | api::GL_VERTEX_PROGRAM_POINT_SIZE) {
                     ctx.max_width.note_unknown();
                 }
-                if Pipeline::has(cap) { substitute::switch(ctx, move |gl| gl.enable(cap)) } else { gl.enable(cap) }
+                if Pipeline::has(cap) { projected_vertices::switch(ctx, move |gl| gl.enable(cap)) } else { gl.enable(cap) }
                 known_state::note(ctx, |known| known.note(cap, true));
             }
         }
@@ -147,7 +147,7 @@ hooks! {
             api::GL_SCISSOR_TEST => set_scissor_test(ctx, false),
             _ => {
                 ctx.discard &= cap != api::GL_RASTERIZER_DISCARD;
-                if Pipeline::has(cap) { substitute::switch(ctx, move |gl| gl.disable(cap)) } else { gl.disable(cap) }
+                if Pipeline::has(cap) { projected_vertices::switch(ctx, move |gl| gl.disable(cap)) } else { gl.disable(cap) }
                 known_state::note(ctx, |known| known.note(cap, false));
             }
         }

@@ -12,8 +12,7 @@ use crate::intercept::gl::context::{list_recording, methods};
 use crate::intercept::gl::draw::dispatch::draw;
 use crate::intercept::gl::draw::divided;
 use crate::intercept::gl::per_view::issue::plain_program;
-use crate::intercept::gl::projected_vertices::fixed_function::substitute;
-use crate::intercept::gl::projected_vertices::fixed_function::vertices::Vertices;
+use crate::intercept::gl::projected_vertices;
 use crate::intercept::gl::state::begin_end::Phase;
 use crate::intercept::gl::state::bounds::Bounds;
 use crate::intercept::gl::state::draw::Changes;
@@ -105,11 +104,11 @@ fn issue(ctx: &mut Context, mode: u32, bounds: Bounds, recorder: &Recorder) {
             gl.end();
         }
     };
-    if !substitute::reads(ctx, mode) {
+    if !projected_vertices::reads_vertices(ctx, mode) {
         draw(ctx, changes, |_| bounds, whole);
         return;
     }
-    let vertices = Vertices::of_recorded(ctx.gl, mode, recorder);
+    let vertices = projected_vertices::Vertices::of_recorded(ctx.gl, mode, recorder);
     // SAFETY: the program's own attributes: materials count for all vertices, all else is set with each of them.
     unsafe { recorder.play_attributes(ctx.gl, 0) };
     divided::draw_read(ctx, changes, bounds, &vertices, whole);

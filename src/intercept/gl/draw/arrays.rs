@@ -9,7 +9,7 @@ use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::draw::commands::draw_command;
 use crate::intercept::gl::draw::divided;
 use crate::intercept::gl::per_view::culling::position;
-use crate::intercept::gl::projected_vertices::fixed_function;
+use crate::intercept::gl::projected_vertices;
 use crate::intercept::gl::state::bounds::Bounds;
 use crate::intercept::gl::state::primitives::Shape;
 use crate::intercept::gl::state::vertex_ranges::{Layout, Vertices};
@@ -91,7 +91,7 @@ macro_rules! array_hooks {
     ($( $name:literal $method:ident ( $($p:ident : $t:ty),* ) of $vertices:expr; )*) => {
         hooks! {
             $( $name $method(mode: u32, $($p: $t),*) = |ctx, _gl| {
-                let read = fixed_function::arrays::read(ctx, mode, $vertices);
+                let read = projected_vertices::read_arrays(ctx, mode, $vertices);
                 let bounds = |ctx: &mut Context| around(ctx, $vertices);
                 let issue = |ctx: &mut Context, gl: &Gl| gl.$method(ctx.wide_primitives.issued(mode), $($p),*);
                 ctx.wide_primitives.mode = Some(mode);

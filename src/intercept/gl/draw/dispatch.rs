@@ -23,7 +23,7 @@ use crate::intercept::gl::per_view::issue::{Copies, Repeats, Target, plain_progr
 use crate::intercept::gl::per_view::panel::PanelBlend;
 use crate::intercept::gl::per_view::window_space::own_window_space;
 use crate::intercept::gl::per_view::{self, background, wide_primitives};
-use crate::intercept::gl::projected_vertices::fixed_function::substitute;
+use crate::intercept::gl::projected_vertices;
 use crate::intercept::gl::queries::scaling;
 use crate::intercept::gl::state::bounds::Bounds;
 use crate::intercept::gl::state::draw::{Changes, DrawClass};
@@ -48,7 +48,7 @@ pub fn draw(
     } else if !draws::draw(ctx, changes, bounds, &mut issue) {
         once(ctx, &mut issue);
     }
-    substitute::end(ctx);
+    projected_vertices::end_stand_in(ctx);
 }
 
 /// Issues a draw once, as the program means it.

@@ -6,9 +6,7 @@ use crate::intercept::gl::context::list_recording;
 use crate::intercept::gl::draw::commands::draw_command;
 use crate::intercept::gl::draw::dispatch::draw;
 use crate::intercept::gl::per_view::culling::select;
-use crate::intercept::gl::projected_vertices::fixed_function::division;
-use crate::intercept::gl::projected_vertices::fixed_function::substitute::reads;
-use crate::intercept::gl::projected_vertices::fixed_function::vertices::{Attribute, Vertices};
+use crate::intercept::gl::projected_vertices::{Attribute, Vertices, draw_divided, draw_whole, reads_vertices};
 use crate::intercept::gl::state::bounds::Bounds;
 use crate::intercept::gl::state::draw::Changes;
 use crate::intercept::gl::state::fixed_function::Processor;
@@ -33,7 +31,7 @@ pub fn draw_read(
         changes,
         |_| bounds,
         |ctx, gl| match (ctx.fixed_function.view.take(), vertices) {
-            (Some((division, rows)), Some(vertices)) => division::draw(ctx, vertices, division, &rows),
+            (Some((division, rows)), Some(vertices)) => draw_divided(ctx, vertices, division, &rows),
             _ => whole(ctx, gl),
         },
     );
@@ -66,8 +64,8 @@ pub fn draw_arrays(
     list_recording::now_or_later(ctx, move |ctx| {
         ctx.wide_primitives.shape = shape;
         let current = current(ctx, &vertices);
-        let whole = |_: &mut Context, gl: &Gl| division::whole(gl, &vertices);
-        if reads(ctx, mode) {
+        let whole = |_: &mut Context, gl: &Gl| draw_whole(gl, &vertices);
+        if reads_vertices(ctx, mode) {
             draw_read(ctx, Changes::Nothing, Bounds::UNKNOWN, &vertices, whole);
         } else {
             draw(ctx, Changes::Nothing, |_| Bounds::UNKNOWN, whole);

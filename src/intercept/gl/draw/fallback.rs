@@ -5,8 +5,7 @@ use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::matrices;
 use crate::intercept::gl::framebuffer::default_framebuffer;
 use crate::intercept::gl::offscreen::view_copies;
-use crate::intercept::gl::projected_vertices::fixed_function::substitute;
-use crate::intercept::gl::projected_vertices::lens;
+use crate::intercept::gl::projected_vertices;
 use crate::intercept::gl::state::draw::DrawClass;
 use crate::intercept::gl::state::fixed_function::Processor;
 use crate::intercept::gl::state::primitives::Shape;
@@ -26,7 +25,7 @@ pub fn look(ctx: &mut Context) {
     }
     matrices::refresh(ctx);
     if matches!(ctx.projection.class, MatrixClass::Perspective(_))
-        && let Err(reason) = substitute::begin(ctx)
+        && let Err(reason) = projected_vertices::begin_stand_in(ctx)
     {
         use_views(ctx, reason);
     }
@@ -46,7 +45,7 @@ pub fn look_divided(ctx: &mut Context, class: DrawClass) -> bool {
     let drawn = ctx.wide_primitives.drawn;
     match drawn {
         Shape::Points => return false,
-        _ if ctx.fixed_function.processor == Processor::Divides || lens::variant(ctx).is_some() => {
+        _ if ctx.fixed_function.processor == Processor::Divides || projected_vertices::variant(ctx).is_some() => {
             return false;
         }
         Shape::Triangles | Shape::Lines => use_views(ctx, "a program's primitives cannot be divided"),

@@ -7,7 +7,7 @@ use crate::intercept::gl::frame::front_buffer;
 use crate::intercept::gl::framebuffer::{accumulation, bindings, direct_state, read_back, textures};
 use crate::intercept::gl::per_view::culling::max_width;
 use crate::intercept::gl::per_view::wide_primitives;
-use crate::intercept::gl::projected_vertices::fixed_function::substitute;
+use crate::intercept::gl::projected_vertices;
 use crate::intercept::gl::queries::{conditional_render, results};
 use crate::intercept::gl::shader::{introspection, program_pipelines, programs, uniforms};
 use crate::intercept::gl::vertex_input::{buffers, vertex_array_commands};
@@ -42,7 +42,7 @@ pub fn find(name: &str) -> Option<*const ()> {
             introspection::HOOKS,
             uniforms::HOOKS,
             vertex_array_commands::HOOKS,
-            substitute::HOOKS,
+            projected_vertices::HOOKS,
             getters::HOOKS,
             raster_position::HOOKS,
             textures::HOOKS,

@@ -1,4 +1,14 @@
-//! TODO-NOTE
+//! What stands in for framebuffer 0.
+//!
+//! Answers framebuffer bindings, clears, draw and read buffers, blits ([`bindings`],
+//! [`direct_state`]), reads ([`read_back`]) and commands on textures that can be drawn into
+//! ([`textures`]). Owns the target: [`default_framebuffer`] makes the atlas, replaces it where window
+//! or rig change, and enlarges it for the panel and the program's own picture; [`replan`] plans anew
+//! for the number of draws; [`unsampled_areas`] closes what no output shows.
+//!
+//! ```text
+//! framebuffer 0 of the program = one atlas: view │ view │ … │ panel │ program's own picture
+//! ```
 
 pub mod accumulation;
 pub mod bindings;

@@ -1,4 +1,13 @@
-//! TODO-NOTE
+//! Scenes that the program draws to textures.
+//!
+//! An image that lies between a scene and the window gets a copy with a tile per view
+//! ([`view_copies`]). [`draws`] issues draws to the copies, [`displayed`] shows them in the window's
+//! views, [`blits`] copies between them, [`coverage`] finds out whether a draw fills the window,
+//! [`scene_graph`] which images are needed, [`sampling`] which a draw samples.
+//!
+//! ```text
+//! scene → image of the program (a tile per view) → … → flat draw that fills the window → each view
+//! ```
 
 pub mod blits;
 pub mod coverage;

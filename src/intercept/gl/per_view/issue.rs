@@ -1,9 +1,10 @@
 //! Issue of a draw once per view.
 
 use crate::backend::gl::api::{self, Gl};
+use crate::correct::projected::matrices::ReprojectionMatrix;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::matrices::load_projection;
-use crate::intercept::gl::projected_vertices::lens;
+use crate::intercept::gl::projected_vertices;
 use crate::intercept::gl::queries::scaling;
 use crate::intercept::gl::shader::programs;
 use crate::intercept::gl::state::attribute_stack;
@@ -115,11 +116,11 @@ fn load_view(
 }
 
 /// Sends the rows and the lens of a view to the program that draws.
-fn load_rows(ctx: &mut Context, view: usize, rows: &[f32; 16]) -> Option<(Arc<Variant>, InUse)> {
+fn load_rows(ctx: &mut Context, view: usize, rows: &ReprojectionMatrix) -> Option<(Arc<Variant>, InUse)> {
     let lens = ctx.target.as_ref().and_then(|target| target.lenses.get(view)).copied();
     programs::upload_view(ctx, rows, lens.as_ref());
     let division = ctx.session().and_then(|session| session.division(view));
-    lens::begin(ctx, rows, lens.as_ref(), division)
+    projected_vertices::begin_view(ctx, rows, lens.as_ref(), division)
 }
 
 /// Puts the program's own projection back, if a view's was loaded.

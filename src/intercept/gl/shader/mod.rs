@@ -1,4 +1,10 @@
-//! TODO-NOTE
+//! The program's shaders.
+//!
+//! Answers compiling and linking ([`programs`]), pipelines ([`program_pipelines`]), matrices
+//! ([`uniforms`]) and questions about programs ([`introspection`]). The last stage before
+//! rasterisation gets an epilogue that re-projects `gl_Position` ([`patch`]). [`prover`] proves from
+//! the text of a vertex shader that positions are an attribute times matrices, and [`position`] finds
+//! these in the linked program.
 
 pub mod introspection;
 pub mod patch;

@@ -1,4 +1,8 @@
-//! TODO-NOTE
+//! The data of each feature.
+//!
+//! A file for each feature: types, and methods that need nothing but these and the driver. No file
+//! here names [`Context`](super::context::gl_context::Context). What a feature does with its state is
+//! in the room of the feature, above.
 
 pub mod attribute_stack;
 pub mod background;

@@ -1,4 +1,4 @@
-//! TODO-NOTE
+//! Draws that are left out of views that cannot show them.
 
 pub mod bounds;
 pub mod cleared_views;

@@ -1,4 +1,4 @@
-//! TODO-NOTE
+//! The fixed-function pipeline, for which a program of ours stands in where vertices are projected.
 
 pub mod arrays;
 pub mod assembly;

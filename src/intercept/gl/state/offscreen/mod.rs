@@ -1,4 +1,4 @@
-//! TODO-NOTE
+//! State of scenes that are drawn off screen.
 
 pub mod coverage;
 pub mod displayed;
