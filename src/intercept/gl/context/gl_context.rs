@@ -35,13 +35,13 @@ use std::sync::{Arc, Mutex};
 /// What objects that contexts share are known by.
 pub struct ShareGroup {
     /// Shaders and programs.
-    pub programs: Mutex<Programs>,
+    pub(in crate::intercept::gl) programs: Mutex<Programs>,
     /// Display lists.
-    pub lists: Mutex<Lists>,
+    pub(in crate::intercept::gl) lists: Mutex<Lists>,
     /// What is known of images that are drawn off screen; `None` while a context that is current has it.
-    pub off_screen: Mutex<Option<SharedViewCopies>>,
+    pub(in crate::intercept::gl) off_screen: Mutex<Option<SharedViewCopies>>,
     /// What is known of buffers.
-    pub buffers: Mutex<Buffers>,
+    pub(in crate::intercept::gl) buffers: Mutex<Buffers>,
 }
 
 impl Default for ShareGroup {
@@ -58,112 +58,112 @@ impl Default for ShareGroup {
 /// One context of the program.
 pub struct Context {
     /// A number of its own, among all contexts of the process.
-    pub id: u64,
+    pub(in crate::intercept::gl) id: u64,
     /// The driver.
-    pub gl: &'static Gl,
+    pub(in crate::intercept::gl) gl: &'static Gl,
     /// Which OpenGL.
-    pub profile: Profile,
+    pub(in crate::intercept::gl) profile: Profile,
     /// The program's vertices cannot be projected straight to an output: windows have views.
-    pub views_only: bool,
+    pub(in crate::intercept::gl) views_only: bool,
     /// What stands in for the fixed-function pipeline where vertices are projected.
-    pub fixed_function: FixedFunction,
+    pub(in crate::intercept::gl) fixed_function: FixedFunction,
     /// Counts primitives that were not divided far enough.
-    pub coarse: Option<Counter>,
+    pub(in crate::intercept::gl) coarse: Option<Counter>,
     /// Primitives were divided by stages that cannot count.
-    pub uncounted: bool,
+    pub(in crate::intercept::gl) uncounted: bool,
     /// A defect switched this context off: every call goes straight to the driver.
-    pub switched_off: bool,
+    pub(in crate::intercept::gl) switched_off: bool,
     /// The window that it draws to.
-    pub window: Option<Window>,
+    pub(in crate::intercept::gl) window: Option<Window>,
     /// What stands in for the window's framebuffer; `None` = the window's own.
-    pub target: Option<Box<DefaultFramebuffer>>,
+    pub(in crate::intercept::gl) target: Option<Box<DefaultFramebuffer>>,
     /// The plan of a window that another context of the group draws, for a context without one: what it draws off
     /// screen may be shown there.
-    pub lent: Option<Arc<Session>>,
+    pub(in crate::intercept::gl) lent: Option<Arc<Session>>,
     /// What stands in for other windows that it drew to lately.
-    pub parked: Vec<(Window, Box<DefaultFramebuffer>)>,
+    pub(in crate::intercept::gl) parked: Vec<(Window, Box<DefaultFramebuffer>)>,
     /// The program reads from another drawable than it draws to.
-    pub reads_elsewhere: bool,
+    pub(in crate::intercept::gl) reads_elsewhere: bool,
     /// Objects of pictures that were given to other contexts.
-    pub left_behind: Vec<OwnObjects>,
+    pub(in crate::intercept::gl) left_behind: Vec<OwnObjects>,
     /// What the program has set.
-    pub app: AppState,
+    pub(in crate::intercept::gl) app: AppState,
     /// `glPushAttrib`.
-    pub attribute_stack: Vec<Pushed>,
+    pub(in crate::intercept::gl) attribute_stack: Vec<Pushed>,
     /// What the driver has.
-    pub driver_state: DriverState,
+    pub(in crate::intercept::gl) driver_state: DriverState,
     /// The fixed-function projection.
-    pub projection: Projection,
+    pub(in crate::intercept::gl) projection: Projection,
     /// Flat drawing behind the scene.
-    pub background: Background,
+    pub(in crate::intercept::gl) background: Background,
     /// The cameras of the frame.
-    pub cameras: Cameras,
+    pub(in crate::intercept::gl) cameras: Cameras,
     /// Scenes that are drawn off screen.
-    pub view_copies: ViewCopies,
+    pub(in crate::intercept::gl) view_copies: ViewCopies,
     /// The program object that draws: the one in use, or a pipeline's.
-    pub program: Option<Arc<Program>>,
+    pub(in crate::intercept::gl) program: Option<Arc<Program>>,
     /// Program pipelines, and which program is in use.
-    pub pipelines: Pipelines,
+    pub(in crate::intercept::gl) pipelines: Pipelines,
     /// The Begin/End that the program is in.
-    pub immediate: Immediate,
+    pub(in crate::intercept::gl) immediate: Immediate,
     /// How many draws a frame has.
-    pub draw_count: DrawCount,
+    pub(in crate::intercept::gl) draw_count: DrawCount,
     /// Where the draw that is being issued comes to be in each view, if that is known.
-    pub areas: Vec<crate::correct::TexelSpan>,
+    pub(in crate::intercept::gl) areas: Vec<crate::correct::TexelSpan>,
     /// Where draws from buffers are.
-    pub ranges: Ranges,
+    pub(in crate::intercept::gl) ranges: Ranges,
     /// Vertex arrays.
-    pub vertex_arrays: VertexArrays,
+    pub(in crate::intercept::gl) vertex_arrays: VertexArrays,
     /// Which buffers are bound.
-    pub buffer_bindings: Bound,
+    pub(in crate::intercept::gl) buffer_bindings: Bound,
     /// State that need not be asked for.
-    pub known_state: crate::backend::gl::KnownState,
+    pub(in crate::intercept::gl) known_state: crate::backend::gl::KnownState,
     /// The greatest width of points and lines so far.
-    pub max_width: MaxWidth,
+    pub(in crate::intercept::gl) max_width: MaxWidth,
     /// Points and lines that may leave their tile.
-    pub wide_primitives: WidePrimitives,
+    pub(in crate::intercept::gl) wide_primitives: WidePrimitives,
     /// The driver's anisotropic filtering may never end.
-    pub endless_anisotropy: bool,
+    pub(in crate::intercept::gl) endless_anisotropy: bool,
     /// A vertex program in assembly language was switched on: the fixed-function matrices may say nothing.
-    pub assembly: bool,
+    pub(in crate::intercept::gl) assembly: bool,
     /// `glRenderMode` is not `GL_RENDER`.
-    pub picking: bool,
+    pub(in crate::intercept::gl) picking: bool,
     /// The raster position.
-    pub raster: RasterPosition,
+    pub(in crate::intercept::gl) raster: RasterPosition,
     /// The display list that is being compiled.
-    pub recording: Option<Recording>,
+    pub(in crate::intercept::gl) recording: Option<Recording>,
     /// `glListBase`.
-    pub list_base: u32,
+    pub(in crate::intercept::gl) list_base: u32,
     /// An error of the program's that we had to take out of the driver.
-    pub pending_error: u32,
+    pub(in crate::intercept::gl) pending_error: u32,
     /// Buffers that were bound for uniform blocks.
-    pub block_buffers: HashSet<u32>,
+    pub(in crate::intercept::gl) block_buffers: HashSet<u32>,
     /// Grows with every change of a buffer that may hold uniform blocks.
-    pub buffer_generation: u64,
+    pub(in crate::intercept::gl) buffer_generation: u64,
     /// Conditional rendering.
-    pub condition: Condition,
+    pub(in crate::intercept::gl) condition: Condition,
     /// The accumulation buffer, once the program used it.
-    pub accumulation: Option<crate::backend::gl::accumulation::Accumulation>,
+    pub(in crate::intercept::gl) accumulation: Option<crate::backend::gl::accumulation::Accumulation>,
     /// Queries that count what is drawn.
-    pub queries: Queries,
+    pub(in crate::intercept::gl) queries: Queries,
     /// Transform feedback is recording.
-    pub feedback: bool,
+    pub(in crate::intercept::gl) feedback: bool,
     /// `GL_RASTERIZER_DISCARD`.
-    pub discard: bool,
+    pub(in crate::intercept::gl) discard: bool,
     /// How often flushes of the front buffer are answered.
-    pub front_buffer: FrontBufferThrottle,
+    pub(in crate::intercept::gl) front_buffer: FrontBufferThrottle,
     /// Objects shared with other contexts.
-    pub share: Arc<ShareGroup>,
+    pub(in crate::intercept::gl) share: Arc<ShareGroup>,
     /// Counts for `--stats`.
-    pub counts: Counts,
+    pub(in crate::intercept::gl) counts: Counts,
     /// Something was drawn since the last swap.
-    pub frame_begun: bool,
+    pub(in crate::intercept::gl) frame_begun: bool,
     /// Nothing of the window could be seen after its last swap.
-    pub occluded: bool,
+    pub(in crate::intercept::gl) occluded: bool,
     /// The lens of the last draw of the scene.
-    pub lens: Option<crate::runtime::session::Intrinsics>,
+    pub(in crate::intercept::gl) lens: Option<crate::runtime::session::Intrinsics>,
     /// Largest viewport (area) that a scene was drawn to: in this frame, and in the last one.
-    pub viewport_area: [i64; 2],
+    pub(in crate::intercept::gl) viewport_area: [i64; 2],
 }
 
 impl Context {
