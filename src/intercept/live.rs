@@ -3,6 +3,7 @@
 //! The file's time and length are asked four times a second, between two frames: a steady frame reads the clock and no
 //! more. A file with a mistake changes nothing, and the log says once what is wrong with it.
 
+use super::file_stamp::FileStamp;
 use super::log;
 use super::settings::Settings;
 use crate::intercept::settings;
@@ -11,7 +12,7 @@ use crate::rig::Rig;
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, OnceLock};
-use std::time::{Duration, Instant, SystemTime};
+use std::time::{Duration, Instant};
 
 /// How often the file is looked at.
 const INTERVAL: Duration = Duration::from_millis(250);
@@ -25,17 +26,10 @@ pub struct Live {
     pub version: u64,
 }
 
-/// What tells one state of a file from another.
-#[derive(Clone, PartialEq)]
-struct Stamp {
-    modified: Option<SystemTime>,
-    length: u64,
-}
-
 struct Watch {
     live: Live,
     looked: Instant,
-    seen: Option<Stamp>,
+    seen: Option<FileStamp>,
 }
 
 static VERSION: AtomicU64 = AtomicU64::new(0);
@@ -44,20 +38,8 @@ fn watch(settings: &Settings) -> &'static Mutex<Watch> {
     static WATCH: OnceLock<Mutex<Watch>> = OnceLock::new();
     WATCH.get_or_init(|| {
         let live = Live { rig: Arc::new(settings.rig.clone()), version: 0 };
-        Mutex::new(Watch { live, looked: Instant::now(), seen: settings.rig_stamp.map(Stamp::from) })
+        Mutex::new(Watch { live, looked: Instant::now(), seen: settings.rig_stamp })
     })
-}
-
-impl From<(Option<SystemTime>, u64)> for Stamp {
-    fn from((modified, length): (Option<SystemTime>, u64)) -> Self {
-        Self { modified, length }
-    }
-}
-
-/// Time of the last change and length of a file; `None` where there is none.
-pub fn stamp(path: &Path) -> Option<(Option<SystemTime>, u64)> {
-    let data = std::fs::metadata(path).ok()?;
-    Some((data.modified().ok(), data.len()))
 }
 
 /// The rig of the moment; `None` where the settings are wrong.
@@ -81,7 +63,7 @@ pub fn version() -> u64 {
 
 fn look(watch: &mut Watch, settings: &Settings, path: &Path) {
     watch.looked = Instant::now();
-    let found = stamp(path).map(Stamp::from);
+    let found = FileStamp::of(path);
     // A file that is gone for a moment is being replaced.
     if found.is_none() || found == watch.seen {
         return;

@@ -4,8 +4,9 @@
 //! picture, and the log says why, once.
 
 pub mod camera;
+pub mod file_stamp;
 pub mod gl;
-pub mod kept;
+pub mod last_frame;
 pub mod lens;
 pub mod live;
 pub mod log;

@@ -1,21 +1,21 @@
 //! What the environment asks of the injected library.
 
-use super::{live, log};
+use super::file_stamp::FileStamp;
+use super::log;
 use crate::rig::{self, Duplicate, Rig};
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
-use std::time::SystemTime;
 
 /// The settings of this process.
 #[derive(Clone, Debug)]
 pub struct Settings {
     /// The rig (`CUPOLA_RIG`, preset or file; `fisheye` if unset) with `CUPOLA_CAMERA`, `CUPOLA_VIEWER`, `CUPOLA_METHOD` and
-    /// `CUPOLA_DUPLICATE` applied, as it was at the start; [`live::rig`] is that of the moment.
+    /// `CUPOLA_DUPLICATE` applied, as it was at the start; [`crate::intercept::live::rig`] is that of the moment.
     pub rig: Rig,
     /// The rig's file, absolute, since programs change their folder; `None` for a preset.
     pub rig_file: Option<PathBuf>,
-    /// Time of the last change and length of that file before it was read.
-    pub rig_stamp: Option<(Option<SystemTime>, u64)>,
+    /// Stamp of that file before it was read.
+    pub rig_stamp: Option<FileStamp>,
     /// What is applied to the rig: `CUPOLA_CAMERA`, `CUPOLA_VIEWER`, `CUPOLA_METHOD`.
     overrides: [Option<String>; 3],
     /// `CUPOLA_DUPLICATE`.
@@ -76,7 +76,7 @@ fn read() -> crate::Result<Settings> {
     let name = text("CUPOLA_RIG").unwrap_or_else(|| "fisheye".to_owned());
     let is_preset = rig::presets().iter().any(|preset| preset.name == name);
     let rig_file = (!is_preset).then(|| std::path::absolute(&name).ok()).flatten();
-    let rig_stamp = rig_file.as_deref().and_then(live::stamp);
+    let rig_stamp = rig_file.as_deref().and_then(FileStamp::of);
     let overrides = ["CUPOLA_CAMERA", "CUPOLA_VIEWER", "CUPOLA_METHOD"].map(text);
     let window_size = match text("CUPOLA_SIZE") {
         Some(size) => Some(parse_size(&size).ok_or_else(|| wrong("CUPOLA_SIZE", &size, "1024x768"))?),

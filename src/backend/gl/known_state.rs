@@ -2,7 +2,7 @@
 //! it is noted anew or forgotten.
 
 use super::api::*;
-use super::state::integer;
+use super::values::integer;
 use std::cell::Cell;
 
 /// The switches that are followed; the first of them are off while we draw (`super::state`).

@@ -1,8 +1,9 @@
 //! The map that the shaders compute, read back: the very programs that correct, with another last stage.
 
 use super::api::*;
-use super::passes::{GlBackend, Target};
-use super::state::integer;
+use super::passes::GlBackend;
+use super::target::Target;
+use super::values::integer;
 use crate::correct::Plan;
 use crate::correct::shaders::glsl::Stage;
 use crate::correct::shaders::map::MapPixel;

@@ -3,24 +3,27 @@
 pub mod accumulation;
 pub mod api;
 mod binaries;
-mod blank;
+mod cleared_views;
+mod full_clear;
 pub mod glx;
 pub mod headless;
-mod hidden;
 mod known_state;
 mod map;
 mod passes;
 mod program;
 mod state;
 pub mod surface;
+mod target;
 mod textures;
-mod whole;
+mod unsampled_areas;
+mod values;
 
 pub use crate::correct::shaders::map::MapPixel;
-pub use blank::Blank;
+pub use cleared_views::ClearedViews;
 pub use known_state::KnownState;
 pub use map::gpu_map;
-pub use passes::{GlBackend, Target};
+pub use passes::GlBackend;
+pub use target::Target;
 
 #[cfg(test)]
 mod tests;

@@ -2,14 +2,15 @@
 
 use super::api::*;
 use super::binaries::Binaries;
-use super::blank::{Blank, Draw, Shows};
-use super::hidden::Hidden;
+use super::cleared_views::{ClearedViews, Draw, Shows};
+use super::full_clear::FullClear;
 use super::known_state::KnownState;
 use super::program::{ATLAS_UNIT, BLACK_UNIT, MASK_UNIT, TABLE_UNIT};
 use super::state::Capabilities;
+use super::target::Target;
 use super::textures;
-use super::whole::Whole;
-use crate::backend::gl::blank;
+use super::unsampled_areas::UnsampledAreas;
+use crate::backend::gl::cleared_views;
 use crate::backend::gl::program;
 use crate::backend::gl::state;
 use crate::cache::Cache;
@@ -24,16 +25,6 @@ use crate::error::{Error, ErrorKind, Result};
 use std::cell::Cell;
 use std::collections::HashMap;
 use std::mem::take;
-
-/// Where an output is shown.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Target {
-    /// The framebuffer object; 0 is the window. Its first draw buffer is written.
-    pub framebuffer: u32,
-    /// x, y, width, height in pixels from the framebuffer's bottom left. Another size than the
-    /// output's own scales it, without filtering anew: the map is evaluated where the pixels are.
-    pub viewport: [i32; 4],
-}
 
 /// What one output needs.
 #[derive(Debug, Default)]
@@ -74,8 +65,8 @@ pub struct GlBackend {
     binaries: Binaries,
     names: Names,
     outputs: Vec<Output>,
-    whole: Option<Whole>,
-    hidden: Option<Hidden>,
+    full_clear: Option<FullClear>,
+    unsampled: Option<UnsampledAreas>,
     errors: Cell<u64>,
     left_out: Cell<u64>,
     narrowed: Cell<u64>,
@@ -109,8 +100,8 @@ impl GlBackend {
             binaries: Binaries::default(),
             names: Names::default(),
             outputs: Vec::new(),
-            whole: None,
-            hidden: None,
+            full_clear: None,
+            unsampled: None,
             errors: Cell::new(0),
             left_out: Cell::new(0),
             narrowed: Cell::new(0),
@@ -168,23 +159,24 @@ impl GlBackend {
     /// Says that from now on `targets`, one for each prepared output, are all that is to be seen in their framebuffer of
     /// `size` pixels: what no output shows there is made black, and all of it may be cleared first.
     pub fn own_framebuffer(&mut self, targets: &[Target], size: (u32, u32)) {
-        self.whole = Whole::of(targets, size, self.outputs.iter().map(|output| output.black));
+        self.full_clear = FullClear::of(targets, size, self.outputs.iter().map(|output| output.black));
     }
 
-    /// Uploads `areas`, rectangles of an atlas of the given size in texels, for [`GlBackend::close_hidden`]; none: there
+    /// Uploads `areas`, rectangles of an atlas of the given size in texels, for [`GlBackend::close_unsampled`]; none: there
     /// is nothing to close. For changes of the plan only.
     ///
     /// # Errors
     /// [`ErrorKind::Graphics`] where the driver refuses a shader.
-    pub fn prepare_hidden(&mut self, gl: &Gl, areas: &[Tile], atlas: (u32, u32)) -> Result<()> {
+    pub fn prepare_unsampled(&mut self, gl: &Gl, areas: &[Tile], atlas: (u32, u32)) -> Result<()> {
         self.take_pending(gl);
-        if let Some(old) = self.hidden.take() {
+        if let Some(old) = self.unsampled.take() {
             old.destroy(gl);
         }
         if !areas.is_empty() {
-            let hidden =
-                state::while_uploading(gl, &self.caps, || Hidden::new(gl, &self.caps, &self.binaries, areas, atlas));
-            self.hidden = Some(hidden?);
+            let unsampled = state::while_uploading(gl, &self.caps, || {
+                UnsampledAreas::new(gl, &self.caps, &self.binaries, areas, atlas)
+            });
+            self.unsampled = Some(unsampled?);
         }
         self.count_errors(gl);
         Ok(())
@@ -195,10 +187,10 @@ impl GlBackend {
     /// stencil stay. How many texels were closed: 0 where none are prepared, where the program does not write depth,
     /// and while it counts samples. Allocates nothing; the program's state and errors are put back as by
     /// [`GlBackend::present`], but the errors are kept for that. What is `known` is not asked for.
-    pub fn close_hidden(&self, gl: &Gl, cleared: f32, known: &KnownState) -> u64 {
-        let Some(hidden) = &self.hidden else { return 0 };
+    pub fn close_unsampled(&self, gl: &Gl, cleared: f32, known: &KnownState) -> u64 {
+        let Some(unsampled) = &self.unsampled else { return 0 };
         self.take_pending(gl);
-        let texels = hidden.close(gl, &self.caps, cleared, known);
+        let texels = unsampled.close(gl, &self.caps, cleared, known);
         self.count_errors(gl);
         texels
     }
@@ -304,7 +296,7 @@ impl GlBackend {
                 let (first, count) = (draw.first as i32, draw.count as i32);
                 let views = draw.views.iter().fold(0, |bits, view| bits | 1u64.checked_shl(*view as u32).unwrap_or(0));
                 let followed = draw.views.iter().all(|view| *view < 64);
-                let shows = if followed { blank::shows(&draw.constants) } else { Shows::Other };
+                let shows = if followed { cleared_views::shows(&draw.constants) } else { Shows::Other };
                 output.draws.push(Draw { program, first, count, views, shows, nearest: draw.nearest });
             }
             outputs.push(output);
@@ -362,23 +354,23 @@ impl GlBackend {
     /// hand it to the program's next `glGetError`. One that was pending at [`GlBackend::new`] or
     /// [`GlBackend::prepare`] is given by the next call of this.
     pub fn present(&self, gl: &Gl, atlas_texture: u32, targets: &[Target]) -> u32 {
-        self.present_but(gl, atlas_texture, targets, None, &KnownState::default())
+        self.present_changed(gl, atlas_texture, targets, None, &KnownState::default())
     }
 
-    /// As [`GlBackend::present`], but what shows only `blank` views is cleared to their colour instead of being
+    /// As [`GlBackend::present`], but what shows only `cleared_views` views is cleared to their colour instead of being
     /// sampled. The picture is the same, if the target stores 8 bits as the atlas does. What is `known` is not asked for.
-    pub fn present_but(
+    pub fn present_changed(
         &self,
         gl: &Gl,
         atlas_texture: u32,
         targets: &[Target],
-        blank: Option<&Blank<'_>>,
+        cleared_views: Option<&ClearedViews<'_>>,
         known: &KnownState,
     ) -> u32 {
         self.take_pending(gl);
         if self.names.vertex_array != 0 && state::can_draw(gl, &self.caps) {
             let saved = state::save_and_set(gl, &self.caps, self.units(), known);
-            self.draw_outputs(gl, atlas_texture, targets, blank);
+            self.draw_outputs(gl, atlas_texture, targets, cleared_views);
             state::restore(gl, &self.caps, &saved);
         }
         self.count_errors(gl);
@@ -395,7 +387,7 @@ impl GlBackend {
         self.narrowed.get()
     }
 
-    fn draw_outputs(&self, gl: &Gl, atlas_texture: u32, targets: &[Target], blank: Option<&Blank<'_>>) {
+    fn draw_outputs(&self, gl: &Gl, atlas_texture: u32, targets: &[Target], cleared_views: Option<&ClearedViews<'_>>) {
         let [linear, nearest] = self.names.samplers;
         let more = self.units() > 1;
         // SAFETY: a context is current; all names are ones that it gave, or the caller's.
@@ -410,7 +402,7 @@ impl GlBackend {
                 gl.bind_sampler(TABLE_UNIT, nearest);
             }
         }
-        let first = self.first_color(targets, blank);
+        let first = self.first_color(targets, cleared_views);
         if let (Some([red, green, blue]), Some(target)) = (first, targets.first()) {
             // SAFETY: a context is current; the colour has four numbers.
             unsafe {
@@ -432,7 +424,7 @@ impl GlBackend {
                 }
             }
             state::set_viewport(gl, &self.caps, target.viewport);
-            self.draw_output(gl, output, target.viewport, blank, first);
+            self.draw_output(gl, output, target.viewport, cleared_views, first);
         }
     }
 
@@ -443,11 +435,12 @@ impl GlBackend {
     }
 
     /// The colour that the framebuffer of all outputs is cleared to before they are drawn.
-    fn first_color(&self, targets: &[Target], blank: Option<&Blank<'_>>) -> Option<[f32; 3]> {
-        let whole = self.whole.filter(|whole| whole.serves(targets))?;
+    fn first_color(&self, targets: &[Target], cleared_views: Option<&ClearedViews<'_>>) -> Option<[f32; 3]> {
+        let full_clear = self.full_clear.filter(|full_clear| full_clear.serves(targets))?;
         let draws = || self.outputs.iter().flat_map(|output| &output.draws);
-        let blank = blank.filter(|blank| draws().any(|draw| draw.views != 0 && draw.is_blank(blank)));
-        whole.color(blank.map(|blank| blank.color))
+        let cleared_views = cleared_views
+            .filter(|cleared_views| draws().any(|draw| draw.views != 0 && draw.shows_cleared(cleared_views)));
+        full_clear.color(cleared_views.map(|cleared_views| cleared_views.color))
     }
 
     /// Draws one output. `held`: the colour that is there already.
@@ -456,25 +449,27 @@ impl GlBackend {
         gl: &Gl,
         output: &Output,
         viewport: [i32; 4],
-        blank: Option<&Blank<'_>>,
+        cleared_views: Option<&ClearedViews<'_>>,
         held: Option<[f32; 3]>,
     ) {
         let [left, bottom, width, height] = viewport;
         let unscaled = (i64::from(width), i64::from(height)) == (output.size.0.into(), output.size.1.into());
-        let is_blank = |draw: &&Draw| blank.is_some_and(|blank| draw.views != 0 && draw.is_blank(blank));
-        let left_out = output.draws.iter().filter(is_blank).count();
-        let part = blank
-            .filter(|_| unscaled)
-            .and_then(|blank| blank::part(blank, &output.draws, output.footprints.as_ref(), output.size));
-        let cleared = match blank.filter(|_| left_out > 0 || part.is_some()) {
-            Some(blank) => {
-                if held != Some(blank.color) {
-                    state::clear(gl, &self.caps, viewport, blank.color);
+        let shows_cleared = |draw: &&Draw| {
+            cleared_views.is_some_and(|cleared_views| draw.views != 0 && draw.shows_cleared(cleared_views))
+        };
+        let left_out = output.draws.iter().filter(shows_cleared).count();
+        let part = cleared_views.filter(|_| unscaled).and_then(|cleared_views| {
+            cleared_views::part(cleared_views, &output.draws, output.footprints.as_ref(), output.size)
+        });
+        let cleared = match cleared_views.filter(|_| left_out > 0 || part.is_some()) {
+            Some(cleared_views) => {
+                if held != Some(cleared_views.color) {
+                    state::clear(gl, &self.caps, viewport, cleared_views.color);
                 }
                 self.left_out.set(self.left_out.get() + left_out as u64);
-                Some(*blank)
+                Some(*cleared_views)
             }
-            None => held.map(|color| Blank { views: 0, color, touched: &[] }),
+            None => held.map(|color| ClearedViews { views: 0, color, touched: &[] }),
         };
         let [linear, nearest] = self.names.samplers;
         let bound = Cell::new(0);
@@ -490,14 +485,16 @@ impl GlBackend {
                 gl.draw_elements(GL_TRIANGLES, draw.count, GL_UNSIGNED_INT, first as *const _);
             }
         };
-        let needed = || output.draws.iter().filter(|draw| cleared.is_none_or(|blank| !draw.is_blank(&blank)));
-        match (blank, part) {
-            (Some(blank), Some([x, y, width, height])) => {
+        let needed = || {
+            output.draws.iter().filter(|draw| cleared.is_none_or(|cleared_views| !draw.shows_cleared(&cleared_views)))
+        };
+        match (cleared_views, part) {
+            (Some(cleared_views), Some([x, y, width, height])) => {
                 self.narrowed.set(self.narrowed.get() + 1);
                 let within = [left + x as i32, bottom + y as i32, width as i32, height as i32];
-                needed().filter(|draw| !draw.narrows(blank)).for_each(issue);
+                needed().filter(|draw| !draw.narrows(cleared_views)).for_each(issue);
                 state::within(gl, &self.caps, within, || {
-                    needed().filter(|draw| draw.narrows(blank)).for_each(issue);
+                    needed().filter(|draw| draw.narrows(cleared_views)).for_each(issue);
                 });
             }
             _ => needed().for_each(issue),
@@ -507,8 +504,8 @@ impl GlBackend {
     /// Deletes everything in the context, which must be current.
     pub fn destroy(&mut self, gl: &Gl) {
         self.outputs.clear();
-        if let Some(hidden) = self.hidden.take() {
-            hidden.destroy(gl);
+        if let Some(unsampled) = self.unsampled.take() {
+            unsampled.destroy(gl);
         }
         let names = take(&mut self.names);
         // SAFETY: the context is current and gave these names; 0 is ignored.

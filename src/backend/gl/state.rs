@@ -5,6 +5,7 @@
 
 use super::api::*;
 use super::known_state::{KnownState, MOST_DRAW_BUFFERS, Masks};
+use super::values::{boolean, integer};
 use crate::backend::gl::known_state;
 use std::ffi::CStr;
 
@@ -425,20 +426,4 @@ fn restore_upload(gl: &Gl, caps: &Capabilities, saved: &SavedUpload) {
         gl.bind_buffer(GL_ARRAY_BUFFER, saved.array_buffer);
         gl.use_program(saved.program);
     }
-}
-
-/// One integer of the context; 0 where it knows no such name.
-pub(super) fn integer(gl: &Gl, name: u32) -> i32 {
-    // Some names answer with more than one number in some profiles.
-    let mut values = [0; 4];
-    // SAFETY: a context is current; no name used here has more than four values.
-    unsafe { gl.get_integerv(name, values.as_mut_ptr()) };
-    values[0]
-}
-
-pub(super) fn boolean(gl: &Gl, name: u32) -> bool {
-    let mut value = 0;
-    // SAFETY: a context is current; the name has one value.
-    unsafe { gl.get_booleanv(name, &mut value) };
-    value != 0
 }

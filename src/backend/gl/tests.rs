@@ -1,9 +1,9 @@
 //! Tests that draw, on whatever driver EGL finds without a window.
 
 mod canvas;
-mod hidden;
 mod state;
 mod targets;
+mod unsampled_areas;
 
 use super::api::{GL_NO_ERROR, GL_RGBA8};
 use super::headless::{Api, Headless};

@@ -41,12 +41,12 @@ fn read(headless: &Headless, backend: &mut VkBackend, size: (u32, u32), atlas: (
     let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_SRC;
     let mut target = Image::new(api, FORMAT, size, usage)?;
     // The map reads no picture; a descriptor needs one all the same, and its size is only compared.
-    let mut blank = Image::new(api, vk::Format::R8G8B8A8_UNORM, (1, 1), vk::ImageUsageFlags::SAMPLED)
+    let mut source = Image::new(api, vk::Format::R8G8B8A8_UNORM, (1, 1), vk::ImageUsageFlags::SAMPLED)
         .inspect_err(|_| target.destroy(api))?;
     let mut buffer = Buffer::default();
-    let result = draw(headless, backend, (size, atlas), (&target, &blank), &mut buffer);
+    let result = draw(headless, backend, (size, atlas), (&target, &source), &mut buffer);
     buffer.destroy(api);
-    blank.destroy(api);
+    source.destroy(api);
     target.destroy(api);
     result
 }
@@ -55,14 +55,14 @@ fn draw(
     headless: &Headless,
     backend: &mut VkBackend,
     ((width, height), atlas): ((u32, u32), (u32, u32)),
-    (target, blank): (&Image, &Image),
+    (target, source): (&Image, &Image),
     buffer: &mut Buffer,
 ) -> Result<Vec<[f32; 4]>> {
     let api = &headless.api;
     let none = (vk::PipelineStageFlags::empty(), vk::AccessFlags::empty());
     backend.set_sources(&[SourceImage {
-        image: blank.handle,
-        view: blank.view,
+        image: source.handle,
+        view: source.view,
         format: vk::Format::R8G8B8A8_UNORM,
         extent: atlas,
         layout: vk::ImageLayout::GENERAL,
@@ -86,7 +86,7 @@ fn draw(
         // SAFETY: the command buffer is being recorded, outside a render pass; both images are live.
         unsafe {
             let (before, after) = (Use::nothing(vk::ImageLayout::UNDEFINED), Use::sampled(general));
-            barrier(&api.device, commands, (blank.handle, 1), before, after);
+            barrier(&api.device, commands, (source.handle, 1), before, after);
             backend.record(commands, 0, 0, &[[0, 0, width as i32, height as i32]])?;
         }
         super::images::copy_to(api, commands, target.handle, (width, height), buffer);

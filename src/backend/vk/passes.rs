@@ -79,8 +79,8 @@ pub struct VkBackend {
     textures: Vec<Texture>,
     /// The textures have to be filled by the next command buffer.
     upload: bool,
-    /// A texture for shaders that look at none, where pictures do not serve.
-    blank: Option<usize>,
+    /// Dummy texture, bound where a shader has no mask, table or picture of black.
+    dummy: Option<usize>,
     outputs: Vec<Output>,
     arrangement: Arrangement,
     /// Of the images of a source.
@@ -109,7 +109,7 @@ impl VkBackend {
             staging: Buffer::default(),
             textures: Vec::new(),
             upload: false,
-            blank: None,
+            dummy: None,
             outputs: Vec::new(),
             arrangement: Arrangement::Atlas,
             sizes: Vec::new(),
@@ -225,7 +225,7 @@ impl VkBackend {
         };
         if self.arrangement == Arrangement::Layers {
             // Masks and tables are 2D images, which layers are not.
-            self.blank = Some(add(vk::Format::R8_UNORM, (1, 1), vec![u8::MAX])?);
+            self.dummy = Some(add(vk::Format::R8_UNORM, (1, 1), vec![u8::MAX])?);
         }
         for (pass, output) in passes.iter().zip(&mut self.outputs) {
             if let Some(mask) = &pass.mask {
@@ -283,9 +283,9 @@ impl VkBackend {
             .flat_map(|output| output.draws.iter().map(move |draw| (output, draw)))
             .map(|(output, draw)| Reads {
                 views: draw.views.clone(),
-                mask: view(output.mask.or(self.blank)),
-                table: view(output.table.or(self.blank)),
-                black: view(output.black.or(self.blank)),
+                mask: view(output.mask.or(self.dummy)),
+                table: view(output.table.or(self.dummy)),
+                black: view(output.black.or(self.dummy)),
             })
             .collect();
         let new = Descriptors::new(&self.api, &self.common, self.arrangement, &reads, &self.sizes, images)?;
@@ -507,7 +507,7 @@ impl VkBackend {
         self.descriptors.destroy(&self.api);
         self.forget_targets();
         self.outputs.clear();
-        self.blank = None;
+        self.dummy = None;
         for mut texture in take(&mut self.textures) {
             texture.image.destroy(&self.api);
         }

@@ -3,7 +3,7 @@
 use super::canvas::Canvas;
 use super::contexts;
 use crate::backend::gl::api::*;
-use crate::backend::gl::{Blank, GlBackend, KnownState, Target};
+use crate::backend::gl::{ClearedViews, GlBackend, KnownState, Target};
 use crate::backend::tests::picture::Picture;
 use crate::backend::tests::plans::*;
 use crate::backend::tests::present::{noise, one_to_one, place, waves};
@@ -92,7 +92,7 @@ fn an_own_framebuffer_shows_the_same_and_black_around_it() {
                 };
                 let texture = atlas.texture(gl, GL_RGBA8);
                 let color = color.map(|color| color.map(|c| f32::from(c) / 255.0));
-                let show = |owned: bool, blank: Option<&Blank<'_>>| {
+                let show = |owned: bool, blank: Option<&ClearedViews<'_>>| {
                     let mut backend = GlBackend::new(gl, context.is_gles).expect("a backend");
                     backend.prepare(gl, &plan, false).expect("shaders");
                     let canvas = Canvas::new(gl, size);
@@ -100,13 +100,13 @@ fn an_own_framebuffer_shows_the_same_and_black_around_it() {
                     if owned {
                         backend.own_framebuffer(&targets, size);
                     }
-                    backend.present_but(gl, texture, &targets, blank, &KnownState::default());
+                    backend.present_changed(gl, texture, &targets, blank, &KnownState::default());
                     backend.destroy(gl);
                     assert_eq!(backend.errors(), 0);
                     canvas.read(gl)
                 };
                 let plain = show(false, None);
-                let blank = color.map(|color| Blank { views: u64::MAX, color, touched: &[] });
+                let blank = color.map(|color| ClearedViews { views: u64::MAX, color, touched: &[] });
                 for blank in [None, blank.as_ref()] {
                     let owned = show(true, blank);
                     let inside = |x: u32| viewports.iter().any(|v| (v[0]..v[0] + v[2]).contains(&(x as i32)));

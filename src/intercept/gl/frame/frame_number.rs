@@ -30,7 +30,7 @@ pub fn next(window: usize) -> u64 {
 pub fn swapped_elsewhere(window: &Window) {
     let limit = crate::intercept::settings::settings().and_then(|s| s.frames);
     if crate::fence::guard(|| count(window.handle())).is_some_and(|frame| limit == Some(frame)) {
-        crate::intercept::kept::end_program();
+        crate::intercept::last_frame::end_program();
     }
 }
 

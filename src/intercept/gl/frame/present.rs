@@ -11,7 +11,7 @@ use crate::intercept::gl::framebuffer::default_framebuffer::{self, follow_size};
 use crate::intercept::gl::offscreen::view_copies;
 use crate::intercept::gl::state::window::Window;
 use crate::intercept::gl::vertex_input::buffers;
-use crate::intercept::kept::{self, Kept};
+use crate::intercept::last_frame::{self, LastFrame};
 use crate::intercept::scene::report;
 use crate::intercept::settings;
 use crate::runtime::report::{Picture, Statistics, ViewStatistics};
@@ -118,9 +118,9 @@ fn correct(ctx: &mut Context) {
 fn correct_now(ctx: &mut Context) {
     let Some(target) = ctx.target.take() else { return };
     target.resolve(ctx, None);
-    let blank = target.blank();
+    let cleared = target.views_cleared();
     let (texture, outputs) = (target.texture(), target.outputs());
-    let pending = target.backend().present_but(ctx.gl, texture, outputs, blank.as_ref(), &ctx.known_state);
+    let pending = target.backend().present_changed(ctx.gl, texture, outputs, cleared.as_ref(), &ctx.known_state);
     if ctx.pending_error == api::GL_NO_ERROR {
         ctx.pending_error = pending;
     }
@@ -142,7 +142,7 @@ fn frame(ctx: &mut Context) {
         keep_report(ctx, settings);
     }
     if last {
-        kept::end_program();
+        last_frame::end_program();
     }
 }
 
@@ -173,7 +173,7 @@ fn keep_report(ctx: &mut Context, settings: &settings::Settings) {
     let pictures = if settings.capture.is_some() { output_pictures(ctx, settings) } else { Vec::new() };
     let views = if settings.capture_views.is_some() { view_pictures(ctx) } else { Vec::new() };
     take_own_errors(ctx);
-    kept::keep(Kept { statistics, pictures, views });
+    last_frame::store(LastFrame { statistics, pictures, views });
 }
 
 fn statistics(ctx: &Context, settings: &settings::Settings) -> Statistics {

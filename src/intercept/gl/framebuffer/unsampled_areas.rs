@@ -72,7 +72,7 @@ pub fn prepare(gl: &Gl, backend: &mut GlBackend, plan: &Plan) -> Vec<u64> {
     if !worthwhile(mask, texels.iter().sum(), all) {
         return Vec::new();
     }
-    match backend.prepare_hidden(gl, &unsampled.concat(), plan.views.atlas) {
+    match backend.prepare_unsampled(gl, &unsampled.concat(), plan.views.atlas) {
         Ok(()) => texels,
         Err(error) => {
             log::once(&format!("what no output samples is drawn all the same: {error}"));
@@ -100,7 +100,7 @@ pub fn close(ctx: &mut Context, cleared: f32) {
     }
     take_error(ctx);
     if let Some(target) = &ctx.target {
-        let texels = target.backend().close_hidden(ctx.gl, cleared, &ctx.known_state);
+        let texels = target.backend().close_unsampled(ctx.gl, cleared, &ctx.known_state);
         ctx.counts.closings += u64::from(texels > 0);
     }
     take_own_errors(ctx);

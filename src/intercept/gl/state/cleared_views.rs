@@ -1,6 +1,6 @@
 //! Views whose content is known to be the clear colour, but for a part.
 
-use crate::backend::gl::Blank;
+use crate::backend::gl::ClearedViews;
 use crate::correct::TexelSpan;
 
 /// What each view holds.
@@ -50,7 +50,7 @@ impl Content {
     }
 
     /// The views that hold nothing but one colour; `None`: no view is known to.
-    pub fn blank(&self) -> Option<Blank<'_>> {
-        self.cleared.map(|color| Blank { views: !self.drawn, color, touched: &self.touched })
+    pub fn views_cleared(&self) -> Option<ClearedViews<'_>> {
+        self.cleared.map(|color| ClearedViews { views: !self.drawn, color, touched: &self.touched })
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::backend::gl::api::Gl;
 use crate::backend::gl::surface::Surface;
-use crate::backend::gl::{Blank, GlBackend, Target};
+use crate::backend::gl::{ClearedViews, GlBackend, Target};
 use crate::correct::TexelSpan;
 use crate::correct::projected::matrices::LensConstants;
 use crate::error::Result;
@@ -116,11 +116,11 @@ impl DefaultFramebuffer {
     }
 
     /// The views that need not be corrected.
-    pub fn blank(&self) -> Option<Blank<'_>> {
+    pub fn views_cleared(&self) -> Option<ClearedViews<'_>> {
         // A view with the program's own lens gets flat drawing, too.
         let followed =
             settings::settings().is_some_and(|s| s.cull) && !self.session.views().iter().any(|v| v.program_lens);
-        self.content.blank().filter(|_| followed)
+        self.content.views_cleared().filter(|_| followed)
     }
 
     /// The correction.

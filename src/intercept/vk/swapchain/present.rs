@@ -2,7 +2,7 @@
 
 use crate::backend::vk::Timing;
 use crate::error::{Error, ErrorKind, Result};
-use crate::intercept::kept::{self, Kept};
+use crate::intercept::last_frame::{self, LastFrame};
 use crate::intercept::scene::report;
 use crate::intercept::vk::state::device;
 use crate::intercept::vk::state::device::Device;
@@ -44,7 +44,7 @@ pub unsafe extern "system" fn present(queue: vk::Queue, info: *const vk::Present
     // SAFETY: the program's own call; the structure differs in what is waited for.
     let result = unsafe { (device.driver.swapchain.queue_present_khr)(queue, &changed) };
     if last {
-        kept::end_program();
+        last_frame::end_program();
     }
     if result == vk::Result::SUCCESS && outdated { vk::Result::SUBOPTIMAL_KHR } else { result }
 }
@@ -105,7 +105,7 @@ unsafe fn prepare(
         if !keep {
             continue;
         }
-        let mut kept = Kept { statistics: None, pictures: Vec::new(), views: Vec::new() };
+        let mut kept = LastFrame { statistics: None, pictures: Vec::new(), views: Vec::new() };
         if pictures {
             // SAFETY: as above.
             match unsafe { captured(device, queue, &managed, index as usize, waits, settings) } {
@@ -123,7 +123,7 @@ unsafe fn prepare(
             unsafe { stand_in.wait(device) };
         }
         kept.statistics = settings.stats.is_some().then(|| statistics(device, &managed, &settings.rig, frames));
-        device.presented.report.store(kept::keep(kept), Ordering::Relaxed);
+        device.presented.report.store(last_frame::store(kept), Ordering::Relaxed);
     }
 }
 
@@ -223,7 +223,7 @@ fn coarse(device: &Device) -> Option<u64> {
 /// Completes the exit report of the last frame. The device has finished all work and is about to be
 /// destroyed; the report was incomplete, since the frame was not known to be the last.
 pub fn count_again(device: &Device) {
-    kept::amend(device.presented.report.load(Ordering::Relaxed), |statistics| {
+    last_frame::amend(device.presented.report.load(Ordering::Relaxed), |statistics| {
         statistics.coarse_primitives = coarse(device)
     });
 }

@@ -34,15 +34,15 @@ mod tests {
     #[test]
     fn only_views_that_nothing_came_into_are_blank() {
         let mut content = Content::default();
-        assert!(content.blank().is_none(), "nothing is known before the first clear");
+        assert!(content.views_cleared().is_none(), "nothing is known before the first clear");
         content.clear(Some([0.0; 3]));
         content.draw(1);
         content.draw(63);
-        assert_eq!(content.blank().map(|b| b.views), Some(!(2 | 1 << 63)));
+        assert_eq!(content.views_cleared().map(|b| b.views), Some(!(2 | 1 << 63)));
         content.clear(Some([1.0; 3]));
-        assert_eq!(content.blank().map(|b| b.views), Some(u64::MAX));
+        assert_eq!(content.views_cleared().map(|b| b.views), Some(u64::MAX));
         content.draw(64);
-        assert!(content.blank().is_none(), "views beyond the bits are not followed");
+        assert!(content.views_cleared().is_none(), "views beyond the bits are not followed");
     }
 
     #[test]
@@ -51,7 +51,7 @@ mod tests {
         content.clear(Some([0.0; 3]));
         content.draw_within(2, TexelSpan { left: 10, bottom: 20, right: 30, top: 40 });
         content.draw_within(2, TexelSpan { left: 25, bottom: 5, right: 60, top: 30 });
-        let touched = |content: &Content, view: usize| content.blank().map(|b| b.touched[view]);
+        let touched = |content: &Content, view: usize| content.views_cleared().map(|b| b.touched[view]);
         assert_eq!(touched(&content, 2), Some(TexelSpan { left: 10, bottom: 5, right: 60, top: 40 }));
         assert!(touched(&content, 1).is_some_and(|texels| texels.is_empty()), "nothing");
         content.draw(2);

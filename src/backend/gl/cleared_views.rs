@@ -5,7 +5,7 @@ use crate::correct::{Footprints, TexelSpan};
 
 /// Views that hold one colour in every texel, or in all but a part.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Blank<'a> {
+pub struct ClearedViews<'a> {
     /// Bit i: the plan's view i. Views from number 64 on are none of them.
     pub views: u64,
     /// Red, green and blue as they are stored: multiples of 1/255.
@@ -45,13 +45,13 @@ const WORTHWHILE: f64 = 0.7;
 /// The part of an output of `size` pixels (x, y, width, height from the bottom left) outside of which draws that can be
 /// narrowed show the colour of the views; `None` where that is not known, or saves little.
 pub(super) fn part(
-    blank: &Blank,
+    cleared: &ClearedViews,
     draws: &[Draw],
     footprints: Option<&Footprints>,
     size: (u32, u32),
 ) -> Option<[u32; 4]> {
-    let footprints = footprints.filter(|_| draws.iter().any(|draw| draw.narrows(blank)))?;
-    let part = footprints.sampling(blank.touched);
+    let footprints = footprints.filter(|_| draws.iter().any(|draw| draw.narrows(cleared)))?;
+    let part = footprints.sampling(cleared.touched);
     let area = |width: u32, height: u32| f64::from(width) * f64::from(height);
     (area(part[2], part[3]) < WORTHWHILE * area(size.0, size.1)).then_some(part)
 }
@@ -67,13 +67,13 @@ impl Draw {
     }
 
     /// Whether it shows the colour of views wherever they hold it.
-    pub fn narrows(&self, blank: &Blank) -> bool {
-        self.views != 0 && self.keeps(blank.color)
+    pub fn narrows(&self, cleared: &ClearedViews) -> bool {
+        self.views != 0 && self.keeps(cleared.color)
     }
 
     /// Whether it shows the colour of these views and nothing else. What shows nothing at all is black.
-    pub fn is_blank(&self, blank: &Blank) -> bool {
-        self.keeps(blank.color) && self.views & !blank.views == 0
+    pub fn shows_cleared(&self, cleared: &ClearedViews) -> bool {
+        self.keeps(cleared.color) && self.views & !cleared.views == 0
     }
 }
 

@@ -1,9 +1,9 @@
-//! Clearing a framebuffer as a whole, where nothing but the outputs is to be seen in it.
+//! Full clears: a framebuffer that shows nothing but outputs is cleared at once.
 //!
 //! Of all ways to make pixels black this is the cheapest: hardware only notes it, and llvmpipe takes 0.4 ns for a pixel,
 //! where a rectangle takes 1.2 ns and a clear within a scissor that leaves something out 2 ns.
 
-use super::passes::Target;
+use super::target::Target;
 use crate::correct::shaders::draws::apart;
 
 /// A framebuffer with less to fill is filled by rectangles: a clear reaches the other pixels, too.
@@ -11,7 +11,7 @@ const WORTHWHILE: f64 = 0.2;
 
 /// The framebuffer that outputs share.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Whole {
+pub(super) struct FullClear {
     /// Its name.
     framebuffer: u32,
     /// The outputs cover it.
@@ -20,7 +20,7 @@ pub(super) struct Whole {
     dark: bool,
 }
 
-impl Whole {
+impl FullClear {
     /// For the framebuffer of `targets`, of `size` pixels. `black`: which part of each output is black whatever the views
     /// show. `None` where one clear cannot serve all outputs: they overlap, or have several framebuffers.
     pub fn of(targets: &[Target], size: (u32, u32), black: impl Iterator<Item = f64>) -> Option<Self> {
@@ -36,11 +36,11 @@ impl Whole {
         Some(Self { framebuffer, covered: shown >= all, dark: filled > WORTHWHILE * all })
     }
 
-    /// The colour that it is cleared to, if it is; `blank`: one that some outputs show as a whole.
-    pub fn color(&self, blank: Option<[f32; 3]>) -> Option<[f32; 3]> {
+    /// The colour that it is cleared to, if it is; `cleared`: one that some outputs show as a clear.
+    pub fn color(&self, cleared: Option<[f32; 3]>) -> Option<[f32; 3]> {
         const BLACK: [f32; 3] = [0.0; 3];
         // What no output shows is black.
-        blank.filter(|_| self.covered).or((!self.covered || self.dark || blank == Some(BLACK)).then_some(BLACK))
+        cleared.filter(|_| self.covered).or((!self.covered || self.dark || cleared == Some(BLACK)).then_some(BLACK))
     }
 
     /// Whether `targets` are in that framebuffer.
@@ -61,7 +61,7 @@ mod tests {
     fn pays_where_much_is_black_or_nobody_draws() {
         let (left, right) = (at([0, 0, 50, 40]), at([50, 0, 50, 40]));
         let worthwhile = |targets: &[Target], black: [f64; 2]| {
-            Whole::of(targets, (100, 40), black.into_iter()).map(|whole| whole.color(None).is_some())
+            FullClear::of(targets, (100, 40), black.into_iter()).map(|clear| clear.color(None).is_some())
         };
         assert_eq!(worthwhile(&[left, right], [0.0, 0.0]), Some(false));
         assert_eq!(worthwhile(&[left, right], [0.3, 0.0]), Some(false));
@@ -74,8 +74,8 @@ mod tests {
     fn what_no_output_shows_is_black() {
         let (black, red) = ([0.0; 3], [1.0, 0.0, 0.0]);
         let of = |width: u32| {
-            let whole = Whole::of(&[at([0, 0, 50, 40])], (width, 40), [0.0].into_iter());
-            move |blank| whole.and_then(|whole| whole.color(blank))
+            let clear = FullClear::of(&[at([0, 0, 50, 40])], (width, 40), [0.0].into_iter());
+            move |cleared| clear.and_then(|clear| clear.color(cleared))
         };
         assert_eq!([None, Some(red), Some(black)].map(of(50)), [None, Some(red), Some(black)]);
         assert_eq!([None, Some(red), Some(black)].map(of(51)), [Some(black); 3]);
@@ -84,11 +84,11 @@ mod tests {
     #[test]
     fn not_where_outputs_overlap_or_are_elsewhere() {
         let (low, high) = (at([0, 0, 50, 40]), at([49, 39, 50, 40]));
-        let of = |targets: &[Target]| Whole::of(targets, (100, 100), [1.0, 1.0].into_iter());
+        let of = |targets: &[Target]| FullClear::of(targets, (100, 100), [1.0, 1.0].into_iter());
         assert_eq!(of(&[low, high]), None);
-        assert!(of(&[low, at([50, 0, 50, 40])]).is_some_and(|whole| whole.serves(&[low])));
+        assert!(of(&[low, at([50, 0, 50, 40])]).is_some_and(|clear| clear.serves(&[low])));
         let elsewhere = Target { framebuffer: 4, ..high };
         assert_eq!(of(&[low, Target { viewport: [50, 0, 50, 40], ..elsewhere }]), None);
-        assert!(of(&[low]).is_some_and(|whole| !whole.serves(&[elsewhere])));
+        assert!(of(&[low]).is_some_and(|clear| !clear.serves(&[elsewhere])));
     }
 }

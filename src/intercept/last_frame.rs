@@ -1,12 +1,12 @@
-//! What is kept of the latest frame, and written when the program ends.
+//! The most recent frame's statistics and pictures, which are written when the program ends.
 
 use super::{log, settings};
 use crate::lock::Lock;
 use crate::runtime::report::{self, Picture, Statistics};
 use std::sync::{Mutex, Once};
 
-/// What is written when the program ends.
-pub struct Kept {
+/// Statistics and pictures of a frame.
+pub struct LastFrame {
     /// For `CUPOLA_STATS`.
     pub statistics: Option<Statistics>,
     /// The outputs, for `CUPOLA_CAPTURE`.
@@ -15,32 +15,32 @@ pub struct Kept {
     pub views: Vec<Picture>,
 }
 
-/// The latest frame, and the how manieth it is that was kept.
-static KEPT: Mutex<(Option<Kept>, u64)> = Mutex::new((None, 0));
+/// The most recent frame and its sequence number.
+static LAST_FRAME: Mutex<(Option<LastFrame>, u64)> = Mutex::new((None, 0));
 
-/// Keeps the latest frame in place of the one before, until the program ends. Its number is for [`amend`].
-pub fn keep(kept: Kept) -> u64 {
+/// Stores a frame in place of the one before. Returns its sequence number, for [`amend`].
+pub fn store(frame: LastFrame) -> u64 {
     static AT_EXIT: Once = Once::new();
     AT_EXIT.call_once(|| {
         // SAFETY: registers a function of a library that is never unloaded.
         unsafe { libc::atexit(at_exit) };
     });
-    let mut latest = KEPT.locked();
-    *latest = (Some(kept), latest.1 + 1);
+    let mut latest = LAST_FRAME.locked();
+    *latest = (Some(frame), latest.1 + 1);
     latest.1
 }
 
-/// Changes the statistics of the frame with this number, if they are those that are kept.
+/// Changes the statistics of the frame with this number, if it is still the stored one.
 pub fn amend(number: u64, change: impl FnOnce(&mut Statistics)) {
-    let mut latest = KEPT.locked();
+    let mut latest = LAST_FRAME.locked();
     let same = latest.1 == number;
-    let statistics = latest.0.as_mut().and_then(|kept| kept.statistics.as_mut());
+    let statistics = latest.0.as_mut().and_then(|frame| frame.statistics.as_mut());
     if let Some(statistics) = statistics.filter(|_| same) {
         change(statistics);
     }
 }
 
-/// Writes what was kept and ends the program with exit code 0.
+/// Writes the stored frame and ends the program with exit code 0.
 pub fn end_program() {
     write();
     // SAFETY: flushes the program's own output; `_exit` runs none of its handlers, which may
@@ -58,19 +58,19 @@ extern "C" fn at_exit() {
 
 fn write() {
     let Some(settings) = settings::settings() else { return };
-    let Some(kept) = KEPT.locked().0.take() else { return };
+    let Some(frame) = LAST_FRAME.locked().0.take() else { return };
     let say = |result: crate::Result<()>| {
         if let Err(error) = result {
             log::once(&error.message);
         }
     };
-    if let (Some(path), Some(statistics)) = (&settings.stats, &kept.statistics) {
+    if let (Some(path), Some(statistics)) = (&settings.stats, &frame.statistics) {
         say(report::write_statistics(path, statistics));
     }
     if let Some(path) = &settings.capture {
-        let several = kept.pictures.len() > 1;
+        let several = frame.pictures.len() > 1;
         // Of an output outside of the window there is nothing to write.
-        for picture in kept.pictures.iter().filter(|picture| picture.width > 0 && picture.height > 0) {
+        for picture in frame.pictures.iter().filter(|picture| picture.width > 0 && picture.height > 0) {
             say(report::write_picture(&report::capture_path(path, &picture.name, several), picture));
         }
     }
@@ -78,7 +78,7 @@ fn write() {
         if let Err(error) = std::fs::create_dir_all(directory) {
             log::once(&format!("{}: {error}", directory.display()));
         }
-        for picture in &kept.views {
+        for picture in &frame.views {
             say(report::write_picture(&directory.join(format!("{}.png", picture.name)), picture));
         }
     }

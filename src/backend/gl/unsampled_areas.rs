@@ -8,6 +8,7 @@ use super::binaries::Binaries;
 use super::known_state::KnownState;
 use super::program;
 use super::state::Capabilities;
+use super::values;
 use crate::backend::gl::state;
 use crate::correct::Tile;
 use crate::correct::shaders::glsl::Specialised;
@@ -29,7 +30,7 @@ macro_rules! texts {
 
 /// Rectangles of the atlas on one context.
 #[derive(Debug)]
-pub(super) struct Hidden {
+pub(super) struct UnsampledAreas {
     vertex_array: u32,
     buffer: u32,
     program: u32,
@@ -41,7 +42,7 @@ pub(super) struct Hidden {
     atlas: (u32, u32),
 }
 
-impl Hidden {
+impl UnsampledAreas {
     /// Uploads `areas` of an atlas of the given size. The caller keeps what uploading touches.
     ///
     /// # Errors
@@ -58,7 +59,7 @@ impl Hidden {
                 [[left, bottom], [right, bottom], [left, top], [left, top], [right, bottom], [right, top]]
             })
             .collect();
-        let mut hidden = Self {
+        let mut unsampled = Self {
             vertex_array: 0,
             buffer: 0,
             program,
@@ -69,28 +70,28 @@ impl Hidden {
         };
         // SAFETY: a context is current; one name is written to each place; the array is as long as said.
         unsafe {
-            hidden.frame = gl.get_uniform_location(program, c"frame".as_ptr());
-            gl.gen_vertex_arrays(1, &mut hidden.vertex_array);
-            gl.gen_buffers(1, &mut hidden.buffer);
-            gl.bind_vertex_array(hidden.vertex_array);
-            gl.bind_buffer(GL_ARRAY_BUFFER, hidden.buffer);
+            unsampled.frame = gl.get_uniform_location(program, c"frame".as_ptr());
+            gl.gen_vertex_arrays(1, &mut unsampled.vertex_array);
+            gl.gen_buffers(1, &mut unsampled.buffer);
+            gl.bind_vertex_array(unsampled.vertex_array);
+            gl.bind_buffer(GL_ARRAY_BUFFER, unsampled.buffer);
             let size = std::mem::size_of_val(corners.as_slice()) as isize;
             gl.buffer_data(GL_ARRAY_BUFFER, size, corners.as_ptr().cast(), GL_STATIC_DRAW);
             gl.enable_vertex_attrib_array(0);
             gl.vertex_attrib_pointer(0, 2, GL_FLOAT, 0, 0, std::ptr::null());
         }
-        Ok(hidden)
+        Ok(unsampled)
     }
 
     /// Gives the rectangles of the bound framebuffer the depth that is farthest from `cleared`; how many texels they
     /// have, or 0 where nothing could be done. Everything is put back; stencil and colour are not touched.
     pub fn close(&self, gl: &Gl, caps: &Capabilities, cleared: f32, known: &KnownState) -> u64 {
         // Without writing to it, the program's clear left the depth as it was, too.
-        if !state::boolean(gl, GL_DEPTH_WRITEMASK) || counting(gl, caps) || !state::can_draw(gl, caps) {
+        if !values::boolean(gl, GL_DEPTH_WRITEMASK) || counting(gl, caps) || !state::can_draw(gl, caps) {
             return 0;
         }
         let saved = state::save_and_set(gl, caps, 0, known);
-        let function = state::integer(gl, GL_DEPTH_FUNC) as u32;
+        let function = values::integer(gl, GL_DEPTH_FUNC) as u32;
         let mut range = [0.0f32; 4];
         let (width, height) = (self.atlas.0 as f32, self.atlas.1 as f32);
         // SAFETY: a context is current; all names are ones that it gave; a range has two parts.

@@ -60,7 +60,7 @@ fn expect_depths(context: &Headless, what: &str, expected: impl Fn(bool) -> f32)
 
 fn prepared(context: &Headless) -> GlBackend {
     let mut backend = GlBackend::new(&context.gl, context.is_gles).expect("a backend");
-    backend.prepare_hidden(&context.gl, &AREAS, SIZE).expect("a shader");
+    backend.prepare_unsampled(&context.gl, &AREAS, SIZE).expect("a shader");
     backend
 }
 
@@ -84,7 +84,7 @@ fn the_areas_get_the_depth_farthest_from_the_clear_value_whatever_else_is_set() 
             unsafe { gl.depth_rangef(range[0], range[1]) };
             let before = snapshot(&context, api);
             let mut backend = prepared(&context);
-            assert_eq!(backend.close_hidden(gl, cleared, &KnownState::default()), texels);
+            assert_eq!(backend.close_unsampled(gl, cleared, &KnownState::default()), texels);
             assert_eq!(snapshot(&context, api), before, "{api:?}");
             let what = format!("{api:?}, cleared to {cleared}");
             expect_depths(&context, &what, |inside| if inside { nearest } else { cleared });
@@ -109,16 +109,16 @@ fn nothing_is_closed_where_depth_is_not_written_or_samples_are_counted() {
         // SAFETY: a context is current; the query is begun and ended in order.
         unsafe {
             gl.depth_mask(0);
-            assert_eq!(backend.close_hidden(gl, 1.0, &KnownState::default()), 0, "{api:?}");
+            assert_eq!(backend.close_unsampled(gl, 1.0, &KnownState::default()), 0, "{api:?}");
             gl.depth_mask(1);
             gl.gen_queries(1, &mut query);
             gl.begin_query(GL_ANY_SAMPLES_PASSED, query);
-            assert_eq!(backend.close_hidden(gl, 1.0, &KnownState::default()), 0, "{api:?}");
+            assert_eq!(backend.close_unsampled(gl, 1.0, &KnownState::default()), 0, "{api:?}");
             gl.end_query(GL_ANY_SAMPLES_PASSED);
         }
         expect_depths(&context, "nothing is closed", |_| 1.0);
-        backend.prepare_hidden(gl, &[], SIZE).expect("nothing to do");
-        assert_eq!(backend.close_hidden(gl, 1.0, &KnownState::default()), 0, "{api:?}");
+        backend.prepare_unsampled(gl, &[], SIZE).expect("nothing to do");
+        assert_eq!(backend.close_unsampled(gl, 1.0, &KnownState::default()), 0, "{api:?}");
         backend.destroy(gl);
         assert_eq!(backend.errors(), 0, "{api:?}");
     }
