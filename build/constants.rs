@@ -10,8 +10,15 @@ use std::fmt::Write;
 pub struct Types {
     /// Definition of each struct by its name.
     structs: BTreeMap<String, String>,
-    /// Name of each pass, whether it has constants, and path and number of scalars of each member.
-    passes: Vec<(String, bool, Vec<(String, usize)>)>,
+    passes: Vec<Pass>,
+}
+
+/// The constants of one pass.
+struct Pass {
+    name: String,
+    has_constants: bool,
+    /// Path and number of scalars of each member.
+    members: Vec<(String, usize)>,
 }
 
 impl Types {
@@ -21,7 +28,8 @@ impl Types {
         if let Some((_, variable)) = constants {
             self.define(module, variable.ty, name);
         }
-        self.passes.push((name.to_owned(), constants.is_some(), members.to_vec()));
+        let (name, members) = (name.to_owned(), members.to_vec());
+        self.passes.push(Pass { name, has_constants: constants.is_some(), members });
     }
 
     /// Name of the Rust type for `ty`, and the statement that appends `value` of that type to the
@@ -71,7 +79,7 @@ impl Types {
     pub fn source(&self) -> String {
         let mut out: String = self.structs.values().map(String::as_str).collect();
         let mut arms = [const { String::new() }; 5];
-        for (name, has_constants, members) in &self.passes {
+        for Pass { name, has_constants, members } in &self.passes {
             let [variants, pass, shared, scalars, paths] = &mut arms;
             let written = if *has_constants {
                 let pattern = format!("Self::{name}(values)");

@@ -32,7 +32,7 @@
 //!
 //! Units and conventions, everywhere: metres and degrees in files, radians in code; right-handed
 //! axes, x right, y up, −z forward; column vectors; f64 on the CPU, f32 only in
-//! [`correct::uniforms`]; pixel centres at +½; image row 0 at the top; atlas tiles count from
+//! [`correct`]; pixel centres at +½; image row 0 at the top; atlas tiles count from
 //! the bottom left, as OpenGL windows do.
 
 pub mod backend;

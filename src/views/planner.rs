@@ -16,9 +16,9 @@ use crate::views::view_plan::{Request, ViewPlan};
 ///
 /// # Errors
 ///
-/// [`ErrorKind::InvalidArgument`] if one side of a size is 0 or the list of sizes has the wrong
-/// length; [`ErrorKind::InvalidRig`] if `method` is [`Single`](crate::rig::ViewMethod::Single) and
-/// an output sees too much for one perspective view; [`ErrorKind::Graphics`] if nothing fits into
+/// [`InvalidArgument`](crate::ErrorKind::InvalidArgument) if one side of a size is 0 or the list of sizes has the wrong
+/// length; [`InvalidRig`](crate::ErrorKind::InvalidRig) if `method` is [`Single`](crate::rig::ViewMethod::Single) and
+/// an output sees too much for one perspective view; [`Graphics`](crate::ErrorKind::Graphics) if nothing fits into
 /// the atlas. Where only the resolution must be reduced to fit, the plan says so in `notes`.
 pub fn plan(rig: &Rig, request: &Request) -> Result<ViewPlan> {
     plan_with_margin(rig, request, 0, &Cache::none())

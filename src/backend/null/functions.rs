@@ -8,14 +8,13 @@ use std::ffi::{CStr, c_void};
 /// The driver's function of this name; null = there is none.
 pub fn find(name: &CStr) -> *const c_void {
     let found = FUNCTIONS.iter().find(|(known, _)| *known == name);
-    found.map_or(std::ptr::null(), |(_, function)| (*function as *const ()).cast())
+    found.map_or(std::ptr::null(), |(_, function)| function.cast())
 }
 
 /// A function's name and address.
 type Function = (&'static CStr, *const ());
 
 /// The table of the functions.
-
 struct Table(&'static [Function]);
 
 // SAFETY: addresses of functions never change and may be read from any thread.

@@ -37,7 +37,7 @@ pub struct OutputPass {
     /// Ramps in dome angles, multiplied in.
     pub ramps: Vec<AngleRamp>,
     /// Viewer axes → dome axes turned so that the pole is +y and the front −z; for ramps in dome
-    /// angles of outputs other than projectors (those have [`ProjectorSource::dome_direction`]).
+    /// angles of outputs other than projectors (those have a direction of their own).
     pub dome_rotation: DMat3,
     /// Filter of the views; a view with the program's own lens has no guard and is sampled
     /// bilinearly.

@@ -2,7 +2,7 @@
 //! is sampled.
 //!
 //! The cells are those of a cube, turned in various ways, whose front, upper and lower face may be
-//! narrower or wider than 90°, or any others that planes through the viewer bound ([`diagram`]). A
+//! narrower or wider than 90°, or any others that planes through the viewer bound (`diagram`). A
 //! cell that is sampled only in part gets axes of its own: the view that shows a half face is
 //! tighter when it is tilted towards that half, and a triangle needs another roll than a square.
 

@@ -1,4 +1,4 @@
-//! Flat drawing behind the scene ([`FrameOrder`]): it goes into the views themselves, where the
+//! Flat drawing behind the scene ([`crate::intercept::scene::frame_order`]): it goes into the views themselves, where the
 //! panel would be. A flat clip position is a point of the panel, seen with the panel's opening as a
 //! lens.
 

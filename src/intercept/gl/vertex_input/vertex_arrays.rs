@@ -2,7 +2,7 @@
 //! asked for in each draw.
 //!
 //! What the usual calls set is noted from their arguments, where OpenGL cannot have refused them; every other call that may
-//! change an array makes it unknown again ([`commands`]). Only attributes that a draw has asked about are kept.
+//! change an array makes it unknown again (`vertex_array_commands`). Only attributes that a draw has asked about are kept.
 
 use crate::backend::gl::api::{self, Gl};
 use crate::intercept::gl::context::gl_context::Context;

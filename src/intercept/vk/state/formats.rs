@@ -38,7 +38,7 @@ impl TexelFormat {
         if self == Self::Half { 8 } else { 4 }
     }
 
-    /// Red, green and blue of a texel in 8 bits, rounded; `bytes` has [`Texels::size`] of them.
+    /// Red, green and blue of a texel in 8 bits, rounded; `bytes` has [`size`](Self::size) bytes.
     pub fn color(self, bytes: &[u8]) -> [u8; 3] {
         let byte = |index: usize| bytes.get(index).copied().unwrap_or_default();
         let word = u32::from_ne_bytes([byte(0), byte(1), byte(2), byte(3)]);
