@@ -1,4 +1,4 @@
-//! The one X server of the whole suite, and Wayland compositors.
+//! The two X servers of the whole suite, and Wayland compositors.
 
 use crate::harness::missing;
 use std::io::{BufRead, BufReader, Read, Write};
@@ -55,8 +55,18 @@ impl Drop for Place {
 /// Starts the server at the first call. `None` where there is no Xvfb.
 pub fn get() -> Option<&'static Display> {
     static DISPLAY: OnceLock<Result<Display, String>> = OnceLock::new();
+    started(&DISPLAY)
+}
+
+/// The server for programs that choose the places of their windows, as vkcube does: they would cover others' pictures.
+pub fn for_installed_programs() -> Option<&'static Display> {
+    static DISPLAY: OnceLock<Result<Display, String>> = OnceLock::new();
+    started(&DISPLAY)
+}
+
+fn started(display: &'static OnceLock<Result<Display, String>>) -> Option<&'static Display> {
     let refused = |reason: &&String| missing(format_args!("no X server: {reason}"));
-    DISPLAY.get_or_init(|| start(24)).as_ref().inspect_err(refused).ok()
+    display.get_or_init(|| start(24)).as_ref().inspect_err(refused).ok()
 }
 
 /// A server of its own, for programs that choose where their windows are, whose screen has `depth` bits for a pixel (30: ten

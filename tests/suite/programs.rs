@@ -191,7 +191,7 @@ impl Run<'_> {
 /// Runs a program of the system under `cupola run`. `None` where it is not installed, and
 /// where there is no display.
 pub fn installed(program: &str, arguments: &[&str], rig: &str, cupola: &[&str]) -> Option<Finished> {
-    installed_on(display::get()?, program, arguments, rig, cupola)
+    installed_on(display::for_installed_programs()?, program, arguments, rig, cupola)
 }
 
 /// As [`installed`], on another display.
