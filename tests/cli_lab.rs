@@ -1,48 +1,17 @@
 //! `cupola-lab`: `accuracy`, `bench`, `cells` and `stress`.
 
+mod tool;
+
 use cupola::views::{self, Request};
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::path::Path;
+use tool::Tool;
 
-fn cupola_lab(arguments: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_cupola-lab"));
-    for (name, _) in std::env::vars_os().filter(|(name, _)| name.to_string_lossy().starts_with("CUPOLA")) {
-        command.env_remove(name);
-    }
-    command.args(arguments).output().unwrap()
-}
-
-#[track_caller]
-fn answer(arguments: &[&str]) -> String {
-    let output = cupola_lab(arguments);
-    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
-    String::from_utf8(output.stdout).unwrap()
-}
-
-#[track_caller]
-fn json(arguments: &[&str]) -> serde_json::Value {
-    serde_json::from_str(&answer(arguments)).unwrap()
-}
-
-#[track_caller]
-fn refused(arguments: &[&str], expected: &str) {
-    let output = cupola_lab(arguments);
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {said}");
-    assert!(said.starts_with("cupola-lab: ") && said.contains(expected), "{arguments:?}: {said}");
-}
-
-/// A file for one test.
-fn file(name: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("cli_lab");
-    std::fs::create_dir_all(&folder).unwrap();
-    folder.join(name)
-}
+const LAB: Tool = Tool { path: env!("CARGO_BIN_EXE_cupola-lab"), name: "cupola-lab" };
 
 #[test]
 fn cells_are_found_for_a_number_of_views() {
     // At most as many views as asked for. A rig with these cells needs the same texels.
-    let found = json(&["cells", "fisheye", "--size", "256x256", "--views", "4", "--steps", "200", "--json"]);
+    let found = LAB.json(&["cells", "fisheye", "--size", "256x256", "--views", "4", "--steps", "200", "--json"]);
     let cells = found["cells"].as_array().unwrap();
     assert!(cells.len() == 4 && found["views"].as_u64().unwrap() <= 4, "{found:#}");
     let text = format!("[dome]\ntilt = 90.0\n[views]\ncells = {}\n[[output]]\nkind = \"domemaster\"\n", found["cells"]);
@@ -60,14 +29,14 @@ fn cells_are_found_for_a_number_of_views() {
     });
     assert!(least >= 0.999 && directions > 50_000, "{least} in {directions}");
 
-    let text = answer(&["cells", "fisheye", "--size", "256x256", "--steps", "20"]);
+    let text = LAB.answer(&["cells", "fisheye", "--size", "256x256", "--steps", "20"]);
     assert!(text.contains("\ncells = [\n") || text.contains("no cells are cheaper than this"), "{text}");
-    refused(&["cells", "fisheye", "--views", "1", "--steps", "20"], "greater number");
+    LAB.refused(&["cells", "fisheye", "--views", "1", "--steps", "20"], "greater number");
 }
 
 #[test]
 fn stress_finds_nothing_over_its_bounds() {
-    let report = json(&["stress", "--seed", "9", "--cases", "6", "--pixels", "100000000", "--json"]);
+    let report = LAB.json(&["stress", "--seed", "9", "--cases", "6", "--pixels", "100000000", "--json"]);
     assert_eq!((report["failed"].as_bool(), report["cases"].as_u64()), (Some(false), Some(6)), "{report:#}");
     let compared = |name: &str| {
         let quantities = report["quantities"].as_array().unwrap();
@@ -104,7 +73,7 @@ fn what_stress_found_once_stays_within_its_bounds() {
         ("screens", "20226"),
         ("light", "27"),
     ] {
-        let report = json(&["stress", "--only", part, "--seed", seed, "--cases", "1", "--json"]);
+        let report = LAB.json(&["stress", "--only", part, "--seed", seed, "--cases", "1", "--json"]);
         assert_eq!(report["failed"].as_bool(), Some(false), "seed {seed}: {report:#}");
         let quantities = report["quantities"].as_array().unwrap();
         assert!(quantities.iter().any(|quantity| quantity["compared"].as_u64() > Some(5_000)), "{report:#}");
@@ -113,7 +82,7 @@ fn what_stress_found_once_stays_within_its_bounds() {
 
 #[test]
 fn accuracy_is_within_its_bounds_on_every_kind_of_screen() {
-    let report = json(&["accuracy", "--size", "96x54", "--every", "29", "--json"]);
+    let report = LAB.json(&["accuracy", "--size", "96x54", "--every", "29", "--json"]);
     let rows = report["rows"].as_array().unwrap();
     let screens: std::collections::BTreeSet<&str> = rows.iter().filter_map(|row| row["screen"].as_str()).collect();
     assert!(screens.len() == 8 && rows.len() > 40, "{screens:?} in {} rows", rows.len());
@@ -124,10 +93,10 @@ fn accuracy_is_within_its_bounds_on_every_kind_of_screen() {
 
 #[test]
 fn bench_compares_time_and_error() {
-    let (results, sheet, plots) = (file("bench.json"), file("bench.csv"), file("bench"));
+    let (results, sheet, plots) = (LAB.file("bench.json"), LAB.file("bench.csv"), LAB.file("bench"));
     let paths = [&results, &sheet, &plots].map(|path| path.to_str().unwrap());
     let arguments = ["bench", "--quick", "--rounds", "1", "--scene", "at 0.6 R", "--json", paths[0], "--csv", paths[1]];
-    let table = answer(&[&arguments[..], &["--plots", paths[2]]].concat());
+    let table = LAB.answer(&[&arguments[..], &["--plots", paths[2]]].concat());
     assert!(table.contains("* fragment (default)"), "{table}");
     let results: serde_json::Value = serde_json::from_slice(&std::fs::read(results).unwrap()).unwrap();
     let methods = results["contests"][0]["results"].as_array().unwrap();

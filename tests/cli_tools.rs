@@ -1,42 +1,12 @@
 //! `cupola check`, `map`, `simulate`, `plan` and `doctor`.
 
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+mod tool;
 
-fn cupola(arguments: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_cupola"));
-    for (name, _) in std::env::vars_os().filter(|(name, _)| name.to_string_lossy().starts_with("CUPOLA")) {
-        command.env_remove(name);
-    }
-    command.args(arguments).output().unwrap()
-}
+use std::path::Path;
+use std::process::Command;
+use tool::Tool;
 
-#[track_caller]
-fn answer(arguments: &[&str]) -> String {
-    let output = cupola(arguments);
-    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
-    String::from_utf8(output.stdout).unwrap()
-}
-
-#[track_caller]
-fn json(arguments: &[&str]) -> serde_json::Value {
-    serde_json::from_str(&answer(arguments)).unwrap()
-}
-
-#[track_caller]
-fn refused(arguments: &[&str], expected: &str) {
-    let output = cupola(arguments);
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {said}");
-    assert!(said.starts_with("cupola: ") && said.contains(expected), "{arguments:?}: {said}");
-}
-
-/// A file for one test.
-fn file(name: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("cli_tools");
-    std::fs::create_dir_all(&folder).unwrap();
-    folder.join(name)
-}
+const CUPOLA: Tool = Tool { path: env!("CARGO_BIN_EXE_cupola"), name: "cupola" };
 
 fn example(name: &str) -> String {
     format!("{}/examples/rigs/{name}.toml", env!("CARGO_MANIFEST_DIR"))
@@ -44,49 +14,49 @@ fn example(name: &str) -> String {
 
 #[test]
 fn check_describes_rigs_in_words() {
-    let text = answer(&["check", "fisheye"]);
+    let text = CUPOLA.answer(&["check", "fisheye"]);
     for expected in ["fisheye is a valid rig", "pole straight ahead", "domemaster of 180°", "views", "texels"] {
         assert!(text.contains(expected), "{expected} is not in\n{text}");
     }
-    let text = answer(&["check", &example("small-dome-one-projector")]);
+    let text = CUPOLA.answer(&["check", &example("small-dome-one-projector")]);
     assert!(text.contains("0.412 m from the dome's centre at (0, -0.1, 0.4) m"), "{text}");
     assert!(text.contains("11° down") && text.contains("1.5 times as large"), "{text}");
-    assert!(answer(&["check", "identity"]).contains("is not changed"));
+    assert!(CUPOLA.answer(&["check", "identity"]).contains("is not changed"));
     for name in ["domemaster-4k", "masked-fisheye", "three-walls", "two-projectors"] {
-        answer(&["check", &example(name)]);
+        CUPOLA.answer(&["check", &example(name)]);
     }
 }
 
 #[test]
 fn check_answers_machines() {
-    let rig = json(&["check", "planetarium-6", "--json"]);
+    let rig = CUPOLA.json(&["check", "planetarium-6", "--json"]);
     assert_eq!(rig["valid"], true);
     assert_eq!(rig["outputs"].as_array().unwrap().len(), 6);
     assert_eq!(rig["window"], serde_json::json!([5760, 2160]));
     assert!((rig["dome"]["tilt"].as_f64().unwrap() - 25.0).abs() < 1e-12);
     assert!(!rig["views"].as_array().unwrap().is_empty());
-    let broken = file("broken.toml");
+    let broken = CUPOLA.file("broken.toml");
     std::fs::write(&broken, "[dome]\nradius = -1\ntillt = 3\n").unwrap();
-    let output = cupola(&["check", broken.to_str().unwrap(), "--json"]);
+    let output = CUPOLA.run(&["check", broken.to_str().unwrap(), "--json"]);
     assert_eq!(output.status.code(), Some(2));
     let answer: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!((answer["valid"].as_bool(), answer["problems"].as_array().unwrap().len()), (Some(false), 2));
-    refused(&["check", broken.to_str().unwrap()], "broken.toml:2: dome.radius");
+    CUPOLA.refused(&["check", broken.to_str().unwrap()], "broken.toml:2: dome.radius");
 }
 
 #[test]
 fn check_lists_and_prints_presets() {
-    let list = answer(&["check", "--presets"]);
+    let list = CUPOLA.answer(&["check", "--presets"]);
     let names: Vec<&str> = list.lines().filter_map(|line| line.split_whitespace().next()).collect();
     assert_eq!(
         names,
         ["fisheye", "fisheye-210", "planetarium-6", "planetarium-2", "idome", "identity", "identity-captured"]
     );
-    assert_eq!(json(&["check", "--presets", "--json"])[0]["name"], "fisheye");
+    assert_eq!(CUPOLA.json(&["check", "--presets", "--json"])[0]["name"], "fisheye");
     // What is printed is a rig file.
-    let copy = file("copy.toml");
-    std::fs::write(&copy, answer(&["check", "planetarium-6", "--print"])).unwrap();
-    assert!(answer(&["check", copy.to_str().unwrap()]).contains("planetarium-6 is a valid rig"));
+    let copy = CUPOLA.file("copy.toml");
+    std::fs::write(&copy, CUPOLA.answer(&["check", "planetarium-6", "--print"])).unwrap();
+    assert!(CUPOLA.answer(&["check", copy.to_str().unwrap()]).contains("planetarium-6 is a valid rig"));
 }
 
 /// The pixels of a PFM file, row by row from the bottom.
@@ -102,8 +72,8 @@ fn read_pfm(path: &Path) -> (usize, usize, Vec<[f32; 3]>) {
 
 #[test]
 fn map_writes_where_pixels_look() {
-    let out = file("fisheye.pfm");
-    let text = answer(&["map", "fisheye", "-o", out.to_str().unwrap(), "--size", "64x64"]);
+    let out = CUPOLA.file("fisheye.pfm");
+    let text = CUPOLA.answer(&["map", "fisheye", "-o", out.to_str().unwrap(), "--size", "64x64"]);
     let (width, height, pixels) = read_pfm(&out);
     assert_eq!((width, height), (64, 64));
     for (index, pixel) in pixels.iter().enumerate() {
@@ -126,10 +96,10 @@ fn map_writes_where_pixels_look() {
 
 #[test]
 fn map_is_in_the_axes_of_the_programs_camera() {
-    let rig = file("turned.toml");
+    let rig = CUPOLA.file("turned.toml");
     std::fs::write(&rig, "[camera]\nyaw = 90\n[[output]]\nkind = \"perspective\"\nfov = [10, 10]\n").unwrap();
-    let out = file("turned.pfm");
-    answer(&["map", rig.to_str().unwrap(), "-o", out.to_str().unwrap(), "--size", "1x1"]);
+    let out = CUPOLA.file("turned.pfm");
+    CUPOLA.answer(&["map", rig.to_str().unwrap(), "-o", out.to_str().unwrap(), "--size", "1x1"]);
     let (_, _, pixels) = read_pfm(&out);
     // The camera looks to the right, so what is ahead of the viewer is to its left.
     assert!((pixels[0][0] + 1.0).abs() < 1e-6 && pixels[0][1].abs() < 1e-6 && pixels[0][2].abs() < 1e-6, "{pixels:?}");
@@ -137,48 +107,50 @@ fn map_is_in_the_axes_of_the_programs_camera() {
 
 #[test]
 fn map_says_which_outputs_there_are() {
-    let out = file("none.pfm");
+    let out = CUPOLA.file("none.pfm");
     let out = out.to_str().unwrap();
-    refused(&["map", "planetarium-6", "-o", out], "--output takes one of front, right");
-    refused(&["map", "planetarium-6", "-o", out, "--output", "middle"], "has no output \"middle\"; it has front");
-    refused(&["map", "identity", "-o", out], "has no outputs");
-    refused(&["map", "identity-captured", "-o", out, "--size", "8x8"], "program's own lens");
+    CUPOLA.refused(&["map", "planetarium-6", "-o", out], "--output takes one of front, right");
+    CUPOLA
+        .refused(&["map", "planetarium-6", "-o", out, "--output", "middle"], "has no output \"middle\"; it has front");
+    CUPOLA.refused(&["map", "identity", "-o", out], "has no outputs");
+    CUPOLA.refused(&["map", "identity-captured", "-o", out, "--size", "8x8"], "program's own lens");
     assert!(!Path::new(out).exists());
 }
 
 #[test]
 fn simulate_finds_white_even_and_gaps_dark() {
-    let out = file("white.png");
-    let rig = file("pair.toml");
+    let out = CUPOLA.file("white.png");
+    let rig = CUPOLA.file("pair.toml");
     let text =
         std::fs::read_to_string(example("two-projectors")).unwrap().replace("1920", "192").replace("1200", "120");
     std::fs::write(&rig, &text).unwrap();
     let (rig, out) = (rig.to_str().unwrap(), out.to_str().unwrap());
-    let answer = json(&["simulate", rig, "--white", "-o", out, "--size", "128", "--json"]);
+    let answer = CUPOLA.json(&["simulate", rig, "--white", "-o", out, "--size", "128", "--json"]);
     assert!(answer["uniformity"]["rms"].as_f64().unwrap() < 0.01, "{answer}");
     assert!(answer["lit_by"][2].as_f64().unwrap() > 0.05, "{answer}");
     assert_eq!(image::image_dimensions(out).unwrap(), (128, 128));
     // Without blending the overlap is twice as bright, which has to be noticed.
-    let unblended = file("unblended.toml");
+    let unblended = CUPOLA.file("unblended.toml");
     std::fs::write(&unblended, text.replace("ramp = 0.3", "overlap = false")).unwrap();
-    let answer = json(&["simulate", unblended.to_str().unwrap(), "--white", "-o", out, "--size", "128", "--json"]);
+    let answer =
+        CUPOLA.json(&["simulate", unblended.to_str().unwrap(), "--white", "-o", out, "--size", "128", "--json"]);
     assert!(answer["uniformity"]["max"].as_f64().unwrap() > 0.9, "{answer}");
 }
 
 #[test]
 fn simulate_takes_captures_by_name() {
-    let rig = file("named.toml");
+    let rig = CUPOLA.file("named.toml");
     let output = |name: &str, yaw: i32| {
         format!("[[output]]\nname = \"{name}\"\nkind = \"projector\"\nyaw = {yaw}\npitch = 45\nfov = [80, 80]\n")
     };
     std::fs::write(&rig, output("left", -40) + &output("back-left", 140)).unwrap();
-    let folder = file("captures");
+    let folder = CUPOLA.file("captures");
     let _ = std::fs::remove_dir_all(&folder);
     std::fs::create_dir(&folder).unwrap();
     let picture = |name: &str, grey: u8| {
         image::GrayImage::from_pixel(8, 8, image::Luma([grey])).save(folder.join(name)).unwrap();
     };
-    let out = file("named.png");
+    let out = CUPOLA.file("named.png");
     let arguments = |json: bool| {
         let mut list = vec![
             "simulate",
@@ -196,22 +168,22 @@ fn simulate_takes_captures_by_name() {
     let call = |json: bool| arguments(json);
     picture("a-left.png", 255);
     let without = call(false);
-    refused(&without.iter().map(String::as_str).collect::<Vec<_>>(), "no picture of back-left");
+    CUPOLA.refused(&without.iter().map(String::as_str).collect::<Vec<_>>(), "no picture of back-left");
     picture("a-back-left.png", 255);
     let with = call(true);
-    let bright = json(&with.iter().map(String::as_str).collect::<Vec<_>>());
+    let bright = CUPOLA.json(&with.iter().map(String::as_str).collect::<Vec<_>>());
     assert!((bright["uniformity"]["mean"].as_f64().unwrap() - 1.0).abs() < 1e-3, "{bright}");
     picture("a-back-left.png", 0);
-    let dark = json(&with.iter().map(String::as_str).collect::<Vec<_>>());
+    let dark = CUPOLA.json(&with.iter().map(String::as_str).collect::<Vec<_>>());
     assert!(dark["uniformity"]["mean"].as_f64().unwrap() < 0.7, "{dark}");
     picture("left.png", 255);
-    refused(&without.iter().map(String::as_str).collect::<Vec<_>>(), "several pictures fit the output left");
+    CUPOLA.refused(&without.iter().map(String::as_str).collect::<Vec<_>>(), "several pictures fit the output left");
 }
 
 #[test]
 fn doctor_tells_what_it_found() {
     // Its exit code depends on the machine; that it answers, and in both forms, does not.
-    let output = cupola(&["doctor", "--json"]);
+    let output = CUPOLA.run(&["doctor", "--json"]);
     let answer: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     let keys: Vec<&str> = answer["findings"].as_array().unwrap().iter().filter_map(|f| f["key"].as_str()).collect();
     for key in ["version", "xvfb", "display", "library", "glx", "egl"] {
@@ -226,8 +198,8 @@ fn doctor_tells_what_it_found() {
 
 #[test]
 fn plan_says_what_views_cost_and_draws_them() {
-    let picture = file("plan.png");
-    let text = answer(&["plan", "fisheye", "--size", "512x512", "--picture", picture.to_str().unwrap()]);
+    let picture = CUPOLA.file("plan.png");
+    let text = CUPOLA.answer(&["plan", "fisheye", "--size", "512x512", "--picture", picture.to_str().unwrap()]);
     for expected in ["% hidden", "sharpness  at least 1.00", "note       no view"] {
         assert!(text.contains(expected), "{expected} is not in\n{text}");
     }
@@ -236,11 +208,11 @@ fn plan_says_what_views_cost_and_draws_them() {
     // The dome fills the front half (a column beside the border of views); nothing of the back half is sampled.
     assert!(sphere(330) > 600 && sphere(1260) < 100, "{} and {}", sphere(330), sphere(1260));
 
-    let plan = json(&["plan", "planetarium-6", "--json"]);
+    let plan = CUPOLA.json(&["plan", "planetarium-6", "--json"]);
     assert!(plan["least_texels_per_pixel"].as_f64().unwrap() >= 0.999);
     assert!(plan["directions"].as_u64().unwrap() > 100_000);
     assert!(plan["sampled_texels_per_pixel"].as_f64().unwrap() < plan["texels_per_pixel"].as_f64().unwrap());
-    assert!(json(&["plan", "identity", "--json"])["least_texels_per_pixel"].is_null());
+    assert!(CUPOLA.json(&["plan", "identity", "--json"])["least_texels_per_pixel"].is_null());
 }
 
 #[test]
@@ -249,13 +221,13 @@ fn plan_tells_jumps() {
     let output = |yaw: i32, pitch: i32| {
         format!("[[output]]\nkind = \"projector\"\nsize = [320, 200]\nyaw = {yaw}\npitch = {pitch}\nfov = [60, 40]\n")
     };
-    let pair = file("crossing.toml");
+    let pair = CUPOLA.file("crossing.toml");
     std::fs::write(&pair, format!("[dome]\ntilt = 90.0\n{}{}", output(0, 0), output(40, 10))).unwrap();
-    let picture = file("crossing.png");
+    let picture = CUPOLA.file("crossing.png");
     let (pair, drawn) = (pair.to_str().unwrap(), picture.to_str().unwrap());
-    let text = answer(&["plan", pair, "--picture", drawn]);
+    let text = CUPOLA.answer(&["plan", pair, "--picture", drawn]);
     assert_eq!(text.matches("jump       the light of output-1 and output-2 meets abruptly").count(), 2, "{text}");
-    let plan = json(&["plan", pair, "--json"]);
+    let plan = CUPOLA.json(&["plan", pair, "--json"]);
     assert_eq!(plan["jumps"].as_array().unwrap().len(), 2);
     assert!(plan["jumps"][0]["direction"][2].as_f64().unwrap() < -0.5, "{plan:#}");
     let red = |path: &Path| {
@@ -264,8 +236,8 @@ fn plan_tells_jumps() {
     };
     assert!(red(&picture) > 50, "{}", red(&picture));
     // One alone meets nobody.
-    let single = file("single.toml");
+    let single = CUPOLA.file("single.toml");
     std::fs::write(&single, format!("[dome]\ntilt = 90.0\n{}", output(0, 0))).unwrap();
-    let text = answer(&["plan", single.to_str().unwrap(), "--picture", drawn]);
+    let text = CUPOLA.answer(&["plan", single.to_str().unwrap(), "--picture", drawn]);
     assert!(!text.contains("jump") && red(&picture) < 10, "{}", red(&picture));
 }
