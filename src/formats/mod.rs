@@ -3,8 +3,8 @@
 //! A reader takes bytes and the file's name, and gives what the file says or an error with the
 //! file, the line or offset, the reason and what would be right. Files come from anywhere: sizes in
 //! headers are compared with what is there before anything is allocated, archives are unpacked
-//! within limits, numbers that are none are refused. Where other readers of a format disagree, ours
-//! takes what can be told apart and says in its `notes` what it assumed.
+//! within limits, numbers that are none are refused. Where other programs read a format differently,
+//! ours accepts each variant that it can recognise. Its `notes` say what it assumed.
 //!
 //! The way of a calibration: a format's module makes a [`Grid`] (nodes with triangles, or a value
 //! for each pixel) of it; a rig's output gives the grid's values their meaning (a position in a

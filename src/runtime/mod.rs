@@ -1,4 +1,5 @@
-//! One window's Cupola: rig and plan, what a frame looked like, and what was counted.
+//! What belongs to one window: its rig and plan ([`session`]), captures and statistics ([`report`]).
+//! [`cache`] opens the process's cache of results, [`embedded`] serves the C interface.
 
 pub mod cache;
 pub mod embedded;

@@ -30,8 +30,8 @@
 //! ```
 //!
 //! A command buffer may be recorded long before its uniform blocks are filled, and be submitted
-//! many times. So draws are issued to all tiles that may show them, and the matrices that shaders
-//! read on submission move a draw out of the tiles that must not show it.
+//! many times. So draws are issued to all tiles that may show them. At submission the matrices that
+//! the shaders read are set so that a draw falls outside each tile that must not show it.
 //!
 //! # One present
 //!

@@ -1,7 +1,7 @@
 //! State that the program sets and asks for.
 //!
-//! Answers `glViewport`, `glScissor`, `glEnable` and their relatives ([`window_state`],
-//! [`indexed_viewports`]), calls that set what is followed ([`known_state`]) and `glGet…`
+//! Answers `glViewport`, `glScissor`, `glEnable`, `glPushAttrib` and their relatives
+//! ([`window_state`], [`indexed_viewports`]), calls that set what is followed ([`known_state`]) and `glGet…`
 //! ([`getters`]). While the window is drawn the driver has the viewport of a view; the program reads
 //! what it has set (`Context::app`).
 

@@ -2,9 +2,10 @@
 //!
 //! Answers `glDraw…` ([`arrays`], [`commands`]); draws of Begin/End and of display lists come from
 //! `compat`. [`dispatch`] sends a draw to the window's views, to the flat panel, or off screen.
-//! [`fallback`] gives a window views where vertices cannot be projected straight to an output, and
-//! [`divided`] issues draws whose primitives the processor divides. Two small files answer calls that
-//! touch draws: [`transform_feedback`], [`anisotropy`].
+//! Where the methods `vertex` and `primitive` are not possible, [`fallback`] makes the window use
+//! views. [`divided`] issues draws whose primitives the processor divides. [`transform_feedback`]
+//! follows whether it records; that a repeated draw is recorded once is the task of
+//! `per_view::issue`. [`anisotropy`] adapts a filter to the views.
 
 pub mod anisotropy;
 pub mod arrays;

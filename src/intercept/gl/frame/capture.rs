@@ -1,5 +1,4 @@
-//! Corrected pictures that do not go to the window: captures at an output's own resolution, and
-//! the program's own picture, resampled from the views for its first read.
+//! Corrected pictures that do not go to the window: captures at an output's own resolution.
 
 use crate::backend::gl::Target;
 use crate::intercept::gl::context::gl_context::Context;

@@ -4,7 +4,7 @@
 //! [`direct_state`]), reads ([`read_back`]) and commands on textures that can be drawn into
 //! ([`textures`]). Owns the target: [`default_framebuffer`] makes the atlas, replaces it where window
 //! or rig change, and enlarges it for the panel and the program's own picture; [`replan`] plans anew
-//! for the number of draws; [`unsampled_areas`] closes what no output shows.
+//! for the number of draws; [`unsampled_areas`] prevents drawing to parts that no output samples.
 //!
 //! ```text
 //! framebuffer 0 of the program = one atlas: view │ view │ … │ panel │ program's own picture

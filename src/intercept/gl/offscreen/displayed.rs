@@ -16,7 +16,7 @@ use std::cell::Cell;
 
 /// What a flat draw to the window does.
 pub enum Shows {
-    /// It fills the window with drawn once per view pictures.
+    /// It fills the window with pictures that are drawn once per view.
     Pictures(Set),
     /// It is flat, and to be measured.
     Unknown(Measure),

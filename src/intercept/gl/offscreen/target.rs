@@ -19,7 +19,7 @@ struct CopiesPerView<F> {
     prepare: F,
 }
 
-/// Issues a draw for each of `count` views that is `shown` it. What is beyond the number of the
+/// Issues a draw for each of `count` views that `shown` names. What is beyond the number of the
 /// rig's views is the program's own picture.
 pub fn each_view(
     ctx: &mut Context,

@@ -1,15 +1,15 @@
 //! Scenes that a program draws off screen and then shows: each view gets a picture of its own.
 //!
 //! What the program's framebuffers get, sample and are copied to is remembered by their `images`. From the
-//! next frame on each image that lies between a scene and the window (`passes`) has a *view copy* with a
+//! next frame on each image that lies between a scene and the window (`scene_graph`) has a *view copy* with a
 //! tile for each view, and framebuffers of ours with view copies stand for the program's (`framebuffers`),
-//! so that draws of the scene change no framebuffer. TileGrid have the size of the program's own
-//! images: what it has set about them (size, texel, viewport) stays true. Before a flat draw that samples such an
+//! so that draws of the scene change no framebuffer. A tile has the size of the program's own
+//! image: what it has set about them (size, texel, viewport) stays true. Before a flat draw that samples such an
 //! image (`sampling`) is issued to a view, the view's tile is copied into the program's own: filter, wrapping
 //! and sampler objects hold without being followed.
 //!
-//! `draws` issues draws to the view copies, but for views that cannot show them. `shown` brings the pictures into the window's
-//! views, `copies` does for `glBlitFramebuffer` and its relatives what draws do, `coverage` tells the picture from a map in
+//! `draws` issues draws to the view copies, but for views that cannot show them. `displayed` brings the pictures into the window's
+//! views, `blits` does for `glBlitFramebuffer` and its relatives what draws do, `coverage` tells the picture from a map in
 //! its corner.
 
 use crate::backend::gl::api::Gl;

@@ -27,7 +27,7 @@ pub struct Counts {
     pub found: Found,
 }
 
-/// How often each way of finding a projection was taken. Queries allocates nothing.
+/// How often each way of finding a projection was taken. A query allocates nothing.
 #[derive(Clone, Debug, Default)]
 pub struct Found([(&'static str, u64); 8]);
 

@@ -18,7 +18,7 @@ use ash::vk;
 
 impl Images {
     /// A shader can read the image of a view, by a descriptor of this `kind`: what it shows must
-    /// not be drawn to a atlas copy in its place, unless it is read as an attachment, which has a
+    /// not be drawn to an atlas copy in its place, unless it is read as an attachment, which has a
     /// atlas copy as well.
     pub fn described(&self, device: &Device, view: vk::ImageView, kind: vk::DescriptorType) {
         let attachment = kind == vk::DescriptorType::INPUT_ATTACHMENT;
@@ -133,7 +133,7 @@ impl Images {
     }
 }
 
-/// The first level and layer that an attachment's image needs to have no more of for a atlas copy.
+/// The first level and layer that an attachment's image needs to have no more of for an atlas copy.
 fn may_be_attachment(info: &vk::ImageCreateInfo<'_>) -> bool {
     use vk::ImageUsageFlags as U;
     info.usage.intersects(U::COLOR_ATTACHMENT | U::DEPTH_STENCIL_ATTACHMENT)

@@ -1,8 +1,9 @@
 //! Pipelines: `vkCreateGraphicsPipelines`, shader modules and pipeline layouts.
 //!
 //! Each pipeline of the program gets two variants: one draws into a view, with the re-projection
-//! spliced into its last stage before rasterisation, and one draws onto the panel, with alpha that
-//! collects what covers it. Each pipeline layout gets one more descriptor set, for the view
+//! spliced into its last stage before rasterisation, and one draws onto the panel, whose alpha
+//! channel records where it is covered. `matrix_sources` reads the value of a matrix that
+//! `spirv::reflect` found. Each pipeline layout gets one more descriptor set, for the view
 //! constants. State: `state::pipelines`.
 //!
 //! ```text

@@ -1,7 +1,7 @@
 //! What Cupola knows of a device: the data of each feature, below the code that works on it.
 //!
-//! [`device`] puts the parts together. A file here has types, look-ups and what keeps its own
-//! invariants; it calls no room. The rooms above add the behaviour, as functions that take the
+//! [`device`] puts the parts together. A file here has types, look-ups, and methods that
+//! keep its data valid. It does not call other rooms. The rooms above add the behaviour, as functions that take the
 //! parts that they need. [`hooks`] defines hooks; [`entry_points`] is the one table of the next
 //! layer's functions that they call.
 //!
