@@ -8,7 +8,7 @@ use crate::intercept::gl::context::hooks::hooks;
 fn believed(ctx: &mut Context, name: u32) -> Option<([f64; 4], usize)> {
     let four = |v: [i32; 4]| Some((v.map(f64::from), 4));
     let one = |v: f64| Some(([v, 0.0, 0.0, 0.0], 1));
-    ctx.target.as_ref()?;
+    ctx.drawable.target.as_ref()?;
     match name {
         api::GL_VIEWPORT => four(ctx.app.viewport),
         api::GL_SCISSOR_BOX => four(ctx.app.scissor),
@@ -19,7 +19,7 @@ fn believed(ctx: &mut Context, name: u32) -> Option<([f64; 4], usize)> {
         api::GL_READ_BUFFER if ctx.reads_redirected() => one(ctx.app.read_buffer.into()),
         api::GL_NUM_PROGRAM_BINARY_FORMATS => one(0.0),
         _ if ctx.app.draw_framebuffer == 0 => {
-            let config = ctx.target.as_ref()?.config();
+            let config = ctx.drawable.target.as_ref()?.config();
             match name {
                 api::GL_DOUBLEBUFFER => one(f64::from(u8::from(config.double_buffered))),
                 api::GL_STEREO => one(0.0),
@@ -41,7 +41,7 @@ fn believed(ctx: &mut Context, name: u32) -> Option<([f64; 4], usize)> {
 
 /// The raster position as in the program's window.
 fn raster_position(ctx: &Context, values: &mut [f64; 4]) {
-    let [x, y] = ctx.raster.origin();
+    let [x, y] = ctx.compat.raster.origin();
     values[0] -= f64::from(x);
     values[1] -= f64::from(y);
 }
@@ -52,7 +52,7 @@ macro_rules! getters {
             $( $name $method(name: u32, values: *mut $t) = |ctx, gl| {
                 if values.is_null() {
                     gl.$method(name, values);
-                } else if name == api::GL_CURRENT_RASTER_POSITION && ctx.target.is_some() {
+                } else if name == api::GL_CURRENT_RASTER_POSITION && ctx.drawable.target.is_some() {
                     let mut position = [0.0; 4];
                     gl.get_doublev(name, position.as_mut_ptr());
                     raster_position(ctx, &mut position);
@@ -68,12 +68,12 @@ macro_rules! getters {
                 }
             }; )*
             "glIsEnabled" is_enabled(cap: u32) -> u8 = |ctx, gl| {
-                if cap == api::GL_SCISSOR_TEST && ctx.target.is_some() { u8::from(ctx.app.scissor_test) } else { gl.is_enabled(cap) }
+                if cap == api::GL_SCISSOR_TEST && ctx.drawable.target.is_some() { u8::from(ctx.app.scissor_test) } else { gl.is_enabled(cap) }
             };
             "glGetError" get_error() -> u32 = |ctx, gl| {
                 // The first error counts until it is asked for; what came later is forgotten, as drivers do.
                 let later = gl.get_error();
-                match std::mem::take(&mut ctx.pending_error) {
+                match std::mem::take(&mut ctx.driver.pending_error) {
                     api::GL_NO_ERROR => later,
                     error => error,
                 }

@@ -8,12 +8,12 @@ use crate::intercept::gl::context::hooks::hooks;
 
 /// The program has called what sets some of it: `note` says what, unless the call goes into a list, or may be refused.
 pub fn note(ctx: &mut Context, note: impl FnOnce(&KnownState)) {
-    if let Some(recording) = &mut ctx.recording {
+    if let Some(recording) = &mut ctx.lists.recording {
         recording.sets_state = true;
     } else if ctx.takes_calls() {
-        note(&ctx.known_state);
+        note(&ctx.driver.known_state);
     } else {
-        ctx.known_state.forget();
+        ctx.driver.known_state.forget();
     }
 }
 

@@ -7,18 +7,18 @@ use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::context::list_recording::{self, Command};
 use crate::intercept::gl::framebuffer::default_framebuffer;
 use crate::intercept::gl::projected_vertices;
-use crate::intercept::gl::state::attribute_stack::{ATTRIBUTE_DEPTH, Pushed};
-use crate::intercept::gl::state::fixed_pipeline::Pipeline;
+use crate::intercept::gl::state::app::attribute_stack::{ATTRIBUTE_DEPTH, Pushed};
+use crate::intercept::gl::state::projected_vertices::fixed_pipeline::Pipeline;
 
 /// `glPushAttrib`.
 pub fn push_attributes(ctx: &mut Context, mask: u32) {
     // SAFETY: the program's own call.
-    unsafe { ctx.gl.push_attrib(mask) };
+    unsafe { ctx.driver.gl.push_attrib(mask) };
     // As deep as OpenGL's own, which ignores what exceeds it.
-    if ctx.attribute_stack.len() < ATTRIBUTE_DEPTH {
-        let raster = (mask & api::GL_CURRENT_BIT != 0).then(|| ctx.raster.saved());
-        let (believed, list_base, known) = (ctx.app.clone(), ctx.list_base, ctx.known_state.clone());
-        ctx.attribute_stack.push(Pushed { mask, believed, list_base, known, raster });
+    if ctx.app.attribute_stack.len() < ATTRIBUTE_DEPTH {
+        let raster = (mask & api::GL_CURRENT_BIT != 0).then(|| ctx.compat.raster.saved());
+        let (saved, list_base, known) = (ctx.app.saved(), ctx.lists.base, ctx.driver.known_state.clone());
+        ctx.app.attribute_stack.push(Pushed { mask, saved, list_base, known, raster });
     }
 }
 
@@ -26,42 +26,23 @@ pub fn push_attributes(ctx: &mut Context, mask: u32) {
 /// comes back from our own stack.
 pub fn pop_attributes(ctx: &mut Context) {
     // SAFETY: the program's own call.
-    unsafe { ctx.gl.pop_attrib() };
-    ctx.fixed_function.touch();
-    let Some(Pushed { mask, believed: saved, list_base, known, raster }) = ctx.attribute_stack.pop() else {
-        ctx.known_state.forget();
+    unsafe { ctx.driver.gl.pop_attrib() };
+    ctx.projected.fixed_function.touch();
+    let Some(Pushed { mask, saved, list_base, known, raster }) = ctx.app.attribute_stack.pop() else {
+        ctx.driver.known_state.forget();
         return;
     };
-    ctx.known_state.restored(&known);
+    ctx.driver.known_state.restored(&known);
     if let Some(raster) = raster {
-        ctx.raster = raster;
+        ctx.compat.raster = raster;
     }
-    if mask & api::GL_VIEWPORT_BIT != 0 {
-        ctx.app.viewport = saved.viewport;
-        ctx.driver_state.viewport = None;
-    }
-    if mask & api::GL_SCISSOR_BIT != 0 {
-        ctx.app.scissor = saved.scissor;
-        ctx.driver_state.scissor = None;
-    }
-    if mask & (api::GL_SCISSOR_BIT | api::GL_ENABLE_BIT) != 0 {
-        ctx.app.scissor_test = saved.scissor_test;
-        ctx.driver_state.scissor_test = None;
-    }
-    if mask & api::GL_ENABLE_BIT != 0 && ctx.profile.version >= 30 {
-        ctx.discard = ctx.known_state.is_on(ctx.gl, api::GL_RASTERIZER_DISCARD);
-    }
-    if mask & api::GL_TRANSFORM_BIT != 0 {
-        ctx.app.matrix_mode = saved.matrix_mode;
+    ctx.app.restore(mask, &saved);
+    ctx.driver.window_space.forget(mask);
+    if mask & api::GL_ENABLE_BIT != 0 && ctx.driver.profile.version >= 30 {
+        ctx.app.discard = ctx.driver.known_state.is_on(ctx.driver.gl, api::GL_RASTERIZER_DISCARD);
     }
     if mask & api::GL_LIST_BIT != 0 {
-        ctx.list_base = list_base;
-    }
-    if mask & api::GL_COLOR_BUFFER_BIT != 0 {
-        ctx.app.draw_buffer = saved.draw_buffer;
-    }
-    if mask & api::GL_PIXEL_MODE_BIT != 0 {
-        ctx.app.read_buffer = saved.read_buffer;
+        ctx.lists.base = list_base;
     }
     if ctx.session().is_some() && !ctx.redirected() {
         ctx.restore_window_space();
@@ -71,8 +52,8 @@ pub fn pop_attributes(ctx: &mut Context) {
 /// A viewport of the program.
 pub fn set_program_viewport(ctx: &mut Context, rect: [i32; 4]) {
     ctx.app.viewport = rect;
-    let new_size = ctx.target.as_ref().is_some_and(|t| t.size() != (rect[2] as u32, rect[3] as u32));
-    if new_size && !ctx.frame_begun && ctx.redirected() {
+    let new_size = ctx.drawable.target.as_ref().is_some_and(|t| t.size() != (rect[2] as u32, rect[3] as u32));
+    if new_size && !ctx.frame.begun && ctx.redirected() {
         // Perhaps the window has it already.
         default_framebuffer::follow_size(ctx);
     }
@@ -85,9 +66,9 @@ pub fn set_program_viewport(ctx: &mut Context, rect: [i32; 4]) {
 pub fn set_program_scissor(ctx: &mut Context, rect: [i32; 4]) {
     ctx.app.scissor = rect;
     if !ctx.redirected() {
-        ctx.driver_state.scissor = Some(rect);
+        ctx.driver.window_space.scissor = Some(rect);
         // SAFETY: the program's own command.
-        unsafe { ctx.gl.scissor(rect[0], rect[1], rect[2], rect[3]) };
+        unsafe { ctx.driver.gl.scissor(rect[0], rect[1], rect[2], rect[3]) };
     }
 }
 
@@ -98,9 +79,15 @@ pub fn set_scissor_test(ctx: &mut Context, on: bool) {
     } else {
         ctx.app.scissor_test = on;
         if !ctx.redirected() {
-            ctx.driver_state.scissor_test = Some(on);
+            ctx.driver.window_space.scissor_test = Some(on);
             // SAFETY: the program's own command.
-            unsafe { if on { ctx.gl.enable(api::GL_SCISSOR_TEST) } else { ctx.gl.disable(api::GL_SCISSOR_TEST) } };
+            unsafe {
+                if on {
+                    ctx.driver.gl.enable(api::GL_SCISSOR_TEST)
+                } else {
+                    ctx.driver.gl.disable(api::GL_SCISSOR_TEST)
+                }
+            };
         }
     }
 }
@@ -129,13 +116,13 @@ hooks! {
         match cap {
             api::GL_SCISSOR_TEST => set_scissor_test(ctx, true),
             _ => {
-                ctx.discard |= cap == api::GL_RASTERIZER_DISCARD;
-                ctx.assembly |= cap == api::GL_VERTEX_PROGRAM_ARB;
+                ctx.app.discard |= cap == api::GL_RASTERIZER_DISCARD;
+                ctx.app.assembly |= cap == api::GL_VERTEX_PROGRAM_ARB;
                 if cap == api::GL_STENCIL_TEST {
-                    ctx.draw_count.note_stencil();
+                    ctx.frame.draw_count.note_stencil();
                 }
                 if matches!(cap, api::GL_POINT_SPRITE | api::GL_VERTEX_PROGRAM_POINT_SIZE) {
-                    ctx.max_width.note_unknown();
+                    ctx.draw.max_width.note_unknown();
                 }
                 if Pipeline::has(cap) { projected_vertices::switch(ctx, move |gl| gl.enable(cap)) } else { gl.enable(cap) }
                 known_state::note(ctx, |known| known.note(cap, true));
@@ -146,15 +133,15 @@ hooks! {
         match cap {
             api::GL_SCISSOR_TEST => set_scissor_test(ctx, false),
             _ => {
-                ctx.discard &= cap != api::GL_RASTERIZER_DISCARD;
+                ctx.app.discard &= cap != api::GL_RASTERIZER_DISCARD;
                 if Pipeline::has(cap) { projected_vertices::switch(ctx, move |gl| gl.disable(cap)) } else { gl.disable(cap) }
                 known_state::note(ctx, |known| known.note(cap, false));
             }
         }
     };
     "glRenderMode" render_mode(mode: u32) -> i32 = |ctx, gl| {
-        ctx.picking = mode != api::GL_RENDER;
-        if ctx.picking && ctx.redirected() {
+        ctx.app.picking = mode != api::GL_RENDER;
+        if ctx.app.picking && ctx.redirected() {
             ctx.set_viewport(ctx.app.viewport);
         }
         gl.render_mode(mode)

@@ -13,25 +13,25 @@ use crate::intercept::gl::draw::dispatch::draw;
 use crate::intercept::gl::draw::divided;
 use crate::intercept::gl::per_view::issue::plain_program;
 use crate::intercept::gl::projected_vertices;
-use crate::intercept::gl::state::begin_end::Phase;
-use crate::intercept::gl::state::bounds::Bounds;
-use crate::intercept::gl::state::draw::Changes;
-use crate::intercept::gl::state::primitives::Shape;
-use crate::intercept::gl::state::vertex_recorder::Recorder;
+use crate::intercept::gl::state::compat::begin_end::Phase;
+use crate::intercept::gl::state::compat::vertex_recorder::Recorder;
+use crate::intercept::gl::state::draw::bounds::Bounds;
+use crate::intercept::gl::state::draw::draw_class::Changes;
+use crate::intercept::gl::state::draw::primitives::Shape;
 use std::ffi::c_void;
 
 /// What cannot be played back is coming: from here on, and with what came already, a list is compiled.
 pub fn into_list(ctx: &mut Context) {
-    if ctx.immediate.phase == Phase::Recording && ctx.recording.is_some() {
+    if ctx.compat.immediate.phase == Phase::Recording && ctx.lists.recording.is_some() {
         give_to_list(ctx);
     }
-    if ctx.immediate.phase == Phase::Recording {
+    if ctx.compat.immediate.phase == Phase::Recording {
         // SAFETY: the driver is between Begin and End, where it can neither be asked nor compile.
-        unsafe { ctx.gl.end() };
-        if ctx.immediate.list == 0 {
-            ctx.immediate.list = list_recording::own_name(ctx);
+        unsafe { ctx.driver.gl.end() };
+        if ctx.compat.immediate.list == 0 {
+            ctx.compat.immediate.list = list_recording::own_name(ctx);
         }
-        let (gl, immediate) = (ctx.gl, &mut ctx.immediate);
+        let (gl, immediate) = (ctx.driver.gl, &mut ctx.compat.immediate);
         // SAFETY: the list is ours, and ends with the program's End.
         unsafe {
             let current = Current::get(gl, [true; 3]);
@@ -42,10 +42,10 @@ pub fn into_list(ctx: &mut Context) {
         }
         immediate.phase = Phase::IntoList;
     }
-    if ctx.immediate.under_way() {
-        ctx.immediate.bounds.add_unknown();
+    if ctx.compat.immediate.under_way() {
+        ctx.compat.immediate.bounds.add_unknown();
         // An element, or a list, may set attributes itself: those that came before no longer hold.
-        ctx.immediate.trailing = ctx.immediate.recorder.place();
+        ctx.compat.immediate.trailing = ctx.compat.immediate.recorder.place();
     }
 }
 
@@ -86,8 +86,8 @@ impl Current {
 
 /// Issues what was recorded between Begin and End.
 fn issue(ctx: &mut Context, mode: u32, bounds: Bounds, recorder: &Recorder) {
-    ctx.wide_primitives.shape = Shape::of_mode(mode);
-    let current = Current::get(ctx.gl, recorder.sets_late());
+    ctx.draw.wide_primitives.shape = Shape::of_mode(mode);
+    let current = Current::get(ctx.driver.gl, recorder.sets_late());
     let changes = if recorder.sets_others_late() {
         Changes::Attributes
     } else if recorder.sets_anything() {
@@ -108,80 +108,81 @@ fn issue(ctx: &mut Context, mode: u32, bounds: Bounds, recorder: &Recorder) {
         draw(ctx, changes, |_| bounds, whole);
         return;
     }
-    let vertices = projected_vertices::Vertices::of_recorded(ctx.gl, mode, recorder);
+    let vertices = projected_vertices::Vertices::of_recorded(ctx.driver.gl, mode, recorder);
     // SAFETY: the program's own attributes: materials count for all vertices, all else is set with each of them.
-    unsafe { recorder.play_attributes(ctx.gl, 0) };
+    unsafe { recorder.play_attributes(ctx.driver.gl, 0) };
     divided::draw_read(ctx, changes, bounds, &vertices, whole);
     // SAFETY: as above; between vertices others were set.
-    unsafe { recorder.play_attributes(ctx.gl, 0) };
+    unsafe { recorder.play_attributes(ctx.driver.gl, 0) };
 }
 
 /// Issues what was recorded since `glBegin`.
 fn issue_recorded(ctx: &mut Context) {
-    let recorder = std::mem::take(&mut ctx.immediate.recorder);
-    issue(ctx, ctx.immediate.mode, ctx.immediate.bounds, &recorder);
-    ctx.immediate.recorder = recorder;
+    let recorder = std::mem::take(&mut ctx.compat.immediate.recorder);
+    issue(ctx, ctx.compat.immediate.mode, ctx.compat.immediate.bounds, &recorder);
+    ctx.compat.immediate.recorder = recorder;
 }
 
 /// Whether Begin/End becomes a command of its own in the list that is compiled, so that it can be divided when the list runs.
 fn is_kept_apart(ctx: &Context) -> bool {
-    ctx.recording.is_some() && !ctx.views_only && methods::division_asked_for()
+    ctx.lists.recording.is_some() && !ctx.projected.views_only && methods::division_asked_for()
 }
 
 /// What was recorded becomes a command of the list that is compiled.
 fn keep_apart(ctx: &mut Context) {
-    let (mode, bounds) = (ctx.immediate.mode, ctx.immediate.bounds);
-    let recorder = std::mem::take(&mut ctx.immediate.recorder);
+    let (mode, bounds) = (ctx.compat.immediate.mode, ctx.compat.immediate.bounds);
+    let recorder = std::mem::take(&mut ctx.compat.immediate.recorder);
     list_recording::now_or_later(ctx, move |ctx| issue(ctx, mode, bounds, &recorder));
 }
 
 /// What was recorded, and what comes until the program's End, goes into the list that is compiled as it is.
 fn give_to_list(ctx: &mut Context) {
     list_recording::will_draw(ctx, false);
-    let Some(recording) = &mut ctx.recording else { return };
+    let Some(recording) = &mut ctx.lists.recording else { return };
     recording.bounds.add_unknown();
-    ctx.immediate.phase = Phase::Outside;
+    ctx.compat.immediate.phase = Phase::Outside;
     // SAFETY: the program's own commands, into the list that the driver compiles.
     unsafe {
-        ctx.gl.begin(ctx.immediate.mode);
-        ctx.immediate.recorder.play(ctx.gl);
+        ctx.driver.gl.begin(ctx.compat.immediate.mode);
+        ctx.compat.immediate.recorder.play(ctx.driver.gl);
     }
 }
 
 /// Issues the list that stands for a Begin/End. What is current afterwards is what the program set last, but a
 /// list that ends with an attribute after its last vertex leaves something else on Mesa: it is set again.
 fn issue_list(ctx: &mut Context) {
-    let (list, bounds, trailing) = (ctx.immediate.list, ctx.immediate.bounds, ctx.immediate.trailing);
-    ctx.wide_primitives.shape = Shape::of_mode(ctx.immediate.mode);
+    let (list, bounds, trailing) =
+        (ctx.compat.immediate.list, ctx.compat.immediate.bounds, ctx.compat.immediate.trailing);
+    ctx.draw.wide_primitives.shape = Shape::of_mode(ctx.compat.immediate.mode);
     // SAFETY: a list of ours.
     draw(ctx, Changes::Attributes, |_| bounds, |_, gl| unsafe { gl.call_list(list) });
     // SAFETY: attributes of the program's.
-    unsafe { ctx.immediate.recorder.play_attributes(ctx.gl, trailing) };
+    unsafe { ctx.compat.immediate.recorder.play_attributes(ctx.driver.gl, trailing) };
 }
 
 hooks! {
     between;
     "glBegin" begin(mode: u32) = |ctx, gl| {
-        if is_kept_apart(ctx) && !ctx.immediate.under_way() && mode <= api::GL_POLYGON {
-            ctx.immediate.begin(mode);
+        if is_kept_apart(ctx) && !ctx.compat.immediate.under_way() && mode <= api::GL_POLYGON {
+            ctx.compat.immediate.begin(mode);
             return;
-        } else if ctx.recording.is_some() {
+        } else if ctx.lists.recording.is_some() {
             list_recording::will_draw(ctx, false);
-        } else if ctx.session().is_none() || ctx.picking {
+        } else if ctx.session().is_none() || ctx.app.picking {
             plain_program(ctx);
-        } else if !ctx.immediate.under_way() && mode <= api::GL_PATCHES {
-            ctx.immediate.begin(mode);
+        } else if !ctx.compat.immediate.under_way() && mode <= api::GL_PATCHES {
+            ctx.compat.immediate.begin(mode);
         }
         gl.begin(mode);
     };
     "glEnd" end() = |ctx, gl| {
-        if ctx.recording.is_some() && ctx.immediate.phase == Phase::Recording {
-            ctx.immediate.phase = Phase::Outside;
+        if ctx.lists.recording.is_some() && ctx.compat.immediate.phase == Phase::Recording {
+            ctx.compat.immediate.phase = Phase::Outside;
             keep_apart(ctx);
             return;
         }
         gl.end();
-        match std::mem::take(&mut ctx.immediate.phase) {
+        match std::mem::take(&mut ctx.compat.immediate.phase) {
             Phase::Outside => {}
             Phase::Recording => issue_recorded(ctx),
             Phase::IntoList => {
@@ -191,14 +192,14 @@ hooks! {
         }
     };
     "glEndList" end_list() = |ctx, gl| {
-        if ctx.recording.is_some() {
+        if ctx.lists.recording.is_some() {
             // A primitive whose end is in another list.
             into_list(ctx);
         }
-        if ctx.immediate.under_way() { gl.end_list() } else { display_lists::finish_recording(ctx) }
+        if ctx.compat.immediate.under_way() { gl.end_list() } else { display_lists::finish_recording(ctx) }
     };
     "glCallList" call_list(list: u32) = |ctx, gl| {
-        if ctx.immediate.under_way() {
+        if ctx.compat.immediate.under_way() {
             into_list(ctx);
             gl.call_list(list);
         } else {
@@ -206,7 +207,7 @@ hooks! {
         }
     };
     "glCallLists" call_lists(count: i32, kind: u32, names: *const c_void) = |ctx, gl| {
-        if ctx.immediate.under_way() {
+        if ctx.compat.immediate.under_way() {
             into_list(ctx);
             gl.call_lists(count, kind, names);
         } else {

@@ -13,8 +13,8 @@ use crate::intercept::gl::context::list_recording::{Command, Item, Recording, re
 use crate::intercept::gl::draw::dispatch::draw;
 use crate::intercept::gl::framebuffer::bindings;
 use crate::intercept::gl::shader::programs;
-use crate::intercept::gl::state::bounds::Bounds;
-use crate::intercept::gl::state::draw::Changes;
+use crate::intercept::gl::state::draw::bounds::Bounds;
+use crate::intercept::gl::state::draw::draw_class::Changes;
 use crate::lock::Lock;
 use std::ffi::c_void;
 use std::sync::Arc;
@@ -35,10 +35,10 @@ fn call(ctx: &mut Context, list: u32, depth: u32) {
         // A list that we did not see compiled (a font of glXUseXFont, say) may do anything.
         None => {
             run_real(ctx, list, true, true, &Bounds::UNKNOWN);
-            ctx.known_state.forget();
-            ctx.projection.touch(api::GL_PROJECTION);
-            ctx.projection.touch(api::GL_MODELVIEW);
-            ctx.fixed_function.touch();
+            ctx.driver.known_state.forget();
+            ctx.compat.projection.touch(api::GL_PROJECTION);
+            ctx.compat.projection.touch(api::GL_MODELVIEW);
+            ctx.projected.fixed_function.touch();
         }
         Some(items) => {
             for item in items.iter() {
@@ -46,7 +46,7 @@ fn call(ctx: &mut Context, list: u32, depth: u32) {
                     Item::Real { list, draws, raster, sets_state, bounds } => {
                         run_real(ctx, *list, *draws, *raster, bounds);
                         if *sets_state {
-                            ctx.known_state.forget();
+                            ctx.driver.known_state.forget();
                         }
                     }
                     Item::Command(command) => run(ctx, command, depth),
@@ -57,7 +57,7 @@ fn call(ctx: &mut Context, list: u32, depth: u32) {
 }
 
 fn run_real(ctx: &mut Context, list: u32, draws: bool, raster: bool, bounds: &Bounds) {
-    let gl = ctx.gl;
+    let gl = ctx.driver.gl;
     // SAFETY: a list that exists, or the program's own call.
     if raster && raster_position::draw_at_raster(ctx, Changes::Anything, |gl| unsafe { gl.call_list(list) }) {
         return;
@@ -73,7 +73,7 @@ fn run_real(ctx: &mut Context, list: u32, draws: bool, raster: bool, bounds: &Bo
 
 /// Runs a command of a list.
 pub fn run(ctx: &mut Context, command: &Command, depth: u32) {
-    let gl = ctx.gl;
+    let gl = ctx.driver.gl;
     let mut matrix = true;
     // SAFETY: the program's own commands, with the values that it recorded.
     unsafe {
@@ -92,7 +92,7 @@ pub fn run(ctx: &mut Context, command: &Command, depth: u32) {
         }
     }
     if matrix {
-        ctx.projection.touch(ctx.app.matrix_mode);
+        ctx.compat.projection.touch(ctx.app.matrix_mode);
         return;
     }
     match command {
@@ -130,22 +130,22 @@ pub fn run(ctx: &mut Context, command: &Command, depth: u32) {
         Command::CallList(list) => call(ctx, *list, depth + 1),
         Command::CallLists(offsets) => {
             for offset in offsets {
-                call(ctx, ctx.list_base.wrapping_add(*offset), depth + 1);
+                call(ctx, ctx.lists.base.wrapping_add(*offset), depth + 1);
             }
         }
         Command::ListBase(base) => set_list_base(ctx, *base),
         Command::Later(later) => {
             (later.0)(ctx);
-            ctx.known_state.forget();
+            ctx.driver.known_state.forget();
         }
         _ => {}
     }
 }
 
 fn set_list_base(ctx: &mut Context, base: u32) {
-    ctx.list_base = base;
+    ctx.lists.base = base;
     // SAFETY: the program's own command.
-    unsafe { ctx.gl.list_base(base) };
+    unsafe { ctx.driver.gl.list_base(base) };
 }
 
 /// The offset at `index` of the array of `glCallLists`.
@@ -176,19 +176,19 @@ unsafe fn offset(kind: u32, lists: *const c_void, index: usize) -> u32 {
 
 fn begin_recording(ctx: &mut Context, list: u32, mode: u32) {
     // SAFETY: the program's own command; execution comes when the list ends.
-    unsafe { ctx.gl.new_list(list, if mode == api::GL_COMPILE_AND_EXECUTE { api::GL_COMPILE } else { mode }) };
+    unsafe { ctx.driver.gl.new_list(list, if mode == api::GL_COMPILE_AND_EXECUTE { api::GL_COMPILE } else { mode }) };
     if list != 0 && matches!(mode, api::GL_COMPILE | api::GL_COMPILE_AND_EXECUTE) && !ctx.compiling() {
         let execute = mode == api::GL_COMPILE_AND_EXECUTE;
         let (items, bounds) = (Vec::new(), Bounds::EMPTY);
         let (draws, raster, sets_state) = (false, false, false);
-        ctx.recording = Some(Recording { list, execute, items, real: list, draws, raster, sets_state, bounds });
+        ctx.lists.recording = Some(Recording { list, execute, items, real: list, draws, raster, sets_state, bounds });
     }
 }
 
 /// `glEndList`.
 pub fn finish_recording(ctx: &mut Context) {
-    let gl = ctx.gl;
-    let Some(mut recording) = ctx.recording.take() else {
+    let gl = ctx.driver.gl;
+    let Some(mut recording) = ctx.lists.recording.take() else {
         // SAFETY: an error of the program's, for the driver to say.
         unsafe { gl.end_list() };
         return;
@@ -239,7 +239,7 @@ pub unsafe fn call_lists(ctx: &mut Context, count: i32, kind: u32, names: *const
     if ctx.compiling() {
         record(ctx, Command::CallLists(offsets.collect()));
     } else {
-        offsets.for_each(|offset| call(ctx, ctx.list_base.wrapping_add(offset), 0));
+        offsets.for_each(|offset| call(ctx, ctx.lists.base.wrapping_add(offset), 0));
     }
 }
 

@@ -13,7 +13,7 @@ fn matrix_command(ctx: &mut Context, command: Command, run: impl FnOnce()) {
         return;
     }
     run();
-    ctx.projection.touch(ctx.app.matrix_mode);
+    ctx.compat.projection.touch(ctx.app.matrix_mode);
 }
 
 /// Runs a command on the matrix of `mode` (GL_EXT_direct_state_access), or records it like [`matrix_command`].
@@ -21,17 +21,17 @@ fn named(ctx: &mut Context, mode: u32, command: Command, run: impl FnOnce()) {
     let followed = matches!(mode, api::GL_PROJECTION | api::GL_MODELVIEW);
     if !ctx.compiling() || !followed {
         run();
-        ctx.projection.touch(mode);
+        ctx.compat.projection.touch(mode);
         return;
     }
     list_recording::now_or_later(ctx, move |ctx| {
         let before = std::mem::replace(&mut ctx.app.matrix_mode, mode);
         // SAFETY: one of the two matrices that every context with lists has; the mode is put back.
-        unsafe { ctx.gl.matrix_mode(mode) };
+        unsafe { ctx.driver.gl.matrix_mode(mode) };
         display_lists::run(ctx, &command, 0);
         ctx.app.matrix_mode = before;
         // SAFETY: as above.
-        unsafe { ctx.gl.matrix_mode(before) };
+        unsafe { ctx.driver.gl.matrix_mode(before) };
     });
 }
 
@@ -117,7 +117,7 @@ hooks! {
 #[cfg(test)]
 mod tests {
     use super::transposed;
-    use crate::intercept::gl::state::projection::multiply;
+    use crate::intercept::gl::state::compat::projection::multiply;
 
     #[test]
     fn products_are_column_by_column() {

@@ -14,17 +14,17 @@ use crate::intercept::gl::per_view::classify::classify;
 use crate::intercept::gl::per_view::issue::Repeats;
 use crate::intercept::gl::per_view::window_space::own_window_space;
 use crate::intercept::gl::queries::scaling;
-use crate::intercept::gl::state::attribute_stack;
-use crate::intercept::gl::state::draw::{Changes, DrawClass};
-use crate::intercept::gl::state::raster_position::ScenePosition;
+use crate::intercept::gl::state::app::attribute_stack;
+use crate::intercept::gl::state::compat::raster_position::ScenePosition;
+use crate::intercept::gl::state::draw::draw_class::{Changes, DrawClass};
 use crate::intercept::scene::query_weights::QueryWeights;
 use std::ffi::c_void;
 
 /// `glRasterPos`.
 pub fn set_position(ctx: &mut Context, object: [f64; 4]) {
-    let gl = ctx.gl;
-    let old = ctx.raster.forget();
-    if ctx.redirected() && !ctx.picking {
+    let gl = ctx.driver.gl;
+    let old = ctx.compat.raster.forget();
+    if ctx.redirected() && !ctx.app.picking {
         let class = classify(ctx);
         if class == DrawClass::FixedScene {
             let mut model_view = [0.0; 16];
@@ -35,15 +35,15 @@ pub fn set_position(ctx: &mut Context, object: [f64; 4]) {
                 gl.get_doublev(api::GL_DEPTH_RANGE, depths.as_mut_ptr());
                 gl.get_floatv(api::GL_CURRENT_TEXTURE_COORDS, texture.as_mut_ptr());
             }
-            ctx.raster.projections.clone_from(&ctx.projection.per_view);
-            ctx.raster.scene =
+            ctx.compat.raster.projections.clone_from(&ctx.compat.projection.per_view);
+            ctx.compat.raster.scene =
                 Some(ScenePosition { object, model_view, color: [0.0; 4], texture, depths, moved: [0.0; 2] });
             // The driver's own state too, for queries: as in the program's window.
             ctx.set_viewport(ctx.app.viewport);
         } else {
-            ctx.raster.origin = flat_window_space(ctx);
+            ctx.compat.raster.origin = flat_window_space(ctx);
         }
-    } else if ctx.target.is_some() {
+    } else if ctx.drawable.target.is_some() {
         // In a framebuffer of the program's own, or for picking, there are no tiles.
         ctx.set_viewport(ctx.app.viewport);
     }
@@ -51,18 +51,18 @@ pub fn set_position(ctx: &mut Context, object: [f64; 4]) {
     unsafe { gl.raster_pos4d(object[0], object[1], object[2], object[3]) };
     if !is_valid(gl) {
         // What is clipped leaves its numbers where they were.
-        ctx.raster.origin = old;
+        ctx.compat.raster.origin = old;
     }
-    if ctx.raster.scene.is_some() {
+    if ctx.compat.raster.scene.is_some() {
         let color = taken_color(ctx, object);
-        ctx.raster.scene.iter_mut().for_each(|scene| scene.color = color);
+        ctx.compat.raster.scene.iter_mut().for_each(|scene| scene.color = color);
     }
 }
 
 /// The colour that the raster position took with it: lit, also where it is clipped away in the program's window and OpenGL
 /// has lit none.
 fn taken_color(ctx: &Context, object: [f64; 4]) -> [f32; 4] {
-    let gl = ctx.gl;
+    let gl = ctx.driver.gl;
     let mut color = [0.0; 4];
     // SAFETY: writes four floats. What is current, the raster position with it, is pushed and popped.
     unsafe {
@@ -71,7 +71,7 @@ fn taken_color(ctx: &Context, object: [f64; 4]) -> [f32; 4] {
             return color;
         }
         gl.get_floatv(api::GL_CURRENT_COLOR, color.as_mut_ptr());
-        if ctx.attribute_stack.len() >= attribute_stack::ATTRIBUTE_DEPTH {
+        if ctx.app.attribute_stack.len() >= attribute_stack::ATTRIBUTE_DEPTH {
             return color;
         }
         gl.push_attrib(api::GL_CURRENT_BIT);
@@ -83,7 +83,7 @@ fn taken_color(ctx: &Context, object: [f64; 4]) -> [f32; 4] {
         if is_valid(gl) {
             gl.get_floatv(api::GL_CURRENT_RASTER_COLOR, color.as_mut_ptr());
         }
-        load_projection(ctx, &ctx.projection.matrix);
+        load_projection(ctx, &ctx.compat.projection.matrix);
         gl.pop_attrib();
     }
     color
@@ -91,20 +91,20 @@ fn taken_color(ctx: &Context, object: [f64; 4]) -> [f32; 4] {
 
 /// `glWindowPos`.
 pub fn set_window_position(ctx: &mut Context, position: [f64; 3]) {
-    ctx.raster.forget();
-    if ctx.redirected() && !ctx.picking {
-        ctx.raster.origin = flat_window_space(ctx);
+    ctx.compat.raster.forget();
+    if ctx.redirected() && !ctx.app.picking {
+        ctx.compat.raster.origin = flat_window_space(ctx);
     }
     let [x, y, z] = position;
-    let [left, bottom] = ctx.raster.origin.map(f64::from);
+    let [left, bottom] = ctx.compat.raster.origin.map(f64::from);
     // SAFETY: the program's own call, moved to the panel.
-    unsafe { ctx.gl.window_pos3d(x + left, y + bottom, z) };
+    unsafe { ctx.driver.gl.window_pos3d(x + left, y + bottom, z) };
 }
 
 /// Prepares the flat tile; its origin in the atlas.
 fn flat_window_space(ctx: &mut Context) -> [i32; 2] {
     default_framebuffer::want_panel(ctx);
-    let tile = ctx.target.as_ref().and_then(|t| t.flat_tiles().into_iter().flatten().next());
+    let tile = ctx.drawable.target.as_ref().and_then(|t| t.flat_tiles().into_iter().flatten().next());
     match tile {
         Some((tile, _)) => {
             own_window_space(ctx, tile);
@@ -116,20 +116,20 @@ fn flat_window_space(ctx: &mut Context) -> [i32; 2] {
 
 /// Draws at the raster position what `changes` so much. `false` if the caller should treat it as any other draw.
 pub fn draw_at_raster(ctx: &mut Context, changes: Changes, issue: impl Fn(&Gl)) -> bool {
-    if ctx.picking || (!ctx.redirected() && ctx.raster.origin == [0, 0]) {
+    if ctx.app.picking || (!ctx.redirected() && ctx.compat.raster.origin == [0, 0]) {
         return false;
     }
     // Bitmaps reach over the border of their tile.
-    ctx.wide_primitives.cut = true;
+    ctx.draw.wide_primitives.cut = true;
     if !ctx.redirected() {
         scaling::weigh(ctx, QueryWeights::ONCE);
         move_origin(ctx, [0, 0]);
-        issue(ctx.gl);
+        issue(ctx.driver.gl);
         return true;
     }
-    ctx.counts.draws_seen += 1;
-    ctx.frame_begun = true;
-    match ctx.raster.scene.take() {
+    ctx.frame.counts.draws_seen += 1;
+    ctx.frame.begun = true;
+    match ctx.compat.raster.scene.take() {
         Some(position) => draw_in_scene(ctx, position, changes, &issue),
         None => draw_flat(ctx, changes, &issue),
     }
@@ -138,15 +138,15 @@ pub fn draw_at_raster(ctx: &mut Context, changes: Changes, issue: impl Fn(&Gl)) 
 
 /// Draws at a raster position in the scene.
 fn draw_in_scene(ctx: &mut Context, mut position: ScenePosition, changes: Changes, issue: &dyn Fn(&Gl)) {
-    let gl = ctx.gl;
+    let gl = ctx.driver.gl;
     // Within what is pushed here.
     let repeats = Repeats::new(changes, ctx, 1);
     matrices::refresh(ctx);
-    let Some(mut target) = ctx.target.take() else { return };
+    let Some(mut target) = ctx.drawable.target.take() else { return };
     let before = raster_position(gl);
     let mode = ctx.app.matrix_mode;
     // What is current, the raster position with it, is put back; a full stack has no place left for it.
-    let keeps = ctx.attribute_stack.len() < attribute_stack::ATTRIBUTE_DEPTH;
+    let keeps = ctx.app.attribute_stack.len() < attribute_stack::ATTRIBUTE_DEPTH;
     // SAFETY: attributes and the model-view matrix are pushed and popped, the projection is put back below.
     unsafe {
         if keeps {
@@ -179,7 +179,7 @@ fn draw_in_scene(ctx: &mut Context, mut position: ScenePosition, changes: Change
     };
     scaling::weigh(ctx, QueryWeights::ONCE);
     for index in 0..target.session.views().len() {
-        let Some(projection) = ctx.raster.projections.get(index).copied() else { break };
+        let Some(projection) = ctx.compat.raster.projections.get(index).copied() else { break };
         let (tile, own_lens) = target.session.tile(index);
         if own_lens {
             own_window_space(ctx, tile);
@@ -193,13 +193,13 @@ fn draw_in_scene(ctx: &mut Context, mut position: ScenePosition, changes: Change
         repeats.unchanged(gl, false, || issue(gl));
         target.issued(index);
     }
-    load_projection(ctx, &ctx.projection.matrix);
+    load_projection(ctx, &ctx.compat.projection.matrix);
     if let Some(tile) = target.primary() {
         scaling::weigh(ctx, QueryWeights { samples: 0.0, ..QueryWeights::ONCE });
         own_window_space(ctx, tile);
         as_set(tile);
         repeats.unchanged(gl, false, || issue(gl));
-        ctx.counts.primary_draws += 1;
+        ctx.frame.counts.primary_draws += 1;
     }
     if !keeps {
         ctx.set_viewport(ctx.app.viewport);
@@ -220,8 +220,8 @@ fn draw_in_scene(ctx: &mut Context, mut position: ScenePosition, changes: Change
     issue(gl);
     let after = raster_position(gl);
     position.moved = [position.moved[0] + after[0] - before[0], position.moved[1] + after[1] - before[1]];
-    ctx.raster.scene = Some(position);
-    ctx.target = Some(target);
+    ctx.compat.raster.scene = Some(position);
+    ctx.drawable.target = Some(target);
 }
 
 /// What setting a position again would change, as it is when a draw begins.
@@ -271,10 +271,10 @@ impl Present {
 
 /// Draws at a raster position on the flat panel, and in the other pictures that show it.
 fn draw_flat(ctx: &mut Context, changes: Changes, issue: &dyn Fn(&Gl)) {
-    let gl = ctx.gl;
+    let gl = ctx.driver.gl;
     default_framebuffer::want_panel(ctx);
-    ctx.counts.panel_draws += 1;
-    let Some(tiles) = ctx.target.as_ref().map(|t| t.flat_tiles()) else { return };
+    ctx.frame.counts.panel_draws += 1;
+    let Some(tiles) = ctx.drawable.target.as_ref().map(|t| t.flat_tiles()) else { return };
     let repeats = Repeats::new(changes, ctx, 0);
     let (mut before, pictures) = (None, tiles.iter().flatten().count());
     for (number, (tile, _)) in tiles.into_iter().flatten().enumerate() {
@@ -293,10 +293,10 @@ fn draw_flat(ctx: &mut Context, changes: Changes, issue: &dyn Fn(&Gl)) {
 
 /// The driver's raster position gets another tile's origin. One that is not valid cannot be moved, and draws nothing.
 fn move_origin(ctx: &mut Context, origin: [i32; 2]) {
-    let [x, y] = ctx.raster.origin;
-    if [x, y] != origin && is_valid(ctx.gl) {
-        move_by(ctx.gl, (origin[0] - x) as f32, (origin[1] - y) as f32);
-        ctx.raster.origin = origin;
+    let [x, y] = ctx.compat.raster.origin;
+    if [x, y] != origin && is_valid(ctx.driver.gl) {
+        move_by(ctx.driver.gl, (origin[0] - x) as f32, (origin[1] - y) as f32);
+        ctx.compat.raster.origin = origin;
     }
 }
 
@@ -325,8 +325,8 @@ fn raster_position(gl: &Gl) -> [f32; 2] {
 
 /// A command that draws at the raster position.
 pub fn raster_command(ctx: &mut Context, issue: impl Fn(&Gl)) {
-    let gl = ctx.gl;
-    if ctx.recording.is_some() {
+    let gl = ctx.driver.gl;
+    if ctx.lists.recording.is_some() {
         list_recording::will_draw(ctx, true);
         issue(gl);
     } else if !draw_at_raster(ctx, Changes::Nothing, &issue) {

@@ -7,27 +7,27 @@ use crate::backend::gl::api;
 use crate::intercept::gl::compat::begin_end;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
-use crate::intercept::gl::state::begin_end::Phase;
-use crate::intercept::gl::state::vertex_commands::Command;
-use crate::intercept::gl::state::vertex_recorder::{Number, Sets, add_vertex};
+use crate::intercept::gl::state::compat::begin_end::Phase;
+use crate::intercept::gl::state::compat::vertex_commands::Command;
+use crate::intercept::gl::state::compat::vertex_recorder::{Number, Sets, add_vertex};
 
 /// Notes a command of the program. `false`: it is to be passed on.
 #[inline]
 fn note<T: Number>(ctx: &mut Context, command: Command, sets: Sets, prefix: &[u64], values: &[T]) -> bool {
-    if ctx.immediate.phase == Phase::Outside && ctx.recording.is_none() {
+    if ctx.compat.immediate.phase == Phase::Outside && ctx.lists.recording.is_none() {
         return false;
     }
     if sets.is_vertex(prefix) {
-        let bounds = match &mut ctx.recording {
-            Some(list) if ctx.immediate.phase == Phase::Outside => &mut list.bounds,
-            _ => &mut ctx.immediate.bounds,
+        let bounds = match &mut ctx.lists.recording {
+            Some(list) if ctx.compat.immediate.phase == Phase::Outside => &mut list.bounds,
+            _ => &mut ctx.compat.immediate.bounds,
         };
         add_vertex(bounds, sets, values);
     }
-    if ctx.immediate.phase != Phase::Outside {
-        ctx.immediate.recorder.push(command, sets, prefix, values);
+    if ctx.compat.immediate.phase != Phase::Outside {
+        ctx.compat.immediate.recorder.push(command, sets, prefix, values);
     }
-    ctx.immediate.phase == Phase::Recording
+    ctx.compat.immediate.phase == Phase::Recording
 }
 
 /// The program's array of `N` numbers.
@@ -60,7 +60,7 @@ fn note_material<T: Number + Default>(
 /// Something that makes vertices in a way that cannot be played back.
 fn elsewhere(ctx: &mut Context) {
     begin_end::into_list(ctx);
-    if let Some(list) = &mut ctx.recording {
+    if let Some(list) = &mut ctx.lists.recording {
         list.bounds.add_unknown();
     }
 }

@@ -8,12 +8,12 @@ use crate::intercept::log;
 pub fn take_error(ctx: &mut Context) {
     // SAFETY: asks for the error flag; there are a handful of them at most.
     for _ in 0..8 {
-        let error = unsafe { ctx.gl.get_error() };
+        let error = unsafe { ctx.driver.gl.get_error() };
         if error == api::GL_NO_ERROR {
             break;
         }
-        if ctx.pending_error == api::GL_NO_ERROR {
-            ctx.pending_error = error;
+        if ctx.driver.pending_error == api::GL_NO_ERROR {
+            ctx.driver.pending_error = error;
         }
     }
 }
@@ -32,11 +32,11 @@ pub fn drop_errors(gl: &Gl) {
 pub fn take_own_errors(ctx: &mut Context) {
     // SAFETY: as above.
     for _ in 0..8 {
-        let error = unsafe { ctx.gl.get_error() };
+        let error = unsafe { ctx.driver.gl.get_error() };
         if error == api::GL_NO_ERROR {
             break;
         }
-        ctx.counts.errors += 1;
+        ctx.frame.counts.errors += 1;
         log::once(&format!("an OpenGL call of ours failed with error 0x{error:04X}"));
     }
 }

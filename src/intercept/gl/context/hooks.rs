@@ -30,8 +30,8 @@ macro_rules! hooks {
                     // SAFETY: the program's own call, passed on with its own arguments.
                     return unsafe { $crate::intercept::gl::context::current::driver().$method($($p),*) };
                 };
-                let $gl = $ctx.gl;
-                if $ctx.switched_off || (!$between && $ctx.immediate.under_way()) {
+                let $gl = $ctx.driver.gl;
+                if $ctx.switched_off || (!$between && $ctx.compat.immediate.under_way()) {
                     // SAFETY: as above.
                     return unsafe { $gl.$method($($p),*) };
                 }

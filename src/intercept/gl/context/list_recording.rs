@@ -2,7 +2,7 @@
 
 use crate::backend::gl::api::{self, Gl};
 use crate::intercept::gl::context::gl_context::Context;
-use crate::intercept::gl::state::bounds::Bounds;
+use crate::intercept::gl::state::draw::bounds::Bounds;
 use crate::lock::Lock;
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -86,7 +86,7 @@ pub(in crate::intercept::gl) const PROGRAM_NAMES: u32 = 8192;
 
 /// A name for a list of our own, which no program takes by itself.
 pub fn own_name(ctx: &Context) -> u32 {
-    let gl = ctx.gl;
+    let gl = ctx.driver.gl;
     let mut lists = ctx.share.lists.locked();
     if lists.own.is_empty() {
         // SAFETY: takes names, and gives those back that are not for us.
@@ -98,6 +98,15 @@ pub fn own_name(ctx: &Context) -> u32 {
         lists.own.extend((first..first + OWN_NAMES).rev());
     }
     lists.own.pop().unwrap_or_default()
+}
+
+/// Display lists of a context.
+#[derive(Default)]
+pub struct ListState {
+    /// The display list that is being compiled.
+    pub(in crate::intercept::gl) recording: Option<Recording>,
+    /// `glListBase`.
+    pub(in crate::intercept::gl) base: u32,
 }
 
 /// The list that is being compiled.
@@ -119,10 +128,10 @@ pub struct Recording {
 /// A draw comes into the list that is compiled, at the `raster` position or not. Each of these gets a real list without the
 /// other, as they are issued in different ways. Not between `glBegin` and `glEnd`.
 pub fn will_draw(ctx: &mut Context, raster: bool) {
-    if ctx.recording.as_ref().is_some_and(|recording| recording.draws && recording.raster != raster) {
+    if ctx.lists.recording.as_ref().is_some_and(|recording| recording.draws && recording.raster != raster) {
         next_part(ctx, None);
     }
-    if let Some(recording) = &mut ctx.recording {
+    if let Some(recording) = &mut ctx.lists.recording {
         recording.draws = true;
         recording.raster = raster;
     }
@@ -134,12 +143,12 @@ pub fn record(ctx: &mut Context, command: Command) {
 }
 
 pub(in crate::intercept::gl) fn next_part(ctx: &mut Context, command: Option<Command>) {
-    let gl = ctx.gl;
-    if let Some(recording) = &mut ctx.recording {
+    let gl = ctx.driver.gl;
+    if let Some(recording) = &mut ctx.lists.recording {
         recording.end_part(gl);
     }
     let real = own_name(ctx);
-    let Some(recording) = &mut ctx.recording else { return };
+    let Some(recording) = &mut ctx.lists.recording else { return };
     recording.items.extend(command.map(Item::Command));
     recording.real = real;
     // SAFETY: a list of our own; the program is compiling, and the list that was open has just ended.
@@ -171,8 +180,8 @@ impl Lists {
                 if !ctx.compiling() {
                     // SAFETY: a list of our own that nothing else names; an empty one takes its place.
                     unsafe {
-                        ctx.gl.new_list(*part, api::GL_COMPILE);
-                        ctx.gl.end_list();
+                        ctx.driver.gl.new_list(*part, api::GL_COMPILE);
+                        ctx.driver.gl.end_list();
                     }
                 }
             }

@@ -17,7 +17,7 @@ pub fn planner(ctx: &Context, rig: &Rig) -> Planner {
             "vertices are projected after a new start: outputs that ask for it are made by method \"fragment\" instead",
         );
     }
-    if asked_for() && !ctx.views_only { Session::projecting } else { Session::new }
+    if asked_for() && !ctx.projected.views_only { Session::projecting } else { Session::new }
 }
 
 /// Whether some output of the rig has a method of this kind.

@@ -3,7 +3,7 @@
 //! ```text
 //! {
 //!     let ctx: &mut Context = &mut OwnCalls::begin(ctx);   queries, messages and conditions are off
-//!     ctx.gl.…                                             work that the program does not notice
+//!     ctx.driver.gl.…                                             work that the program does not notice
 //! }                                                        all is back, also after a panic
 //! ```
 
@@ -24,28 +24,28 @@ impl<'a> OwnCalls<'a> {
     /// For work that draws: no query counts it, no condition of the program leaves it out, and no
     /// message about it reaches the program.
     pub fn begin(ctx: &'a mut Context) -> Self {
-        let gl = ctx.gl;
+        let gl = ctx.driver.gl;
         for running in &mut ctx.queries.running {
             running.end_part(gl);
         }
         let mut own = Self::without_messages(ctx);
         own.suspends = true;
-        if own.condition.is_some() {
+        if own.queries.condition.is_some() {
             // SAFETY: conditional rendering is in force, as its hook saw; `drop` puts it back.
-            unsafe { own.gl.end_conditional_render() };
+            unsafe { own.driver.gl.end_conditional_render() };
         }
         own
     }
 
     /// For work that draws nothing, such as linking a program.
     pub fn without_messages(ctx: &'a mut Context) -> Self {
-        let gl = ctx.gl;
-        let knows = ctx.profile.version >= if ctx.profile.es { 32 } else { 43 };
-        let messages = knows && ctx.known_state.is_on(gl, api::GL_DEBUG_OUTPUT);
+        let gl = ctx.driver.gl;
+        let knows = ctx.driver.profile.version >= if ctx.driver.profile.es { 32 } else { 43 };
+        let messages = knows && ctx.driver.known_state.is_on(gl, api::GL_DEBUG_OUTPUT);
         if messages {
             // SAFETY: a switch that this version has; `drop` puts it back.
             unsafe { gl.disable(api::GL_DEBUG_OUTPUT) };
-            ctx.known_state.note(api::GL_DEBUG_OUTPUT, false);
+            ctx.driver.known_state.note(api::GL_DEBUG_OUTPUT, false);
         }
         Self { ctx, suspends: false, messages }
     }
@@ -67,15 +67,15 @@ impl DerefMut for OwnCalls<'_> {
 
 impl Drop for OwnCalls<'_> {
     fn drop(&mut self) {
-        let gl = self.ctx.gl;
-        if let Some((query, mode)) = self.ctx.condition.filter(|_| self.suspends) {
+        let gl = self.ctx.driver.gl;
+        if let Some((query, mode)) = self.ctx.queries.condition.filter(|_| self.suspends) {
             // SAFETY: the object and mode that were in force.
             unsafe { gl.begin_conditional_render(query, mode) };
         }
         if self.messages {
             // SAFETY: a switch that this version has.
             unsafe { gl.enable(api::GL_DEBUG_OUTPUT) };
-            self.ctx.known_state.note(api::GL_DEBUG_OUTPUT, true);
+            self.ctx.driver.known_state.note(api::GL_DEBUG_OUTPUT, true);
         }
         if self.suspends {
             for number in 0..self.ctx.queries.running.len() {

@@ -2,46 +2,47 @@
 
 use crate::backend::gl::api;
 use crate::intercept::gl::context::gl_context::Context;
-use crate::intercept::gl::state::window_space::DriverState;
+use crate::intercept::gl::state::driver::window_space::DriverState;
 
 impl Context {
     /// Sets the real viewport.
     pub fn set_viewport(&mut self, rect: [i32; 4]) {
         if self.compiling() {
             // It would become a part of the program's list.
-            self.driver_state.viewport = None;
+            self.driver.window_space.viewport = None;
             return;
         }
-        if self.driver_state.viewport != Some(rect) {
+        if self.driver.window_space.viewport != Some(rect) {
             // SAFETY: a plain state command.
-            unsafe { self.gl.viewport(rect[0], rect[1], rect[2], rect[3]) };
-            self.driver_state.viewport = Some(rect);
+            unsafe { self.driver.gl.viewport(rect[0], rect[1], rect[2], rect[3]) };
+            self.driver.window_space.viewport = Some(rect);
         }
     }
 
     /// Sets the real scissor test and, if on, its rectangle.
     pub fn set_scissor(&mut self, rect: Option<[i32; 4]>) {
         if self.compiling() {
-            self.driver_state = DriverState { viewport: self.driver_state.viewport, ..DriverState::default() };
+            self.driver.window_space =
+                DriverState { viewport: self.driver.window_space.viewport, ..DriverState::default() };
             return;
         }
-        if self.driver_state.scissor_test != Some(rect.is_some()) {
+        if self.driver.window_space.scissor_test != Some(rect.is_some()) {
             // SAFETY: a plain state command.
             unsafe {
                 if rect.is_some() {
-                    self.gl.enable(api::GL_SCISSOR_TEST);
+                    self.driver.gl.enable(api::GL_SCISSOR_TEST);
                 } else {
-                    self.gl.disable(api::GL_SCISSOR_TEST);
+                    self.driver.gl.disable(api::GL_SCISSOR_TEST);
                 }
             }
-            self.driver_state.scissor_test = Some(rect.is_some());
+            self.driver.window_space.scissor_test = Some(rect.is_some());
         }
         if let Some(rect) = rect
-            && self.driver_state.scissor != Some(rect)
+            && self.driver.window_space.scissor != Some(rect)
         {
             // SAFETY: a plain state command.
-            unsafe { self.gl.scissor(rect[0], rect[1], rect[2].max(0), rect[3].max(0)) };
-            self.driver_state.scissor = Some(rect);
+            unsafe { self.driver.gl.scissor(rect[0], rect[1], rect[2].max(0), rect[3].max(0)) };
+            self.driver.window_space.scissor = Some(rect);
         }
     }
 
@@ -49,10 +50,10 @@ impl Context {
     pub fn restore_window_space(&mut self) {
         self.set_viewport(self.app.viewport);
         let (test, rect) = (self.app.scissor_test, self.app.scissor);
-        if !self.compiling() && self.driver_state.scissor != Some(rect) {
+        if !self.compiling() && self.driver.window_space.scissor != Some(rect) {
             // SAFETY: a plain state command.
-            unsafe { self.gl.scissor(rect[0], rect[1], rect[2].max(0), rect[3].max(0)) };
-            self.driver_state.scissor = Some(rect);
+            unsafe { self.driver.gl.scissor(rect[0], rect[1], rect[2].max(0), rect[3].max(0)) };
+            self.driver.window_space.scissor = Some(rect);
         }
         self.set_scissor(test.then_some(rect));
     }

@@ -7,12 +7,14 @@
 use crate::backend::gl::api;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
-use crate::intercept::gl::state::default_framebuffer::DefaultFramebuffer;
+use crate::intercept::gl::state::drawable::default_framebuffer::DefaultFramebuffer;
 
 /// Whether the parameter is left at its default.
 fn left_out(ctx: &Context, parameter: u32) -> bool {
     let turned = |t: &DefaultFramebuffer| t.session.views().iter().any(|v| !v.program_lens);
-    parameter == api::GL_TEXTURE_MAX_ANISOTROPY && ctx.endless_anisotropy && ctx.target.as_deref().is_some_and(turned)
+    parameter == api::GL_TEXTURE_MAX_ANISOTROPY
+        && ctx.driver.endless_anisotropy
+        && ctx.drawable.target.as_deref().is_some_and(turned)
 }
 
 macro_rules! filtering_hooks {

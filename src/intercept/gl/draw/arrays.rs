@@ -10,9 +10,9 @@ use crate::intercept::gl::draw::commands::draw_command;
 use crate::intercept::gl::draw::divided;
 use crate::intercept::gl::per_view::culling::position;
 use crate::intercept::gl::projected_vertices;
-use crate::intercept::gl::state::bounds::Bounds;
-use crate::intercept::gl::state::primitives::Shape;
-use crate::intercept::gl::state::vertex_ranges::{Layout, Vertices};
+use crate::intercept::gl::state::draw::bounds::Bounds;
+use crate::intercept::gl::state::draw::primitives::Shape;
+use crate::intercept::gl::state::vertex_input::vertex_ranges::{Layout, Vertices};
 use crate::intercept::gl::vertex_input::ranges::{self, index_at, index_width, restarts};
 use crate::intercept::gl::vertex_input::vertex_arrays;
 use std::ffi::c_void;
@@ -39,7 +39,7 @@ unsafe fn find(ctx: &mut Context, vertices: Vertices) -> Option<Bounds> {
                 Some(unsafe { ranges::in_memory(&layout, layout.start as *const u8, start..start + count) })
             } else if ctx.compiling() {
                 // It is looked through once, when the list takes it over.
-                ranges::in_buffer(ctx.gl, &ctx.profile, &layout, start..start + count)
+                ranges::in_buffer(ctx.driver.gl, &ctx.driver.profile, &layout, start..start + count)
             } else {
                 Some(ranges::around(ctx, layout, vertices, 0))
             }
@@ -61,7 +61,7 @@ unsafe fn find(ctx: &mut Context, vertices: Vertices) -> Option<Bounds> {
                 // SAFETY: as promised.
                 Some(unsafe { ranges::in_memory(&layout, layout.start as *const u8, numbers) })
             } else if ctx.compiling() {
-                ranges::in_buffer(ctx.gl, &ctx.profile, &layout, numbers)
+                ranges::in_buffer(ctx.driver.gl, &ctx.driver.profile, &layout, numbers)
             } else {
                 None
             }
@@ -93,8 +93,8 @@ macro_rules! array_hooks {
             $( $name $method(mode: u32, $($p: $t),*) = |ctx, _gl| {
                 let read = projected_vertices::read_arrays(ctx, mode, $vertices);
                 let bounds = |ctx: &mut Context| around(ctx, $vertices);
-                let issue = |ctx: &mut Context, gl: &Gl| gl.$method(ctx.wide_primitives.issued(mode), $($p),*);
-                ctx.wide_primitives.mode = Some(mode);
+                let issue = |ctx: &mut Context, gl: &Gl| gl.$method(ctx.draw.wide_primitives.issued(mode), $($p),*);
+                ctx.draw.wide_primitives.mode = Some(mode);
                 match read {
                     Some(vertices) => divided::draw_arrays(ctx, mode, vertices, bounds, issue),
                     None => draw_command(ctx, Shape::of_mode(mode), bounds, issue),

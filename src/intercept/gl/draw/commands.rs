@@ -6,9 +6,9 @@ use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::context::list_recording;
 use crate::intercept::gl::draw::dispatch::draw;
 use crate::intercept::gl::per_view::culling::select;
-use crate::intercept::gl::state::bounds::Bounds;
-use crate::intercept::gl::state::draw::Changes;
-use crate::intercept::gl::state::primitives::Shape;
+use crate::intercept::gl::state::draw::bounds::Bounds;
+use crate::intercept::gl::state::draw::draw_class::Changes;
+use crate::intercept::gl::state::draw::primitives::Shape;
 use std::ffi::c_void;
 
 /// A draw command of outlines of `shape` whose vertices are within `bounds`: a part of the list that is compiled, or
@@ -22,13 +22,13 @@ pub fn draw_command(
     if ctx.compiling() {
         let bounds = if select::enabled() { bounds(ctx) } else { Bounds::UNKNOWN };
         list_recording::will_draw(ctx, false);
-        if let Some(recording) = &mut ctx.recording {
+        if let Some(recording) = &mut ctx.lists.recording {
             recording.bounds.join(&bounds);
         }
-        let gl = ctx.gl;
+        let gl = ctx.driver.gl;
         issue(ctx, gl);
     } else {
-        ctx.wide_primitives.shape = shape;
+        ctx.draw.wide_primitives.shape = shape;
         draw(ctx, Changes::Nothing, bounds, issue);
     }
 }

@@ -25,10 +25,10 @@ use crate::intercept::gl::per_view::window_space::own_window_space;
 use crate::intercept::gl::per_view::{self, background, wide_primitives};
 use crate::intercept::gl::projected_vertices;
 use crate::intercept::gl::queries::scaling;
-use crate::intercept::gl::state::bounds::Bounds;
-use crate::intercept::gl::state::draw::{Changes, DrawClass};
+use crate::intercept::gl::state::draw::bounds::Bounds;
+use crate::intercept::gl::state::draw::draw_class::{Changes, DrawClass};
+use crate::intercept::gl::state::draw::views::Views;
 use crate::intercept::gl::state::offscreen::coverage::Measure;
-use crate::intercept::gl::state::views::Views;
 use crate::intercept::scene::query_weights::QueryWeights;
 use crate::runtime::session::Session;
 use std::sync::Arc;
@@ -53,7 +53,7 @@ pub fn draw(
 
 /// Issues a draw once, as the program means it.
 fn once(ctx: &mut Context, issue: &mut dyn FnMut(&mut Context, &Gl)) {
-    let gl = ctx.gl;
+    let gl = ctx.driver.gl;
     scaling::weigh(ctx, QueryWeights::ONCE);
     plain_program(ctx);
     issue(ctx, gl);
@@ -65,8 +65,8 @@ fn draw_to_window(
     bounds: impl FnOnce(&mut Context) -> Bounds,
     issue: &mut dyn FnMut(&mut Context, &Gl),
 ) {
-    ctx.counts.draws_seen += u64::from(!ctx.picking);
-    if ctx.picking || ctx.discard {
+    ctx.frame.counts.draws_seen += u64::from(!ctx.app.picking);
+    if ctx.app.picking || ctx.app.discard {
         // Picking and feedback answer in the program's own window coordinates and draw nothing.
         // Where nothing reaches the window, what the draw computes (transform feedback, say) it
         // computes once.
@@ -74,17 +74,17 @@ fn draw_to_window(
         once(ctx, issue);
         return;
     }
-    ctx.frame_begun = true;
+    ctx.frame.begun = true;
     let Some(class) = perspective_or_flat(ctx, changes, issue) else { return };
     let shown = match ctx.queries.primitives() {
         true => Views::ALL,
         false => select::views(ctx, class, bounds, changes),
     };
-    let Some(target) = &ctx.target else { return };
+    let Some(target) = &ctx.drawable.target else { return };
     let (session, primary) = (target.session.clone(), target.primary());
     if class != DrawClass::Background {
         let area = i64::from(ctx.app.viewport[2]) * i64::from(ctx.app.viewport[3]);
-        ctx.viewport_area[0] = ctx.viewport_area[0].max(area);
+        ctx.frame.viewport_area[0] = ctx.frame.viewport_area[0].max(area);
     }
     let mut window = Window { session, primary, class, shown };
     let views = window.session.views().len();
@@ -109,14 +109,14 @@ fn perspective_or_flat(
             Shows::Unknown(measure) => Some(measure),
             Shows::Nothing => None,
         };
-        ctx.background.note_flat();
+        ctx.frame.background.note_flat();
         if measure.is_some() || !background::is_behind(ctx) {
             flat(ctx, changes, measure, issue);
             return None;
         }
         class = DrawClass::Background;
     } else {
-        ctx.background.note_scene();
+        ctx.frame.background.note_scene();
     }
     Some(if fallback::look_divided(ctx, class) { classify(ctx) } else { class })
 }
@@ -139,7 +139,7 @@ impl Target for Window {
             own_window_space(ctx, tile);
             return None;
         }
-        ctx.set_scissor(ctx.wide_primitives.cut.then_some(tile));
+        ctx.set_scissor(ctx.draw.wide_primitives.cut.then_some(tile));
         ctx.set_viewport(tile);
         Some(self.class)
     }
@@ -153,18 +153,18 @@ impl Target for Window {
 
     fn issued(&mut self, ctx: &mut Context, view: usize) {
         if view >= self.session.views().len() {
-            ctx.counts.primary_draws += 1;
+            ctx.frame.counts.primary_draws += 1;
             return;
         }
-        let Some(target) = &mut ctx.target else { return };
-        match ctx.areas.get(view).filter(|_| self.shown.bounded()) {
+        let Some(target) = &mut ctx.drawable.target else { return };
+        match ctx.draw.areas.get(view).filter(|_| self.shown.bounded()) {
             Some(area) => target.issued_within(view, *area),
             None => target.issued(view),
         }
     }
 
     fn left_out(&mut self, ctx: &mut Context, view: usize) {
-        if let Some(target) = &mut ctx.target {
+        if let Some(target) = &mut ctx.drawable.target {
             target.culled(view);
         }
     }
@@ -172,9 +172,9 @@ impl Target for Window {
 
 /// A draw that belongs to the flat panel, with the program's own matrices and window space.
 fn flat(ctx: &mut Context, changes: Changes, measure: Option<Measure>, mut issue: impl FnMut(&mut Context, &Gl)) {
-    let gl = ctx.gl;
+    let gl = ctx.driver.gl;
     default_framebuffer::want_panel(ctx);
-    let Some(target) = &ctx.target else { return };
+    let Some(target) = &ctx.drawable.target else { return };
     let tiles = target.flat_tiles();
     let repeats = Repeats::new(changes, ctx, 0);
     plain_program(ctx);
@@ -184,7 +184,7 @@ fn flat(ctx: &mut Context, changes: Changes, measure: Option<Measure>, mut issue
         let last = pictures == number + 1;
         let samples = if number == 0 { 1.0 } else { 0.0 };
         scaling::weigh(ctx, QueryWeights { samples, primitives: 1.0 / pictures as f64 });
-        let blending = panel.then(|| PanelBlend::begin(gl, &ctx.known_state));
+        let blending = panel.then(|| PanelBlend::begin(gl, &ctx.driver.known_state));
         repeats.around(gl, number, last, || match &measure {
             Some(measure) if number == 0 => coverage::measure(ctx, measure, |ctx| issue(ctx, gl)),
             _ => issue(ctx, gl),
@@ -193,5 +193,5 @@ fn flat(ctx: &mut Context, changes: Changes, measure: Option<Measure>, mut issue
             blending.end(gl);
         }
     }
-    ctx.counts.panel_draws += 1;
+    ctx.frame.counts.panel_draws += 1;
 }

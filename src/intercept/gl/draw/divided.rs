@@ -7,10 +7,10 @@ use crate::intercept::gl::draw::commands::draw_command;
 use crate::intercept::gl::draw::dispatch::draw;
 use crate::intercept::gl::per_view::culling::select;
 use crate::intercept::gl::projected_vertices::{Attribute, Vertices, draw_divided, draw_whole, reads_vertices};
-use crate::intercept::gl::state::bounds::Bounds;
-use crate::intercept::gl::state::draw::Changes;
-use crate::intercept::gl::state::fixed_function::Processor;
-use crate::intercept::gl::state::primitives::Shape;
+use crate::intercept::gl::state::draw::bounds::Bounds;
+use crate::intercept::gl::state::draw::draw_class::Changes;
+use crate::intercept::gl::state::draw::primitives::Shape;
+use crate::intercept::gl::state::projected_vertices::fixed_function::Processor;
 
 /// Issues a draw whose vertices the processor has read, or could not: divided for views that need it, by `whole` for
 /// others.
@@ -25,17 +25,17 @@ pub fn draw_read(
         Ok(vertices) => (Processor::Divides, Some(vertices)),
         Err(reason) => (Processor::Cannot(reason), None),
     };
-    ctx.fixed_function.processor = processor;
+    ctx.projected.fixed_function.processor = processor;
     draw(
         ctx,
         changes,
         |_| bounds,
-        |ctx, gl| match (ctx.fixed_function.view.take(), vertices) {
+        |ctx, gl| match (ctx.projected.fixed_function.view.take(), vertices) {
             (Some((division, rows)), Some(vertices)) => draw_divided(ctx, vertices, division, &rows),
             _ => whole(ctx, gl),
         },
     );
-    ctx.fixed_function.processor = Processor::Nothing;
+    ctx.projected.fixed_function.processor = Processor::Nothing;
 }
 
 /// Issues a draw of arrays whose vertices the processor has read, or could not. In a list that is compiled it becomes a
@@ -49,7 +49,7 @@ pub fn draw_arrays(
 ) {
     let shape = Shape::of_mode(mode);
     if !ctx.compiling() {
-        ctx.wide_primitives.shape = shape;
+        ctx.draw.wide_primitives.shape = shape;
         let bounds = if select::enabled() { bounds(ctx) } else { Bounds::UNKNOWN };
         let current = current(ctx, &vertices);
         draw_read(ctx, Changes::Nothing, bounds, &vertices, issue);
@@ -62,7 +62,7 @@ pub fn draw_arrays(
     };
     let vertices = Ok(kept);
     list_recording::now_or_later(ctx, move |ctx| {
-        ctx.wide_primitives.shape = shape;
+        ctx.draw.wide_primitives.shape = shape;
         let current = current(ctx, &vertices);
         let whole = |_: &mut Context, gl: &Gl| draw_whole(gl, &vertices);
         if reads_vertices(ctx, mode) {
@@ -80,13 +80,13 @@ pub(in crate::intercept::gl) fn current(
     vertices: &Result<Vertices, &'static str>,
 ) -> Vec<(Attribute, [f32; 4])> {
     let attributes = vertices.iter().flat_map(|vertices| &vertices.attributes);
-    attributes.map(|attribute| (*attribute, attribute.current(ctx.gl))).collect()
+    attributes.map(|attribute| (*attribute, attribute.current(ctx.driver.gl))).collect()
 }
 
 /// Arrays leave it as it was.
 pub(in crate::intercept::gl) fn put_back(ctx: &Context, current: &[(Attribute, [f32; 4])]) {
     for (attribute, value) in current {
         // SAFETY: what `current` found, in the same context.
-        unsafe { attribute.set(ctx.gl, value) };
+        unsafe { attribute.set(ctx.driver.gl, value) };
     }
 }

@@ -6,25 +6,25 @@ use crate::intercept::gl::context::matrices;
 use crate::intercept::gl::framebuffer::default_framebuffer;
 use crate::intercept::gl::offscreen::view_copies;
 use crate::intercept::gl::projected_vertices;
-use crate::intercept::gl::state::draw::DrawClass;
-use crate::intercept::gl::state::fixed_function::Processor;
-use crate::intercept::gl::state::primitives::Shape;
+use crate::intercept::gl::state::draw::draw_class::DrawClass;
+use crate::intercept::gl::state::draw::primitives::Shape;
+use crate::intercept::gl::state::projected_vertices::fixed_function::Processor;
 use crate::intercept::log;
 use crate::runtime::session::MatrixClass;
 
 /// Looks whether the next draw can be served where vertices are projected, and puts a program in the place of the
 /// fixed-function pipeline; gives the window views where not.
 pub fn look(ctx: &mut Context) {
-    let projects = ctx.target.as_ref().is_some_and(|target| !target.lenses.is_empty());
+    let projects = ctx.drawable.target.as_ref().is_some_and(|target| !target.lenses.is_empty());
     if !projects
-        || ctx.picking
-        || ctx.program.as_ref().is_some_and(|program| program.draws_vertices())
-        || !ctx.profile.compatibility()
+        || ctx.app.picking
+        || ctx.shaders.program.as_ref().is_some_and(|program| program.draws_vertices())
+        || !ctx.driver.profile.compatibility()
     {
         return;
     }
     matrices::refresh(ctx);
-    if matches!(ctx.projection.class, MatrixClass::Perspective(_))
+    if matches!(ctx.compat.projection.class, MatrixClass::Perspective(_))
         && let Err(reason) = projected_vertices::begin_stand_in(ctx)
     {
         use_views(ctx, reason);
@@ -33,19 +33,21 @@ pub fn look(ctx: &mut Context) {
 
 /// The same for a draw of `class` whose primitives have to be divided. Whether the window has views now.
 pub fn look_divided(ctx: &mut Context, class: DrawClass) -> bool {
-    let divides = ctx.target.as_ref().is_some_and(|target| target.lenses.iter().any(LensConstants::divides));
-    let in_program = ctx.program.as_ref().is_some_and(|program| program.draws_vertices());
+    let divides = ctx.drawable.target.as_ref().is_some_and(|target| target.lenses.iter().any(LensConstants::divides));
+    let in_program = ctx.shaders.program.as_ref().is_some_and(|program| program.draws_vertices());
     if !divides || !in_program || !matches!(class, DrawClass::Scene(_) | DrawClass::Background) {
         return false;
     }
-    if let Processor::Cannot(reason) = ctx.fixed_function.processor {
+    if let Processor::Cannot(reason) = ctx.projected.fixed_function.processor {
         use_views(ctx, reason);
         return true;
     }
-    let drawn = ctx.wide_primitives.drawn;
+    let drawn = ctx.draw.wide_primitives.drawn;
     match drawn {
         Shape::Points => return false,
-        _ if ctx.fixed_function.processor == Processor::Divides || projected_vertices::variant(ctx).is_some() => {
+        _ if ctx.projected.fixed_function.processor == Processor::Divides
+            || projected_vertices::variant(ctx).is_some() =>
+        {
             return false;
         }
         Shape::Triangles | Shape::Lines => use_views(ctx, "a program's primitives cannot be divided"),
@@ -56,14 +58,14 @@ pub fn look_divided(ctx: &mut Context, class: DrawClass) -> bool {
 
 /// From now on this context's windows have views. The frame that is being drawn begins anew with the next draw.
 pub fn use_views(ctx: &mut Context, reason: &str) {
-    if ctx.views_only {
+    if ctx.projected.views_only {
         return;
     }
-    ctx.views_only = true;
+    ctx.projected.views_only = true;
     log::once(&format!("{reason}: the outputs are made by method \"fragment\" instead"));
-    let Some(target) = ctx.target.take() else { return };
+    let Some(target) = ctx.drawable.target.take() else { return };
     let extras = target.extras();
     view_copies::clear(ctx);
-    target.destroy(ctx.gl);
+    target.destroy(ctx.driver.gl);
     default_framebuffer::attach(ctx, extras);
 }

@@ -7,23 +7,23 @@ use crate::intercept::gl::context::list_recording;
 
 /// Asks the driver where it knows (OpenGL 4.0, OpenGL ES 3.0); elsewhere `recording` is what it is.
 fn follow(ctx: &mut Context, recording: bool) {
-    let known = ctx.profile.version >= if ctx.profile.es { 30 } else { 40 };
-    ctx.feedback = recording;
+    let known = ctx.driver.profile.version >= if ctx.driver.profile.es { 30 } else { 40 };
+    ctx.app.feedback = recording;
     if known {
         let (mut active, mut paused) = (0, 0);
         // SAFETY: each query writes one boolean.
         unsafe {
-            ctx.gl.get_booleanv(api::GL_TRANSFORM_FEEDBACK_ACTIVE, &mut active);
-            ctx.gl.get_booleanv(api::GL_TRANSFORM_FEEDBACK_PAUSED, &mut paused);
+            ctx.driver.gl.get_booleanv(api::GL_TRANSFORM_FEEDBACK_ACTIVE, &mut active);
+            ctx.driver.gl.get_booleanv(api::GL_TRANSFORM_FEEDBACK_PAUSED, &mut paused);
         }
-        ctx.feedback = active != 0 && paused == 0;
+        ctx.app.feedback = active != 0 && paused == 0;
     }
 }
 
 /// Runs a command of the program, which may be a part of a display list; `recording`: whether it records after it.
 fn command(ctx: &mut Context, recording: bool, issue: impl Fn(&Gl) + Send + Sync + 'static) {
     list_recording::now_or_later(ctx, move |ctx| {
-        issue(ctx.gl);
+        issue(ctx.driver.gl);
         follow(ctx, recording);
     });
 }

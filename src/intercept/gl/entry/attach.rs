@@ -5,8 +5,8 @@ use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::entry::contexts;
 use crate::intercept::gl::framebuffer::default_framebuffer;
 use crate::intercept::gl::offscreen::view_copies;
-use crate::intercept::gl::state::default_framebuffer::DefaultFramebuffer;
-use crate::intercept::gl::state::window::Window;
+use crate::intercept::gl::state::drawable::default_framebuffer::DefaultFramebuffer;
+use crate::intercept::gl::state::drawable::window::Window;
 use crate::intercept::settings::settings;
 use crate::runtime::session::Extras;
 use std::sync::Arc;
@@ -14,20 +14,20 @@ use std::sync::Arc;
 impl Context {
     /// The context became current with `window`.
     pub fn attach(&mut self, window: Option<Window>, reads_elsewhere: bool) {
-        self.reads_elsewhere = reads_elsewhere;
-        for objects in std::mem::take(&mut self.left_behind) {
-            objects.destroy(self.gl);
+        self.drawable.reads_elsewhere = reads_elsewhere;
+        for objects in std::mem::take(&mut self.drawable.left_behind) {
+            objects.destroy(self.driver.gl);
         }
-        let first = self.window.is_none() && window.is_some() && self.app.viewport == [0; 4];
-        if self.window != window {
+        let first = self.drawable.window.is_none() && window.is_some() && self.app.viewport == [0; 4];
+        if self.drawable.window != window {
             self.change_window(window);
         }
         view_copies::collect(self);
-        let Some(window) = self.window.clone() else {
+        let Some(window) = self.drawable.window.clone() else {
             self.borrow();
             return;
         };
-        self.lent = None;
+        self.drawable.lent = None;
         if let Some(size) = settings().and_then(|s| s.window_size) {
             window.resize(size);
         }
@@ -35,35 +35,35 @@ impl Context {
             let (width, height) = window.size();
             self.app.viewport = [0, 0, width as i32, height as i32];
             self.app.scissor = self.app.viewport;
-            if !window.double_buffered(self.gl, &self.profile) {
+            if !window.double_buffered(self.driver.gl, &self.driver.profile) {
                 self.app.draw_buffer = api::GL_FRONT;
                 self.app.read_buffer = api::GL_FRONT;
             }
         }
-        if self.target.is_none() {
+        if self.drawable.target.is_none() {
             match contexts::take_picture(self, &window) {
                 Some(picture) => default_framebuffer::take_over(self, picture),
                 None => default_framebuffer::attach(self, Extras::default()),
             }
         } else if self.app.read_framebuffer == 0 {
             // SAFETY: what the program's reads come from, which may be another drawable now.
-            unsafe { self.gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, self.window_for_reading()) };
+            unsafe { self.driver.gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, self.drawable.window_for_reading()) };
         }
     }
 
     /// A context without a window draws for that of another in its group.
     fn borrow(&mut self) {
         let lent = contexts::lend_session(self);
-        if self.lent.as_ref().map(Arc::as_ptr) != lent.as_ref().map(Arc::as_ptr) {
-            self.lent = lent;
-            self.projection.clear();
-            self.cameras.clear();
+        if self.drawable.lent.as_ref().map(Arc::as_ptr) != lent.as_ref().map(Arc::as_ptr) {
+            self.drawable.lent = lent;
+            self.compat.projection.clear();
+            self.frame.cameras.clear();
         }
         if self.app.viewport == [0; 4] {
             // SAFETY: each writes four integers.
             unsafe {
-                self.gl.get_integerv(api::GL_VIEWPORT, self.app.viewport.as_mut_ptr());
-                self.gl.get_integerv(api::GL_SCISSOR_BOX, self.app.scissor.as_mut_ptr());
+                self.driver.gl.get_integerv(api::GL_VIEWPORT, self.app.viewport.as_mut_ptr());
+                self.driver.gl.get_integerv(api::GL_SCISSOR_BOX, self.app.scissor.as_mut_ptr());
             }
         }
     }
@@ -71,39 +71,41 @@ impl Context {
     /// Gives away what stands for `window`. Its objects that belong to this context alone are deleted when it is
     /// current again.
     pub fn give_picture(&mut self, window: &Window) -> Option<Box<DefaultFramebuffer>> {
-        let parked = self.parked.iter().position(|(parked, _)| parked == window);
+        let parked = self.drawable.parked.iter().position(|(parked, _)| parked == window);
         let target = match parked {
-            Some(index) => Some(self.parked.remove(index).1),
-            None if self.window.as_ref() == Some(window) => self.target.take(),
+            Some(index) => Some(self.drawable.parked.remove(index).1),
+            None if self.drawable.window.as_ref() == Some(window) => self.drawable.target.take(),
             None => None,
         }?;
-        self.left_behind.push(target.own_objects());
+        self.drawable.left_behind.push(target.own_objects());
         Some(target)
     }
 
     /// Another window, or none: what stood for the old one is kept for when the program comes back to it.
     fn change_window(&mut self, window: Option<Window>) {
-        let old = std::mem::replace(&mut self.window, window);
-        if let (Some(old), Some(target)) = (old, self.target.take()) {
-            if self.parked.len() >= MOST_PARKED {
-                self.parked.remove(0).1.destroy(self.gl);
+        let old = std::mem::replace(&mut self.drawable.window, window);
+        if let (Some(old), Some(target)) = (old, self.drawable.target.take()) {
+            if self.drawable.parked.len() >= MOST_PARKED {
+                self.drawable.parked.remove(0).1.destroy(self.driver.gl);
             }
-            self.parked.push((old, target));
+            self.drawable.parked.push((old, target));
             // SAFETY: the program's window is bound in place of ours.
             unsafe {
                 if self.app.draw_framebuffer == 0 {
-                    self.gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, 0);
+                    self.driver.gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, 0);
                 }
                 if self.app.read_framebuffer == 0 {
-                    self.gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, 0);
+                    self.driver.gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, 0);
                 }
             }
             self.restore_window_space();
         }
-        self.frame_begun = false;
-        self.occluded = false;
-        if let Some(index) = self.parked.iter().position(|(parked, _)| Some(parked) == self.window.as_ref()) {
-            let (window, target) = self.parked.remove(index);
+        self.frame.begun = false;
+        self.drawable.occluded = false;
+        if let Some(index) =
+            self.drawable.parked.iter().position(|(parked, _)| Some(parked) == self.drawable.window.as_ref())
+        {
+            let (window, target) = self.drawable.parked.remove(index);
             default_framebuffer::resume(self, &window, target);
             default_framebuffer::follow_size(self);
         }

@@ -4,8 +4,8 @@ use crate::backend::gl::api::Gl;
 use crate::intercept::gl::context::current::{CURRENT, HANDLE, after_panic, current};
 use crate::intercept::gl::context::gl_context::{Context, ShareGroup};
 use crate::intercept::gl::frame::present;
-use crate::intercept::gl::state::default_framebuffer::DefaultFramebuffer;
-use crate::intercept::gl::state::window::Window;
+use crate::intercept::gl::state::drawable::default_framebuffer::DefaultFramebuffer;
+use crate::intercept::gl::state::drawable::window::Window;
 use crate::lock::Lock;
 use crate::runtime::session::Session;
 use std::collections::HashMap;
@@ -76,8 +76,8 @@ pub fn created(handle: usize, shared: usize) {
 /// The program is about to make another context or window current: what it drew is shown to the window that it
 /// leaves, whose buffers it may swap when another is current.
 pub fn leaving(handle: usize, window: Option<&Window>) {
-    let Some(ctx) = current().filter(|c| !c.switched_off && c.frame_begun) else { return };
-    if HANDLE.get() == handle && ctx.window.as_ref() == window {
+    let Some(ctx) = current().filter(|c| !c.switched_off && c.frame.begun) else { return };
+    if HANDLE.get() == handle && ctx.drawable.window.as_ref() == window {
         return;
     }
     if crate::fence::guard(|| present::leave(ctx)).is_none() {
@@ -133,7 +133,7 @@ pub fn lend_session(ctx: &Context) -> Option<Arc<Session>> {
         others.filter(|entry| Arc::ptr_eq(&entry.share, &ctx.share)).find_map(|entry| {
             // SAFETY: a live context that is current on no thread, and cannot become so while the table is locked.
             let other = unsafe { &*(entry.context as *const Context) };
-            other.target.as_ref().map(|target| target.session.clone())
+            other.drawable.target.as_ref().map(|target| target.session.clone())
         })
     })
 }

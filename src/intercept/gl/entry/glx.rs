@@ -5,7 +5,7 @@ use crate::intercept::gl::context::current;
 use crate::intercept::gl::entry::contexts;
 use crate::intercept::gl::entry::vendor::{self, noted_calls, real_call};
 use crate::intercept::gl::frame::{front_buffer, present};
-use crate::intercept::gl::state::window::Window;
+use crate::intercept::gl::state::drawable::window::Window;
 use crate::lock::Lock;
 use std::collections::HashMap;
 use std::ffi::{CStr, c_char, c_int, c_ulong, c_void};

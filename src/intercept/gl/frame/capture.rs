@@ -8,8 +8,8 @@ use crate::runtime::report::Picture;
 
 /// Output `index` at its own resolution, read back.
 pub fn picture(ctx: &Context, index: usize, name: &str) -> Option<Picture> {
-    let gl = ctx.gl;
-    let target = ctx.target.as_ref()?;
+    let gl = ctx.driver.gl;
+    let target = ctx.drawable.target.as_ref()?;
     let (width, height) = target.session.plan().passes.get(index)?.size;
     let whole = [0, 0, width as i32, height as i32];
     let canvas = OwnFramebuffer::new(gl, whole[2], whole[3]);

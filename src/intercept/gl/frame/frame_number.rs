@@ -1,6 +1,6 @@
 //! Which frame of which window it is, for `--frames`.
 
-use crate::intercept::gl::state::window::Window;
+use crate::intercept::gl::state::drawable::window::Window;
 use crate::lock::Lock;
 use std::collections::HashMap;
 use std::sync::Mutex;

@@ -21,13 +21,14 @@ pub fn draws_to_front(ctx: &Context) -> bool {
             | api::GL_LEFT
             | api::GL_RIGHT
     );
-    ctx.target.as_ref().is_some_and(|t| front || !t.config().double_buffered)
+    ctx.drawable.target.as_ref().is_some_and(|t| front || !t.config().double_buffered)
 }
 
 /// The program wants to see what it drew. `finally`: it waits for it, so the picture is never left out.
 pub fn show(ctx: &mut Context, finally: bool) {
-    let drawing = ctx.compiling() || ctx.immediate.under_way() || ctx.picking;
-    if ctx.frame_begun && !drawing && draws_to_front(ctx) && (ctx.front_buffer.allows(Instant::now()) || finally) {
+    let drawing = ctx.compiling() || ctx.compat.immediate.under_way() || ctx.app.picking;
+    if ctx.frame.begun && !drawing && draws_to_front(ctx) && (ctx.frame.front_buffer.allows(Instant::now()) || finally)
+    {
         present::show_front(ctx);
     }
 }

@@ -9,7 +9,7 @@ use crate::intercept::gl::context::read_pixels::read_back;
 use crate::intercept::gl::frame::{capture, frame_number, front_buffer};
 use crate::intercept::gl::framebuffer::default_framebuffer::{self, follow_size};
 use crate::intercept::gl::offscreen::view_copies;
-use crate::intercept::gl::state::window::Window;
+use crate::intercept::gl::state::drawable::window::Window;
 use crate::intercept::gl::vertex_input::buffers;
 use crate::intercept::last_frame::{self, LastFrame};
 use crate::intercept::scene::report;
@@ -18,12 +18,12 @@ use crate::runtime::report::{Picture, Statistics, ViewStatistics};
 
 /// Whether the current context draws to `window`.
 fn is_current(window: &Window) -> bool {
-    current().and_then(|c| c.window.as_ref()).is_some_and(|current| current.handle() == window.handle())
+    current().and_then(|c| c.drawable.window.as_ref()).is_some_and(|current| current.handle() == window.handle())
 }
 
 /// Whether the current context draws to `window` and corrects what it draws.
 pub fn corrects(window: &Window) -> bool {
-    is_current(window) && current().is_some_and(|c| !c.switched_off && c.target.is_some())
+    is_current(window) && current().is_some_and(|c| !c.switched_off && c.drawable.target.is_some())
 }
 
 /// Runs a swap of `window` (`None`: a drawable that is none), with the corrected picture in its back buffer.
@@ -46,7 +46,7 @@ fn before_swap() {
     let Some(ctx) = current().filter(|c| !c.switched_off) else { return };
     let show = || {
         frame(ctx);
-        if ctx.target.as_ref().is_some_and(|t| !t.config().double_buffered) {
+        if ctx.drawable.target.as_ref().is_some_and(|t| !t.config().double_buffered) {
             // SAFETY: a swap of a window with one buffer is a flush.
             in_window(ctx, |gl| unsafe { gl.flush() });
         }
@@ -66,7 +66,7 @@ fn after_swap() {
 
 /// A program that draws to the front buffer wants to see it: that is a frame, without a swap.
 pub fn show_front(ctx: &mut Context) {
-    let double = ctx.target.as_ref().is_some_and(|t| t.config().double_buffered);
+    let double = ctx.drawable.target.as_ref().is_some_and(|t| t.config().double_buffered);
     if double {
         // SAFETY: state of the window's own framebuffer, which the program never sees.
         in_window(ctx, |gl| unsafe { gl.draw_buffer(api::GL_FRONT_AND_BACK) });
@@ -91,7 +91,7 @@ pub fn leave(ctx: &mut Context) {
     } else {
         correct(ctx);
         // The frame may be swapped by a thread without a context, which can read nothing.
-        if let (Some(settings), Some(window)) = (settings::settings(), &ctx.window)
+        if let (Some(settings), Some(window)) = (settings::settings(), &ctx.drawable.window)
             && settings.frames == Some(frame_number::next(window.handle()))
         {
             keep_report(ctx, settings);
@@ -101,13 +101,13 @@ pub fn leave(ctx: &mut Context) {
 
 /// Runs `run` with the window's own framebuffer bound for drawing.
 fn in_window(ctx: &Context, run: impl FnOnce(&Gl)) {
-    let Some(target) = &ctx.target else { return };
+    let Some(target) = &ctx.drawable.target else { return };
     let bound = if ctx.app.draw_framebuffer == 0 { target.framebuffer() } else { ctx.app.draw_framebuffer };
     // SAFETY: the binding is put back.
-    unsafe { ctx.gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, 0) };
-    run(ctx.gl);
+    unsafe { ctx.driver.gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, 0) };
+    run(ctx.driver.gl);
     // SAFETY: as above.
-    unsafe { ctx.gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, bound) };
+    unsafe { ctx.driver.gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, bound) };
 }
 
 /// Corrects the views into the window. Allocates nothing.
@@ -116,25 +116,27 @@ fn correct(ctx: &mut Context) {
 }
 
 fn correct_now(ctx: &mut Context) {
-    let Some(target) = ctx.target.take() else { return };
+    let Some(target) = ctx.drawable.target.take() else { return };
     target.resolve(ctx, None);
     let cleared = target.views_cleared();
     let (texture, outputs) = (target.texture(), target.outputs());
-    let pending = target.backend().present_changed(ctx.gl, texture, outputs, cleared.as_ref(), &ctx.known_state);
-    if ctx.pending_error == api::GL_NO_ERROR {
-        ctx.pending_error = pending;
+    let pending =
+        target.backend().present_changed(ctx.driver.gl, texture, outputs, cleared.as_ref(), &ctx.driver.known_state);
+    if ctx.driver.pending_error == api::GL_NO_ERROR {
+        ctx.driver.pending_error = pending;
     }
-    ctx.target = Some(target);
+    ctx.drawable.target = Some(target);
 }
 
 fn frame(ctx: &mut Context) {
-    ctx.counts.frames += 1;
+    ctx.frame.counts.frames += 1;
     let Some(settings) = settings::settings() else { return correct(ctx) };
-    let number = ctx.window.as_ref().map_or(ctx.counts.frames, |window| frame_number::count(window.handle()));
+    let number =
+        ctx.drawable.window.as_ref().map_or(ctx.frame.counts.frames, |window| frame_number::count(window.handle()));
     let last = settings.frames == Some(number);
     let kept = last || settings.frames.is_none();
     if is_occluded(ctx) && !(kept && settings.capture.is_some()) {
-        ctx.counts.hidden_frames += 1;
+        ctx.frame.counts.hidden_frames += 1;
     } else {
         correct(ctx);
     }
@@ -149,17 +151,17 @@ fn frame(ctx: &mut Context) {
 /// Whether nothing of the window can be seen: neither after the last swap nor now. So windows that are seen cost one
 /// question in a frame, and those that come back are corrected at once.
 fn is_occluded(ctx: &Context) -> bool {
-    ctx.occluded && ctx.window.as_ref().is_some_and(|window| window.look().occluded)
+    ctx.drawable.occluded && ctx.drawable.window.as_ref().is_some_and(|window| window.look().occluded)
 }
 
 fn next_frame(ctx: &mut Context) {
-    ctx.cameras.end_frame();
-    ctx.background.end_frame();
-    ctx.viewport_area = [0, ctx.viewport_area[0]];
-    ctx.frame_begun = false;
+    ctx.frame.cameras.end_frame();
+    ctx.frame.background.end_frame();
+    ctx.frame.viewport_area = [0, ctx.frame.viewport_area[0]];
+    ctx.frame.begun = false;
     view_copies::end_frame(ctx);
     buffers::of(ctx).end_frame();
-    ctx.draw_count.end_frame(ctx.counts.draws_seen);
+    ctx.frame.draw_count.end_frame(ctx.frame.counts.draws_seen);
     follow_size(ctx);
     default_framebuffer::follow_rig(ctx);
 }
@@ -178,28 +180,30 @@ fn keep_report(ctx: &mut Context, settings: &settings::Settings) {
 
 fn statistics(ctx: &Context, settings: &settings::Settings) -> Statistics {
     let (duplicated_framebuffers, single_framebuffers) = crate::intercept::gl::offscreen::report::status(ctx);
-    let driver = format!("{}, {}", ctx.gl.text(api::GL_VERSION), ctx.gl.text(api::GL_RENDERER));
+    let driver = format!("{}, {}", ctx.driver.gl.text(api::GL_VERSION), ctx.driver.gl.text(api::GL_RENDERER));
     let mut statistics = Statistics {
-        hidden_frames: ctx.counts.hidden_frames,
-        draws_seen: ctx.counts.draws_seen,
-        panel_draws: ctx.counts.panel_draws,
-        primary_draws: ctx.counts.primary_draws,
-        bounded_draws: ctx.counts.bounded_draws,
-        ranges_read: ctx.ranges.reads,
-        closings: ctx.counts.closings,
+        hidden_frames: ctx.frame.counts.hidden_frames,
+        draws_seen: ctx.frame.counts.draws_seen,
+        panel_draws: ctx.frame.counts.panel_draws,
+        primary_draws: ctx.frame.counts.primary_draws,
+        bounded_draws: ctx.frame.counts.bounded_draws,
+        ranges_read: ctx.vertex_input.ranges.reads,
+        closings: ctx.frame.counts.closings,
         duplicated_draws: crate::intercept::gl::offscreen::report::draws(ctx),
         duplicated_framebuffers,
         single_framebuffers,
-        projection_found: ctx.counts.found.iter().map(|(how, n)| (how.to_owned(), n)).collect(),
-        batches_left_out: ctx.target.as_ref().map_or(0, |t| t.backend().left_out()),
-        coarse_primitives: (!ctx.uncounted)
-            .then(|| ctx.fixed_function.coarse + ctx.coarse.as_ref().map_or(0, |counter| counter.read(ctx.gl).into())),
-        outputs_narrowed: ctx.target.as_ref().map_or(0, |t| t.backend().narrowed()),
-        shaders_linked: ctx.counts.linked,
-        own_errors: ctx.counts.errors,
-        ..report::begin(ctx.counts.frames, &settings.rig.name, driver)
+        projection_found: ctx.frame.counts.found.iter().map(|(how, n)| (how.to_owned(), n)).collect(),
+        batches_left_out: ctx.drawable.target.as_ref().map_or(0, |t| t.backend().left_out()),
+        coarse_primitives: (!ctx.projected.uncounted).then(|| {
+            ctx.projected.fixed_function.coarse
+                + ctx.projected.coarse.as_ref().map_or(0, |counter| counter.read(ctx.driver.gl).into())
+        }),
+        outputs_narrowed: ctx.drawable.target.as_ref().map_or(0, |t| t.backend().narrowed()),
+        shaders_linked: ctx.frame.counts.linked,
+        own_errors: ctx.frame.counts.errors,
+        ..report::begin(ctx.frame.counts.frames, &settings.rig.name, driver)
     };
-    if let Some(target) = &ctx.target {
+    if let Some(target) = &ctx.drawable.target {
         statistics.own_errors += target.backend().errors();
         report::add_plan(&mut statistics, &target.session);
         statistics.views = target
@@ -226,9 +230,9 @@ fn statistics(ctx: &Context, settings: &settings::Settings) -> Statistics {
 
 /// The outputs of the frame that was just corrected.
 fn output_pictures(ctx: &mut Context, settings: &settings::Settings) -> Vec<Picture> {
-    let gl = ctx.gl;
-    let Some(target) = &ctx.target else {
-        let Some(window) = &ctx.window else { return Vec::new() };
+    let gl = ctx.driver.gl;
+    let Some(target) = &ctx.drawable.target else {
+        let Some(window) = &ctx.drawable.window else { return Vec::new() };
         let (width, height) = window.size();
         return vec![read_back(gl, 0, "window", [0, 0, width as i32, height as i32])];
     };
@@ -241,15 +245,15 @@ fn output_pictures(ctx: &mut Context, settings: &settings::Settings) -> Vec<Pict
 
 /// Every view, the panel and the program's own picture.
 fn view_pictures(ctx: &Context) -> Vec<Picture> {
-    let Some(target) = &ctx.target else { return Vec::new() };
+    let Some(target) = &ctx.drawable.target else { return Vec::new() };
     let session = &target.session;
     let mut pictures = Vec::new();
     for (i, view) in session.views().iter().enumerate() {
-        pictures.push(read_back(ctx.gl, target.readable_framebuffer(), &view.name, session.tile(i).0));
+        pictures.push(read_back(ctx.driver.gl, target.readable_framebuffer(), &view.name, session.tile(i).0));
     }
     for (name, tile) in [("panel", session.panel()), ("primary", session.primary())] {
         if let Some(tile) = tile {
-            pictures.push(read_back(ctx.gl, target.readable_framebuffer(), name, tile));
+            pictures.push(read_back(ctx.driver.gl, target.readable_framebuffer(), name, tile));
         }
     }
     pictures

@@ -13,7 +13,7 @@ use crate::intercept::log;
 /// Where in the atlas an operation on the program's window counts: all of it, or the parts of its own pictures that lie
 /// within its scissor. A scissor around most of the window is taken for the whole, as for clears.
 fn parts(ctx: &Context) -> Vec<[i32; 4]> {
-    let Some(target) = &ctx.target else { return Vec::new() };
+    let Some(target) = &ctx.drawable.target else { return Vec::new() };
     let (width, height) = target.size();
     let window = [0, 0, width as i32, height as i32];
     let part = ctx.app.scissor_test.then(|| intersect(ctx.app.scissor, window));
@@ -30,21 +30,21 @@ fn parts(ctx: &Context) -> Vec<[i32; 4]> {
 fn with(ctx: &mut Context, work: impl FnOnce(&mut Context, &Accumulation)) {
     let ctx: &mut Context = &mut OwnCalls::begin(ctx);
     take_error(ctx);
-    let gl = ctx.gl;
-    let atlas = ctx.target.as_ref().map(|t| t.session.plan().views.atlas);
+    let gl = ctx.driver.gl;
+    let atlas = ctx.drawable.target.as_ref().map(|t| t.session.plan().views.atlas);
     let size = atlas.map_or((0, 0), |(width, height)| (width as i32, height as i32));
     // The tiles moved: what was accumulated is lost, for a frame.
-    if let Some(old) = ctx.accumulation.take_if(|old| old.size() != size) {
+    if let Some(old) = ctx.drawable.accumulation.take_if(|old| old.size() != size) {
         old.destroy(gl);
     }
-    let buffer = match ctx.accumulation.take() {
+    let buffer = match ctx.drawable.accumulation.take() {
         Some(buffer) => Ok(buffer),
         None => Accumulation::new(gl, size),
     };
     match buffer {
         Ok(buffer) => {
             work(ctx, &buffer);
-            ctx.accumulation = Some(buffer);
+            ctx.drawable.accumulation = Some(buffer);
         }
         Err(error) => log::once(&format!("what the program accumulates is left out: {error}")),
     }
@@ -53,7 +53,7 @@ fn with(ctx: &mut Context, work: impl FnOnce(&mut Context, &Accumulation)) {
 
 /// Whether the window has such a buffer, which is then ours.
 fn is_ours(ctx: &Context) -> bool {
-    ctx.redirected() && ctx.target.as_ref().is_some_and(|t| t.config().accumulation_bits > 0)
+    ctx.redirected() && ctx.drawable.target.as_ref().is_some_and(|t| t.config().accumulation_bits > 0)
 }
 
 fn accumulate(ctx: &mut Context, name: u32, value: f32) {
@@ -65,42 +65,42 @@ fn accumulate(ctx: &mut Context, name: u32, value: f32) {
         api::GL_RETURN => Operation::Return,
         _ => {
             // SAFETY: an error of the program's, for the driver to say.
-            unsafe { ctx.gl.accum(name, value) };
+            unsafe { ctx.driver.gl.accum(name, value) };
             return;
         }
     };
     if !is_ours(ctx) || !ctx.reads_redirected() {
         // SAFETY: the program's own call.
-        unsafe { ctx.gl.accum(name, value) };
+        unsafe { ctx.driver.gl.accum(name, value) };
         return;
     }
-    if ctx.picking || ctx.discard {
+    if ctx.app.picking || ctx.app.discard {
         return;
     }
-    ctx.frame_begun = true;
+    ctx.frame.begun = true;
     let parts = parts(ctx);
     with(ctx, |ctx, buffer| {
-        if let Some(target) = ctx.target.as_mut().filter(|_| operation == Operation::Return) {
+        if let Some(target) = ctx.drawable.target.as_mut().filter(|_| operation == Operation::Return) {
             target.content.forget();
         }
-        let Some(target) = &ctx.target else { return };
+        let Some(target) = &ctx.drawable.target else { return };
         if operation != Operation::Return {
             target.resolve(ctx, None);
         }
-        buffer.operate(ctx.gl, operation, value, target.texture(), target.framebuffer(), &parts);
+        buffer.operate(ctx.driver.gl, operation, value, target.texture(), target.framebuffer(), &parts);
     });
 }
 
 /// `glClear` of the accumulation buffer.
 pub fn clear(ctx: &mut Context) {
-    if !is_ours(ctx) || ctx.picking || ctx.discard {
+    if !is_ours(ctx) || ctx.app.picking || ctx.app.discard {
         return;
     }
     let mut colour = [0.0f32; 4];
     // SAFETY: writes four floats.
-    unsafe { ctx.gl.get_floatv(api::GL_ACCUM_CLEAR_VALUE, colour.as_mut_ptr()) };
+    unsafe { ctx.driver.gl.get_floatv(api::GL_ACCUM_CLEAR_VALUE, colour.as_mut_ptr()) };
     let parts = parts(ctx);
-    with(ctx, |ctx, buffer| buffer.clear(ctx.gl, colour, &parts));
+    with(ctx, |ctx, buffer| buffer.clear(ctx.driver.gl, colour, &parts));
 }
 
 hooks! {

@@ -14,16 +14,16 @@ use crate::intercept::gl::per_view::window_space::{intersect, own_window_space};
 /// Binds what the program's framebuffer `name` stands for.
 pub fn bind(ctx: &mut Context, target: u32, name: u32) {
     let was_redirected = ctx.redirected();
-    let ours = ctx.target.as_ref().map_or(0, |t| t.framebuffer());
+    let ours = ctx.drawable.target.as_ref().map_or(0, |t| t.framebuffer());
     let real = if name == 0 { ours } else { name };
     let draws = matches!(target, api::GL_FRAMEBUFFER | api::GL_DRAW_FRAMEBUFFER);
     let was_redirected = was_redirected || (draws && view_copies::rebound(ctx));
     let reads = matches!(target, api::GL_FRAMEBUFFER | api::GL_READ_FRAMEBUFFER);
     // SAFETY: the program's own call, with our framebuffer in place of its window's.
     unsafe {
-        ctx.gl.bind_framebuffer(target, real);
-        if reads && name == 0 && ctx.reads_elsewhere {
-            ctx.gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, 0);
+        ctx.driver.gl.bind_framebuffer(target, real);
+        if reads && name == 0 && ctx.drawable.reads_elsewhere {
+            ctx.driver.gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, 0);
         }
     }
     if draws {
@@ -43,27 +43,27 @@ fn refuses_attachments(ctx: &mut Context, target: u32) -> bool {
     let window = if reads { ctx.reads_redirected() } else { ctx.redirected() };
     let changed = if reads { ctx.app.read_framebuffer } else { ctx.app.draw_framebuffer };
     view_copies::forget(ctx, changed);
-    if window && ctx.pending_error == api::GL_NO_ERROR {
-        ctx.pending_error = api::GL_INVALID_OPERATION;
+    if window && ctx.driver.pending_error == api::GL_NO_ERROR {
+        ctx.driver.pending_error = api::GL_INVALID_OPERATION;
     }
     window
 }
 
 /// A clear of the program: of everything that is its picture. `true`: of every view.
 pub fn clear_with(ctx: &mut Context, cleared: Cleared, issue: impl Fn(&Gl)) -> bool {
-    let gl = ctx.gl;
-    if let Some(target) = ctx.target.as_mut().filter(|_| cleared.color) {
+    let gl = ctx.driver.gl;
+    if let Some(target) = ctx.drawable.target.as_mut().filter(|_| cleared.color) {
         target.content.forget();
     }
-    if !ctx.redirected() || ctx.picking {
+    if !ctx.redirected() || ctx.app.picking {
         if !view_copies::clear_with(ctx, &issue) {
             issue(gl);
         }
         return false;
     }
-    ctx.frame_begun = true;
+    ctx.frame.begun = true;
     displayed::window_changed(ctx);
-    let Some(target) = &ctx.target else { return false };
+    let Some(target) = &ctx.drawable.target else { return false };
     let (width, height) = target.size();
     let window = [0, 0, width as i32, height as i32];
     let part = ctx.app.scissor_test.then(|| intersect(ctx.app.scissor, window));
@@ -91,7 +91,7 @@ pub fn clear_with(ctx: &mut Context, cleared: Cleared, issue: impl Fn(&Gl)) -> b
     if !whole {
         default_framebuffer::want_panel(ctx);
     }
-    let Some(target) = &ctx.target else { return false };
+    let Some(target) = &ctx.drawable.target else { return false };
     for (tile, panel) in target.flat_tiles().into_iter().flatten() {
         if !(panel && whole) {
             own_window_space(ctx, tile);
@@ -125,9 +125,9 @@ unsafe fn clear_by<T: Copy + Default + Send + Sync + 'static>(
 
 /// A clear of all views but those with the program's own lens.
 fn clear_views(ctx: &mut Context, gl: &Gl, issue: impl Fn(&Gl)) {
-    let views = ctx.target.as_ref().map_or(0, |t| t.session.views().len());
+    let views = ctx.drawable.target.as_ref().map_or(0, |t| t.session.views().len());
     for view in 0..views {
-        let Some((tile, own_lens)) = ctx.target.as_ref().map(|t| t.session.tile(view)) else { return };
+        let Some((tile, own_lens)) = ctx.drawable.target.as_ref().map(|t| t.session.tile(view)) else { return };
         if !own_lens {
             ctx.set_scissor(Some(tile));
             issue(gl);
@@ -175,7 +175,7 @@ fn attachment(buffer: u32) -> u32 {
 
 /// `glDrawBuffer`.
 pub fn select_draw_buffer(ctx: &mut Context, buffer: u32) {
-    let gl = ctx.gl;
+    let gl = ctx.driver.gl;
     // SAFETY: the program's own call, translated.
     unsafe {
         if ctx.redirected() {
@@ -192,7 +192,7 @@ pub fn select_draw_buffer(ctx: &mut Context, buffer: u32) {
 
 /// `glReadBuffer`.
 pub fn select_read_buffer(ctx: &mut Context, buffer: u32) {
-    let gl = ctx.gl;
+    let gl = ctx.driver.gl;
     // SAFETY: the program's own call, translated.
     unsafe {
         if ctx.reads_redirected() {
@@ -211,7 +211,7 @@ pub fn select_read_buffer(ctx: &mut Context, buffer: u32) {
 /// # Safety
 /// `buffers` must be null or point at `count` names, as the program promises OpenGL.
 pub unsafe fn select_draw_buffers(ctx: &mut Context, count: i32, buffers: *const u32) {
-    let gl = ctx.gl;
+    let gl = ctx.driver.gl;
     if !ctx.redirected() || buffers.is_null() || !(1..=16).contains(&count) {
         view_copies::forget(ctx, ctx.app.draw_framebuffer);
         // SAFETY: the program's own call.
@@ -234,12 +234,12 @@ pub unsafe fn select_draw_buffers(ctx: &mut Context, count: i32, buffers: *const
 /// A copy of a rectangle into the window: onto the flat panel and the program's own picture.
 #[allow(clippy::too_many_arguments)] // glBlitFramebuffer's own.
 pub fn blit(ctx: &mut Context, mut source: [i32; 4], destination: [i32; 4], mask: u32, filter: u32) {
-    let gl = ctx.gl;
+    let gl = ctx.driver.gl;
     if blits::blit(ctx, source, destination, mask, filter) {
         if ctx.redirected() {
-            ctx.frame_begun = true;
-            ctx.background.note_scene();
-            if let Some(target) = &mut ctx.target {
+            ctx.frame.begun = true;
+            ctx.frame.background.note_scene();
+            if let Some(target) = &mut ctx.drawable.target {
                 target.content.forget();
             }
             clear_panel(ctx);
@@ -262,9 +262,9 @@ pub fn blit(ctx: &mut Context, mut source: [i32; 4], destination: [i32; 4], mask
         read_back::finish(ctx);
         return;
     }
-    ctx.frame_begun = true;
+    ctx.frame.begun = true;
     default_framebuffer::want_panel(ctx);
-    let Some(target) = &ctx.target else { return };
+    let Some(target) = &ctx.drawable.target else { return };
     for (tile, _) in target.flat_tiles().into_iter().flatten() {
         own_window_space(ctx, tile);
         let [x0, y0, x1, y1] = destination;
@@ -307,7 +307,7 @@ hooks! {
         }
     };
     "glIsFramebuffer" is_framebuffer(name: u32) -> u8 = |ctx, gl| {
-        if ctx.target.as_ref().is_some_and(|t| t.is_ours(name)) { 0 } else { gl.is_framebuffer(name) }
+        if ctx.drawable.target.as_ref().is_some_and(|t| t.is_ours(name)) { 0 } else { gl.is_framebuffer(name) }
     };
     "glClear" clear(mask: u32) = |ctx, _gl| {
         if ctx.compiling() { list_recording::record(ctx, Command::Clear(mask)) } else { clear_window(ctx, mask) }
@@ -372,7 +372,7 @@ pub unsafe fn attachment_parameter(ctx: &mut Context, target: u32, attachment: u
                 _ => api::GL_COLOR_ATTACHMENT0,
             };
             view_copies::leave(ctx);
-            ctx.gl.get_framebuffer_attachment_parameteriv(target, attachment, name, values);
+            ctx.driver.gl.get_framebuffer_attachment_parameteriv(target, attachment, name, values);
         }
     }
 }

@@ -11,11 +11,11 @@ use crate::intercept::gl::context::own_calls::OwnCalls;
 use crate::intercept::gl::framebuffer::{default_framebuffer, first_read, unsampled_areas};
 use crate::intercept::gl::offscreen::view_copies;
 use crate::intercept::gl::per_view::panel::clear_transparent;
-use crate::intercept::gl::state::cleared_views::Content;
-use crate::intercept::gl::state::default_framebuffer::DefaultFramebuffer;
-use crate::intercept::gl::state::window::{Look, Window};
-use crate::intercept::gl::state::window_config::Config;
-use crate::intercept::gl::state::window_space::DriverState;
+use crate::intercept::gl::state::drawable::cleared_views::Content;
+use crate::intercept::gl::state::drawable::default_framebuffer::DefaultFramebuffer;
+use crate::intercept::gl::state::drawable::window::{Look, Window};
+use crate::intercept::gl::state::drawable::window_config::Config;
+use crate::intercept::gl::state::driver::window_space::DriverState;
 use crate::intercept::{live, log, settings};
 use crate::runtime::cache;
 use crate::runtime::session::{Extras, Session};
@@ -24,7 +24,7 @@ use std::sync::Arc;
 /// Puts our framebuffer in place of the window's. Where that fails the program keeps its own.
 pub fn attach(ctx: &mut Context, extras: Extras) {
     let Some(settings) = settings::settings() else { return };
-    let Some(window) = ctx.window.clone() else { return };
+    let Some(window) = ctx.drawable.window.clone() else { return };
     if settings.rig.passthrough {
         return;
     }
@@ -42,10 +42,10 @@ fn attach_now(ctx: &mut Context, window: &Window, settings: &settings::Settings,
 
 /// Puts a new one, which is cleared, in place of the window's framebuffer.
 fn put(ctx: &mut Context, target: DefaultFramebuffer) {
-    ctx.counts.linked += target.backend.linked();
-    ctx.target = Some(Box::new(target));
+    ctx.frame.counts.linked += target.backend.linked();
+    ctx.drawable.target = Some(Box::new(target));
     adopt(ctx);
-    let gl = ctx.gl;
+    let gl = ctx.driver.gl;
     // SAFETY: state of ours and of our framebuffer.
     unsafe {
         ctx.set_scissor(None);
@@ -56,24 +56,24 @@ fn put(ctx: &mut Context, target: DefaultFramebuffer) {
 /// Goes on with the rig as its file is now; only between frames. Where that cannot be planned or made, everything stays.
 pub fn follow_rig(ctx: &mut Context) {
     let version = live::version();
-    if ctx.target.as_ref().is_none_or(|target| target.version == version) {
+    if ctx.drawable.target.as_ref().is_none_or(|target| target.version == version) {
         return;
     }
     let ctx: &mut Context = &mut OwnCalls::without_messages(ctx);
-    let (Some(settings), Some(window)) = (settings::settings(), ctx.window.clone()) else { return };
-    let Some(mut old) = ctx.target.take() else { return };
+    let (Some(settings), Some(window)) = (settings::settings(), ctx.drawable.window.clone()) else { return };
+    let Some(mut old) = ctx.drawable.target.take() else { return };
     take_error(ctx);
-    let extras = ctx.draw_count.extras(old.extras());
+    let extras = ctx.frame.draw_count.extras(old.extras());
     match DefaultFramebuffer::new(ctx, &window, settings, extras) {
         Ok(new) => {
             view_copies::clear(ctx);
-            old.destroy(ctx.gl);
+            old.destroy(ctx.driver.gl);
             put(ctx, new);
         }
         Err(error) => {
             log::once(&format!("the rig stays as it was: {error}"));
             old.version = version;
-            ctx.target = Some(old);
+            ctx.drawable.target = Some(old);
         }
     }
     take_own_errors(ctx);
@@ -82,11 +82,11 @@ pub fn follow_rig(ctx: &mut Context) {
 /// Puts what stood for a window earlier in its place again, if the window is still of that kind.
 pub fn resume(ctx: &mut Context, window: &Window, target: Box<DefaultFramebuffer>) {
     take_error(ctx);
-    if target.config == Config::of_window(ctx.gl, &ctx.profile, window) {
-        ctx.target = Some(target);
+    if target.config == Config::of_window(ctx.driver.gl, &ctx.driver.profile, window) {
+        ctx.drawable.target = Some(target);
         adopt(ctx);
     } else {
-        target.destroy(ctx.gl);
+        target.destroy(ctx.driver.gl);
     }
     take_own_errors(ctx);
 }
@@ -94,15 +94,15 @@ pub fn resume(ctx: &mut Context, window: &Window, target: Box<DefaultFramebuffer
 /// Goes on with a picture that another context of the group began.
 pub fn take_over(ctx: &mut Context, mut target: Box<DefaultFramebuffer>) {
     take_error(ctx);
-    match target.rehome(ctx.gl) {
+    match target.rehome(ctx.driver.gl) {
         Ok(()) => {
-            ctx.target = Some(target);
+            ctx.drawable.target = Some(target);
             adopt(ctx);
-            ctx.frame_begun = true;
+            ctx.frame.begun = true;
         }
         Err(error) => {
             log::once(&format!("what another context drew to this window is lost: {error}"));
-            target.destroy(ctx.gl);
+            target.destroy(ctx.driver.gl);
             attach(ctx, Extras::default());
         }
     }
@@ -112,22 +112,22 @@ pub fn take_over(ctx: &mut Context, mut target: Box<DefaultFramebuffer>) {
 /// Makes the rest of the context fit a new target.
 fn adopt(ctx: &mut Context) {
     view_copies::leave(ctx);
-    ctx.driver_state = DriverState::default();
-    ctx.projection.clear();
+    ctx.driver.window_space = DriverState::default();
+    ctx.compat.projection.clear();
     ctx.queries.forget_views();
-    ctx.cameras.clear();
-    ctx.background.clear();
-    let Some(target) = &ctx.target else { return };
+    ctx.frame.cameras.clear();
+    ctx.frame.background.clear();
+    let Some(target) = &ctx.drawable.target else { return };
     let framebuffer = target.framebuffer();
     // SAFETY: binds our framebuffer where the program's window is bound.
     unsafe {
         if ctx.app.read_framebuffer == 0 {
-            ctx.gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, ctx.window_for_reading());
+            ctx.driver.gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, ctx.drawable.window_for_reading());
         }
         if ctx.app.draw_framebuffer == 0 {
-            ctx.gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, framebuffer);
+            ctx.driver.gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, framebuffer);
             if ctx.app.draw_buffer == api::GL_NONE {
-                ctx.gl.draw_buffers(1, &api::GL_NONE);
+                ctx.driver.gl.draw_buffers(1, &api::GL_NONE);
             }
         }
     }
@@ -136,6 +136,7 @@ fn adopt(ctx: &mut Context) {
 /// Reserves the flat panel, from its first use on.
 pub fn want_panel(ctx: &mut Context) {
     let needed = ctx
+        .drawable
         .target
         .as_ref()
         .is_some_and(|t| t.session.panel().is_none() && t.session.views().iter().any(|v| !v.program_lens));
@@ -146,19 +147,19 @@ pub fn want_panel(ctx: &mut Context) {
 
 /// Plans anew for a program of so many draws in a frame. What is drawn already is lost.
 pub fn plan_for(ctx: &mut Context, draws: u32) {
-    let Some(old) = ctx.target.take() else { return };
+    let Some(old) = ctx.drawable.target.take() else { return };
     let extras = Extras { draws: Some(draws), ..old.extras() };
     let same = |new: &Session| new.views() == old.session.views();
     match old.session.with(extras) {
         Ok(new) if !same(&new) => {
             view_copies::clear(ctx);
-            old.destroy(ctx.gl);
+            old.destroy(ctx.driver.gl);
             attach(ctx, extras);
         }
-        Ok(_) => ctx.target = Some(old),
+        Ok(_) => ctx.drawable.target = Some(old),
         Err(error) => {
             log::once(&format!("the views stay as they are: {error}"));
-            ctx.target = Some(old);
+            ctx.drawable.target = Some(old);
         }
     }
 }
@@ -169,18 +170,18 @@ fn enlarge(ctx: &mut Context, add: impl FnOnce(&mut Extras)) {
 }
 
 fn enlarge_now(ctx: &mut Context, add: impl FnOnce(&mut Extras)) {
-    let Some(old) = ctx.target.take() else { return };
+    let Some(old) = ctx.drawable.target.take() else { return };
     take_error(ctx);
     let mut extras = old.extras();
     add(&mut extras);
     match old.enlarged(ctx, extras) {
         Ok(new) => {
-            ctx.counts.linked += new.backend.linked();
-            ctx.target = Some(Box::new(new));
-            let gl = ctx.gl;
+            ctx.frame.counts.linked += new.backend.linked();
+            ctx.drawable.target = Some(Box::new(new));
+            let gl = ctx.driver.gl;
             adopt(ctx);
             ctx.set_scissor(None);
-            if let Some(new) = &ctx.target {
+            if let Some(new) = &ctx.drawable.target {
                 // SAFETY: copies between two framebuffers of ours; the bindings are put back by `adopt`.
                 unsafe {
                     gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, new.surface.framebuffer());
@@ -195,7 +196,7 @@ fn enlarge_now(ctx: &mut Context, add: impl FnOnce(&mut Extras)) {
         }
         Err(error) => {
             log::once(&format!("flat drawing is left out: {error}"));
-            ctx.target = Some(old);
+            ctx.drawable.target = Some(old);
         }
     }
     take_own_errors(ctx);
@@ -240,29 +241,29 @@ pub fn bind_for_reading(ctx: &mut Context) -> [i32; 2] {
     let own_picture = |t: &DefaultFramebuffer| {
         t.primary().or_else(|| t.flat_tiles().into_iter().flatten().find(|(_, panel)| !panel).map(|tile| tile.0))
     };
-    if ctx.target.as_ref().is_some_and(|t| own_picture(t).is_none()) {
+    if ctx.drawable.target.as_ref().is_some_and(|t| own_picture(t).is_none()) {
         enlarge(ctx, |extras| extras.primary = true);
         first_read::fill_primary(&mut OwnCalls::begin(ctx));
     }
-    let Some(tile) = ctx.target.as_ref().and_then(|t| own_picture(t)) else { return [0, 0] };
+    let Some(tile) = ctx.drawable.target.as_ref().and_then(|t| own_picture(t)) else { return [0, 0] };
     {
         let ctx: &mut Context = &mut OwnCalls::begin(ctx);
-        if let Some(target) = &ctx.target {
+        if let Some(target) = &ctx.drawable.target {
             target.resolve(ctx, Some(tile));
         }
         make_opaque(ctx, tile);
     }
-    let Some(target) = &ctx.target else { return [0, 0] };
+    let Some(target) = &ctx.drawable.target else { return [0, 0] };
     // SAFETY: a framebuffer of ours; `end_reading` puts the program's back.
-    unsafe { ctx.gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, target.readable().framebuffer()) };
+    unsafe { ctx.driver.gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, target.readable().framebuffer()) };
     [tile[0], tile[1]]
 }
 
 /// A window without alpha has alpha 1 wherever it is read; ours has what the program drew. Of the program's own picture
 /// the correction takes the colours only.
 fn make_opaque(ctx: &mut Context, tile: [i32; 4]) {
-    let gl = ctx.gl;
-    let Some(target) = ctx.target.as_ref().filter(|t| t.config.alpha_bits == 0) else { return };
+    let gl = ctx.driver.gl;
+    let Some(target) = ctx.drawable.target.as_ref().filter(|t| t.config.alpha_bits == 0) else { return };
     let framebuffer = target.readable().framebuffer();
     ctx.set_scissor(Some(tile));
     let mut bound = 0;
@@ -285,10 +286,10 @@ fn make_opaque(ctx: &mut Context, tile: [i32; 4]) {
 /// The pair of [`bind_for_reading`].
 pub fn end_reading(ctx: &mut Context) {
     if ctx.reads_redirected()
-        && let Some(target) = &ctx.target
+        && let Some(target) = &ctx.drawable.target
     {
         // SAFETY: what the program's window stands for.
-        unsafe { ctx.gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, target.framebuffer()) };
+        unsafe { ctx.driver.gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, target.framebuffer()) };
     }
 }
 
@@ -312,20 +313,20 @@ unsafe fn clear_everything(gl: &Gl) {
 
 impl DefaultFramebuffer {
     fn new(ctx: &Context, window: &Window, settings: &settings::Settings, extras: Extras) -> Result<Self> {
-        let gl = ctx.gl;
+        let gl = ctx.driver.gl;
         let live = live::rig().ok_or_else(|| Error::new(ErrorKind::InvalidState, "there is no rig"))?;
         let plan = methods::planner(ctx, &live.rig);
         let session = plan(&live.rig, window.size(), settings.offscreen, greatest_texture(gl), extras)?;
-        let config = Config::of_window(gl, &ctx.profile, window);
+        let config = Config::of_window(gl, &ctx.driver.profile, window);
         Self::with_session(ctx, session, config, live.version)
     }
 
     fn with_session(ctx: &Context, session: Session, config: Config, version: u64) -> Result<Self> {
-        let gl = ctx.gl;
+        let gl = ctx.driver.gl;
         let size = (session.plan().views.atlas.0 as i32, session.plan().views.atlas.1 as i32);
         let surface = Surface::new(gl, size, config.samples, config.srgb)?;
         let resolved = if config.samples > 0 { Some(Surface::new(gl, size, 0, config.srgb)?) } else { None };
-        let mut backend = GlBackend::new(gl, ctx.profile.es)?.with_cache(gl, cache::of_process());
+        let mut backend = GlBackend::new(gl, ctx.driver.profile.es)?.with_cache(gl, cache::of_process());
         let panel = session.panel().is_some();
         backend.prepare(gl, session.plan(), panel)?;
         let closed = unsampled_areas::prepare(gl, &mut backend, session.plan());
@@ -361,10 +362,11 @@ impl DefaultFramebuffer {
     /// Resolves the samples of `part`, or of everything. The program's bindings are put back.
     pub fn resolve(&self, ctx: &Context, part: Option<[i32; 4]>) {
         let Some(resolved) = &self.resolved else { return };
-        let gl = ctx.gl;
+        let gl = ctx.driver.gl;
         let [x, y, w, h] = part.unwrap_or([0, 0, self.surface.size().0, self.surface.size().1]);
         let real = |name: u32| if name == 0 { self.framebuffer() } else { name };
-        let reads = if ctx.reads_elsewhere { ctx.app.read_framebuffer } else { real(ctx.app.read_framebuffer) };
+        let reads =
+            if ctx.drawable.reads_elsewhere { ctx.app.read_framebuffer } else { real(ctx.app.read_framebuffer) };
         // SAFETY: copies between framebuffers of ours; scissor and bindings are put back.
         unsafe {
             let scissor = gl.is_enabled(api::GL_SCISSOR_TEST) != 0;
@@ -389,17 +391,17 @@ impl DefaultFramebuffer {
 
 /// Looks at the window, and plans anew where it has another size than the plan. Only between frames.
 pub fn follow_size(ctx: &mut Context) {
-    let Some(window) = ctx.window.clone() else { return };
+    let Some(window) = ctx.drawable.window.clone() else { return };
     let Look { size, occluded } = window.look();
-    ctx.occluded = occluded;
-    if ctx.target.as_ref().is_some_and(|t| t.size() != size) {
+    ctx.drawable.occluded = occluded;
+    if ctx.drawable.target.as_ref().is_some_and(|t| t.size() != size) {
         let mut extras = Extras::default();
-        if let Some(old) = ctx.target.take() {
+        if let Some(old) = ctx.drawable.target.take() {
             extras = old.extras();
             view_copies::clear(ctx);
-            old.destroy(ctx.gl);
+            old.destroy(ctx.driver.gl);
         }
-        ctx.viewport_area = [0; 2];
+        ctx.frame.viewport_area = [0; 2];
         default_framebuffer::attach(ctx, extras);
     }
 }

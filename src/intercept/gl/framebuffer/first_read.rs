@@ -15,7 +15,7 @@ use glam::DMat3;
 /// Fills the tile of the program's own picture from the views, for a read that comes before
 /// anything was drawn to it.
 pub fn fill_primary(ctx: &mut Context) {
-    let Some(target) = ctx.target.take() else { return };
+    let Some(target) = ctx.drawable.target.take() else { return };
     take_error(ctx);
     let camera = &target.session.rig().camera;
     let directions = own_directions(ctx, camera);
@@ -31,14 +31,14 @@ pub fn fill_primary(ctx: &mut Context) {
         }
         first_read_depth::fill(ctx, &target, directions);
     }
-    ctx.target = Some(target);
+    ctx.drawable.target = Some(target);
     take_own_errors(ctx);
 }
 
 /// A pixel of the program's own picture (−1…1 to the right and up, 1) → its direction in the viewer's axes, as far as
 /// −1 along the program's. None before the program's lens is known.
 pub(in crate::intercept::gl) fn own_directions(ctx: &Context, camera: &Camera) -> Option<DMat3> {
-    let lens = ctx.lens?;
+    let lens = ctx.frame.lens?;
     let zoom = camera.zoom;
     let tangents = DMat3::from_cols_array(&[
         zoom / lens.a,
@@ -84,7 +84,7 @@ pub(in crate::intercept::gl) fn own_picture(ctx: &Context, session: &Session, di
         dome_rotation: DMat3::IDENTITY,
     };
     let mut views = plan.views.clone();
-    if let (Some(panel), Some(lens)) = (&mut views.panel, ctx.lens) {
+    if let (Some(panel), Some(lens)) = (&mut views.panel, ctx.frame.lens) {
         // In the program's own picture the panel fills the whole window.
         let camera = &session.rig().camera;
         let own = lens.frustum();
@@ -107,8 +107,8 @@ pub(in crate::intercept::gl) fn copy(
     framebuffer: u32,
     tile: [i32; 4],
 ) -> Result<()> {
-    let gl = ctx.gl;
-    let mut backend = GlBackend::new(gl, ctx.profile.es)?.with_cache(gl, crate::runtime::cache::of_process());
+    let gl = ctx.driver.gl;
+    let mut backend = GlBackend::new(gl, ctx.driver.profile.es)?.with_cache(gl, crate::runtime::cache::of_process());
     backend.prepare(gl, plan, plan.views.panel.is_some())?;
     let [x, y, width, height] = tile;
     let canvas = OwnFramebuffer::new(gl, width, height);

@@ -3,7 +3,7 @@
 
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::framebuffer::first_read_depth::{self, Content, find};
-use crate::intercept::gl::state::default_framebuffer::DefaultFramebuffer;
+use crate::intercept::gl::state::drawable::default_framebuffer::DefaultFramebuffer;
 use glam::{DMat3, DVec3};
 
 /// Fills the primary tile. `directions`: a pixel (−1…1 to the right and up, 1) → its direction in the viewer's axes. The
@@ -11,7 +11,7 @@ use glam::{DMat3, DVec3};
 pub fn fill(ctx: &Context, target: &DefaultFramebuffer, directions: DMat3) {
     let Some([x, y, width, height]) = target.primary() else { return };
     let views = &target.session.plan().views;
-    let atlas = first_read_depth::read(ctx.gl, target.readable_framebuffer(), views.atlas, Content::Color);
+    let atlas = first_read_depth::read(ctx.driver.gl, target.readable_framebuffer(), views.atlas, Content::Color);
     let texel = |(column, line): (u32, u32)| {
         let value = atlas.get(line as usize * views.atlas.0 as usize + column as usize).copied().unwrap_or(0);
         value.to_ne_bytes().map(u16::from)
@@ -33,5 +33,5 @@ pub fn fill(ctx: &Context, target: &DefaultFramebuffer, directions: DMat3) {
     };
     let pixels: Vec<u32> =
         (0..height).flat_map(|line| (0..width).map(move |column| (column, line))).map(|(c, l)| pixel(c, l)).collect();
-    first_read_depth::write(ctx.gl, target, [x, y, width, height], Content::Color, &pixels);
+    first_read_depth::write(ctx.driver.gl, target, [x, y, width, height], Content::Color, &pixels);
 }

@@ -5,7 +5,7 @@ use crate::backend::gl::api::{self, Gl};
 use crate::correct;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::read_pixels;
-use crate::intercept::gl::state::default_framebuffer::DefaultFramebuffer;
+use crate::intercept::gl::state::drawable::default_framebuffer::DefaultFramebuffer;
 use crate::runtime::cache;
 use crate::runtime::session::ClipRows;
 use crate::views::{Tile, View};
@@ -21,8 +21,11 @@ const EMPTY: u32 = DEEPEST << 8;
 /// far as −1 along the program's. The views must be drawn and, where they have several samples, resolved.
 pub fn fill(ctx: &Context, target: &DefaultFramebuffer, directions: DMat3) {
     // OpenGL ES lets nobody read depth, the program neither.
-    let (Some(lens), Some([x, y, width, height]), false) = (ctx.lens, target.primary(), ctx.profile.es) else { return };
-    let gl = ctx.gl;
+    let (Some(lens), Some([x, y, width, height]), false) = (ctx.frame.lens, target.primary(), ctx.driver.profile.es)
+    else {
+        return;
+    };
+    let gl = ctx.driver.gl;
     let plan = target.session.plan();
     let Some(depths) = Depths::of(gl) else { return };
     let mut atlas = read(gl, target.readable_framebuffer(), plan.views.atlas, Content::DepthStencil);

@@ -33,7 +33,7 @@ pub fn read<R>(ctx: &mut Context, x: i32, y: i32, issue: impl FnOnce(i32, i32) -
 /// Runs a copy into a texture, which may be a part of a display list.
 fn copy(ctx: &mut Context, [x, y]: [i32; 2], issue: impl Fn(&Gl, i32, i32) + Send + Sync + 'static) {
     list_recording::now_or_later(ctx, move |ctx| {
-        let gl = ctx.gl;
+        let gl = ctx.driver.gl;
         read(ctx, x, y, |x, y| issue(gl, x, y));
     });
 }

@@ -13,13 +13,13 @@ use crate::intercept::gl::framebuffer::unsampled_areas::Cleared;
 
 /// The program clears its window. If nothing of what is there can be seen afterwards, this is the moment for other views.
 pub fn look(ctx: &mut Context, cleared: Cleared, stencil: bool) {
-    let begins = !ctx.frame_begun && ctx.redirected() && !ctx.picking && !ctx.app.scissor_test;
-    let whole = cleared.color && cleared.depth.is_some() && (stencil || !ctx.draw_count.stencil);
-    let kept = ctx.condition.is_some() || ctx.discard || ctx.accumulation.is_some();
-    if !begins || !whole || kept || ctx.draw_count.draws.is_some() || !writes_all(ctx) {
+    let begins = !ctx.frame.begun && ctx.redirected() && !ctx.app.picking && !ctx.app.scissor_test;
+    let whole = cleared.color && cleared.depth.is_some() && (stencil || !ctx.frame.draw_count.stencil);
+    let kept = ctx.queries.condition.is_some() || ctx.app.discard || ctx.drawable.accumulation.is_some();
+    if !begins || !whole || kept || ctx.frame.draw_count.draws.is_some() || !writes_all(ctx) {
         return;
     }
-    if let Some(draws) = ctx.draw_count.take() {
+    if let Some(draws) = ctx.frame.draw_count.take() {
         default_framebuffer::plan_for(&mut OwnCalls::begin(ctx), draws);
     }
 }
@@ -29,8 +29,8 @@ fn writes_all(ctx: &Context) -> bool {
     let (mut color, mut depth) = ([0u8; 4], 0u8);
     // SAFETY: writes four values, and one.
     unsafe {
-        ctx.gl.get_booleanv(api::GL_COLOR_WRITEMASK, color.as_mut_ptr());
-        ctx.gl.get_booleanv(api::GL_DEPTH_WRITEMASK, &mut depth);
+        ctx.driver.gl.get_booleanv(api::GL_COLOR_WRITEMASK, color.as_mut_ptr());
+        ctx.driver.gl.get_booleanv(api::GL_DEPTH_WRITEMASK, &mut depth);
     }
     color[..3].iter().all(|on| *on != 0) && depth != 0 && ctx.app.draw_buffer != api::GL_NONE
 }

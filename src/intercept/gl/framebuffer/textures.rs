@@ -10,7 +10,7 @@ use std::ffi::c_void;
 
 /// The texture that is bound at `target` where images of it are followed; 0 = none.
 fn bound(ctx: &Context, target: u32) -> u32 {
-    if ctx.view_copies.any() && !ctx.compiling() { sampling::bound(ctx.gl, target) } else { 0 }
+    if ctx.view_copies.any() && !ctx.compiling() { sampling::bound(ctx.driver.gl, target) } else { 0 }
 }
 
 /// A level of a texture is given a size, and texels where `filled`.
@@ -37,7 +37,7 @@ fn stored_bound_renderbuffer(ctx: &mut Context) {
     if ctx.view_copies.any() {
         let mut renderbuffer = 0;
         // SAFETY: writes one integer.
-        unsafe { ctx.gl.get_integerv(api::GL_RENDERBUFFER_BINDING, &mut renderbuffer) };
+        unsafe { ctx.driver.gl.get_integerv(api::GL_RENDERBUFFER_BINDING, &mut renderbuffer) };
         view_copies::forget_renderbuffer(ctx, renderbuffer as u32);
     }
 }
@@ -121,7 +121,7 @@ hooks! {
     };
     "glCopyTexImage2D" copy_tex_image2_d(target: u32, level: i32, format: u32, x: i32, y: i32, w: i32, h: i32, border: i32) = |ctx, _gl|
         list_recording::now_or_later(ctx, move |ctx| {
-            let gl = ctx.gl;
+            let gl = ctx.driver.gl;
             let texture = sampling::bound(gl, target);
             if texture != 0 && !view_copies::is_alike(ctx, texture, level, [w, h]) {
                 view_copies::forget_texture(ctx, texture);
@@ -133,7 +133,7 @@ hooks! {
         });
     "glCopyTexSubImage2D" copy_tex_sub_image2_d(target: u32, level: i32, dx: i32, dy: i32, x: i32, y: i32, w: i32, h: i32) = |ctx, _gl|
         list_recording::now_or_later(ctx, move |ctx| {
-            let gl = ctx.gl;
+            let gl = ctx.driver.gl;
             let texture = sampling::bound(gl, target);
             copied(ctx, texture, level, [dx, dy], [x, y, w, h], |ctx| {
                 // SAFETY: as above.
@@ -142,7 +142,7 @@ hooks! {
         });
     "glCopyTextureSubImage2D" copy_texture_sub_image2_d(texture: u32, level: i32, dx: i32, dy: i32, x: i32, y: i32, w: i32, h: i32) = |ctx, _gl|
         list_recording::now_or_later(ctx, move |ctx| {
-            let gl = ctx.gl;
+            let gl = ctx.driver.gl;
             copied(ctx, texture, level, [dx, dy], [x, y, w, h], |ctx| {
                 // SAFETY: as above.
                 read_back::read(ctx, x, y, |x, y| unsafe { gl.copy_texture_sub_image2_d(texture, level, dx, dy, x, y, w, h) });

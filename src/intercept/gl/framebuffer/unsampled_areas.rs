@@ -31,7 +31,7 @@ impl Cleared {
     /// By `glClear`.
     pub fn by_mask(ctx: &Context, mask: u32) -> Self {
         let depth = mask & api::GL_DEPTH_BUFFER_BIT != 0;
-        let value = || if ctx.redirected() { ctx.known_state.clear_depth(ctx.gl) } else { 1.0 };
+        let value = || if ctx.redirected() { ctx.driver.known_state.clear_depth(ctx.driver.gl) } else { 1.0 };
         Self { color: mask & api::GL_COLOR_BUFFER_BIT != 0, depth: depth.then(value) }
     }
 
@@ -93,15 +93,15 @@ fn worthwhile(mask: Mask, unsampled: u64, all: u64) -> bool {
 /// The program cleared all of its window's depth to `cleared`.
 pub fn close(ctx: &mut Context, cleared: f32) {
     // Feedback that cannot be paused would record our rectangles.
-    if ctx.target.as_ref().is_none_or(|t| t.closed().is_empty())
-        || ctx.feedback && !ctx.gl.has_pause_transform_feedback()
+    if ctx.drawable.target.as_ref().is_none_or(|t| t.closed().is_empty())
+        || ctx.app.feedback && !ctx.driver.gl.has_pause_transform_feedback()
     {
         return;
     }
     take_error(ctx);
-    if let Some(target) = &ctx.target {
-        let texels = target.backend().close_unsampled(ctx.gl, cleared, &ctx.known_state);
-        ctx.counts.closings += u64::from(texels > 0);
+    if let Some(target) = &ctx.drawable.target {
+        let texels = target.backend().close_unsampled(ctx.driver.gl, cleared, &ctx.driver.known_state);
+        ctx.frame.counts.closings += u64::from(texels > 0);
     }
     take_own_errors(ctx);
 }

@@ -51,7 +51,7 @@ pub fn blit(ctx: &mut Context, source: Corners, destination: Corners, mask: u32,
 
 /// Whether a copy covers (nearly) all of the window.
 fn fills_window(ctx: &Context, [x0, y0, x1, y1]: Corners) -> bool {
-    let Some(target) = &ctx.target else { return false };
+    let Some(target) = &ctx.drawable.target else { return false };
     let (width, height) = target.size();
     let inside = |a: i32, b: i32, size: u32| i64::from(a.max(b).min(size as i32) - a.min(b).max(0)).max(0);
     10 * inside(x0, x1, width) * inside(y0, y1, height) >= 9 * i64::from(width) * i64::from(height)
@@ -60,7 +60,7 @@ fn fills_window(ctx: &Context, [x0, y0, x1, y1]: Corners) -> bool {
 /// Whether the window's views show anything: a program that draws nothing in perspective has its picture on the panel.
 fn window_has_scene(ctx: &Context) -> bool {
     let shown = || ctx.view_copies.images.iter().any(|image| image.displayed && image.view_copy.is_some());
-    ctx.viewport_area.iter().any(|area| *area > 0) || shown()
+    ctx.frame.viewport_area.iter().any(|area| *area > 0) || shown()
 }
 
 fn read_side(ctx: &Context) -> Side {
@@ -148,7 +148,7 @@ impl Region {
     fn of(ctx: &mut Context, side: Side, view: usize, reads: bool) -> Option<Self> {
         match side {
             Side::Window => {
-                let target = ctx.target.as_ref()?;
+                let target = ctx.drawable.target.as_ref()?;
                 let several = target.config().samples > 0;
                 let framebuffer = if reads && several { target.readable_framebuffer() } else { target.framebuffer() };
                 let (rect, size) = (target.session.tile(view).0, [target.size().0 as i32, target.size().1 as i32]);
@@ -164,7 +164,7 @@ impl Region {
             }
             Side::Image(index) => {
                 let image = &mut ctx.view_copies.images[index];
-                let framebuffer = image.view_copy_framebuffer(ctx.gl, ctx.id);
+                let framebuffer = image.view_copy_framebuffer(ctx.driver.gl, ctx.driver.id);
                 let rect = image.view_copy.as_ref()?.grid.tile(view);
                 Some(Self { framebuffer, rect, size: image.size, samples: image.samples, format: image.format })
             }
@@ -187,7 +187,7 @@ impl Region {
 
 /// Copies for each view, and for the program's own picture.
 fn copy_views(ctx: &mut Context, from: (Side, Corners), to: (Side, Corners), mask: u32, filter: u32) {
-    let gl = ctx.gl;
+    let gl = ctx.driver.gl;
     for side in [from.0, to.0] {
         if let Side::ViewCopies(index) = side
             && ctx.view_copies.framebuffers[index].view_copy == 0
@@ -205,7 +205,7 @@ fn copy_views(ctx: &mut Context, from: (Side, Corners), to: (Side, Corners), mas
         _ => {}
     }
     if from.0 == Side::Window
-        && let Some(target) = &ctx.target
+        && let Some(target) = &ctx.drawable.target
     {
         target.resolve(ctx, None);
     }
@@ -257,7 +257,7 @@ pub(in crate::intercept::gl) struct End {
 /// Copies between the bound framebuffers. To another size it goes by a canvas: samples cannot be scaled, and a
 /// filter would mix in what lies beside the rectangle.
 pub(in crate::intercept::gl) fn resample(ctx: &mut Context, from: End, to: End, mask: u32, filter: u32) {
-    let gl = ctx.gl;
+    let gl = ctx.driver.gl;
     let extent = |[x0, y0, x1, y1]: Corners| [(x1 - x0).abs(), (y1 - y0).abs()];
     let (here, there) = (extent(from.corners), extent(to.corners));
     let issue = |[x0, y0, x1, y1]: Corners, [u0, v0, u1, v1]: Corners, mask: u32, filter: u32| {
@@ -284,7 +284,7 @@ pub(in crate::intercept::gl) fn resample(ctx: &mut Context, from: End, to: End, 
     // SAFETY: between framebuffers of ours and those that were bound, which are put back.
     unsafe {
         let bindings = Bindings::save(gl);
-        let scissor = ctx.driver_state.scissor.filter(|_| ctx.driver_state.scissor_test == Some(true));
+        let scissor = ctx.driver.window_space.scissor.filter(|_| ctx.driver.window_space.scissor_test == Some(true));
         ctx.set_scissor(None);
         gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, resolved);
         issue(from.corners, [0, 0, w, h], colour, api::GL_NEAREST);
@@ -306,7 +306,11 @@ pub(in crate::intercept::gl) fn resample(ctx: &mut Context, from: End, to: End, 
 
 /// The format of the window's colours.
 pub(in crate::intercept::gl) fn window_format(ctx: &Context) -> u32 {
-    if ctx.target.as_ref().is_some_and(|target| target.config().srgb) { api::GL_SRGB8_ALPHA8 } else { api::GL_RGBA8 }
+    if ctx.drawable.target.as_ref().is_some_and(|target| target.config().srgb) {
+        api::GL_SRGB8_ALPHA8
+    } else {
+        api::GL_RGBA8
+    }
 }
 
 /// A framebuffer of ours of this size and format; it is kept.
@@ -314,7 +318,7 @@ fn canvas(ctx: &mut Context, size: [i32; 2], format: u32) -> Option<u32> {
     if let Some(canvas) = ctx.view_copies.canvases.iter().find(|canvas| canvas.is(size, format)) {
         return Some(canvas.framebuffer());
     }
-    let canvas = SingleSampleImage::new(ctx.gl, size, format)?;
+    let canvas = SingleSampleImage::new(ctx.driver.gl, size, format)?;
     let framebuffer = canvas.framebuffer();
     ctx.view_copies.canvases.push(canvas);
     Some(framebuffer)
@@ -351,8 +355,8 @@ pub fn noted_into_texture(ctx: &mut Context, texture: u32, level: i32, source: [
         Some(index) => index,
         None => {
             take_error(ctx);
-            let image = Image::examine_texture(ctx.gl, texture, level);
-            drop_errors(ctx.gl);
+            let image = Image::examine_texture(ctx.driver.gl, texture, level);
+            drop_errors(ctx.driver.gl);
             let Some(image) = image else { return };
             ctx.view_copies.images.push(image);
             ctx.view_copies.images.len() - 1
@@ -362,7 +366,7 @@ pub fn noted_into_texture(ctx: &mut Context, texture: u32, level: i32, source: [
     note_copy(ctx, name, &sources, from_window);
     if copy_count(ctx) > views(ctx) {
         let own = own_tile(ctx);
-        view_copies::without_scissor(ctx, |ctx| ctx.view_copies.images[index].store(ctx.gl, ctx.id, own));
+        view_copies::without_scissor(ctx, |ctx| ctx.view_copies.images[index].store(ctx.driver.gl, ctx.driver.id, own));
     }
 }
 

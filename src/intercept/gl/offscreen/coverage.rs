@@ -11,14 +11,14 @@ const GREATEST: usize = 64;
 
 /// Whether the next draw fills the window; `Err`: it is to be measured, if it can be.
 pub fn fills(ctx: &mut Context, sampled: Set) -> Result<bool, Measure> {
-    let program = ctx.program.as_ref().filter(|p| p.draws_vertices()).map_or(0, |p| p.name);
+    let program = ctx.shaders.program.as_ref().filter(|p| p.draws_vertices()).map_or(0, |p| p.name);
     let signature = Signature { program, sampled, viewport: ctx.app.viewport };
     let kinds = &mut ctx.view_copies.coverage.0;
     let index = match kinds.iter().position(|kind| kind.signature == signature) {
         Some(index) => index,
         None => {
             if kinds.len() >= GREATEST {
-                kinds.remove(0).destroy(ctx.gl);
+                kinds.remove(0).destroy(ctx.driver.gl);
             }
             kinds.push(Kind { signature, state: State::New });
             kinds.len() - 1
@@ -39,10 +39,10 @@ pub fn fills(ctx: &mut Context, sampled: Set) -> Result<bool, Measure> {
 
 /// OpenGL counts samples, OpenGL ES does not; and a query of the program's must not be disturbed.
 fn can_measure(ctx: &Context) -> bool {
-    if ctx.profile.es || ctx.profile.version < 15 || ctx.queries.any() {
+    if ctx.driver.profile.es || ctx.driver.profile.version < 15 || ctx.queries.any() {
         return false;
     }
-    let targets: &[u32] = match ctx.profile.version {
+    let targets: &[u32] = match ctx.driver.profile.version {
         43.. => &[api::GL_SAMPLES_PASSED, api::GL_ANY_SAMPLES_PASSED, api::GL_ANY_SAMPLES_PASSED_CONSERVATIVE],
         33.. => &[api::GL_SAMPLES_PASSED, api::GL_ANY_SAMPLES_PASSED],
         _ => &[api::GL_SAMPLES_PASSED],
@@ -50,14 +50,14 @@ fn can_measure(ctx: &Context) -> bool {
     targets.iter().all(|target| {
         let mut current = 0;
         // SAFETY: writes one integer.
-        unsafe { ctx.gl.get_queryiv(*target, api::GL_CURRENT_QUERY, &mut current) };
+        unsafe { ctx.driver.gl.get_queryiv(*target, api::GL_CURRENT_QUERY, &mut current) };
         current == 0
     })
 }
 
 /// Without a measurement: what has the window's shape and is not small is taken for its picture.
 fn assumed(ctx: &Context, sampled: Set) -> bool {
-    let Some(target) = &ctx.target else { return false };
+    let Some(target) = &ctx.drawable.target else { return false };
     let images = ctx.view_copies.images.iter().enumerate().take(64);
     images.filter(|(i, _)| sampled >> i & 1 != 0).any(|(_, image)| {
         crate::intercept::scene::viewport::has_shape_of_window(
@@ -70,10 +70,10 @@ fn assumed(ctx: &Context, sampled: Set) -> bool {
 
 /// Issues the draw that is measured, in a tile of the window's size.
 pub fn measure(ctx: &mut Context, what: &Measure, issue: impl FnOnce(&mut Context)) {
-    let Some(target) = &ctx.target else { return issue(ctx) };
+    let Some(target) = &ctx.drawable.target else { return issue(ctx) };
     let (width, height) = target.size();
     let all = i64::from(width) * i64::from(height) * i64::from(target.config().samples.max(1));
-    let gl = ctx.gl;
+    let gl = ctx.driver.gl;
     let mut query = 0;
     // SAFETY: a query of ours around the draw; no other counts samples, as `can_measure` saw.
     unsafe {

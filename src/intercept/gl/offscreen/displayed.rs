@@ -7,11 +7,11 @@ use crate::intercept::gl::offscreen::target::each_view;
 use crate::intercept::gl::offscreen::view_copies::{own_tile, possible, supply, views};
 use crate::intercept::gl::offscreen::{coverage, sampling};
 use crate::intercept::gl::per_view::{panel, window_space};
-use crate::intercept::gl::state::draw::{Changes, DrawClass};
+use crate::intercept::gl::state::draw::draw_class::{Changes, DrawClass};
+use crate::intercept::gl::state::draw::views::Views;
 use crate::intercept::gl::state::offscreen::coverage::Measure;
 use crate::intercept::gl::state::offscreen::images::{Bindings, Set};
 use crate::intercept::gl::state::offscreen::single_sample::SingleSampleImage;
-use crate::intercept::gl::state::views::Views;
 use std::cell::Cell;
 
 /// What a flat draw to the window does.
@@ -60,7 +60,7 @@ pub fn window_changed(ctx: &mut Context) {
 
 /// Issues a draw that shows the images in `sampled`.
 pub fn show(ctx: &mut Context, changes: Changes, sampled: Set, issue: &mut dyn FnMut(&mut Context, &Gl)) {
-    ctx.background.note_scene();
+    ctx.frame.background.note_scene();
     // What was flat until now is covered.
     panel::clear_panel(ctx);
     if make_canvases(ctx) {
@@ -69,7 +69,7 @@ pub fn show(ctx: &mut Context, changes: Changes, sampled: Set, issue: &mut dyn F
     }
     each_view(ctx, changes, views(ctx), Views::ALL, issue, |ctx, view| {
         supply(ctx, sampled, view);
-        if let Some(target) = &mut ctx.target {
+        if let Some(target) = &mut ctx.drawable.target {
             let (tile, _) = target.session.tile(view);
             target.issued(view);
             ctx.set_scissor(None);
@@ -82,14 +82,14 @@ pub fn show(ctx: &mut Context, changes: Changes, sampled: Set, issue: &mut dyn F
 /// Makes the canvases, once. `false` where there can be none: in OpenGL ES a picture with one sample is not copied
 /// to a window with several.
 fn make_canvases(ctx: &mut Context) -> bool {
-    let Some(target) = &ctx.target else { return false };
-    if ctx.profile.es && target.config().samples > 0 {
+    let Some(target) = &ctx.drawable.target else { return false };
+    if ctx.driver.profile.es && target.config().samples > 0 {
         return false;
     }
     let size = [target.size().0 as i32, target.size().1 as i32];
     let (count, format) = (views(ctx), canvas_format(ctx));
     while ctx.view_copies.displayed.canvases.len() < count {
-        let Some(canvas) = SingleSampleImage::new(ctx.gl, size, format) else { return false };
+        let Some(canvas) = SingleSampleImage::new(ctx.driver.gl, size, format) else { return false };
         ctx.view_copies.displayed.canvases.push(canvas);
     }
     true
@@ -99,21 +99,23 @@ fn make_canvases(ctx: &mut Context) -> bool {
 /// has no such format, and what is encoded as sRGB is so only in 8 bits.
 fn canvas_format(ctx: &Context) -> u32 {
     match window_format(ctx) {
-        api::GL_RGBA8 if !ctx.profile.es => api::GL_RGBA16,
+        api::GL_RGBA8 if !ctx.driver.profile.es => api::GL_RGBA16,
         format => format,
     }
 }
 
 fn show_by_canvas(ctx: &mut Context, changes: Changes, sampled: Set, issue: &mut dyn FnMut(&mut Context, &Gl)) {
-    let Some(target) = &ctx.target else { return };
+    let Some(target) = &ctx.drawable.target else { return };
     let (window, samples, format) = (target.framebuffer(), target.config().samples, window_format(ctx));
     let whole = [0, 0, target.size().0 as i32, target.size().1 as i32];
     // This draw is counted already.
-    let current = ctx.view_copies.displayed.current.is_some_and(|number| number + 1 == ctx.counts.draws_seen);
+    let current = ctx.view_copies.displayed.current.is_some_and(|number| number + 1 == ctx.frame.counts.draws_seen);
     let view_now = Cell::new(0);
     // Copies between a canvas and a view's tile; the canvas stays bound for drawing.
     let copy = |ctx: &mut Context, view: usize, to_view: bool| {
-        let (Some(canvas), Some(target)) = (ctx.view_copies.displayed.canvases.get(view), &ctx.target) else { return };
+        let (Some(canvas), Some(target)) = (ctx.view_copies.displayed.canvases.get(view), &ctx.drawable.target) else {
+            return;
+        };
         let (canvas, [x, y, width, height]) = (canvas.framebuffer(), target.session.tile(view).0);
         let tile = End { corners: [x, y, x + width, y + height], samples, format };
         let picture = End { corners: whole, samples: 0, format: canvas_format(ctx) };
@@ -121,12 +123,12 @@ fn show_by_canvas(ctx: &mut Context, changes: Changes, sampled: Set, issue: &mut
             if to_view { ((canvas, picture), (window, tile)) } else { ((window, tile), (canvas, picture)) };
         // SAFETY: framebuffers of ours; the read binding is put back.
         unsafe {
-            let bindings = Bindings::save(ctx.gl);
+            let bindings = Bindings::save(ctx.driver.gl);
             ctx.set_scissor(None);
-            ctx.gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, from.0);
-            ctx.gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, to.0);
+            ctx.driver.gl.bind_framebuffer(api::GL_READ_FRAMEBUFFER, from.0);
+            ctx.driver.gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, to.0);
             resample(ctx, from.1, to.1, api::GL_COLOR_BUFFER_BIT, api::GL_NEAREST);
-            bindings.restore(ctx.gl);
+            bindings.restore(ctx.driver.gl);
         }
     };
     let mut by_canvas = |ctx: &mut Context, gl: &Gl| {
@@ -139,17 +141,17 @@ fn show_by_canvas(ctx: &mut Context, changes: Changes, sampled: Set, issue: &mut
         if !current {
             copy(ctx, view, false);
         }
-        if let Some(target) = &mut ctx.target {
+        if let Some(target) = &mut ctx.drawable.target {
             target.issued(view);
         }
         if let Some(canvas) = ctx.view_copies.displayed.canvases.get(view) {
             // SAFETY: a framebuffer of ours in place of the window's, which is ours too and put back below.
-            unsafe { ctx.gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, canvas.framebuffer()) };
+            unsafe { ctx.driver.gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, canvas.framebuffer()) };
         }
         window_space::own_window_space(ctx, whole);
         DrawClass::Flat
     });
     // SAFETY: what stands for the program's window.
-    unsafe { ctx.gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, window) };
-    ctx.view_copies.displayed.current = Some(ctx.counts.draws_seen);
+    unsafe { ctx.driver.gl.bind_framebuffer(api::GL_DRAW_FRAMEBUFFER, window) };
+    ctx.view_copies.displayed.current = Some(ctx.frame.counts.draws_seen);
 }

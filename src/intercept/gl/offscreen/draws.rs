@@ -10,11 +10,11 @@ use crate::intercept::gl::offscreen::view_copies::{
 use crate::intercept::gl::per_view::classify::classify_by_projection;
 use crate::intercept::gl::per_view::culling::select;
 use crate::intercept::gl::per_view::window_space::own_window_space;
-use crate::intercept::gl::state::bounds::Bounds;
-use crate::intercept::gl::state::draw::{Changes, DrawClass};
+use crate::intercept::gl::state::draw::bounds::Bounds;
+use crate::intercept::gl::state::draw::draw_class::{Changes, DrawClass};
+use crate::intercept::gl::state::draw::views::Views;
 use crate::intercept::gl::state::offscreen::images::{Name, Set};
 use crate::intercept::gl::state::offscreen::view_copies::ViewCopies;
-use crate::intercept::gl::state::views::Views;
 use crate::intercept::scene::viewport;
 use crate::rig::Duplicate;
 use crate::runtime::session::Session;
@@ -27,7 +27,7 @@ pub fn draw(
     bounds: impl FnOnce(&mut Context) -> Bounds,
     issue: &mut dyn FnMut(&mut Context, &Gl),
 ) -> bool {
-    if ctx.app.draw_framebuffer == 0 || ctx.picking || ctx.discard || ctx.feedback || !possible(ctx) {
+    if ctx.app.draw_framebuffer == 0 || ctx.app.picking || ctx.app.discard || ctx.app.feedback || !possible(ctx) {
         leave(ctx);
         return false;
     }
@@ -35,7 +35,7 @@ pub fn draw(
     let class = classify_by_projection(ctx);
     // What is drawn into the scene samples by places of its own, but for shaders that ask where on the
     // screen they are.
-    let by_frag_coord = ctx.program.as_ref().is_some_and(|program| program.reads_frag_coord);
+    let by_frag_coord = ctx.shaders.program.as_ref().is_some_and(|program| program.reads_frag_coord);
     let sampled = if class == DrawClass::Flat || by_frag_coord { sampling::sampled(ctx) } else { 0 };
     let attached = ctx.view_copies.attached(index);
     let sampled = sampled & !attached;
@@ -84,7 +84,7 @@ fn draw_through(
         without_scissor(ctx, |ctx| {
             let images = ctx.view_copies.images.iter_mut().enumerate().take(64);
             for (_, image) in images.filter(|(i, _)| attached >> i & 1 != 0) {
-                image.store(gl, ctx.id, view_now.get());
+                image.store(gl, ctx.driver.id, view_now.get());
             }
         });
     };

@@ -9,12 +9,12 @@ const SAMPLERS: usize = 16;
 
 /// Calls `look` with each texture that the next draw samples.
 fn each_texture(ctx: &Context, mut look: impl FnMut(u32)) {
-    let gl = ctx.gl;
+    let gl = ctx.driver.gl;
     let mut active = 0;
     // SAFETY: asks which textures are bound where the program samples; the active unit is put back.
     unsafe {
         gl.get_integerv(api::GL_ACTIVE_TEXTURE, &mut active);
-        match &ctx.program {
+        match &ctx.shaders.program {
             Some(program) if program.draws_vertices() => {
                 for sampler in program.samplers.iter().take(SAMPLERS) {
                     let mut unit = 0;
@@ -23,7 +23,7 @@ fn each_texture(ctx: &Context, mut look: impl FnMut(u32)) {
                     look(bound(gl, sampler.target));
                 }
             }
-            _ if ctx.profile.compatibility() => {
+            _ if ctx.driver.profile.compatibility() => {
                 for unit in 0..4 {
                     gl.active_texture(api::GL_TEXTURE0 + unit);
                     for target in [api::GL_TEXTURE_2D, api::GL_TEXTURE_RECTANGLE] {

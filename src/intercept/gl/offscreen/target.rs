@@ -4,8 +4,8 @@ use crate::backend::gl::api::Gl;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::per_view::issue::{Copies, Target, issue};
 use crate::intercept::gl::queries::scaling;
-use crate::intercept::gl::state::draw::{Changes, DrawClass};
-use crate::intercept::gl::state::views::Views;
+use crate::intercept::gl::state::draw::draw_class::{Changes, DrawClass};
+use crate::intercept::gl::state::draw::views::Views;
 use crate::intercept::scene::query_weights::QueryWeights;
 use crate::runtime::session::Session;
 use std::sync::Arc;
@@ -29,7 +29,8 @@ pub fn each_view(
     draw: &mut dyn FnMut(&mut Context, &Gl),
     prepare: impl Fn(&mut Context, usize) -> DrawClass,
 ) {
-    let session = ctx.target.as_ref().map(|target| target.session.clone()).or_else(|| ctx.lent.clone());
+    let session =
+        ctx.drawable.target.as_ref().map(|target| target.session.clone()).or_else(|| ctx.drawable.lent.clone());
     let views = session.as_ref().map_or(0, |session| session.views().len());
     let mut target = CopiesPerView { session, share: 1.0 / count.max(1) as f64, class: DrawClass::Flat, prepare };
     issue(ctx, &Copies { changes, views, count, shown }, &mut target, draw);

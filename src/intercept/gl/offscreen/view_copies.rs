@@ -53,7 +53,7 @@ pub fn collect(ctx: &mut Context) {
     (own.images, own.learnt, own.own_picture) = (taken.images, taken.learnt, taken.own_picture);
     (own.deleted, own.issued) = (taken.deleted, taken.issued);
     own.left.extend(taken.left);
-    let (gl, id) = (ctx.gl, ctx.id);
+    let (gl, id) = (ctx.driver.gl, ctx.driver.id);
     ctx.view_copies.left.retain(|pair| {
         if pair.context == id {
             pair.destroy(gl);
@@ -91,7 +91,9 @@ pub(super) fn own_tile(ctx: &Context) -> usize {
 pub fn leave(ctx: &mut Context) {
     if std::mem::take(&mut ctx.view_copies.bound) {
         // SAFETY: what the program bound.
-        unsafe { ctx.gl.bind_framebuffer(crate::backend::gl::api::GL_DRAW_FRAMEBUFFER, ctx.app.draw_framebuffer) };
+        unsafe {
+            ctx.driver.gl.bind_framebuffer(crate::backend::gl::api::GL_DRAW_FRAMEBUFFER, ctx.app.draw_framebuffer)
+        };
         ctx.restore_window_space();
     }
 }
@@ -109,7 +111,7 @@ pub fn forget(ctx: &mut Context, name: u32) {
     }
     let framebuffer = &mut ctx.view_copies.framebuffers[index];
     framebuffer.known = false;
-    framebuffer.destroy_view_copy(ctx.gl);
+    framebuffer.destroy_view_copy(ctx.driver.gl);
 }
 
 /// A framebuffer was deleted: its name is free.
@@ -126,15 +128,15 @@ fn forget_images(ctx: &mut Context, which: impl Fn(&Image) -> bool) {
         let ViewCopies { left, deleted, .. } = &mut ctx.view_copies;
         // Images have other places, even if it had no view copy.
         *deleted += u64::from(image.view_copy.is_none());
-        destroy_view_copy(&mut image, ctx.gl, ctx.id, left, deleted);
+        destroy_view_copy(&mut image, ctx.driver.gl, ctx.driver.id, left, deleted);
         for framebuffer in &mut ctx.view_copies.framebuffers {
             if framebuffer.attachments.contains(&Some(image.name)) {
                 framebuffer.known = false;
-                framebuffer.destroy_view_copy(ctx.gl);
+                framebuffer.destroy_view_copy(ctx.driver.gl);
             }
         }
         // They are known by their places in the list.
-        ctx.view_copies.coverage.clear(ctx.gl);
+        ctx.view_copies.coverage.clear(ctx.driver.gl);
     }
 }
 
@@ -164,7 +166,7 @@ pub fn uploaded(ctx: &mut Context, texture: u32) {
     without_scissor(ctx, |ctx| {
         for image in ctx.view_copies.images.iter_mut().filter(|image| image.is_texture(texture)) {
             for index in 0..count {
-                image.store(ctx.gl, ctx.id, index);
+                image.store(ctx.driver.gl, ctx.driver.id, index);
             }
         }
     });
@@ -206,7 +208,7 @@ fn before_reading(ctx: &mut Context, which: impl Fn(&Image) -> bool) {
 /// The views changed: all is learnt anew.
 pub fn clear(ctx: &mut Context) {
     leave(ctx);
-    let gl = ctx.gl;
+    let gl = ctx.driver.gl;
     for mut framebuffer in std::mem::take(&mut ctx.view_copies.framebuffers) {
         framebuffer.destroy_view_copy(gl);
     }
@@ -214,7 +216,7 @@ pub fn clear(ctx: &mut Context) {
     *deleted += 1;
     issued.forget_views();
     for mut image in images.drain(..) {
-        destroy_view_copy(&mut image, gl, ctx.id, left, deleted);
+        destroy_view_copy(&mut image, gl, ctx.driver.id, left, deleted);
     }
     ctx.view_copies.coverage.clear(gl);
     for canvas in std::mem::take(&mut ctx.view_copies.canvases) {
@@ -225,7 +227,7 @@ pub fn clear(ctx: &mut Context) {
 
 /// A frame ended: what was seen to lie between a scene and the window gets its view copy.
 pub fn end_frame(ctx: &mut Context) {
-    let gl = ctx.gl;
+    let gl = ctx.driver.gl;
     let ViewCopies { coverage, images, learnt, .. } = &mut ctx.view_copies;
     *learnt |= coverage.end_frame(gl, |set| {
         for image in images.iter_mut().enumerate().take(64).filter(|(i, _)| set >> i & 1 != 0).map(|(_, image)| image) {
@@ -242,7 +244,7 @@ pub fn end_frame(ctx: &mut Context) {
         ctx.view_copies.own_picture = true;
         let ViewCopies { images, left, deleted, .. } = &mut ctx.view_copies;
         for image in images {
-            destroy_view_copy(image, gl, ctx.id, left, deleted);
+            destroy_view_copy(image, gl, ctx.driver.id, left, deleted);
         }
         for framebuffer in &mut ctx.view_copies.framebuffers {
             framebuffer.destroy_view_copy(gl);
@@ -264,11 +266,11 @@ fn make_view_copy(ctx: &mut Context, index: usize) -> bool {
     let count = copy_count(ctx);
     without_scissor(ctx, |ctx| {
         let image = &mut ctx.view_copies.images[index];
-        image.refused = !image.make_view_copy(ctx.gl, ctx.id, count);
+        image.refused = !image.make_view_copy(ctx.driver.gl, ctx.driver.id, count);
     });
     if ctx.view_copies.images[index].refused {
         // Whatever the driver said about it is answered by this.
-        drop_errors(ctx.gl);
+        drop_errors(ctx.driver.gl);
         log::once("a scene that the program draws off screen is shown flat: the driver gives no copies of it");
     }
     take_own_errors(ctx);
@@ -295,9 +297,9 @@ pub(super) fn look(ctx: &mut Context) -> usize {
         leave(ctx);
         take_error(ctx);
         let ViewCopies { framebuffers, images, .. } = &mut ctx.view_copies;
-        framebuffers[index].examine(ctx.gl, images);
+        framebuffers[index].examine(ctx.driver.gl, images);
         // Questions that a driver need not know are nobody's errors.
-        drop_errors(ctx.gl);
+        drop_errors(ctx.driver.gl);
     }
     index
 }
@@ -316,7 +318,7 @@ pub(super) fn enter(ctx: &mut Context, index: usize) -> bool {
     ctx.view_copies.bound = true;
     let view_copy = ctx.view_copies.framebuffers[index].view_copy;
     // SAFETY: a framebuffer of ours; `leave` puts the program's back.
-    unsafe { ctx.gl.bind_framebuffer(crate::backend::gl::api::GL_DRAW_FRAMEBUFFER, view_copy) };
+    unsafe { ctx.driver.gl.bind_framebuffer(crate::backend::gl::api::GL_DRAW_FRAMEBUFFER, view_copy) };
     true
 }
 
@@ -333,8 +335,8 @@ pub(super) fn make_framebuffer(ctx: &mut Context, index: usize) -> bool {
             let image = images.iter().find(|image| image.name == name);
             image.and_then(|image| image.view_copy.as_ref()).map(|view_copy| view_copy.renderbuffer)
         };
-        complete = framebuffers[index].make_view_copy(ctx.gl, view_copy_of);
-        drop_errors(ctx.gl);
+        complete = framebuffers[index].make_view_copy(ctx.driver.gl, view_copy_of);
+        drop_errors(ctx.driver.gl);
     }
     if !complete {
         ctx.view_copies.framebuffers[index].single = Some("the driver gives no copies of it");
@@ -355,14 +357,14 @@ pub(super) fn supply(ctx: &mut Context, set: Set, view: usize) {
     without_scissor(ctx, |ctx| {
         let images = ctx.view_copies.images.iter_mut().enumerate().take(64);
         for (_, image) in images.filter(|(i, _)| set >> i & 1 != 0) {
-            image.supply(ctx.gl, ctx.id, view);
+            image.supply(ctx.driver.gl, ctx.driver.id, view);
         }
     });
 }
 
 /// A clear of a framebuffer of the program's. `false`: it is single.
 pub fn clear_with(ctx: &mut Context, issue: &dyn Fn(&Gl)) -> bool {
-    if ctx.app.draw_framebuffer == 0 || ctx.picking || !possible(ctx) {
+    if ctx.app.draw_framebuffer == 0 || ctx.app.picking || !possible(ctx) {
         return false;
     }
     let index = look(ctx);
@@ -370,7 +372,7 @@ pub fn clear_with(ctx: &mut Context, issue: &dyn Fn(&Gl)) -> bool {
         return false;
     }
     ctx.view_copies.changed(index);
-    let gl = ctx.gl;
+    let gl = ctx.driver.gl;
     if !ctx.app.scissor_test {
         ctx.set_scissor(None);
         issue(gl);

@@ -7,12 +7,12 @@ use crate::intercept::gl::per_view::classify;
 
 /// Whether a flat draw with the present state goes behind the scene.
 pub fn is_behind(ctx: &mut Context) -> bool {
-    if !ctx.background.order.is_behind() || !classify::main_viewport(ctx) {
+    if !ctx.frame.background.order.is_behind() || !classify::main_viewport(ctx) {
         return false;
     }
-    let Some(target) = &ctx.target else { return false };
+    let Some(target) = &ctx.drawable.target else { return false };
     let (width, height) = target.size();
     let [x, y, across, up] = ctx.app.scissor.map(i64::from);
     let whole = x <= 0 && y <= 0 && x + across >= width.into() && y + up >= height.into();
-    (whole || !ctx.app.scissor_test) && ctx.background.prepare(&target.session, &ctx.projection.matrix)
+    (whole || !ctx.app.scissor_test) && ctx.frame.background.prepare(&target.session, &ctx.compat.projection.matrix)
 }

@@ -3,8 +3,8 @@
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::matrices::refresh;
 use crate::intercept::gl::shader::program_pipelines;
-use crate::intercept::gl::state::draw::DrawClass;
-use crate::intercept::gl::state::programs::Lens;
+use crate::intercept::gl::state::draw::draw_class::DrawClass;
+use crate::intercept::gl::state::shader::programs::Lens;
 use crate::intercept::scene::viewport;
 use crate::runtime::session::MatrixClass;
 
@@ -15,25 +15,25 @@ pub fn classify(ctx: &mut Context) -> DrawClass {
 
 /// Where a draw belongs by its lens alone.
 pub fn classify_by_projection(ctx: &mut Context) -> DrawClass {
-    if let Some(program) = ctx.program.clone().filter(|p| p.draws_vertices()) {
+    if let Some(program) = ctx.shaders.program.clone().filter(|p| p.draws_vertices()) {
         return match program_pipelines::lens(ctx, &program) {
             Lens::Perspective(intrinsics, how) => {
-                ctx.counts.found.count(how);
-                ctx.lens = Some(intrinsics);
-                let Some(session) = Context::session_of(&ctx.target, &ctx.lent) else { return DrawClass::Flat };
-                DrawClass::Scene(ctx.cameras.index(&intrinsics, session))
+                ctx.frame.counts.found.count(how);
+                ctx.frame.lens = Some(intrinsics);
+                let Some(session) = ctx.drawable.session() else { return DrawClass::Flat };
+                DrawClass::Scene(ctx.frame.cameras.index(&intrinsics, session))
             }
             Lens::Flat => DrawClass::Flat,
         };
     }
-    if !ctx.profile.compatibility() {
+    if !ctx.driver.profile.compatibility() {
         return DrawClass::Flat;
     }
     refresh(ctx);
-    match ctx.projection.class {
+    match ctx.compat.projection.class {
         MatrixClass::Perspective(intrinsics) => {
-            ctx.lens = Some(intrinsics);
-            ctx.counts.found.count("fixed-function matrix");
+            ctx.frame.lens = Some(intrinsics);
+            ctx.frame.counts.found.count("fixed-function matrix");
             DrawClass::FixedScene
         }
         _ => DrawClass::Flat,
@@ -43,7 +43,8 @@ pub fn classify_by_projection(ctx: &mut Context) -> DrawClass {
 /// Whether the viewport is the program's main one; pictures within the picture are flat.
 pub fn main_viewport(ctx: &Context) -> bool {
     // In the first frame the first viewport counts: the window may just have got another size.
-    let reference = if ctx.viewport_area[1] > 0 { ctx.viewport_area[1] } else { ctx.viewport_area[0] };
+    let reference =
+        if ctx.frame.viewport_area[1] > 0 { ctx.frame.viewport_area[1] } else { ctx.frame.viewport_area[0] };
     let [_, _, width, height] = ctx.app.viewport.map(f64::from);
     viewport::is_main(width, height, reference as f64)
 }

@@ -7,10 +7,10 @@ use crate::intercept::gl::context::matrices::load_projection;
 use crate::intercept::gl::projected_vertices;
 use crate::intercept::gl::queries::scaling;
 use crate::intercept::gl::shader::programs;
-use crate::intercept::gl::state::attribute_stack;
-use crate::intercept::gl::state::draw::{Changes, DrawClass};
-use crate::intercept::gl::state::variants::{InUse, Variant};
-use crate::intercept::gl::state::views::Views;
+use crate::intercept::gl::state::app::attribute_stack;
+use crate::intercept::gl::state::draw::draw_class::{Changes, DrawClass};
+use crate::intercept::gl::state::draw::views::Views;
+use crate::intercept::gl::state::shader::variants::{InUse, Variant};
 use crate::intercept::scene::query_weights::QueryWeights;
 use std::sync::Arc;
 
@@ -52,7 +52,7 @@ impl Copies {
 
 /// Issues a draw once for each of its copies.
 pub fn issue(ctx: &mut Context, copies: &Copies, target: &mut dyn Target, draw: &mut dyn FnMut(&mut Context, &Gl)) {
-    let gl = ctx.gl;
+    let gl = ctx.driver.gl;
     let repeats = Repeats::new(copies.changes, ctx, 0);
     let last = (0..copies.count).rev().find(|view| copies.contain(*view));
     let (mut projection_loaded, mut number) = (false, 0);
@@ -85,7 +85,7 @@ fn load_view(
     view: usize,
     projection_loaded: &mut bool,
 ) -> Option<(Arc<Variant>, InUse)> {
-    let in_program = || ctx.program.as_ref().is_some_and(|program| program.draws_vertices());
+    let in_program = || ctx.shaders.program.as_ref().is_some_and(|program| program.draws_vertices());
     match class {
         None => {
             plain_program(ctx);
@@ -93,18 +93,18 @@ fn load_view(
         }
         Some(DrawClass::Flat) => plain_program(ctx),
         Some(DrawClass::Scene(camera)) => {
-            let rows = ctx.cameras.get(camera).and_then(|camera| camera.rows.get(view)).copied()?;
+            let rows = ctx.frame.cameras.get(camera).and_then(|camera| camera.rows.get(view)).copied()?;
             return load_rows(ctx, view, &rows);
         }
         Some(DrawClass::Background) if in_program() => {
-            let rows = ctx.background.shader_rows(view).copied()?;
+            let rows = ctx.frame.background.shader_rows(view).copied()?;
             return load_rows(ctx, view, &rows);
         }
         Some(class) => {
             plain_program(ctx);
             let matrix = match class {
-                DrawClass::Background => ctx.background.projection(view),
-                _ => ctx.projection.per_view.get(view),
+                DrawClass::Background => ctx.frame.background.projection(view),
+                _ => ctx.compat.projection.per_view.get(view),
             };
             if let Some(matrix) = matrix {
                 load_projection(ctx, matrix);
@@ -117,7 +117,7 @@ fn load_view(
 
 /// Sends the rows and the lens of a view to the program that draws.
 fn load_rows(ctx: &mut Context, view: usize, rows: &ReprojectionMatrix) -> Option<(Arc<Variant>, InUse)> {
-    let lens = ctx.target.as_ref().and_then(|target| target.lenses.get(view)).copied();
+    let lens = ctx.drawable.target.as_ref().and_then(|target| target.lenses.get(view)).copied();
     programs::upload_view(ctx, rows, lens.as_ref());
     let division = ctx.session().and_then(|session| session.division(view));
     projected_vertices::begin_view(ctx, rows, lens.as_ref(), division)
@@ -126,13 +126,13 @@ fn load_rows(ctx: &mut Context, view: usize, rows: &ReprojectionMatrix) -> Optio
 /// Puts the program's own projection back, if a view's was loaded.
 fn restore_projection(ctx: &Context, loaded: &mut bool) {
     if std::mem::take(loaded) {
-        load_projection(ctx, &ctx.projection.matrix);
+        load_projection(ctx, &ctx.compat.projection.matrix);
     }
 }
 
 /// Programs that we patched draw untouched where the picture is the program's own.
 pub fn plain_program(ctx: &mut Context) {
-    programs::upload(ctx, &crate::intercept::gl::state::programs::IDENTITY);
+    programs::upload(ctx, &crate::intercept::gl::state::shader::programs::IDENTITY);
 }
 
 /// Keeps a draw that is issued several times one draw for the program: vertex attributes (and what
@@ -148,16 +148,16 @@ impl Repeats {
     /// `pushed` are so many attributes of ours at that time, beside the program's.
     pub fn new(changes: Changes, ctx: &Context, pushed: usize) -> Self {
         let mask = match changes {
-            _ if !ctx.profile.compatibility() => 0,
+            _ if !ctx.driver.profile.compatibility() => 0,
             // No place is left on the stack; a pop would take what is the program's.
-            _ if ctx.attribute_stack.len() + pushed >= attribute_stack::ATTRIBUTE_DEPTH => 0,
+            _ if ctx.app.attribute_stack.len() + pushed >= attribute_stack::ATTRIBUTE_DEPTH => 0,
             Changes::Nothing | Changes::Alike => 0,
             Changes::Attributes => api::GL_CURRENT_BIT | api::GL_LIGHTING_BIT,
             Changes::Anything => api::GL_ALL_ATTRIB_BITS,
         };
-        let follows = mask != 0 && ctx.known_state.is_on(ctx.gl, api::GL_COLOR_MATERIAL);
+        let follows = mask != 0 && ctx.driver.known_state.is_on(ctx.driver.gl, api::GL_COLOR_MATERIAL);
         // Without a pause (OpenGL before 4.0) there is no drawing without recording.
-        Self { mask, follows, feedback: ctx.feedback && ctx.gl.has_pause_transform_feedback() }
+        Self { mask, follows, feedback: ctx.app.feedback && ctx.driver.gl.has_pause_transform_feedback() }
     }
 
     /// Runs `issue` for the `number`-th time; unless it is the `last`, what it changes is put back.

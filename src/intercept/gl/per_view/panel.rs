@@ -32,10 +32,10 @@ impl PanelBlend {
 
 /// The panel is a pane of glass: what is cleared away is seen through.
 pub fn clear_panel(ctx: &mut Context) {
-    if let Some(panel) = ctx.target.as_ref().and_then(|t| t.panel()) {
+    if let Some(panel) = ctx.drawable.target.as_ref().and_then(|t| t.panel()) {
         // The gutter goes with it, or the filter would mix the clear colour into its borders.
         ctx.set_scissor(Some([panel[0] - 1, panel[1] - 1, panel[2] + 2, panel[3] + 2]));
-        clear_transparent(ctx.gl, &ctx.known_state);
+        clear_transparent(ctx.driver.gl, &ctx.driver.known_state);
     }
 }
 

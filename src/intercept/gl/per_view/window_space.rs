@@ -9,7 +9,7 @@ pub fn own_window_space(ctx: &mut Context, tile: [i32; 4]) {
     let inside = x >= 0 && y >= 0 && x + width <= tile[2] && y + height <= tile[3];
     let scissor = if ctx.app.scissor_test {
         Some(intersect(ctx.app.scissor, tile))
-    } else if inside && !ctx.wide_primitives.cut {
+    } else if inside && !ctx.draw.wide_primitives.cut {
         None
     } else {
         Some(tile)

@@ -10,16 +10,16 @@ use crate::correct::projected::matrices::{LensConstants, ReprojectionMatrix};
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::methods::tessellation_asked_for;
 use crate::intercept::gl::projected_vertices::variants;
-use crate::intercept::gl::state::fixed_function::Processor;
-use crate::intercept::gl::state::primitives::Shape;
-use crate::intercept::gl::state::variants::{InUse, Kind, Variant};
+use crate::intercept::gl::state::draw::primitives::Shape;
+use crate::intercept::gl::state::projected_vertices::fixed_function::Processor;
+use crate::intercept::gl::state::shader::variants::{InUse, Kind, Variant};
 use crate::runtime::session::Division;
 use std::sync::Arc;
 
 /// What divides the draw that is being issued, the best first; points need not be divided.
 fn kinds(ctx: &Context) -> [Option<Kind>; 2] {
-    let patch = ctx.wide_primitives.patch.filter(|_| tessellation_asked_for());
-    let input = match ctx.wide_primitives.drawn {
+    let patch = ctx.draw.wide_primitives.patch.filter(|_| tessellation_asked_for());
+    let input = match ctx.draw.wide_primitives.drawn {
         Shape::Triangles => Some(Input::Triangles),
         Shape::Lines => Some(Input::Lines),
         _ => None,
@@ -41,12 +41,12 @@ pub fn begin(
     division: Option<Division>,
 ) -> Option<(Arc<Variant>, InUse)> {
     let (lens, division) = (lens?, division?);
-    if ctx.fixed_function.processor == Processor::Divides {
-        ctx.fixed_function.view = Some((division, *rows));
+    if ctx.projected.fixed_function.processor == Processor::Divides {
+        ctx.projected.fixed_function.view = Some((division, *rows));
         return None;
     }
     // Feedback records what the program's own stages make.
-    if ctx.feedback {
+    if ctx.app.feedback {
         return None;
     }
     let variant = variant(ctx)?;

@@ -8,7 +8,7 @@
 use crate::correct::projected::division;
 use crate::intercept::gl::projected_vertices::geometry_stage::{CARRIER, COUNTER, Limits, Passing};
 use crate::intercept::gl::projected_vertices::interface::{Interface, Value};
-use crate::intercept::gl::state::primitives::Patch;
+use crate::intercept::gl::state::draw::primitives::Patch;
 use std::fmt::Write;
 
 /// What the values of the control stage are called, with a number behind.

@@ -13,10 +13,10 @@ use crate::intercept::gl::projected_vertices::geometry_stage::{self, Limits, Pas
 use crate::intercept::gl::projected_vertices::interface::{self, Interface};
 use crate::intercept::gl::projected_vertices::{carriers, tessellation};
 use crate::intercept::gl::shader::patch;
-use crate::intercept::gl::state::division_counter::Counter;
-use crate::intercept::gl::state::programs::Program;
-use crate::intercept::gl::state::uniform_mirror::Mirror;
-use crate::intercept::gl::state::variants::{InUse, Kind, State, Variant};
+use crate::intercept::gl::state::shader::division_counter::Counter;
+use crate::intercept::gl::state::shader::programs::Program;
+use crate::intercept::gl::state::shader::uniform_mirror::Mirror;
+use crate::intercept::gl::state::shader::variants::{InUse, Kind, State, Variant};
 use crate::intercept::log;
 use crate::lock::Lock;
 use std::ffi::{CStr, CString, c_char};
@@ -24,7 +24,7 @@ use std::sync::Arc;
 
 /// The variant of this kind of the program that draws, linked if it is new; `None` where there can be none.
 pub fn of(ctx: &mut Context, kind: Kind) -> Option<Arc<Variant>> {
-    let program = ctx.program.clone()?;
+    let program = ctx.shaders.program.clone()?;
     let state = program.variants.locked().state(kind);
     match state {
         State::Made(variant) => Some(variant),
@@ -34,10 +34,10 @@ pub fn of(ctx: &mut Context, kind: Kind) -> Option<Arc<Variant>> {
                 let ctx: &mut Context = &mut OwnCalls::without_messages(ctx);
                 errors::take_error(ctx);
                 let made = make(ctx, &program, kind);
-                errors::drop_errors(ctx.gl);
+                errors::drop_errors(ctx.driver.gl);
                 made
             };
-            ctx.counts.linked += 1;
+            ctx.frame.counts.linked += 1;
             let (state, variant) = match made {
                 Ok(variant) => {
                     let variant = Arc::new(variant);
@@ -58,15 +58,15 @@ pub fn of(ctx: &mut Context, kind: Kind) -> Option<Arc<Variant>> {
 impl Variant {
     /// Puts it in use in place of the program that draws, with the values of its uniforms, for a view of these rows and lens.
     pub fn begin(&self, ctx: &mut Context, rows: &ReprojectionMatrix, lens: &LensConstants) -> InUse {
-        let gl = ctx.gl;
-        let counter = ctx.coarse.as_ref().filter(|_| self.counts).map(|counter| counter.begin(gl));
+        let gl = ctx.driver.gl;
+        let counter = ctx.projected.coarse.as_ref().filter(|_| self.counts).map(|counter| counter.begin(gl));
         // SAFETY: a program of ours; the locations are those of the two halves of our array.
         unsafe {
             gl.use_program(self.name);
             gl.uniform4fv(self.locations[0], projection::ROWS, rows.to_array().as_ptr());
             gl.uniform4fv(self.locations[1], projection::LENS, lens.to_array().as_ptr());
         }
-        self.mirror.copy(gl, ctx.pipelines.used, self.name);
+        self.mirror.copy(gl, ctx.shaders.pipelines.used, self.name);
         let mut vertices = 0;
         if let Some(own) = self.patch {
             // SAFETY: asks for and sets a number that OpenGL 4.0 has, put back in `end`.
@@ -74,7 +74,7 @@ impl Variant {
                 gl.get_integerv(api::GL_PATCH_VERTICES, &mut vertices);
                 gl.patch_parameteri(api::GL_PATCH_VERTICES, own);
             }
-            ctx.wide_primitives.as_patches = true;
+            ctx.draw.wide_primitives.as_patches = true;
         }
         InUse(counter, vertices)
     }
@@ -82,15 +82,15 @@ impl Variant {
     /// Puts the program's own in use again.
     pub fn end(&self, ctx: &mut Context, in_use: &InUse) {
         if self.patch.is_some() {
-            ctx.wide_primitives.as_patches = false;
+            ctx.draw.wide_primitives.as_patches = false;
             // SAFETY: as `begin` found it.
-            unsafe { ctx.gl.patch_parameteri(api::GL_PATCH_VERTICES, in_use.1) };
+            unsafe { ctx.driver.gl.patch_parameteri(api::GL_PATCH_VERTICES, in_use.1) };
         }
-        if let (Some(counter), InUse(Some(before), _)) = (&ctx.coarse, in_use) {
-            counter.end(ctx.gl, before);
+        if let (Some(counter), InUse(Some(before), _)) = (&ctx.projected.coarse, in_use) {
+            counter.end(ctx.driver.gl, before);
         }
         // SAFETY: what the program has in use.
-        unsafe { ctx.gl.use_program(ctx.pipelines.used) };
+        unsafe { ctx.driver.gl.use_program(ctx.shaders.pipelines.used) };
     }
 }
 
@@ -99,37 +99,37 @@ fn limits(ctx: &Context, kind: Kind) -> Limits {
     let number = |name: u32| {
         let mut value = 0;
         // SAFETY: writes one integer.
-        unsafe { ctx.gl.get_integerv(name, &mut value) };
+        unsafe { ctx.driver.gl.get_integerv(name, &mut value) };
         usize::try_from(value).unwrap_or(0)
     };
     let counters = match kind {
         Kind::Geometry(_) => api::GL_MAX_GEOMETRY_ATOMIC_COUNTERS,
         Kind::Tessellation(_) => api::GL_MAX_TESS_CONTROL_ATOMIC_COUNTERS,
     };
-    let counted = ctx.profile.version >= 42 && number(counters) > 0;
+    let counted = ctx.driver.profile.version >= 42 && number(counters) > 0;
     let wanted = crate::intercept::settings::settings().is_some_and(|settings| settings.stats.is_some());
     let bindings = number(api::GL_MAX_ATOMIC_COUNTER_BUFFER_BINDINGS) as u32;
     Limits {
         vertices: number(api::GL_MAX_GEOMETRY_OUTPUT_VERTICES),
         components: number(api::GL_MAX_GEOMETRY_TOTAL_OUTPUT_COMPONENTS),
-        shared: ctx.profile.version >= 40,
+        shared: ctx.driver.profile.version >= 40,
         counter: (counted && wanted && bindings > 0).then(|| bindings - 1),
-        compatibility: ctx.profile.compatibility(),
+        compatibility: ctx.driver.profile.compatibility(),
     }
 }
 
 fn make(ctx: &mut Context, program: &Program, kind: Kind) -> Result<Variant, &'static str> {
-    if ctx.pipelines.used != program.name {
+    if ctx.shaders.pipelines.used != program.name {
         return Err("it belongs to a pipeline");
     }
-    if ctx.profile.es || ctx.profile.version < 32 {
+    if ctx.driver.profile.es || ctx.driver.profile.version < 32 {
         return Err("there are no geometry shaders before OpenGL 3.2");
     }
     if program.texts.iter().any(|(kind, _)| *kind == api::GL_GEOMETRY_SHADER) {
         return Err("it has a geometry shader of its own");
     }
     let tessellates = matches!(kind, Kind::Tessellation(_));
-    if tessellates && ctx.profile.version < 40 {
+    if tessellates && ctx.driver.profile.version < 40 {
         return Err("there are no tessellation shaders before OpenGL 4.0");
     }
     let has = |wanted: u32| program.texts.iter().any(|(kind, _)| *kind == wanted);
@@ -145,8 +145,8 @@ fn make(ctx: &mut Context, program: &Program, kind: Kind) -> Result<Variant, &'s
     let source = &program.texts[index].1;
     let bare = patch::strip_comments(source);
     let mut interface = interface::read(&bare)?;
-    let built_in = if ctx.profile.compatibility() { interface::built_in(&bare) } else { Vec::new() };
-    if ctx.profile.compatibility() {
+    let built_in = if ctx.driver.profile.compatibility() { interface::built_in(&bare) } else { Vec::new() };
+    if ctx.driver.profile.compatibility() {
         interface.add_texture_coordinates(&bare)?;
     }
     let fragments: Vec<_> = program.texts.iter().filter(|(kind, _)| *kind == api::GL_FRAGMENT_SHADER).collect();
@@ -168,7 +168,7 @@ fn make(ctx: &mut Context, program: &Program, kind: Kind) -> Result<Variant, &'s
     };
     let carrying = carriers::carry(source, &interface);
 
-    let gl = ctx.gl;
+    let gl = ctx.driver.gl;
     let mut shaders: Vec<u32> = dividing.iter().map(|(stage, text)| compile(gl, *stage, text)).collect();
     for (number, (kind, source)) in program.texts.iter().enumerate() {
         shaders.push(compile(gl, *kind, if number == index { &carrying } else { source }));
@@ -186,10 +186,10 @@ fn make(ctx: &mut Context, program: &Program, kind: Kind) -> Result<Variant, &'s
         // SAFETY: a NUL-terminated name.
         unsafe { gl.get_uniform_location(name, name_of.as_ptr()) }
     };
-    if let (Some(binding), None) = (limits.counter, &ctx.coarse) {
-        ctx.coarse = Some(Counter::new(gl, binding));
+    if let (Some(binding), None) = (limits.counter, &ctx.projected.coarse) {
+        ctx.projected.coarse = Some(Counter::new(gl, binding));
     }
-    ctx.uncounted |= limits.counter.is_none();
+    ctx.projected.uncounted |= limits.counter.is_none();
     Ok(Variant {
         name,
         locations: [location(0), location(projection::ROWS)],

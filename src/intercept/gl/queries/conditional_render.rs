@@ -13,20 +13,20 @@ fn begin(ctx: &mut Context, query: u32, mode: u32) {
     take_error(ctx);
     // SAFETY: the program's own call; an object of ours in place of its query saw the same.
     let error = unsafe {
-        ctx.gl.begin_conditional_render(object, mode);
-        ctx.gl.get_error()
+        ctx.driver.gl.begin_conditional_render(object, mode);
+        ctx.driver.gl.get_error()
     };
     match error {
-        api::GL_NO_ERROR => ctx.condition = Some((object, mode)),
-        error if ctx.pending_error == api::GL_NO_ERROR => ctx.pending_error = error,
+        api::GL_NO_ERROR => ctx.queries.condition = Some((object, mode)),
+        error if ctx.driver.pending_error == api::GL_NO_ERROR => ctx.driver.pending_error = error,
         _ => {}
     }
 }
 
 fn end(ctx: &mut Context) {
     // SAFETY: the program's own call.
-    unsafe { ctx.gl.end_conditional_render() };
-    ctx.condition = None;
+    unsafe { ctx.driver.gl.end_conditional_render() };
+    ctx.queries.condition = None;
 }
 
 hooks! {

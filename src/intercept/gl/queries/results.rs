@@ -19,12 +19,12 @@ fn refuses(ctx: &mut Context, name: u32) -> bool {
 /// What the program asks of a query whose result is in several objects; `None`: the driver answers.
 fn answer(ctx: &mut Context, name: u32, what: u32) -> Option<u64> {
     let count = ctx.queries.split.get(&name)?;
-    let ready = || count.parts.iter().all(|part| available(ctx.gl, part.0));
+    let ready = || count.parts.iter().all(|part| available(ctx.driver.gl, part.0));
     // Questions of ours write numbers, wherever the program wants its own answer.
     let buffer = unbind_results(ctx);
     let answer = match what {
-        api::GL_QUERY_RESULT => Some(count.total(ctx.gl, ctx.queries.wide)),
-        api::GL_QUERY_RESULT_NO_WAIT if ready() => Some(count.total(ctx.gl, ctx.queries.wide)),
+        api::GL_QUERY_RESULT => Some(count.total(ctx.driver.gl, ctx.queries.wide)),
+        api::GL_QUERY_RESULT_NO_WAIT if ready() => Some(count.total(ctx.driver.gl, ctx.queries.wide)),
         api::GL_QUERY_RESULT_AVAILABLE => Some(u64::from(ready())),
         _ => None,
     };
@@ -35,10 +35,10 @@ fn answer(ctx: &mut Context, name: u32, what: u32) -> Option<u64> {
 /// Takes the program's buffer for results away; its name, or 0.
 fn unbind_results(ctx: &Context) -> u32 {
     let mut buffer = 0;
-    if !ctx.profile.es && ctx.profile.version >= 44 {
+    if !ctx.driver.profile.es && ctx.driver.profile.version >= 44 {
         // SAFETY: writes one integer; the binding is put back by `bind_results`.
         unsafe {
-            ctx.gl.get_integerv(api::GL_QUERY_BUFFER_BINDING, &mut buffer);
+            ctx.driver.gl.get_integerv(api::GL_QUERY_BUFFER_BINDING, &mut buffer);
             bind_results(ctx, 0);
         }
     }
@@ -46,9 +46,9 @@ fn unbind_results(ctx: &Context) -> u32 {
 }
 
 fn bind_results(ctx: &Context, buffer: u32) {
-    if !ctx.profile.es && ctx.profile.version >= 44 {
+    if !ctx.driver.profile.es && ctx.driver.profile.version >= 44 {
         // SAFETY: OpenGL 4.4 knows the target.
-        unsafe { ctx.gl.bind_buffer(api::GL_QUERY_BUFFER, buffer) };
+        unsafe { ctx.driver.gl.bind_buffer(api::GL_QUERY_BUFFER, buffer) };
     }
 }
 
@@ -62,7 +62,9 @@ unsafe fn write<T>(ctx: &Context, value: T, values: *mut T) {
     if buffer != 0 {
         let size = size_of::<T>() as isize;
         // SAFETY: the driver checks the offset.
-        unsafe { ctx.gl.buffer_sub_data(api::GL_QUERY_BUFFER, values as isize, size, (&raw const value).cast()) };
+        unsafe {
+            ctx.driver.gl.buffer_sub_data(api::GL_QUERY_BUFFER, values as isize, size, (&raw const value).cast())
+        };
     } else if !values.is_null() {
         // SAFETY: as promised.
         unsafe { values.write(value) };
@@ -76,7 +78,7 @@ fn current(ctx: &Context, target: u32, index: u32) -> Option<u32> {
 
 /// Queries were deleted.
 fn forget(ctx: &mut Context, names: &[u32]) {
-    let gl = ctx.gl;
+    let gl = ctx.driver.gl;
     for name in names.iter().filter(|name| **name != 0) {
         if let Some(number) = ctx.queries.running.iter().position(|r| r.name == *name) {
             let mut running = ctx.queries.running.swap_remove(number);

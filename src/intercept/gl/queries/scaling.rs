@@ -19,7 +19,7 @@ use crate::runtime::Session;
 
 /// The next draw counts with these weights.
 pub fn weigh(ctx: &mut Context, weights: QueryWeights) {
-    let gl = ctx.gl;
+    let gl = ctx.driver.gl;
     for number in 0..ctx.queries.running.len() {
         let running = &mut ctx.queries.running[number];
         let wanted = weights.of(quantity(running.target));
@@ -39,7 +39,7 @@ pub fn weigh(ctx: &mut Context, weights: QueryWeights) {
 /// How many samples of the program's own picture one of the views' is worth: what fills that picture counts as
 /// many as it has. `off_screen`: each view has as many samples as that picture.
 pub fn scene_samples(ctx: &mut Context, session: &Session, off_screen: bool) -> f64 {
-    let Some(lens) = ctx.lens else { return 1.0 };
+    let Some(lens) = ctx.frame.lens else { return 1.0 };
     let seen = Some((lens, ctx.app.viewport, off_screen));
     if ctx.queries.seen != seen {
         let [_, _, width, height] = ctx.app.viewport.map(f64::from);
@@ -52,7 +52,7 @@ pub fn scene_samples(ctx: &mut Context, session: &Session, off_screen: bool) -> 
 
 /// `glBeginQuery`, `glBeginQueryIndexed`.
 pub fn begin(ctx: &mut Context, target: u32, index: u32, name: u32) {
-    let gl = ctx.gl;
+    let gl = ctx.driver.gl;
     let collides = |r: &Running| (kind(r.target) == kind(target) && r.index == index) || r.name == name;
     if ctx.queries.running.iter().any(collides) {
         // The driver may have another object of that kind now, or none.
@@ -66,18 +66,18 @@ pub fn begin(ctx: &mut Context, target: u32, index: u32, name: u32) {
             if let Some(old) = ctx.queries.split.remove(&name) {
                 ctx.queries.give_back(&old, name);
             }
-            ctx.queries.wide = !ctx.profile.es && ctx.profile.version >= 33;
+            ctx.queries.wide = !ctx.driver.profile.es && ctx.driver.profile.version >= 33;
             let before = Count { target, ..Count::default() };
             ctx.queries.running.push(Running { target, index, name, now: Some((name, None)), before });
         }
-        error if ctx.pending_error == api::GL_NO_ERROR => ctx.pending_error = error,
+        error if ctx.driver.pending_error == api::GL_NO_ERROR => ctx.driver.pending_error = error,
         _ => {}
     }
 }
 
 /// `glEndQuery`, `glEndQueryIndexed`.
 pub fn end(ctx: &mut Context, target: u32, index: u32) {
-    let gl = ctx.gl;
+    let gl = ctx.driver.gl;
     let Some(number) = ctx.queries.running.iter().position(|r| r.target == target && r.index == index) else {
         // An error of the program's, for the driver to say.
         end_real(gl, target, index);
@@ -92,14 +92,15 @@ pub fn end(ctx: &mut Context, target: u32, index: u32) {
 }
 
 pub(super) fn invalid(ctx: &mut Context) {
-    if ctx.pending_error == api::GL_NO_ERROR {
-        ctx.pending_error = api::GL_INVALID_OPERATION;
+    if ctx.driver.pending_error == api::GL_NO_ERROR {
+        ctx.driver.pending_error = api::GL_INVALID_OPERATION;
     }
 }
 
 /// The object that conditional rendering goes by, in place of the program's query: one that saw something.
 pub fn condition(ctx: &Context, name: u32) -> u32 {
-    let seen =
-        |count: &Count| count.parts.iter().find(|part| result(ctx.gl, ctx.queries.wide, part.0) > 0).map(|part| part.0);
+    let seen = |count: &Count| {
+        count.parts.iter().find(|part| result(ctx.driver.gl, ctx.queries.wide, part.0) > 0).map(|part| part.0)
+    };
     ctx.queries.split.get(&name).and_then(seen).unwrap_or(name)
 }

@@ -120,8 +120,8 @@ hooks! {
             if !length.is_null() {
                 *length = 0;
             }
-            if ctx.pending_error == api::GL_NO_ERROR {
-                ctx.pending_error = api::GL_INVALID_OPERATION;
+            if ctx.driver.pending_error == api::GL_NO_ERROR {
+                ctx.driver.pending_error = api::GL_INVALID_OPERATION;
             }
         }
     };

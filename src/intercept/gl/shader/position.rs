@@ -2,8 +2,8 @@
 
 use crate::backend::gl::api::Gl;
 use crate::intercept::gl::shader::prover::{self, Attribute, Proof};
-use crate::intercept::gl::state::programs::{Array, Factor, Position};
-use crate::intercept::gl::state::uniforms::Uniforms;
+use crate::intercept::gl::state::shader::programs::{Array, Factor, Position};
+use crate::intercept::gl::state::shader::uniforms::Uniforms;
 use std::ffi::CString;
 
 impl Position {

@@ -3,37 +3,37 @@
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::shader::programs;
-use crate::intercept::gl::state::programs::{Lens, Program};
+use crate::intercept::gl::state::shader::programs::{Lens, Program};
 use std::sync::Arc;
 
 /// What now draws: the program in use, or else the pipeline's last program before rasterisation.
 pub fn choose(ctx: &mut Context) {
-    if ctx.pipelines.used != 0 {
-        ctx.program = programs::record(ctx, ctx.pipelines.used);
+    if ctx.shaders.pipelines.used != 0 {
+        ctx.shaders.program = programs::record(ctx, ctx.shaders.pipelines.used);
         return;
     }
-    let names = ctx.pipelines.stages().last_first();
+    let names = ctx.shaders.pipelines.stages().last_first();
     let last = names.into_iter().find(|name| *name != 0).unwrap_or(0);
-    ctx.program = programs::record(ctx, last);
+    ctx.shaders.program = programs::record(ctx, last);
     for earlier in names.into_iter().filter(|name| *name != 0 && *name != last) {
         if let Some(program) = programs::record(ctx, earlier) {
-            programs::send(ctx, &program, &crate::intercept::gl::state::programs::IDENTITY);
+            programs::send(ctx, &program, &crate::intercept::gl::state::shader::programs::IDENTITY);
         }
     }
 }
 
 /// The program that `glUniform` sets where none is in use.
 pub fn active(ctx: &Context) -> Option<Arc<Program>> {
-    programs::record(ctx, ctx.pipelines.stages().active)
+    programs::record(ctx, ctx.shaders.pipelines.stages().active)
 }
 
 /// The lens of what draws: in a pipeline, of the last program that holds one.
 pub fn lens(ctx: &mut Context, program: &Program) -> Lens {
     let lens = program.lens(ctx);
-    if ctx.pipelines.used != 0 || lens != Lens::Flat {
+    if ctx.shaders.pipelines.used != 0 || lens != Lens::Flat {
         return lens;
     }
-    for name in ctx.pipelines.stages().last_first() {
+    for name in ctx.shaders.pipelines.stages().last_first() {
         let lens = programs::record(ctx, name).filter(|p| p.name != program.name).map(|p| p.lens(ctx));
         if let Some(lens) = lens.filter(|lens| *lens != Lens::Flat) {
             return lens;
@@ -45,26 +45,26 @@ pub fn lens(ctx: &mut Context, program: &Program) -> Lens {
 hooks! {
     "glBindProgramPipeline" bind_program_pipeline(pipeline: u32) = |ctx, gl| {
         gl.bind_program_pipeline(pipeline);
-        ctx.pipelines.bound = pipeline;
+        ctx.shaders.pipelines.bound = pipeline;
         choose(ctx);
     };
     "glUseProgramStages" use_program_stages(pipeline: u32, stages: u32, program: u32) = |ctx, gl| {
         gl.use_program_stages(pipeline, stages, program);
         let present = programs::record(ctx, program).map_or(0, |p| p.stages());
-        ctx.pipelines.pipelines.entry(pipeline).or_default().set(stages, program, present);
+        ctx.shaders.pipelines.pipelines.entry(pipeline).or_default().set(stages, program, present);
         choose(ctx);
     };
     "glActiveShaderProgram" active_shader_program(pipeline: u32, program: u32) = |ctx, gl| {
         gl.active_shader_program(pipeline, program);
-        ctx.pipelines.pipelines.entry(pipeline).or_default().active = program;
+        ctx.shaders.pipelines.pipelines.entry(pipeline).or_default().active = program;
     };
     "glDeleteProgramPipelines" delete_program_pipelines(count: i32, names: *const u32) = |ctx, gl| {
         gl.delete_program_pipelines(count, names);
         if !names.is_null() {
             for name in std::slice::from_raw_parts(names, usize::try_from(count).unwrap_or(0)) {
-                ctx.pipelines.pipelines.remove(name);
-                if ctx.pipelines.bound == *name {
-                    ctx.pipelines.bound = 0;
+                ctx.shaders.pipelines.pipelines.remove(name);
+                if ctx.shaders.pipelines.bound == *name {
+                    ctx.shaders.pipelines.bound = 0;
                 }
             }
         }

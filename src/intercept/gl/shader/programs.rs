@@ -9,8 +9,8 @@ use crate::intercept::gl::context::list_recording::{self, Command};
 use crate::intercept::gl::context::{matrices, methods};
 use crate::intercept::gl::shader::patch::{self, Stage};
 use crate::intercept::gl::shader::{program_pipelines, samplers, uniforms};
-use crate::intercept::gl::state::profile::Profile;
-use crate::intercept::gl::state::programs::{Lens, Position, Program};
+use crate::intercept::gl::state::driver::profile::Profile;
+use crate::intercept::gl::state::shader::programs::{Lens, Position, Program};
 use crate::intercept::gl::vertex_input::buffers;
 use crate::intercept::log;
 use crate::lock::Lock;
@@ -27,7 +27,7 @@ impl Program {
         }
         if self.fixed_matrices {
             matrices::refresh(ctx);
-            if let MatrixClass::Perspective(intrinsics) = ctx.projection.class {
+            if let MatrixClass::Perspective(intrinsics) = ctx.compat.projection.class {
                 return Lens::Perspective(intrinsics, "fixed-function matrix in a shader");
             }
         }
@@ -35,21 +35,23 @@ impl Program {
         if !uniforms.any() && !self.fixed_matrices {
             return given(ctx);
         }
-        uniforms.lens(ctx.gl, ctx.buffer_generation, &buffers::of(ctx))
+        uniforms.lens(ctx.driver.gl, ctx.vertex_input.blocks.generation(), &buffers::of(ctx))
     }
 }
 
 /// The rig's lens, for what is drawn with a depth test by a program without a matrix.
 fn given(ctx: &Context) -> Lens {
     match ctx.session().and_then(Session::given_lens) {
-        Some(lens) if ctx.known_state.is_on(ctx.gl, api::GL_DEPTH_TEST) => Lens::Perspective(lens, "the rig's lens"),
+        Some(lens) if ctx.driver.known_state.is_on(ctx.driver.gl, api::GL_DEPTH_TEST) => {
+            Lens::Perspective(lens, "the rig's lens")
+        }
         _ => Lens::Flat,
     }
 }
 
 /// Sends `rows` to the program that draws, unless it has them.
 pub fn upload(ctx: &Context, rows: &ReprojectionMatrix) {
-    if let Some(program) = &ctx.program {
+    if let Some(program) = &ctx.shaders.program {
         send(ctx, program, rows);
     }
 }
@@ -69,7 +71,7 @@ pub fn send(ctx: &Context, program: &Program, rows: &ReprojectionMatrix) {
 /// Sends the rows of a view to the program that draws, and the lens to whose axes they lead, if they lead to one.
 pub fn upload_view(ctx: &Context, rows: &ReprojectionMatrix, lens: Option<&LensConstants>) {
     upload(ctx, rows);
-    let (Some(program), Some(lens)) = (&ctx.program, lens) else { return };
+    let (Some(program), Some(lens)) = (&ctx.shaders.program, lens) else { return };
     let mut uploaded = program.uploaded.locked();
     if program.lens_location >= 0 && uploaded.lens.as_ref() != Some(lens) {
         set_vectors(ctx, program, program.lens_location, &lens.to_array());
@@ -82,10 +84,10 @@ fn set_vectors(ctx: &Context, program: &Program, location: i32, vectors: &[f32; 
     // SAFETY: the location is that of the array, or of its second half; where no program is in use, there are
     // pipelines and with them the command that takes a name.
     unsafe {
-        if ctx.pipelines.used == program.name {
-            ctx.gl.uniform4fv(location, 4, vectors.as_ptr());
+        if ctx.shaders.pipelines.used == program.name {
+            ctx.driver.gl.uniform4fv(location, 4, vectors.as_ptr());
         } else {
-            ctx.gl.program_uniform4fv(program.name, location, 4, vectors.as_ptr());
+            ctx.driver.gl.program_uniform4fv(program.name, location, 4, vectors.as_ptr());
         }
     }
 }
@@ -93,8 +95,8 @@ fn set_vectors(ctx: &Context, program: &Program, location: i32, vectors: &[f32; 
 /// `glUseProgram`.
 pub fn select(ctx: &mut Context, name: u32) {
     // SAFETY: the program's own call.
-    unsafe { ctx.gl.use_program(name) };
-    ctx.pipelines.used = name;
+    unsafe { ctx.driver.gl.use_program(name) };
+    ctx.shaders.pipelines.used = name;
     program_pipelines::choose(ctx);
 }
 
@@ -106,7 +108,7 @@ pub fn record(ctx: &Context, name: u32) -> Option<Arc<Program>> {
 /// A block of `name` was bound elsewhere: its matrices are found anew.
 pub fn read_again(ctx: &mut Context, name: u32) {
     let Some(old) = record(ctx, name) else { return };
-    let (uniforms, _) = uniforms::read(ctx.gl, &ctx.profile, name, projection::UNIFORM);
+    let (uniforms, _) = uniforms::read(ctx.driver.gl, &ctx.driver.profile, name, projection::UNIFORM);
     *old.uniforms.locked() = uniforms;
 }
 
@@ -186,7 +188,7 @@ fn patched_stage(
 
 /// Links with the patched stage; leaves the program as it would be without us where that fails.
 fn link(ctx: &mut Context, program: u32) {
-    let gl = ctx.gl;
+    let gl = ctx.driver.gl;
     let shaders = attached(gl, program);
     // Compiling takes long; other threads' contexts use the table meanwhile.
     let sources: HashMap<u32, Arc<str>> = {
@@ -194,11 +196,11 @@ fn link(ctx: &mut Context, program: u32) {
         forget(gl, programs.programs.remove(&program));
         shaders.iter().filter_map(|s| Some((s.0, programs.sources.get(&s.0)?.clone()))).collect()
     };
-    let patched = patched_stage(&sources, &shaders, ctx.profile.es, methods::asked_for());
+    let patched = patched_stage(&sources, &shaders, ctx.driver.profile.es, methods::asked_for());
     let mut linked = false;
     if let Some((shader, original, text)) = &patched {
         linked = link_patched(gl, program, *shader, original, text);
-        ctx.counts.linked += 1;
+        ctx.frame.counts.linked += 1;
     }
     if !linked {
         // SAFETY: the program's own call.
@@ -220,7 +222,7 @@ fn link(ctx: &mut Context, program: u32) {
     let mut fragments = shaders.iter().filter(|s| s.1 == api::GL_FRAGMENT_SHADER).filter_map(|s| sources.get(&s.0));
     let texts = shaders.iter().filter_map(|s| Some((s.1, sources.get(&s.0)?.clone())));
     let texts = if methods::asked_for() { texts.collect() } else { Vec::new() };
-    let mut record = read_program(gl, &ctx.profile, program, linked, stages, fixed_matrices);
+    let mut record = read_program(gl, &ctx.driver.profile, program, linked, stages, fixed_matrices);
     record.texts = texts;
     record.reads_frag_coord = fragments.any(|source| patch::mentions(source, "gl_FragCoord"));
     let mut vertices = shaders.iter().filter(|s| s.1 != api::GL_FRAGMENT_SHADER);
@@ -228,15 +230,15 @@ fn link(ctx: &mut Context, program: u32) {
         && let Some(source) = sources.get(shader)
     {
         let uniforms = record.uniforms.unlocked_mut();
-        record.position = Position::of_shader(gl, program, source, ctx.profile.es, uniforms);
+        record.position = Position::of_shader(gl, program, source, ctx.driver.profile.es, uniforms);
     }
     let record = Arc::new(record);
     let mut programs = ctx.share.programs.locked();
     programs.programs.insert(program, record.clone());
     drop(programs);
     // Linking a program that is in use puts the new one into use.
-    if ctx.program.as_ref().is_some_and(|p| p.name == program) {
-        ctx.program = Some(record);
+    if ctx.shaders.program.as_ref().is_some_and(|p| p.name == program) {
+        ctx.shaders.program = Some(record);
     }
 }
 
@@ -251,7 +253,7 @@ fn forget(gl: &Gl, record: Option<Arc<Program>>) {
 /// `own` the same without what projects. `flat`: a primitive has the colour of its last vertex. `None` where the driver
 /// does not link it.
 pub fn of_own_text(ctx: &Context, patched: &str, own: Arc<str>, flat: bool) -> Option<Program> {
-    let gl = ctx.gl;
+    let gl = ctx.driver.gl;
     // SAFETY: objects of ours.
     let name = unsafe {
         let (shader, name) = (gl.create_shader(api::GL_VERTEX_SHADER), gl.create_program());
@@ -267,7 +269,7 @@ pub fn of_own_text(ctx: &Context, patched: &str, own: Arc<str>, flat: bool) -> O
         unsafe { gl.delete_program(name) };
         return None;
     }
-    let record = read_program(gl, &ctx.profile, name, true, api::GL_VERTEX_SHADER_BIT, true);
+    let record = read_program(gl, &ctx.driver.profile, name, true, api::GL_VERTEX_SHADER_BIT, true);
     Some(Program { flat, texts: vec![(api::GL_VERTEX_SHADER, own)], ..record })
 }
 

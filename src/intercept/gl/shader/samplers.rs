@@ -1,7 +1,7 @@
 //! Samplers of a program.
 
 use crate::backend::gl::api::{self, Gl};
-use crate::intercept::gl::state::programs::Sampler;
+use crate::intercept::gl::state::shader::programs::Sampler;
 use std::ffi::{CStr, c_char};
 
 /// What a uniform of this type samples, if that can be drawn into.

@@ -3,9 +3,9 @@
 use crate::backend::gl::api::{self, Gl};
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::shader::{program_pipelines, programs};
-use crate::intercept::gl::state::profile::Profile;
-use crate::intercept::gl::state::programs::Program;
-use crate::intercept::gl::state::uniforms::{Matrix, MatrixLocation, Uniforms};
+use crate::intercept::gl::state::driver::profile::Profile;
+use crate::intercept::gl::state::shader::programs::Program;
+use crate::intercept::gl::state::shader::uniforms::{Matrix, MatrixLocation, Uniforms};
 use crate::intercept::lens::{rank, transposed};
 use crate::lock::Lock;
 use std::ffi::{CStr, c_char};
@@ -108,8 +108,8 @@ unsafe fn note<T: Copy + Into<f64>>(
 hooks! {
     "glUniformMatrix4fv" uniform_matrix4fv(location: i32, count: i32, transpose: u8, value: *const f32) = |ctx, gl| {
         gl.uniform_matrix4fv(location, count, transpose, value);
-        if ctx.pipelines.used != 0 {
-            note(ctx.program.as_deref(), location, count, transpose, value);
+        if ctx.shaders.pipelines.used != 0 {
+            note(ctx.shaders.program.as_deref(), location, count, transpose, value);
         } else {
             note(program_pipelines::active(ctx).as_deref(), location, count, transpose, value);
         }

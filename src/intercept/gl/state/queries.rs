@@ -21,6 +21,8 @@ pub struct Queries {
     pub(in crate::intercept::gl) worth: f64,
     /// The context has results of 64 bits.
     pub(in crate::intercept::gl) wide: bool,
+    /// Conditional rendering.
+    pub(in crate::intercept::gl) condition: Condition,
 }
 
 /// A query between Begin and End.

@@ -4,7 +4,7 @@
 
 use crate::backend::gl::api;
 use crate::intercept::gl::context::gl_context::Context;
-use crate::intercept::gl::state::buffer_bindings::{TARGETS, place};
+use crate::intercept::gl::state::vertex_input::buffer_bindings::{TARGETS, place};
 use crate::intercept::gl::vertex_input::{buffers, vertex_arrays};
 
 /// The buffer that is bound at `target`; `None`: the target is not followed.
@@ -13,11 +13,11 @@ pub fn buffer(ctx: &mut Context, target: u32) -> Option<u32> {
         return Some(vertex_arrays::elements(ctx));
     }
     let place = place(target)?;
-    if let Some(name) = ctx.buffer_bindings.names[place] {
+    if let Some(name) = ctx.vertex_input.buffer_bindings.names[place] {
         return Some(name);
     }
     let name = ask(ctx, TARGETS[place].1);
-    ctx.buffer_bindings.names[place] = Some(name);
+    ctx.vertex_input.buffer_bindings.names[place] = Some(name);
     Some(name)
 }
 
@@ -25,7 +25,7 @@ pub fn buffer(ctx: &mut Context, target: u32) -> Option<u32> {
 pub fn ask(ctx: &Context, binding: u32) -> u32 {
     let mut name = 0;
     // SAFETY: writes one integer.
-    unsafe { ctx.gl.get_integerv(binding, &mut name) };
+    unsafe { ctx.driver.gl.get_integerv(binding, &mut name) };
     buffers::of(ctx).note_object(name as u32);
     name as u32
 }
@@ -41,6 +41,6 @@ pub fn note(ctx: &mut Context, target: u32, name: u32) {
     if target == api::GL_ELEMENT_ARRAY_BUFFER {
         vertex_arrays::note_elements(ctx, bound);
     } else if let Some(place) = place(target) {
-        ctx.buffer_bindings.names[place] = bound;
+        ctx.vertex_input.buffer_bindings.names[place] = bound;
     }
 }

@@ -7,7 +7,7 @@
 use crate::backend::gl::api;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
-use crate::intercept::gl::state::buffers::Buffers;
+use crate::intercept::gl::state::vertex_input::buffers::Buffers;
 use crate::intercept::gl::vertex_input::{buffer_bindings, uniform_blocks};
 use crate::lock::Lock;
 use std::ffi::c_void;
@@ -69,7 +69,7 @@ fn mapped(ctx: &mut Context, name: u32, access: u32) {
 fn stored(ctx: &mut Context, name: u32, flags: u32) {
     named_changed(ctx, name, true);
     // OpenGL ES reads a buffer by mapping it.
-    let unreadable = ctx.profile.es && flags & api::GL_MAP_READ_BIT == 0;
+    let unreadable = ctx.driver.profile.es && flags & api::GL_MAP_READ_BIT == 0;
     if unreadable || flags & (api::GL_MAP_PERSISTENT_BIT | api::GL_SPARSE_STORAGE_BIT_ARB) != 0 {
         of(ctx).forget(name);
     }
@@ -80,7 +80,7 @@ fn bound_to(ctx: &mut Context, target: u32, name: u32) {
     if is_written_to(target) {
         written_by_device(ctx, name);
     }
-    ctx.buffer_bindings.forget_one(target);
+    ctx.vertex_input.buffer_bindings.forget_one(target);
     uniform_blocks::buffer_bound(ctx, target, name);
 }
 
@@ -187,8 +187,8 @@ hooks! {
         }
         gl.delete_buffers(count, names);
         // They are taken out of what they were bound to.
-        ctx.buffer_bindings.forget();
-        ctx.vertex_arrays.forget();
+        ctx.vertex_input.buffer_bindings.forget();
+        ctx.vertex_input.vertex_arrays.forget();
     };
     "glBindBuffer" bind_buffer(target: u32, buffer: u32) = |ctx, gl| {
         gl.bind_buffer(target, buffer);

@@ -2,9 +2,9 @@
 
 use crate::backend::gl::api;
 use crate::intercept::gl::context::gl_context::Context;
-use crate::intercept::gl::state::programs::Array;
-use crate::intercept::gl::state::vertex_arrays::{Pointer, Source, width};
-use crate::intercept::gl::state::vertex_ranges::Layout;
+use crate::intercept::gl::state::shader::programs::Array;
+use crate::intercept::gl::state::vertex_input::vertex_arrays::{Pointer, Source, width};
+use crate::intercept::gl::state::vertex_input::vertex_ranges::Layout;
 use crate::intercept::gl::vertex_input::vertex_arrays;
 
 impl Layout {
@@ -15,7 +15,7 @@ impl Layout {
             Array::Conventional => conventional(ctx)?,
             Array::Generic(location) => generic(ctx, location)?,
         };
-        let profile = &ctx.profile;
+        let profile = &ctx.driver.profile;
         let given = layout.components;
         let signed = matches!(layout.kind, api::GL_BYTE | api::GL_SHORT | api::GL_INT);
         // Older versions have another rule for signed integers.
@@ -70,7 +70,7 @@ fn generic(ctx: &mut Context, location: u32) -> Option<Layout> {
     let (format, source, divisor) = vertex_arrays::generic(ctx, location)?;
     width(format.kind)?;
     // Where attributes have bindings, OpenGL's answers have no room for an address.
-    let told = source.buffer != 0 || !vertex_arrays::has_bindings(&ctx.profile);
+    let told = source.buffer != 0 || !vertex_arrays::has_bindings(&ctx.driver.profile);
     let usable = told && divisor == 0 && !format.integer;
     usable.then_some(Layout::at(source, format.components, format.kind, format.normalised))
 }

@@ -6,9 +6,9 @@
 
 use crate::backend::gl::api::{self, Gl};
 use crate::intercept::gl::context::gl_context::Context;
-use crate::intercept::gl::state::bounds::Bounds;
-use crate::intercept::gl::state::profile::Profile;
-use crate::intercept::gl::state::vertex_ranges::{Key, Known, Layout, MOST_RANGES, Vertices};
+use crate::intercept::gl::state::draw::bounds::Bounds;
+use crate::intercept::gl::state::driver::profile::Profile;
+use crate::intercept::gl::state::vertex_input::vertex_ranges::{Key, Known, Layout, MOST_RANGES, Vertices};
 use crate::intercept::gl::vertex_input::buffers;
 
 /// The most bytes of a buffer that are read for a range.
@@ -28,39 +28,40 @@ pub fn around(ctx: &mut Context, layout: Layout, vertices: Vertices, indices: u3
     let frame = buffers.frame();
     drop(buffers);
     let (key, versions) = (Key { layout, vertices, indices }, [version, index_version]);
-    if let Some(known) = ctx.ranges.known.get(&key).filter(|known| known.versions == versions) {
+    if let Some(known) = ctx.vertex_input.ranges.known.get(&key).filter(|known| known.versions == versions) {
         return known.bounds;
     }
     if !rests || !indices_rest {
         return Bounds::UNKNOWN;
     }
-    ctx.ranges.follow(frame);
-    if ctx.ranges.known.len() >= MOST_RANGES && !make_room(ctx) {
+    ctx.vertex_input.ranges.follow(frame);
+    if ctx.vertex_input.ranges.known.len() >= MOST_RANGES && !make_room(ctx) {
         return Bounds::UNKNOWN;
     }
     let Some(bytes) = size(&layout, &vertices) else { return Bounds::UNKNOWN };
-    if !ctx.ranges.afford(bytes) {
+    if !ctx.vertex_input.ranges.afford(bytes) {
         return Bounds::UNKNOWN;
     }
-    let bounds = read_bounds(ctx.gl, &ctx.profile, &layout, &vertices, indices).unwrap_or(Bounds::UNKNOWN);
-    ctx.ranges.reads += 1;
-    ctx.ranges.known.insert(key, Known { versions, bounds });
+    let bounds =
+        read_bounds(ctx.driver.gl, &ctx.driver.profile, &layout, &vertices, indices).unwrap_or(Bounds::UNKNOWN);
+    ctx.vertex_input.ranges.reads += 1;
+    ctx.vertex_input.ranges.known.insert(key, Known { versions, bounds });
     bounds
 }
 
 /// Forgets the ranges of buffers that have changed since; whether there is room then. Looks once in a frame.
 fn make_room(ctx: &mut Context) -> bool {
-    if std::mem::replace(&mut ctx.ranges.full, true) {
+    if std::mem::replace(&mut ctx.vertex_input.ranges.full, true) {
         return false;
     }
-    let mut known = std::mem::take(&mut ctx.ranges.known);
+    let mut known = std::mem::take(&mut ctx.vertex_input.ranges.known);
     let buffers = buffers::of(ctx);
     let version = |name: u32| buffers.content(name).map_or(0, |content| content.0);
     known.retain(|key, known| known.versions == [version(key.layout.buffer), version(key.indices)]);
     drop(buffers);
-    ctx.ranges.known = known;
-    ctx.ranges.full = ctx.ranges.known.len() >= MOST_RANGES;
-    !ctx.ranges.full
+    ctx.vertex_input.ranges.known = known;
+    ctx.vertex_input.ranges.full = ctx.vertex_input.ranges.known.len() >= MOST_RANGES;
+    !ctx.vertex_input.ranges.full
 }
 
 /// About how many bytes are to be read.
@@ -202,9 +203,9 @@ unsafe fn mapped_bytes(gl: &Gl, start: usize, size: usize) -> Option<Vec<u8>> {
 
 /// Whether some index begins a new primitive instead of naming a vertex.
 pub fn restarts(ctx: &Context) -> bool {
-    let (gl, version) = (ctx.gl, ctx.profile.version);
-    let on = |switch: u32| ctx.known_state.is_on(gl, switch);
-    if ctx.profile.es {
+    let (gl, version) = (ctx.driver.gl, ctx.driver.profile.version);
+    let on = |switch: u32| ctx.driver.known_state.is_on(gl, switch);
+    if ctx.driver.profile.es {
         version >= 30 && on(api::GL_PRIMITIVE_RESTART_FIXED_INDEX)
     } else {
         // Before OpenGL 3.1 it is an extension, with switches of its own.

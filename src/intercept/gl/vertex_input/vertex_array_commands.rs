@@ -6,15 +6,15 @@
 use crate::backend::gl::api;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
-use crate::intercept::gl::state::vertex_arrays::{Format, Pointer, Source, packed};
+use crate::intercept::gl::state::vertex_input::vertex_arrays::{Format, Pointer, Source, packed};
 use crate::intercept::gl::vertex_input::buffer_bindings;
 use crate::intercept::gl::vertex_input::vertex_arrays::{has_bindings, integer};
 use std::ffi::c_void;
 
 /// The object in use can be changed: core profiles have none called 0.
 fn is_changeable(ctx: &mut Context) -> bool {
-    let core = ctx.profile.core;
-    ctx.vertex_arrays.current().is_some_and(|object| object.name != 0 || !core)
+    let core = ctx.driver.profile.core;
+    ctx.vertex_input.vertex_arrays.current().is_some_and(|object| object.name != 0 || !core)
 }
 
 /// The least that OpenGL allows as the greatest stride.
@@ -22,12 +22,12 @@ const STRIDE: i32 = 2048;
 
 /// The attributes that every context has.
 fn attributes(ctx: &Context) -> u32 {
-    if ctx.profile.es { 8 } else { 16 }
+    if ctx.driver.profile.es { 8 } else { 16 }
 }
 
 /// Where `pointer` points, if the call that says so is right.
 fn source(ctx: &mut Context, stride: usize, pointer: *const c_void) -> Option<Source> {
-    let name = ctx.vertex_arrays.current()?.name;
+    let name = ctx.vertex_input.vertex_arrays.current()?.name;
     let buffer = buffer_bindings::buffer(ctx, api::GL_ARRAY_BUFFER)?;
     // Objects have no arrays in the program's memory.
     (buffer != 0 || name == 0).then_some(Source { buffer, start: pointer as usize, stride })
@@ -35,14 +35,14 @@ fn source(ctx: &mut Context, stride: usize, pointer: *const c_void) -> Option<So
 
 /// `glVertexPointer`.
 fn note_conventional(ctx: &mut Context, components: i32, kind: u32, stride: i32, pointer: *const c_void) {
-    let legal = ctx.profile.compatibility()
+    let legal = ctx.driver.profile.compatibility()
         && ctx.takes_calls()
         && (2..=4).contains(&components)
         && (0..=STRIDE).contains(&stride)
         && matches!(kind, api::GL_SHORT | api::GL_INT | api::GL_FLOAT | api::GL_DOUBLE);
     let components = components as usize;
     let source = if legal { source(ctx, packed(stride as usize, components, kind), pointer) } else { None };
-    if let Some(object) = ctx.vertex_arrays.current() {
+    if let Some(object) = ctx.vertex_input.vertex_arrays.current() {
         object.conventional = source.map(|source| Pointer { components, kind, source });
     }
 }
@@ -69,12 +69,12 @@ fn interleaved(format: u32) -> Option<(i32, usize, i32)> {
 /// `glInterleavedArrays`, which switches some arrays on and others off.
 fn note_interleaved(ctx: &mut Context, format: u32, stride: i32, pointer: *const c_void) {
     let Some((components, before, whole)) = interleaved(format) else {
-        ctx.vertex_arrays.forget();
+        ctx.vertex_input.vertex_arrays.forget();
         return;
     };
     let stride = if stride == 0 { whole } else { stride };
     note_conventional(ctx, components, api::GL_FLOAT, stride, pointer.cast::<u8>().wrapping_add(before).cast());
-    if let Some(object) = ctx.vertex_arrays.current() {
+    if let Some(object) = ctx.vertex_input.vertex_arrays.current() {
         object.conventional_on = object.conventional.map(|_| true);
     }
 }
@@ -88,7 +88,7 @@ fn note_generic(
     normalised: bool,
     pointer: *const c_void,
 ) {
-    let Some(object) = ctx.vertex_arrays.current() else { return };
+    let Some(object) = ctx.vertex_input.vertex_arrays.current() else { return };
     if object.attribute(location).is_none() && object.binding(location).is_none() {
         return;
     }
@@ -103,7 +103,7 @@ fn note_generic(
     let components = components as usize;
     let source = if legal { source(ctx, packed(stride as usize, components, kind), pointer) } else { None };
     let format = Format { components, kind, normalised, integer: false, binding: location, offset: 0 };
-    let Some(object) = ctx.vertex_arrays.current() else { return };
+    let Some(object) = ctx.vertex_input.vertex_arrays.current() else { return };
     if let Some(attribute) = object.attribute(location) {
         attribute.format = source.map(|_| format);
     }
@@ -115,7 +115,7 @@ fn note_generic(
 /// `glEnableVertexAttribArray` and `glDisableVertexAttribArray`.
 fn note_switch(ctx: &mut Context, location: u32, on: bool) {
     let certain = location < attributes(ctx) && ctx.takes_calls() && is_changeable(ctx);
-    if let Some(attribute) = ctx.vertex_arrays.current().and_then(|object| object.attribute(location)) {
+    if let Some(attribute) = ctx.vertex_input.vertex_arrays.current().and_then(|object| object.attribute(location)) {
         attribute.on = certain.then_some(on);
     }
 }
@@ -124,10 +124,10 @@ fn note_switch(ctx: &mut Context, location: u32, on: bool) {
 fn note_client_switch(ctx: &mut Context, array: u32, on: bool) {
     let certain = ctx.takes_calls();
     if array == api::GL_PRIMITIVE_RESTART_NV {
-        ctx.known_state.forget_switch(api::GL_PRIMITIVE_RESTART);
+        ctx.driver.known_state.forget_switch(api::GL_PRIMITIVE_RESTART);
     }
     if array == api::GL_VERTEX_ARRAY
-        && let Some(object) = ctx.vertex_arrays.current()
+        && let Some(object) = ctx.vertex_input.vertex_arrays.current()
     {
         object.conventional_on = certain.then_some(on);
     }
@@ -136,7 +136,7 @@ fn note_client_switch(ctx: &mut Context, array: u32, on: bool) {
 /// `glBindVertexArray`.
 fn note_object(ctx: &mut Context, name: u32) {
     let certain = ctx.takes_calls();
-    let arrays = &mut ctx.vertex_arrays;
+    let arrays = &mut ctx.vertex_input.vertex_arrays;
     arrays.used = true;
     if !certain {
         arrays.forget();
@@ -144,18 +144,20 @@ fn note_object(ctx: &mut Context, name: u32) {
     }
     let known = name == 0 || arrays.places.contains_key(&name);
     // A name that is not known may be none.
-    let name = if known { name } else { integer(ctx.gl, api::GL_VERTEX_ARRAY_BINDING) as u32 };
-    ctx.vertex_arrays.select(name);
+    let name = if known { name } else { integer(ctx.driver.gl, api::GL_VERTEX_ARRAY_BINDING) as u32 };
+    ctx.vertex_input.vertex_arrays.select(name);
 }
 
 /// `glBindVertexBuffer` (`object` = none: the one in use) and `glVertexArrayVertexBuffer`.
 fn note_buffer(ctx: &mut Context, object: Option<u32>, number: u32, buffer: u32, offset: isize, stride: i32) {
-    let legal =
-        has_bindings(&ctx.profile) && ctx.takes_calls() && number < attributes(ctx) && (0..=STRIDE).contains(&stride);
-    let named = ctx.vertex_arrays.current().is_some_and(|object| object.name != 0);
-    let legal = legal && (object.is_some() || named || ctx.profile.compatibility());
+    let legal = has_bindings(&ctx.driver.profile)
+        && ctx.takes_calls()
+        && number < attributes(ctx)
+        && (0..=STRIDE).contains(&stride);
+    let named = ctx.vertex_input.vertex_arrays.current().is_some_and(|object| object.name != 0);
+    let legal = legal && (object.is_some() || named || ctx.driver.profile.compatibility());
     let start = usize::try_from(offset).ok().filter(|_| legal && buffer_bindings::certain(ctx, buffer).is_some());
-    let arrays = &mut ctx.vertex_arrays;
+    let arrays = &mut ctx.vertex_input.vertex_arrays;
     let object = match object {
         Some(name) => arrays.places.get(&name).and_then(|place| arrays.objects.get_mut(*place)),
         None => arrays.current(),
@@ -167,7 +169,7 @@ fn note_buffer(ctx: &mut Context, object: Option<u32>, number: u32, buffer: u32,
 
 /// `glVertexAttribDivisor`, which gives an attribute its own binding back.
 fn note_divisor(ctx: &mut Context, location: u32) {
-    let Some(object) = ctx.vertex_arrays.current() else { return };
+    let Some(object) = ctx.vertex_input.vertex_arrays.current() else { return };
     if let Some(attribute) = object.attribute(location) {
         attribute.format = None;
     }
@@ -225,7 +227,7 @@ macro_rules! array_commands {
             };
             "glDeleteVertexArrays" delete_vertex_arrays(count: i32, names: *const u32) = |ctx, gl| {
                 gl.delete_vertex_arrays(count, names);
-                ctx.vertex_arrays.forget();
+                ctx.vertex_input.vertex_arrays.forget();
             };
             "glBindVertexBuffer" bind_vertex_buffer(binding: u32, buffer: u32, offset: isize, stride: i32) = |ctx, gl| {
                 gl.bind_vertex_buffer(binding, buffer, offset, stride);
@@ -241,18 +243,18 @@ macro_rules! array_commands {
             };
             "glPopClientAttrib" pop_client_attrib() = |ctx, gl| {
                 gl.pop_client_attrib();
-                ctx.vertex_arrays.forget();
-                ctx.buffer_bindings.forget();
-                ctx.known_state.forget_switch(api::GL_PRIMITIVE_RESTART);
+                ctx.vertex_input.vertex_arrays.forget();
+                ctx.vertex_input.buffer_bindings.forget();
+                ctx.driver.known_state.forget_switch(api::GL_PRIMITIVE_RESTART);
             };
         }
     };
     (@changed $ctx:ident all) => {{
-        $ctx.vertex_arrays.forget();
-        $ctx.buffer_bindings.forget();
-        $ctx.known_state.forget_switch(api::GL_PRIMITIVE_RESTART);
+        $ctx.vertex_input.vertex_arrays.forget();
+        $ctx.vertex_input.buffer_bindings.forget();
+        $ctx.driver.known_state.forget_switch(api::GL_PRIMITIVE_RESTART);
     }};
-    (@changed $ctx:ident $object:ident) => { $ctx.vertex_arrays.forget_object($object) };
+    (@changed $ctx:ident $object:ident) => { $ctx.vertex_input.vertex_arrays.forget_object($object) };
 }
 
 include!(concat!(env!("OUT_DIR"), "/gl_arrays.rs"));

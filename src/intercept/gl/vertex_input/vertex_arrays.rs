@@ -6,19 +6,23 @@
 
 use crate::backend::gl::api::{self, Gl};
 use crate::intercept::gl::context::gl_context::Context;
-use crate::intercept::gl::state::profile::Profile;
-use crate::intercept::gl::state::vertex_arrays::{Format, Object, Pointer, Source, packed};
+use crate::intercept::gl::state::driver::profile::Profile;
+use crate::intercept::gl::state::vertex_input::vertex_arrays::{Format, Object, Pointer, Source, packed};
 use crate::intercept::gl::vertex_input::buffer_bindings;
 use std::ffi::c_void;
 
 /// The object in use.
 fn object(ctx: &mut Context) -> &mut Object {
-    if ctx.vertex_arrays.current.is_none() {
+    if ctx.vertex_input.vertex_arrays.current.is_none() {
         // A context that knows no such objects must not be asked.
-        let name = if ctx.vertex_arrays.used { integer(ctx.gl, api::GL_VERTEX_ARRAY_BINDING) as u32 } else { 0 };
-        ctx.vertex_arrays.select(name);
+        let name = if ctx.vertex_input.vertex_arrays.used {
+            integer(ctx.driver.gl, api::GL_VERTEX_ARRAY_BINDING) as u32
+        } else {
+            0
+        };
+        ctx.vertex_input.vertex_arrays.select(name);
     }
-    let arrays = &mut ctx.vertex_arrays;
+    let arrays = &mut ctx.vertex_input.vertex_arrays;
     let place = arrays.current.unwrap_or_default();
     &mut arrays.objects[place]
 }
@@ -35,14 +39,14 @@ pub fn elements(ctx: &mut Context) -> u32 {
 
 /// The program has bound a buffer of indices; `None`: perhaps.
 pub fn note_elements(ctx: &mut Context, name: Option<u32>) {
-    if let Some(object) = ctx.vertex_arrays.current() {
+    if let Some(object) = ctx.vertex_input.vertex_arrays.current() {
         object.elements = name;
     }
 }
 
 /// The array of `glVertexPointer`, if it is on.
 pub fn conventional(ctx: &mut Context) -> Option<Pointer> {
-    let gl = ctx.gl;
+    let gl = ctx.driver.gl;
     let object = object(ctx);
     // SAFETY: asks for a switch; the context has a fixed-function pipeline.
     if !*object.conventional_on.get_or_insert_with(|| unsafe { gl.is_enabled(api::GL_VERTEX_ARRAY) } != 0) {
@@ -68,14 +72,14 @@ fn ask_conventional(gl: &Gl) -> Option<Pointer> {
 
 /// Whether a generic attribute is an array.
 pub fn is_on(ctx: &mut Context, location: u32) -> bool {
-    let gl = ctx.gl;
+    let gl = ctx.driver.gl;
     let attribute = object(ctx).asked_attribute(location);
     *attribute.on.get_or_insert_with(|| ask(gl, location, api::GL_VERTEX_ATTRIB_ARRAY_ENABLED) != 0)
 }
 
 /// The array of a generic attribute: its format, where it lies, and after how many instances it goes on (0: never).
 pub fn generic(ctx: &mut Context, location: u32) -> Option<(Format, Source, i32)> {
-    let (gl, profile) = (ctx.gl, ctx.profile);
+    let (gl, profile) = (ctx.driver.gl, ctx.driver.profile);
     let object = object(ctx);
     let attribute = object.asked_attribute(location);
     if attribute.format.is_none() {

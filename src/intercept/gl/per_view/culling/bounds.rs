@@ -102,7 +102,7 @@ pub fn extent(view: &View, placed: &Placed) -> Option<[f64; 4]> {
 #[cfg(test)]
 mod tests {
     use super::{Placed, Transform, View};
-    use crate::intercept::gl::state::bounds::Bounds;
+    use crate::intercept::gl::state::draw::bounds::Bounds;
     use crate::testing::random::Random;
 
     /// Of a projection after a model-view matrix.

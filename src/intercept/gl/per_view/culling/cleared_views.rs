@@ -6,14 +6,14 @@ use crate::intercept::gl::context::gl_context::Context;
 
 /// The program cleared all views' colours by `glClear`, to what it has set to have set.
 pub fn note_clear(ctx: &mut Context) {
-    let unconditional = ctx.condition.is_none() && !ctx.discard && ctx.app.draw_buffer != api::GL_NONE;
-    let (gl, state) = (ctx.gl, &ctx.known_state);
-    let srgb = ctx.target.as_ref().is_some_and(|t| t.config().srgb);
+    let unconditional = ctx.queries.condition.is_none() && !ctx.app.discard && ctx.app.draw_buffer != api::GL_NONE;
+    let (gl, state) = (ctx.driver.gl, &ctx.driver.known_state);
+    let srgb = ctx.drawable.target.as_ref().is_some_and(|t| t.config().srgb);
     // OpenGL ES converts wherever the window can.
-    let converts = srgb && (ctx.profile.es || state.is_on(gl, api::GL_FRAMEBUFFER_SRGB));
+    let converts = srgb && (ctx.driver.profile.es || state.is_on(gl, api::GL_FRAMEBUFFER_SRGB));
     let (mask, [red, green, blue, _]) = (state.mask(gl), state.clear_color(gl));
     let known = unconditional && !converts && mask[..3].iter().all(|on| *on != 0);
-    if let Some(target) = &mut ctx.target {
+    if let Some(target) = &mut ctx.drawable.target {
         target.content.clear(if known { stored([red, green, blue]) } else { None });
     }
 }
@@ -29,7 +29,7 @@ fn stored(color: [f32; 3]) -> Option<[f32; 3]> {
 mod tests {
     use super::stored;
     use crate::correct::TexelSpan;
-    use crate::intercept::gl::state::cleared_views::Content;
+    use crate::intercept::gl::state::drawable::cleared_views::Content;
 
     #[test]
     fn only_views_that_nothing_came_into_are_blank() {

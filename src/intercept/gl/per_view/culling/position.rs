@@ -3,9 +3,9 @@
 use crate::correct::projected::matrices::ReprojectionMatrix;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::matrices;
-use crate::intercept::gl::state::draw::DrawClass;
-use crate::intercept::gl::state::programs::{Array, Factor, Position, Program};
-use crate::intercept::gl::state::projection::multiply;
+use crate::intercept::gl::state::compat::projection::multiply;
+use crate::intercept::gl::state::draw::draw_class::DrawClass;
+use crate::intercept::gl::state::shader::programs::{Array, Factor, Position, Program};
 use crate::intercept::gl::vertex_input::buffers;
 use crate::lock::Lock;
 
@@ -64,13 +64,13 @@ impl View {
 
 /// The array of positions of what is drawn now, and how many of its components count; `None`: not known.
 pub fn array(ctx: &Context) -> Option<(Array, usize)> {
-    match ctx.program.as_ref().filter(|program| program.draws_vertices()) {
+    match ctx.shaders.program.as_ref().filter(|program| program.draws_vertices()) {
         Some(program) => {
             // In a pipeline a stage of another program may come after it.
-            let position = program.position.as_ref().filter(|_| ctx.pipelines.used == program.name)?;
+            let position = program.position.as_ref().filter(|_| ctx.shaders.pipelines.used == program.name)?;
             Some((position.array, position.components))
         }
-        None => (ctx.profile.compatibility() && !ctx.assembly).then_some((Array::Conventional, 4)),
+        None => (ctx.driver.profile.compatibility() && !ctx.app.assembly).then_some((Array::Conventional, 4)),
     }
 }
 
@@ -78,9 +78,9 @@ pub fn array(ctx: &Context) -> Option<(Array, usize)> {
 /// transforms start from; `None`: not known.
 pub fn transform(ctx: &mut Context, class: DrawClass) -> Option<Transform> {
     match class {
-        DrawClass::FixedScene => (!ctx.assembly).then(|| Transform::of(&matrices::model_view(ctx))),
+        DrawClass::FixedScene => (!ctx.app.assembly).then(|| Transform::of(&matrices::model_view(ctx))),
         DrawClass::Scene(_) => {
-            let program = ctx.program.clone().filter(|program| ctx.pipelines.used == program.name)?;
+            let program = ctx.shaders.program.clone().filter(|program| ctx.shaders.pipelines.used == program.name)?;
             clip(ctx, &program, program.position.as_ref()?)
         }
         DrawClass::Flat | DrawClass::Background => None,
@@ -94,7 +94,7 @@ fn clip(ctx: &mut Context, program: &Program, position: &Position) -> Option<Tra
             Factor::ModelView => matrices::model_view(ctx),
             Factor::Projection => {
                 matrices::refresh(ctx);
-                ctx.projection.matrix
+                ctx.compat.projection.matrix
             }
             Factor::Uniform(number) => {
                 let uniforms = program.uniforms.locked();
@@ -110,8 +110,8 @@ fn clip(ctx: &mut Context, program: &Program, position: &Position) -> Option<Tra
 /// What takes them from there to the clip coordinates of the view `index`.
 pub fn of_view(ctx: &Context, class: DrawClass, index: usize) -> Option<View> {
     match class {
-        DrawClass::FixedScene => ctx.projection.per_view.get(index).map(View::of),
-        DrawClass::Scene(camera) => ctx.cameras.get(camera)?.rows.get(index).map(View::of_rows),
+        DrawClass::FixedScene => ctx.compat.projection.per_view.get(index).map(View::of),
+        DrawClass::Scene(camera) => ctx.frame.cameras.get(camera)?.rows.get(index).map(View::of_rows),
         DrawClass::Flat | DrawClass::Background => None,
     }
 }

@@ -2,15 +2,15 @@
 //!
 //! Only where that is proven: vertices whose places are known, and matrices that are known, be it the
 //! fixed-function pipeline's or those of a shader whose text says what it does with them (`shader::prover`). Everything else
-//! goes to every view. Views that got nothing are not corrected either ([`cleared_views`](crate::intercept::gl::state::cleared_views)).
+//! goes to every view. Views that got nothing are not corrected either ([`cleared_views`](crate::intercept::gl::state::drawable::cleared_views)).
 
 use crate::correct::TexelSpan;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::per_view::culling::bounds::{Placed, extent, outside};
 use crate::intercept::gl::per_view::culling::position::{self, View};
-use crate::intercept::gl::state::bounds::Bounds;
-use crate::intercept::gl::state::draw::{Changes, DrawClass};
-use crate::intercept::gl::state::views::Views;
+use crate::intercept::gl::state::draw::bounds::Bounds;
+use crate::intercept::gl::state::draw::draw_class::{Changes, DrawClass};
+use crate::intercept::gl::state::draw::views::Views;
 use crate::runtime::session::Session;
 
 /// Whether draws may be left out at all.
@@ -30,9 +30,9 @@ pub fn views(
     changes: Changes,
 ) -> Views {
     let Some(known) = Known::of(ctx, class, bounds) else { return Views::ALL };
-    let mut areas = std::mem::take(&mut ctx.areas);
+    let mut areas = std::mem::take(&mut ctx.draw.areas);
     areas.clear();
-    let Some(target) = &ctx.target else { return Views::ALL };
+    let Some(target) = &ctx.drawable.target else { return Views::ALL };
     let session = &target.session;
     let count = session.views().len().min(64);
     let mut seen = 0;
@@ -47,7 +47,7 @@ pub fn views(
             None => texels([-1.0, -1.0, 1.0, 1.0], tile, known.margin),
         });
     }
-    ctx.areas = areas;
+    ctx.draw.areas = areas;
     Views { seen: at_least(ctx, seen, count, changes), bounded: true }
 }
 
@@ -69,7 +69,7 @@ pub fn views_off_screen(
 
 /// The views that show a draw, or the last of them where it must not be lost.
 fn at_least(ctx: &Context, seen: u64, count: usize, changes: Changes) -> u64 {
-    let needed = seen == 0 && (changes != Changes::Nothing || ctx.feedback);
+    let needed = seen == 0 && (changes != Changes::Nothing || ctx.app.feedback);
     if needed { 1 << (count.max(1) - 1) } else { seen }
 }
 
@@ -92,7 +92,7 @@ struct Look {
 
 impl Known {
     fn of(ctx: &mut Context, class: DrawClass, bounds: impl FnOnce(&mut Context) -> Bounds) -> Option<Self> {
-        let margin = ctx.max_width.margin();
+        let margin = ctx.draw.max_width.margin();
         // Where a picture is curved, a box is not what is around its corners.
         let curved = ctx.session().is_none_or(|session| session.views().iter().any(|view| view.curved.is_some()));
         if !enabled() || !margin.is_finite() || curved {
@@ -100,7 +100,7 @@ impl Known {
         }
         let model = position::transform(ctx, class)?;
         let (low, high) = bounds(ctx).known()?;
-        ctx.counts.bounded_draws += 1;
+        ctx.frame.counts.bounded_draws += 1;
         Some(Self { class, placed: Placed::of(&model, low, high), margin })
     }
 

@@ -9,9 +9,9 @@ use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::methods;
 use crate::intercept::gl::projected_vertices::fixed_function::vertices::{Attribute, Vertices};
 use crate::intercept::gl::projected_vertices::fixed_function::{assembly, substitute};
-use crate::intercept::gl::state::fixed_pipeline;
-use crate::intercept::gl::state::vertex_arrays::width;
-pub use crate::intercept::gl::state::vertex_ranges::Vertices as Range;
+use crate::intercept::gl::state::projected_vertices::fixed_pipeline;
+use crate::intercept::gl::state::vertex_input::vertex_arrays::width;
+pub use crate::intercept::gl::state::vertex_input::vertex_ranges::Vertices as Range;
 use crate::intercept::gl::vertex_input::position_layout::number;
 use crate::intercept::gl::vertex_input::ranges::{self, index_at, index_width};
 use crate::intercept::gl::vertex_input::vertex_arrays;
@@ -132,18 +132,18 @@ pub unsafe fn read(ctx: &mut Context, mode: u32, range: Range) -> Option<Result<
     if matches!(range, Range::Range { count: ..=0, .. } | Range::Elements { count: ..=0, .. }) {
         return None;
     }
-    let apart = ctx.compiling() && !ctx.views_only && methods::division_asked_for();
-    if !apart && !substitute::reads(ctx, mode) || !ctx.profile.compatibility() || ctx.program.is_some() {
+    let apart = ctx.compiling() && !ctx.projected.views_only && methods::division_asked_for();
+    if !apart && !substitute::reads(ctx, mode) || !ctx.driver.profile.compatibility() || ctx.shaders.program.is_some() {
         return None;
     }
-    let mut arrays = vec![array(ctx.gl, &POSITION, None)?];
+    let mut arrays = vec![array(ctx.driver.gl, &POSITION, None)?];
     // The stage takes these primitives as they are.
-    let taken = mode <= api::GL_TRIANGLE_FAN && ctx.profile.version >= 32 && !ctx.compiling();
+    let taken = mode <= api::GL_TRIANGLE_FAN && ctx.driver.profile.version >= 32 && !ctx.compiling();
     if arrays[0].buffer != 0 && taken {
         return None;
     }
-    arrays.extend(OTHERS.iter().filter_map(|(attribute, names)| array(ctx.gl, names, Some(*attribute))));
-    textures(ctx.gl, &mut arrays);
+    arrays.extend(OTHERS.iter().filter_map(|(attribute, names)| array(ctx.driver.gl, names, Some(*attribute))));
+    textures(ctx.driver.gl, &mut arrays);
     // SAFETY: as promised.
     let read = unsafe { vertices(ctx, mode, &arrays, range) };
     Some(read.ok_or("a program's arrays cannot be read to be divided"))
@@ -205,7 +205,7 @@ unsafe fn vertices(ctx: &mut Context, mode: u32, arrays: &[Array], range: Range)
             _ if array.components == 0 || array.components > 4 || bytes > MOST_BYTES => return None,
             0 if array.start == 0 => return None,
             0 => None,
-            buffer => Some(ranges::read(ctx.gl, &ctx.profile, buffer, start, bytes)?),
+            buffer => Some(ranges::read(ctx.driver.gl, &ctx.driver.profile, buffer, start, bytes)?),
         };
         let first = read.as_ref().map_or(start as *const u8, |bytes| bytes.as_ptr());
         let column: Vec<[f32; 4]> = numbers
@@ -242,7 +242,7 @@ unsafe fn numbers(ctx: &mut Context, range: Range) -> Option<Vec<usize>> {
                 0 => None,
                 name => {
                     let bytes = count.checked_mul(width).filter(|bytes| *bytes <= MOST_BYTES)?;
-                    Some(ranges::read(ctx.gl, &ctx.profile, name, indices as usize, bytes)?)
+                    Some(ranges::read(ctx.driver.gl, &ctx.driver.profile, name, indices as usize, bytes)?)
                 }
             };
             let start = read.as_ref().map_or(indices.cast::<u8>(), |bytes| bytes.as_ptr());

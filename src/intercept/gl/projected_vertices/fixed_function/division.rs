@@ -11,7 +11,7 @@ use crate::intercept::gl::context::matrices;
 use crate::intercept::gl::projected_vertices::fixed_function::assembly::{self, Triangle};
 use crate::intercept::gl::projected_vertices::fixed_function::substitute;
 use crate::intercept::gl::projected_vertices::fixed_function::vertices::{Attribute, Vertices};
-use crate::intercept::gl::state::projection;
+use crate::intercept::gl::state::compat::projection;
 use crate::runtime::session::Division;
 use glam::DVec3;
 
@@ -32,7 +32,7 @@ struct Divided<'a> {
 /// Draws `vertices` for a view to which `rows` lead. What is current afterwards is not said.
 pub fn draw(ctx: &mut Context, vertices: &Vertices, division: Division, rows: &ReprojectionMatrix) {
     let model_view = matrices::model_view(ctx);
-    let clip = projection::multiply(&ctx.projection.matrix, &model_view);
+    let clip = projection::multiply(&ctx.compat.projection.matrix, &model_view);
     let seen = (0..vertices.count())
         .map(|number| {
             let [x, y, z, w] = vertices.vertex(number).first().map_or([0.0; 4], |position| position.map(f64::from));
@@ -40,14 +40,14 @@ pub fn draw(ctx: &mut Context, vertices: &Vertices, division: Division, rows: &R
             seen(rows, [at(0), at(1), at(2), at(3)])
         })
         .collect();
-    let (flat, outlined) = (substitute::is_flat(ctx), ctx.wide_primitives.may_outline());
-    let mut divided = Divided { gl: ctx.gl, vertices, division, seen, flat, outlined, coarse: 0 };
+    let (flat, outlined) = (substitute::is_flat(ctx), ctx.draw.wide_primitives.may_outline());
+    let mut divided = Divided { gl: ctx.driver.gl, vertices, division, seen, flat, outlined, coarse: 0 };
     if assembly::fills(vertices.mode) {
         divided.triangles();
     } else {
         divided.lines();
     }
-    ctx.fixed_function.coarse += divided.coarse;
+    ctx.projected.fixed_function.coarse += divided.coarse;
 }
 
 /// Draws `vertices` as they are. What is current afterwards is not said.

@@ -2,8 +2,10 @@
 
 use crate::backend::gl::api::{self, Gl};
 use crate::intercept::gl::context::gl_context::Context;
-use crate::intercept::gl::state::fixed_pipeline::{Followed, Generated, LIGHTS, Lighting, Pipeline, UNITS};
-use crate::intercept::gl::state::profile::Profile;
+use crate::intercept::gl::state::driver::profile::Profile;
+use crate::intercept::gl::state::projected_vertices::fixed_pipeline::{
+    Followed, Generated, LIGHTS, Lighting, Pipeline, UNITS,
+};
 
 impl Pipeline {
     /// The switches as they are.
@@ -11,7 +13,7 @@ impl Pipeline {
     /// # Errors
     /// What is on that is not followed, for the log.
     pub fn read(ctx: &Context) -> Result<Self, &'static str> {
-        let (gl, profile) = (ctx.gl, &ctx.profile);
+        let (gl, profile) = (ctx.driver.gl, &ctx.driver.profile);
         if profile.version < 20 {
             return Err("there are no shaders before OpenGL 2.0");
         }

@@ -4,7 +4,7 @@
 //! planes, matrices) are read from GLSL's own uniforms.
 
 use crate::backend::gl::api;
-use crate::intercept::gl::state::fixed_pipeline::{Followed, Generated, Lighting, Pipeline};
+use crate::intercept::gl::state::projected_vertices::fixed_pipeline::{Followed, Generated, Lighting, Pipeline};
 use std::fmt::Write;
 
 /// One light's share. Its sources are uniforms, which functions of GLSL 1.20 take by value.

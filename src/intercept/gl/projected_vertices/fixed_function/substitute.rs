@@ -16,8 +16,8 @@ use crate::intercept::gl::context::{errors, list_recording, methods};
 use crate::intercept::gl::projected_vertices::fixed_function::shader_text;
 use crate::intercept::gl::shader::patch::{self, Stage};
 use crate::intercept::gl::shader::programs;
-use crate::intercept::gl::state::fixed_pipeline::Pipeline;
-use crate::intercept::gl::state::programs::Program;
+use crate::intercept::gl::state::projected_vertices::fixed_pipeline::Pipeline;
+use crate::intercept::gl::state::shader::programs::Program;
 use std::sync::Arc;
 
 /// Puts a program in use that does what the pipeline's vertex stage does.
@@ -25,22 +25,26 @@ use std::sync::Arc;
 /// # Errors
 /// Why there is none, for the log.
 pub fn begin(ctx: &mut Context) -> Result<(), &'static str> {
-    if ctx.program.is_some() || ctx.pipelines.used != 0 {
+    if ctx.shaders.program.is_some() || ctx.shaders.pipelines.used != 0 {
         return Err("a program has shaders for fragments only");
     }
     // SAFETY: asks for a switch that the program has used.
-    if ctx.assembly && unsafe { ctx.gl.is_enabled(api::GL_VERTEX_PROGRAM_ARB) } != 0 {
+    if ctx.app.assembly && unsafe { ctx.driver.gl.is_enabled(api::GL_VERTEX_PROGRAM_ARB) } != 0 {
         return Err("the program's vertices go through a program in assembly language");
     }
-    if ctx.fixed_function.known.is_none() {
+    if ctx.projected.fixed_function.known.is_none() {
         let pipeline = Pipeline::read(ctx);
-        errors::drop_errors(ctx.gl);
-        ctx.fixed_function.known = Some(pipeline);
+        errors::drop_errors(ctx.driver.gl);
+        ctx.projected.fixed_function.known = Some(pipeline);
     }
-    let (program, two_sided, separate) = match &ctx.fixed_function.known {
+    let (program, two_sided, separate) = match &ctx.projected.fixed_function.known {
         Some(Ok(pipeline)) => {
             let lighting = pipeline.lighting.unwrap_or_default();
-            (ctx.fixed_function.programs.get(pipeline).cloned(), lighting.two_sided, lighting.separate_specular)
+            (
+                ctx.projected.fixed_function.programs.get(pipeline).cloned(),
+                lighting.two_sided,
+                lighting.separate_specular,
+            )
         }
         Some(Err(reason)) => return Err(reason),
         None => return Err("the state of the pipeline is not known"),
@@ -49,7 +53,7 @@ pub fn begin(ctx: &mut Context) -> Result<(), &'static str> {
         Some(program) => program,
         None => make(ctx)?,
     };
-    let gl = ctx.gl;
+    let gl = ctx.driver.gl;
     // What lighting decides for the pipeline, switches of their own decide for shaders.
     let wanted = [(two_sided, api::GL_VERTEX_PROGRAM_TWO_SIDE), (separate, api::GL_COLOR_SUM)];
     let mut switched = Vec::new();
@@ -61,40 +65,40 @@ pub fn begin(ctx: &mut Context) -> Result<(), &'static str> {
         }
         gl.use_program(program.name);
     }
-    ctx.pipelines.used = program.name;
-    ctx.program = Some(program);
-    ctx.fixed_function.in_use = Some(switched);
+    ctx.shaders.pipelines.used = program.name;
+    ctx.shaders.program = Some(program);
+    ctx.projected.fixed_function.in_use = Some(switched);
     Ok(())
 }
 
 /// The pipeline draws again, if something stood in for it.
 pub fn end(ctx: &mut Context) {
-    let Some(switched) = ctx.fixed_function.in_use.take() else { return };
-    ctx.program = None;
-    ctx.pipelines.used = 0;
+    let Some(switched) = ctx.projected.fixed_function.in_use.take() else { return };
+    ctx.shaders.program = None;
+    ctx.shaders.pipelines.used = 0;
     // SAFETY: what was so before `begin`.
     unsafe {
         for switch in switched {
-            ctx.gl.disable(switch);
+            ctx.driver.gl.disable(switch);
         }
-        ctx.gl.use_program(0);
+        ctx.driver.gl.use_program(0);
     }
 }
 
 /// Whether a primitive has the colour of one vertex, and the normal where there is light.
 pub(super) fn is_flat(ctx: &Context) -> bool {
-    matches!(&ctx.fixed_function.known, Some(Ok(pipeline)) if pipeline.flat)
+    matches!(&ctx.projected.fixed_function.known, Some(Ok(pipeline)) if pipeline.flat)
 }
 
 /// Whether the processor has to read the vertices of the next draw of `mode`, so that it can divide them for some view.
 pub fn reads(ctx: &Context, mode: u32) -> bool {
-    let divides = ctx.target.as_ref().is_some_and(|target| target.lenses.iter().any(LensConstants::divides));
-    divides && !ctx.picking && !ctx.feedback && ctx.program.is_none() && mode != api::GL_POINTS
+    let divides = ctx.drawable.target.as_ref().is_some_and(|target| target.lenses.iter().any(LensConstants::divides));
+    divides && !ctx.app.picking && !ctx.app.feedback && ctx.shaders.program.is_none() && mode != api::GL_POINTS
 }
 
 /// Links the program for the switches as they are.
 fn make(ctx: &mut Context) -> Result<Arc<Program>, &'static str> {
-    let Some(Ok(pipeline)) = ctx.fixed_function.known.clone() else {
+    let Some(Ok(pipeline)) = ctx.projected.fixed_function.known.clone() else {
         return Err("the state of the pipeline is not known");
     };
     let own = shader_text::text(&pipeline);
@@ -103,16 +107,16 @@ fn make(ctx: &mut Context) -> Result<Arc<Program>, &'static str> {
         let ctx: &mut Context = &mut OwnCalls::without_messages(ctx);
         errors::take_error(ctx);
         let program = programs::of_own_text(ctx, &patched, own.into(), pipeline.flat);
-        errors::drop_errors(ctx.gl);
+        errors::drop_errors(ctx.driver.gl);
         program
     };
-    ctx.counts.linked += 1;
+    ctx.frame.counts.linked += 1;
     let Some(program) = program.map(Arc::new) else {
         let reason = "the driver does not link a shader that stands in for the fixed-function pipeline";
-        ctx.fixed_function.known = Some(Err(reason));
+        ctx.projected.fixed_function.known = Some(Err(reason));
         return Err(reason);
     };
-    ctx.fixed_function.programs.insert(pipeline, program.clone());
+    ctx.projected.fixed_function.programs.insert(pipeline, program.clone());
     Ok(program)
 }
 
@@ -120,12 +124,12 @@ fn make(ctx: &mut Context) -> Result<Arc<Program>, &'static str> {
 /// the program for it.
 pub fn switch(ctx: &mut Context, run: impl Fn(&Gl) + Send + Sync + 'static) {
     if !methods::asked_for() {
-        run(ctx.gl);
+        run(ctx.driver.gl);
         return;
     }
     list_recording::now_or_later(ctx, move |ctx| {
-        ctx.fixed_function.touch();
-        run(ctx.gl);
+        ctx.projected.fixed_function.touch();
+        run(ctx.driver.gl);
     });
 }
 

@@ -2,7 +2,7 @@
 
 use crate::backend::gl::api::{self, Gl};
 use crate::correct::single;
-use crate::intercept::gl::state::vertex_recorder::{Recorded, Recorder, Sets};
+use crate::intercept::gl::state::compat::vertex_recorder::{Recorded, Recorder, Sets};
 
 /// An attribute that the pipeline reads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,6 +1,6 @@
 //! Off-screen draws that were issued once per view.
 
-use crate::intercept::gl::state::views::Views;
+use crate::intercept::gl::state::draw::views::Views;
 
 /// Draws that were issued once per view.
 #[derive(Default)]

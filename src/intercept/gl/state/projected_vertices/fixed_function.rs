@@ -1,8 +1,8 @@
 //! State of what stands in for the fixed-function pipeline.
 
 use crate::correct::projected::matrices::ReprojectionMatrix;
-use crate::intercept::gl::state::fixed_pipeline::Pipeline;
-use crate::intercept::gl::state::programs::Program;
+use crate::intercept::gl::state::projected_vertices::fixed_pipeline::Pipeline;
+use crate::intercept::gl::state::shader::programs::Program;
 use crate::runtime::session::Division;
 use std::collections::HashMap;
 use std::sync::Arc;

@@ -1,6 +1,6 @@
 //! Boxes around ranges of vertices in buffers.
 
-use crate::intercept::gl::state::bounds::Bounds;
+use crate::intercept::gl::state::draw::bounds::Bounds;
 use std::collections::HashMap;
 use std::ffi::c_void;
 

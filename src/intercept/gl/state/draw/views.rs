@@ -5,7 +5,7 @@
 pub struct Views {
     /// One bit each.
     pub(in crate::intercept::gl) seen: u64,
-    /// `Context::areas` says where in each of them.
+    /// `DrawState::areas` says where in each of them.
     pub(in crate::intercept::gl) bounded: bool,
 }
 

@@ -1,8 +1,8 @@
 //! Linked programs.
 
 use crate::correct::projected::matrices::{LensConstants, ReprojectionMatrix};
-use crate::intercept::gl::state::uniforms::Uniforms;
-use crate::intercept::gl::state::variants::Variants;
+use crate::intercept::gl::state::shader::uniforms::Uniforms;
+use crate::intercept::gl::state::shader::variants::Variants;
 use crate::runtime::session::Intrinsics;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex};

@@ -2,9 +2,9 @@
 
 use crate::backend::gl::api::Gl;
 use crate::correct::projected::division::Input;
-use crate::intercept::gl::state::division_counter::Before;
-use crate::intercept::gl::state::primitives::Patch;
-use crate::intercept::gl::state::uniform_mirror::Mirror;
+use crate::intercept::gl::state::draw::primitives::Patch;
+use crate::intercept::gl::state::shader::division_counter::Before;
+use crate::intercept::gl::state::shader::uniform_mirror::Mirror;
 use std::sync::Arc;
 
 /// A program that divides.

@@ -1,7 +1,7 @@
 //! State of a Begin/End: the phase and what was recorded.
 
-use crate::intercept::gl::state::bounds::Bounds;
-use crate::intercept::gl::state::vertex_recorder::Recorder;
+use crate::intercept::gl::state::compat::vertex_recorder::Recorder;
+use crate::intercept::gl::state::draw::bounds::Bounds;
 
 /// Where the program is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

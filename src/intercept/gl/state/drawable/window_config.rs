@@ -1,8 +1,8 @@
 //! What the window's own framebuffer is, so that ours can be like it.
 
 use crate::backend::gl::api::{self, Gl};
-use crate::intercept::gl::state::profile::Profile;
-use crate::intercept::gl::state::window::Window;
+use crate::intercept::gl::state::drawable::window::Window;
+use crate::intercept::gl::state::driver::profile::Profile;
 
 /// The window's own framebuffer, as the program's configuration made it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

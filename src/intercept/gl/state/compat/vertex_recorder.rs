@@ -5,8 +5,8 @@
 //! driver's. The memory is used again for the next Begin/End.
 
 use crate::backend::gl::api::{self, Gl};
-use crate::intercept::gl::state::bounds::Bounds;
-use crate::intercept::gl::state::vertex_commands::{self, Command};
+use crate::intercept::gl::state::compat::vertex_commands::{self, Command};
+use crate::intercept::gl::state::draw::bounds::Bounds;
 
 /// What a command sets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -333,7 +333,7 @@ impl Recorder {
 #[cfg(test)]
 mod tests {
     use super::{Recorder, Sets};
-    use crate::intercept::gl::state::vertex_commands::Command;
+    use crate::intercept::gl::state::compat::vertex_commands::Command;
 
     #[test]
     fn what_comes_only_after_a_vertex_is_late() {

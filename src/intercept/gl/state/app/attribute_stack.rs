@@ -1,8 +1,7 @@
 //! What `glPushAttrib` keeps of the state that is followed.
 
 use crate::backend::gl::KnownState;
-use crate::intercept::gl::state::raster_position::RasterPosition;
-use crate::intercept::gl::state::window_space::AppState;
+use crate::intercept::gl::state::compat::raster_position::RasterPosition;
 
 /// `GL_MAX_ATTRIB_STACK_DEPTH` of every driver that is known.
 pub const ATTRIBUTE_DEPTH: usize = 16;
@@ -10,9 +9,20 @@ pub const ATTRIBUTE_DEPTH: usize = 16;
 /// What `glPushAttrib` keeps of what we follow.
 pub struct Pushed {
     pub(in crate::intercept::gl) mask: u32,
-    pub(in crate::intercept::gl) believed: AppState,
+    pub(in crate::intercept::gl) saved: Saved,
     pub(in crate::intercept::gl) list_base: u32,
     pub(in crate::intercept::gl) known: KnownState,
     /// Where current attributes are kept.
     pub(in crate::intercept::gl) raster: Option<RasterPosition>,
+}
+
+/// What it keeps of the app state.
+#[derive(Clone, Copy, Debug)]
+pub struct Saved {
+    pub(in crate::intercept::gl) viewport: [i32; 4],
+    pub(in crate::intercept::gl) scissor: [i32; 4],
+    pub(in crate::intercept::gl) scissor_test: bool,
+    pub(in crate::intercept::gl) draw_buffer: u32,
+    pub(in crate::intercept::gl) read_buffer: u32,
+    pub(in crate::intercept::gl) matrix_mode: u32,
 }

@@ -1,8 +1,8 @@
 //! The 4×4 matrices of a program.
 
 use crate::backend::gl::api::{self, Gl};
-use crate::intercept::gl::state::buffers::Buffers;
-use crate::intercept::gl::state::programs::Lens;
+use crate::intercept::gl::state::shader::programs::Lens;
+use crate::intercept::gl::state::vertex_input::buffers::Buffers;
 use crate::intercept::lens::{self, transposed};
 
 /// The 4×4 matrices of a program.

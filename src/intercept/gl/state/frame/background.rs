@@ -1,7 +1,7 @@
 //! Flat drawing before the scene.
 
 use crate::correct::projected::matrices::ReprojectionMatrix;
-use crate::intercept::gl::state::projection;
+use crate::intercept::gl::state::compat::projection;
 use crate::intercept::scene::frame_order::FrameOrder;
 use crate::runtime::session::{ClipRows, Session};
 

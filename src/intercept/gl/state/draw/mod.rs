@@ -1,0 +1,22 @@
+//! What does a draw consist of, and where does it go?
+
+pub mod bounds;
+pub mod draw_class;
+pub mod max_width;
+pub mod primitives;
+pub mod views;
+
+use crate::correct::TexelSpan;
+use crate::intercept::gl::state::draw::max_width::MaxWidth;
+use crate::intercept::gl::state::draw::primitives::WidePrimitives;
+
+/// What is known of the draw that is being issued.
+#[derive(Default)]
+pub struct DrawState {
+    /// Where it comes to be in each view, if that is known.
+    pub(in crate::intercept::gl) areas: Vec<TexelSpan>,
+    /// Points and lines that may leave their tile.
+    pub(in crate::intercept::gl) wide_primitives: WidePrimitives,
+    /// The greatest width of points and lines so far.
+    pub(in crate::intercept::gl) max_width: MaxWidth,
+}

@@ -1,0 +1,46 @@
+//! Which window is drawn to, and what stands in for it?
+
+pub mod cleared_views;
+pub mod default_framebuffer;
+pub mod window;
+pub mod window_config;
+
+use crate::backend::gl::accumulation::Accumulation;
+use crate::intercept::gl::state::drawable::default_framebuffer::{DefaultFramebuffer, OwnObjects};
+use crate::intercept::gl::state::drawable::window::Window;
+use crate::runtime::session::Session;
+use std::sync::Arc;
+
+/// What a context draws to and reads from.
+#[derive(Default)]
+pub struct Drawable {
+    /// The window that it draws to.
+    pub(in crate::intercept::gl) window: Option<Window>,
+    /// What stands in for the window's framebuffer; `None` = the window's own.
+    pub(in crate::intercept::gl) target: Option<Box<DefaultFramebuffer>>,
+    /// The plan of a window that another context of the group draws, for a context without one: what it draws off
+    /// screen may be shown there.
+    pub(in crate::intercept::gl) lent: Option<Arc<Session>>,
+    /// What stands in for other windows that it drew to lately.
+    pub(in crate::intercept::gl) parked: Vec<(Window, Box<DefaultFramebuffer>)>,
+    /// Objects of pictures that were given to other contexts.
+    pub(in crate::intercept::gl) left_behind: Vec<OwnObjects>,
+    /// The program reads from another drawable than it draws to.
+    pub(in crate::intercept::gl) reads_elsewhere: bool,
+    /// Nothing of the window could be seen after its last swap.
+    pub(in crate::intercept::gl) occluded: bool,
+    /// The accumulation buffer, once the program used it.
+    pub(in crate::intercept::gl) accumulation: Option<Accumulation>,
+}
+
+impl Drawable {
+    /// The plan of the window that is drawn, or for which is drawn.
+    pub fn session(&self) -> Option<&Session> {
+        self.target.as_ref().map(|target| &*target.session).or(self.lent.as_deref())
+    }
+
+    /// What reads of the program's framebuffer 0 are bound to.
+    pub fn window_for_reading(&self) -> u32 {
+        self.target.as_ref().filter(|_| !self.reads_elsewhere).map_or(0, |target| target.framebuffer())
+    }
+}

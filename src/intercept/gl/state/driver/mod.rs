@@ -1,0 +1,44 @@
+//! Which driver is it, and what state has it?
+
+pub mod profile;
+pub mod window_space;
+
+use crate::backend::gl::KnownState;
+use crate::backend::gl::api::Gl;
+use crate::intercept::gl::state::driver::profile::{Profile, is_endless, profile};
+use crate::intercept::gl::state::driver::window_space::DriverState;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// The driver's side of a context.
+pub struct Driver {
+    /// Its functions.
+    pub(in crate::intercept::gl) gl: &'static Gl,
+    /// A number of the context's own, among all contexts of the process.
+    pub(in crate::intercept::gl) id: u64,
+    /// Which OpenGL.
+    pub(in crate::intercept::gl) profile: Profile,
+    /// Viewport and scissor that are really set.
+    pub(in crate::intercept::gl) window_space: DriverState,
+    /// State that need not be asked for.
+    pub(in crate::intercept::gl) known_state: KnownState,
+    /// An error of the program's that was taken out of the driver.
+    pub(in crate::intercept::gl) pending_error: u32,
+    /// Its anisotropic filtering may never end.
+    pub(in crate::intercept::gl) endless_anisotropy: bool,
+}
+
+impl Driver {
+    /// The driver of a context that has just become current for the first time.
+    pub fn new(gl: &'static Gl) -> Self {
+        static CONTEXTS: AtomicU64 = AtomicU64::new(0);
+        Self {
+            gl,
+            id: CONTEXTS.fetch_add(1, Ordering::Relaxed),
+            profile: profile(gl),
+            window_space: DriverState::default(),
+            known_state: KnownState::default(),
+            pending_error: 0,
+            endless_anisotropy: is_endless(gl),
+        }
+    }
+}

@@ -1,0 +1,29 @@
+//! Viewport and scissor of the driver.
+
+use crate::backend::gl::api;
+
+/// What is really set in the driver, where known; saves redundant calls.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct DriverState {
+    /// The real viewport.
+    pub viewport: Option<[i32; 4]>,
+    /// The real scissor rectangle.
+    pub scissor: Option<[i32; 4]>,
+    /// Whether the real scissor test is on.
+    pub scissor_test: Option<bool>,
+}
+
+impl DriverState {
+    /// What the groups of `glPopAttrib`'s mask may have changed is not known.
+    pub fn forget(&mut self, mask: u32) {
+        if mask & api::GL_VIEWPORT_BIT != 0 {
+            self.viewport = None;
+        }
+        if mask & api::GL_SCISSOR_BIT != 0 {
+            self.scissor = None;
+        }
+        if mask & (api::GL_SCISSOR_BIT | api::GL_ENABLE_BIT) != 0 {
+            self.scissor_test = None;
+        }
+    }
+}

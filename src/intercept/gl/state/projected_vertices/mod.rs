@@ -1,0 +1,20 @@
+//! What projects vertices straight to an output?
+
+pub mod fixed_function;
+pub mod fixed_pipeline;
+
+use crate::intercept::gl::state::projected_vertices::fixed_function::FixedFunction;
+use crate::intercept::gl::state::shader::division_counter::Counter;
+
+/// State of the methods `vertex` and `primitive`.
+#[derive(Default)]
+pub struct ProjectedVertices {
+    /// The program's vertices cannot be projected straight to an output: windows have views.
+    pub(in crate::intercept::gl) views_only: bool,
+    /// What stands in for the fixed-function pipeline.
+    pub(in crate::intercept::gl) fixed_function: FixedFunction,
+    /// Counts primitives that were not divided far enough.
+    pub(in crate::intercept::gl) coarse: Option<Counter>,
+    /// Primitives were divided by stages that cannot count.
+    pub(in crate::intercept::gl) uncounted: bool,
+}

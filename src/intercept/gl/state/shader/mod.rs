@@ -1,0 +1,21 @@
+//! Which programs are there, and which one draws?
+
+pub mod division_counter;
+pub mod program_pipelines;
+pub mod programs;
+pub mod uniform_mirror;
+pub mod uniforms;
+pub mod variants;
+
+use crate::intercept::gl::state::shader::program_pipelines::Pipelines;
+use crate::intercept::gl::state::shader::programs::Program;
+use std::sync::Arc;
+
+/// Shaders that a context draws with.
+#[derive(Default)]
+pub struct Shaders {
+    /// The program object that draws: the one in use, or a pipeline's.
+    pub(in crate::intercept::gl) program: Option<Arc<Program>>,
+    /// Program pipelines, and which program is in use.
+    pub(in crate::intercept::gl) pipelines: Pipelines,
+}

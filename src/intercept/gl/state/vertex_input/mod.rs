@@ -1,0 +1,49 @@
+//! Where are vertices, indices and uniform blocks?
+
+pub mod buffer_bindings;
+pub mod buffers;
+pub mod vertex_arrays;
+pub mod vertex_ranges;
+
+use crate::intercept::gl::state::vertex_input::buffer_bindings::Bound;
+use crate::intercept::gl::state::vertex_input::vertex_arrays::VertexArrays;
+use crate::intercept::gl::state::vertex_input::vertex_ranges::Ranges;
+use std::collections::HashSet;
+
+/// What draws of a context read.
+#[derive(Default)]
+pub struct VertexInput {
+    /// Vertex arrays.
+    pub(in crate::intercept::gl) vertex_arrays: VertexArrays,
+    /// Which buffers are bound.
+    pub(in crate::intercept::gl) buffer_bindings: Bound,
+    /// Where draws from buffers are.
+    pub(in crate::intercept::gl) ranges: Ranges,
+    /// Buffers that hold uniform blocks.
+    pub(in crate::intercept::gl) blocks: BlockBuffers,
+}
+
+/// Buffers that were bound for uniform blocks.
+#[derive(Default)]
+pub struct BlockBuffers {
+    names: HashSet<u32>,
+    generation: u64,
+}
+
+impl BlockBuffers {
+    /// A buffer was bound for uniform blocks; 0 = none.
+    pub fn bound(&mut self, buffer: u32) {
+        self.generation += 1;
+        self.names.insert(buffer);
+    }
+
+    /// The content of a buffer changed.
+    pub fn changed(&mut self, buffer: u32) {
+        self.generation += u64::from(self.names.contains(&buffer));
+    }
+
+    /// Grows with every change of a buffer that may hold uniform blocks.
+    pub fn generation(&self) -> u64 {
+        self.generation
+    }
+}
