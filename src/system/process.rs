@@ -45,6 +45,20 @@ pub fn terminate(child: &Child) -> io::Result<()> {
     }
 }
 
+/// Kills the process group of a child that was started with `process_group(0)` and has not been
+/// waited for.
+///
+/// # Errors
+/// What the system says, for example that no process of the group is left.
+pub fn kill_group(child: &Child) -> io::Result<()> {
+    // SAFETY: killpg takes plain integers; the group has the child's id, which is in use until the
+    // child has been waited for.
+    match unsafe { libc::killpg(child.id() as libc::pid_t, libc::SIGKILL) } {
+        0 => Ok(()),
+        _ => Err(io::Error::last_os_error()),
+    }
+}
+
 /// Spawns `command` and waits for it. SIGINT, SIGQUIT, SIGTERM and SIGHUP no longer end this
 /// process (for its remaining life) but are passed on, so that it outlives the program and can tidy
 /// up. Signals of the terminal reach the program by themselves and are not sent twice.

@@ -8,6 +8,8 @@
 
 #[path = "../shared/arguments.rs"]
 mod arguments;
+#[path = "../shared/display.rs"]
+mod display;
 #[path = "../shared/failure.rs"]
 mod failure;
 #[path = "../shared/planning.rs"]
@@ -20,6 +22,7 @@ mod terminal;
 mod accuracy;
 mod bench;
 mod cells;
+mod conformance;
 mod stress;
 mod structure;
 #[allow(unsafe_code, reason = "calls OpenGL and Vulkan directly")]
@@ -43,6 +46,7 @@ enum Command {
     Stress(stress::Arguments),
     Cells(cells::Arguments),
     Structure(structure::Arguments),
+    Conformance(conformance::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -52,6 +56,7 @@ fn main() -> ExitCode {
         Command::Stress(arguments) => stress::run(&arguments),
         Command::Cells(arguments) => cells::run(&arguments),
         Command::Structure(arguments) => structure::run(&arguments),
+        Command::Conformance(arguments) => conformance::run(&arguments),
     };
     failure::exit_code("cupola-lab", result)
 }

@@ -1,9 +1,10 @@
 //! `cupola doctor`: reports which kinds of programs can be corrected on this machine, and why
 //! others cannot.
 
+use crate::display;
 use crate::failure::Failure;
 use crate::launch::probe::{self, Answer, Way};
-use crate::launch::{Environment, display, library, loader};
+use crate::launch::{Environment, library, loader};
 use cupola::backend::vk;
 use serde_json::{Map, Value, json};
 use std::path::Path;

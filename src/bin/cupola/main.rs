@@ -8,6 +8,8 @@
 
 #[path = "../shared/arguments.rs"]
 mod arguments;
+#[path = "../shared/display.rs"]
+mod display;
 #[path = "../shared/failure.rs"]
 mod failure;
 #[path = "../shared/planning.rs"]

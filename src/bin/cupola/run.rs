@@ -1,7 +1,8 @@
 //! `cupola run`: starts a program with Cupola between the program and its graphics driver.
 
+use crate::display;
 use crate::failure::Failure;
-use crate::launch::{Environment, apply, display, loader};
+use crate::launch::{Environment, apply, loader};
 use cupola::system::process;
 use std::ffi::OsString;
 use std::os::unix::process::ExitStatusExt;

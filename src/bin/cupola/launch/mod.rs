@@ -1,7 +1,5 @@
-//! Requirements of a program that is started with Cupola: the library, the loaders' files, a
-//! display.
+//! Requirements of a program that is started with Cupola: the library and the loaders' files.
 
-pub mod display;
 pub mod library;
 pub mod loader;
 pub mod probe;

@@ -1,8 +1,8 @@
-//! A private X server for `--headless`.
+//! A private X server.
 
-use super::Environment;
 use crate::failure::Failure;
 use cupola::system::process;
+use std::ffi::OsString;
 use std::io::{BufRead, BufReader};
 use std::os::unix::process::CommandExt;
 use std::path::Path;
@@ -37,7 +37,7 @@ impl Server {
         let child = process::end_with_parent(&mut command).spawn();
         let mut child = child.map_err(|error| match error.kind() {
             std::io::ErrorKind::NotFound => Failure::new(
-                "--headless needs Xvfb, which is not installed (Debian and Ubuntu: package xvfb; \
+                "a private X server needs Xvfb, which is not installed (Debian and Ubuntu: package xvfb; \
                  Fedora: xorg-x11-server-Xvfb; Arch: xorg-server-xvfb)",
             ),
             _ => Failure::new(format!("Xvfb cannot be started: {error}")),
@@ -62,7 +62,7 @@ impl Server {
     }
 
     /// Environment variables that make a program use this server instead of the user's display.
-    pub fn environment(&self) -> Environment {
+    pub fn environment(&self) -> Vec<(&'static str, Option<OsString>)> {
         vec![("DISPLAY", Some(self.display.clone().into())), ("WAYLAND_DISPLAY", None), ("XAUTHORITY", None)]
     }
 }
