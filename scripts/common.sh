@@ -69,6 +69,19 @@ need_cargo() {
     command -v cargo >/dev/null || fail "cargo is missing; install Rust from https://rustup.rs"
 }
 
+# start_x_server FOLDER: starts a private X server, which ends with the script, and sets DISPLAY. The server is told to
+# choose its display's number itself and writes it to a pipe in the folder.
+start_x_server() {
+    local number pipe=$1/display.$$
+    mkfifo "$pipe"
+    Xvfb -displayfd 3 -screen 0 1280x1024x24 -nolisten tcp -noreset 3>"$pipe" 2>/dev/null &
+    x_server=$!
+    trap 'kill $x_server 2>/dev/null || true' EXIT
+    read -r number <"$pipe"
+    rm "$pipe"
+    export DISPLAY=:$number
+}
+
 # A script queues its steps with add_step and then runs them all, so that the number of steps is always known.
 step_titles=()
 step_commands=()
