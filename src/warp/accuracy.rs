@@ -66,13 +66,45 @@ pub struct PixelError {
 impl PixelError {
     /// The middle of the pixel.
     pub fn centre(&self) -> DVec2 {
-        DVec2::new(f64::from(self.pixel.0), f64::from(self.pixel.1)) + 0.5
+        centre(self.pixel.0, self.pixel.1)
     }
 }
 
 /// As [`compare`]; `each` gets the error of every pixel that is counted.
 pub fn compare_each(
     exact: &WarpMap,
+    step: u32,
+    map: impl FnMut(u32, u32) -> Option<DVec3>,
+    each: impl FnMut(PixelError),
+) -> MapError {
+    compare_pixels(exact, |x, y| ExactPixel::of(exact, centre(x, y)), step, map, each)
+}
+
+/// The exact map around a pixel.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ExactPixel {
+    /// Direction at its middle.
+    direction: Option<DVec3>,
+    /// As of [`pixel_angle`].
+    angle: Option<f64>,
+}
+
+impl ExactPixel {
+    pub(super) fn of(exact: &WarpMap, pixel: DVec2) -> Self {
+        let direction = exact.direction(pixel);
+        Self { direction, angle: direction.and_then(|direction| angle_around(exact, pixel, direction)) }
+    }
+}
+
+/// The middle of a pixel.
+pub(super) fn centre(x: u32, y: u32) -> DVec2 {
+    DVec2::new(f64::from(x), f64::from(y)) + 0.5
+}
+
+/// As [`compare_each`]; `at` gives the pixels of `exact`.
+pub(super) fn compare_pixels(
+    exact: &WarpMap,
+    at: impl Fn(u32, u32) -> ExactPixel,
     step: u32,
     mut map: impl FnMut(u32, u32) -> Option<DVec3>,
     mut each: impl FnMut(PixelError),
@@ -83,27 +115,26 @@ pub fn compare_each(
     let (width, height) = exact.size();
     for y in (0..height).step_by(step) {
         for x in (0..width).step_by(step) {
-            let pixel = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
-            let (expected, found) = (exact.direction(pixel), map(x, y));
-            match (expected, found) {
+            let (pixel, expected) = (centre(x, y), at(x, y));
+            match (expected.direction, map(x, y)) {
                 (_, Some(found)) if !found.is_finite() || found == DVec3::ZERO => result.non_finite += 1,
                 (None, None) => {}
                 (Some(_), None) | (None, Some(_)) if is_edge(exact, pixel) => result.edge += 1,
                 (Some(_), None) => result.uncovered += 1,
                 (None, Some(_)) => result.ghosts += 1,
-                (Some(expected), Some(found)) => {
+                (Some(direction), Some(found)) => {
                     // First scaled: the square of a length must neither overflow nor underflow.
                     let found = (found / found.abs().max_element()).normalize();
-                    let angle = angle_between(found, expected);
+                    let angle = angle_between(found, direction);
                     if angle > LEAP && is_beside(exact, pixel, found) {
                         result.edge += 1;
                         continue;
                     }
-                    if expected.dot(found) <= 0.0 {
+                    if direction.dot(found) <= 0.0 {
                         result.ghosts += 1;
                         continue;
                     }
-                    let Some(size) = pixel_angle(exact, pixel) else {
+                    let Some(size) = expected.angle else {
                         result.edge += 1;
                         continue;
                     };
@@ -150,8 +181,13 @@ fn angle_between(a: DVec3, b: DVec3) -> f64 {
 /// The root mean square of the angles between horizontal and vertical neighbours, radians for each
 /// pixel; `None` where the map shows too little around to tell.
 pub fn pixel_angle(exact: &WarpMap, pixel: DVec2) -> Option<f64> {
+    angle_around(exact, pixel, exact.direction(pixel)?)
+}
+
+/// As [`pixel_angle`], where the middle shows `direction`.
+fn angle_around(exact: &WarpMap, pixel: DVec2, direction: DVec3) -> Option<f64> {
     let span = |axis: DVec2| {
-        let middle = (exact.direction(pixel)?, 0.0);
+        let middle = (direction, 0.0);
         let end = |offset: f64| exact.direction(pixel + axis * offset).map_or(middle, |direction| (direction, offset));
         let ((a, from), (b, to)) = (end(-0.5), end(0.5));
         (to > from).then(|| angle_between(a, b) / (to - from))

@@ -19,17 +19,21 @@ impl Driver for Headless {
         gpu_map(&self.gl, self.is_gles, plan, output).expect("the map")
     }
 
-    fn show(&self, plan: &Plan, panel: bool, atlas: &Picture) -> Picture {
+    fn show_each(&self, plan: &Plan, panel: bool, atlases: &[Picture]) -> Vec<Picture> {
         let gl = &self.gl;
         let mut backend = GlBackend::new(gl, self.is_gles).expect("a backend");
         backend.prepare(gl, plan, panel).expect("shaders");
-        let texture = atlas.texture(gl, GL_RGBA8);
-        let canvas = Canvas::new(gl, plan.passes[0].size);
-        let target = Target { framebuffer: canvas.framebuffer, viewport: canvas.viewport() };
-        assert_eq!(backend.present(gl, texture, &[target]), GL_NO_ERROR);
+        let shown = |atlas: &Picture| {
+            let texture = atlas.texture(gl, GL_RGBA8);
+            let canvas = Canvas::new(gl, plan.passes[0].size);
+            let target = Target { framebuffer: canvas.framebuffer, viewport: canvas.viewport() };
+            assert_eq!(backend.present(gl, texture, &[target]), GL_NO_ERROR);
+            canvas.read(gl)
+        };
+        let pictures = atlases.iter().map(shown).collect();
         backend.destroy(gl);
         assert_eq!(backend.errors(), 0);
-        canvas.read(gl)
+        pictures
     }
 }
 

@@ -3,12 +3,11 @@
 use super::Driver;
 use super::picture::Picture;
 use super::present::waves;
+use super::rigs::{self, exact, read};
 use crate::correct::Plan;
 use crate::rig::{Flip, Rig};
-use crate::views::Request;
-use crate::warp::{WarpMap, compare};
 use glam::DVec3;
-use std::path::Path;
+use std::sync::Arc;
 
 /// An odd side: a middle that is a pixel's. No pixel's centre lies where two faces meet.
 const SIZE: (u32, u32) = (322, 203);
@@ -68,27 +67,22 @@ const FLIPS: [Flip; 3] = [
     Flip { horizontal: true, vertical: true },
 ];
 
-fn planned(rig: &Rig) -> Plan {
-    let request = Request {
-        output_sizes: vec![SIZE; rig.outputs.len()],
-        window: SIZE,
-        panel: false,
-        primary: false,
-        max_atlas: 8192,
-    };
-    crate::correct::build(rig, &request).expect("a plan")
-}
-
-fn read(text: &str) -> Rig {
-    crate::rig::parse(text, "test", Path::new("")).unwrap_or_else(|error| panic!("{error}"))
+fn planned(rig: &Rig) -> Arc<Plan> {
+    rigs::planned(rig, SIZE)
 }
 
 /// Of pictures of one size: the greatest difference that all but `rim` pixels keep, and how many pixels differ.
 fn difference(found: &Picture, expected: &Picture, rim: usize) -> (u8, usize) {
     let apart = |(a, b): (&[u8; 4], &[u8; 4])| (0..4).map(|k| a[k].abs_diff(b[k])).max().unwrap_or(0);
-    let mut apart: Vec<u8> = found.pixels.iter().zip(&expected.pixels).map(apart).collect();
-    apart.sort_unstable();
-    (apart[apart.len() - 1 - rim], apart.iter().filter(|apart| **apart > 0).count())
+    let mut counts = [0usize; 256];
+    found.pixels.iter().zip(&expected.pixels).for_each(|pair| counts[usize::from(apart(pair))] += 1);
+    let differing = counts[1..].iter().sum();
+    let mut beyond = 0;
+    let is_kept = |step: &u8| {
+        beyond += counts[usize::from(*step)];
+        beyond > rim
+    };
+    ((0..=255).rev().find(is_kept).unwrap_or(0), differing)
 }
 
 /// The picture, mirrored. Its first row is the bottom one, which makes no difference.
@@ -134,11 +128,10 @@ pub fn a_mirrored_map_is_the_exact_one(driver: &dyn Driver) {
                 let pixel = &map[(y * SIZE.0 + x) as usize];
                 pixel.view.map(|_| DVec3::from_array(pixel.direction.map(f64::from)))
             };
-            let exact = WarpMap::new(&rig, 0, SIZE, None).expect("a map");
-            let error = compare(&exact, 1, found);
+            let error = exact(&rig, 0, SIZE).compare(1, found);
             assert!(error.max < 0.01 && error.ghosts + error.uncovered <= 2, "{name}, {flip:?}: {error:?}");
             rig.outputs[0].flip = Flip::default();
-            let plain = compare(&WarpMap::new(&rig, 0, SIZE, None).expect("a map"), 1, found);
+            let plain = exact(&rig, 0, SIZE).compare(1, found);
             assert!(plain.max > 5.0 || plain.ghosts > 100, "{name}, {flip:?}: {plain:?}");
         }
     }

@@ -1,12 +1,12 @@
 //! Tables and meshes as methods of outputs: within the error that was asked for, and as light as the default.
 
-use super::Driver;
+use super::{Driver, rigs};
 use crate::correct::shaders::map::MapPixel;
 use crate::correct::{Plan, Source};
 use crate::rig::{Method, Rig};
-use crate::views::Request;
-use crate::warp::{MapError, WarpMap, compare};
+use crate::warp::MapError;
 use glam::{DVec2, DVec3};
+use std::sync::Arc;
 
 const SIZE: (u32, u32) = (320, 200);
 
@@ -31,29 +31,21 @@ const LENS: &str = "[screen]\nshape = \"cylinder\"\nradius = 4.0\nheights = [-1.
 const WINDOW: &str =
     "[[output]]\nkind = \"perspective\"\nyaw = 20.0\nroll = 10.0\nfov = [80.0, 60.0]\nshift = [0.1, 0.0]\n";
 
-fn planned(text: &str, method: &str) -> (Rig, Plan) {
-    let rig = crate::rig::parse(text, "test", std::path::Path::new("")).expect("a valid rig");
-    let rig = rig.with_method_override(method).expect("a method for it");
-    let request = Request {
-        output_sizes: vec![SIZE; rig.outputs.len()],
-        window: SIZE,
-        panel: false,
-        primary: false,
-        max_atlas: 8192,
-    };
-    let plan = crate::correct::build(&rig, &request).expect("a plan");
+fn planned(text: &str, method: &str) -> (Rig, Arc<Plan>) {
+    let rig = rigs::read(text).with_method_override(method).expect("a method for it");
+    let plan = rigs::planned(&rig, SIZE);
     (rig, plan)
 }
 
 /// What a driver shows of an output: the error, and the weight of each pixel.
 fn shown(driver: &dyn Driver, rig: &Rig, plan: &Plan, output: usize) -> (MapError, Vec<Option<f32>>) {
-    let exact = WarpMap::new(rig, output, SIZE, None).expect("a map");
+    let exact = rigs::exact(rig, output, SIZE);
     let map = driver.map(plan, output);
     let at = |x: u32, y: u32| &map[(y * SIZE.0 + x) as usize];
     let direction = |pixel: &MapPixel| pixel.view.map(|_| DVec3::from_array(pixel.direction.map(f64::from)));
-    let error = compare(&exact, 1, |x, y| direction(at(x, y)));
+    let error = exact.compare(1, |x, y| direction(at(x, y)));
     // Negative control: a map that is one pixel off.
-    let moved = compare(&exact, 7, |x, y| direction(at((x + 1).min(SIZE.0 - 1), y)));
+    let moved = exact.compare(7, |x, y| direction(at((x + 1).min(SIZE.0 - 1), y)));
     assert!(moved.compared > 150 && moved.max > 0.9, "{:?}: {moved:?}", rig.outputs[output].method);
     for pixel in &map {
         let Some(view) = pixel.view.map(|index| &plan.views.views[index]) else { continue };

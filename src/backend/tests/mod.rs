@@ -9,6 +9,7 @@ pub mod plans;
 pub mod present;
 pub mod presets;
 pub mod quality;
+pub mod rigs;
 pub mod sharing;
 pub mod tables;
 
@@ -20,8 +21,13 @@ use picture::Picture;
 pub trait Driver {
     /// The map of an output, row 0 at the top.
     fn map(&self, plan: &Plan, output: usize) -> Vec<MapPixel>;
-    /// Prepares, presents once into a target of the first output's size, and gives what is shown. Nothing may go wrong.
-    fn show(&self, plan: &Plan, panel: bool, atlas: &Picture) -> Picture;
+    /// Prepares, presents each of `atlases` into a target of the first output's size, and gives what is shown of each. Nothing
+    /// may go wrong.
+    fn show_each(&self, plan: &Plan, panel: bool, atlases: &[Picture]) -> Vec<Picture>;
+    /// [`Self::show_each`] for one.
+    fn show(&self, plan: &Plan, panel: bool, atlas: &Picture) -> Picture {
+        self.show_each(plan, panel, std::slice::from_ref(atlas)).pop().expect("a picture for each")
+    }
 }
 
 /// A module of tests for each file of cases: all of them on each of `$drivers`, an expression that gives an iterator.

@@ -1,19 +1,15 @@
 //! Every preset, planned, prepared and compared with the exact source of each output.
 
 use super::Driver;
-use crate::correct::build;
+use super::rigs::planned;
 use crate::rig;
-use crate::views::Request;
 use glam::DVec3;
 
 pub fn every_preset_shows_every_pixel(driver: &dyn Driver) {
     for preset in rig::presets() {
         let name = preset.name;
         let rig = rig::load(name).expect("a preset loads");
-        let sizes: Vec<(u32, u32)> = rig.outputs.iter().map(|_| (320, 240)).collect();
-        let request =
-            Request { output_sizes: sizes, window: (320, 240), panel: false, primary: false, max_atlas: 8192 };
-        let plan = build(&rig, &request).expect("a preset can be planned");
+        let plan = planned(&rig, (320, 240));
         for (index, pass) in plan.passes.iter().enumerate() {
             let map = driver.map(&plan, index);
             let (mut worst, mut holes, mut ghosts) = (0.0f64, 0, 0);

@@ -8,6 +8,7 @@ use crate::correct::{Mask, Plan, Source};
 use crate::geom::{Frustum, Pose};
 use crate::rig::{RampShape, Transfer};
 use glam::DVec3;
+use std::sync::LazyLock;
 
 const SIZE: (u32, u32) = (480, 320);
 
@@ -181,16 +182,38 @@ pub fn shapes_and_exponents_are_those_of_f64(driver: &dyn Driver) {
     }
 }
 
+/// Blacks of [`projectors`].
+const BLACKS: [f64; 3] = [0.01, 0.02, 0.015];
+
+/// Of each pixel of each projector: its share of the light of its point, and the sum of the blacks there. `None` where borders
+/// cross. The same for all drivers.
+static SHARES: LazyLock<[Vec<Option<(f64, f64)>>; 3]> = LazyLock::new(|| {
+    let projectors = projectors();
+    [0, 1, 2].map(|index| {
+        let share = |at: u32| {
+            let (x, y) = normalised(SIZE, at % SIZE.0, at / SIZE.0);
+            let point = projectors[index].hit(x, y).expect("from inside every ray hits");
+            let near = |edge: f64| (edge.abs() - 1.0).abs() < 1e-4;
+            let beside_border = |p: &Projector| p.picture(point).is_some_and(|(x, y)| near(x) || near(y));
+            if claims(&projectors, point).iter().sum::<f64>() < MEAGRE || projectors.iter().any(beside_border) {
+                return None;
+            }
+            let dark: f64 = covering(&projectors, point).iter().map(|(k, _)| BLACKS[*k]).sum();
+            Some((exact_share(&projectors, index, point), dark))
+        };
+        (0..SIZE.0 * SIZE.1).map(share).collect()
+    })
+});
+
 /// Black and white pictures, weighted as light on displays with a grey black: sums are the same wherever anything is lit.
 pub fn blacks_are_evened_out(driver: &dyn Driver) {
     let projectors = projectors();
-    let blacks = [0.01, 0.02, 0.015];
-    let most: f64 = blacks.iter().sum();
+    let most: f64 = BLACKS.iter().sum();
     let measured = [1.9, 2.2, 2.6].map(crate::rig::Response::power);
     let powers = Transfer::Powers([1.8, 2.2, 2.6]);
     for transfer in [Transfer::Power, Transfer::Srgb, powers, Transfer::Measured(measured.into())] {
         let display = crate::rig::Blend { transfer: transfer.clone(), ..Default::default() };
-        let border = |index: usize| EdgeWeight { black: blacks[index], ..projectors[index].border() };
+        let border = |index: usize| EdgeWeight { black: BLACKS[index], ..projectors[index].border() };
         for white in [0.0, 1.0] {
             for index in 0..3 {
                 let mut plan = with_borders(&projectors, index, &border);
@@ -198,18 +221,9 @@ pub fn blacks_are_evened_out(driver: &dyn Driver) {
                 let code = (255.0 * white) as u8;
                 let shown = driver.show(&plan, false, &Picture::new(plan.views.atlas, |_, _| [code, code, code, 255]));
                 let mut worst = 0.0f64;
-                for at in 0..SIZE.0 * SIZE.1 {
-                    let (column, row) = (at % SIZE.0, at / SIZE.0);
-                    let (x, y) = normalised(SIZE, column, row);
-                    let point = projectors[index].hit(x, y).expect("from inside every ray hits");
-                    let near = |edge: f64| (edge.abs() - 1.0).abs() < 1e-4;
-                    if claims(&projectors, point).iter().sum::<f64>() < MEAGRE
-                        || projectors.iter().any(|p| p.picture(point).is_some_and(|(x, y)| near(x) || near(y)))
-                    {
-                        continue;
-                    }
-                    let dark: f64 = covering(&projectors, point).iter().map(|(k, _)| blacks[*k]).sum();
-                    let share = exact_share(&projectors, index, point);
+                for (at, share) in SHARES[index].iter().enumerate() {
+                    let Some((share, dark)) = share else { continue };
+                    let (column, row) = (at as u32 % SIZE.0, at as u32 / SIZE.0);
                     let light = share * ((1.0 - most) * white + most - dark);
                     let found = shown.at(column, SIZE.1 - 1 - row);
                     for (channel, found) in found[..3].iter().enumerate() {

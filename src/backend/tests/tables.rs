@@ -3,10 +3,11 @@
 use super::Driver;
 use super::picture::Picture;
 use super::plans::*;
+use super::rigs::{exact, planned, read};
 use crate::blend::{Weights, code_of};
 use crate::correct::{Plan, Source};
 use crate::correct::{Table, TablePixel};
-use crate::warp::{WarpMap, compare};
+use crate::warp::WarpMap;
 use glam::{DVec2, DVec3};
 use std::sync::Arc;
 
@@ -67,32 +68,24 @@ pub fn a_table_is_shown_as_it_was_computed(driver: &dyn Driver) {
 /// A rig file's outputs, from tables or by formulas of lenses (`None`: as f32 allows), through plan and shader, against the exact map,
 /// pixel by pixel.
 fn check_rig(driver: &dyn Driver, text: &str, size: (u32, u32), by_table: Option<bool>) {
-    let rig = crate::rig::parse(text, "test", std::path::Path::new("")).expect("a valid rig");
-    let count = rig.outputs.len();
-    let request = crate::views::Request {
-        output_sizes: vec![size; count],
-        window: size,
-        panel: false,
-        primary: false,
-        max_atlas: 8192,
-    };
-    let plan = crate::correct::build(&rig, &request).expect("a plan");
-    for output in 0..count {
+    let rig = read(text);
+    let plan = planned(&rig, size);
+    for output in 0..rig.outputs.len() {
         match &plan.passes[output].source {
             Source::Table(_) => assert_ne!(by_table, Some(false), "{text}"),
             Source::Optics(_) => assert_ne!(by_table, Some(true), "{text}"),
             other => panic!("{text}: {other:?}"),
         }
-        let exact = WarpMap::new(&rig, output, size, None).expect("a map");
+        let exact = exact(&rig, output, size);
         let map = driver.map(&plan, output);
         let at = |x: u32, y: u32| &map[(y * size.0 + x) as usize];
         let direction = |x, y| at(x, y).view.map(|_| DVec3::from_array(at(x, y).direction.map(f64::from)));
-        let error = compare(&exact, 1, direction);
+        let error = exact.compare(1, direction);
         println!("{error:?}");
         assert!(error.is_sound() && error.compared > 5_000, "{text}: {error:?}");
         assert!(error.max < 0.002, "{text}: {error:?}");
         // The neighbouring pixel is not taken for this one.
-        let shifted = compare(&exact, 1, |x, y| direction((x + 1).min(size.0 - 1), y));
+        let shifted = exact.compare(1, |x, y| direction((x + 1).min(size.0 - 1), y));
         assert!(shifted.rms > 0.3, "{text}: {shifted:?}");
         // Every sample lies in the part of the atlas that its view draws.
         for pixel in &map {
@@ -154,16 +147,9 @@ pub fn blacks_are_evened_out_by_tables_too(driver: &dyn Driver) {
         )
     };
     let text = projector("left", -20.0, 60.0) + &projector("right", 20.0, 40.0);
-    let rig = crate::rig::parse(&text, "test", std::path::Path::new("")).expect("a valid rig");
+    let rig = read(&text);
     let (size, sizes) = ((200, 120), [(200, 120); 2]);
-    let request = crate::views::Request {
-        output_sizes: sizes.to_vec(),
-        window: size,
-        panel: false,
-        primary: false,
-        max_atlas: 8192,
-    };
-    let plan = crate::correct::build(&rig, &request).expect("a plan");
+    let plan = planned(&rig, size);
     let weights = Weights::new(&rig, &sizes).expect("valid");
     let most = weights.greatest_black();
     assert!((most - 1.0 / 60.0 - 1.0 / 40.0).abs() < 1e-12);

@@ -26,7 +26,7 @@ impl Driver for Headless {
         map
     }
 
-    fn show(&self, plan: &Plan, panel: bool, atlas: &Picture) -> Picture {
-        canvas::show(self, plan, panel, atlas)
+    fn show_each(&self, plan: &Plan, panel: bool, atlases: &[Picture]) -> Vec<Picture> {
+        canvas::show_each(self, plan, panel, atlases)
     }
 }

@@ -1,7 +1,7 @@
 //! Devices that cannot filter textures of 16 bits, as Vulkan allows.
 
-use super::canvas;
 use super::headless;
+use crate::backend::tests::Driver;
 use crate::backend::tests::picture::Picture;
 use crate::backend::tests::plans::fisheye_plan;
 use crate::backend::vk::api::Api;
@@ -44,13 +44,13 @@ fn masks_and_blacks_have_8_bits_where_textures_of_16_cannot_be_filtered() {
     plan.passes[0].mask = Some(Mask { width: size.0, height: size.1, weights });
     plan.passes[0].black = Some(BlackPicture { width: size.0, height: size.1, codes });
     let atlas = Picture::new(plan.views.atlas, |_, _| [255, 128, 64, 255]);
-    let expected = canvas::show(&headless, &plan, false, &atlas);
+    let expected = headless.show(&plan, false, &atlas);
 
     // Less than half a code of 8 bits more.
     let mut finer = plan.clone();
     let black = finer.passes[0].black.as_mut().expect("there is one");
     black.codes.iter_mut().for_each(|codes| codes[0] = codes[0].saturating_add(100));
-    assert!(canvas::show(&headless, &finer, false, &atlas).pixels != expected.pixels, "16 bits were not used");
+    assert!(headless.show(&finer, false, &atlas).pixels != expected.pixels, "16 bits were not used");
 
     let get = headless.get_instance_proc_addr();
     let instance = headless.api.instance().handle();
@@ -69,8 +69,8 @@ fn masks_and_blacks_have_8_bits_where_textures_of_16_cannot_be_filtered() {
     // SAFETY: each function has the type of the one that it stands for.
     let table = unsafe { ash::Instance::load_with(find, instance) };
     headless.api = Api::new(&table, headless.api.physical_device(), headless.api.device());
-    let shown = canvas::show(&headless, &plan, false, &atlas);
+    let shown = headless.show(&plan, false, &atlas);
     let channels = shown.pixels.as_flattened().iter().zip(expected.pixels.as_flattened());
     assert!(channels.map(|(a, b)| a.abs_diff(*b)).max() <= Some(1));
-    assert!(canvas::show(&headless, &finer, false, &atlas).pixels == shown.pixels, "8 bits were not used");
+    assert!(headless.show(&finer, false, &atlas).pixels == shown.pixels, "8 bits were not used");
 }
