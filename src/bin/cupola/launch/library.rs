@@ -1,6 +1,8 @@
 //! Location of `libcupola.so`, and a test whether it can be loaded.
 
 use crate::failure::Failure;
+use std::fs::File;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
@@ -27,17 +29,33 @@ pub fn find() -> Result<PathBuf, Failure> {
     })
 }
 
+/// Whether a file contains `bytes`. Reads no further than necessary: the string table is near the start of a library, which has
+/// 40 MB without optimisation.
+fn contains(path: &Path, bytes: &[u8]) -> std::io::Result<bool> {
+    let mut file = File::open(path)?;
+    let (mut found, mut chunk) = (Vec::new(), vec![0; 1 << 16]);
+    loop {
+        let length = file.read(&mut chunk)?;
+        if length == 0 {
+            return Ok(false);
+        }
+        found.extend_from_slice(&chunk[..length]);
+        if found.windows(bytes.len()).any(|window| window == bytes) {
+            return Ok(true);
+        }
+        // What may be the start of them.
+        found.drain(..found.len().saturating_sub(bytes.len() - 1));
+    }
+}
+
 /// The reason why the dynamic linker or libglvnd would refuse `library` as a vendor with the entry
 /// point `entry`; `None` if they would accept it.
 pub fn refusal(library: &Path, entry: &str) -> Option<String> {
-    let bytes = match std::fs::read(library) {
-        Ok(bytes) => bytes,
-        Err(error) => return Some(error.to_string()),
-    };
     // The string table of the file contains exported names, each between two zero bytes.
-    let name = format!("\0{entry}\0");
-    if !bytes.windows(name.len()).any(|window| window == name.as_bytes()) {
-        return Some(format!("it does not export {entry}"));
+    match contains(library, format!("\0{entry}\0").as_bytes()) {
+        Ok(true) => {}
+        Ok(false) => return Some(format!("it does not export {entry}")),
+        Err(error) => return Some(error.to_string()),
     }
     // The test runs in another process, since a broken library can crash the process that loads it.
     // The dynamic linker binds all symbols of a preloaded library. If it fails, it prints a message
@@ -58,5 +76,24 @@ pub fn refusal(library: &Path, entry: &str) -> Option<String> {
             Some(if words.is_empty() { format!("loading it ended with {}", output.status) } else { words })
         }
         Err(error) => Some(error.to_string()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bytes_are_found_wherever_they_are() {
+        let path = std::env::temp_dir().join(format!("cupola-contains-{}", std::process::id()));
+        for at in [0, (1 << 16) - 3, 1 << 16, 200_000 - 6] {
+            let mut content = vec![b'x'; 200_000];
+            content[at..at + 6].copy_from_slice(b"\0name\0");
+            std::fs::write(&path, content).expect("a file can be written");
+            assert!(contains(&path, b"\0name\0").expect("a file"), "{at}");
+            assert!(!contains(&path, b"\0names\0").expect("a file"), "{at}");
+        }
+        std::fs::remove_file(&path).expect("removed");
+        assert!(contains(&path, b"x").is_err());
     }
 }
