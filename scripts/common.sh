@@ -107,6 +107,14 @@ elapsed() {
     printf '%02d:%02d' $((SECONDS / 60)) $((SECONDS % 60))
 }
 
+# Prints the processor time of what the script ran, in minutes; FILE is for a moment's use. A subshell has not run it.
+processor_minutes() {
+    times >"$1"
+    awk 'NR == 2 { split($1, own, "[ms]"); split($2, kernel, "[ms]")
+        printf "%.0f processor minutes\n", own[1] + kernel[1] + (own[2] + kernel[2]) / 60 }' "$1"
+    rm "$1"
+}
+
 # Packages to build the C programs and to run OpenGL without a graphics card.
 # shellcheck disable=SC2034 # used by the scripts that source this file
 gl_packages=(
