@@ -7,6 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 static const double degree = 3.14159265358979323846 / 180.0;
 
@@ -186,7 +187,12 @@ int app_main(int argc, char **argv, const app_program *program)
         own = target_create(a.window.width, a.window.height);
     app_check_error(&a, "after the set-up");
 
+    /* Milliseconds, for tests that wait for something besides frames. */
+    const char *pause = getenv("APP_PAUSE");
+    const struct timespec between = {.tv_nsec = pause == NULL ? 0 : atol(pause) * 1000000};
     for (a.frame = 0; a.frames == 0 || a.frame < a.frames; a.frame++) {
+        if (pause != NULL)
+            nanosleep(&between, NULL);
         if (a.fbo)
             target_bind(&own);
         program->draw(&a);

@@ -535,6 +535,7 @@ int main(int argc, char **argv)
             if (options.memory != NULL)
                 write_memory(options.memory, getpid());
         }
+        pause_between_frames();
         frame();
         if (options.direction.shot != NULL)
             window_shot(&w, options.direction.shot);

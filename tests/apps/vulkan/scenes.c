@@ -524,6 +524,7 @@ int main(int argc, char **argv)
     parse(argc, argv);
     open_all();
     for (int number = 0; number < options.direction.frames; number++) {
+        pause_between_frames();
         frame((uint64_t)number + 1);
         if (options.direction.shot != NULL)
             window_shot(&w, options.direction.shot);
