@@ -270,6 +270,49 @@ pub fn far(found: &Picture, expected: &Picture) -> f64 {
     (0..found.pixels.len()).filter(off).count() as f64 / found.pixels.len() as f64
 }
 
+/// By how much a channel of `found` is beyond the channel's values in `expected` within `radius` pixels around: the most, in 255ths,
+/// and the column and row of the pixel.
+pub fn beyond_neighbours(found: &Picture, expected: &Picture, radius: usize) -> (u8, (usize, usize)) {
+    assert_eq!((found.width, found.height), (expected.width, expected.height), "the pictures' sizes differ");
+    let around = |at: usize, length: usize| at.saturating_sub(radius)..(at + radius + 1).min(length);
+    let mut most = (0, (0, 0));
+    for (x, y) in (0..found.height).flat_map(|y| (0..found.width).map(move |x| (x, y))) {
+        let pixel = found.at(x, y);
+        if pixel == expected.at(x, y) {
+            continue;
+        }
+        let (mut low, mut high) = ([255; 3], [0; 3]);
+        for row in around(y, found.height) {
+            for column in around(x, found.width) {
+                let near = expected.at(column, row);
+                low = [0, 1, 2].map(|channel| near[channel].min(low[channel]));
+                high = [0, 1, 2].map(|channel| near[channel].max(high[channel]));
+            }
+        }
+        for channel in 0..3 {
+            let beyond = low[channel].saturating_sub(pixel[channel]).max(pixel[channel].saturating_sub(high[channel]));
+            if beyond > most.0 {
+                most = (beyond, (x, y));
+            }
+        }
+    }
+    most
+}
+
+/// Panics where a pixel of either picture is more than `step` beyond what the other shows within a pixel around, and leaves both
+/// under target/: outlines may be a pixel apart, and not one pixel may show something else.
+pub fn expect_alike(found: &Picture, expected: &Picture, step: u8, what: &str) {
+    let [(there, at), (back, _)] = [beyond_neighbours(found, expected, 1), beyond_neighbours(expected, found, 1)];
+    note(format_args!("{what}: beyond what is around by {there}/255 at {at:?}, and by {back}/255"));
+    if there.max(back) > step {
+        let paths = [failure_path(what, "picture"), failure_path(what, "expected")];
+        found.save(&paths[0]);
+        expected.save(&paths[1]);
+        let [found, expected] = paths.map(|path| path.display().to_string());
+        panic!("{what}: {there}/255 at {at:?}, {back}/255\n  picture  {found}\n  expected {expected}");
+    }
+}
+
 /// Panics unless the points of the direction test's cube that are drawn on `background` have the colours of their places.
 pub fn expect_points(picture: &Picture, background: [u8; 3], shown: impl Fn(f64, f64) -> Shown) {
     let (mut lit, mut worst) = (0, 0.0f64);

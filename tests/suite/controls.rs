@@ -137,7 +137,7 @@ fn the_reference_is_consistent() {
 }
 
 fn the_picture_comparers_fail_wrong_pictures() {
-    use crate::compare::{expect_identical, expect_similar};
+    use crate::compare::{expect_alike, expect_identical, expect_similar};
     let right = Picture::from_fn(40, 30, |x, y| [x as u8, y as u8, 7]);
     let mut wrong = right.clone();
     wrong.pixels[17][1] += 1;
@@ -149,6 +149,18 @@ fn the_picture_comparers_fail_wrong_pictures() {
     wrong = right.clone();
     wrong.pixels[17][1] += 2;
     assert!(catch_unwind(|| expect_similar(&wrong, &right, 1, 1e-3, "control")).is_err(), "2/255 are too many");
+
+    // An outline may be a pixel apart, not two; and no single pixel may be of another colour, in either picture.
+    let half = |at: usize| Picture::from_fn(40, 30, |x, _| if x < at { [200, 30, 30] } else { [0; 3] });
+    expect_alike(&half(20), &half(21), 0, "control");
+    assert!(catch_unwind(|| expect_alike(&half(20), &half(22), 100, "control")).is_err(), "two pixels are too many");
+    wrong = half(20);
+    wrong.pixels[30][1] += 4;
+    expect_alike(&wrong, &half(20), 4, "control");
+    assert!(catch_unwind(|| expect_alike(&wrong, &half(20), 3, "control")).is_err(), "4/255 are too many");
+    wrong.pixels[30] = [200, 255, 30];
+    assert!(catch_unwind(|| expect_alike(&wrong, &half(20), 200, "control")).is_err(), "a pixel is wrong");
+    assert!(catch_unwind(|| expect_alike(&half(20), &wrong, 200, "control")).is_err(), "a pixel is wrong");
 }
 
 /// Ignored without a display, for the next test.

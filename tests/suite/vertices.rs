@@ -1,6 +1,8 @@
 //! Methods `vertex` and `primitive`: vertices that are projected straight to an output, against the exact map.
 
-use crate::compare::{Shown, compare, expect_good, expect_identical, expect_points, far};
+use crate::compare::{
+    Shown, beyond_neighbours, compare, expect_alike, expect_good, expect_identical, expect_points, far,
+};
 use crate::dialects::{camera_of, shown_by_fisheye};
 use crate::harness::{note, tests};
 use crate::picture::Picture;
@@ -96,10 +98,13 @@ fn what_stands_in_for_the_pipeline_lights_as_it_does() {
         let Some(picture) = start("lit", method) else { return };
         let off = far(&picture, &expected);
         assert!(off < 0.01, "{method}: {off:.4} of the pixels are off, where one side of the ball ends and elsewhere");
+        // All but one of them are where an outline is resampled.
+        expect_alike(&picture, &expected, 10, &format!("lit, {method}"));
         found = picture;
     }
     let Some(other) = start("list", "vertex") else { return };
     assert!(far(&found, &other) > 0.5, "the pictures show nothing of lights");
+    assert!(beyond_neighbours(&found, &other, 1).0 > 100, "light is not told from what is around");
 }
 
 /// What cannot be served is shown as without the method, and the log says why.
@@ -228,7 +233,10 @@ fn the_first_read_is_the_program_s_own_picture() {
         .filter(|&i| (0..3).any(|c| found.pixels[i][c].abs_diff(expected.pixels[i][c]) > 8))
         .count() as f64
         / found.pixels.len() as f64;
-    assert!(wrong < 0.05, "{wrong:.3} of the pixels are wrong");
+    assert!(wrong < 1e-3, "{wrong:.4} of the pixels are wrong");
+    let [(there, _), (back, _)] = [beyond_neighbours(&found, &expected, 4), beyond_neighbours(&expected, &found, 4)];
+    note(format_args!("{wrong:.4} of the pixels are wrong; beyond a texel around by {there}/255 and {back}/255"));
+    assert!(there.max(back) <= 2, "beyond a texel around by {there}/255 and {back}/255");
 }
 
 /// The white triangles of `shards`.

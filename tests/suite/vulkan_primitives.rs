@@ -32,7 +32,8 @@ tests! {
 /// With half a pixel allowed.
 const DIVIDED: [&str; 2] = ["--method", "primitive,max_error=0.5"];
 
-/// With a whole pixel allowed: 2.37/255 was found, in 16 of 49,000 pixels more than the usual tolerance.
+/// With a whole pixel allowed, which is up to 1.6/255 wide: 2.37/255 was found, in 16 of 49,000 pixels more than the usual
+/// tolerance.
 const OF_ONE_PIXEL: Limits = Limits { tolerance: TOLERANCE + 0.5, edge: EDGE, rim: false };
 
 /// What the log says of a pipeline that is drawn as with the method `vertex`.
