@@ -11,7 +11,7 @@
 //!   classify          per_view::classify      scene, background or flat, by matrix and viewport
 //!   select            per_view::culling       views that can show the draw
 //!   issue             per_view::issue         per view: window space, projection, the driver's call
-//!     projection      shader, context::matrices, projected_vertices
+//!     projection      shader, state::compat, projected_vertices
 //!     weights         queries::scaling        what the program's queries count
 //! ```
 //!

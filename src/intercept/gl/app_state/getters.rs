@@ -70,14 +70,7 @@ macro_rules! getters {
             "glIsEnabled" is_enabled(cap: u32) -> u8 = |ctx, gl| {
                 if cap == api::GL_SCISSOR_TEST && ctx.drawable.target.is_some() { u8::from(ctx.app.scissor_test) } else { gl.is_enabled(cap) }
             };
-            "glGetError" get_error() -> u32 = |ctx, gl| {
-                // The first error counts until it is asked for; what came later is forgotten, as drivers do.
-                let later = gl.get_error();
-                match std::mem::take(&mut ctx.driver.pending_error) {
-                    api::GL_NO_ERROR => later,
-                    error => error,
-                }
-            };
+            "glGetError" get_error() -> u32 = |ctx, _gl| ctx.driver.error();
         }
     };
 }

@@ -4,7 +4,7 @@
 //! in real lists of the driver (the first under the program's own name); commands that we follow
 //! (matrices, viewport, clears, nested lists …) are kept beside them and run through our hooks.
 
-use crate::backend::gl::api;
+use crate::backend::gl::api::{self, Gl};
 use crate::intercept::gl::app_state::window_state;
 use crate::intercept::gl::compat::raster_position;
 use crate::intercept::gl::context::gl_context::Context;
@@ -74,24 +74,7 @@ fn run_real(ctx: &mut Context, list: u32, draws: bool, raster: bool, bounds: &Bo
 /// Runs a command of a list.
 pub fn run(ctx: &mut Context, command: &Command, depth: u32) {
     let gl = ctx.driver.gl;
-    let mut matrix = true;
-    // SAFETY: the program's own commands, with the values that it recorded.
-    unsafe {
-        match command {
-            Command::LoadIdentity => gl.load_identity(),
-            Command::LoadMatrix(m) => gl.load_matrixd(m.as_ptr()),
-            Command::MultMatrix(m) => gl.mult_matrixd(m.as_ptr()),
-            Command::Frustum([l, r, b, t, n, f]) => gl.frustum(*l, *r, *b, *t, *n, *f),
-            Command::Ortho([l, r, b, t, n, f]) => gl.ortho(*l, *r, *b, *t, *n, *f),
-            Command::Rotate([a, x, y, z]) => gl.rotated(*a, *x, *y, *z),
-            Command::Scale([x, y, z]) => gl.scaled(*x, *y, *z),
-            Command::Translate([x, y, z]) => gl.translated(*x, *y, *z),
-            Command::PushMatrix => gl.push_matrix(),
-            Command::PopMatrix => gl.pop_matrix(),
-            _ => matrix = false,
-        }
-    }
-    if matrix {
+    if change_matrix(gl, command) {
         ctx.compat.projection.touch(ctx.app.matrix_mode);
         return;
     }
@@ -140,6 +123,27 @@ pub fn run(ctx: &mut Context, command: &Command, depth: u32) {
         }
         _ => {}
     }
+}
+
+/// Runs a command that changes the current matrix. `false`: it is another command.
+fn change_matrix(gl: &Gl, command: &Command) -> bool {
+    // SAFETY: the program's own commands, with the values that it recorded.
+    unsafe {
+        match command {
+            Command::LoadIdentity => gl.load_identity(),
+            Command::LoadMatrix(m) => gl.load_matrixd(m.as_ptr()),
+            Command::MultMatrix(m) => gl.mult_matrixd(m.as_ptr()),
+            Command::Frustum([l, r, b, t, n, f]) => gl.frustum(*l, *r, *b, *t, *n, *f),
+            Command::Ortho([l, r, b, t, n, f]) => gl.ortho(*l, *r, *b, *t, *n, *f),
+            Command::Rotate([a, x, y, z]) => gl.rotated(*a, *x, *y, *z),
+            Command::Scale([x, y, z]) => gl.scaled(*x, *y, *z),
+            Command::Translate([x, y, z]) => gl.translated(*x, *y, *z),
+            Command::PushMatrix => gl.push_matrix(),
+            Command::PopMatrix => gl.pop_matrix(),
+            _ => return false,
+        }
+    }
+    true
 }
 
 fn set_list_base(ctx: &mut Context, base: u32) {

@@ -5,18 +5,20 @@
 //! matrix and set again in each view before something is drawn there.
 
 use crate::backend::gl::api::{self, Gl};
+use crate::intercept::gl::compat::scene_position::{Placed, is_valid, move_by, raster_position};
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::context::list_recording::{self, Command};
-use crate::intercept::gl::context::matrices::{self, load_projection};
 use crate::intercept::gl::framebuffer::{default_framebuffer, read_back};
 use crate::intercept::gl::per_view::classify::classify;
 use crate::intercept::gl::per_view::issue::Repeats;
 use crate::intercept::gl::per_view::window_space::own_window_space;
 use crate::intercept::gl::queries::scaling;
 use crate::intercept::gl::state::app::attribute_stack;
+use crate::intercept::gl::state::compat::projection;
 use crate::intercept::gl::state::compat::raster_position::ScenePosition;
 use crate::intercept::gl::state::draw::draw_class::{Changes, DrawClass};
+use crate::intercept::gl::state::drawable::default_framebuffer::DefaultFramebuffer;
 use crate::intercept::scene::query_weights::QueryWeights;
 use std::ffi::c_void;
 
@@ -78,12 +80,12 @@ fn taken_color(ctx: &Context, object: [f64; 4]) -> [f32; 4] {
         // Everything is in the middle of the picture.
         let mut middle = [0.0; 16];
         middle[15] = 1.0;
-        load_projection(ctx, &middle);
+        projection::load(ctx.driver.gl, ctx.app.matrix_mode, &middle);
         gl.raster_pos4d(object[0], object[1], object[2], object[3]);
         if is_valid(gl) {
             gl.get_floatv(api::GL_CURRENT_RASTER_COLOR, color.as_mut_ptr());
         }
-        load_projection(ctx, &ctx.compat.projection.matrix);
+        projection::load(ctx.driver.gl, ctx.app.matrix_mode, &ctx.compat.projection.matrix);
         gl.pop_attrib();
     }
     color
@@ -122,7 +124,7 @@ pub fn draw_at_raster(ctx: &mut Context, changes: Changes, issue: impl Fn(&Gl)) 
     // Bitmaps reach over the border of their tile.
     ctx.draw.wide_primitives.cut = true;
     if !ctx.redirected() {
-        scaling::weigh(ctx, QueryWeights::ONCE);
+        scaling::weigh(ctx.driver.gl, &mut ctx.queries, QueryWeights::ONCE);
         move_origin(ctx, [0, 0]);
         issue(ctx.driver.gl);
         return true;
@@ -141,79 +143,14 @@ fn draw_in_scene(ctx: &mut Context, mut position: ScenePosition, changes: Change
     let gl = ctx.driver.gl;
     // Within what is pushed here.
     let repeats = Repeats::new(changes, ctx, 1);
-    matrices::refresh(ctx);
+    ctx.compat.projection.refresh(gl, ctx.drawable.session());
     let Some(mut target) = ctx.drawable.target.take() else { return };
     let before = raster_position(gl);
-    let mode = ctx.app.matrix_mode;
     // What is current, the raster position with it, is put back; a full stack has no place left for it.
     let keeps = ctx.app.attribute_stack.len() < attribute_stack::ATTRIBUTE_DEPTH;
-    // SAFETY: attributes and the model-view matrix are pushed and popped, the projection is put back below.
-    unsafe {
-        if keeps {
-            gl.push_attrib(api::GL_CURRENT_BIT);
-        }
-        gl.matrix_mode(api::GL_MODELVIEW);
-        gl.push_matrix();
-        gl.load_matrixd(position.model_view.as_ptr());
-        gl.matrix_mode(mode);
-    }
-    let present = Present::of(gl);
-    let set = || {
-        present.set_again(gl, &position);
-        move_by(gl, position.moved[0], position.moved[1]);
-    };
-    // In the program's own window the position is where it was set, whatever its viewport and projection are now.
-    let as_set = |tile: [i32; 4]| {
-        if !keeps {
-            set();
-            return;
-        }
-        // SAFETY: takes up what was pushed above, and leaves it pushed.
-        unsafe {
-            gl.pop_attrib();
-            gl.push_attrib(api::GL_CURRENT_BIT);
-        }
-        if is_valid(gl) {
-            move_by(gl, tile[0] as f32, tile[1] as f32);
-        }
-    };
-    scaling::weigh(ctx, QueryWeights::ONCE);
-    for index in 0..target.session.views().len() {
-        let Some(projection) = ctx.compat.raster.projections.get(index).copied() else { break };
-        let (tile, own_lens) = target.session.tile(index);
-        if own_lens {
-            own_window_space(ctx, tile);
-            as_set(tile);
-        } else {
-            ctx.set_scissor(Some(tile));
-            ctx.set_viewport(tile);
-            load_projection(ctx, &projection);
-            set();
-        }
-        repeats.unchanged(gl, false, || issue(gl));
-        target.issued(index);
-    }
-    load_projection(ctx, &ctx.compat.projection.matrix);
-    if let Some(tile) = target.primary() {
-        scaling::weigh(ctx, QueryWeights { samples: 0.0, ..QueryWeights::ONCE });
-        own_window_space(ctx, tile);
-        as_set(tile);
-        repeats.unchanged(gl, false, || issue(gl));
-        ctx.frame.counts.primary_draws += 1;
-    }
-    if !keeps {
-        ctx.set_viewport(ctx.app.viewport);
-        set();
-    }
-    // SAFETY: the pairs of the pushes above.
-    unsafe {
-        gl.matrix_mode(api::GL_MODELVIEW);
-        gl.pop_matrix();
-        gl.matrix_mode(mode);
-        if keeps {
-            gl.pop_attrib();
-        }
-    }
+    let placed = Placed::begin(gl, &position, ctx.app.matrix_mode, keeps);
+    draw_in_views(ctx, &placed, &mut target, &mut || repeats.unchanged(gl, false, || issue(gl)));
+    placed.end();
     // Once more where the program's window would be, out of sight: it moves the position as it should.
     ctx.set_viewport(ctx.app.viewport);
     ctx.set_scissor(Some([0, 0, 0, 0]));
@@ -224,48 +161,36 @@ fn draw_in_scene(ctx: &mut Context, mut position: ScenePosition, changes: Change
     ctx.drawable.target = Some(target);
 }
 
-/// What setting a position again would change, as it is when a draw begins.
-struct Present {
-    /// Whether each of [`Present::SWITCHES`] is on.
-    on: [bool; 2],
-    color: [f32; 4],
-    texture: [f32; 4],
-    depths: [f64; 2],
-}
-
-impl Present {
-    /// The colour of a position is lit already, and the material, which may follow what is current, must not follow it.
-    const SWITCHES: [u32; 2] = [api::GL_LIGHTING, api::GL_COLOR_MATERIAL];
-
-    fn of(gl: &Gl) -> Self {
-        let (mut color, mut texture, mut depths) = ([0.0; 4], [0.0; 4], [0.0; 2]);
-        // SAFETY: plain state; writes four floats twice, and two doubles.
-        let on = unsafe {
-            gl.get_floatv(api::GL_CURRENT_COLOR, color.as_mut_ptr());
-            gl.get_floatv(api::GL_CURRENT_TEXTURE_COORDS, texture.as_mut_ptr());
-            gl.get_doublev(api::GL_DEPTH_RANGE, depths.as_mut_ptr());
-            Self::SWITCHES.map(|switch| gl.is_enabled(switch) != 0)
-        };
-        Self { on, color, texture, depths }
-    }
-
-    /// Sets a position of the scene again, with the colour and the texture coordinate that it took with it, and in the range
-    /// of depths of that time; all else stays.
-    fn set_again(&self, gl: &Gl, position: &ScenePosition) {
-        let [x, y, z, w] = position.object;
-        let on = || Self::SWITCHES.iter().zip(self.on).filter(|(_, on)| *on).map(|(switch, _)| *switch);
-        // SAFETY: the program's own position; the rest is put back.
-        unsafe {
-            on().for_each(|switch| gl.disable(switch));
-            gl.depth_range(position.depths[0], position.depths[1]);
-            gl.color4fv(position.color.as_ptr());
-            gl.tex_coord4fv(position.texture.as_ptr());
-            gl.raster_pos4d(x, y, z, w);
-            gl.depth_range(self.depths[0], self.depths[1]);
-            gl.color4fv(self.color.as_ptr());
-            gl.tex_coord4fv(self.texture.as_ptr());
-            on().for_each(|switch| gl.enable(switch));
+/// Draws at a position of the scene in each view, and in the program's own picture.
+fn draw_in_views(ctx: &mut Context, placed: &Placed, target: &mut DefaultFramebuffer, issue: &mut dyn FnMut()) {
+    let (gl, mode) = (ctx.driver.gl, ctx.app.matrix_mode);
+    scaling::weigh(gl, &mut ctx.queries, QueryWeights::ONCE);
+    for index in 0..target.session.views().len() {
+        let Some(projection) = ctx.compat.raster.projections.get(index).copied() else { break };
+        let (tile, own_lens) = target.session.tile(index);
+        if own_lens {
+            own_window_space(ctx, tile);
+            placed.as_set(tile);
+        } else {
+            ctx.set_scissor(Some(tile));
+            ctx.set_viewport(tile);
+            projection::load(gl, mode, &projection);
+            placed.set();
         }
+        issue();
+        target.issued(index);
+    }
+    projection::load(gl, mode, &ctx.compat.projection.matrix);
+    if let Some(tile) = target.primary() {
+        scaling::weigh(gl, &mut ctx.queries, QueryWeights { samples: 0.0, ..QueryWeights::ONCE });
+        own_window_space(ctx, tile);
+        placed.as_set(tile);
+        issue();
+        ctx.frame.counts.primary_draws += 1;
+    }
+    if !placed.keeps() {
+        ctx.set_viewport(ctx.app.viewport);
+        placed.set();
     }
 }
 
@@ -279,7 +204,7 @@ fn draw_flat(ctx: &mut Context, changes: Changes, issue: &dyn Fn(&Gl)) {
     let (mut before, pictures) = (None, tiles.iter().flatten().count());
     for (number, (tile, _)) in tiles.into_iter().flatten().enumerate() {
         let samples = if number == 0 { 1.0 } else { 0.0 };
-        scaling::weigh(ctx, QueryWeights { samples, ..QueryWeights::ONCE });
+        scaling::weigh(ctx.driver.gl, &mut ctx.queries, QueryWeights { samples, ..QueryWeights::ONCE });
         own_window_space(ctx, tile);
         move_origin(ctx, [tile[0], tile[1]]);
         let begin = raster_position(gl);
@@ -298,29 +223,6 @@ fn move_origin(ctx: &mut Context, origin: [i32; 2]) {
         move_by(ctx.driver.gl, (origin[0] - x) as f32, (origin[1] - y) as f32);
         ctx.compat.raster.origin = origin;
     }
-}
-
-/// Whether the raster position lay within the clip volume when it was set.
-fn is_valid(gl: &Gl) -> bool {
-    let mut valid = 0;
-    // SAFETY: writes one boolean.
-    unsafe { gl.get_booleanv(api::GL_CURRENT_RASTER_POSITION_VALID, &mut valid) };
-    valid != 0
-}
-
-/// Moves the raster position by pixels.
-fn move_by(gl: &Gl, x: f32, y: f32) {
-    if x != 0.0 || y != 0.0 {
-        // SAFETY: an empty bitmap only moves the raster position.
-        unsafe { gl.bitmap(0, 0, 0.0, 0.0, x, y, std::ptr::null()) };
-    }
-}
-
-fn raster_position(gl: &Gl) -> [f32; 2] {
-    let mut position = [0f32; 4];
-    // SAFETY: writes four floats.
-    unsafe { gl.get_floatv(api::GL_CURRENT_RASTER_POSITION, position.as_mut_ptr()) };
-    [position[0], position[1]]
 }
 
 /// A command that draws at the raster position.

@@ -2,19 +2,18 @@
 
 use crate::backend::gl::api::{self, Gl};
 use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::log;
 
 /// Keeps an error of the program's, so that those that follow are ours.
-pub fn take_error(ctx: &mut Context) {
+pub fn take_error(driver: &mut Driver) {
     // SAFETY: asks for the error flag; there are a handful of them at most.
     for _ in 0..8 {
-        let error = unsafe { ctx.driver.gl.get_error() };
+        let error = unsafe { driver.gl.get_error() };
         if error == api::GL_NO_ERROR {
             break;
         }
-        if ctx.driver.pending_error == api::GL_NO_ERROR {
-            ctx.driver.pending_error = error;
-        }
+        driver.note_error(error);
     }
 }
 

@@ -2,8 +2,7 @@
 //!
 //! [`gl_context::Context`] holds the state of all features and is what hooks get
 //! ([`hooks`], [`current`]). [`window_space`] sets viewport and scissor of the driver,
-//! [`matrices`] reads and loads those of the fixed-function pipeline, [`list_recording`] records
-//! display lists, [`own_calls`] is the scope of calls of our own, [`errors`] keeps the program's
+//! [`list_recording`] records display lists, [`own_calls`] is the scope of calls of our own, [`errors`] keeps the program's
 //! errors and ours apart, [`methods`] says how the rig's outputs are made.
 
 pub mod current;
@@ -11,7 +10,6 @@ pub mod errors;
 pub mod gl_context;
 pub mod hooks;
 pub mod list_recording;
-pub mod matrices;
 pub mod methods;
 pub mod own_calls;
 pub mod read_pixels;

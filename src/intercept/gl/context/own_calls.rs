@@ -3,7 +3,7 @@
 //! ```text
 //! {
 //!     let ctx: &mut Context = &mut OwnCalls::begin(ctx);   queries, messages and conditions are off
-//!     ctx.driver.gl.…                                             work that the program does not notice
+//!     ctx.driver.gl.…                                      work that the program does not notice
 //! }                                                        all is back, also after a panic
 //! ```
 

@@ -45,7 +45,7 @@ unsafe fn find(ctx: &mut Context, vertices: Vertices) -> Option<Bounds> {
             }
         }
         Vertices::Elements { count, kind, indices, base } => {
-            if restarts(ctx) {
+            if restarts(&ctx.driver) {
                 return None;
             }
             let buffer = vertex_arrays::elements(ctx);

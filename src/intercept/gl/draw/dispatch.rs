@@ -54,7 +54,7 @@ pub fn draw(
 /// Issues a draw once, as the program means it.
 fn once(ctx: &mut Context, issue: &mut dyn FnMut(&mut Context, &Gl)) {
     let gl = ctx.driver.gl;
-    scaling::weigh(ctx, QueryWeights::ONCE);
+    scaling::weigh(ctx.driver.gl, &mut ctx.queries, QueryWeights::ONCE);
     plain_program(ctx);
     issue(ctx, gl);
 }
@@ -183,7 +183,7 @@ fn flat(ctx: &mut Context, changes: Changes, measure: Option<Measure>, mut issue
         own_window_space(ctx, *tile);
         let last = pictures == number + 1;
         let samples = if number == 0 { 1.0 } else { 0.0 };
-        scaling::weigh(ctx, QueryWeights { samples, primitives: 1.0 / pictures as f64 });
+        scaling::weigh(ctx.driver.gl, &mut ctx.queries, QueryWeights { samples, primitives: 1.0 / pictures as f64 });
         let blending = panel.then(|| PanelBlend::begin(gl, &ctx.driver.known_state));
         repeats.around(gl, number, last, || match &measure {
             Some(measure) if number == 0 => coverage::measure(ctx, measure, |ctx| issue(ctx, gl)),

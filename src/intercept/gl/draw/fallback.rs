@@ -2,7 +2,6 @@
 
 use crate::correct::projected::matrices::LensConstants;
 use crate::intercept::gl::context::gl_context::Context;
-use crate::intercept::gl::context::matrices;
 use crate::intercept::gl::framebuffer::default_framebuffer;
 use crate::intercept::gl::offscreen::view_copies;
 use crate::intercept::gl::projected_vertices;
@@ -23,7 +22,7 @@ pub fn look(ctx: &mut Context) {
     {
         return;
     }
-    matrices::refresh(ctx);
+    ctx.compat.projection.refresh(ctx.driver.gl, ctx.drawable.session());
     if matches!(ctx.compat.projection.class, MatrixClass::Perspective(_))
         && let Err(reason) = projected_vertices::begin_stand_in(ctx)
     {

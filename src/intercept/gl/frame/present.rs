@@ -122,9 +122,7 @@ fn correct_now(ctx: &mut Context) {
     let (texture, outputs) = (target.texture(), target.outputs());
     let pending =
         target.backend().present_changed(ctx.driver.gl, texture, outputs, cleared.as_ref(), &ctx.driver.known_state);
-    if ctx.driver.pending_error == api::GL_NO_ERROR {
-        ctx.driver.pending_error = pending;
-    }
+    ctx.driver.note_error(pending);
     ctx.drawable.target = Some(target);
 }
 
@@ -160,7 +158,7 @@ fn next_frame(ctx: &mut Context) {
     ctx.frame.viewport_area = [0, ctx.frame.viewport_area[0]];
     ctx.frame.begun = false;
     view_copies::end_frame(ctx);
-    buffers::of(ctx).end_frame();
+    buffers::of(&ctx.share).end_frame();
     ctx.frame.draw_count.end_frame(ctx.frame.counts.draws_seen);
     follow_size(ctx);
     default_framebuffer::follow_rig(ctx);
@@ -170,7 +168,7 @@ fn keep_report(ctx: &mut Context, settings: &settings::Settings) {
     if settings.stats.is_none() && settings.capture.is_none() && settings.capture_views.is_none() {
         return;
     }
-    take_error(ctx);
+    take_error(&mut ctx.driver);
     let statistics = settings.stats.is_some().then(|| statistics(ctx, settings));
     let pictures = if settings.capture.is_some() { output_pictures(ctx, settings) } else { Vec::new() };
     let views = if settings.capture_views.is_some() { view_pictures(ctx) } else { Vec::new() };

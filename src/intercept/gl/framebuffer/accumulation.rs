@@ -29,7 +29,7 @@ fn parts(ctx: &Context) -> Vec<[i32; 4]> {
 /// Runs `work` with the buffer, which is made when it is first needed.
 fn with(ctx: &mut Context, work: impl FnOnce(&mut Context, &Accumulation)) {
     let ctx: &mut Context = &mut OwnCalls::begin(ctx);
-    take_error(ctx);
+    take_error(&mut ctx.driver);
     let gl = ctx.driver.gl;
     let atlas = ctx.drawable.target.as_ref().map(|t| t.session.plan().views.atlas);
     let size = atlas.map_or((0, 0), |(width, height)| (width as i32, height as i32));

@@ -43,8 +43,8 @@ fn refuses_attachments(ctx: &mut Context, target: u32) -> bool {
     let window = if reads { ctx.reads_redirected() } else { ctx.redirected() };
     let changed = if reads { ctx.app.read_framebuffer } else { ctx.app.draw_framebuffer };
     view_copies::forget(ctx, changed);
-    if window && ctx.driver.pending_error == api::GL_NO_ERROR {
-        ctx.driver.pending_error = api::GL_INVALID_OPERATION;
+    if window {
+        ctx.driver.note_error(api::GL_INVALID_OPERATION);
     }
     window
 }

@@ -32,7 +32,7 @@ pub fn attach(ctx: &mut Context, extras: Extras) {
 }
 
 fn attach_now(ctx: &mut Context, window: &Window, settings: &settings::Settings, extras: Extras) {
-    take_error(ctx);
+    take_error(&mut ctx.driver);
     match DefaultFramebuffer::new(ctx, window, settings, extras) {
         Ok(target) => put(ctx, target),
         Err(error) => log::once(&format!("this window keeps its own picture: {error}")),
@@ -62,7 +62,7 @@ pub fn follow_rig(ctx: &mut Context) {
     let ctx: &mut Context = &mut OwnCalls::without_messages(ctx);
     let (Some(settings), Some(window)) = (settings::settings(), ctx.drawable.window.clone()) else { return };
     let Some(mut old) = ctx.drawable.target.take() else { return };
-    take_error(ctx);
+    take_error(&mut ctx.driver);
     let extras = ctx.frame.draw_count.extras(old.extras());
     match DefaultFramebuffer::new(ctx, &window, settings, extras) {
         Ok(new) => {
@@ -81,7 +81,7 @@ pub fn follow_rig(ctx: &mut Context) {
 
 /// Puts what stood for a window earlier in its place again, if the window is still of that kind.
 pub fn resume(ctx: &mut Context, window: &Window, target: Box<DefaultFramebuffer>) {
-    take_error(ctx);
+    take_error(&mut ctx.driver);
     if target.config == Config::of_window(ctx.driver.gl, &ctx.driver.profile, window) {
         ctx.drawable.target = Some(target);
         adopt(ctx);
@@ -93,7 +93,7 @@ pub fn resume(ctx: &mut Context, window: &Window, target: Box<DefaultFramebuffer
 
 /// Goes on with a picture that another context of the group began.
 pub fn take_over(ctx: &mut Context, mut target: Box<DefaultFramebuffer>) {
-    take_error(ctx);
+    take_error(&mut ctx.driver);
     match target.rehome(ctx.driver.gl) {
         Ok(()) => {
             ctx.drawable.target = Some(target);
@@ -171,7 +171,7 @@ fn enlarge(ctx: &mut Context, add: impl FnOnce(&mut Extras)) {
 
 fn enlarge_now(ctx: &mut Context, add: impl FnOnce(&mut Extras)) {
     let Some(old) = ctx.drawable.target.take() else { return };
-    take_error(ctx);
+    take_error(&mut ctx.driver);
     let mut extras = old.extras();
     add(&mut extras);
     match old.enlarged(ctx, extras) {

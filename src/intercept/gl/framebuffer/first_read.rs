@@ -16,7 +16,7 @@ use glam::DMat3;
 /// anything was drawn to it.
 pub fn fill_primary(ctx: &mut Context) {
     let Some(target) = ctx.drawable.target.take() else { return };
-    take_error(ctx);
+    take_error(&mut ctx.driver);
     let camera = &target.session.rig().camera;
     let directions = own_directions(ctx, camera);
     if let (Some(tile), Some(directions)) = (target.primary(), directions) {

@@ -98,7 +98,7 @@ pub fn close(ctx: &mut Context, cleared: f32) {
     {
         return;
     }
-    take_error(ctx);
+    take_error(&mut ctx.driver);
     if let Some(target) = &ctx.drawable.target {
         let texels = target.backend().close_unsampled(ctx.driver.gl, cleared, &ctx.driver.known_state);
         ctx.frame.counts.closings += u64::from(texels > 0);

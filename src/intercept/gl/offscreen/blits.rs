@@ -354,7 +354,7 @@ pub fn noted_into_texture(ctx: &mut Context, texture: u32, level: i32, source: [
     let index = match image_of(ctx, texture, level) {
         Some(index) => index,
         None => {
-            take_error(ctx);
+            take_error(&mut ctx.driver);
             let image = Image::examine_texture(ctx.driver.gl, texture, level);
             drop_errors(ctx.driver.gl);
             let Some(image) = image else { return };

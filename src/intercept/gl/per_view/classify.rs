@@ -1,7 +1,6 @@
 //! Classification of draws.
 
 use crate::intercept::gl::context::gl_context::Context;
-use crate::intercept::gl::context::matrices::refresh;
 use crate::intercept::gl::shader::program_pipelines;
 use crate::intercept::gl::state::draw::draw_class::DrawClass;
 use crate::intercept::gl::state::shader::programs::Lens;
@@ -29,7 +28,7 @@ pub fn classify_by_projection(ctx: &mut Context) -> DrawClass {
     if !ctx.driver.profile.compatibility() {
         return DrawClass::Flat;
     }
-    refresh(ctx);
+    ctx.compat.projection.refresh(ctx.driver.gl, ctx.drawable.session());
     match ctx.compat.projection.class {
         MatrixClass::Perspective(intrinsics) => {
             ctx.frame.lens = Some(intrinsics);

@@ -3,11 +3,11 @@
 use crate::backend::gl::api::{self, Gl};
 use crate::correct::projected::matrices::ReprojectionMatrix;
 use crate::intercept::gl::context::gl_context::Context;
-use crate::intercept::gl::context::matrices::load_projection;
 use crate::intercept::gl::projected_vertices;
 use crate::intercept::gl::queries::scaling;
 use crate::intercept::gl::shader::programs;
 use crate::intercept::gl::state::app::attribute_stack;
+use crate::intercept::gl::state::compat::projection;
 use crate::intercept::gl::state::draw::draw_class::{Changes, DrawClass};
 use crate::intercept::gl::state::draw::views::Views;
 use crate::intercept::gl::state::shader::variants::{InUse, Variant};
@@ -64,7 +64,7 @@ pub fn issue(ctx: &mut Context, copies: &Copies, target: &mut dyn Target, draw: 
         let class = target.prepare(ctx, view);
         if ctx.queries.any() {
             let weights = target.weights(ctx, view, class);
-            scaling::weigh(ctx, weights);
+            scaling::weigh(ctx.driver.gl, &mut ctx.queries, weights);
         }
         let divided = load_view(ctx, class, view, &mut projection_loaded);
         repeats.around(gl, number, Some(view) == last, || draw(ctx, gl));
@@ -107,7 +107,7 @@ fn load_view(
                 _ => ctx.compat.projection.per_view.get(view),
             };
             if let Some(matrix) = matrix {
-                load_projection(ctx, matrix);
+                projection::load(ctx.driver.gl, ctx.app.matrix_mode, matrix);
                 *projection_loaded = true;
             }
         }
@@ -126,7 +126,7 @@ fn load_rows(ctx: &mut Context, view: usize, rows: &ReprojectionMatrix) -> Optio
 /// Puts the program's own projection back, if a view's was loaded.
 fn restore_projection(ctx: &Context, loaded: &mut bool) {
     if std::mem::take(loaded) {
-        load_projection(ctx, &ctx.compat.projection.matrix);
+        projection::load(ctx.driver.gl, ctx.app.matrix_mode, &ctx.compat.projection.matrix);
     }
 }
 

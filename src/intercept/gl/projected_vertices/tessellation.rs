@@ -61,18 +61,7 @@ pub fn texts(patch: Patch, interface: &Interface, functions: &str, limits: &Limi
 
 fn control(patch: Patch, interface: &Interface, functions: &str, limits: &Limits) -> String {
     let corners = patch.corners();
-    let mut text = format!("layout(vertices = {corners}) out;\n");
-    if let Some(binding) = limits.counter {
-        let _ = writeln!(text, "layout(binding = {binding}, offset = 0) uniform atomic_uint {COUNTER};");
-    }
-    for (number, value) in interface.values.iter().enumerate() {
-        let flat = if value.flat { "flat " } else { "" };
-        let _ = writeln!(
-            text,
-            "{flat}in {kind} {CARRIER}{number}[];\n{flat}out {kind} {HANDED}{number}[];",
-            kind = value.kind
-        );
-    }
+    let mut text = control_declarations(corners, interface, limits);
     text.push_str(functions);
     text.push_str(&division::cuts());
     text.push_str(PARTS);
@@ -86,40 +75,70 @@ fn control(patch: Patch, interface: &Interface, functions: &str, limits: &Limits
             writeln!(text, "float edge{number} = cupola_parts(gl_in[{from}].gl_Position, gl_in[{to}].gl_Position);");
     }
     if patch != Patch::Lines {
-        // Around a fisheye's antipode edges may be straight enough, and what is amid them is not.
-        let middle: Vec<String> = (0..corners)
-            .map(|corner| {
-                let at = format!("gl_in[{corner}].gl_Position");
-                format!("{at} / max(length(cupola_seen({at})), 1e-30)")
-            })
-            .collect();
-        let _ = writeln!(text, "vec4 middle = {};\nfloat inner = 1.0;", middle.join(" + "));
-        for corner in 0..corners {
-            // Two of these lead through the patch.
-            let _ = writeln!(
-                text,
-                "inner = max(inner, min(64.0, 2.0 * cupola_parts(middle, gl_in[{corner}].gl_Position) - 1.0));"
-            );
-        }
-    }
-    if patch != Patch::Lines {
-        // The antipode itself is a whole circle: what is around it has no end of parts.
-        let turn = |corner: usize| {
-            let next = (corner + 1) % corners;
-            format!("cross(cupola_seen(gl_in[{corner}].gl_Position), cupola_seen(gl_in[{next}].gl_Position)).z")
-        };
-        let signs: Vec<String> = (0..corners).map(|corner| format!("sign({})", turn(corner))).collect();
-        let _ = writeln!(
-            text,
-            "bool around = abs({}) == {corners}.0 && cupola_seen(middle).z > 0.0;\n\
-             if (around && cupola_view[5].w != 0.0 && cupola_view[6].z > {SHOWN_BEHIND:?}) {{ inner = 64.0; cupola_coarse_edge = true; }}",
-            signs.join(" + ")
-        );
+        text.push_str(&inner_parts(corners));
     }
     text.push_str("cupola_low = vec3(1e38);\ncupola_high = vec3(-1e38);\n");
     for corner in 0..corners {
         let _ = writeln!(text, "cupola_span(gl_in[{corner}].gl_Position);");
     }
+    text.push_str(&levels(patch, limits));
+    text.push_str("}\n");
+    text
+}
+
+/// What stands before the functions of the control stage.
+fn control_declarations(corners: usize, interface: &Interface, limits: &Limits) -> String {
+    let mut text = format!("layout(vertices = {corners}) out;\n");
+    if let Some(binding) = limits.counter {
+        let _ = writeln!(text, "layout(binding = {binding}, offset = 0) uniform atomic_uint {COUNTER};");
+    }
+    for (number, value) in interface.values.iter().enumerate() {
+        let flat = if value.flat { "flat " } else { "" };
+        let _ = writeln!(
+            text,
+            "{flat}in {kind} {CARRIER}{number}[];\n{flat}out {kind} {HANDED}{number}[];",
+            kind = value.kind
+        );
+    }
+    text
+}
+
+/// Sets `inner`, the number of parts inside a patch.
+fn inner_parts(corners: usize) -> String {
+    let mut text = String::new();
+    // Around a fisheye's antipode edges may be straight enough, and what is amid them is not.
+    let middle: Vec<String> = (0..corners)
+        .map(|corner| {
+            let at = format!("gl_in[{corner}].gl_Position");
+            format!("{at} / max(length(cupola_seen({at})), 1e-30)")
+        })
+        .collect();
+    let _ = writeln!(text, "vec4 middle = {};\nfloat inner = 1.0;", middle.join(" + "));
+    for corner in 0..corners {
+        // Two of these lead through the patch.
+        let _ = writeln!(
+            text,
+            "inner = max(inner, min(64.0, 2.0 * cupola_parts(middle, gl_in[{corner}].gl_Position) - 1.0));"
+        );
+    }
+    // The antipode itself is a whole circle: what is around it has no end of parts.
+    let turn = |corner: usize| {
+        let next = (corner + 1) % corners;
+        format!("cross(cupola_seen(gl_in[{corner}].gl_Position), cupola_seen(gl_in[{next}].gl_Position)).z")
+    };
+    let signs: Vec<String> = (0..corners).map(|corner| format!("sign({})", turn(corner))).collect();
+    let _ = writeln!(
+        text,
+        "bool around = abs({}) == {corners}.0 && cupola_seen(middle).z > 0.0;\n\
+         if (around && cupola_view[5].w != 0.0 && cupola_view[6].z > {SHOWN_BEHIND:?}) {{ inner = 64.0; cupola_coarse_edge = true; }}",
+        signs.join(" + ")
+    );
+    text
+}
+
+/// Sets the tessellation levels, and counts edges that are too coarse.
+fn levels(patch: Patch, limits: &Limits) -> String {
+    let mut text = String::new();
     let all: Vec<String> = (0..patch.edges().len()).map(|number| format!("edge{number}")).collect();
     // What is straight and beside the picture is left out.
     let _ = writeln!(text, "bool shown = cupola_near() || {} > {}.0;", all.join(" + "), all.len());
@@ -139,7 +158,6 @@ fn control(patch: Patch, interface: &Interface, functions: &str, limits: &Limits
             "gl_TessLevelInner[0] = max(inner, max(edge1, edge3));\ngl_TessLevelInner[1] = max(inner, max(edge0, edge2));\n",
         ),
     }
-    text.push_str("}\n");
     text
 }
 

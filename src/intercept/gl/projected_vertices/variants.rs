@@ -13,6 +13,8 @@ use crate::intercept::gl::projected_vertices::geometry_stage::{self, Limits, Pas
 use crate::intercept::gl::projected_vertices::interface::{self, Interface};
 use crate::intercept::gl::projected_vertices::{carriers, tessellation};
 use crate::intercept::gl::shader::patch;
+use crate::intercept::gl::state::driver::Driver;
+use crate::intercept::gl::state::driver::profile::Profile;
 use crate::intercept::gl::state::shader::division_counter::Counter;
 use crate::intercept::gl::state::shader::programs::Program;
 use crate::intercept::gl::state::shader::uniform_mirror::Mirror;
@@ -32,7 +34,7 @@ pub fn of(ctx: &mut Context, kind: Kind) -> Option<Arc<Variant>> {
         State::Untried => {
             let made = {
                 let ctx: &mut Context = &mut OwnCalls::without_messages(ctx);
-                errors::take_error(ctx);
+                errors::take_error(&mut ctx.driver);
                 let made = make(ctx, &program, kind);
                 errors::drop_errors(ctx.driver.gl);
                 made
@@ -95,26 +97,26 @@ impl Variant {
 }
 
 /// What the context allows a stage of ours.
-fn limits(ctx: &Context, kind: Kind) -> Limits {
+fn limits(driver: &Driver, kind: Kind) -> Limits {
     let number = |name: u32| {
         let mut value = 0;
         // SAFETY: writes one integer.
-        unsafe { ctx.driver.gl.get_integerv(name, &mut value) };
+        unsafe { driver.gl.get_integerv(name, &mut value) };
         usize::try_from(value).unwrap_or(0)
     };
     let counters = match kind {
         Kind::Geometry(_) => api::GL_MAX_GEOMETRY_ATOMIC_COUNTERS,
         Kind::Tessellation(_) => api::GL_MAX_TESS_CONTROL_ATOMIC_COUNTERS,
     };
-    let counted = ctx.driver.profile.version >= 42 && number(counters) > 0;
+    let counted = driver.profile.version >= 42 && number(counters) > 0;
     let wanted = crate::intercept::settings::settings().is_some_and(|settings| settings.stats.is_some());
     let bindings = number(api::GL_MAX_ATOMIC_COUNTER_BUFFER_BINDINGS) as u32;
     Limits {
         vertices: number(api::GL_MAX_GEOMETRY_OUTPUT_VERTICES),
         components: number(api::GL_MAX_GEOMETRY_TOTAL_OUTPUT_COMPONENTS),
-        shared: ctx.driver.profile.version >= 40,
+        shared: driver.profile.version >= 40,
         counter: (counted && wanted && bindings > 0).then(|| bindings - 1),
-        compatibility: ctx.driver.profile.compatibility(),
+        compatibility: driver.profile.compatibility(),
     }
 }
 
@@ -122,51 +124,10 @@ fn make(ctx: &mut Context, program: &Program, kind: Kind) -> Result<Variant, &'s
     if ctx.shaders.pipelines.used != program.name {
         return Err("it belongs to a pipeline");
     }
-    if ctx.driver.profile.es || ctx.driver.profile.version < 32 {
-        return Err("there are no geometry shaders before OpenGL 3.2");
-    }
-    if program.texts.iter().any(|(kind, _)| *kind == api::GL_GEOMETRY_SHADER) {
-        return Err("it has a geometry shader of its own");
-    }
-    let tessellates = matches!(kind, Kind::Tessellation(_));
-    if tessellates && ctx.driver.profile.version < 40 {
-        return Err("there are no tessellation shaders before OpenGL 4.0");
-    }
-    let has = |wanted: u32| program.texts.iter().any(|(kind, _)| *kind == wanted);
-    let last = if has(api::GL_TESS_EVALUATION_SHADER) { api::GL_TESS_EVALUATION_SHADER } else { api::GL_VERTEX_SHADER };
-    if tessellates && (has(api::GL_TESS_EVALUATION_SHADER) || has(api::GL_TESS_CONTROL_SHADER)) {
-        return Err("it has tessellation shaders of its own");
-    }
-    let index = program
-        .texts
-        .iter()
-        .position(|(kind, source)| *kind == last && patch::has_main(source))
-        .ok_or("its shaders' texts are not known")?;
-    let source = &program.texts[index].1;
-    let bare = patch::strip_comments(source);
-    let mut interface = interface::read(&bare)?;
-    let built_in = if ctx.driver.profile.compatibility() { interface::built_in(&bare) } else { Vec::new() };
-    if ctx.driver.profile.compatibility() {
-        interface.add_texture_coordinates(&bare)?;
-    }
-    let fragments: Vec<_> = program.texts.iter().filter(|(kind, _)| *kind == api::GL_FRAGMENT_SHADER).collect();
-    let numbered = fragments.iter().any(|(_, source)| patch::mentions(source, "gl_PrimitiveID"));
-    let functions = projection::functions(false, true);
-    let limits = limits(ctx, kind);
-    let passing = Passing { number: numbered, flat: program.flat };
-    let (interface, dividing) = match kind {
-        Kind::Geometry(input) => {
-            let text = geometry_stage::text(input, &interface, &built_in, passing, &functions, &limits)
-                .ok_or("the driver's geometry shaders emit too few vertices")?;
-            (interface, vec![(api::GL_GEOMETRY_SHADER, text)])
-        }
-        Kind::Tessellation(patch) => {
-            let interface = tessellation::with_built_in(interface, &built_in, passing);
-            let [control, evaluation] = tessellation::texts(patch, &interface, &functions, &limits);
-            (interface, vec![(api::GL_TESS_CONTROL_SHADER, control), (api::GL_TESS_EVALUATION_SHADER, evaluation)])
-        }
-    };
-    let carrying = carriers::carry(source, &interface);
+    let index = dividable(ctx.driver.profile, program, kind)?;
+    let limits = limits(&ctx.driver, kind);
+    let (interface, dividing) = dividing_stages(program, index, kind, &limits)?;
+    let carrying = carriers::carry(&program.texts[index].1, &interface);
 
     let gl = ctx.driver.gl;
     let mut shaders: Vec<u32> = dividing.iter().map(|(stage, text)| compile(gl, *stage, text)).collect();
@@ -174,7 +135,7 @@ fn make(ctx: &mut Context, program: &Program, kind: Kind) -> Result<Variant, &'s
         shaders.push(compile(gl, *kind, if number == index { &carrying } else { source }));
     }
     let outputs: Vec<Interface> =
-        fragments.iter().filter_map(|(_, source)| interface::read(&patch::strip_comments(source)).ok()).collect();
+        fragments(program).filter_map(|source| interface::read(&patch::strip_comments(source)).ok()).collect();
     let linked = link(gl, program.name, &shaders, &outputs);
     for shader in shaders {
         // SAFETY: a shader of ours.
@@ -200,6 +161,62 @@ fn make(ctx: &mut Context, program: &Program, kind: Kind) -> Result<Variant, &'s
             Kind::Tessellation(patch) => Some(patch.corners() as i32),
         },
     })
+}
+
+/// The index, among the program's shaders, of the last one before those that divide; or why there can be none.
+fn dividable(profile: Profile, program: &Program, kind: Kind) -> Result<usize, &'static str> {
+    if profile.es || profile.version < 32 {
+        return Err("there are no geometry shaders before OpenGL 3.2");
+    }
+    let has = |wanted: u32| program.texts.iter().any(|(kind, _)| *kind == wanted);
+    if has(api::GL_GEOMETRY_SHADER) {
+        return Err("it has a geometry shader of its own");
+    }
+    let tessellates = matches!(kind, Kind::Tessellation(_));
+    if tessellates && profile.version < 40 {
+        return Err("there are no tessellation shaders before OpenGL 4.0");
+    }
+    let last = if has(api::GL_TESS_EVALUATION_SHADER) { api::GL_TESS_EVALUATION_SHADER } else { api::GL_VERTEX_SHADER };
+    if tessellates && (has(api::GL_TESS_EVALUATION_SHADER) || has(api::GL_TESS_CONTROL_SHADER)) {
+        return Err("it has tessellation shaders of its own");
+    }
+    let index = program.texts.iter().position(|(kind, source)| *kind == last && patch::has_main(source));
+    index.ok_or("its shaders' texts are not known")
+}
+
+/// Kinds and texts of the stages that divide behind the shader of this index, and what it hands on to them.
+fn dividing_stages(
+    program: &Program,
+    index: usize,
+    kind: Kind,
+    limits: &Limits,
+) -> Result<(Interface, Vec<(u32, String)>), &'static str> {
+    let bare = patch::strip_comments(&program.texts[index].1);
+    let mut interface = interface::read(&bare)?;
+    let built_in = if limits.compatibility { interface::built_in(&bare) } else { Vec::new() };
+    if limits.compatibility {
+        interface.add_texture_coordinates(&bare)?;
+    }
+    let numbered = fragments(program).any(|source| patch::mentions(source, "gl_PrimitiveID"));
+    let functions = projection::functions(false, true);
+    let passing = Passing { number: numbered, flat: program.flat };
+    Ok(match kind {
+        Kind::Geometry(input) => {
+            let text = geometry_stage::text(input, &interface, &built_in, passing, &functions, limits)
+                .ok_or("the driver's geometry shaders emit too few vertices")?;
+            (interface, vec![(api::GL_GEOMETRY_SHADER, text)])
+        }
+        Kind::Tessellation(patch) => {
+            let interface = tessellation::with_built_in(interface, &built_in, passing);
+            let [control, evaluation] = tessellation::texts(patch, &interface, &functions, limits);
+            (interface, vec![(api::GL_TESS_CONTROL_SHADER, control), (api::GL_TESS_EVALUATION_SHADER, evaluation)])
+        }
+    })
+}
+
+/// Texts of the program's fragment shaders.
+fn fragments(program: &Program) -> impl Iterator<Item = &str> {
+    program.texts.iter().filter(|(kind, _)| *kind == api::GL_FRAGMENT_SHADER).map(|(_, source)| &**source)
 }
 
 /// A shader of ours; what the driver says of it the link tells.

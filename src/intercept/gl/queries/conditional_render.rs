@@ -1,36 +1,36 @@
 //! Conditional rendering: it holds for what the program draws, not for our own work in between.
 
-use crate::backend::gl::api;
+use crate::backend::gl::api::{self, Gl};
 use crate::intercept::gl::context::errors::take_error;
-use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::context::list_recording;
 use crate::intercept::gl::queries::scaling;
+use crate::intercept::gl::state::driver::Driver;
+use crate::intercept::gl::state::queries::Queries;
 
-fn begin(ctx: &mut Context, query: u32, mode: u32) {
-    let object = scaling::condition(ctx, query);
+fn begin(driver: &mut Driver, queries: &mut Queries, query: u32, mode: u32) {
+    let object = scaling::condition(driver.gl, queries, query);
     // Whether the driver takes it is told by its error only.
-    take_error(ctx);
+    take_error(driver);
     // SAFETY: the program's own call; an object of ours in place of its query saw the same.
     let error = unsafe {
-        ctx.driver.gl.begin_conditional_render(object, mode);
-        ctx.driver.gl.get_error()
+        driver.gl.begin_conditional_render(object, mode);
+        driver.gl.get_error()
     };
     match error {
-        api::GL_NO_ERROR => ctx.queries.condition = Some((object, mode)),
-        error if ctx.driver.pending_error == api::GL_NO_ERROR => ctx.driver.pending_error = error,
-        _ => {}
+        api::GL_NO_ERROR => queries.condition = Some((object, mode)),
+        error => driver.note_error(error),
     }
 }
 
-fn end(ctx: &mut Context) {
+fn end(gl: &Gl, queries: &mut Queries) {
     // SAFETY: the program's own call.
-    unsafe { ctx.driver.gl.end_conditional_render() };
-    ctx.queries.condition = None;
+    unsafe { gl.end_conditional_render() };
+    queries.condition = None;
 }
 
 hooks! {
     "glBeginConditionalRender" begin_conditional_render(query: u32, mode: u32) = |ctx, _gl|
-        list_recording::now_or_later(ctx, move |ctx| begin(ctx, query, mode));
-    "glEndConditionalRender" end_conditional_render() = |ctx, _gl| list_recording::now_or_later(ctx, end);
+        list_recording::now_or_later(ctx, move |ctx| begin(&mut ctx.driver, &mut ctx.queries, query, mode));
+    "glEndConditionalRender" end_conditional_render() = |ctx, _gl| list_recording::now_or_later(ctx, |ctx| end(ctx.driver.gl, &mut ctx.queries));
 }

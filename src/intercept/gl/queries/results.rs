@@ -1,54 +1,54 @@
 //! What a program is told of its queries: its own names, and the sums of their parts.
 
-use crate::backend::gl::api;
-use crate::intercept::gl::context::gl_context::Context;
+use crate::backend::gl::api::{self, Gl};
 use crate::intercept::gl::context::{hooks, list_recording};
-use crate::intercept::gl::queries::scaling::{begin, end, invalid};
-use crate::intercept::gl::state::queries::{Count, available};
+use crate::intercept::gl::queries::scaling::{begin, end};
+use crate::intercept::gl::state::driver::Driver;
+use crate::intercept::gl::state::queries::{Count, Queries, available};
 use crate::intercept::gl::vertex_input::buffers;
 
 /// Whether the program's query runs, which is an error where its result is asked for.
-fn refuses(ctx: &mut Context, name: u32) -> bool {
-    let runs = ctx.queries.running.iter().any(|r| r.name == name);
+fn refuses(driver: &mut Driver, queries: &Queries, name: u32) -> bool {
+    let runs = queries.running.iter().any(|r| r.name == name);
     if runs {
-        invalid(ctx);
+        driver.note_error(api::GL_INVALID_OPERATION);
     }
     runs
 }
 
 /// What the program asks of a query whose result is in several objects; `None`: the driver answers.
-fn answer(ctx: &mut Context, name: u32, what: u32) -> Option<u64> {
-    let count = ctx.queries.split.get(&name)?;
-    let ready = || count.parts.iter().all(|part| available(ctx.driver.gl, part.0));
+fn answer(driver: &Driver, queries: &Queries, name: u32, what: u32) -> Option<u64> {
+    let count = queries.split.get(&name)?;
+    let ready = || count.parts.iter().all(|part| available(driver.gl, part.0));
     // Questions of ours write numbers, wherever the program wants its own answer.
-    let buffer = unbind_results(ctx);
+    let buffer = unbind_results(driver);
     let answer = match what {
-        api::GL_QUERY_RESULT => Some(count.total(ctx.driver.gl, ctx.queries.wide)),
-        api::GL_QUERY_RESULT_NO_WAIT if ready() => Some(count.total(ctx.driver.gl, ctx.queries.wide)),
+        api::GL_QUERY_RESULT => Some(count.total(driver.gl, queries.wide)),
+        api::GL_QUERY_RESULT_NO_WAIT if ready() => Some(count.total(driver.gl, queries.wide)),
         api::GL_QUERY_RESULT_AVAILABLE => Some(u64::from(ready())),
         _ => None,
     };
-    bind_results(ctx, buffer);
+    bind_results(driver, buffer);
     answer
 }
 
 /// Takes the program's buffer for results away; its name, or 0.
-fn unbind_results(ctx: &Context) -> u32 {
+fn unbind_results(driver: &Driver) -> u32 {
     let mut buffer = 0;
-    if !ctx.driver.profile.es && ctx.driver.profile.version >= 44 {
+    if !driver.profile.es && driver.profile.version >= 44 {
         // SAFETY: writes one integer; the binding is put back by `bind_results`.
         unsafe {
-            ctx.driver.gl.get_integerv(api::GL_QUERY_BUFFER_BINDING, &mut buffer);
-            bind_results(ctx, 0);
+            driver.gl.get_integerv(api::GL_QUERY_BUFFER_BINDING, &mut buffer);
+            bind_results(driver, 0);
         }
     }
     buffer as u32
 }
 
-fn bind_results(ctx: &Context, buffer: u32) {
-    if !ctx.driver.profile.es && ctx.driver.profile.version >= 44 {
+fn bind_results(driver: &Driver, buffer: u32) {
+    if !driver.profile.es && driver.profile.version >= 44 {
         // SAFETY: OpenGL 4.4 knows the target.
-        unsafe { ctx.driver.gl.bind_buffer(api::GL_QUERY_BUFFER, buffer) };
+        unsafe { driver.gl.bind_buffer(api::GL_QUERY_BUFFER, buffer) };
     }
 }
 
@@ -56,15 +56,13 @@ fn bind_results(ctx: &Context, buffer: u32) {
 ///
 /// # Safety
 /// `values` must be a place for a `T`, or an offset while a buffer for results is bound.
-unsafe fn write<T>(ctx: &Context, value: T, values: *mut T) {
-    let buffer = unbind_results(ctx);
-    bind_results(ctx, buffer);
+unsafe fn write<T>(driver: &Driver, value: T, values: *mut T) {
+    let buffer = unbind_results(driver);
+    bind_results(driver, buffer);
     if buffer != 0 {
         let size = size_of::<T>() as isize;
         // SAFETY: the driver checks the offset.
-        unsafe {
-            ctx.driver.gl.buffer_sub_data(api::GL_QUERY_BUFFER, values as isize, size, (&raw const value).cast())
-        };
+        unsafe { driver.gl.buffer_sub_data(api::GL_QUERY_BUFFER, values as isize, size, (&raw const value).cast()) };
     } else if !values.is_null() {
         // SAFETY: as promised.
         unsafe { values.write(value) };
@@ -72,33 +70,31 @@ unsafe fn write<T>(ctx: &Context, value: T, values: *mut T) {
 }
 
 /// The program's name for the query of this kind that runs, if the driver has another object.
-fn current(ctx: &Context, target: u32, index: u32) -> Option<u32> {
-    ctx.queries.running.iter().find(|r| r.target == target && r.index == index).map(|r| r.name)
+fn current(queries: &Queries, target: u32, index: u32) -> Option<u32> {
+    queries.running.iter().find(|r| r.target == target && r.index == index).map(|r| r.name)
 }
 
 /// Queries were deleted.
-fn forget(ctx: &mut Context, names: &[u32]) {
-    let gl = ctx.driver.gl;
+fn forget(gl: &Gl, queries: &mut Queries, names: &[u32]) {
     for name in names.iter().filter(|name| **name != 0) {
-        if let Some(number) = ctx.queries.running.iter().position(|r| r.name == *name) {
-            let mut running = ctx.queries.running.swap_remove(number);
+        if let Some(number) = queries.running.iter().position(|r| r.name == *name) {
+            let mut running = queries.running.swap_remove(number);
             running.end_part(gl);
-            ctx.queries.give_back(&running.before, *name);
+            queries.give_back(&running.before, *name);
         }
-        if let Some(count) = ctx.queries.split.remove(name) {
-            ctx.queries.give_back(&count, *name);
+        if let Some(count) = queries.split.remove(name) {
+            queries.give_back(&count, *name);
         }
     }
 }
 
 /// Objects of ours are nothing to the program.
-fn is_own(ctx: &Context, name: u32) -> bool {
+fn is_own(queries: &Queries, name: u32) -> bool {
     let part = |count: &Count, of: u32| name != of && count.parts.iter().any(|part| part.0 == name);
-    ctx.queries.own.iter().any(|own| own.1 == name)
-        || ctx.queries.fresh.contains(&name)
-        || ctx.queries.split.iter().any(|(of, count)| part(count, *of))
-        || ctx
-            .queries
+    queries.own.iter().any(|own| own.1 == name)
+        || queries.fresh.contains(&name)
+        || queries.split.iter().any(|(of, count)| part(count, *of))
+        || queries
             .running
             .iter()
             .any(|r| part(&r.before, r.name) || r.now.is_some_and(|n| n.0 == name && name != r.name))
@@ -108,44 +104,44 @@ macro_rules! counting_hooks {
     ($( $name:literal $method:ident $t:ty, $buffer_name:literal $buffer_method:ident; )*) => {
         hooks::hooks! {
             "glBeginQuery" begin_query(target: u32, name: u32) = |ctx, _gl|
-                list_recording::now_or_later(ctx, move |ctx| begin(ctx, target, 0, name));
-            "glEndQuery" end_query(target: u32) = |ctx, _gl| list_recording::now_or_later(ctx, move |ctx| end(ctx, target, 0));
+                list_recording::now_or_later(ctx, move |ctx| begin(&mut ctx.driver, &mut ctx.queries, target, 0, name));
+            "glEndQuery" end_query(target: u32) = |ctx, _gl| list_recording::now_or_later(ctx, move |ctx| end(ctx.driver.gl, &mut ctx.queries, target, 0));
             "glBeginQueryIndexed" begin_query_indexed(target: u32, index: u32, name: u32) = |ctx, _gl|
-                list_recording::now_or_later(ctx, move |ctx| begin(ctx, target, index, name));
+                list_recording::now_or_later(ctx, move |ctx| begin(&mut ctx.driver, &mut ctx.queries, target, index, name));
             "glEndQueryIndexed" end_query_indexed(target: u32, index: u32) = |ctx, _gl|
-                list_recording::now_or_later(ctx, move |ctx| end(ctx, target, index));
+                list_recording::now_or_later(ctx, move |ctx| end(ctx.driver.gl, &mut ctx.queries, target, index));
             "glDeleteQueries" delete_queries(count: i32, names: *const u32) = |ctx, gl| {
                 if !names.is_null() {
-                    forget(ctx, std::slice::from_raw_parts(names, usize::try_from(count).unwrap_or(0)));
+                    forget(gl, &mut ctx.queries, std::slice::from_raw_parts(names, usize::try_from(count).unwrap_or(0)));
                 }
                 gl.delete_queries(count, names);
             };
-            "glIsQuery" is_query(name: u32) -> u8 = |ctx, gl| if is_own(ctx, name) { 0 } else { gl.is_query(name) };
+            "glIsQuery" is_query(name: u32) -> u8 = |ctx, gl| if is_own(&ctx.queries, name) { 0 } else { gl.is_query(name) };
             "glGetQueryiv" get_queryiv(target: u32, what: u32, values: *mut i32) = |ctx, gl| {
-                match current(ctx, target, 0).filter(|_| what == api::GL_CURRENT_QUERY && !values.is_null()) {
+                match current(&ctx.queries, target, 0).filter(|_| what == api::GL_CURRENT_QUERY && !values.is_null()) {
                     Some(name) => *values = name as i32,
                     None => gl.get_queryiv(target, what, values),
                 }
             };
             "glGetQueryIndexediv" get_query_indexediv(target: u32, index: u32, what: u32, values: *mut i32) = |ctx, gl| {
-                match current(ctx, target, index).filter(|_| what == api::GL_CURRENT_QUERY && !values.is_null()) {
+                match current(&ctx.queries, target, index).filter(|_| what == api::GL_CURRENT_QUERY && !values.is_null()) {
                     Some(name) => *values = name as i32,
                     None => gl.get_query_indexediv(target, index, what, values),
                 }
             };
             $(
                 $name $method(name: u32, what: u32, values: *mut $t) = |ctx, gl| {
-                    if !refuses(ctx, name) {
-                        match answer(ctx, name, what) {
-                            Some(count) => write(ctx, <$t>::try_from(count).unwrap_or(<$t>::MAX), values),
+                    if !refuses(&mut ctx.driver, &ctx.queries, name) {
+                        match answer(&ctx.driver, &ctx.queries, name, what) {
+                            Some(count) => write(&ctx.driver, <$t>::try_from(count).unwrap_or(<$t>::MAX), values),
                             None => gl.$method(name, what, values),
                         }
                     }
                 };
                 $buffer_name $buffer_method(name: u32, buffer: u32, what: u32, offset: isize) = |ctx, gl| {
-                    buffers::written_by_device(ctx, buffer);
-                    if !refuses(ctx, name) {
-                        match answer(ctx, name, what) {
+                    buffers::written_by_device(&ctx.share, buffer);
+                    if !refuses(&mut ctx.driver, &ctx.queries, name) {
+                        match answer(&ctx.driver, &ctx.queries, name, what) {
                             Some(count) => {
                                 let value = <$t>::try_from(count).unwrap_or(<$t>::MAX);
                                 gl.named_buffer_sub_data(buffer, offset, size_of::<$t>() as isize, (&raw const value).cast());

@@ -10,18 +10,18 @@
 //! - primitives and the work of shaders on them: divided by the number of times that the draw was issued;
 //! - time: all of it but our own work; whether any samples passed: in any view.
 
-use crate::backend::gl::api;
+use crate::backend::gl::api::{self, Gl};
 use crate::intercept::gl::context::errors::take_error;
 use crate::intercept::gl::context::gl_context::Context;
-use crate::intercept::gl::state::queries::{Count, Running, begin_real, end_real, kind, quantity, result};
+use crate::intercept::gl::state::driver::Driver;
+use crate::intercept::gl::state::queries::{Count, Queries, Running, begin_real, end_real, kind, quantity, result};
 use crate::intercept::scene::query_weights::{QueryWeights, weight};
 use crate::runtime::Session;
 
 /// The next draw counts with these weights.
-pub fn weigh(ctx: &mut Context, weights: QueryWeights) {
-    let gl = ctx.driver.gl;
-    for number in 0..ctx.queries.running.len() {
-        let running = &mut ctx.queries.running[number];
+pub fn weigh(gl: &Gl, queries: &mut Queries, weights: QueryWeights) {
+    for number in 0..queries.running.len() {
+        let running = &mut queries.running[number];
         let wanted = weights.of(quantity(running.target));
         match &mut running.now {
             Some((_, weight)) if weight.is_none_or(|w| w == wanted) && wanted > 0.0 => *weight = Some(wanted),
@@ -29,7 +29,7 @@ pub fn weigh(ctx: &mut Context, weights: QueryWeights) {
             _ => {
                 running.end_part(gl);
                 if wanted > 0.0 {
-                    ctx.queries.begin_part(gl, number, Some(wanted));
+                    queries.begin_part(gl, number, Some(wanted));
                 }
             }
         }
@@ -51,56 +51,46 @@ pub fn scene_samples(ctx: &mut Context, session: &Session, off_screen: bool) -> 
 }
 
 /// `glBeginQuery`, `glBeginQueryIndexed`.
-pub fn begin(ctx: &mut Context, target: u32, index: u32, name: u32) {
-    let gl = ctx.driver.gl;
+pub fn begin(driver: &mut Driver, queries: &mut Queries, target: u32, index: u32, name: u32) {
+    let gl = driver.gl;
     let collides = |r: &Running| (kind(r.target) == kind(target) && r.index == index) || r.name == name;
-    if ctx.queries.running.iter().any(collides) {
+    if queries.running.iter().any(collides) {
         // The driver may have another object of that kind now, or none.
-        return invalid(ctx);
+        return driver.note_error(api::GL_INVALID_OPERATION);
     }
-    take_error(ctx);
+    take_error(driver);
     begin_real(gl, target, index, name);
     // SAFETY: asks for the error flag. Whether the driver takes the query is told by that only.
     match unsafe { gl.get_error() } {
         api::GL_NO_ERROR => {
-            if let Some(old) = ctx.queries.split.remove(&name) {
-                ctx.queries.give_back(&old, name);
+            if let Some(old) = queries.split.remove(&name) {
+                queries.give_back(&old, name);
             }
-            ctx.queries.wide = !ctx.driver.profile.es && ctx.driver.profile.version >= 33;
+            queries.wide = !driver.profile.es && driver.profile.version >= 33;
             let before = Count { target, ..Count::default() };
-            ctx.queries.running.push(Running { target, index, name, now: Some((name, None)), before });
+            queries.running.push(Running { target, index, name, now: Some((name, None)), before });
         }
-        error if ctx.driver.pending_error == api::GL_NO_ERROR => ctx.driver.pending_error = error,
-        _ => {}
+        error => driver.note_error(error),
     }
 }
 
 /// `glEndQuery`, `glEndQueryIndexed`.
-pub fn end(ctx: &mut Context, target: u32, index: u32) {
-    let gl = ctx.driver.gl;
-    let Some(number) = ctx.queries.running.iter().position(|r| r.target == target && r.index == index) else {
+pub fn end(gl: &Gl, queries: &mut Queries, target: u32, index: u32) {
+    let Some(number) = queries.running.iter().position(|r| r.target == target && r.index == index) else {
         // An error of the program's, for the driver to say.
         end_real(gl, target, index);
         return;
     };
-    let mut running = ctx.queries.running.swap_remove(number);
+    let mut running = queries.running.swap_remove(number);
     running.end_part(gl);
     let Running { name, before, .. } = running;
     if before.sum > 0.0 || before.parts != [(name, 1.0)] {
-        ctx.queries.split.insert(name, before);
-    }
-}
-
-pub(super) fn invalid(ctx: &mut Context) {
-    if ctx.driver.pending_error == api::GL_NO_ERROR {
-        ctx.driver.pending_error = api::GL_INVALID_OPERATION;
+        queries.split.insert(name, before);
     }
 }
 
 /// The object that conditional rendering goes by, in place of the program's query: one that saw something.
-pub fn condition(ctx: &Context, name: u32) -> u32 {
-    let seen = |count: &Count| {
-        count.parts.iter().find(|part| result(ctx.driver.gl, ctx.queries.wide, part.0) > 0).map(|part| part.0)
-    };
-    ctx.queries.split.get(&name).and_then(seen).unwrap_or(name)
+pub fn condition(gl: &Gl, queries: &Queries, name: u32) -> u32 {
+    let seen = |count: &Count| count.parts.iter().find(|part| result(gl, queries.wide, part.0) > 0).map(|part| part.0);
+    queries.split.get(&name).and_then(seen).unwrap_or(name)
 }

@@ -120,9 +120,7 @@ hooks! {
             if !length.is_null() {
                 *length = 0;
             }
-            if ctx.driver.pending_error == api::GL_NO_ERROR {
-                ctx.driver.pending_error = api::GL_INVALID_OPERATION;
-            }
+            ctx.driver.note_error(api::GL_INVALID_OPERATION);
         }
     };
 }

@@ -6,7 +6,7 @@ use crate::correct::projected::projection;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::context::list_recording::{self, Command};
-use crate::intercept::gl::context::{matrices, methods};
+use crate::intercept::gl::context::methods;
 use crate::intercept::gl::shader::patch::{self, Stage};
 use crate::intercept::gl::shader::{program_pipelines, samplers, uniforms};
 use crate::intercept::gl::state::driver::profile::Profile;
@@ -26,7 +26,7 @@ impl Program {
             return Lens::Flat;
         }
         if self.fixed_matrices {
-            matrices::refresh(ctx);
+            ctx.compat.projection.refresh(ctx.driver.gl, ctx.drawable.session());
             if let MatrixClass::Perspective(intrinsics) = ctx.compat.projection.class {
                 return Lens::Perspective(intrinsics, "fixed-function matrix in a shader");
             }
@@ -35,7 +35,7 @@ impl Program {
         if !uniforms.any() && !self.fixed_matrices {
             return given(ctx);
         }
-        uniforms.lens(ctx.driver.gl, ctx.vertex_input.blocks.generation(), &buffers::of(ctx))
+        uniforms.lens(ctx.driver.gl, ctx.vertex_input.blocks.generation(), &buffers::of(&ctx.share))
     }
 }
 

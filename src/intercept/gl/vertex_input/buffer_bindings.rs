@@ -26,13 +26,13 @@ pub fn ask(ctx: &Context, binding: u32) -> u32 {
     let mut name = 0;
     // SAFETY: writes one integer.
     unsafe { ctx.driver.gl.get_integerv(binding, &mut name) };
-    buffers::of(ctx).note_object(name as u32);
+    buffers::of(&ctx.share).note_object(name as u32);
     name as u32
 }
 
 /// The program has bound a buffer: what is bound then, where OpenGL cannot have refused it.
 pub fn certain(ctx: &Context, name: u32) -> Option<u32> {
-    (ctx.takes_calls() && (name == 0 || buffers::of(ctx).is_object(name))).then_some(name)
+    (ctx.takes_calls() && (name == 0 || buffers::of(&ctx.share).is_object(name))).then_some(name)
 }
 
 /// The program has called `glBindBuffer`.

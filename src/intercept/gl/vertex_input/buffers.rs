@@ -5,23 +5,23 @@
 //! buffer was deleted (a vertex array may still hold the old one) are not known any more, for good.
 
 use crate::backend::gl::api;
-use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::context::gl_context::{Context, ShareGroup};
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::state::vertex_input::buffers::Buffers;
-use crate::intercept::gl::vertex_input::{buffer_bindings, uniform_blocks};
+use crate::intercept::gl::vertex_input::buffer_bindings;
 use crate::lock::Lock;
 use std::ffi::c_void;
 use std::sync::MutexGuard;
 
-/// The buffers of the context's group.
-pub fn of(ctx: &Context) -> MutexGuard<'_, Buffers> {
-    ctx.share.buffers.locked()
+/// The buffers of a group of contexts.
+pub fn of(share: &ShareGroup) -> MutexGuard<'_, Buffers> {
+    share.buffers.locked()
 }
 
 /// The device may write to a buffer.
-pub fn written_by_device(ctx: &Context, name: u32) {
+pub fn written_by_device(share: &ShareGroup, name: u32) {
     if name != 0 {
-        of(ctx).forget(name);
+        of(share).forget(name);
     }
 }
 
@@ -52,8 +52,8 @@ fn changed(ctx: &mut Context, target: u32, new: bool) {
 /// The program wrote to a buffer.
 fn named_changed(ctx: &mut Context, name: u32, new: bool) {
     if name != 0 {
-        of(ctx).write(name, new);
-        uniform_blocks::buffer_changed(ctx, name);
+        of(&ctx.share).write(name, new);
+        ctx.vertex_input.blocks.changed(name);
     }
 }
 
@@ -61,7 +61,7 @@ fn named_changed(ctx: &mut Context, name: u32, new: bool) {
 fn mapped(ctx: &mut Context, name: u32, access: u32) {
     named_changed(ctx, name, false);
     if access & api::GL_MAP_PERSISTENT_BIT != 0 {
-        of(ctx).forget(name);
+        of(&ctx.share).forget(name);
     }
 }
 
@@ -71,17 +71,19 @@ fn stored(ctx: &mut Context, name: u32, flags: u32) {
     // OpenGL ES reads a buffer by mapping it.
     let unreadable = ctx.driver.profile.es && flags & api::GL_MAP_READ_BIT == 0;
     if unreadable || flags & (api::GL_MAP_PERSISTENT_BIT | api::GL_SPARSE_STORAGE_BIT_ARB) != 0 {
-        of(ctx).forget(name);
+        of(&ctx.share).forget(name);
     }
 }
 
 /// A buffer was bound to an indexed binding point.
 fn bound_to(ctx: &mut Context, target: u32, name: u32) {
     if is_written_to(target) {
-        written_by_device(ctx, name);
+        written_by_device(&ctx.share, name);
     }
     ctx.vertex_input.buffer_bindings.forget_one(target);
-    uniform_blocks::buffer_bound(ctx, target, name);
+    if target == api::GL_UNIFORM_BUFFER {
+        ctx.vertex_input.blocks.bound(name);
+    }
 }
 
 /// Names that the program gave, or none.
@@ -181,7 +183,7 @@ hooks! {
     };
     "glDeleteBuffers" delete_buffers(count: i32, names: *const u32) = |ctx, gl| {
         for name in all(count, names) {
-            let mut buffers = of(ctx);
+            let mut buffers = of(&ctx.share);
             buffers.forget(*name);
             buffers.objects.remove(name);
         }
@@ -194,7 +196,7 @@ hooks! {
         gl.bind_buffer(target, buffer);
         buffer_bindings::note(ctx, target, buffer);
         if is_written_to(target) {
-            written_by_device(ctx, buffer);
+            written_by_device(&ctx.share, buffer);
         }
     };
     "glBindBufferBase" bind_buffer_base(target: u32, index: u32, buffer: u32) = |ctx, gl| {
@@ -221,35 +223,35 @@ hooks! {
     };
     "glTransformFeedbackBufferBase" transform_feedback_buffer_base(feedback: u32, index: u32, buffer: u32) = |ctx, gl| {
         gl.transform_feedback_buffer_base(feedback, index, buffer);
-        written_by_device(ctx, buffer);
+        written_by_device(&ctx.share, buffer);
     };
     "glTransformFeedbackBufferRange" transform_feedback_buffer_range(feedback: u32, index: u32, buffer: u32, offset: isize, size: isize) = |ctx, gl| {
         gl.transform_feedback_buffer_range(feedback, index, buffer, offset, size);
-        written_by_device(ctx, buffer);
+        written_by_device(&ctx.share, buffer);
     };
     "glTexBuffer" tex_buffer(target: u32, format: u32, buffer: u32) = |ctx, gl| {
         gl.tex_buffer(target, format, buffer);
-        written_by_device(ctx, buffer);
+        written_by_device(&ctx.share, buffer);
     };
     "glTexBufferRange" tex_buffer_range(target: u32, format: u32, buffer: u32, offset: isize, size: isize) = |ctx, gl| {
         gl.tex_buffer_range(target, format, buffer, offset, size);
-        written_by_device(ctx, buffer);
+        written_by_device(&ctx.share, buffer);
     };
     "glTextureBuffer" texture_buffer(texture: u32, format: u32, buffer: u32) = |ctx, gl| {
         gl.texture_buffer(texture, format, buffer);
-        written_by_device(ctx, buffer);
+        written_by_device(&ctx.share, buffer);
     };
     "glTextureBufferRange" texture_buffer_range(texture: u32, format: u32, buffer: u32, offset: isize, size: isize) = |ctx, gl| {
         gl.texture_buffer_range(texture, format, buffer, offset, size);
-        written_by_device(ctx, buffer);
+        written_by_device(&ctx.share, buffer);
     };
     "glMakeBufferResidentNV" make_buffer_resident_nv(target: u32, access: u32) = |ctx, gl| {
         gl.make_buffer_resident_nv(target, access);
         let name = bound(ctx, target);
-        written_by_device(ctx, name);
+        written_by_device(&ctx.share, name);
     };
     "glMakeNamedBufferResidentNV" make_named_buffer_resident_nv(buffer: u32, access: u32) = |ctx, gl| {
         gl.make_named_buffer_resident_nv(buffer, access);
-        written_by_device(ctx, buffer);
+        written_by_device(&ctx.share, buffer);
     };
 }

@@ -5,10 +5,11 @@
 //! writes its vertices anew in each frame must not have it: a buffer is read only once it has outlasted a frame.
 
 use crate::backend::gl::api::{self, Gl};
-use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::context::gl_context::{Context, ShareGroup};
 use crate::intercept::gl::state::draw::bounds::Bounds;
+use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::gl::state::driver::profile::Profile;
-use crate::intercept::gl::state::vertex_input::vertex_ranges::{Key, Known, Layout, MOST_RANGES, Vertices};
+use crate::intercept::gl::state::vertex_input::vertex_ranges::{Key, Known, Layout, MOST_RANGES, Ranges, Vertices};
 use crate::intercept::gl::vertex_input::buffers;
 
 /// The most bytes of a buffer that are read for a range.
@@ -16,7 +17,7 @@ pub const MOST_BYTES: usize = 64 << 20;
 
 /// A box around `vertices` of an array in a buffer.
 pub fn around(ctx: &mut Context, layout: Layout, vertices: Vertices, indices: u32) -> Bounds {
-    let buffers = buffers::of(ctx);
+    let buffers = buffers::of(&ctx.share);
     let Some((version, rests)) = buffers.content(layout.buffer) else { return Bounds::UNKNOWN };
     let (index_version, indices_rest) = match indices {
         0 => (0, true),
@@ -35,7 +36,7 @@ pub fn around(ctx: &mut Context, layout: Layout, vertices: Vertices, indices: u3
         return Bounds::UNKNOWN;
     }
     ctx.vertex_input.ranges.follow(frame);
-    if ctx.vertex_input.ranges.known.len() >= MOST_RANGES && !make_room(ctx) {
+    if ctx.vertex_input.ranges.known.len() >= MOST_RANGES && !make_room(&ctx.share, &mut ctx.vertex_input.ranges) {
         return Bounds::UNKNOWN;
     }
     let Some(bytes) = size(&layout, &vertices) else { return Bounds::UNKNOWN };
@@ -50,18 +51,18 @@ pub fn around(ctx: &mut Context, layout: Layout, vertices: Vertices, indices: u3
 }
 
 /// Forgets the ranges of buffers that have changed since; whether there is room then. Looks once in a frame.
-fn make_room(ctx: &mut Context) -> bool {
-    if std::mem::replace(&mut ctx.vertex_input.ranges.full, true) {
+fn make_room(share: &ShareGroup, ranges: &mut Ranges) -> bool {
+    if std::mem::replace(&mut ranges.full, true) {
         return false;
     }
-    let mut known = std::mem::take(&mut ctx.vertex_input.ranges.known);
-    let buffers = buffers::of(ctx);
+    let mut known = std::mem::take(&mut ranges.known);
+    let buffers = buffers::of(share);
     let version = |name: u32| buffers.content(name).map_or(0, |content| content.0);
     known.retain(|key, known| known.versions == [version(key.layout.buffer), version(key.indices)]);
     drop(buffers);
-    ctx.vertex_input.ranges.known = known;
-    ctx.vertex_input.ranges.full = ctx.vertex_input.ranges.known.len() >= MOST_RANGES;
-    !ctx.vertex_input.ranges.full
+    ranges.known = known;
+    ranges.full = ranges.known.len() >= MOST_RANGES;
+    !ranges.full
 }
 
 /// About how many bytes are to be read.
@@ -202,10 +203,10 @@ unsafe fn mapped_bytes(gl: &Gl, start: usize, size: usize) -> Option<Vec<u8>> {
 }
 
 /// Whether some index begins a new primitive instead of naming a vertex.
-pub fn restarts(ctx: &Context) -> bool {
-    let (gl, version) = (ctx.driver.gl, ctx.driver.profile.version);
-    let on = |switch: u32| ctx.driver.known_state.is_on(gl, switch);
-    if ctx.driver.profile.es {
+pub fn restarts(driver: &Driver) -> bool {
+    let (gl, version) = (driver.gl, driver.profile.version);
+    let on = |switch: u32| driver.known_state.is_on(gl, switch);
+    if driver.profile.es {
         version >= 30 && on(api::GL_PRIMITIVE_RESTART_FIXED_INDEX)
     } else {
         // Before OpenGL 3.1 it is an extension, with switches of its own.

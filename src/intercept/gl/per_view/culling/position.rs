@@ -2,7 +2,6 @@
 
 use crate::correct::projected::matrices::ReprojectionMatrix;
 use crate::intercept::gl::context::gl_context::Context;
-use crate::intercept::gl::context::matrices;
 use crate::intercept::gl::state::compat::projection::multiply;
 use crate::intercept::gl::state::draw::draw_class::DrawClass;
 use crate::intercept::gl::state::shader::programs::{Array, Factor, Position, Program};
@@ -78,7 +77,9 @@ pub fn array(ctx: &Context) -> Option<(Array, usize)> {
 /// transforms start from; `None`: not known.
 pub fn transform(ctx: &mut Context, class: DrawClass) -> Option<Transform> {
     match class {
-        DrawClass::FixedScene => (!ctx.app.assembly).then(|| Transform::of(&matrices::model_view(ctx))),
+        DrawClass::FixedScene => {
+            (!ctx.app.assembly).then(|| Transform::of(&ctx.compat.projection.model_view(ctx.driver.gl)))
+        }
         DrawClass::Scene(_) => {
             let program = ctx.shaders.program.clone().filter(|program| ctx.shaders.pipelines.used == program.name)?;
             clip(ctx, &program, program.position.as_ref()?)
@@ -91,14 +92,14 @@ fn clip(ctx: &mut Context, program: &Program, position: &Position) -> Option<Tra
     let mut product = Transform::NONE;
     for factor in &position.factors {
         let next = match factor {
-            Factor::ModelView => matrices::model_view(ctx),
+            Factor::ModelView => ctx.compat.projection.model_view(ctx.driver.gl),
             Factor::Projection => {
-                matrices::refresh(ctx);
+                ctx.compat.projection.refresh(ctx.driver.gl, ctx.drawable.session());
                 ctx.compat.projection.matrix
             }
             Factor::Uniform(number) => {
                 let uniforms = program.uniforms.locked();
-                let buffers = buffers::of(ctx);
+                let buffers = buffers::of(&ctx.share);
                 uniforms.matrix(*number, &buffers)?
             }
         };

@@ -234,7 +234,7 @@ unsafe fn numbers(ctx: &mut Context, range: Range) -> Option<Vec<usize>> {
         }
         Range::Elements { count, kind, indices, base } => {
             let (count, width) = (usize::try_from(count).ok()?, index_width(kind)?);
-            if ranges::restarts(ctx) {
+            if ranges::restarts(&ctx.driver) {
                 return None;
             }
             let read = match vertex_arrays::elements(ctx) {

@@ -7,7 +7,6 @@ use crate::backend::gl::api::{self, Gl};
 use crate::correct::projected::matrices::ReprojectionMatrix;
 use crate::correct::single;
 use crate::intercept::gl::context::gl_context::Context;
-use crate::intercept::gl::context::matrices;
 use crate::intercept::gl::projected_vertices::fixed_function::assembly::{self, Triangle};
 use crate::intercept::gl::projected_vertices::fixed_function::substitute;
 use crate::intercept::gl::projected_vertices::fixed_function::vertices::{Attribute, Vertices};
@@ -31,7 +30,7 @@ struct Divided<'a> {
 
 /// Draws `vertices` for a view to which `rows` lead. What is current afterwards is not said.
 pub fn draw(ctx: &mut Context, vertices: &Vertices, division: Division, rows: &ReprojectionMatrix) {
-    let model_view = matrices::model_view(ctx);
+    let model_view = ctx.compat.projection.model_view(ctx.driver.gl);
     let clip = projection::multiply(&ctx.compat.projection.matrix, &model_view);
     let seen = (0..vertices.count())
         .map(|number| {

@@ -1,13 +1,13 @@
 //! The fixed-function projection of the program and of each view.
 
-use crate::backend::gl::api;
+use crate::backend::gl::api::{self, Gl};
 use crate::runtime::Session;
 use crate::runtime::session::{MatrixClass, classify};
 
 /// The program's `GL_PROJECTION` and what follows from it.
 pub struct Projection {
     /// The matrix may have changed since it was read.
-    pub changed: bool,
+    changed: bool,
     /// As the program set it, column by column.
     pub matrix: [f64; 16],
     /// What it is.
@@ -15,7 +15,7 @@ pub struct Projection {
     /// Each view's projection in its place.
     pub per_view: Vec<[f64; 16]>,
     /// `GL_MODELVIEW`, unless it may have changed since it was read.
-    pub(in crate::intercept::gl) model_view: Option<[f64; 16]>,
+    model_view: Option<[f64; 16]>,
 }
 
 impl Default for Projection {
@@ -25,7 +25,7 @@ impl Default for Projection {
 }
 
 impl Projection {
-    pub(in crate::intercept::gl) fn update(&mut self, matrix: [f64; 16], session: &Session) {
+    fn update(&mut self, matrix: [f64; 16], session: &Session) {
         self.changed = false;
         if matrix == self.matrix && !self.per_view.is_empty() {
             return;
@@ -36,6 +36,26 @@ impl Projection {
         if let MatrixClass::Perspective(intrinsics) = &self.class {
             self.per_view.extend(session.rows(intrinsics).map(|rows| multiply(&rows.matrix(), &matrix)));
         }
+    }
+
+    /// Brings the matrix up to date; asks the driver only after a change.
+    pub fn refresh(&mut self, gl: &Gl, session: Option<&Session>) {
+        if let Some(session) = session.filter(|_| self.changed) {
+            let mut matrix = [0.0; 16];
+            // SAFETY: writes sixteen doubles; the context has a fixed-function pipeline.
+            unsafe { gl.get_doublev(api::GL_PROJECTION_MATRIX, matrix.as_mut_ptr()) };
+            self.update(matrix, session);
+        }
+    }
+
+    /// `GL_MODELVIEW`; asks the driver only after a change.
+    pub fn model_view(&mut self, gl: &Gl) -> [f64; 16] {
+        *self.model_view.get_or_insert_with(|| {
+            let mut matrix = [0.0; 16];
+            // SAFETY: writes sixteen doubles; the context has a fixed-function pipeline.
+            unsafe { gl.get_doublev(api::GL_MODELVIEW_MATRIX, matrix.as_mut_ptr()) };
+            matrix
+        })
     }
 
     /// The program may have changed the matrix of `mode`.
@@ -51,6 +71,20 @@ impl Projection {
     pub fn clear(&mut self) {
         self.changed = true;
         self.per_view.clear();
+    }
+}
+
+/// Loads `matrix` into `GL_PROJECTION`; the matrix mode `mode` stays.
+pub fn load(gl: &Gl, mode: u32, matrix: &[f64; 16]) {
+    // SAFETY: reads sixteen doubles; the matrix mode is put back.
+    unsafe {
+        if mode != api::GL_PROJECTION {
+            gl.matrix_mode(api::GL_PROJECTION);
+        }
+        gl.load_matrixd(matrix.as_ptr());
+        if mode != api::GL_PROJECTION {
+            gl.matrix_mode(mode);
+        }
     }
 }
 

@@ -4,7 +4,7 @@ pub mod profile;
 pub mod window_space;
 
 use crate::backend::gl::KnownState;
-use crate::backend::gl::api::Gl;
+use crate::backend::gl::api::{self, Gl};
 use crate::intercept::gl::state::driver::profile::{Profile, is_endless, profile};
 use crate::intercept::gl::state::driver::window_space::DriverState;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -22,7 +22,7 @@ pub struct Driver {
     /// State that need not be asked for.
     pub(in crate::intercept::gl) known_state: KnownState,
     /// An error of the program's that was taken out of the driver.
-    pub(in crate::intercept::gl) pending_error: u32,
+    pending_error: u32,
     /// Its anisotropic filtering may never end.
     pub(in crate::intercept::gl) endless_anisotropy: bool,
 }
@@ -39,6 +39,23 @@ impl Driver {
             known_state: KnownState::default(),
             pending_error: 0,
             endless_anisotropy: is_endless(gl),
+        }
+    }
+
+    /// Notes an error of the program's for its `glGetError`, unless one is noted already.
+    pub fn note_error(&mut self, error: u32) {
+        if self.pending_error == api::GL_NO_ERROR {
+            self.pending_error = error;
+        }
+    }
+
+    /// `glGetError`. The first error counts until it is asked for; later ones are forgotten, as drivers do.
+    pub fn error(&mut self) -> u32 {
+        // SAFETY: asks for the error flag.
+        let later = unsafe { self.gl.get_error() };
+        match std::mem::take(&mut self.pending_error) {
+            api::GL_NO_ERROR => later,
+            error => error,
         }
     }
 }

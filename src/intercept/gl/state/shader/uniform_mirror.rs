@@ -86,22 +86,11 @@ impl Uniform {
     /// # Safety
     /// The program to copy to must be in use, and both must have a uniform of this kind at the two places.
     unsafe fn copy(&self, gl: &Gl, from: u32) {
-        let Self { to, kind, .. } = *self;
-        let (mut floats, mut whole, mut natural) = ([0.0f32; 16], [0i32; 4], [0u32; 4]);
-        // SAFETY: as promised; no value is larger than its room.
+        // SAFETY: as promised.
         unsafe {
-            match kind {
-                api::GL_FLOAT => {
-                    gl.get_uniformfv(from, self.from, floats.as_mut_ptr());
-                    gl.uniform1fv(to, 1, floats.as_ptr());
-                }
-                api::GL_FLOAT_VEC2 | api::GL_FLOAT_VEC3 | api::GL_FLOAT_VEC4 => {
-                    gl.get_uniformfv(from, self.from, floats.as_mut_ptr());
-                    match kind {
-                        api::GL_FLOAT_VEC2 => gl.uniform2fv(to, 1, floats.as_ptr()),
-                        api::GL_FLOAT_VEC3 => gl.uniform3fv(to, 1, floats.as_ptr()),
-                        _ => gl.uniform4fv(to, 1, floats.as_ptr()),
-                    }
+            match self.kind {
+                api::GL_FLOAT | api::GL_FLOAT_VEC2 | api::GL_FLOAT_VEC3 | api::GL_FLOAT_VEC4 => {
+                    self.copy_floats(gl, from);
                 }
                 api::GL_FLOAT_MAT2
                 | api::GL_FLOAT_MAT3
@@ -111,43 +100,82 @@ impl Uniform {
                 | api::GL_FLOAT_MAT3x2
                 | api::GL_FLOAT_MAT3x4
                 | api::GL_FLOAT_MAT4x2
-                | api::GL_FLOAT_MAT4x3 => {
-                    gl.get_uniformfv(from, self.from, floats.as_mut_ptr());
-                    let values = floats.as_ptr();
-                    match kind {
-                        api::GL_FLOAT_MAT2 => gl.uniform_matrix2fv(to, 1, 0, values),
-                        api::GL_FLOAT_MAT3 => gl.uniform_matrix3fv(to, 1, 0, values),
-                        api::GL_FLOAT_MAT2x3 => gl.uniform_matrix2x3fv(to, 1, 0, values),
-                        api::GL_FLOAT_MAT2x4 => gl.uniform_matrix2x4fv(to, 1, 0, values),
-                        api::GL_FLOAT_MAT3x2 => gl.uniform_matrix3x2fv(to, 1, 0, values),
-                        api::GL_FLOAT_MAT3x4 => gl.uniform_matrix3x4fv(to, 1, 0, values),
-                        api::GL_FLOAT_MAT4x2 => gl.uniform_matrix4x2fv(to, 1, 0, values),
-                        api::GL_FLOAT_MAT4x3 => gl.uniform_matrix4x3fv(to, 1, 0, values),
-                        _ => gl.uniform_matrix4fv(to, 1, 0, values),
-                    }
-                }
+                | api::GL_FLOAT_MAT4x3 => self.copy_matrix(gl, from),
                 api::GL_UNSIGNED_INT
                 | api::GL_UNSIGNED_INT_VEC2
                 | api::GL_UNSIGNED_INT_VEC3
-                | api::GL_UNSIGNED_INT_VEC4 => {
-                    gl.get_uniformuiv(from, self.from, natural.as_mut_ptr());
-                    match kind {
-                        api::GL_UNSIGNED_INT => gl.uniform1uiv(to, 1, natural.as_ptr()),
-                        api::GL_UNSIGNED_INT_VEC2 => gl.uniform2uiv(to, 1, natural.as_ptr()),
-                        api::GL_UNSIGNED_INT_VEC3 => gl.uniform3uiv(to, 1, natural.as_ptr()),
-                        _ => gl.uniform4uiv(to, 1, natural.as_ptr()),
-                    }
-                }
-                _ => {
-                    // Integers, truth values, and the units of samplers and images.
-                    gl.get_uniformiv(from, self.from, whole.as_mut_ptr());
-                    match kind {
-                        api::GL_INT_VEC2 | api::GL_BOOL_VEC2 => gl.uniform2iv(to, 1, whole.as_ptr()),
-                        api::GL_INT_VEC3 | api::GL_BOOL_VEC3 => gl.uniform3iv(to, 1, whole.as_ptr()),
-                        api::GL_INT_VEC4 | api::GL_BOOL_VEC4 => gl.uniform4iv(to, 1, whole.as_ptr()),
-                        _ => gl.uniform1iv(to, 1, whole.as_ptr()),
-                    }
-                }
+                | api::GL_UNSIGNED_INT_VEC4 => self.copy_unsigned(gl, from),
+                _ => self.copy_integers(gl, from),
+            }
+        }
+    }
+
+    /// # Safety
+    /// As for [`Uniform::copy`]; the kind is a float or a vector of floats.
+    unsafe fn copy_floats(&self, gl: &Gl, from: u32) {
+        let mut values = [0.0f32; 4];
+        // SAFETY: as promised; no value is larger than its room.
+        unsafe {
+            gl.get_uniformfv(from, self.from, values.as_mut_ptr());
+            match self.kind {
+                api::GL_FLOAT_VEC2 => gl.uniform2fv(self.to, 1, values.as_ptr()),
+                api::GL_FLOAT_VEC3 => gl.uniform3fv(self.to, 1, values.as_ptr()),
+                api::GL_FLOAT_VEC4 => gl.uniform4fv(self.to, 1, values.as_ptr()),
+                _ => gl.uniform1fv(self.to, 1, values.as_ptr()),
+            }
+        }
+    }
+
+    /// # Safety
+    /// As for [`Uniform::copy`]; the kind is a matrix of floats.
+    unsafe fn copy_matrix(&self, gl: &Gl, from: u32) {
+        let mut values = [0.0f32; 16];
+        // SAFETY: as promised; no value is larger than its room.
+        unsafe {
+            gl.get_uniformfv(from, self.from, values.as_mut_ptr());
+            let values = values.as_ptr();
+            match self.kind {
+                api::GL_FLOAT_MAT2 => gl.uniform_matrix2fv(self.to, 1, 0, values),
+                api::GL_FLOAT_MAT3 => gl.uniform_matrix3fv(self.to, 1, 0, values),
+                api::GL_FLOAT_MAT2x3 => gl.uniform_matrix2x3fv(self.to, 1, 0, values),
+                api::GL_FLOAT_MAT2x4 => gl.uniform_matrix2x4fv(self.to, 1, 0, values),
+                api::GL_FLOAT_MAT3x2 => gl.uniform_matrix3x2fv(self.to, 1, 0, values),
+                api::GL_FLOAT_MAT3x4 => gl.uniform_matrix3x4fv(self.to, 1, 0, values),
+                api::GL_FLOAT_MAT4x2 => gl.uniform_matrix4x2fv(self.to, 1, 0, values),
+                api::GL_FLOAT_MAT4x3 => gl.uniform_matrix4x3fv(self.to, 1, 0, values),
+                _ => gl.uniform_matrix4fv(self.to, 1, 0, values),
+            }
+        }
+    }
+
+    /// # Safety
+    /// As for [`Uniform::copy`]; the kind is an unsigned integer or a vector of them.
+    unsafe fn copy_unsigned(&self, gl: &Gl, from: u32) {
+        let mut values = [0u32; 4];
+        // SAFETY: as promised; no value is larger than its room.
+        unsafe {
+            gl.get_uniformuiv(from, self.from, values.as_mut_ptr());
+            match self.kind {
+                api::GL_UNSIGNED_INT => gl.uniform1uiv(self.to, 1, values.as_ptr()),
+                api::GL_UNSIGNED_INT_VEC2 => gl.uniform2uiv(self.to, 1, values.as_ptr()),
+                api::GL_UNSIGNED_INT_VEC3 => gl.uniform3uiv(self.to, 1, values.as_ptr()),
+                _ => gl.uniform4uiv(self.to, 1, values.as_ptr()),
+            }
+        }
+    }
+
+    /// # Safety
+    /// As for [`Uniform::copy`]; the kind is an integer, a boolean, a vector of these, or opaque.
+    unsafe fn copy_integers(&self, gl: &Gl, from: u32) {
+        let mut values = [0i32; 4];
+        // SAFETY: as promised; no value is larger than its room.
+        unsafe {
+            gl.get_uniformiv(from, self.from, values.as_mut_ptr());
+            match self.kind {
+                api::GL_INT_VEC2 | api::GL_BOOL_VEC2 => gl.uniform2iv(self.to, 1, values.as_ptr()),
+                api::GL_INT_VEC3 | api::GL_BOOL_VEC3 => gl.uniform3iv(self.to, 1, values.as_ptr()),
+                api::GL_INT_VEC4 | api::GL_BOOL_VEC4 => gl.uniform4iv(self.to, 1, values.as_ptr()),
+                _ => gl.uniform1iv(self.to, 1, values.as_ptr()),
             }
         }
     }

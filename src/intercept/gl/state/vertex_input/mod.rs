@@ -37,7 +37,8 @@ impl BlockBuffers {
         self.names.insert(buffer);
     }
 
-    /// The content of a buffer changed.
+    /// The content of a buffer changed. Where it may be a uniform block its matrices are read back, which is a wait for
+    /// the driver; a program that streams vertices must not have it.
     pub fn changed(&mut self, buffer: u32) {
         self.generation += u64::from(self.names.contains(&buffer));
     }

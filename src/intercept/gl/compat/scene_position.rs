@@ -1,0 +1,147 @@
+//! A raster position of the scene in the driver.
+
+use crate::backend::gl::api::{self, Gl};
+use crate::intercept::gl::state::compat::raster_position::ScenePosition;
+
+/// A position of the scene, for drawing in several views. [`Placed::end`] puts the driver's state back.
+pub(in crate::intercept::gl) struct Placed<'a> {
+    gl: &'static Gl,
+    position: &'a ScenePosition,
+    present: Present,
+    /// The program's matrix mode.
+    mode: u32,
+    /// What is current is pushed.
+    keeps: bool,
+}
+
+impl<'a> Placed<'a> {
+    /// Pushes the model-view matrix and, if it `keeps` these, current attributes, and loads the position's matrix.
+    pub(in crate::intercept::gl) fn begin(
+        gl: &'static Gl,
+        position: &'a ScenePosition,
+        mode: u32,
+        keeps: bool,
+    ) -> Self {
+        // SAFETY: `end` pops what is pushed.
+        unsafe {
+            if keeps {
+                gl.push_attrib(api::GL_CURRENT_BIT);
+            }
+            gl.matrix_mode(api::GL_MODELVIEW);
+            gl.push_matrix();
+            gl.load_matrixd(position.model_view.as_ptr());
+            gl.matrix_mode(mode);
+        }
+        Self { gl, position, present: Present::of(gl), mode, keeps }
+    }
+
+    /// Whether the raster position is put back at the end.
+    pub fn keeps(&self) -> bool {
+        self.keeps
+    }
+
+    /// Sets the position with the projection and the viewport of now.
+    pub fn set(&self) {
+        self.present.set_again(self.gl, self.position);
+        move_by(self.gl, self.position.moved[0], self.position.moved[1]);
+    }
+
+    /// Sets the position as it is in the program's own window, whatever its viewport and projection are now.
+    pub fn as_set(&self, tile: [i32; 4]) {
+        if !self.keeps {
+            self.set();
+            return;
+        }
+        // SAFETY: takes up what `begin` pushed, and leaves it pushed.
+        unsafe {
+            self.gl.pop_attrib();
+            self.gl.push_attrib(api::GL_CURRENT_BIT);
+        }
+        if is_valid(self.gl) {
+            move_by(self.gl, tile[0] as f32, tile[1] as f32);
+        }
+    }
+
+    /// Pops what was pushed.
+    pub fn end(&self) {
+        let gl = self.gl;
+        // SAFETY: the pairs of the pushes in `begin`.
+        unsafe {
+            gl.matrix_mode(api::GL_MODELVIEW);
+            gl.pop_matrix();
+            gl.matrix_mode(self.mode);
+            if self.keeps {
+                gl.pop_attrib();
+            }
+        }
+    }
+}
+
+/// What setting a position again would change, as it is when a draw begins.
+struct Present {
+    /// Whether each of [`Present::SWITCHES`] is on.
+    on: [bool; 2],
+    color: [f32; 4],
+    texture: [f32; 4],
+    depths: [f64; 2],
+}
+
+impl Present {
+    /// The colour of a position is lit already, and the material, which may follow what is current, must not follow it.
+    const SWITCHES: [u32; 2] = [api::GL_LIGHTING, api::GL_COLOR_MATERIAL];
+
+    fn of(gl: &Gl) -> Self {
+        let (mut color, mut texture, mut depths) = ([0.0; 4], [0.0; 4], [0.0; 2]);
+        // SAFETY: plain state; writes four floats twice, and two doubles.
+        let on = unsafe {
+            gl.get_floatv(api::GL_CURRENT_COLOR, color.as_mut_ptr());
+            gl.get_floatv(api::GL_CURRENT_TEXTURE_COORDS, texture.as_mut_ptr());
+            gl.get_doublev(api::GL_DEPTH_RANGE, depths.as_mut_ptr());
+            Self::SWITCHES.map(|switch| gl.is_enabled(switch) != 0)
+        };
+        Self { on, color, texture, depths }
+    }
+
+    /// Sets a position of the scene again, with the colour and the texture coordinate that it took with it, and in the range
+    /// of depths of that time; all else stays.
+    fn set_again(&self, gl: &Gl, position: &ScenePosition) {
+        let [x, y, z, w] = position.object;
+        let on = || Self::SWITCHES.iter().zip(self.on).filter(|(_, on)| *on).map(|(switch, _)| *switch);
+        // SAFETY: the program's own position; the rest is put back.
+        unsafe {
+            on().for_each(|switch| gl.disable(switch));
+            gl.depth_range(position.depths[0], position.depths[1]);
+            gl.color4fv(position.color.as_ptr());
+            gl.tex_coord4fv(position.texture.as_ptr());
+            gl.raster_pos4d(x, y, z, w);
+            gl.depth_range(self.depths[0], self.depths[1]);
+            gl.color4fv(self.color.as_ptr());
+            gl.tex_coord4fv(self.texture.as_ptr());
+            on().for_each(|switch| gl.enable(switch));
+        }
+    }
+}
+
+/// Whether the raster position lay within the clip volume when it was set.
+pub fn is_valid(gl: &Gl) -> bool {
+    let mut valid = 0;
+    // SAFETY: writes one boolean.
+    unsafe { gl.get_booleanv(api::GL_CURRENT_RASTER_POSITION_VALID, &mut valid) };
+    valid != 0
+}
+
+/// Moves the raster position by pixels.
+pub fn move_by(gl: &Gl, x: f32, y: f32) {
+    if x != 0.0 || y != 0.0 {
+        // SAFETY: an empty bitmap only moves the raster position.
+        unsafe { gl.bitmap(0, 0, 0.0, 0.0, x, y, std::ptr::null()) };
+    }
+}
+
+/// Where the driver has the raster position, in its window coordinates.
+pub fn raster_position(gl: &Gl) -> [f32; 2] {
+    let mut position = [0f32; 4];
+    // SAFETY: writes four floats.
+    unsafe { gl.get_floatv(api::GL_CURRENT_RASTER_POSITION, position.as_mut_ptr()) };
+    [position[0], position[1]]
+}
