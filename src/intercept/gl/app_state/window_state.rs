@@ -7,7 +7,7 @@ use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::context::list_recording::{self, Command};
 use crate::intercept::gl::framebuffer::default_framebuffer;
 use crate::intercept::gl::projected_vertices;
-use crate::intercept::gl::state::app::attribute_stack::{ATTRIBUTE_DEPTH, Pushed};
+use crate::intercept::gl::state::app::attribute_stack::Pushed;
 use crate::intercept::gl::state::projected_vertices::fixed_pipeline::Pipeline;
 
 /// `glPushAttrib`.
@@ -15,10 +15,10 @@ pub fn push_attributes(ctx: &mut Context, mask: u32) {
     // SAFETY: the program's own call.
     unsafe { ctx.driver.gl.push_attrib(mask) };
     // As deep as OpenGL's own, which ignores what exceeds it.
-    if ctx.app.attribute_stack.len() < ATTRIBUTE_DEPTH {
+    if ctx.app.can_push(0) {
         let raster = (mask & api::GL_CURRENT_BIT != 0).then(|| ctx.compat.raster.saved());
         let (saved, list_base, known) = (ctx.app.saved(), ctx.lists.base, ctx.driver.known_state.clone());
-        ctx.app.attribute_stack.push(Pushed { mask, saved, list_base, known, raster });
+        ctx.app.push(Pushed { mask, saved, list_base, known, raster });
     }
 }
 
@@ -28,7 +28,7 @@ pub fn pop_attributes(ctx: &mut Context) {
     // SAFETY: the program's own call.
     unsafe { ctx.driver.gl.pop_attrib() };
     ctx.projected.fixed_function.touch();
-    let Some(Pushed { mask, saved, list_base, known, raster }) = ctx.app.attribute_stack.pop() else {
+    let Some(Pushed { mask, saved, list_base, known, raster }) = ctx.app.pop() else {
         ctx.driver.known_state.forget();
         return;
     };

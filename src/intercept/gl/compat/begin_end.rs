@@ -8,6 +8,7 @@ use crate::backend::gl::api::{self, Gl};
 use crate::intercept::gl::compat::display_lists;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
+use crate::intercept::gl::context::list_recording::ListState;
 use crate::intercept::gl::context::{list_recording, methods};
 use crate::intercept::gl::draw::dispatch::draw;
 use crate::intercept::gl::draw::divided;
@@ -18,6 +19,7 @@ use crate::intercept::gl::state::compat::vertex_recorder::Recorder;
 use crate::intercept::gl::state::draw::bounds::Bounds;
 use crate::intercept::gl::state::draw::draw_class::Changes;
 use crate::intercept::gl::state::draw::primitives::Shape;
+use crate::intercept::gl::state::projected_vertices::ProjectedVertices;
 use std::ffi::c_void;
 
 /// What cannot be played back is coming: from here on, and with what came already, a list is compiled.
@@ -124,8 +126,8 @@ fn issue_recorded(ctx: &mut Context) {
 }
 
 /// Whether Begin/End becomes a command of its own in the list that is compiled, so that it can be divided when the list runs.
-fn is_kept_apart(ctx: &Context) -> bool {
-    ctx.lists.recording.is_some() && !ctx.projected.views_only && methods::division_asked_for()
+fn is_kept_apart(lists: &ListState, projected: &ProjectedVertices) -> bool {
+    lists.recording.is_some() && !projected.views_only && methods::division_asked_for()
 }
 
 /// What was recorded becomes a command of the list that is compiled.
@@ -163,7 +165,7 @@ fn issue_list(ctx: &mut Context) {
 hooks! {
     between;
     "glBegin" begin(mode: u32) = |ctx, gl| {
-        if is_kept_apart(ctx) && !ctx.compat.immediate.under_way() && mode <= api::GL_POLYGON {
+        if is_kept_apart(&ctx.lists, &ctx.projected) && !ctx.compat.immediate.under_way() && mode <= api::GL_POLYGON {
             ctx.compat.immediate.begin(mode);
             return;
         } else if ctx.lists.recording.is_some() {

@@ -9,12 +9,14 @@ use crate::intercept::gl::app_state::window_state;
 use crate::intercept::gl::compat::raster_position;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
+use crate::intercept::gl::context::list_recording::ListState;
 use crate::intercept::gl::context::list_recording::{Command, Item, Recording, record};
 use crate::intercept::gl::draw::dispatch::draw;
 use crate::intercept::gl::framebuffer::bindings;
 use crate::intercept::gl::shader::programs;
 use crate::intercept::gl::state::draw::bounds::Bounds;
 use crate::intercept::gl::state::draw::draw_class::Changes;
+use crate::intercept::gl::state::driver::Driver;
 use crate::lock::Lock;
 use std::ffi::c_void;
 use std::sync::Arc;
@@ -116,7 +118,7 @@ pub fn run(ctx: &mut Context, command: &Command, depth: u32) {
                 call(ctx, ctx.lists.base.wrapping_add(*offset), depth + 1);
             }
         }
-        Command::ListBase(base) => set_list_base(ctx, *base),
+        Command::ListBase(base) => set_list_base(&ctx.driver, &mut ctx.lists, *base),
         Command::Later(later) => {
             (later.0)(ctx);
             ctx.driver.known_state.forget();
@@ -146,10 +148,10 @@ fn change_matrix(gl: &Gl, command: &Command) -> bool {
     true
 }
 
-fn set_list_base(ctx: &mut Context, base: u32) {
-    ctx.lists.base = base;
+fn set_list_base(driver: &Driver, lists: &mut ListState, base: u32) {
+    lists.base = base;
     // SAFETY: the program's own command.
-    unsafe { ctx.driver.gl.list_base(base) };
+    unsafe { driver.gl.list_base(base) };
 }
 
 /// The offset at `index` of the array of `glCallLists`.
@@ -250,7 +252,7 @@ pub unsafe fn call_lists(ctx: &mut Context, count: i32, kind: u32, names: *const
 hooks! {
     "glNewList" new_list(list: u32, mode: u32) = |ctx, _gl| begin_recording(ctx, list, mode);
     "glListBase" list_base(base: u32) = |ctx, _gl| {
-        if ctx.compiling() { record(ctx, Command::ListBase(base)) } else { set_list_base(ctx, base) }
+        if ctx.compiling() { record(ctx, Command::ListBase(base)) } else { set_list_base(&ctx.driver, &mut ctx.lists, base) }
     };
     "glDeleteLists" delete_lists(list: u32, range: i32) = |ctx, gl| {
         forget(ctx, list, u32::try_from(range).unwrap_or(0));

@@ -14,7 +14,6 @@ use crate::intercept::gl::per_view::classify::classify;
 use crate::intercept::gl::per_view::issue::Repeats;
 use crate::intercept::gl::per_view::window_space::own_window_space;
 use crate::intercept::gl::queries::scaling;
-use crate::intercept::gl::state::app::attribute_stack;
 use crate::intercept::gl::state::compat::projection;
 use crate::intercept::gl::state::compat::raster_position::ScenePosition;
 use crate::intercept::gl::state::draw::draw_class::{Changes, DrawClass};
@@ -73,7 +72,7 @@ fn taken_color(ctx: &Context, object: [f64; 4]) -> [f32; 4] {
             return color;
         }
         gl.get_floatv(api::GL_CURRENT_COLOR, color.as_mut_ptr());
-        if ctx.app.attribute_stack.len() >= attribute_stack::ATTRIBUTE_DEPTH {
+        if !ctx.app.can_push(0) {
             return color;
         }
         gl.push_attrib(api::GL_CURRENT_BIT);
@@ -147,11 +146,12 @@ fn draw_in_scene(ctx: &mut Context, mut position: ScenePosition, changes: Change
     let Some(mut target) = ctx.drawable.target.take() else { return };
     let before = raster_position(gl);
     // What is current, the raster position with it, is put back; a full stack has no place left for it.
-    let keeps = ctx.app.attribute_stack.len() < attribute_stack::ATTRIBUTE_DEPTH;
+    let keeps = ctx.app.can_push(0);
     let placed = Placed::begin(gl, &position, ctx.app.matrix_mode, keeps);
     draw_in_views(ctx, &placed, &mut target, &mut || repeats.unchanged(gl, false, || issue(gl)));
     placed.end();
-    // Once more where the program's window would be, out of sight: it moves the position as it should.
+    // Once more where the program's window would be, out of sight: it moves the position as it
+    // should.
     ctx.set_viewport(ctx.app.viewport);
     ctx.set_scissor(Some([0, 0, 0, 0]));
     issue(gl);

@@ -3,7 +3,8 @@
 use crate::backend::gl::api::{self, Gl};
 use crate::intercept::gl::state::compat::raster_position::ScenePosition;
 
-/// A position of the scene, for drawing in several views. [`Placed::end`] puts the driver's state back.
+/// A position of the scene, for drawing in several views. [`Placed::end`] puts the driver's state
+/// back.
 pub(in crate::intercept::gl) struct Placed<'a> {
     gl: &'static Gl,
     position: &'a ScenePosition,
@@ -15,7 +16,8 @@ pub(in crate::intercept::gl) struct Placed<'a> {
 }
 
 impl<'a> Placed<'a> {
-    /// Pushes the model-view matrix and, if it `keeps` these, current attributes, and loads the position's matrix.
+    /// Pushes the model-view matrix and, if it `keeps` these, current attributes, and loads the
+    /// position's matrix.
     pub(in crate::intercept::gl) fn begin(
         gl: &'static Gl,
         position: &'a ScenePosition,
@@ -46,7 +48,8 @@ impl<'a> Placed<'a> {
         move_by(self.gl, self.position.moved[0], self.position.moved[1]);
     }
 
-    /// Sets the position as it is in the program's own window, whatever its viewport and projection are now.
+    /// Sets the position as it is in the program's own window, whatever its viewport and projection
+    /// are now.
     pub fn as_set(&self, tile: [i32; 4]) {
         if !self.keeps {
             self.set();
@@ -87,7 +90,8 @@ struct Present {
 }
 
 impl Present {
-    /// The colour of a position is lit already, and the material, which may follow what is current, must not follow it.
+    /// The colour of a position is lit already, and the material, which may follow what is current,
+    /// must not follow it.
     const SWITCHES: [u32; 2] = [api::GL_LIGHTING, api::GL_COLOR_MATERIAL];
 
     fn of(gl: &Gl) -> Self {
@@ -102,8 +106,8 @@ impl Present {
         Self { on, color, texture, depths }
     }
 
-    /// Sets a position of the scene again, with the colour and the texture coordinate that it took with it, and in the range
-    /// of depths of that time; all else stays.
+    /// Sets a position of the scene again, with the colour and the texture coordinate that it took
+    /// with it, and in the range of depths of that time; all else stays.
     fn set_again(&self, gl: &Gl, position: &ScenePosition) {
         let [x, y, z, w] = position.object;
         let on = || Self::SWITCHES.iter().zip(self.on).filter(|(_, on)| *on).map(|(switch, _)| *switch);

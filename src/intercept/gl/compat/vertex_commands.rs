@@ -7,27 +7,36 @@ use crate::backend::gl::api;
 use crate::intercept::gl::compat::begin_end;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
+use crate::intercept::gl::context::list_recording::ListState;
+use crate::intercept::gl::state::compat::Compat;
 use crate::intercept::gl::state::compat::begin_end::Phase;
 use crate::intercept::gl::state::compat::vertex_commands::Command;
 use crate::intercept::gl::state::compat::vertex_recorder::{Number, Sets, add_vertex};
 
 /// Notes a command of the program. `false`: it is to be passed on.
 #[inline]
-fn note<T: Number>(ctx: &mut Context, command: Command, sets: Sets, prefix: &[u64], values: &[T]) -> bool {
-    if ctx.compat.immediate.phase == Phase::Outside && ctx.lists.recording.is_none() {
+fn note<T: Number>(
+    compat: &mut Compat,
+    lists: &mut ListState,
+    command: Command,
+    sets: Sets,
+    prefix: &[u64],
+    values: &[T],
+) -> bool {
+    if compat.immediate.phase == Phase::Outside && lists.recording.is_none() {
         return false;
     }
     if sets.is_vertex(prefix) {
-        let bounds = match &mut ctx.lists.recording {
-            Some(list) if ctx.compat.immediate.phase == Phase::Outside => &mut list.bounds,
-            _ => &mut ctx.compat.immediate.bounds,
+        let bounds = match &mut lists.recording {
+            Some(list) if compat.immediate.phase == Phase::Outside => &mut list.bounds,
+            _ => &mut compat.immediate.bounds,
         };
         add_vertex(bounds, sets, values);
     }
-    if ctx.compat.immediate.phase != Phase::Outside {
-        ctx.compat.immediate.recorder.push(command, sets, prefix, values);
+    if compat.immediate.phase != Phase::Outside {
+        compat.immediate.recorder.push(command, sets, prefix, values);
     }
-    ctx.compat.immediate.phase == Phase::Recording
+    compat.immediate.phase == Phase::Recording
 }
 
 /// The program's array of `N` numbers.
@@ -54,7 +63,7 @@ fn note_material<T: Number + Default>(
         _ => return false,
     };
     let values: [T; 4] = std::array::from_fn(|i| if i < count { value(i) } else { T::default() });
-    note(ctx, command, Sets::Material, &[face.into(), name.into()], &values)
+    note(&mut ctx.compat, &mut ctx.lists, command, Sets::Material, &[face.into(), name.into()], &values)
 }
 
 /// Something that makes vertices in a way that cannot be played back.
@@ -71,7 +80,7 @@ macro_rules! attribute_commands {
         hooks! {
             between;
             $( $name $method($($p: $t),*) = |ctx, gl| {
-                if !note(ctx, Command::$array, Sets::$sets, &[$(u64::from($before)),*], &$values) {
+                if !note(&mut ctx.compat, &mut ctx.lists, Command::$array, Sets::$sets, &[$(u64::from($before)),*], &$values) {
                     gl.$method($($p),*);
                 }
             }; )*

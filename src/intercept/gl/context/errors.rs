@@ -1,8 +1,8 @@
 //! OpenGL's error flag, which the program's calls and ours share.
 
 use crate::backend::gl::api::{self, Gl};
-use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::state::driver::Driver;
+use crate::intercept::gl::state::frame::statistics::Counts;
 use crate::intercept::log;
 
 /// Keeps an error of the program's, so that those that follow are ours.
@@ -28,14 +28,14 @@ pub fn drop_errors(gl: &Gl) {
 }
 
 /// Counts the errors since [`take_error`] as ours.
-pub fn take_own_errors(ctx: &mut Context) {
+pub fn take_own_errors(driver: &Driver, counts: &mut Counts) {
     // SAFETY: as above.
     for _ in 0..8 {
-        let error = unsafe { ctx.driver.gl.get_error() };
+        let error = unsafe { driver.gl.get_error() };
         if error == api::GL_NO_ERROR {
             break;
         }
-        ctx.frame.counts.errors += 1;
+        counts.errors += 1;
         log::once(&format!("an OpenGL call of ours failed with error 0x{error:04X}"));
     }
 }

@@ -5,23 +5,24 @@
 //! footprint is billions of texels long, drawing does not end. There, textures are filtered without anisotropy.
 
 use crate::backend::gl::api;
-use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
+use crate::intercept::gl::state::drawable::Drawable;
 use crate::intercept::gl::state::drawable::default_framebuffer::DefaultFramebuffer;
+use crate::intercept::gl::state::driver::Driver;
 
 /// Whether the parameter is left at its default.
-fn left_out(ctx: &Context, parameter: u32) -> bool {
+fn left_out(driver: &Driver, drawable: &Drawable, parameter: u32) -> bool {
     let turned = |t: &DefaultFramebuffer| t.session.views().iter().any(|v| !v.program_lens);
     parameter == api::GL_TEXTURE_MAX_ANISOTROPY
-        && ctx.driver.endless_anisotropy
-        && ctx.drawable.target.as_deref().is_some_and(turned)
+        && driver.endless_anisotropy
+        && drawable.target.as_deref().is_some_and(turned)
 }
 
 macro_rules! filtering_hooks {
     ($( $name:literal $method:ident ($object:ident, $value:ty); )*) => {
         hooks! {
             $( $name $method($object: u32, parameter: u32, value: $value) = |ctx, gl| {
-                if !left_out(ctx, parameter) { gl.$method($object, parameter, value) }
+                if !left_out(&ctx.driver, &ctx.drawable, parameter) { gl.$method($object, parameter, value) }
             }; )*
         }
     };

@@ -83,8 +83,7 @@ fn draw_to_window(
     let Some(target) = &ctx.drawable.target else { return };
     let (session, primary) = (target.session.clone(), target.primary());
     if class != DrawClass::Background {
-        let area = i64::from(ctx.app.viewport[2]) * i64::from(ctx.app.viewport[3]);
-        ctx.frame.viewport_area[0] = ctx.frame.viewport_area[0].max(area);
+        ctx.frame.note_viewport(ctx.app.viewport);
     }
     let mut window = Window { session, primary, class, shown };
     let views = window.session.views().len();
@@ -100,7 +99,7 @@ fn perspective_or_flat(
 ) -> Option<DrawClass> {
     let mut class = classify(ctx);
     if class == DrawClass::Flat {
-        let main = main_viewport(ctx);
+        let main = main_viewport(&ctx.app, &ctx.frame);
         let measure = match displayed::look(ctx, main) {
             Shows::Pictures(sampled) => {
                 displayed::show(ctx, changes, sampled, issue);

@@ -4,19 +4,21 @@ use crate::backend::gl::api::{self, Gl};
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::context::list_recording;
+use crate::intercept::gl::state::app::AppState;
+use crate::intercept::gl::state::driver::Driver;
 
 /// Asks the driver where it knows (OpenGL 4.0, OpenGL ES 3.0); elsewhere `recording` is what it is.
-fn follow(ctx: &mut Context, recording: bool) {
-    let known = ctx.driver.profile.version >= if ctx.driver.profile.es { 30 } else { 40 };
-    ctx.app.feedback = recording;
+fn follow(driver: &Driver, app: &mut AppState, recording: bool) {
+    let known = driver.profile.version >= if driver.profile.es { 30 } else { 40 };
+    app.feedback = recording;
     if known {
         let (mut active, mut paused) = (0, 0);
         // SAFETY: each query writes one boolean.
         unsafe {
-            ctx.driver.gl.get_booleanv(api::GL_TRANSFORM_FEEDBACK_ACTIVE, &mut active);
-            ctx.driver.gl.get_booleanv(api::GL_TRANSFORM_FEEDBACK_PAUSED, &mut paused);
+            driver.gl.get_booleanv(api::GL_TRANSFORM_FEEDBACK_ACTIVE, &mut active);
+            driver.gl.get_booleanv(api::GL_TRANSFORM_FEEDBACK_PAUSED, &mut paused);
         }
-        ctx.app.feedback = active != 0 && paused == 0;
+        app.feedback = active != 0 && paused == 0;
     }
 }
 
@@ -24,7 +26,7 @@ fn follow(ctx: &mut Context, recording: bool) {
 fn command(ctx: &mut Context, recording: bool, issue: impl Fn(&Gl) + Send + Sync + 'static) {
     list_recording::now_or_later(ctx, move |ctx| {
         issue(ctx.driver.gl);
-        follow(ctx, recording);
+        follow(&ctx.driver, &mut ctx.app, recording);
     });
 }
 

@@ -41,7 +41,7 @@ impl Context {
             }
         }
         if self.drawable.target.is_none() {
-            match contexts::take_picture(self, &window) {
+            match contexts::take_picture(&self.share, &window) {
                 Some(picture) => default_framebuffer::take_over(self, picture),
                 None => default_framebuffer::attach(self, Extras::default()),
             }
@@ -53,7 +53,7 @@ impl Context {
 
     /// A context without a window draws for that of another in its group.
     fn borrow(&mut self) {
-        let lent = contexts::lend_session(self);
+        let lent = contexts::lend_session(&self.share);
         if self.drawable.lent.as_ref().map(Arc::as_ptr) != lent.as_ref().map(Arc::as_ptr) {
             self.drawable.lent = lent;
             self.compat.projection.clear();

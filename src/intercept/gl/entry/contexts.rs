@@ -127,10 +127,10 @@ pub fn destroyed(handle: usize) {
 }
 
 /// The plan of a window that another context of the group draws, which is not current on any thread.
-pub fn lend_session(ctx: &Context) -> Option<Arc<Session>> {
+pub fn lend_session(share: &Arc<ShareGroup>) -> Option<Arc<Session>> {
     contexts(|contexts| {
         let others = contexts.known.values().filter(|e| !e.current && e.context != 0);
-        others.filter(|entry| Arc::ptr_eq(&entry.share, &ctx.share)).find_map(|entry| {
+        others.filter(|entry| Arc::ptr_eq(&entry.share, share)).find_map(|entry| {
             // SAFETY: a live context that is current on no thread, and cannot become so while the table is locked.
             let other = unsafe { &*(entry.context as *const Context) };
             other.drawable.target.as_ref().map(|target| target.session.clone())
@@ -140,10 +140,10 @@ pub fn lend_session(ctx: &Context) -> Option<Arc<Session>> {
 
 /// What another context of the group has for `window`, which is not current on any thread: contexts that draw to one
 /// window draw one picture.
-pub fn take_picture(ctx: &Context, window: &Window) -> Option<Box<DefaultFramebuffer>> {
+pub fn take_picture(share: &Arc<ShareGroup>, window: &Window) -> Option<Box<DefaultFramebuffer>> {
     contexts(|contexts| {
         let others = contexts.known.values().filter(|e| !e.current && e.context != 0);
-        others.filter(|entry| Arc::ptr_eq(&entry.share, &ctx.share)).find_map(|entry| {
+        others.filter(|entry| Arc::ptr_eq(&entry.share, share)).find_map(|entry| {
             // SAFETY: a live context that is current on no thread, and cannot become so while the table is locked.
             let other = unsafe { &mut *(entry.context as *mut Context) };
             other.give_picture(window)

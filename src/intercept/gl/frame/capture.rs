@@ -1,15 +1,16 @@
 //! Corrected pictures that do not go to the window: captures at an output's own resolution.
 
 use crate::backend::gl::Target;
-use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::read_pixels;
 use crate::intercept::gl::framebuffer::own_framebuffer::OwnFramebuffer;
+use crate::intercept::gl::state::drawable::Drawable;
+use crate::intercept::gl::state::driver::Driver;
 use crate::runtime::report::Picture;
 
 /// Output `index` at its own resolution, read back.
-pub fn picture(ctx: &Context, index: usize, name: &str) -> Option<Picture> {
-    let gl = ctx.driver.gl;
-    let target = ctx.drawable.target.as_ref()?;
+pub fn picture(driver: &Driver, drawable: &Drawable, index: usize, name: &str) -> Option<Picture> {
+    let gl = driver.gl;
+    let target = drawable.target.as_ref()?;
     let (width, height) = target.session.plan().passes.get(index)?.size;
     let whole = [0, 0, width as i32, height as i32];
     let canvas = OwnFramebuffer::new(gl, whole[2], whole[3]);

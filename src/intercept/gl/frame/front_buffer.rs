@@ -8,12 +8,14 @@ use crate::intercept::gl::context::current;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::frame::present;
+use crate::intercept::gl::state::app::AppState;
+use crate::intercept::gl::state::drawable::Drawable;
 use std::time::Instant;
 
 /// Whether what is drawn is meant to be seen without a swap.
-pub fn draws_to_front(ctx: &Context) -> bool {
+pub fn draws_to_front(app: &AppState, drawable: &Drawable) -> bool {
     let front = matches!(
-        ctx.app.draw_buffer,
+        app.draw_buffer,
         api::GL_FRONT
             | api::GL_FRONT_LEFT
             | api::GL_FRONT_RIGHT
@@ -21,13 +23,16 @@ pub fn draws_to_front(ctx: &Context) -> bool {
             | api::GL_LEFT
             | api::GL_RIGHT
     );
-    ctx.drawable.target.as_ref().is_some_and(|t| front || !t.config().double_buffered)
+    drawable.target.as_ref().is_some_and(|t| front || !t.config().double_buffered)
 }
 
 /// The program wants to see what it drew. `finally`: it waits for it, so the picture is never left out.
 pub fn show(ctx: &mut Context, finally: bool) {
     let drawing = ctx.compiling() || ctx.compat.immediate.under_way() || ctx.app.picking;
-    if ctx.frame.begun && !drawing && draws_to_front(ctx) && (ctx.frame.front_buffer.allows(Instant::now()) || finally)
+    if ctx.frame.begun
+        && !drawing
+        && draws_to_front(&ctx.app, &ctx.drawable)
+        && (ctx.frame.front_buffer.allows(Instant::now()) || finally)
     {
         present::show_front(ctx);
     }

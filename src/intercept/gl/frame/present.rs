@@ -9,7 +9,9 @@ use crate::intercept::gl::context::read_pixels::read_back;
 use crate::intercept::gl::frame::{capture, frame_number, front_buffer};
 use crate::intercept::gl::framebuffer::default_framebuffer::{self, follow_size};
 use crate::intercept::gl::offscreen::view_copies;
+use crate::intercept::gl::state::drawable::Drawable;
 use crate::intercept::gl::state::drawable::window::Window;
+use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::gl::vertex_input::buffers;
 use crate::intercept::last_frame::{self, LastFrame};
 use crate::intercept::scene::report;
@@ -86,7 +88,7 @@ pub fn show_front(ctx: &mut Context) {
 
 /// The program turns to another window before it swaps this one.
 pub fn leave(ctx: &mut Context) {
-    if front_buffer::draws_to_front(ctx) {
+    if front_buffer::draws_to_front(&ctx.app, &ctx.drawable) {
         front_buffer::show(ctx, true);
     } else {
         correct(ctx);
@@ -133,7 +135,7 @@ fn frame(ctx: &mut Context) {
         ctx.drawable.window.as_ref().map_or(ctx.frame.counts.frames, |window| frame_number::count(window.handle()));
     let last = settings.frames == Some(number);
     let kept = last || settings.frames.is_none();
-    if is_occluded(ctx) && !(kept && settings.capture.is_some()) {
+    if is_occluded(&ctx.drawable) && !(kept && settings.capture.is_some()) {
         ctx.frame.counts.hidden_frames += 1;
     } else {
         correct(ctx);
@@ -148,18 +150,14 @@ fn frame(ctx: &mut Context) {
 
 /// Whether nothing of the window can be seen: neither after the last swap nor now. So windows that are seen cost one
 /// question in a frame, and those that come back are corrected at once.
-fn is_occluded(ctx: &Context) -> bool {
-    ctx.drawable.occluded && ctx.drawable.window.as_ref().is_some_and(|window| window.look().occluded)
+fn is_occluded(drawable: &Drawable) -> bool {
+    drawable.occluded && drawable.window.as_ref().is_some_and(|window| window.look().occluded)
 }
 
 fn next_frame(ctx: &mut Context) {
-    ctx.frame.cameras.end_frame();
-    ctx.frame.background.end_frame();
-    ctx.frame.viewport_area = [0, ctx.frame.viewport_area[0]];
-    ctx.frame.begun = false;
+    ctx.frame.end();
     view_copies::end_frame(ctx);
     buffers::of(&ctx.share).end_frame();
-    ctx.frame.draw_count.end_frame(ctx.frame.counts.draws_seen);
     follow_size(ctx);
     default_framebuffer::follow_rig(ctx);
 }
@@ -171,8 +169,8 @@ fn keep_report(ctx: &mut Context, settings: &settings::Settings) {
     take_error(&mut ctx.driver);
     let statistics = settings.stats.is_some().then(|| statistics(ctx, settings));
     let pictures = if settings.capture.is_some() { output_pictures(ctx, settings) } else { Vec::new() };
-    let views = if settings.capture_views.is_some() { view_pictures(ctx) } else { Vec::new() };
-    take_own_errors(ctx);
+    let views = if settings.capture_views.is_some() { view_pictures(&ctx.driver, &ctx.drawable) } else { Vec::new() };
+    take_own_errors(&ctx.driver, &mut ctx.frame.counts);
     last_frame::store(LastFrame { statistics, pictures, views });
 }
 
@@ -187,7 +185,7 @@ fn statistics(ctx: &Context, settings: &settings::Settings) -> Statistics {
         bounded_draws: ctx.frame.counts.bounded_draws,
         ranges_read: ctx.vertex_input.ranges.reads,
         closings: ctx.frame.counts.closings,
-        duplicated_draws: crate::intercept::gl::offscreen::report::draws(ctx),
+        duplicated_draws: crate::intercept::gl::offscreen::report::draws(&ctx.view_copies),
         duplicated_framebuffers,
         single_framebuffers,
         projection_found: ctx.frame.counts.found.iter().map(|(how, n)| (how.to_owned(), n)).collect(),
@@ -236,22 +234,25 @@ fn output_pictures(ctx: &mut Context, settings: &settings::Settings) -> Vec<Pict
     };
     let names = target.session.rig().outputs.iter().map(|o| o.name.as_str());
     if settings.offscreen {
-        return names.enumerate().filter_map(|(i, name)| capture::picture(ctx, i, name)).collect();
+        return names
+            .enumerate()
+            .filter_map(|(i, name)| capture::picture(&ctx.driver, &ctx.drawable, i, name))
+            .collect();
     }
     names.zip(target.session.viewports()).map(|(name, rect)| read_back(gl, 0, name, rect)).collect()
 }
 
 /// Every view, the panel and the program's own picture.
-fn view_pictures(ctx: &Context) -> Vec<Picture> {
-    let Some(target) = &ctx.drawable.target else { return Vec::new() };
+fn view_pictures(driver: &Driver, drawable: &Drawable) -> Vec<Picture> {
+    let Some(target) = &drawable.target else { return Vec::new() };
     let session = &target.session;
     let mut pictures = Vec::new();
     for (i, view) in session.views().iter().enumerate() {
-        pictures.push(read_back(ctx.driver.gl, target.readable_framebuffer(), &view.name, session.tile(i).0));
+        pictures.push(read_back(driver.gl, target.readable_framebuffer(), &view.name, session.tile(i).0));
     }
     for (name, tile) in [("panel", session.panel()), ("primary", session.primary())] {
         if let Some(tile) = tile {
-            pictures.push(read_back(ctx.driver.gl, target.readable_framebuffer(), name, tile));
+            pictures.push(read_back(driver.gl, target.readable_framebuffer(), name, tile));
         }
     }
     pictures

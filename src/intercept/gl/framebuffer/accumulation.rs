@@ -48,7 +48,7 @@ fn with(ctx: &mut Context, work: impl FnOnce(&mut Context, &Accumulation)) {
         }
         Err(error) => log::once(&format!("what the program accumulates is left out: {error}")),
     }
-    take_own_errors(ctx);
+    take_own_errors(&ctx.driver, &mut ctx.frame.counts);
 }
 
 /// Whether the window has such a buffer, which is then ours.

@@ -17,7 +17,7 @@ pub fn bind(ctx: &mut Context, target: u32, name: u32) {
     let ours = ctx.drawable.target.as_ref().map_or(0, |t| t.framebuffer());
     let real = if name == 0 { ours } else { name };
     let draws = matches!(target, api::GL_FRAMEBUFFER | api::GL_DRAW_FRAMEBUFFER);
-    let was_redirected = was_redirected || (draws && view_copies::rebound(ctx));
+    let was_redirected = was_redirected || (draws && view_copies::rebound(&mut ctx.view_copies));
     let reads = matches!(target, api::GL_FRAMEBUFFER | api::GL_READ_FRAMEBUFFER);
     // SAFETY: the program's own call, with our framebuffer in place of its window's.
     unsafe {
@@ -62,7 +62,7 @@ pub fn clear_with(ctx: &mut Context, cleared: Cleared, issue: impl Fn(&Gl)) -> b
         return false;
     }
     ctx.frame.begun = true;
-    displayed::window_changed(ctx);
+    displayed::window_changed(&mut ctx.view_copies);
     let Some(target) = &ctx.drawable.target else { return false };
     let (width, height) = target.size();
     let window = [0, 0, width as i32, height as i32];

@@ -15,6 +15,7 @@ use crate::intercept::gl::state::drawable::cleared_views::Content;
 use crate::intercept::gl::state::drawable::default_framebuffer::DefaultFramebuffer;
 use crate::intercept::gl::state::drawable::window::{Look, Window};
 use crate::intercept::gl::state::drawable::window_config::Config;
+use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::gl::state::driver::window_space::DriverState;
 use crate::intercept::{live, log, settings};
 use crate::runtime::cache;
@@ -37,7 +38,7 @@ fn attach_now(ctx: &mut Context, window: &Window, settings: &settings::Settings,
         Ok(target) => put(ctx, target),
         Err(error) => log::once(&format!("this window keeps its own picture: {error}")),
     }
-    take_own_errors(ctx);
+    take_own_errors(&ctx.driver, &mut ctx.frame.counts);
 }
 
 /// Puts a new one, which is cleared, in place of the window's framebuffer.
@@ -76,7 +77,7 @@ pub fn follow_rig(ctx: &mut Context) {
             ctx.drawable.target = Some(old);
         }
     }
-    take_own_errors(ctx);
+    take_own_errors(&ctx.driver, &mut ctx.frame.counts);
 }
 
 /// Puts what stood for a window earlier in its place again, if the window is still of that kind.
@@ -88,7 +89,7 @@ pub fn resume(ctx: &mut Context, window: &Window, target: Box<DefaultFramebuffer
     } else {
         target.destroy(ctx.driver.gl);
     }
-    take_own_errors(ctx);
+    take_own_errors(&ctx.driver, &mut ctx.frame.counts);
 }
 
 /// Goes on with a picture that another context of the group began.
@@ -106,7 +107,7 @@ pub fn take_over(ctx: &mut Context, mut target: Box<DefaultFramebuffer>) {
             attach(ctx, Extras::default());
         }
     }
-    take_own_errors(ctx);
+    take_own_errors(&ctx.driver, &mut ctx.frame.counts);
 }
 
 /// Makes the rest of the context fit a new target.
@@ -199,7 +200,7 @@ fn enlarge_now(ctx: &mut Context, add: impl FnOnce(&mut Extras)) {
             ctx.drawable.target = Some(old);
         }
     }
-    take_own_errors(ctx);
+    take_own_errors(&ctx.driver, &mut ctx.frame.counts);
 }
 
 /// # Safety
@@ -318,15 +319,15 @@ impl DefaultFramebuffer {
         let plan = methods::planner(ctx, &live.rig);
         let session = plan(&live.rig, window.size(), settings.offscreen, greatest_texture(gl), extras)?;
         let config = Config::of_window(gl, &ctx.driver.profile, window);
-        Self::with_session(ctx, session, config, live.version)
+        Self::with_session(&ctx.driver, session, config, live.version)
     }
 
-    fn with_session(ctx: &Context, session: Session, config: Config, version: u64) -> Result<Self> {
-        let gl = ctx.driver.gl;
+    fn with_session(driver: &Driver, session: Session, config: Config, version: u64) -> Result<Self> {
+        let gl = driver.gl;
         let size = (session.plan().views.atlas.0 as i32, session.plan().views.atlas.1 as i32);
         let surface = Surface::new(gl, size, config.samples, config.srgb)?;
         let resolved = if config.samples > 0 { Some(Surface::new(gl, size, 0, config.srgb)?) } else { None };
-        let mut backend = GlBackend::new(gl, ctx.driver.profile.es)?.with_cache(gl, cache::of_process());
+        let mut backend = GlBackend::new(gl, driver.profile.es)?.with_cache(gl, cache::of_process());
         let panel = session.panel().is_some();
         backend.prepare(gl, session.plan(), panel)?;
         let closed = unsampled_areas::prepare(gl, &mut backend, session.plan());
@@ -353,7 +354,7 @@ impl DefaultFramebuffer {
 
     /// The same with more tiles.
     fn enlarged(&self, ctx: &Context, extras: Extras) -> Result<Self> {
-        let mut new = Self::with_session(ctx, self.session.with(extras)?, self.config, self.version)?;
+        let mut new = Self::with_session(&ctx.driver, self.session.with(extras)?, self.config, self.version)?;
         new.issued.clone_from(&self.issued);
         new.culled.clone_from(&self.culled);
         Ok(new)
@@ -401,7 +402,7 @@ pub fn follow_size(ctx: &mut Context) {
             view_copies::clear(ctx);
             old.destroy(ctx.driver.gl);
         }
-        ctx.frame.viewport_area = [0; 2];
+        ctx.frame.forget_viewports();
         default_framebuffer::attach(ctx, extras);
     }
 }

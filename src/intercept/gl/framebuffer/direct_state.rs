@@ -10,6 +10,7 @@ use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::framebuffer::bindings;
 use crate::intercept::gl::framebuffer::unsampled_areas::Cleared;
 use crate::intercept::gl::offscreen::view_copies;
+use crate::intercept::gl::state::drawable::Drawable;
 
 /// Runs `run` with the program's framebuffers bound for drawing and reading; `None` = as it is.
 fn bound<R>(ctx: &mut Context, draw: Option<u32>, read: Option<u32>, run: impl FnOnce(&mut Context) -> R) -> R {
@@ -29,8 +30,8 @@ fn bound<R>(ctx: &mut Context, draw: Option<u32>, read: Option<u32>, run: impl F
 }
 
 /// Whether `name` is the window, and the window is ours.
-fn is_window(ctx: &Context, name: u32) -> bool {
-    name == 0 && ctx.drawable.target.is_some()
+fn is_window(drawable: &Drawable, name: u32) -> bool {
+    name == 0 && drawable.target.is_some()
 }
 
 macro_rules! clears {
@@ -46,7 +47,7 @@ macro_rules! clears {
                 }
             }; )*
             "glNamedFramebufferDrawBuffer" named_framebuffer_draw_buffer(framebuffer: u32, buffer: u32) = |ctx, gl| {
-                if is_window(ctx, framebuffer) {
+                if is_window(&ctx.drawable, framebuffer) {
                     bound(ctx, Some(0), None, |ctx| bindings::select_draw_buffer(ctx, buffer));
                 } else {
                     view_copies::forget(ctx, framebuffer);
@@ -54,7 +55,7 @@ macro_rules! clears {
                 }
             };
             "glNamedFramebufferDrawBuffers" named_framebuffer_draw_buffers(framebuffer: u32, count: i32, buffers: *const u32) = |ctx, gl| {
-                if is_window(ctx, framebuffer) {
+                if is_window(&ctx.drawable, framebuffer) {
                     bound(ctx, Some(0), None, |ctx| bindings::select_draw_buffers(ctx, count, buffers));
                 } else {
                     view_copies::forget(ctx, framebuffer);
@@ -62,7 +63,7 @@ macro_rules! clears {
                 }
             };
             "glNamedFramebufferReadBuffer" named_framebuffer_read_buffer(framebuffer: u32, buffer: u32) = |ctx, gl| {
-                if is_window(ctx, framebuffer) {
+                if is_window(&ctx.drawable, framebuffer) {
                     bound(ctx, None, Some(0), |ctx| bindings::select_read_buffer(ctx, buffer));
                 } else {
                     gl.named_framebuffer_read_buffer(framebuffer, buffer);
@@ -92,17 +93,17 @@ macro_rules! clears {
                 gl.check_named_framebuffer_status(framebuffer, target)
             };
             "glGetNamedFramebufferAttachmentParameteriv" get_named_framebuffer_attachment_parameteriv(framebuffer: u32, attachment: u32, name: u32, values: *mut i32) = |ctx, gl| {
-                if is_window(ctx, framebuffer) {
+                if is_window(&ctx.drawable, framebuffer) {
                     bound(ctx, Some(0), None, |ctx| bindings::attachment_parameter(ctx, api::GL_DRAW_FRAMEBUFFER, attachment, name, values));
                 } else {
                     gl.get_named_framebuffer_attachment_parameteriv(framebuffer, attachment, name, values);
                 }
             };
             "glInvalidateNamedFramebufferData" invalidate_named_framebuffer_data(framebuffer: u32, count: i32, attachments: *const u32) = |ctx, gl| {
-                if !is_window(ctx, framebuffer) { gl.invalidate_named_framebuffer_data(framebuffer, count, attachments) }
+                if !is_window(&ctx.drawable, framebuffer) { gl.invalidate_named_framebuffer_data(framebuffer, count, attachments) }
             };
             "glInvalidateNamedFramebufferSubData" invalidate_named_framebuffer_sub_data(framebuffer: u32, count: i32, attachments: *const u32, x: i32, y: i32, w: i32, h: i32) = |ctx, gl| {
-                if !is_window(ctx, framebuffer) { gl.invalidate_named_framebuffer_sub_data(framebuffer, count, attachments, x, y, w, h) }
+                if !is_window(&ctx.drawable, framebuffer) { gl.invalidate_named_framebuffer_sub_data(framebuffer, count, attachments, x, y, w, h) }
             };
         }
     };

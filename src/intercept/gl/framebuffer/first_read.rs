@@ -7,6 +7,7 @@ use crate::intercept::gl::context::errors::{take_error, take_own_errors};
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::framebuffer::own_framebuffer::OwnFramebuffer;
 use crate::intercept::gl::framebuffer::{first_read_color, first_read_depth};
+use crate::intercept::gl::state::frame::Frame;
 use crate::intercept::log;
 use crate::rig::{Camera, Filter, Transfer};
 use crate::runtime::session::{Frustum, Session};
@@ -18,27 +19,27 @@ pub fn fill_primary(ctx: &mut Context) {
     let Some(target) = ctx.drawable.target.take() else { return };
     take_error(&mut ctx.driver);
     let camera = &target.session.rig().camera;
-    let directions = own_directions(ctx, camera);
+    let directions = own_directions(&ctx.frame, camera);
     if let (Some(tile), Some(directions)) = (target.primary(), directions) {
-        let plan = own_picture(ctx, &target.session, directions);
+        let plan = own_picture(&ctx.frame, &target.session, directions);
         let (width, height) = plan.views.atlas;
         target.resolve(ctx, Some([0, 0, width as i32, height as i32]));
         if !target.lenses.is_empty() {
             // Pictures of outputs are no views that a pass could sample.
-            first_read_color::fill(ctx, &target, directions);
+            first_read_color::fill(&ctx.driver, &target, directions);
         } else if let Err(error) = copy(ctx, &plan, target.texture(), target.framebuffer(), tile) {
             log::once(&format!("the first picture that the program reads is black: {error}"));
         }
-        first_read_depth::fill(ctx, &target, directions);
+        first_read_depth::fill(&ctx.driver, &ctx.frame, &target, directions);
     }
     ctx.drawable.target = Some(target);
-    take_own_errors(ctx);
+    take_own_errors(&ctx.driver, &mut ctx.frame.counts);
 }
 
 /// A pixel of the program's own picture (−1…1 to the right and up, 1) → its direction in the viewer's axes, as far as
 /// −1 along the program's. None before the program's lens is known.
-pub(in crate::intercept::gl) fn own_directions(ctx: &Context, camera: &Camera) -> Option<DMat3> {
-    let lens = ctx.frame.lens?;
+pub(in crate::intercept::gl) fn own_directions(frame: &Frame, camera: &Camera) -> Option<DMat3> {
+    let lens = frame.lens?;
     let zoom = camera.zoom;
     let tangents = DMat3::from_cols_array(&[
         zoom / lens.a,
@@ -55,7 +56,7 @@ pub(in crate::intercept::gl) fn own_directions(ctx: &Context, camera: &Camera) -
 }
 
 /// The pass that shows what the program's own lens sees, from the same views.
-pub(in crate::intercept::gl) fn own_picture(ctx: &Context, session: &Session, directions: DMat3) -> Plan {
+pub(in crate::intercept::gl) fn own_picture(frame: &Frame, session: &Session, directions: DMat3) -> Plan {
     let (plan, size) = (session.plan(), session.window());
     let rect = PixelRect { x: 0, y: 0, width: size.0, height: size.1 };
     let views = (0..plan.views.views.len()).collect();
@@ -84,7 +85,7 @@ pub(in crate::intercept::gl) fn own_picture(ctx: &Context, session: &Session, di
         dome_rotation: DMat3::IDENTITY,
     };
     let mut views = plan.views.clone();
-    if let (Some(panel), Some(lens)) = (&mut views.panel, ctx.frame.lens) {
+    if let (Some(panel), Some(lens)) = (&mut views.panel, frame.lens) {
         // In the program's own picture the panel fills the whole window.
         let camera = &session.rig().camera;
         let own = lens.frustum();

@@ -1,17 +1,17 @@
 //! Colours of the program's own picture for a read that comes before anything was drawn to it, where views are pictures of
 //! outputs: each pixel takes that of the texel that shows its direction, with the flat panel over it.
 
-use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::framebuffer::first_read_depth::{self, Content, find};
 use crate::intercept::gl::state::drawable::default_framebuffer::DefaultFramebuffer;
+use crate::intercept::gl::state::driver::Driver;
 use glam::{DMat3, DVec3};
 
 /// Fills the primary tile. `directions`: a pixel (−1…1 to the right and up, 1) → its direction in the viewer's axes. The
 /// views must be drawn and, where they have several samples, resolved. What no output shows is black.
-pub fn fill(ctx: &Context, target: &DefaultFramebuffer, directions: DMat3) {
+pub fn fill(driver: &Driver, target: &DefaultFramebuffer, directions: DMat3) {
     let Some([x, y, width, height]) = target.primary() else { return };
     let views = &target.session.plan().views;
-    let atlas = first_read_depth::read(ctx.driver.gl, target.readable_framebuffer(), views.atlas, Content::Color);
+    let atlas = first_read_depth::read(driver.gl, target.readable_framebuffer(), views.atlas, Content::Color);
     let texel = |(column, line): (u32, u32)| {
         let value = atlas.get(line as usize * views.atlas.0 as usize + column as usize).copied().unwrap_or(0);
         value.to_ne_bytes().map(u16::from)
@@ -33,5 +33,5 @@ pub fn fill(ctx: &Context, target: &DefaultFramebuffer, directions: DMat3) {
     };
     let pixels: Vec<u32> =
         (0..height).flat_map(|line| (0..width).map(move |column| (column, line))).map(|(c, l)| pixel(c, l)).collect();
-    first_read_depth::write(ctx.driver.gl, target, [x, y, width, height], Content::Color, &pixels);
+    first_read_depth::write(driver.gl, target, [x, y, width, height], Content::Color, &pixels);
 }

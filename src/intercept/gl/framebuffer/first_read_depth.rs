@@ -3,9 +3,10 @@
 
 use crate::backend::gl::api::{self, Gl};
 use crate::correct;
-use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::read_pixels;
 use crate::intercept::gl::state::drawable::default_framebuffer::DefaultFramebuffer;
+use crate::intercept::gl::state::driver::Driver;
+use crate::intercept::gl::state::frame::Frame;
 use crate::runtime::cache;
 use crate::runtime::session::ClipRows;
 use crate::views::{Tile, View};
@@ -19,13 +20,12 @@ const EMPTY: u32 = DEEPEST << 8;
 
 /// Fills the primary tile. `directions`: a pixel (−1…1 to the right and up, 1) → its direction in the viewer's axes, as
 /// far as −1 along the program's. The views must be drawn and, where they have several samples, resolved.
-pub fn fill(ctx: &Context, target: &DefaultFramebuffer, directions: DMat3) {
+pub fn fill(driver: &Driver, frame: &Frame, target: &DefaultFramebuffer, directions: DMat3) {
     // OpenGL ES lets nobody read depth, the program neither.
-    let (Some(lens), Some([x, y, width, height]), false) = (ctx.frame.lens, target.primary(), ctx.driver.profile.es)
-    else {
+    let (Some(lens), Some([x, y, width, height]), false) = (frame.lens, target.primary(), driver.profile.es) else {
         return;
     };
-    let gl = ctx.driver.gl;
+    let gl = driver.gl;
     let plan = target.session.plan();
     let Some(depths) = Depths::of(gl) else { return };
     let mut atlas = read(gl, target.readable_framebuffer(), plan.views.atlas, Content::DepthStencil);

@@ -10,13 +10,15 @@ use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::own_calls::OwnCalls;
 use crate::intercept::gl::framebuffer::default_framebuffer;
 use crate::intercept::gl::framebuffer::unsampled_areas::Cleared;
+use crate::intercept::gl::state::app::AppState;
+use crate::intercept::gl::state::driver::Driver;
 
 /// The program clears its window. If nothing of what is there can be seen afterwards, this is the moment for other views.
 pub fn look(ctx: &mut Context, cleared: Cleared, stencil: bool) {
     let begins = !ctx.frame.begun && ctx.redirected() && !ctx.app.picking && !ctx.app.scissor_test;
     let whole = cleared.color && cleared.depth.is_some() && (stencil || !ctx.frame.draw_count.stencil);
     let kept = ctx.queries.condition.is_some() || ctx.app.discard || ctx.drawable.accumulation.is_some();
-    if !begins || !whole || kept || ctx.frame.draw_count.draws.is_some() || !writes_all(ctx) {
+    if !begins || !whole || kept || ctx.frame.draw_count.draws.is_some() || !writes_all(&ctx.driver, &ctx.app) {
         return;
     }
     if let Some(draws) = ctx.frame.draw_count.take() {
@@ -25,12 +27,12 @@ pub fn look(ctx: &mut Context, cleared: Cleared, stencil: bool) {
 }
 
 /// Whether a clear reaches all of colour and depth.
-fn writes_all(ctx: &Context) -> bool {
+fn writes_all(driver: &Driver, app: &AppState) -> bool {
     let (mut color, mut depth) = ([0u8; 4], 0u8);
     // SAFETY: writes four values, and one.
     unsafe {
-        ctx.driver.gl.get_booleanv(api::GL_COLOR_WRITEMASK, color.as_mut_ptr());
-        ctx.driver.gl.get_booleanv(api::GL_DEPTH_WRITEMASK, &mut depth);
+        driver.gl.get_booleanv(api::GL_COLOR_WRITEMASK, color.as_mut_ptr());
+        driver.gl.get_booleanv(api::GL_DEPTH_WRITEMASK, &mut depth);
     }
-    color[..3].iter().all(|on| *on != 0) && depth != 0 && ctx.app.draw_buffer != api::GL_NONE
+    color[..3].iter().all(|on| *on != 0) && depth != 0 && app.draw_buffer != api::GL_NONE
 }

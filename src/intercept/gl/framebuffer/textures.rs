@@ -105,10 +105,10 @@ hooks! {
     };
     "glGenerateMipmap" generate_mipmap(target: u32) = |ctx, gl| {
         let texture = bound(ctx, target);
-        if texture == 0 || !view_copies::mipmaps(ctx, texture) { gl.generate_mipmap(target) }
+        if texture == 0 || !view_copies::mipmaps(&mut ctx.view_copies, texture) { gl.generate_mipmap(target) }
     };
     "glGenerateTextureMipmap" generate_texture_mipmap(texture: u32) = |ctx, gl| {
-        if !view_copies::mipmaps(ctx, texture) { gl.generate_texture_mipmap(texture) }
+        if !view_copies::mipmaps(&mut ctx.view_copies, texture) { gl.generate_texture_mipmap(texture) }
     };
     "glGetTexImage" get_tex_image(target: u32, level: i32, format: u32, kind: u32, pixels: *mut c_void) = |ctx, gl| {
         let texture = bound(ctx, target);

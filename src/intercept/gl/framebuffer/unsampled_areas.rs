@@ -103,7 +103,7 @@ pub fn close(ctx: &mut Context, cleared: f32) {
         let texels = target.backend().close_unsampled(ctx.driver.gl, cleared, &ctx.driver.known_state);
         ctx.frame.counts.closings += u64::from(texels > 0);
     }
-    take_own_errors(ctx);
+    take_own_errors(&ctx.driver, &mut ctx.frame.counts);
 }
 
 #[cfg(test)]

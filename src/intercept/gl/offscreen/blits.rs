@@ -7,9 +7,12 @@ use crate::intercept::gl::offscreen::displayed;
 use crate::intercept::gl::offscreen::view_copies::{
     self, copy_count, look, make_framebuffer, own_tile, possible, supply, views,
 };
+use crate::intercept::gl::state::drawable::Drawable;
+use crate::intercept::gl::state::frame::Frame;
 use crate::intercept::gl::state::offscreen::framebuffers;
 use crate::intercept::gl::state::offscreen::images::{Bindings, Image, Name};
 use crate::intercept::gl::state::offscreen::single_sample::SingleSampleImage;
+use crate::intercept::gl::state::offscreen::view_copies::ViewCopies;
 
 /// A rectangle by two corners, as `glBlitFramebuffer` has it.
 pub type Corners = [i32; 4];
@@ -34,7 +37,7 @@ pub fn blit(ctx: &mut Context, source: Corners, destination: Corners, mask: u32,
     }
     note_blit(ctx, destination, mask);
     let (from, to) = (read_side(ctx), draw_side(ctx));
-    let fills = to != Side::Window || fills_window(ctx, destination);
+    let fills = to != Side::Window || fills_window(&ctx.drawable, destination);
     match (from, to) {
         (Side::Single, Side::Single | Side::Window) | (Side::Window, Side::Window | Side::Single) => false,
         (Side::ViewCopies(index), to) if to == Side::Single || !fills => {
@@ -50,17 +53,17 @@ pub fn blit(ctx: &mut Context, source: Corners, destination: Corners, mask: u32,
 }
 
 /// Whether a copy covers (nearly) all of the window.
-fn fills_window(ctx: &Context, [x0, y0, x1, y1]: Corners) -> bool {
-    let Some(target) = &ctx.drawable.target else { return false };
+fn fills_window(drawable: &Drawable, [x0, y0, x1, y1]: Corners) -> bool {
+    let Some(target) = &drawable.target else { return false };
     let (width, height) = target.size();
     let inside = |a: i32, b: i32, size: u32| i64::from(a.max(b).min(size as i32) - a.min(b).max(0)).max(0);
     10 * inside(x0, x1, width) * inside(y0, y1, height) >= 9 * i64::from(width) * i64::from(height)
 }
 
 /// Whether the window's views show anything: a program that draws nothing in perspective has its picture on the panel.
-fn window_has_scene(ctx: &Context) -> bool {
-    let shown = || ctx.view_copies.images.iter().any(|image| image.displayed && image.view_copy.is_some());
-    ctx.frame.viewport_area.iter().any(|area| *area > 0) || shown()
+fn window_has_scene(frame: &Frame, view_copies: &ViewCopies) -> bool {
+    let shown = || view_copies.images.iter().any(|image| image.displayed && image.view_copy.is_some());
+    frame.has_scene() || shown()
 }
 
 fn read_side(ctx: &Context) -> Side {
@@ -88,7 +91,7 @@ fn note_blit(ctx: &mut Context, destination: Corners, mask: u32) {
     }
     let sources = colours_of_read(ctx);
     if ctx.redirected() {
-        if fills_window(ctx, destination) {
+        if fills_window(&ctx.drawable, destination) {
             for name in sources.into_iter().flatten() {
                 let Some(image) = ctx.view_copies.image_mut(name) else { continue };
                 let new = !std::mem::replace(&mut image.displayed, true);
@@ -97,20 +100,20 @@ fn note_blit(ctx: &mut Context, destination: Corners, mask: u32) {
         }
         return;
     }
-    let from_window = ctx.reads_redirected() && window_has_scene(ctx);
+    let from_window = ctx.reads_redirected() && window_has_scene(&ctx.frame, &ctx.view_copies);
     if !from_window && sources.iter().all(Option::is_none) {
         return;
     }
     let index = look(ctx);
     let attachments = ctx.view_copies.framebuffers[index].attachments;
     for name in attachments.into_iter().flatten() {
-        note_copy(ctx, name, &sources, from_window);
+        note_copy(&mut ctx.view_copies, name, &sources, from_window);
     }
 }
 
 /// Remembers that an image is a copy of others, or of the window.
-fn note_copy(ctx: &mut Context, name: Name, sources: &[Option<Name>], from_window: bool) {
-    let Some(image) = ctx.view_copies.image_mut(name).filter(|image| image.is_colour()) else { return };
+fn note_copy(view_copies: &mut ViewCopies, name: Name, sources: &[Option<Name>], from_window: bool) {
+    let Some(image) = view_copies.image_mut(name).filter(|image| image.is_colour()) else { return };
     let mut learnt = from_window && !image.copies_window;
     image.copies_window |= from_window;
     for source in sources.iter().flatten() {
@@ -119,7 +122,7 @@ fn note_copy(ctx: &mut Context, name: Name, sources: &[Option<Name>], from_windo
             learnt = true;
         }
     }
-    ctx.view_copies.learnt |= learnt;
+    view_copies.learnt |= learnt;
 }
 
 /// The colour images of the read framebuffer.
@@ -153,7 +156,7 @@ impl Region {
                 let framebuffer = if reads && several { target.readable_framebuffer() } else { target.framebuffer() };
                 let (rect, size) = (target.session.tile(view).0, [target.size().0 as i32, target.size().1 as i32]);
                 let samples = if reads { 0 } else { target.config().samples };
-                Some(Self { framebuffer, rect, size, samples, format: window_format(ctx) })
+                Some(Self { framebuffer, rect, size, samples, format: window_format(&ctx.drawable) })
             }
             Side::ViewCopies(index) => {
                 let framebuffer = &ctx.view_copies.framebuffers[index];
@@ -197,7 +200,7 @@ fn copy_views(ctx: &mut Context, from: (Side, Corners), to: (Side, Corners), mas
         }
     }
     if to.0 == Side::Window {
-        displayed::window_changed(ctx);
+        displayed::window_changed(&mut ctx.view_copies);
     }
     match to.0 {
         Side::ViewCopies(index) => ctx.view_copies.changed(index),
@@ -305,8 +308,8 @@ pub(in crate::intercept::gl) fn resample(ctx: &mut Context, from: End, to: End, 
 }
 
 /// The format of the window's colours.
-pub(in crate::intercept::gl) fn window_format(ctx: &Context) -> u32 {
-    if ctx.drawable.target.as_ref().is_some_and(|target| target.config().srgb) {
+pub(in crate::intercept::gl) fn window_format(drawable: &Drawable) -> u32 {
+    if drawable.target.as_ref().is_some_and(|target| target.config().srgb) {
         api::GL_SRGB8_ALPHA8
     } else {
         api::GL_RGBA8
@@ -328,7 +331,8 @@ fn canvas(ctx: &mut Context, size: [i32; 2], format: u32) -> Option<u32> {
 /// each view, and the texture itself is not to be touched.
 pub fn into_texture(ctx: &mut Context, texture: u32, level: i32, offset: [i32; 2], source: [i32; 4]) -> bool {
     let from = read_side(ctx);
-    let Some(index) = image_of(ctx, texture, level).filter(|_| possible(ctx) && from != Side::Single) else {
+    let Some(index) = image_of(&ctx.view_copies, texture, level).filter(|_| possible(ctx) && from != Side::Single)
+    else {
         return false;
     };
     let image = &ctx.view_copies.images[index];
@@ -345,13 +349,13 @@ pub fn into_texture(ctx: &mut Context, texture: u32, level: i32, offset: [i32; 2
 /// The program has copied a rectangle of its read framebuffer into a texture itself.
 pub fn noted_into_texture(ctx: &mut Context, texture: u32, level: i32, source: [i32; 4]) {
     let [x, y, width, height] = source;
-    let whole = fills_window(ctx, [x, y, x + width, y + height]);
-    let from_window = ctx.reads_redirected() && whole && window_has_scene(ctx);
+    let whole = fills_window(&ctx.drawable, [x, y, x + width, y + height]);
+    let from_window = ctx.reads_redirected() && whole && window_has_scene(&ctx.frame, &ctx.view_copies);
     let sources = colours_of_read(ctx);
     if !possible(ctx) || (!from_window && sources.iter().all(Option::is_none)) {
         return;
     }
-    let index = match image_of(ctx, texture, level) {
+    let index = match image_of(&ctx.view_copies, texture, level) {
         Some(index) => index,
         None => {
             take_error(&mut ctx.driver);
@@ -363,15 +367,15 @@ pub fn noted_into_texture(ctx: &mut Context, texture: u32, level: i32, source: [
         }
     };
     let name = ctx.view_copies.images[index].name;
-    note_copy(ctx, name, &sources, from_window);
+    note_copy(&mut ctx.view_copies, name, &sources, from_window);
     if copy_count(ctx) > views(ctx) {
         let own = own_tile(ctx);
         view_copies::without_scissor(ctx, |ctx| ctx.view_copies.images[index].store(ctx.driver.gl, ctx.driver.id, own));
     }
 }
 
-fn image_of(ctx: &Context, texture: u32, level: i32) -> Option<usize> {
-    let mut images = ctx.view_copies.images.iter();
+fn image_of(view_copies: &ViewCopies, texture: u32, level: i32) -> Option<usize> {
+    let mut images = view_copies.images.iter();
     images.position(
         |image| matches!(image.name, Name::Texture { name, level: own, .. } if name == texture && own == level),
     )

@@ -3,8 +3,12 @@
 
 use crate::backend::gl::api;
 use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::state::drawable::Drawable;
+use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::gl::state::offscreen::coverage::{Kind, Measure, Signature, State};
 use crate::intercept::gl::state::offscreen::images::Set;
+use crate::intercept::gl::state::offscreen::view_copies::ViewCopies;
+use crate::intercept::gl::state::queries::Queries;
 
 /// Of more kinds of draws the oldest are forgotten.
 const GREATEST: usize = 64;
@@ -28,21 +32,21 @@ pub fn fills(ctx: &mut Context, sampled: Set) -> Result<bool, Measure> {
         State::Known(fills) => Ok(fills),
         State::Measured(..) => Ok(false),
         State::New => {
-            if can_measure(ctx) {
+            if can_measure(&ctx.driver, &ctx.queries) {
                 Err(Measure(index))
             } else {
-                Ok(assumed(ctx, sampled))
+                Ok(assumed(&ctx.drawable, &ctx.view_copies, sampled))
             }
         }
     }
 }
 
 /// OpenGL counts samples, OpenGL ES does not; and a query of the program's must not be disturbed.
-fn can_measure(ctx: &Context) -> bool {
-    if ctx.driver.profile.es || ctx.driver.profile.version < 15 || ctx.queries.any() {
+fn can_measure(driver: &Driver, queries: &Queries) -> bool {
+    if driver.profile.es || driver.profile.version < 15 || queries.any() {
         return false;
     }
-    let targets: &[u32] = match ctx.driver.profile.version {
+    let targets: &[u32] = match driver.profile.version {
         43.. => &[api::GL_SAMPLES_PASSED, api::GL_ANY_SAMPLES_PASSED, api::GL_ANY_SAMPLES_PASSED_CONSERVATIVE],
         33.. => &[api::GL_SAMPLES_PASSED, api::GL_ANY_SAMPLES_PASSED],
         _ => &[api::GL_SAMPLES_PASSED],
@@ -50,15 +54,15 @@ fn can_measure(ctx: &Context) -> bool {
     targets.iter().all(|target| {
         let mut current = 0;
         // SAFETY: writes one integer.
-        unsafe { ctx.driver.gl.get_queryiv(*target, api::GL_CURRENT_QUERY, &mut current) };
+        unsafe { driver.gl.get_queryiv(*target, api::GL_CURRENT_QUERY, &mut current) };
         current == 0
     })
 }
 
 /// Without a measurement: what has the window's shape and is not small is taken for its picture.
-fn assumed(ctx: &Context, sampled: Set) -> bool {
-    let Some(target) = &ctx.drawable.target else { return false };
-    let images = ctx.view_copies.images.iter().enumerate().take(64);
+fn assumed(drawable: &Drawable, view_copies: &ViewCopies, sampled: Set) -> bool {
+    let Some(target) = &drawable.target else { return false };
+    let images = view_copies.images.iter().enumerate().take(64);
     images.filter(|(i, _)| sampled >> i & 1 != 0).any(|(_, image)| {
         crate::intercept::scene::viewport::has_shape_of_window(
             image.size[0].into(),

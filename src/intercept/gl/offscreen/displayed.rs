@@ -12,6 +12,7 @@ use crate::intercept::gl::state::draw::views::Views;
 use crate::intercept::gl::state::offscreen::coverage::Measure;
 use crate::intercept::gl::state::offscreen::images::{Bindings, Set};
 use crate::intercept::gl::state::offscreen::single_sample::SingleSampleImage;
+use crate::intercept::gl::state::offscreen::view_copies::ViewCopies;
 use std::cell::Cell;
 
 /// What a flat draw to the window does.
@@ -54,8 +55,8 @@ pub fn look(ctx: &mut Context, main: bool) -> Shows {
 }
 
 /// Something else than a draw changed the window.
-pub fn window_changed(ctx: &mut Context) {
-    ctx.view_copies.displayed.current = None;
+pub fn window_changed(view_copies: &mut ViewCopies) {
+    view_copies.displayed.current = None;
 }
 
 /// Issues a draw that shows the images in `sampled`.
@@ -98,7 +99,7 @@ fn make_canvases(ctx: &mut Context) -> bool {
 /// What is drawn into a canvas is scaled afterwards; more bits than the window's keep that from rounding twice. OpenGL ES
 /// has no such format, and what is encoded as sRGB is so only in 8 bits.
 fn canvas_format(ctx: &Context) -> u32 {
-    match window_format(ctx) {
+    match window_format(&ctx.drawable) {
         api::GL_RGBA8 if !ctx.driver.profile.es => api::GL_RGBA16,
         format => format,
     }
@@ -106,7 +107,7 @@ fn canvas_format(ctx: &Context) -> u32 {
 
 fn show_by_canvas(ctx: &mut Context, changes: Changes, sampled: Set, issue: &mut dyn FnMut(&mut Context, &Gl)) {
     let Some(target) = &ctx.drawable.target else { return };
-    let (window, samples, format) = (target.framebuffer(), target.config().samples, window_format(ctx));
+    let (window, samples, format) = (target.framebuffer(), target.config().samples, window_format(&ctx.drawable));
     let whole = [0, 0, target.size().0 as i32, target.size().1 as i32];
     // This draw is counted already.
     let current = ctx.view_copies.displayed.current.is_some_and(|number| number + 1 == ctx.frame.counts.draws_seen);

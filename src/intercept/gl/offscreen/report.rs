@@ -4,6 +4,7 @@ use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::offscreen::view_copies::{duplicate_mode, possible};
 use crate::intercept::gl::state::offscreen::framebuffers::Framebuffer;
 use crate::intercept::gl::state::offscreen::images::Image;
+use crate::intercept::gl::state::offscreen::view_copies::ViewCopies;
 use crate::rig::Duplicate;
 use std::collections::BTreeMap;
 
@@ -21,8 +22,8 @@ pub fn status(ctx: &Context) -> (u64, BTreeMap<String, u64>) {
 }
 
 /// How many draws to the program's framebuffers were issued once per view.
-pub fn draws(ctx: &Context) -> u64 {
-    ctx.view_copies.issued.draws
+pub fn draws(view_copies: &ViewCopies) -> u64 {
+    view_copies.issued.draws
 }
 
 /// For each view, without end: how many of them it got, and how many were left out of it.

@@ -2,19 +2,21 @@
 
 use crate::backend::gl::api::{self, Gl};
 use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::gl::state::offscreen::images::{Name, Set};
+use crate::intercept::gl::state::shader::Shaders;
 
 /// The most samplers of a program that are asked about.
 const SAMPLERS: usize = 16;
 
 /// Calls `look` with each texture that the next draw samples.
-fn each_texture(ctx: &Context, mut look: impl FnMut(u32)) {
-    let gl = ctx.driver.gl;
+fn each_texture(driver: &Driver, shaders: &Shaders, mut look: impl FnMut(u32)) {
+    let gl = driver.gl;
     let mut active = 0;
     // SAFETY: asks which textures are bound where the program samples; the active unit is put back.
     unsafe {
         gl.get_integerv(api::GL_ACTIVE_TEXTURE, &mut active);
-        match &ctx.shaders.program {
+        match &shaders.program {
             Some(program) if program.draws_vertices() => {
                 for sampler in program.samplers.iter().take(SAMPLERS) {
                     let mut unit = 0;
@@ -23,7 +25,7 @@ fn each_texture(ctx: &Context, mut look: impl FnMut(u32)) {
                     look(bound(gl, sampler.target));
                 }
             }
-            _ if ctx.driver.profile.compatibility() => {
+            _ if driver.profile.compatibility() => {
                 for unit in 0..4 {
                     gl.active_texture(api::GL_TEXTURE0 + unit);
                     for target in [api::GL_TEXTURE_2D, api::GL_TEXTURE_RECTANGLE] {
@@ -60,7 +62,7 @@ pub fn sampled(ctx: &Context) -> Set {
         return 0;
     }
     let mut found = 0;
-    each_texture(ctx, |texture| {
+    each_texture(&ctx.driver, &ctx.shaders, |texture| {
         for (i, image) in images.iter().enumerate().take(64) {
             found |= Set::from(texture != 0 && image.is_texture(texture)) << i;
         }

@@ -99,8 +99,8 @@ pub fn leave(ctx: &mut Context) {
 }
 
 /// The binding changed: nothing of ours stands in its place.
-pub fn rebound(ctx: &mut Context) -> bool {
-    std::mem::take(&mut ctx.view_copies.bound)
+pub fn rebound(view_copies: &mut ViewCopies) -> bool {
+    std::mem::take(&mut view_copies.bound)
 }
 
 /// Attachments or draw buffers of a framebuffer change: they are asked for again.
@@ -173,9 +173,9 @@ pub fn uploaded(ctx: &mut Context, texture: u32) {
 }
 
 /// The program makes smaller pictures of a texture. `true`: they are made when it is sampled.
-pub fn mipmaps(ctx: &mut Context, texture: u32) -> bool {
+pub fn mipmaps(view_copies: &mut ViewCopies, texture: u32) -> bool {
     let mut view_copy = false;
-    for image in ctx.view_copies.images.iter_mut().filter(|image| image.is_texture(texture)) {
+    for image in view_copies.images.iter_mut().filter(|image| image.is_texture(texture)) {
         image.mipmapped = true;
         image.changed();
         view_copy |= image.view_copy.is_some();
@@ -273,7 +273,7 @@ fn make_view_copy(ctx: &mut Context, index: usize) -> bool {
         drop_errors(ctx.driver.gl);
         log::once("a scene that the program draws off screen is shown flat: the driver gives no copies of it");
     }
-    take_own_errors(ctx);
+    take_own_errors(&ctx.driver, &mut ctx.frame.counts);
     !ctx.view_copies.images[index].refused
 }
 

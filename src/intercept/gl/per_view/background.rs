@@ -7,7 +7,7 @@ use crate::intercept::gl::per_view::classify;
 
 /// Whether a flat draw with the present state goes behind the scene.
 pub fn is_behind(ctx: &mut Context) -> bool {
-    if !ctx.frame.background.order.is_behind() || !classify::main_viewport(ctx) {
+    if !ctx.frame.background.order.is_behind() || !classify::main_viewport(&ctx.app, &ctx.frame) {
         return false;
     }
     let Some(target) = &ctx.drawable.target else { return false };

@@ -2,14 +2,16 @@
 
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::shader::program_pipelines;
+use crate::intercept::gl::state::app::AppState;
 use crate::intercept::gl::state::draw::draw_class::DrawClass;
+use crate::intercept::gl::state::frame::Frame;
 use crate::intercept::gl::state::shader::programs::Lens;
 use crate::intercept::scene::viewport;
 use crate::runtime::session::MatrixClass;
 
 /// Where a draw with the present state belongs.
 pub fn classify(ctx: &mut Context) -> DrawClass {
-    if main_viewport(ctx) { classify_by_projection(ctx) } else { DrawClass::Flat }
+    if main_viewport(&ctx.app, &ctx.frame) { classify_by_projection(ctx) } else { DrawClass::Flat }
 }
 
 /// Where a draw belongs by its lens alone.
@@ -40,10 +42,7 @@ pub fn classify_by_projection(ctx: &mut Context) -> DrawClass {
 }
 
 /// Whether the viewport is the program's main one; pictures within the picture are flat.
-pub fn main_viewport(ctx: &Context) -> bool {
-    // In the first frame the first viewport counts: the window may just have got another size.
-    let reference =
-        if ctx.frame.viewport_area[1] > 0 { ctx.frame.viewport_area[1] } else { ctx.frame.viewport_area[0] };
-    let [_, _, width, height] = ctx.app.viewport.map(f64::from);
-    viewport::is_main(width, height, reference as f64)
+pub fn main_viewport(app: &AppState, frame: &Frame) -> bool {
+    let [_, _, width, height] = app.viewport.map(f64::from);
+    viewport::is_main(width, height, frame.main_area() as f64)
 }

@@ -6,7 +6,6 @@ use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::projected_vertices;
 use crate::intercept::gl::queries::scaling;
 use crate::intercept::gl::shader::programs;
-use crate::intercept::gl::state::app::attribute_stack;
 use crate::intercept::gl::state::compat::projection;
 use crate::intercept::gl::state::draw::draw_class::{Changes, DrawClass};
 use crate::intercept::gl::state::draw::views::Views;
@@ -150,7 +149,7 @@ impl Repeats {
         let mask = match changes {
             _ if !ctx.driver.profile.compatibility() => 0,
             // No place is left on the stack; a pop would take what is the program's.
-            _ if ctx.app.attribute_stack.len() + pushed >= attribute_stack::ATTRIBUTE_DEPTH => 0,
+            _ if !ctx.app.can_push(pushed) => 0,
             Changes::Nothing | Changes::Alike => 0,
             Changes::Attributes => api::GL_CURRENT_BIT | api::GL_LIGHTING_BIT,
             Changes::Anything => api::GL_ALL_ATTRIB_BITS,

@@ -130,7 +130,7 @@ fn make(ctx: &mut Context, program: &Program, kind: Kind) -> Result<Variant, &'s
     let carrying = carriers::carry(&program.texts[index].1, &interface);
 
     let gl = ctx.driver.gl;
-    let mut shaders: Vec<u32> = dividing.iter().map(|(stage, text)| compile(gl, *stage, text)).collect();
+    let mut shaders: Vec<u32> = dividing.iter().map(|stage| compile(gl, stage.kind, &stage.text)).collect();
     for (number, (kind, source)) in program.texts.iter().enumerate() {
         shaders.push(compile(gl, *kind, if number == index { &carrying } else { source }));
     }
@@ -163,7 +163,8 @@ fn make(ctx: &mut Context, program: &Program, kind: Kind) -> Result<Variant, &'s
     })
 }
 
-/// The index, among the program's shaders, of the last one before those that divide; or why there can be none.
+/// The index, among the program's shaders, of the last one before those that divide; or why there
+/// can be none.
 fn dividable(profile: Profile, program: &Program, kind: Kind) -> Result<usize, &'static str> {
     if profile.es || profile.version < 32 {
         return Err("there are no geometry shaders before OpenGL 3.2");
@@ -184,13 +185,20 @@ fn dividable(profile: Profile, program: &Program, kind: Kind) -> Result<usize, &
     index.ok_or("its shaders' texts are not known")
 }
 
-/// Kinds and texts of the stages that divide behind the shader of this index, and what it hands on to them.
+/// A stage of ours.
+struct Stage {
+    /// `GL_GEOMETRY_SHADER` and so on.
+    kind: u32,
+    text: String,
+}
+
+/// The stages that divide behind the shader of this index, and what it hands on to them.
 fn dividing_stages(
     program: &Program,
     index: usize,
     kind: Kind,
     limits: &Limits,
-) -> Result<(Interface, Vec<(u32, String)>), &'static str> {
+) -> Result<(Interface, Vec<Stage>), &'static str> {
     let bare = patch::strip_comments(&program.texts[index].1);
     let mut interface = interface::read(&bare)?;
     let built_in = if limits.compatibility { interface::built_in(&bare) } else { Vec::new() };
@@ -204,12 +212,14 @@ fn dividing_stages(
         Kind::Geometry(input) => {
             let text = geometry_stage::text(input, &interface, &built_in, passing, &functions, limits)
                 .ok_or("the driver's geometry shaders emit too few vertices")?;
-            (interface, vec![(api::GL_GEOMETRY_SHADER, text)])
+            (interface, vec![Stage { kind: api::GL_GEOMETRY_SHADER, text }])
         }
         Kind::Tessellation(patch) => {
             let interface = tessellation::with_built_in(interface, &built_in, passing);
             let [control, evaluation] = tessellation::texts(patch, &interface, &functions, limits);
-            (interface, vec![(api::GL_TESS_CONTROL_SHADER, control), (api::GL_TESS_EVALUATION_SHADER, evaluation)])
+            let control = Stage { kind: api::GL_TESS_CONTROL_SHADER, text: control };
+            let evaluation = Stage { kind: api::GL_TESS_EVALUATION_SHADER, text: evaluation };
+            (interface, vec![control, evaluation])
         }
     })
 }

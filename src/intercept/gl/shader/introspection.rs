@@ -8,7 +8,7 @@ use std::ffi::c_char;
 
 /// Index of our uniform among the program's active ones.
 fn own_uniform(ctx: &Context, program: u32) -> Option<u32> {
-    programs::record(ctx, program)?.own_uniform
+    programs::record(&ctx.share, program)?.own_uniform
 }
 
 /// The driver's index for the program's, which does not count ours.

@@ -9,14 +9,14 @@ use std::sync::Arc;
 /// What now draws: the program in use, or else the pipeline's last program before rasterisation.
 pub fn choose(ctx: &mut Context) {
     if ctx.shaders.pipelines.used != 0 {
-        ctx.shaders.program = programs::record(ctx, ctx.shaders.pipelines.used);
+        ctx.shaders.program = programs::record(&ctx.share, ctx.shaders.pipelines.used);
         return;
     }
     let names = ctx.shaders.pipelines.stages().last_first();
     let last = names.into_iter().find(|name| *name != 0).unwrap_or(0);
-    ctx.shaders.program = programs::record(ctx, last);
+    ctx.shaders.program = programs::record(&ctx.share, last);
     for earlier in names.into_iter().filter(|name| *name != 0 && *name != last) {
-        if let Some(program) = programs::record(ctx, earlier) {
+        if let Some(program) = programs::record(&ctx.share, earlier) {
             programs::send(ctx, &program, &crate::intercept::gl::state::shader::programs::IDENTITY);
         }
     }
@@ -24,7 +24,7 @@ pub fn choose(ctx: &mut Context) {
 
 /// The program that `glUniform` sets where none is in use.
 pub fn active(ctx: &Context) -> Option<Arc<Program>> {
-    programs::record(ctx, ctx.shaders.pipelines.stages().active)
+    programs::record(&ctx.share, ctx.shaders.pipelines.stages().active)
 }
 
 /// The lens of what draws: in a pipeline, of the last program that holds one.
@@ -34,7 +34,7 @@ pub fn lens(ctx: &mut Context, program: &Program) -> Lens {
         return lens;
     }
     for name in ctx.shaders.pipelines.stages().last_first() {
-        let lens = programs::record(ctx, name).filter(|p| p.name != program.name).map(|p| p.lens(ctx));
+        let lens = programs::record(&ctx.share, name).filter(|p| p.name != program.name).map(|p| p.lens(ctx));
         if let Some(lens) = lens.filter(|lens| *lens != Lens::Flat) {
             return lens;
         }
@@ -50,7 +50,7 @@ hooks! {
     };
     "glUseProgramStages" use_program_stages(pipeline: u32, stages: u32, program: u32) = |ctx, gl| {
         gl.use_program_stages(pipeline, stages, program);
-        let present = programs::record(ctx, program).map_or(0, |p| p.stages());
+        let present = programs::record(&ctx.share, program).map_or(0, |p| p.stages());
         ctx.shaders.pipelines.pipelines.entry(pipeline).or_default().set(stages, program, present);
         choose(ctx);
     };

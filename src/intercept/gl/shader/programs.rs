@@ -4,11 +4,13 @@ use crate::backend::gl::api::{self, Gl};
 use crate::correct::projected::matrices::{LensConstants, ReprojectionMatrix};
 use crate::correct::projected::projection;
 use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::context::gl_context::ShareGroup;
 use crate::intercept::gl::context::hooks::hooks;
 use crate::intercept::gl::context::list_recording::{self, Command};
 use crate::intercept::gl::context::methods;
 use crate::intercept::gl::shader::patch::{self, Stage};
 use crate::intercept::gl::shader::{program_pipelines, samplers, uniforms};
+use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::gl::state::driver::profile::Profile;
 use crate::intercept::gl::state::shader::programs::{Lens, Position, Program};
 use crate::intercept::gl::vertex_input::buffers;
@@ -101,13 +103,13 @@ pub fn select(ctx: &mut Context, name: u32) {
 }
 
 /// The record of a program, for queries about it.
-pub fn record(ctx: &Context, name: u32) -> Option<Arc<Program>> {
-    ctx.share.programs.locked().programs.get(&name).cloned()
+pub fn record(share: &ShareGroup, name: u32) -> Option<Arc<Program>> {
+    share.programs.locked().programs.get(&name).cloned()
 }
 
 /// A block of `name` was bound elsewhere: its matrices are found anew.
 pub fn read_again(ctx: &mut Context, name: u32) {
-    let Some(old) = record(ctx, name) else { return };
+    let Some(old) = record(&ctx.share, name) else { return };
     let (uniforms, _) = uniforms::read(ctx.driver.gl, &ctx.driver.profile, name, projection::UNIFORM);
     *old.uniforms.locked() = uniforms;
 }
@@ -252,8 +254,8 @@ fn forget(gl: &Gl, record: Option<Arc<Program>>) {
 /// A program of ours of one vertex shader, which draws with the fixed-function matrices: `patched` is what is linked,
 /// `own` the same without what projects. `flat`: a primitive has the colour of its last vertex. `None` where the driver
 /// does not link it.
-pub fn of_own_text(ctx: &Context, patched: &str, own: Arc<str>, flat: bool) -> Option<Program> {
-    let gl = ctx.driver.gl;
+pub fn of_own_text(driver: &Driver, patched: &str, own: Arc<str>, flat: bool) -> Option<Program> {
+    let gl = driver.gl;
     // SAFETY: objects of ours.
     let name = unsafe {
         let (shader, name) = (gl.create_shader(api::GL_VERTEX_SHADER), gl.create_program());
@@ -269,7 +271,7 @@ pub fn of_own_text(ctx: &Context, patched: &str, own: Arc<str>, flat: bool) -> O
         unsafe { gl.delete_program(name) };
         return None;
     }
-    let record = read_program(gl, &ctx.driver.profile, name, true, api::GL_VERTEX_SHADER_BIT, true);
+    let record = read_program(gl, &driver.profile, name, true, api::GL_VERTEX_SHADER_BIT, true);
     Some(Program { flat, texts: vec![(api::GL_VERTEX_SHADER, own)], ..record })
 }
 

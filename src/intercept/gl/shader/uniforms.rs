@@ -116,7 +116,7 @@ hooks! {
     };
     "glProgramUniformMatrix4fv" program_uniform_matrix4fv(program: u32, location: i32, count: i32, transpose: u8, value: *const f32) = |ctx, gl| {
         gl.program_uniform_matrix4fv(program, location, count, transpose, value);
-        note(programs::record(ctx, program).as_deref(), location, count, transpose, value);
+        note(programs::record(&ctx.share, program).as_deref(), location, count, transpose, value);
     };
     "glUniformBlockBinding" uniform_block_binding(program: u32, block: u32, binding: u32) = |ctx, gl| {
         gl.uniform_block_binding(program, block, binding);

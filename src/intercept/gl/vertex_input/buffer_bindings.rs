@@ -4,6 +4,8 @@
 
 use crate::backend::gl::api;
 use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::context::gl_context::ShareGroup;
+use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::gl::state::vertex_input::buffer_bindings::{TARGETS, place};
 use crate::intercept::gl::vertex_input::{buffers, vertex_arrays};
 
@@ -16,17 +18,17 @@ pub fn buffer(ctx: &mut Context, target: u32) -> Option<u32> {
     if let Some(name) = ctx.vertex_input.buffer_bindings.names[place] {
         return Some(name);
     }
-    let name = ask(ctx, TARGETS[place].1);
+    let name = ask(&ctx.driver, &ctx.share, TARGETS[place].1);
     ctx.vertex_input.buffer_bindings.names[place] = Some(name);
     Some(name)
 }
 
 /// The buffer that the driver has at a binding.
-pub fn ask(ctx: &Context, binding: u32) -> u32 {
+pub fn ask(driver: &Driver, share: &ShareGroup, binding: u32) -> u32 {
     let mut name = 0;
     // SAFETY: writes one integer.
-    unsafe { ctx.driver.gl.get_integerv(binding, &mut name) };
-    buffers::of(&ctx.share).note_object(name as u32);
+    unsafe { driver.gl.get_integerv(binding, &mut name) };
+    buffers::of(share).note_object(name as u32);
     name as u32
 }
 
@@ -39,7 +41,7 @@ pub fn certain(ctx: &Context, name: u32) -> Option<u32> {
 pub fn note(ctx: &mut Context, target: u32, name: u32) {
     let bound = certain(ctx, name);
     if target == api::GL_ELEMENT_ARRAY_BUFFER {
-        vertex_arrays::note_elements(ctx, bound);
+        vertex_arrays::note_elements(&mut ctx.vertex_input, bound);
     } else if let Some(place) = place(target) {
         ctx.vertex_input.buffer_bindings.names[place] = bound;
     }

@@ -7,6 +7,7 @@
 use crate::backend::gl::api;
 use crate::intercept::gl::context::gl_context::{Context, ShareGroup};
 use crate::intercept::gl::context::hooks::hooks;
+use crate::intercept::gl::state::vertex_input::VertexInput;
 use crate::intercept::gl::state::vertex_input::buffers::Buffers;
 use crate::intercept::gl::vertex_input::buffer_bindings;
 use crate::lock::Lock;
@@ -46,20 +47,20 @@ fn is_written_to(target: u32) -> bool {
 /// The program wrote to what is bound at `target`; `new`: it got its storage by that.
 fn changed(ctx: &mut Context, target: u32, new: bool) {
     let name = bound(ctx, target);
-    named_changed(ctx, name, new);
+    named_changed(&ctx.share, &mut ctx.vertex_input, name, new);
 }
 
 /// The program wrote to a buffer.
-fn named_changed(ctx: &mut Context, name: u32, new: bool) {
+fn named_changed(share: &ShareGroup, vertex_input: &mut VertexInput, name: u32, new: bool) {
     if name != 0 {
-        of(&ctx.share).write(name, new);
-        ctx.vertex_input.blocks.changed(name);
+        of(share).write(name, new);
+        vertex_input.blocks.changed(name);
     }
 }
 
 /// A buffer is mapped, to be written to.
 fn mapped(ctx: &mut Context, name: u32, access: u32) {
-    named_changed(ctx, name, false);
+    named_changed(&ctx.share, &mut ctx.vertex_input, name, false);
     if access & api::GL_MAP_PERSISTENT_BIT != 0 {
         of(&ctx.share).forget(name);
     }
@@ -67,7 +68,7 @@ fn mapped(ctx: &mut Context, name: u32, access: u32) {
 
 /// A buffer got storage that never moves.
 fn stored(ctx: &mut Context, name: u32, flags: u32) {
-    named_changed(ctx, name, true);
+    named_changed(&ctx.share, &mut ctx.vertex_input, name, true);
     // OpenGL ES reads a buffer by mapping it.
     let unreadable = ctx.driver.profile.es && flags & api::GL_MAP_READ_BIT == 0;
     if unreadable || flags & (api::GL_MAP_PERSISTENT_BIT | api::GL_SPARSE_STORAGE_BIT_ARB) != 0 {
@@ -76,13 +77,13 @@ fn stored(ctx: &mut Context, name: u32, flags: u32) {
 }
 
 /// A buffer was bound to an indexed binding point.
-fn bound_to(ctx: &mut Context, target: u32, name: u32) {
+fn bound_to(share: &ShareGroup, vertex_input: &mut VertexInput, target: u32, name: u32) {
     if is_written_to(target) {
-        written_by_device(&ctx.share, name);
+        written_by_device(share, name);
     }
-    ctx.vertex_input.buffer_bindings.forget_one(target);
+    vertex_input.buffer_bindings.forget_one(target);
     if target == api::GL_UNIFORM_BUFFER {
-        ctx.vertex_input.blocks.bound(name);
+        vertex_input.blocks.bound(name);
     }
 }
 
@@ -114,7 +115,7 @@ hooks! {
     };
     "glNamedBufferData" named_buffer_data(buffer: u32, size: isize, data: *const c_void, usage: u32) = |ctx, gl| {
         gl.named_buffer_data(buffer, size, data, usage);
-        named_changed(ctx, buffer, true);
+        named_changed(&ctx.share, &mut ctx.vertex_input, buffer, true);
     };
     "glNamedBufferStorage" named_buffer_storage(buffer: u32, size: isize, data: *const c_void, flags: u32) = |ctx, gl| {
         gl.named_buffer_storage(buffer, size, data, flags);
@@ -122,7 +123,7 @@ hooks! {
     };
     "glNamedBufferSubData" named_buffer_sub_data(buffer: u32, offset: isize, size: isize, data: *const c_void) = |ctx, gl| {
         gl.named_buffer_sub_data(buffer, offset, size, data);
-        named_changed(ctx, buffer, false);
+        named_changed(&ctx.share, &mut ctx.vertex_input, buffer, false);
     };
     "glClearBufferData" clear_buffer_data(target: u32, internal: u32, format: u32, kind: u32, data: *const c_void) = |ctx, gl| {
         gl.clear_buffer_data(target, internal, format, kind, data);
@@ -134,26 +135,26 @@ hooks! {
     };
     "glClearNamedBufferData" clear_named_buffer_data(buffer: u32, internal: u32, format: u32, kind: u32, data: *const c_void) = |ctx, gl| {
         gl.clear_named_buffer_data(buffer, internal, format, kind, data);
-        named_changed(ctx, buffer, false);
+        named_changed(&ctx.share, &mut ctx.vertex_input, buffer, false);
     };
     "glClearNamedBufferSubData" clear_named_buffer_sub_data(buffer: u32, internal: u32, offset: isize, size: isize, format: u32, kind: u32, data: *const c_void) = |ctx, gl| {
         gl.clear_named_buffer_sub_data(buffer, internal, offset, size, format, kind, data);
-        named_changed(ctx, buffer, false);
+        named_changed(&ctx.share, &mut ctx.vertex_input, buffer, false);
     };
     "glInvalidateBufferData" invalidate_buffer_data(buffer: u32) = |ctx, gl| {
         gl.invalidate_buffer_data(buffer);
-        named_changed(ctx, buffer, false);
+        named_changed(&ctx.share, &mut ctx.vertex_input, buffer, false);
     };
     "glInvalidateBufferSubData" invalidate_buffer_sub_data(buffer: u32, offset: isize, length: isize) = |ctx, gl| {
         gl.invalidate_buffer_sub_data(buffer, offset, length);
-        named_changed(ctx, buffer, false);
+        named_changed(&ctx.share, &mut ctx.vertex_input, buffer, false);
     };
     "glMapBuffer" map_buffer(target: u32, access: u32) -> *mut c_void = |ctx, gl| {
         changed(ctx, target, false);
         gl.map_buffer(target, access)
     };
     "glMapNamedBuffer" map_named_buffer(buffer: u32, access: u32) -> *mut c_void = |ctx, gl| {
-        named_changed(ctx, buffer, false);
+        named_changed(&ctx.share, &mut ctx.vertex_input, buffer, false);
         gl.map_named_buffer(buffer, access)
     };
     "glMapBufferRange" map_buffer_range(target: u32, offset: isize, length: isize, access: u32) -> *mut c_void = |ctx, gl| {
@@ -170,7 +171,7 @@ hooks! {
         gl.unmap_buffer(target)
     };
     "glUnmapNamedBuffer" unmap_named_buffer(buffer: u32) -> u8 = |ctx, gl| {
-        named_changed(ctx, buffer, false);
+        named_changed(&ctx.share, &mut ctx.vertex_input, buffer, false);
         gl.unmap_named_buffer(buffer)
     };
     "glCopyBufferSubData" copy_buffer_sub_data(read: u32, write: u32, from: isize, to: isize, size: isize) = |ctx, gl| {
@@ -179,7 +180,7 @@ hooks! {
     };
     "glCopyNamedBufferSubData" copy_named_buffer_sub_data(read: u32, write: u32, from: isize, to: isize, size: isize) = |ctx, gl| {
         gl.copy_named_buffer_sub_data(read, write, from, to, size);
-        named_changed(ctx, write, false);
+        named_changed(&ctx.share, &mut ctx.vertex_input, write, false);
     };
     "glDeleteBuffers" delete_buffers(count: i32, names: *const u32) = |ctx, gl| {
         for name in all(count, names) {
@@ -201,25 +202,25 @@ hooks! {
     };
     "glBindBufferBase" bind_buffer_base(target: u32, index: u32, buffer: u32) = |ctx, gl| {
         gl.bind_buffer_base(target, index, buffer);
-        bound_to(ctx, target, buffer);
+        bound_to(&ctx.share, &mut ctx.vertex_input, target, buffer);
     };
     "glBindBufferRange" bind_buffer_range(target: u32, index: u32, buffer: u32, offset: isize, size: isize) = |ctx, gl| {
         gl.bind_buffer_range(target, index, buffer, offset, size);
-        bound_to(ctx, target, buffer);
+        bound_to(&ctx.share, &mut ctx.vertex_input, target, buffer);
     };
     "glBindBufferOffsetEXT" bind_buffer_offset_ext(target: u32, index: u32, buffer: u32, offset: isize) = |ctx, gl| {
         gl.bind_buffer_offset_ext(target, index, buffer, offset);
-        bound_to(ctx, target, buffer);
+        bound_to(&ctx.share, &mut ctx.vertex_input, target, buffer);
     };
     "glBindBuffersBase" bind_buffers_base(target: u32, first: u32, count: i32, buffers: *const u32) = |ctx, gl| {
         gl.bind_buffers_base(target, first, count, buffers);
-        all(count, buffers).iter().for_each(|buffer| bound_to(ctx, target, *buffer));
-        bound_to(ctx, target, 0);
+        all(count, buffers).iter().for_each(|buffer| bound_to(&ctx.share, &mut ctx.vertex_input, target, *buffer));
+        bound_to(&ctx.share, &mut ctx.vertex_input, target, 0);
     };
     "glBindBuffersRange" bind_buffers_range(target: u32, first: u32, count: i32, buffers: *const u32, offsets: *const isize, sizes: *const isize) = |ctx, gl| {
         gl.bind_buffers_range(target, first, count, buffers, offsets, sizes);
-        all(count, buffers).iter().for_each(|buffer| bound_to(ctx, target, *buffer));
-        bound_to(ctx, target, 0);
+        all(count, buffers).iter().for_each(|buffer| bound_to(&ctx.share, &mut ctx.vertex_input, target, *buffer));
+        bound_to(&ctx.share, &mut ctx.vertex_input, target, 0);
     };
     "glTransformFeedbackBufferBase" transform_feedback_buffer_base(feedback: u32, index: u32, buffer: u32) = |ctx, gl| {
         gl.transform_feedback_buffer_base(feedback, index, buffer);

@@ -6,23 +6,25 @@
 use crate::backend::gl::api;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
+use crate::intercept::gl::state::driver::Driver;
+use crate::intercept::gl::state::vertex_input::VertexInput;
 use crate::intercept::gl::state::vertex_input::vertex_arrays::{Format, Pointer, Source, packed};
 use crate::intercept::gl::vertex_input::buffer_bindings;
 use crate::intercept::gl::vertex_input::vertex_arrays::{has_bindings, integer};
 use std::ffi::c_void;
 
 /// The object in use can be changed: core profiles have none called 0.
-fn is_changeable(ctx: &mut Context) -> bool {
-    let core = ctx.driver.profile.core;
-    ctx.vertex_input.vertex_arrays.current().is_some_and(|object| object.name != 0 || !core)
+fn is_changeable(driver: &Driver, vertex_input: &mut VertexInput) -> bool {
+    let core = driver.profile.core;
+    vertex_input.vertex_arrays.current().is_some_and(|object| object.name != 0 || !core)
 }
 
 /// The least that OpenGL allows as the greatest stride.
 const STRIDE: i32 = 2048;
 
 /// The attributes that every context has.
-fn attributes(ctx: &Context) -> u32 {
-    if ctx.driver.profile.es { 8 } else { 16 }
+fn attributes(driver: &Driver) -> u32 {
+    if driver.profile.es { 8 } else { 16 }
 }
 
 /// Where `pointer` points, if the call that says so is right.
@@ -94,9 +96,9 @@ fn note_generic(
     }
     let floats =
         matches!(kind, api::GL_BYTE | api::GL_UNSIGNED_BYTE | api::GL_SHORT | api::GL_UNSIGNED_SHORT | api::GL_FLOAT);
-    let legal = location < attributes(ctx)
+    let legal = location < attributes(&ctx.driver)
         && ctx.takes_calls()
-        && is_changeable(ctx)
+        && is_changeable(&ctx.driver, &mut ctx.vertex_input)
         && (1..=4).contains(&components)
         && (0..=STRIDE).contains(&stride)
         && floats;
@@ -114,7 +116,8 @@ fn note_generic(
 
 /// `glEnableVertexAttribArray` and `glDisableVertexAttribArray`.
 fn note_switch(ctx: &mut Context, location: u32, on: bool) {
-    let certain = location < attributes(ctx) && ctx.takes_calls() && is_changeable(ctx);
+    let certain =
+        location < attributes(&ctx.driver) && ctx.takes_calls() && is_changeable(&ctx.driver, &mut ctx.vertex_input);
     if let Some(attribute) = ctx.vertex_input.vertex_arrays.current().and_then(|object| object.attribute(location)) {
         attribute.on = certain.then_some(on);
     }
@@ -152,7 +155,7 @@ fn note_object(ctx: &mut Context, name: u32) {
 fn note_buffer(ctx: &mut Context, object: Option<u32>, number: u32, buffer: u32, offset: isize, stride: i32) {
     let legal = has_bindings(&ctx.driver.profile)
         && ctx.takes_calls()
-        && number < attributes(ctx)
+        && number < attributes(&ctx.driver)
         && (0..=STRIDE).contains(&stride);
     let named = ctx.vertex_input.vertex_arrays.current().is_some_and(|object| object.name != 0);
     let legal = legal && (object.is_some() || named || ctx.driver.profile.compatibility());
@@ -168,8 +171,8 @@ fn note_buffer(ctx: &mut Context, object: Option<u32>, number: u32, buffer: u32,
 }
 
 /// `glVertexAttribDivisor`, which gives an attribute its own binding back.
-fn note_divisor(ctx: &mut Context, location: u32) {
-    let Some(object) = ctx.vertex_input.vertex_arrays.current() else { return };
+fn note_divisor(vertex_input: &mut VertexInput, location: u32) {
+    let Some(object) = vertex_input.vertex_arrays.current() else { return };
     if let Some(attribute) = object.attribute(location) {
         attribute.format = None;
     }
@@ -239,7 +242,7 @@ macro_rules! array_commands {
             };
             "glVertexAttribDivisor" vertex_attrib_divisor(index: u32, divisor: u32) = |ctx, gl| {
                 gl.vertex_attrib_divisor(index, divisor);
-                note_divisor(ctx, index);
+                note_divisor(&mut ctx.vertex_input, index);
             };
             "glPopClientAttrib" pop_client_attrib() = |ctx, gl| {
                 gl.pop_client_attrib();

@@ -6,40 +6,39 @@
 
 use crate::backend::gl::api::{self, Gl};
 use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::gl::state::driver::profile::Profile;
+use crate::intercept::gl::state::vertex_input::VertexInput;
 use crate::intercept::gl::state::vertex_input::vertex_arrays::{Format, Object, Pointer, Source, packed};
 use crate::intercept::gl::vertex_input::buffer_bindings;
 use std::ffi::c_void;
 
 /// The object in use.
-fn object(ctx: &mut Context) -> &mut Object {
-    if ctx.vertex_input.vertex_arrays.current.is_none() {
+fn object<'a>(driver: &Driver, vertex_input: &'a mut VertexInput) -> &'a mut Object {
+    if vertex_input.vertex_arrays.current.is_none() {
         // A context that knows no such objects must not be asked.
-        let name = if ctx.vertex_input.vertex_arrays.used {
-            integer(ctx.driver.gl, api::GL_VERTEX_ARRAY_BINDING) as u32
-        } else {
-            0
-        };
-        ctx.vertex_input.vertex_arrays.select(name);
+        let name =
+            if vertex_input.vertex_arrays.used { integer(driver.gl, api::GL_VERTEX_ARRAY_BINDING) as u32 } else { 0 };
+        vertex_input.vertex_arrays.select(name);
     }
-    let arrays = &mut ctx.vertex_input.vertex_arrays;
+    let arrays = &mut vertex_input.vertex_arrays;
     let place = arrays.current.unwrap_or_default();
     &mut arrays.objects[place]
 }
 
 /// The buffer of indices; 0 = none.
 pub fn elements(ctx: &mut Context) -> u32 {
-    if let Some(name) = object(ctx).elements {
+    if let Some(name) = object(&ctx.driver, &mut ctx.vertex_input).elements {
         return name;
     }
-    let name = buffer_bindings::ask(ctx, api::GL_ELEMENT_ARRAY_BUFFER_BINDING);
-    object(ctx).elements = Some(name);
+    let name = buffer_bindings::ask(&ctx.driver, &ctx.share, api::GL_ELEMENT_ARRAY_BUFFER_BINDING);
+    object(&ctx.driver, &mut ctx.vertex_input).elements = Some(name);
     name
 }
 
 /// The program has bound a buffer of indices; `None`: perhaps.
-pub fn note_elements(ctx: &mut Context, name: Option<u32>) {
-    if let Some(object) = ctx.vertex_input.vertex_arrays.current() {
+pub fn note_elements(vertex_input: &mut VertexInput, name: Option<u32>) {
+    if let Some(object) = vertex_input.vertex_arrays.current() {
         object.elements = name;
     }
 }
@@ -47,7 +46,7 @@ pub fn note_elements(ctx: &mut Context, name: Option<u32>) {
 /// The array of `glVertexPointer`, if it is on.
 pub fn conventional(ctx: &mut Context) -> Option<Pointer> {
     let gl = ctx.driver.gl;
-    let object = object(ctx);
+    let object = object(&ctx.driver, &mut ctx.vertex_input);
     // SAFETY: asks for a switch; the context has a fixed-function pipeline.
     if !*object.conventional_on.get_or_insert_with(|| unsafe { gl.is_enabled(api::GL_VERTEX_ARRAY) } != 0) {
         return None;
@@ -73,14 +72,14 @@ fn ask_conventional(gl: &Gl) -> Option<Pointer> {
 /// Whether a generic attribute is an array.
 pub fn is_on(ctx: &mut Context, location: u32) -> bool {
     let gl = ctx.driver.gl;
-    let attribute = object(ctx).asked_attribute(location);
+    let attribute = object(&ctx.driver, &mut ctx.vertex_input).asked_attribute(location);
     *attribute.on.get_or_insert_with(|| ask(gl, location, api::GL_VERTEX_ATTRIB_ARRAY_ENABLED) != 0)
 }
 
 /// The array of a generic attribute: its format, where it lies, and after how many instances it goes on (0: never).
 pub fn generic(ctx: &mut Context, location: u32) -> Option<(Format, Source, i32)> {
     let (gl, profile) = (ctx.driver.gl, ctx.driver.profile);
-    let object = object(ctx);
+    let object = object(&ctx.driver, &mut ctx.vertex_input);
     let attribute = object.asked_attribute(location);
     if attribute.format.is_none() {
         attribute.format = ask_format(gl, &profile, location);

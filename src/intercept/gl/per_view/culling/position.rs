@@ -2,8 +2,10 @@
 
 use crate::correct::projected::matrices::ReprojectionMatrix;
 use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::state::compat::Compat;
 use crate::intercept::gl::state::compat::projection::multiply;
 use crate::intercept::gl::state::draw::draw_class::DrawClass;
+use crate::intercept::gl::state::frame::Frame;
 use crate::intercept::gl::state::shader::programs::{Array, Factor, Position, Program};
 use crate::intercept::gl::vertex_input::buffers;
 use crate::lock::Lock;
@@ -109,10 +111,10 @@ fn clip(ctx: &mut Context, program: &Program, position: &Position) -> Option<Tra
 }
 
 /// What takes them from there to the clip coordinates of the view `index`.
-pub fn of_view(ctx: &Context, class: DrawClass, index: usize) -> Option<View> {
+pub fn of_view(compat: &Compat, frame: &Frame, class: DrawClass, index: usize) -> Option<View> {
     match class {
-        DrawClass::FixedScene => ctx.compat.projection.per_view.get(index).map(View::of),
-        DrawClass::Scene(camera) => ctx.frame.cameras.get(camera)?.rows.get(index).map(View::of_rows),
+        DrawClass::FixedScene => compat.projection.per_view.get(index).map(View::of),
+        DrawClass::Scene(camera) => frame.cameras.get(camera)?.rows.get(index).map(View::of_rows),
         DrawClass::Flat | DrawClass::Background => None,
     }
 }

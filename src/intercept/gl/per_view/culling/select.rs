@@ -8,6 +8,7 @@ use crate::correct::TexelSpan;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::per_view::culling::bounds::{Placed, extent, outside};
 use crate::intercept::gl::per_view::culling::position::{self, View};
+use crate::intercept::gl::state::app::AppState;
 use crate::intercept::gl::state::draw::bounds::Bounds;
 use crate::intercept::gl::state::draw::draw_class::{Changes, DrawClass};
 use crate::intercept::gl::state::draw::views::Views;
@@ -48,7 +49,7 @@ pub fn views(
         });
     }
     ctx.draw.areas = areas;
-    Views { seen: at_least(ctx, seen, count, changes), bounded: true }
+    Views { seen: at_least(&ctx.app, seen, count, changes), bounded: true }
 }
 
 /// As [`views`], for a draw to a framebuffer of the program's: a view's part of it is its viewport.
@@ -64,12 +65,12 @@ pub fn views_off_screen(
     let count = session.views().len().min(64);
     let shows = |index: usize| !known.look(ctx, session, index, [width, height]).unseen;
     let seen = (0..count).fold(0, |seen, index| seen | u64::from(shows(index)) << index);
-    Views { seen: at_least(ctx, seen, count, changes), bounded: false }
+    Views { seen: at_least(&ctx.app, seen, count, changes), bounded: false }
 }
 
 /// The views that show a draw, or the last of them where it must not be lost.
-fn at_least(ctx: &Context, seen: u64, count: usize, changes: Changes) -> u64 {
-    let needed = seen == 0 && (changes != Changes::Nothing || ctx.app.feedback);
+fn at_least(app: &AppState, seen: u64, count: usize, changes: Changes) -> u64 {
+    let needed = seen == 0 && (changes != Changes::Nothing || app.feedback);
     if needed { 1 << (count.max(1) - 1) } else { seen }
 }
 
@@ -107,7 +108,7 @@ impl Known {
     /// Looks from the view `index`, whose picture has so many pixels across and up.
     fn look(&self, ctx: &Context, session: &Session, index: usize, size: [i32; 2]) -> Look {
         let (_, own_lens) = session.tile(index);
-        let view = position::of_view(ctx, self.class, index).filter(|_| !own_lens);
+        let view = position::of_view(&ctx.compat, &ctx.frame, self.class, index).filter(|_| !own_lens);
         let beside = size.map(|pixels| 2.0 * self.margin / f64::from(pixels.max(1)));
         let unseen = view.as_ref().is_some_and(|view| outside(view, &self.placed, beside));
         Look { view, unseen }

@@ -39,7 +39,7 @@ pub fn draw(ctx: &mut Context, vertices: &Vertices, division: Division, rows: &R
             seen(rows, [at(0), at(1), at(2), at(3)])
         })
         .collect();
-    let (flat, outlined) = (substitute::is_flat(ctx), ctx.draw.wide_primitives.may_outline());
+    let (flat, outlined) = (substitute::is_flat(&ctx.projected), ctx.draw.wide_primitives.may_outline());
     let mut divided = Divided { gl: ctx.driver.gl, vertices, division, seen, flat, outlined, coarse: 0 };
     if assembly::fills(vertices.mode) {
         divided.triangles();

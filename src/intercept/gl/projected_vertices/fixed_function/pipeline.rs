@@ -1,7 +1,7 @@
 //! What of the fixed-function pipeline's vertex stage is switched on.
 
 use crate::backend::gl::api::{self, Gl};
-use crate::intercept::gl::context::gl_context::Context;
+use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::gl::state::driver::profile::Profile;
 use crate::intercept::gl::state::projected_vertices::fixed_pipeline::{
     Followed, Generated, LIGHTS, Lighting, Pipeline, UNITS,
@@ -12,8 +12,8 @@ impl Pipeline {
     ///
     /// # Errors
     /// What is on that is not followed, for the log.
-    pub fn read(ctx: &Context) -> Result<Self, &'static str> {
-        let (gl, profile) = (ctx.driver.gl, &ctx.driver.profile);
+    pub fn read(driver: &Driver) -> Result<Self, &'static str> {
+        let (gl, profile) = (driver.gl, &driver.profile);
         if profile.version < 20 {
             return Err("there are no shaders before OpenGL 2.0");
         }

@@ -16,6 +16,7 @@ use crate::intercept::gl::context::{errors, list_recording, methods};
 use crate::intercept::gl::projected_vertices::fixed_function::shader_text;
 use crate::intercept::gl::shader::patch::{self, Stage};
 use crate::intercept::gl::shader::programs;
+use crate::intercept::gl::state::projected_vertices::ProjectedVertices;
 use crate::intercept::gl::state::projected_vertices::fixed_pipeline::Pipeline;
 use crate::intercept::gl::state::shader::programs::Program;
 use std::sync::Arc;
@@ -33,7 +34,7 @@ pub fn begin(ctx: &mut Context) -> Result<(), &'static str> {
         return Err("the program's vertices go through a program in assembly language");
     }
     if ctx.projected.fixed_function.known.is_none() {
-        let pipeline = Pipeline::read(ctx);
+        let pipeline = Pipeline::read(&ctx.driver);
         errors::drop_errors(ctx.driver.gl);
         ctx.projected.fixed_function.known = Some(pipeline);
     }
@@ -86,8 +87,8 @@ pub fn end(ctx: &mut Context) {
 }
 
 /// Whether a primitive has the colour of one vertex, and the normal where there is light.
-pub(super) fn is_flat(ctx: &Context) -> bool {
-    matches!(&ctx.projected.fixed_function.known, Some(Ok(pipeline)) if pipeline.flat)
+pub(super) fn is_flat(projected: &ProjectedVertices) -> bool {
+    matches!(&projected.fixed_function.known, Some(Ok(pipeline)) if pipeline.flat)
 }
 
 /// Whether the processor has to read the vertices of the next draw of `mode`, so that it can divide them for some view.
@@ -106,7 +107,7 @@ fn make(ctx: &mut Context) -> Result<Arc<Program>, &'static str> {
     let program = {
         let ctx: &mut Context = &mut OwnCalls::without_messages(ctx);
         errors::take_error(&mut ctx.driver);
-        let program = programs::of_own_text(ctx, &patched, own.into(), pipeline.flat);
+        let program = programs::of_own_text(&ctx.driver, &patched, own.into(), pipeline.flat);
         errors::drop_errors(ctx.driver.gl);
         program
     };

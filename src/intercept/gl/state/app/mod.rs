@@ -1,9 +1,11 @@
-//! What has the program set?
+//! The app state: what the program has set, as it would read it.
+//!
+//! [`attribute_stack`] keeps what `glPushAttrib` keeps of it.
 
 pub mod attribute_stack;
 
 use crate::backend::gl::api;
-use crate::intercept::gl::state::app::attribute_stack::{Pushed, Saved};
+use crate::intercept::gl::state::app::attribute_stack::{ATTRIBUTE_DEPTH, Pushed, Saved};
 
 /// What the program has set, as it would read it.
 pub struct AppState {
@@ -24,7 +26,7 @@ pub struct AppState {
     /// `glMatrixMode`.
     pub matrix_mode: u32,
     /// `glPushAttrib`.
-    pub(in crate::intercept::gl) attribute_stack: Vec<Pushed>,
+    attribute_stack: Vec<Pushed>,
     /// `glRenderMode` is not `GL_RENDER`.
     pub(in crate::intercept::gl) picking: bool,
     /// `GL_RASTERIZER_DISCARD`.
@@ -56,6 +58,22 @@ impl Default for AppState {
 }
 
 impl AppState {
+    /// Whether the driver's attribute stack has a place, with `own` attributes of ours beside the
+    /// program's.
+    pub fn can_push(&self, own: usize) -> bool {
+        self.attribute_stack.len() + own < ATTRIBUTE_DEPTH
+    }
+
+    /// `glPushAttrib`, while there is a place.
+    pub fn push(&mut self, pushed: Pushed) {
+        self.attribute_stack.push(pushed);
+    }
+
+    /// `glPopAttrib`.
+    pub fn pop(&mut self) -> Option<Pushed> {
+        self.attribute_stack.pop()
+    }
+
     /// State that `glPushAttrib` keeps.
     pub fn saved(&self) -> Saved {
         Saved {

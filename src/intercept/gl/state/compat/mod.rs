@@ -1,4 +1,7 @@
-//! What is set and recorded in the compatibility profile?
+//! State of the compatibility profile.
+//!
+//! [`projection`] holds matrices, [`raster_position`] the raster position. [`begin_end`] is the
+//! Begin/End that the program is in, recorded by [`vertex_recorder`] as [`vertex_commands`].
 
 pub mod begin_end;
 pub mod projection;

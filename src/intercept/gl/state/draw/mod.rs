@@ -1,4 +1,7 @@
-//! What does a draw consist of, and where does it go?
+//! A draw: its class, its primitives, and the views that it goes to.
+//!
+//! [`draw_class`] names the classes, [`primitives`] the kinds of primitives, [`views`] is a set of
+//! views, [`bounds`] a box around vertices, [`max_width`] the greatest width of points and lines.
 
 pub mod bounds;
 pub mod draw_class;

@@ -1,4 +1,7 @@
-//! Which window is drawn to, and what stands in for it?
+//! The window that a context draws to, and what stands in for its framebuffer.
+//!
+//! [`window`] asks the window system for size and visibility, [`window_config`] tells format and
+//! samples. [`default_framebuffer`] is the atlas, [`cleared_views`] tells what its views hold.
 
 pub mod cleared_views;
 pub mod default_framebuffer;

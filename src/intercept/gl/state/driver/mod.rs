@@ -1,4 +1,6 @@
-//! Which driver is it, and what state has it?
+//! The driver of a context: its functions, its version, the state that is set in it.
+//!
+//! [`profile`] tells version and profile, [`window_space`] viewport and scissor.
 
 pub mod profile;
 pub mod window_space;
@@ -49,7 +51,8 @@ impl Driver {
         }
     }
 
-    /// `glGetError`. The first error counts until it is asked for; later ones are forgotten, as drivers do.
+    /// `glGetError`. The first error counts until it is asked for; later ones are forgotten, as
+    /// drivers do.
     pub fn error(&mut self) -> u32 {
         // SAFETY: asks for the error flag.
         let later = unsafe { self.gl.get_error() };

@@ -1,4 +1,7 @@
-//! What has been seen of the frame that is drawn, and of those before?
+//! The frame that is drawn, and what is known from those before it.
+//!
+//! [`background`] tells flat drawing before the scene from what is on the panel, [`draw_count`]
+//! tells the number of draws, [`front_buffer`] limits flushes, [`statistics`] counts for `--stats`.
 
 pub mod background;
 pub mod draw_count;
@@ -24,11 +27,44 @@ pub struct Frame {
     /// The lens of the last draw of the scene.
     pub(in crate::intercept::gl) lens: Option<Intrinsics>,
     /// Largest viewport (area) that a scene was drawn to: in this frame, and in the last one.
-    pub(in crate::intercept::gl) viewport_area: [i64; 2],
+    viewport_area: [i64; 2],
     /// Number of draws.
     pub(in crate::intercept::gl) draw_count: DrawCount,
     /// How often flushes of the front buffer are answered.
     pub(in crate::intercept::gl) front_buffer: FrontBufferThrottle,
     /// Counts for `--stats`.
     pub(in crate::intercept::gl) counts: Counts,
+}
+
+impl Frame {
+    /// Notes a viewport that a scene is drawn to.
+    pub fn note_viewport(&mut self, [_, _, width, height]: [i32; 4]) {
+        let area = i64::from(width) * i64::from(height);
+        self.viewport_area[0] = self.viewport_area[0].max(area);
+    }
+
+    /// The window may have got another size.
+    pub fn forget_viewports(&mut self) {
+        self.viewport_area = [0; 2];
+    }
+
+    /// Area of the program's main viewport; 0 = not known. In the first frame the first viewport
+    /// counts: the window may just have got another size.
+    pub fn main_area(&self) -> i64 {
+        if self.viewport_area[1] > 0 { self.viewport_area[1] } else { self.viewport_area[0] }
+    }
+
+    /// Whether a scene was drawn in this frame or in the last one.
+    pub fn has_scene(&self) -> bool {
+        self.viewport_area.iter().any(|area| *area > 0)
+    }
+
+    /// Ends the frame.
+    pub fn end(&mut self) {
+        self.cameras.end_frame();
+        self.background.end_frame();
+        self.viewport_area = [0, self.viewport_area[0]];
+        self.begun = false;
+        self.draw_count.end_frame(self.counts.draws_seen);
+    }
 }

@@ -1,4 +1,8 @@
 //! State of scenes that are drawn off screen.
+//!
+//! [`framebuffers`] and [`images`] are the program's, [`view_copies`] holds both and what stands for
+//! them. [`issued`] counts draws, [`coverage`] tells flat draws that show a scene, [`displayed`] and
+//! [`single_sample`] are pictures of our own.
 
 pub mod coverage;
 pub mod displayed;

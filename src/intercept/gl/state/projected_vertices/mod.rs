@@ -1,4 +1,7 @@
-//! What projects vertices straight to an output?
+//! State of the methods `vertex` and `primitive`.
+//!
+//! [`fixed_pipeline`] holds the switches of the fixed-function vertex stage, [`fixed_function`] the
+//! programs that stand in for it.
 
 pub mod fixed_function;
 pub mod fixed_pipeline;

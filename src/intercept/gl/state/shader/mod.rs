@@ -1,4 +1,8 @@
-//! Which programs are there, and which one draws?
+//! Programs of the group, and the one that draws.
+//!
+//! [`programs`] holds linked programs, [`uniforms`] their matrices, [`program_pipelines`] the
+//! pipelines. [`variants`] are programs that divide primitives; [`uniform_mirror`] gives them the
+//! values of the program's uniforms, [`division_counter`] counts what they do not divide enough.
 
 pub mod division_counter;
 pub mod program_pipelines;

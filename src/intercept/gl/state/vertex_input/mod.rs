@@ -1,4 +1,7 @@
-//! Where are vertices, indices and uniform blocks?
+//! Places of vertices, indices and uniform blocks.
+//!
+//! [`buffers`] tells which buffers hold what they held before, [`buffer_bindings`] and
+//! [`vertex_arrays`] what is bound, [`vertex_ranges`] where draws from buffers are.
 
 pub mod buffer_bindings;
 pub mod buffers;
@@ -37,8 +40,8 @@ impl BlockBuffers {
         self.names.insert(buffer);
     }
 
-    /// The content of a buffer changed. Where it may be a uniform block its matrices are read back, which is a wait for
-    /// the driver; a program that streams vertices must not have it.
+    /// The content of a buffer changed. Where it may be a uniform block its matrices are read back,
+    /// which is a wait for the driver; a program that streams vertices must not have it.
     pub fn changed(&mut self, buffer: u32) {
         self.generation += u64::from(self.names.contains(&buffer));
     }
