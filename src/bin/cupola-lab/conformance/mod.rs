@@ -52,6 +52,9 @@ pub struct Arguments {
     /// Folder of piglit
     #[arg(long, value_name = "DIR", default_value = concat!("/usr/lib/x86_64-linux-gnu", "/piglit"))]
     piglit: PathBuf,
+    /// Set LD_PRELOAD to this library for each test, with and without Cupola
+    #[arg(long, value_name = "FILE")]
+    preload: Option<PathBuf>,
     /// Print the result as JSON
     #[arg(long)]
     json: bool,
@@ -70,6 +73,12 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let runner = Runner {
         piglit: arguments.piglit.clone(),
         rigs: names.iter().map(|name| rig(name, &folder)).collect::<Result<_, _>>()?,
+        preload: arguments
+            .preload
+            .as_ref()
+            .map(std::path::absolute)
+            .transpose()
+            .map_err(|error| Failure::usage(format!("--preload: {error}")))?,
         scratch: folder,
         longest: Duration::from_secs_f64(arguments.seconds),
     };

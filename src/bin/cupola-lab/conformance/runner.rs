@@ -37,6 +37,8 @@ pub struct Runner {
     /// Folder for files that tests write.
     pub scratch: PathBuf,
     pub rigs: Vec<Rig>,
+    /// Library that the tests load first.
+    pub preload: Option<PathBuf>,
     /// Tests that need longer without Cupola are not run with it.
     pub longest: Duration,
 }
@@ -146,6 +148,7 @@ impl Runner {
                 None => command.env_remove(name),
             };
         };
+        set("LD_PRELOAD", self.preload.as_deref().map(AsRef::as_ref));
         for (name, value) in rig.iter().flat_map(|rig| &rig.environment) {
             set(name, value.as_deref().map(AsRef::as_ref));
         }
