@@ -3,7 +3,7 @@
 
 use super::gl_arrays;
 use super::gl_attributes::{self, Declaration};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 
 /// Commands outside the core versions that we call ourselves when a driver has them.
@@ -50,6 +50,7 @@ pub fn generate() -> [String; 3] {
         wanted.contains(name) || EXTRA.contains(&name) || (!alias && family)
     });
     table(&commands, &mut out);
+    core_commands(root, &commands, &mut out);
     aliases(root, &mut out);
     let declarations: Vec<Declaration> = commands.into_iter().map(|(declaration, _)| declaration).collect();
     [out, gl_attributes::generate(&declarations), gl_arrays::generate(&declarations)]
@@ -68,6 +69,50 @@ fn wanted_commands<'a>(root: roxmltree::Node<'a, '_>) -> BTreeSet<&'a str> {
         }
     }
     wanted
+}
+
+/// The version (10 · major + minor) that brought each command to an API's core profile. Commands that
+/// a later version removed are not among them.
+fn core_versions<'a>(root: roxmltree::Node<'a, '_>, api: &str) -> BTreeMap<&'a str, u32> {
+    let mut versions = BTreeMap::new();
+    let mut removed = BTreeSet::new();
+    for feature in root.children().filter(|n| n.has_tag_name("feature") && n.attribute("api") == Some(api)) {
+        let number = feature.attribute("number").expect("a feature has a version").replace('.', "");
+        let number = number.parse().expect("a version is two digits");
+        for part in feature.children() {
+            for command in part.children().filter(|n| n.has_tag_name("command")) {
+                let name = command.attribute("name").expect("a command has a name");
+                if part.has_tag_name("remove") {
+                    removed.insert(name);
+                } else {
+                    versions.entry(name).or_insert(number);
+                }
+            }
+        }
+    }
+    versions.retain(|name, _| !removed.contains(name));
+    versions
+}
+
+/// The method that names a command of the core profile that a driver lacks.
+fn core_commands(root: roxmltree::Node, commands: &[(Declaration, String)], out: &mut String) {
+    let (gl, es) = (core_versions(root, "gl"), core_versions(root, "gles2"));
+    let checks = |versions: &BTreeMap<&str, u32>| -> String {
+        let core = commands.iter().filter_map(|(command, _)| Some((command, versions.get(&*command.name)?)));
+        core.map(|(Declaration { name, method, .. }, version)| {
+            format!("            if version >= {version} && self.{method}.is_null() {{ return Some(\"{name}\"); }}\n")
+        })
+        .collect()
+    };
+    writeln!(
+        out,
+        "impl Gl {{\n    /// A command that the core profile of this version (10 · major + minor) has and the driver lacks.\n    \
+         pub fn missing_command(&self, is_gles: bool, version: u32) -> Option<&'static str> {{\n        if is_gles {{\n{}        \
+         }} else {{\n{}        }}\n        None\n    }}\n}}",
+        checks(&es),
+        checks(&gl)
+    )
+    .expect("writing to a String");
 }
 
 fn enums(root: roxmltree::Node, out: &mut String) {

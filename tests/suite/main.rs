@@ -15,6 +15,7 @@ mod culling;
 mod dialects;
 mod display;
 mod embedding;
+mod faults;
 #[path = "../harness/mod.rs"]
 mod harness;
 mod hidden;
@@ -48,6 +49,7 @@ harness::tests! {
     culling,
     dialects,
     embedding,
+    faults,
     hidden,
     injection,
     live,

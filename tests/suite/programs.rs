@@ -35,6 +35,20 @@ pub fn preload(name: &str) -> String {
     built().join(format!("{name}.so")).to_str().expect("a UTF-8 path").to_owned()
 }
 
+/// The folder of the vendor library "calls" for GLX (`tests/apps/preload/calls.c`), as `LD_LIBRARY_PATH` takes it; Cupola looks
+/// for it where the dynamic linker does. `None` where it is not made for the processor.
+pub fn vendor() -> Option<&'static str> {
+    static FOLDER: OnceLock<String> = OnceLock::new();
+    if !cfg!(target_arch = "x86_64") {
+        return None;
+    }
+    Some(FOLDER.get_or_init(|| {
+        let folder = scratch("vendor");
+        std::os::unix::fs::symlink(preload("calls"), folder.join("libGLX_calls.so.0")).expect("a link can be made");
+        folder.display().to_string()
+    }))
+}
+
 /// The library as it was built for these tests: cargo puts it beside the command only for `cargo build`.
 fn library() -> PathBuf {
     Path::new(env!("CARGO_BIN_EXE_cupola")).with_file_name("deps/libcupola.so")
@@ -439,6 +453,11 @@ impl Finished {
             self.directory.display()
         );
         self
+    }
+
+    /// Whether it ended with exit status 0.
+    pub fn succeeded(&self) -> bool {
+        self.output.status.success()
     }
 
     /// The kinds of messages of the validation layer.

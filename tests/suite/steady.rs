@@ -4,7 +4,7 @@
 //! frames 20…199; `tests/apps/preload/calls.c` counts calls of OpenGL between Cupola and the driver.
 
 use crate::harness::{note, tests};
-use crate::programs::{Finished, Run, embedding, preload, scratch};
+use crate::programs::{Finished, Run, embedding, preload, vendor};
 use std::collections::BTreeMap;
 
 tests! {
@@ -103,16 +103,10 @@ fn a_frame_that_is_not_steady_is_seen() {
 /// Calls of OpenGL in a steady frame, the program's own and Cupola's, by function; `None` where there is no display, or
 /// where addresses cannot be counted.
 fn calls_per_frame(program: &str, rig: &str) -> Option<BTreeMap<String, u64>> {
-    if !cfg!(target_arch = "x86_64") {
-        return None;
-    }
-    // Cupola looks for the vendor "calls" where the dynamic linker does.
-    let (library, folder) = (preload("calls"), scratch("vendor"));
-    std::os::unix::fs::symlink(library, folder.join("libGLX_calls.so.0")).expect("a link can be made");
-    let folder = folder.display().to_string();
+    let folder = vendor()?;
     let total = |frames: usize| -> Option<BTreeMap<String, u64>> {
         let environment = [
-            ("LD_LIBRARY_PATH", &*folder),
+            ("LD_LIBRARY_PATH", folder),
             ("CUPOLA_GLX_REAL", "calls"),
             ("CALLS_REPORT", "calls.txt"),
             // Both starts make the same calls.

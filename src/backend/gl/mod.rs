@@ -4,6 +4,7 @@ pub mod accumulation;
 pub mod api;
 mod binaries;
 mod cleared_views;
+mod errors;
 mod full_clear;
 pub mod glx;
 pub mod headless;

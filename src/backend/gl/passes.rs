@@ -3,6 +3,7 @@
 use super::api::*;
 use super::binaries::Binaries;
 use super::cleared_views::{ClearedViews, Draw, Shows};
+use super::errors::{MOST_ERRORS, drain};
 use super::full_clear::FullClear;
 use super::known_state::KnownState;
 use super::program::{ATLAS_UNIT, BLACK_UNIT, MASK_UNIT, TABLE_UNIT};
@@ -557,23 +558,4 @@ fn fill<T: Copy>(gl: &Gl, buffer: u32, values: &[T]) {
         let size = std::mem::size_of_val(values) as isize;
         gl.buffer_data(GL_ARRAY_BUFFER, size, values.as_ptr().cast(), GL_STATIC_DRAW);
     }
-}
-
-/// Errors that are asked for at once, at most.
-const MOST_ERRORS: u64 = 64;
-
-/// Takes the errors that are pending; gives the first.
-fn drain(gl: &Gl) -> u32 {
-    let mut first = GL_NO_ERROR;
-    for _ in 0..MOST_ERRORS {
-        // SAFETY: a context is current.
-        let error = unsafe { gl.get_error() };
-        if error == GL_NO_ERROR {
-            break;
-        }
-        if first == GL_NO_ERROR {
-            first = error;
-        }
-    }
-    first
 }

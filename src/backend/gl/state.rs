@@ -60,7 +60,7 @@ impl Capabilities {
             // SAFETY: the index is below the number of extensions.
             let name = unsafe { gl.get_stringi(GL_EXTENSIONS, i) };
             if name.is_null() {
-                continue;
+                break; // More are counted than there are.
             }
             // SAFETY: GL strings end with a zero.
             match unsafe { CStr::from_ptr(name.cast()) }.to_bytes() {

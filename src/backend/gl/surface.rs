@@ -2,6 +2,7 @@
 
 use super::api::Gl;
 use crate::backend::gl::api;
+use crate::backend::gl::errors::drain;
 use crate::error::{Error, ErrorKind, Result};
 
 /// A framebuffer of ours. The methods take the context that it was made on as current.
@@ -32,7 +33,7 @@ impl Surface {
     /// stencil. `samples`: 0 = one sample per pixel, in a texture. `srgb`: the program may ask for
     /// conversion to sRGB when it draws; the texture's values are taken as they are all the same. Where the driver can,
     /// the texture itself knows no sRGB, like a window's: from one that does `glCopyPixels` takes linear values on Mesa.
-    /// Every binding that is touched is put back.
+    /// Every binding that is touched is put back. No error of the program is pending.
     ///
     /// # Errors
     /// [`ErrorKind::Graphics`] where the driver refuses the framebuffer.
@@ -78,13 +79,13 @@ impl Surface {
     }
 
     /// Makes its framebuffer anew, in the current context, which shares objects with the one before; contexts do not
-    /// share framebuffers. Every binding that is touched is put back.
+    /// share framebuffers. Every binding that is touched is put back. No error of the program is pending.
     ///
     /// # Errors
     /// [`ErrorKind::Graphics`] where the driver refuses the framebuffer.
     pub fn rehome(&mut self, gl: &Gl) -> Result<()> {
         // SAFETY: makes an object of ours on the current context; bindings are put back.
-        let status = unsafe {
+        let (status, error) = unsafe {
             let bindings = Bindings::save(gl);
             gl.gen_framebuffers(1, &mut self.framebuffer);
             gl.bind_framebuffer(api::GL_FRAMEBUFFER, self.framebuffer);
@@ -98,9 +99,10 @@ impl Surface {
             gl.framebuffer_renderbuffer(target, api::GL_DEPTH_STENCIL_ATTACHMENT, api::GL_RENDERBUFFER, self.depth);
             let status = gl.check_framebuffer_status(api::GL_FRAMEBUFFER);
             bindings.restore(gl);
-            status
+            (status, drain(gl))
         };
-        if status == api::GL_FRAMEBUFFER_COMPLETE {
+        // A driver may call a framebuffer complete whose images have no memory.
+        if status == api::GL_FRAMEBUFFER_COMPLETE && error == api::GL_NO_ERROR {
             return Ok(());
         }
         let ((width, height), samples) = (self.size, self.samples);
@@ -108,7 +110,7 @@ impl Surface {
             ErrorKind::Graphics,
             format!(
                 "the driver gives no framebuffer of {width} × {height} pixels with {samples} samples \
-                 (status 0x{status:04X}); a lower quality in [views] makes it smaller"
+                 (status 0x{status:04X}, error 0x{error:04X}); a lower quality in [views] makes it smaller"
             ),
         ))
     }

@@ -15,7 +15,7 @@ use crate::intercept::gl::state::driver::Driver;
 use crate::intercept::gl::vertex_input::buffers;
 use crate::intercept::last_frame::{self, LastFrame};
 use crate::intercept::scene::report;
-use crate::intercept::settings;
+use crate::intercept::{log, settings};
 use crate::runtime::report::{Picture, Statistics, ViewStatistics};
 
 /// Whether the current context draws to `window`.
@@ -122,11 +122,21 @@ fn correct_now(ctx: &mut Context) {
     target.resolve(ctx, None);
     let cleared = target.views_cleared();
     let (texture, outputs) = (target.texture(), target.outputs());
+    let errors = target.backend().errors();
     let pending =
         target.backend().present_changed(ctx.driver.gl, texture, outputs, cleared.as_ref(), &ctx.driver.known_state);
     ctx.driver.note_error(pending);
+    let failed = target.backend().errors() > errors;
     ctx.drawable.target = Some(target);
+    ctx.frame.failed_corrections = if failed { ctx.frame.failed_corrections + 1 } else { 0 };
+    if ctx.frame.failed_corrections >= MOST_FAILED_CORRECTIONS {
+        log::once("this window keeps its own picture: the driver reports an error for each correction");
+        ctx.leave_alone();
+    }
 }
+
+/// Corrections in a row that may fail before the program gets its window back.
+const MOST_FAILED_CORRECTIONS: u32 = 2;
 
 fn frame(ctx: &mut Context) {
     ctx.frame.counts.frames += 1;

@@ -312,9 +312,30 @@ unsafe fn clear_everything(gl: &Gl) {
     }
 }
 
+/// The atlas, and where it has samples the one that they are resolved to.
+fn surfaces(gl: &Gl, size: (i32, i32), config: &Config) -> Result<(Surface, Option<Surface>)> {
+    let surface = Surface::new(gl, size, config.samples, config.srgb)?;
+    if config.samples == 0 {
+        return Ok((surface, None));
+    }
+    match Surface::new(gl, size, 0, config.srgb) {
+        Ok(resolved) => Ok((surface, Some(resolved))),
+        Err(error) => {
+            surface.destroy(gl);
+            Err(error)
+        }
+    }
+}
+
 impl DefaultFramebuffer {
     fn new(ctx: &Context, window: &Window, settings: &settings::Settings, extras: Extras) -> Result<Self> {
         let gl = ctx.driver.gl;
+        let profile = &ctx.driver.profile;
+        if let Some(name) = gl.missing_command(profile.es, profile.version) {
+            let (major, minor) = (profile.version / 10, profile.version % 10);
+            let message = format!("the driver says that it has OpenGL {major}.{minor}, and has no {name}");
+            return Err(Error::new(ErrorKind::Graphics, message));
+        }
         let live = live::rig().ok_or_else(|| Error::new(ErrorKind::InvalidState, "there is no rig"))?;
         let plan = methods::planner(ctx, &live.rig);
         let session = plan(&live.rig, window.size(), settings.offscreen, greatest_texture(gl), extras)?;
@@ -325,11 +346,19 @@ impl DefaultFramebuffer {
     fn with_session(driver: &Driver, session: Session, config: Config, version: u64) -> Result<Self> {
         let gl = driver.gl;
         let size = (session.plan().views.atlas.0 as i32, session.plan().views.atlas.1 as i32);
-        let surface = Surface::new(gl, size, config.samples, config.srgb)?;
-        let resolved = if config.samples > 0 { Some(Surface::new(gl, size, 0, config.srgb)?) } else { None };
         let mut backend = GlBackend::new(gl, driver.profile.es)?.with_cache(gl, cache::of_process());
         let panel = session.panel().is_some();
-        backend.prepare(gl, session.plan(), panel)?;
+        let surfaces = match backend.prepare(gl, session.plan(), panel) {
+            Ok(()) => surfaces(gl, size, &config),
+            Err(error) => Err(error),
+        };
+        let (surface, resolved) = match surfaces {
+            Ok(surfaces) => surfaces,
+            Err(error) => {
+                backend.destroy(gl);
+                return Err(error);
+            }
+        };
         let closed = unsampled_areas::prepare(gl, &mut backend, session.plan());
         let (issued, culled) = (vec![0; session.views().len()], vec![0; session.views().len()]);
         let outputs: Vec<_> = session.viewports().map(|viewport| Target { framebuffer: 0, viewport }).collect();

@@ -32,6 +32,8 @@ pub struct Frame {
     pub(in crate::intercept::gl) draw_count: DrawCount,
     /// How often flushes of the front buffer are answered.
     pub(in crate::intercept::gl) front_buffer: FrontBufferThrottle,
+    /// Corrections in a row in which the driver reported an error.
+    pub(in crate::intercept::gl) failed_corrections: u32,
     /// Counts for `--stats`.
     pub(in crate::intercept::gl) counts: Counts,
 }
