@@ -28,6 +28,12 @@ struct Outcome {
     words: String,
 }
 
+/// Whether a window shows the program's own picture. Colours between vertices are rounded in another order by Cupola.
+fn is_own(window: &Picture, right: &Picture) -> bool {
+    let (_, worst) = window.difference(right);
+    worst <= 1
+}
+
 /// Runs the program between a rig and a driver with a fault. `None` where that is not possible.
 fn run(rig: &str, fault: &str) -> Option<Outcome> {
     let folder = vendor()?;
@@ -57,7 +63,7 @@ fn run(rig: &str, fault: &str) -> Option<Outcome> {
 fn calls_of_cupola() -> Option<(BTreeMap<String, u64>, Picture)> {
     let (plain, ours) = (run("identity", "")?, run(RIG, "")?);
     assert!(plain.succeeded && ours.succeeded, "{}", ours.words);
-    assert!(plain.window == ours.window, "without a fault");
+    assert!(is_own(&ours.window, &plain.window), "without a fault");
     let own: BTreeMap<_, _> = ours.calls.into_iter().filter(|(name, _)| !plain.calls.contains_key(name)).collect();
     assert!(own.len() > 30, "{own:?}");
     Some((own, plain.window))
@@ -71,7 +77,7 @@ fn expect_the_own_picture(faults: &[String], sample: usize, right: &Picture) {
     for fault in faults.iter().step_by(step.max(1)) {
         let Some(outcome) = run(RIG, fault) else { return };
         tried += 1;
-        if !outcome.succeeded || outcome.window != *right {
+        if !outcome.succeeded || !is_own(&outcome.window, right) {
             wrong.push(format!("{fault}: ended well: {}; {}", outcome.succeeded, outcome.words.trim()));
         }
     }
@@ -145,5 +151,5 @@ fn answers_that_are_absurd() {
 fn a_fault_of_the_program_s_own_calls_is_seen() {
     let Some(right) = run("identity", "") else { return };
     let Some(refused) = run("identity", "call glBegin 1 1000") else { return };
-    assert!(!refused.succeeded || refused.window != right.window);
+    assert!(!refused.succeeded || !is_own(&refused.window, &right.window));
 }
