@@ -38,7 +38,7 @@ const MAY_USE: [(&str, &[&str]); 20] = [
     ("correct", &["cache", "digest", "geom", "rig", "views", "warp", "blend"]),
     ("backend", &["cache", "correct"]),
     ("runtime", &["cache", "fence", "system", "geom", "rig", "views", "warp", "blend", "correct", "backend"]),
-    ("intercept", &["cache", "digest", "fence", "message", "rig", "views", "correct", "backend", "runtime"]),
+    ("intercept", &["cache", "digest", "fence", "message", "system", "rig", "views", "correct", "backend", "runtime"]),
     ("ffi", &["cache", "fence", "message", "geom", "rig", "views", "warp", "correct", "backend", "runtime"]),
     ("preload", &["fence", "intercept"]),
 ];

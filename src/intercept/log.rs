@@ -2,6 +2,7 @@
 //! the file that `CUPOLA_LOG` names.
 
 use crate::message;
+use crate::system::variable;
 use std::collections::HashSet;
 use std::io::Write;
 use std::sync::Mutex;
@@ -23,7 +24,7 @@ pub fn once(text: &str) {
 fn write(message: &str) {
     // A program whose standard error is closed must not notice us.
     let _ = writeln!(std::io::stderr(), "cupola: {message}");
-    if let Some(path) = std::env::var_os("CUPOLA_LOG") {
+    if let Some(path) = variable("CUPOLA_LOG") {
         let file = std::fs::OpenOptions::new().create(true).append(true).open(path);
         if let Ok(mut file) = file {
             let _ = writeln!(file, "cupola[{}]: {message}", std::process::id());

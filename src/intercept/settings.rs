@@ -2,7 +2,9 @@
 
 use super::file_stamp::FileStamp;
 use super::log;
+use crate::error::{Error, ErrorKind};
 use crate::rig::{self, Duplicate, Rig};
+use crate::system::{is_privileged, variable};
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
@@ -51,9 +53,9 @@ pub enum Mask {
     Never,
 }
 
-/// The kill switch: `CUPOLA=0` leaves every call alone.
+/// The kill switch: `CUPOLA=0` leaves every call alone. A program with more rights than its user is left alone always.
 pub fn switched_off() -> bool {
-    std::env::var_os("CUPOLA").is_some_and(|v| v == "0")
+    is_privileged() || variable("CUPOLA").is_some_and(|v| v == "0")
 }
 
 /// The settings; `None` if they are wrong (said in the log), which means: leave the program alone.
@@ -71,8 +73,11 @@ pub fn settings() -> Option<&'static Settings> {
 }
 
 fn read() -> crate::Result<Settings> {
-    let text = |name: &str| std::env::var(name).ok().filter(|v| !v.is_empty());
-    let path = |name: &str| std::env::var_os(name).filter(|v| !v.is_empty()).map(PathBuf::from);
+    if is_privileged() {
+        return Err(Error::new(ErrorKind::InvalidState, "the program has more rights than its user"));
+    }
+    let text = |name: &str| variable(name)?.into_string().ok().filter(|v| !v.is_empty());
+    let path = |name: &str| variable(name).filter(|v| !v.is_empty()).map(PathBuf::from);
     let name = text("CUPOLA_RIG").unwrap_or_else(|| "fisheye".to_owned());
     let is_preset = rig::presets().iter().any(|preset| preset.name == name);
     let rig_file = (!is_preset).then(|| std::path::absolute(&name).ok()).flatten();

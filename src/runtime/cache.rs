@@ -1,7 +1,7 @@
 //! The process's cache of results: `CUPOLA_CACHE`.
 
 use crate::cache::{Cache, this_user};
-use crate::system::build_id;
+use crate::system::{build_id, variable};
 use std::ffi::OsString;
 use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
@@ -13,7 +13,7 @@ pub fn of_process() -> &'static Cache {
     static CACHE: OnceLock<Cache> = OnceLock::new();
     CACHE.get_or_init(|| {
         // Tests of single functions leave the user's folder alone.
-        let asked = if cfg!(test) { Some("0".into()) } else { std::env::var_os("CUPOLA_CACHE") };
+        let asked = if cfg!(test) { Some("0".into()) } else { variable("CUPOLA_CACHE") };
         let folder = match asked.filter(|value| !value.is_empty()) {
             Some(value) if value == "0" => None,
             // The program may go to another folder while it runs.
@@ -35,7 +35,7 @@ fn is_own(folder: &Path) -> bool {
 
 /// The folder for files of Cupola that can be made again; `None` where the environment names none.
 pub fn user_folder() -> Option<PathBuf> {
-    folder_of(std::env::var_os("XDG_CACHE_HOME"), std::env::var_os("HOME"))
+    folder_of(variable("XDG_CACHE_HOME"), variable("HOME"))
 }
 
 fn folder_of(cache: Option<OsString>, home: Option<OsString>) -> Option<PathBuf> {

@@ -2,8 +2,10 @@
 
 use crate::cache::Counts;
 use crate::error::{Error, ErrorKind, Result};
+use crate::system::create;
 use serde::Serialize;
 use std::collections::BTreeMap;
+use std::io::{Cursor, Write};
 use std::path::{Path, PathBuf};
 
 /// A picture read back from the driver: 8 bits, RGB, rows from the bottom.
@@ -112,7 +114,12 @@ pub struct ViewStatistics {
 pub fn write_statistics(path: &Path, statistics: &Statistics) -> Result<()> {
     let text = serde_json::to_string_pretty(statistics)
         .map_err(|error| Error::new(ErrorKind::Internal, format!("statistics: {error}")))?;
-    std::fs::write(path, text + "\n").map_err(|error| Error::new(ErrorKind::Io, format!("{}: {error}", path.display())))
+    write(path, (text + "\n").as_bytes())
+}
+
+fn write(path: &Path, bytes: &[u8]) -> Result<()> {
+    let written = create(path).and_then(|mut file| file.write_all(bytes));
+    written.map_err(|error| Error::new(ErrorKind::Io, format!("{}: {error}", path.display())))
 }
 
 /// `FILE.png` for a single picture, `FILE-NAME.png` for one of several.
@@ -137,8 +144,11 @@ pub fn write_picture(path: &Path, picture: &Picture) -> Result<()> {
         .rev()
         .flat_map(|line| line.chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]))
         .collect();
-    image::save_buffer(path, &rgb, picture.width, picture.height, image::ExtendedColorType::Rgb8)
-        .map_err(|error| Error::new(ErrorKind::Io, format!("{}: {error}", path.display())))
+    let mut bytes = Cursor::new(Vec::new());
+    let (size, format) = ((picture.width, picture.height), image::ImageFormat::Png);
+    image::write_buffer_with_format(&mut bytes, &rgb, size.0, size.1, image::ExtendedColorType::Rgb8, format)
+        .map_err(|error| Error::new(ErrorKind::Internal, format!("{}: {error}", path.display())))?;
+    write(path, bytes.get_ref())
 }
 
 #[cfg(test)]

@@ -2,10 +2,23 @@
 //!
 //! Safe fronts of what the standard library has no safe form of, for the `cupola` command.
 
+use std::ffi::OsString;
 use std::io;
 use std::os::unix::process::CommandExt;
 use std::process::{Child, Command, ExitStatus};
 use std::sync::atomic::{AtomicI32, Ordering};
+
+/// Whether this program has more rights than the user who started it, as set-user-ID programs have: what the user's
+/// environment asks for does not count then.
+pub fn is_privileged() -> bool {
+    // SAFETY: reads a number that the kernel gave to this process.
+    unsafe { libc::getauxval(libc::AT_SECURE) != 0 }
+}
+
+/// The environment variable of this name, as text; `None` for a program that [`is_privileged`].
+pub fn variable(name: &str) -> Option<OsString> {
+    if is_privileged() { None } else { std::env::var_os(name) }
+}
 
 /// The process that signals are passed on to; 0 = none.
 static PROGRAM: AtomicI32 = AtomicI32::new(0);

@@ -178,7 +178,7 @@ fn write_pfm(path: &Path, size: (u32, u32), directions: Vec<Option<DVec3>>) -> R
             bytes.extend(values.iter().flat_map(|value| value.to_le_bytes()));
         }
     }
-    let written = std::fs::File::create(path).and_then(|mut file| file.write_all(&bytes));
+    let written = cupola::system::create(path).and_then(|mut file| file.write_all(&bytes));
     written.map_err(|error| Failure::new(format!("{} cannot be written: {error}", path.display())))
 }
 

@@ -43,7 +43,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let mut name = arguments.file.file_name().unwrap_or_default().to_owned();
     name.push(format!(".{}", std::process::id()));
     let temporary = folder.join(name);
-    let written = std::fs::File::create(&temporary).and_then(|mut file| {
+    let written = std::fs::File::create_new(&temporary).and_then(|mut file| {
         file.write_all(changed.as_bytes())?;
         file.sync_all()
     });

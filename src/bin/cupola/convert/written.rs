@@ -8,6 +8,7 @@ use cupola::formats::Raster;
 use cupola::warp::MapError;
 use glam::DVec2;
 use serde_json::json;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// A file that was written.
@@ -70,7 +71,9 @@ pub fn file_beside(path: &Path, index: usize, name: &str, ending: &str) -> PathB
 
 /// Writes a file.
 pub fn save(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
-    std::fs::write(path, bytes).map_err(|error| Failure::new(format!("{} cannot be written: {error}", path.display())))
+    cupola::system::create(path)
+        .and_then(|mut file| file.write_all(bytes))
+        .map_err(|error| Failure::new(format!("{} cannot be written: {error}", path.display())))
 }
 
 /// Value of every pixel, and its weight on the displayed value (0 if nothing is shown). Computed on

@@ -7,6 +7,7 @@ use crate::intercept::gl::entry::vendor::{self, noted_calls, real_call};
 use crate::intercept::gl::frame::{front_buffer, present};
 use crate::intercept::gl::state::drawable::window::Window;
 use crate::lock::Lock;
+use crate::system::variable;
 use std::collections::HashMap;
 use std::ffi::{CStr, c_char, c_int, c_uint, c_ulong, c_void};
 use std::sync::{Mutex, OnceLock};
@@ -64,7 +65,7 @@ pub unsafe extern "C" fn __egl_Main(
     imports: *mut Imports,
 ) -> c_uint {
     crate::fence::guard(|| {
-        let vendors = std::env::var("CUPOLA_EGL_REAL").unwrap_or_default();
+        let vendors = variable("CUPOLA_EGL_REAL").and_then(|names| names.into_string().ok()).unwrap_or_default();
         let file = real_vendor(&vendors, &own_file());
         // SAFETY: the type is that of libEGL's entry.
         let Some(main) = (unsafe { vendor::entry::<Main>(file, c"__egl_Main", "CUPOLA_EGL_REAL") }) else { return 0 };

@@ -7,6 +7,7 @@ use crate::intercept::gl::entry::vendor::{self, noted_calls, real_call};
 use crate::intercept::gl::frame::{front_buffer, present};
 use crate::intercept::gl::state::drawable::window::Window;
 use crate::lock::Lock;
+use crate::system::variable;
 use std::collections::HashMap;
 use std::ffi::{CStr, c_char, c_int, c_ulong, c_void};
 use std::sync::{Mutex, OnceLock};
@@ -53,7 +54,9 @@ pub unsafe extern "C" fn __glx_Main(
     imports: *mut Imports,
 ) -> c_int {
     crate::fence::guard(|| {
-        let name = std::env::var("CUPOLA_GLX_REAL").ok().filter(|n| !n.is_empty() && n != "cupola");
+        let name = variable("CUPOLA_GLX_REAL")
+            .and_then(|name| name.into_string().ok())
+            .filter(|n| !n.is_empty() && n != "cupola");
         let file = format!("libGLX_{}.so.0", name.as_deref().unwrap_or("mesa"));
         // SAFETY: the type is that of libGLX's entry.
         let Some(main) = (unsafe { vendor::entry::<Main>(&file, c"__glx_Main", "CUPOLA_GLX_REAL") }) else { return 0 };

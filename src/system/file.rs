@@ -1,0 +1,48 @@
+//! Files that are written where somebody else may have put something.
+
+use std::fs::{File, OpenOptions};
+use std::io;
+use std::os::unix::fs::OpenOptionsExt;
+use std::path::Path;
+
+/// Opens a file for writing and empties it, or makes it. A link is not followed: whoever may write to its folder would
+/// choose which file is overwritten.
+///
+/// # Errors
+/// Those of the system, and for a link; but `/dev/stdout` and its like are followed.
+pub fn create(path: &Path) -> io::Result<File> {
+    let mut options = OpenOptions::new();
+    options.write(true).create(true).truncate(true);
+    if path.starts_with("/dev") {
+        return options.open(path);
+    }
+    options.custom_flags(libc::O_NOFOLLOW).open(path).map_err(|error| match error.raw_os_error() {
+        Some(libc::ELOOP) => io::Error::other("it is a link; expected a file, or no file yet"),
+        _ => error,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::create;
+    use std::io::Write;
+
+    #[test]
+    fn links_are_not_followed() {
+        let folder = std::env::temp_dir().join(format!("cupola-file-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).expect("a folder");
+        let (victim, link, dangling) = (folder.join("victim"), folder.join("link"), folder.join("dangling"));
+        std::fs::write(&victim, "kept").expect("written");
+        std::os::unix::fs::symlink(&victim, &link).expect("a link");
+        std::os::unix::fs::symlink(folder.join("made"), &dangling).expect("a link");
+        for path in [&link, &dangling] {
+            assert!(create(path).expect_err("a link").to_string().contains("is a link"));
+        }
+        assert!(!folder.join("made").exists());
+        assert_eq!(std::fs::read(&victim).expect("a file"), b"kept");
+        create(&victim).and_then(|mut file| file.write_all(b"new")).expect("written");
+        assert_eq!(std::fs::read(&victim).expect("a file"), b"new");
+        std::fs::remove_dir_all(&folder).expect("removed");
+        create("/dev/null".as_ref()).expect("a device");
+    }
+}
