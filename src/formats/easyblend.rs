@@ -30,6 +30,9 @@ const WITHOUT_EFFECT: [&str; 10] = [
 /// Greatest angle of a side of the camera's opening, degrees.
 const WIDEST: f64 = 89.5;
 
+/// Greatest number of lines that something has to be said about.
+const MOST_NOTES: usize = 64;
+
 /// A projector's mesh.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EasyBlend {
@@ -81,6 +84,9 @@ pub fn read(name: &str, bytes: &[u8]) -> Result<Noted<EasyBlend>> {
             nodes.push(node(&lines, first, &rest)?);
         } else {
             notes.extend(keys.take(&lines, first, &rest)?.map(|note| format!("{name}: {note}")));
+            if notes.len() > MOST_NOTES {
+                return Err(lines.wrong("is one unknown key too many; expected an EasyBlend mesh"));
+            }
         }
         if nodes.len() > MOST_NODES || triangles.len() > 3 * MOST_NODES {
             return Err(lines.wrong(format!("is one node or triangle too many; expected at most {MOST_NODES} nodes")));

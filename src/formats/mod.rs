@@ -31,5 +31,5 @@ pub mod vwf;
 
 pub use camera::Camera;
 pub use grid::{Grid, MOST_NODES, Mesh, Node, Raster, Sample};
-pub use input::{LONGEST_FILE, MOST_PIXELS, Noted, read_file};
+pub use input::{LONGEST_FILE, MOST_PIXELS, MOST_PIXELS_TOGETHER, Noted, png_luma, read_at_most, read_file};
 pub use levels::Levels;

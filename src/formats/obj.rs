@@ -2,7 +2,7 @@
 //! textures, materials, groups, curves) is passed over.
 
 use super::input::invalid;
-use super::text::Lines;
+use super::text::{Lines, shown};
 use crate::error::Result;
 use glam::DVec3;
 
@@ -26,6 +26,11 @@ pub fn read(name: &str, bytes: &[u8], most: usize) -> Result<Vec<[DVec3; 3]>> {
                     None => Err(lines.wrong(format!("a corner has no {axis}; expected `v x y z`"))),
                 };
                 corners.push(DVec3::new(axis("an x")?, axis("a y")?, axis("a z")?));
+                if corners.len() > 3 * most {
+                    return Err(
+                        lines.wrong(format!("there are more than {} corners; expected a coarser model", 3 * most))
+                    );
+                }
             }
             Some("f") => {
                 let face = words.map(|word| corner(&lines, word, &corners)).collect::<Result<Vec<_>>>()?;
@@ -56,7 +61,7 @@ fn corner(lines: &Lines, word: &str, corners: &[DVec3]) -> Result<DVec3> {
         _ => usize::try_from(number.checked_add(corners.len() as i64)?).ok(),
     });
     index.and_then(|index| corners.get(index).copied()).ok_or_else(|| {
-        lines.wrong(format!("{word:?} is no corner; expected 1 to {}, the corners so far", corners.len()))
+        lines.wrong(format!("{} is no corner; expected 1 to {}, the corners so far", shown(word), corners.len()))
     })
 }
 

@@ -11,15 +11,17 @@
 //! the one that lies at its mirrored place, itself where it is alone, and the mesh stays as it is
 //! but for the places that its nodes look at.
 
-use super::input::{Noted, invalid};
+use super::input::{LONGEST_DOCUMENT, MOST_PIXELS_TOGETHER, Noted, invalid};
 use crate::error::Result;
 use crate::geom::{Frustum, pose};
 use glam::{DMat3, DQuat, DVec3};
 use serde_json::Value;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
-/// Greatest numbers of computers, windows and viewports.
+/// Greatest numbers of computers, of a computer's windows, and of a computer's viewports, as rigs have outputs.
 const MOST: usize = 64;
+/// Greatest width and height of a viewport, pixels: the greatest texture of today's graphics hardware.
+const LARGEST: f64 = 16384.0;
 /// Greatest angle of a side of a viewport's opening, degrees.
 const WIDEST: f64 = 89.5;
 
@@ -119,6 +121,9 @@ pub fn mirror_faces(tilt: f64) -> [DMat3; 4] {
 /// # Errors
 /// [`InvalidRig`](crate::ErrorKind::InvalidRig) with the key and the reason.
 pub fn read(name: &str, bytes: &[u8]) -> Result<Noted<Config>> {
+    if bytes.len() > LONGEST_DOCUMENT {
+        return Err(invalid(name, format!("is longer than {LONGEST_DOCUMENT} bytes; no configuration is")));
+    }
     let root: Value =
         serde_json::from_slice(bytes).map_err(|error| invalid(name, format!("this is no JSON: {error}")))?;
     let root = Key { name, path: String::new(), value: &root };
@@ -132,6 +137,7 @@ pub fn read(name: &str, bytes: &[u8]) -> Result<Noted<Config>> {
         _ => DVec3::ZERO,
     };
     let mut nodes = Vec::new();
+    let mut pixels = 0;
     for node in root.list("nodes")? {
         let address = node.optional("address").map(|address| address.text()).transpose()?.unwrap_or_default();
         let mut viewports = Vec::new();
@@ -144,6 +150,12 @@ pub fn read(name: &str, bytes: &[u8]) -> Result<Noted<Config>> {
             for viewport in window.list("viewports")? {
                 let part = part(&viewport)?;
                 of_window.push((part, self::viewport(&viewport, part, position, size, viewer)?));
+                let [_, _, width, height] = of_window[of_window.len() - 1].1.place;
+                pixels += width.unsigned_abs() * height.unsigned_abs();
+                if viewports.len() + of_window.len() > MOST || pixels > MOST_PIXELS_TOGETHER {
+                    let most = format!("at most {MOST} for a computer, with {MOST_PIXELS_TOGETHER} pixels altogether");
+                    return Err(viewport.wrong(format!("is one viewport too many; expected {most}")));
+                }
             }
             if mirrored == [false; 2] {
                 viewports.extend(of_window.into_iter().map(|(_, viewport)| viewport));
@@ -216,7 +228,8 @@ fn viewport(
     // Parts of a window count from its bottom, windows from the desktop's top.
     let top = position[1] + size[1] - (low[1] * size[1]).round() - height;
     let pixels = [left, top, width, height];
-    if !(width >= 1.0 && height >= 1.0 && pixels.iter().all(|number| number.abs() <= 1e6)) {
+    let sized = |side: f64| (1.0..=LARGEST).contains(&side);
+    if !(sized(width) && sized(height) && pixels.iter().all(|number| number.abs() <= 1e6)) {
         return Err(key.wrong("has a place that no screen has"));
     }
     let file = |what| key.optional(what).map(|file| file.text()).transpose();

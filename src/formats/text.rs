@@ -3,6 +3,9 @@
 use super::input::invalid;
 use crate::error::{Error, Result};
 
+/// Longest line, bytes: a face with thousands of corners.
+const LONGEST_LINE: usize = 1 << 16;
+
 /// The lines of a text file that have something on them, with their numbers.
 pub(super) struct Lines<'a> {
     name: &'a str,
@@ -20,6 +23,9 @@ impl<'a> Lines<'a> {
             invalid(name, format!("line {line} is not text (UTF-8)"))
         })?;
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+        if let Some(index) = text.lines().position(|line| line.len() > LONGEST_LINE) {
+            return Err(invalid(&format!("{name}:{}", index + 1), format!("is longer than {LONGEST_LINE} bytes")));
+        }
         Ok(Self { name, rest: text.lines().enumerate(), number: 0 })
     }
 

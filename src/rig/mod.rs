@@ -14,6 +14,7 @@ mod calibration;
 mod camera;
 mod flip;
 mod layout;
+mod mask;
 mod method;
 mod one_line;
 mod presets;
@@ -28,6 +29,7 @@ mod viewer;
 use crate::error::{Error, ErrorKind, Result};
 use glam::DVec3;
 use std::borrow::Cow;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 pub use crate::formats::Levels;
@@ -35,9 +37,13 @@ pub use black::{Black, BlackValues};
 pub use blend::{AngleRamp, Blend, DomeAngle, RampShape};
 pub use calibration::{Calibration, CalibrationValues};
 pub use flip::Flip;
+pub use mask::read_mask;
 pub use method::{Divider, Method};
 pub use presets::{Preset, presets};
 pub use response::{RESPONSE_STEPS, Response, Transfer};
+
+/// Longest rig file, bytes.
+const LONGEST_RIG: u64 = 1 << 20;
 
 /// Everything a rig file says.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
@@ -355,7 +361,14 @@ pub fn load(name_or_path: &str) -> Result<Rig> {
         return parse(preset.text, preset.name, Path::new(""));
     }
     let path = Path::new(name_or_path);
-    let text = std::fs::read(path).map_err(|error| Error::new(ErrorKind::Io, unreadable(name_or_path, &error)))?;
+    let mut text = Vec::new();
+    // It may be a pipe, whose length is not known. `parse` refuses what is too long.
+    std::fs::File::open(path)
+        .and_then(|file| file.take(LONGEST_RIG + 1).read_to_end(&mut text))
+        .map_err(|error| Error::new(ErrorKind::Io, unreadable(name_or_path, &error)))?;
+    if text.len() as u64 > LONGEST_RIG {
+        return Err(too_long(name_or_path));
+    }
     let text = String::from_utf8(text).map_err(|error| {
         let line = 1 + error.as_bytes()[..error.utf8_error().valid_up_to()].iter().filter(|&&b| b == b'\n').count();
         let message = format!("{name_or_path}:{line}: the file is not UTF-8 text; save it as UTF-8");
@@ -371,6 +384,9 @@ pub fn load(name_or_path: &str) -> Result<Rig> {
 /// # Errors
 /// [`ErrorKind::InvalidRig`] with every problem of the text, as [`load`].
 pub fn parse(text: &str, file_name: &str, directory: &Path) -> Result<Rig> {
+    if text.len() as u64 > LONGEST_RIG {
+        return Err(too_long(file_name));
+    }
     let mut problems = problems::Problems::new(text);
     let rig = schema::read(text, file_name, directory, &mut problems);
     // Values that are missing because they were refused would only raise further, misleading
@@ -382,6 +398,10 @@ pub fn parse(text: &str, file_name: &str, directory: &Path) -> Result<Rig> {
         Some(rig) if problems.is_empty() => Ok(rig),
         _ => Err(Error::new(ErrorKind::InvalidRig, problems.message(file_name))),
     }
+}
+
+fn too_long(file_name: &str) -> Error {
+    Error::new(ErrorKind::InvalidRig, format!("{file_name}: is longer than {LONGEST_RIG} bytes; no rig is"))
 }
 
 /// Why `name_or_path` is neither a preset nor a readable file, and what was perhaps meant.

@@ -1,15 +1,11 @@
 //! What the values of a rig must satisfy together.
 
 use super::problems::Problems;
-use super::{Method, Output, OutputKind, Rig};
+use super::{Method, Output, OutputKind, Rig, mask};
 use crate::geom::screen::{Faces, Screen, Shape};
 use crate::geom::{Lens, Optics, Pose};
 use glam::DVec2;
-use std::io::Read;
-use std::path::Path;
 
-/// Greatest number of outputs: what one machine's graphics adapters can carry, with room to spare.
-const MOST_OUTPUTS: usize = 64;
 /// Longest output name; it becomes part of file names.
 const LONGEST_NAME: usize = 64;
 /// Greatest coordinate in a window: the X protocol's.
@@ -32,12 +28,6 @@ pub(super) fn check(rig: &Rig, problems: &mut Problems) {
                 "leaves the program's picture alone, so no [[output]] can be shown; leave out one of them",
             );
         }
-        (false, count) if count > MOST_OUTPUTS => {
-            problems.add(
-                &path(MOST_OUTPUTS, ""),
-                format!("is one too many; expected at most {MOST_OUTPUTS} outputs, not {count}"),
-            );
-        }
         _ => {}
     }
     names(&rig.outputs, problems);
@@ -56,7 +46,7 @@ pub(super) fn check(rig: &Rig, problems: &mut Problems) {
         if let Some(why) = impossible_method(rig, output) {
             problems.add(&path(index, ".method"), why);
         }
-        if let Some(why) = output.mask.as_deref().and_then(unusable_mask) {
+        if let Some(why) = output.mask.as_deref().and_then(mask::unusable) {
             problems.add(&path(index, ".mask.image"), why);
         }
     }
@@ -239,19 +229,5 @@ fn unprojectable(rig: &Rig, output: &Output) -> Option<&'static str> {
         }
         OutputKind::Domemaster { .. } | OutputKind::Projector { .. } => None,
         _ => Some("projects vertices for plain projectors and equidistant domemasters only; expected \"fragment\""),
-    }
-}
-
-/// Why the file cannot be a mask, if so.
-fn unusable_mask(path: &Path) -> Option<String> {
-    let mut signature = [0; 8];
-    let read = std::fs::File::open(path).and_then(|mut file| file.read_exact(&mut signature));
-    match read {
-        Ok(()) if signature == *b"\x89PNG\r\n\x1a\n" => None,
-        Err(error) if error.kind() != std::io::ErrorKind::UnexpectedEof => Some(format!(
-            "{} cannot be read: {error}; expected a grey PNG file, relative to the rig file",
-            path.display()
-        )),
-        _ => Some(format!("{} is no PNG file; expected a grey PNG file", path.display())),
     }
 }

@@ -1,8 +1,8 @@
 //! Weight images: reading, and which pixels they leave black or white.
 
 use crate::correct::passes::rectangle::PixelRect;
-use crate::error::{Error, ErrorKind, Result};
-use crate::rig::Flip;
+use crate::error::Result;
+use crate::rig::{Flip, read_mask};
 use std::path::Path;
 
 /// A weight image.
@@ -16,27 +16,13 @@ pub struct Mask {
     pub weights: Vec<u16>,
 }
 
-/// Reads a weight image: a PNG of 8 or 16 bits, grey or colour (its luma counts; transparency does
-/// not).
-///
-/// The values are taken as linear weights, white = 1.
+/// Reads a weight image; its values are linear weights.
 ///
 /// # Errors
-///
-/// [`ErrorKind::Io`] if the file cannot be read, [`ErrorKind::InvalidRig`] if it is no image; both
-/// name the path.
+/// Those of [`read_mask`], which name the path.
 pub fn load(path: &Path) -> Result<Mask> {
-    let failed = |kind, what: &dyn std::fmt::Display| Error::new(kind, format!("mask {}: {what}", path.display()));
-    let reader = image::ImageReader::open(path)
-        .and_then(image::ImageReader::with_guessed_format)
-        .map_err(|error| failed(ErrorKind::Io, &error))?;
-    let picture = reader.decode().map_err(|error| match error {
-        image::ImageError::IoError(error) => failed(ErrorKind::Io, &error),
-        error => failed(ErrorKind::InvalidRig, &error),
-    })?;
-    let grey = picture.into_luma16();
-    let (width, height) = grey.dimensions();
-    Ok(Mask { width, height, weights: grey.into_raw() })
+    let ((width, height), weights) = read_mask(path)?;
+    Ok(Mask { width, height, weights })
 }
 
 impl Mask {
@@ -145,6 +131,7 @@ mod tests {
         }
     }
 
+    use crate::error::ErrorKind;
     use image::{DynamicImage, GrayImage, ImageBuffer, Luma, Rgb, RgbImage};
 
     /// Saves `picture` under a name of its own, loads it, and removes it.

@@ -1,13 +1,12 @@
 //! Files out of the zip archive, within limits.
 
 use crate::error::Result;
-use crate::formats::input;
 use crate::formats::input::{LONGEST_FILE, invalid};
 use std::io::{Cursor, Read};
 use zip::ZipArchive;
 
 /// Longest description, bytes.
-const LONGEST_DESCRIPTION: u64 = 1 << 24;
+pub(super) const LONGEST_DESCRIPTION: u64 = 1 << 22;
 
 /// An open archive.
 pub(super) struct Files<'a> {
@@ -53,11 +52,4 @@ impl<'a> Files<'a> {
         }
         Ok(bytes)
     }
-}
-
-/// Size and values (0…1, row by row from the top) of a PNG picture, by its luma.
-pub(super) fn picture(name: &str, bytes: &[u8]) -> Result<((u32, u32), Vec<f32>)> {
-    let grey = input::png(name, bytes)?.into_luma16();
-    let size = grey.dimensions();
-    Ok((size, grey.into_raw().iter().map(|value| f32::from(*value) / 65535.0).collect()))
 }

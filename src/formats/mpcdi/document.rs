@@ -1,6 +1,7 @@
 //! The description: which regions there are, and which files belong to each.
 
 use super::Profile;
+use super::archive::LONGEST_DESCRIPTION;
 use super::extension::Described;
 use crate::error::{Error, Result};
 use crate::formats::camera::Camera;
@@ -15,6 +16,10 @@ use roxmltree::{Document, Node, ParsingOptions};
 const MOST_NODES: u32 = 100_000;
 /// Greatest number of regions.
 const MOST_REGIONS: usize = 256;
+/// Greatest number of attributes of an element. The parser compares each with all before it.
+const MOST_ATTRIBUTES: usize = 256;
+/// Greatest number of namespaces. The parser gives each element a list of those that hold there.
+const MOST_NAMESPACES: usize = 64;
 
 /// Content of the description.
 pub(super) struct Description {
@@ -49,6 +54,7 @@ const WIDEST: f64 = 89.5;
 
 /// Reads the description `text` in the archive `name`.
 pub(super) fn read(name: &str, text: &str) -> Result<Description> {
+    bounded(name, text)?;
     let options = ParsingOptions { nodes_limit: MOST_NODES, ..ParsingOptions::default() };
     let document = Document::parse_with_options(text.trim_start_matches('\u{feff}'), options)
         .map_err(|error| invalid(name, format!("the description is not XML: {error}")))?;
@@ -64,6 +70,10 @@ pub(super) fn read(name: &str, text: &str) -> Result<Description> {
     let version = reader.attribute(root, "version")?;
     if !["1", "2"].contains(&version.split('.').next().unwrap_or_default()) {
         return Err(reader.wrong(root, format!("version {}; expected 1.0 or 2.0", shown(version))));
+    }
+    let count = named(root, "region").take(4 * MOST_REGIONS).count();
+    if count >= 4 * MOST_REGIONS {
+        return Err(reader.wrong(root, format!("has {count} regions or more; expected 1 to {MOST_REGIONS}")));
     }
     let (mut regions, mut notes) = (Vec::new(), Vec::new());
     for region in named(root, "region").filter(|region| region.ancestors().any(|a| a.tag_name().name() == "display")) {
@@ -91,6 +101,23 @@ pub(super) fn read(name: &str, text: &str) -> Result<Description> {
         return Err(invalid(name, notes.join("; ")));
     }
     Ok(Description { profile, regions, notes })
+}
+
+/// Refuses what would take the parser long, before it is parsed.
+fn bounded(name: &str, text: &str) -> Result<()> {
+    let refused = |what: String| Err(invalid(name, format!("the description has {what}")));
+    if text.len() as u64 > LONGEST_DESCRIPTION {
+        return refused(format!("{} bytes; expected at most {LONGEST_DESCRIPTION}", text.len()));
+    }
+    // No element begins within another's attributes.
+    let quotes = |part: &str| part.bytes().filter(|byte| matches!(byte, b'"' | b'\'')).count();
+    if text.split('<').any(|part| quotes(part) > 2 * MOST_ATTRIBUTES) {
+        return refused(format!("an element with too many attributes; expected at most {MOST_ATTRIBUTES}"));
+    }
+    if text.matches("xmlns").count() > MOST_NAMESPACES {
+        return refused(format!("too many namespaces; expected at most {MOST_NAMESPACES}"));
+    }
+    Ok(())
 }
 
 /// All elements called `name` below `node`.

@@ -17,7 +17,7 @@ pub use write::write;
 
 use super::camera::Camera;
 use super::grid::Raster;
-use super::input::{Noted, invalid};
+use super::input::{MOST_PIXELS_TOGETHER, Noted, invalid, png_luma};
 use super::levels::Levels;
 use super::pfm;
 use crate::error::Result;
@@ -122,6 +122,11 @@ pub struct Alpha {
 /// # Errors
 /// [`InvalidRig`](crate::ErrorKind::InvalidRig) with the file in the archive and the reason.
 pub fn read(name: &str, bytes: &[u8]) -> Result<Noted<Archive>> {
+    read_within(name, bytes, MOST_PIXELS_TOGETHER)
+}
+
+/// As [`read`], of at most so many pixels altogether.
+fn read_within(name: &str, bytes: &[u8], most: u64) -> Result<Noted<Archive>> {
     let (mut files, text) = match description_alone(bytes) {
         Some(text) => (None, text.to_owned()),
         None => {
@@ -135,6 +140,13 @@ pub fn read(name: &str, bytes: &[u8]) -> Result<Noted<Archive>> {
         Some(files) => files.take(path, longest),
         None => Err(invalid(&format!("{name}/{path}"), "is missing: this is a description without its archive")),
     };
+    // Many regions may name the same file, which is unpacked for each.
+    let mut left = most;
+    let mut count = |name: &str, (width, height): (u32, u32)| {
+        let too_many = || invalid(name, format!("is too much: all maps and pictures have more than {most} pixels"));
+        left = left.checked_sub(u64::from(width) * u64::from(height)).ok_or_else(too_many)?;
+        Ok::<_, crate::Error>(())
+    };
     let mut regions = Vec::new();
     for region in described {
         // A map may be finer than the region, but not without bound: four values for each pixel.
@@ -143,6 +155,7 @@ pub fn read(name: &str, bytes: &[u8]) -> Result<Noted<Archive>> {
             Some(path) => {
                 let inner = format!("{name}/{path}");
                 let warp = pfm::read(&inner, &take(path, longest)?)?;
+                count(&inner, warp.size())?;
                 Some(match profile {
                     Profile::Flat => placed(&inner, &warp, region.place)?,
                     Profile::ShaderLamps => turned(&inner, warp, &region.axes)?,
@@ -153,13 +166,21 @@ pub fn read(name: &str, bytes: &[u8]) -> Result<Noted<Archive>> {
         };
         let alpha = match &region.alpha {
             Some((path, gamma)) => {
-                let (size, weights) = archive::picture(&format!("{name}/{path}"), &take(path, longest)?)?;
+                let inner = format!("{name}/{path}");
+                let (size, weights) = png_luma(&inner, &take(path, longest)?)?;
+                count(&inner, size)?;
+                let weights = weights.iter().map(|value| f32::from(*value) / 65535.0).collect();
                 Some(Alpha { size, weights, gamma: *gamma })
             }
             None => None,
         };
         let beta = match &region.beta {
-            Some(path) => Some(levels::read_png(&format!("{name}/{path}"), &take(path, longest)?)?),
+            Some(path) => {
+                let inner = format!("{name}/{path}");
+                let levels = levels::read_png(&inner, &take(path, longest)?)?;
+                count(&inner, levels.size)?;
+                Some(levels)
+            }
             None => None,
         };
         let (camera, fisheye) = (region.camera, region.fisheye);

@@ -124,6 +124,44 @@ fn hostile_archives_are_refused() {
     refused(&with(entities, &map), "not XML");
 }
 
+/// Regions may share one file: what is bounded is what they hold together.
+#[test]
+fn the_pixels_of_all_regions_are_bounded() {
+    let map = pfm::write(2, &[[0.0; 3]; 2]);
+    let one = described("a.pfm", 2);
+    let region = |text: &str| {
+        let start = text.find("<region").unwrap();
+        text[start..text.find("/></buffer>").unwrap() + 2].to_owned()
+    };
+    let many = one.replacen("</buffer>", &format!("{}</buffer>", region(&one).repeat(9)), 1);
+    let bytes = zipped(&[("mpcdi.xml", many.as_bytes()), ("a.pfm", &map)]);
+    assert_eq!(read_within("a.mpcdi", &bytes, 20).unwrap().value.regions.len(), 10);
+    let message = read_within("a.mpcdi", &bytes, 19).unwrap_err().message;
+    assert!(message.contains("more than 19 pixels"), "{message}");
+}
+
+/// A PNG whose header promises what no file of its length can hold, and one that does hold it.
+#[test]
+fn pictures_are_refused_by_their_header() {
+    let mut png = Vec::new();
+    let black = image::GrayImage::new(1, 1);
+    black.write_to(&mut Cursor::new(&mut png), image::ImageFormat::Png).unwrap();
+    // The size, and the sum over its part of the file.
+    png[16..24].copy_from_slice(&[0, 0, 0xff, 0xff, 0, 0, 0xff, 0xff]);
+    let sum = crc32(&png[12..29]);
+    png[29..33].copy_from_slice(&sum.to_be_bytes());
+    let message = levels::read_png("a.png", &png).unwrap_err().message;
+    assert!(message.contains("65535 × 65535 pixels; expected 1 to"), "{message}");
+}
+
+/// The sum that PNG has over its parts.
+fn crc32(bytes: &[u8]) -> u32 {
+    let step = |sum: u32, byte: &u8| {
+        (0..8).fold(sum ^ u32::from(*byte), |sum, _| if sum & 1 == 1 { sum >> 1 ^ 0xEDB8_8320 } else { sum >> 1 })
+    };
+    !bytes.iter().fold(u32::MAX, step)
+}
+
 /// A description alone, as Christie's Mystique writes it (z up, no files), with one region whose
 /// lens is said by `lens`.
 fn alone(lens: &str) -> Vec<u8> {

@@ -24,6 +24,9 @@ const TILT: Allowed = Allowed::closed(-180.0, 180.0, "an angle in degrees, 0 = z
 const OPENING: Allowed = Allowed::above(0.0, 360.0, "a whole opening angle in degrees");
 const METRES: Allowed = Allowed::closed(-1e6, 1e6, "[x right, y up, z backward] in metres from the dome's centre");
 
+/// Greatest number of outputs: what one machine's graphics adapters can carry, with room to spare.
+const MOST_OUTPUTS: usize = 64;
+
 /// Reads the rig in `text`. `None` if it is no TOML at all; otherwise it is usable only if no
 /// problem was added.
 pub(in crate::rig) fn read(text: &str, file_name: &str, directory: &Path, problems: &mut Problems) -> Option<Rig> {
@@ -44,8 +47,17 @@ pub(in crate::rig) fn read(text: &str, file_name: &str, directory: &Path, proble
     let camera = viewer::camera(root.section("camera", problems), problems);
     let views = views::views(root.section("views", problems), problems);
     let overlay = views::overlay(root.section("overlay", problems), problems);
-    let outputs = root
-        .sections("output", "[[output]] with double brackets", problems)
+    let mut sections = root.sections("output", "[[output]] with double brackets", problems);
+    if sections.len() > MOST_OUTPUTS {
+        let count = sections.len();
+        problems.add(
+            &format!("output[{MOST_OUTPUTS}]"),
+            format!("is one too many; expected at most {MOST_OUTPUTS} outputs, not {count}"),
+        );
+        // Each may name files: none is read.
+        sections.clear();
+    }
+    let outputs = sections
         .into_iter()
         .enumerate()
         .filter_map(|(index, section)| output::output(section, index, &dome, directory, problems))

@@ -1,9 +1,9 @@
 //! `transfer` of `[output.blend]`: the display's response.
 
+use crate::formats::read_at_most;
 use crate::rig::problems::Problems;
 use crate::rig::reader::{Allowed, Section};
 use crate::rig::{Response, Transfer};
-use std::io::Read;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -119,12 +119,8 @@ fn response(points: &[[f64; 2]], path: &str, problems: &mut Problems) -> Option<
 /// and a first line of words are left out.
 fn responses(path: &Path) -> Result<[Response; 3], String> {
     let refused = |why: String| format!("{}: {why}", path.display());
-    let file = std::fs::File::open(path).map_err(|error| refused(error.to_string()))?;
-    let mut text = String::new();
-    file.take(LONGEST_FILE + 1).read_to_string(&mut text).map_err(|error| refused(error.to_string()))?;
-    if text.len() as u64 > LONGEST_FILE {
-        return Err(refused("is longer than a megabyte; expected a few hundred lines of measurements".to_owned()));
-    }
+    let bytes = read_at_most(path, LONGEST_FILE).map_err(|error| error.message)?;
+    let text = String::from_utf8(bytes).map_err(|error| refused(error.to_string()))?;
     let mut channels: [Vec<[f64; 2]>; 3] = Default::default();
     let lines = text.lines().enumerate().map(|(index, line)| (index + 1, line.trim()));
     for (number, line) in lines.filter(|(_, line)| !line.is_empty() && !line.starts_with('#')) {

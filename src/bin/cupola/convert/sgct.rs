@@ -9,11 +9,11 @@ use super::rig::{file_name, heading, mask, quoted};
 use super::written::{Written, file_beside, save};
 use crate::failure::Failure;
 use cupola::blend::decode;
-use cupola::formats::{Grid, bourke, pfm, read_file, sgct};
+use cupola::formats::{Grid, bourke, pfm, png_luma, read_file, sgct};
 use cupola::rig::Flip;
 use glam::DVec2;
 use std::fmt::Write;
-use std::path::Path;
+use std::path::{Component, Path, PathBuf};
 
 /// Writes a rig for each computer of an SGCT configuration. All pictures have the same eye point.
 /// Remarks for the user are added to `notes`.
@@ -118,6 +118,28 @@ struct Place<'a> {
     number: String,
 }
 
+impl Place<'_> {
+    /// The path of a file that the configuration names.
+    fn file(&self, name: &str) -> Result<PathBuf, Failure> {
+        let folder = self.from.parent().unwrap_or(Path::new(""));
+        let path = folder.join(name);
+        let refused = |why: &str| Failure::usage(format!("{}: the file {name:?} {why}", self.from.display()));
+        let plain = |part| matches!(part, Component::Normal(_) | Component::CurDir);
+        if !Path::new(name).components().all(plain) {
+            return Err(refused("leads out of the configuration's folder"));
+        }
+        // What cannot be found cannot be read either; reading says why.
+        let resolved =
+            |path: &Path| if path.as_os_str().is_empty() { Path::new(".").canonicalize() } else { path.canonicalize() };
+        match (resolved(folder), resolved(&path)) {
+            (Ok(folder), Ok(found)) if !found.starts_with(&folder) => {
+                Err(refused("is a link that leads out of the configuration's folder"))
+            }
+            _ => Ok(path),
+        }
+    }
+}
+
 /// Keys of an output with a mirror. The meshes of the four faces are combined to one map of
 /// directions.
 fn mirror(viewport: &sgct::Viewport, tilt: f64, meshes: &[String; 4], place: &Place) -> Result<String, Failure> {
@@ -125,7 +147,7 @@ fn mirror(viewport: &sgct::Viewport, tilt: f64, meshes: &[String; 4], place: &Pl
     let size = (width as u32, height as u32);
     let mut faces = Vec::new();
     for (mesh, axes) in meshes.iter().zip(sgct::mirror_faces(tilt)) {
-        let path = place.from.with_file_name(mesh);
+        let path = place.file(mesh)?;
         let name = path.to_string_lossy();
         faces.push((Grid::Mesh(bourke::read(&name, &read_file(&path)?)?.value.mesh(&name)?), axes));
     }
@@ -162,7 +184,7 @@ fn mirror(viewport: &sgct::Viewport, tilt: f64, meshes: &[String; 4], place: &Pl
 
 /// Writes a mesh with mirrored values and returns its file name.
 fn mirrored_mesh(mesh: &str, [across, up]: [bool; 2], place: &Place) -> Result<String, Failure> {
-    let path = place.from.with_file_name(mesh);
+    let path = place.file(mesh)?;
     let mut mesh = bourke::read(&path.to_string_lossy(), &read_file(&path)?)?.value;
     for [_, _, u, v, _] in &mut mesh.nodes {
         *u = if across { 1.0 - *u } else { *u };
@@ -175,13 +197,10 @@ fn mirrored_mesh(mesh: &str, [across, up]: [bool; 2], place: &Place) -> Result<S
 
 /// Fractions of light of a mask of factors on displayed values, row by row from the top, mirrored.
 fn light_of(mask: &str, [across, up]: [bool; 2], place: &Place) -> Result<((u32, u32), Vec<f64>), Failure> {
-    let path = place.from.with_file_name(mask);
-    let picture = image::load_from_memory(&read_file(&path)?)
-        .map_err(|error| Failure::new(format!("{}: {error}", path.display())))?
-        .into_luma16();
-    let (width, height) = picture.dimensions();
-    let turned = |turn: bool, at: u32, count: u32| if turn { count - 1 - at } else { at };
-    let weight = |x, y| f64::from(picture.get_pixel(turned(across, x, width), turned(up, y, height)).0[0]) / 65535.0;
+    let path = place.file(mask)?;
+    let ((width, height), weights) = png_luma(&path.to_string_lossy(), &read_file(&path)?)?;
+    let turned = |turn: bool, at: u32, count: u32| (if turn { count - 1 - at } else { at }) as usize;
+    let weight = |x, y| f64::from(weights[turned(up, y, height) * width as usize + turned(across, x, width)]) / 65535.0;
     let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
     Ok(((width, height), places.map(|(x, y)| decode(weight(x, y), GAMMA)).collect()))
 }
