@@ -1,7 +1,7 @@
 //! The APIs that run a plan.
 
 pub mod gl;
-#[cfg(test)]
+#[cfg(any(test, fuzzing))]
 pub mod null;
 #[cfg(test)]
 mod tests;

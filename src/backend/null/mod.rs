@@ -9,6 +9,7 @@
 //! the objects that are alive, so that leaks are seen, and raises an error at a chosen call.
 
 mod functions;
+#[cfg(test)]
 mod tests;
 
 use std::cell::RefCell;

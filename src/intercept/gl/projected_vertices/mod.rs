@@ -9,10 +9,10 @@
 //! vertex shader → [geometry or tessellation stage that divides] → lens of the output
 //! ```
 
-mod carriers;
+pub mod carriers;
 mod fixed_function;
 mod geometry_stage;
-mod interface;
+pub mod interface;
 mod lens;
 mod tessellation;
 mod variants;

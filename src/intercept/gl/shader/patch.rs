@@ -30,6 +30,11 @@ pub fn patch(source: &str, stage: Stage, es_context: bool, curved: bool) -> Opti
     // The macro must come after `#version` and may come before `#extension`.
     let head_end = end_of_version_line(source, &bare);
     let (head, body) = source.split_at(head_end);
+    // Nothing can follow a directive on its line: such a text is in error.
+    let ends_within = |part: &str| !part.is_empty() && !part.ends_with('\n');
+    if ends_within(head) {
+        return None;
+    }
     let line = head.matches('\n').count() + 1;
     // Before GLSL 330 and ESSL 300, `#line n` numbers the *following* line n + 1.
     let line = if (es && version < 300) || (!es && version < 330) { line.saturating_sub(1) } else { line };
@@ -43,6 +48,9 @@ pub fn patch(source: &str, stage: Stage, es_context: bool, curved: bool) -> Opti
             // A function declaration may not stand before `#extension`, so it goes after the last one.
             let split = after_last_extension(&bare).max(head_end);
             let (before, after) = source.split_at(split);
+            if ends_within(before) {
+                return None;
+            }
             let line = before.matches('\n').count() + 1;
             let line = if !es && version < 330 { line.saturating_sub(1) } else { line };
             format!(
@@ -196,6 +204,17 @@ mod tests {
         );
         assert_eq!(patch("float domain(float x) { return x; }", Stage::Vertex, false, false), None);
         assert!(patch("// é\nvoid main ( ) {}", Stage::Vertex, false, false).is_some());
+    }
+
+    /// What we add would stand on the line of the directive.
+    #[test]
+    fn a_main_on_the_line_of_the_version_is_none() {
+        for source in ["#version 330 void main() {}", "// a\n#version 330 es void main() {}"] {
+            assert_eq!(patch(source, Stage::Vertex, false, false), None, "{source}");
+        }
+        let geometry = "#version 330\n#extension GL_x : enable void main() {}";
+        assert_eq!(patch(geometry, Stage::Geometry, false, false), None);
+        assert!(patch("#version 330\r\nvoid main() {}", Stage::Vertex, false, false).is_some());
     }
 
     #[test]

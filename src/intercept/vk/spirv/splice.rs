@@ -12,6 +12,9 @@ use spirv::{BuiltIn, Decoration, ExecutionMode, ExecutionModel, FunctionControl,
 /// The first version in which an entry point names all variables that it uses.
 const NAMES_ALL: u32 = 0x0001_0400;
 
+/// Greatest bound of a module's ids: 256 times what every driver takes. Ours follow it.
+const MOST_IDS: u32 = 1 << 30;
+
 /// `words` with the epilogue, or why there is none. The view constants are a uniform block at
 /// binding 0 of `set`; with `lenses` the lens of a picture follows them.
 ///
@@ -46,6 +49,9 @@ pub fn splice(
     }
     let interface = 2 + string(point.rest(2)).1;
     let position = position(&declared, point.rest(interface)).ok_or("a shader that writes no gl_Position")?;
+    if words[3] > MOST_IDS {
+        return Err("a shader with too many ids");
+    }
     let mut additions = Additions::new(words[3], &declared);
     let linked = additions.link(functions(lenses), set);
     let emits = model == ExecutionModel::Geometry;

@@ -110,6 +110,9 @@ fn what_cannot_be_followed_is_refused() {
     let mut zero = words.to_vec();
     zero[5] = 0;
     assert!(refused(&zero, VERTEX_ENTRY.to_str().expect("a name")), "an instruction without length");
+    let mut endless = words.to_vec();
+    endless[3] = u32::MAX;
+    assert!(refused(&endless, VERTEX_ENTRY.to_str().expect("a name")), "no number is left for an id");
 }
 
 /// Any damage to a module is survived.
