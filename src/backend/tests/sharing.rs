@@ -185,9 +185,11 @@ pub fn shapes_and_exponents_are_those_of_f64(driver: &dyn Driver) {
 /// Blacks of [`projectors`].
 const BLACKS: [f64; 3] = [0.01, 0.02, 0.015];
 
-/// Of each pixel of each projector: its share of the light of its point, and the sum of the blacks there. `None` where borders
-/// cross. The same for all drivers.
-static SHARES: LazyLock<[Vec<Option<(f64, f64)>>; 3]> = LazyLock::new(|| {
+/// A pixel's share of the light of its point, and the sum of the blacks there. `None` where borders cross.
+type Share = Option<(f64, f64)>;
+
+/// The shares of all pixels of each projector, the same for all drivers.
+static SHARES: LazyLock<[Vec<Share>; 3]> = LazyLock::new(|| {
     let projectors = projectors();
     [0, 1, 2].map(|index| {
         let share = |at: u32| {
