@@ -36,10 +36,12 @@ libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     let (mut rig, mut gl) = (null_mut(), null_mut());
     // SAFETY: live arguments; structs are as long as they say, or longer than is allowed.
     unsafe {
-        cupola_rig_load(c"fisheye".as_ptr(), &mut rig);
+        // One view, which is planned quickly.
+        let text = c"[[output]]\nkind = \"perspective\"\nfov = [60.0, 40.0]\n";
+        cupola_rig_parse(text.as_ptr(), c"".as_ptr(), &mut rig);
         let mut options = structure(sizes[0], &mut bytes);
         if let Some(find_place) = options.get_mut(1) {
-            *find_place = find as usize;
+            *find_place = find as *const () as usize;
         }
         // Sizes of windows that are planned at once.
         if let Some(size) = options.get_mut(2) {
@@ -57,7 +59,9 @@ libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
         }
         if !gl.is_null() {
             let mut view = structure(sizes[1], &mut bytes);
-            let number = |bytes: &mut dyn Iterator<Item = u8>| f64::from_le_bytes(std::array::from_fn(|_| bytes.next().unwrap_or_default()));
+            let number = |bytes: &mut dyn Iterator<Item = u8>| {
+                f64::from_le_bytes(std::array::from_fn(|_| bytes.next().unwrap_or_default()))
+            };
             let (near, far) = (number(&mut bytes), number(&mut bytes));
             let _ = cupola_gl_get_view(gl, u32::from(kind >> 4), near, far, view.as_mut_ptr().cast::<cupola_gl_view>());
             let mut statistics = structure(sizes[2], &mut bytes);
@@ -65,7 +69,8 @@ libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
             let position = std::array::from_fn::<f64, 3, _>(|_| number(&mut bytes));
             let angles = [(); 3].map(|()| number(&mut bytes));
             let _ = cupola_gl_set_viewer(gl, position.as_ptr(), angles[0], angles[1], angles[2]);
-            let (width, height) = (u32::from(bytes.next().unwrap_or_default()), u32::from(bytes.next().unwrap_or_default()));
+            let (width, height) =
+                (u32::from(bytes.next().unwrap_or_default()), u32::from(bytes.next().unwrap_or_default()));
             let _ = cupola_gl_resize(gl, width, height);
             for call in bytes.by_ref().take(16) {
                 let _ = match call % 4 {

@@ -108,3 +108,21 @@ extern "C" fn pass_on(signal: libc::c_int, info: *mut libc::siginfo_t, _context:
         unsafe { libc::kill(program, signal) };
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{is_privileged, variable};
+
+    /// The kernel's number for this process, as `/proc` has it: pairs of words.
+    #[test]
+    fn rights_are_those_that_the_kernel_says() {
+        const AT_SECURE: u64 = 23;
+        let bytes = std::fs::read("/proc/self/auxv").expect("this process");
+        let (words, _) = bytes.as_chunks::<8>();
+        let words: Vec<u64> = words.iter().map(|word| u64::from_ne_bytes(*word)).collect();
+        let (pairs, _) = words.as_chunks::<2>();
+        let [_, secure] = pairs.iter().find(|[kind, _]| *kind == AT_SECURE).expect("Linux says it");
+        assert_eq!(is_privileged(), *secure != 0);
+        assert_eq!(variable("PATH").is_some(), !is_privileged());
+    }
+}
