@@ -55,25 +55,46 @@ impl Raster {
     ///
     /// Linear between the centres of the raster's pixels, and continued linearly over the outer
     /// half of the outermost. Nothing is shown where the nearest pixel shows nothing; beside such
-    /// pixels the nearest one's value stands alone.
+    /// pixels the others are continued linearly as far as they tell, else the nearest one's value
+    /// stands alone.
     pub fn sample(&self, part: DVec2) -> Option<Sample> {
         if !(part.cmpge(DVec2::ZERO).all() && part.cmple(DVec2::ONE).all()) {
             return None;
         }
         let (left, across) = cell(part.x, self.size.0);
         let (top, down) = cell(part.y, self.size.1);
-        let at = |x: u32, y: u32| {
-            let index = y.min(self.size.1 - 1) as usize * self.size.0 as usize + x.min(self.size.0 - 1) as usize;
-            let value = DVec3::from_array(self.values[index].map(f64::from));
-            (!value.is_nan()).then_some(value)
-        };
-        let nearest = at(left + u32::from(across > 0.5), top + u32::from(down > 0.5))?;
+        let at = |x: u32, y: u32| self.value(x.min(self.size.0 - 1), y.min(self.size.1 - 1));
         let corners = [at(left, top), at(left + 1, top), at(left, top + 1), at(left + 1, top + 1)];
         let value = match corners {
             [Some(a), Some(b), Some(c), Some(d)] => a.lerp(b, across).lerp(c.lerp(d, across), down),
-            _ => nearest,
+            _ => self.beside_nothing([left, top], DVec2::new(across, down))?,
         };
         Some(Sample { value, intensity: 1.0 })
+    }
+
+    /// The value of a pixel, if it shows something.
+    fn value(&self, x: u32, y: u32) -> Option<DVec3> {
+        let value = self.values.get(y as usize * self.size.0 as usize + x as usize).filter(|_| x < self.size.0)?;
+        let value = DVec3::from_array(value.map(f64::from));
+        (!value.is_nan()).then_some(value)
+    }
+
+    /// The value at `part` of a cell with corners that show nothing: the nearest one's, with the
+    /// slopes towards the pixels beside it that show something.
+    fn beside_nothing(&self, [left, top]: [u32; 2], part: DVec2) -> Option<DVec3> {
+        let step = [u32::from(part.x > 0.5 && self.size.0 > 1), u32::from(part.y > 0.5 && self.size.1 > 1)];
+        let (x, y) = (left + step[0], top + step[1]);
+        let nearest = self.value(x, y)?;
+        let slope = |before: Option<DVec3>, after: Option<DVec3>| match (before, after) {
+            (Some(before), Some(after)) => 0.5 * (after - before),
+            (Some(before), None) => nearest - before,
+            (None, Some(after)) => after - nearest,
+            (None, None) => DVec3::ZERO,
+        };
+        let before = |place: u32| place.checked_sub(1);
+        let across = slope(before(x).and_then(|x| self.value(x, y)), self.value(x + 1, y));
+        let down = slope(before(y).and_then(|y| self.value(x, y)), self.value(x, y + 1));
+        Some(nearest + across * (part.x - f64::from(step[0])) + down * (part.y - f64::from(step[1])))
     }
 }
 
@@ -115,6 +136,26 @@ mod tests {
         let raster = Raster::new((3, 3), values).unwrap();
         assert_eq!(sample(&raster, 0.5, 0.5), None);
         assert_eq!(sample(&raster, 0.32, 0.5), Some(DVec3::new(1.0, 2.0, 3.0)));
+    }
+
+    /// A constant value there would be a pixel without extent, which no resolution satisfies.
+    #[test]
+    fn a_linear_raster_is_linear_beside_what_shows_nothing() {
+        let value = |x: f64, y: f64| [3.0 * x - y, 1.0 + x + 10.0 * y, 4.0];
+        let mut values: Vec<_> =
+            (0..35).map(|i| value(f64::from(i % 7) + 0.5, f64::from(i / 7) + 0.5).map(|v| v as f32)).collect();
+        for hole in [0, 3, 10, 17, 24, 31, 28] {
+            values[hole] = [f32::NAN; 3];
+        }
+        let raster = Raster::new((7, 5), values).unwrap();
+        let mut shown = 0;
+        for (x, y) in (0..50).flat_map(|y| (0..70).map(move |x| (f64::from(x) * 0.1 + 0.05, f64::from(y) * 0.1 + 0.05)))
+        {
+            let Some(found) = sample(&raster, x / 7.0, y / 5.0) else { continue };
+            assert!(found.distance(DVec3::from_array(value(x, y))) < 1e-5, "({x}, {y}): {found}");
+            shown += 1;
+        }
+        assert_eq!(shown, 2_800, "of the pixels that show something, every place");
     }
 
     #[test]
