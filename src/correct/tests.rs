@@ -3,14 +3,15 @@
 use crate::ErrorKind;
 use crate::correct::passes::output_pass::{Batch, Plan};
 use crate::correct::passes::source::Source;
+use crate::correct::plan::blocks::{self, Picture};
 use crate::correct::plan::builder::build;
 use crate::geom::Panorama;
 use crate::geom::panorama::Span;
 use crate::rig::{OutputKind, Rig};
 use crate::testing::random::Random;
-use crate::views::Request;
 use crate::views::sampling::output_map::UNIT_FRUSTUM;
 use crate::views::tests::{fisheye, lens, output, projector, random_rig, request, rig};
+use crate::views::{Request, ViewPlan};
 use crate::warp::WarpMap;
 use glam::{DVec2, DVec3};
 
@@ -169,6 +170,91 @@ fn the_check_of_batches_notices_what_is_wrong() {
     assert!(fails(&|batches| batches.iter_mut().for_each(|batch| batch.edge = false)), "dark pixels are not told");
     assert!(fails(&|batches| batches.iter_mut().for_each(|batch| batch.views.clear())), "a view is missing");
     assert!(fails(&|batches| batches.iter_mut().for_each(|batch| batch.neighbours.clear())), "a neighbour is missing");
+}
+
+/// Number of pixels that show something for which no view answers, and of those that show
+/// something.
+fn holes(plan: &Plan) -> (usize, usize) {
+    let (mut holes, mut lit) = (0, 0);
+    for (pass, views) in plan.passes.iter().zip(&plan.views.output_views) {
+        for (x, y) in (0..pass.size.1).flat_map(|y| (0..pass.size.0).map(move |x| (f64::from(x), f64::from(y)))) {
+            let (x, y) = pass.source.normalised(pass.size, x + 0.5, y + 0.5);
+            let Some(direction) = pass.source.direction(x, y) else { continue };
+            let answers = |&view: &usize| {
+                let view = &plan.views.views[view];
+                let local = view.rotation * direction;
+                local.z < 0.0 && view.owned.contains(local.x / -local.z, local.y / -local.z)
+            };
+            lit += 1;
+            holes += usize::from(!views.iter().any(answers));
+        }
+    }
+    (holes, lit)
+}
+
+/// Rigs whose pictures reach beyond the outline of the screen. Views are those of pictures 4096
+/// wide: what a view is wider than its part is then a small part of a pixel.
+#[test]
+fn no_pixel_beside_a_silhouette_is_without_a_view() {
+    let sphere = "radius = 1.421\nposition = [0.0645, -0.111, -0.1215]\n";
+    let rigs = [
+        format!(
+            "[screen]\nshape = \"sphere\"\n{sphere}[[output]]\nkind = \"projector\"\n\
+             position = [16.8474, -24.4004, -4.5592]\nyaw = -105.143\npitch = 54.424\nroll = -338.577\n\
+             fov = [13.745, 16.296]\nshift = [0.362, -0.127]\n"
+        ),
+        "[screen]\nshape = \"sphere\"\nradius = 1.575\nposition = [-0.138, 0.129, -0.015]\n[[output]]\n\
+         kind = \"projector\"\nposition = [-2.7068, 29.8765, 0.2563]\nyaw = 84.591\npitch = -84.8\n\
+         roll = -234.02\nfov = [22.396, 11.048]\n"
+            .to_owned(),
+        "[viewer]\nposition = [0.429, -0.411, -0.1935]\n[screen]\nshape = \"cone\"\n\
+         position = [0.0195, -0.1245, 0.0645]\nyaw = -206.935\npitch = -13.866\nroll = -231.119\n\
+         radii = [1.905, 0.569]\nheights = [-1.336, 1.196]\n[[output]]\nkind = \"projector\"\n\
+         position = [-2.2555, 2.8144, 2.691]\nyaw = 39.969\npitch = -38.714\nroll = 75.967\n\
+         fov = [40.951, 57.151]\ndistortion = { radial = [-0.027, -0.007, 0.0], tangential = [-0.007, 0.004] }\n"
+            .to_owned(),
+    ];
+    let size = (512, 384);
+    for text in rigs {
+        let mut rig = crate::rig::parse(&text, "silhouette.toml", std::path::Path::new("")).expect("valid");
+        rig.views.quality = 8.0;
+        let plan = build(&rig, &request(&[size])).expect("a plan");
+        let (holes, lit) = holes(&plan);
+        assert!(holes == 0 && lit > 10_000, "{holes} of {lit} pixels: {text}");
+    }
+}
+
+#[test]
+fn the_planner_knows_all_that_presets_show() {
+    for preset in crate::rig::presets() {
+        let rig = crate::rig::load(preset.name).expect("a preset");
+        let request = request(&vec![(240, 150); rig.outputs.len()]);
+        let planned = crate::views::plan(&rig, &request).expect("a plan");
+        assert_eq!(build(&rig, &request).expect("a plan").views, planned, "{}", preset.name);
+    }
+}
+
+/// What the planner does not know, here because its views are made narrower on purpose, is found
+/// pixel by pixel.
+#[test]
+fn a_view_is_widened_by_what_pixels_show_beyond_it() {
+    let text = "[[output]]\nkind = \"projector\"\nposition = [0.5, 1.0, 3.0]\nfov = [60, 40]\n";
+    let rig = crate::rig::parse(text, "widened.toml", std::path::Path::new("")).expect("valid");
+    let (request, none) = (request(&[(160, 100)]), crate::cache::Cache::none());
+    let plan = build(&rig, &request).expect("a plan");
+    let picture =
+        Picture { source: plan.passes[0].source.clone(), size: (160, 100), mask: None, flip: rig.outputs[0].flip };
+    let beyond = |plan: &ViewPlan| blocks::examine(&rig, 0, &picture, plan, &none).beyond[0];
+    assert_eq!(beyond(&plan.views), None, "the planner knows a projector's picture");
+    let mut narrow = plan.views.clone();
+    let owned = &mut narrow.views[0].owned;
+    let whole = *owned;
+    owned.right -= 0.1 * whole.width();
+    owned.bottom += 0.2 * whole.height();
+    let found = beyond(&narrow).expect("pixels beyond it");
+    let texel = whole.width() / 160.0;
+    assert!((found.right - whole.right).abs() < 2.0 * texel, "{found:?} {whole:?}");
+    assert!((found.bottom - whole.bottom).abs() < 2.0 * texel, "{found:?} {whole:?}");
 }
 
 #[test]

@@ -55,6 +55,16 @@ impl Frustum {
         Self { left: self.left + x, right: self.right + x, bottom: self.bottom + y, top: self.top + y }
     }
 
+    /// The smallest frustum that contains both.
+    pub fn union(&self, other: &Self) -> Self {
+        Self {
+            left: self.left.min(other.left),
+            right: self.right.max(other.right),
+            bottom: self.bottom.min(other.bottom),
+            top: self.top.max(other.top),
+        }
+    }
+
     /// Whether the direction `(tan_x, tan_y, −1)` is inside; the sides belong to it, NaN does not.
     pub fn contains(&self, tan_x: f64, tan_y: f64) -> bool {
         tan_x >= self.left && tan_x <= self.right && tan_y >= self.bottom && tan_y <= self.top

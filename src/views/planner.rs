@@ -2,11 +2,14 @@
 
 use crate::cache::Cache;
 use crate::error::Result;
+use crate::geom::Frustum;
 use crate::rig::Rig;
 use crate::views::arranging::cached;
+use crate::views::arranging::planned_view::Arrangement;
 use crate::views::placing::{idle, layout};
-use crate::views::sampling::output_map;
+use crate::views::sampling::output_map::{self, OutputMap};
 use crate::views::view_plan::{Request, ViewPlan};
+use std::borrow::Cow;
 
 /// Plans the views of `rig`: deterministic, and without a graphics API.
 ///
@@ -30,16 +33,53 @@ pub fn plan(rig: &Rig, request: &Request) -> Result<ViewPlan> {
 /// # Errors
 /// As [`plan`].
 pub fn plan_with_margin(rig: &Rig, request: &Request, margin: u32, cache: &Cache) -> Result<ViewPlan> {
-    // A mirrored picture shows the same directions.
-    let rig = &*rig.upright();
-    let outputs: &[_] = if rig.passthrough { &[] } else { &rig.outputs };
-    request.check(outputs.len(), rig.passthrough)?;
-    let output_maps = output_map::all(rig, outputs.len(), request)?;
-    let mut arrangement = cached::arrange(rig, &output_maps, cache)?;
-    loop {
-        let plan = layout::place(rig, request, margin, &arrangement.views, &arrangement.notes)?;
-        let Some(idle) = idle::find(&plan, &output_maps) else { return Ok(plan) };
-        let view = arrangement.views.remove(idle);
-        arrangement.notes.push(format!("no view {}: the centre of no pixel lies there", view.name));
+    Planning::new(rig, request, margin, cache)?.place()
+}
+
+/// Views that are chosen and may yet be widened.
+#[derive(Debug)]
+pub(crate) struct Planning<'a> {
+    rig: Cow<'a, Rig>,
+    request: &'a Request,
+    margin: u32,
+    output_maps: Vec<OutputMap>,
+    arrangement: Arrangement,
+}
+
+impl<'a> Planning<'a> {
+    /// Chooses the views of a rig.
+    ///
+    /// # Errors
+    /// As [`plan`].
+    pub fn new(rig: &'a Rig, request: &'a Request, margin: u32, cache: &Cache) -> Result<Self> {
+        // A mirrored picture shows the same directions.
+        let rig = rig.upright();
+        let outputs: &[_] = if rig.passthrough { &[] } else { &rig.outputs };
+        request.check(outputs.len(), rig.passthrough)?;
+        let output_maps = output_map::all(&rig, outputs.len(), request)?;
+        let arrangement = cached::arrange(&rig, &output_maps, cache)?;
+        Ok(Self { rig, request, margin, output_maps, arrangement })
+    }
+
+    /// The views with their places in the atlas, without those that no pixel samples.
+    ///
+    /// # Errors
+    /// [`Graphics`](crate::ErrorKind::Graphics) if nothing fits into the atlas.
+    pub fn place(&mut self) -> Result<ViewPlan> {
+        loop {
+            let Arrangement { views, notes } = &self.arrangement;
+            let plan = layout::place(&self.rig, self.request, self.margin, views, notes)?;
+            let Some(idle) = idle::find(&plan, &self.output_maps) else { return Ok(plan) };
+            let view = self.arrangement.views.remove(idle);
+            self.arrangement.notes.push(format!("no view {}: the centre of no pixel lies there", view.name));
+        }
+    }
+
+    /// Widens a view of the latest plan so that it answers for the tangents in `extent`, too.
+    /// Returns whether it did: views that are pictures of outputs stay as they are.
+    pub fn widen(&mut self, view: usize, extent: &Frustum) -> bool {
+        let Some(view) = self.arrangement.views.get_mut(view).filter(|view| view.exact.is_none()) else { return false };
+        view.fit.extent = view.fit.extent.union(extent);
+        true
     }
 }

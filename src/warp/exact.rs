@@ -192,6 +192,18 @@ impl WarpMap {
         Some(self.screen.unbounded_hit(DVec3::ZERO, direction)?.point)
     }
 
+    /// The point (dome axes) from which all light of the output comes, or from which its picture is
+    /// made; `None` where that differs from pixel to pixel or is not known.
+    pub fn origin(&self) -> Option<DVec3> {
+        match &self.optics {
+            Optics::Domemaster { .. } | Optics::Panorama { .. } => Some(DVec3::ZERO),
+            Optics::Projector { pose, .. } => Some(pose.position),
+            Optics::Special(optics) => optics.mirror.is_none().then_some(optics.pose.position),
+            Optics::Calibrated(map) => map.origin(),
+            Optics::Perspective { .. } => None,
+        }
+    }
+
     /// Whether the light of a pixel, whose ray goes through `point`, ends there and not at another
     /// point on the way.
     fn lights(&self, pixel: DVec2, point: DVec3) -> bool {

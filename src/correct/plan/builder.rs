@@ -8,12 +8,14 @@ use crate::correct::passes::mask;
 use crate::correct::passes::output_pass::{Batch, OutputPass, Plan};
 use crate::correct::passes::rectangle::PixelRect;
 use crate::correct::passes::source::Source;
-use crate::correct::plan::blocks;
+use crate::correct::plan::blocks::{self, Picture};
+use crate::correct::plan::needs::Examined;
 use crate::correct::sources::surface_sample::SurfaceSampler;
 use crate::correct::sources::{facets, output_source};
 use crate::error::Result;
-use crate::rig::{Method, Rig};
-use crate::views::{self, Request};
+use crate::rig::{Flip, Method, Output, Rig};
+use crate::views::planner::Planning;
+use crate::views::{Request, ViewPlan};
 use std::sync::Arc;
 
 /// Plans the views and the passes of `rig`: deterministic, and without a graphics API; it reads the
@@ -25,7 +27,7 @@ use std::sync::Arc;
 ///
 /// # Errors
 ///
-/// Those of [`views::plan`] and [`WarpMap::new`](crate::warp::WarpMap::new);
+/// Those of [`views::plan`](crate::views::plan) and [`WarpMap::new`](crate::warp::WarpMap::new);
 /// [`Io`](crate::ErrorKind::Io) or [`InvalidRig`](crate::ErrorKind::InvalidRig) if a mask cannot be
 /// read.
 pub fn build(rig: &Rig, request: &Request) -> Result<Plan> {
@@ -43,61 +45,96 @@ pub fn build_with(rig: &Rig, request: &Request, cache: &Cache) -> Result<Plan> {
     let sizes: Vec<_> = request.output_sizes.iter().map(|&(width, height)| (width.max(1), height.max(1))).collect();
     let sizes = sizes.as_slice();
     let domes = dome_meshes(rig, sizes)?;
-    let views = views::plan_with_margin(rig, request, margin(rig, &domes), cache)?;
+    let mut planning = Planning::new(rig, request, margin(rig, &domes), cache)?;
+    let mut views = planning.place()?;
+    let pictures = pictures(rig, sizes, flips, cache)?;
+    let examine = |views: &ViewPlan| -> Vec<Examined> {
+        let pictures = pictures.iter().zip(&request.output_sizes).enumerate();
+        let examined = pictures.map(|(index, (picture, size))| match size {
+            (0, 0) => Examined::default(),
+            _ => blocks::examine(rig, index, picture, views, cache),
+        });
+        examined.collect()
+    };
+    let mut examined = examine(&views);
+    // The planner knows an output between its samples only; here every pixel has been asked for.
+    if widen(&mut planning, &views, &examined) {
+        views = planning.place()?;
+        examined = examine(&views);
+    }
     let mut passes = Vec::new();
     let lift = match rig.outputs.iter().any(|output| output.blend.contrast.is_some()) {
         true => Weights::new(rig, sizes)?.greatest_black(),
         false => 0.0,
     };
-    if !rig.passthrough {
-        for (index, ((output, &size), flip)) in rig.outputs.iter().zip(sizes).zip(flips).enumerate() {
-            let source = output_source::of(rig, index, sizes, cache)?;
-            // A table has them in its weights.
-            let ramps = if matches!(source, Source::Table(_)) { Vec::new() } else { output.blend.ramps.clone() };
-            let mask = output.mask.as_deref().map(mask::load).transpose()?;
-            let batches = match request.output_sizes[index] {
-                (0, 0) => Vec::new(),
-                _ => {
-                    let picture = blocks::Picture { source: &source, size, mask: mask.as_ref(), flip };
-                    blocks::batches(rig, index, &picture, &views, cache)
-                }
-            };
-            let batches = match output.method {
-                Method::Fragment | Method::Vertex | Method::Primitive { .. } => batches,
-                Method::Table { .. } => match &source {
-                    Source::Table(table) if table.step() > 1 => only_lit(batches, &source, size),
-                    _ => batches,
-                },
-                Method::Mesh { max_error } => {
-                    meshed(only_lit(batches, &source, size), &SurfaceSampler::new(rig, index, sizes)?, max_error)
-                }
-                Method::CubeMesh { .. } => with_dome(batches, &views.output_views[index], domes[index].clone()),
-            };
-            // Meshes and coarse tables do not know how many pictures meet at their pixels.
-            let knows_black = match &source {
-                Source::Table(table) => table.step() == 1,
-                _ => output.method == Method::Fragment || output.method.projects_vertices(),
-            };
-            passes.push(OutputPass {
-                name: output.name.clone(),
-                size,
-                batches,
-                lift: if knows_black && output.blend.overlap { lift } else { 0.0 },
-                source,
-                mask: mask.map(|mask| mask.flipped(flip)),
-                ramps,
-                dome_rotation: output_source::dome_axes(rig),
-                filter: rig.views.filter,
-                gamma: output.blend.gamma,
-                transfer: output.blend.transfer.clone(),
-                black_level: output.blend.black_level,
-                black: output.black.as_deref().map(|black| BlackPicture::of(black, &output.blend, flip)),
-                dither: output.blend.dither.map_or(0.0, |bits| 1.0 / (f64::from(bits).exp2() - 1.0)),
-                flip,
-            });
-        }
+    for (index, (picture, examined)) in pictures.into_iter().zip(examined).enumerate() {
+        let output = &rig.outputs[index];
+        let batches = match request.output_sizes[index] {
+            (0, 0) => Vec::new(),
+            _ => blocks::batches(rig, index, &picture, &views, examined),
+        };
+        let Picture { source, size, mask, flip } = picture;
+        // A table has them in its weights.
+        let ramps = if matches!(source, Source::Table(_)) { Vec::new() } else { output.blend.ramps.clone() };
+        let batches = match output.method {
+            Method::Fragment | Method::Vertex | Method::Primitive { .. } => batches,
+            Method::Table { .. } => match &source {
+                Source::Table(table) if table.step() > 1 => only_lit(batches, &source, size),
+                _ => batches,
+            },
+            Method::Mesh { max_error } => {
+                meshed(only_lit(batches, &source, size), &SurfaceSampler::new(rig, index, sizes)?, max_error)
+            }
+            Method::CubeMesh { .. } => with_dome(batches, &views.output_views[index], domes[index].clone()),
+        };
+        // Meshes and coarse tables do not know how many pictures meet at their pixels.
+        let knows_black = match &source {
+            Source::Table(table) => table.step() == 1,
+            _ => output.method == Method::Fragment || output.method.projects_vertices(),
+        };
+        passes.push(OutputPass {
+            name: output.name.clone(),
+            size,
+            batches,
+            lift: if knows_black && output.blend.overlap { lift } else { 0.0 },
+            source,
+            mask: mask.map(|mask| mask.flipped(flip)),
+            ramps,
+            dome_rotation: output_source::dome_axes(rig),
+            filter: rig.views.filter,
+            gamma: output.blend.gamma,
+            transfer: output.blend.transfer.clone(),
+            black_level: output.blend.black_level,
+            black: output.black.as_deref().map(|black| BlackPicture::of(black, &output.blend, flip)),
+            dither: output.blend.dither.map_or(0.0, |bits| 1.0 / (f64::from(bits).exp2() - 1.0)),
+            flip,
+        });
     }
     Ok(Plan { views, passes })
+}
+
+/// What is known of each output's picture before there are views; nothing of a rig that corrects
+/// nothing.
+fn pictures(rig: &Rig, sizes: &[(u32, u32)], flips: impl Iterator<Item = Flip>, cache: &Cache) -> Result<Vec<Picture>> {
+    let outputs = if rig.passthrough { &[] } else { rig.outputs.as_slice() };
+    let described = outputs.iter().zip(sizes).zip(flips).enumerate();
+    let picture = |(index, ((output, &size), flip)): (usize, ((&Output, _), _))| {
+        let source = output_source::of(rig, index, sizes, cache)?;
+        let mask = output.mask.as_deref().map(mask::load).transpose()?;
+        Ok(Picture { source, size, mask, flip })
+    };
+    described.map(picture).collect()
+}
+
+/// Widens views by what was found beyond them. Returns whether there was anything.
+fn widen(planning: &mut Planning<'_>, views: &ViewPlan, examined: &[Examined]) -> bool {
+    let mut widened = false;
+    for (views, examined) in views.output_views.iter().zip(examined) {
+        for (&view, beyond) in views.iter().zip(&examined.beyond) {
+            widened |= beyond.as_ref().is_some_and(|extent| planning.widen(view, extent));
+        }
+    }
+    widened
 }
 
 /// Views have at most so many texels around what outputs sample, however wrong a mesh is.

@@ -2,6 +2,7 @@
 //! all pixels.
 
 use crate::cache::Cache;
+use crate::geom::Frustum;
 use serde::Serialize;
 use std::convert::Infallible;
 
@@ -33,17 +34,39 @@ impl Needs {
     }
 }
 
-/// Returns the needs of so many blocks by `compute`, or what `cache` has for `key`.
+/// Results for the blocks of one output.
+#[derive(Clone, Debug, Default)]
+pub(in crate::correct) struct Examined {
+    /// Needs of every block, row by row.
+    pub(super) needs: Vec<Needs>,
+    /// For each of the output's views the tangents of directions for which no view answers, and
+    /// this one would have to be widened least.
+    pub beyond: Vec<Option<Frustum>>,
+}
+
+/// What is kept: runs of blocks with the same needs, with their lengths, and the tangents beyond
+/// each view.
+type Kept = (Vec<(u32, Needs)>, Vec<Option<Frustum>>);
+
+/// Returns the result of `compute` for so many blocks and views, or what `cache` has for `key`.
 pub(super) fn cached(
     key: &impl Serialize,
     blocks: usize,
+    views: usize,
     cache: &Cache,
-    compute: impl FnOnce() -> Vec<Needs>,
-) -> Vec<Needs> {
-    let is_sound = |runs: &Vec<(u32, Needs)>| is_sound(runs, blocks);
-    let found: Result<_, Infallible> = cache.cached("blocks", key, is_sound, || Ok(runs(&compute())));
-    let Ok(runs) = found;
-    runs.iter().flat_map(|(length, needs)| std::iter::repeat_n(*needs, *length as usize)).collect()
+    compute: impl FnOnce() -> Examined,
+) -> Examined {
+    let is_sound = |(runs, beyond): &Kept| {
+        is_sound(runs, blocks) && beyond.len() == views && beyond.iter().flatten().all(Frustum::is_finite)
+    };
+    let compute = || {
+        let Examined { needs, beyond } = compute();
+        Ok((runs(&needs), beyond))
+    };
+    let found: Result<Kept, Infallible> = cache.cached("blocks", key, is_sound, compute);
+    let Ok((runs, beyond)) = found;
+    let needs = runs.iter().flat_map(|(length, needs)| std::iter::repeat_n(*needs, *length as usize)).collect();
+    Examined { needs, beyond }
 }
 
 /// Runs of blocks with the same needs, with their lengths.

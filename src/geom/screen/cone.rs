@@ -1,7 +1,7 @@
 //! Cylinders and cones.
 
 use super::region::within;
-use super::{Hit, Rim, Surface, inset, unit};
+use super::{Contour, Hit, Rim, Surface, inset, unit};
 use glam::DVec3;
 use std::f64::consts::TAU;
 
@@ -93,6 +93,27 @@ impl Surface for Cone {
                 DVec3::new(sine * radius, height, -cosine * radius)
             })
         })
+    }
+
+    /// Two straight lines along the wall: at the azimuths where the tangent plane goes through the
+    /// point.
+    fn contours(&self, from: DVec3) -> Vec<Contour<'_>> {
+        let (distance, radius) = (from.x.hypot(from.z), self.radius_at(from.y));
+        if distance.is_nan() || radius.abs() >= distance {
+            return Vec::new();
+        }
+        let towards = from.x.atan2(-from.z);
+        let aside = (radius / distance).acos();
+        let [bottom, top] = self.heights;
+        let line = |sign: f64| -> Contour<'_> {
+            Box::new(move |part, inset| {
+                let height = bottom + part * (top - bottom);
+                let (sine, cosine) = (towards + sign * (aside + inset)).sin_cos();
+                let radius = self.radius_at(height);
+                DVec3::new(sine * radius, height, -cosine * radius)
+            })
+        };
+        vec![line(1.0), line(-1.0)]
     }
 
     fn size(&self) -> f64 {

@@ -1,8 +1,9 @@
 //! Spheres and ellipsoids.
 
-use super::{Hit, Region, Rim, Surface};
+use super::{Contour, Hit, Region, Rim, Surface};
 use crate::geom::Sphere;
 use glam::DVec3;
+use std::f64::consts::TAU;
 
 /// A part of an ellipsoid around the origin, lit from inside: the far hit of a ray, from outside
 /// too (the near wall is where the light comes in).
@@ -35,6 +36,23 @@ impl Surface for Ellipsoid {
             }));
         }
         rims
+    }
+
+    /// On the unit sphere they are a circle around the direction of the point.
+    fn contours(&self, from: DVec3) -> Vec<Contour<'_>> {
+        let from = from / self.radii;
+        let distance = from.length();
+        if distance.is_nan() || distance <= 1.0 {
+            return Vec::new();
+        }
+        let axis = from / distance;
+        let (first, second) = axis.any_orthonormal_pair();
+        vec![Box::new(move |part, inset| {
+            let (sine, cosine) = (part * TAU).sin_cos();
+            let towards = 1.0 / distance - inset;
+            let across = (1.0 - towards * towards).max(0.0).sqrt();
+            (axis * towards + (first * cosine + second * sine) * across) * self.radii
+        })]
     }
 
     fn size(&self) -> f64 {

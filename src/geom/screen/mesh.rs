@@ -34,7 +34,28 @@ pub struct Mesh {
     nodes: Vec<Node>,
     faces: Faces,
     size: f64,
+    /// Edges that belong to one triangle alone, just within it; of very many an even choice.
+    rims: Vec<[DVec3; 2]>,
 }
+
+/// Reason why triangles are no screen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum MeshProblem {
+    /// No triangle has an area, there are too many, or a corner is not finite.
+    NoSurface,
+    /// Rays meet so many triangles, on the average.
+    Layers(f64),
+}
+
+/// Greatest mean number of triangles that a ray has to be tried with. A surface has some ten; a
+/// file whose triangles all lie in one place would hold every step for minutes.
+const MOST_ON_RAY: f64 = 1024.0;
+/// Number of rays that are tried.
+const RAYS: usize = 256;
+/// Greatest number of triangles that one of them is tried with.
+const MOST_TRIED: usize = 64 * MOST_ON_RAY as usize;
+/// Greatest number of edges whose lines are rims.
+const MOST_RIMS: usize = 2048;
 
 /// A sum stands for the triangles, all bits of them.
 impl fmt::Debug for Mesh {
@@ -77,21 +98,60 @@ impl Mesh {
         self.triangles.iter().flatten().flat_map(DVec3::to_array).collect()
     }
 
-    /// A screen of `triangles`; those without area are left out. `None` without any, with more than
-    /// [`MOST_TRIANGLES`], or with corners that are not finite.
-    pub fn new(triangles: Vec<Triangle>, faces: Faces) -> Option<Self> {
+    /// A screen of `triangles`; those without area are left out.
+    ///
+    /// # Errors
+    /// A [`MeshProblem`] without any, with more than [`MOST_TRIANGLES`], with corners that are not
+    /// finite, or where hundreds lie in one place.
+    pub fn new(triangles: Vec<Triangle>, faces: Faces) -> Result<Self, MeshProblem> {
         let few = triangles.len() <= MOST_TRIANGLES;
         let finite = triangles.iter().flatten().all(|corner| corner.is_finite());
         let mut triangles = triangles;
         triangles.retain(|[a, b, c]| (b - a).cross(c - a) != DVec3::ZERO);
         if !few || !finite || triangles.is_empty() {
-            return None;
+            return Err(MeshProblem::NoSurface);
         }
         let (low, high) = bounds(&triangles);
         let size = 0.5 * (high - low).max_element();
         let mut nodes = Vec::with_capacity(triangles.len());
         build(&mut triangles, 0, PADDING * size, &mut nodes);
-        Some(Self { triangles, nodes, faces, size })
+        let mut mesh = Self { triangles, nodes, faces, size, rims: Vec::new() };
+        let layers = mesh.mean_on_ray();
+        if layers > MOST_ON_RAY {
+            return Err(MeshProblem::Layers(layers));
+        }
+        mesh.rims = single_edges(&mesh.triangles);
+        Ok(mesh)
+    }
+
+    /// The mean number of triangles that a ray across some triangle is tried with.
+    fn mean_on_ray(&self) -> f64 {
+        let step = self.triangles.len().div_ceil(RAYS);
+        let rays = self.triangles.iter().step_by(step).map(|[a, b, c]| {
+            let normal = (b - a).cross(c - a).normalize_or(DVec3::Z);
+            // Not quite straight: boxes along the axes would be met along their sides.
+            let direction = (normal + 0.1 * normal.any_orthonormal_vector()).normalize();
+            let start = (a + b + c) / 3.0 - direction * (4.0 * self.size);
+            self.tried_on(&Ray::new(start, direction)) as f64
+        });
+        let tried: Vec<f64> = rays.collect();
+        tried.iter().sum::<f64>() / tried.len() as f64
+    }
+
+    /// The number of triangles whose boxes a ray meets, up to about [`MOST_TRIED`].
+    fn tried_on(&self, ray: &Ray) -> usize {
+        let mut tried = 0;
+        let mut waiting = vec![0];
+        while let Some(index) = waiting.pop() {
+            let node = &self.nodes[index as usize];
+            if tried < MOST_TRIED && ray.meets(node, f64::INFINITY) {
+                tried += node.count as usize;
+                if node.count == 0 {
+                    waiting.extend([node.first, index + 1]);
+                }
+            }
+        }
+        tried
     }
 
     /// The triangles, in no particular order.
@@ -153,25 +213,41 @@ impl Surface for Mesh {
 
     /// The edges that belong to one triangle alone.
     fn rims(&self) -> Vec<Rim<'_>> {
-        let bits = |corner: DVec3| corner.to_array().map(f64::to_bits);
-        let mut edges: HashMap<[[u64; 3]; 2], (u32, [DVec3; 2])> = HashMap::new();
-        for corners in &self.triangles {
-            let center = (corners[0] + corners[1] + corners[2]) / 3.0;
-            for side in 0..3 {
-                let (from, to) = (corners[side], corners[(side + 1) % 3]);
-                let mut key = [bits(from), bits(to)];
-                key.sort_unstable();
-                let within = [from, to].map(|end| end.lerp(center, INSET));
-                edges.entry(key).or_insert((0, within)).0 += 1;
-            }
-        }
-        let alone = edges.into_values().filter(|(triangles, _)| *triangles == 1);
-        alone.map(|(_, [from, to])| -> Rim<'_> { Box::new(move |part| from.lerp(to, part)) }).collect()
+        self.rims.iter().map(|&[from, to]| -> Rim<'_> { Box::new(move |part| from.lerp(to, part)) }).collect()
     }
 
     fn size(&self) -> f64 {
         self.size
     }
+}
+
+/// The edges that belong to one of `triangles` alone, moved inwards a little; at most
+/// [`MOST_RIMS`], evenly chosen.
+fn single_edges(triangles: &[Triangle]) -> Vec<[DVec3; 2]> {
+    let mut numbers: HashMap<[u64; 3], u32> = HashMap::new();
+    let mut number = |corner: DVec3| {
+        let next = numbers.len() as u32;
+        // +0 and −0 are the same place.
+        *numbers.entry((corner + 0.0).to_array().map(f64::to_bits)).or_insert(next)
+    };
+    // Ends, triangle, side.
+    let mut edges: Vec<([u32; 2], u32, u8)> = Vec::with_capacity(3 * triangles.len());
+    for (triangle, corners) in (0..).zip(triangles) {
+        let ends = corners.map(&mut number);
+        for side in 0..3u8 {
+            let (from, to) = (ends[usize::from(side)], ends[(usize::from(side) + 1) % 3]);
+            edges.push(([from.min(to), from.max(to)], triangle, side));
+        }
+    }
+    edges.sort_unstable();
+    let alone: Vec<_> = edges.chunk_by(|a, b| a.0 == b.0).filter(|same| same.len() == 1).map(|same| same[0]).collect();
+    let inwards = |&(_, triangle, side): &([u32; 2], u32, u8)| {
+        let corners = &triangles[triangle as usize];
+        let center = (corners[0] + corners[1] + corners[2]) / 3.0;
+        let (from, to) = (corners[usize::from(side)], corners[(usize::from(side) + 1) % 3]);
+        [from, to].map(|end| end.lerp(center, INSET))
+    };
+    alone.iter().step_by(alone.len().div_ceil(MOST_RIMS).max(1)).map(inwards).collect()
 }
 
 fn bounds(triangles: &[Triangle]) -> (DVec3, DVec3) {

@@ -16,7 +16,7 @@ mod region;
 pub use closed::{Bounds, ClosedForm, ClosedSurface, HalfSpace, Join, Sides};
 pub use cone::Cone;
 pub use ellipsoid::Ellipsoid;
-pub use mesh::{Faces, MOST_TRIANGLES, Mesh, Triangle};
+pub use mesh::{Faces, MOST_TRIANGLES, Mesh, MeshProblem, Triangle};
 pub use plane::Plane;
 pub use region::Region;
 
@@ -35,6 +35,10 @@ pub struct Hit {
 
 /// A line along the rim of a screen: 0…1 → point.
 pub type Rim<'a> = Box<dyn Fn(f64) -> DVec3 + 'a>;
+
+/// A contour line: a place along it, 0…1, and a distance from it → point. The distance is measured
+/// across the line, in radii, towards the part that is lit from there.
+pub type Contour<'a> = Box<dyn Fn(f64, f64) -> DVec3 + 'a>;
 
 /// Distance of a rim's line from the edge of the screen, as a part of the extent: found again along
 /// a ray, its points must not be off the screen by rounding.
@@ -56,6 +60,12 @@ pub trait Surface {
     /// A line close to where the screen's endless extension ends, if it ends anywhere.
     fn horizon(&self) -> Option<Rim<'_>> {
         None
+    }
+
+    /// Contour lines of the surface as seen from a point outside: rays from there graze it. None
+    /// from inside, and for shapes without a curvature.
+    fn contours(&self, _from: DVec3) -> Vec<Contour<'_>> {
+        Vec::new()
     }
 
     /// A length for tolerances: about half the greatest extent of the screen, > 0.
@@ -123,6 +133,15 @@ impl Screen {
     pub fn horizon(&self) -> Option<Rim<'_>> {
         let horizon = self.surface().horizon()?;
         Some(Box::new(move |part| self.pose.point_to_parent(horizon(part))))
+    }
+
+    /// [`Surface::contours`] in dome axes.
+    pub fn contours(&self, from: DVec3) -> Vec<Contour<'_>> {
+        let mut contours: Vec<Contour<'_>> = Vec::new();
+        for contour in self.surface().contours(self.pose.point_to_local(from)) {
+            contours.push(Box::new(move |part, inset| self.pose.point_to_parent(contour(part, inset))));
+        }
+        contours
     }
 
     /// [`Surface::size`], metres.

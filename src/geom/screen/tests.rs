@@ -175,9 +175,10 @@ fn a_mesh_hides_itself_and_has_two_sides() {
 #[test]
 fn meshes_that_are_none_are_refused() {
     let flat = [DVec3::ZERO, DVec3::X, DVec3::X * 2.0];
-    assert_eq!(Mesh::new(vec![], Faces::Front), None);
-    assert_eq!(Mesh::new(vec![flat], Faces::Front), None);
-    assert_eq!(Mesh::new(vec![[DVec3::ZERO, DVec3::X, DVec3::NAN]], Faces::Front), None);
+    let none = Err(MeshProblem::NoSurface);
+    assert_eq!(Mesh::new(vec![], Faces::Front), none);
+    assert_eq!(Mesh::new(vec![flat], Faces::Front), none);
+    assert_eq!(Mesh::new(vec![[DVec3::ZERO, DVec3::X, DVec3::NAN]], Faces::Front), none);
 }
 
 #[test]
@@ -190,4 +191,62 @@ fn a_posed_screen_is_the_same_screen_elsewhere() {
     let there = screen.hit(pose.point_to_parent(origin), pose.direction_to_parent(direction)).expect("the same");
     assert!(there.point.distance(pose.point_to_parent(local.point)) < 1e-14);
     assert!(there.normal.distance(pose.direction_to_parent(local.normal)) < 1e-14);
+}
+
+#[test]
+fn triangles_that_all_lie_in_one_place_are_refused() {
+    let mut random = Random::new(74);
+    let mut corner = || DVec3::new(random.range(-2.0, 2.0), random.range(-2.0, 2.0), -3.0);
+    let fan: Vec<Triangle> = (0..20_000).map(|_| [DVec3::NEG_Z * 3.0, corner(), corner()]).collect();
+    let same = vec![[DVec3::ZERO, DVec3::X, DVec3::Y]; 20_000];
+    for triangles in [fan, same] {
+        let found = Mesh::new(triangles, Faces::Both);
+        assert!(matches!(found, Err(MeshProblem::Layers(layers)) if layers > 1_000.0), "{found:?}");
+    }
+    // Many triangles are none too many where they make a surface, or lie here and there.
+    assert!(Mesh::new(ball(100), Faces::Front).is_ok());
+    let small = |at: DVec3| [at, at + DVec3::X * 0.02, at + DVec3::Y * 0.02];
+    let scattered = mesh((0..20_000).map(|_| small(random.vector(-1.0, 1.0))).collect(), Faces::Both);
+    assert_eq!(scattered.rims().len(), 2_000, "an even choice of 60,000");
+}
+
+#[test]
+fn rims_are_the_edges_of_single_triangles_in_the_same_order_always() {
+    let (a, b, c, d) = (DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::new(1.0, 1.0, 0.0));
+    let square = mesh(vec![[a, b, c], [b, d, c]], Faces::Both);
+    let middles = |mesh: &Mesh| mesh.rims().iter().map(|rim| rim(0.5)).collect::<Vec<_>>();
+    let found = middles(&square);
+    let expected = [(a + b) / 2.0, (b + d) / 2.0, (d + c) / 2.0, (c + a) / 2.0];
+    assert!(expected.iter().all(|edge| found.iter().any(|rim| rim.distance(*edge) < 1e-8)) && found.len() == 4);
+    assert_eq!(middles(&mesh(vec![[a, b, c], [b, d, c]], Faces::Both)), found);
+}
+
+#[test]
+fn rays_graze_a_surface_along_its_contours() {
+    let mut random = Random::new(75);
+    let ellipsoid = Ellipsoid { radii: DVec3::new(6.0, 4.0, 5.0), region: Region::ALL };
+    let cylinder = Cone { heights: [-1.0, 3.0], radii: [5.0, 5.0], azimuth: None };
+    let cone = Cone { heights: [-2.0, 4.0], radii: [5.0, 1.0], azimuth: None };
+    let surfaces: [&dyn Surface; 3] = [&ellipsoid, &cylinder, &cone];
+    for surface in surfaces {
+        let mut grazed = 0;
+        for _ in 0..400 {
+            let from = random.direction() * random.range(0.0, 60.0);
+            for contour in surface.contours(from) {
+                let (part, inset) = (random.range(0.0, 1.0), 1e-5);
+                let (point, within) = (contour(part, 0.0), contour(part, inset));
+                // A little within it the light still arrives, at nearly a right angle; beyond it
+                // none does, or on the other side.
+                let hit = surface.unbounded_hit(from, within - from).expect("just within");
+                assert!(hit.point.distance(within) < 1e-6, "{from} {part}: {hit:?} {within}");
+                let slope = hit.normal.dot((point - from).normalize()).abs();
+                assert!(slope < 1e-2 && point.distance(within) < 1e-3, "{from} {part}: {slope}");
+                let beyond = contour(part, -0.01);
+                let hit = surface.unbounded_hit(from, beyond - from);
+                assert!(hit.is_none_or(|hit| hit.point.distance(beyond) > 1e-3), "{from} {part}: {hit:?}");
+                grazed += 1;
+            }
+        }
+        assert!(grazed > 200 && surface.contours(DVec3::new(0.1, 0.2, 0.3)).is_empty(), "{grazed}");
+    }
 }

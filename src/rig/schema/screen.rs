@@ -3,7 +3,7 @@
 use super::{METRES, OPENING, TILT, angles};
 use crate::formats;
 use crate::geom::Pose;
-use crate::geom::screen::{Cone, Ellipsoid, Faces, MOST_TRIANGLES, Mesh, Plane, Region, Screen, Shape};
+use crate::geom::screen::{Cone, Ellipsoid, Faces, MOST_TRIANGLES, Mesh, MeshProblem, Plane, Region, Screen, Shape};
 use crate::rig::Dome;
 use crate::rig::problems::Problems;
 use crate::rig::reader::{Allowed, Section};
@@ -165,9 +165,14 @@ fn mesh(section: &mut Section, directory: &Path, problems: &mut Problems) -> Opt
             return None;
         }
     };
-    let mesh = Mesh::new(triangles, faces);
-    if mesh.is_none() {
-        problems.add(&path, format!("{} has no triangle with an area; expected a model of the screen", file.display()));
-    }
-    mesh
+    let problem = match Mesh::new(triangles, faces) {
+        Ok(mesh) => return Some(mesh),
+        Err(MeshProblem::NoSurface) => "has no triangle with an area; expected a model of the screen".to_owned(),
+        Err(MeshProblem::Layers(layers)) => format!(
+            "has too many triangles in one place: a ray through one of them has to be tried with {layers:.0}, on the \
+             average; expected a surface"
+        ),
+    };
+    problems.add(&path, format!("{} {problem}", file.display()));
+    None
 }

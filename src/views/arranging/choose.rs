@@ -32,7 +32,14 @@ pub(crate) fn arrange(rig: &Rig, output_maps: &[OutputMap]) -> Result<Arrangemen
             notes.push(format!("output {} has no views: it lies outside of the window", output.name));
         } else if this.fine.is_empty() {
             notes.push(format!("output {} shows nothing: no ray of it meets the dome's screen", output.name));
-        } else if single && this.own(&options).is_empty() {
+        } else if this.fine.iter().any(|sample| output_map.is_widened(sample)) {
+            notes.push(format!(
+                "output {}: some pixels of its calibration are far narrower than the others; no view is as fine as these \
+                 would have it",
+                output.name
+            ));
+        }
+        if single && !this.fine.is_empty() && this.own(&options).is_empty() {
             return Err(no_single_view(&output.name, &this.fine));
         }
         sampled.push(this);

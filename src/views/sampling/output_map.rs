@@ -6,6 +6,7 @@
 use crate::error::{Error, ErrorKind, Result};
 use crate::geom::{Fisheye, Frustum, Pose, Sphere, pose};
 use crate::rig::{Output, OutputKind, Resolution, Rig};
+use crate::views::sampling::pixel_width;
 use crate::views::view_plan::Request;
 use crate::warp::WarpMap;
 use glam::{DMat3, DVec2, DVec3};
@@ -37,10 +38,23 @@ pub(crate) struct OutputMap {
 
 #[derive(Clone, Debug)]
 enum Map {
-    Fisheye { aperture: f64, rotation: DMat3, offset: DVec3, full: bool },
+    Fisheye {
+        aperture: f64,
+        rotation: DMat3,
+        offset: DVec3,
+        full: bool,
+    },
     Projector(Box<ProjectorMap>),
-    Traced { map: Box<WarpMap>, eye: Pose },
-    Perspective { rays: DMat3, picture: DMat3 },
+    /// `least`: squared width below which pixels count as wider, squared radians.
+    Traced {
+        map: Box<WarpMap>,
+        eye: Pose,
+        least: f64,
+    },
+    Perspective {
+        rays: DMat3,
+        picture: DMat3,
+    },
 }
 
 /// Everything in dome axes, but for `to_viewer`.
@@ -104,7 +118,12 @@ impl OutputMap {
         let traced = |output: &Output| -> Result<Map> {
             // A map that needs the program's lens is no traced one: any lens does.
             let map = WarpMap::new(rig, index, (size.0.max(1), size.1.max(1)), Some(UNIT_FRUSTUM))?;
-            Ok(Map::Traced { map: Box::new(map), eye: rig.eye(output) })
+            let width = |pixel| traced_sample(&map, pixel).map(|sample| pixel_width::squared_width(&sample.spread));
+            let least = match output.kind {
+                OutputKind::Mesh(_) => pixel_width::least(pixel_width::places(size).filter_map(width)),
+                _ => 0.0,
+            };
+            Ok(Map::Traced { map: Box::new(map), eye: rig.eye(output), least })
         };
         let Some(output) = rig.outputs.get(index) else {
             return Err(Error::new(ErrorKind::InvalidArgument, format!("the rig has no output number {index}")));
@@ -137,6 +156,12 @@ impl OutputMap {
         // The pixels' centres, or the outermost of four places in each.
         let inset = if rig.views.filter.has_four_places() { 0.125 } else { 0.5 };
         Ok(Self { size, inset, map })
+    }
+
+    /// Whether the pixel of a sample is so much narrower than others of a calibration that it counts
+    /// as wider.
+    pub fn is_widened(&self, sample: &Sample) -> bool {
+        matches!(self.map, Map::Traced { least, .. } if least > 0.0 && pixel_width::is_narrowest(&sample.spread, least))
     }
 
     /// Whether the picture is a circle.
@@ -216,7 +241,10 @@ impl OutputMap {
                 of_unit_length(lens + *offset, spread * (pitch * pitch))
             }
             Map::Projector(map) => map.sample(&map.hit(at)?, self.per_pixel()),
-            Map::Traced { map, .. } => traced_sample(map, pixel),
+            Map::Traced { map, least, .. } => {
+                let Sample { direction, spread } = traced_sample(map, pixel)?;
+                Some(Sample { direction, spread: pixel_width::widened(direction, spread, *least) })
+            }
             Map::Perspective { rays, .. } => {
                 let per_pixel = self.per_pixel();
                 let (across, down) = (rays.x_axis * per_pixel.x, rays.y_axis * per_pixel.y);
@@ -261,6 +289,16 @@ impl OutputMap {
                 for rim in map.screen().rims().into_iter().chain(map.screen().horizon()) {
                     curves.push(Box::new(move |part| self.sample(traced_pixel(map, rim(part))?)));
                 }
+                for contour in map.origin().into_iter().flat_map(|from| map.screen().contours(from)) {
+                    let just_within = move |part, inset| self.sample(traced_pixel(map, contour(part, inset))?);
+                    curves.push(Box::new(move |part| INSETS.into_iter().find_map(|inset| just_within(part, inset))));
+                }
+                // Where the viewer looks along the surface, what is seen folds.
+                let viewer = map.viewer().position;
+                let folds = if map.origin() == Some(viewer) { Vec::new() } else { map.screen().contours(viewer) };
+                for fold in folds {
+                    curves.push(Box::new(move |part| Some(edge_on(self.sample(traced_pixel(map, fold(part, 0.0))?)?))));
+                }
                 curves
             }
             _ => Vec::new(),
@@ -296,7 +334,7 @@ impl OutputMap {
                 // From outside, the near side of the dome is in the picture too, but not lit.
                 (map.hit(at)?.point.distance_squared(point) < 1e-6 * map.radius * map.radius).then_some(at)?
             }
-            Map::Traced { map, eye } => {
+            Map::Traced { map, eye, .. } => {
                 let towards = eye.direction_to_parent(direction);
                 let point = map.screen().unbounded_hit(eye.position, towards)?.point;
                 return self.sample(traced_pixel(map, point)?);
@@ -381,6 +419,18 @@ impl ProjectorMap {
         let on_screen = self.least_cosine.is_none_or(|least| point.dot(self.pole) >= least * self.radius);
         (distance > 0.0 && on_screen).then_some(Hit { point, ray, distance })
     }
+}
+
+/// Distances from the contour of a surface, in radii, at which a ray is tried. The nearest ones may
+/// miss the surface by rounding where the light comes from afar.
+const INSETS: [f64; 4] = [1e-7, 1e-6, 1e-5, 1e-4];
+
+/// A sample of a surface that is seen edge-on, where no resolution is enough: its pixel counts as
+/// wide as it is long.
+fn edge_on(sample: Sample) -> Sample {
+    let Sample { direction, spread } = sample;
+    let squared = spread.x_axis.x + spread.y_axis.y + spread.z_axis.z;
+    Sample { direction, spread: (DMat3::IDENTITY - outer(direction, direction)) * squared }
 }
 
 /// Distances at which a pixel's surroundings are sampled, pixels, in this order.

@@ -77,6 +77,15 @@ impl Calibrated {
         }
     }
 
+    /// The point from which the picture is made; `None` where the file gives points.
+    pub(super) fn origin(&self) -> Option<DVec3> {
+        match self.calibration.values {
+            CalibrationValues::Points => None,
+            CalibrationValues::Directions | CalibrationValues::Perspective { .. } => Some(self.viewer.position),
+            CalibrationValues::Domemaster { .. } => Some(DVec3::ZERO),
+        }
+    }
+
     /// The pixel that appears at a point of the screen, by Newton's steps from the nearest cell;
     /// `None` where there is none.
     pub(super) fn pixel(&self, point: DVec3, size: (u32, u32), screen: &Screen) -> Option<DVec2> {
