@@ -46,6 +46,7 @@ fn stress_finds_nothing_over_its_bounds() {
     for (name, least) in [
         ("map: ghosts", 50_000),
         ("screen: ghosts", 50_000),
+        ("outside: ghosts", 30_000),
         ("light: greatest", 50_000),
         ("clip: depth", 10_000),
         ("lens: error", 1_000),

@@ -12,6 +12,7 @@ mod arguments;
 mod display;
 #[path = "../shared/failure.rs"]
 mod failure;
+mod meshes;
 #[path = "../shared/planning.rs"]
 mod planning;
 #[path = "../../testing/random.rs"]

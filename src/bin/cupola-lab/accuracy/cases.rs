@@ -1,11 +1,5 @@
 //! The screens, lenses and positions that are compared, as rig files.
 
-use crate::failure::Failure;
-use cupola::rig::Rig;
-use std::f64::consts::PI;
-use std::fmt::Write;
-use std::path::PathBuf;
-
 /// A combination of a screen and a lens.
 pub struct Row {
     /// Name of the screen.
@@ -32,8 +26,6 @@ const RADIUS: f64 = 5.0;
 const VIEWERS: [f64; 4] = [0.0, 0.3, 0.6, 0.9];
 const NEAR: &[f64] = &[0.0, 0.3, 0.6, 0.9];
 const NEAR_AND_FAR: &[f64] = &[0.0, 0.3, 0.6, 0.9, 2.0, 10.0, 1e3, 1e6];
-/// File name of the mesh.
-const MESH: &str = "ball.obj";
 
 const SCREENS: [(&str, &str, &[f64]); 8] = [
     ("sphere", "[dome]\nradius = 5\ntilt = 30\ncoverage = 360\n", NEAR_AND_FAR),
@@ -136,61 +128,4 @@ impl Row {
         };
         VIEWERS.into_iter().flat_map(of_viewer).collect()
     }
-}
-
-/// A folder with the mesh. It is removed when this is dropped.
-pub struct Folder(PathBuf);
-
-impl Folder {
-    /// Creates a folder and writes the mesh into it.
-    pub fn new() -> Result<Self, Failure> {
-        let folder = std::env::temp_dir().join(format!("cupola-accuracy-{}", std::process::id()));
-        let failed = |error: std::io::Error| Failure::new(format!("{} cannot be written: {error}", folder.display()));
-        std::fs::create_dir_all(&folder).map_err(failed)?;
-        let this = Self(folder.clone());
-        std::fs::write(folder.join(MESH), ball(24)).map_err(failed)?;
-        Ok(this)
-    }
-
-    /// The rig of a case; `None` if the rig is invalid.
-    pub fn rig(&self, case: &Case) -> Option<Rig> {
-        cupola::rig::parse(&case.text, "accuracy.toml", &self.0).ok()
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        // A folder that cannot be removed does no harm.
-        _ = std::fs::remove_dir_all(&self.0);
-    }
-}
-
-/// A sphere of radius 1 as an OBJ file with `rings` rings of faces, which are counter-clockwise
-/// seen from inside.
-fn ball(rings: u32) -> String {
-    let mut text = String::from("v 0 1 0\n");
-    let around = 2 * rings;
-    // Writing to a String cannot fail.
-    for ring in 1..rings {
-        for step in 0..around {
-            let (polar, azimuth) = (PI * f64::from(ring) / f64::from(rings), PI * f64::from(step) / f64::from(rings));
-            let (x, y, z) = (polar.sin() * azimuth.cos(), polar.cos(), polar.sin() * azimuth.sin());
-            _ = writeln!(text, "v {x:?} {y:?} {z:?}");
-        }
-    }
-    text += "v 0 -1 0\n";
-    let corner = |ring: u32, step: u32| match ring {
-        0 => 1,
-        _ if ring == rings => 2 + (rings - 1) * around,
-        _ => 2 + (ring - 1) * around + step % around,
-    };
-    for ring in 0..rings {
-        for step in 0..around {
-            let [a, b] = [corner(ring, step), corner(ring, step + 1)];
-            let [c, d] = [corner(ring + 1, step), corner(ring + 1, step + 1)];
-            // Faces at the poles have no area. The reader skips them.
-            _ = writeln!(text, "f {a} {c} {b}\nf {b} {c} {d}");
-        }
-    }
-    text
 }

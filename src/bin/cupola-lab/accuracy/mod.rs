@@ -4,6 +4,7 @@
 mod cases;
 
 use crate::failure::Failure;
+use crate::meshes::Folder;
 use crate::planning::request;
 use crate::terminal;
 use cases::{Case, Row};
@@ -63,7 +64,7 @@ struct Found {
 /// Runs the subcommand.
 pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let context = Headless::new(Api::Core)?;
-    let folder = cases::Folder::new()?;
+    let folder = Folder::new()?;
     let rows = cases::rows();
     let bar = terminal::progress(rows.len() as u64, "rows");
     if !arguments.json {
@@ -77,7 +78,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         for case in result.row.cases() {
             number += 1;
             // A projector that does not reach the screen from this position is not a case.
-            if let (true, Some(rig)) = (number.is_multiple_of(arguments.every), folder.rig(&case)) {
+            if let (true, Some(rig)) = (number.is_multiple_of(arguments.every), folder.rig(&case.text).ok()) {
                 let (error, by_table) = measured(&context, &rig, arguments)
                     .map_err(|failure| Failure::new(format!("{}\n{}", failure.message, case.text)))?;
                 result.add(&case, &error, by_table, REFERENCE_WIDTH / f64::from(arguments.size.0));

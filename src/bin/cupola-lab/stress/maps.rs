@@ -11,6 +11,8 @@ use cupola::correct::{Plan, Source};
 use cupola::rig::Rig;
 use cupola::views::Surveyor;
 use cupola::warp::{WarpMap, compare_each, displacement};
+use glam::DVec2;
+use std::f64::consts::FRAC_PI_4;
 
 /// Width in pixels of the picture in whose pixels errors are given. Small pictures then have the
 /// same bounds as large ones.
@@ -26,6 +28,11 @@ const FAR: f64 = 0.004;
 /// the pixels of narrow pictures are not much larger.
 const ANGLE: f64 = 6e-7;
 
+/// Distance from a silhouette, in pixels of [`REFERENCE_WIDTH`], within which errors may be [`FAR`].
+const BESIDE: f64 = 64.0;
+/// Distance between directions on both sides of a silhouette, radians.
+const JUMP: f64 = 0.1;
+
 /// Names of the quantities of a part of the report.
 pub struct Quantities {
     inside: &'static str,
@@ -33,9 +40,19 @@ pub struct Quantities {
     not_finite: &'static str,
     ghosts: &'static str,
     uncovered: &'static str,
-    /// Whether the bound for distant projectors also holds for tables: 5·10⁻⁷ of the width of a
-    /// view of twice [`REFERENCE_WIDTH`].
-    far_tables: bool,
+    /// Where the greater bound holds, beside projectors near the screen and outside.
+    greater_bound: GreaterBound,
+}
+
+/// Where errors may be [`FAR`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum GreaterBound {
+    /// For projectors near the screen and outside.
+    Far,
+    /// For these and for tables: 5·10⁻⁷ of the width of a view of twice [`REFERENCE_WIDTH`].
+    FarAndTables,
+    /// Beside silhouettes only, wherever projectors are.
+    Silhouettes,
 }
 
 /// Quantities for pinholes and domemasters on a dome.
@@ -45,7 +62,7 @@ pub const DOMES: Quantities = Quantities {
     not_finite: "map: pixels not finite",
     ghosts: "map: ghosts",
     uncovered: "map: pixels uncovered",
-    far_tables: false,
+    greater_bound: GreaterBound::Far,
 };
 
 /// Quantities for any lens on any screen.
@@ -55,7 +72,17 @@ pub const SCREENS: Quantities = Quantities {
     not_finite: "screen: pixels not finite",
     ghosts: "screen: ghosts",
     uncovered: "screen: pixels uncovered",
-    far_tables: true,
+    greater_bound: GreaterBound::FarAndTables,
+};
+
+/// Quantities for projectors whose pictures reach beyond the outlines of screens.
+pub const OUTSIDE: Quantities = Quantities {
+    inside: "outside: error / (0.002 px of 4096 or 6e-7 rad)",
+    far: "outside, beside silhouettes: error / (0.004 px or 6e-7 rad)",
+    not_finite: "outside: pixels not finite",
+    ghosts: "outside: ghosts",
+    uncovered: "outside: pixels uncovered",
+    greater_bound: GreaterBound::Silhouettes,
 };
 
 /// Errors of the driver's map of a rig in a picture of `size` pixels.
@@ -71,45 +98,91 @@ pub fn case(case: &Case, size: (u32, u32), driver: &Driver, names: &Quantities) 
     let directions = driver.directions(&plan, 0).map_err(refused)?;
     let exact = WarpMap::new(&case.rig, 0, size, None)?;
     let look = |x: u32, y: u32| directions[(y * size.0 + x) as usize];
-    let far_table = names.far_tables && matches!(plan.passes[0].source, Source::Table(_));
-    let (quantity, pixels) = match case.place {
-        Place::Inside if !far_table => (names.inside, INSIDE),
-        _ => (names.far, FAR),
+    let is_table = matches!(plan.passes[0].source, Source::Table(_));
+    let all_far = match names.greater_bound {
+        GreaterBound::Far => case.place == Place::Far,
+        GreaterBound::FarAndTables => case.place == Place::Far || is_table,
+        GreaterBound::Silhouettes => false,
     };
     let surveyor = Surveyor::new(&plan.views, &rig, 0, size)?;
-    let (mut greatest, mut worst) = (0.0f64, (0, 0));
+    let mut near = Worst::default();
+    let mut far = Worst::default();
     let error = compare_each(&exact, 1, look, |found| {
         // Angle of a pixel at the reference width.
         let pixel = found.angle / found.pixels / scale;
-        let mut part = found.angle / (pixels * pixel).max(ANGLE);
-        if part > 1.0 {
+        let part_of = |pixels: f64| {
+            let part = found.angle / (pixels * pixel).max(ANGLE);
+            if part <= 1.0 {
+                return part;
+            }
             // The error of a view that is coarser because of the size limit counts in texels.
             let texels = surveyor.at(found.centre()).and_then(|pixel| pixel.texels_per_pixel);
-            part *= texels.map_or(1.0, |texels| (texels / scale).min(1.0));
+            let part = part * texels.map_or(1.0, |texels| (texels / scale).min(1.0));
             // Near a silhouette the direction changes much within a small part of a pixel. The
             // error there is the distance to the pixel position with this direction.
             let displaced = displacement(&exact, found.centre(), found.angle);
-            part = displaced.map_or(part, |displaced| part.min(displaced * scale / pixels));
-        }
-        if part.is_nan() || part > greatest {
-            (greatest, worst) = (part, found.pixel);
+            displaced.map_or(part, |displaced| part.min(displaced * scale / pixels))
+        };
+        let part = part_of(if all_far { FAR } else { INSIDE });
+        let at_silhouette = names.greater_bound == GreaterBound::Silhouettes
+            && part > 1.0
+            && is_beside_silhouette(&exact, found.centre(), BESIDE / scale);
+        match all_far || at_silhouette {
+            true => far.add(if at_silhouette { part_of(FAR) } else { part }, found.pixel),
+            false => near.add(part, found.pixel),
         }
     });
-    let input = format!("size {}x{}, pixel {worst:?}\n{}", size.0, size.1, case.text);
+    let input = |pixel: (u32, u32)| format!("size {}x{}, pixel {pixel:?}\n{}", size.0, size.1, case.text);
     let finding = |quantity, value, bound, compared, pixels| Finding {
         quantity,
         value,
         bound,
         compared,
         pixels,
-        input: input.clone(),
+        input: input(if quantity == names.far { far.pixel } else { near.pixel }),
     };
-    Ok(vec![
-        finding(quantity, greatest, 1.0, error.compared, true),
-        finding(names.not_finite, error.non_finite as f64, 0.0, error.compared, false),
-        finding(names.ghosts, error.ghosts as f64, 0.0, error.compared, false),
-        finding(names.uncovered, error.uncovered as f64, 0.0, error.compared, false),
-    ])
+    let mut findings = Vec::new();
+    if !all_far {
+        findings.push(finding(names.inside, near.part, 1.0, error.compared, true));
+    }
+    if all_far || far.pixels > 0 {
+        let compared = if all_far { error.compared } else { far.pixels };
+        findings.push(finding(names.far, far.part, 1.0, compared, all_far));
+    }
+    let count = |quantity, number: u64| finding(quantity, number as f64, 0.0, error.compared, false);
+    findings.extend([
+        count(names.not_finite, error.non_finite),
+        count(names.ghosts, error.ghosts),
+        count(names.uncovered, error.uncovered),
+    ]);
+    Ok(findings)
+}
+
+/// The greatest error of a map, as a part of its bound.
+#[derive(Default)]
+struct Worst {
+    part: f64,
+    pixel: (u32, u32),
+    /// Number of pixels.
+    pixels: u64,
+}
+
+impl Worst {
+    fn add(&mut self, part: f64, pixel: (u32, u32)) {
+        self.pixels += 1;
+        if part.is_nan() || part > self.part {
+            (self.part, self.pixel) = (part, pixel);
+        }
+    }
+}
+
+/// Whether a map shows nothing at some place so many pixels from another one, or what is far from
+/// what it shows there.
+fn is_beside_silhouette(exact: &WarpMap, centre: DVec2, distance: f64) -> bool {
+    let Some(here) = exact.direction(centre) else { return true };
+    let around = (0..8).map(|turn| DVec2::from_angle(f64::from(turn) * FRAC_PI_4) * distance);
+    let mut seen = around.map(|aside| exact.direction(centre + aside));
+    seen.any(|direction| direction.is_none_or(|direction| direction.distance(here) > JUMP))
 }
 
 /// A random size of 64…512 pixels in each direction, some odd.

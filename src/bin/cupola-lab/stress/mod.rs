@@ -7,11 +7,13 @@ mod driver;
 mod lens;
 mod light;
 mod maps;
+mod outside;
 mod report;
 mod rigs;
 mod screens;
 
 use crate::failure::Failure;
+use crate::meshes::Folder;
 use crate::random::Random;
 use crate::terminal;
 use driver::{Backend, Driver};
@@ -36,7 +38,7 @@ pub struct Arguments {
     /// Test only these parts [default: all]
     #[arg(long, value_delimiter = ',', value_name = "PART")]
     only: Vec<Part>,
-    /// Where the maps of the parts maps, screens and light are computed
+    /// Where the maps of the parts maps, screens, outside and light are computed
     #[arg(long, value_enum, default_value_t = Backend::Gl)]
     backend: Backend,
     /// Print the result as JSON
@@ -51,6 +53,8 @@ pub enum Part {
     Maps,
     /// Maps of all lenses and pictures on screens of all shapes
     Screens,
+    /// Maps of projectors from inside to 20 radii, beyond the outlines of screens of all shapes
+    Outside,
     /// Re-projection of clip coordinates in f32
     Clip,
     /// Lenses recovered from products of matrices
@@ -59,12 +63,13 @@ pub enum Part {
     Light,
 }
 
-const PARTS: [Part; 5] = [Part::Maps, Part::Screens, Part::Clip, Part::Lens, Part::Light];
+const PARTS: [Part; 6] = [Part::Maps, Part::Screens, Part::Outside, Part::Clip, Part::Lens, Part::Light];
 
 /// Runs the subcommand.
 pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let parts = if arguments.only.is_empty() { PARTS.to_vec() } else { arguments.only.clone() };
-    let on_driver = parts.iter().any(|part| matches!(part, Part::Maps | Part::Screens | Part::Light));
+    let on_driver = parts.iter().any(|part| matches!(part, Part::Maps | Part::Screens | Part::Outside | Part::Light));
+    let folder = Folder::new()?;
     let mut report = Report::new(arguments.seed);
     let bar = terminal::progress(arguments.pixels, "pixels");
     let mut case = 0;
@@ -80,10 +85,13 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
                 (Part::Screens, Some(driver)) => screens::any(&mut random)
                     .map_err(Failure::from)
                     .and_then(|case| maps::case(&case, screens::size(&mut random), driver, &maps::SCREENS)),
+                (Part::Outside, Some(driver)) => outside::any(&mut random, &folder)
+                    .map_err(Failure::from)
+                    .and_then(|case| maps::case(&case, maps::size(&mut random), driver, &maps::OUTSIDE)),
                 (Part::Light, Some(driver)) => light::case(&mut random, driver),
                 (Part::Clip, _) => Ok(clip::case(&mut random)),
                 (Part::Lens, _) => Ok(lens::case(&mut random)),
-                (Part::Maps | Part::Screens | Part::Light, None) => Ok(Vec::new()),
+                (Part::Maps | Part::Screens | Part::Outside | Part::Light, None) => Ok(Vec::new()),
             };
             report.add(seed, findings.unwrap_or_else(|failure| vec![Finding::refusal(failure.message)]));
         }

@@ -4,6 +4,7 @@ use super::case::{ATTEMPTS, Case, PLAIN, Place, pick, vector};
 use super::maps;
 use crate::random::Random;
 use cupola::rig::Rig;
+use glam::DVec3;
 use std::path::Path;
 
 /// A random rig with one output on a screen of any shape. Some outputs have a formula, others need
@@ -146,10 +147,17 @@ fn projector(random: &mut Random, radius: f64) -> (String, f64) {
     );
     let fov = 2.0 * half * random.range(0.05, 0.9);
     let pinhole = format!("fov = [{fov}, {}]\n", fov * random.range(0.3, 1.0));
+    let lens = lens(random, &pinhole, direction, direction * radius * distance, radius);
+    (head + &lens, distance)
+}
+
+/// A random lens of a projector at `position`, in this direction from the centre, as keys of its
+/// output; `pinhole` opens those without a formula of their own.
+pub fn lens(random: &mut Random, pinhole: &str, direction: DVec3, position: DVec3, radius: f64) -> String {
     let corner = |random: &mut Random, x: f64, y: f64| {
         format!("[{}, {}]", x * random.range(0.6, 1.0), y * random.range(0.6, 1.0))
     };
-    let lens = match random.unit() {
+    match random.unit() {
         kind if kind < 0.2 => format!("{pinhole}shift = [{}, {}]\n", random.range(-0.6, 0.6), random.range(-0.6, 0.6)),
         kind if kind < 0.35 => {
             let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, y)| corner(random, x, y));
@@ -168,13 +176,9 @@ fn projector(random: &mut Random, radius: f64) -> (String, f64) {
             let mirror = random.range(0.05, 0.25) * radius;
             let away = mirror * random.range(1.5, 4.0);
             let ahead = -direction * away + random.direction() * 0.3 * mirror;
-            format!(
-                "{pinhole}mirror = {{ center = {}, radius = {mirror} }}\n",
-                vector(direction * radius * distance + ahead)
-            )
+            format!("{pinhole}mirror = {{ center = {}, radius = {mirror} }}\n", vector(position + ahead))
         }
-    };
-    (head + &lens, distance)
+    }
 }
 
 #[cfg(test)]
