@@ -10,7 +10,7 @@ const PLACES: u32 = 32;
 /// Part of the pixels that may be narrower than what counts as usual.
 const FEW: f64 = 0.02;
 /// Pixels count as at least this part as wide as that.
-const NARROWEST: f64 = 0.25;
+const NARROWEST: f64 = 0.7;
 
 /// Places over a picture of `size` pixels at which the widths for [`least`] are measured.
 pub(super) fn places((width, height): (u32, u32)) -> impl Iterator<Item = DVec2> {
@@ -89,7 +89,7 @@ mod tests {
         let (sound, noted) = planned(&[]);
         assert!((1.0..2.5).contains(&sound) && !noted, "{sound}");
         let (faulty, noted) = planned(&[700, 1530, 2345]);
-        assert!(noted && faulty < 17.0 * sound, "{faulty} texels for each pixel, {sound} without the faults");
+        assert!(noted && faulty < 8.0 * sound, "{faulty} texels for each pixel, {sound} without the faults");
     }
 
     #[test]
