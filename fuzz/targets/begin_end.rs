@@ -7,7 +7,7 @@ use cupola::backend::gl::api::{self, Gl};
 use cupola::backend::null;
 use cupola::intercept::gl::context::current::set_driver;
 use cupola::intercept::gl::entry::{contexts, table};
-use cupola::intercept::gl::state::window::Window;
+use cupola::intercept::gl::state::drawable::window::Window;
 use std::collections::HashSet;
 use std::ffi::{CStr, CString, c_void};
 use std::sync::OnceLock;
