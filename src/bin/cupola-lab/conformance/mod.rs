@@ -64,7 +64,7 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let known = known::read(&arguments.known)?;
     let tests = tests(arguments)?;
-    let folder = arguments.results.parent().unwrap_or(Path::new("."));
+    let folder = arguments.results.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."));
     let failure = |path: &Path, error: std::io::Error| Failure::usage(format!("{}: {error}", path.display()));
     std::fs::create_dir_all(folder).map_err(|error| failure(folder, error))?;
     let folder = folder.canonicalize().map_err(|error| failure(folder, error))?;
