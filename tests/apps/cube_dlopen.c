@@ -44,7 +44,7 @@ static void ask(void *function, const char *name)
 int main(int argc, char **argv)
 {
     double fov = 75.0, yaw = 0.0, pitch = 0.0;
-    int frames = 0, x = 0, y = 0, width = 320, height = 320;
+    int frames = 0, close = 0, x = 0, y = 0, width = 320, height = 320;
     for (int i = 1; i + 1 < argc; i += 2) {
         if (strcmp(argv[i], "--fov") == 0)
             fov = atof(argv[i + 1]);
@@ -54,10 +54,13 @@ int main(int argc, char **argv)
             pitch = atof(argv[i + 1]);
         else if (strcmp(argv[i], "--frames") == 0)
             frames = atoi(argv[i + 1]);
+        else if (strcmp(argv[i], "--close") == 0)
+            close = atoi(argv[i + 1]);
         else if (strcmp(argv[i], "--at") == 0 && sscanf(argv[i + 1], "%d,%d", &x, &y) == 2)
             continue;
         else if (strcmp(argv[i], "--size") != 0 || sscanf(argv[i + 1], "%dx%d", &width, &height) != 2)
-            fail("usage: cube_dlopen [--fov DEG] [--yaw DEG] [--pitch DEG] [--frames N] [--at X,Y] [--size WxH]");
+            fail("usage: cube_dlopen [--fov DEG] [--yaw DEG] [--pitch DEG] [--frames N] [--at X,Y] [--size WxH]"
+                 " [--close 1]");
     }
 
     library = dlopen("libGL.so.1", RTLD_LAZY | RTLD_LOCAL);
@@ -135,6 +138,14 @@ int main(int argc, char **argv)
             fprintf(stderr, "frame %d: GL error 0x%x\n", frame, error);
             wrong = 1;
         }
+    }
+    if (close) {
+        void (*destroy_context)(Display *, GLXContext);
+        load(&destroy_context, "glXDestroyContext");
+        make_current(display, None, NULL);
+        destroy_context(display, context);
+        XCloseDisplay(display);
+        dlclose(library);
     }
     return wrong;
 }

@@ -15,6 +15,7 @@ mod culling;
 mod dialects;
 mod display;
 mod embedding;
+mod ending;
 mod faults;
 #[path = "../harness/mod.rs"]
 mod harness;
@@ -49,6 +50,7 @@ harness::tests! {
     culling,
     dialects,
     embedding,
+    ending,
     faults,
     hidden,
     injection,

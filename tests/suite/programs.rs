@@ -4,7 +4,7 @@ use crate::display::{self, Compositor, Display, Place};
 use crate::harness::{missing, note};
 use crate::picture::Picture;
 use std::collections::{BTreeMap, BTreeSet};
-use std::os::unix::process::CommandExt;
+use std::os::unix::process::{CommandExt, ExitStatusExt};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::sync::OnceLock;
@@ -458,6 +458,12 @@ impl Finished {
     /// Whether it ended with exit status 0.
     pub fn succeeded(&self) -> bool {
         self.output.status.success()
+    }
+
+    /// The exit status as shells say it: 128 and the number of the signal that ended the program.
+    pub fn status(&self) -> i32 {
+        let status = self.output.status;
+        status.code().or(status.signal().map(|signal| 128 + signal)).unwrap_or(-1)
     }
 
     /// The kinds of messages of the validation layer.

@@ -75,6 +75,17 @@ void window_make_current(const window *w)
     window_make_current_egl(w);
 }
 
+void window_release(const window *w)
+{
+#if !defined(APP_GLES)
+    if (!w->egl) {
+        window_release_glx(w);
+        return;
+    }
+#endif
+    window_release_egl(w);
+}
+
 void window_swap(const window *w)
 {
 #if !defined(APP_GLES)

@@ -41,6 +41,10 @@ window window_open(const window_request *request);
 window window_open_beside(const window *first, const window_request *request);
 
 void window_make_current(const window *w);
+
+/* Makes no context current. */
+void window_release(const window *w);
+
 void window_swap(const window *w);
 
 /* Asks for another size and waits until the server has given it. */
@@ -60,6 +64,8 @@ void window_open_glx(window *w, const window_request *request);
 void window_open_egl(window *w, const window_request *request);
 void window_make_current_glx(const window *w);
 void window_make_current_egl(const window *w);
+void window_release_glx(const window *w);
+void window_release_egl(const window *w);
 void window_swap_glx(const window *w);
 void window_swap_egl(const window *w);
 void window_close_glx(window *w);

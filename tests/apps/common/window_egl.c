@@ -92,6 +92,12 @@ void window_make_current_egl(const window *w)
         fail("eglMakeCurrent failed");
 }
 
+void window_release_egl(const window *w)
+{
+    if (!eglMakeCurrent(w->egl_display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT))
+        fail("eglMakeCurrent of nothing failed");
+}
+
 void window_swap_egl(const window *w)
 {
     if (!eglSwapBuffers(w->egl_display, w->egl_surface))

@@ -58,6 +58,12 @@ void window_make_current_glx(const window *w)
         fail("glXMakeCurrent failed");
 }
 
+void window_release_glx(const window *w)
+{
+    if (!glXMakeCurrent(w->display, None, NULL))
+        fail("glXMakeCurrent of nothing failed");
+}
+
 void window_swap_glx(const window *w)
 {
     glXSwapBuffers(w->display, w->window);

@@ -15,7 +15,7 @@ unsafe impl Sync for Hook {}
 ///
 /// Each body gets the current context (`$ctx`) and the driver's table (`$gl`). Without a context
 /// of ours the call goes straight to the driver; so it does after a panic, which switches the
-/// context off: interception fails open. Between Begin and End of a draw of ours it goes to the driver,
+/// context off: interception fails open; and so it does once the process ends. Between Begin and End of a draw of ours it goes to the driver,
 /// too, which says that it is not allowed there; hooks of what is allowed say so by `between;`.
 macro_rules! hooks {
     (between; $($hooks:tt)*) => {
@@ -31,7 +31,7 @@ macro_rules! hooks {
                     return unsafe { $crate::intercept::gl::context::current::driver().$method($($p),*) };
                 };
                 let $gl = $ctx.driver.gl;
-                if $ctx.switched_off || (!$between && $ctx.compat.immediate.under_way()) {
+                if $ctx.switched_off || $crate::intercept::ending::of_process() || (!$between && $ctx.compat.immediate.under_way()) {
                     // SAFETY: as above.
                     return unsafe { $gl.$method($($p),*) };
                 }

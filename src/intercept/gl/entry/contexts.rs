@@ -1,6 +1,7 @@
 //! The contexts of the process, by their handles.
 
 use crate::backend::gl::api::Gl;
+use crate::intercept::ending;
 use crate::intercept::gl::context::current::{CURRENT, HANDLE, after_panic, current};
 use crate::intercept::gl::context::gl_context::{Context, ShareGroup};
 use crate::intercept::gl::frame::present;
@@ -76,12 +77,17 @@ pub fn created(handle: usize, shared: usize) {
 /// The program is about to make another context or window current: what it drew is shown to the window that it
 /// leaves, whose buffers it may swap when another is current.
 pub fn leaving(handle: usize, window: Option<&Window>) {
-    let Some(ctx) = current().filter(|c| !c.switched_off && c.frame.begun) else { return };
+    let Some(ctx) = current().filter(|c| !c.switched_off && c.frame.begun && !ending::has_begun()) else { return };
     if HANDLE.get() == handle && ctx.drawable.window.as_ref() == window {
         return;
     }
     if crate::fence::guard(|| present::leave(ctx)).is_none() {
         after_panic("leaving a window");
+    }
+    if handle == 0 {
+        // The program may have waited for all that it drew. Mesa's llvmpipe hangs where a display is closed with work left.
+        // SAFETY: the context is current.
+        unsafe { ctx.driver.gl.finish() };
     }
 }
 
@@ -109,6 +115,10 @@ pub fn make_current(handle: usize, gl: &'static Gl, window: Option<Window>, read
         entry.context as *mut Context
     });
     CURRENT.set(pointer);
+    if ending::has_begun() {
+        return;
+    }
+    ending::watch(Some(present::at_end));
     if let Some(ctx) = current()
         && !ctx.switched_off
         && crate::fence::guard(|| ctx.attach(window, reads_elsewhere)).is_none()

@@ -4,6 +4,7 @@
 //! drawn since the last one.
 
 use crate::backend::gl::api;
+use crate::intercept::ending;
 use crate::intercept::gl::context::current;
 use crate::intercept::gl::context::gl_context::Context;
 use crate::intercept::gl::context::hooks::hooks;
@@ -31,6 +32,7 @@ pub fn show(ctx: &mut Context, finally: bool) {
     let drawing = ctx.compiling() || ctx.compat.immediate.under_way() || ctx.app.picking;
     if ctx.frame.begun
         && !drawing
+        && !ending::has_begun()
         && draws_to_front(&ctx.app, &ctx.drawable)
         && (ctx.frame.front_buffer.allows(Instant::now()) || finally)
     {

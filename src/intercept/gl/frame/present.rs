@@ -1,6 +1,7 @@
 //! The end of a frame: correct it into the window, count, capture.
 
 use crate::backend::gl::api::{self, Gl};
+use crate::intercept::ending;
 use crate::intercept::gl::context::current::{after_panic, current};
 use crate::intercept::gl::context::errors::{take_error, take_own_errors};
 use crate::intercept::gl::context::gl_context::Context;
@@ -25,11 +26,16 @@ fn is_current(window: &Window) -> bool {
 
 /// Whether the current context draws to `window` and corrects what it draws.
 pub fn corrects(window: &Window) -> bool {
-    is_current(window) && current().is_some_and(|c| !c.switched_off && c.drawable.target.is_some())
+    is_current(window)
+        && !ending::has_begun()
+        && current().is_some_and(|c| !c.switched_off && c.drawable.target.is_some())
 }
 
 /// Runs a swap of `window` (`None`: a drawable that is none), with the corrected picture in its back buffer.
 pub fn swap<R>(window: Option<Window>, swap: impl FnOnce() -> R) -> R {
+    if ending::has_begun() {
+        return swap();
+    }
     let ours = window.as_ref().is_some_and(is_current);
     if ours {
         before_swap();
@@ -98,6 +104,17 @@ pub fn leave(ctx: &mut Context) {
         {
             keep_report(ctx, settings);
         }
+    }
+}
+
+/// The thread or the process ends. A picture that was asked for and is not swapped any more is kept now: later the driver may
+/// be unable to draw.
+pub fn at_end() {
+    let Some(ctx) = current().filter(|c| !c.switched_off && c.frame.begun) else { return };
+    let next = ctx.drawable.window.as_ref().map(|window| frame_number::next(window.handle()));
+    if next.is_some() && settings::settings().is_some_and(|settings| settings.frames == next) {
+        // A panic at the end has nobody left to tell.
+        let _ = crate::fence::guard(|| leave(ctx));
     }
 }
 

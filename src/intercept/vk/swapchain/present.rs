@@ -2,6 +2,7 @@
 
 use crate::backend::vk::Timing;
 use crate::error::{Error, ErrorKind, Result};
+use crate::intercept::ending;
 use crate::intercept::last_frame::{self, LastFrame};
 use crate::intercept::scene::report;
 use crate::intercept::vk::state::device;
@@ -25,6 +26,11 @@ pub unsafe extern "system" fn present(queue: vk::Queue, info: *const vk::Present
     let Some(device) = device::get(queue) else { return vk::Result::ERROR_INITIALIZATION_FAILED };
     // SAFETY: the program's structure.
     let mut changed = unsafe { *info };
+    if ending::has_begun() {
+        // SAFETY: the program's own call.
+        return unsafe { (device.driver.swapchain.queue_present_khr)(queue, &changed) };
+    }
+    ending::watch(None);
     let frames = device.presented.frames.fetch_add(1, Ordering::Relaxed) + 1;
     let settings = settings::settings();
     let last = settings.is_some_and(|settings| settings.frames == Some(frames));

@@ -1,0 +1,62 @@
+//! Programs end as they would without Cupola, in whatever order the parts of the process are destroyed.
+
+use crate::compare::{compare, expect_good};
+use crate::dialects::{camera_of, shown_by_fisheye};
+use crate::harness::tests;
+use crate::programs::Run;
+use crate::reference::Fisheye;
+
+tests! {
+    programs_end_as_they_would_by_themselves,
+    programs_with_egl_end_as_they_would_by_themselves,
+    a_program_that_unloads_opengl,
+    a_picture_is_captured_though_it_is_never_swapped,
+}
+
+/// Ways to end of the program `ending`.
+const WAYS: [&str; 11] =
+    ["exit", "early", "late", "_exit", "abort", "terminate", "thread", "fork", "exec", "closed", "closed-current"];
+
+fn end_alike(way: &str, windows: &[&str]) {
+    let extra: Vec<&str> = ["--mode", way].iter().chain(windows).copied().collect();
+    // Before the first swap, and after some.
+    for frames in [1, 3] {
+        let run = Run { frames, extra: &extra, cupola_frames: frames + 1, ..Run::new("ending") };
+        let Some(plain) = run.plain() else { return };
+        for rig in ["identity-captured", "fisheye"] {
+            let Some(under) = run.under(rig) else { return };
+            let what = format!("{way} {windows:?}, {frames} frames, {rig}:\n{}", under.words());
+            assert_eq!(under.status(), plain.status(), "{what}");
+            assert!(!under.words().contains("defect"), "{what}");
+        }
+    }
+}
+
+fn programs_end_as_they_would_by_themselves() {
+    WAYS.into_iter().chain(["drawing"]).for_each(|way| end_alike(way, &[]));
+}
+
+fn programs_with_egl_end_as_they_would_by_themselves() {
+    WAYS.into_iter().for_each(|way| end_alike(way, &["--egl"]));
+}
+
+fn a_program_that_unloads_opengl() {
+    let run = Run { extra: &["--close", "1"], cupola_frames: 4, ..Run::new("cube_dlopen") };
+    let (Some(plain), Some(under)) = (run.plain(), run.under("fisheye")) else { return };
+    plain.expect_success();
+    under.expect_success();
+}
+
+/// The frame that was asked for is the one that the program ends in.
+fn a_picture_is_captured_though_it_is_never_swapped() {
+    for way in ["exit", "early", "late", "thread"] {
+        let extra = ["--mode", way];
+        let run = Run { frames: 1, extra: &extra, cupola_frames: 1, ..Run::new("ending") };
+        let Some(finished) = run.under("fisheye") else { return };
+        assert_eq!(finished.status(), 7, "{way}: {}", finished.words());
+        let picture = finished.expect_no_gl_errors().picture("capture.png");
+        let circle = Fisheye { width: 256.0, height: 256.0, aperture: 180.0, tilt: 90.0 };
+        let report = compare(&picture, shown_by_fisheye(circle, camera_of(&run)));
+        expect_good(&report, &picture, &format!("ending {way}"));
+    }
+}
